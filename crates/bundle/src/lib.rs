@@ -1,0 +1,3 @@
+//! The bundle.
+mod error;
+pub use error::Error;

@@ -1,0 +1,1 @@
+//! Makes a mesh an oriented manifold.
