@@ -4,12 +4,22 @@
 //! oriented manifold, [`component`] tells pieces from accessories, and so on down to the bundle.
 
 pub mod component;
+mod border;
+mod cut;
+mod decimate;
+mod disk;
 pub mod error;
+mod graph;
+mod grow;
 pub mod halfedge;
 pub mod import;
+mod layout;
 pub mod mesh;
+pub mod parameterize;
 pub mod record;
 pub mod repair;
+pub mod piece;
+mod resample;
 pub mod surface;
 mod vec3;
 

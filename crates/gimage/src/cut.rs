@@ -1,0 +1,286 @@
+//! A component -> a set of edges that, cut open, leaves a topological disk.
+//!
+//! Boundary loops are joined by shortest edge paths, handles and cross-caps are opened with a tree-cotree
+//! decomposition (Eppstein 2003; shortest loops as in Erickson, Whittlesey 2005), closed surfaces start from a path
+//! between two far points, and extra terminals are reached by shortest paths (Gu, Gortler, Hoppe 2002). Orientability
+//! is not needed: what is counted is homology over Z/2.
+
+use crate::graph::{EdgeGraph, Paths};
+use crate::halfedge;
+use crate::surface::Surface;
+
+/// The surface as the cutter sees it: made once, cut many times.
+pub(crate) struct Cutter<'a> {
+    pub(crate) surface: &'a Surface,
+    pub(crate) graph: EdgeGraph,
+    /// The loops of boundary vertices, longest first.
+    loops: Vec<Vec<u32>>,
+    euler: i64,
+}
+
+/// Edges to cut along.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Cut {
+    /// For each edge of the graph, whether it is cut.
+    pub edges: Vec<bool>,
+}
+
+impl Cut {
+    /// Summed length of the cut edges \[m\].
+    pub(crate) fn length(&self, graph: &EdgeGraph) -> f64 {
+        self.edges.iter().zip(&graph.length).filter(|(c, _)| **c).map(|(_, l)| l).sum()
+    }
+}
+
+/// The growing cut: its edges and every vertex on it or on the boundary.
+struct Growing<'a> {
+    graph: &'a EdgeGraph,
+    edges: Vec<bool>,
+    tree: Vec<bool>,
+}
+
+impl Growing<'_> {
+    fn add(&mut self, paths: &Paths, end: u32) {
+        for (v, e) in paths.back(end) {
+            self.tree[v as usize] = true;
+            if e != crate::graph::NONE && !self.graph.is_boundary(e as usize) {
+                self.edges[e as usize] = true;
+            }
+        }
+    }
+
+    fn members(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.tree.len() as u32).filter(|&v| self.tree[v as usize])
+    }
+}
+
+impl<'a> Cutter<'a> {
+    /// Prepares a connected surface. `None` if it is not edge-manifold with one fan a vertex.
+    pub(crate) fn new(surface: &'a Surface) -> Option<Self> {
+        let twin = halfedge::twins(&surface.triangles).ok()?;
+        let mut loops = halfedge::boundary_loops(&surface.triangles, &twin)?;
+        let length = |l: &Vec<u32>| -> f64 {
+            (0..l.len())
+                .map(|i| {
+                    let (a, b) = (l[i] as usize, l[(i + 1) % l.len()] as usize);
+                    crate::vec3::distance(surface.positions[a], surface.positions[b])
+                })
+                .sum()
+        };
+        let mut keyed: Vec<_> = loops.drain(..).map(|l| (length(&l), l)).collect();
+        keyed.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+        let graph = EdgeGraph::new(&surface.positions, &surface.triangles);
+        let used = surface.positions.len() as i64;
+        let euler = used - graph.ends.len() as i64 + surface.triangles.len() as i64;
+        Some(Self { surface, graph, loops: keyed.into_iter().map(|x| x.1).collect(), euler })
+    }
+
+    /// Boundary loops, longest first.
+    pub(crate) fn loops(&self) -> &[Vec<u32>] {
+        &self.loops
+    }
+
+    /// Vertices - edges + triangles.
+    pub(crate) fn euler(&self) -> i64 {
+        self.euler
+    }
+
+    /// Independent handles (twice the genus) or cross-caps that a cut has to open.
+    pub(crate) fn handles(&self) -> usize {
+        (2 - self.euler - self.loops.len() as i64).max(0) as usize
+    }
+
+    /// Cuts to a disk along cheap edges; `cost` is one positive number an edge. `terminals` are vertices that the cut
+    /// must reach. O(L n log n) for L loops and terminals.
+    pub(crate) fn cut(&self, cost: &[f64], terminals: &[u32]) -> Cut {
+        let graph = &self.graph;
+        let n = graph.vertices();
+        let mut grow = Growing { graph, edges: vec![false; graph.ends.len()], tree: vec![false; n] };
+        let mut keep = vec![false; n];
+        if self.loops.is_empty() {
+            if self.handles() == 0 {
+                let (a, b) = self.far_pair(cost);
+                (keep[a as usize], keep[b as usize]) = (true, true);
+                let paths = Paths::new(graph, cost, [a], |v| v == b);
+                grow.add(&paths, b);
+            } else {
+                grow = self.best_rooted(cost);
+            }
+        } else {
+            self.join_loops(cost, &mut grow);
+            if self.handles() > 0 {
+                self.open_handles(cost, &mut grow);
+            }
+        }
+        for &t in terminals {
+            keep[t as usize] = true;
+            if !grow.tree[t as usize] {
+                // From the terminal outwards: it is near the tree more often than not.
+                let paths = Paths::new(graph, cost, [t], |v| grow.tree[v as usize]);
+                if let Some(hit) = paths.hit {
+                    grow.add(&paths, hit);
+                }
+            }
+        }
+        prune(graph, &mut grow.edges, &keep);
+        Cut { edges: grow.edges }
+    }
+
+    /// Two vertices far apart, by a double sweep from the one nearest to the middle.
+    fn far_pair(&self, cost: &[f64]) -> (u32, u32) {
+        let p = &self.surface.positions;
+        let n = p.len().max(1) as f64;
+        let middle = p.iter().fold([0.0; 3], |m, q| crate::vec3::add(m, crate::vec3::scale(*q, 1.0 / n)));
+        let mut a = (0..p.len() as u32)
+            .min_by(|&i, &j| {
+                let d = |v: u32| crate::vec3::distance(p[v as usize], middle);
+                d(i).total_cmp(&d(j)).then(i.cmp(&j))
+            })
+            .unwrap_or(0);
+        let mut b = a;
+        for _ in 0..3 {
+            let far = Paths::new(&self.graph, cost, [b], |_| false).farthest().unwrap_or(b);
+            (a, b) = (b, far);
+        }
+        (a, b)
+    }
+
+    /// Joins all boundary loops into one tree, nearest first (Prim), from the longest.
+    fn join_loops(&self, cost: &[f64], grow: &mut Growing<'_>) {
+        let mut loop_of = vec![u32::MAX; self.graph.vertices()];
+        for (k, l) in self.loops.iter().enumerate() {
+            l.iter().for_each(|&v| loop_of[v as usize] = k as u32);
+        }
+        let mut done = vec![false; self.loops.len()];
+        let mut take = 0usize;
+        loop {
+            done[take] = true;
+            self.loops[take].iter().for_each(|&v| grow.tree[v as usize] = true);
+            if done.iter().all(|&d| d) {
+                return;
+            }
+            let open = |v: u32| loop_of[v as usize] != u32::MAX && !done[loop_of[v as usize] as usize];
+            let sources: Vec<u32> = grow.members().collect();
+            let paths = Paths::new(&self.graph, cost, sources, open);
+            let Some(hit) = paths.hit else { return };
+            grow.add(&paths, hit);
+            take = loop_of[hit as usize] as usize;
+        }
+    }
+
+    /// Opens handles and cross-caps: the edges in neither a primal shortest-path tree nor a dual spanning tree, each
+    /// with its two paths back to the tree.
+    fn open_handles(&self, cost: &[f64], grow: &mut Growing<'_>) {
+        let graph = &self.graph;
+        let sources: Vec<u32> = grow.members().collect();
+        let paths = Paths::new(graph, cost, sources, |_| false);
+        let mut primal = grow.edges.clone();
+        for (e, p) in primal.iter_mut().enumerate() {
+            *p |= graph.is_boundary(e);
+        }
+        for &(p, e) in &paths.via {
+            if p != crate::graph::NONE {
+                primal[e as usize] = true;
+            }
+        }
+        // The dual tree takes the edges that would close the longest loops, so that short loops are left over.
+        let mut order: Vec<(f64, u32)> = (0..graph.ends.len())
+            .filter(|&e| !primal[e])
+            .map(|e| {
+                let [a, b] = graph.ends[e].map(|v| paths.distance[v as usize]);
+                (a + b + cost[e], e as u32)
+            })
+            .collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut parent: Vec<u32> = (0..self.surface.triangles.len() as u32).collect();
+        fn find(parent: &mut [u32], mut x: u32) -> u32 {
+            while parent[x as usize] != x {
+                parent[x as usize] = parent[parent[x as usize] as usize];
+                x = parent[x as usize];
+            }
+            x
+        }
+        let mut left = Vec::new();
+        for (_, e) in order {
+            let [a, b] = graph.halves[e as usize].map(|h| h / 3);
+            let (x, y) = (find(&mut parent, a), find(&mut parent, b));
+            if x == y {
+                left.push(e);
+            } else {
+                parent[x as usize] = y;
+            }
+        }
+        for e in left {
+            grow.edges[e as usize] = true;
+            for v in graph.ends[e as usize] {
+                grow.add(&paths, v);
+            }
+        }
+    }
+
+    /// A closed surface with handles: the shortest system of loops over a few spread-out roots.
+    fn best_rooted(&self, cost: &[f64]) -> Growing<'_> {
+        const ROOTS: usize = 8;
+        let n = self.graph.vertices();
+        let mut roots = vec![self.far_pair(cost).0];
+        while roots.len() < ROOTS.min(n) {
+            let paths = Paths::new(&self.graph, cost, roots.iter().copied(), |_| false);
+            match paths.farthest() {
+                Some(v) if !roots.contains(&v) => roots.push(v),
+                _ => break,
+            }
+        }
+        let mut best: Option<(f64, Growing<'_>)> = None;
+        for r in roots {
+            let mut grow =
+                Growing { graph: &self.graph, edges: vec![false; self.graph.ends.len()], tree: vec![false; n] };
+            grow.tree[r as usize] = true;
+            self.open_handles(cost, &mut grow);
+            prune(&self.graph, &mut grow.edges, &vec![false; n]);
+            let total: f64 = grow.edges.iter().zip(cost).filter(|(c, _)| **c).map(|(_, l)| l).sum();
+            if best.as_ref().is_none_or(|b| total < b.0) {
+                best = Some((total, grow));
+            }
+        }
+        let mut grow = best.map(|b| b.1).unwrap_or_else(|| Growing {
+            graph: &self.graph,
+            edges: vec![false; self.graph.ends.len()],
+            tree: vec![false; n],
+        });
+        grow.tree.iter_mut().for_each(|t| *t = false);
+        for (e, _) in grow.edges.iter().enumerate().filter(|(_, c)| **c) {
+            self.graph.ends[e].iter().for_each(|&v| grow.tree[v as usize] = true);
+        }
+        grow
+    }
+}
+
+/// Takes away dead ends of the cut that lead to no boundary and no vertex to keep.
+fn prune(graph: &EdgeGraph, edges: &mut [bool], keep: &[bool]) {
+    let mut degree = vec![0u32; graph.vertices()];
+    let mut boundary = vec![false; graph.vertices()];
+    for e in 0..edges.len() {
+        if graph.is_boundary(e) {
+            graph.ends[e].iter().for_each(|&v| boundary[v as usize] = true);
+        } else if edges[e] {
+            graph.ends[e].iter().for_each(|&v| degree[v as usize] += 1);
+        }
+    }
+    let dead = |v: u32, degree: &[u32]| degree[v as usize] == 1 && !boundary[v as usize] && !keep[v as usize];
+    let mut stack: Vec<u32> = (0..graph.vertices() as u32).filter(|&v| dead(v, &degree)).collect();
+    while let Some(v) = stack.pop() {
+        if !dead(v, &degree) {
+            continue;
+        }
+        for &(w, e) in graph.neighbours(v) {
+            if edges[e as usize] {
+                edges[e as usize] = false;
+                degree[v as usize] -= 1;
+                degree[w as usize] -= 1;
+                if dead(w, &degree) {
+                    stack.push(w);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! A coarse stand-in for a surface, whose vertices are vertices of the original.
+//!
+//! Half-edge collapses in the order of the quadric error (Garland, Heckbert 1997) plus a length term that keeps flat
+//! parts evenly triangulated. Only proxies for searches are made this way, never output.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::vec3::{cross, dot, norm, scale, sub};
+
+/// A coarse mesh.
+pub(crate) struct Coarse {
+    /// For each coarse vertex, the original vertex it is.
+    pub vertex: Vec<u32>,
+    /// Triangles over the coarse vertices.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Quadric([f64; 10]);
+
+impl Quadric {
+    fn plane(n: [f64; 3], d: f64, w: f64) -> Self {
+        let [a, b, c] = n;
+        Self([a * a, a * b, a * c, a * d, b * b, b * c, b * d, c * c, c * d, d * d].map(|x| x * w))
+    }
+
+    fn add(&mut self, o: &Self) {
+        self.0.iter_mut().zip(o.0).for_each(|(a, b)| *a += b);
+    }
+
+    fn at(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let q = &self.0;
+        q[0] * x * x
+            + 2.0 * (q[1] * x * y + q[2] * x * z + q[3] * x)
+            + q[4] * y * y
+            + 2.0 * (q[5] * y * z + q[6] * y)
+            + q[7] * z * z
+            + 2.0 * q[8] * z
+            + q[9]
+    }
+}
+
+struct Collapser<'a> {
+    positions: &'a [[f64; 3]],
+    triangles: Vec<[u32; 3]>,
+    alive: Vec<bool>,
+    around: Vec<Vec<u32>>,
+    boundary: Vec<bool>,
+    locked: Vec<bool>,
+    quadric: Vec<Quadric>,
+    area: Vec<f64>,
+    version: Vec<u32>,
+    centre: [f64; 3],
+}
+
+impl Collapser<'_> {
+    fn neighbours(&self, v: u32) -> Vec<u32> {
+        let mut out: Vec<u32> = self.around[v as usize]
+            .iter()
+            .flat_map(|&t| self.triangles[t as usize])
+            .filter(|&w| w != v)
+            .collect();
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
+
+    fn shared(&self, u: u32, v: u32) -> usize {
+        self.around[u as usize].iter().filter(|&&t| self.triangles[t as usize].contains(&v)).count()
+    }
+
+    /// The cheapest vertex to collapse `u` into.
+    fn best(&self, u: u32) -> Option<(f64, u32)> {
+        if self.locked[u as usize] {
+            return None;
+        }
+        let mut best: Option<(f64, u32)> = None;
+        for v in self.neighbours(u) {
+            if self.boundary[u as usize] && !(self.boundary[v as usize] && self.shared(u, v) == 1) {
+                continue;
+            }
+            let p = sub(self.positions[v as usize], self.centre);
+            let l2 = {
+                let d = sub(self.positions[v as usize], self.positions[u as usize]);
+                dot(d, d)
+            };
+            let cost = self.quadric[u as usize].at(p).max(0.0) + 1e-2 * l2 * self.area[u as usize];
+            if best.is_none_or(|b| cost < b.0) && self.allowed(u, v) {
+                best = Some((cost, v));
+            }
+        }
+        best
+    }
+
+    /// The link condition, and no triangle turns over.
+    fn allowed(&self, u: u32, v: u32) -> bool {
+        let (a, b) = (self.neighbours(u), self.neighbours(v));
+        let common = a.iter().filter(|x| b.binary_search(x).is_ok()).count();
+        let shared = self.shared(u, v);
+        if common != shared || (self.boundary[u as usize] && self.boundary[v as usize] && shared != 1) {
+            return false;
+        }
+        // Keep at least a tetrahedron or a triangle fan.
+        if self.around[u as usize].len() <= shared && self.around[v as usize].len() <= shared {
+            return false;
+        }
+        self.around[u as usize].iter().all(|&t| {
+            let tri = self.triangles[t as usize];
+            if tri.contains(&v) {
+                return true;
+            }
+            let normal = |tri: [u32; 3]| {
+                let [p, q, r] = tri.map(|x| self.positions[x as usize]);
+                cross(sub(q, p), sub(r, p))
+            };
+            let (n, m) = (normal(tri), normal(tri.map(|x| if x == u { v } else { x })));
+            dot(n, m) > 0.1 * norm(n) * norm(m)
+        })
+    }
+
+    fn collapse(&mut self, u: u32, v: u32) -> usize {
+        let fans = std::mem::take(&mut self.around[u as usize]);
+        let mut gone = 0;
+        for t in fans {
+            let tri = self.triangles[t as usize];
+            if tri.contains(&v) {
+                self.alive[t as usize] = false;
+                gone += 1;
+                for w in tri {
+                    self.around[w as usize].retain(|&x| x != t);
+                }
+            } else {
+                self.triangles[t as usize] = tri.map(|x| if x == u { v } else { x });
+                self.around[v as usize].push(t);
+            }
+        }
+        let q = self.quadric[u as usize];
+        self.quadric[v as usize].add(&q);
+        self.area[v as usize] += self.area[u as usize];
+        gone
+    }
+}
+
+/// Simplifies an edge-manifold mesh to about `target` triangles. `locked` vertices stay. O(n log n).
+pub(crate) fn decimate(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    boundary: &[bool],
+    locked: &[bool],
+    target: usize,
+) -> Coarse {
+    let n = positions.len();
+    let mut around = vec![Vec::new(); n];
+    for (t, tri) in triangles.iter().enumerate() {
+        tri.iter().for_each(|&v| around[v as usize].push(t as u32));
+    }
+    let centre = positions.first().copied().unwrap_or_default();
+    let mut c = Collapser {
+        positions,
+        triangles: triangles.to_vec(),
+        alive: vec![true; triangles.len()],
+        around,
+        boundary: boundary.to_vec(),
+        locked: locked.to_vec(),
+        quadric: vec![Quadric::default(); n],
+        area: vec![0.0; n],
+        version: vec![0; n],
+        centre,
+    };
+    for tri in triangles {
+        let [p, q, r] = tri.map(|v| sub(positions[v as usize], centre));
+        let m = cross(sub(q, p), sub(r, p));
+        let area = norm(m);
+        if area > 0.0 {
+            let unit = scale(m, 1.0 / area);
+            let quadric = Quadric::plane(unit, -dot(unit, p), area);
+            for &v in tri {
+                c.quadric[v as usize].add(&quadric);
+                c.area[v as usize] += area;
+            }
+        }
+    }
+    let mut heap: BinaryHeap<Reverse<(u64, u32, u32, u32)>> = BinaryHeap::with_capacity(n);
+    let push = |heap: &mut BinaryHeap<_>, c: &Collapser<'_>, u: u32| {
+        if let Some((cost, v)) = c.best(u) {
+            heap.push(Reverse((cost.to_bits(), u, v, c.version[u as usize])));
+        }
+    };
+    (0..n as u32).for_each(|u| push(&mut heap, &c, u));
+    let mut left = triangles.len();
+    while left > target {
+        let Some(Reverse((_, u, v, version))) = heap.pop() else { break };
+        if version != c.version[u as usize] || c.around[u as usize].is_empty() || c.around[v as usize].is_empty() {
+            continue;
+        }
+        if !c.allowed(u, v) || (c.boundary[u as usize] && c.shared(u, v) != 1) {
+            continue;
+        }
+        let ring = c.neighbours(u);
+        left -= c.collapse(u, v);
+        c.version[u as usize] += 1;
+        for w in ring {
+            c.version[w as usize] += 1;
+            push(&mut heap, &c, w);
+        }
+    }
+    let mut index = vec![u32::MAX; n];
+    let mut coarse = Coarse { vertex: Vec::new(), triangles: Vec::with_capacity(left) };
+    for (tri, _) in c.triangles.iter().zip(&c.alive).filter(|(_, a)| **a) {
+        let t = tri.map(|v| {
+            if index[v as usize] == u32::MAX {
+                index[v as usize] = coarse.vertex.len() as u32;
+                coarse.vertex.push(v);
+            }
+            index[v as usize]
+        });
+        coarse.triangles.push(t);
+    }
+    coarse
+}

@@ -1,0 +1,261 @@
+//! A cut surface as a topological disk: vertices split along the cut, triangles turned one way, one boundary loop.
+
+use crate::cut::{Cut, Cutter};
+use crate::halfedge::{self, BOUNDARY, next, origin, target};
+use crate::vec3::lerp;
+
+/// A vertex that is no vertex of the surface.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// A triangulated disk that remembers the surface it was cut from.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Disk {
+    /// Vertex positions \[m\].
+    pub positions: Vec<[f64; 3]>,
+    /// Counter-clockwise triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// The surface vertex each vertex is a copy of, or [`NONE`] for one made by splitting an edge.
+    pub origin: Vec<u32>,
+    /// For each triangle, the surface triangle it lies in.
+    pub face: Vec<u32>,
+    /// Barycentric coordinates of its corners in that triangle.
+    pub corners: Vec<[[f64; 3]; 3]>,
+    /// The boundary loop, counter-clockwise.
+    pub boundary: Vec<u32>,
+    /// For each boundary edge (from `boundary[i]` to the next), whether it lies on the cut.
+    pub on_cut: Vec<bool>,
+}
+
+const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Why a cut did not give a disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NotADisk {
+    /// Vertices - edges + triangles of what came out.
+    pub euler: i64,
+    /// Its boundary loops.
+    pub loops: usize,
+}
+
+/// Splits the surface along the cut.
+pub(crate) fn open(cutter: &Cutter<'_>, cut: &Cut) -> Result<Disk, NotADisk> {
+    let (surface, graph) = (cutter.surface, &cutter.graph);
+    let mut triangles = surface.triangles.clone();
+    let mut corners = vec![IDENTITY; triangles.len()];
+    let uncut = |h: u32| {
+        let e = graph.of_half[h as usize] as usize;
+        let [a, b] = graph.halves[e];
+        if cut.edges[e] || b == BOUNDARY { BOUNDARY } else { a ^ b ^ h }
+    };
+    // Turn all triangles one way across uncut edges; a non-orientable surface is orientable once cut.
+    let mut turned = vec![None; triangles.len()];
+    turned[0] = Some(false);
+    let mut queue = vec![0u32];
+    while let Some(t) = queue.pop() {
+        for h in 3 * t..3 * t + 3 {
+            let w = uncut(h);
+            if w != BOUNDARY && turned[w as usize / 3].is_none() {
+                let opposite = origin(&surface.triangles, h) == target(&surface.triangles, w);
+                turned[w as usize / 3] = Some(turned[t as usize].unwrap_or(false) != !opposite);
+                queue.push(w / 3);
+            }
+        }
+    }
+    // Corners that stay together, as sets.
+    let mut set: Vec<u32> = (0..3 * triangles.len() as u32).collect();
+    fn find(set: &mut [u32], mut x: u32) -> u32 {
+        while set[x as usize] != x {
+            set[x as usize] = set[set[x as usize] as usize];
+            x = set[x as usize];
+        }
+        x
+    }
+    for h in 0..set.len() as u32 {
+        let w = uncut(h);
+        if w == BOUNDARY || w < h {
+            continue;
+        }
+        let same = origin(&surface.triangles, h) == origin(&surface.triangles, w);
+        for (a, b) in if same { [(h, w), (next(h), next(w))] } else { [(h, next(w)), (next(h), w)] } {
+            let (x, y) = (find(&mut set, a), find(&mut set, b));
+            set[x.max(y) as usize] = x.min(y);
+        }
+    }
+    let (mut vertex, mut origins) = (vec![NONE; set.len()], Vec::new());
+    for c in 0..set.len() as u32 {
+        let r = find(&mut set, c);
+        if r == c {
+            vertex[c as usize] = origins.len() as u32;
+            origins.push(surface.triangles[c as usize / 3][c as usize % 3]);
+        }
+    }
+    for (t, tri) in triangles.iter_mut().enumerate() {
+        *tri = [0, 1, 2].map(|k| vertex[find(&mut set, 3 * t as u32 + k) as usize]);
+        if turned[t] == Some(true) {
+            tri.swap(1, 2);
+            corners[t].swap(1, 2);
+        }
+    }
+    let positions = origins.iter().map(|&v| surface.positions[v as usize]).collect();
+    let face = (0..triangles.len() as u32).collect();
+    let mut disk = Disk { positions, triangles, origin: origins, face, corners, boundary: vec![], on_cut: vec![] };
+    disk.find_boundary(|disk, h| {
+        // A turned triangle's edges run in the other order.
+        let t = h as usize / 3;
+        let k = if turned[t] == Some(true) { [2, 1, 0][h as usize % 3] } else { h as usize % 3 };
+        let _ = disk;
+        let e = graph.of_half[3 * t + k] as usize;
+        !graph.is_boundary(e)
+    })?;
+    Ok(disk)
+}
+
+impl Disk {
+    /// Finds the boundary loop, counter-clockwise, and checks that this is a disk.
+    fn find_boundary(&mut self, on_cut: impl Fn(&Self, u32) -> bool) -> Result<(), NotADisk> {
+        let euler = halfedge::euler(&self.triangles);
+        let Ok(twin) = halfedge::twins(&self.triangles) else { return Err(NotADisk { euler, loops: 0 }) };
+        let loops = halfedge::boundary_loops(&self.triangles, &twin).unwrap_or_default();
+        if euler != 1 || loops.len() != 1 {
+            return Err(NotADisk { euler, loops: loops.len() });
+        }
+        let mut leaving = vec![NONE; self.positions.len()];
+        for h in (0..twin.len() as u32).filter(|&h| twin[h as usize] == BOUNDARY) {
+            leaving[origin(&self.triangles, h) as usize] = h;
+        }
+        let start = loops[0][0];
+        let (mut boundary, mut cut, mut v) = (Vec::new(), Vec::new(), start);
+        loop {
+            let h = leaving[v as usize];
+            if h == NONE || boundary.len() > loops[0].len() {
+                return Err(NotADisk { euler, loops: 1 });
+            }
+            boundary.push(v);
+            cut.push(on_cut(self, h));
+            v = target(&self.triangles, h);
+            if v == start {
+                break;
+            }
+        }
+        (self.boundary, self.on_cut) = (boundary, cut);
+        Ok(())
+    }
+
+    /// Adds a vertex on the edge of half-edges `halves` (all on one undirected edge), at `t` from `a` to `b`, splitting
+    /// their triangles. Half-edges of other triangles stay valid.
+    fn split_edge(&mut self, a: u32, b: u32, t: f64, faces: &[u32]) -> u32 {
+        let new = self.positions.len() as u32;
+        self.positions.push(lerp(self.positions[a as usize], self.positions[b as usize], t));
+        self.origin.push(NONE);
+        for &f in faces {
+            let f = f as usize;
+            let tri = self.triangles[f];
+            let Some(k) = (0..3).find(|&k| {
+                let e = [tri[k], tri[(k + 1) % 3]];
+                e == [a, b] || e == [b, a]
+            }) else {
+                continue;
+            };
+            let (i, j) = (k, (k + 1) % 3);
+            let s = if tri[i] == a { t } else { 1.0 - t };
+            let middle = lerp(self.corners[f][i], self.corners[f][j], s);
+            let (mut first, mut second) = (tri, tri);
+            let (mut first_corners, mut second_corners) = (self.corners[f], self.corners[f]);
+            first[j] = new;
+            first_corners[j] = middle;
+            second[i] = new;
+            second_corners[i] = middle;
+            self.triangles[f] = first;
+            self.corners[f] = first_corners;
+            self.triangles.push(second);
+            self.corners.push(second_corners);
+            self.face.push(self.face[f]);
+        }
+        new
+    }
+
+    /// Splits boundary edges: `at` lists (index in `boundary`, fraction along that edge), the fractions in (0, 1).
+    /// Returns nothing; `boundary` and `on_cut` gain the new vertices in order.
+    pub(crate) fn split_boundary(&mut self, at: &[(usize, f64)]) {
+        if at.is_empty() {
+            return;
+        }
+        let mut at = at.to_vec();
+        at.sort_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
+        let mut face_of = std::collections::HashMap::new();
+        let n = self.boundary.len();
+        for (i, _) in &at {
+            face_of.insert([self.boundary[*i], self.boundary[(i + 1) % n]], NONE);
+        }
+        for (f, t) in self.triangles.iter().enumerate() {
+            for k in 0..3 {
+                if let Some(x) = face_of.get_mut(&[t[k], t[(k + 1) % 3]]) {
+                    *x = f as u32;
+                }
+            }
+        }
+        let (mut boundary, mut on_cut, mut next_at) = (Vec::with_capacity(n + at.len()), Vec::new(), 0);
+        for i in 0..n {
+            let (a, b) = (self.boundary[i], self.boundary[(i + 1) % n]);
+            boundary.push(a);
+            on_cut.push(self.on_cut[i]);
+            let (mut from, mut low) = (a, 0.0);
+            let mut face = face_of.get(&[a, b]).copied().unwrap_or(NONE);
+            while next_at < at.len() && at[next_at].0 == i {
+                let s = at[next_at].1;
+                let new = self.split_edge(from, b, ((s - low) / (1.0 - low)).clamp(1e-12, 1.0 - 1e-12), &[face]);
+                // The part that still holds (new, b) is the triangle just appended.
+                face = self.triangles.len() as u32 - 1;
+                boundary.push(new);
+                on_cut.push(self.on_cut[i]);
+                (from, low) = (new, s);
+                next_at += 1;
+            }
+        }
+        (self.boundary, self.on_cut) = (boundary, on_cut);
+    }
+
+    /// Splits at their middle all inner edges that join two boundary vertices: on a straight side of the rectangle such
+    /// an edge would flatten the triangles behind it. Returns how many.
+    pub(crate) fn split_chords(&mut self) -> usize {
+        let mut on_boundary = vec![false; self.positions.len()];
+        self.boundary.iter().for_each(|&v| on_boundary[v as usize] = true);
+        let mut chords = Vec::new();
+        for run in halfedge::sorted_edges(&self.triangles).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+            if let [x, y] = run
+                && on_boundary[x.0 as usize]
+                && on_boundary[x.1 as usize]
+            {
+                chords.push((x.0, x.1, [x.2 / 3, y.2 / 3]));
+            }
+        }
+        let many = chords.len();
+        // A split changes its two triangles, and another chord may be in the parts split off: follow the parts.
+        let mut parts: std::collections::HashMap<u32, Vec<u32>> = std::collections::HashMap::new();
+        for (a, b, faces) in chords {
+            let mut holders = Vec::with_capacity(2);
+            for f in faces {
+                let family = parts.get(&f).cloned().unwrap_or_else(|| vec![f]);
+                holders.extend(family.into_iter().filter(|&g| {
+                    let t = self.triangles[g as usize];
+                    t.contains(&a) && t.contains(&b)
+                }));
+            }
+            let before = self.triangles.len() as u32;
+            self.split_edge(a, b, 0.5, &holders);
+            for (k, &g) in holders.iter().enumerate() {
+                let root = faces[k.min(1)];
+                parts.entry(root).or_insert_with(|| vec![root]).push(before + k as u32);
+                let _ = g;
+            }
+        }
+        many
+    }
+
+    /// Which vertices lie on the boundary.
+    pub(crate) fn boundary_mask(&self) -> Vec<bool> {
+        let mut mask = vec![false; self.positions.len()];
+        self.boundary.iter().for_each(|&v| mask[v as usize] = true);
+        mask
+    }
+}

@@ -1,0 +1,141 @@
+//! The edges of a surface as a weighted graph, and shortest paths on it.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::halfedge::{BOUNDARY, sorted_edges};
+use crate::vec3::distance;
+
+/// Edges, their half-edges and the neighbours of each vertex.
+#[derive(Clone, Debug)]
+pub(crate) struct EdgeGraph {
+    /// Both ends of each edge, smaller first; sorted.
+    pub ends: Vec<[u32; 2]>,
+    /// The one or two half-edges of each edge.
+    pub halves: Vec<[u32; 2]>,
+    /// Length of each edge \[m\].
+    pub length: Vec<f64>,
+    /// Edge of each half-edge.
+    pub of_half: Vec<u32>,
+    first: Vec<u32>,
+    around: Vec<(u32, u32)>,
+}
+
+impl EdgeGraph {
+    /// Builds the graph of an edge-manifold mesh. O(n log n).
+    pub(crate) fn new(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
+        let (mut ends, mut halves) = (Vec::new(), Vec::new());
+        let mut of_half = vec![0u32; 3 * triangles.len()];
+        for run in sorted_edges(triangles).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+            run.iter().for_each(|x| of_half[x.2 as usize] = ends.len() as u32);
+            ends.push([run[0].0, run[0].1]);
+            halves.push([run[0].2, run.get(1).map_or(BOUNDARY, |x| x.2)]);
+        }
+        let length = ends.iter().map(|e| distance(positions[e[0] as usize], positions[e[1] as usize])).collect();
+        let mut first = vec![0u32; positions.len() + 1];
+        ends.iter().flatten().for_each(|&v| first[v as usize + 1] += 1);
+        (0..positions.len()).for_each(|v| first[v + 1] += first[v]);
+        let mut next = first.clone();
+        let mut around = vec![(0, 0); 2 * ends.len()];
+        for (e, &[a, b]) in ends.iter().enumerate() {
+            for (x, y) in [(a, b), (b, a)] {
+                around[next[x as usize] as usize] = (y, e as u32);
+                next[x as usize] += 1;
+            }
+        }
+        Self { ends, halves, length, of_half, first, around }
+    }
+
+    /// Neighbours of `v` as (vertex, edge).
+    pub(crate) fn neighbours(&self, v: u32) -> &[(u32, u32)] {
+        &self.around[self.first[v as usize] as usize..self.first[v as usize + 1] as usize]
+    }
+
+    /// Whether edge `e` has one triangle only.
+    pub(crate) fn is_boundary(&self, e: usize) -> bool {
+        self.halves[e][1] == BOUNDARY
+    }
+
+    /// Number of vertices.
+    pub(crate) fn vertices(&self) -> usize {
+        self.first.len() - 1
+    }
+}
+
+/// No vertex, no edge.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// Distances from a set of vertices, with the edge each vertex was reached by.
+pub(crate) struct Paths {
+    /// Cost of the cheapest path, infinite if not reached.
+    pub distance: Vec<f64>,
+    /// (previous vertex, edge) on that path, [`NONE`] at the sources.
+    pub via: Vec<(u32, u32)>,
+    /// The first target settled, if targets were given and one was reached.
+    pub hit: Option<u32>,
+}
+
+impl Paths {
+    /// Dijkstra from all `sources`, stopping at the first vertex for which `target` holds. Ties go to the smaller
+    /// vertex, so the answer does not depend on anything but the graph.
+    pub(crate) fn new(
+        graph: &EdgeGraph,
+        cost: &[f64],
+        sources: impl IntoIterator<Item = u32>,
+        target: impl Fn(u32) -> bool,
+    ) -> Self {
+        let n = graph.vertices();
+        let mut paths = Self { distance: vec![f64::INFINITY; n], via: vec![(NONE, NONE); n], hit: None };
+        let mut heap = BinaryHeap::new();
+        for s in sources {
+            if paths.distance[s as usize] > 0.0 {
+                paths.distance[s as usize] = 0.0;
+                heap.push(Reverse((0u64, s)));
+            }
+        }
+        while let Some(Reverse((bits, v))) = heap.pop() {
+            // Bits of non-negative floats sort as the floats do.
+            let d = f64::from_bits(bits);
+            if d > paths.distance[v as usize] {
+                continue;
+            }
+            if target(v) {
+                paths.hit = Some(v);
+                return paths;
+            }
+            for &(w, e) in graph.neighbours(v) {
+                let new = d + cost[e as usize];
+                if new < paths.distance[w as usize] {
+                    paths.distance[w as usize] = new;
+                    paths.via[w as usize] = (v, e);
+                    heap.push(Reverse((new.to_bits(), w)));
+                }
+            }
+        }
+        paths
+    }
+
+    /// The path back from `v` to its source, as (vertex, edge that leads back), the source last with [`NONE`].
+    pub(crate) fn back(&self, mut v: u32) -> Vec<(u32, u32)> {
+        let mut out = Vec::new();
+        loop {
+            let (p, e) = self.via[v as usize];
+            out.push((v, e));
+            if p == NONE {
+                return out;
+            }
+            v = p;
+        }
+    }
+
+    /// The reached vertex farthest from the sources.
+    pub(crate) fn farthest(&self) -> Option<u32> {
+        let mut best: Option<(f64, u32)> = None;
+        for (v, &d) in self.distance.iter().enumerate() {
+            if d.is_finite() && best.is_none_or(|b| d > b.0) {
+                best = Some((d, v as u32));
+            }
+        }
+        best.map(|b| b.1)
+    }
+}

@@ -1,0 +1,263 @@
+//! Which rectangle, and where on its border the boundary starts: searched on a coarse stand-in of the disk.
+
+use std::collections::BTreeMap;
+
+use crate::border::{Border, on_rectangle};
+use crate::decimate::decimate;
+use crate::disk::Disk;
+use crate::parameterize::{NewtonOptions, System, distortion, solve};
+
+/// How large the image of a piece may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Size {
+    /// Exactly this many texels (width, height).
+    Fixed(u32, u32),
+    /// At most about this many texels, of any shape.
+    Budget(u32),
+}
+
+/// A rectangle in cells (one less than texels) and the start of the boundary on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Layout {
+    /// Cells across.
+    pub w: u32,
+    /// Cells down.
+    pub h: u32,
+    /// Steps from (0, 0) to the start of the boundary loop; whole unless the boundary is free of cuts.
+    pub shift: f64,
+    /// Mean symmetric Dirichlet energy of the stand-in.
+    pub score: f64,
+}
+
+/// How hard to search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SearchOptions {
+    /// Triangles of the stand-in.
+    pub triangles: usize,
+    /// Starts tried at the first aspect.
+    pub shifts: usize,
+    /// Reweighting passes and Newton steps of each trial.
+    pub passes: usize,
+    /// Newton steps of each trial.
+    pub steps: usize,
+    /// Refine aspect and start around the best.
+    pub refine: bool,
+}
+
+/// Width : height ratios tried, in steps from square.
+const ASPECTS: [f64; 9] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4];
+
+/// The disk as the search sees it.
+pub(crate) struct Proxy<'a> {
+    disk: &'a Disk,
+    border: &'a Border,
+    positions: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// The disk vertex of each coarse vertex; those past its end were split in.
+    vertex: Vec<u32>,
+    /// Coarse boundary vertices with their places in the loop of the disk.
+    loop_at: Vec<(u32, usize)>,
+    system: System,
+    along: BTreeMap<u32, Option<(Vec<f64>, Vec<u32>)>>,
+    options: SearchOptions,
+    /// Trials made.
+    pub trials: usize,
+}
+
+impl<'a> Proxy<'a> {
+    /// Makes the stand-in.
+    pub(crate) fn new(disk: &'a Disk, border: &'a Border, options: SearchOptions) -> Self {
+        let mask = disk.boundary_mask();
+        let mut locked = vec![false; disk.positions.len()];
+        for (i, &v) in disk.boundary.iter().enumerate() {
+            locked[v as usize] = border.nodes.get(i).copied().unwrap_or(false);
+        }
+        let coarse = decimate(&disk.positions, &disk.triangles, &mask, &locked, options.triangles);
+        let mut place = vec![usize::MAX; disk.positions.len()];
+        disk.boundary.iter().enumerate().for_each(|(i, &v)| place[v as usize] = i);
+        let mut small = Disk {
+            positions: coarse.vertex.iter().map(|&v| disk.positions[v as usize]).collect(),
+            face: vec![0; coarse.triangles.len()],
+            corners: vec![[[0.0; 3]; 3]; coarse.triangles.len()],
+            origin: coarse.vertex.clone(),
+            triangles: coarse.triangles,
+            ..Disk::default()
+        };
+        let loop_at: Vec<(u32, usize)> = coarse
+            .vertex
+            .iter()
+            .enumerate()
+            .filter(|(_, v)| place[**v as usize] != usize::MAX)
+            .map(|(k, v)| (k as u32, place[*v as usize]))
+            .collect();
+        small.boundary = loop_at.iter().map(|x| x.0).collect();
+        small.split_chords();
+        let fixed = small.boundary_mask();
+        let system = System::new(&small.triangles, &fixed);
+        Self {
+            disk,
+            border,
+            positions: small.positions,
+            triangles: small.triangles,
+            vertex: coarse.vertex,
+            loop_at,
+            system,
+            along: BTreeMap::new(),
+            options,
+            trials: 0,
+        }
+    }
+
+    /// The map of the stand-in for a layout and its energy.
+    pub(crate) fn map(&mut self, w: u32, h: u32, shift: f64, passes: usize, steps: usize) -> Option<(Vec<[f64; 2]>, f64)> {
+        let perimeter = 2 * (w + h);
+        let (disk, border) = (self.disk, self.border);
+        let (along, dead) = self
+            .along
+            .entry(perimeter)
+            .or_insert_with(|| Some((border.along(disk, perimeter)?, border.dead_ends(perimeter))))
+            .as_ref()?;
+        let at_corner = |step: &u32| {
+            let p = (f64::from(*step) + shift).rem_euclid(f64::from(perimeter)).round() as u32 % perimeter;
+            [0, w, w + h, 2 * w + h].contains(&p)
+        };
+        if dead.iter().any(at_corner) {
+            return None;
+        }
+        let mut uv = vec![[0.0; 2]; self.positions.len()];
+        for &(k, i) in &self.loop_at {
+            uv[k as usize] = on_rectangle(along[i] + shift, w, h);
+        }
+        self.trials += 1;
+        let options = NewtonOptions { steps, tolerance: 1e-3 };
+        let record = solve(&mut self.system, &self.positions, &self.triangles, &mut uv, passes, &options)?;
+        Some((uv, record.newton.end))
+    }
+
+    /// The disk vertex that a vertex of the stand-in is.
+    pub(crate) fn original(&self, v: u32) -> Option<u32> {
+        self.vertex.get(v as usize).copied()
+    }
+
+    /// Positions and triangles of the stand-in.
+    pub(crate) fn coarse(&self) -> (&[[f64; 3]], &[[u32; 3]]) {
+        (&self.positions, &self.triangles)
+    }
+
+    fn trial(&mut self, size: Size, aspect: f64, middle: f64) -> Option<Layout> {
+        let (w, h) = cells(size, aspect, self.border.least_steps())?;
+        let perimeter = f64::from(2 * (w + h));
+        // `middle` is the part of the loop that lies at the middle of the side v = 0.
+        let mut shift = (0.5 * f64::from(w) - middle * perimeter).rem_euclid(perimeter);
+        if !self.border.is_free() {
+            shift = shift.round().rem_euclid(perimeter);
+        }
+        let (_, score) = self.map(w, h, shift, self.options.passes, self.options.steps)?;
+        score.is_finite().then_some(Layout { w, h, shift, score })
+    }
+
+    /// The best layout found. `None` if no trial gave a flip-free map.
+    pub(crate) fn search(&mut self, size: Size) -> Option<Layout> {
+        let fixed = matches!(size, Size::Fixed(..));
+        let shifts = self.options.shifts.max(1);
+        let first = 2usize;
+        let mut found: Vec<(Layout, usize, f64)> = Vec::new();
+        for k in 0..shifts {
+            // A half turn of the rectangle is the same map, so half the loop is enough; a fixed size likewise.
+            let middle = 0.5 * k as f64 / shifts as f64;
+            if let Some(l) = self.trial(size, ASPECTS[first], middle) {
+                found.push((l, first, middle));
+            }
+        }
+        found.sort_by(|a, b| a.0.score.total_cmp(&b.0.score));
+        found.truncate(if self.options.refine { 3 } else { 1 });
+        if found.is_empty() {
+            // Too coarse to be flip-free anywhere: fall back to the first start that can be laid out at all.
+            let (w, h) = cells(size, 1.0, self.border.least_steps())?;
+            return Some(Layout { w, h, shift: 0.0, score: f64::INFINITY });
+        }
+        if self.options.refine {
+            for (layout, aspect, middle) in &mut found {
+                if !fixed {
+                    for direction in [1i32, -1] {
+                        loop {
+                            let next = *aspect as i32 + direction;
+                            if next < 0 || next as usize >= ASPECTS.len() {
+                                break;
+                            }
+                            match self.trial(size, ASPECTS[next as usize], *middle) {
+                                Some(l) if l.score < layout.score => (*layout, *aspect) = (l, next as usize),
+                                _ => break,
+                            }
+                        }
+                    }
+                }
+            }
+            found.sort_by(|a, b| a.0.score.total_cmp(&b.0.score));
+            let (mut layout, aspect, mut middle) = found[0];
+            let mut step = 0.25 / shifts as f64;
+            for _ in 0..2 {
+                for m in [middle - step, middle + step] {
+                    if let Some(l) = self.trial(size, ASPECTS[aspect], m)
+                        && l.score < layout.score
+                    {
+                        (layout, middle) = (l, m);
+                    }
+                }
+                step *= 0.5;
+            }
+            return Some(layout);
+        }
+        Some(found[0].0)
+    }
+}
+
+/// Cells of an image of a size and aspect, or the smallest that holds `least` border steps.
+pub(crate) fn cells(size: Size, aspect: f64, least: u32) -> Option<(u32, u32)> {
+    match size {
+        Size::Fixed(w, h) => (w >= 3 && h >= 3 && 2 * (w + h - 2) >= least).then(|| (w - 1, h - 1)),
+        Size::Budget(texels) => {
+            let t = f64::from(texels.max(9));
+            let mut w = ((t * aspect).sqrt().floor() as u32).max(3);
+            let mut h = (texels / w).max(3);
+            while 2 * (w - 1 + h - 1) < least {
+                if f64::from(w) <= aspect * f64::from(h) { w += 1 } else { h += 1 }
+            }
+            Some((w - 1, h - 1))
+        }
+    }
+}
+
+/// The smallest image (width, height in texels), square or nearly, that holds `least` border steps.
+pub(crate) fn smallest(least: u32) -> (u32, u32) {
+    let half = least.div_ceil(2).max(4);
+    let w = half.div_ceil(2);
+    (w + 1, (half - w).max(2) + 1)
+}
+
+/// The vertex (of the original mesh) where a map of the stand-in stretches most.
+pub(crate) fn most_stretched(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    uv: &[[f64; 2]],
+    allowed: impl Fn(u32) -> bool,
+) -> Option<u32> {
+    let mut best: Option<(f64, u32)> = None;
+    for &t in triangles {
+        let p = distortion::planar(uv, t);
+        let [a, b, c] = t.map(|v| positions[v as usize]);
+        let a2 = distortion::signed_area2(p).max(1e-280);
+        let mut s = 0.0;
+        for i in 0..3 {
+            let x = (a[i] * (p[1][1] - p[2][1]) + b[i] * (p[2][1] - p[0][1]) + c[i] * (p[0][1] - p[1][1])) / a2;
+            let y = (a[i] * (p[2][0] - p[1][0]) + b[i] * (p[0][0] - p[2][0]) + c[i] * (p[1][0] - p[0][0])) / a2;
+            s += x * x + y * y;
+        }
+        if best.is_none_or(|b| s > b.0)
+            && let Some(&v) = t.iter().find(|&&v| allowed(v))
+        {
+            best = Some((s, v));
+        }
+    }
+    best.map(|b| b.1)
+}

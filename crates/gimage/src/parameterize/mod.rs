@@ -1,0 +1,63 @@
+//! A disk whose boundary lies on a rectangle -> a flip-free map of its inside.
+
+pub mod distortion;
+mod newton;
+mod sparse;
+mod start;
+mod system;
+
+pub use newton::{NewtonOptions, NewtonRecord};
+
+pub(crate) use start::StartRecord;
+pub(crate) use system::System;
+
+use distortion::{rest_shapes, signed_area2};
+
+/// What the solve did, for the report.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterizeRecord {
+    /// Reweighting passes of the start.
+    pub start_passes: usize,
+    /// The start fell back to uniform weights.
+    pub uniform_start: bool,
+    /// The minimiser's record.
+    pub newton: NewtonRecord,
+}
+
+/// Maps the free vertices of a disk. `uv` holds the places of the `fixed` (boundary) vertices, counter-clockwise around
+/// a rectangle; the rest is filled in. No triangle is flipped on success. `None` if even the start could not be made
+/// free of flips in f64.
+pub(crate) fn parameterize(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    fixed: &[bool],
+    uv: &mut Vec<[f64; 2]>,
+    passes: usize,
+    options: &NewtonOptions,
+) -> Option<ParameterizeRecord> {
+    let mut system = System::new(triangles, fixed);
+    solve(&mut system, positions, triangles, uv, passes, options)
+}
+
+/// As [`parameterize`], with a system that can be used again for other boundary places.
+pub(crate) fn solve(
+    system: &mut System,
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    uv: &mut Vec<[f64; 2]>,
+    passes: usize,
+    options: &NewtonOptions,
+) -> Option<ParameterizeRecord> {
+    let StartRecord { passes, uniform, .. } = start::start(system, positions, triangles, uv, passes)?;
+    let plane: f64 = triangles.iter().map(|&t| 0.5 * signed_area2(distortion::planar(uv, t))).sum();
+    let surface: f64 = triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|v| positions[v as usize]);
+            0.5 * crate::vec3::norm(crate::vec3::cross(crate::vec3::sub(b, a), crate::vec3::sub(c, a)))
+        })
+        .sum();
+    let rest = rest_shapes(positions, triangles, (plane / surface.max(1e-300)).sqrt());
+    let newton = newton::minimise(system, &rest, triangles, uv, options);
+    Some(ParameterizeRecord { start_passes: passes, uniform_start: uniform, newton })
+}

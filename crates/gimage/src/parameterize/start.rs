@@ -1,0 +1,125 @@
+//! A flip-free map to start from: convex combinations, reweighted by stretch.
+//!
+//! A map that puts every inner vertex at a positively weighted mean of its neighbours, with the boundary on a convex
+//! polygon, has no flips (Tutte 1963, Floater 1997). The weights are Floater's mean-value weights (2003), made symmetric
+//! so that Cholesky serves; after each solve they are divided by the stretch around the edge and solved again
+//! (Yoshizawa, Belyaev, Seidel 2004, with their vertex weights split over the edge to keep the symmetry).
+
+use super::distortion::{flips, planar, signed_area2};
+use super::system::System;
+use crate::vec3::{cross, dot, norm, sub};
+
+/// Largest number of reweighting passes.
+const PASSES: usize = 10;
+
+/// Symmetric mean-value weights in the order of `edges`; all positive.
+fn mean_value_weights(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &[[u32; 2]]) -> Vec<f64> {
+    let mut weights = vec![0.0; edges.len()];
+    for t in triangles {
+        for k in 0..3 {
+            let (a, b, c) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
+            let (u, v) = (
+                sub(positions[b as usize], positions[a as usize]),
+                sub(positions[c as usize], positions[a as usize]),
+            );
+            let (lu, lv) = (norm(u), norm(v));
+            let tangent = norm(cross(u, v)) / (lu * lv + dot(u, v)).max(1e-12 * lu * lv).max(1e-300);
+            for (x, l) in [(b, lu), (c, lv)] {
+                if let Ok(e) = edges.binary_search(&[a.min(x), a.max(x)]) {
+                    weights[e] += tangent / l.max(1e-300);
+                }
+            }
+        }
+    }
+    // Cap the spread: a zero or huge weight would lose the guarantee to rounding.
+    let mut sorted: Vec<f64> = weights.iter().copied().filter(|w| w.is_finite()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0).max(1e-300);
+    weights.iter().map(|w| if w.is_finite() { w.clamp(1e-4 * median, 1e4 * median) } else { median }).collect()
+}
+
+/// Squared L2 stretch (times the square of the global scale) of every triangle.
+fn triangle_stretch(positions: &[[f64; 3]], t: [u32; 3], uv: &[[f64; 2]]) -> f64 {
+    let [a, b, c] = t.map(|v| positions[v as usize]);
+    let p = planar(uv, t);
+    let det = signed_area2(p);
+    let det = if det.abs() < 1e-280 { 1e-280 } else { det };
+    let mut sum = 0.0;
+    for i in 0..3 {
+        let ss = (a[i] * (p[1][1] - p[2][1]) + b[i] * (p[2][1] - p[0][1]) + c[i] * (p[0][1] - p[1][1])) / det;
+        let st = (a[i] * (p[2][0] - p[1][0]) + b[i] * (p[0][0] - p[2][0]) + c[i] * (p[1][0] - p[0][0])) / det;
+        sum += ss * ss + st * st;
+    }
+    sum.min(1e200)
+}
+
+/// What the start was made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StartRecord {
+    /// Reweighting passes made.
+    pub passes: usize,
+    /// L2 stretch of the kept pass (not normalised).
+    pub stretch: f64,
+    /// Mean-value weights had flips from rounding; uniform weights were used.
+    pub uniform: bool,
+}
+
+/// Fills in the free vertices of `uv`, whose fixed ones lie on a convex polygon. Keeps the flip-free pass of least
+/// stretch. `None` if no pass was free of flips in f64.
+pub(crate) fn start(
+    system: &mut System,
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    uv: &mut [[f64; 2]],
+    passes: usize,
+) -> Option<StartRecord> {
+    let area: Vec<f64> = triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|v| positions[v as usize]);
+            0.5 * norm(cross(sub(b, a), sub(c, a)))
+        })
+        .collect();
+    let mut around = vec![1e-300; positions.len()];
+    for (t, a) in triangles.iter().zip(&area) {
+        t.iter().for_each(|&v| around[v as usize] += a);
+    }
+    let total: f64 = area.iter().sum::<f64>().max(1e-300);
+    for uniform in [false, true] {
+        let edges = system.edges.clone();
+        let mut weights =
+            if uniform { vec![1.0; edges.len()] } else { mean_value_weights(positions, triangles, &edges) };
+        let mut best: Option<(f64, Vec<[f64; 2]>)> = None;
+        let mut made = 0;
+        for pass in 0..passes.clamp(1, PASSES) {
+            if !system.solve_weighted(&weights, uv) {
+                break;
+            }
+            made = pass + 1;
+            let s2: Vec<f64> = triangles.iter().map(|&t| triangle_stretch(positions, t, uv)).collect();
+            let mean = (s2.iter().zip(&area).map(|(s, a)| s * a).sum::<f64>() / total).sqrt();
+            if flips(triangles, uv) == 0 {
+                if best.as_ref().is_none_or(|b| mean < b.0) {
+                    best = Some((mean, uv.to_vec()));
+                } else if best.as_ref().is_some_and(|b| mean > 1.02 * b.0) {
+                    break;
+                }
+            }
+            let mut vertex = vec![0.0; positions.len()];
+            for ((t, a), s) in triangles.iter().zip(&area).zip(&s2) {
+                t.iter().for_each(|&v| vertex[v as usize] += a * s);
+            }
+            let sigma: Vec<f64> = vertex.iter().zip(&around).map(|(s, a)| (s / a).sqrt().max(1e-6 * mean)).collect();
+            for (w, e) in weights.iter_mut().zip(&edges) {
+                *w /= (sigma[e[0] as usize] * sigma[e[1] as usize]).sqrt() / mean;
+            }
+            let top = weights.iter().copied().fold(0.0, f64::max);
+            weights.iter_mut().for_each(|w| *w = (*w / top).max(1e-12));
+        }
+        if let Some((stretch, kept)) = best {
+            uv.copy_from_slice(&kept);
+            return Some(StartRecord { passes: made, stretch, uniform });
+        }
+    }
+    None
+}

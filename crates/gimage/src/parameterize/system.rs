@@ -1,0 +1,241 @@
+//! The linear systems over the free vertices of a planar map: one Laplacian, one Newton system, one ordering for both.
+
+use super::sparse::Cholesky;
+use crate::halfedge::sorted_edges;
+
+/// Unknown of a fixed vertex.
+const FIXED: u32 = u32::MAX;
+
+/// Sparsity, orderings and factors for a mesh whose fixed vertices are known.
+pub(crate) struct System {
+    triangles: Vec<[u32; 3]>,
+    /// Unknown of each vertex, or [`FIXED`].
+    unknown: Vec<u32>,
+    count: usize,
+    /// Undirected edges, smaller vertex first, sorted.
+    pub(crate) edges: Vec<[u32; 2]>,
+    /// Vertex-graph pattern, lower triangle by columns with the diagonal first.
+    col_ptr: Vec<u32>,
+    row_idx: Vec<u32>,
+    laplacian: Option<Cholesky>,
+    newton: Option<Cholesky>,
+    /// For each triangle and corner pair (0,1), (1,2), (2,0): the place of its block in `row_idx`, or [`FIXED`].
+    pair_at: Vec<[u32; 3]>,
+}
+
+impl System {
+    /// O(n log n). `fixed` has an entry for each vertex.
+    pub(crate) fn new(triangles: &[[u32; 3]], fixed: &[bool]) -> Self {
+        let mut unknown = vec![FIXED; fixed.len()];
+        let mut count = 0u32;
+        let mut used = vec![false; fixed.len()];
+        triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+        for v in 0..fixed.len() {
+            if !fixed[v] && used[v] {
+                unknown[v] = count;
+                count += 1;
+            }
+        }
+        let mut edges: Vec<[u32; 2]> = sorted_edges(triangles).iter().map(|e| [e.0, e.1]).collect();
+        edges.dedup();
+        let n = count as usize;
+        // Unknowns ascend with vertices, so sorted edges give sorted columns.
+        let mut col_ptr = vec![0u32; n + 1];
+        (1..=n).for_each(|j| col_ptr[j] = 1);
+        for &[a, b] in &edges {
+            if unknown[a as usize] != FIXED && unknown[b as usize] != FIXED {
+                col_ptr[unknown[a as usize] as usize + 1] += 1;
+            }
+        }
+        (0..n).for_each(|j| col_ptr[j + 1] += col_ptr[j]);
+        let mut row_idx = Vec::with_capacity(col_ptr[n] as usize);
+        let mut at = 0;
+        for v in 0..fixed.len() as u32 {
+            let inside = unknown[v as usize] != FIXED;
+            if inside {
+                row_idx.push(unknown[v as usize]);
+            }
+            while at < edges.len() && edges[at][0] == v {
+                let b = unknown[edges[at][1] as usize];
+                if inside && b != FIXED {
+                    row_idx.push(b);
+                }
+                at += 1;
+            }
+        }
+        let find = |a: u32, b: u32| {
+            let (a, b) = (unknown[a as usize], unknown[b as usize]);
+            if a == FIXED || b == FIXED {
+                return FIXED;
+            }
+            let (j, i) = (a.min(b) as usize, a.max(b));
+            let column = &row_idx[col_ptr[j] as usize..col_ptr[j + 1] as usize];
+            column.binary_search(&i).map_or(FIXED, |k| col_ptr[j] + k as u32)
+        };
+        let pair_at = triangles.iter().map(|t| [find(t[0], t[1]), find(t[1], t[2]), find(t[2], t[0])]).collect();
+        Self {
+            triangles: triangles.to_vec(),
+            unknown,
+            count: n,
+            edges,
+            col_ptr,
+            row_idx,
+            laplacian: None,
+            newton: None,
+            pair_at,
+        }
+    }
+
+    /// How many vertices are free.
+    pub(crate) fn unknowns(&self) -> usize {
+        self.count
+    }
+
+    fn laplacian(&mut self) -> Option<&mut Cholesky> {
+        if self.laplacian.is_none() {
+            self.laplacian = Some(Cholesky::new(self.count, self.col_ptr.clone(), self.row_idx.clone(), None)?);
+        }
+        self.laplacian.as_mut()
+    }
+
+    /// Places every free vertex at the weighted mean of its neighbours: `weights` (all positive) in the order of
+    /// [`System::edges`]. `false` if the factorisation fails.
+    pub(crate) fn solve_weighted(&mut self, weights: &[f64], uv: &mut [[f64; 2]]) -> bool {
+        let n = self.count;
+        if n == 0 {
+            return true;
+        }
+        let mut values = vec![0.0; self.row_idx.len()];
+        let mut rhs = vec![0.0; 2 * n];
+        let mut next = self.col_ptr.clone();
+        (0..n).for_each(|j| next[j] += 1);
+        for (&[a, b], &w) in self.edges.iter().zip(weights) {
+            let (i, j) = (self.unknown[a as usize], self.unknown[b as usize]);
+            for (x, other, fixed) in [(i, b, j == FIXED), (j, a, i == FIXED)] {
+                if x != FIXED {
+                    values[self.col_ptr[x as usize] as usize] += w;
+                    if fixed {
+                        rhs[x as usize] += w * uv[other as usize][0];
+                        rhs[n + x as usize] += w * uv[other as usize][1];
+                    }
+                }
+            }
+            if i != FIXED && j != FIXED {
+                // Edges are sorted and unknowns ascend: this is the next entry of column i.
+                values[next[i as usize] as usize] = -w;
+                next[i as usize] += 1;
+            }
+        }
+        let Some(c) = self.laplacian() else { return false };
+        if !c.factorize(&values) {
+            return false;
+        }
+        c.solve(&mut rhs);
+        for (v, &x) in self.unknown.iter().enumerate() {
+            if x != FIXED {
+                uv[v] = [rhs[x as usize], rhs[n + x as usize]];
+            }
+        }
+        uv.iter().flatten().all(|x| x.is_finite())
+    }
+
+    /// Solves H d = -g from per-triangle gradients and Hessians. Returns the direction for every vertex and g . d.
+    pub(crate) fn newton_direction(
+        &mut self,
+        locals: &[([[f64; 2]; 3], [[[f64; 4]; 3]; 3])],
+    ) -> Option<(Vec<[f64; 2]>, f64)> {
+        let n = self.count;
+        if self.newton.is_none() {
+            self.newton = Some(self.analyse_newton()?);
+        }
+        // Column 2 j holds [jj, ...pairs], column 2 j + 1 holds [j'j', ...pairs]; see `analyse_newton`.
+        let start = |j: usize, odd: usize| {
+            let (p, k) = (self.col_ptr[j] as usize, (self.col_ptr[j + 1] - self.col_ptr[j]) as usize);
+            4 * p - j + if odd == 1 { 2 * k } else { 0 }
+        };
+        let total = 4 * self.row_idx.len() - n;
+        let mut values = vec![0.0; total];
+        let mut gradient = vec![0.0; 2 * n];
+        for ((t, pairs), (g, h)) in self.triangles.iter().zip(&self.pair_at).zip(locals) {
+            let x = t.map(|v| self.unknown[v as usize]);
+            for a in 0..3 {
+                if x[a] == FIXED {
+                    continue;
+                }
+                let j = x[a] as usize;
+                gradient[2 * j] += g[a][0];
+                gradient[2 * j + 1] += g[a][1];
+                let (even, odd) = (start(j, 0), start(j, 1));
+                values[even] += h[a][a][0];
+                values[even + 1] += h[a][a][2];
+                values[odd] += h[a][a][3];
+            }
+            for k in 0..3 {
+                if pairs[k] == FIXED {
+                    continue;
+                }
+                let (mut a, mut b) = (k, (k + 1) % 3);
+                if x[a] < x[b] {
+                    std::mem::swap(&mut a, &mut b);
+                }
+                // Rows of a (larger unknown), columns of b.
+                let j = x[b] as usize;
+                let offset = 2 * (pairs[k] - self.col_ptr[j]) as usize;
+                let block = &h[a][b];
+                let (even, odd) = (start(j, 0) + offset, start(j, 1) + offset - 1);
+                values[even] += block[0];
+                values[even + 1] += block[2];
+                values[odd] += block[1];
+                values[odd + 1] += block[3];
+            }
+        }
+        let diagonal: f64 = (0..n).map(|j| values[start(j, 0)] + values[start(j, 1)]).sum::<f64>() / (2 * n) as f64;
+        let mut shift = 1e-10 * diagonal;
+        let mut rhs: Vec<f64> = gradient.iter().map(|g| -g).collect();
+        for _ in 0..4 {
+            let mut shifted = values.clone();
+            for j in 0..n {
+                shifted[start(j, 0)] += shift;
+                shifted[start(j, 1)] += shift;
+            }
+            let c = self.newton.as_mut()?;
+            if !c.factorize(&shifted) {
+                shift *= 1e3;
+                continue;
+            }
+            c.solve(&mut rhs);
+            if rhs.iter().any(|x| !x.is_finite()) {
+                return None;
+            }
+            let slope: f64 = rhs.iter().zip(&gradient).map(|(d, g)| d * g).sum();
+            let direction = self
+                .unknown
+                .iter()
+                .map(|&x| if x == FIXED { [0.0; 2] } else { [rhs[2 * x as usize], rhs[2 * x as usize + 1]] })
+                .collect();
+            return (slope < 0.0).then_some((direction, slope));
+        }
+        None
+    }
+
+    /// The pattern of the Newton system: every entry of the vertex pattern is a 2 x 2 block, ordered as the Laplacian.
+    fn analyse_newton(&mut self) -> Option<Cholesky> {
+        let n = self.count;
+        let order: Vec<u32> = self.laplacian()?.order().iter().flat_map(|&v| [2 * v, 2 * v + 1]).collect();
+        let mut col_ptr = vec![0u32];
+        let mut row_idx = Vec::with_capacity(4 * self.row_idx.len() - n);
+        for j in 0..n {
+            let column = &self.row_idx[self.col_ptr[j] as usize..self.col_ptr[j + 1] as usize];
+            for odd in 0..2u32 {
+                for (k, &i) in column.iter().enumerate() {
+                    if !(odd == 1 && k == 0) {
+                        row_idx.push(2 * i);
+                    }
+                    row_idx.push(2 * i + 1);
+                }
+                col_ptr.push(row_idx.len() as u32);
+            }
+        }
+        Cholesky::new(2 * n, col_ptr, row_idx, Some(&order))
+    }
+}

@@ -1,0 +1,213 @@
+//! One surface -> one geometry image: cut, border, parameterise, resample.
+
+use std::collections::HashMap;
+
+use crate::border::{Border, Key};
+use crate::cut::Cutter;
+use crate::disk::{self, Disk};
+use crate::error::{Error, Result};
+use crate::grow::{GrowOptions, grow};
+use crate::layout::{self, Layout, Proxy, SearchOptions, Size};
+use crate::parameterize::distortion::{self, Distortion};
+use crate::parameterize::{NewtonOptions, ParameterizeRecord, parameterize};
+use crate::resample::{Sample, border_index, resample};
+use crate::surface::Surface;
+
+/// What the cut was and cost.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CutRecord {
+    /// Length of the cut paths \[m\].
+    pub length: f64,
+    /// Points the cut was grown to.
+    pub grown: usize,
+    /// The cut follows UV seams.
+    pub uv_seams: bool,
+}
+
+/// The image of one piece before attributes are sampled.
+pub(crate) struct PieceImage {
+    pub disk: Disk,
+    pub uv: Vec<[f64; 2]>,
+    /// Texels across and down.
+    pub width: u32,
+    pub height: u32,
+    /// Where each texel lies on the disk, row by row.
+    pub samples: Vec<Sample>,
+    /// The surface point of each texel \[m\]; bit-identical for duplicates.
+    pub points: Vec<[f64; 3]>,
+    /// For each texel the next of its duplicates, in rings, or [`disk::NONE`].
+    pub links: Vec<u32>,
+    pub distortion: Distortion,
+    pub parameterize: ParameterizeRecord,
+    pub cut: CutRecord,
+    pub trials: usize,
+}
+
+/// Options of [`image`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ImageOptions {
+    pub size: Size,
+    pub grow: Option<GrowOptions>,
+    pub search: SearchOptions,
+    pub newton: NewtonOptions,
+    pub passes: usize,
+}
+
+/// Makes the image of a connected surface. `seam[e]` marks the edges (of the surface's edge graph) to prefer, for each
+/// set of costs tried.
+pub(crate) fn image(name: &str, surface: &Surface, seam: &[Option<Vec<bool>>], options: &ImageOptions) -> Result<PieceImage> {
+    let fail = |stage: &'static str, problem: String, hint: &str| Error::Piece {
+        piece: name.to_owned(),
+        stage,
+        problem,
+        hint: hint.to_owned(),
+    };
+    let cutter = Cutter::new(surface)
+        .ok_or_else(|| fail("cut", "the surface is not a manifold".into(), "this is a fault of the repair stage"))?;
+    let mut rim = vec![false; surface.positions.len()];
+    cutter.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);
+    let (terminals, ..) = match &options.grow {
+        Some(g) => grow(surface, g),
+        None => (Vec::new(), 0.0, 0.0),
+    };
+    // The candidates: every set of edge costs, laid out on its own stand-in; the least energy wins.
+    let mut best: Option<(Layout, Disk, Border, CutRecord, usize)> = None;
+    let mut smallest = u32::MAX;
+    for prefer in seam {
+        let mut cost = cutter.graph.length.clone();
+        if let Some(prefer) = prefer {
+            cost.iter_mut().zip(prefer).filter(|(_, p)| **p).for_each(|(c, _)| *c *= SEAM_DISCOUNT);
+        }
+        let cut = cutter.cut(&cost, &terminals);
+        let mut disk = disk::open(&cutter, &cut).map_err(|e| {
+            fail("cut", format!("the cut left Euler number {} and {} loops", e.euler, e.loops), "please report it with the input")
+        })?;
+        let border = Border::new(&mut disk, |v| rim[v as usize]);
+        smallest = smallest.min(border.least_steps());
+        let mut proxy = Proxy::new(&disk, &border, options.search);
+        let Some(layout) = proxy.search(options.size) else { continue };
+        let trials = proxy.trials;
+        drop(proxy);
+        let record =
+            CutRecord { length: cut.length(&cutter.graph), grown: terminals.len(), uv_seams: prefer.is_some() };
+        if best.as_ref().is_none_or(|b| layout.score < b.0.score) {
+            best = Some((layout, disk, border, record, trials));
+        }
+    }
+    let Some((layout, disk, border, cut, trials)) = best else {
+        let (min_width, min_height) = layout::smallest(smallest);
+        let (width, height) = match options.size {
+            Size::Fixed(w, h) => (w, h),
+            Size::Budget(_) => (0, 0),
+        };
+        return Err(Error::GridTooSmall { piece: name.to_owned(), width, height, min_width, min_height });
+    };
+    let Layout { w, h, shift, .. } = layout;
+    let placed = border
+        .place(&disk, surface, w, h, shift)
+        .ok_or_else(|| fail("border", "the boundary cannot be shared out".into(), "use a larger image"))?;
+    let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
+    let fixed = disk.boundary_mask();
+    let record = parameterize(&disk.positions, &disk.triangles, &fixed, &mut uv, options.passes, &options.newton)
+        .ok_or_else(|| {
+            fail("parameterize", "no map free of flips was found".into(), "repair or remesh the slivers of this piece")
+        })?;
+    let samples = resample(&disk, &uv, &texels, w, h)
+        .ok_or_else(|| fail("resample", "a texel fell outside the map".into(), "please report it with the input"))?;
+    let mut points: Vec<[f64; 3]> = samples.iter().map(|s| s.position(&disk)).collect();
+    let mut rings: HashMap<Key, Vec<u32>> = HashMap::new();
+    for (p, t) in texels.iter().enumerate() {
+        let at = border_index(p as u32, w, h);
+        points[at] = t.position;
+        rings.entry(t.key).or_default().push(at as u32);
+    }
+    let mut links = vec![disk::NONE; points.len()];
+    for ring in rings.values_mut().filter(|r| r.len() > 1) {
+        ring.sort_unstable();
+        for (k, &at) in ring.iter().enumerate() {
+            links[at as usize] = ring[(k + 1) % ring.len()];
+        }
+    }
+    let distortion = distortion::measure(&disk.positions, &disk.triangles, &uv);
+    Ok(PieceImage {
+        disk,
+        uv,
+        width: w + 1,
+        height: h + 1,
+        samples,
+        points,
+        links,
+        distortion,
+        parameterize: record,
+        cut,
+        trials,
+    })
+}
+
+/// Cost of an edge on a UV seam, as a share of its length.
+const SEAM_DISCOUNT: f64 = 0.15;
+
+#[cfg(test)]
+mod scratch {
+    use super::*;
+    use std::time::Instant;
+
+    #[test]
+    fn scratch() {
+        let Ok(path) = std::env::var("SCRATCH") else { return };
+        let texels: u32 = std::env::var("TEXELS").ok().and_then(|t| t.parse().ok()).unwrap_or(16641);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let (mut p, mut t): (Vec<[f64; 3]>, Vec<[u32; 3]>) = (vec![], vec![]);
+        for l in text.lines() {
+            let w: Vec<&str> = l.split_whitespace().collect();
+            match w.first() {
+                Some(&"v") => p.push([1, 2, 3].map(|k| w[k].parse().unwrap())),
+                Some(&"f") => {
+                    let i: Vec<u32> =
+                        w[1..].iter().map(|x| x.split('/').next().unwrap().parse::<u32>().unwrap() - 1).collect();
+                    for k in 1..i.len() - 1 {
+                        t.push([i[0], i[k], i[k + 1]]);
+                    }
+                }
+                _ => {}
+            }
+        }
+        // exact weld + compaction
+        let mut map: HashMap<[u64; 3], u32> = HashMap::new();
+        let mut q = vec![];
+        let mut tri = vec![];
+        for x in &t {
+            let y = x.map(|v| {
+                *map.entry(p[v as usize].map(f64::to_bits)).or_insert_with(|| {
+                    q.push(p[v as usize]);
+                    q.len() as u32 - 1
+                })
+            });
+            tri.push(y);
+        }
+        let s = Surface { source_triangle: (0..tri.len() as u32).collect(), positions: q, triangles: tri };
+        let t0 = Instant::now();
+        let g = std::env::var("NOGROW").is_err();
+        let (terms, b, a) = if g { grow(&s, &GrowOptions::default()) } else { (vec![], 0., 0.) };
+        println!("grow {} {b:.3} -> {a:.3} in {:.2?}", terms.len(), t0.elapsed());
+        let t0 = Instant::now();
+        let o = ImageOptions {
+            size: Size::Budget(texels),
+            grow: g.then(GrowOptions::default),
+            search: SearchOptions { triangles: 1000, shifts: 12, passes: 3, steps: 5, refine: true },
+            newton: NewtonOptions::default(),
+            passes: 8,
+        };
+        let i = image("x", &s, &[None], &o).unwrap();
+        println!(
+            "{path}: {}x{} L2 {:.3} Linf {:.1} sd {:.3} flips {} cut {:.3} grown {} trials {} {:?} in {:.2?}",
+            i.width, i.height, i.distortion.l2, i.distortion.linf, i.distortion.symmetric_dirichlet, i.distortion.flips,
+            i.cut.length, i.cut.grown, i.trials, i.parameterize, t0.elapsed()
+        );
+        let mut o = format!("{} {}\n", i.width, i.height);
+        for p in &i.points {
+            o += &format!("{} {} {}\n", p[0] as f32, p[1] as f32, p[2] as f32);
+        }
+        std::fs::write("/tmp/scratch.txt", o).unwrap();
+    }
+}
