@@ -256,7 +256,7 @@ impl<'a> Cutter<'a> {
 }
 
 /// Takes away dead ends of the cut that lead to no boundary and no vertex to keep.
-fn prune(graph: &EdgeGraph, edges: &mut [bool], keep: &[bool]) {
+pub(crate) fn prune(graph: &EdgeGraph, edges: &mut [bool], keep: &[bool]) {
     let mut degree = vec![0u32; graph.vertices()];
     let mut boundary = vec![false; graph.vertices()];
     for e in 0..edges.len() {

@@ -14,6 +14,8 @@ pub(crate) struct Coarse {
     pub vertex: Vec<u32>,
     /// Triangles over the coarse vertices.
     pub triangles: Vec<[u32; 3]>,
+    /// For each original vertex, the coarse vertex it was collapsed into: connected patches of the original.
+    pub patch: Vec<u32>,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -51,6 +53,7 @@ struct Collapser<'a> {
     quadric: Vec<Quadric>,
     area: Vec<f64>,
     version: Vec<u32>,
+    into: Vec<u32>,
     centre: [f64; 3],
 }
 
@@ -122,6 +125,7 @@ impl Collapser<'_> {
     fn collapse(&mut self, u: u32, v: u32) -> usize {
         let fans = std::mem::take(&mut self.around[u as usize]);
         let mut gone = 0;
+        self.into[u as usize] = v;
         for t in fans {
             let tri = self.triangles[t as usize];
             if tri.contains(&v) {
@@ -166,6 +170,7 @@ pub(crate) fn decimate(
         quadric: vec![Quadric::default(); n],
         area: vec![0.0; n],
         version: vec![0; n],
+        into: (0..n as u32).collect(),
         centre,
     };
     for tri in triangles {
@@ -206,7 +211,7 @@ pub(crate) fn decimate(
         }
     }
     let mut index = vec![u32::MAX; n];
-    let mut coarse = Coarse { vertex: Vec::new(), triangles: Vec::with_capacity(left) };
+    let mut coarse = Coarse { vertex: Vec::new(), triangles: Vec::with_capacity(left), patch: Vec::new() };
     for (tri, _) in c.triangles.iter().zip(&c.alive).filter(|(_, a)| **a) {
         let t = tri.map(|v| {
             if index[v as usize] == u32::MAX {
@@ -217,5 +222,14 @@ pub(crate) fn decimate(
         });
         coarse.triangles.push(t);
     }
+    coarse.patch = (0..n)
+        .map(|v| {
+            let mut r = v;
+            while c.into[r] as usize != r {
+                r = c.into[r] as usize;
+            }
+            index[r]
+        })
+        .collect();
     coarse
 }

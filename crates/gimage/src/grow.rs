@@ -1,11 +1,13 @@
 //! Grows the cut into the places the map stretches most (Gu, Gortler, Hoppe 2002), on a coarse stand-in of the surface.
 
 use crate::border::Border;
-use crate::cut::Cutter;
+use crate::cut::{Cut, Cutter};
 use crate::decimate::decimate;
 use crate::disk::{self, NONE};
+use crate::graph::Paths;
 use crate::layout::{Proxy, SearchOptions, Size, most_stretched};
 use crate::surface::Surface;
+use crate::transfer::transfer;
 
 /// How far to grow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +22,7 @@ pub struct GrowOptions {
 
 impl Default for GrowOptions {
     fn default() -> Self {
-        Self { triangles: 2000, points: 24, gain: 0.01 }
+        Self { triangles: 1500, points: 24, gain: 0.01 }
     }
 }
 
@@ -44,22 +46,30 @@ fn attempt(cutter: &Cutter<'_>, terminals: &[u32], search: SearchOptions) -> Opt
     }
     let mut on_cut = vec![false; surface.positions.len()];
     disk.boundary.iter().for_each(|&v| on_cut[disk.origin[v as usize] as usize] = true);
+    let (positions, triangles) = {
+        let (p, t) = proxy.coarse();
+        (p.to_vec(), t.to_vec())
+    };
+    let (lo, hi) = positions.iter().fold((positions[0], positions[0]), |(mut lo, mut hi), p| {
+        (0..3).for_each(|k| (lo[k], hi[k]) = (lo[k].min(p[k]), hi[k].max(p[k])));
+        (lo, hi)
+    });
+    let apart = 0.1 * crate::vec3::distance(lo, hi);
     let mut next = Vec::new();
-    // The plain mean-value map shrinks limbs without mercy and so finds their tips; the solved map finds the rest.
-    for (passes, steps) in [(1, 0), (search.passes, search.steps)] {
+    // The plain mean-value map shrinks limbs without mercy and so finds their tips; the solved map finds the rest; the
+    // point farthest from the cut is a limb's tip more often than not.
+    for (passes, steps, many) in [(1, 0, 2), (search.passes, search.steps, 2)] {
         let Some((uv, _)) = proxy.map(layout.w, layout.h, layout.shift, passes, steps) else { continue };
-        let (positions, triangles) = proxy.coarse();
-        let origin = |v: u32| proxy_origin(&disk, &proxy, v);
-        let pick = most_stretched(positions, triangles, &uv, |v| {
-            let o = origin(v);
+        let picks = most_stretched(&positions, &triangles, &uv, many, apart, |v| {
+            let o = proxy_origin(&disk, &proxy, v);
             o != NONE && !on_cut[o as usize]
         });
-        if let Some(v) = pick.map(origin)
-            && !next.contains(&v)
-        {
-            next.push(v);
-        }
+        next.extend(picks.into_iter().map(|v| proxy_origin(&disk, &proxy, v)));
     }
+    let sources = (0..on_cut.len() as u32).filter(|&v| on_cut[v as usize]);
+    next.extend(Paths::new(&cutter.graph, &cutter.graph.length, sources, |_| false).farthest());
+    let mut seen = std::collections::HashSet::new();
+    next.retain(|&v| !on_cut[v as usize] && seen.insert(v));
     Some(Try { score: layout.score, next })
 }
 
@@ -68,26 +78,31 @@ fn proxy_origin(disk: &disk::Disk, proxy: &Proxy<'_>, v: u32) -> u32 {
     proxy.original(v).map_or(NONE, |d| disk.origin[d as usize])
 }
 
-/// Points of `surface` that the cut should reach, in the order they were found, and the energy of the stand-in with and
-/// without them.
-pub(crate) fn grow(surface: &Surface, options: &GrowOptions) -> (Vec<u32>, f64, f64) {
-    let search = SearchOptions { triangles: options.triangles, shifts: 4, passes: 4, steps: 5, refine: false };
-    let none = (Vec::new(), f64::INFINITY, f64::INFINITY);
+/// A cut found on the stand-in and carried over to the surface.
+pub(crate) struct Grown {
+    /// The cut of the surface.
+    pub cut: Cut,
+    /// Points the cut was grown to.
+    pub terminals: Vec<u32>,
+}
+
+/// Cuts `surface` to a disk, growing the cut while that lowers the distortion of the stand-in. `None` if the stand-in
+/// or the carried cut is no disk.
+pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
+    let surface = fine.surface;
+    let search = SearchOptions { triangles: options.triangles, shifts: 4, passes: 5, steps: 12, refine: false };
     let mut rim = vec![false; surface.positions.len()];
-    let Some(fine) = Cutter::new(surface) else { return none };
     fine.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);
-    drop(fine);
     let locked = vec![false; rim.len()];
     let coarse = decimate(&surface.positions, &surface.triangles, &rim, &locked, options.triangles);
     let small = Surface {
         positions: coarse.vertex.iter().map(|&v| surface.positions[v as usize]).collect(),
         source_triangle: vec![0; coarse.triangles.len()],
-        triangles: coarse.triangles,
+        triangles: coarse.triangles.clone(),
     };
-    let Some(cutter) = Cutter::new(&small) else { return none };
+    let cutter = Cutter::new(&small)?;
     let mut terminals: Vec<u32> = Vec::new();
     let mut now = attempt(&cutter, &terminals, search);
-    let before = now.as_ref().map_or(f64::INFINITY, |t| t.score);
     while terminals.len() < options.points {
         let score = now.as_ref().map_or(f64::INFINITY, |t| t.score);
         let candidates = now.as_ref().map_or_else(Vec::new, |t| t.next.clone());
@@ -99,13 +114,21 @@ pub(crate) fn grow(surface: &Surface, options: &GrowOptions) -> (Vec<u32>, f64, 
                 && t.score < score * (1.0 - options.gain)
                 && best.as_ref().is_none_or(|b| t.score < b.0.score)
             {
+                let enough = t.score < score * (1.0 - 5.0 * options.gain);
                 best = Some((t, v));
+                if enough {
+                    break;
+                }
             }
         }
         let Some((t, v)) = best else { break };
+        if std::env::var("SCRATCH").is_ok() { println!("  {} -> {}", score, t.score); }
         terminals.push(v);
         now = Some(t);
     }
-    let after = now.map_or(f64::INFINITY, |t| t.score);
-    (terminals.iter().map(|&v| coarse.vertex[v as usize]).collect(), before, after)
+    let cut = cutter.cut(&cutter.graph.length, &terminals);
+    let terminals: Vec<u32> = terminals.iter().map(|&v| coarse.vertex[v as usize]).collect();
+    let cut = transfer(fine, &cutter, &coarse, &cut, &terminals);
+    disk::open(fine, &cut).ok()?;
+    Some(Grown { cut, terminals })
 }

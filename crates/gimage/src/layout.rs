@@ -129,7 +129,7 @@ impl<'a> Proxy<'a> {
             uv[k as usize] = on_rectangle(along[i] + shift, w, h);
         }
         self.trials += 1;
-        let options = NewtonOptions { steps, tolerance: 1e-3 };
+        let options = NewtonOptions { steps, tolerance: 1e-2 };
         let record = solve(&mut self.system, &self.positions, &self.triangles, &mut uv, passes, &options)?;
         Some((uv, record.newton.end))
     }
@@ -235,29 +235,35 @@ pub(crate) fn smallest(least: u32) -> (u32, u32) {
     (w + 1, (half - w).max(2) + 1)
 }
 
-/// The vertex (of the original mesh) where a map of the stand-in stretches most.
+/// Vertices where a map of the stand-in stretches most, at most `many`, the worst first, each at least `apart` from
+/// the others and all `allowed`.
 pub(crate) fn most_stretched(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
     uv: &[[f64; 2]],
+    many: usize,
+    apart: f64,
     allowed: impl Fn(u32) -> bool,
-) -> Option<u32> {
-    let mut best: Option<(f64, u32)> = None;
-    for &t in triangles {
-        let p = distortion::planar(uv, t);
-        let [a, b, c] = t.map(|v| positions[v as usize]);
-        let a2 = distortion::signed_area2(p).max(1e-280);
-        let mut s = 0.0;
-        for i in 0..3 {
-            let x = (a[i] * (p[1][1] - p[2][1]) + b[i] * (p[2][1] - p[0][1]) + c[i] * (p[0][1] - p[1][1])) / a2;
-            let y = (a[i] * (p[2][0] - p[1][0]) + b[i] * (p[0][0] - p[2][0]) + c[i] * (p[1][0] - p[0][0])) / a2;
-            s += x * x + y * y;
+) -> Vec<u32> {
+    let mut order: Vec<(f64, usize)> = triangles
+        .iter()
+        .enumerate()
+        .map(|(k, &t)| (distortion::triangle_stretch(positions, t, uv), k))
+        .filter(|x| x.0.is_finite())
+        .collect();
+    order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut out: Vec<u32> = Vec::new();
+    for (_, k) in order {
+        if out.len() == many {
+            break;
         }
-        if best.is_none_or(|b| s > b.0)
-            && let Some(&v) = t.iter().find(|&&v| allowed(v))
-        {
-            best = Some((s, v));
+        let far = |v: u32| {
+            let p = positions[v as usize];
+            out.iter().all(|&o| crate::vec3::distance(p, positions[o as usize]) > apart)
+        };
+        if let Some(v) = triangles[k].into_iter().find(|&v| allowed(v) && far(v)) {
+            out.push(v);
         }
     }
-    best.map(|b| b.1)
+    out
 }

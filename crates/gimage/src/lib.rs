@@ -11,6 +11,7 @@ mod disk;
 pub mod error;
 mod graph;
 mod grow;
+pub mod fit;
 pub mod halfedge;
 pub mod import;
 mod layout;
@@ -21,6 +22,7 @@ pub mod repair;
 pub mod piece;
 mod resample;
 pub mod surface;
+mod transfer;
 mod vec3;
 
 pub use error::{Error, Result};

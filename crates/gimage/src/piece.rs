@@ -66,10 +66,8 @@ pub(crate) fn image(name: &str, surface: &Surface, seam: &[Option<Vec<bool>>], o
         .ok_or_else(|| fail("cut", "the surface is not a manifold".into(), "this is a fault of the repair stage"))?;
     let mut rim = vec![false; surface.positions.len()];
     cutter.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);
-    let (terminals, ..) = match &options.grow {
-        Some(g) => grow(surface, g),
-        None => (Vec::new(), 0.0, 0.0),
-    };
+    let grown = options.grow.as_ref().and_then(|g| grow(&cutter, g));
+    let terminals: &[u32] = grown.as_ref().map_or(&[], |g| &g.terminals);
     // The candidates: every set of edge costs, laid out on its own stand-in; the least energy wins.
     let mut best: Option<(Layout, Disk, Border, CutRecord, usize)> = None;
     let mut smallest = u32::MAX;
@@ -78,7 +76,10 @@ pub(crate) fn image(name: &str, surface: &Surface, seam: &[Option<Vec<bool>>], o
         if let Some(prefer) = prefer {
             cost.iter_mut().zip(prefer).filter(|(_, p)| **p).for_each(|(c, _)| *c *= SEAM_DISCOUNT);
         }
-        let cut = cutter.cut(&cost, &terminals);
+        let cut = match (&grown, prefer) {
+            (Some(g), None) if !terminals.is_empty() || cutter.handles() > 0 => g.cut.clone(),
+            _ => cutter.cut(&cost, terminals),
+        };
         let mut disk = disk::open(&cutter, &cut).map_err(|e| {
             fail("cut", format!("the cut left Euler number {} and {} loops", e.euler, e.loops), "please report it with the input")
         })?;
@@ -186,10 +187,7 @@ mod scratch {
             tri.push(y);
         }
         let s = Surface { source_triangle: (0..tri.len() as u32).collect(), positions: q, triangles: tri };
-        let t0 = Instant::now();
         let g = std::env::var("NOGROW").is_err();
-        let (terms, b, a) = if g { grow(&s, &GrowOptions::default()) } else { (vec![], 0., 0.) };
-        println!("grow {} {b:.3} -> {a:.3} in {:.2?}", terms.len(), t0.elapsed());
         let t0 = Instant::now();
         let o = ImageOptions {
             size: Size::Budget(texels),
@@ -204,6 +202,12 @@ mod scratch {
             i.width, i.height, i.distortion.l2, i.distortion.linf, i.distortion.symmetric_dirichlet, i.distortion.flips,
             i.cut.length, i.cut.grown, i.trials, i.parameterize, t0.elapsed()
         );
+        let mut i = i;
+        if let Ok(g) = std::env::var("FIT") {
+            let t0 = Instant::now();
+            let ok = crate::fit::fit(&i.disk, &i.uv, &mut i.points, i.width as usize, i.height as usize, &crate::fit::FitOptions { gradient: g.parse().unwrap() });
+            println!("fit {ok} {:.2?}", t0.elapsed());
+        }
         let mut o = format!("{} {}\n", i.width, i.height);
         for p in &i.points {
             o += &format!("{} {} {}\n", p[0] as f32, p[1] as f32, p[2] as f32);

@@ -103,6 +103,21 @@ pub fn flips(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> usize {
     triangles.iter().filter(|&&t| signed_area2(planar(uv, t)) <= 0.0 || signed_area2(planar(uv, t)).is_nan()).count()
 }
 
+/// Squared L2 stretch (times the square of the global scale) of one triangle.
+pub(crate) fn triangle_stretch(positions: &[[f64; 3]], t: [u32; 3], uv: &[[f64; 2]]) -> f64 {
+    let [a, b, c] = t.map(|v| positions[v as usize]);
+    let p = planar(uv, t);
+    let det = signed_area2(p);
+    let det = if det.abs() < 1e-280 { 1e-280 } else { det };
+    let mut sum = 0.0;
+    for i in 0..3 {
+        let ss = (a[i] * (p[1][1] - p[2][1]) + b[i] * (p[2][1] - p[0][1]) + c[i] * (p[0][1] - p[1][1])) / det;
+        let st = (a[i] * (p[2][0] - p[1][0]) + b[i] * (p[0][0] - p[2][0]) + c[i] * (p[1][0] - p[0][0])) / det;
+        sum += ss * ss + st * st;
+    }
+    sum.min(1e200)
+}
+
 /// The quality of a finished map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distortion {

@@ -8,6 +8,7 @@ mod system;
 
 pub use newton::{NewtonOptions, NewtonRecord};
 
+pub(crate) use sparse::Cholesky;
 pub(crate) use start::StartRecord;
 pub(crate) use system::System;
 

@@ -5,7 +5,7 @@
 //! so that Cholesky serves; after each solve they are divided by the stretch around the edge and solved again
 //! (Yoshizawa, Belyaev, Seidel 2004, with their vertex weights split over the edge to keep the symmetry).
 
-use super::distortion::{flips, planar, signed_area2};
+use super::distortion::{flips, triangle_stretch};
 use super::system::System;
 use crate::vec3::{cross, dot, norm, sub};
 
@@ -36,21 +36,6 @@ fn mean_value_weights(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &[[
     sorted.sort_unstable_by(f64::total_cmp);
     let median = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0).max(1e-300);
     weights.iter().map(|w| if w.is_finite() { w.clamp(1e-4 * median, 1e4 * median) } else { median }).collect()
-}
-
-/// Squared L2 stretch (times the square of the global scale) of every triangle.
-fn triangle_stretch(positions: &[[f64; 3]], t: [u32; 3], uv: &[[f64; 2]]) -> f64 {
-    let [a, b, c] = t.map(|v| positions[v as usize]);
-    let p = planar(uv, t);
-    let det = signed_area2(p);
-    let det = if det.abs() < 1e-280 { 1e-280 } else { det };
-    let mut sum = 0.0;
-    for i in 0..3 {
-        let ss = (a[i] * (p[1][1] - p[2][1]) + b[i] * (p[2][1] - p[0][1]) + c[i] * (p[0][1] - p[1][1])) / det;
-        let st = (a[i] * (p[2][0] - p[1][0]) + b[i] * (p[0][0] - p[2][0]) + c[i] * (p[1][0] - p[0][0])) / det;
-        sum += ss * ss + st * st;
-    }
-    sum.min(1e200)
 }
 
 /// What the start was made of.
