@@ -62,7 +62,8 @@ pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
     let total: f64 = found.iter().map(|c| c.area).sum();
     let mut out = Split::default();
     if total <= 0.0 || !total.is_finite() {
-        let message = format!("no component has any area ({} components, {} triangles)", found.len(), mesh.triangles.len());
+        let message =
+            format!("no component has any area ({} components, {} triangles)", found.len(), mesh.triangles.len());
         out.findings.push(finding(Severity::Warning, "no-piece", found.len(), Vec::new(), message));
         return out;
     }
@@ -72,7 +73,8 @@ pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
     out.accessories = found.split_off(pieces);
     out.pieces = found;
 
-    let words = |c: &Component| format!("{}: {} triangles, {:.2} % of the area", c.name, c.triangles.len(), 100.0 * share(c));
+    let words =
+        |c: &Component| format!("{}: {} triangles, {:.2} % of the area", c.name, c.triangles.len(), 100.0 * share(c));
     let examples: Vec<String> = out.accessories.iter().take(MAX_EXAMPLES).map(words).collect();
     let (count, limit) = (out.accessories.len(), 100.0 * options.accessory_area);
     if out.pieces.is_empty() {
@@ -118,7 +120,8 @@ mod tests {
 
     fn mesh() -> Mesh {
         // A unit square, a button of a hundredth of an area under the same name, and a strip apart.
-        let positions = [[0., 0.], [1., 0.], [1., 1.], [0., 1.], [5., 0.], [5.1, 0.], [5., 0.1], [7., 0.], [9., 0.], [7., 2.]];
+        let positions =
+            [[0., 0.], [1., 0.], [1., 1.], [0., 1.], [5., 0.], [5.1, 0.], [5., 0.1], [7., 0.], [9., 0.], [7., 2.]];
         let part = |node: &str, mesh: &str| Part { node: node.into(), mesh: mesh.into(), ..Default::default() };
         Mesh {
             positions: positions.map(|[x, y]| [x, y, 0.0]).to_vec(),

@@ -58,7 +58,8 @@ pub(super) fn split_vertices(work: &mut Work, gluing: &mut Gluing) {
     ties.sort_unstable();
     ties.dedup();
     let examples = ties.iter().take(4).map(|&v| work.vertex_words(v)).collect();
-    let message = format!("{} vertices where fans of triangles touched in a point only got {copies} copies", ties.len());
+    let message =
+        format!("{} vertices where fans of triangles touched in a point only got {copies} copies", ties.len());
     work.report(Severity::Repair, "bow-tie-vertices", ties.len(), examples, message);
 }
 

@@ -95,12 +95,8 @@ fn finish(mut work: Work, unused: usize) -> Repaired {
 fn drop_unusable(work: &mut Work) {
     let sound = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= FARTHEST);
     let positions = &work.mesh.positions;
-    let keep: Vec<bool> = work
-        .mesh
-        .triangles
-        .iter()
-        .map(|t| t.iter().all(|&v| positions.get(v as usize).is_some_and(sound)))
-        .collect();
+    let keep: Vec<bool> =
+        work.mesh.triangles.iter().map(|t| t.iter().all(|&v| positions.get(v as usize).is_some_and(sound))).collect();
     let examples = (0..work.len()).filter(|&t| !keep[t]).take(4).map(|t| work.triangle_words(t)).collect();
     let count = work.retain(&keep);
     let message = format!("{count} triangles with a missing vertex, or one at no finite place, dropped");

@@ -8,14 +8,7 @@ use crate::mesh::{Channel, NONE, Semantic};
 ///
 /// The new corners take the value the cap has at its apex where the attribute runs on from the cap to `t`, or belongs to
 /// the vertex (skin, colours, custom). Across a seam of texture coordinates or normals it is interpolated in `t`.
-pub(super) fn split_edge(
-    work: &mut Work,
-    t: usize,
-    [a, b]: [u32; 2],
-    cap: usize,
-    apex: usize,
-    share: f64,
-) -> usize {
+pub(super) fn split_edge(work: &mut Work, t: usize, [a, b]: [u32; 2], cap: usize, apex: usize, share: f64) -> usize {
     let corner = |t: usize, v: u32| work.mesh.triangles[t].iter().position(|&x| x == v).unwrap_or(0);
     let (ta, tb) = (corner(t, a), corner(t, b));
     let (ca, cb) = (corner(cap, a), corner(cap, b));

@@ -110,7 +110,8 @@ fn clusters(positions: &[[f64; 3]], used: &[u32], d: f64) -> UnionFind {
     if !(0..3).all(|k| (high[k] - low[k]) / cell < 2f64.powi(50)) {
         return sets;
     }
-    let key = |v: u32| std::array::from_fn::<i64, 3, _>(|k| ((positions[v as usize][k] - low[k]) / cell).floor() as i64);
+    let key =
+        |v: u32| std::array::from_fn::<i64, 3, _>(|k| ((positions[v as usize][k] - low[k]) / cell).floor() as i64);
     let mut grid: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(used.len());
     for &v in used {
         let members = grid.entry(key(v)).or_default();
@@ -157,8 +158,7 @@ mod tests {
 
     #[test]
     fn minus_zero_is_zero() {
-        let mut w =
-            soup(vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [1., -0., 0.], [-0., 0., -0.], [0.5, -1., 0.]]);
+        let mut w = soup(vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [1., -0., 0.], [-0., 0., -0.], [0.5, -1., 0.]]);
         exact(&mut w);
         assert_eq!(w.mesh.triangles, [[0, 1, 2], [1, 0, 5]]);
         assert_eq!((w.findings[0].count, w.findings[0].severity), (2, Severity::Note));
