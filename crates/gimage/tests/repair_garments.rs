@@ -41,19 +41,30 @@ fn obj(name: &str) -> Option<Mesh> {
     Some(mesh)
 }
 
-/// All primitives, where their accessors say.
+/// All primitives of all nodes, in world space.
 fn glb(name: &str) -> Option<Mesh> {
     let gltf = gltf::Gltf::from_slice(&garment(name)?).unwrap();
     let mut mesh = Mesh::default();
-    for primitive in gltf.meshes().flat_map(|m| m.primitives().collect::<Vec<_>>()) {
-        let reader = primitive.reader(|_| gltf.blob.as_deref());
-        let base = mesh.positions.len() as u32;
-        mesh.positions.extend(reader.read_positions().unwrap().map(|p| p.map(f64::from)));
-        let index: Vec<u32> = match reader.read_indices() {
-            Some(i) => i.into_u32().map(|i| base + i).collect(),
-            None => (base..mesh.positions.len() as u32).collect(),
-        };
-        mesh.triangles.extend(index.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
+    let mut stack: Vec<(gltf::Node, Vec<[[f32; 4]; 4]>)> =
+        gltf.scenes().flat_map(|s| s.nodes().collect::<Vec<_>>()).map(|n| (n, Vec::new())).collect();
+    stack.reverse();
+    while let Some((node, mut transforms)) = stack.pop() {
+        transforms.push(node.transform().matrix());
+        for primitive in node.mesh().into_iter().flat_map(|m| m.primitives().collect::<Vec<_>>()) {
+            let reader = primitive.reader(|_| gltf.blob.as_deref());
+            let base = mesh.positions.len() as u32;
+            mesh.positions.extend(reader.read_positions().unwrap().map(|p| {
+                transforms.iter().rev().fold(p.map(f64::from), |p, m| {
+                    std::array::from_fn(|k| (0..3).map(|j| f64::from(m[j][k]) * p[j]).sum::<f64>() + f64::from(m[3][k]))
+                })
+            }));
+            let index: Vec<u32> = match reader.read_indices() {
+                Some(i) => i.into_u32().map(|i| base + i).collect(),
+                None => (base..mesh.positions.len() as u32).collect(),
+            };
+            mesh.triangles.extend(index.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
+        }
+        stack.extend(node.children().map(|c| (c, transforms.clone())));
     }
     Some(mesh)
 }

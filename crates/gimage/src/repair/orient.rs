@@ -29,13 +29,16 @@ pub(super) fn orient(work: &mut Work, gluing: &Gluing) {
         let (mut next, mut closed, mut orientable) = (0, true, true);
         while let Some(&t) = queue.get(next) {
             next += 1;
-            for h in 3 * t..3 * t + 3 {
-                let g = gluing.twin[h as usize];
+            let (triangles, around) = (&work.mesh.triangles, [3 * t, 3 * t + 1, 3 * t + 2]);
+            let mut across = around.map(|h| (gluing.twin[h as usize], h));
+            // By triangle: where a piece is one-sided the tree decides, and must not depend on the corners' order.
+            across.sort_unstable_by_key(|x| x.0 / 3);
+            for (g, h) in across {
                 if g == BOUNDARY {
                     closed = false;
                     continue;
                 }
-                let same_way = origin(&work.mesh.triangles, h) == origin(&work.mesh.triangles, g);
+                let same_way = origin(triangles, h) == origin(triangles, g);
                 let (u, turn) = (g as usize / 3, turned[t as usize] != same_way);
                 if !seen[u] {
                     (seen[u], turned[u]) = (true, turn);
