@@ -1,1 +1,165 @@
-//! Pieces and accessories.
+//! Tells the pieces of a garment from its accessories, by connectedness and area.
+
+mod names;
+mod topology;
+
+use crate::mesh::Mesh;
+use crate::record::{Finding, MAX_EXAMPLES, Severity};
+use crate::surface::Surface;
+
+/// How components are told apart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ComponentOptions {
+    /// Components under this share of the total area are accessories, 0..=1, default 0.01. Larger makes fewer pieces;
+    /// 0 makes every component a piece.
+    pub accessory_area: f64,
+}
+
+impl Default for ComponentOptions {
+    fn default() -> Self {
+        ComponentOptions { accessory_area: 0.01 }
+    }
+}
+
+/// A connected part of a repaired mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    /// Its triangles in the mesh, ascending.
+    pub triangles: Vec<u32>,
+    /// Unique among the components of the mesh (also when letter case is ignored), fit for a file name, never empty.
+    pub name: String,
+    /// Area \[m2\].
+    pub area: f64,
+    /// Vertices - edges + triangles.
+    pub euler: i64,
+    /// Boundary loops, 0 for a closed component.
+    pub loops: usize,
+    /// Whether it has two sides.
+    pub orientable: bool,
+    /// Handles, `(2 - euler - loops) / 2`; of a component that is not orientable the cross-caps, `2 - euler - loops` (a
+    /// Moebius strip has 1, a Klein bottle 2).
+    pub genus: u32,
+    /// Corners of its axis-aligned box \[m\].
+    pub bounds: ([f64; 3], [f64; 3]),
+}
+
+/// A mesh, told apart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Split {
+    /// What becomes images: the largest area first, equal areas by their first triangle. Empty if no component is large
+    /// enough, or nothing has any area; a finding `no-piece` then says so.
+    pub pieces: Vec<Component>,
+    /// What is too small, in the same order. Empty if nothing has any area.
+    pub accessories: Vec<Component>,
+    /// What the user should know.
+    pub findings: Vec<Finding>,
+}
+
+/// Tells the components of a repaired mesh apart. O(n log n).
+pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
+    let mut found = topology::components(mesh);
+    found.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.triangles[0].cmp(&b.triangles[0])));
+    let total: f64 = found.iter().map(|c| c.area).sum();
+    let mut out = Split::default();
+    if total <= 0.0 || !total.is_finite() {
+        let message =
+            format!("no component has any area ({} components, {} triangles)", found.len(), mesh.triangles.len());
+        out.findings.push(finding(Severity::Warning, "no-piece", found.len(), Vec::new(), message));
+        return out;
+    }
+    names::assign(mesh, &mut found);
+    let share = |c: &Component| c.area / total;
+    let pieces = found.partition_point(|c| c.area >= options.accessory_area * total);
+    out.accessories = found.split_off(pieces);
+    out.pieces = found;
+
+    let words =
+        |c: &Component| format!("{}: {} triangles, {:.2} % of the area", c.name, c.triangles.len(), 100.0 * share(c));
+    let examples: Vec<String> = out.accessories.iter().take(MAX_EXAMPLES).map(words).collect();
+    let (count, limit) = (out.accessories.len(), 100.0 * options.accessory_area);
+    if out.pieces.is_empty() {
+        let message = format!("none of {count} components has {limit} % of the area; the largest is {}", examples[0]);
+        out.findings.push(finding(Severity::Warning, "no-piece", count, examples, message));
+    } else if count > 0 {
+        let triangles: usize = out.accessories.iter().map(|c| c.triangles.len()).sum();
+        let area: f64 = out.accessories.iter().map(share).sum();
+        let message = format!(
+            "{count} components under {limit} % of the area become accessories: {triangles} triangles, {:.2} % of the area",
+            100.0 * area
+        );
+        out.findings.push(finding(Severity::Repair, "accessories", count, examples, message));
+    }
+    out
+}
+
+fn finding(severity: Severity, kind: &'static str, count: usize, examples: Vec<String>, message: String) -> Finding {
+    Finding { severity, stage: "component", kind, count: count as u64, examples, message }
+}
+
+/// Cuts a component loose: triangles in their order, vertices in the order of first use. O(n) in the mesh's vertices.
+pub fn extract(mesh: &Mesh, component: &Component) -> Surface {
+    const NEW: u32 = u32::MAX;
+    let mut to = vec![NEW; mesh.positions.len()];
+    let mut surface = Surface { source_triangle: component.triangles.clone(), ..Default::default() };
+    for &t in &component.triangles {
+        surface.triangles.push(mesh.triangles[t as usize].map(|v| {
+            if to[v as usize] == NEW {
+                to[v as usize] = surface.positions.len() as u32;
+                surface.positions.push(mesh.positions[v as usize]);
+            }
+            to[v as usize]
+        }));
+    }
+    surface
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Part;
+
+    fn mesh() -> Mesh {
+        // A unit square, a button of a hundredth of an area under the same name, and a strip apart.
+        let positions =
+            [[0., 0.], [1., 0.], [1., 1.], [0., 1.], [5., 0.], [5.1, 0.], [5., 0.1], [7., 0.], [9., 0.], [7., 2.]];
+        let part = |node: &str, mesh: &str| Part { node: node.into(), mesh: mesh.into(), ..Default::default() };
+        Mesh {
+            positions: positions.map(|[x, y]| [x, y, 0.0]).to_vec(),
+            triangles: vec![[4, 5, 6], [0, 1, 2], [7, 8, 9], [0, 2, 3]],
+            triangle_part: vec![0, 0, 1, 0],
+            parts: vec![part("Shirt front", "x"), part("", "a/b")],
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn pieces_come_by_area_with_names() {
+        let s = split(&mesh(), &ComponentOptions::default());
+        let names: Vec<&str> = s.pieces.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["a_b", "Shirt_front"]);
+        assert_eq!(s.accessories[0].name, "Shirt_front_2");
+        assert_eq!(s.pieces[1].triangles, [1, 3]);
+        assert_eq!((s.pieces[1].euler, s.pieces[1].loops, s.pieces[1].genus), (1, 1, 0));
+        assert_eq!(s.pieces[1].bounds, ([0.; 3], [1., 1., 0.]));
+        assert_eq!((s.findings[0].kind, s.findings[0].count), ("accessories", 1));
+    }
+
+    #[test]
+    fn extract_maps_back() {
+        let m = mesh();
+        let s = split(&m, &ComponentOptions::default());
+        let surface = extract(&m, &s.pieces[1]);
+        assert_eq!(surface.source_triangle, [1, 3]);
+        assert_eq!(surface.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert!((0..2).all(|t| surface.corners(t) == m.corners(surface.source_triangle[t] as usize)));
+    }
+
+    #[test]
+    fn nothing_large_enough_is_said() {
+        let s = split(&mesh(), &ComponentOptions { accessory_area: 0.9 });
+        assert!(s.pieces.is_empty());
+        assert_eq!((s.accessories.len(), s.findings[0].kind), (3, "no-piece"));
+        let nothing = split(&Mesh::default(), &ComponentOptions::default());
+        assert!(nothing.pieces.is_empty() && nothing.accessories.is_empty());
+    }
+}

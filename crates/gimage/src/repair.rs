@@ -1,1 +1,0 @@
-//! Makes a mesh an oriented manifold.
