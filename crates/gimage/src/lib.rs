@@ -3,25 +3,37 @@
 //! The modules are the pipeline, in order: [`import`] reads files into a [`mesh::Mesh`], [`repair`] makes it an
 //! oriented manifold, [`component`] tells pieces from accessories, and so on down to the bundle.
 
-pub mod component;
 mod border;
+pub mod closest;
+pub mod component;
 mod cut;
 mod decimate;
+mod disjoint;
 mod disk;
 pub mod error;
-mod graph;
-mod grow;
+pub mod export;
 pub mod fit;
+mod frame;
+mod graph;
+pub mod grid;
+mod grow;
 pub mod halfedge;
 pub mod import;
 mod layout;
+pub mod mass;
+pub mod measure;
 pub mod mesh;
 pub mod parameterize;
+pub mod piece;
+pub mod reconstruct;
 pub mod record;
 pub mod repair;
-pub mod piece;
 mod resample;
+mod sample;
+pub mod springs;
+pub mod stretch;
 pub mod surface;
+pub mod topology;
 mod transfer;
 mod vec3;
 

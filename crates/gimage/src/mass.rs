@@ -1,0 +1,141 @@
+//! The mass of each particle, lumped from the area of surface it stands for.
+
+use crate::error::{Error, Result};
+use crate::grid::Grid;
+use crate::vec3::{cross, norm, sub};
+use serde::Serialize;
+
+/// Options of [`mass`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MassOptions {
+    /// Mass of the cloth \[kg/m2\], above 0, default 0.15 (a shirt). Larger: the cloth is heavier.
+    pub density: f64,
+}
+
+impl Default for MassOptions {
+    fn default() -> Self {
+        Self { density: 0.15 }
+    }
+}
+
+/// Particle masses \[kg\].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Masses {
+    /// The same at every texel.
+    Constant(f32),
+    /// One a texel; duplicates carry the mass of the whole surface point, bit-equal.
+    Image(Vec<f32>),
+}
+
+impl Masses {
+    /// The mass of texel `k`; 0 outside of the image.
+    pub fn at(&self, k: usize) -> f32 {
+        match self {
+            Self::Constant(m) => *m,
+            Self::Image(image) => image.get(k).copied().unwrap_or_default(),
+        }
+    }
+}
+
+/// No particle is lighter than this share of the mean: one without an area, where the image has collapsed, would have
+/// no finite inverse mass.
+const LIGHTEST: f64 = 1e-3;
+
+/// A third of each triangle around a surface point, over all of its duplicates, scaled so that the masses of all surface
+/// points (not of all texels) add to `source_area` \[m2\] times the density.
+pub fn mass(grid: &Grid, source_area: f64, options: &MassOptions) -> Result<Masses> {
+    let positive = |x: f64| x > 0.0 && x.is_finite();
+    if !positive(options.density) {
+        return Err(Error::Option {
+            option: "density".into(),
+            problem: format!("{} kg/m2 is not above 0", options.density),
+            hint: "cloth has 0.05 to 1 kg/m2".into(),
+        });
+    }
+    if !grid.is_sized() || grid.positions.is_empty() {
+        return Err(Error::Internal(format!("a grid of {} x {} texels has no masses", grid.width, grid.height)));
+    }
+    let representative = grid.representative();
+    let mut area = vec![0.0; representative.len()];
+    for t in grid.triangulate() {
+        let [a, b, c] = t.map(|k| grid.stored(k));
+        let third = norm(cross(sub(b, a), sub(c, a))) / 6.0;
+        if third.is_finite() {
+            t.iter().for_each(|&k| area[representative[k as usize] as usize] += third);
+        }
+    }
+    let points: Vec<usize> = (0..area.len()).filter(|&k| representative[k] as usize == k).collect();
+    let mean = points.iter().map(|&k| area[k]).sum::<f64>() / points.len() as f64;
+    let floor = if positive(mean) { LIGHTEST * mean } else { 1.0 };
+    points.iter().for_each(|&k| area[k] = area[k].max(floor));
+    let image_area: f64 = points.iter().map(|&k| area[k]).sum();
+    let target = if positive(source_area) { source_area } else { image_area };
+    let scale = target / image_area * options.density;
+    let mean = target * options.density / points.len() as f64;
+    if points.iter().all(|&k| (area[k] * scale - mean).abs() <= 1e-6 * mean) {
+        return Ok(Masses::Constant(mean as f32));
+    }
+    Ok(Masses::Image(representative.iter().map(|&r| (area[r as usize] * scale) as f32).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::samples::*;
+    use proptest::prelude::*;
+
+    fn total(g: &Grid, m: &Masses) -> f64 {
+        let r = g.representative();
+        (0..r.len()).filter(|&k| r[k] as usize == k).map(|k| f64::from(m.at(k))).sum()
+    }
+
+    #[test]
+    fn masses_add_to_area_times_density() {
+        for g in [grid(6, 5, |u, v| [u, v, u * v]), cylinder(9, 5, 1.0, 2.0), torus(9, 8), sphere(9, 11)] {
+            let m = mass(&g, 3.0, &MassOptions { density: 0.2 }).unwrap();
+            assert!((total(&g, &m) - 0.6).abs() < 1e-6);
+            for ring in g.rings() {
+                assert!(ring.iter().all(|&k| m.at(k as usize).to_bits() == m.at(ring[0] as usize).to_bits()));
+            }
+        }
+    }
+
+    #[test]
+    fn inside_of_a_flat_rectangle_a_particle_has_one_texel() {
+        let g = grid(5, 5, |u, v| [4.0 * u, 4.0 * v, 0.0]);
+        let m = mass(&g, 16.0, &MassOptions { density: 1.0 }).unwrap();
+        assert!((m.at(12) - 1.0).abs() < 1e-6 && (m.at(2) - 0.5).abs() < 1e-6);
+        // The tie of the diagonals puts two triangles on corners 0 and 24 and one on the others.
+        assert!((m.at(0) - 1.0 / 3.0).abs() < 1e-6 && (m.at(4) - 1.0 / 6.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn uniform_masses_are_constant() {
+        let g = grid(2, 2, |_, _| [1.0; 3]);
+        assert_eq!(mass(&g, 4.0, &MassOptions { density: 1.0 }).unwrap(), Masses::Constant(1.0));
+    }
+
+    #[test]
+    fn bad_input_is_refused() {
+        let g = grid(2, 2, |u, v| [u, v, 0.0]);
+        for density in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(mass(&g, 1.0, &MassOptions { density }), Err(Error::Option { .. })));
+        }
+        assert!(mass(&Grid::default(), 1.0, &MassOptions::default()).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn any_surface_has_positive_masses(z in prop::collection::vec(-1.0..1.0f64, 42), collapsed in 0usize..30) {
+            let mut g = grid(7, 6, |u, v| [u, v, 0.0]);
+            for (p, z) in g.positions.iter_mut().zip(z) {
+                p[2] = z;
+            }
+            let first = g.positions[0];
+            g.positions[..collapsed].fill(first);
+            let m = mass(&g, 2.0, &MassOptions::default()).unwrap();
+            prop_assert!((0..42).all(|k| m.at(k) > 0.0));
+            prop_assert!((total(&g, &m) - 0.3).abs() < 1e-6);
+        }
+    }
+}
