@@ -30,6 +30,7 @@ pub mod record;
 pub mod repair;
 mod resample;
 mod sample;
+mod seal;
 pub mod springs;
 pub mod stretch;
 pub mod surface;

@@ -6,11 +6,14 @@ use crate::border::{Border, Key};
 use crate::cut::Cutter;
 use crate::disk::{self, Disk};
 use crate::error::{Error, Result};
+use crate::fit::{FitOptions, fit};
+use crate::grid::Grid;
 use crate::grow::{GrowOptions, grow};
 use crate::layout::{self, Layout, Proxy, SearchOptions, Size};
 use crate::parameterize::distortion::{self, Distortion};
 use crate::parameterize::{NewtonOptions, ParameterizeRecord, parameterize};
 use crate::resample::{Sample, border_index, resample};
+use crate::seal::{Expected, seal};
 use crate::surface::Surface;
 
 /// What the cut was and cost.
@@ -24,6 +27,15 @@ pub struct CutRecord {
     pub uv_seams: bool,
 }
 
+/// Where texels go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sampling {
+    /// On the surface, exactly.
+    Point,
+    /// Where the surface between them comes closest.
+    Fit(FitOptions),
+}
+
 /// The image of one piece before attributes are sampled.
 pub(crate) struct PieceImage {
     pub disk: Disk,
@@ -33,10 +45,12 @@ pub(crate) struct PieceImage {
     pub height: u32,
     /// Where each texel lies on the disk, row by row.
     pub samples: Vec<Sample>,
-    /// The surface point of each texel \[m\]; bit-identical for duplicates.
-    pub points: Vec<[f64; 3]>,
-    /// For each texel the next of its duplicates, in rings, or [`disk::NONE`].
-    pub links: Vec<u32>,
+    /// Texel positions \[m\], bit-identical for duplicates, and the rings of duplicates.
+    pub grid: Grid,
+    /// The image welds to a surface of the same topology.
+    pub closed: bool,
+    /// Texels sampled a little off their place so that it does.
+    pub moved: usize,
     pub distortion: Distortion,
     pub parameterize: ParameterizeRecord,
     pub cut: CutRecord,
@@ -51,6 +65,7 @@ pub(crate) struct ImageOptions {
     pub search: SearchOptions,
     pub newton: NewtonOptions,
     pub passes: usize,
+    pub sampling: Sampling,
 }
 
 /// Makes the image of a connected surface. `seam[e]` marks the edges (of the surface's edge graph) to prefer, for each
@@ -113,7 +128,7 @@ pub(crate) fn image(name: &str, surface: &Surface, seam: &[Option<Vec<bool>>], o
         .ok_or_else(|| {
             fail("parameterize", "no map free of flips was found".into(), "repair or remesh the slivers of this piece")
         })?;
-    let samples = resample(&disk, &uv, &texels, w, h)
+    let mut samples = resample(&disk, &uv, &texels, w, h)
         .ok_or_else(|| fail("resample", "a texel fell outside the map".into(), "please report it with the input"))?;
     let mut points: Vec<[f64; 3]> = samples.iter().map(|s| s.position(&disk)).collect();
     let mut rings: HashMap<Key, Vec<u32>> = HashMap::new();
@@ -130,14 +145,22 @@ pub(crate) fn image(name: &str, surface: &Surface, seam: &[Option<Vec<bool>>], o
         }
     }
     let distortion = distortion::measure(&disk.positions, &disk.triangles, &uv);
+    let (columns, rows) = (w as usize + 1, h as usize + 1);
+    if let Sampling::Fit(fit_options) = &options.sampling {
+        fit(&disk, &uv, &mut points, columns, rows, fit_options);
+    }
+    let mut grid = Grid { links, ..Grid::new(columns, rows, points) };
+    let expected = Expected { euler: cutter.euler(), loops: cutter.loops().len() };
+    let (moved, closed) = seal(&mut grid, &mut samples, &disk, &uv, expected);
     Ok(PieceImage {
         disk,
         uv,
         width: w + 1,
         height: h + 1,
         samples,
-        points,
-        links,
+        grid,
+        closed,
+        moved,
         distortion,
         parameterize: record,
         cut,
@@ -195,21 +218,16 @@ mod scratch {
             search: SearchOptions { triangles: 1000, shifts: 12, passes: 3, steps: 5, refine: true },
             newton: NewtonOptions::default(),
             passes: 8,
+            sampling: std::env::var("FIT").map_or(Sampling::Point, |g| Sampling::Fit(FitOptions { gradient: g.parse().unwrap() })),
         };
         let i = image("x", &s, &[None], &o).unwrap();
         println!(
-            "{path}: {}x{} L2 {:.3} Linf {:.1} sd {:.3} flips {} cut {:.3} grown {} trials {} {:?} in {:.2?}",
+            "{path}: {}x{} L2 {:.3} Linf {:.1} sd {:.3} flips {} cut {:.3} grown {} trials {} closed {} moved {} {:?} in {:.2?}",
             i.width, i.height, i.distortion.l2, i.distortion.linf, i.distortion.symmetric_dirichlet, i.distortion.flips,
-            i.cut.length, i.cut.grown, i.trials, i.parameterize, t0.elapsed()
+            i.cut.length, i.cut.grown, i.trials, i.closed, i.moved, i.parameterize, t0.elapsed()
         );
-        let mut i = i;
-        if let Ok(g) = std::env::var("FIT") {
-            let t0 = Instant::now();
-            let ok = crate::fit::fit(&i.disk, &i.uv, &mut i.points, i.width as usize, i.height as usize, &crate::fit::FitOptions { gradient: g.parse().unwrap() });
-            println!("fit {ok} {:.2?}", t0.elapsed());
-        }
         let mut o = format!("{} {}\n", i.width, i.height);
-        for p in &i.points {
+        for p in &i.grid.positions {
             o += &format!("{} {} {}\n", p[0] as f32, p[1] as f32, p[2] as f32);
         }
         std::fs::write("/tmp/scratch.txt", o).unwrap();
