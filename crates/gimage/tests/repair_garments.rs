@@ -207,22 +207,16 @@ fn hand_made_glb_faults_are_mended() {
 
 #[test]
 fn real_garments_keep_their_topology() {
-    // (components, loops) with an exact weld.
+    // Components and loops with an exact weld. Cut along all crowded edges and tied vertices, the belted dress would have
+    // 25 and 35 and the jacket 70 and 26: joined along the straightest pairs, fewer.
     for (name, components, loops) in
-        [("dress_summer.glb", 4, 0), ("dress_belted_202k.glb", 25, 35), ("jacket_fleece.glb", 70, 26)]
+        [("dress_summer.glb", 4, 0), ("dress_belted_202k.glb", 25, 32), ("jacket_fleece.glb", 70, 22)]
     {
         let Some(mesh) = glb(name) else { continue };
         let n = mesh.triangles.len();
         let start = std::time::Instant::now();
         let (r, c) = run(mesh);
         println!("{name}: {n} -> {} triangles, {:?}", r.mesh.triangles.len(), start.elapsed());
-        for f in &r.findings {
-            println!("    {:?} {} {}: {} {:?}", f.severity, f.count, f.kind, f.message, f.examples);
-        }
-        let mut small: Vec<usize> = c.iter().map(|c| c.triangles.len()).collect();
-        small.sort_unstable();
-        println!("    smallest components {:?}", &small[..small.len().min(9)]);
-        println!("    {} components, {} loops", c.len(), c.iter().map(|c| c.loops).sum::<usize>());
         assert_eq!((c.len(), c.iter().map(|c| c.loops).sum::<usize>()), (components, loops), "{name}");
     }
 }

@@ -156,7 +156,7 @@ mod tests {
 
     fn split(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Work {
         let mut w = Work::new(Mesh { positions, triangles, ..Default::default() });
-        let mut g = glue(&w);
+        let mut g = glue(&w, &Default::default());
         split_vertices(&mut w, &mut g);
         assert_eq!(twins(&w.mesh.triangles).unwrap(), g.twin);
         w

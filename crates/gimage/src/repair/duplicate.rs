@@ -1,6 +1,8 @@
 //! Drops triangles on the same three vertices as another, in either winding: copies, and the back faces of sheets that
 //! were doubled to be seen from both sides. The first of them stays.
 
+use std::collections::HashSet;
+
 use super::work::Work;
 
 /// What was dropped.
@@ -9,6 +11,9 @@ pub(super) struct Duplicates {
     pub same: usize,
     pub reversed: usize,
     pub examples: Vec<String>,
+    /// Triangles that stayed and had a reversed copy, by their index in the input: a sheet folded flat onto itself, or
+    /// one doubled to be seen from both sides.
+    pub doubled: HashSet<u32>,
 }
 
 /// Drops duplicates; adds to the tally. O(n log n).
@@ -27,6 +32,9 @@ pub(super) fn drop_duplicates(work: &mut Work, tally: &mut Duplicates) {
         for &(_, t) in &run[1..] {
             keep[t as usize] = false;
             let even = even_order(&work.mesh.triangles[first]) == even_order(&work.mesh.triangles[t as usize]);
+            if !even {
+                tally.doubled.insert(work.source[first]);
+            }
             *if even { &mut tally.same } else { &mut tally.reversed } += 1;
             if tally.examples.len() < 4 {
                 tally.examples.push(format!("{} on {}", work.triangle_words(t as usize), work.triangle_words(first)));

@@ -78,11 +78,11 @@ fn finish(mut work: Work, unused: usize) -> Repaired {
     duplicate::drop_duplicates(&mut work, &mut copies);
     degenerate::remove_flat(&mut work);
     duplicate::drop_duplicates(&mut work, &mut copies);
-    let Duplicates { same, reversed, examples } = copies;
+    let Duplicates { same, reversed, examples, doubled } = copies;
     let message = format!("{} copies of triangles dropped, {reversed} of them with reversed winding", same + reversed);
     work.report(Severity::Repair, "duplicate-faces", same + reversed, examples, message);
 
-    let mut gluing = nonmanifold::glue(&work);
+    let mut gluing = nonmanifold::glue(&work, &doubled);
     bowtie::split_vertices(&mut work, &mut gluing);
     orient::orient(&mut work, &gluing);
     compact(&mut work);

@@ -1,8 +1,10 @@
 //! Decides which triangles stay joined across each edge.
 //!
 //! Where three or more triangles meet in an edge, the straightest pair goes on as one sheet, then the straightest of the
-//! rest, and so on: a pocket sewn on a shirt comes off, the shirt stays whole.
+//! rest, and so on: a pocket sewn on a shirt comes off, the shirt stays whole. A triangle that had a reversed copy comes
+//! last: where it was a fin folded flat on a sheet, the sheet closes under it.
 
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 
 use super::work::Work;
@@ -12,6 +14,9 @@ use crate::vec3::{cross, dot, normalize, scale, sub};
 /// What a pair that runs the same way along the edge loses against one that runs opposite ways, on the scale of the
 /// cosine of the angle between them (-1 is flat).
 const SAME_WAY: f64 = 0.5;
+
+/// What a pair with a triangle that had a reversed copy loses: more than any angle is worth.
+const DOUBLED: f64 = 4.0;
 
 /// Up to this many triangles on an edge all pairs are weighed.
 const ALL_PAIRS: usize = 64;
@@ -40,8 +45,9 @@ impl Gluing {
     }
 }
 
-/// Joins triangles across edges, at most two to an edge. O(n log n).
-pub(super) fn glue(work: &Work) -> Gluing {
+/// Joins triangles across edges, at most two to an edge; `doubled` are those that had a reversed copy, by their index in
+/// the input. O(n log n).
+pub(super) fn glue(work: &Work, doubled: &HashSet<u32>) -> Gluing {
     let mut gluing = Gluing { twin: vec![BOUNDARY; 3 * work.len()], crowded: Vec::new() };
     for run in sorted_edges(&work.mesh.triangles).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
         match run {
@@ -49,7 +55,7 @@ pub(super) fn glue(work: &Work) -> Gluing {
             [x, y] => gluing.join(x.2, y.2),
             _ => {
                 let mut edge: Vec<u32> = run.iter().map(|x| x.2).collect();
-                let pairs = pairs(work, &edge);
+                let pairs = pairs(work, &edge, doubled);
                 for &[a, b] in &pairs {
                     gluing.join(a, b);
                 }
@@ -69,10 +75,11 @@ struct Flap {
     /// Unit vector away from the edge, within the triangle.
     away: [f64; 3],
     forward: bool,
+    doubled: bool,
 }
 
 /// Pairs of half-edges of one crowded edge, straightest first.
-fn pairs(work: &Work, edge: &[u32]) -> Vec<[u32; 2]> {
+fn pairs(work: &Work, edge: &[u32], doubled: &HashSet<u32>) -> Vec<[u32; 2]> {
     let tri = &work.mesh.triangles;
     let position = |v: u32| work.mesh.positions[v as usize];
     let (o, t) = (origin(tri, edge[0]), target(tri, edge[0]));
@@ -84,7 +91,8 @@ fn pairs(work: &Work, edge: &[u32]) -> Vec<[u32; 2]> {
             let apex = origin(tri, prev(h));
             let d = sub(position(apex), position(a));
             let away = normalize(sub(d, scale(along, dot(d, along))));
-            Flap { half_edge: h, apex, away, forward: origin(tri, h) == a && origin(tri, next(h)) == b }
+            let doubled = doubled.contains(&work.source[h as usize / 3]);
+            Flap { half_edge: h, apex, away, forward: origin(tri, h) == a && origin(tri, next(h)) == b, doubled }
         })
         .collect();
     flaps.sort_by_key(|f| f.apex);
@@ -95,8 +103,9 @@ fn pairs(work: &Work, edge: &[u32]) -> Vec<[u32; 2]> {
     for i in 0..flaps.len() {
         for j in i + 1..flaps.len() {
             let bend = dot(flaps[i].away, flaps[j].away);
-            let penalty = if flaps[i].forward == flaps[j].forward { SAME_WAY } else { 0.0 };
-            all.push((bend + penalty, i, j));
+            let same_way = if flaps[i].forward == flaps[j].forward { SAME_WAY } else { 0.0 };
+            let doubled = if flaps[i].doubled || flaps[j].doubled { DOUBLED } else { 0.0 };
+            all.push((bend + same_way + doubled, i, j));
         }
     }
     all.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));

@@ -110,7 +110,7 @@ mod tests {
         let channel = Channel { semantic: Semantic::TexCoord(0), width: 2, values: vec![0.0; 18], corners };
         let mut w = Work::new(Mesh { positions, triangles, channels: vec![channel], ..Default::default() });
         w.mesh.triangles[0] = [0, 4, 3];
-        let g = glue(&w);
+        let g = glue(&w, &Default::default());
         orient(&mut w, &g);
         assert_eq!(w.mesh.triangles, [[0, 3, 4], [0, 1, 2], [0, 2, 3]]);
         assert_eq!(w.mesh.channels[0].corners, [0, 2, 1, 3, 4, 5, 6, 7, 8]);
@@ -128,7 +128,7 @@ mod tests {
                 triangles[t].swap(1, 2);
             }
             let mut w = Work::new(Mesh { positions: positions.clone(), triangles, ..Default::default() });
-            let g = glue(&w);
+            let g = glue(&w, &Default::default());
             orient(&mut w, &g);
             let p = w.mesh.corners(0);
             assert!(dot(cross(sub(p[1], p[0]), sub(p[2], p[0])), [0.0, -1.0, 0.3]) > 0.0, "{p:?}");
@@ -140,7 +140,7 @@ mod tests {
         let positions = (0..6).map(|i| [f64::from(i), f64::from(i * i), f64::from(i % 2)]).collect();
         let triangles = vec![[0, 1, 2], [1, 2, 3], [2, 3, 4], [3, 4, 0], [4, 0, 1]];
         let mut w = Work::new(Mesh { positions, triangles, ..Default::default() });
-        let g = glue(&w);
+        let g = glue(&w, &Default::default());
         orient(&mut w, &g);
         assert_eq!(w.findings.last().unwrap().kind, "not-orientable");
     }

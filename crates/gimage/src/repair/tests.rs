@@ -205,3 +205,16 @@ fn a_wall_comes_off_a_floor_that_stays_whole() {
         [(72, 1, 1), (12, 1, 1)]
     );
 }
+
+#[test]
+fn a_sheet_closes_under_a_fin_folded_flat_on_it() {
+    // The fin stands on two edges of the sheet, there and back: removed once, it must not leave a hole.
+    let mut mesh = grid(4);
+    mesh.positions[11][2] = 0.4;
+    let (a, b, c) = (6, 11, 16);
+    mesh.triangles.extend([[a, b, c], [a, c, b]]);
+    let r = repair(soup(mesh.positions, mesh.triangles), &RepairOptions::default()).unwrap();
+    assert_eq!(counts(&r.findings), [("duplicate-faces", 1), ("non-manifold-edges", 2)]);
+    let s = split(&r.mesh, &ComponentOptions { accessory_area: 0.0 });
+    assert_eq!(s.pieces.iter().map(|c| (c.triangles.len(), c.loops)).collect::<Vec<_>>(), [(32, 1), (1, 1)]);
+}
