@@ -42,7 +42,8 @@ impl Masses {
 const LIGHTEST: f64 = 1e-3;
 
 /// A third of each triangle around a surface point, over all of its duplicates, scaled so that the masses of all surface
-/// points (not of all texels) add to `source_area` \[m2\] times the density.
+/// points (not of all texels) add to `source_area` \[m2\] times the density; a source area that is not above 0 stands for
+/// the image's own.
 pub fn mass(grid: &Grid, source_area: f64, options: &MassOptions) -> Result<Masses> {
     let positive = |x: f64| x > 0.0 && x.is_finite();
     if !positive(options.density) {

@@ -215,6 +215,7 @@ mod tests {
     use super::*;
     use crate::grid::samples::*;
     use crate::topology::Topology;
+    use proptest::prelude::*;
 
     fn view<'a>(g: &crate::grid::Grid, position: &'a [[f32; 4]], first_particle: u32) -> PieceView<'a> {
         PieceView { name: "body", width: g.width, height: g.height, first_particle, position, uv: None }
@@ -297,5 +298,22 @@ mod tests {
         assert_eq!(reconstruct(&[]).unwrap(), Reconstruction::default());
         let empty = PieceView { width: 0, height: 0, position: &[], ..view(&g, &[], 0) };
         assert!(reconstruct(&[empty]).unwrap().triangles.is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn any_codes_are_read_or_refused(
+            codes in prop::collection::vec(prop_oneof![Just(0.0f32), Just(1.0), -40.0..40.0f32, (2..40i32).prop_map(|w| w as f32)], 30),
+            x in prop::collection::vec(any::<f32>(), 30), first in 0u32..20,
+        ) {
+            let map: Vec<[f32; 4]> = codes.iter().zip(&x).map(|(&w, &x)| [x, -x, 0.5, w]).collect();
+            let piece = PieceView { name: "p", width: 6, height: 5, first_particle: first, position: &map, uv: None };
+            if let Ok(r) = reconstruct(&[piece]) {
+                prop_assert_eq!(r.normals.len(), r.positions.len());
+                prop_assert!(r.normals.iter().flatten().all(|x| x.is_finite()));
+                prop_assert!(r.triangles.iter().flatten().all(|&v| (v as usize) < r.positions.len()));
+                prop_assert!(crate::export::glb(&r).is_ok());
+            }
+        }
     }
 }

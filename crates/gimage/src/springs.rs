@@ -60,7 +60,7 @@ impl RestLengths {
         }
     }
 
-    /// How many springs of each kind a grid of this size has.
+    /// How many springs of each kind a grid of this size has; a spring along a seam counts on each side.
     pub fn counts(&self, width: usize, height: usize) -> [usize; 4] {
         let mut counts = [0; 4];
         for k in 0..width.saturating_mul(height) {

@@ -43,7 +43,7 @@ pub fn grid_stretch(grid: &Grid) -> Option<GridStretch> {
         }
         (s, d)
     };
-    let area2: Vec<f64> = triangles.iter().map(|t| tangents(t)).map(|(s, d)| norm(cross(s, d))).collect();
+    let area2: Vec<f64> = triangles.iter().map(&tangents).map(|(s, d)| norm(cross(s, d))).collect();
     let total: f64 = area2.iter().sum();
     if !(total > 0.0 && total.is_finite()) {
         return None;

@@ -1,7 +1,7 @@
 //! The topology of a triangle mesh, counted without assuming that it is a manifold.
 
 use crate::disjoint::Disjoint;
-use crate::halfedge::{origin, prev, sorted_edges, target};
+use crate::halfedge::{next, origin, sorted_edges};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -60,8 +60,7 @@ impl Topology {
                     let same_way = origin(triangles, x) == origin(triangles, y);
                     out.misoriented_edges += same_way as usize;
                     // The corner at the end of a half-edge is the origin of the next one.
-                    let (xe, ye) = (prev(prev(x)), prev(prev(y)));
-                    debug_assert_eq!(origin(triangles, xe), target(triangles, x));
+                    let (xe, ye) = (next(x), next(y));
                     let (at_start, at_end) = if same_way { (y, ye) } else { (ye, y) };
                     fans.join(x, at_start);
                     fans.join(xe, at_end);
