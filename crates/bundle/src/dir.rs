@@ -22,6 +22,9 @@ pub fn write_files(files: &BTreeMap<String, Vec<u8>>, path: &Path, force: bool) 
     check_target(path, force)?;
     let temporary = Scratch::create(path, "tmp")?;
     for (name, bytes) in files {
+        if name.contains(['/', '\\', ':']) || name.contains("..") {
+            return Err(Error::FileName { name: name.clone(), problem: "points out of the bundle" });
+        }
         let file = temporary.path.join(name);
         fs::write(&file, bytes).map_err(|source| Error::Io { path: file, source })?;
     }
@@ -94,6 +97,11 @@ fn read_member(path: &Path, name: &str, cap: u64) -> Result<Vec<u8>> {
         Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound && name != MANIFEST_FILE => {
             Err(Error::Missing { file: name.into() })
         }
+        Err(Error::TooLarge { need, limit, hint, .. }) if name != MANIFEST_FILE => Err(Error::Exr {
+            file: name.into(),
+            problem: format!("{need} bytes, but at most {limit} fit its size"),
+            hint,
+        }),
         result => result,
     }
 }

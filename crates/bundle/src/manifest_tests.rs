@@ -6,7 +6,7 @@ pub(crate) fn sample() -> Manifest {
     manifest.options.insert("pin".into(), Value::Null);
     let mut piece = PieceEntry { name: "body".into(), width: 3, height: 2, ..PieceEntry::default() };
     piece.constants.rest = Some([0.1, 0.2, 0.3, 0.3]);
-    piece.quality.psnr = Some(81.123456789012345);
+    piece.quality.psnr = Some(81.123_456_789_012_35);
     piece.maps.insert("position".into(), "body.position.exr".into());
     manifest.pieces.push(piece);
     let inverse_bind = [0.1; 16];
