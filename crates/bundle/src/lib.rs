@@ -1,3 +1,29 @@
-//! The bundle.
+//! The gimage bundle: geometry images, their maps and their manifest, in memory and on disk.
+//!
+//! FORMAT.md in the root of the repository is the normative text. A [`Bundle`] is read from bytes
+//! ([`Bundle::decode`]), wherever they come from; only [`dir`] knows of directories. Nothing here starts a thread.
+//!
+//! Everything read is distrusted: sizes are checked before anything is allocated, and no input makes a function panic.
+
+mod bundle;
+mod counts;
+pub mod dir;
 mod error;
-pub use error::Error;
+mod exr_header;
+mod exr_io;
+pub mod manifest;
+mod map;
+mod particle;
+mod rings;
+mod validate;
+
+pub use bundle::{Bundle, sha256};
+pub use counts::SPRING_STEPS;
+pub use error::{CodeError, Error, Result};
+pub use exr_header::{ExrHeader, max_file_bytes, read_header};
+pub use exr_io::{decode_exr, decode_exr_sized, encode_exr};
+pub use manifest::Manifest;
+pub use map::{Image, MAX_SIDE, MapKind, check_file_name, check_size, file_stems};
+pub use particle::{MAX_PARTICLES, Particle};
+pub use rings::{LinkFault, Rings, find_rings, ring_gap};
+pub use validate::{Fault, FaultKind, MAX_LISTED, exit_code, validate, validate_files};
