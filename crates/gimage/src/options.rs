@@ -1,0 +1,160 @@
+//! Every option of a build, one struct a stage, with units, default, range and what larger means.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use crate::component::ComponentOptions;
+use crate::error::{Error, Result};
+use crate::import::ImportOptions;
+use crate::mass::MassOptions;
+use crate::pins::Pin;
+use crate::repair::RepairOptions;
+
+/// How large the images are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ImageSize {
+    /// Texels for the whole bundle, shared out by area; each piece gets the shape that fits it best. 9..=2^24 - 2, default
+    /// 16,384; more is more faithful and slower.
+    Texels(u32),
+    /// Width and height of every piece's image in texels, 3..=16,384 each.
+    Exact(u32, u32),
+    /// Mean distance between neighbouring texels \[m\], above 0; smaller is more faithful and slower.
+    Spacing(f64),
+}
+
+/// Where texels go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sample {
+    /// On the surface, exactly.
+    Point,
+    /// Where the surface between them comes closest (least squares).
+    Fit,
+}
+
+/// Which edges a cut prefers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seams {
+    /// Tries both and keeps the better map.
+    Auto,
+    /// The shortest.
+    Short,
+    /// Those on UV seams.
+    Uv,
+}
+
+/// What rest lengths measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RestLength {
+    /// The straight distance between the two texels.
+    Chord,
+    /// The length of the surface between them.
+    Arc,
+}
+
+/// All options of [`crate::pipeline::build`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct BuildOptions {
+    /// What to read.
+    pub import: ImportOptions,
+    /// What to mend.
+    pub repair: RepairOptions,
+    /// What is a piece.
+    pub component: ComponentOptions,
+    /// How large the images are.
+    pub size: ImageSize,
+    /// Where texels go.
+    pub sample: Sample,
+    /// Which edges the cut prefers.
+    pub seams: Seams,
+    /// What rest lengths measure.
+    pub rest: RestLength,
+    /// What particles weigh.
+    pub mass: MassOptions,
+    /// What is pinned; a particle is pinned if any of these holds.
+    pub pins: Vec<Pin>,
+    /// Measure the result against the source. Default true; false saves about a second.
+    pub metrics: bool,
+}
+
+impl Default for BuildOptions {
+    fn default() -> Self {
+        Self {
+            import: ImportOptions::default(),
+            repair: RepairOptions::default(),
+            component: ComponentOptions::default(),
+            size: ImageSize::Texels(16_384),
+            sample: Sample::Fit,
+            seams: Seams::Auto,
+            rest: RestLength::Chord,
+            mass: MassOptions::default(),
+            pins: Vec::new(),
+            metrics: true,
+        }
+    }
+}
+
+fn bad(option: &str, problem: String, hint: &str) -> Error {
+    Error::Option { option: option.into(), problem, hint: hint.into() }
+}
+
+impl BuildOptions {
+    /// Checks every range. Stages may then rely on it.
+    pub fn check(&self) -> Result<()> {
+        let cap = gimage_bundle::MAX_PARTICLES;
+        match self.size {
+            ImageSize::Texels(n) if !(9..=cap).contains(&n) => {
+                return Err(bad("texels", format!("{n} texels"), &format!("give 9 to {cap}")));
+            }
+            ImageSize::Exact(w, h) => {
+                if w < 3 || h < 3 || u64::from(w) * u64::from(h) > u64::from(cap) || w.max(h) > gimage_bundle::MAX_SIDE {
+                    let hint = format!("give sides of 3 to {} and at most {cap} texels", gimage_bundle::MAX_SIDE);
+                    return Err(bad("size", format!("{w} x {h}"), &hint));
+                }
+            }
+            ImageSize::Spacing(d) if !(d.is_finite() && d > 0.0) => {
+                return Err(bad("spacing", format!("{d} is no length"), "give metres above 0"));
+            }
+            _ => {}
+        }
+        let a = self.component.accessory_area;
+        if !(0.0..=1.0).contains(&a) {
+            return Err(bad("accessory-area", format!("{a}"), "give a share of the area from 0 to 1"));
+        }
+        if !(self.mass.density.is_finite() && self.mass.density > 0.0) {
+            return Err(bad("density", format!("{}", self.mass.density), "give kg/m2 above 0"));
+        }
+        Ok(())
+    }
+
+    /// The options as they stand in the manifest.
+    pub(crate) fn record(&self) -> BTreeMap<String, Value> {
+        let size = match self.size {
+            ImageSize::Texels(n) => ("texels", json!(n)),
+            ImageSize::Exact(w, h) => ("size", json!([w, h])),
+            ImageSize::Spacing(d) => ("spacing", json!(d)),
+        };
+        [
+            size,
+            ("piece", json!(self.import.pieces)),
+            ("unit", json!(self.import.unit)),
+            ("weld", json!(self.repair.weld)),
+            ("accessory_area", json!(self.component.accessory_area)),
+            ("sample", json!(if self.sample == Sample::Fit { "fit" } else { "point" })),
+            (
+                "seams",
+                json!(match self.seams {
+                    Seams::Auto => "auto",
+                    Seams::Short => "short",
+                    Seams::Uv => "uv",
+                }),
+            ),
+            ("rest", json!(if self.rest == RestLength::Arc { "arc" } else { "chord" })),
+            ("density", json!(self.mass.density)),
+            ("pin", json!(self.pins.iter().map(ToString::to_string).collect::<Vec<_>>())),
+        ]
+        .into_iter()
+        .map(|(k, v)| (k.to_owned(), v))
+        .collect()
+    }
+}

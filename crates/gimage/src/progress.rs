@@ -1,0 +1,58 @@
+//! How a run tells its caller where it is, and is told to stop.
+
+/// The stages of a build, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// Reading the file.
+    Import,
+    /// Making it a manifold.
+    Repair,
+    /// Telling pieces from accessories.
+    Component,
+    /// Cutting, laying out, parameterising and resampling; one step a piece.
+    Image,
+    /// Attributes, springs, masses, pins; one step a piece.
+    Maps,
+    /// Measuring the result against the source.
+    Measure,
+    /// Compressing and hashing.
+    Encode,
+}
+
+impl Stage {
+    /// Its name, in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Import => "import",
+            Stage::Repair => "repair",
+            Stage::Component => "component",
+            Stage::Image => "image",
+            Stage::Maps => "maps",
+            Stage::Measure => "measure",
+            Stage::Encode => "encode",
+        }
+    }
+}
+
+/// Receives the progress of a build. All methods may be called from any thread.
+pub trait Progress: Sync {
+    /// A stage begins, of `steps` steps.
+    fn begin(&self, stage: Stage, steps: u64) {
+        let _ = (stage, steps);
+    }
+    /// One step of the stage is done.
+    fn step(&self, stage: Stage) {
+        let _ = stage;
+    }
+    /// Asked between steps; `true` ends the build with [`crate::Error::Cancelled`].
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Ignores progress.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Quiet;
+
+impl Progress for Quiet {}
