@@ -29,8 +29,25 @@ impl Body {
         body
     }
 
-    /// The same without arms, for garments that cover them.
-    pub fn without_arms() -> Self {
+    /// The figure with a cone for legs, as on a dressmaker's stand, which holds skirts open.
+    pub fn stand() -> Self {
+        let mut body = Self::figure();
+        body.parts.push(Part::Cone { a: [0.0, 0.85, 0.0], b: [0.0, 0.35, 0.0], ra: 0.11, rb: 0.15 });
+        body
+    }
+
+    /// The stand with its arms close to its sides, for a cape that covers them.
+    pub fn arms_down() -> Self {
+        let mut body = Self::without_arms();
+        body.parts.push(Part::Cone { a: [0.0, 0.85, 0.0], b: [0.0, 0.35, 0.0], ra: 0.11, rb: 0.15 });
+        for s in [-1.0, 1.0] {
+            let (a, b) = ([s * 0.165, 1.395, 0.0], [s * 0.26, 0.92, 0.03]);
+            body.parts.push(Part::Cone { a, b, ra: 0.060, rb: 0.045 });
+        }
+        body
+    }
+
+    fn without_arms() -> Self {
         let ellipsoid = |y: f64, z: f64, radii: V3| Part::Ellipsoid { centre: [0.0, y, z], radii };
         let cone = |a: V3, b: V3, ra: f64, rb: f64| Part::Cone { a, b, ra, rb };
         let mut parts = vec![

@@ -9,9 +9,9 @@ use crate::sew::{Garment, sew};
 use crate::surface::surface;
 
 /// Half the angle of the sector, and its two radii.
-const HALF_ANGLE: f64 = 1.95;
-const INNER: f64 = 0.112;
-const OUTER: f64 = 0.86;
+const HALF_ANGLE: f64 = 1.5;
+const INNER: f64 = 0.138;
+const OUTER: f64 = 0.95;
 /// Half the angle of the neck that the collar goes round; the rest is open in front.
 const ROUND: f64 = 2.62;
 
@@ -34,10 +34,19 @@ pub fn cape() -> Vec<u8> {
 }
 
 fn garment() -> Garment {
-    let body = Body::without_arms();
+    let body = Body::arms_down();
     let mut g = sew(&[Panel { outline: outline(), holes: vec![], place: Box::new(place) }], 0.0245);
     let pins = g.on_edges("collar");
-    let how = Drape { body: &body, pins: &pins, steps: 480, bend: 0.5, friction: 0.2, gap: 0.008, limit: &|_, p| p };
+    let how = Drape {
+        body: &body,
+        pins: &pins,
+        steps: 480,
+        bend: 0.5,
+        friction: 0.2,
+        layer: 0.018,
+        gap: 0.008,
+        limit: &|_, p| p,
+    };
     drape(&mut g, &how);
     smooth(&mut g, 3, &pins);
     g
@@ -69,9 +78,9 @@ fn place(p: V2) -> V3 {
     let a = (low + high) / 2.0;
     let phi = PI - a / HALF_ANGLE * ROUND;
     let out = r - INNER;
-    let wave = 0.03 * smoothstep(0.2, 0.75, out) * (sin(8.0 * phi) + 0.4 * sin(5.0 * phi + 1.0));
+    let wave = 0.045 * smoothstep(0.2, 0.75, out) * (sin(8.0 * phi) + 0.4 * sin(5.0 * phi + 1.0));
     // First over the shoulders, then down.
-    let spread = 0.155 * smoothstep(0.0, 0.22, out) + 0.10 * out + wave;
+    let spread = 0.165 * smoothstep(0.0, 0.22, out) + 0.16 * out + wave;
     let drop = out - 0.07 * smoothstep(0.0, 0.25, out);
     let y = 1.515 - drop * 0.95 - 0.012 * cos(phi);
     [(0.076 + 1.1 * spread) * sin(phi), y, 0.004 + (0.074 + 0.85 * spread) * cos(phi)]

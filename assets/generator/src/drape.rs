@@ -1,7 +1,8 @@
 //! Hangs a garment on the figure: particles and springs under gravity until they rest.
 
 use crate::body::Body;
-use crate::math::{V3, add, dot, norm, scale, sub};
+use crate::layers::Layers;
+use crate::math::{V3, add, dot, norm, scale, smoothstep, sub};
 use crate::sew::{Garment, Spring};
 
 /// How to drape.
@@ -18,9 +19,14 @@ pub struct Drape<'a> {
     pub friction: f64,
     /// The distance kept from the body.
     pub gap: f64,
+    /// How far apart two layers of cloth are kept.
+    pub layer: f64,
     /// A last say about where a particle may be.
     pub limit: &'a dyn Fn(usize, V3) -> V3,
 }
+
+/// The greatest step, well under the distance between layers, so that they do not pass through each other.
+const SPEED: f64 = 0.012;
 
 /// Runs the drape.
 pub fn drape(g: &mut Garment, how: &Drape) {
@@ -28,8 +34,11 @@ pub fn drape(g: &mut Garment, how: &Drape) {
     let mut weight = vec![1.0; g.x.len()];
     how.pins.iter().for_each(|&i| weight[i] = 0.0);
     let mut before = g.x.clone();
+    let layers = Layers::new(&stretch, g.x.len());
     let dt2 = 1.0 / 3600.0;
     for step in 0..how.steps {
+        // Less weight towards the end: the springs then take back the stretch that heavy cloth leaves in them.
+        let gravity = -9.81 * dt2 * (1.0 - 0.9 * smoothstep(0.5, 0.85, step as f64 / how.steps as f64));
         // Light damping lets the cloth fall; heavy damping at the end lets it come to rest.
         let keep = if step * 3 < how.steps * 2 { 0.97 } else { 0.85 };
         for i in 0..g.x.len() {
@@ -38,12 +47,15 @@ pub fn drape(g: &mut Garment, how: &Drape) {
                 let keep = if step < 20 { 0.0 } else { keep };
                 let mut v = scale(sub(g.x[i], before[i]), keep);
                 let fast = norm(v);
-                if fast > 0.03 {
-                    v = scale(v, 0.03 / fast);
+                if fast > SPEED {
+                    v = scale(v, SPEED / fast);
                 }
                 before[i] = g.x[i];
-                g.x[i] = add(g.x[i], add(v, [0.0, -9.81 * dt2, 0.0]));
+                g.x[i] = add(g.x[i], add(v, [0.0, gravity, 0.0]));
             }
+        }
+        if step >= 20 && how.layer > 0.0 {
+            layers.part(&mut g.x, &weight, how.layer);
         }
         for round in 0..16 {
             bends.iter().for_each(|s| pull(&mut g.x, &weight, s, how.bend, false));

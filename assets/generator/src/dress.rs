@@ -34,7 +34,7 @@ pub fn dress() -> Vec<u8> {
 }
 
 fn garment() -> Garment {
-    let body = Body::figure();
+    let body = Body::stand();
     let bodice = |drop: f64, which: &'static str, side: f64| Panel {
         outline: bodice(drop, which),
         holes: vec![],
@@ -47,7 +47,16 @@ fn garment() -> Garment {
     };
     let panels = [bodice(0.15, "f", 1.0), bodice(0.09, "b", -1.0), skirt("f", 1.0), skirt("b", -1.0)];
     let mut g = sew(&panels, 0.0225);
-    let how = Drape { body: &body, pins: &[], steps: 420, bend: 0.35, friction: 0.5, gap: 0.006, limit: &|_, p| p };
+    let how = Drape {
+        body: &body,
+        pins: &[],
+        steps: 420,
+        bend: 0.35,
+        friction: 0.5,
+        layer: 0.018,
+        gap: 0.006,
+        limit: &|_, p| p,
+    };
     drape(&mut g, &how);
     smooth(&mut g, 2, &[]);
     g
@@ -79,7 +88,7 @@ fn bodice(drop: f64, which: &str) -> Vec<Edge> {
 
 fn on_torso(p: V2, side: f64) -> V3 {
     let across = (p[0] / 0.245).clamp(-1.0, 1.0);
-    [side * p[0] * 0.85, p[1] + 0.015, side * (0.02 + 0.14 * (1.0 - across * across).sqrt())]
+    [side * p[0], p[1] + 0.04, side * (0.02 + 0.14 * (1.0 - across * across).sqrt())]
 }
 
 fn skeleton() -> Vec<Joint> {

@@ -7,6 +7,7 @@ pub mod body;
 pub mod delaunay;
 pub mod drape;
 pub mod glb;
+pub mod layers;
 pub mod math;
 pub mod panel;
 pub mod sew;

@@ -47,7 +47,7 @@ pub fn skirt() -> Vec<u8> {
 }
 
 fn garment() -> Garment {
-    let body = Body::figure();
+    let body = Body::stand();
     let panel = |which: &'static str, side: f64| Panel {
         outline: sector(SHAPE, which),
         holes: vec![],
@@ -55,7 +55,16 @@ fn garment() -> Garment {
     };
     let mut g = sew(&[panel("f", 1.0), panel("b", -1.0)], 0.0225);
     let pins = g.on_edges("waist");
-    let how = Drape { body: &body, pins: &pins, steps: 420, bend: 0.45, friction: 0.2, gap: 0.006, limit: &|_, p| p };
+    let how = Drape {
+        body: &body,
+        pins: &pins,
+        steps: 420,
+        bend: 0.45,
+        friction: 0.2,
+        layer: 0.018,
+        gap: 0.006,
+        limit: &|_, p| p,
+    };
     drape(&mut g, &how);
     smooth(&mut g, 3, &pins);
     g

@@ -3,8 +3,8 @@
 use crate::body::Body;
 use crate::drape::{Drape, drape, smooth};
 use crate::glb::{Scene, write};
-use crate::math::{PI, V2, V3, add, cos, cross, dist2, lerp, norm, scale, sin, sub, unit};
-use crate::panel::{Edge, Panel, PanelMesh, bezier, curve, line, mirror};
+use crate::math::{PI, V2, V3, add, cos, cross, lerp, norm, scale, sin, sub, unit};
+use crate::panel::{Edge, Panel, PanelMesh, bezier, line, mirror};
 use crate::sew::{Garment, sew};
 use crate::surface::surface;
 
@@ -12,8 +12,8 @@ const WAIST_HEIGHT: f64 = 1.06;
 /// Half axes of the waist.
 const WAIST: V2 = [0.148, 0.108];
 /// The middle of the belt loop on the front left panel, and the size of its holes.
-const LOOP: V2 = [0.098, 1.022];
-const HOLE: V2 = [0.030, 0.012];
+const LOOP: V2 = [0.090, 1.012];
+const HOLE: V2 = [0.034, 0.011];
 /// How far apart the centres of the two holes are.
 const SPAN: f64 = 0.054;
 
@@ -58,7 +58,16 @@ fn garment() -> Garment {
         let least = if p[1] < 0.78 { 0.006 } else { 0.0 };
         if side[i] * p[0] < least && side[i] != 0.0 { [side[i] * least, p[1], p[2]] } else { p }
     };
-    let how = Drape { body: &body, pins: &pins, steps: 420, bend: 0.3, friction: 0.25, gap: 0.006, limit: &limit };
+    let how = Drape {
+        body: &body,
+        pins: &pins,
+        steps: 420,
+        bend: 0.15,
+        friction: 0.25,
+        layer: 0.018,
+        gap: 0.006,
+        limit: &limit,
+    };
     drape(&mut g, &how);
     smooth(&mut g, 2, &pins);
     add_loop(&mut g);
@@ -72,7 +81,7 @@ struct Cut {
     centre: f64,
     hip: f64,
     crotch: V2,
-    knee: V2,
+    knee: f64,
     hem: V2,
     rise: f64,
 }
@@ -82,7 +91,7 @@ const FRONT: Cut = Cut {
     centre: 0.012,
     hip: 0.252,
     crotch: [-0.048, 0.795],
-    knee: [0.005, 0.232],
+    knee: 0.232,
     hem: [0.018, 0.212],
     rise: 0.0,
 };
@@ -91,38 +100,26 @@ const BACK: Cut = Cut {
     centre: 0.032,
     hip: 0.262,
     crotch: [-0.085, 0.795],
-    knee: [-0.012, 0.236],
+    knee: 0.240,
     hem: [0.002, 0.222],
     rise: 0.02,
 };
 
 /// Half a front, or half a back as if seen from the front: the wearer's left.
 fn leg(c: Cut, which: &str) -> Vec<Edge> {
-    let (hip_height, knee_height, hem_height) = (0.88, 0.48, 0.09);
-    let smooth = |name: &str, p: [V2; 4]| catmull(name, p);
+    let hem_height = 0.09;
+    let (hem, hip) = ([c.hem[1], hem_height], [c.hip, 0.88]);
     vec![
         line(&format!("cuff-{which}-l"), [c.hem[0], hem_height], [c.hem[1], hem_height]),
-        smooth(
-            "out-l",
-            [[c.hem[1], hem_height], [c.knee[1], knee_height], [c.hip, hip_height], [c.waist, WAIST_HEIGHT]],
-        ),
+        bezier("out-low-l", [hem, [c.knee, 0.40], [c.hip + 0.004, 0.70], hip]),
+        bezier("out-high-l", [hip, [c.hip - 0.002, 0.94], [c.waist + 0.012, 1.0], [c.waist, WAIST_HEIGHT]]),
         line(&format!("waist-{which}-l"), [c.waist, WAIST_HEIGHT], [c.centre, WAIST_HEIGHT + c.rise]),
         bezier(
             &format!("crotch-{which}"),
             [[c.centre, WAIST_HEIGHT + c.rise], [0.0, 0.90], [c.crotch[0] * 0.15, c.crotch[1] + 0.002], c.crotch],
         ),
-        bezier("in-l", [c.crotch, [c.crotch[0] + 0.04, 0.70], [c.knee[0], 0.52], [c.hem[0], hem_height]]),
+        bezier("in-l", [c.crotch, [c.crotch[0] + 0.04, 0.70], [c.hem[0] - 0.012, 0.52], [c.hem[0], hem_height]]),
     ]
-}
-
-/// A smooth curve through four points.
-fn catmull(name: &str, p: [V2; 4]) -> Edge {
-    curve(name, |t| {
-        let x = t * 3.0;
-        let w = |i: f64, others: [f64; 3]| others.iter().map(|o| (x - o) / (i - o)).product::<f64>();
-        let w = [w(0.0, [1.0, 2.0, 3.0]), w(1.0, [0.0, 2.0, 3.0]), w(2.0, [0.0, 1.0, 3.0]), w(3.0, [0.0, 1.0, 2.0])];
-        [0, 1].map(|k| (0..4).map(|i| w[i] * p[i][k]).sum())
-    })
 }
 
 /// Where a panel point starts; `left` and `front` are 1 or -1.
@@ -166,7 +163,7 @@ fn add_loop(g: &mut Garment) {
         let t = s as f64 / steps as f64;
         let arch = |k: usize| {
             // The upper side of the strap arches higher than the one next to the cloth.
-            let high = if k < 3 { 0.024 } else { 0.013 };
+            let high = if k < 3 { 0.020 } else { 0.010 };
             add(lerp(x(top[k]), x(bottom[k]), ease(t)), scale(out, high * 4.0 * t * (1.0 - t)))
         };
         rings.push((0..6).map(|k| places.len() + k).collect());
@@ -213,6 +210,5 @@ fn strip(x: &[V3], rings: &[Vec<usize>]) -> PanelMesh {
             }
         }
     }
-    debug_assert!(dist2(points[0], points[1]) > 0.0);
     PanelMesh { points, triangles, edges: vec![], holes: vec![] }
 }

@@ -35,7 +35,16 @@ fn garment() -> Garment {
         Panel { outline: sleeve(cap, ["r-f", "r-b"]), holes: vec![], place: Box::new(move |p| on_arm(p, -1.0)) },
     ];
     let mut g = sew(&panels, 0.021);
-    let how = Drape { body: &body, pins: &[], steps: 420, bend: 0.25, friction: 0.35, gap: 0.006, limit: &|_, p| p };
+    let how = Drape {
+        body: &body,
+        pins: &[],
+        steps: 420,
+        bend: 0.1,
+        friction: 0.6,
+        layer: 0.018,
+        gap: 0.006,
+        limit: &|_, p| p,
+    };
     drape(&mut g, &how);
     smooth(&mut g, 2, &[]);
     g
