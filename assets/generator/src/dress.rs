@@ -47,31 +47,33 @@ fn garment() -> Garment {
     };
     let panels = [bodice(0.15, "f", 1.0), bodice(0.09, "b", -1.0), skirt("f", 1.0), skirt("b", -1.0)];
     let mut g = sew(&panels, 0.0225);
+    // The strap seams rest on the shoulders from the start; left free they slide off while the skirt settles.
+    let pins = g.on_edges("strap");
     let how = Drape {
         body: &body,
-        pins: &[],
+        pins: &pins,
         steps: 420,
         bend: 0.35,
-        friction: 0.5,
+        friction: 0.2,
         layer: 0.018,
         gap: 0.006,
         limit: &|_, p| p,
     };
     drape(&mut g, &how);
-    smooth(&mut g, 2, &[]);
+    smooth(&mut g, 2, &pins);
     g
 }
 
 fn bodice(drop: f64, which: &str) -> Vec<Edge> {
     let (right, left) = if which == "f" { ("l", "r") } else { ("r", "l") };
-    let (neck, tip, under): (V2, V2, V2) = ([0.098, 1.497], [0.146, 1.485], [0.240, 1.285]);
+    let (neck, tip, under): (V2, V2, V2) = ([0.080, 1.492], [0.132, 1.478], [0.240, 1.285]);
     let half = |side: &str| {
         vec![
             bezier(
                 &format!("side-{side}"),
                 [[WAIST_HALF, WAIST_HEIGHT], [WAIST_HALF + 0.004, 1.15], [0.23, 1.21], under],
             ),
-            bezier(&format!("arm-{side}-{which}"), [under, [0.165, 1.285], [0.140, 1.38], tip]),
+            bezier(&format!("arm-{side}-{which}"), [under, [0.165, 1.285], [0.122, 1.38], tip]),
             line(&format!("strap-{side}"), tip, neck),
         ]
     };
@@ -88,7 +90,7 @@ fn bodice(drop: f64, which: &str) -> Vec<Edge> {
 
 fn on_torso(p: V2, side: f64) -> V3 {
     let across = (p[0] / 0.245).clamp(-1.0, 1.0);
-    [side * p[0], p[1] + 0.04, side * (0.02 + 0.14 * (1.0 - across * across).sqrt())]
+    [side * p[0], p[1], side * (0.02 + 0.14 * (1.0 - across * across).sqrt())]
 }
 
 fn skeleton() -> Vec<Joint> {
