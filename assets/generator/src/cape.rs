@@ -3,7 +3,7 @@
 use crate::body::Body;
 use crate::drape::{Drape, drape, smooth};
 use crate::glb::{Scene, write};
-use crate::math::{PI, V2, V3, cos, sin, smoothstep};
+use crate::math::{PI, V2, V3, atan2, cos, sin, smoothstep};
 use crate::panel::{Edge, Panel, curve, line};
 use crate::sew::{Garment, sew};
 use crate::surface::surface;
@@ -66,16 +66,7 @@ fn outline() -> Vec<Edge> {
 /// A wavy cone round the shoulders, its axis through the neck.
 fn place(p: V2) -> V3 {
     let r = (p[0] * p[0] + p[1] * p[1]).sqrt();
-    // The angle from the middle of the back, by bisection: exact enough, and free of the platform's arc tangent.
-    let (mut low, mut high) = (-PI, PI);
-    for _ in 0..50 {
-        let mid = (low + high) / 2.0;
-        // Left of the ray at `mid` or right of it; near the far side fall back on the sign of x.
-        let side = p[0] * cos(mid) - p[1] * sin(mid);
-        let ahead = p[0] * sin(mid) + p[1] * cos(mid);
-        if if ahead > 0.0 { side > 0.0 } else { p[0] > mid } { low = mid } else { high = mid }
-    }
-    let a = (low + high) / 2.0;
+    let a = atan2(p[0], p[1]);
     let phi = PI - a / HALF_ANGLE * ROUND;
     let out = r - INNER;
     let wave = 0.045 * smoothstep(0.2, 0.75, out) * (sin(8.0 * phi) + 0.4 * sin(5.0 * phi + 1.0));

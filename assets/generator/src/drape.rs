@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::layers::Layers;
-use crate::math::{V3, add, dot, norm, scale, smoothstep, sub};
+use crate::math::{V3, add, cross, dot, norm, scale, smoothstep, sub, unit};
 use crate::sew::{Garment, Spring};
 
 /// How to drape.
@@ -38,7 +38,10 @@ pub fn drape(g: &mut Garment, how: &Drape) {
     let dt2 = 1.0 / 3600.0;
     for step in 0..how.steps {
         // Less weight towards the end: the springs then take back the stretch that heavy cloth leaves in them.
-        let gravity = -9.81 * dt2 * (1.0 - 0.9 * smoothstep(0.5, 0.85, step as f64 / how.steps as f64));
+        // Stiffness against folding, which also works against the lengths, goes last.
+        let done = step as f64 / how.steps as f64;
+        let gravity = -9.81 * dt2 * (1.0 - 0.9 * smoothstep(0.5, 0.85, done));
+        let bend = how.bend * (1.0 - 0.95 * smoothstep(0.8, 0.9, done));
         // Light damping lets the cloth fall; heavy damping at the end lets it come to rest.
         let keep = if step * 3 < how.steps * 2 { 0.97 } else { 0.85 };
         for i in 0..g.x.len() {
@@ -58,7 +61,7 @@ pub fn drape(g: &mut Garment, how: &Drape) {
             layers.part(&mut g.x, &weight, how.layer);
         }
         for round in 0..16 {
-            bends.iter().for_each(|s| pull(&mut g.x, &weight, s, how.bend, false));
+            bends.iter().for_each(|s| pull(&mut g.x, &weight, s, bend, false));
             stretch.iter().for_each(|s| pull(&mut g.x, &weight, s, 0.9, true));
             if round % 5 == 0 {
                 collide(g, &weight, &mut before, how);
@@ -97,7 +100,8 @@ fn collide(g: &mut Garment, weight: &[f64], before: &mut [V3], how: &Drape) {
     }
 }
 
-/// Takes the last kinks out: a few Taubin rounds, which smooth without shrinking. The rim slides along itself only.
+/// Takes the last kinks out: a few Taubin rounds, which smooth without shrinking. Inner particles move along the normal
+/// only and rim particles across the rim only, because sliding would spoil the lengths.
 pub fn smooth(g: &mut Garment, rounds: usize, pins: &[usize]) {
     let n = g.x.len();
     let mut next: Vec<Vec<usize>> = vec![Vec::new(); n];
@@ -121,9 +125,27 @@ pub fn smooth(g: &mut Garment, rounds: usize, pins: &[usize]) {
     pins.iter().for_each(|&i| fixed[i] = true);
     for factor in [0.5, -0.52].repeat(rounds) {
         let old = g.x.clone();
+        let normal = normals(g);
         for i in (0..n).filter(|&i| !fixed[i]) {
             let mean = scale(next[i].iter().fold([0.0; 3], |s, &j| add(s, old[j])), 1.0 / next[i].len() as f64);
-            g.x[i] = add(old[i], scale(sub(mean, old[i]), factor));
+            let wish = scale(sub(mean, old[i]), factor);
+            let step = if let [a, b] = next[i][..] {
+                let along = unit(sub(old[b], old[a]));
+                sub(wish, scale(along, dot(wish, along)))
+            } else {
+                scale(normal[i], dot(wish, normal[i]))
+            };
+            g.x[i] = add(old[i], step);
         }
     }
+}
+
+/// Unit normals of the particles, weighted by area.
+pub fn normals(g: &Garment) -> Vec<V3> {
+    let mut normal = vec![[0.0; 3]; g.x.len()];
+    for (t, _) in g.triangles() {
+        let area = cross(sub(g.x[t[1]], g.x[t[0]]), sub(g.x[t[2]], g.x[t[0]]));
+        t.iter().for_each(|&i| normal[i] = add(normal[i], area));
+    }
+    normal.into_iter().map(unit).collect()
 }

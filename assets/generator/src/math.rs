@@ -84,6 +84,20 @@ pub fn cos(x: f64) -> f64 {
     sin(x + PI / 2.0)
 }
 
+/// The angle of the vector (x, y) from the x axis, except on the negative x axis: three halvings and a Taylor sum.
+pub fn atan2(y: f64, x: f64) -> f64 {
+    let mut t = y / ((x * x + y * y).sqrt() + x);
+    for _ in 0..2 {
+        t /= 1.0 + (1.0 + t * t).sqrt();
+    }
+    let (mut power, mut sum) = (t, t);
+    for k in 1..24 {
+        power *= -t * t;
+        sum += power / f64::from(2 * k + 1);
+    }
+    8.0 * sum
+}
+
 /// 0 below `a`, 1 above `b`, smooth in between.
 pub fn smoothstep(a: f64, b: f64, x: f64) -> f64 {
     let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
@@ -104,11 +118,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sine_is_the_sine() {
+    fn angles_are_right() {
         for i in -100..100 {
             let x = f64::from(i) * 0.173;
             assert!((sin(x) - x.sin()).abs() < 1e-12, "{x}");
             assert!((cos(x) - x.cos()).abs() < 1e-12, "{x}");
+            let a = x / 6.0;
+            assert!((atan2(2.0 * a.sin(), 2.0 * a.cos()) - a).abs() < 1e-12, "{a}");
         }
     }
 

@@ -127,6 +127,16 @@ impl Garment {
             }
             Spring { ends, rest: sum / n }
         };
-        (edges.into_iter().map(stretch).collect(), bends)
+        let mut stretches: Vec<Spring> = edges.into_iter().map(stretch).collect();
+        // Holes are braced, or they would close under the weight of the cloth.
+        for (m, of) in self.panels.iter().zip(&self.particle) {
+            for hole in &m.holes {
+                for (k, &a) in hole.iter().enumerate() {
+                    let brace = |&b: &usize| Spring { ends: [of[a], of[b]], rest: dist2(m.points[a], m.points[b]) };
+                    stretches.extend(hole[k + 1..].iter().map(brace));
+                }
+            }
+        }
+        (stretches, bends)
     }
 }

@@ -3,7 +3,7 @@
 use crate::body::Body;
 use crate::drape::{Drape, drape, smooth};
 use crate::glb::{Scene, write};
-use crate::math::{PI, V2, V3, cos, sin};
+use crate::math::{PI, V2, V3, atan2, cos, sin};
 use crate::panel::{Edge, Panel, curve, line};
 use crate::sew::{Garment, sew};
 use crate::surface::surface;
@@ -87,33 +87,9 @@ pub fn sector(f: Flare, which: &str) -> Vec<Edge> {
 pub fn on_cone(f: Flare, waist: V2, height: f64, p: V2, side: f64) -> V3 {
     let r = (p[0] * p[0] + p[1] * p[1]).sqrt();
     let down = r - f.inner;
-    // Rotating with the sector's chord avoids an arc tangent; the error of the ratio is small at these angles.
-    let share = angle(p[0] / -p[1]) / f.half_angle;
+    let share = atan2(p[0], -p[1]) / f.half_angle;
     let phi = share * PI / 2.0 + if side > 0.0 { 0.0 } else { PI };
     let wave = 0.028 * (down / (f.outer - f.inner)) * (sin(7.0 * phi + 0.6) + 0.5 * sin(4.0 * phi + 2.0));
     let flare = 0.30 * down + wave;
     [(waist[0] + flare) * sin(phi), height - 0.93 * down, (waist[1] + flare) * cos(phi)]
-}
-
-/// The arc tangent, by three steps of Newton's method.
-pub fn angle(tangent: f64) -> f64 {
-    let mut a = tangent / (1.0 + 0.28 * tangent * tangent);
-    for _ in 0..4 {
-        let (s, c) = (sin(a), cos(a));
-        a += (tangent * c - s) * c / (1.0 + 0.0 * s);
-    }
-    a
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn angle_is_the_arc_tangent() {
-        for i in -40..=40 {
-            let t = f64::from(i) * 0.05;
-            assert!((angle(t) - t.atan()).abs() < 1e-9, "{t}");
-        }
-    }
 }

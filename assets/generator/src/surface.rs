@@ -1,6 +1,7 @@
 //! From a draped garment to vertices: seams split, normals, texture coordinates.
 
-use crate::math::{V2, V3, add, cross, sub, unit};
+use crate::drape::normals;
+use crate::math::{V2, V3};
 use crate::panel::PanelMesh;
 use crate::sew::Garment;
 
@@ -28,18 +29,14 @@ const MARGIN: f64 = 0.02;
 pub fn surface(g: &Garment) -> Surface {
     // A grid of a hundredth of a millimetre: nothing visible is lost, and the files compress better.
     let x: Vec<V3> = g.x.iter().map(|p| p.map(|c| (c * 1e5).round() / 1e5)).collect();
-    let mut normal = vec![[0.0; 3]; x.len()];
-    for (t, _) in g.triangles() {
-        let area = cross(sub(x[t[1]], x[t[0]]), sub(x[t[2]], x[t[0]]));
-        t.iter().for_each(|&i| normal[i] = add(normal[i], area));
-    }
+    let normal = normals(g);
     let (corner, side) = pack(&g.panels);
     let mut s = Surface { metres_per_uv: side, ..Surface::default() };
     for ((m, of), at) in g.panels.iter().zip(&g.particle).zip(corner) {
         let base = s.positions.len();
         for (p, &i) in m.points.iter().zip(of) {
             s.positions.push(x[i].map(|c| c as f32));
-            s.normals.push(unit(normal[i]).map(|c| c as f32));
+            s.normals.push(normal[i].map(|c| c as f32));
             s.uvs.push([((p[0] + at[0]) / side) as f32, (1.0 - (p[1] + at[1]) / side) as f32]);
             s.particle.push(i);
         }

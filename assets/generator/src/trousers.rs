@@ -69,7 +69,9 @@ fn garment() -> Garment {
         limit: &limit,
     };
     drape(&mut g, &how);
-    smooth(&mut g, 2, &pins);
+    let rings = g.panels[0].holes.iter().flatten().map(|&i| g.particle[0][i]);
+    let still: Vec<usize> = pins.iter().copied().chain(rings).collect();
+    smooth(&mut g, 2, &still);
     add_loop(&mut g);
     g
 }
