@@ -13,6 +13,7 @@ pub mod panel;
 pub mod sew;
 pub mod surface;
 
+mod belt_loop;
 mod cape;
 mod dress;
 mod skirt;
@@ -27,11 +28,17 @@ pub use tshirt::tshirt;
 
 /// Every garment: the name of its file, and the bytes.
 pub fn all() -> Vec<(&'static str, Vec<u8>)> {
-    vec![
-        ("tshirt.glb", tshirt()),
-        ("skirt.glb", skirt()),
-        ("trousers.glb", trousers()),
-        ("cape.glb", cape()),
-        ("dress.glb", dress()),
-    ]
+    let makers: [(&str, fn() -> Vec<u8>); 5] = [
+        ("tshirt.glb", tshirt),
+        ("skirt.glb", skirt),
+        ("trousers.glb", trousers),
+        ("cape.glb", cape),
+        ("dress.glb", dress),
+    ];
+    // Draping takes seconds and the garments do not depend on each other.
+    std::thread::scope(|scope| {
+        let running = makers.map(|(name, make)| (name, scope.spawn(make)));
+        let finish = |(name, thread): (_, std::thread::ScopedJoinHandle<Vec<u8>>)| (name, thread.join().expect(name));
+        running.into_iter().map(finish).collect()
+    })
 }

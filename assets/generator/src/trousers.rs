@@ -1,21 +1,17 @@
-//! Trousers of four panels with one belt loop: a flat tube between two holes, which gives the surface a handle.
+//! Trousers of four panels with one belt loop.
 
+use crate::belt_loop;
 use crate::body::Body;
 use crate::drape::{Drape, drape, smooth};
 use crate::glb::{Scene, write};
-use crate::math::{PI, V2, V3, add, cos, cross, lerp, norm, scale, sin, sub, unit};
-use crate::panel::{Edge, Panel, PanelMesh, bezier, line, mirror};
+use crate::math::{PI, V2, V3, cos, sin};
+use crate::panel::{Edge, Panel, bezier, line, mirror};
 use crate::sew::{Garment, sew};
 use crate::surface::surface;
 
 const WAIST_HEIGHT: f64 = 1.06;
 /// Half axes of the waist.
 const WAIST: V2 = [0.148, 0.108];
-/// The middle of the belt loop on the front left panel, and the size of its holes.
-const LOOP: V2 = [0.090, 1.012];
-const HOLE: V2 = [0.034, 0.011];
-/// How far apart the centres of the two holes are.
-const SPAN: f64 = 0.054;
 
 /// The file.
 pub fn trousers() -> Vec<u8> {
@@ -28,7 +24,6 @@ pub fn trousers() -> Vec<u8> {
 
 fn garment() -> Garment {
     let body = Body::figure();
-    let holes = || vec![hole(LOOP[1] + SPAN / 2.0), hole(LOOP[1] - SPAN / 2.0)];
     let (front, back) = (leg(FRONT, "f"), leg(BACK, "b"));
     // A left panel seen from behind is a mirror image, and so is a right one from the front.
     let other = |name: &str| {
@@ -37,7 +32,7 @@ fn garment() -> Garment {
     };
     let same = str::to_string;
     let panels = [
-        Panel { outline: front.clone(), holes: holes(), place: Box::new(|p| on_leg(FRONT, p, 1.0, 1.0)) },
+        Panel { outline: front.clone(), holes: belt_loop::holes(), place: Box::new(|p| on_leg(FRONT, p, 1.0, 1.0)) },
         Panel { outline: mirror(&front, other), holes: vec![], place: Box::new(|p| on_leg(FRONT, p, -1.0, 1.0)) },
         Panel { outline: mirror(&back, same), holes: vec![], place: Box::new(|p| on_leg(BACK, p, 1.0, -1.0)) },
         Panel {
@@ -72,7 +67,7 @@ fn garment() -> Garment {
     let rings = g.panels[0].holes.iter().flatten().map(|&i| g.particle[0][i]);
     let still: Vec<usize> = pins.iter().copied().chain(rings).collect();
     smooth(&mut g, 2, &still);
-    add_loop(&mut g);
+    belt_loop::sew_on(&mut g, 0);
     g
 }
 
@@ -142,75 +137,4 @@ fn on_leg(c: Cut, p: V2, left: f64, front: f64) -> V3 {
     let inner = c.crotch[0] + (c.hem[0] - c.crotch[0]) * t.min(1.0);
     let phi = ((u - inner) / (c.hip - inner)).clamp(0.0, 1.0) * PI;
     [left * (0.112 + 0.02 * t - 0.10 * cos(phi)), p[1], front * 0.10 * sin(phi)]
-}
-
-/// A clockwise rectangle with two segments across and one down, starting at its top left corner.
-fn hole(y: f64) -> Vec<V2> {
-    let (w, h) = (HOLE[0] / 2.0, HOLE[1] / 2.0);
-    [[-w, h], [0.0, h], [w, h], [w, -h], [0.0, -h], [-w, -h]].iter().map(|q| [q[0] + LOOP[0], q[1] + y]).collect()
-}
-
-/// Bridges the two holes with a tube that arches over the cloth.
-fn add_loop(g: &mut Garment) {
-    let ring = |k: usize| g.panels[0].holes[k].iter().map(|&i| g.particle[0][i]).collect::<Vec<_>>();
-    let (top, low) = (ring(0), ring(1));
-    // What is above at the upper hole is below at the lower one.
-    let bottom: Vec<usize> = [5, 4, 3, 2, 1, 0].iter().map(|&k| low[k]).collect();
-    let x = |i: usize| g.x[i];
-    let out = unit(cross(sub(x(top[2]), x(low[0])), sub(x(top[0]), x(low[2]))));
-    let steps = 7;
-    let mut rings = vec![top.clone()];
-    let mut places = g.x.clone();
-    for s in 1..steps {
-        let t = s as f64 / steps as f64;
-        let arch = |k: usize| {
-            // The upper side of the strap arches higher than the one next to the cloth.
-            let high = if k < 3 { 0.020 } else { 0.010 };
-            add(lerp(x(top[k]), x(bottom[k]), ease(t)), scale(out, high * 4.0 * t * (1.0 - t)))
-        };
-        rings.push((0..6).map(|k| places.len() + k).collect());
-        places.extend((0..6).map(arch));
-    }
-    rings.push(bottom);
-    g.x = places;
-    g.panels.push(strip(&g.x, &rings));
-    g.particle.push(rings.iter().flat_map(|r| (0..=6).map(|k| r[k % 6])).collect());
-}
-
-/// Leaves the ends steeply, so that the strap stands off the cloth.
-fn ease(t: f64) -> f64 {
-    t * t * (3.0 - 2.0 * t) * 0.6 + t * 0.4
-}
-
-/// The tube unrolled: seven columns, the last one sewn to the first.
-fn strip(x: &[V3], rings: &[Vec<usize>]) -> PanelMesh {
-    let gap = |a: usize, b: usize| norm(sub(x[a], x[b]));
-    let across: Vec<f64> = (0..6).map(|k| rings.iter().map(|r| gap(r[k], r[(k + 1) % 6])).sum::<f64>()).collect();
-    let mut points: Vec<V2> = Vec::new();
-    let mut down = 0.0;
-    for (j, r) in rings.iter().enumerate() {
-        if j > 0 {
-            down -= (0..6).map(|k| gap(r[k], rings[j - 1][k])).sum::<f64>() / 6.0;
-        }
-        let mut u = 0.0;
-        for k in 0..=6 {
-            points.push([u, down]);
-            u += across[k % 6] / rings.len() as f64;
-        }
-    }
-    let mut triangles = Vec::new();
-    for j in 0..rings.len() - 1 {
-        for k in 0..6 {
-            let (a, b) = (j * 7 + k, j * 7 + k + 1);
-            let (c, d) = (a + 7, b + 7);
-            let [pa, pb, pc, pd] = [a, b, c, d].map(|i| x[rings[i / 7][(i % 7) % 6]]);
-            // Split along the shorter diagonal.
-            if norm(sub(pb, pc)) < norm(sub(pa, pd)) {
-                triangles.extend([[b, a, c], [b, c, d]]);
-            } else {
-                triangles.extend([[b, a, d], [a, c, d]]);
-            }
-        }
-    }
-    PanelMesh { points, triangles, edges: vec![], holes: vec![] }
 }

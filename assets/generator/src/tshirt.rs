@@ -3,7 +3,7 @@
 use crate::body::{ARM, Body, SHOULDER};
 use crate::drape::{Drape, drape, smooth};
 use crate::glb::{Scene, write};
-use crate::math::{PI, V2, V3, add, cos, cross, scale, sin, unit};
+use crate::math::{PI, V2, V3, add, cos, scale, sin};
 use crate::panel::{Edge, Panel, bezier, line, mirror};
 use crate::sew::{Garment, sew};
 use crate::surface::surface;
@@ -118,7 +118,6 @@ fn on_arm(p: V2, side: f64) -> V3 {
     let along = [side * ARM[0], ARM[1], 0.0];
     // From the top of the arm, positive panel x runs backwards on the left arm and forwards on the right one.
     let (top, across) = ([-side * ARM[1], ARM[0], 0.0], [0.0, 0.0, -side]);
-    debug_assert!(unit(cross(along, top))[2].abs() > 0.99);
     let angle = p[0] / SLEEVE_HALF * PI;
     let start = add([side * SHOULDER[0], SHOULDER[1] + 0.02, 0.0], scale(along, 0.12 - p[1]));
     let radius = SLEEVE_HALF / PI + 0.015;
