@@ -122,7 +122,9 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
             }
         }
         let Some((t, v)) = best else { break };
-        if std::env::var("SCRATCH").is_ok() { println!("  {} -> {}", score, t.score); }
+        if std::env::var("SCRATCH").is_ok() {
+            println!("  {} -> {}", score, t.score);
+        }
         terminals.push(v);
         now = Some(t);
     }

@@ -109,7 +109,14 @@ impl<'a> Proxy<'a> {
     }
 
     /// The map of the stand-in for a layout and its energy.
-    pub(crate) fn map(&mut self, w: u32, h: u32, shift: f64, passes: usize, steps: usize) -> Option<(Vec<[f64; 2]>, f64)> {
+    pub(crate) fn map(
+        &mut self,
+        w: u32,
+        h: u32,
+        shift: f64,
+        passes: usize,
+        steps: usize,
+    ) -> Option<(Vec<[f64; 2]>, f64)> {
         let perimeter = 2 * (w + h);
         let (disk, border) = (self.disk, self.border);
         let (along, dead) = self

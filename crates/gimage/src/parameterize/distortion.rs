@@ -159,11 +159,8 @@ pub fn measure(positions: &[[f64; 3]], triangles: &[[u32; 3]], uv: &[[f64; 2]]) 
             (ss, st)
         };
         let (x, y, z) = (d(0), d(1), d(2));
-        let (e, f, g) = (
-            x.0 * x.0 + y.0 * y.0 + z.0 * z.0,
-            x.0 * x.1 + y.0 * y.1 + z.0 * z.1,
-            x.1 * x.1 + y.1 * y.1 + z.1 * z.1,
-        );
+        let (e, f, g) =
+            (x.0 * x.0 + y.0 * y.0 + z.0 * z.0, x.0 * x.1 + y.0 * y.1 + z.0 * z.1, x.1 * x.1 + y.1 * y.1 + z.1 * z.1);
         let root = ((e - g) * (e - g) + 4.0 * f * f).sqrt();
         let (s1, det2) = (0.5 * (e + g + root), (e * g - f * f).max(1e-300));
         l2 += a3 * 0.5 * (e + g);
