@@ -98,6 +98,17 @@ pub(crate) fn energy(rest: &[Rest], triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> 
     if sum.is_nan() { f64::INFINITY } else { sum }
 }
 
+/// Area-weighted mean of ln(density / 4): 0 for an isometry. Unlike the mean itself it is not ruled by the few worst
+/// triangles, so it ranks maps that are far from their minimum.
+pub(crate) fn log_distortion(rest: &[Rest], triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> f64 {
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for (r, &t) in rest.iter().zip(triangles) {
+        sum += r.weight * (density(jacobian(r, planar(uv, t))) / 4.0).ln();
+        weight += r.weight;
+    }
+    sum / weight
+}
+
 /// Triangles whose planar image is not positively oriented.
 pub fn flips(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> usize {
     triangles.iter().filter(|&&t| signed_area2(planar(uv, t)) <= 0.0 || signed_area2(planar(uv, t)).is_nan()).count()
