@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 
 use crate::disk::Disk;
-use crate::parameterize::Cholesky;
+use crate::normal::Normal;
 use crate::parameterize::distortion::{planar, signed_area2};
 use crate::vec3::{cross, distance, norm, sub};
 
@@ -27,25 +27,6 @@ impl Default for FitOptions {
 }
 
 const GRADIENT: f64 = 0.1;
-
-/// Normal equations on the grid: a 3 x 3 stencil and a right-hand side for each texel.
-struct Normal {
-    stencil: Vec<[f64; 9]>,
-    rhs: Vec<[f64; 3]>,
-    columns: usize,
-}
-
-impl Normal {
-    fn new(columns: usize, rows: usize) -> Self {
-        Self { stencil: vec![[0.0; 9]; columns * rows], rhs: vec![[0.0; 3]; columns * rows], columns }
-    }
-
-    fn add(&mut self, a: usize, b: usize, x: f64) {
-        let (ai, aj) = (a % self.columns, a / self.columns);
-        let (bi, bj) = (b % self.columns, b / self.columns);
-        self.stencil[a][(bj + 1 - aj) * 3 + (bi + 1 - ai)] += x;
-    }
-}
 
 /// Cuts a convex polygon by `n . x <= d`.
 fn clip(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut Vec<[f64; 2]>) {
@@ -114,9 +95,7 @@ fn fragment(normal: &mut Normal, polygon: &[[f64; 2]], corner: [usize; 3], densi
                 for y in 0..3 {
                     normal.add(corner[x], corner[y], w * b3[x] * b3[y]);
                 }
-                for c in 0..3 {
-                    normal.rhs[corner[x]][c] += w * b3[x] * p[c];
-                }
+                normal.add_rhs(corner[x], p.map(|p| w * b3[x] * p));
             }
         }
     }
@@ -125,9 +104,7 @@ fn fragment(normal: &mut Normal, polygon: &[[f64; 2]], corner: [usize; 3], densi
         for y in 0..3 {
             normal.add(corner[x], corner[y], w * (slope[x][0] * slope[y][0] + slope[x][1] * slope[y][1]));
         }
-        for c in 0..3 {
-            normal.rhs[corner[x]][c] += w * (slope[x][0] * map.du[c] + slope[x][1] * map.dv[c]);
-        }
+        normal.add_rhs(corner[x], [0, 1, 2].map(|c| w * (slope[x][0] * map.du[c] + slope[x][1] * map.dv[c])));
     }
 }
 
@@ -138,12 +115,27 @@ fn halves(points: &[[f64; 3]], columns: usize, at: usize) -> ([[usize; 3]; 2], b
     (if ac { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }, ac)
 }
 
-/// Mesh triangles per parallel chunk; chunks are summed in order.
-const CHUNK: usize = 8192;
+/// Cell rows a band: bands are worked on in parallel and summed in order, so that nothing depends on the threads.
+const BAND: usize = 16;
+
+/// The triangles whose image meets each band of cell rows, in order.
+fn bands(disk: &Disk, uv: &[[f64; 2]], cell_rows: usize) -> Vec<Vec<u32>> {
+    let mut out = vec![Vec::new(); cell_rows.div_ceil(BAND)];
+    for (f, &t) in disk.triangles.iter().enumerate() {
+        let v = planar(uv, t).map(|p| p[1]);
+        let lo = v.into_iter().fold(f64::INFINITY, f64::min).max(0.0) as usize;
+        let hi = v.into_iter().fold(f64::NEG_INFINITY, f64::max).max(0.0) as usize;
+        let last = out.len() - 1;
+        for band in &mut out[(lo / BAND).min(last)..=(hi / BAND).min(last)] {
+            band.push(f as u32);
+        }
+    }
+    out
+}
 
 /// Moves the inner texels of `points` (row by row, `columns` x `rows`) to the least-squares fit; border texels stay.
-/// `uv` is the flip-free map in texel units. `false` (and no change) if the system cannot be solved.
-/// O(triangles + texels) plus one sparse factorisation.
+/// `uv` is the flip-free map in texel units. `false` (and no change) if the solve breaks down.
+/// O(triangles + texels) for the integrals, O(texels) for each of some tens of conjugate-gradient steps.
 pub(crate) fn fit(
     disk: &Disk,
     uv: &[[f64; 2]],
@@ -155,115 +147,88 @@ pub(crate) fn fit(
     if columns < 3 || rows < 3 {
         return true;
     }
-    // Work around the middle of the piece, in its own size: a garment far from the origin loses nothing.
+    // Work around the middle of the piece: a garment far from the origin loses nothing.
     let n = disk.positions.len().max(1) as f64;
     let centre = disk.positions.iter().fold([0.0; 3], |m, p| [0, 1, 2].map(|c| m[c] + p[c] / n));
-    let local: Vec<[f64; 3]> = points.iter().map(|p| sub(*p, centre)).collect();
-    let parts: Vec<Normal> = disk
-        .triangles
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            let mut normal = Normal::new(columns, rows);
-            let (mut cell, mut next, mut half) = (Vec::new(), Vec::new(), Vec::new());
-            for &t in chunk {
-                let p = planar(uv, t);
-                let area2 = signed_area2(p);
-                let x = t.map(|v| sub(disk.positions[v as usize], centre));
-                let surface = norm(cross(sub(x[1], x[0]), sub(x[2], x[0])));
-                if area2 <= 1e-14 || surface <= 0.0 {
-                    continue;
-                }
-                let map = Affine::new(x, p, area2);
-                let density = surface / area2;
-                let span = |c: usize, top: usize| {
-                    let lo = p.iter().map(|q| q[c]).fold(f64::INFINITY, f64::min).floor().max(0.0) as usize;
-                    let hi = p.iter().map(|q| q[c]).fold(f64::NEG_INFINITY, f64::max).ceil().max(1.0) as usize;
-                    (lo, hi.min(top - 1).max(lo + 1).min(top - 1))
-                };
-                let ((i0, i1), (j0, j1)) = (span(0, columns), span(1, rows));
-                for j in j0..j1 {
-                    for i in i0..i1 {
-                        let (u, v) = (i as f64, j as f64);
-                        cell.clear();
-                        cell.extend_from_slice(&p);
-                        for (n, d) in
-                            [([-1.0, 0.0], -u), ([1.0, 0.0], u + 1.0), ([0.0, -1.0], -v), ([0.0, 1.0], v + 1.0)]
-                        {
-                            clip(&cell, n, d, &mut next);
-                            std::mem::swap(&mut cell, &mut next);
-                            if cell.len() < 3 {
-                                break;
-                            }
-                        }
-                        if cell.len() < 3 {
-                            continue;
-                        }
-                        let (corner, ac) = halves(&local, columns, j * columns + i);
-                        // The diagonal a-c is v - j = u - i; b-d is (u - i) + (v - j) = 1.
-                        let (n, d) = if ac { ([-1.0, 1.0], v - u) } else { ([1.0, 1.0], u + v + 1.0) };
-                        for (k, sign) in [(0, 1.0), (1, -1.0)] {
-                            clip(&cell, [sign * n[0], sign * n[1]], sign * d, &mut half);
-                            if half.len() >= 3 {
-                                fragment(&mut normal, &half, corner[k], density, &map, options.gradient);
-                            }
-                        }
-                    }
-                }
+    let mut local: Vec<[f64; 3]> = points.iter().map(|p| sub(*p, centre)).collect();
+    let parts: Vec<Normal> = bands(disk, uv, rows - 1)
+        .par_iter()
+        .enumerate()
+        .map(|(band, triangles)| {
+            let cells = band * BAND..((band + 1) * BAND).min(rows - 1);
+            let mut normal = Normal::new(columns, cells.start, cells.len() + 1);
+            for &f in triangles {
+                integrate(&mut normal, disk, uv, f, centre, &local, &cells, options.gradient);
             }
             normal
         })
         .collect();
-    let mut parts = parts.into_iter();
-    let Some(mut normal) = parts.next() else { return false };
+    let mut normal = Normal::new(columns, 0, rows);
     for part in parts {
-        normal.stencil.iter_mut().zip(part.stencil).for_each(|(a, b)| a.iter_mut().zip(b).for_each(|(a, b)| *a += b));
-        normal.rhs.iter_mut().zip(part.rhs).for_each(|(a, b)| a.iter_mut().zip(b).for_each(|(a, b)| *a += b));
+        normal.add_rows(&part);
     }
-    let Some(inner) = solve(&normal, &local, columns, rows) else { return false };
-    for (k, p) in inner {
-        points[k] = crate::vec3::add(p, centre);
+    if !normal.solve(&mut local) {
+        return false;
+    }
+    for (p, l) in points.iter_mut().zip(&local) {
+        *p = crate::vec3::add(*l, centre);
     }
     true
 }
 
-/// Solves for the inner texels with the border held; a trace of Tikhonov keeps texels that almost no surface falls on.
-fn solve(normal: &Normal, points: &[[f64; 3]], columns: usize, rows: usize) -> Option<Vec<(usize, [f64; 3])>> {
-    let inner = |k: usize| {
-        let (i, j) = (k % columns, k / columns);
-        i > 0 && j > 0 && i + 1 < columns && j + 1 < rows
+/// Adds the integrals over mesh triangle `f`, within the cell rows `cells`.
+fn integrate(
+    normal: &mut Normal,
+    disk: &Disk,
+    uv: &[[f64; 2]],
+    f: u32,
+    centre: [f64; 3],
+    points: &[[f64; 3]],
+    cells: &std::ops::Range<usize>,
+    gradient: f64,
+) {
+    let t = disk.triangles[f as usize];
+    let p = planar(uv, t);
+    let area2 = signed_area2(p);
+    let x = t.map(|v| sub(disk.positions[v as usize], centre));
+    let surface = norm(cross(sub(x[1], x[0]), sub(x[2], x[0])));
+    if area2 <= 1e-14 || surface <= 0.0 {
+        return;
+    }
+    let columns = normal.columns;
+    let map = Affine::new(x, p, area2);
+    let density = surface / area2;
+    let span = |c: usize| {
+        let lo = p.iter().map(|q| q[c]).fold(f64::INFINITY, f64::min).floor().max(0.0) as usize;
+        let hi = p.iter().map(|q| q[c]).fold(f64::NEG_INFINITY, f64::max).ceil().max(0.0) as usize;
+        (lo, hi)
     };
-    let number = |k: usize| (k / columns - 1) * (columns - 2) + k % columns - 1;
-    let n = (columns - 2) * (rows - 2);
-    let mean = normal.stencil.iter().map(|s| s[4]).sum::<f64>() / normal.stencil.len() as f64;
-    let hold = 1e-4 * mean;
-    let (mut col_ptr, mut row_idx, mut values) = (vec![0u32], Vec::new(), Vec::new());
-    let mut rhs = vec![0.0; 3 * n];
-    let texels: Vec<usize> = (0..points.len()).filter(|&k| inner(k)).collect();
-    for &k in &texels {
-        let x = number(k);
-        for (c, r) in normal.rhs[k].iter().enumerate() {
-            rhs[c * n + x] += r + hold * points[k][c];
-        }
-        for (s, &a) in normal.stencil[k].iter().enumerate() {
-            let other = (k + (s / 3) * columns + s % 3) - columns - 1;
-            if !inner(other) {
-                for c in 0..3 {
-                    rhs[c * n + x] -= a * points[other][c];
+    let ((i0, i1), (j0, j1)) = (span(0), span(1));
+    let (mut cell, mut next, mut half) = (Vec::new(), Vec::new(), Vec::new());
+    for j in j0.max(cells.start)..j1.min(cells.end) {
+        for i in i0..i1.min(columns - 1) {
+            let (u, v) = (i as f64, j as f64);
+            cell.clear();
+            cell.extend_from_slice(&p);
+            for (n, d) in [([-1.0, 0.0], -u), ([1.0, 0.0], u + 1.0), ([0.0, -1.0], -v), ([0.0, 1.0], v + 1.0)] {
+                clip(&cell, n, d, &mut next);
+                std::mem::swap(&mut cell, &mut next);
+                if cell.len() < 3 {
+                    break;
                 }
-            } else if other >= k {
-                row_idx.push(number(other) as u32);
-                values.push(if other == k { a + hold } else { a });
+            }
+            if cell.len() < 3 {
+                continue;
+            }
+            let (corner, ac) = halves(points, columns, j * columns + i);
+            // The diagonal a-c is v - j = u - i; b-d is (u - i) + (v - j) = 1.
+            let (n, d) = if ac { ([-1.0, 1.0], v - u) } else { ([1.0, 1.0], u + v + 1.0) };
+            for (k, sign) in [(0, 1.0), (1, -1.0)] {
+                clip(&cell, [sign * n[0], sign * n[1]], sign * d, &mut half);
+                if half.len() >= 3 {
+                    fragment(normal, &half, corner[k], density, &map, gradient);
+                }
             }
         }
-        col_ptr.push(row_idx.len() as u32);
     }
-    let mut cholesky = Cholesky::new(n, col_ptr, row_idx, None)?;
-    if !cholesky.factorize(&values) {
-        return None;
-    }
-    cholesky.solve(&mut rhs);
-    if rhs.iter().any(|x| !x.is_finite()) {
-        return None;
-    }
-    Some(texels.iter().enumerate().map(|(x, &k)| (k, [rhs[x], rhs[n + x], rhs[2 * n + x]])).collect())
 }

@@ -27,6 +27,7 @@ mod locate;
 pub mod mass;
 pub mod measure;
 pub mod mesh;
+mod normal;
 pub mod options;
 mod parameterize;
 mod piece;

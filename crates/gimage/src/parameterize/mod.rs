@@ -8,7 +8,6 @@ mod system;
 
 pub use newton::{NewtonOptions, NewtonRecord};
 
-pub(crate) use sparse::Cholesky;
 pub(crate) use start::StartRecord;
 pub(crate) use system::System;
 

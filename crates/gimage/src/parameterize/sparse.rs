@@ -36,7 +36,7 @@ impl Cholesky {
         .ok()?;
         let scratch = StackReq::any_of(&[
             symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()),
-            symbolic.solve_in_place_scratch::<f64>(3, Par::Seq),
+            symbolic.solve_in_place_scratch::<f64>(2, Par::Seq),
         ]);
         let scratch = MemBuffer::try_new(scratch).ok()?;
         let mut factor = Vec::new();
@@ -70,7 +70,7 @@ impl Cholesky {
             .is_ok()
     }
 
-    /// Solves in place for up to three right-hand sides, stored one after the other.
+    /// Solves in place for one or two right-hand sides, stored one after the other.
     pub(crate) fn solve(&mut self, rhs: &mut [f64]) {
         let n = self.pattern.nrows();
         let columns = rhs.len() / n.max(1);
