@@ -4,7 +4,7 @@
 //! paths end or meet fall on texels, so that the two sides are sampled at the same points and the rebuilt surface has no
 //! crack. Texels are spread over the paths by length.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use crate::disk::{Disk, NONE};
 use crate::surface::Surface;
@@ -29,6 +29,8 @@ struct Group {
     members: u32,
     length: f64,
     least: u32,
+    /// A vertex of the boundary loop it lies on; none for a cut path.
+    rim: Option<u32>,
 }
 
 /// The structure of a disk's boundary. Independent of the size of the image.
@@ -64,6 +66,8 @@ pub(crate) struct BorderTexel {
     pub triangle: u32,
     /// Barycentric coordinates in that triangle.
     pub bary: [f64; 3],
+    /// A vertex of the surface's boundary loop that it lies on, if it lies on one.
+    pub rim: Option<u32>,
 }
 
 /// A disk whose boundary has been laid on the border of a `w` x `h` cell rectangle.
@@ -135,9 +139,13 @@ impl Border {
             let mut backward = path.clone();
             backward.reverse();
             let cut = disk.on_cut[first];
-            let mate = if cut { by_path.get(&path).map(|&g| (g, false)).or(by_path.get(&backward).map(|&g| (g, true))) } else { None };
+            let mate = if cut {
+                by_path.get(&path).map(|&g| (g, false)).or(by_path.get(&backward).map(|&g| (g, true)))
+            } else {
+                None
+            };
             let (group, reversed) = mate.unwrap_or_else(|| {
-                groups.push(Group { members: 0, length, least: 1 });
+                groups.push(Group { members: 0, length, least: 1, rim: (!cut).then_some(path[0]) });
                 let g = groups.len() - 1;
                 let (a, b) = (path[0].min(path[path.len() - 1]), path[0].max(path[path.len() - 1]));
                 by_ends.entry([a, b]).or_default().push(g);
@@ -152,7 +160,15 @@ impl Border {
         // A loop needs three steps and parallel paths two each, or welding would glue edges that are not mates.
         for (ends, list) in by_ends {
             for &g in &list {
-                groups[g].least = if free { 8 } else if ends[0] == ends[1] { 3 } else if list.len() > 1 { 2 } else { 1 };
+                groups[g].least = if free {
+                    8
+                } else if ends[0] == ends[1] {
+                    3
+                } else if list.len() > 1 {
+                    2
+                } else {
+                    1
+                };
             }
         }
         Self { segments, groups, free, nodes: node }
@@ -175,12 +191,10 @@ impl Border {
             return Some(vec![steps]);
         }
         let total: f64 = self.groups.iter().map(|g| g.length * f64::from(g.members)).sum();
-        let want: Vec<f64> =
-            self.groups.iter().map(|g| g.length / total.max(1e-300) * f64::from(steps)).collect();
-        let mut count: Vec<u32> =
-            self.groups.iter().zip(&want).map(|(g, w)| (w.floor() as u32).max(g.least)).collect();
-        let mut rest = i64::from(steps)
-            - self.groups.iter().zip(&count).map(|(g, c)| i64::from(g.members * c)).sum::<i64>();
+        let want: Vec<f64> = self.groups.iter().map(|g| g.length / total.max(1e-300) * f64::from(steps)).collect();
+        let mut count: Vec<u32> = self.groups.iter().zip(&want).map(|(g, w)| (w.floor() as u32).max(g.least)).collect();
+        let mut rest =
+            i64::from(steps) - self.groups.iter().zip(&count).map(|(g, c)| i64::from(g.members * c)).sum::<i64>();
         let mut budget = 4 * steps as usize + 16;
         while rest != 0 {
             budget = budget.checked_sub(1)?;
@@ -255,7 +269,15 @@ impl Border {
     }
 
     /// Lays the boundary on a `w` x `h` cell rectangle, its start `shift` steps from (0, 0).
-    pub(crate) fn place(&self, disk: &Disk, surface: &Surface, w: u32, h: u32, shift: f64) -> Option<Placed> {
+    pub(crate) fn place(
+        &self,
+        disk: &Disk,
+        surface: &Surface,
+        surface_boundary: &dyn Fn(u32) -> bool,
+        w: u32,
+        h: u32,
+        shift: f64,
+    ) -> Option<Placed> {
         let steps = 2 * (w + h);
         let perimeter = f64::from(steps);
         let count = self.share(steps)?;
@@ -285,7 +307,7 @@ impl Border {
         for (v, a) in disk.boundary.iter().zip(&along) {
             uv[*v as usize] = on_rectangle(a + shift, w, h);
         }
-        let texels = self.texels(&disk, surface, &along, &count, perimeter, shift)?;
+        let texels = self.texels(&disk, surface, surface_boundary, &along, &count, perimeter, shift)?;
         Some(Placed { disk, uv, texels })
     }
 
@@ -293,6 +315,7 @@ impl Border {
         &self,
         disk: &Disk,
         surface: &Surface,
+        surface_boundary: &dyn Fn(u32) -> bool,
         along: &[f64],
         count: &[u32],
         perimeter: f64,
@@ -300,12 +323,11 @@ impl Border {
     ) -> Option<Vec<BorderTexel>> {
         let mut face_of: HashMap<[u32; 2], (u32, usize)> = HashMap::new();
         let n = disk.boundary.len();
-        let mut wanted: HashMap<[u32; 2], ()> = HashMap::with_capacity(n);
-        (0..n).for_each(|i| drop(wanted.insert([disk.boundary[i], disk.boundary[(i + 1) % n]], ())));
+        let wanted: HashSet<[u32; 2]> = (0..n).map(|i| [disk.boundary[i], disk.boundary[(i + 1) % n]]).collect();
         for (f, t) in disk.triangles.iter().enumerate() {
             for k in 0..3 {
                 let e = [t[k], t[(k + 1) % 3]];
-                if wanted.contains_key(&e) {
+                if wanted.contains(&e) {
                     face_of.insert(e, (f as u32, k));
                 }
             }
@@ -350,7 +372,12 @@ impl Border {
                 Key::Node(v) if v != NONE => surface.positions[v as usize],
                 _ => *known.entry(key).or_insert(here),
             };
-            texels.push(BorderTexel { key, position, triangle, bary });
+            let rim = match key {
+                Key::Node(v) => surface_boundary(v).then_some(v),
+                Key::Inner(g, _) => self.groups[g as usize].rim,
+                Key::Free(_) => self.groups[0].rim,
+            };
+            texels.push(BorderTexel { key, position, triangle, bary, rim });
         }
         if !self.free {
             // Texel p of the image is step p - shift of the loop.

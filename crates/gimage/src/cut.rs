@@ -28,7 +28,7 @@ pub(crate) struct Cut {
 impl Cut {
     /// Summed length of the cut edges \[m\].
     pub(crate) fn length(&self, graph: &EdgeGraph) -> f64 {
-        self.edges.iter().zip(&graph.length).filter(|(c, _)| **c).map(|(_, l)| l).sum()
+        self.edges.iter().zip(&graph.length).filter(|(c, _)| **c).map(|(_, l)| l).sum::<f64>() + 0.0
     }
 }
 
@@ -59,15 +59,7 @@ impl<'a> Cutter<'a> {
     pub(crate) fn new(surface: &'a Surface) -> Option<Self> {
         let twin = halfedge::twins(&surface.triangles).ok()?;
         let mut loops = halfedge::boundary_loops(&surface.triangles, &twin)?;
-        let length = |l: &Vec<u32>| -> f64 {
-            (0..l.len())
-                .map(|i| {
-                    let (a, b) = (l[i] as usize, l[(i + 1) % l.len()] as usize);
-                    crate::vec3::distance(surface.positions[a], surface.positions[b])
-                })
-                .sum()
-        };
-        let mut keyed: Vec<_> = loops.drain(..).map(|l| (length(&l), l)).collect();
+        let mut keyed: Vec<_> = loops.drain(..).map(|l| (loop_length(surface, &l), l)).collect();
         keyed.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
         let graph = EdgeGraph::new(&surface.positions, &surface.triangles);
         let used = surface.positions.len() as i64;
@@ -78,6 +70,11 @@ impl<'a> Cutter<'a> {
     /// Boundary loops, longest first.
     pub(crate) fn loops(&self) -> &[Vec<u32>] {
         &self.loops
+    }
+
+    /// Their lengths \[m\].
+    pub(crate) fn loop_lengths(&self) -> Vec<f64> {
+        self.loops.iter().map(|l| loop_length(self.surface, l)).collect()
     }
 
     /// Vertices - edges + triangles.
@@ -253,6 +250,11 @@ impl<'a> Cutter<'a> {
         }
         grow
     }
+}
+
+fn loop_length(surface: &Surface, l: &[u32]) -> f64 {
+    let at = |i: usize| surface.positions[l[i % l.len()] as usize];
+    (0..l.len()).map(|i| crate::vec3::distance(at(i), at(i + 1))).sum()
 }
 
 /// Takes away dead ends of the cut that lead to no boundary and no vertex to keep.

@@ -59,11 +59,8 @@ struct Collapser<'a> {
 
 impl Collapser<'_> {
     fn neighbours(&self, v: u32) -> Vec<u32> {
-        let mut out: Vec<u32> = self.around[v as usize]
-            .iter()
-            .flat_map(|&t| self.triangles[t as usize])
-            .filter(|&w| w != v)
-            .collect();
+        let mut out: Vec<u32> =
+            self.around[v as usize].iter().flat_map(|&t| self.triangles[t as usize]).filter(|&w| w != v).collect();
         out.sort_unstable();
         out.dedup();
         out

@@ -26,7 +26,7 @@ impl Default for FitOptions {
     }
 }
 
-const GRADIENT: f64 = 0.02;
+const GRADIENT: f64 = 0.1;
 
 /// Normal equations on the grid: a 3 x 3 stencil and a right-hand side for each texel.
 struct Normal {
@@ -186,7 +186,9 @@ pub(crate) fn fit(
                         let (u, v) = (i as f64, j as f64);
                         cell.clear();
                         cell.extend_from_slice(&p);
-                        for (n, d) in [([-1.0, 0.0], -u), ([1.0, 0.0], u + 1.0), ([0.0, -1.0], -v), ([0.0, 1.0], v + 1.0)] {
+                        for (n, d) in
+                            [([-1.0, 0.0], -u), ([1.0, 0.0], u + 1.0), ([0.0, -1.0], -v), ([0.0, 1.0], v + 1.0)]
+                        {
                             clip(&cell, n, d, &mut next);
                             std::mem::swap(&mut cell, &mut next);
                             if cell.len() < 3 {

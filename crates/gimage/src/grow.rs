@@ -16,7 +16,7 @@ pub struct GrowOptions {
     pub triangles: usize,
     /// Largest number of points the cut is grown to.
     pub points: usize,
-    /// A point is kept if it lowers the energy by at least this share.
+    /// A point is kept if it lowers the mean of ln(density / 4) by this; 0.01 is about a hundredth of the energy.
     pub gain: f64,
 }
 
@@ -103,6 +103,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let cutter = Cutter::new(&small)?;
     let mut terminals: Vec<u32> = Vec::new();
     let mut now = attempt(&cutter, &terminals, search);
+    if std::env::var("SCRATCH").is_ok() { eprintln!("grow: {} tri -> {}, loops {} handles {} first {:?}", surface.triangles.len(), small.triangles.len(), cutter.loops().len(), cutter.handles(), now.as_ref().map(|t| t.score)); }
     while terminals.len() < options.points {
         let score = now.as_ref().map_or(f64::INFINITY, |t| t.score);
         let candidates = now.as_ref().map_or_else(Vec::new, |t| t.next.clone());
@@ -110,11 +111,12 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         for v in candidates {
             let mut longer = terminals.clone();
             longer.push(v);
+            if std::env::var("SCRATCH").is_ok() { eprintln!("    try {v} {:?}: {:?}", small.positions[v as usize], attempt(&cutter, &longer, search).map(|t| t.score)); }
             if let Some(t) = attempt(&cutter, &longer, search)
-                && t.score < score * (1.0 - options.gain)
+                && t.score < score - options.gain
                 && best.as_ref().is_none_or(|b| t.score < b.0.score)
             {
-                let enough = t.score < score * (1.0 - 5.0 * options.gain);
+                let enough = t.score < score - 5.0 * options.gain;
                 best = Some((t, v));
                 if enough {
                     break;
@@ -122,7 +124,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
             }
         }
         let Some((t, v)) = best else { break };
-        if std::env::var("SCRATCH").is_ok() { println!("  {} -> {}", score, t.score); }
+        if std::env::var("SCRATCH").is_ok() { eprintln!("  {} -> {}", score, t.score); }
         terminals.push(v);
         now = Some(t);
     }

@@ -25,7 +25,7 @@ pub(crate) struct Layout {
     pub h: u32,
     /// Steps from (0, 0) to the start of the boundary loop; whole unless the boundary is free of cuts.
     pub shift: f64,
-    /// Mean symmetric Dirichlet energy of the stand-in.
+    /// Distortion of the stand-in: mean of ln(symmetric Dirichlet density / 4), 0 for an isometry.
     pub score: f64,
 }
 
@@ -108,8 +108,15 @@ impl<'a> Proxy<'a> {
         }
     }
 
-    /// The map of the stand-in for a layout and its energy.
-    pub(crate) fn map(&mut self, w: u32, h: u32, shift: f64, passes: usize, steps: usize) -> Option<(Vec<[f64; 2]>, f64)> {
+    /// The map of the stand-in for a layout and its distortion.
+    pub(crate) fn map(
+        &mut self,
+        w: u32,
+        h: u32,
+        shift: f64,
+        passes: usize,
+        steps: usize,
+    ) -> Option<(Vec<[f64; 2]>, f64)> {
         let perimeter = 2 * (w + h);
         let (disk, border) = (self.disk, self.border);
         let (along, dead) = self
@@ -131,7 +138,7 @@ impl<'a> Proxy<'a> {
         self.trials += 1;
         let options = NewtonOptions { steps, tolerance: 1e-2 };
         let record = solve(&mut self.system, &self.positions, &self.triangles, &mut uv, passes, &options)?;
-        Some((uv, record.newton.end))
+        Some((uv, record.log_distortion))
     }
 
     /// The disk vertex that a vertex of the stand-in is.

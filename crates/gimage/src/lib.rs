@@ -3,6 +3,9 @@
 //! The modules are the pipeline, in order: [`import`] reads files into a [`mesh::Mesh`], [`repair`] makes it an
 //! oriented manifold, [`component`] tells pieces from accessories, and so on down to the bundle.
 
+mod accessory;
+mod assemble;
+mod attributes;
 mod border;
 pub mod closest;
 pub mod component;
@@ -12,7 +15,7 @@ mod disjoint;
 mod disk;
 pub mod error;
 pub mod export;
-pub mod fit;
+mod fit;
 mod frame;
 mod graph;
 pub mod grid;
@@ -20,19 +23,20 @@ mod grow;
 pub mod halfedge;
 pub mod import;
 mod layout;
+mod locate;
 pub mod mass;
 pub mod measure;
 pub mod mesh;
 pub mod options;
-pub mod parameterize;
-pub mod piece;
+mod parameterize;
+mod piece;
 pub mod pins;
 pub mod pipeline;
 pub mod progress;
 pub mod reconstruct;
 pub mod record;
-pub mod report;
 pub mod repair;
+pub mod report;
 mod resample;
 mod sample;
 mod seal;

@@ -107,7 +107,8 @@ impl BuildOptions {
                 return Err(bad("texels", format!("{n} texels"), &format!("give 9 to {cap}")));
             }
             ImageSize::Exact(w, h) => {
-                if w < 3 || h < 3 || u64::from(w) * u64::from(h) > u64::from(cap) || w.max(h) > gimage_bundle::MAX_SIDE {
+                if w < 3 || h < 3 || u64::from(w) * u64::from(h) > u64::from(cap) || w.max(h) > gimage_bundle::MAX_SIDE
+                {
                     let hint = format!("give sides of 3 to {} and at most {cap} texels", gimage_bundle::MAX_SIDE);
                     return Err(bad("size", format!("{w} x {h}"), &hint));
                 }

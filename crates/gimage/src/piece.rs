@@ -10,9 +10,10 @@ use crate::fit::{FitOptions, fit};
 use crate::grid::Grid;
 use crate::grow::{GrowOptions, grow};
 use crate::layout::{self, Layout, Proxy, SearchOptions, Size};
+use crate::options::{BuildOptions, ImageSize, Sample, Seams};
 use crate::parameterize::distortion::{self, Distortion};
 use crate::parameterize::{NewtonOptions, ParameterizeRecord, parameterize};
-use crate::resample::{Sample, border_index, resample};
+use crate::resample::{Sample as DiskSample, border_index, resample};
 use crate::seal::{Expected, seal};
 use crate::surface::Surface;
 
@@ -21,6 +22,8 @@ use crate::surface::Surface;
 pub struct CutRecord {
     /// Length of the cut paths \[m\].
     pub length: f64,
+    /// Edges cut.
+    pub edges: u32,
     /// Points the cut was grown to.
     pub grown: usize,
     /// The cut follows UV seams.
@@ -44,11 +47,15 @@ pub(crate) struct PieceImage {
     pub width: u32,
     pub height: u32,
     /// Where each texel lies on the disk, row by row.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<DiskSample>,
     /// Texel positions \[m\], bit-identical for duplicates, and the rings of duplicates.
     pub grid: Grid,
     /// The image welds to a surface of the same topology.
     pub closed: bool,
+    /// For each texel the boundary loop of the surface it lies on (longest first), or [`disk::NONE`].
+    pub loop_of: Vec<u32>,
+    /// Lengths of the surface's boundary loops \[m\], longest first.
+    pub loop_lengths: Vec<f64>,
     /// Texels sampled a little off their place so that it does.
     pub moved: usize,
     pub distortion: Distortion,
@@ -66,11 +73,42 @@ pub(crate) struct ImageOptions {
     pub newton: NewtonOptions,
     pub passes: usize,
     pub sampling: Sampling,
+    pub seams: Seams,
 }
 
-/// Makes the image of a connected surface. `seam[e]` marks the edges (of the surface's edge graph) to prefer, for each
-/// set of costs tried.
-pub(crate) fn image(name: &str, surface: &Surface, seam: &[Option<Vec<bool>>], options: &ImageOptions) -> Result<PieceImage> {
+impl ImageOptions {
+    /// The settings of a build for a piece with a budget of texels, or of the exact size asked for.
+    pub(crate) fn new(options: &BuildOptions, budget: Option<u32>) -> Self {
+        let size = match (options.size, budget) {
+            (ImageSize::Exact(w, h), _) => Size::Fixed(w, h),
+            (ImageSize::Texels(n), None) => Size::Budget(n),
+            (_, b) => Size::Budget(b.unwrap_or(LEAST)),
+        };
+        Self {
+            size,
+            grow: Some(GrowOptions::default()),
+            search: SearchOptions { triangles: 1000, shifts: 12, passes: 3, steps: 5, refine: true },
+            newton: NewtonOptions::default(),
+            passes: 8,
+            sampling: match options.sample {
+                Sample::Point => Sampling::Point,
+                Sample::Fit => Sampling::Fit(FitOptions::default()),
+            },
+            seams: options.seams,
+        }
+    }
+}
+
+/// Texels of a piece whose share is unknown.
+const LEAST: u32 = 64;
+
+/// Makes the image of a connected surface. `uv_seam` tells the half-edges on UV seams, if the surface has any.
+pub(crate) fn image(
+    name: &str,
+    surface: &Surface,
+    uv_seam: Option<&[bool]>,
+    options: &ImageOptions,
+) -> Result<PieceImage> {
     let fail = |stage: &'static str, problem: String, hint: &str| Error::Piece {
         piece: name.to_owned(),
         stage,
@@ -79,33 +117,52 @@ pub(crate) fn image(name: &str, surface: &Surface, seam: &[Option<Vec<bool>>], o
     };
     let cutter = Cutter::new(surface)
         .ok_or_else(|| fail("cut", "the surface is not a manifold".into(), "this is a fault of the repair stage"))?;
-    let mut rim = vec![false; surface.positions.len()];
-    cutter.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);
+    let mut rim = vec![disk::NONE; surface.positions.len()];
+    for (k, l) in cutter.loops().iter().enumerate() {
+        l.iter().for_each(|&v| rim[v as usize] = k as u32);
+    }
     let grown = options.grow.as_ref().and_then(|g| grow(&cutter, g));
     let terminals: &[u32] = grown.as_ref().map_or(&[], |g| &g.terminals);
     // The candidates: every set of edge costs, laid out on its own stand-in; the least energy wins.
     let mut best: Option<(Layout, Disk, Border, CutRecord, usize)> = None;
     let mut smallest = u32::MAX;
-    for prefer in seam {
+    let candidates: &[bool] = match (options.seams, uv_seam) {
+        (_, None) | (Seams::Short, _) => &[false],
+        (Seams::Uv, _) => &[true],
+        (Seams::Auto, _) => &[false, true],
+    };
+    for &along_uv in candidates {
         let mut cost = cutter.graph.length.clone();
-        if let Some(prefer) = prefer {
-            cost.iter_mut().zip(prefer).filter(|(_, p)| **p).for_each(|(c, _)| *c *= SEAM_DISCOUNT);
+        if let Some(seam) = uv_seam.filter(|_| along_uv) {
+            for (c, h) in cost.iter_mut().zip(&cutter.graph.halves) {
+                if seam[h[0] as usize] {
+                    *c *= SEAM_DISCOUNT;
+                }
+            }
         }
-        let cut = match (&grown, prefer) {
-            (Some(g), None) if !terminals.is_empty() || cutter.handles() > 0 => g.cut.clone(),
+        let cut = match (&grown, along_uv) {
+            (Some(g), false) if !terminals.is_empty() || cutter.handles() > 0 => g.cut.clone(),
             _ => cutter.cut(&cost, terminals),
         };
         let mut disk = disk::open(&cutter, &cut).map_err(|e| {
-            fail("cut", format!("the cut left Euler number {} and {} loops", e.euler, e.loops), "please report it with the input")
+            fail(
+                "cut",
+                format!("the cut left Euler number {} and {} loops", e.euler, e.loops),
+                "please report it with the input",
+            )
         })?;
-        let border = Border::new(&mut disk, |v| rim[v as usize]);
+        let border = Border::new(&mut disk, |v| rim[v as usize] != disk::NONE);
         smallest = smallest.min(border.least_steps());
         let mut proxy = Proxy::new(&disk, &border, options.search);
         let Some(layout) = proxy.search(options.size) else { continue };
         let trials = proxy.trials;
         drop(proxy);
-        let record =
-            CutRecord { length: cut.length(&cutter.graph), grown: terminals.len(), uv_seams: prefer.is_some() };
+        let record = CutRecord {
+            length: cut.length(&cutter.graph),
+            edges: cut.edges.iter().filter(|c| **c).count() as u32,
+            grown: terminals.len(),
+            uv_seams: along_uv,
+        };
         if best.as_ref().is_none_or(|b| layout.score < b.0.score) {
             best = Some((layout, disk, border, record, trials));
         }
@@ -120,7 +177,7 @@ pub(crate) fn image(name: &str, surface: &Surface, seam: &[Option<Vec<bool>>], o
     };
     let Layout { w, h, shift, .. } = layout;
     let placed = border
-        .place(&disk, surface, w, h, shift)
+        .place(&disk, surface, &|v| rim[v as usize] != disk::NONE, w, h, shift)
         .ok_or_else(|| fail("border", "the boundary cannot be shared out".into(), "use a larger image"))?;
     let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
     let fixed = disk.boundary_mask();
@@ -132,9 +189,11 @@ pub(crate) fn image(name: &str, surface: &Surface, seam: &[Option<Vec<bool>>], o
         .ok_or_else(|| fail("resample", "a texel fell outside the map".into(), "please report it with the input"))?;
     let mut points: Vec<[f64; 3]> = samples.iter().map(|s| s.position(&disk)).collect();
     let mut rings: HashMap<Key, Vec<u32>> = HashMap::new();
+    let mut loop_of = vec![disk::NONE; points.len()];
     for (p, t) in texels.iter().enumerate() {
         let at = border_index(p as u32, w, h);
         points[at] = t.position;
+        loop_of[at] = t.rim.map_or(disk::NONE, |v| rim[v as usize]);
         rings.entry(t.key).or_default().push(at as u32);
     }
     let mut links = vec![disk::NONE; points.len()];
@@ -160,6 +219,8 @@ pub(crate) fn image(name: &str, surface: &Surface, seam: &[Option<Vec<bool>>], o
         samples,
         grid,
         closed,
+        loop_of,
+        loop_lengths: cutter.loop_lengths(),
         moved,
         distortion,
         parameterize: record,
@@ -218,13 +279,26 @@ mod scratch {
             search: SearchOptions { triangles: 1000, shifts: 12, passes: 3, steps: 5, refine: true },
             newton: NewtonOptions::default(),
             passes: 8,
-            sampling: std::env::var("FIT").map_or(Sampling::Point, |g| Sampling::Fit(FitOptions { gradient: g.parse().unwrap() })),
+            seams: Seams::Auto,
+            sampling: std::env::var("FIT")
+                .map_or(Sampling::Point, |g| Sampling::Fit(FitOptions { gradient: g.parse().unwrap() })),
         };
-        let i = image("x", &s, &[None], &o).unwrap();
+        let i = image("x", &s, None, &o).unwrap();
         println!(
             "{path}: {}x{} L2 {:.3} Linf {:.1} sd {:.3} flips {} cut {:.3} grown {} trials {} closed {} moved {} {:?} in {:.2?}",
-            i.width, i.height, i.distortion.l2, i.distortion.linf, i.distortion.symmetric_dirichlet, i.distortion.flips,
-            i.cut.length, i.cut.grown, i.trials, i.closed, i.moved, i.parameterize, t0.elapsed()
+            i.width,
+            i.height,
+            i.distortion.l2,
+            i.distortion.linf,
+            i.distortion.symmetric_dirichlet,
+            i.distortion.flips,
+            i.cut.length,
+            i.cut.grown,
+            i.trials,
+            i.closed,
+            i.moved,
+            i.parameterize,
+            t0.elapsed()
         );
         let mut o = format!("{} {}\n", i.width, i.height);
         for p in &i.grid.positions {

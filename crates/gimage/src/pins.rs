@@ -69,7 +69,8 @@ impl FromStr for Pin {
             }
             "color" => {
                 let (name, t) = compare(rest)?;
-                let c = COLORS.iter().position(|c| *c == name).ok_or_else(|| bad("the component is not r, g, b or a"))?;
+                let c =
+                    COLORS.iter().position(|c| *c == name).ok_or_else(|| bad("the component is not r, g, b or a"))?;
                 Ok(Pin::Color(c, t))
             }
             _ => Err(bad("unknown kind")),

@@ -1,13 +1,25 @@
-//! The whole build: file -> bundle.
+//! The whole build, stage by stage: file -> bundle.
 
 use std::path::Path;
+use std::time::Instant;
 
 use gimage_bundle::Bundle;
+use gimage_bundle::manifest::{Joint, Repair, Skeleton, Source};
+use rayon::prelude::*;
 
-use crate::error::Result;
-use crate::options::BuildOptions;
-use crate::progress::Progress;
-use crate::report::Report;
+use crate::accessory::{Rider, anchor};
+use crate::assemble::{assemble, measure_piece, summary};
+use crate::component::{Component, extract, split};
+use crate::error::{Error, Result};
+use crate::import::import;
+use crate::mesh::{Mesh, Semantic};
+use crate::options::{BuildOptions, ImageSize};
+use crate::piece::{ImageOptions, PieceImage, image};
+use crate::progress::{Progress, Stage};
+use crate::record::{Finding, MAX_EXAMPLES, Severity};
+use crate::repair::repair;
+use crate::report::{Report, StageTime, peak_memory};
+use crate::surface::Surface;
 
 /// A finished build, not yet written.
 #[derive(Clone, Debug)]
@@ -18,9 +30,306 @@ pub struct Built {
     pub report: Report,
 }
 
-/// Builds a bundle from a garment file.
+/// Times the stages and keeps their findings.
+struct Run<'a> {
+    progress: &'a dyn Progress,
+    report: Report,
+}
+
+impl Run<'_> {
+    fn stage<T>(&mut self, stage: Stage, steps: usize, work: impl FnOnce(&mut Report) -> Result<T>) -> Result<T> {
+        if self.progress.cancelled() {
+            return Err(Error::Cancelled);
+        }
+        self.progress.begin(stage, steps as u64);
+        let start = Instant::now();
+        let out = work(&mut self.report)?;
+        let seconds = start.elapsed().as_secs_f64();
+        self.report.stages.push(StageTime { stage, seconds, peak_bytes: peak_memory() });
+        Ok(out)
+    }
+}
+
+/// Least texels of a piece's image: below this a component is an accessory.
+const LEAST_TEXELS: u32 = 64;
+
+/// How much larger than its share the image of a small piece may get to hold its border.
+const STRETCH: u32 = 4;
+
+/// Builds a bundle from a garment file. The same file and options give the same bytes whatever the number of threads.
+///
+/// Errors: whatever the import finds unreadable; [`Error::Empty`] when nothing is left to make a piece of;
+/// [`Error::GridTooSmall`] when an exact size cannot hold a piece's border; [`Error::Cancelled`].
 pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Result<Built> {
-    let _ = (path, progress);
     options.check()?;
-    todo!()
+    let mut run = Run { progress, report: Report::default() };
+    let imported = run.stage(Stage::Import, 1, |report| {
+        let imported = import(path, &options.import)?;
+        report.findings.extend(imported.findings.iter().cloned());
+        Ok(imported)
+    })?;
+    let (mesh, source) = (imported.mesh, imported.source);
+    let mesh = run.stage(Stage::Repair, 1, |report| {
+        let repaired = repair(mesh, &options.repair)?;
+        report.findings.extend(repaired.findings);
+        Ok(repaired.mesh)
+    })?;
+    let parts = run.stage(Stage::Component, 1, |report| {
+        let parts = split(&mesh, &options.component);
+        if parts.pieces.is_empty() {
+            return Err(nothing_left(path, &mesh, &parts.accessories, options));
+        }
+        report.findings.extend(resolution(&mesh));
+        Ok(parts)
+    })?;
+    let total: f64 = parts.pieces.iter().map(|p| p.area).sum();
+    let made = run.stage(Stage::Image, parts.pieces.len(), |_| {
+        let made: Vec<Result<Outcome>> = parts
+            .pieces
+            .par_iter()
+            .map(|component| {
+                if progress.cancelled() {
+                    return Err(Error::Cancelled);
+                }
+                let out = make(&mesh, component, total, options);
+                progress.step(Stage::Image);
+                out
+            })
+            .collect();
+        made.into_iter().collect::<Result<Vec<_>>>()
+    })?;
+    let (mut pieces, mut riders) = (Vec::new(), Vec::new());
+    for (component, outcome) in parts.pieces.iter().zip(made) {
+        match outcome {
+            Outcome::Piece(surface, image) => pieces.push((component, surface, *image)),
+            Outcome::Accessory(reason) => riders.push(Rider { component, reason }),
+        }
+    }
+    if pieces.is_empty() {
+        return Err(nothing_left(path, &mesh, &parts.pieces, options));
+    }
+    let small = format!("area under {} % of the whole", 100.0 * options.component.accessory_area);
+    riders.extend(parts.accessories.iter().map(|component| Rider { component, reason: small.clone() }));
+    run.report.findings.extend(set_apart(&riders));
+    run.report.findings.extend(pieces.iter().flat_map(|(c, _, i)| remarks(&c.name, i)));
+
+    let mut bundle = run.stage(Stage::Maps, pieces.len(), |report| {
+        let mut bundle = Bundle::new(concat!("gimage ", env!("CARGO_PKG_VERSION")));
+        let findings = assemble(&mut bundle, &mesh, &pieces, options, &|| progress.step(Stage::Maps))?;
+        report.findings.extend(findings);
+        Ok(bundle)
+    })?;
+    if options.metrics {
+        run.stage(Stage::Measure, pieces.len(), |_| {
+            let measured: Vec<_> = pieces
+                .par_iter()
+                .map(|(_, surface, image)| {
+                    let quality = measure_piece(surface, image, surface.area() / total);
+                    progress.step(Stage::Measure);
+                    quality
+                })
+                .collect();
+            let whole = summary(&measured, &pieces);
+            for (entry, quality) in bundle.manifest.pieces.iter_mut().zip(&measured) {
+                entry.quality = quality.merged(std::mem::take(&mut entry.quality));
+            }
+            bundle.manifest.quality = whole.merged(std::mem::take(&mut bundle.manifest.quality));
+            Ok(())
+        })?;
+    }
+    let images: Vec<PieceImage> = pieces.into_iter().map(|p| p.2).collect();
+    bundle.manifest.accessories = anchor(&mesh, &riders, &images);
+    bundle.manifest.source =
+        Source { file: source.file_name.clone(), sha256: source.sha256.clone(), extras: source.extras.clone() };
+    bundle.manifest.options = options.record();
+    bundle.manifest.skeleton = skeleton(&mesh, &bundle);
+    bundle.manifest.repairs = run.report.findings.iter().map(repair_entry).collect();
+    run.stage(Stage::Encode, 1, |_| {
+        bundle.count()?;
+        Ok(())
+    })?;
+    Ok(Built { bundle, report: run.report })
+}
+
+/// What became of a component.
+enum Outcome {
+    Piece(Surface, Box<PieceImage>),
+    Accessory(String),
+}
+
+fn make(mesh: &Mesh, component: &Component, total: f64, options: &BuildOptions) -> Result<Outcome> {
+    let share = component.area / total;
+    let budget = match options.size {
+        ImageSize::Texels(n) => Some((f64::from(n) * share).floor() as u32),
+        ImageSize::Exact(..) => None,
+        ImageSize::Spacing(d) => {
+            let texels = component.area / (d * d);
+            if texels > f64::from(gimage_bundle::MAX_PARTICLES) {
+                return Err(Error::TooLarge {
+                    what: format!("piece {} at a spacing of {d} m", component.name),
+                    need: format!("{texels:.0} texels"),
+                    limit: format!("{} texels", gimage_bundle::MAX_PARTICLES),
+                    hint: "give a larger spacing".into(),
+                });
+            }
+            Some(texels.ceil() as u32)
+        }
+    };
+    if let Some(b) = budget.filter(|&b| b < LEAST_TEXELS)
+        && share < 0.5
+    {
+        return Ok(Outcome::Accessory(format!("its share of {b} texels is too small for a grid")));
+    }
+    let surface = extract(mesh, component);
+    let seam = uv_seams(mesh, &surface);
+    let image_options = ImageOptions::new(options, budget);
+    let image = image(&component.name, &surface, seam.as_deref(), &image_options)?;
+    if let Some(b) = budget
+        && share < 0.5
+        && image.width * image.height > STRETCH * b.max(LEAST_TEXELS)
+    {
+        return Ok(Outcome::Accessory(format!(
+            "its border needs {} x {} texels, its share is {b}",
+            image.width, image.height
+        )));
+    }
+    Ok(Outcome::Piece(surface, Box::new(image)))
+}
+
+/// For each half-edge of the surface whether the first UV set differs across it; `None` without UVs, without seams, or
+/// where seams are everywhere and so tell nothing.
+fn uv_seams(mesh: &Mesh, surface: &Surface) -> Option<Vec<bool>> {
+    let uv = mesh.channel(&Semantic::TexCoord(0))?;
+    let twin = crate::halfedge::twins(&surface.triangles).ok()?;
+    let value = |h: u32| uv.at(surface.source_triangle[h as usize / 3] as usize, h as usize % 3);
+    let mut seam = vec![false; twin.len()];
+    let (mut inner, mut many) = (0usize, 0usize);
+    for h in 0..twin.len() as u32 {
+        let w = twin[h as usize];
+        if w == crate::halfedge::BOUNDARY {
+            continue;
+        }
+        inner += 1;
+        let next = crate::halfedge::next;
+        let same_way =
+            surface.triangles[h as usize / 3][h as usize % 3] == surface.triangles[w as usize / 3][w as usize % 3];
+        let (a, b) = if same_way { (w, next(w)) } else { (next(w), w) };
+        seam[h as usize] = value(h) != value(a) || value(next(h)) != value(b);
+        many += usize::from(seam[h as usize]);
+    }
+    (many > 0 && 3 * many < inner).then_some(seam)
+}
+
+fn nothing_left(path: &Path, mesh: &Mesh, parts: &[Component], options: &BuildOptions) -> Error {
+    let largest = parts.iter().map(|c| c.area).fold(0.0, f64::max);
+    let all: f64 = parts.iter().map(|c| c.area).sum();
+    if mesh.triangles.is_empty() || all <= 0.0 {
+        return Error::Empty {
+            path: path.to_path_buf(),
+            problem: "no triangle with an area is left after repair".into(),
+            hint: "export the garment's mesh again".into(),
+        };
+    }
+    Error::Empty {
+        path: path.to_path_buf(),
+        problem: format!(
+            "none of the {} loose parts is large enough to be a piece (the largest has {:.2} % of the area, {:.2} % are asked for)",
+            parts.len(),
+            100.0 * largest / all,
+            100.0 * options.component.accessory_area
+        ),
+        hint: "join the parts with --weld METRES, or lower --accessory-area".into(),
+    }
+}
+
+/// A warning where f32 cannot hold the shape: far from the origin for its size.
+fn resolution(mesh: &Mesh) -> Option<Finding> {
+    let (lo, hi) = mesh.bounds()?;
+    let far = lo.iter().chain(&hi).fold(0.0f64, |m, x| m.max(x.abs()));
+    let step = far * f64::from(f32::EPSILON);
+    let diagonal = mesh.diagonal();
+    (step > 1e-5 * diagonal).then(|| Finding {
+        severity: Severity::Warning,
+        stage: "component",
+        kind: "far-from-origin",
+        count: 1,
+        examples: vec![format!("coordinates up to {far:.3e} m, diagonal {diagonal:.3e} m")],
+        message: format!(
+            "The garment is so far from the origin that 32-bit positions are steps of {step:.1e} m; move it to the origin."
+        ),
+    })
+}
+
+fn set_apart(riders: &[Rider<'_>]) -> Option<Finding> {
+    (!riders.is_empty()).then(|| Finding {
+        severity: Severity::Repair,
+        stage: "component",
+        kind: "accessories",
+        count: riders.len() as u64,
+        examples: riders
+            .iter()
+            .take(MAX_EXAMPLES)
+            .map(|r| format!("{} ({} triangles): {}", r.component.name, r.component.triangles.len(), r.reason))
+            .collect(),
+        message: "Parts that are no cloth get no image and ride on the nearest piece.".into(),
+    })
+}
+
+/// What the image stage has to say about a piece.
+fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
+    let one = |severity, kind, count: usize, message: &str| Finding {
+        severity,
+        stage: "image",
+        kind,
+        count: count as u64,
+        examples: vec![format!("piece {name}")],
+        message: message.into(),
+    };
+    let mut out = Vec::new();
+    if !image.closed {
+        let text = "The image does not weld to a surface of the piece's own topology; give it more texels.";
+        out.push(one(Severity::Warning, "topology", 1, text));
+    }
+    if image.moved > 0 {
+        let text =
+            "Texels beside the end of a cut were sampled a fraction of a texel further in, so that the image welds.";
+        out.push(one(Severity::Note, "moved-texels", image.moved, text));
+    }
+    let p = &image.parameterize;
+    if p.newton.steps == 0 && !p.newton.converged {
+        let text = "The minimiser could not proceed; the flip-free start stands.";
+        out.push(one(Severity::Warning, "start-kept", 1, text));
+    } else if !p.newton.converged {
+        let text = "The minimiser stopped before it converged; the map is flip-free but could be less distorted.";
+        out.push(one(Severity::Note, "not-converged", 1, text));
+    }
+    out
+}
+
+fn skeleton(mesh: &Mesh, bundle: &Bundle) -> Option<Skeleton> {
+    let used = bundle.images.keys().any(|(_, kind)| matches!(kind, gimage_bundle::MapKind::Joints(_)));
+    (used && !mesh.skeleton.joints.is_empty()).then(|| Skeleton {
+        joints: mesh
+            .skeleton
+            .joints
+            .iter()
+            .map(|j| Joint { name: j.name.clone(), parent: j.parent, inverse_bind: j.inverse_bind.map(|x| x as f32) })
+            .collect(),
+    })
+}
+
+fn repair_entry(f: &Finding) -> Repair {
+    Repair {
+        severity: match f.severity {
+            Severity::Note => "note",
+            Severity::Repair => "repair",
+            Severity::Warning => "warning",
+        }
+        .into(),
+        stage: f.stage.into(),
+        kind: f.kind.into(),
+        count: f.count,
+        examples: f.examples.clone(),
+        message: f.message.clone(),
+    }
 }

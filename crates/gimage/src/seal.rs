@@ -7,7 +7,7 @@
 use crate::disk::Disk;
 use crate::grid::Grid;
 use crate::halfedge::sorted_edges;
-use crate::parameterize::distortion::{planar, signed_area2};
+use crate::locate::Locator;
 use crate::resample::Sample;
 use crate::topology::Topology;
 
@@ -34,26 +34,6 @@ impl Expected {
 /// How far in a texel may be moved, in texels, and in how many steps.
 const REACH: f64 = 0.75;
 const STEPS: usize = 5;
-
-/// The sample of the disk at a point of the plane, if the map covers it.
-fn locate(disk: &Disk, uv: &[[f64; 2]], q: [f64; 2]) -> Option<Sample> {
-    let mut best: Option<(f64, Sample)> = None;
-    for (f, &t) in disk.triangles.iter().enumerate() {
-        let p = planar(uv, t);
-        let area = signed_area2(p);
-        if area <= 0.0 {
-            continue;
-        }
-        let b1 = signed_area2([p[0], q, p[2]]) / area;
-        let b2 = signed_area2([p[0], p[1], q]) / area;
-        let bary = [1.0 - b1 - b2, b1, b2];
-        let inside = bary.iter().copied().fold(f64::INFINITY, f64::min);
-        if inside > -1e-9 && best.is_none_or(|b| inside > b.0) {
-            best = Some((inside, Sample { triangle: f as u32, bary }));
-        }
-    }
-    best.map(|b| b.1)
-}
 
 /// Texels that lie inside the image and on an over-full welded edge, or next to one whose ends both lie on the border.
 fn culprits(grid: &Grid) -> Vec<usize> {
@@ -97,6 +77,7 @@ pub(crate) fn seal(
     expected: Expected,
 ) -> (usize, bool) {
     let mut moved = std::collections::BTreeSet::new();
+    let mut locator = None;
     for step in 1..=STEPS {
         if expected.met(&grid.check()) {
             return (moved.len(), true);
@@ -107,7 +88,8 @@ pub(crate) fn seal(
             let d = [inward(i, grid.width), inward(j, grid.height)];
             let by = REACH * step as f64 / STEPS as f64;
             let q = [i as f64 + by * d[0], j as f64 + by * d[1]];
-            if let Some(s) = locate(disk, uv, q) {
+            let locator = locator.get_or_insert_with(|| Locator::new(disk, uv, grid.width - 1, grid.height - 1));
+            if let Some(s) = locator.at(q) {
                 grid.positions[k] = s.position(disk);
                 samples[k] = s;
                 moved.insert(k);

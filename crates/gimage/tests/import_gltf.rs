@@ -393,3 +393,71 @@ fn limits_are_kept() {
     let few = ImportOptions { max_triangles: 1, max_vertices: 4, ..Default::default() };
     assert!(matches!(load_with("a.glb", &square().finish(), &few), Err(Error::TooLarge { .. })));
 }
+
+#[test]
+fn weights_are_made_sound() {
+    let mut glb = square();
+    let j = glb.accessor("VEC4", U8, 4, &[0, 1, 9, 0].repeat(4));
+    // Halves that sum to 2; none; one on a joint that is not there; bytes' rounding.
+    let w = [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.5, 0.0, 0.25, 0.752, 0.0, 0.0];
+    let w = glb.floats("VEC4", &w);
+    glb.json["nodes"] = json!([{"mesh": 0, "skin": 0}, {"name": "a"}, {"name": "b"}]);
+    glb.json["skins"] = json!([{"joints": [1, 2]}]);
+    let attributes = &mut glb.json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["JOINTS_0"] = json!(j);
+    attributes["WEIGHTS_0"] = json!(w);
+    let got = load(glb).unwrap();
+    check(&got);
+    let counts: Vec<_> = got.findings.iter().map(|f| (f.kind, f.count)).collect();
+    assert_eq!(counts, [("joint-out-of-range", 1), ("unnormalised-weights", 2), ("zero-weights", 1)]);
+    let [j, w] = [Semantic::Joints(0), Semantic::Weights(0)].map(|s| got.mesh.channel(&s).unwrap());
+    assert_eq!(w.at(0, 0), Some(&[0.5, 0.5, 0.0, 0.0][..]));
+    assert_eq!(w.at(0, 1), w.at(0, 0), "the first of the nearest");
+    assert_eq!(w.at(0, 2), Some(&[1.0, 0.0, 0.0, 0.0][..]));
+    assert!((w.at(1, 2).unwrap().iter().sum::<f32>() - 1.0).abs() < 1e-6);
+    assert!(j.values.iter().all(|&k| k < 2.0));
+}
+
+#[test]
+fn joints_without_a_skin_mean_nothing() {
+    let mut glb = square();
+    let j = glb.accessor("VEC4", U8, 4, &[0; 16]);
+    let w = glb.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(4));
+    let attributes = &mut glb.json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["JOINTS_0"] = json!(j);
+    attributes["WEIGHTS_0"] = json!(w);
+    let got = load(glb).unwrap();
+    assert!(has(&got, "joints-without-skin") && got.mesh.skeleton.joints.is_empty());
+    assert_eq!(got.mesh.channels.len(), 2);
+}
+
+#[test]
+fn vertices_without_a_finite_position() {
+    let mut glb = square();
+    glb.bin[0..4].copy_from_slice(&f32::NAN.to_le_bytes());
+    assert!(matches!(load(glb), Err(Error::Empty { .. })), "both triangles use it");
+    let mut glb = square();
+    glb.bin[12..16].copy_from_slice(&f32::INFINITY.to_le_bytes());
+    let got = load(glb).unwrap();
+    assert_eq!((got.mesh.triangles.len(), got.mesh.positions.len(), area(&got)), (1, 3, 0.5));
+    assert!(has(&got, "non-finite-positions"));
+}
+
+#[test]
+fn ranges_are_checked_before_they_are_read() {
+    let tries: [(&str, fn(&mut serde_json::Value)); 7] = [
+        ("4 elements of 12 bytes do not fit", |j| j["accessors"][0]["byteOffset"] = json!(8)),
+        ("do not fit", |j| j["accessors"][0]["count"] = json!(16_000_000)),
+        ("no such view", |j| j["accessors"][0]["bufferView"] = json!(99)),
+        ("no such accessor", |j| j["meshes"][0]["primitives"][0]["indices"] = json!(99)),
+        ("which has", |j| j["bufferViews"][0]["byteOffset"] = json!(u64::MAX)),
+        ("one every 4", |j| j["bufferViews"][0]["byteStride"] = json!(4)),
+        ("NORMAL has 2 components", |j| j["accessors"][1]["type"] = json!("VEC2")),
+    ];
+    for (words, damage) in tries {
+        let mut glb = square();
+        damage(&mut glb.json);
+        let got = load(glb);
+        assert!(is_malformed(&got, words), "{words}: {got:?}");
+    }
+}

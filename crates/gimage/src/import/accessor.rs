@@ -128,16 +128,23 @@ impl Accessors<'_> {
         if layout.width() != 1 {
             return Err(bad("vertex indices must be scalars"));
         }
-        let view = accessor.buffer_view.ok_or_else(|| bad("vertex indices must have a buffer view"))?;
         if accessor.sparse.is_some() {
-            return Err(bad("vertex indices must not be sparse"));
+            // Rare enough to go through floats, which are exact for so many vertices.
+            let floats = self.floats(index)?;
+            let exact = |v: &f32| (0.0..16_777_216.0).contains(v) && v.fract() == 0.0;
+            if !floats.values.iter().all(exact) {
+                return Err(bad("its sparse vertex indices are too large"));
+            }
+            return Ok(floats.values.iter().map(|&v| v as u32).collect());
         }
+        let view = accessor.buffer_view.ok_or_else(|| bad("vertex indices must have a buffer view"))?;
         let offset = accessor.byte_offset.map_or(0, |o| o.0);
         self.indices(index, view.value(), offset, accessor.count.0, layout)
     }
 
     fn indices(&self, index: usize, view: usize, offset: u64, count: u64, layout: Layout) -> Result<Vec<u32>> {
         let (bytes, stride) = self.span(index, view, offset, count, layout)?;
+        self.buffers.pass(4 * count)?;
         let elements = bytes.chunks(stride);
         Ok(match layout.component {
             ComponentType::U8 => elements.map(|b| b[0].into()).collect(),
@@ -183,6 +190,7 @@ impl Accessors<'_> {
         out: &mut Vec<f32>,
     ) -> Result<()> {
         let (bytes, stride) = self.span(index, view, offset, count as u64, layout)?;
+        self.buffers.pass(4 * (count * layout.width()) as u64)?;
         out.reserve_exact(count * layout.width());
         let top = largest(layout.component);
         macro_rules! read {

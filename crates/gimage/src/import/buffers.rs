@@ -19,6 +19,7 @@ pub(crate) struct Buffers<'a> {
     resolver: &'a Resolver<'a>,
     max_bytes: u64,
     spent: Cell<u64>,
+    passed: Cell<u64>,
     loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
     decompressed: Vec<OnceCell<Vec<u8>>>,
     outside: RefCell<Vec<OutsideFile>>,
@@ -34,8 +35,18 @@ impl<'a> Buffers<'a> {
     pub fn new(doc: &'a Document<'a>, bin: Option<&'a [u8]>, resolver: &'a Resolver<'a>, max_bytes: u64) -> Self {
         let cells = |n| std::iter::repeat_with(OnceCell::new).take(n).collect();
         let decompressed = std::iter::repeat_with(OnceCell::new).take(doc.root.buffer_views.len()).collect();
-        let (spent, outside) = (Cell::new(0), RefCell::default());
-        Self { doc, bin, resolver, max_bytes, spent, loaded: cells(doc.root.buffers.len()), decompressed, outside }
+        let (spent, passed, outside) = Default::default();
+        Self {
+            doc,
+            bin,
+            resolver,
+            max_bytes,
+            spent,
+            passed,
+            loaded: cells(doc.root.buffers.len()),
+            decompressed,
+            outside,
+        }
     }
 
     /// The files that were read, in the order of their buffers.
@@ -138,15 +149,24 @@ impl<'a> Buffers<'a> {
 
     /// Counts bytes against the cap before they are made.
     pub fn spend(&self, bytes: u64, what: &str) -> Result<()> {
-        let spent = self.spent.get().saturating_add(bytes);
-        self.spent.set(spent);
-        if spent <= self.max_bytes {
+        self.count(&self.spent, bytes, self.max_bytes, what)
+    }
+
+    /// Counts bytes that are read once more and not kept: primitives may share a long accessor, but not without end.
+    pub fn pass(&self, bytes: u64) -> Result<()> {
+        self.count(&self.passed, bytes, self.max_bytes.saturating_mul(16), "reading shared accessors")
+    }
+
+    fn count(&self, counter: &Cell<u64>, bytes: u64, limit: u64, what: &str) -> Result<()> {
+        let total = counter.get().saturating_add(bytes);
+        counter.set(total);
+        if total <= limit {
             return Ok(());
         }
         Err(Error::TooLarge {
             what: format!("{}: {what}", self.doc.path.display()),
-            need: format!("{spent} bytes"),
-            limit: format!("{} bytes", self.max_bytes),
+            need: format!("{total} bytes"),
+            limit: format!("{limit} bytes"),
             hint: "raise max_bytes, or reduce the file".into(),
         })
     }

@@ -17,11 +17,13 @@ pub(crate) struct Builder<'a> {
     path: &'a Path,
     options: &'a ImportOptions,
     mesh: Mesh,
+    /// Vertices gone through, used or not.
+    visited: usize,
 }
 
 impl<'a> Builder<'a> {
     pub fn new(path: &'a Path, options: &'a ImportOptions) -> Self {
-        Self { path, options, mesh: Mesh::default() }
+        Self { path, options, mesh: Mesh::default(), visited: 0 }
     }
 
     /// Adds a primitive, placed by `world`; `joints` takes joint indices of its skin to those of the skeleton.
@@ -33,6 +35,9 @@ impl<'a> Builder<'a> {
         joints: Option<&[u32]>,
         findings: &mut Findings,
     ) -> Result<()> {
+        // Vertices that come to nothing, placed again and again, take time too.
+        self.visited += raw.positions.len() / 3;
+        check_size(self.path, self.options, self.visited / 64, 0)?;
         let placed: Vec<[f64; 3]> = (raw.positions.as_chunks::<3>().0.iter())
             .map(|p| matrix::point(world, p.map(f64::from)).map(|x| x * self.options.unit))
             .collect();

@@ -47,7 +47,7 @@ pub(crate) fn decode(header: &Header, data: &[u8]) -> Result<Vec<u8>, String> {
         ("OCTAHEDRAL", 8) => Ok(filtered(&bytes, i16_of, decode_filter_oct, i16::to_le_bytes)),
         ("QUATERNION", 8) => Ok(filtered(&bytes, i16_of, decode_filter_quat, i16::to_le_bytes)),
         ("COLOR", 4) => Ok(filtered(&bytes, |b| b[0], decode_filter_color, |c| [c])),
-        ("COLOR", 8) => Ok(filtered(&bytes, |b| u16::from_le_bytes(b), decode_filter_color, u16::to_le_bytes)),
+        ("COLOR", 8) => Ok(filtered(&bytes, u16::from_le_bytes, decode_filter_color, u16::to_le_bytes)),
         // Each word is decoded by itself, so a view is a run of single words.
         ("EXPONENTIAL", _) => {
             let words = bytes.chunks_exact(4).map(|b| [u32::from_le_bytes([b[0], b[1], b[2], b[3]])]);

@@ -4,6 +4,7 @@
 //! reads `nan`, and makes one index list per object, which loses which vertices and texture coordinates were shared.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::findings::Findings;
@@ -48,12 +49,16 @@ struct Parser<'a> {
     text: Text,
     now: Part,
     part: Option<u32>,
+    /// Parts by object, group and material, and how many there are of each object and group.
+    known: HashMap<[String; 3], u32>,
+    primitives: HashMap<[String; 2], u32>,
 }
 
 /// Reads the text.
 pub(crate) fn parse(path: &Path, bytes: &[u8], options: &ImportOptions, findings: &mut Findings) -> Result<Text> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut parser = Parser { path, options, line: 0, text: Text::default(), now: Part::default(), part: None };
+    let (now, known, primitives) = Default::default();
+    let mut parser = Parser { path, options, line: 0, text: Text::default(), now, part: None, known, primitives };
     let mut lines = bytes.split(|&b| b == b'\n').enumerate();
     while let Some((number, line)) = lines.next() {
         let mut line = Cow::Borrowed(line.strip_suffix(b"\r").unwrap_or(line));
@@ -152,7 +157,7 @@ impl Parser<'_> {
                 self.bad(format!("`{word}` is not a number"), hint)
             })?;
             // Nothing that came from single precision is larger, and squares must stay finite.
-            if !lenient && !(value.abs() <= f64::from(f32::MAX)) {
+            if !lenient && (value.is_nan() || value.abs() > f64::from(f32::MAX)) {
                 let what = if value.is_nan() || !word.contains(|c: char| c.is_ascii_digit()) {
                     "is not a finite number"
                 } else {
@@ -192,14 +197,14 @@ impl Parser<'_> {
 
     /// The part of the current object, group and material, made at its first face.
     fn find_part(&mut self) -> u32 {
+        let (object, group, material) = (&self.now.node, &self.now.mesh, &self.now.material);
         let parts = &mut self.text.parts;
-        let mesh = |p: &Part| (p.node.clone(), p.mesh.clone());
-        let known = parts.iter().position(|p| mesh(p) == mesh(&self.now) && p.material == self.now.material);
-        let part = known.unwrap_or_else(|| {
-            let primitive = parts.iter().filter(|p| mesh(p) == mesh(&self.now)).count() as u32;
-            parts.push(Part { primitive, ..self.now.clone() });
-            parts.len() - 1
-        }) as u32;
+        let part = *self.known.entry([object, group, material].map(String::clone)).or_insert_with(|| {
+            let count = self.primitives.entry([object, group].map(String::clone)).or_default();
+            parts.push(Part { primitive: *count, ..self.now.clone() });
+            *count += 1;
+            parts.len() as u32 - 1
+        });
         self.part = Some(part);
         part
     }

@@ -29,7 +29,7 @@ pub(crate) fn triangulate(points: &[[f64; 3]]) -> (Vec<[usize; 3]>, Quality) {
     let local: Vec<[f64; 3]> = points.iter().map(|&p| sub(p, center)).collect();
     let normal = (0..n).map(|i| cross(local[i], local[(i + 1) % n])).fold([0.0; 3], add);
     let size = local.iter().map(|&p| norm(p)).fold(0.0, f64::max);
-    if !(norm(normal) > 1e-12 * size * size) {
+    if norm(normal) <= 1e-12 * size * size {
         return (fan(), Quality::Forced);
     }
     let flat = project(&local, normalize(normal), size);
@@ -75,14 +75,17 @@ fn clip(p: &[[f64; 2]]) -> (Vec<[usize; 3]>, Quality) {
         };
         let mut is_ear = |i: usize| {
             let t = corner(i);
+            if steps >= MAX_STEPS || area(i) <= 0.0 {
+                return false;
+            }
             steps += m;
-            area(i) > 0.0 && !ring.iter().any(|&v| !t.contains(&v) && blocks(p, t, v))
+            !ring.iter().any(|&v| !t.contains(&v) && blocks(p, t, v))
         };
-        let ear = (steps_left(&mut is_ear, at, m)).or_else(|| {
+        let ear = (at..at + m).map(|i| i % m).find(|&i| is_ear(i)).or_else(|| {
             // Nothing sticks out: a corner on a straight line goes first, which costs nothing.
             (at..at + m).map(|i| i % m).find(|&i| area(i) == 0.0)
         });
-        let ear = ear.filter(|_| steps < MAX_STEPS).unwrap_or_else(|| {
+        let ear = ear.unwrap_or_else(|| {
             quality = Quality::Forced;
             (0..m).max_by(|&i, &j| area(i).total_cmp(&area(j)).then(j.cmp(&i))).unwrap_or(0)
         });
@@ -96,10 +99,6 @@ fn clip(p: &[[f64; 2]]) -> (Vec<[usize; 3]>, Quality) {
         quality = Quality::Forced;
     }
     (out, quality)
-}
-
-fn steps_left(is_ear: &mut impl FnMut(usize) -> bool, at: usize, m: usize) -> Option<usize> {
-    (at..at + m).map(|i| i % m).find(|&i| is_ear(i))
 }
 
 /// Whether corner `v` lies in or on triangle `t`. Corners that repeat a point of the triangle (where a slit leads to a hole)

@@ -98,6 +98,17 @@ pub(crate) fn energy(rest: &[Rest], triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> 
     if sum.is_nan() { f64::INFINITY } else { sum }
 }
 
+/// Area-weighted mean of ln(density / 4): 0 for an isometry. Unlike the mean itself it is not ruled by the few worst
+/// triangles, so it ranks maps that are far from their minimum.
+pub(crate) fn log_distortion(rest: &[Rest], triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> f64 {
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for (r, &t) in rest.iter().zip(triangles) {
+        sum += r.weight * (density(jacobian(r, planar(uv, t))) / 4.0).ln();
+        weight += r.weight;
+    }
+    sum / weight
+}
+
 /// Triangles whose planar image is not positively oriented.
 pub fn flips(triangles: &[[u32; 3]], uv: &[[f64; 2]]) -> usize {
     triangles.iter().filter(|&&t| signed_area2(planar(uv, t)) <= 0.0 || signed_area2(planar(uv, t)).is_nan()).count()
@@ -159,11 +170,8 @@ pub fn measure(positions: &[[f64; 3]], triangles: &[[u32; 3]], uv: &[[f64; 2]]) 
             (ss, st)
         };
         let (x, y, z) = (d(0), d(1), d(2));
-        let (e, f, g) = (
-            x.0 * x.0 + y.0 * y.0 + z.0 * z.0,
-            x.0 * x.1 + y.0 * y.1 + z.0 * z.1,
-            x.1 * x.1 + y.1 * y.1 + z.1 * z.1,
-        );
+        let (e, f, g) =
+            (x.0 * x.0 + y.0 * y.0 + z.0 * z.0, x.0 * x.1 + y.0 * y.1 + z.0 * z.1, x.1 * x.1 + y.1 * y.1 + z.1 * z.1);
         let root = ((e - g) * (e - g) + 4.0 * f * f).sqrt();
         let (s1, det2) = (0.5 * (e + g + root), (e * g - f * f).max(1e-300));
         l2 += a3 * 0.5 * (e + g);

@@ -21,6 +21,8 @@ pub struct ParameterizeRecord {
     pub start_passes: usize,
     /// The start fell back to uniform weights.
     pub uniform_start: bool,
+    /// Mean of ln(density / 4) of the result, 0 for an isometry.
+    pub log_distortion: f64,
     /// The minimiser's record.
     pub newton: NewtonRecord,
 }
@@ -60,5 +62,6 @@ pub(crate) fn solve(
         .sum();
     let rest = rest_shapes(positions, triangles, (plane / surface.max(1e-300)).sqrt());
     let newton = newton::minimise(system, &rest, triangles, uv, options);
-    Some(ParameterizeRecord { start_passes: passes, uniform_start: uniform, newton })
+    let log_distortion = distortion::log_distortion(&rest, triangles, uv);
+    Some(ParameterizeRecord { start_passes: passes, uniform_start: uniform, log_distortion, newton })
 }

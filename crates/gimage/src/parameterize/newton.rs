@@ -59,10 +59,9 @@ fn local(rest: &Rest, p: [[f64; 2]; 3]) -> ([[f64; 2]; 3], [[[f64; 4]; 3]; 3]) {
     let (c1, c2) = (i1 * i1 * i1, i2 * i2 * i2);
     let (d1, d2) = (s1 - c1, s2 - c2);
     // Eigenvalues: the two scalings, the twist (the only one that can be negative), the flip.
-    let lambda =
-        [1.0 + 3.0 * c1 * i1, 1.0 + 3.0 * c2 * i2, ((d1 + d2) / (s1 + s2)).max(0.0), {
-            1.0 + (s1 * s1 + s1 * s2 + s2 * s2) * c1 * c2
-        }];
+    let lambda = [1.0 + 3.0 * c1 * i1, 1.0 + 3.0 * c2 * i2, ((d1 + d2) / (s1 + s2)).max(0.0), {
+        1.0 + (s1 * s1 + s1 * s2 + s2 * s2) * c1 * c2
+    }];
     let outer = |a: [f64; 2], b: [f64; 2]| [a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]];
     let (e11, e22, e12, e21) = (outer(u1, v1), outer(u2, v2), outer(u1, v2), outer(u2, v1));
     const R: f64 = std::f64::consts::FRAC_1_SQRT_2;

@@ -18,10 +18,8 @@ fn mean_value_weights(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &[[
     for t in triangles {
         for k in 0..3 {
             let (a, b, c) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
-            let (u, v) = (
-                sub(positions[b as usize], positions[a as usize]),
-                sub(positions[c as usize], positions[a as usize]),
-            );
+            let (u, v) =
+                (sub(positions[b as usize], positions[a as usize]), sub(positions[c as usize], positions[a as usize]));
             let (lu, lv) = (norm(u), norm(v));
             let tangent = norm(cross(u, v)) / (lu * lv + dot(u, v)).max(1e-12 * lu * lv).max(1e-300);
             for (x, l) in [(b, lu), (c, lv)] {
