@@ -13,10 +13,10 @@ use crate::help;
 #[command(name = "gimage", version, arg_required_else_help = true, after_help = help::TOP, max_term_width = 100)]
 pub struct Cli {
     /// Say nothing on stderr but errors.
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 900)]
     pub quiet: bool,
-    /// Say and list everything: notes, all accessories, the time of each stage.
-    #[arg(short, long, global = true)]
+    /// Say and list everything: notes, all accessories, all options.
+    #[arg(short, long, global = true, display_order = 901)]
     pub verbose: bool,
     /// What to do.
     #[command(subcommand)]
@@ -128,32 +128,27 @@ pub struct ReconstructArgs {
     pub force: bool,
 }
 
+// Values have no help of their own: what they do stands with the flag, and the help stays short.
+
 /// Where texels go.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum SampleArg {
-    /// On the surface.
     Point,
-    /// Least squares.
     Fit,
 }
 
 /// Which edges a cut prefers.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum SeamsArg {
-    /// The better of both.
     Auto,
-    /// The shortest.
     Short,
-    /// UV seams.
     Uv,
 }
 
 /// What rest lengths measure.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum RestArg {
-    /// Straight.
     Chord,
-    /// Along the surface.
     Arc,
 }
 

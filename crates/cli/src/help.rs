@@ -28,8 +28,8 @@ pub const BUILD: &str = concat!(
     "  gimage build skirt.obj -o skirt.gim --unit 0.01 --texels 65536 --pin above:0.98\n",
     "  gimage build flag.obj -o flag.gim --size 64x48 --pin loop:0 --force\n",
     "  gimage build *.glb -o bundles --json --threads 4\n\n",
-    "The same input and options give the same bytes. With several inputs one bad file does not stop the others; the\n",
-    "exit code is the worst one. A build that fails leaves nothing behind.",
+    "The same input and options give the same bytes. With several inputs one bad file does not stop the others; ",
+    "the exit code is the worst one. A build that fails leaves nothing behind.",
     exit_codes!("done, with findings: something was repaired, set apart, or is worse than it could be")
 );
 

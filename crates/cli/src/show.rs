@@ -35,7 +35,9 @@ pub fn overview(out: &Output, path: &str, summary: &Summary) -> String {
     );
     text += &section(out, "Pieces", &sizes(summary).render());
     text += &section(out, "Surface", &surfaces(summary).render());
-    text + &section(out, "Quality", &quality(summary).render())
+    text += &section(out, "Seams", &seams(summary).render());
+    text += &section(out, "Distortion of the map", &distortion(summary).render());
+    text + &section(out, "Distance from the source", &fidelity(summary).render())
 }
 
 /// What `inspect` adds.
@@ -54,97 +56,99 @@ pub fn details(out: &Output, summary: &Summary) -> String {
 }
 
 fn sizes(summary: &Summary) -> Table {
-    let mut table = Table::new(&[
-        "<piece",
-        "size",
-        "particles",
-        "pinned",
-        "springs",
-        "cut",
-        "cut edges",
-        "<method",
-        "seam texels",
-        "seam points",
-        "largest ring",
-    ]);
+    let mut table =
+        Table::new(&["<piece", "size", "particles", "pinned", "springs", "mass", "rest lengths", "density"]);
     for p in &summary.pieces {
-        let c = &p.counts;
         table.row([
             p.name.clone(),
             format!("{} x {}", p.width, p.height),
-            grouped(c.particles.into()),
-            grouped(c.pinned.into()),
-            grouped(c.springs.into()),
-            or_dash(p.cut.as_ref(), |cut| length(cut.length)),
-            or_dash(p.cut.as_ref(), |cut| grouped(cut.edges.into())),
-            or_dash(p.cut.as_ref(), |cut| cut.method.clone()),
-            grouped(c.seam_texels.into()),
-            grouped(c.seam_points.into()),
-            grouped(c.largest_ring.into()),
+            grouped(p.counts.particles.into()),
+            grouped(p.counts.pinned.into()),
+            grouped(p.counts.springs.into()),
+            or_dash(p.constants.mass, |m| mass(m.into())),
+            or_dash(p.constants.rest, |r| r.map(|x| length(x.into())).join(", ")),
+            or_dash(p.constants.density, |d| format!("{} kg/m²", significant(d, 3))),
         ]);
     }
     table
 }
 
 fn surfaces(summary: &Summary) -> Table {
-    let mut table =
-        Table::new(&["<piece", "triangles", "area", "Euler", "loops", "density", "particle mass", "rest lengths"]);
+    let mut table = Table::new(&["<piece", "triangles", "area", "Euler", "loops"]);
     for p in &summary.pieces {
-        let (s, c) = (p.surface.as_ref(), &p.constants);
+        let s = p.surface.as_ref();
         table.row([
             p.name.clone(),
             or_dash(s, |s| grouped(s.triangles.into())),
-            or_dash(s.map(|s| s.area).or(c.area), area),
+            or_dash(s.map(|s| s.area).or(p.constants.area), area),
             or_dash(s, |s| s.euler.to_string()),
             or_dash(s, |s| s.loops.to_string()),
-            or_dash(c.density, |d| format!("{} kg/m²", significant(d, 3))),
-            or_dash(c.mass, |m| mass(m.into())),
-            or_dash(c.rest, |r| r.map(|x| length(x.into())).join(", ")),
         ]);
     }
     table
 }
 
-fn quality(summary: &Summary) -> Table {
-    let mut table = Table::new(&[
-        "<piece",
-        "PSNR",
-        "RMS",
-        "",
-        "Hausdorff",
-        "",
-        "normals",
-        "stretch L2",
-        "max",
-        "Dirichlet",
-        "flips",
-        "folds",
-        "anisotropy",
-        "seam gap",
-    ]);
-    let row = |name: &str, q: &Quality, gap: Option<f64>| {
-        [
-            name.to_owned(),
+fn seams(summary: &Summary) -> Table {
+    let headings = ["<piece", "cut", "edges", "seam texels", "seam points", "largest ring", "gap", "<method"];
+    let mut table = Table::new(&headings);
+    for p in &summary.pieces {
+        let (cut, counts) = (p.cut.as_ref(), &p.counts);
+        table.row([
+            p.name.clone(),
+            or_dash(cut, |cut| length(cut.length)),
+            or_dash(cut, |cut| grouped(cut.edges.into())),
+            grouped(counts.seam_texels.into()),
+            grouped(counts.seam_points.into()),
+            grouped(counts.largest_ring.into()),
+            or_dash(p.quality.seam_gap, length),
+            or_dash(cut, |cut| cut.method.clone()),
+        ]);
+    }
+    if summary.pieces.len() != 1 {
+        let mut row = vec![NOTHING.to_owned(); headings.len()];
+        (row[0], row[6]) = ("all".into(), length(summary.seam_gap));
+        table.row(row);
+    }
+    table
+}
+
+/// Each piece, and the whole where there is more than one.
+fn qualities(summary: &Summary) -> impl Iterator<Item = (String, &Quality)> {
+    let all = (summary.pieces.len() != 1).then(|| ("all".to_owned(), &summary.quality));
+    summary.pieces.iter().map(|p| (p.name.clone(), &p.quality)).chain(all)
+}
+
+fn distortion(summary: &Summary) -> Table {
+    let headings = ["<piece", "stretch L2", "largest", "Dirichlet", "flips", "spring anisotropy"];
+    let mut table = Table::new(&headings);
+    let number = |x| significant(x, 4);
+    for (name, q) in qualities(summary) {
+        table.row([
+            name,
+            or_dash(q.stretch_l2, number),
+            or_dash(q.stretch_max, number),
+            or_dash(q.symmetric_dirichlet, number),
+            or_dash(q.flips, grouped),
+            or_dash(q.spring_anisotropy, number),
+        ]);
+    }
+    table
+}
+
+fn fidelity(summary: &Summary) -> Table {
+    let mut table = Table::new(&["<piece", "PSNR", "RMS", "", "Hausdorff", "", "normals", "folded area"]);
+    for (name, q) in qualities(summary) {
+        table.row([
+            name,
             or_dash(q.psnr, |x| format!("{} dB", significant(x, 4))),
             or_dash(q.rms, length),
             or_dash(q.rms_rel, percent),
             or_dash(q.hausdorff, length),
             or_dash(q.hausdorff_rel, percent),
             or_dash(q.normal_degrees, |x| format!("{}°", significant(x, 3))),
-            or_dash(q.stretch_l2, |x| significant(x, 4)),
-            or_dash(q.stretch_max, |x| significant(x, 4)),
-            or_dash(q.symmetric_dirichlet, |x| significant(x, 4)),
-            or_dash(q.flips, grouped),
             or_dash(q.fold_area, percent),
-            or_dash(q.spring_anisotropy, |x| significant(x, 4)),
-            or_dash(gap, length),
-        ]
-    };
-    for p in &summary.pieces {
-        table.row(row(&p.name, &p.quality, p.quality.seam_gap));
+        ]);
     }
-    // Of a single piece the whole says nothing new, but its seam gap is the one found in the images.
-    table.row(row("all", &summary.quality, Some(summary.seam_gap)));
     table
 }
 
@@ -179,7 +183,7 @@ fn accessories(out: &Output, summary: &Summary) -> (String, String) {
             a.reason.clone(),
         ]);
     }
-    (heading, if table.is_empty() { String::new() } else { table.render() })
+    (heading, table.render())
 }
 
 fn repairs(repairs: &[Repair]) -> String {

@@ -25,16 +25,14 @@ impl Table {
         self.rows.push(row);
     }
 
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
-    }
-
     /// The table, indented by two spaces. Columns without any value are left out, and so are the headings if all are
-    /// empty.
+    /// empty; a table with nothing beside its first column is nothing.
     pub fn render(&self) -> String {
         let valued = |c: &usize| self.rows.iter().any(|r| !r[*c].is_empty() && r[*c] != NOTHING);
         let columns: Vec<usize> = (0..self.headings.len()).filter(valued).collect();
+        if columns.iter().all(|&c| c == 0 && self.headings.len() > 1) {
+            return String::new();
+        }
         let heading = |c: usize| self.headings[c].trim_start_matches('<');
         let width = |c: usize| self.rows.iter().map(|r| count(&r[c])).max().unwrap_or(0).max(count(heading(c)));
         let widths: Vec<usize> = columns.iter().map(|&c| width(c)).collect();

@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use gimage::report::StageTime;
 use gimage_bundle::manifest::MANIFEST_FILE;
@@ -63,9 +64,9 @@ pub fn check_target(bundle: &Path) -> Result<(), Failure> {
 }
 
 impl Timings {
-    /// The times of the bundle with this manifest.
-    pub fn new(manifest: &[u8], stages: Vec<Stage>, seconds: f64, threads: usize) -> Self {
-        let peak_bytes = gimage::report::peak_memory();
+    /// The times of the bundle with this manifest, whose build began at `start`.
+    pub fn new(manifest: &[u8], stages: Vec<Stage>, start: Instant, threads: usize) -> Self {
+        let (seconds, peak_bytes) = (start.elapsed().as_secs_f64(), gimage::report::peak_memory());
         Timings { format: FORMAT.into(), manifest_sha256: sha256(manifest), stages, seconds, peak_bytes, threads }
     }
 

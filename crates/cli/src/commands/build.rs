@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::args::BuildArgs;
 use crate::commands::batch;
 use crate::exit::{Exit, Failure};
-use crate::files::check_parent;
+use crate::files::{Pending, check_parent};
 use crate::output::{Output, Tone};
 use crate::progress::Bar;
 use crate::show;
@@ -83,31 +83,24 @@ impl Job<'_> {
             self.pool.install(|| pipeline::build(input, &self.options, &bar))?
         };
         let mut stages: Vec<Stage> = built.report.stages.iter().map(Stage::from).collect();
-        let writing = Instant::now();
+        let encoding = Instant::now();
         let files = self.pool.install(|| built.bundle.encode())?;
         let manifest = files.get(MANIFEST_FILE).ok_or_else(|| gimage::Error::Internal("no manifest".into()))?;
+        add_time(&mut stages, ENCODE, encoding);
         // The manifest as written also names the files.
         let bundle = Bundle { manifest: Manifest::from_bytes(manifest)?, images: built.bundle.images };
         let summary = Summary::new(bundle)?;
         if let Some(disagreement) = summary.disagreements.first() {
             return Err(gimage::Error::Internal(disagreement.clone()).into());
         }
-        let written = |stages: &mut Vec<Stage>| {
-            let seconds = writing.elapsed().as_secs_f64();
-            stages.push(Stage { stage: "write".into(), seconds, peak_bytes: peak_memory() });
-        };
-        if self.args.timings {
-            // Staged before the bundle appears, so that no failure can leave one without the other.
-            let mut stages = stages.clone();
-            written(&mut stages);
-            let seconds = start.elapsed().as_secs_f64();
-            let pending = Timings::new(manifest, stages, seconds, self.pool.current_num_threads()).write(output)?;
-            dir::write_files(&files, output, self.args.force)?;
-            pending.commit()?;
-        } else {
-            dir::write_files(&files, output, self.args.force)?;
-        }
-        written(&mut stages);
+        let writing = Instant::now();
+        // Staged before the bundle appears, so that no failure can leave one without the other.
+        let times = (self.args.timings)
+            .then(|| Timings::new(manifest, stages.clone(), start, self.pool.current_num_threads()).write(output))
+            .transpose()?;
+        dir::write_files(&files, output, self.args.force)?;
+        times.map_or(Ok(()), Pending::commit)?;
+        add_time(&mut stages, "write", writing);
         let exit = if built.report.has_findings() { Exit::Findings } else { Exit::Done };
         Ok(Outcome {
             input: input.display().to_string(),
@@ -141,11 +134,23 @@ impl Job<'_> {
                 Severity::Warning => (Tone::Warning, "warning"),
             };
             let example = finding.examples.first().map(|e| format!(" ({e})")).unwrap_or_default();
-            let text = format!("{}, {}x: {}{example}", finding.kind, finding.count, finding.message);
+            let (input, kind, count) = (&outcome.input, finding.kind, finding.count);
+            let text = format!("{input}: {kind}, {count}x: {}{example}", finding.message);
             self.out.remark(tone, label, &text);
         }
         self.out.say(&format!("wrote {}", outcome.output));
         if outcome.exit == 0 { Exit::Done } else { Exit::Findings }
+    }
+}
+
+const ENCODE: &str = "encode";
+
+/// Adds the time since `start` to the last stage if it has this name, else appends one.
+fn add_time(stages: &mut Vec<Stage>, name: &str, start: Instant) {
+    let (seconds, peak_bytes) = (start.elapsed().as_secs_f64(), peak_memory());
+    match stages.last_mut().filter(|last| last.stage == name) {
+        Some(last) => (last.seconds, last.peak_bytes) = (last.seconds + seconds, peak_bytes),
+        None => stages.push(Stage { stage: name.into(), seconds, peak_bytes }),
     }
 }
 
