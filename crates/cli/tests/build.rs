@@ -58,11 +58,13 @@ fn a_failing_build_leaves_nothing_behind() {
         "empty.obj -o empty.gim --json",
         "tube.obj -o no/such/directory/tube.gim",
         "tube.obj -o tube.gim --piece nobody --timings",
+        "tube.obj -o tube.gim --size 3x3",
         "bad.obj empty.obj -o both",
     ] {
         let run = place.run(&format!("build {args}"));
         assert_eq!(run.code, 2, "{args}: {}", run.stderr);
         assert!(run.stderr.contains("error: "), "{args}");
+        assert!(run.stderr.contains(args.split_whitespace().next().unwrap()) || args.contains("no/such"), "{args}");
         assert_eq!(place.list(), before, "{args}");
     }
 }

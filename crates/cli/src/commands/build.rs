@@ -80,7 +80,7 @@ impl Job<'_> {
         }
         let built = {
             let bar = Bar::new(self.out.bars(), &input.file_name().unwrap_or_default().to_string_lossy());
-            self.pool.install(|| pipeline::build(input, &self.options, &bar))?
+            self.pool.install(|| pipeline::build(input, &self.options, &bar)).map_err(|e| of_input(input, e))?
         };
         let mut stages: Vec<Stage> = built.report.stages.iter().map(Stage::from).collect();
         let encoding = Instant::now();
@@ -141,6 +141,15 @@ impl Job<'_> {
         self.out.say(&format!("wrote {}", outcome.output));
         if outcome.exit == 0 { Exit::Done } else { Exit::Findings }
     }
+}
+
+/// The failure with the input's name, which an error of a later stage does not know.
+fn of_input(input: &Path, error: gimage::Error) -> Failure {
+    let (mut failure, name) = (Failure::from(error), input.display().to_string());
+    if !failure.message.contains(&name) {
+        failure.message = format!("{name}: {}", failure.message);
+    }
+    failure
 }
 
 const ENCODE: &str = "encode";
