@@ -99,11 +99,10 @@ pub(crate) fn open(cutter: &Cutter<'_>, cut: &Cut) -> Result<Disk, NotADisk> {
     let positions = origins.iter().map(|&v| surface.positions[v as usize]).collect();
     let face = (0..triangles.len() as u32).collect();
     let mut disk = Disk { positions, triangles, origin: origins, face, corners, boundary: vec![], on_cut: vec![] };
-    disk.find_boundary(|disk, h| {
+    disk.find_boundary(|h| {
         // A turned triangle's edges run in the other order.
         let t = h as usize / 3;
         let k = if turned[t] == Some(true) { [2, 1, 0][h as usize % 3] } else { h as usize % 3 };
-        let _ = disk;
         let e = graph.of_half[3 * t + k] as usize;
         !graph.is_boundary(e)
     })?;
@@ -112,7 +111,7 @@ pub(crate) fn open(cutter: &Cutter<'_>, cut: &Cut) -> Result<Disk, NotADisk> {
 
 impl Disk {
     /// Finds the boundary loop, counter-clockwise, and checks that this is a disk.
-    fn find_boundary(&mut self, on_cut: impl Fn(&Self, u32) -> bool) -> Result<(), NotADisk> {
+    fn find_boundary(&mut self, on_cut: impl Fn(u32) -> bool) -> Result<(), NotADisk> {
         let euler = halfedge::euler(&self.triangles);
         let Ok(twin) = halfedge::twins(&self.triangles) else { return Err(NotADisk { euler, loops: 0 }) };
         let loops = halfedge::boundary_loops(&self.triangles, &twin).unwrap_or_default();
@@ -131,7 +130,7 @@ impl Disk {
                 return Err(NotADisk { euler, loops: 1 });
             }
             boundary.push(v);
-            cut.push(on_cut(self, h));
+            cut.push(on_cut(h));
             v = target(&self.triangles, h);
             if v == start {
                 break;
@@ -141,8 +140,8 @@ impl Disk {
         Ok(())
     }
 
-    /// Adds a vertex on the edge of half-edges `halves` (all on one undirected edge), at `t` from `a` to `b`, splitting
-    /// their triangles. Half-edges of other triangles stay valid.
+    /// Adds a vertex at `t` from `a` to `b` on the edge that `faces` share, splitting them; the part that keeps `b` is
+    /// appended.
     fn split_edge(&mut self, a: u32, b: u32, t: f64, faces: &[u32]) -> u32 {
         let new = self.positions.len() as u32;
         self.positions.push(lerp(self.positions[a as usize], self.positions[b as usize], t));
@@ -175,7 +174,7 @@ impl Disk {
     }
 
     /// Splits boundary edges: `at` lists (index in `boundary`, fraction along that edge), the fractions in (0, 1).
-    /// Returns nothing; `boundary` and `on_cut` gain the new vertices in order.
+    /// `boundary` and `on_cut` gain the new vertices in order.
     pub(crate) fn split_boundary(&mut self, at: &[(usize, f64)]) {
         if at.is_empty() {
             return;
@@ -204,8 +203,14 @@ impl Disk {
             while next_at < at.len() && at[next_at].0 == i {
                 let s = at[next_at].1;
                 let new = self.split_edge(from, b, ((s - low) / (1.0 - low)).clamp(1e-12, 1.0 - 1e-12), &[face]);
-                // The part that still holds (new, b) is the triangle just appended.
+                // The triangle just appended holds (new, b), and perhaps another boundary edge to be split.
                 face = self.triangles.len() as u32 - 1;
+                let tail = self.triangles[face as usize];
+                for k in 0..3 {
+                    if let Some(x) = face_of.get_mut(&[tail[k], tail[(k + 1) % 3]]) {
+                        *x = face;
+                    }
+                }
                 boundary.push(new);
                 on_cut.push(self.on_cut[i]);
                 (from, low) = (new, s);
@@ -243,10 +248,9 @@ impl Disk {
             }
             let before = self.triangles.len() as u32;
             self.split_edge(a, b, 0.5, &holders);
-            for (k, &g) in holders.iter().enumerate() {
+            for k in 0..holders.len() {
                 let root = faces[k.min(1)];
                 parts.entry(root).or_insert_with(|| vec![root]).push(before + k as u32);
-                let _ = g;
             }
         }
         many

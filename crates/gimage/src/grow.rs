@@ -59,7 +59,9 @@ fn attempt(cutter: &Cutter<'_>, terminals: &[u32], search: SearchOptions) -> Opt
     // The plain mean-value map shrinks limbs without mercy and so finds their tips; the solved map finds the rest; the
     // point farthest from the cut is a limb's tip more often than not.
     for (passes, steps, many) in [(1, 0, 2), (search.passes, search.steps, 2)] {
-        let Some((uv, _)) = proxy.map(layout.w, layout.h, layout.shift, passes, steps) else { continue };
+        let Some((uv, _)) = proxy.map((layout.w, layout.h), layout.shift, &layout.count, passes, steps) else {
+            continue;
+        };
         let picks = most_stretched(&positions, &triangles, &uv, many, apart, |v| {
             let o = proxy_origin(&disk, &proxy, v);
             o != NONE && !on_cut[o as usize]
@@ -103,7 +105,6 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let cutter = Cutter::new(&small)?;
     let mut terminals: Vec<u32> = Vec::new();
     let mut now = attempt(&cutter, &terminals, search);
-    if std::env::var("SCRATCH").is_ok() { eprintln!("grow: {} tri -> {}, loops {} handles {} first {:?}", surface.triangles.len(), small.triangles.len(), cutter.loops().len(), cutter.handles(), now.as_ref().map(|t| t.score)); }
     while terminals.len() < options.points {
         let score = now.as_ref().map_or(f64::INFINITY, |t| t.score);
         let candidates = now.as_ref().map_or_else(Vec::new, |t| t.next.clone());
@@ -111,7 +112,6 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         for v in candidates {
             let mut longer = terminals.clone();
             longer.push(v);
-            if std::env::var("SCRATCH").is_ok() { eprintln!("    try {v} {:?}: {:?}", small.positions[v as usize], attempt(&cutter, &longer, search).map(|t| t.score)); }
             if let Some(t) = attempt(&cutter, &longer, search)
                 && t.score < score - options.gain
                 && best.as_ref().is_none_or(|b| t.score < b.0.score)
@@ -124,7 +124,6 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
             }
         }
         let Some((t, v)) = best else { break };
-        if std::env::var("SCRATCH").is_ok() { eprintln!("  {} -> {}", score, t.score); }
         terminals.push(v);
         now = Some(t);
     }

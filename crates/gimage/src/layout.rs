@@ -17,14 +17,16 @@ pub(crate) enum Size {
 }
 
 /// A rectangle in cells (one less than texels) and the start of the boundary on it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Layout {
     /// Cells across.
     pub w: u32,
     /// Cells down.
     pub h: u32,
-    /// Steps from (0, 0) to the start of the boundary loop; whole unless the boundary is free of cuts.
+    /// Steps from (0, 0) to the start of the boundary loop; whole unless the boundary has no node.
     pub shift: f64,
+    /// Steps of each group of the border.
+    pub count: Vec<u32>,
     /// Distortion of the stand-in: mean of ln(symmetric Dirichlet density / 4), 0 for an isometry.
     pub score: f64,
 }
@@ -58,10 +60,9 @@ pub(crate) struct Proxy<'a> {
     /// Coarse boundary vertices with their places in the loop of the disk.
     loop_at: Vec<(u32, usize)>,
     system: System,
-    along: BTreeMap<u32, Option<(Vec<f64>, Vec<u32>)>>,
+    /// Places in the loop and dead ends for each way of sharing out the steps.
+    along: BTreeMap<Vec<u32>, (Vec<f64>, Vec<u32>)>,
     options: SearchOptions,
-    /// Trials made.
-    pub trials: usize,
 }
 
 impl<'a> Proxy<'a> {
@@ -104,26 +105,24 @@ impl<'a> Proxy<'a> {
             system,
             along: BTreeMap::new(),
             options,
-            trials: 0,
         }
     }
 
     /// The map of the stand-in for a layout and its distortion.
     pub(crate) fn map(
         &mut self,
-        w: u32,
-        h: u32,
+        (w, h): (u32, u32),
         shift: f64,
+        count: &[u32],
         passes: usize,
         steps: usize,
     ) -> Option<(Vec<[f64; 2]>, f64)> {
         let perimeter = 2 * (w + h);
         let (disk, border) = (self.disk, self.border);
-        let (along, dead) = self
-            .along
-            .entry(perimeter)
-            .or_insert_with(|| Some((border.along(disk, perimeter)?, border.dead_ends(perimeter))))
-            .as_ref()?;
+        if !self.along.contains_key(count) {
+            self.along.insert(count.to_vec(), (border.along(disk, count), border.dead_ends(count)));
+        }
+        let (along, dead) = &self.along[count];
         let at_corner = |step: &u32| {
             let p = (f64::from(*step) + shift).rem_euclid(f64::from(perimeter)).round() as u32 % perimeter;
             [0, w, w + h, 2 * w + h].contains(&p)
@@ -135,7 +134,6 @@ impl<'a> Proxy<'a> {
         for &(k, i) in &self.loop_at {
             uv[k as usize] = on_rectangle(along[i] + shift, w, h);
         }
-        self.trials += 1;
         let options = NewtonOptions { steps, tolerance: 1e-2 };
         let record = solve(&mut self.system, &self.positions, &self.triangles, &mut uv, passes, &options)?;
         Some((uv, record.log_distortion))
@@ -151,16 +149,62 @@ impl<'a> Proxy<'a> {
         (&self.positions, &self.triangles)
     }
 
+    fn score(&mut self, w: u32, h: u32, shift: f64, count: Vec<u32>) -> Option<Layout> {
+        let (_, score) = self.map((w, h), shift, &count, self.options.passes, self.options.steps)?;
+        score.is_finite().then_some(Layout { w, h, shift, count, score })
+    }
+
+    /// The layout of an aspect with `middle` (a part of the loop) at the middle of the side v = 0.
     fn trial(&mut self, size: Size, aspect: f64, middle: f64) -> Option<Layout> {
         let (w, h) = cells(size, aspect, self.border.least_steps())?;
+        let count = self.border.share(2 * (w + h))?;
         let perimeter = f64::from(2 * (w + h));
-        // `middle` is the part of the loop that lies at the middle of the side v = 0.
         let mut shift = (0.5 * f64::from(w) - middle * perimeter).rem_euclid(perimeter);
         if !self.border.is_free() {
             shift = shift.round().rem_euclid(perimeter);
         }
-        let (_, score) = self.map(w, h, shift, self.options.passes, self.options.steps)?;
-        score.is_finite().then_some(Layout { w, h, shift, score })
+        self.score(w, h, shift, count)
+    }
+
+    /// The layout that puts two nodes at the ends of the side v = 0, if its shape is a sensible one.
+    fn trial_between(&mut self, size: Size, from: usize, to: usize) -> Option<Layout> {
+        let least = self.border.least_steps();
+        let part = |steps: &[u32], all: u32| f64::from((steps[to] + all - steps[from]) % all) / f64::from(all);
+        let (mut w, mut h) = cells(size, 1.0, least)?;
+        for _ in 0..3 {
+            // The aspect moves the number of steps, and that the shares: a few rounds settle it.
+            let all = 2 * (w + h);
+            let count = self.border.share(all)?;
+            let f = part(&self.border.node_steps(&count), all);
+            if !(0.02..0.48).contains(&f) {
+                return None;
+            }
+            (w, h) = cells(size, 2.0 * f / (1.0 - 2.0 * f), least)?;
+        }
+        let all = 2 * (w + h);
+        let count = self.border.share(all)?;
+        let steps = self.border.node_steps(&count);
+        let side = (steps[to] + all - steps[from]) % all;
+        if side < 2 || side + 2 > all / 2 || (matches!(size, Size::Fixed(..)) && side != w) {
+            return None;
+        }
+        let shift = f64::from((all - steps[from]) % all);
+        self.score(side, all / 2 - side, shift, count)
+    }
+
+    /// The layouts in which four paths are the four sides.
+    fn trial_sides(&mut self, size: Size) -> Vec<Layout> {
+        let Size::Fixed(width, height) = size else { return Vec::new() };
+        let (w, h) = (width - 1, height - 1);
+        [false, true]
+            .into_iter()
+            .filter_map(|turned| {
+                let count = self.border.four_sides(w, h, turned)?;
+                // Turned, the second path is the side v = 0.
+                let shift = if turned { f64::from(w + 2 * h) } else { 0.0 };
+                self.score(w, h, shift, count)
+            })
+            .collect()
     }
 
     /// The best layout found. `None` if no trial gave a flip-free map.
@@ -181,41 +225,79 @@ impl<'a> Proxy<'a> {
         if found.is_empty() {
             // Too coarse to be flip-free anywhere: fall back to the first start that can be laid out at all.
             let (w, h) = cells(size, 1.0, self.border.least_steps())?;
-            return Some(Layout { w, h, shift: 0.0, score: f64::INFINITY });
+            let count = self.border.share(2 * (w + h))?;
+            return Some(Layout { w, h, shift: 0.0, count, score: f64::INFINITY });
         }
+        let mut best = found[0].0.clone();
         if self.options.refine {
             for (layout, aspect, middle) in &mut found {
-                if !fixed {
-                    for direction in [1i32, -1] {
-                        loop {
-                            let next = *aspect as i32 + direction;
-                            if next < 0 || next as usize >= ASPECTS.len() {
-                                break;
-                            }
-                            match self.trial(size, ASPECTS[next as usize], *middle) {
-                                Some(l) if l.score < layout.score => (*layout, *aspect) = (l, next as usize),
-                                _ => break,
-                            }
+                for direction in [1i32, -1] {
+                    while !fixed {
+                        let next = *aspect as i32 + direction;
+                        if next < 0 || next as usize >= ASPECTS.len() {
+                            break;
+                        }
+                        match self.trial(size, ASPECTS[next as usize], *middle) {
+                            Some(l) if l.score < layout.score => (*layout, *aspect) = (l, next as usize),
+                            _ => break,
                         }
                     }
                 }
             }
             found.sort_by(|a, b| a.0.score.total_cmp(&b.0.score));
-            let (mut layout, aspect, mut middle) = found[0];
+            let (layout, aspect, mut middle) = found.swap_remove(0);
+            best = layout;
             let mut step = 0.25 / shifts as f64;
             for _ in 0..2 {
                 for m in [middle - step, middle + step] {
                     if let Some(l) = self.trial(size, ASPECTS[aspect], m)
-                        && l.score < layout.score
+                        && l.score < best.score
                     {
-                        (layout, middle) = (l, m);
+                        (best, middle) = (l, m);
                     }
                 }
                 step *= 0.5;
             }
-            return Some(layout);
         }
-        Some(found[0].0)
+        for l in self.snapped(size, &best) {
+            if l.score < best.score {
+                best = l;
+            }
+        }
+        Some(best)
+    }
+
+    /// Layouts with nodes on corners of the image: what a rectangle or a tube wants, and a search over steps misses.
+    fn snapped(&mut self, size: Size, near: &Layout) -> Vec<Layout> {
+        if self.border.is_free() {
+            return Vec::new();
+        }
+        let all = f64::from(2 * (near.w + near.h));
+        let steps = self.border.node_steps(&near.count);
+        let at = |k: usize| (f64::from(steps[k]) + near.shift).rem_euclid(all);
+        let off = |p: f64, corner: f64| {
+            let d = (p - corner).rem_euclid(all);
+            d.min(all - d)
+        };
+        // Pairs of nodes nearest to two neighbouring corners of the best layout, in both of its half turns.
+        let (w, h) = (f64::from(near.w), f64::from(near.h));
+        let corners = [0.0, w, w + h, 2.0 * w + h];
+        let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+        for c in 0..4 {
+            for from in 0..steps.len() {
+                for to in (0..steps.len()).filter(|&t| t != from) {
+                    pairs.push((off(at(from), corners[c]) + off(at(to), corners[(c + 1) % 4]), from, to));
+                }
+            }
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        let mut seen = std::collections::BTreeSet::new();
+        pairs.retain(|p| seen.insert((p.1, p.2)));
+        pairs.truncate(if self.options.refine { 6 } else { 2 });
+        let mut out: Vec<Layout> =
+            pairs.into_iter().filter_map(|(_, from, to)| self.trial_between(size, from, to)).collect();
+        out.extend(self.trial_sides(size));
+        out
     }
 }
 

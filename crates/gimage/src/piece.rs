@@ -61,7 +61,6 @@ pub(crate) struct PieceImage {
     pub distortion: Distortion,
     pub parameterize: ParameterizeRecord,
     pub cut: CutRecord,
-    pub trials: usize,
 }
 
 /// Options of [`image`].
@@ -124,7 +123,7 @@ pub(crate) fn image(
     let grown = options.grow.as_ref().and_then(|g| grow(&cutter, g));
     let terminals: &[u32] = grown.as_ref().map_or(&[], |g| &g.terminals);
     // The candidates: every set of edge costs, laid out on its own stand-in; the least energy wins.
-    let mut best: Option<(Layout, Disk, Border, CutRecord, usize)> = None;
+    let mut best: Option<(Layout, Disk, Border, CutRecord)> = None;
     let mut smallest = u32::MAX;
     let candidates: &[bool] = match (options.seams, uv_seam) {
         (_, None) | (Seams::Short, _) => &[false],
@@ -155,7 +154,6 @@ pub(crate) fn image(
         smallest = smallest.min(border.least_steps());
         let mut proxy = Proxy::new(&disk, &border, options.search);
         let Some(layout) = proxy.search(options.size) else { continue };
-        let trials = proxy.trials;
         drop(proxy);
         let record = CutRecord {
             length: cut.length(&cutter.graph),
@@ -164,10 +162,10 @@ pub(crate) fn image(
             uv_seams: along_uv,
         };
         if best.as_ref().is_none_or(|b| layout.score < b.0.score) {
-            best = Some((layout, disk, border, record, trials));
+            best = Some((layout, disk, border, record));
         }
     }
-    let Some((layout, disk, border, cut, trials)) = best else {
+    let Some((layout, disk, border, cut)) = best else {
         let (min_width, min_height) = layout::smallest(smallest);
         let (width, height) = match options.size {
             Size::Fixed(w, h) => (w, h),
@@ -175,9 +173,9 @@ pub(crate) fn image(
         };
         return Err(Error::GridTooSmall { piece: name.to_owned(), width, height, min_width, min_height });
     };
-    let Layout { w, h, shift, .. } = layout;
+    let Layout { w, h, shift, count, .. } = layout;
     let placed = border
-        .place(&disk, surface, &|v| rim[v as usize] != disk::NONE, w, h, shift)
+        .place(&disk, surface, &|v| rim[v as usize] != disk::NONE, w, h, shift, &count)
         .ok_or_else(|| fail("border", "the boundary cannot be shared out".into(), "use a larger image"))?;
     let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
     let fixed = disk.boundary_mask();
@@ -225,85 +223,8 @@ pub(crate) fn image(
         distortion,
         parameterize: record,
         cut,
-        trials,
     })
 }
 
 /// Cost of an edge on a UV seam, as a share of its length.
 const SEAM_DISCOUNT: f64 = 0.15;
-
-#[cfg(test)]
-mod scratch {
-    use super::*;
-    use std::time::Instant;
-
-    #[test]
-    fn scratch() {
-        let Ok(path) = std::env::var("SCRATCH") else { return };
-        let texels: u32 = std::env::var("TEXELS").ok().and_then(|t| t.parse().ok()).unwrap_or(16641);
-        let text = std::fs::read_to_string(&path).unwrap();
-        let (mut p, mut t): (Vec<[f64; 3]>, Vec<[u32; 3]>) = (vec![], vec![]);
-        for l in text.lines() {
-            let w: Vec<&str> = l.split_whitespace().collect();
-            match w.first() {
-                Some(&"v") => p.push([1, 2, 3].map(|k| w[k].parse().unwrap())),
-                Some(&"f") => {
-                    let i: Vec<u32> =
-                        w[1..].iter().map(|x| x.split('/').next().unwrap().parse::<u32>().unwrap() - 1).collect();
-                    for k in 1..i.len() - 1 {
-                        t.push([i[0], i[k], i[k + 1]]);
-                    }
-                }
-                _ => {}
-            }
-        }
-        // exact weld + compaction
-        let mut map: HashMap<[u64; 3], u32> = HashMap::new();
-        let mut q = vec![];
-        let mut tri = vec![];
-        for x in &t {
-            let y = x.map(|v| {
-                *map.entry(p[v as usize].map(f64::to_bits)).or_insert_with(|| {
-                    q.push(p[v as usize]);
-                    q.len() as u32 - 1
-                })
-            });
-            tri.push(y);
-        }
-        let s = Surface { source_triangle: (0..tri.len() as u32).collect(), positions: q, triangles: tri };
-        let g = std::env::var("NOGROW").is_err();
-        let t0 = Instant::now();
-        let o = ImageOptions {
-            size: Size::Budget(texels),
-            grow: g.then(GrowOptions::default),
-            search: SearchOptions { triangles: 1000, shifts: 12, passes: 3, steps: 5, refine: true },
-            newton: NewtonOptions::default(),
-            passes: 8,
-            seams: Seams::Auto,
-            sampling: std::env::var("FIT")
-                .map_or(Sampling::Point, |g| Sampling::Fit(FitOptions { gradient: g.parse().unwrap() })),
-        };
-        let i = image("x", &s, None, &o).unwrap();
-        println!(
-            "{path}: {}x{} L2 {:.3} Linf {:.1} sd {:.3} flips {} cut {:.3} grown {} trials {} closed {} moved {} {:?} in {:.2?}",
-            i.width,
-            i.height,
-            i.distortion.l2,
-            i.distortion.linf,
-            i.distortion.symmetric_dirichlet,
-            i.distortion.flips,
-            i.cut.length,
-            i.cut.grown,
-            i.trials,
-            i.closed,
-            i.moved,
-            i.parameterize,
-            t0.elapsed()
-        );
-        let mut o = format!("{} {}\n", i.width, i.height);
-        for p in &i.grid.positions {
-            o += &format!("{} {} {}\n", p[0] as f32, p[1] as f32, p[2] as f32);
-        }
-        std::fs::write("/tmp/scratch.txt", o).unwrap();
-    }
-}

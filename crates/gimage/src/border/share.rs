@@ -1,0 +1,120 @@
+//! Whole steps of the image's border for every path of a disk's boundary.
+
+use super::Border;
+use crate::disk::Disk;
+use crate::vec3::distance;
+
+impl Border {
+    /// The fewest border steps that can hold this boundary: even, at least 8.
+    pub(crate) fn least_steps(&self) -> u32 {
+        let sum: u32 = self.groups.iter().map(|g| g.members * g.least).sum();
+        sum.max(8).next_multiple_of(2)
+    }
+
+    /// The boundary has no node on it.
+    pub(crate) fn is_free(&self) -> bool {
+        self.free
+    }
+
+    /// Steps for each group, `steps` (even) in all. `None` if they cannot be shared out.
+    pub(crate) fn share(&self, steps: u32) -> Option<Vec<u32>> {
+        if self.free {
+            return Some(vec![steps]);
+        }
+        let total: f64 = self.groups.iter().map(|g| g.length * f64::from(g.members)).sum();
+        let want: Vec<f64> = self.groups.iter().map(|g| g.length / total.max(1e-300) * f64::from(steps)).collect();
+        let mut count: Vec<u32> = self.groups.iter().zip(&want).map(|(g, w)| (w.floor() as u32).max(g.least)).collect();
+        let mut rest =
+            i64::from(steps) - self.groups.iter().zip(&count).map(|(g, c)| i64::from(g.members * c)).sum::<i64>();
+        let mut budget = 4 * steps as usize + 16;
+        while rest != 0 {
+            budget = budget.checked_sub(1)?;
+            let mut best: Option<(f64, usize, i64)> = None;
+            for (i, g) in self.groups.iter().enumerate() {
+                let step = rest.signum();
+                let m = i64::from(g.members);
+                let new = i64::from(count[i]) + step;
+                // One step too many on a path of two sides is a way out of an odd rest, where no single side can give.
+                if m > rest.abs().max(2) || (m == 2 && rest.abs() == 1 && best.is_some()) || new < i64::from(g.least) {
+                    continue;
+                }
+                let penalty = if m > rest.abs() { 1e6 } else { 0.0 };
+                let cost = (want[i] - new as f64).abs() - (want[i] - f64::from(count[i])).abs() + penalty;
+                if best.is_none_or(|b| cost < b.0) {
+                    best = Some((cost, i, step));
+                }
+            }
+            let (_, i, step) = best?;
+            count[i] = (i64::from(count[i]) + step) as u32;
+            rest -= step * i64::from(self.groups[i].members);
+        }
+        Some(count)
+    }
+
+    /// For each loop vertex, its place along the border in steps from the start of the loop.
+    pub(crate) fn along(&self, disk: &Disk, count: &[u32]) -> Vec<f64> {
+        let n = disk.boundary.len();
+        let mut along = vec![0.0; n];
+        let mut base = 0.0;
+        for s in &self.segments {
+            let edge: Vec<f64> = (s.first..s.first + s.edges)
+                .map(|i| {
+                    let (a, b) = (disk.boundary[i % n] as usize, disk.boundary[(i + 1) % n] as usize);
+                    distance(disk.positions[a], disk.positions[b])
+                })
+                .collect();
+            // Keep very short edges from falling into one point.
+            let floor = 1e-7 * edge.iter().sum::<f64>() / edge.len() as f64;
+            let total: f64 = edge.iter().map(|l| l.max(floor)).sum();
+            let (steps, mut done) = (f64::from(count[s.group]), 0.0);
+            for (k, l) in edge.iter().enumerate() {
+                along[s.first + k] = base + steps * done / total.max(1e-300);
+                done += l.max(floor);
+            }
+            base += steps;
+        }
+        along
+    }
+
+    /// Steps at which the two sides of a dead end of the cut meet; an image corner there would be a folded quad.
+    pub(crate) fn dead_ends(&self, count: &[u32]) -> Vec<u32> {
+        let mut out = Vec::new();
+        let mut base = 0;
+        for (k, s) in self.segments.iter().enumerate() {
+            let before = &self.segments[(k + self.segments.len() - 1) % self.segments.len()];
+            if self.groups[s.group].members == 2 && before.group == s.group && before.reversed != s.reversed {
+                out.push(base);
+            }
+            base += count[s.group];
+        }
+        out
+    }
+
+    /// Where in the loop, in steps, the nodes are.
+    pub(crate) fn node_steps(&self, count: &[u32]) -> Vec<u32> {
+        let mut base = 0;
+        let mut out = Vec::with_capacity(self.segments.len());
+        for s in &self.segments {
+            out.push(base);
+            base += count[s.group];
+        }
+        out
+    }
+
+    /// The shares of a boundary of four paths that are to be the four sides of a `w` x `h` rectangle, the first of them
+    /// `w` long (or `h`, if `turned`). `None` where there are not four, or where mates would differ.
+    pub(crate) fn four_sides(&self, w: u32, h: u32, turned: bool) -> Option<Vec<u32>> {
+        if self.free || self.segments.len() != 4 {
+            return None;
+        }
+        let mut count = vec![0; self.groups.len()];
+        for (k, s) in self.segments.iter().enumerate() {
+            let side = if (k % 2 == 0) != turned { w } else { h };
+            if count[s.group] != 0 && count[s.group] != side || side < self.groups[s.group].least {
+                return None;
+            }
+            count[s.group] = side;
+        }
+        Some(count)
+    }
+}
