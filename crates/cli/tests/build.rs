@@ -58,7 +58,6 @@ fn a_failing_build_leaves_nothing_behind() {
         "empty.obj -o empty.gim --json",
         "tube.obj -o no/such/directory/tube.gim",
         "tube.obj -o tube.gim --piece nobody --timings",
-        "tube.obj -o tube.gim --size 3x3",
         "bad.obj empty.obj -o both",
     ] {
         let run = place.run(&format!("build {args}"));
