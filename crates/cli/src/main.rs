@@ -1,1 +1,58 @@
-fn main() {}
+//! The `gimage` command: parsing, progress, printing and exit codes. The work is done by the library.
+
+mod args;
+mod commands;
+mod exit;
+mod files;
+mod help;
+mod output;
+mod progress;
+mod show;
+mod summary;
+mod table;
+mod timings;
+mod units;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Cli, Command};
+use exit::{Exit, Failure};
+use output::Output;
+
+fn main() -> ExitCode {
+    exit::hush_panics();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    let out = Output::new(cli.quiet, cli.verbose, cli.json());
+    let result = exit::guard(|| match &cli.command {
+        Command::Build(args) => commands::build::run(args, &out),
+        Command::Inspect(args) => commands::inspect::run(args, &out),
+        Command::Validate(args) => commands::validate::run(args, &out),
+        Command::Reconstruct(args) => commands::reconstruct::run(args, &out),
+    });
+    let exit = result.unwrap_or_else(|failure| out.failure(&failure));
+    ExitCode::from(exit.code())
+}
+
+/// Help, the version, or what is wrong with the command line.
+fn usage(error: &clap::Error) -> ExitCode {
+    // Nowhere to tell that telling failed.
+    let _ = error.print();
+    if error.exit_code() == 0 {
+        return ExitCode::SUCCESS;
+    }
+    // The flags are not known, but who asks for JSON waits for JSON.
+    if std::env::args_os().any(|arg| arg == "--json") {
+        let text = error.render().to_string();
+        let first = text.trim_start_matches("error: ").split("\n\n").next().unwrap_or_default();
+        let message = first.split_whitespace().collect::<Vec<_>>().join(" ");
+        let failure = Failure::refused(message);
+        let _ = Output::new(true, false, true)
+            .json(&serde_json::json!({"error": failure.message, "exit": failure.exit.code()}));
+    }
+    ExitCode::from(Exit::Refused.code())
+}

@@ -1,0 +1,219 @@
+//! What the command line may say. Parsing touches nothing: no file, no variable, no thread.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use gimage::options::{BuildOptions, ImageSize, RestLength, Sample, Seams};
+use gimage::pins::Pin;
+
+use crate::help;
+
+/// Turn garment meshes into geometry images.
+#[derive(Debug, Parser)]
+#[command(name = "gimage", version, arg_required_else_help = true, after_help = help::TOP, max_term_width = 100)]
+pub struct Cli {
+    /// Say nothing on stderr but errors.
+    #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 900)]
+    pub quiet: bool,
+    /// Say and list everything: notes, all accessories, all options.
+    #[arg(short, long, global = true, display_order = 901)]
+    pub verbose: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Build a bundle of geometry images from each garment file.
+    #[command(after_help = help::BUILD)]
+    Build(Box<BuildArgs>),
+    /// Show what is in a bundle, and how good it is.
+    #[command(after_help = help::INSPECT)]
+    Inspect(BundleArgs),
+    /// Check a bundle against the rules of the format, texel by texel.
+    #[command(after_help = help::VALIDATE)]
+    Validate(BundleArgs),
+    /// Turn a bundle back into one welded mesh.
+    #[command(after_help = help::RECONSTRUCT)]
+    Reconstruct(ReconstructArgs),
+}
+
+/// `gimage build`.
+#[derive(Debug, Args)]
+pub struct BuildArgs {
+    /// Garment files: .glb, .gltf or .obj.
+    #[arg(required = true, value_name = "IN")]
+    pub inputs: Vec<PathBuf>,
+    /// The bundle to write; with several inputs the directory that gets <stem>.gim for each.
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Texels of the whole bundle, shared out among the pieces by area [default: 16384].
+    #[arg(long, value_name = "N", group = "image_size")]
+    pub texels: Option<u32>,
+    /// Texels of each piece's image, as in 128x96.
+    #[arg(long, value_name = "WxH", group = "image_size", value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// Mean distance between neighbouring texels.
+    #[arg(long, value_name = "METRES", group = "image_size", value_parser = positive)]
+    pub spacing: Option<f64>,
+    /// Put texels on the surface, or where the surface between them comes closest [default: fit].
+    #[arg(long, value_enum)]
+    pub sample: Option<SampleArg>,
+    /// Where cuts run: the better of both, the shortest way, or along UV seams [default: auto].
+    #[arg(long, value_enum)]
+    pub seams: Option<SeamsArg>,
+    /// Keep only the node, mesh, object, group or material of this name; may be repeated.
+    #[arg(long, value_name = "NAME")]
+    pub piece: Vec<String>,
+    /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), loop:K (boundary loop, longest
+    /// first), attr:_NAME>T or color:r>T.
+    #[arg(long, value_name = "EXPR")]
+    pub pin: Vec<Pin>,
+    /// Metres in one unit of the file, 0.01 for centimetres [default: 1].
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    pub unit: Option<f64>,
+    /// Join vertices closer than this [default: exactly equal ones only].
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    pub weld: Option<f64>,
+    /// Parts under this share of the whole area become accessories, 0 to 1 [default: 0.01].
+    #[arg(long, value_name = "SHARE")]
+    pub accessory_area: Option<f64>,
+    /// Rest lengths: straight distance, or along the surface [default: chord].
+    #[arg(long, value_enum)]
+    pub rest: Option<RestArg>,
+    /// Mass of the cloth [default: 0.15].
+    #[arg(long, value_name = "KG_M2", value_parser = positive)]
+    pub density: Option<f64>,
+    /// Do not measure the result against the source.
+    #[arg(long)]
+    pub no_metrics: bool,
+    /// Threads to use; 0 is one for each core. The bundle does not depend on it.
+    #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
+    /// Write OUT.timings.json beside the bundle: time and memory of each stage.
+    #[arg(long)]
+    pub timings: bool,
+    /// Print one JSON object instead of tables.
+    #[arg(long)]
+    pub json: bool,
+    /// Replace an existing bundle.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// `gimage inspect` and `gimage validate`.
+#[derive(Debug, Args)]
+pub struct BundleArgs {
+    /// The bundle.
+    #[arg(value_name = "BUNDLE")]
+    pub bundle: PathBuf,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `gimage reconstruct`.
+#[derive(Debug, Args)]
+pub struct ReconstructArgs {
+    /// The bundle.
+    #[arg(value_name = "BUNDLE")]
+    pub bundle: PathBuf,
+    /// The mesh to write, .obj or .glb.
+    #[arg(short, long, value_name = "MESH")]
+    pub output: PathBuf,
+    /// Replace an existing file.
+    #[arg(long)]
+    pub force: bool,
+}
+
+// Values have no help of their own: what they do stands with the flag, and the help stays short.
+
+/// Where texels go.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SampleArg {
+    Point,
+    Fit,
+}
+
+/// Which edges a cut prefers.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SeamsArg {
+    Auto,
+    Short,
+    Uv,
+}
+
+/// What rest lengths measure.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum RestArg {
+    Chord,
+    Arc,
+}
+
+impl Cli {
+    /// Whether stdout is to be JSON.
+    pub fn json(&self) -> bool {
+        match &self.command {
+            Command::Build(args) => args.json,
+            Command::Inspect(args) | Command::Validate(args) => args.json,
+            Command::Reconstruct(_) => false,
+        }
+    }
+}
+
+impl BuildArgs {
+    /// The options of the library; what was not said keeps its default there. Ranges are not judged here.
+    pub fn options(&self) -> BuildOptions {
+        let mut options = BuildOptions::default();
+        let size = (self.size.map(|(w, h)| ImageSize::Exact(w, h)))
+            .or(self.spacing.map(ImageSize::Spacing))
+            .or(self.texels.map(ImageSize::Texels));
+        set(&mut options.size, size);
+        set(&mut options.import.unit, self.unit);
+        options.import.pieces.clone_from(&self.piece);
+        options.repair.weld = self.weld.or(options.repair.weld);
+        set(&mut options.component.accessory_area, self.accessory_area);
+        set(&mut options.mass.density, self.density);
+        options.pins.clone_from(&self.pin);
+        options.metrics = !self.no_metrics;
+        let sample = |s| match s {
+            SampleArg::Point => Sample::Point,
+            SampleArg::Fit => Sample::Fit,
+        };
+        set(&mut options.sample, self.sample.map(sample));
+        let seams = |s| match s {
+            SeamsArg::Auto => Seams::Auto,
+            SeamsArg::Short => Seams::Short,
+            SeamsArg::Uv => Seams::Uv,
+        };
+        set(&mut options.seams, self.seams.map(seams));
+        let rest = |r| match r {
+            RestArg::Chord => RestLength::Chord,
+            RestArg::Arc => RestLength::Arc,
+        };
+        set(&mut options.rest, self.rest.map(rest));
+        options
+    }
+}
+
+fn set<T>(option: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *option = value;
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().map_err(|_| format!("`{text}` is no number"))?;
+    if number.is_finite() && number > 0.0 { Ok(number) } else { Err("give a number above 0".into()) }
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    sides.ok_or_else(|| "give width and height as in 128x96".into())
+}
+
+#[cfg(test)]
+#[path = "args_tests.rs"]
+mod tests;

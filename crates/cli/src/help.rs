@@ -1,0 +1,62 @@
+//! The examples and exit codes at the end of each help text.
+
+macro_rules! exit_codes {
+    ($findings:literal) => {
+        concat!(
+            "\n\nEXIT CODES:\n  0  done\n  1  ",
+            $findings,
+            "\n  2  could not do it: bad input, bad flag\n  3  internal error: please report it"
+        )
+    };
+}
+
+/// Of `gimage` itself.
+pub const TOP: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage build shirt.glb -o shirt.gim\n",
+    "  gimage inspect shirt.gim\n",
+    "  gimage validate shirt.gim\n",
+    "  gimage reconstruct shirt.gim -o back.obj\n\n",
+    "Results go to stdout, words to stderr. NO_COLOR turns colours off.",
+    exit_codes!("done, with findings (repairs, accessories, warnings; broken rules)")
+);
+
+/// Of `gimage build`.
+pub const BUILD: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage build shirt.glb -o shirt.gim\n",
+    "  gimage build skirt.obj -o skirt.gim --unit 0.01 --texels 65536 --pin above:0.98\n",
+    "  gimage build flag.obj -o flag.gim --size 64x48 --pin loop:0 --force\n",
+    "  gimage build *.glb -o bundles --json --threads 4\n\n",
+    "The same input and options give the same bytes. With several inputs one bad file does not stop the others; ",
+    "the exit code is the worst one. A build that fails leaves nothing behind.",
+    exit_codes!("done, with findings: something was repaired, set apart, or is worse than it could be")
+);
+
+/// Of `gimage inspect`.
+pub const INSPECT: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage inspect shirt.gim\n",
+    "  gimage inspect shirt.gim --json | jq .quality.psnr\n",
+    "  gimage inspect shirt.gim -v",
+    exit_codes!("done, but the manifest does not agree with the images")
+);
+
+/// Of `gimage validate`.
+pub const VALIDATE: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage validate shirt.gim\n",
+    "  gimage validate shirt.gim --json | jq '.faults[].message'",
+    "\n\nEXIT CODES:\n  0  sound\n  1  findings: it can be read, but breaks a rule\n",
+    "  2  unreadable: a file is missing, damaged or of the wrong size; bad flag\n",
+    "  3  internal error: please report it"
+);
+
+/// Of `gimage reconstruct`.
+pub const RECONSTRUCT: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage reconstruct shirt.gim -o back.obj\n",
+    "  gimage reconstruct shirt.gim -o back.glb --force\n\n",
+    "The mesh has texture coordinates where the bundle has a uv map.",
+    exit_codes!("not used by this command")
+);

@@ -1,0 +1,120 @@
+//! The only place that writes to stdout and stderr: data to the one, words to the other.
+
+use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::json;
+
+use crate::exit::{Exit, Failure};
+
+/// Where a run writes, and how much.
+#[derive(Clone, Copy, Debug)]
+pub struct Output {
+    /// Nothing on stderr but errors.
+    pub quiet: bool,
+    /// Notes too.
+    pub verbose: bool,
+    /// Data as JSON.
+    pub json: bool,
+    colour_out: bool,
+    colour_err: bool,
+}
+
+/// How a word on stderr is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// Red.
+    Error,
+    /// Yellow.
+    Warning,
+    /// Cyan.
+    Note,
+    /// Bold.
+    Heading,
+}
+
+impl Output {
+    /// Looks at the terminal and at `NO_COLOR`.
+    pub fn new(quiet: bool, verbose: bool, json: bool) -> Self {
+        let set = |name: &str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
+        let dumb = std::env::var_os("TERM").is_some_and(|t| t == "dumb");
+        let colour = !set("NO_COLOR") && !dumb;
+        let colour_out = colour && !json && stdout().is_terminal();
+        Output { quiet, verbose, json, colour_out, colour_err: colour && stderr().is_terminal() }
+    }
+
+    /// Whether to show progress bars.
+    pub fn bars(&self) -> bool {
+        !self.quiet && stderr().is_terminal()
+    }
+
+    /// A heading within data.
+    pub fn heading(&self, text: &str) -> String {
+        paint(self.colour_out, Tone::Heading, text)
+    }
+
+    /// Data for stdout. A reader that has gone away is no error.
+    pub fn data(&self, text: &str) -> Result<(), Failure> {
+        let mut out = stdout().lock();
+        match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::io(Path::new("stdout"), &error)),
+            _ => Ok(()),
+        }
+    }
+
+    /// One JSON object on stdout.
+    pub fn json(&self, value: &impl Serialize) -> Result<(), Failure> {
+        let text = serde_json::to_string_pretty(value).map_err(|e| gimage::Error::Internal(e.to_string()))?;
+        self.data(&(text + "\n"))
+    }
+
+    /// A line on stderr, unless quiet.
+    pub fn say(&self, text: &str) {
+        if !self.quiet {
+            let _ = writeln!(stderr().lock(), "{}", plain(text));
+        }
+    }
+
+    /// `label: text` on stderr, unless quiet.
+    pub fn remark(&self, tone: Tone, label: &str, text: &str) {
+        if !self.quiet {
+            self.labelled(tone, label, text);
+        }
+    }
+
+    /// `error: text` on stderr, always.
+    pub fn error(&self, text: &str) {
+        self.labelled(Tone::Error, "error", text);
+    }
+
+    /// A failure as words, and as data where data is JSON.
+    pub fn failure(&self, failure: &Failure) -> Exit {
+        self.error(&failure.message);
+        if self.json {
+            // Nothing is left to be done if this fails too.
+            let _ = self.json(&json!({"error": failure.message, "exit": failure.exit.code()}));
+        }
+        failure.exit
+    }
+
+    fn labelled(&self, tone: Tone, label: &str, text: &str) {
+        let label = paint(self.colour_err, tone, &format!("{label}:"));
+        let _ = writeln!(stderr().lock(), "{label} {}", plain(text));
+    }
+}
+
+fn paint(colour: bool, tone: Tone, text: &str) -> String {
+    let code = match tone {
+        Tone::Error => "1;31",
+        Tone::Warning => "1;33",
+        Tone::Note => "36",
+        Tone::Heading => "1",
+    };
+    if colour { format!("\x1b[{code}m{text}\x1b[0m") } else { text.into() }
+}
+
+/// The text without control characters: names come from files, and could steer the terminal.
+pub fn plain(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
+}

@@ -1,0 +1,172 @@
+//! What is in a bundle, as one value: the JSON of `build` and `inspect`, and the source of their tables.
+
+use std::collections::BTreeMap;
+
+use gimage_bundle::Bundle;
+use gimage_bundle::manifest::{Accessory, Constants, Counts, Cut, PieceEntry, Quality, Repair, Source, Surface};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::exit::Failure;
+
+/// A bundle summed up.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Version of the format.
+    pub version: u32,
+    /// Program and version that made it.
+    pub generator: String,
+    /// The file it was made from.
+    pub source: Source,
+    /// Options used.
+    pub options: BTreeMap<String, Value>,
+    /// Texels of all pieces.
+    pub texels: u32,
+    /// Bytes of all images.
+    pub image_bytes: u64,
+    /// The pieces.
+    pub pieces: Vec<Piece>,
+    /// Parts that ride on pieces.
+    pub accessories: Vec<Accessory>,
+    /// Quality of the whole.
+    pub quality: Quality,
+    /// Largest distance between duplicates \[m\], from the images.
+    pub seam_gap: f64,
+    /// What was changed or met in the making.
+    pub repairs: Vec<Repair>,
+    /// What the manifest says and the images do not; one sentence each.
+    pub disagreements: Vec<String>,
+}
+
+/// A piece summed up.
+#[derive(Clone, Debug, Serialize)]
+pub struct Piece {
+    /// Its name.
+    pub name: String,
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Index of its first texel.
+    pub first_particle: u32,
+    /// Counts, from the images.
+    pub counts: Counts,
+    /// Its files.
+    pub maps: Vec<Map>,
+    /// Values that are the same everywhere.
+    pub constants: Constants,
+    /// Quality measured.
+    pub quality: Quality,
+    /// The cut that made it a disk.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut: Option<Cut>,
+    /// The surface before.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<Surface>,
+}
+
+/// A file of a piece.
+#[derive(Clone, Debug, Serialize)]
+pub struct Map {
+    /// What it holds.
+    pub map: String,
+    /// Its name.
+    pub file: String,
+    /// Its length; none if the manifest does not record it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bytes: Option<u64>,
+}
+
+impl Summary {
+    /// Sums a bundle up. Counts and the seam gap are made anew from the images; errors only where a particle code is
+    /// not legal.
+    pub fn new(mut bundle: Bundle) -> Result<Self, Failure> {
+        let stated: Vec<Counts> = bundle.manifest.pieces.iter().map(|p| p.counts).collect();
+        bundle.count()?;
+        let seam_gap = bundle.seam_gap()?;
+        let manifest = bundle.manifest;
+        let mut disagreements = Vec::new();
+        for (piece, stated) in manifest.pieces.iter().zip(&stated) {
+            disagreements.extend(count_differences(piece, stated));
+        }
+        let gaps = manifest.pieces.iter().filter_map(|p| p.quality.seam_gap).chain(manifest.quality.seam_gap);
+        let gap = gaps.fold(0.0, f64::max);
+        if gap != seam_gap {
+            disagreements.push(format!("the manifest says seam gap {gap} m, the images have {seam_gap} m"));
+        }
+        let map = |(map, file): (&String, &String)| Map {
+            map: map.clone(),
+            file: file.clone(),
+            bytes: manifest.files.get(file).map(|f| f.bytes),
+        };
+        let maps: Vec<Vec<Map>> = manifest.pieces.iter().map(|p| p.maps.iter().map(map).collect()).collect();
+        let image_bytes = manifest.files.values().map(|f| f.bytes).sum();
+        let texels = manifest.texels();
+        let pieces = manifest.pieces.into_iter().zip(maps).map(|(p, maps)| Piece {
+            name: p.name,
+            width: p.width,
+            height: p.height,
+            first_particle: p.first_particle,
+            counts: p.counts,
+            maps,
+            constants: p.constants,
+            quality: p.quality,
+            cut: p.cut,
+            surface: p.surface,
+        });
+        Ok(Summary {
+            version: manifest.version,
+            generator: manifest.generator,
+            source: manifest.source,
+            options: manifest.options,
+            texels,
+            image_bytes,
+            pieces: pieces.collect(),
+            accessories: manifest.accessories,
+            quality: manifest.quality,
+            seam_gap,
+            repairs: manifest.repairs,
+            disagreements,
+        })
+    }
+}
+
+fn count_differences(piece: &PieceEntry, stated: &Counts) -> Vec<String> {
+    let found = &piece.counts;
+    [
+        ("particles", stated.particles, found.particles),
+        ("seam texels", stated.seam_texels, found.seam_texels),
+        ("seam points", stated.seam_points, found.seam_points),
+        ("members of the largest ring", stated.largest_ring, found.largest_ring),
+        ("pinned", stated.pinned, found.pinned),
+        ("springs", stated.springs, found.springs),
+    ]
+    .into_iter()
+    .filter(|(_, stated, found)| stated != found)
+    .map(|(what, stated, found)| {
+        format!("piece {}: the manifest says {stated} {what}, the images have {found}", piece.name)
+    })
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gimage_bundle::{Image, MapKind};
+
+    #[test]
+    fn a_manifest_that_does_not_agree_is_told() {
+        let mut bundle = Bundle::new("test");
+        let piece = bundle.add_piece("body", 2, 2).unwrap();
+        let mut image = Image::zeros(2, 2, 4);
+        image.data.chunks_mut(4).for_each(|t| t[3] = 1.0);
+        bundle.insert(piece, MapKind::Position, image).unwrap();
+        bundle.count().unwrap();
+        assert!(Summary::new(bundle.clone()).unwrap().disagreements.is_empty());
+        bundle.manifest.pieces[0].counts.pinned = 3;
+        bundle.manifest.quality.seam_gap = Some(0.5);
+        let summary = Summary::new(bundle).unwrap();
+        assert_eq!(summary.disagreements.len(), 2, "{:?}", summary.disagreements);
+        assert_eq!(summary.pieces[0].counts.pinned, 0);
+    }
+}

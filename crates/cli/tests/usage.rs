@@ -1,0 +1,97 @@
+//! Help, flags, and how errors look.
+
+mod common;
+use common::Place;
+
+#[test]
+fn help_has_examples_and_exit_codes() {
+    let place = Place::new();
+    for command in ["", "build", "inspect", "validate", "reconstruct"] {
+        for flag in ["--help", "-h"] {
+            let run = place.run(&format!("{command} {flag}")).expect(&[0]);
+            assert!(
+                run.stdout.contains("EXAMPLES:") && run.stdout.contains("EXIT CODES:"),
+                "{command}: {}",
+                run.stdout
+            );
+            assert!(run.stdout.contains(&format!("gimage {command}")) && run.stderr.is_empty());
+        }
+    }
+    assert!(place.run("--version").expect(&[0]).stdout.starts_with("gimage "));
+    assert!(place.run("").expect(&[2]).stdout.is_empty());
+}
+
+#[test]
+fn bad_flags_exit_2_with_words_on_stderr_only() {
+    let place = Place::new();
+    for args in [
+        "frobnicate",
+        "build",
+        "build tube.obj",
+        "build tube.obj -o a.gim --bogus",
+        "build tube.obj -o a.gim --texels 3",
+        "build tube.obj -o a.gim --texels many",
+        "build tube.obj -o a.gim --size 2x2",
+        "build tube.obj -o a.gim --size 9x9 --texels 100",
+        "build tube.obj -o a.gim --accessory-area 2",
+        "build tube.obj -o a.gim --unit 0",
+        "build tube.obj -o a.gim --pin sideways:1",
+        "build tube.obj -o a.gim --density -1",
+        "inspect",
+        "reconstruct a.gim",
+        "reconstruct a.gim -o mesh.stl",
+    ] {
+        let before = place.list();
+        let run = place.run(args).expect(&[2]);
+        assert!(run.stdout.is_empty(), "{args}: {}", run.stdout);
+        assert!(run.stderr.contains("error: ") || args == "build", "{args}: {}", run.stderr);
+        assert_eq!(place.list(), before, "{args}");
+    }
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let place = Place::new();
+    for args in ["build no/such.obj -o a.gim", "inspect no/such.gim", "validate no/such.gim"] {
+        let run = place.run(args).expect(&[2]);
+        let name = args.split_whitespace().nth(1).unwrap();
+        assert!(run.stderr.starts_with("error: ") && run.stderr.contains(name), "{}", run.stderr);
+        assert!(run.stdout.is_empty());
+        let json = place.run(&format!("{args} --json")).expect(&[2]).json();
+        assert!(json["error"].as_str().unwrap().contains(name) && json["exit"] == 2, "{json}");
+    }
+    let run = place.run("reconstruct no/such.gim -o a.obj").expect(&[2]);
+    assert!(run.stderr.contains("no/such.gim"), "{}", run.stderr);
+    let json = place.run("build tube.obj -o a.gim --bogus --json").expect(&[2]).json();
+    assert!(json["error"].as_str().unwrap().contains("--bogus"), "{json}");
+}
+
+#[test]
+fn quiet_says_nothing_and_colour_is_never_in_a_pipe() {
+    let place = Place::new();
+    let run = place.built("-q");
+    assert!(run.stderr.is_empty() && !run.stdout.is_empty(), "{}", run.stderr);
+    for args in ["inspect tube.gim -v", "inspect none.gim", "build tube.obj -o tube.gim", "build --help", "--bad"] {
+        for colour in ["", "1"] {
+            let run = place.run_with(args, |c| {
+                c.env("NO_COLOR", colour);
+            });
+            assert!(!run.stdout.contains('\x1b') && !run.stderr.contains('\x1b'), "{args}");
+        }
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_reader_that_goes_away_is_no_error() {
+    let place = Place::new();
+    place.built("");
+    for args in ["inspect tube.gim", "inspect tube.gim --json", "--help"] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let run = place.run_with(args, |c| {
+            c.stdout(writer);
+        });
+        assert!(run.code == 0 && run.stderr.is_empty(), "{args}: {} {}", run.code, run.stderr);
+    }
+}
