@@ -1,0 +1,134 @@
+//! The sample garments: what every build keeps, how good it is, and what each of them is there to show.
+
+#![allow(clippy::print_stdout)]
+
+use gimage::options::BuildOptions;
+use gimage::pins::Pin;
+use gimage::pipeline::Built;
+use gimage_bundle::{MapKind, Particle};
+use gimage_tests::{asset, build, check, psnr, texels, texels_of};
+
+fn made(name: &str, pins: &[&str]) -> Built {
+    let pins = pins.iter().map(|p| p.parse::<Pin>().unwrap()).collect();
+    let built = build(&asset(name), &BuildOptions { pins, ..texels(4096) }).unwrap();
+    check(name, &built);
+    println!("{name}: PSNR {:.1} dB", psnr(&built.bundle));
+    built
+}
+
+/// Euler number, loops and a floor for the PSNR, about 3 dB under what it was when this was written.
+fn is(name: &str, built: &Built, euler: i32, loops: u32, floor: f64) {
+    let m = &built.bundle.manifest;
+    assert_eq!((m.pieces.len(), m.accessories.len()), (1, 0), "{name}");
+    let s = m.pieces[0].surface.as_ref().unwrap();
+    assert_eq!((s.euler, s.loops), (euler, loops), "{name}");
+    assert!(psnr(&built.bundle) > floor, "{name}: PSNR {} dB is under {floor}", psnr(&built.bundle));
+    assert!(!built.report.has_findings(), "{name}: {:?}", built.report.findings);
+}
+
+/// The positions of pinned texels and of free ones.
+fn pinned(built: &Built) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+    let (mut held, mut free) = (Vec::new(), Vec::new());
+    for [x, y, z, w] in texels_of(&built.bundle, 0) {
+        let list = if Particle::from_code(w).unwrap().is_pinned() { &mut held } else { &mut free };
+        list.push([x, y, z]);
+    }
+    assert_eq!(built.bundle.manifest.pieces[0].counts.pinned as usize, held.len());
+    assert!(!held.is_empty() && !free.is_empty(), "{} pinned, {} free", held.len(), free.len());
+    (held, free)
+}
+
+#[test]
+fn the_tshirt_is_pinned_above_a_height() {
+    let built = made("tshirt.glb", &["above:1.4"]);
+    is("tshirt", &built, -2, 4, 70.8);
+    let (held, free) = pinned(&built);
+    assert!(held.iter().all(|p| p[1] > 1.4) && free.iter().all(|p| p[1] <= 1.4));
+    assert!(built.bundle.image(0, &MapKind::Uv(0)).is_some());
+}
+
+#[test]
+fn the_tshirt_is_pinned_along_its_longest_loop() {
+    let built = made("tshirt.glb", &["loop:0"]);
+    let (held, _) = pinned(&built);
+    // The hem, the longest of the four loops, is the lowest part of the shirt, and runs around the body.
+    assert!(held.iter().all(|p| p[1] < 0.9), "{held:?}");
+    let around = |c: usize, sign: f32| held.iter().any(|p| p[c] * sign > 0.08);
+    assert!(around(0, 1.0) && around(0, -1.0) && around(2, 1.0) && around(2, -1.0), "{held:?}");
+    let border = 2 * (built.bundle.manifest.pieces[0].width + built.bundle.manifest.pieces[0].height);
+    assert!(held.len() > 8 && held.len() < border as usize, "{} texels", held.len());
+}
+
+#[test]
+fn the_tshirt_is_pinned_in_a_box_or_below_a_height() {
+    let built = made("tshirt.glb", &["box:-1,1.2,-1,0,2,1", "below:0.85"]);
+    let inside = |p: &[f32; 3]| p[1] >= 1.2 && p[0] <= 0.0 || p[1] < 0.85;
+    let (held, free) = pinned(&built);
+    assert!(held.iter().all(inside) && !free.iter().any(inside));
+}
+
+#[test]
+fn the_skirt_comes_out_in_metres() {
+    let built = made("skirt.glb", &[]);
+    is("skirt", &built, 0, 2, 64.3);
+    // The file has centimetres and Z up under a node that turns and scales.
+    for p in texels_of(&built.bundle, 0) {
+        assert!(p[1] > 0.4 && p[1] < 1.1 && p[0].abs() < 0.4 && p[2].abs() < 0.4, "{p:?}");
+    }
+}
+
+#[test]
+fn the_trousers_keep_their_belt_loop() {
+    let built = made("trousers.glb", &[]);
+    // 2 - 2 * genus - loops.
+    is("trousers", &built, 2 - 2 - 3, 3, 68.9);
+}
+
+#[test]
+fn the_cape_is_pinned_by_its_attribute() {
+    let built = made("cape.glb", &["attr:_PIN>0.5"]);
+    is("cape", &built, 1, 1, 66.2);
+    let counts = built.bundle.manifest.pieces[0].counts;
+    assert_eq!((counts.seam_texels, counts.largest_ring), (0, 0), "a disk needs no cut");
+    let (held, free) = pinned(&built);
+    // The collar is at the top.
+    let mean = |v: &[[f32; 3]]| v.iter().map(|p| p[1]).sum::<f32>() / v.len() as f32;
+    assert!(mean(&held) > mean(&free) + 0.2);
+    let pin = built.bundle.image(0, &MapKind::Custom("_PIN".into())).unwrap();
+    for (k, p) in texels_of(&built.bundle, 0).iter().enumerate() {
+        assert_eq!(p[3] < 0.0, pin.at(k)[0] > 0.5, "texel {k}: {}", pin.at(k)[0]);
+    }
+}
+
+#[test]
+fn the_dress_has_a_skin_and_is_pinned_by_its_colour() {
+    let built = made("dress.glb", &["color:r>0.8"]);
+    is("dress", &built, -2, 4, 65.5);
+    let skeleton = built.bundle.manifest.skeleton.as_ref().unwrap();
+    assert_eq!(skeleton.joints.len(), 8);
+    assert_eq!(skeleton.joints.iter().filter(|j| j.parent.is_none()).count(), 1);
+    let joints = built.bundle.image(0, &MapKind::Joints(0)).unwrap();
+    let weights = built.bundle.image(0, &MapKind::Weights(0)).unwrap();
+    let mut used = [false; 8];
+    for (j, w) in joints.data.chunks_exact(4).zip(weights.data.chunks_exact(4)) {
+        assert!((w.iter().sum::<f32>() - 1.0).abs() < 1e-5 && w.iter().all(|&w| w >= 0.0), "{w:?}");
+        for (&j, &w) in j.iter().zip(w) {
+            used[j as usize] |= w > 0.0;
+        }
+    }
+    assert!(used.iter().filter(|u| **u).count() > 3, "{used:?}");
+    // All duplicates of a seam point are pinned if one is, whatever the colour on their side; the rest go by their own.
+    pinned(&built);
+    let color = built.bundle.image(0, &MapKind::Color(0)).unwrap();
+    for (k, p) in texels_of(&built.bundle, 0).iter().enumerate().filter(|(_, p)| p[3].abs() == 1.0) {
+        let red = color.at(k)[0];
+        assert!((p[3] < 0.0) == (red > 0.8) || (red - 0.8).abs() < 1e-5, "texel {k}: red {red}");
+    }
+}
+
+#[test]
+fn a_pin_that_meets_nothing_is_told() {
+    let built = made("cape.glb", &["above:99"]);
+    assert!(built.report.findings.iter().any(|f| f.kind == "nothing-pinned"));
+    assert_eq!(built.bundle.manifest.pieces[0].counts.pinned, 0);
+}
