@@ -140,7 +140,11 @@ pub fn faults(built: &Built) -> Vec<String> {
             let (euler, loops) = (own.euler, own.loops);
             say(format!("welds to Euler number {}, {} loops instead of {euler}, {loops}", t.euler, t.boundary_loops));
         }
-        if (t.non_manifold_edges, t.singular_vertices, t.components) != (0, 0, 1) {
+        // A surface of one side has edges that its triangles run along the same way, and the report says so.
+        let one_sided = built.report.findings.iter().any(|f| f.kind == "not-orientable");
+        if (t.non_manifold_edges, t.singular_vertices, t.components) != (0, 0, 1)
+            || t.misoriented_edges > 0 && !one_sided
+        {
             say(format!("welds to no manifold: {t:?}"));
         }
     }
