@@ -100,7 +100,8 @@ pub fn springs(grid: &Grid, rest: Rest) -> RestLengths {
                     Rest::Chord => chord,
                     Rest::Arc(map) => {
                         let at = |k: usize| [(k % w) as f64, (k / w) as f64];
-                        arc_length(map, at(k), at(end)).unwrap_or(chord)
+                        // Texels are rounded to f32, and fitted ones lie off the surface: no arc is shorter than its chord.
+                        arc_length(map, at(k), at(end)).unwrap_or(chord).max(chord)
                     }
                 }
             })
