@@ -303,10 +303,11 @@ impl<'a> Maker<'a> {
         }
         let distortion = distortion::measure(&disk.positions, &disk.triangles, &uv);
         let (columns, rows) = (w as usize + 1, h as usize + 1);
-        if let Sampling::Fit(fit_options) = &options.sampling {
-            fit(&disk, &uv, &mut points, columns, rows, fit_options);
-        }
         let mut grid = Grid { links, ..Grid::new(columns, rows, points) };
+        if let Sampling::Fit(fit_options) = &options.sampling {
+            let rings: Vec<Vec<u32>> = grid.rings().collect();
+            fit(&disk, &uv, &mut grid.positions, columns, rows, &rings, fit_options);
+        }
         let expected = Expected { euler: self.cutter.euler(), loops: self.cutter.loops().len() };
         let (moved, closed) = seal(&mut grid, &mut samples, &disk, &uv, expected);
         Ok(PieceImage {
