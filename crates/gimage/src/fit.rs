@@ -1,6 +1,6 @@
 //! Least squares instead of point samples: texels move off the surface so that the triangles between them come closest.
 //!
-//! With border texels held, the inner ones minimise, over the surface S,
+//! All texels, the duplicates of a seam point as one, minimise over the surface S
 //! `int_S |X - P|^2 + mu |dX - dP|^2`, where X is the piecewise linear surface the image stands for (each texel quad
 //! split by its shorter diagonal), P the original and d the gradient in texel units. The first term alone is the L2
 //! projection, which gains the most distance but tilts facets; the second holds the tangent planes. All integrals are
@@ -133,7 +133,7 @@ fn bands(disk: &Disk, uv: &[[f64; 2]], cell_rows: usize) -> Vec<Vec<u32>> {
     out
 }
 
-/// Moves the inner texels of `points` (row by row, `columns` x `rows`) to the least-squares fit; border texels stay.
+/// Moves `points` (row by row, `columns` x `rows`) to the least-squares fit. Members of a ring stay bit-identical.
 /// `uv` is the flip-free map in texel units. `false` (and no change) if the solve breaks down.
 /// O(triangles + texels) for the integrals, O(texels) for each of some tens of conjugate-gradient steps.
 pub(crate) fn fit(
@@ -142,6 +142,7 @@ pub(crate) fn fit(
     points: &mut [[f64; 3]],
     columns: usize,
     rows: usize,
+    rings: &[Vec<u32>],
     options: &FitOptions,
 ) -> bool {
     if columns < 3 || rows < 3 {
@@ -167,7 +168,7 @@ pub(crate) fn fit(
     for part in parts {
         normal.add_rows(&part);
     }
-    if !normal.solve(&mut local) {
+    if !normal.solve(&mut local, rings) {
         return false;
     }
     for (p, l) in points.iter_mut().zip(&local) {

@@ -47,53 +47,65 @@ impl Normal {
         }
     }
 
-    /// Solves for the inner texels of the whole image, the border held at `x`, which also is where the search starts; a
-    /// trace of weight on the start holds texels that almost no surface falls on. `false` (and `x` untouched) if it
-    /// breaks down.
-    pub(crate) fn solve(&self, x: &mut [[f64; 3]]) -> bool {
+    /// Solves for all texels, from and towards `x`: a trace of weight on the start holds texels that
+    /// almost no surface falls on. Members of a ring are one unknown and must be equal in `x`. `false` (and `x`
+    /// untouched) if it breaks down.
+    pub(crate) fn solve(&self, x: &mut [[f64; 3]], rings: &[Vec<u32>]) -> bool {
         let (columns, n) = (self.columns, self.stencil.len());
         let rows = n / columns;
-        let inner = |k: usize| {
-            let (i, j) = (k % columns, k / columns);
-            i > 0 && j > 0 && i + 1 < columns && j + 1 < rows
-        };
         let hold = 1e-4 * self.stencil.iter().map(|s| s[4]).sum::<f64>() / n as f64;
-        // (A + hold) p at texel k, with p zero on the border where the border is not part of it.
+        // Only the first of a ring counts in sums over unknowns.
+        let mut unknown = vec![true; n];
+        rings.iter().flat_map(|r| &r[1..]).for_each(|&k| unknown[k as usize] = false);
+        // (A + hold) p at texel k.
         let row = |p: &[[f64; 3]], k: usize| {
             let mut sum = p[k].map(|v| hold * v);
+            let (i, j) = (k % columns, k / columns);
             for (s, &a) in self.stencil[k].iter().enumerate() {
-                let q = p[k + (s / 3) * columns + s % 3 - columns - 1];
-                (0..3).for_each(|c| sum[c] += a * q[c]);
+                if a != 0.0 && i + s % 3 >= 1 && i + s % 3 <= columns && j + s / 3 >= 1 && j + s / 3 <= rows {
+                    let q = p[k + (s / 3) * columns + s % 3 - columns - 1];
+                    (0..3).for_each(|c| sum[c] += a * q[c]);
+                }
             }
             sum
         };
-        let scale: Vec<f64> = self.stencil.iter().map(|s| 1.0 / (s[4] + hold).max(1e-300)).collect();
+        // A ring's equation is the sum of its members'.
+        let gather = |v: &mut [[f64; 3]]| {
+            for ring in rings {
+                let mut sum = [0.0; 3];
+                ring.iter().for_each(|&k| (0..3).for_each(|c| sum[c] += v[k as usize][c]));
+                ring.iter().for_each(|&k| v[k as usize] = sum);
+            }
+        };
+        let mut weight: Vec<[f64; 3]> = self.stencil.iter().map(|s| [s[4] + hold, 0.0, 0.0]).collect();
+        gather(&mut weight);
+        let scale: Vec<f64> = weight.iter().map(|w| 1.0 / w[0].max(1e-300)).collect();
         let mut residual: Vec<[f64; 3]> = (0..n)
             .into_par_iter()
             .with_min_len(CHUNK)
             .map(|k| {
-                if !inner(k) {
-                    return [0.0; 3];
-                }
                 let ax = row(x, k);
                 [0, 1, 2].map(|c| self.rhs[k][c] + hold * x[k][c] - ax[c])
             })
             .collect();
+        gather(&mut residual);
         let mut solution = vec![[0.0; 3]; n];
         let scaled = |r: &[[f64; 3]], k: usize| r[k].map(|v| v * scale[k]);
         let mut direction: Vec<[f64; 3]> = (0..n).map(|k| scaled(&residual, k)).collect();
-        let mut rho = sums(n, |k| [0, 1, 2].map(|c| residual[k][c] * residual[k][c] * scale[k]));
+        let power = |r: &[[f64; 3]], k: usize| {
+            if unknown[k] { [0, 1, 2].map(|c| r[k][c] * r[k][c] * scale[k]) } else { [0.0; 3] }
+        };
+        let mut rho = sums(n, |k| power(&residual, k));
         let target = rho.map(|r| r * 1e-20);
         for _ in 0..MOST_STEPS {
             if (0..3).all(|c| rho[c] <= target[c]) {
                 break;
             }
-            let product: Vec<[f64; 3]> = (0..n)
-                .into_par_iter()
-                .with_min_len(CHUNK)
-                .map(|k| if inner(k) { row(&direction, k) } else { [0.0; 3] })
-                .collect();
-            let curvature = sums(n, |k| [0, 1, 2].map(|c| direction[k][c] * product[k][c]));
+            let mut product: Vec<[f64; 3]> =
+                (0..n).into_par_iter().with_min_len(CHUNK).map(|k| row(&direction, k)).collect();
+            gather(&mut product);
+            let curvature =
+                sums(n, |k| if unknown[k] { [0, 1, 2].map(|c| direction[k][c] * product[k][c]) } else { [0.0; 3] });
             let step = [0, 1, 2].map(|c| if curvature[c] > 0.0 { rho[c] / curvature[c] } else { 0.0 });
             solution.par_iter_mut().zip(&mut residual).enumerate().with_min_len(CHUNK).for_each(|(k, (s, r))| {
                 for c in 0..3 {
@@ -101,7 +113,7 @@ impl Normal {
                     r[c] -= step[c] * product[k][c];
                 }
             });
-            let next = sums(n, |k| [0, 1, 2].map(|c| residual[k][c] * residual[k][c] * scale[k]));
+            let next = sums(n, |k| power(&residual, k));
             let turn = [0, 1, 2].map(|c| if rho[c] > 0.0 { next[c] / rho[c] } else { 0.0 });
             direction.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(k, d)| {
                 let z = scaled(&residual, k);

@@ -1,6 +1,6 @@
 //! One surface -> one geometry image: cut, border, parameterise, resample.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use crate::border::{Border, Key};
 use crate::cut::Cutter;
@@ -101,6 +101,32 @@ impl ImageOptions {
 /// Texels of a piece whose share is unknown.
 const LEAST: u32 = 64;
 
+/// Cost of an edge on a UV seam, as a share of its length.
+const SEAM_DISCOUNT: f64 = 0.15;
+
+/// Sizes tried in turn, as shares of the budget, where an image does not weld as it should or has no flip-free map.
+const BUDGETS: [f64; 8] = [1.0, 0.97, 0.93, 0.88, 1.1, 1.3, 1.6, 2.0];
+
+/// How many texels a side an exact size may be short for a larger one to be named.
+const SHORT: u32 = 24;
+
+/// One way to cut the surface, ready to be laid out.
+struct Candidate {
+    disk: Disk,
+    border: Border,
+    cut: CutRecord,
+}
+
+/// A surface on its way to an image.
+struct Maker<'a> {
+    name: &'a str,
+    surface: &'a Surface,
+    cutter: Cutter<'a>,
+    /// For each vertex the boundary loop it lies on, longest first, or [`disk::NONE`].
+    rim: Vec<u32>,
+    options: &'a ImageOptions,
+}
+
 /// Makes the image of a connected surface. `uv_seam` tells the half-edges on UV seams, if the surface has any.
 pub(crate) fn image(
     name: &str,
@@ -108,123 +134,196 @@ pub(crate) fn image(
     uv_seam: Option<&[bool]>,
     options: &ImageOptions,
 ) -> Result<PieceImage> {
-    let fail = |stage: &'static str, problem: String, hint: &str| Error::Piece {
-        piece: name.to_owned(),
-        stage,
-        problem,
-        hint: hint.to_owned(),
-    };
-    let cutter = Cutter::new(surface)
-        .ok_or_else(|| fail("cut", "the surface is not a manifold".into(), "this is a fault of the repair stage"))?;
-    let mut rim = vec![disk::NONE; surface.positions.len()];
-    for (k, l) in cutter.loops().iter().enumerate() {
-        l.iter().for_each(|&v| rim[v as usize] = k as u32);
-    }
-    let grown = options.grow.as_ref().and_then(|g| grow(&cutter, g));
-    let terminals: &[u32] = grown.as_ref().map_or(&[], |g| &g.terminals);
-    // The candidates: every set of edge costs, laid out on its own stand-in; the least energy wins.
-    let mut best: Option<(Layout, Disk, Border, CutRecord)> = None;
-    let mut smallest = u32::MAX;
-    let candidates: &[bool] = match (options.seams, uv_seam) {
-        (_, None) | (Seams::Short, _) => &[false],
-        (Seams::Uv, _) => &[true],
-        (Seams::Auto, _) => &[false, true],
-    };
-    for &along_uv in candidates {
-        let mut cost = cutter.graph.length.clone();
-        if let Some(seam) = uv_seam.filter(|_| along_uv) {
-            for (c, h) in cost.iter_mut().zip(&cutter.graph.halves) {
-                if seam[h[0] as usize] {
-                    *c *= SEAM_DISCOUNT;
+    let maker = Maker::new(name, surface, options)?;
+    let mut candidates = maker.candidates(uv_seam, true)?;
+    match options.size {
+        Size::Budget(texels) => {
+            let mut kept: Option<Result<PieceImage>> = None;
+            for share in BUDGETS {
+                let size = Size::Budget((f64::from(texels) * share) as u32);
+                let made = maker.make(&candidates, size);
+                if made.as_ref().is_ok_and(|i| i.closed) {
+                    return made;
+                }
+                // The first that came out at all, else the first error.
+                if kept.as_ref().is_none_or(|k| k.is_err() && made.is_ok()) {
+                    kept = Some(made);
                 }
             }
+            kept.unwrap_or_else(|| Err(maker.fail("layout", "no size was tried".into(), "give more texels")))
         }
-        let cut = match (&grown, along_uv) {
-            (Some(g), false) if !terminals.is_empty() || cutter.handles() > 0 => g.cut.clone(),
-            _ => cutter.cut(&cost, terminals),
-        };
-        let mut disk = disk::open(&cutter, &cut).map_err(|e| {
-            fail(
-                "cut",
-                format!("the cut left Euler number {} and {} loops", e.euler, e.loops),
-                "please report it with the input",
-            )
-        })?;
-        let border = Border::new(&mut disk, |v| rim[v as usize] != disk::NONE);
-        smallest = smallest.min(border.least_steps());
-        let mut proxy = Proxy::new(&disk, &border, options.search);
-        let Some(layout) = proxy.search(options.size) else { continue };
-        drop(proxy);
-        let record = CutRecord {
-            length: cut.length(&cutter.graph),
-            edges: cut.edges.iter().filter(|c| **c).count() as u32,
-            grown: terminals.len(),
-            uv_seams: along_uv,
-        };
-        if best.as_ref().is_none_or(|b| layout.score < b.0.score) {
-            best = Some((layout, disk, border, record));
-        }
-    }
-    let Some((layout, disk, border, cut)) = best else {
-        let (min_width, min_height) = layout::smallest(smallest);
-        let (width, height) = match options.size {
-            Size::Fixed(w, h) => (w, h),
-            Size::Budget(_) => (0, 0),
-        };
-        return Err(Error::GridTooSmall { piece: name.to_owned(), width, height, min_width, min_height });
-    };
-    let Layout { w, h, shift, count, .. } = layout;
-    let placed = border
-        .place(&disk, surface, &|v| rim[v as usize] != disk::NONE, w, h, shift, &count)
-        .ok_or_else(|| fail("border", "the boundary cannot be shared out".into(), "use a larger image"))?;
-    let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
-    let fixed = disk.boundary_mask();
-    let record = parameterize(&disk.positions, &disk.triangles, &fixed, &mut uv, options.passes, &options.newton)
-        .ok_or_else(|| {
-            fail("parameterize", "no map free of flips was found".into(), "repair or remesh the slivers of this piece")
-        })?;
-    let mut samples = resample(&disk, &uv, &texels, w, h)
-        .ok_or_else(|| fail("resample", "a texel fell outside the map".into(), "please report it with the input"))?;
-    let mut points: Vec<[f64; 3]> = samples.iter().map(|s| s.position(&disk)).collect();
-    let mut rings: HashMap<Key, Vec<u32>> = HashMap::new();
-    let mut loop_of = vec![disk::NONE; points.len()];
-    for (p, t) in texels.iter().enumerate() {
-        let at = border_index(p as u32, w, h);
-        points[at] = t.position;
-        loop_of[at] = t.rim.map_or(disk::NONE, |v| rim[v as usize]);
-        rings.entry(t.key).or_default().push(at as u32);
-    }
-    let mut links = vec![disk::NONE; points.len()];
-    for ring in rings.values_mut().filter(|r| r.len() > 1) {
-        ring.sort_unstable();
-        for (k, &at) in ring.iter().enumerate() {
-            links[at as usize] = ring[(k + 1) % ring.len()];
+        Size::Fixed(width, height) => {
+            let least = |c: &[Candidate]| c.iter().map(|c| c.border.least_steps()).min().unwrap_or(8);
+            let holds = |w: u32, h: u32, least: u32| 2 * (w + h - 2) >= least;
+            if !holds(width, height, least(&candidates)) {
+                // A cut that was grown for quality asks for more texels than one that only has to open the surface.
+                candidates = maker.candidates(uv_seam, false)?;
+            }
+            for more in 0..=SHORT {
+                let (w, h) = (width + more, height + more);
+                if !holds(w, h, least(&candidates)) {
+                    continue;
+                }
+                match maker.make(&candidates, Size::Fixed(w, h)) {
+                    Ok(image) if image.closed && more == 0 => return Ok(image),
+                    Ok(image) if image.closed => {
+                        let (min_width, min_height) = (w, h);
+                        return Err(Error::GridTooSmall {
+                            piece: name.to_owned(),
+                            width,
+                            height,
+                            min_width,
+                            min_height,
+                        });
+                    }
+                    // A large image that does not weld is no matter of size.
+                    Ok(image) if more == 0 && width.min(height) > 2 * SHORT => return Ok(image),
+                    Err(e) if more == SHORT => return Err(e),
+                    _ => {}
+                }
+            }
+            let (w, h) = layout::smallest(least(&candidates));
+            let (min_width, min_height) = (w.max(width + 1), h.max(height + 1));
+            Err(Error::GridTooSmall { piece: name.to_owned(), width, height, min_width, min_height })
         }
     }
-    let distortion = distortion::measure(&disk.positions, &disk.triangles, &uv);
-    let (columns, rows) = (w as usize + 1, h as usize + 1);
-    if let Sampling::Fit(fit_options) = &options.sampling {
-        fit(&disk, &uv, &mut points, columns, rows, fit_options);
-    }
-    let mut grid = Grid { links, ..Grid::new(columns, rows, points) };
-    let expected = Expected { euler: cutter.euler(), loops: cutter.loops().len() };
-    let (moved, closed) = seal(&mut grid, &mut samples, &disk, &uv, expected);
-    Ok(PieceImage {
-        disk,
-        uv,
-        width: w + 1,
-        height: h + 1,
-        samples,
-        grid,
-        closed,
-        loop_of,
-        loop_lengths: cutter.loop_lengths(),
-        moved,
-        distortion,
-        parameterize: record,
-        cut,
-    })
 }
 
-/// Cost of an edge on a UV seam, as a share of its length.
-const SEAM_DISCOUNT: f64 = 0.15;
+impl<'a> Maker<'a> {
+    fn new(name: &'a str, surface: &'a Surface, options: &'a ImageOptions) -> Result<Self> {
+        let cutter = Cutter::new(surface).ok_or_else(|| Error::Piece {
+            piece: name.to_owned(),
+            stage: "cut",
+            problem: "the surface is not a manifold".into(),
+            hint: "please report it with the input".into(),
+        })?;
+        let mut rim = vec![disk::NONE; surface.positions.len()];
+        for (k, l) in cutter.loops().iter().enumerate() {
+            l.iter().for_each(|&v| rim[v as usize] = k as u32);
+        }
+        Ok(Self { name, surface, cutter, rim, options })
+    }
+
+    fn fail(&self, stage: &'static str, problem: String, hint: &str) -> Error {
+        Error::Piece { piece: self.name.to_owned(), stage, problem, hint: hint.to_owned() }
+    }
+
+    fn on_rim(&self, v: u32) -> bool {
+        self.rim[v as usize] != disk::NONE
+    }
+
+    /// The cuts worth laying out: along UV seams or not, as the options say, grown into limbs if `growing`.
+    fn candidates(&self, uv_seam: Option<&[bool]>, growing: bool) -> Result<Vec<Candidate>> {
+        let cutter = &self.cutter;
+        let grown = self.options.grow.as_ref().filter(|_| growing).and_then(|g| grow(cutter, g));
+        let terminals: &[u32] = grown.as_ref().map_or(&[], |g| &g.terminals);
+        let along_uv: &[bool] = match (self.options.seams, uv_seam) {
+            (_, None) | (Seams::Short, _) => &[false],
+            (Seams::Uv, _) => &[true],
+            (Seams::Auto, _) => &[false, true],
+        };
+        let mut out = Vec::new();
+        for &along_uv in along_uv {
+            let mut cost = cutter.graph.length.clone();
+            if let Some(seam) = uv_seam.filter(|_| along_uv) {
+                for (c, h) in cost.iter_mut().zip(&cutter.graph.halves) {
+                    if seam[h[0] as usize] {
+                        *c *= SEAM_DISCOUNT;
+                    }
+                }
+            }
+            let cut = match (&grown, along_uv) {
+                // Without limbs or handles the surface itself knows the shorter way than its stand-in.
+                (Some(g), false) if !terminals.is_empty() || cutter.handles() > 0 => g.cut.clone(),
+                _ => cutter.cut(&cost, terminals),
+            };
+            let mut disk = disk::open(cutter, &cut).map_err(|e| {
+                let problem = format!("the cut left Euler number {} and {} loops", e.euler, e.loops);
+                self.fail("cut", problem, "please report it with the input")
+            })?;
+            let border = Border::new(&mut disk, |v| self.on_rim(v));
+            let cut = CutRecord {
+                length: cut.length(&cutter.graph),
+                edges: cut.edges.iter().filter(|c| **c).count() as u32,
+                grown: terminals.len(),
+                uv_seams: along_uv,
+            };
+            out.push(Candidate { disk, border, cut });
+        }
+        Ok(out)
+    }
+
+    /// Lays out every candidate on its stand-in, keeps the least distorted, and makes its image.
+    fn make(&self, candidates: &[Candidate], size: Size) -> Result<PieceImage> {
+        let mut best: Option<(Layout, &Candidate)> = None;
+        for candidate in candidates {
+            let layout = Proxy::new(&candidate.disk, &candidate.border, self.options.search).search(size);
+            if let Some(layout) = layout.filter(|l| best.as_ref().is_none_or(|b| l.score < b.0.score)) {
+                best = Some((layout, candidate));
+            }
+        }
+        let (layout, candidate) =
+            best.ok_or_else(|| self.fail("layout", "the border does not fit the image".into(), "give it more texels"))?;
+        self.finish(candidate, &layout)
+    }
+
+    /// Parameterises and resamples the disk in a layout.
+    fn finish(&self, candidate: &Candidate, layout: &Layout) -> Result<PieceImage> {
+        let Layout { w, h, shift, ref count, .. } = *layout;
+        let placed = candidate
+            .border
+            .place(&candidate.disk, self.surface, &|v| self.on_rim(v), w, h, shift, count)
+            .ok_or_else(|| self.fail("border", "the boundary cannot be shared out".into(), "use a larger image"))?;
+        let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
+        let fixed = disk.boundary_mask();
+        let options = self.options;
+        let record = parameterize(&disk.positions, &disk.triangles, &fixed, &mut uv, options.passes, &options.newton)
+            .ok_or_else(|| {
+            let hint = "remesh the slivers of this piece, or give it more texels";
+            self.fail("parameterize", "no map free of flips was found".into(), hint)
+        })?;
+        let mut samples = resample(&disk, &uv, &texels, w, h).ok_or_else(|| {
+            self.fail("resample", "a texel fell outside the map".into(), "please report it with the input")
+        })?;
+        let mut points: Vec<[f64; 3]> = samples.iter().map(|s| s.position(&disk)).collect();
+        let mut rings: BTreeMap<Key, Vec<u32>> = BTreeMap::new();
+        let mut loop_of = vec![disk::NONE; points.len()];
+        for (p, t) in texels.iter().enumerate() {
+            let at = border_index(p as u32, w, h);
+            points[at] = t.position;
+            loop_of[at] = t.rim.map_or(disk::NONE, |v| self.rim[v as usize]);
+            rings.entry(t.key).or_default().push(at as u32);
+        }
+        let mut links = vec![disk::NONE; points.len()];
+        for ring in rings.values_mut().filter(|r| r.len() > 1) {
+            ring.sort_unstable();
+            for (k, &at) in ring.iter().enumerate() {
+                links[at as usize] = ring[(k + 1) % ring.len()];
+            }
+        }
+        let distortion = distortion::measure(&disk.positions, &disk.triangles, &uv);
+        let (columns, rows) = (w as usize + 1, h as usize + 1);
+        let mut grid = Grid { links, ..Grid::new(columns, rows, points) };
+        if let Sampling::Fit(fit_options) = &options.sampling {
+            let rings: Vec<Vec<u32>> = grid.rings().collect();
+            fit(&disk, &uv, &mut grid.positions, columns, rows, &rings, fit_options);
+        }
+        let expected = Expected { euler: self.cutter.euler(), loops: self.cutter.loops().len() };
+        let (moved, closed) = seal(&mut grid, &mut samples, &disk, &uv, expected);
+        Ok(PieceImage {
+            disk,
+            uv,
+            width: w + 1,
+            height: h + 1,
+            samples,
+            grid,
+            closed,
+            loop_of,
+            loop_lengths: self.cutter.loop_lengths(),
+            moved,
+            distortion,
+            parameterize: record,
+            cut: candidate.cut.clone(),
+        })
+    }
+}

@@ -111,7 +111,7 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
     let small = format!("area under {} % of the whole", 100.0 * options.component.accessory_area);
     riders.extend(parts.accessories.iter().map(|component| Rider { component, reason: small.clone() }));
     run.report.findings.extend(set_apart(&riders));
-    run.report.findings.extend(pieces.iter().flat_map(|(c, _, i)| remarks(&c.name, i)));
+    run.report.findings.extend(merged(pieces.iter().flat_map(|(c, _, i)| remarks(&c.name, i))));
 
     let mut bundle = run.stage(Stage::Maps, pieces.len(), |report| {
         let mut bundle = Bundle::new(concat!("gimage ", env!("CARGO_PKG_VERSION")));
@@ -302,6 +302,22 @@ fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
     } else if !p.newton.converged {
         let text = "The minimiser stopped before it converged; the map is flip-free but could be less distorted.";
         out.push(one(Severity::Note, "not-converged", 1, text));
+    }
+    out
+}
+
+/// One finding of each kind for all pieces, in the order they first occur.
+fn merged(findings: impl Iterator<Item = Finding>) -> Vec<Finding> {
+    let mut out: Vec<Finding> = Vec::new();
+    for f in findings {
+        match out.iter_mut().find(|o| o.kind == f.kind) {
+            Some(o) => {
+                o.count += f.count;
+                o.examples.extend(f.examples);
+                o.examples.truncate(MAX_EXAMPLES);
+            }
+            None => out.push(f),
+        }
     }
     out
 }
