@@ -96,21 +96,37 @@ fn finding(severity: Severity, kind: &'static str, count: usize, examples: Vec<S
     Finding { severity, stage: "component", kind, count: count as u64, examples, message }
 }
 
-/// Cuts a component loose: triangles in their order, vertices in the order of first use. O(n) in the mesh's vertices.
+/// Cuts a component loose. Vertices come in the order of their coordinates and triangles in that of their vertices, so
+/// that what is made of the surface does not depend on the order of the file. O(n log n) in the component, O(n) in the
+/// mesh's vertices.
 pub fn extract(mesh: &Mesh, component: &Component) -> Surface {
-    const NEW: u32 = u32::MAX;
-    let mut to = vec![NEW; mesh.positions.len()];
-    let mut surface = Surface { source_triangle: component.triangles.clone(), ..Default::default() };
-    for &t in &component.triangles {
-        surface.triangles.push(mesh.triangles[t as usize].map(|v| {
-            if to[v as usize] == NEW {
-                to[v as usize] = surface.positions.len() as u32;
-                surface.positions.push(mesh.positions[v as usize]);
-            }
-            to[v as usize]
-        }));
+    let mut used: Vec<u32> = component.triangles.iter().flat_map(|&t| mesh.triangles[t as usize]).collect();
+    used.sort_unstable();
+    used.dedup();
+    let at = |v: u32| mesh.positions[v as usize];
+    let order = |a: u32, b: u32| {
+        let (p, q) = (at(a), at(b));
+        (0..3).fold(std::cmp::Ordering::Equal, |o, c| o.then(p[c].total_cmp(&q[c]))).then(a.cmp(&b))
+    };
+    used.sort_unstable_by(|&a, &b| order(a, b));
+    let mut to = vec![u32::MAX; mesh.positions.len()];
+    used.iter().enumerate().for_each(|(k, &v)| to[v as usize] = k as u32);
+    let mut triangles: Vec<([u32; 3], [u32; 3], u32)> = component
+        .triangles
+        .iter()
+        .map(|&t| {
+            let corners = mesh.triangles[t as usize].map(|v| to[v as usize]);
+            let mut sorted = corners;
+            sorted.sort_unstable();
+            (sorted, corners, t)
+        })
+        .collect();
+    triangles.sort_unstable();
+    Surface {
+        positions: used.iter().map(|&v| at(v)).collect(),
+        triangles: triangles.iter().map(|t| t.1).collect(),
+        source_triangle: triangles.iter().map(|t| t.2).collect(),
     }
-    surface
 }
 
 #[cfg(test)]

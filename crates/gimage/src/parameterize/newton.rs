@@ -14,7 +14,7 @@ use super::system::System;
 pub struct NewtonOptions {
     /// Largest number of steps; 0..; more is closer to the minimum.
     pub steps: usize,
-    /// Stop when a step lowers the energy by less than this share; larger stops sooner.
+    /// Stop when a step lowers the energy by less than this share of what it is above an isometry's; larger stops sooner.
     pub tolerance: f64,
 }
 
@@ -127,6 +127,8 @@ pub(crate) fn minimise(
     options: &NewtonOptions,
 ) -> NewtonRecord {
     let mut now = energy(rest, triangles, uv);
+    // What an isometry would have: a flat piece must get there, not only near it.
+    let least: f64 = 4.0 * rest.iter().map(|r| r.weight).sum::<f64>();
     let mut record = NewtonRecord { steps: 0, start: now, end: now, converged: false };
     if !now.is_finite() || system.unknowns() == 0 {
         record.converged = now.is_finite();
@@ -156,7 +158,7 @@ pub(crate) fn minimise(
         *uv = trial;
         record.steps += 1;
         record.end = e;
-        let gain = (now - e) / now;
+        let gain = (now - e) / (now - least).max(1e-14 * now);
         now = e;
         if gain < options.tolerance && step > 0.3 {
             record.converged = true;
