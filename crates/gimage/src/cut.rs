@@ -103,6 +103,13 @@ impl<'a> Cutter<'a> {
                 (keep[a as usize], keep[b as usize]) = (true, true);
                 let paths = Paths::new(graph, cost, [a], |v| v == b);
                 grow.add(&paths, b);
+                if paths.via[b as usize].0 == a {
+                    // A slit of one edge does not open: its two sides would have the same two ends.
+                    let others = graph.neighbours(b).iter().filter(|x| x.0 != a);
+                    if let Some(&(c, e)) = others.min_by(|x, y| cost[x.1 as usize].total_cmp(&cost[y.1 as usize])) {
+                        (grow.edges[e as usize], grow.tree[c as usize], keep[c as usize]) = (true, true, true);
+                    }
+                }
             } else {
                 grow = self.best_rooted(cost);
             }
