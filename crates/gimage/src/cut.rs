@@ -5,7 +5,7 @@
 //! between two far points, and extra terminals are reached by shortest paths (Gu, Gortler, Hoppe 2002). Orientability
 //! is not needed: what is counted is homology over Z/2.
 
-use crate::graph::{EdgeGraph, Paths};
+use crate::graph::{EdgeGraph, Nearest, Paths};
 use crate::halfedge;
 use crate::surface::Surface;
 
@@ -55,8 +55,11 @@ impl Growing<'_> {
 }
 
 impl<'a> Cutter<'a> {
-    /// Prepares a connected surface. `None` if it is not edge-manifold with one fan a vertex.
+    /// Prepares a connected surface. `None` if it is empty or not edge-manifold with one fan a vertex.
     pub(crate) fn new(surface: &'a Surface) -> Option<Self> {
+        if surface.triangles.is_empty() {
+            return None;
+        }
         let twin = halfedge::twins(&surface.triangles).ok()?;
         let mut loops = halfedge::boundary_loops(&surface.triangles, &twin)?;
         let mut keyed: Vec<_> = loops.drain(..).map(|l| (loop_length(surface, &l), l)).collect();
@@ -100,6 +103,13 @@ impl<'a> Cutter<'a> {
                 (keep[a as usize], keep[b as usize]) = (true, true);
                 let paths = Paths::new(graph, cost, [a], |v| v == b);
                 grow.add(&paths, b);
+                if paths.via[b as usize].0 == a {
+                    // A slit of one edge does not open: its two sides would have the same two ends.
+                    let others = graph.neighbours(b).iter().filter(|x| x.0 != a);
+                    if let Some(&(c, e)) = others.min_by(|x, y| cost[x.1 as usize].total_cmp(&cost[y.1 as usize])) {
+                        (grow.edges[e as usize], grow.tree[c as usize], keep[c as usize]) = (true, true, true);
+                    }
+                }
             } else {
                 grow = self.best_rooted(cost);
             }
@@ -149,20 +159,20 @@ impl<'a> Cutter<'a> {
             l.iter().for_each(|&v| loop_of[v as usize] = k as u32);
         }
         let mut done = vec![false; self.loops.len()];
+        let mut near = Nearest::new(&self.graph, cost);
         let mut take = 0usize;
-        loop {
+        for _ in 1..self.loops.len() {
             done[take] = true;
-            self.loops[take].iter().for_each(|&v| grow.tree[v as usize] = true);
-            if done.iter().all(|&d| d) {
-                return;
-            }
+            self.loops[take].iter().for_each(|&v| near.source(v));
             let open = |v: u32| loop_of[v as usize] != u32::MAX && !done[loop_of[v as usize] as usize];
-            let sources: Vec<u32> = grow.members().collect();
-            let paths = Paths::new(&self.graph, cost, sources, open);
-            let Some(hit) = paths.hit else { return };
-            grow.add(&paths, hit);
+            let Some(hit) = near.next(open) else { break };
+            grow.add(&near.paths, hit);
+            for (v, _) in near.paths.back(hit) {
+                near.source(v);
+            }
             take = loop_of[hit as usize] as usize;
         }
+        self.loops.iter().flatten().for_each(|&v| grow.tree[v as usize] = true);
     }
 
     /// Opens handles and cross-caps: the edges in neither a primal shortest-path tree nor a dual spanning tree, each
@@ -283,6 +293,116 @@ pub(crate) fn prune(graph: &EdgeGraph, edges: &mut [bool], keep: &[bool]) {
                     stack.push(w);
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{disk, shapes};
+    use proptest::prelude::*;
+
+    /// Cuts, opens, and checks what every cut must keep: terminals on the boundary and no other dead ends.
+    fn check(s: &Surface, terminals: &[u32]) -> Cut {
+        let cutter = Cutter::new(s).unwrap();
+        let cut = cutter.cut(&cutter.graph.length, terminals);
+        let disk = disk::open(&cutter, &cut).unwrap();
+        let mut on = vec![false; s.positions.len()];
+        disk.boundary.iter().for_each(|&v| on[disk.origin[v as usize] as usize] = true);
+        assert!(terminals.iter().all(|&t| on[t as usize]), "a terminal is not on the boundary");
+        let mut degree = vec![0; s.positions.len()];
+        for (e, _) in cut.edges.iter().enumerate().filter(|(_, c)| **c) {
+            assert!(!cutter.graph.is_boundary(e));
+            cutter.graph.ends[e].iter().for_each(|&v| degree[v as usize] += 1);
+        }
+        let rim = shapes::rim(s);
+        let ends = (0..degree.len()).filter(|&v| degree[v] == 1 && !rim[v] && !terminals.contains(&(v as u32))).count();
+        assert!(ends <= if cutter.euler() == 2 { 2 } else { 0 }, "{ends} dead ends");
+        assert_eq!(cut, cutter.cut(&cutter.graph.length, terminals));
+        cut
+    }
+
+    #[test]
+    fn every_shape_opens_to_a_disk() {
+        for (name, s) in shapes::all() {
+            println!("{name}");
+            check(&s, &[]);
+            let mut draw = shapes::random(9);
+            let terminals: Vec<u32> = (0..4).map(|_| draw(s.positions.len()) as u32).collect();
+            check(&s, &terminals);
+        }
+    }
+
+    #[test]
+    fn the_shapes_are_what_they_are_called() {
+        for (name, euler, loops) in [
+            ("triangle", 1, 1),
+            ("holed", -8, 10),
+            ("tube", 0, 2),
+            ("sphere", 2, 0),
+            ("tetrahedron", 2, 0),
+            ("torus", 0, 0),
+            ("double torus", -2, 0),
+            ("genus 4", -6, 0),
+            ("torus with holes", -3, 3),
+            ("moebius", 0, 1),
+            ("klein", 0, 0),
+            ("projective plane", 1, 0),
+            ("projective plane with holes", -1, 2),
+        ] {
+            let s = shapes::all().into_iter().find(|x| x.0 == name).unwrap().1;
+            let c = Cutter::new(&s).unwrap();
+            assert_eq!((c.euler(), c.loops().len()), (euler, loops), "{name}");
+        }
+    }
+
+    #[test]
+    fn an_empty_surface_is_refused() {
+        assert!(Cutter::new(&Surface::default()).is_none());
+    }
+
+    #[test]
+    fn a_tube_is_cut_straight_and_along_discounted_edges() {
+        let s = shapes::tube(12, 8, 0.7);
+        let cutter = Cutter::new(&s).unwrap();
+        let cut = cutter.cut(&cutter.graph.length, &[]);
+        assert!((cut.length(&cutter.graph) - 0.7).abs() < 1e-12);
+        for column in [0, 5] {
+            let on = |v: u32| v % 12 == column;
+            let cost: Vec<f64> = cutter
+                .graph
+                .ends
+                .iter()
+                .zip(&cutter.graph.length)
+                .map(|(e, l)| if e.iter().all(|&v| on(v)) { 0.15 * l } else { *l })
+                .collect();
+            let cut = cutter.cut(&cost, &[]);
+            assert_eq!(cut.edges.iter().filter(|c| **c).count(), 8);
+            let along = |e: usize| cutter.graph.ends[e].iter().all(|&v| on(v));
+            assert!((0..cut.edges.len()).all(|e| !cut.edges[e] || along(e)));
+        }
+    }
+
+    #[test]
+    fn hundreds_of_loops_are_joined_by_a_tree_of_paths() {
+        let s = shapes::holed(20);
+        let cutter = Cutter::new(&s).unwrap();
+        assert_eq!(cutter.loops().len(), 401);
+        let cut = check(&s, &[]);
+        // Neighbouring holes are two cells apart, and the outer rim is one or two from the nearest.
+        assert!(cut.length(&cutter.graph) <= 400.0 * 2.0 / 81.0 + 1e-9);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+        #[test]
+        fn random_blobs_open_to_a_disk(seed in any::<u64>(), cells in 1usize..120, holes in 0usize..30, many in 0usize..5) {
+            let s = shapes::blob(seed, cells, holes);
+            prop_assume!(!s.triangles.is_empty());
+            let mut draw = shapes::random(seed);
+            let terminals: Vec<u32> = (0..many).map(|_| draw(s.positions.len()) as u32).collect();
+            check(&s, &terminals);
         }
     }
 }

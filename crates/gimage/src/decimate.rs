@@ -101,8 +101,11 @@ impl Collapser<'_> {
         if common != shared || (self.boundary[u as usize] && self.boundary[v as usize] && shared != 1) {
             return false;
         }
-        // Keep at least a tetrahedron or a triangle fan.
-        if self.around[u as usize].len() <= shared && self.around[v as usize].len() <= shared {
+        // Keep at least a triangle; two fans of three that share two triangles are a tetrahedron, which would be left as
+        // two triangles back to back.
+        let (fan_u, fan_v) = (self.around[u as usize].len(), self.around[v as usize].len());
+        let closed = !self.boundary[u as usize] && !self.boundary[v as usize];
+        if (fan_u <= shared && fan_v <= shared) || (closed && fan_u == 3 && fan_v == 3) {
             return false;
         }
         self.around[u as usize].iter().all(|&t| {
@@ -229,4 +232,77 @@ pub(crate) fn decimate(
         })
         .collect();
     coarse
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::Surface;
+    use crate::topology::Topology;
+    use crate::{halfedge, shapes};
+    use proptest::prelude::*;
+
+    fn check(s: &Surface, locked: &[bool], target: usize) -> Coarse {
+        let c = decimate(&s.positions, &s.triangles, &shapes::rim(s), locked, target);
+        let (a, b) = (Topology::of(&s.triangles), Topology::of(&c.triangles));
+        assert_eq!((a.euler, a.boundary_loops, a.components), (b.euler, b.boundary_loops, b.components));
+        assert_eq!((b.non_manifold_edges, b.singular_vertices), (0, 0));
+        assert!(halfedge::twins(&c.triangles).is_ok());
+        // Every patch is connected and holds its coarse vertex.
+        let mut sets = crate::disjoint::Disjoint::new(s.positions.len());
+        for t in &s.triangles {
+            for k in 0..3 {
+                let (x, y) = (t[k], t[(k + 1) % 3]);
+                if c.patch[x as usize] == c.patch[y as usize] {
+                    sets.join(x, y);
+                }
+            }
+        }
+        let set = sets.into_representatives();
+        for (v, &k) in c.patch.iter().enumerate() {
+            assert_eq!(set[v], set[c.vertex[k as usize] as usize], "a patch in pieces");
+        }
+        for (v, _) in locked.iter().enumerate().filter(|x| *x.1) {
+            assert_eq!(c.vertex[c.patch[v] as usize] as usize, v);
+        }
+        c
+    }
+
+    #[test]
+    fn every_shape_keeps_its_topology_however_coarse() {
+        for (name, s) in shapes::all() {
+            println!("{name}");
+            let none = vec![false; s.positions.len()];
+            check(&s, &none, 0);
+            check(&s, &none, s.triangles.len() / 2);
+            let mut draw = shapes::random(1);
+            let some: Vec<bool> = none.iter().map(|_| draw(5) == 0).collect();
+            check(&s, &some, 0);
+        }
+    }
+
+    #[test]
+    fn a_flat_tetrahedron_is_left_alone() {
+        // Flat enough that no facet turns over when one end of an edge moves to the other.
+        let p = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 2.0, 0.0], [1.0, 0.7, 1e-3]];
+        let s = shapes::surface(p, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+        assert_eq!(check(&s, &[false; 4], 0).triangles.len(), 4);
+    }
+
+    #[test]
+    fn nothing_is_done_where_nothing_is_to_do() {
+        let s = shapes::torus(8, 6);
+        let c = check(&s, &vec![false; s.positions.len()], s.triangles.len());
+        assert_eq!(c.triangles.len(), s.triangles.len());
+        assert!(decimate(&[], &[], &[], &[], 10).triangles.is_empty());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+        #[test]
+        fn random_blobs_keep_their_topology(seed in any::<u64>(), cells in 1usize..100, holes in 0usize..20, target in 0usize..200) {
+            let s = shapes::blob(seed, cells, holes);
+            check(&s, &vec![false; s.positions.len()], target);
+        }
+    }
 }

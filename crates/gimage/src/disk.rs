@@ -263,3 +263,112 @@ impl Disk {
         mask
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameterize::distortion::{planar, signed_area2};
+    use crate::shapes;
+    use crate::surface::Surface;
+    use crate::vec3::{cross, distance, norm, sub};
+    use proptest::prelude::*;
+
+    fn area(d: &Disk) -> f64 {
+        d.triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| d.positions[v as usize]);
+                0.5 * norm(cross(sub(b, a), sub(c, a)))
+            })
+            .sum()
+    }
+
+    /// A disk that covers the surface, its parts all telling the truth about one another.
+    fn check(d: &Disk, s: &Surface) {
+        assert!((area(d) - s.area()).abs() < 1e-9 * s.area());
+        assert_eq!(halfedge::euler(&d.triangles), 1);
+        let twin = halfedge::twins(&d.triangles).unwrap();
+        assert_eq!(halfedge::boundary_loops(&d.triangles, &twin).unwrap().len(), 1);
+        assert_eq!(twin.iter().filter(|&&t| t == BOUNDARY).count(), d.boundary.len());
+        assert_eq!(d.on_cut.len(), d.boundary.len());
+        let outer: std::collections::HashSet<[u32; 2]> = (0..twin.len() as u32)
+            .filter(|&h| twin[h as usize] == BOUNDARY)
+            .map(|h| [origin(&d.triangles, h), target(&d.triangles, h)])
+            .collect();
+        for i in 0..d.boundary.len() {
+            assert!(outer.contains(&[d.boundary[i], d.boundary[(i + 1) % d.boundary.len()]]));
+        }
+        for h in 0..twin.len() as u32 {
+            let w = twin[h as usize];
+            assert!(w == BOUNDARY || origin(&d.triangles, h) == target(&d.triangles, w), "neighbours wind apart");
+        }
+        for (t, tri) in d.triangles.iter().enumerate() {
+            let source = s.corners(d.face[t] as usize);
+            for k in 0..3 {
+                let p = [0, 1, 2].map(|c| (0..3).map(|m| d.corners[t][k][m] * source[m][c]).sum::<f64>());
+                assert!(distance(p, d.positions[tri[k] as usize]) < 1e-12);
+                assert!((d.corners[t][k].iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            }
+        }
+        for (p, &o) in d.positions.iter().zip(&d.origin) {
+            assert!(o == NONE || *p == s.positions[o as usize]);
+        }
+    }
+
+    fn chords(d: &Disk) -> usize {
+        let mask = d.boundary_mask();
+        halfedge::sorted_edges(&d.triangles)
+            .chunk_by(|x, y| (x.0, x.1) == (y.0, y.1))
+            .filter(|r| r.len() == 2 && mask[r[0].0 as usize] && mask[r[0].1 as usize])
+            .count()
+    }
+
+    #[test]
+    fn opening_keeps_the_surface_and_orients_it() {
+        for (name, s) in shapes::all() {
+            println!("{name}");
+            check(&shapes::opened(&s, &[]), &s);
+        }
+    }
+
+    #[test]
+    fn an_uncut_torus_is_no_disk() {
+        let s = shapes::torus(6, 5);
+        let cutter = Cutter::new(&s).unwrap();
+        let cut = Cut { edges: vec![false; cutter.graph.ends.len()] };
+        assert_eq!(open(&cutter, &cut).unwrap_err(), NotADisk { euler: 0, loops: 0 });
+    }
+
+    #[test]
+    fn splits_of_one_triangle_keep_it_whole() {
+        let s = shapes::surface(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
+        let mut d = shapes::opened(&s, &[]);
+        d.split_boundary(&[(2, 0.5), (0, 0.75), (1, 0.5), (0, 0.25)]);
+        assert_eq!((d.triangles.len(), d.boundary.len()), (5, 7));
+        check(&d, &s);
+        let uv: Vec<[f64; 2]> = d.positions.iter().map(|p| [p[0], p[1]]).collect();
+        assert!(d.triangles.iter().all(|&t| signed_area2(planar(&uv, t)) > 0.0));
+        d.split_chords();
+        assert_eq!(chords(&d), 0);
+        check(&d, &s);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+        #[test]
+        fn random_splits_leave_a_disk_without_chords(
+            seed in any::<u64>(), at in prop::collection::vec((any::<prop::sample::Index>(), 0.01f64..0.99), 0..12)
+        ) {
+            let s = shapes::blob(seed, 20, 6);
+            let mut d = shapes::opened(&s, &[]);
+            let n = d.boundary.len();
+            let at: Vec<(usize, f64)> = at.into_iter().map(|(i, t)| (i.index(n), t)).collect();
+            d.split_boundary(&at);
+            prop_assert_eq!(d.boundary.len(), n + at.len());
+            check(&d, &s);
+            d.split_chords();
+            prop_assert_eq!(chords(&d), 0);
+            check(&d, &s);
+        }
+    }
+}

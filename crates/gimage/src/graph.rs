@@ -84,35 +84,10 @@ impl Paths {
         sources: impl IntoIterator<Item = u32>,
         target: impl Fn(u32) -> bool,
     ) -> Self {
-        let n = graph.vertices();
-        let mut paths = Self { distance: vec![f64::INFINITY; n], via: vec![(NONE, NONE); n], hit: None };
-        let mut heap = BinaryHeap::new();
-        for s in sources {
-            if paths.distance[s as usize] > 0.0 {
-                paths.distance[s as usize] = 0.0;
-                heap.push(Reverse((0u64, s)));
-            }
-        }
-        while let Some(Reverse((bits, v))) = heap.pop() {
-            // Bits of non-negative floats sort as the floats do.
-            let d = f64::from_bits(bits);
-            if d > paths.distance[v as usize] {
-                continue;
-            }
-            if target(v) {
-                paths.hit = Some(v);
-                return paths;
-            }
-            for &(w, e) in graph.neighbours(v) {
-                let new = d + cost[e as usize];
-                if new < paths.distance[w as usize] {
-                    paths.distance[w as usize] = new;
-                    paths.via[w as usize] = (v, e);
-                    heap.push(Reverse((new.to_bits(), w)));
-                }
-            }
-        }
-        paths
+        let mut near = Nearest::new(graph, cost);
+        sources.into_iter().for_each(|s| near.source(s));
+        let hit = near.next(target);
+        Self { hit, ..near.paths }
     }
 
     /// The path back from `v` to its source, as (vertex, edge that leads back), the source last with [`NONE`].
@@ -137,5 +112,58 @@ impl Paths {
             }
         }
         best.map(|b| b.1)
+    }
+}
+
+/// Dijkstra that can be stopped, given more sources and gone on with: what was found stays found.
+pub(crate) struct Nearest<'a> {
+    graph: &'a EdgeGraph,
+    cost: &'a [f64],
+    heap: BinaryHeap<Reverse<(u64, u32)>>,
+    /// The paths so far.
+    pub paths: Paths,
+}
+
+impl<'a> Nearest<'a> {
+    /// Without a source. `cost` is one number an edge, not negative.
+    pub(crate) fn new(graph: &'a EdgeGraph, cost: &'a [f64]) -> Self {
+        let n = graph.vertices();
+        let paths = Paths { distance: vec![f64::INFINITY; n], via: vec![(NONE, NONE); n], hit: None };
+        Self { graph, cost, heap: BinaryHeap::new(), paths }
+    }
+
+    /// Makes `v` a source.
+    pub(crate) fn source(&mut self, v: u32) {
+        self.paths.via[v as usize] = (NONE, NONE);
+        if self.paths.distance[v as usize] > 0.0 {
+            self.paths.distance[v as usize] = 0.0;
+            self.heap.push(Reverse((0, v)));
+        }
+    }
+
+    /// The nearest vertex for which `target` holds.
+    pub(crate) fn next(&mut self, target: impl Fn(u32) -> bool) -> Option<u32> {
+        let paths = &mut self.paths;
+        while let Some(Reverse((bits, v))) = self.heap.pop() {
+            // Bits of non-negative floats sort as the floats do.
+            let d = f64::from_bits(bits);
+            if d > paths.distance[v as usize] {
+                continue;
+            }
+            if target(v) {
+                // It has not been gone on from yet.
+                self.heap.push(Reverse((bits, v)));
+                return Some(v);
+            }
+            for &(w, e) in self.graph.neighbours(v) {
+                let new = d + self.cost[e as usize];
+                if new < paths.distance[w as usize] {
+                    paths.distance[w as usize] = new;
+                    paths.via[w as usize] = (v, e);
+                    self.heap.push(Reverse((new.to_bits(), w)));
+                }
+            }
+        }
+        None
     }
 }

@@ -41,6 +41,8 @@ pub mod report;
 mod resample;
 mod sample;
 mod seal;
+#[cfg(test)]
+mod shapes;
 pub mod springs;
 pub mod stretch;
 pub mod surface;

@@ -5,7 +5,7 @@
 //! not meet twice, so no new cycle appears and the result cuts to a disk where the coarse cut did.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::{BTreeMap, BinaryHeap};
 
 use crate::cut::{Cut, Cutter, prune};
 use crate::decimate::Coarse;
@@ -22,8 +22,7 @@ pub(crate) fn transfer(fine: &Cutter<'_>, small: &Cutter<'_>, coarse: &Coarse, c
     let mut distance = vec![f64::INFINITY; n];
     let mut via = vec![(NONE, NONE); n];
     let mut heap = BinaryHeap::new();
-    for (k, &v) in coarse.vertex.iter().enumerate() {
-        let _ = k;
+    for &v in &coarse.vertex {
         distance[v as usize] = 0.0;
         heap.push(Reverse((0u64, v)));
     }
@@ -45,7 +44,7 @@ pub(crate) fn transfer(fine: &Cutter<'_>, small: &Cutter<'_>, coarse: &Coarse, c
             }
         }
     }
-    let mut wanted: HashMap<[u32; 2], Option<(f64, u32)>> = HashMap::new();
+    let mut wanted: BTreeMap<[u32; 2], Option<(f64, u32)>> = BTreeMap::new();
     for (e, _) in cut.edges.iter().enumerate().filter(|(_, c)| **c) {
         wanted.insert(small.graph.ends[e], None);
     }
@@ -84,4 +83,49 @@ pub(crate) fn transfer(fine: &Cutter<'_>, small: &Cutter<'_>, coarse: &Coarse, c
     }
     prune(graph, &mut edges, &keep);
     Cut { edges }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::decimate::decimate;
+    use crate::surface::Surface;
+    use crate::{disk, shapes};
+    use proptest::prelude::*;
+
+    fn check(s: &Surface, target: usize, many: usize, seed: u64) {
+        let fine = Cutter::new(s).unwrap();
+        let coarse = decimate(&s.positions, &s.triangles, &shapes::rim(s), &vec![false; s.positions.len()], target);
+        let small =
+            shapes::surface(coarse.vertex.iter().map(|&v| s.positions[v as usize]).collect(), coarse.triangles.clone());
+        let cutter = Cutter::new(&small).unwrap();
+        let mut draw = shapes::random(seed);
+        let picks: Vec<u32> = (0..many).map(|_| draw(coarse.vertex.len()) as u32).collect();
+        let cut = cutter.cut(&cutter.graph.length, &picks);
+        let terminals: Vec<u32> = picks.iter().map(|&v| coarse.vertex[v as usize]).collect();
+        let carried = transfer(&fine, &cutter, &coarse, &cut, &terminals);
+        let disk = disk::open(&fine, &carried).unwrap();
+        let mut on = vec![false; s.positions.len()];
+        disk.boundary.iter().for_each(|&v| on[disk.origin[v as usize] as usize] = true);
+        assert!(terminals.iter().all(|&t| on[t as usize]));
+    }
+
+    #[test]
+    fn carried_cuts_open_every_shape() {
+        for (name, s) in shapes::all() {
+            println!("{name}");
+            for target in [0, s.triangles.len() / 3, s.triangles.len()] {
+                check(&s, target, 0, 1);
+                check(&s, target, 4, 2);
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+        #[test]
+        fn carried_cuts_open_random_blobs(seed in any::<u64>(), holes in 0usize..20, target in 0usize..300, many in 0usize..5) {
+            check(&shapes::blob(seed, 80, holes), target, many, seed);
+        }
+    }
 }

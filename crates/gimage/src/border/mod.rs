@@ -129,3 +129,6 @@ impl Border {
         Self { segments, groups, free, nodes: node }
     }
 }
+
+#[cfg(test)]
+mod tests;
