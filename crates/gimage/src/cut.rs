@@ -325,8 +325,7 @@ mod tests {
 
     #[test]
     fn every_shape_opens_to_a_disk() {
-        for (name, s) in shapes::all() {
-            println!("{name}");
+        for (_, s) in shapes::all() {
             check(&s, &[]);
             let mut draw = shapes::random(9);
             let terminals: Vec<u32> = (0..4).map(|_| draw(s.positions.len()) as u32).collect();

@@ -270,8 +270,7 @@ mod tests {
 
     #[test]
     fn every_shape_keeps_its_topology_however_coarse() {
-        for (name, s) in shapes::all() {
-            println!("{name}");
+        for (_, s) in shapes::all() {
             let none = vec![false; s.positions.len()];
             check(&s, &none, 0);
             check(&s, &none, s.triangles.len() / 2);

@@ -233,3 +233,53 @@ fn integrate(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Grid;
+    use crate::measure::{MeasureOptions, measure};
+    use crate::shapes::{self, Mapped};
+
+    fn points(m: &Mapped) -> Vec<[f64; 3]> {
+        m.samples.iter().map(|s| s.position(&m.disk)).collect()
+    }
+
+    fn fitted(m: &Mapped) -> Vec<[f64; 3]> {
+        let mut p = points(m);
+        let (columns, rows) = (m.w as usize + 1, m.h as usize + 1);
+        assert!(fit(&m.disk, &m.uv, &mut p, columns, rows, &FitOptions::default()));
+        p
+    }
+
+    #[test]
+    fn a_flat_sheet_stays_flat_to_the_last_bit() {
+        let m = shapes::mapped(&shapes::rectangle(7, 5, 1.4, 1.0), 20, 14);
+        let (a, b) = (points(&m), fitted(&m));
+        // In its plane texels may slide where the map bends.
+        assert!(a.iter().zip(&b).all(|(p, q)| (p[2] - q[2]).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_curved_patch_comes_closer_with_its_border_where_it_was() {
+        let ball = shapes::sphere(96, 48);
+        let s = shapes::without(&ball, |t| ball.corners(t).iter().any(|p| p[1] < 0.2));
+        let m = shapes::mapped(&s, 16, 16);
+        let (a, b) = (points(&m), fitted(&m));
+        let quality = |p: &[[f64; 3]]| {
+            let g = Grid::new(17, 17, p.to_vec());
+            let options = MeasureOptions { samples: 20_000, seed: 1 };
+            measure(&s.positions, &s.triangles, &g.positions, &g.triangulate(), &options).unwrap().psnr
+        };
+        assert!(quality(&b) > quality(&a) + 2.0, "{} {}", quality(&a), quality(&b));
+        let border = |k: usize| k.is_multiple_of(17) || k % 17 == 16 || k / 17 == 0 || k / 17 == 16;
+        assert!((0..a.len()).filter(|&k| border(k)).all(|k| distance(a[k], b[k]) < 1e-15));
+    }
+
+    #[test]
+    fn threads_do_not_change_a_bit() {
+        let m = shapes::mapped(&shapes::torus(24, 16), 60, 60);
+        let run = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(|| fitted(&m));
+        assert_eq!(run(1), run(3));
+    }
+}

@@ -234,8 +234,9 @@ impl<'a> Proxy<'a> {
         let mut best = found[0].0.clone();
         if self.options.refine {
             for (layout, aspect, middle) in &mut found {
-                for direction in [1i32, -1] {
-                    while !fixed {
+                let directions: &[i32] = if fixed { &[] } else { &[1, -1] };
+                for direction in directions {
+                    loop {
                         let next = *aspect as i32 + direction;
                         if next < 0 || next as usize >= ASPECTS.len() {
                             break;

@@ -106,12 +106,13 @@ impl BuildOptions {
             ImageSize::Texels(n) if !(9..=cap).contains(&n) => {
                 return Err(bad("texels", format!("{n} texels"), &format!("give 9 to {cap}")));
             }
-            ImageSize::Exact(w, h) => {
-                if w < 3 || h < 3 || u64::from(w) * u64::from(h) > u64::from(cap) || w.max(h) > gimage_bundle::MAX_SIDE
-                {
-                    let hint = format!("give sides of 3 to {} and at most {cap} texels", gimage_bundle::MAX_SIDE);
-                    return Err(bad("size", format!("{w} x {h}"), &hint));
-                }
+            ImageSize::Exact(w, h)
+                if w.min(h) < 3
+                    || u64::from(w) * u64::from(h) > u64::from(cap)
+                    || w.max(h) > gimage_bundle::MAX_SIDE =>
+            {
+                let hint = format!("give sides of 3 to {} and at most {cap} texels", gimage_bundle::MAX_SIDE);
+                return Err(bad("size", format!("{w} x {h}"), &hint));
             }
             ImageSize::Spacing(d) if !(d.is_finite() && d > 0.0) => {
                 return Err(bad("spacing", format!("{d} is no length"), "give metres above 0"));

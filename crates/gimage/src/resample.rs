@@ -85,3 +85,35 @@ pub(crate) fn resample(disk: &Disk, uv: &[[f64; 2]], texels: &[BorderTexel], w: 
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::locate::Locator;
+    use crate::parameterize::distortion::flips;
+    use crate::shapes;
+
+    #[test]
+    fn every_sample_maps_back_to_its_texel_and_the_locator_agrees() {
+        for (name, s) in shapes::all() {
+            let m = shapes::mapped(&s, 24, 20);
+            assert_eq!(flips(&m.disk.triangles, &m.uv), 0, "{name}");
+            let locator = Locator::new(&m.disk, &m.uv, m.w as usize, m.h as usize);
+            let columns = m.w as usize + 1;
+            for (k, sample) in m.samples.iter().enumerate() {
+                let at = [(k % columns) as f64, (k / columns) as f64];
+                let p = planar(&m.uv, m.disk.triangles[sample.triangle as usize]);
+                let found = locator.at(at).unwrap();
+                for c in 0..2 {
+                    let x: f64 = (0..3).map(|i| sample.bary[i] * p[i][c]).sum();
+                    assert!((x - at[c]).abs() < 1e-9, "{name}: texel {k}");
+                }
+                let (a, b) = (sample.position(&m.disk), found.position(&m.disk));
+                assert!(crate::vec3::distance(a, b) < 1e-6, "{name}: texel {k}");
+            }
+            assert!(locator.at([-0.1, 1.0]).is_none() && locator.at([1.0, f64::NAN]).is_none());
+            assert_eq!(m.texels.len() as u32, 2 * (m.w + m.h));
+            assert!(!m.border.nodes.is_empty());
+        }
+    }
+}

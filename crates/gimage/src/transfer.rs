@@ -112,8 +112,7 @@ mod tests {
 
     #[test]
     fn carried_cuts_open_every_shape() {
-        for (name, s) in shapes::all() {
-            println!("{name}");
+        for (_, s) in shapes::all() {
             for target in [0, s.triangles.len() / 3, s.triangles.len()] {
                 check(&s, target, 0, 1);
                 check(&s, target, 4, 2);
