@@ -165,9 +165,24 @@ mod tests {
         let m = mesh();
         let s = split(&m, &ComponentOptions::default());
         let surface = extract(&m, &s.pieces[1]);
-        assert_eq!(surface.source_triangle, [1, 3]);
-        assert_eq!(surface.triangles, [[0, 1, 2], [0, 2, 3]]);
+        // Vertices by x, then y: 0 is (0, 0), 1 is (0, 1), 2 is (1, 0), 3 is (1, 1).
+        assert_eq!(surface.source_triangle, [3, 1]);
+        assert_eq!(surface.triangles, [[0, 3, 1], [0, 2, 3]]);
         assert!((0..2).all(|t| surface.corners(t) == m.corners(surface.source_triangle[t] as usize)));
+    }
+
+    #[test]
+    fn the_order_of_the_file_does_not_matter() {
+        let m = mesh();
+        let mut turned = m.clone();
+        turned.positions.reverse();
+        turned.triangles.iter_mut().for_each(|t| *t = t.map(|v| 9 - v));
+        turned.triangles.swap(1, 3);
+        let (a, b) = (split(&m, &ComponentOptions::default()), split(&turned, &ComponentOptions::default()));
+        for (x, y) in a.pieces.iter().zip(&b.pieces) {
+            let (x, y) = (extract(&m, x), extract(&turned, y));
+            assert_eq!((x.positions, x.triangles), (y.positions, y.triangles));
+        }
     }
 
     #[test]
