@@ -32,21 +32,28 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     let scorer = args.scorer.clone().map(|script| Scorer { python: args.python.clone(), script });
     let bench = Bench { args, meshes, references, scorer, scratch: TempDir::new()? };
     let mut rows = bench.builds()?;
+    bench.save(&mut rows, &machine)?;
     for mesh in 0..bench.meshes.len() {
         for &peer in &args.peers {
             rows.extend(bench.peer(mesh, peer)?);
+            // A peer may take long: what is there is kept if the run is stopped.
+            bench.save(&mut rows, &machine)?;
         }
     }
-    // All rows of a mesh together, gimage first.
-    let place = |row: &Row| bench.meshes.iter().position(|m| stem(m) == row.mesh);
-    rows.sort_by_key(place);
-    let folder = args.runs.join(&args.name);
-    std::fs::create_dir_all(&folder)?;
-    std::fs::write(folder.join("machine.txt"), machine)?;
-    std::fs::write(folder.join("fidelity.csv"), csv(&rows))?;
-    std::fs::write(folder.join("fidelity.svg"), plot::draw(&rows))?;
-    eprintln!("wrote {}", folder.display());
     Ok(())
+}
+
+impl Bench<'_> {
+    fn save(&self, rows: &mut [Row], machine: &str) -> Result<(), Failure> {
+        // All rows of a mesh together, gimage first.
+        rows.sort_by_key(|row| self.meshes.iter().position(|m| stem(m) == row.mesh));
+        let folder = self.args.runs.join(&self.args.name);
+        std::fs::create_dir_all(&folder)?;
+        std::fs::write(folder.join("machine.txt"), machine)?;
+        std::fs::write(folder.join("fidelity.csv"), csv(rows))?;
+        std::fs::write(folder.join("fidelity.svg"), plot::draw(rows))?;
+        Ok(())
+    }
 }
 
 impl Bench<'_> {
