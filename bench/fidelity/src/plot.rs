@@ -153,7 +153,8 @@ fn series(svg: &mut String, family: usize, rows: &[&Row], x: Log, y: Log) {
         marker(svg, family, p);
         // One family's labels do for all: the same texels lie on about one level.
         if family == 0 {
-            text(svg, [p[0] + 7.0, p[1] - 5.0], "start", 9, FAINT, &texels.to_string());
+            let (x, anchor) = if p[0] > PANEL[0] - 30.0 { (p[0] - 7.0, "end") } else { (p[0] + 7.0, "start") };
+            text(svg, [x, p[1] - 5.0], anchor, 9, FAINT, &texels.to_string());
         }
     }
 }
