@@ -13,7 +13,7 @@ const GAP: [f64; 2] = [18.0, 40.0];
 /// Left, top, right, bottom.
 const MARGIN: [f64; 4] = [92.0, 104.0, 22.0, 62.0];
 /// Colours that also differ for colour-blind readers (Okabe, Ito 2008).
-const COLOURS: [&str; 8] = ["#0072B2", "#D55E00", "#56B4E9", "#E69F00", "#009E73", "#CC79A7", "#000000", "#9A8C00"];
+const COLOURS: [&str; 8] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#9A8C00"];
 const INK: &str = "#222";
 const FAINT: &str = "#666";
 
@@ -50,7 +50,11 @@ pub fn draw(rows: &[Row]) -> String {
     let [width, height] = [extent(0, columns) + MARGIN[0] + MARGIN[2], extent(1, lines) + MARGIN[1] + MARGIN[3]];
     let points = || rows.iter().filter_map(point);
     let x = Log::around(points().map(|p| p[0]), 0.0, PANEL[0]);
-    let y = Log::around(points().map(|p| p[1]), PANEL[1], 0.0);
+    // A peer that failed on one mesh must not squeeze every panel: it is drawn at the edge, with its value.
+    let own = rows.iter().filter(|r| r.method == "gimage").filter_map(point);
+    let worst = 3.0 * own.map(|p| p[1]).fold(0.0, f64::max);
+    let shown = points().map(|p| p[1]).filter(|&e| worst == 0.0 || e <= worst);
+    let y = Log::around(shown, PANEL[1], 0.0);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
          height=\"{height}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"11\" fill=\"{INK}\">\n\
@@ -141,7 +145,7 @@ fn frame(svg: &mut String, mesh: &str, x: Log, y: Log, left: bool, bottom: bool)
 fn series(svg: &mut String, family: usize, rows: &[&Row], x: Log, y: Log) {
     let mut points: Vec<(u32, [f64; 2])> = rows.iter().filter_map(|r| Some((r.texels, point(r)?))).collect();
     points.sort_by_key(|p| p.0);
-    let at: Vec<[f64; 2]> = points.iter().map(|(_, p)| [x.at(p[0]), y.at(p[1])]).collect();
+    let at: Vec<[f64; 2]> = points.iter().map(|(_, p)| [x.at(p[0]), y.at(p[1]).max(0.0)]).collect();
     let path: Vec<String> = at.iter().map(|p| format!("{:.1},{:.1}", p[0], p[1])).collect();
     let colour = COLOURS[family % COLOURS.len()];
     let _ = writeln!(
@@ -149,8 +153,12 @@ fn series(svg: &mut String, family: usize, rows: &[&Row], x: Log, y: Log) {
         "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\"/>",
         path.join(" ")
     );
-    for ((texels, _), p) in points.iter().zip(at) {
+    for ((texels, value), p) in points.iter().zip(at) {
         marker(svg, family, p);
+        if p[1] == 0.0 {
+            let label = format!("off scale, {:.0} dB", -20.0 * value[1].log10());
+            text(svg, [p[0] - 8.0, 13.0], "end", 9, FAINT, &label);
+        }
         // One family's labels do for all: the same texels lie on about one level.
         if family == 0 {
             let (x, anchor) = if p[0] > PANEL[0] - 30.0 { (p[0] - 7.0, "end") } else { (p[0] + 7.0, "start") };
