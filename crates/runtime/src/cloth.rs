@@ -7,7 +7,7 @@ mod from_bundle;
 pub use flat::Flat;
 pub use gimage_bundle::Particle;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check as range};
 
 /// One grid of particles, a piece of a bundle. Texel (i, j) is particle `first + j * width + i`.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,6 +97,16 @@ impl Cloth {
         let calm =
             Cloth { parts, ring_starts, ring_members, velocity: [0.0; 3], damping: 0.0, speed_limit: f32::INFINITY };
         Ok(calm)
+    }
+
+    /// Refuses a velocity, damping or speed limit outside their ranges.
+    pub fn check(&self) -> Result<()> {
+        for x in self.velocity {
+            range("the velocity of a cloth [m/s]", f64::from(x), "finite", |_| true)?;
+        }
+        range("the damping of a cloth [1/s]", f64::from(self.damping), "at least 0", |d| d >= 0.0)?;
+        let limit = f64::from(self.speed_limit).min(f64::MAX);
+        range("the speed limit of a cloth [m/s]", limit, "above 0", |s| s > 0.0)
     }
 
     /// Its name.

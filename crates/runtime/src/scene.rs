@@ -6,6 +6,7 @@ pub use builtin::{BUILTIN, builtin};
 
 use crate::cloth::Cloth;
 use crate::collider::Collider;
+use crate::error::{Result, check};
 use crate::wind::Wind;
 
 /// A scene at its start.
@@ -39,5 +40,15 @@ impl Scene {
             frames: 600,
             stiffness: None,
         }
+    }
+
+    /// Refuses numbers outside their ranges.
+    pub fn check(&self) -> Result<()> {
+        self.colliders.iter().try_for_each(Collider::check)?;
+        self.wind.iter().try_for_each(Wind::check)?;
+        for x in self.gravity {
+            check("gravity [m/s^2]", f64::from(x), "finite", |_| true)?;
+        }
+        self.cloths.iter().try_for_each(Cloth::check)
     }
 }

@@ -12,7 +12,7 @@ pub enum WindForce {
         response: f32,
     },
     /// Drag along the air that passes each triangle, and lift across it, by the triangle's normal:
-    /// `0.5 density area |n.v| (drag v + lift (v x n) x v / |v|)`. One more pass over the grid.
+    /// `0.5 density area |n.v| (drag v + lift (v x n) x v / |v|)` with n on the side that the air goes to. One more pass over the grid.
     Triangles {
         /// Density of the air \[kg/m^3\], 1.2 at sea level. At least 0.
         density: f32,
