@@ -216,4 +216,4 @@ impl Cloth {
 
 #[cfg(test)]
 #[path = "cloth/tests.rs"]
-pub(crate) mod tests;
+mod tests;

@@ -10,8 +10,10 @@ pub struct Measures {
     pub stretch_max: f64,
     /// Mean of the same.
     pub stretch_mean: f64,
-    /// Potential and kinetic energy \[J\].
-    pub energy: f64,
+    /// Kinetic energy \[J\].
+    pub kinetic: f64,
+    /// Potential energy \[J\] in gravity, 0 at the origin.
+    pub potential: f64,
     /// Centre of mass \[m\].
     pub center: [f64; 3],
 }
@@ -25,7 +27,8 @@ pub fn measure<T: Real>(cloth: &Cloth, now: &[[T; 4]], before: &[[T; 4]], dt: f6
         for k in grid.range().filter(|k| cloth.inverse_mass(*k) >= 0.0) {
             let (p, was, m) = (at(k), before[k].map(Real::get), f64::from(cloth.mass(k)));
             let sum = |f: &dyn Fn(usize) -> f64| (0..3).map(f).sum::<f64>();
-            out.energy += m * sum(&|c| 0.5 * ((p[c] - was[c]) / dt).powi(2) - f64::from(gravity[c]) * p[c]);
+            out.kinetic += m * sum(&|c| 0.5 * ((p[c] - was[c]) / dt).powi(2));
+            out.potential -= m * sum(&|c| f64::from(gravity[c]) * p[c]);
             mass += m;
             (0..3).for_each(|c| out.center[c] += m * p[c]);
             let width = grid.width as usize;

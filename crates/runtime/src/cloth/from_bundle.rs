@@ -53,7 +53,7 @@ fn rest(bundle: &Bundle, grids: &[Grid]) -> Rest {
 fn mass(bundle: &Bundle, grids: &[Grid]) -> Mass {
     let images: Vec<_> = (0..grids.len()).map(|g| bundle.image(g, &MapKind::Mass)).collect();
     let constant = |g: usize| bundle.manifest.pieces[g].constants.mass.unwrap_or(DEFAULT_MASS);
-    let first = (!grids.is_empty()).then(|| constant(0)).unwrap_or(DEFAULT_MASS);
+    let first = if grids.is_empty() { DEFAULT_MASS } else { constant(0) };
     if images.iter().all(Option::is_none) && (0..grids.len()).all(|g| constant(g) == first) {
         return Mass::Constant(first);
     }

@@ -2,51 +2,6 @@ use gimage_bundle::{Bundle, Image, MapKind};
 
 use super::*;
 
-/// A tube around y, `n` columns (the last the duplicate of the first) of `rows` rows; row 0 closes to one point of
-/// `fold` duplicates if that is above 1.
-pub(crate) fn tube(n: u32, rows: u32, fold: u32) -> Cloth {
-    let index = |i: u32, j: u32| j * n + i;
-    let (mut positions, mut particles) = (Vec::new(), Vec::new());
-    for j in 0..rows {
-        for i in 0..n {
-            let angle = std::f32::consts::TAU * (i % (n - 1)) as f32 / (n - 1) as f32;
-            let tip = j == 0 && fold > 1 && i < fold;
-            let (s, c) = angle.sin_cos();
-            let y = -0.05 * j as f32;
-            positions.push(if tip { [0.02, 0.1, 0.01] } else { [0.2 * c, y, 0.2 * s] });
-            let next = if tip {
-                Some(index((i + 1) % fold, 0))
-            } else if i == 0 && (j > 0 || fold < 2) {
-                Some(index(n - 1, j))
-            } else if i == n - 1 && (j > 0 || fold < 2) {
-                Some(index(0, j))
-            } else {
-                None
-            };
-            particles.push(Particle::Free { next });
-        }
-    }
-    let far = |a: [f32; 3], b: [f32; 3]| {
-        let d: f32 = (0..3).map(|c| (a[c] - b[c]).powi(2)).sum();
-        // A spring between duplicates would have no length; it is none.
-        d.sqrt()
-    };
-    let at = |i: u32, j: u32| positions[index(i, j) as usize];
-    let rest = (0..n * rows).map(|k| {
-        let (i, j) = (k % n, k / n);
-        let to = |ok: bool, di: u32, j: u32| if ok { 0.9 * far(at(i, k / n), at(i + di, j)) } else { 0.0 };
-        [
-            to(i + 1 < n, 1, j),
-            to(j + 1 < rows, 0, j + 1),
-            to(i + 1 < n && j + 1 < rows, 1, j + 1),
-            to(i + 1 < n && j > 0, 1, j.wrapping_sub(1)),
-        ]
-    });
-    let rest = Rest::Image(rest.collect());
-    let grids = vec![Grid { name: "tube".into(), first: 0, width: n, height: rows }];
-    Cloth::new(Parts { name: "tube".into(), grids, positions, particles, rest, mass: Mass::Constant(1e-3) }).unwrap()
-}
-
 fn parts() -> Parts {
     Flat::square("flat", 3).cloth().unwrap().parts
 }
@@ -58,17 +13,6 @@ fn a_flat_cloth_has_constant_lengths_and_the_mass_asked_for() {
     assert_eq!((cloth.len(), cloth.positions()[14]), (15, [1.0, 0.0, 1.0]));
     assert!(((0..15).map(|k| cloth.mass(k)).sum::<f32>() - 0.2).abs() < 1e-6);
     assert_eq!((cloth.ring_count(), cloth.directions()), (0, [true; 4]));
-}
-
-#[test]
-fn pins_go_round_the_ring() {
-    let mut cloth = tube(9, 4, 4);
-    assert_eq!(cloth.ring_count(), 4);
-    cloth.set_pinned(2, true).unwrap();
-    assert!((0..4).all(|k| cloth.inverse_mass(k) == 0.0) && cloth.inverse_mass(4) > 0.0);
-    cloth.set_pinned(0, false).unwrap();
-    assert!((0..4).all(|k| cloth.inverse_mass(k) > 0.0));
-    assert!(cloth.set_pinned(999, true).is_err());
 }
 
 #[test]
