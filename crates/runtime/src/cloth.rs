@@ -1,0 +1,219 @@
+//! A cloth as the CPU knows it before it is stepped: grids of particles, what holds them, and how long springs are.
+
+mod check;
+mod flat;
+mod from_bundle;
+
+pub use flat::Flat;
+pub use gimage_bundle::Particle;
+
+use crate::error::{Error, Result, check as range};
+
+/// One grid of particles, a piece of a bundle. Texel (i, j) is particle `first + j * width + i`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Its name; dumps are named by it.
+    pub name: String,
+    /// Index of texel (0, 0) among the particles of the cloth.
+    pub first: u32,
+    /// Texels in a row, at least 2.
+    pub width: u32,
+    /// Rows, at least 2.
+    pub height: u32,
+}
+
+impl Grid {
+    /// Texels of the grid.
+    pub fn texels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// The particles of the grid among those of the cloth.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.first as usize..self.first as usize + self.texels()
+    }
+}
+
+/// Rest lengths \[m\] of the springs stored at a texel: right, down, down-right, up-right. 0 is no spring: such a spring
+/// moves neither of its ends, which is also how a cut spring is written.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rest {
+    /// No springs at all: the spring passes do not run.
+    None,
+    /// The same lengths for every texel of a grid, one entry a grid. Needs no image.
+    Constant(Vec<[f32; 4]>),
+    /// One entry a particle.
+    Image(Vec<[f32; 4]>),
+}
+
+/// Masses \[kg\]. Each duplicate of a seam point holds the mass of the whole point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mass {
+    /// The same for every particle.
+    Constant(f32),
+    /// One for each particle; without meaning where there is no particle.
+    Image(Vec<f32>),
+}
+
+/// What a cloth is made from. [`Cloth::new`] checks it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parts {
+    /// A name for messages.
+    pub name: String,
+    /// The grids, without gaps between their particles.
+    pub grids: Vec<Grid>,
+    /// Position \[m\] of every particle.
+    pub positions: Vec<[f32; 3]>,
+    /// What every particle is; seam links lead from duplicate to duplicate in a closed ring.
+    pub particles: Vec<Particle>,
+    /// Rest lengths.
+    pub rest: Rest,
+    /// Masses.
+    pub mass: Mass,
+}
+
+/// A checked cloth. Making one costs time and memory linear in its particles; stepping does not change it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cloth {
+    parts: Parts,
+    /// Offsets into `ring_members`, one more than there are rings.
+    ring_starts: Vec<u32>,
+    ring_members: Vec<u32>,
+    /// Velocity \[m/s\] of all free particles at the start. Default 0.
+    pub velocity: [f32; 3],
+    /// Share of the velocity that is lost in a second, as the rate of an exponential \[1/s\]: after t seconds
+    /// `exp(-damping t)` of it is left, whatever the step. At least 0, default 0; larger means calmer.
+    pub damping: f32,
+    /// A displacement faster than this \[m/s\] is taken for a collision's jump and carries no velocity on. Above 0,
+    /// default infinite; smaller means that fast cloth stops.
+    pub speed_limit: f32,
+}
+
+impl Cloth {
+    /// Checks the parts. Errors on lists of the wrong length, grids that leave gaps, values that are not finite, masses
+    /// not above 0, negative rest lengths and seam links that do not close.
+    pub fn new(parts: Parts) -> Result<Self> {
+        let (ring_starts, ring_members) = check::rings(&parts)?;
+        let calm =
+            Cloth { parts, ring_starts, ring_members, velocity: [0.0; 3], damping: 0.0, speed_limit: f32::INFINITY };
+        Ok(calm)
+    }
+
+    /// Refuses a velocity, damping or speed limit outside their ranges.
+    pub fn check(&self) -> Result<()> {
+        for x in self.velocity {
+            range("the velocity of a cloth [m/s]", f64::from(x), "finite", |_| true)?;
+        }
+        range("the damping of a cloth [1/s]", f64::from(self.damping), "at least 0", |d| d >= 0.0)?;
+        let limit = f64::from(self.speed_limit).min(f64::MAX);
+        range("the speed limit of a cloth [m/s]", limit, "above 0", |s| s > 0.0)
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.parts.name
+    }
+
+    /// Its grids.
+    pub fn grids(&self) -> &[Grid] {
+        &self.parts.grids
+    }
+
+    /// Number of particle slots: the texels of all grids.
+    pub fn len(&self) -> usize {
+        self.parts.positions.len()
+    }
+
+    /// Whether there is no texel; never so for a checked cloth.
+    pub fn is_empty(&self) -> bool {
+        self.parts.positions.is_empty()
+    }
+
+    /// Positions \[m\] at the start.
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.parts.positions
+    }
+
+    /// What each particle is.
+    pub fn particles(&self) -> &[Particle] {
+        &self.parts.particles
+    }
+
+    /// The rest lengths.
+    pub fn rest(&self) -> &Rest {
+        &self.parts.rest
+    }
+
+    /// Mass \[kg\] of a particle; 0 past the end.
+    pub fn mass(&self, index: usize) -> f32 {
+        match &self.parts.mass {
+            Mass::Constant(m) if index < self.len() => *m,
+            Mass::Constant(_) => 0.0,
+            Mass::Image(m) => m.get(index).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// What the solver reads in a particle's fourth component: 1/mass \[1/kg\], 0 for a pinned particle, -1 for none.
+    pub fn inverse_mass(&self, index: usize) -> f32 {
+        match self.parts.particles.get(index) {
+            None | Some(Particle::None) => -1.0,
+            Some(Particle::Pinned { .. }) => 0.0,
+            Some(Particle::Free { .. }) => 1.0 / self.mass(index),
+        }
+    }
+
+    /// The seam rings as offsets into a list of members: ring r is `members[starts[r]..starts[r + 1]]`. Without seams
+    /// the list is empty.
+    pub fn rings(&self) -> (&[u32], &[u32]) {
+        (&self.ring_starts, &self.ring_members)
+    }
+
+    /// Number of seam rings.
+    pub fn ring_count(&self) -> usize {
+        self.ring_starts.len() - 1
+    }
+
+    /// Which of the four spring directions (right, down, down-right, up-right) have any spring.
+    pub fn directions(&self) -> [bool; 4] {
+        let any = |lengths: &[[f32; 4]]| [0, 1, 2, 3].map(|d| lengths.iter().any(|l| l[d] > 0.0));
+        match &self.parts.rest {
+            Rest::None => [false; 4],
+            Rest::Constant(lengths) | Rest::Image(lengths) => any(lengths),
+        }
+    }
+
+    /// Other positions \[m\] to start from; rest lengths stay. Errors as [`Cloth::new`].
+    pub fn place(&mut self, positions: Vec<[f32; 3]>) -> Result<()> {
+        let parts = Parts { positions, ..self.parts.clone() };
+        check::rings(&parts)?;
+        self.parts = parts;
+        Ok(())
+    }
+
+    /// Pins a particle where it is, or frees it. Its seam duplicates follow. Errors where there is no such particle.
+    pub fn set_pinned(&mut self, index: usize, pinned: bool) -> Result<()> {
+        let count = self.len();
+        let ring = self.ring_of(index as u32).map(<[u32]>::to_vec).unwrap_or_else(|| vec![index as u32]);
+        for member in ring {
+            let missing = Error::NoSuch { what: "particle", index, count };
+            let particle = self.parts.particles.get_mut(member as usize).ok_or(missing)?;
+            *particle = match (particle.next(), pinned) {
+                _ if !particle.exists() => return Err(Error::NoSuch { what: "particle", index, count }),
+                (next, true) => Particle::Pinned { next },
+                (next, false) => Particle::Free { next },
+            };
+        }
+        Ok(())
+    }
+
+    /// All duplicates of a seam particle, itself among them. Costs a search through the seams.
+    pub fn ring_of(&self, index: u32) -> Option<&[u32]> {
+        let at = self.ring_members.iter().position(|&m| m == index)?;
+        let ring = self.ring_starts.partition_point(|&s| s as usize <= at) - 1;
+        Some(&self.ring_members[self.ring_starts[ring] as usize..self.ring_starts[ring + 1] as usize])
+    }
+}
+
+#[cfg(test)]
+#[path = "cloth/tests.rs"]
+mod tests;

@@ -1,0 +1,65 @@
+//! A loaded bundle as one cloth.
+
+use gimage_bundle::{Bundle, MapKind};
+
+use super::{Cloth, Grid, Mass, Parts, Rest};
+use crate::error::Result;
+
+/// Mass \[kg\] of a particle where the bundle says nothing. Without other masses only wind depends on it.
+const DEFAULT_MASS: f32 = 1e-3;
+
+impl Cloth {
+    /// All pieces of a bundle as one cloth; particle indices are those of the bundle. Where every piece with springs has
+    /// constant rest lengths (or masses), no image is made for them; a bundle without rest lengths has no springs.
+    /// Errors as [`Cloth::new`].
+    pub fn from_bundle(name: &str, bundle: &Bundle) -> Result<Self> {
+        let pieces = &bundle.manifest.pieces;
+        let grids: Vec<Grid> = pieces
+            .iter()
+            .map(|p| Grid { name: p.name.clone(), first: p.first_particle, width: p.width, height: p.height })
+            .collect();
+        let mut positions = Vec::new();
+        for (index, grid) in grids.iter().enumerate() {
+            let image = bundle.image(index, &MapKind::Position);
+            let xyz = |k: usize| image.and_then(|i| i.at(k).get(..3)?.try_into().ok()).unwrap_or([0.0; 3]);
+            positions.extend((0..grid.texels()).map(xyz));
+        }
+        let parts = Parts {
+            name: name.into(),
+            rest: rest(bundle, &grids),
+            mass: mass(bundle, &grids),
+            particles: bundle.particles()?,
+            positions,
+            grids,
+        };
+        Cloth::new(parts)
+    }
+}
+
+fn rest(bundle: &Bundle, grids: &[Grid]) -> Rest {
+    let images: Vec<_> = (0..grids.len()).map(|g| bundle.image(g, &MapKind::Rest)).collect();
+    let constant = |g: usize| bundle.manifest.pieces[g].constants.rest.unwrap_or([0.0; 4]);
+    let constants: Vec<_> = (0..grids.len()).map(constant).collect();
+    if images.iter().any(Option::is_some) {
+        let of = |(g, grid): (usize, &Grid)| -> Vec<[f32; 4]> {
+            let at = |k| images[g].and_then(|i| i.at(k).try_into().ok()).unwrap_or(constants[g]);
+            (0..grid.texels()).map(at).collect()
+        };
+        return Rest::Image(grids.iter().enumerate().flat_map(of).collect());
+    }
+    if constants.iter().flatten().any(|l| *l != 0.0) { Rest::Constant(constants) } else { Rest::None }
+}
+
+fn mass(bundle: &Bundle, grids: &[Grid]) -> Mass {
+    let images: Vec<_> = (0..grids.len()).map(|g| bundle.image(g, &MapKind::Mass)).collect();
+    let constant = |g: usize| bundle.manifest.pieces[g].constants.mass.unwrap_or(DEFAULT_MASS);
+    let first = if grids.is_empty() { DEFAULT_MASS } else { constant(0) };
+    if images.iter().all(Option::is_none) && (0..grids.len()).all(|g| constant(g) == first) {
+        return Mass::Constant(first);
+    }
+    let of = |(g, grid): (usize, &Grid)| -> Vec<f32> {
+        let at = |k| images[g].and_then(|i| i.at(k).first().copied()).unwrap_or(constant(g));
+        (0..grid.texels()).map(at).collect()
+    };
+    Mass::Image(grids.iter().enumerate().flat_map(of).collect())
+}

@@ -1,0 +1,81 @@
+//! Solids that cloth does not enter.
+
+use crate::error::{Result, check};
+
+/// The form of a collider in its own frame. All lengths in metres, above 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// Everything at or below the plane through the centre with normal +y.
+    HalfSpace,
+    /// A ball.
+    Sphere {
+        /// Its radius.
+        radius: f32,
+    },
+    /// All points within `radius` of the segment from -y to +y of length `2 half_height`.
+    Capsule {
+        /// Half the length of the segment.
+        half_height: f32,
+        /// Distance from the segment.
+        radius: f32,
+    },
+    /// A box; a particle leaves by the nearest face.
+    Box {
+        /// Half its sides along x, y, z.
+        half: [f32; 3],
+    },
+    /// An ellipsoid.
+    Ellipsoid {
+        /// Its half axes along x, y, z.
+        radii: [f32; 3],
+        /// False: a particle leaves along the ray from the centre, as the algorithm of 2005 does: cheap, and exact for
+        /// a ball only. True: it goes to the closest point of the surface.
+        closest: bool,
+    },
+}
+
+/// A shape, where it is and how it moves. Contact with it is inelastic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Collider {
+    /// Its form.
+    pub shape: Shape,
+    /// Its centre \[m\].
+    pub center: [f32; 3],
+    /// From its frame to the world, a unit quaternion x, y, z, w.
+    pub rotation: [f32; 4],
+    /// Coulomb's coefficient, at least 0; larger means that cloth slides less.
+    pub friction: f32,
+    /// Velocity of the centre \[m/s\]; friction drags cloth along with the surface.
+    pub velocity: [f32; 3],
+    /// Angular velocity \[rad/s\] about the centre.
+    pub spin: [f32; 3],
+}
+
+impl Collider {
+    /// A collider at rest at `center`, unrotated, without friction.
+    pub fn new(shape: Shape, center: [f32; 3]) -> Self {
+        let rotation = [0.0, 0.0, 0.0, 1.0];
+        Collider { shape, center, rotation, friction: 0.0, velocity: [0.0; 3], spin: [0.0; 3] }
+    }
+
+    /// Refuses numbers that are not finite, sizes not above 0, friction below 0 and a rotation that is no unit
+    /// quaternion (to 1e-3).
+    pub fn check(&self) -> Result<()> {
+        let sizes = match self.shape {
+            Shape::HalfSpace => [1.0; 3],
+            Shape::Sphere { radius } => [radius; 3],
+            Shape::Capsule { half_height, radius } => [half_height, radius, radius],
+            Shape::Box { half } => half,
+            Shape::Ellipsoid { radii, .. } => radii,
+        };
+        for size in sizes {
+            check("the size of a collider [m]", f64::from(size), "above 0", |s| s > 0.0)?;
+        }
+        check("the friction of a collider", f64::from(self.friction), "at least 0", |f| f >= 0.0)?;
+        for x in [self.center, self.velocity, self.spin].as_flattened() {
+            check("the place or motion of a collider", f64::from(*x), "finite", |_| true)?;
+        }
+        let norm = self.rotation.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+        check("the length of a collider's rotation", norm, "1", |n| (n - 1.0).abs() < 1e-3)
+    }
+}

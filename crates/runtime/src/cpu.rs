@@ -1,0 +1,19 @@
+//! The CPU backend: the twin of every shader, one file a pass, with the stem of the shader.
+//!
+//! Twins are generic over f32, which steps, and f64, which measures rounding. They do the operations of the shaders in
+//! the same order. Large grids are shared out by rows or by rows of pairs, never by the number of threads, so every
+//! number of threads gives the same bits.
+
+pub(crate) mod body;
+pub(crate) mod colliders;
+pub(crate) mod gust;
+pub(crate) mod integrate;
+pub(crate) mod neighbours;
+pub(crate) mod normals;
+pub(crate) mod real;
+pub(crate) mod rows;
+pub(crate) mod seam_normals;
+pub(crate) mod seams;
+pub(crate) mod solid;
+pub(crate) mod springs;
+pub(crate) mod wind;

@@ -1,0 +1,100 @@
+//! A cloth in motion on the CPU.
+
+use super::integrate::Air;
+use super::neighbours::View;
+use super::real::{Real, cast};
+use super::rows::Threads;
+use super::solid::Solid;
+use super::{colliders, integrate, normals, seam_normals, seams, springs, wind};
+use crate::cloth::{Cloth, Grid, Rest};
+use crate::passes::{self, Pass};
+use crate::step::Step;
+
+/// Positions, previous positions and normals, and what the passes read beside them. The fourth component of a position
+/// is the inverse mass.
+pub struct Body<T> {
+    pub now: Vec<[T; 4]>,
+    pub before: Vec<[T; 4]>,
+    pub normals: Vec<[T; 4]>,
+    field: Vec<[T; 4]>,
+    grids: Vec<Grid>,
+    constant: Vec<[T; 4]>,
+    image: Vec<[T; 4]>,
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl<T: Real> Body<T> {
+    /// A cloth at its start; `dt` \[s\] is how long ago the previous positions were.
+    pub fn new(cloth: &Cloth, dt: f64) -> Self {
+        let place = |k: usize, ago: f64| {
+            let (p, w) = (cloth.positions()[k].map(f64::from), f64::from(cloth.inverse_mass(k)));
+            let ago = if w > 0.0 { ago } else { 0.0 };
+            let at = [0, 1, 2].map(|c| T::of(p[c] - f64::from(cloth.velocity[c]) * ago));
+            [at[0], at[1], at[2], T::of(w)]
+        };
+        let list = |rest: &[[f32; 4]]| rest.iter().map(|r| cast(*r)).collect();
+        let (constant, image) = match cloth.rest() {
+            Rest::None => (Vec::new(), Vec::new()),
+            Rest::Constant(r) => (list(r), Vec::new()),
+            Rest::Image(r) => (Vec::new(), list(r)),
+        };
+        let (starts, members) = cloth.rings();
+        Body {
+            now: (0..cloth.len()).map(|k| place(k, 0.0)).collect(),
+            before: (0..cloth.len()).map(|k| place(k, dt)).collect(),
+            normals: vec![[T::of(0.0); 4]; cloth.len()],
+            field: Vec::new(),
+            grids: cloth.grids().to_vec(),
+            constant,
+            image,
+            starts: starts.to_vec(),
+            members: members.to_vec(),
+        }
+    }
+
+    /// Runs one pass.
+    pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>]) {
+        match pass {
+            Pass::Wind => {
+                self.field.resize(self.now.len(), [T::of(0.0); 4]);
+                for g in &self.grids {
+                    let view = View { now: &self.now[g.range()], width: g.width as usize };
+                    wind::run(threads, step, view, &self.before[g.range()], &mut self.field[g.range()]);
+                }
+            }
+            Pass::Integrate(air) => {
+                let air = match air {
+                    passes::Air::None => Air::None,
+                    passes::Air::Push => Air::Push,
+                    passes::Air::Field => Air::Field(&self.field),
+                };
+                integrate::run(threads, step, &mut self.now, &mut self.before, air);
+            }
+            Pass::Springs { direction, parity, image } => self.springs(threads, (direction, parity), image),
+            Pass::Seams => seams::run(&mut self.now, &self.starts, &self.members),
+            Pass::Colliders(_) => colliders::run(threads, &mut self.now, &self.before, solids, step.dt),
+            Pass::Normals => {
+                for g in &self.grids {
+                    let view = View { now: &self.now[g.range()], width: g.width as usize };
+                    normals::run(threads, view, &mut self.normals[g.range()]);
+                }
+            }
+            Pass::SeamNormals => seam_normals::run(&mut self.normals, &self.starts, &self.members),
+        }
+    }
+
+    fn springs(&mut self, threads: &Threads, colour: (u32, u32), image: bool) {
+        for (index, g) in self.grids.iter().enumerate() {
+            let (now, width) = (&mut self.now[g.range()], g.width as usize);
+            let d = colour.0 as usize;
+            if image {
+                let rest = &self.image[g.range()];
+                springs::run(threads, now, width, colour, |k| rest[k][d]);
+            } else {
+                let length = self.constant[index][d];
+                springs::run(threads, now, width, colour, |_| length);
+            }
+        }
+    }
+}

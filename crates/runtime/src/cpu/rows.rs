@@ -1,0 +1,63 @@
+//! Sharing out rows among threads, so that the result does not depend on their number.
+
+use crate::error::{Error, Result};
+
+/// Below this many numbers a pass is quicker than handing it over.
+#[cfg(feature = "threads")]
+const WORTH_SHARING: usize = 16_384;
+
+/// The threads that a stepper may use.
+pub struct Threads {
+    #[cfg(feature = "threads")]
+    pool: Option<rayon::ThreadPool>,
+}
+
+impl Threads {
+    /// 1 starts none; 0 starts one for each core. Without the feature `threads` there is only the caller's.
+    #[cfg(feature = "threads")]
+    pub fn new(count: usize) -> Result<Self> {
+        if count == 1 {
+            return Ok(Threads { pool: None });
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+        Ok(Threads { pool: Some(pool.map_err(|e| Error::Threads(e.to_string()))?) })
+    }
+
+    /// As above.
+    #[cfg(not(feature = "threads"))]
+    pub fn new(count: usize) -> Result<Self> {
+        if count > 1 {
+            return Err(Error::Threads("built without the feature `threads`".into()));
+        }
+        Ok(Threads {})
+    }
+
+    /// Calls `work` with the number and the elements of each chunk of `size`; the last may be shorter.
+    pub fn chunks<A: Send>(&self, data: &mut [A], size: usize, work: impl Fn(usize, &mut [A]) + Sync + Send) {
+        #[cfg(feature = "threads")]
+        if let Some(pool) = self.pool.as_ref().filter(|_| data.len() >= WORTH_SHARING) {
+            use rayon::prelude::*;
+            let together = (WORTH_SHARING / 8 / size).max(1);
+            let each = || data.par_chunks_mut(size).with_min_len(together).enumerate().for_each(|(k, c)| work(k, c));
+            return pool.install(each);
+        }
+        data.chunks_mut(size).enumerate().for_each(|(k, c)| work(k, c));
+    }
+
+    /// As [`Threads::chunks`] over two lists of the same length.
+    pub fn chunks2<A: Send, B: Send>(
+        &self,
+        data: (&mut [A], &mut [B]),
+        size: usize,
+        work: impl Fn(usize, &mut [A], &mut [B]) + Sync + Send,
+    ) {
+        #[cfg(feature = "threads")]
+        if let Some(pool) = self.pool.as_ref().filter(|_| data.0.len() >= WORTH_SHARING) {
+            use rayon::prelude::*;
+            let both = data.0.par_chunks_mut(size).zip(data.1.par_chunks_mut(size));
+            let each = || both.enumerate().for_each(|(k, (a, b))| work(k, a, b));
+            return pool.install(each);
+        }
+        data.0.chunks_mut(size).zip(data.1.chunks_mut(size)).enumerate().for_each(|(k, (a, b))| work(k, a, b));
+    }
+}

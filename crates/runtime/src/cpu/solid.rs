@@ -1,0 +1,165 @@
+//! A collider in numbers, and the way out of it. Twin of shaders/part/solid.wgsl.
+
+use super::real::{Real, V3, add, cast, cross, dot, scale, sub};
+use crate::collider::{Collider, Shape};
+
+pub const HALF_SPACE: u32 = 0;
+pub const SPHERE: u32 = 1;
+pub const CAPSULE: u32 = 2;
+pub const BOX: u32 = 3;
+pub const ELLIPSOID_RADIAL: u32 = 4;
+pub const ELLIPSOID: u32 = 5;
+
+/// The same fields as `Solid` in shaders/part/solid.wgsl.
+#[derive(Clone, Copy, Debug)]
+pub struct Solid<T> {
+    pub center: V3<T>,
+    pub kind: u32,
+    /// Radius, half height; half sides; radii.
+    pub size: V3<T>,
+    pub friction: T,
+    pub rotation: [T; 4],
+    pub velocity: V3<T>,
+    pub spin: V3<T>,
+}
+
+impl<T: Real> Solid<T> {
+    pub fn new(c: &Collider) -> Self {
+        let (kind, size) = match c.shape {
+            Shape::HalfSpace => (HALF_SPACE, [0.0; 3]),
+            Shape::Sphere { radius } => (SPHERE, [radius, 0.0, 0.0]),
+            Shape::Capsule { half_height, radius } => (CAPSULE, [radius, half_height, 0.0]),
+            Shape::Box { half } => (BOX, half),
+            Shape::Ellipsoid { radii, closest: false } => (ELLIPSOID_RADIAL, radii),
+            Shape::Ellipsoid { radii, closest: true } => (ELLIPSOID, radii),
+        };
+        let norm = c.rotation.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+        Solid {
+            center: cast(c.center),
+            kind,
+            size: cast(size),
+            friction: T::of(c.friction.into()),
+            rotation: cast(c.rotation.map(|x| f64::from(x) / norm)),
+            velocity: cast(c.velocity),
+            spin: cast(c.spin),
+        }
+    }
+
+    /// Where a point inside leaves, and the normal there; none for a point outside.
+    #[inline]
+    pub fn exit(&self, p: V3<T>) -> Option<(V3<T>, V3<T>)> {
+        let [x, y, z, w] = self.rotation;
+        let local = turn([-x, -y, -z, w], sub(p, self.center));
+        let (q, n) = match self.kind {
+            HALF_SPACE => half_space(local),
+            SPHERE => ball(local, [T::of(0.0); 3], self.size[0]),
+            CAPSULE => {
+                ball(local, [T::of(0.0), local[1].max(-self.size[1]).min(self.size[1]), T::of(0.0)], self.size[0])
+            }
+            BOX => cuboid(local, self.size),
+            ELLIPSOID_RADIAL => radial(local, self.size),
+            _ => closest(local, self.size),
+        }?;
+        Some((add(turn(self.rotation, q), self.center), turn(self.rotation, n)))
+    }
+}
+
+/// Rotates by a unit quaternion.
+#[inline]
+fn turn<T: Real>(q: [T; 4], v: V3<T>) -> V3<T> {
+    let axis = [q[0], q[1], q[2]];
+    let t = scale(cross(axis, v), T::of(2.0));
+    add(add(v, scale(t, q[3])), cross(axis, t))
+}
+
+type Exit<T> = Option<(V3<T>, V3<T>)>;
+
+fn half_space<T: Real>(p: V3<T>) -> Exit<T> {
+    let zero = T::of(0.0);
+    (p[1] < zero).then_some(([p[0], zero, p[2]], [zero, T::of(1.0), zero]))
+}
+
+/// Out of a ball; from its very centre sideways, which is the way out of a capsule too.
+fn ball<T: Real>(p: V3<T>, center: V3<T>, radius: T) -> Exit<T> {
+    let d = sub(p, center);
+    let far2 = dot(d, d);
+    if far2 >= radius * radius {
+        return None;
+    }
+    let far = far2.sqrt();
+    let x = [T::of(1.0), T::of(0.0), T::of(0.0)];
+    let n = if far > T::of(1e-12) { scale(d, T::of(1.0) / far) } else { x };
+    Some((add(center, scale(n, radius)), n))
+}
+
+fn cuboid<T: Real>(p: V3<T>, half: V3<T>) -> Exit<T> {
+    let depth = [0, 1, 2].map(|c| half[c] - p[c].abs());
+    if depth.iter().any(|d| *d <= T::of(0.0)) {
+        return None;
+    }
+    let axis = if depth[0] <= depth[1] && depth[0] <= depth[2] {
+        0
+    } else if depth[1] <= depth[2] {
+        1
+    } else {
+        2
+    };
+    let sign = if p[axis] < T::of(0.0) { T::of(-1.0) } else { T::of(1.0) };
+    let (mut q, mut n) = (p, [T::of(0.0); 3]);
+    q[axis] = half[axis] * sign;
+    n[axis] = sign;
+    Some((q, n))
+}
+
+/// Along the ray from the centre.
+fn radial<T: Real>(p: V3<T>, radii: V3<T>) -> Exit<T> {
+    let unit = [0, 1, 2].map(|c| p[c] / radii[c]);
+    let (on, n) = ball(unit, [T::of(0.0); 3], T::of(1.0))?;
+    let q = [0, 1, 2].map(|c| on[c] * radii[c]);
+    Some((q, normalize([0, 1, 2].map(|c| n[c] / radii[c]))))
+}
+
+/// Newton steps; from the left of the root of a falling convex function they never pass it.
+const STEPS: usize = 24;
+
+/// To the closest point, after D. Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid":
+/// q_c = r_c p_c / (t + r_c - 1), where r_c is the square of a radius over that of the smallest, and t in (0, 1] the root
+/// of |q / radii| = 1. Writing t for his s + 1 keeps precision near the middle, where t is small.
+fn closest<T: Real>(p: V3<T>, radii: V3<T>) -> Exit<T> {
+    let one = T::of(1.0);
+    let z = [0, 1, 2].map(|c| p[c].abs() / radii[c]);
+    if dot(z, z) >= one {
+        return None;
+    }
+    let small = radii[0].min(radii[1]).min(radii[2]);
+    let r = radii.map(|e| (e / small) * (e / small));
+    let rz = [0, 1, 2].map(|c| if r[c] > one { z[c] } else { z[c].max(T::of(1e-7)) });
+    let lowest = [0, 1, 2].map(|c| if r[c] > one { T::of(0.0) } else { rz[c] });
+    let mut t = lowest[0].max(lowest[1]).max(lowest[2]);
+    for _ in 0..STEPS {
+        let (mut g, mut slope) = (-one, T::of(0.0));
+        for c in 0..3 {
+            let under = t + (r[c] - one);
+            let a = r[c] * rz[c] / under;
+            g = g + a * a;
+            slope = slope + T::of(2.0) * a * a / under;
+        }
+        t = t + (g / slope).max(T::of(0.0));
+    }
+    let on = [0, 1, 2].map(|c| {
+        let a = r[c] * rz[c] / (t + (r[c] - one));
+        if p[c] < T::of(0.0) { -a } else { a }
+    });
+    // What is left of the root's error goes off along the ray.
+    let n = normalize(on);
+    let q = [0, 1, 2].map(|c| n[c] * radii[c]);
+    Some((q, normalize([0, 1, 2].map(|c| n[c] / radii[c]))))
+}
+
+fn normalize<T: Real>(v: V3<T>) -> V3<T> {
+    scale(v, T::of(1.0) / dot(v, v).sqrt())
+}
+
+#[cfg(test)]
+#[path = "solid_tests.rs"]
+mod tests;

@@ -1,0 +1,138 @@
+//! parry3d as the judge: inside or outside, and the way out.
+
+use parry3d::math::{Pose, Vector};
+use parry3d::query::PointQuery;
+use parry3d::shape::{Ball, Capsule, Cuboid, HalfSpace};
+
+use super::*;
+
+const POINTS: usize = 100_000;
+
+/// Points of a fixed sequence (an additive recurrence in three dimensions) in a cube of half side `reach`.
+fn points(reach: f64) -> impl Iterator<Item = [f64; 3]> {
+    let steps = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_1];
+    (0..POINTS).map(move |k| steps.map(|a| (2.0 * (k as f64 * a).fract() - 1.0) * reach))
+}
+
+/// A place and rotation that are nothing special.
+fn moved(shape: Shape) -> Collider {
+    let q = [0.2f32, -0.5, 0.3, 0.7];
+    let norm = q.iter().map(|x| x * x).sum::<f32>().sqrt();
+    Collider { rotation: q.map(|x| x / norm), ..Collider::new(shape, [0.1, -0.2, 0.15]) }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    dot(sub(a, b), sub(a, b)).sqrt()
+}
+
+fn agrees(shape: Shape, judge: &dyn PointQuery, size: f64) {
+    let collider = moved(shape);
+    let (f32s, f64s) = (Solid::<f32>::new(&collider), Solid::<f64>::new(&collider));
+    let [x, y, z, w] = collider.rotation;
+    let rotation = parry3d::math::Rotation::from_xyzw(x, y, z, w);
+    let [cx, cy, cz] = collider.center;
+    let pose = Pose::from_parts(Vector::new(cx, cy, cz), rotation);
+    let mut inside = 0;
+    for p in points(1.2) {
+        let at: [f32; 3] = cast(p);
+        let answer = judge.project_point(&pose, Vector::new(at[0], at[1], at[2]), false);
+        let to = [answer.point.x, answer.point.y, answer.point.z].map(f64::from);
+        let exact: [f64; 3] = cast(at);
+        let depth = distance(to, exact);
+        for exit in [f32s.exit(at).map(|(q, n)| (cast(q), cast(n))), f64s.exit(exact)] {
+            assert!(exit.is_some() == answer.is_inside || depth < 1e-6, "{shape:?} at {at:?}, depth {depth}");
+            let Some((q, n)) = exit else { continue };
+            inside += 1;
+            // Two ways out that are equally short are both right.
+            let tie = (distance(q, exact) - depth).abs() < 1e-6
+                && judge.distance_to_point(&pose, Vector::new(q[0] as f32, q[1] as f32, q[2] as f32), false) < 1e-6;
+            assert!(distance(q, to) <= 1e-5 * size || tie, "{shape:?} at {at:?}: {q:?}, not {to:?}");
+            assert!((dot(n, n) - 1.0).abs() < 1e-5 && dot(sub(q, exact), n) >= -1e-6, "{shape:?} at {at:?}: {n:?}");
+        }
+    }
+    assert!(inside > POINTS / 50, "{shape:?}: only {inside} points were inside");
+}
+
+#[test]
+fn parry_agrees_on_half_spaces() {
+    agrees(Shape::HalfSpace, &HalfSpace::new(Vector::new(0.0, 1.0, 0.0)), 1.0);
+}
+
+#[test]
+fn parry_agrees_on_spheres() {
+    agrees(Shape::Sphere { radius: 0.7 }, &Ball::new(0.7), 0.7);
+}
+
+#[test]
+fn parry_agrees_on_capsules() {
+    agrees(Shape::Capsule { half_height: 0.4, radius: 0.3 }, &Capsule::new_y(0.4, 0.3), 0.7);
+}
+
+#[test]
+fn parry_agrees_on_boxes() {
+    let half = [0.5, 0.3, 0.8];
+    agrees(Shape::Box { half }, &Cuboid::new(Vector::new(0.5, 0.3, 0.8)), 0.8);
+}
+
+/// The closest point of an ellipsoid by bisection of the same equation in f64, from `p` inside and in its frame.
+fn bracketed(p: [f64; 3], radii: [f64; 3]) -> [f64; 3] {
+    let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
+    let at = |s: f64| [0, 1, 2].map(|c| radii[c] * radii[c] * p[c] / (s + radii[c] * radii[c]));
+    let over = |s: f64| at(s).iter().zip(radii).map(|(q, r)| (q / r).powi(2)).sum::<f64>() > 1.0;
+    let (mut low, mut high) = (-least * least, 0.0);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if over(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    at(0.5 * (low + high))
+}
+
+#[test]
+fn a_bracketed_root_agrees_on_ellipsoids() {
+    for radii in [[0.5, 0.3, 0.8], [0.4, 0.4, 0.9], [0.6; 3], [0.05, 0.8, 0.7]] {
+        let collider = Collider::new(Shape::Ellipsoid { radii, closest: true }, [0.0; 3]);
+        let (f32s, f64s) = (Solid::<f32>::new(&collider), Solid::<f64>::new(&collider));
+        let (exact, size): ([f64; 3], _) = (cast(radii), f64::from(radii.iter().copied().fold(0.0, f32::max)));
+        let mut inside = 0;
+        for p in points(size) {
+            let at: [f32; 3] = cast(p);
+            let p: [f64; 3] = cast(at);
+            let level = |q: [f64; 3]| (0..3).map(|c| (q[c] / exact[c]).powi(2)).sum::<f64>().sqrt();
+            assert!(f64s.exit(p).is_some() == (level(p) < 1.0) || (level(p) - 1.0).abs() < 1e-12);
+            assert!(f32s.exit(at).is_some() == (level(p) < 1.0) || (level(p) - 1.0).abs() * size < 1e-6);
+            let (Some((q32, _)), Some((q64, _))) = (f32s.exit(at), f64s.exit(p)) else { continue };
+            let to = bracketed(p, exact);
+            inside += 1;
+            assert!(distance(q64, to) <= 1e-5 * size, "{radii:?} at {p:?}: {q64:?}, not {to:?}");
+            // Where ways out are nearly equally long, rounding chooses; each must be on the surface and as short.
+            let q32: [f64; 3] = cast(q32);
+            let tie = (distance(q32, p) - distance(to, p)).abs() <= 1e-6 * size && (level(q32) - 1.0).abs() < 1e-6;
+            assert!(distance(q32, to) <= 1e-5 * size || tie, "{radii:?} at {p:?}: {q32:?}, not {to:?}");
+        }
+        assert!(inside > POINTS / 50);
+    }
+}
+
+#[test]
+fn the_radial_rule_is_on_the_surface_and_its_error_is_known() {
+    let radii = [0.5, 0.3, 0.8];
+    let way = |closest| Solid::<f64>::new(&Collider::new(Shape::Ellipsoid { radii, closest }, [0.0; 3]));
+    let (radial, exact) = (way(false), way(true));
+    let (mut worst, mut near) = (0.0f64, 0.0f64);
+    for p in points(0.8) {
+        let (Some((a, _)), Some((b, _))) = (radial.exit(p), exact.exit(p)) else { continue };
+        let level = (0..3).map(|c| (a[c] / f64::from(radii[c])).powi(2)).sum::<f64>();
+        assert!((level - 1.0).abs() < 1e-9);
+        worst = worst.max(distance(a, b));
+        if distance(b, p) < 0.01 {
+            near = near.max(distance(a, b) / distance(b, p).max(1e-4));
+        }
+    }
+    // Deep inside the rule is far off; near the surface it errs by the depth times the slant of the ray.
+    assert!((0.3..0.9).contains(&worst), "{worst}");
+    assert!((0.3..1.5).contains(&near), "{near}");
+}

@@ -1,0 +1,125 @@
+//! The GPU backend: buffers, pipelines and the recording of a frame.
+
+mod buffers;
+pub(crate) mod layout;
+mod pipelines;
+mod read_back;
+
+pub use buffers::ClothBuffers;
+pub use read_back::read_back;
+
+use bytemuck::cast_slice;
+
+use crate::cpu::body::Body;
+use crate::error::Result;
+use crate::shaders::{Slot, source};
+use crate::world::World;
+use buffers::solids_buffer;
+use layout::{SolidRow, StepRow};
+use pipelines::Pipelines;
+
+/// Everything on the device.
+pub struct Gpu {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    pipelines: Pipelines,
+    cloths: Vec<ClothBuffers>,
+    solids: wgpu::Buffer,
+    solid_rows: Vec<SolidRow>,
+}
+
+impl Gpu {
+    /// Buffers for all cloths; only those for drawing where the CPU steps.
+    pub fn new(world: &World, device: &wgpu::Device, queue: &wgpu::Queue, draw_only: bool) -> Result<Self> {
+        let cloths = world.scene.cloths.iter().zip(world.bodies());
+        let cloths: Result<_> =
+            cloths.map(|(cloth, body)| ClothBuffers::new(device, cloth, &body, draw_only)).collect();
+        let solid_rows: Vec<_> = world.scene.colliders.iter().map(SolidRow::new).collect();
+        Ok(Gpu {
+            solids: solids_buffer(device, &solid_rows),
+            pipelines: Pipelines::default(),
+            cloths: cloths?,
+            device: device.clone(),
+            queue: queue.clone(),
+            solid_rows,
+        })
+    }
+
+    pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
+        self.cloths.get(cloth)
+    }
+
+    /// Records `steps` steps of every cloth that is awake and has any, then its normals.
+    pub fn record(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None });
+        for index in (0..self.cloths.len()).filter(|c| !world.asleep[*c]) {
+            let (cloth, plan) = (&world.scene.cloths[index], &world.schedules[index]);
+            let buffers = &mut self.cloths[index];
+            let mut offset = |first| {
+                let row = StepRow::from(&world.step(cloth, first));
+                buffers.step_offset(&self.queue, row)
+            };
+            let offsets =
+                if world.clock.dt == world.clock.dt_old { [offset(false); 2] } else { [offset(true), offset(false)] };
+            let mut run = |what, offset: u32| {
+                let source = source(what);
+                let pipeline = self.pipelines.get(&self.device, what, &source);
+                let group = buffers.group(&self.device, pipeline, &source, &self.solids);
+                let offsets: &[u32] = if source.binds(Slot::Step) { &[offset] } else { &[] };
+                let [x, y, z] = source.workgroups(cloth);
+                pass.set_pipeline(&pipeline.pipeline);
+                pass.set_bind_group(0, group, offsets);
+                pass.dispatch_workgroups(x, y, z);
+            };
+            for n in 0..steps {
+                let offset = offsets[usize::from(n > 0)];
+                plan.step.iter().for_each(|what| run(*what, offset));
+                (0..world.options.iterations).for_each(|_| plan.relax.iter().for_each(|what| run(*what, offset)));
+            }
+            plan.frame.iter().for_each(|what| run(*what, offsets[usize::from(steps > 1)]));
+        }
+        drop(pass);
+        (0..steps).for_each(|_| world.clock.tick());
+    }
+
+    /// Writes what the CPU made into the buffers for drawing.
+    pub fn upload(&self, bodies: &[Body<f32>], asleep: &[bool]) {
+        for ((buffers, body), asleep) in self.cloths.iter().zip(bodies).zip(asleep) {
+            if !asleep {
+                self.queue.write_buffer(&buffers.now, 0, cast_slice(&body.now));
+                self.queue.write_buffer(&buffers.before, 0, cast_slice(&body.before));
+                self.queue.write_buffer(&buffers.normals, 0, cast_slice(&body.normals));
+            }
+        }
+    }
+
+    /// Uploads the colliders; new bindings only if their number has changed.
+    pub fn set_colliders(&mut self, world: &World) {
+        let rows: Vec<_> = world.scene.colliders.iter().map(SolidRow::new).collect();
+        if rows.len() == self.solid_rows.len() {
+            self.queue.write_buffer(&self.solids, 0, cast_slice(&rows));
+        } else {
+            self.solids = solids_buffer(&self.device, &rows);
+            self.cloths.iter_mut().for_each(ClothBuffers::forget_colliders);
+        }
+        self.solid_rows = rows;
+    }
+
+    pub fn set_inverse_mass(&self, cloth: usize, k: usize, w: f32) {
+        let at = k as u64 * 16 + 12;
+        self.queue.write_buffer(&self.cloths[cloth].now, at, cast_slice(&[w]));
+        self.queue.write_buffer(&self.cloths[cloth].before, at, cast_slice(&[w]));
+    }
+
+    pub fn set_position(&self, cloth: usize, k: usize, at: [f32; 3]) {
+        self.queue.write_buffer(&self.cloths[cloth].now, k as u64 * 16, cast_slice(&at));
+        self.queue.write_buffer(&self.cloths[cloth].before, k as u64 * 16, cast_slice(&at));
+    }
+}
+
+impl crate::shaders::Source {
+    fn binds(&self, slot: Slot) -> bool {
+        self.bindings.iter().any(|b| b.slot == slot)
+    }
+}

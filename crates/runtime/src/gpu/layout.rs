@@ -1,0 +1,70 @@
+//! Structs as shaders lay them out; a test compares every offset.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::collider::Collider;
+use crate::cpu::solid::Solid;
+use crate::step::Step;
+
+/// `Step` of shaders/part/step.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct StepRow {
+    pub gravity: [f32; 3],
+    pub keep: f32,
+    pub wind: [f32; 3],
+    pub scale: f32,
+    pub drift: [f32; 3],
+    pub response: f32,
+    pub turn: f32,
+    pub fineness: f32,
+    pub longest: f32,
+    pub dt: f32,
+    pub rate: f32,
+    pub drag: f32,
+    pub lift: f32,
+    pub unused: f32,
+}
+
+/// `Grid` of shaders/part/grid.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GridRow {
+    pub first: u32,
+    pub width: u32,
+    pub height: u32,
+    pub unused: u32,
+    pub rest: [f32; 4],
+}
+
+/// `Solid` of shaders/part/solid.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SolidRow {
+    pub center: [f32; 3],
+    pub kind: u32,
+    pub size: [f32; 3],
+    pub friction: f32,
+    pub rotation: [f32; 4],
+    pub velocity: [f32; 3],
+    pub unused1: u32,
+    pub spin: [f32; 3],
+    pub unused2: u32,
+}
+
+impl From<&Step<f64>> for StepRow {
+    fn from(step: &Step<f64>) -> Self {
+        let Step { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift } =
+            step.cast::<f32>();
+        let unused = 0.0;
+        StepRow { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, unused }
+    }
+}
+
+impl SolidRow {
+    /// The collider in numbers.
+    pub fn new(collider: &Collider) -> Self {
+        let Solid { center, kind, size, friction, rotation, velocity, spin } = Solid::<f32>::new(collider);
+        SolidRow { center, kind, size, friction, rotation, velocity, unused1: 0, spin, unused2: 0 }
+    }
+}

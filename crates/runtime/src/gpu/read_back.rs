@@ -1,0 +1,29 @@
+//! Reading a buffer back, for tools and tests. No stepper calls it.
+
+use std::sync::mpsc::channel;
+
+use crate::error::{Error, Result};
+
+/// The vectors in a buffer such as those of [`crate::ClothBuffers`]. Submits a copy and waits for everything submitted
+/// before it: a game should not call this.
+pub fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<[f32; 4]>> {
+    let staging = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("read back"),
+        size: buffer.size(),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
+    queue.submit([encoder.finish()]);
+    let (send, receive) = channel();
+    let failed = |e: &dyn std::fmt::Display| Error::ReadBack(e.to_string());
+    staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+        // The receiver waits below.
+        let _ = send.send(result);
+    });
+    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
+    receive.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
+    let view = staging.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
+    Ok(bytemuck::pod_collect_to_vec(&view))
+}

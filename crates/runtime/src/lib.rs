@@ -1,0 +1,39 @@
+//! Steps garments of geometry images as cloth, on the GPU or on the CPU.
+//!
+//! A [`Cloth`] comes from a bundle or is flat; a [`Scene`] puts cloths among colliders and wind; a [`Stepper`] moves it.
+//! The host owns device, queue and encoder: [`Stepper::record`] adds a frame's passes to an encoder, and nothing is
+//! submitted, waited for or read back. Every pass has a twin on the CPU with the same results to rounding.
+
+mod clock;
+mod cloth;
+mod collider;
+mod cpu;
+mod error;
+mod gpu;
+mod measure;
+mod options;
+mod passes;
+mod plan;
+mod reference;
+pub mod scene;
+mod shaders;
+mod step;
+mod stepper;
+mod wind;
+mod world;
+
+pub use clock::Progress;
+pub use cloth::{Cloth, Flat, Grid, Mass, Particle, Parts, Rest};
+pub use collider::{Collider, Shape};
+pub use cpu::real::Real;
+pub use error::{Error, Result};
+pub use gpu::{ClothBuffers, read_back};
+pub use measure::{Measures, measure};
+pub use options::{Backend, Options, Solver};
+pub use passes::{Air, Kinds, Pass};
+pub use plan::{Plan, PlannedPass};
+pub use reference::Reference;
+pub use scene::Scene;
+pub use stepper::Stepper;
+pub use wgpu;
+pub use wind::{Wind, WindForce};

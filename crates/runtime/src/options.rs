@@ -1,0 +1,63 @@
+//! How a scene is stepped.
+
+use crate::error::{Result, check};
+
+/// What computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backend {
+    /// The GPU if the host gives one, else the CPU.
+    #[default]
+    Auto,
+    /// The GPU; an error without one.
+    Gpu,
+    /// The CPU. With a device too, positions are uploaded for drawing.
+    Cpu,
+}
+
+/// How springs are made to keep their lengths.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Solver {
+    /// Verlet integration and relaxation in eight coloured passes, after C. Zeller, "Cloth Simulation on the GPU",
+    /// SIGGRAPH 2005. The error falls with the square of the substeps; substeps do more than iterations.
+    #[default]
+    Classic,
+}
+
+/// Settings of a stepper.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// What computes. Default `Auto`.
+    pub backend: Backend,
+    /// Default `Classic`.
+    pub solver: Solver,
+    /// Time \[s\] in which `substeps` steps are made, whatever the host's frames take. Default 1/60; 1e-6 to 1.
+    pub step: f64,
+    /// Steps in that time, each with all passes. Default 8; 1 to 4096; larger is stiffer and dearer in proportion.
+    pub substeps: u32,
+    /// Relaxations a step. Default 1; 1 to 4096; larger is stiffer and dearer, but less so than substeps.
+    pub iterations: u32,
+    /// Most times of `step` that one frame catches up; what is beyond is dropped. Default 4; 1 to 1024.
+    pub max_catch_up: u32,
+    /// Threads of the CPU backend: 0 is one for each core, 1 only the caller's. Default 0. Results do not depend on it.
+    pub threads: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        let (backend, solver) = (Backend::default(), Solver::default());
+        Options { backend, solver, step: 1.0 / 60.0, substeps: 8, iterations: 1, max_catch_up: 4, threads: 0 }
+    }
+}
+
+impl Options {
+    /// Refuses numbers outside their ranges.
+    pub fn check(&self) -> Result<()> {
+        check("the step [s]", self.step, "1e-6 to 1", |s| (1e-6..=1.0).contains(&s))?;
+        let count = |n: f64| (1.0..=4096.0).contains(&n);
+        check("the number of substeps", self.substeps.into(), "1 to 4096", count)?;
+        check("the number of iterations", self.iterations.into(), "1 to 4096", count)?;
+        let catch_up = |n: f64| (1.0..=1024.0).contains(&n);
+        check("the most steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)
+    }
+}

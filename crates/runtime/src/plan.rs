@@ -1,0 +1,93 @@
+//! What a frame runs, for people and tests to read.
+
+use std::fmt;
+
+use crate::passes::{Pass, Schedule};
+use crate::shaders::{Slot, source};
+use crate::world::World;
+
+/// One pass of one cloth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedPass {
+    /// Index of the cloth.
+    pub cloth: usize,
+    /// Which pass.
+    pub pass: Pass,
+    /// The shader file's stem.
+    pub shader: &'static str,
+    /// Workgroups in x, y, z.
+    pub workgroups: [u32; 3],
+    /// Dispatches a frame.
+    pub dispatches: u32,
+    /// What is bound, and its bytes.
+    pub bindings: Vec<(&'static str, u64)>,
+}
+
+/// The passes of a frame of [`crate::Options::step`], in the order of their first run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Plan {
+    /// The passes.
+    pub passes: Vec<PlannedPass>,
+}
+
+impl Plan {
+    pub(crate) fn new(world: &World) -> Self {
+        let (steps, rounds) = (world.options.substeps, world.options.iterations);
+        let mut passes = Vec::new();
+        for (cloth, plan) in world.schedules.iter().enumerate().filter(|(c, _)| !world.asleep[*c]) {
+            let Schedule { step, relax, frame } = plan;
+            for (list, dispatches) in [(step, steps), (relax, steps * rounds), (frame, 1)] {
+                passes.extend(list.iter().map(|pass| planned(world, cloth, *pass, dispatches)));
+            }
+        }
+        Plan { passes }
+    }
+
+    /// Dispatches a frame.
+    pub fn dispatches(&self) -> u32 {
+        self.passes.iter().map(|p| p.dispatches).sum()
+    }
+
+    /// Bytes of everything that is bound in a frame, each buffer counted once a cloth.
+    pub fn bytes(&self) -> u64 {
+        let mut seen = std::collections::BTreeMap::new();
+        for pass in &self.passes {
+            seen.extend(pass.bindings.iter().map(|(name, bytes)| ((pass.cloth, *name), *bytes)));
+        }
+        seen.values().sum()
+    }
+}
+
+fn planned(world: &World, cloth: usize, pass: Pass, dispatches: u32) -> PlannedPass {
+    let source = source(pass);
+    let of = &world.scene.cloths[cloth];
+    let slots = source.bindings.iter().map(|b| b.slot);
+    let bytes = |slot: Slot| slot.bytes(of, world.scene.colliders.len());
+    PlannedPass {
+        cloth,
+        pass,
+        shader: source.stem,
+        workgroups: source.workgroups(of),
+        dispatches,
+        bindings: slots.map(|slot| (slot.name(), bytes(slot))).collect(),
+    }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        for p in &self.passes {
+            let [x, y, z] = p.workgroups;
+            let bound: Vec<_> = p.bindings.iter().map(|(name, bytes)| format!("{name} {bytes}")).collect();
+            let variant = match p.pass {
+                Pass::Springs { direction, parity, .. } => {
+                    format!(" {} {}", ["right", "down", "down-right", "up-right"][direction as usize & 3], parity)
+                }
+                _ => String::new(),
+            };
+            let groups = format!("{x} x {y} x {z}");
+            let name = format!("{}{variant}", p.shader);
+            writeln!(f, "cloth {} {name:<22} {:>5} x ({groups}): {}", p.cloth, p.dispatches, bound.join(", "))?;
+        }
+        writeln!(f, "{} dispatches, {} bytes bound", self.dispatches(), self.bytes())
+    }
+}

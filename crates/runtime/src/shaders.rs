@@ -1,0 +1,200 @@
+//! Which files make which shader, and what it binds. The table is explicit: a shader is its parts, in order.
+
+use crate::cloth::Cloth;
+use crate::passes::{Air, Kinds, Pass};
+
+/// What can be bound. The number is the binding in every shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Slot {
+    Step = 0,
+    Grids,
+    Now,
+    Before,
+    Rest,
+    Starts,
+    Members,
+    Solids,
+    Normals,
+    Field,
+}
+
+impl Slot {
+    pub fn name(self) -> &'static str {
+        const NAMES: [&str; 10] =
+            ["step", "grids", "now", "before", "rest", "starts", "members", "solids", "normals", "field"];
+        NAMES[self as usize]
+    }
+
+    /// Bytes of the buffer for a cloth.
+    pub fn bytes(self, cloth: &Cloth, colliders: usize) -> u64 {
+        let (starts, members) = cloth.rings();
+        let bytes = match self {
+            Slot::Step => 64 + 16,
+            Slot::Grids => cloth.grids().len() * 32,
+            Slot::Now | Slot::Before | Slot::Rest | Slot::Normals | Slot::Field => cloth.len() * 16,
+            Slot::Starts => starts.len() * 4,
+            Slot::Members => members.len() * 4,
+            Slot::Solids => colliders * 80,
+        };
+        bytes as u64
+    }
+}
+
+/// A slot and whether the shader writes to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Bound {
+    pub slot: Slot,
+    pub writes: bool,
+}
+
+/// How elements are given to threads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Threads {
+    Particles,
+    Rings,
+    /// Every texel of every grid.
+    Texels,
+    /// Half the texels: `true` every other column, `false` every other row.
+    Half(bool),
+}
+
+/// A shader as the table has it.
+pub struct Source {
+    pub stem: &'static str,
+    pub files: Vec<&'static str>,
+    pub bindings: Vec<Bound>,
+    pub constants: Vec<(&'static str, f64)>,
+    pub threads: Threads,
+}
+
+macro_rules! part {
+    ($name:literal) => {
+        include_str!(concat!("../../../shaders/part/", $name, ".wgsl"))
+    };
+}
+macro_rules! pass {
+    ($name:literal) => {
+        include_str!(concat!("../../../shaders/", $name, ".wgsl"))
+    };
+}
+
+const STEP: &str = part!("step");
+const INDEX: &str = part!("index");
+const GRID: &str = part!("grid");
+const GUST: &str = part!("gust");
+const RINGS: &str = part!("rings");
+const UNIT: &str = part!("unit");
+const NEIGHBOURS: &str = part!("neighbours");
+
+const fn reads(slot: Slot) -> Bound {
+    Bound { slot, writes: false }
+}
+
+const fn writes(slot: Slot) -> Bound {
+    Bound { slot, writes: true }
+}
+
+/// The shader of a pass.
+pub fn source(pass: Pass) -> Source {
+    use Slot::{Before, Field, Grids, Members, Normals, Now, Rest, Solids, Starts, Step};
+    let plain = |stem, files: &[&'static str], bindings: &[Bound], threads| {
+        let (files, bindings) = (files.to_vec(), bindings.to_vec());
+        Source { stem, files, bindings, constants: Vec::new(), threads }
+    };
+    match pass {
+        Pass::Wind => plain(
+            "wind",
+            &[STEP, GRID, GUST, NEIGHBOURS, pass!("wind")],
+            &[reads(Step), reads(Grids), reads(Now), reads(Before), writes(Field)],
+            Threads::Texels,
+        ),
+        Pass::Integrate(air) => {
+            let base = [reads(Step), writes(Now), writes(Before)];
+            let body = pass!("integrate");
+            match air {
+                Air::None => plain("integrate", &[STEP, INDEX, part!("air_none"), body], &base, Threads::Particles),
+                Air::Push => {
+                    plain("integrate", &[STEP, INDEX, GUST, part!("air_push"), body], &base, Threads::Particles)
+                }
+                Air::Field => {
+                    let bindings = [&base[..], &[reads(Field)]].concat();
+                    plain("integrate", &[STEP, INDEX, part!("air_field"), body], &bindings, Threads::Particles)
+                }
+            }
+        }
+        Pass::Springs { direction, parity, image } => {
+            let (rest, read): (_, &[Bound]) =
+                if image { (part!("rest_image"), &[reads(Rest)]) } else { (part!("rest_constant"), &[]) };
+            let bindings = [&[reads(Grids), writes(Now)], read].concat();
+            let threads = Threads::Half(direction == 0);
+            let constants = vec![("direction", f64::from(direction)), ("parity", f64::from(parity))];
+            Source { constants, ..plain("springs", &[GRID, rest, pass!("springs")], &bindings, threads) }
+        }
+        Pass::Seams => {
+            let bindings = [writes(Now), reads(Starts), reads(Members)];
+            plain("seams", &[INDEX, RINGS, pass!("seams")], &bindings, Threads::Rings)
+        }
+        Pass::Colliders(kinds) => colliders(
+            kinds,
+            plain("colliders", &[INDEX, part!("solid")], &[writes(Now), reads(Solids)], Threads::Particles),
+        ),
+        Pass::Normals => plain(
+            "normals",
+            &[GRID, NEIGHBOURS, UNIT, pass!("normals")],
+            &[reads(Grids), reads(Now), writes(Normals)],
+            Threads::Texels,
+        ),
+        Pass::SeamNormals => {
+            let bindings = [reads(Starts), reads(Members), writes(Normals)];
+            plain("seam_normals", &[INDEX, RINGS, UNIT, pass!("seam_normals")], &bindings, Threads::Rings)
+        }
+    }
+}
+
+fn colliders(kinds: Kinds, mut source: Source) -> Source {
+    const NAMES: [&str; 6] = ["half_spaces", "spheres", "capsules", "boxes", "radial_ellipsoids", "ellipsoids"];
+    source.constants = NAMES.iter().zip(kinds.shapes).map(|(name, on)| (*name, f64::from(u8::from(on)))).collect();
+    if kinds.friction {
+        source.files.insert(0, STEP);
+        source.files.push(part!("friction"));
+        source.bindings.extend([reads(Slot::Step), reads(Slot::Before)]);
+    } else {
+        source.files.push(part!("friction_none"));
+    }
+    source.files.push(pass!("colliders"));
+    source
+}
+
+/// Workgroups in a row of a list; x is limited to 65,535.
+const ROW: u32 = 32_768;
+
+impl Source {
+    /// The whole text.
+    pub fn text(&self) -> String {
+        self.files.concat()
+    }
+
+    /// Workgroups to dispatch for a cloth.
+    pub fn workgroups(&self, cloth: &Cloth) -> [u32; 3] {
+        let list = |count: usize| {
+            let groups = (count as u32).div_ceil(64);
+            [groups.min(ROW), groups.div_ceil(ROW), 1]
+        };
+        let sides = |half_x: bool, half_y: bool| {
+            let most = |side: fn(&crate::cloth::Grid) -> u32| cloth.grids().iter().map(side).max().unwrap_or(0);
+            let (w, h) = (most(|g| g.width), most(|g| g.height));
+            let (w, h) = (if half_x { w.div_ceil(2) } else { w }, if half_y { h.div_ceil(2) } else { h });
+            [w.div_ceil(16), h.div_ceil(4), cloth.grids().len() as u32]
+        };
+        match self.threads {
+            Threads::Particles => list(cloth.len()),
+            Threads::Rings => list(cloth.ring_count()),
+            Threads::Texels => sides(false, false),
+            Threads::Half(columns) => sides(columns, !columns),
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "shaders_tests.rs"]
+mod tests;

@@ -1,0 +1,120 @@
+use std::collections::BTreeSet;
+use std::mem::offset_of;
+use std::path::PathBuf;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{AddressSpace, Module, StorageAccess, TypeInner};
+
+use super::*;
+use crate::gpu::layout::{GridRow, SolidRow, StepRow};
+
+/// Every variant that a schedule can hold, up to constants.
+fn variants() -> Vec<Pass> {
+    let mut all = vec![Pass::Wind, Pass::Seams, Pass::Normals, Pass::SeamNormals];
+    all.extend([Air::None, Air::Push, Air::Field].map(Pass::Integrate));
+    let springs = (0..16).map(|k| Pass::Springs { direction: k / 4, parity: k / 2 % 2, image: k % 2 == 1 });
+    all.extend(springs);
+    all.extend([false, true].map(|friction| Pass::Colliders(Kinds { shapes: [true; 6], friction })));
+    all
+}
+
+fn module(pass: Pass) -> Module {
+    let source = source(pass);
+    let module = naga::front::wgsl::parse_str(&source.text());
+    module.unwrap_or_else(|e| panic!("{}: {}", source.stem, e.emit_to_string(&source.text())))
+}
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn files(folder: &str) -> BTreeSet<String> {
+    let entries = std::fs::read_dir(root().join(folder)).unwrap().map(|e| e.unwrap().path());
+    let wgsl = entries.filter(|p| p.extension().is_some_and(|e| e == "wgsl"));
+    wgsl.map(|p| std::fs::read_to_string(p).unwrap()).collect()
+}
+
+#[test]
+fn every_shader_is_valid_without_any_capability() {
+    for pass in variants() {
+        let module = module(pass);
+        let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+        info.unwrap_or_else(|e| panic!("{pass:?}: {}", e.emit_to_string(&source(pass).text())));
+    }
+}
+
+#[test]
+fn the_table_names_just_what_shaders_bind() {
+    for pass in variants() {
+        let module = module(pass);
+        let (mut bound, mut storage) = (BTreeSet::new(), 0);
+        for (_, variable) in module.global_variables.iter() {
+            let Some(binding) = &variable.binding else { continue };
+            let writes =
+                matches!(variable.space, AddressSpace::Storage { access } if access.contains(StorageAccess::STORE));
+            storage += u32::from(variable.space != AddressSpace::Uniform);
+            assert_eq!(binding.group, 0, "{pass:?}");
+            bound.insert((binding.binding, variable.name.clone().unwrap(), writes));
+        }
+        let table = source(pass).bindings;
+        let table = table.iter().map(|b| (b.slot as u32, b.slot.name().to_string(), b.writes));
+        assert_eq!(bound, table.collect(), "{pass:?}");
+        assert!(storage <= 8, "{pass:?} binds more storage buffers than WebGPU promises");
+    }
+}
+
+#[test]
+fn constants_of_the_table_are_overrides() {
+    for pass in variants() {
+        let module = module(pass);
+        let overrides: BTreeSet<_> = module.overrides.iter().filter_map(|(_, o)| o.name.clone()).collect();
+        let table = source(pass).constants.iter().map(|(name, _)| name.to_string()).collect();
+        assert_eq!(overrides, table, "{pass:?}");
+    }
+}
+
+#[test]
+fn structs_lie_as_in_rust() {
+    macro_rules! rust {
+        ($t:ty: $($field:ident),*) => {
+            (vec![$((stringify!($field), offset_of!($t, $field) as u32)),*], size_of::<$t>() as u32)
+        };
+    }
+    let step = rust!(StepRow: gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, unused);
+    let grid = rust!(GridRow: first, width, height, unused, rest);
+    let solid = rust!(SolidRow: center, kind, size, friction, rotation, velocity, unused1, spin, unused2);
+    let mut seen = BTreeSet::new();
+    for pass in variants() {
+        let module = module(pass);
+        for (_, ty) in module.types.iter() {
+            let TypeInner::Struct { members, span } = &ty.inner else { continue };
+            let rust = match ty.name.as_deref() {
+                Some("Step") => &step,
+                Some("Grid") => &grid,
+                Some("Solid") => &solid,
+                // Lives in registers only.
+                Some("Exit") => continue,
+                other => panic!("{other:?} has no counterpart"),
+            };
+            let wgsl: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset)).collect();
+            assert_eq!((&wgsl, span), (&rust.0, &rust.1), "{:?}", ty.name);
+            seen.insert(ty.name.clone());
+        }
+    }
+    assert_eq!(seen.len(), 3);
+    assert_eq!(Slot::Step.bytes(&crate::Flat::square("x", 2).cloth().unwrap(), 0), u64::from(step.1));
+}
+
+#[test]
+fn every_shader_has_a_twin_and_every_file_is_used() {
+    let used: BTreeSet<String> = variants().iter().flat_map(|p| source(*p).files).map(String::from).collect();
+    let there: BTreeSet<_> = files("shaders").union(&files("shaders/part")).cloned().collect();
+    assert_eq!(there.difference(&used).count(), 0);
+    let stems: BTreeSet<_> = variants().iter().map(|p| source(*p).stem).collect();
+    assert_eq!(stems.len(), files("shaders").len());
+    for stem in stems {
+        assert!(root().join(format!("shaders/{stem}.wgsl")).is_file(), "{stem}");
+        let twin = std::fs::read_to_string(root().join(format!("crates/runtime/src/cpu/{stem}.rs"))).unwrap();
+        assert!(twin.contains(&format!("shaders/{stem}.wgsl")), "the twin of {stem} does not name it");
+    }
+}

@@ -1,0 +1,205 @@
+//! Steps a scene, frame by frame.
+
+use crate::clock::Progress;
+use crate::cloth::Cloth;
+use crate::collider::Collider;
+use crate::cpu::body::Body;
+use crate::cpu::rows::Threads;
+use crate::error::{Error, Result};
+use crate::gpu::{ClothBuffers, Gpu};
+use crate::options::{Backend, Options};
+use crate::plan::Plan;
+use crate::scene::Scene;
+use crate::wind::Wind;
+use crate::world::World;
+
+/// A scene in motion. It keeps handles to the host's device and queue, and never submits, waits or reads back.
+pub struct Stepper {
+    world: World,
+    cpu: Option<(Vec<Body<f32>>, Threads)>,
+    gpu: Option<Gpu>,
+}
+
+impl Stepper {
+    /// Takes a scene over. `gpu` is the host's device and queue, if it has any: with them, positions and normals lie in
+    /// buffers on either backend ([`Stepper::buffers`]). Errors on settings out of range, on [`Backend::Gpu`] without a
+    /// device, and where a cloth does not fit the device.
+    pub fn new(scene: Scene, options: Options, gpu: Option<(&wgpu::Device, &wgpu::Queue)>) -> Result<Self> {
+        let world = World::new(scene, options)?;
+        let on_cpu = match world.options.backend {
+            Backend::Cpu => true,
+            Backend::Auto => gpu.is_none(),
+            Backend::Gpu if gpu.is_none() => return Err(Error::NoGpu("Backend::Gpu")),
+            Backend::Gpu => false,
+        };
+        let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.options.threads)?)) } else { None };
+        let gpu = gpu.map(|(device, queue)| Gpu::new(&world, device, queue, on_cpu)).transpose()?;
+        Ok(Stepper { world, cpu, gpu })
+    }
+
+    /// Which backend runs: `Gpu` or `Cpu`.
+    pub fn backend(&self) -> Backend {
+        if self.cpu.is_some() { Backend::Cpu } else { Backend::Gpu }
+    }
+
+    /// Records a frame of `dt` \[s\] of the host's time: as many steps as are due, then normals. On the CPU backend the
+    /// steps are made at once, and the result is written to the buffers by the queue. Needs a device.
+    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
+        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
+        let progress = self.world.clock.frame(dt);
+        if progress.steps == 0 {
+            return Ok(progress);
+        }
+        match &mut self.cpu {
+            Some((bodies, threads)) => {
+                self.world.run(bodies, threads, progress.steps);
+                gpu.upload(bodies, &self.world.asleep);
+            }
+            None => gpu.record(&mut self.world, encoder, progress.steps),
+        }
+        Ok(progress)
+    }
+
+    /// Makes the steps that are due after `dt` \[s\] of the host's time, without any device. CPU backend only.
+    pub fn advance(&mut self, dt: f64) -> Result<Progress> {
+        let (bodies, threads) = self.cpu.as_mut().ok_or(Error::GpuOnly("Stepper::advance"))?;
+        let progress = self.world.clock.frame(dt);
+        self.world.run(bodies, threads, progress.steps);
+        Ok(progress)
+    }
+
+    /// What a frame of [`Options::step`] runs and binds.
+    pub fn plan(&self) -> Plan {
+        Plan::new(&self.world)
+    }
+
+    /// The scene, with colliders, wind and pins as they are now and cloths as they were at the start.
+    pub fn scene(&self) -> &Scene {
+        &self.world.scene
+    }
+
+    /// The settings.
+    pub fn options(&self) -> &Options {
+        &self.world.options
+    }
+
+    /// Positions \[m\] of a cloth, the fourth component 1/mass (0 pinned, -1 no particle). `None` on the GPU backend,
+    /// where they stay in [`Stepper::buffers`], and for a cloth that does not exist.
+    pub fn positions(&self, cloth: usize) -> Option<&[[f32; 4]]> {
+        Some(&self.cpu.as_ref()?.0.get(cloth)?.now)
+    }
+
+    /// Positions one step before, as [`Stepper::positions`].
+    pub fn previous(&self, cloth: usize) -> Option<&[[f32; 4]]> {
+        Some(&self.cpu.as_ref()?.0.get(cloth)?.before)
+    }
+
+    /// Unit normals of a cloth; 0 where there is none.
+    pub fn normals(&self, cloth: usize) -> Option<&[[f32; 4]]> {
+        Some(&self.cpu.as_ref()?.0.get(cloth)?.normals)
+    }
+
+    /// The buffers that a vertex shader reads. `None` without a device and for a cloth that does not exist.
+    pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
+        self.gpu.as_ref()?.buffers(cloth)
+    }
+
+    /// Replaces all colliders. Costs one upload of 80 bytes a collider, and new bindings if their number changes. Wakes
+    /// every cloth.
+    pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
+        colliders.iter().try_for_each(Collider::check)?;
+        self.world.scene.colliders = colliders;
+        self.changed();
+        if let Some(gpu) = &mut self.gpu {
+            gpu.set_colliders(&self.world);
+        }
+        Ok(())
+    }
+
+    /// Changes the wind, or ends it. Wakes every cloth.
+    pub fn set_wind(&mut self, wind: Option<Wind>) -> Result<()> {
+        wind.iter().try_for_each(Wind::check)?;
+        self.world.scene.wind = wind;
+        self.changed();
+        Ok(())
+    }
+
+    /// Changes gravity \[m/s^2\]. Wakes every cloth.
+    pub fn set_gravity(&mut self, gravity: [f32; 3]) -> Result<()> {
+        let before = std::mem::replace(&mut self.world.scene.gravity, gravity);
+        if let Err(error) = self.world.scene.check() {
+            self.world.scene.gravity = before;
+            return Err(error);
+        }
+        self.changed();
+        Ok(())
+    }
+
+    /// Changes the number of steps and relaxations from the next frame on. Backend and threads stay as they are.
+    pub fn set_options(&mut self, options: Options) -> Result<()> {
+        options.check()?;
+        let (backend, threads) = (self.world.options.backend, self.world.options.threads);
+        self.world.options = Options { backend, threads, ..options };
+        self.world.clock.change(&self.world.options);
+        Ok(())
+    }
+
+    /// Lets a cloth sleep where it is, at no cost a frame, or wakes it. Any change wakes it too.
+    pub fn set_asleep(&mut self, cloth: usize, asleep: bool) -> Result<()> {
+        self.world.cloth(cloth)?;
+        self.world.asleep[cloth] = asleep;
+        Ok(())
+    }
+
+    /// Pins a particle where it is, or frees it; seam duplicates follow. Four bytes of upload for each of them.
+    pub fn set_pinned(&mut self, cloth: usize, particle: usize, pinned: bool) -> Result<()> {
+        self.edit(cloth, particle, |c| c.set_pinned(particle, pinned))
+    }
+
+    /// Puts a particle, and its seam duplicates, at `at` \[m\] and at rest. Meant for pinned ones.
+    pub fn set_position(&mut self, cloth: usize, particle: usize, at: [f32; 3]) -> Result<()> {
+        for x in at {
+            crate::error::check("a position [m]", f64::from(x), "finite", |_| true)?;
+        }
+        self.edit(cloth, particle, |_| Ok(()))?;
+        for k in self.duplicates(cloth, particle) {
+            if let Some((bodies, _)) = &mut self.cpu {
+                bodies[cloth].now[k][..3].copy_from_slice(&at);
+                bodies[cloth].before[k][..3].copy_from_slice(&at);
+            }
+            if let Some(gpu) = &self.gpu {
+                gpu.set_position(cloth, k, at);
+            }
+        }
+        Ok(())
+    }
+
+    fn duplicates(&self, cloth: usize, particle: usize) -> Vec<usize> {
+        let ring = self.world.scene.cloths[cloth].ring_of(particle as u32);
+        ring.map_or_else(|| vec![particle], |r| r.iter().map(|k| *k as usize).collect())
+    }
+
+    fn edit(&mut self, cloth: usize, particle: usize, change: impl Fn(&mut Cloth) -> Result<()>) -> Result<()> {
+        let count = self.world.cloth(cloth)?.len();
+        if particle >= count || !self.world.scene.cloths[cloth].particles()[particle].exists() {
+            return Err(Error::NoSuch { what: "particle", index: particle, count });
+        }
+        change(&mut self.world.scene.cloths[cloth])?;
+        self.world.asleep[cloth] = false;
+        for k in self.duplicates(cloth, particle) {
+            let w = self.world.scene.cloths[cloth].inverse_mass(k);
+            if let Some((bodies, _)) = &mut self.cpu {
+                (bodies[cloth].now[k][3], bodies[cloth].before[k][3]) = (w, w);
+            }
+            if let Some(gpu) = &self.gpu {
+                gpu.set_inverse_mass(cloth, k, w);
+            }
+        }
+        Ok(())
+    }
+
+    fn changed(&mut self) {
+        self.world.asleep.fill(false);
+        self.world.reschedule();
+    }
+}

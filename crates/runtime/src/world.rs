@@ -1,0 +1,86 @@
+//! The state that both backends share: the scene, its schedules and the clock.
+
+use crate::clock::Clock;
+use crate::cloth::Cloth;
+use crate::cpu::body::Body;
+use crate::cpu::real::Real;
+use crate::cpu::rows::Threads;
+use crate::cpu::solid::Solid;
+use crate::error::{Error, Result};
+use crate::options::Options;
+use crate::passes::{Kinds, Schedule, schedule};
+use crate::scene::Scene;
+use crate::step::{Step, StepInput};
+
+/// A scene, what is to be run for it, and when.
+pub struct World {
+    pub scene: Scene,
+    pub options: Options,
+    pub clock: Clock,
+    pub schedules: Vec<Schedule>,
+    pub asleep: Vec<bool>,
+}
+
+impl World {
+    pub fn new(scene: Scene, options: Options) -> Result<Self> {
+        options.check()?;
+        scene.check()?;
+        let clock = Clock::new(&options);
+        let asleep = vec![false; scene.cloths.len()];
+        let mut world = World { scene, options, clock, schedules: Vec::new(), asleep };
+        world.reschedule();
+        Ok(world)
+    }
+
+    /// Works out which passes run; to be called when colliders, wind, rest lengths or seams have changed.
+    pub fn reschedule(&mut self) {
+        let kinds = Kinds::of(&self.scene.colliders);
+        let wind = self.scene.wind.as_ref();
+        self.schedules = self.scene.cloths.iter().map(|c| schedule(c, kinds, wind)).collect();
+    }
+
+    /// The numbers of the next step of a cloth.
+    pub fn step(&self, cloth: &Cloth, first: bool) -> Step<f64> {
+        let (dt, dt_old) = (self.clock.dt, if first { self.clock.dt_old } else { self.clock.dt });
+        Step::new(&StepInput {
+            gravity: self.scene.gravity,
+            wind: self.scene.wind.as_ref(),
+            damping: cloth.damping,
+            speed_limit: cloth.speed_limit,
+            dt,
+            dt_old,
+            // The noise stands still within a frame, so that its steps share their numbers.
+            time: self.clock.time,
+        })
+    }
+
+    pub fn cloth(&self, index: usize) -> Result<&Cloth> {
+        let count = self.scene.cloths.len();
+        self.scene.cloths.get(index).ok_or(Error::NoSuch { what: "cloth", index, count })
+    }
+
+    /// Bodies of all cloths at the start.
+    pub fn bodies<T: Real>(&self) -> Vec<Body<T>> {
+        self.scene.cloths.iter().map(|c| Body::new(c, self.clock.dt)).collect()
+    }
+
+    /// Runs a frame of `steps` steps on the CPU.
+    pub fn run<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
+        let solids: Vec<Solid<T>> = self.scene.colliders.iter().map(Solid::new).collect();
+        for (index, body) in bodies.iter_mut().enumerate() {
+            if self.asleep[index] || steps == 0 {
+                continue;
+            }
+            let (cloth, plan) = (&self.scene.cloths[index], &self.schedules[index]);
+            let numbers = [self.step(cloth, true).cast::<T>(), self.step(cloth, false).cast()];
+            for n in 0..steps {
+                let step = &numbers[usize::from(n > 0)];
+                let relax = (0..self.options.iterations).flat_map(|_| &plan.relax);
+                plan.step.iter().chain(relax).for_each(|pass| body.run(*pass, threads, step, &solids));
+            }
+            let last = &numbers[usize::from(steps > 1)];
+            plan.frame.iter().for_each(|pass| body.run(*pass, threads, last, &solids));
+        }
+        (0..steps).for_each(|_| self.clock.tick());
+    }
+}

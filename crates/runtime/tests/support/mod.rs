@@ -1,0 +1,147 @@
+//! Cloths, scenes and adapters for the tests.
+// Not every test uses all of it.
+#![allow(dead_code)]
+
+use gimage_runtime::*;
+
+/// A tube around y, `n` columns (the last the duplicate of the first) of `rows` rows; row 0 closes to one point of
+/// `fold` duplicates if that is above 1.
+pub fn tube(n: u32, rows: u32, fold: u32) -> Cloth {
+    let index = |i: u32, j: u32| j * n + i;
+    let (mut positions, mut particles) = (Vec::new(), Vec::new());
+    for j in 0..rows {
+        for i in 0..n {
+            let angle = std::f32::consts::TAU * (i % (n - 1)) as f32 / (n - 1) as f32;
+            let tip = j == 0 && fold > 1 && i < fold;
+            let (s, c) = angle.sin_cos();
+            let y = -0.05 * j as f32;
+            positions.push(if tip { [0.02, 0.1, 0.01] } else { [0.2 * c, y, 0.2 * s] });
+            let next = if tip {
+                Some(index((i + 1) % fold, 0))
+            } else if i == 0 && (j > 0 || fold < 2) {
+                Some(index(n - 1, j))
+            } else if i == n - 1 && (j > 0 || fold < 2) {
+                Some(index(0, j))
+            } else {
+                None
+            };
+            particles.push(Particle::Free { next });
+        }
+    }
+    let far = |a: [f32; 3], b: [f32; 3]| {
+        let d: f32 = (0..3).map(|c| (a[c] - b[c]).powi(2)).sum();
+        // A spring between duplicates would have no length; it is none.
+        d.sqrt()
+    };
+    let at = |i: u32, j: u32| positions[index(i, j) as usize];
+    let rest = (0..n * rows).map(|k| {
+        let (i, j) = (k % n, k / n);
+        let to = |ok: bool, di: u32, j: u32| if ok { 0.9 * far(at(i, k / n), at(i + di, j)) } else { 0.0 };
+        [
+            to(i + 1 < n, 1, j),
+            to(j + 1 < rows, 0, j + 1),
+            to(i + 1 < n && j + 1 < rows, 1, j + 1),
+            to(i + 1 < n && j > 0, 1, j.wrapping_sub(1)),
+        ]
+    });
+    let rest = Rest::Image(rest.collect());
+    let grids = vec![Grid { name: "tube".into(), first: 0, width: n, height: rows }];
+    Cloth::new(Parts { name: "tube".into(), grids, positions, particles, rest, mass: Mass::Constant(1e-3) }).unwrap()
+}
+
+/// The tube hung by its tip or, without one, by the seam's first point.
+pub fn hung_tube(fold: u32) -> Cloth {
+    let mut cloth = tube(17, 12, fold);
+    cloth.set_pinned(0, true).unwrap();
+    cloth.damping = 1.0;
+    cloth
+}
+
+/// One collider of each kind under a flat cloth, with friction and motion.
+pub fn all_colliders() -> Vec<Collider> {
+    let q = [0.2f32, -0.5, 0.3, 0.7];
+    let norm = q.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let rotation = q.map(|x| x / norm);
+    let radii = [0.15, 0.1, 0.2];
+    let shapes = [
+        (Shape::HalfSpace, [0.0, -0.25, 0.0], [0.0, 0.0, 0.0, 1.0]),
+        (Shape::Sphere { radius: 0.2 }, [0.25, -0.15, 0.25], rotation),
+        (Shape::Capsule { half_height: 0.2, radius: 0.08 }, [0.7, -0.05, 0.3], rotation),
+        (Shape::Box { half: [0.1, 0.05, 0.2] }, [0.3, -0.05, 0.75], rotation),
+        (Shape::Ellipsoid { radii, closest: false }, [0.75, -0.08, 0.75], rotation),
+        (Shape::Ellipsoid { radii, closest: true }, [0.5, -0.09, 0.5], rotation),
+    ];
+    let moving = |(shape, center, rotation)| {
+        let (velocity, spin) = ([0.1, 0.0, 0.05], [0.0, 0.5, 0.1]);
+        Collider { rotation, friction: 0.3, velocity, spin, ..Collider::new(shape, center) }
+    };
+    shapes.into_iter().map(moving).collect()
+}
+
+/// The same where the tube ends: a start deep inside flattens springs to no length, which have no direction.
+pub fn below() -> Vec<Collider> {
+    let lower = |mut c: Collider| {
+        c.center = [c.center[0] - 0.1, c.center[1] - 0.4, c.center[2] - 0.1];
+        c
+    };
+    all_colliders().into_iter().map(lower).collect()
+}
+
+/// A scene with one cloth.
+pub fn scene(cloth: Cloth) -> Scene {
+    let mut scene = Scene::new("test");
+    scene.cloths.push(cloth);
+    scene
+}
+
+/// A horizontal square of `n` x `n` particles that has just met the colliders.
+pub fn on_colliders(n: u32) -> Scene {
+    let mut cloth = Flat { origin: [0.0, 0.03, 0.0], ..Flat::square("flat", n) }.cloth().unwrap();
+    cloth.velocity = [0.0, -1.0, 0.0];
+    cloth.damping = 0.5;
+    Scene { colliders: all_colliders(), ..scene(cloth) }
+}
+
+/// Gusts on every particle, or on triangles.
+pub fn wind(triangles: bool) -> Wind {
+    let force = if triangles {
+        WindForce::Triangles { density: 1.2, drag: 1.0, lift: 0.5 }
+    } else {
+        WindForce::Push { response: 0.8 }
+    };
+    Wind { velocity: [2.0, 0.3, 1.0], gust: 1.0, gust_size: 0.3, force }
+}
+
+/// The scenes that the backends are compared on, by name.
+pub fn compared() -> Vec<(&'static str, Scene)> {
+    let windy = |triangles| {
+        let scene = scene::builtin("s1", 33).unwrap();
+        Scene { wind: Some(wind(triangles)), ..scene }
+    };
+    vec![
+        ("flat", scene::builtin("s1", 32).unwrap()),
+        ("seam", scene(hung_tube(2))),
+        ("ring of 3", scene(hung_tube(3))),
+        ("ring of 4", Scene { colliders: below(), ..scene(hung_tube(4)) }),
+        ("all colliders", on_colliders(32)),
+        ("wind", windy(false)),
+        ("wind on triangles", windy(true)),
+    ]
+}
+
+/// An adapter's device, or `None` with a line that says so; a missing one fails where GIMAGE_REQUIRE_GPU is 1.
+pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
+    let instance = wgpu::Instance::default();
+    let adapter = match pollster::block_on(instance.request_adapter(&Default::default())) {
+        Ok(adapter) => adapter,
+        Err(error) => {
+            let required = std::env::var("GIMAGE_REQUIRE_GPU").is_ok_and(|v| v == "1");
+            assert!(!required, "GIMAGE_REQUIRE_GPU is 1, but {error}; install mesa-vulkan-drivers");
+            eprintln!("skipped: {error}");
+            return None;
+        }
+    };
+    // What every WebGPU implementation has.
+    let descriptor = wgpu::DeviceDescriptor { required_limits: wgpu::Limits::default(), ..Default::default() };
+    Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
+}

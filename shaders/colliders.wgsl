@@ -1,0 +1,27 @@
+// Particles inside a collider go to its surface, collider by collider.
+@group(0) @binding(2) var<storage, read_write> now: array<vec4<f32>>;
+
+@compute @workgroup_size(64)
+fn main(
+  @builtin(workgroup_id) workgroup: vec3<u32>,
+  @builtin(num_workgroups) rows: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let k = element(workgroup, rows, local);
+  if (k >= arrayLength(&now)) {
+    return;
+  }
+  let p = now[k];
+  if (p.w <= 0.0) {
+    return;
+  }
+  var at = p.xyz;
+  for (var c = 0u; c < arrayLength(&solids); c++) {
+    let out = leave(solids[c], at);
+    if (out.inside) {
+      let depth = out.at - at;
+      at = rub(solids[c], k, out.at, out.normal, sqrt(dot(depth, depth)));
+    }
+  }
+  now[k] = vec4<f32>(at, p.w);
+}

@@ -1,0 +1,9 @@
+// One grid of particles. Laid out as `GridRow` in crates/runtime/src/gpu/layout.rs.
+struct Grid {
+  first: u32,
+  width: u32,
+  height: u32,
+  unused: u32,
+  rest: vec4<f32>,
+}
+@group(0) @binding(1) var<storage, read> grids: array<Grid>;

@@ -1,0 +1,125 @@
+// A collider in numbers, and the way out of it. Laid out as `SolidRow` in crates/runtime/src/gpu/layout.rs.
+struct Solid {
+  center: vec3<f32>,
+  kind: u32,
+  size: vec3<f32>,
+  friction: f32,
+  rotation: vec4<f32>,
+  velocity: vec3<f32>,
+  unused1: u32,
+  spin: vec3<f32>,
+  unused2: u32,
+}
+@group(0) @binding(7) var<storage, read> solids: array<Solid>;
+
+override half_spaces: bool = true;
+override spheres: bool = true;
+override capsules: bool = true;
+override boxes: bool = true;
+override radial_ellipsoids: bool = true;
+override ellipsoids: bool = true;
+
+struct Exit {
+  inside: bool,
+  at: vec3<f32>,
+  normal: vec3<f32>,
+}
+
+fn turned(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
+  let t = cross(q.xyz, v) * 2.0;
+  return v + t * q.w + cross(q.xyz, t);
+}
+
+fn outside() -> Exit {
+  return Exit(false, vec3<f32>(0.0), vec3<f32>(0.0));
+}
+
+// Out of a ball; from its very centre sideways, which is the way out of a capsule too.
+fn leave_ball(p: vec3<f32>, center: vec3<f32>, radius: f32) -> Exit {
+  let d = p - center;
+  let far2 = dot(d, d);
+  if (far2 >= radius * radius) {
+    return outside();
+  }
+  let far = sqrt(far2);
+  var n = vec3<f32>(1.0, 0.0, 0.0);
+  if (far > 1e-12) {
+    n = d * (1.0 / far);
+  }
+  return Exit(true, center + n * radius, n);
+}
+
+fn leave_box(p: vec3<f32>, half: vec3<f32>) -> Exit {
+  let depth = half - abs(p);
+  if (min(depth.x, min(depth.y, depth.z)) <= 0.0) {
+    return outside();
+  }
+  var axis = 2u;
+  if (depth.x <= depth.y && depth.x <= depth.z) {
+    axis = 0u;
+  } else if (depth.y <= depth.z) {
+    axis = 1u;
+  }
+  let way = select(1.0, -1.0, p[axis] < 0.0);
+  var q = p;
+  var n = vec3<f32>(0.0);
+  q[axis] = half[axis] * way;
+  n[axis] = way;
+  return Exit(true, q, n);
+}
+
+fn normalized(v: vec3<f32>) -> vec3<f32> {
+  return v * (1.0 / sqrt(dot(v, v)));
+}
+
+// Along the ray from the centre.
+fn leave_radially(p: vec3<f32>, radii: vec3<f32>) -> Exit {
+  let out = leave_ball(p / radii, vec3<f32>(0.0), 1.0);
+  if (!out.inside) {
+    return out;
+  }
+  return Exit(true, out.at * radii, normalized(out.normal / radii));
+}
+
+// To the closest point, after D. Eberly; see crates/runtime/src/cpu/solid.rs.
+fn leave_ellipsoid(p: vec3<f32>, radii: vec3<f32>) -> Exit {
+  let z = abs(p) / radii;
+  if (dot(z, z) >= 1.0) {
+    return outside();
+  }
+  let small = min(radii.x, min(radii.y, radii.z));
+  let r = (radii / small) * (radii / small);
+  let rz = select(max(z, vec3<f32>(1e-7)), z, r > vec3<f32>(1.0));
+  let lowest = select(rz, vec3<f32>(0.0), r > vec3<f32>(1.0));
+  var t = max(lowest.x, max(lowest.y, lowest.z));
+  for (var k = 0u; k < 24u; k++) {
+    let under = t + (r - 1.0);
+    let a = r * rz / under;
+    let g = dot(a, a) - 1.0;
+    let slope = dot(2.0 * a, a / under);
+    t = t + max(g / slope, 0.0);
+  }
+  let a = r * rz / (t + (r - 1.0));
+  let n = normalized(select(a, -a, p < vec3<f32>(0.0)));
+  return Exit(true, n * radii, normalized(n / radii));
+}
+
+// Where a point inside leaves, and the normal there.
+fn leave(solid: Solid, p: vec3<f32>) -> Exit {
+  let q = turned(vec4<f32>(-solid.rotation.xyz, solid.rotation.w), p - solid.center);
+  var out = outside();
+  if (half_spaces && solid.kind == 0u) {
+    out = Exit(q.y < 0.0, vec3<f32>(q.x, 0.0, q.z), vec3<f32>(0.0, 1.0, 0.0));
+  } else if (spheres && solid.kind == 1u) {
+    out = leave_ball(q, vec3<f32>(0.0), solid.size.x);
+  } else if (capsules && solid.kind == 2u) {
+    out = leave_ball(q, vec3<f32>(0.0, clamp(q.y, -solid.size.y, solid.size.y), 0.0), solid.size.x);
+  } else if (boxes && solid.kind == 3u) {
+    out = leave_box(q, solid.size);
+  } else if (radial_ellipsoids && solid.kind == 4u) {
+    out = leave_radially(q, solid.size);
+  } else if (ellipsoids && solid.kind == 5u) {
+    out = leave_ellipsoid(q, solid.size);
+  }
+  return Exit(out.inside, turned(solid.rotation, out.at) + solid.center, turned(solid.rotation, out.normal));
+}
