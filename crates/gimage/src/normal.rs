@@ -147,3 +147,77 @@ fn sums(n: usize, term: impl Fn(usize) -> [f64; 3] + Sync) -> [f64; 3] {
         .collect();
     chunks.into_iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const W: usize = 5;
+    const H: usize = 4;
+
+    /// Gaussian elimination with row pivots.
+    fn dense(mut a: Vec<Vec<f64>>, mut b: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+        let n = b.len();
+        for k in 0..n {
+            let pivot = (k..n).max_by(|&x, &y| a[x][k].abs().total_cmp(&a[y][k].abs())).unwrap();
+            a.swap(k, pivot);
+            b.swap(k, pivot);
+            for r in (0..n).filter(|&r| r != k).collect::<Vec<_>>() {
+                let f = a[r][k] / a[k][k];
+                (k..n).for_each(|c| a[r][c] -= f * a[k][c]);
+                (0..3).for_each(|c| b[r][c] -= f * b[k][c]);
+            }
+        }
+        (0..n).map(|k| b[k].map(|v| v / a[k][k])).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+        #[test]
+        fn gradients_agree_with_elimination(
+            x in prop::collection::vec(-1.0f64..1.0, 7 * (W - 1) * (H - 1) * 3),
+            start in prop::collection::vec(-1.0f64..1.0, 3 * W * H),
+            ringed in any::<bool>(),
+        ) {
+            // Each fragment lies in one quad and adds b b^T, so the sum is symmetric and positive.
+            let n = W * H;
+            let (mut normal, mut a, mut rhs) = (Normal::new(W, 0, H), vec![vec![0.0; n]; n], vec![[0.0; 3]; n]);
+            for (k, f) in x.chunks(7).enumerate() {
+                let q = k / 3;
+                let at = q / (W - 1) * W + q % (W - 1);
+                let corners = [at, at + 1, at + W, at + W + 1];
+                for r in 0..4 {
+                    for s in 0..4 {
+                        normal.add(corners[r], corners[s], f[r] * f[s]);
+                        a[corners[r]][corners[s]] += f[r] * f[s];
+                    }
+                    let b = [f[r] * f[4], f[r] * f[5], f[r] * f[6]];
+                    normal.add_rhs(corners[r], b);
+                    (0..3).for_each(|c| rhs[corners[r]][c] += b[c]);
+                }
+            }
+            let rings: Vec<Vec<u32>> = if ringed { vec![vec![0, 4, 15, 19], vec![5, 9]] } else { Vec::new() };
+            let mut of: Vec<usize> = (0..n).collect();
+            rings.iter().for_each(|r| r.iter().for_each(|&k| of[k as usize] = r[0] as usize));
+            let mut p: Vec<[f64; 3]> = (0..n).map(|k| [0, 1, 2].map(|c| start[3 * of[k] + c])).collect();
+            let hold = 1e-4 * (0..n).map(|k| a[k][k]).sum::<f64>() / n as f64;
+            // Rings merge by the sums of their rows and columns; what they leave is the identity.
+            let (mut m, mut b) = (vec![vec![0.0; n]; n], vec![[0.0; 3]; n]);
+            for k in 0..n {
+                (0..n).for_each(|c| m[of[k]][of[c]] += a[k][c]);
+                m[of[k]][of[k]] += hold;
+                (0..3).for_each(|c| b[of[k]][c] += rhs[k][c] + hold * p[k][c]);
+            }
+            (0..n).filter(|&k| of[k] != k).for_each(|k| m[k][k] = 1.0);
+            let expected = dense(m, b);
+            prop_assert!(normal.solve(&mut p, &rings));
+            for k in 0..n {
+                for c in 0..3 {
+                    let e = expected[of[k]][c];
+                    prop_assert!((p[k][c] - e).abs() < 1e-5 * (1.0 + e.abs()), "{} {}", p[k][c], e);
+                }
+            }
+        }
+    }
+}

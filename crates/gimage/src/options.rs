@@ -160,3 +160,49 @@ impl BuildOptions {
         .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_pass_and_every_range_error_names_its_option() {
+        let with = |change: &dyn Fn(&mut BuildOptions)| {
+            let mut options = BuildOptions::default();
+            change(&mut options);
+            options.check()
+        };
+        assert!(with(&|_| {}).is_ok());
+        let sizes = [
+            ("texels", ImageSize::Texels(8)),
+            ("texels", ImageSize::Texels(gimage_bundle::MAX_PARTICLES + 1)),
+            ("size", ImageSize::Exact(2, 9)),
+            ("size", ImageSize::Exact(9, gimage_bundle::MAX_SIDE + 1)),
+            ("spacing", ImageSize::Spacing(0.0)),
+            ("spacing", ImageSize::Spacing(f64::NAN)),
+        ];
+        let mut found: Vec<_> = sizes.into_iter().map(|(name, s)| (name, with(&|o| o.size = s))).collect();
+        for x in [-0.1, 1.1, f64::NAN] {
+            found.push(("accessory-area", with(&|o| o.component.accessory_area = x)));
+            found.push(("density", with(&|o| o.mass.density = x.min(0.0))));
+        }
+        for (name, result) in found {
+            assert!(matches!(&result, Err(Error::Option { option, .. }) if option == name), "{name}: {result:?}");
+        }
+    }
+
+    #[test]
+    fn the_record_has_every_option() {
+        let rest = ["accessory_area", "density", "piece", "pin", "rest", "sample", "seams", "unit", "weld"];
+        let sizes = [
+            ("texels", ImageSize::Texels(99)),
+            ("size", ImageSize::Exact(9, 11)),
+            ("spacing", ImageSize::Spacing(0.1)),
+        ];
+        for (name, size) in sizes {
+            let record = BuildOptions { size, ..BuildOptions::default() }.record();
+            assert!(record.contains_key(name) && rest.iter().all(|k| record.contains_key(*k)), "{record:?}");
+            assert_eq!(record.len(), rest.len() + 1);
+        }
+    }
+}

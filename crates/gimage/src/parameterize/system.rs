@@ -239,3 +239,26 @@ impl System {
         Cholesky::new(2 * n, col_ptr, row_idx, Some(&order))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uniform_weights_put_each_free_vertex_at_the_mean_of_its_neighbours() {
+        let s = crate::shapes::rectangle(6, 5, 1.0, 1.0);
+        let rim = crate::shapes::rim(&s);
+        let mut system = System::new(&s.triangles, &rim);
+        // A boundary of no special shape: the mean must not follow from symmetry.
+        let mut uv: Vec<[f64; 2]> = s.positions.iter().map(|p| [p[0].exp() + p[1] * p[1], p[1] - p[0].sin()]).collect();
+        assert!(system.solve_weighted(&vec![1.0; system.edges.len()], &mut uv));
+        for v in (0..uv.len()).filter(|&v| !rim[v]) {
+            let beside: Vec<usize> =
+                system.edges.iter().filter(|e| e.contains(&(v as u32))).map(|e| (e[0] + e[1]) as usize - v).collect();
+            for c in 0..2 {
+                let mean = beside.iter().map(|&x| uv[x][c]).sum::<f64>() / beside.len() as f64;
+                assert!((uv[v][c] - mean).abs() < 1e-12);
+            }
+        }
+    }
+}
