@@ -38,6 +38,9 @@ pub enum Command {
     /// Turn a bundle back into one welded mesh.
     #[command(after_help = help::RECONSTRUCT)]
     Reconstruct(ReconstructArgs),
+    /// Step a built-in scene, or a bundle under gravity, as cloth.
+    #[command(after_help = help::SIMULATE)]
+    Simulate(SimulateArgs),
 }
 
 /// `gimage build`.
@@ -128,6 +131,47 @@ pub struct ReconstructArgs {
     pub force: bool,
 }
 
+/// `gimage simulate`.
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// The name of a built-in scene, or a bundle.
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// What computes; auto is the GPU where there is a real one.
+    #[arg(long, value_enum, default_value = "auto")]
+    pub backend: BackendArg,
+    /// How springs keep their lengths.
+    #[arg(long, value_enum, default_value = "classic")]
+    pub solver: SolverArg,
+    /// Steps a frame.
+    #[arg(long, value_name = "K", default_value_t = 8)]
+    pub substeps: u32,
+    /// Relaxations a step.
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub iterations: u32,
+    /// Particles on a side of a built-in scene.
+    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095))]
+    pub n: u32,
+    /// Frames of 1/60 s [default: those of the scene, 600 for a bundle].
+    #[arg(long, value_name = "F")]
+    pub frames: Option<u32>,
+    /// Threads to use on the CPU; 0 is one for each core. The result does not depend on it.
+    #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
+    /// Write positions of frames into this directory.
+    #[arg(long, value_name = "DIR")]
+    pub dump: Option<PathBuf>,
+    /// Dump every K-th frame.
+    #[arg(long, value_name = "K", default_value_t = 1, requires = "dump", value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
+    /// Dump no frame before this one.
+    #[arg(long, value_name = "FRAME", default_value_t = 0, requires = "dump")]
+    pub dump_from: u32,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
 // Values have no help of their own: what they do stands with the flag, and the help stays short.
 
 /// Where texels go.
@@ -152,12 +196,27 @@ pub enum RestArg {
     Arc,
 }
 
+/// What computes.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum BackendArg {
+    Auto,
+    Gpu,
+    Cpu,
+}
+
+/// How springs keep their lengths.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SolverArg {
+    Classic,
+}
+
 impl Cli {
     /// Whether stdout is to be JSON.
     pub fn json(&self) -> bool {
         match &self.command {
             Command::Build(args) => args.json,
             Command::Inspect(args) | Command::Validate(args) => args.json,
+            Command::Simulate(args) => args.json,
             Command::Reconstruct(_) => false,
         }
     }

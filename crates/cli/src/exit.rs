@@ -67,6 +67,12 @@ impl From<gimage_bundle::Error> for Failure {
     }
 }
 
+impl From<gimage_runtime::Error> for Failure {
+    fn from(error: gimage_runtime::Error) -> Self {
+        Self::refused(error.to_string())
+    }
+}
+
 static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
 
 /// Keeps panics from writing to stderr by themselves: some are caught and turned into proper errors further down.

@@ -16,7 +16,8 @@ pub const TOP: &str = concat!(
     "  gimage build shirt.glb -o shirt.gim\n",
     "  gimage inspect shirt.gim\n",
     "  gimage validate shirt.gim\n",
-    "  gimage reconstruct shirt.gim -o back.obj\n\n",
+    "  gimage reconstruct shirt.gim -o back.obj\n",
+    "  gimage simulate s1 --frames 600\n\n",
     "Results go to stdout, words to stderr. NO_COLOR turns colours off.",
     exit_codes!("done, with findings (repairs, accessories, warnings; broken rules)")
 );
@@ -58,5 +59,17 @@ pub const RECONSTRUCT: &str = concat!(
     "  gimage reconstruct shirt.gim -o back.obj\n",
     "  gimage reconstruct shirt.gim -o back.glb --force\n\n",
     "The mesh has texture coordinates where the bundle has a uv map.",
+    exit_codes!("not used by this command")
+);
+
+/// Of `gimage simulate`.
+pub const SIMULATE: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage simulate s1 --n 64 --substeps 16\n",
+    "  gimage simulate shirt.gim --frames 300 --dump frames --every 10\n",
+    "  gimage simulate s3 --backend gpu --json | jq .ms_frame_median\n\n",
+    "Built in: s1 (hung by two corners), s1k (with soft springs), s2 (falls on a sphere), s2f (fast), s3 (swings).\n",
+    "A bundle falls or hangs by its pins. Frames take 1/60 s. --dump writes frame_NNNNN.<piece>.position.exr, frame 0 ",
+    "being the start.",
     exit_codes!("not used by this command")
 );

@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         Command::Inspect(args) => commands::inspect::run(args, &out),
         Command::Validate(args) => commands::validate::run(args, &out),
         Command::Reconstruct(args) => commands::reconstruct::run(args, &out),
+        Command::Simulate(args) => commands::simulate::run(args, &out),
     });
     let exit = result.unwrap_or_else(|failure| out.failure(&failure));
     ExitCode::from(exit.code())

@@ -1,0 +1,49 @@
+//! `gimage simulate`.
+
+mod common;
+
+use common::Place;
+
+#[test]
+fn frames_are_dumped_timed_and_the_same_for_any_threads() {
+    let place = Place::new();
+    let flags = "--backend cpu --n 9 --frames 5 --every 2 --dump-from 1 --json";
+    let run = |threads, dir| place.run(&format!("simulate s1 {flags} --threads {threads} --dump {dir}")).expect(&[0]);
+    let json = run(1, "one").json();
+    run(2, "two");
+    assert_eq!((json["frames"].as_u64(), json["backend"].as_str()), (Some(5), Some("cpu")));
+    assert_eq!(json["dispatches_per_frame"].as_u64(), Some(8 * 9 + 1));
+    assert!(json["ms_frame_min"].as_f64() <= json["ms_frame_median"].as_f64());
+    assert_eq!(json["plan"].as_array().map(Vec::len), Some(10));
+    let mut names: Vec<_> = std::fs::read_dir(place.path("one")).unwrap().map(|e| e.unwrap().file_name()).collect();
+    names.sort();
+    let expected = [1, 3, 5].map(|k| format!("frame_0000{k}.s1.position.exr"));
+    assert_eq!(names, expected.map(std::ffi::OsString::from));
+    for name in names {
+        let bytes = |dir| std::fs::read(place.path(dir).join(&name)).unwrap();
+        assert!(bytes("one") == bytes("two"));
+    }
+}
+
+#[test]
+fn a_bundle_falls() {
+    let place = Place::new();
+    place.run("build tube.obj -o tube.gim --texels 400").expect(&[0, 1]);
+    let run = place.run("simulate tube.gim --frames 2 --backend cpu").expect(&[0]);
+    assert!(run.stdout.contains("2 frames on the cpu") && run.stdout.contains("seams"), "{}", run.stdout);
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let place = Place::new();
+    for (args, words) in [
+        ("simulate s9", "s2f"),
+        ("simulate s1 --substeps 0", "substeps"),
+        ("simulate s1 --n 1", "--n"),
+        ("simulate tube.obj", "tube.obj"),
+        ("simulate s1 --every 2", "--dump"),
+    ] {
+        let run = place.run(args).expect(&[2]);
+        assert!(run.stderr.contains(words), "{args}: {}", run.stderr);
+    }
+}
