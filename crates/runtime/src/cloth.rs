@@ -3,6 +3,7 @@
 mod check;
 mod flat;
 mod from_bundle;
+mod weigh;
 
 pub use flat::Flat;
 pub use gimage_bundle::Particle;

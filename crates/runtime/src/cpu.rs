@@ -6,6 +6,7 @@
 
 pub(crate) mod body;
 pub(crate) mod colliders;
+pub(crate) mod draw;
 pub(crate) mod gust;
 pub(crate) mod integrate;
 pub(crate) mod neighbours;

@@ -8,6 +8,7 @@ mod clock;
 mod cloth;
 mod collider;
 mod cpu;
+pub mod draw;
 mod error;
 mod gpu;
 mod measure;

@@ -107,10 +107,11 @@ fn structs_lie_as_in_rust() {
 
 #[test]
 fn every_shader_has_a_twin_and_every_file_is_used() {
-    let used: BTreeSet<String> = variants().iter().flat_map(|p| source(*p).files).map(String::from).collect();
+    let drawn = crate::draw::all_files();
+    let used = variants().iter().flat_map(|p| source(*p).files).chain(drawn).map(String::from).collect();
     let there: BTreeSet<_> = files("shaders").union(&files("shaders/part")).cloned().collect();
     assert_eq!(there.difference(&used).count(), 0);
-    let stems: BTreeSet<_> = variants().iter().map(|p| source(*p).stem).collect();
+    let stems: BTreeSet<_> = variants().iter().map(|p| source(*p).stem).chain(["draw"]).collect();
     assert_eq!(stems.len(), files("shaders").len());
     for stem in stems {
         assert!(root().join(format!("shaders/{stem}.wgsl")).is_file(), "{stem}");
