@@ -16,12 +16,13 @@ pub enum Slot {
     Solids,
     Normals,
     Field,
+    Holes,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 10] =
-            ["step", "grids", "now", "before", "rest", "starts", "members", "solids", "normals", "field"];
+        const NAMES: [&str; 11] =
+            ["step", "grids", "now", "before", "rest", "starts", "members", "solids", "normals", "field", "holes"];
         NAMES[self as usize]
     }
 
@@ -32,6 +33,7 @@ impl Slot {
             Slot::Step => 64 + 16,
             Slot::Grids => cloth.grids().len() * 32,
             Slot::Now | Slot::Before | Slot::Rest | Slot::Normals | Slot::Field => cloth.len() * 16,
+            Slot::Holes => cloth.len() * 4,
             Slot::Starts => starts.len() * 4,
             Slot::Members => members.len() * 4,
             Slot::Solids => colliders * 80,

@@ -99,6 +99,13 @@ impl Stepper {
         Some(&self.cpu.as_ref()?.0.get(cloth)?.normals)
     }
 
+    /// Triangles of a cloth that a cut has taken away, as [`ClothBuffers::holes`]. `None` on the GPU backend, until the
+    /// first cut, and for a cloth that does not exist.
+    pub fn holes(&self, cloth: usize) -> Option<&[u32]> {
+        let holes = &self.cpu.as_ref()?.0.get(cloth)?.holes;
+        (!holes.is_empty()).then_some(holes)
+    }
+
     /// The buffers that a vertex shader reads. `None` without a device and for a cloth that does not exist.
     pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
         self.gpu.as_ref()?.buffers(cloth)

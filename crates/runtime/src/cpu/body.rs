@@ -16,6 +16,8 @@ pub struct Body<T> {
     pub now: Vec<[T; 4]>,
     pub before: Vec<[T; 4]>,
     pub normals: Vec<[T; 4]>,
+    /// Triangles that are cut away, by texel; empty until the first cut.
+    pub holes: Vec<u32>,
     field: Vec<[T; 4]>,
     grids: Vec<Grid>,
     constant: Vec<[T; 4]>,
@@ -44,6 +46,7 @@ impl<T: Real> Body<T> {
             now: (0..cloth.len()).map(|k| place(k, 0.0)).collect(),
             before: (0..cloth.len()).map(|k| place(k, dt)).collect(),
             normals: vec![[T::of(0.0); 4]; cloth.len()],
+            holes: Vec::new(),
             field: Vec::new(),
             grids: cloth.grids().to_vec(),
             constant,

@@ -26,6 +26,10 @@ pub struct ClothBuffers {
     pub before: Buffer,
     /// Unit normals at `now`, 0 where there is none; w is their weight.
     pub normals: Buffer,
+    /// Triangles that a cut has taken away, a u32 a texel in a buffer for storage; none until the first cut. The quad of
+    /// four particles with its upper left one at texel (i, j) has two triangles: bit 0 is (i, j), (i, j + 1),
+    /// (i + 1, j + 1), bit 1 is (i, j), (i + 1, j + 1), (i + 1, j). A quad of three particles has one, bit 0.
+    pub holes: Option<Buffer>,
     step: Option<Buffer>,
     others: HashMap<Slot, Buffer>,
     groups: HashMap<Vec<Bound>, wgpu::BindGroup>,
@@ -48,6 +52,7 @@ impl ClothBuffers {
             now: list("now", &body.now),
             before: list("before", &body.before),
             normals: list("normals", &body.normals),
+            holes: None,
             step: None,
             others: HashMap::new(),
             groups: HashMap::new(),
@@ -117,12 +122,13 @@ impl ClothBuffers {
             let field = wgpu::BufferDescriptor { label: Some("field"), size, usage, mapped_at_creation: false };
             self.others.insert(Slot::Field, device.create_buffer(&field));
         }
-        let ClothBuffers { now, before, normals, step, others, groups, .. } = self;
+        let ClothBuffers { now, before, normals, holes, step, others, groups, .. } = self;
         groups.entry(source.bindings.clone()).or_insert_with(|| {
             let buffer = |slot| match slot {
                 Slot::Now => Some(&*now),
                 Slot::Before => Some(&*before),
                 Slot::Normals => Some(&*normals),
+                Slot::Holes => holes.as_ref(),
                 Slot::Step => step.as_ref(),
                 Slot::Solids => Some(solids),
                 other => others.get(&other),
