@@ -8,7 +8,7 @@ mod script;
 
 pub use builtin::{BUILTIN, builtin};
 pub use motion::{Key, Motion, Pose, about};
-pub use script::{PinnedSet, Script};
+pub use script::{Cut, PinnedSet, Script};
 
 use crate::cloth::Cloth;
 use crate::collider::Collider;

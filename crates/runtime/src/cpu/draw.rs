@@ -36,7 +36,14 @@ pub fn triangle(quad: [usize; 4], there: [bool; 4], upper: bool) -> Option<[usiz
 
 impl Drawn<'_> {
     /// Calls `draw` with the corners of every triangle of a grid.
-    pub fn triangles(&self, first: usize, width: usize, height: usize, view: &ViewRow, mut draw: impl FnMut([Corner; 3])) {
+    pub fn triangles(
+        &self,
+        first: usize,
+        width: usize,
+        height: usize,
+        view: &ViewRow,
+        mut draw: impl FnMut([Corner; 3]),
+    ) {
         for quad in 0..(width - 1) * (height - 1) * 2 {
             let (upper, quad) = (quad % 2 == 1, quad / 2);
             let k = first + quad / (width - 1) * width + quad % (width - 1);

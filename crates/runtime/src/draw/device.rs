@@ -102,7 +102,8 @@ impl Draw {
         for (index, cloth) in stepper.scene().cloths.iter().enumerate() {
             let buffers = stepper.buffers(index).ok_or(Error::NoGpu("Draw::record"))?;
             let look = self.looks.entry(index).or_insert_with(|| Look::of(index)).clone();
-            let source = vec![buffers.now.clone(), buffers.before.clone(), buffers.normals.clone()];
+            let mut source = vec![buffers.now.clone(), buffers.before.clone(), buffers.normals.clone()];
+            source.extend(buffers.holes.clone());
             if self.cloths.get(&index).is_none_or(|c| c.source != source) {
                 let drawn = self.cloth(cloth, &look, source)?;
                 self.cloths.insert(index, drawn);
@@ -143,14 +144,14 @@ impl Draw {
     }
 
     fn cloth(&mut self, cloth: &Cloth, look: &Look, source: Vec<Buffer>) -> Result<DrawnCloth> {
-        let variant = Variant::Cloth { holes: false, uv: look.uv.is_some() };
-        let row = |g: &crate::Grid| {
-            GridRow { first: g.first, width: g.width, height: g.height, unused: 0, rest: [0.0; 4] }
-        };
+        let variant = Variant::Cloth { holes: source.len() > 3, uv: look.uv.is_some() };
+        let row =
+            |g: &crate::Grid| GridRow { first: g.first, width: g.width, height: g.height, unused: 0, rest: [0.0; 4] };
         let grids: Vec<_> = cloth.grids().iter().map(row).collect();
         let grids = self.upload("drawn grids", cast_slice(&grids));
         let mut bound = vec![(Slot::Grids as u32, &grids)];
-        bound.extend([Slot::Now, Slot::Before, Slot::Normals].map(|s| s as u32).into_iter().zip(&source));
+        let slots = [Slot::Now, Slot::Before, Slot::Normals, Slot::Holes].map(|s| s as u32);
+        bound.extend(slots.into_iter().zip(&source));
         let uv = look.uv.as_ref().map(|uv| {
             let (found, expected) = (uv.len(), cloth.len());
             let cloth = cloth.name().to_owned();
@@ -202,11 +203,7 @@ fn next_row(queue: &wgpu::Queue, rows: &Buffer, cursor: &mut u32, row: &ViewRow)
     offset as u32
 }
 
-fn pipeline(
-    device: &wgpu::Device,
-    target: &Target,
-    variant: Variant,
-) -> (wgpu::RenderPipeline, wgpu::BindGroupLayout) {
+fn pipeline(device: &wgpu::Device, target: &Target, variant: Variant) -> (wgpu::RenderPipeline, wgpu::BindGroupLayout) {
     let label = Some("draw");
     let size = NonZeroU64::new(size_of::<ViewRow>() as u64);
     let uniform = wgpu::BindingType::Buffer {

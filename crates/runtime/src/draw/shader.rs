@@ -15,8 +15,7 @@ pub enum Variant {
 pub const VIEW: u32 = 0;
 pub const BODIES: u32 = 1;
 pub const MESH: u32 = 2;
-pub const HOLES: u32 = 10;
-pub const UV: u32 = 11;
+pub const UV: u32 = 20;
 
 macro_rules! part {
     ($name:literal) => {
@@ -55,7 +54,7 @@ impl Variant {
             Variant::Solids => vec![BODIES, MESH],
             Variant::Cloth { holes, uv } => {
                 let slots = [Slot::Grids, Slot::Now, Slot::Before, Slot::Normals].map(|s| s as u32);
-                let more = [(holes, HOLES), (uv, UV)];
+                let more = [(holes, Slot::Holes as u32), (uv, UV)];
                 slots.into_iter().chain(more.into_iter().filter_map(|(on, binding)| on.then_some(binding))).collect()
             }
         }
@@ -82,8 +81,7 @@ mod tests {
 
     #[test]
     fn every_variant_is_valid_binds_what_it_says_and_lies_as_in_rust() {
-        let view =
-            rust!(ViewRow: clip, eye, fraction, middle, tiles, background, shade, light, jump, front, back);
+        let view = rust!(ViewRow: clip, eye, fraction, middle, tiles, background, shade, light, jump, front, back);
         let body = rust!(BodyRow: rotation, center, fade, color);
         let grid = rust!(GridRow: first, width, height, unused, rest);
         for variant in Variant::ALL {
@@ -92,7 +90,8 @@ mod tests {
             let module = module.unwrap_or_else(|e| panic!("{variant:?}: {}", e.emit_to_string(&text)));
             let valid = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
             valid.unwrap_or_else(|e| panic!("{variant:?}: {}", e.emit_to_string(&text)));
-            let bound = module.global_variables.iter().filter_map(|(_, v)| Some((v.binding.as_ref()?.binding, v.space)));
+            let bound =
+                module.global_variables.iter().filter_map(|(_, v)| Some((v.binding.as_ref()?.binding, v.space)));
             let (uniform, storage): (Vec<_>, Vec<_>) = bound.partition(|(_, space)| *space == AddressSpace::Uniform);
             assert_eq!(uniform.iter().map(|b| b.0).collect::<Vec<_>>(), [VIEW]);
             let storage: BTreeSet<_> = storage.iter().map(|b| b.0).collect();

@@ -76,7 +76,7 @@ impl Software {
                 return Err(Error::Length { cloth, what: "texture coordinates", found, expected });
             }
             let row = ViewRow::cloth(view, &look, look.jump(cloth.grids()), fraction);
-            let drawn = Drawn { now, before, normals, holes: None, uv };
+            let drawn = Drawn { now, before, normals, holes: stepper.holes(index), uv };
             for grid in cloth.grids() {
                 let (first, width, height) = (grid.first as usize, grid.width as usize, grid.height as usize);
                 drawn.triangles(first, width, height, &row, |t| self.flatten(t, &row, paints.len(), &mut flats));
@@ -107,9 +107,8 @@ impl Software {
 
     /// Puts a triangle on the picture; what is nearer than the near plane is clipped away.
     fn flatten(&self, t: [Corner; 3], view: &ViewRow, paint: usize, flats: &mut Vec<Flat>) {
-        let clip = t.map(|c| {
-            [0, 1, 2, 3].map(|r| (0..3).map(|k| view.clip[k][r] * c.at[k]).sum::<f32>() + view.clip[3][r])
-        });
+        let clip =
+            t.map(|c| [0, 1, 2, 3].map(|r| (0..3).map(|k| view.clip[k][r] * c.at[k]).sum::<f32>() + view.clip[3][r]));
         let inside = clip.map(|p| p[2] >= 0.0 && p[3] > 0.0);
         if clip.as_flattened().iter().any(|x| !x.is_finite()) || inside == [false; 3] {
             return;
@@ -122,11 +121,14 @@ impl Software {
             if inside[k] != inside[next] {
                 let s = clip[k][2] / (clip[k][2] - clip[next][2]);
                 let on = [0, 1, 2, 3].map(|c| clip[k][c] + (clip[next][c] - clip[k][c]) * s);
-                polygon.push((on, mixed(&t, {
-                    let mut w = [0.0; 3];
-                    (w[k], w[next]) = (1.0 - s, s);
-                    w
-                })));
+                polygon.push((
+                    on,
+                    mixed(&t, {
+                        let mut w = [0.0; 3];
+                        (w[k], w[next]) = (1.0 - s, s);
+                        w
+                    }),
+                ));
             }
         }
         for k in 2..polygon.len() {

@@ -20,6 +20,15 @@ pub struct PinnedSet {
     pub release: Option<f64>,
 }
 
+/// A cut along the triangle of an eye and two points that it sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// When \[s\].
+    pub time: f64,
+    /// The triangle's corners \[m\].
+    pub triangle: [[f32; 3]; 3],
+}
+
 /// Everything that happens. The order within a frame is the order of the fields.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Script {
@@ -27,12 +36,14 @@ pub struct Script {
     pub colliders: Vec<Option<Motion>>,
     /// Pinned particles that move or are let go.
     pub pins: Vec<PinnedSet>,
+    /// Cuts through all cloths.
+    pub cuts: Vec<Cut>,
 }
 
 impl Script {
     /// Whether nothing ever happens.
     pub fn is_empty(&self) -> bool {
-        self.colliders.iter().all(Option::is_none) && self.pins.is_empty()
+        self.colliders.iter().all(Option::is_none) && self.pins.is_empty() && self.cuts.is_empty()
     }
 
     /// Puts colliders where they are at time 0, at rest. To be called before a stepper takes the scene.
@@ -79,6 +90,7 @@ impl Script {
                 }
             }
         }
+        //CUT
         Ok(())
     }
 }
