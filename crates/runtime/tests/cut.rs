@@ -164,6 +164,13 @@ fn a_cut_is_that_of_the_twin() {
         assert_eq!(Some(&after), there.holes(0).as_ref(), "{name}");
         assert!(before.iter().zip(&after).all(|(b, a)| b & a == *b) && before != after, "{name}");
         assert!(largest(&here.positions(0), &there.positions(0)) <= 2e-6, "{name}");
+        // And what hangs and falls does so alike.
+        let start = here.positions(0);
+        for rig in [&mut *here, &mut *there] {
+            (0..80).for_each(|_| rig.frame(FRAME / 8.0));
+        }
+        let difference = largest(&here.positions(0), &there.positions(0));
+        assert!(difference <= 1e-4 && largest(&here.positions(0), &start) > 0.05, "{name}: {difference:e} m");
     }
 }
 
