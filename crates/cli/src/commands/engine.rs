@@ -1,7 +1,7 @@
 //! The host of a stepper: it owns the device, submits and waits.
 
-use gimage_runtime::wgpu;
 use gimage_runtime::scene::Script;
+use gimage_runtime::wgpu;
 use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, read_back};
 
 use crate::exit::Failure;

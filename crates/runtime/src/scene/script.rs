@@ -90,7 +90,10 @@ impl Script {
                 }
             }
         }
-        //CUT
+        for cut in self.cuts.iter().filter(|c| (time..end).contains(&c.time)) {
+            let [eye, a, b] = cut.triangle;
+            stepper.cut(eye, a, b)?;
+        }
         Ok(())
     }
 }
