@@ -1,11 +1,9 @@
 //! Pictures as the bytes of a file.
 
-use std::cell::RefCell;
-use std::io::{Cursor, Write};
-use std::rc::Rc;
+use std::io::Cursor;
 
-use image::codecs::gif::{GifEncoder, Repeat};
-use image::{Delay, Frame, ImageFormat, RgbImage, RgbaImage};
+use gif::{DisposalMethod, Encoder, Frame, Repeat};
+use image::{ImageFormat, RgbImage};
 
 use super::Kind;
 use crate::exit::Failure;
@@ -15,24 +13,8 @@ pub struct Pictures {
     size: (u32, u32),
     fps: u32,
     png: Option<Vec<u8>>,
-    gif: Option<GifEncoder<Shared>>,
-    gif_bytes: Shared,
+    gif: Option<Encoder<Vec<u8>>>,
     last: Vec<[u8; 4]>,
-}
-
-/// Where the encoder, which does not hand its writer back, and the file meet.
-#[derive(Clone, Default)]
-struct Shared(Rc<RefCell<Vec<u8>>>);
-
-impl Write for Shared {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.borrow_mut().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
 }
 
 /// Speed of the search for a GIF's colours: 1 is the best and slowest, 30 the quickest.
@@ -40,10 +22,16 @@ const SPEED: i32 = 10;
 
 impl Pictures {
     /// Of a kind and size; `fps` pictures a second in a GIF.
-    pub fn new(kind: Kind, size: (u32, u32), fps: u32) -> Self {
-        let gif_bytes = Shared::default();
-        let gif = (kind == Kind::Gif).then(|| GifEncoder::new_with_speed(gif_bytes.clone(), SPEED));
-        Pictures { size, fps, png: None, gif, gif_bytes, last: Vec::new() }
+    pub fn new(kind: Kind, size: (u32, u32), fps: u32) -> Result<Self, Failure> {
+        // Cannot be larger: the size of a picture is checked before.
+        let side = |n: u32| u16::try_from(n).map_err(|e| wrong(&e));
+        let encoder = || -> Result<_, Failure> {
+            let mut gif = Encoder::new(Vec::new(), side(size.0)?, side(size.1)?, &[]).map_err(|e| wrong(&e))?;
+            gif.set_repeat(Repeat::Infinite).map_err(|e| wrong(&e))?;
+            Ok(gif)
+        };
+        let gif = (kind == Kind::Gif).then(encoder).transpose()?;
+        Ok(Pictures { size, fps, png: None, gif, last: Vec::new() })
     }
 
     /// The next picture.
@@ -57,17 +45,19 @@ impl Pictures {
             self.png = Some(bytes.into_inner());
             return Ok(());
         };
-        if self.last.is_empty() {
-            gif.set_repeat(Repeat::Infinite).map_err(|e| wrong(&e))?;
-        }
         // Only the part that differs from the picture before is stored.
         let [left, top, right, bottom] = changed(&self.last, &pixels, width as usize);
         let (w, h) = (right - left, bottom - top);
         let rows = pixels.chunks_exact(width as usize).skip(top).take(h);
-        let part = rows.flat_map(|row| row[left..right].as_flattened().iter().copied()).collect();
-        let part = RgbaImage::from_raw(w as u32, h as u32, part).ok_or_else(|| wrong(&"its size"))?;
-        let delay = Delay::from_numer_denom_ms(1000, self.fps);
-        gif.encode_frame(Frame::from_parts(part, left as u32, top as u32, delay)).map_err(|e| wrong(&e))?;
+        let mut part: Vec<u8> = rows.flat_map(|row| row[left..right].as_flattened().iter().copied()).collect();
+        let side = |n: usize| u16::try_from(n).map_err(|e| wrong(&e));
+        let mut frame = Frame::from_rgba_speed(side(w)?, side(h)?, &mut part, SPEED);
+        (frame.left, frame.top) = (side(left)?, side(top)?);
+        // What lies beside the part stays as it was.
+        frame.dispose = DisposalMethod::Keep;
+        // Hundredths of a second.
+        frame.delay = (100.0 / f64::from(self.fps.max(1))).round().clamp(1.0, 65_535.0) as u16;
+        gif.write_frame(&frame).map_err(|e| wrong(&e))?;
         self.last = pixels;
         Ok(())
     }
@@ -75,9 +65,7 @@ impl Pictures {
     /// The file.
     pub fn finish(self) -> Result<Vec<u8>, Failure> {
         let Some(gif) = self.gif else { return self.png.ok_or_else(|| wrong(&"there is no picture")) };
-        // Ends the file.
-        drop(gif);
-        Ok(self.gif_bytes.0.take())
+        gif.into_inner().map_err(|e| wrong(&e))
     }
 }
 
@@ -101,6 +89,23 @@ fn changed(before: &[[u8; 4]], now: &[[u8; 4]], width: usize) -> [usize; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gif_shows_every_picture_whole() {
+        let (width, height) = (8, 6);
+        let grey = |g: u8| vec![[g, g, g, 255]; 48];
+        let mut second = grey(0);
+        second[8 * 4 + 6] = [255, 255, 255, 255];
+        let mut pictures = Pictures::new(Kind::Gif, (width, height), 20).unwrap();
+        pictures.add(grey(0)).unwrap();
+        pictures.add(second.clone()).unwrap();
+        let bytes = pictures.finish().unwrap();
+        // Read with another library's rules of composition.
+        let frames = image::codecs::gif::GifDecoder::new(Cursor::new(bytes)).unwrap();
+        let frames = image::AnimationDecoder::into_frames(frames).collect_frames().unwrap();
+        let shown: Vec<_> = frames.iter().map(|f| f.buffer().as_raw().clone()).collect();
+        assert_eq!(shown, [grey(0).as_flattened().to_vec(), second.as_flattened().to_vec()]);
+    }
 
     #[test]
     fn only_what_differs_is_stored() {
