@@ -31,7 +31,7 @@ pub struct SolidLook {
 
 impl Default for SolidLook {
     fn default() -> Self {
-        SolidLook { color: [0.66, 0.67, 0.70], inset: 0.004 }
+        SolidLook { color: [0.58, 0.60, 0.65], inset: 0.004 }
     }
 }
 

@@ -72,8 +72,10 @@ impl ViewRow {
 impl BodyRow {
     /// A collider in a colour.
     pub fn new(collider: &Collider, color: [f32; 3]) -> Self {
-        let fade = if collider.shape == Shape::HalfSpace { super::mesh::FLOOR_RADIUS } else { 0.0 };
-        let [r, g, b] = color.map(decoded);
+        let floor = collider.shape == Shape::HalfSpace;
+        let fade = if floor { super::mesh::FLOOR_RADIUS } else { 0.0 };
+        // Floors are paler than what stands on them.
+        let [r, g, b] = color.map(|c| decoded(if floor { 0.45 + 0.55 * c } else { c }));
         BodyRow { rotation: collider.rotation, center: collider.center, fade, color: [r, g, b, 1.0] }
     }
 }
