@@ -1,4 +1,6 @@
 //! A square of cloth falls on a ball, without a window. Takes a GPU if there is one, else the CPU.
+// An example speaks for itself.
+#![allow(clippy::print_stdout)]
 
 use std::error::Error;
 

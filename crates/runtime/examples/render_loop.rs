@@ -1,6 +1,8 @@
 //! How an engine uses the runtime: it owns device, queue and encoder; a frame's cloth passes and its own draw pass go
 //! into one submission, and nothing is read back. Offscreen, so that it runs anywhere; with a window the colour view is
 //! that of the surface. Without an adapter the same pictures are made on the CPU.
+// An example speaks for itself.
+#![allow(clippy::print_stdout)]
 
 use std::error::Error;
 
