@@ -62,7 +62,7 @@ pub fn cases(n: u32) -> Result<Vec<Case>> {
     cases.push(Case { action: Action::Sleep, ..case("asleep", plain()?) });
     let two = Scene { cloths: vec![square(n)?, square(n)?], ..plain()? };
     cases.push(case("two cloths", two.clone()));
-    cases.push(Case { action: Action::Sleep, ..case("two cloths, one asleep", two) });
+    cases.push(Case { action: Action::Sleep, ..case("two cloths and one asleep", two) });
     Ok(cases)
 }
 
@@ -73,8 +73,8 @@ fn shapes() -> [(&'static str, Shape); 6] {
         ("a sphere", Shape::Sphere { radius: 0.25 }),
         ("a capsule", Shape::Capsule { half_height: 0.2, radius: 0.2 }),
         ("a box", Shape::Box { half: [0.3, 0.2, 0.25] }),
-        ("an ellipsoid, radial", Shape::Ellipsoid { radii, closest: false }),
-        ("an ellipsoid, closest", Shape::Ellipsoid { radii, closest: true }),
+        ("an ellipsoid (radial)", Shape::Ellipsoid { radii, closest: false }),
+        ("an ellipsoid (closest)", Shape::Ellipsoid { radii, closest: true }),
     ]
 }
 
