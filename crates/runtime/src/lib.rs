@@ -23,7 +23,7 @@ mod wind;
 mod world;
 
 pub use clock::Progress;
-pub use cloth::{Cloth, Flat, Grid, Mass, Particle, Parts, Rest};
+pub use cloth::{Anchor, Cloth, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
 pub use collider::{Collider, Shape};
 pub use cpu::real::Real;
 pub use error::{Error, Result};
