@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::bend;
 use crate::border::{Border, Key};
 use crate::cut::Cutter;
 use crate::disk::{self, Disk};
@@ -71,6 +72,7 @@ pub(crate) struct ImageOptions {
     pub search: SearchOptions,
     pub newton: NewtonOptions,
     pub passes: usize,
+    pub detail: f64,
     pub sampling: Sampling,
     pub seams: Seams,
 }
@@ -86,9 +88,17 @@ impl ImageOptions {
         Self {
             size,
             grow: Some(GrowOptions::default()),
-            search: SearchOptions { triangles: 1000, shifts: 12, passes: 3, steps: 5, refine: true },
+            search: SearchOptions {
+                triangles: 1000,
+                shifts: 12,
+                passes: 2,
+                steps: [1, 2, 3],
+                keep: [6, 3],
+                refine: true,
+            },
             newton: NewtonOptions::default(),
             passes: 8,
+            detail: options.detail,
             sampling: match options.sample {
                 Sample::Point => Sampling::Point,
                 Sample::Fit => Sampling::Fit(FitOptions::default()),
@@ -191,12 +201,17 @@ pub(crate) fn image(
 
 impl<'a> Maker<'a> {
     fn new(name: &'a str, surface: &'a Surface, options: &'a ImageOptions) -> Result<Self> {
-        let cutter = Cutter::new(surface).ok_or_else(|| Error::Piece {
+        let mut cutter = Cutter::new(surface).ok_or_else(|| Error::Piece {
             piece: name.to_owned(),
             stage: "cut",
             problem: "the surface is not a manifold".into(),
             hint: "please report it with the input".into(),
         })?;
+        let texels = match options.size {
+            Size::Fixed(w, h) => f64::from(w) * f64::from(h),
+            Size::Budget(n) => f64::from(n),
+        };
+        cutter.wanted = bend::wanted(surface, &cutter.graph, (surface.area() / texels.max(1.0)).sqrt(), options.detail);
         let mut rim = vec![disk::NONE; surface.positions.len()];
         for (k, l) in cutter.loops().iter().enumerate() {
             l.iter().for_each(|&v| rim[v as usize] = k as u32);
@@ -277,7 +292,7 @@ impl<'a> Maker<'a> {
         let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
         let fixed = disk.boundary_mask();
         let options = self.options;
-        let record = parameterize(&disk.positions, &disk.triangles, &fixed, &mut uv, options.passes, &options.newton)
+        let record = parameterize(&disk.positions, &disk.triangles, &disk.wanted, &fixed, &mut uv, options.passes, &options.newton)
             .ok_or_else(|| {
             let hint = "remesh the slivers of this piece, or give it more texels";
             self.fail("parameterize", "no map free of flips was found".into(), hint)

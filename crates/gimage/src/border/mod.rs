@@ -11,7 +11,6 @@ mod share;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::disk::Disk;
-use crate::vec3::distance;
 
 pub(crate) use place::{BorderTexel, Key, on_rectangle};
 
@@ -89,7 +88,7 @@ impl Border {
             let at = |i: usize| disk.boundary[i % n];
             let path: Vec<u32> = (first..=end).map(|i| disk.origin[at(i) as usize]).collect();
             let length = (first..end)
-                .map(|i| distance(disk.positions[at(i) as usize], disk.positions[at(i + 1) as usize]))
+                .map(|i| disk.length(at(i), at(i + 1)))
                 .sum();
             let mut backward = path.clone();
             backward.reverse();
