@@ -32,6 +32,16 @@ impl Normal {
         self.stencil[a - self.first][(bj + 1 - aj) * 3 + (bi + 1 - ai)] += x;
     }
 
+    /// Adds a 3 x 3 block for three texels of one quad, `place` their steps right and down in it.
+    pub(crate) fn add_three(&mut self, texels: [usize; 3], place: [[usize; 2]; 3], block: &[[f64; 3]; 3]) {
+        for a in 0..3 {
+            let row = &mut self.stencil[texels[a] - self.first];
+            for b in 0..3 {
+                row[(place[b][1] + 1 - place[a][1]) * 3 + place[b][0] + 1 - place[a][0]] += block[a][b];
+            }
+        }
+    }
+
     /// Adds to the right-hand side of texel `a`.
     pub(crate) fn add_rhs(&mut self, a: usize, x: [f64; 3]) {
         let rhs = &mut self.rhs[a - self.first];
@@ -96,7 +106,7 @@ impl Normal {
             if unknown[k] { [0, 1, 2].map(|c| r[k][c] * r[k][c] * scale[k]) } else { [0.0; 3] }
         };
         let mut rho = sums(n, |k| power(&residual, k));
-        let target = rho.map(|r| r * 1e-20);
+        let target = rho.map(|r| r * 1e-10);
         for _ in 0..MOST_STEPS {
             if (0..3).all(|c| rho[c] <= target[c]) {
                 break;

@@ -321,7 +321,8 @@ impl<'a> Maker<'a> {
         let mut grid = Grid { links, ..Grid::new(columns, rows, points) };
         if let Sampling::Fit(fit_options) = &options.sampling {
             let rings: Vec<Vec<u32>> = grid.rings().collect();
-            fit(&disk, &uv, &mut grid.positions, columns, rows, &rings, fit_options);
+            let rim: Vec<bool> = loop_of.iter().map(|&l| l != disk::NONE).collect();
+            fit(&disk, &uv, &mut grid.positions, columns, rows, &rings, &rim, fit_options);
         }
         let expected = Expected { euler: self.cutter.euler(), loops: self.cutter.loops().len() };
         let (moved, closed) = seal(&mut grid, &mut samples, &disk, &uv, expected);
