@@ -9,7 +9,10 @@ use crate::wind::{Wind, WindForce};
 #[non_exhaustive]
 pub enum Pass {
     /// Forces of air on triangles, into a field of accelerations.
-    Wind,
+    Wind {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
     /// Verlet step of the free particles.
     Integrate(Air),
     /// Springs of one direction (right, down, down-right, up-right) and parity, which share no particle.
@@ -26,9 +29,29 @@ pub enum Pass {
     /// Particles leave the colliders.
     Colliders(Kinds),
     /// Normals from the triangles around a particle.
-    Normals,
+    Normals {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
     /// Duplicates of seam points take one normal.
     SeamNormals,
+    /// The largest speed in each workgroup; only where cloth may fall asleep.
+    Speed,
+    /// The largest speed of all.
+    Fastest,
+    /// Triangles that a cut meets are taken away. This and all below run for one action, not every frame.
+    Cut,
+    /// Springs of those triangles lose their rest lengths.
+    CutSprings,
+    /// A set of particles is moved by a matrix.
+    Transform,
+    /// The nearest triangle on a ray, one candidate a workgroup.
+    Pick {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
+    /// The nearest candidate of all.
+    PickNearest,
 }
 
 /// How air enters the integration.
@@ -91,14 +114,14 @@ pub fn schedule(cloth: &Cloth, colliders: Option<Kinds>, wind: Option<&Wind>) ->
     };
     let mut s = Schedule::default();
     // Reads neighbours, so it cannot be part of the step that moves them.
-    s.step.extend((air == Air::Field).then_some(Pass::Wind));
+    s.step.extend((air == Air::Field).then_some(Pass::Wind { holes: cloth.is_cut() }));
     s.step.push(Pass::Integrate(air));
     s.relax.extend(springs(cloth));
     let seams = cloth.ring_count() > 0;
     s.relax.extend(seams.then_some(Pass::Seams));
     // Last, so that a frame ends outside of the colliders. Duplicates are equal here and stay so.
     s.relax.extend(colliders.map(Pass::Colliders));
-    s.frame.push(Pass::Normals);
+    s.frame.push(Pass::Normals { holes: cloth.is_cut() });
     s.frame.extend(seams.then_some(Pass::SeamNormals));
     s
 }
