@@ -43,7 +43,8 @@ pub(crate) fn wanted(surface: &Surface, graph: &EdgeGraph, spacing: f64, detail:
         let [h, w] = graph.halves[e];
         let (p, q) = (normals[h as usize / 3], normals[w as usize / 3]);
         // The same way round both triangles mean to turn one of them over.
-        let same = surface.triangles[h as usize / 3][h as usize % 3] == surface.triangles[w as usize / 3][w as usize % 3];
+        let same =
+            surface.triangles[h as usize / 3][h as usize % 3] == surface.triangles[w as usize / 3][w as usize % 3];
         let q = if same { scale(q, -1.0) } else { q };
         let along = sub(surface.positions[b as usize], surface.positions[a as usize]);
         let forward = surface.triangles[h as usize / 3][h as usize % 3] == a;
@@ -66,7 +67,8 @@ pub(crate) fn wanted(surface: &Surface, graph: &EdgeGraph, spacing: f64, detail:
     let bend: Vec<f64> = at
         .iter()
         .map(|t| {
-            let square: f64 = t[..3].iter().map(|x| x * x).sum::<f64>() + 2.0 * t[3..6].iter().map(|x| x * x).sum::<f64>();
+            let square: f64 =
+                t[..3].iter().map(|x| x * x).sum::<f64>() + 2.0 * t[3..6].iter().map(|x| x * x).sum::<f64>();
             square / (t[6] * t[6]).max(1e-300)
         })
         .collect();

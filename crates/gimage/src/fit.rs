@@ -32,10 +32,12 @@ pub struct FitOptions {
 
 impl Default for FitOptions {
     fn default() -> Self {
-        let e = |n: &str, d: f64| std::env::var(n).ok().and_then(|x| x.parse().ok()).unwrap_or(d);
-        Self { gradient: e("FG", 0.3), slip: e("FS", 0.9), sharp: e("FE", 0.05), rounds: e("FR", 6.0) as usize }
+        Self { gradient: 0.3, slip: 0.9, sharp: 0.05, rounds: 6 }
     }
 }
+
+/// How near the solve of a round comes, as a share of where it began: the next round moves the target anyway.
+const NEAR: f64 = 1e-5;
 
 /// Rounds between two clippings: texels move little, and with them the diagonals.
 const CLIPPED: usize = 3;
@@ -190,20 +192,27 @@ fn bands(disk: &Disk, uv: &[[f64; 2]], cell_rows: usize) -> Vec<Vec<u32>> {
     out
 }
 
-/// Moves `points` (row by row, `columns` x `rows`) to the least-squares fit. Members of a ring stay bit-identical.
-/// `uv` is the flip-free map in texel units; `rim` tells the texels on the surface's own boundary. `false` (and no change)
+/// What the image is to the fit.
+pub(crate) struct Image<'a> {
+    pub columns: usize,
+    pub rows: usize,
+    /// Texels that are one point: members stay bit-identical.
+    pub rings: &'a [Vec<u32>],
+    /// Texels on the surface's own boundary: their curves and corners stay.
+    pub rim: &'a [bool],
+}
+
+/// Moves `points` (row by row) to the least-squares fit. `uv` is the flip-free map in texel units. `false` (and no change)
 /// if the solve breaks down. O(triangles + texels) for the integrals, O(texels) for each of some tens of
 /// conjugate-gradient steps a round.
 pub(crate) fn fit(
     disk: &Disk,
     uv: &[[f64; 2]],
     points: &mut [[f64; 3]],
-    columns: usize,
-    rows: usize,
-    rings: &[Vec<u32>],
-    rim: &[bool],
+    image: &Image<'_>,
     options: &FitOptions,
 ) -> bool {
+    let &Image { columns, rows, rings, rim } = image;
     if columns < 3 || rows < 3 {
         return true;
     }
@@ -259,7 +268,7 @@ pub(crate) fn fit(
         for part in parts {
             normal.add_rows(&part);
         }
-        if !normal.solve(&mut local, rings) {
+        if !normal.solve(&mut local, rings, NEAR) {
             return false;
         }
     }
@@ -338,7 +347,9 @@ mod tests {
             ring.iter().for_each(|&k| p[k as usize] = p[ring[0] as usize]);
         }
         let (columns, rows) = (m.w as usize + 1, m.h as usize + 1);
-        assert!(fit(&m.disk, &m.uv, &mut p, columns, rows, &rings(m), &vec![false; columns * rows], &FitOptions::default()));
+        let (rings, rim) = (rings(m), vec![false; columns * rows]);
+        let image = Image { columns, rows, rings: &rings, rim: &rim };
+        assert!(fit(&m.disk, &m.uv, &mut p, &image, &FitOptions::default()));
         p
     }
 

@@ -22,7 +22,7 @@ pub struct GrowOptions {
 
 impl Default for GrowOptions {
     fn default() -> Self {
-        Self { triangles: 1500, points: 24, gain: std::env::var("GG").ok().and_then(|x| x.parse().ok()).unwrap_or(0.01) }
+        Self { triangles: 1500, points: 24, gain: 0.01 }
     }
 }
 
@@ -90,13 +90,12 @@ pub(crate) struct Grown {
 /// or the carried cut is no disk.
 pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let surface = fine.surface;
-    let e = |n: &str, d: usize| std::env::var(n).ok().and_then(|x| x.parse().ok()).unwrap_or(d);
     let search = SearchOptions {
         triangles: options.triangles,
-        shifts: e("GS", 6),
-        passes: e("GP", 2),
-        steps: [e("G1", 1), e("G2", 3), e("G3", 6)],
-        keep: [e("K1", 3), e("K2", 1)],
+        shifts: 6,
+        passes: 2,
+        steps: [1, 3, 6],
+        keep: [3, 1],
         refine: false,
     };
     let mut rim = vec![false; surface.positions.len()];

@@ -265,7 +265,8 @@ impl<'a> Proxy<'a> {
             return Some(Layout { w, h, shift: 0.0, count, score: f64::INFINITY });
         }
         let best = |found: &[Trial]| {
-            let k = (0..found.len()).min_by(|a, b| found[*a].layout.score.total_cmp(&found[*b].layout.score).then(a.cmp(b)));
+            let k = (0..found.len())
+                .min_by(|a, b| found[*a].layout.score.total_cmp(&found[*b].layout.score).then(a.cmp(b)));
             k.and_then(|k| found.get(k).cloned())
         };
         if self.options.refine && matches!(size, Size::Budget(_)) {
@@ -416,7 +417,8 @@ mod tests {
     use crate::surface::Surface;
     use proptest::prelude::*;
 
-    const SEARCH: SearchOptions = SearchOptions { triangles: 400, shifts: 12, passes: 3, steps: [3, 4, 5], keep: [12, 3], refine: true };
+    const SEARCH: SearchOptions =
+        SearchOptions { triangles: 400, shifts: 12, passes: 3, steps: [3, 4, 5], keep: [12, 3], refine: true };
 
     fn searched(s: &Surface, size: Size) -> (Layout, Vec<u32>) {
         let rim = shapes::rim(s);

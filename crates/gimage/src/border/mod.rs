@@ -87,9 +87,7 @@ impl Border {
             let end = starts.get(k + 1).copied().unwrap_or(n);
             let at = |i: usize| disk.boundary[i % n];
             let path: Vec<u32> = (first..=end).map(|i| disk.origin[at(i) as usize]).collect();
-            let length = (first..end)
-                .map(|i| disk.length(at(i), at(i + 1)))
-                .sum();
+            let length = (first..end).map(|i| disk.length(at(i), at(i + 1))).sum();
             let mut backward = path.clone();
             backward.reverse();
             let cut = disk.on_cut[first];

@@ -57,9 +57,7 @@ impl Border {
         let mut base = 0.0;
         for s in &self.segments {
             let edge: Vec<f64> = (s.first..s.first + s.edges)
-                .map(|i| {
-                    disk.length(disk.boundary[i % n], disk.boundary[(i + 1) % n])
-                })
+                .map(|i| disk.length(disk.boundary[i % n], disk.boundary[(i + 1) % n]))
                 .collect();
             // Keep very short edges from falling into one point.
             let floor = 1e-7 * edge.iter().sum::<f64>() / edge.len() as f64;

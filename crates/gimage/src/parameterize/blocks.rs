@@ -293,7 +293,8 @@ mod tests {
     fn pattern(n: usize, far: &[(usize, usize)]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
         let (mut ptr, mut row) = (vec![0u32], Vec::new());
         for j in 0..n {
-            let mut below: Vec<u32> = far.iter().filter(|f| f.1 % n == j && f.0 % n > j).map(|f| (f.0 % n) as u32).collect();
+            let mut below: Vec<u32> =
+                far.iter().filter(|f| f.1 % n == j && f.0 % n > j).map(|f| (f.0 % n) as u32).collect();
             below.extend([j, j + 1].into_iter().filter(|&i| i < n).map(|i| i as u32));
             below.sort_unstable();
             below.dedup();

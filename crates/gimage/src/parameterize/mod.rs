@@ -28,8 +28,8 @@ pub struct ParameterizeRecord {
 }
 
 /// Maps the free vertices of a disk. `uv` holds the places of the `fixed` (boundary) vertices, counter-clockwise around
-/// a rectangle; the rest is filled in. `wanted` is the length a unit of length counts for at each vertex. No triangle is flipped on success. `None` if even the start could not be made
-/// free of flips in f64.
+/// a rectangle; the rest is filled in. `wanted` is the length a unit of length counts for at each vertex. No triangle is
+/// flipped on success. `None` if even the start could not be made free of flips in f64.
 pub(crate) fn parameterize(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],

@@ -10,13 +10,13 @@ const SMALL: u64 = 1_500_000;
 /// How the Laplacian is factorised.
 enum Laplacian {
     Small(Pattern, Factor<f64>),
-    Large(Cholesky),
+    Large(Box<Cholesky>),
 }
 
 /// How the Newton system is factorised; the small one shares the Laplacian's pattern.
 enum Newton {
     Small(Factor<[f64; 4]>),
-    Large(Cholesky),
+    Large(Box<Cholesky>),
 }
 
 /// Unknown of a fixed vertex.
@@ -118,7 +118,7 @@ impl System {
                     let factor = Factor::new(&pattern);
                     Laplacian::Small(pattern, factor)
                 }
-                None => Laplacian::Large(large),
+                None => Laplacian::Large(Box::new(large)),
             });
         }
         self.laplacian.as_mut()
@@ -270,7 +270,7 @@ impl System {
                 col_ptr.push(row_idx.len() as u32);
             }
         }
-        Cholesky::new(2 * n, col_ptr, row_idx, Some(&order)).map(Newton::Large)
+        Cholesky::new(2 * n, col_ptr, row_idx, Some(&order)).map(|c| Newton::Large(Box::new(c)))
     }
 }
 
