@@ -9,13 +9,13 @@ const SMALL: u64 = 1_500_000;
 
 /// How the Laplacian is factorised.
 enum Laplacian {
-    Small(Pattern, Factor<f64>),
+    Small(Box<Pattern>, Box<Factor<f64>>),
     Large(Box<Cholesky>),
 }
 
 /// How the Newton system is factorised; the small one shares the Laplacian's pattern.
 enum Newton {
-    Small(Factor<[f64; 4]>),
+    Small(Box<Factor<[f64; 4]>>),
     Large(Box<Cholesky>),
 }
 
@@ -116,7 +116,7 @@ impl System {
             self.laplacian = Some(match Pattern::new(&self.col_ptr, &self.row_idx, &large.order(), SMALL) {
                 Some(pattern) => {
                     let factor = Factor::new(&pattern);
-                    Laplacian::Small(pattern, factor)
+                    Laplacian::Small(Box::new(pattern), Box::new(factor))
                 }
                 None => Laplacian::Large(Box::new(large)),
             });
@@ -253,7 +253,7 @@ impl System {
     fn analyse_newton(&mut self) -> Option<Newton> {
         let n = self.count;
         let order: Vec<u32> = match self.laplacian()? {
-            Laplacian::Small(pattern, _) => return Some(Newton::Small(Factor::new(pattern))),
+            Laplacian::Small(pattern, _) => return Some(Newton::Small(Box::new(Factor::new(pattern)))),
             Laplacian::Large(c) => c.order().iter().flat_map(|&v| [2 * v, 2 * v + 1]).collect(),
         };
         let mut col_ptr = vec![0u32];
