@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use gimage::options::{BuildOptions, ImageSize, RestLength, Sample, Seams};
+use gimage::options::{BuildOptions, Effort, ImageSize, RestLength, Sample, Seams};
 use gimage::pins::Pin;
 
 use crate::help;
@@ -70,6 +70,12 @@ pub struct BuildArgs {
     /// Where cuts run: the better of both, the shortest way, or along UV seams [default: auto].
     #[arg(long, value_enum)]
     pub seams: Option<SeamsArg>,
+    /// How much denser texels are where the surface bends: 0 is even, 1 has the least error [default: 0.5].
+    #[arg(long, value_name = "SHARE")]
+    pub detail: Option<f64>,
+    /// How hard to look for the best cut and layout [default: default].
+    #[arg(long, value_enum)]
+    pub effort: Option<EffortArg>,
     /// Keep only the node, mesh, object, group or material of this name; may be repeated.
     #[arg(long, value_name = "NAME")]
     pub piece: Vec<String>,
@@ -236,6 +242,14 @@ pub enum SeamsArg {
     Uv,
 }
 
+/// How hard to search.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum EffortArg {
+    Fast,
+    Default,
+    Best,
+}
+
 /// What rest lengths measure.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum RestArg {
@@ -296,6 +310,13 @@ impl BuildArgs {
             SeamsArg::Uv => Seams::Uv,
         };
         set(&mut options.seams, self.seams.map(seams));
+        set(&mut options.detail, self.detail);
+        let effort = |e| match e {
+            EffortArg::Fast => Effort::Fast,
+            EffortArg::Default => Effort::Default,
+            EffortArg::Best => Effort::Best,
+        };
+        set(&mut options.effort, self.effort.map(effort));
         let rest = |r| match r {
             RestArg::Chord => RestLength::Chord,
             RestArg::Arc => RestLength::Arc,

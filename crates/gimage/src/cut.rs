@@ -16,6 +16,8 @@ pub(crate) struct Cutter<'a> {
     /// The loops of boundary vertices, longest first.
     loops: Vec<Vec<u32>>,
     euler: i64,
+    /// The length a unit of length counts for at each vertex; all ones unless set.
+    pub(crate) wanted: Vec<f64>,
 }
 
 /// Edges to cut along.
@@ -67,7 +69,8 @@ impl<'a> Cutter<'a> {
         let graph = EdgeGraph::new(&surface.positions, &surface.triangles);
         let used = surface.positions.len() as i64;
         let euler = used - graph.ends.len() as i64 + surface.triangles.len() as i64;
-        Some(Self { surface, graph, loops: keyed.into_iter().map(|x| x.1).collect(), euler })
+        let wanted = vec![1.0; surface.positions.len()];
+        Some(Self { surface, graph, loops: keyed.into_iter().map(|x| x.1).collect(), euler, wanted })
     }
 
     /// Boundary loops, longest first.

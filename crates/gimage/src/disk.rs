@@ -2,7 +2,7 @@
 
 use crate::cut::{Cut, Cutter};
 use crate::halfedge::{self, BOUNDARY, next, origin, target};
-use crate::vec3::lerp;
+use crate::vec3::{distance, lerp};
 
 /// A vertex that is no vertex of the surface.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -20,6 +20,8 @@ pub(crate) struct Disk {
     pub face: Vec<u32>,
     /// Barycentric coordinates of its corners in that triangle.
     pub corners: Vec<[[f64; 3]; 3]>,
+    /// The length a unit of length counts for at each vertex: more where texels are wanted denser.
+    pub wanted: Vec<f64>,
     /// The boundary loop, counter-clockwise.
     pub boundary: Vec<u32>,
     /// For each boundary edge (from `boundary[i]` to the next), whether it lies on the cut.
@@ -98,7 +100,9 @@ pub(crate) fn open(cutter: &Cutter<'_>, cut: &Cut) -> Result<Disk, NotADisk> {
     }
     let positions = origins.iter().map(|&v| surface.positions[v as usize]).collect();
     let face = (0..triangles.len() as u32).collect();
-    let mut disk = Disk { positions, triangles, origin: origins, face, corners, boundary: vec![], on_cut: vec![] };
+    let wanted = origins.iter().map(|&v| cutter.wanted[v as usize]).collect();
+    let mut disk =
+        Disk { positions, triangles, origin: origins, face, corners, wanted, boundary: vec![], on_cut: vec![] };
     disk.find_boundary(|h| {
         // A turned triangle's edges run in the other order.
         let t = h as usize / 3;
@@ -146,6 +150,7 @@ impl Disk {
         let new = self.positions.len() as u32;
         self.positions.push(lerp(self.positions[a as usize], self.positions[b as usize], t));
         self.origin.push(NONE);
+        self.wanted.push((1.0 - t) * self.wanted[a as usize] + t * self.wanted[b as usize]);
         for &f in faces {
             let f = f as usize;
             let tri = self.triangles[f];
@@ -254,6 +259,12 @@ impl Disk {
             }
         }
         many
+    }
+
+    /// Length of the edge between two vertices as the map is to see it.
+    pub(crate) fn length(&self, a: u32, b: u32) -> f64 {
+        let (a, b) = (a as usize, b as usize);
+        0.5 * (self.wanted[a] + self.wanted[b]) * distance(self.positions[a], self.positions[b])
     }
 
     /// Which vertices lie on the boundary.

@@ -1,32 +1,46 @@
 //! Least squares instead of point samples: texels move off the surface so that the triangles between them come closest.
 //!
 //! All texels, the duplicates of a seam point as one, minimise over the surface S
-//! `int_S |X - P|^2 + mu |dX - dP|^2`, where X is the piecewise linear surface the image stands for (each texel quad
-//! split by its shorter diagonal), P the original and d the gradient in texel units. The first term alone is the L2
-//! projection, which gains the most distance but tilts facets; the second holds the tangent planes. All integrals are
-//! exact: the mesh is clipped against the texel triangles and every term is quadratic on a fragment.
+//! `int_S |X - P|^2 + mu w |dX - dP|^2`, where X is the piecewise linear surface the image stands for (each texel quad
+//! split by its shorter diagonal), P the original and d the gradient in texel units. Distance along the surface is no
+//! error, so P and dP slide along it to where X was in the round before (the iterated point-to-plane fit of Chen, Medioni
+//! 1992, majorised so that every round is one scalar system); rounds are extrapolated (Nesterov 1983). That lets texels
+//! settle on folds. The second term holds the normals; its weight w falls with the angle between X and the surface, so
+//! that facets of one plane stay flat although a fold beside them cannot be matched. All integrals are exact: the mesh is
+//! clipped against the texel triangles and every term is quadratic on a fragment. Texels of the garment's own boundary do
+//! not slide: its curves and corners stay.
 
 use rayon::prelude::*;
 
 use crate::disk::Disk;
 use crate::normal::Normal;
 use crate::parameterize::distortion::{planar, signed_area2};
-use crate::vec3::{cross, distance, norm, sub};
+use crate::vec3::{cross, distance, dot, norm, normalize, scale, sub};
 
 /// How the texels are fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
     /// Weight of the gradient term, 0..1; larger keeps normals truer and distance less.
     pub gradient: f64,
+    /// How far the target slides along the surface with the fit, 0..1: only the distance across it counts if 1.
+    pub slip: f64,
+    /// Angle between normals at which the gradient term counts half \[rad\]: folds hold less than flat parts.
+    pub sharp: f64,
+    /// Rounds of the fit, 1..; more is closer.
+    pub rounds: usize,
 }
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { gradient: GRADIENT }
+        Self { gradient: 0.3, slip: 0.9, sharp: 0.05, rounds: 6 }
     }
 }
 
-const GRADIENT: f64 = 0.1;
+/// How near the solve of a round comes, as a share of where it began: the next round moves the target anyway.
+const NEAR: f64 = 1e-5;
+
+/// Rounds between two clippings: texels move little, and with them the diagonals.
+const CLIPPED: usize = 3;
 
 /// Cuts a convex polygon by `n . x <= d`.
 fn clip(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut Vec<[f64; 2]>) {
@@ -45,74 +59,119 @@ fn clip(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut Vec<[f64; 2]>) {
 }
 
 /// One mesh triangle as an affine map of the plane: P(u, v) = o + u du + v dv.
-struct Affine {
+struct Facet {
     o: [f64; 3],
     du: [f64; 3],
     dv: [f64; 3],
+    normal: [f64; 3],
+    /// Surface per area of the plane.
+    density: f64,
 }
 
-impl Affine {
-    fn new(x: [[f64; 3]; 3], p: [[f64; 2]; 3], area2: f64) -> Self {
+impl Facet {
+    /// `None` for a triangle without area on the surface or in the plane.
+    fn new(x: [[f64; 3]; 3], p: [[f64; 2]; 3]) -> Option<Self> {
+        let area2 = signed_area2(p);
         let (e, f) = (sub(x[1], x[0]), sub(x[2], x[0]));
+        let n = cross(e, f);
+        if area2 <= 1e-14 || norm(n) <= 0.0 {
+            return None;
+        }
         let (a, b) = ([p[1][0] - p[0][0], p[1][1] - p[0][1]], [p[2][0] - p[0][0], p[2][1] - p[0][1]]);
         let du = [0, 1, 2].map(|c| (e[c] * b[1] - f[c] * a[1]) / area2);
         let dv = [0, 1, 2].map(|c| (f[c] * a[0] - e[c] * b[0]) / area2);
         let o = [0, 1, 2].map(|c| x[0][c] - p[0][0] * du[c] - p[0][1] * dv[c]);
-        Self { o, du, dv }
+        Some(Self { o, du, dv, normal: scale(n, 1.0 / norm(n)), density: norm(n) / area2 })
     }
 
     fn at(&self, q: [f64; 2]) -> [f64; 3] {
         [0, 1, 2].map(|c| self.o[c] + q[0] * self.du[c] + q[1] * self.dv[c])
     }
+
+    /// From `p` on the facet (or a derivative of it) towards `x` along the facet.
+    fn slide(&self, p: [f64; 3], x: [f64; 3], slip: f64) -> [f64; 3] {
+        let off = sub(x, p);
+        let across = dot(off, self.normal);
+        [0, 1, 2].map(|c| p[c] + slip * (off[c] - across * self.normal[c]))
+    }
 }
 
-/// Adds the integrals over one fragment (a convex polygon in the plane) under one texel triangle.
-fn fragment(normal: &mut Normal, polygon: &[[f64; 2]], corner: [usize; 3], density: f64, map: &Affine, gradient: f64) {
-    let columns = normal.columns;
-    let place = corner.map(|k| [(k % columns) as f64, (k / columns) as f64]);
-    // Texel triangles are half unit squares: twice their area is 1.
-    let hat = |q: [f64; 2]| {
-        let b1 = signed_area2([place[0], q, place[2]]);
-        let b2 = signed_area2([place[0], place[1], q]);
-        [1.0 - b1 - b2, b1, b2]
-    };
-    let slope = {
-        let e = |a: usize, b: usize| [place[a][0] - place[b][0], place[a][1] - place[b][1]];
-        let g1 = [e(2, 0)[1], -e(2, 0)[0]];
-        let g2 = [-e(1, 0)[1], e(1, 0)[0]];
-        [[-g1[0] - g2[0], -g1[1] - g2[1]], g1, g2]
-    };
-    let mut total = 0.0;
-    for k in 1..polygon.len() - 1 {
-        let tri = [polygon[0], polygon[k], polygon[k + 1]];
-        let area = 0.5 * signed_area2(tri).abs() * density;
-        total += area;
-        // Midpoints of the edges integrate quadratics exactly.
-        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
-            let q = [0.5 * (tri[a][0] + tri[b][0]), 0.5 * (tri[a][1] + tri[b][1])];
-            let (b3, p, w) = (hat(q), map.at(q), area / 3.0);
-            for x in 0..3 {
-                for y in 0..3 {
-                    normal.add(corner[x], corner[y], w * b3[x] * b3[y]);
+/// The integrals over one fragment: a mesh triangle within a texel triangle.
+struct Fragment {
+    facet: u32,
+    /// First texel of the quad, and which of its four triangles this is.
+    quad: u32,
+    half: u8,
+    /// Of b b^T (00, 01, 02, 11, 12, 22), b the corner functions of the texel triangle. In f32: there are many.
+    mass: [f32; 6],
+    /// Of b P^T.
+    moment: [[f32; 3]; 3],
+}
+
+/// The corners of a quad's triangles, as steps right and down: both halves by one diagonal and by the other.
+const HALVES: [[[usize; 2]; 3]; 4] =
+    [[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]], [[0, 0], [1, 0], [0, 1]], [[1, 0], [1, 1], [0, 1]]];
+
+/// Gradients of the corner functions of one of [`HALVES`], whose area is half a unit square.
+fn slopes(half: u8) -> [[f64; 2]; 3] {
+    let p = HALVES[half as usize].map(|c| c.map(|x| x as f64));
+    let e = |a: usize, b: usize| [p[a][0] - p[b][0], p[a][1] - p[b][1]];
+    let g1 = [e(2, 0)[1], -e(2, 0)[0]];
+    let g2 = [-e(1, 0)[1], e(1, 0)[0]];
+    [[-g1[0] - g2[0], -g1[1] - g2[1]], g1, g2]
+}
+
+impl Fragment {
+    /// Integrates over a convex polygon of the plane, `at` the first texel of the quad.
+    fn new(polygon: &[[f64; 2]], facet: (u32, &Facet), quad: u32, at: [usize; 2], half: u8) -> Self {
+        let place = HALVES[half as usize].map(|c| [(at[0] + c[0]) as f64, (at[1] + c[1]) as f64]);
+        let (mut mass, mut moment) = ([0.0; 6], [[0.0; 3]; 3]);
+        for k in 1..polygon.len() - 1 {
+            let tri = [polygon[0], polygon[k], polygon[k + 1]];
+            let w = 0.5 * signed_area2(tri).abs() * facet.1.density / 3.0;
+            // Midpoints of the edges integrate quadratics exactly.
+            for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+                let q = [0.5 * (tri[a][0] + tri[b][0]), 0.5 * (tri[a][1] + tri[b][1])];
+                let (b1, b2) = (signed_area2([place[0], q, place[2]]), signed_area2([place[0], place[1], q]));
+                let b = [1.0 - b1 - b2, b1, b2];
+                let p = facet.1.at(q);
+                for (m, (x, y)) in mass.iter_mut().zip([(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]) {
+                    *m += w * b[x] * b[y];
                 }
-                normal.add_rhs(corner[x], p.map(|p| w * b3[x] * p));
+                for x in 0..3 {
+                    (0..3).for_each(|c| moment[x][c] += w * b[x] * p[c]);
+                }
             }
         }
+        let moment = moment.map(|m| m.map(|x| x as f32));
+        Self { facet: facet.0, quad, half, mass: mass.map(|m| m as f32), moment }
     }
-    let w = total * gradient;
-    for x in 0..3 {
-        for y in 0..3 {
-            normal.add(corner[x], corner[y], w * (slope[x][0] * slope[y][0] + slope[x][1] * slope[y][1]));
-        }
-        normal.add_rhs(corner[x], [0, 1, 2].map(|c| w * (slope[x][0] * map.du[c] + slope[x][1] * map.dv[c])));
-    }
-}
 
-/// The texel triangles of the quad whose first corner is `at`, split by the shorter diagonal.
-fn halves(points: &[[f64; 3]], columns: usize, at: usize) -> ([[usize; 3]; 2], bool) {
-    let (a, b, c, d) = (at, at + 1, at + columns + 1, at + columns);
-    let ac = distance(points[a], points[c]) <= distance(points[b], points[d]);
-    (if ac { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }, ac)
+    /// Adds the fragment's terms with texels now at `points`.
+    fn add(&self, normal: &mut Normal, facet: &Facet, points: &[[f64; 3]], rim: &[bool], options: &FitOptions) {
+        let columns = normal.columns;
+        let corner = HALVES[self.half as usize].map(|c| self.quad as usize + c[1] * columns + c[0]);
+        let now = corner.map(|k| points[k]);
+        let slip = if corner.iter().any(|&k| rim[k]) { 0.0 } else { options.slip };
+        let [a, b, c, d, e, f] = self.mass.map(f64::from);
+        let mass = [[a, b, c], [b, d, e], [c, e, f]];
+        let slope = slopes(self.half);
+        let sum = |w: [f64; 3]| [0, 1, 2].map(|c| w[0] * now[0][c] + w[1] * now[1][c] + w[2] * now[2][c]);
+        let [xu, xv] = [0, 1].map(|c| sum(slope.map(|s| s[c])));
+        let (du, dv) = (facet.slide(facet.du, xu, slip), facet.slide(facet.dv, xv, slip));
+        let off = distance(normalize(cross(xu, xv)), facet.normal);
+        let total = a + d + f + 2.0 * (b + c + e);
+        let w = total * options.gradient * options.sharp / (options.sharp + off);
+        let mut stencil = mass;
+        for x in 0..3 {
+            for y in 0..3 {
+                stencil[x][y] += w * (slope[x][0] * slope[y][0] + slope[x][1] * slope[y][1]);
+            }
+            let p = facet.slide(self.moment[x].map(f64::from), sum(mass[x]), slip);
+            normal.add_rhs(corner[x], [0, 1, 2].map(|c| p[c] + w * (slope[x][0] * du[c] + slope[x][1] * dv[c])));
+        }
+        normal.add_three(corner, HALVES[self.half as usize], &stencil);
+    }
 }
 
 /// Cell rows a band: bands are worked on in parallel and summed in order, so that nothing depends on the threads.
@@ -133,18 +192,27 @@ fn bands(disk: &Disk, uv: &[[f64; 2]], cell_rows: usize) -> Vec<Vec<u32>> {
     out
 }
 
-/// Moves `points` (row by row, `columns` x `rows`) to the least-squares fit. Members of a ring stay bit-identical.
-/// `uv` is the flip-free map in texel units. `false` (and no change) if the solve breaks down.
-/// O(triangles + texels) for the integrals, O(texels) for each of some tens of conjugate-gradient steps.
+/// What the image is to the fit.
+pub(crate) struct Image<'a> {
+    pub columns: usize,
+    pub rows: usize,
+    /// Texels that are one point: members stay bit-identical.
+    pub rings: &'a [Vec<u32>],
+    /// Texels on the surface's own boundary: their curves and corners stay.
+    pub rim: &'a [bool],
+}
+
+/// Moves `points` (row by row) to the least-squares fit. `uv` is the flip-free map in texel units. `false` (and no change)
+/// if the solve breaks down. O(triangles + texels) for the integrals, O(texels) for each of some tens of
+/// conjugate-gradient steps a round.
 pub(crate) fn fit(
     disk: &Disk,
     uv: &[[f64; 2]],
     points: &mut [[f64; 3]],
-    columns: usize,
-    rows: usize,
-    rings: &[Vec<u32>],
+    image: &Image<'_>,
     options: &FitOptions,
 ) -> bool {
+    let &Image { columns, rows, rings, rim } = image;
     if columns < 3 || rows < 3 {
         return true;
     }
@@ -152,24 +220,57 @@ pub(crate) fn fit(
     let n = disk.positions.len().max(1) as f64;
     let centre = disk.positions.iter().fold([0.0; 3], |m, p| [0, 1, 2].map(|c| m[c] + p[c] / n));
     let mut local: Vec<[f64; 3]> = points.iter().map(|p| sub(*p, centre)).collect();
-    let parts: Vec<Normal> = bands(disk, uv, rows - 1)
-        .par_iter()
-        .enumerate()
-        .map(|(band, triangles)| {
-            let cells = band * BAND..((band + 1) * BAND).min(rows - 1);
-            let mut normal = Normal::new(columns, cells.start, cells.len() + 1);
-            for &f in triangles {
-                integrate(&mut normal, disk, uv, f, centre, &local, &cells, options.gradient);
-            }
-            normal
-        })
+    let facets: Vec<Option<Facet>> = disk
+        .triangles
+        .iter()
+        .map(|&t| Facet::new(t.map(|v| sub(disk.positions[v as usize], centre)), planar(uv, t)))
         .collect();
-    let mut normal = Normal::new(columns, 0, rows);
-    for part in parts {
-        normal.add_rows(&part);
-    }
-    if !normal.solve(&mut local, rings) {
-        return false;
+    let bands = bands(disk, uv, rows - 1);
+    let mut fragments: Vec<Vec<Fragment>> = Vec::new();
+    let mut before = local.clone();
+    for round in 0..options.rounds {
+        let last = local.clone();
+        if round > 1 {
+            local.iter_mut().zip(&before).for_each(|(x, b)| (0..3).for_each(|c| x[c] += x[c] - b[c]));
+        }
+        before = last;
+        let cells = |band: usize| band * BAND..((band + 1) * BAND).min(rows - 1);
+        if round % CLIPPED == 0 {
+            fragments = bands
+                .par_iter()
+                .enumerate()
+                .map(|(band, triangles)| {
+                    let mut out = Vec::new();
+                    for &f in triangles {
+                        if let Some(facet) = &facets[f as usize] {
+                            let p = planar(uv, disk.triangles[f as usize]);
+                            clipped(&mut out, (f, facet), p, columns, &local, &cells(band));
+                        }
+                    }
+                    out
+                })
+                .collect();
+        }
+        let parts: Vec<Normal> = fragments
+            .par_iter()
+            .enumerate()
+            .map(|(band, fragments)| {
+                let mut normal = Normal::new(columns, cells(band).start, cells(band).len() + 1);
+                for x in fragments {
+                    if let Some(facet) = &facets[x.facet as usize] {
+                        x.add(&mut normal, facet, &local, rim, options);
+                    }
+                }
+                normal
+            })
+            .collect();
+        let mut normal = Normal::new(columns, 0, rows);
+        for part in parts {
+            normal.add_rows(&part);
+        }
+        if !normal.solve(&mut local, rings, NEAR) {
+            return false;
+        }
     }
     for (p, l) in points.iter_mut().zip(&local) {
         *p = crate::vec3::add(*l, centre);
@@ -177,57 +278,43 @@ pub(crate) fn fit(
     true
 }
 
-/// Adds the integrals over mesh triangle `f`, within the cell rows `cells`.
-fn integrate(
-    normal: &mut Normal,
-    disk: &Disk,
-    uv: &[[f64; 2]],
-    f: u32,
-    centre: [f64; 3],
+/// Clips a mesh triangle, at `p` in the plane, against the texel triangles of the cell rows `cells`.
+fn clipped(
+    out: &mut Vec<Fragment>,
+    facet: (u32, &Facet),
+    p: [[f64; 2]; 3],
+    columns: usize,
     points: &[[f64; 3]],
     cells: &std::ops::Range<usize>,
-    gradient: f64,
 ) {
-    let t = disk.triangles[f as usize];
-    let p = planar(uv, t);
-    let area2 = signed_area2(p);
-    let x = t.map(|v| sub(disk.positions[v as usize], centre));
-    let surface = norm(cross(sub(x[1], x[0]), sub(x[2], x[0])));
-    if area2 <= 1e-14 || surface <= 0.0 {
-        return;
-    }
-    let columns = normal.columns;
-    let map = Affine::new(x, p, area2);
-    let density = surface / area2;
     let span = |c: usize| {
         let lo = p.iter().map(|q| q[c]).fold(f64::INFINITY, f64::min).floor().max(0.0) as usize;
         let hi = p.iter().map(|q| q[c]).fold(f64::NEG_INFINITY, f64::max).ceil().max(0.0) as usize;
         (lo, hi)
     };
     let ((i0, i1), (j0, j1)) = (span(0), span(1));
-    let (mut cell, mut next, mut half) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut row, mut cell, mut next, mut half) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for j in j0.max(cells.start)..j1.min(cells.end) {
+        let v = j as f64;
+        clip(&p, [0.0, -1.0], -v, &mut next);
+        clip(&next, [0.0, 1.0], v + 1.0, &mut row);
         for i in i0..i1.min(columns - 1) {
-            let (u, v) = (i as f64, j as f64);
-            cell.clear();
-            cell.extend_from_slice(&p);
-            for (n, d) in [([-1.0, 0.0], -u), ([1.0, 0.0], u + 1.0), ([0.0, -1.0], -v), ([0.0, 1.0], v + 1.0)] {
-                clip(&cell, n, d, &mut next);
-                std::mem::swap(&mut cell, &mut next);
-                if cell.len() < 3 {
-                    break;
-                }
-            }
+            let u = i as f64;
+            clip(&row, [-1.0, 0.0], -u, &mut next);
+            clip(&next, [1.0, 0.0], u + 1.0, &mut cell);
             if cell.len() < 3 {
                 continue;
             }
-            let (corner, ac) = halves(points, columns, j * columns + i);
+            let at = j * columns + i;
+            let [a, b, c, d] = [at, at + 1, at + columns + 1, at + columns].map(|k| points[k]);
             // The diagonal a-c is v - j = u - i; b-d is (u - i) + (v - j) = 1.
-            let (n, d) = if ac { ([-1.0, 1.0], v - u) } else { ([1.0, 1.0], u + v + 1.0) };
+            let ac = distance(a, c) <= distance(b, d);
+            let (n, limit) = if ac { ([-1.0, 1.0], v - u) } else { ([1.0, 1.0], u + v + 1.0) };
             for (k, sign) in [(0, 1.0), (1, -1.0)] {
-                clip(&cell, [sign * n[0], sign * n[1]], sign * d, &mut half);
+                clip(&cell, [sign * n[0], sign * n[1]], sign * limit, &mut half);
                 if half.len() >= 3 {
-                    fragment(normal, &half, corner[k], density, &map, gradient);
+                    let which = if ac { k } else { 2 + k };
+                    out.push(Fragment::new(&half, facet, at as u32, [i, j], which));
                 }
             }
         }
@@ -260,7 +347,9 @@ mod tests {
             ring.iter().for_each(|&k| p[k as usize] = p[ring[0] as usize]);
         }
         let (columns, rows) = (m.w as usize + 1, m.h as usize + 1);
-        assert!(fit(&m.disk, &m.uv, &mut p, columns, rows, &rings(m), &FitOptions::default()));
+        let (rings, rim) = (rings(m), vec![false; columns * rows]);
+        let image = Image { columns, rows, rings: &rings, rim: &rim };
+        assert!(fit(&m.disk, &m.uv, &mut p, &image, &FitOptions::default()));
         p
     }
 

@@ -58,10 +58,8 @@ fn attempt(cutter: &Cutter<'_>, terminals: &[u32], search: SearchOptions) -> Opt
     let mut next = Vec::new();
     // The plain mean-value map shrinks limbs without mercy and so finds their tips; the solved map finds the rest; the
     // point farthest from the cut is a limb's tip more often than not.
-    for (passes, steps, many) in [(1, 0, 2), (search.passes, search.steps, 2)] {
-        let Some((uv, _)) = proxy.map((layout.w, layout.h), layout.shift, &layout.count, passes, steps) else {
-            continue;
-        };
+    for (passes, steps, many) in [(1, 0, 2), (search.passes, search.steps.iter().sum(), 2)] {
+        let Some((uv, _)) = proxy.map(&layout, passes, steps) else { continue };
         let picks = most_stretched(&positions, &triangles, &uv, many, apart, |v| {
             let o = proxy_origin(&disk, &proxy, v);
             o != NONE && !on_cut[o as usize]
@@ -92,7 +90,14 @@ pub(crate) struct Grown {
 /// or the carried cut is no disk.
 pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let surface = fine.surface;
-    let search = SearchOptions { triangles: options.triangles, shifts: 4, passes: 5, steps: 12, refine: false };
+    let search = SearchOptions {
+        triangles: options.triangles,
+        shifts: 6,
+        passes: 2,
+        steps: [1, 3, 6],
+        keep: [3, 1],
+        refine: false,
+    };
     let mut rim = vec![false; surface.positions.len()];
     fine.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);
     let locked = vec![false; rim.len()];
@@ -102,7 +107,8 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         source_triangle: vec![0; coarse.triangles.len()],
         triangles: coarse.triangles.clone(),
     };
-    let cutter = Cutter::new(&small)?;
+    let mut cutter = Cutter::new(&small)?;
+    cutter.wanted = coarse.vertex.iter().map(|&v| fine.wanted[v as usize]).collect();
     let mut terminals: Vec<u32> = Vec::new();
     let mut now = attempt(&cutter, &terminals, search);
     while terminals.len() < options.points {

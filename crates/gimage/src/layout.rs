@@ -38,12 +38,26 @@ pub(crate) struct SearchOptions {
     pub triangles: usize,
     /// Starts tried at the first aspect.
     pub shifts: usize,
-    /// Reweighting passes and Newton steps of each trial.
+    /// Reweighting passes of each trial.
     pub passes: usize,
-    /// Newton steps of each trial.
-    pub steps: usize,
+    /// Newton steps of all trials, of those that came out best, and of the best of these.
+    pub steps: [usize; 3],
+    /// How many trials go on to the second and the third lot of steps.
+    pub keep: [usize; 2],
     /// Refine aspect and start around the best.
     pub refine: bool,
+}
+
+/// A layout and the map of the stand-in so far.
+#[derive(Clone, Debug)]
+struct Trial {
+    layout: Layout,
+    uv: Vec<[f64; 2]>,
+    /// The score after the first lot of steps.
+    early: f64,
+    /// Index of the aspect and part of the loop at the middle of the side v = 0.
+    aspect: usize,
+    middle: f64,
 }
 
 /// Width : height ratios tried, in steps from square.
@@ -55,6 +69,7 @@ pub(crate) struct Proxy<'a> {
     border: &'a Border,
     positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
+    wanted: Vec<f64>,
     /// The disk vertex of each coarse vertex; those past its end were split in.
     vertex: Vec<u32>,
     /// Coarse boundary vertices with their places in the loop of the disk.
@@ -81,6 +96,7 @@ impl<'a> Proxy<'a> {
             face: vec![0; coarse.triangles.len()],
             corners: vec![[[0.0; 3]; 3]; coarse.triangles.len()],
             origin: coarse.vertex.clone(),
+            wanted: coarse.vertex.iter().map(|&v| disk.wanted[v as usize]).collect(),
             triangles: coarse.triangles,
             ..Disk::default()
         };
@@ -100,6 +116,7 @@ impl<'a> Proxy<'a> {
             border,
             positions: small.positions,
             triangles: small.triangles,
+            wanted: small.wanted,
             vertex: coarse.vertex,
             loop_at,
             system,
@@ -108,21 +125,14 @@ impl<'a> Proxy<'a> {
         }
     }
 
-    /// The map of the stand-in for a layout and its distortion.
-    pub(crate) fn map(
-        &mut self,
-        (w, h): (u32, u32),
-        shift: f64,
-        count: &[u32],
-        passes: usize,
-        steps: usize,
-    ) -> Option<(Vec<[f64; 2]>, f64)> {
+    /// The start of the map of the stand-in for a layout. `None` if the layout cannot be, or has no flip-free start.
+    fn begin(&mut self, (w, h): (u32, u32), shift: f64, count: Vec<u32>, passes: usize) -> Option<Trial> {
         let perimeter = 2 * (w + h);
         let (disk, border) = (self.disk, self.border);
-        if !self.along.contains_key(count) {
-            self.along.insert(count.to_vec(), (border.along(disk, count), border.dead_ends(count)));
+        if !self.along.contains_key(&count) {
+            self.along.insert(count.clone(), (border.along(disk, &count), border.dead_ends(&count)));
         }
-        let (along, dead) = &self.along[count];
+        let (along, dead) = &self.along[&count];
         let at_corner = |step: &u32| {
             let p = (f64::from(*step) + shift).rem_euclid(f64::from(perimeter)).round() as u32 % perimeter;
             [0, w, w + h, 2 * w + h].contains(&p)
@@ -134,9 +144,24 @@ impl<'a> Proxy<'a> {
         for &(k, i) in &self.loop_at {
             uv[k as usize] = on_rectangle(along[i] + shift, w, h);
         }
+        let layout = Layout { w, h, shift, count, score: f64::INFINITY };
+        let mut trial = Trial { layout, uv, early: f64::INFINITY, aspect: 0, middle: 0.0 };
+        self.solve(&mut trial, passes, 0).then_some(trial)
+    }
+
+    /// Starts the map (`passes` above 0) and takes Newton steps.
+    fn solve(&mut self, trial: &mut Trial, passes: usize, steps: usize) -> bool {
         let options = NewtonOptions { steps, tolerance: 1e-2 };
-        let record = solve(&mut self.system, &self.positions, &self.triangles, &mut uv, passes, &options)?;
-        Some((uv, record.log_distortion))
+        let (system, uv) = (&mut self.system, &mut trial.uv);
+        let record = solve(system, &self.positions, &self.triangles, &self.wanted, uv, passes, &options);
+        trial.layout.score = record.map_or(f64::INFINITY, |r| r.log_distortion);
+        trial.layout.score.is_finite()
+    }
+
+    /// The map of the stand-in for a layout, and its distortion.
+    pub(crate) fn map(&mut self, layout: &Layout, passes: usize, steps: usize) -> Option<(Vec<[f64; 2]>, f64)> {
+        let mut trial = self.begin((layout.w, layout.h), layout.shift, layout.count.clone(), passes)?;
+        (steps == 0 || self.solve(&mut trial, 0, steps)).then_some((trial.uv, trial.layout.score))
     }
 
     /// The disk vertex that a vertex of the stand-in is.
@@ -149,25 +174,37 @@ impl<'a> Proxy<'a> {
         (&self.positions, &self.triangles)
     }
 
-    fn score(&mut self, w: u32, h: u32, shift: f64, count: Vec<u32>) -> Option<Layout> {
-        let (_, score) = self.map((w, h), shift, &count, self.options.passes, self.options.steps)?;
-        score.is_finite().then_some(Layout { w, h, shift, count, score })
+    /// A trial's first lot of steps.
+    fn first(&mut self, (w, h): (u32, u32), shift: f64, count: Vec<u32>) -> Option<Trial> {
+        let mut trial = self.begin((w, h), shift, count, self.options.passes)?;
+        let fine = self.solve(&mut trial, 0, self.options.steps[0]);
+        trial.early = trial.layout.score;
+        fine.then_some(trial)
     }
 
-    /// The layout of an aspect with `middle` (a part of the loop) at the middle of the side v = 0.
-    fn trial(&mut self, size: Size, aspect: f64, middle: f64) -> Option<Layout> {
-        let (w, h) = cells(size, aspect, self.border.least_steps())?;
+    /// All steps of a trial, unless it starts out much worse than the `best`.
+    fn all(&mut self, mut trial: Trial, best: &Trial) -> Option<Trial> {
+        if trial.early > 1.15 * best.early + 0.005 {
+            return None;
+        }
+        let fine = (1..3).all(|k| self.solve(&mut trial, 0, self.options.steps[k]));
+        (fine && trial.layout.score < best.layout.score).then_some(trial)
+    }
+
+    /// The trial of an aspect with `middle` (a part of the loop) at the middle of the side v = 0.
+    fn trial(&mut self, size: Size, aspect: usize, middle: f64) -> Option<Trial> {
+        let (w, h) = cells(size, ASPECTS[aspect], self.border.least_steps())?;
         let count = self.border.share(2 * (w + h))?;
         let perimeter = f64::from(2 * (w + h));
         let mut shift = (0.5 * f64::from(w) - middle * perimeter).rem_euclid(perimeter);
         if !self.border.is_free() {
             shift = shift.round().rem_euclid(perimeter);
         }
-        self.score(w, h, shift, count)
+        Some(Trial { aspect, middle, ..self.first((w, h), shift, count)? })
     }
 
     /// The layout that puts two nodes at the ends of the side v = 0, if its shape is a sensible one.
-    fn trial_between(&mut self, size: Size, from: usize, to: usize) -> Option<Layout> {
+    fn trial_between(&mut self, size: Size, from: usize, to: usize) -> Option<Trial> {
         let least = self.border.least_steps();
         let part = |steps: &[u32], all: u32| f64::from((steps[to] + all - steps[from]) % all) / f64::from(all);
         let (mut w, mut h) = cells(size, 1.0, least)?;
@@ -192,11 +229,11 @@ impl<'a> Proxy<'a> {
             return None;
         }
         let shift = f64::from((all - steps[from]) % all);
-        self.score(side, all / 2 - side, shift, count)
+        self.first((side, all / 2 - side), shift, count)
     }
 
     /// The layouts in which four paths are the four sides.
-    fn trial_sides(&mut self, size: Size) -> Vec<Layout> {
+    fn trial_sides(&mut self, size: Size) -> Vec<Trial> {
         let Size::Fixed(width, height) = size else { return Vec::new() };
         let (w, h) = (width - 1, height - 1);
         [false, true]
@@ -205,74 +242,70 @@ impl<'a> Proxy<'a> {
                 let count = self.border.four_sides(w, h, turned)?;
                 // Turned, the second path is the side v = 0.
                 let shift = if turned { f64::from(w + 2 * h) } else { 0.0 };
-                self.score(w, h, shift, count)
+                self.first((w, h), shift, count)
             })
             .collect()
     }
 
-    /// The best layout found. `None` if no trial gave a flip-free map.
+    /// The best layout found. `None` if none can be laid out.
     pub(crate) fn search(&mut self, size: Size) -> Option<Layout> {
-        let fixed = matches!(size, Size::Fixed(..));
         let shifts = self.options.shifts.max(1);
-        let first = 2usize;
-        let mut found: Vec<(Layout, usize, f64)> = Vec::new();
-        for k in 0..shifts {
-            // A half turn of the rectangle is the same map, so half the loop is enough; a fixed size likewise.
-            let middle = 0.5 * k as f64 / shifts as f64;
-            if let Some(l) = self.trial(size, ASPECTS[first], middle) {
-                found.push((l, first, middle));
-            }
+        // A half turn of the rectangle is the same map, so half the loop is enough; a fixed size likewise.
+        let mut found: Vec<Trial> =
+            (0..shifts).filter_map(|k| self.trial(size, 2, 0.5 * k as f64 / shifts as f64)).collect();
+        for (lot, keep) in self.options.keep.into_iter().enumerate() {
+            found.sort_by(|a, b| a.layout.score.total_cmp(&b.layout.score));
+            found.truncate(keep.max(1));
+            found.retain_mut(|t| self.solve(t, 0, self.options.steps[lot + 1]));
         }
-        found.sort_by(|a, b| a.0.score.total_cmp(&b.0.score));
-        found.truncate(if self.options.refine { 3 } else { 1 });
         if found.is_empty() {
             // Too coarse to be flip-free anywhere: fall back to the first start that can be laid out at all.
             let (w, h) = cells(size, 1.0, self.border.least_steps())?;
             let count = self.border.share(2 * (w + h))?;
             return Some(Layout { w, h, shift: 0.0, count, score: f64::INFINITY });
         }
-        let mut best = found[0].0.clone();
+        let best = |found: &[Trial]| {
+            let k = (0..found.len())
+                .min_by(|a, b| found[*a].layout.score.total_cmp(&found[*b].layout.score).then(a.cmp(b)));
+            k.and_then(|k| found.get(k).cloned())
+        };
+        if self.options.refine && matches!(size, Size::Budget(_)) {
+            found.iter_mut().for_each(|t| self.refine_aspect(size, t));
+        }
+        let mut best = best(&found)?;
         if self.options.refine {
-            for (layout, aspect, middle) in &mut found {
-                let directions: &[i32] = if fixed { &[] } else { &[1, -1] };
-                for direction in directions {
-                    loop {
-                        let next = *aspect as i32 + direction;
-                        if next < 0 || next as usize >= ASPECTS.len() {
-                            break;
-                        }
-                        match self.trial(size, ASPECTS[next as usize], *middle) {
-                            Some(l) if l.score < layout.score => (*layout, *aspect) = (l, next as usize),
-                            _ => break,
-                        }
-                    }
-                }
-            }
-            found.sort_by(|a, b| a.0.score.total_cmp(&b.0.score));
-            let (layout, aspect, mut middle) = found.swap_remove(0);
-            best = layout;
             let mut step = 0.25 / shifts as f64;
             for _ in 0..2 {
-                for m in [middle - step, middle + step] {
-                    if let Some(l) = self.trial(size, ASPECTS[aspect], m)
-                        && l.score < best.score
-                    {
-                        (best, middle) = (l, m);
+                for m in [best.middle - step, best.middle + step] {
+                    if let Some(t) = self.trial(size, best.aspect, m).and_then(|t| self.all(t, &best)) {
+                        best = t;
                     }
                 }
                 step *= 0.5;
             }
         }
-        for l in self.snapped(size, &best) {
-            if l.score < best.score {
-                best = l;
+        for t in self.snapped(size, &best.layout) {
+            if let Some(t) = self.all(t, &best) {
+                best = t;
             }
         }
-        Some(best)
+        Some(best.layout)
+    }
+
+    /// Walks along the aspects while that helps.
+    fn refine_aspect(&mut self, size: Size, trial: &mut Trial) {
+        for direction in [1, -1] {
+            while let Some(next) = trial.aspect.checked_add_signed(direction).filter(|&k| k < ASPECTS.len()) {
+                match self.trial(size, next, trial.middle).and_then(|t| self.all(t, trial)) {
+                    Some(t) => *trial = t,
+                    None => break,
+                }
+            }
+        }
     }
 
     /// Layouts with nodes on corners of the image: what a rectangle or a tube wants, and a search over steps misses.
-    fn snapped(&mut self, size: Size, near: &Layout) -> Vec<Layout> {
+    fn snapped(&mut self, size: Size, near: &Layout) -> Vec<Trial> {
         if self.border.is_free() {
             return Vec::new();
         }
@@ -307,7 +340,7 @@ impl<'a> Proxy<'a> {
         let mut seen = std::collections::BTreeSet::new();
         pairs.retain(|p| seen.insert((p.1, p.2)));
         pairs.truncate(many);
-        let mut out: Vec<Layout> =
+        let mut out: Vec<Trial> =
             pairs.into_iter().filter_map(|(_, from, to)| self.trial_between(size, from, to)).collect();
         out.extend(self.trial_sides(size));
         out
@@ -384,7 +417,8 @@ mod tests {
     use crate::surface::Surface;
     use proptest::prelude::*;
 
-    const SEARCH: SearchOptions = SearchOptions { triangles: 400, shifts: 12, passes: 3, steps: 12, refine: true };
+    const SEARCH: SearchOptions =
+        SearchOptions { triangles: 400, shifts: 12, passes: 3, steps: [3, 4, 5], keep: [12, 3], refine: true };
 
     fn searched(s: &Surface, size: Size) -> (Layout, Vec<u32>) {
         let rim = shapes::rim(s);

@@ -6,6 +6,7 @@
 mod accessory;
 mod assemble;
 mod attributes;
+mod bend;
 mod border;
 pub mod closest;
 pub mod component;

@@ -26,10 +26,21 @@ impl Normal {
     }
 
     /// Adds to the coefficient of texel `b` (a neighbour or itself) in the equation of texel `a`.
+    #[cfg(test)]
     pub(crate) fn add(&mut self, a: usize, b: usize, x: f64) {
         let (ai, aj) = (a % self.columns, a / self.columns);
         let (bi, bj) = (b % self.columns, b / self.columns);
         self.stencil[a - self.first][(bj + 1 - aj) * 3 + (bi + 1 - ai)] += x;
+    }
+
+    /// Adds a 3 x 3 block for three texels of one quad, `place` their steps right and down in it.
+    pub(crate) fn add_three(&mut self, texels: [usize; 3], place: [[usize; 2]; 3], block: &[[f64; 3]; 3]) {
+        for a in 0..3 {
+            let row = &mut self.stencil[texels[a] - self.first];
+            for b in 0..3 {
+                row[(place[b][1] + 1 - place[a][1]) * 3 + place[b][0] + 1 - place[a][0]] += block[a][b];
+            }
+        }
     }
 
     /// Adds to the right-hand side of texel `a`.
@@ -48,9 +59,10 @@ impl Normal {
     }
 
     /// Solves for all texels, from and towards `x`: a trace of weight on the start holds texels that
-    /// almost no surface falls on. Members of a ring are one unknown and must be equal in `x`. `false` (and `x`
-    /// untouched) if it breaks down.
-    pub(crate) fn solve(&self, x: &mut [[f64; 3]], rings: &[Vec<u32>]) -> bool {
+    /// almost no surface falls on. Members of a ring are one unknown and must be equal in `x`. `near` is the residual to
+    /// reach as a share of the one at the start, in the norm of the diagonal. `false` (and `x` untouched) if it breaks
+    /// down.
+    pub(crate) fn solve(&self, x: &mut [[f64; 3]], rings: &[Vec<u32>], near: f64) -> bool {
         let (columns, n) = (self.columns, self.stencil.len());
         let rows = n / columns;
         let hold = 1e-4 * self.stencil.iter().map(|s| s[4]).sum::<f64>() / n as f64;
@@ -96,7 +108,7 @@ impl Normal {
             if unknown[k] { [0, 1, 2].map(|c| r[k][c] * r[k][c] * scale[k]) } else { [0.0; 3] }
         };
         let mut rho = sums(n, |k| power(&residual, k));
-        let target = rho.map(|r| r * 1e-20);
+        let target = rho.map(|r| r * near * near);
         for _ in 0..MOST_STEPS {
             if (0..3).all(|c| rho[c] <= target[c]) {
                 break;
@@ -129,7 +141,7 @@ impl Normal {
     }
 }
 
-/// Most conjugate-gradient steps; 1e-10 of the residual takes 30 to 150.
+/// Most conjugate-gradient steps; 1e-5 of the residual takes 15 to 70.
 const MOST_STEPS: usize = 1000;
 
 /// Sums of three terms over all texels, chunk by chunk in order.
@@ -211,7 +223,7 @@ mod tests {
             }
             (0..n).filter(|&k| of[k] != k).for_each(|k| m[k][k] = 1.0);
             let expected = dense(m, b);
-            prop_assert!(normal.solve(&mut p, &rings));
+            prop_assert!(normal.solve(&mut p, &rings, 1e-10));
             for k in 0..n {
                 for c in 0..3 {
                     let e = expected[of[k]][c];

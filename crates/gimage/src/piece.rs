@@ -2,15 +2,16 @@
 
 use std::collections::BTreeMap;
 
+use crate::bend;
 use crate::border::{Border, Key};
 use crate::cut::Cutter;
 use crate::disk::{self, Disk};
 use crate::error::{Error, Result};
-use crate::fit::{FitOptions, fit};
+use crate::fit::{self, FitOptions};
 use crate::grid::Grid;
 use crate::grow::{GrowOptions, grow};
 use crate::layout::{self, Layout, Proxy, SearchOptions, Size};
-use crate::options::{BuildOptions, ImageSize, Sample, Seams};
+use crate::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
 use crate::parameterize::distortion::{self, Distortion};
 use crate::parameterize::{NewtonOptions, ParameterizeRecord, parameterize};
 use crate::resample::{Sample as DiskSample, border_index, resample};
@@ -71,6 +72,7 @@ pub(crate) struct ImageOptions {
     pub search: SearchOptions,
     pub newton: NewtonOptions,
     pub passes: usize,
+    pub detail: f64,
     pub sampling: Sampling,
     pub seams: Seams,
 }
@@ -83,12 +85,23 @@ impl ImageOptions {
             (ImageSize::Texels(n), None) => Size::Budget(n),
             (_, b) => Size::Budget(b.unwrap_or(LEAST)),
         };
+        let normal =
+            SearchOptions { triangles: 1000, shifts: 12, passes: 2, steps: [1, 2, 3], keep: [6, 3], refine: true };
+        let (grow, search) = match options.effort {
+            Effort::Fast => (None, SearchOptions { shifts: 6, keep: [2, 1], refine: false, ..normal }),
+            Effort::Default => (Some(GrowOptions::default()), normal),
+            Effort::Best => {
+                let grow = GrowOptions { triangles: 3000, points: 32, gain: 0.005 };
+                (Some(grow), SearchOptions { triangles: 3000, shifts: 24, steps: [2, 4, 8], keep: [12, 6], ..normal })
+            }
+        };
         Self {
             size,
-            grow: Some(GrowOptions::default()),
-            search: SearchOptions { triangles: 1000, shifts: 12, passes: 3, steps: 5, refine: true },
+            grow,
+            search,
             newton: NewtonOptions::default(),
             passes: 8,
+            detail: options.detail,
             sampling: match options.sample {
                 Sample::Point => Sampling::Point,
                 Sample::Fit => Sampling::Fit(FitOptions::default()),
@@ -191,12 +204,17 @@ pub(crate) fn image(
 
 impl<'a> Maker<'a> {
     fn new(name: &'a str, surface: &'a Surface, options: &'a ImageOptions) -> Result<Self> {
-        let cutter = Cutter::new(surface).ok_or_else(|| Error::Piece {
+        let mut cutter = Cutter::new(surface).ok_or_else(|| Error::Piece {
             piece: name.to_owned(),
             stage: "cut",
             problem: "the surface is not a manifold".into(),
             hint: "please report it with the input".into(),
         })?;
+        let texels = match options.size {
+            Size::Fixed(w, h) => f64::from(w) * f64::from(h),
+            Size::Budget(n) => f64::from(n),
+        };
+        cutter.wanted = bend::wanted(surface, &cutter.graph, (surface.area() / texels.max(1.0)).sqrt(), options.detail);
         let mut rim = vec![disk::NONE; surface.positions.len()];
         for (k, l) in cutter.loops().iter().enumerate() {
             l.iter().for_each(|&v| rim[v as usize] = k as u32);
@@ -277,8 +295,16 @@ impl<'a> Maker<'a> {
         let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
         let fixed = disk.boundary_mask();
         let options = self.options;
-        let record = parameterize(&disk.positions, &disk.triangles, &fixed, &mut uv, options.passes, &options.newton)
-            .ok_or_else(|| {
+        let record = parameterize(
+            &disk.positions,
+            &disk.triangles,
+            &disk.wanted,
+            &fixed,
+            &mut uv,
+            options.passes,
+            &options.newton,
+        )
+        .ok_or_else(|| {
             let hint = "remesh the slivers of this piece, or give it more texels";
             self.fail("parameterize", "no map free of flips was found".into(), hint)
         })?;
@@ -306,7 +332,9 @@ impl<'a> Maker<'a> {
         let mut grid = Grid { links, ..Grid::new(columns, rows, points) };
         if let Sampling::Fit(fit_options) = &options.sampling {
             let rings: Vec<Vec<u32>> = grid.rings().collect();
-            fit(&disk, &uv, &mut grid.positions, columns, rows, &rings, fit_options);
+            let rim: Vec<bool> = loop_of.iter().map(|&l| l != disk::NONE).collect();
+            let image = fit::Image { columns, rows, rings: &rings, rim: &rim };
+            fit::fit(&disk, &uv, &mut grid.positions, &image, fit_options);
         }
         let expected = Expected { euler: self.cutter.euler(), loops: self.cutter.loops().len() };
         let (moved, closed) = seal(&mut grid, &mut samples, &disk, &uv, expected);

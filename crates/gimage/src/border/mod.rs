@@ -11,7 +11,6 @@ mod share;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::disk::Disk;
-use crate::vec3::distance;
 
 pub(crate) use place::{BorderTexel, Key, on_rectangle};
 
@@ -88,9 +87,7 @@ impl Border {
             let end = starts.get(k + 1).copied().unwrap_or(n);
             let at = |i: usize| disk.boundary[i % n];
             let path: Vec<u32> = (first..=end).map(|i| disk.origin[at(i) as usize]).collect();
-            let length = (first..end)
-                .map(|i| distance(disk.positions[at(i) as usize], disk.positions[at(i + 1) as usize]))
-                .sum();
+            let length = (first..end).map(|i| disk.length(at(i), at(i + 1))).sum();
             let mut backward = path.clone();
             backward.reverse();
             let cut = disk.on_cut[first];

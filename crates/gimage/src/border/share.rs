@@ -2,7 +2,6 @@
 
 use super::Border;
 use crate::disk::Disk;
-use crate::vec3::distance;
 
 impl Border {
     /// The fewest border steps that can hold this boundary: even, at least 8.
@@ -58,10 +57,7 @@ impl Border {
         let mut base = 0.0;
         for s in &self.segments {
             let edge: Vec<f64> = (s.first..s.first + s.edges)
-                .map(|i| {
-                    let (a, b) = (disk.boundary[i % n] as usize, disk.boundary[(i + 1) % n] as usize);
-                    distance(disk.positions[a], disk.positions[b])
-                })
+                .map(|i| disk.length(disk.boundary[i % n], disk.boundary[(i + 1) % n]))
                 .collect();
             // Keep very short edges from falling into one point.
             let floor = 1e-7 * edge.iter().sum::<f64>() / edge.len() as f64;

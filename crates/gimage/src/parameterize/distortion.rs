@@ -20,14 +20,14 @@ pub(crate) struct Rest {
 }
 
 /// Rest shapes of all triangles. `scale` is the length in the plane of a unit length on the surface, usually
-/// sqrt(planar area / surface area).
+/// sqrt(planar area / surface area); `wanted` is one number a vertex that multiplies it.
 ///
 /// Slivers and specks are fattened (height at least 1e-3 of the base, weight at least 1e-4 of the mean), or a single bad
 /// triangle could stop the solver for all the others.
-pub(crate) fn rest_shapes(positions: &[[f64; 3]], triangles: &[[u32; 3]], scale: f64) -> Vec<Rest> {
+pub(crate) fn rest_shapes(positions: &[[f64; 3]], triangles: &[[u32; 3]], wanted: &[f64], scale: f64) -> Vec<Rest> {
     let area = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| positions[v as usize]);
-        0.5 * norm(cross(sub(b, a), sub(c, a)))
+        0.5 * mean(wanted, *t).powi(2) * norm(cross(sub(b, a), sub(c, a)))
     };
     let total: f64 = triangles.iter().map(area).sum();
     let floor = 1e-4 / triangles.len().max(1) as f64;
@@ -35,7 +35,8 @@ pub(crate) fn rest_shapes(positions: &[[f64; 3]], triangles: &[[u32; 3]], scale:
         .par_iter()
         .with_min_len(CHUNK)
         .map(|t| {
-            let p = t.map(|v| positions[v as usize]);
+            let m = mean(wanted, *t);
+            let p = t.map(|v| crate::vec3::scale(positions[v as usize], m));
             // The longest edge is the base: the height is then the best conditioned.
             let l = [0, 1, 2].map(|k| norm(sub(p[(k + 1) % 3], p[k])));
             let k = (0..3).fold(0, |m, k| if l[k] > l[m] { k } else { m });
@@ -53,6 +54,12 @@ pub(crate) fn rest_shapes(positions: &[[f64; 3]], triangles: &[[u32; 3]], scale:
             Rest { g, weight: (area(t) / total.max(1e-300)).max(floor) }
         })
         .collect()
+}
+
+/// The mean of a triangle's corners.
+#[inline]
+pub(crate) fn mean(of: &[f64], t: [u32; 3]) -> f64 {
+    t.iter().map(|&v| of[v as usize]).sum::<f64>() / 3.0
 }
 
 /// The Jacobian, row-major, of the map that takes the corners of a triangle to `p`.
@@ -195,7 +202,7 @@ mod tests {
         let uv = SQUARE.map(|p| [p[0] * 5.0, p[1] * 5.0]);
         let d = measure(&SQUARE, &HALVES, &uv);
         assert!((d.l2 - 1.0).abs() < 1e-12 && (d.symmetric_dirichlet - 4.0).abs() < 1e-12 && d.flips == 0);
-        let rest = rest_shapes(&SQUARE, &HALVES, 5.0);
+        let rest = rest_shapes(&SQUARE, &HALVES, &[1.0; 4], 5.0);
         assert!((energy(&rest, &HALVES, &uv) - 4.0).abs() < 1e-12);
     }
 
@@ -212,6 +219,6 @@ mod tests {
     fn a_mirrored_map_is_all_flips() {
         let uv = SQUARE.map(|p| [-p[0], p[1]]);
         assert_eq!(flips(&HALVES, &uv), 2);
-        assert_eq!(energy(&rest_shapes(&SQUARE, &HALVES, 1.0), &HALVES, &uv), f64::INFINITY);
+        assert_eq!(energy(&rest_shapes(&SQUARE, &HALVES, &[1.0; 4], 1.0), &HALVES, &uv), f64::INFINITY);
     }
 }

@@ -1,5 +1,6 @@
 //! A disk whose boundary lies on a rectangle -> a flip-free map of its inside.
 
+mod blocks;
 pub mod distortion;
 mod newton;
 mod sparse;
@@ -27,39 +28,46 @@ pub struct ParameterizeRecord {
 }
 
 /// Maps the free vertices of a disk. `uv` holds the places of the `fixed` (boundary) vertices, counter-clockwise around
-/// a rectangle; the rest is filled in. No triangle is flipped on success. `None` if even the start could not be made
-/// free of flips in f64.
+/// a rectangle; the rest is filled in. `wanted` is the length a unit of length counts for at each vertex. No triangle is
+/// flipped on success. `None` if even the start could not be made free of flips in f64.
 pub(crate) fn parameterize(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    wanted: &[f64],
     fixed: &[bool],
     uv: &mut Vec<[f64; 2]>,
     passes: usize,
     options: &NewtonOptions,
 ) -> Option<ParameterizeRecord> {
     let mut system = System::new(triangles, fixed);
-    solve(&mut system, positions, triangles, uv, passes, options)
+    solve(&mut system, positions, triangles, wanted, uv, passes, options)
 }
 
-/// As [`parameterize`], with a system that can be used again for other boundary places.
+/// As [`parameterize`], with a system that can be used again for other boundary places of the same surface. With no
+/// `passes`, `uv` is a flip-free map already and goes on from there.
 pub(crate) fn solve(
     system: &mut System,
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    wanted: &[f64],
     uv: &mut Vec<[f64; 2]>,
     passes: usize,
     options: &NewtonOptions,
 ) -> Option<ParameterizeRecord> {
-    let StartRecord { passes, uniform, .. } = start::start(system, positions, triangles, uv, passes)?;
+    let StartRecord { passes, uniform, .. } = match passes {
+        0 => StartRecord { passes, stretch: 0.0, uniform: false },
+        _ => start::start(system, positions, triangles, wanted, uv, passes)?,
+    };
     let plane: f64 = triangles.iter().map(|&t| 0.5 * signed_area2(distortion::planar(uv, t))).sum();
     let surface: f64 = triangles
         .iter()
         .map(|t| {
             let [a, b, c] = t.map(|v| positions[v as usize]);
-            0.5 * crate::vec3::norm(crate::vec3::cross(crate::vec3::sub(b, a), crate::vec3::sub(c, a)))
+            let m = distortion::mean(wanted, *t);
+            0.5 * m * m * crate::vec3::norm(crate::vec3::cross(crate::vec3::sub(b, a), crate::vec3::sub(c, a)))
         })
         .sum();
-    let rest = rest_shapes(positions, triangles, (plane / surface.max(1e-300)).sqrt());
+    let rest = rest_shapes(positions, triangles, wanted, (plane / surface.max(1e-300)).sqrt());
     let newton = newton::minimise(system, &rest, triangles, uv, options);
     let log_distortion = distortion::log_distortion(&rest, triangles, uv);
     Some(ParameterizeRecord { start_passes: passes, uniform_start: uniform, log_distortion, newton })

@@ -41,19 +41,15 @@ pub struct NewtonRecord {
 #[inline]
 fn local(rest: &Rest, p: [[f64; 2]; 3]) -> ([[f64; 2]; 3], [[[f64; 4]; 3]; 3]) {
     let j = jacobian(rest, p);
-    // Signed SVD by the half-sum / half-difference rotations; det > 0 makes both singular values positive.
+    // J is a scaled rotation plus a scaled reflection (half-sums and half-differences): s1, s2 = q +- r, and both parts
+    // share the singular vectors, so that the modes need no angles.
     let (e, f, g, h) = ((j[0] + j[3]) * 0.5, (j[0] - j[3]) * 0.5, (j[2] + j[1]) * 0.5, (j[2] - j[1]) * 0.5);
     let (q, r) = ((e * e + h * h).sqrt(), (f * f + g * g).sqrt());
     let det = j[0] * j[3] - j[1] * j[2];
     let s1 = q + r;
     let s2 = det / s1;
-    let (a1, a2) = (g.atan2(f), h.atan2(e));
-    let (theta, phi) = ((a2 - a1) * 0.5, (a2 + a1) * 0.5);
-    let (sin_u, cos_u) = phi.sin_cos();
-    let (sin_v, cos_v) = theta.sin_cos();
-    // J = U diag(s1, s2) V^T, columns of U and V:
-    let (u1, u2) = ([cos_u, sin_u], [-sin_u, cos_u]);
-    let (v1, v2) = ([cos_v, -sin_v], [sin_v, cos_v]);
+    let (e, h) = (e / q, h / q);
+    let (f, g) = if r > 0.0 { (f / r, g / r) } else { (1.0, 0.0) };
     let w = 2.0 * rest.weight;
     let (i1, i2) = (1.0 / s1, 1.0 / s2);
     let (c1, c2) = (i1 * i1 * i1, i2 * i2 * i2);
@@ -62,11 +58,14 @@ fn local(rest: &Rest, p: [[f64; 2]; 3]) -> ([[f64; 2]; 3], [[[f64; 4]; 3]; 3]) {
     let lambda = [1.0 + 3.0 * c1 * i1, 1.0 + 3.0 * c2 * i2, ((d1 + d2) / (s1 + s2)).max(0.0), {
         1.0 + (s1 * s1 + s1 * s2 + s2 * s2) * c1 * c2
     }];
-    let outer = |a: [f64; 2], b: [f64; 2]| [a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]];
-    let (e11, e22, e12, e21) = (outer(u1, v1), outer(u2, v2), outer(u1, v2), outer(u2, v1));
+    // U diag(1, 0) V^T, U diag(0, 1) V^T, and the antisymmetric and symmetric mixes of the two, of unit norm.
     const R: f64 = std::f64::consts::FRAC_1_SQRT_2;
-    let mix = |a: [f64; 4], b: [f64; 4], s: f64| [0, 1, 2, 3].map(|k| (a[k] + s * b[k]) * R);
-    let modes = [e11, e22, mix(e21, e12, -1.0), mix(e21, e12, 1.0)];
+    let modes = [
+        [0.5 * (e + f), 0.5 * (g - h), 0.5 * (h + g), 0.5 * (e - f)],
+        [0.5 * (e - f), 0.5 * (-h - g), 0.5 * (h - g), 0.5 * (e + f)],
+        [-h * R, -e * R, e * R, -h * R],
+        [-g * R, f * R, f * R, g * R],
+    ];
     // Each mode pulled back to the corners: (mode g_k), a 2-vector for each corner.
     let pull = |m: [f64; 4], g: [f64; 2]| [m[0] * g[0] + m[1] * g[1], m[2] * g[0] + m[3] * g[1]];
     let mut gradient = [[0.0; 2]; 3];
@@ -81,14 +80,18 @@ fn local(rest: &Rest, p: [[f64; 2]; 3]) -> ([[f64; 2]; 3], [[[f64; 4]; 3]; 3]) {
     }
     let mut hessian = [[[0.0; 4]; 3]; 3];
     for a in 0..3 {
-        for b in 0..3 {
+        for b in a..3 {
+            let mut block = [0.0; 4];
             for m in 0..4 {
-                let (x, y, l) = (pulled[m][a], pulled[m][b], w * lambda[m]);
-                hessian[a][b][0] += l * x[0] * y[0];
-                hessian[a][b][1] += l * x[0] * y[1];
-                hessian[a][b][2] += l * x[1] * y[0];
-                hessian[a][b][3] += l * x[1] * y[1];
+                let l = w * lambda[m];
+                let (x, y) = (pulled[m][a].map(|x| l * x), pulled[m][b]);
+                block[0] += x[0] * y[0];
+                block[1] += x[0] * y[1];
+                block[2] += x[1] * y[0];
+                block[3] += x[1] * y[1];
             }
+            hessian[a][b] = block;
+            hessian[b][a] = [block[0], block[2], block[1], block[3]];
         }
     }
     (gradient, hessian)

@@ -5,7 +5,7 @@
 //! so that Cholesky serves; after each solve they are divided by the stretch around the edge and solved again
 //! (Yoshizawa, Belyaev, Seidel 2004, with their vertex weights split over the edge to keep the symmetry).
 
-use super::distortion::{flips, triangle_stretch};
+use super::distortion::{flips, mean, triangle_stretch};
 use super::system::System;
 use crate::vec3::{cross, dot, norm, sub};
 
@@ -53,6 +53,7 @@ pub(crate) fn start(
     system: &mut System,
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    wanted: &[f64],
     uv: &mut [[f64; 2]],
     passes: usize,
 ) -> Option<StartRecord> {
@@ -60,7 +61,7 @@ pub(crate) fn start(
         .iter()
         .map(|t| {
             let [a, b, c] = t.map(|v| positions[v as usize]);
-            0.5 * norm(cross(sub(b, a), sub(c, a)))
+            0.5 * mean(wanted, *t).powi(2) * norm(cross(sub(b, a), sub(c, a)))
         })
         .collect();
     let mut around = vec![1e-300; positions.len()];
@@ -69,9 +70,15 @@ pub(crate) fn start(
     }
     let total: f64 = area.iter().sum::<f64>().max(1e-300);
     for uniform in [false, true] {
-        let edges = system.edges.clone();
-        let mut weights =
-            if uniform { vec![1.0; edges.len()] } else { mean_value_weights(positions, triangles, &edges) };
+        let mut weights = if uniform {
+            vec![1.0; system.edges.len()]
+        } else {
+            let kept = system.weights.take();
+            kept.unwrap_or_else(|| mean_value_weights(positions, triangles, &system.edges))
+        };
+        if !uniform {
+            system.weights = Some(weights.clone());
+        }
         let mut best: Option<(f64, Vec<[f64; 2]>)> = None;
         let mut made = 0;
         for pass in 0..passes.clamp(1, PASSES) {
@@ -79,12 +86,13 @@ pub(crate) fn start(
                 break;
             }
             made = pass + 1;
-            let s2: Vec<f64> = triangles.iter().map(|&t| triangle_stretch(positions, t, uv)).collect();
-            let mean = (s2.iter().zip(&area).map(|(s, a)| s * a).sum::<f64>() / total).sqrt();
+            let s2: Vec<f64> =
+                triangles.iter().map(|&t| mean(wanted, t).powi(2) * triangle_stretch(positions, t, uv)).collect();
+            let average = (s2.iter().zip(&area).map(|(s, a)| s * a).sum::<f64>() / total).sqrt();
             if flips(triangles, uv) == 0 {
-                if best.as_ref().is_none_or(|b| mean < b.0) {
-                    best = Some((mean, uv.to_vec()));
-                } else if best.as_ref().is_some_and(|b| mean > 1.02 * b.0) {
+                if best.as_ref().is_none_or(|b| average < b.0) {
+                    best = Some((average, uv.to_vec()));
+                } else if best.as_ref().is_some_and(|b| average > 1.02 * b.0) {
                     break;
                 }
             }
@@ -92,9 +100,9 @@ pub(crate) fn start(
             for ((t, a), s) in triangles.iter().zip(&area).zip(&s2) {
                 t.iter().for_each(|&v| vertex[v as usize] += a * s);
             }
-            let sigma: Vec<f64> = vertex.iter().zip(&around).map(|(s, a)| (s / a).sqrt().max(1e-6 * mean)).collect();
-            for (w, e) in weights.iter_mut().zip(&edges) {
-                *w /= (sigma[e[0] as usize] * sigma[e[1] as usize]).sqrt() / mean;
+            let sigma: Vec<f64> = vertex.iter().zip(&around).map(|(s, a)| (s / a).sqrt().max(1e-6 * average)).collect();
+            for (w, e) in weights.iter_mut().zip(&system.edges) {
+                *w /= (sigma[e[0] as usize] * sigma[e[1] as usize]).sqrt() / average;
             }
             let top = weights.iter().copied().fold(0.0, f64::max);
             weights.iter_mut().for_each(|w| *w = (*w / top).max(1e-12));

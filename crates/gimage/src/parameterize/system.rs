@@ -1,7 +1,23 @@
 //! The linear systems over the free vertices of a planar map: one Laplacian, one Newton system, one ordering for both.
 
+use super::blocks::{Factor, Pattern};
 use super::sparse::Cholesky;
 use crate::halfedge::sorted_edges;
+
+/// Most products of a factor that is made block by block.
+const SMALL: u64 = 1_500_000;
+
+/// How the Laplacian is factorised.
+enum Laplacian {
+    Small(Box<Pattern>, Box<Factor<f64>>),
+    Large(Box<Cholesky>),
+}
+
+/// How the Newton system is factorised; the small one shares the Laplacian's pattern.
+enum Newton {
+    Small(Box<Factor<[f64; 4]>>),
+    Large(Box<Cholesky>),
+}
 
 /// Unknown of a fixed vertex.
 const FIXED: u32 = u32::MAX;
@@ -14,11 +30,13 @@ pub(crate) struct System {
     count: usize,
     /// Undirected edges, smaller vertex first, sorted.
     pub(crate) edges: Vec<[u32; 2]>,
+    /// Mean-value weights of the edges, once they are known.
+    pub(super) weights: Option<Vec<f64>>,
     /// Vertex-graph pattern, lower triangle by columns with the diagonal first.
     col_ptr: Vec<u32>,
     row_idx: Vec<u32>,
-    laplacian: Option<Cholesky>,
-    newton: Option<Cholesky>,
+    laplacian: Option<Laplacian>,
+    newton: Option<Newton>,
     /// For each triangle and corner pair (0,1), (1,2), (2,0): the place of its block in `row_idx`, or [`FIXED`].
     pair_at: Vec<[u32; 3]>,
 }
@@ -78,6 +96,7 @@ impl System {
             unknown,
             count: n,
             edges,
+            weights: None,
             col_ptr,
             row_idx,
             laplacian: None,
@@ -91,9 +110,16 @@ impl System {
         self.count
     }
 
-    fn laplacian(&mut self) -> Option<&mut Cholesky> {
+    fn laplacian(&mut self) -> Option<&mut Laplacian> {
         if self.laplacian.is_none() {
-            self.laplacian = Some(Cholesky::new(self.count, self.col_ptr.clone(), self.row_idx.clone(), None)?);
+            let large = Cholesky::new(self.count, self.col_ptr.clone(), self.row_idx.clone(), None)?;
+            self.laplacian = Some(match Pattern::new(&self.col_ptr, &self.row_idx, &large.order(), SMALL) {
+                Some(pattern) => {
+                    let factor = Factor::new(&pattern);
+                    Laplacian::Small(Box::new(pattern), Box::new(factor))
+                }
+                None => Laplacian::Large(Box::new(large)),
+            });
         }
         self.laplacian.as_mut()
     }
@@ -106,7 +132,7 @@ impl System {
             return true;
         }
         let mut values = vec![0.0; self.row_idx.len()];
-        let mut rhs = vec![0.0; 2 * n];
+        let mut rhs = vec![[0.0; 2]; n];
         let mut next = self.col_ptr.clone();
         (0..n).for_each(|j| next[j] += 1);
         for (&[a, b], &w) in self.edges.iter().zip(weights) {
@@ -115,8 +141,8 @@ impl System {
                 if x != FIXED {
                     values[self.col_ptr[x as usize] as usize] += w;
                     if fixed {
-                        rhs[x as usize] += w * uv[other as usize][0];
-                        rhs[n + x as usize] += w * uv[other as usize][1];
+                        rhs[x as usize][0] += w * uv[other as usize][0];
+                        rhs[x as usize][1] += w * uv[other as usize][1];
                     }
                 }
             }
@@ -126,14 +152,26 @@ impl System {
                 next[i as usize] += 1;
             }
         }
-        let Some(c) = self.laplacian() else { return false };
-        if !c.factorize(&values) {
-            return false;
+        match self.laplacian() {
+            Some(Laplacian::Small(pattern, factor)) => {
+                if !factor.factorize(pattern, &values) {
+                    return false;
+                }
+                factor.solve(pattern, &mut rhs);
+            }
+            Some(Laplacian::Large(c)) => {
+                if !c.factorize(&values) {
+                    return false;
+                }
+                let mut columns: Vec<f64> = (0..2).flat_map(|c| rhs.iter().map(move |r| r[c])).collect();
+                c.solve(&mut columns);
+                rhs.iter_mut().enumerate().for_each(|(k, r)| *r = [columns[k], columns[n + k]]);
+            }
+            None => return false,
         }
-        c.solve(&mut rhs);
         for (v, &x) in self.unknown.iter().enumerate() {
             if x != FIXED {
-                uv[v] = [rhs[x as usize], rhs[n + x as usize]];
+                uv[v] = rhs[x as usize];
             }
         }
         uv.iter().flatten().all(|x| x.is_finite())
@@ -145,83 +183,79 @@ impl System {
         locals: &[([[f64; 2]; 3], [[[f64; 4]; 3]; 3])],
     ) -> Option<(Vec<[f64; 2]>, f64)> {
         let n = self.count;
-        if self.newton.is_none() {
-            self.newton = Some(self.analyse_newton()?);
-        }
-        // Column 2 j holds [jj, ...pairs], column 2 j + 1 holds [j'j', ...pairs]; see `analyse_newton`.
-        let start = |j: usize, odd: usize| {
-            let (p, k) = (self.col_ptr[j] as usize, (self.col_ptr[j + 1] - self.col_ptr[j]) as usize);
-            4 * p - j + if odd == 1 { 2 * k } else { 0 }
-        };
-        let total = 4 * self.row_idx.len() - n;
-        let mut values = vec![0.0; total];
-        let mut gradient = vec![0.0; 2 * n];
+        // One 2 x 2 block for each entry of the vertex pattern.
+        let mut blocks = vec![[0.0; 4]; self.row_idx.len()];
+        let mut gradient = vec![[0.0; 2]; n];
+        let add = |to: &mut [f64; 4], x: &[f64; 4]| (0..4).for_each(|k| to[k] += x[k]);
         for ((t, pairs), (g, h)) in self.triangles.iter().zip(&self.pair_at).zip(locals) {
             let x = t.map(|v| self.unknown[v as usize]);
             for a in 0..3 {
-                if x[a] == FIXED {
-                    continue;
+                if x[a] != FIXED {
+                    let j = x[a] as usize;
+                    (0..2).for_each(|c| gradient[j][c] += g[a][c]);
+                    add(&mut blocks[self.col_ptr[j] as usize], &h[a][a]);
                 }
-                let j = x[a] as usize;
-                gradient[2 * j] += g[a][0];
-                gradient[2 * j + 1] += g[a][1];
-                let (even, odd) = (start(j, 0), start(j, 1));
-                values[even] += h[a][a][0];
-                values[even + 1] += h[a][a][2];
-                values[odd] += h[a][a][3];
             }
             for k in 0..3 {
-                if pairs[k] == FIXED {
-                    continue;
+                if pairs[k] != FIXED {
+                    // Rows of the larger unknown, columns of the smaller.
+                    let (a, b) = (k, (k + 1) % 3);
+                    let (a, b) = if x[a] < x[b] { (b, a) } else { (a, b) };
+                    add(&mut blocks[pairs[k] as usize], &h[a][b]);
                 }
-                let (mut a, mut b) = (k, (k + 1) % 3);
-                if x[a] < x[b] {
-                    std::mem::swap(&mut a, &mut b);
-                }
-                // Rows of a (larger unknown), columns of b.
-                let j = x[b] as usize;
-                let offset = 2 * (pairs[k] - self.col_ptr[j]) as usize;
-                let block = &h[a][b];
-                let (even, odd) = (start(j, 0) + offset, start(j, 1) + offset - 1);
-                values[even] += block[0];
-                values[even + 1] += block[2];
-                values[odd] += block[1];
-                values[odd + 1] += block[3];
             }
         }
-        let diagonal: f64 = (0..n).map(|j| values[start(j, 0)] + values[start(j, 1)]).sum::<f64>() / (2 * n) as f64;
-        let mut shift = 1e-10 * diagonal;
-        let mut rhs: Vec<f64> = gradient.iter().map(|g| -g).collect();
+        let at = |j: usize| self.col_ptr[j] as usize;
+        let diagonal: f64 = (0..n).map(|j| blocks[at(j)][0] + blocks[at(j)][3]).sum::<f64>() / (2 * n) as f64;
+        let (mut done, mut shift) = (0.0, 1e-10 * diagonal);
+        if self.newton.is_none() {
+            self.newton = Some(self.analyse_newton()?);
+        }
         for _ in 0..4 {
-            let mut shifted = values.clone();
             for j in 0..n {
-                shifted[start(j, 0)] += shift;
-                shifted[start(j, 1)] += shift;
+                let block = &mut blocks[self.col_ptr[j] as usize];
+                block[0] += shift - done;
+                block[3] += shift - done;
             }
-            let c = self.newton.as_mut()?;
-            if !c.factorize(&shifted) {
-                shift *= 1e3;
+            let mut d: Vec<[f64; 2]> = gradient.iter().map(|g| [-g[0], -g[1]]).collect();
+            let solved = match (self.newton.as_mut()?, self.laplacian.as_ref()?) {
+                (Newton::Small(factor), Laplacian::Small(pattern, _)) => {
+                    let fine = factor.factorize(pattern, &blocks);
+                    if fine {
+                        factor.solve(pattern, &mut d);
+                    }
+                    fine
+                }
+                (Newton::Large(c), _) => {
+                    let fine = c.factorize(&scalars(&self.col_ptr, &blocks));
+                    if fine {
+                        c.solve(d.as_flattened_mut());
+                    }
+                    fine
+                }
+                _ => return None,
+            };
+            if !solved {
+                (done, shift) = (shift, 1e3 * shift);
                 continue;
             }
-            c.solve(&mut rhs);
-            if rhs.iter().any(|x| !x.is_finite()) {
+            if d.iter().flatten().any(|x| !x.is_finite()) {
                 return None;
             }
-            let slope: f64 = rhs.iter().zip(&gradient).map(|(d, g)| d * g).sum();
-            let direction = self
-                .unknown
-                .iter()
-                .map(|&x| if x == FIXED { [0.0; 2] } else { [rhs[2 * x as usize], rhs[2 * x as usize + 1]] })
-                .collect();
+            let slope: f64 = d.iter().zip(&gradient).map(|(d, g)| d[0] * g[0] + d[1] * g[1]).sum();
+            let direction = self.unknown.iter().map(|&x| if x == FIXED { [0.0; 2] } else { d[x as usize] }).collect();
             return (slope < 0.0).then_some((direction, slope));
         }
         None
     }
 
     /// The pattern of the Newton system: every entry of the vertex pattern is a 2 x 2 block, ordered as the Laplacian.
-    fn analyse_newton(&mut self) -> Option<Cholesky> {
+    fn analyse_newton(&mut self) -> Option<Newton> {
         let n = self.count;
-        let order: Vec<u32> = self.laplacian()?.order().iter().flat_map(|&v| [2 * v, 2 * v + 1]).collect();
+        let order: Vec<u32> = match self.laplacian()? {
+            Laplacian::Small(pattern, _) => return Some(Newton::Small(Box::new(Factor::new(pattern)))),
+            Laplacian::Large(c) => c.order().iter().flat_map(|&v| [2 * v, 2 * v + 1]).collect(),
+        };
         let mut col_ptr = vec![0u32];
         let mut row_idx = Vec::with_capacity(4 * self.row_idx.len() - n);
         for j in 0..n {
@@ -236,8 +270,20 @@ impl System {
                 col_ptr.push(row_idx.len() as u32);
             }
         }
-        Cholesky::new(2 * n, col_ptr, row_idx, Some(&order))
+        Cholesky::new(2 * n, col_ptr, row_idx, Some(&order)).map(|c| Newton::Large(Box::new(c)))
     }
+}
+
+/// Blocks as numbers, in the order of `analyse_newton`: column 2 j holds both rows of its blocks, column 2 j + 1 likewise
+/// but for the upper row of the first.
+fn scalars(col_ptr: &[u32], blocks: &[[f64; 4]]) -> Vec<f64> {
+    let mut out = Vec::with_capacity(4 * blocks.len());
+    for range in col_ptr.windows(2) {
+        let column = &blocks[range[0] as usize..range[1] as usize];
+        out.extend(column.iter().flat_map(|b| [b[0], b[2]]));
+        out.extend(column.iter().flat_map(|b| [b[1], b[3]]).skip(1));
+    }
+    out
 }
 
 #[cfg(test)]
