@@ -2,6 +2,7 @@
 
 mod check;
 mod flat;
+mod tether_tmp;
 mod from_bundle;
 
 pub use flat::Flat;
@@ -46,6 +47,18 @@ pub enum Rest {
     Image(Vec<[f32; 4]>),
 }
 
+/// Compliance \[m/N\] of springs, the inverse of their stiffness; the classic solver has none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Compliance {
+    /// As stiff as the solver can.
+    #[default]
+    None,
+    /// The same for every spring.
+    Constant(f32),
+    /// One entry a particle, as rest lengths.
+    Image(Vec<[f32; 4]>),
+}
+
 /// Masses \[kg\]. Each duplicate of a seam point holds the mass of the whole point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mass {
@@ -87,6 +100,8 @@ pub struct Cloth {
     /// A displacement faster than this \[m/s\] is taken for a collision's jump and carries no velocity on. Above 0,
     /// default infinite; smaller means that fast cloth stops.
     pub speed_limit: f32,
+    /// How soft the springs are. Default none.
+    pub compliance: Compliance,
 }
 
 impl Cloth {
@@ -95,7 +110,7 @@ impl Cloth {
     pub fn new(parts: Parts) -> Result<Self> {
         let (ring_starts, ring_members) = check::rings(&parts)?;
         let calm =
-            Cloth { parts, ring_starts, ring_members, velocity: [0.0; 3], damping: 0.0, speed_limit: f32::INFINITY };
+            Cloth { parts, ring_starts, ring_members, velocity: [0.0; 3], damping: 0.0, speed_limit: f32::INFINITY, compliance: Compliance::None };
         Ok(calm)
     }
 
@@ -204,6 +219,11 @@ impl Cloth {
             };
         }
         Ok(())
+    }
+
+    /// Whether any particle is pinned.
+    pub fn any_pinned(&self) -> bool {
+        self.parts.particles.iter().any(|p| matches!(p, Particle::Pinned { .. }))
     }
 
     /// All duplicates of a seam particle, itself among them. Costs a search through the seams.

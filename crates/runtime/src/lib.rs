@@ -23,14 +23,14 @@ mod wind;
 mod world;
 
 pub use clock::Progress;
-pub use cloth::{Cloth, Flat, Grid, Mass, Particle, Parts, Rest};
+pub use cloth::{Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest};
 pub use collider::{Collider, Shape};
 pub use cpu::real::Real;
 pub use error::{Error, Result};
 pub use gpu::{ClothBuffers, read_back};
 pub use measure::{Measures, measure};
 pub use options::{Backend, Options, Solver};
-pub use passes::{Air, Kinds, Pass};
+pub use passes::{Air, Kinds, Pass, Soft};
 pub use plan::{Plan, PlannedPass};
 pub use reference::Reference;
 pub use scene::Scene;

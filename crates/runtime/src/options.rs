@@ -22,6 +22,10 @@ pub enum Solver {
     /// SIGGRAPH 2005. The error falls with the square of the substeps; substeps do more than iterations.
     #[default]
     Classic,
+    /// Extended position-based dynamics: springs with a compliance in \[m/N\], one relaxation a substep, tethers to pins,
+    /// swept contact. After M. Macklin, M. Mueller, N. Chentanez, "XPBD", MIG 2016, and M. Macklin et al., "Small Steps in
+    /// Physics Simulation", SCA 2019.
+    Xpbd,
 }
 
 /// Settings of a stepper.
@@ -37,6 +41,11 @@ pub struct Options {
     pub substeps: u32,
     /// Relaxations a step. Default 1; 1 to 4096; larger is stiffer and dearer, but less so than substeps.
     pub iterations: u32,
+    /// Whether pinned cloth hangs on tethers: no particle farther from its pins than along the surface. Default true;
+    /// for [`Solver::Xpbd`] only. They take most of the stretch away, and stiffen swings a little.
+    pub tethers: bool,
+    /// Whether normals are made at the end of a frame. Default true.
+    pub normals: bool,
     /// Most times of `step` that one frame catches up; what is beyond is dropped. Default 4; 1 to 1024.
     pub max_catch_up: u32,
     /// Threads of the CPU backend: 0 is one for each core, 1 only the caller's. Default 0. Results do not depend on it.
@@ -46,7 +55,17 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         let (backend, solver) = (Backend::default(), Solver::default());
-        Options { backend, solver, step: 1.0 / 60.0, substeps: 8, iterations: 1, max_catch_up: 4, threads: 0 }
+        Options {
+            backend,
+            solver,
+            step: 1.0 / 60.0,
+            substeps: 8,
+            iterations: 1,
+            tethers: true,
+            normals: true,
+            max_catch_up: 4,
+            threads: 0,
+        }
     }
 }
 

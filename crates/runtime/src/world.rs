@@ -36,7 +36,7 @@ impl World {
     pub fn reschedule(&mut self) {
         let kinds = Kinds::of(&self.scene.colliders);
         let wind = self.scene.wind.as_ref();
-        self.schedules = self.scene.cloths.iter().map(|c| schedule(c, kinds, wind)).collect();
+        self.schedules = self.scene.cloths.iter().map(|c| schedule(c, kinds, wind, &self.options)).collect();
     }
 
     /// The numbers of the next step of a cloth.
@@ -54,6 +54,13 @@ impl World {
         })
     }
 
+    /// Time \[s\] from the end of step `n` of `steps` to the end of the frame, where colliders move; else 0.
+    pub fn left(&self, n: u32, steps: u32) -> f64 {
+        let moves = |c: &crate::collider::Collider| [c.velocity, c.spin].as_flattened().iter().any(|x| *x != 0.0);
+        let swept = self.options.solver == crate::options::Solver::Xpbd;
+        if swept && self.scene.colliders.iter().any(moves) { f64::from(steps - 1 - n) * self.clock.dt } else { 0.0 }
+    }
+
     pub fn cloth(&self, index: usize) -> Result<&Cloth> {
         let count = self.scene.cloths.len();
         self.scene.cloths.get(index).ok_or(Error::NoSuch { what: "cloth", index, count })
@@ -61,7 +68,7 @@ impl World {
 
     /// Bodies of all cloths at the start.
     pub fn bodies<T: Real>(&self) -> Vec<Body<T>> {
-        self.scene.cloths.iter().map(|c| Body::new(c, self.clock.dt)).collect()
+        self.scene.cloths.iter().map(|c| Body::new(c, &self.options)).collect()
     }
 
     /// Runs a frame of `steps` steps on the CPU.
@@ -73,11 +80,14 @@ impl World {
             }
             let (cloth, plan) = (&self.scene.cloths[index], &self.schedules[index]);
             let numbers = [self.step(cloth, true).cast::<T>(), self.step(cloth, false).cast()];
+            body.begin();
             for n in 0..steps {
-                let step = &numbers[usize::from(n > 0)];
+                let left = T::of(self.left(n, steps));
+                let step = &Step { left, ..numbers[usize::from(n > 0)] };
                 let relax = (0..self.options.iterations).flat_map(|_| &plan.relax);
-                plan.step.iter().chain(relax).for_each(|pass| body.run(*pass, threads, step, &solids));
+                body.step(plan.step.iter().chain(relax), threads, step, &solids);
             }
+            body.end();
             let last = &numbers[usize::from(steps > 1)];
             plan.frame.iter().for_each(|pass| body.run(*pass, threads, last, &solids));
         }

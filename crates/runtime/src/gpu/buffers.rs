@@ -6,17 +6,21 @@ use bytemuck::{Pod, bytes_of, cast_slice};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
-use crate::cloth::{Cloth, Rest};
+use crate::cloth::{Cloth, Compliance, Rest};
+use crate::cpu::tethers;
 use crate::cpu::body::Body;
 use crate::error::{Error, Result};
 use crate::gpu::layout::{GridRow, SolidRow, StepRow};
 use crate::gpu::pipelines::Pipeline;
+use crate::options::{Options, Solver};
 use crate::shaders::{Bound, Slot, Source};
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
 const STEP_STRIDE: u32 = 256;
-/// A frame takes up to two; so many frames can be recorded before the first is submitted.
-const STEPS: u32 = 32;
+/// A frame takes up to two, or [`POSES`] where colliders move; so many can be recorded before the first submission.
+const STEPS: u32 = 1024;
+/// Steps of a frame are told apart by moving colliders in so many groups.
+pub(super) const POSES: u32 = 128;
 
 /// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices.
 pub struct ClothBuffers {
@@ -35,7 +39,7 @@ pub struct ClothBuffers {
 
 impl ClothBuffers {
     /// Uploads a cloth. Errors where a buffer is larger than the device allows.
-    pub(super) fn new(device: &wgpu::Device, cloth: &Cloth, body: &Body<f32>, draw_only: bool) -> Result<Self> {
+    pub(super) fn new(device: &wgpu::Device, cloth: &Cloth, body: &Body<f32>, options: &Options, draw_only: bool) -> Result<Self> {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let need = cloth.len() as u64 * 16;
@@ -45,8 +49,8 @@ impl ClothBuffers {
         let list =
             |label, data: &[[f32; 4]]| upload(device, label, data, BufferUsages::VERTEX | BufferUsages::COPY_SRC);
         let mut buffers = ClothBuffers {
-            now: list("now", &body.now),
-            before: list("before", &body.before),
+            now: list("now", body.now()),
+            before: list("before", body.before()),
             normals: list("normals", &body.normals),
             step: None,
             others: HashMap::new(),
@@ -55,12 +59,12 @@ impl ClothBuffers {
             cursor: 0,
         };
         if !draw_only {
-            buffers.for_stepping(device, cloth);
+            buffers.for_stepping(device, cloth, options);
         }
         Ok(buffers)
     }
 
-    fn for_stepping(&mut self, device: &wgpu::Device, cloth: &Cloth) {
+    fn for_stepping(&mut self, device: &wgpu::Device, cloth: &Cloth, options: &Options) {
         self.step = Some(device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("step"),
             size: u64::from(STEP_STRIDE * STEPS),
@@ -75,13 +79,21 @@ impl ClothBuffers {
                 first: grid.first,
                 width: grid.width,
                 height: grid.height,
-                unused: 0,
+                soft: if let Compliance::Constant(c) = cloth.compliance { c } else { 0.0 },
                 rest: constant(g),
             })
             .collect();
         self.others.insert(Slot::Grids, upload(device, "grids", &rows, none));
         if let Rest::Image(rest) = cloth.rest() {
             self.others.insert(Slot::Rest, upload(device, "rest", rest, none));
+        }
+        if let Compliance::Image(soft) = &cloth.compliance {
+            self.others.insert(Slot::Soft, upload(device, "soft", soft, none));
+        }
+        if options.solver == Solver::Xpbd && options.tethers && cloth.any_pinned() {
+            let held = cloth.tethers(tethers::MOST);
+            let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
+            self.others.insert(Slot::Tethers, upload(device, "tethers", &rows, none));
         }
         if cloth.ring_count() > 0 {
             let (starts, members) = cloth.rings();
@@ -110,12 +122,13 @@ impl ClothBuffers {
         source: &Source,
         solids: &Buffer,
     ) -> &wgpu::BindGroup {
-        if source.bindings.iter().any(|b| b.slot == Slot::Field) && !self.others.contains_key(&Slot::Field) {
-            // Only cloth in wind that acts on triangles has one.
-            let usage = BufferUsages::STORAGE;
-            let size = self.now.size();
-            let field = wgpu::BufferDescriptor { label: Some("field"), size, usage, mapped_at_creation: false };
-            self.others.insert(Slot::Field, device.create_buffer(&field));
+        // Only cloth in wind that acts on triangles, or with several relaxations of soft springs, has these.
+        for slot in [Slot::Field, Slot::Sums] {
+            if source.bindings.iter().any(|b| b.slot == slot) {
+                let (usage, size) = (BufferUsages::STORAGE, self.now.size());
+                let wish = wgpu::BufferDescriptor { label: Some(slot.name()), size, usage, mapped_at_creation: false };
+                self.others.entry(slot).or_insert_with(|| device.create_buffer(&wish));
+            }
         }
         let ClothBuffers { now, before, normals, step, others, groups, .. } = self;
         groups.entry(source.bindings.clone()).or_insert_with(|| {
