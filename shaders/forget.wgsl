@@ -1,5 +1,5 @@
 // The multipliers of the last step end with it.
-@group(0) @binding(11) var<storage, read_write> sums: array<vec4<f32>>;
+@group(0) @binding(18) var<storage, read_write> sums: array<vec4<f32>>;
 
 @compute @workgroup_size(64)
 fn main(

@@ -1,7 +1,7 @@
 // No particle is farther from its anchors than along the surface: hard, one anchor after the other.
 @group(0) @binding(2) var<storage, read_write> now: array<vec4<f32>>;
 // For each particle `slots` pairs of the anchor's index, all ones for none, and the bits of its distance.
-@group(0) @binding(12) var<storage, read> tethers: array<vec2<u32>>;
+@group(0) @binding(19) var<storage, read> tethers: array<vec2<u32>>;
 
 override slots: u32 = 1u;
 

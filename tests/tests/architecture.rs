@@ -11,7 +11,7 @@ fn every_path_in_the_pages_exists() {
         let code = text.split('`').skip(1).step_by(2);
         let links = text.split("](").skip(1).filter_map(|t| t.split(')').next());
         for path in code.chain(links).filter(|p| !p.contains([' ', '\n', '<'])) {
-            let known = ["crates/", "tests/", "assets", "shaders", "bench"].iter().any(|k| path.starts_with(k));
+            let known = ["crates/", "tests/", "assets", "docs", "shaders", "bench"].iter().any(|k| path.starts_with(k));
             if known || path.ends_with(".md") || path.starts_with("LICENSE") {
                 assert!(root.join(path).exists(), "{page} names {path}");
                 checked += 1;

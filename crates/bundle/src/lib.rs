@@ -15,6 +15,7 @@ pub mod manifest;
 mod map;
 mod particle;
 mod rings;
+mod tether;
 mod validate;
 
 pub use bundle::{Bundle, sha256};
@@ -26,4 +27,5 @@ pub use manifest::Manifest;
 pub use map::{Image, MAX_SIDE, MapKind, check_file_name, check_size, file_stems};
 pub use particle::{MAX_PARTICLES, Particle};
 pub use rings::{LinkFault, Rings, find_rings, ring_gap};
+pub use tether::{Anchor, MAX_ANCHORS, RestLengths, SpringGrid, Tethers, tethers};
 pub use validate::{Fault, FaultKind, MAX_LISTED, exit_code, validate, validate_files};

@@ -38,9 +38,12 @@ pub enum Command {
     /// Turn a bundle back into one welded mesh.
     #[command(after_help = help::RECONSTRUCT)]
     Reconstruct(ReconstructArgs),
-    /// Step a built-in scene, or a bundle under gravity, as cloth.
+    /// Step a scene, or a bundle under gravity, as cloth.
     #[command(after_help = help::SIMULATE)]
     Simulate(SimulateArgs),
+    /// Draw a scene as it moves: a PNG, or a GIF of many pictures.
+    #[command(after_help = help::RENDER)]
+    Render(RenderArgs),
 }
 
 /// `gimage build`.
@@ -131,33 +134,40 @@ pub struct ReconstructArgs {
     pub force: bool,
 }
 
-/// `gimage simulate`.
+/// What is stepped, and how: `gimage simulate` and `gimage render`.
 #[derive(Debug, Args)]
-pub struct SimulateArgs {
-    /// The name of a built-in scene, or a bundle.
+pub struct SceneArgs {
+    /// The name of a built-in scene, a scene file (.json), or a bundle.
     #[arg(value_name = "SCENE")]
     pub scene: String,
     /// What computes; auto is the GPU where there is a real one.
     #[arg(long, value_enum, default_value = "auto")]
     pub backend: BackendArg,
-    /// How springs keep their lengths.
-    #[arg(long, value_enum, default_value = "classic")]
-    pub solver: SolverArg,
-    /// Steps a frame.
-    #[arg(long, value_name = "K", default_value_t = 8)]
-    pub substeps: u32,
-    /// Relaxations a step.
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    pub iterations: u32,
+    /// How springs keep their lengths [default: that of the scene, or classic].
+    #[arg(long, value_enum)]
+    pub solver: Option<SolverArg>,
+    /// Steps a frame [default: those of the scene, or 8].
+    #[arg(long, value_name = "K")]
+    pub substeps: Option<u32>,
+    /// Relaxations a step [default: those of the scene, or 1].
+    #[arg(long, value_name = "K")]
+    pub iterations: Option<u32>,
     /// Particles on a side of a built-in scene.
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095))]
     pub n: u32,
-    /// Frames of 1/60 s [default: those of the scene, 600 for a bundle].
-    #[arg(long, value_name = "F")]
-    pub frames: Option<u32>,
     /// Threads to use on the CPU; 0 is one for each core. The result does not depend on it.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: u16,
+}
+
+/// `gimage simulate`.
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Frames of 1/60 s [default: those of the scene, 600 for a bundle].
+    #[arg(long, value_name = "F")]
+    pub frames: Option<u32>,
     /// Write positions of frames into this directory.
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
@@ -167,6 +177,43 @@ pub struct SimulateArgs {
     /// Dump no frame before this one.
     #[arg(long, value_name = "FRAME", default_value_t = 0, requires = "dump")]
     pub dump_from: u32,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `gimage render`.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The picture to write, .png or .gif.
+    #[arg(short, long, value_name = "PICTURE")]
+    pub output: PathBuf,
+    /// Pixels, as in 640x480.
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = size)]
+    pub size: (u32, u32),
+    /// Time of the picture, or of the last one [default: the end of the scene].
+    #[arg(long, value_name = "SECONDS", value_parser = not_negative)]
+    pub time: Option<f64>,
+    /// Pictures of a GIF; the last is that of --time [default: all from the start].
+    #[arg(long, value_name = "F", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub frames: Option<u32>,
+    /// Pictures a second of a GIF, at most 50.
+    #[arg(long, value_name = "FPS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=50))]
+    pub fps: u32,
+    /// Where the camera stands and what it looks at, in metres [default: that of the scene, or all in the picture].
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = camera, allow_hyphen_values = true)]
+    pub camera: Option<[f32; 6]>,
+    /// Angle from the lower to the upper edge of the picture [default: that of the scene, or 35].
+    #[arg(long, value_name = "DEGREES")]
+    pub fov: Option<f32>,
+    /// Colour of the background, sRGB as in ffffff [default: that of the scene, or f4f4f2].
+    #[arg(long, value_name = "RRGGBB", value_parser = color)]
+    pub background: Option<[f32; 3]>,
+    /// Replace an existing file.
+    #[arg(long)]
+    pub force: bool,
     /// Print one JSON object instead of text.
     #[arg(long)]
     pub json: bool,
@@ -217,6 +264,7 @@ impl Cli {
             Command::Build(args) => args.json,
             Command::Inspect(args) | Command::Validate(args) => args.json,
             Command::Simulate(args) => args.json,
+            Command::Render(args) => args.json,
             Command::Reconstruct(_) => false,
         }
     }
@@ -266,6 +314,23 @@ fn set<T>(option: &mut T, value: Option<T>) {
 fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().map_err(|_| format!("`{text}` is no number"))?;
     if number.is_finite() && number > 0.0 { Ok(number) } else { Err("give a number above 0".into()) }
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().map_err(|_| format!("`{text}` is no number"))?;
+    if number.is_finite() && number >= 0.0 { Ok(number) } else { Err("give a number of at least 0".into()) }
+}
+
+fn camera(text: &str) -> Result<[f32; 6], String> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    let six = numbers.and_then(|n| n.try_into().ok());
+    six.ok_or_else(|| "give eye and target as six numbers, as in 0,1,3,0,1,0".into())
+}
+
+fn color(text: &str) -> Result<[f32; 3], String> {
+    let code = u32::from_str_radix(text, 16).ok().filter(|_| text.len() == 6);
+    let code = code.ok_or("give six hexadecimal digits, as in ffffff")?;
+    Ok([16, 8, 0].map(|shift| (code >> shift & 255) as f32 / 255.0))
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {

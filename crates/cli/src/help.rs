@@ -17,7 +17,8 @@ pub const TOP: &str = concat!(
     "  gimage inspect shirt.gim\n",
     "  gimage validate shirt.gim\n",
     "  gimage reconstruct shirt.gim -o back.obj\n",
-    "  gimage simulate s1 --frames 600\n\n",
+    "  gimage simulate s1 --frames 600\n",
+    "  gimage render shirt.gim -o shirt.png\n\n",
     "Results go to stdout, words to stderr. NO_COLOR turns colours off.",
     exit_codes!("done, with findings (repairs, accessories, warnings; broken rules)")
 );
@@ -67,9 +68,21 @@ pub const SIMULATE: &str = concat!(
     "EXAMPLES:\n",
     "  gimage simulate s1 --n 64 --substeps 16\n",
     "  gimage simulate shirt.gim --frames 300 --dump frames --every 10\n",
+    "  gimage simulate assets/scenes/flag.json --backend cpu\n",
     "  gimage simulate s3 --backend gpu --json | jq .ms_frame_median\n\n",
     "Built in: s1 (hung by two corners), s1k (with soft springs), s2 (falls on a sphere), s2f (fast), s3 (swings).\n",
-    "A bundle falls or hangs by its pins. Frames take 1/60 s. --dump writes frame_NNNNN.<piece>.position.exr, frame 0 ",
+    "SCENE.md describes scene files: garments, colliders, pins, wind, motion, cuts. A bundle falls or hangs by its pins. Frames take 1/60 s. --dump writes frame_NNNNN.<piece>.position.exr, frame 0 ",
     "being the start.",
+    exit_codes!("not used by this command")
+);
+
+/// Of `gimage render`.
+pub const RENDER: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage render shirt.gim -o shirt.png --time 0\n",
+    "  gimage render assets/scenes/flag.json -o flag.gif --size 320x240 --fps 20\n",
+    "  gimage render s2 --n 64 -o s2.png --time 0.8 --camera 1,0.8,1.6,0,0,0 --fov 40\n\n",
+    "Without a real GPU both the cloth and the picture are made on the CPU; --backend gpu takes any adapter, a software ",
+    "one too. Four samples a pixel. Without a camera all cloths and colliders are in every picture.",
     exit_codes!("not used by this command")
 );

@@ -34,6 +34,7 @@ fn main() -> ExitCode {
         Command::Validate(args) => commands::validate::run(args, &out),
         Command::Reconstruct(args) => commands::reconstruct::run(args, &out),
         Command::Simulate(args) => commands::simulate::run(args, &out),
+        Command::Render(args) => commands::render::run(args, &out),
     });
     let exit = result.unwrap_or_else(|failure| out.failure(&failure));
     ExitCode::from(exit.code())

@@ -4,6 +4,7 @@ mod check;
 mod flat;
 mod tether_tmp;
 mod from_bundle;
+mod weigh;
 
 pub use flat::Flat;
 pub use gimage_bundle::Particle;
@@ -92,6 +93,7 @@ pub struct Cloth {
     /// Offsets into `ring_members`, one more than there are rings.
     ring_starts: Vec<u32>,
     ring_members: Vec<u32>,
+    cut: bool,
     /// Velocity \[m/s\] of all free particles at the start. Default 0.
     pub velocity: [f32; 3],
     /// Share of the velocity that is lost in a second, as the rate of an exponential \[1/s\]: after t seconds
@@ -109,8 +111,16 @@ impl Cloth {
     /// not above 0, negative rest lengths and seam links that do not close.
     pub fn new(parts: Parts) -> Result<Self> {
         let (ring_starts, ring_members) = check::rings(&parts)?;
-        let calm =
-            Cloth { parts, ring_starts, ring_members, velocity: [0.0; 3], damping: 0.0, speed_limit: f32::INFINITY, compliance: Compliance::None };
+        let calm = Cloth {
+            parts,
+            ring_starts,
+            ring_members,
+            cut: false,
+            velocity: [0.0; 3],
+            damping: 0.0,
+            speed_limit: f32::INFINITY,
+            compliance: Compliance::None,
+        };
         Ok(calm)
     }
 
@@ -224,6 +234,20 @@ impl Cloth {
     /// Whether any particle is pinned.
     pub fn any_pinned(&self) -> bool {
         self.parts.particles.iter().any(|p| matches!(p, Particle::Pinned { .. }))
+    }
+
+    /// Whether a cut has been made, so that triangles may be missing.
+    pub(crate) fn is_cut(&self) -> bool {
+        self.cut
+    }
+
+    /// From here on triangles may be missing, and springs end one by one: constant rest lengths become an image.
+    pub(crate) fn open(&mut self) {
+        self.cut = true;
+        if let Rest::Constant(lengths) = &self.parts.rest {
+            let each = self.parts.grids.iter().zip(lengths);
+            self.parts.rest = Rest::Image(each.flat_map(|(g, l)| std::iter::repeat_n(*l, g.texels())).collect());
+        }
     }
 
     /// All duplicates of a seam particle, itself among them. Costs a search through the seams.

@@ -1,12 +1,17 @@
 //! The GPU backend: buffers, pipelines and the recording of a frame.
 
+mod actions;
 mod buffers;
 pub(crate) mod layout;
+mod pick;
 mod pipelines;
 mod read_back;
+mod watch;
 
 pub use buffers::ClothBuffers;
-pub use read_back::read_back;
+pub(crate) use pick::Pending;
+pub(crate) use read_back::read_bytes;
+pub use read_back::{read_back, read_back_u32};
 
 use bytemuck::cast_slice;
 
@@ -18,6 +23,7 @@ use crate::world::World;
 use buffers::{POSES, solids_buffer};
 use layout::{SolidRow, StepRow};
 use pipelines::Pipelines;
+use watch::Watch;
 
 /// Everything on the device.
 pub struct Gpu {
@@ -27,6 +33,7 @@ pub struct Gpu {
     cloths: Vec<ClothBuffers>,
     solids: wgpu::Buffer,
     solid_rows: Vec<SolidRow>,
+    watches: Vec<Watch>,
 }
 
 impl Gpu {
@@ -43,6 +50,7 @@ impl Gpu {
             device: device.clone(),
             queue: queue.clone(),
             solid_rows,
+            watches: world.scene.cloths.iter().map(|_| Watch::default()).collect(),
         })
     }
 
@@ -82,6 +90,7 @@ impl Gpu {
             plan.frame.iter().for_each(|what| run(buffers, *what, 0));
         }
         drop(pass);
+        self.watch(world, encoder, steps);
         (0..steps).for_each(|_| world.clock.tick());
     }
 
@@ -92,6 +101,9 @@ impl Gpu {
                 self.queue.write_buffer(&buffers.now, 0, cast_slice(body.now()));
                 self.queue.write_buffer(&buffers.before, 0, cast_slice(body.before()));
                 self.queue.write_buffer(&buffers.normals, 0, cast_slice(&body.normals));
+                if let Some(holes) = &buffers.holes {
+                    self.queue.write_buffer(holes, 0, cast_slice(&body.holes));
+                }
             }
         }
     }

@@ -4,33 +4,39 @@
 //! The host owns device, queue and encoder: [`Stepper::record`] adds a frame's passes to an encoder, and nothing is
 //! submitted, waited for or read back. Every pass has a twin on the CPU with the same results to rounding.
 
+mod actions;
 mod clock;
 mod cloth;
 mod collider;
 mod cpu;
+pub mod draw;
 mod error;
 mod gpu;
 mod measure;
 mod options;
 mod passes;
+mod pick;
 mod plan;
 mod reference;
 pub mod scene;
 mod shaders;
+mod sleep;
 mod step;
 mod stepper;
 mod wind;
 mod world;
 
+pub use actions::Drag;
 pub use clock::Progress;
 pub use cloth::{Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest};
 pub use collider::{Collider, Shape};
 pub use cpu::real::Real;
 pub use error::{Error, Result};
-pub use gpu::{ClothBuffers, read_back};
+pub use gpu::{ClothBuffers, read_back, read_back_u32};
 pub use measure::{Measures, measure};
-pub use options::{Backend, Options, Solver};
+pub use options::{Backend, Options, Sleep, Solver};
 pub use passes::{Air, Kinds, Pass, Soft};
+pub use pick::{Hit, PickTicket, pick};
 pub use plan::{Plan, PlannedPass};
 pub use reference::Reference;
 pub use scene::Scene;

@@ -50,6 +50,24 @@ pub struct Options {
     pub max_catch_up: u32,
     /// Threads of the CPU backend: 0 is one for each core, 1 only the caller's. Default 0. Results do not depend on it.
     pub threads: usize,
+    /// When cloth falls asleep by itself. Default none: nothing is spent on watching it.
+    pub sleep: Option<Sleep>,
+}
+
+/// When a cloth is taken for being at rest. It wakes on any change; in wind it is never at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sleep {
+    /// Speed \[m/s\] that no particle may pass. Default 0.005; above 0; larger means that cloth sleeps sooner, and that
+    /// slow motion freezes.
+    pub speed: f64,
+    /// For how long \[s\]. Default 1; at least 0; larger means later, and that slow turns are not taken for rest.
+    pub after: f64,
+}
+
+impl Default for Sleep {
+    fn default() -> Self {
+        Sleep { speed: 0.005, after: 1.0 }
+    }
 }
 
 impl Default for Options {
@@ -65,6 +83,7 @@ impl Default for Options {
             normals: true,
             max_catch_up: 4,
             threads: 0,
+            sleep: None,
         }
     }
 }
@@ -77,6 +96,11 @@ impl Options {
         check("the number of substeps", self.substeps.into(), "1 to 4096", count)?;
         check("the number of iterations", self.iterations.into(), "1 to 4096", count)?;
         let catch_up = |n: f64| (1.0..=1024.0).contains(&n);
-        check("the most steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)
+        check("the most steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)?;
+        if let Some(Sleep { speed, after }) = self.sleep {
+            check("the speed of sleep [m/s]", speed, "above 0", |s| s > 0.0)?;
+            check("the time before sleep [s]", after, "at least 0", |t| t >= 0.0)?;
+        }
+        Ok(())
     }
 }

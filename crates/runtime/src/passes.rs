@@ -10,7 +10,10 @@ use crate::wind::{Wind, WindForce};
 #[non_exhaustive]
 pub enum Pass {
     /// Forces of air on triangles, into a field of accelerations.
-    Wind,
+    Wind {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
     /// Verlet step of the free particles.
     Integrate(Air),
     /// Springs of one direction (right, down, down-right, up-right) and parity, which share no particle.
@@ -49,9 +52,29 @@ pub enum Pass {
     /// Swept: particles leave moving colliders that they are in or went through.
     Contact(Kinds),
     /// Normals from the triangles around a particle.
-    Normals,
+    Normals {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
     /// Duplicates of seam points take one normal.
     SeamNormals,
+    /// The largest speed in each workgroup; only where cloth may fall asleep.
+    Speed,
+    /// The largest speed of all.
+    Fastest,
+    /// Triangles that a cut meets are taken away. This and all below run for one action, not every frame.
+    Cut,
+    /// Springs of those triangles lose their rest lengths.
+    CutSprings,
+    /// A set of particles is moved by a matrix.
+    Transform,
+    /// The nearest triangle on a ray, one candidate a workgroup.
+    Pick {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
+    /// The nearest candidate of all.
+    PickNearest,
 }
 
 /// How air enters the integration.
@@ -125,7 +148,7 @@ pub fn schedule(cloth: &Cloth, colliders: Option<Kinds>, wind: Option<&Wind>, op
     };
     let mut s = Schedule::default();
     // Reads neighbours, so it cannot be part of the step that moves them.
-    s.step.extend((air == Air::Field).then_some(Pass::Wind));
+    s.step.extend((air == Air::Field).then_some(Pass::Wind { holes: cloth.is_cut() }));
     s.step.push(Pass::Integrate(air));
     let seams = cloth.ring_count() > 0;
     // Colliders are last, so that a frame ends outside of them. Duplicates are equal there and stay so.
@@ -149,7 +172,7 @@ pub fn schedule(cloth: &Cloth, colliders: Option<Kinds>, wind: Option<&Wind>, op
         }
     }
     if options.normals {
-        s.frame.push(Pass::Normals);
+        s.frame.push(Pass::Normals { holes: cloth.is_cut() });
         s.frame.extend(seams.then_some(Pass::SeamNormals));
     }
     s

@@ -1,8 +1,14 @@
 //! What is to be stepped: cloths, colliders and forces.
 
 mod builtin;
+#[cfg(feature = "scene-file")]
+pub mod file;
+mod motion;
+mod script;
 
 pub use builtin::{BUILTIN, builtin};
+pub use motion::{Key, Motion, Pose, about};
+pub use script::{Cut, PinnedSet, Script};
 
 use crate::cloth::Cloth;
 use crate::collider::Collider;

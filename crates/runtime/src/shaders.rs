@@ -16,6 +16,13 @@ pub enum Slot {
     Solids,
     Normals,
     Field,
+    Holes,
+    Action,
+    Chosen,
+    Candidates,
+    Found,
+    Partial,
+    Fastest,
     Soft,
     Sums,
     Tethers,
@@ -23,8 +30,26 @@ pub enum Slot {
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 13] = [
-            "step", "grids", "now", "before", "rest", "starts", "members", "solids", "normals", "field", "soft", "sums",
+        const NAMES: [&str; 20] = [
+            "step",
+            "grids",
+            "now",
+            "before",
+            "rest",
+            "starts",
+            "members",
+            "solids",
+            "normals",
+            "field",
+            "holes",
+            "action",
+            "chosen",
+            "candidates",
+            "found",
+            "partial",
+            "fastest",
+            "soft",
+            "sums",
             "tethers",
         ];
         NAMES[self as usize]
@@ -38,9 +63,14 @@ impl Slot {
             Slot::Grids => cloth.grids().len() * 32,
             Slot::Now | Slot::Before | Slot::Rest | Slot::Normals | Slot::Field | Slot::Soft | Slot::Sums => cloth.len() * 16,
             Slot::Tethers => cloth.len() * cloth.tether_slots() * 8,
+            Slot::Holes => cloth.len() * 4,
             Slot::Starts => starts.len() * 4,
             Slot::Members => members.len() * 4,
             Slot::Solids => colliders * 80,
+            Slot::Partial => cloth.len().div_ceil(64) * 4,
+            Slot::Fastest => 4,
+            // Made for one action; no frame binds them.
+            Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
         };
         bytes as u64
     }
@@ -62,6 +92,8 @@ pub enum Threads {
     Texels,
     /// Half the texels: `true` every other column, `false` every other row.
     Half(bool),
+    /// One workgroup.
+    One,
 }
 
 /// A shader as the table has it.
@@ -91,6 +123,10 @@ const GUST: &str = part!("gust");
 const RINGS: &str = part!("rings");
 const UNIT: &str = part!("unit");
 const NEIGHBOURS: &str = part!("neighbours");
+const QUAD: &str = part!("quad");
+const ACTION: &str = part!("action");
+const NEAREST: &str = part!("nearest");
+const MOST: &str = part!("most");
 
 const fn reads(slot: Slot) -> Bound {
     Bound { slot, writes: false }
@@ -102,17 +138,21 @@ const fn writes(slot: Slot) -> Bound {
 
 /// The shader of a pass.
 pub fn source(pass: Pass) -> Source {
-    use Slot::{Before, Field, Grids, Members, Normals, Now, Rest, Solids, Starts, Step};
+    use Slot::{Action, Before, Candidates, Chosen, Fastest, Field, Found, Grids, Holes};
+    use Slot::{Members, Normals, Now, Partial, Rest, Solids, Starts, Step};
     let plain = |stem, files: &[&'static str], bindings: &[Bound], threads| {
         let (files, bindings) = (files.to_vec(), bindings.to_vec());
         Source { stem, files, bindings, constants: Vec::new(), threads }
     };
     match pass {
-        Pass::Wind => plain(
-            "wind",
-            &[STEP, GRID, GUST, NEIGHBOURS, pass!("wind")],
-            &[reads(Step), reads(Grids), reads(Now), reads(Before), writes(Field)],
-            Threads::Texels,
+        Pass::Wind { holes } => open(
+            holes,
+            plain(
+                "wind",
+                &[STEP, GRID, GUST, NEIGHBOURS, pass!("wind")],
+                &[reads(Step), reads(Grids), reads(Now), reads(Before), writes(Field)],
+                Threads::Texels,
+            ),
         ),
         Pass::Integrate(air) => {
             let base = [reads(Step), writes(Now), writes(Before)];
@@ -180,17 +220,70 @@ pub fn source(pass: Pass) -> Source {
             kinds,
             plain("colliders", &[INDEX, part!("solid")], &[writes(Now), reads(Solids)], Threads::Particles),
         ),
-        Pass::Normals => plain(
-            "normals",
-            &[GRID, NEIGHBOURS, UNIT, pass!("normals")],
-            &[reads(Grids), reads(Now), writes(Normals)],
-            Threads::Texels,
+        Pass::Normals { holes } => open(
+            holes,
+            plain(
+                "normals",
+                &[GRID, NEIGHBOURS, UNIT, pass!("normals")],
+                &[reads(Grids), reads(Now), writes(Normals)],
+                Threads::Texels,
+            ),
         ),
         Pass::SeamNormals => {
             let bindings = [reads(Starts), reads(Members), writes(Normals)];
             plain("seam_normals", &[INDEX, RINGS, UNIT, pass!("seam_normals")], &bindings, Threads::Rings)
         }
+        Pass::Speed => plain(
+            "speed",
+            &[INDEX, MOST, pass!("speed")],
+            &[reads(Now), reads(Before), writes(Partial)],
+            Threads::Particles,
+        ),
+        Pass::Fastest => plain("fastest", &[MOST, pass!("fastest")], &[reads(Partial), writes(Fastest)], Threads::One),
+        Pass::Cut => plain(
+            "cut",
+            &[GRID, QUAD, ACTION, pass!("cut")],
+            &[reads(Grids), reads(Now), reads(Action), writes(Holes)],
+            Threads::Texels,
+        ),
+        Pass::CutSprings => open(
+            true,
+            plain(
+                "cut_springs",
+                &[GRID, QUAD, pass!("cut_springs")],
+                &[reads(Grids), reads(Now), writes(Rest)],
+                Threads::Texels,
+            ),
+        ),
+        Pass::Transform => plain(
+            "transform",
+            &[INDEX, ACTION, pass!("transform")],
+            &[writes(Now), writes(Before), reads(Action), reads(Chosen)],
+            Threads::Particles,
+        ),
+        Pass::Pick { holes } => open(
+            holes,
+            plain(
+                "pick",
+                &[GRID, QUAD, ACTION, NEAREST, pass!("pick")],
+                &[reads(Grids), reads(Now), reads(Action), writes(Candidates)],
+                Threads::Texels,
+            ),
+        ),
+        Pass::PickNearest => plain(
+            "pick_nearest",
+            &[GRID, QUAD, NEAREST, pass!("pick_nearest")],
+            &[reads(Grids), reads(Now), reads(Candidates), writes(Found)],
+            Threads::One,
+        ),
     }
+}
+
+/// A shader that asks which triangles are cut away; only cloth that was cut binds the answer.
+fn open(holes: bool, mut source: Source) -> Source {
+    source.files.insert(0, if holes { part!("holes") } else { part!("holes_none") });
+    source.bindings.extend(holes.then_some(reads(Slot::Holes)));
+    source
 }
 
 fn colliders(kinds: Kinds, mut source: Source) -> Source {
@@ -214,6 +307,12 @@ fn shapes(kinds: Kinds) -> Vec<(&'static str, f64)> {
 /// Workgroups in a row of a list; x is limited to 65,535.
 const ROW: u32 = 32_768;
 
+/// Workgroups for a list of elements.
+pub fn list(count: usize) -> [u32; 3] {
+    let groups = (count as u32).div_ceil(64);
+    [groups.min(ROW), groups.div_ceil(ROW), 1]
+}
+
 impl Source {
     /// The whole text.
     pub fn text(&self) -> String {
@@ -222,10 +321,6 @@ impl Source {
 
     /// Workgroups to dispatch for a cloth.
     pub fn workgroups(&self, cloth: &Cloth) -> [u32; 3] {
-        let list = |count: usize| {
-            let groups = (count as u32).div_ceil(64);
-            [groups.min(ROW), groups.div_ceil(ROW), 1]
-        };
         let sides = |half_x: bool, half_y: bool| {
             let most = |side: fn(&crate::cloth::Grid) -> u32| cloth.grids().iter().map(side).max().unwrap_or(0);
             let (w, h) = (most(|g| g.width), most(|g| g.height));
@@ -236,6 +331,7 @@ impl Source {
             Threads::Particles => list(cloth.len()),
             Threads::Rings => list(cloth.ring_count()),
             Threads::Texels => sides(false, false),
+            Threads::One => [1; 3],
             Threads::Half(columns) => sides(columns, !columns),
         }
     }

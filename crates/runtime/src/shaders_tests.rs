@@ -10,7 +10,11 @@ use crate::gpu::layout::{GridRow, SolidRow, StepRow};
 
 /// Every variant that a schedule can hold, up to constants.
 fn variants() -> Vec<Pass> {
-    let mut all = vec![Pass::Wind, Pass::Seams, Pass::Normals, Pass::SeamNormals];
+    let mut all = vec![Pass::Seams, Pass::SeamNormals, Pass::Speed, Pass::Fastest];
+    all.extend([Pass::Cut, Pass::CutSprings, Pass::Transform, Pass::PickNearest]);
+    for holes in [false, true] {
+        all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }]);
+    }
     all.extend([Air::None, Air::Push, Air::Field].map(Pass::Integrate));
     let springs = (0..16).map(|k| Pass::Springs { direction: k / 4, parity: k / 2 % 2, image: k % 2 == 1 });
     all.extend(springs);
@@ -93,7 +97,7 @@ fn structs_lie_as_in_rust() {
                 Some("Grid") => &grid,
                 Some("Solid") => &solid,
                 // Lives in registers only.
-                Some("Exit" | "Entry") => continue,
+                Some("Exit" | "Entry" | "Quad") => continue,
                 other => panic!("{other:?} has no counterpart"),
             };
             let wgsl: Vec<_> = members.iter().filter(|m| !m.name.as_deref().unwrap().starts_with("unused")).map(|m| (m.name.as_deref().unwrap(), m.offset)).collect();
@@ -107,10 +111,11 @@ fn structs_lie_as_in_rust() {
 
 #[test]
 fn every_shader_has_a_twin_and_every_file_is_used() {
-    let used: BTreeSet<String> = variants().iter().flat_map(|p| source(*p).files).map(String::from).collect();
+    let drawn = crate::draw::all_files();
+    let used = variants().iter().flat_map(|p| source(*p).files).chain(drawn).map(String::from).collect();
     let there: BTreeSet<_> = files("shaders").union(&files("shaders/part")).cloned().collect();
     assert_eq!(there.difference(&used).count(), 0);
-    let stems: BTreeSet<_> = variants().iter().map(|p| source(*p).stem).collect();
+    let stems: BTreeSet<_> = variants().iter().map(|p| source(*p).stem).chain(["draw"]).collect();
     assert_eq!(stems.len(), files("shaders").len());
     for stem in stems {
         assert!(root().join(format!("shaders/{stem}.wgsl")).is_file(), "{stem}");

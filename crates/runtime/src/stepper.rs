@@ -15,9 +15,9 @@ use crate::world::World;
 
 /// A scene in motion. It keeps handles to the host's device and queue, and never submits, waits or reads back.
 pub struct Stepper {
-    world: World,
-    cpu: Option<(Vec<Body<f32>>, Threads)>,
-    gpu: Option<Gpu>,
+    pub(crate) world: World,
+    pub(crate) cpu: Option<(Vec<Body<f32>>, Threads)>,
+    pub(crate) gpu: Option<Gpu>,
 }
 
 impl Stepper {
@@ -47,15 +47,19 @@ impl Stepper {
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
         let progress = self.world.clock.frame(dt);
-        if progress.steps == 0 {
+        if progress.steps == 0 && self.world.actions.is_empty() {
             return Ok(progress);
         }
         match &mut self.cpu {
             Some((bodies, threads)) => {
+                self.world.act(bodies, threads);
                 self.world.run(bodies, threads, progress.steps);
                 gpu.upload(bodies, &self.world.asleep);
             }
-            None => gpu.record(&mut self.world, encoder, progress.steps),
+            None => {
+                gpu.act(&mut self.world, encoder);
+                gpu.record(&mut self.world, encoder, progress.steps);
+            }
         }
         Ok(progress)
     }
@@ -64,7 +68,9 @@ impl Stepper {
     pub fn advance(&mut self, dt: f64) -> Result<Progress> {
         let (bodies, threads) = self.cpu.as_mut().ok_or(Error::GpuOnly("Stepper::advance"))?;
         let progress = self.world.clock.frame(dt);
-        self.world.run(bodies, threads, progress.steps);
+        if self.world.act(bodies, threads) || progress.steps > 0 {
+            self.world.run(bodies, threads, progress.steps);
+        }
         Ok(progress)
     }
 
@@ -97,6 +103,13 @@ impl Stepper {
     /// Unit normals of a cloth; 0 where there is none.
     pub fn normals(&self, cloth: usize) -> Option<&[[f32; 4]]> {
         Some(&self.cpu.as_ref()?.0.get(cloth)?.normals)
+    }
+
+    /// Triangles of a cloth that a cut has taken away, as [`ClothBuffers::holes`]. `None` on the GPU backend, until the
+    /// first cut, and for a cloth that does not exist.
+    pub fn holes(&self, cloth: usize) -> Option<&[u32]> {
+        let holes = &self.cpu.as_ref()?.0.get(cloth)?.holes;
+        (!holes.is_empty()).then_some(holes)
     }
 
     /// The buffers that a vertex shader reads. `None` without a device and for a cloth that does not exist.
@@ -141,12 +154,14 @@ impl Stepper {
         let (backend, threads) = (self.world.options.backend, self.world.options.threads);
         self.world.options = Options { backend, threads, ..options };
         self.world.clock.change(&self.world.options);
+        self.world.reschedule();
         Ok(())
     }
 
     /// Lets a cloth sleep where it is, at no cost a frame, or wakes it. Any change wakes it too.
     pub fn set_asleep(&mut self, cloth: usize, asleep: bool) -> Result<()> {
         self.world.cloth(cloth)?;
+        self.world.wake(cloth);
         self.world.asleep[cloth] = asleep;
         Ok(())
     }
@@ -186,7 +201,7 @@ impl Stepper {
             return Err(Error::NoSuch { what: "particle", index: particle, count });
         }
         change(&mut self.world.scene.cloths[cloth])?;
-        self.world.asleep[cloth] = false;
+        self.world.wake(cloth);
         let duplicates = self.duplicates(cloth, particle);
         let share = if self.world.options.solver == Solver::Xpbd { duplicates.len() as f32 } else { 1.0 };
         for k in duplicates {
@@ -202,8 +217,8 @@ impl Stepper {
         Ok(())
     }
 
-    fn changed(&mut self) {
-        self.world.asleep.fill(false);
+    pub(crate) fn changed(&mut self) {
+        self.world.wake_all();
         self.world.reschedule();
     }
 }

@@ -1,5 +1,6 @@
 //! The state that both backends share: the scene, its schedules and the clock.
 
+use crate::actions::Action;
 use crate::clock::Clock;
 use crate::cloth::Cloth;
 use crate::cpu::body::Body;
@@ -10,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::options::Options;
 use crate::passes::{Kinds, Schedule, schedule};
 use crate::scene::Scene;
+use crate::sleep::Calm;
 use crate::step::{Step, StepInput};
 
 /// A scene, what is to be run for it, and when.
@@ -19,6 +21,10 @@ pub struct World {
     pub clock: Clock,
     pub schedules: Vec<Schedule>,
     pub asleep: Vec<bool>,
+    /// How long each cloth has been calm.
+    pub calm: Vec<Calm>,
+    /// What users have done since the last frame.
+    pub actions: Vec<Action>,
 }
 
 impl World {
@@ -27,7 +33,8 @@ impl World {
         scene.check()?;
         let clock = Clock::new(&options);
         let asleep = vec![false; scene.cloths.len()];
-        let mut world = World { scene, options, clock, schedules: Vec::new(), asleep };
+        let (calm, actions) = (vec![Calm::default(); scene.cloths.len()], Vec::new());
+        let mut world = World { scene, options, clock, schedules: Vec::new(), asleep, calm, actions };
         world.reschedule();
         Ok(world)
     }
@@ -37,6 +44,7 @@ impl World {
         let kinds = Kinds::of(&self.scene.colliders);
         let wind = self.scene.wind.as_ref();
         self.schedules = self.scene.cloths.iter().map(|c| schedule(c, kinds, wind, &self.options)).collect();
+        self.watch();
     }
 
     /// The numbers of the next step of a cloth.
@@ -75,7 +83,7 @@ impl World {
     pub fn run<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
         let solids: Vec<Solid<T>> = self.scene.colliders.iter().map(Solid::new).collect();
         for (index, body) in bodies.iter_mut().enumerate() {
-            if self.asleep[index] || steps == 0 {
+            if self.asleep[index] {
                 continue;
             }
             let (cloth, plan) = (&self.scene.cloths[index], &self.schedules[index]);
@@ -90,6 +98,10 @@ impl World {
             body.end();
             let last = &numbers[usize::from(steps > 1)];
             plan.frame.iter().for_each(|pass| body.run(*pass, threads, last, &solids));
+            if let Some(limit) = self.calm_below() {
+                let seconds = f64::from(steps) * self.clock.dt;
+                self.note(index, body.fastest.get() <= limit, seconds);
+            }
         }
         (0..steps).for_each(|_| self.clock.tick());
     }

@@ -49,6 +49,68 @@ fn dispatches_and_bytes_of_scenes() {
 }
 
 #[test]
+fn each_kind_of_collider_is_one_dispatch_and_only_its_own_code() {
+    let springs = plan(scene(flat(Rest::Constant(vec![[1.0; 4]]))));
+    for (n, collider) in support::all_colliders().into_iter().enumerate() {
+        for friction in [0.0, 0.4] {
+            let colliders = vec![Collider { friction, ..collider }];
+            let plan = plan(Scene { colliders, ..scene(flat(Rest::Constant(vec![[1.0; 4]]))) });
+            // Step and previous positions, which friction reads, are bound in any case.
+            let sums = (plan.dispatches(), plan.bytes());
+            assert_eq!(sums, (springs.dispatches() + 1, springs.bytes() + 80), "{collider:?}");
+            let kinds = plan.passes.iter().find_map(|p| if let Pass::Colliders(k) = p.pass { Some(k) } else { None });
+            let mut only = Kinds { friction: friction > 0.0, ..Kinds::default() };
+            only.shapes[n] = true;
+            assert_eq!(kinds, Some(only));
+        }
+    }
+    let all = plan(Scene { colliders: support::all_colliders(), ..scene(flat(Rest::Constant(vec![[1.0; 4]]))) });
+    assert_eq!((all.dispatches(), all.bytes()), (springs.dispatches() + 1, springs.bytes() + 6 * 80));
+}
+
+#[test]
+fn what_is_done_to_a_scene_changes_its_plan() {
+    // A tube of 9 x 5 with a seam of five rings of two: 6 offsets, 10 members; its rest lengths are an image.
+    const TUBE: u64 = 80 + 32 + 45 * 16 * 4 + 6 * 4 + 10 * 4;
+    const FLAT: u64 = 80 + 32 + 64 * 16 * 3;
+    type Change = fn(&mut Stepper);
+    let nothing: Change = |_| {};
+    let cut: Change = |s| s.cut([0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]).unwrap();
+    let sleep: Change = |s| s.set_asleep(0, true).unwrap();
+    let air: Change = |s| s.set_wind(Some(support::wind(true))).unwrap();
+    let calm: Change = |s| s.set_wind(None).unwrap();
+    let bare: Change = |s| s.set_colliders(Vec::new()).unwrap();
+    let tube = || support::tube(9, 5, 1);
+    let square = || flat(Rest::Constant(vec![[1.0; 4]]));
+    let among = || Scene { colliders: support::all_colliders(), ..scene(square()) };
+    let windy = || Scene { wind: Some(support::wind(true)), ..scene(square()) };
+    let two = || Scene { cloths: vec![square(), tube()], ..Scene::new("two") };
+    let table: [(&str, Scene, &[Change], u32, u64); 14] = [
+        ("seams", scene(tube()), &[nothing], 12, TUBE),
+        ("seams, cut: an image already", scene(tube()), &[cut], 12, TUBE + 45 * 4),
+        ("cut: an image from here on", scene(square()), &[cut], 10, FLAT + 1024 + 256),
+        ("cut twice costs no more", scene(square()), &[cut, cut], 10, FLAT + 1024 + 256),
+        ("cut in wind", windy(), &[cut], 11, FLAT + 1024 + 1024 + 256),
+        ("no springs, cut: no image", scene(flat(Rest::None)), &[cut], 2, FLAT + 256),
+        ("asleep", scene(tube()), &[sleep], 0, 0),
+        ("cut in its sleep", scene(square()), &[sleep, cut], 10, FLAT + 1024 + 256),
+        ("asleep after a cut", scene(square()), &[cut, sleep], 0, 0),
+        ("wind rises", scene(square()), &[air], 11, FLAT + 1024),
+        ("wind ends", windy(), &[calm], 10, FLAT),
+        ("colliders leave", among(), &[bare], 10, FLAT),
+        ("two cloths", two(), &[nothing], 22, FLAT + TUBE),
+        ("one of two asleep", two(), &[sleep], 12, TUBE),
+    ];
+    for (name, scene, changes, dispatches, bytes) in table {
+        let options = Options { backend: Backend::Cpu, substeps: 1, threads: 1, ..Options::default() };
+        let mut stepper = Stepper::new(scene, options, None).unwrap();
+        changes.iter().for_each(|change| change(&mut stepper));
+        let plan = stepper.plan();
+        assert_eq!((plan.dispatches(), plan.bytes()), (dispatches, bytes), "{name}:\n{plan}");
+    }
+}
+
+#[test]
 fn seams_cost_two_passes_and_their_lists() {
     let cloth = support::tube(9, 5, 2);
     let (starts, members) = cloth.rings();

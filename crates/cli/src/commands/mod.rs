@@ -2,7 +2,10 @@
 
 pub mod batch;
 pub mod build;
+mod engine;
 pub mod inspect;
 pub mod reconstruct;
+pub mod render;
+mod scene;
 pub mod simulate;
 pub mod validate;

@@ -1,38 +1,26 @@
 //! `gimage simulate`: steps a scene, times it, and dumps positions.
 
 mod dump;
-mod engine;
 
-use std::path::Path;
 use std::time::Instant;
 
-use gimage_bundle::dir::read_dir;
-use gimage_runtime::scene::{BUILTIN, builtin};
-use gimage_runtime::{Backend, Cloth, Options, Scene, Solver};
+use gimage_runtime::{Backend, Cloth};
 use serde_json::json;
 
-use crate::args::{BackendArg, SimulateArgs, SolverArg};
+use crate::args::SimulateArgs;
+use crate::commands::engine::Engine;
+use crate::commands::scene;
 use crate::exit::{Exit, Failure};
 use crate::output::Output;
 use dump::Dump;
-use engine::Engine;
 
 /// Runs it.
 pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
-    let scene = scene(args)?;
-    let frames = args.frames.unwrap_or(scene.frames);
-    let backend = match args.backend {
-        BackendArg::Auto => Backend::Auto,
-        BackendArg::Gpu => Backend::Gpu,
-        BackendArg::Cpu => Backend::Cpu,
-    };
-    let solver = match args.solver {
-        SolverArg::Classic => Solver::Classic,
-    };
-    let (substeps, iterations) = (args.substeps, args.iterations);
-    let options = Options { backend, solver, substeps, iterations, threads: args.threads.into(), ..Options::default() };
+    let file = scene::load(&args.scene)?;
+    let frames = args.frames.unwrap_or(file.scene.frames);
+    let options = file.options;
     let step = options.step;
-    let mut engine = Engine::new(scene, options)?;
+    let mut engine = Engine::new(file.scene, file.script, options)?;
     let dump = args.dump.as_deref().map(|dir| Dump::new(dir, &engine.stepper)).transpose()?;
     let mut times = Vec::new();
     for frame in 0..=frames {
@@ -49,26 +37,14 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
     report(args, out, &engine, times)
 }
 
-/// A built-in scene by name, else a bundle under gravity.
-fn scene(args: &SimulateArgs) -> Result<Scene, Failure> {
-    let path = Path::new(&args.scene);
-    if BUILTIN.contains(&args.scene.as_str()) || !path.exists() {
-        return Ok(builtin(&args.scene, args.n)?);
-    }
-    let bundle = read_dir(path).map_err(|e| Failure::bundle(path, &e))?;
-    let mut scene = Scene::new(&args.scene);
-    scene.cloths.push(Cloth::from_bundle(&args.scene, &bundle)?);
-    Ok(scene)
-}
-
 fn report(args: &SimulateArgs, out: &Output, engine: &Engine, mut times: Vec<f64>) -> Result<Exit, Failure> {
     times.sort_by(f64::total_cmp);
     let (least, median) = (times.first().copied(), times.get(times.len() / 2).copied());
-    let plan = engine.stepper.plan();
+    let (plan, options) = (engine.stepper.plan(), engine.stepper.options());
     let backend = if engine.stepper.backend() == Backend::Cpu { "cpu" } else { "gpu" };
     if !out.json {
         let ms = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.4}"));
-        let (name, frames) = (&args.scene, times.len());
+        let (name, frames) = (&args.scene.scene, times.len());
         let line = format!("{name}: {frames} frames on the {backend} ({})", engine.adapter);
         let line = format!("{line}, ms a frame: least {}, median {}\n", ms(least), ms(median));
         out.data(&(line + &plan.to_string()))?;
@@ -80,12 +56,12 @@ fn report(args: &SimulateArgs, out: &Output, engine: &Engine, mut times: Vec<f64
                "bindings": bindings})
     });
     out.json(&json!({
-        "scene": args.scene,
+        "scene": args.scene.scene,
         "backend": backend,
         "adapter": engine.adapter,
         "solver": "classic",
-        "substeps": args.substeps,
-        "iterations": args.iterations,
+        "substeps": options.substeps,
+        "iterations": options.iterations,
         "particles": engine.stepper.scene().cloths.iter().map(Cloth::len).sum::<usize>(),
         "frames": times.len(),
         "ms_frame_min": least,

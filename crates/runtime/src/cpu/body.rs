@@ -6,7 +6,7 @@ use super::neighbours::View;
 use super::real::{Real, cast};
 use super::rows::Threads;
 use super::solid::Solid;
-use super::{colliders, integrate, normals, seam_normals, seams, springs, wind};
+use super::{colliders, fastest, integrate, normals, seam_normals, seams, speed, springs, wind};
 use crate::cloth::{Cloth, Grid, Rest};
 use crate::options::{Options, Solver};
 use crate::passes::{self, Pass};
@@ -18,10 +18,15 @@ pub struct Body<T> {
     now: Vec<[T; 4]>,
     before: Vec<[T; 4]>,
     pub normals: Vec<[T; 4]>,
+    /// Triangles that are cut away, by texel; empty until the first cut.
+    pub holes: Vec<u32>,
+    /// Square of the longest displacement \[m^2\] in the last step of a frame, if that is asked for.
+    pub fastest: T,
+    partial: Vec<T>,
     field: Vec<[T; 4]>,
-    grids: Vec<Grid>,
+    pub(super) grids: Vec<Grid>,
     constant: Vec<[T; 4]>,
-    image: Vec<[T; 4]>,
+    pub(super) image: Vec<[T; 4]>,
     starts: Vec<u32>,
     members: Vec<u32>,
     fabric: Option<Box<Fabric<T>>>,
@@ -63,6 +68,9 @@ impl<T: Real> Body<T> {
             now: (0..cloth.len()).map(|k| place(k, 0.0)).collect(),
             before: (0..cloth.len()).map(|k| place(k, dt)).collect(),
             normals: vec![[T::of(0.0); 4]; cloth.len()],
+            holes: Vec::new(),
+            fastest: T::of(0.0),
+            partial: Vec::new(),
             field: Vec::new(),
             grids: cloth.grids().to_vec(),
             constant,
@@ -129,10 +137,10 @@ impl<T: Real> Body<T> {
     /// Runs one pass on texels.
     pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>]) {
         match pass {
-            Pass::Wind => {
+            Pass::Wind { .. } => {
                 self.field.resize(self.now.len(), [T::of(0.0); 4]);
                 for g in &self.grids {
-                    let view = View { now: &self.now[g.range()], width: g.width as usize };
+                    let view = view(&self.now, &self.holes, g);
                     wind::run(threads, step, view, &self.before[g.range()], &mut self.field[g.range()]);
                 }
             }
@@ -147,15 +155,19 @@ impl<T: Real> Body<T> {
             Pass::Springs { direction, parity, image } => self.springs(threads, (direction, parity), image),
             Pass::Seams => seams::run(&mut self.now, &self.starts, &self.members),
             Pass::Colliders(_) => colliders::run(threads, &mut self.now, &self.before, solids, step.dt),
-            Pass::Normals => {
+            Pass::Normals { .. } => {
                 for g in &self.grids {
-                    let view = View { now: &self.now[g.range()], width: g.width as usize };
+                    let view = view(&self.now, &self.holes, g);
                     normals::run(threads, view, &mut self.normals[g.range()]);
                 }
             }
             // Passes of sheets.
             Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
             Pass::SeamNormals => seam_normals::run(&mut self.normals, &self.starts, &self.members),
+            Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),
+            Pass::Fastest => self.fastest = fastest::run(&self.partial),
+            // Run by actions, which bring what they need.
+            Pass::Cut | Pass::CutSprings | Pass::Transform | Pass::Pick { .. } | Pass::PickNearest => {}
         }
     }
 
@@ -172,4 +184,20 @@ impl<T: Real> Body<T> {
             }
         }
     }
+
+    /// Makes room for cuts.
+    pub fn open(&mut self, cloth: &Cloth) {
+        if self.holes.is_empty() {
+            self.holes = vec![0; self.now.len()];
+            if let (true, Rest::Image(lengths)) = (self.image.is_empty(), cloth.rest()) {
+                self.image = lengths.iter().map(|l| cast(*l)).collect();
+            }
+        }
+    }
+}
+
+/// One grid of a cloth.
+pub(crate) fn view<'a, T>(now: &'a [[T; 4]], holes: &'a [u32], grid: &Grid) -> View<'a, T> {
+    let holes = holes.get(grid.range()).unwrap_or(&[]);
+    View { now: &now[grid.range()], width: grid.width as usize, holes }
 }

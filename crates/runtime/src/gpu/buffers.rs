@@ -30,6 +30,10 @@ pub struct ClothBuffers {
     pub before: Buffer,
     /// Unit normals at `now`, 0 where there is none; w is their weight.
     pub normals: Buffer,
+    /// Triangles that a cut has taken away, a u32 a texel in a buffer for storage; none until the first cut. The quad of
+    /// four particles with its upper left one at texel (i, j) has two triangles: bit 0 is (i, j), (i, j + 1),
+    /// (i + 1, j + 1), bit 1 is (i, j), (i + 1, j + 1), (i + 1, j). A quad of three particles has one, bit 0.
+    pub holes: Option<Buffer>,
     step: Option<Buffer>,
     others: HashMap<Slot, Buffer>,
     groups: HashMap<Vec<Bound>, wgpu::BindGroup>,
@@ -52,6 +56,7 @@ impl ClothBuffers {
             now: list("now", body.now()),
             before: list("before", body.before()),
             normals: list("normals", &body.normals),
+            holes: None,
             step: None,
             others: HashMap::new(),
             groups: HashMap::new(),
@@ -122,36 +127,73 @@ impl ClothBuffers {
         source: &Source,
         solids: &Buffer,
     ) -> &wgpu::BindGroup {
-        // Only cloth in wind that acts on triangles, or with several relaxations of soft springs, has these.
-        for slot in [Slot::Field, Slot::Sums] {
-            if source.bindings.iter().any(|b| b.slot == slot) {
-                let (usage, size) = (BufferUsages::STORAGE, self.now.size());
-                let wish = wgpu::BufferDescriptor { label: Some(slot.name()), size, usage, mapped_at_creation: false };
-                self.others.entry(slot).or_insert_with(|| device.create_buffer(&wish));
-            }
+        self.make_scratch(device, source);
+        if !self.groups.contains_key(&source.bindings) {
+            let group = self.bind(device, pipeline, source, &[(Slot::Solids, solids)]);
+            self.groups.insert(source.bindings.clone(), group);
         }
-        let ClothBuffers { now, before, normals, step, others, groups, .. } = self;
-        groups.entry(source.bindings.clone()).or_insert_with(|| {
-            let buffer = |slot| match slot {
-                Slot::Now => Some(&*now),
-                Slot::Before => Some(&*before),
-                Slot::Normals => Some(&*normals),
-                Slot::Step => step.as_ref(),
-                Slot::Solids => Some(solids),
-                other => others.get(&other),
+        &self.groups[&source.bindings]
+    }
+
+    /// Buffers that only some scenes need: air that acts on triangles, speeds of cloth that may fall asleep.
+    fn make_scratch(&mut self, device: &wgpu::Device, source: &Source) {
+        let particles = self.now.size() / 16;
+        for slot in source.bindings.iter().map(|b| b.slot) {
+            let size = match slot {
+                Slot::Field => particles * 16,
+                Slot::Partial => particles.div_ceil(64) * 4,
+                Slot::Fastest => 4,
+                _ => continue,
             };
-            let resource = |slot: Slot, buffer| {
-                let size =
-                    (slot == Slot::Step).then(|| std::num::NonZeroU64::new(size_of::<StepRow>() as u64)).flatten();
-                wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
-            };
-            let entries: Vec<_> = (source.bindings.iter())
-                .filter_map(|b| Some((b.slot, buffer(b.slot)?)))
-                .map(|(slot, b)| wgpu::BindGroupEntry { binding: slot as u32, resource: resource(slot, b) })
-                .collect();
-            let layout = &pipeline.layout;
-            device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(source.stem), layout, entries: &entries })
-        })
+            let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+            let new = wgpu::BufferDescriptor { label: Some(slot.name()), size, usage, mapped_at_creation: false };
+            self.others.entry(slot).or_insert_with(|| device.create_buffer(&new));
+        }
+    }
+
+    /// Bindings of a shader, `more` being what is not the cloth's own.
+    pub(super) fn bind(
+        &self,
+        device: &wgpu::Device,
+        pipeline: &Pipeline,
+        source: &Source,
+        more: &[(Slot, &Buffer)],
+    ) -> wgpu::BindGroup {
+        let buffer = |slot| match slot {
+            Slot::Now => Some(&self.now),
+            Slot::Before => Some(&self.before),
+            Slot::Normals => Some(&self.normals),
+            Slot::Holes => self.holes.as_ref(),
+            Slot::Step => self.step.as_ref(),
+            other => more.iter().find(|m| m.0 == other).map(|m| m.1).or_else(|| self.others.get(&other)),
+        };
+        let resource = |slot: Slot, buffer| {
+            let size = (slot == Slot::Step).then(|| std::num::NonZeroU64::new(size_of::<StepRow>() as u64)).flatten();
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+        };
+        let entries: Vec<_> = (source.bindings.iter())
+            .filter_map(|b| Some((b.slot, buffer(b.slot)?)))
+            .map(|(slot, b)| wgpu::BindGroupEntry { binding: slot as u32, resource: resource(slot, b) })
+            .collect();
+        let layout = &pipeline.layout;
+        device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(source.stem), layout, entries: &entries })
+    }
+
+    /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.
+    pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth) {
+        if self.holes.is_none() {
+            let none = vec![0u32; cloth.len()];
+            self.holes = Some(upload(device, "holes", &none, BufferUsages::COPY_SRC));
+        }
+        if let (Rest::Image(rest), true) = (cloth.rest(), self.step.is_some()) {
+            let new = || upload(device, "rest", rest, BufferUsages::empty());
+            self.others.entry(Slot::Rest).or_insert_with(new);
+        }
+    }
+
+    /// The largest squared displacement of the last frame, where cloth may fall asleep.
+    pub(super) fn fastest(&self) -> Option<&Buffer> {
+        self.others.get(&Slot::Fastest)
     }
 
     /// Drops the bindings that name the old buffer of colliders.

@@ -7,6 +7,15 @@ use crate::error::{Error, Result};
 /// The vectors in a buffer such as those of [`crate::ClothBuffers`]. Submits a copy and waits for everything submitted
 /// before it: a game should not call this.
 pub fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<[f32; 4]>> {
+    read_bytes(device, &copied(device, queue, buffer), bytemuck::pod_collect_to_vec)
+}
+
+/// The same for a buffer of whole numbers, such as [`crate::ClothBuffers::holes`].
+pub fn read_back_u32(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
+    read_bytes(device, &copied(device, queue, buffer), bytemuck::pod_collect_to_vec)
+}
+
+fn copied(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> wgpu::Buffer {
     let staging = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("read back"),
         size: buffer.size(),
@@ -16,6 +25,11 @@ pub fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buff
     let mut encoder = device.create_command_encoder(&Default::default());
     encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
     queue.submit([encoder.finish()]);
+    staging
+}
+
+/// Maps a buffer that the host may read, waits for it, and hands its bytes over.
+pub(crate) fn read_bytes<A>(device: &wgpu::Device, staging: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> A) -> Result<A> {
     let (send, receive) = channel();
     let failed = |e: &dyn std::fmt::Display| Error::ReadBack(e.to_string());
     staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
@@ -25,5 +39,8 @@ pub fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buff
     device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
     receive.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
     let view = staging.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
-    Ok(bytemuck::pod_collect_to_vec(&view))
+    let taken = take(&view);
+    drop(view);
+    staging.unmap();
+    Ok(taken)
 }

@@ -2,6 +2,8 @@
 // Not every test uses all of it.
 #![allow(dead_code)]
 
+pub mod rig;
+
 use gimage_runtime::*;
 
 /// A tube around y, `n` columns (the last the duplicate of the first) of `rows` rows; row 0 closes to one point of
@@ -144,4 +146,35 @@ pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
     // What every WebGPU implementation has.
     let descriptor = wgpu::DeviceDescriptor { required_limits: wgpu::Limits::default(), ..Default::default() };
     Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
+}
+
+/// An upright square of `n` x `n` particles and 1 m, hung by its first row; x to the right, y down from 0.
+pub fn curtain(n: u32) -> Cloth {
+    let (right, down) = ([1.0, 0.0, 0.0], [0.0, -1.0, 0.0]);
+    let mut cloth = Flat { right, down, ..Flat::square("curtain", n) }.cloth().unwrap();
+    (0..n as usize).for_each(|k| cloth.set_pinned(k, true).unwrap());
+    cloth
+}
+
+/// Two upright charts of `n` x `n` particles side by side, each 0.5 m wide and 1 m high, sewn along x = 0.5 and held at
+/// x = 0.
+pub fn two_charts(n: u32) -> Cloth {
+    let (mut positions, mut particles) = (Vec::new(), Vec::new());
+    let (dx, dy) = (0.5 / (n - 1) as f32, 1.0 / (n - 1) as f32);
+    for chart in 0..2 {
+        for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
+            positions.push([(chart * (n - 1) + i) as f32 * dx, -(j as f32) * dy, 0.0]);
+            let next = match (chart, i) {
+                (0, i) if i == n - 1 => Some(n * n + j * n),
+                (1, 0) => Some(j * n + n - 1),
+                _ => None,
+            };
+            particles.push(if (chart, i) == (0, 0) { Particle::Pinned { next } } else { Particle::Free { next } });
+        }
+    }
+    let grid = |g: u32| Grid { name: format!("chart {g}"), first: g * n * n, width: n, height: n };
+    let diagonal = dx.hypot(dy);
+    let rest = Rest::Constant(vec![[dx, dy, diagonal, diagonal]; 2]);
+    let grids = vec![grid(0), grid(1)];
+    Cloth::new(Parts { name: "charts".into(), grids, positions, particles, rest, mass: Mass::Constant(1e-3) }).unwrap()
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gimage_bundle::{Image, encode_exr, file_stems};
 use gimage_runtime::Stepper;
 
-use super::engine::Engine;
+use crate::commands::engine::Engine;
 use crate::exit::Failure;
 
 /// A directory, and the file stems of all grids.

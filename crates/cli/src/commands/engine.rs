@@ -1,7 +1,8 @@
 //! The host of a stepper: it owns the device, submits and waits.
 
+use gimage_runtime::scene::Script;
 use gimage_runtime::wgpu;
-use gimage_runtime::{Backend, Options, Scene, Stepper, read_back};
+use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, read_back};
 
 use crate::exit::Failure;
 
@@ -11,11 +12,14 @@ pub struct Engine {
     /// What computes, in words.
     pub adapter: String,
     gpu: Option<(wgpu::Device, wgpu::Queue)>,
+    script: Script,
+    /// Of the host \[s\] since the start.
+    time: f64,
 }
 
 impl Engine {
     /// Looks for an adapter unless the CPU is asked for. Auto takes no software adapter: the CPU backend is quicker.
-    pub fn new(scene: Scene, mut options: Options) -> Result<Self, Failure> {
+    pub fn new(scene: Scene, script: Script, mut options: Options) -> Result<Self, Failure> {
         let mut adapter = "this machine's cores".to_owned();
         let mut gpu = None;
         if options.backend != Backend::Cpu {
@@ -39,20 +43,29 @@ impl Engine {
             options.backend = Backend::Cpu;
         }
         let stepper = Stepper::new(scene, options, gpu.as_ref().map(|(d, q)| (d, q)))?;
-        Ok(Engine { stepper, adapter, gpu })
+        Ok(Engine { stepper, adapter, gpu, script, time: 0.0 })
     }
 
-    /// Steps a frame of `dt` seconds and waits for it.
-    pub fn frame(&mut self, dt: f64) -> Result<(), Failure> {
-        let Some((device, queue)) = &self.gpu else {
-            self.stepper.advance(dt)?;
-            return Ok(());
-        };
+    /// Does what the script has for the next `dt` seconds, steps through them and waits.
+    pub fn frame(&mut self, dt: f64) -> Result<Progress, Failure> {
+        self.script.frame(&mut self.stepper, self.time, dt)?;
+        self.time += dt;
+        let Some((device, queue)) = &self.gpu else { return Ok(self.stepper.advance(dt)?) };
         let mut encoder = device.create_command_encoder(&Default::default());
-        self.stepper.record(&mut encoder, dt)?;
+        let progress = self.stepper.record(&mut encoder, dt)?;
         queue.submit([encoder.finish()]);
         let wait = device.poll(wgpu::PollType::wait_indefinitely());
-        wait.map(|_| ()).map_err(|e| Failure::refused(format!("the GPU stopped: {e}")))
+        wait.map(|_| progress).map_err(|e| Failure::refused(format!("the GPU stopped: {e}")))
+    }
+
+    /// Time \[s\] of the last frame.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Device and queue on the GPU backend.
+    pub fn gpu(&self) -> Option<&(wgpu::Device, wgpu::Queue)> {
+        self.gpu.as_ref()
     }
 
     /// Positions of a cloth as they are now.

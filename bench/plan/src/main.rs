@@ -1,0 +1,83 @@
+//! Times scenes with each feature on and off, so that what a plan saves can be seen. CSV to stdout.
+
+mod scenes;
+mod timing;
+
+use clap::Parser;
+use gimage_runtime::{Backend, Options, wgpu};
+use scenes::{Case, cases};
+use timing::{Host, time};
+
+/// What a scene pays for: milliseconds a frame with each feature of the runtime on and off. CSV to stdout, the adapter
+/// to stderr.
+#[derive(Parser)]
+#[command(after_help = "Example:\n  plan --particles 64,128 --frames 40 > plan.csv")]
+struct Args {
+    /// Particles along each side of the cloths, separated by commas.
+    #[arg(long, value_delimiter = ',', default_value = "64,128")]
+    particles: Vec<u32>,
+    /// Frames of 1/60 s that are timed, in each of the rounds.
+    #[arg(long, default_value_t = 20)]
+    frames: u32,
+    /// Rounds over all scenes, so that a busy minute of the machine is spread.
+    #[arg(long, default_value_t = 3)]
+    rounds: u32,
+    /// Steps a frame.
+    #[arg(long, default_value_t = 8)]
+    substeps: u32,
+}
+
+#[allow(clippy::print_stdout)]
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let args = Args::parse();
+    let gpu = pollster::block_on(adapter());
+    match &gpu {
+        Some((info, _, _)) => {
+            eprintln!("adapter: {} ({:?}), driver {} {}", info.name, info.device_type, info.driver, info.driver_info)
+        }
+        None => eprintln!("no adapter: CPU backend only"),
+    }
+    println!("particles,scene,backend,dispatches,bytes,frames,ms_min,ms_median,ms_median_vs_plain");
+    for &n in &args.particles {
+        let cases = cases(n)?;
+        for backend in [Backend::Cpu, Backend::Gpu] {
+            let device = gpu.as_ref().map(|(_, d, q)| (d, q)).filter(|_| backend == Backend::Gpu);
+            if backend == Backend::Gpu && device.is_none() {
+                continue;
+            }
+            let options = Options { backend, substeps: args.substeps, ..Options::default() };
+            let mut times: Vec<Vec<f64>> = vec![Vec::new(); cases.len()];
+            let mut plans = Vec::new();
+            for round in 0..args.rounds {
+                for (case, times) in cases.iter().zip(&mut times) {
+                    let mut host = Host::new(case, &options, device)?;
+                    times.extend(time(&mut host, args.frames)?);
+                    if round == 0 {
+                        plans.push(host.stepper.plan());
+                    }
+                }
+            }
+            let medians: Vec<f64> = times.iter_mut().map(|t| median(t)).collect();
+            for (((Case { name, .. }, times), plan), median) in cases.iter().zip(&times).zip(&plans).zip(&medians) {
+                let (dispatches, bytes) = (plan.dispatches(), plan.bytes());
+                let (least, over) = (times[0], median - medians[0]);
+                let backend = if backend == Backend::Cpu { "cpu" } else { "gpu" };
+                let frames = times.len();
+                println!("{n},{name},{backend},{dispatches},{bytes},{frames},{least:.3},{median:.3},{over:+.3}");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Sorts, and gives the middle one.
+fn median(times: &mut [f64]) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+async fn adapter() -> Option<(wgpu::AdapterInfo, wgpu::Device, wgpu::Queue)> {
+    let adapter = wgpu::Instance::default().request_adapter(&Default::default()).await.ok()?;
+    let (device, queue) = adapter.request_device(&Default::default()).await.ok()?;
+    Some((adapter.get_info(), device, queue))
+}

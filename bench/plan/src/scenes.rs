@@ -1,0 +1,121 @@
+//! One scene for each feature, beside the plain one without any.
+
+use gimage_runtime::{
+    Cloth, Collider, Flat, Grid, Mass, Particle, Parts, Rest, Result, Scene, Shape, Sleep, Wind, WindForce,
+};
+
+/// What is done to a scene before it is timed.
+#[derive(Clone, Copy)]
+pub enum Action {
+    /// Nothing.
+    None,
+    /// It is cut across.
+    Cut,
+    /// Its first cloth is put to sleep.
+    Sleep,
+}
+
+/// A scene by name.
+pub struct Case {
+    /// Its name in the table.
+    pub name: &'static str,
+    /// It.
+    pub scene: Scene,
+    /// What is done to it.
+    pub action: Action,
+    /// Whether cloth may fall asleep by itself.
+    pub sleep: Option<Sleep>,
+}
+
+/// All cases of `n` x `n` particles; the first is the plain one.
+pub fn cases(n: u32) -> Result<Vec<Case>> {
+    let case = |name, scene| Case { name, scene, action: Action::None, sleep: None };
+    let plain = || -> Result<Scene> { Ok(Scene { cloths: vec![square(n)?], ..Scene::new("plain") }) };
+    let rest = |rest| -> Result<Scene> { Ok(Scene { cloths: vec![other(n, rest, false)?], ..plain()? }) };
+    let lengths = lengths(n)?;
+    let image = vec![lengths; (n * n) as usize];
+    let seamed = Scene { cloths: vec![other(n, Rest::Image(image.clone()), true)?], ..plain()? };
+    let mut cases = vec![
+        case("plain", plain()?),
+        case("no springs", rest(Rest::None)?),
+        case("no shear", rest(Rest::Constant(vec![[lengths[0], lengths[1], 0.0, 0.0]]))?),
+        case("an image of rest lengths", rest(Rest::Image(image))?),
+        case("an image and a seam", seamed),
+    ];
+    for (name, shape) in shapes() {
+        let touching = Collider::new(shape, [0.5, -0.2, 0.5]);
+        cases.push(case(name, Scene { colliders: vec![touching], ..plain()? }));
+    }
+    let all: Vec<_> = shapes().map(|(_, shape)| Collider::new(shape, [0.5, -0.2, 0.5])).into();
+    let rough = all.iter().map(|c| Collider { friction: 0.3, ..*c }).collect();
+    cases.push(case("all six colliders", Scene { colliders: all, ..plain()? }));
+    cases.push(case("all six with friction", Scene { colliders: rough, ..plain()? }));
+    let push = WindForce::Push { response: 0.8 };
+    let triangles = WindForce::Triangles { density: 1.2, drag: 1.0, lift: 0.5 };
+    for (name, force) in [("wind on particles", push), ("wind on triangles", triangles)] {
+        let wind = Wind { velocity: [2.0, 0.3, 1.0], gust: 1.0, gust_size: 0.3, force };
+        cases.push(case(name, Scene { wind: Some(wind), ..plain()? }));
+    }
+    cases.push(Case { action: Action::Cut, ..case("cut", plain()?) });
+    // Falling cloth is never calm: what is timed is the watching.
+    cases.push(Case { sleep: Some(Sleep::default()), ..case("watched for rest", plain()?) });
+    cases.push(Case { action: Action::Sleep, ..case("asleep", plain()?) });
+    let two = Scene { cloths: vec![square(n)?, square(n)?], ..plain()? };
+    cases.push(case("two cloths", two.clone()));
+    cases.push(Case { action: Action::Sleep, ..case("two cloths and one asleep", two) });
+    Ok(cases)
+}
+
+fn shapes() -> [(&'static str, Shape); 6] {
+    let radii = [0.3, 0.2, 0.25];
+    [
+        ("a half-space", Shape::HalfSpace),
+        ("a sphere", Shape::Sphere { radius: 0.25 }),
+        ("a capsule", Shape::Capsule { half_height: 0.2, radius: 0.2 }),
+        ("a box", Shape::Box { half: [0.3, 0.2, 0.25] }),
+        ("an ellipsoid (radial)", Shape::Ellipsoid { radii, closest: false }),
+        ("an ellipsoid (closest)", Shape::Ellipsoid { radii, closest: true }),
+    ]
+}
+
+/// A horizontal square of 1 m, held at two corners.
+fn square(n: u32) -> Result<Cloth> {
+    let mut cloth = Flat::square("square", n).cloth()?;
+    cloth.set_pinned(0, true)?;
+    cloth.set_pinned(n as usize - 1, true)?;
+    Ok(cloth)
+}
+
+fn lengths(n: u32) -> Result<[f32; 4]> {
+    Ok(match square(n)?.rest() {
+        Rest::Constant(lengths) => lengths[0],
+        _ => [0.0; 4],
+    })
+}
+
+/// The square with other springs; with a seam, rolled up to a tube whose first and last column are one.
+fn other(n: u32, rest: Rest, seam: bool) -> Result<Cloth> {
+    let square = square(n)?;
+    let place = |p: &[f32; 3]| {
+        let (s, c) = (p[0] * std::f32::consts::TAU).sin_cos();
+        let round = if p[0] == 1.0 { [0.16, p[2], 0.0] } else { [0.16 * c, p[2], 0.16 * s] };
+        if seam { round } else { *p }
+    };
+    let particle = |k: u32| {
+        let next = match k % n {
+            0 if seam => Some(k + n - 1),
+            i if seam && i == n - 1 => Some(k - i),
+            _ => None,
+        };
+        let held = k == 0 || k == n - 1;
+        if held { Particle::Pinned { next } } else { Particle::Free { next } }
+    };
+    Cloth::new(Parts {
+        name: "square".into(),
+        grids: vec![Grid { name: "square".into(), first: 0, width: n, height: n }],
+        positions: square.positions().iter().map(place).collect(),
+        particles: (0..n * n).map(particle).collect(),
+        rest,
+        mass: Mass::Constant(square.mass(0)),
+    })
+}

@@ -1,0 +1,59 @@
+//! Frames on a clock.
+
+use std::time::Instant;
+
+use gimage_runtime::{Options, Result, Stepper, wgpu};
+
+use crate::scenes::{Action, Case};
+
+const FRAME: f64 = 1.0 / 60.0;
+/// Frames before the clock starts: pipelines are made, and buffers first touched.
+const WARM_UP: u32 = 3;
+
+/// A stepper and, on the GPU, where it is submitted.
+pub struct Host<'a> {
+    /// It.
+    pub stepper: Stepper,
+    device: Option<(&'a wgpu::Device, &'a wgpu::Queue)>,
+}
+
+impl<'a> Host<'a> {
+    /// A case made ready.
+    pub fn new(case: &Case, options: &Options, device: Option<(&'a wgpu::Device, &'a wgpu::Queue)>) -> Result<Self> {
+        let options = Options { sleep: case.sleep, ..options.clone() };
+        let mut stepper = Stepper::new(case.scene.clone(), options, device)?;
+        match case.action {
+            Action::None => {}
+            Action::Cut => stepper.cut([0.5, 0.5, 3.0], [-4.0, 0.4, -2.0], [5.0, 0.4, -2.0])?,
+            Action::Sleep => stepper.set_asleep(0, true)?,
+        }
+        Ok(Host { stepper, device })
+    }
+
+    fn frame(&mut self) -> Result<()> {
+        let Some((device, queue)) = self.device else {
+            return self.stepper.advance(FRAME).map(drop_progress);
+        };
+        let mut encoder = device.create_command_encoder(&Default::default());
+        self.stepper.record(&mut encoder, FRAME)?;
+        queue.submit([encoder.finish()]);
+        self.stepper.settle()?;
+        // A lost device shows in the next call.
+        let _ = device.poll(wgpu::PollType::wait_indefinitely());
+        Ok(())
+    }
+}
+
+fn drop_progress(_: gimage_runtime::Progress) {}
+
+/// Milliseconds of each frame, from recording to the end of the work.
+pub fn time(host: &mut Host, frames: u32) -> Result<Vec<f64>> {
+    (0..WARM_UP).try_for_each(|_| host.frame())?;
+    (0..frames)
+        .map(|_| {
+            let start = Instant::now();
+            host.frame()?;
+            Ok(start.elapsed().as_secs_f64() * 1e3)
+        })
+        .collect()
+}

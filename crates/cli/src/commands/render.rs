@@ -1,0 +1,151 @@
+//! `gimage render`: pictures of a scene, headless.
+
+mod encode;
+mod offscreen;
+mod painter;
+
+use std::path::Path;
+
+use gimage_runtime::Backend;
+use gimage_runtime::draw::{Camera, View, bounds};
+use gimage_runtime::scene::file::SceneFile;
+use serde_json::json;
+
+use crate::args::RenderArgs;
+use crate::commands::engine::Engine;
+use crate::commands::scene;
+use crate::exit::{Exit, Failure};
+use crate::files::{Pending, check_file_target};
+use crate::output::Output;
+use painter::Painter;
+
+/// sRGB of the background, unless told otherwise.
+const BACKGROUND: [f32; 3] = [0.957, 0.957, 0.949];
+/// The side from which a scene without a camera is seen.
+const FROM: [f32; 3] = [0.45, 0.32, 1.0];
+/// Degrees from the lower to the upper edge, unless told otherwise.
+const FOV: f32 = 35.0;
+
+/// What is written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Png,
+    Gif,
+}
+
+/// Runs it.
+pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
+    let kind = kind(&args.output)?;
+    painter::check_size(args.size)?;
+    check_file_target(&args.output, args.force)?;
+    let file = scene::load(&args.scene)?;
+    let times = times(args, kind, &file)?;
+    let camera = camera(args, &file, &times)?;
+    let mut engine = Engine::new(file.scene.clone(), file.script.clone(), file.options.clone())?;
+    let mut painter = Painter::new(&engine, args.size, &file)?;
+    let (width, height) = args.size;
+    let view = View {
+        background: args.background.or(file.background).unwrap_or(BACKGROUND),
+        ..View::new(&camera, width as f32 / height as f32)
+    };
+    let mut pictures = encode::Pictures::new(kind, args.size, args.fps)?;
+    for time in &times {
+        let fraction = go_to(&mut engine, *time)?;
+        pictures.add(painter.paint(&engine, &view, fraction)?)?;
+    }
+    let bytes = pictures.finish()?;
+    Pending::write(&args.output, &bytes)?.commit()?;
+    let backend = if engine.stepper.backend() == Backend::Cpu { "cpu" } else { "gpu" };
+    if out.json {
+        out.json(&json!({
+            "output": args.output.display().to_string(),
+            "width": width,
+            "height": height,
+            "pictures": times.len(),
+            "time": times.last(),
+            "bytes": bytes.len(),
+            "backend": backend,
+            "adapter": engine.adapter,
+            "camera": {"eye": camera.eye, "target": camera.target, "fov_degrees": camera.fov.to_degrees()},
+            "exit": Exit::Done.code(),
+        }))?;
+    } else {
+        let (name, count, size) = (args.output.display(), times.len(), bytes.len());
+        let plural = if count == 1 { "picture" } else { "pictures" };
+        out.data(&format!("{name}: {count} {plural} of {width} x {height} on the {backend}, {size} bytes\n"))?;
+    }
+    Ok(Exit::Done)
+}
+
+fn kind(output: &Path) -> Result<Kind, Failure> {
+    match output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("png") => Ok(Kind::Png),
+        Some("gif") => Ok(Kind::Gif),
+        _ => Err(Failure::refused(format!("{}: name a .png or .gif", output.display()))),
+    }
+}
+
+/// Times \[s\] of the pictures, rising.
+fn times(args: &RenderArgs, kind: Kind, file: &SceneFile) -> Result<Vec<f64>, Failure> {
+    let end = args.time.unwrap_or(f64::from(file.scene.frames) * file.options.step);
+    let fps = f64::from(args.fps);
+    let count = match (kind, args.frames) {
+        (Kind::Png, None | Some(1)) => 1,
+        (Kind::Png, Some(_)) => return Err(Failure::refused("a PNG is one picture; name a .gif for --frames")),
+        (Kind::Gif, Some(frames)) => frames,
+        (Kind::Gif, None) => ((end * fps + 1e-6).floor() as u32).saturating_add(1),
+    };
+    if count > 10_000 {
+        return Err(Failure::refused(format!("{count} pictures; give --frames, --fps or --time for at most 10000")));
+    }
+    let time = |k: u32| (end - f64::from(count - 1 - k) / fps).max(0.0);
+    Ok((0..count).map(time).collect())
+}
+
+/// Steps to a time, and returns the fraction of a step that is left over.
+fn go_to(engine: &mut Engine, time: f64) -> Result<f32, Failure> {
+    let step = engine.stepper.options().step;
+    let mut fraction = 1.0;
+    while time - engine.time() > step * 1e-6 {
+        fraction = engine.frame(step.min(time - engine.time()))?.fraction;
+        // Nothing left over: the last step is just what is seen.
+        fraction = if fraction == 0.0 { 1.0 } else { fraction };
+    }
+    Ok(fraction)
+}
+
+/// The camera of the arguments, else of the scene, else one that has everything in every picture.
+fn camera(args: &RenderArgs, file: &SceneFile, times: &[f64]) -> Result<Camera, Failure> {
+    let fov = args.fov.map(f32::to_radians);
+    let given = args.camera.map(|[a, b, c, d, e, f]| Camera {
+        eye: [a, b, c],
+        target: [d, e, f],
+        fov: fov.unwrap_or(FOV.to_radians()),
+    });
+    let of_file = file.camera.map(|c| Camera { fov: fov.unwrap_or(c.fov), ..c });
+    if let Some(camera) = given.or(of_file) {
+        camera.check()?;
+        return Ok(camera);
+    }
+    let fov = fov.unwrap_or(FOV.to_radians());
+    Camera { eye: FROM, target: [0.0; 3], fov }.check()?;
+    // The pictures are not known before the scene has run: it runs twice.
+    let mut engine = Engine::new(file.scene.clone(), file.script.clone(), file.options.clone())?;
+    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for time in times {
+        go_to(&mut engine, *time)?;
+        let scene = engine.stepper.scene();
+        let lists = (0..scene.cloths.len()).map(|c| engine.positions(c)).collect::<Result<Vec<_>, _>>()?;
+        let lists: Vec<_> = lists.iter().map(Vec::as_slice).collect();
+        let Some(box_) = bounds(&lists, &scene.colliders) else { continue };
+        low = [0, 1, 2].map(|c| low[c].min(box_.0[c]));
+        high = [0, 1, 2].map(|c| high[c].max(box_.1[c]));
+    }
+    if low.iter().chain(&high).any(|x| !x.is_finite()) {
+        (low, high) = ([-0.5; 3], [0.5; 3]);
+    }
+    let aspect = args.size.0 as f32 / args.size.1 as f32;
+    let camera = Camera::framing(low, high, FROM, fov, aspect);
+    camera.check()?;
+    Ok(camera)
+}

@@ -1,0 +1,119 @@
+//! Pictures as the bytes of a file.
+
+use std::io::Cursor;
+
+use gif::{DisposalMethod, Encoder, Frame, Repeat};
+use image::{ImageFormat, RgbImage};
+
+use super::Kind;
+use crate::exit::Failure;
+
+/// A file in the making.
+pub struct Pictures {
+    size: (u32, u32),
+    fps: u32,
+    png: Option<Vec<u8>>,
+    gif: Option<Encoder<Vec<u8>>>,
+    last: Vec<[u8; 4]>,
+}
+
+/// Speed of the search for a GIF's colours: 1 is the best and slowest, 30 the quickest.
+const SPEED: i32 = 10;
+
+impl Pictures {
+    /// Of a kind and size; `fps` pictures a second in a GIF.
+    pub fn new(kind: Kind, size: (u32, u32), fps: u32) -> Result<Self, Failure> {
+        // Cannot be larger: the size of a picture is checked before.
+        let side = |n: u32| u16::try_from(n).map_err(|e| wrong(&e));
+        let encoder = || -> Result<_, Failure> {
+            let mut gif = Encoder::new(Vec::new(), side(size.0)?, side(size.1)?, &[]).map_err(|e| wrong(&e))?;
+            gif.set_repeat(Repeat::Infinite).map_err(|e| wrong(&e))?;
+            Ok(gif)
+        };
+        let gif = (kind == Kind::Gif).then(encoder).transpose()?;
+        Ok(Pictures { size, fps, png: None, gif, last: Vec::new() })
+    }
+
+    /// The next picture.
+    pub fn add(&mut self, pixels: Vec<[u8; 4]>) -> Result<(), Failure> {
+        let (width, height) = self.size;
+        let Some(gif) = &mut self.gif else {
+            let rgb = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+            let picture = RgbImage::from_raw(width, height, rgb).ok_or_else(|| wrong(&"its size"))?;
+            let mut bytes = Cursor::new(Vec::new());
+            picture.write_to(&mut bytes, ImageFormat::Png).map_err(|e| wrong(&e))?;
+            self.png = Some(bytes.into_inner());
+            return Ok(());
+        };
+        // Only the part that differs from the picture before is stored.
+        let [left, top, right, bottom] = changed(&self.last, &pixels, width as usize);
+        let (w, h) = (right - left, bottom - top);
+        let rows = pixels.chunks_exact(width as usize).skip(top).take(h);
+        let mut part: Vec<u8> = rows.flat_map(|row| row[left..right].as_flattened().iter().copied()).collect();
+        let side = |n: usize| u16::try_from(n).map_err(|e| wrong(&e));
+        let mut frame = Frame::from_rgba_speed(side(w)?, side(h)?, &mut part, SPEED);
+        (frame.left, frame.top) = (side(left)?, side(top)?);
+        // What lies beside the part stays as it was.
+        frame.dispose = DisposalMethod::Keep;
+        // Hundredths of a second.
+        frame.delay = (100.0 / f64::from(self.fps.max(1))).round().clamp(1.0, 65_535.0) as u16;
+        gif.write_frame(&frame).map_err(|e| wrong(&e))?;
+        self.last = pixels;
+        Ok(())
+    }
+
+    /// The file.
+    pub fn finish(self) -> Result<Vec<u8>, Failure> {
+        let Some(gif) = self.gif else { return self.png.ok_or_else(|| wrong(&"there is no picture")) };
+        gif.into_inner().map_err(|e| wrong(&e))
+    }
+}
+
+fn wrong(what: &dyn std::fmt::Display) -> Failure {
+    gimage::Error::Internal(format!("encoding a picture: {what}")).into()
+}
+
+/// Left, top, right and bottom of what differs; all of it where there is no picture before, a pixel where nothing does.
+fn changed(before: &[[u8; 4]], now: &[[u8; 4]], width: usize) -> [usize; 4] {
+    if before.len() != now.len() {
+        return [0, 0, width, now.len() / width];
+    }
+    let mut part = [usize::MAX, usize::MAX, 0, 0];
+    for k in (0..now.len()).filter(|k| before[*k] != now[*k]) {
+        let (x, y) = (k % width, k / width);
+        part = [part[0].min(x), part[1].min(y), part[2].max(x + 1), part[3].max(y + 1)];
+    }
+    if part[2] == 0 { [0, 0, 1, 1] } else { part }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gif_shows_every_picture_whole() {
+        let (width, height) = (8, 6);
+        let grey = |g: u8| vec![[g, g, g, 255]; 48];
+        let mut second = grey(0);
+        second[8 * 4 + 6] = [255, 255, 255, 255];
+        let mut pictures = Pictures::new(Kind::Gif, (width, height), 20).unwrap();
+        pictures.add(grey(0)).unwrap();
+        pictures.add(second.clone()).unwrap();
+        let bytes = pictures.finish().unwrap();
+        // Read with another library's rules of composition.
+        let frames = image::codecs::gif::GifDecoder::new(Cursor::new(bytes)).unwrap();
+        let frames = image::AnimationDecoder::into_frames(frames).collect_frames().unwrap();
+        let shown: Vec<_> = frames.iter().map(|f| f.buffer().as_raw().clone()).collect();
+        assert_eq!(shown, [grey(0).as_flattened().to_vec(), second.as_flattened().to_vec()]);
+    }
+
+    #[test]
+    fn only_what_differs_is_stored() {
+        let mut b = vec![[0, 0, 0, 255]; 12];
+        assert_eq!(changed(&[], &b, 4), [0, 0, 4, 3]);
+        let a = b.clone();
+        assert_eq!(changed(&a, &b, 4), [0, 0, 1, 1]);
+        (b[5], b[10]) = ([1, 0, 0, 255], [0, 2, 0, 255]);
+        assert_eq!(changed(&a, &b, 4), [1, 1, 3, 3]);
+    }
+}

@@ -1,0 +1,81 @@
+//! What a command steps: a built-in scene, a scene file, or a bundle.
+
+use std::fs;
+use std::path::Path;
+
+use gimage::options::{BuildOptions, ImageSize};
+use gimage::pipeline;
+use gimage::progress::Quiet;
+use gimage_bundle::dir::read_dir;
+use gimage_runtime::draw::{Look, SolidLook};
+use gimage_runtime::scene::file::{Found, MAX_BYTES, SceneFile, Source};
+use gimage_runtime::scene::{BUILTIN, Script, builtin};
+use gimage_runtime::{Backend, Cloth, Options, Scene, Solver};
+
+use crate::args::{BackendArg, SceneArgs, SolverArg};
+use crate::exit::Failure;
+
+/// Loads what the arguments name, with the solver settings that they give.
+pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
+    let path = Path::new(&args.scene);
+    let mut file = if BUILTIN.contains(&args.scene.as_str()) || !path.exists() {
+        plain(builtin(&args.scene, args.n)?)
+    } else if path.is_dir() {
+        let bundle = read_dir(path).map_err(|e| Failure::bundle(path, &e))?;
+        let mut scene = Scene::new(&args.scene);
+        scene.cloths.push(Cloth::from_bundle(&args.scene, &bundle)?);
+        plain(scene)
+    } else {
+        read(path)?
+    };
+    file.options.backend = match args.backend {
+        BackendArg::Auto => Backend::Auto,
+        BackendArg::Gpu => Backend::Gpu,
+        BackendArg::Cpu => Backend::Cpu,
+    };
+    if let Some(solver) = args.solver {
+        file.options.solver = match solver {
+            SolverArg::Classic => Solver::Classic,
+        };
+    }
+    file.options.substeps = args.substeps.unwrap_or(file.options.substeps);
+    file.options.iterations = args.iterations.unwrap_or(file.options.iterations);
+    file.options.threads = args.threads.into();
+    Ok(file)
+}
+
+fn plain(scene: Scene) -> SceneFile {
+    let looks = (0..scene.cloths.len()).map(Look::of).collect();
+    let (script, options, solid_look) = (Script::default(), Options::default(), SolidLook::default());
+    SceneFile { scene, script, options, camera: None, background: None, looks, solid_look }
+}
+
+fn read(path: &Path) -> Result<SceneFile, Failure> {
+    let size = fs::metadata(path).map_err(|e| Failure::io(path, &e))?.len();
+    let json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    if !json || size > MAX_BYTES as u64 {
+        let what = "neither a bundle (a directory) nor a scene file (.json of at most 16 MiB)";
+        return Err(Failure::refused(format!("{}: {what}; build garments with `gimage build` first", path.display())));
+    }
+    let bytes = fs::read(path).map_err(|e| Failure::io(path, &e))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let file = SceneFile::parse(&bytes, |source| find(folder, source));
+    file.map_err(|e| Failure::refused(format!("{}: {e}", path.display())))
+}
+
+/// Reads a bundle, or builds a garment in memory.
+fn find(folder: &Path, source: &Source) -> Found {
+    match source {
+        Source::Bundle(name) => {
+            let path = folder.join(name);
+            read_dir(&path).map_err(|e| format!("{}: {e}", path.display()).into())
+        }
+        Source::Garment { file, texels } => {
+            let path = folder.join(file);
+            let size = ImageSize::Texels(*texels);
+            let options = BuildOptions { size, metrics: false, ..BuildOptions::default() };
+            let built = pipeline::build(&path, &options, &Quiet);
+            built.map(|b| b.bundle).map_err(|e| format!("{}: {e}", path.display()).into())
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! `gimage render`, and the scenes in assets/scenes in both commands.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+
+use common::{Place, list};
+use image::{AnimationDecoder, ImageReader, RgbImage};
+
+fn scenes() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes")
+}
+
+fn picture(path: &Path) -> RgbImage {
+    ImageReader::open(path).unwrap().decode().unwrap().to_rgb8()
+}
+
+/// Share of the pixels that differ from the one in the corner.
+fn drawn(picture: &RgbImage) -> f64 {
+    let corner = *picture.get_pixel(0, 0);
+    let other = picture.pixels().filter(|p| **p != corner).count();
+    other as f64 / f64::from(picture.width() * picture.height())
+}
+
+#[test]
+fn every_scene_here_runs_and_is_drawn() {
+    let place = Place::new();
+    let names: Vec<_> = list(&scenes()).into_iter().filter(|n| n.ends_with(".json")).collect();
+    assert!(names.len() >= 5, "{names:?}");
+    for name in names {
+        let scene = scenes().join(&name);
+        let scene = scene.display();
+        let run = place.run(&format!("simulate {scene} --backend cpu --frames 30 --substeps 4 --json")).expect(&[0]);
+        assert_eq!(run.json()["frames"], 30, "{name}");
+        assert_eq!(run.json()["substeps"], 4, "{name}");
+        let flags = "--backend cpu --time 0.5 --substeps 4 --size 96x72 --json -o";
+        let run = place.run(&format!("render {scene} {flags} {name}.png")).expect(&[0]);
+        assert_eq!(run.json()["pictures"], 1, "{name}");
+        let share = drawn(&picture(&place.path(&format!("{name}.png"))));
+        assert!((0.05..=1.0).contains(&share), "{name}: {share}");
+    }
+}
+
+#[test]
+fn both_painters_agree() {
+    let place = Place::new();
+    let flags = "s2 --n 24 --time 0.6 --size 120x90 --background 102030";
+    place.run(&format!("render {flags} --backend cpu -o cpu.png")).expect(&[0]);
+    let gpu = place.run(&format!("render {flags} --backend gpu -o gpu.png"));
+    if gpu.code != 0 {
+        let required = std::env::var("GIMAGE_REQUIRE_GPU").is_ok_and(|v| v == "1");
+        assert!(!required && gpu.stderr.contains("install"), "{}", gpu.stderr);
+        return;
+    }
+    let (a, b) = (picture(&place.path("cpu.png")), picture(&place.path("gpu.png")));
+    assert_eq!(a.get_pixel(0, 0).0, [0x10, 0x20, 0x30]);
+    let far = |(a, b): (&image::Rgb<u8>, &image::Rgb<u8>)| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap();
+    let differences: Vec<_> = a.pixels().zip(b.pixels()).map(far).collect();
+    let mean = differences.iter().map(|d| f64::from(*d)).sum::<f64>() / differences.len() as f64;
+    // Edges are sampled at other points; the rest is the same.
+    let large = differences.iter().filter(|d| **d > 8).count() as f64 / differences.len() as f64;
+    eprintln!("mean difference {mean} of 255, {large} of the pixels by more than 8");
+    assert!(mean < 1.0 && large < 0.05, "mean {mean}, {large} of the pixels");
+    assert!(drawn(&a) > 0.1);
+}
+
+#[test]
+fn a_gif_has_the_pictures_asked_for_whatever_the_threads() {
+    let place = Place::new();
+    let flags = "s1 --n 9 --backend cpu --size 40x30 --time 0.5 --frames 4 --fps 10";
+    place.run(&format!("render {flags} --threads 1 -o one.gif")).expect(&[0]);
+    place.run(&format!("render {flags} --threads 2 -o two.gif")).expect(&[0]);
+    let bytes = std::fs::read(place.path("one.gif")).unwrap();
+    assert!(bytes == std::fs::read(place.path("two.gif")).unwrap());
+    let decoder = image::codecs::gif::GifDecoder::new(std::io::Cursor::new(bytes)).unwrap();
+    let frames = decoder.into_frames().collect_frames().unwrap();
+    assert_eq!(frames.len(), 4);
+    assert!(frames.iter().all(|f| f.buffer().dimensions() == (40, 30)));
+    assert!(frames[0].buffer() != frames[3].buffer());
+    assert_eq!(place.list(), ["one.gif", "tube.obj", "two.gif"]);
+}
+
+#[test]
+fn a_bundle_is_framed_by_itself() {
+    let place = Place::new();
+    place.built("");
+    place.run("render tube.gim -o tube.png --time 0 --size 100x100 --backend cpu").expect(&[0]);
+    let picture = picture(&place.path("tube.png"));
+    let share = drawn(&picture);
+    assert!((0.3..0.95).contains(&share), "{share}");
+    let edge = (0..100).flat_map(|k| [(k, 0), (k, 99), (0, k), (99, k)]);
+    let corner = *picture.get_pixel(0, 0);
+    assert!(edge.into_iter().all(|(x, y)| *picture.get_pixel(x, y) == corner), "it touches the edge");
+}
+
+#[test]
+fn what_cannot_be_drawn_is_said_and_leaves_nothing() {
+    let place = Place::new();
+    place.write("there.png", "not to be replaced");
+    place.write("bad.json", "{\"format\": \"gimage-scene\", \"version\": 1, \"cloths\": [{\"form\": 1}]}");
+    place.write("lost.json", r#"{"format": "gimage-scene", "version": 1, "cloths": [{"from": {"bundle": "no.gim"}}]}"#);
+    let before = place.list();
+    for (args, words) in [
+        ("render s1 -o x.jpg", ".png"),
+        ("render s1 -o none/x.png", "make the directory"),
+        ("render s1 -o there.png", "there.png"),
+        ("render s9 -o x.png", "s2f"),
+        ("render s1 -o x.png --size 0x10", "--size"),
+        ("render s1 -o x.png --size 99999x99999", "8192"),
+        ("render s1 -o x.png --frames 2", ".gif"),
+        ("render s1 -o x.gif --time 1e9", "pictures"),
+        ("render s1 -o x.png --camera 0,0,0,0,0,0", "camera"),
+        ("render s1 -o x.png --camera 1,2", "six numbers"),
+        ("render s1 -o x.png --background red", "hexadecimal"),
+        ("render s1 -o x.png --fov 500", "angle"),
+        ("render bad.json -o x.png", "bad.json: cloths[0].form: unknown field"),
+        ("simulate bad.json", "bad.json: cloths[0].form: unknown field"),
+        ("render lost.json -o x.png", "no.gim"),
+        ("render tube.obj -o x.png", "gimage build"),
+    ] {
+        let run = place.run(args).expect(&[2]);
+        assert!(run.stderr.contains(words), "{args}: {}", run.stderr);
+    }
+    assert_eq!(place.list(), before);
+    assert_eq!(std::fs::read(place.path("there.png")).unwrap(), b"not to be replaced");
+}

@@ -1,0 +1,100 @@
+//! What users do to cloth beside pinning it: cut it, move a set of its particles, drag it.
+
+mod drag;
+
+pub use drag::Drag;
+
+use crate::cloth::Cloth;
+use crate::cpu::body::Body;
+use crate::cpu::real::{Real, cast};
+use crate::cpu::rows::Threads;
+use crate::error::{Error, Result, check};
+use crate::stepper::Stepper;
+use crate::world::World;
+
+/// What is to be done before the next step, in the order of the calls.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// A cut by the triangle with these corners.
+    Cut([[f32; 3]; 3]),
+    /// Particles of a cloth, all duplicates among them, are moved by the matrix with these columns.
+    Transform { cloth: usize, chosen: Vec<u32>, matrix: [[f32; 4]; 4] },
+}
+
+impl Stepper {
+    /// Cuts every cloth by the triangle from the eye to the two ends of a stroke \[m\]; it takes effect at the start of
+    /// the next frame. Triangles of cloth that the triangle meets, or comes nearer to than 1e-6 of the distances in
+    /// play, are taken away ([`Stepper::holes`]), and their springs get the rest length 0: responsiveness 0 at both
+    /// ends. Duplicates of a seam point lie at one place, so both sides of a seam are cut. Cloth cut right through falls
+    /// apart; parts that still have a particle in common hang together by it. A spring that is no edge of a triangle is
+    /// not cut.
+    ///
+    /// On the GPU it takes two dispatches a cloth, without a read-back. The first cut gives every cloth a list of holes
+    /// and, where rest lengths were constants, an image of them: 20 bytes a texel. Wakes every cloth. Errors on a number
+    /// that is not finite.
+    pub fn cut(&mut self, eye: [f32; 3], a: [f32; 3], b: [f32; 3]) -> Result<()> {
+        for x in [eye, a, b].as_flattened() {
+            check("a corner of a cut [m]", f64::from(*x), "finite", |_| true)?;
+        }
+        self.world.scene.cloths.iter_mut().for_each(Cloth::open);
+        if let Some((bodies, _)) = &mut self.cpu {
+            bodies.iter_mut().zip(&self.world.scene.cloths).for_each(|(body, cloth)| body.open(cloth));
+        }
+        if let Some(gpu) = &mut self.gpu {
+            gpu.open(&self.world);
+        }
+        self.changed();
+        self.world.actions.push(Action::Cut([eye, a, b]));
+        Ok(())
+    }
+
+    /// Moves particles of a cloth, and their seam duplicates, by a matrix of four columns (of which the last is the
+    /// translation \[m\], as in WGSL), at the start of the next frame. Previous positions move alike, so velocities
+    /// turn with them and pinned particles stay at rest. Four bytes of upload a particle and one dispatch. Wakes the
+    /// cloth. Errors where there is no such particle, on a number that is not finite, and on a last row that is not
+    /// 0, 0, 0, 1.
+    pub fn transform(&mut self, cloth: usize, particles: &[usize], matrix: [[f32; 4]; 4]) -> Result<()> {
+        for (column, last) in matrix.iter().zip([0.0, 0.0, 0.0, 1.0]) {
+            column.iter().try_for_each(|x| check("an element of a matrix", f64::from(*x), "finite", |_| true))?;
+            check("the last row of a matrix", column[3].into(), "0, 0, 0, 1", |x| x == last)?;
+        }
+        let chosen = with_duplicates(self.world.cloth(cloth)?, particles)?;
+        if !chosen.is_empty() {
+            self.world.wake(cloth);
+            self.world.actions.push(Action::Transform { cloth, chosen, matrix });
+        }
+        Ok(())
+    }
+}
+
+/// Particles and all their duplicates, each once, in order.
+fn with_duplicates(cloth: &Cloth, particles: &[usize]) -> Result<Vec<u32>> {
+    let count = cloth.len();
+    let mut chosen = vec![false; count];
+    for &index in particles {
+        if !cloth.particles().get(index).is_some_and(|p| p.exists()) {
+            return Err(Error::NoSuch { what: "particle", index, count });
+        }
+        chosen[index] = true;
+    }
+    let (starts, members) = cloth.rings();
+    for ring in starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]) {
+        let any = ring.iter().any(|k| chosen[*k as usize]);
+        ring.iter().for_each(|k| chosen[*k as usize] |= any);
+    }
+    Ok((0..count as u32).filter(|k| chosen[*k as usize]).collect())
+}
+
+impl World {
+    /// Does on the CPU what is to be done, and says whether that was anything.
+    pub fn act<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads) -> bool {
+        let actions = std::mem::take(&mut self.actions);
+        for action in &actions {
+            match action {
+                Action::Cut(corners) => bodies.iter_mut().for_each(|b| b.cut(threads, corners.map(cast))),
+                Action::Transform { cloth, chosen, matrix } => bodies[*cloth].transform(chosen, matrix.map(cast)),
+            }
+        }
+        !actions.is_empty()
+    }
+}

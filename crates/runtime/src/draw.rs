@@ -1,0 +1,69 @@
+//! Pictures of scenes: positions are pulled from the simulation's buffers in the vertex shader, and nothing is read back.
+//!
+//! [`Draw`] adds draws of all cloths and colliders to the host's own render pass; [`Software`] makes the same picture
+//! on the CPU. There is no index buffer: a grid of W x H texels is `(W - 1) (H - 1) 6` vertices, and the shader works
+//! out which texel each one is. Hosts with a renderer of their own read [`crate::ClothBuffers`] in their own shader.
+
+mod camera;
+mod device;
+mod look;
+mod mesh;
+pub(crate) mod rows;
+mod shader;
+mod software;
+
+pub use camera::{Camera, View};
+pub use device::{Draw, Target};
+pub use look::{Look, uv_of};
+pub use software::Software;
+
+use crate::collider::Collider;
+use crate::cpu::real::{add, cross, scale, xyz};
+
+/// How all colliders are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidLook {
+    /// sRGB, 0 to 1.
+    pub color: [f32; 3],
+    /// How far \[m\] within its shape a collider is drawn. Default 0.004, because cloth lies right on the surface.
+    pub inset: f32,
+}
+
+impl Default for SolidLook {
+    fn default() -> Self {
+        SolidLook { color: [0.58, 0.60, 0.65], inset: 0.004 }
+    }
+}
+
+/// The box around positions \[m\] of particles (w at least 0) and finite colliders: its low and high corner. `None`
+/// where there is neither.
+pub fn bounds(positions: &[&[[f32; 4]]], colliders: &[Collider]) -> Option<([f32; 3], [f32; 3])> {
+    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    let mut take = |p: [f32; 3]| {
+        low = [0, 1, 2].map(|c| low[c].min(p[c]));
+        high = [0, 1, 2].map(|c| high[c].max(p[c]));
+    };
+    for p in positions.iter().flat_map(|list| list.iter()).filter(|p| p[3] >= 0.0) {
+        take(xyz(*p));
+    }
+    for collider in colliders {
+        let Some(half) = mesh::half_extent(&collider.shape) else { continue };
+        for k in 0..8 {
+            let corner = [0, 1, 2].map(|c| if k >> c & 1 == 1 { half[c] } else { -half[c] });
+            take(add(turned(collider.rotation, corner), collider.center));
+        }
+    }
+    low.iter().zip(high).all(|(l, h)| l.is_finite() && h.is_finite()).then_some((low, high))
+}
+
+/// A vector turned by a unit quaternion.
+fn turned(q: [f32; 4], v: [f32; 3]) -> [f32; 3] {
+    let t = scale(cross(xyz(q), v), 2.0);
+    add(add(v, scale(t, q[3])), cross(xyz(q), t))
+}
+
+/// The files of every drawing shader.
+#[cfg(test)]
+pub(crate) fn all_files() -> Vec<&'static str> {
+    shader::Variant::ALL.iter().flat_map(|v| v.files()).collect()
+}

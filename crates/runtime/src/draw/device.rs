@@ -1,0 +1,261 @@
+//! Drawing with the host's device, into the host's render pass.
+
+use std::collections::HashMap;
+use std::num::NonZeroU64;
+
+use bytemuck::{bytes_of, cast_slice};
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{BindGroup, Buffer, BufferUsages};
+
+use super::rows::{BodyRow, ViewRow};
+use super::shader::{BODIES, MESH, UV, VIEW, Variant};
+use super::{Look, SolidLook, View, mesh};
+use crate::cloth::Cloth;
+use crate::collider::{Collider, Shape};
+use crate::error::{Error, Result};
+use crate::gpu::layout::GridRow;
+use crate::shaders::Slot;
+use crate::stepper::Stepper;
+
+/// What a render pass draws into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Target {
+    /// Format of the colour attachment. One that is not sRGB gets sRGB from the shader.
+    pub color: wgpu::TextureFormat,
+    /// Format of the depth attachment and when a fragment is in front: `Less`, or `Greater` for reversed depth.
+    pub depth: Option<(wgpu::TextureFormat, wgpu::CompareFunction)>,
+    /// Samples a pixel, 1 or 4.
+    pub samples: u32,
+}
+
+/// Distance of two rows of numbers: the largest alignment that a device may ask for.
+const STRIDE: u64 = 256;
+/// Rows that can be in use before the encoder is submitted: a row a cloth and one for the colliders, each record.
+const ROWS: u32 = 256;
+
+/// Draws the cloths and colliders of one stepper. It keeps handles to the host's device and queue, and never submits.
+pub struct Draw {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    target: Target,
+    pipelines: HashMap<Variant, (wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
+    rows: Buffer,
+    cursor: u32,
+    looks: HashMap<usize, Look>,
+    solid_look: SolidLook,
+    cloths: HashMap<usize, DrawnCloth>,
+    solids: Option<DrawnSolids>,
+}
+
+/// A cloth's own buffers and bindings, good for as long as the stepper's buffers are the same.
+struct DrawnCloth {
+    source: Vec<Buffer>,
+    variant: Variant,
+    group: BindGroup,
+    jump: f32,
+}
+
+struct DrawnSolids {
+    shapes: Vec<Shape>,
+    ends: Vec<u32>,
+    bodies: Buffer,
+    group: BindGroup,
+}
+
+impl Draw {
+    /// Makes no pipeline yet: each is made when it is first needed.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target: Target) -> Self {
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let size = STRIDE * u64::from(ROWS);
+        let rows = wgpu::BufferDescriptor { label: Some("views"), size, usage, mapped_at_creation: false };
+        Draw {
+            rows: device.create_buffer(&rows),
+            device: device.clone(),
+            queue: queue.clone(),
+            target,
+            pipelines: HashMap::new(),
+            cursor: 0,
+            looks: HashMap::new(),
+            solid_look: SolidLook::default(),
+            cloths: HashMap::new(),
+            solids: None,
+        }
+    }
+
+    /// How a cloth is drawn from now on. Texture coordinates are uploaded once.
+    pub fn set_look(&mut self, cloth: usize, look: Look) {
+        self.looks.insert(cloth, look);
+        self.cloths.remove(&cloth);
+    }
+
+    /// How colliders are drawn from now on.
+    pub fn set_solid_look(&mut self, look: SolidLook) {
+        self.solid_look = look;
+        self.solids = None;
+    }
+
+    /// Draws every cloth, between its last two steps by `fraction` (see [`crate::Progress`]), and every collider. One
+    /// draw a grid and one a collider; uploads 160 bytes a cloth and 48 bytes a collider. Up to 256 cloths and
+    /// collider sets can be drawn before the encoder is submitted. Errors on a stepper without a device and on texture
+    /// coordinates that do not fit their cloth.
+    pub fn record(&mut self, pass: &mut wgpu::RenderPass, stepper: &Stepper, view: &View, fraction: f32) -> Result<()> {
+        for (index, cloth) in stepper.scene().cloths.iter().enumerate() {
+            let buffers = stepper.buffers(index).ok_or(Error::NoGpu("Draw::record"))?;
+            let look = self.looks.entry(index).or_insert_with(|| Look::of(index)).clone();
+            let mut source = vec![buffers.now.clone(), buffers.before.clone(), buffers.normals.clone()];
+            source.extend(buffers.holes.clone());
+            if self.cloths.get(&index).is_none_or(|c| c.source != source) {
+                let drawn = self.cloth(cloth, &look, source)?;
+                self.cloths.insert(index, drawn);
+            }
+            let drawn = &self.cloths[&index];
+            let row = ViewRow::cloth(view, &look, drawn.jump, fraction);
+            let offset = next_row(&self.queue, &self.rows, &mut self.cursor, &row);
+            let Some((pipeline, _)) = self.pipelines.get(&drawn.variant) else { continue };
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &drawn.group, &[offset]);
+            for (g, grid) in (0u32..).zip(cloth.grids()) {
+                pass.draw(0..(grid.width - 1) * (grid.height - 1) * 6, g..g + 1);
+            }
+        }
+        self.record_solids(pass, &stepper.scene().colliders, view);
+        Ok(())
+    }
+
+    fn record_solids(&mut self, pass: &mut wgpu::RenderPass, colliders: &[Collider], view: &View) {
+        if colliders.is_empty() {
+            return;
+        }
+        let shapes: Vec<_> = colliders.iter().map(|c| c.shape).collect();
+        if self.solids.as_ref().is_none_or(|s| s.shapes != shapes) {
+            self.solids = Some(self.meshes(shapes));
+        }
+        let (Some(solids), Some((pipeline, _))) = (&self.solids, self.pipelines.get(&Variant::Solids)) else { return };
+        let bodies: Vec<_> = colliders.iter().map(|c| BodyRow::new(c, self.solid_look.color)).collect();
+        self.queue.write_buffer(&solids.bodies, 0, cast_slice(&bodies));
+        let offset = next_row(&self.queue, &self.rows, &mut self.cursor, &ViewRow::solids(view));
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &solids.group, &[offset]);
+        let mut first = 0;
+        for (c, end) in (0u32..).zip(&solids.ends) {
+            pass.draw(first..*end, c..c + 1);
+            first = *end;
+        }
+    }
+
+    fn cloth(&mut self, cloth: &Cloth, look: &Look, source: Vec<Buffer>) -> Result<DrawnCloth> {
+        let variant = Variant::Cloth { holes: source.len() > 3, uv: look.uv.is_some() };
+        let row =
+            |g: &crate::Grid| GridRow { first: g.first, width: g.width, height: g.height, unused: 0, rest: [0.0; 4] };
+        let grids: Vec<_> = cloth.grids().iter().map(row).collect();
+        let grids = self.upload("drawn grids", cast_slice(&grids));
+        let mut bound = vec![(Slot::Grids as u32, &grids)];
+        let slots = [Slot::Now, Slot::Before, Slot::Normals, Slot::Holes].map(|s| s as u32);
+        bound.extend(slots.into_iter().zip(&source));
+        let uv = look.uv.as_ref().map(|uv| {
+            let (found, expected) = (uv.len(), cloth.len());
+            let cloth = cloth.name().to_owned();
+            let wrong = Error::Length { cloth, what: "texture coordinates", found, expected };
+            if found == expected { Ok(self.upload("uv", cast_slice(uv))) } else { Err(wrong) }
+        });
+        let uv = uv.transpose()?;
+        bound.extend(uv.iter().map(|b| (UV, b)));
+        let group = self.group(variant, &bound);
+        let jump = look.jump(cloth.grids());
+        Ok(DrawnCloth { variant, group, jump, source })
+    }
+
+    fn meshes(&mut self, shapes: Vec<Shape>) -> DrawnSolids {
+        let (mut vertices, mut ends) = (Vec::new(), Vec::new());
+        for shape in &shapes {
+            vertices.extend(mesh::of(shape, self.solid_look.inset));
+            ends.push(vertices.len() as u32);
+        }
+        let empty: BodyRow = bytemuck::Zeroable::zeroed();
+        let bodies = self.upload("bodies", cast_slice(&vec![empty; shapes.len()]));
+        let mesh = self.upload("meshes", cast_slice(&vertices));
+        let group = self.group(Variant::Solids, &[(BODIES, &bodies), (MESH, &mesh)]);
+        DrawnSolids { shapes, ends, bodies, group }
+    }
+
+    fn upload(&self, label: &str, contents: &[u8]) -> Buffer {
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        self.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+    }
+
+    fn group(&mut self, variant: Variant, bound: &[(u32, &Buffer)]) -> BindGroup {
+        let (_, layout) =
+            self.pipelines.entry(variant).or_insert_with(|| pipeline(&self.device, &self.target, variant));
+        let size = NonZeroU64::new(size_of::<ViewRow>() as u64);
+        let view = wgpu::BufferBinding { buffer: &self.rows, offset: 0, size };
+        let mut entries = vec![wgpu::BindGroupEntry { binding: VIEW, resource: wgpu::BindingResource::Buffer(view) }];
+        for (binding, buffer) in bound {
+            entries.push(wgpu::BindGroupEntry { binding: *binding, resource: buffer.as_entire_binding() });
+        }
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("draw"), layout, entries: &entries })
+    }
+}
+
+fn next_row(queue: &wgpu::Queue, rows: &Buffer, cursor: &mut u32, row: &ViewRow) -> u32 {
+    *cursor = (*cursor + 1) % ROWS;
+    let offset = u64::from(*cursor) * STRIDE;
+    queue.write_buffer(rows, offset, bytes_of(row));
+    offset as u32
+}
+
+fn pipeline(device: &wgpu::Device, target: &Target, variant: Variant) -> (wgpu::RenderPipeline, wgpu::BindGroupLayout) {
+    let label = Some("draw");
+    let size = NonZeroU64::new(size_of::<ViewRow>() as u64);
+    let uniform = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: true,
+        min_binding_size: size,
+    };
+    let storage = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let entry = |binding, ty, visibility| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let mut entries = vec![entry(VIEW, uniform, wgpu::ShaderStages::VERTEX_FRAGMENT)];
+    entries.extend(variant.storage().iter().map(|binding| entry(*binding, storage, wgpu::ShaderStages::VERTEX)));
+    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
+    let source = wgpu::ShaderSource::Wgsl(variant.files().concat().into());
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
+    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label,
+        bind_group_layouts: &[Some(&layout)],
+        ..Default::default()
+    });
+    let constants = [("encode", f64::from(u8::from(!target.color.is_srgb())))];
+    let fragment_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label,
+        layout: Some(&pipeline_layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        // Both sides are drawn, and the fragment shader asks which it is.
+        primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
+        depth_stencil: target.depth.map(|(format, compare)| wgpu::DepthStencilState {
+            format,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(compare),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment"),
+            compilation_options: fragment_options,
+            targets: &[Some(target.color.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    (pipeline, layout)
+}

@@ -1,0 +1,59 @@
+//! What cloths and colliders look like.
+
+use gimage_bundle::{Bundle, MapKind};
+
+/// How a cloth is drawn. Colours are sRGB, 0 to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// The side that the normals point to.
+    pub front: [f32; 3],
+    /// The other side.
+    pub back: [f32; 3],
+    /// Texture coordinates, one pair a particle; `None` costs no buffer.
+    pub uv: Option<Vec<[f32; 2]>>,
+    /// Tiles in one unit of the texture coordinates, and how much darker every other tile is, 0 to 1. Without
+    /// coordinates there is no pattern.
+    pub checker: [f32; 2],
+}
+
+/// Colours of the first cloths.
+const COLORS: [[f32; 3]; 4] = [[0.72, 0.20, 0.22], [0.14, 0.42, 0.62], [0.85, 0.62, 0.20], [0.30, 0.52, 0.34]];
+
+impl Look {
+    /// A plain colour; the back is a paler one.
+    pub fn plain(front: [f32; 3]) -> Self {
+        let back = front.map(|c| 0.55 * c + 0.3);
+        Look { front, back, uv: None, checker: [0.0; 2] }
+    }
+
+    /// What the cloth of an index looks like unless told otherwise.
+    pub fn of(index: usize) -> Self {
+        Look::plain(COLORS[index % COLORS.len()])
+    }
+
+    /// How far apart texture coordinates of one triangle may be; further ones lie on two sides of a texture's seam.
+    pub(super) fn jump(&self, grids: &[crate::Grid]) -> f32 {
+        let Some(uv) = &self.uv else { return 0.0 };
+        let mut steps = Vec::new();
+        for grid in grids {
+            let width = grid.width as usize;
+            let inner = grid.range().filter(|k| (k - grid.first as usize) % width + 1 < width);
+            steps.extend(inner.map(|k| (uv[k + 1][0] - uv[k][0]).abs().max((uv[k + 1][1] - uv[k][1]).abs())));
+        }
+        let middle = steps.len() / 2;
+        if steps.is_empty() { 0.0 } else { 4.0 * *steps.select_nth_unstable_by(middle, f32::total_cmp).1 }
+    }
+}
+
+/// The texture coordinates of a bundle, one pair a particle; `None` if no piece has any. Pieces without have (0, 0).
+pub fn uv_of(bundle: &Bundle) -> Option<Vec<[f32; 2]>> {
+    let mut all = Vec::new();
+    let mut any = false;
+    for (index, piece) in bundle.manifest.pieces.iter().enumerate() {
+        let image = bundle.image(index, &MapKind::Uv(0));
+        any |= image.is_some();
+        let pair = |k: usize| image.and_then(|i| i.at(k).get(..2)?.try_into().ok()).unwrap_or([0.0; 2]);
+        all.extend((0..piece.width as usize * piece.height as usize).map(pair));
+    }
+    any.then_some(all)
+}

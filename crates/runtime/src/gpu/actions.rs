@@ -1,0 +1,73 @@
+//! What users do to cloths on the GPU: a few dispatches, recorded before the steps.
+
+use bytemuck::cast_slice;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+use super::Gpu;
+use crate::actions::Action;
+use crate::cloth::Rest;
+use crate::passes::Pass;
+use crate::shaders::{Slot, list, source};
+use crate::world::World;
+
+impl Gpu {
+    /// Makes room for cuts.
+    pub fn open(&mut self, world: &World) {
+        for (buffers, cloth) in self.cloths.iter_mut().zip(&world.scene.cloths) {
+            buffers.open(&self.device, cloth);
+        }
+    }
+
+    /// Records what is to be done.
+    pub fn act(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder) {
+        let actions = std::mem::take(&mut world.actions);
+        if actions.is_empty() {
+            return;
+        }
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("actions"), timestamp_writes: None });
+        for action in &actions {
+            match action {
+                Action::Cut(corners) => {
+                    let numbers = self.numbers("cut", cast_slice(&corners.map(|[x, y, z]| [x, y, z, 0.0])));
+                    for (index, cloth) in world.scene.cloths.iter().enumerate() {
+                        let springs = !matches!(cloth.rest(), Rest::None);
+                        for what in [Some(Pass::Cut), springs.then_some(Pass::CutSprings)].into_iter().flatten() {
+                            let groups = source(what).workgroups(cloth);
+                            self.once(&mut pass, index, what, &[(Slot::Action, &numbers)], groups);
+                        }
+                    }
+                }
+                Action::Transform { cloth, chosen, matrix } => {
+                    let numbers = self.numbers("matrix", cast_slice(matrix));
+                    let chosen_buffer = self.numbers("chosen", cast_slice(chosen));
+                    let more = [(Slot::Action, &numbers), (Slot::Chosen, &chosen_buffer)];
+                    self.once(&mut pass, *cloth, Pass::Transform, &more, list(chosen.len()));
+                }
+            }
+        }
+    }
+
+    /// A buffer for one action.
+    pub(super) fn numbers(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::STORAGE;
+        self.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+    }
+
+    /// Records a pass whose bindings are not kept.
+    pub(super) fn once(
+        &mut self,
+        pass: &mut wgpu::ComputePass,
+        cloth: usize,
+        what: Pass,
+        more: &[(Slot, &wgpu::Buffer)],
+        [x, y, z]: [u32; 3],
+    ) {
+        let source = source(what);
+        let pipeline = self.pipelines.get(&self.device, what, &source);
+        let group = self.cloths[cloth].bind(&self.device, pipeline, &source, more);
+        pass.set_pipeline(&pipeline.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(x, y, z);
+    }
+}

@@ -1,0 +1,63 @@
+//! Picking on the GPU: two dispatches a cloth, and a small buffer that the host maps when it likes.
+
+use bytemuck::cast_slice;
+
+use super::Gpu;
+use crate::passes::Pass;
+use crate::shaders::{Slot, source};
+use crate::world::World;
+
+/// Bytes of the result of a cloth: the candidate and three corners.
+pub const FOUND: u64 = 64;
+
+/// A result that is on its way.
+pub struct Pending {
+    /// [`FOUND`] bytes a cloth, for the host to map.
+    pub staging: wgpu::Buffer,
+    /// First particle and width of each grid of each cloth.
+    pub grids: Vec<Vec<(u32, u32)>>,
+}
+
+impl Gpu {
+    /// Records the search along a ray from `origin` in the unit `direction`.
+    pub fn pick(
+        &mut self,
+        world: &World,
+        encoder: &mut wgpu::CommandEncoder,
+        origin: [f32; 3],
+        direction: [f32; 3],
+    ) -> Pending {
+        let buffer = |label, size, usage| {
+            let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
+            self.device.create_buffer(&descriptor)
+        };
+        let read = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let staging = buffer("picked", FOUND * world.scene.cloths.len().max(1) as u64, read);
+        let storage = wgpu::BufferUsages::STORAGE;
+        let found: Vec<_> = (world.scene.cloths.iter())
+            .map(|cloth| {
+                let groups = source(Pass::Pick { holes: cloth.is_cut() }).workgroups(cloth);
+                let count = groups.iter().map(|n| u64::from(*n)).product::<u64>();
+                let found = buffer("found", FOUND, storage | wgpu::BufferUsages::COPY_SRC);
+                (buffer("candidates", 16 * count, storage), found, groups)
+            })
+            .collect();
+        let ray = [origin, direction].map(|[x, y, z]| [x, y, z, 0.0]);
+        let ray = self.numbers("ray", cast_slice(&ray));
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("pick"), timestamp_writes: None });
+        for (index, (candidates, found, groups)) in found.iter().enumerate() {
+            let more = [(Slot::Action, &ray), (Slot::Candidates, candidates), (Slot::Found, found)];
+            let holes = world.scene.cloths[index].is_cut();
+            self.once(&mut pass, index, Pass::Pick { holes }, &more, *groups);
+            self.once(&mut pass, index, Pass::PickNearest, &more, [1; 3]);
+        }
+        drop(pass);
+        for (index, (_, found, _)) in found.iter().enumerate() {
+            encoder.copy_buffer_to_buffer(found, 0, &staging, FOUND * index as u64, FOUND);
+        }
+        let grids = world.scene.cloths.iter();
+        let grids = grids.map(|c| c.grids().iter().map(|g| (g.first, g.width)).collect()).collect();
+        Pending { staging, grids }
+    }
+}

@@ -1,0 +1,95 @@
+//! Bringing speeds back without waiting.
+
+use std::collections::VecDeque;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use super::Gpu;
+use crate::error::{Error, Result};
+use crate::world::World;
+
+/// Speeds of one cloth on their way to the host.
+#[derive(Default)]
+pub(super) struct Watch {
+    free: Vec<wgpu::Buffer>,
+    made: u32,
+    /// In the order of recording.
+    under_way: VecDeque<Probe>,
+    /// Time stepped since the last one \[s\].
+    seconds: f64,
+}
+
+struct Probe {
+    staging: wgpu::Buffer,
+    mapping: Option<Receiver<std::result::Result<(), wgpu::BufferAsyncError>>>,
+    limit: f64,
+    seconds: f64,
+    changes: u64,
+}
+
+/// So many frames may be on their way; a frame beyond is measured with the next.
+const MOST: u32 = 4;
+
+impl Gpu {
+    /// Copies the speeds of cloths that are awake to where the host may read them.
+    pub(super) fn watch(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
+        let Some(limit) = world.calm_below() else { return };
+        for index in (0..self.cloths.len()).filter(|c| !world.asleep[*c]) {
+            let (watch, Some(fastest)) = (&mut self.watches[index], self.cloths[index].fastest()) else { continue };
+            watch.seconds += f64::from(steps) * world.clock.dt;
+            let Some(staging) = watch.staging(&self.device) else { continue };
+            encoder.copy_buffer_to_buffer(fastest, 0, &staging, 0, 4);
+            let (seconds, changes) = (std::mem::take(&mut watch.seconds), world.calm[index].changes);
+            watch.under_way.push_back(Probe { staging, mapping: None, limit, seconds, changes });
+        }
+    }
+
+    /// Takes in what has arrived, in order, and asks for the rest. Does not wait.
+    pub fn settle(&mut self, world: &mut World) -> Result<()> {
+        let failed = |e: &dyn std::fmt::Display| Error::ReadBack(e.to_string());
+        for probe in self.watches.iter_mut().flat_map(|w| &mut w.under_way).filter(|p| p.mapping.is_none()) {
+            let (send, receive) = channel();
+            probe.staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+                // Nobody listens if the stepper is gone.
+                let _ = send.send(result);
+            });
+            probe.mapping = Some(receive);
+        }
+        self.device.poll(wgpu::PollType::Poll).map_err(|e| failed(&e))?;
+        for (index, watch) in self.watches.iter_mut().enumerate() {
+            while let Some(mapping) = watch.under_way.front().and_then(|p| p.mapping.as_ref()) {
+                match mapping.try_recv() {
+                    Err(TryRecvError::Empty) => break,
+                    Err(e) => return Err(failed(&e)),
+                    Ok(result) => result.map_err(|e| failed(&e))?,
+                }
+                let Some(probe) = watch.under_way.pop_front() else { break };
+                let bytes = probe.staging.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
+                let fastest: f32 = bytemuck::pod_read_unaligned(&bytes[..4]);
+                drop(bytes);
+                probe.staging.unmap();
+                watch.free.push(probe.staging);
+                if probe.changes == world.calm[index].changes {
+                    world.note(index, f64::from(fastest) <= probe.limit, probe.seconds);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Watch {
+    fn staging(&mut self, device: &wgpu::Device) -> Option<wgpu::Buffer> {
+        if let Some(staging) = self.free.pop() {
+            return Some(staging);
+        }
+        self.made += u32::from(self.made <= MOST);
+        (self.made <= MOST).then(|| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("speed"),
+                size: 4,
+                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        })
+    }
+}

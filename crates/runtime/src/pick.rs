@@ -1,0 +1,161 @@
+//! What a ray meets first.
+
+use crate::cloth::Cloth;
+use crate::cpu::body::view;
+use crate::cpu::pick_nearest;
+use crate::cpu::real::Real;
+use crate::error::{Error, Result, check};
+use crate::gpu::{Pending, read_bytes};
+use crate::stepper::Stepper;
+
+/// A point of cloth on a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index of the cloth.
+    pub cloth: usize,
+    /// Index of the grid: the piece of the bundle.
+    pub grid: usize,
+    /// Column and row of the quad's upper left texel.
+    pub texel: [u32; 2],
+    /// Which triangle of the quad: the bit of [`crate::ClothBuffers::holes`].
+    pub triangle: u32,
+    /// Its particles, among those of the cloth.
+    pub particles: [u32; 3],
+    /// Weights of the particles, of sum 1. As much as 2e-6 outside of 0 to 1 on an edge.
+    pub barycentric: [f32; 3],
+    /// Where the particles are \[m\].
+    pub corners: [[f32; 3]; 3],
+    /// From the origin of the ray \[m\].
+    pub distance: f32,
+}
+
+impl Hit {
+    /// The point itself \[m\].
+    pub fn point(&self) -> [f32; 3] {
+        [0, 1, 2].map(|c| (0..3).map(|n| self.barycentric[n] * self.corners[n][c]).sum())
+    }
+}
+
+/// The nearest triangle of one cloth on the ray from `origin` \[m\] along `direction` (of any length but 0), from either
+/// side; `positions` as [`Stepper::positions`] or read back, `holes` as [`Stepper::holes`]. Costs a look at every
+/// triangle. `cloth` of the hit is 0. Errors on lists of the wrong length, numbers that are not finite and no direction.
+pub fn pick(
+    cloth: &Cloth,
+    positions: &[[f32; 4]],
+    holes: Option<&[u32]>,
+    origin: [f32; 3],
+    direction: [f32; 3],
+) -> Result<Option<Hit>> {
+    let expected = cloth.len();
+    for (what, found) in [("positions", positions.len()), ("holes", holes.map_or(expected, <[u32]>::len))] {
+        if found != expected {
+            return Err(Error::Length { cloth: cloth.name().into(), what, found, expected });
+        }
+    }
+    let direction = unit(origin, direction)?;
+    let holes = holes.unwrap_or(&[]);
+    let candidates = (cloth.grids().iter())
+        .flat_map(|g| crate::cpu::pick::run(view(positions, holes, g), g.first, origin, direction));
+    let Some(best) = pick_nearest::run(candidates) else { return Ok(None) };
+    let grids: Vec<_> = cloth.grids().iter().map(|g| (g.first, g.width)).collect();
+    let mut hit = place(&grids, best.code, best.distance, best.weights);
+    let grid = &cloth.grids()[hit.grid];
+    let corners = view(positions, &[], grid).quad(hit.texel[0] as usize, hit.texel[1] as usize).1;
+    hit.particles = corners[hit.triangle as usize].map(|k| grid.first + k as u32);
+    hit.corners = hit.particles.map(|k| crate::cpu::real::xyz(positions[k as usize]));
+    Ok(Some(hit))
+}
+
+fn unit(origin: [f32; 3], direction: [f32; 3]) -> Result<[f32; 3]> {
+    for x in [origin, direction].as_flattened() {
+        check("a number of a ray", f64::from(*x), "finite", |_| true)?;
+    }
+    let length = direction.iter().map(|x| x.get().powi(2)).sum::<f64>().sqrt();
+    check("the length of a ray's direction", length, "above 0", |l| l > 0.0)?;
+    Ok(direction.map(|x| (x.get() / length) as f32))
+}
+
+fn place(grids: &[(u32, u32)], code: u32, distance: f32, [v, w]: [f32; 2]) -> Hit {
+    let k = code / 2;
+    let grid = grids.partition_point(|g| g.0 <= k).saturating_sub(1);
+    let (first, width) = grids.get(grid).copied().unwrap_or((0, 1));
+    let texel = [(k - first) % width, (k - first) / width];
+    let barycentric = [1.0 - v - w, v, w];
+    Hit { cloth: 0, grid, texel, triangle: code % 2, particles: [0; 3], barycentric, corners: [[0.0; 3]; 3], distance }
+}
+
+/// The answer to [`Stepper::record_pick`].
+pub struct PickTicket(Answer);
+
+enum Answer {
+    Known(Option<Hit>),
+    Pending(Pending),
+}
+
+impl PickTicket {
+    /// The buffer to map for reading once the encoder is submitted; its bytes are for [`PickTicket::decode`]. `None` on
+    /// the CPU backend, where the answer is known.
+    pub fn buffer(&self) -> Option<&wgpu::Buffer> {
+        match &self.0 {
+            Answer::Known(_) => None,
+            Answer::Pending(pending) => Some(&pending.staging),
+        }
+    }
+
+    /// The answer in the bytes of the buffer; of the nearest cloth, the first of equals. On the CPU backend the bytes
+    /// have no meaning.
+    pub fn decode(&self, bytes: &[u8]) -> Option<Hit> {
+        let pending = match &self.0 {
+            Answer::Known(hit) => return *hit,
+            Answer::Pending(pending) => pending,
+        };
+        let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes[..bytes.len() / 64 * 64]);
+        let each = words.chunks_exact(4).zip(&pending.grids).enumerate();
+        let hits = each.filter(|(_, (found, _))| found[0][0] != u32::MAX).map(|(cloth, (found, grids))| {
+            let [distance, code, v, w] = found[0];
+            let hit = place(grids, code, f32::from_bits(distance), [v, w].map(f32::from_bits));
+            let corner = |n: usize| [0, 1, 2].map(|c| f32::from_bits(found[n + 1][c]));
+            Hit { cloth, particles: [found[1][3], found[2][3], found[3][3]], corners: [0, 1, 2].map(corner), ..hit }
+        });
+        hits.reduce(|a, b| if b.distance < a.distance { b } else { a })
+    }
+
+    /// Waits for the answer. The encoder must have been submitted; a game should rather map [`PickTicket::buffer`].
+    pub fn wait(&self, device: &wgpu::Device) -> Result<Option<Hit>> {
+        match &self.0 {
+            Answer::Known(hit) => Ok(*hit),
+            Answer::Pending(pending) => read_bytes(device, &pending.staging, |bytes| self.decode(bytes)),
+        }
+    }
+}
+
+impl Stepper {
+    /// The nearest hit of all cloths, as [`pick`]. CPU backend only.
+    pub fn pick(&self, origin: [f32; 3], direction: [f32; 3]) -> Result<Option<Hit>> {
+        let mut best: Option<Hit> = None;
+        for (index, cloth) in self.world.scene.cloths.iter().enumerate() {
+            let positions = self.positions(index).ok_or(Error::GpuOnly("Stepper::pick"))?;
+            let hit = pick(cloth, positions, self.holes(index), origin, direction)?;
+            let hit = hit.map(|h| Hit { cloth: index, ..h });
+            best = best.into_iter().chain(hit).reduce(|a, b| if b.distance < a.distance { b } else { a });
+        }
+        Ok(best)
+    }
+
+    /// Records the same search on the GPU, in positions as they are at that place of the encoder. Two dispatches and
+    /// three small buffers a cloth; nothing is read back until the host asks the ticket. On the CPU backend the ticket
+    /// knows the answer at once. Errors on numbers that are not finite, no direction, and no device.
+    pub fn record_pick(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        origin: [f32; 3],
+        direction: [f32; 3],
+    ) -> Result<PickTicket> {
+        if self.cpu.is_some() {
+            return Ok(PickTicket(Answer::Known(self.pick(origin, direction)?)));
+        }
+        let direction = unit(origin, direction)?;
+        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_pick"))?;
+        Ok(PickTicket(Answer::Pending(gpu.pick(&self.world, encoder, origin, direction))))
+    }
+}

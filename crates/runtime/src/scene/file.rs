@@ -1,0 +1,51 @@
+//! Scenes as JSON text. The format is described in SCENE.md, which is normative.
+
+mod error;
+mod json;
+mod make;
+
+pub use error::{Error, Result};
+pub use json::Source;
+
+use gimage_bundle::Bundle;
+
+use super::{Scene, Script};
+use crate::draw::{Camera, Look, SolidLook};
+use crate::options::Options;
+
+/// Most bytes of a scene file: 16 MiB.
+pub const MAX_BYTES: usize = 16 << 20;
+
+/// A scene, what happens in it, and how to look at it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneFile {
+    /// The scene at its start. `frames` is the file's duration in frames of `options.step`.
+    pub scene: Scene,
+    /// What happens: call [`Script::frame`] before each frame.
+    pub script: Script,
+    /// Solver settings; backend and threads are not the file's business.
+    pub options: Options,
+    /// The camera, if the file has one.
+    pub camera: Option<Camera>,
+    /// sRGB, 0 to 1, if the file has one.
+    pub background: Option<[f32; 3]>,
+    /// How each cloth is drawn.
+    pub looks: Vec<Look>,
+    /// How colliders are drawn.
+    pub solid_look: SolidLook,
+}
+
+/// What a host answers where a scene names a bundle or a garment.
+pub type Found = std::result::Result<Bundle, Box<dyn std::error::Error + Send + Sync>>;
+
+impl SceneFile {
+    /// Reads a scene. `find` is asked for the bundle of each cloth that is not flat; nothing here opens files. Unknown
+    /// fields are refused. Errors name the field and what to do. Costs the bundles and time linear in their particles.
+    pub fn parse(bytes: &[u8], mut find: impl FnMut(&Source) -> Found) -> Result<Self> {
+        make::scene(json::read(bytes)?, &mut find)
+    }
+}
+
+#[cfg(test)]
+#[path = "file/tests.rs"]
+mod tests;

@@ -1,0 +1,65 @@
+//! Why a scene file could not be used.
+
+/// The result of reading a scene file.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What is wrong, and in which field.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The text is no JSON, or a field is missing, unknown or of the wrong kind.
+    #[error("{field}: {problem}; SCENE.md lists the fields")]
+    Syntax {
+        /// Path of the field, as `cloths[0].pins[1].box.low`.
+        field: String,
+        /// What the parser said, with line and column.
+        problem: String,
+    },
+    /// A scene of another version, or no scene.
+    #[error("{field} is {found}, not {known}; this program reads no other")]
+    Version {
+        /// `format` or `version`.
+        field: &'static str,
+        /// What the file says.
+        found: String,
+        /// What is known.
+        known: String,
+    },
+    /// A value outside its range, or parts that do not fit.
+    #[error("{field}: {source}")]
+    Value {
+        /// Path of the field.
+        field: String,
+        /// What is wrong with it.
+        source: Box<crate::Error>,
+    },
+    /// A bundle or garment could not be had.
+    #[error("{field}: {problem}")]
+    Source {
+        /// Path of the field.
+        field: String,
+        /// What the host said.
+        problem: String,
+    },
+    /// A name or a choice that leads nowhere.
+    #[error("{field}: {problem}")]
+    Choice {
+        /// Path of the field.
+        field: String,
+        /// What is wrong, and what there is.
+        problem: String,
+    },
+}
+
+impl Error {
+    /// An error of the runtime in a field.
+    pub(super) fn value(field: impl Into<String>) -> impl FnOnce(crate::Error) -> Self {
+        let field = field.into();
+        move |source| Error::Value { field, source: Box::new(source) }
+    }
+
+    /// A choice that leads nowhere.
+    pub(super) fn choice(field: impl Into<String>, problem: impl Into<String>) -> Self {
+        Error::Choice { field: field.into(), problem: problem.into() }
+    }
+}

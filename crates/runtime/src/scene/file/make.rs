@@ -1,0 +1,252 @@
+//! From the fields of a file to a scene.
+
+use super::error::{Error, Result};
+use super::json::{self, From, Select};
+use super::{Found, SceneFile, Source};
+use crate::cloth::{Cloth, Flat};
+use crate::collider::{Collider, Shape};
+use crate::draw::{Camera, Look, SolidLook, uv_of};
+use crate::options::{Options, Solver};
+use crate::scene::{Cut, Key, Motion, PinnedSet, Pose, Scene, Script, about};
+use crate::wind::{Wind, WindForce};
+
+/// Mass \[kg/m^2\] of flat cloth that says nothing about it.
+const DENSITY: f64 = 0.2;
+
+pub fn scene(file: json::File, find: &mut dyn FnMut(&Source) -> Found) -> Result<SceneFile> {
+    let mut scene = Scene::new(&file.name);
+    scene.gravity = file.gravity;
+    scene.wind = file.wind.map(wind).transpose()?;
+    let options = options(&file.solver)?;
+    let whole = |d: f64| (0.0..=86_400.0).contains(&d);
+    crate::error::check("the duration [s]", file.duration, "0 to 86400", whole).map_err(Error::value("duration"))?;
+    scene.frames = (file.duration / options.step).round() as u32;
+    let mut script = Script::default();
+    let mut looks = Vec::new();
+    for (index, fields) in file.cloths.into_iter().enumerate() {
+        let place = format!("cloths[{index}]");
+        let (cloth, look) = cloth(&fields, index, &place, find, &mut script)?;
+        cloth.check().map_err(Error::value(place))?;
+        scene.cloths.push(cloth);
+        looks.push(look);
+    }
+    for (index, fields) in file.colliders.into_iter().enumerate() {
+        let (collider, motion) = collider(fields, &format!("colliders[{index}]"))?;
+        scene.colliders.push(collider);
+        script.colliders.push(motion);
+    }
+    script.cuts = cuts(&file.cuts)?;
+    scene.check().map_err(Error::value("gravity"))?;
+    script.start(&mut scene);
+    let camera = file.camera.map(|c| Camera { eye: c.eye, target: c.target, fov: c.fov_degrees.to_radians() });
+    camera.iter().try_for_each(Camera::check).map_err(Error::value("camera"))?;
+    let mut solid_look = SolidLook::default();
+    solid_look.color = color("collider_color", file.collider_color)?.unwrap_or(solid_look.color);
+    let background = color("background", file.background)?;
+    Ok(SceneFile { scene, script, options, camera, background, looks, solid_look })
+}
+
+fn options(fields: &json::Solver) -> Result<Options> {
+    let mut options = Options::default();
+    options.solver = match fields.name.as_deref() {
+        None => options.solver,
+        Some("classic") => Solver::Classic,
+        Some(other) => return Err(Error::choice("solver.name", format!("there is no solver {other:?}, only classic"))),
+    };
+    options.substeps = fields.substeps.unwrap_or(options.substeps);
+    options.iterations = fields.iterations.unwrap_or(options.iterations);
+    options.check().map_err(Error::value("solver"))?;
+    Ok(options)
+}
+
+fn wind(fields: json::Wind) -> Result<Wind> {
+    let json::Wind { velocity, gust_degrees, gust_size, force } = fields;
+    let force = match force {
+        json::Force::Push { response } => WindForce::Push { response },
+        json::Force::Triangles { density, drag, lift } => WindForce::Triangles { density, drag, lift },
+    };
+    let wind = Wind { velocity, gust: gust_degrees.to_radians(), gust_size, force };
+    wind.check().map_err(Error::value("wind"))?;
+    Ok(wind)
+}
+
+fn color(field: &str, value: Option<[f32; 3]>) -> Result<Option<[f32; 3]>> {
+    for x in value.iter().flatten() {
+        let range = |x: f64| (0.0..=1.0).contains(&x);
+        crate::error::check("a colour", f64::from(*x), "0 to 1", range).map_err(Error::value(field))?;
+    }
+    Ok(value)
+}
+
+fn rotation(fields: &json::Rotation, place: &str) -> Result<[f32; 4]> {
+    let no_axis = fields.axis == [0.0; 3] && fields.degrees != 0.0;
+    if no_axis || !fields.degrees.is_finite() || fields.axis.iter().any(|x| !x.is_finite()) {
+        return Err(Error::choice(format!("{place}.rotation"), "give an axis of some length, and finite degrees"));
+    }
+    Ok(about(fields.axis, fields.degrees.to_radians()))
+}
+
+fn cloth(
+    fields: &json::Cloth,
+    index: usize,
+    place: &str,
+    find: &mut dyn FnMut(&Source) -> Found,
+    script: &mut Script,
+) -> Result<(Cloth, Look)> {
+    let mut look = Look::of(index);
+    let source = match &fields.from {
+        From::Flat { .. } => None,
+        From::Bundle(path) => Some(Source::Bundle(path.clone())),
+        From::Garment { file, texels } => Some(Source::Garment { file: file.clone(), texels: *texels }),
+    };
+    let name = if fields.name.is_empty() { format!("cloth {index}") } else { fields.name.clone() };
+    let mut cloth = match (&fields.from, source) {
+        (From::Flat { width, height, origin, right, down }, _) => {
+            let side = |v: &[f32; 3]| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+            let mass = (DENSITY * side(right) * side(down)) as f32;
+            let flat = Flat { name, width: *width, height: *height, origin: *origin, right: *right, down: *down, mass };
+            let cloth = flat.cloth().map_err(Error::value(format!("{place}.from")))?;
+            look.uv = Some(flat_uv(*width, *height));
+            cloth
+        }
+        (_, Some(source)) => {
+            let problem = |e: Box<dyn std::error::Error + Send + Sync>| e.to_string();
+            let bundle = find(&source).map_err(problem);
+            let bundle = bundle.map_err(|problem| Error::Source { field: format!("{place}.from"), problem })?;
+            look.uv = uv_of(&bundle);
+            Cloth::from_bundle(&name, &bundle).map_err(Error::value(format!("{place}.from")))?
+        }
+        (_, None) => return Err(Error::choice(format!("{place}.from"), "name a bundle, a garment or a flat cloth")),
+    };
+    let pose = Pose { position: fields.position, rotation: rotation(&fields.rotation, place)? };
+    if pose != Pose::default() {
+        let placed = cloth.positions().iter().map(|p| pose.apply(*p)).collect();
+        cloth.place(placed).map_err(Error::value(format!("{place}.position")))?;
+    }
+    if let Some(mass) = fields.mass {
+        cloth.set_total_mass(mass).map_err(Error::value(format!("{place}.mass")))?;
+    }
+    (cloth.damping, cloth.velocity) = (fields.damping, fields.velocity);
+    cloth.speed_limit = fields.speed_limit.unwrap_or(cloth.speed_limit);
+    for (p, pins) in fields.pins.iter().enumerate() {
+        let place = format!("{place}.pins[{p}]");
+        let set = pinned(pins, index, &place, &cloth)?;
+        for (particle, _) in &set.particles {
+            cloth.set_pinned(*particle, true).map_err(Error::value(&place))?;
+        }
+        if set.motion.is_some() || set.release.is_some() {
+            script.pins.push(set);
+        }
+    }
+    if let Some(front) = color(&format!("{place}.front"), fields.front)? {
+        look = Look { uv: look.uv, ..Look::plain(front) };
+    }
+    look.back = color(&format!("{place}.back"), fields.back)?.unwrap_or(look.back);
+    match fields.checker {
+        Some([tiles, shade]) if tiles > 0.0 && tiles.is_finite() && (0.0..=1.0).contains(&shade) => {
+            look.checker = [tiles, shade];
+        }
+        Some(_) => {
+            let problem = "give tiles above 0 and a shade of 0 to 1";
+            return Err(Error::choice(format!("{place}.checker"), problem));
+        }
+        // Without a pattern there is no need for a buffer.
+        None => look.uv = None,
+    }
+    Ok((cloth, look))
+}
+
+fn flat_uv(width: u32, height: u32) -> Vec<[f32; 2]> {
+    let side = |k: u32, n: u32| k as f32 / (n.max(2) - 1) as f32;
+    (0..width * height).map(|k| [side(k % width, width), side(k / width, height)]).collect()
+}
+
+fn pinned(fields: &json::Pins, index: usize, place: &str, cloth: &Cloth) -> Result<PinnedSet> {
+    let inside = select(&fields.select, place, cloth)?;
+    let exists = |k: &usize| cloth.particles()[*k].exists();
+    let particles: Vec<_> = (0..cloth.len()).filter(exists).filter(|k| inside(*k)).collect();
+    if particles.is_empty() {
+        return Err(Error::choice(format!("{place}.select"), "no particle is selected; nothing would be pinned"));
+    }
+    let particles: Vec<_> = particles.into_iter().map(|k| (k, cloth.positions()[k])).collect();
+    let middle = |c: usize| {
+        let sum: f64 = particles.iter().map(|(_, p)| f64::from(p[c])).sum();
+        (sum / particles.len() as f64) as f32
+    };
+    let pivot = fields.pivot.unwrap_or([0, 1, 2].map(middle));
+    let key = |(k, key): (usize, &json::PinKey)| {
+        let rotation = rotation(&key.rotation, &format!("{place}.motion[{k}]"))?;
+        Ok(Key { time: key.time, pose: Pose { position: key.offset, rotation } })
+    };
+    let keys = fields.motion.iter().enumerate().map(key).collect::<Result<Vec<_>>>()?;
+    let release = fields.release;
+    if release.is_some_and(|r| !r.is_finite() || r < 0.0) {
+        return Err(Error::choice(format!("{place}.release"), "give a time of at least 0 s"));
+    }
+    Ok(PinnedSet { cloth: index, particles, motion: motion(keys, place)?, pivot, release })
+}
+
+fn motion(keys: Vec<Key>, place: &str) -> Result<Option<Motion>> {
+    if keys.is_empty() {
+        return Ok(None);
+    }
+    Motion::new(keys).map(Some).map_err(Error::value(format!("{place}.motion")))
+}
+
+fn select<'a>(fields: &'a Select, place: &str, cloth: &'a Cloth) -> Result<Box<dyn Fn(usize) -> bool + 'a>> {
+    let at = |k: usize| cloth.positions()[k];
+    Ok(match fields {
+        Select::Pinned {} => Box::new(|k| cloth.inverse_mass(k) == 0.0),
+        Select::Box { low, high } => Box::new(move |k| (0..3).all(|c| (low[c]..=high[c]).contains(&at(k)[c]))),
+        Select::Sphere { radius, .. } if *radius <= 0.0 => {
+            return Err(Error::choice(format!("{place}.select.sphere.radius"), "give a radius above 0 m"));
+        }
+        Select::Sphere { center, radius } => {
+            Box::new(move |k| (0..3).map(|c| (at(k)[c] - center[c]).powi(2)).sum::<f32>() <= radius * radius)
+        }
+        Select::Texels { piece, from, to } => {
+            let named = |g: &&crate::Grid| piece.as_ref().is_none_or(|name| g.name == *name);
+            let Some(grid) = cloth.grids().iter().find(named) else {
+                let names: Vec<_> = cloth.grids().iter().map(|g| g.name.as_str()).collect();
+                let problem = format!("there is no such piece; there are {}", names.join(", "));
+                return Err(Error::choice(format!("{place}.select.texels.piece"), problem));
+            };
+            Box::new(move |k| {
+                let Some(local) = k.checked_sub(grid.first as usize).filter(|l| *l < grid.texels()) else {
+                    return false;
+                };
+                let (i, j) = (local as u32 % grid.width, local as u32 / grid.width);
+                (from[0]..=to[0]).contains(&i) && (from[1]..=to[1]).contains(&j)
+            })
+        }
+    })
+}
+
+fn collider(fields: json::Collider, place: &str) -> Result<(Collider, Option<Motion>)> {
+    let shape = match fields.shape {
+        json::Shape::HalfSpace {} => Shape::HalfSpace,
+        json::Shape::Sphere { radius } => Shape::Sphere { radius },
+        json::Shape::Capsule { half_height, radius } => Shape::Capsule { half_height, radius },
+        json::Shape::Box { half } => Shape::Box { half },
+        json::Shape::Ellipsoid { radii, closest } => Shape::Ellipsoid { radii, closest },
+    };
+    let rotation_at = |r: &json::Rotation| rotation(r, place);
+    let rotation = rotation_at(&fields.rotation)?;
+    let collider = Collider { rotation, friction: fields.friction, ..Collider::new(shape, fields.position) };
+    collider.check().map_err(Error::value(place))?;
+    let key = |k: &json::ColliderKey| {
+        Ok(Key { time: k.time, pose: Pose { position: k.position, rotation: rotation_at(&k.rotation)? } })
+    };
+    let keys = fields.motion.iter().map(key).collect::<Result<Vec<_>>>()?;
+    Ok((collider, motion(keys, place)?))
+}
+
+fn cuts(fields: &[json::Cut]) -> Result<Vec<Cut>> {
+    let cut = |(k, c): (usize, &json::Cut)| {
+        let triangle = [c.eye, c.a, c.b];
+        let finite = triangle.as_flattened().iter().all(|x| x.is_finite()) && c.time.is_finite() && c.time >= 0.0;
+        let wrong = || Error::choice(format!("cuts[{k}]"), "give finite points, and a time of at least 0 s");
+        finite.then_some(Cut { time: c.time, triangle }).ok_or_else(wrong)
+    };
+    fields.iter().enumerate().map(cut).collect()
+}

@@ -1,0 +1,136 @@
+use serde_json::{Value, json};
+
+use super::*;
+use crate::{Backend, Shape, Stepper};
+
+fn nothing(_: &Source) -> Found {
+    Err("no such bundle".into())
+}
+
+/// A scene with one of everything.
+fn full() -> Value {
+    json!({
+        "format": "gimage-scene", "version": 1, "name": "all", "duration": 0.5, "gravity": [0, -1, 0],
+        "wind": {"velocity": [1, 0, 0], "gust_degrees": 30, "gust_size": 0.5, "force": {"push": {"response": 1}}},
+        "solver": {"name": "classic", "substeps": 2, "iterations": 3},
+        "cloths": [{
+            "name": "flag", "from": {"flat": {"width": 5, "height": 4, "right": [1, 0, 0], "down": [0, 0, 1]}},
+            "position": [0, 1, 0], "rotation": {"axis": [0, 1, 0], "degrees": 90}, "mass": 0.5, "damping": 1,
+            "velocity": [0, 0, 1], "speed_limit": 50, "front": [1, 0, 0], "back": [0, 0, 1], "checker": [8, 0.1],
+            "pins": [
+                {"select": {"texels": {"from": [0, 0], "to": [4, 0]}},
+                 "motion": [{"time": 0}, {"time": 0.1, "offset": [0, 0.1, 0]}], "release": 0.2},
+                {"select": {"sphere": {"center": [0, 1, 0], "radius": 0.01}}},
+                {"select": {"box": {"low": [-1, 0.9, -2], "high": [2, 1.1, 2]}}},
+                {"select": {"pinned": {}}}
+            ]
+        }],
+        "colliders": [
+            {"shape": {"half_space": {}}, "position": [0, -1, 0], "friction": 0.3},
+            {"shape": {"sphere": {"radius": 0.2}},
+             "motion": [{"time": 0, "position": [0, 0, 0]}, {"time": 1, "position": [1, 0, 0]}]},
+            {"shape": {"capsule": {"half_height": 0.2, "radius": 0.1}}},
+            {"shape": {"box": {"half": [1, 2, 3]}}, "rotation": {"axis": [0, 0, 2], "degrees": 45}},
+            {"shape": {"ellipsoid": {"radii": [1, 2, 3], "closest": true}}}
+        ],
+        "cuts": [{"time": 0.3, "eye": [0, 3, 3], "a": [-2, 0, 0], "b": [2, 0, 0]}],
+        "camera": {"eye": [0, 1, 3], "target": [0, 1, 0], "fov_degrees": 40},
+        "background": [1, 1, 1], "collider_color": [0.5, 0.5, 0.5]
+    })
+}
+
+fn parse(value: &Value) -> Result<SceneFile> {
+    SceneFile::parse(value.to_string().as_bytes(), nothing)
+}
+
+#[test]
+fn every_field_reaches_the_scene() {
+    let file = parse(&full()).unwrap();
+    let scene = &file.scene;
+    assert_eq!((scene.frames, file.options.substeps, file.options.iterations), (30, 2, 3));
+    assert_eq!((scene.colliders.len(), file.script.colliders.len(), file.script.cuts.len()), (5, 5, 1));
+    assert_eq!(scene.colliders[4].shape, Shape::Ellipsoid { radii: [1.0, 2.0, 3.0], closest: true });
+    let cloth = &scene.cloths[0];
+    assert!((cloth.total_mass() - 0.5).abs() < 1e-6);
+    assert!((0..20).all(|k| cloth.inverse_mass(k) == 0.0), "the box selects all");
+    // A quarter turn about +y takes x to -z.
+    let last = cloth.positions()[4];
+    assert!((last[0]).abs() < 1e-6 && (last[1] - 1.0).abs() < 1e-6 && (last[2] + 1.0).abs() < 1e-6, "{last:?}");
+    assert_eq!((file.looks[0].checker, file.looks[0].uv.as_ref().map(Vec::len)), ([8.0, 0.1], Some(20)));
+    let wind = scene.wind.unwrap();
+    assert!((wind.gust - 30f32.to_radians()).abs() < 1e-6);
+    assert!((file.camera.unwrap().fov - 40f32.to_radians()).abs() < 1e-6);
+}
+
+#[test]
+fn the_script_moves_and_lets_go() {
+    let mut value = full();
+    value["cloths"][0]["pins"].as_array_mut().unwrap().truncate(1);
+    let SceneFile { scene, script, options, .. } = parse(&value).unwrap();
+    let mut stepper = Stepper::new(scene, Options { backend: Backend::Cpu, ..options }, None).unwrap();
+    let dt = stepper.options().step;
+    let start = stepper.positions(0).unwrap()[0];
+    let mut run = |from: u32, to: u32| {
+        for frame in from..to {
+            script.frame(&mut stepper, f64::from(frame) * dt, dt).unwrap();
+            stepper.advance(dt).unwrap();
+        }
+        (stepper.positions(0).unwrap()[0], stepper.scene().colliders[1])
+    };
+    let (at, sphere) = run(0, 9);
+    assert!((at[1] - start[1] - 0.1).abs() < 1e-5 && at[3] == 0.0, "{at:?}");
+    assert!((f64::from(sphere.center[0]) - 9.0 * dt).abs() < 1e-5 && (sphere.velocity[0] - 1.0).abs() < 1e-3);
+    let (at, _) = run(9, 30);
+    assert!(at[3] > 0.0 && (at[1] - start[1] - 0.1).abs() > 1e-3, "released: {at:?}");
+    let (_, sphere) = run(30, 62);
+    assert_eq!((sphere.center, sphere.velocity), ([1.0, 0.0, 0.0], [0.0; 3]));
+}
+
+#[test]
+fn mistakes_are_told_with_their_field() {
+    let at = |value: &mut Value, pointer: &str, new: Value| *value.pointer_mut(pointer).unwrap() = new;
+    for (pointer, new, field) in [
+        ("/cloths/0/pins/1/select/sphere/radius", json!("x"), "cloths[0].pins[1].select"),
+        ("/cloths/0/pins/1/select/sphere/radius", json!(-1), "cloths[0].pins[1].select"),
+        ("/cloths/0/pins/0/select/texels/to", json!([4]), "cloths[0].pins[0].select"),
+        ("/cloths/0/pins/0/release", json!(-1), "cloths[0].pins[0].release"),
+        ("/cloths/0/pins/0/motion/1/time", json!(0), "cloths[0].pins[0].motion"),
+        ("/cloths/0/from", json!({"bundle": "x.gim"}), "cloths[0].from: no such bundle"),
+        ("/cloths/0/from", json!({"garment": {"file": "x.glb", "texels": 9}}), "cloths[0].from: no such bundle"),
+        ("/cloths/0/from/flat/width", json!(1), "cloths[0].from"),
+        ("/cloths/0/damping", json!(-1), "cloths[0]"),
+        ("/cloths/0/mass", json!(0), "cloths[0].mass"),
+        ("/cloths/0/front", json!([2, 0, 0]), "cloths[0].front"),
+        ("/cloths/0/checker", json!([0, 0]), "cloths[0].checker"),
+        ("/cloths/0/rotation/axis", json!([0, 0, 0]), "cloths[0].rotation"),
+        ("/cloths/0", json!({}), "cloths[0]: missing field `from`"),
+        ("/colliders/1/shape/sphere/radius", json!(0), "colliders[1]"),
+        ("/colliders/1/shape", json!({"cone": {}}), "colliders[1].shape"),
+        ("/colliders/1/motion/0/time", json!(-1), "colliders[1].motion"),
+        ("/colliders/0/friction", json!(-1), "colliders[0]"),
+        ("/wind/gust_degrees", json!(1000), "wind"),
+        ("/wind/force", json!({"push": {"response": 1, "drag": 2}}), "wind.force"),
+        ("/solver/name", json!("best"), "solver.name"),
+        ("/solver/substeps", json!(0), "solver"),
+        ("/cuts/0/time", json!(-1), "cuts[0]"),
+        ("/camera/eye", json!([0, 1, 0]), "camera"),
+        ("/background", json!([0, 0]), "background"),
+        ("/duration", json!(-1), "duration"),
+        ("/version", json!(2), "version is 2, not 1"),
+        ("/format", json!("other"), "format is \"other\""),
+    ] {
+        let mut value = full();
+        at(&mut value, pointer, new);
+        let error = parse(&value).unwrap_err().to_string();
+        assert!(error.starts_with(field), "{pointer}: {error}");
+    }
+    for object in ["", "/wind", "/solver", "/cloths/0", "/cloths/0/pins/0", "/colliders/0", "/cuts/0", "/camera"] {
+        let mut value = full();
+        value.pointer_mut(object).unwrap()["unheard_of"] = json!(1);
+        let error = parse(&value).unwrap_err().to_string();
+        assert!(error.contains("unheard_of"), "{object}: {error}");
+    }
+    for text in ["", "[]", "{", "null", "{\"format\": 7}"] {
+        assert!(SceneFile::parse(text.as_bytes(), nothing).is_err(), "{text}");
+    }
+}

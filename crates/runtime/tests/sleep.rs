@@ -1,0 +1,147 @@
+//! Cloth falls asleep when it is at rest, costs nothing then, and wakes on any change.
+
+mod support;
+
+use gimage_runtime::*;
+use support::rig::{FRAME, Rig};
+use support::{curtain, scene, wind};
+
+fn sleepy() -> Options {
+    Options { substeps: 4, sleep: Some(Sleep { speed: 0.02, after: 0.25 }), ..Options::default() }
+}
+
+/// A damped curtain that hangs still after a while, and one that swings on.
+fn two() -> Scene {
+    let mut still = curtain(10);
+    still.damping = 8.0;
+    let mut swings = curtain(10);
+    swings.place(swings.positions().iter().map(|p| [p[0], p[1] * 0.6, -p[1] * 0.8]).collect()).unwrap();
+    let mut scene = scene(still);
+    scene.cloths.push(swings);
+    scene
+}
+
+/// Frames until the first cloth sleeps.
+fn until_asleep(rig: &mut Rig) -> Option<u32> {
+    (0..600).find(|_| {
+        rig.frame(FRAME);
+        rig.stepper.is_asleep(0)
+    })
+}
+
+#[test]
+fn a_still_cloth_sleeps_and_a_swinging_one_does_not() {
+    for mut rig in Rig::both(&two(), &sleepy()) {
+        let awake = rig.stepper.plan().dispatches();
+        let frames = until_asleep(&mut rig).unwrap();
+        eprintln!("{}: asleep after {frames} frames", rig.name());
+        // Not before it was calm for 0.25 s.
+        assert!(frames >= 14, "{}: {frames}", rig.name());
+        assert!(!rig.stepper.is_asleep(1), "{}", rig.name());
+        let plan = rig.stepper.plan();
+        assert_eq!(plan.dispatches() * 2, awake, "{}", rig.name());
+        assert!(plan.passes.iter().all(|p| p.cloth == 1), "{}", rig.name());
+        let (at, other) = (rig.positions(0), rig.positions(1));
+        rig.frames(30);
+        assert_eq!(rig.positions(0), at, "{}", rig.name());
+        assert_ne!(rig.positions(1), other, "{}", rig.name());
+    }
+}
+
+#[test]
+fn every_change_wakes() {
+    type Change = fn(&mut Stepper);
+    let changes: [(&str, Change); 9] = [
+        ("colliders", |s| {
+            s.set_colliders(vec![Collider::new(Shape::Sphere { radius: 0.1 }, [0.5, -0.5, 0.0])]).unwrap()
+        }),
+        ("wind", |s| s.set_wind(Some(wind(false))).unwrap()),
+        ("gravity", |s| s.set_gravity([1.0, -9.0, 0.0]).unwrap()),
+        ("a pin", |s| s.set_pinned(0, 3, false).unwrap()),
+        ("a position", |s| s.set_position(0, 3, [0.3, 0.1, 0.0]).unwrap()),
+        ("a cut", |s| s.cut([0.5, -0.4, 3.0], [-4.0, -0.4, -2.0], [5.0, -0.4, -2.0]).unwrap()),
+        ("a transform", |s| {
+            let shift = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.1, 0.0, 1.0]];
+            s.transform(0, &[0, 1, 2], shift).unwrap();
+        }),
+        ("a drag", |s| {
+            let corners = [[0.5, -0.5, 0.0], [0.5, -0.6, 0.0], [0.6, -0.6, 0.0]];
+            let (texel, barycentric) = ([5, 5], [1.0, 0.0, 0.0]);
+            let particles = [55, 65, 66];
+            let hit = Hit { cloth: 0, grid: 0, texel, triangle: 0, particles, barycentric, corners, distance: 1.0 };
+            let drag = s.grab(&hit).unwrap();
+            s.drag(&drag, [0.5, -0.3, 0.2]).unwrap();
+        }),
+        ("a call", |s| s.set_asleep(0, false).unwrap()),
+    ];
+    for (name, change) in changes {
+        for mut rig in Rig::both(&Scene { cloths: two().cloths[..1].to_vec(), ..two() }, &sleepy()) {
+            until_asleep(&mut rig).unwrap();
+            assert_eq!(rig.stepper.plan().dispatches(), 0, "{}", rig.name());
+            let at = rig.positions(0);
+            change(&mut rig.stepper);
+            assert!(!rig.stepper.is_asleep(0), "{} {name}", rig.name());
+            rig.frame(FRAME);
+            assert_ne!(rig.positions(0), at, "{} {name}", rig.name());
+        }
+    }
+}
+
+#[test]
+fn in_wind_cloth_stays_awake_and_is_not_watched() {
+    let windy = Scene { wind: Some(Wind { velocity: [0.0; 3], ..wind(false) }), ..two() };
+    for mut rig in Rig::both(&windy, &sleepy()) {
+        assert!(rig.stepper.plan().passes.iter().all(|p| p.shader != "speed"));
+        assert_eq!(until_asleep(&mut rig), None, "{}", rig.name());
+    }
+}
+
+#[test]
+fn without_the_option_nothing_is_spent_and_nothing_sleeps() {
+    let still = Scene { cloths: two().cloths[..1].to_vec(), ..two() };
+    let plan = |options: &Options| Rig::cpu(still.clone(), options).stepper.plan();
+    let (watched, not) = (plan(&sleepy()), plan(&Options { sleep: None, ..sleepy() }));
+    // Two dispatches a frame, two numbers of 64 particles each and their largest.
+    assert_eq!((watched.dispatches(), watched.bytes()), (not.dispatches() + 2, not.bytes() + 8 + 4));
+    let mut rig = Rig::cpu(still, &Options { sleep: None, ..sleepy() });
+    assert_eq!(until_asleep(&mut rig), None);
+}
+
+#[test]
+fn the_option_can_be_turned_on_and_off() {
+    let still = Scene { cloths: two().cloths[..1].to_vec(), ..two() };
+    for mut rig in Rig::both(&still, &Options { sleep: None, ..sleepy() }) {
+        rig.frames(200);
+        rig.stepper.set_options(sleepy()).unwrap();
+        assert!(until_asleep(&mut rig).is_some(), "{}", rig.name());
+        rig.stepper.set_options(Options { sleep: None, ..sleepy() }).unwrap();
+        rig.stepper.set_asleep(0, false).unwrap();
+        assert_eq!(until_asleep(&mut rig), None, "{}", rig.name());
+    }
+    let wrong = |speed, after| Options { sleep: Some(Sleep { speed, after }), ..Options::default() };
+    assert!(Stepper::new(two(), wrong(0.0, 1.0), None).is_err());
+    assert!(Stepper::new(two(), wrong(0.1, -1.0), None).is_err());
+}
+
+#[test]
+fn a_frame_before_the_host_submits_is_not_lost() {
+    // Several frames in one encoder, and no call of settle: nothing sleeps, nothing is mapped too early.
+    let Some((device, queue)) = support::device() else { return };
+    let still = Scene { cloths: two().cloths[..1].to_vec(), ..two() };
+    let mut stepper = Stepper::new(still, sleepy(), Some((&device, &queue))).unwrap();
+    for _ in 0..40 {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        (0..6).for_each(|_| assert!(stepper.record(&mut encoder, FRAME).unwrap().steps > 0));
+        queue.submit([encoder.finish()]);
+    }
+    assert!(!stepper.is_asleep(0));
+    // What the first frames measured comes in order, then what came since.
+    for _ in 0..40 {
+        stepper.settle().unwrap();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        stepper.record(&mut encoder, FRAME).unwrap();
+        queue.submit([encoder.finish()]);
+        device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    }
+    assert!(stepper.is_asleep(0));
+}

@@ -1,0 +1,4 @@
+// Cloth that was never cut.
+fn removed(k: u32) -> u32 {
+  return 0u;
+}

@@ -1,0 +1,233 @@
+//! A garment from file to bundle to motion: the T-shirt with its seams among all kinds of colliders, on the CPU and,
+//! where there is an adapter, on the GPU. GIMAGE_REQUIRE_GPU=1 makes a missing one a failure.
+
+#![allow(clippy::print_stdout)]
+
+use std::sync::LazyLock;
+
+use gimage::options::BuildOptions;
+use gimage_runtime::*;
+use gimage_tests::{asset, build, texels};
+
+const FRAME: f64 = 1.0 / 60.0;
+
+static SHIRT: LazyLock<Cloth> = LazyLock::new(|| {
+    let pins = vec!["above:1.4".parse().unwrap()];
+    let built = build(&asset("tshirt.glb"), &BuildOptions { pins, ..texels(4096) }).unwrap();
+    let mut cloth = Cloth::from_bundle("tshirt", &built.bundle).unwrap();
+    cloth.damping = 0.5;
+    cloth
+});
+
+/// How deep \[m\] each collider reaches into the shirt at the start: so little that no particle has to choose between
+/// two ways out, where rounding would decide.
+const DEPTH: f32 = 0.015;
+
+/// One of each kind in touch with the front, the back or the hem of the shirt, with friction, all moving.
+fn colliders() -> Vec<Collider> {
+    let start: Vec<[f32; 4]> = SHIRT.positions().iter().map(|p| [p[0], p[1], p[2], 1.0]).collect();
+    let hem = start.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
+    // Turned about the axis along which they meet the shirt.
+    let turned = [0.0, 0.0, 0.5f32.sin(), 0.5f32.cos()];
+    let radii = [0.09, 0.07, 0.05];
+    let shapes = [
+        (Shape::Sphere { radius: 0.05 }, 0.08, 1.2, 1.0),
+        (Shape::Capsule { half_height: 0.06, radius: 0.05 }, 0.06, 1.2, -1.0),
+        (Shape::Box { half: [0.08, 0.04, 0.05] }, -0.08, 1.0, 1.0),
+        (Shape::Ellipsoid { radii, closest: false }, 0.1, 1.0, 1.0),
+        (Shape::Ellipsoid { radii, closest: true }, -0.08, 1.0, -1.0),
+    ];
+    let beside = shapes.map(|(shape, x, y, side)| {
+        let hit = pick(&SHIRT, &start, None, [x, y, 3.0 * side], [0.0, 0.0, -side]).unwrap().unwrap();
+        // Each is 0.05 m thick on either side of its centre.
+        let center = [x, y, hit.point()[2] + side * (0.05 - DEPTH)];
+        Collider { rotation: turned, ..Collider::new(shape, center) }
+    });
+    let ground = Collider::new(Shape::HalfSpace, [0.0, hem + DEPTH, 0.0]);
+    let (velocity, spin) = ([0.05, 0.0, 0.02], [0.0, 0.3, 0.1]);
+    let all = std::iter::once(ground).chain(beside);
+    all.map(|c| Collider { friction: 0.3, velocity, spin, ..c }).collect()
+}
+
+fn scene(colliders: Vec<Collider>) -> Scene {
+    Scene { cloths: vec![SHIRT.clone()], colliders, ..Scene::new("tshirt") }
+}
+
+type Device = (wgpu::Device, wgpu::Queue);
+
+fn device() -> Option<Device> {
+    let instance = wgpu::Instance::default();
+    let adapter = match pollster::block_on(instance.request_adapter(&Default::default())) {
+        Ok(adapter) => adapter,
+        Err(error) => {
+            let required = std::env::var("GIMAGE_REQUIRE_GPU").is_ok_and(|v| v == "1");
+            assert!(!required, "GIMAGE_REQUIRE_GPU is 1, but {error}; install mesa-vulkan-drivers");
+            println!("skipped: {error}");
+            return None;
+        }
+    };
+    let descriptor = wgpu::DeviceDescriptor { required_limits: wgpu::Limits::default(), ..Default::default() };
+    Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
+}
+
+/// A stepper on the GPU, or without a device on the CPU.
+struct Run<'a>(Stepper, Option<&'a Device>);
+
+impl<'a> Run<'a> {
+    fn new(scene: Scene, options: &Options, device: Option<&'a Device>) -> Self {
+        let backend = if device.is_some() { Backend::Gpu } else { Backend::Cpu };
+        let options = Options { backend, ..options.clone() };
+        Run(Stepper::new(scene, options, device.map(|(d, q)| (d, q))).unwrap(), device)
+    }
+
+    fn frame(&mut self, dt: f64) {
+        let Some((device, queue)) = self.1 else {
+            assert!(self.0.advance(dt).is_ok());
+            return;
+        };
+        let mut encoder = device.create_command_encoder(&Default::default());
+        self.0.record(&mut encoder, dt).unwrap();
+        queue.submit([encoder.finish()]);
+    }
+
+    /// Positions now and before.
+    fn lists(&self) -> [Vec<[f32; 4]>; 2] {
+        let Some((device, queue)) = self.1 else {
+            return [self.0.positions(0), self.0.previous(0)].map(|l| l.unwrap().to_vec());
+        };
+        let buffers = self.0.buffers(0).unwrap();
+        [&buffers.now, &buffers.before].map(|b| read_back(device, queue, b).unwrap())
+    }
+}
+
+fn moved(a: &[[f32; 4]], b: &[[f32; 4]]) -> f32 {
+    let each = a.iter().zip(b).flat_map(|(a, b)| (0..3).map(|c| (a[c] - b[c]).abs()));
+    each.fold(0.0, f32::max)
+}
+
+#[test]
+fn the_shirt_meets_every_collider() {
+    let bare = |colliders| {
+        let mut run = Run::new(scene(colliders), &Options { substeps: 1, ..Options::default() }, None);
+        run.frame(FRAME);
+        run.lists()[0].clone()
+    };
+    let nothing = bare(Vec::new());
+    for (n, collider) in colliders().into_iter().enumerate() {
+        let far = moved(&nothing, &bare(vec![collider]));
+        println!("collider {n}: {far:e} m");
+        assert!(far > 1e-3, "collider {n} does not touch the shirt");
+    }
+    let (starts, _) = SHIRT.rings();
+    let sizes: Vec<u32> = starts.windows(2).map(|r| r[1] - r[0]).collect();
+    println!("{} rings, the largest of {}", sizes.len(), sizes.iter().max().unwrap());
+    assert!(sizes.contains(&2) && sizes.iter().any(|s| *s > 2), "no branching seam: {sizes:?}");
+}
+
+#[test]
+fn one_step_is_that_of_the_twin() {
+    let Some(device) = device() else { return };
+    let one = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
+    for (name, colliders) in [("bare", Vec::new()), ("among colliders", colliders())] {
+        let lists = [None, Some(&device)].map(|d| {
+            let mut run = Run::new(scene(colliders.clone()), &one, d);
+            run.frame(one.step);
+            run.lists()
+        });
+        let difference = moved(&lists[0][0], &lists[1][0]);
+        println!("{name}: {difference:e} m");
+        assert!(difference <= 1e-6, "{name}: {difference:e} m");
+        assert!(moved(&lists[0][1], &lists[1][1]) <= 1e-6, "{name}: previous positions");
+        let start: Vec<_> = SHIRT.positions().iter().map(|p| [p[0], p[1], p[2], 0.0]).collect();
+        assert!(moved(&lists[0][0], &start) > 1e-5, "{name}: nothing moved");
+    }
+}
+
+#[test]
+fn after_100_steps_the_measures_agree() {
+    let Some(device) = device() else { return };
+    let options = Options { substeps: 10, ..Options::default() };
+    for (name, colliders) in [("bare", Vec::new()), ("among colliders", colliders())] {
+        let scene = scene(colliders);
+        let [here, there] = [None, Some(&device)].map(|d| {
+            let mut run = Run::new(scene.clone(), &options, d);
+            (0..10).for_each(|_| run.frame(FRAME));
+            let [now, before] = run.lists();
+            measure(&SHIRT, &now, &before, FRAME / 10.0, scene.gravity)
+        });
+        println!("{name}: {here:?}\n{name}: {there:?}");
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * a.abs().max(b.abs());
+        assert!(near(here.stretch_max, there.stretch_max), "{name}: {here:?} {there:?}");
+        assert!(near(here.stretch_mean, there.stretch_mean), "{name}: {here:?} {there:?}");
+        // Against the sum of both kinds: where the potential is 0 is arbitrary.
+        let change = here.kinetic + here.potential - there.kinetic - there.potential;
+        assert!(change.abs() <= 1e-3 * (here.kinetic + here.potential.abs()), "{name}: {here:?} {there:?}");
+        // A coordinate near 0 is measured against the size of the shirt, under 1 m.
+        assert!((0..3).all(|c| (here.center[c] - there.center[c]).abs() <= 1e-3), "{name}: {here:?} {there:?}");
+    }
+}
+
+#[test]
+fn two_runs_give_the_same_bits() {
+    let Some(device) = device() else { return };
+    let run = || {
+        let mut run = Run::new(scene(colliders()), &Options::default(), Some(&device));
+        for frame in 0..20 {
+            if frame == 10 {
+                run.0.cut([0.0, 1.1, 2.0], [-1.0, 1.0, -1.0], [1.0, 1.05, -1.0]).unwrap();
+            }
+            run.frame(FRAME);
+        }
+        run.lists().map(|l| l.iter().map(|v| v.map(f32::to_bits)).collect::<Vec<_>>())
+    };
+    assert!(run() == run());
+}
+
+#[test]
+fn seams_stay_closed_for_ten_seconds_pinned_cut_and_colliding() {
+    let device = device();
+    let (starts, members) = SHIRT.rings();
+    let runs = [Some(None), device.as_ref().map(Some)];
+    for (name, device) in ["cpu", "gpu"].into_iter().zip(runs).filter_map(|(n, d)| Some((n, d?))) {
+        let mut run = Run::new(scene(colliders()), &Options { substeps: 2, ..Options::default() }, device);
+        let (mut gap, mut bodies) = (0.0f32, colliders());
+        for frame in 0..600 {
+            match frame {
+                120 => run.0.set_pinned(0, members[0] as usize, true).unwrap(),
+                180 => run.0.cut([0.0, 1.1, 2.0], [-1.0, 1.0, -1.0], [1.0, 1.05, -1.0]).unwrap(),
+                240 => run.0.set_position(0, members[0] as usize, [0.3, 1.2, 0.3]).unwrap(),
+                300 => run.0.cut([0.05, 2.0, 1.0], [0.02, 0.0, 1.0], [0.0, 1.0, -2.0]).unwrap(),
+                400.. if frame % 10 == 0 => {
+                    bodies[1].center[2] -= 0.01;
+                    run.0.set_colliders(bodies.clone()).unwrap();
+                }
+                _ => {}
+            }
+            run.frame(FRAME);
+            let [now, _] = run.lists();
+            for ring in starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]) {
+                let [x, y, z, _] = now[ring[0] as usize];
+                for k in ring {
+                    let p = now[*k as usize];
+                    gap = gap.max((p[0] - x).abs()).max((p[1] - y).abs()).max((p[2] - z).abs());
+                }
+            }
+            assert!(now.as_flattened().iter().all(|x| x.is_finite()), "{name}, frame {frame}");
+            assert_eq!(gap, 0.0, "{name}, frame {frame}");
+        }
+        let [now, _] = run.lists();
+        let lowest = now.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
+        assert!(lowest < 0.9, "{name}: what was cut off has not fallen: {lowest}");
+    }
+}
+
+#[test]
+fn a_ray_picks_the_front_of_the_shirt() {
+    let run = Run::new(scene(Vec::new()), &Options::default(), None);
+    let hit = run.0.pick([0.02, 1.1, 3.0], [0.0, 0.0, -1.0]).unwrap().unwrap();
+    let point = hit.point();
+    assert!((point[0] - 0.02).abs() < 1e-5 && (point[1] - 1.1).abs() < 1e-5 && point[2] > 0.0, "{hit:?}");
+    // The back is farther on the same ray.
+    let behind = run.0.pick([0.02, 1.1, point[2] - 0.01], [0.0, 0.0, -1.0]).unwrap().unwrap();
+    assert!(behind.point()[2] < point[2] - 0.05, "{behind:?}");
+}
