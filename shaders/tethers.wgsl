@@ -25,8 +25,12 @@ fn main(
     if (tether.x == 0xffffffffu) {
       continue;
     }
-    // Anchors are pinned: nothing moves them here.
-    let anchor = now[tether.x].xyz;
+    // Nothing moves pinned anchors here; what is no longer pinned holds nothing.
+    let end = now[tether.x];
+    if (end.w != 0.0) {
+      continue;
+    }
+    let anchor = end.xyz;
     let most = bitcast<f32>(tether.y);
     let d = at - anchor;
     let far = sqrt(dot(d, d));

@@ -74,7 +74,7 @@ pub struct BuildArgs {
     #[arg(long, value_name = "NAME")]
     pub piece: Vec<String>,
     /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), loop:K (boundary loop, longest
-    /// first), attr:_NAME>T or color:r>T.
+    /// first), attr:_NAME>T or color:r>T. The bundle then has tethers: how far each particle is from the nearest pin.
     #[arg(long, value_name = "EXPR")]
     pub pin: Vec<Pin>,
     /// Metres in one unit of the file, 0.01 for centimetres [default: 1].

@@ -5,7 +5,7 @@ fn main() {
     let (name, n, sub, it, solver, teth) = (&a[1], a[2].parse().unwrap(), a[3].parse().unwrap(), a[4].parse().unwrap(), &a[5], a[6] == "t");
     let scene = scene::builtin(name, n).unwrap();
     let frames = scene.frames;
-    let options = Options { backend: Backend::Cpu, solver: if solver == "x" { Solver::Xpbd } else { Solver::Classic }, substeps: sub, iterations: it, tethers: teth, normals: false, threads: 1, ..Options::default() };
+    let options = Options { backend: Backend::Cpu, solver: if solver == "x" { Solver::Xpbd } else { Solver::Classic }, substeps: sub, iterations: it, tethers: if teth {2} else {0}, normals: false, threads: 1, ..Options::default() };
     let mut s = Stepper::new(scene, options, None).unwrap();
     println!("{}", s.plan());
     let h = 1.0 / (n as f64 - 1.0);

@@ -2,12 +2,12 @@
 
 mod check;
 mod flat;
-mod tether_tmp;
 mod from_bundle;
+mod tether;
 mod weigh;
 
 pub use flat::Flat;
-pub use gimage_bundle::Particle;
+pub use gimage_bundle::{Anchor, Particle, Tethers};
 
 use crate::error::{Error, Result, check as range};
 
@@ -94,6 +94,8 @@ pub struct Cloth {
     ring_starts: Vec<u32>,
     ring_members: Vec<u32>,
     cut: bool,
+    /// Tethers that came with the cloth, as long as its pins are those they were made for.
+    stored_tethers: Option<Tethers>,
     /// Velocity \[m/s\] of all free particles at the start. Default 0.
     pub velocity: [f32; 3],
     /// Share of the velocity that is lost in a second, as the rate of an exponential \[1/s\]: after t seconds
@@ -111,17 +113,17 @@ impl Cloth {
     /// not above 0, negative rest lengths and seam links that do not close.
     pub fn new(parts: Parts) -> Result<Self> {
         let (ring_starts, ring_members) = check::rings(&parts)?;
-        let calm = Cloth {
+        Ok(Cloth {
             parts,
             ring_starts,
             ring_members,
             cut: false,
+            stored_tethers: None,
             velocity: [0.0; 3],
             damping: 0.0,
             speed_limit: f32::INFINITY,
             compliance: Compliance::None,
-        };
-        Ok(calm)
+        })
     }
 
     /// Refuses a velocity, damping or speed limit outside their ranges.
@@ -222,6 +224,9 @@ impl Cloth {
         for member in ring {
             let missing = Error::NoSuch { what: "particle", index, count };
             let particle = self.parts.particles.get_mut(member as usize).ok_or(missing)?;
+            if particle.is_pinned() != pinned {
+                self.stored_tethers = None;
+            }
             *particle = match (particle.next(), pinned) {
                 _ if !particle.exists() => return Err(Error::NoSuch { what: "particle", index, count }),
                 (next, true) => Particle::Pinned { next },
@@ -229,11 +234,6 @@ impl Cloth {
             };
         }
         Ok(())
-    }
-
-    /// Whether any particle is pinned.
-    pub fn any_pinned(&self) -> bool {
-        self.parts.particles.iter().any(|p| matches!(p, Particle::Pinned { .. }))
     }
 
     /// Whether a cut has been made, so that triangles may be missing.

@@ -39,9 +39,9 @@ pub struct Gpu {
 impl Gpu {
     /// Buffers for all cloths; only those for drawing where the CPU steps.
     pub fn new(world: &World, device: &wgpu::Device, queue: &wgpu::Queue, draw_only: bool) -> Result<Self> {
-        let cloths = world.scene.cloths.iter().zip(world.bodies());
+        let cloths = world.scene.cloths.iter().zip(&world.tethers).zip(world.bodies());
         let cloths: Result<_> =
-            cloths.map(|(cloth, body)| ClothBuffers::new(device, cloth, &body, &world.options, draw_only)).collect();
+            cloths.map(|((cloth, held), body)| ClothBuffers::new(device, (cloth, held), &body, draw_only)).collect();
         let solid_rows: Vec<_> = world.scene.colliders.iter().map(SolidRow::new).collect();
         Ok(Gpu {
             solids: solids_buffer(device, &solid_rows),

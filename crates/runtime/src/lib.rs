@@ -28,7 +28,7 @@ mod world;
 
 pub use actions::Drag;
 pub use clock::Progress;
-pub use cloth::{Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest};
+pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
 pub use collider::{Collider, Shape};
 pub use cpu::real::Real;
 pub use error::{Error, Result};

@@ -140,7 +140,14 @@ pub struct Schedule {
 }
 
 /// The frame of a cloth among colliders in wind: only passes that have something to do.
-pub fn schedule(cloth: &Cloth, colliders: Option<Kinds>, wind: Option<&Wind>, options: &Options) -> Schedule {
+///
+/// `slots` are the tethers of a particle.
+pub fn schedule(
+    (cloth, slots): (&Cloth, u32),
+    colliders: Option<Kinds>,
+    wind: Option<&Wind>,
+    options: &Options,
+) -> Schedule {
     let air = match wind.map(|w| w.force) {
         None => Air::None,
         Some(WindForce::Push { .. }) => Air::Push,
@@ -160,8 +167,7 @@ pub fn schedule(cloth: &Cloth, colliders: Option<Kinds>, wind: Option<&Wind>, op
         }
         Solver::Xpbd => {
             // Before the springs tethers take the large errors, after them what springs have left at the pins.
-            let tethers = (options.tethers && cloth.any_pinned())
-                .then(|| Pass::Tethers { slots: cloth.tether_slots() as u32 });
+            let tethers = (slots > 0 && !cloth.is_cut()).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
             let again = options.iterations > 1 && cloth.compliance != Compliance::None;
             s.step.extend(again.then_some(Pass::Forget));

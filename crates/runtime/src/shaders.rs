@@ -56,13 +56,13 @@ impl Slot {
     }
 
     /// Bytes of the buffer for a cloth.
-    pub fn bytes(self, cloth: &Cloth, colliders: usize) -> u64 {
+    pub fn bytes(self, cloth: &Cloth, tethers: usize, colliders: usize) -> u64 {
         let (starts, members) = cloth.rings();
         let bytes = match self {
             Slot::Step => 64 + 32,
             Slot::Grids => cloth.grids().len() * 32,
             Slot::Now | Slot::Before | Slot::Rest | Slot::Normals | Slot::Field | Slot::Soft | Slot::Sums => cloth.len() * 16,
-            Slot::Tethers => cloth.len() * cloth.tether_slots() * 8,
+            Slot::Tethers => cloth.len() * tethers * 8,
             Slot::Holes => cloth.len() * 4,
             Slot::Starts => starts.len() * 4,
             Slot::Members => members.len() * 4,

@@ -106,7 +106,7 @@ fn structs_lie_as_in_rust() {
         }
     }
     assert_eq!(seen.len(), 3);
-    assert_eq!(Slot::Step.bytes(&crate::Flat::square("x", 2).cloth().unwrap(), 0), u64::from(step.1));
+    assert_eq!(Slot::Step.bytes(&crate::Flat::square("x", 2).cloth().unwrap(), 0, 0), u64::from(step.1));
 }
 
 #[test]

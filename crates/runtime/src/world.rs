@@ -2,13 +2,13 @@
 
 use crate::actions::Action;
 use crate::clock::Clock;
-use crate::cloth::Cloth;
+use crate::cloth::{Cloth, Tethers};
 use crate::cpu::body::Body;
 use crate::cpu::real::Real;
 use crate::cpu::rows::Threads;
 use crate::cpu::solid::Solid;
 use crate::error::{Error, Result};
-use crate::options::Options;
+use crate::options::{Options, Solver};
 use crate::passes::{Kinds, Schedule, schedule};
 use crate::scene::Scene;
 use crate::sleep::Calm;
@@ -20,6 +20,8 @@ pub struct World {
     pub options: Options,
     pub clock: Clock,
     pub schedules: Vec<Schedule>,
+    /// What pinned cloths hang on; without slots where nothing does.
+    pub tethers: Vec<Tethers>,
     pub asleep: Vec<bool>,
     /// How long each cloth has been calm.
     pub calm: Vec<Calm>,
@@ -34,7 +36,8 @@ impl World {
         let clock = Clock::new(&options);
         let asleep = vec![false; scene.cloths.len()];
         let (calm, actions) = (vec![Calm::default(); scene.cloths.len()], Vec::new());
-        let mut world = World { scene, options, clock, schedules: Vec::new(), asleep, calm, actions };
+        let tethers = scene.cloths.iter().map(|c| hang(c, &options)).collect();
+        let mut world = World { scene, options, clock, schedules: Vec::new(), tethers, asleep, calm, actions };
         world.reschedule();
         Ok(world)
     }
@@ -43,7 +46,9 @@ impl World {
     pub fn reschedule(&mut self) {
         let kinds = Kinds::of(&self.scene.colliders);
         let wind = self.scene.wind.as_ref();
-        self.schedules = self.scene.cloths.iter().map(|c| schedule(c, kinds, wind, &self.options)).collect();
+        let cloths = self.scene.cloths.iter().zip(&self.tethers);
+        let slots = |t: &Tethers| t.per_particle as u32;
+        self.schedules = cloths.map(|(c, t)| schedule((c, slots(t)), kinds, wind, &self.options)).collect();
         self.watch();
     }
 
@@ -65,7 +70,7 @@ impl World {
     /// Time \[s\] from the end of step `n` of `steps` to the end of the frame, where colliders move; else 0.
     pub fn left(&self, n: u32, steps: u32) -> f64 {
         let moves = |c: &crate::collider::Collider| [c.velocity, c.spin].as_flattened().iter().any(|x| *x != 0.0);
-        let swept = self.options.solver == crate::options::Solver::Xpbd;
+        let swept = self.options.solver == Solver::Xpbd;
         if swept && self.scene.colliders.iter().any(moves) { f64::from(steps - 1 - n) * self.clock.dt } else { 0.0 }
     }
 
@@ -76,7 +81,7 @@ impl World {
 
     /// Bodies of all cloths at the start.
     pub fn bodies<T: Real>(&self) -> Vec<Body<T>> {
-        self.scene.cloths.iter().map(|c| Body::new(c, &self.options)).collect()
+        self.scene.cloths.iter().zip(&self.tethers).map(|(c, t)| Body::new(c, t, &self.options)).collect()
     }
 
     /// Runs a frame of `steps` steps on the CPU.
@@ -105,4 +110,15 @@ impl World {
         }
         (0..steps).for_each(|_| self.clock.tick());
     }
+}
+
+/// The tethers of a cloth, in as many slots as are used.
+fn hang(cloth: &Cloth, options: &Options) -> Tethers {
+    if options.solver != Solver::Xpbd || options.tethers == 0 || !cloth.particles().iter().any(|p| p.is_pinned()) {
+        return Tethers::default();
+    }
+    let found = cloth.stored_tethers().cloned().unwrap_or_else(|| cloth.tethers(options.tethers as usize));
+    let used = (0..cloth.len()).map(|k| found.of(k).iter().filter(|a| a.exists()).count()).max().unwrap_or(0);
+    let anchors = found.anchors.chunks_exact(found.per_particle.max(1)).flat_map(|slots| &slots[..used]).copied();
+    Tethers { per_particle: used, anchors: anchors.collect() }
 }

@@ -1,7 +1,7 @@
 //! The rule of integrate.rs on sheets; the results are the same bits.
 
 use super::integrate::{Air, push};
-use super::lanes::{LANES, each, load, points, store, widest};
+use super::lanes::{LANES, Points, load, splat, store, widest};
 use super::real::Real;
 use super::rows::Threads;
 use super::sheet::{Sheet, planes};
@@ -14,35 +14,64 @@ const TOGETHER: usize = 32;
 pub fn run<T: Real>(threads: &Threads, step: &Step<T>, sheet: &mut Sheet<T>, air: Air<T>) {
     let (half, row, width) = (sheet.half, sheet.row(), sheet.width);
     let w = &sheet.w[..];
-    let zero = T::of(0.0);
     threads.chunks2(&mut sheet.now, &mut sheet.before, (TOGETHER * row, TOGETHER * row), |chunk, now, before| {
         widest(
             #[inline(always)]
             || {
                 for (n, (now, before)) in now.chunks_exact_mut(row).zip(before.chunks_exact_mut(row)).enumerate() {
                     let j = chunk * TOGETHER + n;
-                    let (now, before) = (planes(now, half), planes(before, half));
+                    let (mut now, mut before) = (planes(now, half), planes(before, half));
                     for at in (0..2 * half).step_by(LANES) {
                         let w = load(w, j * 2 * half + at);
-                        let p = points([&*now[0], &*now[1], &*now[2]], at);
-                        let b = points([&*before[0], &*before[1], &*before[2]], at);
-                        let moved = [0, 1, 2].map(|c| each(|k| p[c][k] - b[c][k]));
-                        let far = super::lanes::squares(&moved);
-                        let on = each(|k| if far[k] > step.longest { zero } else { step.keep });
-                        let a = match air {
-                            Air::None => step.gravity.map(super::lanes::splat),
-                            _ => bent(step, &air, [&p, &moved], (j * width, width, half, at)),
-                        };
-                        for c in 0..3 {
-                            let next = each(|k| p[c][k] + moved[c][k] * on[k] + a[c][k] * step.scale);
-                            store(&mut *now[c], at, &each(|k| if w[k] > zero { next[k] } else { p[c][k] }));
-                            store(&mut *before[c], at, &each(|k| if w[k] > zero { p[c][k] } else { b[c][k] }));
+                        let (now, before) = (&mut now, &mut before);
+                        match air {
+                            Air::None => block(step, &w, now, before, at, |_, _| step.gravity.map(splat)),
+                            _ => block(step, &w, now, before, at, |p, moved| {
+                                bent(step, &air, [p, moved], (j * width, width, half, at))
+                            }),
                         }
                     }
                 }
             },
         );
     });
+}
+
+/// Both positions of a block move on.
+#[inline(always)]
+fn block<T: Real>(
+    step: &Step<T>,
+    w: &[T; LANES],
+    now: &mut [&mut [T]; 3],
+    before: &mut [&mut [T]; 3],
+    at: usize,
+    air: impl Fn(&Points<T>, &Points<T>) -> Points<T>,
+) {
+    let zero = T::of(0.0);
+    let p = [load(now[0], at), load(now[1], at), load(now[2], at)];
+    let b = [load(before[0], at), load(before[1], at), load(before[2], at)];
+    let mut moved = [[zero; LANES]; 3];
+    for c in 0..3 {
+        for k in 0..LANES {
+            moved[c][k] = p[c][k] - b[c][k];
+        }
+    }
+    let mut on = [zero; LANES];
+    for k in 0..LANES {
+        let far = moved[0][k] * moved[0][k] + moved[1][k] * moved[1][k] + moved[2][k] * moved[2][k];
+        on[k] = if far > step.longest { zero } else { step.keep };
+    }
+    let a = air(&p, &moved);
+    for c in 0..3 {
+        let (mut next, mut last) = ([zero; LANES], [zero; LANES]);
+        for k in 0..LANES {
+            let to = p[c][k] + moved[c][k] * on[k] + a[c][k] * step.scale;
+            next[k] = if w[k] > zero { to } else { p[c][k] };
+            last[k] = if w[k] > zero { p[c][k] } else { b[c][k] };
+        }
+        store(now[c], at, &next);
+        store(before[c], at, &last);
+    }
 }
 
 /// Accelerations in wind.

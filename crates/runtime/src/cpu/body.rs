@@ -7,7 +7,7 @@ use super::real::{Real, cast};
 use super::rows::Threads;
 use super::solid::Solid;
 use super::{colliders, fastest, integrate, normals, seam_normals, seams, speed, springs, wind};
-use crate::cloth::{Cloth, Grid, Rest};
+use crate::cloth::{Cloth, Grid, Rest, Tethers};
 use crate::options::{Options, Solver};
 use crate::passes::{self, Pass};
 use crate::step::Step;
@@ -15,8 +15,8 @@ use crate::step::Step;
 /// Positions, previous positions and normals, and what the passes read beside them. The fourth component of a position
 /// is the inverse mass.
 pub struct Body<T> {
-    now: Vec<[T; 4]>,
-    before: Vec<[T; 4]>,
+    pub(super) now: Vec<[T; 4]>,
+    pub(super) before: Vec<[T; 4]>,
     pub normals: Vec<[T; 4]>,
     /// Triangles that are cut away, by texel; empty until the first cut.
     pub holes: Vec<u32>,
@@ -31,7 +31,7 @@ pub struct Body<T> {
     members: Vec<u32>,
     fabric: Option<Box<Fabric<T>>>,
     /// Whether texels were changed from outside since the last frame.
-    edited: bool,
+    pub(super) edited: bool,
 }
 
 /// The fourth component of every position. Under XPBD a duplicate stands for its share of the point's mass: else forces
@@ -48,7 +48,7 @@ fn inverse_masses(cloth: &Cloth, solver: Solver) -> Vec<f32> {
 
 impl<T: Real> Body<T> {
     /// A cloth at its start; its previous positions are those of a step ago.
-    pub fn new(cloth: &Cloth, options: &Options) -> Self {
+    pub fn new(cloth: &Cloth, tethers: &Tethers, options: &Options) -> Self {
         let dt = options.step / f64::from(options.substeps);
         let shares = inverse_masses(cloth, options.solver);
         let place = |k: usize, ago: f64| {
@@ -77,7 +77,7 @@ impl<T: Real> Body<T> {
             image,
             starts: starts.to_vec(),
             members: members.to_vec(),
-            fabric: (options.solver == Solver::Xpbd).then(|| Box::new(Fabric::new(cloth, options.iterations > 1))),
+            fabric: (options.solver == Solver::Xpbd).then(|| Box::new(Fabric::new(cloth, tethers, options.iterations > 1))),
             edited: true,
         }
     }
@@ -95,11 +95,6 @@ impl<T: Real> Body<T> {
     /// Positions now and before, to be changed.
     pub fn edit(&mut self) -> (&mut [[T; 4]], &mut [[T; 4]]) {
         self.edited = true;
-        self.both()
-    }
-
-    /// As [`Body::edit`], where the sheets know already.
-    pub fn both(&mut self) -> (&mut [[T; 4]], &mut [[T; 4]]) {
         (&mut self.now, &mut self.before)
     }
 
@@ -107,6 +102,9 @@ impl<T: Real> Body<T> {
     pub fn begin(&mut self) {
         if let Some(fabric) = self.fabric.as_mut().filter(|_| self.edited) {
             fabric.load(&self.now, &self.before);
+            if !self.holes.is_empty() {
+                fabric.set_rest(&self.image);
+            }
             self.edited = false;
         }
     }

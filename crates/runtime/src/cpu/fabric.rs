@@ -9,9 +9,9 @@ use super::rows::Threads;
 use super::sheet::{Sheet, Values};
 use super::solid::Solid;
 use super::stretch::{self, Springs};
-use super::tethers::{self, MIXED, Tethers};
+use super::tethers::{self, Tethers};
 use super::{advance, wind};
-use crate::cloth::{Cloth, Compliance, Rest};
+use crate::cloth::{self, Cloth, Compliance, Rest};
 use crate::passes::{self, Pass};
 use crate::step::Step;
 
@@ -31,7 +31,7 @@ pub struct Fabric<T> {
 
 impl<T: Real> Fabric<T> {
     /// Room for a cloth; [`Fabric::load`] fills it. `sums` keeps the multipliers of several relaxations.
-    pub fn new(cloth: &Cloth, sums: bool) -> Self {
+    pub fn new(cloth: &Cloth, held: &cloth::Tethers, sums: bool) -> Self {
         let sheets: Vec<Sheet<T>> = cloth.grids().iter().map(Sheet::new).collect();
         let firsts = cloth.grids().iter().map(|g| g.first as usize).collect();
         let (starts, members) = cloth.rings();
@@ -47,7 +47,7 @@ impl<T: Real> Fabric<T> {
             field: Vec::new(),
         };
         fabric.members = members.iter().map(|k| fabric.place(*k as usize)).collect();
-        fabric.hold(cloth);
+        fabric.hold(held);
         fabric
     }
 
@@ -56,10 +56,9 @@ impl<T: Real> Fabric<T> {
         (g as u32, self.sheets[g].triple(k - self.firsts[g]) as u32)
     }
 
-    /// Takes over pins and the tethers to them.
-    fn hold(&mut self, cloth: &Cloth) {
-        let held = cloth.tethers(tethers::MOST);
-        let mut order: Vec<u32> = held.anchors.iter().map(|a| a.particle).filter(|p| *p != MIXED).collect();
+    /// Takes over the tethers.
+    fn hold(&mut self, held: &cloth::Tethers) {
+        let mut order: Vec<u32> = held.anchors.iter().filter(|a| a.exists()).map(|a| a.particle).collect();
         order.sort_unstable();
         order.dedup();
         self.anchors = order.iter().map(|k| self.place(*k as usize)).collect();
@@ -86,6 +85,15 @@ impl<T: Real> Fabric<T> {
         }
     }
 
+    /// Rest lengths \[m\] by texels, after a cut.
+    pub fn set_rest(&mut self, image: &[[T; 4]]) {
+        for ((sheet, springs), first) in self.sheets.iter().zip(&mut self.springs).zip(&self.firsts) {
+            for (d, of) in springs.iter_mut().enumerate() {
+                of.rest = Values::List(sheet.list(T::of(0.0), |k| image[first + k][d]));
+            }
+        }
+    }
+
     /// Positions to texels.
     pub fn store(&self, now: &mut [[T; 4]], before: &mut [[T; 4]]) {
         for (sheet, first) in self.sheets.iter().zip(&self.firsts) {
@@ -97,7 +105,7 @@ impl<T: Real> Fabric<T> {
     /// Runs a pass of a step. Wind needs the texels of `body`.
     pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>], body: &mut Body<T>) {
         match pass {
-            Pass::Wind => self.wind(threads, step, body),
+            Pass::Wind { .. } => self.wind(threads, step, body),
             Pass::Integrate(air) => {
                 for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
                     let air = match air {
@@ -119,7 +127,12 @@ impl<T: Real> Fabric<T> {
                 sums.for_each(|s| s.fill(T::of(0.0)));
             }
             Pass::Tethers { .. } => {
-                let of = |&(g, at): &(u32, u32)| self.sheets[g as usize].at(at as usize);
+                // What is no longer pinned holds nothing: no distance to a place that is no number is too large.
+                let of = |&(g, at): &(u32, u32)| {
+                    let sheet = &self.sheets[g as usize];
+                    let holds = sheet.w[single(at as usize, sheet.half)] == T::of(0.0);
+                    if holds { sheet.at(at as usize) } else { [T::of(f64::NAN); 3] }
+                };
                 let anchors: Vec<V3<T>> = self.anchors.iter().map(of).collect();
                 for (sheet, held) in self.sheets.iter_mut().zip(&self.tethers) {
                     tethers::run(threads, sheet, held, &anchors);
@@ -137,11 +150,12 @@ impl<T: Real> Fabric<T> {
 
     fn wind(&mut self, threads: &Threads, step: &Step<T>, body: &mut Body<T>) {
         self.field.resize(body.now().len(), [T::of(0.0); 4]);
-        let (now, before) = body.both();
-        self.store(now, before);
+        self.store(&mut body.now, &mut body.before);
+        let (now, before, holes) = (&body.now, &body.before, &body.holes);
         for (sheet, first) in self.sheets.iter().zip(&self.firsts) {
             let range = *first..first + sheet.width * sheet.height;
-            let view = View { now: &now[range.clone()], width: sheet.width };
+            let holes = holes.get(range.clone()).unwrap_or(&[]);
+            let view = View { now: &now[range.clone()], width: sheet.width, holes };
             wind::run(threads, step, view, &before[range.clone()], &mut self.field[range]);
         }
     }

@@ -11,22 +11,24 @@ pub const LANES: usize = 16;
 /// A block.
 pub type Lanes<T> = [T; LANES];
 
-/// The block at `at`; zeros where the list ends before it does.
+/// The block at `at`. The list must reach as far.
 #[inline(always)]
 pub fn load<T: Real>(from: &[T], at: usize) -> Lanes<T> {
     let mut out = [T::of(0.0); LANES];
-    if let Some(block) = from.get(at..at + LANES) {
-        out.copy_from_slice(block);
-    }
+    out.copy_from_slice(&from[at..at + LANES]);
     out
+}
+
+/// The block at `at`; zeros where the list ends before it does.
+#[inline(always)]
+pub fn peek<T: Real>(from: &[T], at: usize) -> Lanes<T> {
+    if from.is_empty() { [T::of(0.0); LANES] } else { load(from, at) }
 }
 
 /// Writes a block back.
 #[inline(always)]
 pub fn store<T: Real>(to: &mut [T], at: usize, block: &Lanes<T>) {
-    if let Some(out) = to.get_mut(at..at + LANES) {
-        out.copy_from_slice(block);
-    }
+    to[at..at + LANES].copy_from_slice(block);
 }
 
 /// One number in every lane.
@@ -54,17 +56,7 @@ pub fn points<T: Real>(from: [&[T]; 3], at: usize) -> Points<T> {
     from.map(|list| load(list, at))
 }
 
-/// b - a.
-#[inline(always)]
-pub fn between<T: Real>(a: &Points<T>, b: &Points<T>) -> Points<T> {
-    [0, 1, 2].map(|c| each(|k| b[c][k] - a[c][k]))
-}
 
-/// Squares of lengths.
-#[inline(always)]
-pub fn squares<T: Real>(d: &Points<T>) -> Lanes<T> {
-    each(|k| d[0][k] * d[0][k] + d[1][k] * d[1][k] + d[2][k] * d[2][k])
-}
 
 /// Runs `work` with the widest instructions of this processor. Everything it calls must be inlined into it.
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Twin of shaders/stretch.wgsl: springs of one direction and parity, with compliance.
 
-use super::lanes::{LANES, Lanes, between, each, load, points, splat, squares, store, widest};
+use super::lanes::{LANES, Lanes, load, peek, splat, store, widest};
 use super::real::Real;
 use super::rows::Threads;
 use super::sheet::{Sheet, Values, planes};
@@ -129,54 +129,95 @@ impl<T: Real> Spring<'_, T> {
 
     #[inline(always)]
     fn relax(&self, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
+        if matches!(self.soft, Values::Constant(x) if *x == T::of(0.0)) {
+            self.list::<true>(a, b, stored, count, sums);
+        } else {
+            self.list::<false>(a, b, stored, count, sums);
+        }
+    }
+
+    /// Plain loops over arrays: what compilers turn into vector instructions. Closures over many arrays are not.
+    #[inline(always)]
+    fn list<const HARD: bool>(&self, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
+        let (zero, closest, least) = (T::of(0.0), T::of(1e-9), T::of(1e-30));
         let whole = count / LANES * LANES;
         let [ax, ay, az] = a.at;
         let [bx, by, bz] = b.at;
         let mut at = 0;
         while at < count {
-            let pa = points([ax, ay, az], at);
-            let pb = points([bx, by, bz], at);
+            let (pax, pay, paz) = (load(ax, at), load(ay, at), load(az, at));
+            let (pbx, pby, pbz) = (load(bx, at), load(by, at), load(bz, at));
             let (wa, wb) = (load(a.w, at), load(b.w, at));
-            let d = between(&pa, &pb);
-            let far = over(&squares(&d), |x| x.sqrt().max(T::of(1e-9)));
             let rest = value(self.rest, stored + at);
-            let mut g = [T::of(0.0); LANES];
-            let hard = matches!(self.soft, Values::Constant(x) if *x == T::of(0.0));
-            if hard {
+            let (mut dx, mut dy, mut dz) = ([zero; LANES], [zero; LANES], [zero; LANES]);
+            for k in 0..LANES {
+                dx[k] = pbx[k] - pax[k];
+                dy[k] = pby[k] - pay[k];
+                dz[k] = pbz[k] - paz[k];
+            }
+            let (mut far, mut g) = ([zero; LANES], [zero; LANES]);
+            for k in 0..LANES {
+                far[k] = (dx[k] * dx[k] + dy[k] * dy[k] + dz[k] * dz[k]).sqrt().max(closest);
+            }
+            if HARD {
                 for k in 0..LANES {
-                    g[k] = (far[k] - rest[k]) / (far[k] * (wa[k] + wb[k])).max(T::of(1e-30));
+                    g[k] = (far[k] - rest[k]) / (far[k] * (wa[k] + wb[k])).max(least);
                 }
             } else {
-                let soft = over(&value(self.soft, stored + at), |x| x * self.rate);
-                let sum = load(sums, at);
+                let (soft, sum) = (value(self.soft, stored + at), peek(sums, at));
                 for k in 0..LANES {
-                    let under = far[k] * (wa[k] + wb[k] + soft[k]);
-                    g[k] = (far[k] - rest[k] - soft[k] * sum[k]) / under.max(T::of(1e-30));
+                    let soft = soft[k] * self.rate;
+                    g[k] = (far[k] - rest[k] - soft * sum[k]) / (far[k] * (wa[k] + wb[k] + soft)).max(least);
                 }
             }
+            for k in 0..LANES {
+                g[k] = if rest[k] > zero { g[k] } else { zero };
+            }
             if at == whole {
-                g = each(|k| if at + k < count { g[k] } else { T::of(0.0) });
+                for k in 0..LANES {
+                    g[k] = if at + k < count { g[k] } else { zero };
+                }
             }
-            g = each(|k| if rest[k] > T::of(0.0) { g[k] } else { T::of(0.0) });
-            if !hard && !sums.is_empty() {
-                let sum = load(sums, at);
-                store(sums, at, &each(|k| sum[k] + g[k] * far[k]));
+            if !HARD && !sums.is_empty() {
+                let mut sum = peek(sums, at);
+                for k in 0..LANES {
+                    sum[k] = sum[k] + g[k] * far[k];
+                }
+                store(sums, at, &sum);
             }
-            let (ga, gb) = (each(|k| g[k] * wa[k]), each(|k| g[k] * wb[k]));
-            store(ax, at, &each(|k| pa[0][k] + d[0][k] * ga[k]));
-            store(ay, at, &each(|k| pa[1][k] + d[1][k] * ga[k]));
-            store(az, at, &each(|k| pa[2][k] + d[2][k] * ga[k]));
-            store(bx, at, &each(|k| pb[0][k] - d[0][k] * gb[k]));
-            store(by, at, &each(|k| pb[1][k] - d[1][k] * gb[k]));
-            store(bz, at, &each(|k| pb[2][k] - d[2][k] * gb[k]));
+            let (mut ga, mut gb) = ([zero; LANES], [zero; LANES]);
+            for k in 0..LANES {
+                ga[k] = g[k] * wa[k];
+                gb[k] = g[k] * wb[k];
+            }
+            let mut out = [zero; LANES];
+            for k in 0..LANES {
+                out[k] = pax[k] + dx[k] * ga[k];
+            }
+            store(ax, at, &out);
+            for k in 0..LANES {
+                out[k] = pay[k] + dy[k] * ga[k];
+            }
+            store(ay, at, &out);
+            for k in 0..LANES {
+                out[k] = paz[k] + dz[k] * ga[k];
+            }
+            store(az, at, &out);
+            for k in 0..LANES {
+                out[k] = pbx[k] - dx[k] * gb[k];
+            }
+            store(bx, at, &out);
+            for k in 0..LANES {
+                out[k] = pby[k] - dy[k] * gb[k];
+            }
+            store(by, at, &out);
+            for k in 0..LANES {
+                out[k] = pbz[k] - dz[k] * gb[k];
+            }
+            store(bz, at, &out);
             at += LANES;
         }
     }
-}
-
-#[inline(always)]
-fn over<T: Real>(a: &Lanes<T>, f: impl Fn(T) -> T) -> Lanes<T> {
-    each(|k| f(a[k]))
 }
 
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Twin of shaders/tethers.wgsl: no particle is farther from its anchors than along the surface.
 
-use super::lanes::{LANES, Lanes, each, load, points, splat, squares, store, widest};
+use super::lanes::{LANES, Lanes, load, splat, store, widest};
 use super::real::{Real, V3};
 use super::rows::Threads;
 use super::sheet::{Sheet, planes};
@@ -19,9 +19,6 @@ pub struct Slot<T> {
     /// For every block of lanes the one anchor of all, or `MIXED`.
     pub block: Vec<u32>,
 }
-
-/// Anchors a particle, of as many groups of pins.
-pub const MOST: usize = 4;
 
 /// The lanes of a block have several anchors.
 pub const MIXED: u32 = u32::MAX;
@@ -70,22 +67,34 @@ pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, tethers: &Tethers<T
 
 #[inline(always)]
 fn draw<T: Real>(xyz: &mut [&mut [T]; 3], slot: &Slot<T>, w: &[T], first: usize, anchors: &[V3<T>]) {
-    for at in (0..xyz[0].len()).step_by(LANES) {
+    let (zero, least) = (T::of(0.0), T::of(1e-30));
+    let [x, y, z] = xyz;
+    for at in (0..x.len()).step_by(LANES) {
         let place = first + at;
-        let p = points([&*xyz[0], &*xyz[1], &*xyz[2]], at);
-        let anchor = to(slot, place, anchors);
-        let d = [0, 1, 2].map(|c| each(|k| p[c][k] - anchor[c][k]));
-        let (far2, most, w) = (squares(&d), load(&slot.most, place), load(w, place));
-        let far = each(|k| far2[k].sqrt());
-        let keep = each(|k| most[k] / far[k].max(T::of(1e-30)));
-        let free = T::of(0.0);
-        for c in 0..3 {
-            let drawn = each(|k| {
-                let back = anchor[c][k] + d[c][k] * keep[k];
-                if far[k] > most[k] && w[k] > free { back } else { p[c][k] }
-            });
-            store(xyz[c], at, &drawn);
+        let (px, py, pz) = (load(x, at), load(y, at), load(z, at));
+        let [ax, ay, az] = to(slot, place, anchors);
+        let (most, w) = (load(&slot.most, place), load(w, place));
+        let (mut dx, mut dy, mut dz) = ([zero; LANES], [zero; LANES], [zero; LANES]);
+        for k in 0..LANES {
+            dx[k] = px[k] - ax[k];
+            dy[k] = py[k] - ay[k];
+            dz[k] = pz[k] - az[k];
         }
+        let (mut far, mut keep) = ([zero; LANES], [zero; LANES]);
+        for k in 0..LANES {
+            far[k] = (dx[k] * dx[k] + dy[k] * dy[k] + dz[k] * dz[k]).sqrt();
+            keep[k] = most[k] / far[k].max(least);
+        }
+        let (mut ox, mut oy, mut oz) = ([zero; LANES], [zero; LANES], [zero; LANES]);
+        for k in 0..LANES {
+            let beyond = far[k] > most[k] && w[k] > zero;
+            ox[k] = if beyond { ax[k] + dx[k] * keep[k] } else { px[k] };
+            oy[k] = if beyond { ay[k] + dy[k] * keep[k] } else { py[k] };
+            oz[k] = if beyond { az[k] + dz[k] * keep[k] } else { pz[k] };
+        }
+        store(x, at, &ox);
+        store(y, at, &oy);
+        store(z, at, &oz);
     }
 }
 

@@ -6,13 +6,11 @@ use bytemuck::{Pod, bytes_of, cast_slice};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
-use crate::cloth::{Cloth, Compliance, Rest};
-use crate::cpu::tethers;
+use crate::cloth::{Cloth, Compliance, Rest, Tethers};
 use crate::cpu::body::Body;
 use crate::error::{Error, Result};
 use crate::gpu::layout::{GridRow, SolidRow, StepRow};
 use crate::gpu::pipelines::Pipeline;
-use crate::options::{Options, Solver};
 use crate::shaders::{Bound, Slot, Source};
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
@@ -43,7 +41,12 @@ pub struct ClothBuffers {
 
 impl ClothBuffers {
     /// Uploads a cloth. Errors where a buffer is larger than the device allows.
-    pub(super) fn new(device: &wgpu::Device, cloth: &Cloth, body: &Body<f32>, options: &Options, draw_only: bool) -> Result<Self> {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        (cloth, held): (&Cloth, &Tethers),
+        body: &Body<f32>,
+        draw_only: bool,
+    ) -> Result<Self> {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let need = cloth.len() as u64 * 16;
@@ -64,12 +67,12 @@ impl ClothBuffers {
             cursor: 0,
         };
         if !draw_only {
-            buffers.for_stepping(device, cloth, options);
+            buffers.for_stepping(device, cloth, held);
         }
         Ok(buffers)
     }
 
-    fn for_stepping(&mut self, device: &wgpu::Device, cloth: &Cloth, options: &Options) {
+    fn for_stepping(&mut self, device: &wgpu::Device, cloth: &Cloth, held: &Tethers) {
         self.step = Some(device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("step"),
             size: u64::from(STEP_STRIDE * STEPS),
@@ -95,8 +98,7 @@ impl ClothBuffers {
         if let Compliance::Image(soft) = &cloth.compliance {
             self.others.insert(Slot::Soft, upload(device, "soft", soft, none));
         }
-        if options.solver == Solver::Xpbd && options.tethers && cloth.any_pinned() {
-            let held = cloth.tethers(tethers::MOST);
+        if held.per_particle > 0 {
             let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
             self.others.insert(Slot::Tethers, upload(device, "tethers", &rows, none));
         }
@@ -135,12 +137,13 @@ impl ClothBuffers {
         &self.groups[&source.bindings]
     }
 
-    /// Buffers that only some scenes need: air that acts on triangles, speeds of cloth that may fall asleep.
+    /// Buffers that only some scenes need: air that acts on triangles, multipliers of several relaxations,
+    /// speeds of cloth that may fall asleep.
     fn make_scratch(&mut self, device: &wgpu::Device, source: &Source) {
         let particles = self.now.size() / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
-                Slot::Field => particles * 16,
+                Slot::Field | Slot::Sums => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest => 4,
                 _ => continue,
