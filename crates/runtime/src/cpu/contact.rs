@@ -1,7 +1,7 @@
 //! Twin of shaders/contact.wgsl: swept collision with moving colliders, and friction.
 
 use super::colliders::rub;
-use super::lanes::{LANES, each, points};
+use super::lanes::{LANES, Machine, Work, widest};
 use super::real::{Real, V3, add, cross, dot, scale, sub};
 use super::rows::Threads;
 use super::sheet::{Sheet, planes, planes_ref};
@@ -21,40 +21,49 @@ pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, solids: &[Solid<T>]
     let (half, row) = (sheet.half, sheet.row());
     let (w, before) = (&sheet.w[..], &sheet.before[..]);
     threads.chunks(&mut sheet.now, TOGETHER * row, |chunk, rows| {
-        for (n, now) in rows.chunks_exact_mut(row).enumerate() {
-            let j = chunk * TOGETHER + n;
-            let was = planes_ref(&before[j * row..(j + 1) * row], half);
-            let w = &w[j * 2 * half..(j + 1) * 2 * half];
-            let mut now = planes(now, half);
-            for at in (0..2 * half).step_by(LANES) {
-                for (solid, reach) in &near {
-                    block(&mut now, was, w, at, solid, reach, dt);
-                }
-            }
-        }
+        widest(Rows { rows, row, half, w, before, first: chunk * TOGETHER, near: &near, dt });
     });
 }
 
-#[inline(always)]
-fn block<T: Real>(
-    now: &mut [&mut [T]; 3],
-    was: [&[T]; 3],
-    w: &[T],
-    at: usize,
-    solid: &Solid<T>,
-    reach: &Reach<T>,
+/// Rows of a sheet from the row `first` on, and what they can touch.
+struct Rows<'a, 'b, T> {
+    rows: &'b mut [T],
+    row: usize,
+    half: usize,
+    w: &'a [T],
+    before: &'a [T],
+    first: usize,
+    near: &'a [(&'a Solid<T>, Reach<T>)],
     dt: T,
-) {
-    let p = points([&*now[0], &*now[1], &*now[2]], at);
-    let b = points(was, at);
-    if !reach.any_near(&p, &b) {
-        return;
-    }
-    for k in (0..LANES).filter(|k| w[at + k] > T::of(0.0)) {
-        let (p, b) = (p.map(|c| c[k]), b.map(|c| c[k]));
-        if let Some(out) = meet(solid, p, b, dt) {
-            (0..3).for_each(|c| now[c][at + k] = out[c]);
+}
+
+impl<T: Real> Work<T> for Rows<'_, '_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let Rows { row, half, .. } = self;
+        for (n, now) in self.rows.chunks_exact_mut(row).enumerate() {
+            let j = self.first + n;
+            let was = planes_ref(&self.before[j * row..(j + 1) * row], half);
+            let w = &self.w[j * 2 * half..(j + 1) * 2 * half];
+            let mut now = planes(now, half);
+            for at in (0..2 * half).step_by(K::WIDE) {
+                for (solid, reach) in self.near {
+                    if reach.any_near(k, [&*now[0], &*now[1], &*now[2]], was, at) {
+                        (at..at + K::WIDE).filter(|n| w[*n] > T::of(0.0)).for_each(|n| {
+                            touch(solid, &mut now, was, n, self.dt);
+                        });
+                    }
+                }
+            }
         }
+    }
+}
+
+#[inline(never)]
+fn touch<T: Real>(solid: &Solid<T>, now: &mut [&mut [T]; 3], was: [&[T]; 3], n: usize, dt: T) {
+    let (p, b) = ([now[0][n], now[1][n], now[2][n]], [was[0][n], was[1][n], was[2][n]]);
+    if let Some(out) = meet(solid, p, b, dt) {
+        (0..3).for_each(|c| now[c][n] = out[c]);
     }
 }
 
@@ -137,59 +146,69 @@ impl<T: Real> Reach<T> {
         }
     }
 
-    /// Whether any lane comes near on its way: the ball around the way meets that of the solid.
+    /// Whether any particle from `at` on comes near on its way: the ball around the way meets that of the solid.
     #[inline(always)]
-    fn any_near(&self, p: &[[T; LANES]; 3], b: &[[T; LANES]; 3]) -> bool {
-        let zero = T::of(0.0);
-        let near: [bool; LANES] = match self.radius {
+    fn any_near<K: Machine<T>>(&self, k: K, now: [&[T]; 3], was: [&[T]; 3], at: usize) -> bool {
+        let load = |list: [&[T]; 3]| [k.load(list[0], at), k.load(list[1], at), k.load(list[2], at)];
+        let between = |a: [K::V; 3], b: [K::V; 3]| [k.sub(a[0], b[0]), k.sub(a[1], b[1]), k.sub(a[2], b[2])];
+        let p = load(now);
+        let [x, y, z] = self.center;
+        let d = between(p, [k.splat(x), k.splat(y), k.splat(z)]);
+        match self.radius {
             Some(r) => {
-                let d2 = squared(|c, k| p[c][k] - self.center[c]);
-                let way2 = squared(|c, k| p[c][k] - b[c][k]);
-                // |d| <= r + |way|, without a root: d^2 <= 2 (r^2 + way^2) is wider.
-                std::array::from_fn(|k| !(d2[k] > r * r + way2[k] + (r * r * way2[k] * T::of(4.0)).sqrt()))
+                let way = k.sqrt(k.squares(between(p, load(was))));
+                let far = k.sqrt(k.squares(d));
+                let reach = k.add(k.splat(r), way);
+                // Written so that what is no number is not near: nothing can be done for it.
+                k.any(k.above(reach, far))
             }
             None => {
-                let above = each(|k| {
-                    (p[0][k] - self.center[0]) * self.normal[0]
-                        + (p[1][k] - self.center[1]) * self.normal[1]
-                        + (p[2][k] - self.center[2]) * self.normal[2]
-                });
-                std::array::from_fn(|k| !(above[k] > zero))
+                let n = self.normal.map(|x| k.splat(x));
+                let above = k.add(k.add(k.mul(d[0], n[0]), k.mul(d[1], n[1])), k.mul(d[2], n[2]));
+                k.any(k.above(k.splat(T::of(0.0)), above))
             }
-        };
-        near.iter().any(|n| *n)
+        }
     }
 }
 
-#[inline(always)]
-fn squared<T: Real>(f: impl Fn(usize, usize) -> T) -> [T; LANES] {
-    each(|k| f(0, k) * f(0, k) + f(1, k) * f(1, k) + f(2, k) * f(2, k))
+/// The box around all free particles now and before.
+fn bounds<T: Real>(sheet: &Sheet<T>) -> (V3<T>, V3<T>) {
+    let mut out = [[T::of(0.0); 3]; 2];
+    widest(Bounds { sheet, out: &mut out });
+    (out[0], out[1])
 }
 
-/// The box around all particles now and before.
-fn bounds<T: Real>(sheet: &Sheet<T>) -> (V3<T>, V3<T>) {
-    let (half, row) = (sheet.half, sheet.row());
-    let mut low = [[T::of(f64::from(f32::MAX)); LANES]; 3];
-    let mut high = [[T::of(-f64::from(f32::MAX)); LANES]; 3];
-    super::lanes::widest(
-        #[inline(always)]
-        || {
-            for list in [&sheet.now, &sheet.before] {
-                for (j, row) in list.chunks_exact(row).enumerate() {
-                    let xyz = planes_ref(row, half);
-                    for at in (0..2 * half).step_by(LANES) {
-                        let p = points(xyz, at);
-                        let w = super::lanes::load(&sheet.w, j * 2 * half + at);
-                        let free = T::of(0.0);
-                        for c in 0..3 {
-                            low[c] = each(|k| if w[k] > free && p[c][k] < low[c][k] { p[c][k] } else { low[c][k] });
-                            high[c] = each(|k| if w[k] > free && p[c][k] > high[c][k] { p[c][k] } else { high[c][k] });
-                        }
+struct Bounds<'a, T> {
+    sheet: &'a Sheet<T>,
+    out: &'a mut [V3<T>; 2],
+}
+
+impl<T: Real> Work<T> for Bounds<'_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let (half, row) = (self.sheet.half, self.sheet.row());
+        let most = T::of(f64::from(f32::MAX));
+        let (zero, none, lowest) = (k.splat(T::of(0.0)), k.splat(most), k.splat(-most));
+        let (mut low, mut high) = ([none; 3], [lowest; 3]);
+        for list in [&self.sheet.now, &self.sheet.before] {
+            for (j, row) in list.chunks_exact(row).enumerate() {
+                let xyz = planes_ref(row, half);
+                for at in (0..2 * half).step_by(K::WIDE) {
+                    let free = k.above(k.load(&self.sheet.w, j * 2 * half + at), zero);
+                    for c in 0..3 {
+                        let x = k.load(xyz[c], at);
+                        low[c] = k.choose(k.above(low[c], x), k.choose(free, x, low[c]), low[c]);
+                        high[c] = k.choose(k.above(x, high[c]), k.choose(free, x, high[c]), high[c]);
                     }
                 }
             }
-        },
-    );
-    let fold = |lanes: [T; LANES], f: fn(T, T) -> T| lanes.into_iter().reduce(f).unwrap_or(T::of(0.0));
-    (low.map(|l| fold(l, T::min)), high.map(|h| fold(h, T::max)))
+        }
+        for c in 0..3 {
+            let mut lanes = [[T::of(0.0); LANES]; 2];
+            k.store(&mut lanes[0], 0, low[c]);
+            k.store(&mut lanes[1], 0, high[c]);
+            self.out[0][c] = lanes[0][..K::WIDE].iter().copied().fold(most, T::min);
+            self.out[1][c] = lanes[1][..K::WIDE].iter().copied().fold(-most, T::max);
+        }
+    }
 }

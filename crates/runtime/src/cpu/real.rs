@@ -13,8 +13,11 @@ pub trait Real:
     + Mul<Output = Self>
     + Div<Output = Self>
     + Neg<Output = Self>
+    + bytemuck::Pod
     + 'static
 {
+    /// Runs work with the widest vector instructions of this processor.
+    fn widest(work: impl super::lanes::Work<Self>);
     /// The nearest number.
     fn of(x: f64) -> Self;
     /// Exact.
@@ -32,8 +35,12 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($($t:ty),*) => {$(
+    ($($t:ty, $widest:ident;)*) => {$(
         impl Real for $t {
+            #[inline(always)]
+            fn widest(work: impl super::lanes::Work<Self>) {
+                super::lanes::$widest(work);
+            }
             #[inline]
             fn of(x: f64) -> Self {
                 x as $t
@@ -65,7 +72,7 @@ macro_rules! real {
         }
     )*};
 }
-real!(f32, f64);
+real!(f32, widest_f32; f64, widest_f64;);
 
 pub type V3<T> = [T; 3];
 

@@ -1,6 +1,6 @@
 //! Twin of shaders/stretch.wgsl: springs of one direction and parity, with compliance.
 
-use super::lanes::{LANES, Lanes, load, peek, splat, store, widest};
+use super::lanes::{Machine, Work, widest};
 use super::real::Real;
 use super::rows::Threads;
 use super::sheet::{Sheet, Values, planes};
@@ -36,15 +36,8 @@ pub fn run<T: Real>(
     let size = TOGETHER / step * step;
     let rows = &mut sheet.now[first * row..];
     let work = |chunk: usize, rows: &mut [T], sums: &mut [T]| {
-        widest(
-            #[inline(always)]
-            || {
-                for (n, rows) in rows.chunks_exact_mut(step * row).enumerate() {
-                    let sums = sums.get_mut(n * step * 2 * half..).unwrap_or(&mut []);
-                    spring.rows(rows, w, first + chunk * size + n * step, (direction, parity), sums);
-                }
-            },
-        );
+        let first = first + chunk * size;
+        widest(Rows { spring: &spring, rows, sums, w, first, step, row, colour: (direction, parity) });
     };
     match sums {
         Some(sums) => threads.chunks2(rows, &mut sums[first * 2 * half..], (size * row, size * 2 * half), work),
@@ -64,6 +57,30 @@ struct Spring<'a, T> {
     columns: [usize; 3],
 }
 
+/// Rows whose springs share no particle with those of other rows.
+struct Rows<'a, 'b, T> {
+    spring: &'a Spring<'a, T>,
+    rows: &'b mut [T],
+    sums: &'b mut [T],
+    w: &'a [T],
+    first: usize,
+    /// Rows that belong together, 1 or 2.
+    step: usize,
+    /// Numbers in a row.
+    row: usize,
+    colour: (u32, usize),
+}
+
+impl<T: Real> Work<T> for Rows<'_, '_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        for (n, rows) in self.rows.chunks_exact_mut(self.step * self.row).enumerate() {
+            let sums = self.sums.get_mut(n * self.step * 2 * self.spring.half..).unwrap_or(&mut []);
+            self.spring.rows(k, rows, self.w, self.first + n * self.step, self.colour, sums);
+        }
+    }
+}
+
 /// One end of a list of springs.
 struct End<'a, T> {
     at: [&'a mut [T]; 3],
@@ -72,18 +89,18 @@ struct End<'a, T> {
 
 impl<T: Real> Spring<'_, T> {
     #[inline(always)]
-    fn rows(&self, rows: &mut [T], w: &[T], j: usize, (direction, parity): (u32, usize), sums: &mut [T]) {
+    fn rows<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, (direction, parity): (u32, usize), sums: &mut [T]) {
         let [evens, even, odd] = self.columns;
         match direction {
-            0 => self.right(rows, w, j, parity, [even, odd][parity], sums),
-            1 => self.down(rows, w, j, [evens, even], sums),
-            2 => self.down_right(rows, w, j, [even, odd], sums),
-            _ => self.up_right(rows, w, j, [even, odd], sums),
+            0 => self.right(k, rows, w, j, parity, [even, odd][parity], sums),
+            1 => self.down(k, rows, w, j, [evens, even], sums),
+            2 => self.down_right(k, rows, w, j, [even, odd], sums),
+            _ => self.up_right(k, rows, w, j, [even, odd], sums),
         }
     }
 
     #[inline(always)]
-    fn right(&self, row: &mut [T], w: &[T], j: usize, parity: usize, count: usize, sums: &mut [T]) {
+    fn right<K: Machine<T>>(&self, k: K, row: &mut [T], w: &[T], j: usize, parity: usize, count: usize, sums: &mut [T]) {
         let half = self.half;
         let w = &w[j * 2 * half..][..2 * half];
         let [x, y, z] = planes(row, half).map(|p| p.split_at_mut(half));
@@ -93,138 +110,103 @@ impl<T: Real> Spring<'_, T> {
         let e = [x.0, y.0, z.0];
         let o = [x.1, y.1, z.1];
         if parity == 0 {
-            self.relax(End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
+            self.relax(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
         } else {
-            self.relax(End { at: o, w: wo }, End { at: e.map(|p| &mut p[1..]), w: &we[1..] }, stored, count, sums);
+            self.relax(k, End { at: o, w: wo }, End { at: e.map(|p| &mut p[1..]), w: &we[1..] }, stored, count, sums);
         }
     }
 
     #[inline(always)]
-    fn down(&self, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+    fn down<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, side], [0, 0]);
             let stored = (j * 2 + side) * self.half;
-            self.relax(upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
+            self.relax(k, upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
         }
     }
 
     #[inline(always)]
-    fn down_right(&self, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+    fn down_right<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, 1 - side], [0, side]);
             let stored = (j * 2 + side) * self.half;
-            self.relax(upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
+            self.relax(k, upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
         }
     }
 
     /// Stored at the lower left end.
     #[inline(always)]
-    fn up_right(&self, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+    fn up_right<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [1 - side, side], [side, 0]);
             let stored = ((j + 1) * 2 + side) * self.half;
-            self.relax(lower, upper, stored, counts[side], sums.get_mut((2 + side) * self.half..).unwrap_or(&mut []));
+            self.relax(k, lower, upper, stored, counts[side], sums.get_mut((2 + side) * self.half..).unwrap_or(&mut []));
         }
     }
 
     #[inline(always)]
-    fn relax(&self, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
+    fn relax<K: Machine<T>>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
         if matches!(self.soft, Values::Constant(x) if *x == T::of(0.0)) {
-            self.list::<true>(a, b, stored, count, sums);
+            self.list::<K, true>(k, a, b, stored, count, sums);
         } else {
-            self.list::<false>(a, b, stored, count, sums);
+            self.list::<K, false>(k, a, b, stored, count, sums);
         }
     }
 
-    /// Plain loops over arrays: what compilers turn into vector instructions. Closures over many arrays are not.
     #[inline(always)]
-    fn list<const HARD: bool>(&self, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
-        let (zero, closest, least) = (T::of(0.0), T::of(1e-9), T::of(1e-30));
-        let whole = count / LANES * LANES;
+    fn list<K: Machine<T>, const HARD: bool>(
+        &self,
+        k: K,
+        a: End<T>,
+        b: End<T>,
+        stored: usize,
+        count: usize,
+        sums: &mut [T],
+    ) {
+        let (zero, closest, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-9)), k.splat(T::of(1e-30)));
+        let rate = k.splat(self.rate);
         let [ax, ay, az] = a.at;
         let [bx, by, bz] = b.at;
-        let mut at = 0;
-        while at < count {
-            let (pax, pay, paz) = (load(ax, at), load(ay, at), load(az, at));
-            let (pbx, pby, pbz) = (load(bx, at), load(by, at), load(bz, at));
-            let (wa, wb) = (load(a.w, at), load(b.w, at));
-            let rest = value(self.rest, stored + at);
-            let (mut dx, mut dy, mut dz) = ([zero; LANES], [zero; LANES], [zero; LANES]);
-            for k in 0..LANES {
-                dx[k] = pbx[k] - pax[k];
-                dy[k] = pby[k] - pay[k];
-                dz[k] = pbz[k] - paz[k];
+        for at in (0..count).step_by(K::WIDE) {
+            let p = [k.load(ax, at), k.load(ay, at), k.load(az, at)];
+            let q = [k.load(bx, at), k.load(by, at), k.load(bz, at)];
+            let (wa, wb) = (k.load(a.w, at), k.load(b.w, at));
+            let mut rest = value(k, self.rest, stored + at);
+            if at + K::WIDE > count {
+                // Past the last column there is no spring.
+                rest = k.first(rest, count - at);
             }
-            let (mut far, mut g) = ([zero; LANES], [zero; LANES]);
-            for k in 0..LANES {
-                far[k] = (dx[k] * dx[k] + dy[k] * dy[k] + dz[k] * dz[k]).sqrt().max(closest);
-            }
-            if HARD {
-                for k in 0..LANES {
-                    g[k] = (far[k] - rest[k]) / (far[k] * (wa[k] + wb[k])).max(least);
-                }
+            let d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
+            let far = k.most(k.sqrt(k.squares(d)), closest);
+            let (over, w) = (k.sub(far, rest), k.add(wa, wb));
+            let mut g = if HARD {
+                k.div(over, k.most(k.mul(far, w), least))
             } else {
-                let (soft, sum) = (value(self.soft, stored + at), peek(sums, at));
-                for k in 0..LANES {
-                    let soft = soft[k] * self.rate;
-                    g[k] = (far[k] - rest[k] - soft * sum[k]) / (far[k] * (wa[k] + wb[k] + soft)).max(least);
-                }
-            }
-            for k in 0..LANES {
-                g[k] = if rest[k] > zero { g[k] } else { zero };
-            }
-            if at == whole {
-                for k in 0..LANES {
-                    g[k] = if at + k < count { g[k] } else { zero };
-                }
-            }
+                let soft = k.mul(value(k, self.soft, stored + at), rate);
+                let over = if sums.is_empty() { over } else { k.sub(over, k.mul(soft, k.load(sums, at))) };
+                k.div(over, k.most(k.mul(far, k.add(w, soft)), least))
+            };
+            g = k.choose(k.above(rest, zero), g, zero);
             if !HARD && !sums.is_empty() {
-                let mut sum = peek(sums, at);
-                for k in 0..LANES {
-                    sum[k] = sum[k] + g[k] * far[k];
-                }
-                store(sums, at, &sum);
+                let sum = k.add(k.load(sums, at), k.mul(g, far));
+                k.store(sums, at, sum);
             }
-            let (mut ga, mut gb) = ([zero; LANES], [zero; LANES]);
-            for k in 0..LANES {
-                ga[k] = g[k] * wa[k];
-                gb[k] = g[k] * wb[k];
-            }
-            let mut out = [zero; LANES];
-            for k in 0..LANES {
-                out[k] = pax[k] + dx[k] * ga[k];
-            }
-            store(ax, at, &out);
-            for k in 0..LANES {
-                out[k] = pay[k] + dy[k] * ga[k];
-            }
-            store(ay, at, &out);
-            for k in 0..LANES {
-                out[k] = paz[k] + dz[k] * ga[k];
-            }
-            store(az, at, &out);
-            for k in 0..LANES {
-                out[k] = pbx[k] - dx[k] * gb[k];
-            }
-            store(bx, at, &out);
-            for k in 0..LANES {
-                out[k] = pby[k] - dy[k] * gb[k];
-            }
-            store(by, at, &out);
-            for k in 0..LANES {
-                out[k] = pbz[k] - dz[k] * gb[k];
-            }
-            store(bz, at, &out);
-            at += LANES;
+            let (ga, gb) = (k.mul(g, wa), k.mul(g, wb));
+            k.store(ax, at, k.add(p[0], k.mul(d[0], ga)));
+            k.store(ay, at, k.add(p[1], k.mul(d[1], ga)));
+            k.store(az, at, k.add(p[2], k.mul(d[2], ga)));
+            k.store(bx, at, k.sub(q[0], k.mul(d[0], gb)));
+            k.store(by, at, k.sub(q[1], k.mul(d[1], gb)));
+            k.store(bz, at, k.sub(q[2], k.mul(d[2], gb)));
         }
     }
 }
 
 #[inline(always)]
-fn value<T: Real>(values: &Values<T>, at: usize) -> Lanes<T> {
+fn value<T: Real, K: Machine<T>>(k: K, values: &Values<T>, at: usize) -> K::V {
     match values {
-        Values::Constant(x) => splat(*x),
-        Values::List(list) => load(list, at),
+        Values::Constant(x) => k.splat(*x),
+        Values::List(list) => k.load(list, at),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Twin of shaders/tethers.wgsl: no particle is farther from its anchors than along the surface.
 
-use super::lanes::{LANES, Lanes, load, splat, store, widest};
+use super::lanes::{LANES, Machine, Work, widest};
 use super::real::{Real, V3};
 use super::rows::Threads;
 use super::sheet::{Sheet, planes};
@@ -50,65 +50,73 @@ pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, tethers: &Tethers<T
     let (half, row) = (sheet.half, sheet.row());
     let w = &sheet.w[..];
     threads.chunks(&mut sheet.now, TOGETHER * row, |chunk, rows| {
-        widest(
-            #[inline(always)]
-            || {
-                for (n, row) in rows.chunks_exact_mut(row).enumerate() {
-                    let first = (chunk * TOGETHER + n) * 2 * half;
-                    let mut xyz = planes(row, half);
-                    for slot in &tethers.slots {
-                        draw(&mut xyz, slot, w, first, anchors);
-                    }
-                }
-            },
-        );
+        let first = chunk * TOGETHER * 2 * half;
+        widest(Rows { rows, row, half, w, first, tethers, anchors });
     });
 }
 
-#[inline(always)]
-fn draw<T: Real>(xyz: &mut [&mut [T]; 3], slot: &Slot<T>, w: &[T], first: usize, anchors: &[V3<T>]) {
-    let (zero, least) = (T::of(0.0), T::of(1e-30));
-    let [x, y, z] = xyz;
-    for at in (0..x.len()).step_by(LANES) {
-        let place = first + at;
-        let (px, py, pz) = (load(x, at), load(y, at), load(z, at));
-        let [ax, ay, az] = to(slot, place, anchors);
-        let (most, w) = (load(&slot.most, place), load(w, place));
-        let (mut dx, mut dy, mut dz) = ([zero; LANES], [zero; LANES], [zero; LANES]);
-        for k in 0..LANES {
-            dx[k] = px[k] - ax[k];
-            dy[k] = py[k] - ay[k];
-            dz[k] = pz[k] - az[k];
+/// Rows of a sheet, the first of them at `first` in `w`.
+struct Rows<'a, 'b, T> {
+    rows: &'b mut [T],
+    row: usize,
+    half: usize,
+    w: &'a [T],
+    first: usize,
+    tethers: &'a Tethers<T>,
+    anchors: &'a [V3<T>],
+}
+
+impl<T: Real> Work<T> for Rows<'_, '_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        for (n, row) in self.rows.chunks_exact_mut(self.row).enumerate() {
+            let mut xyz = planes(row, self.half);
+            for slot in &self.tethers.slots {
+                draw(k, &mut xyz, slot, self.w, self.first + n * 2 * self.half, self.anchors);
+            }
         }
-        let (mut far, mut keep) = ([zero; LANES], [zero; LANES]);
-        for k in 0..LANES {
-            far[k] = (dx[k] * dx[k] + dy[k] * dy[k] + dz[k] * dz[k]).sqrt();
-            keep[k] = most[k] / far[k].max(least);
-        }
-        let (mut ox, mut oy, mut oz) = ([zero; LANES], [zero; LANES], [zero; LANES]);
-        for k in 0..LANES {
-            let beyond = far[k] > most[k] && w[k] > zero;
-            ox[k] = if beyond { ax[k] + dx[k] * keep[k] } else { px[k] };
-            oy[k] = if beyond { ay[k] + dy[k] * keep[k] } else { py[k] };
-            oz[k] = if beyond { az[k] + dz[k] * keep[k] } else { pz[k] };
-        }
-        store(x, at, &ox);
-        store(y, at, &oy);
-        store(z, at, &oz);
     }
 }
 
 #[inline(always)]
-fn to<T: Real>(slot: &Slot<T>, place: usize, anchors: &[V3<T>]) -> [Lanes<T>; 3] {
+fn draw<T: Real, K: Machine<T>>(
+    k: K,
+    xyz: &mut [&mut [T]; 3],
+    slot: &Slot<T>,
+    w: &[T],
+    first: usize,
+    anchors: &[V3<T>],
+) {
+    let (zero, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-30)));
+    for at in (0..xyz[0].len()).step_by(K::WIDE) {
+        let place = first + at;
+        let p = [k.load(xyz[0], at), k.load(xyz[1], at), k.load(xyz[2], at)];
+        let anchor = to(k, slot, place, anchors);
+        let d = [k.sub(p[0], anchor[0]), k.sub(p[1], anchor[1]), k.sub(p[2], anchor[2])];
+        let far = k.sqrt(k.squares(d));
+        let most = k.load(&slot.most, place);
+        let keep = k.div(most, k.most(far, least));
+        let free = k.above(k.load(w, place), zero);
+        let beyond = k.above(far, most);
+        for c in 0..3 {
+            let drawn = k.add(anchor[c], k.mul(d[c], keep));
+            k.store(xyz[c], at, k.choose(free, k.choose(beyond, drawn, p[c]), p[c]));
+        }
+    }
+}
+
+#[inline(always)]
+fn to<T: Real, K: Machine<T>>(k: K, slot: &Slot<T>, place: usize, anchors: &[V3<T>]) -> [K::V; 3] {
     let of = |index: u32| anchors.get(index as usize).copied().unwrap_or([T::of(0.0); 3]);
     let one = slot.block[place / LANES];
     if one != MIXED {
-        return of(one).map(splat);
+        let [x, y, z] = of(one);
+        return [k.splat(x), k.splat(y), k.splat(z)];
     }
-    let mut out = [[T::of(0.0); LANES]; 3];
-    for k in 0..LANES {
-        let a = of(slot.anchor[place + k]);
-        (0..3).for_each(|c| out[c][k] = a[c]);
+    let mut lists = [[T::of(0.0); LANES]; 3];
+    for n in 0..K::WIDE {
+        let a = of(slot.anchor[place + n]);
+        (0..3).for_each(|c| lists[c][n] = a[c]);
     }
-    out
+    [k.load(&lists[0], 0), k.load(&lists[1], 0), k.load(&lists[2], 0)]
 }
