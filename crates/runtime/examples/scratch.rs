@@ -31,6 +31,14 @@ fn main() {
         old = p.to_vec();
         if f == frames - 1 && name.starts_with("s2") { let p0 = s.scene().cloths[0].positions(); tun = p.iter().zip(p0).filter(|(p, q)| q[0].hypot(q[2]) < 0.2 && p[1] < 0.0).count(); }
     }
+    if std::env::var("WHERE").is_ok() {
+        let p = &old; let w = n as usize;
+        let st = |a: usize, b: usize| { let d: f64 = (0..3).map(|c| (p[a][c] as f64 - p[b][c] as f64).powi(2)).sum(); d.sqrt() / h - 1.0 };
+        let mut all: Vec<(f64, usize, usize, char)> = vec![];
+        for j in 0..w { for i in 0..w { let k = j * w + i; if i + 1 < w { all.push((st(k, k + 1), i, j, 'R')); } if j + 1 < w { all.push((st(k, k + w), i, j, 'D')); } } }
+        all.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+        for x in &all[..12] { println!("{x:?} z {} y {}", p[x.2 * w + x.1][2], p[x.2 * w + x.1][1]); }
+    }
     times.sort_by(f64::total_cmp);
     let ymin = old.iter().map(|p| p[1]).fold(0f32, f32::min);
     println!("{name} n={n} sub={sub} it={it}: min {best:.4} median {:.4} ms  max {:.4}% mean {:.5}% rms {:.3} mm/s transient {:.2}% hem {ymin} pen {:.4} mm tunnelled {tun}", times[times.len() / 2], smax * 100.0, mean / cnt as f64 * 100.0, (rms / cnt as f64).sqrt() * 1e3, all * 100.0, pen.max(0.0) * 1e3);

@@ -2,7 +2,7 @@
 
 use crate::actions::Action;
 use crate::clock::Clock;
-use crate::cloth::{Cloth, Tethers};
+use crate::cloth::{Anchor, Cloth, Tethers};
 use crate::cpu::body::Body;
 use crate::cpu::real::Real;
 use crate::cpu::rows::Threads;
@@ -119,6 +119,18 @@ fn hang(cloth: &Cloth, options: &Options) -> Tethers {
     }
     let found = cloth.stored_tethers().cloned().unwrap_or_else(|| cloth.tethers(options.tethers as usize));
     let used = (0..cloth.len()).map(|k| found.of(k).iter().filter(|a| a.exists()).count()).max().unwrap_or(0);
-    let anchors = found.anchors.chunks_exact(found.per_particle.max(1)).flat_map(|slots| &slots[..used]).copied();
-    Tethers { per_particle: used, anchors: anchors.collect() }
+    let mut ends: Vec<u32> = found.anchors.iter().filter(|a| a.exists()).map(|a| a.particle).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    let mut anchors = Vec::with_capacity(used * cloth.len());
+    for k in 0..cloth.len() {
+        if ends.len() <= used {
+            // A slot for each pin: neighbours then hang on the same one, which is quicker.
+            let of = |end: &u32| found.of(k).iter().find(|a| a.particle == *end).copied().unwrap_or(Anchor::NONE);
+            anchors.extend(ends.iter().map(of));
+        } else {
+            anchors.extend(&found.of(k)[..used]);
+        }
+    }
+    Tethers { per_particle: used, anchors }
 }

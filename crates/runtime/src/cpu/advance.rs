@@ -35,6 +35,16 @@ struct Rows<'a, 'b, T> {
 impl<T: Real> Work<T> for Rows<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
+        match self.air {
+            Air::None => self.rows::<K, true>(k),
+            _ => self.rows::<K, false>(k),
+        }
+    }
+}
+
+impl<T: Real> Rows<'_, '_, T> {
+    #[inline(always)]
+    fn rows<K: Machine<T>, const STILL: bool>(self, k: K) {
         let Rows { step, row, half, width, w, air, .. } = self;
         let zero = k.splat(T::of(0.0));
         let (keep, longest, scale) = (k.splat(step.keep), k.splat(step.longest), k.splat(step.scale));
@@ -49,10 +59,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                 let b = [k.load(before[0], at), k.load(before[1], at), k.load(before[2], at)];
                 let moved = [k.sub(p[0], b[0]), k.sub(p[1], b[1]), k.sub(p[2], b[2])];
                 let on = k.choose(k.above(k.squares(moved), longest), zero, keep);
-                let a = match air {
-                    Air::None => gravity,
-                    _ => bent(k, step, &air, [p, moved], (j * width, width, half, at)),
-                };
+                let a = if STILL { gravity } else { bent(k, step, &air, [p, moved], (j * width, width, half, at)) };
                 for c in 0..3 {
                     let to = k.add(k.add(p[c], k.mul(moved[c], on)), k.mul(a[c], scale));
                     k.store(now[c], at, k.choose(free, to, p[c]));

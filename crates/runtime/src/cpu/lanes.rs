@@ -51,10 +51,9 @@ pub trait Machine<T: Real>: Copy {
     /// The first `count` numbers of a vector, zeros after them.
     #[inline(always)]
     fn first(self, v: Self::V, count: usize) -> Self::V {
-        let mut list = [T::of(0.0); LANES];
-        self.store(&mut list, 0, v);
-        list.iter_mut().skip(count).for_each(|x| *x = T::of(0.0));
-        self.load(&list, 0)
+        let zero = self.splat(T::of(0.0));
+        let mask = self.above(self.load(T::ONES_THEN_ZEROS, LANES.saturating_sub(count)), zero);
+        self.choose(mask, v, zero)
     }
 }
 

@@ -1,5 +1,6 @@
 //! f32 and f64 under one name, and vectors of three.
 
+use super::lanes::{LANES, Work};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A floating-point number that twins compute with.
@@ -17,7 +18,9 @@ pub trait Real:
     + 'static
 {
     /// Runs work with the widest vector instructions of this processor.
-    fn widest(work: impl super::lanes::Work<Self>);
+    fn widest(work: impl Work<Self>);
+    /// As many ones as a block has numbers, then as many zeros.
+    const ONES_THEN_ZEROS: &'static [Self; 2 * LANES];
     /// The nearest number.
     fn of(x: f64) -> Self;
     /// Exact.
@@ -37,8 +40,17 @@ pub trait Real:
 macro_rules! real {
     ($($t:ty, $widest:ident;)*) => {$(
         impl Real for $t {
+            const ONES_THEN_ZEROS: &'static [Self; 2 * LANES] = &{
+                let mut list = [0.0; 2 * LANES];
+                let mut k = 0;
+                while k < LANES {
+                    list[k] = 1.0;
+                    k += 1;
+                }
+                list
+            };
             #[inline(always)]
-            fn widest(work: impl super::lanes::Work<Self>) {
+            fn widest(work: impl Work<Self>) {
                 super::lanes::$widest(work);
             }
             #[inline]

@@ -71,9 +71,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
     fn run<K: Machine<T>>(self, k: K) {
         for (n, row) in self.rows.chunks_exact_mut(self.row).enumerate() {
             let mut xyz = planes(row, self.half);
-            for slot in &self.tethers.slots {
-                draw(k, &mut xyz, slot, self.w, self.first + n * 2 * self.half, self.anchors);
-            }
+            draw(k, &mut xyz, self.tethers, self.w, self.first + n * 2 * self.half, self.anchors);
         }
     }
 }
@@ -82,7 +80,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
 fn draw<T: Real, K: Machine<T>>(
     k: K,
     xyz: &mut [&mut [T]; 3],
-    slot: &Slot<T>,
+    tethers: &Tethers<T>,
     w: &[T],
     first: usize,
     anchors: &[V3<T>],
@@ -90,18 +88,22 @@ fn draw<T: Real, K: Machine<T>>(
     let (zero, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-30)));
     for at in (0..xyz[0].len()).step_by(K::WIDE) {
         let place = first + at;
-        let p = [k.load(xyz[0], at), k.load(xyz[1], at), k.load(xyz[2], at)];
-        let anchor = to(k, slot, place, anchors);
-        let d = [k.sub(p[0], anchor[0]), k.sub(p[1], anchor[1]), k.sub(p[2], anchor[2])];
-        let far = k.sqrt(k.squares(d));
-        let most = k.load(&slot.most, place);
-        let keep = k.div(most, k.most(far, least));
         let free = k.above(k.load(w, place), zero);
-        let beyond = k.above(far, most);
-        for c in 0..3 {
-            let drawn = k.add(anchor[c], k.mul(d[c], keep));
-            k.store(xyz[c], at, k.choose(free, k.choose(beyond, drawn, p[c]), p[c]));
+        let [mut x, mut y, mut z] = [k.load(xyz[0], at), k.load(xyz[1], at), k.load(xyz[2], at)];
+        for slot in &tethers.slots {
+            let anchor = to(k, slot, place, anchors);
+            let d = [k.sub(x, anchor[0]), k.sub(y, anchor[1]), k.sub(z, anchor[2])];
+            let far = k.sqrt(k.squares(d));
+            let most = k.load(&slot.most, place);
+            let keep = k.div(most, k.most(far, least));
+            let beyond = k.above(far, most);
+            x = k.choose(free, k.choose(beyond, k.add(anchor[0], k.mul(d[0], keep)), x), x);
+            y = k.choose(free, k.choose(beyond, k.add(anchor[1], k.mul(d[1], keep)), y), y);
+            z = k.choose(free, k.choose(beyond, k.add(anchor[2], k.mul(d[2], keep)), z), z);
         }
+        k.store(xyz[0], at, x);
+        k.store(xyz[1], at, y);
+        k.store(xyz[2], at, z);
     }
 }
 
