@@ -13,10 +13,6 @@ struct Step {
   rate: f32,
   drag: f32,
   lift: f32,
-  rate2: f32,
   left: f32,
-  unused1: f32,
-  unused2: f32,
-  unused3: f32,
 }
 @group(0) @binding(0) var<uniform> step: Step;

@@ -126,12 +126,24 @@ impl Cloth {
         })
     }
 
-    /// Refuses a velocity, damping or speed limit outside their ranges.
+    /// Refuses a velocity, damping, compliance or speed limit outside their ranges.
     pub fn check(&self) -> Result<()> {
         for x in self.velocity {
             range("the velocity of a cloth [m/s]", f64::from(x), "finite", |_| true)?;
         }
         range("the damping of a cloth [1/s]", f64::from(self.damping), "at least 0", |d| d >= 0.0)?;
+        let soft: &[f32] = match &self.compliance {
+            Compliance::None => &[],
+            Compliance::Constant(c) => std::slice::from_ref(c),
+            Compliance::Image(list) => {
+                let whole = |n: f64| n == self.len() as f64;
+                range("the number of compliances", list.len() as f64, "one a particle", whole)?;
+                list.as_flattened()
+            }
+        };
+        for c in soft {
+            range("a compliance [m/N]", f64::from(*c), "at least 0", |c| c >= 0.0)?;
+        }
         let limit = f64::from(self.speed_limit).min(f64::MAX);
         range("the speed limit of a cloth [m/s]", limit, "above 0", |s| s > 0.0)
     }

@@ -14,6 +14,7 @@ pub(crate) mod cut_springs;
 pub(crate) mod draw;
 pub(crate) mod fabric;
 pub(crate) mod fastest;
+pub(crate) mod forget;
 pub(crate) mod gust;
 pub(crate) mod integrate;
 pub(crate) mod lanes;

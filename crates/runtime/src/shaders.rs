@@ -59,9 +59,11 @@ impl Slot {
     pub fn bytes(self, cloth: &Cloth, tethers: usize, colliders: usize) -> u64 {
         let (starts, members) = cloth.rings();
         let bytes = match self {
-            Slot::Step => 64 + 32,
+            Slot::Step => 64 + 16,
             Slot::Grids => cloth.grids().len() * 32,
-            Slot::Now | Slot::Before | Slot::Rest | Slot::Normals | Slot::Field | Slot::Soft | Slot::Sums => cloth.len() * 16,
+            Slot::Now | Slot::Before | Slot::Rest | Slot::Normals | Slot::Field | Slot::Soft | Slot::Sums => {
+                cloth.len() * 16
+            }
             Slot::Tethers => cloth.len() * tethers * 8,
             Slot::Holes => cloth.len() * 4,
             Slot::Starts => starts.len() * 4,

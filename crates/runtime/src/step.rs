@@ -32,8 +32,6 @@ pub struct Step<T> {
     pub drag: T,
     /// Half the air's density times the lift coefficient \[kg/m^3\].
     pub lift: T,
-    /// 1 / dt^2 \[1/s^2\].
-    pub rate2: T,
     /// From the end of this step to that of the frame \[s\]: so far back moving colliders are.
     pub left: T,
 }
@@ -71,7 +69,6 @@ impl Step<f64> {
             longest: longest.min(f64::from(f32::MAX)),
             dt: input.dt,
             rate: 1.0 / input.dt_old,
-            rate2: 1.0 / (input.dt * input.dt),
             ..Step::default()
         };
         if let Some(wind) = input.wind {
@@ -107,7 +104,6 @@ impl Step<f64> {
             rate: of(self.rate),
             drag: of(self.drag),
             lift: of(self.lift),
-            rate2: of(self.rate2),
             left: of(self.left),
         }
     }

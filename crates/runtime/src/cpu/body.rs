@@ -77,7 +77,8 @@ impl<T: Real> Body<T> {
             image,
             starts: starts.to_vec(),
             members: members.to_vec(),
-            fabric: (options.solver == Solver::Xpbd).then(|| Box::new(Fabric::new(cloth, tethers, options.iterations > 1))),
+            fabric: (options.solver == Solver::Xpbd)
+                .then(|| Box::new(Fabric::new(cloth, tethers, options.iterations > 1))),
             edited: true,
         }
     }

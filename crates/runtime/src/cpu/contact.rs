@@ -14,7 +14,8 @@ const TOGETHER: usize = 8;
 /// comparison, those out of reach of a block of particles another.
 pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, solids: &[Solid<T>], dt: T) {
     let (lowest, highest) = bounds(sheet);
-    let near: Vec<_> = solids.iter().map(|s| (s, Reach::new(s, dt))).filter(|(_, r)| r.box_near(lowest, highest)).collect();
+    let near: Vec<_> =
+        solids.iter().map(|s| (s, Reach::new(s, dt))).filter(|(_, r)| r.box_near(lowest, highest)).collect();
     if near.is_empty() {
         return;
     }
@@ -75,11 +76,8 @@ pub fn meet<T: Real>(solid: &Solid<T>, at: V3<T>, was: V3<T>, dt: T) -> Option<V
     let from = add(was, scale(carried, dt));
     let (out, normal) = swept(solid, from, at)?;
     let depth = sub(out, at);
-    let out = if solid.friction > T::of(0.0) {
-        rub(solid, out, normal, was, dot(depth, depth).sqrt(), dt)
-    } else {
-        out
-    };
+    let out =
+        if solid.friction > T::of(0.0) { rub(solid, out, normal, was, dot(depth, depth).sqrt(), dt) } else { out };
     // Sliding along a flat or hollow side can end inside again.
     Some(solid.exit(out).map_or(out, |(at, _)| at))
 }

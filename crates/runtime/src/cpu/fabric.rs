@@ -10,7 +10,7 @@ use super::sheet::{Sheet, Values};
 use super::solid::Solid;
 use super::stretch::{self, Springs};
 use super::tethers::{self, Tethers};
-use super::{advance, wind};
+use super::{advance, forget, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest};
 use crate::passes::{self, Pass};
 use crate::step::Step;
@@ -119,12 +119,11 @@ impl<T: Real> Fabric<T> {
             Pass::Stretch { direction, parity, .. } => {
                 for (sheet, springs) in self.sheets.iter_mut().zip(&mut self.springs) {
                     let springs = &mut springs[direction as usize & 3];
-                    stretch::run(threads, sheet, springs, direction, parity, step.rate2);
+                    stretch::run(threads, sheet, springs, direction, parity, step.dt);
                 }
             }
             Pass::Forget => {
-                let sums = self.springs.iter_mut().flatten().filter_map(|s| s.sums.as_mut());
-                sums.for_each(|s| s.fill(T::of(0.0)));
+                self.springs.iter_mut().flatten().filter_map(|s| s.sums.as_mut()).for_each(|s| forget::run(s));
             }
             Pass::Tethers { .. } => {
                 // What is no longer pinned holds nothing: no distance to a place that is no number is too large.

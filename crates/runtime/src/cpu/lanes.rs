@@ -147,10 +147,32 @@ macro_rules! machine {
 struct On<S>(S);
 
 machine!(
-    f32, f32s, m32s, widest_f32, splat_f32s, add_f32s, sub_f32s, mul_f32s, div_f32s, sqrt_f32s, greater_than_f32s,
-    select_f32s, first_true_m32s
+    f32,
+    f32s,
+    m32s,
+    widest_f32,
+    splat_f32s,
+    add_f32s,
+    sub_f32s,
+    mul_f32s,
+    div_f32s,
+    sqrt_f32s,
+    greater_than_f32s,
+    select_f32s,
+    first_true_m32s
 );
 machine!(
-    f64, f64s, m64s, widest_f64, splat_f64s, add_f64s, sub_f64s, mul_f64s, div_f64s, sqrt_f64s, greater_than_f64s,
-    select_f64s, first_true_m64s
+    f64,
+    f64s,
+    m64s,
+    widest_f64,
+    splat_f64s,
+    add_f64s,
+    sub_f64s,
+    mul_f64s,
+    div_f64s,
+    sqrt_f64s,
+    greater_than_f64s,
+    select_f64s,
+    first_true_m64s
 );

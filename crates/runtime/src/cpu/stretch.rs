@@ -15,7 +15,7 @@ pub struct Springs<T> {
     pub sums: Option<Vec<T>>,
 }
 
-/// Relaxes the springs of a colour once. `rate` is 1 / dt^2 \[1/s^2\].
+/// Relaxes the springs of a colour once. `dt` is the step \[s\].
 ///
 /// A spring of length l moves its ends along itself by w g, g = (l - rest - a s) / (w1 + w2 + a), a = compliance / dt^2,
 /// s the sum of the g of earlier relaxations of this step (Macklin, Mueller, Chentanez, "XPBD", MIG 2016).
@@ -25,12 +25,12 @@ pub fn run<T: Real>(
     springs: &mut Springs<T>,
     direction: u32,
     parity: u32,
-    rate: T,
+    dt: T,
 ) {
     let (width, half, row) = (sheet.width, sheet.half, sheet.row());
     let w = &sheet.w[..];
     let Springs { rest, soft, sums } = springs;
-    let spring = Spring { rest, soft, half, rate, columns: [width.div_ceil(2), width / 2, (width - 1) / 2] };
+    let spring = Spring { rest, soft, half, span: dt * dt, columns: [width.div_ceil(2), width / 2, (width - 1) / 2] };
     let parity = parity as usize;
     let (first, step) = if direction == 0 { (0, 1) } else { (parity, 2) };
     let size = TOGETHER / step * step;
@@ -52,7 +52,8 @@ struct Spring<'a, T> {
     rest: &'a Values<T>,
     soft: &'a Values<T>,
     half: usize,
-    rate: T,
+    /// Square of the step \[s^2\].
+    span: T,
     /// Even columns, pairs from even to odd, pairs from odd to even.
     columns: [usize; 3],
 }
@@ -89,7 +90,15 @@ struct End<'a, T> {
 
 impl<T: Real> Spring<'_, T> {
     #[inline(always)]
-    fn rows<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, (direction, parity): (u32, usize), sums: &mut [T]) {
+    fn rows<K: Machine<T>>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        (direction, parity): (u32, usize),
+        sums: &mut [T],
+    ) {
         let [evens, even, odd] = self.columns;
         match direction {
             0 => self.right(k, rows, w, j, parity, [even, odd][parity], sums),
@@ -100,7 +109,16 @@ impl<T: Real> Spring<'_, T> {
     }
 
     #[inline(always)]
-    fn right<K: Machine<T>>(&self, k: K, row: &mut [T], w: &[T], j: usize, parity: usize, count: usize, sums: &mut [T]) {
+    fn right<K: Machine<T>>(
+        &self,
+        k: K,
+        row: &mut [T],
+        w: &[T],
+        j: usize,
+        parity: usize,
+        count: usize,
+        sums: &mut [T],
+    ) {
         let half = self.half;
         let w = &w[j * 2 * half..][..2 * half];
         let [x, y, z] = planes(row, half).map(|p| p.split_at_mut(half));
@@ -140,7 +158,14 @@ impl<T: Real> Spring<'_, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [1 - side, side], [side, 0]);
             let stored = ((j + 1) * 2 + side) * self.half;
-            self.relax(k, lower, upper, stored, counts[side], sums.get_mut((2 + side) * self.half..).unwrap_or(&mut []));
+            self.relax(
+                k,
+                lower,
+                upper,
+                stored,
+                counts[side],
+                sums.get_mut((2 + side) * self.half..).unwrap_or(&mut []),
+            );
         }
     }
 
@@ -164,7 +189,7 @@ impl<T: Real> Spring<'_, T> {
         sums: &mut [T],
     ) {
         let (zero, closest, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-9)), k.splat(T::of(1e-30)));
-        let rate = k.splat(self.rate);
+        let span = k.splat(self.span);
         let [ax, ay, az] = a.at;
         let [bx, by, bz] = b.at;
         for at in (0..count).step_by(K::WIDE) {
@@ -182,7 +207,7 @@ impl<T: Real> Spring<'_, T> {
             let mut g = if HARD {
                 k.div(over, k.most(k.mul(far, w), least))
             } else {
-                let soft = k.mul(value(k, self.soft, stored + at), rate);
+                let soft = k.div(value(k, self.soft, stored + at), span);
                 let over = if sums.is_empty() { over } else { k.sub(over, k.mul(soft, k.load(sums, at))) };
                 k.div(over, k.most(k.mul(far, k.add(w, soft)), least))
             };
@@ -221,9 +246,8 @@ fn ends<'a, T>(
     from: [usize; 2],
 ) -> (End<'a, T>, End<'a, T>) {
     let (upper, lower) = rows.split_at_mut(6 * half);
-    let cut = |row: &'a mut [T], n: usize| {
-        planes(row, half).map(|p| &mut p[side[n] * half + from[n]..(side[n] + 1) * half])
-    };
+    let cut =
+        |row: &'a mut [T], n: usize| planes(row, half).map(|p| &mut p[side[n] * half + from[n]..(side[n] + 1) * half]);
     let weights = |n: usize| &w[((j + n) * 2 + side[n]) * half + from[n]..((j + n) * 2 + side[n] + 1) * half];
     (End { at: cut(upper, 0), w: weights(0) }, End { at: cut(lower, 1), w: weights(1) })
 }

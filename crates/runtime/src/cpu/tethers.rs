@@ -29,7 +29,9 @@ impl<T: Real> Slot<T> {
         let none = T::of(f64::from(f32::MAX));
         let most = sheet.list(none, |k| of(k).map_or(none, |(_, distance)| distance));
         let mut anchor = vec![MIXED; most.len()];
-        (0..sheet.width * sheet.height).filter_map(|k| Some((k, of(k)?.0))).for_each(|(k, a)| anchor[sheet.single(k)] = a);
+        (0..sheet.width * sheet.height)
+            .filter_map(|k| Some((k, of(k)?.0)))
+            .for_each(|(k, a)| anchor[sheet.single(k)] = a);
         let one = |lanes: &[u32]| {
             let mut there = lanes.iter().filter(|a| **a != MIXED);
             let first = there.next().copied().unwrap_or(0);

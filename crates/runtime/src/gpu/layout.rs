@@ -23,9 +23,7 @@ pub struct StepRow {
     pub rate: f32,
     pub drag: f32,
     pub lift: f32,
-    pub rate2: f32,
     pub left: f32,
-    pub unused: [f32; 3],
 }
 
 /// `Grid` of shaders/part/grid.wgsl.
@@ -56,9 +54,9 @@ pub struct SolidRow {
 
 impl From<&Step<f64>> for StepRow {
     fn from(step: &Step<f64>) -> Self {
-        let Step { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, rate2, left } =
+        let Step { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, left } =
             step.cast::<f32>();
-        StepRow { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, rate2, left, unused: [0.0; 3] }
+        StepRow { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, left }
     }
 }
 
