@@ -158,6 +158,9 @@ pub struct SceneArgs {
     /// Relaxations a step [default: those of the scene, or 1].
     #[arg(long, value_name = "K")]
     pub iterations: Option<u32>,
+    /// Tethers of a particle to the nearest pins, 0 to 4; xpbd only [default: those of the scene, or 2].
+    #[arg(long, value_name = "K")]
+    pub tethers: Option<u32>,
     /// Particles on a side of a built-in scene.
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095))]
     pub n: u32,
@@ -269,6 +272,7 @@ pub enum BackendArg {
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum SolverArg {
     Classic,
+    Xpbd,
 }
 
 impl Cli {

@@ -48,6 +48,18 @@ pub enum Rest {
     Image(Vec<[f32; 4]>),
 }
 
+/// Compliance \[m/N\] of springs, the inverse of their stiffness; the classic solver has none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Compliance {
+    /// As stiff as the solver can.
+    #[default]
+    None,
+    /// The same for every spring.
+    Constant(f32),
+    /// One entry a particle, as rest lengths.
+    Image(Vec<[f32; 4]>),
+}
+
 /// Masses \[kg\]. Each duplicate of a seam point holds the mass of the whole point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mass {
@@ -92,6 +104,8 @@ pub struct Cloth {
     /// A displacement faster than this \[m/s\] is taken for a collision's jump and carries no velocity on. Above 0,
     /// default infinite; smaller means that fast cloth stops.
     pub speed_limit: f32,
+    /// How soft the springs are. Default none.
+    pub compliance: Compliance,
 }
 
 impl Cloth {
@@ -108,15 +122,28 @@ impl Cloth {
             velocity: [0.0; 3],
             damping: 0.0,
             speed_limit: f32::INFINITY,
+            compliance: Compliance::None,
         })
     }
 
-    /// Refuses a velocity, damping or speed limit outside their ranges.
+    /// Refuses a velocity, damping, compliance or speed limit outside their ranges.
     pub fn check(&self) -> Result<()> {
         for x in self.velocity {
             range("the velocity of a cloth [m/s]", f64::from(x), "finite", |_| true)?;
         }
         range("the damping of a cloth [1/s]", f64::from(self.damping), "at least 0", |d| d >= 0.0)?;
+        let soft: &[f32] = match &self.compliance {
+            Compliance::None => &[],
+            Compliance::Constant(c) => std::slice::from_ref(c),
+            Compliance::Image(list) => {
+                let whole = |n: f64| n == self.len() as f64;
+                range("the number of compliances", list.len() as f64, "one a particle", whole)?;
+                list.as_flattened()
+            }
+        };
+        for c in soft {
+            range("a compliance [m/N]", f64::from(*c), "at least 0", |c| c >= 0.0)?;
+        }
         let limit = f64::from(self.speed_limit).min(f64::MAX);
         range("the speed limit of a cloth [m/s]", limit, "above 0", |s| s > 0.0)
     }
