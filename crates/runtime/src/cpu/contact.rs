@@ -134,12 +134,11 @@ impl<T: Real> Reach<T> {
         match self.radius {
             Some(r) => {
                 let d = [0, 1, 2].map(|c| (lowest[c] - self.center[c]).max(self.center[c] - highest[c]).max(zero));
-                // Written so that a box that is no number is near.
-                !(dot(d, d) > r * r)
+                dot(d, d) <= r * r
             }
             None => {
                 let corner = [0, 1, 2].map(|c| if self.normal[c] > zero { lowest[c] } else { highest[c] });
-                !(dot(sub(corner, self.center), self.normal) > zero)
+                dot(sub(corner, self.center), self.normal) <= zero
             }
         }
     }
