@@ -17,12 +17,12 @@ fn out_by(at: vec3<f32>, surface: vec3<f32>, normal: vec3<f32>) -> Exit {
   return Exit(deep > 0.0, at + normal * deep, normal);
 }
 
-// A step shorter than the solid is thick cannot pass it: the closest way out is right. A longer one leaves by the plane
-// that touches the solid where the path entered, or where it began inside.
+// After a step far shorter than the solid is thick the way out is the closest one. After a longer one it is by the plane
+// that touches the solid where the path entered, or where it began inside, as resting particles do by rounding.
 fn swept(solid: Solid, start: vec3<f32>, at: vec3<f32>) -> Exit {
   let path = at - start;
-  let thick = thickness(solid);
-  if (dot(path, path) < thick * thick) {
+  let short = thickness(solid) * 0.25;
+  if (dot(path, path) < short * short) {
     return leave(solid, at);
   }
   var out = outside();

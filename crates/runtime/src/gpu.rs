@@ -40,8 +40,9 @@ impl Gpu {
     /// Buffers for all cloths; only those for drawing where the CPU steps.
     pub fn new(world: &World, device: &wgpu::Device, queue: &wgpu::Queue, draw_only: bool) -> Result<Self> {
         let cloths = world.scene.cloths.iter().zip(&world.tethers).zip(world.bodies());
-        let cloths: Result<_> =
-            cloths.map(|((cloth, held), body)| ClothBuffers::new(device, (cloth, held), &body, draw_only)).collect();
+        let cloths: Result<_> = cloths
+            .map(|((cloth, held), body)| ClothBuffers::new(device, (cloth, held), &body, (draw_only, &world.options)))
+            .collect();
         let solid_rows: Vec<_> = world.scene.colliders.iter().map(SolidRow::new).collect();
         Ok(Gpu {
             solids: solids_buffer(device, &solid_rows),
@@ -60,6 +61,9 @@ impl Gpu {
 
     /// Records `steps` steps of every cloth that is awake and has any, then its normals.
     pub fn record(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
+        for faults in self.cloths.iter().filter_map(|c| c.faults.as_ref()) {
+            encoder.clear_buffer(faults, 0, Some(4));
+        }
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None });
         for index in (0..self.cloths.len()).filter(|c| !world.asleep[*c]) {
@@ -84,6 +88,9 @@ impl Gpu {
             for n in 0..steps {
                 let offset = offset(buffers, n);
                 plan.step.iter().for_each(|what| run(buffers, *what, offset));
+                if world.coarse(n) {
+                    plan.coarse.iter().for_each(|what| run(buffers, *what, offset));
+                }
                 let rounds = 0..world.options.iterations;
                 rounds.for_each(|_| plan.relax.iter().for_each(|what| run(buffers, *what, offset)));
             }

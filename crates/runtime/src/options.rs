@@ -46,6 +46,9 @@ pub struct Options {
     /// substeps, and shorten the period of a swing a little. Those of a bundle are taken as they are stored, else they
     /// are found when the stepper is made. They end with the first cut.
     pub tethers: u32,
+    /// Once in so many steps lengths are limited on coarser grids of the cloth, for [`Solver::Xpbd`]; 0 is never. Default
+    /// 0; at most 4096. It keeps cloth together that no pin holds, such as cloth that is hit. It ends with the first cut.
+    pub pyramid: u32,
     /// Whether normals are made at the end of a frame. Default true.
     pub normals: bool,
     /// Most times of `step` that one frame catches up; what is beyond is dropped. Default 4; 1 to 1024.
@@ -82,6 +85,7 @@ impl Default for Options {
             substeps: 8,
             iterations: 1,
             tethers: 2,
+            pyramid: 0,
             normals: true,
             max_catch_up: 4,
             threads: 0,
@@ -98,6 +102,7 @@ impl Options {
         check("the number of substeps", self.substeps.into(), "1 to 4096", count)?;
         check("the number of iterations", self.iterations.into(), "1 to 4096", count)?;
         check("the number of tethers", self.tethers.into(), "0 to 4", |n| n <= 4.0)?;
+        check("the steps from pyramid to pyramid", self.pyramid.into(), "0 to 4096", |n| n <= 4096.0)?;
         let catch_up = |n: f64| (1.0..=1024.0).contains(&n);
         check("the most steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)?;
         if let Some(Sleep { speed, after }) = self.sleep {

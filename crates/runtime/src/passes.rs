@@ -45,12 +45,23 @@ pub enum Pass {
         /// Anchors a particle.
         slots: u32,
     },
+    /// Lengths are limited on coarser grids of the cloth.
+    Pyramid {
+        /// Which spring directions there are.
+        directions: [bool; 4],
+    },
+    /// Particles follow the coarser grids.
+    Refine,
     /// Duplicates of seam points take one position.
     Seams,
     /// Particles leave the colliders.
     Colliders(Kinds),
     /// Swept: particles leave moving colliders that they are in or went through.
     Contact(Kinds),
+    /// Particles that are nowhere are counted.
+    Guard,
+    /// Cloth with such particles goes back to the last good frame.
+    Restore,
     /// Normals from the triangles around a particle.
     Normals {
         /// Whether any triangle is cut away.
@@ -133,6 +144,8 @@ impl Kinds {
 pub struct Schedule {
     /// Once a step.
     pub step: Vec<Pass>,
+    /// After these, once in [`Options::pyramid`] steps.
+    pub coarse: Vec<Pass>,
     /// After these, `iterations` times a step.
     pub relax: Vec<Pass>,
     /// Once a frame in which a step was made.
@@ -169,12 +182,18 @@ pub fn schedule(
             // Before the springs tethers take the large errors, after them what springs have left at the pins.
             let tethers = (slots > 0 && !cloth.is_cut()).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
+            let levels = cloth.grids().iter().any(|g| g.width.max(g.height) > 2);
+            if options.pyramid > 0 && levels && !cloth.is_cut() && cloth.directions()[..2].contains(&true) {
+                s.coarse = vec![Pass::Pyramid { directions: cloth.directions() }, Pass::Refine];
+                s.coarse.extend(seams.then_some(Pass::Seams));
+            }
             let again = options.iterations > 1 && cloth.compliance != Compliance::None;
             s.step.extend(again.then_some(Pass::Forget));
             s.relax.extend(stretch(cloth, again));
             s.relax.extend(seams.then_some(Pass::Seams));
             s.relax.extend(tethers);
             s.relax.extend(colliders.map(Pass::Contact));
+            s.frame.extend([Pass::Guard, Pass::Restore]);
         }
     }
     if options.normals {

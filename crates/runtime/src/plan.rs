@@ -35,8 +35,9 @@ impl Plan {
         let (steps, rounds) = (world.options.substeps, world.options.iterations);
         let mut passes = Vec::new();
         for (cloth, plan) in world.schedules.iter().enumerate().filter(|(c, _)| !world.asleep[*c]) {
-            let Schedule { step, relax, frame } = plan;
-            for (list, dispatches) in [(step, steps), (relax, steps * rounds), (frame, 1)] {
+            let Schedule { step, coarse, relax, frame } = plan;
+            let rare = steps.div_ceil(world.options.pyramid.max(1));
+            for (list, dispatches) in [(step, steps), (coarse, rare), (relax, steps * rounds), (frame, 1)] {
                 passes.extend(list.iter().map(|pass| planned(world, cloth, *pass, dispatches)));
             }
         }

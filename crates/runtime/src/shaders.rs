@@ -26,11 +26,16 @@ pub enum Slot {
     Soft,
     Sums,
     Tethers,
+    Levels,
+    Nodes,
+    Limits,
+    Faults,
+    Good,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 20] = [
+        const NAMES: [&str; 25] = [
             "step",
             "grids",
             "now",
@@ -51,6 +56,11 @@ impl Slot {
             "soft",
             "sums",
             "tethers",
+            "levels",
+            "nodes",
+            "limits",
+            "faults",
+            "good",
         ];
         NAMES[self as usize]
     }
@@ -69,6 +79,11 @@ impl Slot {
             Slot::Starts => starts.len() * 4,
             Slot::Members => members.len() * 4,
             Slot::Solids => colliders * 80,
+            Slot::Faults => 16,
+            Slot::Good => cloth.len() * 16,
+            Slot::Levels => crate::levels::rows(cloth).0 * 16,
+            Slot::Nodes => crate::levels::rows(cloth).1 * 32,
+            Slot::Limits => crate::levels::rows(cloth).1 * 16,
             Slot::Partial => cloth.len().div_ceil(64) * 4,
             Slot::Fastest => 4,
             // Made for one action; no frame binds them.
@@ -96,6 +111,8 @@ pub enum Threads {
     Half(bool),
     /// One workgroup.
     One,
+    /// A workgroup a grid.
+    Grids,
 }
 
 /// A shader as the table has it.
@@ -203,6 +220,19 @@ pub fn source(pass: Pass) -> Source {
             let constants = vec![("direction", f64::from(direction)), ("parity", f64::from(parity))];
             Source { constants, ..plain("stretch", &files, &bindings, Threads::Half(direction == 0)) }
         }
+        Pass::Pyramid { directions } => {
+            let bindings = [reads(Slot::Levels), reads(Now), writes(Slot::Nodes), reads(Slot::Limits), reads(Grids)];
+            let constants = (0..4).map(|d| (["right", "down", "down_right", "up_right"][d], directions[d]));
+            let constants = constants.map(|(name, on)| (name, f64::from(u8::from(on)))).collect();
+            let files = [GRID, part!("level"), pass!("pyramid")];
+            Source { constants, ..plain("pyramid", &files, &bindings, Threads::Grids) }
+        }
+        Pass::Refine => plain(
+            "refine",
+            &[GRID, part!("level"), pass!("refine")],
+            &[reads(Slot::Levels), writes(Now), writes(Before), reads(Slot::Nodes), reads(Grids)],
+            Threads::Texels,
+        ),
         Pass::Forget => plain("forget", &[INDEX, pass!("forget")], &[writes(Slot::Sums)], Threads::Particles),
         Pass::Tethers { slots } => {
             let bindings = [writes(Now), reads(Slot::Tethers)];
@@ -213,6 +243,13 @@ pub fn source(pass: Pass) -> Source {
             let files = [STEP, INDEX, part!("solid"), part!("friction"), part!("entry"), pass!("contact")];
             let bindings = [writes(Now), reads(Solids), reads(Step), reads(Before)];
             Source { constants: shapes(kinds), ..plain("contact", &files, &bindings, Threads::Particles) }
+        }
+        Pass::Guard => {
+            plain("guard", &[INDEX, pass!("guard")], &[reads(Now), writes(Slot::Faults)], Threads::Particles)
+        }
+        Pass::Restore => {
+            let bindings = [writes(Now), writes(Before), writes(Slot::Faults), writes(Slot::Good)];
+            plain("restore", &[INDEX, pass!("restore")], &bindings, Threads::Particles)
         }
         Pass::Seams => {
             let bindings = [writes(Now), reads(Starts), reads(Members)];
@@ -334,6 +371,7 @@ impl Source {
             Threads::Rings => list(cloth.ring_count()),
             Threads::Texels => sides(false, false),
             Threads::One => [1; 3],
+            Threads::Grids => [1, 1, cloth.grids().len() as u32],
             Threads::Half(columns) => sides(columns, !columns),
         }
     }

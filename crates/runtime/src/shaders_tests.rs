@@ -32,6 +32,8 @@ fn variants() -> Vec<Pass> {
             again,
         }));
     }
+    all.extend([Pass::Guard, Pass::Restore]);
+    all.extend([Pass::Pyramid { directions: [true, true, false, true] }, Pass::Refine]);
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all
 }
@@ -112,6 +114,8 @@ fn structs_lie_as_in_rust() {
                 Some("Solid") => &solid,
                 // Lives in registers only.
                 Some("Exit" | "Entry" | "Quad") => continue,
+                // A row of four numbers.
+                Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),
             };
             let named = |m: &&naga::StructMember| !m.name.as_deref().unwrap().starts_with("unused");

@@ -112,6 +112,13 @@ impl Stepper {
         (!holes.is_empty()).then_some(holes)
     }
 
+    /// The frames that were taken back since the last call, oldest first, at most the latest 64: a cloth with particles
+    /// that are no numbers or farther than 1e8 m away goes back to where it was after the last good frame, at rest. With
+    /// [`Solver::Xpbd`] only. Empty on the GPU backend, where they are counted in [`ClothBuffers::faults`].
+    pub fn take_faults(&mut self) -> Vec<crate::world::Fault> {
+        std::mem::take(&mut self.world.faults)
+    }
+
     /// The buffers that a vertex shader reads. `None` without a device and for a cloth that does not exist.
     pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
         self.gpu.as_ref()?.buffers(cloth)

@@ -23,11 +23,29 @@ pub struct World {
     /// What pinned cloths hang on; without slots where nothing does.
     pub tethers: Vec<Tethers>,
     pub asleep: Vec<bool>,
+    /// What has been contained since anybody asked.
+    pub faults: Vec<Fault>,
     /// How long each cloth has been calm.
     pub calm: Vec<Calm>,
     /// What users have done since the last frame.
     pub actions: Vec<Action>,
 }
+
+/// A frame that was taken back: particles were no numbers, or more than 1e8 m away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// Index of the cloth.
+    pub cloth: usize,
+    /// The last of the particles at fault.
+    pub particle: usize,
+    /// How many there were.
+    pub particles: usize,
+    /// End of the frame \[s\], in the time of the scene.
+    pub time: f64,
+}
+
+/// So many are kept, the latest.
+const MOST_FAULTS: usize = 64;
 
 impl World {
     pub fn new(scene: Scene, options: Options) -> Result<Self> {
@@ -37,7 +55,8 @@ impl World {
         let asleep = vec![false; scene.cloths.len()];
         let (calm, actions) = (vec![Calm::default(); scene.cloths.len()], Vec::new());
         let tethers = scene.cloths.iter().map(|c| hang(c, &options)).collect();
-        let mut world = World { scene, options, clock, schedules: Vec::new(), tethers, asleep, calm, actions };
+        let mut world =
+            World { scene, options, clock, schedules: Vec::new(), tethers, faults: Vec::new(), asleep, calm, actions };
         world.reschedule();
         Ok(world)
     }
@@ -65,6 +84,11 @@ impl World {
             // The noise stands still within a frame, so that its steps share their numbers.
             time: self.clock.time,
         })
+    }
+
+    /// Whether step `n` of a frame has the passes on coarser grids.
+    pub fn coarse(&self, n: u32) -> bool {
+        self.options.pyramid > 0 && n.is_multiple_of(self.options.pyramid)
     }
 
     /// Time \[s\] from the end of step `n` of `steps` to the end of the frame, where colliders move; else 0.
@@ -98,11 +122,18 @@ impl World {
                 let left = T::of(self.left(n, steps));
                 let step = &Step { left, ..numbers[usize::from(n > 0)] };
                 let relax = (0..self.options.iterations).flat_map(|_| &plan.relax);
-                body.step(plan.step.iter().chain(relax), threads, step, &solids);
+                let coarse = if self.coarse(n) { &plan.coarse[..] } else { &[] };
+                body.step(plan.step.iter().chain(coarse).chain(relax), threads, step, &solids);
             }
             body.end();
             let last = &numbers[usize::from(steps > 1)];
             plan.frame.iter().for_each(|pass| body.run(*pass, threads, last, &solids));
+            if let Some((particles, particle)) = body.faulty.take() {
+                let time = self.clock.time + f64::from(steps) * self.clock.dt;
+                self.faults.push(Fault { cloth: index, particle, particles, time });
+                let excess = self.faults.len().saturating_sub(MOST_FAULTS);
+                self.faults.drain(..excess);
+            }
             if let Some(limit) = self.calm_below() {
                 let seconds = f64::from(steps) * self.clock.dt;
                 self.note(index, body.fastest.get() <= limit, seconds);

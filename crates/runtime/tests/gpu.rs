@@ -19,10 +19,25 @@ fn solved() -> Vec<(Solver, &'static str, Scene)> {
 
 type Lists = [Vec<[f32; 4]>; 3];
 
+/// Colliders are where they will be at the end of a frame. The classic solver has them stand still, with a velocity.
+fn carry(stepper: &mut Stepper, start: &[Collider], frame: u32) {
+    if stepper.options().solver == Solver::Xpbd && !start.is_empty() {
+        let time = (f64::from(frame + 1) * FRAME) as f32;
+        let moved = |c: &Collider| Collider {
+            center: [0, 1, 2].map(|n| c.center[n] + c.velocity[n] * time),
+            spin: [0.0; 3],
+            ..c.clone()
+        };
+        stepper.set_colliders(start.iter().map(moved).collect()).unwrap();
+    }
+}
+
 fn on_gpu(scene: Scene, options: &Options, gpu: &(wgpu::Device, wgpu::Queue), frames: u32) -> Lists {
     let (device, queue) = gpu;
     let mut stepper = Stepper::new(scene, options.clone(), Some((device, queue))).unwrap();
-    for _ in 0..frames {
+    let start = stepper.scene().colliders.clone();
+    for frame in 0..frames {
+        carry(&mut stepper, &start, frame);
         let mut encoder = device.create_command_encoder(&Default::default());
         stepper.record(&mut encoder, FRAME).unwrap();
         queue.submit([encoder.finish()]);
@@ -34,7 +49,11 @@ fn on_gpu(scene: Scene, options: &Options, gpu: &(wgpu::Device, wgpu::Queue), fr
 fn on_cpu(scene: Scene, options: &Options, frames: u32) -> Lists {
     let options = Options { backend: Backend::Cpu, ..options.clone() };
     let mut stepper = Stepper::new(scene, options, None).unwrap();
-    (0..frames).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
+    let start = stepper.scene().colliders.clone();
+    for frame in 0..frames {
+        carry(&mut stepper, &start, frame);
+        stepper.advance(FRAME).unwrap();
+    }
     [stepper.positions(0), stepper.previous(0), stepper.normals(0)].map(|list| list.unwrap().to_vec())
 }
 
@@ -46,14 +65,19 @@ fn largest(a: &[[f32; 4]], b: &[[f32; 4]]) -> f32 {
 #[test]
 fn one_step_is_that_of_the_twin() {
     let Some(gpu) = device() else { return };
-    for (solver, name, scene) in solved() {
-        let options =
-            Options { solver, substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
+    // Also what begins in contact, at rest and at speed.
+    let touching = compared().into_iter().map(|(name, scene)| (Solver::Xpbd, name, scene));
+    let mut fast = support::on_colliders(32);
+    fast.cloths[0].velocity = [1.0, -40.0, 2.0];
+    let fast = (Solver::Xpbd, "all colliders, fast", fast);
+    for (solver, name, scene) in solved().into_iter().chain(touching).chain([fast]) {
+        let once = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
+        let options = Options { solver, pyramid: 1, ..once };
         let there = on_gpu(scene.clone(), &options, &gpu, 1);
         let here = on_cpu(scene, &options, 1);
         let difference = largest(&there[0], &here[0]);
         eprintln!("{name}: {difference:e} m");
-        assert!(difference <= 1e-6, "{name}: {difference:e} m");
+        assert!(difference <= 1e-6, "{solver:?}, {name}: {difference:e} m");
         assert!(largest(&there[1], &here[1]) <= 1e-6, "{name}: previous positions");
         assert!(largest(&there[2], &here[2]) <= 2e-3, "{name}: normals {:e}", largest(&there[2], &here[2]));
         assert!(there[0].iter().zip(&here[0]).all(|(a, b)| a[3] == b[3]), "{name}: inverse masses");
@@ -63,23 +87,26 @@ fn one_step_is_that_of_the_twin() {
 #[test]
 fn after_100_steps_the_measures_agree() {
     let Some(gpu) = device() else { return };
+    let mut apart = Vec::new();
     for (solver, name, scene) in solved() {
-        let options = Options { solver, substeps: 10, ..Options::default() };
+        let scene = if solver == Solver::Xpbd { support::smooth(scene) } else { scene };
+        let options = Options { solver, substeps: 10, pyramid: 4, ..Options::default() };
         let cloth = &scene.cloths[0];
         let of = |lists: Lists| measure(cloth, &lists[0], &lists[1], FRAME / 10.0, scene.gravity);
         let there = of(on_gpu(scene.clone(), &options, &gpu, 10));
         let here = of(on_cpu(scene.clone(), &options, 10));
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * a.abs().max(b.abs());
-        assert!(near(there.stretch_max, here.stretch_max), "{name}: {there:?} {here:?}");
-        assert!(near(there.stretch_mean, here.stretch_mean), "{name}: {there:?} {here:?}");
+        let stretch = near(there.stretch_max, here.stretch_max) && near(there.stretch_mean, here.stretch_mean);
         // Against the sum of both kinds: where the potential is 0 is arbitrary, and they may cancel.
         let change = there.kinetic + there.potential - here.kinetic - here.potential;
-        let energy = here.kinetic + here.potential.abs();
-        assert!(change.abs() <= 1e-3 * energy, "{name}: {there:?} {here:?}");
+        let energy = change.abs() <= 1e-3 * (here.kinetic + here.potential.abs());
         // A coordinate near 0 is measured against the size of the cloth.
         let centre = (0..3).all(|c| (there.center[c] - here.center[c]).abs() <= 1e-3);
-        assert!(centre, "{name}: {there:?} {here:?}");
+        if !(stretch && energy && centre) {
+            apart.push(format!("{solver:?}, {name}: {there:?} {here:?}"));
+        }
     }
+    assert!(apart.is_empty(), "{apart:#?}");
 }
 
 #[test]
@@ -87,7 +114,7 @@ fn two_runs_give_the_same_bits() {
     let Some(gpu) = device() else { return };
     let bits = |lists: Lists| lists.map(|l| l.iter().map(|v| v.map(f32::to_bits)).collect::<Vec<_>>());
     for (solver, name, scene) in solved() {
-        let options = Options { solver, iterations: 2, ..Options::default() };
+        let options = Options { solver, iterations: 2, pyramid: 2, ..Options::default() };
         let run = || bits(on_gpu(scene.clone(), &options, &gpu, 20));
         assert!(run() == run(), "{name}");
     }
@@ -100,7 +127,8 @@ fn seams_stay_closed_for_ten_seconds() {
         let cloth = support::hung_tube(fold);
         let rings: Vec<Vec<u32>> = (0..cloth.len() as u32).filter_map(|k| Some(cloth.ring_of(k)?.to_vec())).collect();
         let scene = Scene { colliders: support::below(), ..support::scene(cloth) };
-        let [now, before, normals] = on_gpu(scene, &Options { solver, substeps: 4, ..Options::default() }, &gpu, 600);
+        let [now, before, normals] =
+            on_gpu(scene, &Options { solver, substeps: 4, pyramid: 2, ..Options::default() }, &gpu, 600);
         for list in [now, before, normals] {
             for ring in &rings {
                 assert!(ring.iter().all(|k| list[*k as usize] == list[ring[0] as usize]), "ring of {fold}");
@@ -114,7 +142,7 @@ fn seams_stay_closed_for_ten_seconds() {
 fn changes_reach_the_device() {
     let Some((device, queue)) = device() else { return };
     let run = |backend, solver| {
-        let options = Options { solver, substeps: 4, ..Options::default() };
+        let options = Options { solver, substeps: 4, pyramid: 3, ..Options::default() };
         let options = Options { backend, ..options.clone() };
         let mut stepper = Stepper::new(support::on_colliders(16), options, Some((&device, &queue))).unwrap();
         let mut colliders = support::all_colliders();
@@ -149,4 +177,47 @@ fn changes_reach_the_device() {
 
 fn options_of(stepper: &Stepper) -> Options {
     stepper.options().clone()
+}
+
+#[test]
+fn a_fault_is_taken_back_on_both_backends() {
+    let Some((device, queue)) = device() else { return };
+    let run = |backend| {
+        // Tethers would draw it back before it does any harm.
+        let options = Options { backend, solver: Solver::Xpbd, substeps: 4, tethers: 0, ..Options::default() };
+        let mut stepper = Stepper::new(scene::builtin("s1", 17).unwrap(), options, Some((&device, &queue))).unwrap();
+        let mut good = Vec::new();
+        for frame in 0..40 {
+            if frame == 20 {
+                // Finite numbers whose product is none.
+                let mut matrix = [[0.0; 4]; 4];
+                (matrix[0][0], matrix[1][1], matrix[2][2], matrix[3][3]) = (3e38, 3e38, 3e38, 1.0);
+                stepper.transform(0, &[5 * 17 + 5], matrix).unwrap();
+            }
+            let mut encoder = device.create_command_encoder(&Default::default());
+            stepper.record(&mut encoder, FRAME).unwrap();
+            queue.submit([encoder.finish()]);
+            let now = read_back(&device, &queue, &stepper.buffers(0).unwrap().now).unwrap();
+            assert!(now.iter().all(|p| p[..3].iter().all(|x| x.abs() < 3.0)), "frame {frame}");
+            match frame {
+                19 => good = now,
+                20 => assert_eq!(largest(&now, &good), 0.0, "{backend:?}"),
+                _ => {}
+            }
+        }
+        if backend == Backend::Gpu {
+            let faults = stepper.buffers(0).unwrap().faults.as_ref().unwrap();
+            let faults = read_back_u32(&device, &queue, faults).unwrap();
+            assert_eq!((faults[0], faults[1]), (0, 1));
+            assert!(faults[2] > 0);
+        } else {
+            let faults = stepper.take_faults();
+            assert_eq!((faults.len(), faults[0].cloth), (1, 0));
+            assert!((faults[0].time - 21.0 * FRAME).abs() < 1e-9 && faults[0].particles > 0, "{faults:?}");
+            assert!(stepper.take_faults().is_empty());
+        }
+        read_back(&device, &queue, &stepper.buffers(0).unwrap().now).unwrap()
+    };
+    let (there, here) = (run(Backend::Gpu), run(Backend::Cpu));
+    assert!(largest(&there, &here) < 1e-4, "{}", largest(&there, &here));
 }

@@ -6,7 +6,7 @@ use super::neighbours::View;
 use super::real::{Real, cast};
 use super::rows::Threads;
 use super::solid::Solid;
-use super::{colliders, fastest, integrate, normals, seam_normals, seams, speed, springs, wind};
+use super::{colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, wind};
 use crate::cloth::{Cloth, Grid, Rest, Tethers};
 use crate::options::{Options, Solver};
 use crate::passes::{self, Pass};
@@ -23,6 +23,10 @@ pub struct Body<T> {
     /// Square of the longest displacement \[m^2\] in the last step of a frame, if that is asked for.
     pub fastest: T,
     partial: Vec<T>,
+    /// Where particles were at the end of the last good frame; empty for the classic solver.
+    good: Vec<[T; 4]>,
+    /// How many particles were nowhere at the end of the last frame, and the last of them.
+    pub faulty: Option<(usize, usize)>,
     field: Vec<[T; 4]>,
     pub(super) grids: Vec<Grid>,
     constant: Vec<[T; 4]>,
@@ -64,21 +68,23 @@ impl<T: Real> Body<T> {
             Rest::Image(r) => (Vec::new(), list(r)),
         };
         let (starts, members) = cloth.rings();
+        let now: Vec<_> = (0..cloth.len()).map(|k| place(k, 0.0)).collect();
         Body {
-            now: (0..cloth.len()).map(|k| place(k, 0.0)).collect(),
+            good: if options.solver == Solver::Xpbd { now.clone() } else { Vec::new() },
+            now,
             before: (0..cloth.len()).map(|k| place(k, dt)).collect(),
             normals: vec![[T::of(0.0); 4]; cloth.len()],
             holes: Vec::new(),
             fastest: T::of(0.0),
             partial: Vec::new(),
+            faulty: None,
             field: Vec::new(),
             grids: cloth.grids().to_vec(),
             constant,
             image,
             starts: starts.to_vec(),
             members: members.to_vec(),
-            fabric: (options.solver == Solver::Xpbd)
-                .then(|| Box::new(Fabric::new(cloth, tethers, options.iterations > 1))),
+            fabric: (options.solver == Solver::Xpbd).then(|| Box::new(Fabric::new(cloth, tethers, options))),
             edited: true,
         }
     }
@@ -162,6 +168,12 @@ impl<T: Real> Body<T> {
             }
             // Passes of sheets.
             Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
+            Pass::Pyramid { .. } | Pass::Refine => {}
+            Pass::Guard => self.faulty = guard::run(&self.now),
+            Pass::Restore => {
+                self.edited |= self.faulty.is_some();
+                restore::run(self.faulty.is_some(), &mut self.now, &mut self.before, &mut self.good);
+            }
             Pass::SeamNormals => seam_normals::run(&mut self.normals, &self.starts, &self.members),
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),
             Pass::Fastest => self.fastest = fastest::run(&self.partial),

@@ -84,22 +84,17 @@ pub fn meet<T: Real>(solid: &Solid<T>, at: V3<T>, was: V3<T>, dt: T) -> Option<V
 
 /// The way out of a solid at rest for a particle that went from `from` to `at`.
 ///
-/// A step shorter than the solid is thick cannot pass it: the closest way out is right. A longer one leaves by the plane
-/// that touches the solid where the path entered.
+/// After a step far shorter than the solid is thick it is the closest one, which is smooth. After a longer one that could
+/// be out of the side or the back: it is by the plane that touches the solid where the path entered, or where it began
+/// inside, as resting particles do by rounding.
 fn swept<T: Real>(solid: &Solid<T>, from: V3<T>, at: V3<T>) -> Option<(V3<T>, V3<T>)> {
     let path = sub(at, from);
-    let thick = solid.thickness();
-    if dot(path, path) < thick * thick {
+    let short = solid.thickness() * T::of(0.25);
+    if dot(path, path) < short * short {
         return solid.exit(at);
     }
-    if let Some((surface, normal)) = solid.exit(from) {
-        // It began inside, as resting particles do by rounding: the plane is that of where it began.
-        return out_by(at, surface, normal).or_else(|| solid.exit(at));
-    }
-    match solid.entry(from, path) {
-        Some((surface, normal)) => out_by(at, surface, normal).or_else(|| solid.exit(at)),
-        None => solid.exit(at),
-    }
+    let met = solid.exit(from).or_else(|| solid.entry(from, path));
+    met.and_then(|(surface, normal)| out_by(at, surface, normal)).or_else(|| solid.exit(at))
 }
 
 fn out_by<T: Real>(at: V3<T>, surface: V3<T>, normal: V3<T>) -> Option<(V3<T>, V3<T>)> {

@@ -4,14 +4,17 @@ use super::body::Body;
 use super::contact;
 use super::integrate::Air;
 use super::neighbours::View;
+use super::pyramid::Pyramid;
 use super::real::{Real, V3, cast};
 use super::rows::Threads;
 use super::sheet::{Sheet, Values};
 use super::solid::Solid;
 use super::stretch::{self, Springs};
 use super::tethers::{self, Tethers};
-use super::{advance, forget, wind};
+use super::{advance, forget, refine, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest};
+use crate::levels::levels;
+use crate::options::Options;
 use crate::passes::{self, Pass};
 use crate::step::Step;
 
@@ -19,6 +22,7 @@ use crate::step::Step;
 pub struct Fabric<T> {
     sheets: Vec<Sheet<T>>,
     springs: Vec<[Springs<T>; 4]>,
+    pyramids: Vec<Pyramid<T>>,
     tethers: Vec<Tethers<T>>,
     /// Sheet and place of every anchor.
     anchors: Vec<(u32, u32)>,
@@ -30,15 +34,19 @@ pub struct Fabric<T> {
 }
 
 impl<T: Real> Fabric<T> {
-    /// Room for a cloth; [`Fabric::load`] fills it. `sums` keeps the multipliers of several relaxations.
-    pub fn new(cloth: &Cloth, held: &cloth::Tethers, sums: bool) -> Self {
+    /// Room for a cloth; [`Fabric::load`] fills it.
+    pub fn new(cloth: &Cloth, held: &cloth::Tethers, options: &Options) -> Self {
         let sheets: Vec<Sheet<T>> = cloth.grids().iter().map(Sheet::new).collect();
         let firsts = cloth.grids().iter().map(|g| g.first as usize).collect();
         let (starts, members) = cloth.rings();
+        let sums = options.iterations > 1;
         let springs = sheets.iter().enumerate().map(|(g, sheet)| springs(cloth, g, sheet, sums)).collect();
+        let grids = if options.pyramid > 0 { 0..sheets.len() } else { 0..0 };
+        let pyramids = grids.map(|g| Pyramid::new(&levels(cloth, g))).collect();
         let mut fabric = Fabric {
             sheets,
             springs,
+            pyramids,
             tethers: Vec::new(),
             anchors: Vec::new(),
             members: Vec::new(),
@@ -137,6 +145,12 @@ impl<T: Real> Fabric<T> {
                     tethers::run(threads, sheet, held, &anchors);
                 }
             }
+            Pass::Pyramid { directions } => {
+                for (pyramid, sheet) in self.pyramids.iter_mut().zip(&self.sheets) {
+                    pyramid.run(threads, sheet, &directions);
+                }
+            }
+            Pass::Refine => self.pyramids.iter().zip(&mut self.sheets).for_each(|(p, s)| refine::run(p, s)),
             Pass::Seams => self.seams(),
             Pass::Contact(_) => {
                 let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();

@@ -84,6 +84,9 @@ impl<T: Real> Sheet<T> {
 
     /// Positions from texels.
     pub fn load(&mut self, now: &[[T; 4]], before: &[[T; 4]]) {
+        // Past the last column too: what is no number there would come back.
+        self.now.fill(T::of(0.0));
+        self.before.fill(T::of(0.0));
         scatter(&mut self.now, self.width, self.half, now);
         scatter(&mut self.before, self.width, self.half, before);
     }

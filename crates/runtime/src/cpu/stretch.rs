@@ -27,10 +27,34 @@ pub fn run<T: Real>(
     parity: u32,
     dt: T,
 ) {
+    let kind = if matches!(springs.soft, Values::Constant(x) if x == T::of(0.0)) { Kind::Hard } else { Kind::Soft };
+    colour(threads, sheet, springs, (direction, parity), kind, dt * dt);
+}
+
+/// As [`run`] with springs that only hold ends together: the rest lengths are the longest allowed.
+pub fn limit<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, springs: &mut Springs<T>, direction: u32, parity: u32) {
+    colour(threads, sheet, springs, (direction, parity), Kind::Limit, T::of(1.0));
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Hard,
+    Soft,
+    Limit,
+}
+
+fn colour<T: Real>(
+    threads: &Threads,
+    sheet: &mut Sheet<T>,
+    springs: &mut Springs<T>,
+    (direction, parity): (u32, u32),
+    kind: Kind,
+    span: T,
+) {
     let (width, half, row) = (sheet.width, sheet.half, sheet.row());
     let w = &sheet.w[..];
     let Springs { rest, soft, sums } = springs;
-    let spring = Spring { rest, soft, half, span: dt * dt, columns: [width.div_ceil(2), width / 2, (width - 1) / 2] };
+    let spring = Spring { rest, soft, half, span, kind, columns: [width.div_ceil(2), width / 2, (width - 1) / 2] };
     let parity = parity as usize;
     let (first, step) = if direction == 0 { (0, 1) } else { (parity, 2) };
     let size = TOGETHER / step * step;
@@ -54,6 +78,7 @@ struct Spring<'a, T> {
     half: usize,
     /// Square of the step \[s^2\].
     span: T,
+    kind: Kind,
     /// Even columns, pairs from even to odd, pairs from odd to even.
     columns: [usize; 3],
 }
@@ -171,15 +196,15 @@ impl<T: Real> Spring<'_, T> {
 
     #[inline(always)]
     fn relax<K: Machine<T>>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
-        if matches!(self.soft, Values::Constant(x) if *x == T::of(0.0)) {
-            self.list::<K, true>(k, a, b, stored, count, sums);
-        } else {
-            self.list::<K, false>(k, a, b, stored, count, sums);
+        match self.kind {
+            Kind::Hard => self.list::<K, true, false>(k, a, b, stored, count, sums),
+            Kind::Soft => self.list::<K, false, false>(k, a, b, stored, count, sums),
+            Kind::Limit => self.list::<K, true, true>(k, a, b, stored, count, sums),
         }
     }
 
     #[inline(always)]
-    fn list<K: Machine<T>, const HARD: bool>(
+    fn list<K: Machine<T>, const HARD: bool, const LIMIT: bool>(
         &self,
         k: K,
         a: End<T>,
@@ -212,6 +237,9 @@ impl<T: Real> Spring<'_, T> {
                 k.div(over, k.most(k.mul(far, k.add(w, soft)), least))
             };
             g = k.choose(k.above(rest, zero), g, zero);
+            if LIMIT {
+                g = k.choose(k.above(g, zero), g, zero);
+            }
             if !HARD && !sums.is_empty() {
                 let sum = k.add(k.load(sums, at), k.mul(g, far));
                 k.store(sums, at, sum);

@@ -11,6 +11,8 @@ use crate::cpu::body::Body;
 use crate::error::{Error, Result};
 use crate::gpu::layout::{GridRow, SolidRow, StepRow};
 use crate::gpu::pipelines::Pipeline;
+use crate::levels::levels;
+use crate::options::{Options, Solver};
 use crate::shaders::{Bound, Slot, Source};
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
@@ -32,6 +34,9 @@ pub struct ClothBuffers {
     /// four particles with its upper left one at texel (i, j) has two triangles: bit 0 is (i, j), (i, j + 1),
     /// (i + 1, j + 1), bit 1 is (i, j), (i + 1, j + 1), (i + 1, j). A quad of three particles has one, bit 0.
     pub holes: Option<Buffer>,
+    /// Four u32 in a buffer for storage: particles at fault in the last frame, frames taken back, one more than the last
+    /// particle at fault, 0. None for the classic solver and where the CPU steps.
+    pub faults: Option<Buffer>,
     step: Option<Buffer>,
     others: HashMap<Slot, Buffer>,
     groups: HashMap<Vec<Bound>, wgpu::BindGroup>,
@@ -45,7 +50,7 @@ impl ClothBuffers {
         device: &wgpu::Device,
         (cloth, held): (&Cloth, &Tethers),
         body: &Body<f32>,
-        draw_only: bool,
+        (draw_only, options): (bool, &Options),
     ) -> Result<Self> {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
@@ -60,6 +65,7 @@ impl ClothBuffers {
             before: list("before", body.before()),
             normals: list("normals", &body.normals),
             holes: None,
+            faults: None,
             step: None,
             others: HashMap::new(),
             groups: HashMap::new(),
@@ -67,12 +73,19 @@ impl ClothBuffers {
             cursor: 0,
         };
         if !draw_only {
-            buffers.for_stepping(device, cloth, held);
+            buffers.for_stepping(device, cloth, held, body, options);
         }
         Ok(buffers)
     }
 
-    fn for_stepping(&mut self, device: &wgpu::Device, cloth: &Cloth, held: &Tethers) {
+    fn for_stepping(
+        &mut self,
+        device: &wgpu::Device,
+        cloth: &Cloth,
+        held: &Tethers,
+        body: &Body<f32>,
+        options: &Options,
+    ) {
         self.step = Some(device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("step"),
             size: u64::from(STEP_STRIDE * STEPS),
@@ -98,6 +111,13 @@ impl ClothBuffers {
         if let Compliance::Image(soft) = &cloth.compliance {
             self.others.insert(Slot::Soft, upload(device, "soft", soft, none));
         }
+        if options.solver == Solver::Xpbd {
+            self.faults = Some(upload(device, "faults", &[0u32; 4], BufferUsages::COPY_SRC));
+            self.others.insert(Slot::Good, upload(device, "good", body.now(), none));
+        }
+        if options.solver == Solver::Xpbd && options.pyramid > 0 {
+            self.for_levels(device, cloth);
+        }
         if held.per_particle > 0 {
             let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
             self.others.insert(Slot::Tethers, upload(device, "tethers", &rows, none));
@@ -106,6 +126,27 @@ impl ClothBuffers {
             let (starts, members) = cloth.rings();
             self.others.insert(Slot::Starts, upload(device, "starts", starts, none));
             self.others.insert(Slot::Members, upload(device, "members", members, none));
+        }
+    }
+
+    /// The table of levels, their nodes (where one is, where it was) and their limits.
+    fn for_levels(&mut self, device: &wgpu::Device, cloth: &Cloth) {
+        let grids = cloth.grids().len();
+        let (mut table, mut nodes, mut limits) = (vec![[0u32; 4]; grids], Vec::new(), Vec::new());
+        for grid in 0..grids {
+            let levels = levels(cloth, grid);
+            table[grid] = [table.len() as u32, levels.len() as u32, 0, 0];
+            for level in levels {
+                table.push([limits.len() as u32, level.width, level.height, 0]);
+                nodes.extend(level.inverse_mass.iter().flat_map(|w| [[0.0; 4], [0.0, 0.0, 0.0, *w]]));
+                limits.extend(level.limits);
+            }
+        }
+        if !limits.is_empty() {
+            let none = BufferUsages::empty();
+            self.others.insert(Slot::Levels, upload(device, "levels", &table, none));
+            self.others.insert(Slot::Nodes, upload(device, "nodes", &nodes, none));
+            self.others.insert(Slot::Limits, upload(device, "limits", &limits, none));
         }
     }
 
@@ -168,6 +209,7 @@ impl ClothBuffers {
             Slot::Normals => Some(&self.normals),
             Slot::Holes => self.holes.as_ref(),
             Slot::Step => self.step.as_ref(),
+            Slot::Faults => self.faults.as_ref(),
             other => more.iter().find(|m| m.0 == other).map(|m| m.1).or_else(|| self.others.get(&other)),
         };
         let resource = |slot: Slot, buffer| {

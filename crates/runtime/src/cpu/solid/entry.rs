@@ -1,4 +1,4 @@
-//! Where a path enters a solid, and how large the solid is.
+//! Where a path enters a solid, and how far a solid reaches.
 
 use super::{BOX, CAPSULE, HALF_SPACE, SPHERE, Solid, add, dot, normalize, scale, sub, turn};
 use crate::cpu::real::{Real, V3};
@@ -29,7 +29,7 @@ impl<T: Real> Solid<T> {
     pub fn thickness(&self) -> T {
         let s = self.size;
         match self.kind {
-            HALF_SPACE => T::of(f64::from(f32::MAX).sqrt()),
+            HALF_SPACE => T::of(1e18),
             SPHERE | CAPSULE => s[0],
             _ => s[0].min(s[1]).min(s[2]),
         }

@@ -1,0 +1,15 @@
+//! Twin of shaders/guard.wgsl: particles whose place is no number or out of all bounds.
+
+use super::real::Real;
+
+/// Coordinates \[m\] beyond this are taken for a fault: squares of distances must stay numbers.
+pub const FARTHEST: f64 = 1e8;
+
+/// How many there are, and the last of them.
+pub fn run<T: Real>(now: &[[T; 4]]) -> Option<(usize, usize)> {
+    let most = T::of(FARTHEST);
+    // Comparisons with what is no number are false.
+    let sane = |p: &[T; 4]| p[0].abs() <= most && p[1].abs() <= most && p[2].abs() <= most;
+    let mut faults = now.iter().enumerate().filter(|(_, p)| p[3] >= T::of(0.0) && !sane(p)).map(|(k, _)| k);
+    faults.next().map(|first| faults.fold((1, first), |(count, _), k| (count + 1, k)))
+}

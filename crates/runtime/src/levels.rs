@@ -1,0 +1,204 @@
+//! Coarser grids of a cloth, as both backends read them.
+
+use crate::cloth::{Cloth, Grid, Rest};
+
+/// A level of one grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LevelGrid {
+    /// Nodes in a row.
+    pub width: u32,
+    /// Rows of nodes.
+    pub height: u32,
+    /// Longest distances \[m\] to the nodes right, down, down-right and up-right; 0 is no limit.
+    pub limits: Vec<[f32; 4]>,
+    /// 1 / the mass \[1/kg\] of what a node moves.
+    pub inverse_mass: Vec<f32>,
+}
+
+impl LevelGrid {
+    /// As a grid on its own.
+    pub fn grid(&self) -> Grid {
+        Grid { name: String::new(), first: 0, width: self.width, height: self.height }
+    }
+}
+
+/// The nodes between which column (or row) `k` of `size` lies; twice the same where it is on one.
+pub fn span(k: usize, size: usize) -> (usize, usize) {
+    if k % 2 == 0 {
+        (k / 2, k / 2)
+    } else if k + 1 == size {
+        (size / 2, size / 2)
+    } else {
+        (k / 2, k / 2 + 1)
+    }
+}
+
+/// Nodes for columns (or rows).
+pub fn nodes(size: u32) -> u32 {
+    size / 2 + 1
+}
+
+/// The levels of a grid, finest first, down to two nodes on the longer side.
+pub fn levels(cloth: &Cloth, index: usize) -> Vec<LevelGrid> {
+    let grid = &cloth.grids()[index];
+    let first = grid.first as usize;
+    let there = |k: usize| cloth.particles()[first + k].exists();
+    let limits = (0..grid.texels()).map(|k| match cloth.rest() {
+        _ if !there(k) => [0.0; 4],
+        Rest::None => [0.0; 4],
+        Rest::Constant(r) => r[index],
+        Rest::Image(r) => r[first + k],
+    });
+    let mass = (0..grid.texels()).map(|k| if there(k) { f64::from(cloth.mass(first + k)) } else { 0.0 }).collect();
+    let mut below = Below { width: grid.width, height: grid.height, limits: limits.collect(), mass };
+    let mut out = Vec::new();
+    while below.width.max(below.height) > 2 {
+        below = below.coarser();
+        let inverse = |m: &f64| if *m > 0.0 { (1.0 / m) as f32 } else { 0.0 };
+        let (limits, inverse_mass) = (below.limits.clone(), below.mass.iter().map(inverse).collect());
+        out.push(LevelGrid { width: below.width, height: below.height, limits, inverse_mass });
+    }
+    out
+}
+
+/// Rows of the table of levels (one a grid and one a level), and nodes of all levels.
+pub fn rows(cloth: &Cloth) -> (usize, usize) {
+    let (mut rows, mut count) = (cloth.grids().len(), 0);
+    for grid in cloth.grids() {
+        let (mut w, mut h) = (grid.width, grid.height);
+        while w.max(h) > 2 {
+            (w, h) = (nodes(w), nodes(h));
+            (rows, count) = (rows + 1, count + w as usize * h as usize);
+        }
+    }
+    (rows, count)
+}
+
+struct Below {
+    width: u32,
+    height: u32,
+    limits: Vec<[f32; 4]>,
+    mass: Vec<f64>,
+}
+
+impl Below {
+    fn limit(&self, i: usize, j: usize, d: usize) -> f32 {
+        let (w, h) = (self.width as usize, self.height as usize);
+        let inside = match d {
+            0 => i + 1 < w && j < h,
+            1 => i < w && j + 1 < h,
+            2 => i + 1 < w && j + 1 < h,
+            _ => i + 1 < w && j > 0,
+        };
+        if inside { self.limits[j * w + i][d] } else { 0.0 }
+    }
+
+    /// Along two springs, one after the other; 0 if either is not there.
+    fn path(&self, a: (usize, usize, usize), b: (usize, usize, usize)) -> f32 {
+        let (a, b) = (self.limit(a.0, a.1, a.2), self.limit(b.0, b.1, b.2));
+        if a > 0.0 && b > 0.0 { a + b } else { 0.0 }
+    }
+
+    fn coarser(&self) -> Below {
+        let (w, h) = (self.width as usize, self.height as usize);
+        let (width, height) = (nodes(self.width), nodes(self.height));
+        let mut limits = Vec::with_capacity((width * height) as usize);
+        for (j, i) in (0..height as usize).flat_map(|j| (0..width as usize).map(move |i| (j, i))) {
+            let at = |n: usize, size: usize| (2 * n).min(size - 1);
+            let (x, y) = (at(i, w), at(j, h));
+            // One or two springs to the next node.
+            let (right, down) = (at(i + 1, w) - x, at(j + 1, h) - y);
+            let up = y - if j > 0 { at(j - 1, h) } else { y };
+            limits.push([
+                self.along(x, y, right, 0),
+                self.along(x, y, down, 1),
+                self.across(x, y, right, down, true),
+                self.across(x, y, right, up, false),
+            ]);
+        }
+        let mut mass = vec![0.0; limits.len()];
+        for (k, m) in self.mass.iter().enumerate() {
+            let ((l, r), (a, b)) = (span(k % w, w), span(k / w, h));
+            for (x, y) in [(l, a), (r, a), (l, b), (r, b)] {
+                mass[y * width as usize + x] += 0.25 * m;
+            }
+        }
+        Below { width, height, limits, mass }
+    }
+
+    fn along(&self, x: usize, y: usize, steps: usize, d: usize) -> f32 {
+        match steps {
+            0 => 0.0,
+            1 => self.limit(x, y, d),
+            _ => self.path((x, y, d), if d == 0 { (x + 1, y, d) } else { (x, y + 1, d) }),
+        }
+    }
+
+    /// Down-right or up-right over `right` columns and `rows` rows.
+    fn across(&self, x: usize, y: usize, right: usize, rows: usize, down: bool) -> f32 {
+        let d = if down { 2 } else { 3 };
+        let next = |y: usize| if down { y + 1 } else { y.saturating_sub(1) };
+        // A spring down is stored at its upper end.
+        let fall = |x: usize, y: usize| (x, if down { y } else { y.saturating_sub(1) }, 1);
+        let shorter = |a: f32, b: f32| if a > 0.0 && b > 0.0 { a.min(b) } else { a.max(b) };
+        match (right, rows) {
+            (0, _) | (_, 0) => 0.0,
+            (1, 1) => self.limit(x, y, d),
+            (2, 1) => shorter(self.path((x, y, d), (x + 1, next(y), 0)), self.path((x, y, 0), (x + 1, y, d))),
+            (1, 2) => shorter(self.path((x, y, d), fall(x + 1, next(y))), self.path(fall(x, y), (x, next(y), d))),
+            _ => self.path((x, y, d), (x + 1, next(y), d)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloth::Flat;
+
+    #[test]
+    fn nodes_lie_on_even_columns_and_the_last() {
+        assert_eq!([2, 3, 4, 5, 6].map(nodes), [2, 2, 3, 3, 4]);
+        assert_eq!((0..4).map(|k| span(k, 4)).collect::<Vec<_>>(), [(0, 0), (0, 1), (1, 1), (2, 2)]);
+        assert_eq!((0..5).map(|k| span(k, 5)).collect::<Vec<_>>(), [(0, 0), (0, 1), (1, 1), (1, 2), (2, 2)]);
+        assert_eq!((0..2).map(|k| span(k, 2)).collect::<Vec<_>>(), [(0, 0), (1, 1)]);
+    }
+
+    #[test]
+    fn limits_of_a_flat_square_are_distances_or_more() {
+        for n in [5, 8, 11] {
+            let cloth = Flat::square("flat", n).cloth().unwrap();
+            let h = 1.0 / (n as f32 - 1.0);
+            let (mut step, mut before) = (1.0, n);
+            for level in levels(&cloth, 0) {
+                step *= 2.0;
+                assert_eq!((level.width, level.height), (nodes(before), nodes(before)));
+                let of = |i: u32, j: u32| level.limits[(j * level.width + i) as usize];
+                let d = of(0, 0);
+                if before > 3 {
+                    assert!((d[0] - step * h).abs() < 1e-6 && (d[2] - step * h * 2f32.sqrt()).abs() < 1e-6, "{d:?}");
+                }
+                let at = |i: u32| ((i as f32 * step) * h).min(1.0);
+                for (j, i) in (0..level.height).flat_map(|j| (0..level.width).map(move |i| (j, i))) {
+                    let far = |di: u32, j2: u32| (at(i + di) - at(i)).hypot(at(j2) - at(j));
+                    let right = i + 1 < level.width;
+                    let up = j.wrapping_sub(1);
+                    let straight = [
+                        if right { far(1, j) } else { 0.0 },
+                        if j + 1 < level.height { far(0, j + 1) } else { 0.0 },
+                        if right && j + 1 < level.height { far(1, j + 1) } else { 0.0 },
+                        if right && j > 0 { far(1, up) } else { 0.0 },
+                    ];
+                    for (limit, straight) in of(i, j).into_iter().zip(straight) {
+                        assert!((straight == 0.0) == (limit == 0.0) && limit >= straight - 1e-6, "{limit} {straight}");
+                        assert!(limit < 1.4 * straight + 1e-6, "{limit} {straight}");
+                    }
+                }
+                let mass: f32 = level.inverse_mass.iter().map(|w| 1.0 / w).sum();
+                assert!((mass - 0.2).abs() < 1e-5, "{mass}");
+                before = level.width;
+            }
+            assert_eq!(before, 2);
+        }
+    }
+}

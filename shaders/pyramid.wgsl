@@ -1,0 +1,89 @@
+// Lengths are limited on coarser grids of the cloth, from the coarsest to the finest: one workgroup a grid.
+@group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
+@group(0) @binding(21) var<storage, read_write> nodes: array<vec4<f32>>;
+// Longest distances to the nodes right, down, down-right and up-right; 0 is no limit.
+@group(0) @binding(22) var<storage, read> limits: array<vec4<f32>>;
+
+override right: bool = true;
+override down: bool = true;
+override down_right: bool = true;
+override up_right: bool = true;
+
+const GROUP: u32 = 256u;
+
+// Takes nodes from the grid, and moves them with the level above.
+fn gather(local: u32, grid: Grid, level: Level, above: Level, top: bool, stride: u32) {
+  for (var n = local; n < level.width * level.height; n += GROUP) {
+    let i = n % level.width;
+    let j = n / level.width;
+    let column = min(i * stride, grid.width - 1u);
+    let row = min(j * stride, grid.height - 1u);
+    let p = now[grid.first + row * grid.width + column];
+    let k = 2u * (level.first + n);
+    let inverse_mass = nodes[k + 1u].w;
+    let w = select(0.0, inverse_mass, p.w > 0.0);
+    var at = p.xyz;
+    if (!top && w > 0.0) {
+      at = at + moved(above, i, j, level.width, level.height);
+    }
+    nodes[k] = vec4<f32>(at, w);
+    nodes[k + 1u] = vec4<f32>(p.xyz, inverse_mass);
+  }
+}
+
+// One of eight colours; ends that are too far apart are drawn together.
+fn limit(local: u32, level: Level, direction: u32, parity: u32) {
+  let to_right = u32(direction != 1u);
+  let to_below = u32(direction != 0u);
+  let columns = select(level.width, level.width / 2u, direction == 0u);
+  let rows = select(level.height / 2u, level.height, direction == 0u);
+  for (var n = local; n < columns * rows; n += GROUP) {
+    var i = n % columns;
+    var j = n / columns;
+    if (direction == 0u) {
+      i = 2u * i + parity;
+    } else {
+      j = 2u * j + parity;
+    }
+    if (i + to_right >= level.width || j + to_below >= level.height) {
+      continue;
+    }
+    var k = level.first + j * level.width + i;
+    var other = k + to_below * level.width + to_right;
+    if (direction == 3u) {
+      other = k + 1u;
+      k = k + level.width;
+    }
+    let longest = limits[k][direction];
+    let a = nodes[2u * k];
+    let b = nodes[2u * other];
+    let d = b.xyz - a.xyz;
+    let far = max(sqrt(dot(d, d)), 1e-9);
+    let g = (far - longest) / max(far * (a.w + b.w), 1e-30);
+    if (longest > 0.0 && g > 0.0) {
+      nodes[2u * k] = vec4<f32>(a.xyz + d * (g * a.w), a.w);
+      nodes[2u * other] = vec4<f32>(b.xyz - d * (g * b.w), b.w);
+    }
+  }
+}
+
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+  let grid = grids[id.z];
+  let head = levels[id.z];
+  for (var n = head.width; n > 0u; n--) {
+    let level = levels[head.first + n - 1u];
+    let top = n == head.width;
+    gather(local, grid, level, levels[head.first + select(n, n - 1u, top)], top, 1u << n);
+    storageBarrier();
+    for (var c = 0u; c < 8u; c++) {
+      // Diagonals first: what they disturb, the others put right.
+      let direction = (c / 2u + 2u) % 4u;
+      if (!(array<bool, 4>(right, down, down_right, up_right))[direction]) {
+        continue;
+      }
+      limit(local, level, direction, c % 2u);
+      storageBarrier();
+    }
+  }
+}
