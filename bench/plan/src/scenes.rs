@@ -115,7 +115,7 @@ fn xpbd(n: u32) -> Result<Vec<Case>> {
         case("xpbd with a sphere that moves", with(vec![moving])?),
         case("xpbd with a sphere out of reach", with(far[..1].to_vec())?),
         case("xpbd with 100 spheres out of reach", with(far)?),
-        case("xpbd with all six with friction", with(rough)?),
+        case("xpbd with all six and friction", with(rough)?),
     ])
 }
 

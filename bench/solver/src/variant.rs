@@ -26,8 +26,9 @@ impl Variant {
         Options { solver: self.solver, tethers: self.tethers, substeps, ..base.clone() }
     }
 
-    /// Whether it can do a scene: the classic solver knows no compliance.
+    /// Whether a scene shows it: the classic solver knows no compliance, and what falls freely has no tethers.
     pub fn can(&self, scene: &str) -> bool {
-        self.solver != Solver::Classic || scene != "s1k"
+        let (soft, free) = (scene == "s1k", scene.starts_with("s2"));
+        !(soft && self.solver == Solver::Classic || free && self.tethers > 0)
     }
 }

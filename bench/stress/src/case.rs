@@ -11,6 +11,8 @@ pub const SOLVERS: [(&str, Solver, u32); 3] =
 pub enum Stretch {
     /// All.
     Judged,
+    /// All, but against the longest spring at either end: for springs of very different lengths.
+    OfLongest,
     /// Only with tethers: without them, so few steps cannot do it in any implementation.
     WithTethers,
     /// None: the material itself is longer, or the number format cannot hold the lengths.
@@ -54,14 +56,14 @@ pub struct Case {
 }
 
 impl Case {
-    /// A scene that is left alone for 15 s, 16 steps in each 1/60 s, and shall then be unstretched and at rest.
+    /// A scene that is left alone for 15 s, 32 steps in each 1/60 s, and shall then be unstretched and at rest.
     pub fn new(name: impl Into<String>, scene: Scene) -> Self {
         let asked = Asked { stretch: Stretch::Judged, rest: true, drift: false, momentum: false, energy: false };
         Case {
             name: name.into(),
             scene,
             step: 1.0 / 60.0,
-            substeps: 16,
+            substeps: 32,
             storm: 0.0,
             during: Box::new(|_, _| Ok(())),
             after: Box::new(|_| Ok(())),

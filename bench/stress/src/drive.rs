@@ -68,7 +68,10 @@ fn run(case: &Case, solver: (&str, Solver, u32), out: &mut Outcome) -> Result<()
         }
         let seconds = f64::from(frame + 1 - storm.min(frame + 1)) * case.step;
         if frame >= storm && seconds <= RECOVERY[0] + 1e-9 && seconds > RECOVERY[0] - RECOVERY[1] {
-            stretches.push(gauge.stretch(&now));
+            stretches.push(match case.asked.stretch {
+                Stretch::OfLongest => gauge.stretch_of_longest(&now),
+                _ => gauge.stretch(&now),
+            });
         }
         if frame + frames(1.0) >= storm + calm {
             speeds.push(gauge.speed2(&last, &now, case.step));
@@ -113,7 +116,7 @@ fn judge(case: &Case, tethers: bool, out: &mut Outcome) {
         fail(format!("{count} not finite after frame {frame}{after}"));
     }
     let judged = match case.asked.stretch {
-        Stretch::Judged => true,
+        Stretch::Judged | Stretch::OfLongest => true,
         Stretch::WithTethers => tethers,
         Stretch::Open => false,
     };

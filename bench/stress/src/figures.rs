@@ -11,6 +11,8 @@ pub struct Gauge {
     /// Ends, rest length \[m\], compliance \[m/N\]; the structural ones first.
     springs: Vec<(usize, usize, f64, f64)>,
     structural: usize,
+    /// Of each structural spring the longest structural one at its ends \[m\].
+    longest: Vec<f64>,
     gravity: V3,
     /// Weight times the longer side \[J\].
     pub scale: f64,
@@ -46,12 +48,17 @@ impl Gauge {
             }
         }
         let structural = springs.iter().filter(|(a, b, ..)| b - a.min(b) == 1 || b - a.min(b) == width).count();
+        let mut around = vec![0f64; cloth.len()];
+        for &(a, b, rest, _) in &springs[..structural] {
+            (around[a], around[b]) = (around[a].max(rest), around[b].max(rest));
+        }
+        let longest = springs[..structural].iter().map(|&(a, b, ..)| around[a].max(around[b])).collect();
         let mass: Vec<f64> = (0..cloth.len()).map(|k| f64::from(cloth.mass(k))).collect();
         let free: Vec<bool> = (0..cloth.len()).map(|k| cloth.inverse_mass(k) > 0.0).collect();
         let gravity = gravity.map(f64::from);
         let weight = free.iter().zip(&mass).filter(|m| *m.0).map(|m| m.1).sum::<f64>() * norm(gravity);
         let side: f64 = springs.iter().filter(|s| s.0 < width && s.1 == s.0 + 1).map(|s| s.2).sum();
-        Gauge { mass, free, springs, structural, gravity, scale: weight * side }
+        Gauge { mass, free, springs, structural, longest, gravity, scale: weight * side }
     }
 
     /// Of the structural springs the length / rest length - 1 that is farthest from 0, with its sign.
@@ -59,6 +66,16 @@ impl Gauge {
         let of = |(a, b, rest, _): &(usize, usize, f64, f64)| distance(p[*a], p[*b]) / rest - 1.0;
         let farther = |a: f64, b: f64| if b.abs() > a.abs() || b.is_nan() { b } else { a };
         self.springs[..self.structural].iter().map(of).fold(0.0, farther)
+    }
+
+    /// As [`Gauge::stretch`], but a difference in length is put in proportion to the longest spring at either end, where
+    /// that is longer: a fine spring between coarse ones is held no better than they are.
+    pub fn stretch_of_longest(&self, p: &[V3]) -> f64 {
+        let of = |(k, (a, b, rest, _)): (usize, &(usize, usize, f64, f64))| {
+            (distance(p[*a], p[*b]) - rest) / self.longest[k]
+        };
+        let farther = |a: f64, b: f64| if b.abs() > a.abs() || b.is_nan() { b } else { a };
+        self.springs[..self.structural].iter().enumerate().map(of).fold(0.0, farther)
     }
 
     /// Mean square speed \[m^2/s^2\] between two frames.
@@ -76,7 +93,8 @@ impl Gauge {
         (0..p.len()).map(|k| self.mass[k] * distance(p[k], q[k]) / seconds).sum()
     }
 
-    /// Energy \[J\] of motion, gravity and springs in the middle of the step from `before` to `now`.
+    /// Energy \[J\]: of motion and gravity in the middle of the step from `before` to `now`, where they belong together
+    /// in Verlet's scheme, and of springs at its end, as in the implicit steps of XPBD.
     pub fn energy(&self, now: &[V3], before: &[V3], dt: f64) -> f64 {
         let mut sum = 0.0;
         let middle = |k: usize| [0, 1, 2].map(|c| 0.5 * (now[k][c] + before[k][c]));
@@ -84,7 +102,7 @@ impl Gauge {
             sum += self.mass[k] * (0.5 * (distance(now[k], before[k]) / dt).powi(2) - dot(self.gravity, middle(k)));
         }
         for &(a, b, rest, soft) in self.springs.iter().filter(|s| s.3 > 0.0) {
-            sum += 0.5 / soft * (distance(middle(a), middle(b)) - rest).powi(2);
+            sum += 0.5 / soft * (distance(now[a], now[b]) - rest).powi(2);
         }
         sum
     }

@@ -55,7 +55,7 @@ pub fn csv(entries: &[Entry]) -> String {
             let Some(o) = outcome else { continue };
             let (verdict, failures) = (if o.failures.is_empty() { "ok" } else { "failed" }, o.failures.join("; "));
             let judged = match e.asked.stretch {
-                Stretch::Judged => true,
+                Stretch::Judged | Stretch::OfLongest => true,
                 Stretch::WithTethers => tethers > 0,
                 Stretch::Open => false,
             };
