@@ -47,7 +47,7 @@ pub fn sum(entries: &[Entry]) -> String {
 
 /// A line a case and solver.
 pub fn csv(entries: &[Entry]) -> String {
-    let mut out = "case,solver,step_s,substeps,verdict,failures,stretch_judged,stretch_2s,rest_mm_s,drift_mm,momentum,\
+    let mut out = "case,solver,step_s,substeps,verdict,failures,stretch_judged,stretch_2s,rest_mm_s,rest_before_mm_s,drift_mm,momentum,\
                    energy_gain,first_lost_frame,particles_lost\n"
         .to_owned();
     for e in entries {
@@ -61,7 +61,7 @@ pub fn csv(entries: &[Entry]) -> String {
             };
             let (Entry { name, step, substeps, asked, .. }, judged) = (e, u8::from(judged));
             let _ = write!(out, "\"{name}\",{solver},{step:.6},{substeps},{verdict},\"{failures}\",{judged}");
-            let _ = write!(out, ",{:.3e},{:.3e}", o.stretch, o.rest);
+            let _ = write!(out, ",{:.3e},{:.3e},{:.3e}", o.stretch, o.rest, o.rest_before);
             for (asked, x) in [(asked.drift, o.drift), (asked.momentum, o.momentum), (asked.energy, o.energy)] {
                 let _ = if asked { write!(out, ",{x:.3e}") } else { write!(out, ",") };
             }

@@ -6,7 +6,7 @@ use super::material::with;
 use crate::case::{Asked, Case, N, Stretch, held, scene, sheet, tuned};
 use crate::random::Random;
 
-const NOTHING: Asked = Asked { stretch: Stretch::Open, rest: false, drift: false, momentum: false, energy: false };
+const NOTHING: Asked = Asked { stretch: Stretch::Open, rest: None, drift: false, momentum: false, energy: false };
 
 pub fn cases() -> Result<Vec<Case>> {
     let mut out = momentum()?;
