@@ -42,7 +42,7 @@ pub fn cases() -> Result<Vec<Case>> {
         out.push(Case::new(format!("{each:.0e} kg a particle"), scene(cloth)));
     }
     for ratio in [1e1f64, 1e2, 1e3, 1e4] {
-        let stripes = |k: usize| if k % 2 == 0 { 1.0 } else { ratio };
+        let stripes = |k: usize| if k.is_multiple_of(2) { 1.0 } else { ratio };
         let one = |k: usize| if k == N / 2 { 1.0 } else { ratio };
         let any = |k: usize| ratio.powf((k * 7 % 16) as f64 / 15.0);
         for (words, cloth) in

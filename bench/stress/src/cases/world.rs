@@ -22,14 +22,15 @@ pub fn cases() -> Result<Vec<Case>> {
             out.push(Case::new(words, scene(flag()?)).storm(2.0, storm).after(none));
         }
     }
-    let heavy = |s: &mut Stepper, frame: u32| s.set_gravity([0.0, if frame % 2 == 0 { -9810.0 } else { 9810.0 }, 0.0]);
+    let heavy =
+        |s: &mut Stepper, frame: u32| s.set_gravity([0.0, if frame.is_multiple_of(2) { -9810.0 } else { 9810.0 }, 0.0]);
     let light = |s: &mut Stepper| s.set_gravity([0.0, -9.81, 0.0]);
     out.push(Case::new("1000 g up and down by turns", scene(flag()?)).storm(1.0, heavy).after(light));
     let away = |s: &mut Stepper, frame: u32| {
         let one =
             |x: f32, y: f32, z: f32| [[x, 0.0, 0.0, 0.0], [0.0, x, 0.0, 0.0], [0.0, 0.0, x, 0.0], [0.0, y, z, 1.0]];
         let all: Vec<usize> = (N..N * N).collect();
-        s.transform(0, &all, if frame % 2 == 0 { one(-3.0, 1e3, 1e3) } else { one(0.1, 0.0, -1e3) })
+        s.transform(0, &all, if frame.is_multiple_of(2) { one(-3.0, 1e3, 1e3) } else { one(0.1, 0.0, -1e3) })
     };
     out.push(Case::new("thrown about by users", scene(flag()?)).storm(1.0, away));
     Ok(out)
@@ -47,7 +48,7 @@ fn colliders() -> Result<Vec<Case>> {
     let mut out = Vec::new();
     for (words, shape) in shapes {
         let jump = move |s: &mut Stepper, frame: u32| {
-            if frame % 5 != 0 {
+            if !frame.is_multiple_of(5) {
                 return Ok(());
             }
             let p = Random(u64::from(frame)).point(0.6);
@@ -60,7 +61,7 @@ fn colliders() -> Result<Vec<Case>> {
     for (words, speed) in [("30 m/s", 30.0f32), ("1e4 m/s", 1e4)] {
         let pass = move |s: &mut Stepper, frame: u32| {
             // There and back, each way in a frame's time of its own speed.
-            let sign = if frame % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if frame.is_multiple_of(2) { 1.0 } else { -1.0 };
             let at = 0.5 * sign * speed / 60.0;
             let shape = Shape::Sphere { radius: 0.3 };
             let moving = Collider::new(shape, [0.5, -0.5, at]);
@@ -129,7 +130,7 @@ fn pins() -> Result<Vec<Case>> {
     let home = move |s: &mut Stepper| put(s, [0.0; 3], 1.0);
     let yank = move |s: &mut Stepper, frame: u32| {
         let p = Random(u64::from(frame)).point(5.0);
-        if frame % 6 == 0 { put(s, p, 1.0) } else { Ok(()) }
+        if frame.is_multiple_of(6) { put(s, p, 1.0) } else { Ok(()) }
     };
     let tear = move |s: &mut Stepper, _: u32| put(s, [-1.0, 0.0, 0.0], 3.0);
     let far = move |s: &mut Stepper, frame: u32| put(s, [if frame < 30 { 1e4 } else { 0.0 }, 0.0, 0.0], 1.0);
