@@ -20,7 +20,7 @@ const CEILING: f64 = 1e3;
 
 /// Time and error of a row, if it has any.
 fn point(row: &Row) -> Option<[f64; 2]> {
-    row.error().filter(|e| e.is_finite() && row.ms_min > 0.0).map(|e| [row.ms_min, e.clamp(FLOOR, CEILING)])
+    row.error().filter(|e| e.is_finite() && row.time() > 0.0).map(|e| [row.time(), e.clamp(FLOOR, CEILING)])
 }
 
 /// What differs between rows, each once, in the order of the table.
@@ -47,9 +47,10 @@ pub fn draw(rows: &[Row]) -> String {
          <rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n"
     );
     text(&mut svg, [MARGIN[0], 30.0], "start", 17, INK, "Run time against error");
-    let note = "Least milliseconds a frame; numbers at the points: steps a frame. Error: largest stretch, for s3 that \
-                of the period, 0.001 to 1000 %. Lower left is better.";
-    text(&mut svg, [MARGIN[0], 49.0], "start", 11, FAINT, note);
+    let note = "Least (s2, s2f: median) milliseconds of a frame; numbers at the points: steps a frame.";
+    text(&mut svg, [MARGIN[0], 44.0], "start", 10, FAINT, note);
+    let note = "Error: largest stretch, for s3 that of the period; off scale above 1000 %. Lower left is better.";
+    text(&mut svg, [MARGIN[0], 57.0], "start", 10, FAINT, note);
     let mut x = MARGIN[0] + 6.0;
     for (k, solver) in solvers.iter().enumerate() {
         marker(&mut svg, k, [x, 72.0]);

@@ -59,6 +59,12 @@ impl Row {
         line
     }
 
+    /// What the plot shows for a time \[ms\]: the least where every frame has the same work, the median where cloth falls on
+    /// a ball, as frames before it are cheaper.
+    pub fn time(&self) -> f64 {
+        if self.scene.starts_with("s2") { self.ms_median } else { self.ms_min }
+    }
+
     /// What the plot shows for an error \[%\]: the period's for the pendulum, the stretch for all others.
     pub fn error(&self) -> Option<f64> {
         let percent = |x: f64| 100.0 * x;
