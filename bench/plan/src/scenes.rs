@@ -1,7 +1,8 @@
 //! One scene for each feature, beside the plain one without any.
 
 use gimage_runtime::{
-    Cloth, Collider, Flat, Grid, Mass, Particle, Parts, Rest, Result, Scene, Shape, Sleep, Wind, WindForce,
+    Cloth, Collider, Compliance, Flat, Grid, Mass, Options, Particle, Parts, Rest, Result, Scene, Shape, Sleep, Solver,
+    Wind, WindForce,
 };
 
 /// What is done to a scene before it is timed.
@@ -25,11 +26,28 @@ pub struct Case {
     pub action: Action,
     /// Whether cloth may fall asleep by itself.
     pub sleep: Option<Sleep>,
+    /// The solver.
+    pub solver: Solver,
+    /// Tethers of a particle.
+    pub tethers: u32,
+    /// Relaxations a step.
+    pub iterations: u32,
 }
 
-/// All cases of `n` x `n` particles; the first is the plain one.
+impl Case {
+    /// The settings of the case; what it says nothing of is as in `base`.
+    pub fn options(&self, base: &Options) -> Options {
+        let Case { sleep, solver, tethers, iterations, .. } = *self;
+        Options { sleep, solver, tethers, iterations, ..base.clone() }
+    }
+}
+
+fn case(name: &'static str, scene: Scene) -> Case {
+    Case { name, scene, action: Action::None, sleep: None, solver: Solver::Classic, tethers: 0, iterations: 1 }
+}
+
+/// All cases of `n` x `n` particles; the first of each solver is its plain one.
 pub fn cases(n: u32) -> Result<Vec<Case>> {
-    let case = |name, scene| Case { name, scene, action: Action::None, sleep: None };
     let plain = || -> Result<Scene> { Ok(Scene { cloths: vec![square(n)?], ..Scene::new("plain") }) };
     let rest = |rest| -> Result<Scene> { Ok(Scene { cloths: vec![other(n, rest, false)?], ..plain()? }) };
     let lengths = lengths(n)?;
@@ -63,7 +81,42 @@ pub fn cases(n: u32) -> Result<Vec<Case>> {
     let two = Scene { cloths: vec![square(n)?, square(n)?], ..plain()? };
     cases.push(case("two cloths", two.clone()));
     cases.push(Case { action: Action::Sleep, ..case("two cloths and one asleep", two) });
+    cases.extend(xpbd(n)?);
     Ok(cases)
+}
+
+/// What the solver XPBD has of its own.
+fn xpbd(n: u32) -> Result<Vec<Case>> {
+    let case = |name, scene| Case { solver: Solver::Xpbd, ..case(name, scene) };
+    let plain = || -> Result<Scene> { Ok(Scene { cloths: vec![square(n)?], ..Scene::new("plain") }) };
+    let soft = |compliance| -> Result<Scene> {
+        let mut cloth = square(n)?;
+        cloth.compliance = compliance;
+        Ok(Scene { cloths: vec![cloth], ..plain()? })
+    };
+    let with = |colliders| -> Result<Scene> { Ok(Scene { colliders, ..plain()? }) };
+    let ball = |center| Collider::new(Shape::Sphere { radius: 0.25 }, center);
+    let touching = ball([0.5, -0.2, 0.5]);
+    let far: Vec<_> = (0..100).map(|k| ball([k as f32, 50.0, 0.0])).collect();
+    let all: Vec<_> = shapes().map(|(_, shape)| Collider::new(shape, [0.5, -0.2, 0.5])).into();
+    let rough = all.into_iter().map(|c| Collider { friction: 0.3, ..c }).collect();
+    let moving = Collider { velocity: [0.0, 0.1, 0.0], ..touching };
+    let one = Compliance::Constant(1e-3);
+    let image = Compliance::Image(vec![[1e-3; 4]; (n * n) as usize]);
+    Ok(vec![
+        case("xpbd", plain()?),
+        Case { tethers: 1, ..case("xpbd with 1 tether", plain()?) },
+        Case { tethers: 2, ..case("xpbd with 2 tethers", plain()?) },
+        case("xpbd with compliance", soft(one.clone())?),
+        case("xpbd with an image of compliance", soft(image)?),
+        Case { iterations: 2, ..case("xpbd with 2 relaxations", plain()?) },
+        Case { iterations: 2, ..case("xpbd with compliance and 2 relaxations", soft(one)?) },
+        case("xpbd with a sphere", with(vec![touching])?),
+        case("xpbd with a sphere that moves", with(vec![moving])?),
+        case("xpbd with a sphere out of reach", with(far[..1].to_vec())?),
+        case("xpbd with 100 spheres out of reach", with(far)?),
+        case("xpbd with all six and friction", with(rough)?),
+    ])
 }
 
 fn shapes() -> [(&'static str, Shape); 6] {

@@ -20,8 +20,7 @@ pub struct Host<'a> {
 impl<'a> Host<'a> {
     /// A case made ready.
     pub fn new(case: &Case, options: &Options, device: Option<(&'a wgpu::Device, &'a wgpu::Queue)>) -> Result<Self> {
-        let options = Options { sleep: case.sleep, ..options.clone() };
-        let mut stepper = Stepper::new(case.scene.clone(), options, device)?;
+        let mut stepper = Stepper::new(case.scene.clone(), case.options(options), device)?;
         match case.action {
             Action::None => {}
             Action::Cut => stepper.cut([0.5, 0.5, 3.0], [-4.0, 0.4, -2.0], [5.0, 0.4, -2.0])?,

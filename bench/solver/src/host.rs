@@ -1,0 +1,72 @@
+//! What makes frames: a stepper and, on the GPU, where it is submitted.
+
+use std::time::Instant;
+
+use gimage_runtime::{Options, Progress, Scene, Stepper, read_back, wgpu};
+
+use crate::Failure;
+
+/// Length of a frame \[s\].
+const FRAME: f64 = 1.0 / 60.0;
+
+/// A device, its queue and its name.
+pub struct Gpu {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub name: String,
+}
+
+impl Gpu {
+    /// The fastest adapter, with the largest buffers that it offers.
+    pub fn new() -> Result<Self, Failure> {
+        let instance = wgpu::Instance::default();
+        let power_preference = wgpu::PowerPreference::HighPerformance;
+        let wish = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
+        let adapter = pollster::block_on(instance.request_adapter(&wish))?;
+        let offered = adapter.limits();
+        let required_limits = wgpu::Limits {
+            max_buffer_size: offered.max_buffer_size,
+            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+            ..wgpu::Limits::default()
+        };
+        let wish = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&wish))?;
+        Ok(Gpu { device, queue, name: adapter.get_info().name })
+    }
+}
+
+/// A scene in motion.
+pub struct Host<'a> {
+    stepper: Stepper,
+    gpu: Option<&'a Gpu>,
+}
+
+impl<'a> Host<'a> {
+    /// A scene at its start.
+    pub fn new(scene: Scene, options: Options, gpu: Option<&'a Gpu>) -> Result<Self, Failure> {
+        let stepper = Stepper::new(scene, options, gpu.map(|g| (&g.device, &g.queue)))?;
+        Ok(Host { stepper, gpu })
+    }
+
+    /// Makes a frame; its milliseconds, from recording to the end of the work.
+    pub fn frame(&mut self) -> Result<f64, Failure> {
+        let start = Instant::now();
+        let Some(gpu) = self.gpu else {
+            let Progress { .. } = self.stepper.advance(FRAME)?;
+            return Ok(start.elapsed().as_secs_f64() * 1e3);
+        };
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        self.stepper.record(&mut encoder, FRAME)?;
+        gpu.queue.submit([encoder.finish()]);
+        gpu.device.poll(wgpu::PollType::wait_indefinitely())?;
+        Ok(start.elapsed().as_secs_f64() * 1e3)
+    }
+
+    /// Positions of the cloth.
+    pub fn positions(&self) -> Result<Vec<[f32; 4]>, Failure> {
+        match (self.gpu, self.stepper.buffers(0)) {
+            (Some(gpu), Some(buffers)) => Ok(read_back(&gpu.device, &gpu.queue, &buffers.now)?),
+            _ => Ok(self.stepper.positions(0).unwrap_or_default().to_vec()),
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Run time against error: each solver at several numbers of substeps on the built-in scenes.
+
+mod chain;
+mod host;
+mod plot;
+mod row;
+mod run;
+#[path = "../../fidelity/src/scale.rs"]
+mod scale;
+mod score;
+mod variant;
+
+use std::fs;
+use std::path::PathBuf;
+
+use clap::Parser;
+use gimage_runtime::scene::BUILTIN;
+use host::Gpu;
+use row::Row;
+use run::{Run, Setting};
+use variant::VARIANTS;
+
+/// Anything that ends the program.
+pub type Failure = Box<dyn std::error::Error>;
+
+/// Milliseconds a frame and the error of each solver, on one thread of the CPU or on the GPU. CSV to stdout.
+#[derive(Parser)]
+#[command(after_help = "Examples:\n  solver --out solver.csv --svg solver.svg\n  \
+                        solver --scenes s1 --particles 32 --solvers xpbd --substeps 4,8 --dump frames")]
+struct Args {
+    /// Built-in scenes, separated by commas.
+    #[arg(long, value_delimiter = ',', default_values_t = BUILTIN.map(String::from))]
+    scenes: Vec<String>,
+    /// Particles along each side of the cloth.
+    #[arg(long, value_delimiter = ',', default_value = "32,64,128,256")]
+    particles: Vec<u32>,
+    /// 512 particles along each side too.
+    #[arg(long)]
+    large: bool,
+    /// Solvers by name; all by default.
+    #[arg(long, value_delimiter = ',')]
+    solvers: Vec<String>,
+    /// Steps a frame.
+    #[arg(long, value_delimiter = ',', default_value = "1,2,3,4,6,8,12,16,32")]
+    substeps: Vec<u32>,
+    /// A first look: 32 and 64 particles, 2, 8 and 16 steps.
+    #[arg(long)]
+    quick: bool,
+    /// Frames that are timed at least; short scenes are run again for it.
+    #[arg(long, default_value_t = 120)]
+    frames: u32,
+    /// Parts of a scene in which its runs take turns, so that a busy minute of the machine is spread.
+    #[arg(long, default_value_t = 10)]
+    rounds: u32,
+    /// On the GPU.
+    #[arg(long)]
+    gpu: bool,
+    /// Writes the table to this file.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Draws the plot to this file.
+    #[arg(long)]
+    svg: Option<PathBuf>,
+    /// Writes the measured positions below this folder, a folder a run.
+    #[arg(long)]
+    dump: Option<PathBuf>,
+}
+
+#[allow(clippy::print_stdout)]
+fn main() -> Result<(), Failure> {
+    let mut args = Args::parse();
+    if args.quick {
+        (args.particles, args.substeps) = (vec![32, 64], vec![2, 8, 16]);
+    }
+    if args.large {
+        args.particles.push(512);
+    }
+    if let Some(name) = args.solvers.iter().find(|name| VARIANTS.iter().all(|v| v.name != **name)) {
+        let all: Vec<_> = VARIANTS.iter().map(|v| v.name).collect();
+        return Err(format!("there is no solver {name}; there are {}", all.join(", ")).into());
+    }
+    let gpu = if args.gpu { Some(Gpu::new()?) } else { None };
+    eprintln!("on {}", gpu.as_ref().map_or("one thread of the CPU", |g| &g.name));
+    let mut rows = Vec::new();
+    for scene in &args.scenes {
+        for &n in &args.particles {
+            rows.extend(together(&args, scene, n, gpu.as_ref())?);
+            eprintln!("{scene} {n}");
+        }
+    }
+    let lines = rows.iter().map(|row| row.line() + "\n");
+    let table: String = std::iter::once(format!("{}\n", row::HEADER)).chain(lines).collect();
+    match &args.out {
+        Some(path) => fs::write(path, table)?,
+        None => print!("{table}"),
+    }
+    if let Some(path) = &args.svg {
+        fs::write(path, plot::draw(&rows))?;
+    }
+    Ok(())
+}
+
+/// All runs of a scene, in turns.
+fn together(args: &Args, scene: &str, n: u32, gpu: Option<&Gpu>) -> Result<Vec<Row>, Failure> {
+    let chosen = |name: &str| args.solvers.is_empty() || args.solvers.iter().any(|s| s == name);
+    let mut runs = Vec::new();
+    for variant in VARIANTS.into_iter().filter(|v| v.can(scene) && chosen(v.name)) {
+        for &substeps in &args.substeps {
+            let setting = Setting { scene: scene.into(), n, variant, substeps };
+            runs.push(Run::new(setting, gpu, args.dump.as_ref())?);
+        }
+    }
+    let length = runs.first().map_or(1, Run::length);
+    let all = length * args.frames.div_ceil(length).max(1);
+    let part = all.div_ceil(args.rounds.clamp(1, all));
+    for first in (0..all).step_by(part as usize) {
+        for run in &mut runs {
+            run.go_on(part.min(all - first))?;
+        }
+    }
+    Ok(runs.iter_mut().map(Run::row).collect())
+}
