@@ -161,6 +161,9 @@ pub struct SceneArgs {
     /// Tethers of a particle to the nearest pins, 0 to 4; xpbd only [default: those of the scene, or 2].
     #[arg(long, value_name = "K")]
     pub tethers: Option<u32>,
+    /// Limit lengths on coarser grids once in K steps, 0 for never; xpbd only [default: that of the scene, or 0].
+    #[arg(long, value_name = "K")]
+    pub pyramid: Option<u32>,
     /// Particles on a side of a built-in scene.
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095))]
     pub n: u32,

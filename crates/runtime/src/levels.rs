@@ -24,7 +24,7 @@ impl LevelGrid {
 
 /// The nodes between which column (or row) `k` of `size` lies; twice the same where it is on one.
 pub fn span(k: usize, size: usize) -> (usize, usize) {
-    if k % 2 == 0 {
+    if k.is_multiple_of(2) {
         (k / 2, k / 2)
     } else if k + 1 == size {
         (size / 2, size / 2)

@@ -26,7 +26,7 @@ fn carry(stepper: &mut Stepper, start: &[Collider], frame: u32) {
         let moved = |c: &Collider| Collider {
             center: [0, 1, 2].map(|n| c.center[n] + c.velocity[n] * time),
             spin: [0.0; 3],
-            ..c.clone()
+            ..*c
         };
         stepper.set_colliders(start.iter().map(moved).collect()).unwrap();
     }

@@ -40,6 +40,7 @@ pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
         };
     }
     file.options.substeps = args.substeps.unwrap_or(file.options.substeps);
+    file.options.pyramid = args.pyramid.unwrap_or(file.options.pyramid);
     file.options.tethers = args.tethers.unwrap_or(file.options.tethers);
     file.options.iterations = args.iterations.unwrap_or(file.options.iterations);
     file.options.threads = args.threads.into();

@@ -63,6 +63,7 @@ fn report(args: &SimulateArgs, out: &Output, engine: &Engine, mut times: Vec<f64
         "substeps": options.substeps,
         "iterations": options.iterations,
         "tethers": options.tethers,
+        "pyramid": options.pyramid,
         "particles": engine.stepper.scene().cloths.iter().map(Cloth::len).sum::<usize>(),
         "frames": times.len(),
         "ms_frame_min": least,

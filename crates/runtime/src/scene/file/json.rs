@@ -72,6 +72,7 @@ pub struct Solver {
     pub substeps: Option<u32>,
     pub iterations: Option<u32>,
     pub tethers: Option<u32>,
+    pub pyramid: Option<u32>,
 }
 
 #[derive(Deserialize)]

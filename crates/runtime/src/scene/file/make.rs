@@ -57,6 +57,7 @@ fn options(fields: &json::Solver) -> Result<Options> {
         }
     };
     options.substeps = fields.substeps.unwrap_or(options.substeps);
+    options.pyramid = fields.pyramid.unwrap_or(options.pyramid);
     options.tethers = fields.tethers.unwrap_or(options.tethers);
     options.iterations = fields.iterations.unwrap_or(options.iterations);
     options.check().map_err(Error::value("solver"))?;
