@@ -3,7 +3,7 @@ struct Grid {
   first: u32,
   width: u32,
   height: u32,
-  unused: u32,
+  soft: f32,
   rest: vec4<f32>,
 }
 @group(0) @binding(1) var<storage, read> grids: array<Grid>;

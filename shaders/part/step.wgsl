@@ -13,6 +13,6 @@ struct Step {
   rate: f32,
   drag: f32,
   lift: f32,
-  unused: f32,
+  left: f32,
 }
 @group(0) @binding(0) var<uniform> step: Step;

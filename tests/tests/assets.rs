@@ -5,8 +5,8 @@
 use gimage::options::BuildOptions;
 use gimage::pins::Pin;
 use gimage::pipeline::Built;
-use gimage_bundle::{MapKind, Particle};
-use gimage_tests::{asset, build, check, psnr, texels, texels_of};
+use gimage_bundle::{MapKind, Particle, validate};
+use gimage_tests::{asset, build, check, psnr, reread, texels, texels_of};
 
 fn made(name: &str, pins: &[&str]) -> Built {
     let pins = pins.iter().map(|p| p.parse::<Pin>().unwrap()).collect();
@@ -45,6 +45,39 @@ fn the_tshirt_is_pinned_above_a_height() {
     let (held, free) = pinned(&built);
     assert!(held.iter().all(|p| p[1] > 1.4) && free.iter().all(|p| p[1] <= 1.4));
     assert!(built.bundle.image(0, &MapKind::Uv(0)).is_some());
+}
+
+#[test]
+fn the_tshirt_hangs_on_its_tethers() {
+    let built = made("tshirt.glb", &["above:1.4"]);
+    let bundle = reread(&built.bundle);
+    assert!(bundle.manifest.pieces[0].maps.contains_key("tether"));
+    assert_eq!(validate(&bundle), []);
+    let stored = bundle.stored_tethers().unwrap();
+    // What is read back is what the rest lengths give, for every texel of a garment in one piece.
+    assert_eq!(stored, bundle.compute_tethers(1).unwrap());
+    let particles = bundle.particles().unwrap();
+    let (w, rest) = (bundle.manifest.pieces[0].width as usize, bundle.image(0, &MapKind::Rest).unwrap());
+    let mut longest = 0.0f32;
+    for (k, particle) in particles.iter().enumerate() {
+        let anchor = stored.of(k)[0];
+        assert!(particles[anchor.particle as usize].is_pinned());
+        assert_eq!(anchor.distance == 0.0, particle.is_pinned(), "texel {k}");
+        let (p, q) = (bundle.position(k as u32).unwrap(), bundle.position(anchor.particle).unwrap());
+        let chord = (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f32>().sqrt();
+        assert!(anchor.distance >= 0.999 * chord, "texel {k}: {} m, {chord} m straight", anchor.distance);
+        for (c, end) in [k + 1, k + w, k + w + 1, (k + 1).saturating_sub(w)].into_iter().enumerate() {
+            let length = rest.at(k)[c];
+            if length > 0.0 {
+                let other = stored.of(end)[0].distance;
+                assert!((anchor.distance - other).abs() <= 1.00001 * length, "texels {k} and {end}");
+            }
+        }
+        longest = longest.max(anchor.distance);
+    }
+    // From the shoulders down to the hem.
+    assert!(longest > 0.4 && longest < 1.2, "{longest} m");
+    assert!(made("tshirt.glb", &[]).bundle.stored_tethers().is_none());
 }
 
 #[test]

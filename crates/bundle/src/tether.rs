@@ -129,24 +129,26 @@ impl Bundle {
         Ok(tethers(&grids, &self.particles()?, most))
     }
 
-    /// Writes the nearest anchor of every particle into `tether` maps, or removes those maps where nothing is pinned.
-    /// Call it when positions, pins and rest lengths are in. Errors as [`Bundle::particles`].
+    /// Writes the nearest anchor of every particle into `tether` maps; a piece none of whose particles can reach a pin has
+    /// no such map afterwards. Call it when positions, pins and rest lengths are in. Errors as [`Bundle::particles`].
     pub fn write_tethers(&mut self) -> Result<()> {
         let found = self.compute_tethers(1)?;
         let particles = self.particles()?;
         for index in 0..self.manifest.pieces.len() {
             let piece = &self.manifest.pieces[index];
             let (first, mut image) = (piece.first_particle as usize, Image::zeros(piece.width, piece.height, 3));
+            let mut any = false;
             for (k, texel) in image.data.chunks_exact_mut(3).enumerate() {
                 // Without a particle a writer stores 0.
                 if !particles.get(first + k).is_some_and(|p| p.exists()) {
                     continue;
                 }
                 let anchor = found.of(first + k).first().filter(|a| a.exists());
+                any |= anchor.is_some();
                 (texel[0], texel[1]) = anchor.map_or((0.0, -1.0), |a| (a.distance, a.particle as f32));
             }
             self.images.remove(&(index, MapKind::Tether));
-            if !found.is_empty() {
+            if any {
                 self.insert(index, MapKind::Tether, image)?;
             }
         }

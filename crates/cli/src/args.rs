@@ -80,7 +80,7 @@ pub struct BuildArgs {
     #[arg(long, value_name = "NAME")]
     pub piece: Vec<String>,
     /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), loop:K (boundary loop, longest
-    /// first), attr:_NAME>T or color:r>T.
+    /// first), attr:_NAME>T or color:r>T. The bundle then has tethers: how far each particle is from the nearest pin.
     #[arg(long, value_name = "EXPR")]
     pub pin: Vec<Pin>,
     /// Metres in one unit of the file, 0.01 for centimetres [default: 1].
@@ -158,6 +158,9 @@ pub struct SceneArgs {
     /// Relaxations a step [default: those of the scene, or 1].
     #[arg(long, value_name = "K")]
     pub iterations: Option<u32>,
+    /// Tethers of a particle to the nearest pins, 0 to 4; xpbd only [default: those of the scene, or 2].
+    #[arg(long, value_name = "K")]
+    pub tethers: Option<u32>,
     /// Particles on a side of a built-in scene.
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095))]
     pub n: u32,
@@ -269,6 +272,7 @@ pub enum BackendArg {
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum SolverArg {
     Classic,
+    Xpbd,
 }
 
 impl Cli {

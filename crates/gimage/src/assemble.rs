@@ -103,6 +103,9 @@ pub(crate) fn assemble(
         }
         findings.extend(made.findings);
     }
+    if pinned > 0 {
+        bundle.write_tethers()?;
+    }
     if !options.pins.is_empty() && pinned == 0 {
         findings.push(Finding {
             severity: crate::record::Severity::Warning,

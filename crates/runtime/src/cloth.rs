@@ -3,10 +3,11 @@
 mod check;
 mod flat;
 mod from_bundle;
+mod tether;
 mod weigh;
 
 pub use flat::Flat;
-pub use gimage_bundle::Particle;
+pub use gimage_bundle::{Anchor, Particle, Tethers};
 
 use crate::error::{Error, Result, check as range};
 
@@ -47,6 +48,18 @@ pub enum Rest {
     Image(Vec<[f32; 4]>),
 }
 
+/// Compliance \[m/N\] of springs, the inverse of their stiffness; the classic solver has none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Compliance {
+    /// As stiff as the solver can.
+    #[default]
+    None,
+    /// The same for every spring.
+    Constant(f32),
+    /// One entry a particle, as rest lengths.
+    Image(Vec<[f32; 4]>),
+}
+
 /// Masses \[kg\]. Each duplicate of a seam point holds the mass of the whole point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mass {
@@ -81,6 +94,8 @@ pub struct Cloth {
     ring_starts: Vec<u32>,
     ring_members: Vec<u32>,
     cut: bool,
+    /// Tethers that came with the cloth, as long as its pins are those they were made for.
+    stored_tethers: Option<Tethers>,
     /// Velocity \[m/s\] of all free particles at the start. Default 0.
     pub velocity: [f32; 3],
     /// Share of the velocity that is lost in a second, as the rate of an exponential \[1/s\]: after t seconds
@@ -89,6 +104,8 @@ pub struct Cloth {
     /// A displacement faster than this \[m/s\] is taken for a collision's jump and carries no velocity on. Above 0,
     /// default infinite; smaller means that fast cloth stops.
     pub speed_limit: f32,
+    /// How soft the springs are. Default none.
+    pub compliance: Compliance,
 }
 
 impl Cloth {
@@ -96,24 +113,37 @@ impl Cloth {
     /// not above 0, negative rest lengths and seam links that do not close.
     pub fn new(parts: Parts) -> Result<Self> {
         let (ring_starts, ring_members) = check::rings(&parts)?;
-        let calm = Cloth {
+        Ok(Cloth {
             parts,
             ring_starts,
             ring_members,
             cut: false,
+            stored_tethers: None,
             velocity: [0.0; 3],
             damping: 0.0,
             speed_limit: f32::INFINITY,
-        };
-        Ok(calm)
+            compliance: Compliance::None,
+        })
     }
 
-    /// Refuses a velocity, damping or speed limit outside their ranges.
+    /// Refuses a velocity, damping, compliance or speed limit outside their ranges.
     pub fn check(&self) -> Result<()> {
         for x in self.velocity {
             range("the velocity of a cloth [m/s]", f64::from(x), "finite", |_| true)?;
         }
         range("the damping of a cloth [1/s]", f64::from(self.damping), "at least 0", |d| d >= 0.0)?;
+        let soft: &[f32] = match &self.compliance {
+            Compliance::None => &[],
+            Compliance::Constant(c) => std::slice::from_ref(c),
+            Compliance::Image(list) => {
+                let whole = |n: f64| n == self.len() as f64;
+                range("the number of compliances", list.len() as f64, "one a particle", whole)?;
+                list.as_flattened()
+            }
+        };
+        for c in soft {
+            range("a compliance [m/N]", f64::from(*c), "at least 0", |c| c >= 0.0)?;
+        }
         let limit = f64::from(self.speed_limit).min(f64::MAX);
         range("the speed limit of a cloth [m/s]", limit, "above 0", |s| s > 0.0)
     }
@@ -206,6 +236,9 @@ impl Cloth {
         for member in ring {
             let missing = Error::NoSuch { what: "particle", index, count };
             let particle = self.parts.particles.get_mut(member as usize).ok_or(missing)?;
+            if particle.is_pinned() != pinned {
+                self.stored_tethers = None;
+            }
             *particle = match (particle.next(), pinned) {
                 _ if !particle.exists() => return Err(Error::NoSuch { what: "particle", index, count }),
                 (next, true) => Particle::Pinned { next },

@@ -5,14 +5,19 @@
 //! number of threads gives the same bits.
 
 mod act;
+pub(crate) mod advance;
 pub(crate) mod body;
 pub(crate) mod colliders;
+pub(crate) mod contact;
 pub(crate) mod cut;
 pub(crate) mod cut_springs;
 pub(crate) mod draw;
+pub(crate) mod fabric;
 pub(crate) mod fastest;
+pub(crate) mod forget;
 pub(crate) mod gust;
 pub(crate) mod integrate;
+pub(crate) mod lanes;
 pub(crate) mod neighbours;
 pub(crate) mod normals;
 pub(crate) mod pick;
@@ -21,8 +26,11 @@ pub(crate) mod real;
 pub(crate) mod rows;
 pub(crate) mod seam_normals;
 pub(crate) mod seams;
+pub(crate) mod sheet;
 pub(crate) mod solid;
 pub(crate) mod speed;
 pub(crate) mod springs;
+pub(crate) mod stretch;
+pub(crate) mod tethers;
 pub(crate) mod transform;
 pub(crate) mod wind;

@@ -18,8 +18,9 @@ use bytemuck::cast_slice;
 use crate::cpu::body::Body;
 use crate::error::Result;
 use crate::shaders::{Slot, source};
+use crate::step::Step;
 use crate::world::World;
-use buffers::solids_buffer;
+use buffers::{POSES, solids_buffer};
 use layout::{SolidRow, StepRow};
 use pipelines::Pipelines;
 use watch::Watch;
@@ -38,9 +39,9 @@ pub struct Gpu {
 impl Gpu {
     /// Buffers for all cloths; only those for drawing where the CPU steps.
     pub fn new(world: &World, device: &wgpu::Device, queue: &wgpu::Queue, draw_only: bool) -> Result<Self> {
-        let cloths = world.scene.cloths.iter().zip(world.bodies());
+        let cloths = world.scene.cloths.iter().zip(&world.tethers).zip(world.bodies());
         let cloths: Result<_> =
-            cloths.map(|(cloth, body)| ClothBuffers::new(device, cloth, &body, draw_only)).collect();
+            cloths.map(|((cloth, held), body)| ClothBuffers::new(device, (cloth, held), &body, draw_only)).collect();
         let solid_rows: Vec<_> = world.scene.colliders.iter().map(SolidRow::new).collect();
         Ok(Gpu {
             solids: solids_buffer(device, &solid_rows),
@@ -64,13 +65,13 @@ impl Gpu {
         for index in (0..self.cloths.len()).filter(|c| !world.asleep[*c]) {
             let (cloth, plan) = (&world.scene.cloths[index], &world.schedules[index]);
             let buffers = &mut self.cloths[index];
-            let mut offset = |first| {
-                let row = StepRow::from(&world.step(cloth, first));
-                buffers.step_offset(&self.queue, row)
+            let queue = &self.queue;
+            let offset = |buffers: &mut ClothBuffers, n: u32| {
+                let group = steps.div_ceil(POSES);
+                let left = world.left(n / group * group, steps);
+                buffers.step_offset(queue, StepRow::from(&Step { left, ..world.step(cloth, n == 0) }))
             };
-            let offsets =
-                if world.clock.dt == world.clock.dt_old { [offset(false); 2] } else { [offset(true), offset(false)] };
-            let mut run = |what, offset: u32| {
+            let mut run = |buffers: &mut ClothBuffers, what, offset: u32| {
                 let source = source(what);
                 let pipeline = self.pipelines.get(&self.device, what, &source);
                 let group = buffers.group(&self.device, pipeline, &source, &self.solids);
@@ -81,11 +82,12 @@ impl Gpu {
                 pass.dispatch_workgroups(x, y, z);
             };
             for n in 0..steps {
-                let offset = offsets[usize::from(n > 0)];
-                plan.step.iter().for_each(|what| run(*what, offset));
-                (0..world.options.iterations).for_each(|_| plan.relax.iter().for_each(|what| run(*what, offset)));
+                let offset = offset(buffers, n);
+                plan.step.iter().for_each(|what| run(buffers, *what, offset));
+                let rounds = 0..world.options.iterations;
+                rounds.for_each(|_| plan.relax.iter().for_each(|what| run(buffers, *what, offset)));
             }
-            plan.frame.iter().for_each(|what| run(*what, offsets[usize::from(steps > 1)]));
+            plan.frame.iter().for_each(|what| run(buffers, *what, 0));
         }
         drop(pass);
         self.watch(world, encoder, steps);
@@ -96,8 +98,8 @@ impl Gpu {
     pub fn upload(&self, bodies: &[Body<f32>], asleep: &[bool]) {
         for ((buffers, body), asleep) in self.cloths.iter().zip(bodies).zip(asleep) {
             if !asleep {
-                self.queue.write_buffer(&buffers.now, 0, cast_slice(&body.now));
-                self.queue.write_buffer(&buffers.before, 0, cast_slice(&body.before));
+                self.queue.write_buffer(&buffers.now, 0, cast_slice(body.now()));
+                self.queue.write_buffer(&buffers.before, 0, cast_slice(body.before()));
                 self.queue.write_buffer(&buffers.normals, 0, cast_slice(&body.normals));
                 if let Some(holes) = &buffers.holes {
                     self.queue.write_buffer(holes, 0, cast_slice(&body.holes));

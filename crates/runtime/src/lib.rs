@@ -28,14 +28,14 @@ mod world;
 
 pub use actions::Drag;
 pub use clock::Progress;
-pub use cloth::{Cloth, Flat, Grid, Mass, Particle, Parts, Rest};
+pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
 pub use collider::{Collider, Shape};
 pub use cpu::real::Real;
 pub use error::{Error, Result};
 pub use gpu::{ClothBuffers, read_back, read_back_u32};
 pub use measure::{Measures, measure};
 pub use options::{Backend, Options, Sleep, Solver};
-pub use passes::{Air, Kinds, Pass};
+pub use passes::{Air, Kinds, Pass, Soft};
 pub use pick::{Hit, PickTicket, pick};
 pub use plan::{Plan, PlannedPass};
 pub use reference::Reference;

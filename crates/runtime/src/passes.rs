@@ -1,7 +1,8 @@
 //! The frame: which passes run, in what order, and why.
 
-use crate::cloth::{Cloth, Rest};
+use crate::cloth::{Cloth, Compliance, Rest};
 use crate::collider::{Collider, Shape};
+use crate::options::{Options, Solver};
 use crate::wind::{Wind, WindForce};
 
 /// A pass over a cloth. Passes of one kind differ in constants only.
@@ -24,10 +25,32 @@ pub enum Pass {
         /// Whether rest lengths come from an image.
         image: bool,
     },
+    /// Springs with compliance of one direction and parity.
+    Stretch {
+        /// 0 to 3.
+        direction: u32,
+        /// 0 or 1.
+        parity: u32,
+        /// Whether rest lengths come from an image.
+        image: bool,
+        /// Where compliance comes from.
+        soft: Soft,
+        /// Whether multipliers are summed over several relaxations.
+        again: bool,
+    },
+    /// The multipliers of the last step end with it.
+    Forget,
+    /// No particle is farther from its anchors than along the surface.
+    Tethers {
+        /// Anchors a particle.
+        slots: u32,
+    },
     /// Duplicates of seam points take one position.
     Seams,
     /// Particles leave the colliders.
     Colliders(Kinds),
+    /// Swept: particles leave moving colliders that they are in or went through.
+    Contact(Kinds),
     /// Normals from the triangles around a particle.
     Normals {
         /// Whether any triangle is cut away.
@@ -63,6 +86,17 @@ pub enum Air {
     Push,
     /// From the field of [`Pass::Wind`].
     Field,
+}
+
+/// Where the compliance of springs comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Soft {
+    /// There is none.
+    None,
+    /// The same for all springs of a cloth.
+    Constant,
+    /// From an image.
+    Image,
 }
 
 /// Which code a collider pass needs; what no collider needs is not compiled in.
@@ -105,8 +139,15 @@ pub struct Schedule {
     pub frame: Vec<Pass>,
 }
 
-/// The classic solver's frame for a cloth among colliders in wind: only passes that have something to do.
-pub fn schedule(cloth: &Cloth, colliders: Option<Kinds>, wind: Option<&Wind>) -> Schedule {
+/// The frame of a cloth among colliders in wind: only passes that have something to do.
+///
+/// `slots` are the tethers of a particle.
+pub fn schedule(
+    (cloth, slots): (&Cloth, u32),
+    colliders: Option<Kinds>,
+    wind: Option<&Wind>,
+    options: &Options,
+) -> Schedule {
     let air = match wind.map(|w| w.force) {
         None => Air::None,
         Some(WindForce::Push { .. }) => Air::Push,
@@ -116,14 +157,50 @@ pub fn schedule(cloth: &Cloth, colliders: Option<Kinds>, wind: Option<&Wind>) ->
     // Reads neighbours, so it cannot be part of the step that moves them.
     s.step.extend((air == Air::Field).then_some(Pass::Wind { holes: cloth.is_cut() }));
     s.step.push(Pass::Integrate(air));
-    s.relax.extend(springs(cloth));
     let seams = cloth.ring_count() > 0;
-    s.relax.extend(seams.then_some(Pass::Seams));
-    // Last, so that a frame ends outside of the colliders. Duplicates are equal here and stay so.
-    s.relax.extend(colliders.map(Pass::Colliders));
-    s.frame.push(Pass::Normals { holes: cloth.is_cut() });
-    s.frame.extend(seams.then_some(Pass::SeamNormals));
+    // Colliders are last, so that a frame ends outside of them. Duplicates are equal there and stay so.
+    match options.solver {
+        Solver::Classic => {
+            s.relax.extend(springs(cloth));
+            s.relax.extend(seams.then_some(Pass::Seams));
+            s.relax.extend(colliders.map(Pass::Colliders));
+        }
+        Solver::Xpbd => {
+            // Before the springs tethers take the large errors, after them what springs have left at the pins.
+            let tethers = (slots > 0 && !cloth.is_cut()).then_some(Pass::Tethers { slots });
+            s.relax.extend(tethers);
+            let again = options.iterations > 1 && cloth.compliance != Compliance::None;
+            s.step.extend(again.then_some(Pass::Forget));
+            s.relax.extend(stretch(cloth, again));
+            s.relax.extend(seams.then_some(Pass::Seams));
+            s.relax.extend(tethers);
+            s.relax.extend(colliders.map(Pass::Contact));
+        }
+    }
+    if options.normals {
+        s.frame.push(Pass::Normals { holes: cloth.is_cut() });
+        s.frame.extend(seams.then_some(Pass::SeamNormals));
+    }
     s
+}
+
+/// As [`springs`], structural ones last: what the others disturb, they put right.
+fn stretch(cloth: &Cloth, again: bool) -> impl Iterator<Item = Pass> {
+    let soft = match cloth.compliance {
+        Compliance::None => Soft::None,
+        Compliance::Constant(_) => Soft::Constant,
+        Compliance::Image(_) => Soft::Image,
+    };
+    let all: Vec<_> = springs(cloth).collect();
+    let of = move |first: u32| {
+        all.clone().into_iter().filter_map(move |pass| match pass {
+            Pass::Springs { direction, parity, image } if direction / 2 == first => {
+                Some(Pass::Stretch { direction, parity, image, soft, again })
+            }
+            _ => None,
+        })
+    };
+    of(1).chain(of(0))
 }
 
 /// Up to eight passes: directions without springs and parities without room are left out.

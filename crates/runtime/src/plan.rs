@@ -62,7 +62,7 @@ fn planned(world: &World, cloth: usize, pass: Pass, dispatches: u32) -> PlannedP
     let source = source(pass);
     let of = &world.scene.cloths[cloth];
     let slots = source.bindings.iter().map(|b| b.slot);
-    let bytes = |slot: Slot| slot.bytes(of, world.scene.colliders.len());
+    let bytes = |slot: Slot| slot.bytes(of, world.tethers[cloth].per_particle, world.scene.colliders.len());
     PlannedPass {
         cloth,
         pass,

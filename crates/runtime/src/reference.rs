@@ -30,6 +30,6 @@ impl Reference {
     pub fn positions(&self, cloth: usize) -> Result<(&[[f64; 4]], &[[f64; 4]])> {
         let body = self.bodies.get(cloth);
         let missing = Error::NoSuch { what: "cloth", index: cloth, count: self.bodies.len() };
-        body.map(|b| (&b.now[..], &b.before[..])).ok_or(missing)
+        body.map(|b| (b.now(), b.before())).ok_or(missing)
     }
 }

@@ -30,8 +30,6 @@ pub struct Scene {
     pub wind: Option<Wind>,
     /// Frames of 1/60 s after which the scene has shown what it is for.
     pub frames: u32,
-    /// Stiffness \[N/m\] of all springs, `None` for as stiff as the solver can. The classic solver has no other.
-    pub stiffness: Option<f64>,
 }
 
 impl Scene {
@@ -44,7 +42,6 @@ impl Scene {
             gravity: [0.0, -9.81, 0.0],
             wind: None,
             frames: 600,
-            stiffness: None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Which files make which shader, and what it binds. The table is explicit: a shader is its parts, in order.
 
 use crate::cloth::Cloth;
-use crate::passes::{Air, Kinds, Pass};
+use crate::passes::{Air, Kinds, Pass, Soft};
 
 /// What can be bound. The number is the binding in every shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -23,11 +23,14 @@ pub enum Slot {
     Found,
     Partial,
     Fastest,
+    Soft,
+    Sums,
+    Tethers,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 17] = [
+        const NAMES: [&str; 20] = [
             "step",
             "grids",
             "now",
@@ -45,17 +48,23 @@ impl Slot {
             "found",
             "partial",
             "fastest",
+            "soft",
+            "sums",
+            "tethers",
         ];
         NAMES[self as usize]
     }
 
     /// Bytes of the buffer for a cloth.
-    pub fn bytes(self, cloth: &Cloth, colliders: usize) -> u64 {
+    pub fn bytes(self, cloth: &Cloth, tethers: usize, colliders: usize) -> u64 {
         let (starts, members) = cloth.rings();
         let bytes = match self {
             Slot::Step => 64 + 16,
             Slot::Grids => cloth.grids().len() * 32,
-            Slot::Now | Slot::Before | Slot::Rest | Slot::Normals | Slot::Field => cloth.len() * 16,
+            Slot::Now | Slot::Before | Slot::Rest | Slot::Normals | Slot::Field | Slot::Soft | Slot::Sums => {
+                cloth.len() * 16
+            }
+            Slot::Tethers => cloth.len() * tethers * 8,
             Slot::Holes => cloth.len() * 4,
             Slot::Starts => starts.len() * 4,
             Slot::Members => members.len() * 4,
@@ -169,6 +178,42 @@ pub fn source(pass: Pass) -> Source {
             let constants = vec![("direction", f64::from(direction)), ("parity", f64::from(parity))];
             Source { constants, ..plain("springs", &[GRID, rest, pass!("springs")], &bindings, threads) }
         }
+        Pass::Stretch { direction, parity, image, soft, again } => {
+            use Slot::{Soft as Softness, Sums};
+            let (rest, read): (_, &[Bound]) =
+                if image { (part!("rest_image"), &[reads(Rest)]) } else { (part!("rest_constant"), &[]) };
+            let mut files = vec![STEP, GRID, rest];
+            let mut bindings = [&[reads(Grids), writes(Now)], read].concat();
+            match soft {
+                Soft::None => files.splice(..1, []).for_each(drop),
+                Soft::Constant => files.push(part!("soft_constant")),
+                Soft::Image => {
+                    files.push(part!("soft_image"));
+                    bindings.push(reads(Softness));
+                }
+            }
+            if soft == Soft::None {
+                files.push(part!("soft_none"));
+            } else {
+                files.push(if again { part!("again") } else { part!("once") });
+                bindings.push(reads(Step));
+                bindings.extend(again.then_some(writes(Sums)));
+            }
+            files.push(pass!("stretch"));
+            let constants = vec![("direction", f64::from(direction)), ("parity", f64::from(parity))];
+            Source { constants, ..plain("stretch", &files, &bindings, Threads::Half(direction == 0)) }
+        }
+        Pass::Forget => plain("forget", &[INDEX, pass!("forget")], &[writes(Slot::Sums)], Threads::Particles),
+        Pass::Tethers { slots } => {
+            let bindings = [writes(Now), reads(Slot::Tethers)];
+            let constants = vec![("slots", f64::from(slots))];
+            Source { constants, ..plain("tethers", &[INDEX, pass!("tethers")], &bindings, Threads::Particles) }
+        }
+        Pass::Contact(kinds) => {
+            let files = [STEP, INDEX, part!("solid"), part!("friction"), part!("entry"), pass!("contact")];
+            let bindings = [writes(Now), reads(Solids), reads(Step), reads(Before)];
+            Source { constants: shapes(kinds), ..plain("contact", &files, &bindings, Threads::Particles) }
+        }
         Pass::Seams => {
             let bindings = [writes(Now), reads(Starts), reads(Members)];
             plain("seams", &[INDEX, RINGS, pass!("seams")], &bindings, Threads::Rings)
@@ -244,8 +289,7 @@ fn open(holes: bool, mut source: Source) -> Source {
 }
 
 fn colliders(kinds: Kinds, mut source: Source) -> Source {
-    const NAMES: [&str; 6] = ["half_spaces", "spheres", "capsules", "boxes", "radial_ellipsoids", "ellipsoids"];
-    source.constants = NAMES.iter().zip(kinds.shapes).map(|(name, on)| (*name, f64::from(u8::from(on)))).collect();
+    source.constants = shapes(kinds);
     if kinds.friction {
         source.files.insert(0, STEP);
         source.files.push(part!("friction"));
@@ -255,6 +299,11 @@ fn colliders(kinds: Kinds, mut source: Source) -> Source {
     }
     source.files.push(pass!("colliders"));
     source
+}
+
+fn shapes(kinds: Kinds) -> Vec<(&'static str, f64)> {
+    const NAMES: [&str; 6] = ["half_spaces", "spheres", "capsules", "boxes", "radial_ellipsoids", "ellipsoids"];
+    NAMES.iter().zip(kinds.shapes).map(|(name, on)| (*name, f64::from(u8::from(on)))).collect()
 }
 
 /// Workgroups in a row of a list; x is limited to 65,535.

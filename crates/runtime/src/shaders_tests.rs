@@ -18,7 +18,21 @@ fn variants() -> Vec<Pass> {
     all.extend([Air::None, Air::Push, Air::Field].map(Pass::Integrate));
     let springs = (0..16).map(|k| Pass::Springs { direction: k / 4, parity: k / 2 % 2, image: k % 2 == 1 });
     all.extend(springs);
-    all.extend([false, true].map(|friction| Pass::Colliders(Kinds { shapes: [true; 6], friction })));
+    for friction in [false, true] {
+        let kinds = Kinds { shapes: [true; 6], friction };
+        all.extend([Pass::Colliders(kinds), Pass::Contact(kinds)]);
+    }
+    for (direction, soft) in (0..4).flat_map(|d| [Soft::None, Soft::Constant, Soft::Image].map(|s| (d, s))) {
+        let stretch = |k: u32| (k % 2, k & 2 > 0, k & 4 > 0 && soft != Soft::None);
+        all.extend((0..8).map(stretch).map(|(parity, image, again)| Pass::Stretch {
+            direction,
+            parity,
+            image,
+            soft,
+            again,
+        }));
+    }
+    all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all
 }
 
@@ -84,9 +98,9 @@ fn structs_lie_as_in_rust() {
             (vec![$((stringify!($field), offset_of!($t, $field) as u32)),*], size_of::<$t>() as u32)
         };
     }
-    let step = rust!(StepRow: gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, unused);
-    let grid = rust!(GridRow: first, width, height, unused, rest);
-    let solid = rust!(SolidRow: center, kind, size, friction, rotation, velocity, unused1, spin, unused2);
+    let step = rust!(StepRow: gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, left);
+    let grid = rust!(GridRow: first, width, height, soft, rest);
+    let solid = rust!(SolidRow: center, kind, size, friction, rotation, velocity, spin);
     let mut seen = BTreeSet::new();
     for pass in variants() {
         let module = module(pass);
@@ -97,16 +111,17 @@ fn structs_lie_as_in_rust() {
                 Some("Grid") => &grid,
                 Some("Solid") => &solid,
                 // Lives in registers only.
-                Some("Exit" | "Quad") => continue,
+                Some("Exit" | "Entry" | "Quad") => continue,
                 other => panic!("{other:?} has no counterpart"),
             };
-            let wgsl: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset)).collect();
+            let named = |m: &&naga::StructMember| !m.name.as_deref().unwrap().starts_with("unused");
+            let wgsl: Vec<_> = members.iter().filter(named).map(|m| (m.name.as_deref().unwrap(), m.offset)).collect();
             assert_eq!((&wgsl, span), (&rust.0, &rust.1), "{:?}", ty.name);
             seen.insert(ty.name.clone());
         }
     }
     assert_eq!(seen.len(), 3);
-    assert_eq!(Slot::Step.bytes(&crate::Flat::square("x", 2).cloth().unwrap(), 0), u64::from(step.1));
+    assert_eq!(Slot::Step.bytes(&crate::Flat::square("x", 2).cloth().unwrap(), 0, 0), u64::from(step.1));
 }
 
 #[test]

@@ -32,6 +32,8 @@ pub struct Step<T> {
     pub drag: T,
     /// Half the air's density times the lift coefficient \[kg/m^3\].
     pub lift: T,
+    /// From the end of this step to that of the frame \[s\]: so far back moving colliders are.
+    pub left: T,
 }
 
 /// What one step of a cloth depends on.
@@ -102,6 +104,7 @@ impl Step<f64> {
             rate: of(self.rate),
             drag: of(self.drag),
             lift: of(self.lift),
+            left: of(self.left),
         }
     }
 }

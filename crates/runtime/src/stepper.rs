@@ -7,7 +7,7 @@ use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
 use crate::gpu::{ClothBuffers, Gpu};
-use crate::options::{Backend, Options};
+use crate::options::{Backend, Options, Solver};
 use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::wind::Wind;
@@ -92,12 +92,12 @@ impl Stepper {
     /// Positions \[m\] of a cloth, the fourth component 1/mass (0 pinned, -1 no particle). `None` on the GPU backend,
     /// where they stay in [`Stepper::buffers`], and for a cloth that does not exist.
     pub fn positions(&self, cloth: usize) -> Option<&[[f32; 4]]> {
-        Some(&self.cpu.as_ref()?.0.get(cloth)?.now)
+        Some(self.cpu.as_ref()?.0.get(cloth)?.now())
     }
 
     /// Positions one step before, as [`Stepper::positions`].
     pub fn previous(&self, cloth: usize) -> Option<&[[f32; 4]]> {
-        Some(&self.cpu.as_ref()?.0.get(cloth)?.before)
+        Some(self.cpu.as_ref()?.0.get(cloth)?.before())
     }
 
     /// Unit normals of a cloth; 0 where there is none.
@@ -179,8 +179,9 @@ impl Stepper {
         self.edit(cloth, particle, |_| Ok(()))?;
         for k in self.duplicates(cloth, particle) {
             if let Some((bodies, _)) = &mut self.cpu {
-                bodies[cloth].now[k][..3].copy_from_slice(&at);
-                bodies[cloth].before[k][..3].copy_from_slice(&at);
+                let (now, before) = bodies[cloth].edit();
+                now[k][..3].copy_from_slice(&at);
+                before[k][..3].copy_from_slice(&at);
             }
             if let Some(gpu) = &self.gpu {
                 gpu.set_position(cloth, k, at);
@@ -201,10 +202,13 @@ impl Stepper {
         }
         change(&mut self.world.scene.cloths[cloth])?;
         self.world.wake(cloth);
-        for k in self.duplicates(cloth, particle) {
-            let w = self.world.scene.cloths[cloth].inverse_mass(k);
+        let duplicates = self.duplicates(cloth, particle);
+        let share = if self.world.options.solver == Solver::Xpbd { duplicates.len() as f32 } else { 1.0 };
+        for k in duplicates {
+            let w = self.world.scene.cloths[cloth].inverse_mass(k) * share;
             if let Some((bodies, _)) = &mut self.cpu {
-                (bodies[cloth].now[k][3], bodies[cloth].before[k][3]) = (w, w);
+                let (now, before) = bodies[cloth].edit();
+                (now[k][3], before[k][3]) = (w, w);
             }
             if let Some(gpu) = &self.gpu {
                 gpu.set_inverse_mass(cloth, k, w);

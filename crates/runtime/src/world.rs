@@ -2,13 +2,13 @@
 
 use crate::actions::Action;
 use crate::clock::Clock;
-use crate::cloth::Cloth;
+use crate::cloth::{Anchor, Cloth, Tethers};
 use crate::cpu::body::Body;
 use crate::cpu::real::Real;
 use crate::cpu::rows::Threads;
 use crate::cpu::solid::Solid;
 use crate::error::{Error, Result};
-use crate::options::Options;
+use crate::options::{Options, Solver};
 use crate::passes::{Kinds, Schedule, schedule};
 use crate::scene::Scene;
 use crate::sleep::Calm;
@@ -20,6 +20,8 @@ pub struct World {
     pub options: Options,
     pub clock: Clock,
     pub schedules: Vec<Schedule>,
+    /// What pinned cloths hang on; without slots where nothing does.
+    pub tethers: Vec<Tethers>,
     pub asleep: Vec<bool>,
     /// How long each cloth has been calm.
     pub calm: Vec<Calm>,
@@ -34,7 +36,8 @@ impl World {
         let clock = Clock::new(&options);
         let asleep = vec![false; scene.cloths.len()];
         let (calm, actions) = (vec![Calm::default(); scene.cloths.len()], Vec::new());
-        let mut world = World { scene, options, clock, schedules: Vec::new(), asleep, calm, actions };
+        let tethers = scene.cloths.iter().map(|c| hang(c, &options)).collect();
+        let mut world = World { scene, options, clock, schedules: Vec::new(), tethers, asleep, calm, actions };
         world.reschedule();
         Ok(world)
     }
@@ -43,7 +46,9 @@ impl World {
     pub fn reschedule(&mut self) {
         let kinds = Kinds::of(&self.scene.colliders);
         let wind = self.scene.wind.as_ref();
-        self.schedules = self.scene.cloths.iter().map(|c| schedule(c, kinds, wind)).collect();
+        let cloths = self.scene.cloths.iter().zip(&self.tethers);
+        let slots = |t: &Tethers| t.per_particle as u32;
+        self.schedules = cloths.map(|(c, t)| schedule((c, slots(t)), kinds, wind, &self.options)).collect();
         self.watch();
     }
 
@@ -62,6 +67,13 @@ impl World {
         })
     }
 
+    /// Time \[s\] from the end of step `n` of `steps` to the end of the frame, where colliders move; else 0.
+    pub fn left(&self, n: u32, steps: u32) -> f64 {
+        let moves = |c: &crate::collider::Collider| [c.velocity, c.spin].as_flattened().iter().any(|x| *x != 0.0);
+        let swept = self.options.solver == Solver::Xpbd;
+        if swept && self.scene.colliders.iter().any(moves) { f64::from(steps - 1 - n) * self.clock.dt } else { 0.0 }
+    }
+
     pub fn cloth(&self, index: usize) -> Result<&Cloth> {
         let count = self.scene.cloths.len();
         self.scene.cloths.get(index).ok_or(Error::NoSuch { what: "cloth", index, count })
@@ -69,7 +81,7 @@ impl World {
 
     /// Bodies of all cloths at the start.
     pub fn bodies<T: Real>(&self) -> Vec<Body<T>> {
-        self.scene.cloths.iter().map(|c| Body::new(c, self.clock.dt)).collect()
+        self.scene.cloths.iter().zip(&self.tethers).map(|(c, t)| Body::new(c, t, &self.options)).collect()
     }
 
     /// Runs a frame of `steps` steps on the CPU.
@@ -81,11 +93,14 @@ impl World {
             }
             let (cloth, plan) = (&self.scene.cloths[index], &self.schedules[index]);
             let numbers = [self.step(cloth, true).cast::<T>(), self.step(cloth, false).cast()];
+            body.begin();
             for n in 0..steps {
-                let step = &numbers[usize::from(n > 0)];
+                let left = T::of(self.left(n, steps));
+                let step = &Step { left, ..numbers[usize::from(n > 0)] };
                 let relax = (0..self.options.iterations).flat_map(|_| &plan.relax);
-                plan.step.iter().chain(relax).for_each(|pass| body.run(*pass, threads, step, &solids));
+                body.step(plan.step.iter().chain(relax), threads, step, &solids);
             }
+            body.end();
             let last = &numbers[usize::from(steps > 1)];
             plan.frame.iter().for_each(|pass| body.run(*pass, threads, last, &solids));
             if let Some(limit) = self.calm_below() {
@@ -95,4 +110,27 @@ impl World {
         }
         (0..steps).for_each(|_| self.clock.tick());
     }
+}
+
+/// The tethers of a cloth, in as many slots as are used.
+fn hang(cloth: &Cloth, options: &Options) -> Tethers {
+    if options.solver != Solver::Xpbd || options.tethers == 0 || !cloth.particles().iter().any(|p| p.is_pinned()) {
+        return Tethers::default();
+    }
+    let found = cloth.stored_tethers().cloned().unwrap_or_else(|| cloth.tethers(options.tethers as usize));
+    let used = (0..cloth.len()).map(|k| found.of(k).iter().filter(|a| a.exists()).count()).max().unwrap_or(0);
+    let mut ends: Vec<u32> = found.anchors.iter().filter(|a| a.exists()).map(|a| a.particle).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    let mut anchors = Vec::with_capacity(used * cloth.len());
+    for k in 0..cloth.len() {
+        if ends.len() <= used {
+            // A slot for each pin: neighbours then hang on the same one, which is quicker.
+            let of = |end: &u32| found.of(k).iter().find(|a| a.particle == *end).copied().unwrap_or(Anchor::NONE);
+            anchors.extend(ends.iter().map(of));
+        } else {
+            anchors.extend(&found.of(k)[..used]);
+        }
+    }
+    Tethers { per_particle: used, anchors }
 }

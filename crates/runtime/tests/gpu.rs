@@ -8,6 +8,15 @@ use support::{compared, device};
 
 const FRAME: f64 = 1.0 / 60.0;
 
+const SOLVERS: [Solver; 2] = [Solver::Classic, Solver::Xpbd];
+
+/// All scenes for the classic solver, then for XPBD, with soft springs too.
+fn solved() -> Vec<(Solver, &'static str, Scene)> {
+    let of =
+        |solver, list: Vec<(&'static str, Scene)>| list.into_iter().map(move |(name, scene)| (solver, name, scene));
+    of(Solver::Classic, compared()).chain(of(Solver::Xpbd, [support::outside(), support::soft()].concat())).collect()
+}
+
 type Lists = [Vec<[f32; 4]>; 3];
 
 fn on_gpu(scene: Scene, options: &Options, gpu: &(wgpu::Device, wgpu::Queue), frames: u32) -> Lists {
@@ -37,8 +46,9 @@ fn largest(a: &[[f32; 4]], b: &[[f32; 4]]) -> f32 {
 #[test]
 fn one_step_is_that_of_the_twin() {
     let Some(gpu) = device() else { return };
-    let options = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
-    for (name, scene) in compared() {
+    for (solver, name, scene) in solved() {
+        let options =
+            Options { solver, substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
         let there = on_gpu(scene.clone(), &options, &gpu, 1);
         let here = on_cpu(scene, &options, 1);
         let difference = largest(&there[0], &here[0]);
@@ -53,8 +63,8 @@ fn one_step_is_that_of_the_twin() {
 #[test]
 fn after_100_steps_the_measures_agree() {
     let Some(gpu) = device() else { return };
-    let options = Options { substeps: 10, ..Options::default() };
-    for (name, scene) in compared() {
+    for (solver, name, scene) in solved() {
+        let options = Options { solver, substeps: 10, ..Options::default() };
         let cloth = &scene.cloths[0];
         let of = |lists: Lists| measure(cloth, &lists[0], &lists[1], FRAME / 10.0, scene.gravity);
         let there = of(on_gpu(scene.clone(), &options, &gpu, 10));
@@ -76,8 +86,9 @@ fn after_100_steps_the_measures_agree() {
 fn two_runs_give_the_same_bits() {
     let Some(gpu) = device() else { return };
     let bits = |lists: Lists| lists.map(|l| l.iter().map(|v| v.map(f32::to_bits)).collect::<Vec<_>>());
-    for (name, scene) in compared() {
-        let run = || bits(on_gpu(scene.clone(), &Options::default(), &gpu, 20));
+    for (solver, name, scene) in solved() {
+        let options = Options { solver, iterations: 2, ..Options::default() };
+        let run = || bits(on_gpu(scene.clone(), &options, &gpu, 20));
         assert!(run() == run(), "{name}");
     }
 }
@@ -85,11 +96,11 @@ fn two_runs_give_the_same_bits() {
 #[test]
 fn seams_stay_closed_for_ten_seconds() {
     let Some(gpu) = device() else { return };
-    for fold in [2, 3, 4] {
+    for (fold, solver) in [2, 3, 4].into_iter().flat_map(|fold| SOLVERS.map(|solver| (fold, solver))) {
         let cloth = support::hung_tube(fold);
         let rings: Vec<Vec<u32>> = (0..cloth.len() as u32).filter_map(|k| Some(cloth.ring_of(k)?.to_vec())).collect();
         let scene = Scene { colliders: support::below(), ..support::scene(cloth) };
-        let [now, before, normals] = on_gpu(scene, &Options { substeps: 4, ..Options::default() }, &gpu, 600);
+        let [now, before, normals] = on_gpu(scene, &Options { solver, substeps: 4, ..Options::default() }, &gpu, 600);
         for list in [now, before, normals] {
             for ring in &rings {
                 assert!(ring.iter().all(|k| list[*k as usize] == list[ring[0] as usize]), "ring of {fold}");
@@ -102,8 +113,8 @@ fn seams_stay_closed_for_ten_seconds() {
 #[test]
 fn changes_reach_the_device() {
     let Some((device, queue)) = device() else { return };
-    let options = Options { substeps: 4, ..Options::default() };
-    let run = |backend| {
+    let run = |backend, solver| {
+        let options = Options { solver, substeps: 4, ..Options::default() };
         let options = Options { backend, ..options.clone() };
         let mut stepper = Stepper::new(support::on_colliders(16), options, Some((&device, &queue))).unwrap();
         let mut colliders = support::all_colliders();
@@ -130,8 +141,10 @@ fn changes_reach_the_device() {
         assert_eq!(stepper.backend(), backend);
         read_back(&device, &queue, &stepper.buffers(0).unwrap().now).unwrap()
     };
-    let (there, here) = (run(Backend::Gpu), run(Backend::Cpu));
-    assert!(largest(&there, &here) < 1e-4, "{}", largest(&there, &here));
+    for solver in SOLVERS {
+        let (there, here) = (run(Backend::Gpu, solver), run(Backend::Cpu, solver));
+        assert!(largest(&there, &here) < 1e-4, "{solver:?}: {}", largest(&there, &here));
+    }
 }
 
 fn options_of(stepper: &Stepper) -> Options {

@@ -36,9 +36,11 @@ pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
     if let Some(solver) = args.solver {
         file.options.solver = match solver {
             SolverArg::Classic => Solver::Classic,
+            SolverArg::Xpbd => Solver::Xpbd,
         };
     }
     file.options.substeps = args.substeps.unwrap_or(file.options.substeps);
+    file.options.tethers = args.tethers.unwrap_or(file.options.tethers);
     file.options.iterations = args.iterations.unwrap_or(file.options.iterations);
     file.options.threads = args.threads.into();
     Ok(file)

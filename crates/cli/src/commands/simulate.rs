@@ -4,7 +4,7 @@ mod dump;
 
 use std::time::Instant;
 
-use gimage_runtime::{Backend, Cloth};
+use gimage_runtime::{Backend, Cloth, Solver};
 use serde_json::json;
 
 use crate::args::SimulateArgs;
@@ -59,9 +59,10 @@ fn report(args: &SimulateArgs, out: &Output, engine: &Engine, mut times: Vec<f64
         "scene": args.scene.scene,
         "backend": backend,
         "adapter": engine.adapter,
-        "solver": "classic",
+        "solver": if options.solver == Solver::Xpbd { "xpbd" } else { "classic" },
         "substeps": options.substeps,
         "iterations": options.iterations,
+        "tethers": options.tethers,
         "particles": engine.stepper.scene().cloths.iter().map(Cloth::len).sum::<usize>(),
         "frames": times.len(),
         "ms_frame_min": least,

@@ -11,7 +11,7 @@ const DEFAULT_MASS: f32 = 1e-3;
 impl Cloth {
     /// All pieces of a bundle as one cloth; particle indices are those of the bundle. Where every piece with springs has
     /// constant rest lengths (or masses), no image is made for them; a bundle without rest lengths has no springs.
-    /// Errors as [`Cloth::new`].
+    /// Tethers of the bundle are kept until pins change. Errors as [`Cloth::new`].
     pub fn from_bundle(name: &str, bundle: &Bundle) -> Result<Self> {
         let pieces = &bundle.manifest.pieces;
         let grids: Vec<Grid> = pieces
@@ -32,7 +32,9 @@ impl Cloth {
             positions,
             grids,
         };
-        Cloth::new(parts)
+        let mut cloth = Cloth::new(parts)?;
+        cloth.keep_tethers(bundle.stored_tethers());
+        Ok(cloth)
     }
 }
 

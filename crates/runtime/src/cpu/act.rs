@@ -8,6 +8,7 @@ use super::{cut, cut_springs, transform};
 impl<T: Real> Body<T> {
     /// Cuts by a triangle; room must have been made by [`Body::open`].
     pub fn cut(&mut self, threads: &Threads, corners: [V3<T>; 3]) {
+        self.edited = true;
         for g in &self.grids {
             cut::run(threads, view(&self.now, &[], g), corners, &mut self.holes[g.range()]);
             if !self.image.is_empty() {
@@ -18,6 +19,7 @@ impl<T: Real> Body<T> {
 
     /// Moves particles by the matrix with these columns.
     pub fn transform(&mut self, chosen: &[u32], matrix: [[T; 4]; 4]) {
+        self.edited = true;
         transform::run(&mut self.now, &mut self.before, chosen, matrix);
     }
 }

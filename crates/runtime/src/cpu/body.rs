@@ -1,20 +1,22 @@
 //! A cloth in motion on the CPU.
 
+use super::fabric::Fabric;
 use super::integrate::Air;
 use super::neighbours::View;
 use super::real::{Real, cast};
 use super::rows::Threads;
 use super::solid::Solid;
 use super::{colliders, fastest, integrate, normals, seam_normals, seams, speed, springs, wind};
-use crate::cloth::{Cloth, Grid, Rest};
+use crate::cloth::{Cloth, Grid, Rest, Tethers};
+use crate::options::{Options, Solver};
 use crate::passes::{self, Pass};
 use crate::step::Step;
 
 /// Positions, previous positions and normals, and what the passes read beside them. The fourth component of a position
 /// is the inverse mass.
 pub struct Body<T> {
-    pub now: Vec<[T; 4]>,
-    pub before: Vec<[T; 4]>,
+    pub(super) now: Vec<[T; 4]>,
+    pub(super) before: Vec<[T; 4]>,
     pub normals: Vec<[T; 4]>,
     /// Triangles that are cut away, by texel; empty until the first cut.
     pub holes: Vec<u32>,
@@ -27,13 +29,30 @@ pub struct Body<T> {
     pub(super) image: Vec<[T; 4]>,
     starts: Vec<u32>,
     members: Vec<u32>,
+    fabric: Option<Box<Fabric<T>>>,
+    /// Whether texels were changed from outside since the last frame.
+    pub(super) edited: bool,
+}
+
+/// The fourth component of every position. Under XPBD a duplicate stands for its share of the point's mass: else forces
+/// on it would count half when the mean is taken.
+fn inverse_masses(cloth: &Cloth, solver: Solver) -> Vec<f32> {
+    let mut all: Vec<f32> = (0..cloth.len()).map(|k| cloth.inverse_mass(k)).collect();
+    let (starts, members) = cloth.rings();
+    for ring in starts.windows(2).filter(|_| solver == Solver::Xpbd) {
+        let members = &members[ring[0] as usize..ring[1] as usize];
+        members.iter().for_each(|k| all[*k as usize] *= members.len() as f32);
+    }
+    all
 }
 
 impl<T: Real> Body<T> {
-    /// A cloth at its start; `dt` \[s\] is how long ago the previous positions were.
-    pub fn new(cloth: &Cloth, dt: f64) -> Self {
+    /// A cloth at its start; its previous positions are those of a step ago.
+    pub fn new(cloth: &Cloth, tethers: &Tethers, options: &Options) -> Self {
+        let dt = options.step / f64::from(options.substeps);
+        let shares = inverse_masses(cloth, options.solver);
         let place = |k: usize, ago: f64| {
-            let (p, w) = (cloth.positions()[k].map(f64::from), f64::from(cloth.inverse_mass(k)));
+            let (p, w) = (cloth.positions()[k].map(f64::from), f64::from(shares[k]));
             let ago = if w > 0.0 { ago } else { 0.0 };
             let at = [0, 1, 2].map(|c| T::of(p[c] - f64::from(cloth.velocity[c]) * ago));
             [at[0], at[1], at[2], T::of(w)]
@@ -58,10 +77,63 @@ impl<T: Real> Body<T> {
             image,
             starts: starts.to_vec(),
             members: members.to_vec(),
+            fabric: (options.solver == Solver::Xpbd)
+                .then(|| Box::new(Fabric::new(cloth, tethers, options.iterations > 1))),
+            edited: true,
         }
     }
 
-    /// Runs one pass.
+    /// Positions.
+    pub fn now(&self) -> &[[T; 4]] {
+        &self.now
+    }
+
+    /// Positions one step before.
+    pub fn before(&self) -> &[[T; 4]] {
+        &self.before
+    }
+
+    /// Positions now and before, to be changed.
+    pub fn edit(&mut self) -> (&mut [[T; 4]], &mut [[T; 4]]) {
+        self.edited = true;
+        (&mut self.now, &mut self.before)
+    }
+
+    /// To be called before the steps of a frame.
+    pub fn begin(&mut self) {
+        if let Some(fabric) = self.fabric.as_mut().filter(|_| self.edited) {
+            fabric.load(&self.now, &self.before);
+            if !self.holes.is_empty() {
+                fabric.set_rest(&self.image);
+            }
+            self.edited = false;
+        }
+    }
+
+    /// To be called after the steps of a frame, before its normals.
+    pub fn end(&mut self) {
+        if let Some(fabric) = &self.fabric {
+            fabric.store(&mut self.now, &mut self.before);
+        }
+    }
+
+    /// Runs the passes of a step.
+    pub fn step<'a>(
+        &mut self,
+        passes: impl Iterator<Item = &'a Pass>,
+        threads: &Threads,
+        step: &Step<T>,
+        solids: &[Solid<T>],
+    ) {
+        let Some(mut fabric) = self.fabric.take() else {
+            passes.for_each(|pass| self.run(*pass, threads, step, solids));
+            return;
+        };
+        passes.for_each(|pass| fabric.run(*pass, threads, step, solids, self));
+        self.fabric = Some(fabric);
+    }
+
+    /// Runs one pass on texels.
     pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>]) {
         match pass {
             Pass::Wind { .. } => {
@@ -88,6 +160,8 @@ impl<T: Real> Body<T> {
                     normals::run(threads, view, &mut self.normals[g.range()]);
                 }
             }
+            // Passes of sheets.
+            Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
             Pass::SeamNormals => seam_normals::run(&mut self.normals, &self.starts, &self.members),
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),
             Pass::Fastest => self.fastest = fastest::run(&self.partial),

@@ -29,7 +29,7 @@ pub fn run<T: Real>(threads: &Threads, now: &mut [[T; 4]], before: &[[T; 4]], so
 }
 
 /// Takes back the motion along the surface since the last step, by at most friction times the depth.
-fn rub<T: Real>(solid: &Solid<T>, at: V3<T>, n: V3<T>, was: V3<T>, depth: T, dt: T) -> V3<T> {
+pub fn rub<T: Real>(solid: &Solid<T>, at: V3<T>, n: V3<T>, was: V3<T>, depth: T, dt: T) -> V3<T> {
     let surface = add(solid.velocity, cross(solid.spin, sub(at, solid.center)));
     let moved = sub(sub(at, was), scale(surface, dt));
     let along = sub(moved, scale(n, dot(moved, n)));

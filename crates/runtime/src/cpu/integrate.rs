@@ -19,7 +19,7 @@ pub enum Air<'a, T> {
 
 /// Moves free particles on and makes their positions the previous ones.
 pub fn run<T: Real>(threads: &Threads, step: &Step<T>, now: &mut [[T; 4]], before: &mut [[T; 4]], air: Air<T>) {
-    threads.chunks2((now, before), CHUNK, |chunk, now, before| match air {
+    threads.chunks2(now, before, (CHUNK, CHUNK), |chunk, now, before| match air {
         Air::None => all(step, now, before, |_, _, _| step.gravity),
         Air::Push => all(step, now, before, |_, p, moved| add(step.gravity, push(step, p, moved))),
         Air::Field(field) => {
@@ -30,7 +30,7 @@ pub fn run<T: Real>(threads: &Threads, step: &Step<T>, now: &mut [[T; 4]], befor
 }
 
 #[inline]
-fn push<T: Real>(step: &Step<T>, p: V3<T>, moved: V3<T>) -> V3<T> {
+pub fn push<T: Real>(step: &Step<T>, p: V3<T>, moved: V3<T>) -> V3<T> {
     scale(sub(air(step, p), scale(moved, step.rate)), step.response)
 }
 

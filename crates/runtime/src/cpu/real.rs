@@ -1,5 +1,6 @@
 //! f32 and f64 under one name, and vectors of three.
 
+use super::lanes::{LANES, Work};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A floating-point number that twins compute with.
@@ -13,8 +14,13 @@ pub trait Real:
     + Mul<Output = Self>
     + Div<Output = Self>
     + Neg<Output = Self>
+    + bytemuck::Pod
     + 'static
 {
+    /// Runs work with the widest vector instructions of this processor.
+    fn widest(work: impl Work<Self>);
+    /// As many ones as a block has numbers, then as many zeros.
+    const ONES_THEN_ZEROS: &'static [Self; 2 * LANES];
     /// The nearest number.
     fn of(x: f64) -> Self;
     /// Exact.
@@ -32,8 +38,21 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($($t:ty),*) => {$(
+    ($($t:ty, $widest:ident;)*) => {$(
         impl Real for $t {
+            const ONES_THEN_ZEROS: &'static [Self; 2 * LANES] = &{
+                let mut list = [0.0; 2 * LANES];
+                let mut k = 0;
+                while k < LANES {
+                    list[k] = 1.0;
+                    k += 1;
+                }
+                list
+            };
+            #[inline(always)]
+            fn widest(work: impl Work<Self>) {
+                super::lanes::$widest(work);
+            }
             #[inline]
             fn of(x: f64) -> Self {
                 x as $t
@@ -65,7 +84,7 @@ macro_rules! real {
         }
     )*};
 }
-real!(f32, f64);
+real!(f32, widest_f32; f64, widest_f64;);
 
 pub type V3<T> = [T; 3];
 

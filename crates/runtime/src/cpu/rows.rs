@@ -44,20 +44,21 @@ impl Threads {
         data.chunks_mut(size).enumerate().for_each(|(k, c)| work(k, c));
     }
 
-    /// As [`Threads::chunks`] over two lists of the same length.
+    /// As [`Threads::chunks`] over two lists, each in chunks of its own size.
     pub fn chunks2<A: Send, B: Send>(
         &self,
-        data: (&mut [A], &mut [B]),
-        size: usize,
+        a: &mut [A],
+        b: &mut [B],
+        size: (usize, usize),
         work: impl Fn(usize, &mut [A], &mut [B]) + Sync + Send,
     ) {
         #[cfg(feature = "threads")]
-        if let Some(pool) = self.pool.as_ref().filter(|_| data.0.len() >= WORTH_SHARING) {
+        if let Some(pool) = self.pool.as_ref().filter(|_| a.len() >= WORTH_SHARING) {
             use rayon::prelude::*;
-            let both = data.0.par_chunks_mut(size).zip(data.1.par_chunks_mut(size));
+            let both = a.par_chunks_mut(size.0).zip(b.par_chunks_mut(size.1));
             let each = || both.enumerate().for_each(|(k, (a, b))| work(k, a, b));
             return pool.install(each);
         }
-        data.0.chunks_mut(size).zip(data.1.chunks_mut(size)).enumerate().for_each(|(k, (a, b))| work(k, a, b));
+        a.chunks_mut(size.0).zip(b.chunks_mut(size.1)).enumerate().for_each(|(k, (a, b))| work(k, a, b));
     }
 }

@@ -45,6 +45,16 @@ impl<T: Real> Solid<T> {
         }
     }
 
+    /// Itself `left` seconds earlier, by its velocity and spin.
+    pub fn posed(&self, left: T) -> Self {
+        let half = scale(self.spin, T::of(-0.5) * left);
+        let ([x, y, z, w], axis) = (self.rotation, [self.rotation[0], self.rotation[1], self.rotation[2]]);
+        let v = add(scale(half, w), cross(half, axis));
+        let q = [x + v[0], y + v[1], z + v[2], w - dot(half, axis)];
+        let by = T::of(1.0) / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
+        Solid { center: sub(self.center, scale(self.velocity, left)), rotation: q.map(|x| x * by), ..*self }
+    }
+
     /// Where a point inside leaves, and the normal there; none for a point outside.
     #[inline]
     pub fn exit(&self, p: V3<T>) -> Option<(V3<T>, V3<T>)> {
@@ -63,6 +73,8 @@ impl<T: Real> Solid<T> {
         Some((add(turn(self.rotation, q), self.center), turn(self.rotation, n)))
     }
 }
+
+mod entry;
 
 /// Rotates by a unit quaternion.
 #[inline]

@@ -146,7 +146,7 @@ impl Draw {
     fn cloth(&mut self, cloth: &Cloth, look: &Look, source: Vec<Buffer>) -> Result<DrawnCloth> {
         let variant = Variant::Cloth { holes: source.len() > 3, uv: look.uv.is_some() };
         let row =
-            |g: &crate::Grid| GridRow { first: g.first, width: g.width, height: g.height, unused: 0, rest: [0.0; 4] };
+            |g: &crate::Grid| GridRow { first: g.first, width: g.width, height: g.height, soft: 0.0, rest: [0.0; 4] };
         let grids: Vec<_> = cloth.grids().iter().map(row).collect();
         let grids = self.upload("drawn grids", cast_slice(&grids));
         let mut bound = vec![(Slot::Grids as u32, &grids)];

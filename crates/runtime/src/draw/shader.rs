@@ -83,7 +83,7 @@ mod tests {
     fn every_variant_is_valid_binds_what_it_says_and_lies_as_in_rust() {
         let view = rust!(ViewRow: clip, eye, fraction, middle, tiles, background, shade, light, jump, front, back);
         let body = rust!(BodyRow: rotation, center, fade, color);
-        let grid = rust!(GridRow: first, width, height, unused, rest);
+        let grid = rust!(GridRow: first, width, height, soft, rest);
         for variant in Variant::ALL {
             let text = variant.files().concat();
             let module = naga::front::wgsl::parse_str(&text);

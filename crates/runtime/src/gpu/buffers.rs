@@ -6,7 +6,7 @@ use bytemuck::{Pod, bytes_of, cast_slice};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
-use crate::cloth::{Cloth, Rest};
+use crate::cloth::{Cloth, Compliance, Rest, Tethers};
 use crate::cpu::body::Body;
 use crate::error::{Error, Result};
 use crate::gpu::layout::{GridRow, SolidRow, StepRow};
@@ -15,8 +15,10 @@ use crate::shaders::{Bound, Slot, Source};
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
 const STEP_STRIDE: u32 = 256;
-/// A frame takes up to two; so many frames can be recorded before the first is submitted.
-const STEPS: u32 = 32;
+/// A frame takes up to two, or [`POSES`] where colliders move; so many can be recorded before the first submission.
+const STEPS: u32 = 1024;
+/// Steps of a frame are told apart by moving colliders in so many groups.
+pub(super) const POSES: u32 = 128;
 
 /// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices.
 pub struct ClothBuffers {
@@ -39,7 +41,12 @@ pub struct ClothBuffers {
 
 impl ClothBuffers {
     /// Uploads a cloth. Errors where a buffer is larger than the device allows.
-    pub(super) fn new(device: &wgpu::Device, cloth: &Cloth, body: &Body<f32>, draw_only: bool) -> Result<Self> {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        (cloth, held): (&Cloth, &Tethers),
+        body: &Body<f32>,
+        draw_only: bool,
+    ) -> Result<Self> {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let need = cloth.len() as u64 * 16;
@@ -49,8 +56,8 @@ impl ClothBuffers {
         let list =
             |label, data: &[[f32; 4]]| upload(device, label, data, BufferUsages::VERTEX | BufferUsages::COPY_SRC);
         let mut buffers = ClothBuffers {
-            now: list("now", &body.now),
-            before: list("before", &body.before),
+            now: list("now", body.now()),
+            before: list("before", body.before()),
             normals: list("normals", &body.normals),
             holes: None,
             step: None,
@@ -60,12 +67,12 @@ impl ClothBuffers {
             cursor: 0,
         };
         if !draw_only {
-            buffers.for_stepping(device, cloth);
+            buffers.for_stepping(device, cloth, held);
         }
         Ok(buffers)
     }
 
-    fn for_stepping(&mut self, device: &wgpu::Device, cloth: &Cloth) {
+    fn for_stepping(&mut self, device: &wgpu::Device, cloth: &Cloth, held: &Tethers) {
         self.step = Some(device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("step"),
             size: u64::from(STEP_STRIDE * STEPS),
@@ -80,13 +87,20 @@ impl ClothBuffers {
                 first: grid.first,
                 width: grid.width,
                 height: grid.height,
-                unused: 0,
+                soft: if let Compliance::Constant(c) = cloth.compliance { c } else { 0.0 },
                 rest: constant(g),
             })
             .collect();
         self.others.insert(Slot::Grids, upload(device, "grids", &rows, none));
         if let Rest::Image(rest) = cloth.rest() {
             self.others.insert(Slot::Rest, upload(device, "rest", rest, none));
+        }
+        if let Compliance::Image(soft) = &cloth.compliance {
+            self.others.insert(Slot::Soft, upload(device, "soft", soft, none));
+        }
+        if held.per_particle > 0 {
+            let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
+            self.others.insert(Slot::Tethers, upload(device, "tethers", &rows, none));
         }
         if cloth.ring_count() > 0 {
             let (starts, members) = cloth.rings();
@@ -123,12 +137,13 @@ impl ClothBuffers {
         &self.groups[&source.bindings]
     }
 
-    /// Buffers that only some scenes need: air that acts on triangles, speeds of cloth that may fall asleep.
+    /// Buffers that only some scenes need: air that acts on triangles, multipliers of several relaxations,
+    /// speeds of cloth that may fall asleep.
     fn make_scratch(&mut self, device: &wgpu::Device, source: &Source) {
         let particles = self.now.size() / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
-                Slot::Field => particles * 16,
+                Slot::Field | Slot::Sums => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest => 4,
                 _ => continue,

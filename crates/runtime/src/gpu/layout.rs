@@ -23,7 +23,7 @@ pub struct StepRow {
     pub rate: f32,
     pub drag: f32,
     pub lift: f32,
-    pub unused: f32,
+    pub left: f32,
 }
 
 /// `Grid` of shaders/part/grid.wgsl.
@@ -33,7 +33,7 @@ pub struct GridRow {
     pub first: u32,
     pub width: u32,
     pub height: u32,
-    pub unused: u32,
+    pub soft: f32,
     pub rest: [f32; 4],
 }
 
@@ -54,10 +54,9 @@ pub struct SolidRow {
 
 impl From<&Step<f64>> for StepRow {
     fn from(step: &Step<f64>) -> Self {
-        let Step { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift } =
+        let Step { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, left } =
             step.cast::<f32>();
-        let unused = 0.0;
-        StepRow { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, unused }
+        StepRow { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, left }
     }
 }
 

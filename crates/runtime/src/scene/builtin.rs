@@ -1,7 +1,7 @@
 //! The scenes that solvers are compared on: n x n particles, 1 m x 1 m, 0.2 kg, gravity 9.81 m/s^2 along -y.
 
 use super::Scene;
-use crate::cloth::{Cloth, Flat};
+use crate::cloth::{Cloth, Compliance, Flat};
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
 
@@ -24,7 +24,7 @@ pub fn builtin(name: &str, n: u32) -> Result<Scene> {
         _ => return Err(Error::NoScene(name.into())),
     };
     match name {
-        "s1k" => scene.stiffness = Some(1000.0),
+        "s1k" => cloth.compliance = Compliance::Constant(1e-3),
         "s2" => scene.frames = 60,
         "s2f" => (scene.frames, cloth.velocity) = (12, [0.0, -30.0, 0.0]),
         _ => {}

@@ -131,6 +131,38 @@ pub fn compared() -> Vec<(&'static str, Scene)> {
     ]
 }
 
+/// As [`compared`], with colliders that cloth falls on instead of starting deep inside them.
+pub fn outside() -> Vec<(&'static str, Scene)> {
+    let mut all = compared();
+    let mut cloth = tube(17, 12, 4);
+    cloth.velocity = [0.0, -1.5, 0.0];
+    let lower = |mut c: Collider| {
+        c.center[1] -= 0.35;
+        c
+    };
+    let colliders = below().into_iter().map(lower).collect();
+    all.retain(|(name, _)| *name != "ring of 4");
+    all.push(("ring of 4 that falls", Scene { colliders, ..scene(cloth) }));
+    all
+}
+
+/// Scenes with compliance, for XPBD.
+pub fn soft() -> Vec<(&'static str, Scene)> {
+    let with = |mut scene: Scene, compliance| {
+        scene.cloths[0].compliance = compliance;
+        scene
+    };
+    // Every other spring is stiff, so that both rules are at work in one block.
+    let image = |cloth: &Cloth| (0..cloth.len()).map(|k| [0, 1, 2, 3].map(|d| 1e-4 * ((k + d) % 3) as f32)).collect();
+    let tube = hung_tube(3);
+    let uneven = Compliance::Image(image(&tube));
+    vec![
+        ("soft", scene::builtin("s1k", 33).unwrap()),
+        ("soft by an image", with(scene(tube), uneven)),
+        ("soft, on colliders", with(on_colliders(24), Compliance::Constant(1e-4))),
+    ]
+}
+
 /// An adapter's device, or `None` with a line that says so; a missing one fails where GIMAGE_REQUIRE_GPU is 1.
 pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
     let instance = wgpu::Instance::default();

@@ -71,6 +71,7 @@ pub struct Solver {
     pub name: Option<String>,
     pub substeps: Option<u32>,
     pub iterations: Option<u32>,
+    pub tethers: Option<u32>,
 }
 
 #[derive(Deserialize)]
@@ -88,6 +89,7 @@ pub struct Cloth {
     pub mass: Option<f64>,
     #[serde(default)]
     pub damping: f32,
+    pub compliance: Option<f32>,
     #[serde(default)]
     pub velocity: V3,
     pub speed_limit: Option<f32>,

@@ -3,7 +3,7 @@
 use super::error::{Error, Result};
 use super::json::{self, From, Select};
 use super::{Found, SceneFile, Source};
-use crate::cloth::{Cloth, Flat};
+use crate::cloth::{Cloth, Compliance, Flat};
 use crate::collider::{Collider, Shape};
 use crate::draw::{Camera, Look, SolidLook, uv_of};
 use crate::options::{Options, Solver};
@@ -51,9 +51,13 @@ fn options(fields: &json::Solver) -> Result<Options> {
     options.solver = match fields.name.as_deref() {
         None => options.solver,
         Some("classic") => Solver::Classic,
-        Some(other) => return Err(Error::choice("solver.name", format!("there is no solver {other:?}, only classic"))),
+        Some("xpbd") => Solver::Xpbd,
+        Some(other) => {
+            return Err(Error::choice("solver.name", format!("there is no solver {other:?}, only classic and xpbd")));
+        }
     };
     options.substeps = fields.substeps.unwrap_or(options.substeps);
+    options.tethers = fields.tethers.unwrap_or(options.tethers);
     options.iterations = fields.iterations.unwrap_or(options.iterations);
     options.check().map_err(Error::value("solver"))?;
     Ok(options)
@@ -127,6 +131,7 @@ fn cloth(
         cloth.set_total_mass(mass).map_err(Error::value(format!("{place}.mass")))?;
     }
     (cloth.damping, cloth.velocity) = (fields.damping, fields.velocity);
+    cloth.compliance = fields.compliance.map_or(Compliance::None, Compliance::Constant);
     cloth.speed_limit = fields.speed_limit.unwrap_or(cloth.speed_limit);
     for (p, pins) in fields.pins.iter().enumerate() {
         let place = format!("{place}.pins[{p}]");

@@ -1,0 +1,118 @@
+//! What holds each particle and how far away it is along the cloth.
+
+use gimage_bundle::{RestLengths, SpringGrid, Tethers, tethers};
+
+use super::{Cloth, Rest};
+
+impl Cloth {
+    /// Up to `most` (at most [`gimage_bundle::MAX_ANCHORS`]) anchors of every particle: the nearest pins of the nearest
+    /// groups of pins, with geodesic distances \[m\] at rest. Those of the bundle where they are enough and pins have not
+    /// changed since, else found anew from the present pins and rest lengths as [`gimage_bundle::tethers`] does, which
+    /// takes about 2 microseconds a particle and anchor.
+    pub fn tethers(&self, most: usize) -> Tethers {
+        if let Some(stored) = self.stored_tethers().filter(|t| most <= t.per_particle) {
+            let slots = stored.anchors.chunks_exact(stored.per_particle.max(1));
+            return Tethers { per_particle: most, anchors: slots.flat_map(|s| &s[..most]).copied().collect() };
+        }
+        let rest = |(index, grid): (usize, &super::Grid)| match &self.parts.rest {
+            Rest::None => RestLengths::Constant([0.0; 4]),
+            Rest::Constant(lengths) => RestLengths::Constant(lengths[index]),
+            Rest::Image(lengths) => RestLengths::Image(&lengths[grid.range()]),
+        };
+        let grids: Vec<SpringGrid> = (self.parts.grids.iter().enumerate())
+            .map(|(index, grid)| SpringGrid { width: grid.width, height: grid.height, rest: rest((index, grid)) })
+            .collect();
+        tethers(&grids, &self.parts.particles, most)
+    }
+
+    /// The tethers that came with the bundle, one a particle; none where it had none or pins have changed since.
+    pub fn stored_tethers(&self) -> Option<&Tethers> {
+        self.stored_tethers.as_ref()
+    }
+
+    /// Takes the tethers of a bundle over, unless they are not of this cloth: one a particle, all to pinned particles.
+    pub(super) fn keep_tethers(&mut self, stored: Option<Tethers>) {
+        let pinned = |k: u32| self.parts.particles.get(k as usize).is_some_and(|p| p.is_pinned());
+        self.stored_tethers = stored.filter(|t| {
+            t.anchors.len() == self.len() * t.per_particle
+                && t.anchors.iter().all(|a| !a.exists() || pinned(a.particle))
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Flat;
+    use super::*;
+    use gimage_bundle::{Bundle, Image, MapKind};
+
+    /// A flat square of 5 x 5 particles whose first corner is pinned, as a bundle.
+    fn bundle() -> Bundle {
+        let mut bundle = Bundle::new("test");
+        bundle.add_piece("p", 5, 5).unwrap();
+        let mut image = Image::zeros(5, 5, 4);
+        for (k, texel) in image.data.chunks_mut(4).enumerate() {
+            texel.copy_from_slice(&[(k % 5) as f32, 0.0, (k / 5) as f32, if k == 0 { -1.0 } else { 1.0 }]);
+        }
+        bundle.insert(0, MapKind::Position, image).unwrap();
+        bundle.manifest.pieces[0].constants.rest = Some([1.0, 1.0, 2f32.sqrt(), 2f32.sqrt()]);
+        bundle.write_tethers().unwrap();
+        bundle
+    }
+
+    #[test]
+    fn the_tethers_of_a_bundle_hold_until_pins_change() {
+        let mut bundle = bundle();
+        bundle.images.get_mut(&(0, MapKind::Tether)).unwrap().data[3 * 24] = 7.5;
+        let mut cloth = Cloth::from_bundle("p", &bundle).unwrap();
+        // What is stored is used, not made again, unless more is asked for than is stored.
+        assert_eq!((cloth.tethers(1).of(24)[0].distance, cloth.tethers(1).of(24)[0].particle), (7.5, 0));
+        assert!((cloth.tethers(2).of(24)[0].distance - 32f32.sqrt()).abs() < 1e-6);
+        assert_eq!(cloth.tethers(0).anchors, []);
+        cloth.set_pinned(0, true).unwrap();
+        assert!(cloth.stored_tethers().is_some());
+        cloth.set_pinned(4, true).unwrap();
+        assert_eq!(cloth.stored_tethers(), None);
+        let found = cloth.tethers(2);
+        assert_eq!((found.of(24)[0].particle, found.of(24)[0].distance), (4, 4.0));
+        assert!(found.of(24)[1].particle == 0 && (found.of(24)[1].distance - 32f32.sqrt()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn tethers_that_are_not_of_the_cloth_are_not_kept() {
+        for anchor in [1.0, 25.0, -7.0] {
+            let mut bundle = bundle();
+            bundle.images.get_mut(&(0, MapKind::Tether)).unwrap().data[3 * 24 + 1] = anchor;
+            let cloth = Cloth::from_bundle("p", &bundle).unwrap();
+            // A free particle is no anchor; an index that is none of the bundle's counts as without anchor.
+            assert_eq!(cloth.stored_tethers().is_some(), anchor != 1.0, "{anchor}");
+        }
+    }
+
+    #[test]
+    fn a_bundle_without_tethers_gets_them() {
+        let mut bundle = bundle();
+        bundle.images.remove(&(0, MapKind::Tether));
+        let cloth = Cloth::from_bundle("p", &bundle).unwrap();
+        assert_eq!(cloth.stored_tethers(), None);
+        assert_eq!(cloth.tethers(1).of(3)[0].distance, 3.0);
+    }
+
+    #[test]
+    fn images_of_rest_lengths_and_no_lengths_at_all() {
+        let mut bundle = bundle();
+        let constant = Cloth::from_bundle("p", &bundle).unwrap();
+        let lengths = bundle.manifest.pieces[0].constants.rest.take().unwrap();
+        let data: Vec<f32> = (0..25).flat_map(|_| lengths).collect();
+        bundle.images.remove(&(0, MapKind::Tether));
+        let none = Cloth::from_bundle("p", &bundle).unwrap();
+        assert_eq!(none.tethers(1).anchors.iter().filter(|a| a.exists()).count(), 1);
+        bundle.insert(0, MapKind::Rest, Image { width: 5, height: 5, channels: 4, data }).unwrap();
+        let image = Cloth::from_bundle("p", &bundle).unwrap();
+        assert_eq!(image.tethers(2), constant.tethers(2));
+        let mut free = Flat::square("flat", 4).cloth().unwrap();
+        assert!(free.tethers(4).is_empty());
+        free.set_pinned(0, true).unwrap();
+        assert!((free.tethers(1).of(15)[0].distance - 2f32.sqrt()).abs() < 1e-6);
+    }
+}

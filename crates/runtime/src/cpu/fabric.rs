@@ -1,0 +1,227 @@
+//! A cloth in motion under the XPBD solver: sheets, and what holds them.
+
+use super::body::Body;
+use super::contact;
+use super::integrate::Air;
+use super::neighbours::View;
+use super::real::{Real, V3, cast};
+use super::rows::Threads;
+use super::sheet::{Sheet, Values};
+use super::solid::Solid;
+use super::stretch::{self, Springs};
+use super::tethers::{self, Tethers};
+use super::{advance, forget, wind};
+use crate::cloth::{self, Cloth, Compliance, Rest};
+use crate::passes::{self, Pass};
+use crate::step::Step;
+
+/// Sheets of a cloth, and where its particles lie in them.
+pub struct Fabric<T> {
+    sheets: Vec<Sheet<T>>,
+    springs: Vec<[Springs<T>; 4]>,
+    tethers: Vec<Tethers<T>>,
+    /// Sheet and place of every anchor.
+    anchors: Vec<(u32, u32)>,
+    /// Sheet and place of every member of every ring.
+    members: Vec<(u32, u32)>,
+    starts: Vec<u32>,
+    firsts: Vec<usize>,
+    field: Vec<[T; 4]>,
+}
+
+impl<T: Real> Fabric<T> {
+    /// Room for a cloth; [`Fabric::load`] fills it. `sums` keeps the multipliers of several relaxations.
+    pub fn new(cloth: &Cloth, held: &cloth::Tethers, sums: bool) -> Self {
+        let sheets: Vec<Sheet<T>> = cloth.grids().iter().map(Sheet::new).collect();
+        let firsts = cloth.grids().iter().map(|g| g.first as usize).collect();
+        let (starts, members) = cloth.rings();
+        let springs = sheets.iter().enumerate().map(|(g, sheet)| springs(cloth, g, sheet, sums)).collect();
+        let mut fabric = Fabric {
+            sheets,
+            springs,
+            tethers: Vec::new(),
+            anchors: Vec::new(),
+            members: Vec::new(),
+            starts: starts.to_vec(),
+            firsts,
+            field: Vec::new(),
+        };
+        fabric.members = members.iter().map(|k| fabric.place(*k as usize)).collect();
+        fabric.hold(held);
+        fabric
+    }
+
+    fn place(&self, k: usize) -> (u32, u32) {
+        let g = self.firsts.partition_point(|f| *f <= k) - 1;
+        (g as u32, self.sheets[g].triple(k - self.firsts[g]) as u32)
+    }
+
+    /// Takes over the tethers.
+    fn hold(&mut self, held: &cloth::Tethers) {
+        let mut order: Vec<u32> = held.anchors.iter().filter(|a| a.exists()).map(|a| a.particle).collect();
+        order.sort_unstable();
+        order.dedup();
+        self.anchors = order.iter().map(|k| self.place(*k as usize)).collect();
+        self.tethers.clear();
+        for (g, sheet) in self.sheets.iter().enumerate() {
+            let of = |slot: usize, k: usize| held.anchors[(self.firsts[g] + k) * held.per_particle + slot];
+            let slots = (0..held.per_particle).map(|slot| {
+                tethers::Slot::new(sheet, |k| {
+                    let anchor = of(slot, k);
+                    let index = order.binary_search(&anchor.particle).ok()?;
+                    Some((index as u32, T::of(f64::from(anchor.distance))))
+                })
+            });
+            self.tethers.push(Tethers { slots: slots.collect() });
+        }
+    }
+
+    /// Positions and inverse masses from texels.
+    pub fn load(&mut self, now: &[[T; 4]], before: &[[T; 4]]) {
+        for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
+            let range = *first..first + sheet.width * sheet.height;
+            sheet.load(&now[range.clone()], &before[range]);
+            sheet.w = sheet.list(T::of(0.0), |k| now[first + k][3].max(T::of(0.0)));
+        }
+    }
+
+    /// Rest lengths \[m\] by texels, after a cut.
+    pub fn set_rest(&mut self, image: &[[T; 4]]) {
+        for ((sheet, springs), first) in self.sheets.iter().zip(&mut self.springs).zip(&self.firsts) {
+            for (d, of) in springs.iter_mut().enumerate() {
+                of.rest = Values::List(sheet.list(T::of(0.0), |k| image[first + k][d]));
+            }
+        }
+    }
+
+    /// Positions to texels.
+    pub fn store(&self, now: &mut [[T; 4]], before: &mut [[T; 4]]) {
+        for (sheet, first) in self.sheets.iter().zip(&self.firsts) {
+            let range = *first..first + sheet.width * sheet.height;
+            sheet.store(&mut now[range.clone()], &mut before[range]);
+        }
+    }
+
+    /// Runs a pass of a step. Wind needs the texels of `body`.
+    pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>], body: &mut Body<T>) {
+        match pass {
+            Pass::Wind { .. } => self.wind(threads, step, body),
+            Pass::Integrate(air) => {
+                for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
+                    let air = match air {
+                        passes::Air::None => Air::None,
+                        passes::Air::Push => Air::Push,
+                        passes::Air::Field => Air::Field(&self.field[*first..]),
+                    };
+                    advance::run(threads, step, sheet, air);
+                }
+            }
+            Pass::Stretch { direction, parity, .. } => {
+                for (sheet, springs) in self.sheets.iter_mut().zip(&mut self.springs) {
+                    let springs = &mut springs[direction as usize & 3];
+                    stretch::run(threads, sheet, springs, direction, parity, step.dt);
+                }
+            }
+            Pass::Forget => {
+                self.springs.iter_mut().flatten().filter_map(|s| s.sums.as_mut()).for_each(|s| forget::run(s));
+            }
+            Pass::Tethers { .. } => {
+                // What is no longer pinned holds nothing: no distance to a place that is no number is too large.
+                let of = |&(g, at): &(u32, u32)| {
+                    let sheet = &self.sheets[g as usize];
+                    let holds = sheet.w[single(at as usize, sheet.half)] == T::of(0.0);
+                    if holds { sheet.at(at as usize) } else { [T::of(f64::NAN); 3] }
+                };
+                let anchors: Vec<V3<T>> = self.anchors.iter().map(of).collect();
+                for (sheet, held) in self.sheets.iter_mut().zip(&self.tethers) {
+                    tethers::run(threads, sheet, held, &anchors);
+                }
+            }
+            Pass::Seams => self.seams(),
+            Pass::Contact(_) => {
+                let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();
+                self.sheets.iter_mut().for_each(|s| contact::run(threads, s, &posed, step.dt));
+            }
+            // Passes of the classic solver, and those of a frame, which are made from texels.
+            _ => {}
+        }
+    }
+
+    fn wind(&mut self, threads: &Threads, step: &Step<T>, body: &mut Body<T>) {
+        self.field.resize(body.now().len(), [T::of(0.0); 4]);
+        self.store(&mut body.now, &mut body.before);
+        let (now, before, holes) = (&body.now, &body.before, &body.holes);
+        for (sheet, first) in self.sheets.iter().zip(&self.firsts) {
+            let range = *first..first + sheet.width * sheet.height;
+            let holes = holes.get(range.clone()).unwrap_or(&[]);
+            let view = View { now: &now[range.clone()], width: sheet.width, holes };
+            wind::run(threads, step, view, &before[range.clone()], &mut self.field[range]);
+        }
+    }
+
+    /// The rule of seams.rs.
+    fn seams(&mut self) {
+        for ring in self.starts.windows(2) {
+            let ring = &self.members[ring[0] as usize..ring[1] as usize];
+            let mut sum = [T::of(0.0); 3];
+            let mut pinned = None;
+            for (g, at) in ring {
+                let sheet = &self.sheets[*g as usize];
+                let p = sheet.at(*at as usize);
+                if sheet.w[single(*at as usize, sheet.half)] == T::of(0.0) {
+                    pinned = Some(p);
+                    break;
+                }
+                sum = super::real::add(sum, p);
+            }
+            let at = pinned.unwrap_or(super::real::scale(sum, T::of(1.0) / T::of(ring.len() as f64)));
+            ring.iter().for_each(|(g, place)| self.sheets[*g as usize].put(*place as usize, at));
+        }
+    }
+}
+
+/// From a place of x in `now` to the place in `w`.
+fn single(triple: usize, half: usize) -> usize {
+    triple / (6 * half) * 2 * half + triple % (6 * half)
+}
+
+fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>, sums: bool) -> [Springs<T>; 4] {
+    let first = cloth.grids()[g].first as usize;
+    let holes = (0..sheet.width * sheet.height).any(|k| !cloth.particles()[first + k].exists());
+    [0, 1, 2, 3].map(|d| {
+        let zero = T::of(0.0);
+        let image = |list: &[[f32; 4]]| {
+            let list = &list[first..];
+            Values::List(sheet.list(zero, |k| cast::<f32, T, 4>(list[k])[d]))
+        };
+        let rest = match cloth.rest() {
+            Rest::None => Values::Constant(zero),
+            Rest::Constant(r) if !holes => Values::Constant(T::of(r[g][d].into())),
+            Rest::Constant(r) => {
+                Values::List(sheet.list(zero, |k| if joined(cloth, g, k, d) { T::of(r[g][d].into()) } else { zero }))
+            }
+            Rest::Image(r) => image(r),
+        };
+        let soft = match &cloth.compliance {
+            Compliance::None => Values::Constant(zero),
+            Compliance::Constant(c) => Values::Constant(T::of(f64::from(*c))),
+            Compliance::Image(c) => image(c),
+        };
+        let soft_any = !matches!(cloth.compliance, Compliance::None);
+        let sums = (sums && soft_any).then(|| vec![zero; sheet.w.len()]);
+        Springs { rest, soft, sums }
+    })
+}
+
+/// Whether both ends of a spring are particles.
+fn joined(cloth: &Cloth, g: usize, k: usize, direction: usize) -> bool {
+    let grid = &cloth.grids()[g];
+    let (w, h) = (grid.width as usize, grid.height as usize);
+    let (i, j) = (k % w, k / w);
+    let (right, down, up) = (direction != 1, direction == 1 || direction == 2, direction == 3);
+    if (right && i + 1 >= w) || (down && j + 1 >= h) || (up && j == 0) {
+        return false;
+    }
+    let other = k + usize::from(right) + if down { w } else { 0 } - if up { w } else { 0 };
+    [k, other].iter().all(|k| cloth.particles()[grid.first as usize + k].exists())
+}

@@ -1,0 +1,178 @@
+//! Vector instructions of the processor at hand, behind one trait for f32 and f64.
+//!
+//! Only additions, multiplications, divisions, square roots and comparisons are used, all correctly rounded and none
+//! fused, so every instruction set gives the same bits, as a loop over single numbers would.
+
+use bytemuck::{bytes_of, cast_slice, cast_slice_mut, pod_read_unaligned};
+use pulp::Simd;
+
+use super::real::Real;
+
+/// Numbers in a block: one AVX-512 register of f32, two of AVX2, four of SSE2 or NEON. Lists are as long as a whole
+/// number of blocks.
+pub const LANES: usize = 16;
+
+/// An instruction set. `V` is a vector of `WIDE` numbers, `M` a mask of as many.
+pub trait Machine<T: Real>: Copy {
+    type V: Copy;
+    type M: Copy;
+    /// A divisor of [`LANES`].
+    const WIDE: usize;
+    /// The vector at `at`. The list must reach as far.
+    fn load(self, from: &[T], at: usize) -> Self::V;
+    /// Writes a vector back.
+    fn store(self, to: &mut [T], at: usize, v: Self::V);
+    fn splat(self, x: T) -> Self::V;
+    fn add(self, a: Self::V, b: Self::V) -> Self::V;
+    fn sub(self, a: Self::V, b: Self::V) -> Self::V;
+    fn mul(self, a: Self::V, b: Self::V) -> Self::V;
+    fn div(self, a: Self::V, b: Self::V) -> Self::V;
+    fn sqrt(self, a: Self::V) -> Self::V;
+    /// Whether a > b, number by number.
+    fn above(self, a: Self::V, b: Self::V) -> Self::M;
+    /// a where the mask is set, else b.
+    fn choose(self, mask: Self::M, a: Self::V, b: Self::V) -> Self::V;
+
+    /// Whether the mask is set anywhere.
+    fn any(self, mask: Self::M) -> bool;
+
+    /// The larger one; b where a is no number.
+    #[inline(always)]
+    fn most(self, a: Self::V, b: Self::V) -> Self::V {
+        self.choose(self.above(a, b), a, b)
+    }
+
+    /// Squares of lengths, summed in the order of `real::dot`.
+    #[inline(always)]
+    fn squares(self, [x, y, z]: [Self::V; 3]) -> Self::V {
+        self.add(self.add(self.mul(x, x), self.mul(y, y)), self.mul(z, z))
+    }
+
+    /// The first `count` numbers of a vector, zeros after them.
+    #[inline(always)]
+    fn first(self, v: Self::V, count: usize) -> Self::V {
+        let zero = self.splat(T::of(0.0));
+        let mask = self.above(self.load(T::ONES_THEN_ZEROS, LANES.saturating_sub(count)), zero);
+        self.choose(mask, v, zero)
+    }
+}
+
+/// Work for whatever instruction set there is. Everything it calls must be inlined into it.
+pub trait Work<T: Real> {
+    /// Does it.
+    fn run<K: Machine<T>>(self, k: K);
+}
+
+/// Runs `work` with the widest instructions of this processor.
+#[inline(always)]
+pub fn widest<T: Real>(work: impl Work<T>) {
+    T::widest(work);
+}
+
+macro_rules! machine {
+    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $above:ident, $choose:ident, $first:ident) => {
+        impl<S: Simd> Machine<$t> for On<S> {
+            type V = S::$v;
+            type M = S::$m;
+            const WIDE: usize = size_of::<S::$v>() / size_of::<$t>();
+
+            #[inline(always)]
+            fn load(self, from: &[$t], at: usize) -> S::$v {
+                pod_read_unaligned(cast_slice(&from[at..at + <Self as Machine<$t>>::WIDE]))
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [$t], at: usize, v: S::$v) {
+                cast_slice_mut(&mut to[at..at + <Self as Machine<$t>>::WIDE]).copy_from_slice(bytes_of(&v));
+            }
+            #[inline(always)]
+            fn splat(self, x: $t) -> S::$v {
+                self.0.$splat(x)
+            }
+            #[inline(always)]
+            fn add(self, a: S::$v, b: S::$v) -> S::$v {
+                self.0.$add(a, b)
+            }
+            #[inline(always)]
+            fn sub(self, a: S::$v, b: S::$v) -> S::$v {
+                self.0.$sub(a, b)
+            }
+            #[inline(always)]
+            fn mul(self, a: S::$v, b: S::$v) -> S::$v {
+                self.0.$mul(a, b)
+            }
+            #[inline(always)]
+            fn div(self, a: S::$v, b: S::$v) -> S::$v {
+                self.0.$div(a, b)
+            }
+            #[inline(always)]
+            fn sqrt(self, a: S::$v) -> S::$v {
+                self.0.$sqrt(a)
+            }
+            #[inline(always)]
+            fn above(self, a: S::$v, b: S::$v) -> S::$m {
+                self.0.$above(a, b)
+            }
+            #[inline(always)]
+            fn choose(self, mask: S::$m, a: S::$v, b: S::$v) -> S::$v {
+                self.0.$choose(mask, a, b)
+            }
+            #[inline(always)]
+            fn any(self, mask: S::$m) -> bool {
+                self.0.$first(mask) < <Self as Machine<$t>>::WIDE
+            }
+        }
+
+        /// Runs work on vectors of this type.
+        pub fn $run(work: impl Work<$t>) {
+            struct Op<W>(W);
+            impl<W: Work<$t>> pulp::WithSimd for Op<W> {
+                type Output = ();
+                #[inline(always)]
+                fn with_simd<S: Simd>(self, simd: S) {
+                    self.0.run(On(simd));
+                }
+            }
+            match pulp::Arch::new() {
+                // Every processor has vectors of 16 bytes; compilers find them in loops over four numbers.
+                pulp::Arch::Scalar => pulp::Scalar128b.vectorize(Op(work)),
+                #[allow(unreachable_patterns)]
+                wider => wider.dispatch(Op(work)),
+            }
+        }
+    };
+}
+
+/// The instruction set of a processor.
+#[derive(Clone, Copy)]
+struct On<S>(S);
+
+machine!(
+    f32,
+    f32s,
+    m32s,
+    widest_f32,
+    splat_f32s,
+    add_f32s,
+    sub_f32s,
+    mul_f32s,
+    div_f32s,
+    sqrt_f32s,
+    greater_than_f32s,
+    select_f32s,
+    first_true_m32s
+);
+machine!(
+    f64,
+    f64s,
+    m64s,
+    widest_f64,
+    splat_f64s,
+    add_f64s,
+    sub_f64s,
+    mul_f64s,
+    div_f64s,
+    sqrt_f64s,
+    greater_than_f64s,
+    select_f64s,
+    first_true_m64s
+);

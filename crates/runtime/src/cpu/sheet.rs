@@ -1,0 +1,128 @@
+//! A grid in planes: coordinates apart from one another, even columns apart from odd ones.
+//!
+//! A row is `[x even, x odd, y even, y odd, z even, z odd]`, each `half` numbers long, so that the springs of every colour
+//! join two contiguous lists: right-even is even with odd, right-odd is odd with even from the second on, and so on.
+//! Columns past the end are particles that cannot move.
+
+use super::lanes::LANES;
+use super::real::{Real, V3};
+use crate::cloth::Grid;
+
+/// A number for each particle of a sheet, or one for all.
+#[derive(Clone, Debug)]
+pub enum Values<T> {
+    /// The same everywhere.
+    Constant(T),
+    /// In the layout of [`Sheet::w`].
+    List(Vec<T>),
+}
+
+/// A grid of particles.
+#[derive(Clone, Debug)]
+pub struct Sheet<T> {
+    pub width: usize,
+    pub height: usize,
+    /// Numbers in half a row of one coordinate; a multiple of 8.
+    pub half: usize,
+    pub now: Vec<T>,
+    pub before: Vec<T>,
+    /// Inverse mass \[1/kg\], 0 for what does not move. Rows of `[even, odd]`.
+    pub w: Vec<T>,
+}
+
+/// The coordinates of a row, `[even, odd]` each.
+#[inline(always)]
+pub fn planes<T>(row: &mut [T], half: usize) -> [&mut [T]; 3] {
+    let (x, rest) = row.split_at_mut(2 * half);
+    let (y, z) = rest.split_at_mut(2 * half);
+    [x, y, &mut z[..2 * half]]
+}
+
+/// The same for reading.
+#[inline(always)]
+pub fn planes_ref<T>(row: &[T], half: usize) -> [&[T]; 3] {
+    [&row[..2 * half], &row[2 * half..4 * half], &row[4 * half..6 * half]]
+}
+
+impl<T: Real> Sheet<T> {
+    /// Room for a grid; everything 0.
+    pub fn new(grid: &Grid) -> Self {
+        let (width, height) = (grid.width as usize, grid.height as usize);
+        // Whole blocks of pairs, the odd ones from one further on.
+        let blocks = |pairs: usize| pairs.div_ceil(LANES) * LANES;
+        let half = blocks(width.div_ceil(2)).max(1 + blocks((width - 1) / 2)).next_multiple_of(8);
+        let zeros = |n: usize| vec![T::of(0.0); n];
+        let row = 6 * half * height;
+        Sheet { width, height, half, now: zeros(row), before: zeros(row), w: zeros(2 * half * height) }
+    }
+
+    /// Numbers in a row of `now`.
+    pub fn row(&self) -> usize {
+        6 * self.half
+    }
+
+    /// Where texel `k` of the grid (row-major) lies in `w`.
+    #[inline]
+    pub fn single(&self, k: usize) -> usize {
+        let (i, j) = (k % self.width, k / self.width);
+        j * 2 * self.half + (i & 1) * self.half + i / 2
+    }
+
+    /// Where its x lies in `now`; y and z are `2 half` and `4 half` further on.
+    #[inline]
+    pub fn triple(&self, k: usize) -> usize {
+        let (i, j) = (k % self.width, k / self.width);
+        j * 6 * self.half + (i & 1) * self.half + i / 2
+    }
+
+    /// A list by texels in the layout of `w`; `fill` where there is no texel.
+    pub fn list(&self, fill: T, value: impl Fn(usize) -> T) -> Vec<T> {
+        let mut out = vec![fill; self.w.len()];
+        (0..self.width * self.height).for_each(|k| out[self.single(k)] = value(k));
+        out
+    }
+
+    /// Positions from texels.
+    pub fn load(&mut self, now: &[[T; 4]], before: &[[T; 4]]) {
+        scatter(&mut self.now, self.width, self.half, now);
+        scatter(&mut self.before, self.width, self.half, before);
+    }
+
+    /// Positions to texels; their fourth component stays.
+    pub fn store(&self, now: &mut [[T; 4]], before: &mut [[T; 4]]) {
+        gather(&self.now, self.width, self.half, now);
+        gather(&self.before, self.width, self.half, before);
+    }
+
+    /// A position.
+    #[inline]
+    pub fn at(&self, triple: usize) -> V3<T> {
+        [self.now[triple], self.now[triple + 2 * self.half], self.now[triple + 4 * self.half]]
+    }
+
+    /// Sets a position.
+    #[inline]
+    pub fn put(&mut self, triple: usize, at: V3<T>) {
+        (0..3).for_each(|c| self.now[triple + 2 * c * self.half] = at[c]);
+    }
+}
+
+fn scatter<T: Real>(planes: &mut [T], width: usize, half: usize, texels: &[[T; 4]]) {
+    for (row, texels) in planes.chunks_exact_mut(6 * half).zip(texels.chunks_exact(width)) {
+        let (even, odd) = (texels.iter().step_by(2), texels.iter().skip(1).step_by(2));
+        for c in 0..3 {
+            let (e, o) = row[2 * c * half..2 * (c + 1) * half].split_at_mut(half);
+            e.iter_mut().zip(even.clone()).for_each(|(to, t)| *to = t[c]);
+            o.iter_mut().zip(odd.clone()).for_each(|(to, t)| *to = t[c]);
+        }
+    }
+}
+
+fn gather<T: Real>(planes: &[T], width: usize, half: usize, texels: &mut [[T; 4]]) {
+    for (row, texels) in planes.chunks_exact(6 * half).zip(texels.chunks_exact_mut(width)) {
+        for (i, texel) in texels.iter_mut().enumerate() {
+            let at = (i & 1) * half + i / 2;
+            (texel[0], texel[1], texel[2]) = (row[at], row[at + 2 * half], row[at + 4 * half]);
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Twin of shaders/stretch.wgsl: springs of one direction and parity, with compliance.
+
+use super::lanes::{Machine, Work, widest};
+use super::real::Real;
+use super::rows::Threads;
+use super::sheet::{Sheet, Values, planes};
+
+/// The springs of one direction.
+pub struct Springs<T> {
+    /// Rest lengths \[m\]; 0 is no spring.
+    pub rest: Values<T>,
+    /// Compliance \[m/N\].
+    pub soft: Values<T>,
+    /// Sums of multipliers of this step, if there is more than one relaxation and any compliance.
+    pub sums: Option<Vec<T>>,
+}
+
+/// Relaxes the springs of a colour once. `dt` is the step \[s\].
+///
+/// A spring of length l moves its ends along itself by w g, g = (l - rest - a s) / (w1 + w2 + a), a = compliance / dt^2,
+/// s the sum of the g of earlier relaxations of this step (Macklin, Mueller, Chentanez, "XPBD", MIG 2016).
+pub fn run<T: Real>(
+    threads: &Threads,
+    sheet: &mut Sheet<T>,
+    springs: &mut Springs<T>,
+    direction: u32,
+    parity: u32,
+    dt: T,
+) {
+    let (width, half, row) = (sheet.width, sheet.half, sheet.row());
+    let w = &sheet.w[..];
+    let Springs { rest, soft, sums } = springs;
+    let spring = Spring { rest, soft, half, span: dt * dt, columns: [width.div_ceil(2), width / 2, (width - 1) / 2] };
+    let parity = parity as usize;
+    let (first, step) = if direction == 0 { (0, 1) } else { (parity, 2) };
+    let size = TOGETHER / step * step;
+    let rows = &mut sheet.now[first * row..];
+    let work = |chunk: usize, rows: &mut [T], sums: &mut [T]| {
+        let first = first + chunk * size;
+        widest(Rows { spring: &spring, rows, sums, w, first, step, row, colour: (direction, parity) });
+    };
+    match sums {
+        Some(sums) => threads.chunks2(rows, &mut sums[first * 2 * half..], (size * row, size * 2 * half), work),
+        None => threads.chunks(rows, size * row, |chunk, rows| work(chunk, rows, &mut [])),
+    }
+}
+
+/// Rows that are done in one go.
+const TOGETHER: usize = 32;
+
+struct Spring<'a, T> {
+    rest: &'a Values<T>,
+    soft: &'a Values<T>,
+    half: usize,
+    /// Square of the step \[s^2\].
+    span: T,
+    /// Even columns, pairs from even to odd, pairs from odd to even.
+    columns: [usize; 3],
+}
+
+/// Rows whose springs share no particle with those of other rows.
+struct Rows<'a, 'b, T> {
+    spring: &'a Spring<'a, T>,
+    rows: &'b mut [T],
+    sums: &'b mut [T],
+    w: &'a [T],
+    first: usize,
+    /// Rows that belong together, 1 or 2.
+    step: usize,
+    /// Numbers in a row.
+    row: usize,
+    colour: (u32, usize),
+}
+
+impl<T: Real> Work<T> for Rows<'_, '_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        for (n, rows) in self.rows.chunks_exact_mut(self.step * self.row).enumerate() {
+            let sums = self.sums.get_mut(n * self.step * 2 * self.spring.half..).unwrap_or(&mut []);
+            self.spring.rows(k, rows, self.w, self.first + n * self.step, self.colour, sums);
+        }
+    }
+}
+
+/// One end of a list of springs.
+struct End<'a, T> {
+    at: [&'a mut [T]; 3],
+    w: &'a [T],
+}
+
+impl<T: Real> Spring<'_, T> {
+    #[inline(always)]
+    fn rows<K: Machine<T>>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        (direction, parity): (u32, usize),
+        sums: &mut [T],
+    ) {
+        let [evens, even, odd] = self.columns;
+        match direction {
+            0 => self.right(k, rows, w, j, parity, [even, odd][parity], sums),
+            1 => self.down(k, rows, w, j, [evens, even], sums),
+            2 => self.down_right(k, rows, w, j, [even, odd], sums),
+            _ => self.up_right(k, rows, w, j, [even, odd], sums),
+        }
+    }
+
+    #[inline(always)]
+    fn right<K: Machine<T>>(
+        &self,
+        k: K,
+        row: &mut [T],
+        w: &[T],
+        j: usize,
+        parity: usize,
+        count: usize,
+        sums: &mut [T],
+    ) {
+        let half = self.half;
+        let w = &w[j * 2 * half..][..2 * half];
+        let [x, y, z] = planes(row, half).map(|p| p.split_at_mut(half));
+        let (we, wo) = w.split_at(half);
+        let stored = j * 2 * half + parity * half;
+        let sums = sums.get_mut(parity * half..).unwrap_or(&mut []);
+        let e = [x.0, y.0, z.0];
+        let o = [x.1, y.1, z.1];
+        if parity == 0 {
+            self.relax(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
+        } else {
+            self.relax(k, End { at: o, w: wo }, End { at: e.map(|p| &mut p[1..]), w: &we[1..] }, stored, count, sums);
+        }
+    }
+
+    #[inline(always)]
+    fn down<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+        for side in 0..2 {
+            let (upper, lower) = ends(rows, w, j, self.half, [side, side], [0, 0]);
+            let stored = (j * 2 + side) * self.half;
+            self.relax(k, upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
+        }
+    }
+
+    #[inline(always)]
+    fn down_right<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+        for side in 0..2 {
+            let (upper, lower) = ends(rows, w, j, self.half, [side, 1 - side], [0, side]);
+            let stored = (j * 2 + side) * self.half;
+            self.relax(k, upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
+        }
+    }
+
+    /// Stored at the lower left end.
+    #[inline(always)]
+    fn up_right<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+        for side in 0..2 {
+            let (upper, lower) = ends(rows, w, j, self.half, [1 - side, side], [side, 0]);
+            let stored = ((j + 1) * 2 + side) * self.half;
+            self.relax(
+                k,
+                lower,
+                upper,
+                stored,
+                counts[side],
+                sums.get_mut((2 + side) * self.half..).unwrap_or(&mut []),
+            );
+        }
+    }
+
+    #[inline(always)]
+    fn relax<K: Machine<T>>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
+        if matches!(self.soft, Values::Constant(x) if *x == T::of(0.0)) {
+            self.list::<K, true>(k, a, b, stored, count, sums);
+        } else {
+            self.list::<K, false>(k, a, b, stored, count, sums);
+        }
+    }
+
+    #[inline(always)]
+    fn list<K: Machine<T>, const HARD: bool>(
+        &self,
+        k: K,
+        a: End<T>,
+        b: End<T>,
+        stored: usize,
+        count: usize,
+        sums: &mut [T],
+    ) {
+        let (zero, closest, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-9)), k.splat(T::of(1e-30)));
+        let span = k.splat(self.span);
+        let [ax, ay, az] = a.at;
+        let [bx, by, bz] = b.at;
+        for at in (0..count).step_by(K::WIDE) {
+            let p = [k.load(ax, at), k.load(ay, at), k.load(az, at)];
+            let q = [k.load(bx, at), k.load(by, at), k.load(bz, at)];
+            let (wa, wb) = (k.load(a.w, at), k.load(b.w, at));
+            let mut rest = value(k, self.rest, stored + at);
+            if at + K::WIDE > count {
+                // Past the last column there is no spring.
+                rest = k.first(rest, count - at);
+            }
+            let d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
+            let far = k.most(k.sqrt(k.squares(d)), closest);
+            let (over, w) = (k.sub(far, rest), k.add(wa, wb));
+            let mut g = if HARD {
+                k.div(over, k.most(k.mul(far, w), least))
+            } else {
+                let soft = k.div(value(k, self.soft, stored + at), span);
+                let over = if sums.is_empty() { over } else { k.sub(over, k.mul(soft, k.load(sums, at))) };
+                k.div(over, k.most(k.mul(far, k.add(w, soft)), least))
+            };
+            g = k.choose(k.above(rest, zero), g, zero);
+            if !HARD && !sums.is_empty() {
+                let sum = k.add(k.load(sums, at), k.mul(g, far));
+                k.store(sums, at, sum);
+            }
+            let (ga, gb) = (k.mul(g, wa), k.mul(g, wb));
+            k.store(ax, at, k.add(p[0], k.mul(d[0], ga)));
+            k.store(ay, at, k.add(p[1], k.mul(d[1], ga)));
+            k.store(az, at, k.add(p[2], k.mul(d[2], ga)));
+            k.store(bx, at, k.sub(q[0], k.mul(d[0], gb)));
+            k.store(by, at, k.sub(q[1], k.mul(d[1], gb)));
+            k.store(bz, at, k.sub(q[2], k.mul(d[2], gb)));
+        }
+    }
+}
+
+#[inline(always)]
+fn value<T: Real, K: Machine<T>>(k: K, values: &Values<T>, at: usize) -> K::V {
+    match values {
+        Values::Constant(x) => k.splat(*x),
+        Values::List(list) => k.load(list, at),
+    }
+}
+
+/// The halves `side` of two rows, each from `from` on.
+#[inline(always)]
+fn ends<'a, T>(
+    rows: &'a mut [T],
+    w: &'a [T],
+    j: usize,
+    half: usize,
+    side: [usize; 2],
+    from: [usize; 2],
+) -> (End<'a, T>, End<'a, T>) {
+    let (upper, lower) = rows.split_at_mut(6 * half);
+    let cut =
+        |row: &'a mut [T], n: usize| planes(row, half).map(|p| &mut p[side[n] * half + from[n]..(side[n] + 1) * half]);
+    let weights = |n: usize| &w[((j + n) * 2 + side[n]) * half + from[n]..((j + n) * 2 + side[n] + 1) * half];
+    (End { at: cut(upper, 0), w: weights(0) }, End { at: cut(lower, 1), w: weights(1) })
+}
