@@ -9,7 +9,7 @@ use gimage::options::BuildOptions;
 use gimage::pipeline::Built;
 use gimage_bundle::MapKind;
 use gimage_tests::shapes::{Random, Shape};
-use gimage_tests::{asset, build, build_shape, check, point, psnr, texels, texels_of};
+use gimage_tests::{asset, build, build_shape, check, garments_or_skip, point, psnr, texels, texels_of};
 
 fn with_threads(threads: usize, path: &Path, options: &BuildOptions) -> Built {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -57,9 +57,9 @@ fn several_pieces_do_not_depend_on_the_threads() {
     }
 }
 
-/// The positions of an asset as a shape.
-fn plain(name: &str) -> Shape {
-    let mesh = import(&asset(name), &ImportOptions::default()).unwrap().mesh;
+/// The positions of a file as a shape.
+fn plain(path: &Path) -> Shape {
+    let mesh = import(path, &ImportOptions::default()).unwrap().mesh;
     let mesh = gimage::repair::repair(mesh, &Default::default()).unwrap().mesh;
     Shape { positions: mesh.positions, triangles: mesh.triangles }
 }
@@ -84,19 +84,23 @@ fn order_and_place_of_the_input_matter_little() {
         [q[0], c * q[1] - s * q[2], s * q[1] + c * q[2]]
     };
     let mut wrong = Vec::new();
-    for name in ["tshirt.glb", "trousers.glb"] {
-        let shape = plain(name);
-        let (own, diagonal) = quality(name, &shape, None);
-        for (what, other) in [
-            ("shuffled", shape.shuffled(&mut random)),
-            ("turned", shape.clone().moved(turned)),
-            ("a hundred times as large", shape.clone().moved(|p| p.map(|x| 100.0 * x))),
-            ("moved by metres", shape.clone().moved(|p| [p[0] + 3.0, p[1] - 7.0, p[2] + 5.0])),
+    let mut shapes: Vec<(String, Shape)> =
+        ["tshirt.glb", "trousers.glb", "dress.glb"].map(|n| (n.to_owned(), plain(&asset(n)))).into();
+    if let Some(folder) = garments_or_skip("order and place, on shared garments") {
+        shapes.extend(["skirt_evening.obj", "models/spot.obj"].map(|n| (n.to_owned(), plain(&folder.join(n)))));
+    }
+    for (name, shape) in shapes {
+        let (own, diagonal) = quality(&name, &shape, None);
+        for (what, scale, other) in [
+            ("shuffled", 1.0, shape.shuffled(&mut random)),
+            ("turned", 1.0, shape.clone().moved(turned)),
+            ("a thousand times as large", 1e3, shape.clone().moved(|p| p.map(|x| 1e3 * x))),
+            ("a thousandth as large", 1e-3, shape.clone().moved(|p| p.map(|x| 1e-3 * x))),
+            ("moved by metres", 1.0, shape.clone().moved(|p| [p[0] + 3.0, p[1] - 7.0, p[2] + 5.0])),
         ] {
-            let scale = if what.starts_with("a hundred") { 100.0 } else { 1.0 };
             let (got, _) = quality(what, &other, Some(scale * diagonal));
             println!("{name} {what}: {got:.2} dB, as it is {own:.2} dB");
-            if (got - own).abs() >= 1.0 {
+            if (got - own).abs() >= 0.1 {
                 wrong.push(format!("{name} {what}: {got:.2} dB, as it is {own:.2} dB"));
             }
         }

@@ -24,13 +24,14 @@ pub(crate) fn places(image: &PieceImage, surface: &Surface) -> Vec<(usize, [f64;
         .iter()
         .map(|s| {
             let t = s.triangle as usize;
+            let face = disk.face[t] as usize;
             let mut bary = [0.0; 3];
             for k in 0..3 {
                 for c in 0..3 {
-                    bary[c] += s.bary[k] * disk.corners[t][k][c];
+                    bary[surface.source_corner(face, c)] += s.bary[k] * disk.corners[t][k][c];
                 }
             }
-            (surface.source_triangle[disk.face[t] as usize] as usize, bary)
+            (surface.source_triangle[face] as usize, bary)
         })
         .collect()
 }

@@ -3,7 +3,10 @@
 mod names;
 mod topology;
 
+use std::cmp::Ordering;
+
 use crate::mesh::Mesh;
+use crate::order;
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 use crate::surface::Surface;
 
@@ -96,36 +99,44 @@ fn finding(severity: Severity, kind: &'static str, count: usize, examples: Vec<S
     Finding { severity, stage: "component", kind, count: count as u64, examples, message }
 }
 
-/// Cuts a component loose. Vertices come in the order of their coordinates and triangles in that of their vertices, so
-/// that what is made of the surface does not depend on the order of the file. O(n log n) in the component, O(n) in the
-/// mesh's vertices.
+/// Cuts a component loose. Vertices come in the order of their places on the shape ([`crate::order`]) and triangles in that
+/// of their vertices, so that what is made of the surface depends neither on the order of the file nor on how the shape
+/// stands. O(n log n) in the component, O(n) in the mesh's vertices.
 pub fn extract(mesh: &Mesh, component: &Component) -> Surface {
     let mut used: Vec<u32> = component.triangles.iter().flat_map(|&t| mesh.triangles[t as usize]).collect();
     used.sort_unstable();
     used.dedup();
     let at = |v: u32| mesh.positions[v as usize];
-    let order = |a: u32, b: u32| {
-        let (p, q) = (at(a), at(b));
-        (0..3).fold(std::cmp::Ordering::Equal, |o, c| o.then(p[c].total_cmp(&q[c]))).then(a.cmp(&b))
-    };
-    used.sort_unstable_by(|&a, &b| order(a, b));
-    let mut to = vec![u32::MAX; mesh.positions.len()];
+    let positions: Vec<[f64; 3]> = used.iter().map(|&v| at(v)).collect();
+    let mut number = vec![u32::MAX; mesh.positions.len()];
+    used.iter().enumerate().for_each(|(k, &v)| number[v as usize] = k as u32);
+    let triangles = component.triangles.iter().map(|&t| mesh.triangles[t as usize].map(|v| number[v as usize]));
+    let places = order::places(&positions, triangles);
+    let mut order: Vec<usize> = (0..used.len()).collect();
+    let exact = |a: [f64; 3], b: [f64; 3]| (0..3).fold(Ordering::Equal, |o, c| o.then(a[c].total_cmp(&b[c])));
+    order.sort_unstable_by(|&a, &b| {
+        places[a].cmp(&places[b]).then_with(|| exact(positions[a], positions[b])).then(a.cmp(&b))
+    });
+    let used: Vec<u32> = order.iter().map(|&k| used[k]).collect();
+    let mut to = number;
     used.iter().enumerate().for_each(|(k, &v)| to[v as usize] = k as u32);
-    let mut triangles: Vec<([u32; 3], [u32; 3], u32)> = component
+    // The least vertex first: where a file begins a triangle is chance too.
+    let mut triangles: Vec<([u32; 3], u32, u8)> = component
         .triangles
         .iter()
         .map(|&t| {
-            let corners = mesh.triangles[t as usize].map(|v| to[v as usize]);
-            let mut sorted = corners;
-            sorted.sort_unstable();
-            (sorted, corners, t)
+            let mut corners = mesh.triangles[t as usize].map(|v| to[v as usize]);
+            let first = (0..3).fold(0, |m, k| if corners[k] < corners[m] { k } else { m });
+            corners.rotate_left(first);
+            (corners, t, first as u8)
         })
         .collect();
-    triangles.sort_unstable();
+    triangles.sort_unstable_by_key(|&([a, b, c], t, _)| ([a, b.min(c), b.max(c)], b, t));
     Surface {
         positions: used.iter().map(|&v| at(v)).collect(),
-        triangles: triangles.iter().map(|t| t.1).collect(),
-        source_triangle: triangles.iter().map(|t| t.2).collect(),
+        triangles: triangles.iter().map(|t| t.0).collect(),
+        source_triangle: triangles.iter().map(|t| t.1).collect(),
+        first_corner: triangles.iter().map(|t| t.2).collect(),
     }
 }
 
@@ -165,10 +176,16 @@ mod tests {
         let m = mesh();
         let s = split(&m, &ComponentOptions::default());
         let surface = extract(&m, &s.pieces[1]);
-        // Vertices by x, then y: 0 is (0, 0), 1 is (0, 1), 2 is (1, 0), 3 is (1, 1).
-        assert_eq!(surface.source_triangle, [3, 1]);
-        assert_eq!(surface.triangles, [[0, 3, 1], [0, 2, 3]]);
-        assert!((0..2).all(|t| surface.corners(t) == m.corners(surface.source_triangle[t] as usize)));
+        assert_eq!(surface.positions.len(), 4);
+        let mut sources = surface.source_triangle.clone();
+        sources.sort_unstable();
+        assert_eq!(sources, [1, 3]);
+        for t in 0..2 {
+            let source = m.corners(surface.source_triangle[t] as usize);
+            assert!((0..3).all(|c| surface.corners(t)[c] == source[surface.source_corner(t, c)]));
+            let [first, others @ ..] = surface.triangles[t];
+            assert!(others.iter().all(|&v| v > first));
+        }
     }
 
     #[test]
@@ -177,6 +194,7 @@ mod tests {
         let mut turned = m.clone();
         turned.positions.reverse();
         turned.triangles.iter_mut().for_each(|t| *t = t.map(|v| 9 - v));
+        turned.triangles[0].rotate_left(1);
         turned.triangles.swap(1, 3);
         let (a, b) = (split(&m, &ComponentOptions::default()), split(&turned, &ComponentOptions::default()));
         for (x, y) in a.pieces.iter().zip(&b.pieces) {

@@ -7,6 +7,7 @@
 
 use crate::graph::{EdgeGraph, Nearest, Paths};
 use crate::halfedge;
+use crate::order;
 use crate::surface::Surface;
 
 /// The surface as the cutter sees it: made once, cut many times.
@@ -96,6 +97,7 @@ impl<'a> Cutter<'a> {
     /// Cuts to a disk along cheap edges; `cost` is one positive number an edge. `terminals` are vertices that the cut
     /// must reach. O(L n log n) for L loops and terminals.
     pub(crate) fn cut(&self, cost: &[f64], terminals: &[u32]) -> Cut {
+        let cost = &order::whole(cost);
         let graph = &self.graph;
         let n = graph.vertices();
         let mut grow = Growing { graph, edges: vec![false; graph.ends.len()], tree: vec![false; n] };

@@ -55,28 +55,41 @@ struct Collapser<'a> {
     version: Vec<u32>,
     into: Vec<u32>,
     centre: [f64; 3],
+    /// What makes costs free of units.
+    unit: f64,
+    /// Vertices seen in the count at work carry its number.
+    seen: Vec<u32>,
+    count: u32,
 }
 
 impl Collapser<'_> {
-    fn neighbours(&self, v: u32) -> Vec<u32> {
-        let mut out: Vec<u32> =
-            self.around[v as usize].iter().flat_map(|&t| self.triangles[t as usize]).filter(|&w| w != v).collect();
+    /// The neighbours of `v`, ascending, into `out`.
+    fn neighbours(&mut self, v: u32, out: &mut Vec<u32>) {
+        self.count += 1;
+        out.clear();
+        for &t in &self.around[v as usize] {
+            for w in self.triangles[t as usize] {
+                if w != v && self.seen[w as usize] != self.count {
+                    self.seen[w as usize] = self.count;
+                    out.push(w);
+                }
+            }
+        }
         out.sort_unstable();
-        out.dedup();
-        out
     }
 
     fn shared(&self, u: u32, v: u32) -> usize {
         self.around[u as usize].iter().filter(|&&t| self.triangles[t as usize].contains(&v)).count()
     }
 
-    /// The cheapest vertex to collapse `u` into.
-    fn best(&self, u: u32) -> Option<(f64, u32)> {
+    /// The cheapest vertex to collapse `u` into; `around` is left with the neighbours of `u`.
+    fn best(&mut self, u: u32, around: &mut Vec<u32>) -> Option<(f64, u32)> {
         if self.locked[u as usize] {
             return None;
         }
+        self.neighbours(u, around);
         let mut best: Option<(f64, u32)> = None;
-        for v in self.neighbours(u) {
+        for &v in &*around {
             if self.boundary[u as usize] && !(self.boundary[v as usize] && self.shared(u, v) == 1) {
                 continue;
             }
@@ -86,17 +99,22 @@ impl Collapser<'_> {
                 dot(d, d)
             };
             let cost = self.quadric[u as usize].at(p).max(0.0) + 1e-2 * l2 * self.area[u as usize];
-            if best.is_none_or(|b| cost < b.0) && self.allowed(u, v) {
+            // Of equal costs the first counts, not the last bits.
+            let cost = f64::from((cost * self.unit) as f32);
+            if best.is_none_or(|b| cost < b.0) && self.allowed(u, v, around) {
                 best = Some((cost, v));
             }
         }
         best
     }
 
-    /// The link condition, and no triangle turns over.
-    fn allowed(&self, u: u32, v: u32) -> bool {
-        let (a, b) = (self.neighbours(u), self.neighbours(v));
-        let common = a.iter().filter(|x| b.binary_search(x).is_ok()).count();
+    /// The link condition, and no triangle turns over. `around` are the neighbours of `u`.
+    fn allowed(&mut self, u: u32, v: u32, around: &[u32]) -> bool {
+        self.count += 1;
+        for &t in &self.around[v as usize] {
+            self.triangles[t as usize].iter().for_each(|&w| self.seen[w as usize] = self.count);
+        }
+        let common = around.iter().filter(|&&w| w != v && self.seen[w as usize] == self.count).count();
         let shared = self.shared(u, v);
         if common != shared || (self.boundary[u as usize] && self.boundary[v as usize] && shared != 1) {
             return false;
@@ -172,6 +190,9 @@ pub(crate) fn decimate(
         version: vec![0; n],
         into: (0..n as u32).collect(),
         centre,
+        unit: 1.0,
+        seen: vec![0; n],
+        count: 0,
     };
     for tri in triangles {
         let [p, q, r] = tri.map(|v| sub(positions[v as usize], centre));
@@ -186,28 +207,32 @@ pub(crate) fn decimate(
             }
         }
     }
+    let total: f64 = c.area.iter().sum();
+    c.unit = 1.0 / (total * total).max(1e-300);
     let mut heap: BinaryHeap<Reverse<(u64, u32, u32, u32)>> = BinaryHeap::with_capacity(n);
-    let push = |heap: &mut BinaryHeap<_>, c: &Collapser<'_>, u: u32| {
-        if let Some((cost, v)) = c.best(u) {
+    let mut around = Vec::new();
+    let mut push = |heap: &mut BinaryHeap<_>, c: &mut Collapser<'_>, u: u32| {
+        if let Some((cost, v)) = c.best(u, &mut around) {
             heap.push(Reverse((cost.to_bits(), u, v, c.version[u as usize])));
         }
     };
-    (0..n as u32).for_each(|u| push(&mut heap, &c, u));
+    (0..n as u32).for_each(|u| push(&mut heap, &mut c, u));
+    let mut ring = Vec::new();
     let mut left = triangles.len();
     while left > target {
         let Some(Reverse((_, u, v, version))) = heap.pop() else { break };
         if version != c.version[u as usize] || c.around[u as usize].is_empty() || c.around[v as usize].is_empty() {
             continue;
         }
-        if !c.allowed(u, v) || (c.boundary[u as usize] && c.shared(u, v) != 1) {
+        c.neighbours(u, &mut ring);
+        if !c.allowed(u, v, &ring) || (c.boundary[u as usize] && c.shared(u, v) != 1) {
             continue;
         }
-        let ring = c.neighbours(u);
         left -= c.collapse(u, v);
         c.version[u as usize] += 1;
-        for w in ring {
+        for &w in &ring {
             c.version[w as usize] += 1;
-            push(&mut heap, &c, w);
+            push(&mut heap, &mut c, w);
         }
     }
     let mut index = vec![u32::MAX; n];

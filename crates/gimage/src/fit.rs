@@ -37,10 +37,7 @@ impl Default for FitOptions {
 }
 
 /// How near the solve of a round comes, as a share of where it began: the next round moves the target anyway.
-const NEAR: f64 = 1e-5;
-
-/// Rounds between two clippings: texels move little, and with them the diagonals.
-const CLIPPED: usize = 3;
+const NEAR: f64 = 1e-3;
 
 /// Cuts a convex polygon by `n . x <= d`.
 fn clip(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut Vec<[f64; 2]>) {
@@ -226,7 +223,22 @@ pub(crate) fn fit(
         .map(|&t| Facet::new(t.map(|v| sub(disk.positions[v as usize], centre)), planar(uv, t)))
         .collect();
     let bands = bands(disk, uv, rows - 1);
-    let mut fragments: Vec<Vec<Fragment>> = Vec::new();
+    let cells = |band: usize| band * BAND..((band + 1) * BAND).min(rows - 1);
+    // Texels move little, and with them the diagonals: one clipping serves all rounds.
+    let fragments: Vec<Vec<Fragment>> = bands
+        .par_iter()
+        .enumerate()
+        .map(|(band, triangles)| {
+            let mut out = Vec::new();
+            for &f in triangles {
+                if let Some(facet) = &facets[f as usize] {
+                    let p = planar(uv, disk.triangles[f as usize]);
+                    clipped(&mut out, (f, facet), p, columns, &local, &cells(band));
+                }
+            }
+            out
+        })
+        .collect();
     let mut before = local.clone();
     for round in 0..options.rounds {
         let last = local.clone();
@@ -234,23 +246,6 @@ pub(crate) fn fit(
             local.iter_mut().zip(&before).for_each(|(x, b)| (0..3).for_each(|c| x[c] += x[c] - b[c]));
         }
         before = last;
-        let cells = |band: usize| band * BAND..((band + 1) * BAND).min(rows - 1);
-        if round % CLIPPED == 0 {
-            fragments = bands
-                .par_iter()
-                .enumerate()
-                .map(|(band, triangles)| {
-                    let mut out = Vec::new();
-                    for &f in triangles {
-                        if let Some(facet) = &facets[f as usize] {
-                            let p = planar(uv, disk.triangles[f as usize]);
-                            clipped(&mut out, (f, facet), p, columns, &local, &cells(band));
-                        }
-                    }
-                    out
-                })
-                .collect();
-        }
         let parts: Vec<Normal> = fragments
             .par_iter()
             .enumerate()

@@ -22,7 +22,7 @@ pub struct GrowOptions {
 
 impl Default for GrowOptions {
     fn default() -> Self {
-        Self { triangles: 1500, points: 24, gain: 0.01 }
+        Self { triangles: 700, points: 24, gain: 0.01 }
     }
 }
 
@@ -93,6 +93,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let search = SearchOptions {
         triangles: options.triangles,
         shifts: 6,
+        rough: 3,
         passes: 2,
         steps: [1, 3, 6],
         keep: [3, 1],
@@ -105,6 +106,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let small = Surface {
         positions: coarse.vertex.iter().map(|&v| surface.positions[v as usize]).collect(),
         source_triangle: vec![0; coarse.triangles.len()],
+        first_corner: vec![0; coarse.triangles.len()],
         triangles: coarse.triangles.clone(),
     };
     let mut cutter = Cutter::new(&small)?;

@@ -38,6 +38,8 @@ pub(crate) struct SearchOptions {
     pub triangles: usize,
     /// Starts tried at the first aspect.
     pub shifts: usize,
+    /// How many of these go on, by the distortion of their plain mean-value maps: one factor serves all of those.
+    pub rough: usize,
     /// Reweighting passes of each trial.
     pub passes: usize,
     /// Newton steps of all trials, of those that came out best, and of the best of these.
@@ -193,6 +195,12 @@ impl<'a> Proxy<'a> {
 
     /// The trial of an aspect with `middle` (a part of the loop) at the middle of the side v = 0.
     fn trial(&mut self, size: Size, aspect: usize, middle: f64) -> Option<Trial> {
+        let ((w, h), shift, count) = self.placed(size, aspect, middle)?;
+        Some(Trial { aspect, middle, ..self.first((w, h), shift, count)? })
+    }
+
+    /// The cells, the shift and the steps of such a layout.
+    fn placed(&self, size: Size, aspect: usize, middle: f64) -> Option<((u32, u32), f64, Vec<u32>)> {
         let (w, h) = cells(size, ASPECTS[aspect], self.border.least_steps())?;
         let count = self.border.share(2 * (w + h))?;
         let perimeter = f64::from(2 * (w + h));
@@ -200,7 +208,7 @@ impl<'a> Proxy<'a> {
         if !self.border.is_free() {
             shift = shift.round().rem_euclid(perimeter);
         }
-        Some(Trial { aspect, middle, ..self.first((w, h), shift, count)? })
+        Some(((w, h), shift, count))
     }
 
     /// The layout that puts two nodes at the ends of the side v = 0, if its shape is a sensible one.
@@ -251,8 +259,16 @@ impl<'a> Proxy<'a> {
     pub(crate) fn search(&mut self, size: Size) -> Option<Layout> {
         let shifts = self.options.shifts.max(1);
         // A half turn of the rectangle is the same map, so half the loop is enough; a fixed size likewise.
-        let mut found: Vec<Trial> =
-            (0..shifts).filter_map(|k| self.trial(size, 2, 0.5 * k as f64 / shifts as f64)).collect();
+        let mut rough: Vec<(f64, f64)> = (0..shifts)
+            .filter_map(|k| {
+                let middle = 0.5 * k as f64 / shifts as f64;
+                let ((w, h), shift, count) = self.placed(size, 2, middle)?;
+                Some((self.begin((w, h), shift, count, 1)?.layout.score, middle))
+            })
+            .collect();
+        rough.sort_by(|a, b| a.0.total_cmp(&b.0));
+        rough.truncate(self.options.rough.max(1));
+        let mut found: Vec<Trial> = rough.into_iter().filter_map(|(_, middle)| self.trial(size, 2, middle)).collect();
         for (lot, keep) in self.options.keep.into_iter().enumerate() {
             found.sort_by(|a, b| a.layout.score.total_cmp(&b.layout.score));
             found.truncate(keep.max(1));
@@ -417,8 +433,15 @@ mod tests {
     use crate::surface::Surface;
     use proptest::prelude::*;
 
-    const SEARCH: SearchOptions =
-        SearchOptions { triangles: 400, shifts: 12, passes: 3, steps: [3, 4, 5], keep: [12, 3], refine: true };
+    const SEARCH: SearchOptions = SearchOptions {
+        triangles: 400,
+        shifts: 12,
+        rough: 12,
+        passes: 3,
+        steps: [3, 4, 5],
+        keep: [12, 3],
+        refine: true,
+    };
 
     fn searched(s: &Surface, size: Size) -> (Layout, Vec<u32>) {
         let rim = shapes::rim(s);

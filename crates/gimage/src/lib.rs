@@ -30,6 +30,7 @@ pub mod measure;
 pub mod mesh;
 mod normal;
 pub mod options;
+mod order;
 mod parameterize;
 mod piece;
 pub mod pins;

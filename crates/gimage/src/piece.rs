@@ -85,14 +85,24 @@ impl ImageOptions {
             (ImageSize::Texels(n), None) => Size::Budget(n),
             (_, b) => Size::Budget(b.unwrap_or(LEAST)),
         };
-        let normal =
-            SearchOptions { triangles: 1000, shifts: 12, passes: 2, steps: [1, 2, 3], keep: [6, 3], refine: true };
+        let normal = SearchOptions {
+            triangles: 600,
+            shifts: 12,
+            rough: 6,
+            passes: 2,
+            steps: [1, 2, 3],
+            keep: [4, 2],
+            refine: true,
+        };
         let (grow, search) = match options.effort {
-            Effort::Fast => (None, SearchOptions { shifts: 6, keep: [2, 1], refine: false, ..normal }),
+            Effort::Fast => (None, SearchOptions { shifts: 6, rough: 6, keep: [2, 1], refine: false, ..normal }),
             Effort::Default => (Some(GrowOptions::default()), normal),
             Effort::Best => {
                 let grow = GrowOptions { triangles: 3000, points: 32, gain: 0.005 };
-                (Some(grow), SearchOptions { triangles: 3000, shifts: 24, steps: [2, 4, 8], keep: [12, 6], ..normal })
+                (
+                    Some(grow),
+                    SearchOptions { triangles: 3000, shifts: 24, rough: 24, steps: [2, 4, 8], keep: [12, 6], ..normal },
+                )
             }
         };
         Self {
@@ -240,7 +250,7 @@ impl<'a> Maker<'a> {
             (Seams::Uv, _) => &[true],
             (Seams::Auto, _) => &[false, true],
         };
-        let mut out = Vec::new();
+        let (mut out, mut cuts) = (Vec::new(), Vec::new());
         for &along_uv in along_uv {
             let mut cost = cutter.graph.length.clone();
             if let Some(seam) = uv_seam.filter(|_| along_uv) {
@@ -255,18 +265,22 @@ impl<'a> Maker<'a> {
                 (Some(g), false) if !terminals.is_empty() || cutter.handles() > 0 => g.cut.clone(),
                 _ => cutter.cut(&cost, terminals),
             };
+            if cuts.contains(&cut) {
+                continue;
+            }
             let mut disk = disk::open(cutter, &cut).map_err(|e| {
                 let problem = format!("the cut left Euler number {} and {} loops", e.euler, e.loops);
                 self.fail("cut", problem, "please report it with the input")
             })?;
             let border = Border::new(&mut disk, |v| self.on_rim(v));
-            let cut = CutRecord {
+            let record = CutRecord {
                 length: cut.length(&cutter.graph),
                 edges: cut.edges.iter().filter(|c| **c).count() as u32,
                 grown: terminals.len(),
                 uv_seams: along_uv,
             };
-            out.push(Candidate { disk, border, cut });
+            out.push(Candidate { disk, border, cut: record });
+            cuts.push(cut);
         }
         Ok(out)
     }

@@ -201,7 +201,10 @@ fn make(mesh: &Mesh, component: &Component, total: f64, options: &BuildOptions) 
 fn uv_seams(mesh: &Mesh, surface: &Surface) -> Option<Vec<bool>> {
     let uv = mesh.channel(&Semantic::TexCoord(0))?;
     let twin = crate::halfedge::twins(&surface.triangles).ok()?;
-    let value = |h: u32| uv.at(surface.source_triangle[h as usize / 3] as usize, h as usize % 3);
+    let value = |h: u32| {
+        let t = h as usize / 3;
+        uv.at(surface.source_triangle[t] as usize, surface.source_corner(t, h as usize % 3))
+    };
     let mut seam = vec![false; twin.len()];
     let (mut inner, mut many) = (0usize, 0usize);
     for h in 0..twin.len() as u32 {

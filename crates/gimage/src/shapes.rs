@@ -9,7 +9,12 @@ use crate::surface::Surface;
 
 /// A surface of its own source.
 pub(crate) fn surface(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Surface {
-    Surface { positions, source_triangle: (0..triangles.len() as u32).collect(), triangles }
+    Surface {
+        positions,
+        source_triangle: (0..triangles.len() as u32).collect(),
+        first_corner: vec![0; triangles.len()],
+        triangles,
+    }
 }
 
 /// How two opposite sides of a sheet are joined.

@@ -7,14 +7,21 @@ pub struct Surface {
     pub positions: Vec<[f64; 3]>,
     /// Vertex indices.
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle, its index in the mesh; its corners are in the same order.
+    /// For each triangle, its index in the mesh.
     pub source_triangle: Vec<u32>,
+    /// For each triangle, which corner of it in the mesh, 0..=2, its first is; the others follow in the same order.
+    pub first_corner: Vec<u8>,
 }
 
 impl Surface {
     /// The corner positions of triangle `t` \[m\].
     pub fn corners(&self, t: usize) -> [[f64; 3]; 3] {
         self.triangles[t].map(|v| self.positions[v as usize])
+    }
+
+    /// The corner of the mesh's triangle that corner `c` of triangle `t` is.
+    pub fn source_corner(&self, t: usize, c: usize) -> usize {
+        (usize::from(self.first_corner[t]) + c) % 3
     }
 
     /// Area of triangle `t` \[m2\].

@@ -141,7 +141,11 @@ pub(crate) fn minimise(
     while record.steps < options.steps {
         let locals: Vec<_> =
             rest.par_iter().zip(triangles).with_min_len(CHUNK).map(|(r, &t)| local(r, planar(uv, t))).collect();
-        let Some((direction, slope)) = system.newton_direction(&locals) else { break };
+        let Some((direction, slope)) = system.newton_direction(&locals) else {
+            // At an isometry there is no direction to go.
+            record.converged = now - least <= 1e-12 * least;
+            break;
+        };
         let mut step = (0.9 * step_to_flip(triangles, uv, &direction)).min(1.0);
         let mut next = None;
         for _ in 0..40 {
@@ -183,6 +187,22 @@ mod tests {
 
     fn energy_of(rest: &Rest, p: [[f64; 2]; 3]) -> f64 {
         rest.weight * density(jacobian(rest, p))
+    }
+
+    #[test]
+    fn an_isometry_is_the_end_whether_or_not_rounding_leaves_a_direction() {
+        for cells in [2, 3, 7] {
+            let s = crate::shapes::rectangle(cells, cells, 1.0, 1.0);
+            let at = |x: f64| x <= 1e-9 || x >= 1.0 - 1e-9;
+            let mut uv: Vec<[f64; 2]> = s.positions.iter().map(|p| [p[0], p[1]]).collect();
+            let fixed: Vec<bool> = uv.iter().map(|p| at(p[0]) || at(p[1])).collect();
+            let ones = vec![1.0; uv.len()];
+            let rest = super::super::distortion::rest_shapes(&s.positions, &s.triangles, &ones, 1.0);
+            let mut system = System::new(&s.triangles, &fixed);
+            let options = NewtonOptions::default();
+            let record = minimise(&mut system, &rest, &s.triangles, &mut uv, &options);
+            assert!(record.converged && (record.end - 4.0).abs() < 1e-9, "{cells}: {record:?}");
+        }
     }
 
     proptest! {

@@ -82,7 +82,7 @@ pub(crate) fn start(
         let mut best: Option<(f64, Vec<[f64; 2]>)> = None;
         let mut made = 0;
         for pass in 0..passes.clamp(1, PASSES) {
-            if !system.solve_weighted(&weights, uv) {
+            if !system.solve_weighted(&weights, pass == 0 && !uniform, uv) {
                 break;
             }
             made = pass + 1;

@@ -30,8 +30,9 @@ pub(crate) struct System {
     count: usize,
     /// Undirected edges, smaller vertex first, sorted.
     pub(crate) edges: Vec<[u32; 2]>,
-    /// Mean-value weights of the edges, once they are known.
+    /// Mean-value weights of the edges, once they are known, and the factor of their Laplacian if it is small.
     pub(super) weights: Option<Vec<f64>>,
+    plain: Option<Box<Factor<f64>>>,
     /// Vertex-graph pattern, lower triangle by columns with the diagonal first.
     col_ptr: Vec<u32>,
     row_idx: Vec<u32>,
@@ -97,6 +98,7 @@ impl System {
             count: n,
             edges,
             weights: None,
+            plain: None,
             col_ptr,
             row_idx,
             laplacian: None,
@@ -125,8 +127,9 @@ impl System {
     }
 
     /// Places every free vertex at the weighted mean of its neighbours: `weights` (all positive) in the order of
-    /// [`System::edges`]. `false` if the factorisation fails.
-    pub(crate) fn solve_weighted(&mut self, weights: &[f64], uv: &mut [[f64; 2]]) -> bool {
+    /// [`System::edges`]; `plain` if they are [`System::weights`], whose factor is made once. `false` if the factorisation
+    /// fails.
+    pub(crate) fn solve_weighted(&mut self, weights: &[f64], plain: bool, uv: &mut [[f64; 2]]) -> bool {
         let n = self.count;
         if n == 0 {
             return true;
@@ -152,9 +155,12 @@ impl System {
                 next[i as usize] += 1;
             }
         }
+        let mut kept = if plain { self.plain.take() } else { None };
         match self.laplacian() {
             Some(Laplacian::Small(pattern, factor)) => {
-                if !factor.factorize(pattern, &values) {
+                let made = kept.is_some();
+                let factor = if plain { kept.get_or_insert_with(|| Box::new(Factor::new(pattern))) } else { factor };
+                if !made && !factor.factorize(pattern, &values) {
                     return false;
                 }
                 factor.solve(pattern, &mut rhs);
@@ -168,6 +174,9 @@ impl System {
                 rhs.iter_mut().enumerate().for_each(|(k, r)| *r = [columns[k], columns[n + k]]);
             }
             None => return false,
+        }
+        if plain {
+            self.plain = kept;
         }
         for (v, &x) in self.unknown.iter().enumerate() {
             if x != FIXED {
@@ -297,7 +306,7 @@ mod tests {
         let mut system = System::new(&s.triangles, &rim);
         // A boundary of no special shape: the mean must not follow from symmetry.
         let mut uv: Vec<[f64; 2]> = s.positions.iter().map(|p| [p[0].exp() + p[1] * p[1], p[1] - p[0].sin()]).collect();
-        assert!(system.solve_weighted(&vec![1.0; system.edges.len()], &mut uv));
+        assert!(system.solve_weighted(&vec![1.0; system.edges.len()], false, &mut uv));
         for v in (0..uv.len()).filter(|&v| !rim[v]) {
             let beside: Vec<usize> =
                 system.edges.iter().filter(|e| e.contains(&(v as u32))).map(|e| (e[0] + e[1]) as usize - v).collect();
