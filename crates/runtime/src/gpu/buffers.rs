@@ -54,9 +54,12 @@ impl ClothBuffers {
     ) -> Result<Self> {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let need = cloth.len() as u64 * 16;
-        if need > limit {
-            return Err(Error::Limit { cloth: cloth.name().into(), buffer: "positions", need, limit });
+        // No other buffer of a cloth has more bytes a particle.
+        for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64)] {
+            let need = cloth.len() as u64 * bytes;
+            if need > limit {
+                return Err(Error::Limit { cloth: cloth.name().into(), buffer, need, limit });
+            }
         }
         let list =
             |label, data: &[[f32; 4]]| upload(device, label, data, BufferUsages::VERTEX | BufferUsages::COPY_SRC);
