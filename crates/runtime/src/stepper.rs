@@ -155,11 +155,12 @@ impl Stepper {
         Ok(())
     }
 
-    /// Changes the number of steps and relaxations from the next frame on. Backend and threads stay as they are.
+    /// Changes the number of steps and relaxations from the next frame on. Backend, threads, solver, tethers and pyramid
+    /// stay as they are: what they need was made with the stepper.
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
-        let (backend, threads) = (self.world.options.backend, self.world.options.threads);
-        self.world.options = Options { backend, threads, ..options };
+        let Options { backend, threads, solver, tethers, pyramid, .. } = self.world.options;
+        self.world.options = Options { backend, threads, solver, tethers, pyramid, ..options };
         self.world.clock.change(&self.world.options);
         self.world.reschedule();
         Ok(())
