@@ -248,6 +248,17 @@ impl Cloth {
         Ok(())
     }
 
+    /// Rest length \[m\] of the spring at texel `k` of a grid in a direction; 0 where either end is no particle.
+    pub(crate) fn spring(&self, grid: usize, k: usize, direction: usize) -> f32 {
+        let Grid { first, width, height, .. } = self.parts.grids[grid];
+        let there = |k: usize| self.parts.particles[first as usize + k].exists();
+        match (&self.parts.rest, other_end(width as usize, height as usize, k, direction)) {
+            (Rest::Constant(r), Some(other)) if there(k) && there(other) => r[grid][direction],
+            (Rest::Image(r), Some(other)) if there(k) && there(other) => r[first as usize + k][direction],
+            _ => 0.0,
+        }
+    }
+
     /// Whether a cut has been made, so that triangles may be missing.
     pub(crate) fn is_cut(&self) -> bool {
         self.cut
@@ -268,6 +279,15 @@ impl Cloth {
         let ring = self.ring_starts.partition_point(|&s| s as usize <= at) - 1;
         Some(&self.ring_members[self.ring_starts[ring] as usize..self.ring_starts[ring + 1] as usize])
     }
+}
+
+/// The texel at the other end of the spring at texel `k` (right, down, down-right, up-right), if the grid has it.
+pub(crate) fn other_end(width: usize, height: usize, k: usize, direction: usize) -> Option<usize> {
+    let (right, down, up) = (direction != 1, direction == 1 || direction == 2, direction == 3);
+    if (right && k % width + 1 >= width) || (down && k / width + 1 >= height) || (up && k < width) {
+        return None;
+    }
+    Some(k + usize::from(right) + if down { width } else { 0 } - if up { width } else { 0 })
 }
 
 #[cfg(test)]

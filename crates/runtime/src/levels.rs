@@ -1,6 +1,6 @@
 //! Coarser grids of a cloth, as both backends read them.
 
-use crate::cloth::{Cloth, Grid, Rest};
+use crate::cloth::{Cloth, Grid};
 
 /// A level of one grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,12 +43,7 @@ pub fn levels(cloth: &Cloth, index: usize) -> Vec<LevelGrid> {
     let grid = &cloth.grids()[index];
     let first = grid.first as usize;
     let there = |k: usize| cloth.particles()[first + k].exists();
-    let limits = (0..grid.texels()).map(|k| match cloth.rest() {
-        _ if !there(k) => [0.0; 4],
-        Rest::None => [0.0; 4],
-        Rest::Constant(r) => r[index],
-        Rest::Image(r) => r[first + k],
-    });
+    let limits = (0..grid.texels()).map(|k| [0, 1, 2, 3].map(|d| cloth.spring(index, k, d)));
     let mass = (0..grid.texels()).map(|k| if there(k) { f64::from(cloth.mass(first + k)) } else { 0.0 }).collect();
     let mut below = Below { width: grid.width, height: grid.height, limits: limits.collect(), mass };
     let mut out = Vec::new();

@@ -155,7 +155,7 @@ fn hang(cloth: &Cloth, options: &Options) -> Tethers {
     ends.dedup();
     let mut anchors = Vec::with_capacity(used * cloth.len());
     for k in 0..cloth.len() {
-        if ends.len() <= used {
+        if ends.len() == used {
             // A slot for each pin: neighbours then hang on the same one, which is quicker.
             let of = |end: &u32| found.of(k).iter().find(|a| a.particle == *end).copied().unwrap_or(Anchor::NONE);
             anchors.extend(ends.iter().map(of));

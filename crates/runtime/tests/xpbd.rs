@@ -242,6 +242,57 @@ fn cut_cloth_leaves_its_tethers() {
 }
 
 #[test]
+fn options_that_change_on_the_way_do_what_they_say() {
+    // One relaxation after several is the same as one alone: no multiplier is left over. The solver stays.
+    for backwards in [false, true] {
+        let mut scene = scene::builtin("s1k", 17).unwrap();
+        scene.gravity = [0.0, -2.0, 1.0];
+        let mut change =
+            Stepper::new(scene.clone(), Options { iterations: 1 + u32::from(backwards), ..options(4) }, None).unwrap();
+        let mut plain = Stepper::new(scene, Options { iterations: 1, ..options(4) }, None).unwrap();
+        if !backwards {
+            change.set_options(Options { iterations: 3, solver: Solver::Classic, pyramid: 2, ..options(4) }).unwrap();
+            assert_eq!((change.options().solver, change.options().pyramid), (Solver::Xpbd, 0));
+            change.advance(FRAME).unwrap();
+            let mut three = Stepper::new(plain.scene().clone(), Options { iterations: 3, ..options(4) }, None).unwrap();
+            three.advance(FRAME).unwrap();
+            assert!(change.positions(0) == three.positions(0));
+            continue;
+        }
+        change.set_options(Options { iterations: 1, ..options(4) }).unwrap();
+        change.advance(FRAME).unwrap();
+        plain.advance(FRAME).unwrap();
+        assert!(change.positions(0) == plain.positions(0));
+    }
+    let mut classic =
+        Stepper::new(scene::builtin("s1", 9).unwrap(), Options { solver: Solver::Classic, ..options(4) }, None)
+            .unwrap();
+    classic.set_options(Options { pyramid: 4, ..options(4) }).unwrap();
+    classic.advance(FRAME).unwrap();
+    assert_eq!(classic.options().solver, Solver::Classic);
+}
+
+#[test]
+fn springs_to_no_particle_hold_nothing() {
+    // A falling square whose middle is missing, with rest lengths everywhere, as a careless bundle may have.
+    let flat = Flat::square("hole", 9).cloth().unwrap();
+    let mut particles = flat.particles().to_vec();
+    particles[40] = Particle::None;
+    let rest = Rest::Image(vec![[0.125, 0.125, 0.176_776_7, 0.176_776_7]; 81]);
+    let (grids, mass) = (flat.grids().to_vec(), Mass::Constant(1e-3));
+    let parts = Parts { name: "hole".into(), grids, positions: flat.positions().to_vec(), particles, rest, mass };
+    for pyramid in [0, 1] {
+        let mut stepper =
+            Stepper::new(scene(Cloth::new(parts.clone()).unwrap()), Options { pyramid, ..options(4) }, None).unwrap();
+        (0..30).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
+        // Half a second of free fall: 1.2 m, for all alike.
+        for (k, p) in stepper.positions(0).unwrap().iter().enumerate().filter(|(k, _)| *k != 40) {
+            assert!((p[1] + 1.2263).abs() < 0.03, "pyramid {pyramid}, particle {k}: {p:?}");
+        }
+    }
+}
+
+#[test]
 fn numbers_out_of_range_are_refused() {
     assert!(Options { tethers: 5, ..options(1) }.check().is_err());
     for wrong in [f32::NAN, -1.0, f32::INFINITY] {

@@ -110,7 +110,7 @@ impl<T: Real> Body<T> {
         if let Some(fabric) = self.fabric.as_mut().filter(|_| self.edited) {
             fabric.load(&self.now, &self.before);
             if !self.holes.is_empty() {
-                fabric.set_rest(&self.image);
+                fabric.set_rest(&self.image, &self.now);
             }
             self.edited = false;
         }

@@ -5,14 +5,14 @@ use super::contact;
 use super::integrate::Air;
 use super::neighbours::View;
 use super::pyramid::Pyramid;
-use super::real::{Real, V3, cast};
+use super::real::{Real, V3};
 use super::rows::Threads;
 use super::sheet::{Sheet, Values};
 use super::solid::Solid;
 use super::stretch::{self, Springs};
 use super::tethers::{self, Tethers};
 use super::{advance, forget, refine, wind};
-use crate::cloth::{self, Cloth, Compliance, Rest};
+use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
 use crate::levels::levels;
 use crate::options::Options;
 use crate::passes::{self, Pass};
@@ -39,8 +39,7 @@ impl<T: Real> Fabric<T> {
         let sheets: Vec<Sheet<T>> = cloth.grids().iter().map(Sheet::new).collect();
         let firsts = cloth.grids().iter().map(|g| g.first as usize).collect();
         let (starts, members) = cloth.rings();
-        let sums = options.iterations > 1;
-        let springs = sheets.iter().enumerate().map(|(g, sheet)| springs(cloth, g, sheet, sums)).collect();
+        let springs = sheets.iter().enumerate().map(|(g, sheet)| springs(cloth, g, sheet)).collect();
         let grids = if options.pyramid > 0 { 0..sheets.len() } else { 0..0 };
         let pyramids = grids.map(|g| Pyramid::new(&levels(cloth, g))).collect();
         let mut fabric = Fabric {
@@ -93,11 +92,16 @@ impl<T: Real> Fabric<T> {
         }
     }
 
-    /// Rest lengths \[m\] by texels, after a cut.
-    pub fn set_rest(&mut self, image: &[[T; 4]]) {
+    /// Rest lengths \[m\] by texels, after a cut. Springs without a particle at an end are none.
+    pub fn set_rest(&mut self, image: &[[T; 4]], now: &[[T; 4]]) {
+        let there = |k: usize| now[k][3] >= T::of(0.0);
         for ((sheet, springs), first) in self.sheets.iter().zip(&mut self.springs).zip(&self.firsts) {
             for (d, of) in springs.iter_mut().enumerate() {
-                of.rest = Values::List(sheet.list(T::of(0.0), |k| image[first + k][d]));
+                let length = |k: usize| {
+                    let other = other_end(sheet.width, sheet.height, k, d)?;
+                    (there(first + k) && there(first + other)).then_some(image[first + k][d])
+                };
+                of.rest = Values::List(sheet.list(T::of(0.0), |k| length(k).unwrap_or(T::of(0.0))));
             }
         }
     }
@@ -124,14 +128,16 @@ impl<T: Real> Fabric<T> {
                     advance::run(threads, step, sheet, air);
                 }
             }
-            Pass::Stretch { direction, parity, .. } => {
+            Pass::Stretch { direction, parity, again, .. } => {
                 for (sheet, springs) in self.sheets.iter_mut().zip(&mut self.springs) {
                     let springs = &mut springs[direction as usize & 3];
-                    stretch::run(threads, sheet, springs, direction, parity, step.dt);
+                    stretch::run(threads, sheet, springs, (direction, parity), again, step.dt);
                 }
             }
             Pass::Forget => {
-                self.springs.iter_mut().flatten().filter_map(|s| s.sums.as_mut()).for_each(|s| forget::run(s));
+                for (sheet, springs) in self.sheets.iter().zip(&mut self.springs) {
+                    springs.iter_mut().for_each(|s| forget::run(&mut s.sums, sheet.w.len()));
+                }
             }
             Pass::Tethers { .. } => {
                 // What is no longer pinned holds nothing: no distance to a place that is no number is too large.
@@ -199,43 +205,21 @@ fn single(triple: usize, half: usize) -> usize {
     triple / (6 * half) * 2 * half + triple % (6 * half)
 }
 
-fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>, sums: bool) -> [Springs<T>; 4] {
+fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>) -> [Springs<T>; 4] {
     let first = cloth.grids()[g].first as usize;
     let holes = (0..sheet.width * sheet.height).any(|k| !cloth.particles()[first + k].exists());
     [0, 1, 2, 3].map(|d| {
         let zero = T::of(0.0);
-        let image = |list: &[[f32; 4]]| {
-            let list = &list[first..];
-            Values::List(sheet.list(zero, |k| cast::<f32, T, 4>(list[k])[d]))
-        };
         let rest = match cloth.rest() {
             Rest::None => Values::Constant(zero),
             Rest::Constant(r) if !holes => Values::Constant(T::of(r[g][d].into())),
-            Rest::Constant(r) => {
-                Values::List(sheet.list(zero, |k| if joined(cloth, g, k, d) { T::of(r[g][d].into()) } else { zero }))
-            }
-            Rest::Image(r) => image(r),
+            _ => Values::List(sheet.list(zero, |k| T::of(cloth.spring(g, k, d).into()))),
         };
         let soft = match &cloth.compliance {
             Compliance::None => Values::Constant(zero),
             Compliance::Constant(c) => Values::Constant(T::of(f64::from(*c))),
-            Compliance::Image(c) => image(c),
+            Compliance::Image(c) => Values::List(sheet.list(zero, |k| T::of(c[first + k][d].into()))),
         };
-        let soft_any = !matches!(cloth.compliance, Compliance::None);
-        let sums = (sums && soft_any).then(|| vec![zero; sheet.w.len()]);
-        Springs { rest, soft, sums }
+        Springs { rest, soft, sums: Vec::new() }
     })
-}
-
-/// Whether both ends of a spring are particles.
-fn joined(cloth: &Cloth, g: usize, k: usize, direction: usize) -> bool {
-    let grid = &cloth.grids()[g];
-    let (w, h) = (grid.width as usize, grid.height as usize);
-    let (i, j) = (k % w, k / w);
-    let (right, down, up) = (direction != 1, direction == 1 || direction == 2, direction == 3);
-    if (right && i + 1 >= w) || (down && j + 1 >= h) || (up && j == 0) {
-        return false;
-    }
-    let other = k + usize::from(right) + if down { w } else { 0 } - if up { w } else { 0 };
-    [k, other].iter().all(|k| cloth.particles()[grid.first as usize + k].exists())
 }

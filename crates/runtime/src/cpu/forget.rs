@@ -2,7 +2,8 @@
 
 use super::real::Real;
 
-/// Starts the sums of a step at 0.
-pub fn run<T: Real>(sums: &mut [T]) {
-    sums.fill(T::of(0.0));
+/// Starts the `count` sums of a step at 0.
+pub fn run<T: Real>(sums: &mut Vec<T>, count: usize) {
+    sums.clear();
+    sums.resize(count, T::of(0.0));
 }

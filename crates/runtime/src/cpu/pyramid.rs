@@ -33,7 +33,7 @@ impl<T: Real> Pyramid<T> {
             let springs = [0, 1, 2, 3].map(|d| Springs {
                 rest: Values::List(sheet.list(zero, |k| T::of(g.limits[k][d].into()))),
                 soft: Values::Constant(zero),
-                sums: None,
+                sums: Vec::new(),
             });
             let weight = sheet.list(zero, |k| T::of(g.inverse_mass[k].into()));
             Level { origin: sheet.now.clone(), sheet, springs, weight }

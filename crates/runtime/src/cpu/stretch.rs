@@ -11,11 +11,12 @@ pub struct Springs<T> {
     pub rest: Values<T>,
     /// Compliance \[m/N\].
     pub soft: Values<T>,
-    /// Sums of multipliers of this step, if there is more than one relaxation and any compliance.
-    pub sums: Option<Vec<T>>,
+    /// Sums of multipliers of this step; empty until there is more than one relaxation and any compliance.
+    pub sums: Vec<T>,
 }
 
-/// Relaxes the springs of a colour once. `dt` is the step \[s\].
+/// Relaxes the springs of a colour, direction and parity, once. `again` says whether it is done several times a step of
+/// `dt` \[s\].
 ///
 /// A spring of length l moves its ends along itself by w g, g = (l - rest - a s) / (w1 + w2 + a), a = compliance / dt^2,
 /// s the sum of the g of earlier relaxations of this step (Macklin, Mueller, Chentanez, "XPBD", MIG 2016).
@@ -23,27 +24,28 @@ pub fn run<T: Real>(
     threads: &Threads,
     sheet: &mut Sheet<T>,
     springs: &mut Springs<T>,
-    direction: u32,
-    parity: u32,
+    colour: (u32, u32),
+    again: bool,
     dt: T,
 ) {
-    let kind = if matches!(springs.soft, Values::Constant(x) if x == T::of(0.0)) { Kind::Hard } else { Kind::Soft };
-    colour(threads, sheet, springs, (direction, parity), kind, dt * dt);
+    let kind =
+        if matches!(springs.soft, Values::Constant(x) if x == T::of(0.0)) { Kind::Hard } else { Kind::Soft { again } };
+    run_colour(threads, sheet, springs, colour, kind, dt * dt);
 }
 
 /// As [`run`] with springs that only hold ends together: the rest lengths are the longest allowed.
 pub fn limit<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, springs: &mut Springs<T>, direction: u32, parity: u32) {
-    colour(threads, sheet, springs, (direction, parity), Kind::Limit, T::of(1.0));
+    run_colour(threads, sheet, springs, (direction, parity), Kind::Limit, T::of(1.0));
 }
 
 #[derive(Clone, Copy)]
 enum Kind {
     Hard,
-    Soft,
+    Soft { again: bool },
     Limit,
 }
 
-fn colour<T: Real>(
+fn run_colour<T: Real>(
     threads: &Threads,
     sheet: &mut Sheet<T>,
     springs: &mut Springs<T>,
@@ -63,9 +65,11 @@ fn colour<T: Real>(
         let first = first + chunk * size;
         widest(Rows { spring: &spring, rows, sums, w, first, step, row, colour: (direction, parity) });
     };
-    match sums {
-        Some(sums) => threads.chunks2(rows, &mut sums[first * 2 * half..], (size * row, size * 2 * half), work),
-        None => threads.chunks(rows, size * row, |chunk, rows| work(chunk, rows, &mut [])),
+    match kind {
+        Kind::Soft { again: true } => {
+            threads.chunks2(rows, &mut sums[first * 2 * half..], (size * row, size * 2 * half), work)
+        }
+        _ => threads.chunks(rows, size * row, |chunk, rows| work(chunk, rows, &mut [])),
     }
 }
 
@@ -198,7 +202,7 @@ impl<T: Real> Spring<'_, T> {
     fn relax<K: Machine<T>>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
         match self.kind {
             Kind::Hard => self.list::<K, true, false>(k, a, b, stored, count, sums),
-            Kind::Soft => self.list::<K, false, false>(k, a, b, stored, count, sums),
+            Kind::Soft { .. } => self.list::<K, false, false>(k, a, b, stored, count, sums),
             Kind::Limit => self.list::<K, true, true>(k, a, b, stored, count, sums),
         }
     }
