@@ -60,18 +60,7 @@ fn substeps_and_iterations_cost_what_they_are_known_to() {
 #[test]
 fn a_hanging_sheet_swings_in_its_period() {
     // N = 32, 16 substeps: the discrete chain's 1.68170 s and a tenth of a percent.
-    let mut stepper = cpu(scene::builtin("s3", 32).unwrap(), 16, 1);
-    let (mut last, mut crossings) = (0.05, Vec::new());
-    for frame in 1..=600 {
-        stepper.advance(FRAME).unwrap();
-        let hem = &stepper.positions(0).unwrap()[32 * 31..];
-        let z = hem.iter().map(|p| f64::from(p[2])).sum::<f64>() / 32.0;
-        if last * z < 0.0 {
-            crossings.push(f64::from(frame - 1) + last / (last - z));
-        }
-        last = z;
-    }
-    let period = 2.0 * (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64 * FRAME;
+    let period = support::swing_period(cpu(scene::builtin("s3", 32).unwrap(), 16, 1));
     assert!((period / 1.68170 - 1.0).abs() < 2e-3, "{period}");
 }
 

@@ -203,19 +203,8 @@ fn keeps_momentum(still: Scene, options: Options) {
 #[test]
 fn a_hanging_sheet_swings_in_its_period() {
     // N = 32, 16 substeps: the discrete chain's 1.68170 s within 0.3 %.
-    let mut stepper =
-        Stepper::new(scene::builtin("s3", 32).unwrap(), Options { tethers: 0, ..options(16) }, None).unwrap();
-    let (mut last, mut crossings) = (0.05, Vec::new());
-    for frame in 1..=600 {
-        stepper.advance(FRAME).unwrap();
-        let hem = &stepper.positions(0).unwrap()[32 * 31..];
-        let z = hem.iter().map(|p| f64::from(p[2])).sum::<f64>() / 32.0;
-        if last * z < 0.0 {
-            crossings.push(f64::from(frame - 1) + last / (last - z));
-        }
-        last = z;
-    }
-    let period = 2.0 * (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64 * FRAME;
+    let stepper = Stepper::new(scene::builtin("s3", 32).unwrap(), Options { tethers: 0, ..options(16) }, None).unwrap();
+    let period = support::swing_period(stepper);
     assert!((period / 1.68170 - 1.0).abs() < 3e-3, "{period}");
 }
 

@@ -180,6 +180,22 @@ pub fn soft() -> Vec<(&'static str, Scene)> {
     ]
 }
 
+/// The period \[s\] in which the hem of a swinging sheet of 32 x 32 particles crosses the middle, over ten seconds.
+pub fn swing_period(mut stepper: Stepper) -> f64 {
+    const FRAME: f64 = 1.0 / 60.0;
+    let (mut last, mut crossings) = (0.05, Vec::new());
+    for frame in 1..=600 {
+        stepper.advance(FRAME).unwrap();
+        let hem = &stepper.positions(0).unwrap()[32 * 31..];
+        let z = hem.iter().map(|p| f64::from(p[2])).sum::<f64>() / 32.0;
+        if last * z < 0.0 {
+            crossings.push(f64::from(frame - 1) + last / (last - z));
+        }
+        last = z;
+    }
+    2.0 * (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64 * FRAME
+}
+
 /// An adapter's device, or `None` with a line that says so; a missing one fails where GIMAGE_REQUIRE_GPU is 1.
 pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
     let instance = wgpu::Instance::default();
