@@ -33,27 +33,16 @@ fn gather(local: u32, grid: Grid, level: Level, above: Level, top: bool, stride:
 
 // One of eight colours; ends that are too far apart are drawn together.
 fn limit(local: u32, level: Level, direction: u32, parity: u32) {
-  let to_right = u32(direction != 1u);
-  let to_below = u32(direction != 0u);
   let columns = select(level.width, level.width / 2u, direction == 0u);
   let rows = select(level.height / 2u, level.height, direction == 0u);
   for (var n = local; n < columns * rows; n += GROUP) {
-    var i = n % columns;
-    var j = n / columns;
-    if (direction == 0u) {
-      i = 2u * i + parity;
-    } else {
-      j = 2u * j + parity;
-    }
-    if (i + to_right >= level.width || j + to_below >= level.height) {
+    let cell = vec2<u32>(n % columns, n / columns);
+    let ends = spring_ends(cell, level.first, vec2<u32>(level.width, level.height), direction, parity);
+    if (!ends.inside) {
       continue;
     }
-    var k = level.first + j * level.width + i;
-    var other = k + to_below * level.width + to_right;
-    if (direction == 3u) {
-      other = k + 1u;
-      k = k + level.width;
-    }
+    let k = ends.k;
+    let other = ends.other;
     let longest = limits[k][direction];
     let a = nodes[2u * k];
     let b = nodes[2u * other];

@@ -138,6 +138,7 @@ macro_rules! pass {
 const STEP: &str = part!("step");
 const INDEX: &str = part!("index");
 const GRID: &str = part!("grid");
+const ENDS: &str = part!("ends");
 const GUST: &str = part!("gust");
 const RINGS: &str = part!("rings");
 const UNIT: &str = part!("unit");
@@ -193,13 +194,13 @@ pub fn source(pass: Pass) -> Source {
             let bindings = [&[reads(Grids), writes(Now)], read].concat();
             let threads = Threads::Half(direction == 0);
             let constants = vec![("direction", f64::from(direction)), ("parity", f64::from(parity))];
-            Source { constants, ..plain("springs", &[GRID, rest, pass!("springs")], &bindings, threads) }
+            Source { constants, ..plain("springs", &[GRID, ENDS, rest, pass!("springs")], &bindings, threads) }
         }
         Pass::Stretch { direction, parity, image, soft, again } => {
             use Slot::{Soft as Softness, Sums};
             let (rest, read): (_, &[Bound]) =
                 if image { (part!("rest_image"), &[reads(Rest)]) } else { (part!("rest_constant"), &[]) };
-            let mut files = vec![STEP, GRID, rest];
+            let mut files = vec![STEP, GRID, ENDS, rest];
             let mut bindings = [&[reads(Grids), writes(Now)], read].concat();
             match soft {
                 Soft::None => files.splice(..1, []).for_each(drop),
@@ -224,7 +225,7 @@ pub fn source(pass: Pass) -> Source {
             let bindings = [reads(Slot::Levels), reads(Now), writes(Slot::Nodes), reads(Slot::Limits), reads(Grids)];
             let constants = (0..4).map(|d| (["right", "down", "down_right", "up_right"][d], directions[d]));
             let constants = constants.map(|(name, on)| (name, f64::from(u8::from(on)))).collect();
-            let files = [GRID, part!("level"), pass!("pyramid")];
+            let files = [GRID, ENDS, part!("level"), pass!("pyramid")];
             Source { constants, ..plain("pyramid", &files, &bindings, Threads::Grids) }
         }
         Pass::Refine => plain(
