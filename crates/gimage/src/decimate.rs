@@ -60,6 +60,22 @@ struct Collapser<'a> {
     /// Vertices seen in the count at work carry its number.
     seen: Vec<u32>,
     count: u32,
+    /// Inner vertices stay out of the boundary.
+    apart: bool,
+}
+
+/// A simplified disk that remembers the way there. Its boundary is that of the original.
+pub(crate) struct Hierarchy {
+    /// Triangles over original vertices: those collapsed away as they last were.
+    pub triangles: Vec<[u32; 3]>,
+    /// Which of these are left.
+    pub alive: Vec<bool>,
+    /// In order: a vertex, and the one it was collapsed into.
+    pub collapses: Vec<[u32; 2]>,
+    /// Ends of the collapses' ranges in `fans`.
+    pub ends: Vec<u32>,
+    /// The triangles around each collapsed vertex.
+    pub fans: Vec<u32>,
 }
 
 impl Collapser<'_> {
@@ -82,8 +98,9 @@ impl Collapser<'_> {
         self.around[u as usize].iter().filter(|&&t| self.triangles[t as usize].contains(&v)).count()
     }
 
-    /// The cheapest vertex to collapse `u` into; `around` is left with the neighbours of `u`.
-    fn best(&mut self, u: u32, around: &mut Vec<u32>) -> Option<(f64, u32)> {
+    /// The cheapest vertex to collapse `u` into, of those allowed now if `strict`; `around` is left with the neighbours of
+    /// `u`.
+    fn best(&mut self, u: u32, around: &mut Vec<u32>, strict: bool) -> Option<(f64, u32)> {
         if self.locked[u as usize] {
             return None;
         }
@@ -91,6 +108,9 @@ impl Collapser<'_> {
         let mut best: Option<(f64, u32)> = None;
         for &v in &*around {
             if self.boundary[u as usize] && !(self.boundary[v as usize] && self.shared(u, v) == 1) {
+                continue;
+            }
+            if self.apart && self.boundary[v as usize] {
                 continue;
             }
             let p = sub(self.positions[v as usize], self.centre);
@@ -101,7 +121,7 @@ impl Collapser<'_> {
             let cost = self.quadric[u as usize].at(p).max(0.0) + 1e-2 * l2 * self.area[u as usize];
             // Of equal costs the first counts, not the last bits.
             let cost = f64::from((cost * self.unit) as f32);
-            if best.is_none_or(|b| cost < b.0) && self.allowed(u, v, around) {
+            if best.is_none_or(|b| cost < b.0) && (!strict || self.allowed(u, v, around)) {
                 best = Some((cost, v));
             }
         }
@@ -164,14 +184,14 @@ impl Collapser<'_> {
     }
 }
 
-/// Simplifies an edge-manifold mesh to about `target` triangles. `locked` vertices stay. O(n log n).
-pub(crate) fn decimate(
-    positions: &[[f64; 3]],
+/// A mesh in which nothing is collapsed yet.
+fn prepare<'a>(
+    positions: &'a [[f64; 3]],
     triangles: &[[u32; 3]],
     boundary: &[bool],
     locked: &[bool],
-    target: usize,
-) -> Coarse {
+    apart: bool,
+) -> Collapser<'a> {
     let n = positions.len();
     let mut around = vec![Vec::new(); n];
     for (t, tri) in triangles.iter().enumerate() {
@@ -193,6 +213,7 @@ pub(crate) fn decimate(
         unit: 1.0,
         seen: vec![0; n],
         count: 0,
+        apart,
     };
     for tri in triangles {
         let [p, q, r] = tri.map(|v| sub(positions[v as usize], centre));
@@ -209,34 +230,61 @@ pub(crate) fn decimate(
     }
     let total: f64 = c.area.iter().sum();
     c.unit = 1.0 / (total * total).max(1e-300);
-    let mut heap: BinaryHeap<Reverse<(u64, u32, u32, u32)>> = BinaryHeap::with_capacity(n);
-    let mut around = Vec::new();
-    let mut push = |heap: &mut BinaryHeap<_>, c: &mut Collapser<'_>, u: u32| {
-        if let Some((cost, v)) = c.best(u, &mut around) {
-            heap.push(Reverse((cost.to_bits(), u, v, c.version[u as usize])));
-        }
-    };
-    (0..n as u32).for_each(|u| push(&mut heap, &mut c, u));
-    let mut ring = Vec::new();
-    let mut left = triangles.len();
-    while left > target {
-        let Some(Reverse((_, u, v, version))) = heap.pop() else { break };
-        if version != c.version[u as usize] || c.around[u as usize].is_empty() || c.around[v as usize].is_empty() {
-            continue;
-        }
-        c.neighbours(u, &mut ring);
-        if !c.allowed(u, v, &ring) || (c.boundary[u as usize] && c.shared(u, v) != 1) {
-            continue;
-        }
-        left -= c.collapse(u, v);
-        c.version[u as usize] += 1;
-        for &w in &ring {
-            c.version[w as usize] += 1;
-            push(&mut heap, &mut c, w);
+    c
+}
+
+impl Collapser<'_> {
+    /// Collapses until about `target` triangles are left; `each` sees every collapse before it is made.
+    fn run(&mut self, target: usize, mut each: impl FnMut(u32, u32, &[u32])) {
+        let n = self.positions.len() as u32;
+        let mut heap: BinaryHeap<Reverse<(u64, u32, u32, u32)>> = BinaryHeap::with_capacity(n as usize);
+        let mut around = Vec::new();
+        // Most collapses are allowed, so that is looked at only for those whose turn has come.
+        let mut push = |heap: &mut BinaryHeap<_>, c: &mut Self, u: u32, strict: bool| {
+            if let Some((cost, v)) = c.best(u, &mut around, strict) {
+                heap.push(Reverse((cost.to_bits(), u, v, c.version[u as usize])));
+            }
+        };
+        (0..n).for_each(|u| push(&mut heap, self, u, false));
+        let mut ring = Vec::new();
+        let mut left = self.triangles.len();
+        while left > target {
+            let Some(Reverse((_, u, v, version))) = heap.pop() else { break };
+            if version != self.version[u as usize]
+                || self.around[u as usize].is_empty()
+                || self.around[v as usize].is_empty()
+            {
+                continue;
+            }
+            self.neighbours(u, &mut ring);
+            if !self.allowed(u, v, &ring) {
+                push(&mut heap, self, u, true);
+                continue;
+            }
+            each(u, v, &self.around[u as usize]);
+            left -= self.collapse(u, v);
+            self.version[u as usize] += 1;
+            for &w in &ring {
+                self.version[w as usize] += 1;
+                push(&mut heap, self, w, false);
+            }
         }
     }
+}
+
+/// Simplifies an edge-manifold mesh to about `target` triangles. `locked` vertices stay. O(n log n).
+pub(crate) fn decimate(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    boundary: &[bool],
+    locked: &[bool],
+    target: usize,
+) -> Coarse {
+    let n = positions.len();
+    let mut c = prepare(positions, triangles, boundary, locked, false);
+    c.run(target, |_, _, _| {});
     let mut index = vec![u32::MAX; n];
-    let mut coarse = Coarse { vertex: Vec::new(), triangles: Vec::with_capacity(left), patch: Vec::new() };
+    let mut coarse = Coarse { vertex: Vec::new(), triangles: Vec::new(), patch: Vec::new() };
     for (tri, _) in c.triangles.iter().zip(&c.alive).filter(|(_, a)| **a) {
         let t = tri.map(|v| {
             if index[v as usize] == u32::MAX {
@@ -257,6 +305,19 @@ pub(crate) fn decimate(
         })
         .collect();
     coarse
+}
+
+/// Simplifies the inside of a disk to about `target` triangles. No edge is made between boundary vertices, so a map
+/// onto a rectangle stays possible. O(n log n).
+pub(crate) fn hierarchy(positions: &[[f64; 3]], triangles: &[[u32; 3]], boundary: &[bool], target: usize) -> Hierarchy {
+    let mut c = prepare(positions, triangles, boundary, boundary, true);
+    let (mut collapses, mut ends, mut fans) = (Vec::new(), Vec::new(), Vec::new());
+    c.run(target, |u, v, fan| {
+        collapses.push([u, v]);
+        fans.extend_from_slice(fan);
+        ends.push(fans.len() as u32);
+    });
+    Hierarchy { triangles: c.triangles, alive: c.alive, collapses, ends, fans }
 }
 
 #[cfg(test)]

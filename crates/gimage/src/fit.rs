@@ -40,7 +40,7 @@ impl Default for FitOptions {
 const NEAR: f64 = 1e-3;
 
 /// Cuts a convex polygon by `n . x <= d`.
-fn clip(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut Vec<[f64; 2]>) {
+pub(crate) fn clip(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut Vec<[f64; 2]>) {
     out.clear();
     for (k, &p) in polygon.iter().enumerate() {
         let q = polygon[(k + 1) % polygon.len()];

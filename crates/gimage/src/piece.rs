@@ -124,6 +124,9 @@ impl ImageOptions {
 /// Texels of a piece whose share is unknown.
 const LEAST: u32 = 64;
 
+/// A mesh of many more triangles than half the cells, and than this, is mapped coarse to fine.
+const LEAST_TRIANGLES: usize = 3000;
+
 /// Cost of an edge on a UV seam, as a share of its length.
 const SEAM_DISCOUNT: f64 = 0.15;
 
@@ -309,19 +312,12 @@ impl<'a> Maker<'a> {
         let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
         let fixed = disk.boundary_mask();
         let options = self.options;
-        let record = parameterize(
-            &disk.positions,
-            &disk.triangles,
-            &disk.wanted,
-            &fixed,
-            &mut uv,
-            options.passes,
-            &options.newton,
-        )
-        .ok_or_else(|| {
-            let hint = "remesh the slivers of this piece, or give it more texels";
-            self.fail("parameterize", "no map free of flips was found".into(), hint)
-        })?;
+        let enough = LEAST_TRIANGLES.max((w * h) as usize / 2);
+        let record =
+            parameterize(disk.shape(&fixed), &mut uv, options.passes, &options.newton, enough).ok_or_else(|| {
+                let hint = "remesh the slivers of this piece, or give it more texels";
+                self.fail("parameterize", "no map free of flips was found".into(), hint)
+            })?;
         let mut samples = resample(&disk, &uv, &texels, w, h).ok_or_else(|| {
             self.fail("resample", "a texel fell outside the map".into(), "please report it with the input")
         })?;
