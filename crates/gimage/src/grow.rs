@@ -40,7 +40,7 @@ fn attempt(cutter: &Cutter<'_>, terminals: &[u32], search: SearchOptions) -> Opt
     cutter.loops().iter().flatten().for_each(|&v| on_rim[v as usize] = true);
     let border = Border::new(&mut disk, |v| on_rim[v as usize]);
     let mut proxy = Proxy::new(&disk, &border, search);
-    let layout = proxy.search(Size::Budget(16_384))?;
+    let (layout, solved) = proxy.search_map(Size::Budget(16_384))?;
     if !layout.score.is_finite() {
         return None;
     }
@@ -58,9 +58,8 @@ fn attempt(cutter: &Cutter<'_>, terminals: &[u32], search: SearchOptions) -> Opt
     let mut next = Vec::new();
     // The plain mean-value map shrinks limbs without mercy and so finds their tips; the solved map finds the rest; the
     // point farthest from the cut is a limb's tip more often than not.
-    for (passes, steps, many) in [(1, 0, 2), (search.passes, search.steps.iter().sum(), 2)] {
-        let Some((uv, _)) = proxy.map(&layout, passes, steps) else { continue };
-        let picks = most_stretched(&positions, &triangles, &uv, many, apart, |v| {
+    for uv in proxy.plain(&layout).into_iter().chain([solved]) {
+        let picks = most_stretched(&positions, &triangles, &uv, 2, apart, |v| {
             let o = proxy_origin(&disk, &proxy, v);
             o != NONE && !on_cut[o as usize]
         });
@@ -98,6 +97,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         steps: [1, 3, 6],
         keep: [3, 1],
         refine: false,
+        snap: 2,
     };
     let mut rim = vec![false; surface.positions.len()];
     fine.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);

@@ -48,6 +48,8 @@ pub(crate) struct SearchOptions {
     pub keep: [usize; 2],
     /// Refine aspect and start around the best.
     pub refine: bool,
+    /// Layouts tried with nodes on corners of the image.
+    pub snap: usize,
 }
 
 /// A layout and the map of the stand-in so far.
@@ -160,10 +162,9 @@ impl<'a> Proxy<'a> {
         trial.layout.score.is_finite()
     }
 
-    /// The map of the stand-in for a layout, and its distortion.
-    pub(crate) fn map(&mut self, layout: &Layout, passes: usize, steps: usize) -> Option<(Vec<[f64; 2]>, f64)> {
-        let mut trial = self.begin((layout.w, layout.h), layout.shift, layout.count.clone(), passes)?;
-        (steps == 0 || self.solve(&mut trial, 0, steps)).then_some((trial.uv, trial.layout.score))
+    /// The plain mean-value map of the stand-in for a layout.
+    pub(crate) fn plain(&mut self, layout: &Layout) -> Option<Vec<[f64; 2]>> {
+        Some(self.begin((layout.w, layout.h), layout.shift, layout.count.clone(), 1)?.uv)
     }
 
     /// The disk vertex that a vertex of the stand-in is.
@@ -257,6 +258,11 @@ impl<'a> Proxy<'a> {
 
     /// The best layout found. `None` if none can be laid out.
     pub(crate) fn search(&mut self, size: Size) -> Option<Layout> {
+        self.search_map(size).map(|found| found.0)
+    }
+
+    /// The best layout found, and the map of the stand-in if one was free of flips.
+    pub(crate) fn search_map(&mut self, size: Size) -> Option<(Layout, Vec<[f64; 2]>)> {
         let shifts = self.options.shifts.max(1);
         // A half turn of the rectangle is the same map, so half the loop is enough; a fixed size likewise.
         let mut rough: Vec<(f64, f64)> = (0..shifts)
@@ -278,7 +284,7 @@ impl<'a> Proxy<'a> {
             // Too coarse to be flip-free anywhere: fall back to the first start that can be laid out at all.
             let (w, h) = cells(size, 1.0, self.border.least_steps())?;
             let count = self.border.share(2 * (w + h))?;
-            return Some(Layout { w, h, shift: 0.0, count, score: f64::INFINITY });
+            return Some((Layout { w, h, shift: 0.0, count, score: f64::INFINITY }, Vec::new()));
         }
         let best = |found: &[Trial]| {
             let k = (0..found.len())
@@ -305,7 +311,7 @@ impl<'a> Proxy<'a> {
                 best = t;
             }
         }
-        Some(best.layout)
+        Some((best.layout, best.uv))
     }
 
     /// Walks along the aspects while that helps.
@@ -322,7 +328,7 @@ impl<'a> Proxy<'a> {
 
     /// Layouts with nodes on corners of the image: what a rectangle or a tube wants, and a search over steps misses.
     fn snapped(&mut self, size: Size, near: &Layout) -> Vec<Trial> {
-        if self.border.is_free() {
+        if self.border.is_free() || self.options.snap == 0 {
             return Vec::new();
         }
         let all = f64::from(2 * (near.w + near.h));
@@ -335,7 +341,7 @@ impl<'a> Proxy<'a> {
         // Pairs of nodes nearest to two neighbouring corners of the best layout, in both of its half turns.
         let (w, h) = (f64::from(near.w), f64::from(near.h));
         let corners = [0.0, w, w + h, 2.0 * w + h];
-        let many = if self.options.refine { 6 } else { 2 };
+        let many = self.options.snap;
         // A pair among the best has both nodes among the best for their corners: hundreds of nodes make few pairs.
         let nearest = |corner: f64| {
             let mut order: Vec<(f64, usize)> = (0..steps.len()).map(|k| (off(at(k), corner), k)).collect();
@@ -441,6 +447,7 @@ mod tests {
         steps: [3, 4, 5],
         keep: [12, 3],
         refine: true,
+        snap: 6,
     };
 
     fn searched(s: &Surface, size: Size) -> (Layout, Vec<u32>) {

@@ -87,15 +87,16 @@ impl ImageOptions {
         };
         let normal = SearchOptions {
             triangles: 600,
-            shifts: 12,
+            shifts: 16,
             rough: 6,
             passes: 2,
             steps: [1, 2, 3],
-            keep: [4, 2],
+            keep: [3, 1],
             refine: true,
+            snap: 6,
         };
         let (grow, search) = match options.effort {
-            Effort::Fast => (None, SearchOptions { shifts: 6, rough: 6, keep: [2, 1], refine: false, ..normal }),
+            Effort::Fast => (None, SearchOptions { shifts: 6, rough: 6, keep: [2, 1], refine: false, snap: 2, ..normal }),
             Effort::Default => (Some(GrowOptions::default()), normal),
             Effort::Best => {
                 let grow = GrowOptions { triangles: 3000, points: 32, gain: 0.005 };
