@@ -37,7 +37,7 @@ impl Default for FitOptions {
 }
 
 /// How near the solve of a round comes, as a share of where it began: the next round moves the target anyway.
-const NEAR: f64 = 1e-3;
+const NEAR: f64 = 2e-2;
 
 /// How much more the gradient term counts where the image is turned over by more than a right angle.
 const TURNED: f64 = 2.0;

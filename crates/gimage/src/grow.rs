@@ -7,6 +7,7 @@ use crate::disk::{self, NONE};
 use crate::graph::Paths;
 use crate::layout::{Proxy, SearchOptions, Size, most_stretched};
 use crate::surface::Surface;
+use crate::symmetry::Mirror;
 use crate::transfer::transfer;
 
 /// How far to grow.
@@ -26,15 +27,21 @@ impl Default for GrowOptions {
     }
 }
 
+/// An edge lies in the middle of a symmetric surface if its ends are nearer to the plane than this share of its length.
+const MIDDLE: f64 = 0.25;
+
+/// Cost of an edge in the middle, as a share of its length.
+const MIDDLE_COST: f64 = 0.5;
+
 /// One try: the energy of a cut through `terminals`, and the vertices it stretches most.
 struct Try {
     score: f64,
     next: Vec<u32>,
 }
 
-fn attempt(cutter: &Cutter<'_>, terminals: &[u32], search: SearchOptions) -> Option<Try> {
+fn attempt(cutter: &Cutter<'_>, cost: &[f64], terminals: &[u32], search: SearchOptions) -> Option<Try> {
     let surface = cutter.surface;
-    let cut = cutter.cut(&cutter.graph.length, terminals);
+    let cut = cutter.cut(cost, terminals);
     let mut disk = disk::open(cutter, &cut).ok()?;
     let mut on_rim = vec![false; surface.positions.len()];
     cutter.loops().iter().flatten().for_each(|&v| on_rim[v as usize] = true);
@@ -70,6 +77,17 @@ fn attempt(cutter: &Cutter<'_>, terminals: &[u32], search: SearchOptions) -> Opt
     let mut seen = std::collections::HashSet::new();
     next.retain(|&v| !on_cut[v as usize] && seen.insert(v));
     Some(Try { score: layout.score, next })
+}
+
+/// Costs of the edges of a symmetric surface: its middle is a good place to cut, both halves are then alike.
+fn along_middle(cutter: &Cutter<'_>, mirror: &Mirror) -> Vec<f64> {
+    let p = &cutter.surface.positions;
+    let graph = &cutter.graph;
+    let cost = graph.ends.iter().zip(&graph.length).map(|(e, &l)| {
+        let middle = e.iter().all(|&v| mirror.offset(p[v as usize]).abs() < MIDDLE * l);
+        if middle { MIDDLE_COST * l } else { l }
+    });
+    cost.collect()
 }
 
 /// The surface vertex behind a vertex of the stand-in.
@@ -111,8 +129,11 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     };
     let mut cutter = Cutter::new(&small)?;
     cutter.wanted = coarse.vertex.iter().map(|&v| fine.wanted[v as usize]).collect();
+    let mirror = Mirror::of(&small);
+    let cost = mirror.as_ref().map_or_else(|| cutter.graph.length.clone(), |m| along_middle(&cutter, m));
+    let mates = mirror.map(|m| m.mates(&small.positions));
     let mut terminals: Vec<u32> = Vec::new();
-    let mut now = attempt(&cutter, &terminals, search);
+    let mut now = attempt(&cutter, &cost, &terminals, search);
     while terminals.len() < options.points {
         let score = now.as_ref().map_or(f64::INFINITY, |t| t.score);
         let candidates = now.as_ref().map_or_else(Vec::new, |t| t.next.clone());
@@ -120,7 +141,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         for v in candidates {
             let mut longer = terminals.clone();
             longer.push(v);
-            if let Some(t) = attempt(&cutter, &longer, search)
+            if let Some(t) = attempt(&cutter, &cost, &longer, search)
                 && t.score < score - options.gain
                 && best.as_ref().is_none_or(|b| t.score < b.0.score)
             {
@@ -134,8 +155,18 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         let Some((t, v)) = best else { break };
         terminals.push(v);
         now = Some(t);
+        // What is alike on both sides is cut alike, unless that is worse.
+        if let Some(mate) = mates.as_ref().map(|m| m[v as usize]).filter(|m| !terminals.contains(m)) {
+            terminals.push(mate);
+            let both = attempt(&cutter, &cost, &terminals, search);
+            if both.as_ref().is_some_and(|b| now.as_ref().is_some_and(|t| b.score <= t.score)) {
+                now = both;
+            } else {
+                terminals.pop();
+            }
+        }
     }
-    let cut = cutter.cut(&cutter.graph.length, &terminals);
+    let cut = cutter.cut(&cost, &terminals);
     let terminals: Vec<u32> = terminals.iter().map(|&v| coarse.vertex[v as usize]).collect();
     let cut = transfer(fine, &cutter, &coarse, &cut, &terminals);
     disk::open(fine, &cut).ok()?;

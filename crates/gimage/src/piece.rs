@@ -96,7 +96,9 @@ impl ImageOptions {
             snap: 6,
         };
         let (grow, search) = match options.effort {
-            Effort::Fast => (None, SearchOptions { shifts: 6, rough: 6, keep: [2, 1], refine: false, snap: 2, ..normal }),
+            Effort::Fast => {
+                (None, SearchOptions { shifts: 6, rough: 6, keep: [2, 1], refine: false, snap: 2, ..normal })
+            }
             Effort::Default => (Some(GrowOptions::default()), normal),
             Effort::Best => {
                 let grow = GrowOptions { triangles: 3000, points: 32, gain: 0.005 };
