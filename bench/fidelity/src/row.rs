@@ -8,7 +8,7 @@ use crate::Failure;
 const WORDS: [&str; 6] = ["mesh", "method", "texels", "sample", "seams", "sizes"];
 
 /// The columns with numbers, empty where nothing is known. `bench/README.md` says what they mean.
-pub const NUMBERS: [&str; 42] = [
+pub const NUMBERS: [&str; 46] = [
     "triangles",
     "repeats",
     "cpu_s_min",
@@ -42,6 +42,10 @@ pub const NUMBERS: [&str; 42] = [
     "seam_gap_rel",
     "spring_anisotropy",
     "spring_p99_to_p1",
+    "spring_angle_deg",
+    "mass_p99_to_p1",
+    "cut_rel",
+    "cut_bought",
     "scorer_psnr_db",
     "scorer_rms_rel",
     "scorer_hausdorff_rel",

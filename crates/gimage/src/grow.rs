@@ -101,6 +101,8 @@ pub(crate) struct Grown {
     pub cut: Cut,
     /// Points the cut was grown to.
     pub terminals: Vec<u32>,
+    /// Distortion of the stand-in before and after.
+    pub bought: Option<[f64; 2]>,
 }
 
 /// Cuts `surface` to a disk, growing the cut while that lowers the distortion of the stand-in. `None` if the stand-in
@@ -134,6 +136,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let mates = mirror.map(|m| m.mates(&small.positions));
     let mut terminals: Vec<u32> = Vec::new();
     let mut now = attempt(&cutter, &cost, &terminals, search);
+    let shortest = now.as_ref().map(|t| t.score);
     while terminals.len() < options.points {
         let score = now.as_ref().map_or(f64::INFINITY, |t| t.score);
         let candidates = now.as_ref().map_or_else(Vec::new, |t| t.next.clone());
@@ -170,5 +173,6 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let terminals: Vec<u32> = terminals.iter().map(|&v| coarse.vertex[v as usize]).collect();
     let cut = transfer(fine, &cutter, &coarse, &cut, &terminals);
     disk::open(fine, &cut).ok()?;
-    Some(Grown { cut, terminals })
+    let bought = shortest.zip(now).map(|(before, after)| [before, after.score]);
+    Some(Grown { cut, terminals, bought })
 }

@@ -29,6 +29,8 @@ pub struct CutRecord {
     pub grown: usize,
     /// The cut follows UV seams.
     pub uv_seams: bool,
+    /// Mean of ln(density / 4) of a coarse stand-in with the shortest cut, and with the cut grown.
+    pub bought: Option<[f64; 2]>,
 }
 
 /// Where texels go.
@@ -284,6 +286,7 @@ impl<'a> Maker<'a> {
                 edges: cut.edges.iter().filter(|c| **c).count() as u32,
                 grown: terminals.len(),
                 uv_seams: along_uv,
+                bought: grown.as_ref().and_then(|g| g.bought),
             };
             out.push(Candidate { disk, border, cut: record });
             cuts.push(cut);
