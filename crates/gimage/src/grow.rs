@@ -79,8 +79,9 @@ fn attempt(cutter: &Cutter<'_>, cost: &[f64], terminals: &[u32], search: SearchO
     Some(Try { score: layout.score, next })
 }
 
-/// Costs of the edges of a symmetric surface: its middle is a good place to cut, both halves are then alike.
-fn along_middle(cutter: &Cutter<'_>, mirror: &Mirror) -> Vec<f64> {
+/// Costs of the edges, their lengths at first. The middle of a symmetric surface is a good place to cut, both halves are then alike.
+pub(crate) fn edge_costs(cutter: &Cutter<'_>, mirror: Option<&Mirror>) -> Vec<f64> {
+    let Some(mirror) = mirror else { return cutter.graph.length.clone() };
     let p = &cutter.surface.positions;
     let graph = &cutter.graph;
     let cost = graph.ends.iter().zip(&graph.length).map(|(e, &l)| {
@@ -103,6 +104,8 @@ pub(crate) struct Grown {
     pub terminals: Vec<u32>,
     /// Distortion of the stand-in before and after.
     pub bought: Option<[f64; 2]>,
+    /// The middle of a symmetric surface.
+    pub mirror: Option<Mirror>,
 }
 
 /// Cuts `surface` to a disk, growing the cut while that lowers the distortion of the stand-in. `None` if the stand-in
@@ -132,8 +135,8 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let mut cutter = Cutter::new(&small)?;
     cutter.wanted = coarse.vertex.iter().map(|&v| fine.wanted[v as usize]).collect();
     let mirror = Mirror::of(&small);
-    let cost = mirror.as_ref().map_or_else(|| cutter.graph.length.clone(), |m| along_middle(&cutter, m));
-    let mates = mirror.map(|m| m.mates(&small.positions));
+    let cost = edge_costs(&cutter, mirror.as_ref());
+    let mates = mirror.as_ref().map(|m| m.mates(&small.positions));
     let mut terminals: Vec<u32> = Vec::new();
     let mut now = attempt(&cutter, &cost, &terminals, search);
     let shortest = now.as_ref().map(|t| t.score);
@@ -174,5 +177,48 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let cut = transfer(fine, &cutter, &coarse, &cut, &terminals);
     disk::open(fine, &cut).ok()?;
     let bought = shortest.zip(now).map(|(before, after)| [before, after.score]);
-    Some(Grown { cut, terminals, bought })
+    Some(Grown { cut, terminals, bought, mirror })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::{Join, sheet};
+
+    /// A sleeve with an egg for a section, wider at one end: alike on both sides of y = 0 alone. Moved off the origin.
+    fn sleeve() -> Surface {
+        sheet(40, 24, Join::Same, Join::Open, |u, v| {
+            let (sin, cos) = (std::f64::consts::TAU * u).sin_cos();
+            let r = (0.1 + 0.02 * cos) * (1.0 + 0.5 * v);
+            [r * cos, 3.0 + r * sin, 0.8 * v]
+        })
+    }
+
+    #[test]
+    fn a_symmetric_sleeve_is_cut_along_its_middle() {
+        let s = sleeve();
+        let cutter = Cutter::new(&s).unwrap();
+        let grown = grow(&cutter, &GrowOptions::default()).unwrap();
+        let mirror = grown.mirror.unwrap();
+        assert!((mirror.normal[1].abs() - 1.0).abs() < 1e-2, "{mirror:?}");
+        let cut = cutter.cut(&edge_costs(&cutter, Some(&mirror)), &[]);
+        let ends = cutter.graph.ends.iter().zip(&cut.edges).filter(|x| *x.1).flat_map(|x| *x.0);
+        let off: Vec<f64> = ends.map(|v| (s.positions[v as usize][1] - 3.0).abs()).collect();
+        assert!(off.len() >= 48 && off.iter().all(|o| *o < 1e-9), "{off:?}");
+    }
+
+    #[test]
+    fn growing_tells_what_it_bought() {
+        // A closed blob with a long horn: the shortest cut leaves the horn to shrink.
+        let horn = sheet(24, 40, Join::Same, Join::Open, |u, v| {
+            let (sin, cos) = (std::f64::consts::TAU * u).sin_cos();
+            let r = if v < 0.4 { 1.0 } else { 0.15 };
+            [r * cos, r * sin, 5.0 * v]
+        });
+        let cutter = Cutter::new(&horn).unwrap();
+        let grown = grow(&cutter, &GrowOptions::default()).unwrap();
+        let [before, after] = grown.bought.unwrap();
+        assert!(after <= before && before.is_finite());
+        assert_eq!(after < before, !grown.terminals.is_empty());
+    }
 }
