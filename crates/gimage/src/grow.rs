@@ -5,10 +5,12 @@ use crate::cut::{Cut, Cutter};
 use crate::decimate::decimate;
 use crate::disk::{self, NONE};
 use crate::graph::Paths;
+use crate::halfedge::BOUNDARY;
 use crate::layout::{Proxy, SearchOptions, Size, most_stretched};
 use crate::surface::Surface;
 use crate::symmetry::Mirror;
 use crate::transfer::transfer;
+use crate::vec3::{add, cross, dot, norm, sub};
 
 /// How far to grow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +34,9 @@ const MIDDLE: f64 = 0.25;
 
 /// Cost of an edge in the middle, as a share of its length.
 const MIDDLE_COST: f64 = 0.5;
+
+/// What an edge costs more that faces straight outwards, as a share of its length.
+const OUTWARD_COST: f64 = 0.05;
 
 /// One try: the energy of a cut through `terminals`, and the vertices it stretches most.
 struct Try {
@@ -79,16 +84,31 @@ fn attempt(cutter: &Cutter<'_>, cost: &[f64], terminals: &[u32], search: SearchO
     Some(Try { score: layout.score, next })
 }
 
-/// Costs of the edges, their lengths at first. The middle of a symmetric surface is a good place to cut, both halves are then alike.
-pub(crate) fn edge_costs(cutter: &Cutter<'_>, mirror: Option<&Mirror>) -> Vec<f64> {
-    let Some(mirror) = mirror else { return cutter.graph.length.clone() };
-    let p = &cutter.surface.positions;
+/// Costs of the edges: their lengths, but the middle of a symmetric surface is cheap: both halves are then alike.
+fn middle_costs(cutter: &Cutter<'_>, mirror: Option<&Mirror>) -> Vec<f64> {
     let graph = &cutter.graph;
-    let cost = graph.ends.iter().zip(&graph.length).map(|(e, &l)| {
-        let middle = e.iter().all(|&v| mirror.offset(p[v as usize]).abs() < MIDDLE * l);
-        if middle { MIDDLE_COST * l } else { l }
-    });
-    cost.collect()
+    let Some(mirror) = mirror else { return graph.length.clone() };
+    let offset = |v: u32| mirror.offset(cutter.surface.positions[v as usize]).abs();
+    let cost = |(e, &l): (&[u32; 2], &f64)| if e.iter().all(|&v| offset(v) < MIDDLE * l) { MIDDLE_COST * l } else { l };
+    graph.ends.iter().zip(&graph.length).map(cost).collect()
+}
+
+/// Costs of the edges where there is nothing to grow to: besides, what faces the middle costs a little less than what faces
+/// outwards. Inner sleeves and inner legs are seen least, and tailors sew there.
+pub(crate) fn hidden_costs(cutter: &Cutter<'_>, mirror: Option<&Mirror>) -> Vec<f64> {
+    let mut cost = middle_costs(cutter, mirror);
+    let Some(mirror) = mirror else { return cost };
+    let (surface, graph) = (cutter.surface, &cutter.graph);
+    for (e, cost) in cost.iter_mut().enumerate() {
+        let normal = graph.halves[e].iter().filter(|&&h| h != BOUNDARY).fold([0.0; 3], |sum, &h| {
+            let [a, b, c] = surface.corners(h as usize / 3);
+            add(sum, cross(sub(b, a), sub(c, a)))
+        });
+        let side = graph.ends[e].iter().map(|&v| mirror.offset(surface.positions[v as usize])).sum::<f64>();
+        let outward = dot(normal, mirror.normal) * side.signum() / norm(normal).max(1e-300);
+        *cost *= 1.0 + OUTWARD_COST * outward.max(0.0);
+    }
+    cost
 }
 
 /// The surface vertex behind a vertex of the stand-in.
@@ -135,7 +155,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let mut cutter = Cutter::new(&small)?;
     cutter.wanted = coarse.vertex.iter().map(|&v| fine.wanted[v as usize]).collect();
     let mirror = Mirror::of(&small);
-    let cost = edge_costs(&cutter, mirror.as_ref());
+    let cost = middle_costs(&cutter, mirror.as_ref());
     let mates = mirror.as_ref().map(|m| m.mates(&small.positions));
     let mut terminals: Vec<u32> = Vec::new();
     let mut now = attempt(&cutter, &cost, &terminals, search);
@@ -201,10 +221,31 @@ mod tests {
         let grown = grow(&cutter, &GrowOptions::default()).unwrap();
         let mirror = grown.mirror.unwrap();
         assert!((mirror.normal[1].abs() - 1.0).abs() < 1e-2, "{mirror:?}");
-        let cut = cutter.cut(&edge_costs(&cutter, Some(&mirror)), &[]);
+        let cut = cutter.cut(&hidden_costs(&cutter, Some(&mirror)), &[]);
         let ends = cutter.graph.ends.iter().zip(&cut.edges).filter(|x| *x.1).flat_map(|x| *x.0);
         let off: Vec<f64> = ends.map(|v| (s.positions[v as usize][1] - 3.0).abs()).collect();
         assert!(off.len() >= 48 && off.iter().all(|o| *o < 1e-9), "{off:?}");
+    }
+
+    #[test]
+    fn of_equal_places_the_one_that_faces_the_middle_is_cut() {
+        // Two straight sleeves beside each other, alike all around: only their inner sides face the middle.
+        let tube = sheet(40, 24, Join::Same, Join::Open, |u, v| {
+            let (sin, cos) = (std::f64::consts::TAU * u).sin_cos();
+            [0.4 + 0.1 * cos, 0.1 * sin, 0.8 * v]
+        });
+        let cutter = Cutter::new(&tube).unwrap();
+        let mirror = Mirror { point: [0.0; 3], normal: [1.0, 0.0, 0.0] };
+        let outside = |triangles_face_out: f64| {
+            let cut = cutter.cut(&hidden_costs(&cutter, Some(&mirror)), &[]);
+            let ends = cutter.graph.ends.iter().zip(&cut.edges).filter(|x| *x.1).flat_map(|x| *x.0);
+            let x: Vec<f64> = ends.map(|v| tube.positions[v as usize][0] - 0.4).collect();
+            assert!(x.len() >= 48);
+            x.iter().filter(|x| triangles_face_out * **x > 1e-9).count()
+        };
+        let [a, b, c] = tube.corners(0);
+        let out = dot(cross(sub(b, a), sub(c, a)), sub(a, [0.4, 0.0, 0.0])).signum();
+        assert_eq!(outside(out), 0, "the cut runs where the sleeve faces outwards");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::disk::{self, Disk};
 use crate::error::{Error, Result};
 use crate::fit::{self, FitOptions};
 use crate::grid::Grid;
-use crate::grow::{GrowOptions, edge_costs, grow};
+use crate::grow::{GrowOptions, grow, hidden_costs};
 use crate::layout::{self, Layout, Proxy, SearchOptions, Size};
 use crate::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
 use crate::parameterize::distortion::{self, Distortion};
@@ -260,7 +260,7 @@ impl<'a> Maker<'a> {
         };
         let (mut out, mut cuts) = (Vec::new(), Vec::new());
         for &along_uv in along_uv {
-            let mut cost = edge_costs(cutter, grown.as_ref().and_then(|g| g.mirror.as_ref()));
+            let mut cost = hidden_costs(cutter, grown.as_ref().and_then(|g| g.mirror.as_ref()));
             if let Some(seam) = uv_seam.filter(|_| along_uv) {
                 for (c, h) in cost.iter_mut().zip(&cutter.graph.halves) {
                     if seam[h[0] as usize] {
