@@ -15,6 +15,7 @@ pub(crate) mod draw;
 pub(crate) mod fabric;
 pub(crate) mod fastest;
 pub(crate) mod forget;
+pub(crate) mod fused;
 pub(crate) mod guard;
 pub(crate) mod gust;
 pub(crate) mod integrate;

@@ -11,6 +11,7 @@ mod collider;
 mod cpu;
 pub mod draw;
 mod error;
+mod fused;
 mod gpu;
 mod levels;
 mod measure;
@@ -33,7 +34,8 @@ pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Re
 pub use collider::{Collider, Shape};
 pub use cpu::real::Real;
 pub use error::{Error, Result};
-pub use gpu::{ClothBuffers, read_back, read_back_u32};
+pub use fused::{Fused, Hold};
+pub use gpu::{ClothBuffers, Span, device_limits, read_back, read_back_u32};
 pub use measure::{Measures, measure};
 pub use options::{Backend, Options, Sleep, Solver};
 pub use passes::{Air, Kinds, Pass, Soft};

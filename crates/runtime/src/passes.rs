@@ -2,6 +2,7 @@
 
 use crate::cloth::{Cloth, Compliance, Rest};
 use crate::collider::{Collider, Shape};
+use crate::fused::Fused;
 use crate::options::{Options, Solver};
 use crate::wind::{Wind, WindForce};
 
@@ -73,6 +74,8 @@ pub enum Pass {
     Speed,
     /// The largest speed of all.
     Fastest,
+    /// All of the above for whole cloths in one dispatch.
+    Fused(Fused),
     /// Triangles that a cut meets are taken away. This and all below run for one action, not every frame.
     Cut,
     /// Springs of those triangles lose their rest lengths.

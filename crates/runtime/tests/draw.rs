@@ -107,7 +107,7 @@ fn on_gpu(cut: bool, device: &wgpu::Device, queue: &wgpu::Queue) -> Vec<[u8; 4]>
     let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
     encoder.copy_texture_to_buffer(picture.as_image_copy(), to, picture.size());
     queue.submit([encoder.finish()]);
-    read_back(device, queue, &buffer).unwrap().into_iter().flatten().map(f32::to_ne_bytes).collect()
+    read_back(device, queue, &buffer.into()).unwrap().into_iter().flatten().map(f32::to_ne_bytes).collect()
 }
 
 fn differences(a: &[[u8; 4]], b: &[[u8; 4]]) -> (f64, f64) {

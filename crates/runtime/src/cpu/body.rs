@@ -178,7 +178,8 @@ impl<T: Real> Body<T> {
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
             // Run by actions, which bring what they need.
-            Pass::Cut | Pass::CutSprings | Pass::Transform | Pass::Pick { .. } | Pass::PickNearest => {}
+            Pass::Fused(_) | Pass::Cut | Pass::CutSprings | Pass::Transform | Pass::Pick { .. } | Pass::PickNearest => {
+            }
         }
     }
 

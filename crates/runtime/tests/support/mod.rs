@@ -196,8 +196,14 @@ pub fn swing_period(mut stepper: Stepper) -> f64 {
     2.0 * (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64 * FRAME
 }
 
-/// An adapter's device, or `None` with a line that says so; a missing one fails where GIMAGE_REQUIRE_GPU is 1.
+/// A device that has what every WebGPU implementation has, or `None` with a line that says so; a missing one fails where
+/// GIMAGE_REQUIRE_GPU is 1.
 pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
+    device_with(|_| wgpu::Limits::default())
+}
+
+/// The same with other limits.
+pub fn device_with(limits: impl Fn(&wgpu::Adapter) -> wgpu::Limits) -> Option<(wgpu::Device, wgpu::Queue)> {
     let instance = wgpu::Instance::default();
     let adapter = match pollster::block_on(instance.request_adapter(&Default::default())) {
         Ok(adapter) => adapter,
@@ -208,8 +214,7 @@ pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
             return None;
         }
     };
-    // What every WebGPU implementation has.
-    let descriptor = wgpu::DeviceDescriptor { required_limits: wgpu::Limits::default(), ..Default::default() };
+    let descriptor = wgpu::DeviceDescriptor { required_limits: limits(&adapter), ..Default::default() };
     Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
 }
 

@@ -1,0 +1,245 @@
+//! Which cloths run their whole frame in one dispatch, a workgroup a cloth, and which of them share it.
+//!
+//! A cloth whose positions fit the memory of a workgroup needs no dispatch a colour: barriers part the colours, and
+//! between the first step and the last nothing but its previous positions leaves the workgroup. Cloths whose frames need
+//! the same code are steps of one dispatch, however many and however different in size and material they are.
+
+use crate::cloth::{Cloth, Compliance, Rest};
+use crate::options::{Options, Solver};
+use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
+use crate::shaders::{Slot, source};
+use crate::world::World;
+
+/// A whole frame of XPBD in one dispatch: what is compiled into its shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Fused {
+    /// Not [`Air::Field`].
+    pub air: Air,
+    /// Which spring directions there are.
+    pub directions: [bool; 4],
+    /// Whether rest lengths come from an image.
+    pub image: bool,
+    /// Where compliance comes from.
+    pub soft: Soft,
+    /// Whether multipliers are summed over several relaxations.
+    pub again: bool,
+    /// Anchors a particle.
+    pub slots: u32,
+    /// Whether there are seams.
+    pub seams: bool,
+    /// Which colliders there are.
+    pub contact: Option<Kinds>,
+    /// Whether normals are made.
+    pub normals: bool,
+    /// Whether speeds are measured.
+    pub watch: bool,
+    /// Where positions are during the frame.
+    pub hold: Hold,
+    /// Particles that the memory of a workgroup has room for.
+    pub places: u32,
+    /// Threads of a workgroup.
+    pub threads: u32,
+}
+
+/// Where a workgroup has the positions of its cloth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Hold {
+    /// In its memory, with their inverse masses: 16 bytes a particle.
+    Wide,
+    /// In its memory, without: 12 bytes a particle.
+    Narrow,
+    /// In storage. For cloths that are too large, where there are many of them.
+    Stored,
+}
+
+/// What a device has room for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    /// Bytes of a workgroup's memory.
+    memory: u32,
+    /// Threads of a workgroup.
+    threads: u32,
+    /// Storage buffers that a shader may bind.
+    buffers: u32,
+    /// Bytes of one of them.
+    bytes: u64,
+}
+
+/// So many cloths that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
+/// device idle.
+pub const MANY: usize = 16;
+/// Workgroups of a dispatch in a row.
+const MOST: usize = 65_535;
+
+impl Room {
+    /// That of a device.
+    pub fn of(limits: &wgpu::Limits) -> Self {
+        Room {
+            memory: limits.max_compute_workgroup_storage_size,
+            threads: limits.max_compute_invocations_per_workgroup.min(limits.max_compute_workgroup_size_x),
+            buffers: limits.max_storage_buffers_per_shader_stage,
+            bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+        }
+    }
+
+    /// Where a cloth is held, beside so many bytes for other things.
+    fn hold(&self, particles: usize, beside: u32) -> Hold {
+        match self.memory.saturating_sub(beside) as usize / particles.next_multiple_of(64) {
+            16.. => Hold::Wide,
+            12.. => Hold::Narrow,
+            _ => Hold::Stored,
+        }
+    }
+}
+
+impl Fused {
+    /// The frame that a schedule asks for, if a fused one is the same: the same passes in the same order.
+    fn of(cloth: &Cloth, schedule: &Schedule, room: &Room) -> Option<Self> {
+        let mut fused = Fused {
+            air: Air::None,
+            directions: [false; 4],
+            image: false,
+            soft: Soft::None,
+            again: false,
+            slots: 0,
+            seams: false,
+            contact: None,
+            normals: false,
+            watch: false,
+            hold: room.hold(cloth.len(), 0),
+            places: (cloth.len() as u32).next_multiple_of(64),
+            threads: (cloth.len() as u32 / 4).next_power_of_two().clamp(64, room.threads.max(64)),
+        };
+        for pass in schedule.step.iter().chain(&schedule.relax).chain(&schedule.frame) {
+            match *pass {
+                Pass::Integrate(air) => fused.air = air,
+                Pass::Stretch { direction, image, soft, again, .. } => {
+                    fused.directions[direction as usize & 3] = true;
+                    (fused.image, fused.soft, fused.again) = (image, soft, again);
+                }
+                Pass::Tethers { slots } => fused.slots = slots,
+                Pass::Seams => fused.seams = true,
+                Pass::Contact(kinds) => fused.contact = Some(kinds),
+                Pass::Normals { .. } => fused.normals = true,
+                Pass::Speed => fused.watch = true,
+                _ => {}
+            }
+        }
+        let bound = source(Pass::Fused(fused)).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
+        let same = fused.air != Air::Field && fused.schedule(schedule) == *schedule;
+        (same && bound <= room.buffers as usize).then_some(fused)
+    }
+
+    /// The passes that the shader makes, in its order. Colours without room for a spring make no difference.
+    fn schedule(&self, like: &Schedule) -> Schedule {
+        let Fused { image, soft, again, slots, .. } = *self;
+        let colours = like.relax.iter().filter(|p| matches!(p, Pass::Stretch { .. }));
+        let colours: Vec<_> = colours
+            .map(|p| if let Pass::Stretch { direction, parity, .. } = *p { (direction, parity) } else { (0, 0) })
+            .collect();
+        let order = [2, 3, 0, 1].into_iter().flat_map(|d| [(d, 0), (d, 1)]);
+        let colours = order.filter(|c| colours.contains(c));
+        let tethers = (slots > 0).then_some(Pass::Tethers { slots });
+        let mut s = Schedule::default();
+        s.step.push(Pass::Integrate(self.air));
+        s.step.extend(again.then_some(Pass::Forget));
+        s.relax.extend(tethers);
+        s.relax.extend(colours.map(|(direction, parity)| Pass::Stretch { direction, parity, image, soft, again }));
+        s.relax.extend(self.seams.then_some(Pass::Seams));
+        s.relax.extend(tethers);
+        s.relax.extend(self.contact.map(Pass::Contact));
+        s.frame.extend([Pass::Guard, Pass::Restore]);
+        s.frame.extend(self.normals.then_some(Pass::Normals { holes: false }));
+        s.frame.extend((self.normals && self.seams).then_some(Pass::SeamNormals));
+        s.frame.extend(self.watch.then_some([Pass::Speed, Pass::Fastest]).into_iter().flatten());
+        s
+    }
+
+    /// Without what may differ within a batch.
+    fn kind(&self) -> Self {
+        Fused { places: 0, threads: 0, ..*self }
+    }
+
+    /// Room for both.
+    fn with(&self, other: &Self) -> Self {
+        Fused { places: self.places.max(other.places), threads: self.threads.max(other.threads), ..*self }
+    }
+}
+
+/// Cloths that lie in the same buffers, by index; in order.
+pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Options, room: &Room) -> Vec<Vec<usize>> {
+    let mut arenas: Vec<(_, u64, Vec<usize>)> = Vec::new();
+    let small = |c: &Cloth| room.hold(c.len(), 0) != Hold::Stored;
+    let large = cloths.iter().filter(|c| !small(c)).count();
+    for (index, cloth) in cloths.iter().enumerate() {
+        if options.solver != Solver::Xpbd || !options.fused || (!small(cloth) && large < MANY) {
+            continue;
+        }
+        let (image, rings) = (matches!(cloth.rest(), Rest::Image(_)), cloth.ring_count() > 0);
+        let soft = match cloth.compliance {
+            Compliance::None => Soft::None,
+            Compliance::Constant(_) => Soft::Constant,
+            Compliance::Image(_) => Soft::Image,
+        };
+        let kind = (image, rings, soft, slots(index));
+        // No other buffer has more bytes a particle.
+        let bytes = room_of(cloth.len()) as u64 * 8 * (slots(index) as u64).max(2);
+        let fits = |a: &&mut (_, u64, Vec<usize>)| a.0 == kind && a.1 + bytes <= room.bytes;
+        match arenas.iter_mut().find(fits) {
+            Some(arena) => {
+                arena.1 += bytes;
+                arena.2.push(index);
+            }
+            None => arenas.push((kind, bytes, vec![index])),
+        }
+    }
+    arenas.into_iter().map(|a| a.2).collect()
+}
+
+/// Entries that a cloth takes up in the buffers of an arena: each begins where a binding may begin.
+pub const fn room_of(particles: usize) -> usize {
+    particles.next_multiple_of(64)
+}
+
+/// Cloths that share a dispatch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// Index of the arena.
+    pub arena: usize,
+    /// What runs.
+    pub fused: Fused,
+    /// Places in the arena's list of cloths.
+    pub members: Vec<usize>,
+}
+
+impl World {
+    /// Which cloths run fused; to be called when schedules have changed.
+    pub fn fuse(&mut self) {
+        self.fused = vec![None; self.schedules.len()];
+        let Some(room) = self.room.filter(|_| self.options.fused) else { return };
+        for index in self.arenas.iter().flatten() {
+            let (cloth, schedule) = (&self.scene.cloths[*index], &self.schedules[*index]);
+            self.fused[*index] = Fused::of(cloth, schedule, &room);
+        }
+    }
+
+    /// The dispatches of a frame, for the cloths that are awake.
+    pub fn batches(&self) -> Vec<Batch> {
+        let mut batches: Vec<Batch> = Vec::new();
+        for (arena, cloths) in self.arenas.iter().enumerate() {
+            let first = batches.len();
+            for (member, cloth) in cloths.iter().enumerate().filter(|(_, c)| !self.asleep[**c]) {
+                let Some(fused) = self.fused[*cloth] else { continue };
+                let fits = |b: &&mut Batch| b.fused.kind() == fused.kind() && b.members.len() < MOST;
+                match batches[first..].iter_mut().find(fits) {
+                    Some(batch) => {
+                        batch.fused = batch.fused.with(&fused);
+                        batch.members.push(member);
+                    }
+                    None => batches.push(Batch { arena, fused, members: vec![member] }),
+                }
+            }
+        }
+        batches
+    }
+}
