@@ -6,12 +6,15 @@ fn main(
   @builtin(local_invocation_index) local: u32,
 ) {
   let k = element(workgroup, rows, local);
-  if (k >= arrayLength(&now)) {
-    return;
+  var p = vec4<f32>(0.0);
+  var was = vec3<f32>(0.0);
+  if (k < arrayLength(&now)) {
+    p = now[k];
+    was = previous(k);
   }
-  let p = now[k];
-  if (p.w <= 0.0) {
-    return;
+  let free = p.w > 0.0;
+  gather(select(vec3<f32>(1.0), min(p.xyz, was), free), select(vec3<f32>(0.0), max(p.xyz, was), free), local, 64u);
+  if (free) {
+    now[k] = vec4<f32>(cleared(p.xyz, was), p.w);
   }
-  now[k] = vec4<f32>(cleared(p.xyz, previous(k)), p.w);
 }

@@ -57,6 +57,12 @@ fn integrate_all(job: Job, local: u32) {
   sync();
 }
 
+// Column and row of a thread; exact for the number of threads that a workgroup may have, and quicker than whole numbers.
+fn by_rows(n: u32, columns: u32) -> vec2<u32> {
+  let row = u32((f32(n) + 0.5) / f32(columns));
+  return vec2<u32>(n - row * columns, row);
+}
+
 // One of eight colours.
 fn stretch_all(job: Job, local: u32, direction: u32, parity: u32) {
   for (var g = job.grid; g < job.grid + job.grids; g++) {
@@ -64,8 +70,8 @@ fn stretch_all(job: Job, local: u32, direction: u32, parity: u32) {
     let columns = select(size.x, size.x / 2u, direction == 0u);
     let rows = select(size.y / 2u, size.y, direction == 0u);
     // Cells by rows, a thread every `threads`-th.
-    let stride = vec2<u32>(threads % columns, threads / columns);
-    var cell = vec2<u32>(local % columns, local / columns);
+    let stride = by_rows(threads, columns);
+    var cell = by_rows(local, columns);
     while (cell.y < rows) {
       let ends = spring_ends(cell, grids[g].first, size, direction, parity);
       if (ends.inside) {
@@ -128,12 +134,22 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     integrate_all(job, local);
     for (var r = 0u; r < frame.rounds; r++) {
       tether_all(job, local);
-      for (var c = 0u; c < 8u; c++) {
-        // Diagonals first: what they disturb, the others put right.
-        let direction = (c / 2u + 2u) % 4u;
-        if ((array<bool, 4>(right, down, down_right, up_right))[direction]) {
-          stretch_all(job, local, direction, c % 2u);
-        }
+      // Diagonals first: what they disturb, the others put right.
+      if (down_right) {
+        stretch_all(job, local, 2u, 0u);
+        stretch_all(job, local, 2u, 1u);
+      }
+      if (up_right) {
+        stretch_all(job, local, 3u, 0u);
+        stretch_all(job, local, 3u, 1u);
+      }
+      if (right) {
+        stretch_all(job, local, 0u, 0u);
+        stretch_all(job, local, 0u, 1u);
+      }
+      if (down) {
+        stretch_all(job, local, 1u, 0u);
+        stretch_all(job, local, 1u, 1u);
       }
       seam_all(job, local);
       tether_all(job, local);

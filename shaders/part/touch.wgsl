@@ -41,7 +41,9 @@ fn swept(solid: Solid, start: vec3<f32>, at: vec3<f32>) -> Exit {
 // Where a particle that went from `was` to `p` is put by the colliders, one after the other.
 fn cleared(p: vec3<f32>, was: vec3<f32>) -> vec3<f32> {
   var at = p;
-  for (var c = 0u; c < arrayLength(&solids); c++) {
+  var moved = false;
+  var c = near_from(0u);
+  while (c < arrayLength(&solids)) {
     let solid = posed(solids[c]);
     let start = was + (solid.velocity + cross(solid.spin, was - solid.center)) * step.dt;
     let out = swept(solid, start, at);
@@ -50,6 +52,13 @@ fn cleared(p: vec3<f32>, was: vec3<f32>) -> vec3<f32> {
       at = rub(solid, out.at, out.normal, sqrt(dot(depth, depth)), was);
       let again = leave(solid, at);
       at = select(at, again.at, again.inside);
+      moved = true;
+    }
+    // Where one has put it, others may be near that were not.
+    if (moved) {
+      c = near_to(c + 1u, at, was);
+    } else {
+      c = near_from(c + 1u);
     }
   }
   return at;

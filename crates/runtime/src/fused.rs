@@ -68,15 +68,23 @@ pub struct Room {
 /// So many cloths that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
 /// device idle.
 pub const MANY: usize = 16;
+/// Bytes of a workgroup's memory that shaders/part/near.wgsl takes.
+const NEAR: u32 = 152;
+/// Threads of a workgroup, at least.
+const LEAST: u32 = 64;
 /// Workgroups of a dispatch in a row.
 const MOST: usize = 65_535;
 
 impl Room {
     /// That of a device.
-    pub fn of(limits: &wgpu::Limits) -> Self {
+    pub fn of(device: &wgpu::Device) -> Self {
+        let limits = device.limits();
+        let most = limits.max_compute_invocations_per_workgroup.min(limits.max_compute_workgroup_size_x);
+        // A core that plays a workgroup pays for each of its threads at every barrier, and gains by none.
+        let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         Room {
             memory: limits.max_compute_workgroup_storage_size,
-            threads: limits.max_compute_invocations_per_workgroup.min(limits.max_compute_workgroup_size_x),
+            threads: if software { LEAST } else { most.max(LEAST) },
             buffers: limits.max_storage_buffers_per_shader_stage,
             bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
         }
@@ -106,9 +114,9 @@ impl Fused {
             contact: None,
             normals: false,
             watch: false,
-            hold: room.hold(cloth.len(), 0),
+            hold: Hold::Stored,
             places: (cloth.len() as u32).next_multiple_of(64),
-            threads: (cloth.len() as u32 / 4).next_power_of_two().clamp(64, room.threads.max(64)),
+            threads: (cloth.len() as u32 / 4).next_power_of_two().clamp(LEAST, room.threads),
         };
         for pass in schedule.step.iter().chain(&schedule.relax).chain(&schedule.frame) {
             match *pass {
@@ -125,6 +133,8 @@ impl Fused {
                 _ => {}
             }
         }
+        let beside = if fused.contact.is_some_and(|k| k.many) { NEAR } else { 0 };
+        fused.hold = room.hold(cloth.len(), beside);
         let bound = source(Pass::Fused(fused)).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
         let same = fused.air != Air::Field && fused.schedule(schedule) == *schedule;
         (same && bound <= room.buffers as usize).then_some(fused)

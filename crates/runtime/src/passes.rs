@@ -120,7 +120,14 @@ pub struct Kinds {
     pub shapes: [bool; 6],
     /// Whether any collider has friction; only then are previous positions bound.
     pub friction: bool,
+    /// Whether there are so many that those out of reach are left out, by each workgroup for its own particles; for
+    /// [`Pass::Contact`] only.
+    pub many: bool,
 }
+
+/// From so many colliders on it is quicker to find out first which are near. On a software adapter, 64 x 64 particles and 8
+/// steps: 6.6 ms a frame with, against 5.7 without for one collider out of reach, 7.7 for two and 143 for a hundred.
+const MANY: usize = 2;
 
 impl Kinds {
     /// What a list of colliders needs; `None` if it is empty.
@@ -138,6 +145,7 @@ impl Kinds {
             kinds.shapes[kind] = true;
             kinds.friction |= c.friction > 0.0;
         }
+        kinds.many = colliders.len() >= MANY;
         (!colliders.is_empty()).then_some(kinds)
     }
 }
@@ -179,7 +187,7 @@ pub fn schedule(
         Solver::Classic => {
             s.relax.extend(springs(cloth));
             s.relax.extend(seams.then_some(Pass::Seams));
-            s.relax.extend(colliders.map(Pass::Colliders));
+            s.relax.extend(colliders.map(|kinds| Pass::Colliders(Kinds { many: false, ..kinds })));
         }
         Solver::Xpbd => {
             // Before the springs tethers take the large errors, after them what springs have left at the pins.

@@ -19,8 +19,8 @@ fn variants() -> Vec<Pass> {
     all.extend([Air::None, Air::Push, Air::Field].map(Pass::Integrate));
     let springs = (0..16).map(|k| Pass::Springs { direction: k / 4, parity: k / 2 % 2, image: k % 2 == 1 });
     all.extend(springs);
-    for friction in [false, true] {
-        let kinds = Kinds { shapes: [true; 6], friction };
+    for (friction, many) in [(false, false), (true, false), (false, true), (true, true)] {
+        let kinds = Kinds { shapes: [true; 6], friction, many };
         all.extend([Pass::Colliders(kinds), Pass::Contact(kinds)]);
     }
     for (direction, soft) in (0..4).flat_map(|d| [Soft::None, Soft::Constant, Soft::Image].map(|s| (d, s))) {
@@ -54,7 +54,7 @@ fn fused() -> impl Iterator<Item = Fused> {
             again: on(4) && n > 0,
             slots: 2 * u32::from(on(5)),
             seams: on(6),
-            contact: on(4).then_some(Kinds { shapes: [true; 6], friction: on(2) }),
+            contact: on(4).then_some(Kinds { shapes: [true; 6], friction: on(2), many: on(3) }),
             normals: on(1),
             watch: on(0),
             hold: holds[(n + k as usize) % 3],

@@ -35,7 +35,7 @@ impl Stepper {
         };
         let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.options.threads)?)) } else { None };
         if let (false, Some((device, _))) = (on_cpu, gpu) {
-            world.make_room(Room::of(&device.limits()));
+            world.make_room(Room::of(device));
         }
         let gpu = gpu.map(|(device, queue)| Gpu::new(&world, device, queue, on_cpu)).transpose()?;
         Ok(Stepper { world, cpu, gpu })

@@ -231,3 +231,74 @@ fn calm_cloth_falls_asleep_out_of_a_batch() {
         assert_eq!(run.stepper.plan().passes.iter().filter(|p| p.cloth == 0).count(), 0);
     }
 }
+
+/// Colliders in a lattice through and around the cloth, near ones among far ones, in motion.
+fn crowd(count: u32) -> Vec<Collider> {
+    let place = |k: u32| [k % 5, k / 5 % 5, k / 25].map(|c| 0.45 * c as f32 - 0.7);
+    let q = [0.2f32, -0.5, 0.3, 0.7];
+    let norm = q.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let one = |k: u32| {
+        let radii = [0.1, 0.06, 0.08];
+        let shape = match k % 5 {
+            0 => Shape::Sphere { radius: 0.09 },
+            1 => Shape::Capsule { half_height: 0.07, radius: 0.04 },
+            2 => Shape::Box { half: [0.05, 0.08, 0.06] },
+            3 => Shape::Ellipsoid { radii, closest: false },
+            _ => Shape::HalfSpace,
+        };
+        let mut center = place(k / 5 * 7 % 125);
+        center[1] -= if shape == Shape::HalfSpace { 5.0 } else { 0.45 };
+        let (velocity, spin) = ([0.3, 0.5, 0.1 * (k % 7) as f32], [0.0, 2.0, 1.0]);
+        let rotation = if shape == Shape::HalfSpace { [0.0, 0.0, 0.0, 1.0] } else { q.map(|x| x / norm) };
+        Collider { rotation, velocity, spin, friction: 0.2, ..Collider::new(shape, center) }
+    };
+    (0..count).map(one).collect()
+}
+
+#[test]
+fn colliders_out_of_reach_change_nothing() {
+    let Some(device) = roomy() else { return };
+    let cloth = |n| {
+        let mut cloth = Flat { origin: [-0.3, 0.0, -0.2], ..Flat::square("flat", n) }.cloth().unwrap();
+        cloth.velocity = [0.0, -4.0, 0.5];
+        scene(cloth)
+    };
+    let far = |n: u32| {
+        let at = |k: u32| [30.0 + k as f32, -4.0, if k % 2 == 0 { 2.0 } else { -9.0 }];
+        (0..n).map(move |k| Collider::new(Shape::Sphere { radius: 0.4 }, at(k)))
+    };
+    let near = || vec![Collider { friction: 0.3, ..Collider::new(Shape::Sphere { radius: 0.3 }, [0.2, -0.4, 0.2]) }];
+    // One workgroup, and one for 64 particles each; more colliders than are told apart.
+    for (fused, n, more) in [(true, 24, 100), (false, 24, 100), (true, 12, 1100)] {
+        let run = |colliders: Vec<Collider>| {
+            let scene = Scene { colliders, ..cloth(n) };
+            Run::new(&scene, &options(fused), &device).frames(8).bits(0)
+        };
+        let alone = run(near());
+        let last = [far(more).collect::<Vec<_>>(), near()].concat();
+        let first = [near(), far(more).collect()].concat();
+        assert!(alone == run(last) && alone == run(first), "{fused} {n} {more}");
+    }
+}
+
+#[test]
+fn a_crowd_of_colliders_acts_as_on_the_twin_and_repeats() {
+    let Some(device) = roomy() else { return };
+    let mut flat = scene(Flat { origin: [-0.3, 0.1, -0.2], ..Flat::square("flat", 28) }.cloth().unwrap());
+    flat.cloths[0].velocity = [0.0, -3.0, 0.5];
+    flat.colliders = crowd(200);
+    for fused in [true, false] {
+        let once = Options { substeps: 1, step: FRAME / 4.0, max_catch_up: 1, ..options(fused) };
+        let [there, ..] = Run::new(&flat, &once, &device).frames(1).bits(0);
+        let here = Options { backend: Backend::Cpu, ..once };
+        let mut here = Stepper::new(flat.clone(), here, None).unwrap();
+        here.advance(FRAME).unwrap();
+        let apart = there.iter().zip(here.positions(0).unwrap());
+        let apart = apart.flat_map(|(a, b)| (0..3).map(|c| (f32::from_bits(a[c]) - b[c]).abs())).fold(0.0, f32::max);
+        assert!(apart <= 1e-6, "{fused}: {apart:e} m");
+        let run = || Run::new(&flat, &options(fused), &device).frames(20).bits(0);
+        assert!(run() == run());
+    }
+    let [one, apart] = [true, false].map(|fused| Run::new(&flat, &options(fused), &device).frames(20).bits(0));
+    assert!(one == apart);
+}
