@@ -36,8 +36,9 @@ override down_right: bool = true;
 override up_right: bool = true;
 
 var<private> step: Step;
-// The cloth's first particle.
+// The cloth's first particle, and its row of faults.
 var<private> base: u32;
+var<private> row: u32;
 
 fn begin(n: u32, job: Job) {
   step = frame.rows[select(1u + n / frame.together, 0u, n == 0u)];
@@ -88,17 +89,16 @@ fn stretch_all(job: Job, local: u32, direction: u32, parity: u32) {
 
 // Back to the last good frame where any particle is at fault; else this frame is the good one.
 fn end_all(job: Job, local: u32) {
-  let row = 64u * job.row;
   for (var k = job.first + local; k < job.first + job.count; k += threads) {
     let p = place(k);
     now[k] = p;
     if (p.w >= 0.0 && !sane(p)) {
-      atomicAdd(&faults[row], 1u);
-      atomicMax(&faults[row + 2u], k - job.first + 1u);
+      atomicAdd(&faults[64u * row], 1u);
+      atomicMax(&faults[64u * row + 2u], k - job.first + 1u);
     }
   }
   storageBarrier();
-  let faulty = atomicLoad(&faults[row]) > 0u;
+  let faulty = atomicLoad(&faults[64u * row]) > 0u;
   for (var k = job.first + local; k < job.first + job.count; k += threads) {
     let p = now[k];
     if (faulty) {
@@ -110,7 +110,7 @@ fn end_all(job: Job, local: u32) {
     }
   }
   if (local == 0u && faulty) {
-    atomicAdd(&faults[row + 1u], 1u);
+    atomicAdd(&faults[64u * row + 1u], 1u);
   }
   storageBarrier();
 }
@@ -119,12 +119,13 @@ fn end_all(job: Job, local: u32) {
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) local: u32) {
   let job = jobs[workgroup.x];
   base = job.first;
+  row = job.row;
   for (var k = job.first + local; k < job.first + job.count; k += threads) {
     take(k);
   }
   if (local == 0u) {
-    atomicStore(&faults[64u * job.row], 0u);
-    atomicStore(&faults[64u * job.row + 4u], 0u);
+    atomicStore(&faults[64u * row], 0u);
+    atomicStore(&faults[64u * row + 4u], 0u);
   }
   storageBarrier();
   sync();

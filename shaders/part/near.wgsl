@@ -2,11 +2,11 @@
 // its particles are and were does not reach. What is left out would have moved none of them.
 const MOST_NEAR: u32 = 1024u;
 
-// Bits of numbers, in an order that is that of the numbers.
-var<workgroup> lowest: array<atomic<u32>, 3>;
-var<workgroup> highest: array<atomic<u32>, 3>;
-// A bit a collider; from MOST_NEAR on all are near.
-var<workgroup> near: array<atomic<u32>, 32>;
+// Notes: bits of the box's least and largest numbers, in an order that is that of the numbers, then a bit a collider. From
+// MOST_NEAR on all colliders are near.
+const LOW: u32 = 0u;
+const HIGH: u32 = 3u;
+const BITS: u32 = 6u;
 
 fn ordered(x: f32) -> u32 {
   let bits = bitcast<u32>(x);
@@ -41,42 +41,27 @@ fn reaches(solid: Solid, low: vec3<f32>, high: vec3<f32>) -> bool {
 
 // The box of a thread's particles; a low above its high is none. For all threads of the workgroup.
 fn gather(low: vec3<f32>, high: vec3<f32>, local: u32, threads: u32) {
-  if (local < 32u) {
-    atomicStore(&near[local], 0u);
+  if (local < 38u) {
+    note(local, select(0u, 0xffffffffu, local < HIGH));
   }
-  if (local < 3u) {
-    atomicStore(&lowest[local], 0xffffffffu);
-    atomicStore(&highest[local], 0u);
-  }
-  workgroupBarrier();
+  noted_all();
   if (low.x <= high.x) {
     for (var d = 0u; d < 3u; d++) {
-      let lower = ordered(low[d]);
-      let upper = ordered(high[d]);
-      // Few are beyond all before.
-      if (lower < atomicLoad(&lowest[d])) {
-        atomicMin(&lowest[d], lower);
-      }
-      if (upper > atomicLoad(&highest[d])) {
-        atomicMax(&highest[d], upper);
-      }
+      note_least(LOW + d, ordered(low[d]));
+      note_most(HIGH + d, ordered(high[d]));
     }
   }
-  workgroupBarrier();
-  var least: vec3<f32>;
-  var most: vec3<f32>;
-  for (var d = 0u; d < 3u; d++) {
-    least[d] = number(atomicLoad(&lowest[d]));
-    most[d] = number(atomicLoad(&highest[d]));
-  }
+  noted_all();
+  let least = vec3<f32>(number(noted(LOW)), number(noted(LOW + 1u)), number(noted(LOW + 2u)));
+  let most = vec3<f32>(number(noted(HIGH)), number(noted(HIGH + 1u)), number(noted(HIGH + 2u)));
   if (least.x <= most.x) {
     for (var c = local; c < min(arrayLength(&solids), MOST_NEAR); c += threads) {
       if (reaches(posed(solids[c]), least, most)) {
-        atomicOr(&near[c / 32u], 1u << (c % 32u));
+        note_bits(BITS + c / 32u, 1u << (c % 32u));
       }
     }
   }
-  workgroupBarrier();
+  noted_all();
 }
 
 // The next collider from c on that is near.
@@ -84,7 +69,7 @@ fn near_from(c: u32) -> u32 {
   let end = min(arrayLength(&solids), MOST_NEAR);
   var at = c;
   while (at < end) {
-    let bits = atomicLoad(&near[at / 32u]) >> (at % 32u);
+    let bits = noted(BITS + at / 32u) >> (at % 32u);
     if (bits != 0u) {
       return at + countTrailingZeros(bits);
     }

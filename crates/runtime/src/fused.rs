@@ -29,6 +29,8 @@ pub struct Fused {
     pub seams: bool,
     /// Which colliders there are.
     pub contact: Option<Kinds>,
+    /// Whether positions leave no room in the memory of a workgroup for a list of the colliders that are near.
+    pub full: bool,
     /// Whether normals are made.
     pub normals: bool,
     /// Whether speeds are measured.
@@ -68,8 +70,8 @@ pub struct Room {
 /// So many cloths that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
 /// device idle.
 pub const MANY: usize = 16;
-/// Bytes of a workgroup's memory that shaders/part/near.wgsl takes.
-const NEAR: u32 = 152;
+/// Bytes of a workgroup's memory that shaders/part/notes.wgsl takes.
+const NOTES: u32 = 152;
 /// Threads of a workgroup, at least.
 const LEAST: u32 = 64;
 /// Workgroups of a dispatch in a row.
@@ -112,9 +114,10 @@ impl Fused {
             slots: 0,
             seams: false,
             contact: None,
+            full: false,
             normals: false,
             watch: false,
-            hold: Hold::Stored,
+            hold: room.hold(cloth.len(), 0),
             places: (cloth.len() as u32).next_multiple_of(64),
             threads: (cloth.len() as u32 / 4).next_power_of_two().clamp(LEAST, room.threads),
         };
@@ -133,8 +136,7 @@ impl Fused {
                 _ => {}
             }
         }
-        let beside = if fused.contact.is_some_and(|k| k.many) { NEAR } else { 0 };
-        fused.hold = room.hold(cloth.len(), beside);
+        fused.full = fused.contact.is_some_and(|k| k.many) && room.hold(cloth.len(), NOTES) != fused.hold;
         let bound = source(Pass::Fused(fused)).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
         let same = fused.air != Air::Field && fused.schedule(schedule) == *schedule;
         (same && bound <= room.buffers as usize).then_some(fused)

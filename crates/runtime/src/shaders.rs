@@ -246,8 +246,8 @@ pub fn source(pass: Pass) -> Source {
         }
         Pass::Contact(kinds) => {
             let here = [STEP, BOUND, INDEX, NOW, part!("before")];
-            let near = if kinds.many { part!("near") } else { part!("near_all") };
-            let files = [&here[..], &CONTACT, &[near, pass!("contact")]].concat();
+            let near: &[_] = if kinds.many { &[part!("notes"), part!("near")] } else { &[part!("near_all")] };
+            let files = [&here[..], &CONTACT, near, &[pass!("contact")]].concat();
             let bindings = [writes(Now), reads(Solids), reads(Step), reads(Before)];
             Source { constants: shapes(kinds), ..plain("contact", &files, &bindings, Threads::Particles) }
         }

@@ -55,6 +55,7 @@ fn fused() -> impl Iterator<Item = Fused> {
             slots: 2 * u32::from(on(5)),
             seams: on(6),
             contact: on(4).then_some(Kinds { shapes: [true; 6], friction: on(2), many: on(3) }),
+            full: on(5),
             normals: on(1),
             watch: on(0),
             hold: holds[(n + k as usize) % 3],

@@ -89,6 +89,15 @@ fn where_positions_are_held_changes_nothing() {
         let apart = Run::new(&scene, &options(false), &default);
         assert!(one.frames(20).bits(0) == apart.frames(20).bits(0), "{n}");
     }
+    // Where positions fill the memory, the list of colliders that are near lies elsewhere.
+    let mut crowded = scene(Flat { origin: [-0.3, 0.1, -0.2], ..Flat::square("flat", 32) }.cloth().unwrap());
+    crowded.cloths[0].velocity = [0.0, -3.0, 0.5];
+    crowded.colliders = crowd(40);
+    let one = Run::new(&crowded, &options(true), &default);
+    let full = |p: &PlannedPass| matches!(p.pass, Pass::Fused(Fused { full: true, hold: Hold::Wide, .. }));
+    assert!(one.stepper.plan().passes.iter().any(full));
+    let apart = Run::new(&crowded, &options(false), &default);
+    assert!(one.frames(10).bits(0) == apart.frames(10).bits(0));
     // One that is too large runs apart; many of them a workgroup each.
     let large = |count: usize| {
         let mut scene = scene::builtin("s1", 40).unwrap();
@@ -137,6 +146,20 @@ fn cloths_that_share_a_dispatch_move_as_they_would_alone() {
     }
     let again = Run::new(&all, &options(true), &device).frames(20);
     assert!((0..all.cloths.len()).all(|c| again.bits(c) == together.bits(c)));
+}
+
+#[test]
+fn a_thousand_cloths_are_one_dispatch() {
+    let Some(device) = roomy() else { return };
+    let mut all = scene::builtin("s1", 7).unwrap();
+    all.cloths = (0..1000).map(|k| scene::builtin("s1", 4 + k % 5).unwrap().cloths.remove(0)).collect();
+    let together = Run::new(&all, &options(true), &device);
+    assert_eq!(together.stepper.plan().dispatches(), 1);
+    let together = together.frames(5);
+    for cloth in [0, 4, 999] {
+        let alone = scene(all.cloths[cloth].clone());
+        assert!(together.bits(cloth) == Run::new(&alone, &options(true), &device).frames(5).bits(0), "{cloth}");
+    }
 }
 
 #[test]

@@ -41,8 +41,12 @@ pub(super) fn source(fused: Fused) -> Source {
     }
     if let Some(kinds) = fused.contact {
         files.extend(CONTACT);
-        let all = [part!("near_all"), part!("fused_near_all")];
-        files.extend(if kinds.many { [part!("near"), part!("fused_near")] } else { all });
+        if kinds.many {
+            files.push(if fused.full { part!("notes_stored") } else { part!("notes") });
+            files.extend([part!("near"), part!("fused_near")]);
+        } else {
+            files.extend([part!("near_all"), part!("fused_near_all")]);
+        }
         files.push(part!("fused_contact"));
         bindings.push(reads(Slot::Solids));
         constants.extend(shapes(kinds));
