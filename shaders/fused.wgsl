@@ -50,9 +50,9 @@ fn integrate_all(job: Job, local: u32) {
   for (var k = job.first + local; k < job.first + job.count; k += threads) {
     let p = place(k);
     if (p.w > 0.0) {
-      let was = before[k].xyz;
-      before[k] = p;
-      put(k, moved_on(k, p, was));
+      let earlier = was(k);
+      set_was(k, p);
+      put(k, moved_on(k, p, earlier));
     }
   }
   sync();
@@ -92,6 +92,7 @@ fn end_all(job: Job, local: u32) {
   for (var k = job.first + local; k < job.first + job.count; k += threads) {
     let p = place(k);
     now[k] = p;
+    give_was(k, p.w);
     if (p.w >= 0.0 && !sane(p)) {
       atomicAdd(&faults[64u * row], 1u);
       atomicMax(&faults[64u * row + 2u], k - job.first + 1u);
@@ -122,6 +123,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   row = job.row;
   for (var k = job.first + local; k < job.first + job.count; k += threads) {
     take(k);
+    take_was(k);
   }
   if (local == 0u) {
     atomicStore(&faults[64u * row], 0u);

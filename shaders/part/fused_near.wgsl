@@ -5,9 +5,9 @@ fn gather_all(job: Job, local: u32) {
   for (var k = job.first + local; k < job.first + job.count; k += threads) {
     let p = place(k);
     if (p.w > 0.0) {
-      let was = before[k].xyz;
-      low = min(low, min(p.xyz, was));
-      high = max(high, max(p.xyz, was));
+      let earlier = was(k);
+      low = min(low, min(p.xyz, earlier));
+      high = max(high, max(p.xyz, earlier));
     }
   }
   gather(low, high, local, threads);

@@ -46,9 +46,11 @@ pub struct Fused {
 /// Where a workgroup has the positions of its cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Hold {
-    /// In its memory, with their inverse masses: 16 bytes a particle.
+    /// In its memory, with inverse masses and previous positions: 28 bytes a particle.
+    Both,
+    /// In its memory, with inverse masses: 16 bytes a particle.
     Wide,
-    /// In its memory, without: 12 bytes a particle.
+    /// In its memory, alone: 12 bytes a particle.
     Narrow,
     /// In storage. For cloths that are too large, where there are many of them.
     Stored,
@@ -95,6 +97,7 @@ impl Room {
     /// Where a cloth is held, beside so many bytes for other things.
     fn hold(&self, particles: usize, beside: u32) -> Hold {
         match self.memory.saturating_sub(beside) as usize / particles.next_multiple_of(64) {
+            28.. => Hold::Both,
             16.. => Hold::Wide,
             12.. => Hold::Narrow,
             _ => Hold::Stored,

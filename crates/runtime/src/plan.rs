@@ -92,7 +92,7 @@ impl fmt::Display for Plan {
                 }
                 Pass::Fused(Fused { hold, threads, .. }) => {
                     let held = match hold {
-                        Hold::Wide | Hold::Narrow => "workgroup memory",
+                        Hold::Both | Hold::Wide | Hold::Narrow => "workgroup memory",
                         Hold::Stored => "storage",
                     };
                     format!(" in {held}, {threads} threads")

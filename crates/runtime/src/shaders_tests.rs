@@ -43,7 +43,7 @@ fn variants() -> Vec<Pass> {
 /// Every part of whole frames, alone and with all others.
 fn fused() -> impl Iterator<Item = Fused> {
     let softs = [Soft::None, Soft::Constant, Soft::Image];
-    let holds = [Hold::Wide, Hold::Narrow, Hold::Stored];
+    let holds = [Hold::Both, Hold::Wide, Hold::Narrow, Hold::Stored];
     (0..128u32).flat_map(move |k| {
         let on = move |bit: u32| k >> bit & 1 == 1;
         (0..3).map(move |n| Fused {
@@ -58,7 +58,7 @@ fn fused() -> impl Iterator<Item = Fused> {
             full: on(5),
             normals: on(1),
             watch: on(0),
-            hold: holds[(n + k as usize) % 3],
+            hold: holds[(n + k as usize) % 4],
             places: 1024,
             threads: 256,
         })

@@ -14,12 +14,18 @@ pub(super) fn source(fused: Fused) -> Source {
     let mut constants = vec![("threads", f64::from(fused.threads))];
     constants.extend(DIRECTIONS.iter().zip(fused.directions).map(|(name, on)| (*name, f64::from(u8::from(on)))));
     match fused.hold {
-        Hold::Wide => files.push(part!("held")),
+        Hold::Both | Hold::Wide => files.push(part!("held")),
         Hold::Narrow => {
             files.push(part!("held_narrow"));
             constants.push(("numbers", f64::from(3 * fused.places)));
         }
         Hold::Stored => files.push(part!("held_stored")),
+    }
+    if fused.hold == Hold::Both {
+        files.push(part!("was_held"));
+        constants.push(("befores", f64::from(3 * fused.places)));
+    } else {
+        files.push(part!("was_stored"));
     }
     constants.extend((fused.hold != Hold::Stored).then(|| ("places", f64::from(fused.places))));
     files.extend(air(fused.air));
