@@ -76,6 +76,8 @@ pub const MANY: usize = 16;
 const NOTES: u32 = 152;
 /// Threads of a workgroup, at least.
 const LEAST: u32 = 64;
+/// Relaxations of a frame: longer ones run in separate passes, as a device may take a dispatch that does not end for lost.
+const LONGEST: u32 = 512;
 /// Workgroups of a dispatch in a row.
 const MOST: usize = 65_535;
 
@@ -238,12 +240,21 @@ impl World {
         }
     }
 
-    /// The dispatches of a frame, for the cloths that are awake.
-    pub fn batches(&self) -> Vec<Batch> {
+    /// Whether a cloth runs fused in a frame of so many steps.
+    pub fn is_fused(&self, cloth: usize, steps: u32) -> bool {
+        let short = steps.saturating_mul(self.options.iterations) <= LONGEST;
+        short && self.fused.get(cloth).is_some_and(Option::is_some)
+    }
+
+    /// The dispatches of a frame of so many steps, for the cloths that are awake.
+    pub fn batches(&self, steps: u32) -> Vec<Batch> {
         let mut batches: Vec<Batch> = Vec::new();
         for (arena, cloths) in self.arenas.iter().enumerate() {
             let first = batches.len();
-            for (member, cloth) in cloths.iter().enumerate().filter(|(_, c)| !self.asleep[**c]) {
+            for (member, cloth) in cloths.iter().enumerate() {
+                if self.asleep[*cloth] || !self.is_fused(*cloth, steps) {
+                    continue;
+                }
                 let Some(fused) = self.fused[*cloth] else { continue };
                 let fits = |b: &&mut Batch| b.fused.kind() == fused.kind() && b.members.len() < MOST;
                 match batches[first..].iter_mut().find(fits) {

@@ -76,7 +76,7 @@ impl Gpu {
 
     /// Records `steps` steps of every cloth that is awake and has any, then its normals.
     pub fn record(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
-        let apart = |world: &World, cloth: usize| !world.asleep[cloth] && world.fused[cloth].is_none();
+        let apart = |world: &World, cloth: usize| !world.asleep[cloth] && !world.is_fused(cloth, steps);
         let alone: Vec<usize> = (0..self.cloths.len()).filter(|c| apart(world, *c)).collect();
         for faults in alone.iter().filter_map(|c| self.cloths[*c].faults.as_ref()) {
             encoder.clear_buffer(&faults.buffer, faults.offset, Some(4));
@@ -123,7 +123,7 @@ impl Gpu {
     /// Records the frames of all cloths that share dispatches.
     fn record_fused(&mut self, world: &World, pass: &mut wgpu::ComputePass, steps: u32) {
         let Some(frames) = &mut self.frames else { return };
-        for batch in world.batches() {
+        for batch in world.batches(steps) {
             let what = Pass::Fused(batch.fused);
             let source = source(what);
             let pipeline = self.pipelines.get(&self.device, what, &source);

@@ -35,12 +35,12 @@ impl Plan {
     pub(crate) fn new(world: &World) -> Self {
         let (steps, rounds) = (world.options.substeps, world.options.iterations);
         let mut passes = Vec::new();
-        for batch in world.batches() {
+        for batch in world.batches(steps) {
             let cloths = batch.members.iter().map(|m| world.arenas[batch.arena][*m]);
             let fused = cloths.enumerate().map(|(k, c)| planned(world, c, Pass::Fused(batch.fused), u32::from(k == 0)));
             passes.extend(fused);
         }
-        let apart = |c: usize| !world.asleep[c] && world.fused.get(c).is_none_or(Option::is_none);
+        let apart = |c: usize| !world.asleep[c] && !world.is_fused(c, steps);
         for (cloth, plan) in world.schedules.iter().enumerate().filter(|(c, _)| apart(*c)) {
             let Schedule { step, coarse, relax, frame } = plan;
             let rare = steps.div_ceil(world.options.pyramid.max(1));

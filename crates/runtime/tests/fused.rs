@@ -174,6 +174,10 @@ fn what_is_done_to_one_cloth_is_done_to_it_alone() {
         let mut run = run.frames(3);
         let turn = [[0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.1, 0.0, 0.0, 1.0]];
         run.stepper.transform(4, &[3, 4, 5], turn).unwrap();
+        let mut encoder = device.0.create_command_encoder(&Default::default());
+        let ticket = run.stepper.record_pick(&mut encoder, [0.31, 4.0, 0.12], [0.01, -1.0, 0.02]).unwrap();
+        device.1.submit([encoder.finish()]);
+        let hit = ticket.wait(&device.0).unwrap().unwrap();
         run.stepper.set_asleep(1, false).unwrap();
         run.stepper.set_wind(Some(support::wind(false))).unwrap();
         let mut run = run.frames(3);
@@ -186,9 +190,10 @@ fn what_is_done_to_one_cloth_is_done_to_it_alone() {
         run.stepper.set_options(Options { iterations: 1, normals: true, ..run.stepper.options().clone() }).unwrap();
         run.stepper.cut([0.5, 0.5, 3.0], [-4.0, -0.1, -2.0], [5.0, -0.1, -2.0]).unwrap();
         let run = run.frames(3);
-        (0..wardrobe().cloths.len()).map(|c| run.bits(c)).collect::<Vec<_>>()
+        ((0..wardrobe().cloths.len()).map(|c| run.bits(c)).collect::<Vec<_>>(), hit)
     };
-    let (one, apart) = (run(true), run(false));
+    let ((one, hit), (apart, hit_apart)) = (run(true), run(false));
+    assert_eq!(hit, hit_apart);
     for (cloth, (a, b)) in one.iter().zip(&apart).enumerate() {
         assert!(a == b, "cloth {cloth}");
     }
@@ -206,6 +211,8 @@ fn colliders_that_move_are_where_they_are_in_every_step() {
         ..Collider::new(shape, [0.5, -0.5, 0.1])
     }];
     // Above 128 steps a frame some share their place.
+    let longest = Run::new(&hit, &Options { substeps: 300, iterations: 2, ..options(true) }, &device);
+    assert_eq!(longest.holds(), [], "a dispatch that does not end is taken for lost");
     for substeps in [1, 7, 300] {
         let with = |fused| Options { substeps, ..options(fused) };
         let [one, apart] = [true, false].map(|fused| Run::new(&hit, &with(fused), &device).frames(3).bits(0));

@@ -35,7 +35,7 @@ impl Gpu {
         let Some(limit) = world.calm_below() else { return };
         for index in (0..self.cloths.len()).filter(|c| !world.asleep[*c]) {
             let (watch, Some((fastest, at))) =
-                (&mut self.watches[index], self.cloths[index].fastest(world.fused[index].is_some()))
+                (&mut self.watches[index], self.cloths[index].fastest(world.is_fused(index, steps)))
             else {
                 continue;
             };
