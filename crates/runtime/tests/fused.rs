@@ -294,7 +294,7 @@ fn colliders_out_of_reach_change_nothing() {
         scene(cloth)
     };
     let far = |n: u32| {
-        let at = |k: u32| [30.0 + k as f32, -4.0, if k % 2 == 0 { 2.0 } else { -9.0 }];
+        let at = |k: u32| [30.0 + k as f32, -4.0, if k.is_multiple_of(2) { 2.0 } else { -9.0 }];
         (0..n).map(move |k| Collider::new(Shape::Sphere { radius: 0.4 }, at(k)))
     };
     let near = || vec![Collider { friction: 0.3, ..Collider::new(Shape::Sphere { radius: 0.3 }, [0.2, -0.4, 0.2]) }];
