@@ -10,6 +10,7 @@ pub use flat::Flat;
 pub use gimage_bundle::{Anchor, Particle, Tethers};
 
 use crate::error::{Error, Result, check as range};
+use crate::material::Bending;
 
 /// One grid of particles, a piece of a bundle. Texel (i, j) is particle `first + j * width + i`.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,6 +107,10 @@ pub struct Cloth {
     pub speed_limit: f32,
     /// How soft the springs are. Default none.
     pub compliance: Compliance,
+    /// How stiff the cloth is against bending; [`Cloth::set_material`] makes it.
+    pub(crate) bending: Option<Bending>,
+    /// Texture coordinates along the fabric.
+    grain: Option<Vec<[f32; 2]>>,
 }
 
 impl Cloth {
@@ -123,6 +128,8 @@ impl Cloth {
             damping: 0.0,
             speed_limit: f32::INFINITY,
             compliance: Compliance::None,
+            bending: None,
+            grain: None,
         })
     }
 
@@ -257,6 +264,31 @@ impl Cloth {
             (Rest::Image(r), Some(other)) if there(k) && there(other) => r[first as usize + k][direction],
             _ => 0.0,
         }
+    }
+
+    /// The particle at the other end of the spring at texel `k` of a grid, if the grid has it.
+    pub(crate) fn neighbour(&self, grid: usize, k: usize, direction: usize) -> Option<usize> {
+        let Grid { first, width, height, .. } = self.parts.grids[grid];
+        Some(first as usize + other_end(width as usize, height as usize, k, direction)?)
+    }
+
+    /// For every particle the first of its duplicates.
+    pub(crate) fn points(&self) -> Vec<u32> {
+        let mut same: Vec<u32> = (0..self.len() as u32).collect();
+        for ring in self.ring_starts.windows(2) {
+            let ring = &self.ring_members[ring[0] as usize..ring[1] as usize];
+            ring.iter().for_each(|k| same[*k as usize] = ring[0]);
+        }
+        same
+    }
+
+    /// Texture coordinates along the fabric, if it has any.
+    pub(crate) fn grain(&self) -> Option<&[[f32; 2]]> {
+        self.grain.as_deref()
+    }
+
+    pub(crate) fn keep_grain(&mut self, uv: Option<Vec<[f32; 2]>>) {
+        self.grain = uv;
     }
 
     /// Whether a cut has been made, so that triangles may be missing.
