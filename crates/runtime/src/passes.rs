@@ -16,6 +16,15 @@ pub enum Pass {
     },
     /// Verlet step of the free particles.
     Integrate(Air),
+    /// Multipliers of bending, of cloth that has any.
+    Moments {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
+    /// Duplicates of seam points take the sum of their multipliers.
+    SeamMoments,
+    /// Particles follow them.
+    Bend,
     /// Springs of one direction (right, down, down-right, up-right) and parity, which share no particle.
     Springs {
         /// 0 to 3.
@@ -179,6 +188,13 @@ pub fn schedule(
             s.relax.extend(colliders.map(Pass::Colliders));
         }
         Solver::Xpbd => {
+            // Once a step, however often springs are relaxed: it is far softer than they are.
+            if cloth.bending().is_some() {
+                s.step.push(Pass::Moments { holes: cloth.is_cut() });
+                s.step.extend(seams.then_some(Pass::SeamMoments));
+                s.step.push(Pass::Bend);
+                s.step.extend(seams.then_some(Pass::Seams));
+            }
             // Before the springs tethers take the large errors, after them what springs have left at the pins.
             let tethers = (slots > 0 && !cloth.is_cut()).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);

@@ -31,11 +31,14 @@ pub enum Slot {
     Limits,
     Faults,
     Good,
+    Weights,
+    Bends,
+    Moments,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 25] = [
+        const NAMES: [&str; 28] = [
             "step",
             "grids",
             "now",
@@ -61,6 +64,9 @@ impl Slot {
             "limits",
             "faults",
             "good",
+            "weights",
+            "bends",
+            "moments",
         ];
         NAMES[self as usize]
     }
@@ -80,7 +86,8 @@ impl Slot {
             Slot::Members => members.len() * 4,
             Slot::Solids => colliders * 80,
             Slot::Faults => 16,
-            Slot::Good => cloth.len() * 16,
+            Slot::Good | Slot::Weights | Slot::Moments => cloth.len() * 16,
+            Slot::Bends => cloth.len() * 8,
             Slot::Levels => crate::levels::rows(cloth).0 * 16,
             Slot::Nodes => crate::levels::rows(cloth).1 * 32,
             Slot::Limits => crate::levels::rows(cloth).1 * 16,
@@ -147,6 +154,7 @@ const QUAD: &str = part!("quad");
 const ACTION: &str = part!("action");
 const NEAREST: &str = part!("nearest");
 const MOST: &str = part!("most");
+const LAPLACIAN: &str = part!("laplacian");
 
 const fn reads(slot: Slot) -> Bound {
     Bound { slot, writes: false }
@@ -187,6 +195,23 @@ pub fn source(pass: Pass) -> Source {
                     plain("integrate", &[STEP, INDEX, part!("air_field"), body], &bindings, Threads::Particles)
                 }
             }
+        }
+        Pass::Moments { holes } => {
+            let mut files = vec![STEP, GRID, LAPLACIAN];
+            files.push(if holes { part!("unbroken_rest") } else { part!("unbroken_all") });
+            files.push(pass!("moments"));
+            let mut bindings = vec![reads(Step), reads(Grids), reads(Now)];
+            bindings.extend([reads(Slot::Weights), reads(Slot::Bends), writes(Slot::Moments)]);
+            bindings.extend(holes.then_some(reads(Rest)));
+            plain("moments", &files, &bindings, Threads::Texels)
+        }
+        Pass::SeamMoments => {
+            let bindings = [reads(Starts), reads(Members), writes(Slot::Moments)];
+            plain("seam_moments", &[INDEX, RINGS, pass!("seam_moments")], &bindings, Threads::Rings)
+        }
+        Pass::Bend => {
+            let bindings = [reads(Grids), writes(Now), reads(Slot::Weights), reads(Slot::Moments)];
+            plain("bend", &[GRID, LAPLACIAN, pass!("bend")], &bindings, Threads::Texels)
         }
         Pass::Springs { direction, parity, image } => {
             let (rest, read): (_, &[Bound]) =

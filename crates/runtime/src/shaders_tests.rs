@@ -32,7 +32,8 @@ fn variants() -> Vec<Pass> {
             again,
         }));
     }
-    all.extend([Pass::Guard, Pass::Restore]);
+    all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend]);
+    all.extend([false, true].map(|holes| Pass::Moments { holes }));
     all.extend([Pass::Pyramid { directions: [true, true, false, true] }, Pass::Refine]);
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all
@@ -113,7 +114,7 @@ fn structs_lie_as_in_rust() {
                 Some("Grid") => &grid,
                 Some("Solid") => &solid,
                 // Lives in registers only.
-                Some("Ends" | "Exit" | "Entry" | "Quad") => continue,
+                Some("Ends" | "Exit" | "Entry" | "Quad" | "Edge") => continue,
                 // A row of four numbers.
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),

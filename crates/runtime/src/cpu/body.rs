@@ -168,7 +168,7 @@ impl<T: Real> Body<T> {
             }
             // Passes of sheets.
             Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
-            Pass::Pyramid { .. } | Pass::Refine => {}
+            Pass::Pyramid { .. } | Pass::Refine | Pass::Moments { .. } | Pass::SeamMoments | Pass::Bend => {}
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
                 self.edited |= self.faulty.is_some();

@@ -114,6 +114,11 @@ impl ClothBuffers {
         if let Compliance::Image(soft) = &cloth.compliance {
             self.others.insert(Slot::Soft, upload(device, "soft", soft, none));
         }
+        if let Some(bending) = cloth.bending().filter(|_| options.solver == Solver::Xpbd) {
+            let rows: Vec<_> = bending.compliance.iter().zip(bending.bounds(cloth)).map(|(c, b)| [*c, b]).collect();
+            self.others.insert(Slot::Weights, upload(device, "weights", &bending.weights, none));
+            self.others.insert(Slot::Bends, upload(device, "bends", &rows, none));
+        }
         if options.solver == Solver::Xpbd {
             self.faults = Some(upload(device, "faults", &[0u32; 4], BufferUsages::COPY_SRC));
             self.others.insert(Slot::Good, upload(device, "good", body.now(), none));
@@ -187,7 +192,7 @@ impl ClothBuffers {
         let particles = self.now.size() / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
-                Slot::Field | Slot::Sums => particles * 16,
+                Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest => 4,
                 _ => continue,
