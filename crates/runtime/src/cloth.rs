@@ -109,6 +109,8 @@ pub struct Cloth {
     pub compliance: Compliance,
     /// How stiff the cloth is against bending; [`Cloth::set_material`] makes it.
     pub(crate) bending: Option<Bending>,
+    /// Whether steps are so short that rounding of positions matters; so for cloth of a material.
+    pub(crate) exact: bool,
     /// Texture coordinates along the fabric.
     grain: Option<Vec<[f32; 2]>>,
 }
@@ -129,6 +131,7 @@ impl Cloth {
             speed_limit: f32::INFINITY,
             compliance: Compliance::None,
             bending: None,
+            exact: false,
             grain: None,
         })
     }
@@ -280,6 +283,11 @@ impl Cloth {
             ring.iter().for_each(|k| same[*k as usize] = ring[0]);
         }
         same
+    }
+
+    /// Whether integration keeps what rounding takes.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.exact
     }
 
     /// Texture coordinates along the fabric, if it has any.

@@ -34,11 +34,12 @@ pub enum Slot {
     Weights,
     Bends,
     Moments,
+    Lost,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 28] = [
+        const NAMES: [&str; 29] = [
             "step",
             "grids",
             "now",
@@ -67,6 +68,7 @@ impl Slot {
             "weights",
             "bends",
             "moments",
+            "lost",
         ];
         NAMES[self as usize]
     }
@@ -86,7 +88,7 @@ impl Slot {
             Slot::Members => members.len() * 4,
             Slot::Solids => colliders * 80,
             Slot::Faults => 16,
-            Slot::Good | Slot::Weights | Slot::Moments => cloth.len() * 16,
+            Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
             Slot::Bends => cloth.len() * 8,
             Slot::Levels => crate::levels::rows(cloth).0 * 16,
             Slot::Nodes => crate::levels::rows(cloth).1 * 32,
@@ -195,6 +197,20 @@ pub fn source(pass: Pass) -> Source {
                     plain("integrate", &[STEP, INDEX, part!("air_field"), body], &bindings, Threads::Particles)
                 }
             }
+        }
+        Pass::Advance(air) => {
+            let mut files = vec![STEP, INDEX];
+            let mut bindings = vec![reads(Step), writes(Now), writes(Before), writes(Slot::Lost)];
+            match air {
+                Air::None => files.push(part!("air_none")),
+                Air::Push => files.extend([GUST, part!("air_push")]),
+                Air::Field => {
+                    files.push(part!("air_field"));
+                    bindings.push(reads(Field));
+                }
+            }
+            files.push(pass!("advance"));
+            plain("advance", &files, &bindings, Threads::Particles)
         }
         Pass::Moments { holes } => {
             let mut files = vec![STEP, GRID, LAPLACIAN];

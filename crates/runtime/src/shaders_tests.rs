@@ -16,6 +16,7 @@ fn variants() -> Vec<Pass> {
         all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }]);
     }
     all.extend([Air::None, Air::Push, Air::Field].map(Pass::Integrate));
+    all.extend([Air::None, Air::Push, Air::Field].map(Pass::Advance));
     let springs = (0..16).map(|k| Pass::Springs { direction: k / 4, parity: k / 2 % 2, image: k % 2 == 1 });
     all.extend(springs);
     for friction in [false, true] {

@@ -167,6 +167,7 @@ impl<T: Real> Body<T> {
                 }
             }
             // Passes of sheets.
+            Pass::Advance(_) => {}
             Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
             Pass::Pyramid { .. } | Pass::Refine | Pass::Moments { .. } | Pass::SeamMoments | Pass::Bend => {}
             Pass::Guard => self.faulty = guard::run(&self.now),

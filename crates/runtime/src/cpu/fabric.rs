@@ -144,14 +144,15 @@ impl<T: Real> Fabric<T> {
     pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>], body: &mut Body<T>) {
         match pass {
             Pass::Wind { .. } => self.wind(threads, step, body),
-            Pass::Integrate(air) => {
+            Pass::Integrate(air) | Pass::Advance(air) => {
+                let exact = matches!(pass, Pass::Advance(_));
                 for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
                     let air = match air {
                         passes::Air::None => Air::None,
                         passes::Air::Push => Air::Push,
                         passes::Air::Field => Air::Field(&self.field[*first..]),
                     };
-                    advance::run(threads, step, sheet, air);
+                    advance::run(threads, step, sheet, air, exact);
                 }
             }
             Pass::Moments { .. } => {

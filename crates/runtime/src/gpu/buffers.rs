@@ -192,7 +192,7 @@ impl ClothBuffers {
         let particles = self.now.size() / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
-                Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
+                Slot::Field | Slot::Sums | Slot::Moments | Slot::Lost => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest => 4,
                 _ => continue,

@@ -41,6 +41,7 @@ impl Cloth {
         self.set_masses(masses(&plate, self, &same, material.density)?)?;
         self.compliance = Compliance::Image(stiffness.iter().map(|k| k.map(soft)).collect());
         self.damping = material.damping as f32;
+        self.exact = true;
         self.bending = (material.bend > 0.0).then(|| plate.bending(&same, material.bend));
         Ok(())
     }
