@@ -10,7 +10,7 @@ pub use flat::Flat;
 pub use gimage_bundle::{Anchor, Particle, Tethers};
 
 use crate::error::{Error, Result, check as range};
-use crate::material::Bending;
+use crate::material::{Bending, Membrane};
 
 /// One grid of particles, a piece of a bundle. Texel (i, j) is particle `first + j * width + i`.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,8 +105,10 @@ pub struct Cloth {
     /// A displacement faster than this \[m/s\] is taken for a collision's jump and carries no velocity on. Above 0,
     /// default infinite; smaller means that fast cloth stops.
     pub speed_limit: f32,
-    /// How soft the springs are. Default none.
+    /// How soft the springs are. Default none. Cloth of a material has a membrane in their place.
     pub compliance: Compliance,
+    /// What carries tension in place of springs; [`Cloth::set_material`] makes it.
+    pub(crate) membrane: Option<Membrane>,
     /// How stiff the cloth is against bending; [`Cloth::set_material`] makes it.
     pub(crate) bending: Option<Bending>,
     /// Whether steps are so short that rounding of positions matters; so for cloth of a material.
@@ -130,6 +132,7 @@ impl Cloth {
             damping: 0.0,
             speed_limit: f32::INFINITY,
             compliance: Compliance::None,
+            membrane: None,
             bending: None,
             exact: false,
             grain: None,

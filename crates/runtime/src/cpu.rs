@@ -21,6 +21,7 @@ pub(crate) mod gust;
 pub(crate) mod integrate;
 pub(crate) mod lanes;
 pub(crate) mod laplacian;
+pub(crate) mod membrane;
 pub(crate) mod moments;
 pub(crate) mod neighbours;
 pub(crate) mod normals;

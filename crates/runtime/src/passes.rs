@@ -1,6 +1,6 @@
 //! The frame: which passes run, in what order, and why.
 
-use crate::cloth::{Cloth, Compliance, Rest};
+use crate::cloth::{Cloth, Compliance, Grid, Rest};
 use crate::collider::{Collider, Shape};
 use crate::options::{Options, Solver};
 use crate::wind::{Wind, WindForce};
@@ -27,6 +27,15 @@ pub enum Pass {
     SeamMoments,
     /// Particles follow them.
     Bend,
+    /// The cells of a membrane in every other column and row, of cloth of a material.
+    Membrane {
+        /// The first column, 0 or 1.
+        column: u32,
+        /// The first row, 0 or 1.
+        row: u32,
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
     /// Springs of one direction (right, down, down-right, up-right) and parity, which share no particle.
     Springs {
         /// 0 to 3.
@@ -198,6 +207,9 @@ pub fn schedule(
                 s.step.push(Pass::Bend);
                 s.step.extend(seams.then_some(Pass::Seams));
             }
+            if cloth.membrane().is_some() {
+                s.step.extend(membrane(cloth));
+            }
             // Before the springs tethers take the large errors, after them what springs have left at the pins.
             let tethers = (slots > 0 && !cloth.is_cut()).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
@@ -206,9 +218,11 @@ pub fn schedule(
                 s.coarse = vec![Pass::Pyramid { directions: cloth.directions() }, Pass::Refine];
                 s.coarse.extend(seams.then_some(Pass::Seams));
             }
-            let again = options.iterations > 1 && cloth.compliance != Compliance::None;
-            s.step.extend(again.then_some(Pass::Forget));
-            s.relax.extend(stretch(cloth, again));
+            if cloth.membrane().is_none() {
+                let again = options.iterations > 1 && cloth.compliance != Compliance::None;
+                s.step.extend(again.then_some(Pass::Forget));
+                s.relax.extend(stretch(cloth, again));
+            }
             s.relax.extend(seams.then_some(Pass::Seams));
             s.relax.extend(tethers);
             s.relax.extend(colliders.map(Pass::Contact));
@@ -220,6 +234,15 @@ pub fn schedule(
         s.frame.extend(seams.then_some(Pass::SeamNormals));
     }
     s
+}
+
+/// Four passes, or fewer on a grid of two rows or columns.
+fn membrane(cloth: &Cloth) -> impl Iterator<Item = Pass> {
+    let most = |side: fn(&Grid) -> u32| cloth.grids().iter().map(side).max().unwrap_or(0);
+    let (width, height, holes) = (most(|g| g.width), most(|g| g.height), cloth.is_cut());
+    let colours = [(0, 0), (1, 0), (0, 1), (1, 1)];
+    let there = colours.into_iter().filter(move |(column, row)| column + 1 < width && row + 1 < height);
+    there.map(move |(column, row)| Pass::Membrane { column, row, holes })
 }
 
 /// As [`springs`], structural ones last: what the others disturb, they put right.

@@ -35,11 +35,13 @@ pub enum Slot {
     Bends,
     Moments,
     Lost,
+    Cells,
+    Yielding,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 29] = [
+        const NAMES: [&str; 31] = [
             "step",
             "grids",
             "now",
@@ -69,6 +71,8 @@ impl Slot {
             "bends",
             "moments",
             "lost",
+            "cells",
+            "yielding",
         ];
         NAMES[self as usize]
     }
@@ -90,6 +94,8 @@ impl Slot {
             Slot::Faults => 16,
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
             Slot::Bends => cloth.len() * 8,
+            Slot::Cells => cloth.len() * 32,
+            Slot::Yielding => 16,
             Slot::Levels => crate::levels::rows(cloth).0 * 16,
             Slot::Nodes => crate::levels::rows(cloth).1 * 32,
             Slot::Limits => crate::levels::rows(cloth).1 * 16,
@@ -118,6 +124,8 @@ pub enum Threads {
     Texels,
     /// Half the texels: `true` every other column, `false` every other row.
     Half(bool),
+    /// A quarter of the texels: every other column of every other row.
+    Quarter,
     /// One workgroup.
     One,
     /// A workgroup a grid.
@@ -211,6 +219,12 @@ pub fn source(pass: Pass) -> Source {
             }
             files.push(pass!("advance"));
             plain("advance", &files, &bindings, Threads::Particles)
+        }
+        Pass::Membrane { column, row, holes } => {
+            let bindings = [reads(Step), reads(Grids), writes(Now), reads(Slot::Cells), reads(Slot::Yielding)];
+            let constants = vec![("column", f64::from(column)), ("row", f64::from(row))];
+            let plain = plain("membrane", &[STEP, GRID, pass!("membrane")], &bindings, Threads::Quarter);
+            open(holes, Source { constants, ..plain })
         }
         Pass::Moments { holes } => {
             let mut files = vec![STEP, GRID, LAPLACIAN];
@@ -412,6 +426,7 @@ impl Source {
             Threads::Particles => list(cloth.len()),
             Threads::Rings => list(cloth.ring_count()),
             Threads::Texels => sides(false, false),
+            Threads::Quarter => sides(true, true),
             Threads::One => [1; 3],
             Threads::Grids => [1, 1, cloth.grids().len() as u32],
             Threads::Half(columns) => sides(columns, !columns),

@@ -35,6 +35,7 @@ fn variants() -> Vec<Pass> {
     }
     all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend]);
     all.extend([false, true].map(|holes| Pass::Moments { holes }));
+    all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));
     all.extend([Pass::Pyramid { directions: [true, true, false, true] }, Pass::Refine]);
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all

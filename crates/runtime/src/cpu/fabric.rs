@@ -4,6 +4,7 @@ use super::body::Body;
 use super::contact;
 use super::integrate::Air;
 use super::laplacian::Weights;
+use super::membrane::{self, Cells};
 use super::moments::{self, Plate};
 use super::neighbours::View;
 use super::pyramid::Pyramid;
@@ -25,6 +26,8 @@ pub struct Fabric<T> {
     sheets: Vec<Sheet<T>>,
     springs: Vec<[Springs<T>; 4]>,
     pyramids: Vec<Pyramid<T>>,
+    /// One a sheet, of cloth of a material.
+    cells: Vec<Cells<T>>,
     /// One a sheet, of cloth that bends.
     plates: Vec<Plate<T>>,
     tethers: Vec<Tethers<T>>,
@@ -46,11 +49,12 @@ impl<T: Real> Fabric<T> {
         let springs = sheets.iter().enumerate().map(|(g, sheet)| springs(cloth, g, sheet)).collect();
         let grids = if options.pyramid > 0 { 0..sheets.len() } else { 0..0 };
         let pyramids = grids.map(|g| Pyramid::new(&levels(cloth, g))).collect();
-        let plates = plates(cloth, &sheets);
+        let (cells, plates) = (cells(cloth, &sheets), plates(cloth, &sheets));
         let mut fabric = Fabric {
             sheets,
             springs,
             pyramids,
+            cells,
             plates,
             tethers: Vec::new(),
             anchors: Vec::new(),
@@ -132,6 +136,22 @@ impl<T: Real> Fabric<T> {
         }
     }
 
+    /// Triangles that are cut away leave the membrane; they are known by texels. Both of a cell that is divided otherwise.
+    pub fn cut_cells(&mut self, holes: &[u32]) {
+        for ((sheet, cells), first) in self.sheets.iter().zip(&mut self.cells).zip(&self.firsts) {
+            for k in (0..sheet.width * sheet.height).filter(|k| holes[first + k] != 0) {
+                let place = sheet.single(k);
+                let [p, q, r, s, e, f, g, h] = cells.inverse.each_ref().map(|list| list[place]);
+                let up = p * s - q * r + e * h - f * g < T::of(0.0);
+                for (triangle, bit) in [(0, 2), (4, 1)] {
+                    if up || holes[first + k] & bit != 0 {
+                        cells.inverse[triangle..triangle + 4].iter_mut().for_each(|list| list[place] = T::of(0.0));
+                    }
+                }
+            }
+        }
+    }
+
     /// Positions to texels.
     pub fn store(&self, now: &mut [[T; 4]], before: &mut [[T; 4]]) {
         for (sheet, first) in self.sheets.iter().zip(&self.firsts) {
@@ -154,6 +174,11 @@ impl<T: Real> Fabric<T> {
                     };
                     advance::run(threads, step, sheet, air, exact);
                 }
+            }
+            Pass::Membrane { column, row, .. } => {
+                let at = (column as usize, row as usize);
+                let each = self.sheets.iter_mut().zip(&self.cells);
+                each.for_each(|(sheet, cells)| membrane::run(threads, sheet, cells, at, step.dt));
             }
             Pass::Moments { .. } => {
                 let each = self.sheets.iter().zip(&mut self.plates);
@@ -248,6 +273,17 @@ impl<T: Real> Fabric<T> {
 /// From a place of x in `now` to the place in `w`.
 fn single(triple: usize, half: usize) -> usize {
     triple / (6 * half) * 2 * half + triple % (6 * half)
+}
+
+/// The membrane of each sheet; empty for cloth of springs.
+fn cells<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Cells<T>> {
+    let Some(membrane) = cloth.membrane() else { return Vec::new() };
+    let of = |(sheet, grid): (&Sheet<T>, &cloth::Grid)| {
+        let entry = |k: usize, n: usize| membrane.cells[2 * (grid.first as usize + k) + n / 4][n % 4];
+        let list = |n: usize| sheet.list(T::of(0.0), |k| T::of(entry(k, n).into()));
+        Cells { inverse: [0, 1, 2, 3, 4, 5, 6, 7].map(list), soft: membrane.soft.map(|s| T::of(s.into())) }
+    };
+    sheets.iter().zip(cloth.grids()).map(of).collect()
 }
 
 /// How the sheets bend; empty for cloth that does so freely.

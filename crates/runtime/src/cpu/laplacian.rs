@@ -83,30 +83,40 @@ impl<T: Real> Around<'_, T> {
         let left = (1 - side) * self.half + at;
         let right = left + 1;
         let [w_right, w_down, w_dr, w_ur, w_up, w_ul, w_dl] = self.weights;
-        // Row, place of the other end, weight.
-        let edges = [
-            (1, right, w_right, here),
-            (1, left, w_right, left),
-            (2, here, w_down, here),
-            (0, here, w_up, here),
-            (2, right, w_dr, here),
-            (0, left, w_ul, left),
-            (0, right, w_ur, here),
-            (2, left, w_dl, left),
-        ];
-        let of = |row: usize, at: usize| {
-            let [x, y, z] = self.rows[row];
-            [k.load(x, at), k.load(y, at), k.load(z, at)]
-        };
-        let p = of(1, here);
-        let mut sum = [k.splat(T::of(0.0)); 3];
-        for (row, place, weights, stored) in edges {
-            let (q, w) = (of(row, place), k.load(weights, stored));
-            for c in 0..3 {
-                sum[c] = k.add(sum[c], k.mul(k.sub(q[c], p[c]), w));
-            }
-        }
-        sum
+        let p = self.place(k, 1, here);
+        let sum = [k.splat(T::of(0.0)); 3];
+        let sum = self.more(k, sum, p, (1, right), k.load(w_right, here));
+        let sum = self.more(k, sum, p, (1, left), k.load(w_right, left));
+        let sum = self.more(k, sum, p, (2, here), k.load(w_down, here));
+        let sum = self.more(k, sum, p, (0, here), k.load(w_up, here));
+        let sum = self.more(k, sum, p, (2, right), k.load(w_dr, here));
+        let sum = self.more(k, sum, p, (0, left), k.load(w_ul, left));
+        let sum = self.more(k, sum, p, (0, right), k.load(w_ur, here));
+        self.more(k, sum, p, (2, left), k.load(w_dl, left))
+    }
+
+    #[inline(always)]
+    fn place<K: Machine<T>>(&self, k: K, row: usize, at: usize) -> [K::V; 3] {
+        let [x, y, z] = self.rows[row];
+        [k.load(x, at), k.load(y, at), k.load(z, at)]
+    }
+
+    /// Adds a weighted difference to a row's place.
+    #[inline(always)]
+    fn more<K: Machine<T>>(
+        &self,
+        k: K,
+        sum: [K::V; 3],
+        p: [K::V; 3],
+        (row, at): (usize, usize),
+        w: K::V,
+    ) -> [K::V; 3] {
+        let q = self.place(k, row, at);
+        [
+            k.add(sum[0], k.mul(k.sub(q[0], p[0]), w)),
+            k.add(sum[1], k.mul(k.sub(q[1], p[1]), w)),
+            k.add(sum[2], k.mul(k.sub(q[2], p[2]), w)),
+        ]
     }
 
     /// Column 0, which has nothing to its left.

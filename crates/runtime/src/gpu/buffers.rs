@@ -55,7 +55,8 @@ impl ClothBuffers {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         // No other buffer of a cloth has more bytes a particle.
-        for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64)] {
+        let cells = if cloth.membrane().is_some() { 32 } else { 0 };
+        for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64), ("cells", cells)] {
             let need = cloth.len() as u64 * bytes;
             if need > limit {
                 return Err(Error::Limit { cloth: cloth.name().into(), buffer, need, limit });
@@ -113,6 +114,11 @@ impl ClothBuffers {
         }
         if let Compliance::Image(soft) = &cloth.compliance {
             self.others.insert(Slot::Soft, upload(device, "soft", soft, none));
+        }
+        if let Some(membrane) = cloth.membrane().filter(|_| options.solver == Solver::Xpbd) {
+            let [weft, warp, shear] = membrane.soft;
+            self.others.insert(Slot::Cells, upload(device, "cells", &membrane.cells, none));
+            self.others.insert(Slot::Yielding, upload(device, "yielding", &[[weft, warp, shear, 0.0]], none));
         }
         if let Some(bending) = cloth.bending().filter(|_| options.solver == Solver::Xpbd) {
             let rows: Vec<_> = bending.compliance.iter().zip(bending.bounds(cloth)).map(|(c, b)| [*c, b]).collect();

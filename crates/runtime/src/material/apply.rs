@@ -1,19 +1,18 @@
 //! From a material to the numbers of a cloth.
 
 use super::cell::{Cell, P2, cells, cross, sub};
-use super::membrane::fit;
+use super::membrane::triangles;
 use super::plate::Plate;
-use super::{Bending, Material};
-use crate::cloth::{Cloth, Compliance};
+use super::{Bending, Material, Membrane};
+use crate::cloth::Cloth;
 use crate::error::{Result, check};
 
 /// A particle is no lighter than this share of the mean: one without an area would have no finite inverse mass.
 const LIGHTEST: f64 = 1e-3;
-/// Springs that carry nothing are so soft \[m/N\].
-const SOFTEST: f64 = 1e6;
 
 impl Cloth {
-    /// Makes the cloth of a material: masses, damping, the compliance of every spring and bending come from it. The rest
+    /// Makes the cloth of a material: masses, damping, the
+    /// membrane and bending come from it. The rest
     /// shape is that of the rest lengths, and flat: a garment bends from panels that lie on a table, also across its
     /// seams. The warp runs along v of the texture coordinates where the cloth has any ([`Cloth::set_grain`]), else
     /// along the columns of the grid.
@@ -23,23 +22,22 @@ impl Cloth {
     pub fn set_material(&mut self, material: &Material) -> Result<()> {
         material.check()?;
         let same = self.points();
-        let sheet = material.membrane();
         let mut plate = Plate::new(self.len());
-        let mut stiffness = vec![[0.0; 4]; self.len()];
+        let mut membrane = vec![[0.0; 4]; 2 * self.len()];
         for grid in 0..self.grids().len() {
             let all: Vec<Cell> = cells(self, grid, &same).collect();
             let usual = self.grain().map_or(0.0, |uv| usual_scale(&all, uv));
             for cell in &all {
                 let warp = self.grain().and_then(|uv| warp_by(cell, uv, usual));
                 let [c, s] = cell.axes();
-                let of = fit(cell, warp.unwrap_or([-s, c]), &sheet);
-                cell.springs().for_each(|(_, stored, d)| stiffness[stored][d] += of[d]);
+                let k = 2 * cell.corners[0];
+                membrane[k..k + 2].copy_from_slice(&triangles(cell, warp.unwrap_or([-s, c])));
                 plate.add(cell, &same);
             }
         }
-        let soft = |k: f64| if k > 0.0 { (1.0 / k).min(SOFTEST) as f32 } else { SOFTEST as f32 };
         self.set_masses(masses(&plate, self, &same, material.density)?)?;
-        self.compliance = Compliance::Image(stiffness.iter().map(|k| k.map(soft)).collect());
+        let soft = [material.weft, material.warp, material.shear].map(|k| (1.0 / k) as f32);
+        self.membrane = Some(Membrane { cells: membrane, soft });
         self.damping = material.damping as f32;
         self.exact = true;
         self.bending = (material.bend > 0.0).then(|| plate.bending(&same, material.bend));
@@ -56,6 +54,10 @@ impl Cloth {
         }
         self.keep_grain(uv);
         Ok(())
+    }
+
+    pub(crate) fn membrane(&self) -> Option<&Membrane> {
+        self.membrane.as_ref()
     }
 
     pub(crate) fn bending(&self) -> Option<&Bending> {
