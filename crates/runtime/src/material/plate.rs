@@ -68,9 +68,11 @@ impl Plate {
             let rest: f64 = (0..4).filter(|k| !here(k)).map(|k| areas[k]).sum();
             (0..4).filter(here).for_each(|k| area[same[corners[k]] as usize] += areas[k] + rest / count);
         }
+        // The curvature is the moment over a point's own area, and counts for all of the area that it stands for.
+        let soft = |k: usize| if area[k] > 0.0 { self.area[k] * self.area[k] / (area[k] * stiffness) } else { 0.0 };
         Bending {
             weights: self.weights.iter().map(|w| w.map(|x| x as f32)).collect(),
-            compliance: same.iter().map(|k| (area[*k as usize] / stiffness) as f32).collect(),
+            compliance: same.iter().map(|k| soft(*k as usize) as f32).collect(),
         }
     }
 }
