@@ -12,7 +12,7 @@ struct Frame {
   unused: u32,
   rows: array<Step, 129>,
 }
-@group(0) @binding(25) var<uniform> frame: Frame;
+@group(0) @binding(31) var<uniform> frame: Frame;
 
 // Which part of the buffers is a cloth's, and its own numbers of the first and of the other steps. Laid out as `JobRow`.
 struct Job {
@@ -27,7 +27,7 @@ struct Job {
   keep: vec2<f32>,
   longest: vec2<f32>,
 }
-@group(0) @binding(26) var<storage, read> jobs: array<Job>;
+@group(0) @binding(32) var<storage, read> jobs: array<Job>;
 
 override threads: u32 = 64u;
 override right: bool = true;
@@ -135,6 +135,8 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     begin(n, job);
     forget_all(job, local);
     integrate_all(job, local);
+    bend_all(job, local);
+    membrane_all(job, local);
     for (var r = 0u; r < frame.rounds; r++) {
       tether_all(job, local);
       // Diagonals first: what they disturb, the others put right.

@@ -6,6 +6,7 @@
 
 mod act;
 pub(crate) mod advance;
+pub(crate) mod bend;
 pub(crate) mod body;
 pub(crate) mod colliders;
 pub(crate) mod contact;
@@ -20,6 +21,9 @@ pub(crate) mod guard;
 pub(crate) mod gust;
 pub(crate) mod integrate;
 pub(crate) mod lanes;
+pub(crate) mod laplacian;
+pub(crate) mod membrane;
+pub(crate) mod moments;
 pub(crate) mod neighbours;
 pub(crate) mod normals;
 pub(crate) mod pick;
@@ -29,6 +33,7 @@ pub(crate) mod real;
 pub(crate) mod refine;
 pub(crate) mod restore;
 pub(crate) mod rows;
+pub(crate) mod seam_moments;
 pub(crate) mod seam_normals;
 pub(crate) mod seams;
 pub(crate) mod sheet;

@@ -15,6 +15,12 @@ use crate::world::World;
 pub struct Fused {
     /// Not [`Air::Field`].
     pub air: Air,
+    /// Whether integration keeps what rounding takes.
+    pub exact: bool,
+    /// Whether cloth is stiff against bending.
+    pub bends: bool,
+    /// Whether a membrane carries tension, in place of springs.
+    pub membrane: bool,
     /// Which spring directions there are.
     pub directions: [bool; 4],
     /// Whether rest lengths come from an image.
@@ -112,6 +118,9 @@ impl Fused {
     fn of(cloth: &Cloth, schedule: &Schedule, room: &Room) -> Option<Self> {
         let mut fused = Fused {
             air: Air::None,
+            exact: false,
+            bends: false,
+            membrane: false,
             directions: [false; 4],
             image: false,
             soft: Soft::None,
@@ -129,6 +138,9 @@ impl Fused {
         for pass in schedule.step.iter().chain(&schedule.relax).chain(&schedule.frame) {
             match *pass {
                 Pass::Integrate(air) => fused.air = air,
+                Pass::Advance(air) => (fused.air, fused.exact) = (air, true),
+                Pass::Bend => fused.bends = true,
+                Pass::Membrane { .. } => fused.membrane = true,
                 Pass::Stretch { direction, image, soft, again, .. } => {
                     fused.directions[direction as usize & 3] = true;
                     (fused.image, fused.soft, fused.again) = (image, soft, again);
@@ -158,7 +170,17 @@ impl Fused {
         let colours = order.filter(|c| colours.contains(c));
         let tethers = (slots > 0).then_some(Pass::Tethers { slots });
         let mut s = Schedule::default();
-        s.step.push(Pass::Integrate(self.air));
+        s.step.push(if self.exact { Pass::Advance(self.air) } else { Pass::Integrate(self.air) });
+        if self.bends {
+            s.step.push(Pass::Moments { holes: false });
+            s.step.extend(self.seams.then_some(Pass::SeamMoments));
+            s.step.push(Pass::Bend);
+            s.step.extend(self.seams.then_some(Pass::Seams));
+        }
+        // Nor do those without room for a cell.
+        let cells = |(column, row)| Pass::Membrane { column, row, holes: false };
+        let cells = [(0, 0), (1, 0), (0, 1), (1, 1)].map(cells);
+        s.step.extend(cells.into_iter().filter(|c| like.step.contains(c)));
         s.step.extend(again.then_some(Pass::Forget));
         s.relax.extend(tethers);
         s.relax.extend(colours.map(|(direction, parity)| Pass::Stretch { direction, parity, image, soft, again }));
@@ -198,9 +220,11 @@ pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Option
             Compliance::Constant(_) => Soft::Constant,
             Compliance::Image(_) => Soft::Image,
         };
-        let kind = (image, rings, soft, slots(index));
+        let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some());
+        let kind = (image, rings, soft, slots(index), fabric);
         // No other buffer has more bytes a particle.
-        let bytes = room_of(cloth.len()) as u64 * 8 * (slots(index) as u64).max(2);
+        let wide = if cloth.membrane().is_some() { 4 } else { 2 };
+        let bytes = room_of(cloth.len()) as u64 * 8 * (slots(index) as u64).max(wide);
         let fits = |a: &&mut (_, u64, Vec<usize>)| a.0 == kind && a.1 + bytes <= room.bytes;
         match arenas.iter_mut().find(fits) {
             Some(arena) => {

@@ -190,7 +190,7 @@ pub fn device_limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
         max_compute_invocations_per_workgroup: have.max_compute_invocations_per_workgroup,
         max_compute_workgroup_size_x: have.max_compute_workgroup_size_x,
         // More than any shader binds is asked of no device.
-        max_storage_buffers_per_shader_stage: have.max_storage_buffers_per_shader_stage.min(16),
+        max_storage_buffers_per_shader_stage: have.max_storage_buffers_per_shader_stage.min(24),
         max_storage_buffer_binding_size: have.max_storage_buffer_binding_size,
         max_buffer_size: have.max_buffer_size,
         ..wgpu::Limits::default()

@@ -32,13 +32,19 @@ pub enum Slot {
     Limits,
     Faults,
     Good,
+    Weights,
+    Bends,
+    Moments,
+    Lost,
+    Cells,
+    Yielding,
     Frame,
     Jobs,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 27] = [
+        const NAMES: [&str; 33] = [
             "step",
             "grids",
             "now",
@@ -64,6 +70,12 @@ impl Slot {
             "limits",
             "faults",
             "good",
+            "weights",
+            "bends",
+            "moments",
+            "lost",
+            "cells",
+            "yielding",
             "frame",
             "jobs",
         ];
@@ -88,7 +100,10 @@ impl Slot {
             Slot::Faults => 32,
             Slot::Frame => size_of::<FrameRow>(),
             Slot::Jobs => size_of::<JobRow>(),
-            Slot::Good => cloth.len() * 16,
+            Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
+            Slot::Bends => cloth.len() * 8,
+            Slot::Cells => cloth.len() * 32,
+            Slot::Yielding => 16,
             Slot::Levels => crate::levels::rows(cloth).0 * 16,
             Slot::Nodes => crate::levels::rows(cloth).1 * 32,
             Slot::Limits => crate::levels::rows(cloth).1 * 16,
@@ -117,6 +132,8 @@ pub enum Threads {
     Texels,
     /// Half the texels: `true` every other column, `false` every other row.
     Half(bool),
+    /// A quarter of the texels: every other column of every other row.
+    Quarter,
     /// One workgroup.
     One,
     /// A workgroup a grid.
@@ -164,6 +181,7 @@ const ACTION: &str = part!("action");
 const NEAREST: &str = part!("nearest");
 const LARGER: &str = part!("larger");
 const MOST: &str = part!("most");
+const LAPLACIAN: &str = part!("laplacian");
 
 const fn reads(slot: Slot) -> Bound {
     Bound { slot, writes: false }
@@ -197,6 +215,46 @@ pub fn source(pass: Pass) -> Source {
             let files =
                 [&[STEP, BOUND, INDEX, NOW][..], self::air(air), &[part!("verlet"), pass!("integrate")]].concat();
             plain("integrate", &files, &bindings, Threads::Particles)
+        }
+        Pass::Advance(air) => {
+            let mut bindings = vec![reads(Step), writes(Now), writes(Before), writes(Slot::Lost)];
+            bindings.extend((air == Air::Field).then_some(reads(Field)));
+            let files =
+                [&[STEP, BOUND, INDEX, NOW][..], self::air(air), &[part!("verlet_exact"), pass!("advance")]].concat();
+            plain("advance", &files, &bindings, Threads::Particles)
+        }
+        Pass::Membrane { column, row, holes } => {
+            let bindings = [reads(Step), reads(Grids), writes(Now), reads(Slot::Cells), reads(Slot::Yielding)];
+            let constants = vec![("column", f64::from(column)), ("row", f64::from(row))];
+            let plain = plain(
+                "membrane",
+                &[STEP, BOUND, GRID, NOW, STORED, part!("cell"), pass!("membrane")],
+                &bindings,
+                Threads::Quarter,
+            );
+            open(holes, Source { constants, ..plain })
+        }
+        Pass::Moments { holes } => {
+            let mut files = vec![STEP, BOUND, GRID, part!("now_read"), LAPLACIAN, part!("moment")];
+            files.push(if holes { part!("unbroken_rest") } else { part!("unbroken_all") });
+            files.push(pass!("moments"));
+            let mut bindings = vec![reads(Step), reads(Grids), reads(Now)];
+            bindings.extend([reads(Slot::Weights), reads(Slot::Bends), writes(Slot::Moments)]);
+            bindings.extend(holes.then_some(reads(Rest)));
+            plain("moments", &files, &bindings, Threads::Texels)
+        }
+        Pass::SeamMoments => {
+            let bindings = [reads(Starts), reads(Members), writes(Slot::Moments)];
+            plain(
+                "seam_moments",
+                &[INDEX, RINGS, part!("seam_moment"), pass!("seam_moments")],
+                &bindings,
+                Threads::Rings,
+            )
+        }
+        Pass::Bend => {
+            let bindings = [reads(Grids), writes(Now), reads(Slot::Weights), reads(Slot::Moments)];
+            plain("bend", &[GRID, NOW, LAPLACIAN, part!("bent"), pass!("bend")], &bindings, Threads::Texels)
         }
         Pass::Springs { direction, parity, image } => {
             let (rest, read): (_, &[Bound]) =
@@ -419,6 +477,7 @@ impl Source {
             Threads::Particles => list(cloth.len()),
             Threads::Rings => list(cloth.ring_count()),
             Threads::Texels => sides(false, false),
+            Threads::Quarter => sides(true, true),
             Threads::One | Threads::Cloth => [1; 3],
             Threads::Grids => [1, 1, cloth.grids().len() as u32],
             Threads::Half(columns) => sides(columns, !columns),

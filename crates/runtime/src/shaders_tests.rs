@@ -17,6 +17,7 @@ fn variants() -> Vec<Pass> {
         all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }]);
     }
     all.extend([Air::None, Air::Push, Air::Field].map(Pass::Integrate));
+    all.extend([Air::None, Air::Push, Air::Field].map(Pass::Advance));
     let springs = (0..16).map(|k| Pass::Springs { direction: k / 4, parity: k / 2 % 2, image: k % 2 == 1 });
     all.extend(springs);
     for (friction, many) in [(false, false), (true, false), (false, true), (true, true)] {
@@ -33,7 +34,9 @@ fn variants() -> Vec<Pass> {
             again,
         }));
     }
-    all.extend([Pass::Guard, Pass::Restore]);
+    all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend]);
+    all.extend([false, true].map(|holes| Pass::Moments { holes }));
+    all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));
     all.extend([Pass::Pyramid { directions: [true, true, false, true] }, Pass::Refine]);
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all.extend(fused().map(Pass::Fused));
@@ -54,6 +57,9 @@ fn fused() -> impl Iterator<Item = Fused> {
             again: on(4) && n > 0,
             slots: 2 * u32::from(on(5)),
             seams: on(6),
+            exact: on(1),
+            membrane: on(2),
+            bends: on(3),
             contact: on(4).then_some(Kinds { shapes: [true; 6], friction: on(2), many: on(3) }),
             full: on(5),
             normals: on(1),
@@ -107,7 +113,7 @@ fn the_table_names_just_what_shaders_bind() {
         let table = table.iter().map(|b| (b.slot as u32, b.slot.name().to_string(), b.writes));
         assert_eq!(bound, table.collect(), "{pass:?}");
         // Where a device has no more than WebGPU promises, frames that need more run in passes of their own.
-        let most = if matches!(pass, Pass::Fused(_)) { 16 } else { 8 };
+        let most = if matches!(pass, Pass::Fused(_)) { 24 } else { 8 };
         assert!(storage <= most, "{pass:?} binds {storage} storage buffers");
     }
 }
@@ -146,7 +152,7 @@ fn structs_lie_as_in_rust() {
                 Some("Frame") => &frame,
                 Some("Job") => &job,
                 // Lives in registers only.
-                Some("Ends" | "Exit" | "Entry" | "Quad") => continue,
+                Some("Ends" | "Exit" | "Entry" | "Quad" | "Edge") => continue,
                 // A row of four numbers.
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),

@@ -57,7 +57,7 @@ impl<'a> Run<'a> {
 /// Scenes that can run fused: not those with wind on triangles.
 fn fusible() -> Vec<(&'static str, Scene)> {
     let mut all = [support::outside(), support::soft()].concat();
-    all.retain(|(name, _)| *name != "wind on triangles");
+    all.retain(|(_, s)| s.wind.as_ref().is_none_or(|w| matches!(w.force, WindForce::Push { .. })));
     all
 }
 
@@ -120,6 +120,7 @@ fn wardrobe() -> Scene {
         all.cloths.push(Flat { right: [0.8, 0.0, 0.1], ..Flat::square("free", n) }.cloth().unwrap());
         all.cloths.extend(scene::builtin("s1k", n).unwrap().cloths);
         all.cloths.push(support::two_charts(n));
+        all.cloths.push(support::made_of(support::two_charts(n)));
     }
     for (k, cloth) in all.cloths.iter_mut().enumerate() {
         cloth.damping = 0.1 * k as f32;
@@ -136,8 +137,8 @@ fn cloths_that_share_a_dispatch_move_as_they_would_alone() {
     let together = Run::new(&all, &options(true), &device);
     let plan = together.stepper.plan();
     assert_eq!(together.holds().len(), all.cloths.len(), "{plan}");
-    // As many as there are kinds: s1, tubes, free ones, soft ones, charts.
-    assert_eq!(plan.dispatches(), 5, "{plan}");
+    // As many as there are kinds: s1, tubes, free ones, soft ones, charts, charts of a material.
+    assert_eq!(plan.dispatches(), 6, "{plan}");
     let together = together.frames(8);
     for (index, cloth) in all.cloths.iter().enumerate() {
         let alone = Scene { cloths: vec![cloth.clone()], ..all.clone() };

@@ -111,6 +111,7 @@ impl<T: Real> Body<T> {
             fabric.load(&self.now, &self.before);
             if !self.holes.is_empty() {
                 fabric.set_rest(&self.image, &self.now);
+                fabric.cut_cells(&self.holes);
             }
             self.edited = false;
         }
@@ -167,8 +168,9 @@ impl<T: Real> Body<T> {
                 }
             }
             // Passes of sheets.
+            Pass::Advance(_) | Pass::Membrane { .. } => {}
             Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
-            Pass::Pyramid { .. } | Pass::Refine => {}
+            Pass::Pyramid { .. } | Pass::Refine | Pass::Moments { .. } | Pass::SeamMoments | Pass::Bend => {}
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
                 self.edited |= self.faulty.is_some();

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use bytemuck::Zeroable;
 use wgpu::{Buffer, BufferUsages};
 
-use super::buffers::{DRAWN, Spans, grid_rows, upload};
+use super::buffers::{DRAWN, Spans, bend_rows, grid_rows, upload, yielding_row};
 use super::layout::{JobRow, StepRow};
 use super::pipelines::Pipeline;
 use super::span::Span;
@@ -42,6 +42,7 @@ impl Arena {
         let (mut jobs, mut grids): (Vec<JobRow>, Vec<_>) = (Vec::new(), Vec::new());
         let mut lists: [Vec<[f32; 4]>; 5] = Default::default();
         let (mut starts, mut members, mut tethers) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut cells, mut yielding, mut weights, mut bends) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (row, &index) in cloths.iter().enumerate() {
             let (cloth, held, body) = (&world.scene.cloths[index], &world.tethers[index], &bodies[index]);
             let first = lists[0].len() as u32;
@@ -64,6 +65,17 @@ impl Arena {
                 list.extend(data);
                 list.resize(if data.is_empty() { 0 } else { end }, [0.0, 0.0, 0.0, -1.0]);
             }
+            if let Some(membrane) = cloth.membrane() {
+                cells.extend(&membrane.cells);
+                cells.resize(2 * end, [0.0; 4]);
+                yielding.push(yielding_row(membrane));
+            }
+            if let Some(bending) = cloth.bending() {
+                weights.extend(&bending.weights);
+                weights.resize(end, [0.0; 4]);
+                bends.extend(bend_rows(bending, cloth));
+                bends.resize(end, [0.0; 2]);
+            }
             let (rings, of_rings) = cloth.rings();
             let so_far = members.len() as u32;
             starts.extend(rings[..rings.len() - 1].iter().map(|s| s + so_far));
@@ -84,10 +96,15 @@ impl Arena {
             (Slot::Grids, upload(device, "grids", &grids, none)),
             (Slot::Faults, upload(device, "faults", &vec![0u32; FAULTS * jobs.len()], BufferUsages::COPY_SRC)),
         ]);
-        for (slot, list) in [(Slot::Rest, rest), (Slot::Soft, soft)] {
-            if !list.is_empty() {
-                buffers.insert(slot, upload(device, slot.name(), &list, none));
-            }
+        let lists = [(Slot::Rest, rest), (Slot::Soft, soft), (Slot::Cells, cells), (Slot::Yielding, yielding)];
+        for (slot, list) in lists.into_iter().chain([(Slot::Weights, weights)]).filter(|l| !l.1.is_empty()) {
+            buffers.insert(slot, upload(device, slot.name(), &list, none));
+        }
+        if !bends.is_empty() {
+            buffers.insert(Slot::Bends, upload(device, "bends", &bends, none));
+        }
+        if cloths.iter().any(|c| world.scene.cloths[*c].is_exact()) {
+            buffers.insert(Slot::Lost, upload(device, "lost", &vec![[0f32; 4]; now.len()], none));
         }
         if !members.is_empty() {
             buffers.insert(Slot::Starts, upload(device, "starts", &starts, none));
@@ -113,6 +130,7 @@ impl Arena {
                 before: list(Slot::Before),
                 normals: list(Slot::Normals),
                 good: Some(list(Slot::Good)),
+                lost: self.buffers.contains_key(&Slot::Lost).then(|| list(Slot::Lost)),
                 faults: Some(part(Slot::Faults, 4 * FAULTS * job.row as usize, 32)),
             };
             (*cloth, spans)
@@ -131,17 +149,11 @@ impl Arena {
         let rows: Vec<_> = batch.members.iter().map(|m| self.job(world, *m)).collect();
         let same = |r: &Ready| r.rows == rows && r.solids == *solids && r.frames == *frames;
         if !self.ready.get(&batch.fused).is_some_and(same) {
-            if source.bindings.iter().any(|b| b.slot == Slot::Sums) {
-                let sums = || {
-                    upload(
-                        device,
-                        "sums",
-                        &vec![0f32; self.buffers[&Slot::Now].size() as usize / 4],
-                        BufferUsages::empty(),
-                    )
-                };
-                let sums = self.buffers.get(&Slot::Sums).cloned().unwrap_or_else(sums);
-                self.buffers.insert(Slot::Sums, sums);
+            let scratch = |b: &&crate::shaders::Bound| matches!(b.slot, Slot::Sums | Slot::Moments);
+            for slot in source.bindings.iter().filter(scratch).map(|b| b.slot) {
+                let numbers = self.buffers[&Slot::Now].size() as usize / 4;
+                let new = || upload(device, slot.name(), &vec![0f32; numbers], BufferUsages::empty());
+                self.buffers.entry(slot).or_insert_with(new);
             }
             let jobs = upload(device, "jobs", &rows, BufferUsages::empty());
             let buffer = |slot| match slot {

@@ -13,6 +13,7 @@ use crate::gpu::layout::{GridRow, SolidRow, StepRow};
 use crate::gpu::pipelines::Pipeline;
 use crate::gpu::span::Span;
 use crate::levels::levels;
+use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
 use crate::shaders::{Bound, Slot, Source};
 use crate::world::World;
@@ -39,6 +40,7 @@ pub struct ClothBuffers {
     /// particle at fault, and what is of no use to a host. None for the classic solver and where the CPU steps.
     pub faults: Option<Span>,
     good: Option<Span>,
+    lost: Option<Span>,
     stepping: bool,
     step: Option<Buffer>,
     others: HashMap<Slot, Buffer>,
@@ -54,6 +56,8 @@ pub(super) struct Spans {
     pub normals: Span,
     pub faults: Option<Span>,
     pub good: Option<Span>,
+    /// What positions of cloth of a material are too coarse for.
+    pub lost: Option<Span>,
 }
 
 impl ClothBuffers {
@@ -68,7 +72,8 @@ impl ClothBuffers {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         // No other buffer of a cloth has more bytes a particle.
-        for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64)] {
+        let cells = if cloth.membrane().is_some() { 32 } else { 0 };
+        for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64), ("cells", cells)] {
             let need = cloth.len() as u64 * bytes;
             if need > limit {
                 return Err(Error::Limit { cloth: cloth.name().into(), buffer, need, limit });
@@ -82,8 +87,10 @@ impl ClothBuffers {
             normals: list("normals", &body.normals),
             faults: guarded.then(|| upload(device, "faults", &[0u32; 8], BufferUsages::COPY_SRC).into()),
             good: guarded.then(|| upload(device, "good", body.now(), BufferUsages::empty()).into()),
+            lost: (guarded && cloth.is_exact())
+                .then(|| upload(device, "lost", &vec![[0f32; 4]; cloth.len()], BufferUsages::empty()).into()),
         };
-        let Spans { now, before, normals, faults, good } = lies.unwrap_or_else(alone);
+        let Spans { now, before, normals, faults, good, lost } = lies.unwrap_or_else(alone);
         Ok(ClothBuffers {
             now,
             before,
@@ -91,6 +98,7 @@ impl ClothBuffers {
             holes: None,
             faults,
             good,
+            lost,
             stepping: !draw_only,
             step: None,
             others: HashMap::new(),
@@ -119,6 +127,14 @@ impl ClothBuffers {
         }
         if let Compliance::Image(soft) = &cloth.compliance {
             self.others.insert(Slot::Soft, upload(device, "soft", soft, none));
+        }
+        if let Some(membrane) = cloth.membrane().filter(|_| options.solver == Solver::Xpbd) {
+            self.others.insert(Slot::Cells, upload(device, "cells", &membrane.cells, none));
+            self.others.insert(Slot::Yielding, upload(device, "yielding", &[yielding_row(membrane)], none));
+        }
+        if let Some(bending) = cloth.bending().filter(|_| options.solver == Solver::Xpbd) {
+            self.others.insert(Slot::Weights, upload(device, "weights", &bending.weights, none));
+            self.others.insert(Slot::Bends, upload(device, "bends", &bend_rows(bending, cloth), none));
         }
         if options.solver == Solver::Xpbd && options.pyramid > 0 {
             self.for_levels(device, cloth);
@@ -189,7 +205,7 @@ impl ClothBuffers {
         let particles = self.now.size / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
-                Slot::Field | Slot::Sums => particles * 16,
+                Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest => 4,
                 _ => continue,
@@ -217,6 +233,7 @@ impl ClothBuffers {
             Slot::Holes => self.holes.as_ref().map(Span::binding),
             Slot::Faults => self.faults.as_ref().map(Span::binding),
             Slot::Good => self.good.as_ref().map(Span::binding),
+            Slot::Lost => self.lost.as_ref().map(Span::binding),
             Slot::Step => self.step.as_ref().map(|buffer| wgpu::BufferBinding { buffer, offset: 0, size: row }),
             other => more.iter().find(|m| m.0 == other).map(|m| m.1).or_else(|| self.others.get(&other)).map(whole),
         };
@@ -272,6 +289,17 @@ pub(super) fn grid_rows(cloth: &Cloth, first: u32) -> Vec<GridRow> {
         rest: constant(g),
     };
     cloth.grids().iter().enumerate().map(row).collect()
+}
+
+/// One over the stiffness of a membrane.
+pub(super) fn yielding_row(membrane: &Membrane) -> [f32; 4] {
+    let [weft, warp, shear] = membrane.soft;
+    [weft, warp, shear, 0.0]
+}
+
+/// Compliance of bending, and what keeps it stable.
+pub(super) fn bend_rows(bending: &Bending, cloth: &Cloth) -> Vec<[f32; 2]> {
+    bending.compliance.iter().zip(bending.bounds(cloth)).map(|(c, b)| [*c, b]).collect()
 }
 
 /// How buffers are used that a vertex shader reads.

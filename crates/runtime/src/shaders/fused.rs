@@ -1,7 +1,8 @@
 //! The parts of the shader that runs whole frames.
 
 use super::{
-    CONTACT, GRID, NEIGHBOURS, NOW, RINGS, STEP, Slot, Source, Threads, UNIT, air, reads, shapes, spring_parts, writes,
+    CONTACT, GRID, LAPLACIAN, NEIGHBOURS, NOW, RINGS, STEP, Slot, Source, Threads, UNIT, air, reads, shapes,
+    spring_parts, writes,
 };
 use crate::fused::{Fused, Hold};
 
@@ -10,7 +11,7 @@ pub(super) fn source(fused: Fused) -> Source {
     let (springs, mut bindings) = spring_parts(fused.image, fused.soft, fused.again);
     bindings.extend([reads(Slot::Frame), reads(Slot::Jobs), reads(Slot::Grids), writes(Slot::Now)]);
     bindings.extend([writes(Slot::Before), writes(Slot::Faults), writes(Slot::Good)]);
-    let mut files = vec![STEP, GRID, NOW, part!("larger"), part!("sane")];
+    let mut files = vec![STEP, GRID, NOW, part!("holes_none"), part!("larger"), part!("sane")];
     let mut constants = vec![("threads", f64::from(fused.threads))];
     constants.extend(DIRECTIONS.iter().zip(fused.directions).map(|(name, on)| (*name, f64::from(u8::from(on)))));
     match fused.hold {
@@ -29,7 +30,23 @@ pub(super) fn source(fused: Fused) -> Source {
     }
     constants.extend((fused.hold != Hold::Stored).then(|| ("places", f64::from(fused.places))));
     files.extend(air(fused.air));
-    files.push(part!("verlet"));
+    files.push(if fused.exact { part!("verlet_exact") } else { part!("verlet") });
+    bindings.extend(fused.exact.then_some(writes(Slot::Lost)));
+    if fused.membrane {
+        files.extend([part!("cell"), part!("fused_membrane")]);
+        bindings.extend([reads(Slot::Cells), reads(Slot::Yielding)]);
+    } else {
+        files.push(part!("fused_membrane_none"));
+    }
+    if fused.bends {
+        files.extend([LAPLACIAN, part!("unbroken_all"), part!("moment"), part!("bent"), part!("fused_bend")]);
+        let seams: &[_] =
+            if fused.seams { &[part!("seam_moment"), part!("fused_moments")] } else { &[part!("fused_moments_none")] };
+        files.extend(seams);
+        bindings.extend([reads(Slot::Weights), reads(Slot::Bends), writes(Slot::Moments)]);
+    } else {
+        files.push(part!("fused_bend_none"));
+    }
     files.extend(springs);
     files.push(if fused.again { part!("fused_forget") } else { part!("fused_forget_none") });
     if fused.slots > 0 {
@@ -60,7 +77,7 @@ pub(super) fn source(fused: Fused) -> Source {
         files.push(part!("fused_contact_none"));
     }
     if fused.normals {
-        files.extend([part!("holes_none"), NEIGHBOURS, UNIT, part!("normal"), part!("fused_normals")]);
+        files.extend([NEIGHBOURS, UNIT, part!("normal"), part!("fused_normals")]);
         bindings.push(writes(Slot::Normals));
         if fused.seams {
             files.extend([part!("seam_normal"), part!("fused_join")]);
