@@ -1,5 +1,5 @@
 // The multiplier of bending at each texel: the Laplacian of position over what a step of this length makes of its
-// compliance. w is 1 where there is one.
+// compliance, or over the bound with which no step goes too far. w is 1 where there is one.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(26) var<storage, read> bends: array<vec2<f32>>;
 @group(0) @binding(27) var<storage, read_write> moments: array<vec4<f32>>;
@@ -24,6 +24,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
       }
     }
   }
-  let scale = 1.0 / (bend.x / (step.dt * step.dt) + bend.y);
+  let scale = 1.0 / max(bend.x / (step.dt * step.dt), bend.y);
   moments[k] = select(vec4<f32>(0.0), vec4<f32>(sum * scale, 1.0), whole);
 }
