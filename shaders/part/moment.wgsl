@@ -1,5 +1,5 @@
-// The multiplier of bending at a texel: the Laplacian of position over what a step of this length makes of its compliance.
-// w is 1 where there is one.
+// The multiplier of bending at a texel: the Laplacian of position over what a step of this length makes of its compliance,
+// or over the bound with which no step goes too far. w is 1 where there is one.
 @group(0) @binding(26) var<storage, read> bends: array<vec2<f32>>;
 
 fn moment_at(grid: Grid, cell: vec2<u32>, k: u32) -> vec4<f32> {
@@ -16,6 +16,6 @@ fn moment_at(grid: Grid, cell: vec2<u32>, k: u32) -> vec4<f32> {
       }
     }
   }
-  let scale = 1.0 / (bend.x / (step.dt * step.dt) + bend.y);
+  let scale = 1.0 / max(bend.x / (step.dt * step.dt), bend.y);
   return select(vec4<f32>(0.0), vec4<f32>(sum * scale, 1.0), whole);
 }

@@ -14,14 +14,14 @@ pub struct Plate<T> {
     pub weights: Weights<T>,
     /// Compliance \[m/N\], in the layout of [`Sheet::w`]; 0 where there is no moment.
     pub compliance: Vec<T>,
-    /// What is added to it over the square of the step \[1/kg\].
+    /// Least compliance over the square of the step \[1/kg\].
     pub bound: Vec<T>,
     /// Multipliers, in the layout of [`Sheet::now`].
     pub moments: Vec<T>,
 }
 
-/// Multipliers of a step of `dt` \[s\]: the Laplacian of position, over compliance / dt^2 and what keeps a step of any
-/// length from going too far.
+/// Multipliers of a step of `dt` \[s\]: the Laplacian of position, over compliance / dt^2 or, in longer steps, over what
+/// keeps a step of any length from going too far: then cloth bends more easily than it should.
 pub fn run<T: Real>(threads: &Threads, sheet: &Sheet<T>, plate: &mut Plate<T>, dt: T) {
     let row = sheet.row();
     let Plate { weights, compliance, bound, moments } = plate;
@@ -60,7 +60,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                 &sheet.now,
                 |at, sum| {
                     let soft = k.load(soft, at);
-                    let scale = k.div(one, k.add(k.div(soft, square), k.load(bound, at)));
+                    let scale = k.div(one, k.most(k.div(soft, square), k.load(bound, at)));
                     let there = k.above(soft, zero);
                     for c in 0..3 {
                         k.store(out[c], at, k.choose(there, k.mul(sum[c], scale), zero));
@@ -68,7 +68,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                 },
                 |sum| start = sum,
             );
-            let scale = T::of(1.0) / (soft[0] / span + bound[0]);
+            let scale = T::of(1.0) / (soft[0] / span).max(bound[0]);
             for c in 0..3 {
                 out[c][0] = if soft[0] > T::of(0.0) { start[c] * scale } else { T::of(0.0) };
             }

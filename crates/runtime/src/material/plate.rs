@@ -143,7 +143,7 @@ fn linear(cell: &Cell) -> ([P2; 4], [f64; 4]) {
 
 impl Bending {
     /// For each particle a bound \[1/kg\] on what a multiplier of 1 at all points of the same sign does to the moment
-    /// there: with it added to the compliance, no step of any length overshoots.
+    /// there: with compliance / dt^2 no less than this, no step overshoots.
     pub fn bounds(&self, cloth: &Cloth) -> Vec<f32> {
         let same = cloth.points();
         let mut edges = Vec::with_capacity(4 * self.weights.len());
