@@ -20,7 +20,7 @@ fn main(
     let out = leave(solids[c], at);
     if (out.inside) {
       let depth = out.at - at;
-      at = rub(solids[c], k, out.at, out.normal, sqrt(dot(depth, depth)));
+      at = rub(solids[c], out.at, out.normal, sqrt(dot(depth, depth)), previous(k));
     }
   }
   now[k] = vec4<f32>(at, p.w);

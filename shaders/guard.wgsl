@@ -3,8 +3,6 @@
 // Such particles in this frame, frames taken back, and one more than the last of such particles.
 @group(0) @binding(23) var<storage, read_write> faults: array<atomic<u32>, 4>;
 
-const FARTHEST: f32 = 1e8;
-
 @compute @workgroup_size(64)
 fn main(
   @builtin(workgroup_id) workgroup: vec3<u32>,
@@ -16,9 +14,7 @@ fn main(
     return;
   }
   let p = now[k];
-  // Comparisons with what is no number are false.
-  let sane = abs(p.x) <= FARTHEST && abs(p.y) <= FARTHEST && abs(p.z) <= FARTHEST;
-  if (p.w >= 0.0 && !sane) {
+  if (p.w >= 0.0 && !sane(p)) {
     atomicAdd(&faults[0], 1u);
     atomicMax(&faults[2], k + 1u);
   }

@@ -1,12 +1,10 @@
 // Takes back the motion along the surface since the last step, by at most friction times the depth.
-@group(0) @binding(3) var<storage, read> before: array<vec4<f32>>;
-
-fn rub(solid: Solid, k: u32, at: vec3<f32>, n: vec3<f32>, depth: f32) -> vec3<f32> {
+fn rub(solid: Solid, at: vec3<f32>, n: vec3<f32>, depth: f32, was: vec3<f32>) -> vec3<f32> {
   if (solid.friction <= 0.0) {
     return at;
   }
   let surface = solid.velocity + cross(solid.spin, at - solid.center);
-  let moved = at - before[k].xyz - surface * step.dt;
+  let moved = at - was - surface * step.dt;
   let along = moved - n * dot(moved, n);
   let far = sqrt(dot(along, along));
   let most = solid.friction * depth;

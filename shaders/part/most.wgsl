@@ -1,12 +1,5 @@
 // The largest of 64 numbers that are not below 0.
-const FAST = 3.0e38;
-
 var<workgroup> shared_most: array<f32, 64>;
-
-// What is no number or infinite counts as fast.
-fn larger(a: f32, b: f32) -> f32 {
-  return max(select(FAST, a, a < FAST), select(FAST, b, b < FAST));
-}
 
 fn most(mine: f32, local: u32) -> f32 {
   shared_most[local] = mine;

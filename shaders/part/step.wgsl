@@ -15,4 +15,3 @@ struct Step {
   lift: f32,
   left: f32,
 }
-@group(0) @binding(0) var<uniform> step: Step;

@@ -4,7 +4,7 @@ mod scenes;
 mod timing;
 
 use clap::Parser;
-use gimage_runtime::{Backend, Options, wgpu};
+use gimage_runtime::{Backend, Options, device_limits, wgpu};
 use scenes::{Case, cases};
 use timing::{Host, time};
 
@@ -25,6 +25,12 @@ struct Args {
     /// Steps a frame.
     #[arg(long, default_value_t = 8)]
     substeps: u32,
+    /// Only scenes whose names contain this, and the plain ones.
+    #[arg(long, default_value = "")]
+    only: String,
+    /// Only the GPU backend.
+    #[arg(long)]
+    gpu: bool,
 }
 
 #[allow(clippy::print_stdout)]
@@ -39,10 +45,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("particles,scene,backend,dispatches,bytes,frames,ms_min,ms_median,ms_median_vs_plain");
     for &n in &args.particles {
-        let cases = cases(n)?;
+        let mut cases = cases(n)?;
+        cases.retain(|c| c.name.contains(&args.only) || ["plain", "xpbd"].contains(&c.name));
         for backend in [Backend::Cpu, Backend::Gpu] {
             let device = gpu.as_ref().map(|(_, d, q)| (d, q)).filter(|_| backend == Backend::Gpu);
-            if backend == Backend::Gpu && device.is_none() {
+            if if backend == Backend::Gpu { device.is_none() } else { args.gpu } {
                 continue;
             }
             let options = Options { backend, substeps: args.substeps, ..Options::default() };
@@ -81,6 +88,7 @@ fn median(times: &mut [f64]) -> f64 {
 
 async fn adapter() -> Option<(wgpu::AdapterInfo, wgpu::Device, wgpu::Queue)> {
     let adapter = wgpu::Instance::default().request_adapter(&Default::default()).await.ok()?;
-    let (device, queue) = adapter.request_device(&Default::default()).await.ok()?;
+    let wish = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
+    let (device, queue) = adapter.request_device(&wish).await.ok()?;
     Some((adapter.get_info(), device, queue))
 }

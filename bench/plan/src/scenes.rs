@@ -32,18 +32,29 @@ pub struct Case {
     pub tethers: u32,
     /// Relaxations a step.
     pub iterations: u32,
+    /// Whether frames may run in one dispatch.
+    pub fused: bool,
 }
 
 impl Case {
     /// The settings of the case; what it says nothing of is as in `base`.
     pub fn options(&self, base: &Options) -> Options {
-        let Case { sleep, solver, tethers, iterations, .. } = *self;
-        Options { sleep, solver, tethers, iterations, ..base.clone() }
+        let Case { sleep, solver, tethers, iterations, fused, .. } = *self;
+        Options { sleep, solver, tethers, iterations, fused, ..base.clone() }
     }
 }
 
 fn case(name: &'static str, scene: Scene) -> Case {
-    Case { name, scene, action: Action::None, sleep: None, solver: Solver::Classic, tethers: 0, iterations: 1 }
+    Case {
+        name,
+        scene,
+        action: Action::None,
+        sleep: None,
+        solver: Solver::Classic,
+        tethers: 0,
+        iterations: 1,
+        fused: true,
+    }
 }
 
 /// All cases of `n` x `n` particles; the first of each solver is its plain one.
@@ -99,12 +110,17 @@ fn xpbd(n: u32) -> Result<Vec<Case>> {
     let touching = ball([0.5, -0.2, 0.5]);
     let far: Vec<_> = (0..100).map(|k| ball([k as f32, 50.0, 0.0])).collect();
     let all: Vec<_> = shapes().map(|(_, shape)| Collider::new(shape, [0.5, -0.2, 0.5])).into();
-    let rough = all.into_iter().map(|c| Collider { friction: 0.3, ..c }).collect();
+    let rough: Vec<_> = all.into_iter().map(|c| Collider { friction: 0.3, ..c }).collect();
     let moving = Collider { velocity: [0.0, 0.1, 0.0], ..touching };
     let one = Compliance::Constant(1e-3);
     let image = Compliance::Image(vec![[1e-3; 4]; (n * n) as usize]);
+    let many = || -> Result<Scene> { Ok(Scene { cloths: vec![square(n)?; 64], ..plain()? }) };
+    let apart = |name, scene| Case { fused: false, ..case(name, scene) };
     Ok(vec![
         case("xpbd", plain()?),
+        apart("xpbd in separate passes", plain()?),
+        case("64 cloths", many()?),
+        apart("64 cloths in separate passes", many()?),
         Case { tethers: 1, ..case("xpbd with 1 tether", plain()?) },
         Case { tethers: 2, ..case("xpbd with 2 tethers", plain()?) },
         case("xpbd with compliance", soft(one.clone())?),
@@ -114,8 +130,10 @@ fn xpbd(n: u32) -> Result<Vec<Case>> {
         case("xpbd with a sphere", with(vec![touching])?),
         case("xpbd with a sphere that moves", with(vec![moving])?),
         case("xpbd with a sphere out of reach", with(far[..1].to_vec())?),
-        case("xpbd with 100 spheres out of reach", with(far)?),
-        case("xpbd with all six and friction", with(rough)?),
+        case("xpbd with 100 spheres out of reach", with(far.clone())?),
+        apart("xpbd with 100 spheres out of reach in separate passes", with(far)?),
+        case("xpbd with all six and friction", with(rough.clone())?),
+        apart("xpbd with all six and friction in separate passes", with(rough)?),
     ])
 }
 

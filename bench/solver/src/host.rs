@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use gimage_runtime::{Options, Progress, Scene, Stepper, read_back, wgpu};
+use gimage_runtime::{Options, Progress, Scene, Stepper, device_limits, read_back, wgpu};
 
 use crate::Failure;
 
@@ -17,19 +17,13 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The fastest adapter, with the largest buffers that it offers.
+    /// The fastest adapter, with what it offers of what the runtime can use.
     pub fn new() -> Result<Self, Failure> {
         let instance = wgpu::Instance::default();
         let power_preference = wgpu::PowerPreference::HighPerformance;
         let wish = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
         let adapter = pollster::block_on(instance.request_adapter(&wish))?;
-        let offered = adapter.limits();
-        let required_limits = wgpu::Limits {
-            max_buffer_size: offered.max_buffer_size,
-            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
-            ..wgpu::Limits::default()
-        };
-        let wish = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+        let wish = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&wish))?;
         Ok(Gpu { device, queue, name: adapter.get_info().name })
     }

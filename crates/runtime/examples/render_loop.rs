@@ -128,7 +128,7 @@ impl Engine {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_texture_to_buffer(self.color.as_image_copy(), to, self.color.size());
         self.queue.submit([encoder.finish()]);
-        let floats = gimage_runtime::read_back(&self.device, &self.queue, &buffer)?;
+        let floats = gimage_runtime::read_back(&self.device, &self.queue, &buffer.into())?;
         Ok(floats.into_iter().flatten().map(f32::to_ne_bytes).collect())
     }
 }

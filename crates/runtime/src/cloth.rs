@@ -10,6 +10,7 @@ pub use flat::Flat;
 pub use gimage_bundle::{Anchor, Particle, Tethers};
 
 use crate::error::{Error, Result, check as range};
+use crate::material::{Bending, Membrane};
 
 /// One grid of particles, a piece of a bundle. Texel (i, j) is particle `first + j * width + i`.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,8 +105,16 @@ pub struct Cloth {
     /// A displacement faster than this \[m/s\] is taken for a collision's jump and carries no velocity on. Above 0,
     /// default infinite; smaller means that fast cloth stops.
     pub speed_limit: f32,
-    /// How soft the springs are. Default none.
+    /// How soft the springs are. Default none. Cloth of a material has a membrane in their place.
     pub compliance: Compliance,
+    /// What carries tension in place of springs; [`Cloth::set_material`] makes it.
+    pub(crate) membrane: Option<Membrane>,
+    /// How stiff the cloth is against bending; [`Cloth::set_material`] makes it.
+    pub(crate) bending: Option<Bending>,
+    /// Whether steps are so short that rounding of positions matters; so for cloth of a material.
+    pub(crate) exact: bool,
+    /// Texture coordinates along the fabric.
+    grain: Option<Vec<[f32; 2]>>,
 }
 
 impl Cloth {
@@ -123,6 +132,10 @@ impl Cloth {
             damping: 0.0,
             speed_limit: f32::INFINITY,
             compliance: Compliance::None,
+            membrane: None,
+            bending: None,
+            exact: false,
+            grain: None,
         })
     }
 
@@ -257,6 +270,36 @@ impl Cloth {
             (Rest::Image(r), Some(other)) if there(k) && there(other) => r[first as usize + k][direction],
             _ => 0.0,
         }
+    }
+
+    /// The particle at the other end of the spring at texel `k` of a grid, if the grid has it.
+    pub(crate) fn neighbour(&self, grid: usize, k: usize, direction: usize) -> Option<usize> {
+        let Grid { first, width, height, .. } = self.parts.grids[grid];
+        Some(first as usize + other_end(width as usize, height as usize, k, direction)?)
+    }
+
+    /// For every particle the first of its duplicates.
+    pub(crate) fn points(&self) -> Vec<u32> {
+        let mut same: Vec<u32> = (0..self.len() as u32).collect();
+        for ring in self.ring_starts.windows(2) {
+            let ring = &self.ring_members[ring[0] as usize..ring[1] as usize];
+            ring.iter().for_each(|k| same[*k as usize] = ring[0]);
+        }
+        same
+    }
+
+    /// Whether integration keeps what rounding takes.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.exact
+    }
+
+    /// Texture coordinates along the fabric, if it has any.
+    pub(crate) fn grain(&self) -> Option<&[[f32; 2]]> {
+        self.grain.as_deref()
+    }
+
+    pub(crate) fn keep_grain(&mut self, uv: Option<Vec<[f32; 2]>>) {
+        self.grain = uv;
     }
 
     /// Whether a cut has been made, so that triangles may be missing.

@@ -1,27 +1,34 @@
 //! The GPU backend: buffers, pipelines and the recording of a frame.
 
 mod actions;
+mod arena;
 mod buffers;
+mod frames;
 pub(crate) mod layout;
 mod pick;
 mod pipelines;
 mod read_back;
+mod span;
 mod watch;
 
 pub use buffers::ClothBuffers;
 pub(crate) use pick::Pending;
 pub(crate) use read_back::read_bytes;
 pub use read_back::{read_back, read_back_u32};
+pub use span::Span;
 
 use bytemuck::cast_slice;
 
 use crate::cpu::body::Body;
 use crate::error::Result;
+use crate::passes::Pass;
 use crate::shaders::{Slot, source};
 use crate::step::Step;
 use crate::world::World;
-use buffers::{POSES, solids_buffer};
-use layout::{SolidRow, StepRow};
+use arena::Arena;
+use buffers::{Spans, solids_buffer};
+use frames::Frames;
+use layout::{POSES, SolidRow, StepRow};
 use pipelines::Pipelines;
 use watch::Watch;
 
@@ -31,6 +38,8 @@ pub struct Gpu {
     queue: wgpu::Queue,
     pipelines: Pipelines,
     cloths: Vec<ClothBuffers>,
+    arenas: Vec<Arena>,
+    frames: Option<Frames>,
     solids: wgpu::Buffer,
     solid_rows: Vec<SolidRow>,
     watches: Vec<Watch>,
@@ -39,15 +48,21 @@ pub struct Gpu {
 impl Gpu {
     /// Buffers for all cloths; only those for drawing where the CPU steps.
     pub fn new(world: &World, device: &wgpu::Device, queue: &wgpu::Queue, draw_only: bool) -> Result<Self> {
-        let cloths = world.scene.cloths.iter().zip(&world.tethers).zip(world.bodies());
-        let cloths: Result<_> = cloths
-            .map(|((cloth, held), body)| ClothBuffers::new(device, (cloth, held), &body, (draw_only, &world.options)))
-            .collect();
+        let bodies = world.bodies();
+        let arenas: Vec<_> = world.arenas.iter().map(|cloths| Arena::new(device, world, &bodies, cloths)).collect();
+        let mut lie: Vec<Option<Spans>> = world.scene.cloths.iter().map(|_| None).collect();
+        arenas.iter().flat_map(Arena::spans).for_each(|(cloth, spans)| lie[cloth] = Some(spans));
+        let cloths = world.scene.cloths.iter().zip(&world.tethers).zip(&bodies).zip(lie);
+        let settings = (draw_only, &world.options);
+        let cloths: Result<_> =
+            cloths.map(|((held, body), spans)| ClothBuffers::new(device, held, body, settings, spans)).collect();
         let solid_rows: Vec<_> = world.scene.colliders.iter().map(SolidRow::new).collect();
         Ok(Gpu {
             solids: solids_buffer(device, &solid_rows),
             pipelines: Pipelines::default(),
             cloths: cloths?,
+            frames: (!arenas.is_empty()).then(|| Frames::new(device)),
+            arenas,
             device: device.clone(),
             queue: queue.clone(),
             solid_rows,
@@ -61,12 +76,16 @@ impl Gpu {
 
     /// Records `steps` steps of every cloth that is awake and has any, then its normals.
     pub fn record(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
-        for faults in self.cloths.iter().filter_map(|c| c.faults.as_ref()) {
-            encoder.clear_buffer(faults, 0, Some(4));
+        let apart = |world: &World, cloth: usize| !world.asleep[cloth] && !world.is_fused(cloth, steps);
+        let alone: Vec<usize> = (0..self.cloths.len()).filter(|c| apart(world, *c)).collect();
+        for faults in alone.iter().filter_map(|c| self.cloths[*c].faults.as_ref()) {
+            encoder.clear_buffer(&faults.buffer, faults.offset, Some(4));
         }
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None });
-        for index in (0..self.cloths.len()).filter(|c| !world.asleep[*c]) {
+        self.record_fused(world, &mut pass, steps);
+        for index in alone {
+            self.cloths[index].separate(&self.device, world, index);
             let (cloth, plan) = (&world.scene.cloths[index], &world.schedules[index]);
             let buffers = &mut self.cloths[index];
             let queue = &self.queue;
@@ -101,15 +120,34 @@ impl Gpu {
         (0..steps).for_each(|_| world.clock.tick());
     }
 
+    /// Records the frames of all cloths that share dispatches.
+    fn record_fused(&mut self, world: &World, pass: &mut wgpu::ComputePass, steps: u32) {
+        let Some(frames) = &mut self.frames else { return };
+        for batch in world.batches(steps) {
+            let what = Pass::Fused(batch.fused);
+            let source = source(what);
+            let pipeline = self.pipelines.get(&self.device, what, &source);
+            let arena = &mut self.arenas[batch.arena];
+            let any = &world.scene.cloths[world.arenas[batch.arena][batch.members[0]]];
+            let offset = frames.offset(&self.queue, world, any, steps);
+            let buffers = (&self.solids, &frames.buffer);
+            let group = arena.group(&self.device, world, &batch, (pipeline, &source), buffers);
+            pass.set_pipeline(&pipeline.pipeline);
+            pass.set_bind_group(0, group, &[offset]);
+            pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);
+        }
+    }
+
     /// Writes what the CPU made into the buffers for drawing.
     pub fn upload(&self, bodies: &[Body<f32>], asleep: &[bool]) {
+        let write = |span: &Span, bytes: &[u8]| self.queue.write_buffer(&span.buffer, span.offset, bytes);
         for ((buffers, body), asleep) in self.cloths.iter().zip(bodies).zip(asleep) {
             if !asleep {
-                self.queue.write_buffer(&buffers.now, 0, cast_slice(body.now()));
-                self.queue.write_buffer(&buffers.before, 0, cast_slice(body.before()));
-                self.queue.write_buffer(&buffers.normals, 0, cast_slice(&body.normals));
+                write(&buffers.now, cast_slice(body.now()));
+                write(&buffers.before, cast_slice(body.before()));
+                write(&buffers.normals, cast_slice(&body.normals));
                 if let Some(holes) = &buffers.holes {
-                    self.queue.write_buffer(holes, 0, cast_slice(&body.holes));
+                    write(holes, cast_slice(&body.holes));
                 }
             }
         }
@@ -128,14 +166,34 @@ impl Gpu {
     }
 
     pub fn set_inverse_mass(&self, cloth: usize, k: usize, w: f32) {
-        let at = k as u64 * 16 + 12;
-        self.queue.write_buffer(&self.cloths[cloth].now, at, cast_slice(&[w]));
-        self.queue.write_buffer(&self.cloths[cloth].before, at, cast_slice(&[w]));
+        self.write(cloth, k as u64 * 16 + 12, &[w]);
     }
 
     pub fn set_position(&self, cloth: usize, k: usize, at: [f32; 3]) {
-        self.queue.write_buffer(&self.cloths[cloth].now, k as u64 * 16, cast_slice(&at));
-        self.queue.write_buffer(&self.cloths[cloth].before, k as u64 * 16, cast_slice(&at));
+        self.write(cloth, k as u64 * 16, &at);
+    }
+
+    /// Into the positions of a cloth, now and before.
+    fn write(&self, cloth: usize, at: u64, numbers: &[f32]) {
+        for span in [&self.cloths[cloth].now, &self.cloths[cloth].before] {
+            self.queue.write_buffer(&span.buffer, span.offset + at, cast_slice(numbers));
+        }
+    }
+}
+
+/// The limits to ask a device for, so that as many cloths as can be run their whole frame in one dispatch: those of
+/// WebGPU, and what the adapter has beyond them of workgroup memory, threads and storage buffers.
+pub fn device_limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
+    let have = adapter.limits();
+    wgpu::Limits {
+        max_compute_workgroup_storage_size: have.max_compute_workgroup_storage_size,
+        max_compute_invocations_per_workgroup: have.max_compute_invocations_per_workgroup,
+        max_compute_workgroup_size_x: have.max_compute_workgroup_size_x,
+        // More than any shader binds is asked of no device.
+        max_storage_buffers_per_shader_stage: have.max_storage_buffers_per_shader_stage.min(24),
+        max_storage_buffer_binding_size: have.max_storage_buffer_binding_size,
+        max_buffer_size: have.max_buffer_size,
+        ..wgpu::Limits::default()
     }
 }
 

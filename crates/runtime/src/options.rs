@@ -55,6 +55,11 @@ pub struct Options {
     pub max_catch_up: u32,
     /// Threads of the CPU backend: 0 is one for each core, 1 only the caller's. Default 0. Results do not depend on it.
     pub threads: usize,
+    /// Whether, on the GPU, cloths run their whole frame in one dispatch where they can: with [`Solver::Xpbd`], a size that
+    /// fits the memory of a workgroup (or of any size, from 16 such cloths on), no cut, no wind on triangles and no
+    /// pyramid, and at most 512 relaxations a frame.
+    /// Default true; results are those of separate passes. [`crate::device_limits`] asks for the room it takes.
+    pub fused: bool,
     /// When cloth falls asleep by itself. Default none: nothing is spent on watching it.
     pub sleep: Option<Sleep>,
 }
@@ -89,6 +94,7 @@ impl Default for Options {
             normals: true,
             max_catch_up: 4,
             threads: 0,
+            fused: true,
             sleep: None,
         }
     }

@@ -1,7 +1,8 @@
 //! The frame: which passes run, in what order, and why.
 
-use crate::cloth::{Cloth, Compliance, Rest};
+use crate::cloth::{Cloth, Compliance, Grid, Rest};
 use crate::collider::{Collider, Shape};
+use crate::fused::Fused;
 use crate::options::{Options, Solver};
 use crate::wind::{Wind, WindForce};
 
@@ -16,6 +17,26 @@ pub enum Pass {
     },
     /// Verlet step of the free particles.
     Integrate(Air),
+    /// The same for cloth of a material, which keeps what is too small for a position to take up.
+    Advance(Air),
+    /// Multipliers of bending, of cloth that has any.
+    Moments {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
+    /// Duplicates of seam points take the sum of their multipliers.
+    SeamMoments,
+    /// Particles follow them.
+    Bend,
+    /// The cells of a membrane in every other column and row, of cloth of a material.
+    Membrane {
+        /// The first column, 0 or 1.
+        column: u32,
+        /// The first row, 0 or 1.
+        row: u32,
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
     /// Springs of one direction (right, down, down-right, up-right) and parity, which share no particle.
     Springs {
         /// 0 to 3.
@@ -73,6 +94,8 @@ pub enum Pass {
     Speed,
     /// The largest speed of all.
     Fastest,
+    /// All of the above for whole cloths in one dispatch.
+    Fused(Fused),
     /// Triangles that a cut meets are taken away. This and all below run for one action, not every frame.
     Cut,
     /// Springs of those triangles lose their rest lengths.
@@ -117,7 +140,14 @@ pub struct Kinds {
     pub shapes: [bool; 6],
     /// Whether any collider has friction; only then are previous positions bound.
     pub friction: bool,
+    /// Whether there are so many that those out of reach are left out, by each workgroup for its own particles; for
+    /// [`Pass::Contact`] only.
+    pub many: bool,
 }
+
+/// From so many colliders on it is quicker to find out first which are near. On a software adapter, 64 x 64 particles and 8
+/// steps: 6.6 ms a frame with, against 5.7 without for one collider out of reach, 7.7 for two and 143 for a hundred.
+const MANY: usize = 2;
 
 impl Kinds {
     /// What a list of colliders needs; `None` if it is empty.
@@ -135,6 +165,7 @@ impl Kinds {
             kinds.shapes[kind] = true;
             kinds.friction |= c.friction > 0.0;
         }
+        kinds.many = colliders.len() >= MANY;
         (!colliders.is_empty()).then_some(kinds)
     }
 }
@@ -169,16 +200,27 @@ pub fn schedule(
     let mut s = Schedule::default();
     // Reads neighbours, so it cannot be part of the step that moves them.
     s.step.extend((air == Air::Field).then_some(Pass::Wind { holes: cloth.is_cut() }));
-    s.step.push(Pass::Integrate(air));
+    let exact = cloth.is_exact() && options.solver == Solver::Xpbd;
+    s.step.push(if exact { Pass::Advance(air) } else { Pass::Integrate(air) });
     let seams = cloth.ring_count() > 0;
     // Colliders are last, so that a frame ends outside of them. Duplicates are equal there and stay so.
     match options.solver {
         Solver::Classic => {
             s.relax.extend(springs(cloth));
             s.relax.extend(seams.then_some(Pass::Seams));
-            s.relax.extend(colliders.map(Pass::Colliders));
+            s.relax.extend(colliders.map(|kinds| Pass::Colliders(Kinds { many: false, ..kinds })));
         }
         Solver::Xpbd => {
+            // Once a step, however often springs are relaxed: it is far softer than they are.
+            if cloth.bending().is_some() {
+                s.step.push(Pass::Moments { holes: cloth.is_cut() });
+                s.step.extend(seams.then_some(Pass::SeamMoments));
+                s.step.push(Pass::Bend);
+                s.step.extend(seams.then_some(Pass::Seams));
+            }
+            if cloth.membrane().is_some() {
+                s.step.extend(membrane(cloth));
+            }
             // Before the springs tethers take the large errors, after them what springs have left at the pins.
             let tethers = (slots > 0 && !cloth.is_cut()).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
@@ -187,9 +229,11 @@ pub fn schedule(
                 s.coarse = vec![Pass::Pyramid { directions: cloth.directions() }, Pass::Refine];
                 s.coarse.extend(seams.then_some(Pass::Seams));
             }
-            let again = options.iterations > 1 && cloth.compliance != Compliance::None;
-            s.step.extend(again.then_some(Pass::Forget));
-            s.relax.extend(stretch(cloth, again));
+            if cloth.membrane().is_none() {
+                let again = options.iterations > 1 && cloth.compliance != Compliance::None;
+                s.step.extend(again.then_some(Pass::Forget));
+                s.relax.extend(stretch(cloth, again));
+            }
             s.relax.extend(seams.then_some(Pass::Seams));
             s.relax.extend(tethers);
             s.relax.extend(colliders.map(Pass::Contact));
@@ -201,6 +245,15 @@ pub fn schedule(
         s.frame.extend(seams.then_some(Pass::SeamNormals));
     }
     s
+}
+
+/// Four passes, or fewer on a grid of two rows or columns.
+fn membrane(cloth: &Cloth) -> impl Iterator<Item = Pass> {
+    let most = |side: fn(&Grid) -> u32| cloth.grids().iter().map(side).max().unwrap_or(0);
+    let (width, height, holes) = (most(|g| g.width), most(|g| g.height), cloth.is_cut());
+    let colours = [(0, 0), (1, 0), (0, 1), (1, 1)];
+    let there = colours.into_iter().filter(move |(column, row)| column + 1 < width && row + 1 < height);
+    there.map(move |(column, row)| Pass::Membrane { column, row, holes })
 }
 
 /// As [`springs`], structural ones last: what the others disturb, they put right.

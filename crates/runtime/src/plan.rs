@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::fused::{Fused, Hold};
 use crate::passes::{Pass, Schedule};
 use crate::shaders::{Slot, source};
 use crate::world::World;
@@ -17,7 +18,7 @@ pub struct PlannedPass {
     pub shader: &'static str,
     /// Workgroups in x, y, z.
     pub workgroups: [u32; 3],
-    /// Dispatches a frame.
+    /// Dispatches a frame; 0 where it is a workgroup of the dispatch of a cloth before.
     pub dispatches: u32,
     /// What is bound, and its bytes.
     pub bindings: Vec<(&'static str, u64)>,
@@ -34,7 +35,13 @@ impl Plan {
     pub(crate) fn new(world: &World) -> Self {
         let (steps, rounds) = (world.options.substeps, world.options.iterations);
         let mut passes = Vec::new();
-        for (cloth, plan) in world.schedules.iter().enumerate().filter(|(c, _)| !world.asleep[*c]) {
+        for batch in world.batches(steps) {
+            let cloths = batch.members.iter().map(|m| world.arenas[batch.arena][*m]);
+            let fused = cloths.enumerate().map(|(k, c)| planned(world, c, Pass::Fused(batch.fused), u32::from(k == 0)));
+            passes.extend(fused);
+        }
+        let apart = |c: usize| !world.asleep[c] && !world.is_fused(c, steps);
+        for (cloth, plan) in world.schedules.iter().enumerate().filter(|(c, _)| apart(*c)) {
             let Schedule { step, coarse, relax, frame } = plan;
             let rare = steps.div_ceil(world.options.pyramid.max(1));
             for (list, dispatches) in [(step, steps), (coarse, rare), (relax, steps * rounds), (frame, 1)] {
@@ -82,6 +89,13 @@ impl fmt::Display for Plan {
             let variant = match p.pass {
                 Pass::Springs { direction, parity, .. } => {
                     format!(" {} {}", ["right", "down", "down-right", "up-right"][direction as usize & 3], parity)
+                }
+                Pass::Fused(Fused { hold, threads, .. }) => {
+                    let held = match hold {
+                        Hold::Both | Hold::Wide | Hold::Narrow => "workgroup memory",
+                        Hold::Stored => "storage",
+                    };
+                    format!(" in {held}, {threads} threads")
                 }
                 _ => String::new(),
             };

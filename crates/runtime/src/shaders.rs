@@ -1,6 +1,7 @@
 //! Which files make which shader, and what it binds. The table is explicit: a shader is its parts, in order.
 
 use crate::cloth::Cloth;
+use crate::gpu::layout::{FrameRow, JobRow};
 use crate::passes::{Air, Kinds, Pass, Soft};
 
 /// What can be bound. The number is the binding in every shader.
@@ -31,11 +32,19 @@ pub enum Slot {
     Limits,
     Faults,
     Good,
+    Weights,
+    Bends,
+    Moments,
+    Lost,
+    Cells,
+    Yielding,
+    Frame,
+    Jobs,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 25] = [
+        const NAMES: [&str; 33] = [
             "step",
             "grids",
             "now",
@@ -61,6 +70,14 @@ impl Slot {
             "limits",
             "faults",
             "good",
+            "weights",
+            "bends",
+            "moments",
+            "lost",
+            "cells",
+            "yielding",
+            "frame",
+            "jobs",
         ];
         NAMES[self as usize]
     }
@@ -79,8 +96,14 @@ impl Slot {
             Slot::Starts => starts.len() * 4,
             Slot::Members => members.len() * 4,
             Slot::Solids => colliders * 80,
-            Slot::Faults => 16,
-            Slot::Good => cloth.len() * 16,
+            // Of which a pass of its own uses the first 16 bytes.
+            Slot::Faults => 32,
+            Slot::Frame => size_of::<FrameRow>(),
+            Slot::Jobs => size_of::<JobRow>(),
+            Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
+            Slot::Bends => cloth.len() * 8,
+            Slot::Cells => cloth.len() * 32,
+            Slot::Yielding => 16,
             Slot::Levels => crate::levels::rows(cloth).0 * 16,
             Slot::Nodes => crate::levels::rows(cloth).1 * 32,
             Slot::Limits => crate::levels::rows(cloth).1 * 16,
@@ -109,10 +132,14 @@ pub enum Threads {
     Texels,
     /// Half the texels: `true` every other column, `false` every other row.
     Half(bool),
+    /// A quarter of the texels: every other column of every other row.
+    Quarter,
     /// One workgroup.
     One,
     /// A workgroup a grid.
     Grids,
+    /// A workgroup a cloth.
+    Cloth,
 }
 
 /// A shader as the table has it.
@@ -126,16 +153,22 @@ pub struct Source {
 
 macro_rules! part {
     ($name:literal) => {
-        include_str!(concat!("../../../shaders/part/", $name, ".wgsl"))
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shaders/part/", $name, ".wgsl"))
     };
 }
 macro_rules! pass {
     ($name:literal) => {
-        include_str!(concat!("../../../shaders/", $name, ".wgsl"))
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shaders/", $name, ".wgsl"))
     };
 }
 
+// Below the macros, which it uses.
+mod fused;
+
 const STEP: &str = part!("step");
+const BOUND: &str = part!("step_bound");
+const NOW: &str = part!("now");
+const STORED: &str = part!("stored");
 const INDEX: &str = part!("index");
 const GRID: &str = part!("grid");
 const ENDS: &str = part!("ends");
@@ -146,7 +179,9 @@ const NEIGHBOURS: &str = part!("neighbours");
 const QUAD: &str = part!("quad");
 const ACTION: &str = part!("action");
 const NEAREST: &str = part!("nearest");
+const LARGER: &str = part!("larger");
 const MOST: &str = part!("most");
+const LAPLACIAN: &str = part!("laplacian");
 
 const fn reads(slot: Slot) -> Bound {
     Bound { slot, writes: false }
@@ -169,24 +204,57 @@ pub fn source(pass: Pass) -> Source {
             holes,
             plain(
                 "wind",
-                &[STEP, GRID, GUST, NEIGHBOURS, pass!("wind")],
+                &[STEP, BOUND, GRID, GUST, NEIGHBOURS, pass!("wind")],
                 &[reads(Step), reads(Grids), reads(Now), reads(Before), writes(Field)],
                 Threads::Texels,
             ),
         ),
         Pass::Integrate(air) => {
-            let base = [reads(Step), writes(Now), writes(Before)];
-            let body = pass!("integrate");
-            match air {
-                Air::None => plain("integrate", &[STEP, INDEX, part!("air_none"), body], &base, Threads::Particles),
-                Air::Push => {
-                    plain("integrate", &[STEP, INDEX, GUST, part!("air_push"), body], &base, Threads::Particles)
-                }
-                Air::Field => {
-                    let bindings = [&base[..], &[reads(Field)]].concat();
-                    plain("integrate", &[STEP, INDEX, part!("air_field"), body], &bindings, Threads::Particles)
-                }
-            }
+            let mut bindings = vec![reads(Step), writes(Now), writes(Before)];
+            bindings.extend((air == Air::Field).then_some(reads(Field)));
+            let files =
+                [&[STEP, BOUND, INDEX, NOW][..], self::air(air), &[part!("verlet"), pass!("integrate")]].concat();
+            plain("integrate", &files, &bindings, Threads::Particles)
+        }
+        Pass::Advance(air) => {
+            let mut bindings = vec![reads(Step), writes(Now), writes(Before), writes(Slot::Lost)];
+            bindings.extend((air == Air::Field).then_some(reads(Field)));
+            let files =
+                [&[STEP, BOUND, INDEX, NOW][..], self::air(air), &[part!("verlet_exact"), pass!("advance")]].concat();
+            plain("advance", &files, &bindings, Threads::Particles)
+        }
+        Pass::Membrane { column, row, holes } => {
+            let bindings = [reads(Step), reads(Grids), writes(Now), reads(Slot::Cells), reads(Slot::Yielding)];
+            let constants = vec![("column", f64::from(column)), ("row", f64::from(row))];
+            let plain = plain(
+                "membrane",
+                &[STEP, BOUND, GRID, NOW, STORED, part!("cell"), pass!("membrane")],
+                &bindings,
+                Threads::Quarter,
+            );
+            open(holes, Source { constants, ..plain })
+        }
+        Pass::Moments { holes } => {
+            let mut files = vec![STEP, BOUND, GRID, part!("now_read"), LAPLACIAN, part!("moment")];
+            files.push(if holes { part!("unbroken_rest") } else { part!("unbroken_all") });
+            files.push(pass!("moments"));
+            let mut bindings = vec![reads(Step), reads(Grids), reads(Now)];
+            bindings.extend([reads(Slot::Weights), reads(Slot::Bends), writes(Slot::Moments)]);
+            bindings.extend(holes.then_some(reads(Rest)));
+            plain("moments", &files, &bindings, Threads::Texels)
+        }
+        Pass::SeamMoments => {
+            let bindings = [reads(Starts), reads(Members), writes(Slot::Moments)];
+            plain(
+                "seam_moments",
+                &[INDEX, RINGS, part!("seam_moment"), pass!("seam_moments")],
+                &bindings,
+                Threads::Rings,
+            )
+        }
+        Pass::Bend => {
+            let bindings = [reads(Grids), writes(Now), reads(Slot::Weights), reads(Slot::Moments)];
+            plain("bend", &[GRID, NOW, LAPLACIAN, part!("bent"), pass!("bend")], &bindings, Threads::Texels)
         }
         Pass::Springs { direction, parity, image } => {
             let (rest, read): (_, &[Bound]) =
@@ -197,30 +265,16 @@ pub fn source(pass: Pass) -> Source {
             Source { constants, ..plain("springs", &[GRID, ENDS, rest, pass!("springs")], &bindings, threads) }
         }
         Pass::Stretch { direction, parity, image, soft, again } => {
-            use Slot::{Soft as Softness, Sums};
-            let (rest, read): (_, &[Bound]) =
-                if image { (part!("rest_image"), &[reads(Rest)]) } else { (part!("rest_constant"), &[]) };
-            let mut files = vec![STEP, GRID, ENDS, rest];
-            let mut bindings = [&[reads(Grids), writes(Now)], read].concat();
-            match soft {
-                Soft::None => files.splice(..1, []).for_each(drop),
-                Soft::Constant => files.push(part!("soft_constant")),
-                Soft::Image => {
-                    files.push(part!("soft_image"));
-                    bindings.push(reads(Softness));
-                }
-            }
-            if soft == Soft::None {
-                files.push(part!("soft_none"));
-            } else {
-                files.push(if again { part!("again") } else { part!("once") });
-                bindings.push(reads(Step));
-                bindings.extend(again.then_some(writes(Sums)));
-            }
-            files.push(pass!("stretch"));
+            let (files, more) = spring_parts(image, soft, again);
+            let mut bindings = vec![reads(Grids), writes(Now)];
+            bindings.extend(more);
+            let step: &[_] = if soft == Soft::None { &[] } else { &[STEP, BOUND] };
+            bindings.extend((soft != Soft::None).then_some(reads(Step)));
+            let files = [step, &[GRID, NOW, STORED], &files, &[pass!("stretch")]].concat();
             let constants = vec![("direction", f64::from(direction)), ("parity", f64::from(parity))];
             Source { constants, ..plain("stretch", &files, &bindings, Threads::Half(direction == 0)) }
         }
+        Pass::Fused(fused) => fused::source(fused),
         Pass::Pyramid { directions } => {
             let bindings = [reads(Slot::Levels), reads(Now), writes(Slot::Nodes), reads(Slot::Limits), reads(Grids)];
             let constants = (0..4).map(|d| (["right", "down", "down_right", "up_right"][d], directions[d]));
@@ -238,23 +292,36 @@ pub fn source(pass: Pass) -> Source {
         Pass::Tethers { slots } => {
             let bindings = [writes(Now), reads(Slot::Tethers)];
             let constants = vec![("slots", f64::from(slots))];
-            Source { constants, ..plain("tethers", &[INDEX, pass!("tethers")], &bindings, Threads::Particles) }
+            Source {
+                constants,
+                ..plain(
+                    "tethers",
+                    &[INDEX, NOW, STORED, part!("tether"), pass!("tethers")],
+                    &bindings,
+                    Threads::Particles,
+                )
+            }
         }
         Pass::Contact(kinds) => {
-            let files = [STEP, INDEX, part!("solid"), part!("friction"), part!("entry"), pass!("contact")];
+            let here = [STEP, BOUND, INDEX, NOW, part!("before")];
+            let near: &[_] = if kinds.many { &[part!("notes"), part!("near")] } else { &[part!("near_all")] };
+            let files = [&here[..], &CONTACT, near, &[pass!("contact")]].concat();
             let bindings = [writes(Now), reads(Solids), reads(Step), reads(Before)];
             Source { constants: shapes(kinds), ..plain("contact", &files, &bindings, Threads::Particles) }
         }
-        Pass::Guard => {
-            plain("guard", &[INDEX, pass!("guard")], &[reads(Now), writes(Slot::Faults)], Threads::Particles)
-        }
+        Pass::Guard => plain(
+            "guard",
+            &[INDEX, part!("sane"), pass!("guard")],
+            &[reads(Now), writes(Slot::Faults)],
+            Threads::Particles,
+        ),
         Pass::Restore => {
             let bindings = [writes(Now), writes(Before), writes(Slot::Faults), writes(Slot::Good)];
             plain("restore", &[INDEX, pass!("restore")], &bindings, Threads::Particles)
         }
         Pass::Seams => {
             let bindings = [writes(Now), reads(Starts), reads(Members)];
-            plain("seams", &[INDEX, RINGS, pass!("seams")], &bindings, Threads::Rings)
+            plain("seams", &[INDEX, NOW, STORED, RINGS, part!("seam"), pass!("seams")], &bindings, Threads::Rings)
         }
         Pass::Colliders(kinds) => colliders(
             kinds,
@@ -264,22 +331,29 @@ pub fn source(pass: Pass) -> Source {
             holes,
             plain(
                 "normals",
-                &[GRID, NEIGHBOURS, UNIT, pass!("normals")],
+                &[GRID, NEIGHBOURS, UNIT, part!("normal"), pass!("normals")],
                 &[reads(Grids), reads(Now), writes(Normals)],
                 Threads::Texels,
             ),
         ),
         Pass::SeamNormals => {
             let bindings = [reads(Starts), reads(Members), writes(Normals)];
-            plain("seam_normals", &[INDEX, RINGS, UNIT, pass!("seam_normals")], &bindings, Threads::Rings)
+            plain(
+                "seam_normals",
+                &[INDEX, RINGS, UNIT, part!("seam_normal"), pass!("seam_normals")],
+                &bindings,
+                Threads::Rings,
+            )
         }
         Pass::Speed => plain(
             "speed",
-            &[INDEX, MOST, pass!("speed")],
+            &[INDEX, LARGER, MOST, pass!("speed")],
             &[reads(Now), reads(Before), writes(Partial)],
             Threads::Particles,
         ),
-        Pass::Fastest => plain("fastest", &[MOST, pass!("fastest")], &[reads(Partial), writes(Fastest)], Threads::One),
+        Pass::Fastest => {
+            plain("fastest", &[LARGER, MOST, pass!("fastest")], &[reads(Partial), writes(Fastest)], Threads::One)
+        }
         Pass::Cut => plain(
             "cut",
             &[GRID, QUAD, ACTION, pass!("cut")],
@@ -329,14 +403,46 @@ fn open(holes: bool, mut source: Source) -> Source {
 fn colliders(kinds: Kinds, mut source: Source) -> Source {
     source.constants = shapes(kinds);
     if kinds.friction {
-        source.files.insert(0, STEP);
-        source.files.push(part!("friction"));
+        source.files.splice(..0, [STEP, BOUND]);
+        source.files.extend([part!("before"), part!("friction")]);
         source.bindings.extend([reads(Slot::Step), reads(Slot::Before)]);
     } else {
         source.files.push(part!("friction_none"));
     }
     source.files.push(pass!("colliders"));
     source
+}
+
+/// What air adds to gravity.
+fn air(air: Air) -> &'static [&'static str] {
+    match air {
+        Air::None => &[part!("air_none")],
+        Air::Push => &[GUST, part!("air_push")],
+        Air::Field => &[part!("air_field")],
+    }
+}
+
+/// The rule of swept contact.
+const CONTACT: [&str; 4] = [part!("solid"), part!("friction"), part!("entry"), part!("touch")];
+
+/// The rule of springs with compliance, and what it reads of a cloth beside positions.
+fn spring_parts(image: bool, soft: Soft, again: bool) -> (Vec<&'static str>, Vec<Bound>) {
+    let mut files = vec![ENDS, if image { part!("rest_image") } else { part!("rest_constant") }];
+    let mut bindings: Vec<_> = image.then_some(reads(Slot::Rest)).into_iter().collect();
+    match soft {
+        Soft::None => files.push(part!("soft_none")),
+        Soft::Constant => files.push(part!("soft_constant")),
+        Soft::Image => {
+            files.push(part!("soft_image"));
+            bindings.push(reads(Slot::Soft));
+        }
+    }
+    if soft != Soft::None {
+        files.push(if again { part!("again") } else { part!("once") });
+        bindings.extend(again.then_some(writes(Slot::Sums)));
+    }
+    files.push(part!("spring"));
+    (files, bindings)
 }
 
 fn shapes(kinds: Kinds) -> Vec<(&'static str, f64)> {
@@ -371,7 +477,8 @@ impl Source {
             Threads::Particles => list(cloth.len()),
             Threads::Rings => list(cloth.ring_count()),
             Threads::Texels => sides(false, false),
-            Threads::One => [1; 3],
+            Threads::Quarter => sides(true, true),
+            Threads::One | Threads::Cloth => [1; 3],
             Threads::Grids => [1, 1, cloth.grids().len() as u32],
             Threads::Half(columns) => sides(columns, !columns),
         }

@@ -6,6 +6,7 @@ use crate::collider::Collider;
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
+use crate::fused::Room;
 use crate::gpu::{ClothBuffers, Gpu};
 use crate::options::{Backend, Options, Solver};
 use crate::plan::Plan;
@@ -25,7 +26,7 @@ impl Stepper {
     /// buffers on either backend ([`Stepper::buffers`]). Errors on settings out of range, on [`Backend::Gpu`] without a
     /// device, and where a cloth does not fit the device.
     pub fn new(scene: Scene, options: Options, gpu: Option<(&wgpu::Device, &wgpu::Queue)>) -> Result<Self> {
-        let world = World::new(scene, options)?;
+        let mut world = World::new(scene, options)?;
         let on_cpu = match world.options.backend {
             Backend::Cpu => true,
             Backend::Auto => gpu.is_none(),
@@ -33,6 +34,9 @@ impl Stepper {
             Backend::Gpu => false,
         };
         let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.options.threads)?)) } else { None };
+        if let (false, Some((device, _))) = (on_cpu, gpu) {
+            world.make_room(Room::of(device));
+        }
         let gpu = gpu.map(|(device, queue)| Gpu::new(&world, device, queue, on_cpu)).transpose()?;
         Ok(Stepper { world, cpu, gpu })
     }
@@ -160,7 +164,8 @@ impl Stepper {
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
         let Options { backend, threads, solver, tethers, pyramid, .. } = self.world.options;
-        self.world.options = Options { backend, threads, solver, tethers, pyramid, ..options };
+        let fused = options.fused && self.world.options.fused;
+        self.world.options = Options { backend, threads, solver, tethers, pyramid, fused, ..options };
         self.world.clock.change(&self.world.options);
         self.world.reschedule();
         Ok(())

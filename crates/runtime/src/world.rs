@@ -4,10 +4,12 @@ use crate::actions::Action;
 use crate::clock::Clock;
 use crate::cloth::{Anchor, Cloth, Tethers};
 use crate::cpu::body::Body;
+use crate::cpu::fused::{self, Frame};
 use crate::cpu::real::Real;
 use crate::cpu::rows::Threads;
 use crate::cpu::solid::Solid;
 use crate::error::{Error, Result};
+use crate::fused::{Fused, Room, arenas};
 use crate::options::{Options, Solver};
 use crate::passes::{Kinds, Schedule, schedule};
 use crate::scene::Scene;
@@ -20,6 +22,12 @@ pub struct World {
     pub options: Options,
     pub clock: Clock,
     pub schedules: Vec<Schedule>,
+    /// Which of them run in one dispatch.
+    pub fused: Vec<Option<Fused>>,
+    /// Cloths that lie in the same buffers, by index.
+    pub arenas: Vec<Vec<usize>>,
+    /// What the device that steps has room for.
+    pub room: Option<Room>,
     /// What pinned cloths hang on; without slots where nothing does.
     pub tethers: Vec<Tethers>,
     pub asleep: Vec<bool>,
@@ -55,10 +63,30 @@ impl World {
         let asleep = vec![false; scene.cloths.len()];
         let (calm, actions) = (vec![Calm::default(); scene.cloths.len()], Vec::new());
         let tethers = scene.cloths.iter().map(|c| hang(c, &options)).collect();
-        let mut world =
-            World { scene, options, clock, schedules: Vec::new(), tethers, faults: Vec::new(), asleep, calm, actions };
+        let mut world = World {
+            scene,
+            options,
+            clock,
+            schedules: Vec::new(),
+            fused: Vec::new(),
+            arenas: Vec::new(),
+            room: None,
+            tethers,
+            faults: Vec::new(),
+            asleep,
+            calm,
+            actions,
+        };
         world.reschedule();
         Ok(world)
+    }
+
+    /// What the device that will step has room for.
+    pub fn make_room(&mut self, room: Room) {
+        let slots = |cloth: usize| self.tethers[cloth].per_particle;
+        self.arenas = arenas(&self.scene.cloths, slots, &self.options, &room);
+        self.room = Some(room);
+        self.fuse();
     }
 
     /// Works out which passes run; to be called when colliders, wind, rest lengths or seams have changed.
@@ -69,6 +97,7 @@ impl World {
         let slots = |t: &Tethers| t.per_particle as u32;
         self.schedules = cloths.map(|(c, t)| schedule((c, slots(t)), kinds, wind, &self.options)).collect();
         self.watch();
+        self.fuse();
     }
 
     /// The numbers of the next step of a cloth.
@@ -117,17 +146,10 @@ impl World {
             }
             let (cloth, plan) = (&self.scene.cloths[index], &self.schedules[index]);
             let numbers = [self.step(cloth, true).cast::<T>(), self.step(cloth, false).cast()];
-            body.begin();
-            for n in 0..steps {
-                let left = T::of(self.left(n, steps));
-                let step = &Step { left, ..numbers[usize::from(n > 0)] };
-                let relax = (0..self.options.iterations).flat_map(|_| &plan.relax);
-                let coarse = if self.coarse(n) { &plan.coarse[..] } else { &[] };
-                body.step(plan.step.iter().chain(coarse).chain(relax), threads, step, &solids);
-            }
-            body.end();
-            let last = &numbers[usize::from(steps > 1)];
-            plan.frame.iter().for_each(|pass| body.run(*pass, threads, last, &solids));
+            let step = |n: u32| Step { left: T::of(self.left(n, steps)), ..numbers[usize::from(n > 0)] };
+            let frame =
+                Frame { plan, steps, rounds: self.options.iterations, coarse: &|n| self.coarse(n), step: &step };
+            fused::run(body, &frame, threads, &solids);
             if let Some((particles, particle)) = body.faulty.take() {
                 let time = self.clock.time + f64::from(steps) * self.clock.dt;
                 self.faults.push(Fault { cloth: index, particle, particles, time });

@@ -2,7 +2,7 @@
 
 use gimage_runtime::scene::Script;
 use gimage_runtime::wgpu;
-use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, read_back};
+use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, device_limits, read_back};
 
 use crate::exit::Failure;
 
@@ -77,19 +77,13 @@ impl Engine {
     }
 }
 
-/// The fastest adapter, with the limits that every one has but the larger buffers that it offers.
+/// The fastest adapter, with what it offers of what the runtime can use.
 fn device() -> Result<(wgpu::AdapterInfo, wgpu::Device, wgpu::Queue), String> {
     let instance = wgpu::Instance::default();
     let power_preference = wgpu::PowerPreference::HighPerformance;
     let wish = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
     let adapter = pollster::block_on(instance.request_adapter(&wish)).map_err(|e| format!("no GPU: {e}"))?;
-    let offered = adapter.limits();
-    let required_limits = wgpu::Limits {
-        max_buffer_size: offered.max_buffer_size,
-        max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
-        ..wgpu::Limits::default()
-    };
-    let wish = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+    let wish = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
     let (device, queue) = pollster::block_on(adapter.request_device(&wish)).map_err(|e| format!("no GPU: {e}"))?;
     Ok((adapter.get_info(), device, queue))
 }

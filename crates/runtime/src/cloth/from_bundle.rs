@@ -11,7 +11,7 @@ const DEFAULT_MASS: f32 = 1e-3;
 impl Cloth {
     /// All pieces of a bundle as one cloth; particle indices are those of the bundle. Where every piece with springs has
     /// constant rest lengths (or masses), no image is made for them; a bundle without rest lengths has no springs.
-    /// Tethers of the bundle are kept until pins change. Errors as [`Cloth::new`].
+    /// Tethers of the bundle are kept until pins change, and its first texture coordinates for materials. Errors as [`Cloth::new`].
     pub fn from_bundle(name: &str, bundle: &Bundle) -> Result<Self> {
         let pieces = &bundle.manifest.pieces;
         let grids: Vec<Grid> = pieces
@@ -34,8 +34,19 @@ impl Cloth {
         };
         let mut cloth = Cloth::new(parts)?;
         cloth.keep_tethers(bundle.stored_tethers());
+        cloth.keep_grain(grain(bundle, cloth.grids()));
         Ok(cloth)
     }
+}
+
+/// The first texture coordinates, if every piece has them.
+fn grain(bundle: &Bundle, grids: &[Grid]) -> Option<Vec<[f32; 2]>> {
+    let mut uv = Vec::new();
+    for (index, grid) in grids.iter().enumerate() {
+        let image = bundle.image(index, &MapKind::Uv(0))?;
+        uv.extend((0..grid.texels()).map(|k| image.at(k).first_chunk().copied().unwrap_or_default()));
+    }
+    Some(uv)
 }
 
 fn rest(bundle: &Bundle, grids: &[Grid]) -> Rest {

@@ -23,6 +23,15 @@ impl Cloth {
             Mass::Constant(m) => Mass::Constant(scaled(*m)),
             Mass::Image(m) => Mass::Image(m.iter().map(|m| scaled(*m)).collect()),
         };
+        self.weigh(mass)
+    }
+
+    /// Other masses \[kg\], one a particle. Errors as [`Cloth::new`].
+    pub(crate) fn set_masses(&mut self, masses: Vec<f32>) -> Result<()> {
+        self.weigh(Mass::Image(masses))
+    }
+
+    fn weigh(&mut self, mass: Mass) -> Result<()> {
         let parts = super::Parts { mass, ..self.parts.clone() };
         super::check::rings(&parts)?;
         self.parts = parts;

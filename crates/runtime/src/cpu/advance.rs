@@ -1,4 +1,4 @@
-//! The rule of integrate.rs on sheets; the results are the same bits.
+//! The rule of integrate.rs on sheets; the results are the same bits. Where exact, twin of shaders/advance.wgsl.
 
 use super::integrate::{Air, push};
 use super::lanes::{LANES, Machine, Work, widest};
@@ -10,13 +10,25 @@ use crate::step::Step;
 /// Rows that are done in one go.
 const TOGETHER: usize = 32;
 
-/// One Verlet step. A field is by texels.
-pub fn run<T: Real>(threads: &Threads, step: &Step<T>, sheet: &mut Sheet<T>, air: Air<T>) {
+/// One Verlet step. A field is by texels. `exact`: what is too small for a position to take up is added to the next step's
+/// displacement, so that gravity and damping do their work however short the step is; after W. Kahan, "Further Remarks
+/// on Reducing Truncation Errors", CACM 1965.
+pub fn run<T: Real>(threads: &Threads, step: &Step<T>, sheet: &mut Sheet<T>, air: Air<T>, exact: bool) {
     let (half, row, width) = (sheet.half, sheet.row(), sheet.width);
     let w = &sheet.w[..];
-    threads.chunks2(&mut sheet.now, &mut sheet.before, (TOGETHER * row, TOGETHER * row), |chunk, now, before| {
-        widest(Rows { step, now, before, row, half, width, w, first: chunk * TOGETHER, air });
-    });
+    let size = TOGETHER * row;
+    let work = |chunk: usize, now: &mut [T], before: &mut [T], lost: &mut [T]| {
+        widest(Rows { step, now, before, lost, row, half, width, w, first: chunk * TOGETHER, air });
+    };
+    let both = (&mut sheet.now, &mut sheet.before);
+    if exact {
+        sheet.lost.resize(both.0.len(), T::of(0.0));
+        threads.chunks3([both.0, both.1, &mut sheet.lost], size, |chunk, [now, before, lost]| {
+            work(chunk, now, before, lost);
+        });
+    } else {
+        threads.chunks2(both.0, both.1, (size, size), |chunk, now, before| work(chunk, now, before, &mut []));
+    }
 }
 
 /// Rows of a sheet from the row `first` on.
@@ -24,6 +36,8 @@ struct Rows<'a, 'b, T> {
     step: &'a Step<T>,
     now: &'b mut [T],
     before: &'b mut [T],
+    /// Empty, or as `now`.
+    lost: &'b mut [T],
     row: usize,
     half: usize,
     width: usize,
@@ -35,17 +49,19 @@ struct Rows<'a, 'b, T> {
 impl<T: Real> Work<T> for Rows<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        match self.air {
-            Air::None => self.rows::<K, true>(k),
-            _ => self.rows::<K, false>(k),
+        match (self.air, self.lost.is_empty()) {
+            (Air::None, true) => self.rows::<K, true, false>(k),
+            (Air::None, false) => self.rows::<K, true, true>(k),
+            (_, true) => self.rows::<K, false, false>(k),
+            (_, false) => self.rows::<K, false, true>(k),
         }
     }
 }
 
 impl<T: Real> Rows<'_, '_, T> {
     #[inline(always)]
-    fn rows<K: Machine<T>, const STILL: bool>(self, k: K) {
-        let Rows { step, row, half, width, w, air, .. } = self;
+    fn rows<K: Machine<T>, const STILL: bool, const EXACT: bool>(self, k: K) {
+        let Rows { step, row, half, width, w, air, lost, .. } = self;
         let zero = k.splat(T::of(0.0));
         let (keep, longest, scale) = (k.splat(step.keep), k.splat(step.longest), k.splat(step.scale));
         let [gx, gy, gz] = step.gravity;
@@ -53,6 +69,7 @@ impl<T: Real> Rows<'_, '_, T> {
         for (n, (now, before)) in self.now.chunks_exact_mut(row).zip(self.before.chunks_exact_mut(row)).enumerate() {
             let j = self.first + n;
             let (now, before) = (planes(now, half), planes(before, half));
+            let mut lost = EXACT.then(|| planes(&mut lost[n * row..(n + 1) * row], half));
             for at in (0..2 * half).step_by(K::WIDE) {
                 let free = k.above(k.load(w, j * 2 * half + at), zero);
                 let p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
@@ -61,7 +78,14 @@ impl<T: Real> Rows<'_, '_, T> {
                 let on = k.choose(k.above(k.squares(moved), longest), zero, keep);
                 let a = if STILL { gravity } else { bent(k, step, &air, [p, moved], (j * width, width, half, at)) };
                 for c in 0..3 {
-                    let to = k.add(k.add(p[c], k.mul(moved[c], on)), k.mul(a[c], scale));
+                    let to = if let Some(lost) = &mut lost {
+                        let by = k.add(k.add(k.mul(moved[c], on), k.mul(a[c], scale)), k.load(lost[c], at));
+                        let to = k.add(p[c], by);
+                        k.store(lost[c], at, k.choose(free, k.sub(by, k.sub(to, p[c])), zero));
+                        to
+                    } else {
+                        k.add(k.add(p[c], k.mul(moved[c], on)), k.mul(a[c], scale))
+                    };
                     k.store(now[c], at, k.choose(free, to, p[c]));
                     k.store(before[c], at, k.choose(free, p[c], b[c]));
                 }

@@ -111,6 +111,7 @@ impl<T: Real> Body<T> {
             fabric.load(&self.now, &self.before);
             if !self.holes.is_empty() {
                 fabric.set_rest(&self.image, &self.now);
+                fabric.cut_cells(&self.holes);
             }
             self.edited = false;
         }
@@ -167,8 +168,9 @@ impl<T: Real> Body<T> {
                 }
             }
             // Passes of sheets.
+            Pass::Advance(_) | Pass::Membrane { .. } => {}
             Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
-            Pass::Pyramid { .. } | Pass::Refine => {}
+            Pass::Pyramid { .. } | Pass::Refine | Pass::Moments { .. } | Pass::SeamMoments | Pass::Bend => {}
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
                 self.edited |= self.faulty.is_some();
@@ -178,7 +180,8 @@ impl<T: Real> Body<T> {
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
             // Run by actions, which bring what they need.
-            Pass::Cut | Pass::CutSprings | Pass::Transform | Pass::Pick { .. } | Pass::PickNearest => {}
+            Pass::Fused(_) | Pass::Cut | Pass::CutSprings | Pass::Transform | Pass::Pick { .. } | Pass::PickNearest => {
+            }
         }
     }
 

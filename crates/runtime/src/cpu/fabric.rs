@@ -3,6 +3,9 @@
 use super::body::Body;
 use super::contact;
 use super::integrate::Air;
+use super::laplacian::Weights;
+use super::membrane::{self, Cells};
+use super::moments::{self, Plate};
 use super::neighbours::View;
 use super::pyramid::Pyramid;
 use super::real::{Real, V3};
@@ -11,7 +14,7 @@ use super::sheet::{Sheet, Values};
 use super::solid::Solid;
 use super::stretch::{self, Springs};
 use super::tethers::{self, Tethers};
-use super::{advance, forget, refine, wind};
+use super::{advance, bend, forget, refine, seam_moments, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
 use crate::levels::levels;
 use crate::options::Options;
@@ -23,6 +26,10 @@ pub struct Fabric<T> {
     sheets: Vec<Sheet<T>>,
     springs: Vec<[Springs<T>; 4]>,
     pyramids: Vec<Pyramid<T>>,
+    /// One a sheet, of cloth of a material.
+    cells: Vec<Cells<T>>,
+    /// One a sheet, of cloth that bends.
+    plates: Vec<Plate<T>>,
     tethers: Vec<Tethers<T>>,
     /// Sheet and place of every anchor.
     anchors: Vec<(u32, u32)>,
@@ -42,10 +49,13 @@ impl<T: Real> Fabric<T> {
         let springs = sheets.iter().enumerate().map(|(g, sheet)| springs(cloth, g, sheet)).collect();
         let grids = if options.pyramid > 0 { 0..sheets.len() } else { 0..0 };
         let pyramids = grids.map(|g| Pyramid::new(&levels(cloth, g))).collect();
+        let (cells, plates) = (cells(cloth, &sheets), plates(cloth, &sheets));
         let mut fabric = Fabric {
             sheets,
             springs,
             pyramids,
+            cells,
+            plates,
             tethers: Vec::new(),
             anchors: Vec::new(),
             members: Vec::new(),
@@ -88,12 +98,18 @@ impl<T: Real> Fabric<T> {
         for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
             let range = *first..first + sheet.width * sheet.height;
             sheet.load(&now[range.clone()], &before[range]);
+            // What is no number where there is no particle would still be one times a weight of 0.
+            let gaps = (0..sheet.width * sheet.height).filter(|k| now[first + k][3] < T::of(0.0));
+            if !self.plates.is_empty() {
+                gaps.for_each(|k| sheet.put(sheet.triple(k), [T::of(0.0); 3]));
+            }
             sheet.w = sheet.list(T::of(0.0), |k| now[first + k][3].max(T::of(0.0)));
         }
     }
 
     /// Rest lengths \[m\] by texels, after a cut. Springs without a particle at an end are none.
     pub fn set_rest(&mut self, image: &[[T; 4]], now: &[[T; 4]]) {
+        self.break_plates(image);
         let there = |k: usize| now[k][3] >= T::of(0.0);
         for ((sheet, springs), first) in self.sheets.iter().zip(&mut self.springs).zip(&self.firsts) {
             for (d, of) in springs.iter_mut().enumerate() {
@@ -102,6 +118,37 @@ impl<T: Real> Fabric<T> {
                     (there(first + k) && there(first + other)).then_some(image[first + k][d])
                 };
                 of.rest = Values::List(sheet.list(T::of(0.0), |k| length(k).unwrap_or(T::of(0.0))));
+            }
+        }
+    }
+
+    /// Ends bending where springs are missing around a particle.
+    fn break_plates(&mut self, image: &[[T; 4]]) {
+        for ((sheet, plate), first) in self.sheets.iter().zip(&mut self.plates).zip(&self.firsts) {
+            for k in 0..sheet.width * sheet.height {
+                for d in 0..4 {
+                    let broken =
+                        image[first + k][d] <= T::of(0.0) && plate.weights.of(sheet.single(k), d) != T::of(0.0);
+                    if let (true, Some(other)) = (broken, other_end(sheet.width, sheet.height, k, d)) {
+                        [k, other].iter().for_each(|k| plate.compliance[sheet.single(*k)] = T::of(0.0));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Triangles that are cut away leave the membrane; they are known by texels. Both of a cell that is divided otherwise.
+    pub fn cut_cells(&mut self, holes: &[u32]) {
+        for ((sheet, cells), first) in self.sheets.iter().zip(&mut self.cells).zip(&self.firsts) {
+            for k in (0..sheet.width * sheet.height).filter(|k| holes[first + k] != 0) {
+                let place = sheet.single(k);
+                let [p, q, r, s, e, f, g, h] = cells.inverse.each_ref().map(|list| list[place]);
+                let up = p * s - q * r + e * h - f * g < T::of(0.0);
+                for (triangle, bit) in [(0, 2), (4, 1)] {
+                    if up || holes[first + k] & bit != 0 {
+                        cells.inverse[triangle..triangle + 4].iter_mut().for_each(|list| list[place] = T::of(0.0));
+                    }
+                }
             }
         }
     }
@@ -118,15 +165,30 @@ impl<T: Real> Fabric<T> {
     pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>], body: &mut Body<T>) {
         match pass {
             Pass::Wind { .. } => self.wind(threads, step, body),
-            Pass::Integrate(air) => {
+            Pass::Integrate(air) | Pass::Advance(air) => {
+                let exact = matches!(pass, Pass::Advance(_));
                 for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
                     let air = match air {
                         passes::Air::None => Air::None,
                         passes::Air::Push => Air::Push,
                         passes::Air::Field => Air::Field(&self.field[*first..]),
                     };
-                    advance::run(threads, step, sheet, air);
+                    advance::run(threads, step, sheet, air, exact);
                 }
+            }
+            Pass::Membrane { column, row, .. } => {
+                let at = (column as usize, row as usize);
+                let each = self.sheets.iter_mut().zip(&self.cells);
+                each.for_each(|(sheet, cells)| membrane::run(threads, sheet, cells, at, step.dt));
+            }
+            Pass::Moments { .. } => {
+                let each = self.sheets.iter().zip(&mut self.plates);
+                each.for_each(|(sheet, plate)| moments::run(threads, sheet, plate, step.dt));
+            }
+            Pass::SeamMoments => self.seam_moments(),
+            Pass::Bend => {
+                let each = self.sheets.iter_mut().zip(&self.plates);
+                each.for_each(|(sheet, plate)| bend::run(threads, sheet, plate));
             }
             Pass::Stretch { direction, parity, again, .. } => {
                 for (sheet, springs) in self.sheets.iter_mut().zip(&mut self.springs) {
@@ -179,6 +241,15 @@ impl<T: Real> Fabric<T> {
         }
     }
 
+    fn seam_moments(&mut self) {
+        let of = |&(g, at): &(u32, u32)| {
+            let half = self.sheets[g as usize].half;
+            (g as usize, at as usize, single(at as usize, half))
+        };
+        let members: Vec<_> = self.members.iter().map(of).collect();
+        seam_moments::run(&mut self.plates, &self.starts, &members);
+    }
+
     /// The rule of seams.rs.
     fn seams(&mut self) {
         for ring in self.starts.windows(2) {
@@ -203,6 +274,33 @@ impl<T: Real> Fabric<T> {
 /// From a place of x in `now` to the place in `w`.
 fn single(triple: usize, half: usize) -> usize {
     triple / (6 * half) * 2 * half + triple % (6 * half)
+}
+
+/// The membrane of each sheet; empty for cloth of springs.
+fn cells<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Cells<T>> {
+    let Some(membrane) = cloth.membrane() else { return Vec::new() };
+    let of = |(sheet, grid): (&Sheet<T>, &cloth::Grid)| {
+        let entry = |k: usize, n: usize| membrane.cells[2 * (grid.first as usize + k) + n / 4][n % 4];
+        let list = |n: usize| sheet.list(T::of(0.0), |k| T::of(entry(k, n).into()));
+        Cells { inverse: [0, 1, 2, 3, 4, 5, 6, 7].map(list), soft: membrane.soft.map(|s| T::of(s.into())) }
+    };
+    sheets.iter().zip(cloth.grids()).map(of).collect()
+}
+
+/// How the sheets bend; empty for cloth that does so freely.
+fn plates<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Plate<T>> {
+    let Some(bending) = cloth.bending() else { return Vec::new() };
+    let bounds = bending.bounds(cloth);
+    let plate = |(sheet, grid): (&Sheet<T>, &cloth::Grid)| {
+        let (first, zero) = (grid.first as usize, T::of(0.0));
+        Plate {
+            weights: Weights::new(sheet, |k| bending.weights[first + k]),
+            compliance: sheet.list(zero, |k| T::of(bending.compliance[first + k].into())),
+            bound: sheet.list(zero, |k| T::of(bounds[first + k].into())),
+            moments: vec![zero; sheet.now.len()],
+        }
+    };
+    sheets.iter().zip(cloth.grids()).map(plate).collect()
 }
 
 fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>) -> [Springs<T>; 4] {

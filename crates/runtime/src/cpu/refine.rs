@@ -11,7 +11,7 @@ pub const CARRIED: f64 = 0.9;
 /// Moves particles, and most of the way their previous positions too.
 pub fn run<T: Real>(pyramid: &Pyramid<T>, sheet: &mut Sheet<T>) {
     let Some((moved, nodes)) = pyramid.moved() else { return };
-    let Sheet { width, height, half, now, before, w } = sheet;
+    let Sheet { width, height, half, now, before, w, .. } = sheet;
     let (row, half) = (6 * *half, *half);
     refine((*width, *height, half), &moved, nodes, |j, even, odd| {
         let w = &w[j * 2 * half..];

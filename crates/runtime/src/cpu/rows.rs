@@ -61,4 +61,21 @@ impl Threads {
         }
         a.chunks_mut(size.0).zip(b.chunks_mut(size.1)).enumerate().for_each(|(k, (a, b))| work(k, a, b));
     }
+
+    /// As [`Threads::chunks`] over three lists of one length.
+    pub fn chunks3<A: Send>(
+        &self,
+        [a, b, c]: [&mut [A]; 3],
+        size: usize,
+        work: impl Fn(usize, [&mut [A]; 3]) + Sync + Send,
+    ) {
+        #[cfg(feature = "threads")]
+        if let Some(pool) = self.pool.as_ref().filter(|_| a.len() >= WORTH_SHARING) {
+            use rayon::prelude::*;
+            let all = a.par_chunks_mut(size).zip(b.par_chunks_mut(size)).zip(c.par_chunks_mut(size));
+            return pool.install(|| all.enumerate().for_each(|(k, ((a, b), c))| work(k, [a, b, c])));
+        }
+        let all = a.chunks_mut(size).zip(b.chunks_mut(size)).zip(c.chunks_mut(size));
+        all.enumerate().for_each(|(k, ((a, b), c))| work(k, [a, b, c]));
+    }
 }

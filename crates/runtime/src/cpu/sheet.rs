@@ -26,6 +26,8 @@ pub struct Sheet<T> {
     pub half: usize,
     pub now: Vec<T>,
     pub before: Vec<T>,
+    /// What was too small for the positions to take up; as `now` where that is kept, else empty.
+    pub lost: Vec<T>,
     /// Inverse mass \[1/kg\], 0 for what does not move. Rows of `[even, odd]`.
     pub w: Vec<T>,
 }
@@ -53,7 +55,15 @@ impl<T: Real> Sheet<T> {
         let half = blocks(width.div_ceil(2)).max(1 + blocks((width - 1) / 2)).next_multiple_of(8);
         let zeros = |n: usize| vec![T::of(0.0); n];
         let row = 6 * half * height;
-        Sheet { width, height, half, now: zeros(row), before: zeros(row), w: zeros(2 * half * height) }
+        Sheet {
+            width,
+            height,
+            half,
+            now: zeros(row),
+            before: zeros(row),
+            lost: Vec::new(),
+            w: zeros(2 * half * height),
+        }
     }
 
     /// Numbers in a row of `now`.
@@ -87,6 +97,7 @@ impl<T: Real> Sheet<T> {
         // Past the last column too: what is no number there would come back.
         self.now.fill(T::of(0.0));
         self.before.fill(T::of(0.0));
+        self.lost.fill(T::of(0.0));
         scatter(&mut self.now, self.width, self.half, now);
         scatter(&mut self.before, self.width, self.half, before);
     }

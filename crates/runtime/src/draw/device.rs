@@ -5,7 +5,7 @@ use std::num::NonZeroU64;
 
 use bytemuck::{bytes_of, cast_slice};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{BindGroup, Buffer, BufferUsages};
+use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 
 use super::rows::{BodyRow, ViewRow};
 use super::shader::{BODIES, MESH, UV, VIEW, Variant};
@@ -13,6 +13,7 @@ use super::{Look, SolidLook, View, mesh};
 use crate::cloth::Cloth;
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
+use crate::gpu::Span;
 use crate::gpu::layout::GridRow;
 use crate::shaders::Slot;
 use crate::stepper::Stepper;
@@ -49,7 +50,7 @@ pub struct Draw {
 
 /// A cloth's own buffers and bindings, good for as long as the stepper's buffers are the same.
 struct DrawnCloth {
-    source: Vec<Buffer>,
+    source: Vec<Span>,
     variant: Variant,
     group: BindGroup,
     jump: f32,
@@ -143,15 +144,15 @@ impl Draw {
         }
     }
 
-    fn cloth(&mut self, cloth: &Cloth, look: &Look, source: Vec<Buffer>) -> Result<DrawnCloth> {
+    fn cloth(&mut self, cloth: &Cloth, look: &Look, source: Vec<Span>) -> Result<DrawnCloth> {
         let variant = Variant::Cloth { holes: source.len() > 3, uv: look.uv.is_some() };
         let row =
             |g: &crate::Grid| GridRow { first: g.first, width: g.width, height: g.height, soft: 0.0, rest: [0.0; 4] };
         let grids: Vec<_> = cloth.grids().iter().map(row).collect();
         let grids = self.upload("drawn grids", cast_slice(&grids));
-        let mut bound = vec![(Slot::Grids as u32, &grids)];
+        let mut bound = vec![(Slot::Grids as u32, grids.as_entire_binding())];
         let slots = [Slot::Now, Slot::Before, Slot::Normals, Slot::Holes].map(|s| s as u32);
-        bound.extend(slots.into_iter().zip(&source));
+        bound.extend(slots.into_iter().zip(source.iter().map(|s| BindingResource::Buffer(s.binding()))));
         let uv = look.uv.as_ref().map(|uv| {
             let (found, expected) = (uv.len(), cloth.len());
             let cloth = cloth.name().to_owned();
@@ -159,8 +160,8 @@ impl Draw {
             if found == expected { Ok(self.upload("uv", cast_slice(uv))) } else { Err(wrong) }
         });
         let uv = uv.transpose()?;
-        bound.extend(uv.iter().map(|b| (UV, b)));
-        let group = self.group(variant, &bound);
+        bound.extend(uv.iter().map(|b| (UV, b.as_entire_binding())));
+        let group = self.group(variant, bound);
         let jump = look.jump(cloth.grids());
         Ok(DrawnCloth { variant, group, jump, source })
     }
@@ -174,7 +175,8 @@ impl Draw {
         let empty: BodyRow = bytemuck::Zeroable::zeroed();
         let bodies = self.upload("bodies", cast_slice(&vec![empty; shapes.len()]));
         let mesh = self.upload("meshes", cast_slice(&vertices));
-        let group = self.group(Variant::Solids, &[(BODIES, &bodies), (MESH, &mesh)]);
+        let group =
+            self.group(Variant::Solids, vec![(BODIES, bodies.as_entire_binding()), (MESH, mesh.as_entire_binding())]);
         DrawnSolids { shapes, ends, bodies, group }
     }
 
@@ -183,15 +185,13 @@ impl Draw {
         self.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
     }
 
-    fn group(&mut self, variant: Variant, bound: &[(u32, &Buffer)]) -> BindGroup {
+    fn group(&mut self, variant: Variant, bound: Vec<(u32, BindingResource)>) -> BindGroup {
         let (_, layout) =
             self.pipelines.entry(variant).or_insert_with(|| pipeline(&self.device, &self.target, variant));
         let size = NonZeroU64::new(size_of::<ViewRow>() as u64);
         let view = wgpu::BufferBinding { buffer: &self.rows, offset: 0, size };
-        let mut entries = vec![wgpu::BindGroupEntry { binding: VIEW, resource: wgpu::BindingResource::Buffer(view) }];
-        for (binding, buffer) in bound {
-            entries.push(wgpu::BindGroupEntry { binding: *binding, resource: buffer.as_entire_binding() });
-        }
+        let mut entries = vec![wgpu::BindGroupEntry { binding: VIEW, resource: BindingResource::Buffer(view) }];
+        entries.extend(bound.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }));
         self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("draw"), layout, entries: &entries })
     }
 }

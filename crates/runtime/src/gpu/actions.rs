@@ -34,7 +34,7 @@ impl Gpu {
                         let springs = !matches!(cloth.rest(), Rest::None);
                         for what in [Some(Pass::Cut), springs.then_some(Pass::CutSprings)].into_iter().flatten() {
                             let groups = source(what).workgroups(cloth);
-                            self.once(&mut pass, index, what, &[(Slot::Action, &numbers)], groups);
+                            self.once(world, &mut pass, index, what, &[(Slot::Action, &numbers)], groups);
                         }
                     }
                 }
@@ -42,7 +42,7 @@ impl Gpu {
                     let numbers = self.numbers("matrix", cast_slice(matrix));
                     let chosen_buffer = self.numbers("chosen", cast_slice(chosen));
                     let more = [(Slot::Action, &numbers), (Slot::Chosen, &chosen_buffer)];
-                    self.once(&mut pass, *cloth, Pass::Transform, &more, list(chosen.len()));
+                    self.once(world, &mut pass, *cloth, Pass::Transform, &more, list(chosen.len()));
                 }
             }
         }
@@ -57,6 +57,7 @@ impl Gpu {
     /// Records a pass whose bindings are not kept.
     pub(super) fn once(
         &mut self,
+        world: &World,
         pass: &mut wgpu::ComputePass,
         cloth: usize,
         what: Pass,
@@ -65,6 +66,7 @@ impl Gpu {
     ) {
         let source = source(what);
         let pipeline = self.pipelines.get(&self.device, what, &source);
+        self.cloths[cloth].separate(&self.device, world, cloth);
         let group = self.cloths[cloth].bind(&self.device, pipeline, &source, more);
         pass.set_pipeline(&pipeline.pipeline);
         pass.set_bind_group(0, &group, &[]);

@@ -6,42 +6,58 @@ use bytemuck::{Pod, bytes_of, cast_slice};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
-use crate::cloth::{Cloth, Compliance, Rest, Tethers};
+use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
 use crate::cpu::body::Body;
 use crate::error::{Error, Result};
 use crate::gpu::layout::{GridRow, SolidRow, StepRow};
 use crate::gpu::pipelines::Pipeline;
+use crate::gpu::span::Span;
 use crate::levels::levels;
+use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
 use crate::shaders::{Bound, Slot, Source};
+use crate::world::World;
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
 const STEP_STRIDE: u32 = 256;
-/// A frame takes up to two, or [`POSES`] where colliders move; so many can be recorded before the first submission.
+/// A frame takes up to two, or [`super::layout::POSES`] where colliders move; so many can be recorded before the first submission.
 const STEPS: u32 = 1024;
-/// Steps of a frame are told apart by moving colliders in so many groups.
-pub(super) const POSES: u32 = 128;
 
-/// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices.
+/// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices, which
+/// cloths may share.
 pub struct ClothBuffers {
     /// Positions \[m\] now; w is 1/mass, 0 for pinned, -1 for no particle.
-    pub now: Buffer,
+    pub now: Span,
     /// Positions one step before. A vertex lies at `mix(before, now, fraction)`.
-    pub before: Buffer,
+    pub before: Span,
     /// Unit normals at `now`, 0 where there is none; w is their weight.
-    pub normals: Buffer,
+    pub normals: Span,
     /// Triangles that a cut has taken away, a u32 a texel in a buffer for storage; none until the first cut. The quad of
     /// four particles with its upper left one at texel (i, j) has two triangles: bit 0 is (i, j), (i, j + 1),
     /// (i + 1, j + 1), bit 1 is (i, j), (i + 1, j + 1), (i + 1, j). A quad of three particles has one, bit 0.
-    pub holes: Option<Buffer>,
-    /// Four u32 in a buffer for storage: particles at fault in the last frame, frames taken back, one more than the last
-    /// particle at fault, 0. None for the classic solver and where the CPU steps.
-    pub faults: Option<Buffer>,
+    pub holes: Option<Span>,
+    /// Eight u32 in a buffer for storage: particles at fault in the last frame, frames taken back, one more than the last
+    /// particle at fault, and what is of no use to a host. None for the classic solver and where the CPU steps.
+    pub faults: Option<Span>,
+    good: Option<Span>,
+    lost: Option<Span>,
+    stepping: bool,
     step: Option<Buffer>,
     others: HashMap<Slot, Buffer>,
     groups: HashMap<Vec<Bound>, wgpu::BindGroup>,
     last: Option<StepRow>,
     cursor: u32,
+}
+
+/// Where what changes in a frame lies.
+pub(super) struct Spans {
+    pub now: Span,
+    pub before: Span,
+    pub normals: Span,
+    pub faults: Option<Span>,
+    pub good: Option<Span>,
+    /// What positions of cloth of a material are too coarse for.
+    pub lost: Option<Span>,
 }
 
 impl ClothBuffers {
@@ -51,44 +67,53 @@ impl ClothBuffers {
         (cloth, held): (&Cloth, &Tethers),
         body: &Body<f32>,
         (draw_only, options): (bool, &Options),
+        lies: Option<Spans>,
     ) -> Result<Self> {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         // No other buffer of a cloth has more bytes a particle.
-        for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64)] {
+        let cells = if cloth.membrane().is_some() { 32 } else { 0 };
+        for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64), ("cells", cells)] {
             let need = cloth.len() as u64 * bytes;
             if need > limit {
                 return Err(Error::Limit { cloth: cloth.name().into(), buffer, need, limit });
             }
         }
-        let list =
-            |label, data: &[[f32; 4]]| upload(device, label, data, BufferUsages::VERTEX | BufferUsages::COPY_SRC);
-        let mut buffers = ClothBuffers {
+        let list = |label, data: &[[f32; 4]]| Span::from(upload(device, label, data, DRAWN));
+        let guarded = options.solver == Solver::Xpbd && !draw_only;
+        let alone = || Spans {
             now: list("now", body.now()),
             before: list("before", body.before()),
             normals: list("normals", &body.normals),
+            faults: guarded.then(|| upload(device, "faults", &[0u32; 8], BufferUsages::COPY_SRC).into()),
+            good: guarded.then(|| upload(device, "good", body.now(), BufferUsages::empty()).into()),
+            lost: (guarded && cloth.is_exact())
+                .then(|| upload(device, "lost", &vec![[0f32; 4]; cloth.len()], BufferUsages::empty()).into()),
+        };
+        let Spans { now, before, normals, faults, good, lost } = lies.unwrap_or_else(alone);
+        Ok(ClothBuffers {
+            now,
+            before,
+            normals,
             holes: None,
-            faults: None,
+            faults,
+            good,
+            lost,
+            stepping: !draw_only,
             step: None,
             others: HashMap::new(),
             groups: HashMap::new(),
             last: None,
             cursor: 0,
-        };
-        if !draw_only {
-            buffers.for_stepping(device, cloth, held, body, options);
-        }
-        Ok(buffers)
+        })
     }
 
-    fn for_stepping(
-        &mut self,
-        device: &wgpu::Device,
-        cloth: &Cloth,
-        held: &Tethers,
-        body: &Body<f32>,
-        options: &Options,
-    ) {
+    /// Makes what only passes of the cloth's own need, once.
+    pub(super) fn separate(&mut self, device: &wgpu::Device, world: &World, index: usize) {
+        let (cloth, held, options) = (&world.scene.cloths[index], &world.tethers[index], &world.options);
+        if !self.stepping || self.step.is_some() {
+            return;
+        }
         self.step = Some(device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("step"),
             size: u64::from(STEP_STRIDE * STEPS),
@@ -96,27 +121,20 @@ impl ClothBuffers {
             mapped_at_creation: false,
         }));
         let none = BufferUsages::empty();
-        let constant = |g: usize| if let Rest::Constant(r) = cloth.rest() { r[g] } else { [0.0; 4] };
-        let rows = cloth.grids().iter().enumerate();
-        let rows: Vec<_> = rows
-            .map(|(g, grid)| GridRow {
-                first: grid.first,
-                width: grid.width,
-                height: grid.height,
-                soft: if let Compliance::Constant(c) = cloth.compliance { c } else { 0.0 },
-                rest: constant(g),
-            })
-            .collect();
-        self.others.insert(Slot::Grids, upload(device, "grids", &rows, none));
+        self.others.insert(Slot::Grids, upload(device, "grids", &grid_rows(cloth, 0), none));
         if let Rest::Image(rest) = cloth.rest() {
-            self.others.insert(Slot::Rest, upload(device, "rest", rest, none));
+            self.others.entry(Slot::Rest).or_insert_with(|| upload(device, "rest", rest, none));
         }
         if let Compliance::Image(soft) = &cloth.compliance {
             self.others.insert(Slot::Soft, upload(device, "soft", soft, none));
         }
-        if options.solver == Solver::Xpbd {
-            self.faults = Some(upload(device, "faults", &[0u32; 4], BufferUsages::COPY_SRC));
-            self.others.insert(Slot::Good, upload(device, "good", body.now(), none));
+        if let Some(membrane) = cloth.membrane().filter(|_| options.solver == Solver::Xpbd) {
+            self.others.insert(Slot::Cells, upload(device, "cells", &membrane.cells, none));
+            self.others.insert(Slot::Yielding, upload(device, "yielding", &[yielding_row(membrane)], none));
+        }
+        if let Some(bending) = cloth.bending().filter(|_| options.solver == Solver::Xpbd) {
+            self.others.insert(Slot::Weights, upload(device, "weights", &bending.weights, none));
+            self.others.insert(Slot::Bends, upload(device, "bends", &bend_rows(bending, cloth), none));
         }
         if options.solver == Solver::Xpbd && options.pyramid > 0 {
             self.for_levels(device, cloth);
@@ -184,10 +202,10 @@ impl ClothBuffers {
     /// Buffers that only some scenes need: air that acts on triangles, multipliers of several relaxations,
     /// speeds of cloth that may fall asleep.
     fn make_scratch(&mut self, device: &wgpu::Device, source: &Source) {
-        let particles = self.now.size() / 16;
+        let particles = self.now.size / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
-                Slot::Field | Slot::Sums => particles * 16,
+                Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest => 4,
                 _ => continue,
@@ -206,23 +224,24 @@ impl ClothBuffers {
         source: &Source,
         more: &[(Slot, &Buffer)],
     ) -> wgpu::BindGroup {
+        let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
+        let row = std::num::NonZeroU64::new(size_of::<StepRow>() as u64);
         let buffer = |slot| match slot {
-            Slot::Now => Some(&self.now),
-            Slot::Before => Some(&self.before),
-            Slot::Normals => Some(&self.normals),
-            Slot::Holes => self.holes.as_ref(),
-            Slot::Step => self.step.as_ref(),
-            Slot::Faults => self.faults.as_ref(),
-            other => more.iter().find(|m| m.0 == other).map(|m| m.1).or_else(|| self.others.get(&other)),
+            Slot::Now => Some(self.now.binding()),
+            Slot::Before => Some(self.before.binding()),
+            Slot::Normals => Some(self.normals.binding()),
+            Slot::Holes => self.holes.as_ref().map(Span::binding),
+            Slot::Faults => self.faults.as_ref().map(Span::binding),
+            Slot::Good => self.good.as_ref().map(Span::binding),
+            Slot::Lost => self.lost.as_ref().map(Span::binding),
+            Slot::Step => self.step.as_ref().map(|buffer| wgpu::BufferBinding { buffer, offset: 0, size: row }),
+            other => more.iter().find(|m| m.0 == other).map(|m| m.1).or_else(|| self.others.get(&other)).map(whole),
         };
-        let resource = |slot: Slot, buffer| {
-            let size = (slot == Slot::Step).then(|| std::num::NonZeroU64::new(size_of::<StepRow>() as u64)).flatten();
-            wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+        let entry = |slot| {
+            let resource = wgpu::BindingResource::Buffer(buffer(slot)?);
+            Some(wgpu::BindGroupEntry { binding: slot as u32, resource })
         };
-        let entries: Vec<_> = (source.bindings.iter())
-            .filter_map(|b| Some((b.slot, buffer(b.slot)?)))
-            .map(|(slot, b)| wgpu::BindGroupEntry { binding: slot as u32, resource: resource(slot, b) })
-            .collect();
+        let entries: Vec<_> = source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
         let layout = &pipeline.layout;
         device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(source.stem), layout, entries: &entries })
     }
@@ -231,17 +250,20 @@ impl ClothBuffers {
     pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth) {
         if self.holes.is_none() {
             let none = vec![0u32; cloth.len()];
-            self.holes = Some(upload(device, "holes", &none, BufferUsages::COPY_SRC));
+            self.holes = Some(upload(device, "holes", &none, BufferUsages::COPY_SRC).into());
         }
-        if let (Rest::Image(rest), true) = (cloth.rest(), self.step.is_some()) {
+        if let (Rest::Image(rest), true) = (cloth.rest(), self.stepping) {
             let new = || upload(device, "rest", rest, BufferUsages::empty());
             self.others.entry(Slot::Rest).or_insert_with(new);
         }
     }
 
     /// The largest squared displacement of the last frame, where cloth may fall asleep.
-    pub(super) fn fastest(&self) -> Option<&Buffer> {
-        self.others.get(&Slot::Fastest)
+    pub(super) fn fastest(&self, fused: bool) -> Option<(&Buffer, u64)> {
+        if fused {
+            return self.faults.as_ref().map(|f| (&f.buffer, f.offset + 16));
+        }
+        self.others.get(&Slot::Fastest).map(|b| (b, 0))
     }
 
     /// Drops the bindings that name the old buffer of colliders.
@@ -256,7 +278,34 @@ pub(super) fn solids_buffer(device: &wgpu::Device, rows: &[SolidRow]) -> Buffer 
     upload(device, "solids", if rows.is_empty() { &none } else { rows }, BufferUsages::empty())
 }
 
-fn upload<T: Pod>(device: &wgpu::Device, label: &str, data: &[T], more: BufferUsages) -> Buffer {
+/// The grids of a cloth whose particles begin at `first`.
+pub(super) fn grid_rows(cloth: &Cloth, first: u32) -> Vec<GridRow> {
+    let constant = |g: usize| if let Rest::Constant(r) = cloth.rest() { r[g] } else { [0.0; 4] };
+    let row = |(g, grid): (usize, &Grid)| GridRow {
+        first: first + grid.first,
+        width: grid.width,
+        height: grid.height,
+        soft: if let Compliance::Constant(c) = cloth.compliance { c } else { 0.0 },
+        rest: constant(g),
+    };
+    cloth.grids().iter().enumerate().map(row).collect()
+}
+
+/// One over the stiffness of a membrane.
+pub(super) fn yielding_row(membrane: &Membrane) -> [f32; 4] {
+    let [weft, warp, shear] = membrane.soft;
+    [weft, warp, shear, 0.0]
+}
+
+/// Compliance of bending, and what keeps it stable.
+pub(super) fn bend_rows(bending: &Bending, cloth: &Cloth) -> Vec<[f32; 2]> {
+    bending.compliance.iter().zip(bending.bounds(cloth)).map(|(c, b)| [*c, b]).collect()
+}
+
+/// How buffers are used that a vertex shader reads.
+pub(super) const DRAWN: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::COPY_SRC);
+
+pub(super) fn upload<T: Pod>(device: &wgpu::Device, label: &str, data: &[T], more: BufferUsages) -> Buffer {
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | more;
     device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents: cast_slice(data), usage })
 }

@@ -52,6 +52,36 @@ pub struct SolidRow {
     pub unused2: u32,
 }
 
+/// Groups of steps that moving colliders tell apart in a frame.
+pub const POSES: u32 = 128;
+
+/// `Frame` of shaders/fused.wgsl.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct FrameRow {
+    pub steps: u32,
+    pub rounds: u32,
+    pub together: u32,
+    pub unused: u32,
+    pub rows: [StepRow; POSES as usize + 1],
+}
+
+/// `Job` of shaders/fused.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct JobRow {
+    pub first: u32,
+    pub count: u32,
+    pub grid: u32,
+    pub grids: u32,
+    pub ring: u32,
+    pub rings: u32,
+    pub row: u32,
+    pub unused: u32,
+    pub keep: [f32; 2],
+    pub longest: [f32; 2],
+}
+
 impl From<&Step<f64>> for StepRow {
     fn from(step: &Step<f64>) -> Self {
         let Step { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, left } =

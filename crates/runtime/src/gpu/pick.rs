@@ -49,8 +49,8 @@ impl Gpu {
         for (index, (candidates, found, groups)) in found.iter().enumerate() {
             let more = [(Slot::Action, &ray), (Slot::Candidates, candidates), (Slot::Found, found)];
             let holes = world.scene.cloths[index].is_cut();
-            self.once(&mut pass, index, Pass::Pick { holes }, &more, *groups);
-            self.once(&mut pass, index, Pass::PickNearest, &more, [1; 3]);
+            self.once(world, &mut pass, index, Pass::Pick { holes }, &more, *groups);
+            self.once(world, &mut pass, index, Pass::PickNearest, &more, [1; 3]);
         }
         drop(pass);
         for (index, (_, found, _)) in found.iter().enumerate() {

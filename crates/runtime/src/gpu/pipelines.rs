@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::gpu::layout::StepRow;
+use crate::gpu::layout::{FrameRow, StepRow};
 use crate::passes::Pass;
 use crate::shaders::{Bound, Slot, Source};
 
@@ -41,14 +41,23 @@ fn make(device: &wgpu::Device, source: &Source) -> Pipeline {
         layout: Some(&pipeline_layout),
         module: &module,
         entry_point: Some("main"),
-        compilation_options: wgpu::PipelineCompilationOptions { constants: &source.constants, ..Default::default() },
+        // What a workgroup has in its memory, a shader writes before it reads.
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants: &source.constants,
+            zero_initialize_workgroup_memory: false,
+        },
         cache: None,
     });
     Pipeline { pipeline, layout }
 }
 
 fn entry(bound: &Bound) -> wgpu::BindGroupLayoutEntry {
-    let uniform = bound.slot == Slot::Step;
+    let size = match bound.slot {
+        Slot::Step => size_of::<StepRow>(),
+        Slot::Frame => size_of::<FrameRow>(),
+        _ => 0,
+    };
+    let uniform = size > 0;
     let read_only = !bound.writes;
     wgpu::BindGroupLayoutEntry {
         binding: bound.slot as u32,
@@ -56,7 +65,7 @@ fn entry(bound: &Bound) -> wgpu::BindGroupLayoutEntry {
         ty: wgpu::BindingType::Buffer {
             ty: if uniform { wgpu::BufferBindingType::Uniform } else { wgpu::BufferBindingType::Storage { read_only } },
             has_dynamic_offset: uniform,
-            min_binding_size: uniform.then(|| std::num::NonZeroU64::new(size_of::<StepRow>() as u64)).flatten(),
+            min_binding_size: std::num::NonZeroU64::new(size as u64),
         },
         count: None,
     }

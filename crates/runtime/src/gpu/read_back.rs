@@ -2,28 +2,29 @@
 
 use std::sync::mpsc::channel;
 
+use super::Span;
 use crate::error::{Error, Result};
 
-/// The vectors in a buffer such as those of [`crate::ClothBuffers`]. Submits a copy and waits for everything submitted
+/// The vectors in a part of a buffer such as those of [`crate::ClothBuffers`]. Submits a copy and waits for everything submitted
 /// before it: a game should not call this.
-pub fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<[f32; 4]>> {
-    read_bytes(device, &copied(device, queue, buffer), bytemuck::pod_collect_to_vec)
+pub fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> Result<Vec<[f32; 4]>> {
+    read_bytes(device, &copied(device, queue, span), bytemuck::pod_collect_to_vec)
 }
 
-/// The same for a buffer of whole numbers, such as [`crate::ClothBuffers::holes`].
-pub fn read_back_u32(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<u32>> {
-    read_bytes(device, &copied(device, queue, buffer), bytemuck::pod_collect_to_vec)
+/// The same for whole numbers, such as [`crate::ClothBuffers::holes`].
+pub fn read_back_u32(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> Result<Vec<u32>> {
+    read_bytes(device, &copied(device, queue, span), bytemuck::pod_collect_to_vec)
 }
 
-fn copied(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> wgpu::Buffer {
+fn copied(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> wgpu::Buffer {
     let staging = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("read back"),
-        size: buffer.size(),
+        size: span.size,
         usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
     let mut encoder = device.create_command_encoder(&Default::default());
-    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
+    encoder.copy_buffer_to_buffer(&span.buffer, span.offset, &staging, 0, span.size);
     queue.submit([encoder.finish()]);
     staging
 }

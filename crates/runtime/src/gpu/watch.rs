@@ -34,10 +34,14 @@ impl Gpu {
     pub(super) fn watch(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
         let Some(limit) = world.calm_below() else { return };
         for index in (0..self.cloths.len()).filter(|c| !world.asleep[*c]) {
-            let (watch, Some(fastest)) = (&mut self.watches[index], self.cloths[index].fastest()) else { continue };
+            let (watch, Some((fastest, at))) =
+                (&mut self.watches[index], self.cloths[index].fastest(world.is_fused(index, steps)))
+            else {
+                continue;
+            };
             watch.seconds += f64::from(steps) * world.clock.dt;
             let Some(staging) = watch.staging(&self.device) else { continue };
-            encoder.copy_buffer_to_buffer(fastest, 0, &staging, 0, 4);
+            encoder.copy_buffer_to_buffer(fastest, at, &staging, 0, 4);
             let (seconds, changes) = (std::mem::take(&mut watch.seconds), world.calm[index].changes);
             watch.under_way.push_back(Probe { staging, mapping: None, limit, seconds, changes });
         }

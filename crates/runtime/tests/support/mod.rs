@@ -163,7 +163,14 @@ fn falling(n: u32) -> Scene {
     flat
 }
 
-/// Scenes with compliance, for XPBD.
+/// Cloth of a fabric that bends, heavy enough that particles differ in mass.
+pub fn made_of(mut cloth: Cloth) -> Cloth {
+    let material = Material { warp: 300.0, weft: 200.0, shear: 30.0, bend: 2e-4, ..Material::default() };
+    cloth.set_material(&material).unwrap();
+    cloth
+}
+
+/// Scenes with compliance and materials, for XPBD.
 pub fn soft() -> Vec<(&'static str, Scene)> {
     let with = |mut scene: Scene, compliance| {
         scene.cloths[0].compliance = compliance;
@@ -171,11 +178,19 @@ pub fn soft() -> Vec<(&'static str, Scene)> {
     };
     // Every other spring is stiff, so that both rules are at work in one block.
     let image = |cloth: &Cloth| (0..cloth.len()).map(|k| [0, 1, 2, 3].map(|d| 1e-4 * ((k + d) % 3) as f32)).collect();
-    let tube = hung_tube(3);
-    let uneven = Compliance::Image(image(&tube));
+    let ring = hung_tube(3);
+    let uneven = Compliance::Image(image(&ring));
+    let hung = scene::builtin("s1", 34).unwrap().cloths.remove(0);
+    let mut falls = falling(24);
+    falls.cloths[0] = made_of(falls.cloths[0].clone());
     vec![
+        ("a material", scene(made_of(hung))),
+        ("a material, in wind", Scene { wind: Some(wind(true)), ..scene(made_of(tube(18, 11, 1))) }),
+        ("a material, seams", scene(made_of(hung_tube(3)))),
+        ("a material, sewn charts", scene(made_of(two_charts(17)))),
+        ("a material, on colliders", falls),
         ("soft", scene::builtin("s1k", 33).unwrap()),
-        ("soft by an image", with(scene(tube), uneven)),
+        ("soft by an image", with(scene(ring), uneven)),
         ("soft, on colliders", with(falling(24), Compliance::Constant(1e-4))),
     ]
 }
@@ -196,8 +211,14 @@ pub fn swing_period(mut stepper: Stepper) -> f64 {
     2.0 * (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64 * FRAME
 }
 
-/// An adapter's device, or `None` with a line that says so; a missing one fails where GIMAGE_REQUIRE_GPU is 1.
+/// A device that has what every WebGPU implementation has, or `None` with a line that says so; a missing one fails where
+/// GIMAGE_REQUIRE_GPU is 1.
 pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
+    device_with(|_| wgpu::Limits::default())
+}
+
+/// The same with other limits.
+pub fn device_with(limits: impl Fn(&wgpu::Adapter) -> wgpu::Limits) -> Option<(wgpu::Device, wgpu::Queue)> {
     let instance = wgpu::Instance::default();
     let adapter = match pollster::block_on(instance.request_adapter(&Default::default())) {
         Ok(adapter) => adapter,
@@ -208,8 +229,7 @@ pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
             return None;
         }
     };
-    // What every WebGPU implementation has.
-    let descriptor = wgpu::DeviceDescriptor { required_limits: wgpu::Limits::default(), ..Default::default() };
+    let descriptor = wgpu::DeviceDescriptor { required_limits: limits(&adapter), ..Default::default() };
     Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
 }
 

@@ -47,7 +47,7 @@ impl Rig {
         (0..count).for_each(|_| self.frame(FRAME));
     }
 
-    fn list(&self, cloth: usize, which: fn(&ClothBuffers) -> &wgpu::Buffer) -> Vec<[f32; 4]> {
+    fn list(&self, cloth: usize, which: fn(&ClothBuffers) -> &Span) -> Vec<[f32; 4]> {
         let (device, queue) = self.device.as_ref().unwrap();
         read_back(device, queue, which(self.stepper.buffers(cloth).unwrap())).unwrap()
     }

@@ -1,0 +1,77 @@
+//! Twin of shaders/moments.wgsl: the multipliers of bending.
+
+use super::lanes::{Machine, Work, widest};
+use super::laplacian::Weights;
+use super::real::Real;
+use super::rows::Threads;
+use super::sheet::{Sheet, planes};
+
+/// Rows that are done in one go.
+const TOGETHER: usize = 32;
+
+/// How a sheet bends.
+pub struct Plate<T> {
+    pub weights: Weights<T>,
+    /// Compliance \[m/N\], in the layout of [`Sheet::w`]; 0 where there is no moment.
+    pub compliance: Vec<T>,
+    /// Least compliance over the square of the step \[1/kg\].
+    pub bound: Vec<T>,
+    /// Multipliers, in the layout of [`Sheet::now`].
+    pub moments: Vec<T>,
+}
+
+/// Multipliers of a step of `dt` \[s\]: the Laplacian of position, over compliance / dt^2 or, in longer steps, over what
+/// keeps a step of any length from going too far: then cloth bends more easily than it should.
+pub fn run<T: Real>(threads: &Threads, sheet: &Sheet<T>, plate: &mut Plate<T>, dt: T) {
+    let row = sheet.row();
+    let Plate { weights, compliance, bound, moments } = plate;
+    let (weights, compliance, bound) = (&*weights, &compliance[..], &bound[..]);
+    threads.chunks(moments, TOGETHER * row, |chunk, rows| {
+        widest(Rows { rows, first: chunk * TOGETHER, sheet, weights, compliance, bound, span: dt * dt });
+    });
+}
+
+struct Rows<'a, 'b, T> {
+    rows: &'b mut [T],
+    first: usize,
+    sheet: &'a Sheet<T>,
+    weights: &'a Weights<T>,
+    compliance: &'a [T],
+    bound: &'a [T],
+    /// Square of the step \[s^2\].
+    span: T,
+}
+
+impl<T: Real> Work<T> for Rows<'_, '_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let Rows { sheet, weights, span, .. } = self;
+        let half = sheet.half;
+        let (zero, one, square) = (k.splat(T::of(0.0)), k.splat(T::of(1.0)), k.splat(span));
+        for (n, out) in self.rows.chunks_exact_mut(sheet.row()).enumerate() {
+            let j = self.first + n;
+            let single = j * 2 * half..(j + 1) * 2 * half;
+            let (soft, bound) = (&self.compliance[single.clone()], &self.bound[single]);
+            let mut out = planes(out, half);
+            let mut start = [T::of(0.0); 3];
+            weights.row(
+                k,
+                (j, sheet.height),
+                &sheet.now,
+                |at, sum| {
+                    let soft = k.load(soft, at);
+                    let scale = k.div(one, k.most(k.div(soft, square), k.load(bound, at)));
+                    let there = k.above(soft, zero);
+                    for c in 0..3 {
+                        k.store(out[c], at, k.choose(there, k.mul(sum[c], scale), zero));
+                    }
+                },
+                |sum| start = sum,
+            );
+            let scale = T::of(1.0) / (soft[0] / span).max(bound[0]);
+            for c in 0..3 {
+                out[c][0] = if soft[0] > T::of(0.0) { start[c] * scale } else { T::of(0.0) };
+            }
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Which cloths lie in the same buffers, and which of them share a dispatch.
+
+use super::{Fused, Hold, Room};
+use crate::cloth::{Cloth, Compliance, Rest};
+use crate::options::{Options, Solver};
+use crate::passes::Soft;
+use crate::world::World;
+
+/// So many cloths that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
+/// device idle.
+const MANY: usize = 16;
+/// Relaxations of a frame: longer ones run in separate passes, as a device may take a dispatch that does not end for lost.
+const LONGEST: u32 = 512;
+/// Workgroups of a dispatch in a row.
+const MOST: usize = 65_535;
+
+/// Cloths that lie in the same buffers, by index; in order.
+pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Options, room: &Room) -> Vec<Vec<usize>> {
+    let mut arenas: Vec<(_, u64, Vec<usize>)> = Vec::new();
+    let small = |c: &Cloth| room.hold(c.len(), 0) != Hold::Stored;
+    let large = cloths.iter().filter(|c| !small(c)).count();
+    for (index, cloth) in cloths.iter().enumerate() {
+        if options.solver != Solver::Xpbd || !options.fused || (!small(cloth) && large < MANY) {
+            continue;
+        }
+        let (image, rings) = (matches!(cloth.rest(), Rest::Image(_)), cloth.ring_count() > 0);
+        let soft = match cloth.compliance {
+            Compliance::None => Soft::None,
+            Compliance::Constant(_) => Soft::Constant,
+            Compliance::Image(_) => Soft::Image,
+        };
+        let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some());
+        let kind = (image, rings, soft, slots(index), fabric);
+        // No other buffer has more bytes a particle.
+        let wide = if cloth.membrane().is_some() { 4 } else { 2 };
+        let bytes = room_of(cloth.len()) as u64 * 8 * (slots(index) as u64).max(wide);
+        let fits = |a: &&mut (_, u64, Vec<usize>)| a.0 == kind && a.1 + bytes <= room.bytes;
+        match arenas.iter_mut().find(fits) {
+            Some(arena) => {
+                arena.1 += bytes;
+                arena.2.push(index);
+            }
+            None => arenas.push((kind, bytes, vec![index])),
+        }
+    }
+    arenas.into_iter().map(|a| a.2).collect()
+}
+
+/// Entries that a cloth takes up in the buffers of an arena: each begins where a binding may begin.
+pub const fn room_of(particles: usize) -> usize {
+    particles.next_multiple_of(64)
+}
+
+/// Cloths that share a dispatch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// Index of the arena.
+    pub arena: usize,
+    /// What runs.
+    pub fused: Fused,
+    /// Places in the arena's list of cloths.
+    pub members: Vec<usize>,
+}
+
+impl World {
+    /// Which cloths run fused; to be called when schedules have changed.
+    pub fn fuse(&mut self) {
+        self.fused = vec![None; self.schedules.len()];
+        let Some(room) = self.room.filter(|_| self.options.fused) else { return };
+        for index in self.arenas.iter().flatten() {
+            let (cloth, schedule) = (&self.scene.cloths[*index], &self.schedules[*index]);
+            self.fused[*index] = Fused::of(cloth, schedule, &room);
+        }
+    }
+
+    /// Whether a cloth runs fused in a frame of so many steps.
+    pub fn is_fused(&self, cloth: usize, steps: u32) -> bool {
+        let short = steps.saturating_mul(self.options.iterations) <= LONGEST;
+        short && self.fused.get(cloth).is_some_and(Option::is_some)
+    }
+
+    /// The dispatches of a frame of so many steps, for the cloths that are awake.
+    pub fn batches(&self, steps: u32) -> Vec<Batch> {
+        let mut batches: Vec<Batch> = Vec::new();
+        for (arena, cloths) in self.arenas.iter().enumerate() {
+            let first = batches.len();
+            for (member, cloth) in cloths.iter().enumerate() {
+                if self.asleep[*cloth] || !self.is_fused(*cloth, steps) {
+                    continue;
+                }
+                let Some(fused) = self.fused[*cloth] else { continue };
+                let fits = |b: &&mut Batch| b.fused.kind() == fused.kind() && b.members.len() < MOST;
+                match batches[first..].iter_mut().find(fits) {
+                    Some(batch) => {
+                        batch.fused = batch.fused.with(&fused);
+                        batch.members.push(member);
+                    }
+                    None => batches.push(Batch { arena, fused, members: vec![member] }),
+                }
+            }
+        }
+        batches
+    }
+}

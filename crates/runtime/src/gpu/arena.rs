@@ -1,0 +1,194 @@
+//! Cloths that lie in the same buffers, and the dispatch that they share.
+
+use std::collections::HashMap;
+
+use bytemuck::Zeroable;
+use wgpu::{Buffer, BufferUsages};
+
+use super::buffers::{DRAWN, Spans, bend_rows, grid_rows, upload, yielding_row};
+use super::layout::{JobRow, StepRow};
+use super::pipelines::Pipeline;
+use super::span::Span;
+use crate::cloth::{Compliance, Rest};
+use crate::cpu::body::Body;
+use crate::fused::{Batch, Fused, room_of};
+use crate::shaders::{Slot, Source};
+use crate::world::World;
+
+/// Distance of the faults of two cloths \[u32\]; that of bindings.
+const FAULTS: usize = 64;
+
+/// Buffers of several cloths, one after the other.
+pub(super) struct Arena {
+    /// Index of every cloth.
+    cloths: Vec<usize>,
+    buffers: HashMap<Slot, Buffer>,
+    /// What is where, without numbers of a step.
+    jobs: Vec<JobRow>,
+    ready: HashMap<Fused, Ready>,
+}
+
+/// A batch as it was dispatched last.
+struct Ready {
+    rows: Vec<JobRow>,
+    solids: Buffer,
+    frames: Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl Arena {
+    /// Uploads the cloths of an index list.
+    pub fn new(device: &wgpu::Device, world: &World, bodies: &[Body<f32>], cloths: &[usize]) -> Self {
+        let (mut jobs, mut grids): (Vec<JobRow>, Vec<_>) = (Vec::new(), Vec::new());
+        let mut lists: [Vec<[f32; 4]>; 5] = Default::default();
+        let (mut starts, mut members, mut tethers) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut cells, mut yielding, mut weights, mut bends) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for (row, &index) in cloths.iter().enumerate() {
+            let (cloth, held, body) = (&world.scene.cloths[index], &world.tethers[index], &bodies[index]);
+            let first = lists[0].len() as u32;
+            jobs.push(JobRow {
+                first,
+                count: cloth.len() as u32,
+                grid: grids.len() as u32,
+                grids: cloth.grids().len() as u32,
+                ring: starts.len() as u32,
+                rings: cloth.ring_count() as u32,
+                row: row as u32,
+                ..JobRow::zeroed()
+            });
+            grids.extend(grid_rows(cloth, first));
+            let rest: &[_] = if let Rest::Image(rest) = cloth.rest() { rest } else { &[] };
+            let soft: &[_] = if let Compliance::Image(soft) = &cloth.compliance { soft } else { &[] };
+            let end = lists[0].len() + room_of(cloth.len());
+            // Between cloths there are no particles.
+            for (list, data) in lists.iter_mut().zip([body.now(), body.before(), &body.normals, rest, soft]) {
+                list.extend(data);
+                list.resize(if data.is_empty() { 0 } else { end }, [0.0, 0.0, 0.0, -1.0]);
+            }
+            if let Some(membrane) = cloth.membrane() {
+                cells.extend(&membrane.cells);
+                cells.resize(2 * end, [0.0; 4]);
+                yielding.push(yielding_row(membrane));
+            }
+            if let Some(bending) = cloth.bending() {
+                weights.extend(&bending.weights);
+                weights.resize(end, [0.0; 4]);
+                bends.extend(bend_rows(bending, cloth));
+                bends.resize(end, [0.0; 2]);
+            }
+            let (rings, of_rings) = cloth.rings();
+            let so_far = members.len() as u32;
+            starts.extend(rings[..rings.len() - 1].iter().map(|s| s + so_far));
+            members.extend(of_rings.iter().map(|m| m + first));
+            let anchor =
+                |a: &crate::Anchor| [if a.exists() { a.particle + first } else { u32::MAX }, a.distance.to_bits()];
+            tethers.extend(held.anchors.iter().map(anchor));
+            tethers.resize(end * held.per_particle, [u32::MAX, 0]);
+        }
+        starts.push(members.len() as u32);
+        let none = BufferUsages::empty();
+        let [now, before, normals, rest, soft] = lists;
+        let mut buffers = HashMap::from([
+            (Slot::Good, upload(device, "good", &now, none)),
+            (Slot::Now, upload(device, "now", &now, DRAWN)),
+            (Slot::Before, upload(device, "before", &before, DRAWN)),
+            (Slot::Normals, upload(device, "normals", &normals, DRAWN)),
+            (Slot::Grids, upload(device, "grids", &grids, none)),
+            (Slot::Faults, upload(device, "faults", &vec![0u32; FAULTS * jobs.len()], BufferUsages::COPY_SRC)),
+        ]);
+        let lists = [(Slot::Rest, rest), (Slot::Soft, soft), (Slot::Cells, cells), (Slot::Yielding, yielding)];
+        for (slot, list) in lists.into_iter().chain([(Slot::Weights, weights)]).filter(|l| !l.1.is_empty()) {
+            buffers.insert(slot, upload(device, slot.name(), &list, none));
+        }
+        if !bends.is_empty() {
+            buffers.insert(Slot::Bends, upload(device, "bends", &bends, none));
+        }
+        if cloths.iter().any(|c| world.scene.cloths[*c].is_exact()) {
+            buffers.insert(Slot::Lost, upload(device, "lost", &vec![[0f32; 4]; now.len()], none));
+        }
+        if !members.is_empty() {
+            buffers.insert(Slot::Starts, upload(device, "starts", &starts, none));
+            buffers.insert(Slot::Members, upload(device, "members", &members, none));
+        }
+        if !tethers.is_empty() {
+            buffers.insert(Slot::Tethers, upload(device, "tethers", &tethers, none));
+        }
+        Arena { cloths: cloths.to_vec(), buffers, jobs, ready: HashMap::new() }
+    }
+
+    /// Where each of its cloths lies.
+    pub fn spans(&self) -> impl Iterator<Item = (usize, Spans)> {
+        self.cloths.iter().zip(&self.jobs).map(|(cloth, job)| {
+            let part = |slot, offset: usize, size: usize| Span {
+                buffer: self.buffers[&slot].clone(),
+                offset: offset as u64,
+                size: size as u64,
+            };
+            let list = |slot| part(slot, 16 * job.first as usize, 16 * job.count as usize);
+            let spans = Spans {
+                now: list(Slot::Now),
+                before: list(Slot::Before),
+                normals: list(Slot::Normals),
+                good: Some(list(Slot::Good)),
+                lost: self.buffers.contains_key(&Slot::Lost).then(|| list(Slot::Lost)),
+                faults: Some(part(Slot::Faults, 4 * FAULTS * job.row as usize, 32)),
+            };
+            (*cloth, spans)
+        })
+    }
+
+    /// The bindings of a batch, made again only where cloths fell asleep or woke, or numbers changed.
+    pub fn group(
+        &mut self,
+        device: &wgpu::Device,
+        world: &World,
+        batch: &Batch,
+        (pipeline, source): (&Pipeline, &Source),
+        (solids, frames): (&Buffer, &Buffer),
+    ) -> &wgpu::BindGroup {
+        let rows: Vec<_> = batch.members.iter().map(|m| self.job(world, *m)).collect();
+        let same = |r: &Ready| r.rows == rows && r.solids == *solids && r.frames == *frames;
+        if !self.ready.get(&batch.fused).is_some_and(same) {
+            let scratch = |b: &&crate::shaders::Bound| matches!(b.slot, Slot::Sums | Slot::Moments);
+            for slot in source.bindings.iter().filter(scratch).map(|b| b.slot) {
+                let numbers = self.buffers[&Slot::Now].size() as usize / 4;
+                let new = || upload(device, slot.name(), &vec![0f32; numbers], BufferUsages::empty());
+                self.buffers.entry(slot).or_insert_with(new);
+            }
+            let jobs = upload(device, "jobs", &rows, BufferUsages::empty());
+            let buffer = |slot| match slot {
+                Slot::Jobs => Some(&jobs),
+                Slot::Solids => Some(solids),
+                Slot::Frame => Some(frames),
+                other => self.buffers.get(&other),
+            };
+            let entry = |slot| {
+                let size = (slot == Slot::Frame).then_some(slot_size()).and_then(std::num::NonZeroU64::new);
+                let binding = wgpu::BufferBinding { buffer: buffer(slot)?, offset: 0, size };
+                Some(wgpu::BindGroupEntry { binding: slot as u32, resource: wgpu::BindingResource::Buffer(binding) })
+            };
+            let entries: Vec<_> = source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
+            let layout = &pipeline.layout;
+            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("fused"),
+                layout,
+                entries: &entries,
+            });
+            let ready = Ready { rows, solids: solids.clone(), frames: frames.clone(), group };
+            self.ready.insert(batch.fused, ready);
+        }
+        &self.ready[&batch.fused].group
+    }
+
+    /// What a workgroup does for a cloth, with the numbers that are the cloth's own.
+    fn job(&self, world: &World, member: usize) -> JobRow {
+        let cloth = &world.scene.cloths[self.cloths[member]];
+        let steps = [true, false].map(|first| StepRow::from(&world.step(cloth, first)));
+        JobRow { keep: steps.map(|s| s.keep), longest: steps.map(|s| s.longest), ..self.jobs[member] }
+    }
+}
+
+/// Bytes of the numbers of a frame.
+pub(super) const fn slot_size() -> u64 {
+    size_of::<super::layout::FrameRow>() as u64
+}

@@ -1,0 +1,335 @@
+//! Whole frames in one dispatch against the passes that they are made of, and cloths that share it.
+
+mod support;
+
+use gimage_runtime::*;
+use support::{device_with, scene};
+
+const FRAME: f64 = 1.0 / 60.0;
+
+type Device = (wgpu::Device, wgpu::Queue);
+
+fn roomy() -> Option<Device> {
+    device_with(device_limits)
+}
+
+fn options(fused: bool) -> Options {
+    Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: 6, fused, ..Options::default() }
+}
+
+struct Run<'a> {
+    stepper: Stepper,
+    device: &'a Device,
+}
+
+impl<'a> Run<'a> {
+    fn new(scene: &Scene, options: &Options, device: &'a Device) -> Self {
+        let stepper = Stepper::new(scene.clone(), options.clone(), Some((&device.0, &device.1))).unwrap();
+        Run { stepper, device }
+    }
+
+    fn frames(mut self, count: u32) -> Self {
+        for _ in 0..count {
+            let mut encoder = self.device.0.create_command_encoder(&Default::default());
+            self.stepper.record(&mut encoder, FRAME).unwrap();
+            self.device.1.submit([encoder.finish()]);
+            // Asks for the speeds of this frame, waits for them, and takes them in.
+            self.stepper.settle().unwrap();
+            self.device.0.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+            self.stepper.settle().unwrap();
+        }
+        self
+    }
+
+    /// Positions now and before and normals of a cloth, as bits.
+    fn bits(&self, cloth: usize) -> [Vec<[u32; 4]>; 3] {
+        let buffers = self.stepper.buffers(cloth).unwrap();
+        let list = |span| read_back(&self.device.0, &self.device.1, span).unwrap();
+        [&buffers.now, &buffers.before, &buffers.normals].map(|s| list(s).iter().map(|p| p.map(f32::to_bits)).collect())
+    }
+
+    fn holds(&self) -> Vec<Hold> {
+        let of = |p: &PlannedPass| if let Pass::Fused(f) = p.pass { Some(f.hold) } else { None };
+        self.stepper.plan().passes.iter().filter_map(of).collect()
+    }
+}
+
+/// Scenes that can run fused: not those with wind on triangles.
+fn fusible() -> Vec<(&'static str, Scene)> {
+    let mut all = [support::outside(), support::soft()].concat();
+    all.retain(|(_, s)| s.wind.as_ref().is_none_or(|w| matches!(w.force, WindForce::Push { .. })));
+    all
+}
+
+#[test]
+fn one_dispatch_gives_the_bits_of_separate_passes() {
+    let Some(device) = roomy() else { return };
+    for (name, scene) in fusible() {
+        for iterations in [1, 2] {
+            let with = |fused| Options { iterations, ..options(fused) };
+            let one = Run::new(&scene, &with(true), &device);
+            assert_eq!((one.stepper.plan().dispatches(), one.holds().len()), (1, 1), "{name}");
+            let apart = Run::new(&scene, &with(false), &device);
+            assert_eq!(apart.holds(), [], "{name}");
+            assert!(one.frames(30).bits(0) == apart.frames(30).bits(0), "{name}");
+        }
+    }
+}
+
+#[test]
+fn where_positions_are_held_changes_nothing() {
+    // Memory for 585 particles at 28 bytes, 1024 at 16, 1365 at 12.
+    let Some(default) = support::device() else { return };
+    let memory = default.0.limits().max_compute_workgroup_storage_size;
+    for (n, hold) in [(24, Hold::Both), (32, Hold::Wide), (36, Hold::Narrow)] {
+        assert_eq!(memory, 16_384, "the default of WebGPU");
+        let scene = scene::builtin("s1", n).unwrap();
+        let one = Run::new(&scene, &options(true), &default);
+        assert_eq!(one.holds(), [hold]);
+        let apart = Run::new(&scene, &options(false), &default);
+        assert!(one.frames(20).bits(0) == apart.frames(20).bits(0), "{n}");
+    }
+    // Where positions fill the memory, the list of colliders that are near lies elsewhere.
+    let mut crowded = scene(Flat { origin: [-0.3, 0.1, -0.2], ..Flat::square("flat", 32) }.cloth().unwrap());
+    crowded.cloths[0].velocity = [0.0, -3.0, 0.5];
+    crowded.colliders = crowd(40);
+    let one = Run::new(&crowded, &options(true), &default);
+    let full = |p: &PlannedPass| matches!(p.pass, Pass::Fused(Fused { full: true, hold: Hold::Wide, .. }));
+    assert!(one.stepper.plan().passes.iter().any(full));
+    let apart = Run::new(&crowded, &options(false), &default);
+    assert!(one.frames(10).bits(0) == apart.frames(10).bits(0));
+    // One that is too large runs apart; many of them a workgroup each.
+    let large = |count: usize| {
+        let mut scene = scene::builtin("s1", 40).unwrap();
+        scene.cloths = vec![scene.cloths[0].clone(); count];
+        scene
+    };
+    assert_eq!(Run::new(&large(2), &options(true), &default).holds(), []);
+    let many = Run::new(&large(16), &options(true), &default);
+    assert_eq!((many.holds(), many.stepper.plan().dispatches()), (vec![Hold::Stored; 16], 1));
+    let apart = Run::new(&large(1), &options(false), &default);
+    assert!(many.frames(10).bits(15) == apart.frames(10).bits(0));
+}
+
+/// Cloths of many sizes, seamed and not, soft and not, pinned and free, each with its own damping.
+fn wardrobe() -> Scene {
+    let mut all = scene::builtin("s1", 9).unwrap();
+    for n in [5, 12, 23, 17] {
+        all.cloths.extend(scene::builtin("s1", n).unwrap().cloths);
+        all.cloths.push(support::hung_tube(2 + n % 3));
+        all.cloths.push(Flat { right: [0.8, 0.0, 0.1], ..Flat::square("free", n) }.cloth().unwrap());
+        all.cloths.extend(scene::builtin("s1k", n).unwrap().cloths);
+        all.cloths.push(support::two_charts(n));
+        all.cloths.push(support::made_of(support::two_charts(n)));
+    }
+    for (k, cloth) in all.cloths.iter_mut().enumerate() {
+        cloth.damping = 0.1 * k as f32;
+        cloth.velocity = [0.2, 0.0, 0.1 * k as f32];
+    }
+    all.colliders = vec![Collider { friction: 0.3, ..Collider::new(Shape::HalfSpace, [0.0, -0.4, 0.0]) }];
+    all
+}
+
+#[test]
+fn cloths_that_share_a_dispatch_move_as_they_would_alone() {
+    let Some(device) = roomy() else { return };
+    let all = wardrobe();
+    let together = Run::new(&all, &options(true), &device);
+    let plan = together.stepper.plan();
+    assert_eq!(together.holds().len(), all.cloths.len(), "{plan}");
+    // As many as there are kinds: s1, tubes, free ones, soft ones, charts, charts of a material.
+    assert_eq!(plan.dispatches(), 6, "{plan}");
+    let together = together.frames(8);
+    for (index, cloth) in all.cloths.iter().enumerate() {
+        let alone = Scene { cloths: vec![cloth.clone()], ..all.clone() };
+        let alone = Run::new(&alone, &options(false), &device).frames(8);
+        assert!(together.bits(index) == alone.bits(0), "cloth {index}");
+    }
+    let again = Run::new(&all, &options(true), &device).frames(8);
+    assert!((0..all.cloths.len()).all(|c| again.bits(c) == together.bits(c)));
+}
+
+#[test]
+fn a_thousand_cloths_are_one_dispatch() {
+    let Some(device) = roomy() else { return };
+    let mut all = scene::builtin("s1", 7).unwrap();
+    all.cloths = (0..1000).map(|k| scene::builtin("s1", 4 + k % 5).unwrap().cloths.remove(0)).collect();
+    let together = Run::new(&all, &options(true), &device);
+    assert_eq!(together.stepper.plan().dispatches(), 1);
+    let together = together.frames(5);
+    for cloth in [0, 4, 999] {
+        let alone = scene(all.cloths[cloth].clone());
+        assert!(together.bits(cloth) == Run::new(&alone, &options(true), &device).frames(5).bits(0), "{cloth}");
+    }
+}
+
+#[test]
+fn what_is_done_to_one_cloth_is_done_to_it_alone() {
+    let Some(device) = roomy() else { return };
+    let run = |fused| {
+        let mut run = Run::new(&wardrobe(), &options(fused), &device).frames(4);
+        let s = &mut run.stepper;
+        s.set_asleep(1, true).unwrap();
+        s.set_pinned(6, 7, true).unwrap();
+        s.set_position(6, 7, [0.3, 0.2, 0.1]).unwrap();
+        let mut run = run.frames(3);
+        let turn = [[0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.1, 0.0, 0.0, 1.0]];
+        run.stepper.transform(4, &[3, 4, 5], turn).unwrap();
+        let mut encoder = device.0.create_command_encoder(&Default::default());
+        let ticket = run.stepper.record_pick(&mut encoder, [0.31, 4.0, 0.12], [0.01, -1.0, 0.02]).unwrap();
+        device.1.submit([encoder.finish()]);
+        let hit = ticket.wait(&device.0).unwrap().unwrap();
+        run.stepper.set_asleep(1, false).unwrap();
+        run.stepper.set_wind(Some(support::wind(false))).unwrap();
+        let mut run = run.frames(3);
+        // Wind on triangles, and a cut, are made by passes of their own.
+        run.stepper.set_wind(Some(support::wind(true))).unwrap();
+        let mut run = run.frames(3);
+        run.stepper.set_wind(None).unwrap();
+        run.stepper.set_options(Options { iterations: 2, normals: false, ..run.stepper.options().clone() }).unwrap();
+        let mut run = run.frames(3);
+        run.stepper.set_options(Options { iterations: 1, normals: true, ..run.stepper.options().clone() }).unwrap();
+        run.stepper.cut([0.5, 0.5, 3.0], [-4.0, -0.1, -2.0], [5.0, -0.1, -2.0]).unwrap();
+        let run = run.frames(3);
+        ((0..wardrobe().cloths.len()).map(|c| run.bits(c)).collect::<Vec<_>>(), hit)
+    };
+    let ((one, hit), (apart, hit_apart)) = (run(true), run(false));
+    assert_eq!(hit, hit_apart);
+    for (cloth, (a, b)) in one.iter().zip(&apart).enumerate() {
+        assert!(a == b, "cloth {cloth}");
+    }
+}
+
+#[test]
+fn colliders_that_move_are_where_they_are_in_every_step() {
+    let Some(device) = roomy() else { return };
+    let mut hit = scene(support::curtain(24));
+    let shape = Shape::Sphere { radius: 0.1 };
+    hit.colliders = vec![Collider {
+        velocity: [0.0, 0.0, 9.0],
+        spin: [3.0, 1.0, 0.0],
+        friction: 0.4,
+        ..Collider::new(shape, [0.5, -0.5, 0.1])
+    }];
+    // Above 128 steps a frame some share their place.
+    let longest = Run::new(&hit, &Options { substeps: 300, iterations: 2, ..options(true) }, &device);
+    assert_eq!(longest.holds(), [], "a dispatch that does not end is taken for lost");
+    for substeps in [1, 7, 300] {
+        let with = |fused| Options { substeps, ..options(fused) };
+        let [one, apart] = [true, false].map(|fused| Run::new(&hit, &with(fused), &device).frames(3).bits(0));
+        assert!(one == apart, "{substeps} steps");
+    }
+}
+
+#[test]
+fn a_fault_is_taken_back_in_its_own_cloth() {
+    let Some(device) = roomy() else { return };
+    let mut two = scene::builtin("s1", 17).unwrap();
+    two.cloths.push(two.cloths[0].clone());
+    let with = |fused| Options { tethers: 0, ..options(fused) };
+    let run = |fused| {
+        let mut run = Run::new(&two, &with(fused), &device).frames(5);
+        let good = run.bits(0)[0].clone();
+        let mut matrix = [[0.0; 4]; 4];
+        (matrix[0][0], matrix[1][1], matrix[2][2], matrix[3][3]) = (3e38, 3e38, 3e38, 1.0);
+        run.stepper.transform(0, &[40], matrix).unwrap();
+        let run = run.frames(1);
+        assert!(run.bits(0)[0] == good);
+        let faults = |c| {
+            let span = run.stepper.buffers(c).unwrap().faults.clone().unwrap();
+            read_back_u32(&device.0, &device.1, &span).unwrap()
+        };
+        let (hit, other) = (faults(0), faults(1));
+        assert!(hit[0] > 0 && hit[1] == 1 && hit[2] > 0, "{hit:?}");
+        assert_eq!(other[..3], [0, 0, 0]);
+        (hit[..3].to_vec(), run.bits(1))
+    };
+    assert!(run(true) == run(false));
+}
+
+#[test]
+fn calm_cloth_falls_asleep_out_of_a_batch() {
+    let Some(device) = roomy() else { return };
+    let mut two = scene::builtin("s1", 9).unwrap();
+    two.gravity = [0.0; 3];
+    two.cloths.push(two.cloths[0].clone());
+    (two.cloths[1].velocity, two.cloths[1].damping) = ([0.0, 2.0, 0.0], 0.0);
+    let with = |fused| Options { sleep: Some(Sleep { speed: 0.01, after: 0.1 }), ..options(fused) };
+    for fused in [true, false] {
+        let run = Run::new(&two, &with(fused), &device).frames(30);
+        let asleep = [0, 1].map(|c| run.stepper.is_asleep(c));
+        assert_eq!(asleep, [true, false], "{fused}");
+        assert_eq!(run.stepper.plan().passes.iter().filter(|p| p.cloth == 0).count(), 0);
+    }
+}
+
+/// Colliders in a lattice through and around the cloth, near ones among far ones, in motion.
+fn crowd(count: u32) -> Vec<Collider> {
+    let place = |k: u32| [k % 5, k / 5 % 5, k / 25].map(|c| 0.45 * c as f32 - 0.7);
+    let q = [0.2f32, -0.5, 0.3, 0.7];
+    let norm = q.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let one = |k: u32| {
+        let radii = [0.1, 0.06, 0.08];
+        let shape = match k % 5 {
+            0 => Shape::Sphere { radius: 0.09 },
+            1 => Shape::Capsule { half_height: 0.07, radius: 0.04 },
+            2 => Shape::Box { half: [0.05, 0.08, 0.06] },
+            3 => Shape::Ellipsoid { radii, closest: false },
+            _ => Shape::HalfSpace,
+        };
+        let mut center = place(k / 5 * 7 % 125);
+        center[1] -= if shape == Shape::HalfSpace { 5.0 } else { 0.45 };
+        let (velocity, spin) = ([0.3, 0.5, 0.1 * (k % 7) as f32], [0.0, 2.0, 1.0]);
+        let rotation = if shape == Shape::HalfSpace { [0.0, 0.0, 0.0, 1.0] } else { q.map(|x| x / norm) };
+        Collider { rotation, velocity, spin, friction: 0.2, ..Collider::new(shape, center) }
+    };
+    (0..count).map(one).collect()
+}
+
+#[test]
+fn colliders_out_of_reach_change_nothing() {
+    let Some(device) = roomy() else { return };
+    let cloth = |n| {
+        let mut cloth = Flat { origin: [-0.3, 0.0, -0.2], ..Flat::square("flat", n) }.cloth().unwrap();
+        cloth.velocity = [0.0, -4.0, 0.5];
+        scene(cloth)
+    };
+    let far = |n: u32| {
+        let at = |k: u32| [30.0 + k as f32, -4.0, if k.is_multiple_of(2) { 2.0 } else { -9.0 }];
+        (0..n).map(move |k| Collider::new(Shape::Sphere { radius: 0.4 }, at(k)))
+    };
+    let near = || vec![Collider { friction: 0.3, ..Collider::new(Shape::Sphere { radius: 0.3 }, [0.2, -0.4, 0.2]) }];
+    // One workgroup, and one for 64 particles each; more colliders than are told apart.
+    for (fused, n, more) in [(true, 24, 100), (false, 24, 100), (true, 12, 1100)] {
+        let run = |colliders: Vec<Collider>| {
+            let scene = Scene { colliders, ..cloth(n) };
+            Run::new(&scene, &options(fused), &device).frames(8).bits(0)
+        };
+        let alone = run(near());
+        let last = [far(more).collect::<Vec<_>>(), near()].concat();
+        let first = [near(), far(more).collect()].concat();
+        assert!(alone == run(last) && alone == run(first), "{fused} {n} {more}");
+    }
+}
+
+#[test]
+fn a_crowd_of_colliders_acts_as_on_the_twin_and_repeats() {
+    let Some(device) = roomy() else { return };
+    let mut flat = scene(Flat { origin: [-0.3, 0.1, -0.2], ..Flat::square("flat", 28) }.cloth().unwrap());
+    flat.cloths[0].velocity = [0.0, -3.0, 0.5];
+    flat.colliders = crowd(200);
+    for fused in [true, false] {
+        let once = Options { substeps: 1, step: FRAME / 4.0, max_catch_up: 1, ..options(fused) };
+        let [there, ..] = Run::new(&flat, &once, &device).frames(1).bits(0);
+        let here = Options { backend: Backend::Cpu, ..once };
+        let mut here = Stepper::new(flat.clone(), here, None).unwrap();
+        here.advance(FRAME).unwrap();
+        let apart = there.iter().zip(here.positions(0).unwrap());
+        let apart = apart.flat_map(|(a, b)| (0..3).map(|c| (f32::from_bits(a[c]) - b[c]).abs())).fold(0.0, f32::max);
+        assert!(apart <= 1e-6, "{fused}: {apart:e} m");
+        let run = || Run::new(&flat, &options(fused), &device).frames(20).bits(0);
+        assert!(run() == run());
+    }
+    let [one, apart] = [true, false].map(|fused| Run::new(&flat, &options(fused), &device).frames(20).bits(0));
+    assert!(one == apart);
+}

@@ -1,0 +1,2 @@
+// Cloth that bends freely.
+fn bend_all(job: Job, local: u32) {}

@@ -1,0 +1,2 @@
+// There is no collider.
+fn contact_all(job: Job, local: u32) {}

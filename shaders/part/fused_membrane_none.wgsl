@@ -1,0 +1,2 @@
+// Cloth of springs.
+fn membrane_all(job: Job, local: u32) {}

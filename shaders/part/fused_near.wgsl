@@ -1,0 +1,14 @@
+// Which colliders are near the cloth.
+fn gather_all(job: Job, local: u32) {
+  var low = vec3<f32>(3e38);
+  var high = vec3<f32>(-3e38);
+  for (var k = job.first + local; k < job.first + job.count; k += threads) {
+    let p = place(k);
+    if (p.w > 0.0) {
+      let earlier = was(k);
+      low = min(low, min(p.xyz, earlier));
+      high = max(high, max(p.xyz, earlier));
+    }
+  }
+  gather(low, high, local, threads);
+}

@@ -1,0 +1,2 @@
+// Cloth without seams.
+fn seam_all(job: Job, local: u32) {}

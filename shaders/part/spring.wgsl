@@ -1,0 +1,16 @@
+// A spring with compliance draws its ends together, or apart.
+fn relax(grid: u32, ends: Ends, direction: u32) {
+  let k = ends.k;
+  let other = ends.other;
+  let rest = rest_length(grid, k, direction);
+  let a = place(k);
+  let b = place(other);
+  if (rest <= 0.0 || min(a.w, b.w) < 0.0) {
+    return;
+  }
+  let d = b.xyz - a.xyz;
+  let far = max(sqrt(dot(d, d)), 1e-9);
+  let g = multiplier(grid, k, direction, far, rest, a.w + b.w);
+  put(k, vec4<f32>(a.xyz + d * (g * a.w), a.w));
+  put(other, vec4<f32>(b.xyz - d * (g * b.w), b.w));
+}

@@ -1,0 +1,28 @@
+// No particle is farther from its anchors than along the surface: hard, one anchor after the other.
+// For each particle `slots` pairs of the anchor's index, all ones for none, and the bits of its distance.
+@group(0) @binding(19) var<storage, read> tethers: array<vec2<u32>>;
+
+override slots: u32 = 1u;
+
+fn held_back(k: u32, p: vec3<f32>) -> vec3<f32> {
+  var at = p;
+  for (var s = 0u; s < slots; s++) {
+    let tether = tethers[k * slots + s];
+    if (tether.x == 0xffffffffu) {
+      continue;
+    }
+    // Nothing moves pinned anchors here; what is no longer pinned holds nothing.
+    let end = place(tether.x);
+    if (end.w != 0.0) {
+      continue;
+    }
+    let anchor = end.xyz;
+    let most = bitcast<f32>(tether.y);
+    let d = at - anchor;
+    let far = sqrt(dot(d, d));
+    if (far > most) {
+      at = anchor + d * (most / max(far, 1e-30));
+    }
+  }
+  return at;
+}

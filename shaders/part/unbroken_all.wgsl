@@ -1,0 +1,4 @@
+// Cloth that was never cut.
+fn unbroken(edge: Edge) -> bool {
+  return true;
+}

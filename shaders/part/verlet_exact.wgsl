@@ -1,0 +1,16 @@
+// A Verlet step of a free particle, of which what is too small for the position to take up is kept for the next: steps of a
+// thousandth of a second or less move particles by few units in the last place.
+@group(0) @binding(28) var<storage, read_write> lost: array<vec4<f32>>;
+
+fn moved_on(k: u32, p: vec4<f32>, was: vec3<f32>) -> vec4<f32> {
+  let moved = p.xyz - was;
+  let a = acceleration(k, p.xyz, moved);
+  // A jump, as out of a collider, must not become a velocity.
+  let on = select(step.keep, 0.0, dot(moved, moved) > step.longest);
+  let left = lost[k].xyz;
+  // After a fault it may be no number, for which the comparison is false.
+  let by = moved * on + a * step.scale + select(vec3<f32>(0.0), left, abs(left) <= vec3<f32>(1.0));
+  let to = p.xyz + by;
+  lost[k] = vec4<f32>(by - (to - p.xyz), 0.0);
+  return vec4<f32>(to, p.w);
+}
