@@ -103,14 +103,7 @@ impl<T: Real> Around<'_, T> {
 
     /// Adds a weighted difference to a row's place.
     #[inline(always)]
-    fn more<K: Machine<T>>(
-        &self,
-        k: K,
-        sum: [K::V; 3],
-        p: [K::V; 3],
-        (row, at): (usize, usize),
-        w: K::V,
-    ) -> [K::V; 3] {
+    fn more<K: Machine<T>>(&self, k: K, sum: [K::V; 3], p: [K::V; 3], (row, at): (usize, usize), w: K::V) -> [K::V; 3] {
         let q = self.place(k, row, at);
         [
             k.add(sum[0], k.mul(k.sub(q[0], p[0]), w)),
@@ -124,13 +117,7 @@ impl<T: Real> Around<'_, T> {
     fn first_column(&self) -> [T; 3] {
         let [w_right, w_down, w_dr, w_ur, w_up, _, _] = self.weights;
         let half = self.half;
-        let edges = [
-            (1, half, w_right[0]),
-            (2, 0, w_down[0]),
-            (0, 0, w_up[0]),
-            (2, half, w_dr[0]),
-            (0, half, w_ur[0]),
-        ];
+        let edges = [(1, half, w_right[0]), (2, 0, w_down[0]), (0, 0, w_up[0]), (2, half, w_dr[0]), (0, half, w_ur[0])];
         let mut sum = [T::of(0.0); 3];
         for (row, place, w) in edges {
             for c in 0..3 {

@@ -20,13 +20,7 @@ pub struct Cells<T> {
 /// `(|weft| - 1)^2`, `(|warp| - 1)^2` and `(weft . warp)^2`, each over its compliance: D. Baraff, A. Witkin, "Large Steps
 /// in Cloth Simulation", SIGGRAPH 98. The three are relaxed one after the other as in M. Macklin, M. Mueller,
 /// N. Chentanez, "XPBD", MIG 2016.
-pub fn run<T: Real>(
-    threads: &Threads,
-    sheet: &mut Sheet<T>,
-    cells: &Cells<T>,
-    (column, first): (usize, usize),
-    dt: T,
-) {
+pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, cells: &Cells<T>, (column, first): (usize, usize), dt: T) {
     let (width, half, row) = (sheet.width, sheet.half, sheet.row());
     let count = if column == 0 { width / 2 } else { (width - 1) / 2 };
     let w = &sheet.w[..];
@@ -125,11 +119,7 @@ fn cell<T: Real, K: Machine<T>>(
 
 #[inline(always)]
 fn either<T: Real, K: Machine<T>>(k: K, mask: K::M, x: Corner<K::V>, y: Corner<K::V>) -> Corner<K::V> {
-    let at = [
-        k.choose(mask, x.at[0], y.at[0]),
-        k.choose(mask, x.at[1], y.at[1]),
-        k.choose(mask, x.at[2], y.at[2]),
-    ];
+    let at = [k.choose(mask, x.at[0], y.at[0]), k.choose(mask, x.at[1], y.at[1]), k.choose(mask, x.at[2], y.at[2])];
     Corner { at, w: k.choose(mask, x.w, y.w) }
 }
 

@@ -55,7 +55,15 @@ impl<T: Real> Sheet<T> {
         let half = blocks(width.div_ceil(2)).max(1 + blocks((width - 1) / 2)).next_multiple_of(8);
         let zeros = |n: usize| vec![T::of(0.0); n];
         let row = 6 * half * height;
-        Sheet { width, height, half, now: zeros(row), before: zeros(row), lost: Vec::new(), w: zeros(2 * half * height) }
+        Sheet {
+            width,
+            height,
+            half,
+            now: zeros(row),
+            before: zeros(row),
+            lost: Vec::new(),
+            w: zeros(2 * half * height),
+        }
     }
 
     /// Numbers in a row of `now`.

@@ -109,7 +109,8 @@ fn the_energy_of_a_strain_is_that_of_the_sheet_on_any_grid() {
         }
         // Turned as a whole it costs nothing.
         let (s, c) = 1.1f64.sin_cos();
-        let turned = |p: [f32; 3]| [c * f64::from(p[0]) - s * f64::from(p[1]), 0.3, s * f64::from(p[0]) + c * f64::from(p[1])];
+        let turned =
+            |p: [f32; 3]| [c * f64::from(p[0]) - s * f64::from(p[1]), 0.3, s * f64::from(p[0]) + c * f64::from(p[1])];
         assert!(tension(&cloth, turned) < 1e-9 * whole * FABRIC.warp);
         assert!((cloth.total_mass() / (whole * FABRIC.density) - 1.0).abs() < 1e-6);
     }
@@ -131,7 +132,10 @@ fn the_energy_of_a_bent_sheet_is_that_of_the_plate_on_any_grid() {
             };
             let true_energy = 0.5 * FABRIC.bend * whole / (radius * radius);
             let energy = bent(&cloth, to);
-            assert!((energy / true_energy - 1.0).abs() < 0.02, "{w} x {h}, {skew}, {angle}: {energy} for {true_energy}");
+            assert!(
+                (energy / true_energy - 1.0).abs() < 0.02,
+                "{w} x {h}, {skew}, {angle}: {energy} for {true_energy}"
+            );
         }
         // Stretched in its plane it does not bend, and a border has no moment.
         let flat = |p: [f32; 3]| [1.1 * f64::from(p[0]), 0.2 * f64::from(p[0]) + f64::from(p[1]), 0.5];
