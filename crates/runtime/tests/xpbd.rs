@@ -164,6 +164,27 @@ fn colliders_out_of_reach_change_nothing() {
 }
 
 #[test]
+fn what_one_collider_pushes_into_another_leaves_both() {
+    // The upper ball is out of the flat cloth's reach, until the lower one has pushed its middle up.
+    let ball = |radius, y| Collider::new(Shape::Sphere { radius }, [0.5, y, 0.5]);
+    let balls = vec![ball(0.3, -0.05), ball(0.1, 0.34)];
+    let cloth = Flat::square("sheet", 33).cloth().unwrap();
+    let (positions, particles) = (cloth.positions().to_vec(), cloth.particles().to_vec());
+    let (grids, mass) = (cloth.grids().to_vec(), Mass::Constant(1e-4));
+    let parts = Parts { name: "sand".into(), grids, positions, particles, rest: Rest::None, mass };
+    let mut scene = scene(Cloth::new(parts).unwrap());
+    scene.gravity = [0.0; 3];
+    scene.colliders = balls;
+    let stepper = run(scene, options(1), 1);
+    let middle = stepper.positions(0).unwrap()[33 * 16 + 16];
+    assert!((middle[1] - 0.24).abs() < 1e-3, "pushed up, then down: {middle:?}");
+    for p in stepper.positions(0).unwrap() {
+        let d = (0..3).map(|c| (p[c] - [0.5, 0.34, 0.5][c]).powi(2)).sum::<f32>().sqrt();
+        assert!(d > 0.1 - 1e-5, "{p:?}");
+    }
+}
+
+#[test]
 fn free_cloth_keeps_its_momentum_and_gains_no_energy() {
     let mut cloth = Flat::square("flat", 33).cloth().unwrap();
     cloth.velocity = [1.0, 2.0, -0.5];

@@ -13,9 +13,7 @@ const TOGETHER: usize = 8;
 /// Particles inside a collider, or on its other side, go to its surface. Colliders out of reach of the sheet cost one
 /// comparison, those out of reach of a block of particles another.
 pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, solids: &[Solid<T>], dt: T) {
-    let (lowest, highest) = bounds(sheet);
-    let near: Vec<_> =
-        solids.iter().map(|s| (s, Reach::new(s, dt))).filter(|(_, r)| r.box_near(lowest, highest)).collect();
+    let near = in_reach(bounds(sheet), solids, dt);
     if near.is_empty() {
         return;
     }
@@ -24,6 +22,30 @@ pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, solids: &[Solid<T>]
     threads.chunks(&mut sheet.now, TOGETHER * row, |chunk, rows| {
         widest(Rows { rows, row, half, w, before, first: chunk * TOGETHER, near: &near, dt });
     });
+}
+
+/// The colliders that particles in a box can touch, in their order: also those that another one can push them to.
+fn in_reach<T: Real>(
+    (mut lowest, mut highest): (V3<T>, V3<T>),
+    solids: &[Solid<T>],
+    dt: T,
+) -> Vec<(&Solid<T>, Reach<T>)> {
+    let mut all: Vec<_> = solids.iter().map(|s| (s, Reach::new(s, dt), false)).collect();
+    loop {
+        let mut more = false;
+        let (low, high) = (lowest, highest);
+        for (_, reach, near) in all.iter_mut().filter(|x| !x.2 && x.1.box_near(low, high)) {
+            (*near, more) = (true, true);
+            let far = reach.pushes(low, high);
+            for c in 0..3 {
+                lowest[c] = lowest[c].min(far.0[c]);
+                highest[c] = highest[c].max(far.1[c]);
+            }
+        }
+        if !more {
+            return all.into_iter().filter(|x| x.2).map(|(solid, reach, _)| (solid, reach)).collect();
+        }
+    }
 }
 
 /// Rows of a sheet from the row `first` on, and what they can touch.
@@ -134,6 +156,19 @@ impl<T: Real> Reach<T> {
             None => {
                 let corner = [0, 1, 2].map(|c| if self.normal[c] > zero { lowest[c] } else { highest[c] });
                 dot(sub(corner, self.center), self.normal) <= zero
+            }
+        }
+    }
+
+    /// A box around where particles in a box can be pushed to.
+    fn pushes(&self, lowest: V3<T>, highest: V3<T>) -> (V3<T>, V3<T>) {
+        match self.radius {
+            // To its surface, and by friction along that.
+            Some(r) => [-r, r].map(|r| [0, 1, 2].map(|c| self.center[c] + T::of(2.0) * r)).into(),
+            None => {
+                let corner = [0, 1, 2].map(|c| if self.normal[c] > T::of(0.0) { lowest[c] } else { highest[c] });
+                let deep = dot(sub(self.center, corner), self.normal).max(T::of(0.0));
+                (lowest.map(|x| x - deep), highest.map(|x| x + deep))
             }
         }
     }
