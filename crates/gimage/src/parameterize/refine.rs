@@ -17,11 +17,14 @@ use crate::fit::clip;
 const TURNS: usize = 2;
 /// Newton steps of a vertex that comes back.
 const STEPS: usize = 2;
+/// Largest energy of the whole, in units of that of the simplified disk: above it a shape was lost on the way, as the rim
+/// is of a shell thinner than its edges are long.
+const WORSE: f64 = 1.05;
 /// No vertex.
 const NONE: u32 = u32::MAX;
 
 /// As [`parameterize`], by way of a disk of about `target` triangles; the steps recorded are those of its map. `None` also
-/// where a vertex has no room to come back. O(n log n) and the map of the simpler disk.
+/// where a vertex has no room to come back, and where the whole does not come near the energy of the simpler disk. O(n log n) and the map of the simpler disk.
 pub(super) fn coarse_to_fine(
     shape: Shape<'_>,
     uv: &mut [[f64; 2]],
@@ -87,9 +90,10 @@ pub(super) fn coarse_to_fine(
     let rest = rest_shapes(positions, triangles, wanted, scale);
     let start = energy(&rest, triangles, uv);
     turns(triangles, &rest, fixed, uv, TURNS);
+    let coarse = record.newton.end;
     record.newton = NewtonRecord { start, end: energy(&rest, triangles, uv), ..record.newton };
     record.log_distortion = log_distortion(&rest, triangles, uv);
-    (flips(triangles, uv) == 0).then_some(record)
+    (flips(triangles, uv) == 0 && record.newton.end <= WORSE * coarse).then_some(record)
 }
 
 /// The middle of the places where all triangles around `u` are turned the right way.
