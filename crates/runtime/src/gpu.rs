@@ -81,6 +81,9 @@ impl Gpu {
         for faults in alone.iter().filter_map(|c| self.cloths[*c].faults.as_ref()) {
             encoder.clear_buffer(&faults.buffer, faults.offset, Some(4));
         }
+        for (strain, at) in alone.iter().filter_map(|c| self.cloths[*c].strain(false)) {
+            encoder.clear_buffer(strain, at, Some(4));
+        }
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None });
         self.record_fused(world, &mut pass, steps);
@@ -117,7 +120,7 @@ impl Gpu {
         }
         drop(pass);
         self.watch(world, encoder, steps);
-        (0..steps).for_each(|_| world.clock.tick());
+        world.tick(steps);
     }
 
     /// Records the frames of all cloths that share dispatches.

@@ -94,6 +94,11 @@ pub enum Pass {
     Speed,
     /// The largest speed of all.
     Fastest,
+    /// The largest stretch of springs to the right and down; only where substeps are chosen by it.
+    Strain {
+        /// Whether rest lengths come from an image.
+        image: bool,
+    },
     /// All of the above for whole cloths in one dispatch.
     Fused(Fused),
     /// Triangles that a cut meets are taken away. This and all below run for one action, not every frame.
@@ -240,6 +245,9 @@ pub fn schedule(
             s.frame.extend([Pass::Guard, Pass::Restore]);
         }
     }
+    let springs = cloth.directions()[..2].contains(&true);
+    let strain = Pass::Strain { image: matches!(cloth.rest(), Rest::Image(_)) };
+    s.frame.extend((springs && options.quality.target().is_some()).then_some(strain));
     if options.normals {
         s.frame.push(Pass::Normals { holes: cloth.is_cut() });
         s.frame.extend(seams.then_some(Pass::SeamNormals));

@@ -40,11 +40,12 @@ pub enum Slot {
     Yielding,
     Frame,
     Jobs,
+    Strain,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 33] = [
+        const NAMES: [&str; 34] = [
             "step",
             "grids",
             "now",
@@ -78,6 +79,7 @@ impl Slot {
             "yielding",
             "frame",
             "jobs",
+            "strain",
         ];
         NAMES[self as usize]
     }
@@ -108,7 +110,7 @@ impl Slot {
             Slot::Nodes => crate::levels::rows(cloth).1 * 32,
             Slot::Limits => crate::levels::rows(cloth).1 * 16,
             Slot::Partial => cloth.len().div_ceil(64) * 4,
-            Slot::Fastest => 4,
+            Slot::Fastest | Slot::Strain => 4,
             // Made for one action; no frame binds them.
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
         };
@@ -353,6 +355,12 @@ pub fn source(pass: Pass) -> Source {
         ),
         Pass::Fastest => {
             plain("fastest", &[LARGER, MOST, pass!("fastest")], &[reads(Partial), writes(Fastest)], Threads::One)
+        }
+        Pass::Strain { image } => {
+            let (rest, read): (_, &[Bound]) =
+                if image { (part!("rest_image"), &[reads(Rest)]) } else { (part!("rest_constant"), &[]) };
+            let bindings = [&[reads(Grids), reads(Now), writes(Slot::Strain)], read].concat();
+            plain("strain", &[GRID, LARGER, MOST, rest, part!("ratio"), pass!("strain")], &bindings, Threads::Texels)
         }
         Pass::Cut => plain(
             "cut",

@@ -1,12 +1,13 @@
 //! A cloth in motion on the CPU.
 
 use super::fabric::Fabric;
+use super::fastest::larger;
 use super::integrate::Air;
 use super::neighbours::View;
 use super::real::{Real, cast};
 use super::rows::Threads;
 use super::solid::Solid;
-use super::{colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, wind};
+use super::{colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, strain, wind};
 use crate::cloth::{Cloth, Grid, Rest, Tethers};
 use crate::options::{Options, Solver};
 use crate::passes::{self, Pass};
@@ -22,6 +23,8 @@ pub struct Body<T> {
     pub holes: Vec<u32>,
     /// Square of the longest displacement \[m^2\] in the last step of a frame, if that is asked for.
     pub fastest: T,
+    /// Square of the largest ratio of length to rest length at the end of a frame, if that is asked for.
+    pub strain: Option<T>,
     partial: Vec<T>,
     /// Where particles were at the end of the last good frame; empty for the classic solver.
     good: Vec<[T; 4]>,
@@ -76,6 +79,7 @@ impl<T: Real> Body<T> {
             normals: vec![[T::of(0.0); 4]; cloth.len()],
             holes: Vec::new(),
             fastest: T::of(0.0),
+            strain: None,
             partial: Vec::new(),
             faulty: None,
             field: Vec::new(),
@@ -179,6 +183,7 @@ impl<T: Real> Body<T> {
             Pass::SeamNormals => seam_normals::run(&mut self.normals, &self.starts, &self.members),
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
+            Pass::Strain { image } => self.strain(threads, image),
             // Run by actions, which bring what they need.
             Pass::Fused(_) | Pass::Cut | Pass::CutSprings | Pass::Transform | Pass::Pick { .. } | Pass::PickNearest => {
             }
@@ -197,6 +202,22 @@ impl<T: Real> Body<T> {
                 springs::run(threads, now, width, colour, |_| length);
             }
         }
+    }
+
+    fn strain(&mut self, threads: &Threads, image: bool) {
+        let mut most = T::of(0.0);
+        for (index, g) in self.grids.iter().enumerate() {
+            let (now, width) = (&self.now[g.range()], g.width as usize);
+            let here = if image {
+                let rest = &self.image[g.range()];
+                strain::run(threads, now, width, &mut self.partial, |k, d| rest[k][d])
+            } else {
+                let lengths = self.constant[index];
+                strain::run(threads, now, width, &mut self.partial, |_, d| lengths[d])
+            };
+            most = larger(most, here);
+        }
+        self.strain = Some(most);
     }
 
     /// Makes room for cuts.

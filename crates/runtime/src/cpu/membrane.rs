@@ -65,7 +65,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
         for (n, rows) in self.rows.chunks_exact_mut(12 * half).enumerate() {
             let j = self.first + 2 * n;
             let (upper, lower) = rows.split_at_mut(6 * half);
-            let (mut upper, mut lower) = (planes(upper, half), planes(lower, half));
+            let (upper, lower) = (planes(upper, half), planes(lower, half));
             let (wu, wl) = (&w[j * 2 * half..], &w[(j + 1) * 2 * half..]);
             let left = column * half;
             // The even column to the right of an odd one is one further on.

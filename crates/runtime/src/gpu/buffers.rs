@@ -200,17 +200,17 @@ impl ClothBuffers {
     }
 
     /// Buffers that only some scenes need: air that acts on triangles, multipliers of several relaxations,
-    /// speeds of cloth that may fall asleep.
+    /// speeds of cloth that may fall asleep, its stretch where substeps are chosen by it.
     fn make_scratch(&mut self, device: &wgpu::Device, source: &Source) {
         let particles = self.now.size / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
                 Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
-                Slot::Fastest => 4,
+                Slot::Fastest | Slot::Strain => 4,
                 _ => continue,
             };
-            let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+            let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
             let new = wgpu::BufferDescriptor { label: Some(slot.name()), size, usage, mapped_at_creation: false };
             self.others.entry(slot).or_insert_with(|| device.create_buffer(&new));
         }
@@ -264,6 +264,14 @@ impl ClothBuffers {
             return self.faults.as_ref().map(|f| (&f.buffer, f.offset + 16));
         }
         self.others.get(&Slot::Fastest).map(|b| (b, 0))
+    }
+
+    /// Square of the largest ratio of length to rest length in the last frame, where that is measured.
+    pub(super) fn strain(&self, fused: bool) -> Option<(&Buffer, u64)> {
+        if fused {
+            return self.faults.as_ref().map(|f| (&f.buffer, f.offset + 20));
+        }
+        self.others.get(&Slot::Strain).map(|b| (b, 0))
     }
 
     /// Drops the bindings that name the old buffer of colliders.

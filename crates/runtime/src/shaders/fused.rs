@@ -88,6 +88,11 @@ pub(super) fn source(fused: Fused) -> Source {
         files.push(part!("fused_normals_none"));
     }
     files.push(if fused.watch { part!("fused_speed") } else { part!("fused_speed_none") });
+    if fused.strain {
+        files.extend([part!("ratio"), part!("fused_strain")]);
+    } else {
+        files.push(part!("fused_strain_none"));
+    }
     files.push(pass!("fused"));
     Source { stem: "fused", files, bindings, constants, threads: Threads::Cloth }
 }
