@@ -36,6 +36,16 @@ pub enum Quality {
 }
 
 impl Quality {
+    /// What keeps the largest stretch at or below `stretch` and frames within `ms`, where these are given.
+    pub fn of(stretch: Option<f64>, ms: Option<f64>) -> Self {
+        match (stretch, ms) {
+            (None, None) => Quality::Fixed,
+            (None, Some(ms)) => Quality::Budget(ms),
+            (Some(stretch), None) => Quality::Error(stretch),
+            (Some(stretch), Some(ms)) => Quality::ErrorWithin { stretch, ms },
+        }
+    }
+
     pub(crate) fn check(self) -> Result<()> {
         if let Some(ms) = self.budget() {
             check("the budget [ms]", ms, "above 0", |b| b > 0.0)?;
@@ -47,14 +57,15 @@ impl Quality {
     }
 
     /// The largest stretch that is asked for, if any.
-    pub(crate) fn target(self) -> Option<f64> {
+    pub fn target(self) -> Option<f64> {
         match self {
             Quality::Error(stretch) | Quality::ErrorWithin { stretch, .. } => Some(stretch),
             _ => None,
         }
     }
 
-    fn budget(self) -> Option<f64> {
+    /// The time that is allowed \[ms\], if any.
+    pub fn budget(self) -> Option<f64> {
         match self {
             Quality::Budget(ms) | Quality::ErrorWithin { ms, .. } => Some(ms),
             _ => None,

@@ -7,7 +7,9 @@ use super::neighbours::View;
 use super::real::{Real, cast};
 use super::rows::Threads;
 use super::solid::Solid;
-use super::{colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, strain, wind};
+use super::{
+    colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, strain, wind,
+};
 use crate::cloth::{Cloth, Grid, Rest, Tethers};
 use crate::options::{Options, Solver};
 use crate::passes::{self, Pass};

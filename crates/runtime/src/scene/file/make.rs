@@ -7,6 +7,7 @@ use crate::cloth::{Cloth, Compliance, Flat};
 use crate::collider::{Collider, Shape};
 use crate::draw::{Camera, Look, SolidLook, uv_of};
 use crate::options::{Options, Solver};
+use crate::quality::Quality;
 use crate::scene::{Cut, Key, Motion, PinnedSet, Pose, Scene, Script, about};
 use crate::wind::{Wind, WindForce};
 
@@ -57,6 +58,7 @@ fn options(fields: &json::Solver) -> Result<Options> {
         }
     };
     options.substeps = fields.substeps.unwrap_or(options.substeps);
+    options.quality = Quality::of(fields.error, fields.budget);
     options.pyramid = fields.pyramid.unwrap_or(options.pyramid);
     options.tethers = fields.tethers.unwrap_or(options.tethers);
     options.iterations = fields.iterations.unwrap_or(options.iterations);
