@@ -1,5 +1,5 @@
-// The largest square of length / rest length of the springs to the right and down, as bits, which are ordered as numbers that
-// are not below 0 are. A thread a texel.
+// The largest residual of the springs to the right and down, as bits, which are ordered as numbers that are not below 0
+// are. A thread a texel.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(33) var<storage, read_write> strain: array<atomic<u32>>;
 
@@ -10,10 +10,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
   if (id.x < grid.width && id.y < grid.height) {
     let k = grid.first + id.y * grid.width + id.x;
     if (id.x + 1u < grid.width) {
-      far = squared_ratio(now[k], now[k + 1u], rest_length(id.z, k, 0u));
+      far = residual(id.z, k, k + 1u, 0u);
     }
     if (id.y + 1u < grid.height) {
-      far = larger(far, squared_ratio(now[k], now[k + grid.width], rest_length(id.z, k, 1u)));
+      far = larger(far, residual(id.z, k, k + grid.width, 1u));
     }
   }
   far = most(far, local);

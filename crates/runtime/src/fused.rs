@@ -147,7 +147,7 @@ impl Fused {
                 Pass::Seams => fused.seams = true,
                 Pass::Contact(kinds) => fused.contact = Some(kinds),
                 Pass::Normals { .. } => fused.normals = true,
-                Pass::Strain { image } => (fused.strain, fused.image) = (true, image),
+                Pass::Strain { image, soft } => (fused.strain, fused.image, fused.soft) = (true, image, soft),
                 Pass::Speed => fused.watch = true,
                 _ => {}
             }
@@ -187,7 +187,7 @@ impl Fused {
         s.relax.extend(tethers);
         s.relax.extend(self.contact.map(Pass::Contact));
         s.frame.extend([Pass::Guard, Pass::Restore]);
-        s.frame.extend(self.strain.then_some(Pass::Strain { image }));
+        s.frame.extend(self.strain.then_some(Pass::Strain { image, soft }));
         s.frame.extend(self.normals.then_some(Pass::Normals { holes: false }));
         s.frame.extend((self.normals && self.seams).then_some(Pass::SeamNormals));
         s.frame.extend(self.watch.then_some([Pass::Speed, Pass::Fastest]).into_iter().flatten());

@@ -107,8 +107,10 @@ impl Gpu {
                 pass.set_bind_group(0, group, offsets);
                 pass.dispatch_workgroups(x, y, z);
             };
+            let mut last = 0;
             for n in 0..steps {
                 let offset = offset(buffers, n);
+                last = offset;
                 plan.step.iter().for_each(|what| run(buffers, *what, offset));
                 if world.coarse(n) {
                     plan.coarse.iter().for_each(|what| run(buffers, *what, offset));
@@ -116,7 +118,7 @@ impl Gpu {
                 let rounds = 0..world.options.iterations;
                 rounds.for_each(|_| plan.relax.iter().for_each(|what| run(buffers, *what, offset)));
             }
-            plan.frame.iter().for_each(|what| run(buffers, *what, 0));
+            plan.frame.iter().for_each(|what| run(buffers, *what, last));
         }
         drop(pass);
         self.watch(world, encoder, steps);

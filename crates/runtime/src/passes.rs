@@ -98,6 +98,8 @@ pub enum Pass {
     Strain {
         /// Whether rest lengths come from an image.
         image: bool,
+        /// Where compliance comes from, which accounts for a part of it.
+        soft: Soft,
     },
     /// All of the above for whole cloths in one dispatch.
     Fused(Fused),
@@ -246,7 +248,12 @@ pub fn schedule(
         }
     }
     let springs = cloth.directions()[..2].contains(&true);
-    let strain = Pass::Strain { image: matches!(cloth.rest(), Rest::Image(_)) };
+    let soft = match (options.solver, cloth.membrane()) {
+        (Solver::Classic, _) => Soft::None,
+        (Solver::Xpbd, Some(_)) => Soft::Constant,
+        (Solver::Xpbd, None) => soft_of(cloth),
+    };
+    let strain = Pass::Strain { image: matches!(cloth.rest(), Rest::Image(_)), soft };
     s.frame.extend((springs && options.quality.target().is_some()).then_some(strain));
     if options.normals {
         s.frame.push(Pass::Normals { holes: cloth.is_cut() });
@@ -264,13 +271,17 @@ fn membrane(cloth: &Cloth) -> impl Iterator<Item = Pass> {
     there.map(move |(column, row)| Pass::Membrane { column, row, holes })
 }
 
-/// As [`springs`], structural ones last: what the others disturb, they put right.
-fn stretch(cloth: &Cloth, again: bool) -> impl Iterator<Item = Pass> {
-    let soft = match cloth.compliance {
+fn soft_of(cloth: &Cloth) -> Soft {
+    match cloth.compliance {
         Compliance::None => Soft::None,
         Compliance::Constant(_) => Soft::Constant,
         Compliance::Image(_) => Soft::Image,
-    };
+    }
+}
+
+/// As [`springs`], structural ones last: what the others disturb, they put right.
+fn stretch(cloth: &Cloth, again: bool) -> impl Iterator<Item = Pass> {
+    let soft = soft_of(cloth);
     let all: Vec<_> = springs(cloth).collect();
     let of = move |first: u32| {
         all.clone().into_iter().filter_map(move |pass| match pass {

@@ -19,12 +19,14 @@ pub enum Quality {
     /// As many as take no more than this time \[ms\] in [`crate::Options::step`], by what the host says that frames took
     /// ([`crate::Stepper::took`]); as they are until it does. Above 0. Results then depend on the host's clock.
     Budget(f64),
-    /// The fewest that keep the error at or below this; 1e-4 to 1, 0.01 being one percent. The error is the largest stretch
-    /// of a spring to the right or down (length / rest length - 1, not below 0) at the end of a frame, over cloths that
-    /// are awake. What a material or a compliance lets cloth give counts too: set the target above it, else the most
-    /// substeps are made. Costs a pass over the particles a frame. Deterministic on the CPU; on the GPU the number
-    /// changes when measurements have come back ([`crate::Stepper::settle`]), so runs repeat if the host waits for each
-    /// frame before it settles.
+    /// The fewest, at most 256, that keep the error at or below this; 1e-4 to 1, 0.01 being one percent. The error is the
+    /// largest stretch of a spring to the right or down (length / rest length - 1, not below 0) at the end of a frame,
+    /// over cloths that are awake. Where cloth has a compliance or a material, only a share of a stretch is error, that
+    /// which one relaxation takes away (`w dt^2 / (w dt^2 + compliance)`, w being the sum of the inverse masses): more
+    /// than is left of relaxation rather than less. For a material the compliance is that of square cells.
+    /// Costs a pass over the particles a frame. Deterministic on the CPU; on the GPU the number changes when
+    /// measurements have come back ([`crate::Stepper::settle`]), so runs repeat if the host waits for each frame before
+    /// it settles.
     Error(f64),
     /// As `Error`, but never more substeps than `Budget` allows: the budget wins.
     ErrorWithin {
@@ -117,9 +119,8 @@ impl Chooser {
         self.seconds += seconds;
     }
 
-    /// Takes in the square of the largest ratio of length to rest length in a cloth.
-    pub fn measured(&mut self, square: f64) {
-        let stretch = (square.sqrt() - 1.0).max(0.0);
+    /// Takes in the error of a cloth.
+    pub fn measured(&mut self, stretch: f64) {
         self.fresh = Some(self.fresh.map_or(stretch, |s| s.max(stretch)));
     }
 

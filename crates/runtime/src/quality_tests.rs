@@ -8,7 +8,7 @@ fn settled(quality: Quality, start: u32, frames: u32, load: impl Fn(u32) -> f64)
     let mut n = start;
     let frame = |frame| {
         n = chooser.next(quality, n);
-        chooser.measured((1.0 + load(frame) / f64::from(n * n)).powi(2));
+        chooser.measured(load(frame) / f64::from(n * n));
         chooser.stepped(FRAME);
         n
     };
@@ -21,7 +21,7 @@ fn timed(quality: Quality, start: u32, frames: u32, cost: impl Fn(u32) -> f64) -
     let mut n = start;
     let frame = |frame| {
         n = chooser.next(quality, n);
-        chooser.measured(4.0);
+        chooser.measured(1.0);
         chooser.stepped(FRAME);
         chooser.took(n, 0.2 + cost(frame) * f64::from(n));
         n

@@ -356,11 +356,18 @@ pub fn source(pass: Pass) -> Source {
         Pass::Fastest => {
             plain("fastest", &[LARGER, MOST, pass!("fastest")], &[reads(Partial), writes(Fastest)], Threads::One)
         }
-        Pass::Strain { image } => {
-            let (rest, read): (_, &[Bound]) =
-                if image { (part!("rest_image"), &[reads(Rest)]) } else { (part!("rest_constant"), &[]) };
-            let bindings = [&[reads(Grids), reads(Now), writes(Slot::Strain)], read].concat();
-            plain("strain", &[GRID, LARGER, MOST, rest, part!("ratio"), pass!("strain")], &bindings, Threads::Texels)
+        Pass::Strain { image, soft } => {
+            let mut files = vec![GRID, LARGER, MOST, part!("residual"), share(soft), pass!("strain")];
+            files.push(if image { part!("rest_image") } else { part!("rest_constant") });
+            let mut bindings = vec![reads(Grids), reads(Now), writes(Slot::Strain)];
+            bindings.extend(image.then_some(reads(Rest)));
+            if soft != Soft::None {
+                files.extend([STEP, BOUND]);
+                files.push(if soft == Soft::Image { part!("soft_image") } else { part!("soft_constant") });
+                bindings.push(reads(Step));
+                bindings.extend((soft == Soft::Image).then_some(reads(Slot::Soft)));
+            }
+            plain("strain", &files, &bindings, Threads::Texels)
         }
         Pass::Cut => plain(
             "cut",
@@ -451,6 +458,11 @@ fn spring_parts(image: bool, soft: Soft, again: bool) -> (Vec<&'static str>, Vec
     }
     files.push(part!("spring"));
     (files, bindings)
+}
+
+/// How much of a stretch is error.
+fn share(soft: Soft) -> &'static str {
+    if soft == Soft::None { part!("share_all") } else { part!("share_soft") }
 }
 
 fn shapes(kinds: Kinds) -> Vec<(&'static str, f64)> {

@@ -34,7 +34,9 @@ fn variants() -> Vec<Pass> {
             again,
         }));
     }
-    all.extend([false, true].map(|image| Pass::Strain { image }));
+    for soft in [Soft::None, Soft::Constant, Soft::Image] {
+        all.extend([false, true].map(|image| Pass::Strain { image, soft }));
+    }
     all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend]);
     all.extend([false, true].map(|holes| Pass::Moments { holes }));
     all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));

@@ -175,8 +175,8 @@ impl World {
                 let excess = self.faults.len().saturating_sub(MOST_FAULTS);
                 self.faults.drain(..excess);
             }
-            if let Some(square) = body.strain.take() {
-                self.chooser.measured(square.get());
+            if let Some(error) = body.strain.take() {
+                self.chooser.measured(error.get());
             }
             if let Some(limit) = self.calm_below() {
                 let seconds = f64::from(steps) * self.clock.dt;

@@ -172,6 +172,41 @@ fn both_backends_choose_the_same() {
 }
 
 #[test]
+fn what_cloth_yields_is_no_error() {
+    // Converged stretch of springs of 1000 N/m, and of 300 N/m along warp and weft, found with 256 substeps.
+    let mut springs = scene::builtin("s1k", 32).unwrap();
+    springs.cloths[0].damping = 2.0;
+    let mut fabric = damped();
+    let material = Material { warp: 300.0, weft: 300.0, shear: 30.0, damping: 2.0, ..Material::default() };
+    fabric.cloths[0].set_material(&material).unwrap();
+    for (name, scene, truth, target) in [("springs", &springs, 0.0188, 0.01), ("fabric", &fabric, 0.00513, 0.005)] {
+        let mut rig = Rig::cpu(scene.clone(), &options(Solver::Xpbd, Quality::Error(target)));
+        rig.frames(480);
+        let (estimate, error) = (rig.stepper.estimated_error().unwrap(), measured(&rig).stretch_max - truth);
+        println!("{name}: {} substeps, estimated {estimate:.5}, error {error:.5}", substeps(&rig));
+        assert!(estimate <= target && estimate > 0.5 * target, "{name}: {estimate}");
+        assert!(error < estimate && error > 0.2 * estimate, "{name}: {error} {estimate}");
+    }
+}
+
+#[test]
+fn soft_cloth_is_measured_alike_on_both_backends() {
+    for (name, scene) in support::soft() {
+        for fused in [false, true] {
+            let with = Options { fused, ..options(Solver::Xpbd, Quality::Error(1e-4)) };
+            let run = |mut rig: Rig| {
+                (0..3).for_each(|_| rig.frame_to_its_end(FRAME));
+                rig.stepper.estimated_error().unwrap()
+            };
+            let all: Vec<_> = Rig::both(&scene, &with).into_iter().map(run).collect();
+            println!("{name} {fused}: {all:?}");
+            assert!(all[0] > 0.0);
+            assert!(all.iter().all(|e| (e / all[0] - 1.0).abs() < 1e-3), "{name} {fused}: {all:?}");
+        }
+    }
+}
+
+#[test]
 fn every_grid_counts_and_springs_between_pins_do_not() {
     // A spring of each grid in turn is twice as long as it should be.
     for solver in [Solver::Classic, Solver::Xpbd] {

@@ -266,7 +266,7 @@ impl ClothBuffers {
         self.others.get(&Slot::Fastest).map(|b| (b, 0))
     }
 
-    /// Square of the largest ratio of length to rest length in the last frame, where that is measured.
+    /// The largest residual of springs in the last frame, where that is measured.
     pub(super) fn strain(&self, fused: bool) -> Option<(&Buffer, u64)> {
         if fused {
             return self.faults.as_ref().map(|f| (&f.buffer, f.offset + 20));
@@ -293,7 +293,7 @@ pub(super) fn grid_rows(cloth: &Cloth, first: u32) -> Vec<GridRow> {
         first: first + grid.first,
         width: grid.width,
         height: grid.height,
-        soft: if let Compliance::Constant(c) = cloth.compliance { c } else { 0.0 },
+        soft: cloth.softness(),
         rest: constant(g),
     };
     cloth.grids().iter().enumerate().map(row).collect()
