@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use gimage::options::{BuildOptions, ImageSize, Sample, Seams};
+use gimage::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
 
 /// Measures builds: CPU time, memory and faithfulness, as a table and a plot.
 #[derive(Debug, Parser)]
@@ -47,6 +47,12 @@ pub struct BenchArgs {
     /// Which edges the cut prefers.
     #[arg(long, value_delimiter = ',', default_value = "auto,short")]
     pub seams: Vec<SeamsArg>,
+    /// How hard the search for a layout tries.
+    #[arg(long, value_delimiter = ',', default_value = "default")]
+    pub effort: Vec<EffortArg>,
+    /// How far texels go where the surface bends, each 0 to 1.
+    #[arg(long, value_delimiter = ',', default_value = DETAIL)]
+    pub detail: Vec<f64>,
     /// Timed builds of each setting; minimum and median are reported.
     #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
@@ -81,6 +87,12 @@ pub struct OneArgs {
     /// Which edges the cut prefers.
     #[arg(long)]
     pub seams: SeamsArg,
+    /// How hard the search for a layout tries.
+    #[arg(long)]
+    pub effort: EffortArg,
+    /// How far texels go where the surface bends.
+    #[arg(long)]
+    pub detail: f64,
     /// Where the bundle goes.
     #[arg(long)]
     pub out: PathBuf,
@@ -116,6 +128,20 @@ pub enum SeamsArg {
     Uv,
 }
 
+/// [`Effort`] by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EffortArg {
+    /// One rough search.
+    Fast,
+    /// What `gimage build` does unasked.
+    Default,
+    /// Several times as long.
+    Best,
+}
+
+/// What `gimage build` does unasked.
+pub const DETAIL: &str = "0.5";
+
 /// A peer by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PeerArg {
@@ -144,6 +170,12 @@ impl OneArgs {
                 SeamsArg::Short => Seams::Short,
                 SeamsArg::Uv => Seams::Uv,
             },
+            effort: match self.effort {
+                EffortArg::Fast => Effort::Fast,
+                EffortArg::Default => Effort::Default,
+                EffortArg::Best => Effort::Best,
+            },
+            detail: self.detail,
             metrics: self.metrics,
             ..BuildOptions::default()
         }
@@ -161,6 +193,8 @@ mod tests {
         let cli = Cli::parse_from(["fidelity"]);
         assert_eq!(cli.bench.texels, [65, 129, 257, 513]);
         assert!(cli.bench.peers.is_empty() && cli.bench.repeat == 3);
+        let options = BuildOptions::default();
+        assert_eq!((cli.bench.detail[0], options.effort), (options.detail, Effort::Default));
     }
 
     #[test]

@@ -100,13 +100,16 @@ impl Bench<'_> {
             texels: job.setting.texels,
             sample: name(job.setting.sample),
             seams: name(job.setting.seams),
+            effort: name(job.setting.effort),
+            detail: job.setting.detail.to_string(),
             ..Row::default()
         }
     }
 
     fn title(&self, job: &Job) -> String {
         let (mesh, s) = (stem(&self.meshes[job.mesh]), job.setting);
-        format!("{mesh} {0}^2 {1} {2}", s.texels, name(s.sample), name(s.seams))
+        let [sample, seams, effort] = [name(s.sample), name(s.seams), name(s.effort)];
+        format!("{mesh} {}^2 {sample} {seams} {effort} {}", s.texels, s.detail)
     }
 
     /// The untimed build of a job, measured and scored. The bytes are those of the timed builds, the metrics aside.

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::Failure;
-use crate::args::{BenchArgs, SampleArg, SeamsArg, name};
+use crate::args::{BenchArgs, EffortArg, SampleArg, SeamsArg, name};
 use crate::one::Run;
 
 /// How a mesh is built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
     /// Side of the square that sets the texel budget.
     pub texels: u32,
@@ -16,6 +16,10 @@ pub struct Setting {
     pub sample: SampleArg,
     /// Which edges the cut prefers.
     pub seams: SeamsArg,
+    /// How hard the search for a layout tries.
+    pub effort: EffortArg,
+    /// How far texels go where the surface bends.
+    pub detail: f64,
 }
 
 /// One mesh at one setting.
@@ -32,9 +36,12 @@ pub fn all(args: &BenchArgs, meshes: usize) -> Vec<Job> {
     let mut out = Vec::new();
     for mesh in 0..meshes {
         for &seams in &args.seams {
-            for &sample in &args.sample {
-                for &texels in &args.texels {
-                    out.push(Job { mesh, setting: Setting { texels, sample, seams } });
+            for &effort in &args.effort {
+                for &detail in &args.detail {
+                    for &sample in &args.sample {
+                        let setting = |&texels: &u32| Setting { texels, sample, seams, effort, detail };
+                        out.extend(args.texels.iter().map(setting).map(|setting| Job { mesh, setting }));
+                    }
                 }
             }
         }
@@ -60,6 +67,7 @@ impl Setting {
         let mut child = Command::new(std::env::current_exe()?);
         child.arg("one").arg(mesh).arg("--out").arg(out).args(["--texels", &self.texels.to_string()]);
         child.args(["--sample", &name(self.sample), "--seams", &name(self.seams)]);
+        child.args(["--effort", &name(self.effort), "--detail", &self.detail.to_string()]);
         if metrics {
             child.arg("--metrics");
         }

@@ -10,10 +10,12 @@ pub fn describe(args: &BenchArgs) -> String {
     let build = if cfg!(debug_assertions) { "debug, timings mean little" } else { "release" };
     let list = |v: Vec<String>| v.join(",");
     let mut settings = format!(
-        "texels {}; sample {}; seams {}; {} timed builds each",
+        "texels {}; sample {}; seams {}; effort {}; detail {}; {} timed builds each",
         list(args.texels.iter().map(|t| format!("{t}^2")).collect()),
         list(args.sample.iter().map(|&s| name(s)).collect()),
         list(args.seams.iter().map(|&s| name(s)).collect()),
+        list(args.effort.iter().map(|&e| name(e)).collect()),
+        list(args.detail.iter().map(f64::to_string).collect()),
         args.repeat
     );
     if !args.peers.is_empty() {
@@ -63,7 +65,11 @@ mod tests {
     #[test]
     fn the_description_holds_no_folder() {
         let text = describe(&crate::args::Cli::parse_from(["fidelity"]).bench);
-        assert!(text.contains("settings: texels 65^2,129^2,257^2,513^2; sample point,fit; seams auto,short"));
+        assert!(
+            text.contains(
+                "settings: texels 65^2,129^2,257^2,513^2; sample point,fit; seams auto,short; effort default"
+            )
+        );
         assert!(!text.contains(env!("CARGO_MANIFEST_DIR")));
     }
 }

@@ -87,6 +87,7 @@ impl Report {
             let anisotropy = spring_anisotropy(&grid, &rest);
             put("spring_anisotropy", anisotropy.map(|a| a.longest_to_shortest));
             put("spring_p99_to_p1", anisotropy.map(|a| a.p99_to_p1));
+            put("spring_angle_deg", anisotropy.map(|a| a.angle_deviation));
         }
         Ok(out)
     }

@@ -39,8 +39,21 @@ fn of_manifest(manifest: &Manifest) -> Values {
     let worst =
         |values: &mut dyn Iterator<Item = f64>| values.fold(None, |m: Option<f64>, x| Some(m.map_or(x, |m| m.max(x))));
     put("spring_anisotropy", worst(&mut pieces().filter_map(|p| p.quality.spring_anisotropy)));
-    let percentiles = "spring_p99_to_p1";
-    put(percentiles, worst(&mut pieces().filter_map(|p| p.quality.more.get(percentiles)?.as_f64())));
+    for (column, name) in [
+        ("spring_p99_to_p1", "spring_p99_to_p1"),
+        ("spring_angle_deg", "spring_angle_degrees"),
+        ("mass_p99_to_p1", "mass_p99_to_p1"),
+    ] {
+        put(column, worst(&mut pieces().filter_map(|p| p.quality.more.get(name)?.as_f64())));
+    }
+    let cut: f64 = pieces().filter_map(|p| Some(p.cut.as_ref()?.length)).sum();
+    put("cut_rel", whole.diagonal.map(|d| cut / d));
+    let bought = pieces().filter_map(|p| {
+        let c = p.cut.as_ref()?;
+        Some(((c.distortion_shortest? - c.distortion?) * area(p), area(p)))
+    });
+    let (sum, weight) = bought.fold((0.0, 0.0), |(s, w), (x, a)| (s + x, w + a));
+    put("cut_bought", (weight > 0.0).then(|| sum / weight));
     let gap = worst(&mut pieces().filter_map(|p| p.quality.seam_gap));
     put("seam_gap_rel", gap.zip(whole.diagonal).map(|(g, d)| g / d));
     out

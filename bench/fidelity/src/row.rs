@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use crate::Failure;
+use crate::args::DETAIL;
 
 /// The columns with words; those with numbers follow.
-const WORDS: [&str; 6] = ["mesh", "method", "texels", "sample", "seams", "sizes"];
+const WORDS: [&str; 8] = ["mesh", "method", "texels", "sample", "seams", "effort", "detail", "sizes"];
 
 /// The columns with numbers, empty where nothing is known. `bench/README.md` says what they mean.
-pub const NUMBERS: [&str; 42] = [
+pub const NUMBERS: [&str; 46] = [
     "triangles",
     "repeats",
     "cpu_s_min",
@@ -42,6 +43,10 @@ pub const NUMBERS: [&str; 42] = [
     "seam_gap_rel",
     "spring_anisotropy",
     "spring_p99_to_p1",
+    "spring_angle_deg",
+    "mass_p99_to_p1",
+    "cut_rel",
+    "cut_bought",
     "scorer_psnr_db",
     "scorer_rms_rel",
     "scorer_hausdorff_rel",
@@ -69,6 +74,10 @@ pub struct Row {
     pub sample: String,
     /// Which edges the cut prefers; empty for peers.
     pub seams: String,
+    /// How hard the search tries; empty for peers.
+    pub effort: String,
+    /// How far texels go where the surface bends; empty for peers.
+    pub detail: String,
     /// Width x height of each image.
     pub sizes: String,
     /// The numbers.
@@ -82,13 +91,24 @@ impl Row {
     pub fn family(&self) -> String {
         match self.sample.as_str() {
             "" => self.method.clone(),
-            sample => format!("{} {sample}, {} seams", self.method, self.seams),
+            sample => {
+                let mut text = format!("{} {sample}, {} seams", self.method, self.seams);
+                if !matches!(self.effort.as_str(), "" | "default") {
+                    text += &format!(", {}", self.effort);
+                }
+                if !matches!(self.detail.as_str(), "" | DETAIL) {
+                    text += &format!(", detail {}", self.detail);
+                }
+                text
+            }
         }
     }
 
     fn line(&self) -> String {
         let texels = self.texels.to_string();
-        let words = [&self.mesh, &self.method, &texels, &self.sample, &self.seams, &self.sizes].map(|w| word(w));
+        let words =
+            [&self.mesh, &self.method, &texels, &self.sample, &self.seams, &self.effort, &self.detail, &self.sizes]
+                .map(|w| word(w));
         let numbers = NUMBERS.iter().map(|&n| self.values.get(n).map_or(String::new(), |&x| digits(x)));
         let all: Vec<String> = words.into_iter().chain(numbers).chain([word(&self.error)]).collect();
         all.join(",") + "\n"
@@ -128,6 +148,8 @@ pub fn parse(text: &str) -> Result<Vec<Row>, Failure> {
                 "texels" => row.texels = cell.parse()?,
                 "sample" => row.sample = cell.into(),
                 "seams" => row.seams = cell.into(),
+                "effort" => row.effort = cell.into(),
+                "detail" => row.detail = cell.into(),
                 "sizes" => row.sizes = cell.into(),
                 "error" => row.error = cell.into(),
                 _ if cell.is_empty() => {}

@@ -147,6 +147,13 @@ pub struct Cut {
     pub edges: u32,
     /// How it was chosen.
     pub method: String,
+    /// Distortion of a stand-in cut as short as can be, and as it is cut: means of ln(symmetric Dirichlet density / 4), 0
+    /// for an isometry. Their difference is what the longer cut bought.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distortion_shortest: Option<f64>,
+    /// The second of these.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distortion: Option<f64>,
 }
 
 /// The surface of a piece before it was cut.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use gimage::options::{BuildOptions, Effort, ImageSize, RestLength, Sample, Seams};
 use gimage::pins::Pin;
+use gimage_runtime::Material;
 
 use crate::help;
 
@@ -170,6 +171,10 @@ pub struct SceneArgs {
     /// Limit lengths on coarser grids once in K steps, 0 for never; xpbd only [default: that of the scene, or 0].
     #[arg(long, value_name = "K")]
     pub pyramid: Option<u32>,
+    /// What all cloth is made of, as warp=500,weft=400,shear=40,bend=1e-5,density=0.15,damping=0.5, of which any may be left
+    /// out (N/m, N m, kg/m2, 1/s); xpbd only [default: that of the scene, or springs].
+    #[arg(long, value_name = "NAME=NUMBER,...", value_parser = material)]
+    pub material: Option<Material>,
     /// Particles on a side of a built-in scene.
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095))]
     pub n: u32,
@@ -353,6 +358,24 @@ fn positive(text: &str) -> Result<f64, String> {
 fn not_negative(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().map_err(|_| format!("`{text}` is no number"))?;
     if number.is_finite() && number >= 0.0 { Ok(number) } else { Err("give a number of at least 0".into()) }
+}
+
+fn material(text: &str) -> Result<Material, String> {
+    let mut material = Material::default();
+    for part in text.split(',') {
+        let (name, number) = part.split_once('=').ok_or_else(|| format!("`{part}` is not NAME=NUMBER"))?;
+        let field = match name.trim() {
+            "warp" => &mut material.warp,
+            "weft" => &mut material.weft,
+            "shear" => &mut material.shear,
+            "bend" => &mut material.bend,
+            "density" => &mut material.density,
+            "damping" => &mut material.damping,
+            other => return Err(format!("`{other}` is none of warp, weft, shear, bend, density, damping")),
+        };
+        *field = number.trim().parse().map_err(|_| format!("`{number}` is no number"))?;
+    }
+    material.check().map(|()| material).map_err(|e| e.to_string())
 }
 
 fn camera(text: &str) -> Result<[f32; 6], String> {

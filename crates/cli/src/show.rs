@@ -1,6 +1,6 @@
 //! A summary as tables.
 
-use gimage_bundle::manifest::{Quality, Repair};
+use gimage_bundle::manifest::{Cut, Quality, Repair};
 use serde_json::Value;
 
 use crate::output::{Output, plain};
@@ -89,7 +89,8 @@ fn surfaces(summary: &Summary) -> Table {
 }
 
 fn seams(summary: &Summary) -> Table {
-    let headings = ["<piece", "cut", "edges", "seam texels", "seam points", "largest ring", "gap", "<method"];
+    let headings =
+        ["<piece", "cut", "edges", "seam texels", "seam points", "largest ring", "gap", "distortion", "<method"];
     let mut table = Table::new(&headings);
     for p in &summary.pieces {
         let (cut, counts) = (p.cut.as_ref(), &p.counts);
@@ -101,6 +102,7 @@ fn seams(summary: &Summary) -> Table {
             grouped(counts.seam_points.into()),
             grouped(counts.largest_ring.into()),
             or_dash(p.quality.seam_gap, length),
+            or_dash(cut, bought),
             or_dash(cut, |cut| cut.method.clone()),
         ]);
     }
@@ -118,8 +120,22 @@ fn qualities(summary: &Summary) -> impl Iterator<Item = (String, &Quality)> {
     summary.pieces.iter().map(|p| (p.name.clone(), &p.quality)).chain(all)
 }
 
+/// What a longer cut did to the distortion of the stand-in.
+fn bought(cut: &Cut) -> String {
+    match (cut.distortion_shortest, cut.distortion) {
+        (Some(shortest), Some(now)) if shortest != now => format!("{shortest:.3} -> {now:.3}"),
+        (_, Some(now)) => format!("{now:.3}"),
+        _ => NOTHING.to_owned(),
+    }
+}
+
+fn more(quality: &Quality, name: &str) -> Option<f64> {
+    quality.more.get(name)?.as_f64()
+}
+
 fn distortion(summary: &Summary) -> Table {
-    let headings = ["<piece", "stretch L2", "largest", "Dirichlet", "flips", "spring anisotropy"];
+    let headings =
+        ["<piece", "stretch L2", "largest", "Dirichlet", "flips", "springs", "p99/p1", "angle", "mass p99/p1"];
     let mut table = Table::new(&headings);
     let number = |x| significant(x, 4);
     for (name, q) in qualities(summary) {
@@ -130,6 +146,9 @@ fn distortion(summary: &Summary) -> Table {
             or_dash(q.symmetric_dirichlet, number),
             or_dash(q.flips, grouped),
             or_dash(q.spring_anisotropy, number),
+            or_dash(more(q, "spring_p99_to_p1"), number),
+            or_dash(more(q, "spring_angle_degrees"), |x| format!("{}°", significant(x, 3))),
+            or_dash(more(q, "mass_p99_to_p1"), number),
         ]);
     }
     table

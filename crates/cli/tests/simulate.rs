@@ -34,6 +34,21 @@ fn a_bundle_falls() {
 }
 
 #[test]
+fn a_material_is_a_membrane_that_bends() {
+    let place = Place::new();
+    let flags = "--backend cpu --n 9 --frames 2 --solver xpbd --tethers 0 --json";
+    let shaders = |more: &str| {
+        let json = place.run(&format!("simulate s1 {flags} {more}")).expect(&[0]).json();
+        let list = json["plan"].as_array().unwrap().iter().map(|p| p["shader"].as_str().unwrap().to_owned());
+        list.collect::<Vec<_>>()
+    };
+    let made = shaders("--material warp=300,bend=1e-4");
+    assert!(["membrane", "moments", "bend"].iter().all(|s| made.iter().any(|m| m == s)), "{made:?}");
+    assert!(shaders("").iter().all(|s| s != "membrane") && made.iter().all(|s| s != "stretch"));
+    assert!(shaders("--material bend=0").iter().all(|s| s != "bend"));
+}
+
+#[test]
 fn what_cannot_be_is_said() {
     let place = Place::new();
     for (args, words) in [
@@ -44,6 +59,10 @@ fn what_cannot_be_is_said() {
         ("simulate s1 --n 1", "--n"),
         ("simulate tube.obj", "tube.obj"),
         ("simulate s1 --every 2", "--dump"),
+        ("simulate s1 --material warp", "NAME=NUMBER"),
+        ("simulate s1 --material silk=1", "none of warp"),
+        ("simulate s1 --material bend=soft", "no number"),
+        ("simulate s1 --material density=0", "density"),
     ] {
         let run = place.run(args).expect(&[2]);
         assert!(run.stderr.contains(words), "{args}: {}", run.stderr);

@@ -80,6 +80,8 @@ pub(crate) fn assemble(
                 (true, true) => format!("uv-seams, grown to {} points", image.cut.grown),
                 (true, false) => format!("shortest, grown to {} points", image.cut.grown),
             },
+            distortion_shortest: image.cut.bought.map(|b| b[0]),
+            distortion: image.cut.bought.map(|b| b[1]),
         });
         entry.surface = Some(SurfaceEntry {
             euler: component.euler as i32,
@@ -87,7 +89,7 @@ pub(crate) fn assemble(
             area: component.area,
             triangles: component.triangles.len() as u32,
         });
-        entry.quality = map_quality(image, &made.rest);
+        entry.quality = map_quality(image, &made.rest, &made.mass);
         match made.rest {
             RestLengths::Constant(c) => entry.constants.rest = Some(c),
             RestLengths::Image(lengths) => {
@@ -217,7 +219,7 @@ fn pinned(
 }
 
 /// What is known of a map without measuring distances.
-fn map_quality(image: &PieceImage, rest: &RestLengths) -> ManifestQuality {
+fn map_quality(image: &PieceImage, rest: &RestLengths, mass: &Masses) -> ManifestQuality {
     let d = &image.distortion;
     let mut quality = ManifestQuality {
         stretch_l2: Some(d.l2),
@@ -231,6 +233,7 @@ fn map_quality(image: &PieceImage, rest: &RestLengths) -> ManifestQuality {
         quality.more.insert("spring_p99_to_p1".into(), json!(a.p99_to_p1));
         quality.more.insert("spring_angle_degrees".into(), json!(a.angle_deviation));
     }
+    quality.more.insert("mass_p99_to_p1".into(), json!(mass.spread(&image.grid)));
     let gap = |ring: Vec<u32>| {
         let first = image.grid.stored(ring[0]);
         ring.iter().map(|&k| crate::vec3::distance(first, image.grid.stored(k))).fold(0.0, f64::max)

@@ -2,6 +2,7 @@
 
 use crate::cut::{Cut, Cutter};
 use crate::halfedge::{self, BOUNDARY, next, origin, target};
+use crate::parameterize::Shape;
 use crate::vec3::{distance, lerp};
 
 /// A vertex that is no vertex of the surface.
@@ -272,6 +273,11 @@ impl Disk {
         let mut mask = vec![false; self.positions.len()];
         self.boundary.iter().for_each(|&v| mask[v as usize] = true);
         mask
+    }
+
+    /// What is to be mapped, with these vertices in their places.
+    pub(crate) fn shape<'a>(&'a self, fixed: &'a [bool]) -> Shape<'a> {
+        Shape { positions: &self.positions, triangles: &self.triangles, wanted: &self.wanted, fixed }
     }
 }
 

@@ -37,10 +37,17 @@ impl Default for FitOptions {
 }
 
 /// How near the solve of a round comes, as a share of where it began: the next round moves the target anyway.
-const NEAR: f64 = 1e-3;
+const NEAR: f64 = 2e-2;
+
+/// How much more the gradient term counts where the image is turned over by more than a right angle.
+const TURNED: f64 = 2.0;
+
+/// How firmly the garment's own boundary is held to where it was sampled, as a share of what pulls at it: beyond a
+/// boundary is no surface that would hold it.
+const RIM: f64 = 1.0;
 
 /// Cuts a convex polygon by `n . x <= d`.
-fn clip(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut Vec<[f64; 2]>) {
+pub(crate) fn clip(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut Vec<[f64; 2]>) {
     out.clear();
     for (k, &p) in polygon.iter().enumerate() {
         let q = polygon[(k + 1) % polygon.len()];
@@ -156,9 +163,11 @@ impl Fragment {
         let sum = |w: [f64; 3]| [0, 1, 2].map(|c| w[0] * now[0][c] + w[1] * now[1][c] + w[2] * now[2][c]);
         let [xu, xv] = [0, 1].map(|c| sum(slope.map(|s| s[c])));
         let (du, dv) = (facet.slide(facet.du, xu, slip), facet.slide(facet.dv, xv, slip));
+        // What points away is held all the harder: left to itself it stays turned over.
         let off = distance(normalize(cross(xu, xv)), facet.normal);
+        let (off, hold) = if off > std::f64::consts::SQRT_2 { (0.0, TURNED) } else { (off, 1.0) };
         let total = a + d + f + 2.0 * (b + c + e);
-        let w = total * options.gradient * options.sharp / (options.sharp + off);
+        let w = hold * total * options.gradient * options.sharp / (options.sharp + off);
         let mut stencil = mass;
         for x in 0..3 {
             for y in 0..3 {
@@ -239,6 +248,7 @@ pub(crate) fn fit(
             out
         })
         .collect();
+    let sampled = local.clone();
     let mut before = local.clone();
     for round in 0..options.rounds {
         let last = local.clone();
@@ -263,6 +273,7 @@ pub(crate) fn fit(
         for part in parts {
             normal.add_rows(&part);
         }
+        normal.hold(rim, &sampled, RIM);
         if !normal.solve(&mut local, rings, NEAR) {
             return false;
         }

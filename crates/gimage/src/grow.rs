@@ -5,9 +5,12 @@ use crate::cut::{Cut, Cutter};
 use crate::decimate::decimate;
 use crate::disk::{self, NONE};
 use crate::graph::Paths;
+use crate::halfedge::BOUNDARY;
 use crate::layout::{Proxy, SearchOptions, Size, most_stretched};
 use crate::surface::Surface;
+use crate::symmetry::Mirror;
 use crate::transfer::transfer;
+use crate::vec3::{add, cross, dot, norm, sub};
 
 /// How far to grow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,21 +29,30 @@ impl Default for GrowOptions {
     }
 }
 
+/// An edge lies in the middle of a symmetric surface if its ends are nearer to the plane than this share of its length.
+const MIDDLE: f64 = 0.25;
+
+/// Cost of an edge in the middle, as a share of its length.
+const MIDDLE_COST: f64 = 0.5;
+
+/// What an edge costs more that faces straight outwards, as a share of its length.
+const OUTWARD_COST: f64 = 0.05;
+
 /// One try: the energy of a cut through `terminals`, and the vertices it stretches most.
 struct Try {
     score: f64,
     next: Vec<u32>,
 }
 
-fn attempt(cutter: &Cutter<'_>, terminals: &[u32], search: SearchOptions) -> Option<Try> {
+fn attempt(cutter: &Cutter<'_>, cost: &[f64], terminals: &[u32], search: SearchOptions) -> Option<Try> {
     let surface = cutter.surface;
-    let cut = cutter.cut(&cutter.graph.length, terminals);
+    let cut = cutter.cut(cost, terminals);
     let mut disk = disk::open(cutter, &cut).ok()?;
     let mut on_rim = vec![false; surface.positions.len()];
     cutter.loops().iter().flatten().for_each(|&v| on_rim[v as usize] = true);
     let border = Border::new(&mut disk, |v| on_rim[v as usize]);
     let mut proxy = Proxy::new(&disk, &border, search);
-    let layout = proxy.search(Size::Budget(16_384))?;
+    let (layout, solved) = proxy.search_map(Size::Budget(16_384))?;
     if !layout.score.is_finite() {
         return None;
     }
@@ -58,9 +70,8 @@ fn attempt(cutter: &Cutter<'_>, terminals: &[u32], search: SearchOptions) -> Opt
     let mut next = Vec::new();
     // The plain mean-value map shrinks limbs without mercy and so finds their tips; the solved map finds the rest; the
     // point farthest from the cut is a limb's tip more often than not.
-    for (passes, steps, many) in [(1, 0, 2), (search.passes, search.steps.iter().sum(), 2)] {
-        let Some((uv, _)) = proxy.map(&layout, passes, steps) else { continue };
-        let picks = most_stretched(&positions, &triangles, &uv, many, apart, |v| {
+    for uv in proxy.plain(&layout).into_iter().chain([solved]) {
+        let picks = most_stretched(&positions, &triangles, &uv, 2, apart, |v| {
             let o = proxy_origin(&disk, &proxy, v);
             o != NONE && !on_cut[o as usize]
         });
@@ -71,6 +82,33 @@ fn attempt(cutter: &Cutter<'_>, terminals: &[u32], search: SearchOptions) -> Opt
     let mut seen = std::collections::HashSet::new();
     next.retain(|&v| !on_cut[v as usize] && seen.insert(v));
     Some(Try { score: layout.score, next })
+}
+
+/// Costs of the edges: their lengths, but the middle of a symmetric surface is cheap: both halves are then alike.
+fn middle_costs(cutter: &Cutter<'_>, mirror: Option<&Mirror>) -> Vec<f64> {
+    let graph = &cutter.graph;
+    let Some(mirror) = mirror else { return graph.length.clone() };
+    let offset = |v: u32| mirror.offset(cutter.surface.positions[v as usize]).abs();
+    let cost = |(e, &l): (&[u32; 2], &f64)| if e.iter().all(|&v| offset(v) < MIDDLE * l) { MIDDLE_COST * l } else { l };
+    graph.ends.iter().zip(&graph.length).map(cost).collect()
+}
+
+/// Costs of the edges where there is nothing to grow to: besides, what faces the middle costs a little less than what faces
+/// outwards. Inner sleeves and inner legs are seen least, and tailors sew there.
+pub(crate) fn hidden_costs(cutter: &Cutter<'_>, mirror: Option<&Mirror>) -> Vec<f64> {
+    let mut cost = middle_costs(cutter, mirror);
+    let Some(mirror) = mirror else { return cost };
+    let (surface, graph) = (cutter.surface, &cutter.graph);
+    for (e, cost) in cost.iter_mut().enumerate() {
+        let normal = graph.halves[e].iter().filter(|&&h| h != BOUNDARY).fold([0.0; 3], |sum, &h| {
+            let [a, b, c] = surface.corners(h as usize / 3);
+            add(sum, cross(sub(b, a), sub(c, a)))
+        });
+        let side = graph.ends[e].iter().map(|&v| mirror.offset(surface.positions[v as usize])).sum::<f64>();
+        let outward = dot(normal, mirror.normal) * side.signum() / norm(normal).max(1e-300);
+        *cost *= 1.0 + OUTWARD_COST * outward.max(0.0);
+    }
+    cost
 }
 
 /// The surface vertex behind a vertex of the stand-in.
@@ -84,6 +122,10 @@ pub(crate) struct Grown {
     pub cut: Cut,
     /// Points the cut was grown to.
     pub terminals: Vec<u32>,
+    /// Distortion of the stand-in before and after.
+    pub bought: Option<[f64; 2]>,
+    /// The middle of a symmetric surface.
+    pub mirror: Option<Mirror>,
 }
 
 /// Cuts `surface` to a disk, growing the cut while that lowers the distortion of the stand-in. `None` if the stand-in
@@ -98,6 +140,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         steps: [1, 3, 6],
         keep: [3, 1],
         refine: false,
+        snap: 2,
     };
     let mut rim = vec![false; surface.positions.len()];
     fine.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);
@@ -111,8 +154,12 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     };
     let mut cutter = Cutter::new(&small)?;
     cutter.wanted = coarse.vertex.iter().map(|&v| fine.wanted[v as usize]).collect();
+    let mirror = Mirror::of(&small);
+    let cost = middle_costs(&cutter, mirror.as_ref());
+    let mates = mirror.as_ref().map(|m| m.mates(&small.positions));
     let mut terminals: Vec<u32> = Vec::new();
-    let mut now = attempt(&cutter, &terminals, search);
+    let mut now = attempt(&cutter, &cost, &terminals, search);
+    let shortest = now.as_ref().map(|t| t.score);
     while terminals.len() < options.points {
         let score = now.as_ref().map_or(f64::INFINITY, |t| t.score);
         let candidates = now.as_ref().map_or_else(Vec::new, |t| t.next.clone());
@@ -120,7 +167,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         for v in candidates {
             let mut longer = terminals.clone();
             longer.push(v);
-            if let Some(t) = attempt(&cutter, &longer, search)
+            if let Some(t) = attempt(&cutter, &cost, &longer, search)
                 && t.score < score - options.gain
                 && best.as_ref().is_none_or(|b| t.score < b.0.score)
             {
@@ -134,10 +181,85 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         let Some((t, v)) = best else { break };
         terminals.push(v);
         now = Some(t);
+        // What is alike on both sides is cut alike, unless that is worse.
+        if let Some(mate) = mates.as_ref().map(|m| m[v as usize]).filter(|m| !terminals.contains(m)) {
+            terminals.push(mate);
+            let both = attempt(&cutter, &cost, &terminals, search);
+            if both.as_ref().is_some_and(|b| now.as_ref().is_some_and(|t| b.score <= t.score)) {
+                now = both;
+            } else {
+                terminals.pop();
+            }
+        }
     }
-    let cut = cutter.cut(&cutter.graph.length, &terminals);
+    let cut = cutter.cut(&cost, &terminals);
     let terminals: Vec<u32> = terminals.iter().map(|&v| coarse.vertex[v as usize]).collect();
     let cut = transfer(fine, &cutter, &coarse, &cut, &terminals);
     disk::open(fine, &cut).ok()?;
-    Some(Grown { cut, terminals })
+    let bought = shortest.zip(now).map(|(before, after)| [before, after.score]);
+    Some(Grown { cut, terminals, bought, mirror })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::{Join, sheet};
+
+    /// A sleeve with an egg for a section, wider at one end: alike on both sides of y = 0 alone. Moved off the origin.
+    fn sleeve() -> Surface {
+        sheet(40, 24, Join::Same, Join::Open, |u, v| {
+            let (sin, cos) = (std::f64::consts::TAU * u).sin_cos();
+            let r = (0.1 + 0.02 * cos) * (1.0 + 0.5 * v);
+            [r * cos, 3.0 + r * sin, 0.8 * v]
+        })
+    }
+
+    #[test]
+    fn a_symmetric_sleeve_is_cut_along_its_middle() {
+        let s = sleeve();
+        let cutter = Cutter::new(&s).unwrap();
+        let grown = grow(&cutter, &GrowOptions::default()).unwrap();
+        let mirror = grown.mirror.unwrap();
+        assert!((mirror.normal[1].abs() - 1.0).abs() < 1e-2, "{mirror:?}");
+        let cut = cutter.cut(&hidden_costs(&cutter, Some(&mirror)), &[]);
+        let ends = cutter.graph.ends.iter().zip(&cut.edges).filter(|x| *x.1).flat_map(|x| *x.0);
+        let off: Vec<f64> = ends.map(|v| (s.positions[v as usize][1] - 3.0).abs()).collect();
+        assert!(off.len() >= 48 && off.iter().all(|o| *o < 1e-9), "{off:?}");
+    }
+
+    #[test]
+    fn of_equal_places_the_one_that_faces_the_middle_is_cut() {
+        // Two straight sleeves beside each other, alike all around: only their inner sides face the middle.
+        let tube = sheet(40, 24, Join::Same, Join::Open, |u, v| {
+            let (sin, cos) = (std::f64::consts::TAU * u).sin_cos();
+            [0.4 + 0.1 * cos, 0.1 * sin, 0.8 * v]
+        });
+        let cutter = Cutter::new(&tube).unwrap();
+        let mirror = Mirror { point: [0.0; 3], normal: [1.0, 0.0, 0.0] };
+        let outside = |triangles_face_out: f64| {
+            let cut = cutter.cut(&hidden_costs(&cutter, Some(&mirror)), &[]);
+            let ends = cutter.graph.ends.iter().zip(&cut.edges).filter(|x| *x.1).flat_map(|x| *x.0);
+            let x: Vec<f64> = ends.map(|v| tube.positions[v as usize][0] - 0.4).collect();
+            assert!(x.len() >= 48);
+            x.iter().filter(|x| triangles_face_out * **x > 1e-9).count()
+        };
+        let [a, b, c] = tube.corners(0);
+        let out = dot(cross(sub(b, a), sub(c, a)), sub(a, [0.4, 0.0, 0.0])).signum();
+        assert_eq!(outside(out), 0, "the cut runs where the sleeve faces outwards");
+    }
+
+    #[test]
+    fn growing_tells_what_it_bought() {
+        // A closed blob with a long horn: the shortest cut leaves the horn to shrink.
+        let horn = sheet(24, 40, Join::Same, Join::Open, |u, v| {
+            let (sin, cos) = (std::f64::consts::TAU * u).sin_cos();
+            let r = if v < 0.4 { 1.0 } else { 0.15 };
+            [r * cos, r * sin, 5.0 * v]
+        });
+        let cutter = Cutter::new(&horn).unwrap();
+        let grown = grow(&cutter, &GrowOptions::default()).unwrap();
+        let [before, after] = grown.bought.unwrap();
+        assert!(after <= before && before.is_finite());
+        assert_eq!(after < before, !grown.terminals.is_empty());
+    }
 }

@@ -48,6 +48,7 @@ mod shapes;
 pub mod springs;
 pub mod stretch;
 pub mod surface;
+mod symmetry;
 pub mod topology;
 mod transfer;
 mod vec3;

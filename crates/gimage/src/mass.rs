@@ -35,6 +35,20 @@ impl Masses {
             Self::Image(image) => image.get(k).copied().unwrap_or_default(),
         }
     }
+
+    /// How evenly mass is spread over the surface points of an image: the 99th percentile over the 1st, 1 if all are
+    /// alike. O(n log n).
+    pub fn spread(&self, grid: &Grid) -> f64 {
+        let representative = grid.representative();
+        let points = (0..representative.len()).filter(|&k| representative[k] as usize == k);
+        let mut masses: Vec<f32> = points.map(|k| self.at(k)).collect();
+        masses.sort_unstable_by(f32::total_cmp);
+        let percentile = |p: f64| masses.get((p * (masses.len().max(1) - 1) as f64).round() as usize).copied();
+        match (percentile(0.01), percentile(0.99)) {
+            (Some(low), Some(high)) if low > 0.0 => f64::from(high) / f64::from(low),
+            _ => 1.0,
+        }
+    }
 }
 
 /// No particle is lighter than this share of the mean: one without an area, where the image has collapsed, would have
@@ -94,6 +108,26 @@ mod tests {
     fn total(g: &Grid, m: &Masses) -> f64 {
         let r = g.representative();
         (0..r.len()).filter(|&k| r[k] as usize == k).map(|k| f64::from(m.at(k))).sum()
+    }
+
+    #[test]
+    fn spread_is_of_the_percentiles_over_surface_points() {
+        let g = grid(30, 30, |i, j| [i as f64, j as f64, 0.0]);
+        assert_eq!(Masses::Constant(2.0).spread(&g), 1.0);
+        // 900 points: nine below and nine above are left out.
+        let masses = (0..900)
+            .map(|k| {
+                if k < 9 {
+                    1e-6
+                } else if k < 891 {
+                    1.0 + k as f32 / 890.0
+                } else {
+                    1e6
+                }
+            })
+            .collect();
+        let spread = Masses::Image(masses).spread(&g);
+        assert!((1.97..2.0).contains(&spread), "{spread}");
     }
 
     #[test]

@@ -58,6 +58,17 @@ impl Normal {
         }
     }
 
+    /// Holds some texels to `places`, by a share of their own weight.
+    pub(crate) fn hold(&mut self, which: &[bool], places: &[[f64; 3]], share: f64) {
+        for ((s, rhs), (_, p)) in
+            self.stencil.iter_mut().zip(&mut self.rhs).zip(which.iter().zip(places)).filter(|x| *x.1.0)
+        {
+            let weight = share * s[4];
+            s[4] += weight;
+            (0..3).for_each(|c| rhs[c] += weight * p[c]);
+        }
+    }
+
     /// Solves for all texels, from and towards `x`: a trace of weight on the start holds texels that
     /// almost no surface falls on. Members of a ring are one unknown and must be equal in `x`. `near` is the residual to
     /// reach as a share of the one at the start, in the norm of the diagonal. `false` (and `x` untouched) if it breaks

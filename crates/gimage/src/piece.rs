@@ -9,7 +9,7 @@ use crate::disk::{self, Disk};
 use crate::error::{Error, Result};
 use crate::fit::{self, FitOptions};
 use crate::grid::Grid;
-use crate::grow::{GrowOptions, grow};
+use crate::grow::{GrowOptions, grow, hidden_costs};
 use crate::layout::{self, Layout, Proxy, SearchOptions, Size};
 use crate::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
 use crate::parameterize::distortion::{self, Distortion};
@@ -29,6 +29,8 @@ pub struct CutRecord {
     pub grown: usize,
     /// The cut follows UV seams.
     pub uv_seams: bool,
+    /// Mean of ln(density / 4) of a coarse stand-in with the shortest cut, and with the cut grown.
+    pub bought: Option<[f64; 2]>,
 }
 
 /// Where texels go.
@@ -87,15 +89,18 @@ impl ImageOptions {
         };
         let normal = SearchOptions {
             triangles: 600,
-            shifts: 12,
+            shifts: 16,
             rough: 6,
             passes: 2,
             steps: [1, 2, 3],
-            keep: [4, 2],
+            keep: [3, 1],
             refine: true,
+            snap: 6,
         };
         let (grow, search) = match options.effort {
-            Effort::Fast => (None, SearchOptions { shifts: 6, rough: 6, keep: [2, 1], refine: false, ..normal }),
+            Effort::Fast => {
+                (None, SearchOptions { shifts: 6, rough: 6, keep: [2, 1], refine: false, snap: 2, ..normal })
+            }
             Effort::Default => (Some(GrowOptions::default()), normal),
             Effort::Best => {
                 let grow = GrowOptions { triangles: 3000, points: 32, gain: 0.005 };
@@ -123,6 +128,9 @@ impl ImageOptions {
 
 /// Texels of a piece whose share is unknown.
 const LEAST: u32 = 64;
+
+/// A mesh of many more triangles than half the cells, and than this, is mapped coarse to fine.
+const LEAST_TRIANGLES: usize = 3000;
 
 /// Cost of an edge on a UV seam, as a share of its length.
 const SEAM_DISCOUNT: f64 = 0.15;
@@ -252,7 +260,7 @@ impl<'a> Maker<'a> {
         };
         let (mut out, mut cuts) = (Vec::new(), Vec::new());
         for &along_uv in along_uv {
-            let mut cost = cutter.graph.length.clone();
+            let mut cost = hidden_costs(cutter, grown.as_ref().and_then(|g| g.mirror.as_ref()));
             if let Some(seam) = uv_seam.filter(|_| along_uv) {
                 for (c, h) in cost.iter_mut().zip(&cutter.graph.halves) {
                     if seam[h[0] as usize] {
@@ -278,6 +286,7 @@ impl<'a> Maker<'a> {
                 edges: cut.edges.iter().filter(|c| **c).count() as u32,
                 grown: terminals.len(),
                 uv_seams: along_uv,
+                bought: grown.as_ref().and_then(|g| g.bought),
             };
             out.push(Candidate { disk, border, cut: record });
             cuts.push(cut);
@@ -309,19 +318,12 @@ impl<'a> Maker<'a> {
         let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
         let fixed = disk.boundary_mask();
         let options = self.options;
-        let record = parameterize(
-            &disk.positions,
-            &disk.triangles,
-            &disk.wanted,
-            &fixed,
-            &mut uv,
-            options.passes,
-            &options.newton,
-        )
-        .ok_or_else(|| {
-            let hint = "remesh the slivers of this piece, or give it more texels";
-            self.fail("parameterize", "no map free of flips was found".into(), hint)
-        })?;
+        let enough = LEAST_TRIANGLES.max((w * h) as usize / 2);
+        let record =
+            parameterize(disk.shape(&fixed), &mut uv, options.passes, &options.newton, enough).ok_or_else(|| {
+                let hint = "remesh the slivers of this piece, or give it more texels";
+                self.fail("parameterize", "no map free of flips was found".into(), hint)
+            })?;
         let mut samples = resample(&disk, &uv, &texels, w, h).ok_or_else(|| {
             self.fail("resample", "a texel fell outside the map".into(), "please report it with the input")
         })?;

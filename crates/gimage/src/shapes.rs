@@ -331,8 +331,7 @@ pub(crate) fn mapped(s: &Surface, w: u32, h: u32) -> Mapped {
     let placed = border.place(&disk, s, &at, w, h, 0.0, &count).expect("placed");
     let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
     let fixed = disk.boundary_mask();
-    parameterize(&disk.positions, &disk.triangles, &disk.wanted, &fixed, &mut uv, 3, &NewtonOptions::default())
-        .expect("a map");
+    parameterize(disk.shape(&fixed), &mut uv, 3, &NewtonOptions::default(), usize::MAX / 2).expect("a map");
     let samples = crate::resample::resample(&disk, &uv, &texels, w, h).expect("all texels inside");
     Mapped { disk, border, uv, texels, samples, w, h }
 }

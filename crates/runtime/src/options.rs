@@ -43,7 +43,8 @@ pub struct Options {
     pub substeps: u32,
     /// Whether the number of substeps is chosen, and by what. Default [`Quality::Fixed`].
     pub quality: Quality,
-    /// Relaxations a step. Default 1; 1 to 4096; larger is stiffer and dearer, but less so than substeps.
+    /// Relaxations a step. Default 1; 1 to 4096; larger is stiffer and dearer, but less so than substeps. Membrane and
+    /// bending of a [`crate::Material`] are relaxed once a step whatever this is: only substeps make them exact.
     pub iterations: u32,
     /// Tethers of a particle, each to the nearest pin of another group of pins: no particle gets farther from its pins
     /// than along the surface. Default 2; 0 to 4; for [`Solver::Xpbd`] only. They take most of the stretch away in few

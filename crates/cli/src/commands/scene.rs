@@ -39,6 +39,9 @@ pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
             SolverArg::Xpbd => Solver::Xpbd,
         };
     }
+    if let Some(material) = &args.material {
+        file.scene.cloths.iter_mut().try_for_each(|cloth| cloth.set_material(material))?;
+    }
     file.options.substeps = args.substeps.unwrap_or(file.options.substeps);
     // Steps that are asked for by number are not chosen by the scene.
     let quality = if args.substeps.is_some() { Quality::Fixed } else { file.options.quality };

@@ -25,35 +25,44 @@ pub(crate) struct Rest {
 /// Slivers and specks are fattened (height at least 1e-3 of the base, weight at least 1e-4 of the mean), or a single bad
 /// triangle could stop the solver for all the others.
 pub(crate) fn rest_shapes(positions: &[[f64; 3]], triangles: &[[u32; 3]], wanted: &[f64], scale: f64) -> Vec<Rest> {
-    let area = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| positions[v as usize]);
-        0.5 * mean(wanted, *t).powi(2) * norm(cross(sub(b, a), sub(c, a)))
-    };
-    let total: f64 = triangles.iter().map(area).sum();
+    let total: f64 = triangles.iter().map(|&t| rest_area(positions, t, wanted)).sum();
     let floor = 1e-4 / triangles.len().max(1) as f64;
     triangles
         .par_iter()
         .with_min_len(CHUNK)
-        .map(|t| {
-            let m = mean(wanted, *t);
-            let p = t.map(|v| crate::vec3::scale(positions[v as usize], m));
-            // The longest edge is the base: the height is then the best conditioned.
-            let l = [0, 1, 2].map(|k| norm(sub(p[(k + 1) % 3], p[k])));
-            let k = (0..3).fold(0, |m, k| if l[k] > l[m] { k } else { m });
-            let (a, b, c) = (p[k], p[(k + 1) % 3], p[(k + 2) % 3]);
-            let x = l[k].max(1e-300);
-            let u = sub(b, a);
-            let foot = dot(sub(c, a), u) / x;
-            let height = (2.0 * area(t) / x).max(1e-3 * x);
-            let s = 1.0 / scale;
-            let (i00, i01, i11) = (s / x, -s * foot / (x * height), s / height);
-            let mut g = [[0.0; 2]; 3];
-            g[k] = [-i00, -i01 - i11];
-            g[(k + 1) % 3] = [i00, i01];
-            g[(k + 2) % 3] = [0.0, i11];
-            Rest { g, weight: (area(t) / total.max(1e-300)).max(floor) }
+        .map(|&t| {
+            let mut rest = rest_shape(positions, t, wanted, scale);
+            rest.weight = (rest.weight / total.max(1e-300)).max(floor);
+            rest
         })
         .collect()
+}
+
+/// The area of a triangle with its lengths as `wanted`.
+pub(crate) fn rest_area(positions: &[[f64; 3]], t: [u32; 3], wanted: &[f64]) -> f64 {
+    let [a, b, c] = t.map(|v| positions[v as usize]);
+    0.5 * mean(wanted, t).powi(2) * norm(cross(sub(b, a), sub(c, a)))
+}
+
+/// One of [`rest_shapes`], with its area as weight.
+pub(crate) fn rest_shape(positions: &[[f64; 3]], t: [u32; 3], wanted: &[f64], scale: f64) -> Rest {
+    let (m, area) = (mean(wanted, t), rest_area(positions, t, wanted));
+    let p = t.map(|v| crate::vec3::scale(positions[v as usize], m));
+    // The longest edge is the base: the height is then the best conditioned.
+    let l = [0, 1, 2].map(|k| norm(sub(p[(k + 1) % 3], p[k])));
+    let k = (0..3).fold(0, |m, k| if l[k] > l[m] { k } else { m });
+    let (a, b, c) = (p[k], p[(k + 1) % 3], p[(k + 2) % 3]);
+    let x = l[k].max(1e-300);
+    let u = sub(b, a);
+    let foot = dot(sub(c, a), u) / x;
+    let height = (2.0 * area / x).max(1e-3 * x);
+    let s = 1.0 / scale;
+    let (i00, i01, i11) = (s / x, -s * foot / (x * height), s / height);
+    let mut g = [[0.0; 2]; 3];
+    g[k] = [-i00, -i01 - i11];
+    g[(k + 1) % 3] = [i00, i01];
+    g[(k + 2) % 3] = [0.0, i11];
+    Rest { g, weight: area }
 }
 
 /// The mean of a triangle's corners.

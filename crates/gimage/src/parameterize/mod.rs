@@ -3,6 +3,7 @@
 mod blocks;
 pub mod distortion;
 mod newton;
+mod refine;
 mod sparse;
 mod start;
 mod system;
@@ -27,18 +28,35 @@ pub struct ParameterizeRecord {
     pub newton: NewtonRecord,
 }
 
-/// Maps the free vertices of a disk. `uv` holds the places of the `fixed` (boundary) vertices, counter-clockwise around
-/// a rectangle; the rest is filled in. `wanted` is the length a unit of length counts for at each vertex. No triangle is
-/// flipped on success. `None` if even the start could not be made free of flips in f64.
+/// A disk to be mapped.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shape<'a> {
+    pub positions: &'a [[f64; 3]],
+    pub triangles: &'a [[u32; 3]],
+    /// The length a unit of length counts for at each vertex.
+    pub wanted: &'a [f64],
+    /// Vertices that stay where they are: the boundary.
+    pub fixed: &'a [bool],
+}
+
+/// Maps the free vertices of a disk. `uv` holds the places of the fixed vertices, counter-clockwise around a rectangle;
+/// the rest is filled in. A disk of many more than `enough` triangles goes by way of a simpler one. No triangle is flipped
+/// on success. `None` if even the start could not be made free of flips in f64.
 pub(crate) fn parameterize(
-    positions: &[[f64; 3]],
-    triangles: &[[u32; 3]],
-    wanted: &[f64],
-    fixed: &[bool],
+    shape: Shape<'_>,
     uv: &mut Vec<[f64; 2]>,
     passes: usize,
     options: &NewtonOptions,
+    enough: usize,
 ) -> Option<ParameterizeRecord> {
+    if shape.triangles.len() > 2 * enough {
+        let mut fine = uv.clone();
+        if let Some(record) = refine::coarse_to_fine(shape, &mut fine, passes, options, enough) {
+            *uv = fine;
+            return Some(record);
+        }
+    }
+    let Shape { positions, triangles, wanted, fixed } = shape;
     let mut system = System::new(triangles, fixed);
     solve(&mut system, positions, triangles, wanted, uv, passes, options)
 }
@@ -59,14 +77,7 @@ pub(crate) fn solve(
         _ => start::start(system, positions, triangles, wanted, uv, passes)?,
     };
     let plane: f64 = triangles.iter().map(|&t| 0.5 * signed_area2(distortion::planar(uv, t))).sum();
-    let surface: f64 = triangles
-        .iter()
-        .map(|t| {
-            let [a, b, c] = t.map(|v| positions[v as usize]);
-            let m = distortion::mean(wanted, *t);
-            0.5 * m * m * crate::vec3::norm(crate::vec3::cross(crate::vec3::sub(b, a), crate::vec3::sub(c, a)))
-        })
-        .sum();
+    let surface: f64 = triangles.iter().map(|&t| distortion::rest_area(positions, t, wanted)).sum();
     let rest = rest_shapes(positions, triangles, wanted, (plane / surface.max(1e-300)).sqrt());
     let newton = newton::minimise(system, &rest, triangles, uv, options);
     let log_distortion = distortion::log_distortion(&rest, triangles, uv);

@@ -39,7 +39,7 @@ pub struct NewtonRecord {
 
 /// Gradient (per corner) and projected Hessian (lower 6 x 6 as three rows of 2 x 2 blocks) of one triangle.
 #[inline]
-fn local(rest: &Rest, p: [[f64; 2]; 3]) -> ([[f64; 2]; 3], [[[f64; 4]; 3]; 3]) {
+pub(super) fn local(rest: &Rest, p: [[f64; 2]; 3]) -> ([[f64; 2]; 3], [[[f64; 4]; 3]; 3]) {
     let j = jacobian(rest, p);
     // J is a scaled rotation plus a scaled reflection (half-sums and half-differences): s1, s2 = q +- r, and both parts
     // share the singular vectors, so that the modes need no angles.

@@ -90,15 +90,26 @@ pub struct Cloth {
     #[serde(default)]
     pub pins: Vec<Pins>,
     pub mass: Option<f64>,
-    #[serde(default)]
-    pub damping: f32,
+    pub damping: Option<f32>,
     pub compliance: Option<f32>,
+    pub material: Option<Material>,
     #[serde(default)]
     pub velocity: V3,
     pub speed_limit: Option<f32>,
     pub front: Option<V3>,
     pub back: Option<V3>,
     pub checker: Option<[f32; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    pub warp: Option<f64>,
+    pub weft: Option<f64>,
+    pub shear: Option<f64>,
+    pub bend: Option<f64>,
+    pub density: Option<f64>,
+    pub damping: Option<f64>,
 }
 
 #[derive(Deserialize)]

@@ -6,6 +6,7 @@ use super::{Found, SceneFile, Source};
 use crate::cloth::{Cloth, Compliance, Flat};
 use crate::collider::{Collider, Shape};
 use crate::draw::{Camera, Look, SolidLook, uv_of};
+use crate::material::Material;
 use crate::options::{Options, Solver};
 use crate::quality::Quality;
 use crate::scene::{Cut, Key, Motion, PinnedSet, Pose, Scene, Script, about};
@@ -130,10 +131,13 @@ fn cloth(
         let placed = cloth.positions().iter().map(|p| pose.apply(*p)).collect();
         cloth.place(placed).map_err(Error::value(format!("{place}.position")))?;
     }
+    if let Some(fields) = &fields.material {
+        cloth.set_material(&material(fields)).map_err(Error::value(format!("{place}.material")))?;
+    }
     if let Some(mass) = fields.mass {
         cloth.set_total_mass(mass).map_err(Error::value(format!("{place}.mass")))?;
     }
-    (cloth.damping, cloth.velocity) = (fields.damping, fields.velocity);
+    (cloth.damping, cloth.velocity) = (fields.damping.unwrap_or(cloth.damping), fields.velocity);
     cloth.compliance = fields.compliance.map_or(Compliance::None, Compliance::Constant);
     cloth.speed_limit = fields.speed_limit.unwrap_or(cloth.speed_limit);
     for (p, pins) in fields.pins.iter().enumerate() {
@@ -162,6 +166,22 @@ fn cloth(
         None => look.uv = None,
     }
     Ok((cloth, look))
+}
+
+/// What is not named is as in the default.
+fn material(fields: &json::Material) -> Material {
+    let json::Material { warp, weft, shear, bend, density, damping } = fields;
+    let mut material = Material::default();
+    let all = [
+        (&mut material.warp, warp),
+        (&mut material.weft, weft),
+        (&mut material.shear, shear),
+        (&mut material.bend, bend),
+        (&mut material.density, density),
+        (&mut material.damping, damping),
+    ];
+    all.into_iter().for_each(|(to, from)| *to = from.unwrap_or(*to));
+    material
 }
 
 fn flat_uv(width: u32, height: u32) -> Vec<[f32; 2]> {

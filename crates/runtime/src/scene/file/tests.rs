@@ -64,6 +64,28 @@ fn every_field_reaches_the_scene() {
 }
 
 #[test]
+fn a_material_sets_masses_and_damping() {
+    let mut value = full();
+    let fields = value["cloths"][0].as_object_mut().unwrap();
+    fields.retain(|name, _| !["mass", "damping"].contains(&name.as_str()));
+    fields.insert("material".into(), json!({"warp": 800, "bend": 0, "density": 0.4, "damping": 3}));
+    let cloth = parse(&value).unwrap().scene.cloths.remove(0);
+    assert!((cloth.total_mass() - 0.4).abs() < 1e-6 && cloth.damping == 3.0);
+    assert!(cloth.bending().is_none());
+    assert_eq!(cloth.membrane().unwrap().soft, [1.0 / 400.0, 1.0 / 800.0, 1.0 / 40.0]);
+    // What stands beside it is stronger.
+    value["cloths"][0]["mass"] = json!(0.5);
+    value["cloths"][0]["damping"] = json!(1);
+    let cloth = parse(&value).unwrap().scene.cloths.remove(0);
+    assert!((cloth.total_mass() - 0.5).abs() < 1e-6 && cloth.damping == 1.0);
+    value["cloths"][0]["material"]["shear"] = json!(-1);
+    let error = parse(&value).unwrap_err().to_string();
+    assert!(error.starts_with("cloths[0].material: the stiffness in shear"), "{error}");
+    value["cloths"][0]["material"] = json!({"stiffness": 1});
+    assert!(parse(&value).unwrap_err().to_string().contains("stiffness"));
+}
+
+#[test]
 fn the_script_moves_and_lets_go() {
     let mut value = full();
     value["cloths"][0]["pins"].as_array_mut().unwrap().truncate(1);

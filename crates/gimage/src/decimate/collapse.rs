@@ -1,22 +1,9 @@
-//! A coarse stand-in for a surface, whose vertices are vertices of the original.
-//!
-//! Half-edge collapses in the order of the quadric error (Garland, Heckbert 1997) plus a length term that keeps flat
-//! parts evenly triangulated. Only proxies for searches are made this way, never output.
+//! One half-edge collapse after the other, the cheapest first.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::vec3::{cross, dot, norm, scale, sub};
-
-/// A coarse mesh.
-pub(crate) struct Coarse {
-    /// For each coarse vertex, the original vertex it is.
-    pub vertex: Vec<u32>,
-    /// Triangles over the coarse vertices.
-    pub triangles: Vec<[u32; 3]>,
-    /// For each original vertex, the coarse vertex it was collapsed into: connected patches of the original.
-    pub patch: Vec<u32>,
-}
 
 #[derive(Clone, Copy, Default)]
 struct Quadric([f64; 10]);
@@ -43,23 +30,25 @@ impl Quadric {
     }
 }
 
-struct Collapser<'a> {
+pub(super) struct Collapser<'a> {
     positions: &'a [[f64; 3]],
-    triangles: Vec<[u32; 3]>,
-    alive: Vec<bool>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) alive: Vec<bool>,
     around: Vec<Vec<u32>>,
     boundary: Vec<bool>,
     locked: Vec<bool>,
     quadric: Vec<Quadric>,
     area: Vec<f64>,
     version: Vec<u32>,
-    into: Vec<u32>,
+    pub(super) into: Vec<u32>,
     centre: [f64; 3],
     /// What makes costs free of units.
     unit: f64,
     /// Vertices seen in the count at work carry its number.
     seen: Vec<u32>,
     count: u32,
+    /// Inner vertices stay out of the boundary.
+    apart: bool,
 }
 
 impl Collapser<'_> {
@@ -82,8 +71,9 @@ impl Collapser<'_> {
         self.around[u as usize].iter().filter(|&&t| self.triangles[t as usize].contains(&v)).count()
     }
 
-    /// The cheapest vertex to collapse `u` into; `around` is left with the neighbours of `u`.
-    fn best(&mut self, u: u32, around: &mut Vec<u32>) -> Option<(f64, u32)> {
+    /// The cheapest vertex to collapse `u` into, of those allowed now if `strict`; `around` is left with the neighbours of
+    /// `u`.
+    fn best(&mut self, u: u32, around: &mut Vec<u32>, strict: bool) -> Option<(f64, u32)> {
         if self.locked[u as usize] {
             return None;
         }
@@ -91,6 +81,9 @@ impl Collapser<'_> {
         let mut best: Option<(f64, u32)> = None;
         for &v in &*around {
             if self.boundary[u as usize] && !(self.boundary[v as usize] && self.shared(u, v) == 1) {
+                continue;
+            }
+            if self.apart && self.boundary[v as usize] {
                 continue;
             }
             let p = sub(self.positions[v as usize], self.centre);
@@ -101,7 +94,7 @@ impl Collapser<'_> {
             let cost = self.quadric[u as usize].at(p).max(0.0) + 1e-2 * l2 * self.area[u as usize];
             // Of equal costs the first counts, not the last bits.
             let cost = f64::from((cost * self.unit) as f32);
-            if best.is_none_or(|b| cost < b.0) && self.allowed(u, v, around) {
+            if best.is_none_or(|b| cost < b.0) && (!strict || self.allowed(u, v, around)) {
                 best = Some((cost, v));
             }
         }
@@ -164,14 +157,14 @@ impl Collapser<'_> {
     }
 }
 
-/// Simplifies an edge-manifold mesh to about `target` triangles. `locked` vertices stay. O(n log n).
-pub(crate) fn decimate(
-    positions: &[[f64; 3]],
+/// A mesh in which nothing is collapsed yet.
+pub(super) fn prepare<'a>(
+    positions: &'a [[f64; 3]],
     triangles: &[[u32; 3]],
     boundary: &[bool],
     locked: &[bool],
-    target: usize,
-) -> Coarse {
+    apart: bool,
+) -> Collapser<'a> {
     let n = positions.len();
     let mut around = vec![Vec::new(); n];
     for (t, tri) in triangles.iter().enumerate() {
@@ -193,6 +186,7 @@ pub(crate) fn decimate(
         unit: 1.0,
         seen: vec![0; n],
         count: 0,
+        apart,
     };
     for tri in triangles {
         let [p, q, r] = tri.map(|v| sub(positions[v as usize], centre));
@@ -209,124 +203,44 @@ pub(crate) fn decimate(
     }
     let total: f64 = c.area.iter().sum();
     c.unit = 1.0 / (total * total).max(1e-300);
-    let mut heap: BinaryHeap<Reverse<(u64, u32, u32, u32)>> = BinaryHeap::with_capacity(n);
-    let mut around = Vec::new();
-    let mut push = |heap: &mut BinaryHeap<_>, c: &mut Collapser<'_>, u: u32| {
-        if let Some((cost, v)) = c.best(u, &mut around) {
-            heap.push(Reverse((cost.to_bits(), u, v, c.version[u as usize])));
-        }
-    };
-    (0..n as u32).for_each(|u| push(&mut heap, &mut c, u));
-    let mut ring = Vec::new();
-    let mut left = triangles.len();
-    while left > target {
-        let Some(Reverse((_, u, v, version))) = heap.pop() else { break };
-        if version != c.version[u as usize] || c.around[u as usize].is_empty() || c.around[v as usize].is_empty() {
-            continue;
-        }
-        c.neighbours(u, &mut ring);
-        if !c.allowed(u, v, &ring) || (c.boundary[u as usize] && c.shared(u, v) != 1) {
-            continue;
-        }
-        left -= c.collapse(u, v);
-        c.version[u as usize] += 1;
-        for &w in &ring {
-            c.version[w as usize] += 1;
-            push(&mut heap, &mut c, w);
-        }
-    }
-    let mut index = vec![u32::MAX; n];
-    let mut coarse = Coarse { vertex: Vec::new(), triangles: Vec::with_capacity(left), patch: Vec::new() };
-    for (tri, _) in c.triangles.iter().zip(&c.alive).filter(|(_, a)| **a) {
-        let t = tri.map(|v| {
-            if index[v as usize] == u32::MAX {
-                index[v as usize] = coarse.vertex.len() as u32;
-                coarse.vertex.push(v);
-            }
-            index[v as usize]
-        });
-        coarse.triangles.push(t);
-    }
-    coarse.patch = (0..n)
-        .map(|v| {
-            let mut r = v;
-            while c.into[r] as usize != r {
-                r = c.into[r] as usize;
-            }
-            index[r]
-        })
-        .collect();
-    coarse
+    c
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::surface::Surface;
-    use crate::topology::Topology;
-    use crate::{halfedge, shapes};
-    use proptest::prelude::*;
-
-    fn check(s: &Surface, locked: &[bool], target: usize) -> Coarse {
-        let c = decimate(&s.positions, &s.triangles, &shapes::rim(s), locked, target);
-        let (a, b) = (Topology::of(&s.triangles), Topology::of(&c.triangles));
-        assert_eq!((a.euler, a.boundary_loops, a.components), (b.euler, b.boundary_loops, b.components));
-        assert_eq!((b.non_manifold_edges, b.singular_vertices), (0, 0));
-        assert!(halfedge::twins(&c.triangles).is_ok());
-        // Every patch is connected and holds its coarse vertex.
-        let mut sets = crate::disjoint::Disjoint::new(s.positions.len());
-        for t in &s.triangles {
-            for k in 0..3 {
-                let (x, y) = (t[k], t[(k + 1) % 3]);
-                if c.patch[x as usize] == c.patch[y as usize] {
-                    sets.join(x, y);
-                }
+impl Collapser<'_> {
+    /// Collapses until about `target` triangles are left; `each` sees every collapse before it is made.
+    pub(super) fn run(&mut self, target: usize, mut each: impl FnMut(u32, u32, &[u32])) {
+        let n = self.positions.len() as u32;
+        let mut heap: BinaryHeap<Reverse<(u64, u32, u32, u32)>> = BinaryHeap::with_capacity(n as usize);
+        let mut around = Vec::new();
+        // Most collapses are allowed, so that is looked at only for those whose turn has come.
+        let mut push = |heap: &mut BinaryHeap<_>, c: &mut Self, u: u32, strict: bool| {
+            if let Some((cost, v)) = c.best(u, &mut around, strict) {
+                heap.push(Reverse((cost.to_bits(), u, v, c.version[u as usize])));
             }
-        }
-        let set = sets.into_representatives();
-        for (v, &k) in c.patch.iter().enumerate() {
-            assert_eq!(set[v], set[c.vertex[k as usize] as usize], "a patch in pieces");
-        }
-        for (v, _) in locked.iter().enumerate().filter(|x| *x.1) {
-            assert_eq!(c.vertex[c.patch[v] as usize] as usize, v);
-        }
-        c
-    }
-
-    #[test]
-    fn every_shape_keeps_its_topology_however_coarse() {
-        for (_, s) in shapes::all() {
-            let none = vec![false; s.positions.len()];
-            check(&s, &none, 0);
-            check(&s, &none, s.triangles.len() / 2);
-            let mut draw = shapes::random(1);
-            let some: Vec<bool> = none.iter().map(|_| draw(5) == 0).collect();
-            check(&s, &some, 0);
-        }
-    }
-
-    #[test]
-    fn a_flat_tetrahedron_is_left_alone() {
-        // Flat enough that no facet turns over when one end of an edge moves to the other.
-        let p = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 2.0, 0.0], [1.0, 0.7, 1e-3]];
-        let s = shapes::surface(p, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
-        assert_eq!(check(&s, &[false; 4], 0).triangles.len(), 4);
-    }
-
-    #[test]
-    fn nothing_is_done_where_nothing_is_to_do() {
-        let s = shapes::torus(8, 6);
-        let c = check(&s, &vec![false; s.positions.len()], s.triangles.len());
-        assert_eq!(c.triangles.len(), s.triangles.len());
-        assert!(decimate(&[], &[], &[], &[], 10).triangles.is_empty());
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(32))]
-        #[test]
-        fn random_blobs_keep_their_topology(seed in any::<u64>(), cells in 1usize..100, holes in 0usize..20, target in 0usize..200) {
-            let s = shapes::blob(seed, cells, holes);
-            check(&s, &vec![false; s.positions.len()], target);
+        };
+        (0..n).for_each(|u| push(&mut heap, self, u, false));
+        let mut ring = Vec::new();
+        let mut left = self.triangles.len();
+        while left > target {
+            let Some(Reverse((_, u, v, version))) = heap.pop() else { break };
+            if version != self.version[u as usize]
+                || self.around[u as usize].is_empty()
+                || self.around[v as usize].is_empty()
+            {
+                continue;
+            }
+            self.neighbours(u, &mut ring);
+            if !self.allowed(u, v, &ring) {
+                push(&mut heap, self, u, true);
+                continue;
+            }
+            each(u, v, &self.around[u as usize]);
+            left -= self.collapse(u, v);
+            self.version[u as usize] += 1;
+            for &w in &ring {
+                self.version[w as usize] += 1;
+                push(&mut heap, self, w, false);
+            }
         }
     }
 }
