@@ -50,7 +50,7 @@ fn a_hanging_flag_is_as_stretched_as_is_asked_for() {
                 let estimate = rig.stepper.estimated_error().unwrap();
                 assert!((estimate - measured(&rig).stretch_max).abs() < 0.1 * target);
             }
-            println!("{solver:?} {target}: {least} to {most} substeps, stretch {error:.5}");
+            eprintln!("{solver:?} {target}: {least} to {most} substeps, stretch {error:.5}");
             assert!(error < 1.05 * target && error > 0.5 * target, "{solver:?} {target}: {error}");
             assert!(most - least <= 1 + most / 8, "{solver:?} {target}: {least} to {most}");
         }
@@ -66,7 +66,7 @@ fn cloth_at_rest_has_fewer_substeps_than_in_motion() {
         counts.push(substeps(&rig));
     }
     let (moving, rest) = (counts[..120].iter().max().unwrap(), counts[899]);
-    println!("{moving} in motion, {rest} at rest");
+    eprintln!("{moving} in motion, {rest} at rest");
     assert!(rest * 5 < moving * 4, "{moving} {rest}");
 }
 
@@ -106,7 +106,7 @@ fn a_change_of_substeps_is_no_push() {
         for (k, (name, soon, late)) in all.iter().flat_map(|a| a.iter().enumerate()) {
             let (_, base, last) = all[0][k];
             let total = (late.kinetic + late.potential) - (last.kinetic + last.potential);
-            println!("{solver:?} {name}: {:.4} % of {base} J, then {total} J", 100.0 * (soon / base - 1.0));
+            eprintln!("{solver:?} {name}: {:.4} % of {base} J, then {total} J", 100.0 * (soon / base - 1.0));
             assert!((soon / base - 1.0).abs() < 0.01, "{solver:?} {name}: {soon} {base}");
             assert!(total.abs() < 0.01 * base, "{solver:?} {name}: {total}");
         }
@@ -126,7 +126,7 @@ fn changes_do_not_add_energy() {
             rig.frame(FRAME);
             most = most.max(energy(measured(&rig)));
         }
-        println!("{}: {:.3} % at most", rig.name(), 100.0 * (most - start) / depth);
+        eprintln!("{}: {:.3} % at most", rig.name(), 100.0 * (most - start) / depth);
         assert!(most - start < 5e-3 * depth, "{}: {start} {most}", rig.name());
     }
 }
@@ -162,7 +162,7 @@ fn both_backends_choose_the_same() {
             (counts, rig.stepper.estimated_error().unwrap())
         };
         let all: Vec<_> = Rig::both(&swinging(20, 1.0), &with).into_iter().map(run).collect();
-        println!("{solver:?} {fused}: {:?}", all[0].0);
+        eprintln!("{solver:?} {fused}: {:?}", all[0].0);
         assert!(all[0].0.iter().any(|n| *n != 8));
         for (counts, error) in &all[1..] {
             assert_eq!(*counts, all[0].0, "{solver:?} {fused}");
@@ -183,7 +183,7 @@ fn what_cloth_yields_is_no_error() {
         let mut rig = Rig::cpu(scene.clone(), &options(Solver::Xpbd, Quality::Error(target)));
         rig.frames(480);
         let (estimate, error) = (rig.stepper.estimated_error().unwrap(), measured(&rig).stretch_max - truth);
-        println!("{name}: {} substeps, estimated {estimate:.5}, error {error:.5}", substeps(&rig));
+        eprintln!("{name}: {} substeps, estimated {estimate:.5}, error {error:.5}", substeps(&rig));
         assert!(estimate <= target && estimate > 0.5 * target, "{name}: {estimate}");
         assert!(error < estimate && error > 0.2 * estimate, "{name}: {error} {estimate}");
     }
@@ -200,7 +200,7 @@ fn soft_cloth_is_measured_alike_on_both_backends() {
                 rig.stepper.estimated_error().unwrap()
             };
             let all: Vec<_> = Rig::both(&scene, &with).into_iter().map(run).collect();
-            println!("{name} {fused}: {all:?}");
+            eprintln!("{name} {fused}: {all:?}");
             assert!(all[0] > 0.0);
             assert!(all.iter().all(|e| (e / all[0] - 1.0).abs() < 1e-3), "{name} {fused}: {all:?}");
         }
