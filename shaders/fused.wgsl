@@ -128,6 +128,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   if (local == 0u) {
     atomicStore(&faults[64u * row], 0u);
     atomicStore(&faults[64u * row + 4u], 0u);
+    atomicStore(&faults[64u * row + 5u], 0u);
   }
   storageBarrier();
   sync();
@@ -162,6 +163,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
   }
   end_all(job, local);
+  strain_all(job, local);
   normal_all(job, local);
   speed_all(job, local);
 }

@@ -156,6 +156,12 @@ pub struct SceneArgs {
     /// Steps a frame [default: those of the scene, or 8].
     #[arg(long, value_name = "K")]
     pub substeps: Option<u32>,
+    /// Choose the steps of a frame, from --substeps on, so that they take at most this time [default: that of the scene].
+    #[arg(long, value_name = "MS")]
+    pub budget: Option<f64>,
+    /// Choose the fewest steps that stretch cloth no more than this, 0.01 being 1 %; --budget wins [default: as above].
+    #[arg(long, value_name = "STRETCH")]
+    pub error: Option<f64>,
     /// Relaxations a step [default: those of the scene, or 1].
     #[arg(long, value_name = "K")]
     pub iterations: Option<u32>,

@@ -54,6 +54,8 @@ fn what_cannot_be_is_said() {
     for (args, words) in [
         ("simulate s9", "s2f"),
         ("simulate s1 --substeps 0", "substeps"),
+        ("simulate s1 --backend cpu --error 2", "stretch"),
+        ("simulate s1 --backend cpu --budget 0", "budget"),
         ("simulate s1 --n 1", "--n"),
         ("simulate tube.obj", "tube.obj"),
         ("simulate s1 --every 2", "--dump"),
@@ -65,4 +67,23 @@ fn what_cannot_be_is_said() {
         let run = place.run(args).expect(&[2]);
         assert!(run.stderr.contains(words), "{args}: {}", run.stderr);
     }
+}
+
+#[test]
+fn substeps_are_chosen_and_reported() {
+    let place = Place::new();
+    let flags = "--backend cpu --solver xpbd --tethers 0 --n 16 --frames 240";
+    let json = place.run(&format!("simulate s1 {flags} --error 0.02 --json")).expect(&[0]).json();
+    let count = |name: &str| json[name].as_u64().unwrap();
+    assert!(count("substeps_min") <= count("substeps_median") && count("substeps_median") < count("substeps_max"));
+    assert!(json["error_estimated"].as_f64().is_some_and(|e| e < 0.1), "{json}");
+    assert_eq!((json["error_target"].as_f64(), json["budget_ms"].as_f64()), (Some(0.02), None));
+    // Nothing can be done in so little time, and the budget wins.
+    let json = place.run(&format!("simulate s1 {flags} --error 0.02 --budget 1e-9 --json")).expect(&[0]).json();
+    assert_eq!((json["substeps"].as_u64(), json["substeps_median"].as_u64()), (Some(1), Some(1)));
+    let json = place.run(&format!("simulate s1 {flags} --json")).expect(&[0]).json();
+    assert_eq!((json["substeps_min"].as_u64(), json["substeps_max"].as_u64()), (Some(8), Some(8)));
+    assert!(json["error_estimated"].is_null());
+    let words = place.run(&format!("simulate s1 {flags} --error 0.02")).expect(&[0]).stdout;
+    assert!(words.contains("substeps chosen") && words.contains("strain"), "{words}");
 }

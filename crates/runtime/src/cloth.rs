@@ -289,6 +289,16 @@ impl Cloth {
     }
 
     /// Whether integration keeps what rounding takes.
+    /// Compliance \[m/N\] where it is the same everywhere, else 0. Along a square cell a membrane yields by one over its
+    /// stiffness; the stiffer of warp and weft counts.
+    pub(crate) fn softness(&self) -> f32 {
+        match (self.membrane(), &self.compliance) {
+            (Some(membrane), _) => membrane.soft[0].min(membrane.soft[1]),
+            (None, Compliance::Constant(soft)) => *soft,
+            (None, _) => 0.0,
+        }
+    }
+
     pub(crate) fn is_exact(&self) -> bool {
         self.exact
     }

@@ -40,6 +40,7 @@ pub(crate) mod sheet;
 pub(crate) mod solid;
 pub(crate) mod speed;
 pub(crate) mod springs;
+pub(crate) mod strain;
 pub(crate) mod stretch;
 pub(crate) mod tethers;
 pub(crate) mod transform;

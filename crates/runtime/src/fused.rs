@@ -41,6 +41,8 @@ pub struct Fused {
     pub full: bool,
     /// Whether normals are made.
     pub normals: bool,
+    /// Whether the largest stretch is measured.
+    pub strain: bool,
     /// Whether speeds are measured.
     pub watch: bool,
     /// Where positions are during the frame.
@@ -125,6 +127,7 @@ impl Fused {
             contact: None,
             full: false,
             normals: false,
+            strain: false,
             watch: false,
             hold: room.hold(cloth.len(), 0),
             places: (cloth.len() as u32).next_multiple_of(64),
@@ -144,6 +147,7 @@ impl Fused {
                 Pass::Seams => fused.seams = true,
                 Pass::Contact(kinds) => fused.contact = Some(kinds),
                 Pass::Normals { .. } => fused.normals = true,
+                Pass::Strain { image, soft } => (fused.strain, fused.image, fused.soft) = (true, image, soft),
                 Pass::Speed => fused.watch = true,
                 _ => {}
             }
@@ -183,6 +187,7 @@ impl Fused {
         s.relax.extend(tethers);
         s.relax.extend(self.contact.map(Pass::Contact));
         s.frame.extend([Pass::Guard, Pass::Restore]);
+        s.frame.extend(self.strain.then_some(Pass::Strain { image, soft }));
         s.frame.extend(self.normals.then_some(Pass::Normals { holes: false }));
         s.frame.extend((self.normals && self.seams).then_some(Pass::SeamNormals));
         s.frame.extend(self.watch.then_some([Pass::Speed, Pass::Fastest]).into_iter().flatten());

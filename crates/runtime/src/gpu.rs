@@ -81,6 +81,9 @@ impl Gpu {
         for faults in alone.iter().filter_map(|c| self.cloths[*c].faults.as_ref()) {
             encoder.clear_buffer(&faults.buffer, faults.offset, Some(4));
         }
+        for (strain, at) in alone.iter().filter_map(|c| self.cloths[*c].strain(false)) {
+            encoder.clear_buffer(strain, at, Some(4));
+        }
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None });
         self.record_fused(world, &mut pass, steps);
@@ -104,8 +107,10 @@ impl Gpu {
                 pass.set_bind_group(0, group, offsets);
                 pass.dispatch_workgroups(x, y, z);
             };
+            let mut last = 0;
             for n in 0..steps {
                 let offset = offset(buffers, n);
+                last = offset;
                 plan.step.iter().for_each(|what| run(buffers, *what, offset));
                 if world.coarse(n) {
                     plan.coarse.iter().for_each(|what| run(buffers, *what, offset));
@@ -113,11 +118,11 @@ impl Gpu {
                 let rounds = 0..world.options.iterations;
                 rounds.for_each(|_| plan.relax.iter().for_each(|what| run(buffers, *what, offset)));
             }
-            plan.frame.iter().for_each(|what| run(buffers, *what, 0));
+            plan.frame.iter().for_each(|what| run(buffers, *what, last));
         }
         drop(pass);
         self.watch(world, encoder, steps);
-        (0..steps).for_each(|_| world.clock.tick());
+        world.tick(steps);
     }
 
     /// Records the frames of all cloths that share dispatches.

@@ -1,6 +1,7 @@
 //! How a scene is stepped.
 
 use crate::error::{Result, check};
+use crate::quality::Quality;
 
 /// What computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,8 +38,11 @@ pub struct Options {
     pub solver: Solver,
     /// Time \[s\] in which `substeps` steps are made, whatever the host's frames take. Default 1/60; 1e-6 to 1.
     pub step: f64,
-    /// Steps in that time, each with all passes. Default 8; 1 to 4096; larger is stiffer and dearer in proportion.
+    /// Steps in that time, each with all passes. Default 8; 1 to 4096; larger is stiffer and dearer in proportion. Where
+    /// `quality` chooses them, those of the first frame; a stepper's own options have the number now.
     pub substeps: u32,
+    /// Whether the number of substeps is chosen, and by what. Default [`Quality::Fixed`].
+    pub quality: Quality,
     /// Relaxations a step. Default 1; 1 to 4096; larger is stiffer and dearer, but less so than substeps. Membrane and
     /// bending of a [`crate::Material`] are relaxed once a step whatever this is: only substeps make them exact.
     pub iterations: u32,
@@ -89,6 +93,7 @@ impl Default for Options {
             solver,
             step: 1.0 / 60.0,
             substeps: 8,
+            quality: Quality::default(),
             iterations: 1,
             tethers: 2,
             pyramid: 0,
@@ -112,6 +117,7 @@ impl Options {
         check("the steps from pyramid to pyramid", self.pyramid.into(), "0 to 4096", |n| n <= 4096.0)?;
         let catch_up = |n: f64| (1.0..=1024.0).contains(&n);
         check("the most steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)?;
+        self.quality.check()?;
         if let Some(Sleep { speed, after }) = self.sleep {
             check("the speed of sleep [m/s]", speed, "above 0", |s| s > 0.0)?;
             check("the time before sleep [s]", after, "at least 0", |t| t >= 0.0)?;

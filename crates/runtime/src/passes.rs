@@ -94,6 +94,13 @@ pub enum Pass {
     Speed,
     /// The largest speed of all.
     Fastest,
+    /// The largest stretch of springs to the right and down; only where substeps are chosen by it.
+    Strain {
+        /// Whether rest lengths come from an image.
+        image: bool,
+        /// Where compliance comes from, which accounts for a part of it.
+        soft: Soft,
+    },
     /// All of the above for whole cloths in one dispatch.
     Fused(Fused),
     /// Triangles that a cut meets are taken away. This and all below run for one action, not every frame.
@@ -240,6 +247,14 @@ pub fn schedule(
             s.frame.extend([Pass::Guard, Pass::Restore]);
         }
     }
+    let springs = cloth.directions()[..2].contains(&true);
+    let soft = match (options.solver, cloth.membrane()) {
+        (Solver::Classic, _) => Soft::None,
+        (Solver::Xpbd, Some(_)) => Soft::Constant,
+        (Solver::Xpbd, None) => soft_of(cloth),
+    };
+    let strain = Pass::Strain { image: matches!(cloth.rest(), Rest::Image(_)), soft };
+    s.frame.extend((springs && options.quality.target().is_some()).then_some(strain));
     if options.normals {
         s.frame.push(Pass::Normals { holes: cloth.is_cut() });
         s.frame.extend(seams.then_some(Pass::SeamNormals));
@@ -256,13 +271,17 @@ fn membrane(cloth: &Cloth) -> impl Iterator<Item = Pass> {
     there.map(move |(column, row)| Pass::Membrane { column, row, holes })
 }
 
-/// As [`springs`], structural ones last: what the others disturb, they put right.
-fn stretch(cloth: &Cloth, again: bool) -> impl Iterator<Item = Pass> {
-    let soft = match cloth.compliance {
+fn soft_of(cloth: &Cloth) -> Soft {
+    match cloth.compliance {
         Compliance::None => Soft::None,
         Compliance::Constant(_) => Soft::Constant,
         Compliance::Image(_) => Soft::Image,
-    };
+    }
+}
+
+/// As [`springs`], structural ones last: what the others disturb, they put right.
+fn stretch(cloth: &Cloth, again: bool) -> impl Iterator<Item = Pass> {
+    let soft = soft_of(cloth);
     let all: Vec<_> = springs(cloth).collect();
     let of = move |first: u32| {
         all.clone().into_iter().filter_map(move |pass| match pass {

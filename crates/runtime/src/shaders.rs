@@ -40,11 +40,12 @@ pub enum Slot {
     Yielding,
     Frame,
     Jobs,
+    Strain,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 33] = [
+        const NAMES: [&str; 34] = [
             "step",
             "grids",
             "now",
@@ -78,6 +79,7 @@ impl Slot {
             "yielding",
             "frame",
             "jobs",
+            "strain",
         ];
         NAMES[self as usize]
     }
@@ -108,7 +110,7 @@ impl Slot {
             Slot::Nodes => crate::levels::rows(cloth).1 * 32,
             Slot::Limits => crate::levels::rows(cloth).1 * 16,
             Slot::Partial => cloth.len().div_ceil(64) * 4,
-            Slot::Fastest => 4,
+            Slot::Fastest | Slot::Strain => 4,
             // Made for one action; no frame binds them.
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
         };
@@ -354,6 +356,19 @@ pub fn source(pass: Pass) -> Source {
         Pass::Fastest => {
             plain("fastest", &[LARGER, MOST, pass!("fastest")], &[reads(Partial), writes(Fastest)], Threads::One)
         }
+        Pass::Strain { image, soft } => {
+            let mut files = vec![GRID, LARGER, MOST, part!("residual"), share(soft), pass!("strain")];
+            files.push(if image { part!("rest_image") } else { part!("rest_constant") });
+            let mut bindings = vec![reads(Grids), reads(Now), writes(Slot::Strain)];
+            bindings.extend(image.then_some(reads(Rest)));
+            if soft != Soft::None {
+                files.extend([STEP, BOUND]);
+                files.push(if soft == Soft::Image { part!("soft_image") } else { part!("soft_constant") });
+                bindings.push(reads(Step));
+                bindings.extend((soft == Soft::Image).then_some(reads(Slot::Soft)));
+            }
+            plain("strain", &files, &bindings, Threads::Texels)
+        }
         Pass::Cut => plain(
             "cut",
             &[GRID, QUAD, ACTION, pass!("cut")],
@@ -443,6 +458,11 @@ fn spring_parts(image: bool, soft: Soft, again: bool) -> (Vec<&'static str>, Vec
     }
     files.push(part!("spring"));
     (files, bindings)
+}
+
+/// How much of a stretch is error.
+fn share(soft: Soft) -> &'static str {
+    if soft == Soft::None { part!("share_all") } else { part!("share_soft") }
 }
 
 fn shapes(kinds: Kinds) -> Vec<(&'static str, f64)> {

@@ -34,6 +34,9 @@ fn variants() -> Vec<Pass> {
             again,
         }));
     }
+    for soft in [Soft::None, Soft::Constant, Soft::Image] {
+        all.extend([false, true].map(|image| Pass::Strain { image, soft }));
+    }
     all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend]);
     all.extend([false, true].map(|holes| Pass::Moments { holes }));
     all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));
@@ -63,6 +66,7 @@ fn fused() -> impl Iterator<Item = Fused> {
             contact: on(4).then_some(Kinds { shapes: [true; 6], friction: on(2), many: on(3) }),
             full: on(5),
             normals: on(1),
+            strain: on(5),
             watch: on(0),
             hold: holds[(n + k as usize) % 4],
             places: 1024,

@@ -60,9 +60,10 @@ impl Stepper {
         self.world.asleep.get(cloth).is_some_and(|a| *a)
     }
 
-    /// Lets cloths fall asleep on the GPU backend if [`crate::Options::sleep`] is set: call it once a frame, after
-    /// everything that was recorded has been submitted. It takes in the speeds that have come back, four bytes a cloth
-    /// some frames late, and never waits. Without it no cloth falls asleep there. The CPU backend needs no call.
+    /// Lets cloths fall asleep on the GPU backend if [`crate::Options::sleep`] is set, and substeps be chosen by
+    /// [`crate::Quality::Error`]: call it once a frame, after everything that was recorded has been submitted. It takes in
+    /// what has come back, eight bytes a cloth some frames late, and never waits. Without it no cloth falls asleep and
+    /// no error is known there. The CPU backend needs no call.
     pub fn settle(&mut self) -> Result<()> {
         self.gpu.as_mut().map_or(Ok(()), |gpu| gpu.settle(&mut self.world))
     }

@@ -10,6 +10,7 @@ use crate::fused::Room;
 use crate::gpu::{ClothBuffers, Gpu};
 use crate::options::{Backend, Options, Solver};
 use crate::plan::Plan;
+use crate::quality::Chooser;
 use crate::scene::Scene;
 use crate::wind::Wind;
 use crate::world::World;
@@ -50,6 +51,7 @@ impl Stepper {
     /// steps are made at once, and the result is written to the buffers by the queue. Needs a device.
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
+        self.world.choose();
         let progress = self.world.clock.frame(dt);
         if progress.steps == 0 && self.world.actions.is_empty() {
             return Ok(progress);
@@ -71,6 +73,7 @@ impl Stepper {
     /// Makes the steps that are due after `dt` \[s\] of the host's time, without any device. CPU backend only.
     pub fn advance(&mut self, dt: f64) -> Result<Progress> {
         let (bodies, threads) = self.cpu.as_mut().ok_or(Error::GpuOnly("Stepper::advance"))?;
+        self.world.choose();
         let progress = self.world.clock.frame(dt);
         if self.world.act(bodies, threads) || progress.steps > 0 {
             self.world.run(bodies, threads, progress.steps);
@@ -165,10 +168,25 @@ impl Stepper {
         options.check()?;
         let Options { backend, threads, solver, tethers, pyramid, .. } = self.world.options;
         let fused = options.fused && self.world.options.fused;
+        if options.quality != self.world.options.quality {
+            self.world.chooser = Chooser::default();
+        }
         self.world.options = Options { backend, threads, solver, tethers, pyramid, fused, ..options };
         self.world.clock.change(&self.world.options);
         self.world.reschedule();
         Ok(())
+    }
+
+    /// Tells what a frame took \[ms\], for [`crate::Quality::Budget`]: `steps` as [`Progress::steps`] had it, the time by the
+    /// host's clock, or by timestamps of the GPU. It may come late. Frames without a step, and times that are not above 0,
+    /// do not count; of the others the median of the last 15, by steps, does, from the fifth on.
+    pub fn took(&mut self, steps: u32, ms: f64) {
+        self.world.chooser.took(steps, ms);
+    }
+
+    /// The largest stretch of the last frame that was measured, for [`crate::Quality::Error`]; `None` before one was.
+    pub fn estimated_error(&self) -> Option<f64> {
+        self.world.chooser.error
     }
 
     /// Lets a cloth sleep where it is, at no cost a frame, or wakes it. Any change wakes it too.

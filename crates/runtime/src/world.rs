@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::fused::{Fused, Room, arenas};
 use crate::options::{Options, Solver};
 use crate::passes::{Kinds, Schedule, schedule};
+use crate::quality::Chooser;
 use crate::scene::Scene;
 use crate::sleep::Calm;
 use crate::step::{Step, StepInput};
@@ -21,6 +22,8 @@ pub struct World {
     pub scene: Scene,
     pub options: Options,
     pub clock: Clock,
+    /// Chooses substeps.
+    pub chooser: Chooser,
     pub schedules: Vec<Schedule>,
     /// Which of them run in one dispatch.
     pub fused: Vec<Option<Fused>>,
@@ -67,6 +70,7 @@ impl World {
             scene,
             options,
             clock,
+            chooser: Chooser::default(),
             schedules: Vec::new(),
             fused: Vec::new(),
             arenas: Vec::new(),
@@ -87,6 +91,21 @@ impl World {
         self.arenas = arenas(&self.scene.cloths, slots, &self.options, &room);
         self.room = Some(room);
         self.fuse();
+    }
+
+    /// Chooses how many substeps the next frames have.
+    pub fn choose(&mut self) {
+        let substeps = self.chooser.next(self.options.quality, self.options.substeps);
+        if substeps != self.options.substeps {
+            self.options.substeps = substeps;
+            self.clock.change(&self.options);
+        }
+    }
+
+    /// To be called after the steps of a frame.
+    pub fn tick(&mut self, steps: u32) {
+        self.chooser.stepped(f64::from(steps) * self.clock.dt);
+        (0..steps).for_each(|_| self.clock.tick());
     }
 
     /// Works out which passes run; to be called when colliders, wind, rest lengths or seams have changed.
@@ -156,12 +175,15 @@ impl World {
                 let excess = self.faults.len().saturating_sub(MOST_FAULTS);
                 self.faults.drain(..excess);
             }
+            if let Some(error) = body.strain.take() {
+                self.chooser.measured(error.get());
+            }
             if let Some(limit) = self.calm_below() {
                 let seconds = f64::from(steps) * self.clock.dt;
                 self.note(index, body.fastest.get() <= limit, seconds);
             }
         }
-        (0..steps).for_each(|_| self.clock.tick());
+        self.tick(steps);
     }
 }
 

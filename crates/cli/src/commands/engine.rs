@@ -1,5 +1,7 @@
 //! The host of a stepper: it owns the device, submits and waits.
 
+use std::time::Instant;
+
 use gimage_runtime::scene::Script;
 use gimage_runtime::wgpu;
 use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, device_limits, read_back};
@@ -50,12 +52,23 @@ impl Engine {
     pub fn frame(&mut self, dt: f64) -> Result<Progress, Failure> {
         self.script.frame(&mut self.stepper, self.time, dt)?;
         self.time += dt;
+        let start = Instant::now();
+        let progress = self.step(dt)?;
+        self.stepper.took(progress.steps, start.elapsed().as_secs_f64() * 1e3);
+        Ok(progress)
+    }
+
+    fn step(&mut self, dt: f64) -> Result<Progress, Failure> {
         let Some((device, queue)) = &self.gpu else { return Ok(self.stepper.advance(dt)?) };
         let mut encoder = device.create_command_encoder(&Default::default());
         let progress = self.stepper.record(&mut encoder, dt)?;
         queue.submit([encoder.finish()]);
         let wait = device.poll(wgpu::PollType::wait_indefinitely());
-        wait.map(|_| progress).map_err(|e| Failure::refused(format!("the GPU stopped: {e}")))
+        wait.map_err(|e| Failure::refused(format!("the GPU stopped: {e}")))?;
+        if self.stepper.options().quality.target().is_some() {
+            self.stepper.settle()?;
+        }
+        Ok(progress)
     }
 
     /// Time \[s\] of the last frame.

@@ -10,7 +10,7 @@ use gimage_bundle::dir::read_dir;
 use gimage_runtime::draw::{Look, SolidLook};
 use gimage_runtime::scene::file::{Found, MAX_BYTES, SceneFile, Source};
 use gimage_runtime::scene::{BUILTIN, Script, builtin};
-use gimage_runtime::{Backend, Cloth, Options, Scene, Solver};
+use gimage_runtime::{Backend, Cloth, Options, Quality, Scene, Solver};
 
 use crate::args::{BackendArg, SceneArgs, SolverArg};
 use crate::exit::Failure;
@@ -43,6 +43,9 @@ pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
         file.scene.cloths.iter_mut().try_for_each(|cloth| cloth.set_material(material))?;
     }
     file.options.substeps = args.substeps.unwrap_or(file.options.substeps);
+    // Steps that are asked for by number are not chosen by the scene.
+    let quality = if args.substeps.is_some() { Quality::Fixed } else { file.options.quality };
+    file.options.quality = Quality::of(args.error.or(quality.target()), args.budget.or(quality.budget()));
     file.options.pyramid = args.pyramid.unwrap_or(file.options.pyramid);
     file.options.tethers = args.tethers.unwrap_or(file.options.tethers);
     file.options.iterations = args.iterations.unwrap_or(file.options.iterations);

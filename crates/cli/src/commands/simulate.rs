@@ -4,7 +4,7 @@ mod dump;
 
 use std::time::Instant;
 
-use gimage_runtime::{Backend, Cloth, Solver};
+use gimage_runtime::{Backend, Cloth, Quality, Solver};
 use serde_json::json;
 
 use crate::args::SimulateArgs;
@@ -22,23 +22,32 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
     let step = options.step;
     let mut engine = Engine::new(file.scene, file.script, options)?;
     let dump = args.dump.as_deref().map(|dir| Dump::new(dir, &engine.stepper)).transpose()?;
-    let mut times = Vec::new();
+    let (mut times, mut counts) = (Vec::new(), Vec::new());
     for frame in 0..=frames {
         if frame > 0 {
             let start = Instant::now();
             engine.frame(step)?;
             times.push(start.elapsed().as_secs_f64() * 1e3);
+            counts.push(engine.stepper.options().substeps);
         }
         let due = frame >= args.dump_from && (frame - args.dump_from).is_multiple_of(args.every);
         if let Some(dump) = dump.as_ref().filter(|_| due) {
             dump.write(frame, &mut engine)?;
         }
     }
-    report(args, out, &engine, times)
+    report(args, out, &engine, (times, counts))
 }
 
-fn report(args: &SimulateArgs, out: &Output, engine: &Engine, mut times: Vec<f64>) -> Result<Exit, Failure> {
+fn report(
+    args: &SimulateArgs,
+    out: &Output,
+    engine: &Engine,
+    (mut times, mut counts): (Vec<f64>, Vec<u32>),
+) -> Result<Exit, Failure> {
     times.sort_by(f64::total_cmp);
+    counts.sort_unstable();
+    let [fewest, middle, most] = [0, counts.len() / 2, counts.len().saturating_sub(1)].map(|k| counts.get(k).copied());
+    let error = engine.stepper.estimated_error();
     let (least, median) = (times.first().copied(), times.get(times.len() / 2).copied());
     let (plan, options) = (engine.stepper.plan(), engine.stepper.options());
     let backend = if engine.stepper.backend() == Backend::Cpu { "cpu" } else { "gpu" };
@@ -47,7 +56,8 @@ fn report(args: &SimulateArgs, out: &Output, engine: &Engine, mut times: Vec<f64
         let (name, frames) = (&args.scene.scene, times.len());
         let line = format!("{name}: {frames} frames on the {backend} ({})", engine.adapter);
         let line = format!("{line}, ms a frame: least {}, median {}\n", ms(least), ms(median));
-        out.data(&(line + &plan.to_string()))?;
+        let chosen = chosen(options.quality, [fewest, middle, most], error);
+        out.data(&(line + &chosen + &plan.to_string()))?;
         return Ok(Exit::Done);
     }
     let passes = plan.passes.iter().map(|p| {
@@ -61,6 +71,12 @@ fn report(args: &SimulateArgs, out: &Output, engine: &Engine, mut times: Vec<f64
         "adapter": engine.adapter,
         "solver": if options.solver == Solver::Xpbd { "xpbd" } else { "classic" },
         "substeps": options.substeps,
+        "budget_ms": options.quality.budget(),
+        "error_target": options.quality.target(),
+        "substeps_min": fewest,
+        "substeps_median": middle,
+        "substeps_max": most,
+        "error_estimated": error,
         "iterations": options.iterations,
         "tethers": options.tethers,
         "pyramid": options.pyramid,
@@ -73,4 +89,14 @@ fn report(args: &SimulateArgs, out: &Output, engine: &Engine, mut times: Vec<f64
         "exit": Exit::Done.code(),
     }))?;
     Ok(Exit::Done)
+}
+
+/// How many steps were chosen and what they achieved, where they were; else nothing.
+fn chosen(quality: Quality, counts: [Option<u32>; 3], error: Option<f64>) -> String {
+    let [Some(fewest), Some(median), Some(most)] = counts else { return String::new() };
+    if quality == Quality::Fixed {
+        return String::new();
+    }
+    let error = error.map_or_else(String::new, |e| format!("; stretch at the end {:.2} %", 100.0 * e));
+    format!("substeps chosen: least {fewest}, median {median}, most {most}{error}\n")
 }

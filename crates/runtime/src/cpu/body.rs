@@ -1,15 +1,19 @@
 //! A cloth in motion on the CPU.
 
 use super::fabric::Fabric;
+use super::fastest::larger;
 use super::integrate::Air;
 use super::neighbours::View;
 use super::real::{Real, cast};
 use super::rows::Threads;
 use super::solid::Solid;
-use super::{colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, wind};
-use crate::cloth::{Cloth, Grid, Rest, Tethers};
+use super::strain::Springs;
+use super::{
+    colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, strain, wind,
+};
+use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
 use crate::options::{Options, Solver};
-use crate::passes::{self, Pass};
+use crate::passes::{self, Pass, Soft};
 use crate::step::Step;
 
 /// Positions, previous positions and normals, and what the passes read beside them. The fourth component of a position
@@ -22,6 +26,8 @@ pub struct Body<T> {
     pub holes: Vec<u32>,
     /// Square of the longest displacement \[m^2\] in the last step of a frame, if that is asked for.
     pub fastest: T,
+    /// The largest residual of springs at the end of a frame, if that is asked for.
+    pub strain: Option<T>,
     partial: Vec<T>,
     /// Where particles were at the end of the last good frame; empty for the classic solver.
     good: Vec<[T; 4]>,
@@ -31,6 +37,9 @@ pub struct Body<T> {
     pub(super) grids: Vec<Grid>,
     constant: Vec<[T; 4]>,
     pub(super) image: Vec<[T; 4]>,
+    /// Compliance of all springs, or of each.
+    soft: T,
+    softs: Vec<[T; 4]>,
     starts: Vec<u32>,
     members: Vec<u32>,
     fabric: Option<Box<Fabric<T>>>,
@@ -76,12 +85,15 @@ impl<T: Real> Body<T> {
             normals: vec![[T::of(0.0); 4]; cloth.len()],
             holes: Vec::new(),
             fastest: T::of(0.0),
+            strain: None,
             partial: Vec::new(),
             faulty: None,
             field: Vec::new(),
             grids: cloth.grids().to_vec(),
             constant,
             image,
+            soft: T::of(cloth.softness().into()),
+            softs: if let Compliance::Image(soft) = &cloth.compliance { list(soft) } else { Vec::new() },
             starts: starts.to_vec(),
             members: members.to_vec(),
             fabric: (options.solver == Solver::Xpbd).then(|| Box::new(Fabric::new(cloth, tethers, options))),
@@ -179,6 +191,7 @@ impl<T: Real> Body<T> {
             Pass::SeamNormals => seam_normals::run(&mut self.normals, &self.starts, &self.members),
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
+            Pass::Strain { image, soft } => self.strain(threads, (image, soft), step.dt),
             // Run by actions, which bring what they need.
             Pass::Fused(_) | Pass::Cut | Pass::CutSprings | Pass::Transform | Pass::Pick { .. } | Pass::PickNearest => {
             }
@@ -197,6 +210,21 @@ impl<T: Real> Body<T> {
                 springs::run(threads, now, width, colour, |_| length);
             }
         }
+    }
+
+    fn strain(&mut self, threads: &Threads, (image, soft): (bool, Soft), dt: T) {
+        let mut most = T::of(0.0);
+        for (index, g) in self.grids.iter().enumerate() {
+            let length = |k: usize, d: usize| if image { self.image[g.range()][k][d] } else { self.constant[index][d] };
+            let gives = |k: usize, d: usize| match soft {
+                Soft::None => T::of(0.0),
+                Soft::Constant => self.soft,
+                Soft::Image => self.softs[g.range()][k][d],
+            };
+            let springs = Springs { now: &self.now[g.range()], width: g.width as usize, length, gives, dt };
+            most = larger(most, strain::run(threads, &springs, &mut self.partial));
+        }
+        self.strain = Some(most);
     }
 
     /// Makes room for cuts.

@@ -200,17 +200,17 @@ impl ClothBuffers {
     }
 
     /// Buffers that only some scenes need: air that acts on triangles, multipliers of several relaxations,
-    /// speeds of cloth that may fall asleep.
+    /// speeds of cloth that may fall asleep, its stretch where substeps are chosen by it.
     fn make_scratch(&mut self, device: &wgpu::Device, source: &Source) {
         let particles = self.now.size / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
                 Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
-                Slot::Fastest => 4,
+                Slot::Fastest | Slot::Strain => 4,
                 _ => continue,
             };
-            let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+            let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
             let new = wgpu::BufferDescriptor { label: Some(slot.name()), size, usage, mapped_at_creation: false };
             self.others.entry(slot).or_insert_with(|| device.create_buffer(&new));
         }
@@ -266,6 +266,14 @@ impl ClothBuffers {
         self.others.get(&Slot::Fastest).map(|b| (b, 0))
     }
 
+    /// The largest residual of springs in the last frame, where that is measured.
+    pub(super) fn strain(&self, fused: bool) -> Option<(&Buffer, u64)> {
+        if fused {
+            return self.faults.as_ref().map(|f| (&f.buffer, f.offset + 20));
+        }
+        self.others.get(&Slot::Strain).map(|b| (b, 0))
+    }
+
     /// Drops the bindings that name the old buffer of colliders.
     pub(super) fn forget_colliders(&mut self) {
         self.groups.retain(|bindings, _| bindings.iter().all(|b| b.slot != Slot::Solids));
@@ -285,7 +293,7 @@ pub(super) fn grid_rows(cloth: &Cloth, first: u32) -> Vec<GridRow> {
         first: first + grid.first,
         width: grid.width,
         height: grid.height,
-        soft: if let Compliance::Constant(c) = cloth.compliance { c } else { 0.0 },
+        soft: cloth.softness(),
         rest: constant(g),
     };
     cloth.grids().iter().enumerate().map(row).collect()

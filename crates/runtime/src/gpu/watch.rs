@@ -1,13 +1,14 @@
-//! Bringing speeds back without waiting.
+//! Bringing speeds and stretch back without waiting.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::Gpu;
 use crate::error::{Error, Result};
+use crate::passes::Pass;
 use crate::world::World;
 
-/// Speeds of one cloth on their way to the host.
+/// Measurements of one cloth on their way to the host.
 #[derive(Default)]
 pub(super) struct Watch {
     free: Vec<wgpu::Buffer>,
@@ -21,7 +22,10 @@ pub(super) struct Watch {
 struct Probe {
     staging: wgpu::Buffer,
     mapping: Option<Receiver<std::result::Result<(), wgpu::BufferAsyncError>>>,
-    limit: f64,
+    /// What counts as calm; none where no cloth falls asleep.
+    limit: Option<f64>,
+    /// In the frame, where stretch was measured.
+    substeps: Option<u32>,
     seconds: f64,
     changes: u64,
 }
@@ -30,20 +34,29 @@ struct Probe {
 const MOST: u32 = 4;
 
 impl Gpu {
-    /// Copies the speeds of cloths that are awake to where the host may read them.
+    /// Copies the speeds and the stretch of cloths that are awake to where the host may read them.
     pub(super) fn watch(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
-        let Some(limit) = world.calm_below() else { return };
+        let limit = world.calm_below();
+        if limit.is_none() && world.options.quality.target().is_none() {
+            return;
+        }
         for index in (0..self.cloths.len()).filter(|c| !world.asleep[*c]) {
-            let (watch, Some((fastest, at))) =
-                (&mut self.watches[index], self.cloths[index].fastest(world.is_fused(index, steps)))
-            else {
+            let (watch, cloth) = (&mut self.watches[index], &self.cloths[index]);
+            let fused = world.is_fused(index, steps);
+            let fastest = limit.and_then(|_| cloth.fastest(fused));
+            let measured = world.schedules[index].frame.iter().any(|p| matches!(p, Pass::Strain { .. }));
+            let strain = if measured { cloth.strain(fused) } else { None };
+            if fastest.is_none() && strain.is_none() {
                 continue;
-            };
+            }
             watch.seconds += f64::from(steps) * world.clock.dt;
             let Some(staging) = watch.staging(&self.device) else { continue };
-            encoder.copy_buffer_to_buffer(fastest, at, &staging, 0, 4);
+            for ((from, at), to) in fastest.map(|f| (f, 0)).into_iter().chain(strain.map(|s| (s, 4))) {
+                encoder.copy_buffer_to_buffer(from, at, &staging, to, 4);
+            }
             let (seconds, changes) = (std::mem::take(&mut watch.seconds), world.calm[index].changes);
-            watch.under_way.push_back(Probe { staging, mapping: None, limit, seconds, changes });
+            let (limit, substeps) = (fastest.and(limit), strain.map(|_| world.options.substeps));
+            watch.under_way.push_back(Probe { staging, mapping: None, limit, substeps, seconds, changes });
         }
     }
 
@@ -68,12 +81,16 @@ impl Gpu {
                 }
                 let Some(probe) = watch.under_way.pop_front() else { break };
                 let bytes = probe.staging.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
-                let fastest: f32 = bytemuck::pod_read_unaligned(&bytes[..4]);
+                let [fastest, strain]: [f32; 2] = bytemuck::pod_read_unaligned(&bytes[..8]);
                 drop(bytes);
                 probe.staging.unmap();
                 watch.free.push(probe.staging);
-                if probe.changes == world.calm[index].changes {
-                    world.note(index, f64::from(fastest) <= probe.limit, probe.seconds);
+                if let Some(limit) = probe.limit.filter(|_| probe.changes == world.calm[index].changes) {
+                    world.note(index, f64::from(fastest) <= limit, probe.seconds);
+                }
+                // With another number of substeps it was another question.
+                if probe.substeps == Some(world.options.substeps) {
+                    world.chooser.measured(f64::from(strain));
                 }
             }
         }
@@ -89,8 +106,8 @@ impl Watch {
         self.made += u32::from(self.made <= MOST);
         (self.made <= MOST).then(|| {
             device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("speed"),
-                size: 4,
+                label: Some("measured"),
+                size: 8,
                 usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })

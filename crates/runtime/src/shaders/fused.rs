@@ -1,7 +1,7 @@
 //! The parts of the shader that runs whole frames.
 
 use super::{
-    CONTACT, GRID, LAPLACIAN, NEIGHBOURS, NOW, RINGS, STEP, Slot, Source, Threads, UNIT, air, reads, shapes,
+    CONTACT, GRID, LAPLACIAN, NEIGHBOURS, NOW, RINGS, STEP, Slot, Source, Threads, UNIT, air, reads, shapes, share,
     spring_parts, writes,
 };
 use crate::fused::{Fused, Hold};
@@ -88,6 +88,11 @@ pub(super) fn source(fused: Fused) -> Source {
         files.push(part!("fused_normals_none"));
     }
     files.push(if fused.watch { part!("fused_speed") } else { part!("fused_speed_none") });
+    if fused.strain {
+        files.extend([part!("residual"), share(fused.soft), part!("fused_strain")]);
+    } else {
+        files.push(part!("fused_strain_none"));
+    }
     files.push(pass!("fused"));
     Source { stem: "fused", files, bindings, constants, threads: Threads::Cloth }
 }

@@ -47,6 +47,16 @@ impl Rig {
         (0..count).for_each(|_| self.frame(FRAME));
     }
 
+    /// As [`Rig::frame`], with everything measured before it returns.
+    pub fn frame_to_its_end(&mut self, dt: f64) {
+        let Some((device, queue)) = &self.device else { return self.frame(dt) };
+        let mut encoder = device.create_command_encoder(&Default::default());
+        self.stepper.record(&mut encoder, dt).unwrap();
+        queue.submit([encoder.finish()]);
+        device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        self.stepper.settle().unwrap();
+    }
+
     fn list(&self, cloth: usize, which: fn(&ClothBuffers) -> &Span) -> Vec<[f32; 4]> {
         let (device, queue) = self.device.as_ref().unwrap();
         read_back(device, queue, which(self.stepper.buffers(cloth).unwrap())).unwrap()

@@ -70,6 +70,8 @@ pub enum Force {
 pub struct Solver {
     pub name: Option<String>,
     pub substeps: Option<u32>,
+    pub budget: Option<f64>,
+    pub error: Option<f64>,
     pub iterations: Option<u32>,
     pub tethers: Option<u32>,
     pub pyramid: Option<u32>,

@@ -8,6 +8,7 @@ use crate::collider::{Collider, Shape};
 use crate::draw::{Camera, Look, SolidLook, uv_of};
 use crate::material::Material;
 use crate::options::{Options, Solver};
+use crate::quality::Quality;
 use crate::scene::{Cut, Key, Motion, PinnedSet, Pose, Scene, Script, about};
 use crate::wind::{Wind, WindForce};
 
@@ -58,6 +59,7 @@ fn options(fields: &json::Solver) -> Result<Options> {
         }
     };
     options.substeps = fields.substeps.unwrap_or(options.substeps);
+    options.quality = Quality::of(fields.error, fields.budget);
     options.pyramid = fields.pyramid.unwrap_or(options.pyramid);
     options.tethers = fields.tethers.unwrap_or(options.tethers);
     options.iterations = fields.iterations.unwrap_or(options.iterations);

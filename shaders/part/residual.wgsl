@@ -1,0 +1,13 @@
+// What is left of a spring to be relaxed: its stretch, less what its compliance accounts for. 0 where there is no spring, or
+// none that can move.
+fn residual(grid: u32, k: u32, other: u32, direction: u32) -> f32 {
+  let a = now[k];
+  let b = now[other];
+  let rest = rest_length(grid, k, direction);
+  let w = a.w + b.w;
+  if (rest <= 0.0 || min(a.w, b.w) < 0.0 || w <= 0.0) {
+    return 0.0;
+  }
+  let d = b.xyz - a.xyz;
+  return max(sqrt(dot(d, d)) / rest - 1.0, 0.0) * share(grid, k, direction, w);
+}
