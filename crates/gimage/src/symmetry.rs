@@ -47,7 +47,11 @@ impl Mirror {
         let eigen = SymmetricEigen::new(spread);
         let closest = Closest::new(&surface.positions, &surface.triangles);
         let mut best: Option<(f64, Self)> = None;
-        for axis in eigen.eigenvectors.column_iter() {
+        for (axis, &wide) in eigen.eigenvectors.column_iter().zip(&eigen.eigenvalues) {
+            // What is flat is its own mirror image in its own plane, and has no two sides.
+            if wide < 1e-6 * spread.trace() {
+                continue;
+            }
             let mirror = Self { point: centre, normal: [axis[0], axis[1], axis[2]] };
             let off = |p: &[f64; 3]| closest.project(mirror.reflect(*p)).map_or(f64::INFINITY, |n| n.distance.powi(2));
             let square = surface.positions.iter().map(off).sum::<f64>() / surface.positions.len() as f64;
@@ -110,6 +114,12 @@ mod tests {
         let mates = m.mates(&s.positions);
         assert!((0..s.positions.len()).all(|v| mates[mates[v] as usize] as usize == v));
         assert_eq!((0..mates.len()).filter(|&v| mates[v] as usize == v).count(), 19, "the middle column is its own");
+    }
+
+    #[test]
+    fn the_plane_of_a_flat_sheet_does_not_count() {
+        let m = Mirror::of(&shapes::rectangle(6, 4, 3.0, 2.0)).unwrap();
+        assert!(m.normal[2].abs() < 1e-9, "{m:?}");
     }
 
     #[test]

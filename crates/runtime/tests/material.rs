@@ -115,7 +115,6 @@ fn one_flag_on_three_grids_and_a_distorted_one_hangs_alike() {
     let fine = settled(129, 0.0, 96, &FABRIC);
     for (n, skew, substeps) in [(33, 0.0, 32), (65, 0.0, 48), (65, 0.1, 48), (33, 0.0, 64)] {
         let error = apart(&settled(n, skew, substeps, &FABRIC), &fine);
-        println!("{n} {skew} {substeps}: {:.3} %", 100.0 * error);
         assert!(error < 3e-3, "{n} x {n}, {skew}, {substeps} substeps: {error}");
     }
     // Each number of the material shows: halved, it is another flag.
@@ -131,7 +130,6 @@ fn one_flag_on_three_grids_and_a_distorted_one_hangs_alike() {
         let mut other = FABRIC;
         change(&mut other);
         let difference = apart(&settled(33, 0.0, 32, &other), &base);
-        println!("{name}: {:.3} %", 100.0 * difference);
         assert!(difference > 6e-3, "{name}: {difference}");
     }
 }
@@ -182,7 +180,6 @@ fn a_cantilever_droops_as_in_the_standard_test() {
     let expected = 41.5f64.to_radians().tan();
     for (n, turned) in [(17, false), (17, true), (25, false)] {
         let found = droop(n, bend, turned);
-        println!("{n} {turned}: {found} for {expected}");
         assert!((found / expected - 1.0).abs() < 0.06, "{n}, {turned}: {found} for {expected}");
     }
 }

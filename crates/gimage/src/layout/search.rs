@@ -24,6 +24,10 @@ pub(crate) struct SearchOptions {
     pub snap: usize,
 }
 
+/// Scores that differ by less are equal: nodes on corners of the image are then better, which a stand-in of few triangles
+/// cannot tell.
+const EQUAL: f64 = 1e-6;
+
 /// Width : height ratios tried, in steps from square.
 const ASPECTS: [f64; 9] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4];
 
@@ -36,13 +40,13 @@ impl Proxy<'_> {
         fine.then_some(trial)
     }
 
-    /// All steps of a trial, unless it starts out much worse than the `best`.
-    fn all(&mut self, mut trial: Trial, best: &Trial) -> Option<Trial> {
+    /// All steps of a trial, unless it starts out much worse than the `best`; none if it ends worse by `more`.
+    fn all(&mut self, mut trial: Trial, best: &Trial, more: f64) -> Option<Trial> {
         if trial.early > 1.15 * best.early + 0.005 {
             return None;
         }
         let fine = (1..3).all(|k| self.solve(&mut trial, 0, self.options.steps[k]));
-        (fine && trial.layout.score < best.layout.score).then_some(trial)
+        (fine && trial.layout.score < best.layout.score + more).then_some(trial)
     }
 
     /// The trial of an aspect with `middle` (a part of the loop) at the middle of the side v = 0.
@@ -132,10 +136,15 @@ impl Proxy<'_> {
             found.retain_mut(|t| self.solve(t, 0, self.options.steps[lot + 1]));
         }
         if found.is_empty() {
-            // Too coarse to be flip-free anywhere: fall back to the first start that can be laid out at all.
+            // Too coarse to be flip-free at any of these starts: one with nodes on corners may be, else the first start that
+            // can be laid out at all.
             let (w, h) = cells(size, 1.0, self.border.least_steps())?;
             let count = self.border.share(2 * (w + h))?;
-            return Some((Layout { w, h, shift: 0.0, count, score: f64::INFINITY }, Vec::new()));
+            let first = Layout { w, h, shift: 0.0, count, score: f64::INFINITY };
+            found = self.snapped(size, &first);
+            if found.is_empty() {
+                return Some((first, Vec::new()));
+            }
         }
         let best = |found: &[Trial]| {
             let k = (0..found.len())
@@ -150,7 +159,7 @@ impl Proxy<'_> {
             let mut step = 0.25 / shifts as f64;
             for _ in 0..2 {
                 for m in [best.middle - step, best.middle + step] {
-                    if let Some(t) = self.trial(size, best.aspect, m).and_then(|t| self.all(t, &best)) {
+                    if let Some(t) = self.trial(size, best.aspect, m).and_then(|t| self.all(t, &best, 0.0)) {
                         best = t;
                     }
                 }
@@ -158,7 +167,7 @@ impl Proxy<'_> {
             }
         }
         for t in self.snapped(size, &best.layout) {
-            if let Some(t) = self.all(t, &best) {
+            if let Some(t) = self.all(t, &best, EQUAL) {
                 best = t;
             }
         }
@@ -169,7 +178,7 @@ impl Proxy<'_> {
     fn refine_aspect(&mut self, size: Size, trial: &mut Trial) {
         for direction in [1, -1] {
             while let Some(next) = trial.aspect.checked_add_signed(direction).filter(|&k| k < ASPECTS.len()) {
-                match self.trial(size, next, trial.middle).and_then(|t| self.all(t, trial)) {
+                match self.trial(size, next, trial.middle).and_then(|t| self.all(t, trial, 0.0)) {
                     Some(t) => *trial = t,
                     None => break,
                 }
