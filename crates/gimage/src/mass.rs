@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn spread_is_of_the_percentiles_over_surface_points() {
-        let g = grid(30, 30, |i, j| [i as f64, j as f64, 0.0]);
+        let g = grid(30, 30, |i, j| [i, j, 0.0]);
         assert_eq!(Masses::Constant(2.0).spread(&g), 1.0);
         // 900 points: nine below and nine above are left out.
         let masses = (0..900)
