@@ -207,3 +207,15 @@ fn normals_are_unit_and_closed_over_seams() {
         assert!(radial.abs() > 0.98 && (n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1.0).abs() < 1e-5, "{k}: {n:?}");
     }
 }
+
+#[test]
+fn cloth_has_normals_before_its_first_frame() {
+    let start = |normals| {
+        let options = Options { backend: Backend::Cpu, normals, ..Options::default() };
+        Stepper::new(scene::builtin("s1", 16).unwrap(), options, None).unwrap()
+    };
+    let length = |n: &[f32; 4]| n[..3].iter().map(|x| x * x).sum::<f32>().sqrt();
+    let with = start(true);
+    assert!(with.normals(0).unwrap().iter().all(|n| (length(n) - 1.0).abs() < 1e-6 && n[1].abs() > 0.999));
+    assert!(start(false).normals(0).unwrap().iter().all(|n| *n == [0.0; 4]));
+}

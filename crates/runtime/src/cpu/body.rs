@@ -78,7 +78,7 @@ impl<T: Real> Body<T> {
         };
         let (starts, members) = cloth.rings();
         let now: Vec<_> = (0..cloth.len()).map(|k| place(k, 0.0)).collect();
-        Body {
+        let mut body = Body {
             good: if options.solver == Solver::Xpbd { now.clone() } else { Vec::new() },
             now,
             before: (0..cloth.len()).map(|k| place(k, dt)).collect(),
@@ -98,7 +98,16 @@ impl<T: Real> Body<T> {
             members: members.to_vec(),
             fabric: (options.solver == Solver::Xpbd).then(|| Box::new(Fabric::new(cloth, tethers, options))),
             edited: true,
+        };
+        if options.normals {
+            // What is drawn before the first frame has a front and a back too.
+            let threads = Threads::one();
+            for g in &body.grids {
+                normals::run(&threads, view(&body.now, &[], g), &mut body.normals[g.range()]);
+            }
+            seam_normals::run(&mut body.normals, &body.starts, &body.members);
         }
+        body
     }
 
     /// Positions.

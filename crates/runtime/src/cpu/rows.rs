@@ -32,6 +32,14 @@ impl Threads {
         Ok(Threads {})
     }
 
+    /// The caller's alone.
+    pub fn one() -> Self {
+        Threads {
+            #[cfg(feature = "threads")]
+            pool: None,
+        }
+    }
+
     /// Calls `work` with the number and the elements of each chunk of `size`; the last may be shorter.
     pub fn chunks<A: Send>(&self, data: &mut [A], size: usize, work: impl Fn(usize, &mut [A]) + Sync + Send) {
         #[cfg(feature = "threads")]
