@@ -42,6 +42,9 @@ const NEAR: f64 = 2e-2;
 /// How much more the gradient term counts where the image is turned over by more than a right angle.
 const TURNED: f64 = 2.0;
 
+/// Above this share of the area turned over, that is how the image of a shell thinner than texels looks: nothing is held.
+const MOST_TURNED: f64 = 0.005;
+
 /// How firmly the garment's own boundary is held to where it was sampled, as a share of what pulls at it: beyond a
 /// boundary is no surface that would hold it.
 const RIM: f64 = 1.0;
@@ -151,8 +154,22 @@ impl Fragment {
         Self { facet: facet.0, quad, half, mass: mass.map(|m| m as f32), moment }
     }
 
-    /// Adds the fragment's terms with texels now at `points`.
-    fn add(&self, normal: &mut Normal, facet: &Facet, points: &[[f64; 3]], rim: &[bool], options: &FitOptions) {
+    /// The area of the fragment, and whether texels at `points` turn it over by more than a right angle.
+    fn turned(&self, facet: &Facet, points: &[[f64; 3]], columns: usize) -> (f64, bool) {
+        let [p, q, r] = HALVES[self.half as usize].map(|c| points[self.quad as usize + c[1] * columns + c[0]]);
+        let [a, b, c, d, e, f] = self.mass.map(f64::from);
+        (a + d + f + 2.0 * (b + c + e), dot(cross(sub(q, p), sub(r, p)), facet.normal) < 0.0)
+    }
+
+    /// Adds the fragment's terms with texels now at `points`. What is turned over is held harder if `turned`.
+    fn add(
+        &self,
+        normal: &mut Normal,
+        facet: &Facet,
+        points: &[[f64; 3]],
+        rim: &[bool],
+        (options, turned): (&FitOptions, bool),
+    ) {
         let columns = normal.columns;
         let corner = HALVES[self.half as usize].map(|c| self.quad as usize + c[1] * columns + c[0]);
         let now = corner.map(|k| points[k]);
@@ -165,7 +182,7 @@ impl Fragment {
         let (du, dv) = (facet.slide(facet.du, xu, slip), facet.slide(facet.dv, xv, slip));
         // What points away is held all the harder: left to itself it stays turned over.
         let off = distance(normalize(cross(xu, xv)), facet.normal);
-        let (off, hold) = if off > std::f64::consts::SQRT_2 { (0.0, TURNED) } else { (off, 1.0) };
+        let (off, hold) = if turned && off > std::f64::consts::SQRT_2 { (0.0, TURNED) } else { (off, 1.0) };
         let total = a + d + f + 2.0 * (b + c + e);
         let w = hold * total * options.gradient * options.sharp / (options.sharp + off);
         let mut stencil = mass;
@@ -248,6 +265,15 @@ pub(crate) fn fit(
             out
         })
         .collect();
+    let (mut all, mut over) = (0.0, 0.0);
+    for x in fragments.iter().flatten() {
+        if let Some(facet) = &facets[x.facet as usize] {
+            let (area, turned) = x.turned(facet, &local, columns);
+            all += area;
+            over += if turned { area } else { 0.0 };
+        }
+    }
+    let hold = over <= MOST_TURNED * all;
     let sampled = local.clone();
     let mut before = local.clone();
     for round in 0..options.rounds {
@@ -263,7 +289,7 @@ pub(crate) fn fit(
                 let mut normal = Normal::new(columns, cells(band).start, cells(band).len() + 1);
                 for x in fragments {
                     if let Some(facet) = &facets[x.facet as usize] {
-                        x.add(&mut normal, facet, &local, rim, options);
+                        x.add(&mut normal, facet, &local, rim, (options, hold));
                     }
                 }
                 normal
