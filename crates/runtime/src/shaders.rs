@@ -222,8 +222,8 @@ pub fn source(pass: Pass) -> Source {
             let mut bindings = vec![reads(Step), writes(Now), writes(Before), writes(Slot::Lost)];
             bindings.extend((air == Air::Field).then_some(reads(Field)));
             let files =
-                [&[STEP, BOUND, INDEX, NOW][..], self::air(air), &[part!("verlet_exact"), pass!("advance")]].concat();
-            plain("advance", &files, &bindings, Threads::Particles)
+                [&[STEP, BOUND, INDEX, NOW][..], self::air(air), &[part!("verlet_exact"), pass!("integrate")]].concat();
+            plain("integrate", &files, &bindings, Threads::Particles)
         }
         Pass::Membrane { column, row, holes } => {
             let bindings = [reads(Step), reads(Grids), writes(Now), reads(Slot::Cells), reads(Slot::Yielding)];

@@ -1,4 +1,4 @@
-//! The rule of integrate.rs on sheets; the results are the same bits. Where exact, twin of shaders/advance.wgsl.
+//! The rule of integrate.rs on sheets; the results are the same bits. Where exact, with shaders/part/verlet_exact.wgsl.
 
 use super::integrate::{Air, push};
 use super::lanes::{LANES, Machine, Work, widest};
