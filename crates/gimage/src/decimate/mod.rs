@@ -31,6 +31,19 @@ pub(crate) struct Hierarchy {
     pub fans: Vec<u32>,
 }
 
+impl Hierarchy {
+    /// The vertices left, and the triangles over these. `n` is the number of all vertices.
+    pub(crate) fn coarse(&self, n: usize) -> (Vec<u32>, Vec<[u32; 3]>) {
+        let (vertex, triangles, _) = left(&self.triangles, &self.alive, n);
+        (vertex, triangles)
+    }
+
+    /// The triangles now there, over the original vertices.
+    pub(crate) fn now(&self) -> Vec<[u32; 3]> {
+        self.triangles.iter().zip(&self.alive).filter(|x| *x.1).map(|x| *x.0).collect()
+    }
+}
+
 /// Simplifies an edge-manifold mesh to about `target` triangles. `locked` vertices stay. O(n log n).
 pub(crate) fn decimate(
     positions: &[[f64; 3]],
@@ -42,19 +55,8 @@ pub(crate) fn decimate(
     let n = positions.len();
     let mut c = prepare(positions, triangles, boundary, locked, false);
     c.run(target, |_, _, _| {});
-    let mut index = vec![u32::MAX; n];
-    let mut coarse = Coarse { vertex: Vec::new(), triangles: Vec::new(), patch: Vec::new() };
-    for (tri, _) in c.triangles.iter().zip(&c.alive).filter(|(_, a)| **a) {
-        let t = tri.map(|v| {
-            if index[v as usize] == u32::MAX {
-                index[v as usize] = coarse.vertex.len() as u32;
-                coarse.vertex.push(v);
-            }
-            index[v as usize]
-        });
-        coarse.triangles.push(t);
-    }
-    coarse.patch = (0..n)
+    let (vertex, triangles, index) = left(&c.triangles, &c.alive, n);
+    let patch = (0..n)
         .map(|v| {
             let mut r = v;
             while c.into[r] as usize != r {
@@ -63,7 +65,22 @@ pub(crate) fn decimate(
             index[r]
         })
         .collect();
-    coarse
+    Coarse { vertex, triangles, patch }
+}
+
+/// What is left of a mesh of `n` vertices: these, triangles over them, and the place of each vertex among them.
+fn left(triangles: &[[u32; 3]], alive: &[bool], n: usize) -> (Vec<u32>, Vec<[u32; 3]>, Vec<u32>) {
+    let (mut vertex, mut index, mut out) = (Vec::new(), vec![u32::MAX; n], Vec::new());
+    for (t, _) in triangles.iter().zip(alive).filter(|x| *x.1) {
+        for &v in t.iter() {
+            if index[v as usize] == u32::MAX {
+                index[v as usize] = vertex.len() as u32;
+                vertex.push(v);
+            }
+        }
+        out.push(t.map(|v| index[v as usize]));
+    }
+    (vertex, out, index)
 }
 
 /// Simplifies the inside of a disk to about `target` triangles. No edge is made between boundary vertices, so a map

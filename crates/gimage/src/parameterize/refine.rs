@@ -20,11 +20,10 @@ const STEPS: usize = 2;
 /// Largest energy of the whole, in units of that of the simplified disk: above it a shape was lost on the way, as the rim
 /// is of a shell thinner than its edges are long.
 const WORSE: f64 = 1.05;
-/// No vertex.
-const NONE: u32 = u32::MAX;
 
 /// As [`parameterize`], by way of a disk of about `target` triangles; the steps recorded are those of its map. `None` also
-/// where a vertex has no room to come back, and where the whole does not come near the energy of the simpler disk. O(n log n) and the map of the simpler disk.
+/// where a vertex has no room to come back, and where the whole does not come near the energy of the simpler disk.
+/// O(n log n) and the map of the simpler disk.
 pub(super) fn coarse_to_fine(
     shape: Shape<'_>,
     uv: &mut [[f64; 2]],
@@ -34,17 +33,7 @@ pub(super) fn coarse_to_fine(
 ) -> Option<ParameterizeRecord> {
     let Shape { positions, triangles, wanted, fixed } = shape;
     let mut now = hierarchy(positions, triangles, fixed, target);
-    let (mut index, mut vertex) = (vec![NONE; positions.len()], Vec::new());
-    let mut coarse = Vec::new();
-    for (t, _) in now.triangles.iter().zip(&now.alive).filter(|x| *x.1) {
-        coarse.push(t.map(|v| {
-            if index[v as usize] == NONE {
-                index[v as usize] = vertex.len() as u32;
-                vertex.push(v);
-            }
-            index[v as usize]
-        }));
-    }
+    let (vertex, coarse) = now.coarse(positions.len());
     let mut small_uv: Vec<[f64; 2]> = vertex.iter().map(|&v| uv[v as usize]).collect();
     let mut record = {
         let positions: Vec<[f64; 3]> = vertex.iter().map(|&v| positions[v as usize]).collect();
@@ -62,7 +51,7 @@ pub(super) fn coarse_to_fine(
     while level > 2 * left {
         level /= 2;
     }
-    drop((index, vertex, coarse, small_uv));
+    drop((vertex, coarse, small_uv));
     let mut fan: Vec<([u32; 3], Rest)> = Vec::new();
     for (k, &[u, v]) in now.collapses.iter().enumerate().rev() {
         let from = k.checked_sub(1).map_or(0, |k| now.ends[k]);
@@ -81,9 +70,9 @@ pub(super) fn coarse_to_fine(
         settle(u, fan.iter().map(|x| (x.0, &x.1)), uv, STEPS);
         if left >= level && left < triangles.len() {
             level *= 2;
-            let alive: Vec<[u32; 3]> = now.triangles.iter().zip(&now.alive).filter(|x| *x.1).map(|x| *x.0).collect();
-            let rest = rest_shapes(positions, &alive, wanted, scale);
-            turns(&alive, &rest, fixed, uv, TURNS);
+            let there = now.now();
+            let rest = rest_shapes(positions, &there, wanted, scale);
+            turns(&there, &rest, fixed, uv, TURNS);
         }
     }
     drop(now);
