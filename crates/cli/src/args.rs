@@ -71,7 +71,7 @@ pub struct BuildArgs {
     /// Where cuts run: the better of both, the shortest way, or along UV seams [default: auto].
     #[arg(long, value_enum)]
     pub seams: Option<SeamsArg>,
-    /// How much denser texels are where the surface bends: 0 is even, 1 has the least error [default: 0.5].
+    /// How much denser texels are where the surface bends: 0 is even, 1 has the least error [default: 0.6].
     #[arg(long, value_name = "SHARE")]
     pub detail: Option<f64>,
     /// How hard to look for the best cut and layout [default: default].

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use crate::disk::Disk;
 use crate::normal::Normal;
 use crate::parameterize::distortion::{planar, signed_area2};
-use crate::vec3::{cross, distance, dot, norm, normalize, scale, sub};
+use crate::vec3::{cross, distance, dot, norm, scale, sub};
 
 /// How the texels are fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,11 +95,17 @@ impl Facet {
         [0, 1, 2].map(|c| self.o[c] + q[0] * self.du[c] + q[1] * self.dv[c])
     }
 
-    /// From `p` on the facet (or a derivative of it) towards `x` along the facet.
+    /// From `p` towards `x` along the facet.
+    #[inline]
     fn slide(&self, p: [f64; 3], x: [f64; 3], slip: f64) -> [f64; 3] {
-        let off = sub(x, p);
-        let across = dot(off, self.normal);
-        [0, 1, 2].map(|c| p[c] + slip * (off[c] - across * self.normal[c]))
+        let off = [x[0] - p[0], x[1] - p[1], x[2] - p[2]];
+        let across = slip * dot(off, self.normal);
+        let n = self.normal;
+        [
+            p[0] + slip * off[0] - across * n[0],
+            p[1] + slip * off[1] - across * n[1],
+            p[2] + slip * off[2] - across * n[2],
+        ]
     }
 }
 
@@ -119,14 +125,13 @@ struct Fragment {
 const HALVES: [[[usize; 2]; 3]; 4] =
     [[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]], [[0, 0], [1, 0], [0, 1]], [[1, 0], [1, 1], [0, 1]]];
 
-/// Gradients of the corner functions of one of [`HALVES`], whose area is half a unit square.
-fn slopes(half: u8) -> [[f64; 2]; 3] {
-    let p = HALVES[half as usize].map(|c| c.map(|x| x as f64));
-    let e = |a: usize, b: usize| [p[a][0] - p[b][0], p[a][1] - p[b][1]];
-    let g1 = [e(2, 0)[1], -e(2, 0)[0]];
-    let g2 = [-e(1, 0)[1], e(1, 0)[0]];
-    [[-g1[0] - g2[0], -g1[1] - g2[1]], g1, g2]
-}
+/// Gradients of the corner functions of [`HALVES`], each of which is half a unit square.
+const SLOPES: [[[f64; 2]; 3]; 4] = [
+    [[-1.0, 0.0], [1.0, -1.0], [0.0, 1.0]],
+    [[0.0, -1.0], [1.0, 0.0], [-1.0, 1.0]],
+    [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]],
+    [[0.0, -1.0], [1.0, 1.0], [-1.0, 0.0]],
+];
 
 impl Fragment {
     /// Integrates over a convex polygon of the plane, `at` the first texel of the quad.
@@ -170,30 +175,34 @@ impl Fragment {
         rim: &[bool],
         (options, turned): (&FitOptions, bool),
     ) {
-        let columns = normal.columns;
-        let corner = HALVES[self.half as usize].map(|c| self.quad as usize + c[1] * columns + c[0]);
+        let (columns, half) = (normal.columns, self.half as usize & 3);
+        let corner = HALVES[half].map(|c| self.quad as usize + c[1] * columns + c[0]);
         let now = corner.map(|k| points[k]);
         let slip = if corner.iter().any(|&k| rim[k]) { 0.0 } else { options.slip };
         let [a, b, c, d, e, f] = self.mass.map(f64::from);
         let mass = [[a, b, c], [b, d, e], [c, e, f]];
-        let slope = slopes(self.half);
+        let slope = &SLOPES[half];
         let sum = |w: [f64; 3]| [0, 1, 2].map(|c| w[0] * now[0][c] + w[1] * now[1][c] + w[2] * now[2][c]);
-        let [xu, xv] = [0, 1].map(|c| sum(slope.map(|s| s[c])));
+        let [xu, xv] = [0, 1].map(|c| sum([slope[0][c], slope[1][c], slope[2][c]]));
         let (du, dv) = (facet.slide(facet.du, xu, slip), facet.slide(facet.dv, xv, slip));
         // What points away is held all the harder: left to itself it stays turned over.
-        let off = distance(normalize(cross(xu, xv)), facet.normal);
-        let (off, hold) = if turned && off > std::f64::consts::SQRT_2 { (0.0, TURNED) } else { (off, 1.0) };
+        let across = cross(xu, xv);
+        let square = dot(across, across);
+        let cos = if square > 0.0 { dot(across, facet.normal) / square.sqrt() } else { 0.5 };
+        let off = (2.0 - 2.0 * cos).max(0.0).sqrt();
+        let (off, hold) = if turned && cos < 0.0 { (0.0, TURNED) } else { (off, 1.0) };
         let total = a + d + f + 2.0 * (b + c + e);
         let w = hold * total * options.gradient * options.sharp / (options.sharp + off);
         let mut stencil = mass;
         for x in 0..3 {
+            let s = [w * slope[x][0], w * slope[x][1]];
             for y in 0..3 {
-                stencil[x][y] += w * (slope[x][0] * slope[y][0] + slope[x][1] * slope[y][1]);
+                stencil[x][y] += s[0] * slope[y][0] + s[1] * slope[y][1];
             }
             let p = facet.slide(self.moment[x].map(f64::from), sum(mass[x]), slip);
-            normal.add_rhs(corner[x], [0, 1, 2].map(|c| p[c] + w * (slope[x][0] * du[c] + slope[x][1] * dv[c])));
+            normal.add_rhs(corner[x], [0, 1, 2].map(|c| p[c] + s[0] * du[c] + s[1] * dv[c]));
         }
-        normal.add_three(corner, HALVES[self.half as usize], &stencil);
+        normal.add_three(corner, HALVES[half], &stencil);
     }
 }
 
@@ -276,28 +285,27 @@ pub(crate) fn fit(
     let hold = over <= MOST_TURNED * all;
     let sampled = local.clone();
     let mut before = local.clone();
+    let mut last = local.clone();
+    let mut parts: Vec<Normal> =
+        (0..bands.len()).map(|band| Normal::new(columns, cells(band).start, cells(band).len() + 1)).collect();
+    let mut normal = Normal::new(columns, 0, rows);
     for round in 0..options.rounds {
-        let last = local.clone();
+        last.copy_from_slice(&local);
         if round > 1 {
             local.iter_mut().zip(&before).for_each(|(x, b)| (0..3).for_each(|c| x[c] += x[c] - b[c]));
         }
-        before = last;
-        let parts: Vec<Normal> = fragments
-            .par_iter()
-            .enumerate()
-            .map(|(band, fragments)| {
-                let mut normal = Normal::new(columns, cells(band).start, cells(band).len() + 1);
-                for x in fragments {
-                    if let Some(facet) = &facets[x.facet as usize] {
-                        x.add(&mut normal, facet, &local, rim, (options, hold));
-                    }
+        std::mem::swap(&mut before, &mut last);
+        parts.par_iter_mut().zip(&fragments).for_each(|(part, fragments)| {
+            part.clear();
+            for x in fragments {
+                if let Some(facet) = &facets[x.facet as usize] {
+                    x.add(part, facet, &local, rim, (options, hold));
                 }
-                normal
-            })
-            .collect();
-        let mut normal = Normal::new(columns, 0, rows);
-        for part in parts {
-            normal.add_rows(&part);
+            }
+        });
+        normal.clear();
+        for part in &parts {
+            normal.add_rows(part);
         }
         normal.hold(rim, &sampled, RIM);
         if !normal.solve(&mut local, rings, NEAR) {

@@ -6,7 +6,7 @@ use crate::decimate::decimate;
 use crate::disk::{self, NONE};
 use crate::graph::Paths;
 use crate::halfedge::BOUNDARY;
-use crate::layout::{Proxy, SearchOptions, Size, most_stretched};
+use crate::layout::{Found, Proxy, SearchOptions, Size, most_stretched};
 use crate::surface::Surface;
 use crate::symmetry::Mirror;
 use crate::transfer::transfer;
@@ -38,13 +38,25 @@ const MIDDLE_COST: f64 = 0.5;
 /// What an edge costs more that faces straight outwards, as a share of its length.
 const OUTWARD_COST: f64 = 0.05;
 
+/// A try that comes out this much worse than the cut so far after the same few steps is given up.
+const SLACK: f64 = 1.05;
+
 /// One try: the energy of a cut through `terminals`, and the vertices it stretches most.
 struct Try {
     score: f64,
+    /// The same after the first and the second lot of steps.
+    early: [f64; 2],
     next: Vec<u32>,
 }
 
-fn attempt(cutter: &Cutter<'_>, cost: &[f64], terminals: &[u32], search: SearchOptions) -> Option<Try> {
+/// Tries a cut. `None` if it cannot be laid out, or is going to be worse than one whose [`Try::early`] is `than`.
+fn attempt(
+    cutter: &Cutter<'_>,
+    cost: &[f64],
+    terminals: &[u32],
+    search: SearchOptions,
+    than: Option<[f64; 2]>,
+) -> Option<Try> {
     let surface = cutter.surface;
     let cut = cutter.cut(cost, terminals);
     let mut disk = disk::open(cutter, &cut).ok()?;
@@ -52,7 +64,8 @@ fn attempt(cutter: &Cutter<'_>, cost: &[f64], terminals: &[u32], search: SearchO
     cutter.loops().iter().flatten().for_each(|&v| on_rim[v as usize] = true);
     let border = Border::new(&mut disk, |v| on_rim[v as usize]);
     let mut proxy = Proxy::new(&disk, &border, search);
-    let (layout, solved) = proxy.search_map(Size::Budget(16_384))?;
+    let bar = than.map_or([f64::INFINITY; 2], |early| early.map(|e| SLACK * e + 0.005));
+    let Found { layout, uv: solved, early } = proxy.search_map(Size::Budget(16_384), bar)?;
     if !layout.score.is_finite() {
         return None;
     }
@@ -81,7 +94,7 @@ fn attempt(cutter: &Cutter<'_>, cost: &[f64], terminals: &[u32], search: SearchO
     next.extend(Paths::new(&cutter.graph, &cutter.graph.length, sources, |_| false).farthest());
     let mut seen = std::collections::HashSet::new();
     next.retain(|&v| !on_cut[v as usize] && seen.insert(v));
-    Some(Try { score: layout.score, next })
+    Some(Try { score: layout.score, early, next })
 }
 
 /// Costs of the edges: their lengths, but the middle of a symmetric surface is cheap: both halves are then alike.
@@ -135,10 +148,10 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let search = SearchOptions {
         triangles: options.triangles,
         shifts: 6,
-        rough: 3,
+        rough: 2,
         passes: 2,
         steps: [1, 3, 6],
-        keep: [3, 1],
+        keep: [1, 1],
         refine: false,
         snap: 2,
     };
@@ -158,16 +171,17 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let cost = middle_costs(&cutter, mirror.as_ref());
     let mates = mirror.as_ref().map(|m| m.mates(&small.positions));
     let mut terminals: Vec<u32> = Vec::new();
-    let mut now = attempt(&cutter, &cost, &terminals, search);
+    let mut now = attempt(&cutter, &cost, &terminals, search, None);
     let shortest = now.as_ref().map(|t| t.score);
     while terminals.len() < options.points {
         let score = now.as_ref().map_or(f64::INFINITY, |t| t.score);
         let candidates = now.as_ref().map_or_else(Vec::new, |t| t.next.clone());
         let mut best: Option<(Try, u32)> = None;
         for v in candidates {
+            let early = now.as_ref().map(|t| t.early);
             let mut longer = terminals.clone();
             longer.push(v);
-            if let Some(t) = attempt(&cutter, &cost, &longer, search)
+            if let Some(t) = attempt(&cutter, &cost, &longer, search, early)
                 && t.score < score - options.gain
                 && best.as_ref().is_none_or(|b| t.score < b.0.score)
             {
@@ -185,7 +199,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         let room = terminals.len() < options.points;
         if let Some(mate) = mates.as_ref().map(|m| m[v as usize]).filter(|m| room && !terminals.contains(m)) {
             terminals.push(mate);
-            let both = attempt(&cutter, &cost, &terminals, search);
+            let both = attempt(&cutter, &cost, &terminals, search, now.as_ref().map(|t| t.early));
             if both.as_ref().is_some_and(|b| now.as_ref().is_some_and(|t| b.score <= t.score)) {
                 now = both;
             } else {

@@ -45,13 +45,20 @@ pub fn edge(triangles: &[[u32; 3]], h: u32) -> [u32; 2] {
 
 /// All half-edges as (smaller vertex, larger vertex, half-edge), sorted: the half-edges of one edge stand together.
 pub fn sorted_edges(triangles: &[[u32; 3]]) -> Vec<(u32, u32, u32)> {
-    let mut all: Vec<_> = (0..3 * triangles.len() as u32)
-        .map(|h| {
-            let [a, b] = edge(triangles, h);
-            (a, b, h)
-        })
-        .collect();
-    all.sort_unstable();
+    // Dealt out by the smaller vertex, of which few half-edges have the same; O(n) for a mesh of bounded valence.
+    let vertices = triangles.iter().flatten().max().map_or(0, |&v| v as usize + 1);
+    let mut next = vec![0u32; vertices + 1];
+    let halves = 0..3 * triangles.len() as u32;
+    halves.clone().for_each(|h| next[edge(triangles, h)[0] as usize + 1] += 1);
+    (0..vertices).for_each(|v| next[v + 1] += next[v]);
+    let mut all = vec![(0, 0, 0); 3 * triangles.len()];
+    for h in halves {
+        let [a, b] = edge(triangles, h);
+        all[next[a as usize] as usize] = (a, b, h);
+        next[a as usize] += 1;
+    }
+    // Half-edges came in order: only the larger vertices are out of it.
+    all.chunk_by_mut(|x, y| x.0 == y.0).for_each(|run| run.sort_unstable());
     all
 }
 

@@ -25,6 +25,12 @@ impl Normal {
         Self { columns, first: first * columns, stencil: vec![[0.0; 9]; n], rhs: vec![[0.0; 3]; n] }
     }
 
+    /// Zero equations again.
+    pub(crate) fn clear(&mut self) {
+        self.stencil.fill([0.0; 9]);
+        self.rhs.fill([0.0; 3]);
+    }
+
     /// Adds to the coefficient of texel `b` (a neighbour or itself) in the equation of texel `a`.
     #[cfg(test)]
     pub(crate) fn add(&mut self, a: usize, b: usize, x: f64) {
@@ -38,7 +44,8 @@ impl Normal {
         for a in 0..3 {
             let row = &mut self.stencil[texels[a] - self.first];
             for b in 0..3 {
-                row[(place[b][1] + 1 - place[a][1]) * 3 + place[b][0] + 1 - place[a][0]] += block[a][b];
+                let at = (place[b][1] + 1 - place[a][1]) * 3 + place[b][0] + 1 - place[a][0];
+                row[at] += block[a][b];
             }
         }
     }
@@ -84,6 +91,15 @@ impl Normal {
         let row = |p: &[[f64; 3]], k: usize| {
             let mut sum = p[k].map(|v| hold * v);
             let (i, j) = (k % columns, k / columns);
+            if i > 0 && i + 1 < columns && j > 0 && j + 1 < rows {
+                for (a, from) in self.stencil[k].chunks_exact(3).zip([k - columns - 1, k - 1, k + columns - 1]) {
+                    let q = &p[from..from + 3];
+                    for t in 0..3 {
+                        (0..3).for_each(|c| sum[c] += a[t] * q[t][c]);
+                    }
+                }
+                return sum;
+            }
             for (s, &a) in self.stencil[k].iter().enumerate() {
                 if a != 0.0 && i + s % 3 >= 1 && i + s % 3 <= columns && j + s / 3 >= 1 && j + s / 3 <= rows {
                     let q = p[k + (s / 3) * columns + s % 3 - columns - 1];

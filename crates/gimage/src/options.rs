@@ -79,7 +79,7 @@ pub struct BuildOptions {
     pub sample: Sample,
     /// Which edges the cut prefers.
     pub seams: Seams,
-    /// How much denser texels are where the surface bends: 0 (the same everywhere) to 1 (least square error); default 0.5,
+    /// How much denser texels are where the surface bends: 0 (the same everywhere) to 1 (least square error); default 0.6,
     /// which is nearly as faithful as 1 and hardly less even than 0. Even springs suit a solver, dense folds the eye.
     pub detail: f64,
     /// How hard to look for the cut and the layout.
@@ -103,7 +103,7 @@ impl Default for BuildOptions {
             size: ImageSize::Texels(16_384),
             sample: Sample::Fit,
             seams: Seams::Auto,
-            detail: 0.5,
+            detail: 0.6,
             effort: Effort::default(),
             rest: RestLength::Chord,
             mass: MassOptions::default(),

@@ -8,7 +8,7 @@ mod tests;
 use crate::parameterize::distortion;
 
 pub(crate) use proxy::Proxy;
-pub(crate) use search::SearchOptions;
+pub(crate) use search::{Found, SearchOptions};
 
 /// How large the image of a piece may be.
 #[derive(Clone, Copy, Debug, PartialEq)]

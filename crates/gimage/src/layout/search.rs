@@ -31,6 +31,15 @@ const EQUAL: f64 = 1e-6;
 /// Width : height ratios tried, in steps from square.
 const ASPECTS: [f64; 9] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4];
 
+/// What a search found.
+pub(crate) struct Found {
+    pub layout: Layout,
+    /// The map of the stand-in, empty if none was free of flips.
+    pub uv: Vec<[f64; 2]>,
+    /// The least score after the first and the second lot of steps.
+    pub early: [f64; 2],
+}
+
 impl Proxy<'_> {
     /// A trial's first lot of steps.
     fn first(&mut self, (w, h): (u32, u32), shift: f64, count: Vec<u32>) -> Option<Trial> {
@@ -113,11 +122,12 @@ impl Proxy<'_> {
 
     /// The best layout found. `None` if none can be laid out.
     pub(crate) fn search(&mut self, size: Size) -> Option<Layout> {
-        self.search_map(size).map(|found| found.0)
+        self.search_map(size, [f64::INFINITY; 2]).map(|found| found.layout)
     }
 
     /// The best layout found, and the map of the stand-in if one was free of flips.
-    pub(crate) fn search_map(&mut self, size: Size) -> Option<(Layout, Vec<[f64; 2]>)> {
+    pub(crate) fn search_map(&mut self, size: Size, bar: [f64; 2]) -> Option<Found> {
+        let mut early = [f64::INFINITY; 2];
         let shifts = self.options.shifts.max(1);
         // A half turn of the rectangle is the same map, so half the loop is enough; a fixed size likewise.
         let mut rough: Vec<(f64, f64)> = (0..shifts)
@@ -130,10 +140,21 @@ impl Proxy<'_> {
         rough.sort_by(|a, b| a.0.total_cmp(&b.0));
         rough.truncate(self.options.rough.max(1));
         let mut found: Vec<Trial> = rough.into_iter().filter_map(|(_, middle)| self.trial(size, 2, middle)).collect();
+        let least = |found: &[Trial]| found.iter().map(|t| t.layout.score).fold(f64::INFINITY, f64::min);
+        early[0] = least(&found);
+        if early[0] > bar[0] {
+            return None;
+        }
         for (lot, keep) in self.options.keep.into_iter().enumerate() {
             found.sort_by(|a, b| a.layout.score.total_cmp(&b.layout.score));
             found.truncate(keep.max(1));
             found.retain_mut(|t| self.solve(t, 0, self.options.steps[lot + 1]));
+            if lot == 0 {
+                early[1] = least(&found);
+                if early[1] > bar[1] {
+                    return None;
+                }
+            }
         }
         if found.is_empty() {
             // Too coarse to be flip-free at any of these starts: one with nodes on corners may be, else the first start that
@@ -143,7 +164,7 @@ impl Proxy<'_> {
             let first = Layout { w, h, shift: 0.0, count, score: f64::INFINITY };
             found = self.snapped(size, &first);
             if found.is_empty() {
-                return Some((first, Vec::new()));
+                return Some(Found { layout: first, uv: Vec::new(), early });
             }
         }
         let best = |found: &[Trial]| {
@@ -171,7 +192,7 @@ impl Proxy<'_> {
                 best = t;
             }
         }
-        Some((best.layout, best.uv))
+        Some(Found { layout: best.layout, uv: best.uv, early })
     }
 
     /// Walks along the aspects while that helps.

@@ -38,6 +38,32 @@ pub(crate) fn rest_shapes(positions: &[[f64; 3]], triangles: &[[u32; 3]], wanted
         .collect()
 }
 
+/// All triangles at rest, to be used for maps of several sizes.
+pub(crate) struct RestShapes {
+    pub shapes: Vec<Rest>,
+    /// Areas of the triangles with their lengths as wanted, and their sum.
+    pub areas: Vec<f64>,
+    pub area: f64,
+    scale: f64,
+}
+
+impl RestShapes {
+    pub(crate) fn new(positions: &[[f64; 3]], triangles: &[[u32; 3]], wanted: &[f64]) -> Self {
+        let areas: Vec<f64> = triangles.iter().map(|&t| rest_area(positions, t, wanted)).collect();
+        let area = areas.iter().sum();
+        Self { shapes: rest_shapes(positions, triangles, wanted, 1.0), areas, area, scale: 1.0 }
+    }
+
+    /// Sets the length in the plane of a unit length on the surface.
+    pub(crate) fn set_scale(&mut self, scale: f64) {
+        let by = self.scale / scale;
+        if by != 1.0 {
+            self.shapes.iter_mut().flat_map(|r| r.g.as_flattened_mut()).for_each(|g| *g *= by);
+        }
+        self.scale = scale;
+    }
+}
+
 /// The area of a triangle with its lengths as `wanted`.
 pub(crate) fn rest_area(positions: &[[f64; 3]], t: [u32; 3], wanted: &[f64]) -> f64 {
     let [a, b, c] = t.map(|v| positions[v as usize]);

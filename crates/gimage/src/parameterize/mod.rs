@@ -13,7 +13,7 @@ pub use newton::{NewtonOptions, NewtonRecord};
 pub(crate) use start::StartRecord;
 pub(crate) use system::System;
 
-use distortion::{rest_shapes, signed_area2};
+use distortion::{RestShapes, signed_area2};
 
 /// What the solve did, for the report.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,9 +77,10 @@ pub(crate) fn solve(
         _ => start::start(system, positions, triangles, wanted, uv, passes)?,
     };
     let plane: f64 = triangles.iter().map(|&t| 0.5 * signed_area2(distortion::planar(uv, t))).sum();
-    let surface: f64 = triangles.iter().map(|&t| distortion::rest_area(positions, t, wanted)).sum();
-    let rest = rest_shapes(positions, triangles, wanted, (plane / surface.max(1e-300)).sqrt());
-    let newton = newton::minimise(system, &rest, triangles, uv, options);
-    let log_distortion = distortion::log_distortion(&rest, triangles, uv);
+    let mut rest = system.rest.take().unwrap_or_else(|| RestShapes::new(positions, triangles, wanted));
+    rest.set_scale((plane / rest.area.max(1e-300)).sqrt());
+    let newton = newton::minimise(system, &rest.shapes, triangles, uv, options);
+    let log_distortion = distortion::log_distortion(&rest.shapes, triangles, uv);
+    system.rest = Some(rest);
     Some(ParameterizeRecord { start_passes: passes, uniform_start: uniform, log_distortion, newton })
 }

@@ -5,7 +5,7 @@
 //! so that Cholesky serves; after each solve they are divided by the stretch around the edge and solved again
 //! (Yoshizawa, Belyaev, Seidel 2004, with their vertex weights split over the edge to keep the symmetry).
 
-use super::distortion::{flips, mean, triangle_stretch};
+use super::distortion::{RestShapes, flips, mean, triangle_stretch};
 use super::system::System;
 use crate::vec3::{cross, dot, norm, sub};
 
@@ -57,15 +57,24 @@ pub(crate) fn start(
     uv: &mut [[f64; 2]],
     passes: usize,
 ) -> Option<StartRecord> {
-    let area: Vec<f64> = triangles
-        .iter()
-        .map(|t| {
-            let [a, b, c] = t.map(|v| positions[v as usize]);
-            0.5 * mean(wanted, *t).powi(2) * norm(cross(sub(b, a), sub(c, a)))
-        })
-        .collect();
+    let rest = system.rest.get_or_insert_with(|| RestShapes::new(positions, triangles, wanted));
+    let area = std::mem::take(&mut rest.areas);
+    let found = reweighted(system, (positions, triangles, wanted, &area), uv, passes);
+    if let Some(rest) = &mut system.rest {
+        rest.areas = area;
+    }
+    found
+}
+
+/// [`start`] with the areas of the triangles at rest.
+fn reweighted(
+    system: &mut System,
+    (positions, triangles, wanted, area): (&[[f64; 3]], &[[u32; 3]], &[f64], &[f64]),
+    uv: &mut [[f64; 2]],
+    passes: usize,
+) -> Option<StartRecord> {
     let mut around = vec![1e-300; positions.len()];
-    for (t, a) in triangles.iter().zip(&area) {
+    for (t, a) in triangles.iter().zip(area) {
         t.iter().for_each(|&v| around[v as usize] += a);
     }
     let total: f64 = area.iter().sum::<f64>().max(1e-300);
@@ -81,14 +90,15 @@ pub(crate) fn start(
         }
         let mut best: Option<(f64, Vec<[f64; 2]>)> = None;
         let mut made = 0;
-        for pass in 0..passes.clamp(1, PASSES) {
+        let passes = passes.clamp(1, PASSES);
+        for pass in 0..passes {
             if !system.solve_weighted(&weights, pass == 0 && !uniform, uv) {
                 break;
             }
             made = pass + 1;
             let s2: Vec<f64> =
                 triangles.iter().map(|&t| mean(wanted, t).powi(2) * triangle_stretch(positions, t, uv)).collect();
-            let average = (s2.iter().zip(&area).map(|(s, a)| s * a).sum::<f64>() / total).sqrt();
+            let average = (s2.iter().zip(area).map(|(s, a)| s * a).sum::<f64>() / total).sqrt();
             if flips(triangles, uv) == 0 {
                 if best.as_ref().is_none_or(|b| average < b.0) {
                     best = Some((average, uv.to_vec()));
@@ -96,8 +106,11 @@ pub(crate) fn start(
                     break;
                 }
             }
+            if made == passes {
+                break;
+            }
             let mut vertex = vec![0.0; positions.len()];
-            for ((t, a), s) in triangles.iter().zip(&area).zip(&s2) {
+            for ((t, a), s) in triangles.iter().zip(area).zip(&s2) {
                 t.iter().for_each(|&v| vertex[v as usize] += a * s);
             }
             let sigma: Vec<f64> = vertex.iter().zip(&around).map(|(s, a)| (s / a).sqrt().max(1e-6 * average)).collect();

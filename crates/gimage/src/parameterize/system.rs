@@ -1,6 +1,7 @@
 //! The linear systems over the free vertices of a planar map: one Laplacian, one Newton system, one ordering for both.
 
 use super::blocks::{Factor, Pattern};
+use super::distortion::RestShapes;
 use super::sparse::Cholesky;
 use crate::halfedge::sorted_edges;
 
@@ -32,6 +33,8 @@ pub(crate) struct System {
     pub(crate) edges: Vec<[u32; 2]>,
     /// Mean-value weights of the edges, once they are known, and the factor of their Laplacian if it is small.
     pub(super) weights: Option<Vec<f64>>,
+    /// The triangles at rest, once they are known.
+    pub(super) rest: Option<RestShapes>,
     plain: Option<Box<Factor<f64>>>,
     /// Vertex-graph pattern, lower triangle by columns with the diagonal first.
     col_ptr: Vec<u32>,
@@ -98,6 +101,7 @@ impl System {
             count: n,
             edges,
             weights: None,
+            rest: None,
             plain: None,
             col_ptr,
             row_idx,
