@@ -140,7 +140,7 @@ pub enum EffortArg {
 }
 
 /// What `gimage build` does unasked.
-pub const DETAIL: &str = "0.5";
+pub const DETAIL: &str = "0.6";
 
 /// A peer by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -43,12 +43,56 @@ pub fn edge(triangles: &[[u32; 3]], h: u32) -> [u32; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
+/// One more than the largest vertex, if the vertices are numbered densely enough to be counted with an array.
+fn dense(triangles: &[[u32; 3]]) -> Option<usize> {
+    let most = triangles.iter().flatten().max().map_or(0, |&v| v as usize + 1);
+    (most <= 64 * triangles.len() + 64).then_some(most)
+}
+
+/// The vertices that triangles use, numbered in their order.
+pub(crate) struct Used {
+    /// How many.
+    pub count: usize,
+    /// The number of each vertex, or the vertices in order.
+    number: Result<Vec<u32>, Vec<u32>>,
+}
+
+impl Used {
+    pub(crate) fn new(triangles: &[[u32; 3]]) -> Self {
+        if let Some(most) = dense(triangles) {
+            let mut number = vec![0u32; most];
+            triangles.iter().flatten().for_each(|&v| number[v as usize] = 1);
+            let mut count = 0;
+            for n in &mut number {
+                (*n, count) = (count, count + *n);
+            }
+            return Self { count: count as usize, number: Ok(number) };
+        }
+        let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        Self { count: used.len(), number: Err(used) }
+    }
+
+    /// The number of a vertex in use.
+    pub(crate) fn number(&self, v: u32) -> u32 {
+        match &self.number {
+            Ok(number) => number[v as usize],
+            Err(used) => used.partition_point(|&x| x < v) as u32,
+        }
+    }
+}
+
 /// All half-edges as (smaller vertex, larger vertex, half-edge), sorted: the half-edges of one edge stand together.
 pub fn sorted_edges(triangles: &[[u32; 3]]) -> Vec<(u32, u32, u32)> {
-    // Dealt out by the smaller vertex, of which few half-edges have the same; O(n) for a mesh of bounded valence.
-    let vertices = triangles.iter().flatten().max().map_or(0, |&v| v as usize + 1);
-    let mut next = vec![0u32; vertices + 1];
     let halves = 0..3 * triangles.len() as u32;
+    let Some(vertices) = dense(triangles) else {
+        let mut all: Vec<_> = halves.map(|h| (edge(triangles, h), h)).map(|([a, b], h)| (a, b, h)).collect();
+        all.sort_unstable();
+        return all;
+    };
+    // Dealt out by the smaller vertex, of which few half-edges have the same; O(n) for a mesh of bounded valence.
+    let mut next = vec![0u32; vertices + 1];
     halves.clone().for_each(|h| next[edge(triangles, h)[0] as usize + 1] += 1);
     (0..vertices).for_each(|v| next[v + 1] += next[v]);
     let mut all = vec![(0, 0, 0); 3 * triangles.len()];
@@ -80,11 +124,8 @@ pub fn twins(triangles: &[[u32; 3]]) -> Result<Vec<u32>, NonManifoldEdge> {
 
 /// Vertices in use - edges + triangles.
 pub fn euler(triangles: &[[u32; 3]]) -> i64 {
-    let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
-    used.sort_unstable();
-    used.dedup();
     let edges = sorted_edges(triangles).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).count();
-    used.len() as i64 - edges as i64 + triangles.len() as i64
+    Used::new(triangles).count as i64 - edges as i64 + triangles.len() as i64
 }
 
 /// The boundary loops, each as its vertices in order, starting at the smallest vertex of each loop; loops in the order of

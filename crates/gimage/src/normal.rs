@@ -40,6 +40,7 @@ impl Normal {
     }
 
     /// Adds a 3 x 3 block for three texels of one quad, `place` their steps right and down in it.
+    #[inline(always)]
     pub(crate) fn add_three(&mut self, texels: [usize; 3], place: [[usize; 2]; 3], block: &[[f64; 3]; 3]) {
         for a in 0..3 {
             let row = &mut self.stencil[texels[a] - self.first];
@@ -51,6 +52,7 @@ impl Normal {
     }
 
     /// Adds to the right-hand side of texel `a`.
+    #[inline(always)]
     pub(crate) fn add_rhs(&mut self, a: usize, x: [f64; 3]) {
         let rhs = &mut self.rhs[a - self.first];
         (0..3).for_each(|c| rhs[c] += x[c]);
@@ -76,6 +78,32 @@ impl Normal {
         }
     }
 
+    /// (A + hold) p at texel k.
+    #[inline(always)]
+    fn row(&self, p: &[[f64; 3]], k: usize, rows: usize, hold: f64) -> [f64; 3] {
+        let columns = self.columns;
+        let mut sum = [hold * p[k][0], hold * p[k][1], hold * p[k][2]];
+        let (i, j) = (k % columns, k / columns);
+        if i > 0 && i + 1 < columns && j > 0 && j + 1 < rows {
+            for (a, from) in self.stencil[k].chunks_exact(3).zip([k - columns - 1, k - 1, k + columns - 1]) {
+                let q = &p[from..from + 3];
+                for t in 0..3 {
+                    for c in 0..3 {
+                        sum[c] += a[t] * q[t][c];
+                    }
+                }
+            }
+            return sum;
+        }
+        for (s, &a) in self.stencil[k].iter().enumerate() {
+            if a != 0.0 && i + s % 3 >= 1 && i + s % 3 <= columns && j + s / 3 >= 1 && j + s / 3 <= rows {
+                let q = p[k + (s / 3) * columns + s % 3 - columns - 1];
+                (0..3).for_each(|c| sum[c] += a * q[c]);
+            }
+        }
+        sum
+    }
+
     /// Solves for all texels, from and towards `x`: a trace of weight on the start holds texels that
     /// almost no surface falls on. Members of a ring are one unknown and must be equal in `x`. `near` is the residual to
     /// reach as a share of the one at the start, in the norm of the diagonal. `false` (and `x` untouched) if it breaks
@@ -87,27 +115,7 @@ impl Normal {
         // Only the first of a ring counts in sums over unknowns.
         let mut unknown = vec![true; n];
         rings.iter().flat_map(|r| &r[1..]).for_each(|&k| unknown[k as usize] = false);
-        // (A + hold) p at texel k.
-        let row = |p: &[[f64; 3]], k: usize| {
-            let mut sum = p[k].map(|v| hold * v);
-            let (i, j) = (k % columns, k / columns);
-            if i > 0 && i + 1 < columns && j > 0 && j + 1 < rows {
-                for (a, from) in self.stencil[k].chunks_exact(3).zip([k - columns - 1, k - 1, k + columns - 1]) {
-                    let q = &p[from..from + 3];
-                    for t in 0..3 {
-                        (0..3).for_each(|c| sum[c] += a[t] * q[t][c]);
-                    }
-                }
-                return sum;
-            }
-            for (s, &a) in self.stencil[k].iter().enumerate() {
-                if a != 0.0 && i + s % 3 >= 1 && i + s % 3 <= columns && j + s / 3 >= 1 && j + s / 3 <= rows {
-                    let q = p[k + (s / 3) * columns + s % 3 - columns - 1];
-                    (0..3).for_each(|c| sum[c] += a * q[c]);
-                }
-            }
-            sum
-        };
+        let row = |p: &[[f64; 3]], k: usize| self.row(p, k, rows, hold);
         // A ring's equation is the sum of its members'.
         let gather = |v: &mut [[f64; 3]]| {
             for ring in rings {
@@ -136,12 +144,15 @@ impl Normal {
         };
         let mut rho = sums(n, |k| power(&residual, k));
         let target = rho.map(|r| r * near * near);
+        let mut product = vec![[0.0; 3]; n];
         for _ in 0..MOST_STEPS {
             if (0..3).all(|c| rho[c] <= target[c]) {
                 break;
             }
-            let mut product: Vec<[f64; 3]> =
-                (0..n).into_par_iter().with_min_len(CHUNK).map(|k| row(&direction, k)).collect();
+            product.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
+                let (first, places) = (chunk * CHUNK, &direction[..]);
+                pulp::Arch::new().dispatch(Rows { normal: self, places, first, rows, hold, out });
+            });
             gather(&mut product);
             let curvature =
                 sums(n, |k| if unknown[k] { [0, 1, 2].map(|c| direction[k][c] * product[k][c]) } else { [0.0; 3] });
@@ -165,6 +176,27 @@ impl Normal {
         }
         x.iter_mut().zip(&solution).for_each(|(x, s)| (0..3).for_each(|c| x[c] += s[c]));
         true
+    }
+}
+
+/// Products of some rows in the widest vectors at hand. They are the same in all: nothing is fused.
+struct Rows<'a> {
+    normal: &'a Normal,
+    places: &'a [[f64; 3]],
+    first: usize,
+    rows: usize,
+    hold: f64,
+    out: &'a mut [[f64; 3]],
+}
+
+impl pulp::NullaryFnOnce for Rows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (k, out) in self.out.iter_mut().enumerate() {
+            *out = self.normal.row(self.places, self.first + k, self.rows, self.hold);
+        }
     }
 }
 

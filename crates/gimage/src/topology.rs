@@ -1,9 +1,8 @@
 //! The topology of a triangle mesh, counted without assuming that it is a manifold.
 
 use crate::disjoint::Disjoint;
-use crate::halfedge::{next, origin, sorted_edges};
+use crate::halfedge::{Used, next, origin, sorted_edges};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// What a triangle mesh is made of and what is wrong with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -33,17 +32,15 @@ pub struct Topology {
 impl Topology {
     /// Counts. Triangles must not repeat a vertex.
     pub fn of(triangles: &[[u32; 3]]) -> Self {
-        let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
-        used.sort_unstable();
-        used.dedup();
-        let index = |v: u32| used.partition_point(|&x| x < v) as u32;
-        let mut components = Disjoint::new(used.len());
-        let mut border = Disjoint::new(used.len());
-        let mut on_border = vec![false; used.len()];
+        let all = sorted_edges(triangles);
+        let vertices = Used::new(triangles);
+        let (used, index) = (vertices.count, |v: u32| vertices.number(v));
+        let mut components = Disjoint::new(used);
+        let mut border = Disjoint::new(used);
+        let mut on_border = vec![false; used];
         // Corners of one vertex that share an edge with two triangles belong to one fan.
         let mut fans = Disjoint::new(3 * triangles.len());
-        let mut out = Self { vertices: used.len(), triangles: triangles.len(), ..Self::default() };
-        let all = sorted_edges(triangles);
+        let mut out = Self { vertices: used, triangles: triangles.len(), ..Self::default() };
         for run in all.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
             let (a, b) = (index(run[0].0), index(run[0].1));
             out.edges += 1;
@@ -71,13 +68,13 @@ impl Topology {
         out.euler = out.vertices as i64 - out.edges as i64 + out.triangles as i64;
         out.components = roots(components.into_representatives(), |_| true);
         out.boundary_loops = roots(border.into_representatives(), |v| on_border[v]);
-        let mut fans_at: BTreeMap<u32, u32> = BTreeMap::new();
+        let mut fans_at = vec![0u32; used];
         for (h, root) in fans.into_representatives().into_iter().enumerate() {
             if root as usize == h {
-                *fans_at.entry(triangles[h / 3][h % 3]).or_default() += 1;
+                fans_at[index(triangles[h / 3][h % 3]) as usize] += 1;
             }
         }
-        out.singular_vertices = fans_at.values().filter(|&&n| n > 1).count();
+        out.singular_vertices = fans_at.iter().filter(|&&n| n > 1).count();
         out
     }
 
@@ -113,6 +110,7 @@ mod tests {
         assert_eq!(Topology::of(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]]).non_manifold_edges, 1);
         assert_eq!(Topology::of(&[[0, 1, 2], [0, 1, 3]]).misoriented_edges, 1);
         assert_eq!(Topology::of(&[]), Topology::default());
+        assert_eq!(Topology::of(&[[7, 1 << 30, u32::MAX], [u32::MAX, 1 << 30, 3]]).vertices, 4);
         let two = Topology::of(&[[5, 6, 7], [9, 10, 11]]);
         assert_eq!((two.components, two.boundary_loops, two.boundary_edges), (2, 2, 6));
     }

@@ -116,9 +116,14 @@ pub(crate) fn fit(
         std::mem::swap(&mut before, &mut last);
         parts.par_iter_mut().zip(&bands).for_each(|(part, band)| {
             part.clear();
-            for (patch, fragments) in band.iter() {
-                patch.equations(part, (fragments, &facets), &local, rim, (options, hold));
-            }
+            pulp::Arch::new().dispatch(Round {
+                normal: part,
+                band,
+                facets: &facets,
+                points: &local,
+                rim,
+                options: (options, hold),
+            });
         });
         normal.clear();
         for part in &parts {
@@ -133,6 +138,27 @@ pub(crate) fn fit(
         *p = crate::vec3::add(*l, centre);
     }
     true
+}
+
+/// The equations of a band in the widest vectors at hand. The products and sums are the same in all: nothing is fused.
+struct Round<'a> {
+    normal: &'a mut Normal,
+    band: &'a Patches,
+    facets: &'a [Option<Facet>],
+    points: &'a [[f64; 3]],
+    rim: &'a [bool],
+    options: (&'a FitOptions, bool),
+}
+
+impl pulp::NullaryFnOnce for Round<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (patch, fragments) in self.band.iter() {
+            patch.equations(self.normal, (fragments, self.facets), self.points, self.rim, self.options);
+        }
+    }
 }
 
 #[cfg(test)]

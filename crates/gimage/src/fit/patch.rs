@@ -38,9 +38,9 @@ impl Fragment {
     }
 
     /// The integrals, and their sum: the area.
-    #[inline]
+    #[inline(always)]
     fn mass(&self) -> ([f64; 6], f64) {
-        let m = self.mass.map(f64::from);
+        let m: [f64; 6] = std::array::from_fn(|k| f64::from(self.mass[k]));
         (m, m[0] + m[3] + m[5] + 2.0 * (m[1] + m[2] + m[4]))
     }
 }
@@ -75,7 +75,7 @@ impl Patch {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn corners(&self, columns: usize) -> [usize; 3] {
         HALVES[self.half as usize & 3].map(|c| self.quad as usize + c[1] * columns + c[0])
     }
@@ -101,6 +101,7 @@ impl Patch {
     }
 
     /// Adds the terms of its fragments with texels now at `points`. What is turned over is held harder if `turned`.
+    #[inline(always)]
     pub(super) fn equations(
         &self,
         normal: &mut Normal,
@@ -139,8 +140,10 @@ impl Patch {
                 let off = if size > 0.0 { (2.0 - 2.0 * cos).max(0.0).sqrt() } else { 1.0 };
                 area * options.gradient * options.sharp / (options.sharp + off)
             };
-            let above = now.map(|x| dot(n, x) - facet.height);
-            let [nu, nv] = [0, 1].map(|c| slope[0][c] * above[0] + slope[1][c] * above[1] + slope[2][c] * above[2]);
+            let height = |x: [f64; 3]| dot(n, x) - facet.height;
+            let above = [height(now[0]), height(now[1]), height(now[2])];
+            let along = |c: usize| slope[0][c] * above[0] + slope[1][c] * above[1] + slope[2][c] * above[2];
+            let (nu, nv) = (along(0), along(1));
             let t = [
                 m[0] * above[0] + m[1] * above[1] + m[2] * above[2],
                 m[1] * above[0] + m[3] * above[1] + m[4] * above[2],
@@ -151,7 +154,9 @@ impl Patch {
             for c in 0..3 {
                 u[c] += stay * facet.du[c] - off_u * n[c];
                 v[c] += stay * facet.dv[c] - off_v * n[c];
-                (0..3).for_each(|x| rise[x][c] += t[x] * n[c]);
+                rise[0][c] += t[0] * n[c];
+                rise[1][c] += t[1] * n[c];
+                rise[2][c] += t[2] * n[c];
             }
         }
         let slid = slip * weight;
@@ -176,7 +181,7 @@ impl Patch {
 }
 
 /// A symmetric matrix of its upper triangle.
-#[inline]
+#[inline(always)]
 fn square([a, b, c, d, e, f]: [f64; 6]) -> [[f64; 3]; 3] {
     [[a, b, c], [b, d, e], [c, e, f]]
 }

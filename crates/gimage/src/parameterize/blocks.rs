@@ -1,12 +1,15 @@
 //! Sparse Cholesky of small systems, block by block: a left-looking factorisation for patterns of up to some thousand
 //! columns, which the searches factorise hundreds of times. Larger ones gain from the dense kernels of `sparse`.
 
-/// An entry of the matrix: a number, or a 2 x 2 block (row-major). Right-hand sides are two numbers a row either way: two
+/// An entry of the matrix: a number, or a 2 x 2 block (row by row as given). Right-hand sides are two numbers a row either way: two
 /// systems for numbers, the two coordinates of one for blocks.
 pub(super) trait Entry: Copy {
     const ZERO: Self;
+    /// An entry as the second factor of many products.
+    type Second;
+    fn as_second(self) -> Self::Second;
     /// self - a b^T
-    fn minus_product(self, a: Self, b: Self) -> Self;
+    fn minus_product(self, a: Self, b: &Self::Second) -> Self;
     /// Lower factor of a diagonal entry, `None` if it is not positive definite.
     fn factor(self) -> Option<Self>;
     /// self l^-T for a factor l.
@@ -24,15 +27,20 @@ pub(super) trait Entry: Copy {
 
 impl Entry for f64 {
     const ZERO: Self = 0.0;
-    #[inline]
-    fn minus_product(self, a: Self, b: Self) -> Self {
+    type Second = f64;
+    #[inline(always)]
+    fn as_second(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: &f64) -> Self {
         self - a * b
     }
-    #[inline]
+    #[inline(always)]
     fn factor(self) -> Option<Self> {
         (self > 0.0).then(|| self.sqrt())
     }
-    #[inline]
+    #[inline(always)]
     fn over(self, l: Self) -> Self {
         self / l
     }
@@ -52,53 +60,60 @@ impl Entry for f64 {
     fn backward(self, v: [f64; 2]) -> [f64; 2] {
         self.forward(v)
     }
-    #[inline]
+    #[inline(always)]
     fn transposed(self) -> Self {
         self
     }
 }
 
+/// In a factor blocks stand column by column: two columns of a product are then one wide operation.
 impl Entry for [f64; 4] {
     const ZERO: Self = [0.0; 4];
-    #[inline]
-    fn minus_product(self, a: Self, b: Self) -> Self {
-        [
-            self[0] - (a[0] * b[0] + a[1] * b[1]),
-            self[1] - (a[0] * b[2] + a[1] * b[3]),
-            self[2] - (a[2] * b[0] + a[3] * b[1]),
-            self[3] - (a[2] * b[2] + a[3] * b[3]),
-        ]
+    /// What the two columns of the other factor are multiplied by.
+    type Second = [[f64; 4]; 2];
+    #[inline(always)]
+    fn as_second(self) -> Self::Second {
+        [[self[0], self[0], self[1], self[1]], [self[2], self[2], self[3], self[3]]]
     }
-    #[inline]
+    #[inline(always)]
+    fn minus_product(self, a: Self, [p, q]: &Self::Second) -> Self {
+        let (x, y) = ([a[0], a[1], a[0], a[1]], [a[2], a[3], a[2], a[3]]);
+        let mut out = self;
+        for k in 0..4 {
+            out[k] -= x[k] * p[k] + y[k] * q[k];
+        }
+        out
+    }
+    #[inline(always)]
     fn factor(self) -> Option<Self> {
         let l00 = f64::factor(self[0])?;
-        let l10 = self[2] / l00;
-        Some([l00, 0.0, l10, f64::factor(self[3] - l10 * l10)?])
+        let l10 = self[1] / l00;
+        Some([l00, l10, 0.0, f64::factor(self[3] - l10 * l10)?])
     }
-    #[inline]
+    #[inline(always)]
     fn over(self, l: Self) -> Self {
-        let (x, y) = (self[0] / l[0], self[2] / l[0]);
-        [x, (self[1] - x * l[2]) / l[3], y, (self[3] - y * l[2]) / l[3]]
+        let (x, y) = (self[0] / l[0], self[1] / l[0]);
+        [x, y, (self[2] - x * l[1]) / l[3], (self[3] - y * l[1]) / l[3]]
     }
     #[inline]
     fn minus_times(self, x: [f64; 2], v: [f64; 2]) -> [f64; 2] {
-        [v[0] - (self[0] * x[0] + self[1] * x[1]), v[1] - (self[2] * x[0] + self[3] * x[1])]
+        [v[0] - (self[0] * x[0] + self[2] * x[1]), v[1] - (self[1] * x[0] + self[3] * x[1])]
     }
     #[inline]
     fn minus_transposed_times(self, x: [f64; 2], v: [f64; 2]) -> [f64; 2] {
-        [v[0] - (self[0] * x[0] + self[2] * x[1]), v[1] - (self[1] * x[0] + self[3] * x[1])]
+        [v[0] - (self[0] * x[0] + self[1] * x[1]), v[1] - (self[2] * x[0] + self[3] * x[1])]
     }
     #[inline]
     fn forward(self, v: [f64; 2]) -> [f64; 2] {
         let x = v[0] / self[0];
-        [x, (v[1] - self[2] * x) / self[3]]
+        [x, (v[1] - self[1] * x) / self[3]]
     }
     #[inline]
     fn backward(self, v: [f64; 2]) -> [f64; 2] {
         let y = v[1] / self[3];
-        [(v[0] - self[2] * y) / self[0], y]
+        [(v[0] - self[1] * y) / self[0], y]
     }
-    #[inline]
+    #[inline(always)]
     fn transposed(self) -> Self {
         [self[0], self[2], self[1], self[3]]
     }
@@ -213,12 +228,18 @@ impl<E: Entry> Factor<E> {
 
     /// Factorises the matrix of these entries, laid out as the analysed pattern. `false` if it is not positive definite.
     pub(super) fn factorize(&mut self, pattern: &Pattern, entries: &[E]) -> bool {
+        pulp::Arch::new().dispatch(Factorize { factor: self, pattern, entries })
+    }
+
+    #[inline(always)]
+    fn factorize_wide(&mut self, pattern: &Pattern, entries: &[E]) -> bool {
         let Self { values, head, next, at, slot } = self;
         let n = head.len();
         values.fill(E::ZERO);
         head.fill(NONE);
         for (x, &p) in entries.iter().zip(&pattern.place) {
-            values[(p & !TURNED) as usize] = if p & TURNED != 0 { x.transposed() } else { *x };
+            // Row by row and transposed is column by column.
+            values[(p & !TURNED) as usize] = if p & TURNED != 0 { *x } else { x.transposed() };
         }
         for j in 0..n {
             let (from, to) = (pattern.col_ptr[j] as usize, pattern.col_ptr[j + 1] as usize);
@@ -230,10 +251,10 @@ impl<E: Entry> Factor<E> {
             while k != NONE {
                 let after = next[k as usize];
                 let (first, last) = (at[k as usize] as usize, pattern.col_ptr[k as usize + 1] as usize);
-                let pivot = done[first];
+                let pivot = done[first].as_second();
                 for (x, &i) in done[first..last].iter().zip(&pattern.rows[first..last]) {
                     let c = &mut column[slot[i as usize] as usize];
-                    *c = c.minus_product(*x, pivot);
+                    *c = c.minus_product(*x, &pivot);
                 }
                 if first + 1 < last {
                     let row = pattern.rows[first + 1] as usize;
@@ -281,6 +302,22 @@ impl<E: Entry> Factor<E> {
             x[j] = values[0].backward(v);
         }
         rhs.iter_mut().zip(&pattern.step).for_each(|(r, &s)| *r = x[s as usize]);
+    }
+}
+
+/// The factorisation in the widest vectors at hand. The products and sums are the same in all: nothing is fused.
+struct Factorize<'a, E> {
+    factor: &'a mut Factor<E>,
+    pattern: &'a Pattern,
+    entries: &'a [E],
+}
+
+impl<E: Entry> pulp::NullaryFnOnce for Factorize<'_, E> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        self.factor.factorize_wide(self.pattern, self.entries)
     }
 }
 
