@@ -216,31 +216,76 @@ impl<'a, T: Real> Spring<'a, T> {
         if parity == 0 {
             self.relax::<K, KIND>(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
         } else {
-            self.relax::<K, KIND>(k, End { at: o, w: wo }, End { at: e.map(|p| &mut p[1..]), w: &we[1..] }, stored, count, sums);
+            self.relax::<K, KIND>(
+                k,
+                End { at: o, w: wo },
+                End { at: e.map(|p| &mut p[1..]), w: &we[1..] },
+                stored,
+                count,
+                sums,
+            );
         }
     }
 
     #[inline(always)]
-    fn down<K: Machine<T>, const KIND: u8>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+    fn down<K: Machine<T>, const KIND: u8>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        counts: [usize; 2],
+        sums: &mut [T],
+    ) {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, side], [0, 0]);
             let stored = (j * 2 + side) * self.half;
-            self.relax::<K, KIND>(k, upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
+            self.relax::<K, KIND>(
+                k,
+                upper,
+                lower,
+                stored,
+                counts[side],
+                sums.get_mut(side * self.half..).unwrap_or(&mut []),
+            );
         }
     }
 
     #[inline(always)]
-    fn down_right<K: Machine<T>, const KIND: u8>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+    fn down_right<K: Machine<T>, const KIND: u8>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        counts: [usize; 2],
+        sums: &mut [T],
+    ) {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, 1 - side], [0, side]);
             let stored = (j * 2 + side) * self.half;
-            self.relax::<K, KIND>(k, upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
+            self.relax::<K, KIND>(
+                k,
+                upper,
+                lower,
+                stored,
+                counts[side],
+                sums.get_mut(side * self.half..).unwrap_or(&mut []),
+            );
         }
     }
 
     /// Stored at the lower left end.
     #[inline(always)]
-    fn up_right<K: Machine<T>, const KIND: u8>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+    fn up_right<K: Machine<T>, const KIND: u8>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        counts: [usize; 2],
+        sums: &mut [T],
+    ) {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [1 - side, side], [side, 0]);
             let stored = ((j + 1) * 2 + side) * self.half;
@@ -256,7 +301,15 @@ impl<'a, T: Real> Spring<'a, T> {
     }
 
     #[inline(always)]
-    fn relax<K: Machine<T>, const KIND: u8>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
+    fn relax<K: Machine<T>, const KIND: u8>(
+        &self,
+        k: K,
+        a: End<T>,
+        b: End<T>,
+        stored: usize,
+        count: usize,
+        sums: &mut [T],
+    ) {
         match KIND {
             ALIKE => self.equals(k, a, b, stored, count),
             HARD => self.list::<K, true, false>(k, a, b, stored, count, sums),
@@ -322,20 +375,20 @@ impl<T: Real> Spring<'_, T> {
     /// divisions are needed.
     #[inline(always)]
     fn equals<K: Machine<T>>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize) {
-        let (zero, half, closest) = (k.splat(T::of(0.0)), k.splat(T::of(0.5)), k.splat(T::of(1e-18)));
+        let (zero, half, closest) = (k.splat(T::of(0.0)), k.splat(T::of(0.5)), k.splat(T::of(1e-9)));
         let [ax, ay, az] = a.at;
         let [bx, by, bz] = b.at;
         for at in (0..count).step_by(K::WIDE) {
             let p = [k.load(ax, at), k.load(ay, at), k.load(az, at)];
             let q = [k.load(bx, at), k.load(by, at), k.load(bz, at)];
             let d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
-            let inverse = k.inverse_root(k.add(k.squares(d), closest));
+            let far = k.most(k.sqrt(k.squares(d)), closest);
             let mut rest = value(k, self.rest, stored + at);
             if at + K::WIDE > count {
                 // Past the last column there is no spring.
                 rest = k.first(rest, count - at);
             }
-            let g = k.sub(half, k.mul(k.mul(half, rest), inverse));
+            let g = k.sub(half, k.div(k.mul(half, rest), far));
             let g = k.choose(k.above(rest, zero), g, zero);
             let m = [k.mul(d[0], g), k.mul(d[1], g), k.mul(d[2], g)];
             k.store(ax, at, k.add(p[0], m[0]));

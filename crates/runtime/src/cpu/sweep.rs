@@ -61,7 +61,14 @@ impl<T: Real> Work<T> for Walk<'_, '_, T> {
                         *next = ready;
                     }
                     (Stage::Tethers(held, anchors), _) => {
-                        tethers::draw(k, &mut now[*next * row..ready * row], held, size, (w, *next * 2 * half), anchors);
+                        tethers::draw(
+                            k,
+                            &mut now[*next * row..ready * row],
+                            held,
+                            size,
+                            (w, *next * 2 * half),
+                            anchors,
+                        );
                         *next = ready;
                     }
                     (Stage::Springs(_, (0, parity)), Some(spring)) => {
@@ -93,6 +100,67 @@ impl<'a, T: Real> Stage<'a, T> {
                 (Some(Spring::of(size, alike, springs)), if *direction == 0 { 0 } else { *parity as usize })
             }
             _ => (None, 0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloth::Grid;
+    use crate::cpu::integrate::Air;
+    use crate::cpu::rows::Threads;
+    use crate::cpu::sheet::Values;
+    use crate::cpu::stretch;
+    use crate::cpu::tethers::Slot;
+
+    fn sheet(width: u32, height: u32) -> Sheet<f32> {
+        let mut sheet = Sheet::new(&Grid { name: String::new(), first: 0, width, height });
+        let noise = |k: usize| ((k * 7919) % 1009) as f32 / 1009.0 - 0.5;
+        for k in 0..sheet.width * sheet.height {
+            let (i, j) = (k % sheet.width, k / sheet.width);
+            let at = [i as f32 + 0.3 * noise(k), 0.3 * noise(k + 1), j as f32 + 0.3 * noise(k + 2)];
+            sheet.put(sheet.triple(k), at);
+        }
+        let now = sheet.now.clone();
+        sheet.before.iter_mut().zip(&*now).for_each(|(b, x)| *b = 0.99 * x);
+        // A pin, a heavy one, and a row of other weight than those beside it.
+        sheet.weigh(|k| match (k, k / width as usize) {
+            (0, _) => 0.0,
+            (20, _) => 1.0,
+            (_, 5) => 7.0,
+            _ => 5.0,
+        });
+        sheet
+    }
+
+    #[test]
+    fn one_walk_gives_the_bits_of_pass_after_pass() {
+        let threads = Threads::one();
+        let step =
+            Step { gravity: [0.0, -9.81, 0.0], keep: 0.9, scale: 1e-4, longest: 1e6, dt: 0.01, ..Step::default() };
+        for (width, height) in [(2, 2), (3, 9), (9, 3), (31, 33), (32, 64), (33, 31), (70, 200), (300, 41)] {
+            let (mut together, mut apart) = (sheet(width, height), sheet(width, height));
+            let list = Values::List(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32));
+            let rest = [Values::Constant(0.9f32), list, Values::Constant(1.3), Values::Constant(1.3)];
+            let mut springs = rest.map(|rest| stretch::Springs { rest, soft: Values::Constant(0.0), sums: Vec::new() });
+            let far = |k: usize| Some((0, (k % width as usize) as f32 + (k / width as usize) as f32));
+            let held = Tethers { slots: vec![Slot::new(&together, far)] };
+            let anchors = [together.at(0)];
+            let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
+            advance::run(&threads, &step, &mut apart, Air::None, false);
+            tethers::run(&threads, &mut apart, &held, &anchors);
+            for colour in colours {
+                stretch::run(&threads, &mut apart, &mut springs[colour.0 as usize], colour, false, step.dt);
+            }
+            tethers::run(&threads, &mut apart, &held, &anchors);
+            let all = colours.map(|colour| Stage::Springs(&springs[colour.0 as usize], colour));
+            let mut stages = vec![Stage::Advance(&step), Stage::Tethers(&held, &anchors)];
+            stages.extend(all);
+            stages.push(Stage::Tethers(&held, &anchors));
+            run(&mut together, &stages);
+            assert!(together.now[..] == apart.now[..] && together.before[..] == apart.before[..], "{width} x {height}");
+            assert!(together.now[..] != sheet(width, height).now[..]);
         }
     }
 }

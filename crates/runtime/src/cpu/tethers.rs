@@ -115,7 +115,8 @@ fn list<T: Real, K: Machine<T>>(
     let none = k.splat(T::of(f64::from(f32::MAX)));
     // All as long, so that this is checked once.
     let long = count.next_multiple_of(LANES);
-    let (x, y, z, w, most) = (&mut x[..long], &mut y[..long], &mut z[..long], &w[..long], &slot.most[first..first + long]);
+    let (x, y, z, w, most) =
+        (&mut x[..long], &mut y[..long], &mut z[..long], &w[..long], &slot.most[first..first + long]);
     for at in (0..long).step_by(K::WIDE) {
         let anchor = to(k, slot, first + at, anchors);
         let p = [k.load(x, at), k.load(y, at), k.load(z, at)];
