@@ -34,6 +34,8 @@ override right: bool = true;
 override down: bool = true;
 override down_right: bool = true;
 override up_right: bool = true;
+// Further rounds of tethers and of springs to the right and down.
+override polish: u32 = 0u;
 
 var<private> step: Step;
 // The cloth's first particle, and its row of faults.
@@ -85,6 +87,18 @@ fn stretch_all(job: Job, local: u32, direction: u32, parity: u32) {
     }
   }
   sync();
+}
+
+// Springs to the right and down.
+fn structural_all(job: Job, local: u32) {
+  if (right) {
+    stretch_all(job, local, 0u, 0u);
+    stretch_all(job, local, 0u, 1u);
+  }
+  if (down) {
+    stretch_all(job, local, 1u, 0u);
+    stretch_all(job, local, 1u, 1u);
+  }
 }
 
 // Back to the last good frame where any particle is at fault; else this frame is the good one.
@@ -149,16 +163,16 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         stretch_all(job, local, 3u, 0u);
         stretch_all(job, local, 3u, 1u);
       }
-      if (right) {
-        stretch_all(job, local, 0u, 0u);
-        stretch_all(job, local, 0u, 1u);
-      }
-      if (down) {
-        stretch_all(job, local, 1u, 0u);
-        stretch_all(job, local, 1u, 1u);
+      structural_all(job, local);
+      for (var p = 0u; p < polish; p++) {
+        seam_all(job, local);
+        tether_all(job, local);
+        structural_all(job, local);
       }
       seam_all(job, local);
-      tether_all(job, local);
+      if (polish == 0u) {
+        tether_all(job, local);
+      }
       contact_all(job, local);
     }
   }

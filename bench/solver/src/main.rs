@@ -18,7 +18,7 @@ use gimage_runtime::scene::BUILTIN;
 use host::Gpu;
 use row::Row;
 use run::{Run, Setting};
-use variant::VARIANTS;
+use variant::{USUAL, Variant};
 
 /// Anything that ends the program.
 pub type Failure = Box<dyn std::error::Error>;
@@ -37,8 +37,8 @@ struct Args {
     /// 512 particles along each side too.
     #[arg(long)]
     large: bool,
-    /// Solvers by name; all by default.
-    #[arg(long, value_delimiter = ',')]
+    /// Solvers by name: classic, or xpbd with any of +tethers2, +pyramid4 and +polish1.
+    #[arg(long, value_delimiter = ',', default_values_t = USUAL.map(String::from))]
     solvers: Vec<String>,
     /// Steps a frame.
     #[arg(long, value_delimiter = ',', default_value = "1,2,3,4,6,8,12,16,32")]
@@ -75,16 +75,13 @@ fn main() -> Result<(), Failure> {
     if args.large {
         args.particles.push(512);
     }
-    if let Some(name) = args.solvers.iter().find(|name| VARIANTS.iter().all(|v| v.name != **name)) {
-        let all: Vec<_> = VARIANTS.iter().map(|v| v.name).collect();
-        return Err(format!("there is no solver {name}; there are {}", all.join(", ")).into());
-    }
+    let variants = args.solvers.iter().map(|name| name.parse()).collect::<Result<Vec<Variant>, _>>()?;
     let gpu = if args.gpu { Some(Gpu::new()?) } else { None };
     eprintln!("on {}", gpu.as_ref().map_or("one thread of the CPU", |g| &g.name));
     let mut rows = Vec::new();
     for scene in &args.scenes {
         for &n in &args.particles {
-            rows.extend(together(&args, scene, n, gpu.as_ref())?);
+            rows.extend(together(&args, &variants, scene, n, gpu.as_ref())?);
             eprintln!("{scene} {n}");
         }
     }
@@ -101,12 +98,11 @@ fn main() -> Result<(), Failure> {
 }
 
 /// All runs of a scene, in turns.
-fn together(args: &Args, scene: &str, n: u32, gpu: Option<&Gpu>) -> Result<Vec<Row>, Failure> {
-    let chosen = |name: &str| args.solvers.is_empty() || args.solvers.iter().any(|s| s == name);
+fn together(args: &Args, variants: &[Variant], scene: &str, n: u32, gpu: Option<&Gpu>) -> Result<Vec<Row>, Failure> {
     let mut runs = Vec::new();
-    for variant in VARIANTS.into_iter().filter(|v| v.can(scene) && chosen(v.name)) {
+    for variant in variants.iter().filter(|v| v.can(scene)) {
         for &substeps in &args.substeps {
-            let setting = Setting { scene: scene.into(), n, variant, substeps };
+            let setting = Setting { scene: scene.into(), n, variant: variant.clone(), substeps };
             runs.push(Run::new(setting, gpu, args.dump.as_ref())?);
         }
     }

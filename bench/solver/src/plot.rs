@@ -37,7 +37,7 @@ fn distinct<K: PartialEq>(rows: &[Row], of: impl Fn(&Row) -> K) -> Vec<K> {
 /// The plot as SVG.
 pub fn draw(rows: &[Row]) -> String {
     let (scenes, sizes) = (distinct(rows, |r| r.scene.clone()), distinct(rows, |r| r.n));
-    let solvers = distinct(rows, |r| r.solver);
+    let solvers = distinct(rows, |r| r.solver.clone());
     let extent = |k: usize, n: usize| n.max(1) as f64 * (PANEL[k] + GAP[k]) - GAP[k];
     let (wide, high) = (extent(0, sizes.len()), extent(1, scenes.len()));
     let [width, height] = [wide + MARGIN[0] + MARGIN[2], high + MARGIN[1] + MARGIN[3]];

@@ -12,7 +12,7 @@ pub struct Row {
     /// Particles along a side.
     pub n: u32,
     /// Name of the solver.
-    pub solver: &'static str,
+    pub solver: String,
     /// Steps a frame.
     pub substeps: u32,
     /// `cpu` or `gpu`.
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn a_line_has_a_value_a_column() {
         let figures = Figures { stretch_max: Some(0.123456789), tunnelled: Some(0.0), ..Figures::default() };
-        let (scene, solver, backend) = ("s2".into(), "xpbd", "cpu");
+        let (scene, solver, backend) = ("s2".into(), "xpbd".into(), "cpu");
         let row = Row { scene, n: 32, solver, substeps: 4, backend, frames: 9, ms_min: 0.1, ms_median: 0.2, figures };
         assert_eq!(row.line(), "s2,32,xpbd,4,cpu,9,0.1000,0.2000,0,0.123457,,,,,,,0,,");
         assert_eq!(row.line().matches(',').count(), HEADER.matches(',').count());

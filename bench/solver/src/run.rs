@@ -95,7 +95,7 @@ impl<'a> Run<'a> {
         Row {
             scene: scene.clone(),
             n: *n,
-            solver: variant.name,
+            solver: variant.name.clone(),
             substeps: *substeps,
             backend: if self.gpu.is_some() { "gpu" } else { "cpu" },
             frames: self.times.len(),

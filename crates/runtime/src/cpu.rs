@@ -6,6 +6,7 @@
 
 mod act;
 pub(crate) mod advance;
+pub(crate) mod aligned;
 pub(crate) mod bend;
 pub(crate) mod body;
 pub(crate) mod colliders;
@@ -42,6 +43,7 @@ pub(crate) mod speed;
 pub(crate) mod springs;
 pub(crate) mod strain;
 pub(crate) mod stretch;
+pub(crate) mod sweep;
 pub(crate) mod tethers;
 pub(crate) mod transform;
 pub(crate) mod wind;

@@ -33,6 +33,8 @@ pub struct Fused {
     pub again: bool,
     /// Anchors a particle.
     pub slots: u32,
+    /// Further rounds of a relaxation.
+    pub polish: u32,
     /// Whether there are seams.
     pub seams: bool,
     /// Which colliders there are.
@@ -123,6 +125,7 @@ impl Fused {
             soft: Soft::None,
             again: false,
             slots: 0,
+            polish: 0,
             seams: false,
             contact: None,
             full: false,
@@ -152,6 +155,7 @@ impl Fused {
                 _ => {}
             }
         }
+        fused.polish = fused.rounds(schedule).saturating_sub(1);
         fused.full = fused.contact.is_some_and(|k| k.many) && room.hold(cloth.len(), NOTES) != fused.hold;
         let bound = source(Pass::Fused(fused)).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
         let same = fused.air != Air::Field && fused.schedule(schedule) == *schedule;
@@ -182,9 +186,16 @@ impl Fused {
         s.step.extend(cells.into_iter().filter(|c| like.step.contains(c)));
         s.step.extend(again.then_some(Pass::Forget));
         s.relax.extend(tethers);
-        s.relax.extend(colours.map(|(direction, parity)| Pass::Stretch { direction, parity, image, soft, again }));
+        let springs: Vec<_> =
+            colours.map(|(direction, parity)| Pass::Stretch { direction, parity, image, soft, again }).collect();
+        s.relax.extend(&springs);
+        for _ in 0..self.polish {
+            s.relax.extend(self.seams.then_some(Pass::Seams));
+            s.relax.extend(tethers);
+            s.relax.extend(springs.iter().filter(|p| p.is_structural()));
+        }
         s.relax.extend(self.seams.then_some(Pass::Seams));
-        s.relax.extend(tethers);
+        s.relax.extend(tethers.filter(|_| self.polish == 0));
         s.relax.extend(self.contact.map(Pass::Contact));
         s.frame.extend([Pass::Guard, Pass::Restore]);
         s.frame.extend(self.strain.then_some(Pass::Strain { image, soft }));
@@ -192,6 +203,12 @@ impl Fused {
         s.frame.extend((self.normals && self.seams).then_some(Pass::SeamNormals));
         s.frame.extend(self.watch.then_some([Pass::Speed, Pass::Fastest]).into_iter().flatten());
         s
+    }
+
+    /// How often springs to the right, or else down, are relaxed: as often as the first such pass is there.
+    fn rounds(&self, schedule: &Schedule) -> u32 {
+        let first = schedule.relax.iter().find(|p| p.is_structural());
+        schedule.relax.iter().filter(|p| first == Some(*p)).count() as u32
     }
 
     /// Without what may differ within a batch.

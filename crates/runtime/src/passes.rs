@@ -118,6 +118,13 @@ pub enum Pass {
     PickNearest,
 }
 
+impl Pass {
+    /// Whether it is of springs to the right or down.
+    pub(crate) fn is_structural(&self) -> bool {
+        matches!(self, Pass::Stretch { direction: 0 | 1, .. })
+    }
+}
+
 /// How air enters the integration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Air {
@@ -237,12 +244,19 @@ pub fn schedule(
                 s.coarse.extend(seams.then_some(Pass::Seams));
             }
             if cloth.membrane().is_none() {
-                let again = options.iterations > 1 && cloth.compliance != Compliance::None;
+                let again = options.iterations * (options.polish + 1) > 1 && cloth.compliance != Compliance::None;
                 s.step.extend(again.then_some(Pass::Forget));
                 s.relax.extend(stretch(cloth, again));
+                for _ in 0..options.polish {
+                    s.relax.extend(seams.then_some(Pass::Seams));
+                    s.relax.extend(tethers);
+                    s.relax.extend(stretch(cloth, again).filter(Pass::is_structural));
+                }
             }
             s.relax.extend(seams.then_some(Pass::Seams));
-            s.relax.extend(tethers);
+            // A further round has had them already, and ends with springs.
+            let last = options.polish == 0 || cloth.membrane().is_some();
+            s.relax.extend(tethers.filter(|_| last));
             s.relax.extend(colliders.map(Pass::Contact));
             s.frame.extend([Pass::Guard, Pass::Restore]);
         }

@@ -59,6 +59,7 @@ fn fused() -> impl Iterator<Item = Fused> {
             soft: softs[n],
             again: on(4) && n > 0,
             slots: 2 * u32::from(on(5)),
+            polish: u32::from(on(4)),
             seams: on(6),
             exact: on(1),
             membrane: on(2),

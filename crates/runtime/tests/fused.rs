@@ -65,8 +65,8 @@ fn fusible() -> Vec<(&'static str, Scene)> {
 fn one_dispatch_gives_the_bits_of_separate_passes() {
     let Some(device) = roomy() else { return };
     for (name, scene) in fusible() {
-        for iterations in [1, 2] {
-            let with = |fused| Options { iterations, ..options(fused) };
+        for (iterations, polish) in [(1, 0), (2, 0), (1, 1), (2, 2)] {
+            let with = |fused| Options { iterations, polish, ..options(fused) };
             let one = Run::new(&scene, &with(true), &device);
             assert_eq!((one.stepper.plan().dispatches(), one.holds().len()), (1, 1), "{name}");
             let apart = Run::new(&scene, &with(false), &device);

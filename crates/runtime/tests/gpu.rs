@@ -72,7 +72,7 @@ fn one_step_is_that_of_the_twin() {
     let fast = (Solver::Xpbd, "all colliders, fast", fast);
     for (solver, name, scene) in solved().into_iter().chain(touching).chain([fast]) {
         let once = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
-        let options = Options { solver, pyramid: 1, ..once };
+        let options = Options { solver, pyramid: 1, polish: 1, ..once };
         let there = on_gpu(scene.clone(), &options, &gpu, 1);
         let here = on_cpu(scene, &options, 1);
         let difference = largest(&there[0], &here[0]);
@@ -114,7 +114,7 @@ fn two_runs_give_the_same_bits() {
     let Some(gpu) = device() else { return };
     let bits = |lists: Lists| lists.map(|l| l.iter().map(|v| v.map(f32::to_bits)).collect::<Vec<_>>());
     for (solver, name, scene) in solved() {
-        let options = Options { solver, iterations: 2, pyramid: 2, ..Options::default() };
+        let options = Options { solver, iterations: 2, pyramid: 2, polish: 1, ..Options::default() };
         let run = || bits(on_gpu(scene.clone(), &options, &gpu, 20));
         assert!(run() == run(), "{name}");
     }

@@ -54,12 +54,40 @@ fn soft_springs_stretch_as_far_as_their_compliance_says() {
 }
 
 #[test]
+fn polishing_takes_stretch_out_of_fine_cloth() {
+    let of = |polish| measured(&run(scene::builtin("s1", 64).unwrap(), Options { polish, ..options(2) }, 600));
+    let (plain, polished) = (of(0), of(1));
+    assert!(polished.stretch_max < 0.3 * plain.stretch_max, "{plain:?} {polished:?}");
+    assert!(polished.stretch_mean < 0.5 * plain.stretch_mean, "{plain:?} {polished:?}");
+}
+
+#[test]
+fn a_round_of_polishing_has_tethers_and_structural_springs_alone() {
+    let passes = |polish| {
+        let once = Options { polish, backend: Backend::Cpu, ..options(1) };
+        let stepper = Stepper::new(scene::builtin("s1", 8).unwrap(), once, None).unwrap();
+        stepper.plan().passes.iter().map(|p| p.pass).collect::<Vec<_>>()
+    };
+    let (plain, polished) = (passes(0), passes(1));
+    let last = plain.iter().rposition(|p| matches!(p, Pass::Tethers { .. })).unwrap();
+    let springs = plain[last - 4..last].iter().copied();
+    assert!(springs.clone().all(|p| matches!(p, Pass::Stretch { direction: 0 | 1, .. })));
+    let expected: Vec<_> = plain[..=last].iter().copied().chain(springs).chain(plain[last + 1..].to_vec()).collect();
+    assert_eq!(polished, expected);
+    let classic = |polish| {
+        let once = Options { polish, solver: Solver::Classic, backend: Backend::Cpu, ..options(1) };
+        Stepper::new(scene::builtin("s1", 8).unwrap(), once, None).unwrap().plan()
+    };
+    assert_eq!(classic(0), classic(3));
+}
+
+#[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let mut large = support::on_colliders(200);
     large.wind = Some(support::wind(true));
     large.cloths[0].set_pinned(7, true).unwrap();
     let bits = |threads| {
-        let stepper = run(large.clone(), Options { threads, pyramid: 2, ..options(2) }, 10);
+        let stepper = run(large.clone(), Options { threads, pyramid: 2, polish: 1, ..options(2) }, 10);
         let bits = |list: &[[f32; 4]]| list.iter().map(|v| v.map(f32::to_bits)).collect::<Vec<_>>();
         (bits(stepper.positions(0).unwrap()), bits(stepper.previous(0).unwrap()))
     };
@@ -70,7 +98,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 #[test]
 fn the_error_of_f32_is_small() {
     for (name, scene) in [compared(), support::soft()].concat() {
-        let once = Options { iterations: 2, pyramid: 1, ..options(1) };
+        let once = Options { iterations: 2, pyramid: 1, polish: 1, ..options(1) };
         let stepper = run(scene.clone(), once.clone(), 1);
         let mut exact = Reference::new(scene, once).unwrap();
         exact.step(1);

@@ -47,6 +47,7 @@ pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
     let quality = if args.substeps.is_some() { Quality::Fixed } else { file.options.quality };
     file.options.quality = Quality::of(args.error.or(quality.target()), args.budget.or(quality.budget()));
     file.options.pyramid = args.pyramid.unwrap_or(file.options.pyramid);
+    file.options.polish = args.polish.unwrap_or(file.options.polish);
     file.options.tethers = args.tethers.unwrap_or(file.options.tethers);
     file.options.iterations = args.iterations.unwrap_or(file.options.iterations);
     file.options.threads = args.threads.into();

@@ -80,6 +80,7 @@ fn report(
         "iterations": options.iterations,
         "tethers": options.tethers,
         "pyramid": options.pyramid,
+        "polish": options.polish,
         "particles": engine.stepper.scene().cloths.iter().map(Cloth::len).sum::<usize>(),
         "frames": times.len(),
         "ms_frame_min": least,

@@ -1,10 +1,11 @@
 //! The rule of integrate.rs on sheets; the results are the same bits. Where exact, with shaders/part/verlet_exact.wgsl.
 
+use super::aligned::Aligned;
 use super::integrate::{Air, push};
 use super::lanes::{LANES, Machine, Work, widest};
 use super::real::Real;
 use super::rows::Threads;
-use super::sheet::{Sheet, planes};
+use super::sheet::{Sheet, columns, planes};
 use crate::step::Step;
 
 /// Rows that are done in one go.
@@ -22,13 +23,29 @@ pub fn run<T: Real>(threads: &Threads, step: &Step<T>, sheet: &mut Sheet<T>, air
     };
     let both = (&mut sheet.now, &mut sheet.before);
     if exact {
-        sheet.lost.resize(both.0.len(), T::of(0.0));
+        if sheet.lost.is_empty() {
+            sheet.lost = Aligned::zeros(both.0.len());
+        }
         threads.chunks3([both.0, both.1, &mut sheet.lost], size, |chunk, [now, before, lost]| {
             work(chunk, now, before, lost);
         });
     } else {
         threads.chunks2(both.0, both.1, (size, size), |chunk, now, before| work(chunk, now, before, &mut []));
     }
+}
+
+/// Rows in still air, as [`run`], from the row `first` on.
+#[inline(always)]
+pub fn still<T: Real, K: Machine<T>>(
+    k: K,
+    step: &Step<T>,
+    now: &mut [T],
+    before: &mut [T],
+    (width, half): (usize, usize),
+    (w, first): (&[T], usize),
+) {
+    let rows = Rows { step, now, before, lost: &mut [], row: 6 * half, half, width, w, first, air: Air::None };
+    rows.rows::<K, true, false>(k);
 }
 
 /// Rows of a sheet from the row `first` on.
@@ -70,7 +87,7 @@ impl<T: Real> Rows<'_, '_, T> {
             let j = self.first + n;
             let (now, before) = (planes(now, half), planes(before, half));
             let mut lost = EXACT.then(|| planes(&mut lost[n * row..(n + 1) * row], half));
-            for at in (0..2 * half).step_by(K::WIDE) {
+            for at in columns(width, half, K::WIDE) {
                 let free = k.above(k.load(w, j * 2 * half + at), zero);
                 let p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
                 let b = [k.load(before[0], at), k.load(before[1], at), k.load(before[2], at)];

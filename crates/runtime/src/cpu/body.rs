@@ -18,7 +18,7 @@ use crate::step::Step;
 
 /// Positions, previous positions and normals, and what the passes read beside them. The fourth component of a position
 /// is the inverse mass.
-pub struct Body<T> {
+pub struct Body<T: Real> {
     pub(super) now: Vec<[T; 4]>,
     pub(super) before: Vec<[T; 4]>,
     pub normals: Vec<[T; 4]>,
@@ -157,7 +157,7 @@ impl<T: Real> Body<T> {
             passes.for_each(|pass| self.run(*pass, threads, step, solids));
             return;
         };
-        passes.for_each(|pass| fabric.run(*pass, threads, step, solids, self));
+        fabric.step(passes, threads, step, solids, self);
         self.fabric = Some(fabric);
     }
 

@@ -205,7 +205,7 @@ fn bounds<T: Real>(sheet: &Sheet<T>) -> (V3<T>, V3<T>) {
     (out[0], out[1])
 }
 
-struct Bounds<'a, T> {
+struct Bounds<'a, T: Real> {
     sheet: &'a Sheet<T>,
     out: &'a mut [V3<T>; 2],
 }

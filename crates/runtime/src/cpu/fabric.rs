@@ -13,6 +13,7 @@ use super::rows::Threads;
 use super::sheet::{Sheet, Values};
 use super::solid::Solid;
 use super::stretch::{self, Springs};
+use super::sweep::{self, Stage};
 use super::tethers::{self, Tethers};
 use super::{advance, bend, forget, refine, seam_moments, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
@@ -22,7 +23,7 @@ use crate::passes::{self, Pass};
 use crate::step::Step;
 
 /// Sheets of a cloth, and where its particles lie in them.
-pub struct Fabric<T> {
+pub struct Fabric<T: Real> {
     sheets: Vec<Sheet<T>>,
     springs: Vec<[Springs<T>; 4]>,
     pyramids: Vec<Pyramid<T>>,
@@ -103,7 +104,7 @@ impl<T: Real> Fabric<T> {
             if !self.plates.is_empty() {
                 gaps.for_each(|k| sheet.put(sheet.triple(k), [T::of(0.0); 3]));
             }
-            sheet.w = sheet.list(T::of(0.0), |k| now[first + k][3].max(T::of(0.0)));
+            sheet.weigh(|k| now[first + k][3]);
         }
     }
 
@@ -161,6 +162,63 @@ impl<T: Real> Fabric<T> {
         }
     }
 
+    /// Runs the passes of a step, those that can in one walk down each sheet.
+    pub fn step<'a>(
+        &mut self,
+        passes: impl Iterator<Item = &'a Pass>,
+        threads: &Threads,
+        step: &Step<T>,
+        solids: &[Solid<T>],
+        body: &mut Body<T>,
+    ) {
+        let mut together = Vec::new();
+        for pass in passes {
+            if self.walks(*pass, threads) {
+                together.push(*pass);
+                continue;
+            }
+            self.walk(&together, step);
+            together.clear();
+            self.run(*pass, threads, step, solids, body);
+        }
+        self.walk(&together, step);
+    }
+
+    /// Whether a pass reaches no farther than the next row, on this thread.
+    fn walks(&self, pass: Pass, threads: &Threads) -> bool {
+        let local = match pass {
+            Pass::Integrate(passes::Air::None) | Pass::Tethers { .. } => true,
+            Pass::Stretch { direction, .. } => self.springs.iter().all(|s| s[direction as usize & 3].are_hard()),
+            _ => false,
+        };
+        local && self.sheets.iter().all(|s| threads.alone(s.now.len()))
+    }
+
+    fn walk(&mut self, passes: &[Pass], step: &Step<T>) {
+        let anchors = if self.tethers.is_empty() { Vec::new() } else { self.anchors() };
+        for (g, sheet) in self.sheets.iter_mut().enumerate().filter(|_| !passes.is_empty()) {
+            let stage = |pass: &Pass| match *pass {
+                Pass::Stretch { direction, parity, .. } => {
+                    Stage::Springs(&self.springs[g][direction as usize & 3], (direction & 3, parity))
+                }
+                Pass::Tethers { .. } => Stage::Tethers(&self.tethers[g], &anchors),
+                _ => Stage::Advance(step),
+            };
+            let stages: Vec<_> = passes.iter().map(stage).collect();
+            sweep::run(sheet, &stages);
+        }
+    }
+
+    /// Where the anchors are. What is no longer pinned holds nothing: no distance to a place that is no number is too large.
+    fn anchors(&self) -> Vec<V3<T>> {
+        let of = |&(g, at): &(u32, u32)| {
+            let sheet = &self.sheets[g as usize];
+            let holds = sheet.w[single(at as usize, sheet.half)] == T::of(0.0);
+            if holds { sheet.at(at as usize) } else { [T::of(f64::NAN); 3] }
+        };
+        self.anchors.iter().map(of).collect()
+    }
+
     /// Runs a pass of a step. Wind needs the texels of `body`.
     pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>], body: &mut Body<T>) {
         match pass {
@@ -202,13 +260,7 @@ impl<T: Real> Fabric<T> {
                 }
             }
             Pass::Tethers { .. } => {
-                // What is no longer pinned holds nothing: no distance to a place that is no number is too large.
-                let of = |&(g, at): &(u32, u32)| {
-                    let sheet = &self.sheets[g as usize];
-                    let holds = sheet.w[single(at as usize, sheet.half)] == T::of(0.0);
-                    if holds { sheet.at(at as usize) } else { [T::of(f64::NAN); 3] }
-                };
-                let anchors: Vec<V3<T>> = self.anchors.iter().map(of).collect();
+                let anchors = self.anchors();
                 for (sheet, held) in self.sheets.iter_mut().zip(&self.tethers) {
                     tethers::run(threads, sheet, held, &anchors);
                 }

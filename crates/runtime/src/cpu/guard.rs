@@ -9,7 +9,12 @@ pub const FARTHEST: f64 = 1e8;
 pub fn run<T: Real>(now: &[[T; 4]]) -> Option<(usize, usize)> {
     let most = T::of(FARTHEST);
     // Comparisons with what is no number are false.
-    let sane = |p: &[T; 4]| p[0].abs() <= most && p[1].abs() <= most && p[2].abs() <= most;
-    let mut faults = now.iter().enumerate().filter(|(_, p)| p[3] >= T::of(0.0) && !sane(p)).map(|(k, _)| k);
+    // Nearly always none is at fault, which is quicker to see without a branch for each.
+    let fault =
+        |p: &[T; 4]| (p[3] >= T::of(0.0)) & !((p[0].abs() <= most) & (p[1].abs() <= most) & (p[2].abs() <= most));
+    if !now.chunks(64).any(|some| some.iter().fold(false, |any, p| any | fault(p))) {
+        return None;
+    }
+    let mut faults = now.iter().enumerate().filter(|(_, p)| fault(p)).map(|(k, _)| k);
     faults.next().map(|first| faults.fold((1, first), |(count, _), k| (count + 1, k)))
 }

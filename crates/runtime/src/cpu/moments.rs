@@ -31,7 +31,7 @@ pub fn run<T: Real>(threads: &Threads, sheet: &Sheet<T>, plate: &mut Plate<T>, d
     });
 }
 
-struct Rows<'a, 'b, T> {
+struct Rows<'a, 'b, T: Real> {
     rows: &'b mut [T],
     first: usize,
     sheet: &'a Sheet<T>,

@@ -4,6 +4,7 @@
 //! the grid, so no level forbids what the cloth itself allows; they only act where they are passed, as folded cloth may be
 //! as short as it likes. A node has the mass of the particles that it moves, so that free cloth keeps its momentum.
 
+use super::aligned::Aligned;
 use super::real::Real;
 use super::rows::Threads;
 use super::sheet::{Sheet, Values};
@@ -11,15 +12,15 @@ use super::stretch::{self, Springs};
 use crate::levels::{LevelGrid, span};
 
 /// The levels of a sheet, finest first.
-pub struct Pyramid<T> {
+pub struct Pyramid<T: Real> {
     levels: Vec<Level<T>>,
 }
 
-struct Level<T> {
+struct Level<T: Real> {
     sheet: Sheet<T>,
     springs: [Springs<T>; 4],
     /// Where nodes were, as `sheet.now`.
-    origin: Vec<T>,
+    origin: Aligned<T>,
     /// Inverse mass \[1/kg\] of nodes that are not pinned, as `sheet.w`.
     weight: Vec<T>,
 }

@@ -17,6 +17,8 @@ pub trait Real:
     + bytemuck::Pod
     + 'static
 {
+    /// Numbers on whole cache lines.
+    type Block: bytemuck::Pod + Send + Sync + std::fmt::Debug;
     /// Runs work with the widest vector instructions of this processor.
     fn widest(work: impl Work<Self>);
     /// As many ones as a block has numbers, then as many zeros.
@@ -38,8 +40,9 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($($t:ty, $widest:ident;)*) => {$(
+    ($($t:ty, $widest:ident, $block:ident;)*) => {$(
         impl Real for $t {
+            type Block = super::aligned::$block;
             const ONES_THEN_ZEROS: &'static [Self; 2 * LANES] = &{
                 let mut list = [0.0; 2 * LANES];
                 let mut k = 0;
@@ -84,7 +87,7 @@ macro_rules! real {
         }
     )*};
 }
-real!(f32, widest_f32; f64, widest_f64;);
+real!(f32, widest_f32, Single; f64, widest_f64, Double;);
 
 pub type V3<T> = [T; 3];
 

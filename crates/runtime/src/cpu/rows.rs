@@ -40,6 +40,14 @@ impl Threads {
         }
     }
 
+    /// Whether a pass over so many numbers is the caller's alone.
+    pub fn alone(&self, _numbers: usize) -> bool {
+        #[cfg(feature = "threads")]
+        return self.pool.is_none() || _numbers < WORTH_SHARING;
+        #[cfg(not(feature = "threads"))]
+        true
+    }
+
     /// Calls `work` with the number and the elements of each chunk of `size`; the last may be shorter.
     pub fn chunks<A: Send>(&self, data: &mut [A], size: usize, work: impl Fn(usize, &mut [A]) + Sync + Send) {
         #[cfg(feature = "threads")]

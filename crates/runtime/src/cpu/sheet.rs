@@ -4,6 +4,7 @@
 //! join two contiguous lists: right-even is even with odd, right-odd is odd with even from the second on, and so on.
 //! Columns past the end are particles that cannot move.
 
+use super::aligned::Aligned;
 use super::lanes::LANES;
 use super::real::{Real, V3};
 use crate::cloth::Grid;
@@ -19,17 +20,19 @@ pub enum Values<T> {
 
 /// A grid of particles.
 #[derive(Clone, Debug)]
-pub struct Sheet<T> {
+pub struct Sheet<T: Real> {
     pub width: usize,
     pub height: usize,
-    /// Numbers in half a row of one coordinate; a multiple of 8.
+    /// Numbers in half a row of one coordinate: whole blocks.
     pub half: usize,
-    pub now: Vec<T>,
-    pub before: Vec<T>,
+    pub now: Aligned<T>,
+    pub before: Aligned<T>,
     /// What was too small for the positions to take up; as `now` where that is kept, else empty.
-    pub lost: Vec<T>,
+    pub lost: Aligned<T>,
     /// Inverse mass \[1/kg\], 0 for what does not move. Rows of `[even, odd]`.
-    pub w: Vec<T>,
+    pub w: Aligned<T>,
+    /// For every row the inverse mass of all its particles, or 0 where they differ or one is pinned.
+    pub alike: Vec<T>,
 }
 
 /// The coordinates of a row, `[even, odd]` each.
@@ -38,6 +41,13 @@ pub fn planes<T>(row: &mut [T], half: usize) -> [&mut [T]; 3] {
     let (x, rest) = row.split_at_mut(2 * half);
     let (y, z) = rest.split_at_mut(2 * half);
     [x, y, &mut z[..2 * half]]
+}
+
+/// Where in `[even, odd]` vectors of `wide` numbers start that hold all columns.
+#[inline(always)]
+pub fn columns(width: usize, half: usize, wide: usize) -> impl Iterator<Item = usize> {
+    let even = (0..width.div_ceil(2)).step_by(wide);
+    even.chain((half..half + width / 2).step_by(wide))
 }
 
 /// The same for reading.
@@ -52,17 +62,30 @@ impl<T: Real> Sheet<T> {
         let (width, height) = (grid.width as usize, grid.height as usize);
         // Whole blocks of pairs, the odd ones from one further on.
         let blocks = |pairs: usize| pairs.div_ceil(LANES) * LANES;
-        let half = blocks(width.div_ceil(2)).max(1 + blocks((width - 1) / 2)).next_multiple_of(8);
-        let zeros = |n: usize| vec![T::of(0.0); n];
+        let half = blocks(width.div_ceil(2)).max(1 + blocks((width - 1) / 2)).next_multiple_of(LANES);
         let row = 6 * half * height;
         Sheet {
             width,
             height,
             half,
-            now: zeros(row),
-            before: zeros(row),
-            lost: Vec::new(),
-            w: zeros(2 * half * height),
+            now: Aligned::zeros(row),
+            before: Aligned::zeros(row),
+            lost: Aligned::default(),
+            w: Aligned::zeros(2 * half * height),
+            alike: vec![T::of(0.0); height],
+        }
+    }
+
+    /// Sets the inverse masses, by texels; what is below 0 is pinned.
+    pub fn weigh(&mut self, of: impl Fn(usize) -> T) {
+        let (zero, width) = (T::of(0.0), self.width);
+        for k in 0..width * self.height {
+            let place = self.single(k);
+            self.w[place] = of(k).max(zero);
+        }
+        for (j, alike) in self.alike.iter_mut().enumerate() {
+            let first = of(j * width).max(zero);
+            *alike = if (1..width).all(|i| of(j * width + i) == first) { first } else { zero };
         }
     }
 
@@ -134,9 +157,17 @@ fn scatter<T: Real>(planes: &mut [T], width: usize, half: usize, texels: &[[T; 4
 
 fn gather<T: Real>(planes: &[T], width: usize, half: usize, texels: &mut [[T; 4]]) {
     for (row, texels) in planes.chunks_exact(6 * half).zip(texels.chunks_exact_mut(width)) {
-        for (i, texel) in texels.iter_mut().enumerate() {
-            let at = (i & 1) * half + i / 2;
-            (texel[0], texel[1], texel[2]) = (row[at], row[at + 2 * half], row[at + 4 * half]);
+        let [x, y, z] = planes_ref(row, half).map(|p| p.split_at(half));
+        let even = x.0.iter().zip(y.0).zip(z.0);
+        let odd = x.1.iter().zip(y.1).zip(z.1);
+        let (pairs, last) = texels.as_chunks_mut::<2>();
+        for (pair, (((a, b), c), ((d, e), f))) in pairs.iter_mut().zip(even.zip(odd)) {
+            (pair[0][0], pair[0][1], pair[0][2]) = (*a, *b, *c);
+            (pair[1][0], pair[1][1], pair[1][2]) = (*d, *e, *f);
+        }
+        let end = width / 2;
+        for texel in last {
+            (texel[0], texel[1], texel[2]) = (x.0[end], y.0[end], z.0[end]);
         }
     }
 }

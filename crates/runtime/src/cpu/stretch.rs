@@ -15,6 +15,13 @@ pub struct Springs<T> {
     pub sums: Vec<T>,
 }
 
+impl<T: Real> Springs<T> {
+    /// Whether they do not give.
+    pub fn are_hard(&self) -> bool {
+        matches!(self.soft, Values::Constant(x) if x == T::of(0.0))
+    }
+}
+
 /// Relaxes the springs of a colour, direction and parity, once. `again` says whether it is done several times a step of
 /// `dt` \[s\].
 ///
@@ -28,8 +35,7 @@ pub fn run<T: Real>(
     again: bool,
     dt: T,
 ) {
-    let kind =
-        if matches!(springs.soft, Values::Constant(x) if x == T::of(0.0)) { Kind::Hard } else { Kind::Soft { again } };
+    let kind = if springs.are_hard() { Kind::Hard } else { Kind::Soft { again } };
     run_colour(threads, sheet, springs, colour, kind, dt * dt);
 }
 
@@ -37,6 +43,12 @@ pub fn run<T: Real>(
 pub fn limit<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, springs: &mut Springs<T>, direction: u32, parity: u32) {
     run_colour(threads, sheet, springs, (direction, parity), Kind::Limit, T::of(1.0));
 }
+
+/// The kinds as numbers, the first of them between particles of one mass.
+const ALIKE: u8 = 0;
+const HARD: u8 = 1;
+const SOFT: u8 = 2;
+const LIMIT: u8 = 3;
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -54,9 +66,9 @@ fn run_colour<T: Real>(
     span: T,
 ) {
     let (width, half, row) = (sheet.width, sheet.half, sheet.row());
-    let w = &sheet.w[..];
-    let Springs { rest, soft, sums } = springs;
-    let spring = Spring { rest, soft, half, span, kind, columns: [width.div_ceil(2), width / 2, (width - 1) / 2] };
+    let (w, alike) = (&sheet.w[..], &sheet.alike[..]);
+    let mut sums = std::mem::take(&mut springs.sums);
+    let spring = Spring { span, kind, ..Spring::of((width, half), alike, springs) };
     let parity = parity as usize;
     let (first, step) = if direction == 0 { (0, 1) } else { (parity, 2) };
     let size = TOGETHER / step * step;
@@ -71,15 +83,19 @@ fn run_colour<T: Real>(
         }
         _ => threads.chunks(rows, size * row, |chunk, rows| work(chunk, rows, &mut [])),
     }
+    springs.sums = sums;
 }
 
 /// Rows that are done in one go.
 const TOGETHER: usize = 32;
 
-struct Spring<'a, T> {
+/// The springs of a direction.
+pub struct Spring<'a, T> {
     rest: &'a Values<T>,
     soft: &'a Values<T>,
     half: usize,
+    /// As [`Sheet::alike`].
+    alike: &'a [T],
     /// Square of the step \[s^2\].
     span: T,
     kind: Kind,
@@ -117,7 +133,31 @@ struct End<'a, T> {
     w: &'a [T],
 }
 
-impl<T: Real> Spring<'_, T> {
+impl<'a, T: Real> Spring<'a, T> {
+    /// Hard ones, of a sheet of so many columns and numbers in half a row.
+    pub fn of((width, half): (usize, usize), alike: &'a [T], springs: &'a Springs<T>) -> Self {
+        let columns = [width.div_ceil(2), width / 2, (width - 1) / 2];
+        let Springs { rest, soft, .. } = springs;
+        Spring { rest, soft, half, alike, span: T::of(1.0), kind: Kind::Hard, columns }
+    }
+
+    /// As [`Spring::rows`] where they are hard.
+    #[inline(always)]
+    pub fn hard<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, colour: (u32, usize)) {
+        if self.alike(j, colour.0) {
+            self.colour::<K, ALIKE>(k, rows, w, j, colour, &mut []);
+        } else {
+            self.colour::<K, HARD>(k, rows, w, j, colour, &mut []);
+        }
+    }
+
+    /// Whether the ends of all springs from row `j` on have one mass.
+    #[inline(always)]
+    fn alike(&self, j: usize, direction: u32) -> bool {
+        self.alike[j] > T::of(0.0) && self.alike[j] == self.alike[j + usize::from(direction > 0)]
+    }
+
+    /// Relaxes the springs of a row, or of two, the first of which is `j`.
     #[inline(always)]
     fn rows<K: Machine<T>>(
         &self,
@@ -128,17 +168,34 @@ impl<T: Real> Spring<'_, T> {
         (direction, parity): (u32, usize),
         sums: &mut [T],
     ) {
-        let [evens, even, odd] = self.columns;
-        match direction {
-            0 => self.right(k, rows, w, j, parity, [even, odd][parity], sums),
-            1 => self.down(k, rows, w, j, [evens, even], sums),
-            2 => self.down_right(k, rows, w, j, [even, odd], sums),
-            _ => self.up_right(k, rows, w, j, [even, odd], sums),
+        match self.kind {
+            Kind::Hard => self.hard(k, rows, w, j, (direction, parity)),
+            Kind::Soft { .. } => self.colour::<K, SOFT>(k, rows, w, j, (direction, parity), sums),
+            Kind::Limit => self.colour::<K, LIMIT>(k, rows, w, j, (direction, parity), sums),
         }
     }
 
     #[inline(always)]
-    fn right<K: Machine<T>>(
+    fn colour<K: Machine<T>, const KIND: u8>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        (direction, parity): (u32, usize),
+        sums: &mut [T],
+    ) {
+        let [evens, even, odd] = self.columns;
+        match direction {
+            0 => self.right::<K, KIND>(k, rows, w, j, parity, [even, odd][parity], sums),
+            1 => self.down::<K, KIND>(k, rows, w, j, [evens, even], sums),
+            2 => self.down_right::<K, KIND>(k, rows, w, j, [even, odd], sums),
+            _ => self.up_right::<K, KIND>(k, rows, w, j, [even, odd], sums),
+        }
+    }
+
+    #[inline(always)]
+    fn right<K: Machine<T>, const KIND: u8>(
         &self,
         k: K,
         row: &mut [T],
@@ -157,37 +214,82 @@ impl<T: Real> Spring<'_, T> {
         let e = [x.0, y.0, z.0];
         let o = [x.1, y.1, z.1];
         if parity == 0 {
-            self.relax(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
+            self.relax::<K, KIND>(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
         } else {
-            self.relax(k, End { at: o, w: wo }, End { at: e.map(|p| &mut p[1..]), w: &we[1..] }, stored, count, sums);
+            self.relax::<K, KIND>(
+                k,
+                End { at: o, w: wo },
+                End { at: e.map(|p| &mut p[1..]), w: &we[1..] },
+                stored,
+                count,
+                sums,
+            );
         }
     }
 
     #[inline(always)]
-    fn down<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+    fn down<K: Machine<T>, const KIND: u8>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        counts: [usize; 2],
+        sums: &mut [T],
+    ) {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, side], [0, 0]);
             let stored = (j * 2 + side) * self.half;
-            self.relax(k, upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
+            self.relax::<K, KIND>(
+                k,
+                upper,
+                lower,
+                stored,
+                counts[side],
+                sums.get_mut(side * self.half..).unwrap_or(&mut []),
+            );
         }
     }
 
     #[inline(always)]
-    fn down_right<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+    fn down_right<K: Machine<T>, const KIND: u8>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        counts: [usize; 2],
+        sums: &mut [T],
+    ) {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, 1 - side], [0, side]);
             let stored = (j * 2 + side) * self.half;
-            self.relax(k, upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
+            self.relax::<K, KIND>(
+                k,
+                upper,
+                lower,
+                stored,
+                counts[side],
+                sums.get_mut(side * self.half..).unwrap_or(&mut []),
+            );
         }
     }
 
     /// Stored at the lower left end.
     #[inline(always)]
-    fn up_right<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, counts: [usize; 2], sums: &mut [T]) {
+    fn up_right<K: Machine<T>, const KIND: u8>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        counts: [usize; 2],
+        sums: &mut [T],
+    ) {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [1 - side, side], [side, 0]);
             let stored = ((j + 1) * 2 + side) * self.half;
-            self.relax(
+            self.relax::<K, KIND>(
                 k,
                 lower,
                 upper,
@@ -199,11 +301,20 @@ impl<T: Real> Spring<'_, T> {
     }
 
     #[inline(always)]
-    fn relax<K: Machine<T>>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
-        match self.kind {
-            Kind::Hard => self.list::<K, true, false>(k, a, b, stored, count, sums),
-            Kind::Soft { .. } => self.list::<K, false, false>(k, a, b, stored, count, sums),
-            Kind::Limit => self.list::<K, true, true>(k, a, b, stored, count, sums),
+    fn relax<K: Machine<T>, const KIND: u8>(
+        &self,
+        k: K,
+        a: End<T>,
+        b: End<T>,
+        stored: usize,
+        count: usize,
+        sums: &mut [T],
+    ) {
+        match KIND {
+            ALIKE => self.equals(k, a, b, stored, count),
+            HARD => self.list::<K, true, false>(k, a, b, stored, count, sums),
+            LIMIT => self.list::<K, true, true>(k, a, b, stored, count, sums),
+            _ => self.list::<K, false, false>(k, a, b, stored, count, sums),
         }
     }
 
@@ -255,6 +366,37 @@ impl<T: Real> Spring<'_, T> {
             k.store(bx, at, k.sub(q[0], k.mul(d[0], gb)));
             k.store(by, at, k.sub(q[1], k.mul(d[1], gb)));
             k.store(bz, at, k.sub(q[2], k.mul(d[2], gb)));
+        }
+    }
+}
+
+impl<T: Real> Spring<'_, T> {
+    /// Hard springs between particles of one mass: each end takes half of the error, whatever the mass is. Neither roots nor
+    /// divisions are needed.
+    #[inline(always)]
+    fn equals<K: Machine<T>>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize) {
+        let (zero, half, closest) = (k.splat(T::of(0.0)), k.splat(T::of(0.5)), k.splat(T::of(1e-9)));
+        let [ax, ay, az] = a.at;
+        let [bx, by, bz] = b.at;
+        for at in (0..count).step_by(K::WIDE) {
+            let p = [k.load(ax, at), k.load(ay, at), k.load(az, at)];
+            let q = [k.load(bx, at), k.load(by, at), k.load(bz, at)];
+            let d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
+            let far = k.most(k.sqrt(k.squares(d)), closest);
+            let mut rest = value(k, self.rest, stored + at);
+            if at + K::WIDE > count {
+                // Past the last column there is no spring.
+                rest = k.first(rest, count - at);
+            }
+            let g = k.sub(half, k.div(k.mul(half, rest), far));
+            let g = k.choose(k.above(rest, zero), g, zero);
+            let m = [k.mul(d[0], g), k.mul(d[1], g), k.mul(d[2], g)];
+            k.store(ax, at, k.add(p[0], m[0]));
+            k.store(ay, at, k.add(p[1], m[1]));
+            k.store(az, at, k.add(p[2], m[2]));
+            k.store(bx, at, k.sub(q[0], m[0]));
+            k.store(by, at, k.sub(q[1], m[1]));
+            k.store(bz, at, k.sub(q[2], m[2]));
         }
     }
 }

@@ -18,6 +18,8 @@ pub struct Slot<T> {
     pub anchor: Vec<u32>,
     /// For every block of lanes the one anchor of all, or `MIXED`.
     pub block: Vec<u32>,
+    /// The same for the whole sheet.
+    pub one: u32,
 }
 
 /// The lanes of a block have several anchors.
@@ -38,7 +40,8 @@ impl<T: Real> Slot<T> {
             if there.all(|a| *a == first) { first } else { MIXED }
         };
         let block = anchor.chunks(LANES).map(one).collect();
-        Slot { most, anchor, block }
+        let one = one(&anchor);
+        Slot { most, anchor, block, one }
     }
 }
 
@@ -49,19 +52,19 @@ const TOGETHER: usize = 32;
 ///
 /// After T. Kim, N. Chentanez, M. Mueller, "Long Range Attachments", SCA 2012: hard and one after the other.
 pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, tethers: &Tethers<T>, anchors: &[V3<T>]) {
-    let (half, row) = (sheet.half, sheet.row());
+    let (size, row) = ((sheet.width, sheet.half), sheet.row());
     let w = &sheet.w[..];
     threads.chunks(&mut sheet.now, TOGETHER * row, |chunk, rows| {
-        let first = chunk * TOGETHER * 2 * half;
-        widest(Rows { rows, row, half, w, first, tethers, anchors });
+        let first = chunk * TOGETHER * 2 * size.1;
+        widest(Rows { rows, size, w, first, tethers, anchors });
     });
 }
 
 /// Rows of a sheet, the first of them at `first` in `w`.
 struct Rows<'a, 'b, T> {
     rows: &'b mut [T],
-    row: usize,
-    half: usize,
+    /// Columns, and numbers in half a row.
+    size: (usize, usize),
     w: &'a [T],
     first: usize,
     tethers: &'a Tethers<T>,
@@ -71,48 +74,67 @@ struct Rows<'a, 'b, T> {
 impl<T: Real> Work<T> for Rows<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        for (n, row) in self.rows.chunks_exact_mut(self.row).enumerate() {
-            let mut xyz = planes(row, self.half);
-            draw(k, &mut xyz, self.tethers, self.w, self.first + n * 2 * self.half, self.anchors);
+        draw(k, self.rows, self.tethers, self.size, (self.w, self.first), self.anchors);
+    }
+}
+
+/// Rows of a sheet of so many columns and numbers in half a row; their weights are those of `w` from `first` on.
+#[inline(always)]
+pub fn draw<T: Real, K: Machine<T>>(
+    k: K,
+    rows: &mut [T],
+    tethers: &Tethers<T>,
+    (width, half): (usize, usize),
+    (w, first): (&[T], usize),
+    anchors: &[V3<T>],
+) {
+    // Slot by slot: the other way round each particle would wait for the roots of all its slots.
+    for slot in &tethers.slots {
+        for (n, row) in rows.chunks_exact_mut(6 * half).enumerate() {
+            let first = first + n * 2 * half;
+            let [x, y, z] = planes(row, half).map(|p| p.split_at_mut(half));
+            list(k, [x.0, y.0, z.0], width.div_ceil(2), slot, &w[first..first + half], first, anchors);
+            let first = first + half;
+            list(k, [x.1, y.1, z.1], width / 2, slot, &w[first..first + half], first, anchors);
         }
     }
 }
 
+/// So many particles, even columns or odd ones.
 #[inline(always)]
-fn draw<T: Real, K: Machine<T>>(
+fn list<T: Real, K: Machine<T>>(
     k: K,
-    xyz: &mut [&mut [T]; 3],
-    tethers: &Tethers<T>,
+    [x, y, z]: [&mut [T]; 3],
+    count: usize,
+    slot: &Slot<T>,
     w: &[T],
     first: usize,
     anchors: &[V3<T>],
 ) {
     let (zero, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-30)));
-    for at in (0..xyz[0].len()).step_by(K::WIDE) {
-        let place = first + at;
-        let free = k.above(k.load(w, place), zero);
-        let [mut x, mut y, mut z] = [k.load(xyz[0], at), k.load(xyz[1], at), k.load(xyz[2], at)];
-        for slot in &tethers.slots {
-            let anchor = to(k, slot, place, anchors);
-            let d = [k.sub(x, anchor[0]), k.sub(y, anchor[1]), k.sub(z, anchor[2])];
-            let far = k.sqrt(k.squares(d));
-            let most = k.load(&slot.most, place);
-            let keep = k.div(most, k.most(far, least));
-            let beyond = k.above(far, most);
-            x = k.choose(free, k.choose(beyond, k.add(anchor[0], k.mul(d[0], keep)), x), x);
-            y = k.choose(free, k.choose(beyond, k.add(anchor[1], k.mul(d[1], keep)), y), y);
-            z = k.choose(free, k.choose(beyond, k.add(anchor[2], k.mul(d[2], keep)), z), z);
-        }
-        k.store(xyz[0], at, x);
-        k.store(xyz[1], at, y);
-        k.store(xyz[2], at, z);
+    let none = k.splat(T::of(f64::from(f32::MAX)));
+    // All as long, so that this is checked once.
+    let long = count.next_multiple_of(LANES);
+    let (x, y, z, w, most) =
+        (&mut x[..long], &mut y[..long], &mut z[..long], &w[..long], &slot.most[first..first + long]);
+    for at in (0..long).step_by(K::WIDE) {
+        let anchor = to(k, slot, first + at, anchors);
+        let p = [k.load(x, at), k.load(y, at), k.load(z, at)];
+        let d = [k.sub(p[0], anchor[0]), k.sub(p[1], anchor[1]), k.sub(p[2], anchor[2])];
+        let far = k.sqrt(k.squares(d));
+        let most = k.choose(k.above(k.load(w, at), zero), k.load(most, at), none);
+        let keep = k.div(most, k.most(far, least));
+        let beyond = k.above(far, most);
+        k.store(x, at, k.choose(beyond, k.add(anchor[0], k.mul(d[0], keep)), p[0]));
+        k.store(y, at, k.choose(beyond, k.add(anchor[1], k.mul(d[1], keep)), p[1]));
+        k.store(z, at, k.choose(beyond, k.add(anchor[2], k.mul(d[2], keep)), p[2]));
     }
 }
 
 #[inline(always)]
 fn to<T: Real, K: Machine<T>>(k: K, slot: &Slot<T>, place: usize, anchors: &[V3<T>]) -> [K::V; 3] {
     let of = |index: u32| anchors.get(index as usize).copied().unwrap_or([T::of(0.0); 3]);
-    let one = slot.block[place / LANES];
+    let one = if slot.one == MIXED { slot.block[place / LANES] } else { slot.one };
     if one != MIXED {
         let [x, y, z] = of(one);
         return [k.splat(x), k.splat(y), k.splat(z)];

@@ -75,7 +75,8 @@ impl World {
 
     /// Whether a cloth runs fused in a frame of so many steps.
     pub fn is_fused(&self, cloth: usize, steps: u32) -> bool {
-        let short = steps.saturating_mul(self.options.iterations) <= LONGEST;
+        let Options { iterations, polish, .. } = self.options;
+        let short = steps.saturating_mul(iterations).saturating_mul(polish + 1) <= LONGEST;
         short && self.fused.get(cloth).is_some_and(Option::is_some)
     }
 

@@ -14,6 +14,7 @@ pub(super) fn source(fused: Fused) -> Source {
     let mut files = vec![STEP, GRID, NOW, part!("holes_none"), part!("larger"), part!("sane")];
     let mut constants = vec![("threads", f64::from(fused.threads))];
     constants.extend(DIRECTIONS.iter().zip(fused.directions).map(|(name, on)| (*name, f64::from(u8::from(on)))));
+    constants.push(("polish", f64::from(fused.polish)));
     match fused.hold {
         Hold::Both | Hold::Wide => files.push(part!("held")),
         Hold::Narrow => {

@@ -75,6 +75,7 @@ pub struct Solver {
     pub iterations: Option<u32>,
     pub tethers: Option<u32>,
     pub pyramid: Option<u32>,
+    pub polish: Option<u32>,
 }
 
 #[derive(Deserialize)]

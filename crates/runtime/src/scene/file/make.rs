@@ -61,6 +61,7 @@ fn options(fields: &json::Solver) -> Result<Options> {
     options.substeps = fields.substeps.unwrap_or(options.substeps);
     options.quality = Quality::of(fields.error, fields.budget);
     options.pyramid = fields.pyramid.unwrap_or(options.pyramid);
+    options.polish = fields.polish.unwrap_or(options.polish);
     options.tethers = fields.tethers.unwrap_or(options.tethers);
     options.iterations = fields.iterations.unwrap_or(options.iterations);
     options.check().map_err(Error::value("solver"))?;

@@ -1,0 +1,166 @@
+//! Passes that reach no farther than the next row, as one walk down the sheet.
+//!
+//! Each follows the one before it as closely as it can: it takes a row, or two, once that one is done with them. So a row
+//! is read from memory once for all passes, and not once for each. The results are those of pass after pass, bit for bit:
+//! every row sees the same passes in the same order, and so do the rows beside it.
+
+use super::advance;
+use super::lanes::{Machine, Work, widest};
+use super::real::{Real, V3};
+use super::sheet::Sheet;
+use super::stretch::{Spring, Springs};
+use super::tethers::{self, Tethers};
+use crate::step::Step;
+
+/// A pass of a sheet.
+pub enum Stage<'a, T> {
+    /// A step in still air.
+    Advance(&'a Step<T>),
+    /// Tethers, and where their anchors are.
+    Tethers(&'a Tethers<T>, &'a [V3<T>]),
+    /// Hard springs of a direction and parity.
+    Springs(&'a Springs<T>, (u32, u32)),
+}
+
+/// Bytes of rows that are taken up in one go. With those that lie between the first pass and the last they should fit into
+/// what is nearest to a core.
+const NEAREST: usize = 28 << 10;
+
+/// Runs all passes on the caller's thread.
+pub fn run<T: Real>(sheet: &mut Sheet<T>, stages: &[Stage<T>]) {
+    // Coordinates now and before, and a weight.
+    let bytes = 7 * sheet.width * size_of::<T>();
+    let together = (NEAREST / bytes).max(2).next_multiple_of(2);
+    widest(Walk { sheet, stages, together });
+}
+
+struct Walk<'a, 'b, T: Real> {
+    sheet: &'b mut Sheet<T>,
+    stages: &'a [Stage<'a, T>],
+    together: usize,
+}
+
+impl<T: Real> Work<T> for Walk<'_, '_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let (size, row) = ((self.sheet.width, self.sheet.half), self.sheet.row());
+        let Sheet { now, before, w, alike, height, half, .. } = self.sheet;
+        let (height, half) = (*height, *half);
+        // Of each pass the springs, and the first row that it has not taken.
+        let mut states: Vec<_> = self.stages.iter().map(|stage| stage.start(size, alike)).collect();
+        let mut taken = 0;
+        while taken < height {
+            taken = (taken + self.together).min(height);
+            // Rows that the pass before is done with.
+            let mut ready = taken;
+            for (stage, (spring, next)) in self.stages.iter().zip(&mut states) {
+                match (stage, spring) {
+                    (Stage::Advance(step), _) => {
+                        let part = *next * row..ready * row;
+                        advance::still(k, step, &mut now[part.clone()], &mut before[part], size, (w, *next));
+                        *next = ready;
+                    }
+                    (Stage::Tethers(held, anchors), _) => {
+                        tethers::draw(
+                            k,
+                            &mut now[*next * row..ready * row],
+                            held,
+                            size,
+                            (w, *next * 2 * half),
+                            anchors,
+                        );
+                        *next = ready;
+                    }
+                    (Stage::Springs(_, (0, parity)), Some(spring)) => {
+                        for j in *next..ready {
+                            spring.hard(k, &mut now[j * row..(j + 1) * row], w, j, (0, *parity as usize));
+                        }
+                        *next = ready;
+                    }
+                    (Stage::Springs(_, (direction, parity)), Some(spring)) => {
+                        while *next + 2 <= ready {
+                            let rows = &mut now[*next * row..(*next + 2) * row];
+                            spring.hard(k, rows, w, *next, (*direction, *parity as usize));
+                            *next += 2;
+                        }
+                        // A row without another one below is done with too.
+                        ready = if ready == height { height } else { ready.min(*next) };
+                    }
+                    (Stage::Springs(..), None) => {}
+                }
+            }
+        }
+    }
+}
+
+impl<'a, T: Real> Stage<'a, T> {
+    fn start(&self, size: (usize, usize), alike: &'a [T]) -> (Option<Spring<'a, T>>, usize) {
+        match self {
+            Stage::Springs(springs, (direction, parity)) => {
+                (Some(Spring::of(size, alike, springs)), if *direction == 0 { 0 } else { *parity as usize })
+            }
+            _ => (None, 0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloth::Grid;
+    use crate::cpu::integrate::Air;
+    use crate::cpu::rows::Threads;
+    use crate::cpu::sheet::Values;
+    use crate::cpu::stretch;
+    use crate::cpu::tethers::Slot;
+
+    fn sheet(width: u32, height: u32) -> Sheet<f32> {
+        let mut sheet = Sheet::new(&Grid { name: String::new(), first: 0, width, height });
+        let noise = |k: usize| ((k * 7919) % 1009) as f32 / 1009.0 - 0.5;
+        for k in 0..sheet.width * sheet.height {
+            let (i, j) = (k % sheet.width, k / sheet.width);
+            let at = [i as f32 + 0.3 * noise(k), 0.3 * noise(k + 1), j as f32 + 0.3 * noise(k + 2)];
+            sheet.put(sheet.triple(k), at);
+        }
+        let now = sheet.now.clone();
+        sheet.before.iter_mut().zip(&*now).for_each(|(b, x)| *b = 0.99 * x);
+        // A pin, a heavy one, and a row of other weight than those beside it.
+        sheet.weigh(|k| match (k, k / width as usize) {
+            (0, _) => 0.0,
+            (20, _) => 1.0,
+            (_, 5) => 7.0,
+            _ => 5.0,
+        });
+        sheet
+    }
+
+    #[test]
+    fn one_walk_gives_the_bits_of_pass_after_pass() {
+        let threads = Threads::one();
+        let step =
+            Step { gravity: [0.0, -9.81, 0.0], keep: 0.9, scale: 1e-4, longest: 1e6, dt: 0.01, ..Step::default() };
+        for (width, height) in [(2, 2), (3, 9), (9, 3), (31, 33), (32, 64), (33, 31), (70, 200), (300, 41)] {
+            let (mut together, mut apart) = (sheet(width, height), sheet(width, height));
+            let list = Values::List(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32));
+            let rest = [Values::Constant(0.9f32), list, Values::Constant(1.3), Values::Constant(1.3)];
+            let mut springs = rest.map(|rest| stretch::Springs { rest, soft: Values::Constant(0.0), sums: Vec::new() });
+            let far = |k: usize| Some((0, (k % width as usize) as f32 + (k / width as usize) as f32));
+            let held = Tethers { slots: vec![Slot::new(&together, far)] };
+            let anchors = [together.at(0)];
+            let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
+            advance::run(&threads, &step, &mut apart, Air::None, false);
+            tethers::run(&threads, &mut apart, &held, &anchors);
+            for colour in colours {
+                stretch::run(&threads, &mut apart, &mut springs[colour.0 as usize], colour, false, step.dt);
+            }
+            tethers::run(&threads, &mut apart, &held, &anchors);
+            let all = colours.map(|colour| Stage::Springs(&springs[colour.0 as usize], colour));
+            let mut stages = vec![Stage::Advance(&step), Stage::Tethers(&held, &anchors)];
+            stages.extend(all);
+            stages.push(Stage::Tethers(&held, &anchors));
+            run(&mut together, &stages);
+            assert!(together.now[..] == apart.now[..] && together.before[..] == apart.before[..], "{width} x {height}");
+            assert!(together.now[..] != sheet(width, height).now[..]);
+        }
+    }
+}
