@@ -6,6 +6,7 @@
 
 mod act;
 pub(crate) mod advance;
+pub(crate) mod aside;
 pub(crate) mod bend;
 pub(crate) mod body;
 pub(crate) mod colliders;

@@ -1,6 +1,7 @@
 //! Twin of shaders/stretch.wgsl: springs of one direction and parity, with compliance.
 
-use super::lanes::{Machine, Work, widest};
+use super::aside;
+use super::lanes::{LANES, Machine, Work, widest};
 use super::real::Real;
 use super::rows::Threads;
 use super::sheet::{Sheet, Values, planes};
@@ -218,7 +219,7 @@ impl<T: Real> Spring<'_, T> {
         sums: &mut [T],
     ) {
         let (zero, closest, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-9)), k.splat(T::of(1e-30)));
-        let span = k.splat(self.span);
+        let (span, short) = (k.splat(self.span), k.splat(T::of(aside::SHORT)));
         let [ax, ay, az] = a.at;
         let [bx, by, bz] = b.at;
         for at in (0..count).step_by(K::WIDE) {
@@ -230,8 +231,18 @@ impl<T: Real> Spring<'_, T> {
                 // Past the last column there is no spring.
                 rest = k.first(rest, count - at);
             }
-            let d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
-            let far = k.most(k.sqrt(k.squares(d)), closest);
+            let mut d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
+            let mut far = k.most(k.sqrt(k.squares(d)), closest);
+            if !LIMIT && k.any(k.above(k.mul(rest, short), far)) {
+                let mut lists = [d[0], d[1], d[2], rest, far].map(|v| {
+                    let mut list = [T::of(0.0); LANES];
+                    k.store(&mut list, 0, v);
+                    list
+                });
+                self.push_aside(&mut lists, stored + at);
+                d = [k.load(&lists[0], 0), k.load(&lists[1], 0), k.load(&lists[2], 0)];
+                far = k.most(k.sqrt(k.squares(d)), closest);
+            }
             let (over, w) = (k.sub(far, rest), k.add(wa, wb));
             let mut g = if HARD {
                 k.div(over, k.most(k.mul(far, w), least))
@@ -255,6 +266,23 @@ impl<T: Real> Spring<'_, T> {
             k.store(bx, at, k.sub(q[0], k.mul(d[0], gb)));
             k.store(by, at, k.sub(q[1], k.mul(d[1], gb)));
             k.store(bz, at, k.sub(q[2], k.mul(d[2], gb)));
+        }
+    }
+}
+
+impl<T: Real> Spring<'_, T> {
+    /// Turns the vectors of springs that have almost no length; the first of them is stored at `stored`. Of a list the
+    /// numbers past the vector are zeros: no springs.
+    #[cold]
+    #[inline(never)]
+    fn push_aside(&self, [x, y, z, rest, far]: &mut [[T; LANES]; 5], stored: usize) {
+        let width = self.columns[0] + self.columns[1];
+        for n in (0..LANES).filter(|n| far[*n] < rest[*n] * T::of(aside::SHORT)) {
+            let (row, place) = ((stored + n) / (2 * self.half), (stored + n) % (2 * self.half));
+            let column = 2 * (place % self.half) + place / self.half;
+            let by = rest[n] * T::of(aside::ASIDE);
+            let way = aside::way::<T>((row * width + column) as u32);
+            (x[n], y[n], z[n]) = (x[n] + way[0] * by, y[n] + way[1] * by, z[n] + way[2] * by);
         }
     }
 }
