@@ -10,7 +10,7 @@ fn relax(grid: u32, ends: Ends, direction: u32) {
   }
   var d = b.xyz - a.xyz;
   var far = max(sqrt(dot(d, d)), 1e-9);
-  if (far < rest * SHORT) {
+  if (direction == 0u && far < rest * SHORT) {
     d += way(k - grids[grid].first) * (rest * ASIDE);
     far = max(sqrt(dot(d, d)), 1e-9);
   }

@@ -158,9 +158,16 @@ impl<T: Real> Spring<'_, T> {
         let e = [x.0, y.0, z.0];
         let o = [x.1, y.1, z.1];
         if parity == 0 {
-            self.relax(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
+            self.relax::<K, true>(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
         } else {
-            self.relax(k, End { at: o, w: wo }, End { at: e.map(|p| &mut p[1..]), w: &we[1..] }, stored, count, sums);
+            self.relax::<K, true>(
+                k,
+                End { at: o, w: wo },
+                End { at: e.map(|p| &mut p[1..]), w: &we[1..] },
+                stored,
+                count,
+                sums,
+            );
         }
     }
 
@@ -169,7 +176,14 @@ impl<T: Real> Spring<'_, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, side], [0, 0]);
             let stored = (j * 2 + side) * self.half;
-            self.relax(k, upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
+            self.relax::<K, false>(
+                k,
+                upper,
+                lower,
+                stored,
+                counts[side],
+                sums.get_mut(side * self.half..).unwrap_or(&mut []),
+            );
         }
     }
 
@@ -178,7 +192,14 @@ impl<T: Real> Spring<'_, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, 1 - side], [0, side]);
             let stored = (j * 2 + side) * self.half;
-            self.relax(k, upper, lower, stored, counts[side], sums.get_mut(side * self.half..).unwrap_or(&mut []));
+            self.relax::<K, false>(
+                k,
+                upper,
+                lower,
+                stored,
+                counts[side],
+                sums.get_mut(side * self.half..).unwrap_or(&mut []),
+            );
         }
     }
 
@@ -188,7 +209,7 @@ impl<T: Real> Spring<'_, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [1 - side, side], [side, 0]);
             let stored = ((j + 1) * 2 + side) * self.half;
-            self.relax(
+            self.relax::<K, false>(
                 k,
                 lower,
                 upper,
@@ -200,16 +221,24 @@ impl<T: Real> Spring<'_, T> {
     }
 
     #[inline(always)]
-    fn relax<K: Machine<T>>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize, sums: &mut [T]) {
+    fn relax<K: Machine<T>, const ASIDE: bool>(
+        &self,
+        k: K,
+        a: End<T>,
+        b: End<T>,
+        stored: usize,
+        count: usize,
+        sums: &mut [T],
+    ) {
         match self.kind {
-            Kind::Hard => self.list::<K, true, false>(k, a, b, stored, count, sums),
-            Kind::Soft { .. } => self.list::<K, false, false>(k, a, b, stored, count, sums),
-            Kind::Limit => self.list::<K, true, true>(k, a, b, stored, count, sums),
+            Kind::Hard => self.list::<K, true, false, ASIDE>(k, a, b, stored, count, sums),
+            Kind::Soft { .. } => self.list::<K, false, false, ASIDE>(k, a, b, stored, count, sums),
+            Kind::Limit => self.list::<K, true, true, false>(k, a, b, stored, count, sums),
         }
     }
 
     #[inline(always)]
-    fn list<K: Machine<T>, const HARD: bool, const LIMIT: bool>(
+    fn list<K: Machine<T>, const HARD: bool, const LIMIT: bool, const ASIDE: bool>(
         &self,
         k: K,
         a: End<T>,
@@ -233,7 +262,7 @@ impl<T: Real> Spring<'_, T> {
             }
             let mut d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
             let mut far = k.most(k.sqrt(k.squares(d)), closest);
-            if !LIMIT && k.any(k.above(k.mul(rest, short), far)) {
+            if ASIDE && k.any(k.above(k.mul(rest, short), far)) {
                 let mut lists = [d[0], d[1], d[2], rest, far].map(|v| {
                     let mut list = [T::of(0.0); LANES];
                     k.store(&mut list, 0, v);
@@ -271,7 +300,7 @@ impl<T: Real> Spring<'_, T> {
 }
 
 impl<T: Real> Spring<'_, T> {
-    /// Turns the vectors of springs that have almost no length; the first of them is stored at `stored`. Of a list the
+    /// Turns the vectors of springs to the right that have almost no length; the first of them is stored at `stored`. Of a list the
     /// numbers past the vector are zeros: no springs.
     #[cold]
     #[inline(never)]
