@@ -59,6 +59,10 @@ pub struct Options {
     /// Once in so many steps lengths are limited on coarser grids of the cloth, for [`Solver::Xpbd`]; 0 is never. Default
     /// 0; at most 4096. It keeps cloth together that no pin holds, such as cloth that is hit. It ends with the first cut.
     pub pyramid: u32,
+    /// How far \[m\] particles keep from the surfaces of colliders: the particles are the middle of the cloth, so this is half
+    /// of what it measures through, and room for what is drawn. Default 0; 0 to 1. Colliders are made so much larger, at no
+    /// cost a frame; that of a box keeps its edges, that of an ellipsoid is one.
+    pub thickness: f32,
     /// Whether normals are made at the end of a frame. Default true.
     pub normals: bool,
     /// Most times of `step` that one frame catches up; what is beyond is dropped. Default 4; 1 to 1024.
@@ -102,6 +106,7 @@ impl Default for Options {
             iterations: 1,
             tethers: 2,
             pyramid: 0,
+            thickness: 0.0,
             normals: true,
             max_catch_up: 4,
             threads: 0,
@@ -120,6 +125,7 @@ impl Options {
         check("the number of iterations", self.iterations.into(), "1 to 4096", count)?;
         check("the number of tethers", self.tethers.into(), "0 to 4", |n| n <= 4.0)?;
         check("the steps from pyramid to pyramid", self.pyramid.into(), "0 to 4096", |n| n <= 4096.0)?;
+        check("the thickness [m]", self.thickness.into(), "0 to 1", |t| (0.0..=1.0).contains(&t))?;
         let catch_up = |n: f64| (1.0..=1024.0).contains(&n);
         check("the most steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)?;
         self.quality.check()?;

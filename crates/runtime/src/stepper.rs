@@ -142,11 +142,16 @@ impl Stepper {
     pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
         colliders.iter().try_for_each(Collider::check)?;
         self.world.scene.colliders = colliders;
+        self.recoat();
+        Ok(())
+    }
+
+    /// Tells the device what colliders are like now.
+    fn recoat(&mut self) {
         self.changed();
         if let Some(gpu) = &mut self.gpu {
             gpu.set_colliders(&self.world);
         }
-        Ok(())
     }
 
     /// Changes the wind, or ends it. Wakes every cloth.
@@ -177,11 +182,15 @@ impl Stepper {
         if options.quality != self.world.options.quality {
             self.world.chooser = Chooser::default();
         }
+        let coat = options.thickness != self.world.options.thickness;
         self.world.options = Options { backend, threads, solver, tethers, pyramid, fused, ..options };
         self.world.clock.change(&self.world.options);
         self.world.raised = None;
         self.world.raise();
         self.world.reschedule();
+        if coat {
+            self.recoat();
+        }
         Ok(())
     }
 

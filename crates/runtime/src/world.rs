@@ -182,9 +182,15 @@ impl World {
         self.scene.cloths.iter().zip(&self.tethers).map(|(c, t)| Body::new(c, t, &self.options)).collect()
     }
 
+    /// The colliders with a coat as thick as the cloth.
+    pub fn solids<T: Real>(&self) -> Vec<Solid<T>> {
+        let coat = T::of(self.options.thickness.into());
+        self.scene.colliders.iter().map(|c| Solid::new(c).coated(coat)).collect()
+    }
+
     /// Runs a frame of `steps` steps on the CPU.
     pub fn run<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
-        let solids: Vec<Solid<T>> = self.scene.colliders.iter().map(Solid::new).collect();
+        let solids: Vec<Solid<T>> = self.solids();
         for (index, body) in bodies.iter_mut().enumerate() {
             if self.asleep[index] {
                 continue;

@@ -82,6 +82,7 @@ fn report(
         "iterations": options.iterations,
         "tethers": options.tethers,
         "pyramid": options.pyramid,
+        "thickness": options.thickness,
         "particles": engine.stepper.scene().cloths.iter().map(Cloth::len).sum::<usize>(),
         "frames": times.len(),
         "ms_frame_min": least,
