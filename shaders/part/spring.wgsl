@@ -8,8 +8,12 @@ fn relax(grid: u32, ends: Ends, direction: u32) {
   if (rest <= 0.0 || min(a.w, b.w) < 0.0) {
     return;
   }
-  let d = b.xyz - a.xyz;
-  let far = max(sqrt(dot(d, d)), 1e-9);
+  var d = b.xyz - a.xyz;
+  var far = max(sqrt(dot(d, d)), 1e-9);
+  if (direction == 0u && far < rest * SHORT) {
+    d += way(k - grids[grid].first) * (rest * ASIDE);
+    far = max(sqrt(dot(d, d)), 1e-9);
+  }
   let g = multiplier(grid, k, direction, far, rest, a.w + b.w);
   put(k, vec4<f32>(a.xyz + d * (g * a.w), a.w));
   put(other, vec4<f32>(b.xyz - d * (g * b.w), b.w));

@@ -56,6 +56,11 @@ impl<'a> Host<'a> {
         Ok(start.elapsed().as_secs_f64() * 1e3)
     }
 
+    /// Steps a frame, as they are made: no fewer than the solver can do with.
+    pub fn substeps(&self) -> u32 {
+        self.stepper.options().substeps
+    }
+
     /// Positions of the cloth.
     pub fn positions(&self) -> Result<Vec<[f32; 4]>, Failure> {
         match (self.gpu, self.stepper.buffers(0)) {

@@ -106,6 +106,7 @@ fn together(args: &Args, variants: &[Variant], scene: &str, n: u32, gpu: Option<
             runs.push(Run::new(setting, gpu, args.dump.as_ref())?);
         }
     }
+    runs.retain(Run::is_as_asked);
     let length = runs.first().map_or(1, Run::length);
     let all = length * args.frames.div_ceil(length).max(1);
     let part = all.div_ceil(args.rounds.clamp(1, all));

@@ -54,6 +54,11 @@ impl<'a> Run<'a> {
         Ok(run)
     }
 
+    /// Whether the solver makes as many steps as were asked for, and not more.
+    pub fn is_as_asked(&self) -> bool {
+        self.host.substeps() == self.setting.substeps
+    }
+
     /// Frames of the scene.
     pub fn length(&self) -> u32 {
         self.scene.frames

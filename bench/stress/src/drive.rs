@@ -1,6 +1,6 @@
 //! Runs a case under a solver, and judges.
 
-use gimage_runtime::{Result, Solver, Stepper};
+use gimage_runtime::{Result, Solver, Stepper, Warning};
 
 use crate::case::{Case, Stretch};
 use crate::figures::{Gauge, V3, distance, norm};
@@ -24,6 +24,8 @@ pub struct Outcome {
     pub momentum: f64,
     /// Largest gain of energy, in units of the case.
     pub energy: f64,
+    /// What the solver changed because it is beyond its limits.
+    pub limited: Vec<&'static str>,
     /// What was asked and is not so.
     pub failures: Vec<String>,
 }
@@ -43,10 +45,12 @@ pub fn drive(case: &Case, solver: (&str, Solver, u32)) -> Outcome {
 fn run(case: &Case, solver: (&str, Solver, u32), out: &mut Outcome) -> Result<()> {
     let options = case.options(solver);
     let mut stepper = Stepper::new(case.scene.clone(), options, None)?;
-    let gauge = Gauge::new(&case.scene.cloths[0], case.scene.gravity);
+    out.limited = stepper.warnings().iter().map(word).collect();
+    // Of the cloth as it is stepped: masses may have been changed.
+    let gauge = Gauge::new(&stepper.scene().cloths[0], case.scene.gravity);
     let frames = |seconds: f64| (seconds / case.step).ceil() as u32;
     let (storm, calm) = (frames(case.storm), frames(case.calm));
-    let dt = case.step / f64::from(case.substeps);
+    let dt = case.step / f64::from(stepper.options().substeps);
     let mut last = positions(stepper.positions(0));
     let start = gauge.energy(&last, &positions(stepper.previous(0)), dt);
     let begin = gauge.momentum(&positions(stepper.previous(0)), &last, dt);
@@ -101,6 +105,15 @@ fn run(case: &Case, solver: (&str, Solver, u32), out: &mut Outcome) -> Result<()
     out.momentum = if changed == 0.0 { 0.0 } else { changed / bustle };
     judge(case, solver.2 > 0, out);
     Ok(())
+}
+
+fn word(warning: &Warning) -> &'static str {
+    match warning {
+        Warning::Masses { .. } => "masses",
+        Warning::Tethers { .. } => "tethers",
+        Warning::Substeps { .. } => "substeps",
+        _ => "other",
+    }
 }
 
 /// The larger one; what is no number is the largest.

@@ -2,6 +2,7 @@
 
 mod case;
 mod cases;
+mod crew;
 mod drive;
 mod figures;
 mod random;
@@ -10,7 +11,7 @@ mod table;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use case::SOLVERS;
+use case::{Case, SOLVERS};
 use clap::Parser;
 use drive::drive;
 use table::Entry;
@@ -29,6 +30,9 @@ struct Args {
     /// A million steps at rest instead of a hundred thousand.
     #[arg(long)]
     long: bool,
+    /// Threads, each with a cloth of its own; one a core by default. Figures do not depend on it.
+    #[arg(long)]
+    threads: Option<usize>,
     /// Writes every figure to this file as CSV.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -40,18 +44,39 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     if let Some(name) = args.solvers.iter().find(|name| SOLVERS.iter().all(|s| s.0 != **name)) {
         return Err(format!("there is no solver {name}; there are {}", SOLVERS.map(|s| s.0).join(", ")).into());
     }
-    let mut entries = Vec::new();
-    for case in cases::all(if args.long { 1_000_000 } else { 100_000 })? {
-        if !case.name.contains(&args.only) {
-            continue;
-        }
-        let wanted = |name: &str| args.solvers.is_empty() || args.solvers.iter().any(|s| s == name);
-        let outcomes = SOLVERS.map(|s| (wanted(s.0) && case.tries(s)).then(|| drive(&case, s)));
-        let case::Case { name, step, substeps, asked, .. } = case;
-        let entry = Entry { name, step, substeps, asked, outcomes };
-        println!("{}", entry.line());
-        entries.push(entry);
-    }
+    let steps = if args.long { 1_000_000 } else { 100_000 };
+    let wanted = |name: &str| args.solvers.is_empty() || args.solvers.iter().any(|s| s == name);
+    let names: Vec<_> = cases::all(steps)?.into_iter().map(|c| c.name).collect();
+    let chosen: Vec<usize> = (0..names.len()).filter(|k| names[*k].contains(&args.only)).collect();
+    // A case and solver a piece of work: cases differ in length by a factor of a hundred.
+    let work = |cases: &gimage_runtime::Result<Vec<Case>>, n: usize| {
+        let case = &cases.as_ref().ok()?[chosen[n / SOLVERS.len()]];
+        let solver = SOLVERS[n % SOLVERS.len()];
+        let outcome = (wanted(solver.0) && case.tries(solver)).then(|| drive(case, solver));
+        let Case { name, step, substeps, asked, .. } = case;
+        Some((
+            Entry { name: name.clone(), step: *step, substeps: *substeps, asked: *asked, outcomes: Vec::new() },
+            outcome,
+        ))
+    };
+    let mut entries: Vec<Entry> = Vec::new();
+    let threads = args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into));
+    crew::share(
+        (chosen.len() * SOLVERS.len(), threads),
+        || cases::all(steps),
+        work,
+        |result| {
+            let Some((entry, outcome)) = result else { return };
+            if entries.last().is_none_or(|e| e.outcomes.len() == SOLVERS.len()) {
+                entries.push(entry);
+            }
+            let Some(entry) = entries.last_mut() else { return };
+            entry.outcomes.push(outcome);
+            if entry.outcomes.len() == SOLVERS.len() {
+                println!("{}", entry.line());
+            }
+        },
+    );
     println!("{}", table::sum(&entries));
     if let Some(path) = &args.out {
         std::fs::write(path, table::csv(&entries))?;

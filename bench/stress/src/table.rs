@@ -11,7 +11,7 @@ pub struct Entry {
     pub step: f64,
     pub substeps: u32,
     pub asked: Asked,
-    pub outcomes: [Option<Outcome>; 3],
+    pub outcomes: Vec<Option<Outcome>>,
 }
 
 impl Entry {
@@ -26,7 +26,8 @@ impl Entry {
         for outcome in &self.outcomes {
             let words = match outcome {
                 None => "-".into(),
-                Some(o) if o.failures.is_empty() => "ok".into(),
+                Some(o) if o.failures.is_empty() && o.limited.is_empty() => "ok".into(),
+                Some(o) if o.failures.is_empty() => format!("ok, limited: {}", o.limited.join(" ")),
                 Some(o) => o.failures.join("; "),
             };
             let _ = write!(line, " | {words:24}");
@@ -48,7 +49,7 @@ pub fn sum(entries: &[Entry]) -> String {
 /// A line a case and solver.
 pub fn csv(entries: &[Entry]) -> String {
     let mut out = "case,solver,step_s,substeps,verdict,failures,stretch_judged,stretch_2s,rest_mm_s,rest_before_mm_s,drift_mm,momentum,\
-                   energy_gain,first_lost_frame,particles_lost\n"
+                   energy_gain,first_lost_frame,particles_lost,limited\n"
         .to_owned();
     for e in entries {
         for (outcome, (solver, _, tethers)) in e.outcomes.iter().zip(SOLVERS) {
@@ -66,9 +67,10 @@ pub fn csv(entries: &[Entry]) -> String {
                 let _ = if asked { write!(out, ",{x:.3e}") } else { write!(out, ",") };
             }
             let _ = match o.broke {
-                Some((frame, count)) => writeln!(out, ",{frame},{count}"),
-                None => writeln!(out, ",,"),
+                Some((frame, count)) => write!(out, ",{frame},{count}"),
+                None => write!(out, ",,"),
             };
+            let _ = writeln!(out, ",{}", o.limited.join(" "));
         }
     }
     out

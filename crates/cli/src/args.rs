@@ -175,6 +175,10 @@ pub struct SceneArgs {
     /// hangs on tethers; xpbd only [default: those of the scene, or 0].
     #[arg(long, value_name = "K")]
     pub polish: Option<u32>,
+    /// How far particles keep from the surfaces of colliders, 0 to 1 m: half of what the cloth measures through [default:
+    /// that of the scene, or 0].
+    #[arg(long, value_name = "M")]
+    pub thickness: Option<f32>,
     /// What all cloth is made of, as warp=500,weft=400,shear=40,bend=1e-5,density=0.15,damping=0.5, of which any may be left
     /// out (N/m, N m, kg/m2, 1/s); xpbd only [default: that of the scene, or springs].
     #[arg(long, value_name = "NAME=NUMBER,...", value_parser = material)]

@@ -72,12 +72,13 @@ pub const SIMULATE: &str = concat!(
     "  gimage simulate s1 --solver xpbd --substeps 4 --tethers 2\n",
     "  gimage simulate s1 --solver xpbd --error 0.01 --budget 2\n",
     "  gimage simulate s2 --solver xpbd --substeps 32 --material warp=300,bend=1e-4\n",
+    "  gimage simulate s2 --solver xpbd --thickness 0.002\n",
     "  gimage simulate s3 --backend gpu --json | jq .ms_frame_median\n\n",
     "Built in: s1 (hung by two corners), s1k (with soft springs), s2 (falls on a sphere), s2f (fast), s3 (swings).\n",
     "SCENE.md describes scene files: garments, colliders, pins, wind, motion, cuts. A bundle falls or hangs by its pins. Frames take 1/60 s. ",
     "--error measures the largest stretch of each frame and changes the number of steps by the rule that it falls with their ",
     "square; --budget goes by the median time of a step. --dump writes frame_NNNNN.<piece>.position.exr, frame 0 ",
-    "being the start.",
+    "being the start. Settings beyond the solver's limits are changed, and stderr says so.",
     exit_codes!("not used by this command")
 );
 

@@ -7,6 +7,7 @@
 mod act;
 pub(crate) mod advance;
 pub(crate) mod aligned;
+pub(crate) mod aside;
 pub(crate) mod bend;
 pub(crate) mod body;
 pub(crate) mod colliders;

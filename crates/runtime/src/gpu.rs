@@ -56,7 +56,7 @@ impl Gpu {
         let settings = (draw_only, &world.options);
         let cloths: Result<_> =
             cloths.map(|((held, body), spans)| ClothBuffers::new(device, held, body, settings, spans)).collect();
-        let solid_rows: Vec<_> = world.scene.colliders.iter().map(SolidRow::new).collect();
+        let solid_rows: Vec<_> = world.solids().into_iter().map(SolidRow::from).collect();
         Ok(Gpu {
             solids: solids_buffer(device, &solid_rows),
             pipelines: Pipelines::default(),
@@ -160,7 +160,7 @@ impl Gpu {
 
     /// Uploads the colliders; new bindings only if their number has changed.
     pub fn set_colliders(&mut self, world: &World) {
-        let rows: Vec<_> = world.scene.colliders.iter().map(SolidRow::new).collect();
+        let rows: Vec<_> = world.solids().into_iter().map(SolidRow::from).collect();
         if rows.len() == self.solid_rows.len() {
             self.queue.write_buffer(&self.solids, 0, cast_slice(&rows));
         } else {

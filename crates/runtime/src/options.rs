@@ -39,7 +39,10 @@ pub struct Options {
     /// Time \[s\] in which `substeps` steps are made, whatever the host's frames take. Default 1/60; 1e-6 to 1.
     pub step: f64,
     /// Steps in that time, each with all passes. Default 8; 1 to 4096; larger is stiffer and dearer in proportion. Where
-    /// `quality` chooses them, those of the first frame; a stepper's own options have the number now.
+    /// `quality` chooses them, those of the first frame; a stepper's own options have the number now. Where it chooses none,
+    /// [`Solver::Xpbd`] makes so many that no step is longer than [`crate::LONGEST`] (cloth without tethers:
+    /// [`crate::LONGEST_FREE`]) and says so in [`crate::Stepper::warnings`]. Steps below 1e-3 s at the start are made with
+    /// what rounding takes kept; below 1/16000 s cloth of a metre trembles in f32 all the same.
     pub substeps: u32,
     /// Whether the number of substeps is chosen, and by what. Default [`Quality::Fixed`].
     pub quality: Quality,
@@ -49,7 +52,9 @@ pub struct Options {
     /// Tethers of a particle, each to the nearest pin of another group of pins: no particle gets farther from its pins
     /// than along the surface. Default 2; 0 to 4; for [`Solver::Xpbd`] only. They take most of the stretch away in few
     /// substeps, and shorten the period of a swing a little. Those of a bundle are taken as they are stored, else they
-    /// are found when the stepper is made. They end with the first cut.
+    /// are found when the stepper is made. They end with the first cut. Cloth of springs whose neighbours differ by more
+    /// than [`crate::MOST_RATIO`] in mass or [`crate::MOST_LENGTHS`] in rest length has 2 where 0 are asked for, and
+    /// [`crate::Stepper::warnings`] says so: springs alone do not hold it.
     pub tethers: u32,
     /// Further rounds of a relaxation: tethers, then springs to the right and down, which stretch shows in, and not the
     /// diagonal ones, which take half of the time. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default 0;
@@ -59,6 +64,10 @@ pub struct Options {
     /// Once in so many steps lengths are limited on coarser grids of the cloth, for [`Solver::Xpbd`]; 0 is never. Default
     /// 0; at most 4096. It keeps cloth together that no pin holds, such as cloth that is hit. It ends with the first cut.
     pub pyramid: u32,
+    /// How far \[m\] particles keep from the surfaces of colliders: the particles are the middle of the cloth, so this is half
+    /// of what it measures through, and room for what is drawn. Default 0; 0 to 1. Colliders are made so much larger, at no
+    /// cost a frame; that of a box keeps its edges, that of an ellipsoid is one.
+    pub thickness: f32,
     /// Whether normals are made at the end of a frame. Default true.
     pub normals: bool,
     /// Most times of `step` that one frame catches up; what is beyond is dropped. Default 4; 1 to 1024.
@@ -103,6 +112,7 @@ impl Default for Options {
             tethers: 2,
             polish: 0,
             pyramid: 0,
+            thickness: 0.0,
             normals: true,
             max_catch_up: 4,
             threads: 0,
@@ -122,6 +132,7 @@ impl Options {
         check("the number of tethers", self.tethers.into(), "0 to 4", |n| n <= 4.0)?;
         check("the number of polishing rounds", self.polish.into(), "0 to 64", |n| n <= 64.0)?;
         check("the steps from pyramid to pyramid", self.pyramid.into(), "0 to 4096", |n| n <= 4096.0)?;
+        check("the thickness [m]", self.thickness.into(), "0 to 1", |t| (0.0..=1.0).contains(&t))?;
         let catch_up = |n: f64| (1.0..=1024.0).contains(&n);
         check("the most steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)?;
         self.quality.check()?;

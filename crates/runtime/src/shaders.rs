@@ -331,7 +331,7 @@ fn spring_parts(image: bool, soft: Soft, again: bool) -> (Vec<&'static str>, Vec
         files.push(if again { part!("again") } else { part!("once") });
         bindings.extend(again.then_some(writes(Slot::Sums)));
     }
-    files.push(part!("spring"));
+    files.extend([part!("aside"), part!("spring")]);
     (files, bindings)
 }
 

@@ -126,6 +126,12 @@ impl Stepper {
         std::mem::take(&mut self.world.faults)
     }
 
+    /// What was asked for and is beyond the solver's limits, and was changed: masses when the stepper was made, the number
+    /// of substeps as it is now. Empty for [`Solver::Classic`], which has no limit but what comes of it.
+    pub fn warnings(&self) -> Vec<crate::limits::Warning> {
+        self.world.warnings.iter().chain(&self.world.raised).cloned().collect()
+    }
+
     /// The buffers that a vertex shader reads. `None` without a device and for a cloth that does not exist.
     pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
         self.gpu.as_ref()?.buffers(cloth)
@@ -136,11 +142,16 @@ impl Stepper {
     pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
         colliders.iter().try_for_each(Collider::check)?;
         self.world.scene.colliders = colliders;
+        self.recoat();
+        Ok(())
+    }
+
+    /// Tells the device what colliders are like now.
+    fn recoat(&mut self) {
         self.changed();
         if let Some(gpu) = &mut self.gpu {
             gpu.set_colliders(&self.world);
         }
-        Ok(())
     }
 
     /// Changes the wind, or ends it. Wakes every cloth.
@@ -171,9 +182,15 @@ impl Stepper {
         if options.quality != self.world.options.quality {
             self.world.chooser = Chooser::default();
         }
+        let coat = options.thickness != self.world.options.thickness;
         self.world.options = Options { backend, threads, solver, tethers, pyramid, fused, ..options };
         self.world.clock.change(&self.world.options);
+        self.world.raised = None;
+        self.world.raise();
         self.world.reschedule();
+        if coat {
+            self.recoat();
+        }
         Ok(())
     }
 

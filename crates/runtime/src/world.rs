@@ -10,9 +10,10 @@ use crate::cpu::rows::Threads;
 use crate::cpu::solid::Solid;
 use crate::error::{Error, Result};
 use crate::fused::{Fused, Room, arenas};
+use crate::limits::{self, Warning};
 use crate::options::{Options, Solver};
 use crate::passes::{Kinds, Schedule, schedule};
-use crate::quality::Chooser;
+use crate::quality::{Chooser, Quality};
 use crate::scene::Scene;
 use crate::sleep::Calm;
 use crate::step::{Step, StepInput};
@@ -34,6 +35,10 @@ pub struct World {
     /// What pinned cloths hang on; without slots where nothing does.
     pub tethers: Vec<Tethers>,
     pub asleep: Vec<bool>,
+    /// What was changed because the solver cannot do it.
+    pub warnings: Vec<Warning>,
+    /// The same of steps that were too long.
+    pub raised: Option<Warning>,
     /// What has been contained since anybody asked.
     pub faults: Vec<Fault>,
     /// How long each cloth has been calm.
@@ -59,13 +64,17 @@ pub struct Fault {
 const MOST_FAULTS: usize = 64;
 
 impl World {
-    pub fn new(scene: Scene, options: Options) -> Result<Self> {
+    pub fn new(mut scene: Scene, options: Options) -> Result<Self> {
         options.check()?;
         scene.check()?;
         let clock = Clock::new(&options);
+        let (mut warnings, mut tethers) = (Vec::new(), Vec::new());
+        for cloth in &mut scene.cloths {
+            let most = limits::prepare(cloth, &options, &mut warnings)?;
+            tethers.push(hang(cloth, most));
+        }
         let asleep = vec![false; scene.cloths.len()];
         let (calm, actions) = (vec![Calm::default(); scene.cloths.len()], Vec::new());
-        let tethers = scene.cloths.iter().map(|c| hang(c, &options)).collect();
         let mut world = World {
             scene,
             options,
@@ -76,13 +85,29 @@ impl World {
             arenas: Vec::new(),
             room: None,
             tethers,
+            warnings,
+            raised: None,
             faults: Vec::new(),
             asleep,
             calm,
             actions,
         };
+        world.raise();
+        // Nothing has moved yet: the first step is no other than those after it.
+        world.clock = Clock::new(&world.options);
         world.reschedule();
         Ok(world)
+    }
+
+    /// More steps where they are too long for the solver. Steps that are chosen are as few as they are chosen to be.
+    pub fn raise(&mut self) {
+        let Options { step, substeps: asked, quality, .. } = self.options;
+        let (made, longest) = limits::fewest(&self.options, &self.scene.cloths, &self.tethers);
+        if made > asked && quality == Quality::Fixed {
+            self.options.substeps = made;
+            self.clock.change(&self.options);
+            self.raised = Some(Warning::Substeps { asked, made, step, longest });
+        }
     }
 
     /// What the device that will step has room for.
@@ -100,6 +125,7 @@ impl World {
             self.options.substeps = substeps;
             self.clock.change(&self.options);
         }
+        self.raise();
     }
 
     /// To be called after the steps of a frame.
@@ -156,9 +182,15 @@ impl World {
         self.scene.cloths.iter().zip(&self.tethers).map(|(c, t)| Body::new(c, t, &self.options)).collect()
     }
 
+    /// The colliders with a coat as thick as the cloth.
+    pub fn solids<T: Real>(&self) -> Vec<Solid<T>> {
+        let coat = T::of(self.options.thickness.into());
+        self.scene.colliders.iter().map(|c| Solid::new(c).coated(coat)).collect()
+    }
+
     /// Runs a frame of `steps` steps on the CPU.
     pub fn run<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
-        let solids: Vec<Solid<T>> = self.scene.colliders.iter().map(Solid::new).collect();
+        let solids: Vec<Solid<T>> = self.solids();
         for (index, body) in bodies.iter_mut().enumerate() {
             if self.asleep[index] {
                 continue;
@@ -187,12 +219,12 @@ impl World {
     }
 }
 
-/// The tethers of a cloth, in as many slots as are used.
-fn hang(cloth: &Cloth, options: &Options) -> Tethers {
-    if options.solver != Solver::Xpbd || options.tethers == 0 || !cloth.particles().iter().any(|p| p.is_pinned()) {
+/// The tethers of a cloth, in as many slots as are used, where it may have `most` a particle.
+fn hang(cloth: &Cloth, most: u32) -> Tethers {
+    if most == 0 || !cloth.particles().iter().any(|p| p.is_pinned()) {
         return Tethers::default();
     }
-    let found = cloth.stored_tethers().cloned().unwrap_or_else(|| cloth.tethers(options.tethers as usize));
+    let found = cloth.stored_tethers().cloned().unwrap_or_else(|| cloth.tethers(most as usize));
     let used = (0..cloth.len()).map(|k| found.of(k).iter().filter(|a| a.exists()).count()).max().unwrap_or(0);
     let mut ends: Vec<u32> = found.anchors.iter().filter(|a| a.exists()).map(|a| a.particle).collect();
     ends.sort_unstable();

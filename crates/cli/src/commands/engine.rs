@@ -7,6 +7,7 @@ use gimage_runtime::wgpu;
 use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, device_limits, read_back};
 
 use crate::exit::Failure;
+use crate::output::{Output, Tone};
 
 /// A stepper and, on the GPU, what it runs on.
 pub struct Engine {
@@ -46,6 +47,12 @@ impl Engine {
         }
         let stepper = Stepper::new(scene, options, gpu.as_ref().map(|(d, q)| (d, q)))?;
         Ok(Engine { stepper, adapter, gpu, script, time: 0.0 })
+    }
+
+    /// Says which settings were beyond the solver's limits, and were changed.
+    pub fn warn(&self, out: &Output) {
+        let each = self.stepper.warnings();
+        each.iter().for_each(|warning| out.remark(Tone::Warning, "warning", &warning.to_string()));
     }
 
     /// Does what the script has for the next `dt` seconds, steps through them and waits.

@@ -42,6 +42,7 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
     let times = times(args, kind, &file)?;
     let camera = camera(args, &file, &times)?;
     let mut engine = Engine::new(file.scene.clone(), file.script.clone(), file.options.clone())?;
+    engine.warn(out);
     let mut painter = Painter::new(&engine, args.size, &file)?;
     let (width, height) = args.size;
     let view = View {

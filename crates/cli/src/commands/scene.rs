@@ -46,6 +46,7 @@ pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
     // Steps that are asked for by number are not chosen by the scene.
     let quality = if args.substeps.is_some() { Quality::Fixed } else { file.options.quality };
     file.options.quality = Quality::of(args.error.or(quality.target()), args.budget.or(quality.budget()));
+    file.options.thickness = args.thickness.unwrap_or(file.options.thickness);
     file.options.pyramid = args.pyramid.unwrap_or(file.options.pyramid);
     file.options.polish = args.polish.unwrap_or(file.options.polish);
     file.options.tethers = args.tethers.unwrap_or(file.options.tethers);

@@ -21,6 +21,7 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
     let options = file.options;
     let step = options.step;
     let mut engine = Engine::new(file.scene, file.script, options)?;
+    engine.warn(out);
     let dump = args.dump.as_deref().map(|dir| Dump::new(dir, &engine.stepper)).transpose()?;
     let (mut times, mut counts) = (Vec::new(), Vec::new());
     for frame in 0..=frames {
@@ -77,10 +78,12 @@ fn report(
         "substeps_median": middle,
         "substeps_max": most,
         "error_estimated": error,
+        "warnings": engine.stepper.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
         "iterations": options.iterations,
         "tethers": options.tethers,
         "pyramid": options.pyramid,
         "polish": options.polish,
+        "thickness": options.thickness,
         "particles": engine.stepper.scene().cloths.iter().map(Cloth::len).sum::<usize>(),
         "frames": times.len(),
         "ms_frame_min": least,

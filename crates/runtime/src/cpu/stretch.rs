@@ -1,6 +1,7 @@
 //! Twin of shaders/stretch.wgsl: springs of one direction and parity, with compliance.
 
-use super::lanes::{Machine, Work, widest};
+use super::aside;
+use super::lanes::{LANES, Machine, Work, widest};
 use super::real::Real;
 use super::rows::Threads;
 use super::sheet::{Sheet, Values, planes};
@@ -214,9 +215,9 @@ impl<'a, T: Real> Spring<'a, T> {
         let e = [x.0, y.0, z.0];
         let o = [x.1, y.1, z.1];
         if parity == 0 {
-            self.relax::<K, KIND>(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
+            self.relax::<K, KIND, true>(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
         } else {
-            self.relax::<K, KIND>(
+            self.relax::<K, KIND, true>(
                 k,
                 End { at: o, w: wo },
                 End { at: e.map(|p| &mut p[1..]), w: &we[1..] },
@@ -240,7 +241,7 @@ impl<'a, T: Real> Spring<'a, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, side], [0, 0]);
             let stored = (j * 2 + side) * self.half;
-            self.relax::<K, KIND>(
+            self.relax::<K, KIND, false>(
                 k,
                 upper,
                 lower,
@@ -264,7 +265,7 @@ impl<'a, T: Real> Spring<'a, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, 1 - side], [0, side]);
             let stored = (j * 2 + side) * self.half;
-            self.relax::<K, KIND>(
+            self.relax::<K, KIND, false>(
                 k,
                 upper,
                 lower,
@@ -289,7 +290,7 @@ impl<'a, T: Real> Spring<'a, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [1 - side, side], [side, 0]);
             let stored = ((j + 1) * 2 + side) * self.half;
-            self.relax::<K, KIND>(
+            self.relax::<K, KIND, false>(
                 k,
                 lower,
                 upper,
@@ -301,7 +302,7 @@ impl<'a, T: Real> Spring<'a, T> {
     }
 
     #[inline(always)]
-    fn relax<K: Machine<T>, const KIND: u8>(
+    fn relax<K: Machine<T>, const KIND: u8, const ASIDE: bool>(
         &self,
         k: K,
         a: End<T>,
@@ -311,15 +312,15 @@ impl<'a, T: Real> Spring<'a, T> {
         sums: &mut [T],
     ) {
         match KIND {
-            ALIKE => self.equals(k, a, b, stored, count),
-            HARD => self.list::<K, true, false>(k, a, b, stored, count, sums),
-            LIMIT => self.list::<K, true, true>(k, a, b, stored, count, sums),
-            _ => self.list::<K, false, false>(k, a, b, stored, count, sums),
+            ALIKE => self.equals::<K, ASIDE>(k, a, b, stored, count),
+            HARD => self.list::<K, true, false, ASIDE>(k, a, b, stored, count, sums),
+            LIMIT => self.list::<K, true, true, false>(k, a, b, stored, count, sums),
+            _ => self.list::<K, false, false, ASIDE>(k, a, b, stored, count, sums),
         }
     }
 
     #[inline(always)]
-    fn list<K: Machine<T>, const HARD: bool, const LIMIT: bool>(
+    fn list<K: Machine<T>, const HARD: bool, const LIMIT: bool, const ASIDE: bool>(
         &self,
         k: K,
         a: End<T>,
@@ -329,7 +330,7 @@ impl<'a, T: Real> Spring<'a, T> {
         sums: &mut [T],
     ) {
         let (zero, closest, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-9)), k.splat(T::of(1e-30)));
-        let span = k.splat(self.span);
+        let (span, short) = (k.splat(self.span), k.splat(T::of(aside::SHORT)));
         let [ax, ay, az] = a.at;
         let [bx, by, bz] = b.at;
         for at in (0..count).step_by(K::WIDE) {
@@ -341,8 +342,11 @@ impl<'a, T: Real> Spring<'a, T> {
                 // Past the last column there is no spring.
                 rest = k.first(rest, count - at);
             }
-            let d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
-            let far = k.most(k.sqrt(k.squares(d)), closest);
+            let mut d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
+            let mut far = k.most(k.sqrt(k.squares(d)), closest);
+            if ASIDE && k.any(k.above(k.mul(rest, short), far)) {
+                (d, far) = self.turned(k, d, rest, far, stored + at);
+            }
             let (over, w) = (k.sub(far, rest), k.add(wa, wb));
             let mut g = if HARD {
                 k.div(over, k.most(k.mul(far, w), least))
@@ -374,19 +378,23 @@ impl<T: Real> Spring<'_, T> {
     /// Hard springs between particles of one mass: each end takes half of the error, whatever the mass is. Neither roots nor
     /// divisions are needed.
     #[inline(always)]
-    fn equals<K: Machine<T>>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize) {
+    fn equals<K: Machine<T>, const ASIDE: bool>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize) {
         let (zero, half, closest) = (k.splat(T::of(0.0)), k.splat(T::of(0.5)), k.splat(T::of(1e-9)));
+        let short = k.splat(T::of(aside::SHORT));
         let [ax, ay, az] = a.at;
         let [bx, by, bz] = b.at;
         for at in (0..count).step_by(K::WIDE) {
             let p = [k.load(ax, at), k.load(ay, at), k.load(az, at)];
             let q = [k.load(bx, at), k.load(by, at), k.load(bz, at)];
-            let d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
-            let far = k.most(k.sqrt(k.squares(d)), closest);
+            let mut d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
+            let mut far = k.most(k.sqrt(k.squares(d)), closest);
             let mut rest = value(k, self.rest, stored + at);
             if at + K::WIDE > count {
                 // Past the last column there is no spring.
                 rest = k.first(rest, count - at);
+            }
+            if ASIDE && k.any(k.above(k.mul(rest, short), far)) {
+                (d, far) = self.turned(k, d, rest, far, stored + at);
             }
             let g = k.sub(half, k.div(k.mul(half, rest), far));
             let g = k.choose(k.above(rest, zero), g, zero);
@@ -397,6 +405,34 @@ impl<T: Real> Spring<'_, T> {
             k.store(bx, at, k.sub(q[0], m[0]));
             k.store(by, at, k.sub(q[1], m[1]));
             k.store(bz, at, k.sub(q[2], m[2]));
+        }
+    }
+
+    /// Vectors and lengths of springs to the right, some of which have almost no length, as [`aside`] has them.
+    #[inline(always)]
+    fn turned<K: Machine<T>>(&self, k: K, d: [K::V; 3], rest: K::V, far: K::V, stored: usize) -> ([K::V; 3], K::V) {
+        let mut lists = [d[0], d[1], d[2], rest, far].map(|v| {
+            let mut list = [T::of(0.0); LANES];
+            k.store(&mut list, 0, v);
+            list
+        });
+        self.push_aside(&mut lists, stored);
+        let d = [k.load(&lists[0], 0), k.load(&lists[1], 0), k.load(&lists[2], 0)];
+        (d, k.most(k.sqrt(k.squares(d)), k.splat(T::of(1e-9))))
+    }
+
+    /// Turns the vectors of springs to the right that have almost no length; the first of them is stored at `stored`. Of a list the
+    /// numbers past the vector are zeros: no springs.
+    #[cold]
+    #[inline(never)]
+    fn push_aside(&self, [x, y, z, rest, far]: &mut [[T; LANES]; 5], stored: usize) {
+        let width = self.columns[0] + self.columns[1];
+        for n in (0..LANES).filter(|n| far[*n] < rest[*n] * T::of(aside::SHORT)) {
+            let (row, place) = ((stored + n) / (2 * self.half), (stored + n) % (2 * self.half));
+            let column = 2 * (place % self.half) + place / self.half;
+            let by = rest[n] * T::of(aside::ASIDE);
+            let way = aside::way::<T>((row * width + column) as u32);
+            (x[n], y[n], z[n]) = (x[n] + way[0] * by, y[n] + way[1] * by, z[n] + way[2] * by);
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::collider::Collider;
 use crate::cpu::solid::Solid;
 use crate::step::Step;
 
@@ -90,10 +89,9 @@ impl From<&Step<f64>> for StepRow {
     }
 }
 
-impl SolidRow {
-    /// The collider in numbers.
-    pub fn new(collider: &Collider) -> Self {
-        let Solid { center, kind, size, friction, rotation, velocity, spin } = Solid::<f32>::new(collider);
+impl From<Solid<f32>> for SolidRow {
+    fn from(solid: Solid<f32>) -> Self {
+        let Solid { center, kind, size, friction, rotation, velocity, spin } = solid;
         SolidRow { center, kind, size, friction, rotation, velocity, unused1: 0, spin, unused2: 0 }
     }
 }

@@ -25,6 +25,8 @@ pub struct File {
     pub wind: Option<Wind>,
     #[serde(default)]
     pub solver: Solver,
+    #[serde(default)]
+    pub thickness: f32,
     pub cloths: Vec<Cloth>,
     #[serde(default)]
     pub colliders: Vec<Collider>,

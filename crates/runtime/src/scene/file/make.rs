@@ -19,7 +19,8 @@ pub fn scene(file: json::File, find: &mut dyn FnMut(&Source) -> Found) -> Result
     let mut scene = Scene::new(&file.name);
     scene.gravity = file.gravity;
     scene.wind = file.wind.map(wind).transpose()?;
-    let options = options(&file.solver)?;
+    let options = Options { thickness: file.thickness, ..options(&file.solver)? };
+    options.check().map_err(Error::value("thickness"))?;
     let whole = |d: f64| (0.0..=86_400.0).contains(&d);
     crate::error::check("the duration [s]", file.duration, "0 to 86400", whole).map_err(Error::value("duration"))?;
     scene.frames = (file.duration / options.step).round() as u32;

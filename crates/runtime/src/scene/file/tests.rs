@@ -13,6 +13,7 @@ fn full() -> Value {
         "format": "gimage-scene", "version": 1, "name": "all", "duration": 0.5, "gravity": [0, -1, 0],
         "wind": {"velocity": [1, 0, 0], "gust_degrees": 30, "gust_size": 0.5, "force": {"push": {"response": 1}}},
         "solver": {"name": "classic", "substeps": 2, "iterations": 3, "error": 0.02, "budget": 1.5},
+        "thickness": 0.003,
         "cloths": [{
             "name": "flag", "from": {"flat": {"width": 5, "height": 4, "right": [1, 0, 0], "down": [0, 0, 1]}},
             "position": [0, 1, 0], "rotation": {"axis": [0, 1, 0], "degrees": 90}, "mass": 0.5, "damping": 1,
@@ -48,6 +49,7 @@ fn every_field_reaches_the_scene() {
     let file = parse(&full()).unwrap();
     let scene = &file.scene;
     assert_eq!((scene.frames, file.options.substeps, file.options.iterations), (30, 2, 3));
+    assert_eq!(file.options.thickness, 0.003);
     assert_eq!(file.options.quality, crate::Quality::ErrorWithin { stretch: 0.02, ms: 1.5 });
     assert_eq!((scene.colliders.len(), file.script.colliders.len(), file.script.cuts.len()), (5, 5, 1));
     assert_eq!(scene.colliders[4].shape, Shape::Ellipsoid { radii: [1.0, 2.0, 3.0], closest: true });
@@ -137,6 +139,7 @@ fn mistakes_are_told_with_their_field() {
         ("/solver/substeps", json!(0), "solver"),
         ("/solver/error", json!(2), "solver"),
         ("/solver/budget", json!(0), "solver"),
+        ("/thickness", json!(-0.001), "thickness"),
         ("/cuts/0/time", json!(-1), "cuts[0]"),
         ("/camera/eye", json!([0, 1, 0]), "camera"),
         ("/background", json!([0, 0]), "background"),

@@ -1,0 +1,113 @@
+//! What one relaxation a step in f32 cannot do, and what is made of it instead: a warning each.
+
+mod lengths;
+mod masses;
+
+pub use lengths::MOST_LENGTHS;
+pub use masses::MOST_RATIO;
+
+use crate::cloth::{Cloth, Tethers};
+use crate::error::Result;
+use crate::options::{Options, Solver};
+
+/// Longest step \[s\] of [`Solver::Xpbd`]: in a longer one cloth falls by so much that tethers do not hold it.
+pub const LONGEST: f64 = 1.0 / 60.0;
+/// Longest step \[s\] of cloth without tethers: in a longer one springs alone tremble, and soft ones gain energy.
+pub const LONGEST_FREE: f64 = 1.0 / 120.0;
+/// In shorter steps \[s\] damping and gravity move particles by so few units in the last place that rounding counts.
+const SHORT: f64 = 1e-3;
+/// Where a unit in the last place a step is faster than this \[m/s\], keeping what rounding takes does more harm than good.
+const COARSE: f64 = 2e-3;
+/// Tethers of a particle where springs alone will not do.
+const GIVEN: u32 = 2;
+
+/// A setting that a stepper has changed, because the solver could not do it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Warning {
+    /// Particles joined by a spring differed in mass by more than one relaxation a step can even out: the lighter ones
+    /// were made heavier, and a particle far heavier than all around it lighter.
+    #[error(
+        "cloth {cloth}: {particles} particles differ from their neighbours by a factor of up to {ratio:.1e} in mass; \
+         those were changed to a factor of {limit}, which springs can hold: make masses more even"
+    )]
+    Masses {
+        /// The cloth by name.
+        cloth: String,
+        /// Particles whose mass was changed.
+        particles: usize,
+        /// The largest mass over that of a neighbour, as given.
+        ratio: f64,
+        /// The largest that is left.
+        limit: f64,
+    },
+    /// Cloth hung by springs alone, whose masses or rest lengths are too uneven for that: it is held by tethers too.
+    #[error(
+        "cloth {cloth}: its springs alone, with neighbours that differ by a factor of {masses:.1e} in mass and {lengths:.1e} \
+         in length, do not hold it: it has {given} tethers a particle; ask for tethers, or make it more even"
+    )]
+    Tethers {
+        /// The cloth by name.
+        cloth: String,
+        /// Tethers a particle.
+        given: u32,
+        /// The largest mass over that of a neighbour, as given.
+        masses: f64,
+        /// The largest rest length over that of the next spring in its row or column.
+        lengths: f64,
+    },
+    /// Steps were too long: more are made.
+    #[error(
+        "{asked} substeps in {step:.4} s were asked for, {made} are made: a step may be {longest:.4} s here; \
+         ask for more substeps, or for tethers"
+    )]
+    Substeps {
+        /// As asked for.
+        asked: u32,
+        /// As made.
+        made: u32,
+        /// [`Options::step`] \[s\].
+        step: f64,
+        /// The longest step \[s\].
+        longest: f64,
+    },
+}
+
+/// The fewest substeps that a scene may have, and the longest step \[s\] that says so.
+pub fn fewest(options: &Options, cloths: &[Cloth], tethers: &[Tethers]) -> (u32, f64) {
+    if options.solver != Solver::Xpbd {
+        return (1, f64::INFINITY);
+    }
+    let free = cloths.iter().zip(tethers).any(|(cloth, held)| held.per_particle == 0 || cloth.is_cut());
+    let longest = if free { LONGEST_FREE } else { LONGEST };
+    // What rounding has put just above a whole number is that number.
+    let steps = (options.step / longest - 1e-6).ceil();
+    (steps.max(1.0) as u32, longest)
+}
+
+/// Prepares a cloth for a solver: what it cannot do is changed. Returns the number of its tethers a particle.
+pub fn prepare(cloth: &mut Cloth, options: &Options, warnings: &mut Vec<Warning>) -> Result<u32> {
+    if options.solver != Solver::Xpbd {
+        return Ok(0);
+    }
+    let uneven = masses::even(cloth)?;
+    cloth.exact |= rounds(cloth, options);
+    let masses = if let Some(Warning::Masses { ratio, .. }) = uneven { ratio } else { 1.0 };
+    warnings.extend(uneven);
+    if options.tethers > 0 || cloth.membrane().is_some() || !cloth.particles().iter().any(|p| p.is_pinned()) {
+        return Ok(options.tethers);
+    }
+    let lengths = lengths::ratio(cloth);
+    if masses <= MOST_RATIO && lengths <= MOST_LENGTHS {
+        return Ok(0);
+    }
+    warnings.push(Warning::Tethers { cloth: cloth.name().into(), given: GIVEN, masses, lengths });
+    Ok(GIVEN)
+}
+
+/// Whether steps are so short that rounding of positions matters, and numbers so fine that what it takes is worth keeping.
+fn rounds(cloth: &Cloth, options: &Options) -> bool {
+    let dt = options.step / f64::from(options.substeps);
+    let far = cloth.positions().as_flattened().iter().fold(0f32, |far, x| far.max(x.abs()));
+    dt < SHORT && f64::from(far * f32::EPSILON) / dt < COARSE
+}
