@@ -45,7 +45,7 @@ pub const BARS: [Bar; 12] = [
     timed(bar("s1", 64, "xpbd+tethers", 5), 0.1, [1.1, 0.13]),
     timed(bar("s1", 128, "xpbd+tethers+polish", 3), 0.5, [5.0, 0.05]),
     timed(bar("s1", 256, "xpbd+tethers+polish", 8), 4.0, [5.0, 0.1]),
-    timed(bar("s1", 128, "xpbd+pyramid3", 7), 1.5, [18.0, 0.6]),
+    timed(bar("s1", 128, "xpbd+pyramid2+iterations3", 7), 1.5, [18.0, 0.6]),
     bar("s1k", 32, "xpbd+iterations40", 16),
     stretched(bar("s2", 128, "xpbd+pyramid1+polish2", 32), 30.0),
     stretched(bar("s2f", 128, "xpbd+pyramid1+polish2", 32), 150.0),
@@ -99,9 +99,9 @@ impl Bar {
         let list = |of: &dyn Fn(&(&str, f64, f64)) -> String| asked.iter().map(of).collect::<Vec<_>>().join(", ");
         let figures = list(&|(name, is, _)| format!("{name} {}", short(*is)));
         let bars = list(&|(_, _, most)| most.to_string());
-        let Row { scene, n, solver, substeps, ms_min, .. } = row;
+        let Row { scene, n, solver, substeps, .. } = row;
         let held = if held { "yes" } else { "no" };
-        format!("| {scene} | {n} | {solver} | {substeps} | {:.4} | {figures} | {bars} | {held} |", ms_min)
+        format!("| {scene} | {n} | {solver} | {substeps} | {:.4} | {figures} | {bars} | {held} |", row.time())
     }
 }
 
