@@ -3,6 +3,7 @@
 mod chain;
 mod host;
 mod plot;
+mod reach;
 mod row;
 mod run;
 #[path = "../../fidelity/src/scale.rs"]
@@ -26,7 +27,8 @@ pub type Failure = Box<dyn std::error::Error>;
 /// Milliseconds a frame and the error of each solver, on one thread of the CPU or on the GPU. CSV to stdout.
 #[derive(Parser)]
 #[command(after_help = "Examples:\n  solver --out solver.csv --svg solver.svg\n  \
-                        solver --scenes s1 --particles 32 --solvers xpbd --substeps 4,8 --dump frames")]
+                        solver --scenes s1 --particles 32 --solvers xpbd --substeps 4,8 --dump frames\n  \
+                        solver --reach")]
 struct Args {
     /// Built-in scenes, separated by commas.
     #[arg(long, value_delimiter = ',', default_values_t = BUILTIN.map(String::from))]
@@ -43,6 +45,10 @@ struct Args {
     /// Steps a frame.
     #[arg(long, value_delimiter = ',', default_value = "1,2,3,4,6,8,12,16,32")]
     substeps: Vec<u32>,
+    /// The settings that are meant to reach what the solver should, the classic solver in 16 steps beside them; a table of
+    /// them and of what they are held against to stdout.
+    #[arg(long)]
+    reach: bool,
     /// A first look: 32 and 64 particles, 2, 8 and 16 steps.
     #[arg(long)]
     quick: bool,
@@ -79,9 +85,14 @@ fn main() -> Result<(), Failure> {
     let gpu = if args.gpu { Some(Gpu::new()?) } else { None };
     eprintln!("on {}", gpu.as_ref().map_or("one thread of the CPU", |g| &g.name));
     let mut rows = Vec::new();
-    for scene in &args.scenes {
+    if args.reach {
+        rows = reached(&args, gpu.as_ref())?;
+    }
+    for scene in args.scenes.iter().filter(|_| !args.reach) {
         for &n in &args.particles {
-            rows.extend(together(&args, &variants, scene, n, gpu.as_ref())?);
+            let each = |v: &Variant| args.substeps.iter().map(|s| (v.clone(), *s)).collect::<Vec<_>>();
+            let settings: Vec<_> = variants.iter().filter(|v| v.can(scene)).flat_map(each).collect();
+            rows.extend(together(&args, &settings, scene, n, gpu.as_ref())?);
             eprintln!("{scene} {n}");
         }
     }
@@ -89,6 +100,7 @@ fn main() -> Result<(), Failure> {
     let table: String = std::iter::once(format!("{}\n", row::HEADER)).chain(lines).collect();
     match &args.out {
         Some(path) => fs::write(path, table)?,
+        None if args.reach => {}
         None => print!("{table}"),
     }
     if let Some(path) = &args.svg {
@@ -97,14 +109,34 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
+/// The runs of [`reach::BARS`]; prints how they fare.
+#[allow(clippy::print_stdout)]
+fn reached(args: &Args, gpu: Option<&Gpu>) -> Result<Vec<Row>, Failure> {
+    println!("{}", reach::HEADER);
+    let mut rows = Vec::new();
+    for bar in &reach::BARS {
+        let classic: Variant = "classic".parse()?;
+        let settings = [(classic, 16), (bar.solver.parse()?, bar.substeps)];
+        let settings: Vec<_> = settings.into_iter().filter(|(v, _)| v.can(bar.scene)).collect();
+        let some = together(args, &settings, bar.scene, bar.n, gpu)?;
+        some.last().iter().for_each(|row| println!("{}", bar.line(row)));
+        rows.extend(some);
+    }
+    Ok(rows)
+}
+
 /// All runs of a scene, in turns.
-fn together(args: &Args, variants: &[Variant], scene: &str, n: u32, gpu: Option<&Gpu>) -> Result<Vec<Row>, Failure> {
+fn together(
+    args: &Args,
+    settings: &[(Variant, u32)],
+    scene: &str,
+    n: u32,
+    gpu: Option<&Gpu>,
+) -> Result<Vec<Row>, Failure> {
     let mut runs = Vec::new();
-    for variant in variants.iter().filter(|v| v.can(scene)) {
-        for &substeps in &args.substeps {
-            let setting = Setting { scene: scene.into(), n, variant: variant.clone(), substeps };
-            runs.push(Run::new(setting, gpu, args.dump.as_ref())?);
-        }
+    for (variant, substeps) in settings {
+        let setting = Setting { scene: scene.into(), n, variant: variant.clone(), substeps: *substeps };
+        runs.push(Run::new(setting, gpu, args.dump.as_ref())?);
     }
     runs.retain(Run::is_as_asked);
     let length = runs.first().map_or(1, Run::length);

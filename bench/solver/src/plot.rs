@@ -148,7 +148,7 @@ mod tests {
     fn row(scene: &str, n: u32, solver: &'static str, ms_min: f64, stretch: f64) -> Row {
         let figures = Figures { stretch_max: Some(stretch), ..Figures::default() };
         let (scene, backend) = (scene.into(), "cpu");
-        Row { scene, n, solver, substeps: 8, backend, frames: 1, ms_min, ms_median: ms_min, figures }
+        Row { scene, n, solver: solver.into(), substeps: 8, backend, frames: 1, ms_min, ms_median: ms_min, figures }
     }
 
     #[test]

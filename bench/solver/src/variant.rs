@@ -17,6 +17,8 @@ pub struct Variant {
     pub pyramid: u32,
     /// Further rounds of tethers and structural springs.
     pub polish: u32,
+    /// Relaxations a step.
+    pub iterations: u32,
 }
 
 /// Those of a run without any named; a line in the plot each.
@@ -25,8 +27,8 @@ pub const USUAL: [&str; 5] = ["classic", "xpbd", "xpbd+tethers", "xpbd+tethers+p
 impl FromStr for Variant {
     type Err = String;
 
-    /// `classic`, or `xpbd` with any of `+tethers`, `+pyramid` and `+polish`, each with a number after it or without: 2, 2
-    /// and 1.
+    /// `classic`, or `xpbd` with any of `+tethers`, `+pyramid`, `+polish` and `+iterations`, each with a number after it or
+    /// without: 2, 2, 1 and 2.
     fn from_str(name: &str) -> Result<Self, String> {
         let mut parts = name.split('+');
         let solver = match parts.next() {
@@ -34,14 +36,19 @@ impl FromStr for Variant {
             Some("xpbd") => Solver::Xpbd,
             _ => return Err(format!("there is no solver {name}; name it as in {}", USUAL.join(", "))),
         };
-        let mut variant = Variant { name: name.into(), solver, tethers: 0, pyramid: 0, polish: 0 };
+        let mut variant = Variant { name: name.into(), solver, tethers: 0, pyramid: 0, polish: 0, iterations: 1 };
         for part in parts.filter(|_| solver == Solver::Xpbd) {
             let (word, number) = part.split_at(part.find(|c: char| c.is_ascii_digit()).unwrap_or(part.len()));
             let (setting, usual) = match word {
                 "tethers" => (&mut variant.tethers, 2),
                 "pyramid" => (&mut variant.pyramid, 2),
                 "polish" => (&mut variant.polish, 1),
-                _ => return Err(format!("{name}: there is no +{word}, only +tethers, +pyramid and +polish")),
+                "iterations" => (&mut variant.iterations, 2),
+                _ => {
+                    return Err(format!(
+                        "{name}: there is no +{word}, only +tethers, +pyramid, +polish and +iterations"
+                    ));
+                }
             };
             let wrong = |_| format!("{name}: {number:?} is no number");
             *setting = if number.is_empty() { usual } else { number.parse().map_err(wrong)? };
@@ -53,8 +60,8 @@ impl FromStr for Variant {
 impl Variant {
     /// The settings for a number of substeps; what is not said here is as in `base`.
     pub fn options(&self, substeps: u32, base: &Options) -> Options {
-        let Variant { solver, tethers, pyramid, polish, .. } = *self;
-        Options { solver, tethers, pyramid, polish, substeps, ..base.clone() }
+        let Variant { solver, tethers, pyramid, polish, iterations, .. } = *self;
+        Options { solver, tethers, pyramid, polish, iterations, substeps, ..base.clone() }
     }
 
     /// Whether a scene shows it: the classic solver knows no compliance, and what falls freely has no tethers,

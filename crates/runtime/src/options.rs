@@ -58,7 +58,7 @@ pub struct Options {
     pub tethers: u32,
     /// Further rounds of a relaxation: tethers, then springs to the right and down, which stretch shows in, and not the
     /// diagonal ones, which take half of the time. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default 0;
-    /// at most 64. Such a round is a third of a substep. Hanging on tethers, one does as much as two further substeps from
+    /// at most 64. Such a round is a fourth of a substep. Hanging on tethers, one does as much as two further substeps from
     /// some 100 particles a side on, as fine cloth crumples beside its pins; coarser cloth gains more by substeps.
     pub polish: u32,
     /// Once in so many steps lengths are limited on coarser grids of the cloth, for [`Solver::Xpbd`]; 0 is never. Default

@@ -60,7 +60,8 @@ mod tests {
         for len in [0, 1, 16, 33] {
             let (mut a, b) = (Aligned::<f32>::zeros(len), Aligned::<f64>::zeros(len));
             assert_eq!((a.len(), b.len()), (len, len));
-            assert!(a.iter().all(|x| *x == 0.0) && a.as_ptr() as usize % 64 == 0 && b.as_ptr() as usize % 64 == 0);
+            assert!(a.iter().all(|x| *x == 0.0));
+            assert_eq!([a.as_ptr().align_offset(64), b.as_ptr().align_offset(64)], [0, 0]);
             a.fill(2.0);
             assert_eq!(a.clone().iter().sum::<f32>(), 2.0 * len as f32);
         }
