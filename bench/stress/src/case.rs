@@ -53,6 +53,8 @@ pub struct Case {
     /// How long it is left alone \[s\].
     pub calm: f64,
     pub asked: Asked,
+    /// Whether it steps by itself, which only the CPU backend can.
+    pub cpu_only: bool,
 }
 
 impl Case {
@@ -69,6 +71,7 @@ impl Case {
             after: Box::new(|_| Ok(())),
             calm: 15.0,
             asked,
+            cpu_only: false,
         }
     }
 
@@ -91,7 +94,6 @@ impl Case {
     /// The settings under a solver.
     pub fn options(&self, (_, solver, tethers): (&str, Solver, u32)) -> Options {
         Options {
-            backend: gimage_runtime::Backend::Cpu,
             solver,
             tethers,
             step: self.step,

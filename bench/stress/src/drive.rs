@@ -1,9 +1,10 @@
 //! Runs a case under a solver, and judges.
 
-use gimage_runtime::{Result, Solver, Stepper, Warning};
+use gimage_runtime::{Result, Solver, Warning};
 
 use crate::case::{Case, Stretch};
-use crate::figures::{Gauge, V3, distance, norm};
+use crate::figures::{Gauge, distance, norm};
+use crate::host::{Gpu, Host};
 
 /// What came of it.
 #[derive(Clone, Debug, Default)]
@@ -34,37 +35,38 @@ pub struct Outcome {
 const RECOVERY: [f64; 2] = [2.0, 0.25];
 
 /// Runs it.
-pub fn drive(case: &Case, solver: (&str, Solver, u32)) -> Outcome {
+pub fn drive(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>) -> Outcome {
     let mut out = Outcome::default();
-    if let Err(error) = run(case, solver, &mut out) {
+    if let Err(error) = run(case, solver, gpu, &mut out) {
         out.failures.push(format!("refused: {error}"));
     }
     out
 }
 
-fn run(case: &Case, solver: (&str, Solver, u32), out: &mut Outcome) -> Result<()> {
+fn run(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>, out: &mut Outcome) -> Result<()> {
     let options = case.options(solver);
-    let mut stepper = Stepper::new(case.scene.clone(), options, None)?;
+    let mut host = Host::new(case.scene.clone(), options, gpu)?;
+    let stepper = &host.stepper;
     out.limited = stepper.warnings().iter().map(word).collect();
     // Of the cloth as it is stepped: masses may have been changed.
     let gauge = Gauge::new(&stepper.scene().cloths[0], case.scene.gravity);
     let frames = |seconds: f64| (seconds / case.step).ceil() as u32;
     let (storm, calm) = (frames(case.storm), frames(case.calm));
     let dt = case.step / f64::from(stepper.options().substeps);
-    let mut last = positions(stepper.positions(0));
-    let start = gauge.energy(&last, &positions(stepper.previous(0)), dt);
-    let begin = gauge.momentum(&positions(stepper.previous(0)), &last, dt);
+    let mut last = host.now()?;
+    let start = gauge.energy(&last, &host.before()?, dt);
+    let begin = gauge.momentum(&host.before()?, &last, dt);
     let unit = if gauge.scale > 0.0 { gauge.scale } else { start };
     let (mut stretches, mut speeds, mut kept) = (Vec::new(), [Vec::new(), Vec::new()], Vec::new());
     let (mut changed, mut bustle) = (0f64, 0f64);
     for frame in 0..storm + calm {
         if frame < storm {
-            (case.during)(&mut stepper, frame)?;
+            (case.during)(&mut host.stepper, frame)?;
         } else if frame == storm {
-            (case.after)(&mut stepper)?;
+            (case.after)(&mut host.stepper)?;
         }
-        stepper.advance(case.step)?;
-        let now = positions(stepper.positions(0));
+        host.frame(case.step)?;
+        let now = host.now()?;
         let lost = now.iter().filter(|p| p.iter().any(|x| !x.is_finite())).count();
         if lost > 0 {
             out.broke = out.broke.or(Some((frame, lost)));
@@ -93,7 +95,7 @@ fn run(case: &Case, solver: (&str, Solver, u32), out: &mut Outcome) -> Result<()
             bustle = bustle.max(gauge.bustle(&last, &now, case.step));
         }
         if case.asked.energy {
-            let energy = gauge.energy(&now, &positions(stepper.previous(0)), dt);
+            let energy = gauge.energy(&now, &host.before()?, dt);
             out.energy = worse(out.energy, (energy - start) / unit);
         }
         last = now;
@@ -112,6 +114,8 @@ fn word(warning: &Warning) -> &'static str {
         Warning::Masses { .. } => "masses",
         Warning::Tethers { .. } => "tethers",
         Warning::Substeps { .. } => "substeps",
+        Warning::Turns { .. } => "turns",
+        Warning::Soft { .. } => "soft",
         _ => "other",
     }
 }
@@ -152,8 +156,4 @@ fn judge(case: &Case, tethers: bool, out: &mut Outcome) {
     if case.asked.energy && (out.energy > 0.01 || out.energy.is_nan()) {
         fail(format!("energy {:+.3} %", 100.0 * out.energy));
     }
-}
-
-fn positions(list: Option<&[[f32; 4]]>) -> Vec<V3> {
-    list.unwrap_or_default().iter().map(|p| [0, 1, 2].map(|c| f64::from(p[c]))).collect()
 }

@@ -5,6 +5,7 @@ mod cases;
 mod crew;
 mod drive;
 mod figures;
+mod host;
 mod random;
 mod table;
 
@@ -14,12 +15,13 @@ use std::process::ExitCode;
 use case::{Case, SOLVERS};
 use clap::Parser;
 use drive::drive;
+use host::Gpu;
 use table::Entry;
 
-/// Tries cases on the CPU backend under every solver, and says which survive: table to stdout, exit status 1 if any
+/// Tries cases under every solver, on the CPU unless the GPU is asked for, and says which survive: table to stdout, exit status 1 if any
 /// fails.
 #[derive(Parser)]
-#[command(after_help = "Examples:\n  stress --out stress.csv\n  stress --only \"mass ratio\" --solvers xpbd")]
+#[command(after_help = "Examples:\n  stress --out stress.csv\n  stress --only \"mass ratio\" --solvers xpbd --gpu")]
 struct Args {
     /// Only cases whose names have this in them.
     #[arg(long, default_value = "")]
@@ -27,6 +29,9 @@ struct Args {
     /// Solvers by name, separated by commas; all by default.
     #[arg(long, value_delimiter = ',')]
     solvers: Vec<String>,
+    /// On the GPU.
+    #[arg(long)]
+    gpu: bool,
     /// A million steps at rest instead of a hundred thousand.
     #[arg(long)]
     long: bool,
@@ -44,6 +49,11 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     if let Some(name) = args.solvers.iter().find(|name| SOLVERS.iter().all(|s| s.0 != **name)) {
         return Err(format!("there is no solver {name}; there are {}", SOLVERS.map(|s| s.0).join(", ")).into());
     }
+    let gpu = if args.gpu { Some(Gpu::new()?) } else { None };
+    if let Some((_, name)) = &gpu {
+        eprintln!("on {name}");
+    }
+    let gpu = gpu.map(|g| g.0);
     let steps = if args.long { 1_000_000 } else { 100_000 };
     let wanted = |name: &str| args.solvers.is_empty() || args.solvers.iter().any(|s| s == name);
     let names: Vec<_> = cases::all(steps)?.into_iter().map(|c| c.name).collect();
@@ -52,7 +62,8 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let work = |cases: &gimage_runtime::Result<Vec<Case>>, n: usize| {
         let case = &cases.as_ref().ok()?[chosen[n / SOLVERS.len()]];
         let solver = SOLVERS[n % SOLVERS.len()];
-        let outcome = (wanted(solver.0) && case.tries(solver)).then(|| drive(case, solver));
+        let outcome = (wanted(solver.0) && case.tries(solver) && !(args.gpu && case.cpu_only))
+            .then(|| drive(case, solver, gpu.as_ref()));
         let Case { name, step, substeps, asked, .. } = case;
         Some((
             Entry { name: name.clone(), step: *step, substeps: *substeps, asked: *asked, outcomes: Vec::new() },

@@ -6,7 +6,7 @@ mod masses;
 pub use lengths::MOST_LENGTHS;
 pub use masses::MOST_RATIO;
 
-use crate::cloth::{Cloth, Tethers};
+use crate::cloth::{Cloth, Compliance, Rest, Tethers};
 use crate::error::Result;
 use crate::options::{Options, Solver};
 
@@ -21,7 +21,7 @@ const COARSE: f64 = 2e-3;
 /// Tethers of a particle where springs alone will not do.
 const GIVEN: u32 = 2;
 
-/// A setting that a stepper has changed, because the solver could not do it.
+/// What is beyond the solver: a setting that a stepper has changed for that, or one that it leaves and does badly with.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
@@ -55,6 +55,31 @@ pub enum Warning {
         masses: f64,
         /// The largest rest length over that of the next spring in its row or column.
         lengths: f64,
+    },
+    /// All pins are at one point: nothing keeps the cloth from turning about it. What relaxations in turn leave over turns
+    /// it, by some centimetres a second at 8 substeps in 1/60 s, and the less the shorter steps are.
+    #[error(
+        "cloth {cloth} hangs from one point, where nothing keeps it from turning: it does not come to rest; \
+         pin it at two points that lie apart, or ask for more substeps"
+    )]
+    Turns {
+        /// The cloth by name.
+        cloth: String,
+    },
+    /// Springs so soft that they do nothing against rounding, which moves the cloth by millimetres a second.
+    #[error(
+        "cloth {cloth}: its softest springs swing in {period:.4} s and steps are {dt:.6} s: rounding keeps it in motion; \
+         ask for fewer substeps, {enough} are enough"
+    )]
+    Soft {
+        /// The cloth by name.
+        cloth: String,
+        /// Period \[s\] of a particle on the springs around it.
+        period: f64,
+        /// The step \[s\].
+        dt: f64,
+        /// Substeps of a 16th of that period.
+        enough: u32,
     },
     /// Steps were too long: more are made.
     #[error(
@@ -94,6 +119,8 @@ pub fn prepare(cloth: &mut Cloth, options: &Options, warnings: &mut Vec<Warning>
     cloth.exact |= rounds(cloth, options);
     let masses = if let Some(Warning::Masses { ratio, .. }) = uneven { ratio } else { 1.0 };
     warnings.extend(uneven);
+    warnings.extend(soft(cloth, options));
+    warnings.extend(turns(cloth));
     if options.tethers > 0 || cloth.membrane().is_some() || !cloth.particles().iter().any(|p| p.is_pinned()) {
         return Ok(options.tethers);
     }
@@ -110,4 +137,31 @@ fn rounds(cloth: &Cloth, options: &Options) -> bool {
     let dt = options.step / f64::from(options.substeps);
     let far = cloth.positions().as_flattened().iter().fold(0f32, |far, x| far.max(x.abs()));
     dt < SHORT && f64::from(far * f32::EPSILON) / dt < COARSE
+}
+
+/// Whether steps are so short for soft springs that rounding outdoes them.
+fn soft(cloth: &Cloth, options: &Options) -> Option<Warning> {
+    let Compliance::Constant(soft) = cloth.compliance else { return None };
+    let least = (0..cloth.len()).map(|k| f64::from(cloth.mass(k))).fold(f64::INFINITY, f64::min);
+    // Eight springs hold a particle.
+    let period = std::f64::consts::TAU * (least * f64::from(soft) / 8.0).sqrt();
+    let dt = options.step / f64::from(options.substeps);
+    let enough = (options.step / (period / 16.0)).ceil().max(1.0) as u32;
+    let name = || cloth.name().to_owned();
+    // Measured: the motion falls with the square of the step, and is 1 mm/s at about this one.
+    (period > 24.0 * dt).then(|| Warning::Soft { cloth: name(), period, dt, enough })
+}
+
+/// Whether the cloth hangs from one point: its pins lie closer than a thousandth of its longer side at rest.
+fn turns(cloth: &Cloth) -> Option<Warning> {
+    let pins = || cloth.particles().iter().zip(cloth.positions()).filter(|(p, _)| p.is_pinned()).map(|(_, at)| at);
+    let first = pins().next()?;
+    let apart = pins().flat_map(|p| (0..3).map(|c| (p[c] - first[c]).abs())).fold(0.0, f32::max);
+    let springs = match cloth.rest() {
+        Rest::None => return None,
+        Rest::Constant(lengths) | Rest::Image(lengths) => lengths,
+    };
+    let longest = springs.iter().fold(0f32, |longest, l| longest.max(l[0]).max(l[1]));
+    let side = cloth.grids().iter().map(|g| g.width.max(g.height)).max().unwrap_or(0);
+    (apart <= 1e-3 * longest * side as f32).then(|| Warning::Turns { cloth: cloth.name().into() })
 }

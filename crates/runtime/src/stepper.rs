@@ -126,8 +126,8 @@ impl Stepper {
         std::mem::take(&mut self.world.faults)
     }
 
-    /// What was asked for and is beyond the solver's limits, and was changed: masses when the stepper was made, the number
-    /// of substeps as it is now. Empty for [`Solver::Classic`], which has no limit but what comes of it.
+    /// What was asked for and is beyond the solver's limits: masses, tethers and cloth that will not rest, as found when the
+    /// stepper was made, and the number of substeps as it is now. Empty for [`Solver::Classic`], which has no limit but what comes of it.
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
         self.world.warnings.iter().chain(&self.world.raised).cloned().collect()
     }

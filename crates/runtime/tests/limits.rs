@@ -173,3 +173,39 @@ fn a_fine_row_between_coarse_ones_is_held_by_tethers() {
     [0, 8].into_iter().for_each(|k| cloth.set_pinned(k, false).unwrap());
     assert_eq!(Rig::cpu(scene(cloth), &options(8, 0)).stepper.warnings(), []);
 }
+
+#[test]
+fn cloth_that_does_not_come_to_rest_is_told_of() {
+    let flat = || flag(9, |k| [(k % 9) as f32 / 8.0, 0.0, (k / 9) as f32 / 8.0]);
+    let said = |cloth: Cloth, substeps| Rig::cpu(scene(cloth), &options(substeps, 2)).stepper.warnings();
+    // By one corner, and by two that lie at one point.
+    let mut one = flat();
+    one.set_pinned(8, false).unwrap();
+    let mut together = flat();
+    together
+        .place(together.positions().iter().enumerate().map(|(k, p)| if k == 8 { [0.0; 3] } else { *p }).collect())
+        .unwrap();
+    for cloth in [one, together] {
+        let warnings = said(cloth, 8);
+        assert!(matches!(&warnings[..], [Warning::Turns { cloth }] if cloth == "flag"), "{warnings:?}");
+    }
+    assert_eq!(said(flat(), 8), []);
+    let mut free = flat();
+    [0, 8].into_iter().for_each(|k| free.set_pinned(k, false).unwrap());
+    assert_eq!(Rig::cpu(scene(free), &options(8, 2)).stepper.warnings(), []);
+    // 2.5 g on springs of 1 N/m swing in 0.11 s: 1/1920 s is too short a step for them, 1/180 s is not.
+    let soft = |soft| {
+        let mut cloth = flat();
+        cloth.compliance = Compliance::Constant(soft);
+        cloth
+    };
+    let warnings = said(soft(1.0), 32);
+    let [Warning::Soft { period, enough, .. }] = &warnings[..] else { panic!("{warnings:?}") };
+    assert!((period / 0.1104 - 1.0).abs() < 1e-3 && *enough == 3, "{period} {enough}");
+    assert_eq!((said(soft(1.0), 3), said(soft(1e-3), 32)), (Vec::new(), Vec::new()));
+    // As many as are enough bring it to rest, by springs alone too.
+    let mut rig = Rig::cpu(scene(soft(1.0)), &options(*enough, 0));
+    rig.frames(900);
+    let fastest = speed(&mut rig);
+    assert!(fastest < 1e-3, "{fastest} m/s");
+}

@@ -28,7 +28,8 @@ pub fn cases(steps: u32) -> Result<Vec<Case>> {
         let more = [0.0, 1.0, 0.0001, 0.03, f64::NAN][frame as usize % 5];
         s.advance(more).map(|_| ())
     };
-    out.push(Case::new("frames of 0 to 1 s", scene(flag()?)).storm(2.0, stutter));
+    let frames = Case::new("frames of 0 to 1 s", scene(flag()?)).storm(2.0, stutter);
+    out.push(Case { cpu_only: true, ..frames });
     let long = Case::new(format!("{steps} steps at rest"), scene(hanging(1.0)?));
     let asked = Asked { drift: true, ..long.asked };
     let calm = f64::from(steps) * long.step / f64::from(long.substeps);
