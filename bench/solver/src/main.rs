@@ -1,6 +1,7 @@
 //! Run time against error: each solver at several numbers of substeps on the built-in scenes.
 
 mod chain;
+mod garments;
 mod host;
 mod plot;
 mod reach;
@@ -28,7 +29,7 @@ pub type Failure = Box<dyn std::error::Error>;
 #[derive(Parser)]
 #[command(after_help = "Examples:\n  solver --out solver.csv --svg solver.svg\n  \
                         solver --scenes s1 --particles 32 --solvers xpbd --substeps 4,8 --dump frames\n  \
-                        solver --reach")]
+                        solver --reach\n  solver --garments --substeps 8,16,32")]
 struct Args {
     /// Built-in scenes, separated by commas.
     #[arg(long, value_delimiter = ',', default_values_t = BUILTIN.map(String::from))]
@@ -49,6 +50,9 @@ struct Args {
     /// them and of what they are held against to stdout.
     #[arg(long)]
     reach: bool,
+    /// The garments of this many texels on their bodies, as in `assets/scenes`, instead of the built-in scenes.
+    #[arg(long, value_name = "TEXELS", num_args = 0..=1, default_missing_value = "4096", value_parser = clap::value_parser!(u32).range(64..=1 << 20))]
+    garments: Option<u32>,
     /// A first look: 32 and 64 particles, 2, 8 and 16 steps.
     #[arg(long)]
     quick: bool,
@@ -88,7 +92,10 @@ fn main() -> Result<(), Failure> {
     if args.reach {
         rows = reached(&args, gpu.as_ref())?;
     }
-    for scene in args.scenes.iter().filter(|_| !args.reach) {
+    if let Some(texels) = args.garments {
+        rows.extend(garments::rows(&variants, &args.substeps, texels, gpu.as_ref())?);
+    }
+    for scene in args.scenes.iter().filter(|_| !args.reach && args.garments.is_none()) {
         for &n in &args.particles {
             let each = |v: &Variant| args.substeps.iter().map(|s| (v.clone(), *s)).collect::<Vec<_>>();
             let settings: Vec<_> = variants.iter().filter(|v| v.can(scene)).flat_map(each).collect();
