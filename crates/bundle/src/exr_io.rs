@@ -30,7 +30,7 @@ const WORTH: f64 = 0.9;
 pub fn encode_exr(image: &Image) -> Result<Vec<u8>> {
     image.check("image")?;
     // The middle rows tell for all.
-    let rows = SMALL.scan_lines_per_block();
+    let rows = SMALL.scan_lines_per_block() / 2;
     let row = image.width as usize * image.channels as usize;
     let from = (image.height as usize).saturating_sub(rows) / 2;
     let data = image.data[from * row..(from * row + rows * row).min(image.data.len())].to_vec();

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::grid::Grid;
+use crate::order::percentile;
 use crate::vec3::{cross, norm, sub};
 use serde::Serialize;
 
@@ -42,10 +43,8 @@ impl Masses {
         let representative = grid.representative();
         let points = (0..representative.len()).filter(|&k| representative[k] as usize == k);
         let mut masses: Vec<f32> = points.map(|k| self.at(k)).collect();
-        masses.sort_unstable_by(f32::total_cmp);
-        let percentile = |p: f64| masses.get((p * (masses.len().max(1) - 1) as f64).round() as usize).copied();
-        match (percentile(0.01), percentile(0.99)) {
-            (Some(low), Some(high)) if low > 0.0 => f64::from(high) / f64::from(low),
+        match (percentile(&mut masses, 0.01), percentile(&mut masses, 0.99)) {
+            (Some(low), Some(high)) if low > 0.0 => high / low,
             _ => 1.0,
         }
     }

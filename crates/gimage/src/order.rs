@@ -22,6 +22,12 @@ pub(crate) fn whole(numbers: &[f64]) -> Vec<f64> {
     numbers.iter().map(|x| (x * part).round().max(1.0)).collect()
 }
 
+/// The number that a share `p` of the others is not above; `None` of an empty list. O(n); `numbers` change places.
+pub(crate) fn percentile(numbers: &mut [f32], p: f64) -> Option<f64> {
+    let at = (p * numbers.len().checked_sub(1)? as f64).round() as usize;
+    Some(f64::from(*numbers.select_nth_unstable_by(at, f32::total_cmp).1))
+}
+
 /// For each vertex its rounded coordinates in the frame of the shape. O(n).
 pub(crate) fn places(positions: &[[f64; 3]], triangles: impl Iterator<Item = [u32; 3]> + Clone) -> Vec<[i64; 3]> {
     let corners = |t: [u32; 3]| t.map(|v| positions[v as usize]);

@@ -90,12 +90,12 @@ impl ImageOptions {
         let normal = SearchOptions {
             triangles: 600,
             shifts: 16,
-            rough: 6,
+            rough: 3,
             passes: 2,
             steps: [1, 2, 3],
             keep: [3, 1],
             refine: true,
-            snap: 6,
+            snap: 3,
         };
         let (grow, search) = match options.effort {
             Effort::Fast => {
@@ -106,7 +106,15 @@ impl ImageOptions {
                 let grow = GrowOptions { triangles: 3000, points: 32, gain: 0.005 };
                 (
                     Some(grow),
-                    SearchOptions { triangles: 3000, shifts: 24, rough: 24, steps: [2, 4, 8], keep: [12, 6], ..normal },
+                    SearchOptions {
+                        triangles: 3000,
+                        shifts: 24,
+                        rough: 24,
+                        steps: [2, 4, 8],
+                        keep: [12, 6],
+                        snap: 6,
+                        ..normal
+                    },
                 )
             }
         };

@@ -5,6 +5,7 @@
 //! isometry up to size has 4.
 
 use crate::grid::Grid;
+use crate::order::percentile;
 use crate::springs::{DOWN, RIGHT, RestLengths};
 use crate::vec3::{add, cross, dot, norm, sub};
 use serde::Serialize;
@@ -97,9 +98,7 @@ pub fn spring_anisotropy(grid: &Grid, rest: &RestLengths) -> Option<Anisotropy> 
         lengths.extend((k / w + 1 < h).then_some(r[DOWN]));
     }
     lengths.retain(|&l| l > 0.0 && l.is_finite());
-    lengths.sort_unstable_by(f32::total_cmp);
-    let (shortest, longest) = (f64::from(*lengths.first()?), f64::from(*lengths.last()?));
-    let percentile = |p: f64| f64::from(lengths[(p * (lengths.len() - 1) as f64).round() as usize]);
+    let [shortest, low, high, longest] = [0.0, 0.01, 0.99, 1.0].map(|p| percentile(&mut lengths, p));
     let (mut sum, mut weight) = (0.0, 0.0);
     for j in 1..h {
         for i in 1..w {
@@ -117,8 +116,8 @@ pub fn spring_anisotropy(grid: &Grid, rest: &RestLengths) -> Option<Anisotropy> 
         }
     }
     Some(Anisotropy {
-        longest_to_shortest: longest / shortest,
-        p99_to_p1: percentile(0.99) / percentile(0.01),
+        longest_to_shortest: longest? / shortest?,
+        p99_to_p1: high? / low?,
         angle_deviation: if weight > 0.0 { sum / weight } else { 0.0 },
     })
 }
