@@ -148,12 +148,12 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let search = SearchOptions {
         triangles: options.triangles,
         shifts: 6,
-        rough: 1,
+        rough: 2,
         passes: 2,
         steps: [1, 3, 6],
         keep: [1, 1],
         refine: false,
-        snap: 1,
+        snap: 2,
     };
     let mut rim = vec![false; surface.positions.len()];
     fine.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);
