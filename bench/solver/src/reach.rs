@@ -51,8 +51,8 @@ pub const BARS: [Bar; 12] = [
     stretched(bar("s2f", 128, "xpbd+pyramid1+polish2", 32), 150.0),
     bar("s3", 32, "xpbd", 16),
     bar("s3", 64, "xpbd", 32),
-    bar("s3", 128, "xpbd", 48),
-    bar("s3", 256, "xpbd", 96),
+    bar("s3", 128, "xpbd", 64),
+    bar("s3", 256, "xpbd", 128),
 ];
 
 /// The first lines of the table.
