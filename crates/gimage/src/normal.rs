@@ -129,7 +129,7 @@ impl Normal {
         let scale: Vec<f64> = weight.iter().map(|w| 1.0 / w[0].max(1e-300)).collect();
         let mut residual: Vec<[f64; 3]> = (0..n)
             .into_par_iter()
-            .with_min_len(CHUNK)
+            .with_min_len(least(n))
             .map(|k| {
                 let ax = row(x, k);
                 [0, 1, 2].map(|c| self.rhs[k][c] + hold * x[k][c] - ax[c])
@@ -149,7 +149,7 @@ impl Normal {
             if (0..3).all(|c| rho[c] <= target[c]) {
                 break;
             }
-            product.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
+            product.par_chunks_mut(CHUNK).enumerate().with_min_len(least(n) / CHUNK + 1).for_each(|(chunk, out)| {
                 let (first, places) = (chunk * CHUNK, &direction[..]);
                 pulp::Arch::new().dispatch(Rows { normal: self, places, first, rows, hold, out });
             });
@@ -157,7 +157,7 @@ impl Normal {
             let curvature =
                 sums(n, |k| if unknown[k] { [0, 1, 2].map(|c| direction[k][c] * product[k][c]) } else { [0.0; 3] });
             let step = [0, 1, 2].map(|c| if curvature[c] > 0.0 { rho[c] / curvature[c] } else { 0.0 });
-            solution.par_iter_mut().zip(&mut residual).enumerate().with_min_len(CHUNK).for_each(|(k, (s, r))| {
+            solution.par_iter_mut().zip(&mut residual).enumerate().with_min_len(least(n)).for_each(|(k, (s, r))| {
                 for c in 0..3 {
                     s[c] += step[c] * direction[k][c];
                     r[c] -= step[c] * product[k][c];
@@ -165,7 +165,7 @@ impl Normal {
             });
             let next = sums(n, |k| power(&residual, k));
             let turn = [0, 1, 2].map(|c| if rho[c] > 0.0 { next[c] / rho[c] } else { 0.0 });
-            direction.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(k, d)| {
+            direction.par_iter_mut().enumerate().with_min_len(least(n)).for_each(|(k, d)| {
                 let z = scaled(&residual, k);
                 (0..3).for_each(|c| d[c] = z[c] + turn[c] * d[c]);
             });
@@ -203,10 +203,16 @@ impl pulp::NullaryFnOnce for Rows<'_> {
 /// Most conjugate-gradient steps; 1e-5 of the residual takes 15 to 70.
 const MOST_STEPS: usize = 1000;
 
+/// Texels that one task takes at least, of `n`: to wake another thread for fewer costs more than it does.
+fn least(n: usize) -> usize {
+    if n <= 8 * CHUNK { n.max(1) } else { CHUNK }
+}
+
 /// Sums of three terms over all texels, chunk by chunk in order.
 fn sums(n: usize, term: impl Fn(usize) -> [f64; 3] + Sync) -> [f64; 3] {
     let chunks: Vec<[f64; 3]> = (0..n.div_ceil(CHUNK))
         .into_par_iter()
+        .with_min_len(least(n) / CHUNK + 1)
         .map(|chunk| {
             let mut sum = [0.0; 3];
             for k in chunk * CHUNK..((chunk + 1) * CHUNK).min(n) {
