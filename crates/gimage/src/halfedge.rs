@@ -225,4 +225,18 @@ mod tests {
             assert_eq!(fan(&twin, start), vec![0, 3, 6]);
         }
     }
+
+    #[test]
+    fn edges_come_in_one_order_however_vertices_are_numbered() {
+        // A fan whose vertices are numbered backwards, densely and with wide gaps: the same order but for the numbers.
+        let fan = |gap: u32| -> Vec<[u32; 3]> { (0..40).map(|k| [gap * (41 - k), 0, gap * (40 - k)]).collect() };
+        let gap = 1000;
+        assert!(dense(&fan(1)).is_some() && dense(&fan(gap)).is_none());
+        let (near, far) = (sorted_edges(&fan(1)), sorted_edges(&fan(gap)));
+        assert!(near.is_sorted() && near.len() == 120);
+        assert_eq!(near.iter().map(|e| (gap * e.0, gap * e.1, e.2)).collect::<Vec<_>>(), far);
+        let (a, b) = (Used::new(&fan(1)), Used::new(&fan(gap)));
+        assert_eq!((a.count, b.count), (42, 42));
+        assert!((0..42).all(|v| a.number(v) == v && b.number(gap * v) == v));
+    }
 }

@@ -32,6 +32,7 @@ const EQUAL: f64 = 1e-6;
 const ASPECTS: [f64; 9] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4];
 
 /// What a search found.
+#[derive(Debug)]
 pub(crate) struct Found {
     pub layout: Layout,
     /// The map of the stand-in, empty if none was free of flips.

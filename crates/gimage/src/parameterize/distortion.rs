@@ -256,4 +256,20 @@ mod tests {
         assert_eq!(flips(&HALVES, &uv), 2);
         assert_eq!(energy(&rest_shapes(&SQUARE, &HALVES, &[1.0; 4], 1.0), &HALVES, &uv), f64::INFINITY);
     }
+
+    #[test]
+    fn rest_shapes_at_several_scales_in_turn_are_those_made_for_each() {
+        let wanted = [1.0, 2.0, 0.5, 1.5];
+        let mut kept = RestShapes::new(&SQUARE, &HALVES, &wanted);
+        for scale in [1.0, 5.0, 0.3, 0.3] {
+            kept.set_scale(scale);
+            let made = rest_shapes(&SQUARE, &HALVES, &wanted, scale);
+            for (a, b) in kept.shapes.iter().zip(&made) {
+                assert!((a.weight - b.weight).abs() < 1e-15);
+                let near = |(x, y): (&f64, &f64)| (x - y).abs() < 1e-12 * (1.0 + y.abs());
+                assert!(a.g.as_flattened().iter().zip(b.g.as_flattened()).all(near), "{scale}: {a:?} {b:?}");
+            }
+        }
+        assert!((kept.areas.iter().sum::<f64>() - kept.area).abs() < 1e-15);
+    }
 }
