@@ -86,7 +86,8 @@ pub fn rows(variants: &[Variant], substeps: &[u32], texels: u32, gpu: Option<&Gp
                 stretch_max: Some(m.stretch_max),
                 stretch_mean: Some(m.stretch_mean),
                 position_rms_mm: Some(apart(end, &truth)),
-                rest_mm_s: (!before.is_empty()).then(|| apart(end, before) / FRAME),
+                // The truth has no frame before its last.
+                rest_mm_s: (!times.is_empty()).then(|| apart(end, before) / FRAME),
                 ..Figures::default()
             };
             Row {
