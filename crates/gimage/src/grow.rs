@@ -38,8 +38,9 @@ const MIDDLE_COST: f64 = 0.5;
 /// What an edge costs more that faces straight outwards, as a share of its length.
 const OUTWARD_COST: f64 = 0.05;
 
-/// A try that comes out this much worse than the cut so far after the same few steps is given up.
-const SLACK: f64 = 1.05;
+/// A try is given up that comes out worse than the best so far, by this factor and this much besides, after the first or
+/// the second lot of steps.
+const SLACK: [[f64; 2]; 2] = [[1.03, 0.005], [1.02, 0.002]];
 
 /// One try: the energy of a cut through `terminals`, and the vertices it stretches most.
 struct Try {
@@ -64,7 +65,7 @@ fn attempt(
     cutter.loops().iter().flatten().for_each(|&v| on_rim[v as usize] = true);
     let border = Border::new(&mut disk, |v| on_rim[v as usize]);
     let mut proxy = Proxy::new(&disk, &border, search);
-    let bar = than.map_or([f64::INFINITY; 2], |early| early.map(|e| SLACK * e + 0.005));
+    let bar = than.map_or([f64::INFINITY; 2], |early| [0, 1].map(|lot| SLACK[lot][0] * early[lot] + SLACK[lot][1]));
     let Found { layout, uv: solved, early } = proxy.search_map(Size::Budget(16_384), bar)?;
     if !layout.score.is_finite() {
         return None;
@@ -178,7 +179,8 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         let candidates = now.as_ref().map_or_else(Vec::new, |t| t.next.clone());
         let mut best: Option<(Try, u32)> = None;
         for v in candidates {
-            let early = now.as_ref().map(|t| t.early);
+            let tries = now.iter().chain(best.as_ref().map(|b| &b.0));
+            let early = tries.map(|t| t.early).reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
             let mut longer = terminals.clone();
             longer.push(v);
             if let Some(t) = attempt(&cutter, &cost, &longer, search, early)

@@ -53,6 +53,10 @@ pub(crate) fn decimate(
     target: usize,
 ) -> Coarse {
     let n = positions.len();
+    if triangles.len() <= target {
+        let (vertex, triangles, patch) = left(triangles, &vec![true; triangles.len()], n);
+        return Coarse { vertex, triangles, patch };
+    }
     let mut c = prepare(positions, triangles, boundary, locked, false);
     c.run(target, |_, _, _| {});
     let (vertex, triangles, index) = left(&c.triangles, &c.alive, n);

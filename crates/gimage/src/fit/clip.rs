@@ -8,16 +8,48 @@ use crate::parameterize::distortion::{planar, signed_area2};
 /// Cuts a convex polygon by `n . x <= d`.
 pub(crate) fn clip(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut Vec<[f64; 2]>) {
     out.clear();
-    for (k, &p) in polygon.iter().enumerate() {
-        let q = polygon[(k + 1) % polygon.len()];
-        let (sp, sq) = (n[0] * p[0] + n[1] * p[1] - d, n[0] * q[0] + n[1] * q[1] - d);
+    let Some(&first) = polygon.first() else { return };
+    let side = |p: [f64; 2]| n[0] * p[0] + n[1] * p[1] - d;
+    let (mut p, mut sp) = (first, side(first));
+    for &q in polygon[1..].iter().chain([&first]) {
+        let sq = side(q);
         if sp <= 0.0 {
             out.push(p);
         }
         if (sp < 0.0 && sq > 0.0) || (sp > 0.0 && sq < 0.0) {
-            let t = sp / (sp - sq);
-            out.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+            out.push(crossing(p, q, sp, sq));
         }
+        (p, sp) = (q, sq);
+    }
+}
+
+/// Where the way from `p` to `q` meets a line, from their distances to it.
+#[inline(always)]
+fn crossing(p: [f64; 2], q: [f64; 2], sp: f64, sq: f64) -> [f64; 2] {
+    let t = sp / (sp - sq);
+    [p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]
+}
+
+/// Both parts of a convex polygon, with `n . x <= d` and with `n . x >= d`.
+fn halves(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut [Vec<[f64; 2]>; 2]) {
+    let [below, above] = out;
+    (below.clear(), above.clear());
+    let Some(&first) = polygon.first() else { return };
+    let side = |p: [f64; 2]| n[0] * p[0] + n[1] * p[1] - d;
+    let (mut p, mut sp) = (first, side(first));
+    for &q in polygon[1..].iter().chain([&first]) {
+        let sq = side(q);
+        if sp <= 0.0 {
+            below.push(p);
+        }
+        if sp >= 0.0 {
+            above.push(p);
+        }
+        if (sp < 0.0 && sq > 0.0) || (sp > 0.0 && sq < 0.0) {
+            let at = crossing(p, q, sp, sq);
+            (below.push(at), above.push(at));
+        }
+        (p, sp) = (q, sq);
     }
 }
 
@@ -85,29 +117,25 @@ pub(super) fn clipped(
     rows: &std::ops::Range<usize>,
 ) -> Patches {
     let across = cells.columns - 1;
-    let mut of_cell: Vec<[Patch; 2]> = Vec::with_capacity(rows.len() * across);
+    let mut patches: Vec<Patch> = Vec::with_capacity(2 * rows.len() * across);
     for j in rows.clone() {
         for i in 0..across {
             let at = j * cells.columns + i;
             let half = if cells.falls(at) { 0 } else { 2 };
-            of_cell.push([half, half + 1].map(|half| Patch::new(at as u32, half)));
+            patches.extend([half, half + 1].map(|half| Patch::new(at as u32, half)));
         }
     }
     let mut made: Vec<(u32, Fragment)> = Vec::new();
-    let (mut row, mut cell, mut next, mut part) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut row, mut cell, mut next, mut parts) = (Vec::new(), Vec::new(), Vec::new(), [Vec::new(), Vec::new()]);
     for &f in triangles {
         let Some(facet) = &facets[f as usize] else { continue };
         let p = planar(uv, disk.triangles[f as usize]);
-        let span = |c: usize| {
-            let lo = p.iter().map(|q| q[c]).fold(f64::INFINITY, f64::min).floor().max(0.0) as usize;
-            let hi = p.iter().map(|q| q[c]).fold(f64::NEG_INFINITY, f64::max).ceil().max(0.0) as usize;
-            (lo, hi)
-        };
-        let ((i0, i1), (j0, j1)) = (span(0), span(1));
+        let (j0, j1) = span(&p, 1);
         for j in j0.max(rows.start)..j1.min(rows.end) {
             let v = j as f64;
             clip(&p, [0.0, -1.0], -v, &mut next);
             clip(&next, [0.0, 1.0], v + 1.0, &mut row);
+            let (i0, i1) = span(&row, 0);
             for i in i0..i1.min(across) {
                 let u = i as f64;
                 clip(&row, [-1.0, 0.0], -u, &mut next);
@@ -117,13 +145,13 @@ pub(super) fn clipped(
                 }
                 let k = (j - rows.start) * across + i;
                 // One diagonal is v - j = u - i, the other (u - i) + (v - j) = 1.
-                let falls = of_cell[k][0].half == 0;
+                let falls = patches[2 * k].half == 0;
                 let (n, limit) = if falls { ([-1.0, 1.0], v - u) } else { ([1.0, 1.0], u + v + 1.0) };
-                for (which, sign) in [(0, 1.0), (1, -1.0)] {
-                    clip(&cell, [sign * n[0], sign * n[1]], sign * limit, &mut part);
+                halves(&cell, n, limit, &mut parts);
+                for (which, part) in parts.iter().enumerate() {
                     if part.len() >= 3 {
-                        let patch = &mut of_cell[k][which];
-                        let mass = integrate(&part, facet.density, [u, v], patch.half);
+                        let patch = &mut patches[2 * k + which];
+                        let mass = integrate(part, facet.density, [u, v], patch.half);
                         patch.add(mass, facet, [u, v]);
                         made.push((2 * k as u32 + which as u32, Fragment::new(f, mass)));
                     }
@@ -132,9 +160,9 @@ pub(super) fn clipped(
         }
     }
     // Dealt out to the patches; within one they stay in the order of the mesh.
-    let mut start = vec![0u32; 2 * of_cell.len() + 1];
+    let mut start = vec![0u32; patches.len() + 1];
     made.iter().for_each(|(key, _)| start[*key as usize + 1] += 1);
-    (0..2 * of_cell.len()).for_each(|k| start[k + 1] += start[k]);
+    (0..patches.len()).for_each(|k| start[k + 1] += start[k]);
     let mut fragments = vec![Fragment::default(); made.len()];
     for (key, fragment) in made {
         let at = &mut start[key as usize];
@@ -142,9 +170,15 @@ pub(super) fn clipped(
         *at += 1;
     }
     // After the dealing each start is the end.
-    let mut patches: Vec<Patch> = of_cell.into_iter().flatten().collect();
     patches.iter_mut().zip(&start).for_each(|(p, end)| p.end = *end);
     Patches { patches, fragments }
+}
+
+/// The first cell that a polygon meets along a coordinate, and the one past the last.
+fn span(polygon: &[[f64; 2]], c: usize) -> (usize, usize) {
+    let lo = polygon.iter().map(|q| q[c]).fold(f64::INFINITY, f64::min);
+    let hi = polygon.iter().map(|q| q[c]).fold(f64::NEG_INFINITY, f64::max);
+    (lo.floor().max(0.0) as usize, hi.ceil().max(0.0) as usize)
 }
 
 /// Integrals over a convex polygon of b b^T (00, 01, 02, 11, 12, 22), b the corner functions of a texel triangle of the

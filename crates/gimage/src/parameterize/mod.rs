@@ -72,8 +72,8 @@ pub(crate) fn solve(
     passes: usize,
     options: &NewtonOptions,
 ) -> Option<ParameterizeRecord> {
-    let StartRecord { passes, uniform, .. } = match passes {
-        0 => StartRecord { passes, stretch: 0.0, uniform: false },
+    let StartRecord { passes, uniform } = match passes {
+        0 => StartRecord { passes, uniform: false },
         _ => start::start(system, positions, triangles, wanted, uv, passes)?,
     };
     let plane: f64 = triangles.iter().map(|&t| 0.5 * signed_area2(distortion::planar(uv, t))).sum();

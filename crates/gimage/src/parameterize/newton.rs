@@ -24,7 +24,7 @@ impl Default for NewtonOptions {
     }
 }
 
-/// What the minimiser did.
+/// What the minimiser did. Energies are NaN where no step was asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonRecord {
     /// Steps taken.
@@ -37,9 +37,20 @@ pub struct NewtonRecord {
     pub converged: bool,
 }
 
-/// Gradient (per corner) and projected Hessian (lower 6 x 6 as three rows of 2 x 2 blocks) of one triangle.
+/// The energy of one triangle to second order, the Hessian projected, in blocks of 2 x 2.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Local {
+    /// For each corner.
+    pub gradient: [[f64; 2]; 3],
+    /// For each corner with itself.
+    pub own: [[f64; 4]; 3],
+    /// Rows of the first and columns of the second of the corners (0, 1), (0, 2), (1, 2).
+    pub pair: [[f64; 4]; 3],
+}
+
+/// [`Local`] of a triangle whose corners are at `p`.
 #[inline]
-pub(super) fn local(rest: &Rest, p: [[f64; 2]; 3]) -> ([[f64; 2]; 3], [[[f64; 4]; 3]; 3]) {
+pub(super) fn local(rest: &Rest, p: [[f64; 2]; 3]) -> Local {
     let j = jacobian(rest, p);
     // J is a scaled rotation plus a scaled reflection (half-sums and half-differences): s1, s2 = q +- r, and both parts
     // share the singular vectors, so that the modes need no angles.
@@ -78,23 +89,19 @@ pub(super) fn local(rest: &Rest, p: [[f64; 2]; 3]) -> ([[f64; 2]; 3], [[[f64; 4]
             gradient[k][c] = w * (d1 * pulled[0][k][c] + d2 * pulled[1][k][c]);
         }
     }
-    let mut hessian = [[[0.0; 4]; 3]; 3];
-    for a in 0..3 {
-        for b in a..3 {
-            let mut block = [0.0; 4];
-            for m in 0..4 {
-                let l = w * lambda[m];
-                let (x, y) = (pulled[m][a].map(|x| l * x), pulled[m][b]);
-                block[0] += x[0] * y[0];
-                block[1] += x[0] * y[1];
-                block[2] += x[1] * y[0];
-                block[3] += x[1] * y[1];
-            }
-            hessian[a][b] = block;
-            hessian[b][a] = [block[0], block[2], block[1], block[3]];
+    let block = |a: usize, b: usize| {
+        let mut block = [0.0; 4];
+        for m in 0..4 {
+            let l = w * lambda[m];
+            let (x, y) = (pulled[m][a].map(|x| l * x), pulled[m][b]);
+            block[0] += x[0] * y[0];
+            block[1] += x[0] * y[1];
+            block[2] += x[1] * y[0];
+            block[3] += x[1] * y[1];
         }
-    }
-    (gradient, hessian)
+        block
+    };
+    Local { gradient, own: [block(0, 0), block(1, 1), block(2, 2)], pair: [block(0, 1), block(0, 2), block(1, 2)] }
 }
 
 /// The largest step along `d` before a triangle loses its area.
@@ -129,6 +136,9 @@ pub(crate) fn minimise(
     uv: &mut Vec<[f64; 2]>,
     options: &NewtonOptions,
 ) -> NewtonRecord {
+    if options.steps == 0 {
+        return NewtonRecord { steps: 0, start: f64::NAN, end: f64::NAN, converged: false };
+    }
     let mut now = energy(rest, triangles, uv);
     // What an isometry would have: a flat piece must get there, not only near it.
     let least: f64 = 4.0 * rest.iter().map(|r| r.weight).sum::<f64>();
@@ -139,9 +149,14 @@ pub(crate) fn minimise(
     }
     let mut last_gain = 0.0;
     while record.steps < options.steps {
-        let locals: Vec<_> =
-            rest.par_iter().zip(triangles).with_min_len(CHUNK).map(|(r, &t)| local(r, planar(uv, t))).collect();
-        let Some((direction, slope)) = system.newton_direction(&locals) else {
+        let found = if triangles.len() > CHUNK {
+            let locals: Vec<_> =
+                rest.par_iter().zip(triangles).with_min_len(CHUNK).map(|(r, &t)| local(r, planar(uv, t))).collect();
+            system.newton_direction(locals.into_iter())
+        } else {
+            system.newton_direction(rest.iter().zip(triangles).map(|(r, &t)| local(r, planar(uv, t))))
+        };
+        let Some((direction, slope)) = found else {
             // At an isometry there is no direction to go.
             record.converged = now - least <= 1e-12 * least;
             break;
@@ -213,7 +228,11 @@ mod tests {
             let mut p = base;
             for k in 0..3 { for c in 0..2 { p[k][c] += 0.2 * v[2 * k + c]; } }
             prop_assume!(density(jacobian(&rest, p)).is_finite() && density(jacobian(&rest, p)) < 100.0);
-            let (g, h) = local(&rest, p);
+            let Local { gradient: g, own, pair } = local(&rest, p);
+            let block = |a: usize, b: usize| if a == b { own[a] } else { pair[a + b - 1] };
+            let h = |a: usize, b: usize, m: usize, n: usize| {
+                block(a, b)[if a <= b { 2 * m + n } else { 2 * n + m }]
+            };
             let eps = 1e-5;
             for k in 0..3 { for c in 0..2 {
                 let (mut a, mut b) = (p, p);
@@ -227,10 +246,11 @@ mod tests {
                 let (sum, prod) = ((n2 + 2.0 * det).sqrt(), det);
                 let twist = 1.0 - (sum * sum - 3.0 * prod) / (prod * prod * prod) ;
                 if twist > 1e-3 {
-                    let (ga, gb) = (local(&rest, a).0, local(&rest, b).0);
+                    let (ga, gb) = (local(&rest, a).gradient, local(&rest, b).gradient);
                     for m in 0..3 { for n in 0..2 {
                         let d2 = (ga[m][n] - gb[m][n]) / (2.0 * eps);
-                        prop_assert!((d2 - h[m][k][2 * n + c]).abs() < 1e-3 * (1.0 + d2.abs()), "{} {}", d2, h[m][k][2 * n + c]);
+                        let h = h(m, k, n, c);
+                        prop_assert!((d2 - h).abs() < 1e-3 * (1.0 + d2.abs()), "{} {}", d2, h);
                     }}
                 }
             }}

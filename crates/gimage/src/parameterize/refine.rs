@@ -8,7 +8,7 @@
 
 use super::distortion::{Rest, density, energy, flips, jacobian, log_distortion, planar, rest_area, rest_shape};
 use super::distortion::{rest_shapes, signed_area2};
-use super::newton::{NewtonOptions, NewtonRecord, local};
+use super::newton::{Local, NewtonOptions, NewtonRecord, local};
 use super::{ParameterizeRecord, Shape, parameterize};
 use crate::decimate::hierarchy;
 use crate::fit::clip;
@@ -124,10 +124,10 @@ fn settle<'a>(u: u32, fan: impl Iterator<Item = ([u32; 3], &'a Rest)> + Clone, u
     for _ in 0..steps {
         let (mut g, mut h) = ([0.0; 2], [0.0; 3]);
         for (t, r) in fan.clone() {
-            let (gradient, hessian) = local(r, at(uv, t, p));
+            let Local { gradient, own, .. } = local(r, at(uv, t, p));
             let k = usize::from(t[1] == u) + 2 * usize::from(t[2] == u);
             g = [g[0] + gradient[k][0], g[1] + gradient[k][1]];
-            let b = hessian[k][k];
+            let b = own[k];
             h = [h[0] + b[0], h[1] + b[1], h[2] + b[3]];
         }
         let det = h[0] * h[2] - h[1] * h[1];

@@ -41,8 +41,6 @@ fn mean_value_weights(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &[[
 pub(crate) struct StartRecord {
     /// Reweighting passes made.
     pub passes: usize,
-    /// L2 stretch of the kept pass (not normalised).
-    pub stretch: f64,
     /// Mean-value weights had flips from rounding; uniform weights were used.
     pub uniform: bool,
 }
@@ -96,6 +94,13 @@ fn reweighted(
                 break;
             }
             made = pass + 1;
+            if passes == 1 {
+                // Nothing to compare it with.
+                if flips(triangles, uv) == 0 {
+                    return Some(StartRecord { passes, uniform });
+                }
+                break;
+            }
             let s2: Vec<f64> =
                 triangles.iter().map(|&t| mean(wanted, t).powi(2) * triangle_stretch(positions, t, uv)).collect();
             let average = (s2.iter().zip(area).map(|(s, a)| s * a).sum::<f64>() / total).sqrt();
@@ -120,9 +125,9 @@ fn reweighted(
             let top = weights.iter().copied().fold(0.0, f64::max);
             weights.iter_mut().for_each(|w| *w = (*w / top).max(1e-12));
         }
-        if let Some((stretch, kept)) = best {
+        if let Some((_, kept)) = best {
             uv.copy_from_slice(&kept);
-            return Some(StartRecord { passes: made, stretch, uniform });
+            return Some(StartRecord { passes: made, uniform });
         }
     }
     None

@@ -2,6 +2,7 @@
 
 use super::blocks::{Factor, Pattern};
 use super::distortion::RestShapes;
+use super::newton::Local;
 use super::sparse::Cholesky;
 use crate::halfedge::sorted_edges;
 
@@ -130,27 +131,15 @@ impl System {
         self.laplacian.as_mut()
     }
 
-    /// Places every free vertex at the weighted mean of its neighbours: `weights` (all positive) in the order of
-    /// [`System::edges`]; `plain` if they are [`System::weights`], whose factor is made once. `false` if the factorisation
-    /// fails.
-    pub(crate) fn solve_weighted(&mut self, weights: &[f64], plain: bool, uv: &mut [[f64; 2]]) -> bool {
-        let n = self.count;
-        if n == 0 {
-            return true;
-        }
+    /// The entries of a weighted Laplacian, in the order of the pattern.
+    fn weighted(&self, weights: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; self.row_idx.len()];
-        let mut rhs = vec![[0.0; 2]; n];
-        let mut next = self.col_ptr.clone();
-        (0..n).for_each(|j| next[j] += 1);
+        let mut next: Vec<u32> = self.col_ptr.iter().map(|at| at + 1).collect();
         for (&[a, b], &w) in self.edges.iter().zip(weights) {
             let (i, j) = (self.unknown[a as usize], self.unknown[b as usize]);
-            for (x, other, fixed) in [(i, b, j == FIXED), (j, a, i == FIXED)] {
+            for x in [i, j] {
                 if x != FIXED {
                     values[self.col_ptr[x as usize] as usize] += w;
-                    if fixed {
-                        rhs[x as usize][0] += w * uv[other as usize][0];
-                        rhs[x as usize][1] += w * uv[other as usize][1];
-                    }
                 }
             }
             if i != FIXED && j != FIXED {
@@ -159,7 +148,28 @@ impl System {
                 next[i as usize] += 1;
             }
         }
+        values
+    }
+
+    /// Places every free vertex at the weighted mean of its neighbours: `weights` (all positive) in the order of
+    /// [`System::edges`]; `plain` if they are [`System::weights`], whose factor is made once. `false` if the factorisation
+    /// fails.
+    pub(crate) fn solve_weighted(&mut self, weights: &[f64], plain: bool, uv: &mut [[f64; 2]]) -> bool {
+        let n = self.count;
+        if n == 0 {
+            return true;
+        }
+        let mut rhs = vec![[0.0; 2]; n];
+        for (&[a, b], &w) in self.edges.iter().zip(weights) {
+            let (i, j) = (self.unknown[a as usize], self.unknown[b as usize]);
+            let (x, other) = if j == FIXED { (i, b) } else { (j, a) };
+            if x != FIXED && (i == FIXED || j == FIXED) {
+                rhs[x as usize][0] += w * uv[other as usize][0];
+                rhs[x as usize][1] += w * uv[other as usize][1];
+            }
+        }
         let mut kept = if plain { self.plain.take() } else { None };
+        let values = if kept.is_none() { self.weighted(weights) } else { Vec::new() };
         match self.laplacian() {
             Some(Laplacian::Small(pattern, factor)) => {
                 let made = kept.is_some();
@@ -190,31 +200,29 @@ impl System {
         uv.iter().flatten().all(|x| x.is_finite())
     }
 
-    /// Solves H d = -g from per-triangle gradients and Hessians. Returns the direction for every vertex and g . d.
-    pub(crate) fn newton_direction(
-        &mut self,
-        locals: &[([[f64; 2]; 3], [[[f64; 4]; 3]; 3])],
-    ) -> Option<(Vec<[f64; 2]>, f64)> {
+    /// Solves H d = -g from the energies of the triangles. Returns the direction for every vertex and g . d.
+    pub(super) fn newton_direction(&mut self, locals: impl Iterator<Item = Local>) -> Option<(Vec<[f64; 2]>, f64)> {
         let n = self.count;
         // One 2 x 2 block for each entry of the vertex pattern.
         let mut blocks = vec![[0.0; 4]; self.row_idx.len()];
         let mut gradient = vec![[0.0; 2]; n];
         let add = |to: &mut [f64; 4], x: &[f64; 4]| (0..4).for_each(|k| to[k] += x[k]);
-        for ((t, pairs), (g, h)) in self.triangles.iter().zip(&self.pair_at).zip(locals) {
+        for ((t, pairs), local) in self.triangles.iter().zip(&self.pair_at).zip(locals) {
             let x = t.map(|v| self.unknown[v as usize]);
             for a in 0..3 {
                 if x[a] != FIXED {
                     let j = x[a] as usize;
-                    (0..2).for_each(|c| gradient[j][c] += g[a][c]);
-                    add(&mut blocks[self.col_ptr[j] as usize], &h[a][a]);
+                    (0..2).for_each(|c| gradient[j][c] += local.gradient[a][c]);
+                    add(&mut blocks[self.col_ptr[j] as usize], &local.own[a]);
                 }
             }
             for k in 0..3 {
                 if pairs[k] != FIXED {
                     // Rows of the larger unknown, columns of the smaller.
-                    let (a, b) = (k, (k + 1) % 3);
-                    let (a, b) = if x[a] < x[b] { (b, a) } else { (a, b) };
-                    add(&mut blocks[pairs[k] as usize], &h[a][b]);
+                    let (a, b, at) = [(0, 1, 0), (1, 2, 2), (0, 2, 1)][k];
+                    let [p, q, r, s] = local.pair[at];
+                    let block = if x[a] < x[b] { [p, r, q, s] } else { [p, q, r, s] };
+                    add(&mut blocks[pairs[k] as usize], &block);
                 }
             }
         }
