@@ -9,61 +9,73 @@ use rayon::prelude::*;
 /// Texels per parallel chunk: fixed, so that sums do not depend on the number of threads.
 const CHUNK: usize = 4096;
 
-/// A stencil and a right-hand side for each texel of some rows of an image.
+/// A stencil and a right-hand side for each texel of an image.
 pub(crate) struct Normal {
     /// Texels a row.
-    pub columns: usize,
-    first: usize,
+    columns: usize,
+    /// Texels of a part.
+    part: usize,
     stencil: Vec<[f64; 9]>,
     rhs: Vec<[f64; 3]>,
+    /// For each part, the row past its own.
+    past: (Vec<[f64; 9]>, Vec<[f64; 3]>),
+    work: Work,
+}
+
+/// What the solve works on, kept from one to the next.
+#[derive(Default)]
+struct Work {
+    unknown: Vec<bool>,
+    scale: Vec<f64>,
+    residual: Vec<[f64; 3]>,
+    direction: Vec<[f64; 3]>,
+    product: Vec<[f64; 3]>,
+    solution: Vec<[f64; 3]>,
 }
 
 impl Normal {
-    /// Zero equations for `rows` rows from row `first` on.
-    pub(crate) fn new(columns: usize, first: usize, rows: usize) -> Self {
-        let n = columns * rows;
-        Self { columns, first: first * columns, stencil: vec![[0.0; 9]; n], rhs: vec![[0.0; 3]; n] }
+    /// Zero equations for `rows` rows, of which a part has `part`.
+    pub(crate) fn new(columns: usize, rows: usize, part: usize) -> Self {
+        let (n, past) = (columns * rows, columns * rows.div_ceil(part));
+        Self {
+            columns,
+            part: columns * part,
+            stencil: vec![[0.0; 9]; n],
+            rhs: vec![[0.0; 3]; n],
+            past: (vec![[0.0; 9]; past], vec![[0.0; 3]; past]),
+            work: Work::default(),
+        }
     }
 
     /// Zero equations again.
     pub(crate) fn clear(&mut self) {
         self.stencil.fill([0.0; 9]);
         self.rhs.fill([0.0; 3]);
+        self.past.0.fill([0.0; 9]);
+        self.past.1.fill([0.0; 3]);
     }
 
-    /// Adds to the coefficient of texel `b` (a neighbour or itself) in the equation of texel `a`.
-    #[cfg(test)]
-    pub(crate) fn add(&mut self, a: usize, b: usize, x: f64) {
-        let (ai, aj) = (a % self.columns, a / self.columns);
-        let (bi, bj) = (b % self.columns, b / self.columns);
-        self.stencil[a - self.first][(bj + 1 - aj) * 3 + (bi + 1 - ai)] += x;
+    /// Parts of the rows, in order, each of which takes the terms of the quads that begin in it.
+    pub(crate) fn parts(&mut self) -> impl IndexedParallelIterator<Item = Part<'_>> {
+        let (columns, part) = (self.columns, self.part);
+        let own = self.stencil.par_chunks_mut(part).zip(self.rhs.par_chunks_mut(part));
+        let past = self.past.0.par_chunks_mut(columns).zip(self.past.1.par_chunks_mut(columns));
+        own.zip(past).enumerate().map(move |(k, ((stencil, rhs), past))| Part {
+            columns,
+            first: k * part,
+            stencil: [stencil, past.0],
+            rhs: [rhs, past.1],
+        })
     }
 
-    /// Adds a 3 x 3 block for three texels of one quad, `place` their steps right and down in it.
-    #[inline(always)]
-    pub(crate) fn add_three(&mut self, texels: [usize; 3], place: [[usize; 2]; 3], block: &[[f64; 3]; 3]) {
-        for a in 0..3 {
-            let row = &mut self.stencil[texels[a] - self.first];
-            for b in 0..3 {
-                let at = (place[b][1] + 1 - place[a][1]) * 3 + place[b][0] + 1 - place[a][0];
-                row[at] += block[a][b];
+    /// What parts have added to the row past their own goes there.
+    pub(crate) fn join(&mut self) {
+        for (k, (stencil, rhs)) in self.past.0.iter().zip(&self.past.1).enumerate() {
+            let at = (k / self.columns + 1) * self.part + k % self.columns;
+            if at < self.stencil.len() {
+                (0..9).for_each(|s| self.stencil[at][s] += stencil[s]);
+                (0..3).for_each(|c| self.rhs[at][c] += rhs[c]);
             }
-        }
-    }
-
-    /// Adds to the right-hand side of texel `a`.
-    #[inline(always)]
-    pub(crate) fn add_rhs(&mut self, a: usize, x: [f64; 3]) {
-        let rhs = &mut self.rhs[a - self.first];
-        (0..3).for_each(|c| rhs[c] += x[c]);
-    }
-
-    /// Adds the equations of a part of the rows.
-    pub(crate) fn add_rows(&mut self, part: &Normal) {
-        let at = part.first - self.first;
-        for (k, (stencil, rhs)) in part.stencil.iter().zip(&part.rhs).enumerate() {
-            (0..9).for_each(|s| self.stencil[at + k][s] += stencil[s]);
-            (0..3).for_each(|c| self.rhs[at + k][c] += rhs[c]);
         }
     }
 
@@ -78,11 +90,138 @@ impl Normal {
         }
     }
 
+    /// Solves for all texels, from and towards `x`: a trace of weight on the start holds texels that
+    /// almost no surface falls on. Members of a ring are one unknown and must be equal in `x`. `near` is the residual to
+    /// reach as a share of the one at the start, in the norm of the diagonal. `false` (and `x` untouched) if it breaks
+    /// down.
+    pub(crate) fn solve(&mut self, x: &mut [[f64; 3]], rings: &[Vec<u32>], near: f64) -> bool {
+        let (columns, n) = (self.columns, self.stencil.len());
+        let rows = n / columns;
+        let hold = 1e-4 * self.stencil.iter().map(|s| s[4]).sum::<f64>() / n as f64;
+        let Work { unknown, scale, residual, direction, product, solution } = &mut self.work;
+        let matrix = Matrix { columns, rows, stencil: &self.stencil, hold };
+        // Only the first of a ring counts in sums over unknowns.
+        unknown.clear();
+        unknown.resize(n, true);
+        rings.iter().flat_map(|r| &r[1..]).for_each(|&k| unknown[k as usize] = false);
+        // A ring's equation is the sum of its members'.
+        let gather = |v: &mut [[f64; 3]]| {
+            for ring in rings {
+                let mut sum = [0.0; 3];
+                ring.iter().for_each(|&k| (0..3).for_each(|c| sum[c] += v[k as usize][c]));
+                ring.iter().for_each(|&k| v[k as usize] = sum);
+            }
+        };
+        product.clear();
+        product.extend(self.stencil.iter().map(|s| [s[4] + hold, 0.0, 0.0]));
+        gather(product);
+        scale.clear();
+        scale.extend(product.iter().map(|w| 1.0 / w[0].max(1e-300)));
+        residual.resize(n, [0.0; 3]);
+        residual.par_iter_mut().zip(&self.rhs).enumerate().with_min_len(least(n)).for_each(|(k, (r, b))| {
+            let ax = matrix.row(x, k);
+            *r = [0, 1, 2].map(|c| b[c] + hold * x[k][c] - ax[c]);
+        });
+        gather(residual);
+        solution.clear();
+        solution.resize(n, [0.0; 3]);
+        let scaled = |r: &[f64; 3], s: f64| r.map(|v| v * s);
+        direction.clear();
+        direction.extend(residual.iter().zip(&*scale).map(|(r, &s)| scaled(r, s)));
+        let power = |r: &[[f64; 3]], k: usize| {
+            if unknown[k] { [0, 1, 2].map(|c| r[k][c] * r[k][c] * scale[k]) } else { [0.0; 3] }
+        };
+        let mut rho = sums(n, |k| power(residual, k));
+        let target = rho.map(|r| r * near * near);
+        for _ in 0..MOST_STEPS {
+            if (0..3).all(|c| rho[c] <= target[c]) {
+                break;
+            }
+            product.par_chunks_mut(CHUNK).enumerate().with_min_len(least(n) / CHUNK + 1).for_each(|(chunk, out)| {
+                let (first, places) = (chunk * CHUNK, &direction[..]);
+                pulp::Arch::new().dispatch(Rows { matrix: &matrix, places, first, out });
+            });
+            gather(product);
+            let curvature =
+                sums(n, |k| if unknown[k] { [0, 1, 2].map(|c| direction[k][c] * product[k][c]) } else { [0.0; 3] });
+            let step = [0, 1, 2].map(|c| if curvature[c] > 0.0 { rho[c] / curvature[c] } else { 0.0 });
+            let moves = direction.par_iter().zip(&*product);
+            solution.par_iter_mut().zip(&mut *residual).zip(moves).with_min_len(least(n)).for_each(|((s, r), (d, p))| {
+                for c in 0..3 {
+                    s[c] += step[c] * d[c];
+                    r[c] -= step[c] * p[c];
+                }
+            });
+            let next = sums(n, |k| power(residual, k));
+            let turn = [0, 1, 2].map(|c| if rho[c] > 0.0 { next[c] / rho[c] } else { 0.0 });
+            let left = residual.par_iter().zip(&*scale);
+            direction.par_iter_mut().zip(left).with_min_len(least(n)).for_each(|(d, (r, &s))| {
+                let z = scaled(r, s);
+                (0..3).for_each(|c| d[c] = z[c] + turn[c] * d[c]);
+            });
+            rho = next;
+        }
+        if solution.iter().flatten().any(|v| !v.is_finite()) {
+            return false;
+        }
+        x.iter_mut().zip(&*solution).for_each(|(x, s)| (0..3).for_each(|c| x[c] += s[c]));
+        true
+    }
+}
+
+/// Some rows of the equations, and the row past them.
+pub(crate) struct Part<'a> {
+    /// Texels a row.
+    pub columns: usize,
+    first: usize,
+    stencil: [&'a mut [[f64; 9]]; 2],
+    rhs: [&'a mut [[f64; 3]]; 2],
+}
+
+impl Part<'_> {
+    /// Where texel `a` is.
+    #[inline(always)]
+    fn place(&self, a: usize) -> (usize, usize) {
+        let (k, own) = (a - self.first, self.stencil[0].len());
+        if k < own { (0, k) } else { (1, k - own) }
+    }
+
+    /// Adds a 3 x 3 block for three texels of one quad, `place` their steps right and down in it.
+    #[inline(always)]
+    pub(crate) fn add_three(&mut self, texels: [usize; 3], place: [[usize; 2]; 3], block: &[[f64; 3]; 3]) {
+        for a in 0..3 {
+            let (past, k) = self.place(texels[a]);
+            let row = &mut self.stencil[past][k];
+            for b in 0..3 {
+                let at = (place[b][1] + 1 - place[a][1]) * 3 + place[b][0] + 1 - place[a][0];
+                row[at] += block[a][b];
+            }
+        }
+    }
+
+    /// Adds to the right-hand side of texel `a`.
+    #[inline(always)]
+    pub(crate) fn add_rhs(&mut self, a: usize, x: [f64; 3]) {
+        let (past, k) = self.place(a);
+        let rhs = &mut self.rhs[past][k];
+        (0..3).for_each(|c| rhs[c] += x[c]);
+    }
+}
+
+/// The left-hand side.
+struct Matrix<'a> {
+    columns: usize,
+    rows: usize,
+    stencil: &'a [[f64; 9]],
+    hold: f64,
+}
+
+impl Matrix<'_> {
     /// (A + hold) p at texel k.
     #[inline(always)]
-    fn row(&self, p: &[[f64; 3]], k: usize, rows: usize, hold: f64) -> [f64; 3] {
-        let columns = self.columns;
-        let mut sum = [hold * p[k][0], hold * p[k][1], hold * p[k][2]];
+    fn row(&self, p: &[[f64; 3]], k: usize) -> [f64; 3] {
+        let (columns, rows) = (self.columns, self.rows);
+        let mut sum = p[k].map(|p| self.hold * p);
         let (i, j) = (k % columns, k / columns);
         if i > 0 && i + 1 < columns && j > 0 && j + 1 < rows {
             for (a, from) in self.stencil[k].chunks_exact(3).zip([k - columns - 1, k - 1, k + columns - 1]) {
@@ -103,89 +242,13 @@ impl Normal {
         }
         sum
     }
-
-    /// Solves for all texels, from and towards `x`: a trace of weight on the start holds texels that
-    /// almost no surface falls on. Members of a ring are one unknown and must be equal in `x`. `near` is the residual to
-    /// reach as a share of the one at the start, in the norm of the diagonal. `false` (and `x` untouched) if it breaks
-    /// down.
-    pub(crate) fn solve(&self, x: &mut [[f64; 3]], rings: &[Vec<u32>], near: f64) -> bool {
-        let (columns, n) = (self.columns, self.stencil.len());
-        let rows = n / columns;
-        let hold = 1e-4 * self.stencil.iter().map(|s| s[4]).sum::<f64>() / n as f64;
-        // Only the first of a ring counts in sums over unknowns.
-        let mut unknown = vec![true; n];
-        rings.iter().flat_map(|r| &r[1..]).for_each(|&k| unknown[k as usize] = false);
-        let row = |p: &[[f64; 3]], k: usize| self.row(p, k, rows, hold);
-        // A ring's equation is the sum of its members'.
-        let gather = |v: &mut [[f64; 3]]| {
-            for ring in rings {
-                let mut sum = [0.0; 3];
-                ring.iter().for_each(|&k| (0..3).for_each(|c| sum[c] += v[k as usize][c]));
-                ring.iter().for_each(|&k| v[k as usize] = sum);
-            }
-        };
-        let mut weight: Vec<[f64; 3]> = self.stencil.iter().map(|s| [s[4] + hold, 0.0, 0.0]).collect();
-        gather(&mut weight);
-        let scale: Vec<f64> = weight.iter().map(|w| 1.0 / w[0].max(1e-300)).collect();
-        let mut residual: Vec<[f64; 3]> = (0..n)
-            .into_par_iter()
-            .with_min_len(least(n))
-            .map(|k| {
-                let ax = row(x, k);
-                [0, 1, 2].map(|c| self.rhs[k][c] + hold * x[k][c] - ax[c])
-            })
-            .collect();
-        gather(&mut residual);
-        let mut solution = vec![[0.0; 3]; n];
-        let scaled = |r: &[[f64; 3]], k: usize| r[k].map(|v| v * scale[k]);
-        let mut direction: Vec<[f64; 3]> = (0..n).map(|k| scaled(&residual, k)).collect();
-        let power = |r: &[[f64; 3]], k: usize| {
-            if unknown[k] { [0, 1, 2].map(|c| r[k][c] * r[k][c] * scale[k]) } else { [0.0; 3] }
-        };
-        let mut rho = sums(n, |k| power(&residual, k));
-        let target = rho.map(|r| r * near * near);
-        let mut product = vec![[0.0; 3]; n];
-        for _ in 0..MOST_STEPS {
-            if (0..3).all(|c| rho[c] <= target[c]) {
-                break;
-            }
-            product.par_chunks_mut(CHUNK).enumerate().with_min_len(least(n) / CHUNK + 1).for_each(|(chunk, out)| {
-                let (first, places) = (chunk * CHUNK, &direction[..]);
-                pulp::Arch::new().dispatch(Rows { normal: self, places, first, rows, hold, out });
-            });
-            gather(&mut product);
-            let curvature =
-                sums(n, |k| if unknown[k] { [0, 1, 2].map(|c| direction[k][c] * product[k][c]) } else { [0.0; 3] });
-            let step = [0, 1, 2].map(|c| if curvature[c] > 0.0 { rho[c] / curvature[c] } else { 0.0 });
-            solution.par_iter_mut().zip(&mut residual).enumerate().with_min_len(least(n)).for_each(|(k, (s, r))| {
-                for c in 0..3 {
-                    s[c] += step[c] * direction[k][c];
-                    r[c] -= step[c] * product[k][c];
-                }
-            });
-            let next = sums(n, |k| power(&residual, k));
-            let turn = [0, 1, 2].map(|c| if rho[c] > 0.0 { next[c] / rho[c] } else { 0.0 });
-            direction.par_iter_mut().enumerate().with_min_len(least(n)).for_each(|(k, d)| {
-                let z = scaled(&residual, k);
-                (0..3).for_each(|c| d[c] = z[c] + turn[c] * d[c]);
-            });
-            rho = next;
-        }
-        if solution.iter().flatten().any(|v| !v.is_finite()) {
-            return false;
-        }
-        x.iter_mut().zip(&solution).for_each(|(x, s)| (0..3).for_each(|c| x[c] += s[c]));
-        true
-    }
 }
 
 /// Products of some rows in the widest vectors at hand. They are the same in all: nothing is fused.
 struct Rows<'a> {
-    normal: &'a Normal,
+    matrix: &'a Matrix<'a>,
     places: &'a [[f64; 3]],
     first: usize,
-    rows: usize,
-    hold: f64,
     out: &'a mut [[f64; 3]],
 }
 
@@ -195,7 +258,7 @@ impl pulp::NullaryFnOnce for Rows<'_> {
     #[inline(always)]
     fn call(self) {
         for (k, out) in self.out.iter_mut().enumerate() {
-            *out = self.normal.row(self.places, self.first + k, self.rows, self.hold);
+            *out = self.matrix.row(self.places, self.first + k);
         }
     }
 }
@@ -233,6 +296,36 @@ mod tests {
     const W: usize = 5;
     const H: usize = 4;
 
+    /// Adds to the coefficient of texel `b` (a neighbour or itself) in the equation of texel `a`.
+    fn add(normal: &mut Normal, a: usize, b: usize, x: f64) {
+        let at = (b / W + 1 - a / W) * 3 + b % W + 1 - a % W;
+        normal.stencil[a][at] += x;
+    }
+
+    #[test]
+    fn parts_add_up_whatever_their_size() {
+        let made = |rows: usize| {
+            let mut normal = Normal::new(W, H, rows);
+            for _ in 0..2 {
+                normal.clear();
+                normal.parts().for_each(|mut part| {
+                    let quads = part.first / W..(part.first / W + rows).min(H - 1);
+                    for at in quads.flat_map(|j| (0..W - 1).map(move |i| j * W + i)) {
+                        let place = [[0, 0], [1, 0], [0, 1]];
+                        let x = at as f64;
+                        part.add_three([at, at + 1, at + W], place, &[[x, 1.0, 2.0], [1.0, 3.0, x], [2.0, x, 4.0]]);
+                        part.add_rhs(at + W, [x, 1.0, -x]);
+                    }
+                });
+                normal.join();
+            }
+            (normal.stencil, normal.rhs)
+        };
+        let whole = made(H);
+        assert!(whole.1[(H - 1) * W][1] == 1.0 && whole.0[W + 1][4] == 3.0 + 6.0 + 4.0, "{whole:?}");
+        (1..H).for_each(|rows| assert_eq!(made(rows), whole, "{rows}"));
+    }
+
     /// Gaussian elimination with row pivots.
     fn dense(mut a: Vec<Vec<f64>>, mut b: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
         let n = b.len();
@@ -259,19 +352,21 @@ mod tests {
         ) {
             // Each fragment lies in one quad and adds b b^T, so the sum is symmetric and positive.
             let n = W * H;
-            let (mut normal, mut a, mut rhs) = (Normal::new(W, 0, H), vec![vec![0.0; n]; n], vec![[0.0; 3]; n]);
+            let (mut normal, mut a, mut rhs) = (Normal::new(W, H, 2), vec![vec![0.0; n]; n], vec![[0.0; 3]; n]);
             for (k, f) in x.chunks(7).enumerate() {
                 let q = k / 3;
                 let at = q / (W - 1) * W + q % (W - 1);
                 let corners = [at, at + 1, at + W, at + W + 1];
                 for r in 0..4 {
                     for s in 0..4 {
-                        normal.add(corners[r], corners[s], f[r] * f[s]);
+                        add(&mut normal, corners[r], corners[s], f[r] * f[s]);
                         a[corners[r]][corners[s]] += f[r] * f[s];
                     }
                     let b = [f[r] * f[4], f[r] * f[5], f[r] * f[6]];
-                    normal.add_rhs(corners[r], b);
-                    (0..3).for_each(|c| rhs[corners[r]][c] += b[c]);
+                                        (0..3).for_each(|c| {
+                        normal.rhs[corners[r]][c] += b[c];
+                        rhs[corners[r]][c] += b[c];
+                    });
                 }
             }
             let rings: Vec<Vec<u32>> = if ringed { vec![vec![0, 4, 15, 19], vec![5, 9]] } else { Vec::new() };

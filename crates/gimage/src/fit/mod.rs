@@ -17,7 +17,7 @@ mod patch;
 use rayon::prelude::*;
 
 use crate::disk::Disk;
-use crate::normal::Normal;
+use crate::normal::{Normal, Part};
 use crate::parameterize::distortion::planar;
 use crate::vec3::sub;
 use clip::{BAND, Cells, Patches, bands, clipped};
@@ -105,19 +105,17 @@ pub(crate) fn fit(
     let sampled = local.clone();
     let mut before = local.clone();
     let mut last = local.clone();
-    let mut parts: Vec<Normal> =
-        (0..bands.len()).map(|band| Normal::new(columns, cells(band).start, cells(band).len() + 1)).collect();
-    let mut normal = Normal::new(columns, 0, rows);
+    let mut normal = Normal::new(columns, rows, BAND);
     for round in 0..options.rounds {
         last.copy_from_slice(&local);
         if round > 1 {
             local.iter_mut().zip(&before).for_each(|(x, b)| (0..3).for_each(|c| x[c] += x[c] - b[c]));
         }
         std::mem::swap(&mut before, &mut last);
-        parts.par_iter_mut().zip(&bands).for_each(|(part, band)| {
-            part.clear();
+        normal.clear();
+        normal.parts().zip(&bands).for_each(|(part, band)| {
             pulp::Arch::new().dispatch(Round {
-                normal: part,
+                part,
                 band,
                 facets: &facets,
                 points: &local,
@@ -125,10 +123,7 @@ pub(crate) fn fit(
                 options: (options, hold),
             });
         });
-        normal.clear();
-        for part in &parts {
-            normal.add_rows(part);
-        }
+        normal.join();
         normal.hold(rim, &sampled, RIM);
         if !normal.solve(&mut local, rings, NEAR) {
             return false;
@@ -142,7 +137,7 @@ pub(crate) fn fit(
 
 /// The equations of a band in the widest vectors at hand. The products and sums are the same in all: nothing is fused.
 struct Round<'a> {
-    normal: &'a mut Normal,
+    part: Part<'a>,
     band: &'a Patches,
     facets: &'a [Option<Facet>],
     points: &'a [[f64; 3]],
@@ -154,9 +149,9 @@ impl pulp::NullaryFnOnce for Round<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn call(mut self) {
         for (patch, fragments) in self.band.iter() {
-            patch.equations(self.normal, (fragments, self.facets), self.points, self.rim, self.options);
+            patch.equations(&mut self.part, (fragments, self.facets), self.points, self.rim, self.options);
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use super::FitOptions;
 use super::facet::Facet;
-use crate::normal::Normal;
+use crate::normal::Part;
 use crate::vec3::{cross, dot};
 
 /// The corners of a quad's triangles, as steps right and down: both halves by one diagonal and by the other.
@@ -104,7 +104,7 @@ impl Patch {
     #[inline(always)]
     pub(super) fn equations(
         &self,
-        normal: &mut Normal,
+        part: &mut Part<'_>,
         (fragments, facets): (&[Fragment], &[Option<Facet>]),
         points: &[[f64; 3]],
         rim: &[bool],
@@ -114,7 +114,7 @@ impl Patch {
             return;
         }
         let half = self.half as usize & 3;
-        let corner = self.corners(normal.columns);
+        let corner = self.corners(part.columns);
         let now = corner.map(|k| points[k]);
         let slip = if corner.iter().any(|&k| rim[k]) { 0.0 } else { options.slip };
         let slope = &SLOPES[half];
@@ -169,14 +169,14 @@ impl Patch {
                 let target = (1.0 - slip) * self.moment[x][c] + slip * (there[c] - rise[x][c]);
                 target + s[0] * u[c] + s[1] * v[c]
             });
-            normal.add_rhs(corner[x], rhs);
+            part.add_rhs(corner[x], rhs);
         }
         for x in 0..3 {
             for y in 0..3 {
                 stencil[x][y] += weight * (slope[x][0] * slope[y][0] + slope[x][1] * slope[y][1]);
             }
         }
-        normal.add_three(corner, HALVES[half], &stencil);
+        part.add_three(corner, HALVES[half], &stencil);
     }
 }
 
