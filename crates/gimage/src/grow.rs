@@ -42,6 +42,10 @@ const OUTWARD_COST: f64 = 0.05;
 /// the second lot of steps.
 const SLACK: [[f64; 2]; 2] = [[1.03, 0.005], [1.02, 0.002]];
 
+/// Least mean of ln(density / 4) of the solved map at which limbs are looked for in the plain one. What is nearer to an
+/// isometry has none that it shrinks.
+const LIMBS: f64 = 0.3;
+
 /// One try: the energy of a cut through `terminals`, and the vertices it stretches most.
 struct Try {
     score: f64,
@@ -84,7 +88,8 @@ fn attempt(
     let mut next = Vec::new();
     // The plain mean-value map shrinks limbs without mercy and so finds their tips; the solved map finds the rest; the
     // point farthest from the cut is a limb's tip more often than not.
-    for uv in proxy.plain(&layout).into_iter().chain([solved]) {
+    let plain = if layout.score > LIMBS { proxy.plain(&layout) } else { None };
+    for uv in plain.into_iter().chain([solved]) {
         let picks = most_stretched(&positions, &triangles, &uv, 2, apart, |v| {
             let o = proxy_origin(&disk, &proxy, v);
             o != NONE && !on_cut[o as usize]
@@ -151,7 +156,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         shifts: 6,
         rough: 2,
         passes: 2,
-        steps: [1, 3, 6],
+        steps: [1, 2, 6],
         keep: [1, 1],
         refine: false,
         snap: 2,

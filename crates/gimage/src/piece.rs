@@ -90,12 +90,12 @@ impl ImageOptions {
         let normal = SearchOptions {
             triangles: 600,
             shifts: 16,
-            rough: 6,
+            rough: 3,
             passes: 2,
             steps: [1, 2, 3],
             keep: [3, 1],
             refine: true,
-            snap: 6,
+            snap: 3,
         };
         let (grow, search) = match options.effort {
             Effort::Fast => {
