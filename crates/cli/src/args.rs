@@ -150,7 +150,7 @@ pub struct SceneArgs {
     /// What computes; auto is the GPU where there is a real one.
     #[arg(long, value_enum, default_value = "auto")]
     pub backend: BackendArg,
-    /// How springs keep their lengths [default: that of the scene, or classic].
+    /// How springs keep their lengths [default: that of the scene, or xpbd].
     #[arg(long, value_enum)]
     pub solver: Option<SolverArg>,
     /// Steps a frame [default: those of the scene, or 8].

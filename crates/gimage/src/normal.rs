@@ -146,12 +146,14 @@ impl Normal {
                 sums(n, |k| if unknown[k] { [0, 1, 2].map(|c| direction[k][c] * product[k][c]) } else { [0.0; 3] });
             let step = [0, 1, 2].map(|c| if curvature[c] > 0.0 { rho[c] / curvature[c] } else { 0.0 });
             let moves = direction.par_iter().zip(&*product);
-            solution.par_iter_mut().zip(&mut *residual).zip(moves).with_min_len(least(n)).for_each(|((s, r), (d, p))| {
-                for c in 0..3 {
-                    s[c] += step[c] * d[c];
-                    r[c] -= step[c] * p[c];
-                }
-            });
+            solution.par_iter_mut().zip(&mut *residual).zip(moves).with_min_len(least(n)).for_each(
+                |((s, r), (d, p))| {
+                    for c in 0..3 {
+                        s[c] += step[c] * d[c];
+                        r[c] -= step[c] * p[c];
+                    }
+                },
+            );
             let next = sums(n, |k| power(residual, k));
             let turn = [0, 1, 2].map(|c| if rho[c] > 0.0 { next[c] / rho[c] } else { 0.0 });
             let left = residual.par_iter().zip(&*scale);

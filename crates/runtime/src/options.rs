@@ -20,12 +20,13 @@ pub enum Backend {
 #[non_exhaustive]
 pub enum Solver {
     /// Verlet integration and relaxation in eight coloured passes, after C. Zeller, "Cloth Simulation on the GPU",
-    /// SIGGRAPH 2005. The error falls with the square of the substeps; substeps do more than iterations.
-    #[default]
+    /// SIGGRAPH 2005. The error falls with the square of the substeps; substeps do more than iterations. The base line of
+    /// comparisons: at the same error it takes three to ten times as long as `Xpbd`.
     Classic,
     /// Extended position-based dynamics: springs with a compliance in \[m/N\], one relaxation a substep, tethers to pins,
     /// swept contact. After M. Macklin, M. Mueller, N. Chentanez, "XPBD", MIG 2016, and M. Macklin et al., "Small Steps in
     /// Physics Simulation", SCA 2019.
+    #[default]
     Xpbd,
 }
 
@@ -34,7 +35,7 @@ pub enum Solver {
 pub struct Options {
     /// What computes. Default `Auto`.
     pub backend: Backend,
-    /// Default `Classic`.
+    /// Default `Xpbd`.
     pub solver: Solver,
     /// Time \[s\] in which `substeps` steps are made, whatever the host's frames take. Default 1/60; 1e-6 to 1.
     pub step: f64,

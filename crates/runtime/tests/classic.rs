@@ -8,7 +8,7 @@ use support::{compared, scene};
 const FRAME: f64 = 1.0 / 60.0;
 
 fn cpu(scene: Scene, substeps: u32, threads: usize) -> Stepper {
-    let options = Options { backend: Backend::Cpu, substeps, threads, ..Options::default() };
+    let options = Options { backend: Backend::Cpu, substeps, threads, solver: Solver::Classic, ..Options::default() };
     Stepper::new(scene, options, None).unwrap()
 }
 
@@ -39,7 +39,8 @@ fn the_error_of_f32_is_small() {
     for (name, scene) in compared() {
         let mut stepper = cpu(scene.clone(), 1, 1);
         stepper.advance(FRAME).unwrap();
-        let mut exact = Reference::new(scene, Options { substeps: 1, ..Options::default() }).unwrap();
+        let mut exact =
+            Reference::new(scene, Options { substeps: 1, solver: Solver::Classic, ..Options::default() }).unwrap();
         exact.step(1);
         let (now, _) = exact.positions(0).unwrap();
         for (a, b) in stepper.positions(0).unwrap().iter().zip(now) {
@@ -70,7 +71,7 @@ fn damping_does_not_depend_on_the_step() {
     for substeps in [1, 4, 16] {
         let mut cloth = Flat::square("flat", 2).cloth().unwrap();
         (cloth.velocity, cloth.damping) = ([1.0, 0.0, 0.0], 2.0);
-        let options = Options { substeps, ..Options::default() };
+        let options = Options { substeps, solver: Solver::Classic, ..Options::default() };
         let mut flight = Reference::new(Scene { gravity: [0.0; 3], ..scene(cloth) }, options).unwrap();
         flight.step(60 * substeps);
         let (now, before) = flight.positions(0).unwrap();
@@ -211,7 +212,7 @@ fn normals_are_unit_and_closed_over_seams() {
 #[test]
 fn cloth_has_normals_before_its_first_frame() {
     let start = |normals| {
-        let options = Options { backend: Backend::Cpu, normals, ..Options::default() };
+        let options = Options { backend: Backend::Cpu, normals, solver: Solver::Classic, ..Options::default() };
         Stepper::new(scene::builtin("s1", 16).unwrap(), options, None).unwrap()
     };
     let length = |n: &[f32; 4]| n[..3].iter().map(|x| x * x).sum::<f32>().sqrt();

@@ -137,7 +137,9 @@ fn a_cut_is_that_of_the_twin() {
         ("charts", scene(two_charts(12))),
     ];
     let one = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
-    for (name, scene) in scenes {
+    let solvers = [Solver::Classic, Solver::Xpbd];
+    for (solver, (name, scene)) in solvers.iter().flat_map(|s| scenes.iter().map(move |x| (*s, x.clone()))) {
+        let one = Options { solver, ..one.clone() };
         let mut rigs = [Rig::cpu(scene.clone(), &one), Rig::gpu(scene.clone(), &one, &device)];
         for rig in &mut rigs {
             assert_eq!(rig.holes(0), None, "{name}");
@@ -170,7 +172,10 @@ fn a_cut_is_that_of_the_twin() {
             (0..80).for_each(|_| rig.frame(FRAME / 8.0));
         }
         let difference = largest(&here.positions(0), &there.positions(0));
-        assert!(difference <= 1e-4 && largest(&here.positions(0), &start) > 0.05, "{name}: {difference:e} m");
+        // Under XPBD cloth that comes down in folds doubles what rounding leaves every few steps.
+        let most = if solver == Solver::Xpbd { 1e-3 } else { 1e-4 };
+        let fell = largest(&here.positions(0), &start);
+        assert!(difference <= most && fell > 0.05, "{solver:?}, {name}: {difference:e} m");
     }
 }
 
@@ -218,7 +223,7 @@ fn normals_leave_out_what_is_cut_away() {
 fn the_first_cut_changes_the_plan_and_wakes() {
     let mut two = scene(curtain(8));
     two.cloths.push(curtain(8));
-    let options = Options { backend: Backend::Cpu, substeps: 1, ..Options::default() };
+    let options = Options { backend: Backend::Cpu, substeps: 1, solver: Solver::Classic, ..Options::default() };
     let mut stepper = Stepper::new(two, options, None).unwrap();
     let plan = stepper.plan();
     // step, grids, now, before, normals.

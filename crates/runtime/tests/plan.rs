@@ -6,7 +6,8 @@ use gimage_runtime::*;
 use support::scene;
 
 fn plan(scene: Scene) -> Plan {
-    let options = Options { backend: Backend::Cpu, substeps: 1, threads: 1, ..Options::default() };
+    let options =
+        Options { backend: Backend::Cpu, substeps: 1, threads: 1, solver: Solver::Classic, ..Options::default() };
     Stepper::new(scene, options, None).unwrap().plan()
 }
 
@@ -102,7 +103,8 @@ fn what_is_done_to_a_scene_changes_its_plan() {
         ("one of two asleep", two(), &[sleep], 12, TUBE),
     ];
     for (name, scene, changes, dispatches, bytes) in table {
-        let options = Options { backend: Backend::Cpu, substeps: 1, threads: 1, ..Options::default() };
+        let options =
+            Options { backend: Backend::Cpu, substeps: 1, threads: 1, solver: Solver::Classic, ..Options::default() };
         let mut stepper = Stepper::new(scene, options, None).unwrap();
         changes.iter().for_each(|change| change(&mut stepper));
         let plan = stepper.plan();
@@ -137,7 +139,8 @@ fn smooth_colliders_do_not_bind_previous_positions() {
 fn a_sleeping_cloth_costs_nothing_until_something_changes() {
     let mut two = scene(flat(Rest::None));
     two.cloths.push(flat(Rest::None));
-    let options = Options { backend: Backend::Cpu, substeps: 3, threads: 1, ..Options::default() };
+    let options =
+        Options { backend: Backend::Cpu, substeps: 3, threads: 1, solver: Solver::Classic, ..Options::default() };
     let mut stepper = Stepper::new(two, options, None).unwrap();
     assert_eq!(stepper.plan().dispatches(), 8);
     stepper.set_asleep(0, true).unwrap();

@@ -7,7 +7,8 @@ use support::rig::{FRAME, Rig};
 use support::{curtain, scene, wind};
 
 fn sleepy() -> Options {
-    Options { substeps: 4, sleep: Some(Sleep { speed: 0.02, after: 0.25 }), ..Options::default() }
+    // Passes of their own for each cloth, to be counted.
+    Options { substeps: 4, sleep: Some(Sleep { speed: 0.02, after: 0.25 }), fused: false, ..Options::default() }
 }
 
 /// A damped curtain that hangs still after a while, and one that swings on.

@@ -108,8 +108,12 @@ impl<T: Real> Fabric<T> {
         }
     }
 
-    /// Rest lengths \[m\] by texels, after a cut. Springs without a particle at an end are none.
+    /// Rest lengths \[m\] by texels, after a cut; empty if there are no springs. Springs without a particle at an end are
+    /// none.
     pub fn set_rest(&mut self, image: &[[T; 4]], now: &[[T; 4]]) {
+        if image.is_empty() {
+            return;
+        }
         self.break_plates(image);
         let there = |k: usize| now[k][3] >= T::of(0.0);
         for ((sheet, springs), first) in self.sheets.iter().zip(&mut self.springs).zip(&self.firsts) {
