@@ -1,7 +1,9 @@
 //! Which files make which shader, and what it binds. The table is explicit: a shader is its parts, in order.
 
 use crate::cloth::Cloth;
+use crate::cpu::tile::tiles;
 use crate::passes::{Air, Kinds, Pass, Soft};
+use crate::tile::Shape;
 
 mod slot;
 
@@ -25,6 +27,8 @@ pub enum Threads {
     Grids,
     /// A workgroup a cloth.
     Cloth,
+    /// A workgroup a tile of a grid.
+    Tiles(Shape),
 }
 
 /// A shader as the table has it.
@@ -49,11 +53,14 @@ macro_rules! pass {
 
 // Below the macros, which it uses.
 mod fused;
+mod tile;
 
 const STEP: &str = part!("step");
 const BOUND: &str = part!("step_bound");
 const NOW: &str = part!("now");
 const STORED: &str = part!("stored");
+const PLACED: &str = part!("anchor_placed");
+const BY_ROWS: &str = part!("by_rows");
 const INDEX: &str = part!("index");
 const GRID: &str = part!("grid");
 const ENDS: &str = part!("ends");
@@ -152,6 +159,7 @@ pub fn source(pass: Pass) -> Source {
             Source { constants, ..plain("stretch", &files, &bindings, Threads::Half(direction == 0)) }
         }
         Pass::Fused(fused) => fused::source(fused),
+        Pass::Tile(tile) => tile::source(tile),
         Pass::Pyramid { directions } => {
             let bindings = [reads(Slot::Levels), reads(Now), writes(Slot::Nodes), reads(Slot::Limits), reads(Grids)];
             let constants = (0..4).map(|d| (["right", "down", "down_right", "up_right"][d], directions[d]));
@@ -173,7 +181,7 @@ pub fn source(pass: Pass) -> Source {
                 constants,
                 ..plain(
                     "tethers",
-                    &[INDEX, NOW, STORED, part!("tether"), pass!("tethers")],
+                    &[INDEX, NOW, STORED, PLACED, part!("tether"), pass!("tethers")],
                     &bindings,
                     Threads::Particles,
                 )
@@ -376,6 +384,10 @@ impl Source {
             Threads::One | Threads::Cloth => [1; 3],
             Threads::Grids => [1, 1, cloth.grids().len() as u32],
             Threads::Half(columns) => sides(columns, !columns),
+            Threads::Tiles(Shape { inner, lacks, .. }) => {
+                let [x, y] = [0, 1].map(|d| cloth.grids().iter().map(|g| tiles(g, inner, lacks)[d]).max().unwrap_or(0));
+                [x, y, cloth.grids().len() as u32]
+            }
         }
     }
 }

@@ -16,6 +16,7 @@ use crate::levels::levels;
 use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
 use crate::shaders::{Bound, Slot, Source};
+use crate::tile::Tile;
 use crate::world::World;
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
@@ -44,7 +45,9 @@ pub struct ClothBuffers {
     stepping: bool,
     step: Option<Buffer>,
     others: HashMap<Slot, Buffer>,
-    groups: HashMap<Vec<Bound>, wgpu::BindGroup>,
+    groups: HashMap<(Vec<Bound>, [bool; 2]), wgpu::BindGroup>,
+    /// Whether positions now, and those one step before, lie in the other buffers, as they do after an odd number of tiles.
+    pub(super) turned: [bool; 2],
     last: Option<StepRow>,
     cursor: u32,
 }
@@ -103,6 +106,7 @@ impl ClothBuffers {
             step: None,
             others: HashMap::new(),
             groups: HashMap::new(),
+            turned: [false; 2],
             last: None,
             cursor: 0,
         })
@@ -192,11 +196,12 @@ impl ClothBuffers {
         solids: &Buffer,
     ) -> &wgpu::BindGroup {
         self.make_scratch(device, source);
-        if !self.groups.contains_key(&source.bindings) {
+        let key = (source.bindings.clone(), self.turned);
+        if !self.groups.contains_key(&key) {
             let group = self.bind(device, pipeline, source, &[(Slot::Solids, solids)]);
-            self.groups.insert(source.bindings.clone(), group);
+            self.groups.insert(key.clone(), group);
         }
-        &self.groups[&source.bindings]
+        &self.groups[&key]
     }
 
     /// Buffers that only some scenes need: air that acts on triangles, multipliers of several relaxations,
@@ -205,7 +210,7 @@ impl ClothBuffers {
         let particles = self.now.size / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
-                Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
+                Slot::Field | Slot::Sums | Slot::Moments | Slot::Next | Slot::Passed => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest | Slot::Strain => 4,
                 _ => continue,
@@ -226,7 +231,14 @@ impl ClothBuffers {
     ) -> wgpu::BindGroup {
         let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
         let row = std::num::NonZeroU64::new(size_of::<StepRow>() as u64);
-        let buffer = |slot| match slot {
+        let other = |slot| match slot {
+            Slot::Now if self.turned[0] => Slot::Next,
+            Slot::Next if self.turned[0] => Slot::Now,
+            Slot::Before if self.turned[1] => Slot::Passed,
+            Slot::Passed if self.turned[1] => Slot::Before,
+            slot => slot,
+        };
+        let buffer = |slot| match other(slot) {
             Slot::Now => Some(self.now.binding()),
             Slot::Before => Some(self.before.binding()),
             Slot::Normals => Some(self.normals.binding()),
@@ -244,6 +256,21 @@ impl ClothBuffers {
         let entries: Vec<_> = source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
         let layout = &pipeline.layout;
         device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(source.stem), layout, entries: &entries })
+    }
+
+    /// A tile has written positions to where the last ones were not.
+    pub(super) fn turn(&mut self, tile: &Tile) {
+        self.turned = [!self.turned[0], self.turned[1] != tile.air.is_some()];
+    }
+
+    /// Brings positions back to where hosts look for them.
+    pub(super) fn turn_back(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let places = [(&self.now, Slot::Next), (&self.before, Slot::Passed)];
+        for ((to, slot), turned) in places.into_iter().zip(std::mem::take(&mut self.turned)) {
+            if let Some(from) = self.others.get(&slot).filter(|_| turned) {
+                encoder.copy_buffer_to_buffer(from, 0, &to.buffer, to.offset, to.size);
+            }
+        }
     }
 
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.
@@ -276,7 +303,7 @@ impl ClothBuffers {
 
     /// Drops the bindings that name the old buffer of colliders.
     pub(super) fn forget_colliders(&mut self) {
-        self.groups.retain(|bindings, _| bindings.iter().all(|b| b.slot != Slot::Solids));
+        self.groups.retain(|(bindings, _), _| bindings.iter().all(|b| b.slot != Slot::Solids));
     }
 }
 

@@ -40,11 +40,13 @@ pub enum Slot {
     Frame,
     Jobs,
     Strain,
+    Next,
+    Passed,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 34] = [
+        const NAMES: [&str; 36] = [
             "step",
             "grids",
             "now",
@@ -79,6 +81,8 @@ impl Slot {
             "frame",
             "jobs",
             "strain",
+            "next",
+            "passed",
         ];
         NAMES[self as usize]
     }
@@ -102,6 +106,7 @@ impl Slot {
             Slot::Frame => size_of::<FrameRow>(),
             Slot::Jobs => size_of::<JobRow>(),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
+            Slot::Next | Slot::Passed => cloth.len() * 16,
             Slot::Bends => cloth.len() * 8,
             Slot::Cells => cloth.len() * 32,
             Slot::Yielding => 16,
