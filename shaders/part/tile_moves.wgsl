@@ -2,7 +2,11 @@
 @group(0) @binding(3) var<storage, read> before: array<vec4<f32>>;
 @group(0) @binding(35) var<storage, read_write> passed: array<vec4<f32>>;
 
+// Whether the tile owns the particle that moves.
+var<private> own: bool;
+
 fn arrive(k: u32, p: vec4<f32>, mine: bool) -> vec4<f32> {
+  own = mine;
   let earlier = before[k];
   let free = p.w > 0.0;
   if (mine) {
@@ -11,6 +15,7 @@ fn arrive(k: u32, p: vec4<f32>, mine: bool) -> vec4<f32> {
   if (free) {
     return moved_on(k, p, earlier.xyz);
   }
+  stay(k);
   return p;
 }
 

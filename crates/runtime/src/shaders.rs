@@ -103,8 +103,12 @@ pub fn source(pass: Pass) -> Source {
         Pass::Advance(air) => {
             let mut bindings = vec![reads(Step), writes(Now), writes(Before), writes(Slot::Lost)];
             bindings.extend((air == Air::Field).then_some(reads(Field)));
-            let files =
-                [&[STEP, BOUND, INDEX, NOW][..], self::air(air), &[part!("verlet_exact"), pass!("integrate")]].concat();
+            let files = [
+                &[STEP, BOUND, INDEX, NOW][..],
+                self::air(air),
+                &[part!("lost"), part!("verlet_exact"), pass!("integrate")],
+            ]
+            .concat();
             plain("integrate", &files, &bindings, Threads::Particles)
         }
         Pass::Membrane { column, row, holes } => {

@@ -56,6 +56,7 @@ fn tiles() -> impl Iterator<Item = Tile> {
         let on = move |bit: u32| k >> bit & 1 == 1;
         (0..12).map(move |n| Tile {
             air: airs[n % 4],
+            exact: on(3) && n % 4 > 0,
             tethers: [on(0), on(1)],
             slots: 2 * u32::from(on(0) || on(1)),
             colours: if on(2) { 0xff } else { 0 },

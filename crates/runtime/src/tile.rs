@@ -23,6 +23,8 @@ use crate::passes::{Air, Kinds, Pass, Soft};
 pub struct Tile {
     /// The integration that comes first, if any does.
     pub air: Option<Air>,
+    /// Whether that keeps what rounding takes.
+    pub exact: bool,
     /// Whether tethers hold before springs, and after them.
     pub tethers: [bool; 2],
     /// Anchors a particle; 0 where there is no pass of tethers.
@@ -51,6 +53,7 @@ impl Tile {
     fn of(passes: &[Pass]) -> Option<Self> {
         let mut tile = Tile {
             air: None,
+            exact: false,
             tethers: [false; 2],
             slots: 0,
             colours: 0,
@@ -64,6 +67,7 @@ impl Tile {
         for pass in passes {
             match *pass {
                 Pass::Integrate(air) => tile.air = Some(air),
+                Pass::Advance(air) => (tile.air, tile.exact) = (Some(air), true),
                 Pass::Tethers { slots } => {
                     tile.tethers[usize::from(tile.colours > 0 || tile.tethers[0])] = true;
                     tile.slots = slots;
@@ -90,7 +94,8 @@ impl Tile {
         let tethers = (slots > 0).then_some(Pass::Tethers { slots });
         let spring = |(direction, parity)| Pass::Stretch { direction, parity, image, soft, again: false };
         let springs: Vec<_> = COLOURS.into_iter().filter(|c| self.has(*c)).map(spring).collect();
-        let mut all: Vec<_> = self.air.map(Pass::Integrate).into_iter().collect();
+        let step = if self.exact { Pass::Advance } else { Pass::Integrate };
+        let mut all: Vec<_> = self.air.map(step).into_iter().collect();
         all.extend(tethers.filter(|_| self.tethers[0]));
         all.extend(&springs);
         for _ in 0..self.polish {

@@ -187,7 +187,10 @@ fn what_tiles_do_not_make_runs_between_them() {
     }
     agree("pyramid", &flies, |o| Options { pyramid: 2, ..o }, &device);
     // Steps so short that rounding is kept.
-    agree("short steps", &flies, |o| Options { substeps: 24, ..o }, &device);
+    for (substeps, pyramid) in [(24, 0), (25, 2)] {
+        let tiles = agree("short steps", &flies, |o| Options { substeps, pyramid, ..o }, &device);
+        assert!(tiles.iter().any(|t| t.0.exact) || pyramid > 0, "{tiles:?}");
+    }
     agree(
         "measured",
         &flies,
@@ -210,7 +213,7 @@ fn what_users_do_between_frames_is_the_same_by_tiles() {
     let Some(device) = device() else { return };
     let scene = scene(sheet(60, 45));
     // Odd numbers of steps leave positions elsewhere until the frame ends.
-    for substeps in [3, 4] {
+    for substeps in [3, 4, 23] {
         let run = |fused| {
             let mut run = Run::new(&scene, &Options { substeps, ..options(fused) }, &device).frames(3);
             // Where it is, with a speed.

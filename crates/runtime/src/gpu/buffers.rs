@@ -45,9 +45,10 @@ pub struct ClothBuffers {
     stepping: bool,
     step: Option<Buffer>,
     others: HashMap<Slot, Buffer>,
-    groups: HashMap<(Vec<Bound>, [bool; 2]), wgpu::BindGroup>,
-    /// Whether positions now, and those one step before, lie in the other buffers, as they do after an odd number of tiles.
-    pub(super) turned: [bool; 2],
+    groups: HashMap<(Vec<Bound>, [bool; 3]), wgpu::BindGroup>,
+    /// Whether positions now, those one step before, and what they are too coarse for lie in the other buffers, as they do
+    /// after an odd number of tiles.
+    pub(super) turned: [bool; 3],
     last: Option<StepRow>,
     cursor: u32,
 }
@@ -106,7 +107,7 @@ impl ClothBuffers {
             step: None,
             others: HashMap::new(),
             groups: HashMap::new(),
-            turned: [false; 2],
+            turned: [false; 3],
             last: None,
             cursor: 0,
         })
@@ -210,7 +211,8 @@ impl ClothBuffers {
         let particles = self.now.size / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
-                Slot::Field | Slot::Sums | Slot::Moments | Slot::Next | Slot::Passed => particles * 16,
+                Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
+                Slot::Next | Slot::Passed | Slot::Losing => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest | Slot::Strain => 4,
                 _ => continue,
@@ -236,6 +238,8 @@ impl ClothBuffers {
             Slot::Next if self.turned[0] => Slot::Now,
             Slot::Before if self.turned[1] => Slot::Passed,
             Slot::Passed if self.turned[1] => Slot::Before,
+            Slot::Lost if self.turned[2] => Slot::Losing,
+            Slot::Losing if self.turned[2] => Slot::Lost,
             slot => slot,
         };
         let buffer = |slot| match other(slot) {
@@ -260,14 +264,16 @@ impl ClothBuffers {
 
     /// A tile has written positions to where the last ones were not.
     pub(super) fn turn(&mut self, tile: &Tile) {
-        self.turned = [!self.turned[0], self.turned[1] != tile.air.is_some()];
+        let [now, before, lost] = self.turned;
+        self.turned = [!now, before != tile.air.is_some(), lost != tile.exact];
     }
 
     /// Brings positions back to where hosts look for them.
     pub(super) fn turn_back(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        let places = [(&self.now, Slot::Next), (&self.before, Slot::Passed)];
+        let places =
+            [(Some(&self.now), Slot::Next), (Some(&self.before), Slot::Passed), (self.lost.as_ref(), Slot::Losing)];
         for ((to, slot), turned) in places.into_iter().zip(std::mem::take(&mut self.turned)) {
-            if let Some(from) = self.others.get(&slot).filter(|_| turned) {
+            if let (Some(to), Some(from), true) = (to, self.others.get(&slot), turned) {
                 encoder.copy_buffer_to_buffer(from, 0, &to.buffer, to.offset, to.size);
             }
         }

@@ -31,7 +31,8 @@ pub(super) fn source(fused: Fused) -> Source {
     }
     constants.extend((fused.hold != Hold::Stored).then(|| ("places", f64::from(fused.places))));
     files.extend(air(fused.air));
-    files.push(if fused.exact { part!("verlet_exact") } else { part!("verlet") });
+    let verlet: &[_] = if fused.exact { &[part!("lost"), part!("verlet_exact")] } else { &[part!("verlet")] };
+    files.extend(verlet);
     bindings.extend(fused.exact.then_some(writes(Slot::Lost)));
     if fused.membrane {
         files.extend([part!("cell"), part!("fused_membrane")]);

@@ -42,11 +42,12 @@ pub enum Slot {
     Strain,
     Next,
     Passed,
+    Losing,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 36] = [
+        const NAMES: [&str; 37] = [
             "step",
             "grids",
             "now",
@@ -83,6 +84,7 @@ impl Slot {
             "strain",
             "next",
             "passed",
+            "losing",
         ];
         NAMES[self as usize]
     }
@@ -106,7 +108,7 @@ impl Slot {
             Slot::Frame => size_of::<FrameRow>(),
             Slot::Jobs => size_of::<JobRow>(),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
-            Slot::Next | Slot::Passed => cloth.len() * 16,
+            Slot::Next | Slot::Passed | Slot::Losing => cloth.len() * 16,
             Slot::Bends => cloth.len() * 8,
             Slot::Cells => cloth.len() * 32,
             Slot::Yielding => 16,

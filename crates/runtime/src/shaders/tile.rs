@@ -21,7 +21,13 @@ pub(super) fn source(tile: Tile) -> Source {
     }
     if let Some(of) = tile.air {
         files.extend(air(of));
-        files.extend([part!("verlet"), part!("tile_moves")]);
+        if tile.exact {
+            files.extend([part!("tile_lost"), part!("verlet_exact")]);
+            bindings.extend([reads(Slot::Lost), writes(Slot::Losing)]);
+        } else {
+            files.extend([part!("tile_lost_none"), part!("verlet")]);
+        }
+        files.push(part!("tile_moves"));
         bindings.extend([reads(Slot::Before), writes(Slot::Passed)]);
         bindings.extend((of == crate::passes::Air::Field).then_some(reads(Slot::Field)));
     } else {
