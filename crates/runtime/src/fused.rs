@@ -80,7 +80,7 @@ pub struct Room {
     /// Workgroups that keep it busy.
     pub(crate) busy: u32,
     /// Bytes of one of them.
-    bytes: u64,
+    pub(crate) bytes: u64,
 }
 
 /// Bytes of a workgroup's memory that shaders/part/notes.wgsl takes.

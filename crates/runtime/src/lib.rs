@@ -51,7 +51,7 @@ pub use quality::Quality;
 pub use reference::Reference;
 pub use scene::Scene;
 pub use stepper::Stepper;
-pub use tile::{Shape as TileShape, Tile};
+pub use tile::{Tile, TileShape};
 pub use wgpu;
 pub use wind::{Wind, WindForce};
 pub use world::Fault;

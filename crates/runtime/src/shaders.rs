@@ -3,7 +3,7 @@
 use crate::cloth::Cloth;
 use crate::cpu::tile::tiles;
 use crate::passes::{Air, Kinds, Pass, Soft};
-use crate::tile::Shape;
+use crate::tile::TileShape;
 
 mod slot;
 
@@ -28,7 +28,7 @@ pub enum Threads {
     /// A workgroup a cloth.
     Cloth,
     /// A workgroup a tile of a grid.
-    Tiles(Shape),
+    Tiles(TileShape),
 }
 
 /// A shader as the table has it.
@@ -388,7 +388,7 @@ impl Source {
             Threads::One | Threads::Cloth => [1; 3],
             Threads::Grids => [1, 1, cloth.grids().len() as u32],
             Threads::Half(columns) => sides(columns, !columns),
-            Threads::Tiles(Shape { inner, lacks, .. }) => {
+            Threads::Tiles(TileShape { inner, lacks, .. }) => {
                 let [x, y] = [0, 1].map(|d| cloth.grids().iter().map(|g| tiles(g, inner, lacks)[d]).max().unwrap_or(0));
                 [x, y, cloth.grids().len() as u32]
             }

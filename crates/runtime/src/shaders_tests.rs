@@ -8,7 +8,7 @@ use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use super::*;
 use crate::fused::{Fused, Hold};
 use crate::gpu::layout::{FrameRow, GridRow, JobRow, SolidRow, StepRow};
-use crate::tile::Tile;
+use crate::tile::{Tile, TileShape};
 
 /// Every variant that a schedule can hold, up to constants.
 fn variants() -> Vec<Pass> {
@@ -64,7 +64,7 @@ fn tiles() -> impl Iterator<Item = Tile> {
             image: on(3),
             soft: if on(2) { softs[n / 4] } else { Soft::None },
             contact: on(4).then_some(Kinds { shapes: [true; 6], friction: on(2), many: on(5) }),
-            shape: Shape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] },
+            shape: TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] },
             threads: 256,
         })
     })

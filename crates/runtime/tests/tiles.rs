@@ -102,6 +102,32 @@ fn tiles_of_any_cloth_give_the_bits_of_separate_passes() {
 }
 
 #[test]
+fn a_step_is_as_few_dispatches_as_can_be() {
+    let Some(device) = device() else { return };
+    let of = |scene: &Scene, with: Options| {
+        let plan = Run::new(scene, &Options { normals: false, ..with }, &device).stepper.plan();
+        // Two passes end a frame.
+        (plan.dispatches() - 2, plan.passes.iter().map(|p| p.shader).collect::<Vec<_>>())
+    };
+    let plain = scene(sheet(70, 70));
+    let six = Scene { colliders: all_colliders(), ..plain.clone() };
+    let base = || Options { substeps: 1, ..options(true) };
+    let tile = ["tile", "guard", "restore"];
+    assert_eq!(of(&plain, base()), (1, tile.to_vec()));
+    assert_eq!(of(&plain, Options { substeps: 16, ..base() }), (16, tile.to_vec()));
+    assert_eq!(of(&six, base()), (1, tile.to_vec()));
+    assert_eq!(of(&six, Options { polish: 1, ..base() }), (1, tile.to_vec()));
+    // The first one integrates.
+    assert_eq!(of(&six, Options { iterations: 4, ..base() }).0, 4);
+    // So many rounds would have far more around a tile than in it.
+    assert_eq!(of(&six, Options { polish: 12, ..base() }).0, 4);
+    let windy = Scene { wind: Some(wind(true)), ..plain };
+    assert_eq!(of(&windy, base()).1[..2], ["wind", "tile"]);
+    let charts = Scene { colliders: all_colliders(), ..scene(two_charts(48)) };
+    assert_eq!(of(&charts, base()).1[..3], ["tile", "seams", "tile"]);
+}
+
+#[test]
 fn what_springs_are_like_is_the_same_by_tiles() {
     let Some(device) = device() else { return };
     let cloth = || sheet(70, 41);
