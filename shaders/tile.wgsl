@@ -88,6 +88,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
       p = hold(k, p);
     }
     held[stored(at)] = p;
+    take_sums(k, stored(at));
     cell = on_by_rows(cell, by, columns);
   }
   workgroupBarrier();
@@ -110,6 +111,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let at = own_low + cell;
     let k = listed(at);
     next[k] = clear_of(k, held[stored(at)]);
+    give_sums(k, stored(at));
     cell = on_by_rows(cell, own_by, own_columns);
   }
 }

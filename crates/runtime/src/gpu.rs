@@ -91,7 +91,7 @@ impl Gpu {
             self.cloths[index].separate(&self.device, world, index);
             last.push(self.record_steps(world, &mut pass, index, steps));
         }
-        if alone.iter().any(|c| self.cloths[*c].turned != [false; 3]) {
+        if alone.iter().any(|c| self.cloths[*c].turned.contains(&true)) {
             drop(pass);
             alone.iter().for_each(|c| self.cloths[*c].turn_back(encoder));
             pass = begin(encoder);

@@ -153,7 +153,7 @@ pub fn source(pass: Pass) -> Source {
             Source { constants, ..plain("springs", &[GRID, ENDS, rest, pass!("springs")], &bindings, threads) }
         }
         Pass::Stretch { direction, parity, image, soft, again } => {
-            let (files, more) = spring_parts(image, soft, again);
+            let (files, more) = spring_parts(image, soft, rule(again));
             let mut bindings = vec![reads(Grids), writes(Now)];
             bindings.extend(more);
             let step: &[_] = if soft == Soft::None { &[] } else { &[STEP, BOUND] };
@@ -328,7 +328,9 @@ fn air(air: Air) -> &'static [&'static str] {
 const CONTACT: [&str; 4] = [part!("solid"), part!("friction"), part!("entry"), part!("touch")];
 
 /// The rule of springs with compliance, and what it reads of a cloth beside positions.
-fn spring_parts(image: bool, soft: Soft, again: bool) -> (Vec<&'static str>, Vec<Bound>) {
+///
+/// The rule of multipliers, and what it reads, come with it.
+fn spring_parts(image: bool, soft: Soft, (rule, read): Rule) -> (Vec<&'static str>, Vec<Bound>) {
     let mut files = vec![ENDS, if image { part!("rest_image") } else { part!("rest_constant") }];
     let mut bindings: Vec<_> = image.then_some(reads(Slot::Rest)).into_iter().collect();
     match soft {
@@ -340,11 +342,23 @@ fn spring_parts(image: bool, soft: Soft, again: bool) -> (Vec<&'static str>, Vec
         }
     }
     if soft != Soft::None {
-        files.push(if again { part!("again") } else { part!("once") });
-        bindings.extend(again.then_some(writes(Slot::Sums)));
+        files.extend(rule);
+        bindings.extend(read);
     }
     files.extend([part!("aside"), part!("spring")]);
     (files, bindings)
+}
+
+/// Files and bindings.
+type Rule = (Vec<&'static str>, Vec<Bound>);
+
+/// How springs with compliance find their multipliers.
+fn rule(again: bool) -> Rule {
+    if again {
+        (vec![part!("sums"), part!("again")], vec![writes(Slot::Sums)])
+    } else {
+        (vec![part!("once")], Vec::new())
+    }
 }
 
 /// How much of a stretch is error.

@@ -57,6 +57,8 @@ fn tiles() -> impl Iterator<Item = Tile> {
         (0..12).map(move |n| Tile {
             air: airs[n % 4],
             exact: on(3) && n % 4 > 0,
+            forget: on(2) && on(3) && n > 3,
+            again: on(2) && (on(3) || on(4)) && n > 3,
             tethers: [on(0), on(1)],
             slots: 2 * u32::from(on(0) || on(1)),
             colours: if on(2) { 0xff } else { 0 },

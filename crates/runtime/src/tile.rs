@@ -27,6 +27,8 @@ pub struct Tile {
     pub air: Option<Air>,
     /// Whether that keeps what rounding takes.
     pub exact: bool,
+    /// Whether the multipliers of the last step end.
+    pub forget: bool,
     /// Whether tethers hold before springs, and after them.
     pub tethers: [bool; 2],
     /// Anchors a particle; 0 where there is no pass of tethers.
@@ -39,6 +41,8 @@ pub struct Tile {
     pub image: bool,
     /// Where compliance comes from.
     pub soft: Soft,
+    /// Whether multipliers are summed over several relaxations.
+    pub again: bool,
     /// Colliders that come last, if they do.
     pub contact: Option<Kinds>,
     /// Sizes.
@@ -56,12 +60,14 @@ impl Tile {
         let mut tile = Tile {
             air: None,
             exact: false,
+            forget: false,
             tethers: [false; 2],
             slots: 0,
             colours: 0,
             polish: 0,
             image: false,
             soft: Soft::None,
+            again: false,
             contact: None,
             shape: TileShape::default(),
             threads: 0,
@@ -70,13 +76,14 @@ impl Tile {
             match *pass {
                 Pass::Integrate(air) => tile.air = Some(air),
                 Pass::Advance(air) => (tile.air, tile.exact) = (Some(air), true),
+                Pass::Forget => tile.forget = true,
                 Pass::Tethers { slots } => {
                     tile.tethers[usize::from(tile.colours > 0 || tile.tethers[0])] = true;
                     tile.slots = slots;
                 }
-                Pass::Stretch { direction, parity, image, soft, again: false } => {
+                Pass::Stretch { direction, parity, image, soft, again } => {
                     tile.colours |= 1 << (2 * direction + parity);
-                    (tile.image, tile.soft) = (image, soft);
+                    (tile.image, tile.soft, tile.again) = (image, soft, again);
                     // Those before were not the last ones, but those of a round.
                     tile.tethers[1] = false;
                 }
@@ -87,17 +94,19 @@ impl Tile {
         let structural = passes.iter().find(|p| p.is_structural());
         let rounds = passes.iter().filter(|p| structural == Some(*p)).count();
         tile.polish = rounds.saturating_sub(1) as u32;
-        (tile.passes() == passes).then_some(tile)
+        // Sums are a matter of springs.
+        (tile.passes() == passes && tile.again >= tile.forget).then_some(tile)
     }
 
     /// The passes that the shader makes, in its order.
     fn passes(&self) -> Vec<Pass> {
-        let Tile { image, soft, slots, .. } = *self;
+        let Tile { image, soft, again, slots, .. } = *self;
         let tethers = (slots > 0).then_some(Pass::Tethers { slots });
-        let spring = |(direction, parity)| Pass::Stretch { direction, parity, image, soft, again: false };
+        let spring = |(direction, parity)| Pass::Stretch { direction, parity, image, soft, again };
         let springs: Vec<_> = COLOURS.into_iter().filter(|c| self.has(*c)).map(spring).collect();
         let step = if self.exact { Pass::Advance } else { Pass::Integrate };
         let mut all: Vec<_> = self.air.map(step).into_iter().collect();
+        all.extend(self.forget.then_some(Pass::Forget));
         all.extend(tethers.filter(|_| self.tethers[0]));
         all.extend(&springs);
         for _ in 0..self.polish {

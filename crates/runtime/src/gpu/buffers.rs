@@ -24,6 +24,10 @@ const STEP_STRIDE: u32 = 256;
 /// A frame takes up to two, or [`super::layout::POSES`] where colliders move; so many can be recorded before the first submission.
 const STEPS: u32 = 1024;
 
+/// What tiles read, and where they write it to.
+const TURNS: [(Slot, Slot); 4] =
+    [(Slot::Now, Slot::Next), (Slot::Before, Slot::Passed), (Slot::Lost, Slot::Losing), (Slot::Sums, Slot::Summing)];
+
 /// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices, which
 /// cloths may share.
 pub struct ClothBuffers {
@@ -45,10 +49,9 @@ pub struct ClothBuffers {
     stepping: bool,
     step: Option<Buffer>,
     others: HashMap<Slot, Buffer>,
-    groups: HashMap<(Vec<Bound>, [bool; 3]), wgpu::BindGroup>,
-    /// Whether positions now, those one step before, and what they are too coarse for lie in the other buffers, as they do
-    /// after an odd number of tiles.
-    pub(super) turned: [bool; 3],
+    groups: HashMap<(Vec<Bound>, [bool; 4]), wgpu::BindGroup>,
+    /// Which of [`TURNS`] lie in the other buffers, as they do after an odd number of tiles.
+    pub(super) turned: [bool; 4],
     last: Option<StepRow>,
     cursor: u32,
 }
@@ -107,7 +110,7 @@ impl ClothBuffers {
             step: None,
             others: HashMap::new(),
             groups: HashMap::new(),
-            turned: [false; 3],
+            turned: [false; 4],
             last: None,
             cursor: 0,
         })
@@ -212,7 +215,7 @@ impl ClothBuffers {
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
                 Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
-                Slot::Next | Slot::Passed | Slot::Losing => particles * 16,
+                Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest | Slot::Strain => 4,
                 _ => continue,
@@ -233,14 +236,9 @@ impl ClothBuffers {
     ) -> wgpu::BindGroup {
         let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
         let row = std::num::NonZeroU64::new(size_of::<StepRow>() as u64);
-        let other = |slot| match slot {
-            Slot::Now if self.turned[0] => Slot::Next,
-            Slot::Next if self.turned[0] => Slot::Now,
-            Slot::Before if self.turned[1] => Slot::Passed,
-            Slot::Passed if self.turned[1] => Slot::Before,
-            Slot::Lost if self.turned[2] => Slot::Losing,
-            Slot::Losing if self.turned[2] => Slot::Lost,
-            slot => slot,
+        let other = |slot| {
+            let turn = TURNS.iter().zip(self.turned).find(|((a, b), turned)| *turned && (*a == slot || *b == slot));
+            turn.map_or(slot, |((a, b), _)| if *a == slot { *b } else { *a })
         };
         let buffer = |slot| match other(slot) {
             Slot::Now => Some(self.now.binding()),
@@ -264,15 +262,14 @@ impl ClothBuffers {
 
     /// A tile has written positions to where the last ones were not.
     pub(super) fn turn(&mut self, tile: &Tile) {
-        let [now, before, lost] = self.turned;
-        self.turned = [!now, before != tile.air.is_some(), lost != tile.exact];
+        let moves = [true, tile.air.is_some(), tile.exact, tile.again];
+        self.turned = std::array::from_fn(|n| self.turned[n] != moves[n]);
     }
 
-    /// Brings positions back to where hosts look for them.
+    /// Brings positions back to where hosts look for them. Nothing goes on from the multipliers of a frame.
     pub(super) fn turn_back(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        let places =
-            [(Some(&self.now), Slot::Next), (Some(&self.before), Slot::Passed), (self.lost.as_ref(), Slot::Losing)];
-        for ((to, slot), turned) in places.into_iter().zip(std::mem::take(&mut self.turned)) {
+        let places = [Some(&self.now), Some(&self.before), self.lost.as_ref()];
+        for ((to, (_, slot)), turned) in places.into_iter().zip(TURNS).zip(std::mem::take(&mut self.turned)) {
             if let (Some(to), Some(from), true) = (to, self.others.get(&slot), turned) {
                 encoder.copy_buffer_to_buffer(from, 0, &to.buffer, to.offset, to.size);
             }

@@ -2,13 +2,13 @@
 
 use super::{
     BY_ROWS, CONTACT, GRID, LAPLACIAN, NEIGHBOURS, NOW, PLACED, RINGS, STEP, Slot, Source, Threads, UNIT, air, reads,
-    shapes, share, spring_parts, writes,
+    rule, shapes, share, spring_parts, writes,
 };
 use crate::fused::{Fused, Hold};
 
 /// Only what the cloths of the batch need is compiled in and bound.
 pub(super) fn source(fused: Fused) -> Source {
-    let (springs, mut bindings) = spring_parts(fused.image, fused.soft, fused.again);
+    let (springs, mut bindings) = spring_parts(fused.image, fused.soft, rule(fused.again));
     bindings.extend([reads(Slot::Frame), reads(Slot::Jobs), reads(Slot::Grids), writes(Slot::Now)]);
     bindings.extend([writes(Slot::Before), writes(Slot::Faults), writes(Slot::Good)]);
     let mut files = vec![STEP, GRID, NOW, BY_ROWS, part!("holes_none"), part!("larger"), part!("sane")];

@@ -43,11 +43,12 @@ pub enum Slot {
     Next,
     Passed,
     Losing,
+    Summing,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 37] = [
+        const NAMES: [&str; 38] = [
             "step",
             "grids",
             "now",
@@ -85,6 +86,7 @@ impl Slot {
             "next",
             "passed",
             "losing",
+            "summing",
         ];
         NAMES[self as usize]
     }
@@ -108,7 +110,7 @@ impl Slot {
             Slot::Frame => size_of::<FrameRow>(),
             Slot::Jobs => size_of::<JobRow>(),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
-            Slot::Next | Slot::Passed | Slot::Losing => cloth.len() * 16,
+            Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => cloth.len() * 16,
             Slot::Bends => cloth.len() * 8,
             Slot::Cells => cloth.len() * 32,
             Slot::Yielding => 16,

@@ -1,6 +1,8 @@
 //! The parts of the shader that makes several passes of a step by tiles.
 
-use super::{BOUND, BY_ROWS, CONTACT, GRID, STEP, Slot, Source, Threads, air, reads, shapes, spring_parts, writes};
+use super::{
+    BOUND, BY_ROWS, CONTACT, GRID, STEP, Slot, Source, Threads, air, reads, rule, shapes, spring_parts, writes,
+};
 use crate::passes::Soft;
 use crate::tile::Tile;
 
@@ -41,13 +43,21 @@ pub(super) fn source(tile: Tile) -> Source {
         files.push(part!("tile_tethers_none"));
     }
     if tile.colours > 0 {
-        let (springs, read) = spring_parts(tile.image, tile.soft, false);
+        let sums = || {
+            let bound = vec![reads(Slot::Sums), writes(Slot::Summing)];
+            (vec![part!("tile_sums"), part!("again")], bound)
+        };
+        let (springs, read) = spring_parts(tile.image, tile.soft, if tile.again { sums() } else { rule(false) });
         files.extend(springs);
         files.push(part!("tile_springs"));
+        constants.extend(tile.again.then(|| ("forget", f64::from(u8::from(tile.forget)))));
         bindings.extend(read);
         constants.extend([("colours", f64::from(tile.colours)), ("polish", f64::from(tile.polish))]);
     } else {
         files.push(part!("tile_springs_none"));
+    }
+    if !tile.again {
+        files.push(part!("tile_sums_none"));
     }
     if let Some(kinds) = tile.contact {
         files.extend(CONTACT);

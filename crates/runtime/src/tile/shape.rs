@@ -18,7 +18,7 @@ pub struct TileShape {
     pub room: [u32; 2],
 }
 
-/// Bytes of a particle in a workgroup's memory.
+/// Bytes of a particle in a workgroup's memory, and of its springs' multipliers.
 const BYTES: u32 = 16;
 /// Particles that every device has room for. Larger tiles relax less that they do not own.
 const USUAL: u32 = 1024;
@@ -32,7 +32,7 @@ impl Tile {
     pub(super) fn fit(self, grids: &[Grid], room: &Room) -> Option<Self> {
         let (around, lacks) = self.around();
         let beside = if self.contact.is_some_and(|k| k.many) { NOTES } else { 0 };
-        let most = (room.memory.saturating_sub(beside) / BYTES).min(LARGE);
+        let most = (room.memory.saturating_sub(beside) / if self.again { 2 * BYTES } else { BYTES }).min(LARGE);
         let shape = |places: u32| best(TileShape { around, lacks, ..TileShape::default() }, grids, places);
         // Large ones only where there are enough of them to keep a device busy.
         let large = shape(most).filter(|s| count(s, grids) >= room.busy || most <= USUAL);
