@@ -60,12 +60,6 @@ fn integrate_all(job: Job, local: u32) {
   sync();
 }
 
-// Column and row of a thread; exact for the number of threads that a workgroup may have, and quicker than whole numbers.
-fn by_rows(n: u32, columns: u32) -> vec2<u32> {
-  let row = u32((f32(n) + 0.5) / f32(columns));
-  return vec2<u32>(n - row * columns, row);
-}
-
 // One of eight colours.
 fn stretch_all(job: Job, local: u32, direction: u32, parity: u32) {
   for (var g = job.grid; g < job.grid + job.grids; g++) {
@@ -80,10 +74,7 @@ fn stretch_all(job: Job, local: u32, direction: u32, parity: u32) {
       if (ends.inside) {
         relax(g, ends, direction);
       }
-      cell += stride;
-      if (cell.x >= columns) {
-        cell = vec2<u32>(cell.x - columns, cell.y + 1u);
-      }
+      cell = on_by_rows(cell, stride, columns);
     }
   }
   sync();

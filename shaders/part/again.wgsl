@@ -1,10 +1,8 @@
 // Several relaxations a step: multipliers are summed.
-@group(0) @binding(18) var<storage, read_write> sums: array<vec4<f32>>;
-
 fn multiplier(grid: u32, k: u32, direction: u32, far: f32, rest: f32, w: f32) -> f32 {
   let a = compliance(grid, k, direction) / (step.dt * step.dt);
-  let sum = sums[k][direction];
+  let sum = summed(k, direction);
   let g = (far - rest - a * sum) / max(far * (w + a), 1e-30);
-  sums[k][direction] = sum + g * far;
+  sum_up(k, direction, sum + g * far);
   return g;
 }

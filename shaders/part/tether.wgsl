@@ -12,16 +12,15 @@ fn held_back(k: u32, p: vec3<f32>) -> vec3<f32> {
       continue;
     }
     // Nothing moves pinned anchors here; what is no longer pinned holds nothing.
-    let end = place(tether.x);
+    let end = anchor(tether.x);
     if (end.w != 0.0) {
       continue;
     }
-    let anchor = end.xyz;
     let most = bitcast<f32>(tether.y);
-    let d = at - anchor;
+    let d = at - end.xyz;
     let far = sqrt(dot(d, d));
     if (far > most) {
-      at = anchor + d * (most / max(far, 1e-30));
+      at = end.xyz + d * (most / max(far, 1e-30));
     }
   }
   return at;

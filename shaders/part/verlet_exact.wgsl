@@ -1,6 +1,5 @@
 // A Verlet step of a free particle, of which what is too small for the position to take up is kept for the next: steps of a
 // thousandth of a second or less move particles by few units in the last place.
-@group(0) @binding(28) var<storage, read_write> lost: array<vec4<f32>>;
 
 // The same number; but a compiler, which may reorder sums, cannot see that, as no step is shorter than 0.
 fn kept(v: vec3<f32>) -> vec3<f32> {
@@ -16,6 +15,6 @@ fn moved_on(k: u32, p: vec4<f32>, was: vec3<f32>) -> vec4<f32> {
   // After a fault it may be no number, for which the comparison is false.
   let by = moved * on + a * step.scale + select(vec3<f32>(0.0), left, abs(left) <= vec3<f32>(1.0));
   let to = kept(p.xyz + by);
-  lost[k] = vec4<f32>(by - kept(to - p.xyz), 0.0);
+  lose(k, vec4<f32>(by - kept(to - p.xyz), 0.0));
   return vec4<f32>(to, p.w);
 }

@@ -46,5 +46,6 @@ pub(crate) mod strain;
 pub(crate) mod stretch;
 pub(crate) mod sweep;
 pub(crate) mod tethers;
+pub(crate) mod tile;
 pub(crate) mod transform;
 pub(crate) mod wind;

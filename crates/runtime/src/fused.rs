@@ -72,17 +72,19 @@ pub enum Hold {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
     /// Bytes of a workgroup's memory.
-    memory: u32,
+    pub(crate) memory: u32,
     /// Threads of a workgroup.
-    threads: u32,
+    pub(crate) threads: u32,
     /// Storage buffers that a shader may bind.
-    buffers: u32,
+    pub(crate) buffers: u32,
+    /// Workgroups that keep it busy.
+    pub(crate) busy: u32,
     /// Bytes of one of them.
-    bytes: u64,
+    pub(crate) bytes: u64,
 }
 
 /// Bytes of a workgroup's memory that shaders/part/notes.wgsl takes.
-const NOTES: u32 = 152;
+pub(crate) const NOTES: u32 = 152;
 /// Threads of a workgroup, at least.
 const LEAST: u32 = 64;
 
@@ -97,6 +99,7 @@ impl Room {
             memory: limits.max_compute_workgroup_storage_size,
             threads: if software { LEAST } else { most.max(LEAST) },
             buffers: limits.max_storage_buffers_per_shader_stage,
+            busy: if software { 8 } else { 256 },
             bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
         }
     }

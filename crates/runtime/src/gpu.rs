@@ -84,45 +84,61 @@ impl Gpu {
         for (strain, at) in alone.iter().filter_map(|c| self.cloths[*c].strain(false)) {
             encoder.clear_buffer(strain, at, Some(4));
         }
-        let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None });
+        let mut pass = begin(encoder);
         self.record_fused(world, &mut pass, steps);
-        for index in alone {
+        let mut last = Vec::new();
+        for &index in &alone {
             self.cloths[index].separate(&self.device, world, index);
-            let (cloth, plan) = (&world.scene.cloths[index], &world.schedules[index]);
-            let buffers = &mut self.cloths[index];
-            let queue = &self.queue;
-            let offset = |buffers: &mut ClothBuffers, n: u32| {
-                let group = steps.div_ceil(POSES);
-                let left = world.left(n / group * group, steps);
-                buffers.step_offset(queue, StepRow::from(&Step { left, ..world.step(cloth, n == 0) }))
-            };
-            let mut run = |buffers: &mut ClothBuffers, what, offset: u32| {
-                let source = source(what);
-                let pipeline = self.pipelines.get(&self.device, what, &source);
-                let group = buffers.group(&self.device, pipeline, &source, &self.solids);
-                let offsets: &[u32] = if source.binds(Slot::Step) { &[offset] } else { &[] };
-                let [x, y, z] = source.workgroups(cloth);
-                pass.set_pipeline(&pipeline.pipeline);
-                pass.set_bind_group(0, group, offsets);
-                pass.dispatch_workgroups(x, y, z);
-            };
-            let mut last = 0;
-            for n in 0..steps {
-                let offset = offset(buffers, n);
-                last = offset;
-                plan.step.iter().for_each(|what| run(buffers, *what, offset));
-                if world.coarse(n) {
-                    plan.coarse.iter().for_each(|what| run(buffers, *what, offset));
-                }
-                let rounds = 0..world.options.iterations;
-                rounds.for_each(|_| plan.relax.iter().for_each(|what| run(buffers, *what, offset)));
-            }
-            plan.frame.iter().for_each(|what| run(buffers, *what, last));
+            last.push(self.record_steps(world, &mut pass, index, steps));
+        }
+        if alone.iter().any(|c| self.cloths[*c].turned.contains(&true)) {
+            drop(pass);
+            alone.iter().for_each(|c| self.cloths[*c].turn_back(encoder));
+            pass = begin(encoder);
+        }
+        for (index, offset) in alone.into_iter().zip(last) {
+            world.schedules[index].frame.iter().for_each(|what| self.run(world, &mut pass, index, (*what, offset)));
         }
         drop(pass);
         self.watch(world, encoder, steps);
         world.tick(steps);
+    }
+
+    /// Records the steps of a cloth; returns where the numbers of the last one lie.
+    fn record_steps(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, steps: u32) -> u32 {
+        let (cloth, plan, order) = (&world.scene.cloths[index], &world.schedules[index], world.order(index));
+        let relax = order.map_or(&plan.relax, |o| &o.relax);
+        let mut offset = 0;
+        for n in 0..steps {
+            let group = steps.div_ceil(POSES);
+            let left = world.left(n / group * group, steps);
+            let row = StepRow::from(&Step { left, ..world.step(cloth, n == 0) });
+            offset = self.cloths[index].step_offset(&self.queue, row);
+            let coarse = if world.coarse(n) { &plan.coarse[..] } else { &[] };
+            let rounds = |count| (0..count).flat_map(|_| relax);
+            let mut run = |what: &Pass| self.run(world, pass, index, (*what, offset));
+            match order.filter(|_| coarse.is_empty()) {
+                Some(order) => order.first.iter().chain(rounds(world.options.iterations - 1)).for_each(&mut run),
+                None => plan.step.iter().chain(coarse).chain(rounds(world.options.iterations)).for_each(&mut run),
+            }
+        }
+        offset
+    }
+
+    /// Records one pass of a cloth, with the numbers that lie at an offset.
+    fn run(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, (what, offset): (Pass, u32)) {
+        let source = source(what);
+        let pipeline = self.pipelines.get(&self.device, what, &source);
+        let buffers = &mut self.cloths[index];
+        let group = buffers.group(&self.device, pipeline, &source, &self.solids);
+        let offsets: &[u32] = if source.binds(Slot::Step) { &[offset] } else { &[] };
+        let [x, y, z] = source.workgroups(&world.scene.cloths[index]);
+        pass.set_pipeline(&pipeline.pipeline);
+        pass.set_bind_group(0, group, offsets);
+        pass.dispatch_workgroups(x, y, z);
+        if let Pass::Tile(tile) = &what {
+            buffers.turn(tile);
+        }
     }
 
     /// Records the frames of all cloths that share dispatches.
@@ -200,6 +216,10 @@ pub fn device_limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
         max_buffer_size: have.max_buffer_size,
         ..wgpu::Limits::default()
     }
+}
+
+fn begin(encoder: &mut wgpu::CommandEncoder) -> wgpu::ComputePass<'_> {
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None })
 }
 
 impl crate::shaders::Source {

@@ -28,6 +28,7 @@ mod shaders;
 mod sleep;
 mod step;
 mod stepper;
+mod tile;
 mod wind;
 mod world;
 
@@ -50,6 +51,7 @@ pub use quality::Quality;
 pub use reference::Reference;
 pub use scene::Scene;
 pub use stepper::Stepper;
+pub use tile::{Tile, TileShape};
 pub use wgpu;
 pub use wind::{Wind, WindForce};
 pub use world::Fault;

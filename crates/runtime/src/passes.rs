@@ -4,6 +4,7 @@ use crate::cloth::{Cloth, Compliance, Grid, Rest};
 use crate::collider::{Collider, Shape};
 use crate::fused::Fused;
 use crate::options::{Options, Solver};
+use crate::tile::Tile;
 use crate::wind::{Wind, WindForce};
 
 /// A pass over a cloth. Passes of one kind differ in constants only.
@@ -101,6 +102,8 @@ pub enum Pass {
         /// Where compliance comes from, which accounts for a part of it.
         soft: Soft,
     },
+    /// Several of a step's passes in one dispatch, by tiles of the cloth.
+    Tile(Tile),
     /// All of the above for whole cloths in one dispatch.
     Fused(Fused),
     /// Triangles that a cut meets are taken away. This and all below run for one action, not every frame.

@@ -5,6 +5,7 @@ use std::fmt;
 use crate::fused::{Fused, Hold};
 use crate::passes::{Pass, Schedule};
 use crate::shaders::{Slot, source};
+use crate::tile::Tile;
 use crate::world::World;
 
 /// One pass of one cloth.
@@ -44,6 +45,15 @@ impl Plan {
         for (cloth, plan) in world.schedules.iter().enumerate().filter(|(c, _)| apart(*c)) {
             let Schedule { step, coarse, relax, frame } = plan;
             let rare = steps.div_ceil(world.options.pyramid.max(1));
+            if let Some(order) = world.order(cloth) {
+                let rare = if coarse.is_empty() { 0 } else { rare };
+                let relax = (&order.relax, steps * (rounds - 1) + rare);
+                let lists = [(step, rare), (coarse, rare), (&order.first, steps - rare), relax, (frame, 1)];
+                for (list, dispatches) in lists.into_iter().filter(|l| l.1 > 0) {
+                    passes.extend(list.iter().map(|pass| planned(world, cloth, *pass, dispatches)));
+                }
+                continue;
+            }
             for (list, dispatches) in [(step, steps), (coarse, rare), (relax, steps * rounds), (frame, 1)] {
                 passes.extend(list.iter().map(|pass| planned(world, cloth, *pass, dispatches)));
             }
@@ -96,6 +106,10 @@ impl fmt::Display for Plan {
                         Hold::Stored => "storage",
                     };
                     format!(" in {held}, {threads} threads")
+                }
+                Pass::Tile(Tile { shape, threads, .. }) => {
+                    let [[x, y], [wide, high]] = [shape.inner, shape.room];
+                    format!(" of {x} x {y} in {wide} x {high}, {threads} threads")
                 }
                 _ => String::new(),
             };

@@ -1,7 +1,9 @@
 //! Which files make which shader, and what it binds. The table is explicit: a shader is its parts, in order.
 
 use crate::cloth::Cloth;
+use crate::cpu::tile::tiles;
 use crate::passes::{Air, Kinds, Pass, Soft};
+use crate::tile::TileShape;
 
 mod slot;
 
@@ -25,6 +27,8 @@ pub enum Threads {
     Grids,
     /// A workgroup a cloth.
     Cloth,
+    /// A workgroup a tile of a grid.
+    Tiles(TileShape),
 }
 
 /// A shader as the table has it.
@@ -49,11 +53,14 @@ macro_rules! pass {
 
 // Below the macros, which it uses.
 mod fused;
+mod tile;
 
 const STEP: &str = part!("step");
 const BOUND: &str = part!("step_bound");
 const NOW: &str = part!("now");
 const STORED: &str = part!("stored");
+const PLACED: &str = part!("anchor_placed");
+const BY_ROWS: &str = part!("by_rows");
 const INDEX: &str = part!("index");
 const GRID: &str = part!("grid");
 const ENDS: &str = part!("ends");
@@ -96,8 +103,12 @@ pub fn source(pass: Pass) -> Source {
         Pass::Advance(air) => {
             let mut bindings = vec![reads(Step), writes(Now), writes(Before), writes(Slot::Lost)];
             bindings.extend((air == Air::Field).then_some(reads(Field)));
-            let files =
-                [&[STEP, BOUND, INDEX, NOW][..], self::air(air), &[part!("verlet_exact"), pass!("integrate")]].concat();
+            let files = [
+                &[STEP, BOUND, INDEX, NOW][..],
+                self::air(air),
+                &[part!("lost"), part!("verlet_exact"), pass!("integrate")],
+            ]
+            .concat();
             plain("integrate", &files, &bindings, Threads::Particles)
         }
         Pass::Membrane { column, row, holes } => {
@@ -142,7 +153,7 @@ pub fn source(pass: Pass) -> Source {
             Source { constants, ..plain("springs", &[GRID, ENDS, rest, pass!("springs")], &bindings, threads) }
         }
         Pass::Stretch { direction, parity, image, soft, again } => {
-            let (files, more) = spring_parts(image, soft, again);
+            let (files, more) = spring_parts(image, soft, rule(again));
             let mut bindings = vec![reads(Grids), writes(Now)];
             bindings.extend(more);
             let step: &[_] = if soft == Soft::None { &[] } else { &[STEP, BOUND] };
@@ -152,6 +163,7 @@ pub fn source(pass: Pass) -> Source {
             Source { constants, ..plain("stretch", &files, &bindings, Threads::Half(direction == 0)) }
         }
         Pass::Fused(fused) => fused::source(fused),
+        Pass::Tile(tile) => tile::source(tile),
         Pass::Pyramid { directions } => {
             let bindings = [reads(Slot::Levels), reads(Now), writes(Slot::Nodes), reads(Slot::Limits), reads(Grids)];
             let constants = (0..4).map(|d| (["right", "down", "down_right", "up_right"][d], directions[d]));
@@ -173,7 +185,7 @@ pub fn source(pass: Pass) -> Source {
                 constants,
                 ..plain(
                     "tethers",
-                    &[INDEX, NOW, STORED, part!("tether"), pass!("tethers")],
+                    &[INDEX, NOW, STORED, PLACED, part!("tether"), pass!("tethers")],
                     &bindings,
                     Threads::Particles,
                 )
@@ -316,7 +328,9 @@ fn air(air: Air) -> &'static [&'static str] {
 const CONTACT: [&str; 4] = [part!("solid"), part!("friction"), part!("entry"), part!("touch")];
 
 /// The rule of springs with compliance, and what it reads of a cloth beside positions.
-fn spring_parts(image: bool, soft: Soft, again: bool) -> (Vec<&'static str>, Vec<Bound>) {
+///
+/// The rule of multipliers, and what it reads, come with it.
+fn spring_parts(image: bool, soft: Soft, (rule, read): Rule) -> (Vec<&'static str>, Vec<Bound>) {
     let mut files = vec![ENDS, if image { part!("rest_image") } else { part!("rest_constant") }];
     let mut bindings: Vec<_> = image.then_some(reads(Slot::Rest)).into_iter().collect();
     match soft {
@@ -328,11 +342,23 @@ fn spring_parts(image: bool, soft: Soft, again: bool) -> (Vec<&'static str>, Vec
         }
     }
     if soft != Soft::None {
-        files.push(if again { part!("again") } else { part!("once") });
-        bindings.extend(again.then_some(writes(Slot::Sums)));
+        files.extend(rule);
+        bindings.extend(read);
     }
     files.extend([part!("aside"), part!("spring")]);
     (files, bindings)
+}
+
+/// Files and bindings.
+type Rule = (Vec<&'static str>, Vec<Bound>);
+
+/// How springs with compliance find their multipliers.
+fn rule(again: bool) -> Rule {
+    if again {
+        (vec![part!("sums"), part!("again")], vec![writes(Slot::Sums)])
+    } else {
+        (vec![part!("once")], Vec::new())
+    }
 }
 
 /// How much of a stretch is error.
@@ -376,6 +402,10 @@ impl Source {
             Threads::One | Threads::Cloth => [1; 3],
             Threads::Grids => [1, 1, cloth.grids().len() as u32],
             Threads::Half(columns) => sides(columns, !columns),
+            Threads::Tiles(TileShape { inner, lacks, .. }) => {
+                let [x, y] = [0, 1].map(|d| cloth.grids().iter().map(|g| tiles(g, inner, lacks)[d]).max().unwrap_or(0));
+                [x, y, cloth.grids().len() as u32]
+            }
         }
     }
 }

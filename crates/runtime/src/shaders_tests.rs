@@ -8,6 +8,7 @@ use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use super::*;
 use crate::fused::{Fused, Hold};
 use crate::gpu::layout::{FrameRow, GridRow, JobRow, SolidRow, StepRow};
+use crate::tile::{Tile, TileShape};
 
 /// Every variant that a schedule can hold, up to constants.
 fn variants() -> Vec<Pass> {
@@ -43,7 +44,32 @@ fn variants() -> Vec<Pass> {
     all.extend([Pass::Pyramid { directions: [true, true, false, true] }, Pass::Refine]);
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all.extend(fused().map(Pass::Fused));
+    all.extend(tiles().map(Pass::Tile));
     all
+}
+
+/// Every part of tiles, alone and with all others.
+fn tiles() -> impl Iterator<Item = Tile> {
+    let airs = [None, Some(Air::None), Some(Air::Push), Some(Air::Field)];
+    let softs = [Soft::None, Soft::Constant, Soft::Image];
+    (0..64u32).flat_map(move |k| {
+        let on = move |bit: u32| k >> bit & 1 == 1;
+        (0..12).map(move |n| Tile {
+            air: airs[n % 4],
+            exact: on(3) && n % 4 > 0,
+            forget: on(2) && on(3) && n > 3,
+            again: on(2) && (on(3) || on(4)) && n > 3,
+            tethers: [on(0), on(1)],
+            slots: 2 * u32::from(on(0) || on(1)),
+            colours: if on(2) { 0xff } else { 0 },
+            polish: u32::from(on(2) && on(0)),
+            image: on(3),
+            soft: if on(2) { softs[n / 4] } else { Soft::None },
+            contact: on(4).then_some(Kinds { shapes: [true; 6], friction: on(2), many: on(5) }),
+            shape: TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] },
+            threads: 256,
+        })
+    })
 }
 
 /// Every part of whole frames, alone and with all others.
@@ -118,7 +144,7 @@ fn the_table_names_just_what_shaders_bind() {
         let table = table.iter().map(|b| (b.slot as u32, b.slot.name().to_string(), b.writes));
         assert_eq!(bound, table.collect(), "{pass:?}");
         // Where a device has no more than WebGPU promises, frames that need more run in passes of their own.
-        let most = if matches!(pass, Pass::Fused(_)) { 24 } else { 8 };
+        let most = if matches!(pass, Pass::Fused(_) | Pass::Tile(_)) { 24 } else { 8 };
         assert!(storage <= most, "{pass:?} binds {storage} storage buffers");
     }
 }

@@ -1,5 +1,7 @@
 //! The state that both backends share: the scene, its schedules and the clock.
 
+use std::sync::OnceLock;
+
 use crate::actions::Action;
 use crate::clock::Clock;
 use crate::cloth::{Anchor, Cloth, Tethers};
@@ -17,6 +19,7 @@ use crate::quality::{Chooser, Quality};
 use crate::scene::Scene;
 use crate::sleep::Calm;
 use crate::step::{Step, StepInput};
+use crate::tile::{Order, order};
 
 /// A scene, what is to be run for it, and when.
 pub struct World {
@@ -28,6 +31,8 @@ pub struct World {
     pub schedules: Vec<Schedule>,
     /// Which of them run in one dispatch.
     pub fused: Vec<Option<Fused>>,
+    /// How passes run together of those that do not, found when it is first asked for.
+    pub orders: Vec<OnceLock<Option<Order>>>,
     /// Cloths that lie in the same buffers, by index.
     pub arenas: Vec<Vec<usize>>,
     /// What the device that steps has room for.
@@ -82,6 +87,7 @@ impl World {
             chooser: Chooser::default(),
             schedules: Vec::new(),
             fused: Vec::new(),
+            orders: Vec::new(),
             arenas: Vec::new(),
             room: None,
             tethers,
@@ -163,6 +169,15 @@ impl World {
     /// Whether step `n` of a frame has the passes on coarser grids.
     pub fn coarse(&self, n: u32) -> bool {
         self.options.pyramid > 0 && n.is_multiple_of(self.options.pyramid)
+    }
+
+    /// How the passes of a cloth's steps run together by tiles, where any do.
+    pub fn order(&self, cloth: usize) -> Option<&Order> {
+        let find = || {
+            let tiled = self.options.fused && self.options.solver == Solver::Xpbd;
+            order(&self.scene.cloths[cloth], &self.schedules[cloth], self.room.as_ref().filter(|_| tiled)?)
+        };
+        self.orders.get(cloth)?.get_or_init(find).as_ref()
     }
 
     /// Time \[s\] from the end of step `n` of `steps` to the end of the frame, where colliders move; else 0.

@@ -202,8 +202,8 @@ impl<T: Real> Body<T> {
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
             Pass::Strain { image, soft } => self.strain(threads, (image, soft), step.dt),
             // Run by actions, which bring what they need.
-            Pass::Fused(_) | Pass::Cut | Pass::CutSprings | Pass::Transform | Pass::Pick { .. } | Pass::PickNearest => {
-            }
+            Pass::Fused(_) | Pass::Tile(_) | Pass::Cut | Pass::CutSprings | Pass::Transform => {}
+            Pass::Pick { .. } | Pass::PickNearest => {}
         }
     }
 

@@ -66,6 +66,7 @@ impl World {
     /// Which cloths run fused; to be called when schedules have changed.
     pub fn fuse(&mut self) {
         self.fused = vec![None; self.schedules.len()];
+        self.orders = vec![Default::default(); self.schedules.len()];
         let Some(room) = self.room.filter(|_| self.options.fused) else { return };
         for index in self.arenas.iter().flatten() {
             let (cloth, schedule) = (&self.scene.cloths[*index], &self.schedules[*index]);

@@ -16,12 +16,17 @@ use crate::levels::levels;
 use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
 use crate::shaders::{Bound, Slot, Source};
+use crate::tile::Tile;
 use crate::world::World;
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
 const STEP_STRIDE: u32 = 256;
 /// A frame takes up to two, or [`super::layout::POSES`] where colliders move; so many can be recorded before the first submission.
 const STEPS: u32 = 1024;
+
+/// What tiles read, and where they write it to.
+const TURNS: [(Slot, Slot); 4] =
+    [(Slot::Now, Slot::Next), (Slot::Before, Slot::Passed), (Slot::Lost, Slot::Losing), (Slot::Sums, Slot::Summing)];
 
 /// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices, which
 /// cloths may share.
@@ -44,7 +49,9 @@ pub struct ClothBuffers {
     stepping: bool,
     step: Option<Buffer>,
     others: HashMap<Slot, Buffer>,
-    groups: HashMap<Vec<Bound>, wgpu::BindGroup>,
+    groups: HashMap<(Vec<Bound>, [bool; 4]), wgpu::BindGroup>,
+    /// Which of [`TURNS`] lie in the other buffers, as they do after an odd number of tiles.
+    pub(super) turned: [bool; 4],
     last: Option<StepRow>,
     cursor: u32,
 }
@@ -103,6 +110,7 @@ impl ClothBuffers {
             step: None,
             others: HashMap::new(),
             groups: HashMap::new(),
+            turned: [false; 4],
             last: None,
             cursor: 0,
         })
@@ -192,11 +200,12 @@ impl ClothBuffers {
         solids: &Buffer,
     ) -> &wgpu::BindGroup {
         self.make_scratch(device, source);
-        if !self.groups.contains_key(&source.bindings) {
+        let key = (source.bindings.clone(), self.turned);
+        if !self.groups.contains_key(&key) {
             let group = self.bind(device, pipeline, source, &[(Slot::Solids, solids)]);
-            self.groups.insert(source.bindings.clone(), group);
+            self.groups.insert(key.clone(), group);
         }
-        &self.groups[&source.bindings]
+        &self.groups[&key]
     }
 
     /// Buffers that only some scenes need: air that acts on triangles, multipliers of several relaxations,
@@ -206,6 +215,7 @@ impl ClothBuffers {
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
                 Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
+                Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest | Slot::Strain => 4,
                 _ => continue,
@@ -226,7 +236,11 @@ impl ClothBuffers {
     ) -> wgpu::BindGroup {
         let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
         let row = std::num::NonZeroU64::new(size_of::<StepRow>() as u64);
-        let buffer = |slot| match slot {
+        let other = |slot| {
+            let turn = TURNS.iter().zip(self.turned).find(|((a, b), turned)| *turned && (*a == slot || *b == slot));
+            turn.map_or(slot, |((a, b), _)| if *a == slot { *b } else { *a })
+        };
+        let buffer = |slot| match other(slot) {
             Slot::Now => Some(self.now.binding()),
             Slot::Before => Some(self.before.binding()),
             Slot::Normals => Some(self.normals.binding()),
@@ -244,6 +258,22 @@ impl ClothBuffers {
         let entries: Vec<_> = source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
         let layout = &pipeline.layout;
         device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(source.stem), layout, entries: &entries })
+    }
+
+    /// A tile has written positions to where the last ones were not.
+    pub(super) fn turn(&mut self, tile: &Tile) {
+        let moves = [true, tile.air.is_some(), tile.exact, tile.again];
+        self.turned = std::array::from_fn(|n| self.turned[n] != moves[n]);
+    }
+
+    /// Brings positions back to where hosts look for them. Nothing goes on from the multipliers of a frame.
+    pub(super) fn turn_back(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let places = [Some(&self.now), Some(&self.before), self.lost.as_ref()];
+        for ((to, (_, slot)), turned) in places.into_iter().zip(TURNS).zip(std::mem::take(&mut self.turned)) {
+            if let (Some(to), Some(from), true) = (to, self.others.get(&slot), turned) {
+                encoder.copy_buffer_to_buffer(from, 0, &to.buffer, to.offset, to.size);
+            }
+        }
     }
 
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.
@@ -276,7 +306,7 @@ impl ClothBuffers {
 
     /// Drops the bindings that name the old buffer of colliders.
     pub(super) fn forget_colliders(&mut self) {
-        self.groups.retain(|bindings, _| bindings.iter().all(|b| b.slot != Slot::Solids));
+        self.groups.retain(|(bindings, _), _| bindings.iter().all(|b| b.slot != Slot::Solids));
     }
 }
 

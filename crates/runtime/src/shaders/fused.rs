@@ -1,17 +1,17 @@
 //! The parts of the shader that runs whole frames.
 
 use super::{
-    CONTACT, GRID, LAPLACIAN, NEIGHBOURS, NOW, RINGS, STEP, Slot, Source, Threads, UNIT, air, reads, shapes, share,
-    spring_parts, writes,
+    BY_ROWS, CONTACT, GRID, LAPLACIAN, NEIGHBOURS, NOW, PLACED, RINGS, STEP, Slot, Source, Threads, UNIT, air, reads,
+    rule, shapes, share, spring_parts, writes,
 };
 use crate::fused::{Fused, Hold};
 
 /// Only what the cloths of the batch need is compiled in and bound.
 pub(super) fn source(fused: Fused) -> Source {
-    let (springs, mut bindings) = spring_parts(fused.image, fused.soft, fused.again);
+    let (springs, mut bindings) = spring_parts(fused.image, fused.soft, rule(fused.again));
     bindings.extend([reads(Slot::Frame), reads(Slot::Jobs), reads(Slot::Grids), writes(Slot::Now)]);
     bindings.extend([writes(Slot::Before), writes(Slot::Faults), writes(Slot::Good)]);
-    let mut files = vec![STEP, GRID, NOW, part!("holes_none"), part!("larger"), part!("sane")];
+    let mut files = vec![STEP, GRID, NOW, BY_ROWS, part!("holes_none"), part!("larger"), part!("sane")];
     let mut constants = vec![("threads", f64::from(fused.threads))];
     constants.extend(DIRECTIONS.iter().zip(fused.directions).map(|(name, on)| (*name, f64::from(u8::from(on)))));
     constants.push(("polish", f64::from(fused.polish)));
@@ -31,7 +31,8 @@ pub(super) fn source(fused: Fused) -> Source {
     }
     constants.extend((fused.hold != Hold::Stored).then(|| ("places", f64::from(fused.places))));
     files.extend(air(fused.air));
-    files.push(if fused.exact { part!("verlet_exact") } else { part!("verlet") });
+    let verlet: &[_] = if fused.exact { &[part!("lost"), part!("verlet_exact")] } else { &[part!("verlet")] };
+    files.extend(verlet);
     bindings.extend(fused.exact.then_some(writes(Slot::Lost)));
     if fused.membrane {
         files.extend([part!("cell"), part!("fused_membrane")]);
@@ -51,7 +52,7 @@ pub(super) fn source(fused: Fused) -> Source {
     files.extend(springs);
     files.push(if fused.again { part!("fused_forget") } else { part!("fused_forget_none") });
     if fused.slots > 0 {
-        files.extend([part!("tether"), part!("fused_tethers")]);
+        files.extend([PLACED, part!("tether"), part!("fused_tethers")]);
         bindings.push(reads(Slot::Tethers));
         constants.push(("slots", f64::from(fused.slots)));
     } else {

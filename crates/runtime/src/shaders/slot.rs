@@ -40,11 +40,15 @@ pub enum Slot {
     Frame,
     Jobs,
     Strain,
+    Next,
+    Passed,
+    Losing,
+    Summing,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 34] = [
+        const NAMES: [&str; 38] = [
             "step",
             "grids",
             "now",
@@ -79,6 +83,10 @@ impl Slot {
             "frame",
             "jobs",
             "strain",
+            "next",
+            "passed",
+            "losing",
+            "summing",
         ];
         NAMES[self as usize]
     }
@@ -102,6 +110,7 @@ impl Slot {
             Slot::Frame => size_of::<FrameRow>(),
             Slot::Jobs => size_of::<JobRow>(),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
+            Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => cloth.len() * 16,
             Slot::Bends => cloth.len() * 8,
             Slot::Cells => cloth.len() * 32,
             Slot::Yielding => 16,

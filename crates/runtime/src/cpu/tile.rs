@@ -1,0 +1,138 @@
+//! Twin of shaders/tile.wgsl: how far a colour of springs reaches, which is what a tile has to have around it. The rules
+//! of particles and springs are those of the separate passes.
+
+use crate::cloth::Grid;
+
+/// What a colour joins along one side of a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reach {
+    /// Nothing.
+    None,
+    /// Two of them, the first of which has this parity.
+    Pair(u32),
+    /// Each with the next.
+    All,
+}
+
+/// The reach of springs of a direction and parity along x and y.
+fn reach((direction, parity): (u32, u32)) -> [Reach; 2] {
+    match direction {
+        0 => [Reach::Pair(parity), Reach::None],
+        1 => [Reach::None, Reach::Pair(parity)],
+        _ => [Reach::All, Reach::Pair(parity)],
+    }
+}
+
+/// What is still right, after a colour, of the columns or rows from the first of a range up to, not with, the last, of a
+/// grid with `size` of them: springs that join them to others were left out.
+fn within([from, to]: [i64; 2], size: i64, reach: Reach) -> [i64; 2] {
+    let odd = |at: i64, parity: u32| (at - i64::from(parity)).rem_euclid(2);
+    let (less, more) = match reach {
+        Reach::None => (0, 0),
+        Reach::Pair(parity) => (odd(from, parity), odd(to, parity)),
+        Reach::All => (1, 1),
+    };
+    [if from > 0 { from + less } else { from }, if to < size { to - more } else { to }]
+}
+
+/// How many columns and rows a tile needs on every side of an even number of them, for these colours to leave those right;
+/// and whether tiles had better begin at odd ones, as then they need fewer.
+pub fn around(colours: &[(u32, u32)]) -> ([u32; 2], [u32; 2]) {
+    // Far from the border of a grid, which nothing reaches across.
+    const FAR: i64 = 1 << 20;
+    let enough = |axis: usize, first: i64, n: i64| {
+        let all = [FAR + first - n, FAR + first + 2 + n];
+        let [from, to] = colours.iter().fold(all, |range, colour| within(range, i64::MAX, reach(*colour)[axis]));
+        from <= FAR + first && to >= FAR + first + 2
+    };
+    let least = |axis: usize, first: i64| (0..).find(|n| enough(axis, first, *n)).unwrap_or(0);
+    let of = |axis: usize| {
+        let [even, odd] = [least(axis, 0), least(axis, 1)];
+        if odd < even { (odd as u32, 1) } else { (even as u32, 0) }
+    };
+    let [x, y] = [of(0), of(1)];
+    ([x.0, y.0], [x.1, y.1])
+}
+
+/// Tiles along the sides of a grid, each with `inner` columns and rows, of which the first lacks some.
+pub fn tiles(grid: &Grid, inner: [u32; 2], lacks: [u32; 2]) -> [u32; 2] {
+    [(grid.width + lacks[0]).div_ceil(inner[0]), (grid.height + lacks[1]).div_ceil(inner[1])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [(u32, u32); 8] = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
+
+    /// A spring that leaves a trace of everything it has met, and of the order.
+    fn mix(a: &mut u64, b: &mut u64) {
+        let of = |x: u64, y: u64| (x ^ y.rotate_left(17)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23);
+        (*a, *b) = (of(*a, *b), of(*b, a.wrapping_add(1)));
+    }
+
+    /// Springs of a colour that have both ends in a part of a grid.
+    fn relax(all: &mut [u64], width: usize, [x, y]: [[i64; 2]; 2], (direction, parity): (u32, u32)) {
+        let (right, down) = (i64::from(direction != 1), i64::from(direction != 0));
+        for (j, i) in (y[0]..y[1] - down).flat_map(|j| (x[0]..x[1] - right).map(move |i| (j, i))) {
+            if if direction == 0 { i } else { j } % 2 != i64::from(parity) {
+                continue;
+            }
+            let (top, low) = (j as usize * width + i as usize, (j + down) as usize * width + i as usize);
+            let right = right as usize;
+            let (a, b) = if direction == 3 { (low, top + right) } else { (top, low + right) };
+            let (mut p, mut q) = (all[a], all[b]);
+            mix(&mut p, &mut q);
+            (all[a], all[b]) = (p, q);
+        }
+    }
+
+    #[test]
+    fn what_a_tile_owns_comes_out_as_without_tiles() {
+        let lists = [&ALL[..], &ALL[4..], &ALL[2..3], &[ALL, ALL].concat(), &[&ALL[..], &ALL[4..], &ALL[4..]].concat()];
+        for (colours, (width, height)) in
+            lists.iter().flat_map(|c| [(31, 26), (2, 40), (17, 3), (24, 24)].map(|s| (*c, s)))
+        {
+            let begin: Vec<u64> = (0..width * height).collect();
+            let whole = [[0, width as i64], [0, height as i64]];
+            let mut expected = begin.clone();
+            colours.iter().for_each(|c| relax(&mut expected, width as usize, whole, *c));
+            let (around, lacks) = around(colours);
+            for inner in [[2u32, 2], [4, 10], [12, 6], [40, 40]] {
+                let grid = Grid { name: String::new(), first: 0, width: width as u32, height: height as u32 };
+                let [columns, rows] = tiles(&grid, inner, lacks);
+                let mut seen = 0;
+                for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
+                    let size = [width as i64, height as i64];
+                    let own = [0, 1].map(|d| {
+                        let first = i64::from([column, row][d] * inner[d]) - i64::from(lacks[d]);
+                        [first.max(0), (first + i64::from(inner[d])).min(size[d])]
+                    });
+                    let wide = |d: usize| {
+                        let n = i64::from(around[d]);
+                        [(own[d][0] - n).max(0), (own[d][1] + n).min(size[d])]
+                    };
+                    let (mut part, mut particles) = ([wide(0), wide(1)], begin.clone());
+                    for colour in colours {
+                        relax(&mut particles, width as usize, part, *colour);
+                        part = [0, 1].map(|d| within(part[d], size[d], reach(*colour)[d]));
+                    }
+                    for (j, i) in (own[1][0]..own[1][1]).flat_map(|j| (own[0][0]..own[0][1]).map(move |i| (j, i))) {
+                        let k = (j * size[0] + i) as usize;
+                        assert_eq!(particles[k], expected[k], "{colours:?} {inner:?} ({i}, {j})");
+                        seen += 1;
+                    }
+                }
+                assert_eq!(seen, width * height);
+            }
+        }
+    }
+
+    #[test]
+    fn eight_colours_reach_five_particles_far() {
+        assert_eq!(around(&ALL), ([5, 5], [1, 1]));
+        assert_eq!(around(&ALL[4..]), ([1, 1], [1, 1]));
+        assert_eq!(around(&[&ALL[..], &ALL[4..]].concat()), ([7, 7], [1, 1]));
+        assert_eq!(around(&[]), ([0, 0], [0, 0]));
+    }
+}

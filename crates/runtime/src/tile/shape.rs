@@ -1,0 +1,149 @@
+//! How large tiles are.
+
+use super::Tile;
+use crate::cloth::Grid;
+use crate::cpu::tile::tiles;
+use crate::fused::{NOTES, Room};
+
+/// Sizes of tiles, in columns and rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct TileShape {
+    /// What a tile owns; both even.
+    pub inner: [u32; 2],
+    /// How many it has on every side beside these, where the grid has any.
+    pub around: [u32; 2],
+    /// 1 where the first tile lacks a column or row, so that tiles begin at odd ones.
+    pub lacks: [u32; 2],
+    /// Columns and rows that there is room for.
+    pub room: [u32; 2],
+}
+
+/// Bytes of a particle in a workgroup's memory, and of its springs' multipliers.
+const BYTES: u32 = 16;
+/// Particles that every device has room for. Larger tiles relax less that they do not own.
+const USUAL: u32 = 1024;
+/// Beyond, more would gain little.
+const LARGE: u32 = 2304;
+/// A tile that loads so many times what it owns makes no further round of springs.
+const DEAR: u64 = 4;
+
+impl Tile {
+    /// With sizes, if a device has room for it.
+    pub(super) fn fit(self, grids: &[Grid], room: &Room) -> Option<Self> {
+        let (around, lacks) = self.around();
+        let beside = if self.contact.is_some_and(|k| k.many) { NOTES } else { 0 };
+        let most = (room.memory.saturating_sub(beside) / if self.again { 2 * BYTES } else { BYTES }).min(LARGE);
+        let shape = |places: u32| best(TileShape { around, lacks, ..TileShape::default() }, grids, places);
+        // Large ones only where there are enough of them to keep a device busy.
+        let large = shape(most).filter(|s| count(s, grids) >= room.busy || most <= USUAL);
+        let shape = large.or_else(|| shape(most.min(USUAL)))?;
+        let particles: u64 = grids.iter().map(|g| u64::from(g.width) * u64::from(g.height)).sum();
+        if self.polish > 0 && loads(&shape, grids) > DEAR * particles {
+            return None;
+        }
+        // As many as a colour has springs.
+        let threads = (shape.room[0] * shape.room[1] / 2).next_power_of_two().clamp(64, room.threads.min(512));
+        Some(Tile { shape, threads, ..self })
+    }
+}
+
+/// Tiles of all grids.
+fn count(shape: &TileShape, grids: &[Grid]) -> u32 {
+    grids.iter().map(|g| tiles(g, shape.inner, shape.lacks)).map(|[x, y]| x * y).sum()
+}
+
+/// Particles that all tiles read.
+fn loads(shape: &TileShape, grids: &[Grid]) -> u64 {
+    let along = |g: &Grid, d: usize| shape.extents([g.width, g.height][d], d).map(u64::from).sum::<u64>();
+    grids.iter().map(|g| along(g, 0) * along(g, 1)).sum()
+}
+
+impl TileShape {
+    /// Columns, or rows, that tiles read along a side of a grid: those at its ends have nothing beyond.
+    fn extents(&self, side: u32, axis: usize) -> impl Iterator<Item = u32> {
+        let (inner, around, lacks) = (self.inner[axis], self.around[axis], self.lacks[axis]);
+        (0..(side + lacks).div_ceil(inner)).map(move |tile| {
+            let (low, high) = ((tile * inner).max(lacks) - lacks, ((tile + 1) * inner - lacks).min(side));
+            (high + around).min(side) - (low.max(around) - around)
+        })
+    }
+}
+
+/// The shape that loads least, of all that `places` particles are enough for.
+fn best(like: TileShape, grids: &[Grid], places: u32) -> Option<TileShape> {
+    let sides = [|g: &Grid| g.width, |g: &Grid| g.height].map(|s| grids.iter().map(s).max().unwrap_or(0));
+    let whole = |d: usize| (sides[d] + like.lacks[d]).next_multiple_of(2);
+    let widest = |shape: &TileShape, d: usize| shape.extents(sides[d], d).max().unwrap_or(0);
+    let shapes = (2..=whole(0)).step_by(2).filter_map(|x| {
+        let mut shape = TileShape { inner: [x, 2], ..like };
+        shape.room[0] = widest(&shape, 0);
+        let high = places / shape.room[0].max(1);
+        // All rows, half of them, or what there is room for; then as many parts, but alike.
+        let some = high.saturating_sub(2 * like.around[1]) & !1;
+        let all = [whole(1), (whole(1) / 2).next_multiple_of(2), some];
+        let fits = |y: u32| y > 0 && widest(&TileShape { inner: [x, y], ..like }, 1) <= high;
+        let y = all.into_iter().find(|y| fits(*y))?;
+        let parts = (sides[1] + like.lacks[1]).div_ceil(y);
+        shape.inner[1] = (sides[1] + like.lacks[1]).div_ceil(parts).next_multiple_of(2);
+        shape.room[1] = widest(&shape, 1);
+        Some(shape)
+    });
+    shapes.min_by_key(|s| (loads(s, grids), s.room[0].abs_diff(s.room[1])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::COLOURS;
+    use super::*;
+    use crate::passes::{Air, Kinds, Pass, Soft};
+
+    fn grid(width: u32, height: u32) -> Grid {
+        Grid { name: String::new(), first: 0, width, height }
+    }
+
+    #[test]
+    fn tiles_fit_the_memory_and_cover_the_grid() {
+        for (width, height) in [(2, 2), (2, 1000), (70, 70), (129, 65), (512, 512), (3, 17)] {
+            for (places, n) in [(1024, 5), (992, 7), (2304, 5), (1024, 0)] {
+                let like = TileShape { around: [n; 2], lacks: [n & 1; 2], ..TileShape::default() };
+                let grids = [grid(width, height)];
+                let shape = best(like, &grids, places).unwrap();
+                assert!(shape.room[0] * shape.room[1] <= places, "{shape:?}");
+                assert!(shape.inner.iter().all(|s| s % 2 == 0 && *s > 0), "{shape:?}");
+                for (d, side) in [width, height].into_iter().enumerate() {
+                    assert!(shape.extents(side, d).all(|e| e <= shape.room[d]), "{shape:?}");
+                }
+            }
+        }
+        // What fits is one tile.
+        let like = TileShape { around: [5; 2], lacks: [1; 2], ..TileShape::default() };
+        assert_eq!(count(&best(like, &[grid(2, 500)], 1024).unwrap(), &[grid(2, 500)]), 1);
+    }
+
+    #[test]
+    fn tiles_are_as_large_as_pays() {
+        let room = Room { memory: 49_152, threads: 256, buffers: 8, busy: 256, bytes: 1 << 27 };
+        let passes = [Pass::Integrate(Air::None)].into_iter().chain(COLOURS.map(|(direction, parity)| Pass::Stretch {
+            direction,
+            parity,
+            image: false,
+            soft: Soft::None,
+            again: false,
+        }));
+        let passes: Vec<_> = passes.chain([Pass::Contact(Kinds { many: true, ..Kinds::default() })]).collect();
+        // Bytes of a particle in a step, and places.
+        let of = |n: u32, room: &Room| {
+            let (tile, grids) = (Tile::of(&passes).unwrap(), [grid(n, n)]);
+            let tile = tile.fit(&grids, room).unwrap();
+            let bytes = 32.0 * loads(&tile.shape, &grids) as f64 / f64::from(n * n) + 32.0;
+            (bytes, tile.shape.room[0] * tile.shape.room[1])
+        };
+        let (few, many) = (of(256, &room), of(1024, &room));
+        assert!(few.0 < 103.0 && few.1 <= USUAL, "{few:?}");
+        assert!(many.0 < 87.0 && many.1 > USUAL, "{many:?}");
+        // What colliders are near is noted beside.
+        let least = of(256, &Room { memory: 16_384, ..room });
+        assert!(least.1 * BYTES + NOTES <= 16_384, "{least:?}");
+        assert_eq!(Tile::of(&passes).unwrap().fit(&[grid(64, 64)], &Room { memory: 1024, ..room }), None);
+    }
+}

@@ -1,0 +1,343 @@
+//! Tiles of large cloths against the passes that they are made of.
+
+mod support;
+
+use gimage_runtime::*;
+use support::{all_colliders, device_with, scene, two_charts, wind};
+
+const FRAME: f64 = 1.0 / 60.0;
+
+type Device = (wgpu::Device, wgpu::Queue);
+
+/// A device with no more than every one has, so that no cloth here fits a workgroup.
+fn device() -> Option<Device> {
+    support::device()
+}
+
+fn options(fused: bool) -> Options {
+    Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: 5, fused, ..Options::default() }
+}
+
+struct Run<'a> {
+    stepper: Stepper,
+    device: &'a Device,
+}
+
+impl<'a> Run<'a> {
+    fn new(scene: &Scene, options: &Options, device: &'a Device) -> Self {
+        let stepper = Stepper::new(scene.clone(), options.clone(), Some((&device.0, &device.1))).unwrap();
+        Run { stepper, device }
+    }
+
+    fn frames(mut self, count: u32) -> Self {
+        for _ in 0..count {
+            let mut encoder = self.device.0.create_command_encoder(&Default::default());
+            self.stepper.record(&mut encoder, FRAME).unwrap();
+            self.device.1.submit([encoder.finish()]);
+        }
+        self
+    }
+
+    /// Positions now and before and normals of a cloth, as bits.
+    fn bits(&self, cloth: usize) -> [Vec<[u32; 4]>; 3] {
+        let buffers = self.stepper.buffers(cloth).unwrap();
+        let list = |span| read_back(&self.device.0, &self.device.1, span).unwrap();
+        [&buffers.now, &buffers.before, &buffers.normals].map(|s| list(s).iter().map(|p| p.map(f32::to_bits)).collect())
+    }
+
+    /// What runs by tiles, and how often a frame.
+    fn tiles(&self) -> Vec<(Tile, u32)> {
+        let of = |p: &PlannedPass| if let Pass::Tile(t) = p.pass { Some((t, p.dispatches)) } else { None };
+        self.stepper.plan().passes.iter().filter_map(of).collect()
+    }
+}
+
+/// Runs a scene both ways: the same bits, at last, in fewer dispatches.
+fn agree(name: &str, scene: &Scene, with: impl Fn(Options) -> Options, device: &Device) -> Vec<(Tile, u32)> {
+    let [tiled, apart] = [true, false].map(|fused| Run::new(scene, &with(options(fused)), device));
+    let (tiles, plan) = (tiled.tiles(), tiled.stepper.plan());
+    assert!(!tiles.is_empty(), "{name}: {plan}");
+    assert_eq!(apart.tiles(), [], "{name}");
+    assert!(plan.dispatches() < apart.stepper.plan().dispatches(), "{name}");
+    let [tiled, apart] = [tiled, apart].map(|run| run.frames(7));
+    for cloth in 0..scene.cloths.len() {
+        let (a, b) = (tiled.bits(cloth), apart.bits(cloth));
+        for (what, (a, b)) in ["now", "before", "normals"].iter().zip(a.iter().zip(&b)) {
+            let other = a.iter().zip(b).position(|(a, b)| a != b);
+            assert_eq!(other, None, "{name}: {what} of cloth {cloth}\n{plan}");
+        }
+        assert!(a[0].iter().flatten().all(|x| f32::from_bits(*x).is_finite()), "{name}");
+        assert!(a[0] != a[1], "{name} does not move");
+    }
+    tiles
+}
+
+/// A rectangle of so many particles, 1 m wide, hung by two corners, thrown askew.
+fn sheet(width: u32, height: u32) -> Cloth {
+    let down = (height - 1) as f32 / (width - 1) as f32;
+    let flat = Flat { width, height, down: [0.0, 0.0, down.min(4.0)], ..Flat::square("sheet", width) };
+    let mut cloth = flat.cloth().unwrap();
+    cloth.set_pinned(0, true).unwrap();
+    cloth.set_pinned(width as usize - 1, true).unwrap();
+    (cloth.velocity, cloth.damping) = ([0.4, -1.5, 0.3], 0.3);
+    cloth
+}
+
+const SIZES: [(u32, u32); 5] = [(70, 70), (129, 65), (200, 33), (2, 1100), (1030, 3)];
+
+#[test]
+fn tiles_of_any_cloth_give_the_bits_of_separate_passes() {
+    let Some(device) = device() else { return };
+    for (width, height) in SIZES {
+        let scene = scene(sheet(width, height));
+        let name = format!("{width} x {height}");
+        // The whole step is one dispatch, but for what ends the frame.
+        let tiles = agree(&name, &scene, |o| o, &device);
+        assert!(matches!(tiles[..], [(Tile { tethers: [true, true], contact: None, polish: 0, .. }, 5)]), "{tiles:?}");
+        agree(&name, &scene, |o| Options { tethers: 0, substeps: 4, ..o }, &device);
+        agree(&name, &scene, |o| Options { iterations: 3, ..o }, &device);
+        agree(&name, &scene, |o| Options { polish: 1, ..o }, &device);
+        agree(&name, &scene, |o| Options { polish: 5, iterations: 2, ..o }, &device);
+    }
+}
+
+#[test]
+fn a_step_is_as_few_dispatches_as_can_be() {
+    let Some(device) = device() else { return };
+    let of = |scene: &Scene, with: Options| {
+        let plan = Run::new(scene, &Options { normals: false, ..with }, &device).stepper.plan();
+        // Two passes end a frame.
+        (plan.dispatches() - 2, plan.passes.iter().map(|p| p.shader).collect::<Vec<_>>())
+    };
+    let plain = scene(sheet(70, 70));
+    let six = Scene { colliders: all_colliders(), ..plain.clone() };
+    let base = || Options { substeps: 1, ..options(true) };
+    let tile = ["tile", "guard", "restore"];
+    assert_eq!(of(&plain, base()), (1, tile.to_vec()));
+    assert_eq!(of(&plain, Options { substeps: 16, ..base() }), (16, tile.to_vec()));
+    assert_eq!(of(&six, base()), (1, tile.to_vec()));
+    assert_eq!(of(&six, Options { polish: 1, ..base() }), (1, tile.to_vec()));
+    // The first one integrates.
+    assert_eq!(of(&six, Options { iterations: 4, ..base() }).0, 4);
+    // So many rounds would have far more around a tile than in it.
+    assert_eq!(of(&six, Options { polish: 12, ..base() }).0, 4);
+    let windy = Scene { wind: Some(wind(true)), ..plain };
+    assert_eq!(of(&windy, base()).1[..2], ["wind", "tile"]);
+    let charts = Scene { colliders: all_colliders(), ..scene(two_charts(48)) };
+    assert_eq!(of(&charts, base()).1[..3], ["tile", "seams", "tile"]);
+}
+
+#[test]
+fn what_springs_are_like_is_the_same_by_tiles() {
+    let Some(device) = device() else { return };
+    let cloth = || sheet(70, 41);
+    let with = |rest, compliance| {
+        let like = cloth();
+        let mut made = Cloth::new(Parts {
+            name: "made".into(),
+            grids: like.grids().to_vec(),
+            positions: like.positions().to_vec(),
+            particles: like.particles().to_vec(),
+            rest,
+            mass: Mass::Constant(like.mass(1)),
+        })
+        .unwrap();
+        (made.velocity, made.compliance) = (like.velocity, compliance);
+        scene(made)
+    };
+    let lengths = |k: usize| [0.014, 0.0145, if k % 7 < 6 { 0.02 } else { 0.0 }, 0.021];
+    let image = || Rest::Image((0..70 * 41).map(lengths).collect());
+    let softs = Compliance::Image((0..70 * 41).map(|k| [0, 1, 2, 3].map(|d| 1e-4 * ((k + d) % 3) as f32)).collect());
+    let constant = |lengths: [f32; 4]| Rest::Constant(vec![lengths]);
+    let all = [
+        ("an image of lengths", with(image(), Compliance::None)),
+        ("soft", with(constant(lengths(0)), Compliance::Constant(1e-4))),
+        ("an image of compliance", with(constant(lengths(0)), softs.clone())),
+        ("both images", with(image(), softs)),
+        ("no shear", with(constant([0.014, 0.014, 0.0, 0.0]), Compliance::None)),
+        ("one direction", with(constant([0.0, 0.0, 0.02, 0.0]), Compliance::None)),
+    ];
+    for (name, scene) in &all {
+        agree(name, scene, |o| o, &device);
+        if *name != "one direction" {
+            agree(name, scene, |o| Options { polish: 1, ..o }, &device);
+            agree(name, scene, |o| Options { iterations: 3, ..o }, &device);
+        }
+    }
+    // Multipliers are summed in one tile, and from one to the next; with more to bind where a device can.
+    let tiles = agree("soft", &all[1].1, |o| Options { polish: 2, iterations: 2, ..o }, &device);
+    assert!(tiles.iter().any(|t| t.0.again && t.0.forget) && tiles.iter().any(|t| !t.0.forget), "{tiles:?}");
+    if let Some(roomy) = device_with(device_limits) {
+        agree("both images", &all[3].1, |o| Options { polish: 1, iterations: 2, substeps: 23, ..o }, &roomy);
+    }
+    let tiles = agree("no shear", &all[4].1, |o| o, &device);
+    assert_eq!(tiles[0].0.shape.around, [1, 1], "what is not there reaches nowhere");
+}
+
+#[test]
+fn colliders_end_a_tile() {
+    let Some(device) = device() else { return };
+    let mut falls = scene(Flat { origin: [0.0, 0.05, 0.0], ..Flat::square("flat", 50) }.cloth().unwrap());
+    (falls.cloths[0].velocity, falls.cloths[0].damping) = ([0.0, -2.0, 0.2], 0.5);
+    let one = vec![Collider { velocity: [0.1, 0.4, 0.0], friction: 0.4, ..all_colliders()[1] }];
+    for (name, colliders) in [("one", one), ("six", all_colliders())] {
+        let scene = Scene { colliders, ..falls.clone() };
+        let tiles = agree(name, &scene, |o| o, &device);
+        assert!(tiles.iter().any(|t| t.0.contact.is_some()), "{tiles:?}");
+        agree(name, &scene, |o| Options { iterations: 2, thickness: 0.01, ..o }, &device);
+        agree(name, &scene, |o| Options { polish: 1, ..o }, &device);
+    }
+}
+
+#[test]
+fn seams_part_tiles() {
+    let Some(device) = device() else { return };
+    let mut charts = scene(two_charts(48));
+    charts.cloths[0].velocity = [0.3, 0.1, 0.8];
+    charts.colliders = all_colliders();
+    for (iterations, polish) in [(1, 0), (2, 0), (1, 2)] {
+        let tiles = agree("charts", &charts, |o| Options { iterations, polish, ..o }, &device);
+        // What comes before seams, and what comes after.
+        assert!(tiles.len() > 1, "{tiles:?}");
+    }
+    let mut tube = scene(support::tube(65, 40, 4));
+    tube.cloths[0].set_pinned(0, true).unwrap();
+    tube.cloths[0].velocity = [0.2, -0.5, 0.1];
+    agree("ring of 4", &tube, |o| o, &device);
+    agree("ring of 4", &tube, |o| Options { polish: 1, ..o }, &device);
+}
+
+#[test]
+fn what_tiles_do_not_make_runs_between_them() {
+    let Some(device) = device() else { return };
+    let mut flies = scene(sheet(60, 45));
+    for triangles in [false, true] {
+        flies.wind = Some(wind(triangles));
+        agree("wind", &flies, |o| o, &device);
+    }
+    agree("pyramid", &flies, |o| Options { pyramid: 2, ..o }, &device);
+    // Steps so short that rounding is kept; with wind on triangles, of more buffers than this device binds at a time.
+    for (substeps, pyramid, triangles) in [(24, 0, true), (23, 0, false), (25, 2, false)] {
+        flies.wind = Some(wind(triangles));
+        let tiles = agree("short steps", &flies, |o| Options { substeps, pyramid, ..o }, &device);
+        assert_eq!(tiles.iter().any(|t| t.0.exact), !triangles, "{tiles:?}");
+    }
+    agree(
+        "measured",
+        &flies,
+        |o| Options { sleep: Some(Sleep::default()), quality: Quality::Error(0.01), ..o },
+        &device,
+    );
+    let mut soft = flies.clone();
+    soft.cloths[0].compliance = Compliance::Constant(1e-4);
+    agree("soft", &soft, |o| o, &device);
+    flies.cloths = vec![support::made_of(sheet(60, 45)), sheet(50, 50), sheet(9, 9)];
+    flies.colliders = all_colliders();
+    let tiled = Run::new(&flies, &options(true), &device);
+    let of = |cloth| tiled.stepper.plan().passes.iter().filter(|p| p.cloth == cloth).cloned().collect::<Vec<_>>();
+    assert!(of(0).iter().any(|p| matches!(p.pass, Pass::Tile(Tile { colours: 0, contact: Some(_), .. }))));
+    agree("several", &flies, |o| o, &device);
+}
+
+#[test]
+fn what_users_do_between_frames_is_the_same_by_tiles() {
+    let Some(device) = device() else { return };
+    let scene = scene(sheet(60, 45));
+    // Odd numbers of steps leave positions elsewhere until the frame ends.
+    for substeps in [3, 4, 23] {
+        let run = |fused| {
+            let mut run = Run::new(&scene, &Options { substeps, ..options(fused) }, &device).frames(3);
+            // Where it is, with a speed.
+            run.stepper.set_pinned(0, 1234, true).unwrap();
+            let mut run = run.frames(2);
+            run.stepper.set_position(0, 59, [0.8, 0.1, 0.2]).unwrap();
+            run.stepper.set_pinned(0, 1234, false).unwrap();
+            let turn = [[0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.1, 0.0, 0.0, 1.0]];
+            run.stepper.transform(0, &[3, 4, 5], turn).unwrap();
+            let mut run = run.frames(2);
+            run.stepper.set_colliders(all_colliders()).unwrap();
+            let mut run = run.frames(1);
+            run.stepper.cut([0.5, 0.5, 3.0], [-4.0, -0.1, -2.0], [5.0, -0.1, -2.0]).unwrap();
+            let run = run.frames(3);
+            let tiles = run.tiles().len();
+            (run.bits(0), tiles)
+        };
+        let ((tiled, tiles), (apart, none)) = (run(true), run(false));
+        assert!(tiles > 0 && none == 0);
+        assert!(tiled == apart, "{substeps}");
+    }
+}
+
+#[test]
+fn a_fault_is_taken_back_by_tiles_too() {
+    let Some(device) = device() else { return };
+    let scene = scene(sheet(70, 40));
+    let run = |fused| {
+        let mut run = Run::new(&scene, &Options { tethers: 0, ..options(fused) }, &device).frames(4);
+        let good = run.bits(0)[0].clone();
+        let mut matrix = [[0.0; 4]; 4];
+        (matrix[0][0], matrix[1][1], matrix[2][2], matrix[3][3]) = (3e38, 3e38, 3e38, 1.0);
+        run.stepper.transform(0, &[1500], matrix).unwrap();
+        let run = run.frames(1);
+        assert!(run.bits(0)[0] == good);
+        let span = run.stepper.buffers(0).unwrap().faults.clone().unwrap();
+        let faults = read_back_u32(&device.0, &device.1, &span).unwrap();
+        assert!(faults[0] > 0 && faults[1] == 1, "{faults:?}");
+        run.frames(3).bits(0)
+    };
+    assert!(run(true) == run(false));
+}
+
+#[test]
+fn the_size_of_tiles_changes_nothing() {
+    // Room for 1,024 particles, for 1,014 beside what a workgroup notes, and for what the adapter has.
+    let (Some(usual), Some(large)) = (device(), device_with(device_limits)) else { return };
+    let mut scene = scene(sheet(130, 110));
+    scene.colliders = all_colliders();
+    let of = |device: &Device, options: &Options| {
+        let run = Run::new(&scene, options, device).frames(5);
+        let rooms: Vec<_> = run.tiles().iter().map(|t| t.0.shape.room).collect();
+        (rooms, run.bits(0))
+    };
+    let [(small, a), (wide, b)] = [&usual, &large].map(|d| of(d, &options(true)));
+    if usual.0.limits().max_compute_workgroup_storage_size < large.0.limits().max_compute_workgroup_storage_size {
+        assert_ne!(small, wide);
+    }
+    assert!(a == b);
+    assert!(a == of(&usual, &options(true)).1, "it repeats");
+}
+
+#[test]
+fn tiles_agree_with_the_twin() {
+    let Some(device) = device() else { return };
+    let mut soft = sheet(50, 60);
+    soft.compliance = Compliance::Constant(1e-4);
+    let mut falls = scene(Flat { origin: [0.0, 0.05, 0.0], ..Flat::square("flat", 50) }.cloth().unwrap());
+    falls.cloths[0].velocity = [0.0, -2.0, 0.2];
+    falls.colliders = all_colliders();
+    let all = [
+        ("sheet", scene(sheet(70, 40))),
+        ("soft sheet", scene(soft)),
+        ("a material", scene(support::made_of(sheet(40, 60)))),
+        ("charts", scene(two_charts(40))),
+        ("on colliders", falls),
+    ];
+    for (name, scene) in all {
+        let once = Options { substeps: 1, step: FRAME / 4.0, max_catch_up: 1, ..options(true) };
+        let there = Run::new(&scene, &once, &device);
+        assert!(!there.tiles().is_empty(), "{name}");
+        let [there, ..] = there.frames(1).bits(0);
+        let mut here = Stepper::new(scene.clone(), Options { backend: Backend::Cpu, ..once }, None).unwrap();
+        here.advance(FRAME).unwrap();
+        let apart = there.iter().zip(here.positions(0).unwrap());
+        let apart = apart.flat_map(|(a, b)| (0..3).map(|c| (f32::from_bits(a[c]) - b[c]).abs())).fold(0.0, f32::max);
+        assert!(apart <= 1e-6, "{name}: {apart:e} m");
+    }
+}
+
+#[test]
+fn cloths_of_the_classic_solver_have_no_tiles() {
+    let Some(device) = device() else { return };
+    let run = Run::new(&scene(sheet(70, 40)), &Options { solver: Solver::Classic, ..options(true) }, &device);
+    assert_eq!(run.tiles(), []);
+}

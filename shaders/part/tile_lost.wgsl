@@ -1,0 +1,14 @@
+// What positions are too coarse for, of each particle; a tile writes that of its own elsewhere.
+@group(0) @binding(28) var<storage, read> lost: array<vec4<f32>>;
+@group(0) @binding(36) var<storage, read_write> losing: array<vec4<f32>>;
+
+fn lose(k: u32, what: vec4<f32>) {
+  if (own) {
+    losing[k] = what;
+  }
+}
+
+// Of a particle that does not move.
+fn stay(k: u32) {
+  lose(k, lost[k]);
+}

@@ -1,0 +1,2 @@
+// Nothing is lost.
+fn stay(k: u32) {}

@@ -1,0 +1,78 @@
+// Springs of a tile, colour by colour. See crates/runtime/src/cpu/tile.rs.
+// Which colours there are: a bit for each, by twice the direction and the parity.
+override colours: u32 = 255u;
+// Further rounds of tethers and of springs to the right and down.
+override polish: u32 = 0u;
+
+// Pairs of columns or rows, all of which are in memory: the first, and the one after the last.
+fn pairs(begin: u32, end: u32, parity: u32) -> vec2<u32> {
+  return vec2<u32>((begin + 1u - parity) / 2u, (max(end, parity) - parity) / 2u);
+}
+
+// What is still right of a row: its ends are not where their other ends are missing.
+fn within(begin: u32, end: u32, whole: u32, parity: u32) -> vec2<u32> {
+  let less = select(0u, (begin ^ parity) & 1u, begin > 0u);
+  let more = select(0u, (end ^ parity) & 1u, end < whole);
+  return vec2<u32>(begin + less, end - more);
+}
+
+fn stretch_all(local: u32, direction: u32, parity: u32) {
+  if (((colours >> (2u * direction + parity)) & 1u) == 0u) {
+    return;
+  }
+  // Columns and rows of cells, as spring_ends has them.
+  var x = vec2<u32>(low.x, max(high.x, 1u) - u32(direction != 1u));
+  var y = vec2<u32>(low.y, high.y);
+  if (direction == 0u) {
+    x = pairs(low.x, high.x, parity);
+  } else {
+    y = pairs(low.y, high.y, parity);
+  }
+  let columns = max(x.y, x.x + 1u) - x.x;
+  let rows = select(0u, max(y.y, y.x) - y.x, x.y > x.x);
+  let by = by_rows(threads, columns);
+  var cell = by_rows(local, columns);
+  while (cell.y < rows) {
+    let at = cell + vec2<u32>(x.x, y.x);
+    let ends = spring_ends(at, grids[grid].first, size, direction, parity);
+    let row = select(2u * at.y + parity, at.y, direction == 0u) - corner.y;
+    upper = start + row * size.x;
+    upper_place = row * stride;
+    relax(grid, ends, direction);
+    cell = on_by_rows(cell, by, columns);
+  }
+  if (direction == 0u) {
+    x = within(low.x, high.x, size.x, parity);
+  } else {
+    x = vec2<u32>(low.x, high.x);
+    if (direction > 1u) {
+      x += vec2<u32>(u32(low.x > 0u), 0u);
+      x -= vec2<u32>(0u, u32(high.x < size.x));
+    }
+    y = within(low.y, high.y, size.y, parity);
+    low.y = y.x;
+    high.y = y.y;
+  }
+  low.x = x.x;
+  high.x = x.y;
+  workgroupBarrier();
+}
+
+fn structural_all(local: u32) {
+  stretch_all(local, 0u, 0u);
+  stretch_all(local, 0u, 1u);
+  stretch_all(local, 1u, 0u);
+  stretch_all(local, 1u, 1u);
+}
+
+fn relax_all(local: u32) {
+  stretch_all(local, 2u, 0u);
+  stretch_all(local, 2u, 1u);
+  stretch_all(local, 3u, 0u);
+  stretch_all(local, 3u, 1u);
+  structural_all(local);
+  for (var p = 0u; p < polish; p++) {
+    hold_all(local);
+    structural_all(local);
+  }
+}
