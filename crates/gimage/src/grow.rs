@@ -38,10 +38,6 @@ const MIDDLE_COST: f64 = 0.5;
 /// What an edge costs more that faces straight outwards, as a share of its length.
 const OUTWARD_COST: f64 = 0.05;
 
-/// A try is given up that comes out worse than the best so far, by this factor and this much besides, after the first or
-/// the second lot of steps.
-const SLACK: [[f64; 2]; 2] = [[1.03, 0.005], [1.02, 0.002]];
-
 /// Least mean of ln(density / 4) of the solved map at which limbs are looked for in the plain one. What is nearer to an
 /// isometry has none that it shrinks.
 const LIMBS: f64 = 0.3;
@@ -69,8 +65,7 @@ fn attempt(
     cutter.loops().iter().flatten().for_each(|&v| on_rim[v as usize] = true);
     let border = Border::new(&mut disk, |v| on_rim[v as usize]);
     let mut proxy = Proxy::new(&disk, &border, search);
-    let bar = than.map_or([f64::INFINITY; 2], |early| [0, 1].map(|lot| SLACK[lot][0] * early[lot] + SLACK[lot][1]));
-    let Found { layout, uv: solved, early } = proxy.search_map(Size::Budget(16_384), bar)?;
+    let Found { layout, uv: solved, early } = proxy.search_map(Size::Budget(16_384), than)?;
     if !layout.score.is_finite() {
         return None;
     }

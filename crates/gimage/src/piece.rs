@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::fit::{self, FitOptions};
 use crate::grid::Grid;
 use crate::grow::{GrowOptions, grow, hidden_costs};
-use crate::layout::{self, Layout, Proxy, SearchOptions, Size};
+use crate::layout::{self, Found, Layout, Proxy, SearchOptions, Size};
 use crate::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
 use crate::parameterize::distortion::{self, Distortion};
 use crate::parameterize::{NewtonOptions, ParameterizeRecord, parameterize};
@@ -304,14 +304,15 @@ impl<'a> Maker<'a> {
 
     /// Lays out every candidate on its stand-in, keeps the least distorted, and makes its image.
     fn make(&self, candidates: &[Candidate], size: Size) -> Result<PieceImage> {
-        let mut best: Option<(Layout, &Candidate)> = None;
+        let mut best: Option<(Found, &Candidate)> = None;
         for candidate in candidates {
-            let layout = Proxy::new(&candidate.disk, &candidate.border, self.options.search).search(size);
-            if let Some(layout) = layout.filter(|l| best.as_ref().is_none_or(|b| l.score < b.0.score)) {
-                best = Some((layout, candidate));
+            let than = best.as_ref().map(|b| b.0.early);
+            let found = Proxy::new(&candidate.disk, &candidate.border, self.options.search).search_map(size, than);
+            if let Some(found) = found.filter(|f| best.as_ref().is_none_or(|b| f.layout.score < b.0.layout.score)) {
+                best = Some((found, candidate));
             }
         }
-        let (layout, candidate) =
+        let (Found { layout, .. }, candidate) =
             best.ok_or_else(|| self.fail("layout", "the border does not fit the image".into(), "give it more texels"))?;
         self.finish(candidate, &layout)
     }

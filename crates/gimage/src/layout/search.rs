@@ -28,6 +28,10 @@ pub(crate) struct SearchOptions {
 /// cannot tell.
 const EQUAL: f64 = 1e-6;
 
+/// A search is given up that comes out worse than another, by this factor and this much besides, after the first or the
+/// second lot of steps.
+const SLACK: [[f64; 2]; 2] = [[1.03, 0.005], [1.02, 0.002]];
+
 /// Width : height ratios tried, in steps from square.
 const ASPECTS: [f64; 9] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4];
 
@@ -121,13 +125,10 @@ impl Proxy<'_> {
             .collect()
     }
 
-    /// The best layout found. `None` if none can be laid out.
-    pub(crate) fn search(&mut self, size: Size) -> Option<Layout> {
-        self.search_map(size, [f64::INFINITY; 2]).map(|found| found.layout)
-    }
-
-    /// The best layout found, and the map of the stand-in if one was free of flips.
-    pub(crate) fn search_map(&mut self, size: Size, bar: [f64; 2]) -> Option<Found> {
+    /// The best layout found, and the map of the stand-in if one was free of flips. `None` too if it is going to be worse
+    /// than a search of another cut whose [`Found::early`] is `than`.
+    pub(crate) fn search_map(&mut self, size: Size, than: Option<[f64; 2]>) -> Option<Found> {
+        let bar = than.map_or([f64::INFINITY; 2], |early| [0, 1].map(|lot| SLACK[lot][0] * early[lot] + SLACK[lot][1]));
         let mut early = [f64::INFINITY; 2];
         let shifts = self.options.shifts.max(1);
         // A half turn of the rectangle is the same map, so half the loop is enough; a fixed size likewise.
