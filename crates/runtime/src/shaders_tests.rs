@@ -24,8 +24,8 @@ fn variants() -> Vec<Pass> {
         let kinds = Kinds { shapes: [true; 6], friction, many };
         all.extend([Pass::Colliders(kinds), Pass::Contact(kinds)]);
     }
-    for (direction, soft) in (0..4).flat_map(|d| [Soft::None, Soft::Constant, Soft::Image].map(|s| (d, s))) {
-        let stretch = |k: u32| (k % 2, k & 2 > 0, k & 4 > 0 && soft != Soft::None);
+    for (direction, soft) in (0..4).flat_map(|d| SOFTS.map(|s| (d, s))) {
+        let stretch = |k: u32| (k % 2, k & 2 > 0, k & 4 > 0 && !soft.is_hard());
         all.extend((0..8).map(stretch).map(|(parity, image, again)| Pass::Stretch {
             direction,
             parity,
@@ -34,7 +34,7 @@ fn variants() -> Vec<Pass> {
             again,
         }));
     }
-    for soft in [Soft::None, Soft::Constant, Soft::Image] {
+    for soft in SOFTS {
         all.extend([false, true].map(|image| Pass::Strain { image, soft }));
     }
     all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend]);
@@ -46,18 +46,19 @@ fn variants() -> Vec<Pass> {
     all
 }
 
+const SOFTS: [Soft; 4] = [Soft::None, Soft::Bounded, Soft::Constant, Soft::Image];
+
 /// Every part of whole frames, alone and with all others.
 fn fused() -> impl Iterator<Item = Fused> {
-    let softs = [Soft::None, Soft::Constant, Soft::Image];
     let holds = [Hold::Both, Hold::Wide, Hold::Narrow, Hold::Stored];
     (0..128u32).flat_map(move |k| {
         let on = move |bit: u32| k >> bit & 1 == 1;
-        (0..3).map(move |n| Fused {
+        (0..SOFTS.len()).map(move |n| Fused {
             air: if on(0) { Air::Push } else { Air::None },
             directions: [true, on(1), true, on(2)],
             image: on(3),
-            soft: softs[n],
-            again: on(4) && n > 0,
+            soft: SOFTS[n],
+            again: on(4) && !SOFTS[n].is_hard(),
             slots: 2 * u32::from(on(5)),
             polish: u32::from(on(4)),
             seams: on(6),

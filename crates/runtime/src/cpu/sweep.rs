@@ -139,11 +139,12 @@ mod tests {
         let threads = Threads::one();
         let step =
             Step { gravity: [0.0, -9.81, 0.0], keep: 0.9, scale: 1e-4, longest: 1e6, dt: 0.01, ..Step::default() };
-        for (width, height) in [(2, 2), (3, 9), (9, 3), (31, 33), (32, 64), (33, 31), (70, 200), (300, 41)] {
+        let sizes = [(2, 2), (3, 9), (9, 3), (31, 33), (32, 64), (33, 31), (70, 200), (300, 41)];
+        for ((width, height), bound) in sizes.into_iter().flat_map(|s| [(s, 0.0), (s, 0.01)]) {
             let (mut together, mut apart) = (sheet(width, height), sheet(width, height));
             let list = Values::List(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32));
             let rest = [Values::Constant(0.9f32), list, Values::Constant(1.3), Values::Constant(1.3)];
-            let mut springs = rest.map(|rest| stretch::Springs { rest, soft: Values::Constant(0.0), sums: Vec::new() });
+            let mut springs = rest.map(|rest| stretch::Springs { rest, soft: Values::Constant(0.0), sums: Vec::new(), bound });
             let far = |k: usize| Some((0, (k % width as usize) as f32 + (k / width as usize) as f32));
             let held = Tethers { slots: vec![Slot::new(&together, far)] };
             let anchors = [together.at(0)];

@@ -15,6 +15,7 @@ use crate::gpu::span::Span;
 use crate::levels::levels;
 use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
+use crate::passes::{Soft, soft_of};
 use crate::shaders::{Bound, Slot, Source};
 use crate::world::World;
 
@@ -293,7 +294,7 @@ pub(super) fn grid_rows(cloth: &Cloth, first: u32) -> Vec<GridRow> {
         first: first + grid.first,
         width: grid.width,
         height: grid.height,
-        soft: cloth.softness(),
+        soft: if soft_of(cloth) == Soft::Bounded { cloth.bound() } else { cloth.softness() },
         rest: constant(g),
     };
     cloth.grids().iter().enumerate().map(row).collect()
