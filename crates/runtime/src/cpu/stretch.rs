@@ -60,12 +60,14 @@ const ALIKE: u8 = 0;
 const HARD: u8 = 1;
 const SOFT: u8 = 2;
 const LIMIT: u8 = 3;
+/// The first two where diagonals have a bound.
+const ALIKE_BOUND: u8 = 4;
+const HARD_BOUND: u8 = 5;
 
-/// Which way springs go, where that counts: to the right, pushed aside where they have no length; any other; diagonals
-/// that have a bound.
+/// The ways that springs go.
 const RIGHT: u8 = 0;
-const ANY: u8 = 1;
-const BOUNDED: u8 = 2;
+const DOWN: u8 = 1;
+const DIAGONAL: u8 = 2;
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -161,11 +163,12 @@ impl<'a, T: Real> Spring<'a, T> {
 
     /// As [`Spring::rows`] where they are hard.
     #[inline(always)]
-    pub fn hard<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, colour: (u32, usize)) {
-        if self.alike(j, colour.0) {
-            self.colour::<K, ALIKE>(k, rows, w, j, colour, &mut []);
-        } else {
-            self.colour::<K, HARD>(k, rows, w, j, colour, &mut []);
+    pub fn hard<K: Machine<T>, const BOUND: bool>(&self, k: K, rows: &mut [T], w: &[T], j: usize, colour: (u32, usize)) {
+        match (self.alike(j, colour.0), BOUND) {
+            (true, false) => self.colour::<K, ALIKE>(k, rows, w, j, colour, &mut []),
+            (true, true) => self.colour::<K, ALIKE_BOUND>(k, rows, w, j, colour, &mut []),
+            (false, false) => self.colour::<K, HARD>(k, rows, w, j, colour, &mut []),
+            (false, true) => self.colour::<K, HARD_BOUND>(k, rows, w, j, colour, &mut []),
         }
     }
 
@@ -187,7 +190,8 @@ impl<'a, T: Real> Spring<'a, T> {
         sums: &mut [T],
     ) {
         match self.kind {
-            Kind::Hard => self.hard(k, rows, w, j, (direction, parity)),
+            Kind::Hard if self.bound > T::of(0.0) => self.hard::<K, true>(k, rows, w, j, (direction, parity)),
+            Kind::Hard => self.hard::<K, false>(k, rows, w, j, (direction, parity)),
             Kind::Soft { .. } => self.colour::<K, SOFT>(k, rows, w, j, (direction, parity), sums),
             Kind::Limit => self.colour::<K, LIMIT>(k, rows, w, j, (direction, parity), sums),
         }
@@ -258,7 +262,7 @@ impl<'a, T: Real> Spring<'a, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, side], [0, 0]);
             let stored = (j * 2 + side) * self.half;
-            self.relax::<K, KIND, ANY>(
+            self.relax::<K, KIND, DOWN>(
                 k,
                 upper,
                 lower,
@@ -282,7 +286,7 @@ impl<'a, T: Real> Spring<'a, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, 1 - side], [0, side]);
             let stored = (j * 2 + side) * self.half;
-            self.diagonal::<K, KIND>(
+            self.relax::<K, KIND, DIAGONAL>(
                 k,
                 upper,
                 lower,
@@ -307,7 +311,7 @@ impl<'a, T: Real> Spring<'a, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [1 - side, side], [side, 0]);
             let stored = ((j + 1) * 2 + side) * self.half;
-            self.diagonal::<K, KIND>(
+            self.relax::<K, KIND, DIAGONAL>(
                 k,
                 lower,
                 upper,
@@ -315,23 +319,6 @@ impl<'a, T: Real> Spring<'a, T> {
                 counts[side],
                 sums.get_mut((2 + side) * self.half..).unwrap_or(&mut []),
             );
-        }
-    }
-
-    #[inline(always)]
-    fn diagonal<K: Machine<T>, const KIND: u8>(
-        &self,
-        k: K,
-        a: End<T>,
-        b: End<T>,
-        stored: usize,
-        count: usize,
-        sums: &mut [T],
-    ) {
-        if self.bound > T::of(0.0) {
-            self.relax::<K, KIND, BOUNDED>(k, a, b, stored, count, sums);
-        } else {
-            self.relax::<K, KIND, ANY>(k, a, b, stored, count, sums);
         }
     }
 
@@ -346,8 +333,10 @@ impl<'a, T: Real> Spring<'a, T> {
         sums: &mut [T],
     ) {
         match KIND {
-            ALIKE => self.equals::<K, WAY>(k, a, b, stored, count),
+            ALIKE => self.equals::<K, false, WAY>(k, a, b, stored, count),
+            ALIKE_BOUND => self.equals::<K, true, WAY>(k, a, b, stored, count),
             HARD => self.list::<K, HARD, WAY>(k, a, b, stored, count, sums),
+            HARD_BOUND => self.list::<K, HARD_BOUND, WAY>(k, a, b, stored, count, sums),
             LIMIT => self.list::<K, LIMIT, WAY>(k, a, b, stored, count, sums),
             _ => self.list::<K, SOFT, WAY>(k, a, b, stored, count, sums),
         }
@@ -382,7 +371,7 @@ impl<'a, T: Real> Spring<'a, T> {
                 (d, far) = self.turned(k, d, rest, far, stored + at);
             }
             let (mut over, w) = (k.sub(far, rest), k.add(wa, wb));
-            if WAY == BOUNDED && KIND == HARD {
+            if WAY == DIAGONAL && KIND == HARD_BOUND {
                 over = self.within(k, over, rest);
             }
             let mut g = if KIND != SOFT {
@@ -415,7 +404,7 @@ impl<T: Real> Spring<'_, T> {
     /// Hard springs between particles of one mass: each end takes half of the error, whatever the mass is. Neither roots nor
     /// divisions are needed.
     #[inline(always)]
-    fn equals<K: Machine<T>, const WAY: u8>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize) {
+    fn equals<K: Machine<T>, const BOUND: bool, const WAY: u8>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize) {
         let (zero, half, closest) = (k.splat(T::of(0.0)), k.splat(T::of(0.5)), k.splat(T::of(1e-9)));
         let short = k.splat(T::of(aside::SHORT));
         let [ax, ay, az] = a.at;
@@ -435,7 +424,7 @@ impl<T: Real> Spring<'_, T> {
             }
             let share = k.div(k.mul(half, rest), far);
             let mut g = k.sub(half, share);
-            if WAY == BOUNDED {
+            if BOUND && WAY == DIAGONAL {
                 g = self.within(k, g, share);
             }
             let g = k.choose(k.above(rest, zero), g, zero);
