@@ -163,7 +163,14 @@ impl<'a, T: Real> Spring<'a, T> {
 
     /// As [`Spring::rows`] where they are hard.
     #[inline(always)]
-    pub fn hard<K: Machine<T>, const BOUND: bool>(&self, k: K, rows: &mut [T], w: &[T], j: usize, colour: (u32, usize)) {
+    pub fn hard<K: Machine<T>, const BOUND: bool>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        colour: (u32, usize),
+    ) {
         match (self.alike(j, colour.0), BOUND) {
             (true, false) => self.colour::<K, ALIKE>(k, rows, w, j, colour, &mut []),
             (true, true) => self.colour::<K, ALIKE_BOUND>(k, rows, w, j, colour, &mut []),
@@ -404,7 +411,14 @@ impl<T: Real> Spring<'_, T> {
     /// Hard springs between particles of one mass: each end takes half of the error, whatever the mass is. Neither roots nor
     /// divisions are needed.
     #[inline(always)]
-    fn equals<K: Machine<T>, const BOUND: bool, const WAY: u8>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize) {
+    fn equals<K: Machine<T>, const BOUND: bool, const WAY: u8>(
+        &self,
+        k: K,
+        a: End<T>,
+        b: End<T>,
+        stored: usize,
+        count: usize,
+    ) {
         let (zero, half, closest) = (k.splat(T::of(0.0)), k.splat(T::of(0.5)), k.splat(T::of(1e-9)));
         let short = k.splat(T::of(aside::SHORT));
         let [ax, ay, az] = a.at;

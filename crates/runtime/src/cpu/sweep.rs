@@ -150,7 +150,8 @@ mod tests {
             let (mut together, mut apart) = (sheet(width, height), sheet(width, height));
             let list = Values::List(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32));
             let rest = [Values::Constant(0.9f32), list, Values::Constant(1.3), Values::Constant(1.3)];
-            let mut springs = rest.map(|rest| stretch::Springs { rest, soft: Values::Constant(0.0), sums: Vec::new(), bound });
+            let mut springs =
+                rest.map(|rest| stretch::Springs { rest, soft: Values::Constant(0.0), sums: Vec::new(), bound });
             let far = |k: usize| Some((0, (k % width as usize) as f32 + (k / width as usize) as f32));
             let held = Tethers { slots: vec![Slot::new(&together, far)] };
             let anchors = [together.at(0)];

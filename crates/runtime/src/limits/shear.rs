@@ -4,15 +4,16 @@ use crate::cloth::{Cloth, Rest};
 use crate::options::Options;
 
 /// Least bound, as a share of a diagonal's rest length.
-const LEAST: f64 = 0.005;
+const LEAST: f64 = 0.01;
 /// From such a bound on there is none: no cloth but a heap has diagonals that short or long.
 const MOST: f64 = 0.25;
-/// Acceleration \[m/s^2\] that a diagonal gives its ends at most, for each particle along a side of the cloth: ten times the
-/// weight of a row. More is never asked of it where cloth hangs, however it is held.
-const EACH: f64 = 10.0 * 9.81;
+/// Acceleration \[m/s^2\] that a diagonal gives its ends, for each particle along a side of the cloth: twenty times the weight of
+/// such a row. Cloth that hangs asks for less, however it is held.
+const EACH: f64 = 20.0 * 9.81;
 
-/// Share of its rest length by which a diagonal may move its ends in a relaxation; 0 where there is no bound, as in steps
-/// that are long for the size of the cells. A force: in shorter steps it is less, with the square of the step.
+/// Share of its rest length by which a diagonal may move its ends in a relaxation; 0 where there is no bound, as in steps that
+/// are long for the size of the cells. As that of a force, it falls with the square of
+/// the step, down to the least.
 pub fn bound(cloth: &Cloth, options: &Options) -> f32 {
     let dt = options.step / f64::from(options.substeps);
     let springs = match cloth.rest() {
