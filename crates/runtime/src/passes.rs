@@ -141,19 +141,10 @@ pub enum Air {
 pub enum Soft {
     /// There is none.
     None,
-    /// None either, but what a diagonal spring does in a step has a bound, so that crumpled cloth may fold along it.
-    Bounded,
     /// The same for all springs of a cloth.
     Constant,
     /// From an image.
     Image,
-}
-
-impl Soft {
-    /// Whether springs do not give at all.
-    pub fn is_hard(self) -> bool {
-        matches!(self, Soft::None | Soft::Bounded)
-    }
 }
 
 /// Which code a collider pass needs; what no collider needs is not compiled in.
@@ -253,7 +244,7 @@ pub fn schedule(
                 s.coarse.extend(seams.then_some(Pass::Seams));
             }
             if cloth.membrane().is_none() {
-                let again = options.iterations * (options.polish + 1) > 1 && !soft_of(cloth).is_hard();
+                let again = options.iterations * (options.polish + 1) > 1 && soft_of(cloth) != Soft::None;
                 s.step.extend(again.then_some(Pass::Forget));
                 s.relax.extend(stretch(cloth, again));
                 for _ in 0..options.polish {
@@ -296,10 +287,9 @@ fn membrane(cloth: &Cloth) -> impl Iterator<Item = Pass> {
 
 /// Where the compliance of a cloth's springs comes from; none that is 0 everywhere.
 pub(crate) fn soft_of(cloth: &Cloth) -> Soft {
-    let hard = if cloth.bound() > 0.0 { Soft::Bounded } else { Soft::None };
     match cloth.compliance {
-        Compliance::None => hard,
-        Compliance::Constant(soft) if soft <= 0.0 => hard,
+        Compliance::None => Soft::None,
+        Compliance::Constant(soft) if soft <= 0.0 => Soft::None,
         Compliance::Constant(_) => Soft::Constant,
         Compliance::Image(_) => Soft::Image,
     }

@@ -145,8 +145,8 @@ pub fn source(pass: Pass) -> Source {
             let (files, more) = spring_parts(image, soft, again);
             let mut bindings = vec![reads(Grids), writes(Now)];
             bindings.extend(more);
-            let step: &[_] = if soft.is_hard() { &[] } else { &[STEP, BOUND] };
-            bindings.extend((!soft.is_hard()).then_some(reads(Step)));
+            let step: &[_] = if soft == Soft::None { &[] } else { &[STEP, BOUND] };
+            bindings.extend((soft != Soft::None).then_some(reads(Step)));
             let files = [step, &[GRID, NOW, STORED], &files, &[pass!("stretch")]].concat();
             let constants = vec![("direction", f64::from(direction)), ("parity", f64::from(parity))];
             Source { constants, ..plain("stretch", &files, &bindings, Threads::Half(direction == 0)) }
@@ -236,7 +236,7 @@ pub fn source(pass: Pass) -> Source {
             files.push(if image { part!("rest_image") } else { part!("rest_constant") });
             let mut bindings = vec![reads(Grids), reads(Now), writes(Slot::Strain)];
             bindings.extend(image.then_some(reads(Rest)));
-            if !soft.is_hard() {
+            if soft != Soft::None {
                 files.extend([STEP, BOUND]);
                 files.push(if soft == Soft::Image { part!("soft_image") } else { part!("soft_constant") });
                 bindings.push(reads(Step));
@@ -321,14 +321,13 @@ fn spring_parts(image: bool, soft: Soft, again: bool) -> (Vec<&'static str>, Vec
     let mut bindings: Vec<_> = image.then_some(reads(Slot::Rest)).into_iter().collect();
     match soft {
         Soft::None => files.push(part!("soft_none")),
-        Soft::Bounded => files.push(part!("soft_bounded")),
         Soft::Constant => files.push(part!("soft_constant")),
         Soft::Image => {
             files.push(part!("soft_image"));
             bindings.push(reads(Slot::Soft));
         }
     }
-    if !soft.is_hard() {
+    if soft != Soft::None {
         files.push(if again { part!("again") } else { part!("once") });
         bindings.extend(again.then_some(writes(Slot::Sums)));
     }
@@ -338,7 +337,7 @@ fn spring_parts(image: bool, soft: Soft, again: bool) -> (Vec<&'static str>, Vec
 
 /// How much of a stretch is error.
 fn share(soft: Soft) -> &'static str {
-    if soft.is_hard() { part!("share_all") } else { part!("share_soft") }
+    if soft == Soft::None { part!("share_all") } else { part!("share_soft") }
 }
 
 fn shapes(kinds: Kinds) -> Vec<(&'static str, f64)> {

@@ -25,7 +25,7 @@ fn variants() -> Vec<Pass> {
         all.extend([Pass::Colliders(kinds), Pass::Contact(kinds)]);
     }
     for (direction, soft) in (0..4).flat_map(|d| SOFTS.map(|s| (d, s))) {
-        let stretch = |k: u32| (k % 2, k & 2 > 0, k & 4 > 0 && !soft.is_hard());
+        let stretch = |k: u32| (k % 2, k & 2 > 0, k & 4 > 0 && soft != Soft::None);
         all.extend((0..8).map(stretch).map(|(parity, image, again)| Pass::Stretch {
             direction,
             parity,
@@ -46,7 +46,7 @@ fn variants() -> Vec<Pass> {
     all
 }
 
-const SOFTS: [Soft; 4] = [Soft::None, Soft::Bounded, Soft::Constant, Soft::Image];
+const SOFTS: [Soft; 3] = [Soft::None, Soft::Constant, Soft::Image];
 
 /// Every part of whole frames, alone and with all others.
 fn fused() -> impl Iterator<Item = Fused> {
@@ -58,7 +58,7 @@ fn fused() -> impl Iterator<Item = Fused> {
             directions: [true, on(1), true, on(2)],
             image: on(3),
             soft: SOFTS[n],
-            again: on(4) && !SOFTS[n].is_hard(),
+            again: on(4) && SOFTS[n] != Soft::None,
             slots: 2 * u32::from(on(5)),
             polish: u32::from(on(4)),
             seams: on(6),

@@ -226,7 +226,7 @@ impl<T: Real> Body<T> {
         for (index, g) in self.grids.iter().enumerate() {
             let length = |k: usize, d: usize| if image { self.image[g.range()][k][d] } else { self.constant[index][d] };
             let gives = |k: usize, d: usize| match soft {
-                Soft::None | Soft::Bounded => T::of(0.0),
+                Soft::None => T::of(0.0),
                 Soft::Constant => self.soft,
                 Soft::Image => self.softs[g.range()][k][d],
             };
