@@ -1,4 +1,12 @@
-// Springs as stiff as the step allows.
+// Springs as stiff as the step allows; but what a diagonal one does has a bound, so that cloth may fold along it where folds
+// cross. See crates/runtime/src/cpu/stretch.rs.
+const TORN: f32 = 0.25;
+
 fn multiplier(grid: u32, k: u32, direction: u32, far: f32, rest: f32, w: f32) -> f32 {
-  return (far - rest) / max(far * w, 1e-30);
+  var over = far - rest;
+  if (direction >= 2u) {
+    let bound = rest * grids[grid].soft;
+    over = clamp(over, -bound, max(bound, over - rest * TORN));
+  }
+  return over / max(far * w, 1e-30);
 }

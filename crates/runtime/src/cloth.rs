@@ -113,6 +113,8 @@ pub struct Cloth {
     pub(crate) bending: Option<Bending>,
     /// Whether steps are so short that rounding of positions matters; so for cloth of a material.
     pub(crate) exact: bool,
+    /// Share of its rest length by which a hard diagonal may move its ends in a relaxation; 0 is no bound.
+    pub(crate) bound: f32,
     /// Texture coordinates along the fabric.
     grain: Option<Vec<[f32; 2]>>,
 }
@@ -135,6 +137,7 @@ impl Cloth {
             membrane: None,
             bending: None,
             exact: false,
+            bound: 0.0,
             grain: None,
         })
     }
@@ -288,7 +291,6 @@ impl Cloth {
         same
     }
 
-    /// Whether integration keeps what rounding takes.
     /// Compliance \[m/N\] where it is the same everywhere, else 0. Along a square cell a membrane yields by one over its
     /// stiffness; the stiffer of warp and weft counts.
     pub(crate) fn softness(&self) -> f32 {
@@ -299,6 +301,12 @@ impl Cloth {
         }
     }
 
+    /// Share of its rest length by which a hard diagonal may move its ends in a relaxation; 0 is no bound.
+    pub(crate) fn bound(&self) -> f32 {
+        self.bound
+    }
+
+    /// Whether integration keeps what rounding takes.
     pub(crate) fn is_exact(&self) -> bool {
         self.exact
     }

@@ -2,6 +2,7 @@
 
 mod lengths;
 mod masses;
+mod shear;
 
 pub use lengths::MOST_LENGTHS;
 pub use masses::MOST_RATIO;
@@ -117,6 +118,7 @@ pub fn prepare(cloth: &mut Cloth, options: &Options, warnings: &mut Vec<Warning>
     }
     let uneven = masses::even(cloth)?;
     cloth.exact |= rounds(cloth, options);
+    cloth.bound = shear::bound(cloth, options);
     let masses = if let Some(Warning::Masses { ratio, .. }) = uneven { ratio } else { 1.0 };
     warnings.extend(uneven);
     warnings.extend(soft(cloth, options));

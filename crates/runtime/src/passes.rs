@@ -247,7 +247,7 @@ pub fn schedule(
                 s.coarse.extend(seams.then_some(Pass::Seams));
             }
             if cloth.membrane().is_none() {
-                let again = options.iterations * (options.polish + 1) > 1 && cloth.compliance != Compliance::None;
+                let again = options.iterations * (options.polish + 1) > 1 && soft_of(cloth) != Soft::None;
                 s.step.extend(again.then_some(Pass::Forget));
                 s.relax.extend(stretch(cloth, again));
                 for _ in 0..options.polish {
@@ -288,9 +288,11 @@ fn membrane(cloth: &Cloth) -> impl Iterator<Item = Pass> {
     there.map(move |(column, row)| Pass::Membrane { column, row, holes })
 }
 
-fn soft_of(cloth: &Cloth) -> Soft {
+/// Where the compliance of a cloth's springs comes from; none that is 0 everywhere.
+pub(crate) fn soft_of(cloth: &Cloth) -> Soft {
     match cloth.compliance {
         Compliance::None => Soft::None,
+        Compliance::Constant(soft) if soft <= 0.0 => Soft::None,
         Compliance::Constant(_) => Soft::Constant,
         Compliance::Image(_) => Soft::Image,
     }

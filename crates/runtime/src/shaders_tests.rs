@@ -25,7 +25,7 @@ fn variants() -> Vec<Pass> {
         let kinds = Kinds { shapes: [true; 6], friction, many };
         all.extend([Pass::Colliders(kinds), Pass::Contact(kinds)]);
     }
-    for (direction, soft) in (0..4).flat_map(|d| [Soft::None, Soft::Constant, Soft::Image].map(|s| (d, s))) {
+    for (direction, soft) in (0..4).flat_map(|d| SOFTS.map(|s| (d, s))) {
         let stretch = |k: u32| (k % 2, k & 2 > 0, k & 4 > 0 && soft != Soft::None);
         all.extend((0..8).map(stretch).map(|(parity, image, again)| Pass::Stretch {
             direction,
@@ -35,7 +35,7 @@ fn variants() -> Vec<Pass> {
             again,
         }));
     }
-    for soft in [Soft::None, Soft::Constant, Soft::Image] {
+    for soft in SOFTS {
         all.extend([false, true].map(|image| Pass::Strain { image, soft }));
     }
     all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend]);
@@ -51,7 +51,6 @@ fn variants() -> Vec<Pass> {
 /// Every part of tiles, alone and with all others.
 fn tiles() -> impl Iterator<Item = Tile> {
     let airs = [None, Some(Air::None), Some(Air::Push), Some(Air::Field)];
-    let softs = [Soft::None, Soft::Constant, Soft::Image];
     (0..64u32).flat_map(move |k| {
         let on = move |bit: u32| k >> bit & 1 == 1;
         (0..12).map(move |n| Tile {
@@ -64,7 +63,7 @@ fn tiles() -> impl Iterator<Item = Tile> {
             colours: if on(2) { 0xff } else { 0 },
             polish: u32::from(on(2) && on(0)),
             image: on(3),
-            soft: if on(2) { softs[n / 4] } else { Soft::None },
+            soft: if on(2) { SOFTS[n / 4] } else { Soft::None },
             contact: on(4).then_some(Kinds { shapes: [true; 6], friction: on(2), many: on(5) }),
             shape: TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] },
             threads: 256,
@@ -72,18 +71,19 @@ fn tiles() -> impl Iterator<Item = Tile> {
     })
 }
 
+const SOFTS: [Soft; 3] = [Soft::None, Soft::Constant, Soft::Image];
+
 /// Every part of whole frames, alone and with all others.
 fn fused() -> impl Iterator<Item = Fused> {
-    let softs = [Soft::None, Soft::Constant, Soft::Image];
     let holds = [Hold::Both, Hold::Wide, Hold::Narrow, Hold::Stored];
     (0..128u32).flat_map(move |k| {
         let on = move |bit: u32| k >> bit & 1 == 1;
-        (0..3).map(move |n| Fused {
+        (0..SOFTS.len()).map(move |n| Fused {
             air: if on(0) { Air::Push } else { Air::None },
             directions: [true, on(1), true, on(2)],
             image: on(3),
-            soft: softs[n],
-            again: on(4) && n > 0,
+            soft: SOFTS[n],
+            again: on(4) && SOFTS[n] != Soft::None,
             slots: 2 * u32::from(on(5)),
             polish: u32::from(on(4)),
             seams: on(6),

@@ -374,6 +374,6 @@ fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>) -> [Springs<T>; 4
             Compliance::Constant(c) => Values::Constant(T::of(f64::from(*c))),
             Compliance::Image(c) => Values::List(sheet.list(zero, |k| T::of(c[first + k][d].into()))),
         };
-        Springs { rest, soft, sums: Vec::new() }
+        Springs { rest, soft, sums: Vec::new(), bound: T::of(cloth.bound().into()) }
     })
 }

@@ -35,6 +35,7 @@ impl<T: Real> Pyramid<T> {
                 rest: Values::List(sheet.list(zero, |k| T::of(g.limits[k][d].into()))),
                 soft: Values::Constant(zero),
                 sums: Vec::new(),
+                bound: zero,
             });
             let weight = sheet.list(zero, |k| T::of(g.inverse_mass[k].into()));
             Level { origin: sheet.now.clone(), sheet, springs, weight }

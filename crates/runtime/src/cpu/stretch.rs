@@ -14,6 +14,8 @@ pub struct Springs<T> {
     pub soft: Values<T>,
     /// Sums of multipliers of this step; empty until there is more than one relaxation and any compliance.
     pub sums: Vec<T>,
+    /// Share of its rest length by which a hard diagonal may move its ends; 0 is no bound.
+    pub bound: T,
 }
 
 impl<T: Real> Springs<T> {
@@ -45,11 +47,27 @@ pub fn limit<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, springs: &mut Spr
     run_colour(threads, sheet, springs, (direction, parity), Kind::Limit, T::of(1.0));
 }
 
+/// A diagonal that has a bound draws its ends together by no more than that, but what is longer by this share of its length
+/// is drawn together to there at once.
+///
+/// Where folds cross, cloth that bends along the sides of its cells alone cannot keep all lengths, and gravity is too weak
+/// to undo it: sides stay 5 to 14 % too long for ever. Real cloth folds along diagonals there, and shears before it
+/// stretches. So the force of diagonals ends somewhere, far above what cloth that hangs or lies asks of them.
+pub const TORN: f64 = 0.25;
+
 /// The kinds as numbers, the first of them between particles of one mass.
 const ALIKE: u8 = 0;
 const HARD: u8 = 1;
 const SOFT: u8 = 2;
 const LIMIT: u8 = 3;
+/// The first two where diagonals have a bound.
+const ALIKE_BOUND: u8 = 4;
+const HARD_BOUND: u8 = 5;
+
+/// The ways that springs go.
+const RIGHT: u8 = 0;
+const DOWN: u8 = 1;
+const DIAGONAL: u8 = 2;
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -100,6 +118,7 @@ pub struct Spring<'a, T> {
     /// Square of the step \[s^2\].
     span: T,
     kind: Kind,
+    bound: T,
     /// Even columns, pairs from even to odd, pairs from odd to even.
     columns: [usize; 3],
 }
@@ -138,17 +157,25 @@ impl<'a, T: Real> Spring<'a, T> {
     /// Hard ones, of a sheet of so many columns and numbers in half a row.
     pub fn of((width, half): (usize, usize), alike: &'a [T], springs: &'a Springs<T>) -> Self {
         let columns = [width.div_ceil(2), width / 2, (width - 1) / 2];
-        let Springs { rest, soft, .. } = springs;
-        Spring { rest, soft, half, alike, span: T::of(1.0), kind: Kind::Hard, columns }
+        let Springs { rest, soft, bound, .. } = springs;
+        Spring { rest, soft, half, alike, span: T::of(1.0), kind: Kind::Hard, bound: *bound, columns }
     }
 
     /// As [`Spring::rows`] where they are hard.
     #[inline(always)]
-    pub fn hard<K: Machine<T>>(&self, k: K, rows: &mut [T], w: &[T], j: usize, colour: (u32, usize)) {
-        if self.alike(j, colour.0) {
-            self.colour::<K, ALIKE>(k, rows, w, j, colour, &mut []);
-        } else {
-            self.colour::<K, HARD>(k, rows, w, j, colour, &mut []);
+    pub fn hard<K: Machine<T>, const BOUND: bool>(
+        &self,
+        k: K,
+        rows: &mut [T],
+        w: &[T],
+        j: usize,
+        colour: (u32, usize),
+    ) {
+        match (self.alike(j, colour.0), BOUND) {
+            (true, false) => self.colour::<K, ALIKE>(k, rows, w, j, colour, &mut []),
+            (true, true) => self.colour::<K, ALIKE_BOUND>(k, rows, w, j, colour, &mut []),
+            (false, false) => self.colour::<K, HARD>(k, rows, w, j, colour, &mut []),
+            (false, true) => self.colour::<K, HARD_BOUND>(k, rows, w, j, colour, &mut []),
         }
     }
 
@@ -170,7 +197,8 @@ impl<'a, T: Real> Spring<'a, T> {
         sums: &mut [T],
     ) {
         match self.kind {
-            Kind::Hard => self.hard(k, rows, w, j, (direction, parity)),
+            Kind::Hard if self.bound > T::of(0.0) => self.hard::<K, true>(k, rows, w, j, (direction, parity)),
+            Kind::Hard => self.hard::<K, false>(k, rows, w, j, (direction, parity)),
             Kind::Soft { .. } => self.colour::<K, SOFT>(k, rows, w, j, (direction, parity), sums),
             Kind::Limit => self.colour::<K, LIMIT>(k, rows, w, j, (direction, parity), sums),
         }
@@ -215,9 +243,9 @@ impl<'a, T: Real> Spring<'a, T> {
         let e = [x.0, y.0, z.0];
         let o = [x.1, y.1, z.1];
         if parity == 0 {
-            self.relax::<K, KIND, true>(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
+            self.relax::<K, KIND, RIGHT>(k, End { at: e, w: we }, End { at: o, w: wo }, stored, count, sums);
         } else {
-            self.relax::<K, KIND, true>(
+            self.relax::<K, KIND, RIGHT>(
                 k,
                 End { at: o, w: wo },
                 End { at: e.map(|p| &mut p[1..]), w: &we[1..] },
@@ -241,7 +269,7 @@ impl<'a, T: Real> Spring<'a, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, side], [0, 0]);
             let stored = (j * 2 + side) * self.half;
-            self.relax::<K, KIND, false>(
+            self.relax::<K, KIND, DOWN>(
                 k,
                 upper,
                 lower,
@@ -265,7 +293,7 @@ impl<'a, T: Real> Spring<'a, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [side, 1 - side], [0, side]);
             let stored = (j * 2 + side) * self.half;
-            self.relax::<K, KIND, false>(
+            self.relax::<K, KIND, DIAGONAL>(
                 k,
                 upper,
                 lower,
@@ -290,7 +318,7 @@ impl<'a, T: Real> Spring<'a, T> {
         for side in 0..2 {
             let (upper, lower) = ends(rows, w, j, self.half, [1 - side, side], [side, 0]);
             let stored = ((j + 1) * 2 + side) * self.half;
-            self.relax::<K, KIND, false>(
+            self.relax::<K, KIND, DIAGONAL>(
                 k,
                 lower,
                 upper,
@@ -302,7 +330,7 @@ impl<'a, T: Real> Spring<'a, T> {
     }
 
     #[inline(always)]
-    fn relax<K: Machine<T>, const KIND: u8, const ASIDE: bool>(
+    fn relax<K: Machine<T>, const KIND: u8, const WAY: u8>(
         &self,
         k: K,
         a: End<T>,
@@ -312,15 +340,17 @@ impl<'a, T: Real> Spring<'a, T> {
         sums: &mut [T],
     ) {
         match KIND {
-            ALIKE => self.equals::<K, ASIDE>(k, a, b, stored, count),
-            HARD => self.list::<K, true, false, ASIDE>(k, a, b, stored, count, sums),
-            LIMIT => self.list::<K, true, true, false>(k, a, b, stored, count, sums),
-            _ => self.list::<K, false, false, ASIDE>(k, a, b, stored, count, sums),
+            ALIKE => self.equals::<K, false, WAY>(k, a, b, stored, count),
+            ALIKE_BOUND => self.equals::<K, true, WAY>(k, a, b, stored, count),
+            HARD => self.list::<K, HARD, WAY>(k, a, b, stored, count, sums),
+            HARD_BOUND => self.list::<K, HARD_BOUND, WAY>(k, a, b, stored, count, sums),
+            LIMIT => self.list::<K, LIMIT, WAY>(k, a, b, stored, count, sums),
+            _ => self.list::<K, SOFT, WAY>(k, a, b, stored, count, sums),
         }
     }
 
     #[inline(always)]
-    fn list<K: Machine<T>, const HARD: bool, const LIMIT: bool, const ASIDE: bool>(
+    fn list<K: Machine<T>, const KIND: u8, const WAY: u8>(
         &self,
         k: K,
         a: End<T>,
@@ -344,11 +374,14 @@ impl<'a, T: Real> Spring<'a, T> {
             }
             let mut d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
             let mut far = k.most(k.sqrt(k.squares(d)), closest);
-            if ASIDE && k.any(k.above(k.mul(rest, short), far)) {
+            if WAY == RIGHT && KIND != LIMIT && k.any(k.above(k.mul(rest, short), far)) {
                 (d, far) = self.turned(k, d, rest, far, stored + at);
             }
-            let (over, w) = (k.sub(far, rest), k.add(wa, wb));
-            let mut g = if HARD {
+            let (mut over, w) = (k.sub(far, rest), k.add(wa, wb));
+            if WAY == DIAGONAL && KIND == HARD_BOUND {
+                over = self.within(k, over, rest);
+            }
+            let mut g = if KIND != SOFT {
                 k.div(over, k.most(k.mul(far, w), least))
             } else {
                 let soft = k.div(value(k, self.soft, stored + at), span);
@@ -356,10 +389,10 @@ impl<'a, T: Real> Spring<'a, T> {
                 k.div(over, k.most(k.mul(far, k.add(w, soft)), least))
             };
             g = k.choose(k.above(rest, zero), g, zero);
-            if LIMIT {
+            if KIND == LIMIT {
                 g = k.choose(k.above(g, zero), g, zero);
             }
-            if !HARD && !sums.is_empty() {
+            if KIND == SOFT && !sums.is_empty() {
                 let sum = k.add(k.load(sums, at), k.mul(g, far));
                 k.store(sums, at, sum);
             }
@@ -378,7 +411,14 @@ impl<T: Real> Spring<'_, T> {
     /// Hard springs between particles of one mass: each end takes half of the error, whatever the mass is. Neither roots nor
     /// divisions are needed.
     #[inline(always)]
-    fn equals<K: Machine<T>, const ASIDE: bool>(&self, k: K, a: End<T>, b: End<T>, stored: usize, count: usize) {
+    fn equals<K: Machine<T>, const BOUND: bool, const WAY: u8>(
+        &self,
+        k: K,
+        a: End<T>,
+        b: End<T>,
+        stored: usize,
+        count: usize,
+    ) {
         let (zero, half, closest) = (k.splat(T::of(0.0)), k.splat(T::of(0.5)), k.splat(T::of(1e-9)));
         let short = k.splat(T::of(aside::SHORT));
         let [ax, ay, az] = a.at;
@@ -393,10 +433,14 @@ impl<T: Real> Spring<'_, T> {
                 // Past the last column there is no spring.
                 rest = k.first(rest, count - at);
             }
-            if ASIDE && k.any(k.above(k.mul(rest, short), far)) {
+            if WAY == RIGHT && k.any(k.above(k.mul(rest, short), far)) {
                 (d, far) = self.turned(k, d, rest, far, stored + at);
             }
-            let g = k.sub(half, k.div(k.mul(half, rest), far));
+            let share = k.div(k.mul(half, rest), far);
+            let mut g = k.sub(half, share);
+            if BOUND && WAY == DIAGONAL {
+                g = self.within(k, g, share);
+            }
             let g = k.choose(k.above(rest, zero), g, zero);
             let m = [k.mul(d[0], g), k.mul(d[1], g), k.mul(d[2], g)];
             k.store(ax, at, k.add(p[0], m[0]));
@@ -406,6 +450,16 @@ impl<T: Real> Spring<'_, T> {
             k.store(by, at, k.sub(q[1], m[1]));
             k.store(bz, at, k.sub(q[2], m[2]));
         }
+    }
+
+    /// Errors of diagonals within their bound, or within a quarter of a length that is too long; `whole` is all of a length.
+    #[inline(always)]
+    fn within<K: Machine<T>>(&self, k: K, error: K::V, whole: K::V) -> K::V {
+        let bound = k.mul(whole, k.splat(self.bound));
+        let most = k.most(k.sub(error, k.mul(whole, k.splat(T::of(TORN)))), bound);
+        let least = k.sub(k.splat(T::of(0.0)), bound);
+        let error = k.choose(k.above(error, most), most, error);
+        k.choose(k.above(least, error), least, error)
     }
 
     /// Vectors and lengths of springs to the right, some of which have almost no length, as [`aside`] has them.

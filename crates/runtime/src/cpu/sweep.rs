@@ -31,16 +31,22 @@ pub fn run<T: Real>(sheet: &mut Sheet<T>, stages: &[Stage<T>]) {
     // Coordinates now and before, and a weight.
     let bytes = 7 * sheet.width * size_of::<T>();
     let together = (NEAREST / bytes).max(2).next_multiple_of(2);
-    widest(Walk { sheet, stages, together });
+    let bound = |stage: &Stage<T>| matches!(stage, Stage::Springs(springs, _) if springs.bound > T::of(0.0));
+    if stages.iter().any(bound) {
+        widest(Walk::<_, true> { sheet, stages, together });
+    } else {
+        widest(Walk::<_, false> { sheet, stages, together });
+    }
 }
 
-struct Walk<'a, 'b, T: Real> {
+/// Hard springs with bounds or without: together, they would be slower than either.
+struct Walk<'a, 'b, T: Real, const BOUND: bool> {
     sheet: &'b mut Sheet<T>,
     stages: &'a [Stage<'a, T>],
     together: usize,
 }
 
-impl<T: Real> Work<T> for Walk<'_, '_, T> {
+impl<T: Real, const BOUND: bool> Work<T> for Walk<'_, '_, T, BOUND> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
         let (size, row) = ((self.sheet.width, self.sheet.half), self.sheet.row());
@@ -73,14 +79,14 @@ impl<T: Real> Work<T> for Walk<'_, '_, T> {
                     }
                     (Stage::Springs(_, (0, parity)), Some(spring)) => {
                         for j in *next..ready {
-                            spring.hard(k, &mut now[j * row..(j + 1) * row], w, j, (0, *parity as usize));
+                            spring.hard::<K, BOUND>(k, &mut now[j * row..(j + 1) * row], w, j, (0, *parity as usize));
                         }
                         *next = ready;
                     }
                     (Stage::Springs(_, (direction, parity)), Some(spring)) => {
                         while *next + 2 <= ready {
                             let rows = &mut now[*next * row..(*next + 2) * row];
-                            spring.hard(k, rows, w, *next, (*direction, *parity as usize));
+                            spring.hard::<K, BOUND>(k, rows, w, *next, (*direction, *parity as usize));
                             *next += 2;
                         }
                         // A row without another one below is done with too.
@@ -139,11 +145,13 @@ mod tests {
         let threads = Threads::one();
         let step =
             Step { gravity: [0.0, -9.81, 0.0], keep: 0.9, scale: 1e-4, longest: 1e6, dt: 0.01, ..Step::default() };
-        for (width, height) in [(2, 2), (3, 9), (9, 3), (31, 33), (32, 64), (33, 31), (70, 200), (300, 41)] {
+        let sizes = [(2, 2), (3, 9), (9, 3), (31, 33), (32, 64), (33, 31), (70, 200), (300, 41)];
+        for ((width, height), bound) in sizes.into_iter().flat_map(|s| [(s, 0.0), (s, 0.01)]) {
             let (mut together, mut apart) = (sheet(width, height), sheet(width, height));
             let list = Values::List(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32));
             let rest = [Values::Constant(0.9f32), list, Values::Constant(1.3), Values::Constant(1.3)];
-            let mut springs = rest.map(|rest| stretch::Springs { rest, soft: Values::Constant(0.0), sums: Vec::new() });
+            let mut springs =
+                rest.map(|rest| stretch::Springs { rest, soft: Values::Constant(0.0), sums: Vec::new(), bound });
             let far = |k: usize| Some((0, (k % width as usize) as f32 + (k / width as usize) as f32));
             let held = Tethers { slots: vec![Slot::new(&together, far)] };
             let anchors = [together.at(0)];

@@ -1,9 +1,9 @@
 //! Which cloths lie in the same buffers, and which of them share a dispatch.
 
 use super::{Fused, Hold, Room};
-use crate::cloth::{Cloth, Compliance, Rest};
+use crate::cloth::{Cloth, Rest};
 use crate::options::{Options, Solver};
-use crate::passes::Soft;
+use crate::passes::soft_of;
 use crate::world::World;
 
 /// So many cloths that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
@@ -24,11 +24,7 @@ pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Option
             continue;
         }
         let (image, rings) = (matches!(cloth.rest(), Rest::Image(_)), cloth.ring_count() > 0);
-        let soft = match cloth.compliance {
-            Compliance::None => Soft::None,
-            Compliance::Constant(_) => Soft::Constant,
-            Compliance::Image(_) => Soft::Image,
-        };
+        let soft = soft_of(cloth);
         let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some());
         let kind = (image, rings, soft, slots(index), fabric);
         // No other buffer has more bytes a particle.

@@ -15,6 +15,7 @@ use crate::gpu::span::Span;
 use crate::levels::levels;
 use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
+use crate::passes::{Soft, soft_of};
 use crate::shaders::{Bound, Slot, Source};
 use crate::tile::Tile;
 use crate::world::World;
@@ -316,14 +317,20 @@ pub(super) fn solids_buffer(device: &wgpu::Device, rows: &[SolidRow]) -> Buffer 
     upload(device, "solids", if rows.is_empty() { &none } else { rows }, BufferUsages::empty())
 }
 
+/// A bound of diagonals that none reaches.
+const UNBOUNDED: f32 = 1e30;
+
 /// The grids of a cloth whose particles begin at `first`.
 pub(super) fn grid_rows(cloth: &Cloth, first: u32) -> Vec<GridRow> {
     let constant = |g: usize| if let Rest::Constant(r) = cloth.rest() { r[g] } else { [0.0; 4] };
+    // One shader for all hard springs, so that cloths of all sizes share a dispatch.
+    let hard = cloth.membrane().is_none() && soft_of(cloth) == Soft::None;
+    let bound = if cloth.bound() > 0.0 { cloth.bound() } else { UNBOUNDED };
     let row = |(g, grid): (usize, &Grid)| GridRow {
         first: first + grid.first,
         width: grid.width,
         height: grid.height,
-        soft: cloth.softness(),
+        soft: if hard { bound } else { cloth.softness() },
         rest: constant(g),
     };
     cloth.grids().iter().enumerate().map(row).collect()

@@ -32,6 +32,7 @@ pub struct GridRow {
     pub first: u32,
     pub width: u32,
     pub height: u32,
+    /// Compliance \[m/N\]; of hard springs the bound of diagonals.
     pub soft: f32,
     pub rest: [f32; 4],
 }
