@@ -154,7 +154,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         steps: [1, 2, 6],
         keep: [1, 1],
         refine: false,
-        snap: 2,
+        snap: 1,
     };
     let mut rim = vec![false; surface.positions.len()];
     fine.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);

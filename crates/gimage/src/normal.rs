@@ -365,7 +365,7 @@ mod tests {
                         a[corners[r]][corners[s]] += f[r] * f[s];
                     }
                     let b = [f[r] * f[4], f[r] * f[5], f[r] * f[6]];
-                                        (0..3).for_each(|c| {
+                    (0..3).for_each(|c| {
                         normal.rhs[corners[r]][c] += b[c];
                         rhs[corners[r]][c] += b[c];
                     });

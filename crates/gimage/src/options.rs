@@ -46,7 +46,7 @@ pub enum Seams {
 /// How hard to look for the cut and the layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Effort {
-    /// The shortest cut and few layouts: half the time, for previews.
+    /// The shortest cut and few layouts: three fourths of the time, for previews.
     Fast,
     /// A search of about as long as the map itself takes.
     #[default]

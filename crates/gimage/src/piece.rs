@@ -89,7 +89,7 @@ impl ImageOptions {
         };
         let normal = SearchOptions {
             triangles: 600,
-            shifts: 16,
+            shifts: 12,
             rough: 3,
             passes: 2,
             steps: [1, 2, 3],
@@ -98,9 +98,7 @@ impl ImageOptions {
             snap: 3,
         };
         let (grow, search) = match options.effort {
-            Effort::Fast => {
-                (None, SearchOptions { shifts: 6, rough: 6, keep: [2, 1], refine: false, snap: 2, ..normal })
-            }
+            Effort::Fast => (None, SearchOptions { shifts: 6, keep: [2, 1], refine: false, snap: 2, ..normal }),
             Effort::Default => (Some(GrowOptions::default()), normal),
             Effort::Best => {
                 let grow = GrowOptions { triangles: 3000, points: 32, gain: 0.005 };

@@ -125,7 +125,8 @@ pub(super) fn clipped(
             patches.extend([half, half + 1].map(|half| Patch::new(at as u32, half)));
         }
     }
-    let mut made: Vec<(u32, Fragment)> = Vec::new();
+    // About two fall on a texel triangle where the mesh is as fine as the texels, one where it is coarser.
+    let mut made: Vec<(u32, Fragment)> = Vec::with_capacity(2 * patches.len());
     let (mut row, mut cell, mut next, mut parts) = (Vec::new(), Vec::new(), Vec::new(), [Vec::new(), Vec::new()]);
     for &f in triangles {
         let Some(facet) = &facets[f as usize] else { continue };

@@ -45,7 +45,7 @@ impl Default for FitOptions {
 }
 
 /// How near the solve of a round comes, as a share of where it began: the next round moves the target anyway.
-const NEAR: f64 = 5e-2;
+const NEAR: f64 = 0.1;
 
 /// Above this share of the area turned over, that is how the image of a shell thinner than texels looks: nothing is held.
 const MOST_TURNED: f64 = 0.005;

@@ -126,7 +126,7 @@ impl Proxy<'_> {
     }
 
     /// The best layout found, and the map of the stand-in if one was free of flips. `None` too if it is going to be worse
-    /// than a search of another cut whose [`Found::early`] is `than`.
+    /// than searches of other cuts, the least of whose [`Found::early`] are `than`.
     pub(crate) fn search_map(&mut self, size: Size, than: Option<[f64; 2]>) -> Option<Found> {
         let bar = than.map_or([f64::INFINITY; 2], |early| [0, 1].map(|lot| SLACK[lot][0] * early[lot] + SLACK[lot][1]));
         let mut early = [f64::INFINITY; 2];
