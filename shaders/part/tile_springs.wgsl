@@ -9,11 +9,12 @@ fn pairs(begin: u32, end: u32, parity: u32) -> vec2<u32> {
   return vec2<u32>((begin + 1u - parity) / 2u, (max(end, parity) - parity) / 2u);
 }
 
-// What is still right of a row: its ends are not where their other ends are missing.
+// What is still right of a row: its ends are not where their other ends are missing. Where a tile has nothing, that ends no
+// later than it begins, but never before 0, so that loops over it have nothing to do.
 fn within(begin: u32, end: u32, whole: u32, parity: u32) -> vec2<u32> {
   let less = select(0u, (begin ^ parity) & 1u, begin > 0u);
   let more = select(0u, (end ^ parity) & 1u, end < whole);
-  return vec2<u32>(begin + less, end - more);
+  return vec2<u32>(begin + less, max(end, more) - more);
 }
 
 fn stretch_all(local: u32, direction: u32, parity: u32) {
@@ -46,8 +47,8 @@ fn stretch_all(local: u32, direction: u32, parity: u32) {
   } else {
     x = vec2<u32>(low.x, high.x);
     if (direction > 1u) {
-      x += vec2<u32>(u32(low.x > 0u), 0u);
-      x -= vec2<u32>(0u, u32(high.x < size.x));
+      let more = u32(high.x < size.x);
+      x = vec2<u32>(low.x + u32(low.x > 0u), max(high.x, more) - more);
     }
     y = within(low.y, high.y, size.y, parity);
     low.y = y.x;

@@ -327,9 +327,9 @@ fn air(air: Air) -> &'static [&'static str] {
 /// The rule of swept contact.
 const CONTACT: [&str; 4] = [part!("solid"), part!("friction"), part!("entry"), part!("touch")];
 
-/// The rule of springs with compliance, and what it reads of a cloth beside positions.
+/// The rule of springs, and what it reads of a cloth beside positions.
 ///
-/// The rule of multipliers, and what it reads, come with it.
+/// The rule of multipliers, and what that reads, are the last argument; they are used where springs have compliance.
 fn spring_parts(image: bool, soft: Soft, (rule, read): Rule) -> (Vec<&'static str>, Vec<Bound>) {
     let mut files = vec![ENDS, if image { part!("rest_image") } else { part!("rest_constant") }];
     let mut bindings: Vec<_> = image.then_some(reads(Slot::Rest)).into_iter().collect();

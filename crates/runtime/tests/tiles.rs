@@ -101,6 +101,37 @@ fn tiles_of_any_cloth_give_the_bits_of_separate_passes() {
     }
 }
 
+/// A cloth of flat grids of so many particles, one behind the other, each hung by two corners and thrown askew.
+fn pieces(sizes: &[(u32, u32)]) -> Cloth {
+    let (mut grids, mut positions, mut particles) = (Vec::new(), Vec::new(), Vec::new());
+    let side = 0.0145f32;
+    for (g, &(width, height)) in sizes.iter().enumerate() {
+        grids.push(Grid { name: format!("piece {g}"), first: positions.len() as u32, width, height });
+        for (j, i) in (0..height).flat_map(|j| (0..width).map(move |i| (j, i))) {
+            positions.push([i as f32 * side, -(j as f32) * side, g as f32 * 0.1]);
+            let corner = j == 0 && (i == 0 || i == width - 1);
+            particles.push(if corner { Particle::Pinned { next: None } } else { Particle::Free { next: None } });
+        }
+    }
+    let diagonal = side.hypot(side);
+    let rest = Rest::Constant(vec![[side, side, diagonal, diagonal]; grids.len()]);
+    let name = "pieces".into();
+    let mut cloth = Cloth::new(Parts { name, grids, positions, particles, rest, mass: Mass::Constant(1e-4) }).unwrap();
+    (cloth.velocity, cloth.damping) = ([0.4, -1.5, 0.3], 0.3);
+    cloth
+}
+
+#[test]
+fn tiles_past_the_end_of_a_small_grid_do_nothing() {
+    let Some(device) = device() else { return };
+    // Every grid has as many tiles as the largest, most of which begin where a smaller one has ended.
+    let scene = scene(pieces(&[(70, 70), (6, 40), (40, 6), (3, 3), (30, 30)]));
+    for (polish, tethers) in [(0, 0), (0, 2), (1, 0), (1, 2)] {
+        let name = format!("polish {polish}, {tethers} tethers");
+        agree(&name, &scene, |o| Options { polish, tethers, ..o }, &device);
+    }
+}
+
 #[test]
 fn a_step_is_as_few_dispatches_as_can_be() {
     let Some(device) = device() else { return };

@@ -128,6 +128,57 @@ mod tests {
         }
     }
 
+    /// What the shader has of `within`, in its unsigned numbers; arithmetic out of their range is `None`.
+    fn within_unsigned([from, to]: [u32; 2], size: u32, reach: Reach) -> Option<[u32; 2]> {
+        let (less, more) = match reach {
+            Reach::None => (0, 0),
+            Reach::Pair(parity) => ((from ^ parity) & 1, (to ^ parity) & 1),
+            Reach::All => (1, 1),
+        };
+        let (less, more) = (if from > 0 { less } else { 0 }, if to < size { more } else { 0 });
+        Some([from.checked_add(less)?, to.max(more).checked_sub(more)?])
+    }
+
+    /// Rows of springs of a colour, and of particles that tethers hold, which the shader goes through.
+    fn loops([x, y]: [[u32; 2]; 2], (direction, parity): (u32, u32)) -> [u32; 2] {
+        let pairs = |[from, to]: [u32; 2]| [(from + 1 - parity) / 2, (to.max(parity) - parity) / 2];
+        let cells = match direction {
+            0 => [pairs(x), y],
+            _ => [[x[0], x[1].max(1) - u32::from(direction != 1)], pairs(y)],
+        };
+        let rows = |[x, y]: [[u32; 2]; 2]| if x[1] > x[0] { y[1].max(y[0]) - y[0] } else { 0 };
+        [rows(cells), rows([x, y])]
+    }
+
+    #[test]
+    fn a_tile_past_the_end_of_its_grid_has_nothing_to_do() {
+        let colours = [&ALL[..], &ALL[4..], &ALL[4..], &ALL[4..]].concat();
+        let (around, lacks) = around(&colours);
+        // Tiles of a larger grid, on grids that end before them, in them, or not at all.
+        let sizes = (1..70u32).flat_map(|width| [1, 2, 3, 8, 21, 33, 64].map(|height| [width, height]));
+        for (size, tile) in sizes.flat_map(|s| (0..4u32).flat_map(move |j| (0..4u32).map(move |i| (s, [i, j])))) {
+            let inner = 16;
+            let own = [0, 1].map(|d| {
+                let low = (tile[d] * inner).max(lacks[d]) - lacks[d];
+                [low.min(size[d]), ((tile[d] + 1) * inner - lacks[d]).min(size[d])]
+            });
+            let empty = own.iter().any(|o| o[0] >= o[1]);
+            let mut part = [0, 1].map(|d| {
+                let low = own[d][0].max(around[d]) - around[d];
+                [low, if empty { low } else { (own[d][1] + around[d]).min(size[d]) }]
+            });
+            for colour in &colours {
+                let done = loops(part, *colour);
+                assert!(!empty || done == [0, 0], "{size:?} {tile:?} {colour:?}: {done:?}");
+                let signed = [0, 1].map(|d| within(part[d].map(i64::from), i64::from(size[d]), reach(*colour)[d]));
+                let next = [0, 1].map(|d| within_unsigned(part[d], size[d], reach(*colour)[d]));
+                assert!(next.iter().all(Option::is_some), "{size:?} {tile:?} {colour:?}");
+                part = next.map(Option::unwrap_or_default);
+                assert!(empty || signed == part.map(|p| p.map(i64::from)), "{size:?} {tile:?} {colour:?}");
+            }
+        }
+    }
+
     #[test]
     fn eight_colours_reach_five_particles_far() {
         assert_eq!(around(&ALL), ([5, 5], [1, 1]));
