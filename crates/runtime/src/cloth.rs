@@ -10,6 +10,7 @@ pub use flat::Flat;
 pub use gimage_bundle::{Anchor, Particle, Tethers};
 
 use crate::error::{Error, Result, check as range};
+use crate::limits::shear;
 use crate::material::{Bending, Membrane};
 
 /// One grid of particles, a piece of a bundle. Texel (i, j) is particle `first + j * width + i`.
@@ -113,8 +114,8 @@ pub struct Cloth {
     pub(crate) bending: Option<Bending>,
     /// Whether steps are so short that rounding of positions matters; so for cloth of a material.
     pub(crate) exact: bool,
-    /// Share of its rest length by which a hard diagonal may move its ends in a relaxation; 0 is no bound.
-    pub(crate) bound: f32,
+    /// What hard diagonals may do, over the square of a step \[1/s^2\]; 0 is anything.
+    pub(crate) shear: f64,
     /// Texture coordinates along the fabric.
     grain: Option<Vec<[f32; 2]>>,
 }
@@ -137,7 +138,7 @@ impl Cloth {
             membrane: None,
             bending: None,
             exact: false,
-            bound: 0.0,
+            shear: 0.0,
             grain: None,
         })
     }
@@ -301,9 +302,10 @@ impl Cloth {
         }
     }
 
-    /// Share of its rest length by which a hard diagonal may move its ends in a relaxation; 0 is no bound.
-    pub(crate) fn bound(&self) -> f32 {
-        self.bound
+    /// Share of its rest length by which a hard diagonal may move its ends in a relaxation of a step of `dt` \[s\]; 0 is no
+    /// bound.
+    pub(crate) fn bound(&self, dt: f64) -> f32 {
+        shear::bound(self.shear, dt)
     }
 
     /// Whether integration keeps what rounding takes.

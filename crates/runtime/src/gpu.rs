@@ -181,7 +181,7 @@ impl Gpu {
             self.queue.write_buffer(&self.solids, 0, cast_slice(&rows));
         } else {
             self.solids = solids_buffer(&self.device, &rows);
-            self.cloths.iter_mut().for_each(ClothBuffers::forget_colliders);
+            self.cloths.iter_mut().for_each(|c| c.forget(Slot::Solids));
         }
         self.solid_rows = rows;
     }

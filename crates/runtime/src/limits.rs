@@ -2,7 +2,7 @@
 
 mod lengths;
 mod masses;
-mod shear;
+pub(crate) mod shear;
 
 pub use lengths::MOST_LENGTHS;
 pub use masses::MOST_RATIO;
@@ -118,7 +118,7 @@ pub fn prepare(cloth: &mut Cloth, options: &Options, warnings: &mut Vec<Warning>
     }
     let uneven = masses::even(cloth)?;
     cloth.exact |= rounds(cloth, options);
-    cloth.bound = shear::bound(cloth, options);
+    cloth.shear = shear::strength(cloth);
     let masses = if let Some(Warning::Masses { ratio, .. }) = uneven { ratio } else { 1.0 };
     warnings.extend(uneven);
     warnings.extend(soft(cloth, options));

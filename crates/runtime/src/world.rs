@@ -215,6 +215,7 @@ impl World {
             let step = |n: u32| Step { left: T::of(self.left(n, steps)), ..numbers[usize::from(n > 0)] };
             let frame =
                 Frame { plan, steps, rounds: self.options.iterations, coarse: &|n| self.coarse(n), step: &step };
+            body.bound_diagonals(T::of(cloth.bound(self.clock.dt).into()));
             fused::run(body, &frame, threads, &solids);
             if let Some((particles, particle)) = body.faulty.take() {
                 let time = self.clock.time + f64::from(steps) * self.clock.dt;

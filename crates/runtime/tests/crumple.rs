@@ -84,18 +84,104 @@ fn a_diagonal_moves_its_ends_to_its_bound_and_tears_no_farther() {
     }
 }
 
+/// A square with folds that run across its sides.
+fn crumpled() -> Scene {
+    let mut cloth = Flat::square("crumpled", N as u32).cloth().unwrap();
+    let at = |p: &[f32; 3]| [0.6 * p[0], 0.05 * (20.0 * (p[0] + 0.7 * p[2])).sin(), 1.2 * p[2]];
+    let list = cloth.positions().iter().map(at).collect();
+    cloth.place(list).unwrap();
+    scene(cloth)
+}
+
+/// Other substeps from the next frame on. A budget without any measured time leaves them as they are, and few as well.
+fn change(rig: &mut Rig, substeps: u32) {
+    let options = rig.stepper.options().clone();
+    rig.stepper.set_options(Options { substeps, quality: Quality::Budget(1.0), ..options }).unwrap();
+}
+
+#[test]
+fn the_bound_is_that_of_the_step_that_is_made() {
+    // A diagonal of 0.1 m in a grid of two columns: twenty times the weight of such a row, 0.25 being none any more.
+    let bound = |substeps: u32| {
+        let share = 20.0 * 9.81 * 2.0 / 0.1 * (FRAME / f64::from(substeps)).powi(2);
+        (share < 0.25).then_some(share.max(0.01))
+    };
+    assert!(bound(2).is_none() && bound(4).is_some() && bound(8) < bound(4));
+    let start = diagonal(0.1, 0.5, Compliance::None);
+    for all in [[4, 8, 6], [8, 4, 8], [2, 8, 4], [4, 2, 4], [16, 4, 2]] {
+        for fused in [true, false] {
+            let options = Options { fused, quality: Quality::Budget(1.0), ..options(all[0]) };
+            for mut rig in Rig::both(&start, &options) {
+                // Length over rest length, and what it grew by in the last step, which goes on.
+                let (mut length, mut grew, mut dt) = (0.5, 0.0, 1.0);
+                for substeps in all {
+                    change(&mut rig, substeps);
+                    let (next, before) = (FRAME / f64::from(substeps), length);
+                    let free = length + grew * next / dt;
+                    length = bound(substeps).map_or(1.0, |b| free + (1.0 - free).clamp(-b.max(free - 1.25), b));
+                    (grew, dt) = (length - before, next);
+                    rig.frame(next);
+                    let p = rig.positions(0);
+                    let far = (0..3).map(|c| f64::from(p[3][c] - p[0][c]).powi(2)).sum::<f64>().sqrt() / 0.1;
+                    let (name, now) = (rig.name(), rig.stepper.options().substeps);
+                    assert!((far - length).abs() < 1e-4, "{all:?} {name} {now} fused {fused}: {far} {length}");
+                    assert_eq!(now, substeps);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_stepper_started_with_is_forgotten() {
+    // Nothing falls or moves at the start, so that the step before the first one does not matter.
+    let start = Scene { gravity: [0.0; 3], ..crumpled() };
+    for fused in [true, false] {
+        let all = [8, 16].map(|first| Options { fused, ..options(first) });
+        let mut rigs = all.map(|options| Rig::both(&start, &options));
+        for substeps in [8, 16, 5, 10] {
+            for rig in rigs.iter_mut().flatten() {
+                change(rig, substeps);
+                rig.frame(FRAME);
+            }
+            let [few, many] = &rigs;
+            for (few, many) in few.iter().zip(many) {
+                let name = few.name();
+                assert!(few.positions(0) == many.positions(0), "{name}, fused {fused}, {substeps} substeps");
+                assert!(few.previous(0) == many.previous(0), "{name}, fused {fused}, {substeps} substeps");
+            }
+        }
+    }
+}
+
+#[test]
+fn steps_that_are_chosen_are_as_good_as_those_that_are_set() {
+    let start = Scene { gravity: [0.0; 3], ..crumpled() };
+    for fused in [true, false] {
+        let chosen = Options { fused, quality: Quality::Error(0.001), ..options(5) };
+        let set = Options { fused, ..options(16) };
+        for (mut chosen, mut set) in Rig::both(&start, &chosen).into_iter().zip(Rig::both(&start, &set)) {
+            let mut counts = Vec::new();
+            for frame in 0..30 {
+                chosen.frame_to_its_end(FRAME);
+                let substeps = chosen.stepper.options().substeps;
+                counts.push(substeps);
+                change(&mut set, substeps);
+                set.frame_to_its_end(FRAME);
+                let same = chosen.positions(0) == set.positions(0);
+                assert!(same, "{}, fused {fused}, frame {frame}: {counts:?}", set.name());
+            }
+            // From no bound to one, and on.
+            assert!(counts[0] == 5 && counts[29] >= 10, "{counts:?}");
+        }
+    }
+}
+
 #[test]
 fn both_backends_unfold_alike() {
     let Some(device) = support::device() else { return };
     for fused in [true, false] {
         let options = Options { fused, ..options(32) };
-        let crumpled = || {
-            let mut cloth = Flat::square("crumpled", N as u32).cloth().unwrap();
-            let at = |p: &[f32; 3]| [0.6 * p[0], 0.05 * (20.0 * (p[0] + 0.7 * p[2])).sin(), 1.2 * p[2]];
-            let list = cloth.positions().iter().map(at).collect();
-            cloth.place(list).unwrap();
-            scene(cloth)
-        };
         let (mut cpu, mut gpu) = (Rig::cpu(crumpled(), &options), Rig::gpu(crumpled(), &options, &device));
         let start = cpu.positions(0);
         [&mut cpu, &mut gpu].into_iter().for_each(|rig| rig.frame(FRAME / 8.0));

@@ -126,6 +126,13 @@ impl<T: Real> Body<T> {
         (&mut self.now, &mut self.before)
     }
 
+    /// Share of its rest length by which a hard diagonal may move its ends from here on; 0 is no bound.
+    pub fn bound_diagonals(&mut self, bound: T) {
+        if let Some(fabric) = &mut self.fabric {
+            fabric.bound_diagonals(bound);
+        }
+    }
+
     /// To be called before the steps of a frame.
     pub fn begin(&mut self) {
         if let Some(fabric) = self.fabric.as_mut().filter(|_| self.edited) {

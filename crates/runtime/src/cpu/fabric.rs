@@ -127,6 +127,11 @@ impl<T: Real> Fabric<T> {
         }
     }
 
+    /// As [`Springs::bound`], of all springs.
+    pub fn bound_diagonals(&mut self, bound: T) {
+        self.springs.iter_mut().flatten().for_each(|s| s.bound = bound);
+    }
+
     /// Ends bending where springs are missing around a particle.
     fn break_plates(&mut self, image: &[[T; 4]]) {
         for ((sheet, plate), first) in self.sheets.iter().zip(&mut self.plates).zip(&self.firsts) {
@@ -374,6 +379,6 @@ fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>) -> [Springs<T>; 4
             Compliance::Constant(c) => Values::Constant(T::of(f64::from(*c))),
             Compliance::Image(c) => Values::List(sheet.list(zero, |k| T::of(c[first + k][d].into()))),
         };
-        Springs { rest, soft, sums: Vec::new(), bound: T::of(cloth.bound().into()) }
+        Springs { rest, soft, sums: Vec::new(), bound: zero }
     })
 }

@@ -14,7 +14,7 @@ pub struct Springs<T> {
     pub soft: Values<T>,
     /// Sums of multipliers of this step; empty until there is more than one relaxation and any compliance.
     pub sums: Vec<T>,
-    /// Share of its rest length by which a hard diagonal may move its ends; 0 is no bound.
+    /// Share of its rest length by which a hard diagonal may move its ends; 0 is no bound. It depends on the step.
     pub bound: T,
 }
 
@@ -54,6 +54,9 @@ pub fn limit<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, springs: &mut Spr
 /// to undo it: sides stay 5 to 14 % too long for ever. Real cloth folds along diagonals there, and shears before it
 /// stretches. So the force of diagonals ends somewhere, far above what cloth that hangs or lies asks of them.
 pub const TORN: f64 = 0.25;
+
+/// A bound of diagonals that none reaches.
+pub const UNBOUNDED: f64 = 1e30;
 
 /// The kinds as numbers, the first of them between particles of one mass.
 const ALIKE: u8 = 0;
@@ -159,6 +162,12 @@ impl<'a, T: Real> Spring<'a, T> {
         let columns = [width.div_ceil(2), width / 2, (width - 1) / 2];
         let Springs { rest, soft, bound, .. } = springs;
         Spring { rest, soft, half, alike, span: T::of(1.0), kind: Kind::Hard, bound: *bound, columns }
+    }
+
+    /// For the code of those that have a bound: one that nothing reaches where there is none.
+    pub fn bounded(self) -> Self {
+        let bound = if self.bound > T::of(0.0) { self.bound } else { T::of(UNBOUNDED) };
+        Spring { bound, ..self }
     }
 
     /// As [`Spring::rows`] where they are hard.

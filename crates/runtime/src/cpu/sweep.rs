@@ -53,7 +53,9 @@ impl<T: Real, const BOUND: bool> Work<T> for Walk<'_, '_, T, BOUND> {
         let Sheet { now, before, w, alike, height, half, .. } = self.sheet;
         let (height, half) = (*height, *half);
         // Of each pass the springs, and the first row that it has not taken.
-        let mut states: Vec<_> = self.stages.iter().map(|stage| stage.start(size, alike)).collect();
+        let states = self.stages.iter().map(|stage| stage.start(size, alike));
+        let mut states: Vec<_> =
+            states.map(|(spring, first)| (spring.map(|s| if BOUND { s.bounded() } else { s }), first)).collect();
         let mut taken = 0;
         while taken < height {
             taken = (taken + self.together).min(height);
@@ -146,12 +148,19 @@ mod tests {
         let step =
             Step { gravity: [0.0, -9.81, 0.0], keep: 0.9, scale: 1e-4, longest: 1e6, dt: 0.01, ..Step::default() };
         let sizes = [(2, 2), (3, 9), (9, 3), (31, 33), (32, 64), (33, 31), (70, 200), (300, 41)];
-        for ((width, height), bound) in sizes.into_iter().flat_map(|s| [(s, 0.0), (s, 0.01)]) {
+        // Diagonals of one direction without a bound, those of the other with one: they go together too.
+        let bounds = [[0.0; 4], [0.01; 4], [0.0, 0.0, 0.01, 0.0]];
+        for ((width, height), bounds) in sizes.into_iter().flat_map(|s| bounds.map(|b| (s, b))) {
             let (mut together, mut apart) = (sheet(width, height), sheet(width, height));
             let list = Values::List(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32));
             let rest = [Values::Constant(0.9f32), list, Values::Constant(1.3), Values::Constant(1.3)];
-            let mut springs =
-                rest.map(|rest| stretch::Springs { rest, soft: Values::Constant(0.0), sums: Vec::new(), bound });
+            let mut bounds = bounds.into_iter();
+            let mut springs = rest.map(|rest| stretch::Springs {
+                rest,
+                soft: Values::Constant(0.0),
+                sums: Vec::new(),
+                bound: bounds.next().unwrap(),
+            });
             let far = |k: usize| Some((0, (k % width as usize) as f32 + (k / width as usize) as f32));
             let held = Tethers { slots: vec![Slot::new(&together, far)] };
             let anchors = [together.at(0)];

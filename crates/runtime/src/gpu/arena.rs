@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use bytemuck::Zeroable;
 use wgpu::{Buffer, BufferUsages};
 
-use super::buffers::{DRAWN, Spans, bend_rows, grid_rows, upload, yielding_row};
+use super::buffers::{DRAWN, Spans, bend_rows, grid_rows, soft_row, upload, yielding_row};
 use super::layout::{JobRow, StepRow};
 use super::pipelines::Pipeline;
 use super::span::Span;
@@ -25,6 +25,8 @@ pub(super) struct Arena {
     buffers: HashMap<Slot, Buffer>,
     /// What is where, without numbers of a step.
     jobs: Vec<JobRow>,
+    /// [`soft_row`] of each, as its grids have it.
+    softs: Vec<f32>,
     ready: HashMap<Fused, Ready>,
 }
 
@@ -43,6 +45,7 @@ impl Arena {
         let mut lists: [Vec<[f32; 4]>; 5] = Default::default();
         let (mut starts, mut members, mut tethers) = (Vec::new(), Vec::new(), Vec::new());
         let (mut cells, mut yielding, mut weights, mut bends) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let softs: Vec<_> = cloths.iter().map(|c| soft_row(&world.scene.cloths[*c], world.clock.dt)).collect();
         for (row, &index) in cloths.iter().enumerate() {
             let (cloth, held, body) = (&world.scene.cloths[index], &world.tethers[index], &bodies[index]);
             let first = lists[0].len() as u32;
@@ -56,7 +59,7 @@ impl Arena {
                 row: row as u32,
                 ..JobRow::zeroed()
             });
-            grids.extend(grid_rows(cloth, first));
+            grids.extend(grid_rows(cloth, first, softs[row]));
             let rest: &[_] = if let Rest::Image(rest) = cloth.rest() { rest } else { &[] };
             let soft: &[_] = if let Compliance::Image(soft) = &cloth.compliance { soft } else { &[] };
             let end = lists[0].len() + room_of(cloth.len());
@@ -113,7 +116,7 @@ impl Arena {
         if !tethers.is_empty() {
             buffers.insert(Slot::Tethers, upload(device, "tethers", &tethers, none));
         }
-        Arena { cloths: cloths.to_vec(), buffers, jobs, ready: HashMap::new() }
+        Arena { cloths: cloths.to_vec(), buffers, jobs, softs, ready: HashMap::new() }
     }
 
     /// Where each of its cloths lies.
@@ -137,6 +140,22 @@ impl Arena {
         })
     }
 
+    /// Grids with the bounds of diagonals that steps have now. What is recorded with the last ones may not have been submitted
+    /// yet: they stay as they are.
+    fn follow(&mut self, device: &wgpu::Device, world: &World) {
+        let dt = world.clock.dt;
+        let cloths = || self.cloths.iter().map(|c| &world.scene.cloths[*c]);
+        if cloths().map(|c| soft_row(c, dt)).eq(self.softs.iter().copied()) {
+            return;
+        }
+        let softs: Vec<_> = cloths().map(|c| soft_row(c, dt)).collect();
+        let each = cloths().zip(&self.jobs).zip(&softs);
+        let grids: Vec<_> = each.flat_map(|((cloth, job), soft)| grid_rows(cloth, job.first, *soft)).collect();
+        self.buffers.insert(Slot::Grids, upload(device, "grids", &grids, BufferUsages::empty()));
+        self.softs = softs;
+        self.ready.clear();
+    }
+
     /// The bindings of a batch, made again only where cloths fell asleep or woke, or numbers changed.
     pub fn group(
         &mut self,
@@ -146,6 +165,7 @@ impl Arena {
         (pipeline, source): (&Pipeline, &Source),
         (solids, frames): (&Buffer, &Buffer),
     ) -> &wgpu::BindGroup {
+        self.follow(device, world);
         let rows: Vec<_> = batch.members.iter().map(|m| self.job(world, *m)).collect();
         let same = |r: &Ready| r.rows == rows && r.solids == *solids && r.frames == *frames;
         if !self.ready.get(&batch.fused).is_some_and(same) {

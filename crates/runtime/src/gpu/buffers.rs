@@ -8,6 +8,7 @@ use wgpu::{Buffer, BufferUsages};
 
 use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
 use crate::cpu::body::Body;
+use crate::cpu::stretch::UNBOUNDED;
 use crate::error::{Error, Result};
 use crate::gpu::layout::{GridRow, SolidRow, StepRow};
 use crate::gpu::pipelines::Pipeline;
@@ -49,6 +50,8 @@ pub struct ClothBuffers {
     lost: Option<Span>,
     stepping: bool,
     step: Option<Buffer>,
+    /// [`GridRow::soft`] of the grids in `others`.
+    soft: Option<f32>,
     others: HashMap<Slot, Buffer>,
     groups: HashMap<(Vec<Bound>, [bool; 4]), wgpu::BindGroup>,
     /// Which of [`TURNS`] lie in the other buffers, as they do after an odd number of tiles.
@@ -109,6 +112,7 @@ impl ClothBuffers {
             lost,
             stepping: !draw_only,
             step: None,
+            soft: None,
             others: HashMap::new(),
             groups: HashMap::new(),
             turned: [false; 4],
@@ -117,10 +121,21 @@ impl ClothBuffers {
         })
     }
 
-    /// Makes what only passes of the cloth's own need, once.
+    /// Makes what only passes of the cloth's own need, once; its grids again where the bound of diagonals is another.
     pub(super) fn separate(&mut self, device: &wgpu::Device, world: &World, index: usize) {
         let (cloth, held, options) = (&world.scene.cloths[index], &world.tethers[index], &world.options);
-        if !self.stepping || self.step.is_some() {
+        if !self.stepping {
+            return;
+        }
+        let soft = soft_row(cloth, world.clock.dt);
+        if self.soft != Some(soft) {
+            // What is recorded with the last ones may not have been submitted yet: they stay as they are.
+            let grids = upload(device, "grids", &grid_rows(cloth, 0, soft), BufferUsages::empty());
+            self.others.insert(Slot::Grids, grids);
+            self.forget(Slot::Grids);
+            self.soft = Some(soft);
+        }
+        if self.step.is_some() {
             return;
         }
         self.step = Some(device.create_buffer(&wgpu::BufferDescriptor {
@@ -130,7 +145,6 @@ impl ClothBuffers {
             mapped_at_creation: false,
         }));
         let none = BufferUsages::empty();
-        self.others.insert(Slot::Grids, upload(device, "grids", &grid_rows(cloth, 0), none));
         if let Rest::Image(rest) = cloth.rest() {
             self.others.entry(Slot::Rest).or_insert_with(|| upload(device, "rest", rest, none));
         }
@@ -305,9 +319,9 @@ impl ClothBuffers {
         self.others.get(&Slot::Strain).map(|b| (b, 0))
     }
 
-    /// Drops the bindings that name the old buffer of colliders.
-    pub(super) fn forget_colliders(&mut self) {
-        self.groups.retain(|(bindings, _), _| bindings.iter().all(|b| b.slot != Slot::Solids));
+    /// Drops the bindings that name the old buffer of a slot.
+    pub(super) fn forget(&mut self, slot: Slot) {
+        self.groups.retain(|(bindings, _), _| bindings.iter().all(|b| b.slot != slot));
     }
 }
 
@@ -317,20 +331,24 @@ pub(super) fn solids_buffer(device: &wgpu::Device, rows: &[SolidRow]) -> Buffer 
     upload(device, "solids", if rows.is_empty() { &none } else { rows }, BufferUsages::empty())
 }
 
-/// A bound of diagonals that none reaches.
-const UNBOUNDED: f32 = 1e30;
-
-/// The grids of a cloth whose particles begin at `first`.
-pub(super) fn grid_rows(cloth: &Cloth, first: u32) -> Vec<GridRow> {
-    let constant = |g: usize| if let Rest::Constant(r) = cloth.rest() { r[g] } else { [0.0; 4] };
+/// [`GridRow::soft`] of a cloth in steps of `dt` \[s\].
+pub(super) fn soft_row(cloth: &Cloth, dt: f64) -> f32 {
+    if cloth.membrane().is_some() || soft_of(cloth) != Soft::None {
+        return cloth.softness();
+    }
     // One shader for all hard springs, so that cloths of all sizes share a dispatch.
-    let hard = cloth.membrane().is_none() && soft_of(cloth) == Soft::None;
-    let bound = if cloth.bound() > 0.0 { cloth.bound() } else { UNBOUNDED };
+    let bound = cloth.bound(dt);
+    if bound > 0.0 { bound } else { UNBOUNDED as f32 }
+}
+
+/// The grids of a cloth whose particles begin at `first`, `soft` being that of [`soft_row`].
+pub(super) fn grid_rows(cloth: &Cloth, first: u32, soft: f32) -> Vec<GridRow> {
+    let constant = |g: usize| if let Rest::Constant(r) = cloth.rest() { r[g] } else { [0.0; 4] };
     let row = |(g, grid): (usize, &Grid)| GridRow {
         first: first + grid.first,
         width: grid.width,
         height: grid.height,
-        soft: if hard { bound } else { cloth.softness() },
+        soft,
         rest: constant(g),
     };
     cloth.grids().iter().enumerate().map(row).collect()
