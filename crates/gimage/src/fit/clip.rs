@@ -33,7 +33,8 @@ fn crossing(p: [f64; 2], q: [f64; 2], sp: f64, sq: f64) -> [f64; 2] {
 /// Both parts of a convex polygon, with `n . x <= d` and with `n . x >= d`.
 fn halves(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut [Vec<[f64; 2]>; 2]) {
     let [below, above] = out;
-    (below.clear(), above.clear());
+    below.clear();
+    above.clear();
     let Some(&first) = polygon.first() else { return };
     let side = |p: [f64; 2]| n[0] * p[0] + n[1] * p[1] - d;
     let (mut p, mut sp) = (first, side(first));
@@ -47,7 +48,8 @@ fn halves(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut [Vec<[f64; 2]>; 2
         }
         if (sp < 0.0 && sq > 0.0) || (sp > 0.0 && sq < 0.0) {
             let at = crossing(p, q, sp, sq);
-            (below.push(at), above.push(at));
+            below.push(at);
+            above.push(at);
         }
         (p, sp) = (q, sq);
     }
