@@ -56,12 +56,17 @@ const LEAST_TEXELS: u32 = 64;
 /// How much larger than its share the image of a small piece may get to hold its border.
 const STRETCH: u32 = 4;
 
+/// Bytes of freed memory that stages hand on. An allocator such as glibc's returns every large buffer to the system, and
+/// each page of the next is a fault again, until one of this size was freed; it is never touched.
+const HANDED_ON: usize = 8 << 20;
+
 /// Builds a bundle from a garment file. The same file and options give the same bytes whatever the number of threads.
 ///
 /// Errors: whatever the import finds unreadable; [`Error::Empty`] when nothing is left to make a piece of;
 /// [`Error::GridTooSmall`] when an exact size cannot hold a piece's border; [`Error::Cancelled`].
 pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Result<Built> {
     options.check()?;
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(HANDED_ON)));
     let mut run = Run { progress, report: Report::default() };
     let imported = run.stage(Stage::Import, 1, |report| {
         let imported = import(path, &options.import)?;

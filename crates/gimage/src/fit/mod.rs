@@ -104,14 +104,15 @@ pub(crate) fn fit(
     let hold = over <= MOST_TURNED * all;
     let sampled = local.clone();
     let mut before = local.clone();
-    let mut last = local.clone();
     let mut normal = Normal::new(columns, rows, BAND);
     for round in 0..options.rounds {
-        last.copy_from_slice(&local);
-        if round > 1 {
-            local.iter_mut().zip(&before).for_each(|(x, b)| (0..3).for_each(|c| x[c] += x[c] - b[c]));
+        for (x, b) in local.iter_mut().zip(&mut before) {
+            let last = *x;
+            if round > 1 {
+                (0..3).for_each(|c| x[c] += x[c] - b[c]);
+            }
+            *b = last;
         }
-        std::mem::swap(&mut before, &mut last);
         normal.clear();
         normal.parts().zip(&bands).for_each(|(part, band)| {
             pulp::Arch::new().dispatch(Round {

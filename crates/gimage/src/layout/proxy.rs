@@ -16,6 +16,8 @@ pub(super) struct Trial {
     pub(super) uv: Vec<[f64; 2]>,
     /// The score after the first lot of steps.
     pub(super) early: f64,
+    /// The map is the plain mean-value one.
+    pub(super) plain: bool,
     /// Index of the aspect and part of the loop at the middle of the side v = 0.
     pub(super) aspect: usize,
     pub(super) middle: f64,
@@ -103,15 +105,17 @@ impl<'a> Proxy<'a> {
             uv[k as usize] = on_rectangle(along[i] + shift, w, h);
         }
         let layout = Layout { w, h, shift, count, score: f64::INFINITY };
-        let mut trial = Trial { layout, uv, early: f64::INFINITY, aspect: 0, middle: 0.0 };
+        let mut trial = Trial { layout, uv, early: f64::INFINITY, plain: false, aspect: 0, middle: 0.0 };
         self.solve(&mut trial, passes, 0).then_some(trial)
     }
 
-    /// Starts the map (`passes` above 0) and takes Newton steps.
+    /// Starts the map (`passes` above 0), unless it is the plain one already, and takes Newton steps.
     pub(super) fn solve(&mut self, trial: &mut Trial, passes: usize, steps: usize) -> bool {
         let options = NewtonOptions { steps, tolerance: 1e-2 };
         let (system, uv) = (&mut self.system, &mut trial.uv);
-        let record = solve(system, &self.positions, &self.triangles, &self.wanted, uv, passes, &options);
+        let start = (passes, trial.plain);
+        let record = solve(system, &self.positions, &self.triangles, &self.wanted, uv, start, &options);
+        trial.plain = steps == 0 && record.is_some_and(|r| r.start_passes == 1 && !r.uniform_start);
         trial.layout.score = record.map_or(f64::INFINITY, |r| r.log_distortion);
         trial.layout.score.is_finite()
     }

@@ -48,7 +48,11 @@ pub(crate) struct Found {
 impl Proxy<'_> {
     /// A trial's first lot of steps.
     fn first(&mut self, (w, h): (u32, u32), shift: f64, count: Vec<u32>) -> Option<Trial> {
-        let mut trial = self.begin((w, h), shift, count, self.options.passes)?;
+        let trial = self.begin((w, h), shift, count, self.options.passes)?;
+        self.first_steps(trial)
+    }
+
+    fn first_steps(&mut self, mut trial: Trial) -> Option<Trial> {
         let fine = self.solve(&mut trial, 0, self.options.steps[0]);
         trial.early = trial.layout.score;
         fine.then_some(trial)
@@ -132,16 +136,18 @@ impl Proxy<'_> {
         let mut early = [f64::INFINITY; 2];
         let shifts = self.options.shifts.max(1);
         // A half turn of the rectangle is the same map, so half the loop is enough; a fixed size likewise.
-        let mut rough: Vec<(f64, f64)> = (0..shifts)
+        let mut rough: Vec<Trial> = (0..shifts)
             .filter_map(|k| {
                 let middle = 0.5 * k as f64 / shifts as f64;
                 let ((w, h), shift, count) = self.placed(size, 2, middle)?;
-                Some((self.begin((w, h), shift, count, 1)?.layout.score, middle))
+                Some(Trial { aspect: 2, middle, ..self.begin((w, h), shift, count, 1)? })
             })
             .collect();
-        rough.sort_by(|a, b| a.0.total_cmp(&b.0));
+        rough.sort_by(|a, b| a.layout.score.total_cmp(&b.layout.score));
         rough.truncate(self.options.rough.max(1));
-        let mut found: Vec<Trial> = rough.into_iter().filter_map(|(_, middle)| self.trial(size, 2, middle)).collect();
+        let passes = self.options.passes;
+        let mut go_on = |mut t: Trial| if self.solve(&mut t, passes, 0) { self.first_steps(t) } else { None };
+        let mut found: Vec<Trial> = rough.into_iter().filter_map(&mut go_on).collect();
         let least = |found: &[Trial]| found.iter().map(|t| t.layout.score).fold(f64::INFINITY, f64::min);
         early[0] = least(&found);
         if early[0] > bar[0] {

@@ -58,23 +58,23 @@ pub(crate) fn parameterize(
     }
     let Shape { positions, triangles, wanted, fixed } = shape;
     let mut system = System::new(triangles, fixed);
-    solve(&mut system, positions, triangles, wanted, uv, passes, options)
+    solve(&mut system, positions, triangles, wanted, uv, (passes, false), options)
 }
 
 /// As [`parameterize`], with a system that can be used again for other boundary places of the same surface. With no
-/// `passes`, `uv` is a flip-free map already and goes on from there.
+/// `passes`, `uv` is a flip-free map already and goes on from there; if `placed`, it is the first pass of the start.
 pub(crate) fn solve(
     system: &mut System,
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
     wanted: &[f64],
     uv: &mut Vec<[f64; 2]>,
-    passes: usize,
+    (passes, placed): (usize, bool),
     options: &NewtonOptions,
 ) -> Option<ParameterizeRecord> {
     let StartRecord { passes, uniform } = match passes {
         0 => StartRecord { passes, uniform: false },
-        _ => start::start(system, positions, triangles, wanted, uv, passes)?,
+        _ => start::start(system, positions, triangles, wanted, uv, (passes, placed))?,
     };
     let plane: f64 = triangles.iter().map(|&t| 0.5 * signed_area2(distortion::planar(uv, t))).sum();
     let mut rest = system.rest.take().unwrap_or_else(|| RestShapes::new(positions, triangles, wanted));

@@ -89,11 +89,11 @@ pub(super) fn local(rest: &Rest, p: [[f64; 2]; 3]) -> Local {
             gradient[k][c] = w * (d1 * pulled[0][k][c] + d2 * pulled[1][k][c]);
         }
     }
+    let scaled: [_; 4] = std::array::from_fn(|m| pulled[m].map(|p| p.map(|x| w * lambda[m] * x)));
     let block = |a: usize, b: usize| {
         let mut block = [0.0; 4];
         for m in 0..4 {
-            let l = w * lambda[m];
-            let (x, y) = (pulled[m][a].map(|x| l * x), pulled[m][b]);
+            let (x, y) = (scaled[m][a], pulled[m][b]);
             block[0] += x[0] * y[0];
             block[1] += x[0] * y[1];
             block[2] += x[1] * y[0];

@@ -46,18 +46,19 @@ pub(crate) struct StartRecord {
 }
 
 /// Fills in the free vertices of `uv`, whose fixed ones lie on a convex polygon. Keeps the flip-free pass of least
-/// stretch. `None` if no pass was free of flips in f64.
+/// stretch. `None` if no pass was free of flips in f64. If `placed`, `uv` is what a start of one pass has left, with
+/// mean-value weights: the first pass is made then.
 pub(crate) fn start(
     system: &mut System,
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
     wanted: &[f64],
     uv: &mut [[f64; 2]],
-    passes: usize,
+    (passes, placed): (usize, bool),
 ) -> Option<StartRecord> {
     let rest = system.rest.get_or_insert_with(|| RestShapes::new(positions, triangles, wanted));
     let area = std::mem::take(&mut rest.areas);
-    let found = reweighted(system, (positions, triangles, wanted, &area), uv, passes);
+    let found = reweighted(system, (positions, triangles, wanted, &area), uv, (passes, placed));
     if let Some(rest) = &mut system.rest {
         rest.areas = area;
     }
@@ -69,7 +70,7 @@ fn reweighted(
     system: &mut System,
     (positions, triangles, wanted, area): (&[[f64; 3]], &[[u32; 3]], &[f64], &[f64]),
     uv: &mut [[f64; 2]],
-    passes: usize,
+    (passes, placed): (usize, bool),
 ) -> Option<StartRecord> {
     let mut around = vec![1e-300; positions.len()];
     for (t, a) in triangles.iter().zip(area) {
@@ -90,7 +91,8 @@ fn reweighted(
         let mut made = 0;
         let passes = passes.clamp(1, PASSES);
         for pass in 0..passes {
-            if !system.solve_weighted(&weights, pass == 0 && !uniform, uv) {
+            let plain = pass == 0 && !uniform;
+            if !(plain && placed) && !system.solve_weighted(&weights, plain, uv) {
                 break;
             }
             made = pass + 1;
