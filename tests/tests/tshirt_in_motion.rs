@@ -147,8 +147,8 @@ fn one_step_is_that_of_the_twin() {
 fn after_100_steps_the_measures_agree() {
     let Some(device) = device() else { return };
     // The closest point of an ellipsoid is iterated and so rounds differently on each device. Folds under pressure make
-    // a millimetre of a rounding error in some tens of steps, and the most stretched spring shows it first: 20 steps there,
-    // and 50 of XPBD among all others, whose steps move particles farther.
+    // a millimetre of a rounding error in some tens of steps, and the most stretched spring shows it first: 20 steps there.
+    // Elsewhere it may be off by what one backend makes of starts that a rounding error moves; XPBD among colliders: 50.
     let (iterated, exact): (Vec<_>, Vec<_>) =
         colliders().into_iter().partition(|c| matches!(c.shape, Shape::Ellipsoid { closest: true, .. }));
     assert_eq!((iterated.len(), exact.len()), (1, 5));
@@ -164,15 +164,25 @@ fn after_100_steps_the_measures_agree() {
     for (name, solver, colliders, frames) in cases {
         let options = Options { substeps: 10, solver, ..Options::default() };
         let scene = scene(colliders);
-        let [here, there] = [None, Some(&device)].map(|d| {
-            let mut run = Run::new(scene.clone(), &options, d);
+        let moved_by = |nudge: f32| {
+            let mut scene = scene.clone();
+            let positions = SHIRT.positions().iter().map(|p| p.map(|x| x * (1.0 + nudge * f32::EPSILON)));
+            scene.cloths[0].place(positions.collect()).unwrap();
+            scene
+        };
+        let starts = [(None, 0.0), (Some(&device), 0.0), (None, 1.0), (None, -1.0), (None, 2.0)];
+        let [here, there, nudged @ ..] = starts.map(|(d, nudge)| {
+            let mut run = Run::new(moved_by(nudge), &options, d);
             (0..frames).for_each(|_| run.frame(FRAME));
             let [now, before] = run.lists();
             measure(&SHIRT, &now, &before, FRAME / 10.0, scene.gravity)
         });
         println!("{name}: {here:?}\n{name}: {there:?}");
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * a.abs().max(b.abs());
-        assert!(near(here.stretch_max, there.stretch_max), "{name}: {here:?} {there:?}");
+        let off = (here.stretch_max - there.stretch_max).abs();
+        let rounding = nudged.iter().map(|n| (n.stretch_max - here.stretch_max).abs()).fold(0.0, f64::max);
+        println!("{name}, {solver:?}: the largest stretch is off by {off:e}, rounding makes {rounding:e}");
+        assert!(off <= (1e-3 * here.stretch_max).max(rounding), "{name}: {here:?} {there:?} {rounding:e}");
         assert!(near(here.stretch_mean, there.stretch_mean), "{name}: {here:?} {there:?}");
         // Against the sum of both kinds: where the potential is 0 is arbitrary.
         let change = here.kinetic + here.potential - there.kinetic - there.potential;
