@@ -92,7 +92,8 @@ fn reweighted(
         let passes = passes.clamp(1, PASSES);
         for pass in 0..passes {
             let plain = pass == 0 && !uniform;
-            if !(plain && placed) && !system.solve_weighted(&weights, plain, uv) {
+            let there = plain && placed;
+            if !there && !system.solve_weighted(&weights, plain, uv) {
                 break;
             }
             made = pass + 1;
