@@ -40,7 +40,7 @@ pub struct FitOptions {
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { gradient: 0.3, slip: 0.9, sharp: 0.05, rounds: 6 }
+        Self { gradient: 0.3, slip: 0.9, sharp: 0.05, rounds: 5 }
     }
 }
 
@@ -105,12 +105,10 @@ pub(crate) fn fit(
     let sampled = local.clone();
     let mut before = local.clone();
     let mut normal = Normal::new(columns, rows, BAND);
-    for round in 0..options.rounds {
+    for _ in 0..options.rounds {
         for (x, b) in local.iter_mut().zip(&mut before) {
             let last = *x;
-            if round > 1 {
-                (0..3).for_each(|c| x[c] += x[c] - b[c]);
-            }
+            (0..3).for_each(|c| x[c] += x[c] - b[c]);
             *b = last;
         }
         normal.clear();
