@@ -226,9 +226,9 @@ impl<'a, T: Real> Spring<'a, T> {
         let [evens, even, odd] = self.columns;
         match direction {
             0 => self.right::<K, KIND>(k, rows, w, j, parity, [even, odd][parity], sums),
-            1 => self.down::<K, KIND>(k, rows, w, j, [evens, even], sums),
-            2 => self.down_right::<K, KIND>(k, rows, w, j, [even, odd], sums),
-            _ => self.up_right::<K, KIND>(k, rows, w, j, [even, odd], sums),
+            1 => self.between::<K, KIND, DOWN>(k, rows, w, (j, false), [evens, even], sums),
+            2 => self.between::<K, KIND, DIAGONAL>(k, rows, w, (j, false), [even, odd], sums),
+            _ => self.between::<K, KIND, DIAGONAL>(k, rows, w, (j, true), [even, odd], sums),
         }
     }
 
@@ -265,76 +265,27 @@ impl<'a, T: Real> Spring<'a, T> {
         }
     }
 
+    /// Springs between two rows: the halves of the upper and of the lower row that they join, for both halves in turn, and
+    /// from which number on. Those up right are stored at their lower left end.
     #[inline(always)]
-    fn down<K: Machine<T>, const KIND: u8>(
+    fn between<K: Machine<T>, const KIND: u8, const WAY: u8>(
         &self,
         k: K,
         rows: &mut [T],
         w: &[T],
-        j: usize,
+        (j, up): (usize, bool),
         counts: [usize; 2],
         sums: &mut [T],
     ) {
         for side in 0..2 {
-            let (upper, lower) = ends(rows, w, j, self.half, [side, side], [0, 0]);
-            let stored = (j * 2 + side) * self.half;
-            self.relax::<K, KIND, DOWN>(
-                k,
-                upper,
-                lower,
-                stored,
-                counts[side],
-                sums.get_mut(side * self.half..).unwrap_or(&mut []),
-            );
-        }
-    }
-
-    #[inline(always)]
-    fn down_right<K: Machine<T>, const KIND: u8>(
-        &self,
-        k: K,
-        rows: &mut [T],
-        w: &[T],
-        j: usize,
-        counts: [usize; 2],
-        sums: &mut [T],
-    ) {
-        for side in 0..2 {
-            let (upper, lower) = ends(rows, w, j, self.half, [side, 1 - side], [0, side]);
-            let stored = (j * 2 + side) * self.half;
-            self.relax::<K, KIND, DIAGONAL>(
-                k,
-                upper,
-                lower,
-                stored,
-                counts[side],
-                sums.get_mut(side * self.half..).unwrap_or(&mut []),
-            );
-        }
-    }
-
-    /// Stored at the lower left end.
-    #[inline(always)]
-    fn up_right<K: Machine<T>, const KIND: u8>(
-        &self,
-        k: K,
-        rows: &mut [T],
-        w: &[T],
-        j: usize,
-        counts: [usize; 2],
-        sums: &mut [T],
-    ) {
-        for side in 0..2 {
-            let (upper, lower) = ends(rows, w, j, self.half, [1 - side, side], [side, 0]);
-            let stored = ((j + 1) * 2 + side) * self.half;
-            self.relax::<K, KIND, DIAGONAL>(
-                k,
-                lower,
-                upper,
-                stored,
-                counts[side],
-                sums.get_mut((2 + side) * self.half..).unwrap_or(&mut []),
-            );
+            let other = if WAY == DOWN { side } else { 1 - side };
+            let skip = if WAY == DOWN { 0 } else { side };
+            let (halves, from) = if up { ([other, side], [skip, 0]) } else { ([side, other], [0, skip]) };
+            let (upper, lower) = ends(rows, w, j, self.half, halves, from);
+            let (a, b) = if up { (lower, upper) } else { (upper, lower) };
+            let at = (2 * usize::from(up) + side) * self.half;
+            let sums = sums.get_mut(at..).unwrap_or(&mut []);
+            self.relax::<K, KIND, WAY>(k, a, b, j * 2 * self.half + at, counts[side], sums);
         }
     }
 
