@@ -1,10 +1,12 @@
 //! Times scenes with each feature on and off, so that what a plan saves can be seen. CSV to stdout.
 
+mod gpu;
 mod scenes;
 mod timing;
 
 use clap::Parser;
-use gimage_runtime::{Backend, Options, device_limits, wgpu};
+use gimage_runtime::{Backend, Options};
+use gpu::Gpu;
 use scenes::{Case, cases};
 use timing::{Host, time};
 
@@ -36,19 +38,20 @@ struct Args {
 #[allow(clippy::print_stdout)]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args = Args::parse();
-    let gpu = pollster::block_on(adapter());
+    let gpu = Gpu::new();
     match &gpu {
-        Some((info, _, _)) => {
+        Ok(Gpu { info, .. }) => {
             eprintln!("adapter: {} ({:?}), driver {} {}", info.name, info.device_type, info.driver, info.driver_info)
         }
-        None => eprintln!("no adapter: CPU backend only"),
+        Err(error) => eprintln!("no adapter, CPU backend only: {error}"),
     }
-    println!("particles,scene,backend,dispatches,bytes,frames,ms_min,ms_median,ms_median_vs_plain");
+    let gpu = gpu.ok();
+    println!("particles,scene,backend,dispatches,bytes,frames,ms_min,ms_median,ms_min_vs_plain,ms_median_vs_plain");
     for &n in &args.particles {
         let mut cases = cases(n)?;
         cases.retain(|c| c.name.contains(&args.only) || ["plain", "xpbd"].contains(&c.name));
         for backend in [Backend::Cpu, Backend::Gpu] {
-            let device = gpu.as_ref().map(|(_, d, q)| (d, q)).filter(|_| backend == Backend::Gpu);
+            let device = gpu.as_ref().filter(|_| backend == Backend::Gpu);
             if if backend == Backend::Gpu { device.is_none() } else { args.gpu } {
                 continue;
             }
@@ -64,31 +67,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     }
                 }
             }
-            let medians: Vec<f64> = times.iter_mut().map(|t| median(t)).collect();
-            for (((Case { name, solver, .. }, times), plan), median) in
-                cases.iter().zip(&times).zip(&plans).zip(&medians)
+            // Sorted: the least, and the middle one.
+            times.iter_mut().for_each(|t| t.sort_by(f64::total_cmp));
+            let figures: Vec<[f64; 2]> = times.iter().map(|t| [t[0], t[t.len() / 2]]).collect();
+            for (((Case { name, options, .. }, times), plan), [least, median]) in
+                cases.iter().zip(&times).zip(&plans).zip(&figures)
             {
                 let (dispatches, bytes) = (plan.dispatches(), plan.bytes());
-                let plain = cases.iter().position(|c| c.solver == *solver).map_or(0.0, |k| medians[k]);
-                let (least, over) = (times[0], median - plain);
+                let plain =
+                    cases.iter().position(|c| c.options.solver == options.solver).map_or([0.0; 2], |k| figures[k]);
+                let over = [least - plain[0], median - plain[1]];
                 let backend = if backend == Backend::Cpu { "cpu" } else { "gpu" };
                 let frames = times.len();
-                println!("{n},{name},{backend},{dispatches},{bytes},{frames},{least:.3},{median:.3},{over:+.3}");
+                println!(
+                    "{n},{name},{backend},{dispatches},{bytes},{frames},{least:.3},{median:.3},{:+.3},{:+.3}",
+                    over[0], over[1]
+                );
             }
         }
     }
     Ok(())
-}
-
-/// Sorts, and gives the middle one.
-fn median(times: &mut [f64]) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
-}
-
-async fn adapter() -> Option<(wgpu::AdapterInfo, wgpu::Device, wgpu::Queue)> {
-    let adapter = wgpu::Instance::default().request_adapter(&Default::default()).await.ok()?;
-    let wish = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
-    let (device, queue) = adapter.request_device(&wish).await.ok()?;
-    Some((adapter.get_info(), device, queue))
 }

@@ -1,8 +1,8 @@
 //! One scene for each feature, beside the plain one without any.
 
 use gimage_runtime::{
-    Cloth, Collider, Compliance, Flat, Grid, Mass, Options, Particle, Parts, Rest, Result, Scene, Shape, Sleep, Solver,
-    Wind, WindForce,
+    Cloth, Collider, Compliance, Flat, Grid, Mass, Material, Options, Particle, Parts, Rest, Result, Scene, Shape,
+    Sleep, Solver, Wind, WindForce,
 };
 
 /// What is done to a scene before it is timed.
@@ -24,56 +24,71 @@ pub struct Case {
     pub scene: Scene,
     /// What is done to it.
     pub action: Action,
-    /// Whether cloth may fall asleep by itself.
-    pub sleep: Option<Sleep>,
-    /// The solver.
-    pub solver: Solver,
-    /// Tethers of a particle.
-    pub tethers: u32,
-    /// Relaxations a step.
-    pub iterations: u32,
-    /// Whether frames may run in one dispatch.
-    pub fused: bool,
+    /// Its settings, but for those of the run: backend and substeps.
+    pub options: Options,
 }
 
 impl Case {
-    /// The settings of the case; what it says nothing of is as in `base`.
-    pub fn options(&self, base: &Options) -> Options {
-        let Case { sleep, solver, tethers, iterations, fused, .. } = *self;
-        Options { sleep, solver, tethers, iterations, fused, ..base.clone() }
+    /// With other settings.
+    fn with(mut self, set: impl FnOnce(&mut Options)) -> Self {
+        set(&mut self.options);
+        self
+    }
+
+    /// After something is done.
+    fn after(self, action: Action) -> Self {
+        Case { action, ..self }
     }
 }
 
-fn case(name: &'static str, scene: Scene) -> Case {
-    Case {
-        name,
-        scene,
-        action: Action::None,
-        sleep: None,
-        solver: Solver::Classic,
-        tethers: 0,
-        iterations: 1,
-        fused: true,
-    }
+/// One that nothing is asked of: no tethers and, by `solver`, nothing of XPBD.
+fn case(name: &'static str, solver: Solver, scene: Scene) -> Case {
+    let options = Options { solver, tethers: 0, ..Options::default() };
+    Case { name, scene, action: Action::None, options }
 }
 
 /// All cases of `n` x `n` particles; the first of each solver is its plain one.
 pub fn cases(n: u32) -> Result<Vec<Case>> {
-    let plain = || -> Result<Scene> { Ok(Scene { cloths: vec![square(n)?], ..Scene::new("plain") }) };
+    let mut cases = shared(n, Solver::Classic, "")?;
+    let two = Scene { cloths: vec![square(n)?, square(n)?], ..plain(n)? };
+    cases.push(case("two cloths", Solver::Classic, two.clone()));
+    cases.push(case("two cloths and one asleep", Solver::Classic, two).after(Action::Sleep));
+    cases.extend(shared(n, Solver::Xpbd, "xpbd")?);
+    cases.extend(xpbd(n)?);
+    Ok(cases)
+}
+
+fn plain(n: u32) -> Result<Scene> {
+    Ok(Scene { cloths: vec![square(n)?], ..Scene::new("plain") })
+}
+
+/// What both solvers have; names begin with `of`, where that is not empty.
+fn shared(n: u32, solver: Solver, of: &str) -> Result<Vec<Case>> {
+    let name = |words: &'static str| -> &'static str {
+        match (of, words) {
+            ("", "") => "plain",
+            ("", words) => words,
+            (of, "") => Box::leak(of.to_owned().into_boxed_str()),
+            (of, words) => Box::leak(format!("{of}: {words}").into_boxed_str()),
+        }
+    };
+    let case = |words, scene| case(name(words), solver, scene);
+    let plain = || plain(n);
     let rest = |rest| -> Result<Scene> { Ok(Scene { cloths: vec![other(n, rest, false)?], ..plain()? }) };
     let lengths = lengths(n)?;
     let image = vec![lengths; (n * n) as usize];
     let seamed = Scene { cloths: vec![other(n, Rest::Image(image.clone()), true)?], ..plain()? };
     let mut cases = vec![
-        case("plain", plain()?),
+        case("", plain()?),
+        case("without normals", plain()?).with(|o| o.normals = false),
         case("no springs", rest(Rest::None)?),
         case("no shear", rest(Rest::Constant(vec![[lengths[0], lengths[1], 0.0, 0.0]]))?),
         case("an image of rest lengths", rest(Rest::Image(image))?),
         case("an image and a seam", seamed),
     ];
-    for (name, shape) in shapes() {
+    for (words, shape) in shapes() {
         let touching = Collider::new(shape, [0.5, -0.2, 0.5]);
-        cases.push(case(name, Scene { colliders: vec![touching], ..plain()? }));
+        cases.push(case(words, Scene { colliders: vec![touching], ..plain()? }));
     }
     let all: Vec<_> = shapes().map(|(_, shape)| Collider::new(shape, [0.5, -0.2, 0.5])).into();
     let rough = all.iter().map(|c| Collider { friction: 0.3, ..*c }).collect();
@@ -81,30 +96,33 @@ pub fn cases(n: u32) -> Result<Vec<Case>> {
     cases.push(case("all six with friction", Scene { colliders: rough, ..plain()? }));
     let push = WindForce::Push { response: 0.8 };
     let triangles = WindForce::Triangles { density: 1.2, drag: 1.0, lift: 0.5 };
-    for (name, force) in [("wind on particles", push), ("wind on triangles", triangles)] {
+    for (words, force) in [("wind on particles", push), ("wind on triangles", triangles)] {
         let wind = Wind { velocity: [2.0, 0.3, 1.0], gust: 1.0, gust_size: 0.3, force };
-        cases.push(case(name, Scene { wind: Some(wind), ..plain()? }));
+        cases.push(case(words, Scene { wind: Some(wind), ..plain()? }));
     }
-    cases.push(Case { action: Action::Cut, ..case("cut", plain()?) });
+    cases.push(case("cut", plain()?).after(Action::Cut));
     // Falling cloth is never calm: what is timed is the watching.
-    cases.push(Case { sleep: Some(Sleep::default()), ..case("watched for rest", plain()?) });
-    cases.push(Case { action: Action::Sleep, ..case("asleep", plain()?) });
-    let two = Scene { cloths: vec![square(n)?, square(n)?], ..plain()? };
-    cases.push(case("two cloths", two.clone()));
-    cases.push(Case { action: Action::Sleep, ..case("two cloths and one asleep", two) });
-    cases.extend(xpbd(n)?);
+    cases.push(case("watched for rest", plain()?).with(|o| o.sleep = Some(Sleep::default())));
+    cases.push(case("asleep", plain()?).after(Action::Sleep));
     Ok(cases)
 }
 
 /// What the solver XPBD has of its own.
 fn xpbd(n: u32) -> Result<Vec<Case>> {
-    let case = |name, scene| Case { solver: Solver::Xpbd, ..case(name, scene) };
-    let plain = || -> Result<Scene> { Ok(Scene { cloths: vec![square(n)?], ..Scene::new("plain") }) };
-    let soft = |compliance| -> Result<Scene> {
+    let case = |name, scene| case(name, Solver::Xpbd, scene);
+    let plain = || plain(n);
+    let of = |set: &dyn Fn(&mut Cloth) -> Result<()>| -> Result<Scene> {
         let mut cloth = square(n)?;
-        cloth.compliance = compliance;
+        set(&mut cloth)?;
         Ok(Scene { cloths: vec![cloth], ..plain()? })
     };
+    let soft = |compliance: Compliance| {
+        of(&move |cloth| {
+            cloth.compliance = compliance.clone();
+            Ok(())
+        })
+    };
+    let fabric = |bend| of(&move |cloth| cloth.set_material(&Material { bend, ..Material::default() }));
     let with = |colliders| -> Result<Scene> { Ok(Scene { colliders, ..plain()? }) };
     let ball = |center| Collider::new(Shape::Sphere { radius: 0.25 }, center);
     let touching = ball([0.5, -0.2, 0.5]);
@@ -115,20 +133,29 @@ fn xpbd(n: u32) -> Result<Vec<Case>> {
     let one = Compliance::Constant(1e-3);
     let image = Compliance::Image(vec![[1e-3; 4]; (n * n) as usize]);
     let many = || -> Result<Scene> { Ok(Scene { cloths: vec![square(n)?; 64], ..plain()? }) };
-    let apart = |name, scene| Case { fused: false, ..case(name, scene) };
+    let apart = |name, scene| case(name, scene).with(|o| o.fused = false);
     Ok(vec![
-        case("xpbd", plain()?),
         apart("xpbd in separate passes", plain()?),
         case("64 cloths", many()?),
         apart("64 cloths in separate passes", many()?),
-        Case { tethers: 1, ..case("xpbd with 1 tether", plain()?) },
-        Case { tethers: 2, ..case("xpbd with 2 tethers", plain()?) },
-        Case { tethers: 2, ..apart("xpbd with 2 tethers in separate passes", plain()?) },
+        case("xpbd with 1 tether", plain()?).with(|o| o.tethers = 1),
+        case("xpbd with 2 tethers", plain()?).with(|o| o.tethers = 2),
+        apart("xpbd with 2 tethers in separate passes", plain()?).with(|o| o.tethers = 2),
+        case("xpbd with 2 tethers and a cut", plain()?).with(|o| o.tethers = 2).after(Action::Cut),
+        case("xpbd with 2 tethers and a round of polish", plain()?).with(|o| (o.tethers, o.polish) = (2, 1)),
+        case("xpbd with a pyramid once in 2 steps", plain()?).with(|o| o.pyramid = 2),
+        case(
+            "xpbd with a pyramid and a seam",
+            Scene { cloths: vec![other(n, Rest::Constant(vec![lengths(n)?]), true)?], ..plain()? },
+        )
+        .with(|o| o.pyramid = 2),
         case("xpbd with compliance", soft(one.clone())?),
         case("xpbd with an image of compliance", soft(image)?),
-        Case { iterations: 2, ..case("xpbd with 2 relaxations", plain()?) },
-        Case { iterations: 2, ..apart("xpbd with 2 relaxations in separate passes", plain()?) },
-        Case { iterations: 2, ..case("xpbd with compliance and 2 relaxations", soft(one)?) },
+        case("xpbd with a material that does not bend", fabric(0.0)?),
+        case("xpbd with a material that bends", fabric(1e-5)?),
+        case("xpbd with 2 relaxations", plain()?).with(|o| o.iterations = 2),
+        apart("xpbd with 2 relaxations in separate passes", plain()?).with(|o| o.iterations = 2),
+        case("xpbd with compliance and 2 relaxations", soft(one)?).with(|o| o.iterations = 2),
         case("xpbd with a sphere", with(vec![touching])?),
         case("xpbd with a sphere that moves", with(vec![moving])?),
         case("xpbd with a sphere out of reach", with(far[..1].to_vec())?),

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use gimage_runtime::{Options, Result, Stepper, wgpu};
 
+use crate::gpu::Gpu;
 use crate::scenes::{Action, Case};
 
 const FRAME: f64 = 1.0 / 60.0;
@@ -14,31 +15,33 @@ const WARM_UP: u32 = 3;
 pub struct Host<'a> {
     /// It.
     pub stepper: Stepper,
-    device: Option<(&'a wgpu::Device, &'a wgpu::Queue)>,
+    gpu: Option<&'a Gpu>,
 }
 
 impl<'a> Host<'a> {
     /// A case made ready.
-    pub fn new(case: &Case, options: &Options, device: Option<(&'a wgpu::Device, &'a wgpu::Queue)>) -> Result<Self> {
-        let mut stepper = Stepper::new(case.scene.clone(), case.options(options), device)?;
+    pub fn new(case: &Case, run: &Options, gpu: Option<&'a Gpu>) -> Result<Self> {
+        let Options { backend, substeps, threads, .. } = *run;
+        let options = Options { backend, substeps, threads, ..case.options.clone() };
+        let mut stepper = Stepper::new(case.scene.clone(), options, gpu.map(|g| (&g.device, &g.queue)))?;
         match case.action {
             Action::None => {}
             Action::Cut => stepper.cut([0.5, 0.5, 3.0], [-4.0, 0.4, -2.0], [5.0, 0.4, -2.0])?,
             Action::Sleep => stepper.set_asleep(0, true)?,
         }
-        Ok(Host { stepper, device })
+        Ok(Host { stepper, gpu })
     }
 
     fn frame(&mut self) -> Result<()> {
-        let Some((device, queue)) = self.device else {
+        let Some(gpu) = self.gpu else {
             return self.stepper.advance(FRAME).map(drop_progress);
         };
-        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
         self.stepper.record(&mut encoder, FRAME)?;
-        queue.submit([encoder.finish()]);
+        gpu.queue.submit([encoder.finish()]);
         self.stepper.settle()?;
         // A lost device shows in the next call.
-        let _ = device.poll(wgpu::PollType::wait_indefinitely());
+        let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
         Ok(())
     }
 }

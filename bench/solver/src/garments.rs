@@ -7,7 +7,8 @@ use gimage_runtime::scene::file::{Found, SceneFile, Source};
 use gimage_runtime::{Backend, Options, Reference, Scene, Solver, measure};
 
 use crate::Failure;
-use crate::host::{Gpu, Host};
+use crate::gpu::Gpu;
+use crate::host::Host;
 use crate::row::Row;
 use crate::score::Figures;
 use crate::variant::Variant;

@@ -2,32 +2,13 @@
 
 use std::time::Instant;
 
-use gimage_runtime::{Options, Progress, Scene, Stepper, device_limits, read_back, wgpu};
+use gimage_runtime::{Options, Progress, Scene, Stepper, read_back, wgpu};
 
 use crate::Failure;
+use crate::gpu::Gpu;
 
 /// Length of a frame \[s\].
 const FRAME: f64 = 1.0 / 60.0;
-
-/// A device, its queue and its name.
-pub struct Gpu {
-    pub device: wgpu::Device,
-    pub queue: wgpu::Queue,
-    pub name: String,
-}
-
-impl Gpu {
-    /// The fastest adapter, with what it offers of what the runtime can use.
-    pub fn new() -> Result<Self, Failure> {
-        let instance = wgpu::Instance::default();
-        let power_preference = wgpu::PowerPreference::HighPerformance;
-        let wish = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
-        let adapter = pollster::block_on(instance.request_adapter(&wish))?;
-        let wish = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
-        let (device, queue) = pollster::block_on(adapter.request_device(&wish))?;
-        Ok(Gpu { device, queue, name: adapter.get_info().name })
-    }
-}
 
 /// A scene in motion.
 pub struct Host<'a> {

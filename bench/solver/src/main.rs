@@ -2,6 +2,8 @@
 
 mod chain;
 mod garments;
+#[path = "../../plan/src/gpu.rs"]
+mod gpu;
 mod host;
 mod plot;
 mod reach;
@@ -17,7 +19,7 @@ use std::path::PathBuf;
 
 use clap::Parser;
 use gimage_runtime::scene::BUILTIN;
-use host::Gpu;
+use gpu::Gpu;
 use row::Row;
 use run::{Run, Setting};
 use variant::{USUAL, Variant};
@@ -87,7 +89,7 @@ fn main() -> Result<(), Failure> {
     }
     let variants = args.solvers.iter().map(|name| name.parse()).collect::<Result<Vec<Variant>, _>>()?;
     let gpu = if args.gpu { Some(Gpu::new()?) } else { None };
-    eprintln!("on {}", gpu.as_ref().map_or("one thread of the CPU", |g| &g.name));
+    eprintln!("on {}", gpu.as_ref().map_or("one thread of the CPU", |g| &g.info.name));
     let mut rows = Vec::new();
     if args.reach {
         rows = reached(&args, gpu.as_ref())?;

@@ -8,7 +8,8 @@ use gimage_runtime::scene::builtin;
 use gimage_runtime::{Backend, Cloth, Options, Scene};
 
 use crate::Failure;
-use crate::host::{Gpu, Host};
+use crate::gpu::Gpu;
+use crate::host::Host;
 use crate::row::Row;
 use crate::score::Score;
 use crate::variant::Variant;

@@ -4,7 +4,8 @@ use gimage_runtime::{Result, Solver, Warning};
 
 use crate::case::{Case, Stretch};
 use crate::figures::{Gauge, distance, norm};
-use crate::host::{Gpu, Host};
+use crate::gpu::Gpu;
+use crate::host::Host;
 
 /// What came of it.
 #[derive(Clone, Debug, Default)]

@@ -1,29 +1,9 @@
 //! What makes frames: a stepper and, on the GPU, where it is submitted.
 
-use gimage_runtime::{
-    Backend, ClothBuffers, Error, Options, Result, Scene, Span, Stepper, device_limits, read_back, wgpu,
-};
+use gimage_runtime::{Backend, ClothBuffers, Error, Options, Result, Scene, Span, Stepper, read_back};
 
 use crate::figures::V3;
-
-/// A device and its queue.
-pub struct Gpu {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
-}
-
-impl Gpu {
-    /// The fastest adapter, with what it offers of what the runtime can use; and its name.
-    pub fn new() -> std::result::Result<(Self, String), Box<dyn std::error::Error>> {
-        let instance = wgpu::Instance::default();
-        let power_preference = wgpu::PowerPreference::HighPerformance;
-        let wish = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
-        let adapter = pollster::block_on(instance.request_adapter(&wish))?;
-        let wish = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
-        let (device, queue) = pollster::block_on(adapter.request_device(&wish))?;
-        Ok((Gpu { device, queue }, adapter.get_info().name))
-    }
-}
+use crate::gpu::Gpu;
 
 /// A scene in motion.
 pub struct Host<'a> {
