@@ -3,11 +3,9 @@
 mod support;
 
 use gimage_runtime::*;
+use support::rig::FRAME;
+use support::run::{Device, Run};
 use support::{device_with, scene};
-
-const FRAME: f64 = 1.0 / 60.0;
-
-type Device = (wgpu::Device, wgpu::Queue);
 
 fn roomy() -> Option<Device> {
     device_with(device_limits)
@@ -15,43 +13,6 @@ fn roomy() -> Option<Device> {
 
 fn options(fused: bool) -> Options {
     Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: 6, fused, ..Options::default() }
-}
-
-struct Run<'a> {
-    stepper: Stepper,
-    device: &'a Device,
-}
-
-impl<'a> Run<'a> {
-    fn new(scene: &Scene, options: &Options, device: &'a Device) -> Self {
-        let stepper = Stepper::new(scene.clone(), options.clone(), Some((&device.0, &device.1))).unwrap();
-        Run { stepper, device }
-    }
-
-    fn frames(mut self, count: u32) -> Self {
-        for _ in 0..count {
-            let mut encoder = self.device.0.create_command_encoder(&Default::default());
-            self.stepper.record(&mut encoder, FRAME).unwrap();
-            self.device.1.submit([encoder.finish()]);
-            // Asks for the speeds of this frame, waits for them, and takes them in.
-            self.stepper.settle().unwrap();
-            self.device.0.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-            self.stepper.settle().unwrap();
-        }
-        self
-    }
-
-    /// Positions now and before and normals of a cloth, as bits.
-    fn bits(&self, cloth: usize) -> [Vec<[u32; 4]>; 3] {
-        let buffers = self.stepper.buffers(cloth).unwrap();
-        let list = |span| read_back(&self.device.0, &self.device.1, span).unwrap();
-        [&buffers.now, &buffers.before, &buffers.normals].map(|s| list(s).iter().map(|p| p.map(f32::to_bits)).collect())
-    }
-
-    fn holds(&self) -> Vec<Hold> {
-        let of = |p: &PlannedPass| if let Pass::Fused(f) = p.pass { Some(f.hold) } else { None };
-        self.stepper.plan().passes.iter().filter_map(of).collect()
-    }
 }
 
 /// Scenes that can run fused: not those with wind on triangles.

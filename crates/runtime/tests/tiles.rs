@@ -3,11 +3,9 @@
 mod support;
 
 use gimage_runtime::*;
+use support::rig::FRAME;
+use support::run::{Device, Run};
 use support::{all_colliders, device_with, scene, two_charts, wind};
-
-const FRAME: f64 = 1.0 / 60.0;
-
-type Device = (wgpu::Device, wgpu::Queue);
 
 /// A device with no more than every one has, so that no cloth here fits a workgroup.
 fn device() -> Option<Device> {
@@ -16,40 +14,6 @@ fn device() -> Option<Device> {
 
 fn options(fused: bool) -> Options {
     Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: 5, fused, ..Options::default() }
-}
-
-struct Run<'a> {
-    stepper: Stepper,
-    device: &'a Device,
-}
-
-impl<'a> Run<'a> {
-    fn new(scene: &Scene, options: &Options, device: &'a Device) -> Self {
-        let stepper = Stepper::new(scene.clone(), options.clone(), Some((&device.0, &device.1))).unwrap();
-        Run { stepper, device }
-    }
-
-    fn frames(mut self, count: u32) -> Self {
-        for _ in 0..count {
-            let mut encoder = self.device.0.create_command_encoder(&Default::default());
-            self.stepper.record(&mut encoder, FRAME).unwrap();
-            self.device.1.submit([encoder.finish()]);
-        }
-        self
-    }
-
-    /// Positions now and before and normals of a cloth, as bits.
-    fn bits(&self, cloth: usize) -> [Vec<[u32; 4]>; 3] {
-        let buffers = self.stepper.buffers(cloth).unwrap();
-        let list = |span| read_back(&self.device.0, &self.device.1, span).unwrap();
-        [&buffers.now, &buffers.before, &buffers.normals].map(|s| list(s).iter().map(|p| p.map(f32::to_bits)).collect())
-    }
-
-    /// What runs by tiles, and how often a frame.
-    fn tiles(&self) -> Vec<(Tile, u32)> {
-        let of = |p: &PlannedPass| if let Pass::Tile(t) = p.pass { Some((t, p.dispatches)) } else { None };
-        self.stepper.plan().passes.iter().filter_map(of).collect()
-    }
 }
 
 /// Runs a scene both ways: the same bits, at last, in fewer dispatches.

@@ -3,6 +3,7 @@
 #![allow(dead_code)]
 
 pub mod rig;
+pub mod run;
 
 use gimage_runtime::*;
 
