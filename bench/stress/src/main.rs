@@ -38,8 +38,8 @@ struct Args {
     /// A million steps at rest instead of a hundred thousand.
     #[arg(long)]
     long: bool,
-    /// Instead of the cases: this many heaps of cloth, and how many are stretched by more than 5 % after 2 s in each number
-    /// of `--substeps`.
+    /// Instead of the cases: this many heaps of cloth, and how many are stretched by more than 5 % after 2 s, or not at rest
+    /// after 15, in each number of `--substeps`.
     #[arg(long, value_name = "COUNT")]
     heaps: Option<usize>,
     /// Steps in 1/60 s of the heaps.
