@@ -8,48 +8,32 @@ use crate::parameterize::distortion::{planar, signed_area2};
 /// Cuts a convex polygon by `n . x <= d`.
 pub(crate) fn clip(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut Vec<[f64; 2]>) {
     out.clear();
-    let Some(&first) = polygon.first() else { return };
-    let side = |p: [f64; 2]| n[0] * p[0] + n[1] * p[1] - d;
-    let (mut p, mut sp) = (first, side(first));
-    for &q in polygon[1..].iter().chain([&first]) {
-        let sq = side(q);
-        if sp <= 0.0 {
-            out.push(p);
-        }
-        if (sp < 0.0 && sq > 0.0) || (sp > 0.0 && sq < 0.0) {
-            out.push(crossing(p, q, sp, sq));
-        }
-        (p, sp) = (q, sq);
-    }
-}
-
-/// Where the way from `p` to `q` meets a line, from their distances to it.
-#[inline(always)]
-fn crossing(p: [f64; 2], q: [f64; 2], sp: f64, sq: f64) -> [f64; 2] {
-    let t = sp / (sp - sq);
-    [p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]
+    along(polygon, n, d, |p, below, _| out.extend(below.then_some(p)));
 }
 
 /// Both parts of a convex polygon, with `n . x <= d` and with `n . x >= d`.
-fn halves(polygon: &[[f64; 2]], n: [f64; 2], d: f64, out: &mut [Vec<[f64; 2]>; 2]) {
-    let [below, above] = out;
+fn halves(polygon: &[[f64; 2]], n: [f64; 2], d: f64, [below, above]: &mut [Vec<[f64; 2]>; 2]) {
     below.clear();
     above.clear();
+    along(polygon, n, d, |p, is_below, is_above| {
+        below.extend(is_below.then_some(p));
+        above.extend(is_above.then_some(p));
+    });
+}
+
+/// Every corner of a polygon and where it crosses a line, in order, and whether that belongs to what is below the line, and
+/// to what is above.
+#[inline(always)]
+fn along(polygon: &[[f64; 2]], n: [f64; 2], d: f64, mut each: impl FnMut([f64; 2], bool, bool)) {
     let Some(&first) = polygon.first() else { return };
     let side = |p: [f64; 2]| n[0] * p[0] + n[1] * p[1] - d;
     let (mut p, mut sp) = (first, side(first));
     for &q in polygon[1..].iter().chain([&first]) {
         let sq = side(q);
-        if sp <= 0.0 {
-            below.push(p);
-        }
-        if sp >= 0.0 {
-            above.push(p);
-        }
+        each(p, sp <= 0.0, sp >= 0.0);
         if (sp < 0.0 && sq > 0.0) || (sp > 0.0 && sq < 0.0) {
-            let at = crossing(p, q, sp, sq);
-            below.push(at);
-            above.push(at);
+            let t = sp / (sp - sq);
+            each([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])], true, true);
         }
         (p, sp) = (q, sq);
     }
