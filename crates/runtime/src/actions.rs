@@ -38,7 +38,8 @@ impl Stepper {
         }
         self.world.scene.cloths.iter_mut().for_each(Cloth::open);
         if let Some((bodies, _)) = &mut self.cpu {
-            bodies.iter_mut().zip(&self.world.scene.cloths).for_each(|(body, cloth)| body.open(cloth));
+            let cloths = self.world.scene.cloths.iter().zip(&self.world.tethers);
+            bodies.iter_mut().zip(cloths).for_each(|(body, (cloth, held))| body.open(cloth, held));
         }
         if let Some(gpu) = &mut self.gpu {
             gpu.open(&self.world);

@@ -3,10 +3,12 @@
 mod check;
 mod flat;
 mod from_bundle;
+mod groups;
 mod tether;
 mod weigh;
 
 pub use flat::Flat;
+pub(crate) use groups::{groups, mates, ring};
 pub use gimage_bundle::{Anchor, Particle, Tethers};
 
 use crate::error::{Error, Result, check as range};

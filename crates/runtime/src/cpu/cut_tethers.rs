@@ -1,0 +1,105 @@
+//! Twin of shaders/cut_tethers.wgsl: after a cut tethers stay where they are still true, grow where the way to the pin
+//! has become longer, and end where there is none.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::real::Real;
+use super::route::{Held, far};
+
+/// Ways that differ by less than this share are the same.
+const SAME: f64 = 1.0 + 1e-5;
+
+/// Whether a tether of length `most` that hung on a way of `before` does so on one of `after`, as [`Held::support`] has
+/// them.
+fn holds<T: Real>(before: T, after: T, most: T) -> bool {
+    let zero = T::of(0.0);
+    before.abs() < far() && (before > zero) == (after > zero) && after.abs() <= before.abs().max(most) * T::of(SAME)
+}
+
+/// Follows a cut that has changed rest lengths from `old` to `rest`; says whether any tether has changed.
+///
+/// First those go whose way is no longer there, and all whose way led by them; then they take the shortest way that is
+/// left, nearest first. What is reached from no pin has no tether.
+pub fn run<T: Real>(held: &mut Held<T>, old: &[[T; 4]], rest: &[[T; 4]]) -> bool {
+    let lost = doubt(held, old, rest);
+    lengthen(held, rest, &lost);
+    lost.contains(&true)
+}
+
+/// Ends the tethers that nothing supports any more, and says which.
+fn doubt<T: Real>(held: &mut Held<T>, old: &[[T; 4]], rest: &[[T; 4]]) -> Vec<bool> {
+    let (before, mut lost) = (held.most.clone(), vec![false; held.most.len()]);
+    let (mut open, mut listed) = (Vec::new(), vec![false; held.most.len() / held.slots.max(1)]);
+    let add = |k: usize, open: &mut Vec<usize>, listed: &mut [bool]| {
+        if !std::mem::replace(&mut listed[k], true) {
+            open.push(k);
+        }
+    };
+    for k in 0..listed.len() {
+        // The other ends of its springs are beside it, and the third corners of triangles beside them.
+        if (0..4).any(|d| old[k][d] > T::of(0.0) && rest[k][d] <= T::of(0.0)) {
+            held.beside(k, |n| {
+                add(n, &mut open, &mut listed);
+                held.beside(n, |m| add(m, &mut open, &mut listed));
+            });
+        }
+    }
+    while let Some(k) = open.pop() {
+        listed[k] = false;
+        for s in 0..held.slots {
+            let (t, zero) = (k * held.slots + s, T::of(0.0));
+            let own = held.most[t];
+            if own <= zero || own >= far() {
+                continue;
+            }
+            let way = held.support(rest, &held.most, k, t);
+            if holds(held.support(old, &before, k, t), way, own) {
+                continue;
+            }
+            let mut members = Vec::new();
+            held.ring(k, |m| members.push(m * held.slots + s));
+            for t in members {
+                (held.most[t], lost[t]) = (far(), true);
+            }
+            held.beside(k, |n| add(n, &mut open, &mut listed));
+        }
+    }
+    lost
+}
+
+/// Finds the shortest way of those that are lost: Dijkstra's order, and again where a way through a triangle turns out
+/// shorter later.
+fn lengthen<T: Real>(held: &mut Held<T>, rest: &[[T; 4]], lost: &[bool]) {
+    let mut queue = BinaryHeap::new();
+    for t in (0..lost.len()).filter(|t| lost[*t]) {
+        take(held, rest, t, &mut queue);
+    }
+    while let Some(Reverse((bits, t))) = queue.pop() {
+        if held.most[t].get().to_bits() != bits {
+            continue;
+        }
+        let mut around = Vec::new();
+        held.beside(t / held.slots, |n| {
+            let slots = n * held.slots..(n + 1) * held.slots;
+            around.extend(slots.filter(|u| lost[*u] && held.groups[*u] == held.groups[t]));
+        });
+        around.into_iter().for_each(|u| take(held, rest, u, &mut queue));
+    }
+}
+
+/// Gives a tether, and those of its duplicates, the shortest way there is now.
+fn take<T: Real>(held: &mut Held<T>, rest: &[[T; 4]], t: usize, queue: &mut BinaryHeap<Reverse<(u64, usize)>>) {
+    let (k, s) = (t / held.slots, t % held.slots);
+    let way = held.nearest(rest, k, held.groups[t]);
+    if way.0 < far() && way < (held.most[t], held.anchors[t]) {
+        let mut members = Vec::new();
+        held.ring(k, |m| members.push(m * held.slots + s));
+        members.into_iter().for_each(|t| (held.most[t], held.anchors[t]) = way);
+        queue.push(Reverse((way.0.get().to_bits(), t)));
+    }
+}
+
+#[cfg(test)]
+#[path = "cut_tethers_tests.rs"]
+mod tests;

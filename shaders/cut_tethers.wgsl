@@ -1,0 +1,85 @@
+// After a cut tethers stay where they are still true, grow where the way to the pin has become longer, and end where
+// there is none. Many rounds, each from `tethers` to `holding` and the next one back: which phase a round is of, its
+// turn (0, 1, 2, and so on), and whether it is the first and the last of its phase are in `action`. Once a round changes
+// nothing, those after it have nothing to do. A thread a texel.
+//
+// Phase 0, before the cut: what supports each tether. Phase 1: a tether ends that has lost its support, and with it those
+// that it supports. Phase 2: those that ended take the shortest way that is left, as far as rounds go.
+@group(0) @binding(39) var<storage, read_write> holding: array<vec2<u32>>;
+// Whether the rounds of each turn have changed anything, and whether phase 1 ran out of rounds.
+@group(0) @binding(40) var<storage, read_write> changes: array<atomic<u32>, 4>;
+
+// In the place of a support.
+const LOST: u32 = 0xffffffffu;
+
+// Whether a tether of this length that hung on a way of `before` does so on one of `after`. Ways that differ by less than
+// 1e-5 are the same.
+fn holds(before: f32, after: f32, most: f32) -> bool {
+  return abs(before) < FAR && (before > 0.0) == (after > 0.0) && abs(after) <= max(abs(before), most) * 1.00001;
+}
+
+@compute @workgroup_size(16, 4)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+  let phase = u32(action[0].x);
+  let turn = u32(action[0].y);
+  let first = action[0].z != 0.0;
+  let last = action[0].w != 0.0;
+  if (all(id == vec3<u32>(0u))) {
+    if (phase == 0u) {
+      atomicStore(&changes[0], 0u);
+      atomicStore(&changes[1], 0u);
+      atomicStore(&changes[2], 0u);
+      atomicStore(&changes[3], 0u);
+    } else {
+      // For the next round; the one before the last has no reader any more.
+      atomicStore(&changes[(turn + 1u) % 3u], 0u);
+    }
+  }
+  let grid = grids[id.z];
+  if (id.x >= grid.width || id.y >= grid.height) {
+    return;
+  }
+  if (phase > 0u && !first && atomicLoad(&changes[(turn + 2u) % 3u]) == 0u) {
+    return;
+  }
+  let all_lost = phase == 2u && first && atomicLoad(&changes[3]) != 0u;
+  let k = grid.first + id.y * grid.width + id.x;
+  var changed = false;
+  for (var s = 0u; s < slots; s++) {
+    let t = k * slots + s;
+    let was = tethers[t];
+    let own = bitcast<f32>(was.y);
+    let group = supports[t].x;
+    var now = was;
+    // Pins hang on themselves.
+    if (was.x != NONE && own > 0.0) {
+      if (phase == 0u) {
+        supports[t].y = select(bitcast<u32>(support(k, was, group)), LOST, own >= FAR);
+      } else if (phase == 1u) {
+        if (own < FAR && !holds(bitcast<f32>(supports[t].y), support(k, was, group), own)) {
+          now.y = bitcast<u32>(FAR);
+          supports[t].y = LOST;
+        }
+      } else if (all_lost) {
+        now.y = bitcast<u32>(FAR);
+        supports[t].y = LOST;
+        changed = true;
+      } else if (supports[t].y == LOST) {
+        let way = nearest(k, group);
+        if (way.y < bitcast<u32>(FAR)) {
+          now = shorter(was, way);
+        }
+      }
+    }
+    changed = changed || any(now != was);
+    if (phase > 0u) {
+      holding[t] = now;
+    }
+  }
+  if (changed) {
+    atomicStore(&changes[turn], 1u);
+    if (phase == 1u && last) {
+      atomicStore(&changes[3], 1u);
+    }
+  }
+}

@@ -1,0 +1,161 @@
+// The shortest way to what holds a particle, by way of the particles around it. A tether is the anchor's index, all ones
+// for none, and the bits of its distance; beside it lie the group of its anchor and the bits of what supports it.
+@group(0) @binding(4) var<storage, read> rest: array<vec4<f32>>;
+@group(0) @binding(19) var<storage, read> tethers: array<vec2<u32>>;
+@group(0) @binding(38) var<storage, read_write> supports: array<vec2<u32>>;
+
+override slots: u32 = 1u;
+
+// A distance that nothing reaches.
+const FAR: f32 = 0x1.fffffep+127f;
+const NONE: u32 = 0xffffffffu;
+
+// Right, down-right, down, down-left, left, up-left, up, up-right; the place of the spring there in the texel that
+// stores it, which is the neighbour for the fourth to the seventh.
+var<private> circle: array<vec3<i32>, 8> = array<vec3<i32>, 8>(
+  vec3<i32>(1, 0, 0), vec3<i32>(1, 1, 2), vec3<i32>(0, 1, 1), vec3<i32>(-1, 1, 3),
+  vec3<i32>(-1, 0, 0), vec3<i32>(-1, -1, 2), vec3<i32>(0, -1, 1), vec3<i32>(1, -1, 3));
+
+// The triangles around a texel, each quad split both ways: two of the circle, and the spring between them as the one of
+// the two that stores it and its place there.
+var<private> corners: array<vec4<u32>, 12> = array<vec4<u32>, 12>(
+  vec4<u32>(0u, 1u, 0u, 1u), vec4<u32>(1u, 2u, 2u, 0u), vec4<u32>(0u, 2u, 2u, 3u), vec4<u32>(2u, 3u, 3u, 0u),
+  vec4<u32>(3u, 4u, 4u, 1u), vec4<u32>(2u, 4u, 4u, 2u), vec4<u32>(4u, 5u, 5u, 1u), vec4<u32>(5u, 6u, 5u, 0u),
+  vec4<u32>(4u, 6u, 4u, 3u), vec4<u32>(6u, 7u, 6u, 0u), vec4<u32>(7u, 0u, 7u, 1u), vec4<u32>(6u, 0u, 6u, 2u));
+
+// What is around a texel: the texel, the spring to it (0 for none), and how far it is from which pin of a group.
+var<private> texel: array<u32, 8>;
+var<private> long: array<f32, 8>;
+var<private> away: array<f32, 8>;
+var<private> end: array<u32, 8>;
+
+fn look(m: u32, group: u32) {
+  var grid = grids[0];
+  for (var g = 1u; g < arrayLength(&grids) && grids[g].first <= m; g++) {
+    grid = grids[g];
+  }
+  let here = vec2<i32>(i32((m - grid.first) % grid.width), i32((m - grid.first) / grid.width));
+  for (var c = 0u; c < 8u; c++) {
+    texel[c] = m;
+    long[c] = 0.0;
+    away[c] = FAR;
+    end[c] = NONE;
+    let at = here + circle[c].xy;
+    if (at.x < 0 || at.y < 0 || at.x >= i32(grid.width) || at.y >= i32(grid.height)) {
+      continue;
+    }
+    let n = grid.first + u32(at.y) * grid.width + u32(at.x);
+    texel[c] = n;
+    long[c] = rest[select(n, m, c < 3u || c == 7u)][circle[c].z];
+    for (var s = 0u; s < slots; s++) {
+      let t = n * slots + s;
+      if (supports[t].x == group) {
+        end[c] = tethers[t].x;
+        away[c] = bitcast<f32>(tethers[t].y);
+        break;
+      }
+    }
+  }
+}
+
+// How far C is from a point that is `far_a` from A and `far_b` from B, straight through the side `ab`; FAR where the line
+// goes past that side.
+fn unfold(far_a: f32, far_b: f32, ab: f32, ac: f32, bc: f32) -> f32 {
+  // A at the origin, B along x, C below and the point above. Differences of squares as products: they lose less.
+  let half = 0.5 / ab;
+  let cx = ((ac - bc) * (ac + bc) + ab * ab) * half;
+  let sx = ((far_a - far_b) * (far_a + far_b) + ab * ab) * half;
+  let c2 = (ac - cx) * (ac + cx);
+  let s2 = (far_a - sx) * (far_a + sx);
+  if (c2 > 0.0 && s2 >= 0.0) {
+    let cy = sqrt(c2);
+    let sy = sqrt(s2);
+    let height = cy + sy;
+    let across = sx * cy + cx * sy;
+    if (across >= 0.0 && across <= ab * height) {
+      return sqrt((cx - sx) * (cx - sx) + height * height);
+    }
+  }
+  return FAR;
+}
+
+// The way through one of the triangles; FAR where a spring is missing or the way does not lead through it.
+fn through(e: vec4<u32>) -> f32 {
+  if (long[e.x] <= 0.0 || long[e.y] <= 0.0) {
+    return FAR;
+  }
+  let side = rest[texel[e.z]][e.w];
+  if (side <= 0.0) {
+    return FAR;
+  }
+  return unfold(away[e.x], away[e.y], side, long[e.x], long[e.y]);
+}
+
+// The shortest way from a particle to its anchor by way of particles that are nearer to it, along a spring or through a
+// triangle. Where no such particle hangs on the same anchor, minus the shortest way to another of its group; FAR where
+// there is none either.
+fn support(k: u32, tether: vec2<u32>, group: u32) -> f32 {
+  let own = bitcast<f32>(tether.y);
+  var same = FAR;
+  var other = FAR;
+  var m = k;
+  loop {
+    look(m, group);
+    for (var c = 0u; c < 8u; c++) {
+      if (long[c] > 0.0 && away[c] < own) {
+        let way = away[c] + long[c];
+        if (end[c] == tether.x) {
+          same = min(same, way);
+        } else {
+          other = min(other, way);
+        }
+      }
+    }
+    for (var t = 0u; t < 12u; t++) {
+      let e = corners[t];
+      if (max(away[e.x], away[e.y]) < own && end[e.x] == tether.x && end[e.y] == tether.x) {
+        same = min(same, through(e));
+      }
+    }
+    m = mate(m);
+    if (m == k) {
+      break;
+    }
+  }
+  if (same < FAR) {
+    return same;
+  }
+  return select(FAR, -other, other < FAR);
+}
+
+// Of two ways, an anchor and the bits of a distance each, the shorter one; ties go to the lower anchor. The bits of
+// numbers that are not negative are in their order.
+fn shorter(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
+  let less = b.y < a.y || (b.y == a.y && b.x < a.x);
+  return select(a, b, less);
+}
+
+// The shortest way to any anchor of a group by way of any neighbour.
+fn nearest(k: u32, group: u32) -> vec2<u32> {
+  var best = vec2<u32>(NONE, bitcast<u32>(FAR));
+  var m = k;
+  loop {
+    look(m, group);
+    for (var c = 0u; c < 8u; c++) {
+      if (long[c] > 0.0 && away[c] < FAR) {
+        best = shorter(best, vec2<u32>(end[c], bitcast<u32>(away[c] + long[c])));
+      }
+    }
+    for (var t = 0u; t < 12u; t++) {
+      let e = corners[t];
+      if (max(away[e.x], away[e.y]) < FAR && end[e.x] == end[e.y]) {
+        best = shorter(best, vec2<u32>(end[e.x], bitcast<u32>(through(e))));
+      }
+    }
+    m = mate(m);
+    if (m == k) {
+      break;
+    }
+  }
+  return best;
+}
