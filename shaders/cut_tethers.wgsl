@@ -12,10 +12,9 @@
 // In the place of a support.
 const LOST: u32 = 0xffffffffu;
 
-// Whether a tether of this length that hung on a way of `before` does so on one of `after`. Ways that differ by less than
-// 1e-5 are the same.
-fn holds(before: f32, after: f32, most: f32) -> bool {
-  return abs(before) < FAR && (before > 0.0) == (after > 0.0) && abs(after) <= max(abs(before), most) * 1.00001;
+// Whether a tether that rested on `before` does so on `after`.
+fn holds(before: u32, after: u32) -> bool {
+  return after == 0u || (after < UNSUPPORTED && after == before);
 }
 
 @compute @workgroup_size(16, 4)
@@ -54,9 +53,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     // Pins hang on themselves.
     if (was.x != NONE && own > 0.0) {
       if (phase == 0u) {
-        supports[t].y = select(bitcast<u32>(support(k, was, group)), LOST, own >= FAR);
+        supports[t].y = select(support(k, was, group), LOST, own >= FAR);
       } else if (phase == 1u) {
-        if (own < FAR && !holds(bitcast<f32>(supports[t].y), support(k, was, group), own)) {
+        if (own < FAR && !holds(supports[t].y, support(k, was, group))) {
           now.y = bitcast<u32>(FAR);
           supports[t].y = LOST;
         }

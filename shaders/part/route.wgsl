@@ -1,5 +1,5 @@
 // The shortest way to what holds a particle, by way of the particles around it. A tether is the anchor's index, all ones
-// for none, and the bits of its distance; beside it lie the group of its anchor and the bits of what supports it.
+// for none, and the bits of its distance; beside it lie the group of its anchor and what supports it.
 @group(0) @binding(4) var<storage, read> rest: array<vec4<f32>>;
 @group(0) @binding(19) var<storage, read> tethers: array<vec2<u32>>;
 @group(0) @binding(38) var<storage, read_write> supports: array<vec2<u32>>;
@@ -9,6 +9,8 @@ override slots: u32 = 1u;
 // A distance that nothing reaches.
 const FAR: f32 = 0x1.fffffep+127f;
 const NONE: u32 = 0xffffffffu;
+// No particle is nearer.
+const UNSUPPORTED: u32 = 0xfffffffeu;
 
 // Right, down-right, down, down-left, left, up-left, up, up-right; the place of the spring there in the texel that
 // stores it, which is the neighbour for the fourth to the seventh.
@@ -79,42 +81,47 @@ fn unfold(far_a: f32, far_b: f32, ab: f32, ac: f32, bc: f32) -> f32 {
   return FAR;
 }
 
-// The way through one of the triangles; FAR where a spring is missing or the way does not lead through it.
-fn through(e: vec4<u32>) -> f32 {
-  if (long[e.x] <= 0.0 || long[e.y] <= 0.0) {
-    return FAR;
+// The spring between the two of one of the triangles, 0 where any of its springs is missing.
+fn side(e: vec4<u32>) -> f32 {
+  if (long[e.x] > 0.0 && long[e.y] > 0.0) {
+    return rest[texel[e.z]][e.w];
   }
-  let side = rest[texel[e.z]][e.w];
-  if (side <= 0.0) {
-    return FAR;
-  }
-  return unfold(away[e.x], away[e.y], side, long[e.x], long[e.y]);
+  return 0.0;
 }
 
-// The shortest way from a particle to its anchor by way of particles that are nearer to it, along a spring or through a
-// triangle. Where no such particle hangs on the same anchor, minus the shortest way to another of its group; FAR where
-// there is none either.
-fn support(k: u32, tether: vec2<u32>, group: u32) -> f32 {
+// The way through one of the triangles; FAR where a spring is missing or the way does not lead through it.
+fn through(e: vec4<u32>) -> f32 {
+  let ab = side(e);
+  if (ab <= 0.0) {
+    return FAR;
+  }
+  return unfold(away[e.x], away[e.y], ab, long[e.x], long[e.y]);
+}
+
+// What a tether rests on. 0: particles nearer to its pin that hang on that pin too, by way of which it is no longer than
+// the tether, along a spring or through a triangle; a share of 1e-4 is rounding. Else, beside pins that share the cloth,
+// ways may lead between particles that hang on others: UNSUPPORTED less what there is of springs, triangles and nearer
+// particles around it; UNSUPPORTED if no particle is nearer.
+fn support(k: u32, tether: vec2<u32>, group: u32) -> u32 {
   let own = bitcast<f32>(tether.y);
-  var same = FAR;
-  var other = FAR;
+  var way = FAR;
+  var nearer = 0u;
+  var there = 0u;
   var m = k;
   loop {
     look(m, group);
     for (var c = 0u; c < 8u; c++) {
-      if (long[c] > 0.0 && away[c] < own) {
-        let way = away[c] + long[c];
-        if (end[c] == tether.x) {
-          same = min(same, way);
-        } else {
-          other = min(other, way);
-        }
+      there += u32(long[c] > 0.0);
+      nearer += u32(away[c] < own);
+      if (long[c] > 0.0 && away[c] < own && end[c] == tether.x) {
+        way = min(way, away[c] + long[c]);
       }
     }
     for (var t = 0u; t < 12u; t++) {
       let e = corners[t];
+      there += u32(side(e) > 0.0);
       if (max(away[e.x], away[e.y]) < own && end[e.x] == tether.x && end[e.y] == tether.x) {
-        same = min(same, through(e));
+        way = min(way, through(e));
       }
     }
     m = mate(m);
@@ -122,10 +129,10 @@ fn support(k: u32, tether: vec2<u32>, group: u32) -> f32 {
       break;
     }
   }
-  if (same < FAR) {
-    return same;
+  if (way <= own * 1.0001) {
+    return 0u;
   }
-  return select(FAR, -other, other < FAR);
+  return UNSUPPORTED - select(0u, nearer + there, nearer > 0u);
 }
 
 // Of two ways, an anchor and the bits of a distance each, the shorter one; ties go to the lower anchor. The bits of

@@ -5,17 +5,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::real::Real;
-use super::route::{Held, far};
-
-/// Ways that differ by less than this share are the same.
-const SAME: f64 = 1.0 + 1e-5;
-
-/// Whether a tether of length `most` that hung on a way of `before` does so on one of `after`, as [`Held::support`] has
-/// them.
-fn holds<T: Real>(before: T, after: T, most: T) -> bool {
-    let zero = T::of(0.0);
-    before.abs() < far() && (before > zero) == (after > zero) && after.abs() <= before.abs().max(most) * T::of(SAME)
-}
+use super::route::{Held, UNSUPPORTED, far};
 
 /// Follows a cut that has changed rest lengths from `old` to `rest`; says whether any tether has changed.
 ///
@@ -53,8 +43,8 @@ fn doubt<T: Real>(held: &mut Held<T>, old: &[[T; 4]], rest: &[[T; 4]]) -> Vec<bo
             if own <= zero || own >= far() {
                 continue;
             }
-            let way = held.support(rest, &held.most, k, t);
-            if holds(held.support(old, &before, k, t), way, own) {
+            let after = held.support(rest, &held.most, k, t);
+            if after == 0 || (after < UNSUPPORTED && after == held.support(old, &before, k, t)) {
                 continue;
             }
             let mut members = Vec::new();

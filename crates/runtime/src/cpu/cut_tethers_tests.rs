@@ -126,8 +126,7 @@ fn is_true(cloth: &Cloth, body: &Body<f32>, all_groups: bool, name: &str) -> usi
             continue;
         }
         let own = group.clone().find(|((pin, _), _)| *pin == held.anchors[t]).unwrap().1;
-        // What is kept where no neighbour hangs on the same pin hangs on the way to the next pin.
-        assert!(most >= own.0[k] * (1.0 - 1e-4), "{name}: {k} may be {most}, and is {} away", own.0[k]);
+        assert!(most >= own.0[k] * (1.0 - 3e-4), "{name}: {k} may be {most}, and is {} away", own.0[k]);
         assert!(!all_groups || most <= along * (1.0 + 1e-5), "{name}: {k} may be {most}, along springs {along}");
     }
     ended
@@ -192,19 +191,16 @@ fn a_slit_under_a_pin_is_gone_around() {
     cloth.set_pinned(24, true).unwrap();
     let mut body = opened(&cloth, &cloth.tethers(1));
     body.cut(&Threads::one(), stroke([[0.34, 0.26], [0.66, 0.26]]));
-    let at = |i: usize, j: usize| held(&body).most[49 * j + i];
-    // Straight below: the slit is from column 16 to 32 in row 12, whole quads of it; ways lead round its ends.
-    let around = |i: f32, j: f32| {
-        let far = |x: f32, y: f32, u: f32, v: f32| (x - u).hypot(y - v);
-        // The corners of the hole, which is the row of quads from row 12 to 13.
-        let by = |end: f32| far(24.0, 0.0, end, 12.0) + 1.0 + far(end, 13.0, i, j);
-        by(16.0).min(by(33.0)) / 48.0
-    };
-    for (i, j) in [(24, 14), (24, 24), (24, 48), (20, 30), (28, 40)] {
-        let (most, way) = (at(i, j), around(i as f32, j as f32));
-        assert!((0.99..1.015).contains(&(most / way)), "{i} {j}: {most} for {way}");
+    let (exact, _) = truth(&cloth, &body, 24);
+    let mut grown = 0;
+    for (k, way) in exact.iter().enumerate().filter(|(k, _)| *k != 24) {
+        let (most, straight) = (f64::from(held(&body).most[k]), (k as f64 % 49.0 - 24.0).hypot((k / 49) as f64) / 48.0);
+        assert!((0.9999..1.01).contains(&(most / way)), "{k}: {most} for {way}");
+        grown += usize::from(most > 1.02 * straight);
     }
-    for (i, j) in [(24usize, 11usize), (2, 40), (46, 40), (0, 0)] {
+    assert!(grown > 300, "{grown}");
+    let at = |i: usize, j: usize| held(&body).most[49 * j + i];
+    for (i, j) in [(24usize, 11usize), (0, 20), (48, 20), (0, 0)] {
         let straight = (i as f32 - 24.0).hypot(j as f32) / 48.0;
         assert!((at(i, j) - straight).abs() < 1e-6, "{i} {j}");
     }
@@ -236,10 +232,10 @@ fn what_is_cut_off_has_no_tether_and_seams_are_crossed() {
     assert_eq!(is_true(&cloth, &body, true, "half way"), 0);
     body.cut(&Threads::one(), stroke([[-0.1, 0.47], [0.35, 0.47]]));
     assert_eq!(is_true(&cloth, &body, true, "from the left"), 0);
-    let below = |k: usize| k % 289 / 17 > 8;
+    let below = |k: usize| k % 289 / 17 > 7;
     let reach = |body: &Body<f32>| (0..578).filter(|k| below(*k) && held(body).most[*k] < f32::MAX).count();
-    assert_eq!(reach(&body), 2 * 17 * 8);
+    assert_eq!(reach(&body), 2 * 17 * 9);
     body.cut(&Threads::one(), stroke([[0.65, 0.47], [1.1, 0.47]]));
-    assert_eq!(is_true(&cloth, &body, true, "right through"), 2 * 17 * 8);
+    assert_eq!(is_true(&cloth, &body, true, "right through"), 2 * 17 * 9);
     assert_eq!(reach(&body), 0);
 }

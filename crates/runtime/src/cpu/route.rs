@@ -23,6 +23,12 @@ pub fn far<T: Real>() -> T {
     T::of(f64::from(f32::MAX))
 }
 
+/// A way that is longer than a tether by less than this share is the same: rounding.
+const SAME: f64 = 1.0 + 1e-4;
+
+/// No particle is nearer.
+pub const UNSUPPORTED: u32 = u32::MAX - 1;
+
 /// Right, down-right, down, down-left, left, up-left, up, up-right; the place of the spring there in the texel that
 /// stores it, which is the neighbour for the fourth to the seventh.
 const CIRCLE: [(isize, isize, usize); 8] =
@@ -107,35 +113,37 @@ impl<T: Real> Held<T> {
         })
     }
 
-    /// The shortest way from tether `t` of texel `k` to its anchor by way of particles that are nearer to it, along a
-    /// spring or through a triangle. Where no such particle hangs on the same anchor, minus the shortest way to
-    /// another of its group; [`far`] where there is none either.
-    pub fn support(&self, rest: &[[T; 4]], most: &[T], k: usize, t: usize) -> T {
+    /// What tether `t` of texel `k` rests on. 0: particles nearer to its pin that hang on that pin too, by way of which
+    /// it is no longer than the tether, along a spring or through a triangle. Else, beside pins that share the cloth, ways
+    /// may lead between particles that hang on others: [`UNSUPPORTED`] less what there is of springs, triangles and nearer
+    /// particles around it; [`UNSUPPORTED`] if no particle is nearer.
+    pub fn support(&self, rest: &[[T; 4]], most: &[T], k: usize, t: usize) -> u32 {
         let (anchor, own) = (self.anchors[t], most[t]);
-        let (mut same, mut other) = (far::<T>(), far::<T>());
+        let (mut way, mut nearer, mut there) = (far::<T>(), 0, 0);
         self.ring(k, |m| {
             let near = self.look(rest, most, m, self.groups[t]);
-            for n in near.iter().filter(|n| n.length > T::of(0.0) && n.far < own) {
-                let way = n.far + n.length;
-                if n.anchor == anchor {
-                    same = same.min(way);
-                } else {
-                    other = other.min(way);
+            for n in near {
+                let joined = n.length > T::of(0.0);
+                there += u32::from(joined);
+                nearer += u32::from(n.far < own);
+                if joined && n.far < own && n.anchor == anchor {
+                    way = way.min(n.far + n.length);
                 }
             }
             for e in TRIANGLES {
                 let (x, y) = (near[e[0]], near[e[1]]);
+                there += u32::from(side(rest, &near, e) > T::of(0.0));
                 if x.far.max(y.far) < own && x.anchor == anchor && y.anchor == anchor {
-                    same = same.min(through(rest, &near, e));
+                    way = way.min(through(rest, &near, e));
                 }
             }
         });
-        if same < far() {
-            same
-        } else if other < far() {
-            -other
+        if way <= own * T::of(SAME) {
+            0
+        } else if nearer > 0 {
+            UNSUPPORTED - nearer - there
         } else {
-            far()
+            UNSUPPORTED
         }
     }
 
@@ -160,15 +168,16 @@ impl<T: Real> Held<T> {
     }
 }
 
+/// The spring between the two of one of [`TRIANGLES`], 0 where any of its springs is missing.
+fn side<T: Real>(rest: &[[T; 4]], near: &[Near<T>; 8], e: [usize; 4]) -> T {
+    let (x, y, zero) = (near[e[0]], near[e[1]], T::of(0.0));
+    if x.length > zero && y.length > zero { rest[near[e[2]].texel][e[3]] } else { zero }
+}
+
 /// The way through one of [`TRIANGLES`]; [`far`] where a spring is missing or the way does not lead through it.
 fn through<T: Real>(rest: &[[T; 4]], near: &[Near<T>; 8], e: [usize; 4]) -> T {
-    let (x, y) = (near[e[0]], near[e[1]]);
-    let zero = T::of(0.0);
-    if x.length <= zero || y.length <= zero {
-        return far();
-    }
-    let side = rest[near[e[2]].texel][e[3]];
-    if side > zero { unfold(x.far, y.far, side, x.length, y.length) } else { far() }
+    let (x, y, side) = (near[e[0]], near[e[1]], side(rest, near, e));
+    if side > T::of(0.0) { unfold(x.far, y.far, side, x.length, y.length) } else { far() }
 }
 
 /// How far C is from a point that is `far_a` from A and `far_b` from B, straight through the side `ab`; [`self::far`] where

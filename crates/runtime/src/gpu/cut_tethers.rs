@@ -8,7 +8,7 @@ use wgpu::{Buffer, BufferUsages};
 use super::Gpu;
 use super::buffers::upload;
 use crate::cloth::{Cloth, Rest, Tethers, groups, mates};
-use crate::cpu::route::far;
+use crate::cpu::route::UNSUPPORTED;
 use crate::passes::Pass;
 use crate::shaders::{Slot, source};
 use crate::world::World;
@@ -19,8 +19,7 @@ pub(super) fn room(device: &wgpu::Device, cloth: &Cloth, tethers: &Tethers) -> V
         return Vec::new();
     }
     let none = BufferUsages::empty();
-    let nothing = far::<f32>().to_bits();
-    let supports: Vec<_> = groups(cloth, tethers).into_iter().map(|group| [group, nothing]).collect();
+    let supports: Vec<_> = groups(cloth, tethers).into_iter().map(|group| [group, UNSUPPORTED]).collect();
     let mut room = vec![
         (Slot::Supports, upload(device, "supports", &supports, none)),
         (Slot::Holding, upload(device, "holding", &vec![[0u32; 2]; supports.len()], none)),
