@@ -45,7 +45,7 @@ pub struct Body<T: Real> {
     members: Vec<u32>,
     pub(super) fabric: Option<Box<Fabric<T>>>,
     /// What holds it, from the first cut on.
-    pub(super) held: Option<Held<T>>,
+    pub(crate) held: Option<Held<T>>,
     /// Whether texels were changed from outside since the last frame.
     pub(super) edited: bool,
 }

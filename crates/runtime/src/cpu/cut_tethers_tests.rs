@@ -136,7 +136,7 @@ fn is_true(cloth: &Cloth, body: &Body<f32>, all_groups: bool, name: &str) -> usi
 fn random_cuts_leave_tethers_true() {
     let mut noise = Noise(11);
     let (mut ended, mut grown, mut kept) = (0, 0, 0);
-    for case in 0..60 {
+    for case in 0..240 {
         let n = 4 + noise.below(10);
         let mut cloth = if case % 3 == 2 {
             sewn(n)
@@ -145,7 +145,11 @@ fn random_cuts_leave_tethers_true() {
         };
         for _ in 0..1 + noise.below(3) {
             let pin = noise.below(cloth.len());
-            cloth.set_pinned(pin, true).unwrap();
+            // Alone, or the first of a row or a diagonal.
+            let (width, count) = (cloth.grids()[0].width as usize, cloth.len());
+            for k in (0..1 + case % 5).map(|k| pin + k * [1, width + 1][case % 2]).filter(|k| *k < count) {
+                cloth.set_pinned(k, true).unwrap();
+            }
         }
         let few = case % 4 == 1;
         let tethers = cloth.tethers(if few { 1 } else { 4 });
@@ -157,7 +161,8 @@ fn random_cuts_leave_tethers_true() {
             ended = ended.max(is_true(&cloth, &body, !few, &format!("case {case}, cut {cut}")));
             let after = &held(&body).most;
             for (b, a) in before.iter().zip(after).filter(|(b, _)| **b < f32::MAX && **b > 0.0) {
-                assert!(*a >= b * (1.0 - 1e-5), "case {case}, cut {cut}: {a} after {b}");
+                // Found anew, it may be nearer to the truth by a share of a texel.
+                assert!(*a >= b * (1.0 - 1e-2), "case {case}, cut {cut}: {a} after {b}");
                 (grown, kept) = (grown + u32::from(a > b), kept + u32::from(a == b));
             }
         }

@@ -165,7 +165,7 @@ impl ClothBuffers {
         }
         if held.per_particle > 0 {
             let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
-            self.others.insert(Slot::Tethers, upload(device, "tethers", &rows, none));
+            self.others.insert(Slot::Tethers, upload(device, "tethers", &rows, BufferUsages::COPY_SRC));
         }
         if cloth.ring_count() > 0 {
             let (starts, members) = cloth.rings();

@@ -106,3 +106,7 @@ impl Gpu {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "cut_tethers_tests.rs"]
+mod tests;
