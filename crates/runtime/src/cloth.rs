@@ -8,8 +8,8 @@ mod tether;
 mod weigh;
 
 pub use flat::Flat;
-pub(crate) use groups::{groups, mates, ring};
 pub use gimage_bundle::{Anchor, Particle, Tethers};
+pub(crate) use groups::{groups, mates, ring};
 
 use crate::error::{Error, Result, check as range};
 use crate::limits::shear;

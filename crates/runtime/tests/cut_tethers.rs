@@ -41,9 +41,9 @@ fn a_sheet_that_lost_a_corner_is_as_true_as_before() {
         let lowest = rig.positions(0).iter().map(|p| p[1]).fold(0.0, f32::min);
         (stretch(&rig, N, left), lowest)
     };
-    let ((whole, _), (cut, fell), (without, _)) = (run(1, false), run(1, true), run(0, true));
+    let ((whole, _), (cut, fell), (without, _)) = (run(2, false), run(2, true), run(0, true));
     eprintln!("largest stretch: {whole:.4} uncut, {cut:.4} cut, {without:.4} cut without tethers");
-    assert!(fell < -5.0 && cut < whole + 0.02 && without > 4.0 * cut, "{whole} {cut} {without}, {fell}");
+    assert!(fell < -5.0 && cut < whole + 0.002 && without > 20.0 * cut, "{whole} {cut} {without}, {fell}");
 }
 
 #[test]

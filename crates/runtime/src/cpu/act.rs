@@ -2,8 +2,8 @@
 
 use super::body::{Body, view};
 use super::real::{Real, V3};
-use super::rows::Threads;
 use super::route::far;
+use super::rows::Threads;
 use super::{cut, cut_springs, cut_tethers, transform};
 
 impl<T: Real> Body<T> {

@@ -213,7 +213,12 @@ impl<T: Real> Body<T> {
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
             Pass::Strain { image, soft } => self.strain(threads, (image, soft), step.dt),
             // Run by actions, which bring what they need.
-            Pass::Fused(_) | Pass::Tile(_) | Pass::Cut | Pass::CutSprings | Pass::CutTethers { .. } | Pass::Transform => {}
+            Pass::Fused(_)
+            | Pass::Tile(_)
+            | Pass::Cut
+            | Pass::CutSprings
+            | Pass::CutTethers { .. }
+            | Pass::Transform => {}
             Pass::Pick { .. } | Pass::PickNearest => {}
         }
     }

@@ -39,7 +39,11 @@ fn hung(n: u32, pins: &[usize]) -> Cloth {
 }
 
 /// Anchors and distances of every cloth after each of some cuts.
-fn followed(cloths: &[Cloth], cuts: &[[[f32; 3]; 3]], gpu: Option<&(wgpu::Device, wgpu::Queue)>) -> Vec<Vec<(u32, f32)>> {
+fn followed(
+    cloths: &[Cloth],
+    cuts: &[[[f32; 3]; 3]],
+    gpu: Option<&(wgpu::Device, wgpu::Queue)>,
+) -> Vec<Vec<(u32, f32)>> {
     let mut scene = Scene::new("cut");
     scene.cloths = cloths.to_vec();
     let mut world = World::new(scene, Options { solver: Solver::Xpbd, tethers: 2, ..Options::default() }).unwrap();
@@ -112,4 +116,43 @@ fn tethers_after_cuts_are_those_of_the_twin() {
     let again = followed(&cloths, &cuts, Some(&gpu));
     let bits = |list: &[Vec<(u32, f32)>]| list.iter().flatten().map(|t| (t.0, t.1.to_bits())).collect::<Vec<_>>();
     assert!(bits(&again) == bits(&there));
+}
+
+#[test]
+fn zz_timing() {
+    let (device, queue) = device().unwrap();
+    for n in [64u32, 256] {
+        for tethers in [0, 2] {
+            let mut scene = Scene::new("cut");
+            scene.cloths = vec![hung(n, &[0, n as usize - 1])];
+            let mut world = World::new(scene, Options { tethers, ..Options::default() }).unwrap();
+            let mut bodies = world.bodies::<f32>();
+            let mut there = Gpu::new(&world, &device, &queue, false).unwrap();
+            world.scene.cloths.iter_mut().for_each(Cloth::open);
+            world.reschedule();
+            there.open(&world);
+            let start = std::time::Instant::now();
+            let each = bodies.iter_mut().zip(world.scene.cloths.iter().zip(&world.tethers));
+            each.for_each(|(body, (cloth, held))| body.open(cloth, held));
+            eprintln!("n {n} tethers {tethers} cpu open {:?}", start.elapsed());
+            for cut in [
+                [[0.75, -0.8, 3.0], [0.5, -1.7, -3.0], [1.7, -0.5, -3.0]],
+                [[0.5, -0.3, 3.0], [0.3, -0.31, -3.0], [0.7, -0.31, -3.0]],
+                [[0.5, -0.5, 3.0], [-3.0, -0.51, -3.0], [4.0, -0.51, -3.0]],
+            ] {
+                let start = std::time::Instant::now();
+                world.actions.push(Action::Cut(cut));
+                world.act(&mut bodies, &Threads::one());
+                let cpu = start.elapsed();
+                world.actions.push(Action::Cut(cut));
+                let start = std::time::Instant::now();
+                let mut encoder = device.create_command_encoder(&Default::default());
+                there.act(&mut world, &mut encoder);
+                let recorded = start.elapsed();
+                queue.submit([encoder.finish()]);
+                device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+                eprintln!("n {n} tethers {tethers} cpu {cpu:?} gpu recorded {recorded:?} all {:?}", start.elapsed());
+            }
+        }
+    }
 }
