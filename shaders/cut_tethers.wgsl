@@ -6,8 +6,9 @@
 // Phase 0, before the cut: what supports each tether. Phase 1: a tether ends that has lost its support, and with it those
 // that it supports. Phase 2: those that ended take the shortest way that is left, as far as rounds go.
 @group(0) @binding(39) var<storage, read_write> holding: array<vec2<u32>>;
-// Whether the rounds of each turn have changed anything, and whether phase 1 ran out of rounds.
-@group(0) @binding(40) var<storage, read_write> changes: array<atomic<u32>, 4>;
+// Whether the rounds of each turn have changed anything, and whether phase 1 ran out of rounds; then for each texel a bit
+// for each turn: whether it has changed. Only beside such a texel can anything change in the next round.
+@group(0) @binding(40) var<storage, read_write> changes: array<atomic<u32>>;
 
 // In the place of a support.
 const LOST: u32 = 0xffffffffu;
@@ -15,6 +16,23 @@ const LOST: u32 = 0xffffffffu;
 // Whether a tether that rested on `before` does so on `after`.
 fn holds(before: u32, after: u32) -> bool {
   return after == 0u || (after < UNSUPPORTED && after == before);
+}
+
+// Whether anything beside a particle has changed in a turn.
+fn stirred(k: u32, turn: u32) -> bool {
+  var any = 0u;
+  var m = k;
+  loop {
+    let grid = grid_of(m);
+    for (var c = 0u; c < 8u; c++) {
+      any |= atomicLoad(&changes[4u + beside(grid, m, c)]);
+    }
+    m = mate(m);
+    if (m == k) {
+      break;
+    }
+  }
+  return ((any >> turn) & 1u) != 0u;
 }
 
 @compute @workgroup_size(16, 4)
@@ -43,6 +61,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
   }
   let all_lost = phase == 2u && first && atomicLoad(&changes[3]) != 0u;
   let k = grid.first + id.y * grid.width + id.x;
+  let idle = phase > 0u && !first && !stirred(k, (turn + 2u) % 3u);
   var changed = false;
   for (var s = 0u; s < slots; s++) {
     let t = k * slots + s;
@@ -51,7 +70,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let group = supports[t].x;
     var now = was;
     // Pins hang on themselves.
-    if (was.x != NONE && own > 0.0) {
+    if (!idle && was.x != NONE && own > 0.0) {
       if (phase == 0u) {
         supports[t].y = select(support(k, was, group), LOST, own >= FAR);
       } else if (phase == 1u) {
@@ -74,6 +93,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if (phase > 0u) {
       holding[t] = now;
     }
+  }
+  if (phase > 0u) {
+    // The bit of this turn is clear; that of the next one is no one's any more.
+    let kept = select(atomicLoad(&changes[4u + k]) & ~(1u << ((turn + 1u) % 3u)), 0u, first);
+    atomicStore(&changes[4u + k], kept | (u32(changed) << turn));
   }
   if (changed) {
     atomicStore(&changes[turn], 1u);

@@ -12,15 +12,9 @@ const NONE: u32 = 0xffffffffu;
 // No particle is nearer.
 const UNSUPPORTED: u32 = 0xfffffffeu;
 
-// Right, down-right, down, down-left, left, up-left, up, up-right; the place of the spring there in the texel that
-// stores it, which is the neighbour for the fourth to the seventh.
-var<private> circle: array<vec3<i32>, 8> = array<vec3<i32>, 8>(
-  vec3<i32>(1, 0, 0), vec3<i32>(1, 1, 2), vec3<i32>(0, 1, 1), vec3<i32>(-1, 1, 3),
-  vec3<i32>(-1, 0, 0), vec3<i32>(-1, -1, 2), vec3<i32>(0, -1, 1), vec3<i32>(1, -1, 3));
-
 // The triangles around a texel, each quad split both ways: two of the circle, and the spring between them as the one of
 // the two that stores it and its place there.
-var<private> corners: array<vec4<u32>, 12> = array<vec4<u32>, 12>(
+const CORNERS: array<vec4<u32>, 12> = array<vec4<u32>, 12>(
   vec4<u32>(0u, 1u, 0u, 1u), vec4<u32>(1u, 2u, 2u, 0u), vec4<u32>(0u, 2u, 2u, 3u), vec4<u32>(2u, 3u, 3u, 0u),
   vec4<u32>(3u, 4u, 4u, 1u), vec4<u32>(2u, 4u, 4u, 2u), vec4<u32>(4u, 5u, 5u, 1u), vec4<u32>(5u, 6u, 5u, 0u),
   vec4<u32>(4u, 6u, 4u, 3u), vec4<u32>(6u, 7u, 6u, 0u), vec4<u32>(7u, 0u, 7u, 1u), vec4<u32>(6u, 0u, 6u, 2u));
@@ -31,24 +25,39 @@ var<private> long: array<f32, 8>;
 var<private> away: array<f32, 8>;
 var<private> end: array<u32, 8>;
 
-fn look(m: u32, group: u32) {
+fn grid_of(m: u32) -> Grid {
   var grid = grids[0];
   for (var g = 1u; g < arrayLength(&grids) && grids[g].first <= m; g++) {
     grid = grids[g];
   }
-  let here = vec2<i32>(i32((m - grid.first) % grid.width), i32((m - grid.first) / grid.width));
+  return grid;
+}
+
+// The texel at a place of the circle around another (right, down-right, down, down-left, left, up-left, up, up-right);
+// itself where the grid ends. Steps and one lie in two bits each.
+fn beside(grid: Grid, m: u32, c: u32) -> u32 {
+  let here = vec2<u32>((m - grid.first) % grid.width, (m - grid.first) / grid.width);
+  let at = vec2<i32>(here + ((vec2<u32>(0x901au, 0x01a9u) >> vec2<u32>(2u * c)) & vec2<u32>(3u))) - vec2<i32>(1);
+  if (at.x < 0 || at.y < 0 || at.x >= i32(grid.width) || at.y >= i32(grid.height)) {
+    return m;
+  }
+  return grid.first + u32(at.y) * grid.width + u32(at.x);
+}
+
+fn look(m: u32, group: u32) {
+  let grid = grid_of(m);
   for (var c = 0u; c < 8u; c++) {
     texel[c] = m;
     long[c] = 0.0;
     away[c] = FAR;
     end[c] = NONE;
-    let at = here + circle[c].xy;
-    if (at.x < 0 || at.y < 0 || at.x >= i32(grid.width) || at.y >= i32(grid.height)) {
+    let n = beside(grid, m, c);
+    if (n == m) {
       continue;
     }
-    let n = grid.first + u32(at.y) * grid.width + u32(at.x);
     texel[c] = n;
-    long[c] = rest[select(n, m, c < 3u || c == 7u)][circle[c].z];
+    // Springs to the fourth up to the seventh are stored there.
+    long[c] = rest[select(n, m, c < 3u || c == 7u)][(0xd8d8u >> (2u * c)) & 3u];
     for (var s = 0u; s < slots; s++) {
       let t = n * slots + s;
       if (supports[t].x == group) {
@@ -107,6 +116,7 @@ fn support(k: u32, tether: vec2<u32>, group: u32) -> u32 {
   var way = FAR;
   var nearer = 0u;
   var there = 0u;
+  var corners = CORNERS;
   var m = k;
   loop {
     look(m, group);
@@ -145,6 +155,7 @@ fn shorter(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
 // The shortest way to any anchor of a group by way of any neighbour.
 fn nearest(k: u32, group: u32) -> vec2<u32> {
   var best = vec2<u32>(NONE, bitcast<u32>(FAR));
+  var corners = CORNERS;
   var m = k;
   loop {
     look(m, group);

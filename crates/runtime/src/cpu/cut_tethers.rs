@@ -17,49 +17,45 @@ pub fn run<T: Real>(held: &mut Held<T>, old: &[[T; 4]], rest: &[[T; 4]]) -> bool
     lost.contains(&true)
 }
 
-/// Ends the tethers that nothing supports any more, and says which.
+/// Ends the tethers that nothing supports any more, and says which: nearest first, as each rests on nearer ones alone.
 fn doubt<T: Real>(held: &mut Held<T>, old: &[[T; 4]], rest: &[[T; 4]]) -> Vec<bool> {
     let (before, mut lost) = (held.most.clone(), vec![false; held.most.len()]);
-    let (mut open, mut listed) = (Vec::new(), vec![false; held.most.len() / held.slots.max(1)]);
-    let add = |k: usize, open: &mut Vec<usize>, listed: &mut [bool]| {
-        if !std::mem::replace(&mut listed[k], true) {
-            open.push(k);
+    let (mut queue, mut listed) = (BinaryHeap::new(), vec![false; held.most.len()]);
+    // Tethers of texel `k` that may rest on one of length `above`; pins hang on themselves.
+    let mut add = |held: &Held<T>, k: usize, above: T, queue: &mut BinaryHeap<_>| {
+        for t in k * held.slots..(k + 1) * held.slots {
+            if held.most[t] > above && held.most[t] < far() && !std::mem::replace(&mut listed[t], true) {
+                queue.push(Reverse((held.most[t].get().to_bits(), t)));
+            }
         }
     };
-    for k in 0..listed.len() {
+    let zero = T::of(0.0);
+    for k in 0..rest.len() {
         // The other ends of its springs are beside it, and the third corners of triangles beside them.
-        if (0..4).any(|d| old[k][d] > T::of(0.0) && rest[k][d] <= T::of(0.0)) {
-            held.beside(k, |n| {
-                add(n, &mut open, &mut listed);
-                held.beside(n, |m| add(m, &mut open, &mut listed));
-            });
+        if (0..4).any(|d| old[k][d] > zero && rest[k][d] <= zero) {
+            held.beside(k, |n| held.beside(n, |m| add(held, m, zero, &mut queue)));
         }
     }
-    while let Some(k) = open.pop() {
-        listed[k] = false;
-        for s in 0..held.slots {
-            let (t, zero) = (k * held.slots + s, T::of(0.0));
-            let own = held.most[t];
-            if own <= zero || own >= far() {
-                continue;
-            }
-            let after = held.support(rest, &held.most, k, t);
-            if after == 0 || (after < UNSUPPORTED && after == held.support(old, &before, k, t)) {
-                continue;
-            }
-            let mut members = Vec::new();
-            held.ring(k, |m| members.push(m * held.slots + s));
-            for t in members {
-                (held.most[t], lost[t]) = (far(), true);
-            }
-            held.beside(k, |n| add(n, &mut open, &mut listed));
+    while let Some(Reverse((_, t))) = queue.pop() {
+        let (k, own) = (t / held.slots, held.most[t]);
+        if lost[t] {
+            continue;
         }
+        let after = held.support(rest, &held.most, k, t);
+        if after == 0 || (after < UNSUPPORTED && after == held.support(old, &before, k, t)) {
+            continue;
+        }
+        let mut members = Vec::new();
+        held.ring(k, |m| members.push(m * held.slots + t % held.slots));
+        for t in members {
+            (held.most[t], lost[t]) = (far(), true);
+        }
+        held.beside(k, |n| add(held, n, own, &mut queue));
     }
     lost
 }
 
-/// Finds the shortest way of those that are lost: Dijkstra's order, and again where a way through a triangle turns out
-/// shorter later.
+/// Finds the shortest way of those that are lost: Dijkstra's order, and again where one turns out shorter later.
 fn lengthen<T: Real>(held: &mut Held<T>, rest: &[[T; 4]], lost: &[bool]) {
     let mut queue = BinaryHeap::new();
     for t in (0..lost.len()).filter(|t| lost[*t]) {
@@ -72,7 +68,8 @@ fn lengthen<T: Real>(held: &mut Held<T>, rest: &[[T; 4]], lost: &[bool]) {
         let mut around = Vec::new();
         held.beside(t / held.slots, |n| {
             let slots = n * held.slots..(n + 1) * held.slots;
-            around.extend(slots.filter(|u| lost[*u] && held.groups[*u] == held.groups[t]));
+            let farther = |u: &usize| held.most[*u] > held.most[t] && held.groups[*u] == held.groups[t];
+            around.extend(slots.filter(|u| lost[*u] && farther(u)));
         });
         around.into_iter().for_each(|u| take(held, rest, u, &mut queue));
     }

@@ -23,7 +23,7 @@ pub(super) fn room(device: &wgpu::Device, cloth: &Cloth, tethers: &Tethers) -> V
     let mut room = vec![
         (Slot::Supports, upload(device, "supports", &supports, none)),
         (Slot::Holding, upload(device, "holding", &vec![[0u32; 2]; supports.len()], none)),
-        (Slot::Changes, upload(device, "changes", &[0u32; 4], none)),
+        (Slot::Changes, upload(device, "changes", &vec![0u32; 4 + cloth.len()], none)),
     ];
     if cloth.ring_count() > 0 {
         room.push((Slot::Mates, upload(device, "mates", &mates(cloth), none)));
