@@ -4,7 +4,8 @@
 // nothing, those after it have nothing to do. A thread a texel.
 //
 // Phase 0, before the cut: what supports each tether. Phase 1: a tether ends that has lost its support, and with it those
-// that it supports. Phase 2: those that ended take the shortest way that is left, as far as rounds go.
+// that it supports; where rounds were too few to end all of them, all are taken for ended. Phase 2: those that ended take
+// the shortest way that is left, as far as rounds go.
 @group(0) @binding(39) var<storage, read_write> holding: array<vec2<u32>>;
 // Whether the rounds of each turn have changed anything, and whether phase 1 ran out of rounds; then for each texel a bit
 // for each turn: whether it has changed. Only beside such a texel can anything change in the next round.
