@@ -29,16 +29,25 @@ impl Stepper {
     /// apart; parts that still have a particle in common hang together by it. A spring that is no edge of a triangle is
     /// not cut.
     ///
-    /// On the GPU it takes two dispatches a cloth, without a read-back. The first cut gives every cloth a list of holes
-    /// and, where rest lengths were constants, an image of them: 20 bytes a texel. Wakes every cloth. Errors on a number
-    /// that is not finite.
+    /// Tethers ([`crate::Options::tethers`]) stay as they are where the shortest way to the pin is whole, up to the cone of
+    /// 45 degrees behind the end of a cut; there, and behind the cut, they get the shortest way that is left to a pin of
+    /// the same group of neighbouring pins, up to 1 % long by the rule of [`gimage_bundle::tethers`], and up to 8 % where
+    /// the ways to neighbouring pins lie side by side. What no way is left for has none. They know the pins of the start:
+    /// one that is freed holds nothing meanwhile, and one that is new holds by springs.
+    ///
+    /// On the GPU it takes two dispatches a cloth, without a read-back, and for tethers four for every texel of the longer
+    /// side and one (twice that for several grids), most of which find nothing left to do; ways longer than that end. The
+    /// CPU looks at what is behind the cut alone. The first cut gives every cloth a list of holes and, where rest lengths
+    /// were constants, an image of them: 20 bytes a texel; and 16 bytes a tether (12 on the CPU), 4 more a texel, with seams 8.
+    /// Wakes every cloth. Errors on a number that is not finite.
     pub fn cut(&mut self, eye: [f32; 3], a: [f32; 3], b: [f32; 3]) -> Result<()> {
         for x in [eye, a, b].as_flattened() {
             check("a corner of a cut [m]", f64::from(*x), "finite", |_| true)?;
         }
         self.world.scene.cloths.iter_mut().for_each(Cloth::open);
         if let Some((bodies, _)) = &mut self.cpu {
-            bodies.iter_mut().zip(&self.world.scene.cloths).for_each(|(body, cloth)| body.open(cloth));
+            let cloths = self.world.scene.cloths.iter().zip(&self.world.tethers);
+            bodies.iter_mut().zip(cloths).for_each(|(body, (cloth, held))| body.open(cloth, held));
         }
         if let Some(gpu) = &mut self.gpu {
             gpu.open(&self.world);

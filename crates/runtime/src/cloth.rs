@@ -3,11 +3,13 @@
 mod check;
 mod flat;
 mod from_bundle;
+mod groups;
 mod tether;
 mod weigh;
 
 pub use flat::Flat;
 pub use gimage_bundle::{Anchor, Particle, Tethers};
+pub(crate) use groups::{groups, mates, ring};
 
 use crate::error::{Error, Result, check as range};
 use crate::limits::shear;

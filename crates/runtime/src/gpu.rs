@@ -3,6 +3,7 @@
 mod actions;
 mod arena;
 mod buffers;
+mod cut_tethers;
 mod frames;
 pub(crate) mod layout;
 mod pick;

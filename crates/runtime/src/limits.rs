@@ -104,6 +104,7 @@ pub fn fewest(options: &Options, cloths: &[Cloth], tethers: &[Tethers]) -> (u32,
     if options.solver != Solver::Xpbd {
         return (1, f64::INFINITY);
     }
+    // A cut may have left parts that no tether holds.
     let free = cloths.iter().zip(tethers).any(|(cloth, held)| held.per_particle == 0 || cloth.is_cut());
     let longest = if free { LONGEST_FREE } else { LONGEST };
     // What rounding has put just above a whole number is that number.

@@ -53,9 +53,10 @@ pub struct Options {
     /// Tethers of a particle, each to the nearest pin of another group of pins: no particle gets farther from its pins
     /// than along the surface. Default 2; 0 to 4; for [`Solver::Xpbd`] only. They take most of the stretch away in few
     /// substeps, and shorten the period of a swing a little. Those of a bundle are taken as they are stored, else they
-    /// are found when the stepper is made. They end with the first cut. Cloth of springs whose neighbours differ by more
-    /// than [`crate::MOST_RATIO`] in mass or [`crate::MOST_LENGTHS`] in rest length has 2 where 0 are asked for, and
-    /// [`crate::Stepper::warnings`] says so: springs alone do not hold it.
+    /// are found when the stepper is made. After a cut those stay whose way to the pin is whole, others grow to the way
+    /// that is left ([`crate::Stepper::cut`]). Cloth of springs whose neighbours differ by more than [`crate::MOST_RATIO`] in
+    /// mass or [`crate::MOST_LENGTHS`] in rest length has 2 where 0 are asked for, and [`crate::Stepper::warnings`] says so:
+    /// springs alone do not hold it.
     pub tethers: u32,
     /// Further rounds of a relaxation: tethers, then springs to the right and down, which stretch shows in, and not the
     /// diagonal ones, which take half of the time. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default 0;

@@ -110,6 +110,13 @@ pub enum Pass {
     Cut,
     /// Springs of those triangles lose their rest lengths.
     CutSprings,
+    /// Tethers that a cut crosses grow, or end.
+    CutTethers {
+        /// Anchors a particle.
+        slots: u32,
+        /// Whether there are seams.
+        seams: bool,
+    },
     /// A set of particles is moved by a matrix.
     Transform,
     /// The nearest triangle on a ray, one candidate a workgroup.
@@ -239,7 +246,7 @@ pub fn schedule(
                 s.step.extend(membrane(cloth));
             }
             // Before the springs tethers take the large errors, after them what springs have left at the pins.
-            let tethers = (slots > 0 && !cloth.is_cut()).then_some(Pass::Tethers { slots });
+            let tethers = (slots > 0).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
             let levels = cloth.grids().iter().any(|g| g.width.max(g.height) > 2);
             if options.pyramid > 0 && levels && !cloth.is_cut() && cloth.directions()[..2].contains(&true) {

@@ -271,6 +271,15 @@ pub fn source(pass: Pass) -> Source {
                 Threads::Texels,
             ),
         ),
+        Pass::CutTethers { slots, seams } => {
+            let mates = if seams { part!("mates") } else { part!("mates_none") };
+            let mut bindings = vec![reads(Grids), reads(Rest), reads(Action), reads(Slot::Tethers)];
+            bindings.extend([Slot::Supports, Slot::Holding, Slot::Changes].map(writes));
+            bindings.extend(seams.then_some(reads(Slot::Mates)));
+            let files = [GRID, ACTION, mates, part!("route"), pass!("cut_tethers")];
+            let constants = vec![("slots", f64::from(slots))];
+            Source { constants, ..plain("cut_tethers", &files, &bindings, Threads::Texels) }
+        }
         Pass::Transform => plain(
             "transform",
             &[INDEX, ACTION, pass!("transform")],

@@ -43,6 +43,7 @@ fn variants() -> Vec<Pass> {
     all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));
     all.extend([Pass::Pyramid { directions: [true, true, false, true] }, Pass::Refine]);
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
+    all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams }));
     all.extend(fused().map(Pass::Fused));
     all.extend(tiles().map(Pass::Tile));
     all

@@ -214,7 +214,8 @@ impl Stepper {
         Ok(())
     }
 
-    /// Pins a particle where it is, or frees it; seam duplicates follow. Four bytes of upload for each of them.
+    /// Pins a particle where it is, or frees it; seam duplicates follow. Four bytes of upload for each of them. Tethers
+    /// stay those of the pins that there were at the start; a pin that is freed holds nothing until it is one again.
     pub fn set_pinned(&mut self, cloth: usize, particle: usize, pinned: bool) -> Result<()> {
         self.edit(cloth, particle, |c| c.set_pinned(particle, pinned))
     }

@@ -271,7 +271,7 @@ fn a_pin_that_is_freed_holds_nothing() {
 }
 
 #[test]
-fn cut_cloth_leaves_its_tethers() {
+fn cloth_cut_right_through_falls_off_its_tethers() {
     let mut stepper = run(scene::builtin("s1", 33).unwrap(), options(4), 300);
     stepper.cut([0.5, -0.52, 5.0], [-1.0, -0.52, -5.0], [2.0, -0.52, -5.0]).unwrap();
     (0..60).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));

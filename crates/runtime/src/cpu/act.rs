@@ -2,17 +2,25 @@
 
 use super::body::{Body, view};
 use super::real::{Real, V3};
+use super::route::far;
 use super::rows::Threads;
-use super::{cut, cut_springs, transform};
+use super::{cut, cut_springs, cut_tethers, transform};
 
 impl<T: Real> Body<T> {
     /// Cuts by a triangle; room must have been made by [`Body::open`].
     pub fn cut(&mut self, threads: &Threads, corners: [V3<T>; 3]) {
         self.edited = true;
+        let old = self.held.as_ref().map(|_| self.image.clone());
         for g in &self.grids {
             cut::run(threads, view(&self.now, &[], g), corners, &mut self.holes[g.range()]);
             if !self.image.is_empty() {
                 cut_springs::run(threads, view(&self.now, &self.holes, g), &mut self.image[g.range()]);
+            }
+        }
+        if let (Some(held), Some(old)) = (&mut self.held, old) {
+            let changed = cut_tethers::run(held, &old, &self.image);
+            if let Some(fabric) = self.fabric.as_mut().filter(|_| changed) {
+                fabric.hold(held.slots, |t| (held.most[t] < far()).then_some((held.anchors[t], held.most[t])));
             }
         }
     }

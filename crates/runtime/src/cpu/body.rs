@@ -5,6 +5,7 @@ use super::fastest::larger;
 use super::integrate::Air;
 use super::neighbours::View;
 use super::real::{Real, cast};
+use super::route::Held;
 use super::rows::Threads;
 use super::solid::Solid;
 use super::strain::Springs;
@@ -42,7 +43,9 @@ pub struct Body<T: Real> {
     softs: Vec<[T; 4]>,
     starts: Vec<u32>,
     members: Vec<u32>,
-    fabric: Option<Box<Fabric<T>>>,
+    pub(super) fabric: Option<Box<Fabric<T>>>,
+    /// What holds it, from the first cut on.
+    pub(crate) held: Option<Held<T>>,
     /// Whether texels were changed from outside since the last frame.
     pub(super) edited: bool,
 }
@@ -97,6 +100,7 @@ impl<T: Real> Body<T> {
             starts: starts.to_vec(),
             members: members.to_vec(),
             fabric: (options.solver == Solver::Xpbd).then(|| Box::new(Fabric::new(cloth, tethers, options))),
+            held: None,
             edited: true,
         };
         if options.normals {
@@ -209,7 +213,12 @@ impl<T: Real> Body<T> {
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
             Pass::Strain { image, soft } => self.strain(threads, (image, soft), step.dt),
             // Run by actions, which bring what they need.
-            Pass::Fused(_) | Pass::Tile(_) | Pass::Cut | Pass::CutSprings | Pass::Transform => {}
+            Pass::Fused(_)
+            | Pass::Tile(_)
+            | Pass::Cut
+            | Pass::CutSprings
+            | Pass::CutTethers { .. }
+            | Pass::Transform => {}
             Pass::Pick { .. } | Pass::PickNearest => {}
         }
     }
@@ -244,12 +253,14 @@ impl<T: Real> Body<T> {
     }
 
     /// Makes room for cuts.
-    pub fn open(&mut self, cloth: &Cloth) {
+    pub fn open(&mut self, cloth: &Cloth, tethers: &Tethers) {
         if self.holes.is_empty() {
             self.holes = vec![0; self.now.len()];
             if let (true, Rest::Image(lengths)) = (self.image.is_empty(), cloth.rest()) {
                 self.image = lengths.iter().map(|l| cast(*l)).collect();
             }
+            let held = tethers.per_particle > 0 && !self.image.is_empty();
+            self.held = held.then(|| Held::new(cloth, tethers));
         }
     }
 }

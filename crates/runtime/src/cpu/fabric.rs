@@ -65,7 +65,8 @@ impl<T: Real> Fabric<T> {
             field: Vec::new(),
         };
         fabric.members = members.iter().map(|k| fabric.place(*k as usize)).collect();
-        fabric.hold(held);
+        let of = |t: usize| held.anchors.get(t).filter(|a| a.exists());
+        fabric.hold(held.per_particle, |t| of(t).map(|a| (a.particle, T::of(f64::from(a.distance)))));
         fabric
     }
 
@@ -74,23 +75,22 @@ impl<T: Real> Fabric<T> {
         (g as u32, self.sheets[g].triple(k - self.firsts[g]) as u32)
     }
 
-    /// Takes over the tethers.
-    fn hold(&mut self, held: &cloth::Tethers) {
-        let mut order: Vec<u32> = held.anchors.iter().filter(|a| a.exists()).map(|a| a.particle).collect();
+    /// Takes over the tethers, so many a particle: the pin and the distance \[m\] of each, by particle and slot.
+    pub fn hold(&mut self, slots: usize, held: impl Fn(usize) -> Option<(u32, T)>) {
+        let count: usize = self.sheets.iter().map(|s| s.width * s.height).sum();
+        let mut order: Vec<u32> = (0..count * slots).filter_map(|t| Some(held(t)?.0)).collect();
         order.sort_unstable();
         order.dedup();
         self.anchors = order.iter().map(|k| self.place(*k as usize)).collect();
         self.tethers.clear();
         for (g, sheet) in self.sheets.iter().enumerate() {
-            let of = |slot: usize, k: usize| held.anchors[(self.firsts[g] + k) * held.per_particle + slot];
-            let slots = (0..held.per_particle).map(|slot| {
+            let each = (0..slots).map(|slot| {
                 tethers::Slot::new(sheet, |k| {
-                    let anchor = of(slot, k);
-                    let index = order.binary_search(&anchor.particle).ok()?;
-                    Some((index as u32, T::of(f64::from(anchor.distance))))
+                    let (anchor, most) = held((self.firsts[g] + k) * slots + slot)?;
+                    Some((order.binary_search(&anchor).ok()? as u32, most))
                 })
             });
-            self.tethers.push(Tethers { slots: slots.collect() });
+            self.tethers.push(Tethers { slots: each.collect() });
         }
     }
 

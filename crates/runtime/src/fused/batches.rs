@@ -66,7 +66,8 @@ impl World {
         let Some(room) = self.room.filter(|_| self.options.fused) else { return };
         for index in self.arenas.iter().flatten() {
             let (cloth, schedule) = (&self.scene.cloths[*index], &self.schedules[*index]);
-            self.fused[*index] = Fused::of(cloth, schedule, &room);
+            // Rest lengths and tethers that a cut has changed are the cloth's own.
+            self.fused[*index] = Fused::of(cloth, schedule, &room).filter(|_| !cloth.is_cut());
         }
     }
 

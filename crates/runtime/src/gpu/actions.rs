@@ -13,8 +13,9 @@ use crate::world::World;
 impl Gpu {
     /// Makes room for cuts.
     pub fn open(&mut self, world: &World) {
-        for (buffers, cloth) in self.cloths.iter_mut().zip(&world.scene.cloths) {
-            buffers.open(&self.device, cloth);
+        let cloths = world.scene.cloths.iter().zip(&world.tethers);
+        for (buffers, (cloth, held)) in self.cloths.iter_mut().zip(cloths) {
+            buffers.open(&self.device, cloth, held);
         }
     }
 
@@ -31,11 +32,13 @@ impl Gpu {
                 Action::Cut(corners) => {
                     let numbers = self.numbers("cut", cast_slice(&corners.map(|[x, y, z]| [x, y, z, 0.0])));
                     for (index, cloth) in world.scene.cloths.iter().enumerate() {
+                        self.before_cut(world, &mut pass, index);
                         let springs = !matches!(cloth.rest(), Rest::None);
                         for what in [Some(Pass::Cut), springs.then_some(Pass::CutSprings)].into_iter().flatten() {
                             let groups = source(what).workgroups(cloth);
                             self.once(world, &mut pass, index, what, &[(Slot::Action, &numbers)], groups);
                         }
+                        self.after_cut(world, &mut pass, index);
                     }
                 }
                 Action::Transform { cloth, chosen, matrix } => {

@@ -10,6 +10,7 @@ use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
 use crate::cpu::body::Body;
 use crate::cpu::stretch::UNBOUNDED;
 use crate::error::{Error, Result};
+use crate::gpu::cut_tethers;
 use crate::gpu::layout::{GridRow, SolidRow, StepRow};
 use crate::gpu::pipelines::Pipeline;
 use crate::gpu::span::Span;
@@ -164,7 +165,7 @@ impl ClothBuffers {
         }
         if held.per_particle > 0 {
             let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
-            self.others.insert(Slot::Tethers, upload(device, "tethers", &rows, none));
+            self.others.insert(Slot::Tethers, upload(device, "tethers", &rows, BufferUsages::COPY_SRC));
         }
         if cloth.ring_count() > 0 {
             let (starts, members) = cloth.rings();
@@ -292,8 +293,11 @@ impl ClothBuffers {
     }
 
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.
-    pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth) {
+    pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth, held: &Tethers) {
         if self.holes.is_none() {
+            if self.stepping {
+                self.others.extend(cut_tethers::room(device, cloth, held));
+            }
             let none = vec![0u32; cloth.len()];
             self.holes = Some(upload(device, "holes", &none, BufferUsages::COPY_SRC).into());
         }
@@ -301,6 +305,11 @@ impl ClothBuffers {
             let new = || upload(device, "rest", rest, BufferUsages::empty());
             self.others.entry(Slot::Rest).or_insert_with(new);
         }
+    }
+
+    /// A buffer of the cloth's own.
+    pub(super) fn other(&self, slot: Slot) -> Option<&Buffer> {
+        self.others.get(&slot)
     }
 
     /// The largest squared displacement of the last frame, where cloth may fall asleep.

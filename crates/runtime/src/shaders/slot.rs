@@ -44,11 +44,15 @@ pub enum Slot {
     Passed,
     Losing,
     Summing,
+    Supports,
+    Holding,
+    Changes,
+    Mates,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 38] = [
+        const NAMES: [&str; 42] = [
             "step",
             "grids",
             "now",
@@ -87,6 +91,10 @@ impl Slot {
             "passed",
             "losing",
             "summing",
+            "supports",
+            "holding",
+            "changes",
+            "mates",
         ];
         NAMES[self as usize]
     }
@@ -121,6 +129,7 @@ impl Slot {
             Slot::Fastest | Slot::Strain => 4,
             // Made for one action; no frame binds them.
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
+            Slot::Supports | Slot::Holding | Slot::Changes | Slot::Mates => 0,
         };
         bytes as u64
     }

@@ -1,0 +1,119 @@
+use super::*;
+use crate::actions::Action;
+use crate::cloth::{Flat, Particle, Parts};
+use crate::cpu::rows::Threads;
+use crate::options::{Options, Solver};
+use crate::scene::Scene;
+
+/// A software adapter will do; `None` where there is none and none is asked for.
+fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
+    let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()));
+    let required = std::env::var("GIMAGE_REQUIRE_GPU").is_ok_and(|v| v == "1");
+    assert!(adapter.is_ok() || !required, "GIMAGE_REQUIRE_GPU is 1, but there is no adapter");
+    Some(pollster::block_on(adapter.ok()?.request_device(&Default::default())).unwrap())
+}
+
+/// A tube whose first and last column are one, and whose first row is pinned here and there.
+fn tube(n: u32, rows: u32, pins: &[u32]) -> Cloth {
+    let (mut positions, mut particles) = (Vec::new(), Vec::new());
+    for (j, i) in (0..rows).flat_map(|j| (0..n).map(move |i| (j, i))) {
+        let angle = std::f32::consts::TAU * (i % (n - 1)) as f32 / (n - 1) as f32;
+        positions.push([0.2 * angle.cos(), -0.05 * j as f32, 0.2 * angle.sin()]);
+        let next = (i % (n - 1) == 0).then_some(j * n + n - 1 - i);
+        particles.push(Particle::Free { next });
+    }
+    let (x, y) = (0.2 * std::f32::consts::TAU / (n - 1) as f32, 0.05);
+    let grid = crate::Grid { name: "tube".into(), first: 0, width: n, height: rows };
+    let rest = Rest::Constant(vec![[x, y, x.hypot(y), x.hypot(y)]]);
+    let mass = crate::Mass::Constant(1e-3);
+    let parts = Parts { name: "tube".into(), grids: vec![grid], positions, particles, rest, mass };
+    let mut cloth = Cloth::new(parts).unwrap();
+    pins.iter().for_each(|k| cloth.set_pinned(*k as usize, true).unwrap());
+    cloth
+}
+
+fn hung(n: u32, pins: &[usize]) -> Cloth {
+    let mut cloth = Flat { down: [0.0, -1.0, 0.0], ..Flat::square("flat", n) }.cloth().unwrap();
+    pins.iter().for_each(|k| cloth.set_pinned(*k, true).unwrap());
+    cloth
+}
+
+/// Anchors and distances of every cloth after each of some cuts.
+fn followed(
+    cloths: &[Cloth],
+    cuts: &[[[f32; 3]; 3]],
+    gpu: Option<&(wgpu::Device, wgpu::Queue)>,
+) -> Vec<Vec<(u32, f32)>> {
+    let mut scene = Scene::new("cut");
+    scene.cloths = cloths.to_vec();
+    let mut world = World::new(scene, Options { solver: Solver::Xpbd, tethers: 2, ..Options::default() }).unwrap();
+    let mut bodies = world.bodies::<f32>();
+    let mut there = gpu.map(|(device, queue)| Gpu::new(&world, device, queue, false).unwrap());
+    world.scene.cloths.iter_mut().for_each(Cloth::open);
+    world.reschedule();
+    let mut all = Vec::new();
+    match (&mut there, gpu) {
+        (Some(there), Some((device, queue))) => {
+            there.open(&world);
+            for cut in cuts {
+                world.actions.push(Action::Cut(*cut));
+                let mut encoder = device.create_command_encoder(&Default::default());
+                there.act(&mut world, &mut encoder);
+                queue.submit([encoder.finish()]);
+                for buffers in &there.cloths {
+                    let tethers = buffers.other(Slot::Tethers).unwrap().clone().into();
+                    let words = super::super::read_back_u32(device, queue, &tethers).unwrap();
+                    all.push(words.chunks(2).map(|w| (w[0], f32::from_bits(w[1]))).collect());
+                }
+            }
+        }
+        _ => {
+            let each = bodies.iter_mut().zip(world.scene.cloths.iter().zip(&world.tethers));
+            each.for_each(|(body, (cloth, held))| body.open(cloth, held));
+            for cut in cuts {
+                world.actions.push(Action::Cut(*cut));
+                world.act(&mut bodies, &Threads::one());
+                for held in bodies.iter().map(|b| b.held.as_ref().unwrap()) {
+                    all.push(held.anchors.iter().copied().zip(held.most.iter().copied()).collect());
+                }
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn tethers_after_cuts_are_those_of_the_twin() {
+    let Some(gpu) = device() else { return };
+    let cloths = [
+        hung(24, &[0, 23]),
+        hung(17, &[8]),
+        hung(20, &(0..20).collect::<Vec<_>>()),
+        hung(21, &[2, 3, 4, 200, 221, 17]),
+        tube(17, 20, &[0]),
+        tube(13, 18, &[3, 4, 5, 9]),
+    ];
+    let cuts = [
+        [[0.3, -0.3, 3.0], [-0.6, -0.35, -2.0], [0.9, -0.28, -2.0]],
+        [[0.5, 0.3, 3.0], [0.52, -0.7, -2.0], [0.51, -0.1, -2.0]],
+        // Right through.
+        [[0.45, -0.603, 3.0], [-4.0, -0.602, -2.0], [4.9, -0.601, -2.1]],
+    ];
+    let (here, there) = (followed(&cloths, &cuts, None), followed(&cloths, &cuts, Some(&gpu)));
+    assert_eq!((here.len(), there.len()), (18, 18));
+    let (mut other, mut all, mut ended) = (0, 0, 0);
+    for (n, (here, there)) in here.iter().zip(&there).enumerate() {
+        for (t, (a, b)) in here.iter().zip(there).enumerate().filter(|(_, (a, _))| a.0 != u32::MAX) {
+            let (cloth, cut) = (n % 6, n / 6);
+            assert!((a.1 - b.1).abs() <= 1e-5 * a.1, "cloth {cloth}, cut {cut}, tether {t}: {a:?} {b:?}");
+            // Of two pins as near, rounding chooses.
+            (other, all) = (other + u32::from(a.0 != b.0), all + 1);
+            ended += u32::from(a.1 == f32::MAX);
+        }
+    }
+    assert!(other * 100 < all && ended > 500, "{other} of {all}, {ended} ended");
+    // Once more: the same bits.
+    let again = followed(&cloths, &cuts, Some(&gpu));
+    let bits = |list: &[Vec<(u32, f32)>]| list.iter().flatten().map(|t| (t.0, t.1.to_bits())).collect::<Vec<_>>();
+    assert!(bits(&again) == bits(&there));
+}

@@ -1,0 +1,4 @@
+// Cloth without seams.
+fn mate(k: u32) -> u32 {
+  return k;
+}
