@@ -17,7 +17,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
   if (p.w <= 0.0) {
     return;
   }
-  let d = moved(levels[head.first], id.x, id.y, grid.width, grid.height);
+  let d = moved(levels[head.first], id.x, id.y, grid.width, grid.height, followed(k));
   let was = before[k];
   now[k] = vec4<f32>(p.xyz + d, p.w);
   before[k] = vec4<f32>(was.xyz + d * CARRIED, was.w);

@@ -5,6 +5,7 @@ mod arena;
 mod buffers;
 mod frames;
 pub(crate) mod layout;
+mod levels;
 mod pick;
 mod pipelines;
 mod read_back;

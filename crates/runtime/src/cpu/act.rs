@@ -8,7 +8,7 @@ use super::{cut, cut_springs, transform};
 impl<T: Real> Body<T> {
     /// Cuts by a triangle; room must have been made by [`Body::open`].
     pub fn cut(&mut self, threads: &Threads, corners: [V3<T>; 3]) {
-        self.edited = true;
+        (self.edited, self.cut) = (true, true);
         for g in &self.grids {
             cut::run(threads, view(&self.now, &[], g), corners, &mut self.holes[g.range()]);
             if !self.image.is_empty() {

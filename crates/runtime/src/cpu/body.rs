@@ -45,6 +45,8 @@ pub struct Body<T: Real> {
     fabric: Option<Box<Fabric<T>>>,
     /// Whether texels were changed from outside since the last frame.
     pub(super) edited: bool,
+    /// Whether a cut was made since then.
+    pub(super) cut: bool,
 }
 
 /// The fourth component of every position. Under XPBD a duplicate stands for its share of the point's mass: else forces
@@ -98,6 +100,7 @@ impl<T: Real> Body<T> {
             members: members.to_vec(),
             fabric: (options.solver == Solver::Xpbd).then(|| Box::new(Fabric::new(cloth, tethers, options))),
             edited: true,
+            cut: false,
         };
         if options.normals {
             // What is drawn before the first frame has a front and a back too.
@@ -140,6 +143,9 @@ impl<T: Real> Body<T> {
             if !self.holes.is_empty() {
                 fabric.set_rest(&self.image, &self.now);
                 fabric.cut_cells(&self.holes);
+            }
+            if std::mem::take(&mut self.cut) {
+                fabric.cut_levels(&self.image);
             }
             self.edited = false;
         }
@@ -197,8 +203,8 @@ impl<T: Real> Body<T> {
             }
             // Passes of sheets.
             Pass::Advance(_) | Pass::Membrane { .. } => {}
-            Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
-            Pass::Pyramid { .. } | Pass::Refine | Pass::Moments { .. } | Pass::SeamMoments | Pass::Bend => {}
+            Pass::SeamSteps | Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
+            Pass::Pyramid { .. } | Pass::Refine { .. } | Pass::Moments { .. } | Pass::SeamMoments | Pass::Bend => {}
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
                 self.edited |= self.faulty.is_some();
@@ -209,7 +215,7 @@ impl<T: Real> Body<T> {
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
             Pass::Strain { image, soft } => self.strain(threads, (image, soft), step.dt),
             // Run by actions, which bring what they need.
-            Pass::Fused(_) | Pass::Tile(_) | Pass::Cut | Pass::CutSprings | Pass::Transform => {}
+            Pass::Fused(_) | Pass::Tile(_) | Pass::Cut | Pass::CutSprings | Pass::CutLevels | Pass::Transform => {}
             Pass::Pick { .. } | Pass::PickNearest => {}
         }
     }

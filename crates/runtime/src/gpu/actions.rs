@@ -6,7 +6,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use super::Gpu;
 use crate::actions::Action;
 use crate::cloth::Rest;
-use crate::passes::Pass;
+use crate::passes::{Pass, has_levels};
 use crate::shaders::{Slot, list, source};
 use crate::world::World;
 
@@ -14,7 +14,7 @@ impl Gpu {
     /// Makes room for cuts.
     pub fn open(&mut self, world: &World) {
         for (buffers, cloth) in self.cloths.iter_mut().zip(&world.scene.cloths) {
-            buffers.open(&self.device, cloth);
+            buffers.open(&self.device, cloth, &world.options);
         }
     }
 
@@ -32,7 +32,9 @@ impl Gpu {
                     let numbers = self.numbers("cut", cast_slice(&corners.map(|[x, y, z]| [x, y, z, 0.0])));
                     for (index, cloth) in world.scene.cloths.iter().enumerate() {
                         let springs = !matches!(cloth.rest(), Rest::None);
-                        for what in [Some(Pass::Cut), springs.then_some(Pass::CutSprings)].into_iter().flatten() {
+                        let levels = has_levels(cloth, &world.options).then_some(Pass::CutLevels);
+                        let passes = [Some(Pass::Cut), springs.then_some(Pass::CutSprings), levels];
+                        for what in passes.into_iter().flatten() {
                             let groups = source(what).workgroups(cloth);
                             self.once(world, &mut pass, index, what, &[(Slot::Action, &numbers)], groups);
                         }

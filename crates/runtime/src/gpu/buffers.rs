@@ -10,13 +10,13 @@ use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
 use crate::cpu::body::Body;
 use crate::cpu::stretch::UNBOUNDED;
 use crate::error::{Error, Result};
+use crate::gpu::levels;
 use crate::gpu::layout::{GridRow, SolidRow, StepRow};
 use crate::gpu::pipelines::Pipeline;
 use crate::gpu::span::Span;
-use crate::levels::levels;
 use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
-use crate::passes::{Soft, soft_of};
+use crate::passes::{Soft, has_levels, soft_of};
 use crate::shaders::{Bound, Slot, Source};
 use crate::tile::Tile;
 use crate::world::World;
@@ -159,8 +159,8 @@ impl ClothBuffers {
             self.others.insert(Slot::Weights, upload(device, "weights", &bending.weights, none));
             self.others.insert(Slot::Bends, upload(device, "bends", &bend_rows(bending, cloth), none));
         }
-        if options.solver == Solver::Xpbd && options.pyramid > 0 {
-            self.for_levels(device, cloth);
+        if has_levels(cloth, options) {
+            self.others.extend(levels::buffers(device, cloth));
         }
         if held.per_particle > 0 {
             let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
@@ -170,27 +170,6 @@ impl ClothBuffers {
             let (starts, members) = cloth.rings();
             self.others.insert(Slot::Starts, upload(device, "starts", starts, none));
             self.others.insert(Slot::Members, upload(device, "members", members, none));
-        }
-    }
-
-    /// The table of levels, their nodes (where one is, where it was) and their limits.
-    fn for_levels(&mut self, device: &wgpu::Device, cloth: &Cloth) {
-        let grids = cloth.grids().len();
-        let (mut table, mut nodes, mut limits) = (vec![[0u32; 4]; grids], Vec::new(), Vec::new());
-        for grid in 0..grids {
-            let levels = levels(cloth, grid);
-            table[grid] = [table.len() as u32, levels.len() as u32, 0, 0];
-            for level in levels {
-                table.push([limits.len() as u32, level.width, level.height, 0]);
-                nodes.extend(level.inverse_mass.iter().flat_map(|w| [[0.0; 4], [0.0, 0.0, 0.0, *w]]));
-                limits.extend(level.limits);
-            }
-        }
-        if !limits.is_empty() {
-            let none = BufferUsages::empty();
-            self.others.insert(Slot::Levels, upload(device, "levels", &table, none));
-            self.others.insert(Slot::Nodes, upload(device, "nodes", &nodes, none));
-            self.others.insert(Slot::Limits, upload(device, "limits", &limits, none));
         }
     }
 
@@ -292,7 +271,7 @@ impl ClothBuffers {
     }
 
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.
-    pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth) {
+    pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth, options: &Options) {
         if self.holes.is_none() {
             let none = vec![0u32; cloth.len()];
             self.holes = Some(upload(device, "holes", &none, BufferUsages::COPY_SRC).into());
@@ -300,6 +279,9 @@ impl ClothBuffers {
         if let (Rest::Image(rest), true) = (cloth.rest(), self.stepping) {
             let new = || upload(device, "rest", rest, BufferUsages::empty());
             self.others.entry(Slot::Rest).or_insert_with(new);
+        }
+        if has_levels(cloth, options) && self.stepping {
+            self.others.entry(Slot::Links).or_insert_with(|| levels::links(device, cloth));
         }
     }
 
