@@ -78,6 +78,8 @@ pub enum Pass {
     },
     /// Particles follow the coarser grids.
     Refine {
+        /// Whether the cloth has seams.
+        seams: bool,
         /// Whether any spring is cut.
         cut: bool,
     },
@@ -293,7 +295,7 @@ fn coarse(cloth: &Cloth, options: &Options) -> Vec<Pass> {
     }
     let (seams, cut) = (cloth.ring_count() > 0, cloth.is_cut());
     let pyramid = Pass::Pyramid { directions: cloth.directions(), seams, cut };
-    [pyramid, Pass::Refine { cut }].into_iter().chain(seams.then_some(Pass::SeamSteps)).collect()
+    [pyramid, Pass::Refine { seams, cut }].into_iter().chain(seams.then_some(Pass::SeamSteps)).collect()
 }
 
 /// Whether lengths are limited on coarser grids.

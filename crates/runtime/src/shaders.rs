@@ -179,15 +179,12 @@ pub fn source(pass: Pass) -> Source {
             let threads = if seams { Threads::Cloth } else { Threads::Grids };
             parted(cut, Source { constants, ..plain("pyramid", &files, &bindings, threads) })
         }
-        Pass::Refine { cut } => parted(
-            cut,
-            plain(
-                "refine",
-                &[GRID, part!("level"), pass!("refine")],
-                &[reads(Slot::Levels), writes(Now), writes(Before), reads(Slot::Nodes), reads(Grids)],
-                Threads::Texels,
-            ),
-        ),
+        Pass::Refine { seams, cut } => {
+            let bindings = [reads(Slot::Levels), writes(Now), writes(Before), reads(Slot::Nodes), reads(Grids)];
+            let constants = vec![("carried", crate::levels::carried(seams))];
+            let files = [GRID, part!("level"), pass!("refine")];
+            parted(cut, Source { constants, ..plain("refine", &files, &bindings, Threads::Texels) })
+        }
         Pass::Forget => plain("forget", &[INDEX, pass!("forget")], &[writes(Slot::Sums)], Threads::Particles),
         Pass::Tethers { slots } => {
             let bindings = [writes(Now), reads(Slot::Tethers)];

@@ -44,7 +44,7 @@ fn variants() -> Vec<Pass> {
     let directions = [true, true, false, true];
     for cut in [false, true] {
         all.extend([false, true].map(|seams| Pass::Pyramid { directions, seams, cut }));
-        all.push(Pass::Refine { cut });
+        all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
     }
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all.extend(fused().map(Pass::Fused));

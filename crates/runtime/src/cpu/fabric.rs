@@ -18,7 +18,7 @@ use super::tethers::{self, Tethers};
 use super::{advance, bend, cut_levels, forget, refine, seam_moments, seam_steps, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
 use crate::levels::ties::{Ties, ties};
-use crate::levels::{levels, masses};
+use crate::levels::{carried, levels, masses};
 use crate::options::Options;
 use crate::passes::{self, Pass};
 use crate::step::Step;
@@ -54,7 +54,8 @@ impl<T: Real> Fabric<T> {
         let springs = sheets.iter().enumerate().map(|(g, sheet)| springs(cloth, g, sheet)).collect();
         let grids = if options.pyramid > 0 { 0..sheets.len() } else { 0..0 };
         let masses = if grids.is_empty() { Vec::new() } else { masses(cloth) };
-        let pyramids: Vec<Pyramid<T>> = grids.map(|g| Pyramid::new(&levels(cloth, g, &masses), sheets[g].width)).collect();
+        let pyramids: Vec<Pyramid<T>> =
+            grids.map(|g| Pyramid::new(&levels(cloth, g, &masses), sheets[g].width)).collect();
         let (cells, plates) = (cells(cloth, &sheets), plates(cloth, &sheets));
         let mut fabric = Fabric {
             sheets,
@@ -294,7 +295,10 @@ impl<T: Real> Fabric<T> {
             Pass::Pyramid { directions, cut, .. } => {
                 pyramid::run(&mut self.pyramids, &self.sheets, threads, (&directions, cut), &self.ties);
             }
-            Pass::Refine { .. } => self.pyramids.iter().zip(&mut self.sheets).for_each(|(p, s)| refine::run(p, s)),
+            Pass::Refine { seams, .. } => {
+                let each = self.pyramids.iter().zip(&mut self.sheets);
+                each.for_each(|(pyramid, sheet)| refine::run(pyramid, sheet, carried(seams)));
+            }
             Pass::Seams => self.seams(),
             Pass::SeamSteps => seam_steps::run(&mut self.sheets, &self.starts, &self.members),
             Pass::Contact(_) => {

@@ -106,7 +106,9 @@ fn tie<T: Real>(pyramids: &mut [Pyramid<T>], n: usize, tied: &[(usize, usize)]) 
         let Level { sheet, origin, .. } = &pyramids[*grid].levels[n];
         let (at, w) = (sheet.triple(*k), sheet.w[sheet.single(*k)]);
         let weight = T::of(1.0) / w.max(T::of(1e-30));
-        (0..3).for_each(|c| sum[c] = sum[c] + (sheet.now[at + 2 * c * sheet.half] - origin[at + 2 * c * sheet.half]) * weight);
+        (0..3).for_each(|c| {
+            sum[c] = sum[c] + (sheet.now[at + 2 * c * sheet.half] - origin[at + 2 * c * sheet.half]) * weight
+        });
         (mass, pinned) = (mass + weight, pinned || w <= T::of(0.0));
     }
     let by = if pinned { [T::of(0.0); 3] } else { scale(sum, T::of(1.0) / mass.max(T::of(1e-30))) };

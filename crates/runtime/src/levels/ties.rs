@@ -82,7 +82,11 @@ pub fn ties(cloth: &Cloth) -> Vec<Ties> {
 }
 
 /// The ties of the next level: first those whose nodes lie on it too, then those of which one does.
-fn coarser(joined: &[(Vec<Place>, bool)], sizes: &[[usize; 2]], there: impl Fn(&Place) -> bool) -> Vec<(Vec<Place>, bool)> {
+fn coarser(
+    joined: &[(Vec<Place>, bool)],
+    sizes: &[[usize; 2]],
+    there: impl Fn(&Place) -> bool,
+) -> Vec<(Vec<Place>, bool)> {
     let mut used = std::collections::BTreeSet::new();
     let mut out = Vec::new();
     // Duplicates, then neighbours of duplicates, then those of which a node lies between the next level's.
@@ -137,7 +141,8 @@ mod tests {
         let grid = |g: u32| Grid { name: String::new(), first: g * 16 * n, width: n, height: 16 };
         let (positions, grids) = ((0..32 * n).map(point).collect(), vec![grid(0), grid(1)]);
         let rest = Rest::Constant(vec![[1.0, 1.0, 1.5, 1.5]; 2]);
-        Cloth::new(Parts { name: "charts".into(), grids, positions, particles, rest, mass: Mass::Constant(1.0) }).unwrap()
+        Cloth::new(Parts { name: "charts".into(), grids, positions, particles, rest, mass: Mass::Constant(1.0) })
+            .unwrap()
     }
 
     #[test]
@@ -165,7 +170,9 @@ mod tests {
                 for tied in &level.all {
                     // No farther apart than two nodes.
                     let widths = [9usize, 9].map(|w| (0..=n).fold(w, |w, _| nodes_of(w)));
-                    let row = |(g, k): (usize, usize)| (k / widths[g]) as i64 * (2 << n) - if g == 1 { i64::from(shift) } else { 0 };
+                    let row = |(g, k): (usize, usize)| {
+                        (k / widths[g]) as i64 * (2 << n) - if g == 1 { i64::from(shift) } else { 0 }
+                    };
                     assert!((row(tied[0]) - row(tied[1])).abs() <= 2 << n, "{shift}: {tied:?}");
                 }
             }
