@@ -29,8 +29,9 @@ impl Stepper {
     /// apart; parts that still have a particle in common hang together by it. A spring that is no edge of a triangle is
     /// not cut.
     ///
-    /// On the GPU it takes two dispatches a cloth, without a read-back. The first cut gives every cloth a list of holes
-    /// and, where rest lengths were constants, an image of them: 20 bytes a texel. Wakes every cloth. Errors on a number
+    /// On the GPU it takes two dispatches a cloth, and a third where lengths are limited on coarser grids
+    /// ([`crate::Options::pyramid`]), without a read-back. The first cut gives every cloth a list of holes and, where rest
+    /// lengths were constants, an image of them: 20 bytes a texel; 11 more with coarser grids. Wakes every cloth. Errors on a number
     /// that is not finite.
     pub fn cut(&mut self, eye: [f32; 3], a: [f32; 3], b: [f32; 3]) -> Result<()> {
         for x in [eye, a, b].as_flattened() {

@@ -10,6 +10,7 @@ mod pick;
 mod pipelines;
 mod read_back;
 mod span;
+mod turns;
 mod watch;
 
 pub use buffers::ClothBuffers;

@@ -3,6 +3,7 @@
 //! A level has every other column and row of the one below it, and its last ones. Limits are sums of rest lengths along
 //! the grid, so no level forbids what the cloth itself allows; they only act where they are passed, as folded cloth may be
 //! as short as it likes. A node has the mass of the particles that it moves, so that free cloth keeps its momentum.
+//! Nodes of both sides of a seam take one displacement ([`crate::levels::ties`]) before the next level goes on from there.
 
 use super::aligned::Aligned;
 use super::interpolate::{Field, Parted, add, interpolate};

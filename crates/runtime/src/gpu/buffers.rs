@@ -14,21 +14,17 @@ use crate::gpu::layout::{GridRow, SolidRow, StepRow};
 use crate::gpu::levels;
 use crate::gpu::pipelines::Pipeline;
 use crate::gpu::span::Span;
+use crate::gpu::turns;
 use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
 use crate::passes::{Soft, has_levels, soft_of};
 use crate::shaders::{Bound, Slot, Source};
-use crate::tile::Tile;
 use crate::world::World;
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
 const STEP_STRIDE: u32 = 256;
 /// A frame takes up to two, or [`super::layout::POSES`] where colliders move; so many can be recorded before the first submission.
 const STEPS: u32 = 1024;
-
-/// What tiles read, and where they write it to.
-const TURNS: [(Slot, Slot); 4] =
-    [(Slot::Now, Slot::Next), (Slot::Before, Slot::Passed), (Slot::Lost, Slot::Losing), (Slot::Sums, Slot::Summing)];
 
 /// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices, which
 /// cloths may share.
@@ -47,14 +43,14 @@ pub struct ClothBuffers {
     /// particle at fault, and what is of no use to a host. None for the classic solver and where the CPU steps.
     pub faults: Option<Span>,
     good: Option<Span>,
-    lost: Option<Span>,
+    pub(super) lost: Option<Span>,
     stepping: bool,
     step: Option<Buffer>,
     /// [`GridRow::soft`] of the grids in `others`.
     soft: Option<f32>,
-    others: HashMap<Slot, Buffer>,
+    pub(super) others: HashMap<Slot, Buffer>,
     groups: HashMap<(Vec<Bound>, [bool; 4]), wgpu::BindGroup>,
-    /// Which of [`TURNS`] lie in the other buffers, as they do after an odd number of tiles.
+    /// Which of [`turns::TURNS`] lie in the other buffers, as they do after an odd number of tiles.
     pub(super) turned: [bool; 4],
     last: Option<StepRow>,
     cursor: u32,
@@ -230,11 +226,7 @@ impl ClothBuffers {
     ) -> wgpu::BindGroup {
         let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
         let row = std::num::NonZeroU64::new(size_of::<StepRow>() as u64);
-        let other = |slot| {
-            let turn = TURNS.iter().zip(self.turned).find(|((a, b), turned)| *turned && (*a == slot || *b == slot));
-            turn.map_or(slot, |((a, b), _)| if *a == slot { *b } else { *a })
-        };
-        let buffer = |slot| match other(slot) {
+        let buffer = |slot| match turns::lies(self.turned, slot) {
             Slot::Now => Some(self.now.binding()),
             Slot::Before => Some(self.before.binding()),
             Slot::Normals => Some(self.normals.binding()),
@@ -252,22 +244,6 @@ impl ClothBuffers {
         let entries: Vec<_> = source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
         let layout = &pipeline.layout;
         device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(source.stem), layout, entries: &entries })
-    }
-
-    /// A tile has written positions to where the last ones were not.
-    pub(super) fn turn(&mut self, tile: &Tile) {
-        let moves = [true, tile.air.is_some(), tile.exact, tile.again];
-        self.turned = std::array::from_fn(|n| self.turned[n] != moves[n]);
-    }
-
-    /// Brings positions back to where hosts look for them. Nothing goes on from the multipliers of a frame.
-    pub(super) fn turn_back(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        let places = [Some(&self.now), Some(&self.before), self.lost.as_ref()];
-        for ((to, (_, slot)), turned) in places.into_iter().zip(TURNS).zip(std::mem::take(&mut self.turned)) {
-            if let (Some(to), Some(from), true) = (to, self.others.get(&slot), turned) {
-                encoder.copy_buffer_to_buffer(from, 0, &to.buffer, to.offset, to.size);
-            }
-        }
     }
 
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.

@@ -98,7 +98,7 @@ mod tests {
             for (k, limits) in level.limits.iter().enumerate() {
                 let (i, j) = (k % level.width as usize, k / level.width as usize);
                 // The nodes below the cut are those from row 4 of the grid on.
-                let edge = 4 >> (n + 1);
+                let edge = 4usize.div_ceil(2 << n);
                 let crosses = [false, j + 1 == edge, j + 1 == edge, j == edge && i < level.width as usize - 1];
                 assert!((0..4).all(|d| !crosses[d] || limits[d] == 0.0), "level {n}, node {k}: {limits:?}");
                 assert!(j >= rows || j + 1 == edge || limits[1] > 0.0, "level {n}, node {k}: {limits:?}");
