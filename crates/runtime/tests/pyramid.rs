@@ -189,13 +189,18 @@ fn a_cut_binds_links_and_makes_no_more_dispatches() {
     assert!(bound(&stepper).contains(&"links"));
 }
 
+/// Frees all that is pinned.
+fn free(cloth: &mut Cloth) {
+    for k in (0..cloth.len()).filter(|k| cloth.particles()[*k].is_pinned()).collect::<Vec<_>>() {
+        cloth.set_pinned(k, false).unwrap();
+    }
+}
+
 /// Two charts, sewn or whole, that meet a sphere at a speed \[m/s\]: largest and mean stretch in a fifth of a second.
 fn thrown(mut cloth: Cloth, pyramid: u32, speed: f32) -> [f64; 2] {
     let flat: Vec<_> = cloth.positions().iter().map(|p| [p[0] - 0.5, 0.35, p[1] + 0.5]).collect();
     cloth.place(flat).unwrap();
-    (0..cloth.len()).filter(|k| cloth.particles()[*k].is_pinned()).collect::<Vec<_>>().into_iter().for_each(|k| {
-        cloth.set_pinned(k, false).unwrap();
-    });
+    free(&mut cloth);
     cloth.velocity = [0.0, -speed, 0.0];
     let colliders = vec![Collider { friction: 0.3, ..Collider::new(Shape::Sphere { radius: 0.3 }, [0.0; 3]) }];
     let mut rig = Rig::cpu(Scene { colliders, ..scene(cloth.clone()) }, &options(pyramid));
@@ -222,7 +227,7 @@ fn seams_hold_as_cloth_does() {
 fn free_cloth_with_seams_keeps_its_momentum_and_gains_no_energy() {
     // Rest lengths of the tubes are shorter than they are: they are drawn together, and crumple.
     for (name, mut cloth) in [("tube", tube(17, 12, 1)), ("tip", tube(17, 12, 3)), ("charts", two_charts(16))] {
-        cloth.set_pinned(0, false).unwrap();
+        free(&mut cloth);
         cloth.velocity = [1.0, 2.0, -0.5];
         let share: Vec<f64> =
             (0..cloth.len()).map(|k| 1.0 / cloth.ring_of(k as u32).map_or(1, <[u32]>::len) as f64).collect();
@@ -240,8 +245,8 @@ fn free_cloth_with_seams_keeps_its_momentum_and_gains_no_energy() {
                     energy += 0.5 * share * v.iter().map(|x| x * x).sum::<f64>() / mass;
                 }
                 let wrong = (0..3).map(|c| (mean[c] - [1.0, 2.0, -0.5][c]).abs()).fold(0.0, f64::max);
-                // Later, ten metres away, f32 knows velocities of single particles to 5e-4 m/s.
-                assert!(frame > 120 || wrong < 1e-4 * 2.3, "{name}, pyramid {pyramid}, frame {frame}: {mean:?}");
+                // In f32 the rounding of a second; later, metres away, that alone is more.
+                assert!(frame > 60 || wrong < 1e-4 * 2.3, "{name}, pyramid {pyramid}, frame {frame}: {mean:?}");
                 // Beyond that of the whole, about 0.5 J/kg of it in the first frame; charts lie flat.
                 let within = energy - 0.5 * mean.iter().map(|x| x * x).sum::<f64>();
                 let most = if name == "charts" { 1e-4 } else { 0.05 };
