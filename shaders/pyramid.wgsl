@@ -1,4 +1,5 @@
-// Lengths are limited on coarser grids of the cloth, from the coarsest to the finest: one workgroup a grid.
+// Lengths are limited on coarser grids of the cloth, from the coarsest to the finest. One workgroup a grid, or
+// for all grids of a cloth with seams.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(21) var<storage, read_write> nodes: array<vec4<f32>>;
 // Longest distances to the nodes right, down, down-right and up-right; 0 is no limit.
@@ -24,7 +25,7 @@ fn gather(local: u32, grid: Grid, level: Level, above: Level, top: bool, stride:
     let w = select(0.0, inverse_mass, p.w > 0.0);
     var at = p.xyz;
     if (!top && w > 0.0) {
-      at = at + moved(above, i, j, level.width, level.height);
+      at = at + moved(above, i, j, level.width, level.height, followed(level.links + n));
     }
     nodes[k] = vec4<f32>(at, w);
     nodes[k + 1u] = vec4<f32>(p.xyz, inverse_mass);
@@ -58,12 +59,20 @@ fn limit(local: u32, level: Level, direction: u32, parity: u32) {
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-  let grid = grids[id.z];
-  let head = levels[id.z];
-  for (var n = head.width; n > 0u; n--) {
-    let level = levels[head.first + n - 1u];
-    let top = n == head.width;
-    gather(local, grid, level, levels[head.first + select(n, n - 1u, top)], top, 1u << n);
+  let mine = grids_of(id.z);
+  var most = 0u;
+  for (var g = mine.x; g < mine.y; g++) {
+    most = max(most, levels[g].width);
+  }
+  for (var n = most; n > 0u; n--) {
+    for (var g = mine.x; g < mine.y; g++) {
+      let head = levels[g];
+      if (n <= head.width) {
+        let top = n == head.width;
+        let above = levels[head.first + select(n, n - 1u, top)];
+        gather(local, grids[g], levels[head.first + n - 1u], above, top, 1u << n);
+      }
+    }
     storageBarrier();
     for (var c = 0u; c < 8u; c++) {
       // Diagonals first: what they disturb, the others put right.
@@ -71,8 +80,14 @@ fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) l
       if (!(array<bool, 4>(right, down, down_right, up_right))[direction]) {
         continue;
       }
-      limit(local, level, direction, c % 2u);
+      for (var g = mine.x; g < mine.y; g++) {
+        let head = levels[g];
+        if (n <= head.width) {
+          limit(local, levels[head.first + n - 1u], direction, c % 2u);
+        }
+      }
       storageBarrier();
     }
+    tie(local, n);
   }
 }

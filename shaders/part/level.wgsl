@@ -1,9 +1,10 @@
-// Coarser grids. For grid g `levels[g]` has the index of its finest level and, as width, how many there are.
+// Coarser grids. For grid g `levels[g]` has the index of its finest level and, as width, how many there are. The links of
+// a level begin at `links`.
 struct Level {
   first: u32,
   width: u32,
   height: u32,
-  unused: u32,
+  links: u32,
 }
 @group(0) @binding(20) var<storage, read> levels: array<Level>;
 
@@ -24,11 +25,21 @@ fn node_moved(level: Level, i: u32, j: u32) -> vec3<f32> {
   return nodes[k].xyz - nodes[k + 1u].xyz;
 }
 
-// How far the nodes around column i and row j of the grid below have moved, in the mean.
-fn moved(level: Level, i: u32, j: u32, width: u32, height: u32) -> vec3<f32> {
+// How far the nodes around column i and row j of the grid below have moved, in the mean of those that it follows: bits for
+// the upper left, upper right, lower left and lower right one.
+fn moved(level: Level, i: u32, j: u32, width: u32, height: u32, follows: u32) -> vec3<f32> {
   let x = nodes_around(i, width);
   let y = nodes_around(j, height);
-  let left = 0.5 * (node_moved(level, x.x, y.x) + node_moved(level, x.x, y.y));
-  let right = 0.5 * (node_moved(level, x.y, y.x) + node_moved(level, x.y, y.y));
-  return 0.5 * (left + right);
+  let upper_left = node_moved(level, x.x, y.x);
+  let upper_right = node_moved(level, x.y, y.x);
+  let lower_left = node_moved(level, x.x, y.y);
+  let lower_right = node_moved(level, x.y, y.y);
+  if (follows == 15u) {
+    return 0.5 * (0.5 * (upper_left + lower_left) + 0.5 * (upper_right + lower_right));
+  }
+  var sum = select(vec3<f32>(0.0), upper_left, (follows & 1u) != 0u);
+  sum = sum + select(vec3<f32>(0.0), upper_right, (follows & 2u) != 0u);
+  sum = sum + select(vec3<f32>(0.0), lower_left, (follows & 4u) != 0u);
+  sum = sum + select(vec3<f32>(0.0), lower_right, (follows & 8u) != 0u);
+  return sum * (1.0 / f32(max(countOneBits(follows), 1u)));
 }

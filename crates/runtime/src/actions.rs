@@ -35,11 +35,12 @@ impl Stepper {
     /// the ways to neighbouring pins lie side by side. What no way is left for has none. They know the pins of the start:
     /// one that is freed holds nothing meanwhile, and one that is new holds by springs.
     ///
-    /// On the GPU it takes two dispatches a cloth, without a read-back, and for tethers four for every texel of the longer
+    /// On the GPU it takes two dispatches a cloth, and a third where lengths are limited on coarser grids
+    /// ([`crate::Options::pyramid`]), without a read-back, and for tethers four for every texel of the longer
     /// side and one (twice that for several grids), most of which find nothing left to do; ways longer than that end. The
     /// CPU looks at what is behind the cut alone. The first cut gives every cloth a list of holes and, where rest lengths
-    /// were constants, an image of them: 20 bytes a texel; and 16 bytes a tether (12 on the CPU), 4 more a texel, with seams 8.
-    /// Wakes every cloth. Errors on a number that is not finite.
+    /// were constants, an image of them: 20 bytes a texel; and 16 bytes a tether (12 on the CPU), 4 more a texel, with seams 8;
+    /// 11 more with coarser grids. Wakes every cloth. Errors on a number that is not finite.
     pub fn cut(&mut self, eye: [f32; 3], a: [f32; 3], b: [f32; 3]) -> Result<()> {
         for x in [eye, a, b].as_flattened() {
             check("a corner of a cut [m]", f64::from(*x), "finite", |_| true)?;

@@ -6,10 +6,12 @@ mod buffers;
 mod cut_tethers;
 mod frames;
 pub(crate) mod layout;
+mod levels;
 mod pick;
 mod pipelines;
 mod read_back;
 mod span;
+mod turns;
 mod watch;
 
 pub use buffers::ClothBuffers;

@@ -1,25 +1,38 @@
 //! Coarser grids of a cloth, as both backends read them.
 
+pub mod links;
+pub mod ties;
+
 use crate::cloth::{Cloth, Grid};
+use crate::cpu::real::Real;
 
 /// A level of one grid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LevelGrid {
+pub struct LevelGrid<T> {
     /// Nodes in a row.
     pub width: u32,
     /// Rows of nodes.
     pub height: u32,
     /// Longest distances \[m\] to the nodes right, down, down-right and up-right; 0 is no limit.
-    pub limits: Vec<[f32; 4]>,
+    pub limits: Vec<[T; 4]>,
     /// 1 / the mass \[1/kg\] of what a node moves.
     pub inverse_mass: Vec<f32>,
+    /// Which of the nodes around it each particle of the grid below follows, as [`links::links`]; empty where that is all.
+    pub links: Vec<u8>,
 }
 
-impl LevelGrid {
+impl<T> LevelGrid<T> {
     /// As a grid on its own.
     pub fn grid(&self) -> Grid {
         Grid { name: String::new(), first: 0, width: self.width, height: self.height }
     }
+}
+
+/// Share of a displacement that carries no velocity on. With all of it, cloth would fall on behind its limits; with much
+/// less, limits would throw it back. Closed cloth, such as a tube, needs more of it: with 0.9 it takes up what limits and
+/// springs do against one another, and trembles ever more.
+pub fn carried(seams: bool) -> f64 {
+    if seams { 0.95 } else { 0.9 }
 }
 
 /// The nodes between which column (or row) `k` of `size` lies; twice the same where it is on one.
@@ -33,27 +46,40 @@ pub fn span(k: usize, size: usize) -> (usize, usize) {
     }
 }
 
+/// The nodes around column `i` and row `j`: upper left, upper right, lower left, lower right.
+pub fn around(i: usize, j: usize, width: usize, height: usize) -> [(usize, usize); 4] {
+    let ((left, right), (above, below)) = (span(i, width), span(j, height));
+    [(left, above), (right, above), (left, below), (right, below)]
+}
+
+/// The column (or row), of `size`, in which node `n` lies; a node past the last lies there too.
+pub fn column(n: usize, size: usize) -> usize {
+    (2 * n).min(size - 1)
+}
+
 /// Nodes for columns (or rows).
 pub fn nodes(size: u32) -> u32 {
     size / 2 + 1
 }
 
-/// The levels of a grid, finest first, down to two nodes on the longer side.
-pub fn levels(cloth: &Cloth, index: usize) -> Vec<LevelGrid> {
+/// The levels of a grid that was never cut, finest first, down to two nodes on the longer side; `mass` as [`masses`].
+pub fn levels(cloth: &Cloth, index: usize, mass: &[f64]) -> Vec<LevelGrid<f32>> {
     let grid = &cloth.grids()[index];
-    let first = grid.first as usize;
-    let there = |k: usize| cloth.particles()[first + k].exists();
     let limits = (0..grid.texels()).map(|k| [0, 1, 2, 3].map(|d| cloth.spring(index, k, d)));
-    let mass = (0..grid.texels()).map(|k| if there(k) { f64::from(cloth.mass(first + k)) } else { 0.0 }).collect();
-    let mut below = Below { width: grid.width, height: grid.height, limits: limits.collect(), mass };
-    let mut out = Vec::new();
-    while below.width.max(below.height) > 2 {
-        below = below.coarser();
-        let inverse = |m: &f64| if *m > 0.0 { (1.0 / m) as f32 } else { 0.0 };
-        let (limits, inverse_mass) = (below.limits.clone(), below.mass.iter().map(inverse).collect());
-        out.push(LevelGrid { width: below.width, height: below.height, limits, inverse_mass });
+    let mass = mass[grid.range()].to_vec();
+    Below { width: grid.width, height: grid.height, limits: limits.collect(), mass }.levels(false)
+}
+
+/// What each particle adds to the mass \[kg\] of nodes: nothing where there is none, its share of a seam point, else its own.
+pub fn masses(cloth: &Cloth) -> Vec<f64> {
+    let there = |k: usize| cloth.particles()[k].exists();
+    let of = |k: usize| if there(k) { f64::from(cloth.mass(k)) } else { 0.0 };
+    let mut all: Vec<f64> = (0..cloth.len()).map(of).collect();
+    let (starts, members) = cloth.rings();
+    for ring in starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]) {
+        ring.iter().for_each(|k| all[*k as usize] /= ring.len() as f64);
     }
-    out
+    all
 }
 
 /// Rows of the table of levels (one a grid and one a level), and nodes of all levels.
@@ -69,41 +95,56 @@ pub fn rows(cloth: &Cloth) -> (usize, usize) {
     (rows, count)
 }
 
-struct Below {
-    width: u32,
-    height: u32,
-    limits: Vec<[f32; 4]>,
-    mass: Vec<f64>,
+/// A grid that a coarser one is made of.
+pub struct Below<T> {
+    pub width: u32,
+    pub height: u32,
+    /// Rest lengths, or limits \[m\]; 0 is none.
+    pub limits: Vec<[T; 4]>,
+    pub mass: Vec<f64>,
 }
 
-impl Below {
-    fn limit(&self, i: usize, j: usize, d: usize) -> f32 {
+impl<T: Real> Below<T> {
+    /// Its levels, finest first. `cut`: particles follow only the nodes that springs still lead to.
+    pub fn levels(mut self, cut: bool) -> Vec<LevelGrid<T>> {
+        let mut out = Vec::new();
+        while self.width.max(self.height) > 2 {
+            let links = if cut { links::links(&self) } else { Vec::new() };
+            self = self.coarser(&links);
+            let inverse = |m: &f64| if *m > 0.0 { (1.0 / m) as f32 } else { 0.0 };
+            let (limits, inverse_mass) = (self.limits.clone(), self.mass.iter().map(inverse).collect());
+            out.push(LevelGrid { width: self.width, height: self.height, limits, inverse_mass, links });
+        }
+        out
+    }
+
+    fn limit(&self, i: usize, j: usize, d: usize) -> T {
         let (w, h) = (self.width as usize, self.height as usize);
         let inside = match d {
             0 => i + 1 < w && j < h,
             1 => i < w && j + 1 < h,
             2 => i + 1 < w && j + 1 < h,
-            _ => i + 1 < w && j > 0,
+            _ => i + 1 < w && j > 0 && j < h,
         };
-        if inside { self.limits[j * w + i][d] } else { 0.0 }
+        if inside { self.limits[j * w + i][d] } else { T::of(0.0) }
     }
 
     /// Along two springs, one after the other; 0 if either is not there.
-    fn path(&self, a: (usize, usize, usize), b: (usize, usize, usize)) -> f32 {
-        let (a, b) = (self.limit(a.0, a.1, a.2), self.limit(b.0, b.1, b.2));
-        if a > 0.0 && b > 0.0 { a + b } else { 0.0 }
+    fn path(&self, a: (usize, usize, usize), b: (usize, usize, usize)) -> T {
+        let (a, b, zero) = (self.limit(a.0, a.1, a.2), self.limit(b.0, b.1, b.2), T::of(0.0));
+        if a > zero && b > zero { a + b } else { zero }
     }
 
-    fn coarser(&self) -> Below {
+    /// Every other column and row, and the last ones.
+    fn coarser(&self, links: &[u8]) -> Self {
         let (w, h) = (self.width as usize, self.height as usize);
         let (width, height) = (nodes(self.width), nodes(self.height));
         let mut limits = Vec::with_capacity((width * height) as usize);
         for (j, i) in (0..height as usize).flat_map(|j| (0..width as usize).map(move |i| (j, i))) {
-            let at = |n: usize, size: usize| (2 * n).min(size - 1);
-            let (x, y) = (at(i, w), at(j, h));
+            let (x, y) = (column(i, w), column(j, h));
             // One or two springs to the next node.
-            let (right, down) = (at(i + 1, w) - x, at(j + 1, h) - y);
-            let up = y - if j > 0 { at(j - 1, h) } else { y };
+            let (right, down) = (column(i + 1, w) - x, column(j + 1, h) - y);
+            let up = y - if j > 0 { column(j - 1, h) } else { y };
             limits.push([
                 self.along(x, y, right, 0),
                 self.along(x, y, down, 1),
@@ -113,31 +154,33 @@ impl Below {
         }
         let mut mass = vec![0.0; limits.len()];
         for (k, m) in self.mass.iter().enumerate() {
-            let ((l, r), (a, b)) = (span(k % w, w), span(k / w, h));
-            for (x, y) in [(l, a), (r, a), (l, b), (r, b)] {
-                mass[y * width as usize + x] += 0.25 * m;
+            let follows = links.get(k).copied().unwrap_or(links::ALL);
+            let share = m / f64::from(follows.count_ones().max(1));
+            for (n, (x, y)) in around(k % w, k / w, w, h).into_iter().enumerate() {
+                mass[y * width as usize + x] += if follows >> n & 1 == 1 { share } else { 0.0 };
             }
         }
         Below { width, height, limits, mass }
     }
 
-    fn along(&self, x: usize, y: usize, steps: usize, d: usize) -> f32 {
+    fn along(&self, x: usize, y: usize, steps: usize, d: usize) -> T {
         match steps {
-            0 => 0.0,
+            0 => T::of(0.0),
             1 => self.limit(x, y, d),
             _ => self.path((x, y, d), if d == 0 { (x + 1, y, d) } else { (x, y + 1, d) }),
         }
     }
 
     /// Down-right or up-right over `right` columns and `rows` rows.
-    fn across(&self, x: usize, y: usize, right: usize, rows: usize, down: bool) -> f32 {
+    fn across(&self, x: usize, y: usize, right: usize, rows: usize, down: bool) -> T {
         let d = if down { 2 } else { 3 };
         let next = |y: usize| if down { y + 1 } else { y.saturating_sub(1) };
         // A spring down is stored at its upper end.
         let fall = |x: usize, y: usize| (x, if down { y } else { y.saturating_sub(1) }, 1);
-        let shorter = |a: f32, b: f32| if a > 0.0 && b > 0.0 { a.min(b) } else { a.max(b) };
+        let zero = T::of(0.0);
+        let shorter = |a: T, b: T| if a > zero && b > zero { a.min(b) } else { a.max(b) };
         match (right, rows) {
-            (0, _) | (_, 0) => 0.0,
+            (0, _) | (_, 0) => zero,
             (1, 1) => self.limit(x, y, d),
             (2, 1) => shorter(self.path((x, y, d), (x + 1, next(y), 0)), self.path((x, y, 0), (x + 1, y, d))),
             (1, 2) => shorter(self.path((x, y, d), fall(x + 1, next(y))), self.path(fall(x, y), (x, next(y), d))),
@@ -165,7 +208,7 @@ mod tests {
             let cloth = Flat::square("flat", n).cloth().unwrap();
             let h = 1.0 / (n as f32 - 1.0);
             let (mut step, mut before) = (1.0, n);
-            for level in levels(&cloth, 0) {
+            for level in levels(&cloth, 0, &masses(&cloth)) {
                 step *= 2.0;
                 assert_eq!((level.width, level.height), (nodes(before), nodes(before)));
                 let of = |i: u32, j: u32| level.limits[(j * level.width + i) as usize];

@@ -64,7 +64,10 @@ pub struct Options {
     /// some 100 particles a side on, as fine cloth crumples beside its pins; coarser cloth gains more by substeps.
     pub polish: u32,
     /// Once in so many steps lengths are limited on coarser grids of the cloth, for [`Solver::Xpbd`]; 0 is never. Default
-    /// 0; at most 4096. It keeps cloth together that no pin holds, such as cloth that is hit. It ends with the first cut.
+    /// 0; at most 4096. It keeps cloth together that no pin holds, such as cloth that is hit. Every other step is often
+    /// enough: in every step, limits and springs work against one another, and cloth without damping takes up motion. No
+    /// limit crosses a cut, and nothing is carried across one; both sides of a seam move alike on every grid, after a cut
+    /// only where both have a node at the same point.
     pub pyramid: u32,
     /// How far \[m\] particles keep from the surfaces of colliders: the particles are the middle of the cloth, so this is half
     /// of what it measures through, and room for what is drawn. Default 0; 0 to 1. Colliders are made so much larger, at no

@@ -71,11 +71,22 @@ pub enum Pass {
     Pyramid {
         /// Which spring directions there are.
         directions: [bool; 4],
+        /// Whether nodes at a seam move as those on its other side.
+        seams: bool,
+        /// Whether any spring is cut.
+        cut: bool,
     },
     /// Particles follow the coarser grids.
-    Refine,
+    Refine {
+        /// Whether the cloth has seams.
+        seams: bool,
+        /// Whether any spring is cut.
+        cut: bool,
+    },
     /// Duplicates of seam points take one position.
     Seams,
+    /// Duplicates of seam points take one position, and one previous position.
+    SeamSteps,
     /// Particles leave the colliders.
     Colliders(Kinds),
     /// Swept: particles leave moving colliders that they are in or went through.
@@ -117,6 +128,8 @@ pub enum Pass {
         /// Whether there are seams.
         seams: bool,
     },
+    /// Coarser grids are made anew from the rest lengths that are left.
+    CutLevels,
     /// A set of particles is moved by a matrix.
     Transform,
     /// The nearest triangle on a ray, one candidate a workgroup.
@@ -248,11 +261,7 @@ pub fn schedule(
             // Before the springs tethers take the large errors, after them what springs have left at the pins.
             let tethers = (slots > 0).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
-            let levels = cloth.grids().iter().any(|g| g.width.max(g.height) > 2);
-            if options.pyramid > 0 && levels && !cloth.is_cut() && cloth.directions()[..2].contains(&true) {
-                s.coarse = vec![Pass::Pyramid { directions: cloth.directions() }, Pass::Refine];
-                s.coarse.extend(seams.then_some(Pass::Seams));
-            }
+            s.coarse = coarse(cloth, options);
             if cloth.membrane().is_none() {
                 let again = options.iterations * (options.polish + 1) > 1 && soft_of(cloth) != Soft::None;
                 s.step.extend(again.then_some(Pass::Forget));
@@ -284,6 +293,22 @@ pub fn schedule(
         s.frame.extend(seams.then_some(Pass::SeamNormals));
     }
     s
+}
+
+/// The passes on coarser grids, of cloth that has any.
+fn coarse(cloth: &Cloth, options: &Options) -> Vec<Pass> {
+    if !has_levels(cloth, options) {
+        return Vec::new();
+    }
+    let (seams, cut) = (cloth.ring_count() > 0, cloth.is_cut());
+    let pyramid = Pass::Pyramid { directions: cloth.directions(), seams, cut };
+    [pyramid, Pass::Refine { seams, cut }].into_iter().chain(seams.then_some(Pass::SeamSteps)).collect()
+}
+
+/// Whether lengths are limited on coarser grids.
+pub(crate) fn has_levels(cloth: &Cloth, options: &Options) -> bool {
+    let large = cloth.grids().iter().any(|g| g.width.max(g.height) > 2);
+    options.solver == Solver::Xpbd && options.pyramid > 0 && large && cloth.directions()[..2].contains(&true)
 }
 
 /// Four passes, or fewer on a grid of two rows or columns.

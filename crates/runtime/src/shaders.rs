@@ -164,19 +164,27 @@ pub fn source(pass: Pass) -> Source {
         }
         Pass::Fused(fused) => fused::source(fused),
         Pass::Tile(tile) => tile::source(tile),
-        Pass::Pyramid { directions } => {
-            let bindings = [reads(Slot::Levels), reads(Now), writes(Slot::Nodes), reads(Slot::Limits), reads(Grids)];
+        Pass::Pyramid { directions, seams, cut } => {
+            let mut bindings = vec![reads(Slot::Levels), reads(Now), writes(Slot::Nodes)];
+            bindings.extend([reads(Slot::Limits), reads(Grids)]);
+            bindings.extend(seams.then_some(reads(Slot::Ties)));
             let constants = (0..4).map(|d| (["right", "down", "down_right", "up_right"][d], directions[d]));
             let constants = constants.map(|(name, on)| (name, f64::from(u8::from(on)))).collect();
-            let files = [GRID, ENDS, part!("level"), pass!("pyramid")];
-            Source { constants, ..plain("pyramid", &files, &bindings, Threads::Grids) }
+            let ties: &[_] = match (seams, cut) {
+                (false, _) => &[part!("ties_none")],
+                (true, false) => &[part!("ties"), part!("ties_near")],
+                (true, true) => &[part!("ties"), part!("ties_exact")],
+            };
+            let files = [&[GRID, ENDS, part!("level"), pass!("pyramid")], ties].concat();
+            let threads = if seams { Threads::Cloth } else { Threads::Grids };
+            parted(cut, Source { constants, ..plain("pyramid", &files, &bindings, threads) })
         }
-        Pass::Refine => plain(
-            "refine",
-            &[GRID, part!("level"), pass!("refine")],
-            &[reads(Slot::Levels), writes(Now), writes(Before), reads(Slot::Nodes), reads(Grids)],
-            Threads::Texels,
-        ),
+        Pass::Refine { seams, cut } => {
+            let bindings = [reads(Slot::Levels), writes(Now), writes(Before), reads(Slot::Nodes), reads(Grids)];
+            let constants = vec![("carried", crate::levels::carried(seams))];
+            let files = [GRID, part!("level"), pass!("refine")];
+            parted(cut, Source { constants, ..plain("refine", &files, &bindings, Threads::Texels) })
+        }
         Pass::Forget => plain("forget", &[INDEX, pass!("forget")], &[writes(Slot::Sums)], Threads::Particles),
         Pass::Tethers { slots } => {
             let bindings = [writes(Now), reads(Slot::Tethers)];
@@ -211,6 +219,10 @@ pub fn source(pass: Pass) -> Source {
         Pass::Seams => {
             let bindings = [writes(Now), reads(Starts), reads(Members)];
             plain("seams", &[INDEX, NOW, STORED, RINGS, part!("seam"), pass!("seams")], &bindings, Threads::Rings)
+        }
+        Pass::SeamSteps => {
+            let bindings = [writes(Now), writes(Before), reads(Starts), reads(Members)];
+            plain("seam_steps", &[INDEX, RINGS, pass!("seam_steps")], &bindings, Threads::Rings)
         }
         Pass::Colliders(kinds) => colliders(
             kinds,
@@ -280,6 +292,19 @@ pub fn source(pass: Pass) -> Source {
             let constants = vec![("slots", f64::from(slots))];
             Source { constants, ..plain("cut_tethers", &files, &bindings, Threads::Texels) }
         }
+        Pass::CutLevels => plain(
+            "cut_levels",
+            &[GRID, part!("level"), pass!("cut_levels")],
+            &[
+                reads(Grids),
+                reads(Rest),
+                reads(Slot::Levels),
+                writes(Slot::Nodes),
+                writes(Slot::Limits),
+                writes(Slot::Links),
+            ],
+            Threads::Grids,
+        ),
         Pass::Transform => plain(
             "transform",
             &[INDEX, ACTION, pass!("transform")],
@@ -308,6 +333,13 @@ pub fn source(pass: Pass) -> Source {
 fn open(holes: bool, mut source: Source) -> Source {
     source.files.insert(0, if holes { part!("holes") } else { part!("holes_none") });
     source.bindings.extend(holes.then_some(reads(Slot::Holes)));
+    source
+}
+
+/// A shader that carries displacements from nodes; only cloth that was cut binds which of them it still follows.
+fn parted(cut: bool, mut source: Source) -> Source {
+    source.files.insert(0, if cut { part!("links") } else { part!("links_all") });
+    source.bindings.extend(cut.then_some(reads(Slot::Links)));
     source
 }
 

@@ -7,13 +7,13 @@ use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 
 use super::*;
 use crate::fused::{Fused, Hold};
-use crate::gpu::layout::{FrameRow, GridRow, JobRow, SolidRow, StepRow};
+use crate::gpu::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
 use crate::tile::{Tile, TileShape};
 
 /// Every variant that a schedule can hold, up to constants.
 fn variants() -> Vec<Pass> {
-    let mut all = vec![Pass::Seams, Pass::SeamNormals, Pass::Speed, Pass::Fastest];
-    all.extend([Pass::Cut, Pass::CutSprings, Pass::Transform, Pass::PickNearest]);
+    let mut all = vec![Pass::Seams, Pass::SeamSteps, Pass::SeamNormals, Pass::Speed, Pass::Fastest];
+    all.extend([Pass::Cut, Pass::CutSprings, Pass::CutLevels, Pass::Transform, Pass::PickNearest]);
     for holes in [false, true] {
         all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }]);
     }
@@ -41,7 +41,11 @@ fn variants() -> Vec<Pass> {
     all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend]);
     all.extend([false, true].map(|holes| Pass::Moments { holes }));
     all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));
-    all.extend([Pass::Pyramid { directions: [true, true, false, true] }, Pass::Refine]);
+    let directions = [true, true, false, true];
+    for cut in [false, true] {
+        all.extend([false, true].map(|seams| Pass::Pyramid { directions, seams, cut }));
+        all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
+    }
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams }));
     all.extend(fused().map(Pass::Fused));
@@ -172,6 +176,7 @@ fn structs_lie_as_in_rust() {
     let solid = rust!(SolidRow: center, kind, size, friction, rotation, velocity, spin);
     let frame = rust!(FrameRow: steps, rounds, together, rows);
     let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, keep, longest);
+    let link = rust!(LinkRow: follows, mass);
     let mut seen = BTreeSet::new();
     for pass in variants() {
         let module = module(pass);
@@ -183,8 +188,9 @@ fn structs_lie_as_in_rust() {
                 Some("Solid") => &solid,
                 Some("Frame") => &frame,
                 Some("Job") => &job,
+                Some("Link") => &link,
                 // Lives in registers only.
-                Some("Ends" | "Exit" | "Entry" | "Quad" | "Edge") => continue,
+                Some("Ends" | "Exit" | "Entry" | "Quad" | "Edge" | "Below") => continue,
                 // A row of four numbers.
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),
@@ -195,7 +201,7 @@ fn structs_lie_as_in_rust() {
             seen.insert(ty.name.clone());
         }
     }
-    assert_eq!(seen.len(), 5);
+    assert_eq!(seen.len(), 6);
     assert_eq!(Slot::Step.bytes(&crate::Flat::square("x", 2).cloth().unwrap(), 0, 0), u64::from(step.1));
 }
 

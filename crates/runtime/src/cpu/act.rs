@@ -9,7 +9,7 @@ use super::{cut, cut_springs, cut_tethers, transform};
 impl<T: Real> Body<T> {
     /// Cuts by a triangle; room must have been made by [`Body::open`].
     pub fn cut(&mut self, threads: &Threads, corners: [V3<T>; 3]) {
-        self.edited = true;
+        (self.edited, self.cut) = (true, true);
         let old = self.held.as_ref().map(|_| self.image.clone());
         for g in &self.grids {
             cut::run(threads, view(&self.now, &[], g), corners, &mut self.holes[g.range()]);

@@ -48,6 +48,8 @@ pub struct Body<T: Real> {
     pub(crate) held: Option<Held<T>>,
     /// Whether texels were changed from outside since the last frame.
     pub(super) edited: bool,
+    /// Whether a cut was made since then.
+    pub(super) cut: bool,
 }
 
 /// The fourth component of every position. Under XPBD a duplicate stands for its share of the point's mass: else forces
@@ -102,6 +104,7 @@ impl<T: Real> Body<T> {
             fabric: (options.solver == Solver::Xpbd).then(|| Box::new(Fabric::new(cloth, tethers, options))),
             held: None,
             edited: true,
+            cut: false,
         };
         if options.normals {
             // What is drawn before the first frame has a front and a back too.
@@ -144,6 +147,9 @@ impl<T: Real> Body<T> {
             if !self.holes.is_empty() {
                 fabric.set_rest(&self.image, &self.now);
                 fabric.cut_cells(&self.holes);
+            }
+            if std::mem::take(&mut self.cut) {
+                fabric.cut_levels(&self.image);
             }
             self.edited = false;
         }
@@ -201,8 +207,8 @@ impl<T: Real> Body<T> {
             }
             // Passes of sheets.
             Pass::Advance(_) | Pass::Membrane { .. } => {}
-            Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
-            Pass::Pyramid { .. } | Pass::Refine | Pass::Moments { .. } | Pass::SeamMoments | Pass::Bend => {}
+            Pass::SeamSteps | Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
+            Pass::Pyramid { .. } | Pass::Refine { .. } | Pass::Moments { .. } | Pass::SeamMoments | Pass::Bend => {}
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
                 self.edited |= self.faulty.is_some();
@@ -217,6 +223,7 @@ impl<T: Real> Body<T> {
             | Pass::Tile(_)
             | Pass::Cut
             | Pass::CutSprings
+            | Pass::CutLevels
             | Pass::CutTethers { .. }
             | Pass::Transform => {}
             Pass::Pick { .. } | Pass::PickNearest => {}

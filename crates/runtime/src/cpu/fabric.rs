@@ -7,7 +7,7 @@ use super::laplacian::Weights;
 use super::membrane::{self, Cells};
 use super::moments::{self, Plate};
 use super::neighbours::View;
-use super::pyramid::Pyramid;
+use super::pyramid::{self, Pyramid};
 use super::real::{Real, V3};
 use super::rows::Threads;
 use super::sheet::{Sheet, Values};
@@ -15,9 +15,10 @@ use super::solid::Solid;
 use super::stretch::{self, Springs};
 use super::sweep::{self, Stage};
 use super::tethers::{self, Tethers};
-use super::{advance, bend, forget, refine, seam_moments, wind};
+use super::{advance, bend, cut_levels, forget, refine, seam_moments, seam_steps, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
-use crate::levels::levels;
+use crate::levels::ties::{Ties, ties};
+use crate::levels::{carried, levels, masses};
 use crate::options::Options;
 use crate::passes::{self, Pass};
 use crate::step::Step;
@@ -27,6 +28,9 @@ pub struct Fabric<T: Real> {
     sheets: Vec<Sheet<T>>,
     springs: Vec<[Springs<T>; 4]>,
     pyramids: Vec<Pyramid<T>>,
+    ties: Vec<Ties>,
+    /// As [`masses`], where there are pyramids.
+    masses: Vec<f64>,
     /// One a sheet, of cloth of a material.
     cells: Vec<Cells<T>>,
     /// One a sheet, of cloth that bends.
@@ -49,12 +53,16 @@ impl<T: Real> Fabric<T> {
         let (starts, members) = cloth.rings();
         let springs = sheets.iter().enumerate().map(|(g, sheet)| springs(cloth, g, sheet)).collect();
         let grids = if options.pyramid > 0 { 0..sheets.len() } else { 0..0 };
-        let pyramids = grids.map(|g| Pyramid::new(&levels(cloth, g))).collect();
+        let masses = if grids.is_empty() { Vec::new() } else { masses(cloth) };
+        let pyramids: Vec<Pyramid<T>> =
+            grids.map(|g| Pyramid::new(&levels(cloth, g, &masses), sheets[g].width)).collect();
         let (cells, plates) = (cells(cloth, &sheets), plates(cloth, &sheets));
         let mut fabric = Fabric {
             sheets,
             springs,
+            ties: if pyramids.is_empty() { Vec::new() } else { ties(cloth) },
             pyramids,
+            masses,
             cells,
             plates,
             tethers: Vec::new(),
@@ -123,6 +131,16 @@ impl<T: Real> Fabric<T> {
                     (there(first + k) && there(first + other)).then_some(image[first + k][d])
                 };
                 of.rest = Values::List(sheet.list(T::of(0.0), |k| length(k).unwrap_or(T::of(0.0))));
+            }
+        }
+    }
+
+    /// Makes the coarser grids anew from rest lengths \[m\] by texels, after a cut.
+    pub fn cut_levels(&mut self, image: &[[T; 4]]) {
+        for ((pyramid, sheet), first) in self.pyramids.iter_mut().zip(&self.sheets).zip(&self.firsts) {
+            let range = *first..first + sheet.width * sheet.height;
+            if let Some(rest) = image.get(range.clone()) {
+                *pyramid = cut_levels::run(sheet.width, rest, &self.masses[range]);
             }
         }
     }
@@ -274,13 +292,15 @@ impl<T: Real> Fabric<T> {
                     tethers::run(threads, sheet, held, &anchors);
                 }
             }
-            Pass::Pyramid { directions } => {
-                for (pyramid, sheet) in self.pyramids.iter_mut().zip(&self.sheets) {
-                    pyramid.run(threads, sheet, &directions);
-                }
+            Pass::Pyramid { directions, cut, .. } => {
+                pyramid::run(&mut self.pyramids, &self.sheets, threads, (&directions, cut), &self.ties);
             }
-            Pass::Refine => self.pyramids.iter().zip(&mut self.sheets).for_each(|(p, s)| refine::run(p, s)),
+            Pass::Refine { seams, .. } => {
+                let each = self.pyramids.iter().zip(&mut self.sheets);
+                each.for_each(|(pyramid, sheet)| refine::run(pyramid, sheet, carried(seams)));
+            }
             Pass::Seams => self.seams(),
+            Pass::SeamSteps => seam_steps::run(&mut self.sheets, &self.starts, &self.members),
             Pass::Contact(_) => {
                 let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();
                 self.sheets.iter_mut().for_each(|s| contact::run(threads, s, &posed, step.dt));
@@ -311,29 +331,15 @@ impl<T: Real> Fabric<T> {
         seam_moments::run(&mut self.plates, &self.starts, &members);
     }
 
-    /// The rule of seams.rs.
     fn seams(&mut self) {
         for ring in self.starts.windows(2) {
-            let ring = &self.members[ring[0] as usize..ring[1] as usize];
-            let mut sum = [T::of(0.0); 3];
-            let mut pinned = None;
-            for (g, at) in ring {
-                let sheet = &self.sheets[*g as usize];
-                let p = sheet.at(*at as usize);
-                if sheet.w[single(*at as usize, sheet.half)] == T::of(0.0) {
-                    pinned = Some(p);
-                    break;
-                }
-                sum = super::real::add(sum, p);
-            }
-            let at = pinned.unwrap_or(super::real::scale(sum, T::of(1.0) / T::of(ring.len() as f64)));
-            ring.iter().for_each(|(g, place)| self.sheets[*g as usize].put(*place as usize, at));
+            seam_steps::close(&mut self.sheets, &self.members[ring[0] as usize..ring[1] as usize], |s| &mut s.now);
         }
     }
 }
 
 /// From a place of x in `now` to the place in `w`.
-fn single(triple: usize, half: usize) -> usize {
+pub(super) fn single(triple: usize, half: usize) -> usize {
     triple / (6 * half) * 2 * half + triple % (6 * half)
 }
 

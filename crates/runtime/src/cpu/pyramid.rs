@@ -3,13 +3,16 @@
 //! A level has every other column and row of the one below it, and its last ones. Limits are sums of rest lengths along
 //! the grid, so no level forbids what the cloth itself allows; they only act where they are passed, as folded cloth may be
 //! as short as it likes. A node has the mass of the particles that it moves, so that free cloth keeps its momentum.
+//! Nodes of both sides of a seam take one displacement ([`crate::levels::ties`]) before the next level goes on from there.
 
 use super::aligned::Aligned;
-use super::real::Real;
+use super::interpolate::{Field, Parted, add, interpolate};
+use super::real::{Real, scale};
 use super::rows::Threads;
 use super::sheet::{Sheet, Values};
 use super::stretch::{self, Springs};
-use crate::levels::{LevelGrid, span};
+use crate::levels::LevelGrid;
+use crate::levels::ties::Ties;
 
 /// The levels of a sheet, finest first.
 pub struct Pyramid<T: Real> {
@@ -23,28 +26,32 @@ struct Level<T: Real> {
     origin: Aligned<T>,
     /// Inverse mass \[1/kg\] of nodes that are not pinned, as `sheet.w`.
     weight: Vec<T>,
+    /// What of the grid below does not follow all nodes around it.
+    parted: Parted,
 }
 
 impl<T: Real> Pyramid<T> {
-    /// Room for levels.
-    pub fn new(grids: &[LevelGrid]) -> Self {
-        let level = |g: &LevelGrid| {
+    /// Room for levels above a grid of so many columns.
+    pub fn new<U: Real>(grids: &[LevelGrid<U>], width: usize) -> Self {
+        let mut below = width;
+        let level = |g: &LevelGrid<U>| {
             let sheet = Sheet::new(&g.grid());
             let zero = T::of(0.0);
             let springs = [0, 1, 2, 3].map(|d| Springs {
-                rest: Values::List(sheet.list(zero, |k| T::of(g.limits[k][d].into()))),
+                rest: Values::List(sheet.list(zero, |k| T::of(g.limits[k][d].get()))),
                 soft: Values::Constant(zero),
                 sums: Vec::new(),
                 bound: zero,
             });
             let weight = sheet.list(zero, |k| T::of(g.inverse_mass[k].into()));
-            Level { origin: sheet.now.clone(), sheet, springs, weight }
+            let parted = Parted::new(&g.links, std::mem::replace(&mut below, sheet.width));
+            Level { origin: sheet.now.clone(), sheet, springs, weight, parted }
         };
         Pyramid { levels: grids.iter().map(level).collect() }
     }
 
-    /// Limits lengths from the coarsest level to the finest; the displacement of that one is then in it.
-    pub fn run(&mut self, threads: &Threads, fine: &Sheet<T>, present: &[bool; 4]) {
+    /// Takes nodes from the particles.
+    fn gather(&mut self, fine: &Sheet<T>) {
         for n in 0..self.levels.len() {
             let (below, rest) = self.levels.split_at_mut(n);
             let (now, w, width, half) = match below.last() {
@@ -53,23 +60,63 @@ impl<T: Real> Pyramid<T> {
             };
             rest[0].gather(now, w, width, half);
         }
-        for n in (0..self.levels.len()).rev() {
-            let (here, above) = self.levels.split_at_mut(n + 1);
-            let level = &mut here[n];
-            if let Some(above) = above.first() {
-                let moved = above.moved();
-                let Sheet { width, height, half, now, w, .. } = &mut level.sheet;
-                refine((*width, *height, *half), &moved, above.sheet.width, |j, from, to| {
-                    add(&mut now[j * 6 * *half..], &w[j * 2 * *half..], *half, from, to, T::of(1.0));
-                });
-            }
-            level.limit(threads, present);
-        }
     }
 
-    /// The displacement of the finest level, as three lists row by row, and its width.
-    pub fn moved(&self) -> Option<([Vec<T>; 3], usize)> {
-        self.levels.first().map(|l| (l.moved(), l.sheet.width))
+    /// Moves level `n` (from 0 for the finest) with the one above, and limits its lengths.
+    fn limit(&mut self, threads: &Threads, present: &[bool; 4], n: usize) {
+        let Some((here, above)) = self.levels.split_at_mut_checked(n + 1) else { return };
+        let level = &mut here[n];
+        if let Some(above) = above.first() {
+            let Sheet { width, height, half, now, w, .. } = &mut level.sheet;
+            interpolate((*width, *height, *half), &above.field(), |j, from, to| {
+                add(&mut now[j * 6 * *half..], &w[j * 2 * *half..], *half, from, to, T::of(1.0));
+            });
+        }
+        level.limit(threads, present);
+    }
+
+    /// The displacement of the finest level.
+    pub fn field(&self) -> Option<Field<'_, T>> {
+        self.levels.first().map(Level::field)
+    }
+}
+
+/// Limits lengths from the coarsest level to the finest; the displacement of that one is then in it. `cut`: only nodes
+/// that are duplicates are tied.
+pub fn run<T: Real>(
+    pyramids: &mut [Pyramid<T>],
+    sheets: &[Sheet<T>],
+    threads: &Threads,
+    (present, cut): (&[bool; 4], bool),
+    ties: &[Ties],
+) {
+    pyramids.iter_mut().zip(sheets).for_each(|(p, sheet)| p.gather(sheet));
+    let most = pyramids.iter().map(|p| p.levels.len()).max().unwrap_or(0);
+    for n in (0..most).rev() {
+        pyramids.iter_mut().for_each(|p| p.limit(threads, present, n));
+        for tied in ties.get(n).into_iter().flat_map(|t| t.of(cut)) {
+            tie(pyramids, n, tied);
+        }
+    }
+}
+
+/// Nodes of a level, of any grid, take the mean of their displacements by mass, or stay where one is pinned.
+fn tie<T: Real>(pyramids: &mut [Pyramid<T>], n: usize, tied: &[(usize, usize)]) {
+    let (mut sum, mut mass, mut pinned) = ([T::of(0.0); 3], T::of(0.0), false);
+    for (grid, k) in tied {
+        let Level { sheet, origin, .. } = &pyramids[*grid].levels[n];
+        let (at, w) = (sheet.triple(*k), sheet.w[sheet.single(*k)]);
+        let weight = T::of(1.0) / w.max(T::of(1e-30));
+        (0..3).for_each(|c| {
+            sum[c] = sum[c] + (sheet.now[at + 2 * c * sheet.half] - origin[at + 2 * c * sheet.half]) * weight
+        });
+        (mass, pinned) = (mass + weight, pinned || w <= T::of(0.0));
+    }
+    let by = if pinned { [T::of(0.0); 3] } else { scale(sum, T::of(1.0) / mass.max(T::of(1e-30))) };
+    for (grid, k) in tied {
+        let Level { sheet, origin, .. } = &mut pyramids[*grid].levels[n];
+        let (at, half) = (sheet.triple(*k), sheet.half);
+        (0..3).for_each(|c| sheet.now[at + 2 * c * half] = origin[at + 2 * c * half] + by[c]);
     }
 }
 
@@ -115,10 +162,10 @@ impl<T: Real> Level<T> {
         }
     }
 
-    /// How far nodes have moved, row by row.
-    fn moved(&self) -> [Vec<T>; 3] {
+    /// How far nodes have moved.
+    fn field(&self) -> Field<'_, T> {
         let Sheet { width, height, half, now, .. } = &self.sheet;
-        [0, 1, 2].map(|c| {
+        let moved = [0, 1, 2].map(|c| {
             let mut out = vec![T::of(0.0); width * height];
             for (j, row) in out.chunks_exact_mut(*width).enumerate() {
                 let first = (j * 3 + c) * 2 * half;
@@ -129,49 +176,7 @@ impl<T: Real> Level<T> {
                 }
             }
             out
-        })
-    }
-}
-
-/// For every row of a finer grid the displacement of its even and odd columns, by means of the nodes around.
-pub fn refine<T: Real>(
-    (width, height, half): (usize, usize, usize),
-    moved: &[Vec<T>; 3],
-    nodes: usize,
-    mut each: impl FnMut(usize, &[Vec<T>; 3], &[Vec<T>; 3]),
-) {
-    let half_of = T::of(0.5);
-    let mut even = [0; 3].map(|_| vec![T::of(0.0); half]);
-    let mut odd = even.clone();
-    for j in 0..height {
-        let (a, b) = span(j, height);
-        for c in 0..3 {
-            let (above, below) = (&moved[c][a * nodes..(a + 1) * nodes], &moved[c][b * nodes..(b + 1) * nodes]);
-            let means = &mut even[c][..nodes];
-            for ((mean, a), b) in means.iter_mut().zip(above).zip(below) {
-                *mean = half_of * (*a + *b);
-            }
-            let between = odd[c].iter_mut().zip(means.windows(2)).take((width - 1) / 2);
-            between.for_each(|(x, ends)| *x = half_of * (ends[0] + ends[1]));
-            if width % 2 == 0 {
-                // The last column is a node. It is no even one.
-                odd[c][width / 2 - 1] = means[nodes - 1];
-                means[nodes - 1] = T::of(0.0);
-            }
-        }
-        each(j, &even, &odd);
-    }
-}
-
-/// Adds displacements to a row of particles that are not pinned.
-pub fn add<T: Real>(row: &mut [T], w: &[T], half: usize, even: &[Vec<T>; 3], odd: &[Vec<T>; 3], share: T) {
-    for c in 0..3 {
-        for (side, from) in [even, odd].into_iter().enumerate() {
-            let row = &mut row[(c * 2 + side) * half..][..half];
-            let w = &w[side * half..][..half];
-            for ((x, w), more) in row.iter_mut().zip(w).zip(&from[c]) {
-                *x = *x + if *w > T::of(0.0) { *more * share } else { T::of(0.0) };
-            }
-        }
+        });
+        Field { moved, nodes: *width, parted: &self.parted }
     }
 }

@@ -6,7 +6,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use super::Gpu;
 use crate::actions::Action;
 use crate::cloth::Rest;
-use crate::passes::Pass;
+use crate::passes::{Pass, has_levels};
 use crate::shaders::{Slot, list, source};
 use crate::world::World;
 
@@ -15,7 +15,7 @@ impl Gpu {
     pub fn open(&mut self, world: &World) {
         let cloths = world.scene.cloths.iter().zip(&world.tethers);
         for (buffers, (cloth, held)) in self.cloths.iter_mut().zip(cloths) {
-            buffers.open(&self.device, cloth, held);
+            buffers.open(&self.device, cloth, held, &world.options);
         }
     }
 
@@ -34,7 +34,9 @@ impl Gpu {
                     for (index, cloth) in world.scene.cloths.iter().enumerate() {
                         self.before_cut(world, &mut pass, index);
                         let springs = !matches!(cloth.rest(), Rest::None);
-                        for what in [Some(Pass::Cut), springs.then_some(Pass::CutSprings)].into_iter().flatten() {
+                        let levels = has_levels(cloth, &world.options).then_some(Pass::CutLevels);
+                        let passes = [Some(Pass::Cut), springs.then_some(Pass::CutSprings), levels];
+                        for what in passes.into_iter().flatten() {
                             let groups = source(what).workgroups(cloth);
                             self.once(world, &mut pass, index, what, &[(Slot::Action, &numbers)], groups);
                         }

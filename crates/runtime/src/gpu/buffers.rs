@@ -12,24 +12,20 @@ use crate::cpu::stretch::UNBOUNDED;
 use crate::error::{Error, Result};
 use crate::gpu::cut_tethers;
 use crate::gpu::layout::{GridRow, SolidRow, StepRow};
+use crate::gpu::levels;
 use crate::gpu::pipelines::Pipeline;
 use crate::gpu::span::Span;
-use crate::levels::levels;
+use crate::gpu::turns;
 use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
-use crate::passes::{Soft, soft_of};
+use crate::passes::{Soft, has_levels, soft_of};
 use crate::shaders::{Bound, Slot, Source};
-use crate::tile::Tile;
 use crate::world::World;
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
 const STEP_STRIDE: u32 = 256;
 /// A frame takes up to two, or [`super::layout::POSES`] where colliders move; so many can be recorded before the first submission.
 const STEPS: u32 = 1024;
-
-/// What tiles read, and where they write it to.
-const TURNS: [(Slot, Slot); 4] =
-    [(Slot::Now, Slot::Next), (Slot::Before, Slot::Passed), (Slot::Lost, Slot::Losing), (Slot::Sums, Slot::Summing)];
 
 /// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices, which
 /// cloths may share.
@@ -48,14 +44,14 @@ pub struct ClothBuffers {
     /// particle at fault, and what is of no use to a host. None for the classic solver and where the CPU steps.
     pub faults: Option<Span>,
     good: Option<Span>,
-    lost: Option<Span>,
+    pub(super) lost: Option<Span>,
     stepping: bool,
     step: Option<Buffer>,
     /// [`GridRow::soft`] of the grids in `others`.
     soft: Option<f32>,
-    others: HashMap<Slot, Buffer>,
+    pub(super) others: HashMap<Slot, Buffer>,
     groups: HashMap<(Vec<Bound>, [bool; 4]), wgpu::BindGroup>,
-    /// Which of [`TURNS`] lie in the other buffers, as they do after an odd number of tiles.
+    /// Which of [`turns::TURNS`] lie in the other buffers, as they do after an odd number of tiles.
     pub(super) turned: [bool; 4],
     last: Option<StepRow>,
     cursor: u32,
@@ -160,8 +156,8 @@ impl ClothBuffers {
             self.others.insert(Slot::Weights, upload(device, "weights", &bending.weights, none));
             self.others.insert(Slot::Bends, upload(device, "bends", &bend_rows(bending, cloth), none));
         }
-        if options.solver == Solver::Xpbd && options.pyramid > 0 {
-            self.for_levels(device, cloth);
+        if has_levels(cloth, options) {
+            self.others.extend(levels::buffers(device, cloth));
         }
         if held.per_particle > 0 {
             let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
@@ -171,27 +167,6 @@ impl ClothBuffers {
             let (starts, members) = cloth.rings();
             self.others.insert(Slot::Starts, upload(device, "starts", starts, none));
             self.others.insert(Slot::Members, upload(device, "members", members, none));
-        }
-    }
-
-    /// The table of levels, their nodes (where one is, where it was) and their limits.
-    fn for_levels(&mut self, device: &wgpu::Device, cloth: &Cloth) {
-        let grids = cloth.grids().len();
-        let (mut table, mut nodes, mut limits) = (vec![[0u32; 4]; grids], Vec::new(), Vec::new());
-        for grid in 0..grids {
-            let levels = levels(cloth, grid);
-            table[grid] = [table.len() as u32, levels.len() as u32, 0, 0];
-            for level in levels {
-                table.push([limits.len() as u32, level.width, level.height, 0]);
-                nodes.extend(level.inverse_mass.iter().flat_map(|w| [[0.0; 4], [0.0, 0.0, 0.0, *w]]));
-                limits.extend(level.limits);
-            }
-        }
-        if !limits.is_empty() {
-            let none = BufferUsages::empty();
-            self.others.insert(Slot::Levels, upload(device, "levels", &table, none));
-            self.others.insert(Slot::Nodes, upload(device, "nodes", &nodes, none));
-            self.others.insert(Slot::Limits, upload(device, "limits", &limits, none));
         }
     }
 
@@ -252,11 +227,7 @@ impl ClothBuffers {
     ) -> wgpu::BindGroup {
         let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
         let row = std::num::NonZeroU64::new(size_of::<StepRow>() as u64);
-        let other = |slot| {
-            let turn = TURNS.iter().zip(self.turned).find(|((a, b), turned)| *turned && (*a == slot || *b == slot));
-            turn.map_or(slot, |((a, b), _)| if *a == slot { *b } else { *a })
-        };
-        let buffer = |slot| match other(slot) {
+        let buffer = |slot| match turns::lies(self.turned, slot) {
             Slot::Now => Some(self.now.binding()),
             Slot::Before => Some(self.before.binding()),
             Slot::Normals => Some(self.normals.binding()),
@@ -276,24 +247,8 @@ impl ClothBuffers {
         device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(source.stem), layout, entries: &entries })
     }
 
-    /// A tile has written positions to where the last ones were not.
-    pub(super) fn turn(&mut self, tile: &Tile) {
-        let moves = [true, tile.air.is_some(), tile.exact, tile.again];
-        self.turned = std::array::from_fn(|n| self.turned[n] != moves[n]);
-    }
-
-    /// Brings positions back to where hosts look for them. Nothing goes on from the multipliers of a frame.
-    pub(super) fn turn_back(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        let places = [Some(&self.now), Some(&self.before), self.lost.as_ref()];
-        for ((to, (_, slot)), turned) in places.into_iter().zip(TURNS).zip(std::mem::take(&mut self.turned)) {
-            if let (Some(to), Some(from), true) = (to, self.others.get(&slot), turned) {
-                encoder.copy_buffer_to_buffer(from, 0, &to.buffer, to.offset, to.size);
-            }
-        }
-    }
-
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.
-    pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth, held: &Tethers) {
+    pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth, held: &Tethers, options: &Options) {
         if self.holes.is_none() {
             if self.stepping {
                 self.others.extend(cut_tethers::room(device, cloth, held));
@@ -304,6 +259,9 @@ impl ClothBuffers {
         if let (Rest::Image(rest), true) = (cloth.rest(), self.stepping) {
             let new = || upload(device, "rest", rest, BufferUsages::empty());
             self.others.entry(Slot::Rest).or_insert_with(new);
+        }
+        if has_levels(cloth, options) && self.stepping {
+            self.others.entry(Slot::Links).or_insert_with(|| levels::links(device, cloth));
         }
     }
 

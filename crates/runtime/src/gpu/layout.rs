@@ -82,6 +82,14 @@ pub struct JobRow {
     pub longest: [f32; 2],
 }
 
+/// `Link` of shaders/part/links.wgsl.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LinkRow {
+    pub follows: u32,
+    pub mass: f32,
+}
+
 impl From<&Step<f64>> for StepRow {
     fn from(step: &Step<f64>) -> Self {
         let Step { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, left } =

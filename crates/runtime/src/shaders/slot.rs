@@ -1,7 +1,7 @@
 //! What shaders bind.
 
 use crate::cloth::Cloth;
-use crate::gpu::layout::{FrameRow, JobRow};
+use crate::gpu::layout::{FrameRow, JobRow, LinkRow};
 
 /// What can be bound. The number is the binding in every shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -48,11 +48,13 @@ pub enum Slot {
     Holding,
     Changes,
     Mates,
+    Links,
+    Ties,
 }
 
 impl Slot {
     pub fn name(self) -> &'static str {
-        const NAMES: [&str; 42] = [
+        const NAMES: [&str; 44] = [
             "step",
             "grids",
             "now",
@@ -95,6 +97,8 @@ impl Slot {
             "holding",
             "changes",
             "mates",
+            "links",
+            "ties",
         ];
         NAMES[self as usize]
     }
@@ -125,6 +129,8 @@ impl Slot {
             Slot::Levels => crate::levels::rows(cloth).0 * 16,
             Slot::Nodes => crate::levels::rows(cloth).1 * 32,
             Slot::Limits => crate::levels::rows(cloth).1 * 16,
+            Slot::Links => (cloth.len() + crate::levels::rows(cloth).1) * size_of::<LinkRow>(),
+            Slot::Ties => crate::levels::ties::rows(&crate::levels::ties::ties(cloth), |_, _| 0).len() * 16,
             Slot::Partial => cloth.len().div_ceil(64) * 4,
             Slot::Fastest | Slot::Strain => 4,
             // Made for one action; no frame binds them.

@@ -1,0 +1,33 @@
+//! Tiles write positions to other buffers than they read, which then change places.
+
+use super::buffers::ClothBuffers;
+use crate::shaders::Slot;
+use crate::tile::Tile;
+
+/// What tiles read, and where they write it to.
+pub(super) const TURNS: [(Slot, Slot); 4] =
+    [(Slot::Now, Slot::Next), (Slot::Before, Slot::Passed), (Slot::Lost, Slot::Losing), (Slot::Sums, Slot::Summing)];
+
+/// Where what a slot stands for lies, after so many turns.
+pub(super) fn lies(turned: [bool; 4], slot: Slot) -> Slot {
+    let turn = TURNS.iter().zip(turned).find(|((a, b), turned)| *turned && (*a == slot || *b == slot));
+    turn.map_or(slot, |((a, b), _)| if *a == slot { *b } else { *a })
+}
+
+impl ClothBuffers {
+    /// A tile has written positions to where the last ones were not.
+    pub(super) fn turn(&mut self, tile: &Tile) {
+        let moves = [true, tile.air.is_some(), tile.exact, tile.again];
+        self.turned = std::array::from_fn(|n| self.turned[n] != moves[n]);
+    }
+
+    /// Brings positions back to where hosts look for them. Nothing goes on from the multipliers of a frame.
+    pub(super) fn turn_back(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let places = [Some(&self.now), Some(&self.before), self.lost.as_ref()];
+        for ((to, (_, slot)), turned) in places.into_iter().zip(TURNS).zip(std::mem::take(&mut self.turned)) {
+            if let (Some(to), Some(from), true) = (to, self.others.get(&slot), turned) {
+                encoder.copy_buffer_to_buffer(from, 0, &to.buffer, to.offset, to.size);
+            }
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Lengths limited on coarser grids: after a cut, and across seams.
+
+mod support;
+
+use gimage_runtime::*;
+use support::rig::{FRAME, Rig, center, largest};
+use support::{curtain, scene, tube, two_charts};
+
+fn options(pyramid: u32) -> Options {
+    Options { solver: Solver::Xpbd, substeps: 8, tethers: 0, pyramid, threads: 1, ..Options::default() }
+}
+
+/// Cuts across everything at a height.
+fn cut(rig: &mut Rig, y: f32) {
+    rig.stepper.cut([0.45, y + 0.003, 3.0], [-4.0, y - 0.002, -2.0], [4.9, y + 0.001, -2.1]).unwrap();
+}
+
+/// Mean velocity \[m/s\] of particles and their kinetic energy \[J/kg\], and each pair of duplicates twice.
+fn motion(rig: &Rig, dt: f64, which: impl Fn(usize) -> bool) -> ([f64; 3], f64) {
+    let (now, before) = (rig.positions(0), rig.previous(0));
+    let (mut sum, mut energy, mut count) = ([0.0; 3], 0.0, 0.0);
+    for (a, b) in (0..now.len()).filter(|k| which(*k)).map(|k| (now[k], before[k])) {
+        let v = [0, 1, 2].map(|c| f64::from(a[c] - b[c]) / dt);
+        (0..3).for_each(|c| sum[c] += v[c]);
+        energy += 0.5 * v.iter().map(|x| x * x).sum::<f64>();
+        count += 1.0;
+    }
+    (sum.map(|x| x / count), energy / count)
+}
+
+/// Largest and mean stretch \[1\] beyond the rest length of springs to the right and down in rows of a square curtain.
+fn stretch(positions: &[[f32; 4]], n: usize, rows: std::ops::Range<usize>) -> [f64; 2] {
+    let far = |a: usize, b: usize| (0..3).map(|c| f64::from(positions[a][c] - positions[b][c]).powi(2)).sum::<f64>();
+    let (mut most, mut sum, mut count) = (0f64, 0.0, 0.0);
+    for (j, i) in rows.clone().flat_map(|j| (0..n).map(move |i| (j, i))) {
+        for other in [(i + 1 < n).then_some(j * n + i + 1), (j + 1 < rows.end).then_some((j + 1) * n + i)] {
+            let Some(other) = other else { continue };
+            let over = (far(j * n + i, other).sqrt() * (n - 1) as f64 - 1.0).max(0.0);
+            (most, sum, count) = (most.max(over), sum + over, count + 1.0);
+        }
+    }
+    [most, sum / count]
+}
+
+#[test]
+fn what_is_cut_off_falls_freely_and_the_rest_is_held_together() {
+    // Row 31 is above the cut, row 32 below it.
+    let (n, y) = (65, -0.491);
+    let hung = |pyramid, at: Option<f32>| {
+        let mut damped = curtain(n);
+        damped.damping = 1.0;
+        let mut rig = Rig::cpu(scene(damped), &options(pyramid));
+        at.iter().for_each(|y| cut(&mut rig, *y));
+        rig.frames(300);
+        stretch(&rig.positions(0), n as usize, 0..32)
+    };
+    let (with, without, whole) = (hung(2, Some(y)), hung(0, Some(y)), hung(2, None));
+    eprintln!("cut, with and without a pyramid, and whole: {with:?} {without:?} {whole:?}");
+    assert!(with[0] < 0.5 * without[0] && with[1] < 0.5 * without[1], "{with:?} {without:?}");
+    assert!(with[0] < 1.3 * whole[0] && with[1] < 1.5 * whole[1], "{with:?} {whole:?}");
+    for mut rig in Rig::both(&scene(curtain(33)), &options(1)) {
+        cut(&mut rig, -0.484);
+        let lower = |k: usize| k / 33 >= 16;
+        let start = center(&rig.positions(0), lower);
+        rig.frames(30);
+        let now = center(&rig.positions(0), lower);
+        let fall = 9.81 * 0.5 * 0.25;
+        let away = [now[0] - start[0], now[1] - start[1] + fall, now[2] - start[2]];
+        let away = away.iter().map(|x| x * x).sum::<f64>().sqrt() / fall;
+        eprintln!("{}: {:.2} % from free fall", rig.name(), 100.0 * away);
+        assert!(away < 0.01, "{}: {away}", rig.name());
+        let held = center(&rig.positions(0), |k| k / 33 < 16);
+        assert!(held[1] > -0.3, "{}: {held:?}", rig.name());
+    }
+}
+
+/// A free square that is crumpled, in no gravity, whose halves fly apart at 2 m/s along x or, where they hang together, pull
+/// on one another.
+fn flying(n: u32) -> Scene {
+    let (right, down) = ([1.0, 0.0, 0.0], [0.0, -1.0, 0.0]);
+    let mut cloth = Flat { right, down, ..Flat::square("flying", n) }.cloth().unwrap();
+    cloth.velocity = [1.0, 2.0, -0.5];
+    let crumpled = |(k, p): (usize, &[f32; 3])| [p[0], p[1], 0.02 * ((k * 7919) % 13) as f32 / 13.0];
+    let positions = cloth.positions().iter().enumerate().map(crumpled).collect();
+    cloth.place(positions).unwrap();
+    Scene { gravity: [0.0; 3], ..scene(cloth) }
+}
+
+#[test]
+fn parts_keep_their_own_momentum_and_gain_no_energy() {
+    let n = 33usize;
+    for pyramid in [2, 4] {
+        let mut rig = Rig::cpu(flying(n as u32), &options(pyramid));
+        cut(&mut rig, -0.484);
+        let dt = FRAME / 8.0;
+        let mut last = [f64::INFINITY; 2];
+        for frame in 0..90 {
+            rig.frame(FRAME);
+            for (part, least) in last.iter_mut().enumerate() {
+                let (mean, energy) = motion(&rig, dt, |k| (k / n >= 16) == (part == 1));
+                let wrong = (0..3).map(|c| (mean[c] - [1.0, 2.0, -0.5][c]).abs()).fold(0.0, f64::max);
+                assert!(wrong < 1e-4 * 2.3, "pyramid {pyramid}, frame {frame}, part {part}: {mean:?}");
+                assert!(frame == 0 || energy <= *least * 1.001, "frame {frame}: {energy} after {least}");
+                *least = least.min(energy);
+            }
+        }
+    }
+}
+
+#[test]
+fn parts_do_not_pull_on_each_other() {
+    // The lower part is thrown downwards; the upper one does not notice.
+    let n = 33usize;
+    for mut rig in Rig::both(&flying(n as u32), &options(1)) {
+        cut(&mut rig, -0.484);
+        rig.frames(2);
+        // A matrix that carries particles far away at once would tear on whatever still held them.
+        let lower: Vec<usize> = (16 * n..n * n).collect();
+        let mut away = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -3.0, 0.0, 1.0]];
+        rig.stepper.transform(0, &lower, away).unwrap();
+        rig.frame(FRAME);
+        let upper = |rig: &Rig| motion(rig, FRAME / 8.0, |k| k / n < 16);
+        let (mean, energy) = upper(&rig);
+        assert!((mean[1] - 2.0).abs() < 1e-3 && energy < 3.0, "{}: {mean:?} {energy}", rig.name());
+        // Where it was not cut it is drawn along.
+        let mut whole = Rig::cpu(flying(n as u32), &options(1));
+        away[3][1] = -0.3;
+        whole.stepper.transform(0, &lower, away).unwrap();
+        whole.frame(FRAME);
+        assert!((upper(&whole).0[1] - 2.0).abs() > 0.1, "{:?}", upper(&whole));
+    }
+}
+
+#[test]
+fn a_cut_pyramid_is_that_of_the_twin() {
+    let Some(device) = support::device() else { return };
+    let mut two = scene(curtain(24));
+    two.cloths.push(curtain(7));
+    let scenes = [
+        ("flat", scene(curtain(33))),
+        ("two cloths", two),
+        ("a seam", scene(tube(17, 12, 2))),
+        ("a ring of 4", scene(tube(17, 12, 4))),
+        ("charts", scene(two_charts(12))),
+        ("free", flying(21)),
+    ];
+    let once = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..options(1) };
+    for (name, scene) in scenes {
+        let mut rigs = [Rig::cpu(scene.clone(), &once), Rig::gpu(scene.clone(), &once, &device)];
+        for strokes in 0..3 {
+            for rig in &mut rigs {
+                match strokes {
+                    0 => {}
+                    1 => rig.stepper.cut([0.3, 0.2, 2.0], [-1.0, -1.3, -1.5], [1.6, -0.2, -1.2]).unwrap(),
+                    _ => cut(rig, -0.33),
+                }
+                rig.frame(FRAME / 8.0);
+            }
+            let [here, there] = &rigs;
+            for cloth in 0..scene.cloths.len() {
+                let difference = largest(&here.positions(cloth), &there.positions(cloth));
+                eprintln!("{name}, {strokes} strokes: {difference:e} m");
+                assert!(difference <= 2e-6, "{name}, {strokes} strokes: {difference:e} m");
+                let previous = largest(&here.previous(cloth), &there.previous(cloth));
+                assert!(previous <= 2e-6, "{name}, {strokes} strokes: {previous:e} m before");
+            }
+        }
+        for rig in &mut rigs {
+            (0..40).for_each(|_| rig.frame(FRAME / 8.0));
+        }
+        let [here, there] = &rigs;
+        let difference = largest(&here.positions(0), &there.positions(0));
+        eprintln!("{name}: {difference:e} m after 40 steps");
+        assert!(difference <= 1e-3, "{name}: {difference:e} m");
+    }
+}
+
+#[test]
+fn a_cut_binds_links_and_makes_no_more_dispatches() {
+    let once = Options { backend: Backend::Cpu, ..options(1) };
+    let mut stepper = Stepper::new(scene(curtain(9)), once, None).unwrap();
+    let bound = |stepper: &Stepper| -> Vec<&'static str> {
+        stepper.plan().passes.iter().flat_map(|p| p.bindings.iter().map(|b| b.0)).collect()
+    };
+    let (dispatches, before) = (stepper.plan().dispatches(), bound(&stepper));
+    assert!(before.contains(&"limits") && !before.contains(&"links") && !before.contains(&"ties"));
+    stepper.cut([0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]).unwrap();
+    assert_eq!(stepper.plan().dispatches(), dispatches);
+    assert!(bound(&stepper).contains(&"links"));
+}
+
+/// Frees all that is pinned.
+fn free(cloth: &mut Cloth) {
+    for k in (0..cloth.len()).filter(|k| cloth.particles()[*k].is_pinned()).collect::<Vec<_>>() {
+        cloth.set_pinned(k, false).unwrap();
+    }
+}
+
+/// Two charts, sewn or whole, that meet a sphere at a speed \[m/s\]: largest and mean stretch in a fifth of a second.
+fn thrown(mut cloth: Cloth, pyramid: u32, speed: f32) -> [f64; 2] {
+    let flat: Vec<_> = cloth.positions().iter().map(|p| [p[0] - 0.5, 0.35, p[1] + 0.5]).collect();
+    cloth.place(flat).unwrap();
+    free(&mut cloth);
+    cloth.velocity = [0.0, -speed, 0.0];
+    let colliders = vec![Collider { friction: 0.3, ..Collider::new(Shape::Sphere { radius: 0.3 }, [0.0; 3]) }];
+    let mut rig = Rig::cpu(Scene { colliders, ..scene(cloth.clone()) }, &options(pyramid));
+    let (mut most, mut mean) = (0f64, 0.0);
+    for _ in 0..12 {
+        rig.frame(FRAME);
+        let m = measure(&cloth, &rig.positions(0), &rig.previous(0), FRAME / 8.0, [0.0; 3]);
+        (most, mean) = (most.max(m.stretch_max), mean + m.stretch_mean / 12.0);
+    }
+    [most, mean]
+}
+
+#[test]
+fn seams_hold_as_cloth_does() {
+    // Sewn along the middle, where the sphere hits it.
+    let sewn = [0, 1, 2].map(|pyramid| thrown(two_charts(33), pyramid, 10.0));
+    let whole = thrown(curtain(33), 1, 10.0);
+    eprintln!("without, every step, every other: {sewn:?}; one piece: {whole:?}");
+    assert!(sewn[1][1] < 0.5 * sewn[0][1] && sewn[2][1] < 0.7 * sewn[0][1], "{sewn:?}");
+    assert!(sewn[1][0] < 0.7 * sewn[0][0], "{sewn:?}");
+}
+
+#[test]
+fn free_cloth_with_seams_keeps_its_momentum_and_gains_no_energy() {
+    // Rest lengths of the tubes are shorter than they are: they are drawn together, and crumple.
+    for (name, mut cloth) in [("tube", tube(17, 12, 1)), ("tip", tube(17, 12, 3)), ("charts", two_charts(16))] {
+        free(&mut cloth);
+        cloth.velocity = [1.0, 2.0, -0.5];
+        let share: Vec<f64> =
+            (0..cloth.len()).map(|k| 1.0 / cloth.ring_of(k as u32).map_or(1, <[u32]>::len) as f64).collect();
+        let mass: f64 = share.iter().sum();
+        let still = Scene { gravity: [0.0; 3], ..scene(cloth) };
+        for pyramid in [2, 4] {
+            let mut rig = Rig::cpu(still.clone(), &options(pyramid));
+            for frame in 0..400 {
+                rig.frame(FRAME);
+                let (now, before) = (rig.positions(0), rig.previous(0));
+                let (mut mean, mut energy) = ([0.0; 3], 0.0);
+                for ((a, b), share) in now.iter().zip(&before).zip(&share) {
+                    let v = [0, 1, 2].map(|c| f64::from(a[c] - b[c]) / (FRAME / 8.0));
+                    (0..3).for_each(|c| mean[c] += share * v[c] / mass);
+                    energy += 0.5 * share * v.iter().map(|x| x * x).sum::<f64>() / mass;
+                }
+                let wrong = (0..3).map(|c| (mean[c] - [1.0, 2.0, -0.5][c]).abs()).fold(0.0, f64::max);
+                // In f32 the rounding of a second; later, metres away, that alone is more.
+                assert!(frame > 60 || wrong < 1e-4 * 2.3, "{name}, pyramid {pyramid}, frame {frame}: {mean:?}");
+                // Beyond that of the whole, about 0.5 J/kg of it in the first frame; charts lie flat.
+                let within = energy - 0.5 * mean.iter().map(|x| x * x).sum::<f64>();
+                let most = if name == "charts" { 1e-4 } else { 0.05 };
+                assert!(frame < 20 || within < most, "{name}, pyramid {pyramid}, frame {frame}: {within}");
+            }
+        }
+    }
+}

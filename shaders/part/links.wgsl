@@ -1,0 +1,12 @@
+// What a cut has left of the coarser grids: which of the four nodes around it each particle follows, and the mass that it
+// adds to them; after the particles the same for the nodes of all levels. Laid out as `LinkRow` in
+// crates/runtime/src/gpu/layout.rs.
+struct Link {
+  follows: u32,
+  mass: f32,
+}
+@group(0) @binding(42) var<storage, read> links: array<Link>;
+
+fn followed(k: u32) -> u32 {
+  return links[k].follows;
+}
