@@ -76,8 +76,13 @@ impl<T: Real> Reach<T> {
         let d = between(p, [k.splat(x), k.splat(y), k.splat(z)]);
         match self.radius {
             Some(r) => {
-                let way = k.sqrt(k.squares(between(p, load(was))));
-                let far = k.sqrt(k.squares(d));
+                let (way2, far2) = (k.squares(between(p, load(was))), k.squares(d));
+                // The square of a sum is at most twice that of the squares: most that are far are told without a root.
+                let most = k.mul(k.splat(T::of(2.001)), k.add(k.splat(r * r), way2));
+                if !k.any(k.above(k.add(most, k.splat(T::of(1e-30))), far2)) {
+                    return false;
+                }
+                let (way, far) = (k.sqrt(way2), k.sqrt(far2));
                 let reach = k.add(k.splat(r), way);
                 // Written so that what is no number is not near: nothing can be done for it.
                 k.any(k.above(reach, far))
