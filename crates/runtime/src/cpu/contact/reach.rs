@@ -63,7 +63,8 @@ impl<T: Real> Reach<T> {
         let slack = T::of(1e-5) * (size(p) + size(was) + size(self.center));
         let reach = (r + dot(way, way).sqrt()) * T::of(1.001) + slack;
         // What is no number is left to the rule.
-        !(dot(d, d).sqrt() > reach)
+        let far = dot(d, d).sqrt() > reach;
+        !far
     }
 
     /// Whether any particle from `at` on comes near on its way: the ball around the way meets that of the solid.

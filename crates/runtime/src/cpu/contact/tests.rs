@@ -29,7 +29,7 @@ fn shapes() -> [Shape; 8] {
 fn collider(shape: Shape, k: usize) -> Collider {
     let n = |of| noise(k, of) as f32;
     let mut c = Collider::new(shape, [0.0; 3]);
-    if k % 3 > 0 {
+    if !k.is_multiple_of(3) {
         c.center = [0.1 * n(0), 0.1 * n(1), 0.1 * n(2)];
         let q = [n(3), n(4), n(5), n(6)];
         let norm = q.iter().map(|x| x * x).sum::<f32>().sqrt();
