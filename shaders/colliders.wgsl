@@ -16,11 +16,12 @@ fn main(
     return;
   }
   var at = p.xyz;
-  for (var c = 0u; c < arrayLength(&solids); c++) {
-    let out = leave(solids[c], at);
+  for (var c = 0u; c < solid_count(); c++) {
+    let solid = solid_at(c);
+    let out = leave(solid, at);
     if (out.inside) {
       let depth = out.at - at;
-      at = rub(solids[c], out.at, out.normal, sqrt(dot(depth, depth)), previous(k));
+      at = rub(solid, out.at, out.normal, sqrt(dot(depth, depth)), previous(k));
     }
   }
   now[k] = vec4<f32>(at, p.w);

@@ -9,7 +9,7 @@ struct Frame {
   steps: u32,
   rounds: u32,
   together: u32,
-  unused: u32,
+  solids: u32,
   rows: array<Step, 129>,
 }
 @group(0) @binding(31) var<uniform> frame: Frame;
@@ -23,7 +23,7 @@ struct Job {
   ring: u32,
   rings: u32,
   row: u32,
-  unused: u32,
+  solid: u32,
   keep: vec2<f32>,
   longest: vec2<f32>,
 }

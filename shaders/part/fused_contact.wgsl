@@ -1,5 +1,6 @@
 // Particles leave the colliders.
 fn contact_all(job: Job, local: u32) {
+  first_solid = job.solid;
   gather_all(job, local);
   for (var k = job.first + local; k < job.first + job.count; k += threads) {
     let p = place(k);

@@ -55,8 +55,8 @@ fn gather(low: vec3<f32>, high: vec3<f32>, local: u32, threads: u32) {
   let least = vec3<f32>(number(noted(LOW)), number(noted(LOW + 1u)), number(noted(LOW + 2u)));
   let most = vec3<f32>(number(noted(HIGH)), number(noted(HIGH + 1u)), number(noted(HIGH + 2u)));
   if (least.x <= most.x) {
-    for (var c = local; c < min(arrayLength(&solids), MOST_NEAR); c += threads) {
-      if (reaches(posed(solids[c]), least, most)) {
+    for (var c = local; c < min(solid_count(), MOST_NEAR); c += threads) {
+      if (reaches(posed(solid_at(c)), least, most)) {
         note_bits(BITS + c / 32u, 1u << (c % 32u));
       }
     }
@@ -66,7 +66,7 @@ fn gather(low: vec3<f32>, high: vec3<f32>, local: u32, threads: u32) {
 
 // The next collider from c on that is near.
 fn near_from(c: u32) -> u32 {
-  let end = min(arrayLength(&solids), MOST_NEAR);
+  let end = min(solid_count(), MOST_NEAR);
   var at = c;
   while (at < end) {
     let bits = noted(BITS + at / 32u) >> (at % 32u);
@@ -81,7 +81,7 @@ fn near_from(c: u32) -> u32 {
 // The next collider from c on that a particle alone can meet.
 fn near_to(c: u32, at: vec3<f32>, was: vec3<f32>) -> u32 {
   var next = c;
-  while (next < arrayLength(&solids) && !reaches(posed(solids[next]), min(at, was), max(at, was))) {
+  while (next < solid_count() && !reaches(posed(solid_at(next)), min(at, was), max(at, was))) {
     next++;
   }
   return next;

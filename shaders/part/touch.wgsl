@@ -43,8 +43,8 @@ fn cleared(p: vec3<f32>, was: vec3<f32>) -> vec3<f32> {
   var at = p;
   var moved = false;
   var c = near_from(0u);
-  while (c < arrayLength(&solids)) {
-    let solid = posed(solids[c]);
+  while (c < solid_count()) {
+    let solid = posed(solid_at(c));
     let start = was + (solid.velocity + cross(solid.spin, was - solid.center)) * step.dt;
     let out = swept(solid, start, at);
     if (out.inside) {

@@ -11,7 +11,16 @@ use gimage_tests::{asset, build, texels};
 type V = [f64; 3];
 
 /// A fabric that yields enough to show a wrong stiffness, and bends stiffly enough that there is one shape only.
-const FABRIC: Material = Material { warp: 60.0, weft: 60.0, shear: 6.0, bend: 2e-4, density: 0.15, damping: 6.0 };
+const FABRIC: Material = Material {
+    warp: 60.0,
+    weft: 60.0,
+    shear: 6.0,
+    bend: 2e-4,
+    density: 0.15,
+    damping: 6.0,
+    thickness: None,
+    friction: 1.0,
+};
 
 /// The shirt before and after, by texels, and its triangles.
 struct Settled {

@@ -175,12 +175,13 @@ pub struct SceneArgs {
     /// hangs on tethers; xpbd only [default: those of the scene, or 0].
     #[arg(long, value_name = "K")]
     pub polish: Option<u32>,
-    /// How far particles keep from the surfaces of colliders, 0 to 1 m: half of what the cloth measures through [default:
-    /// that of the scene, or 0].
+    /// How far particles keep from the surfaces of colliders, 0 to 1 m: half of what the cloth measures through; for cloth
+    /// without a thickness of its own [default: that of the scene, or 0].
     #[arg(long, value_name = "M")]
     pub thickness: Option<f32>,
-    /// What all cloth is made of, as warp=500,weft=400,shear=40,bend=1e-5,density=0.15,damping=0.5, of which any may be left
-    /// out (N/m, N m, kg/m2, 1/s); xpbd only [default: that of the scene, or springs].
+    /// What all cloth is made of, as warp=500,weft=400,shear=40,bend=1e-5,density=0.15,damping=0.5,friction=1,thickness=0.001,
+    /// of which any may be left out (N/m, N m, kg/m2, 1/s, a factor of the friction of colliders, m); without a thickness
+    /// cloth keeps the one it has; xpbd only [default: that of the scene, or springs].
     #[arg(long, value_name = "NAME=NUMBER,...", value_parser = material)]
     pub material: Option<Material>,
     /// Particles on a side of a built-in scene.
@@ -379,7 +380,12 @@ fn material(text: &str) -> Result<Material, String> {
             "bend" => &mut material.bend,
             "density" => &mut material.density,
             "damping" => &mut material.damping,
-            other => return Err(format!("`{other}` is none of warp, weft, shear, bend, density, damping")),
+            "friction" => &mut material.friction,
+            "thickness" => material.thickness.insert(0.0),
+            other => {
+                let names = "warp, weft, shear, bend, density, damping, friction, thickness";
+                return Err(format!("`{other}` is none of {names}"));
+            }
         };
         *field = number.trim().parse().map_err(|_| format!("`{number}` is no number"))?;
     }

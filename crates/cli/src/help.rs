@@ -73,6 +73,7 @@ pub const SIMULATE: &str = concat!(
     "  gimage simulate s1 --solver xpbd --error 0.01 --budget 2\n",
     "  gimage simulate s2 --solver xpbd --substeps 32 --material warp=300,bend=1e-4\n",
     "  gimage simulate s2 --solver xpbd --thickness 0.002\n",
+    "  gimage simulate s2 --solver xpbd --material density=0.4,thickness=0.001,friction=1.5\n",
     "  gimage simulate s3 --backend gpu --json | jq .ms_frame_median\n\n",
     "Built in: s1 (hung by two corners), s1k (with soft springs), s2 (falls on a sphere), s2f (fast), s3 (swings).\n",
     "SCENE.md describes scene files: garments, colliders, pins, wind, motion, cuts. A bundle falls or hangs by its pins. Frames take 1/60 s. ",

@@ -63,6 +63,8 @@ fn what_cannot_be_is_said() {
         ("simulate s1 --material silk=1", "none of warp"),
         ("simulate s1 --material bend=soft", "no number"),
         ("simulate s1 --material density=0", "density"),
+        ("simulate s1 --material thickness=2", "thickness"),
+        ("simulate s1 --material friction=-1", "friction"),
     ] {
         let run = place.run(args).expect(&[2]);
         assert!(run.stderr.contains(words), "{args}: {}", run.stderr);

@@ -10,6 +10,7 @@ mod levels;
 mod pick;
 mod pipelines;
 mod read_back;
+mod solids;
 mod span;
 mod turns;
 mod watch;
@@ -29,10 +30,11 @@ use crate::shaders::{Slot, source};
 use crate::step::Step;
 use crate::world::World;
 use arena::Arena;
-use buffers::{Spans, solids_buffer};
+use buffers::Spans;
 use frames::Frames;
-use layout::{POSES, SolidRow, StepRow};
+use layout::{POSES, StepRow};
 use pipelines::Pipelines;
+use solids::Solids;
 use watch::Watch;
 
 /// Everything on the device.
@@ -43,8 +45,7 @@ pub struct Gpu {
     cloths: Vec<ClothBuffers>,
     arenas: Vec<Arena>,
     frames: Option<Frames>,
-    solids: wgpu::Buffer,
-    solid_rows: Vec<SolidRow>,
+    solids: Solids,
     watches: Vec<Watch>,
 }
 
@@ -59,18 +60,18 @@ impl Gpu {
         let settings = (draw_only, &world.options);
         let cloths: Result<_> =
             cloths.map(|((held, body), spans)| ClothBuffers::new(device, held, body, settings, spans)).collect();
-        let solid_rows: Vec<_> = world.solids().into_iter().map(SolidRow::from).collect();
-        Ok(Gpu {
-            solids: solids_buffer(device, &solid_rows),
+        let mut gpu = Gpu {
+            solids: Solids::new(device, world),
             pipelines: Pipelines::default(),
             cloths: cloths?,
             frames: (!arenas.is_empty()).then(|| Frames::new(device)),
             arenas,
             device: device.clone(),
             queue: queue.clone(),
-            solid_rows,
             watches: world.scene.cloths.iter().map(|_| Watch::default()).collect(),
-        })
+        };
+        gpu.meet(world);
+        Ok(gpu)
     }
 
     pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
@@ -133,7 +134,7 @@ impl Gpu {
         let source = source(what);
         let pipeline = self.pipelines.get(&self.device, what, &source);
         let buffers = &mut self.cloths[index];
-        let group = buffers.group(&self.device, pipeline, &source, &self.solids);
+        let group = buffers.group(&self.device, pipeline, &source);
         let offsets: &[u32] = if source.binds(Slot::Step) { &[offset] } else { &[] };
         let [x, y, z] = source.workgroups(&world.scene.cloths[index]);
         pass.set_pipeline(&pipeline.pipeline);
@@ -154,7 +155,7 @@ impl Gpu {
             let arena = &mut self.arenas[batch.arena];
             let any = &world.scene.cloths[world.arenas[batch.arena][batch.members[0]]];
             let offset = frames.offset(&self.queue, world, any, steps);
-            let buffers = (&self.solids, &frames.buffer);
+            let buffers = (&self.solids.buffer, &frames.buffer);
             let group = arena.group(&self.device, world, &batch, (pipeline, &source), buffers);
             pass.set_pipeline(&pipeline.pipeline);
             pass.set_bind_group(0, group, &[offset]);
@@ -177,16 +178,14 @@ impl Gpu {
         }
     }
 
-    /// Uploads the colliders; new bindings only if their number has changed.
+    /// Uploads the colliders; new bindings only if their number, or which cloth has which coat, has changed.
     pub fn set_colliders(&mut self, world: &World) {
-        let rows: Vec<_> = world.solids().into_iter().map(SolidRow::from).collect();
-        if rows.len() == self.solid_rows.len() {
-            self.queue.write_buffer(&self.solids, 0, cast_slice(&rows));
-        } else {
-            self.solids = solids_buffer(&self.device, &rows);
-            self.cloths.iter_mut().for_each(|c| c.forget(Slot::Solids));
-        }
-        self.solid_rows = rows;
+        self.solids.write(&self.device, &self.queue, world);
+        self.meet(world);
+    }
+
+    fn meet(&mut self, world: &World) {
+        self.cloths.iter_mut().enumerate().for_each(|(c, buffers)| buffers.meet(self.solids.of(world, c)));
     }
 
     pub fn set_inverse_mass(&self, cloth: usize, k: usize, w: f32) {

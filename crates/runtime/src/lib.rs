@@ -7,6 +7,7 @@
 mod actions;
 mod clock;
 mod cloth;
+mod coat;
 mod collider;
 mod cpu;
 pub mod draw;

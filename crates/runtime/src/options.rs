@@ -70,8 +70,9 @@ pub struct Options {
     /// only where both have a node at the same point.
     pub pyramid: u32,
     /// How far \[m\] particles keep from the surfaces of colliders: the particles are the middle of the cloth, so this is half
-    /// of what it measures through, and room for what is drawn. Default 0; 0 to 1. Colliders are made so much larger, at no
-    /// cost a frame; that of a box keeps its edges, that of an ellipsoid is one.
+    /// of what it measures through, and room for what is drawn. Default 0; 0 to 1; for cloth without a
+    /// [`crate::Cloth::thickness`] of its own. Colliders are made so much larger, at no cost a frame; that of a box keeps its
+    /// edges, that of an ellipsoid is one.
     pub thickness: f32,
     /// Whether normals are made at the end of a frame. Default true.
     pub normals: bool,

@@ -73,6 +73,7 @@ const ACTION: &str = part!("action");
 const NEAREST: &str = part!("nearest");
 const LARGER: &str = part!("larger");
 const MOST: &str = part!("most");
+const SOLIDS: &str = part!("solids_all");
 const LAPLACIAN: &str = part!("laplacian");
 
 /// The shader of a pass.
@@ -202,7 +203,7 @@ pub fn source(pass: Pass) -> Source {
         Pass::Contact(kinds) => {
             let here = [STEP, BOUND, INDEX, NOW, part!("before")];
             let near: &[_] = if kinds.many { &[part!("notes"), part!("near")] } else { &[part!("near_all")] };
-            let files = [&here[..], &CONTACT, near, &[pass!("contact")]].concat();
+            let files = [&here[..], &[SOLIDS], &CONTACT, near, &[pass!("contact")]].concat();
             let bindings = [writes(Now), reads(Solids), reads(Step), reads(Before)];
             Source { constants: shapes(kinds), ..plain("contact", &files, &bindings, Threads::Particles) }
         }
@@ -226,7 +227,7 @@ pub fn source(pass: Pass) -> Source {
         }
         Pass::Colliders(kinds) => colliders(
             kinds,
-            plain("colliders", &[INDEX, part!("solid")], &[writes(Now), reads(Solids)], Threads::Particles),
+            plain("colliders", &[INDEX, SOLIDS, part!("solid")], &[writes(Now), reads(Solids)], Threads::Particles),
         ),
         Pass::Normals { holes } => open(
             holes,

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use crate::actions::Action;
 use crate::clock::Clock;
 use crate::cloth::{Anchor, Cloth, Tethers};
+use crate::coat::Coats;
 use crate::cpu::body::Body;
 use crate::cpu::fused::{self, Frame};
 use crate::cpu::real::Real;
@@ -29,6 +30,8 @@ pub struct World {
     /// Chooses substeps.
     pub chooser: Chooser,
     pub schedules: Vec<Schedule>,
+    /// How colliders meet each cloth.
+    pub coats: Coats,
     /// Which of them run in one dispatch.
     pub fused: Vec<Option<Fused>>,
     /// How passes run together of those that do not, found when it is first asked for.
@@ -86,6 +89,7 @@ impl World {
             clock,
             chooser: Chooser::default(),
             schedules: Vec::new(),
+            coats: Coats::default(),
             fused: Vec::new(),
             orders: Vec::new(),
             arenas: Vec::new(),
@@ -146,7 +150,11 @@ impl World {
         let wind = self.scene.wind.as_ref();
         let cloths = self.scene.cloths.iter().zip(&self.tethers);
         let slots = |t: &Tethers| t.per_particle as u32;
-        self.schedules = cloths.map(|(c, t)| schedule((c, slots(t)), kinds, wind, &self.options)).collect();
+        // Only the classic solver has another pass without friction.
+        let smooth = |c: &Cloth| self.options.solver == Solver::Classic && c.friction <= 0.0;
+        let met = |c: &Cloth| kinds.map(|k| Kinds { friction: k.friction && !smooth(c), ..k });
+        self.schedules = cloths.map(|(c, t)| schedule((c, slots(t)), met(c), wind, &self.options)).collect();
+        self.coats = Coats::new(&self.scene.cloths, &self.options);
         self.watch();
         self.fuse();
     }
@@ -197,15 +205,19 @@ impl World {
         self.scene.cloths.iter().zip(&self.tethers).map(|(c, t)| Body::new(c, t, &self.options)).collect()
     }
 
-    /// The colliders with a coat as thick as the cloth.
-    pub fn solids<T: Real>(&self) -> Vec<Solid<T>> {
-        let coat = T::of(self.options.thickness.into());
-        self.scene.colliders.iter().map(|c| Solid::new(c).coated(coat)).collect()
+    /// The colliders as cloths meet them, a list for each of [`World::coats`].
+    pub fn solids<T: Real>(&self) -> Vec<Vec<Solid<T>>> {
+        self.coats.solids(&self.scene.colliders)
+    }
+
+    /// Of a cloth's colliders the first, where all lists lie one after the other.
+    pub fn first_solid(&self, cloth: usize) -> usize {
+        self.coats.of(cloth) * self.coats.stride(self.scene.colliders.len())
     }
 
     /// Runs a frame of `steps` steps on the CPU.
     pub fn run<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
-        let solids: Vec<Solid<T>> = self.solids();
+        let solids: Vec<Vec<Solid<T>>> = self.solids();
         for (index, body) in bodies.iter_mut().enumerate() {
             if self.asleep[index] {
                 continue;
@@ -216,7 +228,7 @@ impl World {
             let frame =
                 Frame { plan, steps, rounds: self.options.iterations, coarse: &|n| self.coarse(n), step: &step };
             body.bound_diagonals(T::of(cloth.bound(self.clock.dt).into()));
-            fused::run(body, &frame, threads, &solids);
+            fused::run(body, &frame, threads, &solids[self.coats.of(index)]);
             if let Some((particles, particle)) = body.faulty.take() {
                 let time = self.clock.time + f64::from(steps) * self.clock.dt;
                 self.faults.push(Fault { cloth: index, particle, particles, time });

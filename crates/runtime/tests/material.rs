@@ -108,7 +108,16 @@ fn apart(a: &[V], b: &[V]) -> f64 {
 }
 
 /// Soft enough that all of it shows in the shape.
-const FABRIC: Material = Material { warp: 30.0, weft: 25.0, shear: 8.0, bend: 1e-4, density: 0.15, damping: 4.0 };
+const FABRIC: Material = Material {
+    warp: 30.0,
+    weft: 25.0,
+    shear: 8.0,
+    bend: 1e-4,
+    density: 0.15,
+    damping: 4.0,
+    thickness: None,
+    friction: 1.0,
+};
 
 #[test]
 fn one_flag_on_three_grids_and_a_distorted_one_hangs_alike() {

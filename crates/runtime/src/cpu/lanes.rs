@@ -30,6 +30,12 @@ pub trait Machine<T: Real>: Copy {
     fn sqrt(self, a: Self::V) -> Self::V;
     /// Whether a > b, number by number.
     fn above(self, a: Self::V, b: Self::V) -> Self::M;
+    /// Whether a >= b, number by number.
+    fn at_least(self, a: Self::V, b: Self::V) -> Self::M;
+    /// Where both masks are set.
+    fn both(self, a: Self::M, b: Self::M) -> Self::M;
+    /// Where the first mask is set and the second is not.
+    fn without(self, a: Self::M, b: Self::M) -> Self::M;
     /// a where the mask is set, else b.
     fn choose(self, mask: Self::M, a: Self::V, b: Self::V) -> Self::V;
 
@@ -70,7 +76,7 @@ pub fn widest<T: Real>(work: impl Work<T>) {
 }
 
 macro_rules! machine {
-    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $above:ident, $choose:ident, $first:ident) => {
+    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $above:ident, $at_least:ident, $both:ident, $either:ident, $choose:ident, $first:ident) => {
         impl<S: Simd> Machine<$t> for On<S> {
             type V = S::$v;
             type M = S::$m;
@@ -111,6 +117,18 @@ macro_rules! machine {
             #[inline(always)]
             fn above(self, a: S::$v, b: S::$v) -> S::$m {
                 self.0.$above(a, b)
+            }
+            #[inline(always)]
+            fn at_least(self, a: S::$v, b: S::$v) -> S::$m {
+                self.0.$at_least(a, b)
+            }
+            #[inline(always)]
+            fn both(self, a: S::$m, b: S::$m) -> S::$m {
+                self.0.$both(a, b)
+            }
+            #[inline(always)]
+            fn without(self, a: S::$m, b: S::$m) -> S::$m {
+                self.0.$either(a, self.0.$both(a, b))
             }
             #[inline(always)]
             fn choose(self, mask: S::$m, a: S::$v, b: S::$v) -> S::$v {
@@ -158,6 +176,9 @@ machine!(
     div_f32s,
     sqrt_f32s,
     greater_than_f32s,
+    greater_than_or_equal_f32s,
+    and_m32s,
+    xor_m32s,
     select_f32s,
     first_true_m32s
 );
@@ -173,6 +194,9 @@ machine!(
     div_f64s,
     sqrt_f64s,
     greater_than_f64s,
+    greater_than_or_equal_f64s,
+    and_m64s,
+    xor_m64s,
     select_f64s,
     first_true_m64s
 );

@@ -89,6 +89,7 @@ impl<T: Real> Solid<T> {
 }
 
 mod entry;
+pub mod wide;
 
 /// Rotates by a unit quaternion.
 #[inline]

@@ -202,9 +202,9 @@ impl Arena {
 
     /// What a workgroup does for a cloth, with the numbers that are the cloth's own.
     fn job(&self, world: &World, member: usize) -> JobRow {
-        let cloth = &world.scene.cloths[self.cloths[member]];
+        let (cloth, solid) = (&world.scene.cloths[self.cloths[member]], world.first_solid(self.cloths[member]) as u32);
         let steps = [true, false].map(|first| StepRow::from(&world.step(cloth, first)));
-        JobRow { keep: steps.map(|s| s.keep), longest: steps.map(|s| s.longest), ..self.jobs[member] }
+        JobRow { solid, keep: steps.map(|s| s.keep), longest: steps.map(|s| s.longest), ..self.jobs[member] }
     }
 }
 

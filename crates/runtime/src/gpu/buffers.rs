@@ -11,7 +11,7 @@ use crate::cpu::body::Body;
 use crate::cpu::stretch::UNBOUNDED;
 use crate::error::{Error, Result};
 use crate::gpu::cut_tethers;
-use crate::gpu::layout::{GridRow, SolidRow, StepRow};
+use crate::gpu::layout::{GridRow, StepRow};
 use crate::gpu::levels;
 use crate::gpu::pipelines::Pipeline;
 use crate::gpu::span::Span;
@@ -47,6 +47,8 @@ pub struct ClothBuffers {
     pub(super) lost: Option<Span>,
     stepping: bool,
     step: Option<Buffer>,
+    /// The colliders as this cloth meets them.
+    solids: Option<Span>,
     /// [`GridRow::soft`] of the grids in `others`.
     soft: Option<f32>,
     pub(super) others: HashMap<Slot, Buffer>,
@@ -109,6 +111,7 @@ impl ClothBuffers {
             lost,
             stepping: !draw_only,
             step: None,
+            solids: None,
             soft: None,
             others: HashMap::new(),
             groups: HashMap::new(),
@@ -183,17 +186,11 @@ impl ClothBuffers {
     }
 
     /// The bindings of a shader, made once.
-    pub(super) fn group(
-        &mut self,
-        device: &wgpu::Device,
-        pipeline: &Pipeline,
-        source: &Source,
-        solids: &Buffer,
-    ) -> &wgpu::BindGroup {
+    pub(super) fn group(&mut self, device: &wgpu::Device, pipeline: &Pipeline, source: &Source) -> &wgpu::BindGroup {
         self.make_scratch(device, source);
         let key = (source.bindings.clone(), self.turned);
         if !self.groups.contains_key(&key) {
-            let group = self.bind(device, pipeline, source, &[(Slot::Solids, solids)]);
+            let group = self.bind(device, pipeline, source, &[]);
             self.groups.insert(key.clone(), group);
         }
         &self.groups[&key]
@@ -235,6 +232,7 @@ impl ClothBuffers {
             Slot::Faults => self.faults.as_ref().map(Span::binding),
             Slot::Good => self.good.as_ref().map(Span::binding),
             Slot::Lost => self.lost.as_ref().map(Span::binding),
+            Slot::Solids => self.solids.as_ref().map(Span::binding),
             Slot::Step => self.step.as_ref().map(|buffer| wgpu::BufferBinding { buffer, offset: 0, size: row }),
             other => more.iter().find(|m| m.0 == other).map(|m| m.1).or_else(|| self.others.get(&other)).map(whole),
         };
@@ -286,16 +284,18 @@ impl ClothBuffers {
         self.others.get(&Slot::Strain).map(|b| (b, 0))
     }
 
+    /// From here on these are the colliders.
+    pub(super) fn meet(&mut self, solids: Span) {
+        if self.solids.as_ref() != Some(&solids) {
+            self.solids = Some(solids);
+            self.forget(Slot::Solids);
+        }
+    }
+
     /// Drops the bindings that name the old buffer of a slot.
     pub(super) fn forget(&mut self, slot: Slot) {
         self.groups.retain(|(bindings, _), _| bindings.iter().all(|b| b.slot != slot));
     }
-}
-
-/// The buffer of all colliders; one unused row where there is none, as no buffer may be empty.
-pub(super) fn solids_buffer(device: &wgpu::Device, rows: &[SolidRow]) -> Buffer {
-    let none = [bytemuck::Zeroable::zeroed()];
-    upload(device, "solids", if rows.is_empty() { &none } else { rows }, BufferUsages::empty())
 }
 
 /// [`GridRow::soft`] of a cloth in steps of `dt` \[s\].

@@ -44,7 +44,8 @@ impl Frames {
         let mut rows = vec![row(0, true)];
         rows.extend((0..groups).map(|g| row(g * together, false)));
         let together = if moves { together } else { steps.max(1) };
-        let mut bytes: Vec<u8> = cast_slice(&[steps, world.options.iterations, together, 0]).to_vec();
+        let solids = world.scene.colliders.len() as u32;
+        let mut bytes: Vec<u8> = cast_slice(&[steps, world.options.iterations, together, solids]).to_vec();
         bytes.extend_from_slice(cast_slice(&rows));
         if bytes != self.last {
             self.cursor = (self.cursor + 1) % FRAMES;

@@ -62,7 +62,7 @@ pub struct FrameRow {
     pub steps: u32,
     pub rounds: u32,
     pub together: u32,
-    pub unused: u32,
+    pub solids: u32,
     pub rows: [StepRow; POSES as usize + 1],
 }
 
@@ -77,7 +77,7 @@ pub struct JobRow {
     pub ring: u32,
     pub rings: u32,
     pub row: u32,
-    pub unused: u32,
+    pub solid: u32,
     pub keep: [f32; 2],
     pub longest: [f32; 2],
 }

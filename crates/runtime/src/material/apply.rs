@@ -11,9 +11,8 @@ use crate::error::{Result, check};
 const LIGHTEST: f64 = 1e-3;
 
 impl Cloth {
-    /// Makes the cloth of a material: masses, damping, the
-    /// membrane and bending come from it. The rest
-    /// shape is that of the rest lengths, and flat: a garment bends from panels that lie on a table, also across its
+    /// Makes the cloth of a material: masses, damping, friction, the membrane and bending come from it, and thickness where
+    /// it has one. The rest shape is that of the rest lengths, and flat: a garment bends from panels that lie on a table, also across its
     /// seams. The warp runs along v of the texture coordinates where the cloth has any ([`Cloth::set_grain`]), else
     /// along the columns of the grid.
     ///
@@ -39,6 +38,8 @@ impl Cloth {
         let soft = [material.weft, material.warp, material.shear].map(|k| (1.0 / k) as f32);
         self.membrane = Some(Membrane { cells: membrane, soft });
         self.damping = material.damping as f32;
+        self.thickness = material.thickness.map(|t| t as f32).or(self.thickness);
+        self.friction = material.friction as f32;
         self.exact = true;
         self.bending = (material.bend > 0.0).then(|| plate.bending(&same, material.bend));
         Ok(())

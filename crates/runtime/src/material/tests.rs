@@ -86,7 +86,16 @@ fn bent(cloth: &Cloth, to: impl Fn([f32; 3]) -> [f64; 3]) -> f64 {
     points.map(|k| moments[k].iter().map(|m| m * m).sum::<f64>() / (2.0 * f64::from(bending.compliance[k]))).sum()
 }
 
-const FABRIC: Material = Material { warp: 300.0, weft: 200.0, shear: 30.0, bend: 2e-4, density: 0.2, damping: 0.5 };
+const FABRIC: Material = Material {
+    warp: 300.0,
+    weft: 200.0,
+    shear: 30.0,
+    bend: 2e-4,
+    density: 0.2,
+    damping: 0.5,
+    thickness: None,
+    friction: 1.0,
+};
 
 #[test]
 fn the_energy_of_a_strain_is_that_of_the_sheet_on_any_grid() {

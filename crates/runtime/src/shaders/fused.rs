@@ -65,6 +65,7 @@ pub(super) fn source(fused: Fused) -> Source {
         files.push(part!("fused_seams_none"));
     }
     if let Some(kinds) = fused.contact {
+        files.push(part!("solids_own"));
         files.extend(CONTACT);
         if kinds.many {
             files.push(if fused.full { part!("notes_stored") } else { part!("notes") });

@@ -1,7 +1,7 @@
 //! The parts of the shader that makes several passes of a step by tiles.
 
 use super::{
-    BOUND, BY_ROWS, CONTACT, GRID, STEP, Slot, Source, Threads, air, reads, rule, shapes, spring_parts, writes,
+    BOUND, BY_ROWS, CONTACT, GRID, SOLIDS, STEP, Slot, Source, Threads, air, reads, rule, shapes, spring_parts, writes,
 };
 use crate::passes::Soft;
 use crate::tile::Tile;
@@ -60,6 +60,7 @@ pub(super) fn source(tile: Tile) -> Source {
         files.push(part!("tile_sums_none"));
     }
     if let Some(kinds) = tile.contact {
+        files.push(SOLIDS);
         files.extend(CONTACT);
         if kinds.many {
             files.extend([part!("notes"), part!("near"), part!("tile_near")]);

@@ -94,6 +94,8 @@ pub struct Cloth {
     pub pins: Vec<Pins>,
     pub mass: Option<f64>,
     pub damping: Option<f32>,
+    pub thickness: Option<f32>,
+    pub friction: Option<f32>,
     pub compliance: Option<f32>,
     pub material: Option<Material>,
     #[serde(default)]
@@ -113,6 +115,8 @@ pub struct Material {
     pub bend: Option<f64>,
     pub density: Option<f64>,
     pub damping: Option<f64>,
+    pub thickness: Option<f64>,
+    pub friction: Option<f64>,
 }
 
 #[derive(Deserialize)]

@@ -140,6 +140,8 @@ fn cloth(
         cloth.set_total_mass(mass).map_err(Error::value(format!("{place}.mass")))?;
     }
     (cloth.damping, cloth.velocity) = (fields.damping.unwrap_or(cloth.damping), fields.velocity);
+    (cloth.thickness, cloth.friction) =
+        (fields.thickness.or(cloth.thickness), fields.friction.unwrap_or(cloth.friction));
     cloth.compliance = fields.compliance.map_or(Compliance::None, Compliance::Constant);
     cloth.speed_limit = fields.speed_limit.unwrap_or(cloth.speed_limit);
     for (p, pins) in fields.pins.iter().enumerate() {
@@ -172,8 +174,8 @@ fn cloth(
 
 /// What is not named is as in the default.
 fn material(fields: &json::Material) -> Material {
-    let json::Material { warp, weft, shear, bend, density, damping } = fields;
-    let mut material = Material::default();
+    let json::Material { warp, weft, shear, bend, density, damping, thickness, friction } = fields;
+    let mut material = Material { thickness: *thickness, ..Material::default() };
     let all = [
         (&mut material.warp, warp),
         (&mut material.weft, weft),
@@ -181,6 +183,7 @@ fn material(fields: &json::Material) -> Material {
         (&mut material.bend, bend),
         (&mut material.density, density),
         (&mut material.damping, damping),
+        (&mut material.friction, friction),
     ];
     all.into_iter().for_each(|(to, from)| *to = from.unwrap_or(*to));
     material

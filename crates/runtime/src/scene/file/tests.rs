@@ -17,6 +17,7 @@ fn full() -> Value {
         "cloths": [{
             "name": "flag", "from": {"flat": {"width": 5, "height": 4, "right": [1, 0, 0], "down": [0, 0, 1]}},
             "position": [0, 1, 0], "rotation": {"axis": [0, 1, 0], "degrees": 90}, "mass": 0.5, "damping": 1,
+            "thickness": 0.002, "friction": 0.5,
             "velocity": [0, 0, 1], "speed_limit": 50, "front": [1, 0, 0], "back": [0, 0, 1], "checker": [8, 0.1],
             "pins": [
                 {"select": {"texels": {"from": [0, 0], "to": [4, 0]}},
@@ -55,6 +56,7 @@ fn every_field_reaches_the_scene() {
     assert_eq!(scene.colliders[4].shape, Shape::Ellipsoid { radii: [1.0, 2.0, 3.0], closest: true });
     let cloth = &scene.cloths[0];
     assert!((cloth.total_mass() - 0.5).abs() < 1e-6);
+    assert_eq!((cloth.thickness, cloth.friction), (Some(0.002), 0.5));
     assert!((0..20).all(|k| cloth.inverse_mass(k) == 0.0), "the box selects all");
     // A quarter turn about +y takes x to -z.
     let last = cloth.positions()[4];
@@ -69,17 +71,23 @@ fn every_field_reaches_the_scene() {
 fn a_material_sets_masses_and_damping() {
     let mut value = full();
     let fields = value["cloths"][0].as_object_mut().unwrap();
-    fields.retain(|name, _| !["mass", "damping"].contains(&name.as_str()));
-    fields.insert("material".into(), json!({"warp": 800, "bend": 0, "density": 0.4, "damping": 3}));
+    fields.retain(|name, _| !["mass", "damping", "thickness", "friction"].contains(&name.as_str()));
+    fields.insert("material".into(), json!({"warp": 800, "bend": 0, "density": 0.4, "damping": 3, "friction": 0.25}));
     let cloth = parse(&value).unwrap().scene.cloths.remove(0);
     assert!((cloth.total_mass() - 0.4).abs() < 1e-6 && cloth.damping == 3.0);
     assert!(cloth.bending().is_none());
+    assert_eq!((cloth.thickness, cloth.friction), (None, 0.25));
     assert_eq!(cloth.membrane().unwrap().soft, [1.0 / 400.0, 1.0 / 800.0, 1.0 / 40.0]);
     // What stands beside it is stronger.
     value["cloths"][0]["mass"] = json!(0.5);
     value["cloths"][0]["damping"] = json!(1);
+    value["cloths"][0]["friction"] = json!(0.75);
+    value["cloths"][0]["material"]["thickness"] = json!(0.004);
     let cloth = parse(&value).unwrap().scene.cloths.remove(0);
     assert!((cloth.total_mass() - 0.5).abs() < 1e-6 && cloth.damping == 1.0);
+    assert_eq!((cloth.thickness, cloth.friction), (Some(0.004), 0.75));
+    value["cloths"][0]["thickness"] = json!(0.002);
+    assert_eq!(parse(&value).unwrap().scene.cloths[0].thickness, Some(0.002));
     value["cloths"][0]["material"]["shear"] = json!(-1);
     let error = parse(&value).unwrap_err().to_string();
     assert!(error.starts_with("cloths[0].material: the stiffness in shear"), "{error}");
@@ -125,6 +133,9 @@ fn mistakes_are_told_with_their_field() {
         ("/cloths/0/from/flat/width", json!(1), "cloths[0].from"),
         ("/cloths/0/damping", json!(-1), "cloths[0]"),
         ("/cloths/0/mass", json!(0), "cloths[0].mass"),
+        ("/cloths/0/thickness", json!(-0.001), "cloths[0]: the thickness"),
+        ("/cloths/0/thickness", json!("thick"), "cloths[0].thickness"),
+        ("/cloths/0/friction", json!(-1), "cloths[0]: the friction"),
         ("/cloths/0/front", json!([2, 0, 0]), "cloths[0].front"),
         ("/cloths/0/checker", json!([0, 0]), "cloths[0].checker"),
         ("/cloths/0/rotation/axis", json!([0, 0, 0]), "cloths[0].rotation"),

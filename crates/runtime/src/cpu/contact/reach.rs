@@ -1,0 +1,140 @@
+//! What of a sheet colliders can touch within a step.
+
+use super::super::lanes::{LANES, Machine, Work, widest};
+use super::super::real::{Real, V3, dot, sub};
+use super::super::sheet::{Sheet, planes_ref};
+use super::super::solid::Solid;
+
+/// A ball or a half-space around all that a solid can touch within a step.
+pub struct Reach<T> {
+    center: V3<T>,
+    /// Squared radius; none for a half-space.
+    radius: Option<T>,
+    normal: V3<T>,
+}
+
+impl<T: Real> Reach<T> {
+    pub fn new(solid: &Solid<T>, dt: T) -> Self {
+        let around = solid.around();
+        let v = solid.velocity;
+        let moves = dot(v, v).sqrt() * dt;
+        let radius = around.map(|r| {
+            let s = solid.spin;
+            let turns = dot(s, s).sqrt() * dt * r;
+            r + moves + turns
+        });
+        let normal = solid.up();
+        Reach { center: solid.center, radius, normal }
+    }
+
+    pub fn box_near(&self, lowest: V3<T>, highest: V3<T>) -> bool {
+        let zero = T::of(0.0);
+        match self.radius {
+            Some(r) => {
+                let d = [0, 1, 2].map(|c| (lowest[c] - self.center[c]).max(self.center[c] - highest[c]).max(zero));
+                dot(d, d) <= r * r
+            }
+            None => {
+                let corner = [0, 1, 2].map(|c| if self.normal[c] > zero { lowest[c] } else { highest[c] });
+                dot(sub(corner, self.center), self.normal) <= zero
+            }
+        }
+    }
+
+    /// A box around where particles in a box can be pushed to.
+    pub fn pushes(&self, lowest: V3<T>, highest: V3<T>) -> (V3<T>, V3<T>) {
+        match self.radius {
+            // To its surface, and by friction along that.
+            Some(r) => [-r, r].map(|r| [0, 1, 2].map(|c| self.center[c] + T::of(2.0) * r)).into(),
+            None => {
+                let corner = [0, 1, 2].map(|c| if self.normal[c] > T::of(0.0) { lowest[c] } else { highest[c] });
+                let deep = dot(sub(self.center, corner), self.normal).max(T::of(0.0));
+                (lowest.map(|x| x - deep), highest.map(|x| x + deep))
+            }
+        }
+    }
+
+    /// Whether a particle that went from `was` to `p` can touch it. Above all rounding, by a share of what is rounded, so
+    /// that what is left out would not have moved.
+    pub fn may(&self, p: V3<T>, was: V3<T>) -> bool {
+        let Some(r) = self.radius else { return true };
+        let (d, way) = (sub(p, self.center), sub(p, was));
+        let size = |v: V3<T>| v[0].abs() + v[1].abs() + v[2].abs();
+        let slack = T::of(1e-5) * (size(p) + size(was) + size(self.center));
+        let reach = (r + dot(way, way).sqrt()) * T::of(1.001) + slack;
+        // What is no number is left to the rule.
+        let far = dot(d, d).sqrt() > reach;
+        !far
+    }
+
+    /// Whether any particle from `at` on comes near on its way: the ball around the way meets that of the solid.
+    #[inline(always)]
+    pub fn any_near<K: Machine<T>>(&self, k: K, now: [&[T]; 3], was: [&[T]; 3], at: usize) -> bool {
+        let load = |list: [&[T]; 3]| [k.load(list[0], at), k.load(list[1], at), k.load(list[2], at)];
+        let between = |a: [K::V; 3], b: [K::V; 3]| [k.sub(a[0], b[0]), k.sub(a[1], b[1]), k.sub(a[2], b[2])];
+        let p = load(now);
+        let [x, y, z] = self.center;
+        let d = between(p, [k.splat(x), k.splat(y), k.splat(z)]);
+        match self.radius {
+            Some(r) => {
+                let (way2, far2) = (k.squares(between(p, load(was))), k.squares(d));
+                // The square of a sum is at most twice that of the squares: most that are far are told without a root.
+                let most = k.mul(k.splat(T::of(2.001)), k.add(k.splat(r * r), way2));
+                if !k.any(k.above(k.add(most, k.splat(T::of(1e-30))), far2)) {
+                    return false;
+                }
+                let (way, far) = (k.sqrt(way2), k.sqrt(far2));
+                let reach = k.add(k.splat(r), way);
+                // Written so that what is no number is not near: nothing can be done for it.
+                k.any(k.above(reach, far))
+            }
+            None => {
+                let n = self.normal.map(|x| k.splat(x));
+                let above = k.add(k.add(k.mul(d[0], n[0]), k.mul(d[1], n[1])), k.mul(d[2], n[2]));
+                k.any(k.above(k.splat(T::of(0.0)), above))
+            }
+        }
+    }
+}
+
+/// The box around all free particles now and before.
+pub fn bounds<T: Real>(sheet: &Sheet<T>) -> (V3<T>, V3<T>) {
+    let mut out = [[T::of(0.0); 3]; 2];
+    widest(Bounds { sheet, out: &mut out });
+    (out[0], out[1])
+}
+
+struct Bounds<'a, T: Real> {
+    sheet: &'a Sheet<T>,
+    out: &'a mut [V3<T>; 2],
+}
+
+impl<T: Real> Work<T> for Bounds<'_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let (half, row) = (self.sheet.half, self.sheet.row());
+        let most = T::of(f64::from(f32::MAX));
+        let (zero, none, lowest) = (k.splat(T::of(0.0)), k.splat(most), k.splat(-most));
+        let (mut low, mut high) = ([none; 3], [lowest; 3]);
+        for list in [&self.sheet.now, &self.sheet.before] {
+            for (j, row) in list.chunks_exact(row).enumerate() {
+                let xyz = planes_ref(row, half);
+                for at in (0..2 * half).step_by(K::WIDE) {
+                    let free = k.above(k.load(&self.sheet.w, j * 2 * half + at), zero);
+                    for c in 0..3 {
+                        let x = k.load(xyz[c], at);
+                        low[c] = k.choose(k.above(low[c], x), k.choose(free, x, low[c]), low[c]);
+                        high[c] = k.choose(k.above(x, high[c]), k.choose(free, x, high[c]), high[c]);
+                    }
+                }
+            }
+        }
+        for c in 0..3 {
+            let mut lanes = [[T::of(0.0); LANES]; 2];
+            k.store(&mut lanes[0], 0, low[c]);
+            k.store(&mut lanes[1], 0, high[c]);
+            self.out[0][c] = lanes[0][..K::WIDE].iter().copied().fold(most, T::min);
+            self.out[1][c] = lanes[1][..K::WIDE].iter().copied().fold(-most, T::max);
+        }
+    }
+}

@@ -1,0 +1,151 @@
+use super::*;
+use crate::cloth::Grid;
+use crate::collider::{Collider, Shape};
+
+/// -1 to 1, the same for the same numbers.
+fn noise(k: usize, of: usize) -> f64 {
+    let mut x = (k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (of as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 31)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^= x >> 29;
+    (x >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+const RADII: [f32; 3] = [0.3, 0.21, 0.25];
+
+fn shapes() -> [Shape; 8] {
+    [
+        Shape::HalfSpace,
+        Shape::Sphere { radius: 0.25 },
+        Shape::Capsule { half_height: 0.2, radius: 0.15 },
+        Shape::Box { half: RADII },
+        Shape::Ellipsoid { radii: RADII, closest: false },
+        Shape::Ellipsoid { radii: RADII, closest: true },
+        Shape::Ellipsoid { radii: [0.2, 0.3, 0.2], closest: true },
+        Shape::Box { half: [0.2; 3] },
+    ]
+}
+
+/// The `k`-th of many ways to be somewhere and to move.
+fn collider(shape: Shape, k: usize) -> Collider {
+    let n = |of| noise(k, of) as f32;
+    let mut c = Collider::new(shape, [0.0; 3]);
+    if !k.is_multiple_of(3) {
+        c.center = [0.1 * n(0), 0.1 * n(1), 0.1 * n(2)];
+        let q = [n(3), n(4), n(5), n(6)];
+        let norm = q.iter().map(|x| x * x).sum::<f32>().sqrt();
+        c.rotation = q.map(|x| x / norm);
+    }
+    if k % 3 > 1 {
+        (c.velocity, c.spin) = ([2.0 * n(7), n(8), n(9)], [5.0 * n(10), n(11), n(12)]);
+    }
+    c.friction = if k.is_multiple_of(2) { 0.4 } else { 0.0 };
+    c
+}
+
+/// Particles in and around the middle of the world that have come a way \[m\] of this size, some of them from where they
+/// are, some in the very middle or on an axis, some pinned.
+fn sheet<T: Real>(way: f64, seed: usize) -> Sheet<T> {
+    let mut sheet = Sheet::new(&Grid { name: String::new(), first: 0, width: 37, height: 21 });
+    for k in 0..37 * 21 {
+        let on = |c: usize| f64::from(u8::from(!(k % 11 == 1 && k % 3 != c) && k % 53 != 7));
+        let p = [0, 1, 2].map(|c| 0.45 * on(c) * noise(k + 1000 * seed, c));
+        let moves = f64::from(u8::from(k % 5 > 0));
+        let b = [0, 1, 2].map(|c| p[c] + moves * way * noise(k + 1000 * seed, 3 + c));
+        let place = sheet.triple(k);
+        for c in 0..3 {
+            let sign = if k % 22 == 1 && p[c] == 0.0 { -0.0 } else { p[c] };
+            sheet.now[place + 2 * c * sheet.half] = T::of(sign);
+            sheet.before[place + 2 * c * sheet.half] = T::of(b[c]);
+        }
+    }
+    sheet.weigh(|k| T::of(if k % 17 == 3 { 0.0 } else { 2.0 }));
+    sheet
+}
+
+/// What the rule makes of every particle alone.
+fn alone<T: Real>(sheet: &mut Sheet<T>, solids: &[Solid<T>], dt: T) -> usize {
+    let (half, mut moved) = (sheet.half, 0);
+    for k in 0..sheet.width * sheet.height {
+        let place = sheet.triple(k);
+        if sheet.w[sheet.single(k)] <= T::of(0.0) {
+            continue;
+        }
+        let was = [0, 1, 2].map(|c| sheet.before[place + 2 * c * half]);
+        for solid in solids {
+            if let Some(out) = meet(solid, sheet.at(place), was, dt) {
+                sheet.put(place, out);
+                moved += 1;
+            }
+        }
+    }
+    moved
+}
+
+/// Both ways, by bits; how many particles meet something.
+fn compare<T: Real + std::fmt::Debug>(solids: &[Solid<T>], way: f64, seed: usize, threads: &Threads) -> usize {
+    let dt = T::of(1.0 / 480.0);
+    let (mut together, mut apart) = (sheet::<T>(way, seed), sheet::<T>(way, seed));
+    run(threads, &mut together, solids, dt);
+    let moved = alone(&mut apart, solids, dt);
+    for k in 0..together.width * together.height {
+        let (a, b) = (together.at(together.triple(k)), apart.at(apart.triple(k)));
+        let (a, b) = (bytemuck::bytes_of(&a), bytemuck::bytes_of(&b));
+        assert!(a == b, "particle {k}, way {way} m: {solids:?}");
+    }
+    moved
+}
+
+#[test]
+fn vectors_of_particles_meet_as_each_does_alone() {
+    let threads = Threads::one();
+    for (s, shape) in shapes().into_iter().enumerate() {
+        for seed in 0..12 {
+            let collider = collider(shape, seed);
+            // Short beside the collider, some of them short, and none of them.
+            for way in [1e-4, 0.03, 0.1, 2.0] {
+                let solid = Solid::<f32>::new(&collider).coated(0.01 * (seed % 4) as f32);
+                let moved = compare(&[solid], way, seed * 8 + s, &threads);
+                assert!(moved > 40, "{shape:?}, {way}: {moved} of 777 meet it");
+                compare(&[Solid::<f64>::new(&collider)], way, seed * 8 + s, &threads);
+            }
+        }
+    }
+}
+
+#[test]
+fn they_meet_one_collider_after_the_other() {
+    for seed in 0..6 {
+        let all: Vec<_> = (0..20).map(|n| collider(shapes()[n % 8], n + 20 * seed)).collect();
+        for way in [1e-3, 0.1] {
+            let solids: Vec<Solid<f32>> = all.iter().map(Solid::new).collect();
+            compare(&solids, way, seed, &Threads::one());
+            compare(&solids, way, seed, &Threads::new(3).unwrap());
+        }
+    }
+}
+
+#[test]
+fn what_is_no_number_is_left_to_the_rule_and_spoils_no_other() {
+    let solid = Solid::<f32>::new(&collider(shapes()[1], 0));
+    let [mut with, mut without, mut apart] = [(); 3].map(|()| sheet::<f32>(0.01, 0));
+    let bad = [4, 40, 200, 202, 500].map(|k| with.triple(k));
+    for sheet in [&mut with, &mut apart] {
+        let numbers = [f32::NAN, f32::INFINITY, 3e38, -f32::NAN, 1e30];
+        bad.into_iter().zip(numbers).for_each(|(at, x)| sheet.now[at] = x);
+    }
+    let start = with.clone();
+    run(&Threads::one(), &mut with, &[solid], 0.01);
+    run(&Threads::one(), &mut without, &[solid], 0.01);
+    alone(&mut apart, &[solid], 0.01);
+    let same =
+        |a: V3<f32>, b: V3<f32>| (0..3).all(|c| a[c].to_bits() == b[c].to_bits() || (a[c].is_nan() && b[c].is_nan()));
+    for k in 0..37 * 21 {
+        let place = with.triple(k);
+        let p = with.at(place);
+        // What is no number is not near by itself, but where others are it meets what they meet.
+        let stays = start.at(place);
+        let as_ruled = same(p, apart.at(place)) || same(p, stays);
+        let fine = if bad.contains(&place) { as_ruled } else { same(p, without.at(place)) };
+        assert!(fine, "{k}: {p:?}");
+    }
+}

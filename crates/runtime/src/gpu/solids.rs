@@ -1,0 +1,52 @@
+//! The colliders on the device, a list for each coat that cloths have.
+
+use bytemuck::{Zeroable, cast_slice};
+use wgpu::{Buffer, BufferUsages};
+
+use super::buffers::upload;
+use super::layout::SolidRow;
+use super::span::Span;
+use crate::world::World;
+
+/// All lists in one buffer.
+pub(super) struct Solids {
+    pub buffer: Buffer,
+    rows: usize,
+}
+
+impl Solids {
+    /// Uploads the colliders of a scene.
+    pub fn new(device: &wgpu::Device, world: &World) -> Self {
+        let rows = rows(world);
+        Solids { buffer: upload(device, "solids", &rows, BufferUsages::empty()), rows: rows.len() }
+    }
+
+    /// Writes them anew, to another buffer only where their number has changed.
+    pub fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, world: &World) {
+        let rows = rows(world);
+        if rows.len() == self.rows {
+            queue.write_buffer(&self.buffer, 0, cast_slice(&rows));
+        } else {
+            *self = Solids::new(device, world);
+        }
+    }
+
+    /// Those that a cloth meets.
+    pub fn of(&self, world: &World, cloth: usize) -> Span {
+        let row = size_of::<SolidRow>();
+        let (first, count) = (world.first_solid(cloth), world.scene.colliders.len().max(1));
+        Span { buffer: self.buffer.clone(), offset: (first * row) as u64, size: (count * row) as u64 }
+    }
+}
+
+/// The lists; one unused row where there is none, as no buffer may be empty.
+fn rows(world: &World) -> Vec<SolidRow> {
+    let stride = world.coats.stride(world.scene.colliders.len());
+    let mut rows: Vec<SolidRow> = Vec::new();
+    for (n, list) in world.solids().into_iter().enumerate() {
+        rows.resize(n * stride, SolidRow::zeroed());
+        rows.extend(list.into_iter().map(SolidRow::from));
+    }
+    rows.resize(rows.len().max(1), SolidRow::zeroed());
+    rows
+}
