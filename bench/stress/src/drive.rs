@@ -117,6 +117,7 @@ fn word(warning: &Warning) -> &'static str {
         Warning::Substeps { .. } => "substeps",
         Warning::Turns { .. } => "turns",
         Warning::Soft { .. } => "soft",
+        Warning::Pyramid { .. } => "pyramid",
         _ => "other",
     }
 }

@@ -82,6 +82,15 @@ pub enum Warning {
         /// Substeps of a 16th of that period.
         enough: u32,
     },
+    /// Lengths are limited on coarser grids in every step, and nothing damps the cloth: the limits feed its motion.
+    #[error(
+        "cloth {cloth}: a pyramid in every step feeds motion that nothing damps: ask for it in every other step or less \
+         often, or give the cloth some damping"
+    )]
+    Pyramid {
+        /// The cloth by name.
+        cloth: String,
+    },
     /// Steps were too long: more are made.
     #[error(
         "{asked} substeps in {step:.4} s were asked for, {made} are made: a step may be {longest:.4} s here; \
@@ -124,6 +133,8 @@ pub fn prepare(cloth: &mut Cloth, options: &Options, warnings: &mut Vec<Warning>
     warnings.extend(uneven);
     warnings.extend(soft(cloth, options));
     warnings.extend(turns(cloth));
+    let fed = options.pyramid == 1 && cloth.damping <= 0.0;
+    warnings.extend(fed.then(|| Warning::Pyramid { cloth: cloth.name().into() }));
     if options.tethers > 0 || cloth.membrane().is_some() || !cloth.particles().iter().any(|p| p.is_pinned()) {
         return Ok(options.tethers);
     }

@@ -255,3 +255,14 @@ fn free_cloth_with_seams_keeps_its_momentum_and_gains_no_energy() {
         }
     }
 }
+
+#[test]
+fn a_pyramid_in_every_step_of_undamped_cloth_is_warned_of() {
+    let said = |pyramid, damping| {
+        let mut scene = flying(9);
+        scene.cloths[0].damping = damping;
+        Rig::cpu(scene, &options(pyramid)).stepper.warnings()
+    };
+    assert!(matches!(&said(1, 0.0)[..], [Warning::Pyramid { cloth }] if cloth == "flying"));
+    assert_eq!([said(2, 0.0), said(1, 0.5), said(0, 0.0)], [const { Vec::new() }; 3]);
+}
