@@ -68,22 +68,22 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let t = k * slots + s;
     let was = tethers[t];
     let own = bitcast<f32>(was.y);
-    let group = supports[t].x;
+    let group = supports[2u * t];
     var now = was;
     // Pins hang on themselves.
     if (!idle && was.x != NONE && own > 0.0) {
       if (phase == 0u) {
-        supports[t].y = select(support(k, was, group), LOST, own >= FAR);
+        supports[2u * t + 1u] = select(support(k, was, group), LOST, own >= FAR);
       } else if (phase == 1u) {
-        if (own < FAR && !holds(supports[t].y, support(k, was, group))) {
+        if (own < FAR && !holds(supports[2u * t + 1u], support(k, was, group))) {
           now.y = bitcast<u32>(FAR);
-          supports[t].y = LOST;
+          supports[2u * t + 1u] = LOST;
         }
       } else if (all_lost) {
         now.y = bitcast<u32>(FAR);
-        supports[t].y = LOST;
+        supports[2u * t + 1u] = LOST;
         changed = true;
-      } else if (supports[t].y == LOST) {
+      } else if (supports[2u * t + 1u] == LOST) {
         let way = nearest(k, group);
         if (way.y < bitcast<u32>(FAR)) {
           now = shorter(was, way);

@@ -2,7 +2,7 @@
 // for none, and the bits of its distance; beside it lie the group of its anchor and what supports it.
 @group(0) @binding(4) var<storage, read> rest: array<vec4<f32>>;
 @group(0) @binding(19) var<storage, read> tethers: array<vec2<u32>>;
-@group(0) @binding(38) var<storage, read_write> supports: array<vec2<u32>>;
+@group(0) @binding(38) var<storage, read_write> supports: array<u32>;
 
 override slots: u32 = 1u;
 
@@ -60,7 +60,7 @@ fn look(m: u32, group: u32) {
     long[c] = rest[select(n, m, c < 3u || c == 7u)][(0xd8d8u >> (2u * c)) & 3u];
     for (var s = 0u; s < slots; s++) {
       let t = n * slots + s;
-      if (supports[t].x == group) {
+      if (supports[2u * t] == group) {
         end[c] = tethers[t].x;
         away[c] = bitcast<f32>(tethers[t].y);
         break;

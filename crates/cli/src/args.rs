@@ -181,7 +181,7 @@ pub struct SceneArgs {
     pub thickness: Option<f32>,
     /// What all cloth is made of, as warp=500,weft=400,shear=40,bend=1e-5,density=0.15,damping=0.5,friction=1,thickness=0.001,
     /// of which any may be left out (N/m, N m, kg/m2, 1/s, a factor of the friction of colliders, m); without a thickness
-    /// cloth keeps the one it has; xpbd only [default: that of the scene, or springs].
+    /// cloth keeps the one it has, without a friction it has 1; xpbd only [default: that of the scene, or springs].
     #[arg(long, value_name = "NAME=NUMBER,...", value_parser = material)]
     pub material: Option<Material>,
     /// Particles on a side of a built-in scene.

@@ -36,9 +36,9 @@ impl Stepper {
     /// one that is freed holds nothing meanwhile, and one that is new holds by springs.
     ///
     /// On the GPU it takes two dispatches a cloth, and a third where lengths are limited on coarser grids
-    /// ([`crate::Options::pyramid`]), without a read-back, and for tethers four for every texel of the longer
+    /// ([`crate::Options::pyramid`]), without a read-back, and for tethers about four for every texel of the longer
     /// side and one (twice that for several grids), most of which find nothing left to do; ways longer than that end. The
-    /// CPU looks at what is behind the cut alone. The first cut gives every cloth a list of holes and, where rest lengths
+    /// CPU looks at what is behind the cut alone. A cut counts for every cloth, also one that it misses. The first cut gives every cloth a list of holes and, where rest lengths
     /// were constants, an image of them: 20 bytes a texel; and 16 bytes a tether (12 on the CPU), 4 more a texel, with seams 8;
     /// 11 more with coarser grids. Wakes every cloth. Errors on a number that is not finite.
     pub fn cut(&mut self, eye: [f32; 3], a: [f32; 3], b: [f32; 3]) -> Result<()> {

@@ -110,7 +110,7 @@ pub struct Cloth {
     pub speed_limit: f32,
     /// How far \[m\] particles keep from the surfaces of colliders, half of what the cloth measures through. Default none:
     /// [`crate::Options::thickness`]. 0 to 1. Cloths of one thickness and friction share colliders; for each further pair a
-    /// device has 80 bytes a collider more. No frame is slower for it.
+    /// device has 80 bytes a collider more, for at least 16. No frame is slower for it.
     pub thickness: Option<f32>,
     /// How much of a collider's friction holds this cloth, a factor: the coefficient of the two is the product. Default 1;
     /// 0 to 1e6; larger slides less. A collider without friction stays smooth.
@@ -348,6 +348,11 @@ impl Cloth {
             let each = self.parts.grids.iter().zip(lengths);
             self.parts.rest = Rest::Image(each.flat_map(|(g, l)| std::iter::repeat_n(*l, g.texels())).collect());
         }
+    }
+
+    /// Whole again, as the cloth of a new stepper is; rest lengths may stay an image.
+    pub(crate) fn close(&mut self) {
+        self.cut = false;
     }
 
     /// All duplicates of a seam particle, itself among them. Costs a search through the seams.

@@ -10,6 +10,7 @@ pub use masses::MOST_RATIO;
 use crate::cloth::{Cloth, Compliance, Rest, Tethers};
 use crate::error::Result;
 use crate::options::{Options, Solver};
+use crate::passes::has_levels;
 
 /// Longest step \[s\] of [`Solver::Xpbd`]: in a longer one cloth falls by so much that tethers do not hold it.
 pub const LONGEST: f64 = 1.0 / 60.0;
@@ -133,7 +134,7 @@ pub fn prepare(cloth: &mut Cloth, options: &Options, warnings: &mut Vec<Warning>
     warnings.extend(uneven);
     warnings.extend(soft(cloth, options));
     warnings.extend(turns(cloth));
-    let fed = options.pyramid == 1 && cloth.damping <= 0.0;
+    let fed = options.pyramid == 1 && cloth.damping <= 0.0 && has_levels(cloth, options);
     warnings.extend(fed.then(|| Warning::Pyramid { cloth: cloth.name().into() }));
     if options.tethers > 0 || cloth.membrane().is_some() || !cloth.particles().iter().any(|p| p.is_pinned()) {
         return Ok(options.tethers);

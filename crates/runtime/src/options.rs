@@ -66,8 +66,8 @@ pub struct Options {
     /// Once in so many steps lengths are limited on coarser grids of the cloth, for [`Solver::Xpbd`]; 0 is never. Default
     /// 0; at most 4096. It keeps cloth together that no pin holds, such as cloth that is hit. Every other step is often
     /// enough: in every step, limits and springs work against one another, and cloth without damping takes up motion. No
-    /// limit crosses a cut, and nothing is carried across one; both sides of a seam move alike on every grid, after a cut
-    /// only where both have a node at the same point.
+    /// limit crosses a cut, and nothing is carried across one; both sides of a seam move alike on every grid, after a cut,
+    /// of whichever cloth, only where both have a node at the same point.
     pub pyramid: u32,
     /// How far \[m\] particles keep from the surfaces of colliders: the particles are the middle of the cloth, so this is half
     /// of what it measures through, and room for what is drawn. Default 0; 0 to 1; for cloth without a

@@ -137,8 +137,8 @@ impl Stepper {
         self.gpu.as_ref()?.buffers(cloth)
     }
 
-    /// Replaces all colliders. Costs one upload of 80 bytes a collider, and new bindings if their number changes. Wakes
-    /// every cloth.
+    /// Replaces all colliders. Costs one upload of 80 bytes a collider, for each thickness and friction that cloths have, and
+    /// new bindings if their number changes. Wakes every cloth.
     pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
         colliders.iter().try_for_each(Collider::check)?;
         self.world.scene.colliders = colliders;

@@ -78,6 +78,8 @@ impl World {
         let clock = Clock::new(&options);
         let (mut warnings, mut tethers) = (Vec::new(), Vec::new());
         for cloth in &mut scene.cloths {
+            // It may come from a stepper that has cut it.
+            cloth.close();
             let most = limits::prepare(cloth, &options, &mut warnings)?;
             tethers.push(hang(cloth, most));
         }

@@ -33,9 +33,12 @@ impl Cloth {
     /// Takes the tethers of a bundle over, unless they are not of this cloth: one a particle, all to pinned particles.
     pub(super) fn keep_tethers(&mut self, stored: Option<Tethers>) {
         let pinned = |k: u32| self.parts.particles.get(k as usize).is_some_and(|p| p.is_pinned());
+        // Duplicates of a seam point hang on the same anchors.
+        let points = self.points();
         self.stored_tethers = stored.filter(|t| {
             t.anchors.len() == self.len() * t.per_particle
                 && t.anchors.iter().all(|a| !a.exists() || pinned(a.particle))
+                && points.iter().enumerate().all(|(k, p)| t.of(k) == t.of(*p as usize))
         });
     }
 }
