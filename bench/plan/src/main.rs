@@ -27,6 +27,12 @@ struct Args {
     /// Steps a frame.
     #[arg(long, default_value_t = 8)]
     substeps: u32,
+    /// Threads of the CPU backend; 0 is one for each core.
+    #[arg(long, default_value_t = 0)]
+    threads: usize,
+    /// Only the CPU backend.
+    #[arg(long, conflicts_with = "gpu")]
+    cpu: bool,
     /// Only scenes whose names contain this, and the plain ones.
     #[arg(long, default_value = "")]
     only: String,
@@ -51,11 +57,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut cases = cases(n)?;
         cases.retain(|c| c.name.contains(&args.only) || ["plain", "xpbd"].contains(&c.name));
         for backend in [Backend::Cpu, Backend::Gpu] {
-            let device = gpu.as_ref().filter(|_| backend == Backend::Gpu);
+            let device = gpu.as_ref().filter(|_| backend == Backend::Gpu && !args.cpu);
             if if backend == Backend::Gpu { device.is_none() } else { args.gpu } {
                 continue;
             }
-            let options = Options { backend, substeps: args.substeps, ..Options::default() };
+            let options = Options { backend, substeps: args.substeps, threads: args.threads, ..Options::default() };
             let mut times: Vec<Vec<f64>> = vec![Vec::new(); cases.len()];
             let mut plans = Vec::new();
             for round in 0..args.rounds {

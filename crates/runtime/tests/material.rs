@@ -234,7 +234,7 @@ fn free_cloth_keeps_its_momentum_and_comes_to_rest() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let mut large = support::on_colliders(200);
+    let mut large = support::on_colliders(290);
     large.cloths[0] = support::made_of(large.cloths[0].clone());
     let bits = |threads| {
         let stepper = run(large.clone(), Options { threads, ..options(4) }, 5);

@@ -145,7 +145,9 @@ fn a_cut_pyramid_is_that_of_the_twin() {
         ("free", flying(21)),
     ];
     let once = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..options(1) };
-    for (name, scene) in scenes {
+    // Tethers that a cut has changed are as long on both to a part in 1e5.
+    for ((name, scene), (tethers, most)) in scenes.iter().flat_map(|s| [(s, (0, 2e-6)), (s, (2, 2e-5))]) {
+        let once = Options { tethers, ..once.clone() };
         let mut rigs = [Rig::cpu(scene.clone(), &once), Rig::gpu(scene.clone(), &once, &device)];
         for strokes in 0..3 {
             for rig in &mut rigs {
@@ -160,9 +162,9 @@ fn a_cut_pyramid_is_that_of_the_twin() {
             for cloth in 0..scene.cloths.len() {
                 let difference = largest(&here.positions(cloth), &there.positions(cloth));
                 eprintln!("{name}, {strokes} strokes: {difference:e} m");
-                assert!(difference <= 2e-6, "{name}, {strokes} strokes: {difference:e} m");
+                assert!(difference <= most, "{name}, {tethers} tethers, {strokes} strokes: {difference:e} m");
                 let previous = largest(&here.previous(cloth), &there.previous(cloth));
-                assert!(previous <= 2e-6, "{name}, {strokes} strokes: {previous:e} m before");
+                assert!(previous <= most, "{name}, {tethers} tethers, {strokes} strokes: {previous:e} m before");
             }
         }
         for rig in &mut rigs {

@@ -83,7 +83,7 @@ fn a_round_of_polishing_has_tethers_and_structural_springs_alone() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let mut large = support::on_colliders(200);
+    let mut large = support::on_colliders(290);
     large.wind = Some(support::wind(true));
     large.cloths[0].set_pinned(7, true).unwrap();
     let bits = |threads| {

@@ -218,7 +218,7 @@ impl<T: Real> Fabric<T> {
             Pass::Stretch { direction, .. } => self.springs.iter().all(|s| s[direction as usize & 3].are_hard()),
             _ => false,
         };
-        local && self.sheets.iter().all(|s| threads.alone(s.now.len()))
+        local && self.sheets.iter().all(|s| threads.alone(&s.now))
     }
 
     fn walk(&mut self, passes: &[Pass], step: &Step<T>) {
