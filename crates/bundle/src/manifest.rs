@@ -100,6 +100,22 @@ pub struct PieceEntry {
     /// The surface before it was cut.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<Surface>,
+    /// What was tried, in turn, where the first image did not pass; empty where it did.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ladder: Vec<RungEntry>,
+}
+
+/// One way of making the image of a piece, and what came of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct RungEntry {
+    /// What was done otherwise: `first`, `whole-mesh`, `next-cut`, ...
+    pub rung: String,
+    /// A lower bound of its PSNR \[dB\]; left out where no image came out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psnr: Option<f64>,
+    /// Its image is the one in the bundle.
+    pub kept: bool,
 }
 
 /// Values that are the same at every particle of a piece and so need no image.

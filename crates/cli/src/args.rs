@@ -102,6 +102,12 @@ pub struct BuildArgs {
     /// Do not measure the result against the source.
     #[arg(long)]
     pub no_metrics: bool,
+    /// Write images that do not stand for their surface too, with a warning, instead of failing.
+    #[arg(long)]
+    pub accept_poor: bool,
+    /// Fail if the PSNR of a piece is below this.
+    #[arg(long, value_name = "DB", allow_negative_numbers = true)]
+    pub min_psnr: Option<f64>,
     /// Threads to use; 0 is one for each core. The bundle does not depend on it.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: u16,
@@ -326,6 +332,8 @@ impl BuildArgs {
         set(&mut options.mass.density, self.density);
         options.pins.clone_from(&self.pin);
         options.metrics = !self.no_metrics;
+        options.accept_poor = self.accept_poor;
+        options.min_psnr = self.min_psnr;
         let sample = |s| match s {
             SampleArg::Point => Sample::Point,
             SampleArg::Fit => Sample::Fit,

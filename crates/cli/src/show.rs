@@ -37,12 +37,36 @@ pub fn overview(out: &Output, path: &str, summary: &Summary) -> String {
     text += &section(out, "Surface", &surfaces(summary).render());
     text += &section(out, "Seams", &seams(summary).render());
     text += &section(out, "Distortion of the map", &distortion(summary).render());
-    text + &section(out, "Distance from the source", &fidelity(summary).render())
+    text += &section(out, "Distance from the source", &fidelity(summary).render());
+    text + &section(out, "Rating", &ratings(summary).render())
+}
+
+/// Each piece in words, and why.
+fn ratings(summary: &Summary) -> Table {
+    let mut table = Table::new(&["<piece", "<rating", "<why"]);
+    for p in &summary.pieces {
+        table.row([p.name.clone(), p.rating.words().into(), p.remarks.join(", ")]);
+    }
+    table
+}
+
+/// What was tried for the pieces whose first image did not pass.
+fn ladders(summary: &Summary) -> Table {
+    let mut table = Table::new(&["<piece", "<tried", "PSNR at least", "<"]);
+    for p in &summary.pieces {
+        for r in &p.ladder {
+            let kept = if r.kept { "kept" } else { "" };
+            let psnr = or_dash(r.psnr, |x| format!("{x:.1} dB"));
+            table.row([p.name.clone(), r.rung.clone(), psnr, kept.into()]);
+        }
+    }
+    table
 }
 
 /// What `inspect` adds.
 pub fn details(out: &Output, summary: &Summary) -> String {
     let mut text = section(out, "Maps", &maps(summary).render());
+    text += &section(out, "Ladder", &ladders(summary).render());
     let (heading, listed) = accessories(out, summary);
     text += &section(out, &heading, &listed);
     text += &section(out, "Repairs", &repairs(&summary.repairs));

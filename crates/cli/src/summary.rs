@@ -2,8 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use gimage::gate::{Figures, Rating};
 use gimage_bundle::Bundle;
-use gimage_bundle::manifest::{Accessory, Constants, Counts, Cut, PieceEntry, Quality, Repair, Source, Surface};
+use gimage_bundle::manifest::{
+    Accessory, Constants, Counts, Cut, PieceEntry, Quality, Repair, RungEntry, Source, Surface,
+};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -63,6 +66,14 @@ pub struct Piece {
     /// The surface before.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<Surface>,
+    /// Good, worth a look, or poor.
+    pub rating: Rating,
+    /// The figures that speak against it, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
+    /// What was tried where the first image did not pass.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ladder: Vec<RungEntry>,
 }
 
 /// A file of a piece.
@@ -102,17 +113,23 @@ impl Summary {
         let maps: Vec<Vec<Map>> = manifest.pieces.iter().map(|p| p.maps.iter().map(map).collect()).collect();
         let image_bytes = manifest.files.values().map(|f| f.bytes).sum();
         let texels = manifest.texels();
-        let pieces = manifest.pieces.into_iter().zip(maps).map(|(p, maps)| Piece {
-            name: p.name,
-            width: p.width,
-            height: p.height,
-            first_particle: p.first_particle,
-            counts: p.counts,
-            maps,
-            constants: p.constants,
-            quality: p.quality,
-            cut: p.cut,
-            surface: p.surface,
+        let pieces = manifest.pieces.into_iter().zip(maps).map(|(p, maps)| {
+            let (rating, remarks) = Figures::of(&p.quality).rate();
+            Piece {
+                name: p.name,
+                width: p.width,
+                height: p.height,
+                first_particle: p.first_particle,
+                counts: p.counts,
+                maps,
+                constants: p.constants,
+                quality: p.quality,
+                cut: p.cut,
+                surface: p.surface,
+                rating,
+                remarks,
+                ladder: p.ladder,
+            }
         });
         Ok(Summary {
             version: manifest.version,

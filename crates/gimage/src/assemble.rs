@@ -54,8 +54,8 @@ pub(crate) fn assemble(
         .collect();
     let mut findings = Vec::new();
     let mut pinned = 0usize;
-    for ((component, _, image), made) in pieces.iter().zip(made) {
-        let made = made?;
+    for (piece, made) in pieces.iter().zip(made) {
+        let (made, (component, _, image)) = (made?, piece);
         let k = bundle.add_piece(&component.name, image.width, image.height)?;
         let first = bundle.manifest.pieces[k].first_particle;
         let mut data = Vec::with_capacity(4 * image.grid.positions.len());
@@ -90,6 +90,7 @@ pub(crate) fn assemble(
             triangles: component.triangles.len() as u32,
         });
         entry.quality = map_quality(image, &made.rest, &made.mass);
+        crate::gate::note(entry, piece);
         match made.rest {
             RestLengths::Constant(c) => entry.constants.rest = Some(c),
             RestLengths::Image(lengths) => {

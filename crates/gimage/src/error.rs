@@ -89,6 +89,16 @@ pub enum Error {
         /// What to do.
         hint: String,
     },
+    /// An image came out that does not stand for its surface, or not as well as asked for.
+    #[error("piece {piece}: {problem}; {hint}")]
+    Poor {
+        /// The piece by name; the worst, if there are several.
+        piece: String,
+        /// Its figures.
+        problem: String,
+        /// What to do.
+        hint: String,
+    },
     /// An option has a value it cannot have.
     #[error("option {option}: {problem}; {hint}")]
     Option {

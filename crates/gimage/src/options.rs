@@ -92,6 +92,10 @@ pub struct BuildOptions {
     pub pins: Vec<Pin>,
     /// Measure the result against the source. Default true; false saves about a second.
     pub metrics: bool,
+    /// Keep images that do not stand for their surface ([`crate::gate`]) with a warning. Default false: they are an error.
+    pub accept_poor: bool,
+    /// PSNR \[dB\] that every piece must reach, or the build fails. Default none; larger is stricter.
+    pub min_psnr: Option<f64>,
 }
 
 impl Default for BuildOptions {
@@ -109,6 +113,8 @@ impl Default for BuildOptions {
             mass: MassOptions::default(),
             pins: Vec::new(),
             metrics: true,
+            accept_poor: false,
+            min_psnr: None,
         }
     }
 }
@@ -144,6 +150,9 @@ impl BuildOptions {
         }
         if !(0.0..=1.0).contains(&self.detail) {
             return Err(bad("detail", format!("{}", self.detail), "give a number from 0 to 1"));
+        }
+        if let Some(db) = self.min_psnr.filter(|db| !db.is_finite()) {
+            return Err(bad("min-psnr", format!("{db}"), "give decibels, such as 50"));
         }
         if !(self.mass.density.is_finite() && self.mass.density > 0.0) {
             return Err(bad("density", format!("{}", self.mass.density), "give kg/m2 above 0"));

@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 
 use crate::bend;
 use crate::border::{Border, Key};
-use crate::cut::Cutter;
+use crate::cut::{Cut, Cutter};
 use crate::disk::{self, Disk};
 use crate::error::{Error, Result};
 use crate::fit::{self, FitOptions};
 use crate::grid::Grid;
-use crate::grow::{GrowOptions, grow, hidden_costs};
+use crate::grow::{GrowOptions, Grown, grow, hidden_costs};
+use crate::judge::{self, Verdict, judge};
+use crate::ladder::{Ladder, Rung, Tried};
 use crate::layout::{self, Found, Layout, Proxy, SearchOptions, Size};
 use crate::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
 use crate::parameterize::distortion::{self, Distortion};
@@ -64,6 +66,23 @@ pub(crate) struct PieceImage {
     pub distortion: Distortion,
     pub parameterize: ParameterizeRecord,
     pub cut: CutRecord,
+    /// What became of the fit, if one was asked for.
+    pub fit: Option<FitRecord>,
+    /// How close the image comes.
+    pub verdict: Verdict,
+    /// The rungs of the ladder.
+    pub tried: Vec<Tried>,
+}
+
+/// What became of the least-squares fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FitRecord {
+    /// It came closer than point sampling; so many texels went back to where they were sampled.
+    Kept(usize),
+    /// It did not come closer: the texels are where they were sampled.
+    Dropped,
+    /// Its equations could not be solved: the texels are where they were sampled.
+    Failed,
 }
 
 /// Options of [`image`].
@@ -138,6 +157,11 @@ const LEAST: u32 = 64;
 /// A mesh of many more triangles than half the cells, and than this, is mapped coarse to fine.
 const LEAST_TRIANGLES: usize = 3000;
 
+/// Triangles of which a map of `w` x `h` cells is as good as of all.
+fn enough(w: u32, h: u32) -> usize {
+    LEAST_TRIANGLES.max((w * h) as usize / 2)
+}
+
 /// Cost of an edge on a UV seam, as a share of its length.
 const SEAM_DISCOUNT: f64 = 0.15;
 
@@ -161,7 +185,14 @@ struct Maker<'a> {
     cutter: Cutter<'a>,
     /// For each vertex the boundary loop it lies on, longest first, or [`disk::NONE`].
     rim: Vec<u32>,
+    uv_seam: Option<&'a [bool]>,
     options: &'a ImageOptions,
+}
+
+/// The cuts of a surface, and how the first was grown.
+struct Cuts {
+    candidates: Vec<Candidate>,
+    grown: Option<Grown>,
 }
 
 /// Makes the image of a connected surface. `uv_seam` tells the half-edges on UV seams, if the surface has any.
@@ -171,37 +202,29 @@ pub(crate) fn image(
     uv_seam: Option<&[bool]>,
     options: &ImageOptions,
 ) -> Result<PieceImage> {
-    let maker = Maker::new(name, surface, options)?;
-    let mut candidates = maker.candidates(uv_seam, true)?;
+    let maker = Maker::new(name, surface, uv_seam, options)?;
+    let mut cuts = maker.cuts(true)?;
     match options.size {
         Size::Budget(texels) => {
-            let mut kept: Option<Result<PieceImage>> = None;
-            for share in BUDGETS {
-                let size = Size::Budget((f64::from(texels) * share) as u32);
-                let made = maker.make(&candidates, size);
-                if made.as_ref().is_ok_and(|i| i.closed) {
-                    return made;
-                }
-                // The first that came out at all, else the first error.
-                if kept.as_ref().is_none_or(|k| k.is_err() && made.is_ok()) {
-                    kept = Some(made);
-                }
-            }
-            kept.unwrap_or_else(|| Err(maker.fail("layout", "no size was tried".into(), "give more texels")))
+            maker.climb(&cuts, &BUDGETS.map(|share| Size::Budget((f64::from(texels) * share) as u32)))
         }
         Size::Fixed(width, height) => {
-            let least = |c: &[Candidate]| c.iter().map(|c| c.border.least_steps()).min().unwrap_or(8);
+            let least = |c: &Cuts| c.candidates.iter().map(|c| c.border.least_steps()).min().unwrap_or(8);
             let holds = |w: u32, h: u32, least: u32| 2 * (w + h - 2) >= least;
-            if !holds(width, height, least(&candidates)) {
+            if !holds(width, height, least(&cuts)) {
                 // A cut that was grown for quality asks for more texels than one that only has to open the surface.
-                candidates = maker.candidates(uv_seam, false)?;
+                cuts = maker.cuts(false)?;
             }
             for more in 0..=SHORT {
                 let (w, h) = (width + more, height + more);
-                if !holds(w, h, least(&candidates)) {
+                if !holds(w, h, least(&cuts)) {
                     continue;
                 }
-                match maker.make(&candidates, Size::Fixed(w, h)) {
+                let made = match more {
+                    0 => maker.climb(&cuts, &[Size::Fixed(w, h)]),
+                    _ => maker.make(&cuts.candidates, Size::Fixed(w, h), Way::default()),
+                };
+                match made {
                     Ok(image) if image.closed && more == 0 => return Ok(image),
                     Ok(image) if image.closed => {
                         let (min_width, min_height) = (w, h);
@@ -219,15 +242,37 @@ pub(crate) fn image(
                     _ => {}
                 }
             }
-            let (w, h) = layout::smallest(least(&candidates));
+            let (w, h) = layout::smallest(least(&cuts));
             let (min_width, min_height) = (w.max(width + 1), h.max(height + 1));
             Err(Error::GridTooSmall { piece: name.to_owned(), width, height, min_width, min_height })
         }
     }
 }
 
+/// How a layout is made an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Way {
+    /// Maps the whole mesh at once.
+    whole: bool,
+}
+
+/// Triangles times rungs after which no further rung is tried: the ladder's share of the time stays bounded.
+const WORK: usize = 4_000_000;
+
+/// What mapping a mesh whole costs, in rungs.
+const WHOLE: usize = 20;
+
+/// Points a cut is grown to where its image came out poor, and how far they are apart, as a share of the diagonal.
+const TERMINALS: usize = 6;
+const APART: f64 = 0.05;
+
 impl<'a> Maker<'a> {
-    fn new(name: &'a str, surface: &'a Surface, options: &'a ImageOptions) -> Result<Self> {
+    fn new(
+        name: &'a str,
+        surface: &'a Surface,
+        uv_seam: Option<&'a [bool]>,
+        options: &'a ImageOptions,
+    ) -> Result<Self> {
         let mut cutter = Cutter::new(surface).ok_or_else(|| Error::Piece {
             piece: name.to_owned(),
             stage: "cut",
@@ -243,7 +288,7 @@ impl<'a> Maker<'a> {
         for (k, l) in cutter.loops().iter().enumerate() {
             l.iter().for_each(|&v| rim[v as usize] = k as u32);
         }
-        Ok(Self { name, surface, cutter, rim, options })
+        Ok(Self { name, surface, cutter, rim, uv_seam, options })
     }
 
     fn fail(&self, stage: &'static str, problem: String, hint: &str) -> Error {
@@ -255,53 +300,164 @@ impl<'a> Maker<'a> {
     }
 
     /// The cuts worth laying out: along UV seams or not, as the options say, grown into limbs if `growing`.
-    fn candidates(&self, uv_seam: Option<&[bool]>, growing: bool) -> Result<Vec<Candidate>> {
+    fn cuts(&self, growing: bool) -> Result<Cuts> {
         let cutter = &self.cutter;
         let grown = self.options.grow.as_ref().filter(|_| growing).and_then(|g| grow(cutter, g));
         let terminals: &[u32] = grown.as_ref().map_or(&[], |g| &g.terminals);
-        let along_uv: &[bool] = match (self.options.seams, uv_seam) {
+        let along_uv: &[bool] = match (self.options.seams, self.uv_seam) {
             (_, None) | (Seams::Short, _) => &[false],
             (Seams::Uv, _) => &[true],
             (Seams::Auto, _) => &[false, true],
         };
-        let (mut out, mut cuts) = (Vec::new(), Vec::new());
+        let (mut candidates, mut cuts) = (Vec::new(), Vec::new());
         for &along_uv in along_uv {
-            let mut cost = hidden_costs(cutter, grown.as_ref().and_then(|g| g.mirror.as_ref()));
-            if let Some(seam) = uv_seam.filter(|_| along_uv) {
-                for (c, h) in cost.iter_mut().zip(&cutter.graph.halves) {
-                    if seam[h[0] as usize] {
-                        *c *= SEAM_DISCOUNT;
-                    }
-                }
-            }
             let cut = match (&grown, along_uv) {
                 // Without limbs or handles the surface itself knows the shorter way than its stand-in.
                 (Some(g), false) if !terminals.is_empty() || cutter.handles() > 0 => g.cut.clone(),
-                _ => cutter.cut(&cost, terminals),
+                _ => cutter.cut(&self.costs(grown.as_ref(), along_uv), terminals),
             };
             if cuts.contains(&cut) {
                 continue;
             }
-            let mut disk = disk::open(cutter, &cut).map_err(|e| {
-                let problem = format!("the cut left Euler number {} and {} loops", e.euler, e.loops);
-                self.fail("cut", problem, "please report it with the input")
-            })?;
-            let border = Border::new(&mut disk, |v| self.on_rim(v));
-            let record = CutRecord {
-                length: cut.length(&cutter.graph),
-                edges: cut.edges.iter().filter(|c| **c).count() as u32,
-                grown: terminals.len(),
-                uv_seams: along_uv,
-                bought: grown.as_ref().and_then(|g| g.bought),
-            };
-            out.push(Candidate { disk, border, cut: record });
+            candidates.push(self.candidate(&cut, terminals.len(), along_uv, grown.as_ref())?);
             cuts.push(cut);
         }
-        Ok(out)
+        Ok(Cuts { candidates, grown })
+    }
+
+    /// What it costs to cut each edge.
+    fn costs(&self, grown: Option<&Grown>, along_uv: bool) -> Vec<f64> {
+        let mut cost = hidden_costs(&self.cutter, grown.and_then(|g| g.mirror.as_ref()));
+        if let Some(seam) = self.uv_seam.filter(|_| along_uv) {
+            for (c, h) in cost.iter_mut().zip(&self.cutter.graph.halves) {
+                if seam[h[0] as usize] {
+                    *c *= SEAM_DISCOUNT;
+                }
+            }
+        }
+        cost
+    }
+
+    /// The disk that a cut opens the surface to, and its border.
+    fn candidate(&self, cut: &Cut, points: usize, uv_seams: bool, grown: Option<&Grown>) -> Result<Candidate> {
+        let mut disk = disk::open(&self.cutter, cut).map_err(|e| {
+            let problem = format!("the cut left Euler number {} and {} loops", e.euler, e.loops);
+            self.fail("cut", problem, "please report it with the input")
+        })?;
+        let border = Border::new(&mut disk, |v| self.on_rim(v));
+        let cut = CutRecord {
+            length: cut.length(&self.cutter.graph),
+            edges: cut.edges.iter().filter(|c| **c).count() as u32,
+            grown: points,
+            uv_seams,
+            bought: grown.and_then(|g| g.bought),
+        };
+        Ok(Candidate { disk, border, cut })
+    }
+
+    /// Climbs the ladder: the first of `sizes` at which the image welds, then whatever else there is to try until an image
+    /// passes. The error is that of the first rung, if none makes an image.
+    fn climb(&self, cuts: &Cuts, sizes: &[Size]) -> Result<PieceImage> {
+        let mut ladder = Ladder::default();
+        let mut failure = None;
+        let mut size = sizes.first().copied().unwrap_or(self.options.size);
+        for (k, &tried) in sizes.iter().enumerate() {
+            if ladder.best().is_some_and(|b| b.closed) {
+                break;
+            }
+            let made = self.make(&cuts.candidates, tried, Way::default());
+            if made.as_ref().is_ok_and(|m| m.closed) {
+                size = tried;
+            }
+            let rung = if k == 0 { Rung::First } else { Rung::OtherSize };
+            ladder.take(rung, made.map_err(|e| failure.get_or_insert(e)).ok());
+        }
+        let rungs = [Rung::WholeMesh, Rung::NextCut, Rung::ShortestCut, Rung::OtherSize, Rung::MoreTerminals];
+        for rung in rungs {
+            if ladder.done() || ladder.len() * self.surface.triangles.len() > WORK {
+                break;
+            }
+            self.rung(rung, cuts, size, &mut ladder);
+        }
+        ladder.finish().ok_or_else(|| {
+            failure.unwrap_or_else(|| self.fail("layout", "no size was tried".into(), "give more texels"))
+        })
+    }
+
+    /// Tries a rung, if there is anything to it.
+    fn rung(&self, rung: Rung, cuts: &Cuts, size: Size, ladder: &mut Ladder) {
+        match rung {
+            Rung::WholeMesh => {
+                let by_way = |b: &PieceImage| b.disk.triangles.len() > 2 * enough(b.width - 1, b.height - 1);
+                let affordable = WHOLE * self.surface.triangles.len() <= WORK;
+                if affordable && ladder.best().is_none_or(by_way) {
+                    ladder.take(rung, self.make(&cuts.candidates, size, Way { whole: true }).ok());
+                }
+            }
+            Rung::NextCut => {
+                for candidate in &cuts.candidates {
+                    // The one that the first rung chose is known already.
+                    if !ladder.done() && ladder.best().is_none_or(|b| b.cut != candidate.cut) {
+                        ladder.take(rung, self.alone(candidate, size).ok());
+                    }
+                }
+            }
+            Rung::ShortestCut => {
+                let cut = self.cutter.cut(&self.costs(cuts.grown.as_ref(), false), &[]);
+                if let Ok(candidate) = self.candidate(&cut, 0, false, None)
+                    && cuts.candidates.iter().all(|c| c.cut.edges != candidate.cut.edges)
+                {
+                    ladder.take(rung, self.alone(&candidate, size).ok());
+                }
+            }
+            Rung::OtherSize => {
+                let Size::Budget(texels) = size else { return };
+                for share in [0.96, 0.91] {
+                    if !ladder.done() {
+                        let size = Size::Budget((f64::from(texels) * share) as u32);
+                        ladder.take(rung, self.make(&cuts.candidates, size, Way::default()).ok());
+                    }
+                }
+            }
+            Rung::MoreTerminals => {
+                let Some(terminals) = ladder.best().map(|b| self.more_terminals(b, cuts.grown.as_ref())) else {
+                    return;
+                };
+                let cut = self.cutter.cut(&self.costs(cuts.grown.as_ref(), false), &terminals);
+                if let Ok(candidate) = self.candidate(&cut, terminals.len(), false, None) {
+                    ladder.take(rung, self.alone(&candidate, size).ok());
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The points the cut was grown to, and those that an image stretches most.
+    fn more_terminals(&self, image: &PieceImage, grown: Option<&Grown>) -> Vec<u32> {
+        let disk = &image.disk;
+        let mut on_cut = vec![false; self.surface.positions.len()];
+        let origin = |v: u32| disk.origin[v as usize];
+        disk.boundary.iter().map(|&v| origin(v)).filter(|&o| o != disk::NONE).for_each(|o| on_cut[o as usize] = true);
+        let [lo, hi] = judge::bounds(self.surface);
+        let apart = APART * crate::vec3::distance(lo, hi);
+        let allowed = |v: u32| origin(v) != disk::NONE && !on_cut[origin(v) as usize];
+        let worst = layout::most_stretched(&disk.positions, &disk.triangles, &image.uv, TERMINALS, apart, allowed);
+        let mut terminals = grown.map_or_else(Vec::new, |g| g.terminals.clone());
+        for v in worst.into_iter().map(origin) {
+            if !terminals.contains(&v) {
+                terminals.push(v);
+            }
+        }
+        terminals
+    }
+
+    /// The image of one cut.
+    fn alone(&self, candidate: &Candidate, size: Size) -> Result<PieceImage> {
+        self.make(std::slice::from_ref(candidate), size, Way::default())
     }
 
     /// Lays out every candidate on its stand-in, keeps the least distorted, and makes its image.
-    fn make(&self, candidates: &[Candidate], size: Size) -> Result<PieceImage> {
+    fn make(&self, candidates: &[Candidate], size: Size, way: Way) -> Result<PieceImage> {
         let mut best: Option<(Found, &Candidate)> = None;
         for candidate in candidates {
             let than = best.as_ref().map(|b| b.0.early);
@@ -312,11 +468,11 @@ impl<'a> Maker<'a> {
         }
         let (Found { layout, .. }, candidate) =
             best.ok_or_else(|| self.fail("layout", "the border does not fit the image".into(), "give it more texels"))?;
-        self.finish(candidate, &layout)
+        self.finish(candidate, &layout, way)
     }
 
     /// Parameterises and resamples the disk in a layout.
-    fn finish(&self, candidate: &Candidate, layout: &Layout) -> Result<PieceImage> {
+    fn finish(&self, candidate: &Candidate, layout: &Layout, way: Way) -> Result<PieceImage> {
         let Layout { w, h, shift, ref count, .. } = *layout;
         let placed = candidate
             .border
@@ -325,7 +481,7 @@ impl<'a> Maker<'a> {
         let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
         let fixed = disk.boundary_mask();
         let options = self.options;
-        let enough = LEAST_TRIANGLES.max((w * h) as usize / 2);
+        let enough = if way.whole { usize::MAX / 2 } else { enough(w, h) };
         let record =
             parameterize(disk.shape(&fixed), &mut uv, options.passes, &options.newton, enough).ok_or_else(|| {
                 let hint = "remesh the slivers of this piece, or give it more texels";
@@ -353,12 +509,11 @@ impl<'a> Maker<'a> {
         let distortion = distortion::measure(&disk.positions, &disk.triangles, &uv);
         let (columns, rows) = (w as usize + 1, h as usize + 1);
         let mut grid = Grid { links, ..Grid::new(columns, rows, points) };
-        if let Sampling::Fit(fit_options) = &options.sampling {
-            let rings: Vec<Vec<u32>> = grid.rings().collect();
-            let rim: Vec<bool> = loop_of.iter().map(|&l| l != disk::NONE).collect();
-            let image = fit::Image { columns, rows, rings: &rings, rim: &rim };
-            fit::fit(&disk, &uv, &mut grid.positions, &image, fit_options);
-        }
+        let mut verdict = judge(self.surface, &disk, &uv, &grid);
+        let fit = match &options.sampling {
+            Sampling::Fit(fit) => Some(self.fit(&disk, &uv, &mut grid, &loop_of, (fit, &mut verdict))),
+            Sampling::Point => None,
+        };
         let expected = Expected { euler: self.cutter.euler(), loops: self.cutter.loops().len() };
         let (moved, closed) = seal(&mut grid, &mut samples, &disk, &uv, expected);
         Ok(PieceImage {
@@ -375,6 +530,37 @@ impl<'a> Maker<'a> {
             distortion,
             parameterize: record,
             cut: candidate.cut.clone(),
+            fit,
+            verdict,
+            tried: Vec::new(),
         })
+    }
+
+    /// Fits the texels where that comes closer than sampling, and says so. `verdict` is that of the sampled texels.
+    fn fit(
+        &self,
+        disk: &Disk,
+        uv: &[[f64; 2]],
+        grid: &mut Grid,
+        loop_of: &[u32],
+        (options, verdict): (&FitOptions, &mut Verdict),
+    ) -> FitRecord {
+        let rings: Vec<Vec<u32>> = grid.rings().collect();
+        let rim: Vec<bool> = loop_of.iter().map(|&l| l != disk::NONE).collect();
+        let image = fit::Image { columns: grid.width, rows: grid.height, rings: &rings, rim: &rim };
+        let sampled = grid.positions.clone();
+        if !fit::fit(disk, uv, &mut grid.positions, &image, options) {
+            return FitRecord::Failed;
+        }
+        let back = fit::restrain(&mut grid.positions, &sampled, &image);
+        let fitted = judge(self.surface, disk, uv, grid);
+        // What differs by less than f32 can hold is equal: a flat piece is exact either way.
+        if fitted.badness() <= verdict.badness().max(1e-7) {
+            *verdict = fitted;
+            FitRecord::Kept(back)
+        } else {
+            grid.positions = sampled;
+            FitRecord::Dropped
+        }
     }
 }

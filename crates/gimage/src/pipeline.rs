@@ -11,10 +11,11 @@ use crate::accessory::{Rider, anchor};
 use crate::assemble::{assemble, measure_piece, summary};
 use crate::component::{Component, extract, split};
 use crate::error::{Error, Result};
+use crate::gate;
 use crate::import::import;
 use crate::mesh::{Mesh, Semantic};
 use crate::options::{BuildOptions, ImageSize};
-use crate::piece::{ImageOptions, PieceImage, image};
+use crate::piece::{FitRecord, ImageOptions, PieceImage, image};
 use crate::progress::{Progress, Stage};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 use crate::repair::repair;
@@ -142,6 +143,7 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
             Ok(())
         })?;
     }
+    run.report.findings.extend(gate::check(&bundle.manifest.pieces, &pieces, options)?);
     let images: Vec<PieceImage> = pieces.into_iter().map(|p| p.2).collect();
     bundle.manifest.accessories = anchor(&mesh, &riders, &images);
     bundle.manifest.source =
@@ -302,6 +304,23 @@ fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
         let text =
             "Texels beside the end of a cut were sampled a fraction of a texel further in, so that the image welds.";
         out.push(one(Severity::Note, "moved-texels", image.moved, text));
+    }
+    match image.fit {
+        Some(FitRecord::Failed) => {
+            let text =
+                "The least-squares fit broke down; the texels lie where they were sampled. Give other texel counts.";
+            out.push(one(Severity::Warning, "fit-failed", 1, text));
+        }
+        Some(FitRecord::Dropped) => {
+            let text =
+                "The least-squares fit did not come closer than sampling; the texels lie where they were sampled.";
+            out.push(one(Severity::Note, "fit-dropped", 1, text));
+        }
+        Some(FitRecord::Kept(back)) if back > 0 => {
+            let text = "Texels that the fit moved too far lie where they were sampled.";
+            out.push(one(Severity::Note, "fit-restrained", back, text));
+        }
+        _ => {}
     }
     let p = &image.parameterize;
     if p.newton.steps == 0 && !p.newton.converged {

@@ -13,11 +13,16 @@ pub(super) struct Facet {
     pub height: f64,
     /// Surface per area of the plane.
     pub density: f64,
+    /// The map crushes it so far that its gradient says nothing of the surface around it.
+    pub extreme: bool,
 }
 
+/// A facet is extreme where a texel spans this many times the mean texel's side on it.
+const EXTREME: f64 = 30.0;
+
 impl Facet {
-    /// `None` for a triangle without area on the surface or in the plane.
-    pub(super) fn new(x: [[f64; 3]; 3], p: [[f64; 2]; 3]) -> Option<Self> {
+    /// `None` for a triangle without area on the surface or in the plane. `texel` is the side of a mean texel \[m\].
+    pub(super) fn new(x: [[f64; 3]; 3], p: [[f64; 2]; 3], texel: f64) -> Option<Self> {
         let area2 = signed_area2(p);
         let (e, f) = (sub(x[1], x[0]), sub(x[2], x[0]));
         let n = cross(e, f);
@@ -29,7 +34,8 @@ impl Facet {
         let dv = [0, 1, 2].map(|c| (f[c] * a[0] - e[c] * b[0]) / area2);
         let o = [0, 1, 2].map(|c| x[0][c] - p[0][0] * du[c] - p[0][1] * dv[c]);
         let normal = scale(n, 1.0 / norm(n));
-        Some(Self { o, du, dv, normal, height: dot(normal, x[0]), density: norm(n) / area2 })
+        let extreme = norm(du).max(norm(dv)) > EXTREME * texel;
+        Some(Self { o, du, dv, normal, height: dot(normal, x[0]), density: norm(n) / area2, extreme })
     }
 
     pub(super) fn at(&self, q: [f64; 2]) -> [f64; 3] {

@@ -13,17 +13,19 @@
 mod clip;
 mod facet;
 mod patch;
+mod restrain;
 
 use rayon::prelude::*;
 
 use crate::disk::Disk;
 use crate::normal::{Normal, Part};
 use crate::parameterize::distortion::planar;
-use crate::vec3::sub;
+use crate::vec3::{cross, norm, sub};
 use clip::{BAND, Cells, Patches, bands, clipped};
 use facet::Facet;
 
 pub(crate) use clip::clip;
+pub(crate) use restrain::restrain;
 
 /// How the texels are fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,11 +84,11 @@ pub(crate) fn fit(
     let n = disk.positions.len().max(1) as f64;
     let centre = disk.positions.iter().fold([0.0; 3], |m, p| [0, 1, 2].map(|c| m[c] + p[c] / n));
     let mut local: Vec<[f64; 3]> = points.iter().map(|p| sub(*p, centre)).collect();
-    let facets: Vec<Option<Facet>> = disk
-        .triangles
-        .iter()
-        .map(|&t| Facet::new(t.map(|v| sub(disk.positions[v as usize], centre)), planar(uv, t)))
-        .collect();
+    let corners = |t: [u32; 3]| t.map(|v| sub(disk.positions[v as usize], centre));
+    let area: f64 = disk.triangles.iter().map(|&t| triangle_area(corners(t))).sum();
+    let texel = (area / ((columns - 1) * (rows - 1)) as f64).sqrt();
+    let facets: Vec<Option<Facet>> =
+        disk.triangles.iter().map(|&t| Facet::new(corners(t), planar(uv, t), texel)).collect();
     let bands = bands(disk, uv, rows - 1);
     let cells = |band: usize| band * BAND..((band + 1) * BAND).min(rows - 1);
     // Texels move little, and with them the diagonals: one clipping serves all rounds.
@@ -132,6 +134,10 @@ pub(crate) fn fit(
         *p = crate::vec3::add(*l, centre);
     }
     true
+}
+
+fn triangle_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
+    0.5 * norm(cross(sub(b, a), sub(c, a)))
 }
 
 /// The equations of a band in the widest vectors at hand. The products and sums are the same in all: nothing is fused.

@@ -133,7 +133,9 @@ impl Patch {
             let n = facet.normal;
             let cos = dot(facing, n);
             // What points away is held all the harder: left to itself it stays turned over.
-            let w = if turned && cos < 0.0 {
+            let w = if facet.extreme {
+                0.0
+            } else if turned && cos < 0.0 {
                 TURNED * area * options.gradient
             } else {
                 // The distance of the two normals; a right angle if the texels have none.

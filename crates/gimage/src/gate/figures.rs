@@ -1,0 +1,152 @@
+//! What an image must reach before it is written: a good image or a clear no.
+
+use gimage_bundle::manifest::Quality;
+use serde::Serialize;
+
+/// PSNR \[dB\] below which a piece is worth a look, and below which it does not stand for its surface.
+pub const PSNR_DB: [f64; 2] = [45.0, 30.0];
+/// Hausdorff distance, as a share of the diagonal, likewise.
+pub const HAUSDORFF: [f64; 2] = [0.05, 0.3];
+/// How far a texel lies outside the source's bounding box, as a share of the diagonal, likewise.
+pub const OUTSIDE: [f64; 2] = [0.02, 0.3];
+/// Largest stretch of the map above which a piece is worth a look.
+pub const STRETCH: f64 = 100.0;
+/// Share of the surface folded over above which a piece is worth a look.
+pub const FOLD: f64 = 0.01;
+/// Mean angle between the normals of source and image above which a piece is worth a look \[degrees\].
+pub const NORMAL_DEGREES: f64 = 45.0;
+
+/// A piece in a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rating {
+    /// No figure is suspicious.
+    Good,
+    /// A figure is suspicious; a person should look at the piece.
+    Look,
+    /// The image does not stand for its surface.
+    Poor,
+}
+
+impl Rating {
+    /// The word for people.
+    pub fn words(self) -> &'static str {
+        match self {
+            Rating::Good => "good",
+            Rating::Look => "look at it",
+            Rating::Poor => "poor",
+        }
+    }
+}
+
+/// The figures a piece is judged by. A figure that is not known is `None` and speaks neither for nor against it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Figures {
+    /// 20 log10(diagonal / RMS distance) \[dB\].
+    pub psnr: Option<f64>,
+    /// Largest distance either way / diagonal.
+    pub hausdorff: Option<f64>,
+    /// Farthest texel outside the source's bounding box / diagonal.
+    pub outside: Option<f64>,
+    /// Largest stretch of the map.
+    pub stretch: Option<f64>,
+    /// Share of the surface folded over; a one-sided surface as such is not folded.
+    pub fold: Option<f64>,
+    /// Mean angle between normals \[degrees\].
+    pub normal_degrees: Option<f64>,
+}
+
+/// The name of [`Figures::outside`] among the further figures of a manifest's quality.
+pub const OUTSIDE_KEY: &str = "outside_rel";
+/// The name of [`Figures::fold`] among the further figures of a manifest's quality.
+pub const FOLD_KEY: &str = "fold_local";
+
+impl Figures {
+    /// The figures of a piece as its manifest has them.
+    pub fn of(quality: &Quality) -> Self {
+        let more = |key: &str| quality.more.get(key).and_then(serde_json::Value::as_f64);
+        Self {
+            psnr: quality.psnr,
+            hausdorff: quality.hausdorff_rel,
+            outside: more(OUTSIDE_KEY),
+            stretch: quality.stretch_max,
+            // Measured against the nearest point, a one-sided surface counts as folded, and two layers that touch do too.
+            fold: more(FOLD_KEY).or(quality.fold_area),
+            normal_degrees: quality.normal_degrees,
+        }
+    }
+
+    /// The rating, and every figure that speaks against the piece, in words. A figure that is not finite is poor.
+    pub fn rate(&self) -> (Rating, Vec<String>) {
+        let (mut rating, mut words) = (Rating::Good, Vec::new());
+        let mut check = |value: Option<f64>, [look, poor]: [f64; 2], sign: f64, say: &dyn Fn(f64) -> String| {
+            let Some(x) = value else { return };
+            let beyond = |limit: f64| !(sign * x <= sign * limit);
+            if beyond(look) {
+                rating = rating.max(if beyond(poor) { Rating::Poor } else { Rating::Look });
+                words.push(say(x));
+            }
+        };
+        let never = f64::INFINITY;
+        check(self.psnr, PSNR_DB, -1.0, &|x| format!("PSNR {x:.1} dB"));
+        check(self.hausdorff, HAUSDORFF, 1.0, &|x| format!("a point {} of the diagonal off", percent(x)));
+        check(self.outside, OUTSIDE, 1.0, &|x| {
+            format!("a texel {} of the diagonal outside the source's box", percent(x))
+        });
+        check(self.stretch, [STRETCH, never], 1.0, &|x| format!("stretch up to {x:.0}"));
+        check(self.fold, [FOLD, never], 1.0, &|x| format!("{} folded over", percent(x)));
+        check(self.normal_degrees, [NORMAL_DEGREES, never], 1.0, &|x| {
+            format!("normals {x:.0} degrees off in the mean")
+        });
+        (rating, words)
+    }
+}
+
+fn percent(x: f64) -> String {
+    let x = 100.0 * x;
+    if x < 1e4 { format!("{x:.1} %") } else { format!("{x:.1e} %") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(change: impl FnOnce(&mut Figures)) -> (Rating, Vec<String>) {
+        let mut f = Figures {
+            psnr: Some(70.0),
+            hausdorff: Some(0.003),
+            outside: Some(0.0),
+            stretch: Some(3.0),
+            fold: Some(0.0),
+            normal_degrees: Some(4.0),
+        };
+        change(&mut f);
+        f.rate()
+    }
+
+    #[test]
+    fn each_figure_is_rated_by_its_own_limits() {
+        assert_eq!(with(|_| {}), (Rating::Good, vec![]));
+        assert_eq!(Figures::default().rate().0, Rating::Good);
+        assert_eq!(with(|f| f.psnr = Some(44.9)), (Rating::Look, vec!["PSNR 44.9 dB".into()]));
+        assert_eq!(with(|f| f.psnr = Some(-134.0)).0, Rating::Poor);
+        assert_eq!(with(|f| f.hausdorff = Some(0.06)).0, Rating::Look);
+        assert_eq!(with(|f| f.hausdorff = Some(1e11)).0, Rating::Poor);
+        assert_eq!(with(|f| f.outside = Some(0.021)).0, Rating::Look);
+        assert_eq!(with(|f| f.outside = Some(0.31)).0, Rating::Poor);
+        assert_eq!(with(|f| f.stretch = Some(1e9)), (Rating::Look, vec!["stretch up to 1000000000".into()]));
+        assert_eq!(with(|f| f.fold = Some(0.011)).0, Rating::Look);
+        assert_eq!(with(|f| f.normal_degrees = Some(83.0)).0, Rating::Look);
+        assert_eq!(with(|f| f.psnr = Some(f64::NAN)).0, Rating::Poor);
+        let (rating, words) = with(|f| (f.psnr, f.fold) = (Some(20.0), Some(0.5)));
+        assert_eq!((rating, words.len()), (Rating::Poor, 2));
+    }
+
+    #[test]
+    fn a_fold_against_its_own_place_is_believed_before_one_against_the_nearest_point() {
+        let mut quality = Quality { fold_area: Some(0.5), ..Quality::default() };
+        assert_eq!(Figures::of(&quality).fold, Some(0.5));
+        quality.more.insert(FOLD_KEY.into(), 0.0.into());
+        assert_eq!(Figures::of(&quality).fold, Some(0.0));
+    }
+}

@@ -1,0 +1,117 @@
+//! The ladder: what is tried, in turn, until an image passes.
+//!
+//! Rungs are judged by the image that was made, not by the stand-in that chose its layout. The first rung that passes is
+//! kept, else the best of all. A garment whose first image passes pays for nothing else.
+
+use crate::gate;
+use crate::judge::Verdict;
+use crate::piece::PieceImage;
+
+/// What a rung does otherwise than the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rung {
+    /// The best layout of the best cut.
+    First,
+    /// The whole mesh is mapped at once instead of coarse to fine.
+    WholeMesh,
+    /// The map starts from weights of its other kind.
+    OtherStart,
+    /// The next best cut.
+    NextCut,
+    /// The shortest cut, without growth.
+    ShortestCut,
+    /// A slightly smaller image, and so another layout.
+    OtherSize,
+    /// The cut grown to the points that came out most stretched.
+    MoreTerminals,
+    /// The map is made on another triangulation of the surface.
+    Retriangulated,
+    /// The piece is split along its necks.
+    Split,
+}
+
+impl Rung {
+    /// Its name in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Rung::First => "first",
+            Rung::WholeMesh => "whole-mesh",
+            Rung::OtherStart => "other-start",
+            Rung::NextCut => "next-cut",
+            Rung::ShortestCut => "shortest-cut",
+            Rung::OtherSize => "other-size",
+            Rung::MoreTerminals => "more-terminals",
+            Rung::Retriangulated => "retriangulated",
+            Rung::Split => "split",
+        }
+    }
+}
+
+/// What came of a rung.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tried {
+    /// The rung.
+    pub rung: Rung,
+    /// A lower bound of its PSNR \[dB\]; `None` where no image came out.
+    pub psnr: Option<f64>,
+    /// Its image is the one kept.
+    pub kept: bool,
+}
+
+/// How much better an image must be to displace an earlier one that passes no more than it does.
+const WORTH: f64 = 0.8;
+
+/// Whether an image needs no further rung. Folds and normals are not asked for: where two layers are nearer to one another
+/// than texels are, no rung helps.
+pub(crate) fn passes(verdict: &Verdict, stretch: f64) -> bool {
+    verdict.psnr() >= gate::PSNR_DB[0]
+        && verdict.largest <= gate::HAUSDORFF[0]
+        && verdict.outside <= gate::OUTSIDE[0]
+        && stretch <= gate::STRETCH
+}
+
+/// The best image so far and the record of all.
+#[derive(Default)]
+pub(crate) struct Ladder {
+    best: Option<PieceImage>,
+    tried: Vec<Tried>,
+}
+
+impl Ladder {
+    /// Whether a rung has passed.
+    pub(crate) fn done(&self) -> bool {
+        self.best.as_ref().is_some_and(|b| b.closed && passes(&b.verdict, b.distortion.linf))
+    }
+
+    /// The best image so far.
+    pub(crate) fn best(&self) -> Option<&PieceImage> {
+        self.best.as_ref()
+    }
+
+    /// How many rungs were tried.
+    pub(crate) fn len(&self) -> usize {
+        self.tried.len()
+    }
+
+    /// Takes what a rung has made, or that it made nothing.
+    pub(crate) fn take(&mut self, rung: Rung, made: Option<PieceImage>) {
+        let psnr = made.as_ref().map(|m| m.verdict.psnr());
+        let kept = made.as_ref().is_some_and(|m| {
+            self.best.as_ref().is_none_or(|b| {
+                let key = |x: &PieceImage| (!x.closed, !passes(&x.verdict, x.distortion.linf));
+                let (new, old) = (m.verdict.badness(), b.verdict.badness());
+                key(m) < key(b) || (key(m) == key(b) && new < WORTH * old)
+            })
+        });
+        if kept {
+            self.tried.iter_mut().for_each(|t| t.kept = false);
+            self.best = made;
+        }
+        self.tried.push(Tried { rung, psnr, kept });
+    }
+
+    /// The best image, with the record of all rungs.
+    pub(crate) fn finish(self) -> Option<PieceImage> {
+        self.best.map(|b| PieceImage { tried: self.tried, ..b })
+    }
+}
