@@ -81,7 +81,7 @@ impl Figures {
         let (mut rating, mut words) = (Rating::Good, Vec::new());
         let mut check = |value: Option<f64>, [look, poor]: [f64; 2], sign: f64, say: &dyn Fn(f64) -> String| {
             let Some(x) = value else { return };
-            let beyond = |limit: f64| !(sign * x <= sign * limit);
+            let beyond = |limit: f64| x.is_nan() || sign * x > sign * limit;
             if beyond(look) {
                 rating = rating.max(if beyond(poor) { Rating::Poor } else { Rating::Look });
                 words.push(say(x));

@@ -95,7 +95,7 @@ struct Rated<'a> {
 impl<'a> Rated<'a> {
     fn new(name: &'a str, figures: Figures, options: &BuildOptions) -> Self {
         let (rating, words) = figures.rate();
-        let below = options.min_psnr.zip(figures.psnr).is_some_and(|(min, psnr)| !(psnr >= min));
+        let below = options.min_psnr.zip(figures.psnr).is_some_and(|(min, psnr)| psnr.is_nan() || psnr < min);
         Self { name, figures, rating, words, below }
     }
 
