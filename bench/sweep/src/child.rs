@@ -28,7 +28,10 @@ pub fn run(args: &OneArgs) -> Result<(), Failure> {
     let mut record = Record { cpu: limit::cpu_seconds(), wall: start.elapsed().as_secs_f64(), ..Record::default() };
     record.mib = peak_memory().map_or(0.0, |b| b as f64 / f64::from(1 << 20));
     match result {
-        Err(e) => record.status = Status::Refused { kind: kind(&e), message: e.to_string() },
+        Err(e) => {
+            record.status = Status::Refused { kind: kind(&e), message: e.to_string() };
+            record.triangles = Source::read(&args.mesh).map_or(0, |s| s.mesh.triangles.len());
+        }
         Ok(built) => {
             record.status = Status::Built;
             describe(&built, &args.mesh, &mut record)?;
@@ -89,7 +92,6 @@ fn list(value: &Value) -> &[Value] {
 fn described(entry: &Value) -> Piece {
     let quality = &entry["quality"];
     let whole = |v: &Value| v.as_u64().and_then(|x| u32::try_from(x).ok()).unwrap_or_default();
-    let rungs = ["rungs", "ladder"].iter().flat_map(|key| [&entry[*key], &quality[*key], &entry["cut"][*key]]);
     Piece {
         name: entry["name"].as_str().unwrap_or_default().into(),
         width: whole(&entry["width"]),
@@ -105,7 +107,7 @@ fn described(entry: &Value) -> Piece {
         normal: quality["normal_degrees"].as_f64(),
         fold: quality["fold_area"].as_f64(),
         flips: quality["flips"].as_u64(),
-        rungs: rungs.filter(|v| !v.is_null()).map(Value::to_string).collect::<Vec<_>>().join(" "),
+        rungs: serde_json::from_value(entry["ladder"].clone()).unwrap_or_default(),
         probe: Default::default(),
     }
 }

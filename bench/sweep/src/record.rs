@@ -54,6 +54,18 @@ pub struct Probe {
     pub hausdorff: Option<f64>,
 }
 
+/// One rung of the ladder that a build climbed for a piece.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Rung {
+    /// Its name.
+    pub rung: String,
+    /// PSNR of the image it made \[dB\].
+    pub psnr: Option<f64>,
+    /// Whether this image was kept.
+    pub kept: bool,
+}
+
 /// One piece of a bundle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Piece {
@@ -85,8 +97,8 @@ pub struct Piece {
     pub fold: Option<f64>,
     /// Triangles that the map turns over.
     pub flips: Option<u64>,
-    /// Rungs of the ladder, as the manifest has them; empty where it has none.
-    pub rungs: String,
+    /// Rungs of the ladder in the order they were tried; empty where the first one was enough.
+    pub rungs: Vec<Rung>,
     /// Measured independently.
     pub probe: Probe,
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use crate::record::{Piece, Record, Status};
+use crate::record::{Piece, Record, Rung, Status};
 use crate::verdict::{Grade, HAUSDORFF, OUTSIDE, POOR_DB, REQUIREMENTS, WRECK_DB, grade, violations, warned};
 
 /// Width of a bar of the histogram in characters.
@@ -66,6 +66,7 @@ pub fn summary(records: &[Record], limit_seconds: f64, worst: usize) -> (String,
     });
     out.push('\n');
     out += &kinds(records);
+    out += &ladders(&pieces);
     out += &histogram(&pieces);
     out += &worst_list(&pieces, worst);
     let (text, sound) = requirements(records, limit_seconds);
@@ -214,11 +215,43 @@ pub fn rows(r: &Record) -> Vec<String> {
             figure(p.normal),
             figure(p.fold),
             p.flips.map_or_else(String::new, |f| f.to_string()),
-            text(&p.rungs),
+            text(&rungs(p)),
         ]
         .join(",")
     };
     r.pieces.iter().map(row).collect()
+}
+
+/// The rungs of a piece in order with their PSNR, the one that was kept with a star.
+fn rungs(p: &Piece) -> String {
+    let word = |r: &Rung| {
+        let psnr = r.psnr.map_or_else(String::new, |x| format!(" {x:.1}"));
+        format!("{}{psnr}{}", r.rung, if r.kept { "*" } else { "" })
+    };
+    p.rungs.iter().map(word).collect::<Vec<_>>().join(" ")
+}
+
+/// Pieces by the rung that was kept, with what it brought over the first one; nothing where no piece needed another.
+fn ladders(pieces: &[(&Record, &Piece)]) -> String {
+    let mut kept: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for (_, p) in pieces {
+        if let Some(r) = p.rungs.iter().find(|r| r.kept) {
+            let first = p.rungs.first().and_then(|f| f.psnr);
+            let gain = r.psnr.zip(first).map_or(f64::NAN, |(a, b)| a - b);
+            kept.entry(&r.rung).or_default().push(gain);
+        }
+    }
+    if kept.is_empty() {
+        return String::new();
+    }
+    let mut out = String::from("pieces by the rung of the ladder that was kept, median gain over the first rung\n");
+    for (rung, mut gains) in kept {
+        gains.sort_by(f64::total_cmp);
+        let middle = gains[gains.len() / 2];
+        let gain = if middle.is_finite() { format!("{middle:+.1} dB") } else { "the first made none".into() };
+        let _ = writeln!(out, "  {:5}  {rung}: {gain}", gains.len());
+    }
+    out + "\n"
 }
 
 /// A cell of text, quoted where it has to be.
@@ -248,6 +281,16 @@ mod tests {
                 assert_eq!(cells(&row), cells(COLUMNS), "{row}");
             }
         }
+    }
+
+    #[test]
+    fn rungs_are_counted_with_what_they_brought() {
+        let mut r = record(78.0);
+        let rung = |name: &str, psnr, kept| Rung { rung: name.into(), psnr, kept };
+        r.pieces[0].rungs = vec![rung("first", Some(-15.0), false), rung("whole-mesh", Some(78.0), true)];
+        assert!(rows(&r)[0].ends_with(",first -15.0 whole-mesh 78.0*"), "{}", rows(&r)[0]);
+        assert!(summary(&[r], 60.0, 5).0.contains("1  whole-mesh: +93.0 dB"));
+        assert!(!summary(&[record(78.0)], 60.0, 5).0.contains("rung"));
     }
 
     #[test]
