@@ -318,6 +318,92 @@ pub(crate) struct Mapped {
     pub h: u32,
 }
 
+/// A flat comb: `teeth` strips of `length` cells by two hang from a bar, two cells apart.
+pub(crate) fn comb(teeth: u32, length: u32) -> Surface {
+    let (w, h) = (4 * teeth - 2, length + 2);
+    let s = rectangle(w, h, f64::from(w), f64::from(h));
+    without(&s, |t| {
+        let (i, j) = (t as u32 / 2 % w, t as u32 / 2 / w);
+        j < length && i % 4 >= 2
+    })
+}
+
+/// A flat strip of two rows of cells that winds inwards `turns` times.
+pub(crate) fn spiral(turns: f64, cells: u32) -> Surface {
+    sheet(cells, 2, Join::Open, Join::Open, |u, v| {
+        let (a, r) = (TAU * turns * u, 1.0 + turns * u + 0.5 * v);
+        [r * a.cos(), r * a.sin(), 0.0]
+    })
+}
+
+/// `n` triangles around one vertex, every second corner `far` times as far away as the others.
+pub(crate) fn fan(n: u32, far: f64) -> Surface {
+    let mut positions = vec![[0.0, 0.0, 0.3]];
+    positions.extend((0..n).map(|k| {
+        let (a, r) = (TAU * f64::from(k) / f64::from(n), if k % 2 == 0 { 1.0 } else { far });
+        [r * a.cos(), r * a.sin(), 0.0]
+    }));
+    surface(positions, (0..n).map(|k| [0, 1 + k, 1 + (k + 1) % n]).collect())
+}
+
+/// A sheet of cells whose columns are `thin` wide, one in three of them of the width 1.
+pub(crate) fn slivers(w: u32, h: u32, thin: f64) -> Surface {
+    let at = |i: u32| f64::from(i.div_ceil(3)) + thin * f64::from(i - i.div_ceil(3));
+    sheet(w, h, Join::Open, Join::Open, |u, v| [at((u * f64::from(w)).round() as u32), v * f64::from(w), 0.1 * u])
+}
+
+/// A sheet with `n` x `n` thin spikes, each `height` cells tall.
+pub(crate) fn hedgehog(n: u32, height: f64) -> Surface {
+    let cells = 6 * n;
+    sheet(cells, cells, Join::Open, Join::Open, |u, v| {
+        let near = |x: f64| 1.0 - (2.0 * ((x * f64::from(n)).fract() - 0.5)).abs();
+        let tip = near(u).min(near(v)).powi(3);
+        [f64::from(cells) * u, f64::from(cells) * v, height * tip]
+    })
+}
+
+/// A tube that is closed at its far end and `length` times as long as it is around, its rows `rows`.
+pub(crate) fn sock(around: u32, rows: u32, length: f64) -> Surface {
+    let s = tube(around, rows, length);
+    let (mut positions, mut triangles) = (s.positions, s.triangles);
+    let tip = positions.len() as u32;
+    positions.push([0.0, length * 1.01, 0.0]);
+    let first = rows * around;
+    triangles.extend((0..around).map(|k| [first + k, first + (k + 1) % around, tip]));
+    surface(positions, triangles)
+}
+
+/// Disks that are hard to map: arms, fjords, slivers and needles, by name.
+pub(crate) fn hard() -> Vec<(&'static str, Surface)> {
+    vec![
+        ("lace", holed(6)),
+        ("comb", comb(12, 40)),
+        ("spiral", spiral(6.0, 400)),
+        ("ribbon", rectangle(2000, 2, 10_000.0, 1.0)),
+        ("fan", fan(2000, 1.001)),
+        ("star", fan(400, 1e4)),
+        ("slivers", slivers(30, 30, 1e-8)),
+        ("needles", slivers(12, 200, 1e-3)),
+        ("hedgehog", hedgehog(5, 40.0)),
+        ("sock", sock(12, 200, 30.0)),
+        ("long tube", tube(6, 600, 100.0)),
+        ("plate", plate(8)),
+        ("tree", blob(11, 400, 60)),
+    ]
+}
+
+/// A surface opened and laid on `w` x `h` cells, or as many as it needs: a disk, and the places of its boundary.
+pub(crate) fn laid(s: &Surface, w: u32, h: u32) -> (crate::disk::Disk, Vec<[f64; 2]>) {
+    let mut disk = opened(s, &[]);
+    let rim = rim(s);
+    let border = crate::border::Border::new(&mut disk, |v| rim[v as usize]);
+    let least = border.least_steps().div_ceil(4);
+    let (w, h) = (w.max(least), h.max(least));
+    let count = border.share(2 * (w + h)).expect("room enough");
+    let placed = border.place(&disk, s, &|v| rim[v as usize], w, h, 0.0, &count).expect("placed");
+    (placed.disk, placed.uv)
+}
+
 /// Lays a surface on `w` x `h` cells, or as many as it needs, its boundary starting at the corner (0, 0).
 pub(crate) fn mapped(s: &Surface, w: u32, h: u32) -> Mapped {
     use crate::parameterize::{NewtonOptions, parameterize};

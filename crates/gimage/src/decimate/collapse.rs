@@ -49,6 +49,8 @@ pub(super) struct Collapser<'a> {
     count: u32,
     /// Inner vertices stay out of the boundary.
     apart: bool,
+    /// Triangles may turn over: only the topology is kept.
+    pub(super) bare: bool,
 }
 
 impl Collapser<'_> {
@@ -119,6 +121,9 @@ impl Collapser<'_> {
         if (fan_u <= shared && fan_v <= shared) || (closed && fan_u == 3 && fan_v == 3) {
             return false;
         }
+        if self.bare {
+            return true;
+        }
         self.around[u as usize].iter().all(|&t| {
             let tri = self.triangles[t as usize];
             if tri.contains(&v) {
@@ -187,6 +192,7 @@ pub(super) fn prepare<'a>(
         seen: vec![0; n],
         count: 0,
         apart,
+        bare: false,
     };
     for tri in triangles {
         let [p, q, r] = tri.map(|v| sub(positions[v as usize], centre));
@@ -220,7 +226,7 @@ impl Collapser<'_> {
         };
         (0..n).for_each(|u| push(&mut heap, self, u, false));
         let mut ring = Vec::new();
-        let mut left = self.triangles.len();
+        let mut left = self.alive.iter().filter(|a| **a).count();
         while left > target {
             let Some(Reverse((_, u, v, version))) = heap.pop() else { break };
             if version != self.version[u as usize]

@@ -90,13 +90,35 @@ fn left(triangles: &[[u32; 3]], alive: &[bool], n: usize) -> (Vec<u32>, Vec<[u32
 /// Simplifies the inside of a disk to about `target` triangles. No edge is made between boundary vertices, so a map
 /// onto a rectangle stays possible. O(n log n).
 pub(crate) fn hierarchy(positions: &[[f64; 3]], triangles: &[[u32; 3]], boundary: &[bool], target: usize) -> Hierarchy {
+    simplified(positions, triangles, boundary, target, false)
+}
+
+/// As [`hierarchy`], until one inner vertex is left: first while no triangle turns over, then by the link condition alone.
+/// A disk without inner edges between boundary vertices always has such an order: of the edges between inner
+/// vertices, one inside an innermost triangle of edges that is no face keeps the link condition. O(n log n).
+pub(crate) fn to_one(positions: &[[f64; 3]], triangles: &[[u32; 3]], boundary: &[bool]) -> Hierarchy {
+    simplified(positions, triangles, boundary, 0, true)
+}
+
+fn simplified(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    boundary: &[bool],
+    target: usize,
+    to_one: bool,
+) -> Hierarchy {
     let mut c = prepare(positions, triangles, boundary, boundary, true);
     let (mut collapses, mut ends, mut fans) = (Vec::new(), Vec::new(), Vec::new());
-    c.run(target, |u, v, fan| {
+    let mut each = |u: u32, v: u32, fan: &[u32]| {
         collapses.push([u, v]);
         fans.extend_from_slice(fan);
         ends.push(fans.len() as u32);
-    });
+    };
+    c.run(target, &mut each);
+    if to_one {
+        c.bare = true;
+        c.run(target, &mut each);
+    }
     Hierarchy { triangles: c.triangles, alive: c.alive, collapses, ends, fans }
 }
 

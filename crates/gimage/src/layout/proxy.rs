@@ -111,7 +111,7 @@ impl<'a> Proxy<'a> {
 
     /// Starts the map (`passes` above 0), unless it is the plain one already, and takes Newton steps.
     pub(super) fn solve(&mut self, trial: &mut Trial, passes: usize, steps: usize) -> bool {
-        let options = NewtonOptions { steps, tolerance: 1e-2 };
+        let options = NewtonOptions { steps, further: 0, tolerance: 1e-2 };
         let (system, uv) = (&mut self.system, &mut trial.uv);
         let start = (passes, trial.plain);
         let record = solve(system, &self.positions, &self.triangles, &self.wanted, uv, start, &options);

@@ -14,13 +14,16 @@ use super::system::System;
 pub struct NewtonOptions {
     /// Largest number of steps; 0..; more is closer to the minimum.
     pub steps: usize,
+    /// Work past `steps`, in steps times triangles; it is spent only while a step lowers the energy by over 10 % of what it
+    /// is above an isometry's.
+    pub further: u64,
     /// Stop when a step lowers the energy by less than this share of what it is above an isometry's; larger stops sooner.
     pub tolerance: f64,
 }
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { steps: 60, tolerance: 1e-5 }
+        Self { steps: 60, further: 2_000_000, tolerance: 1e-5 }
     }
 }
 
@@ -35,7 +38,12 @@ pub struct NewtonRecord {
     pub end: f64,
     /// It ended because a step was small enough, not for want of steps or of a descent.
     pub converged: bool,
+    /// It ended at the cap of work while the energy still fell by over 10 % a step.
+    pub capped: bool,
 }
+
+/// A step that lowers the energy by more than this share of what it is above an isometry's is worth another.
+const FALLING: f64 = 0.1;
 
 /// The energy of one triangle to second order, the Hessian projected, in blocks of 2 x 2.
 #[derive(Clone, Copy, Debug)]
@@ -137,18 +145,25 @@ pub(crate) fn minimise(
     options: &NewtonOptions,
 ) -> NewtonRecord {
     if options.steps == 0 {
-        return NewtonRecord { steps: 0, start: f64::NAN, end: f64::NAN, converged: false };
+        return NewtonRecord { steps: 0, start: f64::NAN, end: f64::NAN, converged: false, capped: false };
     }
     let mut now = energy(rest, triangles, uv);
     // What an isometry would have: a flat piece must get there, not only near it.
     let least: f64 = 4.0 * rest.iter().map(|r| r.weight).sum::<f64>();
-    let mut record = NewtonRecord { steps: 0, start: now, end: now, converged: false };
+    let mut record = NewtonRecord { steps: 0, start: now, end: now, converged: false, capped: false };
     if !now.is_finite() || system.unknowns() == 0 {
         record.converged = now.is_finite();
         return record;
     }
     let mut last_gain = 0.0;
-    while record.steps < options.steps {
+    loop {
+        if record.steps >= options.steps {
+            let further = (record.steps - options.steps) as u64 * triangles.len() as u64;
+            record.capped = last_gain > FALLING && further >= options.further && options.further > 0;
+            if last_gain <= FALLING || further >= options.further {
+                break;
+            }
+        }
         let found = if triangles.len() > CHUNK {
             let locals: Vec<_> =
                 rest.par_iter().zip(triangles).with_min_len(CHUNK).map(|(r, &t)| local(r, planar(uv, t))).collect();

@@ -41,13 +41,13 @@ fn mean_value_weights(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &[[
 pub(crate) struct StartRecord {
     /// Reweighting passes made.
     pub passes: usize,
-    /// Mean-value weights had flips from rounding; uniform weights were used.
+    /// Uniform weights were used, not mean-value weights.
     pub uniform: bool,
 }
 
-/// Fills in the free vertices of `uv`, whose fixed ones lie on a convex polygon. Keeps the flip-free pass of least
-/// stretch. `None` if no pass was free of flips in f64. If `placed`, `uv` is what a start of one pass has left, with
-/// mean-value weights: the first pass is made then.
+/// Fills in the free vertices of `uv`, whose fixed ones lie on a convex polygon: with mean-value weights, or with uniform
+/// weights if those give flips from rounding. Keeps the flip-free pass of least stretch. `None` if no pass was free of
+/// flips in f64. If `placed`, `uv` holds the result of a start of one pass with mean-value weights already.
 pub(crate) fn start(
     system: &mut System,
     positions: &[[f64; 3]],
@@ -56,82 +56,90 @@ pub(crate) fn start(
     uv: &mut [[f64; 2]],
     (passes, placed): (usize, bool),
 ) -> Option<StartRecord> {
+    weighted(system, positions, triangles, wanted, uv, (passes, placed), false)
+        .or_else(|| weighted(system, positions, triangles, wanted, uv, (passes, false), true))
+}
+
+/// [`start`] with the weights named only.
+pub(super) fn weighted(
+    system: &mut System,
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    wanted: &[f64],
+    uv: &mut [[f64; 2]],
+    (passes, placed): (usize, bool),
+    uniform: bool,
+) -> Option<StartRecord> {
     let rest = system.rest.get_or_insert_with(|| RestShapes::new(positions, triangles, wanted));
     let area = std::mem::take(&mut rest.areas);
-    let found = reweighted(system, (positions, triangles, wanted, &area), uv, (passes, placed));
+    let found = reweighted(system, (positions, triangles, wanted, &area), uv, (passes, placed), uniform);
     if let Some(rest) = &mut system.rest {
         rest.areas = area;
     }
     found
 }
 
-/// [`start`] with the areas of the triangles at rest.
+/// [`weighted`] with the areas of the triangles at rest.
 fn reweighted(
     system: &mut System,
     (positions, triangles, wanted, area): (&[[f64; 3]], &[[u32; 3]], &[f64], &[f64]),
     uv: &mut [[f64; 2]],
     (passes, placed): (usize, bool),
+    uniform: bool,
 ) -> Option<StartRecord> {
     let mut around = vec![1e-300; positions.len()];
     for (t, a) in triangles.iter().zip(area) {
         t.iter().for_each(|&v| around[v as usize] += a);
     }
     let total: f64 = area.iter().sum::<f64>().max(1e-300);
-    for uniform in [false, true] {
-        let mut weights = if uniform {
-            vec![1.0; system.edges.len()]
-        } else {
-            let kept = system.weights.take();
-            kept.unwrap_or_else(|| mean_value_weights(positions, triangles, &system.edges))
-        };
-        if !uniform {
-            system.weights = Some(weights.clone());
-        }
-        let mut best: Option<(f64, Vec<[f64; 2]>)> = None;
-        let mut made = 0;
-        let passes = passes.clamp(1, PASSES);
-        for pass in 0..passes {
-            let plain = pass == 0 && !uniform;
-            let there = plain && placed;
-            if !there && !system.solve_weighted(&weights, plain, uv) {
-                break;
-            }
-            made = pass + 1;
-            if passes == 1 {
-                // Nothing to compare it with.
-                if flips(triangles, uv) == 0 {
-                    return Some(StartRecord { passes, uniform });
-                }
-                break;
-            }
-            let s2: Vec<f64> =
-                triangles.iter().map(|&t| mean(wanted, t).powi(2) * triangle_stretch(positions, t, uv)).collect();
-            let average = (s2.iter().zip(area).map(|(s, a)| s * a).sum::<f64>() / total).sqrt();
-            if flips(triangles, uv) == 0 {
-                if best.as_ref().is_none_or(|b| average < b.0) {
-                    best = Some((average, uv.to_vec()));
-                } else if best.as_ref().is_some_and(|b| average > 1.02 * b.0) {
-                    break;
-                }
-            }
-            if made == passes {
-                break;
-            }
-            let mut vertex = vec![0.0; positions.len()];
-            for ((t, a), s) in triangles.iter().zip(area).zip(&s2) {
-                t.iter().for_each(|&v| vertex[v as usize] += a * s);
-            }
-            let sigma: Vec<f64> = vertex.iter().zip(&around).map(|(s, a)| (s / a).sqrt().max(1e-6 * average)).collect();
-            for (w, e) in weights.iter_mut().zip(&system.edges) {
-                *w /= (sigma[e[0] as usize] * sigma[e[1] as usize]).sqrt() / average;
-            }
-            let top = weights.iter().copied().fold(0.0, f64::max);
-            weights.iter_mut().for_each(|w| *w = (*w / top).max(1e-12));
-        }
-        if let Some((_, kept)) = best {
-            uv.copy_from_slice(&kept);
-            return Some(StartRecord { passes: made, uniform });
-        }
+    let mut weights = if uniform {
+        vec![1.0; system.edges.len()]
+    } else {
+        let kept = system.weights.take();
+        kept.unwrap_or_else(|| mean_value_weights(positions, triangles, &system.edges))
+    };
+    if !uniform {
+        system.weights = Some(weights.clone());
     }
-    None
+    let mut best: Option<(f64, Vec<[f64; 2]>)> = None;
+    let mut made = 0;
+    let passes = passes.clamp(1, PASSES);
+    for pass in 0..passes {
+        let plain = pass == 0 && !uniform;
+        let there = plain && placed;
+        if !there && !system.solve_weighted(&weights, plain, uv) {
+            break;
+        }
+        made = pass + 1;
+        if passes == 1 {
+            // Nothing to compare it with.
+            return (flips(triangles, uv) == 0).then_some(StartRecord { passes, uniform });
+        }
+        let s2: Vec<f64> =
+            triangles.iter().map(|&t| mean(wanted, t).powi(2) * triangle_stretch(positions, t, uv)).collect();
+        let average = (s2.iter().zip(area).map(|(s, a)| s * a).sum::<f64>() / total).sqrt();
+        if flips(triangles, uv) == 0 {
+            if best.as_ref().is_none_or(|b| average < b.0) {
+                best = Some((average, uv.to_vec()));
+            } else if best.as_ref().is_some_and(|b| average > 1.02 * b.0) {
+                break;
+            }
+        }
+        if made == passes {
+            break;
+        }
+        let mut vertex = vec![0.0; positions.len()];
+        for ((t, a), s) in triangles.iter().zip(area).zip(&s2) {
+            t.iter().for_each(|&v| vertex[v as usize] += a * s);
+        }
+        let sigma: Vec<f64> = vertex.iter().zip(&around).map(|(s, a)| (s / a).sqrt().max(1e-6 * average)).collect();
+        for (w, e) in weights.iter_mut().zip(&system.edges) {
+            *w /= (sigma[e[0] as usize] * sigma[e[1] as usize]).sqrt() / average;
+        }
+        let top = weights.iter().copied().fold(0.0, f64::max);
+        weights.iter_mut().for_each(|w| *w = (*w / top).max(1e-12));
+    }
+    let (_, kept) = best?;
+    uv.copy_from_slice(&kept);
+    Some(StartRecord { passes: made, uniform })
 }
