@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use gimage::component::{Component, ComponentOptions, split};
 use gimage::import::{ImportOptions, import};
+use gimage::options::BuildOptions;
 use gimage::pipeline::{Built, build};
 use gimage::progress::Quiet;
 use gimage::repair::{RepairOptions, repair};
@@ -31,6 +32,13 @@ pub fn run(args: &OneArgs) -> Result<(), Failure> {
         Err(e) => {
             record.status = Status::Refused { kind: kind(&e), message: e.to_string() };
             record.triangles = Source::read(&args.mesh).map_or(0, |s| s.mesh.triangles.len());
+            if matches!(e, Error::Poor { .. }) {
+                // The figures of what the gate refused are worth having.
+                let options = BuildOptions { accept_poor: true, ..args.options() };
+                if let Ok(built) = build(&args.mesh, &options, &Quiet) {
+                    describe(&built, &args.mesh, &mut record)?;
+                }
+            }
         }
         Ok(built) => {
             record.status = Status::Built;
@@ -40,6 +48,9 @@ pub fn run(args: &OneArgs) -> Result<(), Failure> {
     std::fs::write(&args.out, serde_json::to_vec(&record)?)?;
     Ok(())
 }
+
+/// The kind of an error of the gate.
+pub const GATE: &str = "gate: poor image";
 
 /// A short name of an error.
 fn kind(error: &Error) -> String {
@@ -51,6 +62,7 @@ fn kind(error: &Error) -> String {
         Error::TooLarge { .. } => "too large".into(),
         Error::GridTooSmall { .. } => "grid too small".into(),
         Error::Piece { stage, .. } => format!("piece: {stage}"),
+        Error::Poor { .. } => GATE.into(),
         Error::Option { .. } => "option".into(),
         Error::Cancelled => "cancelled".into(),
         Error::Bundle(_) => "bundle".into(),

@@ -1,5 +1,6 @@
 //! The requirements on a build, and which of them it violates.
 
+use crate::child::GATE;
 use crate::record::{Piece, Record, Status};
 
 /// PSNR below which a piece needs an error \[dB\].
@@ -36,9 +37,10 @@ pub fn grade(piece: &Piece) -> Grade {
     }
 }
 
-/// Whether a finding of the build warns of this piece.
+/// Whether a finding of the build warns of this piece, or the gate refused the build.
 pub fn warned(record: &Record, piece: &Piece) -> bool {
-    record.findings.iter().any(|f| f.warns_of(&piece.name))
+    matches!(&record.status, Status::Refused { kind, .. } if kind == GATE)
+        || record.findings.iter().any(|f| f.warns_of(&piece.name))
 }
 
 /// The requirements, in the words of the table.
@@ -54,11 +56,12 @@ pub const REQUIREMENTS: [&str; 7] = [
 
 /// For each requirement whether the build violates it.
 pub fn violations(record: &Record, limit_seconds: f64) -> [bool; REQUIREMENTS.len()] {
-    let pieces = |grade_: Grade| record.pieces.iter().filter(move |p| grade(p) == grade_);
+    let built = record.status == Status::Built;
+    let pieces = |wanted: Grade| record.pieces.iter().filter(move |p| built && grade(p) == wanted);
     // With an error there is no bundle: every wreck that was built lacks it, unless a finding of that severity stands.
     let error = |p: &&Piece| record.findings.iter().any(|f| f.severity == "error" && f.warns_of(&p.name));
     [
-        matches!(&record.status, Status::Refused { kind, message } if for_want_of_a_map(kind, message)),
+        matches!(&record.status, Status::Refused { kind, .. } if for_want_of_a_map(kind)),
         matches!(record.status, Status::Panicked(_)),
         record.status == Status::Died,
         record.status == Status::TimedOut || record.cpu > limit_seconds,
@@ -68,11 +71,9 @@ pub fn violations(record: &Record, limit_seconds: f64) -> [bool; REQUIREMENTS.le
     ]
 }
 
-/// Whether an error says that a stage of the image could not do its work. A build that refuses a poor piece names its
-/// figures: that is the gate.
-fn for_want_of_a_map(kind: &str, message: &str) -> bool {
-    let gate = message.contains("--accept-poor");
-    ["internal error", "sweep"].contains(&kind) || (kind.starts_with("piece: ") && !gate)
+/// Whether an error says that a stage of the image could not do its work.
+fn for_want_of_a_map(kind: &str) -> bool {
+    ["internal error", "sweep"].contains(&kind) || kind.starts_with("piece: ")
 }
 
 #[cfg(test)]
@@ -113,12 +114,15 @@ mod tests {
         let warning = Finding { severity: "warning".into(), stage: "image".into(), count: 2, ..Finding::default() };
         record.findings.push(warning);
         assert_eq!(violations(&record, 60.0), [false; 7]);
-        let refused = |kind: &str, message: &str| Record {
-            status: Status::Refused { kind: kind.into(), message: message.into() },
+        let refused = |kind: &str| Record {
+            status: Status::Refused { kind: kind.into(), message: String::new() },
+            pieces: vec![piece(10.0, 0.0, 0.0)],
             ..Record::default()
         };
-        assert!(violations(&refused("piece: parameterize", "no map free of flips was found"), 60.0)[0]);
-        assert!(!violations(&refused("piece: gate", "PSNR 12 dB; pass --accept-poor to keep it"), 60.0)[0]);
-        assert!(!violations(&refused("nothing to build", "no triangle"), 60.0)[0]);
+        assert_eq!(violations(&refused("piece: parameterize"), 60.0), [true, false, false, false, false, false, false]);
+        for kind in [GATE, "nothing to build"] {
+            assert_eq!(violations(&refused(kind), 60.0), [false; 7]);
+        }
+        assert!(warned(&refused(GATE), &piece(10.0, 0.0, 0.0)));
     }
 }
