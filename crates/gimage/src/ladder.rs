@@ -14,8 +14,8 @@ pub enum Rung {
     First,
     /// The whole mesh is mapped at once instead of coarse to fine.
     WholeMesh,
-    /// The map starts from weights of its other kind.
-    OtherStart,
+    /// The map is grown from one inner vertex instead of relaxed from a convex one.
+    Embedded,
     /// The next best cut.
     NextCut,
     /// The shortest cut, without growth.
@@ -24,8 +24,6 @@ pub enum Rung {
     OtherSize,
     /// The cut grown to the points that came out most stretched.
     MoreTerminals,
-    /// The map is made on another triangulation of the surface.
-    Retriangulated,
     /// The piece is split along its necks.
     Split,
 }
@@ -36,12 +34,11 @@ impl Rung {
         match self {
             Rung::First => "first",
             Rung::WholeMesh => "whole-mesh",
-            Rung::OtherStart => "other-start",
+            Rung::Embedded => "embedded",
             Rung::NextCut => "next-cut",
             Rung::ShortestCut => "shortest-cut",
             Rung::OtherSize => "other-size",
             Rung::MoreTerminals => "more-terminals",
-            Rung::Retriangulated => "retriangulated",
             Rung::Split => "split",
         }
     }

@@ -15,7 +15,7 @@ use crate::ladder::{Ladder, Rung, Tried};
 use crate::layout::{self, Found, Layout, Proxy, SearchOptions, Size};
 use crate::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
 use crate::parameterize::distortion::{self, Distortion};
-use crate::parameterize::{NewtonOptions, ParameterizeRecord, parameterize};
+use crate::parameterize::{NewtonOptions, ParameterizeRecord, Way, parameterize, parameterize_by};
 use crate::resample::{Sample as DiskSample, border_index, resample};
 use crate::seal::{Expected, seal};
 use crate::surface::Surface;
@@ -72,6 +72,8 @@ pub(crate) struct PieceImage {
     pub verdict: Verdict,
     /// The rungs of the ladder.
     pub tried: Vec<Tried>,
+    /// Its share of the texels, if it has one.
+    pub budget: Option<u32>,
 }
 
 /// What became of the least-squares fit.
@@ -222,7 +224,7 @@ pub(crate) fn image(
                 }
                 let made = match more {
                     0 => maker.climb(&cuts, &[Size::Fixed(w, h)]),
-                    _ => maker.make(&cuts.candidates, Size::Fixed(w, h), Way::default()),
+                    _ => maker.make(&cuts.candidates, Size::Fixed(w, h), None),
                 };
                 match made {
                     Ok(image) if image.closed && more == 0 => return Ok(image),
@@ -247,13 +249,6 @@ pub(crate) fn image(
             Err(Error::GridTooSmall { piece: name.to_owned(), width, height, min_width, min_height })
         }
     }
-}
-
-/// How a layout is made an image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Way {
-    /// Maps the whole mesh at once.
-    whole: bool,
 }
 
 /// Triangles times rungs after which no further rung is tried: the ladder's share of the time stays bounded.
@@ -365,7 +360,7 @@ impl<'a> Maker<'a> {
             if ladder.best().is_some_and(|b| b.closed) {
                 break;
             }
-            let made = self.make(&cuts.candidates, tried, Way::default());
+            let made = self.make(&cuts.candidates, tried, None);
             if made.as_ref().is_ok_and(|m| m.closed) {
                 size = tried;
             }
@@ -388,10 +383,14 @@ impl<'a> Maker<'a> {
     fn rung(&self, rung: Rung, cuts: &Cuts, size: Size, ladder: &mut Ladder) {
         match rung {
             Rung::WholeMesh => {
-                let by_way = |b: &PieceImage| b.disk.triangles.len() > 2 * enough(b.width - 1, b.height - 1);
                 let affordable = WHOLE * self.surface.triangles.len() <= WORK;
-                if affordable && ladder.best().is_none_or(by_way) {
-                    ladder.take(rung, self.make(&cuts.candidates, size, Way { whole: true }).ok());
+                if affordable && ladder.best().is_some_and(|b| b.parameterize.way == Way::CoarseToFine) {
+                    ladder.take(rung, self.make(&cuts.candidates, size, Some(Way::Whole)).ok());
+                }
+            }
+            Rung::Embedded => {
+                if ladder.best().is_some_and(|b| b.parameterize.way != Way::Embedded) {
+                    ladder.take(rung, self.make(&cuts.candidates, size, Some(Way::Embedded)).ok());
                 }
             }
             Rung::NextCut => {
@@ -415,7 +414,7 @@ impl<'a> Maker<'a> {
                 for share in [0.96, 0.91] {
                     if !ladder.done() {
                         let size = Size::Budget((f64::from(texels) * share) as u32);
-                        ladder.take(rung, self.make(&cuts.candidates, size, Way::default()).ok());
+                        ladder.take(rung, self.make(&cuts.candidates, size, None).ok());
                     }
                 }
             }
@@ -453,11 +452,11 @@ impl<'a> Maker<'a> {
 
     /// The image of one cut.
     fn alone(&self, candidate: &Candidate, size: Size) -> Result<PieceImage> {
-        self.make(std::slice::from_ref(candidate), size, Way::default())
+        self.make(std::slice::from_ref(candidate), size, None)
     }
 
     /// Lays out every candidate on its stand-in, keeps the least distorted, and makes its image.
-    fn make(&self, candidates: &[Candidate], size: Size, way: Way) -> Result<PieceImage> {
+    fn make(&self, candidates: &[Candidate], size: Size, way: Option<Way>) -> Result<PieceImage> {
         let mut best: Option<(Found, &Candidate)> = None;
         for candidate in candidates {
             let than = best.as_ref().map(|b| b.0.early);
@@ -472,7 +471,7 @@ impl<'a> Maker<'a> {
     }
 
     /// Parameterises and resamples the disk in a layout.
-    fn finish(&self, candidate: &Candidate, layout: &Layout, way: Way) -> Result<PieceImage> {
+    fn finish(&self, candidate: &Candidate, layout: &Layout, way: Option<Way>) -> Result<PieceImage> {
         let Layout { w, h, shift, ref count, .. } = *layout;
         let placed = candidate
             .border
@@ -481,12 +480,15 @@ impl<'a> Maker<'a> {
         let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
         let fixed = disk.boundary_mask();
         let options = self.options;
-        let enough = if way.whole { usize::MAX / 2 } else { enough(w, h) };
-        let record =
-            parameterize(disk.shape(&fixed), &mut uv, options.passes, &options.newton, enough).ok_or_else(|| {
-                let hint = "remesh the slivers of this piece, or give it more texels";
-                self.fail("parameterize", "no map free of flips was found".into(), hint)
-            })?;
+        let (shape, enough) = (disk.shape(&fixed), enough(w, h));
+        let record = match way {
+            None => parameterize(shape, &mut uv, options.passes, &options.newton, enough),
+            Some(way) => parameterize_by(way, shape, &mut uv, options.passes, &options.newton, enough),
+        }
+        .ok_or_else(|| {
+            let hint = "remesh the slivers of this piece, or give it more texels";
+            self.fail("parameterize", "no map free of flips was found".into(), hint)
+        })?;
         let mut samples = resample(&disk, &uv, &texels, w, h).ok_or_else(|| {
             self.fail("resample", "a texel fell outside the map".into(), "please report it with the input")
         })?;
@@ -533,6 +535,7 @@ impl<'a> Maker<'a> {
             fit,
             verdict,
             tried: Vec::new(),
+            budget: if let Size::Budget(n) = options.size { Some(n) } else { None },
         })
     }
 

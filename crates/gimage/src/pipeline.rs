@@ -57,6 +57,9 @@ const LEAST_TEXELS: u32 = 64;
 /// How much larger than its share the image of a small piece may get to hold its border.
 const STRETCH: u32 = 4;
 
+/// How much larger than its share an image may be before that is worth a warning: the next size that welds is often larger.
+const OVER: f64 = 1.25;
+
 /// Bytes of freed memory that stages hand on. An allocator such as glibc's returns every large buffer to the system, and
 /// each page of the next is a fault again, until one of this size was freed; it is never touched.
 const HANDED_ON: usize = 8 << 20;
@@ -299,6 +302,18 @@ fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
     if !image.closed {
         let text = "The image does not weld to a surface of the piece's own topology; give it more texels.";
         out.push(one(Severity::Warning, "topology", 1, text));
+    }
+    let texels = image.width * image.height;
+    if let Some(budget) = image.budget.filter(|&b| f64::from(texels) > OVER * f64::from(b.max(LEAST_TEXELS))) {
+        out.push(Finding {
+            examples: vec![format!("piece {name}: {} x {} texels, its share is {budget}", image.width, image.height)],
+            ..one(
+                Severity::Warning,
+                "over-budget",
+                1,
+                "The border needs more texels than the piece's share; close small holes, or split the piece.",
+            )
+        });
     }
     if image.moved > 0 {
         let text =

@@ -107,7 +107,6 @@ pub(crate) fn parameterize(
 }
 
 /// As [`parameterize`], by one way only. `None` where that way has no map free of flips.
-#[cfg(test)]
 pub(crate) fn parameterize_by(
     way: Way,
     shape: Shape<'_>,
