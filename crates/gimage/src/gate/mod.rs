@@ -111,7 +111,8 @@ impl<'a> Rated<'a> {
     fn hint(&self) -> &'static str {
         let f = &self.figures;
         let over = |x: Option<f64>, limit: f64| x.is_some_and(|x| x > limit);
-        if over(f.normal_degrees, NORMAL_DEGREES) {
+        let close = f.psnr.is_some_and(|x| x >= PSNR_DB[0]);
+        if close && over(f.normal_degrees, NORMAL_DEGREES) {
             "if it is a thin closed shell, delete its inner layer, or give texels smaller than the shell is thick"
         } else if over(f.stretch, STRETCH) || over(f.outside, OUTSIDE[0]) {
             "remesh its slivers, separate its parts, or give more texels with --texels"
