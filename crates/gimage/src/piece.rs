@@ -388,10 +388,8 @@ impl<'a> Maker<'a> {
                     ladder.take(rung, self.make(&cuts.candidates, size, Some(Way::Whole)).ok());
                 }
             }
-            Rung::Embedded => {
-                if ladder.best().is_some_and(|b| b.parameterize.way != Way::Embedded) {
-                    ladder.take(rung, self.make(&cuts.candidates, size, Some(Way::Embedded)).ok());
-                }
+            Rung::Embedded if ladder.best().is_some_and(|b| b.parameterize.way != Way::Embedded) => {
+                ladder.take(rung, self.make(&cuts.candidates, size, Some(Way::Embedded)).ok());
             }
             Rung::NextCut => {
                 for candidate in &cuts.candidates {
