@@ -101,8 +101,9 @@ pub(crate) fn judge(surface: &Surface, disk: &Disk, uv: &[[f64; 2]], grid: &Grid
         let place = [0, 1].map(|c| (0..3).map(|k| b[k] * uv[t[k] as usize][c]).sum::<f64>());
         let (near, facing) = image.nearest(place, point);
         let normal = cross(sub(q, p), sub(r, p));
-        let cosine = dot(normal, facing) / (norm(normal) * norm(facing)).max(1e-300);
-        (near / diagonal, cosine)
+        let cosine = |facing: [f64; 3]| dot(normal, facing) / (norm(normal) * norm(facing)).max(1e-300);
+        // A texel slid over a sharp edge is no fold: either triangle may speak for the point.
+        (near / diagonal, cosine(facing[0]).max(cosine(facing[1])))
     };
     let found: Vec<(f64, f64)> = (0..POINTS).into_par_iter().with_min_len(CHUNK).map(at).collect();
     let n = POINTS as f64;
@@ -124,9 +125,9 @@ struct Image<'a> {
 }
 
 impl Image<'_> {
-    /// Distance of a point from the triangles of the four quads nearest to its place, and the normal (of any length) of
-    /// the triangle at the place.
-    fn nearest(&self, place: [f64; 2], p: [f64; 3]) -> (f64, [f64; 3]) {
+    /// Distance of a point from the triangles of the four quads nearest to its place, and the normals (of any length) of
+    /// the triangle at the place and of the nearest one.
+    fn nearest(&self, place: [f64; 2], p: [f64; 3]) -> (f64, [[f64; 3]; 2]) {
         let own = [self.cell(place[0], self.columns), self.cell(place[1], self.rows)];
         let beside = |c: usize, n: usize| -> usize {
             let (k, f) = (own[c], place[c] - own[c] as f64);
@@ -134,13 +135,16 @@ impl Image<'_> {
         };
         let other = [beside(0, self.columns), beside(1, self.rows)];
         let mut near = f64::INFINITY;
-        let mut facing = [0.0; 3];
+        let mut facing = [[0.0; 3]; 2];
         for j in [own[1], other[1]] {
             for i in [own[0], other[0]] {
                 for (half, [a, b, c]) in self.quad(i, j).into_iter().enumerate() {
-                    near = near.min(distance(p, closest_on([a, b, c], p)));
+                    let (d, normal) = (distance(p, closest_on([a, b, c], p)), cross(sub(b, a), sub(c, a)));
+                    if d < near {
+                        (near, facing[1]) = (d, normal);
+                    }
                     if [i, j] == own && self.holds(place, [i, j], half) {
-                        facing = cross(sub(b, a), sub(c, a));
+                        facing[0] = normal;
                     }
                 }
             }

@@ -70,8 +70,9 @@ impl Figures {
             hausdorff: quality.hausdorff_rel,
             outside: more(OUTSIDE_KEY),
             stretch: quality.stretch_max,
-            // Measured against the nearest point, a one-sided surface counts as folded, and two layers that touch do too.
-            fold: more(FOLD_KEY).or(quality.fold_area),
+            // Against the nearest point, a one-sided surface counts as folded, and so do two layers that touch; against its
+            // own place, a texel that slid along the surface does. A fold shows in both.
+            fold: [more(FOLD_KEY), quality.fold_area].into_iter().flatten().reduce(f64::min),
             normal_degrees: quality.normal_degrees,
         }
     }
@@ -143,10 +144,12 @@ mod tests {
     }
 
     #[test]
-    fn a_fold_against_its_own_place_is_believed_before_one_against_the_nearest_point() {
+    fn a_fold_counts_where_both_measures_see_it() {
         let mut quality = Quality { fold_area: Some(0.5), ..Quality::default() };
         assert_eq!(Figures::of(&quality).fold, Some(0.5));
-        quality.more.insert(FOLD_KEY.into(), 0.0.into());
+        quality.more.insert(FOLD_KEY.into(), 0.25.into());
+        assert_eq!(Figures::of(&quality).fold, Some(0.25));
+        quality.fold_area = Some(0.0);
         assert_eq!(Figures::of(&quality).fold, Some(0.0));
     }
 }
