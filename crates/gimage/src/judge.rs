@@ -2,13 +2,15 @@
 //!
 //! The map tells where on the image each point of the surface went, so the distance to the texel triangles around that
 //! place bounds the distance to the image from above. The bound is near the true distance for a good map and grows
-//! without limit for a bad one. That is enough to choose between images of one surface and to notice a wreck; the exact
-//! figures are those of [`crate::measure`].
+//! without limit for a bad one. Where the map is far from an isometry, points of the image are compared with the surface
+//! around their place too: texels may then span what the surface does not fill. That is enough to choose between images
+//! of one surface and to notice a wreck; the exact figures are those of [`crate::measure`].
 
 use rayon::prelude::*;
 
 use crate::disk::Disk;
 use crate::grid::Grid;
+use crate::locate::Locator;
 use crate::parameterize::distortion::CHUNK;
 use crate::surface::Surface;
 use crate::vec3::{add, cross, distance, dot, norm, scale, sub};
@@ -19,9 +21,9 @@ const POINTS: usize = 2000;
 /// What an image is worth. Lengths are in units of the diagonal of the surface's bounding box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// Root mean square distance from the surface to the image, at most.
+    /// Root mean square distance from the surface to the image (and back, where the map is far from an isometry), at most.
     pub rms: f64,
-    /// Largest distance from the surface to the image at the points judged, at most.
+    /// Largest of these distances at the points judged, at most.
     pub largest: f64,
     /// How far the farthest texel lies outside the surface's bounding box.
     pub outside: f64,
@@ -67,8 +69,15 @@ pub(crate) fn outside([lo, hi]: [[f64; 3]; 2], points: &[[f64; 3]]) -> f64 {
     points.iter().map(beyond).fold(0.0, f64::max)
 }
 
-/// Judges the image that `grid` makes of a disk mapped to `uv` (in texels). O(triangles) and a few thousand points.
-pub(crate) fn judge(surface: &Surface, disk: &Disk, uv: &[[f64; 2]], grid: &Grid) -> Verdict {
+/// Judges the image that `grid` makes of a disk mapped to `uv` (in texels), in both directions if there is a `locator`.
+/// O(triangles + texels) and a few thousand points.
+pub(crate) fn judge(
+    surface: &Surface,
+    disk: &Disk,
+    uv: &[[f64; 2]],
+    grid: &Grid,
+    locator: Option<&Locator<'_>>,
+) -> Verdict {
     let frame = bounds(surface);
     let diagonal = distance(frame[0], frame[1]);
     let outside = outside(frame, &grid.positions);
@@ -107,9 +116,11 @@ pub(crate) fn judge(surface: &Surface, disk: &Disk, uv: &[[f64; 2]], grid: &Grid
     };
     let found: Vec<(f64, f64)> = (0..POINTS).into_par_iter().with_min_len(CHUNK).map(at).collect();
     let n = POINTS as f64;
+    let back = locator.map_or_else(Vec::new, |l| image.towards(disk, l, diagonal));
+    let rms = |d: &mut dyn Iterator<Item = f64>| (d.map(|x| x * x).sum::<f64>() / n).sqrt();
     Verdict {
-        rms: (found.iter().map(|x| x.0 * x.0).sum::<f64>() / n).sqrt(),
-        largest: found.iter().map(|x| x.0).fold(0.0, f64::max),
+        rms: rms(&mut found.iter().map(|x| x.0)).max(rms(&mut back.iter().copied())),
+        largest: found.iter().map(|x| x.0).chain(back).fold(0.0, f64::max),
         outside,
         folded: found.iter().filter(|x| x.1 < 0.0).count() as f64 / n,
         normal_degrees: found.iter().map(|x| x.1.clamp(-1.0, 1.0).acos().to_degrees()).sum::<f64>() / n,
@@ -150,6 +161,35 @@ impl Image<'_> {
             }
         }
         (near, facing)
+    }
+
+    /// Distances, in units of `diagonal`, of points spread evenly over the image from the surface around their places.
+    fn towards(&self, disk: &Disk, locator: &Locator<'_>, diagonal: f64) -> Vec<f64> {
+        let mut sum = 0.0;
+        let mut cumulative = Vec::with_capacity(2 * self.columns * self.rows);
+        for j in 0..self.rows {
+            for i in 0..self.columns {
+                for [a, b, c] in self.quad(i, j) {
+                    sum += 0.5 * norm(cross(sub(b, a), sub(c, a)));
+                    cumulative.push(sum);
+                }
+            }
+        }
+        if !sum.is_finite() {
+            return vec![f64::INFINITY; POINTS];
+        }
+        let at = |k: usize| {
+            let target = (k as f64 + 0.5) / POINTS as f64 * sum;
+            let t = cumulative.partition_point(|&c| c <= target).min(cumulative.len() - 1);
+            let (i, j) = (t / 2 % self.columns, t / 2 / self.columns);
+            let [a, b, c] = self.quad(i, j)[t % 2];
+            let p = scale(add(add(a, b), c), 1.0 / 3.0);
+            let place = [i as f64 + 0.5, j as f64 + 0.5];
+            let near =
+                |&f: &u32| distance(p, closest_on(disk.triangles[f as usize].map(|v| disk.positions[v as usize]), p));
+            locator.around(place).iter().map(near).fold(f64::INFINITY, f64::min) / diagonal
+        };
+        (0..POINTS).into_par_iter().with_min_len(CHUNK).map(at).collect()
     }
 
     fn cell(&self, x: f64, n: usize) -> usize {
@@ -230,7 +270,7 @@ mod tests {
     fn the_verdict_bounds_the_measured_distance_and_is_near_it() {
         for (name, s) in shapes::all() {
             let (m, grid) = mapped(&s, 24, 20);
-            let v = judge(&s, &m.disk, &m.uv, &grid);
+            let v = judge(&s, &m.disk, &m.uv, &grid, None);
             let options = MeasureOptions { samples: 20_000, seed: 1 };
             let q = measure(&s.positions, &s.triangles, &grid.positions, &grid.triangulate(), &options).unwrap();
             let true_rms = q.rms_source_to_image / q.diagonal;
@@ -242,9 +282,31 @@ mod tests {
     }
 
     #[test]
+    fn texels_over_what_the_surface_does_not_fill_are_seen_from_the_image() {
+        // A frame: its middle, a third of each side, is open.
+        let all = shapes::rectangle(24, 24, 1.0, 1.0);
+        let s = shapes::without(&all, |t| {
+            let p = all.corners(t).iter().fold([0.0; 3], |m, p| [m[0] + p[0] / 3.0, m[1] + p[1] / 3.0, 0.0]);
+            p[0].max(p[1]) < 2.0 / 3.0 && p[0].min(p[1]) > 1.0 / 3.0
+        });
+        let (m, mut grid) = mapped(&s, 40, 40);
+        let locator = Locator::new(&m.disk, &m.uv, m.w as usize, m.h as usize);
+        let before = judge(&s, &m.disk, &m.uv, &grid, Some(&locator));
+        assert!(before.largest < 0.05, "{before:?}");
+        // A texel of the inner rim goes to the middle of the opening.
+        let near = |p: &[f64; 3]| distance(*p, [0.5, 0.5, 0.0]);
+        let k = (0..grid.positions.len())
+            .min_by(|&a, &b| near(&grid.positions[a]).total_cmp(&near(&grid.positions[b])))
+            .unwrap();
+        grid.positions[k] = [0.5, 0.5, 0.0];
+        let (there, both) = (judge(&s, &m.disk, &m.uv, &grid, None), judge(&s, &m.disk, &m.uv, &grid, Some(&locator)));
+        assert!(both.rms > 2.0 * there.rms.max(before.rms), "{there:?} {both:?}");
+    }
+
+    #[test]
     fn a_one_sided_surface_is_not_folded() {
         let (m, grid) = mapped(&shapes::moebius(96, 8), 48, 12);
-        let v = judge(&shapes::moebius(96, 8), &m.disk, &m.uv, &grid);
+        let v = judge(&shapes::moebius(96, 8), &m.disk, &m.uv, &grid, None);
         assert!(v.folded < 0.002 && v.normal_degrees < 10.0, "{v:?}");
     }
 
@@ -252,14 +314,14 @@ mod tests {
     fn a_texel_far_out_and_a_fold_are_seen() {
         let s = shapes::rectangle(16, 16, 1.0, 1.0);
         let (m, good) = mapped(&s, 32, 32);
-        let clean = judge(&s, &m.disk, &m.uv, &good);
+        let clean = judge(&s, &m.disk, &m.uv, &good, None);
         assert!(clean.rms < 1e-9 && clean.folded == 0.0 && clean.outside == 0.0, "{clean:?}");
         let mut far = good.clone();
         far.positions[33 * 16 + 16][2] = 10.0 * 2f64.sqrt();
-        assert!((judge(&s, &m.disk, &m.uv, &far).outside - 10.0).abs() < 1e-9);
+        assert!((judge(&s, &m.disk, &m.uv, &far, None).outside - 10.0).abs() < 1e-9);
         let mut folded = good;
         folded.positions[33 * 8..33 * 20].iter_mut().for_each(|p| p[1] = 0.6 - p[1]);
-        let v = judge(&s, &m.disk, &m.uv, &folded);
+        let v = judge(&s, &m.disk, &m.uv, &folded, None);
         assert!(v.folded > 0.2 && v.normal_degrees > 30.0, "{v:?}");
     }
 

@@ -41,6 +41,13 @@ impl<'a> Locator<'a> {
         Self { disk, uv, w, h, first, triangles }
     }
 
+    /// The disk triangles whose image meets the box of the cell that holds a point of the rectangle.
+    pub(crate) fn around(&self, q: [f64; 2]) -> &[u32] {
+        let cell = |x: f64, n: usize| (x.max(0.0) as usize).min(n - 1);
+        let cell = cell(q[1], self.h) * self.w + cell(q[0], self.w);
+        &self.triangles[self.first[cell] as usize..self.first[cell + 1] as usize]
+    }
+
     /// The place on the disk of a point of the rectangle, in cells; the most central triangle where rounding leaves a
     /// choice. `None` outside the rectangle.
     pub(crate) fn at(&self, q: [f64; 2]) -> Option<Sample> {

@@ -13,6 +13,7 @@ use crate::grow::{GrowOptions, Grown, grow, hidden_costs};
 use crate::judge::{self, Verdict, judge};
 use crate::ladder::{Ladder, Rung, Tried};
 use crate::layout::{self, Found, Layout, Proxy, SearchOptions, Size};
+use crate::locate::Locator;
 use crate::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
 use crate::parameterize::distortion::{self, Distortion};
 use crate::parameterize::{NewtonOptions, ParameterizeRecord, Way, parameterize, parameterize_by};
@@ -250,6 +251,10 @@ pub(crate) fn image(
         }
     }
 }
+
+/// Energy or stretch of a map above which its image is judged in both directions: texels may then span what the surface
+/// does not fill. Maps of clean garments stay below it.
+const FAR: f64 = 15.0;
 
 /// Triangles times rungs after which no further rung is tried: the ladder's share of the time stays bounded.
 const WORK: usize = 4_000_000;
@@ -509,9 +514,12 @@ impl<'a> Maker<'a> {
         let distortion = distortion::measure(&disk.positions, &disk.triangles, &uv);
         let (columns, rows) = (w as usize + 1, h as usize + 1);
         let mut grid = Grid { links, ..Grid::new(columns, rows, points) };
-        let mut verdict = judge(self.surface, &disk, &uv, &grid);
+        let far = distortion.symmetric_dirichlet > FAR || distortion.linf > FAR;
+        let locator = far.then(|| Locator::new(&disk, &uv, w as usize, h as usize));
+        let judged = |grid: &Grid| judge(self.surface, &disk, &uv, grid, locator.as_ref());
+        let mut verdict = judged(&grid);
         let fit = match &options.sampling {
-            Sampling::Fit(fit) => Some(self.fit(&disk, &uv, &mut grid, &loop_of, (fit, &mut verdict))),
+            Sampling::Fit(fit) => Some(self.fit(&disk, &uv, &mut grid, &loop_of, fit, &mut verdict, &judged)),
             Sampling::Point => None,
         };
         let expected = Expected { euler: self.cutter.euler(), loops: self.cutter.loops().len() };
@@ -537,14 +545,16 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// Fits the texels where that comes closer than sampling, and says so. `verdict` is that of the sampled texels.
+    /// Fits the texels where that comes closer than sampling, as `judged`. `verdict` is that of the sampled texels.
     fn fit(
         &self,
         disk: &Disk,
         uv: &[[f64; 2]],
         grid: &mut Grid,
         loop_of: &[u32],
-        (options, verdict): (&FitOptions, &mut Verdict),
+        options: &FitOptions,
+        verdict: &mut Verdict,
+        judged: &dyn Fn(&Grid) -> Verdict,
     ) -> FitRecord {
         let rings: Vec<Vec<u32>> = grid.rings().collect();
         let rim: Vec<bool> = loop_of.iter().map(|&l| l != disk::NONE).collect();
@@ -554,7 +564,7 @@ impl<'a> Maker<'a> {
             return FitRecord::Failed;
         }
         let back = fit::restrain(&mut grid.positions, &sampled, &image);
-        let fitted = judge(self.surface, disk, uv, grid);
+        let fitted = judged(grid);
         // What differs by less than f32 can hold is equal: a flat piece is exact either way.
         if fitted.badness() <= verdict.badness().max(1e-7) {
             *verdict = fitted;
