@@ -9,6 +9,7 @@ use crate::attributes::{attributes, places};
 use crate::component::Component;
 use crate::disk::NONE;
 use crate::error::{Error, Result};
+use crate::facing::facing;
 use crate::locate::Locator;
 use crate::mass::{MassOptions, Masses, mass};
 use crate::measure::{MeasureOptions, Quality, measure};
@@ -229,6 +230,9 @@ fn map_quality(image: &PieceImage, rest: &RestLengths, mass: &Masses) -> Manifes
         flips: Some(d.flips as u64),
         ..ManifestQuality::default()
     };
+    let facing = facing(&image.disk, &image.samples, &image.grid);
+    quality.more.insert("fold_local".into(), json!(facing.fold_area));
+    quality.more.insert("normal_degrees_local".into(), json!(facing.normal_degrees));
     if let Some(a) = spring_anisotropy(&image.grid, rest) {
         quality.spring_anisotropy = Some(a.longest_to_shortest);
         quality.more.insert("spring_p99_to_p1".into(), json!(a.p99_to_p1));
@@ -277,7 +281,7 @@ impl Measured {
 
 fn distances(q: &Quality, known: ManifestQuality) -> ManifestQuality {
     let rms = q.rms_source_to_image.max(q.rms_image_to_source);
-    ManifestQuality {
+    let mut out = ManifestQuality {
         psnr: q.psnr.is_finite().then_some(q.psnr),
         rms: Some(rms),
         rms_rel: (q.diagonal > 0.0).then(|| rms / q.diagonal),
@@ -287,7 +291,11 @@ fn distances(q: &Quality, known: ManifestQuality) -> ManifestQuality {
         normal_degrees: Some(q.normal_error_mean),
         fold_area: Some(q.fold_area),
         ..known
-    }
+    };
+    out.more.insert("samples".into(), json!(q.samples));
+    // Where queries are expensive the largest distances are sampled too.
+    out.more.insert("sampled_vertices".into(), json!(q.vertices));
+    out
 }
 
 /// The whole garment: RMS distances by area, the largest of the largest, the diagonal of all pieces together.
@@ -318,6 +326,7 @@ pub(crate) fn summary(measured: &[Measured], pieces: &[Piece<'_>]) -> Measured {
         fold_area: mean(&|q| q.fold_area),
         area_ratio: mean(&|q| q.area_ratio),
         samples: first.samples,
+        vertices: known.iter().map(|(q, _)| q.vertices).fold(1.0, f64::min),
     };
     Measured { quality: Some(quality), area }
 }

@@ -4,12 +4,13 @@
 //! its three sides: a region test on a needle can name the wrong side, the least of four points on it cannot.
 
 use crate::frame::{Frame, usable_corners, used_positions};
-use crate::vec3::{add, cross, dot, norm, scale, sub};
+use crate::vec3::{add, cross, dot, norm, normalize, scale, sub};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d_f64::query::PointQuery;
 use rayon::prelude::*;
+use std::cell::Cell;
 
 /// A point of a mesh nearest to a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +31,20 @@ pub struct Closest {
     tree: Bvh,
     corners: Vec<[[f64; 3]; 3]>,
     ids: Vec<u32>,
+    /// Unit normals; zero where the corners do not tell them surely.
+    normals: Vec<[f64; 3]>,
     sliver: Vec<bool>,
 }
 
 /// What a triangle without an area adds to its distance, in units of the mesh's size, to lose ties against neighbours
 /// that have a normal.
 const SLIVER_COST: f64 = 1e-12;
+
+/// Twice the area over the square of the longer of two sides above which a triangle's normal is sure to 1e-9.
+const SURE: f64 = 1e-6;
+
+/// More than what a sure normal can be wrong about a distance to the plane, in units of the mesh's size.
+const PLANE_ERROR: f64 = 1e-8;
 
 impl Closest {
     /// Builds the tree, O(n log n).
@@ -48,14 +57,14 @@ impl Closest {
             Aabb::new(a.min(b).min(c), a.max(b).max(c))
         });
         let tree = Bvh::from_iter(BvhBuildStrategy::Binned, boxes.enumerate());
-        let sliver = corners
-            .iter()
-            .map(|&[a, b, c]| {
-                let (ab, ac) = (sub(b, a), sub(c, a));
-                norm(cross(ab, ac)) <= 1e-12 * dot(ab, ab).max(dot(ac, ac))
-            })
-            .collect();
-        Self { frame, tree, corners, ids, sliver }
+        let flatness = |&[a, b, c]: &[[f64; 3]; 3]| {
+            let (ab, ac) = (sub(b, a), sub(c, a));
+            (cross(ab, ac), dot(ab, ab).max(dot(ac, ac)))
+        };
+        let sliver = corners.iter().map(flatness).map(|(n, side2)| norm(n) <= 1e-12 * side2).collect();
+        let normal = |(n, side2): ([f64; 3], f64)| if norm(n) > SURE * side2 { normalize(n) } else { [0.0; 3] };
+        let normals = corners.iter().map(flatness).map(normal).collect();
+        Self { frame, tree, corners, ids, normals, sliver }
     }
 
     /// Whether there is nothing to find.
@@ -66,28 +75,43 @@ impl Closest {
     /// The nearest point; `None` if the mesh is empty or `p` not finite. Among equally near triangles the choice is
     /// arbitrary but always the same.
     pub fn project(&self, p: [f64; 3]) -> Option<Nearest> {
+        self.counted(p).0
+    }
+
+    /// [`Closest::project`], and how many boxes and triangles it looked at: its cost, the same on every machine.
+    pub(crate) fn counted(&self, p: [f64; 3]) -> (Option<Nearest>, u32) {
         if !p.iter().all(|x| x.is_finite()) {
-            return None;
+            return (None, 0);
         }
         // Far beyond the mesh the squares would overflow; the answer does not change out there.
         let q = self.frame.inward(p).map(|x| x.clamp(-1e100, 1e100));
         let at = Vector::new(q[0], q[1], q[2]);
-        let (leaf, (_, (weights, gap))) = self.tree.find_best(
+        let visits = Cell::new(0u32);
+        let visit = || visits.set(visits.get().saturating_add(1));
+        let found = self.tree.find_best(
             f64::MAX,
-            |node, _| node.aabb().distance_to_local_point(at, true),
-            |leaf, _| {
+            |node, _| {
+                visit();
+                node.aabb().distance_to_local_point(at, true)
+            },
+            |leaf, best| {
+                visit();
                 let k = leaf as usize;
+                // The plane is no farther than the triangle: where triangles overlap most end here.
+                if dot(self.normals[k], sub(q, self.corners[k][0])).abs() > best * (1.0 + PLANE_ERROR) + PLANE_ERROR {
+                    return None;
+                }
                 let (weights, gap) = nearest_on_triangle(q, &self.corners[k]);
                 Some((gap + if self.sliver[k] { SLIVER_COST } else { 0.0 }, (weights, gap)))
             },
-        )?;
-        let point = blend(&self.corners[leaf as usize], weights);
-        Some(Nearest {
-            point: self.frame.outward(point),
+        );
+        let near = found.map(|(leaf, (_, (weights, gap)))| Nearest {
+            point: self.frame.outward(blend(&self.corners[leaf as usize], weights)),
             triangle: self.ids[leaf as usize],
             barycentric: weights,
             distance: gap * self.frame.size,
-        })
+        });
+        (near, visits.get())
     }
 
     /// [`Closest::project`] for many points, in their order whatever the number of threads.
@@ -200,6 +224,27 @@ mod tests {
         for t in [[[0, 1, 2], [0, 1, 3]], [[0, 1, 3], [0, 1, 2]]] {
             let n = Closest::new(&p, &t).project([0.5, -1.0, 0.0]).unwrap();
             assert_eq!(t[n.triangle as usize], [0, 1, 3]);
+        }
+    }
+
+    #[test]
+    fn triangles_that_overlap_are_told_apart_exactly() {
+        let mut draw = crate::shapes::random(5);
+        let mut coordinate = || draw(1 << 20) as f64 / f64::from(1 << 20) - 0.5;
+        let mut positions: Vec<P> = (0..600).map(|_| [0, 1, 2].map(|_| coordinate())).collect();
+        // Needles, whose normals are not sure, among them.
+        for k in (0..600).step_by(30) {
+            positions[k + 2] = crate::vec3::lerp(positions[k], positions[k + 1], 0.3).map(|x| x + 1e-13 * coordinate());
+        }
+        let triangles: Vec<[u32; 3]> = (0..200).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let c = Closest::new(&positions, &triangles);
+        for far in [1.0, 1e3, 1e9] {
+            for _ in 0..200 {
+                let p = [0, 1, 2].map(|_| far * coordinate());
+                let (near, visits) = c.counted(p);
+                assert!((near.unwrap().distance - brute(p, &positions, &triangles)).abs() <= 1e-12 * far);
+                assert!(visits > 0);
+            }
         }
     }
 

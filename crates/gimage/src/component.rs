@@ -13,10 +13,13 @@ use crate::surface::Surface;
 /// How components are told apart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComponentOptions {
-    /// Components under this share of the total area are accessories, 0..=1, default 0.01. Larger makes fewer pieces;
-    /// 0 makes every component a piece.
+    /// Components under this share of the total area are accessories, 0..=[`ALWAYS_PIECE`], default 0.01. Larger makes
+    /// fewer pieces; 0 makes every component a piece. A larger value counts as [`ALWAYS_PIECE`].
     pub accessory_area: f64,
 }
+
+/// Share of the total area from which a component is always a piece, whatever else would make it an accessory.
+pub const ALWAYS_PIECE: f64 = 0.1;
 
 impl Default for ComponentOptions {
     fn default() -> Self {
@@ -72,14 +75,15 @@ pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
     }
     names::assign(mesh, &mut found);
     let share = |c: &Component| c.area / total;
-    let pieces = found.partition_point(|c| c.area >= options.accessory_area * total);
+    let least = options.accessory_area.min(ALWAYS_PIECE);
+    let pieces = found.partition_point(|c| c.area >= least * total);
     out.accessories = found.split_off(pieces);
     out.pieces = found;
 
     let words =
         |c: &Component| format!("{}: {} triangles, {:.2} % of the area", c.name, c.triangles.len(), 100.0 * share(c));
     let examples: Vec<String> = out.accessories.iter().take(MAX_EXAMPLES).map(words).collect();
-    let (count, limit) = (out.accessories.len(), 100.0 * options.accessory_area);
+    let (count, limit) = (out.accessories.len(), 100.0 * least);
     if out.pieces.is_empty() {
         let message = format!("none of {count} components has {limit} % of the area; the largest is {}", examples[0]);
         out.findings.push(finding(Severity::Warning, "no-piece", count, examples, message));
@@ -203,11 +207,30 @@ mod tests {
         }
     }
 
+    /// `n` triangles of one size.
+    fn confetti(n: u32) -> Mesh {
+        let corners = |k: u32| [[0., 0.], [1., 0.], [0., 1.]].map(|[x, y]| [x + 2.0 * f64::from(k), y, 0.0]);
+        Mesh {
+            positions: (0..n).flat_map(corners).collect(),
+            triangles: (0..n).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
+            triangle_part: vec![0; n as usize],
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn a_tenth_of_the_area_is_never_an_accessory() {
+        let s = split(&confetti(10), &ComponentOptions { accessory_area: 0.9 });
+        assert_eq!((s.pieces.len(), s.accessories.len()), (10, 0));
+        let s = split(&confetti(11), &ComponentOptions { accessory_area: 0.9 });
+        assert_eq!((s.pieces.len(), s.accessories.len()), (0, 11));
+    }
+
     #[test]
     fn nothing_large_enough_is_said() {
-        let s = split(&mesh(), &ComponentOptions { accessory_area: 0.9 });
+        let s = split(&confetti(20), &ComponentOptions { accessory_area: 0.1 });
         assert!(s.pieces.is_empty());
-        assert_eq!((s.accessories.len(), s.findings[0].kind), (3, "no-piece"));
+        assert_eq!((s.accessories.len(), s.findings[0].kind), (20, "no-piece"));
         let nothing = split(&Mesh::default(), &ComponentOptions::default());
         assert!(nothing.pieces.is_empty() && nothing.accessories.is_empty());
     }

@@ -1,7 +1,9 @@
 //! How well an image stands for the mesh it was made from: distances both ways, normals and folds.
 //!
-//! Samples are spread evenly over both surfaces; maxima also take every vertex. Sums run in the order of the samples, so
-//! the numbers do not depend on the number of threads.
+//! Samples are spread evenly over both surfaces; maxima also take every vertex. Where triangles overlap so much that a
+//! query is expensive (a crumpled sheet, a soup), fewer samples are taken, and fewer vertices: the work has a limit, which
+//! [`Quality::samples`] and [`Quality::vertices`] tell. Sums run in the order of the samples, and work is counted in boxes
+//! and triangles looked at, so the numbers depend neither on the number of threads nor on the machine.
 
 use crate::closest::Closest;
 use crate::frame::{Frame, usable_corners, used_positions};
@@ -13,7 +15,8 @@ use serde::Serialize;
 /// Options of [`measure`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct MeasureOptions {
-    /// Samples on each surface, 1 or more, default 100,000. Larger: surer numbers, more time.
+    /// Samples on each surface, 1 or more, default 100,000. Larger: surer numbers, more time. Fewer are taken where a
+    /// query looks at more than [`VISITS`] boxes and triangles in the mean.
     pub samples: usize,
     /// Which samples, default 1. No direction is better.
     pub seed: u64,
@@ -24,6 +27,16 @@ impl Default for MeasureOptions {
         Self { samples: 100_000, seed: 1 }
     }
 }
+
+/// Boxes and triangles that a query may look at in the mean; some 50 on a clean garment. Beyond, fewer samples are taken,
+/// so that all together look at no more.
+pub const VISITS: f64 = 500.0;
+
+/// Samples that tell what a query costs.
+const PILOT: usize = 256;
+
+/// Samples that are taken whatever they cost.
+const LEAST_SAMPLES: usize = 500;
 
 /// What [`measure`] finds. "Relative" is in units of the source's bounding-box diagonal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -44,17 +57,24 @@ pub struct Quality {
     pub hausdorff: f64,
     /// The larger of the two, relative.
     pub hausdorff_relative: f64,
-    /// Mean angle between the source's normal and that of the nearest triangle of the image \[degrees\].
+    /// Mean angle between the source's normal and that of the nearest triangle of the image \[degrees\], 0..=180; 0..=90
+    /// where the source is one-sided, as normals then have no sign.
     pub normal_error_mean: f64,
-    /// Share of the image's surface that faces against the source.
+    /// Share of the image's surface that faces against the source's nearest triangle; 0 where the source is one-sided.
     pub fold_area: f64,
     /// Area of the image's surface / area of the source.
     pub area_ratio: f64,
-    /// Samples on each surface.
+    /// Samples on each surface: as many as asked for, or fewer where queries are expensive.
     pub samples: usize,
+    /// Share of the vertices of both surfaces that the largest distances were taken at, 0..=1: 1 unless queries are
+    /// expensive.
+    pub vertices: f64,
 }
 
 /// Compares two surfaces; `None` if either has no usable triangle or the source no extent.
+///
+/// Cost: O(n log n) to prepare n triangles, then at most [`VISITS`] boxes and triangles per sample asked for and side, and
+/// as many for the vertices.
 pub fn measure(
     source_positions: &[[f64; 3]],
     source_triangles: &[[u32; 3]],
@@ -70,12 +90,17 @@ pub fn measure(
     if diagonal == 0.0 {
         return None;
     }
-    let n = options.samples.max(1);
-    let to_image = source.towards(&image, n, options.seed);
-    let to_source = image.towards(&source, n, options.seed.wrapping_add(1));
+    let asked = options.samples.max(1);
+    let cost = source.cost(&image, asked, options.seed).max(image.cost(&source, asked, options.seed.wrapping_add(1)));
+    let n = affordable(asked, cost, asked);
+    let most = |side: &Side| affordable(side.vertices.len(), cost, asked);
+    let to_image = source.towards(&image, n, options.seed, most(&source));
+    let to_source = image.towards(&source, n, options.seed.wrapping_add(1), most(&image));
     // The image may wind either way; what counts is where it faces against itself.
     let sign = if to_source.cosines.iter().sum::<f64>() >= 0.0 { 1.0 } else { -1.0 };
-    let degrees = |c: &f64| (sign * c).clamp(-1.0, 1.0).acos().to_degrees();
+    let one_sided = winds_against_itself(source_triangles);
+    let facing = |c: &f64| if one_sided { c.abs() } else { sign * c };
+    let degrees = |c: &f64| facing(c).clamp(-1.0, 1.0).acos().to_degrees();
     let rms = to_image.rms.max(to_source.rms);
     let largest = to_image.largest.max(to_source.largest);
     let source_area = Sampler::new(&source.corners, n, 0).area();
@@ -90,10 +115,25 @@ pub fn measure(
         hausdorff: largest * frame.size,
         hausdorff_relative: largest / diagonal,
         normal_error_mean: to_image.cosines.iter().map(degrees).sum::<f64>() / n as f64,
-        fold_area: to_source.cosines.iter().filter(|&&c| sign * c < 0.0).count() as f64 / n as f64,
+        fold_area: to_source.cosines.iter().filter(|c| facing(c) < 0.0).count() as f64 / n as f64,
         area_ratio: if source_area > 0.0 { image_area / source_area } else { 0.0 },
         samples: n,
+        vertices: (to_image.vertices + to_source.vertices) as f64
+            / (source.vertices.len() + image.vertices.len()) as f64,
     })
+}
+
+/// How many of `wanted` queries fit into the work that `asked` samples may make, at `cost` each.
+fn affordable(wanted: usize, cost: f64, asked: usize) -> usize {
+    let most = (VISITS * asked as f64 / cost.max(1.0)) as usize;
+    wanted.min(most.max(LEAST_SAMPLES))
+}
+
+/// Whether two triangles run along an edge the same way, as they must somewhere on a one-sided surface.
+fn winds_against_itself(triangles: &[[u32; 3]]) -> bool {
+    let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+    edges.sort_unstable();
+    edges.windows(2).any(|e| e[0] == e[1])
 }
 
 /// One of the two surfaces.
@@ -101,6 +141,8 @@ struct Side {
     corners: Vec<[[f64; 3]; 3]>,
     /// Unit, or zero where a triangle has no area.
     normals: Vec<[f64; 3]>,
+    /// The corners, each place once.
+    vertices: Vec<[f64; 3]>,
     closest: Closest,
 }
 
@@ -110,6 +152,8 @@ struct Towards {
     largest: f64,
     /// Of the angle between the two normals, a sample each; 0 where one of them has none.
     cosines: Vec<f64>,
+    /// Vertices that were asked.
+    vertices: usize,
 }
 
 impl Side {
@@ -122,7 +166,19 @@ impl Side {
         let flat: Vec<[f64; 3]> = corners.iter().flatten().copied().collect();
         let indices: Vec<[u32; 3]> = (0..corners.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
         let normals = corners.iter().map(|&[a, b, c]| unit_normal(a, b, c)).collect();
-        Some(Self { closest: Closest::new(&flat, &indices), corners, normals })
+        let closest = Closest::new(&flat, &indices);
+        let mut vertices = flat;
+        vertices.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        vertices.dedup();
+        Some(Self { corners, normals, vertices, closest })
+    }
+
+    /// What a query of a sample costs in the mean, in boxes and triangles of the other side.
+    fn cost(&self, other: &Side, n: usize, seed: u64) -> f64 {
+        let (sampler, pilot) = (Sampler::new(&self.corners, n, seed), PILOT.min(n.div_ceil(64)));
+        let visits: Vec<u32> =
+            (0..pilot).into_par_iter().map(|k| other.closest.counted(sampler.at(k * n / pilot).0).1).collect();
+        visits.iter().map(|&v| f64::from(v)).sum::<f64>() / pilot as f64
     }
 
     fn bounds(&self) -> ([f64; 3], [f64; 3]) {
@@ -131,7 +187,8 @@ impl Side {
         (side(f64::min, f64::INFINITY), side(f64::max, f64::NEG_INFINITY))
     }
 
-    fn towards(&self, other: &Side, n: usize, seed: u64) -> Towards {
+    /// From `n` samples and, for the largest, `most` of the vertices.
+    fn towards(&self, other: &Side, n: usize, seed: u64, most: usize) -> Towards {
         let sampler = Sampler::new(&self.corners, n, seed);
         let hits: Vec<(f64, f64)> = (0..n)
             .into_par_iter()
@@ -141,15 +198,15 @@ impl Side {
                 hit.map_or((0.0, 0.0), |h| (h.distance, dot(self.normals[t], other.normals[h.triangle as usize])))
             })
             .collect();
-        let mut vertices: Vec<[f64; 3]> = self.corners.iter().flatten().copied().collect();
-        vertices.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-        vertices.dedup();
-        let at_vertices = other.closest.project_all(&vertices);
+        let all = self.vertices.len();
+        let chosen: Vec<[f64; 3]> = (0..most).map(|k| self.vertices[k * all / most]).collect();
+        let at_vertices = other.closest.project_all(&chosen);
         let largest = hits.iter().map(|h| h.0).chain(at_vertices.iter().flatten().map(|h| h.distance));
         Towards {
             rms: (hits.iter().map(|h| h.0 * h.0).sum::<f64>() / n as f64).sqrt(),
             largest: largest.fold(0.0, f64::max),
             cosines: hits.iter().map(|h| h.1).collect(),
+            vertices: most,
         }
     }
 }
@@ -218,6 +275,15 @@ mod tests {
     }
 
     #[test]
+    fn a_one_sided_surface_is_not_folded() {
+        for s in [crate::shapes::moebius(40, 6), crate::shapes::klein(32, 16)] {
+            let o = MeasureOptions { samples: 2000, seed: 1 };
+            let m = measure(&s.positions, &s.triangles, &s.positions, &s.triangles, &o).unwrap();
+            assert!(m.fold_area == 0.0 && m.normal_error_mean < 2.0, "{m:?}");
+        }
+    }
+
+    #[test]
     fn the_numbers_do_not_depend_on_threads_or_place() {
         let (p, t) = square(8, |u, v| u * v);
         let (q, s) = square(5, |u, v| u * v);
@@ -230,6 +296,30 @@ mod tests {
         let moved = |v: &[[f64; 3]]| v.iter().map(|p| p.map(|x| 1e-9 * (x + 64.0))).collect::<Vec<_>>();
         let m = measure(&moved(&p), &t, &moved(&q), &s, &o).unwrap();
         assert!((m.psnr - run(1).psnr).abs() < 1e-9);
+    }
+
+    /// A grid whose vertices lie anywhere in a cube: every triangle's box overlaps a tenth of all others.
+    fn crumpled(n: usize) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        let mut draw = crate::shapes::random(11);
+        let (_, t) = square(n, |_, _| 0.0);
+        ((0..n * n).map(|_| [0, 1, 2].map(|_| draw(1 << 20) as f64 / f64::from(1 << 20))).collect(), t)
+    }
+
+    #[test]
+    fn a_crumpled_sheet_is_measured_with_bounded_work() {
+        let (p, t) = crumpled(120);
+        let (q, s) = (p.iter().map(|p| p.map(|x| x + 1e-3)).collect::<Vec<_>>(), t.clone());
+        let o = MeasureOptions { samples: 4000, seed: 1 };
+        let m = measure(&p, &t, &q, &s, &o).unwrap();
+        assert!(m.samples < o.samples && m.samples >= LEAST_SAMPLES, "{m:?}");
+        assert!(m.vertices < 1.0 && m.vertices > 0.0, "{m:?}");
+        // The figures stay: no point is farther than the sheet was moved.
+        let moved = 1e-3 * 3f64.sqrt();
+        assert!(m.hausdorff <= moved * (1.0 + 1e-9) && m.rms_source_to_image > 0.02 * moved, "{m:?}");
+        // A clean sheet is measured in full.
+        let (p, t) = square(30, |u, v| 0.1 * (6.0 * u).sin() * v);
+        let m = measure(&p, &t, &p, &t, &o).unwrap();
+        assert_eq!((m.samples, m.vertices), (o.samples, 1.0));
     }
 
     #[test]

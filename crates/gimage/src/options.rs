@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use crate::component::ComponentOptions;
+use crate::component::{ALWAYS_PIECE, ComponentOptions};
 use crate::error::{Error, Result};
 use crate::import::ImportOptions;
 use crate::mass::MassOptions;
@@ -145,8 +145,9 @@ impl BuildOptions {
             _ => {}
         }
         let a = self.component.accessory_area;
-        if !(0.0..=1.0).contains(&a) {
-            return Err(bad("accessory-area", format!("{a}"), "give a share of the area from 0 to 1"));
+        if !(0.0..=ALWAYS_PIECE).contains(&a) {
+            let hint = format!("give a share of the area from 0 to {ALWAYS_PIECE}; larger parts are always pieces");
+            return Err(bad("accessory-area", format!("{a}"), &hint));
         }
         if !(0.0..=1.0).contains(&self.detail) {
             return Err(bad("detail", format!("{}", self.detail), "give a number from 0 to 1"));
@@ -222,6 +223,7 @@ mod tests {
             ("spacing", ImageSize::Spacing(f64::NAN)),
         ];
         let mut found: Vec<_> = sizes.into_iter().map(|(name, s)| (name, with(&|o| o.size = s))).collect();
+        found.push(("accessory-area", with(&|o| o.component.accessory_area = 0.11)));
         for x in [-0.1, 1.1, f64::NAN] {
             found.push(("accessory-area", with(&|o| o.component.accessory_area = x)));
             found.push(("detail", with(&|o| o.detail = x)));

@@ -9,7 +9,8 @@ use rayon::prelude::*;
 
 use crate::accessory::{Rider, anchor};
 use crate::assemble::{assemble, measure_piece, summary};
-use crate::component::{Component, extract, split};
+use crate::budget::{self, Made};
+use crate::component::{ALWAYS_PIECE, Component, extract, split};
 use crate::error::{Error, Result};
 use crate::gate;
 use crate::import::import;
@@ -51,9 +52,6 @@ impl Run<'_> {
     }
 }
 
-/// Least texels of a piece's image: below this a component is an accessory.
-const LEAST_TEXELS: u32 = 64;
-
 /// How much larger than its share the image of a small piece may get to hold its border.
 const STRETCH: u32 = 4;
 
@@ -92,20 +90,29 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
         Ok(parts)
     })?;
     let total: f64 = parts.pieces.iter().map(|p| p.area).sum();
-    let made = run.stage(Stage::Image, parts.pieces.len(), |_| {
+    let made = run.stage(Stage::Image, parts.pieces.len(), |report| {
+        let one = |component: &Component, share| {
+            if progress.cancelled() {
+                return Err(Error::Cancelled);
+            }
+            make(&mesh, component, total, share, options)
+        };
+        let shares = shares(&parts.pieces, options)?;
         let made: Vec<Result<Outcome>> = parts
             .pieces
             .par_iter()
-            .map(|component| {
-                if progress.cancelled() {
-                    return Err(Error::Cancelled);
-                }
-                let out = make(&mesh, component, total, options);
+            .zip(&shares)
+            .map(|(component, &share)| {
+                let out = one(component, share);
                 progress.step(Stage::Image);
                 out
             })
             .collect();
-        made.into_iter().collect::<Result<Vec<_>>>()
+        let mut made = made.into_iter().collect::<Result<Vec<_>>>()?;
+        if let ImageSize::Texels(texels) = options.size {
+            report.findings.extend(keep_budget(&parts.pieces, &shares, &mut made, texels, &one)?);
+        }
+        Ok(made)
     })?;
     let (mut pieces, mut riders) = (Vec::new(), Vec::new());
     for (component, outcome) in parts.pieces.iter().zip(made) {
@@ -167,36 +174,62 @@ enum Outcome {
     Accessory(String),
 }
 
-fn make(mesh: &Mesh, component: &Component, total: f64, options: &BuildOptions) -> Result<Outcome> {
-    let share = component.area / total;
-    let budget = match options.size {
-        ImageSize::Texels(n) => Some((f64::from(n) * share).floor() as u32),
-        ImageSize::Exact(..) => None,
+/// What a component may have of the texels.
+#[derive(Clone, Copy)]
+enum Share {
+    /// An exact size, whatever the area.
+    Exact,
+    /// So many texels.
+    Texels(u32),
+    /// Too few for an image.
+    TooSmall,
+}
+
+/// The share of each component, in their order.
+fn shares(components: &[Component], options: &BuildOptions) -> Result<Vec<Share>> {
+    let total: f64 = components.iter().map(|c| c.area).sum();
+    match options.size {
+        ImageSize::Exact(..) => Ok(vec![Share::Exact; components.len()]),
+        ImageSize::Texels(n) => {
+            let areas: Vec<f64> = components.iter().map(|c| c.area).collect();
+            let share = |s: Option<u32>| s.map_or(Share::TooSmall, Share::Texels);
+            Ok(budget::share_out(&areas, n).into_iter().map(share).collect())
+        }
         ImageSize::Spacing(d) => {
-            let texels = component.area / (d * d);
-            if texels > f64::from(gimage_bundle::MAX_PARTICLES) {
-                return Err(Error::TooLarge {
-                    what: format!("piece {} at a spacing of {d} m", component.name),
-                    need: format!("{texels:.0} texels"),
-                    limit: format!("{} texels", gimage_bundle::MAX_PARTICLES),
-                    hint: "give a larger spacing".into(),
-                });
-            }
-            Some(texels.ceil() as u32)
+            let share = |component: &Component| {
+                let texels = component.area / (d * d);
+                if texels > f64::from(gimage_bundle::MAX_PARTICLES) {
+                    return Err(Error::TooLarge {
+                        what: format!("piece {} at a spacing of {d} m", component.name),
+                        need: format!("{texels:.0} texels"),
+                        limit: format!("{} texels", gimage_bundle::MAX_PARTICLES),
+                        hint: "give a larger spacing".into(),
+                    });
+                }
+                let small = texels.ceil() < f64::from(budget::LEAST_SHARE) && component.area < ALWAYS_PIECE * total;
+                Ok(if small { Share::TooSmall } else { Share::Texels(texels.ceil() as u32) })
+            };
+            components.iter().map(share).collect()
+        }
+    }
+}
+
+fn make(mesh: &Mesh, component: &Component, total: f64, share: Share, options: &BuildOptions) -> Result<Outcome> {
+    let texels = match share {
+        Share::Exact => None,
+        Share::Texels(n) => Some(n),
+        Share::TooSmall => {
+            let least = budget::LEAST_SHARE;
+            return Ok(Outcome::Accessory(format!("its share of the texels is under {least}, too small for a grid")));
         }
     };
-    if let Some(b) = budget.filter(|&b| b < LEAST_TEXELS)
-        && share < 0.5
-    {
-        return Ok(Outcome::Accessory(format!("its share of {b} texels is too small for a grid")));
-    }
     let surface = extract(mesh, component);
     let seam = uv_seams(mesh, &surface);
-    let image_options = ImageOptions::new(options, budget);
+    let image_options = ImageOptions::new(options, texels);
     let image = image(&component.name, &surface, seam.as_deref(), &image_options)?;
-    if let Some(b) = budget
-        && share < 0.5
-        && image.width * image.height > STRETCH * b.max(LEAST_TEXELS)
+    if let Some(b) = texels
+        && component.area < ALWAYS_PIECE * total
+        && image.width * image.height > STRETCH * b.max(budget::LEAST_SHARE)
     {
         return Ok(Outcome::Accessory(format!(
             "its border needs {} x {} texels, its share is {b}",
@@ -204,6 +237,47 @@ fn make(mesh: &Mesh, component: &Component, total: f64, options: &BuildOptions) 
         )));
     }
     Ok(Outcome::Piece(surface, Box::new(image)))
+}
+
+/// Makes images again, smaller, until all together have no more texels than asked for; a warning where that fails.
+fn keep_budget(
+    components: &[Component],
+    shares: &[Share],
+    outcomes: &mut [Outcome],
+    texels: u32,
+    one: &(dyn Fn(&Component, Share) -> Result<Outcome> + Sync),
+) -> Result<Option<Finding>> {
+    let total: f64 = components.iter().map(|c| c.area).sum();
+    let size = |o: &Outcome| if let Outcome::Piece(_, i) = o { i.width * i.height } else { 0 };
+    let pieces: Vec<usize> = (0..outcomes.len()).filter(|&k| size(&outcomes[k]) > 0).collect();
+    let mut made: Vec<Made> = pieces
+        .iter()
+        .map(|&k| {
+            let asked = if let Share::Texels(n) = shares[k] { n } else { 0 };
+            Made::new(asked, size(&outcomes[k]), components[k].area / total)
+        })
+        .collect();
+    for _ in 0..budget::ROUNDS {
+        let again = budget::again(&made, texels);
+        if again.is_empty() {
+            break;
+        }
+        let smaller: Vec<Result<Outcome>> =
+            again.par_iter().map(|&(m, asked)| one(&components[pieces[m]], Share::Texels(asked))).collect();
+        for ((m, asked), outcome) in again.into_iter().zip(smaller) {
+            let outcome = match outcome {
+                Err(Error::Cancelled) => return Err(Error::Cancelled),
+                // There is an image of it already.
+                other => other.ok(),
+            };
+            let keep = made[m].made_again(asked, outcome.as_ref().map(size));
+            if let Some(outcome) = outcome.filter(|_| keep) {
+                outcomes[pieces[m]] = outcome;
+            }
+        }
+    }
+    let names: Vec<&str> = pieces.iter().map(|&k| components[k].name.as_str()).collect();
+    Ok(budget::exceeded(&made, &names, texels))
 }
 
 /// For each half-edge of the surface whether the first UV set differs across it; `None` without UVs, without seams, or
@@ -304,9 +378,9 @@ fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
         out.push(one(Severity::Warning, "topology", 1, text));
     }
     let texels = image.width * image.height;
-    if let Some(budget) = image.budget.filter(|&b| f64::from(texels) > OVER * f64::from(b.max(LEAST_TEXELS))) {
+    if let Some(share) = image.budget.filter(|&b| f64::from(texels) > OVER * f64::from(b.max(budget::LEAST_SHARE))) {
         out.push(Finding {
-            examples: vec![format!("piece {name}: {} x {} texels, its share is {budget}", image.width, image.height)],
+            examples: vec![format!("piece {name}: {} x {} texels, its share is {share}", image.width, image.height)],
             ..one(
                 Severity::Warning,
                 "over-budget",

@@ -17,6 +17,17 @@ pub(crate) fn surface(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Sur
     }
 }
 
+/// The public sample garments: of `$GIMAGE_SHARED`, or of `shared` beside the repository. `None`, with a remark, without.
+pub(crate) fn shared_garments() -> Option<std::path::PathBuf> {
+    let beside = || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let shared = std::env::var_os("GIMAGE_SHARED").map_or_else(beside, std::path::PathBuf::from).join("garments");
+    if !shared.is_dir() {
+        eprintln!("skipped: no shared garments (set GIMAGE_SHARED to the folder that holds garments/)");
+        return None;
+    }
+    Some(shared)
+}
+
 /// How two opposite sides of a sheet are joined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Join {

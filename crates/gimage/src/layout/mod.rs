@@ -46,9 +46,24 @@ pub(crate) fn cells(size: Size, aspect: f64, least: u32) -> Option<(u32, u32)> {
             while 2 * (w - 1 + h - 1) < least {
                 if f64::from(w) <= aspect * f64::from(h) { w += 1 } else { h += 1 }
             }
+            if u64::from(w) * u64::from(h) > t as u64 {
+                let (long, short) = slender(texels, least).unwrap_or((w.max(h), w.min(h)));
+                (w, h) = if w < h { (short, long) } else { (long, short) };
+            }
             fits(w, h).then_some((w - 1, h - 1))
         }
     }
+}
+
+/// Least texels across an image that is made longer to hold its border.
+const LEAST_ACROSS: u32 = 8;
+
+/// The least lopsided image (longer and shorter side in texels) that holds `least` border steps and has no more than
+/// `texels`; `None` if it would be narrower than [`LEAST_ACROSS`]. A border is longer around a longer image of one area.
+fn slender(texels: u32, least: u32) -> Option<(u32, u32)> {
+    let both = f64::from(least.div_ceil(2)) + 2.0;
+    let short = (0.5 * (both - (both * both - 4.0 * f64::from(texels)).max(0.0).sqrt())).floor() as u32;
+    (short >= LEAST_ACROSS).then(|| (both as u32 - short, short))
 }
 
 /// Whether an image of this many texels across and down can be stored.

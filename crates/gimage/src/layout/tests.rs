@@ -103,3 +103,18 @@ proptest! {
         prop_assert!(w.abs_diff(h) <= 1 && 2 * (w + h - 2) <= least + 3);
     }
 }
+
+#[test]
+fn a_border_too_long_for_the_budget_makes_the_image_longer_not_larger() {
+    for (texels, least) in [(16_384, 810), (6417, 690), (1000, 140), (400, 96)] {
+        for aspect in [0.2, 0.5, 1.0, 3.0] {
+            let (w, h) = cells(Size::Budget(texels), aspect, least).unwrap();
+            assert!((w + 1) * (h + 1) <= texels && 2 * (w + h) >= least, "{texels} {least}: {w} x {h}");
+            // Longer along the side that the aspect asks for.
+            assert!(if aspect < 1.0 { w <= h } else { w >= h }, "{texels} {least} {aspect}: {w} x {h}");
+        }
+    }
+    // Narrower than that the border decides.
+    let (w, h) = cells(Size::Budget(100), 1.0, 200).unwrap();
+    assert!((w + 1) * (h + 1) > 100 && 2 * (w + h) >= 200);
+}

@@ -25,9 +25,9 @@ const FARTHEST: f64 = 1e75;
 /// How a mesh is repaired.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RepairOptions {
-    /// Distance \[m\] within which vertices are joined; positive. `None`, the default, joins exactly equal positions
-    /// only. Larger mends wider cracks but fuses thin double sheets and drops detail: real garments change their
-    /// topology at 1e-6 of their size.
+    /// Distance \[m\] within which vertices on open borders, and the ends of an edge, are joined; positive. No vertex
+    /// moves farther. `None`, the default, joins exactly equal positions only. Larger mends wider cracks but drops
+    /// detail, and joins panels whose borders only lie close.
     pub weld: Option<f64>,
 }
 
