@@ -87,10 +87,11 @@ pub struct BuildArgs {
     /// Metres in one unit of the file, 0.01 for centimetres [default: 1].
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub unit: Option<f64>,
-    /// Join vertices closer than this [default: exactly equal ones only].
+    /// Join vertices within this distance where both lie on open borders or an edge connects them; none moves farther
+    /// [default: exactly equal positions only].
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub weld: Option<f64>,
-    /// Parts under this share of the whole area become accessories, 0 to 1 [default: 0.01].
+    /// Parts under this share of the whole area become accessories, 0 to 0.1 [default: 0.01].
     #[arg(long, value_name = "SHARE")]
     pub accessory_area: Option<f64>,
     /// Rest lengths: straight distance, or along the surface [default: chord].

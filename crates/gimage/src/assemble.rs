@@ -9,7 +9,6 @@ use crate::attributes::{attributes, places};
 use crate::component::Component;
 use crate::disk::NONE;
 use crate::error::{Error, Result};
-use crate::facing::facing;
 use crate::locate::Locator;
 use crate::mass::{MassOptions, Masses, mass};
 use crate::measure::{MeasureOptions, Quality, measure};
@@ -230,9 +229,6 @@ fn map_quality(image: &PieceImage, rest: &RestLengths, mass: &Masses) -> Manifes
         flips: Some(d.flips as u64),
         ..ManifestQuality::default()
     };
-    let facing = facing(&image.disk, &image.samples, &image.grid);
-    quality.more.insert("fold_local".into(), json!(facing.fold_area));
-    quality.more.insert("normal_degrees_local".into(), json!(facing.normal_degrees));
     if let Some(a) = spring_anisotropy(&image.grid, rest) {
         quality.spring_anisotropy = Some(a.longest_to_shortest);
         quality.more.insert("spring_p99_to_p1".into(), json!(a.p99_to_p1));

@@ -60,6 +60,9 @@ pub struct Figures {
 pub const OUTSIDE_KEY: &str = "outside_rel";
 /// The name of [`Figures::fold`] among the further figures of a manifest's quality.
 pub const FOLD_KEY: &str = "fold_local";
+/// The name, among the further figures of a manifest's quality, of the mean angle \[degrees\] between an image's normals
+/// and those of the places its texels were sampled at. Thin double shells and one-sided surfaces do not raise it.
+pub const NORMAL_KEY: &str = "normal_degrees_local";
 
 impl Figures {
     /// The figures of a piece as its manifest has them.

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::assemble::{Measured, Piece, measure_piece};
 use crate::error::{Error, Result};
+use crate::facing::facing;
 use crate::options::BuildOptions;
 use crate::record::{Finding, Severity};
 
@@ -18,10 +19,12 @@ const NAMED: usize = 8;
 /// Share of the samples of a full measurement that decides where metrics are off.
 const SHARE: f64 = 0.05;
 
-/// Writes down what is known of every piece without measuring: the texels outside the box, folds, the rungs tried.
+/// Writes down what is known of every piece without measuring: the texels outside the box, how all triangles face, the
+/// rungs tried.
 pub(crate) fn note(entry: &mut PieceEntry, (_, _, image): &Piece<'_>) {
     let v = &image.verdict;
-    for (key, value) in [(OUTSIDE_KEY, v.outside), (FOLD_KEY, v.folded)] {
+    let facing = facing(&image.disk, &image.samples, &image.grid);
+    for (key, value) in [(OUTSIDE_KEY, v.outside), (FOLD_KEY, facing.fold_area), (NORMAL_KEY, facing.normal_degrees)] {
         // JSON has no infinity; what is not finite is as far out as can be written.
         entry.quality.more.insert(key.into(), value.min(f64::MAX).into());
     }
