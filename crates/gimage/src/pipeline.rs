@@ -415,6 +415,10 @@ fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
     if p.newton.steps == 0 && !p.newton.converged {
         let text = "The minimiser could not proceed; the flip-free start stands.";
         out.push(one(Severity::Warning, "start-kept", 1, text));
+    } else if p.newton.capped {
+        let text =
+            "The minimiser stopped at its cap of work while the map still improved; fewer triangles get further.";
+        out.push(one(Severity::Note, "work-cap", 1, text));
     } else if !p.newton.converged {
         let text = "The minimiser stopped before it converged; the map is flip-free but could be less distorted.";
         out.push(one(Severity::Note, "not-converged", 1, text));

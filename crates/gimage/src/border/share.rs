@@ -3,6 +3,10 @@
 use super::Border;
 use crate::disk::Disk;
 
+/// Length that a boundary edge counts for at least, as a share of the mean edge of its path: as thin as triangles at rest
+/// are taken for (`distortion::rest_shapes`), a tenth, so that the map is not asked for thinner ones.
+const SHORTEST_EDGE: f64 = 1e-4;
+
 impl Border {
     /// The fewest border steps that can hold this boundary: even, at least 8.
     pub(crate) fn least_steps(&self) -> u32 {
@@ -59,8 +63,10 @@ impl Border {
             let edge: Vec<f64> = (s.first..s.first + s.edges)
                 .map(|i| disk.length(disk.boundary[i % n], disk.boundary[(i + 1) % n]))
                 .collect();
-            // Keep very short edges from falling into one point.
-            let floor = 1e-7 * edge.iter().sum::<f64>() / edge.len() as f64;
+            // Keep very short edges from falling into one point, edges too short for f64 as well.
+            let mean = edge.iter().sum::<f64>() / edge.len() as f64;
+            let edge = if mean > 1e-290 { edge } else { vec![1.0; s.edges] };
+            let floor = SHORTEST_EDGE * edge.iter().sum::<f64>() / edge.len() as f64;
             let total: f64 = edge.iter().map(|l| l.max(floor)).sum();
             let (steps, mut done) = (f64::from(count[s.group]), 0.0);
             for (k, l) in edge.iter().enumerate() {

@@ -29,6 +29,24 @@ fn counts_sum_to_the_steps_and_too_few_are_refused() {
 }
 
 #[test]
+fn boundary_vertices_in_one_place_get_places_apart() {
+    // All of the boundary in two points, and all of it in one.
+    for keep in [1, 0] {
+        let mut s = shapes::rectangle(6, 6, 1.0, 1.0);
+        let rim = shapes::rim(&s);
+        let corner = s.positions[0];
+        for v in (1..s.positions.len() - keep).filter(|&v| rim[v]) {
+            s.positions[v] = corner;
+        }
+        let mut disk = shapes::opened(&s, &[]);
+        let border = Border::new(&mut disk, |v| rim[v as usize]);
+        let count = border.share(64).unwrap();
+        let along = border.along(&disk, &count);
+        assert!(along.windows(2).all(|w| w[1] - w[0] > 1e-5), "{along:?}");
+    }
+}
+
+#[test]
 fn an_odd_rest_is_shared_with_a_path_of_two_sides() {
     let (_, mut border, _) = bordered(&shapes::tube(12, 8, 0.7));
     for steps in (border.least_steps()..60).step_by(2) {

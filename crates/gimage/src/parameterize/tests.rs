@@ -71,6 +71,46 @@ fn maps_have_the_same_bits_on_one_thread_and_on_four() {
     assert_eq!(threads(1), threads(4));
 }
 
+#[test]
+fn the_better_start_is_kept_where_the_first_is_crushed() {
+    for (name, s) in shapes::hard() {
+        let (disk, uv) = shapes::laid(&s, 60, 60);
+        let fixed = disk.boundary_mask();
+        let (positions, triangles, wanted) = (&disk.positions, &disk.triangles, &disk.wanted);
+        let starts = [false, true].map(|uniform| {
+            let (mut system, mut map) = (System::new(triangles, &fixed), uv.clone());
+            start::weighted(&mut system, positions, triangles, wanted, &mut map, (8, false), uniform)?;
+            let mut rest = RestShapes::new(positions, triangles, wanted);
+            scale_to(&mut rest, triangles, &map);
+            Some(distortion::energy(&rest.shapes, triangles, &map))
+        });
+        let mut map = uv.clone();
+        let made =
+            parameterize_by(Way::Whole, disk.shape(&fixed), &mut map, 8, &NewtonOptions::default(), usize::MAX / 2);
+        let Some(record) = made else {
+            assert!(starts.iter().flatten().all(|e| !e.is_finite()), "{name}: {starts:?}");
+            continue;
+        };
+        let expected = match starts {
+            [Some(a), Some(b)] if a > 1e4 => a.min(b),
+            [Some(a), _] | [None, Some(a)] => a,
+            _ => f64::NAN,
+        };
+        assert_eq!(record.newton.start, expected, "{name}: {starts:?}");
+    }
+}
+
+#[test]
+fn a_poor_map_of_the_simpler_disk_is_not_refined() {
+    for (name, s) in shapes::hard() {
+        let (disk, mut uv) = shapes::laid(&s, 60, 60);
+        let fixed = disk.boundary_mask();
+        let options = NewtonOptions::default();
+        let made = parameterize_by(Way::CoarseToFine, disk.shape(&fixed), &mut uv, 8, &options, 300);
+        assert!(made.is_none_or(|r| r.newton.end < 106.0), "{name}: {made:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
