@@ -96,7 +96,7 @@ fn the_better_start_is_kept_where_the_first_is_crushed() {
             [Some(a), _] | [None, Some(a)] => a,
             _ => f64::NAN,
         };
-        assert_eq!(record.newton.start, expected, "{name}: {starts:?}");
+        assert!((record.newton.start / expected - 1.0).abs() < 1e-9, "{name}: {starts:?} {record:?}");
     }
 }
 
