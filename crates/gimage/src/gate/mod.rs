@@ -10,8 +10,10 @@ use rayon::prelude::*;
 use crate::assemble::{Measured, Piece, measure_piece};
 use crate::error::{Error, Result};
 use crate::facing::facing;
+use crate::judge::bounds;
 use crate::options::BuildOptions;
 use crate::record::{Finding, Severity};
+use crate::vec3::distance;
 
 /// Pieces that get a finding of their own, the worst first; the rest share one.
 const NAMED: usize = 8;
@@ -45,7 +47,7 @@ pub(crate) fn check(entries: &[PieceEntry], pieces: &[Piece<'_>], options: &Buil
     let rated: Vec<Rated> = entries
         .par_iter()
         .zip(pieces)
-        .map(|(entry, piece)| Rated::new(&entry.name, figures(entry, piece, options), options))
+        .map(|(entry, piece)| Rated::new(&entry.name, figures(entry, piece, options), is_far(piece), options))
         .collect();
     let mut order: Vec<&Rated> = rated.iter().filter(|r| r.rating > Rating::Good || r.below).collect();
     // Stable: equals stay in the order of the pieces.
@@ -93,13 +95,22 @@ struct Rated<'a> {
     words: Vec<String>,
     /// It is below the PSNR asked for.
     below: bool,
+    /// It lies so far from the origin that 32-bit positions coarsen it.
+    far: bool,
+}
+
+/// Whether steps of 32-bit positions are coarser than a thousandth of the piece.
+fn is_far((_, surface, _): &Piece<'_>) -> bool {
+    let [lo, hi] = bounds(surface);
+    let far = lo.iter().chain(&hi).fold(0.0f64, |m, x| m.max(x.abs()));
+    far * f64::from(f32::EPSILON) > 1e-3 * distance(lo, hi)
 }
 
 impl<'a> Rated<'a> {
-    fn new(name: &'a str, figures: Figures, options: &BuildOptions) -> Self {
+    fn new(name: &'a str, figures: Figures, far: bool, options: &BuildOptions) -> Self {
         let (rating, words) = figures.rate();
         let below = options.min_psnr.zip(figures.psnr).is_some_and(|(min, psnr)| psnr.is_nan() || psnr < min);
-        Self { name, figures, rating, words, below }
+        Self { name, figures, rating, words, below, far }
     }
 
     fn psnr(&self) -> f64 {
@@ -115,7 +126,9 @@ impl<'a> Rated<'a> {
         let f = &self.figures;
         let over = |x: Option<f64>, limit: f64| x.is_some_and(|x| x > limit);
         let close = f.psnr.is_some_and(|x| x >= PSNR_DB[0]);
-        if close && over(f.normal_degrees, NORMAL_DEGREES) {
+        if self.far {
+            "it is too far from the origin for 32-bit positions: move it there with --center"
+        } else if close && over(f.normal_degrees, NORMAL_DEGREES) {
             "if it is a thin closed shell, delete its inner layer, or give texels smaller than the shell is thick"
         } else if over(f.stretch, STRETCH) || over(f.outside, OUTSIDE[0]) {
             "remesh its slivers, separate its parts, or give more texels with --texels"
