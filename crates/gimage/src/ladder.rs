@@ -55,16 +55,30 @@ pub struct Tried {
     pub kept: bool,
 }
 
-/// How much better an image must be to displace an earlier one that passes no more than it does.
-const WORTH: f64 = 0.8;
+/// How much better an image must be to displace an earlier one that is no less sound.
+pub(crate) const WORTH: f64 = 0.8;
+
+/// What a stretch over the gate's limit counts for, as a factor of the distance: a few crushed triangles are worse than
+/// none, but not than a surface half as close.
+const STRETCHED: f64 = 2.0;
+
+/// PSNR \[dB\] at which an image needs no further rung. It is a lower bound, and some way above the gate's.
+const ENOUGH_DB: f64 = gate::PSNR_DB[0] + 5.0;
 
 /// Whether an image needs no further rung. Folds and normals are not asked for: where two layers are nearer to one another
 /// than texels are, no rung helps.
 pub(crate) fn passes(verdict: &Verdict, stretch: f64) -> bool {
-    verdict.psnr() >= gate::PSNR_DB[0]
-        && verdict.largest <= gate::HAUSDORFF[0]
-        && verdict.outside <= gate::OUTSIDE[0]
-        && stretch <= gate::STRETCH
+    verdict.psnr() >= ENOUGH_DB && is_sound(verdict) && stretch <= gate::STRETCH
+}
+
+/// Whether no distance of an image speaks against it.
+fn is_sound(verdict: &Verdict) -> bool {
+    verdict.psnr() >= gate::PSNR_DB[0] && verdict.largest <= gate::HAUSDORFF[0] && verdict.outside <= gate::OUTSIDE[0]
+}
+
+/// One number to choose between images by; less is better.
+pub(crate) fn badness(verdict: &Verdict, stretch: f64) -> f64 {
+    verdict.badness() * if stretch > gate::STRETCH { STRETCHED } else { 1.0 }
 }
 
 /// The best image so far and the record of all.
@@ -95,9 +109,9 @@ impl Ladder {
         let psnr = made.as_ref().map(|m| m.verdict.psnr());
         let kept = made.as_ref().is_some_and(|m| {
             self.best.as_ref().is_none_or(|b| {
-                let key = |x: &PieceImage| (!x.closed, !passes(&x.verdict, x.distortion.linf));
-                let (new, old) = (m.verdict.badness(), b.verdict.badness());
-                key(m) < key(b) || (key(m) == key(b) && new < WORTH * old)
+                let key = |x: &PieceImage| (!x.closed, !is_sound(&x.verdict));
+                let bad = |x: &PieceImage| badness(&x.verdict, x.distortion.linf);
+                key(m) < key(b) || (key(m) == key(b) && bad(m) < WORTH * bad(b))
             })
         });
         if kept {
