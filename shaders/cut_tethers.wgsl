@@ -23,15 +23,12 @@ fn holds(before: u32, after: u32) -> bool {
 fn stirred(k: u32, turn: u32) -> bool {
   var any = 0u;
   var m = k;
-  loop {
+  for (var start = true; start || m != k; start = false) {
     let grid = grid_of(m);
     for (var c = 0u; c < 8u; c++) {
       any |= atomicLoad(&changes[4u + beside(grid, m, c)]);
     }
     m = mate(m);
-    if (m == k) {
-      break;
-    }
   }
   return ((any >> turn) & 1u) != 0u;
 }

@@ -23,8 +23,10 @@ fn main(@builtin(local_invocation_index) local: u32) {
   }
   let k = best.y / 2u;
   var g = 0u;
-  while (g + 1u < arrayLength(&grids) && grids[g + 1u].first <= k) {
-    g++;
+  var more = true;
+  for (var n = 1u; n < arrayLength(&grids) && more; n++) {
+    more = grids[n].first <= k;
+    g = select(g, n, more);
   }
   let at = k - grids[g].first;
   let q = quad(grids[g], at % grids[g].width, at / grids[g].width);

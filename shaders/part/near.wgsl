@@ -81,8 +81,10 @@ fn near_from(c: u32) -> u32 {
 // The next collider from c on that a particle alone can meet.
 fn near_to(c: u32, at: vec3<f32>, was: vec3<f32>) -> u32 {
   var next = c;
-  while (next < solid_count() && !reaches(posed(solid_at(next)), min(at, was), max(at, was))) {
-    next++;
+  var found = false;
+  while (next < solid_count() && !found) {
+    found = reaches(posed(solid_at(next)), min(at, was), max(at, was));
+    next += u32(!found);
   }
   return next;
 }

@@ -27,8 +27,13 @@ var<private> end: array<u32, 8>;
 
 fn grid_of(m: u32) -> Grid {
   var grid = grids[0];
-  for (var g = 1u; g < arrayLength(&grids) && grids[g].first <= m; g++) {
-    grid = grids[g];
+  var more = true;
+  for (var g = 1u; g < arrayLength(&grids) && more; g++) {
+    let next = grids[g];
+    more = next.first <= m;
+    if (more) {
+      grid = next;
+    }
   }
   return grid;
 }
@@ -118,7 +123,7 @@ fn support(k: u32, tether: vec2<u32>, group: u32) -> u32 {
   var there = 0u;
   var corners = CORNERS;
   var m = k;
-  loop {
+  for (var start = true; start || m != k; start = false) {
     look(m, group);
     for (var c = 0u; c < 8u; c++) {
       there += u32(long[c] > 0.0);
@@ -135,9 +140,6 @@ fn support(k: u32, tether: vec2<u32>, group: u32) -> u32 {
       }
     }
     m = mate(m);
-    if (m == k) {
-      break;
-    }
   }
   if (way <= own * 1.0001) {
     return 0u;
@@ -157,7 +159,7 @@ fn nearest(k: u32, group: u32) -> vec2<u32> {
   var best = vec2<u32>(NONE, bitcast<u32>(FAR));
   var corners = CORNERS;
   var m = k;
-  loop {
+  for (var start = true; start || m != k; start = false) {
     look(m, group);
     for (var c = 0u; c < 8u; c++) {
       if (long[c] > 0.0 && away[c] < FAR) {
@@ -171,9 +173,6 @@ fn nearest(k: u32, group: u32) -> vec2<u32> {
       }
     }
     m = mate(m);
-    if (m == k) {
-      break;
-    }
   }
   return best;
 }

@@ -1,6 +1,7 @@
 //! What the tests across the crates share: where files are, meshes made by rule, and what every build must keep.
 
 pub mod shapes;
+pub mod skip;
 
 use std::path::{Path, PathBuf};
 
@@ -21,13 +22,12 @@ pub fn shared() -> PathBuf {
 }
 
 /// The folder of shared garments, or one line that the test is skipped.
-#[allow(clippy::print_stdout)]
 pub fn garments_or_skip(test: &str) -> Option<PathBuf> {
     let folder = shared().join("garments");
     if folder.is_dir() {
         return Some(folder);
     }
-    println!("{test} skipped: no shared garments (set GIMAGE_SHARED to the folder that holds garments/)");
+    skip::skip(&format!("{test}: no shared garments (set GIMAGE_SHARED to the folder that holds garments/)"));
     None
 }
 

@@ -1,10 +1,14 @@
 //! A garment from file to bundle to motion: the T-shirt with its seams among all kinds of colliders, on the CPU and,
-//! where there is an adapter, on the GPU. GIMAGE_REQUIRE_GPU=1 makes a missing one a failure.
+//! where there is an adapter, on the GPU.
 
 #![allow(clippy::print_stdout)]
 
+#[path = "../../crates/runtime/tests/support/adapter.rs"]
+mod adapter;
+
 use std::sync::LazyLock;
 
+use adapter::device;
 use gimage::options::BuildOptions;
 use gimage_runtime::*;
 use gimage_tests::{asset, build, texels};
@@ -54,21 +58,6 @@ fn scene(colliders: Vec<Collider>) -> Scene {
 }
 
 type Device = (wgpu::Device, wgpu::Queue);
-
-fn device() -> Option<Device> {
-    let instance = wgpu::Instance::default();
-    let adapter = match pollster::block_on(instance.request_adapter(&Default::default())) {
-        Ok(adapter) => adapter,
-        Err(error) => {
-            let required = std::env::var("GIMAGE_REQUIRE_GPU").is_ok_and(|v| v == "1");
-            assert!(!required, "GIMAGE_REQUIRE_GPU is 1, but {error}; install mesa-vulkan-drivers");
-            println!("skipped: {error}");
-            return None;
-        }
-    };
-    let descriptor = wgpu::DeviceDescriptor { required_limits: wgpu::Limits::default(), ..Default::default() };
-    Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
-}
 
 /// A stepper on the GPU, or without a device on the CPU.
 struct Run<'a>(Stepper, Option<&'a Device>);

@@ -45,6 +45,9 @@ pub enum Command {
     /// Draw a scene as it moves: a PNG, or a GIF of many pictures.
     #[command(after_help = help::RENDER)]
     Render(RenderArgs),
+    /// Show the GPU adapters of this machine, whether they compute correctly, and which would run.
+    #[command(after_help = help::DOCTOR)]
+    Doctor(DoctorArgs),
 }
 
 /// `gimage build`.
@@ -154,7 +157,7 @@ pub struct SceneArgs {
     /// The name of a built-in scene, a scene file (.json), or a bundle.
     #[arg(value_name = "SCENE")]
     pub scene: String,
-    /// What computes; auto is the GPU where there is a real one.
+    /// What computes; auto is the GPU where there is a real one that passes its self-check (see gimage doctor).
     #[arg(long, value_enum, default_value = "auto")]
     pub backend: BackendArg,
     /// How springs keep their lengths [default: that of the scene, or xpbd].
@@ -258,6 +261,14 @@ pub struct RenderArgs {
     pub json: bool,
 }
 
+/// `gimage doctor`.
+#[derive(Debug, Args)]
+pub struct DoctorArgs {
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
 // Values have no help of their own: what they do stands with the flag, and the help stays short.
 
 /// Where texels go.
@@ -313,6 +324,7 @@ impl Cli {
             Command::Inspect(args) | Command::Validate(args) => args.json,
             Command::Simulate(args) => args.json,
             Command::Render(args) => args.json,
+            Command::Doctor(args) => args.json,
             Command::Reconstruct(_) => false,
         }
     }

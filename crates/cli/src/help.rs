@@ -18,7 +18,8 @@ pub const TOP: &str = concat!(
     "  gimage validate shirt.gim\n",
     "  gimage reconstruct shirt.gim -o back.obj\n",
     "  gimage simulate s1 --frames 600\n",
-    "  gimage render shirt.gim -o shirt.png\n\n",
+    "  gimage render shirt.gim -o shirt.png\n",
+    "  gimage doctor\n\n",
     "Results go to stdout, words to stderr. NO_COLOR turns colours off.",
     exit_codes!("done, with findings (repairs, accessories, warnings; broken rules)")
 );
@@ -92,4 +93,14 @@ pub const RENDER: &str = concat!(
     "Without a real GPU both the cloth and the picture are made on the CPU; --backend gpu takes any adapter, a software ",
     "one too. Four samples a pixel. Without a camera all cloths and colliders are in every picture.",
     exit_codes!("not used by this command")
+);
+
+/// Of `gimage doctor`.
+pub const DOCTOR: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage doctor\n",
+    "  gimage doctor --json | jq '.adapters[].self_check.passed'\n\n",
+    "The self-check steps two small seamed cloths on each adapter and compares the result with the CPU's. `simulate` and ",
+    "`render` run it too, at their start, and leave an adapter that fails alone unless --backend gpu asks for it.",
+    exit_codes!("done, but an adapter failed its self-check")
 );

@@ -1,6 +1,8 @@
 //! `gimage render`, and the scenes in assets/scenes in both commands.
 
 mod common;
+#[path = "../../../tests/src/skip.rs"]
+mod skip;
 
 use std::path::{Path, PathBuf};
 
@@ -50,6 +52,7 @@ fn both_painters_agree() {
     if gpu.code != 0 {
         let required = std::env::var("GIMAGE_REQUIRE_GPU").is_ok_and(|v| v == "1");
         assert!(!required && gpu.stderr.contains("install"), "{}", gpu.stderr);
+        skip::skip(gpu.stderr.trim());
         return;
     }
     let (a, b) = (picture(&place.path("cpu.png")), picture(&place.path("gpu.png")));

@@ -6,7 +6,7 @@ use common::Place;
 #[test]
 fn help_has_examples_and_exit_codes() {
     let place = Place::new();
-    for command in ["", "build", "inspect", "validate", "reconstruct", "simulate", "render"] {
+    for command in ["", "build", "inspect", "validate", "reconstruct", "simulate", "render", "doctor"] {
         for flag in ["--help", "-h"] {
             let run = place.run(&format!("{command} {flag}")).expect(&[0]);
             assert!(

@@ -2,6 +2,9 @@
 
 #![allow(clippy::print_stdout)]
 
+#[path = "../../../tests/src/skip.rs"]
+mod skip;
+
 use std::path::PathBuf;
 
 use gimage::component::{Component, ComponentOptions, extract, split};
@@ -14,7 +17,7 @@ fn garment(name: &str) -> Option<Vec<u8>> {
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
     let path = shared.join("garments").join(name);
     if !path.exists() {
-        println!("skipped: {name} is not here");
+        skip::skip(&format!("no shared garment {name} (set GIMAGE_SHARED to the folder that holds garments/)"));
         return None;
     }
     Some(std::fs::read(path).unwrap())

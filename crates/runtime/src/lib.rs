@@ -2,7 +2,7 @@
 //!
 //! A [`Cloth`] comes from a bundle or is flat; a [`Scene`] puts cloths among colliders and wind; a [`Stepper`] moves it.
 //! The host owns device, queue and encoder: [`Stepper::record`] adds a frame's passes to an encoder, and nothing is
-//! submitted, waited for or read back. Every pass has a twin on the CPU with the same results to rounding.
+//! submitted, waited for or read back, but for the [`self_check`] of a device at its first use. Every pass has a twin on the CPU with the same results to rounding.
 
 mod actions;
 mod clock;
@@ -25,6 +25,7 @@ mod plan;
 mod quality;
 mod reference;
 pub mod scene;
+mod self_check;
 mod shaders;
 mod sleep;
 mod step;
@@ -51,6 +52,7 @@ pub use plan::{Plan, PlannedPass};
 pub use quality::Quality;
 pub use reference::Reference;
 pub use scene::Scene;
+pub use self_check::{Mismatch, SelfCheck, self_check};
 pub use stepper::Stepper;
 pub use tile::{Tile, TileShape};
 pub use wgpu;

@@ -107,6 +107,23 @@ pub enum Warning {
         /// The longest step \[s\].
         longest: f64,
     },
+    /// The host's device failed its self-check ([`crate::self_check`]).
+    #[error(
+        "the GPU {name} failed its self-check ({found}): {}",
+        if *used {
+            "it runs because it was requested explicitly, and results may be wrong; update its driver, or use the CPU backend"
+        } else {
+            "the CPU backend runs instead; update the driver, or request the GPU explicitly to use it all the same"
+        }
+    )]
+    Adapter {
+        /// The adapter, its interface and its driver.
+        name: String,
+        /// The mismatches, in words.
+        found: String,
+        /// Whether the device steps all the same.
+        used: bool,
+    },
 }
 
 /// The fewest substeps that a scene may have, and the longest step \[s\] that says so.

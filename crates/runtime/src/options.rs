@@ -6,10 +6,10 @@ use crate::quality::Quality;
 /// What computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// The GPU if the host gives one, else the CPU.
+    /// The GPU if the host gives one that passes its [`crate::self_check`], else the CPU.
     #[default]
     Auto,
-    /// The GPU; an error without one.
+    /// The GPU, also one that fails its self-check; an error without one.
     Gpu,
     /// The CPU. With a device too, positions are uploaded for drawing.
     Cpu,

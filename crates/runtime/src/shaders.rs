@@ -453,5 +453,7 @@ impl Source {
 }
 
 #[cfg(test)]
+mod loops_tests;
+#[cfg(test)]
 #[path = "shaders_tests.rs"]
 mod tests;

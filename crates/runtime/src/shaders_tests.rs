@@ -11,7 +11,7 @@ use crate::gpu::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
 use crate::tile::{Tile, TileShape};
 
 /// Every variant that a schedule can hold, up to constants.
-fn variants() -> Vec<Pass> {
+pub(super) fn variants() -> Vec<Pass> {
     let mut all = vec![Pass::Seams, Pass::SeamSteps, Pass::SeamNormals, Pass::Speed, Pass::Fastest];
     all.extend([Pass::Cut, Pass::CutSprings, Pass::CutLevels, Pass::Transform, Pass::PickNearest]);
     for holes in [false, true] {
@@ -107,7 +107,7 @@ fn fused() -> impl Iterator<Item = Fused> {
     })
 }
 
-fn module(pass: Pass) -> Module {
+pub(super) fn module(pass: Pass) -> Module {
     let source = source(pass);
     let module = naga::front::wgsl::parse_str(&source.text());
     module.unwrap_or_else(|e| panic!("{}: {}", source.stem, e.emit_to_string(&source.text())))

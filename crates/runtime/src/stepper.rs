@@ -12,10 +12,12 @@ use crate::options::{Backend, Options, Solver};
 use crate::plan::Plan;
 use crate::quality::Chooser;
 use crate::scene::Scene;
+use crate::self_check::{decide, self_check};
 use crate::wind::Wind;
 use crate::world::World;
 
-/// A scene in motion. It keeps handles to the host's device and queue, and never submits, waits or reads back.
+/// A scene in motion. It keeps handles to the host's device and queue, and never submits, waits or reads back after
+/// [`Stepper::new`].
 pub struct Stepper {
     pub(crate) world: World,
     pub(crate) cpu: Option<(Vec<Body<f32>>, Threads)>,
@@ -26,7 +28,28 @@ impl Stepper {
     /// Takes a scene over. `gpu` is the host's device and queue, if it has any: with them, positions and normals lie in
     /// buffers on either backend ([`Stepper::buffers`]). Errors on settings out of range, on [`Backend::Gpu`] without a
     /// device, and where a cloth does not fit the device.
+    ///
+    /// The first stepper on a device runs its [`self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. A
+    /// device that fails is left alone by [`Backend::Auto`], and used by [`Backend::Gpu`]; [`Stepper::warnings`] says why.
     pub fn new(scene: Scene, options: Options, gpu: Option<(&wgpu::Device, &wgpu::Queue)>) -> Result<Self> {
+        let mut warning = None;
+        let mut options = options;
+        if let Some((device, queue)) = gpu.filter(|_| options.backend != Backend::Cpu) {
+            let (on_cpu, found) = decide(options.backend, Some(&self_check(device, queue)))?;
+            options.backend = if on_cpu { Backend::Cpu } else { options.backend };
+            warning = found;
+        }
+        let mut stepper = Stepper::unchecked(scene, options, gpu)?;
+        stepper.world.warnings.splice(..0, warning);
+        Ok(stepper)
+    }
+
+    /// The same without a self-check, which itself needs it.
+    pub(crate) fn unchecked(
+        scene: Scene,
+        options: Options,
+        gpu: Option<(&wgpu::Device, &wgpu::Queue)>,
+    ) -> Result<Self> {
         let mut world = World::new(scene, options)?;
         let on_cpu = match world.options.backend {
             Backend::Cpu => true,
@@ -127,7 +150,8 @@ impl Stepper {
     }
 
     /// What was asked for and is beyond the solver's limits: masses, tethers and cloth that will not rest, as found when the
-    /// stepper was made, and the number of substeps as it is now. Empty for [`Solver::Classic`], which has no limit but what comes of it.
+    /// stepper was made, and the number of substeps as it is now. For [`Solver::Classic`], which has no limit but what comes of
+    /// it, there is none of these. First comes that the device failed its [`self_check`].
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
         self.world.warnings.iter().chain(&self.world.raised).cloned().collect()
     }

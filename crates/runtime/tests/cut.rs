@@ -171,12 +171,34 @@ fn a_cut_is_that_of_the_twin() {
         for rig in [&mut *here, &mut *there] {
             (0..80).for_each(|_| rig.frame(FRAME / 8.0));
         }
-        let difference = largest(&here.positions(0), &there.positions(0));
-        // Under XPBD cloth that comes down in folds doubles what rounding leaves every few steps.
-        let most = if solver == Solver::Xpbd { 1e-3 } else { 1e-4 };
-        let fell = largest(&here.positions(0), &start);
-        assert!(difference <= most && fell > 0.05, "{solver:?}, {name}: {difference:e} m");
+        let end = here.positions(0);
+        let difference = largest(&end, &there.positions(0));
+        // Cloth that comes down in folds doubles what rounding leaves every few steps, in wind most of all: starts that are a
+        // unit in the last place apart show how much that is, on one backend. The limit is twice that, but not below 1e-4 m.
+        let spread = nudged(&scene, &one, oblique).map(|moved| largest(&end, &moved)).fold(0.0, f32::max);
+        let fell = largest(&end, &start);
+        eprintln!("{solver:?}, {name}: {difference:e} m after 80 steps, rounding alone makes {spread:e} m");
+        assert!(spread < 5e-3 && fell > 0.05, "{solver:?}, {name}: {spread:e} m, fell {fell} m");
+        assert!(difference <= (2.0 * spread).max(1e-4), "{solver:?}, {name}: {difference:e} m, not {spread:e} m");
     }
+}
+
+/// Where the CPU backend ends after the strokes and steps of [`a_cut_is_that_of_the_twin`], from starts that are one or two
+/// units in the last place apart.
+fn nudged(scene: &Scene, options: &Options, stroke: Stroke) -> impl Iterator<Item = Vec<[f32; 4]>> {
+    [-2.0, -1.0, 1.0, 2.0].into_iter().map(move |units| {
+        let mut scene = scene.clone();
+        let moved = scene.cloths[0].positions().iter().map(|p| p.map(|x| x * (1.0 + units * f32::EPSILON)));
+        let moved = moved.collect();
+        scene.cloths[0].place(moved).unwrap();
+        let mut rig = Rig::cpu(scene, options);
+        for stroke in [stroke, level(-0.33)] {
+            cut(&mut rig, stroke);
+            rig.frame(FRAME / 8.0);
+        }
+        (0..80).for_each(|_| rig.frame(FRAME / 8.0));
+        rig.positions(0)
+    })
 }
 
 /// A curtain with texels without a particle here and there, so that quads of three particles occur in all four ways.

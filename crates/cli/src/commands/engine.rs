@@ -4,8 +4,9 @@ use std::time::Instant;
 
 use gimage_runtime::scene::Script;
 use gimage_runtime::wgpu;
-use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, device_limits, read_back};
+use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, read_back};
 
+use crate::commands::device::Device;
 use crate::exit::Failure;
 use crate::output::{Output, Tone};
 
@@ -21,19 +22,13 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// Looks for an adapter unless the CPU is asked for. Auto takes no software adapter: the CPU backend is quicker.
+    /// Looks for an adapter unless the CPU is asked for. Auto takes no software adapter, because the CPU backend is quicker,
+    /// and none that fails its self-check.
     pub fn new(scene: Scene, script: Script, mut options: Options) -> Result<Self, Failure> {
-        let mut adapter = "this machine's cores".to_owned();
-        let mut gpu = None;
+        let mut found = None;
         if options.backend != Backend::Cpu {
-            match device() {
-                Ok((info, device, queue)) => {
-                    let software = info.device_type == wgpu::DeviceType::Cpu;
-                    if options.backend == Backend::Gpu || !software {
-                        adapter = info.name;
-                        gpu = Some((device, queue));
-                    }
-                }
+            match Device::fastest() {
+                Ok(device) => found = Some(device).filter(|d| options.backend == Backend::Gpu || !d.is_software()),
                 Err(words) if options.backend == Backend::Gpu => {
                     let hint =
                         "install a Vulkan driver (Debian: libvulkan1 and that of the card, or mesa-vulkan-drivers)";
@@ -42,14 +37,17 @@ impl Engine {
                 Err(_) => {}
             }
         }
-        if gpu.is_none() {
+        if found.is_none() {
             options.backend = Backend::Cpu;
         }
-        let stepper = Stepper::new(scene, options, gpu.as_ref().map(|(d, q)| (d, q)))?;
+        let stepper = Stepper::new(scene, options, found.as_ref().map(|d| (&d.device, &d.queue)))?;
+        let found = found.filter(|_| stepper.backend() == Backend::Gpu);
+        let adapter = found.as_ref().map_or_else(|| "this machine's cores".to_owned(), |d| d.info.name.clone());
+        let gpu = found.map(|d| (d.device, d.queue));
         Ok(Engine { stepper, adapter, gpu, script, time: 0.0 })
     }
 
-    /// Says which settings were beyond the solver's limits, and were changed.
+    /// Says which settings were beyond the solver's limits, and were changed, and whether the GPU failed its self-check.
     pub fn warn(&self, out: &Output) {
         let each = self.stepper.warnings();
         each.iter().for_each(|warning| out.remark(Tone::Warning, "warning", &warning.to_string()));
@@ -95,15 +93,4 @@ impl Engine {
             _ => Ok(self.stepper.positions(cloth).unwrap_or_default().to_vec()),
         }
     }
-}
-
-/// The fastest adapter, with what it offers of what the runtime can use.
-fn device() -> Result<(wgpu::AdapterInfo, wgpu::Device, wgpu::Queue), String> {
-    let instance = wgpu::Instance::default();
-    let power_preference = wgpu::PowerPreference::HighPerformance;
-    let wish = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
-    let adapter = pollster::block_on(instance.request_adapter(&wish)).map_err(|e| format!("no GPU: {e}"))?;
-    let wish = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
-    let (device, queue) = pollster::block_on(adapter.request_device(&wish)).map_err(|e| format!("no GPU: {e}"))?;
-    Ok((adapter.get_info(), device, queue))
 }

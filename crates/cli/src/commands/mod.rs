@@ -2,6 +2,8 @@
 
 pub mod batch;
 pub mod build;
+mod device;
+pub mod doctor;
 mod engine;
 pub mod inspect;
 pub mod reconstruct;

@@ -2,6 +2,9 @@
 
 #![allow(dead_code)]
 
+#[path = "../../../../tests/src/skip.rs"]
+mod skip;
+
 use std::path::{Path, PathBuf};
 
 use gimage::import::{ImportOptions, Imported, import_bytes};
@@ -153,11 +156,10 @@ pub fn garments() -> Option<PathBuf> {
 }
 
 /// The same, or a line that says that the test was skipped.
-#[allow(clippy::print_stderr)]
 pub fn garments_or_skip(test: &str) -> Option<PathBuf> {
     let found = garments();
     if found.is_none() {
-        eprintln!("{test}: skipped, the shared garments are not there (set GIMAGE_SHARED)");
+        skip::skip(&format!("{test}: no shared garments (set GIMAGE_SHARED to the folder that holds garments/)"));
     }
     found
 }

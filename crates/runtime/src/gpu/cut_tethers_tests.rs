@@ -1,17 +1,14 @@
+#[path = "../../tests/support/adapter.rs"]
+mod adapter;
+
+use adapter::device;
+
 use super::*;
 use crate::actions::Action;
 use crate::cloth::{Flat, Particle, Parts};
 use crate::cpu::rows::Threads;
 use crate::options::{Options, Solver};
 use crate::scene::Scene;
-
-/// A software adapter will do; `None` where there is none and none is asked for.
-fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
-    let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()));
-    let required = std::env::var("GIMAGE_REQUIRE_GPU").is_ok_and(|v| v == "1");
-    assert!(adapter.is_ok() || !required, "GIMAGE_REQUIRE_GPU is 1, but there is no adapter");
-    Some(pollster::block_on(adapter.ok()?.request_device(&Default::default())).unwrap())
-}
 
 /// A tube whose first and last column are one, and whose first row is pinned here and there.
 fn tube(n: u32, rows: u32, pins: &[u32]) -> Cloth {

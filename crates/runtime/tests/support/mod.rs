@@ -2,9 +2,11 @@
 // Not every test uses all of it.
 #![allow(dead_code)]
 
+pub mod adapter;
 pub mod rig;
 pub mod run;
 
+pub use adapter::*;
 use gimage_runtime::*;
 
 /// A tube around y, `n` columns (the last the duplicate of the first) of `rows` rows; row 0 closes to one point of
@@ -212,28 +214,6 @@ pub fn swing_period(mut stepper: Stepper) -> f64 {
         last = z;
     }
     2.0 * (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64 * FRAME
-}
-
-/// A device that has what every WebGPU implementation has, or `None` with a line that says so; a missing one fails where
-/// GIMAGE_REQUIRE_GPU is 1.
-pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
-    device_with(|_| wgpu::Limits::default())
-}
-
-/// The same with other limits.
-pub fn device_with(limits: impl Fn(&wgpu::Adapter) -> wgpu::Limits) -> Option<(wgpu::Device, wgpu::Queue)> {
-    let instance = wgpu::Instance::default();
-    let adapter = match pollster::block_on(instance.request_adapter(&Default::default())) {
-        Ok(adapter) => adapter,
-        Err(error) => {
-            let required = std::env::var("GIMAGE_REQUIRE_GPU").is_ok_and(|v| v == "1");
-            assert!(!required, "GIMAGE_REQUIRE_GPU is 1, but {error}; install mesa-vulkan-drivers");
-            eprintln!("skipped: {error}");
-            return None;
-        }
-    };
-    let descriptor = wgpu::DeviceDescriptor { required_limits: limits(&adapter), ..Default::default() };
-    Some(pollster::block_on(adapter.request_device(&descriptor)).unwrap())
 }
 
 /// An upright square of `n` x `n` particles and 1 m, hung by its first row; x to the right, y down from 0.

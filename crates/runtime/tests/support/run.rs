@@ -13,7 +13,8 @@ pub struct Run<'a> {
 
 impl<'a> Run<'a> {
     pub fn new(scene: &Scene, options: &Options, device: &'a Device) -> Self {
-        let stepper = Stepper::new(scene.clone(), options.clone(), Some((&device.0, &device.1))).unwrap();
+        let options = Options { backend: Backend::Gpu, ..options.clone() };
+        let stepper = Stepper::new(scene.clone(), options, Some((&device.0, &device.1))).unwrap();
         Run { stepper, device }
     }
 
