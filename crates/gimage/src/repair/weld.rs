@@ -280,7 +280,7 @@ mod tests {
         // A pillow: two sheets 0.01 apart, joined all round, whose cells are 1 wide.
         let sheet = |z: f64| move |k: u32| [f64::from(k % 5), f64::from(k / 5), z];
         let positions: Vec<[f64; 3]> = (0..25).map(sheet(0.0)).chain((0..25).map(sheet(0.01))).collect();
-        let rim = |k: u32| k % 5 == 0 || k % 5 == 4 || k / 5 == 0 || k / 5 == 4;
+        let rim = |k: u32| k.is_multiple_of(5) || k % 5 == 4 || k / 5 == 0 || k / 5 == 4;
         let upper = |k: u32| if rim(k) { k } else { k + 25 };
         let mut triangles = Vec::new();
         for k in (0..20).filter(|k| k % 5 != 4) {
