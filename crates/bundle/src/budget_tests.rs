@@ -49,9 +49,9 @@ fn lists_that_cannot_be_read_back_are_not_written() {
 /// A bundle whose one piece has `count` custom maps of one image.
 fn many_maps(image: &Image, count: usize) -> BTreeMap<String, Vec<u8>> {
     let mut bundle = Bundle::new("test");
-    bundle.manifest.pieces = vec![PieceEntry { name: "p".into(), width: image.width, height: image.height, ..Default::default() }];
-    let mut maps: BTreeMap<String, String> =
-        (0..count).map(|k| (format!("_M{k}"), format!("p.{k}.exr"))).collect();
+    bundle.manifest.pieces =
+        vec![PieceEntry { name: "p".into(), width: image.width, height: image.height, ..Default::default() }];
+    let mut maps: BTreeMap<String, String> = (0..count).map(|k| (format!("_M{k}"), format!("p.{k}.exr"))).collect();
     maps.insert("position".into(), "p.position.exr".into());
     bundle.manifest.pieces[0].maps = maps.clone();
     let bytes = encode_exr(image).unwrap();

@@ -91,11 +91,16 @@ impl Staged {
     }
 }
 
-/// Whether a bundle could be written at `path`: ask before the work is done. Makes and removes a temporary directory beside
-/// it, and errors as [`write_dir`].
+/// Whether a bundle could be written at `path`: ask before the work is done. Errors as [`write_dir`].
 pub fn check_target(path: &Path, force: bool) -> Result<()> {
     check_existing(path, force)?;
-    Scratch::create(path).map(drop)
+    check_beside(path)
+}
+
+/// Whether the directory that holds `target` can be written: makes and removes a temporary directory in it, and what dead
+/// processes have left there.
+pub fn check_beside(target: &Path) -> Result<()> {
+    Scratch::create(target).map(drop)
 }
 
 fn check_existing(path: &Path, force: bool) -> Result<()> {

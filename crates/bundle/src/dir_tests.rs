@@ -118,7 +118,8 @@ fn force_keeps_an_image_of_the_user_in_a_bundle() {
     assert_eq!(names(scratch.path()), ["a.gim"]);
     fs::remove_file(path.join("painted.exr")).unwrap();
     // What the manifest of an unknown version lists is replaced.
-    let newer = r#"{"format": "gimage-bundle", "version": 9, "files": {"new.exr": 1}, "pieces": [{"maps": {"a": "b.exr"}}]}"#;
+    let newer =
+        r#"{"format": "gimage-bundle", "version": 9, "files": {"new.exr": 1}, "pieces": [{"maps": {"a": "b.exr"}}]}"#;
     fs::remove_dir_all(&path).unwrap();
     fs::create_dir(&path).unwrap();
     for (name, text) in [("manifest.json", newer), ("new.exr", ""), ("b.exr", ""), ("render.glb", "")] {

@@ -335,7 +335,7 @@ fn check_weights(found: &mut Findings, index: usize, particles: &[Particle]) {
         let weights = || sets.iter().flat_map(|image| image.at(k)).copied();
         let sum: f64 = weights().map(f64::from).sum();
         if sum.is_finite() && ((sum - 1.0).abs() > 1e-3 || weights().any(|w| w < 0.0)) {
-            let message = format!("the weights sum to {sum}, or one is negative");
+            let message = format!("the weights sum to {sum:.4}, or one is negative");
             found.texel(FaultKind::Weight, index, k, &MapKind::Weights(0), message);
         }
     }
