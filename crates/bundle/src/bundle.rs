@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use sha2::{Digest, Sha256};
 
+use crate::budget;
 use crate::error::{Error, Result};
 use crate::exr_header::max_file_bytes;
 use crate::exr_io::{decode_exr_sized, encode_exr};
@@ -96,7 +97,8 @@ impl Bundle {
 
     /// Reads a bundle. `read` is given a file's name and the most bytes it can have, and returns its bytes; it should
     /// refuse a longer file before reading it. Errors on the first thing that cannot be read: a bad manifest, a missing
-    /// or damaged file, a wrong size or checksum. What the images hold is judged by [`crate::validate`].
+    /// or damaged file, a wrong size or checksum, and before the first image is decoded where all together take more than
+    /// [`crate::MAX_IMAGE_BYTES`]: to count them, files of colours and custom maps are read twice. What the images hold is judged by [`crate::validate`].
     pub fn decode(read: impl FnMut(&str, u64) -> Result<Vec<u8>>) -> Result<Self> {
         Self::decode_with(read, Err)
     }
@@ -107,7 +109,7 @@ impl Bundle {
     }
 
     /// As [`Bundle::decode`], but leaves out images that cannot be read, keeps those with a wrong checksum, and returns
-    /// a fault for each. Errors only where the manifest cannot be read.
+    /// a fault for each. Errors only where the manifest cannot be read, or the images take too much memory.
     pub fn decode_lenient(read: impl FnMut(&str, u64) -> Result<Vec<u8>>) -> Result<(Self, Vec<Fault>)> {
         let mut faults = Vec::new();
         let bundle = Self::decode_with(read, |error| {
@@ -122,6 +124,8 @@ impl Bundle {
         mut trouble: impl FnMut(Error) -> Result<()>,
     ) -> Result<Self> {
         let manifest = Manifest::from_bytes(&read(MANIFEST_FILE, MAX_MANIFEST_BYTES)?)?;
+        let cap = |width, height| max_file_bytes(width, height, 4);
+        budget::check_images(&manifest, &mut read, cap)?;
         let mut images = BTreeMap::new();
         for (index, piece) in manifest.pieces.iter().enumerate() {
             if let Err(error) = require_position(piece) {

@@ -1,4 +1,11 @@
 //! Bundles as directories: the only part that knows of a file system.
+//!
+//! Whatever happens to a writer, a power cut included, a path holds the old bundle or the new one, whole: the files are
+//! written and synced under a temporary name, and take the place of the old ones in one rename.
+
+mod listed;
+mod replace;
+mod scratch;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -7,50 +14,101 @@ use std::path::{Path, PathBuf};
 
 use crate::bundle::Bundle;
 use crate::error::{Error, Result};
-use crate::manifest::{FORMAT, MANIFEST_FILE, MAX_MANIFEST_BYTES};
+use crate::manifest::{MANIFEST_FILE, MAX_MANIFEST_BYTES};
 use crate::validate::{Fault, validate_files};
+use listed::Listed;
+use scratch::Scratch;
 
 /// Writes a bundle as the directory `path`, all of it or nothing. Without `force` an existing `path` is refused; with it
-/// a bundle, or an empty directory, is replaced, and anything else still refused.
+/// a bundle, or an empty directory, is replaced, and anything else still refused: a directory with a file that its manifest
+/// does not list, too.
 pub fn write_dir(bundle: &Bundle, path: &Path, force: bool) -> Result<()> {
-    check_target(path, force)?;
     write_files(&bundle.encode()?, path, force)
 }
 
 /// As [`write_dir`] for files already encoded, by name.
 pub fn write_files(files: &BTreeMap<String, Vec<u8>>, path: &Path, force: bool) -> Result<()> {
-    check_target(path, force)?;
-    let temporary = Scratch::create(path, "tmp")?;
-    for (name, bytes) in files {
-        if name.contains(['/', '\\', ':']) || name.contains("..") {
-            return Err(Error::FileName { name: name.clone(), problem: "points out of the bundle" });
+    Staged::write(files, path, force)?.commit()
+}
+
+/// A bundle, or a file, that is written and synced beside its target, and goes away with this value unless it is committed.
+/// What a process that dies leaves of it is removed by the next one that writes beside it.
+#[derive(Debug)]
+pub struct Staged {
+    scratch: Scratch,
+    new: PathBuf,
+    target: PathBuf,
+    /// Whether an existing bundle may be replaced; `None` for a file, which always may.
+    force: Option<bool>,
+}
+
+impl Staged {
+    /// Writes files, by name, that shall be the bundle `target`. Errors as [`write_dir`].
+    pub fn write(files: &BTreeMap<String, Vec<u8>>, target: &Path, force: bool) -> Result<Self> {
+        check_existing(target, force)?;
+        let staged = Self::beside(target, Some(force))?;
+        let io = |path: &Path| {
+            let path = path.to_path_buf();
+            |source| Error::Io { path, source }
+        };
+        fs::create_dir(&staged.new).map_err(io(&staged.new))?;
+        for (name, bytes) in files {
+            if name.contains(['/', '\\', ':']) || name.contains("..") {
+                return Err(Error::FileName { name: name.clone(), problem: "points out of the bundle" });
+            }
+            let file = staged.new.join(name);
+            replace::write_synced(&file, bytes).map_err(io(&target.join(name)))?;
         }
-        let file = temporary.path.join(name);
-        fs::write(&file, bytes).map_err(|source| Error::Io { path: file, source })?;
+        replace::sync_folder(&staged.new).map_err(io(target))?;
+        Ok(staged)
     }
-    let io = |source| Error::Io { path: path.into(), source };
-    if fs::symlink_metadata(path).is_err() {
-        return fs::rename(&temporary.path, path).map_err(io);
+
+    /// Writes a file that shall be `target`, in place of any other file there.
+    pub fn write_file(bytes: &[u8], target: &Path) -> Result<Self> {
+        let staged = Self::beside(target, None)?;
+        let io = |source| Error::Io { path: target.into(), source };
+        replace::write_synced(&staged.new, bytes).map_err(io)?;
+        Ok(staged)
     }
-    // The old bundle steps aside into a directory that is removed on leaving, once the new one is in its place.
-    let aside = Scratch::create(path, "old")?;
-    let old = aside.path.join("bundle");
-    fs::rename(path, &old).map_err(io)?;
-    fs::rename(&temporary.path, path).map_err(|source| {
-        if fs::rename(&old, path).is_err() {
-            // Rather leave a stray directory than lose the old bundle.
-            std::mem::forget(aside);
+
+    fn beside(target: &Path, force: Option<bool>) -> Result<Self> {
+        let scratch = Scratch::create(target)?;
+        let new = scratch.join("new");
+        Ok(Staged { scratch, new, target: target.into(), force })
+    }
+
+    /// Puts it in its place. Errors leave there what was there.
+    pub fn commit(self) -> Result<()> {
+        let Staged { scratch, new, target, force } = self;
+        match force {
+            // Again: files may have come in since.
+            Some(force) => {
+                check_existing(&target, force)?;
+                replace::replace(&scratch, &new, &target)
+            }
+            None => fs::rename(&new, &target).map_err(|source| Error::Io { path: target, source }),
         }
-        io(source)
-    })
+    }
 }
 
 /// Whether a bundle could be written at `path`: ask before the work is done. Errors as [`write_dir`].
 pub fn check_target(path: &Path, force: bool) -> Result<()> {
+    check_existing(path, force)?;
+    check_beside(path)
+}
+
+/// Whether the directory that holds `target` can be written: makes and removes a temporary directory in it, and what dead
+/// processes have left there.
+pub fn check_beside(target: &Path) -> Result<()> {
+    Scratch::create(target).map(drop)
+}
+
+fn check_existing(path: &Path, force: bool) -> Result<()> {
     let not = |problem: String| Err(Error::NotABundle { path: path.into(), problem });
     if path.file_name().is_none() {
         return not("it does not end in a name".into());
     }
+    scratch::recover(path);
     let io = |source| Error::Io { path: path.into(), source };
     let kind = match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
@@ -61,34 +119,42 @@ pub fn check_target(path: &Path, force: bool) -> Result<()> {
         return Err(Error::Exists { path: path.into() });
     }
     if !kind.is_dir() {
-        return not("it is no directory".into());
+        return not("it is not a directory".into());
     }
-    let mut empty = true;
+    let mut names = Vec::new();
     for entry in fs::read_dir(path).map_err(io)? {
         let entry = entry.map_err(io)?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        let ours = name == MANIFEST_FILE || name == "render.glb" || name.ends_with(".exr");
-        if !ours || !entry.file_type().map_err(io)?.is_file() {
-            return not(format!("it holds {name:?}, which is no part of a bundle"));
+        if !entry.file_type().map_err(io)?.is_file() {
+            return not(format!("it holds {name:?}, which is not a file of a bundle"));
         }
-        empty = false;
+        names.push(name);
     }
-    // A manifest.json is common in other projects too; only one that says it is ours counts. Any version does.
-    let ours = || {
-        let bytes = read_capped(&path.join(MANIFEST_FILE), MAX_MANIFEST_BYTES).ok()?;
-        let value: serde_json::Value = serde_json::from_slice(&bytes).ok()?;
-        Some(value.get("format")? == FORMAT)
+    if names.is_empty() {
+        return Ok(());
+    }
+    // A manifest.json is common in other projects too; only one that names our format counts. Any version does.
+    let manifest = read_capped(&path.join(MANIFEST_FILE), MAX_MANIFEST_BYTES).ok();
+    let Some(listed) = manifest.and_then(|bytes| Listed::parse(&bytes)) else {
+        return not("it holds no manifest of a gimage bundle".into());
     };
-    if empty || ours() == Some(true) { Ok(()) } else { not("it holds no manifest of a gimage bundle".into()) }
+    names.sort();
+    match names.iter().find(|name| !listed.has(name)) {
+        Some(name) => not(format!("it holds {name:?}, which its manifest does not list")),
+        None => Ok(()),
+    }
 }
 
-/// Reads a bundle from a directory; errors on the first thing that cannot be read, as [`Bundle::decode`].
+/// Reads a bundle from a directory; errors on the first thing that cannot be read, as [`Bundle::decode`]. A bundle that
+/// a killed writer left aside is put back first.
 pub fn read_dir(path: &Path) -> Result<Bundle> {
+    scratch::recover(path);
     Bundle::decode(|name, cap| read_member(path, name, cap))
 }
 
 /// Reads and validates a bundle in a directory, as [`validate_files`].
 pub fn validate_dir(path: &Path) -> Result<(Bundle, Vec<Fault>)> {
+    scratch::recover(path);
     validate_files(|name, cap| read_member(path, name, cap))
 }
 
@@ -127,33 +193,6 @@ fn read_capped(path: &Path, cap: u64) -> Result<Vec<u8>> {
     let file = fs::File::open(path).map_err(io)?;
     file.take(cap.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
     if bytes.len() as u64 > cap { Err(too_large(bytes.len() as u64)) } else { Ok(bytes) }
-}
-
-/// A new directory beside a target, on the same file system, removed with all it holds when it goes out of scope.
-struct Scratch {
-    path: PathBuf,
-}
-
-impl Scratch {
-    fn create(target: &Path, purpose: &str) -> Result<Self> {
-        let name = target.file_name().unwrap_or_default().to_string_lossy();
-        let mut attempt = 0_u32;
-        loop {
-            let path = target.with_file_name(format!(".{name}.{purpose}-{}-{attempt}", std::process::id()));
-            match fs::create_dir(&path) {
-                Ok(()) => return Ok(Scratch { path }),
-                Err(error) if error.kind() == ErrorKind::AlreadyExists && attempt < 1000 => attempt += 1,
-                Err(source) => return Err(Error::Io { path, source }),
-            }
-        }
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        // After a successful rename there is nothing here any more.
-        let _ = fs::remove_dir_all(&self.path);
-    }
 }
 
 #[cfg(test)]

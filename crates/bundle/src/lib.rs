@@ -5,6 +5,7 @@
 //!
 //! Everything read is distrusted: sizes are checked before anything is allocated, and no input makes a function panic.
 
+mod budget;
 mod bundle;
 mod counts;
 pub mod dir;
@@ -18,6 +19,10 @@ mod rings;
 mod tether;
 mod validate;
 
+pub use budget::{
+    MAX_ACCESSORIES, MAX_COLLIDERS, MAX_IMAGE_BYTES, MAX_JOINTS, MAX_MANIFEST_OBJECTS, MAX_MANIFEST_VALUES, MAX_PIECES,
+    MAX_REPAIRS,
+};
 pub use bundle::{Bundle, sha256};
 pub use counts::SPRING_STEPS;
 pub use error::{CodeError, Error, Result};

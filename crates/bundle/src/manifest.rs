@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::budget;
 use crate::error::{Error, Result};
 use crate::map::{check_file_name, check_size};
 
@@ -348,11 +349,13 @@ impl Manifest {
         }
         let mut bytes = serde_json::to_vec_pretty(self).map_err(|e| unreadable(e.to_string()))?;
         bytes.push(b'\n');
-        within_cap(bytes.len() as u64)?;
+        // What could not be read back is not written.
+        budget::check_manifest(&bytes)?;
         Ok(bytes)
     }
 
-    /// Reads a manifest and [checks](Manifest::check) it. The version is judged before anything else, so that a newer
+    /// Reads a manifest and [checks](Manifest::check) it, after its lists and values are found to be within their limits
+    /// ([`crate::MAX_MANIFEST_VALUES`] and others), before anything is allocated for them. The version is judged before anything else, so that a newer
     /// bundle is reported as newer and not as damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         #[derive(Deserialize)]
@@ -362,7 +365,7 @@ impl Manifest {
             #[serde(default)]
             version: Value,
         }
-        within_cap(bytes.len() as u64)?;
+        budget::check_manifest(bytes)?;
         let probe: Probe = serde_json::from_slice(bytes).map_err(|e| unreadable(e.to_string()))?;
         if probe.format != FORMAT {
             return Err(unreadable(format!("format is {}, not \"{FORMAT}\"", short(&probe.format))));
@@ -387,6 +390,7 @@ impl Manifest {
         if self.units != "metre" {
             return Err(wrong(format!("units are {:?}, not \"metre\"", self.units)));
         }
+        budget::check_lists(self)?;
         let mut files = std::collections::BTreeSet::new();
         let mut next = 0_u64;
         for piece in &self.pieces {
@@ -461,7 +465,7 @@ pub(crate) fn within_cap(bytes: u64) -> Result<()> {
     })
 }
 
-fn unreadable(problem: String) -> Error {
+pub(crate) fn unreadable(problem: String) -> Error {
     Error::Manifest { problem, hint: "this is no readable gimage bundle; build it again" }
 }
 

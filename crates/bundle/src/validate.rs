@@ -152,7 +152,7 @@ pub fn validate(bundle: &Bundle) -> Vec<Fault> {
 }
 
 /// Reads a bundle as [`Bundle::decode_lenient`] and validates what could be read. Errors only where the manifest cannot
-/// be read, which is exit code 2.
+/// be read or the images take more memory than a bundle may, which is exit code 2.
 pub fn validate_files(read: impl FnMut(&str, u64) -> Result<Vec<u8>>) -> Result<(Bundle, Vec<Fault>)> {
     let (bundle, mut faults) = Bundle::decode_lenient(read)?;
     for (piece, file) in bundle.manifest.pieces.iter().flat_map(|p| p.maps.values().map(move |file| (p, file))) {
@@ -335,7 +335,7 @@ fn check_weights(found: &mut Findings, index: usize, particles: &[Particle]) {
         let weights = || sets.iter().flat_map(|image| image.at(k)).copied();
         let sum: f64 = weights().map(f64::from).sum();
         if sum.is_finite() && ((sum - 1.0).abs() > 1e-3 || weights().any(|w| w < 0.0)) {
-            let message = format!("the weights sum to {sum}, or one is negative");
+            let message = format!("the weights sum to {sum:.4}, or one is negative");
             found.texel(FaultKind::Weight, index, k, &MapKind::Weights(0), message);
         }
     }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use gimage::import::Up;
 use gimage::options::{BuildOptions, Effort, ImageSize, RestLength, Sample, Seams};
 use gimage::pins::Pin;
 use gimage_runtime::Material;
@@ -60,13 +61,13 @@ pub struct BuildArgs {
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// Texels of the whole bundle, shared out among the pieces by area [default: 16384].
-    #[arg(long, value_name = "N", group = "image_size")]
+    #[arg(long, value_name = "N", group = "image_size", allow_negative_numbers = true)]
     pub texels: Option<u32>,
     /// Texels of each piece's image, as in 128x96.
     #[arg(long, value_name = "WxH", group = "image_size", value_parser = size)]
     pub size: Option<(u32, u32)>,
     /// Mean distance between neighbouring texels.
-    #[arg(long, value_name = "METRES", group = "image_size", value_parser = positive)]
+    #[arg(long, value_name = "METRES", group = "image_size", value_parser = positive, allow_negative_numbers = true)]
     pub spacing: Option<f64>,
     /// Put texels on the surface, or where the surface between them comes closest [default: fit].
     #[arg(long, value_enum)]
@@ -75,7 +76,7 @@ pub struct BuildArgs {
     #[arg(long, value_enum)]
     pub seams: Option<SeamsArg>,
     /// How much denser texels are where the surface bends: 0 is even, 1 has the least error [default: 0.6].
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub detail: Option<f64>,
     /// How hard to look for the best cut and layout [default: default].
     #[arg(long, value_enum)]
@@ -88,20 +89,28 @@ pub struct BuildArgs {
     #[arg(long, value_name = "EXPR")]
     pub pin: Vec<Pin>,
     /// Metres in one unit of the file, 0.01 for centimetres [default: 1].
-    #[arg(long, value_name = "METRES", value_parser = positive)]
+    #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true)]
     pub unit: Option<f64>,
+    /// The axis of the file that points up: X, Y, Z, -X, -Y or -Z. The garment is turned so that it is Y, with its normals and
+    /// skin [default: Y].
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    pub up: Option<Up>,
+    /// Move the garment, after --unit and --up: the middle of its bounding box to x = 0 and z = 0, its lowest point to y = 0.
+    /// Pins are about the garment where it stands then.
+    #[arg(long)]
+    pub center: bool,
     /// Join vertices within this distance where both lie on open borders or an edge connects them; none moves farther
     /// [default: exactly equal positions only].
-    #[arg(long, value_name = "METRES", value_parser = positive)]
+    #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true)]
     pub weld: Option<f64>,
     /// Parts under this share of the whole area become accessories, 0 to 0.1 [default: 0.01].
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub accessory_area: Option<f64>,
     /// Rest lengths: straight distance, or along the surface [default: chord].
     #[arg(long, value_enum)]
     pub rest: Option<RestArg>,
     /// Mass of the cloth [default: 0.15].
-    #[arg(long, value_name = "KG_M2", value_parser = positive)]
+    #[arg(long, value_name = "KG_M2", value_parser = positive, allow_negative_numbers = true)]
     pub density: Option<f64>,
     /// Do not measure the result against the source.
     #[arg(long)]
@@ -113,7 +122,7 @@ pub struct BuildArgs {
     #[arg(long, value_name = "DB", allow_negative_numbers = true)]
     pub min_psnr: Option<f64>,
     /// Threads to use; 0 is one for each core. The bundle does not depend on it.
-    #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024), allow_negative_numbers = true)]
     pub threads: u16,
     /// Write OUT.timings.json beside the bundle: time and memory of each stage.
     #[arg(long)]
@@ -164,30 +173,30 @@ pub struct SceneArgs {
     #[arg(long, value_enum)]
     pub solver: Option<SolverArg>,
     /// Steps a frame [default: those of the scene, or 8].
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub substeps: Option<u32>,
     /// Choose the steps of a frame, from --substeps on, so that they take at most this time [default: that of the scene].
-    #[arg(long, value_name = "MS")]
+    #[arg(long, value_name = "MS", allow_negative_numbers = true)]
     pub budget: Option<f64>,
     /// Choose the fewest steps that stretch cloth no more than this, 0.01 being 1 %; --budget wins [default: as above].
-    #[arg(long, value_name = "STRETCH")]
+    #[arg(long, value_name = "STRETCH", allow_negative_numbers = true)]
     pub error: Option<f64>,
     /// Relaxations a step [default: those of the scene, or 1].
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub iterations: Option<u32>,
     /// Tethers of a particle to the nearest pins, 0 to 4; xpbd only [default: those of the scene, or 2].
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub tethers: Option<u32>,
     /// Limit lengths on coarser grids once in K steps, 0 for never; xpbd only [default: that of the scene, or 0].
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub pyramid: Option<u32>,
     /// Further rounds of tethers and of springs to the right and down after each relaxation, 0 to 64: for fine cloth that
     /// hangs on tethers; xpbd only [default: those of the scene, or 0].
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub polish: Option<u32>,
     /// How far particles keep from the surfaces of colliders, 0 to 1 m: half of what the cloth measures through; for cloth
     /// without a thickness of its own [default: that of the scene, or 0].
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub thickness: Option<f32>,
     /// What all cloth is made of, as warp=500,weft=400,shear=40,bend=1e-5,density=0.15,damping=0.5,friction=1,thickness=0.001,
     /// of which any may be left out (N/m, N m, kg/m2, 1/s, a factor of the friction of colliders, m); without a thickness
@@ -195,10 +204,10 @@ pub struct SceneArgs {
     #[arg(long, value_name = "NAME=NUMBER,...", value_parser = material)]
     pub material: Option<Material>,
     /// Particles on a side of a built-in scene.
-    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095))]
+    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095), allow_negative_numbers = true)]
     pub n: u32,
     /// Threads to use on the CPU; 0 is one for each core. The result does not depend on it.
-    #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024), allow_negative_numbers = true)]
     pub threads: u16,
 }
 
@@ -208,16 +217,16 @@ pub struct SimulateArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Frames of 1/60 s [default: those of the scene, 600 for a bundle].
-    #[arg(long, value_name = "F")]
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
     pub frames: Option<u32>,
     /// Write positions of frames into this directory.
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
     /// Dump every K-th frame.
-    #[arg(long, value_name = "K", default_value_t = 1, requires = "dump", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "K", default_value_t = 1, requires = "dump", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     pub every: u32,
     /// Dump no frame before this one.
-    #[arg(long, value_name = "FRAME", default_value_t = 0, requires = "dump")]
+    #[arg(long, value_name = "FRAME", default_value_t = 0, requires = "dump", allow_negative_numbers = true)]
     pub dump_from: u32,
     /// Print one JSON object instead of text.
     #[arg(long)]
@@ -236,19 +245,19 @@ pub struct RenderArgs {
     #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = size)]
     pub size: (u32, u32),
     /// Time of the picture, or of the last one [default: the end of the scene].
-    #[arg(long, value_name = "SECONDS", value_parser = not_negative)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Pictures of a GIF; the last is that of --time [default: all from the start].
-    #[arg(long, value_name = "F", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "F", value_parser = clap::value_parser!(u32).range(1..=10_000), allow_negative_numbers = true)]
     pub frames: Option<u32>,
     /// Pictures a second of a GIF, at most 50.
-    #[arg(long, value_name = "FPS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=50))]
+    #[arg(long, value_name = "FPS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=50), allow_negative_numbers = true)]
     pub fps: u32,
     /// Where the camera stands and what it looks at, in metres [default: that of the scene, or all in the picture].
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = camera, allow_hyphen_values = true)]
     pub camera: Option<[f32; 6]>,
     /// Angle from the lower to the upper edge of the picture [default: that of the scene, or 35].
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub fov: Option<f32>,
     /// Colour of the background, sRGB as in ffffff [default: that of the scene, or f4f4f2].
     #[arg(long, value_name = "RRGGBB", value_parser = color)]
@@ -339,6 +348,8 @@ impl BuildArgs {
             .or(self.texels.map(ImageSize::Texels));
         set(&mut options.size, size);
         set(&mut options.import.unit, self.unit);
+        set(&mut options.import.up, self.up);
+        options.import.center = self.center;
         options.import.pieces.clone_from(&self.piece);
         options.repair.weld = self.weld.or(options.repair.weld);
         set(&mut options.component.accessory_area, self.accessory_area);
@@ -381,13 +392,13 @@ fn set<T>(option: &mut T, value: Option<T>) {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().map_err(|_| format!("`{text}` is no number"))?;
+    let number = text.parse::<f64>().map_err(|_| format!("`{text}` is not a number"))?;
     if number.is_finite() && number > 0.0 { Ok(number) } else { Err("give a number above 0".into()) }
 }
 
-fn not_negative(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().map_err(|_| format!("`{text}` is no number"))?;
-    if number.is_finite() && number >= 0.0 { Ok(number) } else { Err("give a number of at least 0".into()) }
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().map_err(|_| format!("`{text}` is not a number"))?;
+    if number.is_finite() && number >= 0.0 { Ok(number) } else { Err("give seconds from 0 on, as in 0.5".into()) }
 }
 
 fn material(text: &str) -> Result<Material, String> {
@@ -408,7 +419,7 @@ fn material(text: &str) -> Result<Material, String> {
                 return Err(format!("`{other}` is none of {names}"));
             }
         };
-        *field = number.trim().parse().map_err(|_| format!("`{number}` is no number"))?;
+        *field = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
     }
     material.check().map(|()| material).map_err(|e| e.to_string())
 }

@@ -19,18 +19,32 @@ fn nothing_said_is_the_default() {
 
 #[test]
 fn every_flag_reaches_the_options() {
-    let flags = "--size 64x32 --sample point --seams uv --piece a --piece b --pin above:-1.5 --pin loop:0 --unit 0.01 \
+    let flags = "--size 64x32 --sample point --seams uv --piece a --piece b --pin above:-1.5 --pin loop:0 --unit 0.01 --up -Z --center \
                  --weld 1e-4 --accessory-area 0.05 --rest arc --density 0.3 --detail 0.25 --effort best \
                  --no-metrics";
     let o = build(&flags.split_whitespace().collect::<Vec<_>>()).unwrap();
     assert_eq!((o.size, o.sample, o.seams), (ImageSize::Exact(64, 32), Sample::Point, Seams::Uv));
     assert_eq!((o.import.pieces, o.import.unit), (vec!["a".to_owned(), "b".to_owned()], 0.01));
+    assert_eq!((o.import.up, o.import.center), (Up::MinusZ, true));
     assert_eq!(o.pins, [Pin::Above(-1.5), Pin::Loop(0)]);
     assert_eq!((o.repair.weld, o.component.accessory_area, o.mass.density), (Some(1e-4), 0.05, 0.3));
     assert_eq!((o.rest, o.metrics), (RestLength::Arc, false));
     assert_eq!((o.detail, o.effort), (0.25, Effort::Best));
     assert_eq!(build(&["--texels", "99"]).unwrap().size, ImageSize::Texels(99));
     assert_eq!(build(&["--spacing", "0.01"]).unwrap().size, ImageSize::Spacing(0.01));
+}
+
+#[test]
+fn a_negative_number_is_told_what_its_option_takes() {
+    for (args, says) in [
+        ("render s1 -o a.png --time -3", "invalid value '-3' for '--time <SECONDS>': give seconds from 0 on"),
+        ("build a.obj -o a.gim --density -1", "invalid value '-1' for '--density <KG_M2>': give a number above 0"),
+        ("build a.obj -o a.gim --texels -1", "invalid value '-1' for '--texels <N>'"),
+        ("simulate s1 --frames -1", "invalid value '-1' for '--frames <F>'"),
+    ] {
+        let error = Cli::try_parse_from(["gimage"].into_iter().chain(args.split_whitespace())).unwrap_err().to_string();
+        assert!(error.contains(says), "{error}");
+    }
 }
 
 #[test]
@@ -44,6 +58,7 @@ fn nonsense_is_refused() {
         "--unit nan",
         "--weld -1",
         "--pin up:3",
+        "--up W",
         "--sample best",
         "--threads 5000",
         "--bogus",

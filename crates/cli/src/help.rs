@@ -30,9 +30,13 @@ pub const BUILD: &str = concat!(
     "  gimage build shirt.glb -o shirt.gim\n",
     "  gimage build skirt.obj -o skirt.gim --unit 0.01 --texels 65536 --pin above:0.98\n",
     "  gimage build flag.obj -o flag.gim --size 64x48 --pin loop:0 --force\n",
+    "  gimage build coat.glb -o coat.gim --up Z --center --pin above:0.9\n",
     "  gimage build *.glb -o bundles --json --threads 4\n\n",
     "The same input and options give the same bytes. With several inputs one bad file does not stop the others; ",
-    "the exit code is the worst one. A build that fails leaves nothing behind.",
+    "the exit code is the worst one. A build that fails leaves nothing behind, one whose report cannot be written to stdout ",
+    "too; of several inputs the bundles written until then stay. --force replaces a bundle, in one step; it refuses a directory ",
+    "with files that its manifest does not list. A hint (a file that seems to be in centimetres, or to have Z up) does not ",
+    "change the exit code.",
     exit_codes!("done, with findings: something was repaired, set apart, or is worse than it could be")
 );
 
@@ -61,7 +65,7 @@ pub const RECONSTRUCT: &str = concat!(
     "  gimage reconstruct shirt.gim -o back.obj\n",
     "  gimage reconstruct shirt.gim -o back.glb --force\n\n",
     "The mesh has texture coordinates where the bundle has a uv map.",
-    exit_codes!("not used by this command")
+    exit_codes!("done, but a piece has no triangles")
 );
 
 /// Of `gimage simulate`.

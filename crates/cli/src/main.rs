@@ -13,6 +13,8 @@ mod table;
 mod timings;
 mod units;
 
+use std::io::{ErrorKind, Write, stdout};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -43,10 +45,16 @@ fn main() -> ExitCode {
 
 /// Help, the version, or what is wrong with the command line.
 fn usage(error: &clap::Error) -> ExitCode {
-    // Nowhere to tell that telling failed.
-    let _ = error.print();
+    let printed = error.print().and_then(|()| stdout().flush());
     if error.exit_code() == 0 {
-        return ExitCode::SUCCESS;
+        // Help that nobody gets is no help, unless its reader has read enough.
+        return match printed {
+            Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+                let failure = Failure::io(Path::new("stdout"), &e);
+                ExitCode::from(Output::new(false, false, false).failure(&failure).code())
+            }
+            _ => ExitCode::SUCCESS,
+        };
     }
     // The flags are not known, but who asks for JSON waits for JSON.
     if std::env::args_os().any(|arg| arg == "--json") {

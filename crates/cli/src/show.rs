@@ -7,6 +7,7 @@ use crate::output::{Output, plain};
 use crate::summary::Summary;
 use crate::table::{NOTHING, Table};
 use crate::timings::Stage;
+use crate::units;
 use crate::units::{area, bytes, grouped, length, mass, percent, significant, time};
 
 /// How many accessories are listed without `--verbose`.
@@ -34,6 +35,7 @@ pub fn overview(out: &Output, path: &str, summary: &Summary) -> String {
         plain(&summary.source.file),
     );
     text += &section(out, "Pieces", &sizes(summary).render());
+    text += &section(out, "Bounding box", &boxes(summary).render());
     text += &section(out, "Surface", &surfaces(summary).render());
     text += &section(out, "Seams", &seams(summary).render());
     text += &section(out, "Distortion of the map", &distortion(summary).render());
@@ -93,6 +95,22 @@ fn sizes(summary: &Summary) -> Table {
             or_dash(p.constants.rest, |r| r.map(|x| length(x.into())).join(", ")),
             or_dash(p.constants.density, |d| format!("{} kg/m²", significant(d, 3))),
         ]);
+    }
+    table
+}
+
+/// The numbers that pin expressions are about, in metres whatever their size.
+fn boxes(summary: &Summary) -> Table {
+    let mut table = Table::new(&["<piece", "x", "y", "z"]);
+    let all = (summary.pieces.len() != 1).then_some(("all", &summary.bounds));
+    for (name, bounds) in summary.pieces.iter().map(|p| (p.name.as_str(), &p.bounds)).chain(all) {
+        let side = |k: usize| {
+            or_dash(bounds.as_ref(), |b| {
+                let [lo, hi] = [b.min[k], b.max[k]].map(|x| significant(x.into(), 4));
+                format!("{lo} to {hi} m")
+            })
+        };
+        table.row([name.into(), side(0), side(1), side(2)]);
     }
     table
 }
@@ -232,7 +250,7 @@ fn accessories(out: &Output, summary: &Summary) -> (String, String) {
 fn repairs(repairs: &[Repair]) -> String {
     let mut table = Table::new(&["<", "<", "<", "", "<"]);
     for r in repairs {
-        let count = format!("{}x", grouped(r.count));
+        let count = units::times(r.count, &r.message).unwrap_or_default();
         let example = r.examples.first().map(|e| format!(" ({e})")).unwrap_or_default();
         table.row([r.severity.clone(), r.stage.clone(), r.kind.clone(), count, format!("{}{example}", r.message)]);
     }

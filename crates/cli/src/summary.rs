@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 
 use gimage::gate::{Figures, Rating};
-use gimage_bundle::Bundle;
 use gimage_bundle::manifest::{
     Accessory, Constants, Counts, Cut, PieceEntry, Quality, Repair, RungEntry, Source, Surface,
 };
+use gimage_bundle::{Bundle, Image, MapKind};
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::exit::Failure;
+use crate::units::length;
 
 /// A bundle summed up.
 #[derive(Clone, Debug, Serialize)]
@@ -25,6 +26,9 @@ pub struct Summary {
     pub options: BTreeMap<String, Value>,
     /// Texels of all pieces.
     pub texels: u32,
+    /// The box around all particles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<Bounds>,
     /// Bytes of all images.
     pub image_bytes: u64,
     /// The pieces.
@@ -41,6 +45,29 @@ pub struct Summary {
     pub disagreements: Vec<String>,
 }
 
+/// An axis-aligned box \[m\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bounds {
+    /// Smallest x, y, z.
+    pub min: [f32; 3],
+    /// Largest x, y, z.
+    pub max: [f32; 3],
+}
+
+impl Bounds {
+    /// The box around two boxes.
+    fn with(self, other: Bounds) -> Bounds {
+        let min = std::array::from_fn(|k| self.min[k].min(other.min[k]));
+        Bounds { min, max: std::array::from_fn(|k| self.max[k].max(other.max[k])) }
+    }
+
+    /// The box around the particles of a position map.
+    fn of(positions: &Image) -> Option<Bounds> {
+        let texels = positions.data.as_chunks::<4>().0.iter().filter(|t| t[3] != 0.0);
+        texels.map(|&[x, y, z, _]| Bounds { min: [x, y, z], max: [x, y, z] }).reduce(Bounds::with)
+    }
+}
+
 /// A piece summed up.
 #[derive(Clone, Debug, Serialize)]
 pub struct Piece {
@@ -52,6 +79,9 @@ pub struct Piece {
     pub height: u32,
     /// Index of its first texel.
     pub first_particle: u32,
+    /// The box around its particles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<Bounds>,
     /// Counts, from the images.
     pub counts: Counts,
     /// Its files.
@@ -89,12 +119,15 @@ pub struct Map {
 }
 
 impl Summary {
-    /// Sums a bundle up. Counts and the seam gap are made anew from the images; errors only where a particle code is
-    /// not legal.
+    /// Sums a bundle up. Counts, boxes and the seam gap come from the images; errors only where a particle code is not
+    /// legal.
     pub fn new(mut bundle: Bundle) -> Result<Self, Failure> {
         let stated: Vec<Counts> = bundle.manifest.pieces.iter().map(|p| p.counts).collect();
         bundle.count()?;
         let seam_gap = bundle.seam_gap()?;
+        let positions = |piece| bundle.image(piece, &MapKind::Position);
+        let boxes: Vec<Option<Bounds>> = (0..stated.len()).map(|piece| positions(piece).and_then(Bounds::of)).collect();
+        let bounds = boxes.iter().flatten().copied().reduce(Bounds::with);
         let manifest = bundle.manifest;
         let mut disagreements = Vec::new();
         for (piece, stated) in manifest.pieces.iter().zip(&stated) {
@@ -103,7 +136,11 @@ impl Summary {
         let gaps = manifest.pieces.iter().filter_map(|p| p.quality.seam_gap).chain(manifest.quality.seam_gap);
         let gap = gaps.fold(0.0, f64::max);
         if gap != seam_gap {
-            disagreements.push(format!("the manifest says seam gap {gap} m, the images have {seam_gap} m"));
+            disagreements.push(format!(
+                "the manifest says seam gap {}, the images have {}",
+                length(gap),
+                length(seam_gap)
+            ));
         }
         let map = |(map, file): (&String, &String)| Map {
             map: map.clone(),
@@ -113,13 +150,14 @@ impl Summary {
         let maps: Vec<Vec<Map>> = manifest.pieces.iter().map(|p| p.maps.iter().map(map).collect()).collect();
         let image_bytes = manifest.files.values().map(|f| f.bytes).sum();
         let texels = manifest.texels();
-        let pieces = manifest.pieces.into_iter().zip(maps).map(|(p, maps)| {
+        let pieces = manifest.pieces.into_iter().zip(maps).zip(boxes).map(|((p, maps), bounds)| {
             let (rating, remarks) = Figures::of(&p.quality).rate();
             Piece {
                 name: p.name,
                 width: p.width,
                 height: p.height,
                 first_particle: p.first_particle,
+                bounds,
                 counts: p.counts,
                 maps,
                 constants: p.constants,
@@ -137,6 +175,7 @@ impl Summary {
             source: manifest.source,
             options: manifest.options,
             texels,
+            bounds,
             image_bytes,
             pieces: pieces.collect(),
             accessories: manifest.accessories,
@@ -169,7 +208,6 @@ fn count_differences(piece: &PieceEntry, stated: &Counts) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gimage_bundle::{Image, MapKind};
 
     #[test]
     fn a_manifest_that_does_not_agree_is_told() {
@@ -185,5 +223,19 @@ mod tests {
         let summary = Summary::new(bundle).unwrap();
         assert_eq!(summary.disagreements.len(), 2, "{:?}", summary.disagreements);
         assert_eq!(summary.pieces[0].counts.pinned, 0);
+    }
+
+    #[test]
+    fn boxes_hold_particles_alone() {
+        let mut bundle = Bundle::new("test");
+        for x in [1.0, 5.0] {
+            let piece = bundle.add_piece("body", 2, 2).unwrap();
+            let mut image = Image::zeros(2, 2, 4);
+            image.data[..8].copy_from_slice(&[x, 2.0, -3.0, 1.0, x + 1.0, 2.5, -4.0, 1.0]);
+            bundle.insert(piece, MapKind::Position, image).unwrap();
+        }
+        let summary = Summary::new(bundle).unwrap();
+        assert_eq!(summary.pieces[0].bounds, Some(Bounds { min: [1.0, 2.0, -4.0], max: [2.0, 2.5, -3.0] }));
+        assert_eq!(summary.bounds, Some(Bounds { min: [1.0, 2.0, -4.0], max: [6.0, 2.5, -3.0] }));
     }
 }

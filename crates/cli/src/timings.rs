@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use gimage::report::StageTime;
-use gimage_bundle::manifest::MANIFEST_FILE;
+use gimage_bundle::manifest::{MANIFEST_FILE, MAX_MANIFEST_BYTES};
 use gimage_bundle::sha256;
 use serde::{Deserialize, Serialize};
 
@@ -80,7 +80,11 @@ impl Timings {
     /// The times of a bundle, if they lie beside it and are of this very bundle.
     pub fn of_bundle(bundle: &Path) -> Option<Self> {
         let timings = load(&path_for(bundle))?;
-        let manifest = fs::read(bundle.join(MANIFEST_FILE)).ok()?;
+        let path = bundle.join(MANIFEST_FILE);
+        if fs::metadata(&path).ok()?.len() > MAX_MANIFEST_BYTES {
+            return None;
+        }
+        let manifest = fs::read(path).ok()?;
         (timings.manifest_sha256 == sha256(&manifest)).then_some(timings)
     }
 }

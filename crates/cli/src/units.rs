@@ -58,6 +58,12 @@ pub fn mass(kilograms: f64) -> String {
     scaled(kilograms, &[(1.0, "kg"), (1e-3, "g"), (1e-6, "mg"), (1e-9, "µg")])
 }
 
+/// How often something was found, as in `32x`; nothing where it was once, or where the message begins with the number.
+pub fn times(count: u64, message: &str) -> Option<String> {
+    let said = message.split_whitespace().next().is_some_and(|word| word == count.to_string());
+    (count > 1 && !said).then(|| format!("{}x", grouped(count)))
+}
+
 /// Seconds.
 pub fn time(seconds: f64) -> String {
     scaled(seconds, &[(1.0, "s"), (1e-3, "ms"), (1e-6, "µs")])
@@ -84,6 +90,14 @@ mod tests {
             assert_eq!(significant(x, 4), text);
         }
         assert_eq!((significant(1.5e-9, 3), significant(f64::INFINITY, 3)), ("1.50e-9".into(), "inf".into()));
+    }
+
+    #[test]
+    fn a_count_is_said_once() {
+        assert_eq!(times(32, "32 edges with three or more triangles"), None);
+        assert_eq!(times(1, "Animations are not kept."), None);
+        assert_eq!(times(3200, "Triangles were left out."), Some("3,200x".into()));
+        assert_eq!(times(3, "32 edges"), Some("3x".into()));
     }
 
     #[test]

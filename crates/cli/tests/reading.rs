@@ -98,3 +98,53 @@ fn the_surface_comes_back_with_its_texture_coordinates() {
     }
     assert!(place.list().iter().all(|name| !name.starts_with('.')));
 }
+
+#[test]
+fn a_mesh_of_nothing_or_of_no_numbers_is_not_written() {
+    let place = Place::new();
+    place.built("");
+    let bundle = place.path("tube.gim");
+    let mut read = gimage_bundle::dir::read_dir(&bundle).unwrap();
+    let uv = (0, gimage_bundle::MapKind::Uv(0));
+    read.images.get_mut(&uv).unwrap().data[0] = f32::NAN;
+    gimage_bundle::dir::write_dir(&read, &bundle, true).unwrap();
+    for mesh in ["a.obj", "a.glb"] {
+        let run = place.run(&format!("reconstruct tube.gim -o {mesh}")).expect(&[2]);
+        assert!(run.stderr.contains("tube.gim") && run.stderr.contains("texel (0, 0)"), "{}", run.stderr);
+    }
+    // Without particles there is no triangle.
+    read.images.remove(&uv);
+    let (width, height) = (read.manifest.pieces[0].width, read.manifest.pieces[0].height);
+    let empty = gimage_bundle::Image::zeros(width, height, 4);
+    read.images.insert((0, gimage_bundle::MapKind::Position), empty);
+    gimage_bundle::dir::write_dir(&read, &bundle, true).unwrap();
+    let run = place.run("reconstruct tube.gim -o a.obj").expect(&[2]);
+    assert!(run.stderr.contains("there is no triangle in it"), "{}", run.stderr);
+    assert_eq!(place.list(), ["tube.gim", "tube.obj"]);
+}
+
+#[test]
+fn a_bundle_that_decodes_to_too_much_memory_is_refused() {
+    let place = Place::new();
+    place.built("");
+    let path = place.path("tube.gim/manifest.json");
+    let text = fs::read_to_string(&path).unwrap();
+    let mut manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
+    manifest["repairs"] = vec![serde_json::json!({}); 100_000].into();
+    fs::write(&path, manifest.to_string()).unwrap();
+    for command in ["inspect", "validate"] {
+        let run = place.run(&format!("{command} tube.gim")).expect(&[2]);
+        assert!(run.stderr.contains("`repairs`") && run.stderr.contains("65536"), "{}", run.stderr);
+    }
+}
+
+#[test]
+fn inspect_shows_the_box_that_pins_are_about() {
+    let place = Place::new();
+    place.built("");
+    let bounds = &place.run("inspect tube.gim --json").expect(&[0]).json()["pieces"][0]["bounds"];
+    let near = |end: &str, k: usize, x: f64| (bounds[end][k].as_f64().unwrap() - x).abs() < 0.01;
+    assert!(near("min", 1, 0.0) && near("max", 1, 0.8) && near("min", 0, -0.3) && near("max", 2, 0.3), "{bounds}");
+    let text = place.run("inspect tube.gim").expect(&[0]).stdout;
+    assert!(text.contains("Bounding box") && text.contains(" to 0.8000 m"), "{text}");
+}

@@ -60,6 +60,10 @@ fn a_missing_file_is_named() {
         let json = place.run(&format!("{args} --json")).expect(&[2]).json();
         assert!(json["error"].as_str().unwrap().contains(name) && json["exit"] == 2, "{json}");
     }
+    for name in ["nope.json", "no/such.gim"] {
+        let run = place.run(&format!("simulate {name}")).expect(&[2]);
+        assert!(run.stderr.starts_with(&format!("error: {name}: no such file")), "{}", run.stderr);
+    }
     let run = place.run("reconstruct no/such.gim -o a.obj").expect(&[2]);
     assert!(run.stderr.contains("no/such.gim"), "{}", run.stderr);
     let json = place.run("build tube.obj -o a.gim --bogus --json").expect(&[2]).json();

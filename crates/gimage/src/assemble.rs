@@ -10,12 +10,12 @@ use crate::component::Component;
 use crate::disk::NONE;
 use crate::error::{Error, Result};
 use crate::locate::Locator;
-use crate::mass::{MassOptions, Masses, mass};
+use crate::mass::{Masses, mass};
 use crate::measure::{MeasureOptions, Quality, measure};
 use crate::mesh::{Mesh, Semantic};
 use crate::options::{BuildOptions, RestLength};
 use crate::piece::PieceImage;
-use crate::pins::Pin;
+use crate::pins::{Pin, unmet};
 use crate::record::Finding;
 use crate::springs::{Rest, RestLengths, springs};
 use crate::stretch::spring_anisotropy;
@@ -29,6 +29,8 @@ struct Made {
     maps: Vec<(MapKind, Image)>,
     findings: Vec<Finding>,
     pinned: Vec<bool>,
+    /// For each pin whether a particle of the piece meets it.
+    met: Vec<bool>,
     rest: RestLengths,
     mass: Masses,
 }
@@ -54,6 +56,7 @@ pub(crate) fn assemble(
         .collect();
     let mut findings = Vec::new();
     let mut pinned = 0usize;
+    let mut met = vec![false; options.pins.len()];
     for (piece, made) in pieces.iter().zip(made) {
         let (made, (component, _, image)) = (made?, piece);
         let k = bundle.add_piece(&component.name, image.width, image.height)?;
@@ -67,6 +70,7 @@ pub(crate) fn assemble(
             data.extend([p[0] as f32, p[1] as f32, p[2] as f32, code]);
         }
         pinned += made.pinned.iter().filter(|p| **p).count();
+        met.iter_mut().zip(&made.met).for_each(|(all, one)| *all |= one);
         let map = |channels: u32, data: Vec<f32>| Image { width: image.width, height: image.height, channels, data };
         bundle.insert(k, MapKind::Position, map(4, data))?;
         let entry = &mut bundle.manifest.pieces[k];
@@ -109,17 +113,17 @@ pub(crate) fn assemble(
     if pinned > 0 {
         bundle.write_tethers()?;
     }
-    if !options.pins.is_empty() && pinned == 0 {
-        findings.push(Finding {
-            severity: crate::record::Severity::Warning,
-            stage: "maps",
-            kind: "nothing-pinned",
-            count: options.pins.len() as u64,
-            examples: options.pins.iter().take(4).map(ToString::to_string).collect(),
-            message: "No particle meets any of the pins asked for.".into(),
-        });
-    }
+    findings.extend(unmet(&options.pins, &met, bounds(pieces), loops.len(), mesh));
     Ok(findings)
+}
+
+/// The box around the texels of all pieces \[m\].
+fn bounds(pieces: &[Piece<'_>]) -> Option<([f64; 3], [f64; 3])> {
+    let mut all = pieces.iter().flat_map(|(_, _, image)| &image.grid.positions).copied();
+    let first = all.next()?;
+    Some(all.fold((first, first), |(lo, hi), p| {
+        (std::array::from_fn(|k| lo[k].min(p[k])), std::array::from_fn(|k| hi[k].max(p[k])))
+    }))
 }
 
 /// f32 holds every position.
@@ -171,12 +175,17 @@ fn make(
             springs(&image.grid, Rest::Arc(&point))
         }
     };
-    let mass = mass(&image.grid, component.area, &MassOptions { ..options.mass })?;
-    let pinned = pinned(mesh, k, image, &places, loops, &options.pins);
-    Ok(Made { maps, findings, pinned, rest, mass })
+    let mass = mass(&image.grid, component.area, &options.mass).map_err(|error| match error {
+        Error::Option { problem, hint, .. } => {
+            Error::Piece { piece: component.name.clone(), stage: "mass", problem, hint }
+        }
+        other => other,
+    })?;
+    let (pinned, met) = pinned(mesh, k, image, &places, loops, &options.pins);
+    Ok(Made { maps, findings, pinned, met, rest, mass })
 }
 
-/// Which texels are pinned; all duplicates of a point if one of them is.
+/// Which texels are pinned, all duplicates of a point if one of them is, and which pins a texel meets.
 fn pinned(
     mesh: &Mesh,
     piece: usize,
@@ -184,7 +193,7 @@ fn pinned(
     places: &[(usize, [f64; 3])],
     loops: &[(usize, u32)],
     pins: &[Pin],
-) -> Vec<bool> {
+) -> (Vec<bool>, Vec<bool>) {
     let value = |semantic: &Semantic, component: usize, (t, bary): (usize, [f64; 3])| -> Option<f64> {
         let channel = mesh.channel(semantic).filter(|c| component < c.width)?;
         let (mut sum, mut total) = (0.0, 0.0);
@@ -196,10 +205,11 @@ fn pinned(
         }
         (total > 0.0).then(|| sum / total)
     };
+    let mut met = vec![false; pins.len()];
     let mut out: Vec<bool> = (0..places.len())
         .map(|at| {
             let p = image.grid.positions[at];
-            pins.iter().any(|pin| match pin {
+            let meets = |pin: &Pin| match pin {
                 Pin::Above(y) => p[1] > *y,
                 Pin::Below(y) => p[1] < *y,
                 Pin::Box(lo, hi) => (0..3).all(|c| lo[c] <= p[c] && p[c] <= hi[c]),
@@ -208,7 +218,13 @@ fn pinned(
                     value(&Semantic::Custom(name.clone()), 0, places[at]).is_some_and(|x| x > *t)
                 }
                 Pin::Color(c, t) => value(&Semantic::Color(0), *c, places[at]).is_some_and(|x| x > *t),
-            })
+            };
+            let mut any = false;
+            for (pin, met) in pins.iter().zip(&mut met) {
+                let here = meets(pin);
+                (any, *met) = (any | here, *met | here);
+            }
+            any
         })
         .collect();
     for ring in image.grid.rings() {
@@ -216,7 +232,7 @@ fn pinned(
             ring.iter().for_each(|&k| out[k as usize] = true);
         }
     }
-    out
+    (out, met)
 }
 
 /// What is known of a map without measuring distances.

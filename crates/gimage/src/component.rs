@@ -9,6 +9,7 @@ use crate::mesh::Mesh;
 use crate::order;
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 use crate::surface::Surface;
+use crate::words;
 
 /// How components are told apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,8 +69,8 @@ pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
     let total: f64 = found.iter().map(|c| c.area).sum();
     let mut out = Split::default();
     if total <= 0.0 || !total.is_finite() {
-        let message =
-            format!("no component has any area ({} components, {} triangles)", found.len(), mesh.triangles.len());
+        let (components, triangles) = (words::components(found.len()), words::triangles(mesh.triangles.len()));
+        let message = format!("no component has any area ({components}, {triangles})");
         out.findings.push(finding(Severity::Warning, "no-piece", found.len(), Vec::new(), message));
         return out;
     }
@@ -80,18 +81,22 @@ pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
     out.accessories = found.split_off(pieces);
     out.pieces = found;
 
-    let words =
-        |c: &Component| format!("{}: {} triangles, {:.2} % of the area", c.name, c.triangles.len(), 100.0 * share(c));
-    let examples: Vec<String> = out.accessories.iter().take(MAX_EXAMPLES).map(words).collect();
+    let example = |c: &Component| {
+        format!("{}: {}, {:.2} % of the area", c.name, words::triangles(c.triangles.len()), 100.0 * share(c))
+    };
+    let examples: Vec<String> = out.accessories.iter().take(MAX_EXAMPLES).map(example).collect();
     let (count, limit) = (out.accessories.len(), 100.0 * least);
     if out.pieces.is_empty() {
-        let message = format!("none of {count} components has {limit} % of the area; the largest is {}", examples[0]);
+        let message =
+            format!("none of {} has {limit} % of the area; the largest is {}", words::components(count), examples[0]);
         out.findings.push(finding(Severity::Warning, "no-piece", count, examples, message));
     } else if count > 0 {
         let triangles: usize = out.accessories.iter().map(|c| c.triangles.len()).sum();
         let area: f64 = out.accessories.iter().map(share).sum();
         let message = format!(
-            "{count} components under {limit} % of the area become accessories: {triangles} triangles, {:.2} % of the area",
+            "{} under {limit} % of the area made accessories: {}, {:.2} % of the area",
+            words::components(count),
+            words::triangles(triangles),
             100.0 * area
         );
         out.findings.push(finding(Severity::Repair, "accessories", count, examples, message));

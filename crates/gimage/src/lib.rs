@@ -57,6 +57,7 @@ mod symmetry;
 pub mod topology;
 mod transfer;
 mod vec3;
+mod words;
 
 pub use error::{Error, Result};
 pub use mesh::Mesh;

@@ -50,6 +50,32 @@ impl Masses {
     }
 }
 
+/// The lightest and the heaviest particle \[kg\] that 32-bit floats hold with all their digits, and whose inverse is finite.
+const RANGE: [f64; 2] = [f32::MIN_POSITIVE as f64, f32::MAX as f64];
+
+/// Whether particles of this mass \[kg\] can be stored; `area` \[m2\] is that of the surface they make up. Errors name what
+/// to change.
+fn in_range(mass: f64, area: f64, density: f64) -> Result<()> {
+    if (RANGE[0]..=RANGE[1]).contains(&mass) {
+        return Ok(());
+    }
+    let [mass, area, density, least, most] = [mass, area, density, RANGE[0], RANGE[1]].map(crate::words::number);
+    Err(Error::Option {
+        option: "density".into(),
+        problem: format!(
+            "{area} m2 of cloth at {density} kg/m2 has particles of {mass} kg, and 32-bit floats hold {least} to {most} kg"
+        ),
+        hint: "give the metres in one unit of the file with --unit, or another --density".into(),
+    })
+}
+
+/// Whether a garment of this area \[m2\] can have masses that are stored, whatever its number of texels: asked before any
+/// image is made. Errors where the mean particle is out of range in an image of the fewest texels and of the most.
+pub(crate) fn check_mean(area: f64, options: &MassOptions) -> Result<()> {
+    let mean = |texels: u32| in_range(area * options.density / f64::from(texels), area, options.density);
+    mean(4).or_else(|_| mean(gimage_bundle::MAX_PARTICLES))
+}
+
 /// No particle is lighter than this share of the mean: one without an area, where the image has collapsed, would have
 /// no finite inverse mass.
 const LIGHTEST: f64 = 1e-3;
@@ -57,7 +83,7 @@ const LIGHTEST: f64 = 1e-3;
 /// A third of each triangle around a surface point, over all of its duplicates and averaged over both ways to split a
 /// quad, since where the diagonals are equally long rounding chooses; scaled so that the masses of all surface points (not
 /// of all texels) add to `source_area` \[m2\] times the density; a source area that is not above 0 stands for
-/// the image's own.
+/// the image's own. Errors where a density is not above 0, or a mass is not one that 32-bit floats hold.
 pub fn mass(grid: &Grid, source_area: f64, options: &MassOptions) -> Result<Masses> {
     let positive = |x: f64| x > 0.0 && x.is_finite();
     if !positive(options.density) {
@@ -92,6 +118,14 @@ pub fn mass(grid: &Grid, source_area: f64, options: &MassOptions) -> Result<Mass
     let target = if positive(source_area) { source_area } else { image_area };
     let scale = target / image_area * options.density;
     let mean = target * options.density / points.len() as f64;
+    let (low, high) = points.iter().fold((mean, mean), |(low, high), &k| {
+        let mass = area[k] * scale;
+        (low.min(mass), high.max(mass))
+    });
+    // The mean first: a NaN shows there, and not in the ends.
+    for mass in [mean, low, high] {
+        in_range(mass, target, options.density)?;
+    }
     if points.iter().all(|&k| (area[k] * scale - mean).abs() <= 1e-6 * mean) {
         return Ok(Masses::Constant(mean as f32));
     }
@@ -152,6 +186,23 @@ mod tests {
     fn uniform_masses_are_constant() {
         let g = grid(2, 2, |_, _| [1.0; 3]);
         assert_eq!(mass(&g, 4.0, &MassOptions { density: 1.0 }).unwrap(), Masses::Constant(1.0));
+    }
+
+    #[test]
+    fn masses_that_round_to_0_or_overflow_are_refused_with_what_to_do() {
+        let sheet = |side: f64| grid(5, 5, move |u, v| [side * u, side * v, 0.0]);
+        for (side, density) in [(1.0, 1e-300), (1.0, 1e-45), (1e-20, 0.15), (1.0, 1e300), (1e18, 1e30)] {
+            let error = mass(&sheet(side), side * side, &MassOptions { density }).unwrap_err().to_string();
+            assert!(error.contains("--unit") && error.contains("--density") && error.contains("kg"), "{error}");
+            assert!(check_mean(side * side, &MassOptions { density }).is_err(), "{side} {density}");
+        }
+        // The lightest that is kept is what it should be, and its inverse is finite.
+        for density in [1e-35, 1e38] {
+            let m = mass(&sheet(1.0), 1.0, &MassOptions { density }).unwrap();
+            assert!((total(&sheet(1.0), &m) / density - 1.0).abs() < 1e-6);
+            assert!((0..25).all(|k| m.at(k).recip().is_finite()));
+        }
+        assert!(check_mean(1.0, &MassOptions::default()).is_ok());
     }
 
     #[test]

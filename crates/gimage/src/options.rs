@@ -172,6 +172,8 @@ impl BuildOptions {
             size,
             ("piece", json!(self.import.pieces)),
             ("unit", json!(self.import.unit)),
+            ("up", json!(self.import.up.to_string())),
+            ("center", json!(self.import.center)),
             ("weld", json!(self.repair.weld)),
             ("accessory_area", json!(self.component.accessory_area)),
             ("sample", json!(if self.sample == Sample::Fit { "fit" } else { "point" })),
@@ -238,6 +240,7 @@ mod tests {
     fn the_record_has_every_option() {
         let rest = [
             "accessory_area",
+            "center",
             "density",
             "detail",
             "effort",
@@ -247,6 +250,7 @@ mod tests {
             "sample",
             "seams",
             "unit",
+            "up",
             "weld",
         ];
         let sizes = [

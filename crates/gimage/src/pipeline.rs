@@ -14,6 +14,7 @@ use crate::component::{ALWAYS_PIECE, Component, extract, split};
 use crate::error::{Error, Result};
 use crate::gate;
 use crate::import::import;
+use crate::mass::check_mean;
 use crate::mesh::{Mesh, Semantic};
 use crate::options::{BuildOptions, ImageSize};
 use crate::piece::{FitRecord, ImageOptions, PieceImage, image};
@@ -22,6 +23,7 @@ use crate::record::{Finding, MAX_EXAMPLES, Severity};
 use crate::repair::repair;
 use crate::report::{Report, StageTime, peak_memory};
 use crate::surface::Surface;
+use crate::words;
 
 /// A finished build, not yet written.
 #[derive(Clone, Debug)]
@@ -90,6 +92,7 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
         Ok(parts)
     })?;
     let total: f64 = parts.pieces.iter().map(|p| p.area).sum();
+    check_mean(total, &options.mass)?;
     let made = run.stage(Stage::Image, parts.pieces.len(), |report| {
         let one = |component: &Component, share| {
             if progress.cancelled() {
@@ -163,9 +166,17 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
     bundle.manifest.repairs = run.report.findings.iter().map(repair_entry).collect();
     run.stage(Stage::Encode, 1, |_| {
         bundle.count()?;
-        Ok(())
+        sound(&bundle)
     })?;
     Ok(Built { bundle, report: run.report })
+}
+
+/// Checks a bundle against the rules of its format, before anyone sees it. Nothing that a file holds may lead here.
+fn sound(bundle: &Bundle) -> Result<()> {
+    match gimage_bundle::validate(bundle).first() {
+        None => Ok(()),
+        Some(fault) => Err(Error::Internal(format!("the bundle breaks a rule of its format: {fault}"))),
+    }
 }
 
 /// What became of a component.
@@ -320,8 +331,8 @@ fn nothing_left(path: &Path, mesh: &Mesh, parts: &[Component], options: &BuildOp
     Error::Empty {
         path: path.to_path_buf(),
         problem: format!(
-            "none of the {} loose parts is large enough to be a piece (the largest has {:.2} % of the area, {:.2} % are asked for)",
-            parts.len(),
+            "none of {} is large enough to be a piece (the largest has {:.2} % of the area, {:.2} % are asked for)",
+            words::counted(parts.len(), "loose part", "loose parts"),
             100.0 * largest / all,
             100.0 * options.component.accessory_area
         ),
@@ -342,7 +353,8 @@ fn resolution(mesh: &Mesh) -> Option<Finding> {
         count: 1,
         examples: vec![format!("coordinates up to {far:.3e} m, diagonal {diagonal:.3e} m")],
         message: format!(
-            "The garment is so far from the origin that 32-bit positions are steps of {step:.1e} m; move it to the origin."
+            "The garment is so far from the origin that 32-bit positions are steps of {step:.1e} m; use --center, or move \
+             it to the origin."
         ),
     })
 }
@@ -356,7 +368,7 @@ fn set_apart(riders: &[Rider<'_>]) -> Option<Finding> {
         examples: riders
             .iter()
             .take(MAX_EXAMPLES)
-            .map(|r| format!("{} ({} triangles): {}", r.component.name, r.component.triangles.len(), r.reason))
+            .map(|r| format!("{} ({}): {}", r.component.name, words::triangles(r.component.triangles.len()), r.reason))
             .collect(),
         message: "Parts that are no cloth get no image and ride on the nearest piece.".into(),
     })

@@ -109,6 +109,12 @@ fn check(pieces: &[PieceView]) -> Result<Vec<usize>> {
             let problem = format!("texel ({}, {}) is not finite", k % piece.width, k / piece.width);
             return Err(fault(piece, problem));
         }
+        let used = |k: usize| piece.position[k][3] != 0.0;
+        let wrong = |uv: &[[f32; 2]]| (0..n).find(|&k| used(k) && !uv[k].iter().all(|x| x.is_finite()));
+        if let Some(k) = piece.uv.and_then(wrong) {
+            let (i, j) = (k % piece.width, k / piece.width);
+            return Err(fault(piece, format!("the texture coordinates of texel ({i}, {j}) are not finite")));
+        }
         offsets.push(total);
         total += n;
         if total >= 1 << 24 {
@@ -291,6 +297,15 @@ mod tests {
             assert!(e.contains(what) && e.contains("(1, 1)"), "{e}");
         }
         let mut map = encode(&g, 0);
+        let mut uv = [[0.5; 2]; 6];
+        for x in [f32::NAN, f32::INFINITY] {
+            uv[4][1] = x;
+            let e = reconstruct(&[PieceView { uv: Some(&uv), ..view(&g, &map, 0) }]).unwrap_err().to_string();
+            assert!(e.contains("texture coordinates of texel (1, 1)"), "{e}");
+        }
+        // Where no particle is they mean nothing.
+        map[4] = [0.0; 4];
+        assert!(reconstruct(&[PieceView { uv: Some(&uv), ..view(&g, &map, 0) }]).is_ok());
         map[2][1] = f32::INFINITY;
         assert!(reconstruct(&[view(&g, &map, 0)]).unwrap_err().to_string().contains("(2, 0)"));
         assert!(reconstruct(&[PieceView { width: 5, ..view(&g, &map, 0) }]).is_err());

@@ -3,7 +3,7 @@
 mod support;
 
 use gimage::Error;
-use gimage::import::ImportOptions;
+use gimage::import::{ImportOptions, Up};
 use gimage::mesh::{NONE, Semantic};
 use serde_json::json;
 use support::*;
@@ -203,6 +203,52 @@ fn the_unit_scales_and_must_be_one() {
 }
 
 #[test]
+fn a_scene_without_nodes_is_valid() {
+    // Beside the scene that is shown: nothing changes.
+    let mut glb = square();
+    glb.json["scenes"] = json!([{"nodes": [0]}, {"name": "empty"}]);
+    let got = load(glb).unwrap();
+    assert_eq!((area(&got), got.findings.len()), (1.0, 0));
+    // As the only one, or the default: the nodes of the others, else all of them.
+    for (scenes, squares) in
+        [(json!([{}]), 2.0), (json!([{"name": "Scene"}, {"nodes": [0]}]), 1.0), (json!([{"nodes": []}, {}]), 2.0)]
+    {
+        let mut glb = square();
+        glb.json["scenes"] = scenes;
+        glb.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 1]}]);
+        let got = load(glb).unwrap();
+        assert_eq!(area(&got), squares);
+        assert!(has(&got, "empty-scene"), "{:?}", got.findings);
+    }
+    // Without nodes at all each mesh is placed once.
+    let mut glb = square();
+    glb.json["scenes"] = json!([{}]);
+    glb.json.as_object_mut().unwrap().remove("nodes");
+    let got = load(glb).unwrap();
+    assert_eq!(area(&got), 1.0);
+    assert!(has(&got, "no-scene") && !has(&got, "empty-scene"), "{:?}", got.findings);
+    let mut glb = square();
+    glb.json["scene"] = json!(3);
+    assert!(is_malformed(&load(glb), "the default scene is not there"));
+}
+
+#[test]
+fn up_turns_positions_and_normals() {
+    // The square faces z; with z up it faces y.
+    let options = ImportOptions { up: Up::Z, ..Default::default() };
+    let got = load_with("a.glb", &square().finish(), &options).unwrap();
+    check(&got);
+    assert_eq!(got.mesh.bounds(), Some(([0.0, 0.0, -1.0], [1.0, 0.0, 0.0])));
+    assert_eq!(got.mesh.channel(&Semantic::Normal).unwrap().at(0, 0), Some(&[0.0, 1.0, 0.0][..]));
+    assert!((0..2).all(|t| face_normal(&got.mesh, t) == [0.0, 1.0, 0.0]));
+    // An OBJ file alike.
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
+    let got = load_with("a.obj", text.as_bytes(), &ImportOptions { up: Up::MinusZ, ..Default::default() }).unwrap();
+    assert_eq!(got.mesh.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+    assert_eq!(got.mesh.channel(&Semantic::Normal).unwrap().at(0, 0), Some(&[0.0, -1.0, 0.0][..]));
+}
+
+#[test]
 fn pieces_are_kept_by_name() {
     let mut glb = square();
     glb.json["nodes"] = json!([{"mesh": 0, "name": "front"}, {"mesh": 0, "name": "back", "translation": [0, 0, -1]}]);
@@ -371,6 +417,26 @@ fn stored_binds_reproduce_the_skinned_positions() {
         }
         let weights = got.mesh.channel(&Semantic::Weights(0)).unwrap();
         assert_eq!(weights.at(0, 0), Some(&[0.25, 0.75, 0.0, 0.0][..]));
+    }
+    // Turned and moved, skin and surface still go together: what a joint does is turned and moved alike.
+    let skinned = |got: &gimage::import::Imported| -> Vec<[f64; 3]> {
+        let apply = |m: &[f64; 16], p: [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|i| m[i] * p[0] + m[4 + i] * p[1] + m[8 + i] * p[2] + m[12 + i])
+        };
+        let joints = &got.mesh.skeleton.joints;
+        let at = |p: &[f64; 3]| joints.iter().map(|j| apply(&j.world, apply(&j.inverse_bind, *p))).collect::<Vec<_>>();
+        got.mesh.positions.iter().flat_map(at).collect()
+    };
+    let plain = load_with("a.glb", &bytes, &ImportOptions::default()).unwrap();
+    for center in [false, true] {
+        let got = load_with("a.glb", &bytes, &ImportOptions { up: Up::Z, center, ..Default::default() }).unwrap();
+        let turned = |p: &[f64; 3]| [p[0], p[2], -p[1]];
+        let by: [f64; 3] = std::array::from_fn(|k| got.mesh.positions[0][k] - turned(&plain.mesh.positions[0])[k]);
+        assert_eq!(by != [0.0; 3], center);
+        for (before, after) in skinned(&plain).iter().zip(skinned(&got)) {
+            let want: [f64; 3] = std::array::from_fn(|k| turned(before)[k] + by[k]);
+            assert!((0..3).all(|k| (after[k] - want[k]).abs() < 1e-9), "{after:?} {want:?}");
+        }
     }
 }
 

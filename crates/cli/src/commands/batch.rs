@@ -47,13 +47,19 @@ pub fn run(job: &Job, inputs: &[PathBuf]) -> Result<Exit, Failure> {
     let _made = prepare(directory)?;
     let (mut worst, mut builds, mut failed) = (Exit::Done, Vec::new(), Vec::new());
     for (input, output) in inputs.iter().zip(&targets) {
-        let exit = match guard(|| job.build(input, output)) {
-            Ok(outcome) => {
+        let built = match guard(|| job.build(input, output)) {
+            Ok((outcome, written)) => {
                 if !job.out.json {
                     let gap = if builds.is_empty() { "" } else { "\n" };
                     job.out.data(gap)?;
                     job.show(&outcome)?;
                 }
+                written.commit().map(|()| outcome)
+            }
+            Err(failure) => Err(failure),
+        };
+        let exit = match built {
+            Ok(outcome) => {
                 let exit = job.told(&outcome);
                 builds.push(Entry::Built(Box::new(outcome)));
                 exit
@@ -73,7 +79,11 @@ pub fn run(job: &Job, inputs: &[PathBuf]) -> Result<Exit, Failure> {
     }
     if job.out.json {
         let seconds = start.elapsed().as_secs_f64();
-        job.out.json(&Document { exit: worst.code(), builds, seconds, peak_bytes: gimage::report::peak_memory() })?;
+        let document = Document { exit: worst.code(), builds, seconds, peak_bytes: gimage::report::peak_memory() };
+        job.out.json(&document).map_err(|failure| Failure {
+            message: format!("{}; the bundles are written, their report is not", failure.message),
+            ..failure
+        })?;
     }
     Ok(worst)
 }

@@ -7,8 +7,9 @@ use gimage::options::BuildOptions;
 use gimage::pipeline;
 use gimage::record::{Finding, Severity};
 use gimage::report::peak_memory;
+use gimage_bundle::dir::{self, Staged};
 use gimage_bundle::manifest::MANIFEST_FILE;
-use gimage_bundle::{Bundle, Manifest, dir};
+use gimage_bundle::{Bundle, Manifest};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
@@ -21,6 +22,7 @@ use crate::progress::Bar;
 use crate::show;
 use crate::summary::Summary;
 use crate::timings::{self, Stage, Timings};
+use crate::units::times;
 
 /// What became of one input.
 #[derive(Serialize)]
@@ -57,21 +59,37 @@ pub fn run(args: &BuildArgs, out: &Output) -> Result<Exit, Failure> {
     let job = Job { args, options, pool, out };
     match args.inputs.as_slice() {
         [input] => {
-            let outcome = job.build(input, &args.output)?;
+            let (outcome, written) = job.build(input, &args.output)?;
+            // The report first: if nobody gets it, the build has failed, and a build that fails leaves nothing behind.
             if out.json {
                 out.json(&outcome)?;
             } else {
                 job.show(&outcome)?;
             }
+            written.commit()?;
             Ok(job.told(&outcome))
         }
         inputs => batch::run(&job, inputs),
     }
 }
 
+/// A bundle and its times on the disk, beside their places.
+pub struct Written {
+    bundle: Staged,
+    times: Option<Pending>,
+}
+
+impl Written {
+    /// Puts them in their places: one rename each.
+    pub fn commit(self) -> Result<(), Failure> {
+        self.bundle.commit()?;
+        self.times.map_or(Ok(()), Pending::commit)
+    }
+}
+
 impl Job<'_> {
-    /// Builds and writes one bundle.
-    pub fn build(&self, input: &Path, output: &Path) -> Result<Outcome, Failure> {
+    /// Builds one bundle and writes all of it, to be committed.
+    pub fn build(&self, input: &Path, output: &Path) -> Result<(Outcome, Written), Failure> {
         let start = Instant::now();
         check_parent(output)?;
         dir::check_target(output, self.args.force)?;
@@ -98,11 +116,10 @@ impl Job<'_> {
         let times = (self.args.timings)
             .then(|| Timings::new(manifest, stages.clone(), start, self.pool.current_num_threads()).write(output))
             .transpose()?;
-        dir::write_files(&files, output, self.args.force)?;
-        times.map_or(Ok(()), Pending::commit)?;
+        let written = Written { bundle: Staged::write(&files, output, self.args.force)?, times };
         add_time(&mut stages, "write", writing);
         let exit = if built.report.has_findings() { Exit::Findings } else { Exit::Done };
-        Ok(Outcome {
+        let outcome = Outcome {
             input: input.display().to_string(),
             output: output.display().to_string(),
             exit: exit.code(),
@@ -111,7 +128,8 @@ impl Job<'_> {
             seconds: start.elapsed().as_secs_f64(),
             peak_bytes: peak_memory(),
             findings: built.report.findings,
-        })
+        };
+        Ok((outcome, written))
     }
 
     /// The tables on stdout.
@@ -128,14 +146,17 @@ impl Job<'_> {
     pub fn told(&self, outcome: &Outcome) -> Exit {
         for finding in &outcome.findings {
             let (tone, label) = match finding.severity {
+                // A note that asks to look again is for everyone.
+                Severity::Note if finding.kind.starts_with("hint-") => (Tone::Note, "hint"),
                 Severity::Note if !self.out.verbose => continue,
                 Severity::Note => (Tone::Note, "note"),
                 Severity::Repair => (Tone::Warning, "repair"),
                 Severity::Warning => (Tone::Warning, "warning"),
             };
             let example = finding.examples.first().map(|e| format!(" ({e})")).unwrap_or_default();
-            let (input, kind, count) = (&outcome.input, finding.kind, finding.count);
-            let text = format!("{input}: {kind}, {count}x: {}{example}", finding.message);
+            let (input, kind) = (&outcome.input, finding.kind);
+            let times = times(finding.count, &finding.message).map(|x| format!(", {x}")).unwrap_or_default();
+            let text = format!("{input}: {kind}{times}: {}{example}", finding.message);
             self.out.remark(tone, label, &text);
         }
         self.out.say(&format!("wrote {}", outcome.output));

@@ -9,7 +9,7 @@ use gimage_bundle::{Bundle, Image, MapKind, dir};
 use crate::args::ReconstructArgs;
 use crate::exit::{Exit, Failure};
 use crate::files::{Pending, check_file_target};
-use crate::output::Output;
+use crate::output::{Output, Tone};
 use crate::units::grouped;
 
 enum Format {
@@ -27,15 +27,32 @@ pub fn run(args: &ReconstructArgs, out: &Output) -> Result<Exit, Failure> {
     }
     let uv: Vec<_> = (0..bundle.manifest.pieces.len()).map(|p| uv(&bundle, p)).collect();
     let views: Vec<_> = uv.iter().enumerate().map(|(p, uv)| view(&bundle, p, uv.as_deref())).collect();
-    let surface = reconstruct(&views)?;
+    let damaged = |e: gimage::Error| {
+        let failure = Failure::from(e);
+        Failure { message: format!("{}: {failure}", args.bundle.display()), ..failure }
+    };
+    let surface = reconstruct(&views).map_err(damaged)?;
+    if surface.triangles.is_empty() {
+        let problem = "there is no triangle in it: no quad of its images has three particles";
+        return Err(Failure::refused(format!("{}: {problem}; build it again", args.bundle.display())));
+    }
     let bytes = match format {
         Format::Obj => export::obj(&surface).into_bytes(),
         Format::Glb => export::glb(&surface)?,
     };
     Pending::write(&args.output, &bytes)?.commit()?;
+    let mut exit = Exit::Done;
+    for piece in surface.pieces.iter().filter(|piece| piece.triangles.is_empty()) {
+        out.remark(
+            Tone::Warning,
+            "warning",
+            &format!("piece {}: it has no triangles, and is not in the mesh", piece.name),
+        );
+        exit = Exit::Findings;
+    }
     let (vertices, triangles) = (grouped(surface.positions.len() as u64), grouped(surface.triangles.len() as u64));
     out.say(&format!("wrote {}: {vertices} vertices, {triangles} triangles", args.output.display()));
-    Ok(Exit::Done)
+    Ok(exit)
 }
 
 fn format(path: &Path) -> Result<Format, Failure> {

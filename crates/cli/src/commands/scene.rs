@@ -18,8 +18,11 @@ use crate::exit::Failure;
 /// Loads what the arguments name, with the solver settings that they give.
 pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
     let path = Path::new(&args.scene);
-    let mut file = if BUILTIN.contains(&args.scene.as_str()) || !path.exists() {
+    let mut file = if BUILTIN.contains(&args.scene.as_str()) {
         plain(builtin(&args.scene, args.n)?)
+    } else if !path.exists() {
+        let hint = format!("give a scene file, a bundle, or one of the built-in scenes {}", BUILTIN.join(", "));
+        return Err(Failure::refused(format!("{}: no such file or directory; {hint}", args.scene)));
     } else if path.is_dir() {
         let bundle = read_dir(path).map_err(|e| Failure::bundle(path, &e))?;
         let mut scene = Scene::new(&args.scene);
@@ -62,9 +65,10 @@ fn plain(scene: Scene) -> SceneFile {
 }
 
 fn read(path: &Path) -> Result<SceneFile, Failure> {
-    let size = fs::metadata(path).map_err(|e| Failure::io(path, &e))?.len();
+    let meta = fs::metadata(path).map_err(|e| Failure::io(path, &e))?;
     let json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-    if !json || size > MAX_BYTES as u64 {
+    // A pipe would be waited for, and a device read without end.
+    if !json || !meta.is_file() || meta.len() > MAX_BYTES as u64 {
         let what = "neither a bundle (a directory) nor a scene file (.json of at most 16 MiB)";
         return Err(Failure::refused(format!("{}: {what}; build garments with `gimage build` first", path.display())));
     }

@@ -51,6 +51,7 @@ impl<'a> Document<'a> {
         source.extras = credits(object.get("asset"));
         let nodes = object.get("nodes").and_then(Value::as_array).map_or(&[][..], |n| n);
         let locals = nodes.iter().enumerate().map(|(i, n)| local(path, i, n)).collect::<Result<_>>()?;
+        fill_scenes(object);
         let root: json::Root = serde_json::from_value(value).map_err(bad)?;
         extension::check_required(path, &root.extensions_required)?;
         Ok(Self { path, root, locals, materials, animations })
@@ -71,6 +72,14 @@ impl<'a> Document<'a> {
     /// An error about one element of this file.
     pub fn bad(&self, element: impl Into<String>, problem: impl Into<String>) -> Error {
         malformed(self.path, element, problem, EXPORT_AGAIN)
+    }
+}
+
+/// Gives every scene a list of nodes: glTF lets it be absent, the JSON types do not.
+fn fill_scenes(object: &mut serde_json::Map<String, Value>) {
+    let scenes = object.get_mut("scenes").and_then(Value::as_array_mut);
+    for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
     }
 }
 

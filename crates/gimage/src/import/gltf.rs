@@ -34,7 +34,7 @@ pub(crate) fn load(
     let max_count = options.max_vertices.max(options.max_triangles.saturating_mul(3));
     let accessors = Accessors { doc: &doc, buffers: &buffers, max_count };
     let forest = Forest::new(&doc)?;
-    let placed = forest.placed(&doc)?;
+    let placed = forest.placed(&doc, findings)?;
     note_what_is_left(&doc, &placed, findings);
 
     let mut selector = Selector::new(&options.pieces);

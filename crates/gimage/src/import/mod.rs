@@ -24,6 +24,7 @@ mod nodes;
 mod obj;
 mod obj_parse;
 mod pieces;
+mod place;
 mod polygon;
 mod primitive;
 mod skin;
@@ -34,6 +35,7 @@ mod weights;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+pub use place::Up;
 pub use source::{OutsideFile, Source};
 
 use crate::error::{Error, Result};
@@ -50,6 +52,11 @@ pub struct ImportOptions {
     /// Metres a unit of the file. Any finite number above 0; 1 by default, 0.01 for a file in centimetres. Larger makes the
     /// garment larger.
     pub unit: f64,
+    /// The axis of the file that points up, y by default; the garment is turned so that it is y.
+    pub up: Up,
+    /// Moves the garment so that the middle of its bounding box is at x = 0 and z = 0 and its lowest point at y = 0. False by
+    /// default.
+    pub center: bool,
     /// Most bytes to read, files beside it and decompressed data included; 2 GiB by default.
     pub max_bytes: u64,
     /// Most vertices of the mesh, instances included; 2^24 by default.
@@ -60,11 +67,19 @@ pub struct ImportOptions {
 
 impl Default for ImportOptions {
     fn default() -> Self {
-        Self { pieces: Vec::new(), unit: 1.0, max_bytes: 2 << 30, max_vertices: 1 << 24, max_triangles: 1 << 25 }
+        Self {
+            pieces: Vec::new(),
+            unit: 1.0,
+            up: Up::Y,
+            center: false,
+            max_bytes: 2 << 30,
+            max_vertices: 1 << 24,
+            max_triangles: 1 << 25,
+        }
     }
 }
 
-/// A mesh as it stands in its file, with what is known about where it came from.
+/// A mesh as it stands in its file, turned and moved as [`ImportOptions`] says, with what is known about where it came from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
     /// The mesh; every vertex is used by a triangle.
@@ -121,7 +136,7 @@ fn dispatch(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOpti
         let message = "The extension of the file does not say what is in it; the content was believed.";
         findings.add(Severity::Note, "wrong-extension", 1, message, || said);
     }
-    let mesh = match format {
+    let mut mesh = match format {
         sniff::Format::Obj => obj::load(name, bytes, options, &mut source, &mut findings)?,
         sniff::Format::Glb => {
             let chunks = glb::split(name, bytes)?;
@@ -129,6 +144,7 @@ fn dispatch(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOpti
         }
         sniff::Format::Gltf => gltf::load(name, bytes, None, resolver, options, &mut source, &mut findings)?,
     };
+    place::place(&mut mesh, options, &mut findings);
     Ok(Imported { mesh, source, findings: findings.into_vec() })
 }
 

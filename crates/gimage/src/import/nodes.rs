@@ -1,8 +1,10 @@
 //! The node graph: what is placed where.
 
 use super::document::Document;
+use super::findings::Findings;
 use super::matrix::{self, Matrix};
 use crate::error::Result;
+use crate::record::Severity;
 
 /// A mesh placed by a node.
 pub(crate) struct Placed {
@@ -57,8 +59,9 @@ impl Forest {
         Ok(Self { parent, world, children })
     }
 
-    /// The meshes of the scene, in depth-first order: of the default scene, else of all scenes, else of all nodes.
-    pub fn placed(&self, doc: &Document) -> Result<Vec<Placed>> {
+    /// The meshes of the scene, in depth-first order: of the default scene, else of all scenes, else of all nodes. A scene
+    /// without nodes is passed over, and reported.
+    pub fn placed(&self, doc: &Document, findings: &mut Findings) -> Result<Vec<Placed>> {
         let scenes = &doc.root.scenes;
         let mut roots: Vec<usize> = Vec::new();
         let mut listed = vec![false; self.parent.len()];
@@ -75,17 +78,25 @@ impl Forest {
             }
             Ok(())
         };
-        if let Some(index) = doc.root.scene.map(|s| s.value()) {
-            let what = format!("scene {index}");
-            let scene = scenes.get(index).ok_or_else(|| doc.bad(&what, "the default scene is not there"))?;
-            take(&mut scene.nodes.iter().map(|n| n.value()), &what)?;
-        } else if !scenes.is_empty() {
-            for (k, scene) in scenes.iter().enumerate() {
-                take(&mut scene.nodes.iter().map(|n| n.value()), &format!("scene {k}"))?;
-            }
-        } else {
+        let default = doc.root.scene.map(|s| s.value());
+        if let Some(index) = default.filter(|&index| index >= scenes.len()) {
+            return Err(doc.bad(format!("scene {index}"), "the default scene is not there"));
+        }
+        let listing = |k: &usize| !scenes[*k].nodes.is_empty();
+        let chosen: Vec<usize> = match default.filter(listing) {
+            Some(index) => vec![index],
+            None => (0..scenes.len()).filter(listing).collect(),
+        };
+        for &k in &chosen {
+            take(&mut scenes[k].nodes.iter().map(|n| n.value()), &format!("scene {k}"))?;
+        }
+        if chosen.is_empty() {
             take(&mut (0..self.parent.len()).filter(|&i| self.parent[i].is_none()), "nodes")?;
         }
+        let empty = default.map_or(!scenes.is_empty() && chosen.is_empty(), |index| scenes[index].nodes.is_empty());
+        let message = "The scene lists no nodes; the nodes of the other scenes, or else all nodes, were placed.";
+        let lost = usize::from(empty && !self.parent.is_empty());
+        findings.add(Severity::Repair, "empty-scene", lost, message, || format!("scene {}", default.unwrap_or(0)));
         let mut placed = Vec::new();
         let mut seen = vec![false; self.parent.len()];
         let mut stack: Vec<usize> = roots.into_iter().rev().collect();

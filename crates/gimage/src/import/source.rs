@@ -61,19 +61,56 @@ pub(crate) fn read_beside(folder: &Path, name: &str, cap: u64) -> io::Result<Vec
 }
 
 fn read(path: &Path, cap: u64) -> io::Result<Vec<u8>> {
+    // Asked before opening: a pipe without a writer waits for ever, and a device may have no end.
+    refuse_unless_regular(&std::fs::metadata(path)?)?;
     let file = File::open(path)?;
     let meta = file.metadata()?;
-    if meta.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, not a file"));
-    }
+    // Another file may have come in its place.
+    refuse_unless_regular(&meta)?;
     if meta.len() > cap {
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("{} bytes", meta.len())));
     }
-    // The length may be 0 (a pipe) or grow while reading: the cap holds for what is read.
+    // The file may grow while it is read: the cap holds for what is read.
     let mut bytes = Vec::with_capacity(meta.len() as usize);
     file.take(cap.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > cap {
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, "more bytes than that"));
     }
     Ok(bytes)
+}
+
+fn refuse_unless_regular(meta: &std::fs::Metadata) -> io::Result<()> {
+    if meta.is_file() {
+        return Ok(());
+    }
+    if meta.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a directory, not a file"));
+    }
+    let problem = "it is a pipe, a device or a socket, not a regular file; save its content to a file first";
+    Err(io::Error::new(io::ErrorKind::InvalidInput, problem))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(unix)]
+    fn a_pipe_or_a_device_is_refused_unread() {
+        let place = tempfile::tempdir().unwrap();
+        let pipe = place.path().join("pipe.obj");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let link = place.path().join("zero.bin");
+        std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+        let refused = |result: io::Result<Vec<u8>>| {
+            let error = result.unwrap_err();
+            assert!(error.to_string().contains("not a regular file"), "{error}");
+        };
+        refused(read(&pipe, 1 << 31));
+        refused(read_beside(place.path(), "pipe.obj", 1 << 31));
+        refused(read_beside(place.path(), "zero.bin", 1 << 31));
+        let error = read_capped(&link, 1 << 31).unwrap_err().to_string();
+        assert!(error.contains("zero.bin") && error.contains("save its content"), "{error}");
+        assert_eq!(read(place.path(), 9).unwrap_err().kind(), io::ErrorKind::IsADirectory);
+    }
 }

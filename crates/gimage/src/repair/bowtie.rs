@@ -8,6 +8,7 @@ use super::union_find::UnionFind;
 use super::work::Work;
 use crate::halfedge::{BOUNDARY, next, origin, prev};
 use crate::record::Severity;
+use crate::words;
 
 /// Splits vertices until every edge has at most two triangles and every vertex one fan. O(n log n) unless the surface
 /// runs back into its own crowded edges over and over.
@@ -58,8 +59,9 @@ pub(super) fn split_vertices(work: &mut Work, gluing: &mut Gluing) {
     ties.sort_unstable();
     ties.dedup();
     let examples = ties.iter().take(4).map(|&v| work.vertex_words(v)).collect();
+    let copies = words::counted(copies, "copy", "copies");
     let message =
-        format!("{} vertices where fans of triangles touched in a point only got {copies} copies", ties.len());
+        format!("{} where fans of triangles touched in a point only got {copies}", words::vertices(ties.len()));
     work.report(Severity::Repair, "bow-tie-vertices", ties.len(), examples, message);
 }
 
@@ -135,14 +137,17 @@ fn report_edges(work: &mut Work, gluing: &Gluing, slits: usize) {
         let h = edge[0];
         let a = work.vertex_words(origin(&work.mesh.triangles, h));
         let b = work.vertex_words(origin(&work.mesh.triangles, next(h)));
-        format!("{} triangles between {a} and {b}", edge.len())
+        format!("{} between {a} and {b}", words::triangles(edge.len()))
     });
     let examples = examples.collect();
     let count = gluing.crowded.len();
-    let mut message =
-        format!("{count} edges with three or more triangles: the straightest pairs stay joined, the others come loose");
+    let mut message = format!(
+        "{} with three or more triangles: the straightest pairs stay joined, the others come loose",
+        words::edges(count)
+    );
     if slits > 0 {
-        message += &format!(", with {slits} slits where a sheet ran back into its own edge");
+        let slits = words::counted(slits, "slit", "slits");
+        message += &format!(", with {slits} where a sheet ran back into its own edge");
     }
     work.report(Severity::Repair, "non-manifold-edges", count, examples, message);
 }

@@ -14,6 +14,7 @@ use super::work::Work;
 use crate::halfedge::sorted_edges;
 use crate::record::Severity;
 use crate::vec3::{cross, dot, norm, scale, sub};
+use crate::words;
 
 /// Height over longest edge at which a triangle counts as having no area. Far under what single precision can place on
 /// a line, so slivers that a file can express survive.
@@ -64,7 +65,7 @@ pub(super) fn drop_collapsed(work: &mut Work) {
     let keep: Vec<bool> = work.mesh.triangles.iter().map(|[a, b, c]| a != b && b != c && c != a).collect();
     let examples = (0..work.len()).filter(|&t| !keep[t]).take(4).map(|t| work.triangle_words(t)).collect();
     let count = work.retain(&keep);
-    let message = format!("{count} triangles with two corners at one vertex dropped");
+    let message = format!("{} with two corners at one vertex dropped", words::triangles(count));
     work.report(Severity::Repair, "collapsed-faces", count, examples, message);
 }
 
@@ -100,11 +101,10 @@ pub(super) fn remove_flat(work: &mut Work) {
         }
     }
     let mut message = format!(
-        "{} triangles without area removed: {} edges without length joined, {} triangles split off across their long \
-         edge, {} taken from a rim",
-        flat.len(),
-        tally.joined,
-        tally.split,
+        "{} without area removed: {} without length joined, {} split off across the long edge, {} taken from a rim",
+        words::triangles(flat.len()),
+        words::edges(tally.joined),
+        words::triangles(tally.split),
         tally.rim
     );
     if tally.dropped > 0 {

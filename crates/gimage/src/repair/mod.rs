@@ -16,6 +16,7 @@ mod work;
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, NONE};
 use crate::record::{Finding, Severity};
+use crate::words;
 use duplicate::Duplicates;
 use work::Work;
 
@@ -79,14 +80,15 @@ fn finish(mut work: Work, unused: usize) -> Repaired {
     degenerate::remove_flat(&mut work);
     duplicate::drop_duplicates(&mut work, &mut copies);
     let Duplicates { same, reversed, examples, doubled } = copies;
-    let message = format!("{} copies of triangles dropped, {reversed} of them with reversed winding", same + reversed);
+    let dropped = words::counted(same + reversed, "copy of a triangle", "copies of triangles");
+    let message = format!("{dropped} dropped, {reversed} of them with reversed winding");
     work.report(Severity::Repair, "duplicate-faces", same + reversed, examples, message);
 
     let mut gluing = nonmanifold::glue(&work, &doubled);
     bowtie::split_vertices(&mut work, &mut gluing);
     orient::orient(&mut work, &gluing);
     compact(&mut work);
-    let message = format!("{unused} vertices that no triangle uses left out");
+    let message = format!("{} that no triangle uses left out", words::vertices(unused));
     work.report(Severity::Note, "unused-vertices", unused, Vec::new(), message);
     Repaired { mesh: work.mesh, findings: work.findings }
 }
@@ -99,7 +101,7 @@ fn drop_unusable(work: &mut Work) {
         work.mesh.triangles.iter().map(|t| t.iter().all(|&v| positions.get(v as usize).is_some_and(sound))).collect();
     let examples = (0..work.len()).filter(|&t| !keep[t]).take(4).map(|t| work.triangle_words(t)).collect();
     let count = work.retain(&keep);
-    let message = format!("{count} triangles with a missing vertex, or one at no finite place, dropped");
+    let message = format!("{} with a missing vertex, or one at no finite place, dropped", words::triangles(count));
     work.report(Severity::Repair, "unusable-faces", count, examples, message);
     for channel in &mut work.mesh.channels {
         let values = channel.values.len().checked_div(channel.width).unwrap_or(0);

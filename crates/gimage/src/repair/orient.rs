@@ -8,6 +8,7 @@ use super::work::Work;
 use crate::halfedge::{BOUNDARY, origin};
 use crate::record::Severity;
 use crate::vec3::{cross, dot, sub};
+use crate::words;
 
 /// Areas closer than this share of their sum count as equal.
 const TIE: f64 = 1e-9;
@@ -55,7 +56,7 @@ pub(super) fn orient(work: &mut Work, gluing: &Gluing) {
             flips.extend(queue.iter().copied().filter(|&t| turned[t as usize]));
         } else {
             twisted_count += 1;
-            twisted.push(format!("{} triangles from {}", queue.len(), work.triangle_words(start)));
+            twisted.push(format!("{} from {}", words::triangles(queue.len()), work.triangle_words(start)));
         }
     }
     flips.sort_unstable();
@@ -63,9 +64,10 @@ pub(super) fn orient(work: &mut Work, gluing: &Gluing) {
         work.reverse(t);
     }
     let examples = flips.iter().take(4).map(|&t| work.triangle_words(t as usize)).collect();
-    let message = format!("{} triangles turned over to wind as most of their piece", flips.len());
+    let message = format!("{} turned over to wind as most of the piece does", words::triangles(flips.len()));
     work.report(Severity::Repair, "flipped-faces", flips.len(), examples, message);
-    let message = format!("{twisted_count} pieces are not orientable; will be cut across");
+    let pieces = words::counted(twisted_count, "piece that is", "pieces that are");
+    let message = format!("{pieces} not orientable will be cut across");
     work.report(Severity::Note, "not-orientable", twisted_count, twisted, message);
 }
 

@@ -11,6 +11,7 @@ use super::union_find::UnionFind;
 use super::work::Work;
 use crate::record::Severity;
 use crate::vec3::distance;
+use crate::words;
 
 /// Joins vertices at equal positions (-0 equals 0); the smallest index stays. O(n).
 pub(super) fn exact(work: &mut Work) {
@@ -32,7 +33,7 @@ pub(super) fn exact(work: &mut Work) {
     if gone > 0 {
         work.rename(|v| to[v as usize]);
     }
-    let message = format!("{gone} vertices joined to others at exactly the same position");
+    let message = format!("{} joined to others at exactly the same position", words::vertices(gone));
     work.report(Severity::Note, "welded-vertices", gone, examples, message);
 }
 
@@ -68,9 +69,10 @@ pub(super) fn within(work: &mut Work, d: f64) {
     let clusters = joined.iter().filter(|&&j| j).count();
     work.rename(|v| to[v as usize]);
     let message = format!(
-        "{moved} vertices within {d} m of another on a border or an edge joined into {clusters}, largest move {farthest:.3e} m; {} \
-         triangles collapsed, {before} connected components became {}",
-        collapsed(work) - collapsed_before,
+        "{} within {d} m of another on a border or an edge joined into {clusters}, largest move {farthest:.3e} m; {} \
+         collapsed, {before} connected components became {}",
+        words::vertices(moved),
+        words::triangles(collapsed(work) - collapsed_before),
         components(work)
     );
     work.report(Severity::Repair, "tolerance-weld", moved, example, message);

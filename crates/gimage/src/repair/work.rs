@@ -2,6 +2,7 @@
 
 use crate::mesh::{Mesh, NONE};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
+use crate::words;
 
 /// The mesh under repair.
 pub(super) struct Work {
@@ -95,8 +96,7 @@ impl Work {
 
     /// Words for a vertex.
     pub fn vertex_words(&self, v: u32) -> String {
-        let [x, y, z] = self.mesh.positions[v as usize];
-        format!("vertex {v} at ({x}, {y}, {z})")
+        format!("vertex {v} at {}", words::point(self.mesh.positions[v as usize]))
     }
 
     /// Records a finding, unless it never happened.
