@@ -298,7 +298,7 @@ mod tests {
         // Edges shorter than the tolerance collapse all the same.
         w.mesh.positions[12] = [2.02, 1.0, 0.0];
         within(&mut w, 0.05);
-        assert!(w.findings[0].message.starts_with("1 vertices"), "{}", w.findings[0].message);
+        assert!(w.findings[0].message.starts_with("1 vertex "), "{}", w.findings[0].message);
         assert!(w.findings[0].message.contains("2 triangles collapsed"), "{}", w.findings[0].message);
     }
 }
