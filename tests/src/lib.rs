@@ -142,6 +142,10 @@ pub fn faults(built: &Built) -> Vec<String> {
         }
         // A surface of one side has edges that its triangles run along the same way, and the report says so.
         let one_sided = built.report.findings.iter().any(|f| f.kind == "not-orientable");
+        // A part may touch itself at points; that the whole does not is checked with the bundle.
+        if piece.part_of.is_some() && (t.non_manifold_edges, t.components) == (0, 1) {
+            continue;
+        }
         if (t.non_manifold_edges, t.singular_vertices, t.components) != (0, 0, 1)
             || t.misoriented_edges > 0 && !one_sided
         {

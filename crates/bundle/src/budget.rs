@@ -36,8 +36,9 @@ pub const MAX_COLLIDERS: u64 = 1 << 16;
 /// A list of the manifest by name, with its limit.
 type List = (&'static str, u64);
 
-const LISTS: [List; 5] = [
+const LISTS: [List; 6] = [
     ("pieces", MAX_PIECES),
+    ("components", MAX_PIECES),
     ("accessories", MAX_ACCESSORIES),
     ("joints", MAX_JOINTS),
     ("repairs", MAX_REPAIRS),
@@ -61,8 +62,9 @@ pub(crate) fn check_manifest(bytes: &[u8]) -> Result<()> {
 /// Refuses a manifest in memory whose lists are too long to be read back.
 pub(crate) fn check_lists(manifest: &Manifest) -> Result<()> {
     let joints = manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
-    let (pieces, accessories) = (manifest.pieces.len(), manifest.accessories.len());
-    let lengths = [pieces, accessories, joints, manifest.repairs.len(), manifest.colliders.len()];
+    let (pieces, components) = (manifest.pieces.len(), manifest.components.len());
+    let lengths =
+        [pieces, components, manifest.accessories.len(), joints, manifest.repairs.len(), manifest.colliders.len()];
     match LISTS.iter().zip(lengths).find(|((_, limit), length)| *length as u64 > *limit) {
         Some((list, length)) => Err(too_long(*list, length as u64)),
         None => Ok(()),

@@ -18,6 +18,7 @@ mod particle;
 mod rings;
 mod tether;
 mod validate;
+mod welded;
 
 pub use budget::{
     MAX_ACCESSORIES, MAX_COLLIDERS, MAX_IMAGE_BYTES, MAX_JOINTS, MAX_MANIFEST_OBJECTS, MAX_MANIFEST_VALUES, MAX_PIECES,

@@ -40,6 +40,9 @@ pub struct Manifest {
     pub options: BTreeMap<String, Value>,
     /// The pieces, in the order of their particle indices.
     pub pieces: Vec<PieceEntry>,
+    /// Surfaces that were split into several pieces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub components: Vec<ComponentEntry>,
     /// Parts too small or too rigid to be cloth, which ride on a piece.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub accessories: Vec<Accessory>,
@@ -104,6 +107,9 @@ pub struct PieceEntry {
     /// What was tried, in turn, where the first image did not pass; empty where it did.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ladder: Vec<RungEntry>,
+    /// Index of the component that it is a part of, if one was split into several pieces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part_of: Option<u32>,
 }
 
 /// One way of making the image of a piece, and what came of it.
@@ -117,6 +123,16 @@ pub struct RungEntry {
     pub psnr: Option<f64>,
     /// Its image is the one in the bundle.
     pub kept: bool,
+}
+
+/// A connected surface that several pieces are the parts of; seam rings lead from piece to piece.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ComponentEntry {
+    /// Its name.
+    pub name: String,
+    /// The surface that its pieces weld to.
+    pub surface: Surface,
 }
 
 /// Values that are the same at every particle of a piece and so need no image.
@@ -326,6 +342,7 @@ impl Manifest {
             source: Source::default(),
             options: BTreeMap::new(),
             pieces: Vec::new(),
+            components: Vec::new(),
             accessories: Vec::new(),
             colliders: Vec::new(),
             skeleton: None,
@@ -413,6 +430,11 @@ impl Manifest {
                 if !files.insert(name.to_ascii_lowercase()) {
                     return Err(wrong(format!("piece {}: file {name:?} is used twice", piece.name)));
                 }
+            }
+        }
+        for piece in &self.pieces {
+            if piece.part_of.is_some_and(|c| c as usize >= self.components.len()) {
+                return Err(wrong(format!("piece {}: part_of names no component", piece.name)));
             }
         }
         let joints = self.skeleton.as_ref().map_or(&[][..], |s| &s.joints);

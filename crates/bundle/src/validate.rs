@@ -12,6 +12,7 @@ use crate::manifest::{MANIFEST_FILE, PieceEntry};
 use crate::map::{Image, MapKind};
 use crate::particle::Particle;
 use crate::rings::{LinkFault, Rings, find_rings};
+use crate::welded::welded;
 
 /// How many faults of one kind are listed; the rest are counted in one more.
 pub const MAX_LISTED: usize = 20;
@@ -51,6 +52,8 @@ pub enum FaultKind {
     Weight,
     /// A count in the manifest is not that of the images.
     Count,
+    /// The parts of a component do not weld to its surface.
+    Topology,
 }
 
 /// One broken rule.
@@ -148,6 +151,9 @@ pub fn validate(bundle: &Bundle) -> Vec<Fault> {
     }
     check_rings(&mut found, &particles, &rings);
     check_counts(&mut found, &particles, &rings);
+    if found.listed.is_empty() {
+        check_components(&mut found, &particles, &rings);
+    }
     found.finish()
 }
 
@@ -368,6 +374,31 @@ fn check_rings(found: &mut Findings, particles: &[Particle], rings: &Rings) {
                     found.particle(FaultKind::Seam, other, kind, message);
                 }
             }
+        }
+    }
+}
+
+/// The parts of every component weld to one connected surface with its Euler number and boundary loops.
+fn check_components(found: &mut Findings, particles: &[Particle], rings: &Rings) {
+    let manifest = &found.bundle.manifest;
+    for (index, component) in manifest.components.iter().enumerate() {
+        let part = |k: &usize| manifest.pieces[*k].part_of == Some(index as u32);
+        let parts: Vec<usize> = (0..manifest.pieces.len()).filter(part).collect();
+        let Some(&first) = parts.first() else {
+            let message = format!("no piece is a part of component {}", component.name);
+            found.manifest(FaultKind::Manifest, None, message);
+            continue;
+        };
+        let got = welded(found.bundle, &parts, particles, rings);
+        let said = &component.surface;
+        let same = (got.euler, got.loops as u64) == (i64::from(said.euler), u64::from(said.loops));
+        if !same || got.components != 1 || got.non_manifold_edges > 0 {
+            let message = format!(
+                "the parts of component {} weld to Euler number {} with {} boundary loops in {} components ({} edges with \
+                 more than two triangles), not to {} with {} in one",
+                component.name, got.euler, got.loops, got.components, got.non_manifold_edges, said.euler, said.loops
+            );
+            found.manifest(FaultKind::Topology, Some(&manifest.pieces[first]), message);
         }
     }
 }

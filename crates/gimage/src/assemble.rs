@@ -1,5 +1,7 @@
 //! Finished pieces -> the maps and the manifest of a bundle.
 
+mod parts;
+
 use gimage_bundle::manifest::{Cut, Quality as ManifestQuality, Surface as SurfaceEntry};
 use gimage_bundle::{Bundle, Image, MapKind, Particle};
 use rayon::prelude::*;
@@ -21,6 +23,8 @@ use crate::springs::{Rest, RestLengths, springs};
 use crate::stretch::spring_anisotropy;
 use crate::surface::Surface;
 
+pub(crate) use parts::{Family, part_components};
+
 /// A piece on its way into the bundle.
 pub(crate) type Piece<'a> = (&'a Component, Surface, PieceImage);
 
@@ -35,36 +39,39 @@ struct Made {
     mass: Masses,
 }
 
-/// Adds all pieces with their maps to an empty bundle; returns what is worth saying about the maps.
+/// Adds all pieces with their maps to an empty bundle, those of a family joined; returns what is worth saying about the maps.
 pub(crate) fn assemble(
     bundle: &mut Bundle,
     mesh: &Mesh,
     pieces: &[Piece<'_>],
+    families: &[Family<'_>],
     options: &BuildOptions,
     step: &(dyn Fn() + Sync),
 ) -> Result<Vec<Finding>> {
     check_range(pieces)?;
     let loops = loop_order(pieces);
+    let owner = parts::owners(pieces.len(), families);
     let made: Vec<Result<Made>> = pieces
         .par_iter()
         .enumerate()
         .map(|(k, piece)| {
-            let out = make(mesh, k, piece, &loops, options);
+            let out = make(mesh, owner[k], piece, &loops, options);
             step();
             out
         })
         .collect();
+    let mut made = made.into_iter().collect::<Result<Vec<Made>>>()?;
+    parts::agree(&mut made, pieces, families);
+    let links = parts::links(pieces, families);
     let mut findings = Vec::new();
     let mut pinned = 0usize;
     let mut met = vec![false; options.pins.len()];
-    for (piece, made) in pieces.iter().zip(made) {
-        let (made, (component, _, image)) = (made?, piece);
+    for ((piece, made), links) in pieces.iter().zip(made).zip(links) {
+        let (component, _, image) = piece;
         let k = bundle.add_piece(&component.name, image.width, image.height)?;
-        let first = bundle.manifest.pieces[k].first_particle;
         let mut data = Vec::with_capacity(4 * image.grid.positions.len());
         for (at, p) in image.grid.positions.iter().enumerate() {
-            let link = image.grid.links[at];
-            let next = (link != NONE).then(|| first + link);
+            let next = (links[at] != NONE).then_some(links[at]);
             let particle = if made.pinned[at] { Particle::Pinned { next } } else { Particle::Free { next } };
             let code = particle.code().map_err(|e| Error::Internal(format!("particle code: {e}")))?;
             data.extend([p[0] as f32, p[1] as f32, p[2] as f32, code]);
@@ -110,6 +117,7 @@ pub(crate) fn assemble(
         }
         findings.extend(made.findings);
     }
+    parts::declare(bundle, families);
     if pinned > 0 {
         bundle.write_tethers()?;
     }

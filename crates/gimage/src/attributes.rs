@@ -16,6 +16,11 @@ use crate::surface::Surface;
 /// Relative difference up to which the two sides of a seam are one value.
 const SAME: f32 = 1e-4;
 
+/// Whether the values of two sides of a seam are one value.
+pub(crate) fn same(a: f32, b: f32) -> bool {
+    (a - b).abs() <= SAME * a.abs().max(b.abs()).max(1.0)
+}
+
 /// The mesh triangle and the barycentric coordinates of each texel.
 pub(crate) fn places(image: &PieceImage, surface: &Surface) -> Vec<(usize, [f64; 3])> {
     let disk = &image.disk;
@@ -142,11 +147,7 @@ pub(crate) fn attributes(
             let first = ring[0] as usize * channels;
             for &k in &ring[1..] {
                 let at = k as usize * channels;
-                let same = (0..channels).all(|c| {
-                    let (a, b) = (out.data[first + c], out.data[at + c]);
-                    (a - b).abs() <= SAME * a.abs().max(b.abs()).max(1.0)
-                });
-                if same {
+                if (0..channels).all(|c| same(out.data[first + c], out.data[at + c])) {
                     out.data.copy_within(first..first + channels, at);
                 }
             }

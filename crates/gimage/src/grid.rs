@@ -112,11 +112,48 @@ impl Grid {
     /// The surface with duplicates merged: stored positions and triangles. Triangles that collapse are left out, and so
     /// are vertices that no triangle uses.
     pub fn welded(&self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-        let representative = self.representative();
-        let mut index = vec![NONE; self.positions.len()];
-        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-        for t in self.triangulate() {
-            let t = t.map(|k| representative[k as usize]);
+        welded(&[self], &[])
+    }
+
+    /// The topology of the welded surface.
+    pub fn check(&self) -> Topology {
+        Topology::of(&self.welded().1)
+    }
+}
+
+/// Where the texels of each grid begin among those of all, and for each texel of all the first of its duplicates. `rings`
+/// join texels of several grids as (grid, texel).
+pub(crate) fn representatives(grids: &[&Grid], rings: &[Vec<(u32, u32)>]) -> (Vec<usize>, Vec<u32>) {
+    let mut first = Vec::with_capacity(grids.len());
+    let mut total = 0;
+    for grid in grids {
+        first.push(total);
+        total += grid.positions.len();
+    }
+    let mut sets = Disjoint::new(total);
+    for (grid, &first) in grids.iter().zip(&first) {
+        for k in 0..grid.positions.len() {
+            if let Some(l) = grid.link(k) {
+                sets.join((first + k) as u32, first as u32 + l);
+            }
+        }
+    }
+    for ring in rings {
+        let index = |(p, at): (u32, u32)| first[p as usize] as u32 + at;
+        ring.windows(2).for_each(|x| sets.join(index(x[0]), index(x[1])));
+    }
+    (first, sets.into_representatives())
+}
+
+/// The surface of several grids with duplicates merged: stored positions and triangles, grid after grid. Triangles that
+/// collapse are left out, and so are vertices that no triangle uses.
+pub(crate) fn welded(grids: &[&Grid], rings: &[Vec<(u32, u32)>]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let (first, representative) = representatives(grids, rings);
+    let mut index = vec![NONE; representative.len()];
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for (grid, &offset) in grids.iter().zip(&first) {
+        for t in grid.triangulate() {
+            let t = t.map(|k| representative[offset + k as usize]);
             if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
                 continue;
             }
@@ -124,18 +161,14 @@ impl Grid {
                 let slot = &mut index[k as usize];
                 if *slot == NONE {
                     *slot = positions.len() as u32;
-                    positions.push(self.stored(k));
+                    let home = first.partition_point(|&f| f <= k as usize) - 1;
+                    positions.push(grids[home].stored(k - first[home] as u32));
                 }
                 *slot
             }));
         }
-        (positions, triangles)
     }
-
-    /// The topology of the welded surface.
-    pub fn check(&self) -> Topology {
-        Topology::of(&self.welded().1)
-    }
+    (positions, triangles)
 }
 
 /// The two triangles of quad a = (i, j), b = (i+1, j), c = (i+1, j+1), d = (i, j+1).

@@ -50,6 +50,7 @@ mod sample;
 mod seal;
 #[cfg(test)]
 mod shapes;
+mod split;
 pub mod springs;
 pub mod stretch;
 pub mod surface;

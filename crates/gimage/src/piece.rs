@@ -18,7 +18,7 @@ use crate::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
 use crate::parameterize::distortion::{self, Distortion};
 use crate::parameterize::{NewtonOptions, ParameterizeRecord, Way, parameterize, parameterize_by};
 use crate::resample::{Sample as DiskSample, border_index, resample};
-use crate::seal::{Expected, seal};
+use crate::seal::{Expected, Sheet, seal};
 use crate::surface::Surface;
 
 /// What the cut was and cost.
@@ -166,7 +166,7 @@ fn enough(w: u32, h: u32) -> usize {
 }
 
 /// Cost of an edge on a UV seam, as a share of its length.
-const SEAM_DISCOUNT: f64 = 0.15;
+pub(crate) const SEAM_DISCOUNT: f64 = 0.15;
 
 /// Sizes tried in turn, as shares of the budget, where an image does not weld as it should or has no flip-free map.
 const BUDGETS: [f64; 8] = [1.0, 0.97, 0.93, 0.88, 1.1, 1.3, 1.6, 2.0];
@@ -254,7 +254,7 @@ pub(crate) fn image(
 
 /// Energy or stretch of a map above which its image is judged in both directions: texels may then span what the surface
 /// does not fill. Maps of clean garments stay below it.
-const FAR: f64 = 15.0;
+pub(crate) const FAR: f64 = 15.0;
 
 /// Triangles times rungs after which no further rung is tried: the ladder's share of the time stays bounded.
 const WORK: usize = 4_000_000;
@@ -523,7 +523,8 @@ impl<'a> Maker<'a> {
             Sampling::Point => None,
         };
         let expected = Expected { euler: self.cutter.euler(), loops: self.cutter.loops().len() };
-        let (moved, closed) = seal(&mut grid, &mut samples, &disk, &uv, expected);
+        let sheet = Sheet { grid: &mut grid, samples: &mut samples, disk: &disk, uv: &uv };
+        let (moved, closed) = seal(&mut [sheet], &[], expected);
         Ok(PieceImage {
             disk,
             uv,
@@ -534,7 +535,7 @@ impl<'a> Maker<'a> {
             closed,
             loop_of,
             loop_lengths: self.cutter.loop_lengths(),
-            moved,
+            moved: moved[0],
             distortion,
             parameterize: record,
             cut: candidate.cut.clone(),

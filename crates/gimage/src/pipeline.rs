@@ -8,12 +8,14 @@ use gimage_bundle::manifest::{Joint, Repair, Skeleton, Source};
 use rayon::prelude::*;
 
 use crate::accessory::{Rider, anchor};
-use crate::assemble::{assemble, measure_piece, summary};
+use crate::assemble::{Family, assemble, measure_piece, part_components, summary};
 use crate::budget::{self, Made};
 use crate::component::{ALWAYS_PIECE, Component, extract, split};
 use crate::error::{Error, Result};
 use crate::gate;
 use crate::import::import;
+use crate::judge::Verdict;
+use crate::ladder::{Rung, Tried, WORTH, badness, passes};
 use crate::mass::check_mean;
 use crate::mesh::{Mesh, Semantic};
 use crate::options::{BuildOptions, ImageSize};
@@ -22,6 +24,7 @@ use crate::progress::{Progress, Stage};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 use crate::repair::repair;
 use crate::report::{Report, StageTime, peak_memory};
+use crate::split::{Parts, image_parts};
 use crate::surface::Surface;
 use crate::words;
 
@@ -117,10 +120,15 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
         }
         Ok(made)
     })?;
-    let (mut pieces, mut riders) = (Vec::new(), Vec::new());
-    for (component, outcome) in parts.pieces.iter().zip(made) {
+    let split_components = name_parts(&parts.pieces, &parts.accessories, &made);
+    let (mut pieces, mut riders, mut families) = (Vec::new(), Vec::new(), Vec::new());
+    for ((component, outcome), named) in parts.pieces.iter().zip(made).zip(&split_components) {
         match outcome {
             Outcome::Piece(surface, image) => pieces.push((component, surface, *image)),
+            Outcome::Parts(Parts { parts, rings }) => {
+                families.push(Family { whole: component, first: pieces.len(), count: parts.len(), rings });
+                pieces.extend(named.iter().zip(parts).map(|(c, p)| (c, p.surface, p.image)));
+            }
             Outcome::Accessory(reason) => riders.push(Rider { component, reason }),
         }
     }
@@ -130,11 +138,12 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
     let small = format!("area under {} % of the whole", 100.0 * options.component.accessory_area);
     riders.extend(parts.accessories.iter().map(|component| Rider { component, reason: small.clone() }));
     run.report.findings.extend(set_apart(&riders));
+    run.report.findings.extend(split_up(&families));
     run.report.findings.extend(merged(pieces.iter().flat_map(|(c, _, i)| remarks(&c.name, i))));
 
     let mut bundle = run.stage(Stage::Maps, pieces.len(), |report| {
         let mut bundle = Bundle::new(concat!("gimage ", env!("CARGO_PKG_VERSION")));
-        let findings = assemble(&mut bundle, &mesh, &pieces, options, &|| progress.step(Stage::Maps))?;
+        let findings = assemble(&mut bundle, &mesh, &pieces, &families, options, &|| progress.step(Stage::Maps))?;
         report.findings.extend(findings);
         Ok(bundle)
     })?;
@@ -182,8 +191,22 @@ fn sound(bundle: &Bundle) -> Result<()> {
 /// What became of a component.
 enum Outcome {
     Piece(Surface, Box<PieceImage>),
+    Parts(Parts),
     Accessory(String),
 }
+
+/// The parts of every component that was split, as components of their own.
+fn name_parts(pieces: &[Component], accessories: &[Component], made: &[Outcome]) -> Vec<Vec<Component>> {
+    let mut taken = pieces.iter().chain(accessories).map(|c| c.name.to_lowercase()).collect();
+    let named = |(whole, outcome): (&Component, &Outcome)| match outcome {
+        Outcome::Parts(parts) => part_components(whole, parts, &mut taken),
+        _ => Vec::new(),
+    };
+    pieces.iter().zip(made).map(named).collect()
+}
+
+/// An image this many times as large as its budget is too large: the component is split into parts, if those fit.
+const TOO_LARGE: f64 = 1.5;
 
 /// What a component may have of the texels.
 #[derive(Clone, Copy)]
@@ -237,7 +260,31 @@ fn make(mesh: &Mesh, component: &Component, total: f64, share: Share, options: &
     let surface = extract(mesh, component);
     let seam = uv_seams(mesh, &surface);
     let image_options = ImageOptions::new(options, texels);
-    let image = image(&component.name, &surface, seam.as_deref(), &image_options)?;
+    let mut image = image(&component.name, &surface, seam.as_deref(), &image_options);
+    // The last rung of the ladder: where one image does not hold the surface at its size, or comes out poor.
+    let fits = |i: &PieceImage, b: u32| i.closed && f64::from(i.width * i.height) <= TOO_LARGE * f64::from(b);
+    let good = |i: &PieceImage, b: u32| fits(i, b) && passes(&i.verdict, i.distortion.linf);
+    if let Some(b) = texels.filter(|&b| image.as_ref().map_or(true, |i| !good(i, b))) {
+        let parts = image_parts(&component.name, &surface, seam.as_deref(), &image_options, b).ok();
+        let verdict = parts.as_ref().map(|p| p.verdict(&surface));
+        let tried = |kept: bool| Tried { rung: Rung::Split, psnr: verdict.map(|v| v.0.psnr()), kept };
+        let better = |i: &PieceImage| {
+            let worth = |v: &Verdict, stretch| badness(v, stretch) < WORTH * badness(&i.verdict, i.distortion.linf);
+            !fits(i, b) || verdict.is_some_and(|(v, stretch)| passes(&v, stretch) || worth(&v, stretch))
+        };
+        match (parts, &mut image) {
+            (Some(mut parts), image) if image.as_ref().map_or(true, better) => {
+                let mut record: Vec<Tried> = image.as_ref().map_or_else(|_| Vec::new(), |i| i.tried.clone());
+                record.iter_mut().for_each(|t| t.kept = false);
+                record.push(tried(true));
+                parts.parts.iter_mut().for_each(|p| p.image.tried.clone_from(&record));
+                return Ok(Outcome::Parts(parts));
+            }
+            (_, Ok(image)) => image.tried.push(tried(false)),
+            _ => {}
+        }
+    }
+    let image = image?;
     if let Some(b) = texels
         && component.area < ALWAYS_PIECE * total
         && image.width * image.height > STRETCH * b.max(budget::LEAST_SHARE)
@@ -259,7 +306,11 @@ fn keep_budget(
     one: &(dyn Fn(&Component, Share) -> Result<Outcome> + Sync),
 ) -> Result<Option<Finding>> {
     let total: f64 = components.iter().map(|c| c.area).sum();
-    let size = |o: &Outcome| if let Outcome::Piece(_, i) = o { i.width * i.height } else { 0 };
+    let size = |o: &Outcome| match o {
+        Outcome::Piece(_, i) => i.width * i.height,
+        Outcome::Parts(parts) => parts.texels() as u32,
+        Outcome::Accessory(_) => 0,
+    };
     let pieces: Vec<usize> = (0..outcomes.len()).filter(|&k| size(&outcomes[k]) > 0).collect();
     let mut made: Vec<Made> = pieces
         .iter()
@@ -356,6 +407,19 @@ fn resolution(mesh: &Mesh) -> Option<Finding> {
             "The garment is so far from the origin that 32-bit positions are steps of {step:.1e} m; use --center, or move \
              it to the origin."
         ),
+    })
+}
+
+/// Which components were split.
+fn split_up(families: &[Family<'_>]) -> Option<Finding> {
+    (!families.is_empty()).then(|| Finding {
+        severity: Severity::Note,
+        stage: "image",
+        kind: "split",
+        count: families.len() as u64,
+        examples: families.iter().take(MAX_EXAMPLES).map(|f| format!("{} in {} parts", f.whole.name, f.count)).collect(),
+        message: "One image does not hold these surfaces at this size: each is several pieces with welded seams between them."
+            .into(),
     })
 }
 

@@ -6,7 +6,7 @@
 //! still, until the diagonals part.
 
 use crate::disk::Disk;
-use crate::grid::Grid;
+use crate::grid::{Grid, representatives};
 use crate::halfedge::sorted_edges;
 use crate::locate::Locator;
 use crate::resample::Sample;
@@ -36,76 +36,108 @@ impl Expected {
 const REACH: f64 = 0.75;
 const STEPS: usize = 5;
 
-/// A texel to sample elsewhere: away from the border, or towards another texel.
+/// The image of a part of a surface, or of the whole.
+pub(crate) struct Sheet<'a> {
+    pub grid: &'a mut Grid,
+    pub samples: &'a mut [Sample],
+    pub disk: &'a Disk,
+    /// The map, in texels.
+    pub uv: &'a [[f64; 2]],
+}
+
+/// A texel to sample elsewhere: away from the border, or towards another texel of its sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Move {
+    sheet: usize,
     texel: usize,
     towards: Option<usize>,
 }
 
-/// What would part the diagonals that meet on an over-full welded edge: its inner ends further in, so that they are
-/// longer, and the inner ends of the quads' other diagonals towards their border ends, so that those are shorter.
-fn moves(grid: &Grid) -> Vec<Move> {
-    let representative = grid.representative();
-    let triangles = grid.triangulate();
-    let mut kept: Vec<usize> = Vec::new();
-    let mut welded = Vec::new();
-    for (k, t) in triangles.iter().enumerate() {
-        let w = t.map(|x| representative[x as usize]);
-        if w[0] != w[1] && w[1] != w[2] && w[2] != w[0] {
-            kept.push(k);
-            welded.push(w);
-        }
-    }
-    let inner = |x: usize| {
-        let (i, j) = (x % grid.width, x / grid.width);
-        i > 0 && j > 0 && i + 1 < grid.width && j + 1 < grid.height
-    };
-    let mut out = Vec::new();
-    for run in sorted_edges(&welded).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).filter(|r| r.len() > 2) {
-        let ends = [run[0].0, run[0].1];
-        out.extend(ends.iter().filter(|&&x| inner(x as usize)).map(|&x| Move { texel: x as usize, towards: None }));
-        for x in run {
-            // Two triangles a quad, quads row by row.
-            let quad = kept[x.2 as usize / 3] / 2;
-            let a = quad / (grid.width - 1) * grid.width + quad % (grid.width - 1);
-            let corners = [a, a + 1, a + grid.width + 1, a + grid.width];
-            for k in 0..2 {
-                let (p, q) = (corners[k], corners[k + 2]);
-                let on_edge = |x: usize| ends.contains(&representative[x]);
-                if on_edge(p) || on_edge(q) {
-                    continue;
-                }
-                match (inner(p), inner(q)) {
-                    (true, false) => out.push(Move { texel: p, towards: Some(q) }),
-                    (false, true) => out.push(Move { texel: q, towards: Some(p) }),
-                    _ => {}
+/// Triangles of all sheets with duplicates merged, and the quad (sheet, texel) that each is half of.
+struct Welded {
+    representative: Vec<u32>,
+    /// Where the texels of each sheet begin among those of all.
+    first: Vec<usize>,
+    triangles: Vec<[u32; 3]>,
+    quads: Vec<(usize, usize)>,
+}
+
+impl Welded {
+    fn new(sheets: &[Sheet<'_>], rings: &[Vec<(u32, u32)>]) -> Self {
+        let grids: Vec<&Grid> = sheets.iter().map(|s| &*s.grid).collect();
+        let (first, representative) = representatives(&grids, rings);
+        let (mut triangles, mut quads) = (Vec::new(), Vec::new());
+        for (p, grid) in grids.iter().enumerate() {
+            for (k, t) in grid.triangulate().into_iter().enumerate() {
+                let w = t.map(|x| representative[first[p] + x as usize]);
+                if w[0] != w[1] && w[1] != w[2] && w[2] != w[0] {
+                    triangles.push(w);
+                    // Two triangles a quad, quads row by row.
+                    let quad = k / 2;
+                    quads.push((p, quad / (grid.width - 1) * grid.width + quad % (grid.width - 1)));
                 }
             }
         }
+        Self { representative, first, triangles, quads }
     }
-    out.sort_unstable();
-    out.dedup();
-    out
+
+    /// What would part the diagonals that meet on an over-full welded edge: its inner ends further in, so that they are
+    /// longer, and the inner ends of the quads' other diagonals towards their border ends, so that those are shorter.
+    fn moves(&self, sheets: &[Sheet<'_>]) -> Vec<Move> {
+        let inner = |sheet: usize, x: usize| {
+            let grid = &sheets[sheet].grid;
+            let (i, j) = (x % grid.width, x / grid.width);
+            i > 0 && j > 0 && i + 1 < grid.width && j + 1 < grid.height
+        };
+        let home = |x: u32| {
+            let sheet = self.first.partition_point(|&f| f <= x as usize) - 1;
+            (sheet, x as usize - self.first[sheet])
+        };
+        let mut out = Vec::new();
+        for run in sorted_edges(&self.triangles).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).filter(|r| r.len() > 2) {
+            let ends = [run[0].0, run[0].1];
+            // An inner texel has no duplicates: it is its own representative.
+            let own = ends.iter().map(|&x| home(x)).filter(|&(p, x)| inner(p, x));
+            out.extend(own.map(|(sheet, texel)| Move { sheet, texel, towards: None }));
+            for x in run {
+                let (sheet, a) = self.quads[x.2 as usize / 3];
+                let width = sheets[sheet].grid.width;
+                let corners = [a, a + 1, a + width + 1, a + width];
+                for k in 0..2 {
+                    let (p, q) = (corners[k], corners[k + 2]);
+                    let on_edge = |x: usize| ends.contains(&self.representative[self.first[sheet] + x]);
+                    if on_edge(p) || on_edge(q) {
+                        continue;
+                    }
+                    match (inner(sheet, p), inner(sheet, q)) {
+                        (true, false) => out.push(Move { sheet, texel: p, towards: Some(q) }),
+                        (false, true) => out.push(Move { sheet, texel: q, towards: Some(p) }),
+                        _ => {}
+                    }
+                }
+            }
+        }
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
 }
 
-/// Moves the samples of texels that keep the image from welding to the expected surface. Returns how many texels moved
-/// and whether the image now welds as expected.
-pub(crate) fn seal(
-    grid: &mut Grid,
-    samples: &mut [Sample],
-    disk: &Disk,
-    uv: &[[f64; 2]],
-    expected: Expected,
-) -> (usize, bool) {
-    let mut moved = std::collections::BTreeSet::new();
-    let mut locator = None;
+/// Moves the samples of texels that keep the images of a surface's parts from welding to the expected surface. `rings` are
+/// the duplicates of several sheets as (sheet, texel). Returns how many texels of each sheet moved, and whether the images
+/// now weld as expected.
+pub(crate) fn seal(sheets: &mut [Sheet<'_>], rings: &[Vec<(u32, u32)>], expected: Expected) -> (Vec<usize>, bool) {
+    let mut moved = vec![std::collections::BTreeSet::new(); sheets.len()];
+    let count = |moved: &[std::collections::BTreeSet<usize>]| moved.iter().map(|m| m.len()).collect();
+    let mut locators: Vec<Option<Locator<'_>>> = sheets.iter().map(|_| None).collect();
     for step in 1..=STEPS {
-        if expected.met(&grid.check()) {
-            return (moved.len(), true);
+        let welded = Welded::new(sheets, rings);
+        if expected.met(&Topology::of(&welded.triangles)) {
+            return (count(&moved), true);
         }
         let by = REACH * step as f64 / STEPS as f64;
-        for m in moves(grid) {
+        for m in welded.moves(sheets) {
+            let Sheet { grid, samples, disk, uv } = &mut sheets[m.sheet];
             let at = |k: usize| [(k % grid.width) as f64, (k / grid.width) as f64];
             let (i, j) = (m.texel % grid.width, m.texel / grid.width);
             let direction = match m.towards {
@@ -116,13 +148,15 @@ pub(crate) fn seal(
                 }
             };
             let q = [i as f64 + by * direction[0], j as f64 + by * direction[1]];
-            let locator = locator.get_or_insert_with(|| Locator::new(disk, uv, grid.width - 1, grid.height - 1));
+            let locator =
+                locators[m.sheet].get_or_insert_with(|| Locator::new(disk, uv, grid.width - 1, grid.height - 1));
             if let Some(s) = locator.at(q) {
                 grid.positions[m.texel] = s.position(disk);
                 samples[m.texel] = s;
-                moved.insert(m.texel);
+                moved[m.sheet].insert(m.texel);
             }
         }
     }
-    (moved.len(), expected.met(&grid.check()))
+    let closed = expected.met(&Topology::of(&Welded::new(sheets, rings).triangles));
+    (count(&moved), closed)
 }

@@ -33,6 +33,8 @@ struct Group {
     members: u32,
     length: f64,
     least: u32,
+    /// The count is decided already: another disk has the same path.
+    fixed: Option<u32>,
     /// A vertex of the boundary loop it lies on; none for a cut path.
     rim: Option<u32>,
 }
@@ -48,30 +50,42 @@ pub(crate) struct Border {
     pub(crate) nodes: Vec<bool>,
 }
 
+/// The nodes of a disk's loop that its cut makes: where cut and boundary, or several cut paths, meet.
+fn cut_nodes(disk: &Disk, surface_boundary: impl Fn(u32) -> bool) -> Vec<bool> {
+    let n = disk.boundary.len();
+    let mut node = vec![false; n];
+    if disk.on_cut.contains(&true) {
+        let mut ends: BTreeSet<[u32; 2]> = BTreeSet::new();
+        for i in (0..n).filter(|&i| disk.on_cut[i]) {
+            let (a, b) = (disk.origin[disk.boundary[i] as usize], disk.origin[disk.boundary[(i + 1) % n] as usize]);
+            ends.insert([a.min(b), a.max(b)]);
+        }
+        let mut valence: HashMap<u32, u32> = HashMap::new();
+        ends.iter().flatten().for_each(|&v| *valence.entry(v).or_default() += 1);
+        for i in 0..n {
+            let (before, after) = (disk.on_cut[(i + n - 1) % n], disk.on_cut[i]);
+            let v = disk.origin[disk.boundary[i] as usize];
+            node[i] = before != after || (after && (valence.get(&v) != Some(&2) || surface_boundary(v)));
+        }
+        if !node.contains(&true) {
+            // A one-sided loop alone (the projective plane): any of its points will do.
+            let v = disk.origin[disk.boundary[0] as usize];
+            (0..n).for_each(|i| node[i] = disk.origin[disk.boundary[i] as usize] == v);
+        }
+    }
+    node
+}
+
 impl Border {
     /// Finds the nodes and paths of a disk, turning its loop so that it starts at a node.
     pub(crate) fn new(disk: &mut Disk, surface_boundary: impl Fn(u32) -> bool) -> Self {
+        let node = cut_nodes(disk, surface_boundary);
+        Self::between(disk, node)
+    }
+
+    /// The paths of a disk between these nodes of its loop and its corners, turning the loop so that it starts at a node.
+    pub(crate) fn between(disk: &mut Disk, mut node: Vec<bool>) -> Self {
         let n = disk.boundary.len();
-        let mut node = vec![false; n];
-        if disk.on_cut.contains(&true) {
-            let mut ends: BTreeSet<[u32; 2]> = BTreeSet::new();
-            for i in (0..n).filter(|&i| disk.on_cut[i]) {
-                let (a, b) = (disk.origin[disk.boundary[i] as usize], disk.origin[disk.boundary[(i + 1) % n] as usize]);
-                ends.insert([a.min(b), a.max(b)]);
-            }
-            let mut valence: HashMap<u32, u32> = HashMap::new();
-            ends.iter().flatten().for_each(|&v| *valence.entry(v).or_default() += 1);
-            for i in 0..n {
-                let (before, after) = (disk.on_cut[(i + n - 1) % n], disk.on_cut[i]);
-                let v = disk.origin[disk.boundary[i] as usize];
-                node[i] = before != after || (after && (valence.get(&v) != Some(&2) || surface_boundary(v)));
-            }
-            if !node.contains(&true) {
-                // A one-sided loop alone (the projective plane): any of its points will do.
-                let v = disk.origin[disk.boundary[0] as usize];
-                (0..n).for_each(|i| node[i] = disk.origin[disk.boundary[i] as usize] == v);
-            }
-        }
         corner::mark(disk, &mut node);
         let shift = node.iter().position(|&x| x).unwrap_or(0);
         disk.boundary.rotate_left(shift);
@@ -97,7 +111,7 @@ impl Border {
                 None
             };
             let (group, reversed) = mate.unwrap_or_else(|| {
-                groups.push(Group { members: 0, length, least: 1, rim: (!cut).then_some(path[0]) });
+                groups.push(Group { members: 0, length, least: 1, fixed: None, rim: (!cut).then_some(path[0]) });
                 let g = groups.len() - 1;
                 let (a, b) = (path[0].min(path[path.len() - 1]), path[0].max(path[path.len() - 1]));
                 by_ends.entry([a, b]).or_default().push(g);

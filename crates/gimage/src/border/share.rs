@@ -1,17 +1,33 @@
 //! Whole steps of the image's border for every path of a disk's boundary.
 
-use super::Border;
+use super::{Border, Group};
 use crate::disk::Disk;
 
 /// Length that a boundary edge counts for at least, as a share of the mean edge of its path: as thin as triangles at rest
 /// are taken for (`distortion::rest_shapes`), a tenth, so that the map is not asked for thinner ones.
 const SHORTEST_EDGE: f64 = 1e-4;
 
+/// A path of a disk's loop, from node to node.
+#[derive(Clone, Debug)]
+pub(crate) struct LoopPath {
+    /// Paths of one group have equal counts.
+    pub group: usize,
+    /// It is no part of the surface's own boundary.
+    pub cut: bool,
+    /// The disk's vertices along it, both ends included.
+    pub vertices: Vec<u32>,
+}
+
 impl Border {
     /// The fewest border steps that can hold this boundary: even, at least 8.
     pub(crate) fn least_steps(&self) -> u32 {
         let sum: u32 = self.groups.iter().map(|g| g.members * g.least).sum();
         sum.max(8).next_multiple_of(2)
+    }
+
+    /// The border steps that this boundary has whatever the image, if all of its counts are fixed.
+    pub(crate) fn exact_steps(&self) -> Option<u32> {
+        self.groups.iter().map(|g| g.fixed.map(|c| g.members * c)).sum()
     }
 
     /// The boundary has no node on it.
@@ -24,8 +40,13 @@ impl Border {
         if self.free {
             return Some(vec![steps]);
         }
-        let total: f64 = self.groups.iter().map(|g| g.length * f64::from(g.members)).sum();
-        let want: Vec<f64> = self.groups.iter().map(|g| g.length / total.max(1e-300) * f64::from(steps)).collect();
+        // Paths with a fixed count keep it; the others share the rest by length.
+        let length = |g: &Group| if g.fixed.is_some() { 0.0 } else { g.length };
+        let total: f64 = self.groups.iter().map(|g| length(g) * f64::from(g.members)).sum();
+        let fixed: u32 = self.groups.iter().filter_map(|g| g.fixed.map(|c| g.members * c)).sum();
+        let free = f64::from(steps.checked_sub(fixed)?);
+        let share = |g: &Group| g.fixed.map_or(length(g) / total.max(1e-300) * free, f64::from);
+        let want: Vec<f64> = self.groups.iter().map(share).collect();
         let mut count: Vec<u32> = self.groups.iter().zip(&want).map(|(g, w)| (w.floor() as u32).max(g.least)).collect();
         let mut rest =
             i64::from(steps) - self.groups.iter().zip(&count).map(|(g, c)| i64::from(g.members * c)).sum::<i64>();
@@ -34,6 +55,9 @@ impl Border {
             budget = budget.checked_sub(1)?;
             let mut best: Option<(f64, usize, i64)> = None;
             for (i, g) in self.groups.iter().enumerate() {
+                if g.fixed.is_some() {
+                    continue;
+                }
                 let step = rest.signum();
                 let m = i64::from(g.members);
                 let new = i64::from(count[i]) + step;
@@ -52,6 +76,23 @@ impl Border {
             rest -= step * i64::from(self.groups[i].members);
         }
         Some(count)
+    }
+
+    /// Fixes the count of a group, or only raises its least count.
+    pub(crate) fn fix(&mut self, group: usize, least: u32, count: Option<u32>) {
+        let g = &mut self.groups[group];
+        (g.least, g.fixed) = (count.unwrap_or(least.max(g.least)), count);
+    }
+
+    /// The paths of the loop in its order.
+    pub(crate) fn paths(&self, disk: &Disk) -> Vec<LoopPath> {
+        let n = disk.boundary.len();
+        let path = |s: &super::Segment| LoopPath {
+            group: s.group,
+            cut: disk.on_cut[s.first],
+            vertices: (s.first..=s.first + s.edges).map(|i| disk.boundary[i % n]).collect(),
+        };
+        self.segments.iter().map(path).collect()
     }
 
     /// For each loop vertex, its place along the border in steps from the start of the loop.
@@ -112,6 +153,9 @@ impl Border {
         let mut count = vec![0; self.groups.len()];
         for (k, s) in self.segments.iter().enumerate() {
             let side = if (k % 2 == 0) != turned { w } else { h };
+            if self.groups[s.group].fixed.is_some_and(|c| c != side) {
+                return None;
+            }
             if count[s.group] != 0 && count[s.group] != side || side < self.groups[s.group].least {
                 return None;
             }

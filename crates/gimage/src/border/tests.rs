@@ -142,3 +142,38 @@ fn the_projective_plane_alone_has_a_loop_of_one_path() {
     assert!(border.segments.iter().all(|s| !s.reversed) && !border.is_free());
     assert!(border.groups.iter().all(|g| g.members == 2));
 }
+
+#[test]
+fn fixed_counts_are_kept_and_the_rest_is_shared() {
+    for (name, s) in shapes::all() {
+        let (_, free, _) = bordered(&s);
+        if free.free {
+            continue;
+        }
+        for fixed in 0..free.groups.len() {
+            let mut border = free.clone();
+            border.fix(fixed, 1, Some(6));
+            assert_eq!(border.exact_steps().is_some(), border.groups.len() == 1, "{name}");
+            let least = border.least_steps();
+            for steps in (least..least + 20).step_by(2) {
+                let Some(count) = border.share(steps) else {
+                    // Paths of two sides alone cannot make up for a single one of odd count, nor can fixed ones give.
+                    let others = border.groups.iter().filter(|g| g.fixed.is_none());
+                    assert!(others.clone().count() == 0 || others.clone().all(|g| g.members == 2), "{name}: {steps}");
+                    continue;
+                };
+                assert_eq!(count[fixed], 6, "{name}");
+                assert_eq!(border.segments.iter().map(|s| count[s.group]).sum::<u32>(), steps, "{name}");
+                assert!(border.groups.iter().zip(&count).all(|(g, c)| *c >= g.least), "{name}");
+            }
+        }
+        // With every count fixed there is one number of steps, and no side may be longer than its path.
+        let mut border = free.clone();
+        (0..border.groups.len()).for_each(|g| border.fix(g, 1, Some(4)));
+        let steps = border.exact_steps().unwrap();
+        assert_eq!(steps, 4 * border.segments.len() as u32);
+        assert_eq!(border.share(steps), Some(vec![4; border.groups.len()]));
+        assert_eq!(border.share(steps + 2), None, "{name}");
+        assert_eq!(border.four_sides(5, 4, false), None);
+    }
+}

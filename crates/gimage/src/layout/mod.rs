@@ -66,6 +66,14 @@ fn slender(texels: u32, least: u32) -> Option<(u32, u32)> {
     (short >= LEAST_ACROSS).then(|| (both as u32 - short, short))
 }
 
+/// Cells of an image whose border has exactly this many steps, of about an aspect. `None` if the steps are odd, too few or
+/// too many.
+fn exact_cells(aspect: f64, steps: u32) -> Option<(u32, u32)> {
+    let half = (steps.is_multiple_of(2) && steps >= 8).then_some(steps / 2)?;
+    let w = ((f64::from(half) * aspect / (1.0 + aspect)).round() as u32).clamp(2, half - 2);
+    fits(w + 1, half - w + 1).then_some((w, half - w))
+}
+
 /// Whether an image of this many texels across and down can be stored.
 fn fits(width: u32, height: u32) -> bool {
     width.max(height) <= gimage_bundle::MAX_SIDE

@@ -1,7 +1,7 @@
 //! The search: every start at one aspect roughly, the best of them further, then aspects, starts and corners around these.
 
 use super::proxy::{Proxy, Trial};
-use super::{Layout, Size, cells, fits};
+use super::{Layout, Size, cells, exact_cells, fits};
 
 /// How hard to search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,9 +73,17 @@ impl Proxy<'_> {
         Some(Trial { aspect, middle, ..self.first((w, h), shift, count)? })
     }
 
+    /// The cells of an image of a size and aspect that holds the border.
+    fn cells(&self, size: Size, aspect: f64) -> Option<(u32, u32)> {
+        match (self.border.exact_steps(), size) {
+            (Some(steps), Size::Budget(_)) => exact_cells(aspect, steps),
+            _ => cells(size, aspect, self.border.least_steps()),
+        }
+    }
+
     /// The cells, the shift and the steps of such a layout.
     fn placed(&self, size: Size, aspect: usize, middle: f64) -> Option<((u32, u32), f64, Vec<u32>)> {
-        let (w, h) = cells(size, ASPECTS[aspect], self.border.least_steps())?;
+        let (w, h) = self.cells(size, ASPECTS[aspect])?;
         let count = self.border.share(2 * (w + h))?;
         let perimeter = f64::from(2 * (w + h));
         let mut shift = (0.5 * f64::from(w) - middle * perimeter).rem_euclid(perimeter);
@@ -87,9 +95,8 @@ impl Proxy<'_> {
 
     /// The layout that puts two nodes at the ends of the side v = 0, if its shape is a sensible one.
     fn trial_between(&mut self, size: Size, from: usize, to: usize) -> Option<Trial> {
-        let least = self.border.least_steps();
         let part = |steps: &[u32], all: u32| f64::from((steps[to] + all - steps[from]) % all) / f64::from(all);
-        let (mut w, mut h) = cells(size, 1.0, least)?;
+        let (mut w, mut h) = self.cells(size, 1.0)?;
         for _ in 0..3 {
             // The aspect moves the number of steps, and that the shares: a few rounds settle it.
             let all = 2 * (w + h);
@@ -98,7 +105,7 @@ impl Proxy<'_> {
             if !(0.02..0.48).contains(&f) {
                 return None;
             }
-            (w, h) = cells(size, 2.0 * f / (1.0 - 2.0 * f), least)?;
+            (w, h) = self.cells(size, 2.0 * f / (1.0 - 2.0 * f))?;
         }
         let all = 2 * (w + h);
         let count = self.border.share(all)?;
@@ -167,7 +174,7 @@ impl Proxy<'_> {
         if found.is_empty() {
             // Too coarse to be flip-free at any of these starts: one with nodes on corners may be, else the first start that
             // can be laid out at all.
-            let (w, h) = cells(size, 1.0, self.border.least_steps())?;
+            let (w, h) = self.cells(size, 1.0)?;
             let count = self.border.share(2 * (w + h))?;
             let first = Layout { w, h, shift: 0.0, count, score: f64::INFINITY };
             found = self.snapped(size, &first);
