@@ -56,7 +56,7 @@ fn the_masses_of_parts_add_to_area_times_density_and_tethers_cross_seams() {
     let rings = bundle.rings().unwrap();
     assert!(rings.iter().any(|r| bundle.locate(r[0]).unwrap().0 != bundle.locate(r[r.len() - 1]).unwrap().0));
     let mut point: BTreeMap<u32, u32> = BTreeMap::new();
-    rings.iter().for_each(|r| r.iter().for_each(|&k| drop(point.insert(k, r[0]))));
+    point.extend(rings.iter().flat_map(|r| r.iter().map(|&k| (k, r[0]))));
     let mut mass = 0.0;
     for index in 0..bundle.manifest.texels() {
         let (piece, k) = bundle.locate(index).unwrap();

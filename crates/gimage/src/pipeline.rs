@@ -165,6 +165,7 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
             Ok(())
         })?;
     }
+    gate::scale_parts(&mut bundle.manifest.pieces, &pieces);
     run.report.findings.extend(gate::check(&bundle.manifest.pieces, &pieces, options)?);
     let images: Vec<PieceImage> = pieces.into_iter().map(|p| p.2).collect();
     bundle.manifest.accessories = anchor(&mesh, &riders, &images);

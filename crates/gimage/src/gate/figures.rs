@@ -64,11 +64,15 @@ pub const FOLD_KEY: &str = "fold_local";
 /// and those of the places its texels were sampled at. Thin double shells and one-sided surfaces do not raise it.
 pub const NORMAL_KEY: &str = "normal_degrees_local";
 
+/// The name, among the further figures of a manifest's quality, of the diagonal of the component that a piece is a part of,
+/// over that of the part. Parts are rated at the size of the whole: an error that is large for a small part is small for it.
+pub const SCALE_KEY: &str = "component_scale";
+
 impl Figures {
-    /// The figures of a piece as its manifest has them.
+    /// The figures of a piece as its manifest has them, at the size of its component.
     pub fn of(quality: &Quality) -> Self {
         let more = |key: &str| quality.more.get(key).and_then(serde_json::Value::as_f64);
-        Self {
+        let own = Self {
             psnr: quality.psnr,
             hausdorff: quality.hausdorff_rel,
             outside: more(OUTSIDE_KEY),
@@ -77,6 +81,20 @@ impl Figures {
             // own place, a texel that slid along the surface does. A fold shows in both.
             fold: [more(FOLD_KEY), quality.fold_area].into_iter().flatten().reduce(f64::min),
             normal_degrees: quality.normal_degrees,
+        };
+        own.within(more(SCALE_KEY).unwrap_or(1.0))
+    }
+
+    /// The same errors in a surface whose diagonal is `scale` times as long.
+    pub fn within(self, scale: f64) -> Self {
+        if !(scale.is_finite() && scale > 0.0) {
+            return self;
+        }
+        Self {
+            psnr: self.psnr.map(|x| x + 20.0 * scale.log10()),
+            hausdorff: self.hausdorff.map(|x| x / scale),
+            outside: self.outside.map(|x| x / scale),
+            ..self
         }
     }
 
@@ -144,6 +162,17 @@ mod tests {
         assert_eq!(with(|f| f.psnr = Some(f64::NAN)).0, Rating::Poor);
         let (rating, words) = with(|f| (f.psnr, f.fold) = (Some(20.0), Some(0.5)));
         assert_eq!((rating, words.len()), (Rating::Poor, 2));
+    }
+
+    #[test]
+    fn a_part_is_rated_at_the_size_of_its_component() {
+        let mut quality = Quality { psnr: Some(41.0), hausdorff_rel: Some(0.08), ..Quality::default() };
+        quality.more.insert(OUTSIDE_KEY.into(), 0.03.into());
+        assert_eq!(Figures::of(&quality).rate().1.len(), 3);
+        quality.more.insert(SCALE_KEY.into(), 10.0.into());
+        let found = Figures::of(&quality);
+        assert_eq!((found.psnr, found.hausdorff, found.outside), (Some(61.0), Some(0.008), Some(0.003)));
+        assert_eq!(found.rate().0, Rating::Good);
     }
 
     #[test]

@@ -40,6 +40,22 @@ pub(crate) fn note(entry: &mut PieceEntry, (_, _, image): &Piece<'_>) {
     }
 }
 
+/// Writes down how much larger the component of every part is than the part.
+pub(crate) fn scale_parts(entries: &mut [PieceEntry], pieces: &[Piece<'_>]) {
+    let boxes: Vec<[[f64; 3]; 2]> = pieces.iter().map(|p| bounds(&p.1)).collect();
+    let wholes: Vec<Option<u32>> = entries.iter().map(|e| e.part_of).collect();
+    for (k, entry) in entries.iter_mut().enumerate().filter(|(_, e)| e.part_of.is_some()) {
+        let [lo, hi] =
+            boxes.iter().zip(&wholes).filter(|x| *x.1 == wholes[k]).fold(boxes[k], |[lo, hi], ([a, b], _)| {
+                [[0, 1, 2].map(|c| lo[c].min(a[c])), [0, 1, 2].map(|c| hi[c].max(b[c]))]
+            });
+        let scale = distance(lo, hi) / distance(boxes[k][0], boxes[k][1]);
+        if scale.is_finite() {
+            entry.quality.more.insert(SCALE_KEY.into(), scale.into());
+        }
+    }
+}
+
 /// Rates all pieces. A piece worth a look becomes a warning; [`Error::Poor`] where one does not stand for its surface and
 /// `options` do not accept that, or where one is below the PSNR asked for. Pieces that look suspicious are measured here
 /// if they were not before.
