@@ -103,6 +103,8 @@ fn list(value: &Value) -> &[Value] {
 /// A piece as the manifest has it.
 fn described(entry: &Value) -> Piece {
     let quality = &entry["quality"];
+    // A part is judged at the size of its component, as the gate does.
+    let scale = quality["component_scale"].as_f64().unwrap_or(1.0);
     let whole = |v: &Value| v.as_u64().and_then(|x| u32::try_from(x).ok()).unwrap_or_default();
     Piece {
         name: entry["name"].as_str().unwrap_or_default().into(),
@@ -111,8 +113,8 @@ fn described(entry: &Value) -> Piece {
         triangles: whole(&entry["surface"]["triangles"]),
         euler: entry["surface"]["euler"].as_i64().and_then(|x| i32::try_from(x).ok()).unwrap_or_default(),
         loops: whole(&entry["surface"]["loops"]),
-        psnr: quality["psnr"].as_f64(),
-        hausdorff: quality["hausdorff_rel"].as_f64(),
+        psnr: quality["psnr"].as_f64().map(|x| x + 20.0 * scale.log10()),
+        hausdorff: quality["hausdorff_rel"].as_f64().map(|x| x / scale),
         l2: quality["stretch_l2"].as_f64(),
         stretch: quality["stretch_max"].as_f64(),
         energy: quality["symmetric_dirichlet"].as_f64(),
