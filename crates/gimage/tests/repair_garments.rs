@@ -17,7 +17,7 @@ fn garment(name: &str) -> Option<Vec<u8>> {
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
     let path = shared.join("garments").join(name);
     if !path.exists() {
-        skip::skip(&format!("no shared garment {name} (set GIMAGE_SHARED to the folder that holds garments/)"));
+        skip::skip("no shared garments (set GIMAGE_SHARED to the folder that holds garments/)");
         return None;
     }
     Some(std::fs::read(path).unwrap())
