@@ -6,6 +6,7 @@ use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use image::{ImageFormat, RgbImage};
 
 use super::Kind;
+use super::palette::Palette;
 use crate::exit::Failure;
 
 /// A file in the making.
@@ -15,10 +16,8 @@ pub struct Pictures {
     png: Option<Vec<u8>>,
     gif: Option<Encoder<Vec<u8>>>,
     last: Vec<[u8; 4]>,
+    palette: Palette,
 }
-
-/// Speed of the search for a GIF's colours: 1 is the best and slowest, 30 the quickest.
-const SPEED: i32 = 10;
 
 impl Pictures {
     /// Of a kind and size; `fps` pictures a second in a GIF.
@@ -31,7 +30,7 @@ impl Pictures {
             Ok(gif)
         };
         let gif = (kind == Kind::Gif).then(encoder).transpose()?;
-        Ok(Pictures { size, fps, png: None, gif, last: Vec::new() })
+        Ok(Pictures { size, fps, png: None, gif, last: Vec::new(), palette: Palette::default() })
     }
 
     /// The next picture.
@@ -49,9 +48,11 @@ impl Pictures {
         let [left, top, right, bottom] = changed(&self.last, &pixels, width as usize);
         let (w, h) = (right - left, bottom - top);
         let rows = pixels.chunks_exact(width as usize).skip(top).take(h);
-        let mut part: Vec<u8> = rows.flat_map(|row| row[left..right].as_flattened().iter().copied()).collect();
+        let part: Vec<[u8; 4]> = rows.flat_map(|row| row[left..right].iter().copied()).collect();
+        self.palette.take_in(&part);
+        let indices: Vec<u8> = part.iter().map(|&p| self.palette.index(p)).collect();
         let side = |n: usize| u16::try_from(n).map_err(|e| wrong(&e));
-        let mut frame = Frame::from_rgba_speed(side(w)?, side(h)?, &mut part, SPEED);
+        let mut frame = Frame::from_palette_pixels(side(w)?, side(h)?, indices, self.palette.bytes(), None);
         (frame.left, frame.top) = (side(left)?, side(top)?);
         // What lies beside the part stays as it was.
         frame.dispose = DisposalMethod::Keep;
@@ -105,6 +106,35 @@ mod tests {
         let frames = image::AnimationDecoder::into_frames(frames).collect_frames().unwrap();
         let shown: Vec<_> = frames.iter().map(|f| f.buffer().as_raw().clone()).collect();
         assert_eq!(shown, [grey(0).as_flattened().to_vec(), second.as_flattened().to_vec()]);
+    }
+
+    /// A shaded square moves over a shaded ground: what stands still keeps its colour, and so does what comes back.
+    #[test]
+    fn static_objects_show_no_ghost_patches() {
+        let (width, height) = (64usize, 48usize);
+        let ground = |x: usize, y: usize| [(2 * x + 90) as u8, (3 * y + 60) as u8, (x + y) as u8, 255];
+        let square = |x: usize, y: usize| [(255 - 9 * x) as u8, (20 + 11 * y) as u8, (8 * x + 7 * y) as u8, 255];
+        let picture = |at: usize| -> Vec<[u8; 4]> {
+            let inside = |x: usize, y: usize| (at..at + 12).contains(&x) && (10..22).contains(&y);
+            let pixel = |x, y| if inside(x, y) { square(x - at, y - 10) } else { ground(x, y) };
+            (0..width * height).map(|k| pixel(k % width, k / width)).collect()
+        };
+        let taken: Vec<_> = (0..10).map(|k| picture(4 * k)).collect();
+        let mut pictures = Pictures::new(Kind::Gif, (width as u32, height as u32), 20).unwrap();
+        taken.iter().for_each(|p| pictures.add(p.clone()).unwrap());
+        let bytes = pictures.finish().unwrap();
+        let frames = image::codecs::gif::GifDecoder::new(Cursor::new(bytes)).unwrap();
+        let frames = image::AnimationDecoder::into_frames(frames).collect_frames().unwrap();
+        let shown = |frame: usize, k: usize| frames[frame].buffer().as_raw()[4 * k..4 * k + 3].to_vec();
+        for frame in 1..taken.len() {
+            for k in 0..width * height {
+                if taken[frame][k] == taken[0][k] {
+                    assert_eq!(shown(frame, k), shown(0, k), "picture {frame}, pixel {k}");
+                }
+                let gap = |c: usize| i32::from(shown(frame, k)[c]) - i32::from(taken[frame][k][c]);
+                assert!((0..3).all(|c| gap(c).abs() < 32), "picture {frame}, pixel {k}: {:?}", taken[frame][k]);
+            }
+        }
     }
 
     #[test]
