@@ -68,7 +68,7 @@ impl Faults {
     pub fn warn(&self, out: &Output, engine: &Engine, frames: usize) {
         for (&cloth, fault) in &self.of {
             let cloths = &engine.stepper.scene().cloths;
-            let name = cloths.get(cloth).map_or("", |c| c.name.as_str());
+            let name = cloths.get(cloth).map_or("", |c| c.name());
             out.remark(Tone::Warning, "warning", &words(name, fault, frames));
         }
     }

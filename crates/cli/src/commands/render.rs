@@ -60,7 +60,7 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
         background: args.background.or(file.background).unwrap_or(BACKGROUND),
         ..View::new(&camera, width as f32 / height as f32)
     };
-    let mut pictures = encode::Pictures::new(kind, args.size, args.fps)?;
+    let mut pictures = encode::Pictures::new(kind, args.size, args.fps);
     let mut faults = Faults::default();
     for time in &times {
         let fraction = go_to(&mut engine, *time, &mut faults)?;

@@ -1,79 +1,63 @@
-//! The colours of a GIF: a colour of a picture is shown alike in all pictures.
+//! The colours of a GIF, the same for all its pictures.
 //!
-//! Each picture of a GIF has at most 256 colours. Colours chosen for each picture by itself would change what stands
-//! still, as ghost patches. Here the first picture chooses most of them, by median cut (Heckbert 1982), later ones add
-//! what is too far from these while there is room, and what a colour was once shown as it stays.
+//! Each picture of a GIF has at most 256 colours. Colours chosen for each picture by itself change what stands still, as
+//! ghost patches. Here all pictures share theirs, found by median cut (Heckbert 1982; the box of the largest squared
+//! error is cut, at its mean), and a colour is shown alike wherever it occurs.
 
 use std::collections::HashMap;
 
 /// Colours of a GIF.
 const MOST: usize = 256;
-/// Of them, those that the first picture may choose.
-const FIRST: usize = 176;
-/// Distance in RGB from which a later picture's colour is worth one of its own, where all room is left and where none is.
-const FAR: [f64; 2] = [8.0, 48.0];
 
-type Rgb = [u8; 3];
+/// Red, green and blue, sRGB.
+pub type Rgb = [u8; 3];
 
-/// Colours, and what each colour met so far is shown as.
+/// How often each colour occurs.
 #[derive(Default)]
+pub struct Counts(HashMap<Rgb, usize>);
+
+impl Counts {
+    /// Counts the colours of a picture, or of a part of it.
+    pub fn add(&mut self, pixels: &[Rgb]) {
+        pixels.iter().for_each(|&p| *self.0.entry(p).or_insert(0) += 1);
+    }
+}
+
+/// At most 256 colours.
 pub struct Palette {
     colors: Vec<Rgb>,
+    /// What was looked up already.
     shown: HashMap<Rgb, u8>,
 }
 
 impl Palette {
-    /// Makes sure that every colour of a picture, or of the part of it that changed, is shown as something.
-    pub fn take_in(&mut self, pixels: &[[u8; 4]]) {
-        let mut new: Vec<Rgb> = pixels.iter().map(|&p| rgb(p)).filter(|c| !self.shown.contains_key(c)).collect();
-        new.sort_unstable();
-        // The most frequent first; equally frequent ones in order.
-        let mut counted: Vec<(usize, Rgb)> = new.chunk_by(|a, b| a == b).map(|run| (run.len(), run[0])).collect();
-        counted.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
-        let first = self.colors.is_empty();
-        if first {
-            self.colors = median_cut(&counted, FIRST);
-        }
-        for (_, color) in counted {
-            let used = self.colors.len().saturating_sub(FIRST) as f64 / (MOST - FIRST) as f64;
-            let far = FAR[0] + (FAR[1] - FAR[0]) * used;
-            let (nearest, gap) = self.nearest(color);
-            let index = if !first && gap > far && self.colors.len() < MOST {
-                self.colors.push(color);
-                self.colors.len() - 1
-            } else {
-                nearest
-            };
-            // There are at most 256.
-            self.shown.insert(color, index as u8);
-        }
+    /// The colours that stand best for those counted.
+    pub fn of(counts: &Counts) -> Self {
+        let mut counted: Vec<(usize, Rgb)> = counts.0.iter().map(|(&color, &n)| (n, color)).collect();
+        // The order of a hash map is chance.
+        counted.sort_unstable_by_key(|c| c.1);
+        Palette { colors: median_cut(counted, MOST), shown: HashMap::new() }
     }
 
-    /// The index that a pixel is shown as, once its colour was taken in.
-    pub fn index(&self, pixel: [u8; 4]) -> u8 {
-        self.shown.get(&rgb(pixel)).copied().unwrap_or(0)
+    /// The index of the nearest colour.
+    pub fn index(&mut self, color: Rgb) -> u8 {
+        let colors = &self.colors;
+        *self.shown.entry(color).or_insert_with(|| {
+            let gap2 = |c: &Rgb| (0..3).map(|k| u32::from(c[k].abs_diff(color[k])).pow(2)).sum::<u32>();
+            // There are at most 256.
+            colors.iter().map(gap2).enumerate().min_by_key(|&(k, gap)| (gap, k)).map_or(0, |(k, _)| k as u8)
+        })
     }
 
     /// Red, green and blue of all colours, one after the other.
-    pub fn bytes(&self) -> Vec<u8> {
-        self.colors.as_flattened().to_vec()
-    }
-
-    fn nearest(&self, color: Rgb) -> (usize, f64) {
-        let gap2 = |c: &Rgb| (0..3).map(|k| i32::from(c[k].abs_diff(color[k])).pow(2)).sum::<i32>();
-        let best = self.colors.iter().map(gap2).enumerate().min_by_key(|&(k, gap)| (gap, k)).unwrap_or((0, i32::MAX));
-        (best.0, f64::from(best.1).sqrt())
+    pub fn bytes(&self) -> &[u8] {
+        self.colors.as_flattened()
     }
 }
 
-fn rgb([r, g, b, _]: [u8; 4]) -> Rgb {
-    [r, g, b]
-}
-
-/// At most `most` colours that stand for those counted: the box of colours with the largest squared error is halved at
-/// its mean along its longest side, until there are enough.
-fn median_cut(counted: &[(usize, Rgb)], most: usize) -> Vec<Rgb> {
-    let mut boxes = vec![Part::of(counted.to_vec())];
+/// At most `most` colours that stand for those counted, at least one.
+fn median_cut(counted: Vec<(usize, Rgb)>, most: usize) -> Vec<Rgb> {
+    let mut boxes = vec![Part::of(counted)];
     while boxes.len() < most {
         let worst = (0..boxes.len()).max_by(|&a, &b| boxes[a].error.total_cmp(&boxes[b].error).then(b.cmp(&a)));
         let Some(k) = worst.filter(|&k| boxes[k].error > 0.0) else { break };
@@ -110,39 +94,31 @@ impl Part {
 mod tests {
     use super::*;
 
-    fn grey(g: u8) -> [u8; 4] {
-        [g, g, g, 255]
+    fn shown(palette: &mut Palette, color: Rgb) -> Rgb {
+        let index = palette.index(color);
+        palette.colors[usize::from(index)]
     }
 
     #[test]
-    fn few_colors_are_exact_and_flat_ones_stay_so_among_many() {
-        let mut palette = Palette::default();
-        palette.take_in(&[grey(3), grey(200), [9, 8, 7, 255]]);
-        assert_eq!(palette.colors.len(), 3);
-        assert_eq!(palette.colors[usize::from(palette.index([9, 8, 7, 255]))], [9, 8, 7]);
-        // A background of one colour and 60,000 others.
-        let mut pixels = vec![[244, 244, 242, 255]; 100_000];
-        pixels.extend((0..60_000u32).map(|k| [(k / 256) as u8, (k % 256) as u8, (k % 100) as u8, 255]));
-        let mut palette = Palette::default();
-        palette.take_in(&pixels);
-        assert_eq!(palette.colors[usize::from(palette.index([244, 244, 242, 255]))], [244, 244, 242]);
+    fn few_colors_are_exact_and_a_flat_ground_stays_so_among_many() {
+        let mut counts = Counts::default();
+        counts.add(&[[3, 3, 3], [200, 200, 200], [9, 8, 7]]);
+        let mut palette = Palette::of(&counts);
+        assert_eq!((palette.colors.len(), shown(&mut palette, [9, 8, 7])), (3, [9, 8, 7]));
+        // A ground of one colour and 60,000 others.
+        counts.add(&vec![[244, 244, 242]; 100_000]);
+        let many: Vec<Rgb> = (0..60_000u32).map(|k| [(k / 256) as u8, (k % 256) as u8, (k % 100) as u8]).collect();
+        counts.add(&many);
+        let mut palette = Palette::of(&counts);
+        assert_eq!((palette.colors.len(), shown(&mut palette, [244, 244, 242])), (MOST, [244, 244, 242]));
+        let gap = |(a, b): (Rgb, Rgb)| (0..3).map(|k| u32::from(a[k].abs_diff(b[k])).pow(2)).sum::<u32>();
+        let mean = many.iter().map(|&c| gap((c, shown(&mut palette, c)))).sum::<u32>() as f64 / many.len() as f64;
+        assert!(mean < 500.0, "{mean}");
     }
 
     #[test]
-    fn what_a_color_is_shown_as_stays() {
-        let mut palette = Palette::default();
-        palette.take_in(&(0..200).map(grey).collect::<Vec<_>>());
-        let before: Vec<(u8, Rgb)> =
-            (0..200).map(|g| palette.index(grey(g))).map(|i| (i, palette.colors[usize::from(i)])).collect();
-        // Reds far from all of them get colours of their own, until there is no room.
-        for r in 0..=255u8 {
-            palette.take_in(&[[255, r, 0, 255], [r, 0, 255, 255], [0, 255, r, 255]]);
-        }
-        assert_eq!(palette.colors.len(), MOST);
-        let after: Vec<(u8, Rgb)> =
-            (0..200).map(|g| palette.index(grey(g))).map(|i| (i, palette.colors[usize::from(i)])).collect();
-        assert_eq!(before, after);
-        let near = palette.colors[usize::from(palette.index([255, 128, 0, 255]))];
-        assert!(near[0] > 200 && near[2] < 60, "{near:?}");
+    fn no_color_at_all_is_survived() {
+        let mut palette = Palette::of(&Counts::default());
+        assert_eq!(palette.index([1, 2, 3]), 0);
     }
 }

@@ -23,12 +23,8 @@ impl Dump {
     pub fn new(dir: &Path, stepper: &Stepper, force: bool, out: &Output) -> Result<Self, Failure> {
         let grids = || stepper.scene().cloths.iter().flat_map(|c| c.grids());
         for grid in grids() {
-            check_size(grid.width, grid.height).map_err(|e| {
-                let (name, w, h) = (&grid.name, grid.width, grid.height);
-                Failure::refused(format!(
-                    "--dump: grid '{name}' of {w} x {h} does not fit an image ({e}); make it smaller"
-                ))
-            })?;
+            check_size(&grid.name, grid.width, grid.height)
+                .map_err(|e| Failure::refused(format!("--dump: {e}; make the grid smaller, or leave out --dump")))?;
         }
         fs::create_dir_all(dir).map_err(|e| Failure::io(dir, &e))?;
         let older = frames(dir)?;
