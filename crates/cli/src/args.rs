@@ -228,6 +228,9 @@ pub struct SimulateArgs {
     /// Dump no frame before this one.
     #[arg(long, value_name = "FRAME", default_value_t = 0, requires = "dump", allow_negative_numbers = true)]
     pub dump_from: u32,
+    /// Remove the frames of an older run from the directory of --dump.
+    #[arg(long, requires = "dump")]
+    pub force: bool,
     /// Print one JSON object instead of text.
     #[arg(long)]
     pub json: bool,
@@ -244,7 +247,8 @@ pub struct RenderArgs {
     /// Pixels, as in 640x480.
     #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = size)]
     pub size: (u32, u32),
-    /// Time of the picture, or of the last one [default: the end of the scene].
+    /// Time of the picture, or of the last one, at most 86400 [default: the end of the scene; 0 for a still picture of a
+    /// bundle without pins].
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Pictures of a GIF; the last is that of --time [default: all from the start].

@@ -84,8 +84,8 @@ pub const SIMULATE: &str = concat!(
     "SCENE.md describes scene files: garments, colliders, pins, wind, motion, cuts. A bundle falls or hangs by its pins. Frames take 1/60 s. ",
     "--error measures the largest stretch of each frame and changes the number of steps by the rule that it falls with their ",
     "square; --budget goes by the median time of a step. --dump writes frame_NNNNN.<piece>.position.exr, frame 0 ",
-    "being the start. Settings beyond the solver's limits are changed, and stderr says so.",
-    exit_codes!("not used by this command")
+    "being the start; it refuses a directory with frames of an older run unless --force removes them. Settings beyond the solver's limits are changed, and stderr says so.",
+    exit_codes!("done, but cloth overflowed: frames were taken back, or positions are not finite")
 );
 
 /// Of `gimage render`.
@@ -95,8 +95,9 @@ pub const RENDER: &str = concat!(
     "  gimage render assets/scenes/flag.json -o flag.gif --size 320x240 --fps 20\n",
     "  gimage render s2 --n 64 -o s2.png --time 0.8 --camera 1,0.8,1.6,0,0,0 --fov 40\n\n",
     "Without a real GPU both the cloth and the picture are made on the CPU; --backend gpu takes any adapter, a software ",
-    "one too. Four samples a pixel. Without a camera all cloths and colliders are in every picture.",
-    exit_codes!("not used by this command")
+    "one too. Four samples a pixel. Without a camera all cloths and colliders are in every picture. A still picture of ",
+    "a bundle without pins, which would fall out of sight, shows its rest pose unless --time is given.",
+    exit_codes!("done, but cloth overflowed: frames were taken back, or positions are not finite")
 );
 
 /// Of `gimage doctor`.

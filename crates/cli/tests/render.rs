@@ -97,6 +97,22 @@ fn a_bundle_is_framed_by_itself() {
 }
 
 #[test]
+fn a_still_picture_of_a_bundle_without_pins_is_its_rest_pose() {
+    let place = Place::new();
+    place.built("");
+    let flags = "--size 60x60 --backend cpu";
+    let run = place.run(&format!("render tube.gim -o rest.png {flags} --json")).expect(&[0]);
+    assert!(run.stderr.contains("rest pose") && run.stderr.contains("--time"), "{}", run.stderr);
+    assert_eq!(run.json()["time"].as_f64(), Some(0.0));
+    place.run(&format!("render tube.gim -o start.png {flags} --time 0")).expect(&[0]);
+    assert!(std::fs::read(place.path("rest.png")).unwrap() == std::fs::read(place.path("start.png")).unwrap());
+    // With pins it hangs, and the picture is that of the end.
+    place.run("build tube.obj -o pinned.gim --texels 600 --pin above:0.75").expect(&[0, 1]);
+    let run = place.run(&format!("render pinned.gim -o pinned.png {flags} --json")).expect(&[0]);
+    assert!(run.json()["time"].as_f64().is_some_and(|t| t > 1.0) && !run.stderr.contains("rest pose"));
+}
+
+#[test]
 fn what_cannot_be_drawn_is_said_and_leaves_nothing() {
     let place = Place::new();
     place.write("there.png", "not to be replaced");
@@ -111,7 +127,8 @@ fn what_cannot_be_drawn_is_said_and_leaves_nothing() {
         ("render s1 -o x.png --size 0x10", "--size"),
         ("render s1 -o x.png --size 99999x99999", "8192"),
         ("render s1 -o x.png --frames 2", ".gif"),
-        ("render s1 -o x.gif --time 1e9", "pictures"),
+        ("render s1 -o x.png --time 1e9", "at most 86400 s"),
+        ("render s1 -o x.gif --time 3000", "pictures"),
         ("render s1 -o x.png --camera 0,0,0,0,0,0", "camera"),
         ("render s1 -o x.png --camera 1,2", "six numbers"),
         ("render s1 -o x.png --background red", "hexadecimal"),

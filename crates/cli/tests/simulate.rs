@@ -104,3 +104,91 @@ fn substeps_are_chosen_and_reported() {
     let words = place.run(&format!("simulate s1 {flags} --error 0.02")).expect(&[0]).stdout;
     assert!(words.contains("substeps chosen") && words.contains("strain"), "{words}");
 }
+
+/// A flag whose gravity is more than numbers hold.
+fn overflowing(place: &Place, gravity: &str) {
+    let cloth =
+        r#"{"from": {"flat": {"width": 9, "height": 9, "right": [1, 0, 0], "down": [0, 0, 1]}}, "name": "flag"}"#;
+    let text =
+        format!(r#"{{"format": "gimage-scene", "version": 1, "gravity": [0, {gravity}, 0], "cloths": [{cloth}]}}"#);
+    place.write("storm.json", &text);
+}
+
+#[test]
+fn an_overflow_that_holds_the_cloth_still_is_a_finding() {
+    let place = Place::new();
+    overflowing(&place, "-1e20");
+    let flags = "storm.json --backend cpu --frames 5";
+    let run = place.run(&format!("simulate {flags} --json")).expect(&[1]);
+    assert!(
+        run.stderr.contains("'flag': 5 of 5 frames overflowed") && run.stderr.contains("--substeps"),
+        "{}",
+        run.stderr
+    );
+    let json = run.json();
+    assert_eq!((json["exit"].as_u64(), json["faults"][0]["frames_taken_back"].as_u64()), (Some(1), Some(5)));
+    overflowing(&place, "-9.81");
+    let json = place.run(&format!("simulate {flags} --json")).expect(&[0]).json();
+    assert_eq!(json["faults"].as_array().map(Vec::len), Some(0));
+}
+
+#[test]
+fn nan_of_the_classic_solver_is_a_finding() {
+    let place = Place::new();
+    overflowing(&place, "-1e38");
+    let run = place.run("simulate storm.json --backend cpu --solver classic --frames 5 --json").expect(&[1]);
+    assert!(run.stderr.contains("not finite") && run.stderr.contains("--solver xpbd"), "{}", run.stderr);
+    assert!(run.json()["faults"][0]["positions_not_finite"].as_u64().is_some_and(|n| n > 0));
+}
+
+#[test]
+fn frames_of_an_older_run_are_refused_or_removed() {
+    let place = Place::new();
+    let run = |more: &str| place.run(&format!("simulate s1 --backend cpu --n 9 --dump out {more}"));
+    run("--frames 4").expect(&[0]);
+    std::fs::write(place.path("out/mine.exr"), "not a frame").unwrap();
+    let refused = run("--frames 2").expect(&[2]);
+    assert!(
+        refused.stderr.contains("5 frames of an older run") && refused.stderr.contains("--force"),
+        "{}",
+        refused.stderr
+    );
+    assert_eq!(common::list(&place.path("out")).len(), 6);
+    let forced = run("--frames 2 --force").expect(&[0]);
+    assert!(forced.stderr.contains("5 frames of an older run removed"), "{}", forced.stderr);
+    let names = common::list(&place.path("out"));
+    assert_eq!(names.len(), 4, "{names:?}");
+    assert!(names.contains(&"mine.exr".into()) && !names.iter().any(|n| n.starts_with("frame_00004")));
+}
+
+/// Files have a limit in size, as on a full disk, that the first frame keeps to or not, and that a later one exceeds.
+#[cfg(unix)]
+#[test]
+fn a_dump_on_a_full_disk_leaves_no_cut_off_frame() {
+    let place = Place::new();
+    for blocks in [2, 20] {
+        let dir = format!("out{blocks}");
+        let run = format!("simulate s1 --backend cpu --n 80 --frames 3 --dump {dir}");
+        let text = format!("trap '' XFSZ; ulimit -f {blocks}; exec {} {run}", env!("CARGO_BIN_EXE_gimage"));
+        let mut shell = std::process::Command::new("sh");
+        let out = shell.arg("-c").arg(text).current_dir(place.0.path()).output().unwrap();
+        let words = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{words}");
+        let names = common::list(&place.path(&dir));
+        assert!(names.iter().all(|n| n.starts_with("frame_") && !words.contains(n.as_str())), "{names:?}: {words}");
+        assert!(words.contains(&format!("frame_0000{}.s1.position.exr", names.len())), "{names:?}: {words}");
+    }
+}
+
+#[test]
+fn a_grid_too_large_for_an_image_is_refused_before_stepping() {
+    let place = Place::new();
+    let cloth =
+        r#"{"from": {"flat": {"width": 16385, "height": 2, "right": [1, 0, 0], "down": [0, 0, 1]}}, "name": "ribbon"}"#;
+    place.write("long.json", &format!(r#"{{"format": "gimage-scene", "version": 1, "cloths": [{cloth}]}}"#));
+    // Stepped, this would take hours.
+    let run =
+        place.run("simulate long.json --backend cpu --frames 1000000 --dump out --dump-from 1000000").expect(&[2]);
+    assert!(run.stderr.contains("16385 x 2") && run.stderr.contains("16384"), "{}", run.stderr);
+    assert!(!place.path("out").exists());
+}

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use gimage_runtime::scene::Script;
 use gimage_runtime::wgpu;
-use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, read_back};
+use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, read_back, read_back_u32};
 
 use crate::commands::device::Device;
 use crate::exit::Failure;
@@ -84,6 +84,15 @@ impl Engine {
     /// Device and queue on the GPU backend.
     pub fn gpu(&self) -> Option<&(wgpu::Device, wgpu::Queue)> {
         self.gpu.as_ref()
+    }
+
+    /// Frames of a cloth that the solver took back on the GPU so far, and the last particle at fault. `None` on the CPU,
+    /// where [`Stepper::take_faults`] has them, and for the classic solver, which takes none back.
+    pub fn taken_back(&self, cloth: usize) -> Result<Option<(u64, usize)>, Failure> {
+        let faults = self.stepper.buffers(cloth).and_then(|b| b.faults.as_ref());
+        let (Some((device, queue)), Some(faults)) = (&self.gpu, faults) else { return Ok(None) };
+        let words = read_back_u32(device, queue, faults)?;
+        Ok(Some((u64::from(words[1]), (words[2] as usize).saturating_sub(1))))
     }
 
     /// Positions of a cloth as they are now.

@@ -5,6 +5,7 @@ pub mod build;
 mod device;
 pub mod doctor;
 mod engine;
+mod faults;
 pub mod inspect;
 pub mod reconstruct;
 pub mod render;

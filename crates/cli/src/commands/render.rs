@@ -3,20 +3,22 @@
 mod encode;
 mod offscreen;
 mod painter;
+mod palette;
 
 use std::path::Path;
 
-use gimage_runtime::Backend;
 use gimage_runtime::draw::{Camera, View, bounds};
 use gimage_runtime::scene::file::SceneFile;
+use gimage_runtime::{Backend, Cloth};
 use serde_json::json;
 
 use crate::args::RenderArgs;
 use crate::commands::engine::Engine;
+use crate::commands::faults::Faults;
 use crate::commands::scene;
 use crate::exit::{Exit, Failure};
 use crate::files::{Pending, check_file_target};
-use crate::output::Output;
+use crate::output::{Output, Tone};
 use painter::Painter;
 
 /// sRGB of the background, unless told otherwise.
@@ -25,6 +27,9 @@ const BACKGROUND: [f32; 3] = [0.957, 0.957, 0.949];
 const FROM: [f32; 3] = [0.45, 0.32, 1.0];
 /// Degrees from the lower to the upper edge, unless told otherwise.
 const FOV: f32 = 35.0;
+
+/// Longest time of a picture \[s\], that of the longest scene.
+const LONGEST_S: f64 = 86_400.0;
 
 /// What is written.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -39,7 +44,13 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
     painter::check_size(args.size)?;
     check_file_target(&args.output, args.force)?;
     let file = scene::load(&args.scene)?;
-    let times = times(args, kind, &file)?;
+    let rests = args.time.is_none() && kind == Kind::Png && is_loose_bundle(args, &file);
+    if rests {
+        let text = "nothing is pinned: the picture shows the rest pose; give --time for a later one";
+        out.remark(Tone::Note, "note", text);
+    }
+    let end = args.time.unwrap_or(if rests { 0.0 } else { f64::from(file.scene.frames) * file.options.step });
+    let times = times(args, kind, end)?;
     let camera = camera(args, &file, &times)?;
     let mut engine = Engine::new(file.scene.clone(), file.script.clone(), file.options.clone())?;
     engine.warn(out);
@@ -49,11 +60,14 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
         background: args.background.or(file.background).unwrap_or(BACKGROUND),
         ..View::new(&camera, width as f32 / height as f32)
     };
-    let mut pictures = encode::Pictures::new(kind, args.size, args.fps)?;
+    let mut pictures = encode::Pictures::new(kind, args.size, args.fps);
+    let mut faults = Faults::default();
     for time in &times {
-        let fraction = go_to(&mut engine, *time)?;
+        let fraction = go_to(&mut engine, *time, &mut faults)?;
         pictures.add(painter.paint(&engine, &view, fraction)?)?;
     }
+    faults.at_end(&engine)?;
+    faults.warn(out, &engine, (engine.time() / engine.stepper.options().step).round() as usize);
     let bytes = pictures.finish()?;
     Pending::write(&args.output, &bytes)?.commit()?;
     let backend = if engine.stepper.backend() == Backend::Cpu { "cpu" } else { "gpu" };
@@ -68,14 +82,21 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
             "backend": backend,
             "adapter": engine.adapter,
             "camera": {"eye": camera.eye, "target": camera.target, "fov_degrees": camera.fov.to_degrees()},
-            "exit": Exit::Done.code(),
+            "faults": faults.json(),
+            "exit": faults.exit().code(),
         }))?;
     } else {
         let (name, count, size) = (args.output.display(), times.len(), bytes.len());
         let plural = if count == 1 { "picture" } else { "pictures" };
         out.data(&format!("{name}: {count} {plural} of {width} x {height} on the {backend}, {size} bytes\n"))?;
     }
-    Ok(Exit::Done)
+    Ok(faults.exit())
+}
+
+/// Whether a bundle is drawn that nothing holds: stepped, it only falls.
+fn is_loose_bundle(args: &RenderArgs, file: &SceneFile) -> bool {
+    let pinned = |cloth: &Cloth| cloth.particles().iter().any(|p| p.is_pinned());
+    Path::new(&args.scene.scene).is_dir() && !file.scene.cloths.iter().any(pinned)
 }
 
 fn kind(output: &Path) -> Result<Kind, Failure> {
@@ -86,9 +107,11 @@ fn kind(output: &Path) -> Result<Kind, Failure> {
     }
 }
 
-/// Times \[s\] of the pictures, rising.
-fn times(args: &RenderArgs, kind: Kind, file: &SceneFile) -> Result<Vec<f64>, Failure> {
-    let end = args.time.unwrap_or(f64::from(file.scene.frames) * file.options.step);
+/// Times \[s\] of the pictures, rising to `end`.
+fn times(args: &RenderArgs, kind: Kind, end: f64) -> Result<Vec<f64>, Failure> {
+    if end > LONGEST_S {
+        return Err(Failure::refused(format!("--time {end}: give at most {LONGEST_S} s")));
+    }
     let fps = f64::from(args.fps);
     let count = match (kind, args.frames) {
         (Kind::Png, None | Some(1)) => 1,
@@ -104,11 +127,12 @@ fn times(args: &RenderArgs, kind: Kind, file: &SceneFile) -> Result<Vec<f64>, Fa
 }
 
 /// Steps to a time, and returns the fraction of a step that is left over.
-fn go_to(engine: &mut Engine, time: f64) -> Result<f32, Failure> {
+fn go_to(engine: &mut Engine, time: f64, faults: &mut Faults) -> Result<f32, Failure> {
     let step = engine.stepper.options().step;
     let mut fraction = 1.0;
     while time - engine.time() > step * 1e-6 {
         fraction = engine.frame(step.min(time - engine.time()))?.fraction;
+        faults.after_frame(engine);
         // Nothing left over: the last step is just what is seen.
         fraction = if fraction == 0.0 { 1.0 } else { fraction };
     }
@@ -134,7 +158,7 @@ fn camera(args: &RenderArgs, file: &SceneFile, times: &[f64]) -> Result<Camera, 
     let mut engine = Engine::new(file.scene.clone(), file.script.clone(), file.options.clone())?;
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for time in times {
-        go_to(&mut engine, *time)?;
+        go_to(&mut engine, *time, &mut Faults::default())?;
         let scene = engine.stepper.scene();
         let lists = (0..scene.cloths.len()).map(|c| engine.positions(c)).collect::<Result<Vec<_>, _>>()?;
         let lists: Vec<_> = lists.iter().map(Vec::as_slice).collect();

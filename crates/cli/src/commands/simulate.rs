@@ -9,6 +9,7 @@ use serde_json::json;
 
 use crate::args::SimulateArgs;
 use crate::commands::engine::Engine;
+use crate::commands::faults::Faults;
 use crate::commands::scene;
 use crate::exit::{Exit, Failure};
 use crate::output::Output;
@@ -22,27 +23,32 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
     let step = options.step;
     let mut engine = Engine::new(file.scene, file.script, options)?;
     engine.warn(out);
-    let dump = args.dump.as_deref().map(|dir| Dump::new(dir, &engine.stepper)).transpose()?;
+    let dump = args.dump.as_deref().map(|dir| Dump::new(dir, &engine.stepper, args.force, out)).transpose()?;
     let (mut times, mut counts) = (Vec::new(), Vec::new());
+    let mut faults = Faults::default();
     for frame in 0..=frames {
         if frame > 0 {
             let start = Instant::now();
             engine.frame(step)?;
             times.push(start.elapsed().as_secs_f64() * 1e3);
             counts.push(engine.stepper.options().substeps);
+            faults.after_frame(&mut engine);
         }
         let due = frame >= args.dump_from && (frame - args.dump_from).is_multiple_of(args.every);
         if let Some(dump) = dump.as_ref().filter(|_| due) {
             dump.write(frame, &mut engine)?;
         }
     }
-    report(args, out, &engine, (times, counts))
+    faults.at_end(&engine)?;
+    faults.warn(out, &engine, times.len());
+    report(args, out, &engine, &faults, (times, counts))
 }
 
 fn report(
     args: &SimulateArgs,
     out: &Output,
     engine: &Engine,
+    faults: &Faults,
     (mut times, mut counts): (Vec<f64>, Vec<u32>),
 ) -> Result<Exit, Failure> {
     times.sort_by(f64::total_cmp);
@@ -59,7 +65,7 @@ fn report(
         let line = format!("{line}, ms a frame: least {}, median {}\n", ms(least), ms(median));
         let chosen = chosen(options.quality, [fewest, middle, most], error);
         out.data(&(line + &chosen + &plan.to_string()))?;
-        return Ok(Exit::Done);
+        return Ok(faults.exit());
     }
     let passes = plan.passes.iter().map(|p| {
         let bindings: serde_json::Map<_, _> = p.bindings.iter().map(|(n, b)| (n.to_string(), json!(b))).collect();
@@ -90,9 +96,10 @@ fn report(
         "ms_frame_median": median,
         "dispatches_per_frame": plan.dispatches(),
         "plan": passes.collect::<Vec<_>>(),
-        "exit": Exit::Done.code(),
+        "faults": faults.json(),
+        "exit": faults.exit().code(),
     }))?;
-    Ok(Exit::Done)
+    Ok(faults.exit())
 }
 
 /// How many steps were chosen and what they achieved, where they were; else nothing.

@@ -3,11 +3,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gimage_bundle::{Image, encode_exr, file_stems};
+use gimage_bundle::{Image, check_size, encode_exr, file_stems};
 use gimage_runtime::Stepper;
 
 use crate::commands::engine::Engine;
 use crate::exit::Failure;
+use crate::files::Pending;
+use crate::output::{Output, Tone};
 
 /// A directory, and the file stems of all grids.
 pub struct Dump {
@@ -16,14 +18,36 @@ pub struct Dump {
 }
 
 impl Dump {
-    /// Makes the directory; files of the same names in it will be replaced.
-    pub fn new(dir: &Path, stepper: &Stepper) -> Result<Self, Failure> {
+    /// Makes the directory. Refuses grids that no image holds, and a directory with frames of an older run, whose files
+    /// would mix with these; with `force` these frames are removed.
+    pub fn new(dir: &Path, stepper: &Stepper, force: bool, out: &Output) -> Result<Self, Failure> {
+        let grids = || stepper.scene().cloths.iter().flat_map(|c| c.grids());
+        for grid in grids() {
+            check_size(&grid.name, grid.width, grid.height)
+                .map_err(|e| Failure::refused(format!("--dump: {e}; make the grid smaller, or leave out --dump")))?;
+        }
         fs::create_dir_all(dir).map_err(|e| Failure::io(dir, &e))?;
-        let grids = stepper.scene().cloths.iter().flat_map(|c| c.grids());
-        Ok(Dump { dir: dir.into(), stems: file_stems(grids.map(|g| g.name.as_str())) })
+        let older = frames(dir)?;
+        if !older.is_empty() && !force {
+            return Err(Failure::refused(format!(
+                "{}: there are {} frames of an older run, such as {}; give another directory, or --force to remove them",
+                dir.display(),
+                older.len(),
+                older[0].file_name().unwrap_or_default().to_string_lossy()
+            )));
+        }
+        for path in &older {
+            fs::remove_file(path).map_err(|e| Failure::io(path, &e))?;
+        }
+        if !older.is_empty() {
+            let text = format!("{}: {} frames of an older run removed", dir.display(), older.len());
+            out.remark(Tone::Note, "note", &text);
+        }
+        Ok(Dump { dir: dir.into(), stems: file_stems(grids().map(|g| g.name.as_str())) })
     }
 
-    /// Writes `frame_NNNNN.<piece>.position.exr` for every grid: x, y, z in metres and the particle code.
+    /// Writes `frame_NNNNN.<piece>.position.exr` for every grid: x, y, z in metres and the particle code. A file is there
+    /// as a whole or not at all.
     pub fn write(&self, frame: u32, engine: &mut Engine) -> Result<(), Failure> {
         let mut stems = self.stems.iter();
         for (index, cloth) in engine.stepper.scene().cloths.iter().enumerate() {
@@ -36,9 +60,45 @@ impl Dump {
                     texel[3] = cloth.particles()[k].code().unwrap_or(0.0);
                 }
                 let path = self.dir.join(format!("frame_{frame:05}.{stem}.position.exr"));
-                fs::write(&path, encode_exr(&image)?).map_err(|e| Failure::io(&path, &e))?;
+                Pending::write(&path, &encode_exr(&image)?)?.commit()?;
             }
         }
         Ok(())
+    }
+}
+
+/// The frames in a directory, in the order of their names.
+fn frames(dir: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let failed = |e: std::io::Error| Failure::io(dir, &e);
+    let mut found = Vec::new();
+    for entry in fs::read_dir(dir).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        if entry.file_name().to_str().is_some_and(is_frame) {
+            found.push(entry.path());
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Whether a file is named as [`Dump::write`] names them.
+fn is_frame(name: &str) -> bool {
+    let rest = name.strip_prefix("frame_").and_then(|n| n.strip_suffix(".position.exr"));
+    let digits = |n: &str| n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit());
+    rest.and_then(|n| n.split_once('.')).is_some_and(|(number, stem)| digits(number) && !stem.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_frames_count_as_frames() {
+        assert!(is_frame("frame_00012.shirt.position.exr") && is_frame("frame_123456.a.b.position.exr"));
+        for name in
+            ["frame_12.shirt.position.exr", "frame_00012.position.exr", "my_frame_00012.a.position.exr", "x.exr"]
+        {
+            assert!(!is_frame(name), "{name}");
+        }
     }
 }

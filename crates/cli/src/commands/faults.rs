@@ -1,0 +1,115 @@
+//! Cloth whose numbers overflowed during a run: reported at its end, with exit code 1.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use crate::commands::engine::Engine;
+use crate::exit::{Exit, Failure};
+use crate::output::{Output, Tone};
+
+/// Coordinates \[m\] beyond this count as an overflow, as in the runtime.
+const FARTHEST: f32 = 1e8;
+
+/// What happened to one cloth.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Fault {
+    /// Frames that the solver took back.
+    frames: u64,
+    /// End of the first of them \[s\]; not known on the GPU.
+    first: Option<f64>,
+    /// A particle at fault.
+    particle: usize,
+    /// Positions at the end that are not finite or too far away. The solver `xpbd` leaves none.
+    lost: usize,
+}
+
+/// The faults of a run, by cloth.
+#[derive(Debug, Default)]
+pub struct Faults {
+    of: BTreeMap<usize, Fault>,
+}
+
+impl Faults {
+    /// Takes in what the last frame brought; call it after every frame.
+    pub fn after_frame(&mut self, engine: &mut Engine) {
+        for fault in engine.stepper.take_faults() {
+            let entry = self.of.entry(fault.cloth).or_default();
+            entry.frames += 1;
+            entry.first.get_or_insert(fault.time);
+            entry.particle = fault.particle;
+        }
+    }
+
+    /// Looks at the cloths as they are at the end.
+    pub fn at_end(&mut self, engine: &Engine) -> Result<(), Failure> {
+        for cloth in 0..engine.stepper.scene().cloths.len() {
+            if let Some((frames, particle)) = engine.taken_back(cloth)?.filter(|f| f.0 > 0) {
+                let entry = self.of.entry(cloth).or_default();
+                (entry.frames, entry.particle) = (frames, particle);
+            }
+            let positions = engine.positions(cloth)?;
+            let bad = |p: &[f32; 4]| p[3] >= 0.0 && !p[..3].iter().all(|x| x.abs() <= FARTHEST);
+            let lost = positions.iter().filter(|p| bad(p)).count();
+            if let Some(first) = positions.iter().position(bad) {
+                let entry = self.of.entry(cloth).or_default();
+                (entry.lost, entry.particle) = (lost, first);
+            }
+        }
+        Ok(())
+    }
+
+    /// How the run ends.
+    pub fn exit(&self) -> Exit {
+        if self.of.is_empty() { Exit::Done } else { Exit::Findings }
+    }
+
+    /// One warning on stderr per cloth; `frames` is how many there were.
+    pub fn warn(&self, out: &Output, engine: &Engine, frames: usize) {
+        for (&cloth, fault) in &self.of {
+            let cloths = &engine.stepper.scene().cloths;
+            let name = cloths.get(cloth).map_or("", |c| c.name());
+            out.remark(Tone::Warning, "warning", &words(name, fault, frames));
+        }
+    }
+
+    /// The same for `--json`.
+    pub fn json(&self) -> Value {
+        let entry = |(cloth, f): (&usize, &Fault)| {
+            json!({"cloth": cloth, "frames_taken_back": f.frames, "first_s": f.first, "particle": f.particle,
+                   "positions_not_finite": f.lost})
+        };
+        self.of.iter().map(entry).collect()
+    }
+}
+
+fn words(name: &str, fault: &Fault, frames: usize) -> String {
+    let hint = "give more --substeps, or smaller forces, speeds and stiffnesses";
+    let &Fault { frames: back, first, particle, lost } = fault;
+    if lost > 0 {
+        let what = if lost == 1 { "position is" } else { "positions are" };
+        return format!(
+            "cloth '{name}': {lost} {what} not finite or farther than 1e8 m at the end, as that of particle {particle}; \
+             {hint}, or use --solver xpbd, which contains overflows"
+        );
+    }
+    let since = first.map_or_else(String::new, |t| format!(", the first at {t:.3} s"));
+    format!(
+        "cloth '{name}': {back} of {frames} frames overflowed{since}, as at particle {particle}, and were taken back: the \
+         cloth stands still in them; {hint}"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fault_names_the_cloth_the_particle_and_the_way_out() {
+        let held = Fault { frames: 600, first: Some(1.0 / 60.0), particle: 7, lost: 0 };
+        let text = words("flag", &held, 600);
+        assert!(text.contains("'flag': 600 of 600 frames") && text.contains("0.017 s") && text.contains("particle 7"));
+        let text = words("flag", &Fault { lost: 1, ..held }, 600);
+        assert!(text.contains("1 position is not finite") && text.contains("--solver xpbd"), "{text}");
+    }
+}
