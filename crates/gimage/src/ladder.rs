@@ -72,7 +72,7 @@ pub(crate) fn passes(verdict: &Verdict, stretch: f64) -> bool {
 }
 
 /// Whether no distance of an image speaks against it.
-fn is_sound(verdict: &Verdict) -> bool {
+pub(crate) fn is_sound(verdict: &Verdict) -> bool {
     verdict.psnr() >= gate::PSNR_DB[0] && verdict.largest <= gate::HAUSDORFF[0] && verdict.outside <= gate::OUTSIDE[0]
 }
 

@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::gate;
 use crate::import::import;
 use crate::judge::Verdict;
-use crate::ladder::{Rung, Tried, WORTH, badness, passes};
+use crate::ladder::{Rung, Tried, WORTH, badness, is_sound, passes};
 use crate::mass::check_mean;
 use crate::mesh::{Mesh, Semantic};
 use crate::options::{BuildOptions, ImageSize};
@@ -60,8 +60,9 @@ impl Run<'_> {
 /// How much larger than its share the image of a small piece may get to hold its border.
 const STRETCH: u32 = 4;
 
-/// How much larger than its share an image may be before that is worth a warning: the next size that welds is often larger.
-const OVER: f64 = 1.25;
+/// How much larger than its share an image may be before that is worth a warning: the next size that welds is up to twice as
+/// large.
+const OVER: f64 = 2.1;
 
 /// Bytes of freed memory that stages hand on. An allocator such as glibc's returns every large buffer to the system, and
 /// each page of the next is a fault again, until one of this size was freed; it is never touched.
@@ -264,7 +265,8 @@ fn make(mesh: &Mesh, component: &Component, total: f64, share: Share, options: &
     let mut image = image(&component.name, &surface, seam.as_deref(), &image_options);
     // The last rung of the ladder: where one image does not hold the surface at its size, or comes out poor.
     let fits = |i: &PieceImage, b: u32| i.closed && f64::from(i.width * i.height) <= TOO_LARGE * f64::from(b);
-    let good = |i: &PieceImage, b: u32| fits(i, b) && passes(&i.verdict, i.distortion.linf);
+    // Stretch alone is no reason: parts of a needle are needles.
+    let good = |i: &PieceImage, b: u32| fits(i, b) && is_sound(&i.verdict);
     if let Some(b) = texels.filter(|&b| image.as_ref().map_or(true, |i| !good(i, b))) {
         let parts = image_parts(&component.name, &surface, seam.as_deref(), &image_options, b).ok();
         let verdict = parts.as_ref().map(|p| p.verdict(&surface));
