@@ -23,6 +23,7 @@ mod passes;
 mod pick;
 mod plan;
 mod quality;
+#[cfg(feature = "reference")]
 mod reference;
 pub mod scene;
 mod self_check;
@@ -50,6 +51,7 @@ pub use passes::{Air, Kinds, Pass, Soft};
 pub use pick::{Hit, PickTicket, pick};
 pub use plan::{Plan, PlannedPass};
 pub use quality::Quality;
+#[cfg(feature = "reference")]
 pub use reference::Reference;
 pub use scene::Scene;
 pub use self_check::{Mismatch, SelfCheck, self_check};

@@ -3,9 +3,9 @@
 mod support;
 
 use gimage_runtime::*;
-use parry3d::math::Vector;
-use parry3d::query::{Ray, RayCast};
-use parry3d::shape::TriMesh;
+use parry3d_f64::math::Vector;
+use parry3d_f64::query::{Ray, RayCast};
+use parry3d_f64::shape::TriMesh;
 use support::rig::Rig;
 use support::{curtain, scene, tube, two_charts};
 
@@ -39,7 +39,7 @@ fn folded() -> Cloth {
 
 /// The triangles of one grid without missing particles, in the order of codes.
 fn mesh(positions: &[[f32; 4]], n: u32, holes: Option<&[u32]>) -> Option<(TriMesh, Vec<u32>)> {
-    let points = positions.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
+    let points = positions.iter().map(|p| Vector::new(p[0].into(), p[1].into(), p[2].into())).collect();
     let (mut triangles, mut codes) = (Vec::new(), Vec::new());
     for k in (0..n * (n - 1)).filter(|k| k % n < n - 1) {
         for (bit, corners) in [[k, k + n, k + n + 1], [k, k + n + 1, k + 1]].into_iter().enumerate() {
@@ -72,7 +72,7 @@ fn parry_meets_the_same_triangle() {
         for _ in 0..20_000 {
             let (origin, direction) = noise.ray();
             let length = norm(direction);
-            let [o, d] = [origin, direction.map(|x| x / length)].map(|[x, y, z]| Vector::new(x, y, z));
+            let [o, d] = [origin, direction.map(|x| x / length)].map(|v| Vector::from_array(v.map(f64::from)));
             let there = mesh.cast_local_ray_and_get_normal(&Ray::new(o, d), 1e9, false);
             let here = pick(&cloth, &positions, holes.as_deref(), origin, direction).unwrap();
             // On an edge of the cloth one may meet what the other misses.
@@ -81,9 +81,9 @@ fn parry_meets_the_same_triangle() {
                 (None, None) => {}
                 (Some(hit), Some(other)) => {
                     hits += 1;
-                    let far = hit.distance - other.time_of_impact;
+                    let far = f64::from(hit.distance) - other.time_of_impact;
                     // Rounding of both, which a grazing ray makes larger.
-                    let most = 4e-6 * hit.distance / other.normal.dot(d).abs();
+                    let most = 4e-6 * f64::from(hit.distance) / other.normal.dot(d).abs();
                     if far.abs() > most {
                         assert!(rim(&hit), "{hit:?} {other:?}");
                         edges += 1;
@@ -91,7 +91,7 @@ fn parry_meets_the_same_triangle() {
                     }
                     let point = hit.point();
                     let along = [0, 1, 2].map(|c| origin[c] + direction[c] / length * hit.distance - point[c]);
-                    assert!(norm(along) < most, "{hit:?}: {along:?}");
+                    assert!(f64::from(norm(along)) < most, "{hit:?}: {along:?}");
                     assert!((hit.barycentric.iter().sum::<f32>() - 1.0).abs() < 1e-6);
                     let code = 2 * (hit.texel[1] * 24 + hit.texel[0]) + hit.triangle;
                     let same = codes.contains(&code);

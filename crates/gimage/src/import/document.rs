@@ -52,7 +52,14 @@ impl<'a> Document<'a> {
         let nodes = object.get("nodes").and_then(Value::as_array).map_or(&[][..], |n| n);
         let locals = nodes.iter().enumerate().map(|(i, n)| local(path, i, n)).collect::<Result<_>>()?;
         fill_scenes(object);
-        let root: json::Root = serde_json::from_value(value).map_err(bad)?;
+        // As text again: gltf's own reader of text is compiled once, in its crate; one of values would be compiled here.
+        let text = serde_json::to_vec(&value).map_err(bad)?;
+        let root = json::Root::from_slice(&text).map_err(|e| {
+            // The place is one in the shortened text, which nobody sees.
+            let what = e.to_string();
+            let what = what.split(" at line ").next().unwrap_or_default();
+            malformed(path, "JSON", what, EXPORT_AGAIN)
+        })?;
         extension::check_required(path, &root.extensions_required)?;
         Ok(Self { path, root, locals, materials, animations })
     }

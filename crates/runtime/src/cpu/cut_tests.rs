@@ -1,6 +1,6 @@
-use parry3d::math::Vector;
-use parry3d::query::intersection_test;
-use parry3d::shape::Triangle;
+use parry3d_f64::math::Vector;
+use parry3d_f64::query::intersection_test;
+use parry3d_f64::shape::Triangle;
 
 use super::*;
 
@@ -41,10 +41,10 @@ fn edges_through_faces_and_parry_agree() {
     for _ in 0..20_000 {
         let (p, q) = (noise.triangle(2.0), noise.triangle(2.0));
         let shape = |t: [V3<f32>; 3]| {
-            let [a, b, c] = t.map(|v| Vector::new(v[0], v[1], v[2]));
+            let [a, b, c] = t.map(|v| Vector::from_array(v.map(f64::from)));
             Triangle::new(a, b, c)
         };
-        let pose = parry3d::math::Pose::IDENTITY;
+        let pose = parry3d_f64::math::Pose::IDENTITY;
         let parry = intersection_test(&pose, &shape(p), &pose, &shape(q)).unwrap().intersecting;
         let here = meets(p, q);
         // Answers may differ only where triangles nearly touch; parry's search takes 1e-3 for touching.

@@ -76,7 +76,7 @@ pub fn widest<T: Real>(work: impl Work<T>) {
 }
 
 macro_rules! machine {
-    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $above:ident, $at_least:ident, $both:ident, $either:ident, $choose:ident, $first:ident) => {
+    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $above:ident, $at_least:ident, $both:ident, $either:ident, $choose:ident, $first:ident, $dispatch:ident) => {
         impl<S: Simd> Machine<$t> for On<S> {
             type V = S::$v;
             type M = S::$m;
@@ -150,14 +150,27 @@ macro_rules! machine {
                     self.0.run(On(simd));
                 }
             }
-            match pulp::Arch::new() {
-                // Every processor has vectors of 16 bytes; compilers find them in loops over four numbers.
-                pulp::Arch::Scalar => pulp::Scalar128b.vectorize(Op(work)),
-                #[allow(unreachable_patterns)]
-                wider => wider.dispatch(Op(work)),
-            }
+            $dispatch(Op(work));
         }
     };
+}
+
+/// Runs `op` on the widest vectors of this processor.
+#[inline(always)]
+fn on_all(op: impl pulp::WithSimd) {
+    match pulp::Arch::new() {
+        // Every processor has vectors of 16 bytes; compilers find them in loops over four numbers.
+        pulp::Arch::Scalar => _ = pulp::Scalar128b.vectorize(op),
+        #[allow(unreachable_patterns)]
+        wider => _ = wider.dispatch(op),
+    }
+}
+
+/// Runs `op` on vectors of 16 bytes. The solver in f64 is a yardstick, not a product: a copy of it for each instruction
+/// set would be a fifth of this crate's compile time.
+#[inline(always)]
+fn on_128_bits(op: impl pulp::WithSimd) {
+    _ = pulp::Scalar128b.vectorize(op);
 }
 
 /// The instruction set of a processor.
@@ -180,7 +193,8 @@ machine!(
     and_m32s,
     xor_m32s,
     select_f32s,
-    first_true_m32s
+    first_true_m32s,
+    on_all
 );
 machine!(
     f64,
@@ -198,5 +212,6 @@ machine!(
     and_m64s,
     xor_m64s,
     select_f64s,
-    first_true_m64s
+    first_true_m64s,
+    on_128_bits
 );

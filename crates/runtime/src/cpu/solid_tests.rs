@@ -1,8 +1,8 @@
 //! parry3d as the judge: inside or outside, and the way out.
 
-use parry3d::math::{Pose, Vector};
-use parry3d::query::PointQuery;
-use parry3d::shape::{Ball, Capsule, Cuboid, HalfSpace};
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::PointQuery;
+use parry3d_f64::shape::{Ball, Capsule, Cuboid, HalfSpace};
 
 use super::*;
 
@@ -28,15 +28,15 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 fn agrees(shape: Shape, judge: &dyn PointQuery, size: f64) {
     let collider = moved(shape);
     let (f32s, f64s) = (Solid::<f32>::new(&collider), Solid::<f64>::new(&collider));
-    let [x, y, z, w] = collider.rotation;
-    let rotation = parry3d::math::Rotation::from_xyzw(x, y, z, w);
-    let [cx, cy, cz] = collider.center;
+    let [x, y, z, w] = collider.rotation.map(f64::from);
+    let rotation = parry3d_f64::math::Rotation::from_xyzw(x, y, z, w);
+    let [cx, cy, cz] = collider.center.map(f64::from);
     let pose = Pose::from_parts(Vector::new(cx, cy, cz), rotation);
     let mut inside = 0;
     for p in points(1.2) {
         let at: [f32; 3] = cast(p);
-        let answer = judge.project_point(&pose, Vector::new(at[0], at[1], at[2]), false);
-        let to = [answer.point.x, answer.point.y, answer.point.z].map(f64::from);
+        let answer = judge.project_point(&pose, Vector::from_array(at.map(f64::from)), false);
+        let to = answer.point.to_array();
         let exact: [f64; 3] = cast(at);
         let depth = distance(to, exact);
         for exit in [f32s.exit(at).map(|(q, n)| (cast(q), cast(n))), f64s.exit(exact)] {
@@ -45,7 +45,7 @@ fn agrees(shape: Shape, judge: &dyn PointQuery, size: f64) {
             inside += 1;
             // Two ways out that are equally short are both right.
             let tie = (distance(q, exact) - depth).abs() < 1e-6
-                && judge.distance_to_point(&pose, Vector::new(q[0] as f32, q[1] as f32, q[2] as f32), false) < 1e-6;
+                && judge.distance_to_point(&pose, Vector::from_array(q), false) < 1e-6;
             assert!(distance(q, to) <= 1e-5 * size || tie, "{shape:?} at {at:?}: {q:?}, not {to:?}");
             assert!((dot(n, n) - 1.0).abs() < 1e-5 && dot(sub(q, exact), n) >= -1e-6, "{shape:?} at {at:?}: {n:?}");
         }

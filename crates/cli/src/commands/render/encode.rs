@@ -1,9 +1,6 @@
 //! Pictures as the bytes of a file.
 
-use std::io::Cursor;
-
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
-use image::{ImageFormat, RgbImage};
 
 use super::Kind;
 use super::palette::{Counts, Palette, Rgb};
@@ -42,11 +39,14 @@ impl Pictures {
     pub fn add(&mut self, pixels: Vec<[u8; 4]>) -> Result<(), Failure> {
         let (width, height) = self.size;
         if self.kind == Kind::Png {
-            let rgb = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
-            let picture = RgbImage::from_raw(width, height, rgb).ok_or_else(|| wrong(&"its size"))?;
-            let mut bytes = Cursor::new(Vec::new());
-            picture.write_to(&mut bytes, ImageFormat::Png).map_err(|e| wrong(&e))?;
-            self.png = Some(bytes.into_inner());
+            let rgb: Vec<u8> = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+            let mut bytes = Vec::new();
+            let mut encoder = png::Encoder::new(&mut bytes, width, height);
+            encoder.set_color(png::ColorType::Rgb);
+            let mut writer = encoder.write_header().map_err(|e| wrong(&e))?;
+            writer.write_image_data(&rgb).map_err(|e| wrong(&e))?;
+            writer.finish().map_err(|e| wrong(&e))?;
+            self.png = Some(bytes);
             return Ok(());
         }
         // Only the part that differs from the picture before is stored.
@@ -133,7 +133,20 @@ fn changed(before: &[[u8; 4]], now: &[[u8; 4]], width: usize) -> [usize; 4] {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
+
+    #[test]
+    fn a_png_is_what_was_drawn() {
+        let drawn: Vec<[u8; 4]> = (0..35u8).map(|k| [7 * k, 255 - k, k, 255]).collect();
+        let mut pictures = Pictures::new(Kind::Png, (7, 5), 1);
+        pictures.add(drawn.clone()).unwrap();
+        // Read by another library.
+        let read = image::load_from_memory(&pictures.finish().unwrap()).unwrap().to_rgba8();
+        assert_eq!(read.dimensions(), (7, 5));
+        assert_eq!(read.as_raw(), drawn.as_flattened());
+    }
 
     #[test]
     fn a_gif_shows_every_picture_whole() {
