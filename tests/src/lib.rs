@@ -3,6 +3,14 @@
 pub mod shapes;
 pub mod skip;
 
+// The code of these pages compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+mod readme {}
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/runtime.md")]
+mod runtime_page {}
+
 use std::path::{Path, PathBuf};
 
 use gimage::Result;
