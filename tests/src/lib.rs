@@ -148,7 +148,7 @@ pub fn faults(built: &Built) -> Vec<String> {
             let (euler, loops) = (own.euler, own.loops);
             say(format!("welds to Euler number {}, {} loops instead of {euler}, {loops}", t.euler, t.boundary_loops));
         }
-        // A surface of one side has edges that its triangles run along the same way, and the report says so.
+        // A surface of one side has edges that its triangles run along the same way, which the report states.
         let one_sided = built.report.findings.iter().any(|f| f.kind == "not-orientable");
         // A part may touch itself at points; that the whole does not is checked with the bundle.
         if piece.part_of.is_some() && (t.non_manifold_edges, t.components) == (0, 1) {

@@ -16,8 +16,8 @@ use crate::validate::Fault;
 /// A manifest and the images it speaks of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bundle {
-    /// What is in the bundle. `files` and the `maps` of the pieces are those of the last reading; encoding makes them
-    /// anew from `images`.
+    /// The manifest. `files` and the `maps` of the pieces are those of the last reading; encoding rebuilds them
+    /// from `images`.
     pub manifest: Manifest,
     /// The images, by index of the piece and kind of map. Each has the size of its piece.
     pub images: BTreeMap<(usize, MapKind), Image>,
@@ -98,7 +98,7 @@ impl Bundle {
     /// Reads a bundle. `read` is given a file's name and the most bytes it can have, and returns its bytes; it should
     /// refuse a longer file before reading it. Errors on the first thing that cannot be read: a bad manifest, a missing
     /// or damaged file, a wrong size or checksum, and before the first image is decoded where all together take more than
-    /// [`crate::MAX_IMAGE_BYTES`]: to count them, files of colours and custom maps are read twice. What the images hold is judged by [`crate::validate`].
+    /// [`crate::MAX_IMAGE_BYTES`]: to count them, files of colours and custom maps are read twice. [`crate::validate`] checks the contents of the images.
     pub fn decode(read: impl FnMut(&str, u64) -> Result<Vec<u8>>) -> Result<Self> {
         Self::decode_with(read, Err)
     }

@@ -32,7 +32,7 @@ pub fn write_files(files: &BTreeMap<String, Vec<u8>>, path: &Path, force: bool) 
 }
 
 /// A bundle, or a file, that is written and synced beside its target, and goes away with this value unless it is committed.
-/// What a process that dies leaves of it is removed by the next one that writes beside it.
+/// If a process dies, the next one that writes beside it removes its leftovers.
 #[derive(Debug)]
 pub struct Staged {
     scratch: Scratch,
@@ -181,7 +181,7 @@ fn read_capped(path: &Path, cap: u64) -> Result<Vec<u8>> {
         limit: cap,
         hint: "the file is not the one that was written; build the bundle again",
     };
-    // Asked before opening, which could wait for ever on a pipe.
+    // Asked before opening, which could wait forever on a pipe.
     let metadata = fs::metadata(path).map_err(io)?;
     if !metadata.is_file() {
         return Err(io(std::io::Error::new(ErrorKind::InvalidInput, "not a plain file")));

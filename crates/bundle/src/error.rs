@@ -37,7 +37,7 @@ pub enum Error {
         /// The file, as the manifest names it.
         file: String,
     },
-    /// A file name in the manifest points out of the bundle or is no image.
+    /// A file name in the manifest points out of the bundle or is not an image.
     #[error("manifest.json: file name {name:?} {problem}; use plain names such as body.position.exr")]
     FileName {
         /// The name as it stands in the manifest.

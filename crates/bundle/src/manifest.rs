@@ -203,7 +203,7 @@ pub struct Surface {
     pub triangles: u32,
 }
 
-/// Quality measured, of a piece or of the bundle. What was not measured is left out.
+/// Quality measured, of a piece or of the bundle. Figures that were not measured are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// 20 log10(diagonal / rms) \[dB\].
@@ -280,7 +280,7 @@ pub struct Accessory {
     pub normal_offset: f64,
     /// Its centre at rest \[m\].
     pub center: [f64; 3],
-    /// Why it is no piece.
+    /// Why it is not a piece.
     pub reason: String,
 }
 
@@ -440,7 +440,7 @@ impl Manifest {
         let joints = self.skeleton.as_ref().map_or(&[][..], |s| &s.joints);
         for (index, joint) in joints.iter().enumerate() {
             if joint.parent.is_some_and(|p| p as usize >= joints.len() || p as usize == index) {
-                return Err(wrong(format!("joint {}: its parent is no other joint", joint.name)));
+                return Err(wrong(format!("joint {}: its parent is not another joint", joint.name)));
             }
         }
         Ok(())
@@ -483,12 +483,12 @@ pub(crate) fn within_cap(bytes: u64) -> Result<()> {
         what: "manifest.json, in bytes".into(),
         need: bytes,
         limit: MAX_MANIFEST_BYTES,
-        hint: "this is no manifest that gimage wrote",
+        hint: "gimage did not write this manifest; build the bundle again",
     })
 }
 
 pub(crate) fn unreadable(problem: String) -> Error {
-    Error::Manifest { problem, hint: "this is no readable gimage bundle; build it again" }
+    Error::Manifest { problem, hint: "this is not a readable gimage bundle; build it again" }
 }
 
 fn wrong(problem: String) -> Error {

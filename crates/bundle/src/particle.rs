@@ -1,6 +1,6 @@
 //! The particle code: what the fourth channel of a position map says about its texel.
 //!
-//! 0 is no particle; the sign is free (+) or pinned (-); magnitude 1 is an ordinary particle; magnitude n >= 2 is a
+//! 0 means no particle; the sign is free (+) or pinned (-); magnitude 1 is an ordinary particle; magnitude n >= 2 is a
 //! seam particle whose next duplicate has the bundle-wide index n - 2.
 
 pub use crate::error::CodeError;

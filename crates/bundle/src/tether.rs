@@ -19,7 +19,7 @@ use groups::pin_groups;
 /// Most anchors that a particle can have.
 pub const MAX_ANCHORS: usize = 4;
 
-/// Rest lengths \[m\] of one grid: right, down, down-right, up-right. 0 (or what is no length) is no spring.
+/// Rest lengths \[m\] of one grid: right, down, down-right, up-right. 0, negative and not finite mean no spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RestLengths<'a> {
     /// The same at every texel.

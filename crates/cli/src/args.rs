@@ -172,7 +172,7 @@ pub struct SceneArgs {
     /// How springs keep their lengths [default: that of the scene, or xpbd].
     #[arg(long, value_enum)]
     pub solver: Option<SolverArg>,
-    /// Steps a frame [default: those of the scene, or 8].
+    /// Steps per frame [default: those of the scene, or 8].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub substeps: Option<u32>,
     /// Choose the steps of a frame, from --substeps on, so that they take at most this time [default: that of the scene].
@@ -181,7 +181,7 @@ pub struct SceneArgs {
     /// Choose the fewest steps that stretch cloth no more than this, 0.01 being 1 %; --budget wins [default: as above].
     #[arg(long, value_name = "STRETCH", allow_negative_numbers = true)]
     pub error: Option<f64>,
-    /// Relaxations a step [default: those of the scene, or 1].
+    /// Relaxations per step [default: those of the scene, or 1].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub iterations: Option<u32>,
     /// Tethers of a particle to the nearest pins, 0 to 4; xpbd only [default: those of the scene, or 2].
@@ -254,7 +254,7 @@ pub struct RenderArgs {
     /// Pictures of a GIF; the last is that of --time [default: all from the start].
     #[arg(long, value_name = "F", value_parser = clap::value_parser!(u32).range(1..=10_000), allow_negative_numbers = true)]
     pub frames: Option<u32>,
-    /// Pictures a second of a GIF, at most 50.
+    /// Pictures per second of a GIF, at most 50.
     #[arg(long, value_name = "FPS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=50), allow_negative_numbers = true)]
     pub fps: u32,
     /// Where the camera stands and what it looks at, in metres [default: that of the scene, or all in the picture].

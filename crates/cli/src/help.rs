@@ -95,7 +95,7 @@ pub const RENDER: &str = concat!(
     "  gimage render assets/scenes/flag.json -o flag.gif --size 320x240 --fps 20\n",
     "  gimage render s2 --n 64 -o s2.png --time 0.8 --camera 1,0.8,1.6,0,0,0 --fov 40\n\n",
     "Without a real GPU both the cloth and the picture are made on the CPU; --backend gpu takes any adapter, a software ",
-    "one too. Four samples a pixel. Without a camera all cloths and colliders are in every picture. A still picture of ",
+    "one too. Four samples per pixel. Without a camera all cloths and colliders are in every picture. A still picture of ",
     "a bundle without pins, which would fall out of sight, shows its rest pose unless --time is given.",
     exit_codes!("done, but cloth overflowed: frames were taken back, or positions are not finite")
 );

@@ -54,7 +54,7 @@ pub struct Component {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Split {
     /// What becomes images: the largest area first, equal areas by their first triangle. Empty if no component is large
-    /// enough, or nothing has any area; a finding `no-piece` then says so.
+    /// enough, or nothing has any area; a finding `no-piece` then reports it.
     pub pieces: Vec<Component>,
     /// What is too small, in the same order. Empty if nothing has any area.
     pub accessories: Vec<Component>,

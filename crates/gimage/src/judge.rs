@@ -111,7 +111,7 @@ pub(crate) fn judge(
         let (near, facing) = image.nearest(place, point);
         let normal = cross(sub(q, p), sub(r, p));
         let cosine = |facing: [f64; 3]| dot(normal, facing) / (norm(normal) * norm(facing)).max(1e-300);
-        // A texel slid over a sharp edge is no fold: either triangle may speak for the point.
+        // A texel slid over a sharp edge is not a fold: either triangle may speak for the point.
         (near / diagonal, cosine(facing[0]).max(cosine(facing[1])))
     };
     let found: Vec<(f64, f64)> = (0..POINTS).into_par_iter().with_min_len(CHUNK).map(at).collect();

@@ -140,7 +140,7 @@ impl BuildOptions {
                 return Err(bad("size", format!("{w} x {h}"), &hint));
             }
             ImageSize::Spacing(d) if !(d.is_finite() && d > 0.0) => {
-                return Err(bad("spacing", format!("{d} is no length"), "give metres above 0"));
+                return Err(bad("spacing", format!("{d} is not a length above 0"), "give metres above 0"));
             }
             _ => {}
         }

@@ -80,7 +80,7 @@ pub(crate) struct PieceImage {
 /// What became of the least-squares fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FitRecord {
-    /// It came closer than point sampling; so many texels went back to where they were sampled.
+    /// It came closer than point sampling; this number of texels went back to where they were sampled.
     Kept(usize),
     /// It did not come closer: the texels are where they were sampled.
     Dropped,
@@ -239,7 +239,7 @@ pub(crate) fn image(
                             min_height,
                         });
                     }
-                    // A large image that does not weld is no matter of size.
+                    // A large image that does not weld will not weld at a larger size either.
                     Ok(image) if more == 0 && width.min(height) > 2 * SHORT => return Ok(image),
                     Err(e) if more == SHORT => return Err(e),
                     _ => {}

@@ -65,7 +65,7 @@ impl FromStr for Pin {
                 let &[a, b, c, d, e, f] = n.as_slice() else { return Err(bad("six numbers are wanted")) };
                 Ok(Pin::Box([a.min(d), b.min(e), c.min(f)], [a.max(d), b.max(e), c.max(f)]))
             }
-            "loop" => Ok(Pin::Loop(rest.trim().parse().map_err(|_| bad("the loop is no whole number"))?)),
+            "loop" => Ok(Pin::Loop(rest.trim().parse().map_err(|_| bad("the loop is not a whole number"))?)),
             "attr" => {
                 let (name, t) = compare(rest)?;
                 Ok(Pin::Attribute(name, t))

@@ -40,7 +40,7 @@ impl Clock {
         (self.dt, self.most) = (next.dt, next.most);
     }
 
-    /// Takes in `dt` \[s\] of the host's time and returns what is due. Time that is negative or no number counts as 0.
+    /// Takes in `dt` \[s\] of the host's time and returns what is due. Negative time and NaN count as 0.
     pub fn frame(&mut self, dt: f64) -> Progress {
         self.left += if dt.is_finite() { dt.max(0.0) } else { 0.0 };
         let due = (self.left / self.dt + ROUNDING).floor();

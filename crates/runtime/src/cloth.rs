@@ -40,7 +40,7 @@ impl Grid {
     }
 }
 
-/// Rest lengths \[m\] of the springs stored at a texel: right, down, down-right, up-right. 0 is no spring: such a spring
+/// Rest lengths \[m\] of the springs stored at a texel: right, down, down-right, up-right. 0 means no spring: such a spring
 /// moves neither of its ends, which is also how a cut spring is written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rest {
@@ -279,7 +279,7 @@ impl Cloth {
         Ok(())
     }
 
-    /// Rest length \[m\] of the spring at texel `k` of a grid in a direction; 0 where either end is no particle.
+    /// Rest length \[m\] of the spring at texel `k` of a grid in a direction; 0 where an end is not a particle.
     pub(crate) fn spring(&self, grid: usize, k: usize, direction: usize) -> f32 {
         let Grid { first, width, height, .. } = self.parts.grids[grid];
         let there = |k: usize| self.parts.particles[first as usize + k].exists();
@@ -316,8 +316,8 @@ impl Cloth {
         }
     }
 
-    /// Share of its rest length by which a hard diagonal may move its ends in a relaxation of a step of `dt` \[s\]; 0 is no
-    /// bound.
+    /// Share of its rest length by which a hard diagonal may move its ends in a relaxation of a step of `dt` \[s\]; 0 means
+    /// no bound.
     pub(crate) fn bound(&self, dt: f64) -> f32 {
         shear::bound(self.shear, dt)
     }

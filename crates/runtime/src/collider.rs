@@ -58,7 +58,7 @@ impl Collider {
         Collider { shape, center, rotation, friction: 0.0, velocity: [0.0; 3], spin: [0.0; 3] }
     }
 
-    /// Refuses numbers that are not finite, sizes not above 0, friction below 0 and a rotation that is no unit
+    /// Refuses numbers that are not finite, sizes not above 0, friction below 0 and a rotation that is not a unit
     /// quaternion (to 1e-3).
     pub fn check(&self) -> Result<()> {
         let sizes = match self.shape {

@@ -31,7 +31,7 @@ pub struct Fused {
     pub soft: Soft,
     /// Whether multipliers are summed over several relaxations.
     pub again: bool,
-    /// Anchors a particle.
+    /// Anchors per particle.
     pub slots: u32,
     /// Further rounds of a relaxation.
     pub polish: u32,
@@ -58,11 +58,11 @@ pub struct Fused {
 /// Where a workgroup has the positions of its cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Hold {
-    /// In its memory, with inverse masses and previous positions: 28 bytes a particle.
+    /// In its memory, with inverse masses and previous positions: 28 bytes per particle.
     Both,
-    /// In its memory, with inverse masses: 16 bytes a particle.
+    /// In its memory, with inverse masses: 16 bytes per particle.
     Wide,
-    /// In its memory, alone: 12 bytes a particle.
+    /// In its memory, alone: 12 bytes per particle.
     Narrow,
     /// In storage. For cloths that are too large, where there are many of them.
     Stored,
@@ -104,7 +104,7 @@ impl Room {
         }
     }
 
-    /// Where a cloth is held, beside so many bytes for other things.
+    /// Where a cloth is held if `beside` bytes of the memory serve other purposes.
     fn hold(&self, particles: usize, beside: u32) -> Hold {
         match self.memory.saturating_sub(beside) as usize / particles.next_multiple_of(64) {
             28.. => Hold::Both,

@@ -46,19 +46,19 @@ pub enum Warning {
     /// Cloth hung by springs alone, whose masses or rest lengths are too uneven for that: it is held by tethers too.
     #[error(
         "cloth {cloth}: its springs alone, with neighbours that differ by a factor of {masses:.1e} in mass and {lengths:.1e} \
-         in length, do not hold it: it has {given} tethers a particle; ask for tethers, or make it more even"
+         in length, do not hold it: it has {given} tethers per particle; ask for tethers, or make it more even"
     )]
     Tethers {
         /// The cloth by name.
         cloth: String,
-        /// Tethers a particle.
+        /// Tethers per particle.
         given: u32,
         /// The largest mass over that of a neighbour, as given.
         masses: f64,
         /// The largest rest length over that of the next spring in its row or column.
         lengths: f64,
     },
-    /// All pins are at one point: nothing keeps the cloth from turning about it. What relaxations in turn leave over turns
+    /// All pins are at one point: nothing keeps the cloth from turning about it. The residual of sequential relaxations turns
     /// it, by some centimetres a second at 8 substeps in 1/60 s, and the less the shorter steps are.
     #[error(
         "cloth {cloth} hangs from one point, where nothing keeps it from turning: it does not come to rest; \
@@ -126,7 +126,7 @@ pub enum Warning {
     },
 }
 
-/// The fewest substeps that a scene may have, and the longest step \[s\] that says so.
+/// The fewest substeps that a scene may have, and the longest step \[s\] from which it follows.
 pub fn fewest(options: &Options, cloths: &[Cloth], tethers: &[Tethers]) -> (u32, f64) {
     if options.solver != Solver::Xpbd {
         return (1, f64::INFINITY);
@@ -139,7 +139,7 @@ pub fn fewest(options: &Options, cloths: &[Cloth], tethers: &[Tethers]) -> (u32,
     (steps.max(1.0) as u32, longest)
 }
 
-/// Prepares a cloth for a solver: what it cannot do is changed. Returns the number of its tethers a particle.
+/// Prepares a cloth for a solver: what it cannot do is changed. Returns the number of its tethers per particle.
 pub fn prepare(cloth: &mut Cloth, options: &Options, warnings: &mut Vec<Warning>) -> Result<u32> {
     if options.solver != Solver::Xpbd {
         return Ok(0);

@@ -40,14 +40,14 @@ pub struct Options {
     /// Time \[s\] in which `substeps` steps are made, whatever the host's frames take. Default 1/60; 1e-6 to 1.
     pub step: f64,
     /// Steps in that time, each with all passes. Default 8; 1 to 4096; larger is stiffer and dearer in proportion. Where
-    /// `quality` chooses them, those of the first frame; a stepper's own options have the number now. Where it chooses none,
-    /// [`Solver::Xpbd`] makes so many that no step is longer than [`crate::LONGEST`] (cloth without tethers:
-    /// [`crate::LONGEST_FREE`]) and says so in [`crate::Stepper::warnings`]. Steps below 1e-3 s at the start are made with
+    /// `quality` chooses them, those of the first frame; a stepper's own options have the number now. Otherwise
+    /// [`Solver::Xpbd`] uses enough substeps that no step is longer than [`crate::LONGEST`] (cloth without tethers:
+    /// [`crate::LONGEST_FREE`]), with a warning ([`crate::Stepper::warnings`]). Steps below 1e-3 s at the start are made with
     /// what rounding takes kept; below 1/16000 s cloth of a metre trembles in f32 all the same.
     pub substeps: u32,
     /// Whether the number of substeps is chosen, and by what. Default [`Quality::Fixed`].
     pub quality: Quality,
-    /// Relaxations a step. Default 1; 1 to 4096; larger is stiffer and dearer, but less so than substeps. Membrane and
+    /// Relaxations per step. Default 1; 1 to 4096; larger is stiffer and dearer, but less so than substeps. Membrane and
     /// bending of a [`crate::Material`] are relaxed once a step whatever this is: only substeps make them exact.
     pub iterations: u32,
     /// Tethers of a particle, each to the nearest pin of another group of pins: no particle gets farther from its pins
@@ -55,19 +55,19 @@ pub struct Options {
     /// substeps, and shorten the period of a swing a little. Those of a bundle are taken as they are stored, else they
     /// are found when the stepper is made. After a cut those stay whose way to the pin is whole, others grow to the way
     /// that is left ([`crate::Stepper::cut`]). Cloth of springs whose neighbours differ by more than [`crate::MOST_RATIO`] in
-    /// mass or [`crate::MOST_LENGTHS`] in rest length has 2 where 0 are asked for, and [`crate::Stepper::warnings`] says so:
-    /// springs alone do not hold it.
+    /// mass or [`crate::MOST_LENGTHS`] in rest length gets 2 if 0 are requested, with a warning
+    /// ([`crate::Stepper::warnings`]): springs alone do not hold it.
     pub tethers: u32,
     /// Further rounds of a relaxation: tethers, then springs to the right and down, which stretch shows in, and not the
     /// diagonal ones, which take half of the time. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default 0;
     /// at most 64. Such a round is a fourth of a substep. Hanging on tethers, one does as much as two further substeps from
-    /// some 100 particles a side on, as fine cloth crumples beside its pins; coarser cloth gains more by substeps.
+    /// some 100 particles per side on, as fine cloth crumples beside its pins; coarser cloth gains more by substeps.
     pub polish: u32,
-    /// Once in so many steps lengths are limited on coarser grids of the cloth, for [`Solver::Xpbd`]; 0 is never. Default
+    /// Number of steps from one pass of length limits on coarser grids to the next, for [`Solver::Xpbd`]; 0 means never. Default
     /// 0; at most 4096. It keeps cloth together that no pin holds, such as cloth that is hit. Every other step is often
     /// enough: in every step, limits and springs work against one another, and cloth without damping takes up motion. No
-    /// limit crosses a cut, and nothing is carried across one; both sides of a seam move alike on every grid, after a cut,
-    /// of whichever cloth, only where both have a node at the same point.
+    /// limit crosses a cut, and nothing is carried across one; both sides of a seam move alike on every grid; after a cut of
+    /// any cloth only where both have a node at the same point.
     pub pyramid: u32,
     /// How far \[m\] particles keep from the surfaces of colliders: the particles are the middle of the cloth, so this is half
     /// of what it measures through, and room for what is drawn. Default 0; 0 to 1; for cloth without a
@@ -83,9 +83,9 @@ pub struct Options {
     pub threads: usize,
     /// Whether, on the GPU, cloths run their whole frame in one dispatch where they can: with [`Solver::Xpbd`], a size that
     /// fits the memory of a workgroup (or of any size, from 16 such cloths on), no cut, no wind on triangles and no
-    /// pyramid, and at most 512 relaxations a frame, rounds of polishing included. Other cloth of that solver runs as many
+    /// pyramid, and at most 512 relaxations per frame, rounds of polishing included. Other cloth of that solver runs as many
     /// consecutive passes of a step in one dispatch as wait for nothing but their neighbours, by tiles (see [`crate::Tile`]):
-    /// from the integration to the contact, or to the seams and from there on. Tiles take 32 bytes a particle more, 16 more
+    /// from the integration to the contact, or to the seams and from there on. Tiles take 32 bytes per particle more, 16 more
     /// where steps are below 1e-3 s, and 16 more where springs with compliance are relaxed several times a step.
     /// Default true; results are those of separate passes. [`crate::device_limits`] asks for the room it takes.
     pub fused: bool,

@@ -1,4 +1,4 @@
-//! How many substeps a frame is worth: from the stretch that is left, and from what a step costs.
+//! How many substeps per frame is worth: from the stretch that is left, and from what a step costs.
 //!
 //! One relaxation a substep leaves inextensible cloth stretched in proportion to the square of the substep (Macklin et al.,
 //! "Small Steps in Physics Simulation", SCA 2019), so that `n sqrt(error / target)` substeps should meet a target that `n`
@@ -24,7 +24,7 @@ pub enum Quality {
     /// over cloths that are awake. Where cloth has a compliance or a material, only a share of a stretch is error, that
     /// which one relaxation takes away (`w dt^2 / (w dt^2 + compliance)`, w being the sum of the inverse masses): more
     /// than is left of relaxation rather than less. For a material the compliance is that of square cells.
-    /// Costs a pass over the particles a frame. Deterministic on the CPU; on the GPU the number changes when
+    /// Costs a pass over the particles per frame. Deterministic on the CPU; on the GPU the number changes when
     /// measurements have come back ([`crate::Stepper::settle`]), so runs repeat if the host waits for each frame before
     /// it settles.
     Error(f64),
@@ -83,7 +83,7 @@ const AIM: f64 = 0.85;
 const SOON: f64 = 0.05;
 /// For so long fewer substeps must have been enough \[s\]; up to the second, where they turned out to be too few.
 const PATIENCE: [f64; 2] = [0.25, 4.0];
-/// So many costs are kept; their median counts, once there are as many as the second.
+/// Most costs kept, and fewest costs of which the median counts.
 const COSTS: [usize; 2] = [15, 5];
 
 /// Chooses the number of substeps, frame by frame.

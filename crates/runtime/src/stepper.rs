@@ -143,7 +143,7 @@ impl Stepper {
     }
 
     /// The frames that were taken back since the last call, oldest first, at most the latest 64: a cloth with particles
-    /// that are no numbers or farther than 1e8 m away goes back to where it was after the last good frame, at rest. With
+    /// that are NaN or farther than 1e8 m away is reset to its last good frame, at rest. With
     /// [`Solver::Xpbd`] only. Empty on the GPU backend, where they are counted in [`ClothBuffers::faults`].
     pub fn take_faults(&mut self) -> Vec<crate::world::Fault> {
         std::mem::take(&mut self.world.faults)

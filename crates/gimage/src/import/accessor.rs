@@ -129,7 +129,7 @@ impl Accessors<'_> {
             return Err(bad("vertex indices must be scalars"));
         }
         if accessor.sparse.is_some() {
-            // Rare enough to go through floats, which are exact for so many vertices.
+            // Rare enough to go through floats, which are exact for this number of vertices.
             let floats = self.floats(index)?;
             let exact = |v: &f32| (0.0..16_777_216.0).contains(v) && v.fract() == 0.0;
             if !floats.values.iter().all(exact) {

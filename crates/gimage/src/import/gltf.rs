@@ -72,7 +72,7 @@ pub(crate) fn load(
         }
         let instances = p.node.map_or(Ok(None), |n| instancing::instances(&accessors, n))?;
         if let Some(list) = &instances {
-            let message = "Meshes that a node places many times were placed so many times.";
+            let message = "Each instance of an instanced mesh became a copy.";
             findings.add(Severity::Note, "instances", list.len(), message, || part_name(&doc, p));
         }
         for instance in instances.unwrap_or_else(|| vec![matrix::IDENTITY]) {

@@ -123,7 +123,7 @@ fn check(options: &ImportOptions) -> Result<()> {
     }
     Err(Error::Option {
         option: "unit".into(),
-        problem: format!("{} is no length", options.unit),
+        problem: format!("{} is not a length above 0", options.unit),
         hint: "give the metres in one unit of the file, such as 0.01 for centimetres".into(),
     })
 }

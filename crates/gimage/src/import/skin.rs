@@ -89,7 +89,7 @@ impl<'a> Bones<'a> {
             return bad(format!("it has {} inverse bind matrices for {} joints", all.len(), bones.joints.len()));
         }
         if all.iter().flatten().any(|x| !x.is_finite()) {
-            return bad("its inverse bind matrices have entries that are no numbers".into());
+            return bad("its inverse bind matrices have entries that are not finite".into());
         }
         Ok(all)
     }

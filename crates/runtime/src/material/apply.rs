@@ -16,7 +16,7 @@ impl Cloth {
     /// seams. The warp runs along v of the texture coordinates where the cloth has any ([`Cloth::set_grain`]), else
     /// along the columns of the grid.
     ///
-    /// Costs about a microsecond a particle. What it sets may be changed afterwards; rest lengths may not. Errors on
+    /// Costs about a microsecond per particle. Its settings may be changed afterwards; rest lengths may not. Errors on
     /// numbers out of range.
     pub fn set_material(&mut self, material: &Material) -> Result<()> {
         material.check()?;
