@@ -74,7 +74,7 @@ pub(crate) fn check_lists(manifest: &Manifest) -> Result<()> {
 fn too_long((name, limit): List, need: u64) -> Error {
     let hint = match name {
         "accessories" => "join loose parts with --weld METRES",
-        _ => "no bundle needs as many",
+        _ => "no valid bundle needs as many",
     };
     Error::TooLarge { what: format!("manifest.json, entries of `{name}`"), need, limit, hint }
 }
@@ -127,7 +127,7 @@ impl Count {
         if counter.get() <= limit {
             return Ok(());
         }
-        let hint = "no bundle needs as many; build it again";
+        let hint = "no valid bundle needs as many; build it again";
         Err(self.fail(Error::TooLarge { what: format!("manifest.json, {what}"), need: counter.get(), limit, hint }))
     }
 

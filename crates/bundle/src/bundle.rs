@@ -168,7 +168,11 @@ impl Bundle {
             );
         }
         if MapKind::parse(&kind.name()).as_ref() != Some(kind) {
-            return bad(&entry.name, "no legal name".into(), "start the names of custom attributes with an underscore");
+            return bad(
+                &entry.name,
+                "its name is not allowed".into(),
+                "start the names of custom attributes with an underscore",
+            );
         }
         image.check(&kind.name())
     }

@@ -179,7 +179,7 @@ fn read_capped(path: &Path, cap: u64) -> Result<Vec<u8>> {
         what: format!("{}, in bytes", path.display()),
         need,
         limit: cap,
-        hint: "the file is not the one that was written; build the bundle again",
+        hint: "the file was changed after it was written; build the bundle again",
     };
     // Asked before opening, which could wait forever on a pipe.
     let metadata = fs::metadata(path).map_err(io)?;

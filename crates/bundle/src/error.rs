@@ -90,7 +90,7 @@ pub enum Error {
         hint: &'static str,
     },
     /// An image has another size, or other channels, than the manifest says.
-    #[error("{file}: {found}, but the manifest asks for {expected}; build the bundle again")]
+    #[error("{file}: {found}, but the manifest states {expected}; build the bundle again")]
     Size {
         /// The file.
         file: String,

@@ -82,7 +82,7 @@ pub fn check_size(what: &str, width: u32, height: u32) -> Result<()> {
     if width < 2 || height < 2 {
         return Err(Error::Exr {
             file: what.into(),
-            problem: format!("{width} x {height} texels hold no surface"),
+            problem: format!("{width} x {height} texels cannot hold a surface"),
             hint: "use at least 2 x 2",
         });
     }

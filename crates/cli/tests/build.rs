@@ -158,7 +158,7 @@ fn a_report_that_cannot_be_written_is_a_failed_build_that_leaves_nothing() {
     // Bundles that were written before a failure stay, and the message states it.
     fs::copy(place.path("tube.obj"), place.path("b.obj")).unwrap();
     let run = full("build tube.obj b.obj -o out --texels 400 --json").expect(&[2]);
-    assert!(run.stderr.contains("the bundles are written"), "{}", run.stderr);
+    assert!(run.stderr.contains("the bundles were written"), "{}", run.stderr);
     assert_eq!(common::list(&place.path("out")), ["b.gim", "tube.gim"]);
     for args in ["--help", "inspect tube.gim", "--version"] {
         assert!(full(args).expect(&[2]).stderr.contains("stdout: "), "{args}");

@@ -479,7 +479,9 @@ impl<'a> Maker<'a> {
         let placed = candidate
             .border
             .place(&candidate.disk, self.surface, &|v| self.on_rim(v), w, h, shift, count)
-            .ok_or_else(|| self.fail("border", "the boundary cannot be shared out".into(), "use a larger image"))?;
+            .ok_or_else(|| {
+                self.fail("border", "the boundary cannot be distributed over the texels".into(), "use a larger image")
+            })?;
         let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
         let fixed = disk.boundary_mask();
         let options = self.options;
@@ -490,7 +492,7 @@ impl<'a> Maker<'a> {
         }
         .ok_or_else(|| {
             let hint = "remesh the slivers of this piece, or give it more texels";
-            self.fail("parameterize", "no map free of flips was found".into(), hint)
+            self.fail("parameterize", "no flip-free map was found".into(), hint)
         })?;
         let mut samples = resample(&disk, &uv, &texels, w, h).ok_or_else(|| {
             self.fail("resample", "a texel fell outside the map".into(), "please report it with the input")

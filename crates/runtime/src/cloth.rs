@@ -168,7 +168,7 @@ impl Cloth {
             Compliance::Constant(c) => std::slice::from_ref(c),
             Compliance::Image(list) => {
                 let whole = |n: f64| n == self.len() as f64;
-                range("the number of compliances", list.len() as f64, "one a particle", whole)?;
+                range("the number of compliances", list.len() as f64, "one per particle", whole)?;
                 list.as_flattened()
             }
         };

@@ -69,7 +69,7 @@ pub enum Error {
         range: &'static str,
     },
     /// No such cloth, particle or collider.
-    #[error("there is no {what} {index}, only {count}")]
+    #[error("there is no {what} {index}; there are {count}")]
     NoSuch {
         /// What was asked for.
         what: &'static str,

@@ -141,10 +141,10 @@ impl Options {
         check("the number of iterations", self.iterations.into(), "1 to 4096", count)?;
         check("the number of tethers", self.tethers.into(), "0 to 4", |n| n <= 4.0)?;
         check("the number of polishing rounds", self.polish.into(), "0 to 64", |n| n <= 64.0)?;
-        check("the steps from pyramid to pyramid", self.pyramid.into(), "0 to 4096", |n| n <= 4096.0)?;
+        check("the number of steps between pyramids", self.pyramid.into(), "0 to 4096", |n| n <= 4096.0)?;
         check("the thickness [m]", self.thickness.into(), "0 to 1", |t| (0.0..=1.0).contains(&t))?;
         let catch_up = |n: f64| (1.0..=1024.0).contains(&n);
-        check("the most steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)?;
+        check("the largest number of steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)?;
         self.quality.check()?;
         if let Some(Sleep { speed, after }) = self.sleep {
             check("the speed of sleep [m/s]", speed, "above 0", |s| s > 0.0)?;

@@ -111,14 +111,14 @@ impl Figures {
         };
         let never = f64::INFINITY;
         check(self.psnr, PSNR_DB, -1.0, &|x| format!("PSNR {x:.1} dB"));
-        check(self.hausdorff, HAUSDORFF, 1.0, &|x| format!("a point {} of the diagonal off", percent(x)));
+        check(self.hausdorff, HAUSDORFF, 1.0, &|x| format!("a point is off by {} of the diagonal", percent(x)));
         check(self.outside, OUTSIDE, 1.0, &|x| {
-            format!("a texel {} of the diagonal outside the source's box", percent(x))
+            format!("a texel lies outside the source's bounding box by {} of the diagonal", percent(x))
         });
         check(self.stretch, [STRETCH, never], 1.0, &|x| format!("stretch up to {x:.0}"));
         check(self.fold, [FOLD, never], 1.0, &|x| format!("{} folded over", percent(x)));
         check(self.normal_degrees, [NORMAL_DEGREES, never], 1.0, &|x| {
-            format!("normals {x:.0} degrees off in the mean")
+            format!("normals differ by {x:.0} degrees in the mean")
         });
         (rating, words)
     }

@@ -49,7 +49,7 @@ impl Accessors<'_> {
             return Err(self.doc.bad(element(), "there is no such accessor"));
         };
         let (Checked::Valid(kind), Checked::Valid(component)) = (accessor.type_, accessor.component_type) else {
-            return Err(self.doc.bad(element(), "its type or component type is none of glTF's"));
+            return Err(self.doc.bad(element(), "glTF does not define its type or component type"));
         };
         let (rows, columns) = match kind {
             Type::Scalar => (1, 1),

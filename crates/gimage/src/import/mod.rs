@@ -133,7 +133,7 @@ fn dispatch(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOpti
     let format = sniff::sniff(name, bytes)?;
     let mut source = Source::new(name, bytes);
     if let Some(said) = format.contradicts(name) {
-        let message = "The extension of the file does not say what is in it; the content was believed.";
+        let message = "The file extension does not match the content; the file was read by its content.";
         findings.add(Severity::Note, "wrong-extension", 1, message, || said);
     }
     let mut mesh = match format {

@@ -61,7 +61,7 @@ pub(crate) fn load(
     let used = builder::compact(triangles.as_flattened_mut(), text.positions.len());
     let positions = used.iter().map(|&v| text.positions[v as usize].map(|x| x * options.unit)).collect::<Vec<_>>();
     if positions.iter().flatten().any(|x| !x.is_finite()) {
-        let problem = "its vertices in metres leave the range of numbers".into();
+        let problem = "its vertices in metres overflow".into();
         return Err(Error::Option { option: "unit".into(), problem, hint: "give a smaller unit".into() });
     }
     let mut mesh =
@@ -103,7 +103,7 @@ fn triangles(
             ring.pop();
         }
         let repeated = corners.len() - ring.len();
-        let message = "Vertices that a face names twice in a row were taken once.";
+        let message = "Vertices that a face names twice in a row were read once.";
         findings.add(Severity::Repair, "repeated-vertices", repeated, message, element);
         if ring.len() < 3 {
             let message = "Faces with fewer than three different vertices were left out.";

@@ -78,7 +78,7 @@ impl<'a> Bones<'a> {
         let bones = &doc.root.skins[skin];
         let bad = |problem: String| Err(doc.bad(format!("skin {skin}"), problem));
         if let Some(j) = bones.joints.iter().find(|j| j.value() >= self.forest.world.len()) {
-            return bad(format!("its joint node {} is not there", j.value()));
+            return bad(format!("its joint node {} does not exist", j.value()));
         }
         let Some(accessor) = bones.inverse_bind_matrices else {
             return Ok(vec![matrix::IDENTITY; bones.joints.len()]);

@@ -88,7 +88,7 @@ fn finish(mut work: Work, unused: usize) -> Repaired {
     bowtie::split_vertices(&mut work, &mut gluing);
     orient::orient(&mut work, &gluing);
     compact(&mut work);
-    let message = format!("{} that no triangle uses left out", words::vertices(unused));
+    let message = format!("{} that no triangle uses removed", words::vertices(unused));
     work.report(Severity::Note, "unused-vertices", unused, Vec::new(), message);
     Repaired { mesh: work.mesh, findings: work.findings }
 }
@@ -101,7 +101,7 @@ fn drop_unusable(work: &mut Work) {
         work.mesh.triangles.iter().map(|t| t.iter().all(|&v| positions.get(v as usize).is_some_and(sound))).collect();
     let examples = (0..work.len()).filter(|&t| !keep[t]).take(4).map(|t| work.triangle_words(t)).collect();
     let count = work.retain(&keep);
-    let message = format!("{} with a missing vertex, or one at no finite place, dropped", words::triangles(count));
+    let message = format!("{} dropped: a vertex is missing, or its position is not finite", words::triangles(count));
     work.report(Severity::Repair, "unusable-faces", count, examples, message);
     for channel in &mut work.mesh.channels {
         let values = channel.values.len().checked_div(channel.width).unwrap_or(0);

@@ -51,7 +51,7 @@ impl Cloth {
     pub fn set_grain(&mut self, uv: Option<Vec<[f32; 2]>>) -> Result<()> {
         if let Some(uv) = &uv {
             let whole = |n: f64| n == self.len() as f64;
-            check("the number of texture coordinates", uv.len() as f64, "one a texel", whole)?;
+            check("the number of texture coordinates", uv.len() as f64, "one per texel", whole)?;
         }
         self.keep_grain(uv);
         Ok(())
