@@ -24,7 +24,8 @@ fn every_path_in_the_pages_exists() {
         let text = std::fs::read_to_string(&page).unwrap();
         let links = text.split("](").skip(1).filter_map(|t| t.split(')').next());
         for link in links.filter(|link| !link.contains(':')) {
-            let target = page.parent().unwrap().join(link);
+            let file = link.split('#').next().unwrap_or_default();
+            let target = page.parent().unwrap().join(file);
             assert!(target.exists(), "{} links to {link}", page.display());
             checked += 1;
         }
