@@ -54,7 +54,7 @@ pub const VALIDATE: &str = concat!(
     "EXAMPLES:\n",
     "  gimage validate shirt.gim\n",
     "  gimage validate shirt.gim --json | jq '.faults[].message'",
-    "\n\nEXIT CODES:\n  0  valid\n  1  findings: the bundle can be read, but breaks a rule\n",
+    "\n\nEXIT CODES:\n  0  sound\n  1  findings: the bundle can be read, but breaks a rule\n",
     "  2  unreadable: a file is missing, damaged or of the wrong size; invalid option\n",
     "  3  internal error: please report it"
 );
