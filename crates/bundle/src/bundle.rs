@@ -1,4 +1,4 @@
-//! A bundle in memory, and its files as bytes. Nothing here knows of directories.
+//! A bundle in memory, and its encoding as files in memory.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -13,7 +13,7 @@ use crate::manifest::{FileRecord, MANIFEST_FILE, MAX_MANIFEST_BYTES, Manifest, P
 use crate::map::{Image, MapKind, check_size, file_stems};
 use crate::validate::Fault;
 
-/// A manifest and the images it speaks of.
+/// A bundle in memory: a manifest and the images that it describes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bundle {
     /// The manifest. `files` and the `maps` of the pieces are those of the last reading; encoding rebuilds them
@@ -48,7 +48,7 @@ impl Bundle {
         Ok(self.manifest.pieces.len() - 1)
     }
 
-    /// Puts an image in, in place of one of the same kind. Errors where the piece does not exist, or the image does not
+    /// Inserts an image, and replaces one of the same kind. Errors where the piece does not exist, or the image does not
     /// have its size or a number of channels that the kind allows.
     pub fn insert(&mut self, piece: usize, kind: MapKind, image: Image) -> Result<()> {
         self.check_image(piece, &kind, &image)?;

@@ -1,4 +1,4 @@
-//! What is wrong with a bundle: the file, the piece, the map, the texel, and what to do about it.
+//! Errors: the file, the piece, the map, the texel, and what to do.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Whether what a bundle holds keeps the rules of the format, texel by texel.
+//! Validation of a bundle against the rules of the format, texel by texel.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,7 +14,7 @@ use crate::particle::Particle;
 use crate::rings::{LinkFault, Rings, find_rings};
 use crate::welded::welded;
 
-/// How many faults of one kind are listed; the rest are counted in one more.
+/// Largest number of listed faults per kind; one more fault counts the rest.
 pub const MAX_LISTED: usize = 20;
 
 /// The rule that is broken.
@@ -74,7 +74,7 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// The fault that an error of reading is.
+    /// The fault that corresponds to a reading error.
     pub fn from_error(error: &Error) -> Self {
         let (file, piece, texel, kind) = match error {
             Error::Checksum { file } => (file.clone(), None, None, FaultKind::Checksum),
@@ -111,7 +111,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// The exit code that `validate` promises: 0 sound, 1 findings, 2 something could not be read.
+/// The exit code of `gimage validate`: 0 sound, 1 findings, 2 unreadable.
 pub fn exit_code(faults: &[Fault]) -> u8 {
     match faults {
         [] => 0,

@@ -1,4 +1,4 @@
-//! How close an image comes to its surface, judged at a few thousand points without a search tree.
+//! The distance from a surface to its image, bounded at a few thousand points without a search tree.
 //!
 //! The map tells where on the image each point of the surface went, so the distance to the texel triangles around that
 //! place bounds the distance to the image from above. The bound is near the true distance for a good map and grows
@@ -18,7 +18,7 @@ use crate::vec3::{add, cross, distance, dot, norm, scale, sub};
 /// Points of the surface at which an image is judged.
 const POINTS: usize = 2000;
 
-/// What an image is worth. Lengths are in units of the diagonal of the surface's bounding box.
+/// The quality of an image. Lengths are in units of the diagonal of the surface's bounding box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
     /// Root mean square distance from the surface to the image (and back, where the map is far from an isometry), at most.

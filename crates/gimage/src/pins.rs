@@ -1,4 +1,4 @@
-//! Which particles are pinned: the expressions of `--pin`.
+//! Pin conditions: the expressions of `--pin`.
 
 use std::fmt;
 use std::str::FromStr;

@@ -32,7 +32,7 @@ impl<F: Fn(f64, f64) -> [f64; 3] + Sync> SurfaceMap for F {
     }
 }
 
-/// How the rest length of a spring is taken.
+/// How rest lengths are measured.
 #[derive(Clone, Copy)]
 pub enum Rest<'a> {
     /// The distance of the stored texels.

@@ -1,4 +1,4 @@
-//! What users do to cloth beside pinning it: cut it, move a set of its particles, drag it.
+//! User actions: cuts, transforms and drags.
 
 mod drag;
 

@@ -1,14 +1,13 @@
-//! Frames of any length made into steps of one length.
+//! Converts frames of any length to steps of a fixed length.
 
 use crate::options::Options;
 
-/// What one frame did.
+/// The progress of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// Steps made.
     pub steps: u32,
-    /// How far the frame's time is between the previous positions (0) and the present ones (1): what a vertex shader
-    /// mixes them by. Always in 0..=1.
+    /// Weight with which a vertex shader mixes the previous positions (0) and the current ones (1). In 0..=1.
     pub fraction: f32,
 }
 

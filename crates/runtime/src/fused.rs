@@ -12,7 +12,7 @@ use crate::cloth::Cloth;
 use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
 use crate::shaders::{Slot, source};
 
-/// A whole frame of XPBD in one dispatch: what is compiled into its shader.
+/// A whole frame of XPBD in one dispatch, described by the variants compiled into its shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Fused {
     /// Not [`Air::Field`].
@@ -55,7 +55,7 @@ pub struct Fused {
     pub threads: u32,
 }
 
-/// Where a workgroup has the positions of its cloth.
+/// Where a workgroup stores the positions of its cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Hold {
     /// In its memory, with inverse masses and previous positions: 28 bytes per particle.

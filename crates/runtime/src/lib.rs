@@ -1,8 +1,25 @@
-//! Steps garments of geometry images as cloth, on the GPU or on the CPU.
+//! Simulates geometry images as cloth, on the GPU (wgpu) or on the CPU.
 //!
-//! A [`Cloth`] comes from a bundle or is flat; a [`Scene`] puts cloths among colliders and wind; a [`Stepper`] moves it.
-//! The host owns device, queue and encoder: [`Stepper::record`] adds a frame's passes to an encoder, and nothing is
-//! submitted, waited for or read back, but for the [`self_check`] of a device at its first use. Every pass has a twin on the CPU with the same results to rounding.
+//! A [`Cloth`] is made from a bundle, or flat. A [`Scene`] has cloths, colliders and wind. A [`Stepper`] steps a scene.
+//!
+//! The host owns device, queue and encoder. [`Stepper::record`] adds the passes of a frame to an encoder; it does not submit, wait
+//! or read back. The only exception is the [`self_check`] of a device at its first use. Every pass has a twin on the CPU with the
+//! same results to rounding.
+//!
+//! ```
+//! use gimage_runtime::{Backend, Flat, Options, Scene, Stepper};
+//!
+//! let mut scene = Scene::new("falling");
+//! scene.cloths.push(Flat::square("square", 9).cloth()?);
+//! let options = Options { backend: Backend::Cpu, ..Options::default() };
+//! let mut stepper = Stepper::new(scene, options, None)?;
+//! for _ in 0..60 {
+//!     stepper.advance(1.0 / 60.0)?;
+//! }
+//! let [_, y, _, _] = stepper.positions(0).unwrap_or_default()[0];
+//! assert!((y + 4.9).abs() < 0.1, "fell to {y} m in 1 s");
+//! # Ok::<(), gimage_runtime::Error>(())
+//! ```
 
 mod actions;
 mod clock;

@@ -1,4 +1,4 @@
-//! What one relaxation a step in f32 cannot do, and what is made of it instead: a warning each.
+//! Limits of one relaxation per step in f32: settings beyond them are adjusted, with a warning.
 
 mod lengths;
 mod masses;
@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::options::{Options, Solver};
 use crate::passes::has_levels;
 
-/// Longest step \[s\] of [`Solver::Xpbd`]: in a longer one cloth falls by so much that tethers do not hold it.
+/// Longest step \[s\] of [`Solver::Xpbd`]: in a longer one cloth falls too far for tethers to hold it.
 pub const LONGEST: f64 = 1.0 / 60.0;
 /// Longest step \[s\] of cloth without tethers: in a longer one springs alone tremble, and soft ones gain energy.
 pub const LONGEST_FREE: f64 = 1.0 / 120.0;
@@ -23,7 +23,7 @@ const COARSE: f64 = 2e-3;
 /// Tethers of a particle where springs alone will not do.
 const GIVEN: u32 = 2;
 
-/// What is beyond the solver: a setting that a stepper has changed for that, or one that it leaves and does badly with.
+/// A setting beyond the limits of the solver, which the stepper adjusted, or keeps but handles poorly.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {

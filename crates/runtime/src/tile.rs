@@ -20,7 +20,7 @@ pub use shape::TileShape;
 use crate::cpu::tile::around;
 use crate::passes::{Air, Kinds, Pass, Soft};
 
-/// Consecutive passes of a step in one dispatch: what is compiled into its shader.
+/// Consecutive passes of a step in one dispatch, described by the variants compiled into its shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Tile {
     /// The integration that comes first, if any does.

@@ -1,4 +1,4 @@
-//! The gate: every piece is compared with its surface before anything is written, with or without metrics.
+//! The gate: compares every piece with its surface before the bundle is written, with or without metrics.
 
 mod figures;
 

@@ -1,4 +1,4 @@
-//! Makes a mesh an oriented manifold, and says what it took.
+//! Repairs a mesh to an oriented manifold, and reports every repair.
 //!
 //! In order: join equal positions, drop copies, remove triangles without area, take apart edges with three or more
 //! triangles and vertices with more than one fan, wind neighbours alike, drop vertices nothing uses. One file a step.
@@ -23,7 +23,7 @@ use work::Work;
 /// Coordinates beyond this \[m\] are as good as infinite: their squares of squares would be.
 const FARTHEST: f64 = 1e75;
 
-/// How a mesh is repaired.
+/// Options of [`repair`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RepairOptions {
     /// Distance \[m\] within which vertices on open borders, and the ends of an edge, are joined; positive. No vertex
@@ -38,7 +38,7 @@ pub struct Repaired {
     /// The mesh: every edge has one or two triangles, every vertex is used and has one fan, neighbours wind alike
     /// wherever the piece is orientable, no triangle is without area or a copy. Triangles keep their order.
     pub mesh: Mesh,
-    /// What it took, in the order it was done; indices are those of the mesh given.
+    /// The repairs in order; indices are those of the input mesh.
     pub findings: Vec<Finding>,
 }
 

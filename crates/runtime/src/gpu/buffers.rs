@@ -27,8 +27,8 @@ const STEP_STRIDE: u32 = 256;
 /// A frame takes up to two, or [`super::layout::POSES`] where colliders move; this number can be recorded before the first submission.
 const STEPS: u32 = 1024;
 
-/// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices, which
-/// cloths may share.
+/// The buffers of a cloth for a vertex shader: arrays of vec4<f32>, one per particle, in buffers for storage and vertices
+/// that cloths may share.
 pub struct ClothBuffers {
     /// Positions \[m\] now; w is 1/mass, 0 for pinned, -1 for no particle.
     pub now: Span,

@@ -1,4 +1,4 @@
-//! How large tiles are.
+//! The sizes of tiles.
 
 use super::Tile;
 use crate::cloth::Grid;
