@@ -6,7 +6,9 @@
 
 mod batches;
 
-pub use batches::{Batch, arenas, room_of};
+pub use batches::arenas;
+#[cfg(feature = "gpu")]
+pub use batches::{Batch, room_of};
 
 use crate::cloth::Cloth;
 use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
@@ -90,6 +92,7 @@ const LEAST: u32 = 64;
 
 impl Room {
     /// That of a device.
+    #[cfg(feature = "gpu")]
     pub fn of(device: &wgpu::Device) -> Self {
         let limits = device.limits();
         let most = limits.max_compute_invocations_per_workgroup.min(limits.max_compute_workgroup_size_x);

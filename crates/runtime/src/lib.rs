@@ -3,6 +3,12 @@
 //! A [`Cloth`] comes from a bundle or is flat; a [`Scene`] puts cloths among colliders and wind; a [`Stepper`] moves it.
 //! The host owns device, queue and encoder: [`Stepper::record`] adds a frame's passes to an encoder, and nothing is
 //! submitted, waited for or read back, but for the [`self_check`] of a device at its first use. Every pass has a twin on the CPU with the same results to rounding.
+//!
+//! Without the feature `gpu` (on by default) the crate does not compile wgpu: [`Stepper::on_cpu`] and the CPU backend are
+//! all there is.
+
+// Plans of dispatches and the table of shaders have no reader in a build without `gpu`.
+#![cfg_attr(not(feature = "gpu"), allow(dead_code))]
 
 mod actions;
 mod clock;
@@ -13,7 +19,12 @@ mod cpu;
 pub mod draw;
 mod error;
 mod fused;
+#[cfg(feature = "gpu")]
 mod gpu;
+#[cfg(not(feature = "gpu"))]
+#[path = "gpu/absent.rs"]
+mod gpu;
+mod layout;
 mod levels;
 mod limits;
 mod material;
@@ -26,6 +37,7 @@ mod quality;
 #[cfg(feature = "reference")]
 mod reference;
 pub mod scene;
+#[cfg(feature = "gpu")]
 mod self_check;
 mod shaders;
 mod sleep;
@@ -42,21 +54,26 @@ pub use collider::{Collider, Shape};
 pub use cpu::real::Real;
 pub use error::{Error, Result};
 pub use fused::{Fused, Hold};
-pub use gpu::{ClothBuffers, Span, device_limits, read_back, read_back_u32};
+#[cfg(feature = "gpu")]
+pub use gpu::{ClothBuffers, Compiled, Span, device_limits, read_back, read_back_u32};
 pub use limits::{LONGEST, LONGEST_FREE, MOST_LENGTHS, MOST_RATIO, Warning};
 pub use material::Material;
 pub use measure::{Measures, measure};
 pub use options::{Backend, Options, Sleep, Solver};
 pub use passes::{Air, Kinds, Pass, Soft};
-pub use pick::{Hit, PickTicket, pick};
+#[cfg(feature = "gpu")]
+pub use pick::PickTicket;
+pub use pick::{Hit, pick};
 pub use plan::{Plan, PlannedPass};
 pub use quality::Quality;
 #[cfg(feature = "reference")]
 pub use reference::Reference;
 pub use scene::Scene;
+#[cfg(feature = "gpu")]
 pub use self_check::{Mismatch, SelfCheck, self_check};
 pub use stepper::Stepper;
 pub use tile::{Tile, TileShape};
+#[cfg(feature = "gpu")]
 pub use wgpu;
 pub use wind::{Wind, WindForce};
 pub use world::Fault;

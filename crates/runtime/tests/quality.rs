@@ -1,5 +1,8 @@
 //! Substeps are as many as an error target asks for, and a change of their number is no push.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;
