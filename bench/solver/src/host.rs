@@ -37,7 +37,7 @@ impl<'a> Host<'a> {
         Ok(start.elapsed().as_secs_f64() * 1e3)
     }
 
-    /// Steps a frame, as they are made: no fewer than the solver can do with.
+    /// Steps per frame, as they are made: no fewer than the solver can do with.
     pub fn substeps(&self) -> u32 {
         self.stepper.options().substeps
     }

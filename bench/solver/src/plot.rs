@@ -47,7 +47,7 @@ pub fn draw(rows: &[Row]) -> String {
          <rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n"
     );
     text(&mut svg, [MARGIN[0], 30.0], "start", 17, INK, "Run time against error");
-    let note = "Least (s2, s2f: median) milliseconds of a frame; numbers at the points: steps a frame.";
+    let note = "Least (s2, s2f: median) milliseconds of a frame; numbers at the points: steps per frame.";
     text(&mut svg, [MARGIN[0], 44.0], "start", 10, FAINT, note);
     let note = "Error: largest stretch, for s3 that of the period; off scale above 1000 %. Lower left is better.";
     text(&mut svg, [MARGIN[0], 57.0], "start", 10, FAINT, note);

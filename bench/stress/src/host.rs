@@ -19,7 +19,7 @@ impl<'a> Host<'a> {
         Ok(Host { stepper, gpu })
     }
 
-    /// Makes a frame of so many seconds.
+    /// Makes a frame of `seconds`.
     pub fn frame(&mut self, seconds: f64) -> Result<()> {
         let Some(gpu) = self.gpu else { return self.stepper.advance(seconds).map(|_| ()) };
         let mut encoder = gpu.device.create_command_encoder(&Default::default());

@@ -1,4 +1,4 @@
-//! manifest.json: what is in a bundle, where it came from, and how good it is.
+//! manifest.json: the contents of a bundle, their source and their quality.
 //!
 //! Every map is ordered and every struct has a fixed order of fields, so that equal manifests are equal bytes. Unknown
 //! fields are ignored on reading. Everything optional is left out where there is nothing to say, never `null`.
@@ -21,7 +21,7 @@ pub const MANIFEST_FILE: &str = "manifest.json";
 /// Most bytes of a manifest: 64 MiB.
 pub const MAX_MANIFEST_BYTES: u64 = 64 << 20;
 
-/// The whole of manifest.json.
+/// The contents of manifest.json.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Always [`FORMAT`].
@@ -43,7 +43,7 @@ pub struct Manifest {
     /// Surfaces that were split into several pieces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub components: Vec<ComponentEntry>,
-    /// Parts too small or too rigid to be cloth, which ride on a piece.
+    /// Components that are too small to be cloth, which ride on a piece.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub accessories: Vec<Accessory>,
     /// Reserved: collision shapes.
@@ -52,7 +52,7 @@ pub struct Manifest {
     /// The skeleton that joint indices refer to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skeleton: Option<Skeleton>,
-    /// What was changed in the source, and what else its maker should know.
+    /// Changes to the source and other findings of the build.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repairs: Vec<Repair>,
     /// Quality of the whole bundle.
@@ -79,7 +79,7 @@ pub struct Source {
 /// One piece: one connected surface on one grid.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PieceEntry {
-    /// Its true name; file names are made safe.
+    /// Its original name; file names are derived from it.
     pub name: String,
     /// Texels in a row, at least 2.
     pub width: u32,
@@ -92,7 +92,7 @@ pub struct PieceEntry {
     /// Values that are the same at every particle.
     #[serde(default)]
     pub constants: Constants,
-    /// What the images hold, counted.
+    /// Counts of the contents of the images.
     #[serde(default)]
     pub counts: Counts,
     /// How well the piece matches the source.
@@ -104,7 +104,7 @@ pub struct PieceEntry {
     /// The surface before it was cut.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<Surface>,
-    /// What was tried, in turn, where the first image did not pass; empty where it did.
+    /// All attempts in order, if the first image did not pass; else empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ladder: Vec<RungEntry>,
     /// Index of the component that it is a part of, if one was split into several pieces.
@@ -112,13 +112,13 @@ pub struct PieceEntry {
     pub part_of: Option<u32>,
 }
 
-/// One way of making the image of a piece, and what came of it.
+/// One attempt to make the image of a piece, and its result.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RungEntry {
-    /// What was done otherwise: `first`, `whole-mesh`, `next-cut`, ...
+    /// How the attempt differs: `first`, `whole-mesh`, `next-cut`, ...
     pub rung: String,
-    /// A lower bound of its PSNR \[dB\]; left out where no image came out.
+    /// A lower bound of its PSNR \[dB\]; none if the attempt gave no image.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr: Option<f64>,
     /// Its image is the one in the bundle.
@@ -152,7 +152,7 @@ pub struct Constants {
     pub area: Option<f64>,
 }
 
-/// What the images of a piece hold, counted.
+/// Counts of the contents of the images of a piece.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Counts {
@@ -203,7 +203,7 @@ pub struct Surface {
     pub triangles: u32,
 }
 
-/// Quality measured, of a piece or of the bundle. What was not measured is left out.
+/// Quality measured, of a piece or of the bundle. Figures that were not measured are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// 20 log10(diagonal / rms) \[dB\].
@@ -254,13 +254,13 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Whether nothing was measured.
+    /// Whether no figure was measured.
     pub fn is_empty(&self) -> bool {
         *self == Quality::default()
     }
 }
 
-/// A part that rides on a piece instead of being one.
+/// A component that rides on a piece.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Accessory {
@@ -280,7 +280,7 @@ pub struct Accessory {
     pub normal_offset: f64,
     /// Its centre at rest \[m\].
     pub center: [f64; 3],
-    /// Why it is no piece.
+    /// Why it is not a piece.
     pub reason: String,
 }
 
@@ -303,7 +303,7 @@ pub struct Joint {
     pub inverse_bind: [f32; 16],
 }
 
-/// One thing that a stage changed or met.
+/// One change or observation of a stage.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Repair {
@@ -322,7 +322,7 @@ pub struct Repair {
     pub message: String,
 }
 
-/// What is known of a file's bytes.
+/// Length and checksum of a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileRecord {
     /// SHA-256, 64 lower-case hexadecimal digits.
@@ -440,7 +440,7 @@ impl Manifest {
         let joints = self.skeleton.as_ref().map_or(&[][..], |s| &s.joints);
         for (index, joint) in joints.iter().enumerate() {
             if joint.parent.is_some_and(|p| p as usize >= joints.len() || p as usize == index) {
-                return Err(wrong(format!("joint {}: its parent is no other joint", joint.name)));
+                return Err(wrong(format!("joint {}: its parent is not another joint", joint.name)));
             }
         }
         Ok(())
@@ -483,12 +483,12 @@ pub(crate) fn within_cap(bytes: u64) -> Result<()> {
         what: "manifest.json, in bytes".into(),
         need: bytes,
         limit: MAX_MANIFEST_BYTES,
-        hint: "this is no manifest that gimage wrote",
+        hint: "gimage did not write this manifest; build the bundle again",
     })
 }
 
 pub(crate) fn unreadable(problem: String) -> Error {
-    Error::Manifest { problem, hint: "this is no readable gimage bundle; build it again" }
+    Error::Manifest { problem, hint: "this is not a readable gimage bundle; build it again" }
 }
 
 fn wrong(problem: String) -> Error {

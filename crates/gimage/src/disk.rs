@@ -5,7 +5,7 @@ use crate::halfedge::{self, BOUNDARY, next, origin, target};
 use crate::parameterize::Shape;
 use crate::vec3::{distance, lerp};
 
-/// A vertex that is no vertex of the surface.
+/// A vertex that is not a vertex of the surface.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// A triangulated disk that remembers the surface it was cut from.

@@ -1,7 +1,17 @@
-//! Turns a garment mesh into geometry images.
+//! Converts a garment mesh to a bundle of geometry images.
 //!
-//! The modules are the pipeline, in order: [`import`] reads files into a [`mesh::Mesh`], [`repair`] makes it an
-//! oriented manifold, [`component`] tells pieces from accessories, and so on down to the bundle.
+//! [`pipeline::build`] runs all stages: [`import`] reads a file to a [`mesh::Mesh`], [`repair`] makes it an oriented manifold,
+//! [`component`] separates pieces from accessories; each piece is then cut to a disk, mapped to a rectangle, resampled, and
+//! compared with its surface ([`gate`]). [`options::BuildOptions`] has all settings, [`reconstruct`] converts a bundle back to a
+//! mesh.
+//!
+//! ```no_run
+//! use gimage::{options::BuildOptions, pipeline, progress::Quiet};
+//!
+//! let built = pipeline::build("shirt.glb".as_ref(), &BuildOptions::default(), &Quiet)?;
+//! gimage_bundle::dir::write_dir(&built.bundle, "shirt.gim".as_ref(), false)?;
+//! # Ok::<(), gimage::Error>(())
+//! ```
 
 mod accessory;
 mod assemble;

@@ -80,7 +80,7 @@ pub(crate) struct PieceImage {
 /// What became of the least-squares fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FitRecord {
-    /// It came closer than point sampling; so many texels went back to where they were sampled.
+    /// It came closer than point sampling; this number of texels went back to where they were sampled.
     Kept(usize),
     /// It did not come closer: the texels are where they were sampled.
     Dropped,
@@ -239,7 +239,7 @@ pub(crate) fn image(
                             min_height,
                         });
                     }
-                    // A large image that does not weld is no matter of size.
+                    // A large image that does not weld will not weld at a larger size either.
                     Ok(image) if more == 0 && width.min(height) > 2 * SHORT => return Ok(image),
                     Err(e) if more == SHORT => return Err(e),
                     _ => {}
@@ -479,7 +479,9 @@ impl<'a> Maker<'a> {
         let placed = candidate
             .border
             .place(&candidate.disk, self.surface, &|v| self.on_rim(v), w, h, shift, count)
-            .ok_or_else(|| self.fail("border", "the boundary cannot be shared out".into(), "use a larger image"))?;
+            .ok_or_else(|| {
+                self.fail("border", "the boundary cannot be distributed over the texels".into(), "use a larger image")
+            })?;
         let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
         let fixed = disk.boundary_mask();
         let options = self.options;
@@ -490,7 +492,7 @@ impl<'a> Maker<'a> {
         }
         .ok_or_else(|| {
             let hint = "remesh the slivers of this piece, or give it more texels";
-            self.fail("parameterize", "no map free of flips was found".into(), hint)
+            self.fail("parameterize", "no flip-free map was found".into(), hint)
         })?;
         let mut samples = resample(&disk, &uv, &texels, w, h).ok_or_else(|| {
             self.fail("resample", "a texel fell outside the map".into(), "please report it with the input")

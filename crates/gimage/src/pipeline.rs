@@ -1,4 +1,4 @@
-//! The whole build, stage by stage: file -> bundle.
+//! Runs all stages of a build, from a file to a bundle.
 
 use std::path::Path;
 use std::time::Instant;
@@ -33,7 +33,7 @@ use crate::words;
 pub struct Built {
     /// The bundle in memory; write it with [`gimage_bundle::dir::write_dir`].
     pub bundle: Bundle,
-    /// What was done.
+    /// Stages, times and findings.
     pub report: Report,
 }
 
@@ -70,8 +70,8 @@ const HANDED_ON: usize = 8 << 20;
 
 /// Builds a bundle from a garment file. The same file and options give the same bytes whatever the number of threads.
 ///
-/// Errors: whatever the import finds unreadable; [`Error::Empty`] when nothing is left to make a piece of;
-/// [`Error::GridTooSmall`] when an exact size cannot hold a piece's border; [`Error::Cancelled`].
+/// Errors: those of the import; [`Error::Empty`] if no component is large enough to be a piece;
+/// [`Error::GridTooSmall`] if an exact size cannot hold the border of a piece; [`Error::Cancelled`].
 pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Result<Built> {
     options.check()?;
     drop(std::hint::black_box(Vec::<u8>::with_capacity(HANDED_ON)));
@@ -215,7 +215,7 @@ const TOO_LARGE: f64 = 1.5;
 enum Share {
     /// An exact size, whatever the area.
     Exact,
-    /// So many texels.
+    /// A number of texels.
     Texels(u32),
     /// Too few for an image.
     TooSmall,
@@ -265,7 +265,7 @@ fn make(mesh: &Mesh, component: &Component, total: f64, share: Share, options: &
     let mut image = image(&component.name, &surface, seam.as_deref(), &image_options);
     // The last rung of the ladder: where one image does not hold the surface at its size, or comes out poor.
     let fits = |i: &PieceImage, b: u32| i.closed && f64::from(i.width * i.height) <= TOO_LARGE * f64::from(b);
-    // Stretch alone is no reason: parts of a needle are needles.
+    // Stretch alone does not count: parts of a needle are needles.
     let good = |i: &PieceImage, b: u32| fits(i, b) && is_sound(&i.verdict);
     if let Some(b) = texels.filter(|&b| image.as_ref().map_or(true, |i| !good(i, b))) {
         let parts = image_parts(&component.name, &surface, seam.as_deref(), &image_options, b).ok();
@@ -385,7 +385,7 @@ fn nothing_left(path: &Path, mesh: &Mesh, parts: &[Component], options: &BuildOp
     Error::Empty {
         path: path.to_path_buf(),
         problem: format!(
-            "none of {} is large enough to be a piece (the largest has {:.2} % of the area, {:.2} % are asked for)",
+            "none of {} is large enough to be a piece (the largest has {:.2} % of the area, {:.2} % are required)",
             words::counted(parts.len(), "loose part", "loose parts"),
             100.0 * largest / all,
             100.0 * options.component.accessory_area
@@ -407,7 +407,7 @@ fn resolution(mesh: &Mesh) -> Option<Finding> {
         count: 1,
         examples: vec![format!("coordinates up to {far:.3e} m, diagonal {diagonal:.3e} m")],
         message: format!(
-            "The garment is so far from the origin that 32-bit positions are steps of {step:.1e} m; use --center, or move \
+            "The garment is so far from the origin that 32-bit positions are rounded to {step:.1e} m; use --center, or move \
              it to the origin."
         ),
     })
@@ -420,9 +420,14 @@ fn split_up(families: &[Family<'_>]) -> Option<Finding> {
         stage: "image",
         kind: "split",
         count: families.len() as u64,
-        examples: families.iter().take(MAX_EXAMPLES).map(|f| format!("{} in {} parts", f.whole.name, f.count)).collect(),
-        message: "One image does not hold these surfaces at this size: each is several pieces with welded seams between them."
-            .into(),
+        examples: families
+            .iter()
+            .take(MAX_EXAMPLES)
+            .map(|f| format!("{} in {} parts", f.whole.name, f.count))
+            .collect(),
+        message:
+            "One image cannot hold these surfaces at this size; each became several pieces, joined by welded seams."
+                .into(),
     })
 }
 
@@ -437,7 +442,7 @@ fn set_apart(riders: &[Rider<'_>]) -> Option<Finding> {
             .take(MAX_EXAMPLES)
             .map(|r| format!("{} ({}): {}", r.component.name, words::triangles(r.component.triangles.len()), r.reason))
             .collect(),
-        message: "Parts that are no cloth get no image and ride on the nearest piece.".into(),
+        message: "Parts that are too small to be cloth get no image and ride on the nearest piece.".into(),
     })
 }
 
@@ -453,7 +458,7 @@ fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
     };
     let mut out = Vec::new();
     if !image.closed {
-        let text = "The image does not weld to a surface of the piece's own topology; give it more texels.";
+        let text = "The image does not weld to a surface with the topology of the piece; use more texels.";
         out.push(one(Severity::Warning, "topology", 1, text));
     }
     let texels = image.width * image.height;
@@ -469,34 +474,31 @@ fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
         });
     }
     if image.moved > 0 {
-        let text =
-            "Texels beside the end of a cut were sampled a fraction of a texel further in, so that the image welds.";
+        let text = "Texels beside the end of a cut were sampled a fraction of a texel farther inside, so that the image welds.";
         out.push(one(Severity::Note, "moved-texels", image.moved, text));
     }
     match image.fit {
         Some(FitRecord::Failed) => {
             let text =
-                "The least-squares fit broke down; the texels lie where they were sampled. Give other texel counts.";
+                "The least-squares fit failed, and point sampling is used instead. Try another number of texels.";
             out.push(one(Severity::Warning, "fit-failed", 1, text));
         }
         Some(FitRecord::Dropped) => {
-            let text =
-                "The least-squares fit did not come closer than sampling; the texels lie where they were sampled.";
+            let text = "The least-squares fit was no closer than point sampling, which is used instead.";
             out.push(one(Severity::Note, "fit-dropped", 1, text));
         }
         Some(FitRecord::Kept(back)) if back > 0 => {
-            let text = "Texels that the fit moved too far lie where they were sampled.";
+            let text = "Texels that the fit moved too far were reset to their sampled points.";
             out.push(one(Severity::Note, "fit-restrained", back, text));
         }
         _ => {}
     }
     let p = &image.parameterize;
     if p.newton.steps == 0 && !p.newton.converged {
-        let text = "The minimiser could not proceed; the flip-free start stands.";
+        let text = "The minimiser made no progress; the flip-free initial map is used.";
         out.push(one(Severity::Warning, "start-kept", 1, text));
     } else if p.newton.capped {
-        let text =
-            "The minimiser stopped at its cap of work while the map still improved; fewer triangles get further.";
+        let text = "The minimiser reached its work limit while the map still improved; a mesh with fewer triangles converges further.";
         out.push(one(Severity::Note, "work-cap", 1, text));
     } else if !p.newton.converged {
         let text = "The minimiser stopped before it converged; the map is flip-free but could be less distorted.";

@@ -14,7 +14,7 @@ use crate::cloth::Cloth;
 use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
 use crate::shaders::{Slot, source};
 
-/// A whole frame of XPBD in one dispatch: what is compiled into its shader.
+/// A whole frame of XPBD in one dispatch, described by the variants compiled into its shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Fused {
     /// Not [`Air::Field`].
@@ -33,7 +33,7 @@ pub struct Fused {
     pub soft: Soft,
     /// Whether multipliers are summed over several relaxations.
     pub again: bool,
-    /// Anchors a particle.
+    /// Anchors per particle.
     pub slots: u32,
     /// Further rounds of a relaxation.
     pub polish: u32,
@@ -57,14 +57,14 @@ pub struct Fused {
     pub threads: u32,
 }
 
-/// Where a workgroup has the positions of its cloth.
+/// Where a workgroup stores the positions of its cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Hold {
-    /// In its memory, with inverse masses and previous positions: 28 bytes a particle.
+    /// In its memory, with inverse masses and previous positions: 28 bytes per particle.
     Both,
-    /// In its memory, with inverse masses: 16 bytes a particle.
+    /// In its memory, with inverse masses: 16 bytes per particle.
     Wide,
-    /// In its memory, alone: 12 bytes a particle.
+    /// In its memory, alone: 12 bytes per particle.
     Narrow,
     /// In storage. For cloths that are too large, where there are many of them.
     Stored,
@@ -107,7 +107,7 @@ impl Room {
         }
     }
 
-    /// Where a cloth is held, beside so many bytes for other things.
+    /// Where a cloth is held if `beside` bytes of the memory serve other purposes.
     fn hold(&self, particles: usize, beside: u32) -> Hold {
         match self.memory.saturating_sub(beside) as usize / particles.next_multiple_of(64) {
             28.. => Hold::Both,

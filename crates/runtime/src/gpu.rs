@@ -211,8 +211,8 @@ impl Gpu {
     }
 }
 
-/// The limits to ask a device for, so that as many cloths as can be run their whole frame in one dispatch: those of
-/// WebGPU, and what the adapter has beyond them of workgroup memory, threads and storage buffers.
+/// The limits to request a device with, so that as many cloths as possible run whole frames in one dispatch: those of
+/// WebGPU, raised to the workgroup memory, threads and storage buffers of the adapter.
 pub fn device_limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
     let have = adapter.limits();
     wgpu::Limits {

@@ -1,11 +1,26 @@
-//! Steps garments of geometry images as cloth, on the GPU or on the CPU.
+//! Simulates geometry images as cloth, on the GPU (wgpu) or on the CPU.
 //!
-//! A [`Cloth`] comes from a bundle or is flat; a [`Scene`] puts cloths among colliders and wind; a [`Stepper`] moves it.
-//! The host owns device, queue and encoder: [`Stepper::record`] adds a frame's passes to an encoder, and nothing is
-//! submitted, waited for or read back, but for the [`self_check`] of a device at its first use. Every pass has a twin on the CPU with the same results to rounding.
+//! A [`Cloth`] is made from a bundle, or flat. A [`Scene`] has cloths, colliders and wind. A [`Stepper`] steps a scene.
 //!
-//! Without the feature `gpu` (on by default) the crate does not compile wgpu: [`Stepper::on_cpu`] and the CPU backend are
-//! all there is.
+//! The host owns device, queue and encoder. [`Stepper::record`] adds the passes of a frame to an encoder; it does not submit, wait
+//! or read back. The only exception is the [`self_check`] of a device at its first use. Every pass has a twin on the CPU with the
+//! same results to rounding.
+//!
+//! ```
+//! use gimage_runtime::{Flat, Options, Scene, Stepper};
+//!
+//! let mut scene = Scene::new("falling");
+//! scene.cloths.push(Flat::square("square", 9).cloth()?);
+//! let mut stepper = Stepper::on_cpu(scene, Options::default())?;
+//! for _ in 0..60 {
+//!     stepper.advance(1.0 / 60.0)?;
+//! }
+//! let [_, y, _, _] = stepper.positions(0).unwrap_or_default()[0];
+//! assert!((y + 4.9).abs() < 0.1, "fell to {y} m in 1 s");
+//! # Ok::<(), gimage_runtime::Error>(())
+//! ```
+//!
+//! Without the feature `gpu` (on by default) the crate does not compile wgpu: [`Stepper::on_cpu`] and the CPU backend remain.
 
 // Plans of dispatches and the table of shaders have no reader in a build without `gpu`.
 #![cfg_attr(not(feature = "gpu"), allow(dead_code))]

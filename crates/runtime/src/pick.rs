@@ -41,7 +41,7 @@ impl Hit {
     }
 }
 
-/// The nearest triangle of one cloth on the ray from `origin` \[m\] along `direction` (of any length but 0), from either
+/// Finds the nearest triangle of one cloth on the ray from `origin` \[m\] along `direction` (of any length but 0), from either
 /// side; `positions` as [`Stepper::positions`] or read back, `holes` as [`Stepper::holes`]. Costs a look at every
 /// triangle. `cloth` of the hit is 0. Errors on lists of the wrong length, numbers that are not finite and no direction.
 pub fn pick(

@@ -61,15 +61,16 @@ fn image(name: &str, bordered: Bordered, loops: &Loops<'_>, options: &ImageOptio
         .layout;
     let (w, h) = (layout.w, layout.h);
     let on_rim = |v: u32| loops.rim[opened.part.vertex[v as usize] as usize] != NONE;
-    let placed = border
-        .place(&opened.disk, &opened.part.surface, &on_rim, w, h, layout.shift, &layout.count)
-        .ok_or_else(|| fail(name, "border", "the boundary cannot be shared out", "use a larger image"))?;
+    let placed =
+        border.place(&opened.disk, &opened.part.surface, &on_rim, w, h, layout.shift, &layout.count).ok_or_else(
+            || fail(name, "border", "the boundary cannot be distributed over the texels", "use a larger image"),
+        )?;
     let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
     let fixed = disk.boundary_mask();
     let enough = LEAST_TRIANGLES.max((w * h) as usize / 2);
     let record =
         parameterize(disk.shape(&fixed), &mut uv, options.passes, &options.newton, enough).ok_or_else(|| {
-            fail(name, "parameterize", "no map free of flips was found for a part", "remesh the slivers of this piece")
+            fail(name, "parameterize", "no flip-free map was found for a part", "remesh the slivers of this piece")
         })?;
     let samples = resample(&disk, &uv, &texels, w, h)
         .ok_or_else(|| fail(name, "resample", "a texel fell outside the map", "please report it with the input"))?;

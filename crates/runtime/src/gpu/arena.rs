@@ -140,8 +140,8 @@ impl Arena {
         })
     }
 
-    /// Grids with the bounds of diagonals that steps have now. What is recorded with the last ones may not have been submitted
-    /// yet: they stay as they are.
+    /// Grids with the bounds of diagonals that steps have now. Recorded frames that use the last ones may not have been submitted
+    /// yet, so the last ones stay as they are.
     fn follow(&mut self, device: &wgpu::Device, world: &World) {
         let dt = world.clock.dt;
         let cloths = || self.cloths.iter().map(|c| &world.scene.cloths[*c]);

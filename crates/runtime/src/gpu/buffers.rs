@@ -24,11 +24,11 @@ use crate::world::World;
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
 const STEP_STRIDE: u32 = 256;
-/// A frame takes up to two, or [`crate::layout::POSES`] where colliders move; so many can be recorded before the first submission.
+/// A frame takes up to two, or [`crate::layout::POSES`] where colliders move; this number can be recorded before the first submission.
 const STEPS: u32 = 1024;
 
-/// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices, which
-/// cloths may share.
+/// The buffers of a cloth for a vertex shader: arrays of vec4<f32>, one per particle, in buffers for storage and vertices
+/// that cloths may share.
 pub struct ClothBuffers {
     /// Positions \[m\] now; w is 1/mass, 0 for pinned, -1 for no particle.
     pub now: Span,
@@ -41,7 +41,7 @@ pub struct ClothBuffers {
     /// (i + 1, j + 1), bit 1 is (i, j), (i + 1, j + 1), (i + 1, j). A quad of three particles has one, bit 0.
     pub holes: Option<Span>,
     /// Eight u32 in a buffer for storage: particles at fault in the last frame, frames taken back, one more than the last
-    /// particle at fault, and what is of no use to a host. None for the classic solver and where the CPU steps.
+    /// particle at fault, and what is unused to a host. None for the classic solver and where the CPU steps.
     pub faults: Option<Span>,
     good: Option<Span>,
     pub(super) lost: Option<Span>,
@@ -81,7 +81,7 @@ impl ClothBuffers {
     ) -> Result<Self> {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        // No other buffer of a cloth has more bytes a particle.
+        // No other buffer of a cloth has more bytes per particle.
         let cells = if cloth.membrane().is_some() { 32 } else { 0 };
         for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64), ("cells", cells)] {
             let need = cloth.len() as u64 * bytes;

@@ -12,12 +12,14 @@ use crate::self_check::{decide, self_check};
 use crate::world::World;
 
 impl Stepper {
-    /// Takes a scene over. `gpu` is the host's device and queue, if it has any: with them, positions and normals lie in
+    /// Makes a stepper for a scene. `gpu` is the host's device and queue, if it has them: then positions and normals lie in
     /// buffers on either backend ([`Stepper::buffers`]). Errors on settings out of range, on [`Backend::Gpu`] without a
     /// device, and where a cloth does not fit the device.
     ///
-    /// The first stepper on a device runs its [`self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. A
-    /// device that fails is left alone by [`Backend::Auto`], and used by [`Backend::Gpu`]; [`Stepper::warnings`] says why.
+    /// The first stepper on a device runs its [`self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. [`Backend::Auto`]
+    /// does not use a device that fails, [`Backend::Gpu`] does; [`Stepper::warnings`] has the reason.
+    ///
+    /// Compiles the pipelines that a frame runs, unless another stepper on the device has them ([`Stepper::compiled`]).
     pub fn new(scene: Scene, options: Options, gpu: Option<(&wgpu::Device, &wgpu::Queue)>) -> Result<Self> {
         let mut warning = None;
         let mut options = options;
