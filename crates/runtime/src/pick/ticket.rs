@@ -52,7 +52,7 @@ impl PickTicket {
 
 impl Stepper {
     /// Records the same search on the GPU, in positions as they are at that place of the encoder. Two dispatches and
-    /// three small buffers a cloth; nothing is read back until the host asks the ticket. On the CPU backend the ticket
+    /// three small buffers per cloth; nothing is read back until the host asks the ticket. On the CPU backend the ticket
     /// knows the answer at once. Errors on numbers that are not finite, no direction, and no device.
     pub fn record_pick(
         &mut self,
