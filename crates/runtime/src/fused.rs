@@ -158,7 +158,29 @@ impl Fused {
                 Pass::Normals { .. } => fused.normals = true,
                 Pass::Strain { image, soft } => (fused.strain, fused.image, fused.soft) = (true, image, soft),
                 Pass::Speed => fused.watch = true,
-                _ => {}
+                // Implied by the others, or beyond the shader, whose schedule then differs.
+                Pass::Wind { .. }
+                | Pass::Moments { .. }
+                | Pass::SeamMoments
+                | Pass::Springs { .. }
+                | Pass::Forget
+                | Pass::Pyramid { .. }
+                | Pass::Refine { .. }
+                | Pass::SeamSteps
+                | Pass::Colliders(_)
+                | Pass::Guard
+                | Pass::Restore
+                | Pass::SeamNormals
+                | Pass::Fastest
+                | Pass::Tile(_)
+                | Pass::Fused(_)
+                | Pass::Cut
+                | Pass::CutSprings
+                | Pass::CutTethers { .. }
+                | Pass::CutLevels
+                | Pass::Transform
+                | Pass::Pick { .. }
+                | Pass::PickNearest => {}
             }
         }
         fused.polish = fused.rounds(schedule).saturating_sub(1);
