@@ -5,6 +5,7 @@
 //! out which texel each one is. Hosts with a renderer of their own read [`crate::ClothBuffers`] in their own shader.
 
 mod camera;
+#[cfg(feature = "gpu")]
 mod device;
 mod look;
 mod mesh;
@@ -13,6 +14,7 @@ mod shader;
 mod software;
 
 pub use camera::{Camera, View};
+#[cfg(feature = "gpu")]
 pub use device::{Draw, Target};
 pub use look::{Look, uv_of};
 pub use software::Software;

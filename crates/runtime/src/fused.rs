@@ -6,7 +6,9 @@
 
 mod batches;
 
-pub use batches::{Batch, arenas, room_of};
+pub use batches::arenas;
+#[cfg(feature = "gpu")]
+pub use batches::{Batch, room_of};
 
 use crate::cloth::Cloth;
 use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
@@ -90,6 +92,7 @@ const LEAST: u32 = 64;
 
 impl Room {
     /// That of a device.
+    #[cfg(feature = "gpu")]
     pub fn of(device: &wgpu::Device) -> Self {
         let limits = device.limits();
         let most = limits.max_compute_invocations_per_workgroup.min(limits.max_compute_workgroup_size_x);
@@ -155,7 +158,29 @@ impl Fused {
                 Pass::Normals { .. } => fused.normals = true,
                 Pass::Strain { image, soft } => (fused.strain, fused.image, fused.soft) = (true, image, soft),
                 Pass::Speed => fused.watch = true,
-                _ => {}
+                // Implied by the others, or beyond the shader, whose schedule then differs.
+                Pass::Wind { .. }
+                | Pass::Moments { .. }
+                | Pass::SeamMoments
+                | Pass::Springs { .. }
+                | Pass::Forget
+                | Pass::Pyramid { .. }
+                | Pass::Refine { .. }
+                | Pass::SeamSteps
+                | Pass::Colliders(_)
+                | Pass::Guard
+                | Pass::Restore
+                | Pass::SeamNormals
+                | Pass::Fastest
+                | Pass::Tile(_)
+                | Pass::Fused(_)
+                | Pass::Cut
+                | Pass::CutSprings
+                | Pass::CutTethers { .. }
+                | Pass::CutLevels
+                | Pass::Transform
+                | Pass::Pick { .. }
+                | Pass::PickNearest => {}
             }
         }
         fused.polish = fused.rounds(schedule).saturating_sub(1);

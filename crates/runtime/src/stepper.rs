@@ -1,18 +1,19 @@
 //! Steps a scene, frame by frame.
 
+#[cfg(feature = "gpu")]
+mod device;
+
 use crate::clock::Progress;
 use crate::cloth::Cloth;
 use crate::collider::Collider;
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
-use crate::fused::Room;
-use crate::gpu::{ClothBuffers, Gpu};
+use crate::gpu::Gpu;
 use crate::options::{Backend, Options, Solver};
 use crate::plan::Plan;
 use crate::quality::Chooser;
 use crate::scene::Scene;
-use crate::self_check::{decide, self_check};
 use crate::wind::Wind;
 use crate::world::World;
 
@@ -25,72 +26,20 @@ pub struct Stepper {
 }
 
 impl Stepper {
-    /// Makes a stepper for a scene. `gpu` is the host's device and queue, if it has them: then positions and normals lie in
-    /// buffers on either backend ([`Stepper::buffers`]). Errors on settings out of range, on [`Backend::Gpu`] without a
-    /// device, and where a cloth does not fit the device.
-    ///
-    /// The first stepper on a device runs its [`self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. [`Backend::Auto`]
-    /// does not use a device that fails, [`Backend::Gpu`] does; [`Stepper::warnings`] has the reason.
-    pub fn new(scene: Scene, options: Options, gpu: Option<(&wgpu::Device, &wgpu::Queue)>) -> Result<Self> {
-        let mut warning = None;
-        let mut options = options;
-        if let Some((device, queue)) = gpu.filter(|_| options.backend != Backend::Cpu) {
-            let (on_cpu, found) = decide(options.backend, Some(&self_check(device, queue)))?;
-            options.backend = if on_cpu { Backend::Cpu } else { options.backend };
-            warning = found;
+    /// Makes a stepper for a scene on the CPU backend, without buffers: [`Stepper::advance`] steps it. Errors
+    /// on settings out of range and on [`Backend::Gpu`].
+    pub fn on_cpu(scene: Scene, options: Options) -> Result<Self> {
+        if options.backend == Backend::Gpu {
+            return Err(Error::NoGpu("Backend::Gpu"));
         }
-        let mut stepper = Stepper::unchecked(scene, options, gpu)?;
-        stepper.world.warnings.splice(..0, warning);
-        Ok(stepper)
-    }
-
-    /// The same without a self-check, which itself needs it.
-    pub(crate) fn unchecked(
-        scene: Scene,
-        options: Options,
-        gpu: Option<(&wgpu::Device, &wgpu::Queue)>,
-    ) -> Result<Self> {
-        let mut world = World::new(scene, options)?;
-        let on_cpu = match world.options.backend {
-            Backend::Cpu => true,
-            Backend::Auto => gpu.is_none(),
-            Backend::Gpu if gpu.is_none() => return Err(Error::NoGpu("Backend::Gpu")),
-            Backend::Gpu => false,
-        };
-        let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.options.threads)?)) } else { None };
-        if let (false, Some((device, _))) = (on_cpu, gpu) {
-            world.make_room(Room::of(device));
-        }
-        let gpu = gpu.map(|(device, queue)| Gpu::new(&world, device, queue, on_cpu)).transpose()?;
-        Ok(Stepper { world, cpu, gpu })
+        let world = World::new(scene, options)?;
+        let threads = Threads::new(world.options.threads)?;
+        Ok(Stepper { cpu: Some((world.bodies(), threads)), gpu: None, world })
     }
 
     /// The backend that runs: `Gpu` or `Cpu`.
     pub fn backend(&self) -> Backend {
         if self.cpu.is_some() { Backend::Cpu } else { Backend::Gpu }
-    }
-
-    /// Records a frame of `dt` \[s\] of the host's time: as many steps as are due, then normals. On the CPU backend the
-    /// steps are made at once, and the result is written to the buffers by the queue. Needs a device.
-    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
-        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
-        self.world.choose();
-        let progress = self.world.clock.frame(dt);
-        if progress.steps == 0 && self.world.actions.is_empty() {
-            return Ok(progress);
-        }
-        match &mut self.cpu {
-            Some((bodies, threads)) => {
-                self.world.act(bodies, threads);
-                self.world.run(bodies, threads, progress.steps);
-                gpu.upload(bodies, &self.world.asleep);
-            }
-            None => {
-                gpu.act(&mut self.world, encoder);
-                gpu.record(&mut self.world, encoder, progress.steps);
-            }
-        }
-        Ok(progress)
     }
 
     /// Makes the steps that are due after `dt` \[s\] of the host's time, without a device. CPU backend only.
@@ -154,11 +103,6 @@ impl Stepper {
     /// the device comes first.
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
         self.world.warnings.iter().chain(&self.world.raised).cloned().collect()
-    }
-
-    /// The buffers that a vertex shader reads. `None` without a device and for a cloth that does not exist.
-    pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
-        self.gpu.as_ref()?.buffers(cloth)
     }
 
     /// Replaces all colliders. Costs one upload of 80 bytes per collider, for each pair of thickness and friction of the cloths, and

@@ -1,5 +1,8 @@
 //! Crumpled cloth: what diagonal springs do has a bound, so that folds which cross come undone.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

@@ -1,5 +1,8 @@
 //! Whole frames in one dispatch against the passes that they are made of, and cloths that share it.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use std::collections::HashSet;

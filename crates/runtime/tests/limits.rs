@@ -1,5 +1,8 @@
 //! What one relaxation a step in f32 cannot do, and what is made of it instead.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

@@ -1,5 +1,8 @@
 //! An error target sets the number of substeps, and a change of the number does not push the cloth.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

@@ -1,5 +1,8 @@
 //! Cloth falls asleep when it is at rest, costs nothing then, and wakes on any change.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

@@ -1,5 +1,8 @@
 //! Tiles of large cloths against the passes that they are made of.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

@@ -306,7 +306,24 @@ impl<T: Real> Fabric<T> {
                 self.sheets.iter_mut().for_each(|s| contact::run(threads, s, &posed, step.dt));
             }
             // Passes of the classic solver, and those of a frame, which are made from texels.
-            _ => {}
+            Pass::Springs { .. }
+            | Pass::Colliders(_)
+            | Pass::Guard
+            | Pass::Restore
+            | Pass::Normals { .. }
+            | Pass::SeamNormals
+            | Pass::Speed
+            | Pass::Fastest
+            | Pass::Strain { .. }
+            | Pass::Tile(_)
+            | Pass::Fused(_)
+            | Pass::Cut
+            | Pass::CutSprings
+            | Pass::CutTethers { .. }
+            | Pass::CutLevels
+            | Pass::Transform
+            | Pass::Pick { .. }
+            | Pass::PickNearest => {}
         }
     }
 

@@ -14,7 +14,7 @@ use crate::cloth::Cloth;
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
 use crate::gpu::Span;
-use crate::gpu::layout::GridRow;
+use crate::layout::GridRow;
 use crate::shaders::Slot;
 use crate::stepper::Stepper;
 

@@ -3,8 +3,8 @@
 use bytemuck::cast_slice;
 use wgpu::{Buffer, BufferUsages};
 
-use super::layout::{FrameRow, POSES, StepRow};
 use crate::cloth::Cloth;
+use crate::layout::{FrameRow, POSES, StepRow};
 use crate::step::Step;
 use crate::world::World;
 

@@ -4,8 +4,8 @@ use bytemuck::{Zeroable, cast_slice};
 use wgpu::{Buffer, BufferUsages};
 
 use super::buffers::upload;
-use super::layout::SolidRow;
 use super::span::Span;
+use crate::layout::SolidRow;
 use crate::world::World;
 
 /// All lists in one buffer.
