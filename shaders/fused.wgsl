@@ -99,12 +99,12 @@ fn end_all(job: Job, local: u32) {
     now[k] = p;
     give_was(k, p.w);
     if (p.w >= 0.0 && !sane(p)) {
-      atomicAdd(&faults[64u * row], 1u);
-      atomicMax(&faults[64u * row + 2u], k - job.first + 1u);
+      atomicAdd(&faults[FAULT_STRIDE * row + FAULT_PARTICLES], 1u);
+      atomicMax(&faults[FAULT_STRIDE * row + FAULT_LAST], k - job.first + 1u);
     }
   }
   storageBarrier();
-  let faulty = atomicLoad(&faults[64u * row]) > 0u;
+  let faulty = atomicLoad(&faults[FAULT_STRIDE * row + FAULT_PARTICLES]) > 0u;
   for (var k = job.first + local; k < job.first + job.count; k += threads) {
     let p = now[k];
     if (faulty) {
@@ -116,7 +116,7 @@ fn end_all(job: Job, local: u32) {
     }
   }
   if (local == 0u && faulty) {
-    atomicAdd(&faults[64u * row + 1u], 1u);
+    atomicAdd(&faults[FAULT_STRIDE * row + FAULT_FRAMES], 1u);
   }
   storageBarrier();
 }
@@ -131,9 +131,9 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     take_was(k);
   }
   if (local == 0u) {
-    atomicStore(&faults[64u * row], 0u);
-    atomicStore(&faults[64u * row + 4u], 0u);
-    atomicStore(&faults[64u * row + 5u], 0u);
+    atomicStore(&faults[FAULT_STRIDE * row + FAULT_PARTICLES], 0u);
+    atomicStore(&faults[FAULT_STRIDE * row + FAULT_SPEED], 0u);
+    atomicStore(&faults[FAULT_STRIDE * row + FAULT_STRAIN], 0u);
   }
   storageBarrier();
   sync();

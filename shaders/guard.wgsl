@@ -15,7 +15,7 @@ fn main(
   }
   let p = now[k];
   if (p.w >= 0.0 && !sane(p)) {
-    atomicAdd(&faults[0], 1u);
-    atomicMax(&faults[2], k + 1u);
+    atomicAdd(&faults[FAULT_PARTICLES], 1u);
+    atomicMax(&faults[FAULT_LAST], k + 1u);
   }
 }

@@ -4,7 +4,6 @@
 @group(0) @binding(13) var<storage, read_write> candidates: array<vec4<u32>>;
 
 // An edge belongs to both of its triangles, so that no ray slips through between them.
-const EDGE = 1e-6;
 
 fn meet(corners: vec3<u32>, code: u32) -> vec4<u32> {
   let a = now[corners.x].xyz;

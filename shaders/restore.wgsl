@@ -14,12 +14,12 @@ fn main(
   if (k >= arrayLength(&now)) {
     return;
   }
-  if (faults[0] == 0u) {
+  if (faults[FAULT_PARTICLES] == 0u) {
     good[k] = now[k];
     return;
   }
   if (k == 0u) {
-    faults[1] = faults[1] + 1u;
+    faults[FAULT_FRAMES] = faults[FAULT_FRAMES] + 1u;
   }
   let p = now[k];
   let at = good[k].xyz;

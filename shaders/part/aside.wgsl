@@ -1,7 +1,5 @@
 // A way out for springs that have almost no length: from the number of its texel, it looks random, and is always the same.
 // See crates/runtime/src/cpu/aside.rs.
-const SHORT: f32 = 0.1;
-const ASIDE: f32 = 1e-4;
 
 fn way(texel: u32) -> vec3<f32> {
   let state = texel * 747796405u + 2891336453u;

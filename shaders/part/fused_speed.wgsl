@@ -8,5 +8,5 @@ fn speed_all(job: Job, local: u32) {
       far = larger(far, dot(d, d));
     }
   }
-  atomicMax(&faults[64u * row + 4u], bitcast<u32>(far));
+  atomicMax(&faults[FAULT_STRIDE * row + FAULT_SPEED], bitcast<u32>(far));
 }

@@ -13,5 +13,5 @@ fn strain_all(job: Job, local: u32) {
       }
     }
   }
-  atomicMax(&faults[64u * row + 5u], bitcast<u32>(far));
+  atomicMax(&faults[FAULT_STRIDE * row + FAULT_STRAIN], bitcast<u32>(far));
 }

@@ -9,8 +9,6 @@ override slots: u32 = 1u;
 // A distance that nothing reaches.
 const FAR: f32 = 0x1.fffffep+127f;
 const NONE: u32 = 0xffffffffu;
-// No particle is nearer.
-const UNSUPPORTED: u32 = 0xfffffffeu;
 
 // The triangles around a texel, each quad split both ways: two of the circle, and the spring between them as the one of
 // the two that stores it and its place there.

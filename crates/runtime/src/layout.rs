@@ -90,6 +90,30 @@ pub struct LinkRow {
     pub mass: f32,
 }
 
+/// The counters of a cloth in the buffer `faults`, which belongs to every frame of XPBD. Shaders know each by its index
+/// (`FAULT_...`, see crates/runtime/src/shaders/constants.rs).
+#[repr(C)]
+pub struct FaultRow {
+    /// Particles at fault in the last frame.
+    pub particles: u32,
+    /// Frames taken back.
+    pub frames: u32,
+    /// One more than the last particle at fault.
+    pub last: u32,
+    pub unused: u32,
+    /// The largest squared displacement of a whole frame, as the bits of an f32.
+    pub speed: u32,
+    /// The largest stretch of a whole frame, as the bits of an f32.
+    pub strain: u32,
+}
+
+/// Bytes of [`FaultRow`] and what a host may bind beside it.
+pub const FAULT_BYTES: usize = 32;
+/// Distance of the counters of two cloths that share buffers \[u32\]: that of bindings.
+pub const FAULT_STRIDE: u32 = 64;
+/// Where the notes of a workgroup without room in its memory begin, behind the counters.
+pub const FAULT_NOTES: u32 = 8;
+
 impl From<&Step<f64>> for StepRow {
     fn from(step: &Step<f64>) -> Self {
         let Step { gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, left } =

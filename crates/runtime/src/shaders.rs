@@ -5,6 +5,7 @@ use crate::cpu::tile::tiles;
 use crate::passes::{Air, Kinds, Pass, Soft};
 use crate::tile::TileShape;
 
+mod constants;
 mod slot;
 
 pub use slot::{Bound, Slot};
@@ -425,7 +426,7 @@ pub fn list(count: usize) -> [u32; 3] {
 impl Source {
     /// The whole text.
     pub fn text(&self) -> String {
-        self.files.concat()
+        [&[constants::text()], &self.files[..]].concat().concat()
     }
 
     /// Workgroups to dispatch for a cloth.

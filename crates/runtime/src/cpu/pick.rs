@@ -13,7 +13,7 @@ pub struct Candidate<T> {
 }
 
 /// An edge belongs to both of its triangles, so that no ray slips through between them.
-const EDGE: f64 = 1e-6;
+pub const EDGE: f64 = 1e-6;
 
 /// The nearest triangle of each row of one grid whose first particle is `first`.
 pub fn run<T: Real>(view: View<T>, first: u32, origin: V3<T>, direction: V3<T>) -> Vec<Candidate<T>> {

@@ -2,6 +2,8 @@
 
 mod relax;
 
+pub use relax::TORN;
+
 use super::lanes::{Machine, Work, widest};
 use super::real::Real;
 use super::rows::Threads;

@@ -11,12 +11,9 @@ use super::span::Span;
 use crate::cloth::{Compliance, Rest};
 use crate::cpu::body::Body;
 use crate::fused::{Batch, Fused, room_of};
-use crate::layout::{JobRow, StepRow};
+use crate::layout::{FAULT_BYTES, FAULT_STRIDE, JobRow, StepRow};
 use crate::shaders::Slot;
 use crate::world::World;
-
-/// Distance of the faults of two cloths \[u32\]; that of bindings.
-const FAULTS: usize = 64;
 
 /// Buffers of several cloths, one after the other.
 pub(super) struct Arena {
@@ -97,7 +94,10 @@ impl Arena {
             (Slot::Before, upload(device, "before", &before, DRAWN)),
             (Slot::Normals, upload(device, "normals", &normals, DRAWN)),
             (Slot::Grids, upload(device, "grids", &grids, none)),
-            (Slot::Faults, upload(device, "faults", &vec![0u32; FAULTS * jobs.len()], BufferUsages::COPY_SRC)),
+            (
+                Slot::Faults,
+                upload(device, "faults", &vec![0u32; FAULT_STRIDE as usize * jobs.len()], BufferUsages::COPY_SRC),
+            ),
         ]);
         let lists = [(Slot::Rest, rest), (Slot::Soft, soft), (Slot::Cells, cells), (Slot::Yielding, yielding)];
         for (slot, list) in lists.into_iter().chain([(Slot::Weights, weights)]).filter(|l| !l.1.is_empty()) {
@@ -134,7 +134,7 @@ impl Arena {
                 normals: list(Slot::Normals),
                 good: Some(list(Slot::Good)),
                 lost: self.buffers.contains_key(&Slot::Lost).then(|| list(Slot::Lost)),
-                faults: Some(part(Slot::Faults, 4 * FAULTS * job.row as usize, 32)),
+                faults: Some(part(Slot::Faults, 4 * (FAULT_STRIDE * job.row) as usize, FAULT_BYTES)),
             };
             (*cloth, spans)
         })

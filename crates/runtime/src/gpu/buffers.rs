@@ -1,6 +1,7 @@
 //! The buffers of a cloth.
 
 use std::collections::HashMap;
+use std::mem::offset_of;
 
 use bytemuck::{Pod, bytes_of, cast_slice};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -15,7 +16,7 @@ use crate::gpu::levels;
 use crate::gpu::pipelines::Pipeline;
 use crate::gpu::span::Span;
 use crate::gpu::turns;
-use crate::layout::{GridRow, StepRow};
+use crate::layout::{FAULT_BYTES, FaultRow, GridRow, StepRow};
 use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
 use crate::passes::{Soft, has_levels, soft_of};
@@ -95,7 +96,8 @@ impl ClothBuffers {
             now: list("now", body.now()),
             before: list("before", body.before()),
             normals: list("normals", &body.normals),
-            faults: guarded.then(|| upload(device, "faults", &[0u32; 8], BufferUsages::COPY_SRC).into()),
+            faults: guarded
+                .then(|| upload(device, "faults", &[0u8; FAULT_BYTES], BufferUsages::COPY_SRC).into()),
             good: guarded.then(|| upload(device, "good", body.now(), BufferUsages::empty()).into()),
             lost: (guarded && cloth.is_exact())
                 .then(|| upload(device, "lost", &vec![[0f32; 4]; cloth.len()], BufferUsages::empty()).into()),
@@ -265,7 +267,7 @@ impl ClothBuffers {
     /// The largest squared displacement of the last frame, where cloth may fall asleep.
     pub(super) fn fastest(&self, fused: bool) -> Option<(&Buffer, u64)> {
         if fused {
-            return self.faults.as_ref().map(|f| (&f.buffer, f.offset + 16));
+            return self.faults.as_ref().map(|f| (&f.buffer, f.offset + offset_of!(FaultRow, speed) as u64));
         }
         self.others.get(&Slot::Fastest).map(|b| (b, 0))
     }
@@ -273,7 +275,7 @@ impl ClothBuffers {
     /// The largest residual of springs in the last frame, where that is measured.
     pub(super) fn strain(&self, fused: bool) -> Option<(&Buffer, u64)> {
         if fused {
-            return self.faults.as_ref().map(|f| (&f.buffer, f.offset + 20));
+            return self.faults.as_ref().map(|f| (&f.buffer, f.offset + offset_of!(FaultRow, strain) as u64));
         }
         self.others.get(&Slot::Strain).map(|b| (b, 0))
     }

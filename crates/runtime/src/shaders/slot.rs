@@ -1,7 +1,7 @@
 //! What shaders bind.
 
 use crate::cloth::Cloth;
-use crate::layout::{FrameRow, JobRow, LinkRow};
+use crate::layout::{FAULT_BYTES, FrameRow, JobRow, LinkRow};
 
 /// What can be bound. The number is the binding in every shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -118,7 +118,7 @@ impl Slot {
             Slot::Members => members.len() * 4,
             Slot::Solids => colliders * 80,
             // Of which a pass of its own uses the first 16 bytes.
-            Slot::Faults => 32,
+            Slot::Faults => FAULT_BYTES,
             Slot::Frame => size_of::<FrameRow>(),
             Slot::Jobs => size_of::<JobRow>(),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,

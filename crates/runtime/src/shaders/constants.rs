@@ -1,0 +1,71 @@
+//! Numbers that shaders and Rust share, as one WGSL part that is made from Rust.
+
+use std::fmt::Write as _;
+use std::mem::offset_of;
+use std::sync::LazyLock;
+
+use crate::cpu::{aside, guard, pick, route, stretch};
+use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
+
+/// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
+const FLOATS: [(&str, f64); 5] = [
+    ("FARTHEST", guard::FARTHEST),
+    ("SHORT", aside::SHORT),
+    ("ASIDE", aside::ASIDE),
+    ("TORN", stretch::TORN),
+    ("EDGE", pick::EDGE),
+];
+
+/// u32 constants. `FAULT_...` are indices into the counters of a cloth.
+const NUMBERS: [(&str, usize); 8] = [
+    ("UNSUPPORTED", route::UNSUPPORTED as usize),
+    ("FAULT_PARTICLES", offset_of!(FaultRow, particles) / 4),
+    ("FAULT_FRAMES", offset_of!(FaultRow, frames) / 4),
+    ("FAULT_LAST", offset_of!(FaultRow, last) / 4),
+    ("FAULT_SPEED", offset_of!(FaultRow, speed) / 4),
+    ("FAULT_STRAIN", offset_of!(FaultRow, strain) / 4),
+    ("FAULT_NOTES", FAULT_NOTES as usize),
+    ("FAULT_STRIDE", FAULT_STRIDE as usize),
+];
+
+// The notes begin behind the counters.
+const _: () = assert!(size_of::<FaultRow>() <= 4 * FAULT_NOTES as usize);
+
+/// The part, which every shader begins with. Constants that a shader does not use cost it nothing.
+pub fn text() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(|| {
+        let mut text = String::new();
+        for (name, value) in FLOATS {
+            _ = writeln!(text, "const {name}: f32 = {:?};", value as f32);
+        }
+        for (name, value) in NUMBERS {
+            _ = writeln!(text, "const {name}: u32 = {value}u;");
+        }
+        text
+    });
+    &TEXT
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every constant, as a shader reads it.
+    #[test]
+    fn shaders_read_the_bits_of_rust() {
+        let module = naga::front::wgsl::parse_str(text()).unwrap();
+        let value = |name: &str| {
+            let (_, found) = module.constants.iter().find(|c| c.1.name.as_deref() == Some(name)).unwrap();
+            match module.global_expressions[found.init] {
+                naga::Expression::Literal(literal) => literal,
+                ref other => panic!("{name}: {other:?}"),
+            }
+        };
+        for (name, expected) in FLOATS {
+            assert_eq!(value(name), naga::Literal::F32(expected as f32), "{name}");
+        }
+        for (name, expected) in NUMBERS {
+            assert_eq!(value(name), naga::Literal::U32(expected as u32), "{name}");
+        }
+    }
+}
