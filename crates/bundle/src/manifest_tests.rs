@@ -1,4 +1,5 @@
 use super::*;
+use crate::error::Error;
 
 pub(crate) fn sample() -> Manifest {
     let mut manifest = Manifest::new("gimage 0.1.0");
