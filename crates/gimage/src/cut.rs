@@ -5,7 +5,9 @@
 //! between two far points, and extra terminals are reached by shortest paths (Gu, Gortler, Hoppe 2002). Orientability
 //! is not needed: what is counted is homology over Z/2.
 
-use crate::graph::{EdgeGraph, Nearest, Paths};
+use gimage_bundle::DisjointSets;
+
+use crate::graph::{EdgeGraph, Paths, Wave};
 use crate::halfedge;
 use crate::order;
 use crate::surface::Surface;
@@ -43,7 +45,7 @@ struct Growing<'a> {
 }
 
 impl Growing<'_> {
-    fn add(&mut self, paths: &Paths, end: u32) {
+    fn add(&mut self, paths: &Wave, end: u32) {
         for (v, e) in paths.back(end) {
             self.tree[v as usize] = true;
             if e != crate::graph::NONE && !self.graph.is_boundary(e as usize) {
@@ -106,9 +108,10 @@ impl<'a> Cutter<'a> {
             if self.handles() == 0 {
                 let (a, b) = self.far_pair(cost);
                 (keep[a as usize], keep[b as usize]) = (true, true);
-                let paths = Paths::new(graph, cost, [a], |v| v == b);
-                grow.add(&paths, b);
-                if paths.via[b as usize].0 == a {
+                let mut paths = Paths::new(graph, cost, [a]);
+                paths.next(|v| v == b);
+                grow.add(&paths.wave, b);
+                if paths.wave.via[b as usize].0 == a {
                     // A slit of one edge does not open: its two sides would have the same two ends.
                     let others = graph.neighbours(b).iter().filter(|x| x.0 != a);
                     if let Some(&(c, e)) = others.min_by(|x, y| cost[x.1 as usize].total_cmp(&cost[y.1 as usize])) {
@@ -128,9 +131,9 @@ impl<'a> Cutter<'a> {
             keep[t as usize] = true;
             if !grow.tree[t as usize] {
                 // From the terminal outwards: it is near the tree more often than not.
-                let paths = Paths::new(graph, cost, [t], |v| grow.tree[v as usize]);
-                if let Some(hit) = paths.hit {
-                    grow.add(&paths, hit);
+                let mut paths = Paths::new(graph, cost, [t]);
+                if let Some(hit) = paths.next(|v| grow.tree[v as usize]) {
+                    grow.add(&paths.wave, hit);
                 }
             }
         }
@@ -151,7 +154,7 @@ impl<'a> Cutter<'a> {
             .unwrap_or(0);
         let mut b = a;
         for _ in 0..3 {
-            let far = Paths::new(&self.graph, cost, [b], |_| false).farthest().unwrap_or(b);
+            let far = Paths::all(&self.graph, cost, [b]).farthest().unwrap_or(b);
             (a, b) = (b, far);
         }
         (a, b)
@@ -164,16 +167,16 @@ impl<'a> Cutter<'a> {
             l.iter().for_each(|&v| loop_of[v as usize] = k as u32);
         }
         let mut done = vec![false; self.loops.len()];
-        let mut near = Nearest::new(&self.graph, cost);
+        let mut near = Paths::new(&self.graph, cost, []);
         let mut take = 0usize;
         for _ in 1..self.loops.len() {
             done[take] = true;
-            self.loops[take].iter().for_each(|&v| near.source(v));
+            self.loops[take].iter().for_each(|&v| near.wave.source(v));
             let open = |v: u32| loop_of[v as usize] != u32::MAX && !done[loop_of[v as usize] as usize];
             let Some(hit) = near.next(open) else { break };
-            grow.add(&near.paths, hit);
-            for (v, _) in near.paths.back(hit) {
-                near.source(v);
+            grow.add(&near.wave, hit);
+            for (v, _) in near.wave.back(hit) {
+                near.wave.source(v);
             }
             take = loop_of[hit as usize] as usize;
         }
@@ -185,7 +188,7 @@ impl<'a> Cutter<'a> {
     fn open_handles(&self, cost: &[f64], grow: &mut Growing<'_>) {
         let graph = &self.graph;
         let sources: Vec<u32> = grow.members().collect();
-        let paths = Paths::new(graph, cost, sources, |_| false);
+        let paths = Paths::all(graph, cost, sources);
         let mut primal = grow.edges.clone();
         for (e, p) in primal.iter_mut().enumerate() {
             *p |= graph.is_boundary(e);
@@ -204,22 +207,12 @@ impl<'a> Cutter<'a> {
             })
             .collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let mut parent: Vec<u32> = (0..self.surface.triangles.len() as u32).collect();
-        fn find(parent: &mut [u32], mut x: u32) -> u32 {
-            while parent[x as usize] != x {
-                parent[x as usize] = parent[parent[x as usize] as usize];
-                x = parent[x as usize];
-            }
-            x
-        }
+        let mut sets = DisjointSets::new(self.surface.triangles.len());
         let mut left = Vec::new();
         for (_, e) in order {
             let [a, b] = graph.halves[e as usize].map(|h| h / 3);
-            let (x, y) = (find(&mut parent, a), find(&mut parent, b));
-            if x == y {
+            if !sets.union(a, b) {
                 left.push(e);
-            } else {
-                parent[x as usize] = y;
             }
         }
         for e in left {
@@ -236,7 +229,7 @@ impl<'a> Cutter<'a> {
         let n = self.graph.vertices();
         let mut roots = vec![self.far_pair(cost).0];
         while roots.len() < ROOTS.min(n) {
-            let paths = Paths::new(&self.graph, cost, roots.iter().copied(), |_| false);
+            let paths = Paths::all(&self.graph, cost, roots.iter().copied());
             match paths.farthest() {
                 Some(v) if !roots.contains(&v) => roots.push(v),
                 _ => break,

@@ -1,5 +1,7 @@
 //! A cut surface as a topological disk: vertices split along the cut, triangles turned one way, one boundary loop.
 
+use gimage_bundle::DisjointSets;
+
 use crate::cut::{Cut, Cutter};
 use crate::halfedge::{self, BOUNDARY, next, origin, target};
 use crate::parameterize::Shape;
@@ -65,35 +67,28 @@ pub(crate) fn open(cutter: &Cutter<'_>, cut: &Cut) -> Result<Disk, NotADisk> {
         }
     }
     // Corners that stay together, as sets.
-    let mut set: Vec<u32> = (0..3 * triangles.len() as u32).collect();
-    fn find(set: &mut [u32], mut x: u32) -> u32 {
-        while set[x as usize] != x {
-            set[x as usize] = set[set[x as usize] as usize];
-            x = set[x as usize];
-        }
-        x
-    }
-    for h in 0..set.len() as u32 {
+    let corner_count = 3 * triangles.len();
+    let mut sets = DisjointSets::new(corner_count);
+    for h in 0..corner_count as u32 {
         let w = uncut(h);
         if w == BOUNDARY || w < h {
             continue;
         }
         let same = origin(&surface.triangles, h) == origin(&surface.triangles, w);
         for (a, b) in if same { [(h, w), (next(h), next(w))] } else { [(h, next(w)), (next(h), w)] } {
-            let (x, y) = (find(&mut set, a), find(&mut set, b));
-            set[x.max(y) as usize] = x.min(y);
+            sets.union(a, b);
         }
     }
-    let (mut vertex, mut origins) = (vec![NONE; set.len()], Vec::new());
-    for c in 0..set.len() as u32 {
-        let r = find(&mut set, c);
+    let (mut vertex, mut origins) = (vec![NONE; corner_count], Vec::new());
+    for c in 0..corner_count as u32 {
+        let r = sets.find(c);
         if r == c {
             vertex[c as usize] = origins.len() as u32;
             origins.push(surface.triangles[c as usize / 3][c as usize % 3]);
         }
     }
     for (t, tri) in triangles.iter_mut().enumerate() {
-        *tri = [0, 1, 2].map(|k| vertex[find(&mut set, 3 * t as u32 + k) as usize]);
+        *tri = [0, 1, 2].map(|k| vertex[sets.find(3 * t as u32 + k) as usize]);
         if turned[t] == Some(true) {
             tri.swap(1, 2);
             corners[t].swap(1, 2);

@@ -65,29 +65,59 @@ impl EdgeGraph {
 /// No vertex, no edge.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Distances from a set of vertices, with the edge each vertex was reached by.
-pub(crate) struct Paths {
-    /// Cost of the cheapest path, infinite if not reached.
+/// A wave of shortest paths over any graph (Dijkstra): it can be stopped, given more sources and continued, and keeps
+/// what it has found. Ties go to the smaller vertex, so the paths depend on the graph alone.
+pub(crate) struct Wave {
+    /// Cost of the cheapest path to each vertex, infinite where the wave has not been.
     pub distance: Vec<f64>,
     /// (previous vertex, edge) on that path, [`NONE`] at the sources.
     pub via: Vec<(u32, u32)>,
-    /// The first target settled, if targets were given and one was reached.
-    pub hit: Option<u32>,
+    heap: BinaryHeap<Reverse<(u64, u32)>>,
 }
 
-impl Paths {
-    /// Dijkstra from all `sources`, stopping at the first vertex for which `target` holds. Ties go to the smaller
-    /// vertex, so the answer does not depend on anything but the graph.
-    pub(crate) fn new(
-        graph: &EdgeGraph,
-        cost: &[f64],
-        sources: impl IntoIterator<Item = u32>,
+impl Wave {
+    /// A wave over `vertices` vertices without a source.
+    pub(crate) fn new(vertices: usize) -> Self {
+        Self { distance: vec![f64::INFINITY; vertices], via: vec![(NONE, NONE); vertices], heap: BinaryHeap::new() }
+    }
+
+    /// Makes `v` a source.
+    pub(crate) fn source(&mut self, v: u32) {
+        self.via[v as usize] = (NONE, NONE);
+        if self.distance[v as usize] > 0.0 {
+            self.distance[v as usize] = 0.0;
+            self.heap.push(Reverse((0, v)));
+        }
+    }
+
+    /// Spreads to the nearest vertex for which `target` holds and returns it; over everything in reach if there is none.
+    /// `neighbours` are the (vertex, edge, cost) around a vertex; a cost is not negative. O(n log n).
+    pub(crate) fn next<N: Iterator<Item = (u32, u32, f64)>>(
+        &mut self,
+        neighbours: impl Fn(u32) -> N,
         target: impl Fn(u32) -> bool,
-    ) -> Self {
-        let mut near = Nearest::new(graph, cost);
-        sources.into_iter().for_each(|s| near.source(s));
-        let hit = near.next(target);
-        Self { hit, ..near.paths }
+    ) -> Option<u32> {
+        while let Some(Reverse((bits, v))) = self.heap.pop() {
+            // Bits of non-negative floats sort as the floats do.
+            let d = f64::from_bits(bits);
+            if d > self.distance[v as usize] {
+                continue;
+            }
+            if target(v) {
+                // Its neighbours have not been reached from it yet.
+                self.heap.push(Reverse((bits, v)));
+                return Some(v);
+            }
+            for (w, e, cost) in neighbours(v) {
+                let new = d + cost;
+                if new < self.distance[w as usize] {
+                    self.distance[w as usize] = new;
+                    self.via[w as usize] = (v, e);
+                    self.heap.push(Reverse((new.to_bits(), w)));
+                }
+            }
+        }
+        None
     }
 
     /// The path back from `v` to its source, as (vertex, edge that leads back), the source last with [`NONE`].
@@ -115,55 +145,32 @@ impl Paths {
     }
 }
 
-/// Dijkstra that can be stopped, given more sources and gone on with: what was found stays found.
-pub(crate) struct Nearest<'a> {
+/// A wave along the edges of a surface, each at its own cost.
+pub(crate) struct Paths<'a> {
     graph: &'a EdgeGraph,
     cost: &'a [f64],
-    heap: BinaryHeap<Reverse<(u64, u32)>>,
-    /// The paths so far.
-    pub paths: Paths,
+    /// The paths found so far.
+    pub wave: Wave,
 }
 
-impl<'a> Nearest<'a> {
-    /// Without a source. `cost` is one number an edge, not negative.
-    pub(crate) fn new(graph: &'a EdgeGraph, cost: &'a [f64]) -> Self {
-        let n = graph.vertices();
-        let paths = Paths { distance: vec![f64::INFINITY; n], via: vec![(NONE, NONE); n], hit: None };
-        Self { graph, cost, heap: BinaryHeap::new(), paths }
-    }
-
-    /// Makes `v` a source.
-    pub(crate) fn source(&mut self, v: u32) {
-        self.paths.via[v as usize] = (NONE, NONE);
-        if self.paths.distance[v as usize] > 0.0 {
-            self.paths.distance[v as usize] = 0.0;
-            self.heap.push(Reverse((0, v)));
-        }
+impl<'a> Paths<'a> {
+    /// Paths from `sources` that have not spread yet; one cost per edge.
+    pub(crate) fn new(graph: &'a EdgeGraph, cost: &'a [f64], sources: impl IntoIterator<Item = u32>) -> Self {
+        let mut wave = Wave::new(graph.vertices());
+        sources.into_iter().for_each(|s| wave.source(s));
+        Self { graph, cost, wave }
     }
 
     /// The nearest vertex for which `target` holds.
     pub(crate) fn next(&mut self, target: impl Fn(u32) -> bool) -> Option<u32> {
-        let paths = &mut self.paths;
-        while let Some(Reverse((bits, v))) = self.heap.pop() {
-            // Bits of non-negative floats sort as the floats do.
-            let d = f64::from_bits(bits);
-            if d > paths.distance[v as usize] {
-                continue;
-            }
-            if target(v) {
-                // It has not been gone on from yet.
-                self.heap.push(Reverse((bits, v)));
-                return Some(v);
-            }
-            for &(w, e) in self.graph.neighbours(v) {
-                let new = d + self.cost[e as usize];
-                if new < paths.distance[w as usize] {
-                    paths.distance[w as usize] = new;
-                    paths.via[w as usize] = (v, e);
-                    self.heap.push(Reverse((new.to_bits(), w)));
-                }
-            }
-        }
-        None
+        let (graph, cost) = (self.graph, self.cost);
+        self.wave.next(|v| graph.neighbours(v).iter().map(|&(w, e)| (w, e, cost[e as usize])), target)
+    }
+
+    /// Paths to everything in reach of `sources`.
+    pub(crate) fn all(graph: &'a EdgeGraph, cost: &'a [f64], sources: impl IntoIterator<Item = u32>) -> Wave {
+        let mut paths = Paths::new(graph, cost, sources);
+        paths.next(|_| false);
+        paths.wave
     }
 }

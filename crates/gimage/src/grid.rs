@@ -3,7 +3,8 @@
 //! Gu, Gortler and Hoppe, "Geometry Images", 2002: a grid of surface points, two triangles a quad split by the shorter
 //! diagonal. Here the two sides of a cut are linked by rings of duplicates, so that welding needs no tolerance.
 
-use crate::disjoint::Disjoint;
+use gimage_bundle::DisjointSets;
+
 use crate::mesh::NONE;
 use crate::topology::Topology;
 use crate::vec3::distance;
@@ -82,10 +83,10 @@ impl Grid {
 
     /// For each texel the smallest index among its duplicates: itself for an ordinary one.
     pub fn representative(&self) -> Vec<u32> {
-        let mut sets = Disjoint::new(self.positions.len());
+        let mut sets = DisjointSets::new(self.positions.len());
         for k in 0..self.positions.len() {
             if let Some(l) = self.link(k) {
-                sets.join(k as u32, l);
+                sets.union(k as u32, l);
             }
         }
         sets.into_representatives()
@@ -130,17 +131,19 @@ pub(crate) fn representatives(grids: &[&Grid], rings: &[Vec<(u32, u32)>]) -> (Ve
         first.push(total);
         total += grid.positions.len();
     }
-    let mut sets = Disjoint::new(total);
+    let mut sets = DisjointSets::new(total);
     for (grid, &first) in grids.iter().zip(&first) {
         for k in 0..grid.positions.len() {
             if let Some(l) = grid.link(k) {
-                sets.join((first + k) as u32, first as u32 + l);
+                sets.union((first + k) as u32, first as u32 + l);
             }
         }
     }
     for ring in rings {
         let index = |(p, at): (u32, u32)| first[p as usize] as u32 + at;
-        ring.windows(2).for_each(|x| sets.join(index(x[0]), index(x[1])));
+        for x in ring.windows(2) {
+            sets.union(index(x[0]), index(x[1]));
+        }
     }
     (first, sets.into_representatives())
 }

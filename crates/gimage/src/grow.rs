@@ -92,7 +92,7 @@ fn attempt(
         next.extend(picks.into_iter().map(|v| proxy_origin(&disk, &proxy, v)));
     }
     let sources = (0..on_cut.len() as u32).filter(|&v| on_cut[v as usize]);
-    next.extend(Paths::new(&cutter.graph, &cutter.graph.length, sources, |_| false).farthest());
+    next.extend(Paths::all(&cutter.graph, &cutter.graph.length, sources).farthest());
     let mut seen = std::collections::HashSet::new();
     next.retain(|&v| !on_cut[v as usize] && seen.insert(v));
     Some(Try { score: layout.score, early, next })

@@ -13,7 +13,6 @@ pub mod closest;
 pub mod component;
 mod cut;
 mod decimate;
-mod disjoint;
 mod disk;
 pub mod error;
 pub mod export;

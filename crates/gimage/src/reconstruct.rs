@@ -1,6 +1,7 @@
 //! The surface back from the images: grids to one welded triangle mesh.
 
-use crate::disjoint::Disjoint;
+use gimage_bundle::DisjointSets;
+
 use crate::error::{Error, Result};
 use crate::grid::split;
 use crate::mesh::NONE;
@@ -127,7 +128,7 @@ fn check(pieces: &[PieceView]) -> Result<Vec<usize>> {
 /// For each texel of all pieces the first of its duplicates.
 fn weld(pieces: &[PieceView], offsets: &[usize]) -> Result<Vec<u32>> {
     let total = pieces.iter().map(|p| p.position.len()).sum();
-    let mut sets = Disjoint::new(total);
+    let mut sets = DisjointSets::new(total);
     let mut by_first: Vec<usize> = (0..pieces.len()).filter(|&p| !pieces[p].position.is_empty()).collect();
     by_first.sort_by_key(|&p| pieces[p].first_particle);
     for (piece, &offset) in pieces.iter().zip(offsets) {
@@ -151,7 +152,7 @@ fn weld(pieces: &[PieceView], offsets: &[usize]) -> Result<Vec<u32>> {
                 Some(offsets[t] + local)
             });
             let target = target.ok_or_else(|| wrong("which leads to no particle"))?;
-            sets.join((offset + k) as u32, target as u32);
+            sets.union((offset + k) as u32, target as u32);
         }
     }
     Ok(sets.into_representatives())

@@ -249,10 +249,10 @@ fn voxels(filled: &BTreeSet<[i32; 3]>) -> Surface {
 fn largest(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Surface {
     let mesh = Mesh { triangle_part: vec![0; triangles.len()], positions, triangles, ..Mesh::default() };
     let mesh = repair(mesh, &RepairOptions::default()).expect("default options are sound").mesh;
-    let mut sets = crate::disjoint::Disjoint::new(mesh.positions.len());
+    let mut sets = gimage_bundle::DisjointSets::new(mesh.positions.len());
     mesh.triangles.iter().for_each(|t| {
-        sets.join(t[0], t[1]);
-        sets.join(t[0], t[2]);
+        sets.union(t[0], t[1]);
+        sets.union(t[0], t[2]);
     });
     let set = sets.into_representatives();
     let mut many = BTreeMap::new();

@@ -3,6 +3,8 @@
 //! Each texel stores four springs, to the right, down, down-right and up-right. What differs from the sketch: a rest
 //! length may follow the surface instead of the chord, and the two copies of a spring along a seam are bit-equal.
 
+pub use gimage_bundle::other_end;
+
 use crate::grid::Grid;
 use crate::vec3::distance;
 use rayon::prelude::*;
@@ -16,9 +18,6 @@ pub const DOWN: usize = 1;
 pub const DOWN_RIGHT: usize = 2;
 /// Index of the spring (i, j)-(i+1, j-1).
 pub const UP_RIGHT: usize = 3;
-
-/// Where each kind of spring leads, in columns and rows.
-const STEPS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
 
 /// The surface under an image.
 pub trait SurfaceMap: Sync {
@@ -71,13 +70,6 @@ impl RestLengths {
         }
         counts
     }
-}
-
-/// The texel at the other end of a spring, if it is in the grid.
-pub fn other_end(width: usize, height: usize, k: usize, kind: usize) -> Option<usize> {
-    let (di, dj) = STEPS[kind];
-    let (i, j) = ((k % width).checked_add_signed(di)?, (k / width).checked_add_signed(dj)?);
-    (i < width && j < height).then_some(j * width + i)
 }
 
 /// The springs of an image. Two ends that are one surface point, or are stored as one, have none between them.

@@ -1,6 +1,7 @@
 //! The topology of a triangle mesh, counted without assuming that it is a manifold.
 
-use crate::disjoint::Disjoint;
+use gimage_bundle::DisjointSets;
+
 use crate::halfedge::{Used, next, origin, sorted_edges};
 use serde::Serialize;
 
@@ -35,20 +36,20 @@ impl Topology {
         let all = sorted_edges(triangles);
         let vertices = Used::new(triangles);
         let (used, index) = (vertices.count, |v: u32| vertices.number(v));
-        let mut components = Disjoint::new(used);
-        let mut border = Disjoint::new(used);
+        let mut components = DisjointSets::new(used);
+        let mut border = DisjointSets::new(used);
         let mut on_border = vec![false; used];
         // Corners of one vertex that share an edge with two triangles belong to one fan.
-        let mut fans = Disjoint::new(3 * triangles.len());
+        let mut fans = DisjointSets::new(3 * triangles.len());
         let mut out = Self { vertices: used, triangles: triangles.len(), ..Self::default() };
         for run in all.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
             let (a, b) = (index(run[0].0), index(run[0].1));
             out.edges += 1;
-            components.join(a, b);
+            components.union(a, b);
             match run {
                 [_] => {
                     out.boundary_edges += 1;
-                    border.join(a, b);
+                    border.union(a, b);
                     on_border[a as usize] = true;
                     on_border[b as usize] = true;
                 }
@@ -59,15 +60,15 @@ impl Topology {
                     // The corner at the end of a half-edge is the origin of the next one.
                     let (xe, ye) = (next(x), next(y));
                     let (at_start, at_end) = if same_way { (y, ye) } else { (ye, y) };
-                    fans.join(x, at_start);
-                    fans.join(xe, at_end);
+                    fans.union(x, at_start);
+                    fans.union(xe, at_end);
                 }
                 _ => out.non_manifold_edges += 1,
             }
         }
         out.euler = out.vertices as i64 - out.edges as i64 + out.triangles as i64;
-        out.components = roots(components.into_representatives(), |_| true);
-        out.boundary_loops = roots(border.into_representatives(), |v| on_border[v]);
+        out.components = components.count(&vec![true; used]);
+        out.boundary_loops = border.count(&on_border);
         let mut fans_at = vec![0u32; used];
         for (h, root) in fans.into_representatives().into_iter().enumerate() {
             if root as usize == h {
@@ -82,10 +83,6 @@ impl Topology {
     pub fn is_oriented_manifold(&self) -> bool {
         self.non_manifold_edges == 0 && self.misoriented_edges == 0 && self.singular_vertices == 0
     }
-}
-
-fn roots(representative: Vec<u32>, keep: impl Fn(usize) -> bool) -> usize {
-    representative.iter().enumerate().filter(|&(v, &r)| r as usize == v && keep(v)).count()
 }
 
 #[cfg(test)]

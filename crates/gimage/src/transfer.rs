@@ -4,12 +4,11 @@
 //! cheapest crossing between its two patches, joined to the middle of each by that patch's shortest-path tree. Trees do
 //! not meet twice, so no new cycle appears and the result cuts to a disk where the coarse cut did.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::BTreeMap;
 
 use crate::cut::{Cut, Cutter, prune};
 use crate::decimate::Coarse;
-use crate::graph::NONE;
+use crate::graph::{NONE, Wave};
 
 /// Carries `cut` of `coarse` (whose surface `small` was made from) over to `fine`. `terminals` are fine vertices whose
 /// dead ends are meant. O(n log n).
@@ -19,31 +18,16 @@ pub(crate) fn transfer(fine: &Cutter<'_>, small: &Cutter<'_>, coarse: &Coarse, c
     let mut rim = vec![false; n];
     fine.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);
     // Shortest-path trees inside the patches; a path that ends on the boundary may end anywhere on its stretch of it.
-    let mut distance = vec![f64::INFINITY; n];
-    let mut via = vec![(NONE, NONE); n];
-    let mut heap = BinaryHeap::new();
-    for &v in &coarse.vertex {
-        distance[v as usize] = 0.0;
-        heap.push(Reverse((0u64, v)));
-    }
-    for v in (0..n as u32).filter(|&v| rim[v as usize]) {
-        distance[v as usize] = 0.0;
-        heap.push(Reverse((0u64, v)));
-    }
-    while let Some(Reverse((bits, v))) = heap.pop() {
-        let d = f64::from_bits(bits);
-        if d > distance[v as usize] {
-            continue;
-        }
-        for &(w, e) in graph.neighbours(v) {
-            let new = d + graph.length[e as usize];
-            if coarse.patch[w as usize] == coarse.patch[v as usize] && new < distance[w as usize] {
-                distance[w as usize] = new;
-                via[w as usize] = (v, e);
-                heap.push(Reverse((new.to_bits(), w)));
-            }
-        }
-    }
+    let mut wave = Wave::new(n);
+    coarse.vertex.iter().for_each(|&v| wave.source(v));
+    (0..n as u32).filter(|&v| rim[v as usize]).for_each(|v| wave.source(v));
+    let within_patch = |v: u32| {
+        let same = move |w: u32| coarse.patch[w as usize] == coarse.patch[v as usize];
+        let around = graph.neighbours(v).iter().filter(move |x| same(x.0));
+        around.map(|&(w, e)| (w, e, graph.length[e as usize]))
+    };
+    wave.next(within_patch, |_| false);
+    let Wave { distance, via, .. } = wave;
     let mut wanted: BTreeMap<[u32; 2], Option<(f64, u32)>> = BTreeMap::new();
     for (e, _) in cut.edges.iter().enumerate().filter(|(_, c)| **c) {
         wanted.insert(small.graph.ends[e], None);

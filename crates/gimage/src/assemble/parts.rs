@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use gimage_bundle::manifest::{ComponentEntry, Surface as SurfaceEntry};
-use gimage_bundle::{Bundle, Image, MapKind};
+use gimage_bundle::{Bundle, Image, MapKind, other_end};
 
 use super::{Made, Piece};
 use crate::attributes::same;
@@ -11,7 +11,7 @@ use crate::component::Component;
 use crate::disk::NONE;
 use crate::mass::Masses;
 use crate::split::{PartTexel, Parts};
-use crate::springs::{DOWN, RIGHT, RestLengths, other_end};
+use crate::springs::{DOWN, RIGHT, RestLengths};
 
 /// Consecutive pieces that are the parts of one component.
 pub(crate) struct Family<'a> {

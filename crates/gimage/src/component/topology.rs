@@ -1,15 +1,16 @@
 //! Connected components with their counts.
 
+use gimage_bundle::DisjointSets;
+
 use super::Component;
 use crate::halfedge::{origin, sorted_edges};
 use crate::mesh::Mesh;
-use crate::repair::union_find::UnionFind;
 
 /// The components in the order of their first triangles, without names. An edge with more than two triangles, which a
 /// repaired mesh does not have, counts as an edge and joins, no more. O(n log n).
 pub(super) fn components(mesh: &Mesh) -> Vec<Component> {
     let tri = &mesh.triangles;
-    let mut by_vertex = UnionFind::new(mesh.positions.len());
+    let mut by_vertex = DisjointSets::new(mesh.positions.len());
     for &[a, b, c] in tri {
         by_vertex.union(a, b);
         by_vertex.union(b, c);
@@ -62,8 +63,8 @@ pub(super) fn components(mesh: &Mesh) -> Vec<Component> {
 fn edges(mesh: &Mesh, of_vertex: &[usize], out: &mut [Component]) {
     let tri = &mesh.triangles;
     // Triangle `t` as it is and turned over: one-sided is where both end up in one set.
-    let (mut sides, n) = (UnionFind::new(2 * tri.len()), tri.len() as u32);
-    let mut rims = UnionFind::new(mesh.positions.len());
+    let (mut sides, n) = (DisjointSets::new(2 * tri.len()), tri.len() as u32);
+    let mut rims = DisjointSets::new(mesh.positions.len());
     let mut on_rim = vec![false; mesh.positions.len()];
     for run in sorted_edges(tri).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
         out[of_vertex[run[0].0 as usize]].euler -= 1;

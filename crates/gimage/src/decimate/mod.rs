@@ -137,12 +137,12 @@ mod tests {
         assert_eq!((b.non_manifold_edges, b.singular_vertices), (0, 0));
         assert!(halfedge::twins(&c.triangles).is_ok());
         // Every patch is connected and holds its coarse vertex.
-        let mut sets = crate::disjoint::Disjoint::new(s.positions.len());
+        let mut sets = gimage_bundle::DisjointSets::new(s.positions.len());
         for t in &s.triangles {
             for k in 0..3 {
                 let (x, y) = (t[k], t[(k + 1) % 3]);
                 if c.patch[x as usize] == c.patch[y as usize] {
-                    sets.join(x, y);
+                    sets.union(x, y);
                 }
             }
         }

@@ -3,8 +3,9 @@
 //! Two corners share a vertex if triangles joined across edges lead from one to the other. That takes apart bow ties
 //! (fans that touch in a vertex only) and sheets that touched along a crowded edge, in one go.
 
+use gimage_bundle::DisjointSets;
+
 use super::nonmanifold::Gluing;
-use super::union_find::UnionFind;
 use super::work::Work;
 use crate::halfedge::{BOUNDARY, next, origin, prev};
 use crate::record::Severity;
@@ -66,9 +67,9 @@ pub(super) fn split_vertices(work: &mut Work, gluing: &mut Gluing) {
 }
 
 /// The sets of corners that joined triangles connect.
-fn fans(work: &Work, gluing: &Gluing) -> UnionFind {
+fn fans(work: &Work, gluing: &Gluing) -> DisjointSets {
     let tri = &work.mesh.triangles;
-    let mut sets = UnionFind::new(3 * tri.len());
+    let mut sets = DisjointSets::new(3 * tri.len());
     for h in 0..gluing.twin.len() as u32 {
         let t = gluing.twin[h as usize];
         if t == BOUNDARY || t < h {
@@ -83,7 +84,7 @@ fn fans(work: &Work, gluing: &Gluing) -> UnionFind {
 
 /// The half-edges of a crowded edge that still share both vertices, as (fan at the smaller vertex, fan at the larger,
 /// half-edge), in runs that keep the order of the edge.
-fn shared(work: &Work, sets: &mut UnionFind, edge: &[u32]) -> Vec<(u32, u32, u32)> {
+fn shared(work: &Work, sets: &mut DisjointSets, edge: &[u32]) -> Vec<(u32, u32, u32)> {
     let tri = &work.mesh.triangles;
     let mut all: Vec<_> = edge
         .iter()
@@ -99,7 +100,7 @@ fn shared(work: &Work, sets: &mut UnionFind, edge: &[u32]) -> Vec<(u32, u32, u32
 /// A sheet may leave a crowded edge and come back to it, around both ends; then its corners there are one fan although
 /// it is not joined across the edge. All but one pair are cut loose at the smaller vertex, by a slit along the next
 /// edge. Returns the number of slits; fans only ever get smaller, so this ends.
-fn detach(work: &Work, gluing: &mut Gluing, sets: &mut UnionFind) -> usize {
+fn detach(work: &Work, gluing: &mut Gluing, sets: &mut DisjointSets) -> usize {
     let tri = &work.mesh.triangles;
     let mut slits = 0;
     let crowded = std::mem::take(&mut gluing.crowded);
@@ -122,7 +123,7 @@ fn detach(work: &Work, gluing: &mut Gluing, sets: &mut UnionFind) -> usize {
 }
 
 /// Two open half-edges left with the same two vertices are joined: indices cannot tell them apart.
-fn close_pairs(work: &Work, gluing: &mut Gluing, sets: &mut UnionFind) {
+fn close_pairs(work: &Work, gluing: &mut Gluing, sets: &mut DisjointSets) {
     for edge in gluing.crowded.clone() {
         for run in shared(work, sets, &edge).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
             if let [x, y] = run {

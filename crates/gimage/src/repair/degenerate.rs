@@ -8,8 +8,9 @@
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
+use gimage_bundle::DisjointSets;
+
 use super::split_edge::split_edge;
-use super::union_find::UnionFind;
 use super::work::Work;
 use crate::halfedge::sorted_edges;
 use crate::record::Severity;
@@ -115,7 +116,7 @@ pub(super) fn remove_flat(work: &mut Work) {
 
 /// Joins the close vertices of needles; the smallest index stays. Returns how many went.
 fn join_needles(work: &mut Work) -> usize {
-    let mut sets = UnionFind::new(work.mesh.positions.len());
+    let mut sets = DisjointSets::new(work.mesh.positions.len());
     let mut joined = 0;
     for t in 0..work.len() {
         if let Shape::Needle(c) = shape(work.mesh.corners(t)) {

@@ -9,7 +9,6 @@ mod duplicate;
 mod nonmanifold;
 mod orient;
 mod split_edge;
-pub(crate) mod union_find;
 mod weld;
 mod work;
 

@@ -35,11 +35,11 @@ fn check(mesh: &Mesh, one_sided: bool) {
     assert!(halfedge::boundary_loops(tri, &twin).is_some());
 }
 
-struct UnionCorners(union_find::UnionFind);
+struct UnionCorners(gimage_bundle::DisjointSets);
 
 impl UnionCorners {
     fn new(triangles: usize) -> Self {
-        UnionCorners(union_find::UnionFind::new(3 * triangles))
+        UnionCorners(gimage_bundle::DisjointSets::new(3 * triangles))
     }
 }
 

@@ -7,7 +7,8 @@
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
-use super::union_find::UnionFind;
+use gimage_bundle::DisjointSets;
+
 use super::work::Work;
 use crate::record::Severity;
 use crate::vec3::distance;
@@ -85,7 +86,7 @@ fn collapsed(work: &Work) -> usize {
 
 /// Number of sets of triangles connected through vertices.
 fn components(work: &Work) -> usize {
-    let mut sets = UnionFind::new(work.mesh.positions.len());
+    let mut sets = DisjointSets::new(work.mesh.positions.len());
     for &[a, b, c] in &work.mesh.triangles {
         sets.union(a, b);
         sets.union(b, c);

@@ -8,7 +8,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use crate::graph::EdgeGraph;
+use crate::graph::{EdgeGraph, NONE, Wave};
 use crate::halfedge::BOUNDARY;
 use crate::surface::Surface;
 use crate::vec3::{add, distance, scale};
@@ -81,24 +81,15 @@ impl<'a> Region<'a> {
 
     /// Distances from a triangle along the graph, from centre to centre.
     fn distances(&self, from: usize) -> Vec<f64> {
-        let mut out = vec![f64::INFINITY; self.triangles.len()];
-        let mut heap = BinaryHeap::from([Reverse((0u64, from as u32))]);
-        out[from] = 0.0;
         let centre = |k: usize| self.dual.centre[self.triangles[k] as usize];
-        while let Some(Reverse((bits, k))) = heap.pop() {
-            let (d, k) = (f64::from_bits(bits), k as usize);
-            if d > out[k] {
-                continue;
-            }
-            for (o, _) in self.neighbours(k) {
-                let new = d + distance(centre(k), centre(o));
-                if new < out[o] {
-                    out[o] = new;
-                    heap.push(Reverse((new.to_bits(), o as u32)));
-                }
-            }
-        }
-        out
+        let around = |k: u32| {
+            let k = k as usize;
+            self.neighbours(k).map(move |(o, _)| (o as u32, NONE, distance(centre(k), centre(o))))
+        };
+        let mut wave = Wave::new(self.triangles.len());
+        wave.source(from as u32);
+        wave.next(around, |_| false);
+        wave.distance
     }
 
     /// Which side each triangle is on in the best level set of a field, and the length of the path over the share of the

@@ -6,9 +6,10 @@
 
 use std::collections::BTreeMap;
 
+use gimage_bundle::DisjointSets;
+
 use super::part::Part;
 use crate::border::Border;
-use crate::disjoint::Disjoint;
 use crate::disk::Disk;
 use crate::graph::EdgeGraph;
 use crate::piece::CutRecord;
@@ -183,10 +184,10 @@ fn nodes(whole: &Whole<'_>, opened: &[Opened]) -> Vec<bool> {
     edges.sort_unstable();
     edges.dedup();
     let mut valence = vec![0u32; n];
-    let mut sets = Disjoint::new(n);
+    let mut sets = DisjointSets::new(n);
     for &e in &edges {
         let [a, b] = whole.graph.ends[e];
-        sets.join(a, b);
+        sets.union(a, b);
         valence[a as usize] += 1;
         valence[b as usize] += 1;
     }

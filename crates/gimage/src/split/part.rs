@@ -1,6 +1,7 @@
 //! One part of a surface, cut loose from the rest but knowing where it came from.
 
-use crate::disjoint::Disjoint;
+use gimage_bundle::DisjointSets;
+
 use crate::graph::EdgeGraph;
 use crate::halfedge::{BOUNDARY, next, origin};
 use crate::surface::Surface;
@@ -19,7 +20,7 @@ pub(super) struct Part {
 /// Cuts `triangles` (ascending) of `whole` loose. O(n log n) in the part, and O(1) in the whole.
 pub(super) fn extract(whole: &Surface, graph: &EdgeGraph, triangles: &[u32]) -> Part {
     let local = |t: u32| triangles.binary_search(&t).ok().map(|k| k as u32);
-    let mut fans = Disjoint::new(3 * triangles.len());
+    let mut fans = DisjointSets::new(3 * triangles.len());
     for (k, &t) in triangles.iter().enumerate() {
         for c in 0..3 {
             let h = 3 * t + c;
@@ -34,8 +35,8 @@ pub(super) fn extract(whole: &Surface, graph: &EdgeGraph, triangles: &[u32]) -> 
             let same = origin(&whole.triangles, h) == origin(&whole.triangles, w);
             let (x, y) = (here(w, other), here(next(w), other));
             let (start, end) = if same { (x, y) } else { (y, x) };
-            fans.join(here(h, k), start);
-            fans.join(here(next(h), k), end);
+            fans.union(here(h, k), start);
+            fans.union(here(next(h), k), end);
         }
     }
     let fan = fans.into_representatives();
