@@ -23,6 +23,11 @@ pub struct GrowOptions {
     pub gain: f64,
 }
 
+impl GrowOptions {
+    /// Several times as long as the default, for a little less distortion.
+    pub const BEST: Self = Self { triangles: 3000, points: 32, gain: 0.005 };
+}
+
 impl Default for GrowOptions {
     fn default() -> Self {
         Self { triangles: 700, points: 24, gain: 0.01 }
@@ -41,6 +46,18 @@ const OUTWARD_COST: f64 = 0.05;
 /// Least mean of ln(density / 4) of the solved map at which limbs are looked for in the plain one. What is nearer to an
 /// isometry has none that it shrinks.
 const LIMBS: f64 = 0.3;
+
+/// Texels of the image that a cut is tried with. The default of a bundle.
+const TRIAL_TEXELS: u32 = 16_384;
+
+/// Points taken from each map of a try: its most stretched.
+const PICKS: usize = 2;
+
+/// Least distance of these two, as a share of the diagonal of the stand-in, so that they do not lie in one limb.
+const PICKS_APART: f64 = 0.1;
+
+/// A point that lowers the score by this many times [`GrowOptions::gain`] is taken before the others are tried.
+const LARGE_GAIN: f64 = 5.0;
 
 /// One try: the energy of a cut through `terminals`, and the vertices it stretches most.
 struct Try {
@@ -65,7 +82,7 @@ fn attempt(
     cutter.loops().iter().flatten().for_each(|&v| on_rim[v as usize] = true);
     let border = Border::new(&mut disk, |v| on_rim[v as usize]);
     let mut proxy = Proxy::new(&disk, &border, search);
-    let Found { layout, uv: solved, early } = proxy.search_map(Size::Budget(16_384), than)?;
+    let Found { layout, uv: solved, early } = proxy.search_map(Size::Budget(TRIAL_TEXELS), than)?;
     if !layout.score.is_finite() {
         return None;
     }
@@ -79,13 +96,13 @@ fn attempt(
         (0..3).for_each(|k| (lo[k], hi[k]) = (lo[k].min(p[k]), hi[k].max(p[k])));
         (lo, hi)
     });
-    let apart = 0.1 * crate::vec3::distance(lo, hi);
+    let apart = PICKS_APART * crate::vec3::distance(lo, hi);
     let mut next = Vec::new();
     // The plain mean-value map shrinks limbs without mercy and so finds their tips; the solved map finds the rest; the
     // point farthest from the cut is a limb's tip more often than not.
     let plain = if layout.score > LIMBS { proxy.plain(&layout) } else { None };
     for uv in plain.into_iter().chain([solved]) {
-        let picks = most_stretched(&positions, &triangles, &uv, 2, apart, |v| {
+        let picks = most_stretched(&positions, &triangles, &uv, PICKS, apart, |v| {
             let o = proxy_origin(&disk, &proxy, v);
             o != NONE && !on_cut[o as usize]
         });
@@ -146,16 +163,7 @@ pub(crate) struct Grown {
 /// or the carried cut is no disk.
 pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let surface = fine.surface;
-    let search = SearchOptions {
-        triangles: options.triangles,
-        shifts: 6,
-        rough: 2,
-        passes: 2,
-        steps: [1, 2, 6],
-        keep: [1, 1],
-        refine: false,
-        snap: 1,
-    };
+    let search = SearchOptions::trial(options.triangles);
     let mut rim = vec![false; surface.positions.len()];
     fine.loops().iter().flatten().for_each(|&v| rim[v as usize] = true);
     let locked = vec![false; rim.len()];
@@ -187,7 +195,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
                 && t.score < score - options.gain
                 && best.as_ref().is_none_or(|b| t.score < b.0.score)
             {
-                let enough = t.score < score - 5.0 * options.gain;
+                let enough = t.score < score - LARGE_GAIN * options.gain;
                 best = Some((t, v));
                 if enough {
                     break;

@@ -62,8 +62,12 @@ pub(crate) const WORTH: f64 = 0.8;
 /// none, but not than a surface half as close.
 const STRETCHED: f64 = 2.0;
 
-/// PSNR \[dB\] at which an image needs no further rung. It is a lower bound, and some way above the gate's.
-const ENOUGH_DB: f64 = gate::PSNR_DB[0] + 5.0;
+/// How far above the gate's limit \[dB\] the PSNR of an image is that needs no further rung: 5 dB are a little more than half
+/// the distance.
+const MARGIN_DB: f64 = 5.0;
+
+/// PSNR \[dB\], itself a lower bound, at which an image needs no further rung.
+const ENOUGH_DB: f64 = gate::PSNR_DB[0] + MARGIN_DB;
 
 /// Whether an image needs no further rung. Folds and normals are not asked for: where two layers are nearer to one another
 /// than texels are, no rung helps.

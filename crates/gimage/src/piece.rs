@@ -107,43 +107,19 @@ impl ImageOptions {
         let size = match (options.size, budget) {
             (ImageSize::Exact(w, h), _) => Size::Fixed(w, h),
             (ImageSize::Texels(n), None) => Size::Budget(n),
-            (_, b) => Size::Budget(b.unwrap_or(LEAST)),
-        };
-        let normal = SearchOptions {
-            triangles: 600,
-            shifts: 12,
-            rough: 3,
-            passes: 2,
-            steps: [1, 2, 3],
-            keep: [3, 1],
-            refine: true,
-            snap: 3,
+            (_, b) => Size::Budget(b.unwrap_or(LEAST_TEXELS)),
         };
         let (grow, search) = match options.effort {
-            Effort::Fast => (None, SearchOptions { shifts: 6, keep: [2, 1], refine: false, snap: 2, ..normal }),
-            Effort::Default => (Some(GrowOptions::default()), normal),
-            Effort::Best => {
-                let grow = GrowOptions { triangles: 3000, points: 32, gain: 0.005 };
-                (
-                    Some(grow),
-                    SearchOptions {
-                        triangles: 3000,
-                        shifts: 24,
-                        rough: 24,
-                        steps: [2, 4, 8],
-                        keep: [12, 6],
-                        snap: 6,
-                        ..normal
-                    },
-                )
-            }
+            Effort::Fast => (None, SearchOptions::FAST),
+            Effort::Default => (Some(GrowOptions::default()), SearchOptions::DEFAULT),
+            Effort::Best => (Some(GrowOptions::BEST), SearchOptions::BEST),
         };
         Self {
             size,
             grow,
             search,
             newton: NewtonOptions::default(),
-            passes: 8,
+            passes: START_PASSES,
             detail: options.detail,
             sampling: match options.sample {
                 Sample::Point => Sampling::Point,
@@ -155,7 +131,10 @@ impl ImageOptions {
 }
 
 /// Texels of a piece whose share is unknown.
-const LEAST: u32 = 64;
+const LEAST_TEXELS: u32 = 64;
+
+/// Largest number of reweighting passes of the start of a map.
+const START_PASSES: usize = 8;
 
 /// A mesh of many more triangles than half the cells, and than this, is mapped coarse to fine.
 const LEAST_TRIANGLES: usize = 3000;
@@ -171,8 +150,12 @@ pub(crate) const SEAM_DISCOUNT: f64 = 0.15;
 /// Sizes tried in turn, as shares of the budget, where an image does not weld as it should or has no flip-free map.
 const BUDGETS: [f64; 8] = [1.0, 0.97, 0.93, 0.88, 1.1, 1.3, 1.6, 2.0];
 
+/// Sizes tried where an image welds but comes out poor, as shares of that at which it welds: smaller, so that the budget
+/// holds.
+const OTHER_BUDGETS: [f64; 2] = [0.96, 0.91];
+
 /// How many texels a side an exact size may be short for a larger one to be named.
-const SHORT: u32 = 24;
+const MAX_SHORT: u32 = 24;
 
 /// One way to cut the surface, ready to be laid out.
 struct Candidate {
@@ -218,7 +201,7 @@ pub(crate) fn image(
                 // A cut that was grown for quality asks for more texels than one that only has to open the surface.
                 cuts = maker.cuts(false)?;
             }
-            for more in 0..=SHORT {
+            for more in 0..=MAX_SHORT {
                 let (w, h) = (width + more, height + more);
                 if !holds(w, h, least(&cuts)) {
                     continue;
@@ -240,8 +223,8 @@ pub(crate) fn image(
                         });
                     }
                     // A large image that does not weld is no matter of size.
-                    Ok(image) if more == 0 && width.min(height) > 2 * SHORT => return Ok(image),
-                    Err(e) if more == SHORT => return Err(e),
+                    Ok(image) if more == 0 && width.min(height) > 2 * MAX_SHORT => return Ok(image),
+                    Err(e) if more == MAX_SHORT => return Err(e),
                     _ => {}
                 }
             }
@@ -257,14 +240,19 @@ pub(crate) fn image(
 pub(crate) const FAR: f64 = 15.0;
 
 /// Triangles times rungs after which no further rung is tried: the ladder's share of the time stays bounded.
-const WORK: usize = 4_000_000;
+const MAX_WORK: usize = 4_000_000;
 
 /// What mapping a mesh whole costs, in rungs.
-const WHOLE: usize = 20;
+const WHOLE_MESH_RUNGS: usize = 20;
 
-/// Points a cut is grown to where its image came out poor, and how far they are apart, as a share of the diagonal.
+/// Points a cut is grown to where its image came out poor.
 const TERMINALS: usize = 6;
-const APART: f64 = 0.05;
+/// Least distance of these points, as a share of the diagonal: nearer ones lie in one limb.
+const TERMINALS_APART: f64 = 0.05;
+
+/// Badness below which a fit is as good as sampling: what differs by less than f32 can hold is equal, and a flat piece
+/// is exact either way.
+const EXACT: f64 = 1e-7;
 
 impl<'a> Maker<'a> {
     fn new(
@@ -374,7 +362,7 @@ impl<'a> Maker<'a> {
         }
         let rungs = [Rung::WholeMesh, Rung::NextCut, Rung::ShortestCut, Rung::OtherSize, Rung::MoreTerminals];
         for rung in rungs {
-            if ladder.done() || ladder.len() * self.surface.triangles.len() > WORK {
+            if ladder.done() || ladder.len() * self.surface.triangles.len() > MAX_WORK {
                 break;
             }
             self.rung(rung, cuts, size, &mut ladder);
@@ -388,7 +376,7 @@ impl<'a> Maker<'a> {
     fn rung(&self, rung: Rung, cuts: &Cuts, size: Size, ladder: &mut Ladder) {
         match rung {
             Rung::WholeMesh => {
-                let affordable = WHOLE * self.surface.triangles.len() <= WORK;
+                let affordable = WHOLE_MESH_RUNGS * self.surface.triangles.len() <= MAX_WORK;
                 if affordable && ladder.best().is_some_and(|b| b.parameterize.way == Way::CoarseToFine) {
                     ladder.take(rung, self.make(&cuts.candidates, size, Some(Way::Whole)).ok());
                 }
@@ -414,7 +402,7 @@ impl<'a> Maker<'a> {
             }
             Rung::OtherSize => {
                 let Size::Budget(texels) = size else { return };
-                for share in [0.96, 0.91] {
+                for share in OTHER_BUDGETS {
                     if !ladder.done() {
                         let size = Size::Budget((f64::from(texels) * share) as u32);
                         ladder.take(rung, self.make(&cuts.candidates, size, None).ok());
@@ -441,7 +429,7 @@ impl<'a> Maker<'a> {
         let origin = |v: u32| disk.origin[v as usize];
         disk.boundary.iter().map(|&v| origin(v)).filter(|&o| o != disk::NONE).for_each(|o| on_cut[o as usize] = true);
         let [lo, hi] = judge::bounds(self.surface);
-        let apart = APART * crate::vec3::distance(lo, hi);
+        let apart = TERMINALS_APART * crate::vec3::distance(lo, hi);
         let allowed = |v: u32| origin(v) != disk::NONE && !on_cut[origin(v) as usize];
         let worst = layout::most_stretched(&disk.positions, &disk.triangles, &image.uv, TERMINALS, apart, allowed);
         let mut terminals = grown.map_or_else(Vec::new, |g| g.terminals.clone());
@@ -566,8 +554,7 @@ impl<'a> Maker<'a> {
         }
         let back = fit::restrain(&mut grid.positions, &sampled, &image);
         let fitted = judged(grid);
-        // What differs by less than f32 can hold is equal: a flat piece is exact either way.
-        if fitted.badness() <= verdict.badness().max(1e-7) {
+        if fitted.badness() <= verdict.badness().max(EXACT) {
             *verdict = fitted;
             FitRecord::Kept(back)
         } else {

@@ -7,7 +7,10 @@ use super::search::SearchOptions;
 use crate::border::{Border, on_rectangle};
 use crate::decimate::decimate;
 use crate::disk::Disk;
-use crate::parameterize::{NewtonOptions, System, solve};
+use crate::parameterize::{NewtonOptions, Shape, Start, System, solve};
+
+/// Relative fall of the energy below which a trial takes no further Newton step: layouts are compared, not mapped.
+const TOLERANCE: f64 = 1e-2;
 
 /// A layout and the map of the stand-in so far.
 #[derive(Clone, Debug)]
@@ -30,6 +33,8 @@ pub(crate) struct Proxy<'a> {
     positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     wanted: Vec<f64>,
+    /// Whether each vertex lies on the boundary.
+    fixed: Vec<bool>,
     /// The disk vertex of each coarse vertex; those past its end were split in.
     vertex: Vec<u32>,
     /// Coarse boundary vertices with their places in the loop of the disk.
@@ -77,6 +82,7 @@ impl<'a> Proxy<'a> {
             positions: small.positions,
             triangles: small.triangles,
             wanted: small.wanted,
+            fixed,
             vertex: coarse.vertex,
             loop_at,
             system,
@@ -106,15 +112,15 @@ impl<'a> Proxy<'a> {
         }
         let layout = Layout { w, h, shift, count, score: f64::INFINITY };
         let mut trial = Trial { layout, uv, early: f64::INFINITY, plain: false, aspect: 0, middle: 0.0 };
-        self.solve(&mut trial, passes, 0).then_some(trial)
+        self.solve(&mut trial, Start::Convex { passes }, 0).then_some(trial)
     }
 
-    /// Starts the map (`passes` above 0), unless it is the plain one already, and takes Newton steps.
-    pub(super) fn solve(&mut self, trial: &mut Trial, passes: usize, steps: usize) -> bool {
-        let options = NewtonOptions { steps, further: 0, tolerance: 1e-2 };
-        let (system, uv) = (&mut self.system, &mut trial.uv);
-        let start = (passes, trial.plain);
-        let record = solve(system, &self.positions, &self.triangles, &self.wanted, uv, start, &options);
+    /// Starts the map of a trial and takes Newton steps; says whether it has a score.
+    pub(super) fn solve(&mut self, trial: &mut Trial, start: Start, steps: usize) -> bool {
+        let options = NewtonOptions { steps, further: 0, tolerance: TOLERANCE };
+        let (positions, triangles, wanted, fixed) = (&self.positions, &self.triangles, &self.wanted, &self.fixed);
+        let shape = Shape { positions, triangles, wanted, fixed };
+        let record = solve(&mut self.system, shape, &mut trial.uv, start, &options);
         trial.plain = steps == 0 && record.is_some_and(|r| r.start_passes == 1 && !r.uniform_start);
         trial.layout.score = record.map_or(f64::INFINITY, |r| r.log_distortion);
         trial.layout.score.is_finite()

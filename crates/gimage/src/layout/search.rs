@@ -2,6 +2,7 @@
 
 use super::proxy::{Proxy, Trial};
 use super::{Layout, Size, cells, exact_cells, fits};
+use crate::parameterize::Start;
 
 /// How hard to search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,16 +25,67 @@ pub(crate) struct SearchOptions {
     pub snap: usize,
 }
 
+impl SearchOptions {
+    /// Takes about as long as the map of the whole disk.
+    pub(crate) const DEFAULT: Self =
+        Self { triangles: 600, shifts: 12, rough: 3, passes: 2, steps: [1, 2, 3], keep: [3, 1], refine: true, snap: 3 };
+
+    /// For previews: half as many starts, and neither aspect nor start is refined.
+    pub(crate) const FAST: Self = Self { shifts: 6, keep: [2, 1], refine: false, snap: 2, ..Self::DEFAULT };
+
+    /// Several times as long as the default: every start takes Newton steps, on a stand-in of five times the triangles.
+    pub(crate) const BEST: Self =
+        Self { triangles: 3000, shifts: 24, rough: 24, steps: [2, 4, 8], keep: [12, 6], snap: 6, ..Self::DEFAULT };
+
+    /// For a cut on trial ([`mod@crate::grow`]): it runs for every point that a cut may grow to, so it keeps only one layout.
+    /// `triangles` is the size of the stand-in that is cut.
+    pub(crate) fn trial(triangles: usize) -> Self {
+        Self { triangles, shifts: 6, rough: 2, steps: [1, 2, 6], keep: [1, 1], refine: false, snap: 1, ..Self::DEFAULT }
+    }
+}
+
 /// Scores that differ by less are equal: nodes on corners of the image are then better, which a stand-in of few triangles
 /// cannot tell.
 const EQUAL: f64 = 1e-6;
 
-/// A search is given up that comes out worse than another, by this factor and this much besides, after the first or the
-/// second lot of steps.
-const SLACK: [[f64; 2]; 2] = [[1.03, 0.005], [1.02, 0.002]];
+/// Bound on a score as a multiple of another score plus a constant: near an isometry scores are so close to 0 that a
+/// factor alone would be too strict.
+#[derive(Clone, Copy)]
+struct Bound {
+    factor: f64,
+    extra: f64,
+}
+
+impl Bound {
+    fn above(self, score: f64) -> f64 {
+        self.factor * score + self.extra
+    }
+}
+
+/// A search ends where its best score is above this bound on that of another cut, after the first and after the second
+/// lot of steps. The later the comparison, the less a score can still change.
+const WORSE_CUT: [Bound; 2] = [Bound { factor: 1.03, extra: 0.005 }, Bound { factor: 1.02, extra: 0.002 }];
+
+/// A trial ends where its score after the first lot of steps is above this bound on that of the best trial.
+const WORSE_TRIAL: Bound = Bound { factor: 1.15, extra: 0.005 };
 
 /// Width : height ratios tried, in steps from square.
 const ASPECTS: [f64; 9] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4];
+
+/// Index of the aspect at which starts are compared: 1.6, from which the refinement walks both ways.
+const FIRST_ASPECT: usize = 2;
+
+/// Shares of the border that the side between two nodes may have. Outside of these the image is a strip.
+const SIDE_SHARES: std::ops::Range<f64> = 0.02..0.48;
+
+/// Rounds in which an aspect, its steps and the shares of these settle.
+const SETTLING_ROUNDS: usize = 3;
+
+/// First step by which a start is refined, as a share of the loop that all starts together are spread over: half the
+/// distance of two starts, as these are spread over half the loop.
+const REFINED_START: f64 = 0.25;
+/// Rounds of refinement; each halves the step.
+const REFINEMENTS: usize = 2;
 
 /// What a search found.
 #[derive(Debug)]
@@ -53,17 +105,17 @@ impl Proxy<'_> {
     }
 
     fn first_steps(&mut self, mut trial: Trial) -> Option<Trial> {
-        let fine = self.solve(&mut trial, 0, self.options.steps[0]);
+        let fine = self.solve(&mut trial, Start::Map, self.options.steps[0]);
         trial.early = trial.layout.score;
         fine.then_some(trial)
     }
 
     /// All steps of a trial, unless it starts out much worse than the `best`; none if it ends worse by `more`.
     fn all(&mut self, mut trial: Trial, best: &Trial, more: f64) -> Option<Trial> {
-        if trial.early > 1.15 * best.early + 0.005 {
+        if trial.early > WORSE_TRIAL.above(best.early) {
             return None;
         }
-        let fine = (1..3).all(|k| self.solve(&mut trial, 0, self.options.steps[k]));
+        let fine = (1..3).all(|k| self.solve(&mut trial, Start::Map, self.options.steps[k]));
         (fine && trial.layout.score < best.layout.score + more).then_some(trial)
     }
 
@@ -97,12 +149,12 @@ impl Proxy<'_> {
     fn trial_between(&mut self, size: Size, from: usize, to: usize) -> Option<Trial> {
         let part = |steps: &[u32], all: u32| f64::from((steps[to] + all - steps[from]) % all) / f64::from(all);
         let (mut w, mut h) = self.cells(size, 1.0)?;
-        for _ in 0..3 {
+        for _ in 0..SETTLING_ROUNDS {
             // The aspect moves the number of steps, and that the shares: a few rounds settle it.
             let all = 2 * (w + h);
             let count = self.border.share(all)?;
             let f = part(&self.border.node_steps(&count), all);
-            if !(0.02..0.48).contains(&f) {
+            if !SIDE_SHARES.contains(&f) {
                 return None;
             }
             (w, h) = self.cells(size, 2.0 * f / (1.0 - 2.0 * f))?;
@@ -139,21 +191,24 @@ impl Proxy<'_> {
     /// The best layout found, and the map of the stand-in if one was free of flips. `None` too if it is going to be worse
     /// than searches of other cuts, the least of whose [`Found::early`] are `than`.
     pub(crate) fn search_map(&mut self, size: Size, than: Option<[f64; 2]>) -> Option<Found> {
-        let bar = than.map_or([f64::INFINITY; 2], |early| [0, 1].map(|lot| SLACK[lot][0] * early[lot] + SLACK[lot][1]));
+        let bar = than.map_or([f64::INFINITY; 2], |early| [0, 1].map(|lot| WORSE_CUT[lot].above(early[lot])));
         let mut early = [f64::INFINITY; 2];
         let shifts = self.options.shifts.max(1);
         // A half turn of the rectangle is the same map, so half the loop is enough; a fixed size likewise.
         let mut rough: Vec<Trial> = (0..shifts)
             .filter_map(|k| {
                 let middle = 0.5 * k as f64 / shifts as f64;
-                let ((w, h), shift, count) = self.placed(size, 2, middle)?;
-                Some(Trial { aspect: 2, middle, ..self.begin((w, h), shift, count, 1)? })
+                let ((w, h), shift, count) = self.placed(size, FIRST_ASPECT, middle)?;
+                Some(Trial { aspect: FIRST_ASPECT, middle, ..self.begin((w, h), shift, count, 1)? })
             })
             .collect();
         rough.sort_by(|a, b| a.layout.score.total_cmp(&b.layout.score));
         rough.truncate(self.options.rough.max(1));
         let passes = self.options.passes;
-        let mut go_on = |mut t: Trial| if self.solve(&mut t, passes, 0) { self.first_steps(t) } else { None };
+        let mut go_on = |mut t: Trial| {
+            let start = if t.plain { Start::Plain { passes } } else { Start::Convex { passes } };
+            if self.solve(&mut t, start, 0) { self.first_steps(t) } else { None }
+        };
         let mut found: Vec<Trial> = rough.into_iter().filter_map(&mut go_on).collect();
         let least = |found: &[Trial]| found.iter().map(|t| t.layout.score).fold(f64::INFINITY, f64::min);
         early[0] = least(&found);
@@ -163,7 +218,7 @@ impl Proxy<'_> {
         for (lot, keep) in self.options.keep.into_iter().enumerate() {
             found.sort_by(|a, b| a.layout.score.total_cmp(&b.layout.score));
             found.truncate(keep.max(1));
-            found.retain_mut(|t| self.solve(t, 0, self.options.steps[lot + 1]));
+            found.retain_mut(|t| self.solve(t, Start::Map, self.options.steps[lot + 1]));
             if lot == 0 {
                 early[1] = least(&found);
                 if early[1] > bar[1] {
@@ -192,8 +247,8 @@ impl Proxy<'_> {
         }
         let mut best = best(&found)?;
         if self.options.refine {
-            let mut step = 0.25 / shifts as f64;
-            for _ in 0..2 {
+            let mut step = REFINED_START / shifts as f64;
+            for _ in 0..REFINEMENTS {
                 for m in [best.middle - step, best.middle + step] {
                     if let Some(t) = self.trial(size, best.aspect, m).and_then(|t| self.all(t, &best, 0.0)) {
                         best = t;

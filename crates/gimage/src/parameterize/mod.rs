@@ -13,7 +13,7 @@ mod whole;
 
 pub use newton::{NewtonOptions, NewtonRecord};
 
-pub(crate) use start::StartRecord;
+pub(crate) use start::{Start, StartRecord};
 pub(crate) use system::System;
 
 #[cfg(test)]
@@ -128,20 +128,18 @@ fn scale_to(rest: &mut RestShapes, triangles: &[[u32; 3]], uv: &[[f64; 2]]) {
     rest.set_scale((plane / rest.area.max(1e-300)).sqrt());
 }
 
-/// As [`parameterize`], with a system that can be used again for other boundary places of the same surface. With no
-/// `passes`, `uv` is a flip-free map already and goes on from there; if `placed`, it is the first pass of the start.
+/// As [`parameterize`], with a system that can be used again for other boundary places of the same surface.
 pub(crate) fn solve(
     system: &mut System,
-    positions: &[[f64; 3]],
-    triangles: &[[u32; 3]],
-    wanted: &[f64],
+    shape: Shape<'_>,
     uv: &mut Vec<[f64; 2]>,
-    (passes, placed): (usize, bool),
+    start: Start,
     options: &NewtonOptions,
 ) -> Option<ParameterizeRecord> {
-    let StartRecord { passes, uniform } = match passes {
-        0 => StartRecord { passes, uniform: false },
-        _ => start::start(system, positions, triangles, wanted, uv, (passes, placed))?,
+    let Shape { positions, triangles, wanted, .. } = shape;
+    let StartRecord { passes, uniform } = match start {
+        Start::Map => StartRecord { passes: 0, uniform: false },
+        _ => start::convex(system, shape, uv, start)?,
     };
     let mut rest = system.rest.take().unwrap_or_else(|| RestShapes::new(positions, triangles, wanted));
     scale_to(&mut rest, triangles, uv);

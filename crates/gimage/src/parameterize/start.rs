@@ -5,12 +5,13 @@
 //! so that Cholesky serves; after each solve they are divided by the stretch around the edge and solved again
 //! (Yoshizawa, Belyaev, Seidel 2004, with their vertex weights split over the edge to keep the symmetry).
 
+use super::Shape;
 use super::distortion::{RestShapes, flips, mean, triangle_stretch};
 use super::system::System;
 use crate::vec3::{cross, dot, norm, sub};
 
 /// Largest number of reweighting passes.
-const PASSES: usize = 10;
+const MAX_PASSES: usize = 10;
 
 /// Symmetric mean-value weights in the order of `edges`; all positive.
 fn mean_value_weights(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &[[u32; 2]]) -> Vec<f64> {
@@ -36,6 +37,32 @@ fn mean_value_weights(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &[[
     weights.iter().map(|w| if w.is_finite() { w.clamp(1e-4 * median, 1e4 * median) } else { median }).collect()
 }
 
+/// What a solve starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Start {
+    /// The map that `uv` holds, which has no flips.
+    Map,
+    /// A convex combination map, reweighted by stretch.
+    Convex {
+        /// Reweighting passes, 1 to 10; with 1 it is the plain mean-value map.
+        passes: usize,
+    },
+    /// As [`Start::Convex`], but `uv` holds the plain mean-value map, the result of its first pass.
+    Plain {
+        /// Reweighting passes, the first of them included.
+        passes: usize,
+    },
+}
+
+impl Start {
+    fn passes(self) -> usize {
+        match self {
+            Start::Map => 0,
+            Start::Convex { passes } | Start::Plain { passes } => passes,
+        }
+    }
+}
+
 /// What the start was made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StartRecord {
@@ -47,32 +74,23 @@ pub(crate) struct StartRecord {
 
 /// Fills in the free vertices of `uv`, whose fixed ones lie on a convex polygon: with mean-value weights, or with uniform
 /// weights if those give flips from rounding. Keeps the flip-free pass of least stretch. `None` if no pass was free of
-/// flips in f64. If `placed`, `uv` holds the result of a start of one pass with mean-value weights already.
-pub(crate) fn start(
-    system: &mut System,
-    positions: &[[f64; 3]],
-    triangles: &[[u32; 3]],
-    wanted: &[f64],
-    uv: &mut [[f64; 2]],
-    (passes, placed): (usize, bool),
-) -> Option<StartRecord> {
-    weighted(system, positions, triangles, wanted, uv, (passes, placed), false)
-        .or_else(|| weighted(system, positions, triangles, wanted, uv, (passes, false), true))
+/// flips in f64.
+pub(crate) fn convex(system: &mut System, shape: Shape<'_>, uv: &mut [[f64; 2]], start: Start) -> Option<StartRecord> {
+    weighted(system, shape, uv, start, false)
+        .or_else(|| weighted(system, shape, uv, Start::Convex { passes: start.passes() }, true))
 }
 
-/// [`start`] with the weights named only.
+/// [`convex`] with one kind of weights only.
 pub(super) fn weighted(
     system: &mut System,
-    positions: &[[f64; 3]],
-    triangles: &[[u32; 3]],
-    wanted: &[f64],
+    shape: Shape<'_>,
     uv: &mut [[f64; 2]],
-    (passes, placed): (usize, bool),
+    start: Start,
     uniform: bool,
 ) -> Option<StartRecord> {
-    let rest = system.rest.get_or_insert_with(|| RestShapes::new(positions, triangles, wanted));
+    let rest = system.rest.get_or_insert_with(|| RestShapes::new(shape.positions, shape.triangles, shape.wanted));
     let area = std::mem::take(&mut rest.areas);
-    let found = reweighted(system, (positions, triangles, wanted, &area), uv, (passes, placed), uniform);
+    let found = reweighted(system, shape, &area, uv, start, uniform);
     if let Some(rest) = &mut system.rest {
         rest.areas = area;
     }
@@ -82,11 +100,13 @@ pub(super) fn weighted(
 /// [`weighted`] with the areas of the triangles at rest.
 fn reweighted(
     system: &mut System,
-    (positions, triangles, wanted, area): (&[[f64; 3]], &[[u32; 3]], &[f64], &[f64]),
+    shape: Shape<'_>,
+    area: &[f64],
     uv: &mut [[f64; 2]],
-    (passes, placed): (usize, bool),
+    start: Start,
     uniform: bool,
 ) -> Option<StartRecord> {
+    let Shape { positions, triangles, wanted, .. } = shape;
     let mut around = vec![1e-300; positions.len()];
     for (t, a) in triangles.iter().zip(area) {
         t.iter().for_each(|&v| around[v as usize] += a);
@@ -103,10 +123,10 @@ fn reweighted(
     }
     let mut best: Option<(f64, Vec<[f64; 2]>)> = None;
     let mut made = 0;
-    let passes = passes.clamp(1, PASSES);
+    let passes = start.passes().clamp(1, MAX_PASSES);
     for pass in 0..passes {
         let plain = pass == 0 && !uniform;
-        let there = plain && placed;
+        let there = plain && matches!(start, Start::Plain { .. });
         if !there && !system.solve_weighted(&weights, plain, uv) {
             break;
         }

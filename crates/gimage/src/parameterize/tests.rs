@@ -76,13 +76,13 @@ fn the_better_start_is_kept_where_the_first_is_crushed() {
     for (name, s) in shapes::hard() {
         let (disk, uv) = shapes::laid(&s, 60, 60);
         let fixed = disk.boundary_mask();
-        let (positions, triangles, wanted) = (&disk.positions, &disk.triangles, &disk.wanted);
+        let shape = disk.shape(&fixed);
         let starts = [false, true].map(|uniform| {
-            let (mut system, mut map) = (System::new(triangles, &fixed), uv.clone());
-            start::weighted(&mut system, positions, triangles, wanted, &mut map, (8, false), uniform)?;
-            let mut rest = RestShapes::new(positions, triangles, wanted);
-            scale_to(&mut rest, triangles, &map);
-            Some(distortion::energy(&rest.shapes, triangles, &map))
+            let (mut system, mut map) = (System::new(shape.triangles, &fixed), uv.clone());
+            start::weighted(&mut system, shape, &mut map, Start::Convex { passes: 8 }, uniform)?;
+            let mut rest = RestShapes::new(shape.positions, shape.triangles, shape.wanted);
+            scale_to(&mut rest, shape.triangles, &map);
+            Some(distortion::energy(&rest.shapes, shape.triangles, &map))
         });
         let mut map = uv.clone();
         let made =

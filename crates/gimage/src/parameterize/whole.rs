@@ -3,14 +3,14 @@
 use super::distortion::energy;
 use super::local::spread;
 use super::newton::{NewtonOptions, NewtonRecord};
-use super::start::{self, StartRecord};
+use super::start::{self, Start, StartRecord};
 use super::{ParameterizeRecord, Shape, System, scale_to, solve};
 
 /// Energy of a start above which the other start is tried too, and crushed triangles are spread before the first
 /// Newton step.
 const CRUSHED: f64 = 1e4;
-/// Most turns of spreading.
-const TURNS: usize = 200;
+/// Largest number of rounds of spreading.
+const MAX_ROUNDS: usize = 200;
 
 /// As [`super::parameterize`], of the mesh as it is. The start has mean-value weights; where its energy is over a bound,
 /// uniform weights are tried as well and the lower energy is kept. `None` if neither start is free of flips in f64 with
@@ -22,10 +22,10 @@ pub(super) fn whole(
     options: &NewtonOptions,
     bound: f64,
 ) -> Option<ParameterizeRecord> {
-    let Shape { positions, triangles, wanted, fixed } = shape;
+    let Shape { triangles, fixed, .. } = shape;
     let mut system = System::new(triangles, fixed);
     let begin = |system: &mut System, uv: &mut Vec<[f64; 2]>, uniform| {
-        let found = start::weighted(system, positions, triangles, wanted, uv, (passes, false), uniform)?;
+        let found = start::weighted(system, shape, uv, Start::Convex { passes }, uniform)?;
         let mut rest = system.rest.take()?;
         scale_to(&mut rest, triangles, uv);
         let e = energy(&rest.shapes, triangles, uv);
@@ -46,9 +46,9 @@ pub(super) fn whole(
         return None;
     }
     if let Some(rest) = &system.rest {
-        spread(triangles, &rest.shapes, fixed, uv, (CRUSHED, TURNS));
+        spread(triangles, &rest.shapes, fixed, uv, (CRUSHED, MAX_ROUNDS));
     }
-    let record = solve(&mut system, positions, triangles, wanted, uv, (0, false), options)?;
+    let record = solve(&mut system, shape, uv, Start::Map, options)?;
     let newton = NewtonRecord { start: before, ..record.newton };
     Some(ParameterizeRecord { start_passes, uniform_start, newton, ..record })
 }
