@@ -4,8 +4,11 @@ use gimage_runtime::{device_limits, wgpu};
 
 /// A device, its queue and its adapter.
 pub struct Gpu {
+    /// Its device.
     pub device: wgpu::Device,
+    /// The queue of the device.
     pub queue: wgpu::Queue,
+    /// What the adapter is.
     pub info: wgpu::AdapterInfo,
 }
 
