@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use crate::component::{ALWAYS_PIECE, ComponentOptions};
 use crate::error::{Error, Result};
-use crate::import::ImportOptions;
-use crate::mass::MassOptions;
-use crate::pins::Pin;
-use crate::repair::RepairOptions;
+use crate::stage::assemble::mass::MassOptions;
+use crate::stage::assemble::pins::Pin;
+use crate::stage::component::{ALWAYS_PIECE, ComponentOptions};
+use crate::stage::import::ImportOptions;
+use crate::stage::repair::RepairOptions;
 
 /// How large the images are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ pub struct BuildOptions {
     pub pins: Vec<Pin>,
     /// Measure the result against the source. Default true; false saves about a second.
     pub metrics: bool,
-    /// Keep images that do not stand for their surface ([`crate::gate`]) with a warning. Default false: they are an error.
+    /// Keep images that do not stand for their surface ([`crate::stage::gate`]) with a warning. Default false: they are an error.
     pub accept_poor: bool,
     /// PSNR \[dB\] that every piece must reach, or the build fails. Default none; larger is stricter.
     pub min_psnr: Option<f64>,

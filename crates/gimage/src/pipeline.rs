@@ -1,5 +1,7 @@
 //! The whole build, stage by stage: file -> bundle.
 
+mod budget;
+
 use std::path::Path;
 use std::time::Instant;
 
@@ -7,26 +9,26 @@ use gimage_bundle::Bundle;
 use gimage_bundle::manifest::{Joint, Repair, Skeleton, Source};
 use rayon::prelude::*;
 
-use crate::accessory::{Rider, anchor};
-use crate::assemble::{Family, assemble, measure_piece, part_components, summary};
-use crate::budget::{self, Made};
-use crate::component::{ALWAYS_PIECE, Component, extract, split};
+use self::budget::Made;
+use crate::base::mesh::{Mesh, Semantic};
+use crate::base::surface::Surface;
+use crate::base::words;
 use crate::error::{Error, Result};
-use crate::gate;
-use crate::import::import;
-use crate::judge::Verdict;
-use crate::ladder::{Rung, Tried, WORTH, badness, is_sound, passes};
-use crate::mass::check_mean;
-use crate::mesh::{Mesh, Semantic};
 use crate::options::{BuildOptions, ImageSize};
-use crate::piece::{FitRecord, ImageOptions, PieceImage, image};
 use crate::progress::{Progress, Stage};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
-use crate::repair::repair;
 use crate::report::{Report, StageTime, peak_memory};
-use crate::split::{Parts, image_parts};
-use crate::surface::Surface;
-use crate::words;
+use crate::stage::assemble::accessory::{Rider, anchor};
+use crate::stage::assemble::mass::check_mean;
+use crate::stage::assemble::{Family, assemble, measure_piece, part_components, summary};
+use crate::stage::component::{ALWAYS_PIECE, Component, extract, split};
+use crate::stage::gate;
+use crate::stage::image::judge::Verdict;
+use crate::stage::image::ladder::{Rung, Tried, WORTH, badness, is_sound, passes};
+use crate::stage::image::{FitRecord, ImageOptions, PieceImage, image};
+use crate::stage::import::import;
+use crate::stage::repair::repair;
+use crate::stage::split::{Parts, image_parts};
 
 /// A finished build, not yet written.
 #[derive(Clone, Debug)]
@@ -349,7 +351,7 @@ fn keep_budget(
 /// where seams are everywhere and so tell nothing.
 fn uv_seams(mesh: &Mesh, surface: &Surface) -> Option<Vec<bool>> {
     let uv = mesh.channel(&Semantic::TexCoord(0))?;
-    let twin = crate::halfedge::twins(&surface.triangles).ok()?;
+    let twin = crate::base::halfedge::twins(&surface.triangles).ok()?;
     let value = |h: u32| {
         let t = h as usize / 3;
         uv.at(surface.source_triangle[t] as usize, surface.source_corner(t, h as usize % 3))
@@ -358,11 +360,11 @@ fn uv_seams(mesh: &Mesh, surface: &Surface) -> Option<Vec<bool>> {
     let (mut inner, mut many) = (0usize, 0usize);
     for h in 0..twin.len() as u32 {
         let w = twin[h as usize];
-        if w == crate::halfedge::BOUNDARY {
+        if w == crate::base::halfedge::BOUNDARY {
             continue;
         }
         inner += 1;
-        let next = crate::halfedge::next;
+        let next = crate::base::halfedge::next;
         let same_way =
             surface.triangles[h as usize / 3][h as usize % 3] == surface.triangles[w as usize / 3][w as usize % 3];
         let (a, b) = if same_way { (w, next(w)) } else { (next(w), w) };
