@@ -25,9 +25,10 @@ use crate::stage::component::{ALWAYS_PIECE, Component, extract, split};
 use crate::stage::gate;
 use crate::stage::image::judge::Verdict;
 use crate::stage::image::ladder::{Rung, Tried, WORTH, badness, is_sound, passes};
-use crate::stage::image::{FitRecord, ImageOptions, PieceImage, image};
+use crate::stage::image::{ImageOptions, PieceImage, image};
 use crate::stage::import::import;
 use crate::stage::repair::repair;
+use crate::stage::sample::FitRecord;
 use crate::stage::split::{Parts, image_parts};
 
 /// A finished build, not yet written.

@@ -5,6 +5,9 @@ use std::f64::consts::TAU;
 
 use crate::base::mesh::Mesh;
 use crate::base::surface::Surface;
+use crate::stage::border::{Border, Placed};
+use crate::stage::cut::disk::Disk;
+use crate::stage::layout::Layout;
 use crate::stage::repair::{RepairOptions, repair};
 
 /// A surface of its own source.
@@ -403,29 +406,30 @@ pub(crate) fn hard() -> Vec<(&'static str, Surface)> {
     ]
 }
 
-/// A surface opened and laid on `w` x `h` cells, or as many as it needs: a disk, and the places of its boundary.
-pub(crate) fn laid(s: &Surface, w: u32, h: u32) -> (crate::stage::cut::disk::Disk, Vec<[f64; 2]>) {
+/// A surface opened and laid on `w` x `h` cells, or as many as it needs, its boundary starting at the corner (0, 0): its
+/// border, where that went, and the cells.
+fn placed(s: &Surface, w: u32, h: u32) -> (Border, Placed, u32, u32) {
     let mut disk = opened(s, &[]);
     let rim = rim(s);
-    let border = crate::stage::border::Border::new(&mut disk, |v| rim[v as usize]);
+    let border = Border::new(&mut disk, |v| rim[v as usize]);
     let least = border.least_steps().div_ceil(4);
     let (w, h) = (w.max(least), h.max(least));
     let count = border.share(2 * (w + h)).expect("room enough");
-    let placed = border.place(&disk, s, &|v| rim[v as usize], w, h, 0.0, &count).expect("placed");
+    let layout = Layout { w, h, shift: 0.0, count, score: 0.0 };
+    let placed = border.place(&disk, s, &|v| rim[v as usize], &layout).expect("placed");
+    (border, placed, w, h)
+}
+
+/// A surface opened and laid on `w` x `h` cells, or as many as it needs: a disk, and the places of its boundary.
+pub(crate) fn laid(s: &Surface, w: u32, h: u32) -> (Disk, Vec<[f64; 2]>) {
+    let (_, placed, ..) = placed(s, w, h);
     (placed.disk, placed.uv)
 }
 
-/// Lays a surface on `w` x `h` cells, or as many as it needs, its boundary starting at the corner (0, 0).
+/// Lays a surface on `w` x `h` cells, or as many as it needs, and maps it.
 pub(crate) fn mapped(s: &Surface, w: u32, h: u32) -> Mapped {
     use crate::stage::parameterize::{NewtonOptions, parameterize};
-    let mut disk = opened(s, &[]);
-    let rim = rim(s);
-    let border = crate::stage::border::Border::new(&mut disk, |v| rim[v as usize]);
-    let least = border.least_steps().div_ceil(4);
-    let (w, h) = (w.max(least), h.max(least));
-    let count = border.share(2 * (w + h)).expect("room enough");
-    let at = |v: u32| rim[v as usize];
-    let placed = border.place(&disk, s, &at, w, h, 0.0, &count).expect("placed");
+    let (border, placed, w, h) = placed(s, w, h);
     let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
     let fixed = disk.boundary_mask();
     parameterize(disk.shape(&fixed), &mut uv, 3, &NewtonOptions::default(), usize::MAX / 2).expect("a map");

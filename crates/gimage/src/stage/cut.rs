@@ -5,8 +5,8 @@
 //! between two far points, and extra terminals are reached by shortest paths (Gu, Gortler, Hoppe 2002). Orientability
 //! is not needed: what is counted is homology over Z/2.
 
-pub(crate) mod disk;
-pub(crate) mod grow;
+pub mod disk;
+pub mod grow;
 pub(crate) mod symmetry;
 pub(crate) mod transfer;
 
@@ -16,6 +16,10 @@ use crate::base::graph::{EdgeGraph, Paths, Wave};
 use crate::base::halfedge;
 use crate::base::order;
 use crate::base::surface::Surface;
+use crate::error::Result;
+use crate::stage::border::Border;
+use crate::stage::image::{ImageOptions, Maker};
+use disk::Disk;
 
 /// The surface as the cutter sees it: made once, cut many times.
 pub(crate) struct Cutter<'a> {
@@ -41,6 +45,74 @@ impl Cut {
         self.edges.iter().zip(&graph.length).filter(|(c, _)| **c).map(|(_, l)| l).sum::<f64>() + 0.0
     }
 }
+
+/// What the cut was and cost.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CutRecord {
+    /// Length of the cut paths \[m\].
+    pub length: f64,
+    /// Edges cut.
+    pub edges: u32,
+    /// Points the cut was grown to.
+    pub grown: usize,
+    /// The cut follows UV seams.
+    pub uv_seams: bool,
+    /// Mean of ln(density / 4) of a coarse stand-in with the shortest cut, and with the cut grown.
+    pub bought: Option<[f64; 2]>,
+}
+
+/// A surface cut open to a disk, and the structure of its border.
+#[derive(Clone, Debug)]
+pub struct OpenSurface {
+    /// The disk.
+    pub disk: Disk,
+    /// The paths of its boundary.
+    pub border: Border,
+    /// What the cut was and cost.
+    pub cut: CutRecord,
+}
+
+/// What an image of a surface must weld back to: its boundary loops and its Euler number.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Loops {
+    /// For each vertex the boundary loop it lies on, longest first, or [`disk::NONE`].
+    pub rim: Vec<u32>,
+    /// Lengths of the loops \[m\], longest first.
+    pub lengths: Vec<f64>,
+    /// Vertices - edges + triangles.
+    pub euler: i64,
+}
+
+impl Loops {
+    pub(crate) fn of(cutter: &Cutter<'_>) -> Self {
+        let mut rim = vec![disk::NONE; cutter.surface.positions.len()];
+        for (k, l) in cutter.loops().iter().enumerate() {
+            l.iter().for_each(|&v| rim[v as usize] = k as u32);
+        }
+        Self { rim, lengths: cutter.loop_lengths(), euler: cutter.euler() }
+    }
+
+    /// The loops of a surface. `None` if it is empty or no manifold.
+    pub fn new(surface: &Surface) -> Option<Self> {
+        Cutter::new(surface).map(|cutter| Self::of(&cutter))
+    }
+}
+
+/// Cuts a connected surface open in each way worth laying out: along UV seams or not, as the options say, and grown into
+/// limbs. `uv_seam` tells the half-edges on UV seams, if the surface has any.
+///
+/// Errors: [`crate::Error::Piece`] with `name` where the surface is no manifold.
+pub fn cuts(
+    name: &str,
+    surface: &Surface,
+    uv_seam: Option<&[bool]>,
+    options: &ImageOptions,
+) -> Result<Vec<OpenSurface>> {
+    Ok(Maker::new(name, surface, uv_seam, options)?.cuts(true)?.candidates)
+}
+
+/// Cost of an edge on a UV seam, as a share of its length.
+pub(crate) const SEAM_DISCOUNT: f64 = 0.15;
 
 /// The growing cut: its edges and every vertex on it or on the boundary.
 struct Growing<'a> {

@@ -12,7 +12,10 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::stage::cut::disk::Disk;
 
-pub(crate) use place::{BorderTexel, Key, on_rectangle};
+#[cfg(test)]
+pub(crate) use place::Placed;
+pub(crate) use place::on_rectangle;
+pub use place::{BorderTexel, Key};
 
 /// A stretch of the boundary loop between two nodes.
 #[derive(Clone, Debug)]
@@ -41,7 +44,7 @@ struct Group {
 
 /// The structure of a disk's boundary. Independent of the size of the image.
 #[derive(Clone, Debug)]
-pub(crate) struct Border {
+pub struct Border {
     segments: Vec<Segment>,
     groups: Vec<Group>,
     /// There is neither cut nor corner: the boundary may start anywhere.

@@ -6,10 +6,11 @@ use super::Border;
 use crate::base::surface::Surface;
 use crate::base::vec3::lerp;
 use crate::stage::cut::disk::{Disk, NONE};
+use crate::stage::layout::Layout;
 
 /// Which surface point a border texel is: texels with equal keys are duplicates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) enum Key {
+pub enum Key {
     /// A vertex of the surface.
     Node(u32),
     /// Step `.1` of the path `.0`.
@@ -20,7 +21,7 @@ pub(crate) enum Key {
 
 /// One texel on the border of the image.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BorderTexel {
+pub struct BorderTexel {
     /// What it is.
     pub key: Key,
     /// Where it is \[m\]; bit-identical for equal keys.
@@ -59,18 +60,15 @@ pub(crate) fn on_rectangle(p: f64, w: u32, h: u32) -> [f64; 2] {
 }
 
 impl Border {
-    /// Lays the boundary on a `w` x `h` cell rectangle, its start `shift` steps from (0, 0),
-    /// with `count` steps for each group.
+    /// Lays the boundary on the rectangle of a layout.
     pub(crate) fn place(
         &self,
         disk: &Disk,
         surface: &Surface,
         surface_boundary: &dyn Fn(u32) -> bool,
-        w: u32,
-        h: u32,
-        shift: f64,
-        count: &[u32],
+        layout: &Layout,
     ) -> Option<Placed> {
+        let Layout { w, h, shift, ref count, .. } = *layout;
         let perimeter = f64::from(2 * (w + h));
         let mut along = self.along(disk, count);
         let mut disk = disk.clone();
@@ -98,7 +96,7 @@ impl Border {
         for (v, a) in disk.boundary.iter().zip(&along) {
             uv[*v as usize] = on_rectangle(a + shift, w, h);
         }
-        let texels = self.texels(&disk, surface, surface_boundary, &along, count, perimeter, shift)?;
+        let texels = self.texels(&disk, surface, surface_boundary, &along, layout)?;
         Some(Placed { disk, uv, texels })
     }
 
@@ -108,10 +106,10 @@ impl Border {
         surface: &Surface,
         surface_boundary: &dyn Fn(u32) -> bool,
         along: &[f64],
-        count: &[u32],
-        perimeter: f64,
-        shift: f64,
+        layout: &Layout,
     ) -> Option<Vec<BorderTexel>> {
+        let Layout { w, h, shift, ref count, .. } = *layout;
+        let perimeter = f64::from(2 * (w + h));
         let mut face_of: HashMap<[u32; 2], (u32, usize)> = HashMap::new();
         let n = disk.boundary.len();
         let wanted: HashSet<[u32; 2]> = (0..n).map(|i| [disk.boundary[i], disk.boundary[(i + 1) % n]]).collect();

@@ -1,6 +1,7 @@
 use super::*;
 use crate::base::shapes;
 use crate::base::surface::Surface;
+use crate::stage::layout::Layout;
 use std::collections::BTreeMap;
 
 fn bordered(s: &Surface) -> (Disk, Border, Vec<bool>) {
@@ -82,7 +83,9 @@ fn texels_of_one_key_are_one_point_and_nodes_are_on_texels() {
         let (w, h) = (steps / 4, steps / 4);
         let count = border.share(steps).unwrap();
         for shift in [0.0, 3.0] {
-            let placed = border.place(&disk, &s, &|v| rim[v as usize], w, h, shift, &count).unwrap();
+            let placed = border
+                .place(&disk, &s, &|v| rim[v as usize], &Layout { w, h, shift, count: count.clone(), score: 0.0 })
+                .unwrap();
             assert_eq!(placed.texels.len(), steps as usize);
             let mut by_key: BTreeMap<Key, Vec<[f64; 3]>> = BTreeMap::new();
             for (p, t) in placed.texels.iter().enumerate() {

@@ -8,11 +8,11 @@ use crate::stage::cut::{Cut, Cutter};
 use crate::stage::parameterize::Shape;
 
 /// A vertex that is no vertex of the surface.
-pub(crate) const NONE: u32 = u32::MAX;
+pub const NONE: u32 = u32::MAX;
 
 /// A triangulated disk that remembers the surface it was cut from.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Disk {
+pub struct Disk {
     /// Vertex positions \[m\].
     pub positions: Vec<[f64; 3]>,
     /// Counter-clockwise triangles.

@@ -13,7 +13,7 @@ use crate::base::locate::Locator;
 use crate::base::surface::Surface;
 use crate::base::vec3::{add, cross, distance, dot, norm, scale, sub};
 use crate::stage::cut::disk::Disk;
-use crate::stage::parameterize::distortion::CHUNK;
+use crate::stage::parameterize::distortion::{CHUNK, Distortion};
 
 /// Points of the surface at which an image is judged.
 const POINTS: usize = 2000;
@@ -48,6 +48,22 @@ impl Verdict {
         let b = self.rms.max(0.02 * self.largest).max(0.1 * self.outside);
         if b.is_finite() { b } else { f64::INFINITY }
     }
+}
+
+/// Energy or stretch of a map above which its image is judged in both directions: texels may then span what the surface
+/// does not fill. Maps of clean garments stay below it.
+const DISTORTED: f64 = 15.0;
+
+/// Finds triangles by place on the image, where the map is so far from an isometry that both directions count.
+pub(crate) fn locator_if_distorted<'a>(
+    disk: &'a Disk,
+    uv: &'a [[f64; 2]],
+    distortion: &Distortion,
+    w: usize,
+    h: usize,
+) -> Option<Locator<'a>> {
+    let far = distortion.symmetric_dirichlet > DISTORTED || distortion.linf > DISTORTED;
+    far.then(|| Locator::new(disk, uv, w, h))
 }
 
 /// The bounding box of a surface.

@@ -5,14 +5,16 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+use crate::stage::cut::OpenSurface;
 use crate::stage::parameterize::distortion;
 
 pub(crate) use proxy::Proxy;
-pub(crate) use search::{Found, SearchOptions};
+pub(crate) use search::Found;
+pub use search::SearchOptions;
 
 /// How large the image of a piece may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Size {
+pub enum Size {
     /// Exactly this many texels (width, height).
     Fixed(u32, u32),
     /// At most about this many texels, of any shape.
@@ -21,7 +23,7 @@ pub(crate) enum Size {
 
 /// A rectangle in cells (one less than texels) and the start of the boundary on it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Layout {
+pub struct Layout {
     /// Cells across.
     pub w: u32,
     /// Cells down.
@@ -32,6 +34,20 @@ pub(crate) struct Layout {
     pub count: Vec<u32>,
     /// Distortion of the stand-in: mean of ln(symmetric Dirichlet density / 4), 0 for an isometry.
     pub score: f64,
+}
+
+/// The least distorted layout of several ways to cut a surface, and the index of its cut. `None` if the border of none
+/// fits the image.
+pub fn choose(cuts: &[OpenSurface], size: Size, search: SearchOptions) -> Option<(usize, Layout)> {
+    let mut best: Option<(Found, usize)> = None;
+    for (k, open) in cuts.iter().enumerate() {
+        let than = best.as_ref().map(|b| b.0.early);
+        let found = Proxy::new(&open.disk, &open.border, search).search_map(size, than);
+        if let Some(found) = found.filter(|f| best.as_ref().is_none_or(|b| f.layout.score < b.0.layout.score)) {
+            best = Some((found, k));
+        }
+    }
+    best.map(|(found, k)| (k, found.layout))
 }
 
 /// Cells of an image of a size and aspect, or the smallest that holds `least` border steps. `None` if that is not the

@@ -6,7 +6,7 @@ use crate::stage::parameterize::Start;
 
 /// How hard to search.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SearchOptions {
+pub struct SearchOptions {
     /// Triangles of the stand-in.
     pub triangles: usize,
     /// Starts tried at the first aspect.
@@ -27,14 +27,14 @@ pub(crate) struct SearchOptions {
 
 impl SearchOptions {
     /// Takes about as long as the map of the whole disk.
-    pub(crate) const DEFAULT: Self =
+    pub const DEFAULT: Self =
         Self { triangles: 600, shifts: 12, rough: 3, passes: 2, steps: [1, 2, 3], keep: [3, 1], refine: true, snap: 3 };
 
     /// For previews: half as many starts, and neither aspect nor start is refined.
-    pub(crate) const FAST: Self = Self { shifts: 6, keep: [2, 1], refine: false, snap: 2, ..Self::DEFAULT };
+    pub const FAST: Self = Self { shifts: 6, keep: [2, 1], refine: false, snap: 2, ..Self::DEFAULT };
 
     /// Several times as long as the default: every start takes Newton steps, on a stand-in of five times the triangles.
-    pub(crate) const BEST: Self =
+    pub const BEST: Self =
         Self { triangles: 3000, shifts: 24, rough: 24, steps: [2, 4, 8], keep: [12, 6], snap: 6, ..Self::DEFAULT };
 
     /// For a cut on trial ([`mod@crate::stage::cut::grow`]): it runs for every point that a cut may grow to, so it keeps only one layout.

@@ -5,6 +5,7 @@ mod blocks;
 pub mod distortion;
 mod embed;
 mod local;
+pub(crate) mod map;
 mod newton;
 mod refine;
 mod sparse;
@@ -12,6 +13,7 @@ mod start;
 mod system;
 mod whole;
 
+pub use map::{Map, Source, map};
 pub use newton::{NewtonOptions, NewtonRecord};
 
 pub(crate) use start::{Start, StartRecord};

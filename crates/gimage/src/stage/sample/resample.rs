@@ -6,7 +6,7 @@ use crate::stage::parameterize::distortion::{planar, signed_area2};
 
 /// Where one texel lies on the disk.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sample {
+pub struct Sample {
     /// Disk triangle.
     pub triangle: u32,
     /// Barycentric coordinates in it, summing to 1.

@@ -6,22 +6,17 @@ use rayon::prelude::*;
 
 use super::network::Bordered;
 use crate::base::grid::Grid;
-use crate::base::locate::Locator;
 use crate::base::surface::Surface;
 use crate::base::vec3::{add, scale};
 use crate::error::{Error, Result};
 use crate::stage::border::{BorderTexel, Key};
 use crate::stage::cut::disk::{Disk, NONE};
-use crate::stage::image::judge::{Verdict, judge};
-use crate::stage::image::{FAR, FitRecord, ImageOptions, PieceImage, Sampling};
+use crate::stage::image::judge::{Verdict, judge, locator_if_distorted};
+use crate::stage::image::{ImageOptions, PieceImage};
 use crate::stage::layout::{Proxy, Size};
 use crate::stage::parameterize::distortion::{self, Distortion};
-use crate::stage::parameterize::parameterize;
-use crate::stage::sample::fit;
-use crate::stage::sample::resample::{border_index, resample};
-
-/// A disk of many more triangles than half the cells, and than this, is mapped coarse to fine.
-const LEAST_TRIANGLES: usize = 3000;
+use crate::stage::parameterize::{Map, Source, map};
+use crate::stage::sample::{Sampled, Sampling, border_index, fit_where_closer, sample};
 
 /// Which point of the whole surface a border texel is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,51 +43,24 @@ pub(super) struct Loops<'a> {
     pub lengths: &'a [f64],
 }
 
-fn fail(name: &str, stage: &'static str, problem: &str, hint: &str) -> Error {
-    Error::Piece { piece: name.to_owned(), stage, problem: problem.into(), hint: hint.into() }
-}
-
 /// Lays out and maps one part. Its texels lie where they were sampled.
 fn image(name: &str, bordered: Bordered, loops: &Loops<'_>, options: &ImageOptions) -> Result<Imaged> {
     let Bordered { opened, border, texels, .. } = &bordered;
+    let rim: Vec<u32> = opened.part.vertex.iter().map(|&v| loops.rim[v as usize]).collect();
+    let source = Source { name, surface: &opened.part.surface, rim: &rim };
     let found = Proxy::new(&opened.disk, border, options.search).search_map(Size::Budget(*texels as u32), None);
     let layout = found
-        .ok_or_else(|| fail(name, "layout", "the border of a part does not fit its image", "give it more texels"))?
+        .ok_or_else(|| source.fail("layout", "the border of a part does not fit its image", "give it more texels"))?
         .layout;
-    let (w, h) = (layout.w, layout.h);
-    let on_rim = |v: u32| loops.rim[opened.part.vertex[v as usize] as usize] != NONE;
-    let placed = border
-        .place(&opened.disk, &opened.part.surface, &on_rim, w, h, layout.shift, &layout.count)
-        .ok_or_else(|| fail(name, "border", "the boundary cannot be shared out", "use a larger image"))?;
-    let (disk, mut uv, texels) = (placed.disk, placed.uv, placed.texels);
-    let fixed = disk.boundary_mask();
-    let enough = LEAST_TRIANGLES.max((w * h) as usize / 2);
-    let record =
-        parameterize(disk.shape(&fixed), &mut uv, options.passes, &options.newton, enough).ok_or_else(|| {
-            fail(name, "parameterize", "no map free of flips was found for a part", "remesh the slivers of this piece")
-        })?;
-    let samples = resample(&disk, &uv, &texels, w, h)
-        .ok_or_else(|| fail(name, "resample", "a texel fell outside the map", "please report it with the input"))?;
-    let mut positions: Vec<[f64; 3]> = samples.iter().map(|s| s.position(&disk)).collect();
-    let mut loop_of = vec![NONE; positions.len()];
-    let mut rings: BTreeMap<Key, Vec<u32>> = BTreeMap::new();
+    let map = map(&source, &opened.disk, border, &layout, None, options)?;
+    let Sampled { samples, grid, loop_of } = sample(&map, &rim)
+        .ok_or_else(|| source.fail("resample", "a texel fell outside the map", "please report it with the input"))?;
+    let Map { disk, uv, border, w, h, record } = map;
     let mut points = Vec::new();
-    for (p, t) in texels.iter().enumerate() {
-        let at = border_index(p as u32, w, h);
-        positions[at] = t.position;
-        loop_of[at] = t.rim.map_or(NONE, |v| loops.rim[opened.part.vertex[v as usize] as usize]);
-        rings.entry(t.key).or_default().push(at as u32);
-        points.extend(point(&bordered, &layout.count, t).map(|x| (x, at as u32)));
-    }
-    let mut links = vec![NONE; positions.len()];
-    for ring in rings.values_mut().filter(|r| r.len() > 1) {
-        ring.sort_unstable();
-        for (k, &at) in ring.iter().enumerate() {
-            links[at as usize] = ring[(k + 1) % ring.len()];
-        }
+    for (p, t) in border.iter().enumerate() {
+        points.extend(point(&bordered, &layout.count, t).map(|x| (x, border_index(p as u32, w, h) as u32)));
     }
     let distortion = distortion::measure(&disk.positions, &disk.triangles, &uv);
-    let grid = Grid { links, ..Grid::new(w as usize + 1, h as usize + 1, positions) };
     let cut = bordered.opened.cut.clone();
     let image = PieceImage {
         disk,
@@ -182,8 +150,7 @@ pub(super) fn images(
 
 /// How close the image of a part comes to it.
 fn judged(surface: &Surface, disk: &Disk, uv: &[[f64; 2]], grid: &Grid, distortion: &Distortion) -> Verdict {
-    let far = distortion.symmetric_dirichlet > FAR || distortion.linf > FAR;
-    let locator = far.then(|| Locator::new(disk, uv, grid.width - 1, grid.height - 1));
+    let locator = locator_if_distorted(disk, uv, distortion, grid.width - 1, grid.height - 1);
     judge(surface, disk, uv, grid, locator.as_ref())
 }
 
@@ -196,22 +163,10 @@ fn fit_parts(made: &mut [Imaged], across: &[Vec<PartTexel>], options: &ImageOpti
         across.iter().flatten().for_each(|&(p, at)| held[p as usize][at as usize] = true);
         made.par_iter_mut().zip(&held).for_each(|(m, rim)| {
             let PieceImage { disk, uv, grid, distortion, .. } = &mut m.image;
-            let rings: Vec<Vec<u32>> = grid.rings().collect();
-            let image = fit::Image { columns: grid.width, rows: grid.height, rings: &rings, rim };
-            let sampled = grid.positions.clone();
             let surface = &m.bordered.opened.part.surface;
-            let before = judged(surface, disk, uv, grid, distortion);
-            if !fit::fit(disk, uv, &mut grid.positions, &image, fit_options) {
-                m.image.fit = Some(FitRecord::Failed);
-                return;
-            }
-            let back = fit::restrain(&mut grid.positions, &sampled, &image);
-            // What differs by less than f32 can hold is equal.
-            let kept = judged(surface, disk, uv, grid, distortion).badness() <= before.badness().max(1e-7);
-            if !kept {
-                grid.positions = sampled;
-            }
-            m.image.fit = Some(if kept { FitRecord::Kept(back) } else { FitRecord::Dropped });
+            let judged = |grid: &Grid| judged(surface, disk, uv, grid, distortion);
+            let mut before = judged(grid);
+            m.image.fit = Some(fit_where_closer((disk, uv), grid, rim, fit_options, &mut before, &judged));
         });
         for ring in across {
             let at = |made: &[Imaged], (p, k): PartTexel| made[p as usize].image.grid.positions[k as usize];

@@ -24,9 +24,10 @@ use crate::options::Seams;
 use crate::stage::cut::Cutter;
 use crate::stage::cut::disk::{self, NONE};
 use crate::stage::cut::grow::{grow, hidden_costs};
+use crate::stage::cut::{CutRecord, SEAM_DISCOUNT};
 use crate::stage::image::judge::{Verdict, bounds, outside};
 use crate::stage::image::ladder::{WORTH, badness, passes};
-use crate::stage::image::{CutRecord, ImageOptions, PieceImage, SEAM_DISCOUNT};
+use crate::stage::image::{ImageOptions, PieceImage};
 use crate::stage::parameterize::bend;
 use crate::stage::sample::seal::{Expected, Sheet, seal};
 

@@ -11,8 +11,8 @@ use gimage_bundle::DisjointSets;
 use super::part::Part;
 use crate::base::graph::EdgeGraph;
 use crate::stage::border::Border;
+use crate::stage::cut::CutRecord;
 use crate::stage::cut::disk::Disk;
-use crate::stage::image::CutRecord;
 
 /// A part cut open to a disk.
 #[derive(Clone, Debug)]
