@@ -31,7 +31,15 @@ use crate::stage::measure::{MeasureOptions, Quality, measure};
 pub(crate) use parts::{Family, part_components};
 
 /// A piece on its way into the bundle.
-pub(crate) type Piece<'a> = (&'a Component, Surface, PieceImage);
+#[derive(Clone, Debug)]
+pub struct Piece<'a> {
+    /// The component, or the part of one, that it is.
+    pub component: &'a Component,
+    /// Its surface.
+    pub surface: Surface,
+    /// The image of that.
+    pub image: PieceImage,
+}
 
 /// Everything of one piece but its place in the bundle.
 struct Made {
@@ -72,7 +80,7 @@ pub(crate) fn assemble(
     let mut pinned = 0usize;
     let mut met = vec![false; options.pins.len()];
     for ((piece, made), links) in pieces.iter().zip(made).zip(links) {
-        let (component, _, image) = piece;
+        let Piece { component, image, .. } = piece;
         let k = bundle.add_piece(&component.name, image.width, image.height)?;
         let mut data = Vec::with_capacity(4 * image.grid.positions.len());
         for (at, p) in image.grid.positions.iter().enumerate() {
@@ -132,7 +140,7 @@ pub(crate) fn assemble(
 
 /// The box around the texels of all pieces \[m\].
 fn bounds(pieces: &[Piece<'_>]) -> Option<([f64; 3], [f64; 3])> {
-    let mut all = pieces.iter().flat_map(|(_, _, image)| &image.grid.positions).copied();
+    let mut all = pieces.iter().flat_map(|Piece { image, .. }| &image.grid.positions).copied();
     let first = all.next()?;
     Some(all.fold((first, first), |(lo, hi), p| {
         (std::array::from_fn(|k| lo[k].min(p[k])), std::array::from_fn(|k| hi[k].max(p[k])))
@@ -141,7 +149,7 @@ fn bounds(pieces: &[Piece<'_>]) -> Option<([f64; 3], [f64; 3])> {
 
 /// f32 holds every position.
 fn check_range(pieces: &[Piece<'_>]) -> Result<()> {
-    for (component, _, image) in pieces {
+    for Piece { component, image, .. } in pieces {
         if image.grid.positions.iter().flatten().any(|x| !(*x as f32).is_finite()) {
             return Err(Error::Piece {
                 piece: component.name.clone(),
@@ -159,7 +167,7 @@ fn loop_order(pieces: &[Piece<'_>]) -> Vec<(usize, u32)> {
     let mut all: Vec<(f64, usize, u32)> = pieces
         .iter()
         .enumerate()
-        .flat_map(|(k, (_, _, image))| {
+        .flat_map(|(k, Piece { image, .. })| {
             image.loop_lengths.iter().enumerate().map(move |(l, length)| (*length, k, l as u32))
         })
         .collect();
@@ -170,7 +178,7 @@ fn loop_order(pieces: &[Piece<'_>]) -> Vec<(usize, u32)> {
 fn make(
     mesh: &Mesh,
     k: usize,
-    (component, surface, image): &Piece<'_>,
+    Piece { component, surface, image }: &Piece<'_>,
     loops: &[(usize, u32)],
     options: &BuildOptions,
 ) -> Result<Made> {
@@ -331,7 +339,7 @@ pub(crate) fn summary(measured: &[Measured], pieces: &[Piece<'_>]) -> Measured {
     let mean = |f: &dyn Fn(&Quality) -> f64| known.iter().map(|(q, a)| f(q) * a).sum::<f64>() / area.max(1e-300);
     let top = |f: &dyn Fn(&Quality) -> f64| known.iter().map(|(q, _)| f(q)).fold(0.0, f64::max);
     let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in pieces.iter().flat_map(|(_, surface, _)| &surface.positions) {
+    for p in pieces.iter().flat_map(|Piece { surface, .. }| &surface.positions) {
         (0..3).for_each(|c| (lo[c], hi[c]) = (lo[c].min(p[c]), hi[c].max(p[c])));
     }
     let diagonal = crate::base::vec3::distance(lo, hi);

@@ -74,11 +74,11 @@ pub(super) fn owners(pieces: usize, families: &[Family<'_>]) -> Vec<usize> {
 pub(super) fn links(pieces: &[Piece<'_>], families: &[Family<'_>]) -> Vec<Vec<u32>> {
     let mut first = Vec::with_capacity(pieces.len());
     let mut total = 0u32;
-    for (_, _, image) in pieces {
+    for Piece { image, .. } in pieces {
         first.push(total);
         total = total.saturating_add(image.grid.positions.len() as u32);
     }
-    let own = |((_, _, image), &first): (&Piece<'_>, &u32)| -> Vec<u32> {
+    let own = |(Piece { image, .. }, &first): (&Piece<'_>, &u32)| -> Vec<u32> {
         image.grid.links.iter().map(|&l| if l == NONE { NONE } else { first + l }).collect()
     };
     let mut out: Vec<Vec<u32>> = pieces.iter().zip(&first).map(own).collect();
@@ -111,12 +111,12 @@ pub(super) fn agree(made: &mut [Made], pieces: &[Piece<'_>], families: &[Family<
 
 /// The mass of a point is the sum over the parts that have it, and there over its rings.
 fn masses(made: &mut [Made], pieces: &[Piece<'_>], family: &Family<'_>) {
-    for (m, (_, _, image)) in made.iter_mut().zip(pieces) {
+    for (m, Piece { image, .. }) in made.iter_mut().zip(pieces) {
         if let Masses::Constant(c) = m.mass {
             m.mass = Masses::Image(vec![c; image.grid.positions.len()]);
         }
     }
-    let own: Vec<Vec<u32>> = pieces.iter().map(|(_, _, image)| image.grid.representative()).collect();
+    let own: Vec<Vec<u32>> = pieces.iter().map(|Piece { image, .. }| image.grid.representative()).collect();
     for ring in &family.rings {
         let points: BTreeSet<PartTexel> = ring.iter().map(|&(p, at)| (p, own[p as usize][at as usize])).collect();
         let sum: f64 = points.iter().map(|&(p, at)| f64::from(made[p as usize].mass.at(at as usize))).sum();
@@ -134,7 +134,7 @@ fn maps(made: &mut [Made], pieces: &[Piece<'_>], family: &Family<'_>) {
     for (kind, channels) in kinds {
         if kind.agrees_across_seams() {
             // A part without a skin follows the first joint.
-            for (m, (_, _, image)) in made.iter_mut().zip(pieces) {
+            for (m, Piece { image, .. }) in made.iter_mut().zip(pieces) {
                 if !m.maps.iter().any(|x| x.0 == kind) {
                     let mut blank = Image::zeros(image.width, image.height, channels);
                     if matches!(kind, MapKind::Weights(0)) {
@@ -172,7 +172,7 @@ fn rests(made: &mut [Made], pieces: &[Piece<'_>], family: &Family<'_>) {
         });
     }
     let mut known: BTreeMap<[u32; 2], f32> = BTreeMap::new();
-    for (p, (m, (_, _, image))) in made.iter_mut().zip(pieces).enumerate() {
+    for (p, (m, Piece { image, .. })) in made.iter_mut().zip(pieces).enumerate() {
         let RestLengths::Image(lengths) = &mut m.rest else { continue };
         let (w, h) = (image.grid.width, image.grid.height);
         for k in 0..w * h {

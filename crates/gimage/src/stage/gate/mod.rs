@@ -23,7 +23,7 @@ const SHARE: f64 = 0.05;
 
 /// Writes down what is known of every piece without measuring: the texels outside the box, how all triangles face, the
 /// rungs tried.
-pub(crate) fn note(entry: &mut PieceEntry, (_, _, image): &Piece<'_>) {
+pub(crate) fn note(entry: &mut PieceEntry, Piece { image, .. }: &Piece<'_>) {
     let v = &image.verdict;
     let facing = facing(&image.disk, &image.samples, &image.grid);
     for (key, value) in [(OUTSIDE_KEY, v.outside), (FOLD_KEY, facing.fold_area), (NORMAL_KEY, facing.normal_degrees)] {
@@ -42,7 +42,7 @@ pub(crate) fn note(entry: &mut PieceEntry, (_, _, image): &Piece<'_>) {
 
 /// Writes down how much larger the component of every part is than the part.
 pub(crate) fn scale_parts(entries: &mut [PieceEntry], pieces: &[Piece<'_>]) {
-    let boxes: Vec<[[f64; 3]; 2]> = pieces.iter().map(|p| bounds(&p.1)).collect();
+    let boxes: Vec<[[f64; 3]; 2]> = pieces.iter().map(|p| bounds(&p.surface)).collect();
     let wholes: Vec<Option<u32>> = entries.iter().map(|e| e.part_of).collect();
     for (k, entry) in entries.iter_mut().enumerate().filter(|(_, e)| e.part_of.is_some()) {
         let [lo, hi] =
@@ -92,14 +92,14 @@ fn figures(entry: &PieceEntry, piece: &Piece<'_>, options: &BuildOptions) -> Fig
     if options.metrics {
         return known;
     }
-    let v = &piece.2.verdict;
+    let v = &piece.image.verdict;
     let bound =
         Figures { psnr: Some(v.psnr()), hausdorff: Some(v.largest), normal_degrees: Some(v.normal_degrees), ..known };
     let suspicious = bound.rate().0 > Rating::Good || options.min_psnr.is_some_and(|min| v.psnr() < min);
     if !suspicious {
         return bound;
     }
-    let measured: Measured = measure_piece(&piece.1, &piece.2, SHARE);
+    let measured: Measured = measure_piece(&piece.surface, &piece.image, SHARE);
     Figures::of(&measured.merged(entry.quality.clone()))
 }
 
@@ -116,7 +116,7 @@ struct Rated<'a> {
 }
 
 /// Whether steps of 32-bit positions are coarser than a thousandth of the piece.
-fn is_far((_, surface, _): &Piece<'_>) -> bool {
+fn is_far(Piece { surface, .. }: &Piece<'_>) -> bool {
     let [lo, hi] = bounds(surface);
     let far = lo.iter().chain(&hi).fold(0.0f64, |m, x| m.max(x.abs()));
     far * f64::from(f32::EPSILON) > 1e-3 * distance(lo, hi)
