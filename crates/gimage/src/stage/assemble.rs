@@ -23,12 +23,14 @@ use crate::stage::assemble::mass::{Masses, mass};
 use crate::stage::assemble::pins::{Pin, unmet};
 use crate::stage::assemble::springs::{Rest, RestLengths, springs};
 use crate::stage::component::Component;
+use crate::stage::cut::CutRecord;
 use crate::stage::cut::disk::NONE;
 use crate::stage::image::PieceImage;
 use crate::stage::measure::stretch::spring_anisotropy;
 use crate::stage::measure::{MeasureOptions, Quality, measure};
 
-pub(crate) use parts::{Family, part_components};
+pub use parts::Family;
+pub(crate) use parts::part_components;
 
 /// A piece on its way into the bundle.
 #[derive(Clone, Debug)]
@@ -53,7 +55,10 @@ struct Made {
 }
 
 /// Adds all pieces with their maps to an empty bundle, those of a family joined; returns what is worth saying about the maps.
-pub(crate) fn assemble(
+/// `step` is called from any thread after each piece.
+///
+/// Errors: [`Error::TooLarge`] for a position that f32 cannot hold, and what the bundle finds wrong.
+pub fn assemble(
     bundle: &mut Bundle,
     mesh: &Mesh,
     pieces: &[Piece<'_>],
@@ -77,65 +82,85 @@ pub(crate) fn assemble(
     parts::agree(&mut made, pieces, families);
     let links = parts::links(pieces, families);
     let mut findings = Vec::new();
-    let mut pinned = 0usize;
     let mut met = vec![false; options.pins.len()];
+    let mut is_pinned = false;
     for ((piece, made), links) in pieces.iter().zip(made).zip(links) {
-        let Piece { component, image, .. } = piece;
-        let k = bundle.add_piece(&component.name, image.width, image.height)?;
-        let mut data = Vec::with_capacity(4 * image.grid.positions.len());
-        for (at, p) in image.grid.positions.iter().enumerate() {
-            let next = (links[at] != NONE).then_some(links[at]);
-            let particle = if made.pinned[at] { Particle::Pinned { next } } else { Particle::Free { next } };
-            let code = particle.code().map_err(|e| Error::Internal(format!("particle code: {e}")))?;
-            data.extend([p[0] as f32, p[1] as f32, p[2] as f32, code]);
-        }
-        pinned += made.pinned.iter().filter(|p| **p).count();
+        is_pinned |= made.pinned.contains(&true);
         met.iter_mut().zip(&made.met).for_each(|(all, one)| *all |= one);
-        let map = |channels: u32, data: Vec<f32>| Image { width: image.width, height: image.height, channels, data };
-        bundle.insert(k, MapKind::Position, map(4, data))?;
-        let entry = &mut bundle.manifest.pieces[k];
-        entry.constants.density = Some(options.mass.density);
-        entry.constants.area = Some(component.area);
-        entry.cut = Some(Cut {
-            length: image.cut.length,
-            edges: image.cut.edges,
-            method: match (image.cut.edges > 0, image.cut.uv_seams) {
-                (false, _) => "none".into(),
-                (true, true) => format!("uv-seams, grown to {} points", image.cut.grown),
-                (true, false) => format!("shortest, grown to {} points", image.cut.grown),
-            },
-            distortion_shortest: image.cut.bought.map(|b| b[0]),
-            distortion: image.cut.bought.map(|b| b[1]),
-        });
-        entry.surface = Some(SurfaceEntry {
-            euler: component.euler as i32,
-            loops: component.loops as u32,
-            area: component.area,
-            triangles: component.triangles.len() as u32,
-        });
-        entry.quality = map_quality(image, &made.rest, &made.mass);
-        crate::stage::gate::note(entry, piece);
-        match made.rest {
-            RestLengths::Constant(c) => entry.constants.rest = Some(c),
-            RestLengths::Image(lengths) => {
-                bundle.insert(k, MapKind::Rest, map(4, lengths.into_iter().flatten().collect()))?;
-            }
-        }
-        match made.mass {
-            Masses::Constant(m) => bundle.manifest.pieces[k].constants.mass = Some(m),
-            Masses::Image(m) => bundle.insert(k, MapKind::Mass, map(1, m))?,
-        }
-        for (kind, image) in made.maps {
-            bundle.insert(k, kind, image)?;
-        }
-        findings.extend(made.findings);
+        findings.extend(add(bundle, piece, made, &links, options)?);
     }
     parts::declare(bundle, families);
-    if pinned > 0 {
+    if is_pinned {
         bundle.write_tethers()?;
     }
     findings.extend(unmet(&options.pins, &met, bounds(pieces), loops.len(), mesh));
     Ok(findings)
+}
+
+/// Adds a piece with its maps and its entry; `links` are those of its texels. Returns the findings of its maps.
+fn add(
+    bundle: &mut Bundle,
+    piece: &Piece<'_>,
+    made: Made,
+    links: &[u32],
+    options: &BuildOptions,
+) -> Result<Vec<Finding>> {
+    let Piece { component, image, .. } = piece;
+    let k = bundle.add_piece(&component.name, image.width, image.height)?;
+    let map = |channels: u32, data: Vec<f32>| Image { width: image.width, height: image.height, channels, data };
+    bundle.insert(k, MapKind::Position, map(4, positions(image, &made.pinned, links)?))?;
+    let entry = &mut bundle.manifest.pieces[k];
+    entry.constants.density = Some(options.mass.density);
+    entry.constants.area = Some(component.area);
+    entry.cut = Some(cut_entry(&image.cut));
+    entry.surface = Some(SurfaceEntry {
+        euler: component.euler as i32,
+        loops: component.loops as u32,
+        area: component.area,
+        triangles: component.triangles.len() as u32,
+    });
+    entry.quality = map_quality(image, &made.rest, &made.mass);
+    crate::stage::gate::note(entry, piece);
+    match made.rest {
+        RestLengths::Constant(c) => entry.constants.rest = Some(c),
+        RestLengths::Image(lengths) => {
+            bundle.insert(k, MapKind::Rest, map(4, lengths.into_iter().flatten().collect()))?;
+        }
+    }
+    match made.mass {
+        Masses::Constant(m) => bundle.manifest.pieces[k].constants.mass = Some(m),
+        Masses::Image(m) => bundle.insert(k, MapKind::Mass, map(1, m))?,
+    }
+    for (kind, image) in made.maps {
+        bundle.insert(k, kind, image)?;
+    }
+    Ok(made.findings)
+}
+
+/// The texels of the position map: x, y, z and the code of the particle.
+fn positions(image: &PieceImage, pinned: &[bool], links: &[u32]) -> Result<Vec<f32>> {
+    let mut data = Vec::with_capacity(4 * image.grid.positions.len());
+    for (at, p) in image.grid.positions.iter().enumerate() {
+        let next = (links[at] != NONE).then_some(links[at]);
+        let particle = if pinned[at] { Particle::Pinned { next } } else { Particle::Free { next } };
+        let code = particle.code().map_err(|e| Error::Internal(format!("particle code: {e}")))?;
+        data.extend([p[0] as f32, p[1] as f32, p[2] as f32, code]);
+    }
+    Ok(data)
+}
+
+fn cut_entry(cut: &CutRecord) -> Cut {
+    Cut {
+        length: cut.length,
+        edges: cut.edges,
+        method: match (cut.edges > 0, cut.uv_seams) {
+            (false, _) => "none".into(),
+            (true, true) => format!("uv-seams, grown to {} points", cut.grown),
+            (true, false) => format!("shortest, grown to {} points", cut.grown),
+        },
+        distortion_shortest: cut.bought.map(|b| b[0]),
+        distortion: cut.bought.map(|b| b[1]),
+    }
 }
 
 /// The box around the texels of all pieces \[m\].

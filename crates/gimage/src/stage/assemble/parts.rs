@@ -14,11 +14,13 @@ use crate::stage::cut::disk::NONE;
 use crate::stage::split::{PartTexel, Parts};
 
 /// Consecutive pieces that are the parts of one component.
-pub(crate) struct Family<'a> {
+#[derive(Clone, Debug)]
+pub struct Family<'a> {
     /// The component as a whole.
     pub whole: &'a Component,
-    /// The first piece, and how many there are.
+    /// The first piece.
     pub first: usize,
+    /// The number of pieces.
     pub count: usize,
     /// Rings across parts, as (part, texel).
     pub rings: Vec<Vec<PartTexel>>,

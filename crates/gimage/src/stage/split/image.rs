@@ -98,7 +98,7 @@ fn point(bordered: &Bordered, count: &[u32], texel: &BorderTexel) -> Option<Poin
 }
 
 /// A texel of a part: (part, texel).
-pub(crate) type PartTexel = (u32, u32);
+pub type PartTexel = (u32, u32);
 
 /// Parts with their images, and the rings of texels of several parts, or of several places in one, that are one point.
 type Joined = (Vec<Imaged>, Vec<Vec<PartTexel>>);
