@@ -154,6 +154,17 @@ pub(crate) fn attributes(
         }
         maps.push((kind, out));
     }
+    maps.extend(skin_maps(mesh, &blank, places, &rings));
+    (maps, findings)
+}
+
+/// The maps of joints and weights, if any texel has some. Duplicates share those of their first.
+fn skin_maps(
+    mesh: &Mesh,
+    blank: &dyn Fn(usize) -> Image,
+    places: &[(usize, [f64; 3])],
+    rings: &[Vec<u32>],
+) -> Vec<(MapKind, Image)> {
     let sets: Vec<(&Channel, &Channel)> = mesh
         .channels
         .iter()
@@ -163,24 +174,23 @@ pub(crate) fn attributes(
         })
         .collect();
     let skinned = places.iter().any(|(t, _)| (0..3).any(|c| sets.iter().any(|(j, _)| j.at(*t, c).is_some())));
-    if skinned {
-        let (mut joints, mut weights) = (blank(4), blank(4));
-        for (k, &place) in places.iter().enumerate() {
-            let (j, w) = skin(&sets, place);
-            joints.data[4 * k..4 * k + 4].copy_from_slice(&j);
-            weights.data[4 * k..4 * k + 4].copy_from_slice(&w);
-        }
-        for ring in &rings {
-            let first = 4 * ring[0] as usize;
-            for &k in &ring[1..] {
-                joints.data.copy_within(first..first + 4, 4 * k as usize);
-                weights.data.copy_within(first..first + 4, 4 * k as usize);
-            }
-        }
-        maps.push((MapKind::Joints(0), joints));
-        maps.push((MapKind::Weights(0), weights));
+    if !skinned {
+        return Vec::new();
     }
-    (maps, findings)
+    let (mut joints, mut weights) = (blank(4), blank(4));
+    for (k, &place) in places.iter().enumerate() {
+        let (j, w) = skin(&sets, place);
+        joints.data[4 * k..4 * k + 4].copy_from_slice(&j);
+        weights.data[4 * k..4 * k + 4].copy_from_slice(&w);
+    }
+    for ring in rings {
+        let first = 4 * ring[0] as usize;
+        for &k in &ring[1..] {
+            joints.data.copy_within(first..first + 4, 4 * k as usize);
+            weights.data.copy_within(first..first + 4, 4 * k as usize);
+        }
+    }
+    vec![(MapKind::Joints(0), joints), (MapKind::Weights(0), weights)]
 }
 
 fn note(piece: &str, kind: &'static str, count: u64, message: String) -> Finding {

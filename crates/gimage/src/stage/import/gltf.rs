@@ -9,6 +9,7 @@ use super::buffers::Buffers;
 use super::builder::Builder;
 use super::document::Document;
 use super::findings::Findings;
+use super::matrix::Matrix;
 use super::nodes::{Forest, Placed};
 use super::pieces::Selector;
 use super::primitive::{self, Raw};
@@ -70,12 +71,7 @@ pub(crate) fn load(
         if kept.is_empty() {
             continue;
         }
-        let instances = p.node.map_or(Ok(None), |n| instancing::instances(&accessors, n))?;
-        if let Some(list) = &instances {
-            let message = "Meshes that a node places many times were placed so many times.";
-            findings.add(Severity::Note, "instances", list.len(), message, || part_name(&doc, p));
-        }
-        for instance in instances.unwrap_or_else(|| vec![matrix::IDENTITY]) {
+        for instance in instances(&accessors, p, findings)? {
             let world = matrix::mul(&p.world, &instance);
             let weighted = |r: &Raw| r.attributes.iter().any(|a| matches!(a.semantic, Semantic::Weights(_)));
             let joints = match p.skin {
@@ -103,6 +99,16 @@ pub(crate) fn load(
         mesh.skeleton = bones.finish();
     }
     Ok(mesh)
+}
+
+/// The transforms by which a node places its mesh, in its own space.
+fn instances(accessors: &Accessors<'_>, placed: &Placed, findings: &mut Findings) -> Result<Vec<Matrix>> {
+    let Some(list) = placed.node.map_or(Ok(None), |n| instancing::instances(accessors, n))? else {
+        return Ok(vec![matrix::IDENTITY]);
+    };
+    let message = "Meshes that a node places many times were placed so many times.";
+    findings.add(Severity::Note, "instances", list.len(), message, || part_name(accessors.doc, placed));
+    Ok(list)
 }
 
 fn part(doc: &Document, placed: &Placed, primitive: usize) -> Part {
