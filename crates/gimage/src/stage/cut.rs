@@ -346,10 +346,10 @@ fn loop_length(surface: &Surface, l: &[u32]) -> f64 {
 pub(crate) fn prune(graph: &EdgeGraph, edges: &mut [bool], keep: &[bool]) {
     let mut degree = vec![0u32; graph.vertices()];
     let mut boundary = vec![false; graph.vertices()];
-    for e in 0..edges.len() {
+    for (e, &is_cut) in edges.iter().enumerate() {
         if graph.is_boundary(e) {
             graph.ends[e].iter().for_each(|&v| boundary[v as usize] = true);
-        } else if edges[e] {
+        } else if is_cut {
             graph.ends[e].iter().for_each(|&v| degree[v as usize] += 1);
         }
     }

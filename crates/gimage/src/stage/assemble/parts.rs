@@ -177,7 +177,7 @@ fn rests(made: &mut [Made], pieces: &[Piece<'_>], family: &Family<'_>) {
     for (p, (m, Piece { image, .. })) in made.iter_mut().zip(pieces).enumerate() {
         let RestLengths::Image(lengths) = &mut m.rest else { continue };
         let (w, h) = (image.grid.width, image.grid.height);
-        for k in 0..w * h {
+        for (k, lengths) in lengths.iter_mut().enumerate() {
             for kind in [RIGHT, DOWN] {
                 let along = if kind == RIGHT { k / w == 0 || k / w == h - 1 } else { k % w == 0 || k % w == w - 1 };
                 let Some(end) = other_end(w, h, k, kind).filter(|_| along) else { continue };
@@ -185,7 +185,7 @@ fn rests(made: &mut [Made], pieces: &[Piece<'_>], family: &Family<'_>) {
                 if let (Some(a), Some(b)) = (at(k), at(end))
                     && a != b
                 {
-                    lengths[k][kind] = *known.entry([a.min(b), a.max(b)]).or_insert(lengths[k][kind]);
+                    lengths[kind] = *known.entry([a.min(b), a.max(b)]).or_insert(lengths[kind]);
                 }
             }
         }

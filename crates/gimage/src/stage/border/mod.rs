@@ -65,10 +65,10 @@ fn cut_nodes(disk: &Disk, surface_boundary: impl Fn(u32) -> bool) -> Vec<bool> {
         }
         let mut valence: HashMap<u32, u32> = HashMap::new();
         ends.iter().flatten().for_each(|&v| *valence.entry(v).or_default() += 1);
-        for i in 0..n {
+        for (i, node) in node.iter_mut().enumerate() {
             let (before, after) = (disk.on_cut[(i + n - 1) % n], disk.on_cut[i]);
             let v = disk.origin[disk.boundary[i] as usize];
-            node[i] = before != after || (after && (valence.get(&v) != Some(&2) || surface_boundary(v)));
+            *node = before != after || (after && (valence.get(&v) != Some(&2) || surface_boundary(v)));
         }
         if !node.contains(&true) {
             // A one-sided loop alone (the projective plane): any of its points will do.

@@ -97,9 +97,9 @@ fn texels_of_one_key_are_one_point_and_nodes_are_on_texels() {
                     let x: f64 = (0..3).map(|k| t.bary[k] * placed.disk.positions[tri[k] as usize][c]).sum();
                     assert!((x - t.position[c]).abs() < 1e-7, "{name}: texel {p}");
                 }
-                for c in 0..2 {
+                for (c, at) in at.iter().enumerate() {
                     let x: f64 = (0..3).map(|k| t.bary[k] * placed.uv[tri[k] as usize][c]).sum();
-                    assert!((x - at[c]).abs() < 1e-9, "{name}: texel {p}: {x} {}", at[c]);
+                    assert!((x - at).abs() < 1e-9, "{name}: texel {p}: {x} {at}");
                 }
             }
             for (key, points) in &by_key {

@@ -38,9 +38,9 @@ pub(super) fn components(mesh: &Mesh) -> Vec<Component> {
         c.area += mesh.triangle_area(t);
         c.euler += 1;
         for p in mesh.corners(t) {
-            for k in 0..3 {
-                c.bounds.0[k] = c.bounds.0[k].min(p[k]);
-                c.bounds.1[k] = c.bounds.1[k].max(p[k]);
+            for (k, x) in p.into_iter().enumerate() {
+                c.bounds.0[k] = c.bounds.0[k].min(x);
+                c.bounds.1[k] = c.bounds.1[k].max(x);
             }
         }
     }

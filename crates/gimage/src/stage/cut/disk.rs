@@ -316,9 +316,9 @@ mod tests {
         }
         for (t, tri) in d.triangles.iter().enumerate() {
             let source = s.corners(d.face[t] as usize);
-            for k in 0..3 {
+            for (k, &v) in tri.iter().enumerate() {
                 let p = [0, 1, 2].map(|c| (0..3).map(|m| d.corners[t][k][m] * source[m][c]).sum::<f64>());
-                assert!(distance(p, d.positions[tri[k] as usize]) < 1e-12);
+                assert!(distance(p, d.positions[v as usize]) < 1e-12);
                 assert!((d.corners[t][k].iter().sum::<f64>() - 1.0).abs() < 1e-12);
             }
         }

@@ -101,11 +101,11 @@ pub(crate) fn mean(of: &[f64], t: [u32; 3]) -> f64 {
 #[inline]
 pub(crate) fn jacobian(rest: &Rest, p: [[f64; 2]; 3]) -> [f64; 4] {
     let mut j = [0.0; 4];
-    for k in 0..3 {
-        j[0] += p[k][0] * rest.g[k][0];
-        j[1] += p[k][0] * rest.g[k][1];
-        j[2] += p[k][1] * rest.g[k][0];
-        j[3] += p[k][1] * rest.g[k][1];
+    for (p, g) in p.iter().zip(&rest.g) {
+        j[0] += p[0] * g[0];
+        j[1] += p[0] * g[1];
+        j[2] += p[1] * g[0];
+        j[3] += p[1] * g[1];
     }
     j
 }

@@ -209,9 +209,9 @@ impl System {
         let add = |to: &mut [f64; 4], x: &[f64; 4]| (0..4).for_each(|k| to[k] += x[k]);
         for ((t, pairs), local) in self.triangles.iter().zip(&self.pair_at).zip(locals) {
             let x = t.map(|v| self.unknown[v as usize]);
-            for a in 0..3 {
-                if x[a] != FIXED {
-                    let j = x[a] as usize;
+            for (a, &x) in x.iter().enumerate() {
+                if x != FIXED {
+                    let j = x as usize;
                     (0..2).for_each(|c| gradient[j][c] += local.gradient[a][c]);
                     add(&mut blocks[self.col_ptr[j] as usize], &local.own[a]);
                 }
@@ -322,9 +322,9 @@ mod tests {
         for v in (0..uv.len()).filter(|&v| !rim[v]) {
             let beside: Vec<usize> =
                 system.edges.iter().filter(|e| e.contains(&(v as u32))).map(|e| (e[0] + e[1]) as usize - v).collect();
-            for c in 0..2 {
+            for (c, here) in uv[v].iter().enumerate() {
                 let mean = beside.iter().map(|&x| uv[x][c]).sum::<f64>() / beside.len() as f64;
-                assert!((uv[v][c] - mean).abs() < 1e-12);
+                assert!((here - mean).abs() < 1e-12);
             }
         }
     }

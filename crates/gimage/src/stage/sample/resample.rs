@@ -18,10 +18,8 @@ impl Sample {
     pub(crate) fn position(&self, disk: &Disk) -> [f64; 3] {
         let t = disk.triangles[self.triangle as usize];
         let mut p = [0.0; 3];
-        for k in 0..3 {
-            for c in 0..3 {
-                p[c] += self.bary[k] * disk.positions[t[k] as usize][c];
-            }
+        for (share, v) in self.bary.iter().zip(t) {
+            p.iter_mut().zip(disk.positions[v as usize]).for_each(|(p, x)| *p += share * x);
         }
         p
     }
