@@ -5,6 +5,9 @@
 //!
 //! Everything read is distrusted: sizes are checked before anything is allocated, and no input makes a function panic.
 
+// The workspace allows these for the sake of other crates.
+#![warn(clippy::needless_range_loop, clippy::too_many_arguments, clippy::type_complexity)]
+
 mod budget;
 mod bundle;
 mod counts;

@@ -46,6 +46,9 @@
 //! # }
 //! ```
 
+// The workspace allows these for the sake of other crates.
+#![warn(clippy::needless_range_loop, clippy::too_many_arguments, clippy::type_complexity)]
+
 mod base;
 pub mod error;
 pub mod options;
