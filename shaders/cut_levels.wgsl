@@ -1,4 +1,4 @@
-// After a cut the coarser grids are made anew from the springs that are left: limits, which nodes everything follows, and
+// After a cut the coarser grids are rebuilt from the springs that are left: limits, which nodes everything follows, and
 // the masses of nodes. One workgroup a grid, from the finest level to the coarsest.
 @group(0) @binding(4) var<storage, read> rest: array<vec4<f32>>;
 @group(0) @binding(21) var<storage, read_write> nodes: array<vec4<f32>>;
@@ -56,7 +56,7 @@ fn along(b: Below, x: i32, y: i32, steps: i32, d: u32) -> f32 {
   return path(limit(b, x, y, d), limit(b, x + i32(d == 0u), y + i32(d == 1u), d));
 }
 
-// Down-right or up-right over so many columns and rows.
+// Down-right or up-right over `right` columns and `rows` rows.
 fn across(b: Below, x: i32, y: i32, right: i32, rows: i32, down: bool) -> f32 {
   let d = select(3u, 2u, down);
   let step = select(-1, 1, down);

@@ -1,5 +1,5 @@
 // Springs that are an edge of a triangle that is cut away, or that cross it in its quad, get the rest length 0, which
-// is no spring. A thread a texel, which owns its four springs.
+// means no spring. One thread per texel, which owns its four springs.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> rest: array<vec4<f32>>;
 

@@ -93,7 +93,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
   }
   if (phase > 0u) {
-    // The bit of this turn is clear; that of the next one is no one's any more.
+    // The bit of this turn is clear; that of the next one is unused now.
     let kept = select(atomicLoad(&changes[4u + k]) & ~(1u << ((turn + 1u) % 3u)), 0u, first);
     atomicStore(&changes[4u + k], kept | (u32(changed) << turn));
   }

@@ -1,4 +1,4 @@
-// Counts the particles whose place is no number or out of all bounds.
+// Counts the particles whose position is NaN or out of bounds.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 // Such particles in this frame, frames taken back, and one more than the last of such particles.
 @group(0) @binding(23) var<storage, read_write> faults: array<atomic<u32>, 4>;

@@ -2,7 +2,7 @@
 // for all grids of a cloth with seams.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(21) var<storage, read_write> nodes: array<vec4<f32>>;
-// Longest distances to the nodes right, down, down-right and up-right; 0 is no limit.
+// Longest distances to the nodes right, down, down-right and up-right; 0 means no limit.
 @group(0) @binding(22) var<storage, read> limits: array<vec4<f32>>;
 
 override right: bool = true;

@@ -1,4 +1,4 @@
-// Several relaxations a step: multipliers are summed.
+// Several relaxations per step: multipliers are summed.
 fn multiplier(grid: u32, k: u32, direction: u32, far: f32, rest: f32, w: f32) -> f32 {
   let a = compliance(grid, k, direction) / (step.dt * step.dt);
   let sum = summed(k, direction);

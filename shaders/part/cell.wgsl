@@ -1,6 +1,6 @@
 // The cell of a membrane with its upper left corner at (i, j): two triangles, each of which resists to stretch along weft
 // and warp, and to shear between them.
-// Inverses of the triangles' rest shapes by columns, two a texel; 0 is no triangle.
+// Inverses of the triangles' rest shapes by columns, two a texel; 0 means no triangle.
 @group(0) @binding(29) var<storage, read> cells: array<vec4<f32>>;
 // One over the stiffness along the weft, along the warp, and in shear.
 @group(0) @binding(30) var<storage, read> yielding: array<vec4<f32>>;

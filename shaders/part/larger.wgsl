@@ -1,4 +1,4 @@
-// The larger of two numbers that are not below 0; what is no number or infinite counts as fast.
+// The larger of two numbers that are not below 0; NaN and infinity count as fast.
 const FAST = 3.0e38;
 
 fn larger(a: f32, b: f32) -> f32 {

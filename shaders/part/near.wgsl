@@ -1,5 +1,5 @@
 // Colliders that the particles of a workgroup cannot touch in this step are left out: those that the box around where
-// its particles are and were does not reach. What is left out would have moved none of them.
+// its particles are and were does not reach. A collider that is left out would have moved none of them.
 const MOST_NEAR: u32 = 1024u;
 
 // Notes: bits of the box's least and largest numbers, in an order that is that of the numbers, then a bit a collider. From

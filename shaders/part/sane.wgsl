@@ -2,6 +2,6 @@
 const FARTHEST: f32 = 1e8;
 
 fn sane(p: vec4<f32>) -> bool {
-  // Comparisons with what is no number are false.
+  // Comparisons with NaN are false.
   return abs(p.x) <= FARTHEST && abs(p.y) <= FARTHEST && abs(p.z) <= FARTHEST;
 }

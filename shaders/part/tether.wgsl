@@ -11,7 +11,7 @@ fn held_back(k: u32, p: vec3<f32>) -> vec3<f32> {
     if (tether.x == 0xffffffffu) {
       continue;
     }
-    // Nothing moves pinned anchors here; what is no longer pinned holds nothing.
+    // Nothing moves pinned anchors here; a particle that is no longer pinned holds nothing.
     let end = anchor(tether.x);
     if (end.w != 0.0) {
       continue;

@@ -1,4 +1,4 @@
-// Several relaxations a step: multipliers are summed, in memory too; a tile writes those of its own elsewhere.
+// Several relaxations per step: multipliers are summed, in memory too; a tile writes those of its own elsewhere.
 @group(0) @binding(18) var<storage, read> sums: array<vec4<f32>>;
 @group(0) @binding(37) var<storage, read_write> summing: array<vec4<f32>>;
 

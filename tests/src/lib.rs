@@ -3,6 +3,14 @@
 pub mod shapes;
 pub mod skip;
 
+// The code of these pages compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+mod readme {}
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/runtime.md")]
+mod runtime_page {}
+
 use std::path::{Path, PathBuf};
 
 use gimage::Result;
@@ -140,7 +148,7 @@ pub fn faults(built: &Built) -> Vec<String> {
             let (euler, loops) = (own.euler, own.loops);
             say(format!("welds to Euler number {}, {} loops instead of {euler}, {loops}", t.euler, t.boundary_loops));
         }
-        // A surface of one side has edges that its triangles run along the same way, and the report says so.
+        // A surface of one side has edges that its triangles run along the same way, which the report states.
         let one_sided = built.report.findings.iter().any(|f| f.kind == "not-orientable");
         // A part may touch itself at points; that the whole does not is checked with the bundle.
         if piece.part_of.is_some() && (t.non_manifold_edges, t.components) == (0, 1) {

@@ -1,4 +1,4 @@
-//! A test that cannot run says so where `cargo test` shows it.
+//! A test that cannot run prints the reason where `cargo test` shows it.
 
 use std::collections::BTreeSet;
 use std::io::Write;

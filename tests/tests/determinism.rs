@@ -73,7 +73,7 @@ fn quality(what: &str, shape: &Shape, diagonal: Option<f64>) -> (f64, f64) {
     (20.0 * (diagonal / q.rms.unwrap()).log10(), diagonal)
 }
 
-/// Numbers, order and place of the input are no part of the shape. Choices may fall differently where two are equally
+/// Numbers, order and place of the input are not a part of the shape. Choices may fall differently where two are equally
 /// good to rounding, so the result is not the same, but it is no worse to speak of.
 #[test]
 fn order_and_place_of_the_input_matter_little() {

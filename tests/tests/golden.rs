@@ -1,6 +1,6 @@
 //! The bytes of one small bundle, so that no change to them goes unnoticed.
 //!
-//! What may change them: the pipeline itself, the format, the version in `generator`, the EXR and DEFLATE encoders, and the
+//! They may change with: the pipeline itself, the format, the version in `generator`, the EXR and DEFLATE encoders, and the
 //! mathematical functions of the platform (`sin`, `ln`, `powf`, ... differ in the last bit between C libraries), so the
 //! file holds for Linux on x86-64 with glibc and the test is not run elsewhere. After a change that is meant, remake it with
 //!

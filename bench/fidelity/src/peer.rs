@@ -99,7 +99,7 @@ fn used(p: &[f64; 3]) -> bool {
 
 /// Reads a height x width x 3 array of little-endian float32, which is all that the peers write.
 fn npy(bytes: &[u8]) -> Result<Grid, Failure> {
-    let bad = || Failure::from("a peer's image is no float32 array of height x width x 3");
+    let bad = || Failure::from("a peer's image is not a float32 array of height x width x 3");
     let length = bytes.get(8..10).map(|b| usize::from(u16::from_le_bytes([b[0], b[1]]))).ok_or_else(bad)?;
     let head = bytes.get(10..10 + length).ok_or_else(bad)?;
     let head = String::from_utf8_lossy(head);

@@ -14,7 +14,7 @@ pub fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().replace([',', '"', '\n'], "_")
 }
 
-/// A mesh after import and repair, and without the parts that are no pieces.
+/// A mesh after import and repair, and without accessories.
 pub struct Reference {
     /// Vertices \[m\].
     pub positions: Vec<[f64; 3]>,

@@ -9,7 +9,7 @@ use gimage_runtime::{Backend, Options};
 use scenes::{Case, cases};
 use timing::{host, time};
 
-/// What a scene pays for: milliseconds a frame with each feature of the runtime on and off. CSV to stdout, the adapter
+/// What a scene pays for: milliseconds per frame with each feature of the runtime on and off. CSV to stdout, the adapter
 /// to stderr.
 #[derive(Parser)]
 #[command(after_help = "Example:\n  plan --particles 64,128 --frames 40 > plan.csv")]
@@ -23,7 +23,7 @@ struct Args {
     /// Rounds over all scenes, so that a busy minute of the machine is spread.
     #[arg(long, default_value_t = 3)]
     rounds: u32,
-    /// Steps a frame.
+    /// Steps per frame.
     #[arg(long, default_value_t = 8)]
     substeps: u32,
     /// Threads of the CPU backend; 0 is one for each core.

@@ -1,4 +1,4 @@
-//! Two garments on a body of colliders: how far each solver ends from the twin in f64 at a thousand steps a frame.
+//! Two garments on a body of colliders: how far each solver ends from the twin in f64 at a thousand steps per frame.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ pub const GARMENTS: [&str; 2] = ["tshirt", "cape"];
 const FRAMES: u32 = 240;
 /// Frames in which a run has its turn.
 const TURN: u32 = 24;
-/// Steps a frame of the truth, and of the run that tells how sure that is.
+/// Steps per frame of the truth, and of the run that tells how sure that is.
 const TRUTH: [u32; 2] = [1000, 500];
 
 /// Garments on the body, as pictures show them, in still air: wind keeps cloth from ending anywhere.

@@ -22,7 +22,7 @@ use variant::{USUAL, Variant};
 /// Anything that ends the program.
 pub type Failure = Box<dyn std::error::Error>;
 
-/// Milliseconds a frame and the error of each solver, on one thread of the CPU or on the GPU. CSV to stdout.
+/// Milliseconds per frame and the error of each solver, on one thread of the CPU or on the GPU. CSV to stdout.
 #[derive(Parser)]
 #[command(after_help = "Examples:\n  solver --out solver.csv --svg solver.svg\n  \
                         solver --scenes s1 --particles 32 --solvers xpbd --substeps 4,8 --dump frames\n  \
@@ -40,7 +40,7 @@ struct Args {
     /// Solvers by name: classic, or xpbd with any of +tethers2, +pyramid4 and +polish1.
     #[arg(long, value_delimiter = ',', default_values_t = USUAL.map(String::from))]
     solvers: Vec<String>,
-    /// Steps a frame.
+    /// Steps per frame.
     #[arg(long, value_delimiter = ',', default_value = "1,2,3,4,6,8,12,16,32")]
     substeps: Vec<u32>,
     /// The settings that are meant to reach what the solver should, the classic solver in 16 steps beside them; a table of

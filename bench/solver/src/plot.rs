@@ -32,7 +32,7 @@ pub fn draw(rows: &[Row]) -> String {
     let (scenes, sizes) = (distinct(rows, |r| r.scene.clone()), distinct(rows, |r| r.n));
     let solvers = distinct(rows, |r| r.solver.clone());
     let notes = [
-        "Least (s2, s2f: median) milliseconds of a frame; numbers at the points: steps a frame.",
+        "Least (s2, s2f: median) milliseconds of a frame; numbers at the points: steps per frame.",
         "Error: largest stretch, for s3 that of the period; off scale above 1000 %. Lower left is better.",
     ];
     let mut page = Page::new(PANEL, [sizes.len(), scenes.len()], "Run time against error", &notes);

@@ -10,7 +10,7 @@ pub struct Bar {
     pub n: u32,
     /// A solver by name.
     pub solver: &'static str,
-    /// Steps a frame.
+    /// Steps per frame.
     pub substeps: u32,
     /// Least milliseconds of a frame.
     ms: Option<f64>,

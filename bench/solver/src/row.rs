@@ -13,7 +13,7 @@ pub struct Row {
     pub n: u32,
     /// Name of the solver.
     pub solver: String,
-    /// Steps a frame.
+    /// Steps per frame.
     pub substeps: u32,
     /// `cpu` or `gpu`.
     pub backend: &'static str,

@@ -22,7 +22,7 @@ pub struct Setting {
     pub n: u32,
     /// The solver.
     pub variant: Variant,
-    /// Steps a frame.
+    /// Steps per frame.
     pub substeps: u32,
 }
 

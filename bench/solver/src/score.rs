@@ -7,7 +7,7 @@ use crate::chain;
 /// What was measured; what a scene does not ask for is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Figures {
-    /// Whether a position is no number.
+    /// Whether a position is not finite.
     pub exploded: bool,
     /// Largest |length / rest length - 1| of a structural spring.
     pub stretch_max: Option<f64>,

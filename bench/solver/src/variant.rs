@@ -17,7 +17,7 @@ pub struct Variant {
     pub pyramid: u32,
     /// Further rounds of tethers and structural springs.
     pub polish: u32,
-    /// Relaxations a step.
+    /// Relaxations per step.
     pub iterations: u32,
 }
 
@@ -50,7 +50,7 @@ impl FromStr for Variant {
                     ));
                 }
             };
-            let wrong = |_| format!("{name}: {number:?} is no number");
+            let wrong = |_| format!("{name}: {number:?} is not a number");
             *setting = if number.is_empty() { usual } else { number.parse().map_err(wrong)? };
         }
         Ok(variant)

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Does `count` pieces of work on so many threads, each as soon as one is free, and hands every result to `done` in the
+/// Does `count` pieces of work on `threads` threads, each as soon as one is free, and hands every result to `done` in the
 /// order of the work. Every thread makes its own tools.
 pub fn share<T, R: Send>(
     (count, threads): (usize, usize),

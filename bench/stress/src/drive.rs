@@ -9,7 +9,7 @@ use crate::figures::{Gauge, V3, distance, norm};
 /// What came of it.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// Frame after which a position was no number, and how many were.
+    /// Frame after which positions were not finite, and how many were not.
     pub broke: Option<(u32, usize)>,
     /// Frame after which all were numbers again, for good.
     pub mended: Option<u32>,
@@ -126,13 +126,13 @@ fn word(warning: &Warning) -> &'static str {
     }
 }
 
-/// The larger one; what is no number is the largest.
+/// The larger one; NaN is the largest.
 fn worse(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 
 fn judge(case: &Case, tethers: bool, out: &mut Outcome) {
-    // Written so that what is no number fails.
+    // Written so that NaN fails.
     let within = |x: f64, most: f64| x.abs() < most;
     let mut fail = |words: String| out.failures.push(words);
     if let Some((frame, count)) = out.broke {

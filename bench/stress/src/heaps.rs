@@ -1,4 +1,4 @@
-//! How many steps a frame crumpled cloth needs: many disorders, and how many of them are still stretched 2 s later.
+//! How many steps per frame crumpled cloth needs: many disorders, and how many of them are still stretched 2 s later.
 
 use gimage_runtime::{Result, Solver};
 
@@ -37,7 +37,7 @@ pub fn run(count: usize, substeps: &[u32], threads: usize) {
             let (k, solver) = (n / solvers.len(), n % solvers.len());
             let case = Case { substeps, ..heap(k).ok()? };
             let out = drive(&case, solvers[solver], None);
-            // Written so that what is no number fails.
+            // Written so that NaN fails.
             Some((solver, [out.stretch.abs() < 0.05, out.rest < 1.0]))
         };
         crew::share(

@@ -13,7 +13,7 @@ pub fn set(seconds: u64, mib: u64) -> Result<(), Failure> {
     setrlimit(Resource::Cpu, Rlimit { current: Some(cpu), maximum: Some(cpu.saturating_add(2)) })?;
     let bytes = mib.saturating_mul(1 << 20);
     setrlimit(Resource::As, Rlimit { current: Some(bytes), maximum: Some(bytes) })?;
-    // A core file of a process that was ended is of no use.
+    // A core file of a process that was ended is unused.
     setrlimit(Resource::Core, Rlimit { current: Some(0), maximum: Some(0) })?;
     Ok(())
 }

@@ -45,7 +45,7 @@ pub fn warned(record: &Record, piece: &Piece) -> bool {
 
 /// The requirements, in the words of the table.
 pub const REQUIREMENTS: [&str; 7] = [
-    "refused for want of a map, or by an internal error",
+    "refused because no map was found, or by an internal error",
     "panicked",
     "ended by the system (memory, stack)",
     "over the time limit",
@@ -73,7 +73,7 @@ pub fn violations(record: &Record, limit_seconds: f64) -> [bool; REQUIREMENTS.le
 
 /// Whether an error says that a stage of the image could not do its work.
 fn for_want_of_a_map(kind: &str) -> bool {
-    // Masses that 32-bit floats do not hold are a matter of units, and the message says so.
+    // Masses that 32-bit floats do not hold are a matter of units, which the message states.
     ["internal error", "sweep"].contains(&kind) || (kind.starts_with("piece: ") && kind != "piece: mass")
 }
 

@@ -1,4 +1,4 @@
-//! What reading a bundle may take, counted before anything of it is allocated.
+//! Memory limits for reading a bundle, checked before memory is allocated.
 //!
 //! A file of a few megabytes can describe gigabytes: an image of zeros is packed a thousand times, and each `{}` of a list
 //! becomes a whole record. Images are counted from the manifest and the headers of the files, lists and values of the
@@ -14,12 +14,12 @@ use crate::exr_header::read_header;
 use crate::manifest::{Manifest, unreadable, within_cap};
 use crate::map::MapKind;
 
-/// Most bytes of all images of a bundle in memory: 4 GiB. Sixty-four floats for each of the most texels that the format
+/// Largest size of all images of a bundle in memory: 4 GiB. Sixty-four floats per texel at the largest number of texels that the format
 /// allows.
 pub const MAX_IMAGE_BYTES: u64 = 4 << 30;
-/// Most objects in a manifest, whatever they are; each takes up to 700 bytes in memory.
+/// Largest number of objects in a manifest; each takes up to 700 bytes in memory.
 pub const MAX_MANIFEST_OBJECTS: u64 = 1 << 19;
-/// Most values in a manifest: objects, lists, numbers, texts, ...
+/// Largest number of values in a manifest: objects, lists, numbers, texts, ...
 pub const MAX_MANIFEST_VALUES: u64 = 1 << 22;
 
 /// The most entries of a list of the manifest.
@@ -74,7 +74,7 @@ pub(crate) fn check_lists(manifest: &Manifest) -> Result<()> {
 fn too_long((name, limit): List, need: u64) -> Error {
     let hint = match name {
         "accessories" => "join loose parts with --weld METRES",
-        _ => "no bundle needs as many",
+        _ => "no valid bundle needs as many",
     };
     Error::TooLarge { what: format!("manifest.json, entries of `{name}`"), need, limit, hint }
 }
@@ -127,7 +127,7 @@ impl Count {
         if counter.get() <= limit {
             return Ok(());
         }
-        let hint = "no bundle needs as many; build it again";
+        let hint = "no valid bundle needs as many; build it again";
         Err(self.fail(Error::TooLarge { what: format!("manifest.json, {what}"), need: counter.get(), limit, hint }))
     }
 

@@ -1,4 +1,4 @@
-//! A bundle in memory, and its files as bytes. Nothing here knows of directories.
+//! A bundle in memory, and its encoding as files in memory.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -13,11 +13,11 @@ use crate::manifest::{FileRecord, MANIFEST_FILE, MAX_MANIFEST_BYTES, Manifest, P
 use crate::map::{Image, MapKind, check_size, file_stems};
 use crate::validate::Fault;
 
-/// A manifest and the images it speaks of.
+/// A bundle in memory: a manifest and the images that it describes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bundle {
-    /// What is in the bundle. `files` and the `maps` of the pieces are those of the last reading; encoding makes them
-    /// anew from `images`.
+    /// The manifest. `files` and the `maps` of the pieces are those of the last reading; encoding rebuilds them
+    /// from `images`.
     pub manifest: Manifest,
     /// The images, by index of the piece and kind of map. Each has the size of its piece.
     pub images: BTreeMap<(usize, MapKind), Image>,
@@ -48,7 +48,7 @@ impl Bundle {
         Ok(self.manifest.pieces.len() - 1)
     }
 
-    /// Puts an image in, in place of one of the same kind. Errors where the piece does not exist, or the image does not
+    /// Inserts an image, and replaces one of the same kind. Errors where the piece does not exist, or the image does not
     /// have its size or a number of channels that the kind allows.
     pub fn insert(&mut self, piece: usize, kind: MapKind, image: Image) -> Result<()> {
         self.check_image(piece, &kind, &image)?;
@@ -98,7 +98,7 @@ impl Bundle {
     /// Reads a bundle. `read` is given a file's name and the most bytes it can have, and returns its bytes; it should
     /// refuse a longer file before reading it. Errors on the first thing that cannot be read: a bad manifest, a missing
     /// or damaged file, a wrong size or checksum, and before the first image is decoded where all together take more than
-    /// [`crate::MAX_IMAGE_BYTES`]: to count them, files of colours and custom maps are read twice. What the images hold is judged by [`crate::validate`].
+    /// [`crate::MAX_IMAGE_BYTES`]: to count them, files of colours and custom maps are read twice. [`crate::validate`] checks the contents of the images.
     pub fn decode(read: impl FnMut(&str, u64) -> Result<Vec<u8>>) -> Result<Self> {
         Self::decode_with(read, Err)
     }
@@ -168,7 +168,11 @@ impl Bundle {
             );
         }
         if MapKind::parse(&kind.name()).as_ref() != Some(kind) {
-            return bad(&entry.name, "no legal name".into(), "start the names of custom attributes with an underscore");
+            return bad(
+                &entry.name,
+                "its name is not allowed".into(),
+                "start the names of custom attributes with an underscore",
+            );
         }
         image.check(&kind.name())
     }

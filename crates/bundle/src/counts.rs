@@ -1,4 +1,4 @@
-//! What the images of a bundle hold, counted.
+//! Counts of the contents of the images of a bundle.
 
 use crate::bundle::Bundle;
 use crate::error::{Error, Result};
@@ -29,7 +29,7 @@ impl Bundle {
         Ok(find_rings(&self.particles()?).0)
     }
 
-    /// Writes the counts of every piece into the manifest. Call it when all images are in.
+    /// Writes the counts of every piece to the manifest. Call it after all images are inserted.
     pub fn count(&mut self) -> Result<()> {
         let particles = self.particles()?;
         let (rings, _) = find_rings(&particles);

@@ -1,4 +1,4 @@
-//! Bundles as directories: the only part that knows of a file system.
+//! Bundles as directories; the only module that uses a file system.
 //!
 //! Whatever happens to a writer, a power cut included, a path holds the old bundle or the new one, whole: the files are
 //! written and synced under a temporary name, and take the place of the old ones in one rename.
@@ -19,7 +19,7 @@ use crate::validate::{Fault, validate_files};
 use listed::Listed;
 use scratch::Scratch;
 
-/// Writes a bundle as the directory `path`, all of it or nothing. Without `force` an existing `path` is refused; with it
+/// Writes a bundle as the directory `path`, completely or not at all. Without `force` an existing `path` is refused; with it
 /// a bundle, or an empty directory, is replaced, and anything else still refused: a directory with a file that its manifest
 /// does not list, too.
 pub fn write_dir(bundle: &Bundle, path: &Path, force: bool) -> Result<()> {
@@ -31,8 +31,8 @@ pub fn write_files(files: &BTreeMap<String, Vec<u8>>, path: &Path, force: bool) 
     Staged::write(files, path, force)?.commit()
 }
 
-/// A bundle, or a file, that is written and synced beside its target, and goes away with this value unless it is committed.
-/// What a process that dies leaves of it is removed by the next one that writes beside it.
+/// A bundle, or a file, that is written and synced beside its target, and is removed with this value unless it is committed.
+/// If a process dies, the next one that writes beside it removes its leftovers.
 #[derive(Debug)]
 pub struct Staged {
     scratch: Scratch,
@@ -43,7 +43,7 @@ pub struct Staged {
 }
 
 impl Staged {
-    /// Writes files, by name, that shall be the bundle `target`. Errors as [`write_dir`].
+    /// Writes files, by name, that will become the bundle `target`. Errors as [`write_dir`].
     pub fn write(files: &BTreeMap<String, Vec<u8>>, target: &Path, force: bool) -> Result<Self> {
         check_existing(target, force)?;
         let staged = Self::beside(target, Some(force))?;
@@ -63,7 +63,7 @@ impl Staged {
         Ok(staged)
     }
 
-    /// Writes a file that shall be `target`, in place of any other file there.
+    /// Writes a file that will become `target` and replace any file there.
     pub fn write_file(bytes: &[u8], target: &Path) -> Result<Self> {
         let staged = Self::beside(target, None)?;
         let io = |source| Error::Io { path: target.into(), source };
@@ -77,7 +77,7 @@ impl Staged {
         Ok(Staged { scratch, new, target: target.into(), force })
     }
 
-    /// Puts it in its place. Errors leave there what was there.
+    /// Moves it to its target. On errors the target is unchanged.
     pub fn commit(self) -> Result<()> {
         let Staged { scratch, new, target, force } = self;
         match force {
@@ -179,9 +179,9 @@ fn read_capped(path: &Path, cap: u64) -> Result<Vec<u8>> {
         what: format!("{}, in bytes", path.display()),
         need,
         limit: cap,
-        hint: "the file is not the one that was written; build the bundle again",
+        hint: "the file was changed after it was written; build the bundle again",
     };
-    // Asked before opening, which could wait for ever on a pipe.
+    // Asked before opening, which could wait forever on a pipe.
     let metadata = fs::metadata(path).map_err(io)?;
     if !metadata.is_file() {
         return Err(io(std::io::Error::new(ErrorKind::InvalidInput, "not a plain file")));

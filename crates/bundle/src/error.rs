@@ -1,4 +1,4 @@
-//! What is wrong with a bundle: the file, the piece, the map, the texel, and what to do about it.
+//! Errors: the file, the piece, the map, the texel, and what to do.
 
 use std::path::PathBuf;
 
@@ -37,7 +37,7 @@ pub enum Error {
         /// The file, as the manifest names it.
         file: String,
     },
-    /// A file name in the manifest points out of the bundle or is no image.
+    /// A file name in the manifest points out of the bundle or is not an image.
     #[error("manifest.json: file name {name:?} {problem}; use plain names such as body.position.exr")]
     FileName {
         /// The name as it stands in the manifest.
@@ -90,7 +90,7 @@ pub enum Error {
         hint: &'static str,
     },
     /// An image has another size, or other channels, than the manifest says.
-    #[error("{file}: {found}, but the manifest asks for {expected}; build the bundle again")]
+    #[error("{file}: {found}, but the manifest states {expected}; build the bundle again")]
     Size {
         /// The file.
         file: String,

@@ -9,7 +9,7 @@ use exr::compression::Compression;
 use crate::error::{Error, Result};
 use crate::map::check_size;
 
-/// What the header of an image says.
+/// The header of an image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrHeader {
     /// Texels in a row.

@@ -1,9 +1,29 @@
-//! The gimage bundle: geometry images, their maps and their manifest, in memory and on disk.
+//! Reads, writes and validates gimage bundles: geometry images, their maps and their manifest.
 //!
-//! FORMAT.md in the root of the repository is the normative text. A [`Bundle`] is read from bytes
-//! ([`Bundle::decode`]), wherever they come from; only [`dir`] knows of directories. Nothing here starts a thread.
+//! FORMAT.md in the root of the repository is the normative text. [`Bundle::decode`] and [`Bundle::from_files`] read a bundle
+//! from bytes of any origin; [`dir`] reads and writes directories. This crate starts no threads.
 //!
-//! Everything read is distrusted: sizes are checked before anything is allocated, and no input makes a function panic.
+//! Input is not trusted: sizes are checked before memory is allocated, and no input makes a function panic.
+//!
+//! ```
+//! use gimage_bundle::{Bundle, MapKind, validate};
+//!
+//! let mut bundle = Bundle::new("example 1.0");
+//! let piece = bundle.add_piece("flag", 2, 2)?;
+//! let position = gimage_bundle::Image {
+//!     width: 2,
+//!     height: 2,
+//!     channels: 4,
+//!     // x, y, z [m] and the particle code: 1 is a free particle.
+//!     data: vec![0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0],
+//! };
+//! bundle.insert(piece, MapKind::Position, position)?;
+//! bundle.count()?;
+//! assert!(validate(&bundle).is_empty());
+//! let files = bundle.encode()?;
+//! assert_eq!(Bundle::from_files(&files)?.images, bundle.images);
+//! # Ok::<(), gimage_bundle::Error>(())
+//! ```
 
 // The workspace allows these for the sake of other crates.
 #![warn(clippy::needless_range_loop, clippy::too_many_arguments, clippy::type_complexity)]

@@ -1,4 +1,4 @@
-//! manifest.json: what is in a bundle, where it came from, and how good it is.
+//! manifest.json: the contents of a bundle, their source and their quality.
 //!
 //! Every map is ordered and every struct has a fixed order of fields, so that equal manifests are equal bytes. Unknown
 //! fields are ignored on reading. Everything optional is left out where there is nothing to say, never `null`.
@@ -25,7 +25,7 @@ pub const MANIFEST_FILE: &str = "manifest.json";
 /// Most bytes of a manifest: 64 MiB.
 pub const MAX_MANIFEST_BYTES: u64 = 64 << 20;
 
-/// The whole of manifest.json.
+/// The contents of manifest.json.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Always [`FORMAT`].
@@ -47,7 +47,7 @@ pub struct Manifest {
     /// Surfaces that were split into several pieces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub components: Vec<ComponentEntry>,
-    /// Parts too small or too rigid to be cloth, which ride on a piece.
+    /// Components that are too small to be cloth, which ride on a piece.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub accessories: Vec<Accessory>,
     /// Reserved: collision shapes.
@@ -56,7 +56,7 @@ pub struct Manifest {
     /// The skeleton that joint indices refer to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skeleton: Option<Skeleton>,
-    /// What was changed in the source, and what else its maker should know.
+    /// Changes to the source and other findings of the build.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repairs: Vec<Repair>,
     /// Quality of the whole bundle.
@@ -80,7 +80,7 @@ pub struct Source {
     pub extras: Vec<String>,
 }
 
-/// A part that rides on a piece instead of being one.
+/// A component that rides on a piece.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Accessory {
@@ -100,7 +100,7 @@ pub struct Accessory {
     pub normal_offset: f64,
     /// Its centre at rest \[m\].
     pub center: [f64; 3],
-    /// Why it is no piece.
+    /// Why it is not a piece.
     pub reason: String,
 }
 
@@ -123,7 +123,7 @@ pub struct Joint {
     pub inverse_bind: [f32; 16],
 }
 
-/// One thing that a stage changed or met.
+/// One change or observation of a stage.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Repair {
@@ -142,7 +142,7 @@ pub struct Repair {
     pub message: String,
 }
 
-/// What is known of a file's bytes.
+/// Length and checksum of a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileRecord {
     /// SHA-256, 64 lower-case hexadecimal digits.

@@ -62,7 +62,7 @@ fn contradictions_are_refused() {
     let broken: [(&str, Change); 7] = [
         ("range", |m| m.pieces[0].first_particle = 1),
         ("size", |m| m.pieces[0].width = 20_000),
-        ("no surface", |m| m.pieces[0].height = 1),
+        ("cannot hold a surface", |m| m.pieces[0].height = 1),
         ("path", |m| drop(m.pieces[0].maps.insert("mass".into(), "../m.exr".into()))),
         ("twice", |m| drop(m.pieces[0].maps.insert("mass".into(), "body.position.exr".into()))),
         ("parent", |m| m.skeleton.as_mut().unwrap().joints[0].parent = Some(0)),

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::error::{Error, Result};
 
-/// Most texels on a side of an image.
+/// Largest number of texels per side of an image.
 pub const MAX_SIDE: u32 = 16_384;
 
 /// A float image. Row 0 is v = 0; texel (i, j) starts at `data[(j * width + i) * channels]`.
@@ -14,14 +14,14 @@ pub struct Image {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Floats a texel: 1 (R), 3 (R, G, B) or 4 (R, G, B, A).
+    /// Floats per texel: 1 (R), 3 (R, G, B) or 4 (R, G, B, A).
     pub channels: u32,
     /// `width * height * channels` floats, texel by texel.
     pub data: Vec<f32>,
 }
 
 impl Image {
-    /// An image of zeros. The sizes are taken as they are; [`Image::check`] judges them.
+    /// An image of zeros. The sizes are not checked; [`Image::check`] does that.
     pub fn zeros(width: u32, height: u32, channels: u32) -> Self {
         let len = width as usize * height as usize * channels as usize;
         Image { width, height, channels, data: vec![0.0; len] }
@@ -82,14 +82,14 @@ pub fn check_size(what: &str, width: u32, height: u32) -> Result<()> {
     if width < 2 || height < 2 {
         return Err(Error::Exr {
             file: what.into(),
-            problem: format!("{width} x {height} texels hold no surface"),
+            problem: format!("{width} x {height} texels cannot hold a surface"),
             hint: "use at least 2 x 2",
         });
     }
     Ok(())
 }
 
-/// What a map holds. The number in `Uv`, `Color`, `Joints` and `Weights` is the set, as in glTF's `TEXCOORD_n`.
+/// The kind of a map. The number in `Uv`, `Color`, `Joints` and `Weights` is the set, as in glTF's `TEXCOORD_n`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum MapKind {

@@ -1,14 +1,14 @@
-//! The particle code: what the fourth channel of a position map says about its texel.
+//! The particle code, which is the fourth channel of a position map.
 //!
-//! 0 is no particle; the sign is free (+) or pinned (-); magnitude 1 is an ordinary particle; magnitude n >= 2 is a
+//! 0 means no particle; the sign is free (+) or pinned (-); magnitude 1 is an ordinary particle; magnitude n >= 2 is a
 //! seam particle whose next duplicate has the bundle-wide index n - 2.
 
 pub use crate::error::CodeError;
 
-/// Most particles (texels) in one bundle: 2^24 - 2, so that every code is a whole number that f32 holds exactly.
+/// Largest number of particles (texels) in one bundle: 2^24 - 2, so that every code is a whole number that f32 holds exactly.
 pub const MAX_PARTICLES: u32 = (1 << 24) - 2;
 
-/// What a texel is.
+/// The state of a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Particle {
     /// No particle: the texel is outside the surface.
@@ -68,7 +68,7 @@ impl Particle {
         }
     }
 
-    /// Whether there is a particle at all.
+    /// Whether there is a particle.
     pub fn exists(self) -> bool {
         self != Particle::None
     }

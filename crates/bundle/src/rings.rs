@@ -17,7 +17,7 @@ impl Rings {
         (0..self.ends.len()).map(move |k| &self.members[start(k)..self.ends[k]])
     }
 
-    /// How many rings there are.
+    /// Number of rings.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
@@ -28,7 +28,7 @@ impl Rings {
     }
 }
 
-/// What is wrong with the link of one seam texel.
+/// A fault of the link of one seam texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkFault {
     /// It points past the last texel of the bundle.

@@ -1,4 +1,4 @@
-//! Tethers: how far along the surface each particle is from what holds it.
+//! Tethers: the distance along the surface from each particle to its nearest pins.
 //!
 //! T.-Y. Kim, N. Chentanez, M. Mueller-Fischer, "Long Range Attachments: A Method to Simulate Inextensible Clothing in
 //! Computer Games", SCA 2012: a particle that is kept within its geodesic distance of a pin cannot stretch the cloth
@@ -16,10 +16,10 @@ use crate::particle::Particle;
 use front::Front;
 use groups::pin_groups;
 
-/// Most anchors that a particle can have.
+/// Largest number of anchors per particle.
 pub const MAX_ANCHORS: usize = 4;
 
-/// Rest lengths \[m\] of one grid: right, down, down-right, up-right. 0 (or what is no length) is no spring.
+/// Rest lengths \[m\] of one grid: right, down, down-right, up-right. 0, negative and not finite mean no spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RestLengths<'a> {
     /// The same at every texel.
@@ -39,7 +39,7 @@ pub struct SpringGrid<'a> {
     pub rest: RestLengths<'a>,
 }
 
-/// One thing that holds a particle.
+/// A pinned particle that holds another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Anchor {
     /// Index of a pinned particle, the lowest of its duplicates; [`Anchor::NONE`] has `u32::MAX`.
@@ -49,7 +49,7 @@ pub struct Anchor {
 }
 
 impl Anchor {
-    /// No anchor: nothing (more) that is pinned can be reached.
+    /// No anchor: no further pin can be reached.
     pub const NONE: Anchor = Anchor { particle: u32::MAX, distance: 0.0 };
 
     /// Whether there is an anchor.
@@ -61,7 +61,7 @@ impl Anchor {
 /// The anchors of every particle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tethers {
-    /// Slots a particle, 0 to [`MAX_ANCHORS`].
+    /// Slots per particle, 0 to [`MAX_ANCHORS`].
     pub per_particle: usize,
     /// `anchors[particle * per_particle + slot]`, nearest first; unused slots, at the end, are [`Anchor::NONE`].
     pub anchors: Vec<Anchor>,
@@ -130,7 +130,7 @@ impl Bundle {
     }
 
     /// Writes the nearest anchor of every particle into `tether` maps; a piece none of whose particles can reach a pin has
-    /// no such map afterwards. Call it when positions, pins and rest lengths are in. Errors as [`Bundle::particles`].
+    /// no such map afterwards. Call it after positions, pins and rest lengths are inserted. Errors as [`Bundle::particles`].
     pub fn write_tethers(&mut self) -> Result<()> {
         let found = self.compute_tethers(1)?;
         let particles = self.particles()?;
@@ -155,7 +155,7 @@ impl Bundle {
         Ok(())
     }
 
-    /// The stored tethers, one a particle; none where no piece has a `tether` map. A texel that names no particle of the
+    /// The stored tethers, one per particle; `None` if no piece has a `tether` map. A texel that names no particle of the
     /// bundle, or holds no length, counts as without an anchor.
     pub fn stored_tethers(&self) -> Option<Tethers> {
         let total = self.manifest.texels();

@@ -1,4 +1,4 @@
-//! Whether what a bundle holds keeps the rules of the format, texel by texel.
+//! Validation of a bundle against the rules of the format, texel by texel.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,7 +14,7 @@ use crate::particle::Particle;
 use crate::rings::{LinkFault, Rings, find_rings};
 use crate::welded::welded;
 
-/// How many faults of one kind are listed; the rest are counted in one more.
+/// Largest number of listed faults per kind; one more fault counts the rest.
 pub const MAX_LISTED: usize = 20;
 
 /// The rule that is broken.
@@ -74,7 +74,7 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// The fault that an error of reading is.
+    /// The fault that corresponds to a reading error.
     pub fn from_error(error: &Error) -> Self {
         let (file, piece, texel, kind) = match error {
             Error::Checksum { file } => (file.clone(), None, None, FaultKind::Checksum),
@@ -111,7 +111,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// The exit code that `validate` promises: 0 sound, 1 findings, 2 something could not be read.
+/// The exit code of `gimage validate`: 0 sound, 1 findings, 2 unreadable.
 pub fn exit_code(faults: &[Fault]) -> u8 {
     match faults {
         [] => 0,
@@ -228,13 +228,13 @@ fn check_shapes(found: &mut Findings) {
             found.manifest(
                 FaultKind::Manifest,
                 None,
-                format!("map {} is of piece {index}, which is none", kind.name()),
+                format!("map {} belongs to piece {index}, which does not exist", kind.name()),
             );
             continue;
         };
         let fits = (image.width, image.height) == (piece.width, piece.height);
         if !fits || !kind.channels().contains(&image.channels) || image.check("").is_err() {
-            let message = format!("map {} does not have the size and channels of the piece", kind.name());
+            let message = format!("map {} has the wrong size or number of channels", kind.name());
             found.manifest(FaultKind::Manifest, Some(piece), message);
         }
     }
@@ -286,7 +286,7 @@ fn check_piece(found: &mut Findings, index: usize, piece: &PieceEntry, all: &[Pa
     let both = |kind: &MapKind, constant: bool| constant && bundle.image(index, kind).is_some();
     let (rest, mass) = (piece.constants.rest, piece.constants.mass);
     if both(&MapKind::Rest, rest.is_some()) || both(&MapKind::Mass, mass.is_some()) {
-        found.manifest(FaultKind::Manifest, Some(piece), "a constant and a map say the same".into());
+        found.manifest(FaultKind::Manifest, Some(piece), "a value is given both as a constant and as a map".into());
     }
     if rest.is_some_and(|lengths| lengths.iter().any(|&length| length < 0.0)) {
         found.manifest(FaultKind::Rest, Some(piece), "a constant rest length is negative".into());
@@ -357,7 +357,7 @@ fn check_rings(found: &mut Findings, particles: &[Particle], rings: &Rings) {
         let first = ring[0];
         for &other in &ring[1..] {
             if particles[first as usize].is_pinned() != particles[other as usize].is_pinned() {
-                let message = format!("free and pinned differ from its duplicate, particle {first}");
+                let message = format!("it is pinned and its duplicate, particle {first}, is not, or the reverse");
                 found.particle(FaultKind::Pin, other, &MapKind::Position, message);
             }
             for kind in &kinds {

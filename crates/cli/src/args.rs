@@ -1,4 +1,4 @@
-//! What the command line may say. Parsing touches nothing: no file, no variable, no thread.
+//! The arguments of the command line. Parsing has no side effects: it touches no file, variable or thread.
 
 use std::path::PathBuf;
 
@@ -14,13 +14,13 @@ use crate::help;
 #[derive(Debug, Parser)]
 #[command(name = "gimage", version, arg_required_else_help = true, after_help = help::TOP, max_term_width = 100)]
 pub struct Cli {
-    /// Say nothing on stderr but errors.
+    /// Print only errors on stderr.
     #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 900)]
     pub quiet: bool,
-    /// Say and list everything: notes, all accessories, all options.
+    /// List everything: notes, all accessories, all options.
     #[arg(short, long, global = true, display_order = 901)]
     pub verbose: bool,
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -31,22 +31,22 @@ pub enum Command {
     /// Build a bundle of geometry images from each garment file.
     #[command(after_help = help::BUILD)]
     Build(Box<BuildArgs>),
-    /// Show what is in a bundle, and how good it is.
+    /// Show the contents and the quality of a bundle.
     #[command(after_help = help::INSPECT)]
     Inspect(BundleArgs),
     /// Check a bundle against the rules of the format, texel by texel.
     #[command(after_help = help::VALIDATE)]
     Validate(BundleArgs),
-    /// Turn a bundle back into one welded mesh.
+    /// Convert a bundle back to one welded mesh.
     #[command(after_help = help::RECONSTRUCT)]
     Reconstruct(ReconstructArgs),
-    /// Step a scene, or a bundle under gravity, as cloth.
+    /// Simulate a scene, or a bundle under gravity, and print its times.
     #[command(after_help = help::SIMULATE)]
     Simulate(SimulateArgs),
-    /// Draw a scene as it moves: a PNG, or a GIF of many pictures.
+    /// Simulate a scene and draw it: a PNG, or a GIF of many pictures.
     #[command(after_help = help::RENDER)]
     Render(RenderArgs),
-    /// Show the GPU adapters of this machine, whether they compute correctly, and which would run.
+    /// List the GPU adapters of this machine, check their results, and show which one would run.
     #[command(after_help = help::DOCTOR)]
     Doctor(DoctorArgs),
 }
@@ -57,74 +57,74 @@ pub struct BuildArgs {
     /// Garment files: .glb, .gltf or .obj.
     #[arg(required = true, value_name = "IN")]
     pub inputs: Vec<PathBuf>,
-    /// The bundle to write; with several inputs the directory that gets <stem>.gim for each.
+    /// The bundle to write; with several inputs, the directory for one <stem>.gim per input.
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// Texels of the whole bundle, shared out among the pieces by area [default: 16384].
+    /// Texels of the whole bundle, divided among the pieces by area [default: 16384].
     #[arg(long, value_name = "N", group = "image_size", allow_negative_numbers = true)]
     pub texels: Option<u32>,
-    /// Texels of each piece's image, as in 128x96.
+    /// Size in texels of the image of each piece, for example 128x96.
     #[arg(long, value_name = "WxH", group = "image_size", value_parser = size)]
     pub size: Option<(u32, u32)>,
     /// Mean distance between neighbouring texels.
     #[arg(long, value_name = "METRES", group = "image_size", value_parser = positive, allow_negative_numbers = true)]
     pub spacing: Option<f64>,
-    /// Put texels on the surface, or where the surface between them comes closest [default: fit].
+    /// Place texels exactly on the surface (point), or so that the surface between them is closest (fit) [default: fit].
     #[arg(long, value_enum)]
     pub sample: Option<SampleArg>,
-    /// Where cuts run: the better of both, the shortest way, or along UV seams [default: auto].
+    /// Where cuts run: along the shortest path, along UV seams, or the better of both (auto) [default: auto].
     #[arg(long, value_enum)]
     pub seams: Option<SeamsArg>,
-    /// How much denser texels are where the surface bends: 0 is even, 1 has the least error [default: 0.6].
+    /// How strongly texels concentrate where the surface bends: 0 is uniform, 1 has the least error [default: 0.6].
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub detail: Option<f64>,
-    /// How hard to look for the best cut and layout [default: default].
+    /// Effort of the search for the best cut and layout [default: default].
     #[arg(long, value_enum)]
     pub effort: Option<EffortArg>,
-    /// Keep only the node, mesh, object, group or material of this name; may be repeated.
+    /// Import only the node, mesh, object, group or material of this name; may be repeated.
     #[arg(long, value_name = "NAME")]
     pub piece: Vec<String>,
     /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), loop:K (boundary loop, longest
-    /// first), attr:_NAME>T or color:r>T. The bundle then has tethers: how far each particle is from the nearest pin.
+    /// first), attr:_NAME>T or color:r>T. The bundle then stores tethers: the distance of each particle to the nearest pin.
     #[arg(long, value_name = "EXPR")]
     pub pin: Vec<Pin>,
-    /// Metres in one unit of the file, 0.01 for centimetres [default: 1].
+    /// Metres per unit of the file, 0.01 for centimetres [default: 1].
     #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true)]
     pub unit: Option<f64>,
-    /// The axis of the file that points up: X, Y, Z, -X, -Y or -Z. The garment is turned so that it is Y, with its normals and
-    /// skin [default: Y].
+    /// The up axis of the file: X, Y, Z, -X, -Y or -Z. The garment, its normals and its skin are rotated to Y up
+    /// [default: Y].
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     pub up: Option<Up>,
     /// Move the garment, after --unit and --up: the middle of its bounding box to x = 0 and z = 0, its lowest point to y = 0.
-    /// Pins are about the garment where it stands then.
+    /// Pin expressions refer to the moved garment.
     #[arg(long)]
     pub center: bool,
-    /// Join vertices within this distance where both lie on open borders or an edge connects them; none moves farther
+    /// Join vertices within this distance if both lie on open borders or an edge connects them; no vertex moves farther
     /// [default: exactly equal positions only].
     #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true)]
     pub weld: Option<f64>,
-    /// Parts under this share of the whole area become accessories, 0 to 0.1 [default: 0.01].
+    /// Parts below this share of the total area become accessories, 0 to 0.1 [default: 0.01].
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub accessory_area: Option<f64>,
-    /// Rest lengths: straight distance, or along the surface [default: chord].
+    /// Rest lengths: straight distance (chord), or distance along the surface (arc) [default: chord].
     #[arg(long, value_enum)]
     pub rest: Option<RestArg>,
-    /// Mass of the cloth [default: 0.15].
+    /// Mass per area of the cloth [default: 0.15].
     #[arg(long, value_name = "KG_M2", value_parser = positive, allow_negative_numbers = true)]
     pub density: Option<f64>,
     /// Do not measure the result against the source.
     #[arg(long)]
     pub no_metrics: bool,
-    /// Write images that do not stand for their surface too, with a warning, instead of failing.
+    /// Write images that differ too much from their surface, with a warning, instead of failing.
     #[arg(long)]
     pub accept_poor: bool,
-    /// Fail if the PSNR of a piece is below this.
+    /// Fail if the PSNR of a piece is below this value.
     #[arg(long, value_name = "DB", allow_negative_numbers = true)]
     pub min_psnr: Option<f64>,
-    /// Threads to use; 0 is one for each core. The bundle does not depend on it.
+    /// Number of threads; 0 means one per core. The bundle does not depend on it.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024), allow_negative_numbers = true)]
     pub threads: u16,
-    /// Write OUT.timings.json beside the bundle: time and memory of each stage.
+    /// Write OUT.timings.json beside the bundle: time and memory per stage.
     #[arg(long)]
     pub timings: bool,
     /// Print one JSON object instead of tables.
@@ -160,53 +160,55 @@ pub struct ReconstructArgs {
     pub force: bool,
 }
 
-/// What is stepped, and how: `gimage simulate` and `gimage render`.
+/// The scene and its solver: `gimage simulate` and `gimage render`.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
     /// The name of a built-in scene, a scene file (.json), or a bundle.
     #[arg(value_name = "SCENE")]
     pub scene: String,
-    /// What computes; auto is the GPU where there is a real one that passes its self-check (see gimage doctor).
+    /// Where to compute; auto is a hardware GPU that passes its self-check (see gimage doctor), else the CPU.
     #[arg(long, value_enum, default_value = "auto")]
     pub backend: BackendArg,
-    /// How springs keep their lengths [default: that of the scene, or xpbd].
+    /// Solver of the springs [default: that of the scene, or xpbd].
     #[arg(long, value_enum)]
     pub solver: Option<SolverArg>,
-    /// Steps a frame [default: those of the scene, or 8].
+    /// Steps per frame [default: that of the scene, or 8].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub substeps: Option<u32>,
-    /// Choose the steps of a frame, from --substeps on, so that they take at most this time [default: that of the scene].
+    /// Choose the number of steps per frame, starting at --substeps, so that they take at most this time [default: that of
+    /// the scene].
     #[arg(long, value_name = "MS", allow_negative_numbers = true)]
     pub budget: Option<f64>,
-    /// Choose the fewest steps that stretch cloth no more than this, 0.01 being 1 %; --budget wins [default: as above].
+    /// Choose the fewest steps per frame that leave at most this stretch, 0.01 for 1 %; --budget wins [default: that of the
+    /// scene].
     #[arg(long, value_name = "STRETCH", allow_negative_numbers = true)]
     pub error: Option<f64>,
-    /// Relaxations a step [default: those of the scene, or 1].
+    /// Relaxations per step [default: that of the scene, or 1].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub iterations: Option<u32>,
-    /// Tethers of a particle to the nearest pins, 0 to 4; xpbd only [default: those of the scene, or 2].
+    /// Tethers per particle to the nearest pins, 0 to 4; xpbd only [default: that of the scene, or 2].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub tethers: Option<u32>,
-    /// Limit lengths on coarser grids once in K steps, 0 for never; xpbd only [default: that of the scene, or 0].
+    /// Limit lengths on coarser grids every K steps, 0 for never; xpbd only [default: that of the scene, or 0].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub pyramid: Option<u32>,
-    /// Further rounds of tethers and of springs to the right and down after each relaxation, 0 to 64: for fine cloth that
-    /// hangs on tethers; xpbd only [default: those of the scene, or 0].
+    /// Additional rounds of tethers and structural springs after each relaxation, 0 to 64, for fine cloth on tethers; xpbd
+    /// only [default: that of the scene, or 0].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub polish: Option<u32>,
-    /// How far particles keep from the surfaces of colliders, 0 to 1 m: half of what the cloth measures through; for cloth
-    /// without a thickness of its own [default: that of the scene, or 0].
+    /// Distance that particles keep from colliders, 0 to 1 m: half the thickness of the cloth; for cloth without a thickness
+    /// of its own [default: that of the scene, or 0].
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub thickness: Option<f32>,
-    /// What all cloth is made of, as warp=500,weft=400,shear=40,bend=1e-5,density=0.15,damping=0.5,friction=1,thickness=0.001,
-    /// of which any may be left out (N/m, N m, kg/m2, 1/s, a factor of the friction of colliders, m); without a thickness
-    /// cloth keeps the one it has, without a friction it has 1; xpbd only [default: that of the scene, or springs].
+    /// Material of all cloth: warp=500,weft=400,shear=40 (N/m), bend=1e-5 (N m), density=0.15 (kg/m2), damping=0.5 (1/s),
+    /// friction=1 (factor of the friction of colliders), thickness=0.001 (m), separated by commas. Omitted values have these
+    /// defaults; an omitted thickness stays as it is. xpbd only [default: that of the scene, or springs].
     #[arg(long, value_name = "NAME=NUMBER,...", value_parser = material)]
     pub material: Option<Material>,
-    /// Particles on a side of a built-in scene.
+    /// Particles per side of a built-in scene.
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095), allow_negative_numbers = true)]
     pub n: u32,
-    /// Threads to use on the CPU; 0 is one for each core. The result does not depend on it.
+    /// Number of CPU threads; 0 means one per core. The result does not depend on it.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024), allow_negative_numbers = true)]
     pub threads: u16,
 }
@@ -216,19 +218,19 @@ pub struct SceneArgs {
 pub struct SimulateArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Frames of 1/60 s [default: those of the scene, 600 for a bundle].
+    /// Number of frames of 1/60 s [default: that of the scene, 600 for a bundle].
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     pub frames: Option<u32>,
-    /// Write positions of frames into this directory.
+    /// Write the positions of each frame to this directory.
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
     /// Dump every K-th frame.
     #[arg(long, value_name = "K", default_value_t = 1, requires = "dump", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     pub every: u32,
-    /// Dump no frame before this one.
+    /// First frame to dump.
     #[arg(long, value_name = "FRAME", default_value_t = 0, requires = "dump", allow_negative_numbers = true)]
     pub dump_from: u32,
-    /// Remove the frames of an older run from the directory of --dump.
+    /// Remove frames of an older run from the directory of --dump.
     #[arg(long, requires = "dump")]
     pub force: bool,
     /// Print one JSON object instead of text.
@@ -244,26 +246,26 @@ pub struct RenderArgs {
     /// The picture to write, .png or .gif.
     #[arg(short, long, value_name = "PICTURE")]
     pub output: PathBuf,
-    /// Pixels, as in 640x480.
+    /// Size in pixels, for example 640x480.
     #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = size)]
     pub size: (u32, u32),
-    /// Time of the picture, or of the last one, at most 86400 [default: the end of the scene; 0 for a still picture of a
-    /// bundle without pins].
+    /// Time of the picture, or of the last picture of a GIF, at most 86400 [default: the end of the scene; 0 for a still
+    /// picture of a bundle without pins].
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
-    /// Pictures of a GIF; the last is that of --time [default: all from the start].
+    /// Number of pictures of a GIF, the last one at --time [default: all from the start].
     #[arg(long, value_name = "F", value_parser = clap::value_parser!(u32).range(1..=10_000), allow_negative_numbers = true)]
     pub frames: Option<u32>,
-    /// Pictures a second of a GIF, at most 50.
+    /// Frame rate of a GIF, at most 50 pictures per second.
     #[arg(long, value_name = "FPS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=50), allow_negative_numbers = true)]
     pub fps: u32,
-    /// Where the camera stands and what it looks at, in metres [default: that of the scene, or all in the picture].
+    /// Position and target of the camera in metres [default: that of the scene, or one that shows everything].
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = camera, allow_hyphen_values = true)]
     pub camera: Option<[f32; 6]>,
-    /// Angle from the lower to the upper edge of the picture [default: that of the scene, or 35].
+    /// Vertical field of view [default: that of the scene, or 35].
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub fov: Option<f32>,
-    /// Colour of the background, sRGB as in ffffff [default: that of the scene, or f4f4f2].
+    /// Background colour, sRGB, for example ffffff [default: that of the scene, or f4f4f2].
     #[arg(long, value_name = "RRGGBB", value_parser = color)]
     pub background: Option<[f32; 3]>,
     /// Replace an existing file.
@@ -282,9 +284,9 @@ pub struct DoctorArgs {
     pub json: bool,
 }
 
-// Values have no help of their own: what they do stands with the flag, and the help stays short.
+// The values have no help texts: the flag describes them, so that the help stays short.
 
-/// Where texels go.
+/// Where texels are placed.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum SampleArg {
     Point,
@@ -299,7 +301,7 @@ pub enum SeamsArg {
     Uv,
 }
 
-/// How hard to search.
+/// Effort of the search.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum EffortArg {
     Fast,
@@ -314,7 +316,7 @@ pub enum RestArg {
     Arc,
 }
 
-/// What computes.
+/// Where to compute.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum BackendArg {
     Auto,
@@ -322,7 +324,7 @@ pub enum BackendArg {
     Cpu,
 }
 
-/// How springs keep their lengths.
+/// The solver of springs.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum SolverArg {
     Classic,
@@ -330,7 +332,7 @@ pub enum SolverArg {
 }
 
 impl Cli {
-    /// Whether stdout is to be JSON.
+    /// Whether stdout gets JSON.
     pub fn json(&self) -> bool {
         match &self.command {
             Command::Build(args) => args.json,
@@ -344,7 +346,7 @@ impl Cli {
 }
 
 impl BuildArgs {
-    /// The options of the library; what was not said keeps its default there. Ranges are not judged here.
+    /// The options of the library; omitted ones keep their defaults. The library checks the ranges.
     pub fn options(&self) -> BuildOptions {
         let mut options = BuildOptions::default();
         let size = (self.size.map(|(w, h)| ImageSize::Exact(w, h)))
@@ -402,7 +404,7 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn seconds(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().map_err(|_| format!("`{text}` is not a number"))?;
-    if number.is_finite() && number >= 0.0 { Ok(number) } else { Err("give seconds from 0 on, as in 0.5".into()) }
+    if number.is_finite() && number >= 0.0 { Ok(number) } else { Err("give at least 0 seconds, as in 0.5".into()) }
 }
 
 fn material(text: &str) -> Result<Material, String> {
@@ -420,7 +422,7 @@ fn material(text: &str) -> Result<Material, String> {
             "thickness" => material.thickness.insert(0.0),
             other => {
                 let names = "warp, weft, shear, bend, density, damping, friction, thickness";
-                return Err(format!("`{other}` is none of {names}"));
+                return Err(format!("`{other}` is not one of {names}"));
             }
         };
         *field = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;

@@ -37,7 +37,7 @@ fn every_flag_reaches_the_options() {
 #[test]
 fn a_negative_number_is_told_what_its_option_takes() {
     for (args, says) in [
-        ("render s1 -o a.png --time -3", "invalid value '-3' for '--time <SECONDS>': give seconds from 0 on"),
+        ("render s1 -o a.png --time -3", "invalid value '-3' for '--time <SECONDS>': give at least 0 seconds"),
         ("build a.obj -o a.gim --density -1", "invalid value '-1' for '--density <KG_M2>': give a number above 0"),
         ("build a.obj -o a.gim --texels -1", "invalid value '-1' for '--texels <N>'"),
         ("simulate s1 --frames -1", "invalid value '-1' for '--frames <F>'"),

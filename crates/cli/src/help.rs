@@ -1,11 +1,11 @@
-//! The examples and exit codes at the end of each help text.
+//! Examples, notes and exit codes at the end of each help text.
 
 macro_rules! exit_codes {
     ($findings:literal) => {
         concat!(
             "\n\nEXIT CODES:\n  0  done\n  1  ",
             $findings,
-            "\n  2  could not do it: bad input, bad flag\n  3  internal error: please report it"
+            "\n  2  refused: invalid input or option\n  3  internal error: please report it"
         )
     };
 }
@@ -20,7 +20,7 @@ pub const TOP: &str = concat!(
     "  gimage simulate s1 --frames 600\n",
     "  gimage render shirt.gim -o shirt.png\n",
     "  gimage doctor\n\n",
-    "Results go to stdout, words to stderr. NO_COLOR turns colours off.",
+    "Results go to stdout, messages to stderr. NO_COLOR turns colours off.",
     exit_codes!("done, with findings (repairs, accessories, warnings; broken rules)")
 );
 
@@ -32,12 +32,12 @@ pub const BUILD: &str = concat!(
     "  gimage build flag.obj -o flag.gim --size 64x48 --pin loop:0 --force\n",
     "  gimage build coat.glb -o coat.gim --up Z --center --pin above:0.9\n",
     "  gimage build *.glb -o bundles --json --threads 4\n\n",
-    "The same input and options give the same bytes. With several inputs one bad file does not stop the others; ",
-    "the exit code is the worst one. A build that fails leaves nothing behind, one whose report cannot be written to stdout ",
-    "too; of several inputs the bundles written until then stay. --force replaces a bundle, in one step; it refuses a directory ",
-    "with files that its manifest does not list. A hint (a file that seems to be in centimetres, or to have Z up) does not ",
+    "The same input and options give the same bytes. With several inputs, a failed build does not stop the others, and the ",
+    "exit code is the highest one. A failed build writes nothing, and neither does one whose report cannot be written to ",
+    "stdout; with several inputs, bundles written before that stay. --force replaces a bundle in one step; it refuses a ",
+    "directory with files that its manifest does not list. Hints (a file that looks like centimetres, or like Z up) do not ",
     "change the exit code.",
-    exit_codes!("done, with findings: something was repaired, set apart, or is worse than it could be")
+    exit_codes!("done, with findings: repairs, accessories, or low quality")
 );
 
 /// Of `gimage inspect`.
@@ -46,7 +46,7 @@ pub const INSPECT: &str = concat!(
     "  gimage inspect shirt.gim\n",
     "  gimage inspect shirt.gim --json | jq .quality.psnr\n",
     "  gimage inspect shirt.gim -v",
-    exit_codes!("done, but the manifest does not agree with the images")
+    exit_codes!("done, but the manifest disagrees with the images")
 );
 
 /// Of `gimage validate`.
@@ -54,8 +54,8 @@ pub const VALIDATE: &str = concat!(
     "EXAMPLES:\n",
     "  gimage validate shirt.gim\n",
     "  gimage validate shirt.gim --json | jq '.faults[].message'",
-    "\n\nEXIT CODES:\n  0  sound\n  1  findings: it can be read, but breaks a rule\n",
-    "  2  unreadable: a file is missing, damaged or of the wrong size; bad flag\n",
+    "\n\nEXIT CODES:\n  0  sound\n  1  findings: the bundle can be read, but breaks a rule\n",
+    "  2  unreadable: a file is missing, damaged or of the wrong size; invalid option\n",
     "  3  internal error: please report it"
 );
 
@@ -64,7 +64,7 @@ pub const RECONSTRUCT: &str = concat!(
     "EXAMPLES:\n",
     "  gimage reconstruct shirt.gim -o back.obj\n",
     "  gimage reconstruct shirt.gim -o back.glb --force\n\n",
-    "The mesh has texture coordinates where the bundle has a uv map.",
+    "The mesh has texture coordinates if the bundle has a uv map.",
     exit_codes!("done, but a piece has no triangles")
 );
 
@@ -80,12 +80,14 @@ pub const SIMULATE: &str = concat!(
     "  gimage simulate s2 --solver xpbd --thickness 0.002\n",
     "  gimage simulate s2 --solver xpbd --material density=0.4,thickness=0.001,friction=1.5\n",
     "  gimage simulate s3 --backend gpu --json | jq .ms_frame_median\n\n",
-    "Built in: s1 (hung by two corners), s1k (with soft springs), s2 (falls on a sphere), s2f (fast), s3 (swings).\n",
-    "SCENE.md describes scene files: garments, colliders, pins, wind, motion, cuts. A bundle falls or hangs by its pins. Frames take 1/60 s. ",
-    "--error measures the largest stretch of each frame and changes the number of steps by the rule that it falls with their ",
-    "square; --budget goes by the median time of a step. --dump writes frame_NNNNN.<piece>.position.exr, frame 0 ",
-    "being the start; it refuses a directory with frames of an older run unless --force removes them. Settings beyond the solver's limits are changed, and stderr says so.",
-    exit_codes!("done, but cloth overflowed: frames were taken back, or positions are not finite")
+    "Built-in scenes: s1 (hangs by two corners), s1k (s1 with soft springs), s2 (falls on a sphere), s2f (s2, fast), s3 ",
+    "(swings).\n",
+    "SCENE.md describes scene files: garments, colliders, pins, wind, motion, cuts. A bundle hangs by its pins, or falls. A ",
+    "frame is 1/60 s. --error measures the largest stretch of each frame; the number of steps follows from the rule that ",
+    "stretch falls with its square. --budget uses the median time of a step. --dump writes ",
+    "frame_NNNNN.<piece>.position.exr, where frame 0 is the start; it refuses a directory with frames of an older run unless ",
+    "--force is given, which removes them. Settings beyond the limits of the solver are adjusted, with a warning.",
+    exit_codes!("done, but a cloth overflowed: frames were reset, or positions are not finite")
 );
 
 /// Of `gimage render`.
@@ -94,10 +96,10 @@ pub const RENDER: &str = concat!(
     "  gimage render shirt.gim -o shirt.png --time 0\n",
     "  gimage render assets/scenes/flag.json -o flag.gif --size 320x240 --fps 20\n",
     "  gimage render s2 --n 64 -o s2.png --time 0.8 --camera 1,0.8,1.6,0,0,0 --fov 40\n\n",
-    "Without a real GPU both the cloth and the picture are made on the CPU; --backend gpu takes any adapter, a software ",
-    "one too. Four samples a pixel. Without a camera all cloths and colliders are in every picture. A still picture of ",
-    "a bundle without pins, which would fall out of sight, shows its rest pose unless --time is given.",
-    exit_codes!("done, but cloth overflowed: frames were taken back, or positions are not finite")
+    "Without a hardware GPU, cloth and picture are computed on the CPU; --backend gpu accepts any adapter, including a ",
+    "software one. 4 samples per pixel. Without a camera, every picture shows all cloths and colliders. A still picture of a ",
+    "bundle without pins, which would fall out of sight, shows its rest pose (default --time 0).",
+    exit_codes!("done, but a cloth overflowed: frames were reset, or positions are not finite")
 );
 
 /// Of `gimage doctor`.
@@ -105,7 +107,7 @@ pub const DOCTOR: &str = concat!(
     "EXAMPLES:\n",
     "  gimage doctor\n",
     "  gimage doctor --json | jq '.adapters[].self_check.passed'\n\n",
-    "The self-check steps two small seamed cloths on each adapter and compares the result with the CPU's. `simulate` and ",
-    "`render` run it too, at their start, and leave an adapter that fails alone unless --backend gpu asks for it.",
+    "The self-check steps two small seamed cloths on each adapter and compares the results with those of the CPU. `simulate` ",
+    "and `render` run it at their start; they use an adapter that fails only with --backend gpu.",
     exit_codes!("done, but an adapter failed its self-check")
 );

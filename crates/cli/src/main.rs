@@ -47,7 +47,7 @@ fn main() -> ExitCode {
 fn usage(error: &clap::Error) -> ExitCode {
     let printed = error.print().and_then(|()| stdout().flush());
     if error.exit_code() == 0 {
-        // Help that nobody gets is no help, unless its reader has read enough.
+        // Help that cannot be written is a failure, unless its reader closed the pipe.
         return match printed {
             Err(e) if e.kind() != ErrorKind::BrokenPipe => {
                 let failure = Failure::io(Path::new("stdout"), &e);

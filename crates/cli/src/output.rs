@@ -54,7 +54,7 @@ impl Output {
         paint(self.colour_out, Tone::Heading, text)
     }
 
-    /// Data for stdout. A reader that has gone away is no error.
+    /// Data for stdout. A reader that closed the pipe is not an error.
     pub fn data(&self, text: &str) -> Result<(), Failure> {
         let mut out = stdout().lock();
         match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

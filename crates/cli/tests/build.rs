@@ -38,7 +38,7 @@ fn an_existing_output_is_replaced_only_with_force() {
     assert_eq!(bytes(&place.path("tube.gim")), before);
     place.run("build tube.obj -o tube.gim --texels 200 --force").expect(&[0, 1]);
     assert_ne!(bytes(&place.path("tube.gim")), before);
-    // Something that is no bundle is never replaced.
+    // Something that is not a bundle is never replaced.
     fs::create_dir(place.path("mine")).unwrap();
     place.write("mine/notes.txt", "mine");
     for output in ["mine", "tube.obj", "mine/notes.txt"] {
@@ -155,10 +155,10 @@ fn a_report_that_cannot_be_written_is_a_failed_build_that_leaves_nothing() {
     let before = bytes(&place.path("tube.gim"));
     full("build tube.obj -o tube.gim --texels 400 --force --json").expect(&[2]);
     assert_eq!(bytes(&place.path("tube.gim")), before);
-    // Of several inputs those that were written stay, and the message says so.
+    // Bundles that were written before a failure stay, and the message states it.
     fs::copy(place.path("tube.obj"), place.path("b.obj")).unwrap();
     let run = full("build tube.obj b.obj -o out --texels 400 --json").expect(&[2]);
-    assert!(run.stderr.contains("the bundles are written"), "{}", run.stderr);
+    assert!(run.stderr.contains("the bundles were written"), "{}", run.stderr);
     assert_eq!(common::list(&place.path("out")), ["b.gim", "tube.gim"]);
     for args in ["--help", "inspect tube.gim", "--version"] {
         assert!(full(args).expect(&[2]).stderr.contains("stdout: "), "{args}");

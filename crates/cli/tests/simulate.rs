@@ -76,7 +76,7 @@ fn what_the_solver_cannot_do_is_changed_and_said() {
     let place = Place::new();
     let run = |more: &str| place.run(&format!("simulate s1 --backend cpu --n 9 --frames 2 --json {more}")).expect(&[0]);
     let few = run("--solver xpbd --tethers 0 --substeps 1");
-    assert!(few.stderr.contains("warning: 1 substeps") && few.stderr.contains("2 are made"), "{}", few.stderr);
+    assert!(few.stderr.contains("warning: 1 substeps") && few.stderr.contains("2 are used"), "{}", few.stderr);
     let json = few.json();
     let said = json["warnings"].as_array().map(Vec::len);
     assert_eq!((json["substeps"].as_u64(), said), (Some(2), Some(1)));

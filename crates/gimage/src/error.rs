@@ -1,11 +1,11 @@
-//! What can go wrong, with the file, the element and what to do about it.
+//! Errors, with the file, the element and what to do.
 
 use std::path::PathBuf;
 
 /// The result of a stage.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why a garment could not be turned into a bundle. Every message names the place and the way out.
+/// The reason why a garment could not be built. Every message names the place and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

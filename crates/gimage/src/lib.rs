@@ -1,7 +1,19 @@
-//! Turns a garment mesh into geometry images.
+//! Converts a garment mesh to a bundle of geometry images.
 //!
-//! [`pipeline::build`] turns a file into a bundle. It composes the stages in [`stage`], each of which takes plain data and
-//! returns plain data, so that they can be run one by one:
+//! [`pipeline::build`] runs all stages: [`import`] reads a file to a [`mesh::Mesh`], [`repair`] makes it an oriented manifold,
+//! [`component`] separates pieces from accessories; each piece is then cut to a disk, mapped to a rectangle, resampled, and
+//! compared with its surface ([`gate`]). [`options::BuildOptions`] has all settings, [`reconstruct`] converts a bundle back to a
+//! mesh.
+//!
+//! ```no_run
+//! use gimage::{options::BuildOptions, pipeline, progress::Quiet};
+//!
+//! let built = pipeline::build("shirt.glb".as_ref(), &BuildOptions::default(), &Quiet)?;
+//! gimage_bundle::dir::write_dir(&built.bundle, "shirt.gim".as_ref(), false)?;
+//! # Ok::<(), gimage::Error>(())
+//! ```
+//!
+//! The stages in [`stage`] each take plain data and return plain data, so that they can be run one by one:
 //!
 //! ```
 //! use gimage::options::{BuildOptions, ImageSize};

@@ -1,4 +1,4 @@
-//! Every option of a build, one struct a stage, with units, default, range and what larger means.
+//! The options of a build, with units, defaults, ranges and the effect of larger values.
 
 use std::collections::BTreeMap;
 
@@ -11,10 +11,10 @@ use crate::stage::component::{ALWAYS_PIECE, ComponentOptions};
 use crate::stage::import::ImportOptions;
 use crate::stage::repair::RepairOptions;
 
-/// How large the images are.
+/// The size of the images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ImageSize {
-    /// Texels for the whole bundle, shared out by area; each piece gets the shape that fits it best. 9..=2^24 - 2, default
+    /// Texels for the whole bundle, divided by area; each piece gets the shape that fits it best. 9..=2^24 - 2, default
     /// 16,384; more is more faithful and slower.
     Texels(u32),
     /// Width and height of every piece's image in texels, 3..=16,384 each.
@@ -23,7 +23,7 @@ pub enum ImageSize {
     Spacing(f64),
 }
 
-/// Where texels go.
+/// Where texels are placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sample {
     /// On the surface, exactly.
@@ -43,10 +43,10 @@ pub enum Seams {
     Uv,
 }
 
-/// How hard to look for the cut and the layout.
+/// Effort of the search for the cut and the layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Effort {
-    /// The shortest cut and few layouts: three fourths of the time, for previews.
+    /// The shortest cut and few layouts: three quarters of the time, for previews.
     Fast,
     /// A search of about as long as the map itself takes.
     #[default]
@@ -67,34 +67,34 @@ pub enum RestLength {
 /// All options of [`crate::pipeline::build`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuildOptions {
-    /// What to read.
+    /// Options of the import.
     pub import: ImportOptions,
-    /// What to mend.
+    /// Options of the repair.
     pub repair: RepairOptions,
-    /// What is a piece.
+    /// Options that separate pieces from accessories.
     pub component: ComponentOptions,
-    /// How large the images are.
+    /// The size of the images.
     pub size: ImageSize,
-    /// Where texels go.
+    /// Where texels are placed.
     pub sample: Sample,
     /// Which edges the cut prefers.
     pub seams: Seams,
-    /// How much denser texels are where the surface bends: 0 (the same everywhere) to 1 (least square error); default 0.6,
-    /// which is nearly as faithful as 1 and hardly less even than 0. Even springs suit a solver, dense folds the eye.
+    /// Controls how strongly texels concentrate where the surface bends: 0 (uniform) to 1 (least square error); default 0.6,
+    /// which is nearly as faithful as 1 and nearly as even as 0. Even springs suit solvers, dense folds look better.
     pub detail: f64,
-    /// How hard to look for the cut and the layout.
+    /// Effort of the search for the cut and the layout.
     pub effort: Effort,
     /// What rest lengths measure.
     pub rest: RestLength,
-    /// What particles weigh.
+    /// Options of the masses.
     pub mass: MassOptions,
-    /// What is pinned; a particle is pinned if any of these holds.
+    /// Pin conditions; a particle is pinned if any of them holds.
     pub pins: Vec<Pin>,
     /// Measure the result against the source. Default true; false saves about a second.
     pub metrics: bool,
-    /// Keep images that do not stand for their surface ([`crate::stage::gate`]) with a warning. Default false: they are an error.
+    /// Keep images that differ too much from their surface ([`crate::gate`]), with a warning. Default false: an error.
     pub accept_poor: bool,
-    /// PSNR \[dB\] that every piece must reach, or the build fails. Default none; larger is stricter.
+    /// PSNR \[dB\] that every piece must reach; otherwise the build fails. Default none; larger is stricter.
     pub min_psnr: Option<f64>,
 }
 
@@ -124,7 +124,7 @@ fn bad(option: &str, problem: String, hint: &str) -> Error {
 }
 
 impl BuildOptions {
-    /// Checks every range. Stages may then rely on it.
+    /// Checks every range; stages rely on it.
     pub fn check(&self) -> Result<()> {
         let cap = gimage_bundle::MAX_PARTICLES;
         match self.size {
@@ -140,7 +140,7 @@ impl BuildOptions {
                 return Err(bad("size", format!("{w} x {h}"), &hint));
             }
             ImageSize::Spacing(d) if !(d.is_finite() && d > 0.0) => {
-                return Err(bad("spacing", format!("{d} is no length"), "give metres above 0"));
+                return Err(bad("spacing", format!("{d} is not a length above 0"), "give metres above 0"));
             }
             _ => {}
         }

@@ -1,4 +1,4 @@
-//! The whole build, stage by stage: file -> bundle.
+//! Runs all stages of a build, from a file to a bundle.
 
 mod budget;
 mod entries;
@@ -31,7 +31,7 @@ use crate::stage::repair::repair;
 pub struct Built {
     /// The bundle in memory; write it with [`gimage_bundle::dir::write_dir`].
     pub bundle: Bundle,
-    /// What was done.
+    /// Stages, times and findings.
     pub report: Report,
 }
 
@@ -57,8 +57,8 @@ impl Run<'_> {
 
 /// Builds a bundle from a garment file. The same file and options give the same bytes whatever the number of threads.
 ///
-/// Errors: whatever the import finds unreadable; [`Error::Empty`] when nothing is left to make a piece of;
-/// [`Error::GridTooSmall`] when an exact size cannot hold a piece's border; [`Error::Cancelled`].
+/// Errors: those of the import; [`Error::Empty`] if no component is large enough to be a piece;
+/// [`Error::GridTooSmall`] if an exact size cannot hold the border of a piece; [`Error::Cancelled`].
 pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Result<Built> {
     options.check()?;
     let mut run = Run { progress, report: Report::default() };

@@ -1,4 +1,4 @@
-//! How a run tells its caller where it is, and is told to stop.
+//! Progress of a build, and its cancellation.
 
 /// The stages of a build, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
@@ -6,9 +6,9 @@
 pub enum Stage {
     /// Reading the file.
     Import,
-    /// Making it a manifold.
+    /// Repairing the mesh to a manifold.
     Repair,
-    /// Telling pieces from accessories.
+    /// Separating pieces from accessories.
     Component,
     /// Cutting, laying out, parameterising and resampling; one step a piece.
     Image,

@@ -1,4 +1,4 @@
-//! What a stage did that its user should know: repairs, accessories, choices, limits met.
+//! Findings of the stages: repairs, accessories, choices and limits.
 
 use serde::Serialize;
 
@@ -14,7 +14,7 @@ pub enum Severity {
     Warning,
 }
 
-/// One thing a stage did or met, with how often and where.
+/// One change or observation of a stage, with its number and places.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// How much it matters.
@@ -31,5 +31,5 @@ pub struct Finding {
     pub message: String,
 }
 
-/// How many examples a finding carries.
+/// Largest number of examples per finding.
 pub const MAX_EXAMPLES: usize = 4;

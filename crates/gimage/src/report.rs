@@ -1,11 +1,11 @@
-//! What a build did, for people and for `--json`. Times are here and not in the bundle, whose bytes do not depend on them.
+//! The report of a build. It has the times, because the bytes of a bundle must not depend on them.
 
 use serde::Serialize;
 
 use crate::progress::Stage;
 use crate::record::{Finding, Severity};
 
-/// How long a stage took.
+/// The time of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StageTime {
     /// The stage.
@@ -17,17 +17,17 @@ pub struct StageTime {
     pub peak_bytes: Option<u64>,
 }
 
-/// What a build did beside the bundle itself.
+/// Times and findings of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
     /// Stages in order.
     pub stages: Vec<StageTime>,
-    /// Everything found and mended on the way, in the order of the stages.
+    /// All findings, in the order of the stages.
     pub findings: Vec<Finding>,
 }
 
 impl Report {
-    /// Whether anything was changed, set apart or left worse than it could be (exit code 1).
+    /// Whether there is a repair, an accessory or a warning (exit code 1).
     pub fn has_findings(&self) -> bool {
         self.findings.iter().any(|f| f.severity > Severity::Note)
     }

@@ -229,7 +229,7 @@ fn a_scene_without_nodes_is_valid() {
     assert!(has(&got, "no-scene") && !has(&got, "empty-scene"), "{:?}", got.findings);
     let mut glb = square();
     glb.json["scene"] = json!(3);
-    assert!(is_malformed(&load(glb), "the default scene is not there"));
+    assert!(is_malformed(&load(glb), "the default scene does not exist"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What users do to cloth beside pinning it: cut it, move a set of its particles, drag it.
+//! User actions: cuts, transforms and drags.
 
 mod drag;
 
@@ -26,20 +26,20 @@ impl Stepper {
     /// the next frame. Triangles of cloth that the triangle meets, or comes nearer to than 1e-6 of the distances in
     /// play, are taken away ([`Stepper::holes`]), and their springs get the rest length 0: responsiveness 0 at both
     /// ends. Duplicates of a seam point lie at one place, so both sides of a seam are cut. Cloth cut right through falls
-    /// apart; parts that still have a particle in common hang together by it. A spring that is no edge of a triangle is
+    /// apart; parts that still have a particle in common hang together by it. A spring that is not an edge of a triangle is
     /// not cut.
     ///
     /// Tethers ([`crate::Options::tethers`]) stay as they are where the shortest way to the pin is whole, up to the cone of
     /// 45 degrees behind the end of a cut; there, and behind the cut, they get the shortest way that is left to a pin of
     /// the same group of neighbouring pins, up to 1 % long by the rule of [`gimage_bundle::tethers`], and up to 8 % where
-    /// the ways to neighbouring pins lie side by side. What no way is left for has none. They know the pins of the start:
-    /// one that is freed holds nothing meanwhile, and one that is new holds by springs.
+    /// the ways to neighbouring pins lie side by side. A particle with no remaining path to a pin loses its tether. Only the pins of the
+    /// start count: a released pin holds nothing, and a new pin holds by springs alone.
     ///
-    /// On the GPU it takes two dispatches a cloth, and a third where lengths are limited on coarser grids
+    /// On the GPU it takes two dispatches per cloth, and a third where lengths are limited on coarser grids
     /// ([`crate::Options::pyramid`]), without a read-back, and for tethers about four for every texel of the longer
     /// side and one (twice that for several grids), most of which find nothing left to do; ways longer than that end. The
     /// CPU looks at what is behind the cut alone. A cut counts for every cloth, also one that it misses. The first cut gives every cloth a list of holes and, where rest lengths
-    /// were constants, an image of them: 20 bytes a texel; and 16 bytes a tether (12 on the CPU), 4 more a texel, with seams 8;
+    /// were constants, an image of them: 20 bytes per texel; and 16 bytes a tether (12 on the CPU), 4 more a texel, with seams 8;
     /// 11 more with coarser grids. Wakes every cloth. Errors on a number that is not finite.
     pub fn cut(&mut self, eye: [f32; 3], a: [f32; 3], b: [f32; 3]) -> Result<()> {
         for x in [eye, a, b].as_flattened() {

@@ -1,14 +1,13 @@
-//! Frames of any length made into steps of one length.
+//! Converts frames of any length to steps of a fixed length.
 
 use crate::options::Options;
 
-/// What one frame did.
+/// The progress of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// Steps made.
     pub steps: u32,
-    /// How far the frame's time is between the previous positions (0) and the present ones (1): what a vertex shader
-    /// mixes them by. Always in 0..=1.
+    /// Weight with which a vertex shader mixes the previous positions (0) and the current ones (1). In 0..=1.
     pub fraction: f32,
 }
 
@@ -40,7 +39,7 @@ impl Clock {
         (self.dt, self.most) = (next.dt, next.most);
     }
 
-    /// Takes in `dt` \[s\] of the host's time and returns what is due. Time that is negative or no number counts as 0.
+    /// Takes in `dt` \[s\] of the host's time and returns what is due. Negative time and NaN count as 0.
     pub fn frame(&mut self, dt: f64) -> Progress {
         self.left += if dt.is_finite() { dt.max(0.0) } else { 0.0 };
         let due = (self.left / self.dt + ROUNDING).floor();

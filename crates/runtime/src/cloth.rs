@@ -1,4 +1,4 @@
-//! A cloth as the CPU knows it before it is stepped: grids of particles, what holds them, and how long springs are.
+//! The description of a cloth before it is stepped: grids of particles, pins, rest lengths and masses.
 
 mod check;
 mod flat;
@@ -41,7 +41,7 @@ impl Grid {
     }
 }
 
-/// Rest lengths \[m\] of the springs stored at a texel: right, down, down-right, up-right. 0 is no spring: such a spring
+/// Rest lengths \[m\] of the springs stored at a texel: right, down, down-right, up-right. 0 means no spring: such a spring
 /// moves neither of its ends, which is also how a cut spring is written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rest {
@@ -74,7 +74,7 @@ pub enum Mass {
     Image(Vec<f32>),
 }
 
-/// What a cloth is made from. [`Cloth::new`] checks it.
+/// The parts of a cloth. [`Cloth::new`] checks them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts {
     /// A name for messages.
@@ -83,7 +83,7 @@ pub struct Parts {
     pub grids: Vec<Grid>,
     /// Position \[m\] of every particle.
     pub positions: Vec<[f32; 3]>,
-    /// What every particle is; seam links lead from duplicate to duplicate in a closed ring.
+    /// The state of every particle; seam links lead from duplicate to duplicate in a closed ring.
     pub particles: Vec<Particle>,
     /// Rest lengths.
     pub rest: Rest,
@@ -103,20 +103,20 @@ pub struct Cloth {
     stored_tethers: Option<Tethers>,
     /// Velocity \[m/s\] of all free particles at the start. Default 0.
     pub velocity: [f32; 3],
-    /// Share of the velocity that is lost in a second, as the rate of an exponential \[1/s\]: after t seconds
-    /// `exp(-damping t)` of it is left, whatever the step. At least 0, default 0; larger means calmer.
+    /// Damping rate of the velocity \[1/s\]: after t seconds `exp(-damping t)` of it remains, whatever the step. At least 0,
+    /// default 0; larger is calmer.
     pub damping: f32,
-    /// A displacement faster than this \[m/s\] is taken for a collision's jump and carries no velocity on. Above 0,
-    /// default infinite; smaller means that fast cloth stops.
+    /// A displacement faster than this \[m/s\] is treated as a collision and contributes no velocity to the next step. Above
+    /// 0, default infinite; smaller values stop fast cloth.
     pub speed_limit: f32,
-    /// How far \[m\] particles keep from the surfaces of colliders, half of what the cloth measures through. Default none:
-    /// [`crate::Options::thickness`]. 0 to 1. Cloths of one thickness and friction share colliders; for each further pair a
-    /// device has 80 bytes a collider more, for at least 16. No frame is slower for it.
+    /// Distance \[m\] that particles keep from the surfaces of colliders: half the thickness of the cloth. Default none:
+    /// [`crate::Options::thickness`]. 0 to 1. Cloths of equal thickness and friction share colliders; each further pair of values
+    /// takes 80 bytes per collider, for at least 16 colliders. No per-frame cost.
     pub thickness: Option<f32>,
-    /// How much of a collider's friction holds this cloth, a factor: the coefficient of the two is the product. Default 1;
-    /// 0 to 1e6; larger slides less. A collider without friction stays smooth.
+    /// Factor of the friction of colliders: the coefficient of contact is the product of both. Default 1; 0 to 1e6; larger
+    /// slides less. A collider without friction stays smooth.
     pub friction: f32,
-    /// How soft the springs are. Default none. Cloth of a material has a membrane in their place.
+    /// Compliance of the springs. Default none. Cloth of a material has a membrane instead of springs.
     pub compliance: Compliance,
     /// What carries tension in place of springs; [`Cloth::set_material`] makes it.
     pub(crate) membrane: Option<Membrane>,
@@ -169,7 +169,7 @@ impl Cloth {
             Compliance::Constant(c) => std::slice::from_ref(c),
             Compliance::Image(list) => {
                 let whole = |n: f64| n == self.len() as f64;
-                range("the number of compliances", list.len() as f64, "one a particle", whole)?;
+                range("the number of compliances", list.len() as f64, "one per particle", whole)?;
                 list.as_flattened()
             }
         };
@@ -205,7 +205,7 @@ impl Cloth {
         &self.parts.positions
     }
 
-    /// What each particle is.
+    /// The state of each particle.
     pub fn particles(&self) -> &[Particle] {
         &self.parts.particles
     }
@@ -224,7 +224,7 @@ impl Cloth {
         }
     }
 
-    /// What the solver reads in a particle's fourth component: 1/mass \[1/kg\], 0 for a pinned particle, -1 for none.
+    /// The fourth component of a particle as the solver reads it: 1/mass \[1/kg\], 0 for a pinned particle, -1 for none.
     pub fn inverse_mass(&self, index: usize) -> f32 {
         match self.parts.particles.get(index) {
             None | Some(Particle::None) => -1.0,
@@ -253,7 +253,7 @@ impl Cloth {
         }
     }
 
-    /// Other positions \[m\] to start from; rest lengths stay. Errors as [`Cloth::new`].
+    /// Sets the initial positions \[m\]; rest lengths stay. Errors as [`Cloth::new`].
     pub fn place(&mut self, positions: Vec<[f32; 3]>) -> Result<()> {
         let parts = Parts { positions, ..self.parts.clone() };
         check::rings(&parts)?;
@@ -280,7 +280,7 @@ impl Cloth {
         Ok(())
     }
 
-    /// Rest length \[m\] of the spring at texel `k` of a grid in a direction; 0 where either end is no particle.
+    /// Rest length \[m\] of the spring at texel `k` of a grid in a direction; 0 where an end is not a particle.
     pub(crate) fn spring(&self, grid: usize, k: usize, direction: usize) -> f32 {
         let Grid { first, width, height, .. } = self.parts.grids[grid];
         let there = |k: usize| self.parts.particles[first as usize + k].exists();
@@ -317,8 +317,8 @@ impl Cloth {
         }
     }
 
-    /// Share of its rest length by which a hard diagonal may move its ends in a relaxation of a step of `dt` \[s\]; 0 is no
-    /// bound.
+    /// Share of its rest length by which a hard diagonal may move its ends in a relaxation of a step of `dt` \[s\]; 0 means
+    /// no bound.
     pub(crate) fn bound(&self, dt: f64) -> f32 {
         shear::bound(self.shear, dt)
     }

@@ -27,7 +27,7 @@ pub struct Coats {
     of: Vec<usize>,
 }
 
-/// Lists of colliders begin at multiples of so many rows of 80 bytes, where a binding may begin.
+/// Lists of colliders begin at multiples of this number of rows (80 bytes each), where a binding may begin.
 const ROWS: usize = 16;
 
 impl Coats {
@@ -56,7 +56,7 @@ impl Coats {
     pub fn solids<T: Real>(&self, colliders: &[Collider]) -> Vec<Vec<Solid<T>>> {
         let of = |c: &Collider, coat: &Coat| {
             let solid = Solid::new(c).coated(T::of(coat.thickness.into()));
-            // Infinity times no depth at all is no number.
+            // Infinity times a depth of 0 is NaN.
             let friction = solid.friction * T::of(coat.friction.into());
             Solid { friction: friction.min(T::of(f32::MAX.into())), ..solid }
         };

@@ -1,8 +1,8 @@
-//! Solids that cloth does not enter.
+//! Colliders: solids that cloth does not enter.
 
 use crate::error::{Result, check};
 
-/// The form of a collider in its own frame. All lengths in metres, above 0.
+/// The shape of a collider in its local frame. All lengths in metres, above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// Everything at or below the plane through the centre with normal +y.
@@ -34,16 +34,16 @@ pub enum Shape {
     },
 }
 
-/// A shape, where it is and how it moves. Contact with it is inelastic.
+/// A collider: a shape, its pose and its motion. Contact is inelastic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collider {
-    /// Its form.
+    /// Its shape.
     pub shape: Shape,
     /// Its centre \[m\].
     pub center: [f32; 3],
     /// From its frame to the world, a unit quaternion x, y, z, w.
     pub rotation: [f32; 4],
-    /// Coulomb's coefficient, at least 0; larger means that cloth slides less.
+    /// Coulomb coefficient, at least 0; larger slides less.
     pub friction: f32,
     /// Velocity of the centre \[m/s\]; friction drags cloth along with the surface.
     pub velocity: [f32; 3],
@@ -58,7 +58,7 @@ impl Collider {
         Collider { shape, center, rotation, friction: 0.0, velocity: [0.0; 3], spin: [0.0; 3] }
     }
 
-    /// Refuses numbers that are not finite, sizes not above 0, friction below 0 and a rotation that is no unit
+    /// Refuses numbers that are not finite, sizes not above 0, friction below 0 and a rotation that is not a unit
     /// quaternion (to 1e-3).
     pub fn check(&self) -> Result<()> {
         let sizes = match self.shape {

@@ -1,10 +1,11 @@
-//! Pictures of scenes: positions are pulled from the simulation's buffers in the vertex shader, and nothing is read back.
+//! Draws scenes: the vertex shader reads the buffers of the simulation, and nothing is read back.
 //!
 //! [`Draw`] adds draws of all cloths and colliders to the host's own render pass; [`Software`] makes the same picture
 //! on the CPU. There is no index buffer: a grid of W x H texels is `(W - 1) (H - 1) 6` vertices, and the shader works
 //! out which texel each one is. Hosts with a renderer of their own read [`crate::ClothBuffers`] in their own shader.
 
 mod camera;
+#[cfg(feature = "gpu")]
 mod device;
 mod look;
 mod mesh;
@@ -13,6 +14,7 @@ mod shader;
 mod software;
 
 pub use camera::{Camera, View};
+#[cfg(feature = "gpu")]
 pub use device::{Draw, Target};
 pub use look::{Look, uv_of};
 pub use software::Software;

@@ -5,14 +5,14 @@ use gimage_bundle::LinkFault;
 /// The result of a call into the runtime.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What went wrong, where, and the way out.
+/// An error: what went wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A bundle could not be understood.
     #[error(transparent)]
     Bundle(#[from] gimage_bundle::Error),
-    /// A list has not one entry for each particle.
+    /// A list does not have one entry per particle.
     #[error("cloth {cloth}: {found} {what} for {expected} particles; give one for each texel of every grid")]
     Length {
         /// The cloth by name.
@@ -69,7 +69,7 @@ pub enum Error {
         range: &'static str,
     },
     /// No such cloth, particle or collider.
-    #[error("there is no {what} {index}, only {count}")]
+    #[error("there is no {what} {index}; there are {count}")]
     NoSuch {
         /// What was asked for.
         what: &'static str,

@@ -6,13 +6,15 @@
 
 mod batches;
 
-pub use batches::{Batch, arenas, room_of};
+pub use batches::arenas;
+#[cfg(feature = "gpu")]
+pub use batches::{Batch, room_of};
 
 use crate::cloth::Cloth;
 use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
 use crate::shaders::{Slot, source};
 
-/// A whole frame of XPBD in one dispatch: what is compiled into its shader.
+/// A whole frame of XPBD in one dispatch, described by the variants compiled into its shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Fused {
     /// Not [`Air::Field`].
@@ -31,7 +33,7 @@ pub struct Fused {
     pub soft: Soft,
     /// Whether multipliers are summed over several relaxations.
     pub again: bool,
-    /// Anchors a particle.
+    /// Anchors per particle.
     pub slots: u32,
     /// Further rounds of a relaxation.
     pub polish: u32,
@@ -55,14 +57,14 @@ pub struct Fused {
     pub threads: u32,
 }
 
-/// Where a workgroup has the positions of its cloth.
+/// Where a workgroup stores the positions of its cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Hold {
-    /// In its memory, with inverse masses and previous positions: 28 bytes a particle.
+    /// In its memory, with inverse masses and previous positions: 28 bytes per particle.
     Both,
-    /// In its memory, with inverse masses: 16 bytes a particle.
+    /// In its memory, with inverse masses: 16 bytes per particle.
     Wide,
-    /// In its memory, alone: 12 bytes a particle.
+    /// In its memory, alone: 12 bytes per particle.
     Narrow,
     /// In storage. For cloths that are too large, where there are many of them.
     Stored,
@@ -90,6 +92,7 @@ const LEAST: u32 = 64;
 
 impl Room {
     /// That of a device.
+    #[cfg(feature = "gpu")]
     pub fn of(device: &wgpu::Device) -> Self {
         let limits = device.limits();
         let most = limits.max_compute_invocations_per_workgroup.min(limits.max_compute_workgroup_size_x);
@@ -104,7 +107,7 @@ impl Room {
         }
     }
 
-    /// Where a cloth is held, beside so many bytes for other things.
+    /// Where a cloth is held if `beside` bytes of the memory serve other purposes.
     fn hold(&self, particles: usize, beside: u32) -> Hold {
         match self.memory.saturating_sub(beside) as usize / particles.next_multiple_of(64) {
             28.. => Hold::Both,
@@ -155,7 +158,29 @@ impl Fused {
                 Pass::Normals { .. } => fused.normals = true,
                 Pass::Strain { image, soft } => (fused.strain, fused.image, fused.soft) = (true, image, soft),
                 Pass::Speed => fused.watch = true,
-                _ => {}
+                // Implied by the others, or beyond the shader, whose schedule then differs.
+                Pass::Wind { .. }
+                | Pass::Moments { .. }
+                | Pass::SeamMoments
+                | Pass::Springs { .. }
+                | Pass::Forget
+                | Pass::Pyramid { .. }
+                | Pass::Refine { .. }
+                | Pass::SeamSteps
+                | Pass::Colliders(_)
+                | Pass::Guard
+                | Pass::Restore
+                | Pass::SeamNormals
+                | Pass::Fastest
+                | Pass::Tile(_)
+                | Pass::Fused(_)
+                | Pass::Cut
+                | Pass::CutSprings
+                | Pass::CutTethers { .. }
+                | Pass::CutLevels
+                | Pass::Transform
+                | Pass::Pick { .. }
+                | Pass::PickNearest => {}
             }
         }
         fused.polish = fused.rounds(schedule).saturating_sub(1);

@@ -5,7 +5,6 @@ mod arena;
 mod buffers;
 mod cut_tethers;
 mod frames;
-pub(crate) mod layout;
 mod levels;
 mod pick;
 mod pipelines;
@@ -25,14 +24,16 @@ use bytemuck::cast_slice;
 
 use crate::cpu::body::Body;
 use crate::error::Result;
+use crate::layout::{POSES, StepRow};
 use crate::passes::Pass;
-use crate::shaders::{Slot, source};
+use crate::plan::Plan;
+use crate::shaders::Slot;
 use crate::step::Step;
 use crate::world::World;
 use arena::Arena;
 use buffers::Spans;
 use frames::Frames;
-use layout::{POSES, StepRow};
+pub use pipelines::Compiled;
 use pipelines::Pipelines;
 use solids::Solids;
 use watch::Watch;
@@ -62,7 +63,7 @@ impl Gpu {
             cloths.map(|((held, body), spans)| ClothBuffers::new(device, held, body, settings, spans)).collect();
         let mut gpu = Gpu {
             solids: Solids::new(device, world),
-            pipelines: Pipelines::default(),
+            pipelines: Pipelines::new(device),
             cloths: cloths?,
             frames: (!arenas.is_empty()).then(|| Frames::new(device)),
             arenas,
@@ -71,7 +72,16 @@ impl Gpu {
             watches: world.scene.cloths.iter().map(|_| Watch::default()).collect(),
         };
         gpu.meet(world);
+        if !draw_only {
+            // All that a frame runs, so that the first one does not wait for a compiler.
+            Plan::new(world).passes.iter().for_each(|p| _ = gpu.pipelines.get(p.pass));
+        }
         Ok(gpu)
+    }
+
+    /// What has been compiled.
+    pub fn compiled(&self) -> Compiled {
+        self.pipelines.compiled
     }
 
     pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
@@ -131,12 +141,11 @@ impl Gpu {
 
     /// Records one pass of a cloth, with the numbers that lie at an offset.
     fn run(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, (what, offset): (Pass, u32)) {
-        let source = source(what);
-        let pipeline = self.pipelines.get(&self.device, what, &source);
+        let pipeline = self.pipelines.get(what);
         let buffers = &mut self.cloths[index];
-        let group = buffers.group(&self.device, pipeline, &source);
-        let offsets: &[u32] = if source.binds(Slot::Step) { &[offset] } else { &[] };
-        let [x, y, z] = source.workgroups(&world.scene.cloths[index]);
+        let group = buffers.group(&self.device, pipeline);
+        let offsets: &[u32] = if pipeline.source.binds(Slot::Step) { &[offset] } else { &[] };
+        let [x, y, z] = pipeline.source.workgroups(&world.scene.cloths[index]);
         pass.set_pipeline(&pipeline.pipeline);
         pass.set_bind_group(0, group, offsets);
         pass.dispatch_workgroups(x, y, z);
@@ -149,14 +158,12 @@ impl Gpu {
     fn record_fused(&mut self, world: &World, pass: &mut wgpu::ComputePass, steps: u32) {
         let Some(frames) = &mut self.frames else { return };
         for batch in world.batches(steps) {
-            let what = Pass::Fused(batch.fused);
-            let source = source(what);
-            let pipeline = self.pipelines.get(&self.device, what, &source);
+            let pipeline = self.pipelines.get(Pass::Fused(batch.fused));
             let arena = &mut self.arenas[batch.arena];
             let any = &world.scene.cloths[world.arenas[batch.arena][batch.members[0]]];
             let offset = frames.offset(&self.queue, world, any, steps);
             let buffers = (&self.solids.buffer, &frames.buffer);
-            let group = arena.group(&self.device, world, &batch, (pipeline, &source), buffers);
+            let group = arena.group(&self.device, world, &batch, pipeline, buffers);
             pass.set_pipeline(&pipeline.pipeline);
             pass.set_bind_group(0, group, &[offset]);
             pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);
@@ -204,8 +211,8 @@ impl Gpu {
     }
 }
 
-/// The limits to ask a device for, so that as many cloths as can be run their whole frame in one dispatch: those of
-/// WebGPU, and what the adapter has beyond them of workgroup memory, threads and storage buffers.
+/// The limits to request a device with, so that as many cloths as possible run whole frames in one dispatch: those of
+/// WebGPU, raised to the workgroup memory, threads and storage buffers of the adapter.
 pub fn device_limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
     let have = adapter.limits();
     wgpu::Limits {

@@ -13,7 +13,7 @@ pub struct LevelGrid<T> {
     pub width: u32,
     /// Rows of nodes.
     pub height: u32,
-    /// Longest distances \[m\] to the nodes right, down, down-right and up-right; 0 is no limit.
+    /// Longest distances \[m\] to the nodes right, down, down-right and up-right; 0 means no limit.
     pub limits: Vec<[T; 4]>,
     /// 1 / the mass \[1/kg\] of what a node moves.
     pub inverse_mass: Vec<f32>,

@@ -1,4 +1,4 @@
-//! What one relaxation a step in f32 cannot do, and what is made of it instead: a warning each.
+//! Limits of one relaxation per step in f32: settings beyond them are adjusted, with a warning.
 
 mod lengths;
 mod masses;
@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::options::{Options, Solver};
 use crate::passes::has_levels;
 
-/// Longest step \[s\] of [`Solver::Xpbd`]: in a longer one cloth falls by so much that tethers do not hold it.
+/// Longest step \[s\] of [`Solver::Xpbd`]: in a longer one cloth falls too far for tethers to hold it.
 pub const LONGEST: f64 = 1.0 / 60.0;
 /// Longest step \[s\] of cloth without tethers: in a longer one springs alone tremble, and soft ones gain energy.
 pub const LONGEST_FREE: f64 = 1.0 / 120.0;
@@ -23,15 +23,15 @@ const COARSE: f64 = 2e-3;
 /// Tethers of a particle where springs alone will not do.
 const GIVEN: u32 = 2;
 
-/// What is beyond the solver: a setting that a stepper has changed for that, or one that it leaves and does badly with.
+/// A setting beyond the limits of the solver, which the stepper adjusted, or keeps but handles poorly.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
     /// Particles joined by a spring differed in mass by more than one relaxation a step can even out: the lighter ones
     /// were made heavier, and a particle far heavier than all around it lighter.
     #[error(
-        "cloth {cloth}: {particles} particles differ from their neighbours by a factor of up to {ratio:.1e} in mass; \
-         those were changed to a factor of {limit}, which springs can hold: make masses more even"
+        "cloth {cloth}: neighbouring particles differ by a factor of up to {ratio:.1e} in mass; {particles} masses were \
+         changed to limit the factor to {limit}, which springs can hold: make the masses more even"
     )]
     Masses {
         /// The cloth by name.
@@ -45,24 +45,24 @@ pub enum Warning {
     },
     /// Cloth hung by springs alone, whose masses or rest lengths are too uneven for that: it is held by tethers too.
     #[error(
-        "cloth {cloth}: its springs alone, with neighbours that differ by a factor of {masses:.1e} in mass and {lengths:.1e} \
-         in length, do not hold it: it has {given} tethers a particle; ask for tethers, or make it more even"
+        "cloth {cloth}: neighbours differ by a factor of {masses:.1e} in mass and {lengths:.1e} in rest length, which springs \
+         alone do not hold: {given} tethers per particle were added; request tethers, or make the cloth more even"
     )]
     Tethers {
         /// The cloth by name.
         cloth: String,
-        /// Tethers a particle.
+        /// Tethers per particle.
         given: u32,
         /// The largest mass over that of a neighbour, as given.
         masses: f64,
         /// The largest rest length over that of the next spring in its row or column.
         lengths: f64,
     },
-    /// All pins are at one point: nothing keeps the cloth from turning about it. What relaxations in turn leave over turns
+    /// All pins are at one point: nothing keeps the cloth from turning about it. The residual of sequential relaxations turns
     /// it, by some centimetres a second at 8 substeps in 1/60 s, and the less the shorter steps are.
     #[error(
-        "cloth {cloth} hangs from one point, where nothing keeps it from turning: it does not come to rest; \
-         pin it at two points that lie apart, or ask for more substeps"
+        "cloth {cloth} hangs from one point and can turn about it: it does not come to rest; pin it at two distant points, \
+         or use more substeps"
     )]
     Turns {
         /// The cloth by name.
@@ -70,8 +70,8 @@ pub enum Warning {
     },
     /// Springs so soft that they do nothing against rounding, which moves the cloth by millimetres a second.
     #[error(
-        "cloth {cloth}: its softest springs swing in {period:.4} s and steps are {dt:.6} s: rounding keeps it in motion; \
-         ask for fewer substeps, {enough} are enough"
+        "cloth {cloth}: its softest springs have a period of {period:.4} s, and steps of {dt:.6} s are too short for them: \
+         rounding keeps the cloth in motion; use fewer substeps, {enough} are enough"
     )]
     Soft {
         /// The cloth by name.
@@ -85,8 +85,8 @@ pub enum Warning {
     },
     /// Lengths are limited on coarser grids in every step, and nothing damps the cloth: the limits feed its motion.
     #[error(
-        "cloth {cloth}: a pyramid in every step feeds motion that nothing damps: ask for it in every other step or less \
-         often, or give the cloth some damping"
+        "cloth {cloth}: a pyramid in every step adds energy, and the cloth has no damping: use the pyramid every second step \
+         or less often, or add damping"
     )]
     Pyramid {
         /// The cloth by name.
@@ -94,8 +94,8 @@ pub enum Warning {
     },
     /// Steps were too long: more are made.
     #[error(
-        "{asked} substeps in {step:.4} s were asked for, {made} are made: a step may be {longest:.4} s here; \
-         ask for more substeps, or for tethers"
+        "{asked} substeps in {step:.4} s were requested, and {made} are used: a step may take at most {longest:.4} s here; \
+         request more substeps, or tethers"
     )]
     Substeps {
         /// As asked for.
@@ -113,7 +113,7 @@ pub enum Warning {
         if *used {
             "it runs because it was requested explicitly, and results may be wrong; update its driver, or use the CPU backend"
         } else {
-            "the CPU backend runs instead; update the driver, or request the GPU explicitly to use it all the same"
+            "the CPU backend runs instead; update the driver, or request the GPU explicitly to use it anyway"
         }
     )]
     Adapter {
@@ -126,7 +126,7 @@ pub enum Warning {
     },
 }
 
-/// The fewest substeps that a scene may have, and the longest step \[s\] that says so.
+/// The fewest substeps that a scene may have, and the longest step \[s\] from which it follows.
 pub fn fewest(options: &Options, cloths: &[Cloth], tethers: &[Tethers]) -> (u32, f64) {
     if options.solver != Solver::Xpbd {
         return (1, f64::INFINITY);
@@ -139,7 +139,7 @@ pub fn fewest(options: &Options, cloths: &[Cloth], tethers: &[Tethers]) -> (u32,
     (steps.max(1.0) as u32, longest)
 }
 
-/// Prepares a cloth for a solver: what it cannot do is changed. Returns the number of its tethers a particle.
+/// Prepares a cloth for a solver: what it cannot do is changed. Returns the number of its tethers per particle.
 pub fn prepare(cloth: &mut Cloth, options: &Options, warnings: &mut Vec<Warning>) -> Result<u32> {
     if options.solver != Solver::Xpbd {
         return Ok(0);

@@ -1,4 +1,4 @@
-//! What a cloth is made of, in numbers that do not depend on its grid.
+//! Materials: membrane, bending and masses in physical units, independent of the grid.
 //!
 //! The membrane is that of D. Baraff, A. Witkin, "Large Steps in Cloth Simulation", SIGGRAPH 98: triangles of constant
 //! strain that resist to stretch along the weft, along the warp, and to shear between the two, each by its area
@@ -29,11 +29,11 @@ pub(crate) use plate::Bending;
 
 use crate::error::{Result, check};
 
-/// A fabric. [`crate::Cloth::set_material`] makes masses, a membrane and bending of it; [`crate::Solver::Xpbd`] uses
-/// all of them, the classic solver only the masses and the damping.
+/// A fabric in physical units. [`crate::Cloth::set_material`] derives masses, a membrane and bending from it;
+/// [`crate::Solver::Xpbd`] uses all of them, the classic solver only the masses and the damping.
 ///
-/// Once there are steps enough, the cloth moves and rests the same whatever the number of substeps, the step and the
-/// grid: for particles at a distance `h`, `dt < h sqrt(density / (2 warp))` and `dt < h^2 sqrt(density / (30 bend))`. With
+/// With enough steps, motion and rest do not depend on the number of substeps, the step or the grid: for particles at a
+/// distance `h`, `dt < h sqrt(density / (2 warp))` and `dt < h^2 sqrt(density / (30 bend))`. With
 /// fewer, cloth is softer than it should be, never unstable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
@@ -50,8 +50,8 @@ pub struct Material {
     pub density: f64,
     /// As [`crate::Cloth::damping`] \[1/s\]; default 0.5. At least 0.
     pub damping: f64,
-    /// As [`crate::Cloth::thickness`] \[m\]; default none: the cloth keeps what it has. 0 to 1, half of what the fabric
-    /// measures through: shirting 1e-4, denim 5e-4, felt 2e-3.
+    /// As [`crate::Cloth::thickness`] \[m\], half the thickness of the fabric; default none: unchanged. 0 to 1. Shirting has
+    /// 1e-4, denim 5e-4, felt 2e-3.
     pub thickness: Option<f64>,
     /// As [`crate::Cloth::friction`], a factor; default 1. 0 to 1e6.
     pub friction: f64,

@@ -1,4 +1,4 @@
-//! What is measured of a cloth in motion. All in f64, one pass over the particles.
+//! Measures of a cloth in motion, in f64, in one pass over the particles.
 
 use crate::cloth::{Cloth, Rest};
 use crate::cpu::real::Real;

@@ -1,26 +1,26 @@
-//! How a scene is stepped.
+//! The settings of a stepper.
 
 use crate::error::{Result, check};
 use crate::quality::Quality;
 
-/// What computes.
+/// Where the passes run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// The GPU if the host gives one that passes its [`crate::self_check`], else the CPU.
+    /// The GPU if the host provides a device that passes its [`crate::self_check`], else the CPU.
     #[default]
     Auto,
-    /// The GPU, also one that fails its self-check; an error without one.
+    /// The GPU, also a device that fails its self-check; an error without a device.
     Gpu,
     /// The CPU. With a device too, positions are uploaded for drawing.
     Cpu,
 }
 
-/// How springs are made to keep their lengths.
+/// The solver of springs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Solver {
     /// Verlet integration and relaxation in eight coloured passes, after C. Zeller, "Cloth Simulation on the GPU",
-    /// SIGGRAPH 2005. The error falls with the square of the substeps; substeps do more than iterations. The base line of
+    /// SIGGRAPH 2005. The error falls with the square of the substeps; substeps do more than iterations. The baseline of
     /// comparisons: at the same error it takes three to ten times as long as `Xpbd`.
     Classic,
     /// Extended position-based dynamics: springs with a compliance in \[m/N\], one relaxation a substep, tethers to pins,
@@ -33,73 +33,73 @@ pub enum Solver {
 /// Settings of a stepper.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// What computes. Default `Auto`.
+    /// Where the passes run. Default `Auto`.
     pub backend: Backend,
-    /// Default `Xpbd`.
+    /// The solver. Default `Xpbd`.
     pub solver: Solver,
-    /// Time \[s\] in which `substeps` steps are made, whatever the host's frames take. Default 1/60; 1e-6 to 1.
+    /// Time \[s\] of `substeps` steps, whatever the length of the host's frames. Default 1/60; 1e-6 to 1.
     pub step: f64,
-    /// Steps in that time, each with all passes. Default 8; 1 to 4096; larger is stiffer and dearer in proportion. Where
-    /// `quality` chooses them, those of the first frame; a stepper's own options have the number now. Where it chooses none,
-    /// [`Solver::Xpbd`] makes so many that no step is longer than [`crate::LONGEST`] (cloth without tethers:
-    /// [`crate::LONGEST_FREE`]) and says so in [`crate::Stepper::warnings`]. Steps below 1e-3 s at the start are made with
-    /// what rounding takes kept; below 1/16000 s cloth of a metre trembles in f32 all the same.
+    /// Number of steps in that time, each with all passes. Default 8; 1 to 4096; larger is stiffer, at proportional cost. If
+    /// `quality` chooses the number, this is the initial one; [`crate::Stepper::options`] has the current one. Otherwise
+    /// [`Solver::Xpbd`] uses enough substeps that no step is longer than [`crate::LONGEST`] (cloth without tethers:
+    /// [`crate::LONGEST_FREE`]), with a warning ([`crate::Stepper::warnings`]). Steps below 1e-3 s at the start
+    /// carry rounding errors over; below 1/16000 s cloth of a metre trembles in f32 nevertheless.
     pub substeps: u32,
-    /// Whether the number of substeps is chosen, and by what. Default [`Quality::Fixed`].
+    /// How the number of substeps is chosen. Default [`Quality::Fixed`].
     pub quality: Quality,
-    /// Relaxations a step. Default 1; 1 to 4096; larger is stiffer and dearer, but less so than substeps. Membrane and
-    /// bending of a [`crate::Material`] are relaxed once a step whatever this is: only substeps make them exact.
+    /// Relaxations per step. Default 1; 1 to 4096; larger is stiffer and costs more, both less than with substeps. Membrane
+    /// and bending of a [`crate::Material`] are always relaxed once per step: only substeps make them exact.
     pub iterations: u32,
     /// Tethers of a particle, each to the nearest pin of another group of pins: no particle gets farther from its pins
     /// than along the surface. Default 2; 0 to 4; for [`Solver::Xpbd`] only. They take most of the stretch away in few
     /// substeps, and shorten the period of a swing a little. Those of a bundle are taken as they are stored, else they
     /// are found when the stepper is made. After a cut those stay whose way to the pin is whole, others grow to the way
     /// that is left ([`crate::Stepper::cut`]). Cloth of springs whose neighbours differ by more than [`crate::MOST_RATIO`] in
-    /// mass or [`crate::MOST_LENGTHS`] in rest length has 2 where 0 are asked for, and [`crate::Stepper::warnings`] says so:
-    /// springs alone do not hold it.
+    /// mass or [`crate::MOST_LENGTHS`] in rest length gets 2 if 0 are requested, with a warning
+    /// ([`crate::Stepper::warnings`]): springs alone do not hold it.
     pub tethers: u32,
     /// Further rounds of a relaxation: tethers, then springs to the right and down, which stretch shows in, and not the
     /// diagonal ones, which take half of the time. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default 0;
     /// at most 64. Such a round is a fourth of a substep. Hanging on tethers, one does as much as two further substeps from
-    /// some 100 particles a side on, as fine cloth crumples beside its pins; coarser cloth gains more by substeps.
+    /// some 100 particles per side on, as fine cloth crumples beside its pins; coarser cloth gains more by substeps.
     pub polish: u32,
-    /// Once in so many steps lengths are limited on coarser grids of the cloth, for [`Solver::Xpbd`]; 0 is never. Default
+    /// Number of steps from one pass of length limits on coarser grids to the next, for [`Solver::Xpbd`]; 0 means never. Default
     /// 0; at most 4096. It keeps cloth together that no pin holds, such as cloth that is hit. Every other step is often
     /// enough: in every step, limits and springs work against one another, and cloth without damping takes up motion. No
-    /// limit crosses a cut, and nothing is carried across one; both sides of a seam move alike on every grid, after a cut,
-    /// of whichever cloth, only where both have a node at the same point.
+    /// limit crosses a cut, and nothing is carried across one; both sides of a seam move alike on every grid; after a cut of
+    /// any cloth only where both have a node at the same point.
     pub pyramid: u32,
-    /// How far \[m\] particles keep from the surfaces of colliders: the particles are the middle of the cloth, so this is half
-    /// of what it measures through, and room for what is drawn. Default 0; 0 to 1; for cloth without a
-    /// [`crate::Cloth::thickness`] of its own. Colliders are made so much larger, at no cost a frame; that of a box keeps its
-    /// edges, that of an ellipsoid is one.
+    /// Distance \[m\] that particles keep from the surfaces of colliders. The particles are the middle of the cloth, so this is
+    /// half its thickness, and keeps the drawn cloth outside of colliders. Default 0; 0 to 1; for cloth without a
+    /// [`crate::Cloth::thickness`] of its own. Colliders grow by this amount, at no per-frame cost; a box stays a box,
+    /// and an ellipsoid an ellipsoid.
     pub thickness: f32,
-    /// Whether normals are made at the end of a frame. Default true.
+    /// Whether normals are computed at the end of a frame. Default true.
     pub normals: bool,
-    /// Most times of `step` that one frame catches up; what is beyond is dropped. Default 4; 1 to 1024.
+    /// Largest number of `step` times that one frame catches up; further time is dropped. Default 4; 1 to 1024.
     pub max_catch_up: u32,
-    /// Threads of the CPU backend: 0 is one for each core, 1 only the caller's. Default 0. Results do not depend on it. They
+    /// Number of threads of the CPU backend: 0 means one per core, 1 only the caller's. Default 0. Results do not depend on it. They
     /// share the rows of large cloths, of springs under [`Solver::Xpbd`] from some 300 x 300 particles on.
     pub threads: usize,
     /// Whether, on the GPU, cloths run their whole frame in one dispatch where they can: with [`Solver::Xpbd`], a size that
     /// fits the memory of a workgroup (or of any size, from 16 such cloths on), no cut, no wind on triangles and no
-    /// pyramid, and at most 512 relaxations a frame, rounds of polishing included. Other cloth of that solver runs as many
+    /// pyramid, and at most 512 relaxations per frame, rounds of polishing included. Other cloth of that solver runs as many
     /// consecutive passes of a step in one dispatch as wait for nothing but their neighbours, by tiles (see [`crate::Tile`]):
-    /// from the integration to the contact, or to the seams and from there on. Tiles take 32 bytes a particle more, 16 more
+    /// from the integration to the contact, or to the seams and from there on. Tiles take 32 bytes per particle more, 16 more
     /// where steps are below 1e-3 s, and 16 more where springs with compliance are relaxed several times a step.
     /// Default true; results are those of separate passes. [`crate::device_limits`] asks for the room it takes.
     pub fused: bool,
-    /// When cloth falls asleep by itself. Default none: nothing is spent on watching it.
+    /// When cloth falls asleep automatically. Default none, at no cost.
     pub sleep: Option<Sleep>,
 }
 
-/// When a cloth is taken for being at rest. It wakes on any change; in wind it is never at rest.
+/// Conditions for a cloth to fall asleep. It wakes on any change; in wind it never falls asleep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sleep {
-    /// Speed \[m/s\] that no particle may pass. Default 0.005; above 0; larger means that cloth sleeps sooner, and that
-    /// slow motion freezes.
+    /// Largest speed \[m/s\] of a particle at rest. Default 0.005; above 0; larger lets cloth sleep sooner, and freezes slow
+    /// motion.
     pub speed: f64,
-    /// For how long \[s\]. Default 1; at least 0; larger means later, and that slow turns are not taken for rest.
+    /// Time \[s\] below that speed. Default 1; at least 0; larger lets cloth sleep later, and excludes slow reversals.
     pub after: f64,
 }
 
@@ -141,10 +141,10 @@ impl Options {
         check("the number of iterations", self.iterations.into(), "1 to 4096", count)?;
         check("the number of tethers", self.tethers.into(), "0 to 4", |n| n <= 4.0)?;
         check("the number of polishing rounds", self.polish.into(), "0 to 64", |n| n <= 64.0)?;
-        check("the steps from pyramid to pyramid", self.pyramid.into(), "0 to 4096", |n| n <= 4096.0)?;
+        check("the number of steps between pyramids", self.pyramid.into(), "0 to 4096", |n| n <= 4096.0)?;
         check("the thickness [m]", self.thickness.into(), "0 to 1", |t| (0.0..=1.0).contains(&t))?;
         let catch_up = |n: f64| (1.0..=1024.0).contains(&n);
-        check("the most steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)?;
+        check("the largest number of steps caught up", self.max_catch_up.into(), "1 to 1024", catch_up)?;
         self.quality.check()?;
         if let Some(Sleep { speed, after }) = self.sleep {
             check("the speed of sleep [m/s]", speed, "above 0", |s| s > 0.0)?;

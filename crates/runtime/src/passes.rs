@@ -64,7 +64,7 @@ pub enum Pass {
     Forget,
     /// No particle is farther from its anchors than along the surface.
     Tethers {
-        /// Anchors a particle.
+        /// Anchors per particle.
         slots: u32,
     },
     /// Lengths are limited on coarser grids of the cloth.
@@ -123,12 +123,12 @@ pub enum Pass {
     CutSprings,
     /// Tethers that a cut crosses grow, or end.
     CutTethers {
-        /// Anchors a particle.
+        /// Anchors per particle.
         slots: u32,
         /// Whether there are seams.
         seams: bool,
     },
-    /// Coarser grids are made anew from the rest lengths that are left.
+    /// Coarser grids are rebuilt from the rest lengths that are left.
     CutLevels,
     /// A set of particles is moved by a matrix.
     Transform,
@@ -177,13 +177,13 @@ pub struct Kinds {
     pub shapes: [bool; 6],
     /// Whether any collider has friction; only then are previous positions bound.
     pub friction: bool,
-    /// Whether there are so many that those out of reach are left out, by each workgroup for its own particles; for
+    /// Whether each workgroup skips colliders out of reach of its own particles; for
     /// [`Pass::Contact`] only.
     pub many: bool,
 }
 
-/// From so many colliders on it is quicker to find out first which are near. On a software adapter, 64 x 64 particles and 8
-/// steps: 6.6 ms a frame with, against 5.7 without for one collider out of reach, 7.7 for two and 143 for a hundred.
+/// From this number of colliders on it is quicker to find out first which are near. On a software adapter, 64 x 64 particles and 8
+/// steps: 6.6 ms per frame with, against 5.7 without for one collider out of reach, 7.7 for two and 143 for a hundred.
 const MANY: usize = 2;
 
 impl Kinds {

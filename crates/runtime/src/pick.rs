@@ -1,11 +1,16 @@
 //! What a ray meets first.
 
+#[cfg(feature = "gpu")]
+mod ticket;
+
+#[cfg(feature = "gpu")]
+pub use ticket::PickTicket;
+
 use crate::cloth::Cloth;
 use crate::cpu::body::view;
 use crate::cpu::pick_nearest;
 use crate::cpu::real::Real;
 use crate::error::{Error, Result, check};
-use crate::gpu::{Pending, read_bytes};
 use crate::stepper::Stepper;
 
 /// A point of cloth on a ray.
@@ -36,7 +41,7 @@ impl Hit {
     }
 }
 
-/// The nearest triangle of one cloth on the ray from `origin` \[m\] along `direction` (of any length but 0), from either
+/// Finds the nearest triangle of one cloth on the ray from `origin` \[m\] along `direction` (of any length but 0), from either
 /// side; `positions` as [`Stepper::positions`] or read back, `holes` as [`Stepper::holes`]. Costs a look at every
 /// triangle. `cloth` of the hit is 0. Errors on lists of the wrong length, numbers that are not finite and no direction.
 pub fn pick(
@@ -84,51 +89,6 @@ fn place(grids: &[(u32, u32)], code: u32, distance: f32, [v, w]: [f32; 2]) -> Hi
     Hit { cloth: 0, grid, texel, triangle: code % 2, particles: [0; 3], barycentric, corners: [[0.0; 3]; 3], distance }
 }
 
-/// The answer to [`Stepper::record_pick`].
-pub struct PickTicket(Answer);
-
-enum Answer {
-    Known(Option<Hit>),
-    Pending(Pending),
-}
-
-impl PickTicket {
-    /// The buffer to map for reading once the encoder is submitted; its bytes are for [`PickTicket::decode`]. `None` on
-    /// the CPU backend, where the answer is known.
-    pub fn buffer(&self) -> Option<&wgpu::Buffer> {
-        match &self.0 {
-            Answer::Known(_) => None,
-            Answer::Pending(pending) => Some(&pending.staging),
-        }
-    }
-
-    /// The answer in the bytes of the buffer; of the nearest cloth, the first of equals. On the CPU backend the bytes
-    /// have no meaning.
-    pub fn decode(&self, bytes: &[u8]) -> Option<Hit> {
-        let pending = match &self.0 {
-            Answer::Known(hit) => return *hit,
-            Answer::Pending(pending) => pending,
-        };
-        let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes[..bytes.len() / 64 * 64]);
-        let each = words.chunks_exact(4).zip(&pending.grids).enumerate();
-        let hits = each.filter(|(_, (found, _))| found[0][0] != u32::MAX).map(|(cloth, (found, grids))| {
-            let [distance, code, v, w] = found[0];
-            let hit = place(grids, code, f32::from_bits(distance), [v, w].map(f32::from_bits));
-            let corner = |n: usize| [0, 1, 2].map(|c| f32::from_bits(found[n + 1][c]));
-            Hit { cloth, particles: [found[1][3], found[2][3], found[3][3]], corners: [0, 1, 2].map(corner), ..hit }
-        });
-        hits.reduce(|a, b| if b.distance < a.distance { b } else { a })
-    }
-
-    /// Waits for the answer. The encoder must have been submitted; a game should rather map [`PickTicket::buffer`].
-    pub fn wait(&self, device: &wgpu::Device) -> Result<Option<Hit>> {
-        match &self.0 {
-            Answer::Known(hit) => Ok(*hit),
-            Answer::Pending(pending) => read_bytes(device, &pending.staging, |bytes| self.decode(bytes)),
-        }
-    }
-}
-
 impl Stepper {
     /// The nearest hit of all cloths, as [`pick`]. CPU backend only.
     pub fn pick(&self, origin: [f32; 3], direction: [f32; 3]) -> Result<Option<Hit>> {
@@ -140,22 +100,5 @@ impl Stepper {
             best = best.into_iter().chain(hit).reduce(|a, b| if b.distance < a.distance { b } else { a });
         }
         Ok(best)
-    }
-
-    /// Records the same search on the GPU, in positions as they are at that place of the encoder. Two dispatches and
-    /// three small buffers a cloth; nothing is read back until the host asks the ticket. On the CPU backend the ticket
-    /// knows the answer at once. Errors on numbers that are not finite, no direction, and no device.
-    pub fn record_pick(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        origin: [f32; 3],
-        direction: [f32; 3],
-    ) -> Result<PickTicket> {
-        if self.cpu.is_some() {
-            return Ok(PickTicket(Answer::Known(self.pick(origin, direction)?)));
-        }
-        let direction = unit(origin, direction)?;
-        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_pick"))?;
-        Ok(PickTicket(Answer::Pending(gpu.pick(&self.world, encoder, origin, direction))))
     }
 }

@@ -1,4 +1,4 @@
-//! What a frame runs, for people and tests to read.
+//! The plan of a frame: its passes, dispatches and bindings.
 
 use std::fmt;
 
@@ -19,9 +19,9 @@ pub struct PlannedPass {
     pub shader: &'static str,
     /// Workgroups in x, y, z.
     pub workgroups: [u32; 3],
-    /// Dispatches a frame; 0 where it is a workgroup of the dispatch of a cloth before.
+    /// Dispatches per frame; 0 if it shares the dispatch of an earlier cloth.
     pub dispatches: u32,
-    /// What is bound, and its bytes.
+    /// The bindings and their bytes.
     pub bindings: Vec<(&'static str, u64)>,
 }
 
@@ -61,7 +61,7 @@ impl Plan {
         Plan { passes }
     }
 
-    /// Dispatches a frame.
+    /// Dispatches per frame.
     pub fn dispatches(&self) -> u32 {
         self.passes.iter().map(|p| p.dispatches).sum()
     }

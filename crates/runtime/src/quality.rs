@@ -1,6 +1,6 @@
-//! How many substeps a frame is worth: from the stretch that is left, and from what a step costs.
+//! Chooses the number of substeps of a frame, from the remaining stretch and the cost of a step.
 //!
-//! One relaxation a substep leaves inextensible cloth stretched in proportion to the square of the substep (Macklin et al.,
+//! One relaxation per substep leaves inextensible cloth stretched in proportion to the square of the substep (Macklin et al.,
 //! "Small Steps in Physics Simulation", SCA 2019), so that `n sqrt(error / target)` substeps should meet a target that `n`
 //! miss. Cloth answers late, and a shorter substep is a stiffer spring: the number changes by small steps, rises
 //! soon, and falls only after a while in which fewer would have done.
@@ -13,18 +13,18 @@ use crate::error::{Result, check};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Quality {
-    /// Always [`crate::Options::substeps`]. Costs nothing.
+    /// Always [`crate::Options::substeps`]. No cost.
     #[default]
     Fixed,
-    /// As many as take no more than this time \[ms\] in [`crate::Options::step`], by what the host says that frames took
-    /// ([`crate::Stepper::took`]); as they are until it does. Above 0. Results then depend on the host's clock.
+    /// As many substeps as take at most this time \[ms\] in [`crate::Options::step`], from the times that the host reports
+    /// ([`crate::Stepper::took`]); unchanged until it does. Above 0. Results then depend on the host's clock.
     Budget(f64),
-    /// The fewest, at most 256, that keep the error at or below this; 1e-4 to 1, 0.01 being one percent. The error is the
+    /// The fewest substeps, at most 256, that keep the error at or below this value; 1e-4 to 1, 0.01 is 1 %. The error is the
     /// largest stretch of a spring to the right or down (length / rest length - 1, not below 0) at the end of a frame,
     /// over cloths that are awake. Where cloth has a compliance or a material, only a share of a stretch is error, that
     /// which one relaxation takes away (`w dt^2 / (w dt^2 + compliance)`, w being the sum of the inverse masses): more
     /// than is left of relaxation rather than less. For a material the compliance is that of square cells.
-    /// Costs a pass over the particles a frame. Deterministic on the CPU; on the GPU the number changes when
+    /// Costs a pass over the particles per frame. Deterministic on the CPU; on the GPU the number changes when
     /// measurements have come back ([`crate::Stepper::settle`]), so runs repeat if the host waits for each frame before
     /// it settles.
     Error(f64),
@@ -83,7 +83,7 @@ const AIM: f64 = 0.85;
 const SOON: f64 = 0.05;
 /// For so long fewer substeps must have been enough \[s\]; up to the second, where they turned out to be too few.
 const PATIENCE: [f64; 2] = [0.25, 4.0];
-/// So many costs are kept; their median counts, once there are as many as the second.
+/// Most costs kept, and fewest costs of which the median counts.
 const COSTS: [usize; 2] = [15, 5];
 
 /// Chooses the number of substeps, frame by frame.

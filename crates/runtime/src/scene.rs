@@ -1,4 +1,4 @@
-//! What is to be stepped: cloths, colliders and forces.
+//! Scenes: cloths, colliders and forces.
 
 mod builtin;
 #[cfg(feature = "scene-file")]
@@ -22,18 +22,18 @@ pub struct Scene {
     pub name: String,
     /// The cloths; they do not touch one another.
     pub cloths: Vec<Cloth>,
-    /// What the cloths do not enter.
+    /// The colliders.
     pub colliders: Vec<Collider>,
     /// Acceleration of everything free \[m/s^2\].
     pub gravity: [f32; 3],
-    /// Moving air; without it nothing is spent on air.
+    /// Wind; none has no cost.
     pub wind: Option<Wind>,
-    /// Frames of 1/60 s after which the scene has shown what it is for.
+    /// Duration of the scene in frames of 1/60 s.
     pub frames: u32,
 }
 
 impl Scene {
-    /// An empty scene under the earth's gravity.
+    /// An empty scene under Earth's gravity.
     pub fn new(name: &str) -> Self {
         Scene {
             name: name.into(),

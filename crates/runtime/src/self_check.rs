@@ -1,4 +1,4 @@
-//! Whether a device computes what the CPU does: a check of milliseconds at its first use.
+//! The self-check of a device: compares its results with the CPU's at its first use, in milliseconds.
 //!
 //! Drivers have faults that no limit and no feature shows: a shader compiles, runs, and leaves wrong numbers. A device is
 //! therefore tried on a small seamed cloth before [`crate::Backend::Auto`] takes it.
@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::limits::Warning;
 use crate::options::Backend;
 
-/// What the self-check of a device has found.
+/// The result of the self-check of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SelfCheck {
     /// The adapter's name, its interface and its driver.

@@ -7,7 +7,7 @@ use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 
 use super::*;
 use crate::fused::{Fused, Hold};
-use crate::gpu::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
+use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
 use crate::tile::{Tile, TileShape};
 
 /// Every variant that a schedule can hold, up to constants.

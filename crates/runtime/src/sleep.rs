@@ -2,7 +2,7 @@
 //!
 //! Asleep is a state of the host, so that a cloth at rest costs no dispatch, no binding and no recording at all.
 //! Dispatches whose size a shader sets to 0 would need no word from the host, but each is still recorded, bound and, by
-//! wgpu, checked by a dispatch of its own. The price is that on the GPU four bytes a cloth have to come back: they are
+//! wgpu, checked by a dispatch of its own. The price is that on the GPU four bytes per cloth have to come back: they are
 //! copied with the frame, and [`Stepper::settle`] takes what has arrived, without waiting.
 
 use crate::error::Result;
@@ -33,7 +33,7 @@ impl World {
         Some((sleep.speed * self.clock.dt).powi(2))
     }
 
-    /// Takes in a frame of so many seconds.
+    /// Takes in a frame of `seconds`.
     pub fn note(&mut self, cloth: usize, calm: bool, seconds: f64) {
         let entry = &mut self.calm[cloth];
         entry.seconds = if calm { entry.seconds + seconds } else { 0.0 };
@@ -62,7 +62,7 @@ impl Stepper {
 
     /// Lets cloths fall asleep on the GPU backend if [`crate::Options::sleep`] is set, and substeps be chosen by
     /// [`crate::Quality::Error`]: call it once a frame, after everything that was recorded has been submitted. It takes in
-    /// what has come back, eight bytes a cloth some frames late, and never waits. Without it no cloth falls asleep and
+    /// what has come back, eight bytes per cloth some frames late, and never waits. Without it no cloth falls asleep and
     /// no error is known there. The CPU backend needs no call.
     pub fn settle(&mut self) -> Result<()> {
         self.gpu.as_mut().map_or(Ok(()), |gpu| gpu.settle(&mut self.world))

@@ -65,7 +65,7 @@ impl Step<f64> {
             gravity: cast(input.gravity),
             keep: (-f64::from(input.damping) * input.dt).exp() * input.dt / input.dt_old,
             scale: input.dt * input.dt_old,
-            // Infinity is no number in WGSL.
+            // WGSL has no infinity.
             longest: longest.min(f64::from(f32::MAX)),
             dt: input.dt,
             rate: 1.0 / input.dt_old,

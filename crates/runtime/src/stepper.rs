@@ -1,18 +1,19 @@
 //! Steps a scene, frame by frame.
 
+#[cfg(feature = "gpu")]
+mod device;
+
 use crate::clock::Progress;
 use crate::cloth::Cloth;
 use crate::collider::Collider;
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
-use crate::fused::Room;
-use crate::gpu::{ClothBuffers, Gpu};
+use crate::gpu::Gpu;
 use crate::options::{Backend, Options, Solver};
 use crate::plan::Plan;
 use crate::quality::Chooser;
 use crate::scene::Scene;
-use crate::self_check::{decide, self_check};
 use crate::wind::Wind;
 use crate::world::World;
 
@@ -25,75 +26,23 @@ pub struct Stepper {
 }
 
 impl Stepper {
-    /// Takes a scene over. `gpu` is the host's device and queue, if it has any: with them, positions and normals lie in
-    /// buffers on either backend ([`Stepper::buffers`]). Errors on settings out of range, on [`Backend::Gpu`] without a
-    /// device, and where a cloth does not fit the device.
-    ///
-    /// The first stepper on a device runs its [`self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. A
-    /// device that fails is left alone by [`Backend::Auto`], and used by [`Backend::Gpu`]; [`Stepper::warnings`] says why.
-    pub fn new(scene: Scene, options: Options, gpu: Option<(&wgpu::Device, &wgpu::Queue)>) -> Result<Self> {
-        let mut warning = None;
-        let mut options = options;
-        if let Some((device, queue)) = gpu.filter(|_| options.backend != Backend::Cpu) {
-            let (on_cpu, found) = decide(options.backend, Some(&self_check(device, queue)))?;
-            options.backend = if on_cpu { Backend::Cpu } else { options.backend };
-            warning = found;
+    /// Makes a stepper for a scene on the CPU backend, without buffers: [`Stepper::advance`] steps it. Errors
+    /// on settings out of range and on [`Backend::Gpu`].
+    pub fn on_cpu(scene: Scene, options: Options) -> Result<Self> {
+        if options.backend == Backend::Gpu {
+            return Err(Error::NoGpu("Backend::Gpu"));
         }
-        let mut stepper = Stepper::unchecked(scene, options, gpu)?;
-        stepper.world.warnings.splice(..0, warning);
-        Ok(stepper)
+        let world = World::new(scene, options)?;
+        let threads = Threads::new(world.options.threads)?;
+        Ok(Stepper { cpu: Some((world.bodies(), threads)), gpu: None, world })
     }
 
-    /// The same without a self-check, which itself needs it.
-    pub(crate) fn unchecked(
-        scene: Scene,
-        options: Options,
-        gpu: Option<(&wgpu::Device, &wgpu::Queue)>,
-    ) -> Result<Self> {
-        let mut world = World::new(scene, options)?;
-        let on_cpu = match world.options.backend {
-            Backend::Cpu => true,
-            Backend::Auto => gpu.is_none(),
-            Backend::Gpu if gpu.is_none() => return Err(Error::NoGpu("Backend::Gpu")),
-            Backend::Gpu => false,
-        };
-        let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.options.threads)?)) } else { None };
-        if let (false, Some((device, _))) = (on_cpu, gpu) {
-            world.make_room(Room::of(device));
-        }
-        let gpu = gpu.map(|(device, queue)| Gpu::new(&world, device, queue, on_cpu)).transpose()?;
-        Ok(Stepper { world, cpu, gpu })
-    }
-
-    /// Which backend runs: `Gpu` or `Cpu`.
+    /// The backend that runs: `Gpu` or `Cpu`.
     pub fn backend(&self) -> Backend {
         if self.cpu.is_some() { Backend::Cpu } else { Backend::Gpu }
     }
 
-    /// Records a frame of `dt` \[s\] of the host's time: as many steps as are due, then normals. On the CPU backend the
-    /// steps are made at once, and the result is written to the buffers by the queue. Needs a device.
-    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
-        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
-        self.world.choose();
-        let progress = self.world.clock.frame(dt);
-        if progress.steps == 0 && self.world.actions.is_empty() {
-            return Ok(progress);
-        }
-        match &mut self.cpu {
-            Some((bodies, threads)) => {
-                self.world.act(bodies, threads);
-                self.world.run(bodies, threads, progress.steps);
-                gpu.upload(bodies, &self.world.asleep);
-            }
-            None => {
-                gpu.act(&mut self.world, encoder);
-                gpu.record(&mut self.world, encoder, progress.steps);
-            }
-        }
-        Ok(progress)
-    }
-
-    /// Makes the steps that are due after `dt` \[s\] of the host's time, without any device. CPU backend only.
+    /// Makes the steps that are due after `dt` \[s\] of the host's time, without a device. CPU backend only.
     pub fn advance(&mut self, dt: f64) -> Result<Progress> {
         let (bodies, threads) = self.cpu.as_mut().ok_or(Error::GpuOnly("Stepper::advance"))?;
         self.world.choose();
@@ -104,7 +53,7 @@ impl Stepper {
         Ok(progress)
     }
 
-    /// What a frame of [`Options::step`] runs and binds.
+    /// The passes and bindings of a frame of [`Options::step`].
     pub fn plan(&self) -> Plan {
         Plan::new(&self.world)
     }
@@ -143,25 +92,20 @@ impl Stepper {
     }
 
     /// The frames that were taken back since the last call, oldest first, at most the latest 64: a cloth with particles
-    /// that are no numbers or farther than 1e8 m away goes back to where it was after the last good frame, at rest. With
+    /// that are NaN or farther than 1e8 m away is reset to its last good frame, at rest. With
     /// [`Solver::Xpbd`] only. Empty on the GPU backend, where they are counted in [`ClothBuffers::faults`].
     pub fn take_faults(&mut self) -> Vec<crate::world::Fault> {
         std::mem::take(&mut self.world.faults)
     }
 
-    /// What was asked for and is beyond the solver's limits: masses, tethers and cloth that will not rest, as found when the
-    /// stepper was made, and the number of substeps as it is now. For [`Solver::Classic`], which has no limit but what comes of
-    /// it, there is none of these. First comes that the device failed its [`self_check`].
+    /// Warnings about settings beyond the solver's limits: masses, tethers and cloth that will not rest, as found when the
+    /// stepper was made, and the current number of substeps. [`Solver::Classic`] has none of these. A failed [`self_check`] of
+    /// the device comes first.
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
         self.world.warnings.iter().chain(&self.world.raised).cloned().collect()
     }
 
-    /// The buffers that a vertex shader reads. `None` without a device and for a cloth that does not exist.
-    pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
-        self.gpu.as_ref()?.buffers(cloth)
-    }
-
-    /// Replaces all colliders. Costs one upload of 80 bytes a collider, for each thickness and friction that cloths have, and
+    /// Replaces all colliders. Costs one upload of 80 bytes per collider, for each pair of thickness and friction of the cloths, and
     /// new bindings if their number changes. Wakes every cloth.
     pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
         colliders.iter().try_for_each(Collider::check)?;
@@ -198,7 +142,7 @@ impl Stepper {
     }
 
     /// Changes the number of steps and relaxations from the next frame on. Backend, threads, solver, tethers and pyramid
-    /// stay as they are: what they need was made with the stepper.
+    /// stay as they are, because their data was made with the stepper.
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
         let Options { backend, threads, solver, tethers, pyramid, .. } = self.world.options;
@@ -218,19 +162,19 @@ impl Stepper {
         Ok(())
     }
 
-    /// Tells what a frame took \[ms\], for [`crate::Quality::Budget`]: `steps` as [`Progress::steps`] had it, the time by the
-    /// host's clock, or by timestamps of the GPU. It may come late. Frames without a step, and times that are not above 0,
-    /// do not count; of the others the median of the last 15, by steps, does, from the fifth on.
+    /// Reports the time of a frame \[ms\], for [`crate::Quality::Budget`]: `steps` as in [`Progress::steps`], the time from the
+    /// host's clock or from timestamps of the GPU. It may come late. Frames without a step and times not above 0 do not
+    /// count. The median of the last 15 times per step is used, from the fifth time on.
     pub fn took(&mut self, steps: u32, ms: f64) {
         self.world.chooser.took(steps, ms);
     }
 
-    /// The largest stretch of the last frame that was measured, for [`crate::Quality::Error`]; `None` before one was.
+    /// The largest stretch in the last measured frame, for [`crate::Quality::Error`]; `None` before the first measurement.
     pub fn estimated_error(&self) -> Option<f64> {
         self.world.chooser.error
     }
 
-    /// Lets a cloth sleep where it is, at no cost a frame, or wakes it. Any change wakes it too.
+    /// Lets a cloth sleep where it is, at no per-frame cost, or wakes it. Any change wakes it too.
     pub fn set_asleep(&mut self, cloth: usize, asleep: bool) -> Result<()> {
         self.world.cloth(cloth)?;
         self.world.wake(cloth);
@@ -238,8 +182,8 @@ impl Stepper {
         Ok(())
     }
 
-    /// Pins a particle where it is, or frees it; seam duplicates follow. Four bytes of upload for each of them. Tethers
-    /// stay those of the pins that there were at the start; a pin that is freed holds nothing until it is one again.
+    /// Pins a particle where it is, or frees it; seam duplicates follow. Uploads four bytes per particle. Tethers
+    /// stay those of the initial pins; a released pin holds nothing until it is pinned again.
     pub fn set_pinned(&mut self, cloth: usize, particle: usize, pinned: bool) -> Result<()> {
         self.edit(cloth, particle, |c| c.set_pinned(particle, pinned))
     }

@@ -8,8 +8,8 @@
 //!
 //! Bytes that a particle moves in a step of constant rest lengths, without tethers: in separate passes 64 for the
 //! integration, 32 for each of eight colours and 48 for contact, 368. A tile reads where particles are and were, 32 bytes for all that it
-//! has, and writes 32 for what it owns: 102 on 256 x 256 particles in 16 KiB, 86 on 1,024 x 1,024 in 36 KiB. What is above 64
-//! neighbours read as well, and comes out of a cache. Tethers read 8 bytes for each of a particle.
+//! has, and writes 32 for what it owns: 102 on 256 x 256 particles in 16 KiB, 86 on 1,024 x 1,024 in 36 KiB. Bytes beyond 64 are
+//! read by neighbours as well, and come out of a cache. Tethers read 8 bytes for each of a particle.
 
 mod order;
 mod shape;
@@ -20,7 +20,7 @@ pub use shape::TileShape;
 use crate::cpu::tile::around;
 use crate::passes::{Air, Kinds, Pass, Soft};
 
-/// Consecutive passes of a step in one dispatch: what is compiled into its shader.
+/// Consecutive passes of a step in one dispatch, described by the variants compiled into its shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Tile {
     /// The integration that comes first, if any does.
@@ -31,7 +31,7 @@ pub struct Tile {
     pub forget: bool,
     /// Whether tethers hold before springs, and after them.
     pub tethers: [bool; 2],
-    /// Anchors a particle; 0 where there is no pass of tethers.
+    /// Anchors per particle; 0 where there is no pass of tethers.
     pub slots: u32,
     /// Colours of springs: bit 2 * direction + parity.
     pub colours: u32,

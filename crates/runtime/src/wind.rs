@@ -1,4 +1,4 @@
-//! Moving air.
+//! Wind.
 
 use crate::error::{Result, check};
 

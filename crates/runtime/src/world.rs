@@ -55,7 +55,7 @@ pub struct World {
     pub actions: Vec<Action>,
 }
 
-/// A frame that was taken back: particles were no numbers, or more than 1e8 m away.
+/// A frame that was taken back: particles were NaN, or more than 1e8 m away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
     /// Index of the cloth.
@@ -68,7 +68,7 @@ pub struct Fault {
     pub time: f64,
 }
 
-/// So many are kept, the latest.
+/// Most faults kept; older ones are dropped.
 const MOST_FAULTS: usize = 64;
 
 impl World {
@@ -105,7 +105,7 @@ impl World {
             actions,
         };
         world.raise();
-        // Nothing has moved yet: the first step is no other than those after it.
+        // Nothing has moved yet: the first step is like those after it.
         world.clock = Clock::new(&world.options);
         world.reschedule();
         Ok(world)

@@ -1,5 +1,8 @@
 //! Moving sets of particles, and dragging.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

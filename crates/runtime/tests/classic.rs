@@ -9,7 +9,7 @@ const FRAME: f64 = 1.0 / 60.0;
 
 fn cpu(scene: Scene, substeps: u32, threads: usize) -> Stepper {
     let options = Options { backend: Backend::Cpu, substeps, threads, solver: Solver::Classic, ..Options::default() };
-    Stepper::new(scene, options, None).unwrap()
+    Stepper::on_cpu(scene, options).unwrap()
 }
 
 fn measured(stepper: &Stepper) -> Measures {
@@ -213,7 +213,7 @@ fn normals_are_unit_and_closed_over_seams() {
 fn cloth_has_normals_before_its_first_frame() {
     let start = |normals| {
         let options = Options { backend: Backend::Cpu, normals, solver: Solver::Classic, ..Options::default() };
-        Stepper::new(scene::builtin("s1", 16).unwrap(), options, None).unwrap()
+        Stepper::on_cpu(scene::builtin("s1", 16).unwrap(), options).unwrap()
     };
     let length = |n: &[f32; 4]| n[..3].iter().map(|x| x * x).sum::<f32>().sqrt();
     let with = start(true);

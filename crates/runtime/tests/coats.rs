@@ -1,5 +1,8 @@
 //! Cloths that keep different distances from the same colliders, and slide on them differently.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

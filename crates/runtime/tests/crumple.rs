@@ -1,5 +1,8 @@
 //! Crumpled cloth: what diagonal springs do has a bound, so that folds which cross come undone.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;
@@ -25,7 +28,7 @@ fn heap(at: [f32; 3]) -> Scene {
 
 #[test]
 fn heaps_at_any_point_are_unfolded_after_two_seconds() {
-    // Of the first 200 such points, those that diagonals without a bound leave with springs 5 to 11 % too long, for ever.
+    // Of the first 200 such points, those that diagonals without a bound leave with springs 5 to 11 % too long, forever.
     let mut stretched = Vec::new();
     for k in [17, 21, 29, 33, 57, 64, 121, 136, 146] {
         let at = [0.5 + 0.013 * k as f32, 0.02 * k as f32 - 0.1, 0.03 * (k % 5) as f32];
@@ -38,7 +41,7 @@ fn heaps_at_any_point_are_unfolded_after_two_seconds() {
     assert!(stretched.is_empty(), "{stretched:?}");
 }
 
-/// Two particles joined by a diagonal of length `rest`, so many times as far apart.
+/// Two particles joined by a diagonal of length `rest`, `times` as far apart.
 fn diagonal(rest: f32, times: f32, compliance: Compliance) -> Scene {
     let step = rest / 2f32.sqrt();
     let at = |k: usize| [times * step * (k % 2) as f32, 0.0, times * step * (k / 2) as f32];

@@ -1,5 +1,8 @@
 //! Cutting: what is taken away, and that cloth cut right through falls apart.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

@@ -1,5 +1,8 @@
 //! Tethers after a cut: cloth that still hangs is as true as it was, and what is cut off falls.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

@@ -1,5 +1,8 @@
 //! Pictures: the GPU against the CPU, holes, texture coordinates; and the examples.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::draw::{Camera, Draw, Look, Software, Target, View};

@@ -1,5 +1,8 @@
 //! Whole frames in one dispatch against the passes that they are made of, and cloths that share it.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use std::collections::HashSet;
@@ -193,7 +196,7 @@ fn colliders_that_move_are_where_they_are_in_every_step() {
         friction: 0.4,
         ..Collider::new(shape, [0.5, -0.5, 0.1])
     }];
-    // Above 128 steps a frame some share their place.
+    // Above 128 steps per frame some share their place.
     let longest = Run::new(&hit, &Options { substeps: 300, iterations: 2, ..options(true) }, &device);
     assert_eq!(longest.holds(), [], "a dispatch that does not end is taken for lost");
     for substeps in [1, 7, 300] {

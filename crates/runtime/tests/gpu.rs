@@ -1,6 +1,9 @@
 //! The GPU against its twin. Without an adapter each test says that it was skipped; GIMAGE_REQUIRE_GPU=1 makes that a
 //! failure.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

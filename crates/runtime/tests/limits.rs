@@ -1,5 +1,8 @@
 //! What one relaxation a step in f32 cannot do, and what is made of it instead.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;
@@ -36,7 +39,7 @@ fn speed(rig: &mut Rig) -> f32 {
 
 #[test]
 fn heaps_in_one_plane_or_at_one_point_unfold_and_come_to_rest() {
-    // Without a way out of the plane they tremble at several metres a second for ever.
+    // Without a way out of the plane they tremble at several metres a second forever.
     let line = |k: usize| [0.5, -(k as f32) / 81.0, 0.0];
     for (words, heap) in [("a point", scene(flag(9, |_| [0.5, 0.0, 0.0]))), ("a line", scene(flag(9, line)))] {
         for mut rig in Rig::both(&heap, &options(16, 2)) {

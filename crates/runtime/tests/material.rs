@@ -15,7 +15,7 @@ fn options(substeps: u32) -> Options {
 }
 
 fn run(scene: Scene, options: Options, frames: u32) -> Stepper {
-    let mut stepper = Stepper::new(scene, options, None).unwrap();
+    let mut stepper = Stepper::on_cpu(scene, options).unwrap();
     (0..frames).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
     assert!(stepper.take_faults().is_empty());
     stepper
@@ -147,7 +147,7 @@ fn one_flag_on_three_grids_and_a_distorted_one_hangs_alike() {
 fn the_step_does_not_matter() {
     let end = |step: f64, substeps: u32| {
         let mut stepper =
-            Stepper::new(scene(flag(33, 0.0, &FABRIC)), Options { step, ..options(substeps) }, None).unwrap();
+            Stepper::on_cpu(scene(flag(33, 0.0, &FABRIC)), Options { step, ..options(substeps) }).unwrap();
         (0..240).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
         let p = stepper.positions(0).unwrap();
         p.iter().map(|p| [0, 1, 2].map(|c| f64::from(p[c]))).collect::<Vec<V>>()
@@ -208,7 +208,7 @@ fn free_cloth_keeps_its_momentum_and_comes_to_rest() {
     cloth.place(positions).unwrap();
     cloth.velocity = [0.5, -0.2, 0.1];
     let still = Scene { gravity: [0.0; 3], ..scene(cloth) };
-    let mut stepper = Stepper::new(still, options(16), None).unwrap();
+    let mut stepper = Stepper::on_cpu(still, options(16)).unwrap();
     let mut last = f64::INFINITY;
     for frame in 0..240 {
         stepper.advance(FRAME).unwrap();
@@ -261,7 +261,7 @@ fn a_cut_ends_membrane_and_bending() {
 #[test]
 fn only_cloth_of_a_material_pays_for_it() {
     let shaders = |cloth: Cloth, solver| {
-        let plan = Stepper::new(scene(cloth), Options { solver, ..options(1) }, None).unwrap().plan();
+        let plan = Stepper::on_cpu(scene(cloth), Options { solver, ..options(1) }).unwrap().plan();
         // The exact step has the shader of the plain one, with another rule.
         let name = |p: &PlannedPass| if matches!(p.pass, Pass::Advance(_)) { "advance" } else { p.shader };
         plan.passes.iter().map(name).collect::<Vec<_>>()

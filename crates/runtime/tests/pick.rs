@@ -1,5 +1,8 @@
 //! Picking, with parry3d as the judge.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

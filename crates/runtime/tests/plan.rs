@@ -8,7 +8,7 @@ use support::scene;
 fn plan(scene: Scene) -> Plan {
     let options =
         Options { backend: Backend::Cpu, substeps: 1, threads: 1, solver: Solver::Classic, ..Options::default() };
-    Stepper::new(scene, options, None).unwrap().plan()
+    Stepper::on_cpu(scene, options).unwrap().plan()
 }
 
 fn flat(rest: Rest) -> Cloth {
@@ -105,7 +105,7 @@ fn what_is_done_to_a_scene_changes_its_plan() {
     for (name, scene, changes, dispatches, bytes) in table {
         let options =
             Options { backend: Backend::Cpu, substeps: 1, threads: 1, solver: Solver::Classic, ..Options::default() };
-        let mut stepper = Stepper::new(scene, options, None).unwrap();
+        let mut stepper = Stepper::on_cpu(scene, options).unwrap();
         changes.iter().for_each(|change| change(&mut stepper));
         let plan = stepper.plan();
         assert_eq!((plan.dispatches(), plan.bytes()), (dispatches, bytes), "{name}:\n{plan}");
@@ -141,7 +141,7 @@ fn a_sleeping_cloth_costs_nothing_until_something_changes() {
     two.cloths.push(flat(Rest::None));
     let options =
         Options { backend: Backend::Cpu, substeps: 3, threads: 1, solver: Solver::Classic, ..Options::default() };
-    let mut stepper = Stepper::new(two, options, None).unwrap();
+    let mut stepper = Stepper::on_cpu(two, options).unwrap();
     assert_eq!(stepper.plan().dispatches(), 8);
     stepper.set_asleep(0, true).unwrap();
     assert_eq!(stepper.plan().dispatches(), 4);
@@ -158,7 +158,7 @@ fn a_sleeping_cloth_costs_nothing_until_something_changes() {
 #[test]
 fn wrong_settings_are_errors() {
     let cloth = || flat(Rest::None);
-    let new = |scene, options| Stepper::new(scene, options, None).map(|_| ()).unwrap_err().to_string();
+    let new = |scene, options| Stepper::on_cpu(scene, options).map(|_| ()).unwrap_err().to_string();
     assert!(new(scene(cloth()), Options { substeps: 0, ..Options::default() }).contains("substeps"));
     assert!(new(scene(cloth()), Options { step: f64::NAN, ..Options::default() }).contains("step"));
     let gpu = Options { backend: Backend::Gpu, ..Options::default() };
@@ -168,7 +168,7 @@ fn wrong_settings_are_errors() {
     let mut windy = support::wind(true);
     windy.gust = 9.0;
     assert!(new(Scene { wind: Some(windy), ..scene(cloth()) }, Options::default()).contains("gusts"));
-    let mut stepper = Stepper::new(scene(cloth()), Options::default(), None).unwrap();
+    let mut stepper = Stepper::on_cpu(scene(cloth()), Options::default()).unwrap();
     assert!(stepper.set_pinned(0, 64, true).is_err() && stepper.set_pinned(1, 0, true).is_err());
     assert!(stepper.set_position(0, 0, [f32::NAN; 3]).is_err() && stepper.set_gravity([f32::NAN; 3]).is_err());
     assert!(stepper.buffers(0).is_none() && stepper.set_asleep(7, true).is_err());

@@ -1,5 +1,8 @@
 //! Lengths limited on coarser grids: after a cut, and across seams.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

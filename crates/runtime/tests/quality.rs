@@ -1,4 +1,7 @@
-//! Substeps are as many as an error target asks for, and a change of their number is no push.
+//! An error target sets the number of substeps, and a change of the number does not push the cloth.
+
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
 
 mod support;
 

@@ -1,5 +1,8 @@
 //! Cloth falls asleep when it is at rest, costs nothing then, and wakes on any change.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;
@@ -102,7 +105,7 @@ fn without_the_option_nothing_is_spent_and_nothing_sleeps() {
     let still = Scene { cloths: two().cloths[..1].to_vec(), ..two() };
     let plan = |options: &Options| Rig::cpu(still.clone(), options).stepper.plan();
     let (watched, not) = (plan(&sleepy()), plan(&Options { sleep: None, ..sleepy() }));
-    // Two dispatches a frame, two numbers of 64 particles each and their largest.
+    // Two dispatches per frame, two numbers of 64 particles each and their largest.
     assert_eq!((watched.dispatches(), watched.bytes()), (not.dispatches() + 2, not.bytes() + 8 + 4));
     let mut rig = Rig::cpu(still, &Options { sleep: None, ..sleepy() });
     assert_eq!(until_asleep(&mut rig), None);

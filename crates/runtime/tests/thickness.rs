@@ -1,5 +1,8 @@
 //! How far cloth keeps from what it touches.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;

@@ -1,5 +1,8 @@
 //! Tiles of large cloths against the passes that they are made of.
 
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
 mod support;
 
 use gimage_runtime::*;
@@ -36,7 +39,7 @@ fn agree(name: &str, scene: &Scene, with: impl Fn(Options) -> Options, device: &
     tiles
 }
 
-/// A rectangle of so many particles, 1 m wide, hung by two corners, thrown askew.
+/// A rectangle of `width` x `height` particles, 1 m wide, hung by two corners, thrown askew.
 fn sheet(width: u32, height: u32) -> Cloth {
     let down = (height - 1) as f32 / (width - 1) as f32;
     let flat = Flat { width, height, down: [0.0, 0.0, down.min(4.0)], ..Flat::square("sheet", width) };
@@ -65,7 +68,7 @@ fn tiles_of_any_cloth_give_the_bits_of_separate_passes() {
     }
 }
 
-/// A cloth of flat grids of so many particles, one behind the other, each hung by two corners and thrown askew.
+/// A cloth of flat grids of these sizes, one behind the other, each hung by two corners and thrown askew.
 fn pieces(sizes: &[(u32, u32)]) -> Cloth {
     let (mut grids, mut positions, mut particles) = (Vec::new(), Vec::new(), Vec::new());
     let side = 0.0145f32;
@@ -114,7 +117,7 @@ fn a_step_is_as_few_dispatches_as_can_be() {
     assert_eq!(of(&six, Options { polish: 1, ..base() }), (1, tile.to_vec()));
     // The first one integrates.
     assert_eq!(of(&six, Options { iterations: 4, ..base() }).0, 4);
-    // So many rounds would have far more around a tile than in it.
+    // With 12 more rounds a tile would load far more around it than it owns.
     assert_eq!(of(&six, Options { polish: 12, ..base() }).0, 4);
     let windy = Scene { wind: Some(wind(true)), ..plain };
     assert_eq!(of(&windy, base()).1[..2], ["wind", "tile"]);

@@ -12,7 +12,7 @@ fn options(substeps: u32) -> Options {
 }
 
 fn run(scene: Scene, options: Options, frames: u32) -> Stepper {
-    let mut stepper = Stepper::new(scene, options, None).unwrap();
+    let mut stepper = Stepper::on_cpu(scene, options).unwrap();
     (0..frames).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
     stepper
 }
@@ -65,7 +65,7 @@ fn polishing_takes_stretch_out_of_fine_cloth() {
 fn a_round_of_polishing_has_tethers_and_structural_springs_alone() {
     let passes = |polish| {
         let once = Options { polish, backend: Backend::Cpu, ..options(1) };
-        let stepper = Stepper::new(scene::builtin("s1", 8).unwrap(), once, None).unwrap();
+        let stepper = Stepper::on_cpu(scene::builtin("s1", 8).unwrap(), once).unwrap();
         stepper.plan().passes.iter().map(|p| p.pass).collect::<Vec<_>>()
     };
     let (plain, polished) = (passes(0), passes(1));
@@ -76,7 +76,7 @@ fn a_round_of_polishing_has_tethers_and_structural_springs_alone() {
     assert_eq!(polished, expected);
     let classic = |polish| {
         let once = Options { polish, solver: Solver::Classic, backend: Backend::Cpu, ..options(1) };
-        Stepper::new(scene::builtin("s1", 8).unwrap(), once, None).unwrap().plan()
+        Stepper::on_cpu(scene::builtin("s1", 8).unwrap(), once).unwrap().plan()
     };
     assert_eq!(classic(0), classic(3));
 }
@@ -100,7 +100,7 @@ fn the_error_of_f32_is_small() {
     for (name, scene) in [compared(), support::soft()].concat() {
         // One step, as long as it may be without tethers.
         let once = Options { iterations: 2, pyramid: 1, polish: 1, step: FRAME / 2.0, ..options(1) };
-        let mut stepper = Stepper::new(scene.clone(), once.clone(), None).unwrap();
+        let mut stepper = Stepper::on_cpu(scene.clone(), once.clone()).unwrap();
         assert_eq!(stepper.advance(FRAME / 2.0).unwrap().steps, 1);
         let mut exact = Reference::new(scene, once).unwrap();
         exact.step(1);
@@ -143,7 +143,7 @@ fn a_ball_at_30_metres_a_second_does_not_go_through_cloth() {
     // It flies along z into a sheet hung from its upper row.
     let mut cloth = Flat { down: [0.0, -1.0, 0.0], ..Flat::square("sheet", 33) }.cloth().unwrap();
     (0..33).for_each(|i| cloth.set_pinned(i, true).unwrap());
-    let mut stepper = Stepper::new(scene(cloth), options(4), None).unwrap();
+    let mut stepper = Stepper::on_cpu(scene(cloth), options(4)).unwrap();
     let ball = |z| {
         let shape = Shape::Sphere { radius: 0.1 };
         vec![Collider { velocity: [0.0, 0.0, 30.0], ..Collider::new(shape, [0.5, -0.5, z]) }]
@@ -231,7 +231,7 @@ fn free_cloth_keeps_its_momentum_and_gains_no_energy() {
 }
 
 fn keeps_momentum(still: Scene, options: Options) {
-    let mut stepper = Stepper::new(still, options, None).unwrap();
+    let mut stepper = Stepper::on_cpu(still, options).unwrap();
     let mut energy = f64::INFINITY;
     for frame in 0..120 {
         stepper.advance(FRAME).unwrap();
@@ -254,7 +254,7 @@ fn keeps_momentum(still: Scene, options: Options) {
 #[test]
 fn a_hanging_sheet_swings_in_its_period() {
     // N = 32, 16 substeps: the discrete chain's 1.68170 s within 0.3 %.
-    let stepper = Stepper::new(scene::builtin("s3", 32).unwrap(), Options { tethers: 0, ..options(16) }, None).unwrap();
+    let stepper = Stepper::on_cpu(scene::builtin("s3", 32).unwrap(), Options { tethers: 0, ..options(16) }).unwrap();
     let period = support::swing_period(stepper);
     assert!((period / 1.68170 - 1.0).abs() < 3e-3, "{period}");
 }
@@ -288,13 +288,13 @@ fn options_that_change_on_the_way_do_what_they_say() {
         let mut scene = scene::builtin("s1k", 17).unwrap();
         scene.gravity = [0.0, -2.0, 1.0];
         let mut change =
-            Stepper::new(scene.clone(), Options { iterations: 1 + u32::from(backwards), ..options(4) }, None).unwrap();
-        let mut plain = Stepper::new(scene, Options { iterations: 1, ..options(4) }, None).unwrap();
+            Stepper::on_cpu(scene.clone(), Options { iterations: 1 + u32::from(backwards), ..options(4) }).unwrap();
+        let mut plain = Stepper::on_cpu(scene, Options { iterations: 1, ..options(4) }).unwrap();
         if !backwards {
             change.set_options(Options { iterations: 3, solver: Solver::Classic, pyramid: 2, ..options(4) }).unwrap();
             assert_eq!((change.options().solver, change.options().pyramid), (Solver::Xpbd, 0));
             change.advance(FRAME).unwrap();
-            let mut three = Stepper::new(plain.scene().clone(), Options { iterations: 3, ..options(4) }, None).unwrap();
+            let mut three = Stepper::on_cpu(plain.scene().clone(), Options { iterations: 3, ..options(4) }).unwrap();
             three.advance(FRAME).unwrap();
             assert!(change.positions(0) == three.positions(0));
             continue;
@@ -305,8 +305,7 @@ fn options_that_change_on_the_way_do_what_they_say() {
         assert!(change.positions(0) == plain.positions(0));
     }
     let mut classic =
-        Stepper::new(scene::builtin("s1", 9).unwrap(), Options { solver: Solver::Classic, ..options(4) }, None)
-            .unwrap();
+        Stepper::on_cpu(scene::builtin("s1", 9).unwrap(), Options { solver: Solver::Classic, ..options(4) }).unwrap();
     classic.set_options(Options { pyramid: 4, ..options(4) }).unwrap();
     classic.advance(FRAME).unwrap();
     assert_eq!(classic.options().solver, Solver::Classic);
@@ -323,7 +322,7 @@ fn springs_to_no_particle_hold_nothing() {
     let parts = Parts { name: "hole".into(), grids, positions: flat.positions().to_vec(), particles, rest, mass };
     for pyramid in [0, 1] {
         let mut stepper =
-            Stepper::new(scene(Cloth::new(parts.clone()).unwrap()), Options { pyramid, ..options(4) }, None).unwrap();
+            Stepper::on_cpu(scene(Cloth::new(parts.clone()).unwrap()), Options { pyramid, ..options(4) }).unwrap();
         (0..30).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
         // Half a second of free fall: 1.2 m, for all alike.
         for (k, p) in stepper.positions(0).unwrap().iter().enumerate().filter(|(k, _)| *k != 40) {
@@ -338,11 +337,11 @@ fn numbers_out_of_range_are_refused() {
     for wrong in [f32::NAN, -1.0, f32::INFINITY] {
         let mut scene = scene::builtin("s1k", 8).unwrap();
         scene.cloths[0].compliance = Compliance::Constant(wrong);
-        assert!(Stepper::new(scene.clone(), options(1), None).is_err(), "{wrong}");
+        assert!(Stepper::on_cpu(scene.clone(), options(1)).is_err(), "{wrong}");
         scene.cloths[0].compliance = Compliance::Image(vec![[0.0, wrong, 0.0, 0.0]; 64]);
-        assert!(Stepper::new(scene.clone(), options(1), None).is_err(), "{wrong}");
+        assert!(Stepper::on_cpu(scene.clone(), options(1)).is_err(), "{wrong}");
     }
     let mut scene = scene::builtin("s1k", 8).unwrap();
     scene.cloths[0].compliance = Compliance::Image(vec![[0.0; 4]; 63]);
-    assert!(Stepper::new(scene, options(1), None).is_err());
+    assert!(Stepper::on_cpu(scene, options(1)).is_err());
 }

@@ -1,4 +1,4 @@
-//! Numbers that overflow: what is no number must not stay.
+//! Overflow and NaN: positions must be finite again.
 
 use gimage_runtime::{Collider, Error, Result, Shape, Stepper, Wind, WindForce};
 

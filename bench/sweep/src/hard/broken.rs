@@ -1,4 +1,4 @@
-//! Meshes that are no clean surface: soups, copies, wrong windings, parts that touch.
+//! Meshes that are not clean surfaces: soups, copies, wrong windings, parts that touch.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Temporary directories beside a target, which no crash leaves behind for ever.
+//! Temporary directories beside a target, which no crash leaves behind forever.
 //!
 //! A scratch directory is named `.gimage-<pid>-<attempt>.tmp`, whatever the target is called, so that a name of full length
 //! still has room for one. The process that made it holds a lock on the file `lock` in it until it ends, however it ends. A

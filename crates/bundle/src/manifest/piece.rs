@@ -9,7 +9,7 @@ use super::Quality;
 /// One piece: one connected surface on one grid.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PieceEntry {
-    /// Its true name; file names are made safe.
+    /// Its original name; file names are derived from it.
     pub name: String,
     /// Texels in a row, at least 2.
     pub width: u32,
@@ -22,7 +22,7 @@ pub struct PieceEntry {
     /// Values that are the same at every particle.
     #[serde(default)]
     pub constants: Constants,
-    /// What the images hold, counted.
+    /// Counts of the contents of the images.
     #[serde(default)]
     pub counts: Counts,
     /// How well the piece matches the source.
@@ -34,7 +34,7 @@ pub struct PieceEntry {
     /// The surface before it was cut.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<Surface>,
-    /// What was tried, in turn, where the first image did not pass; empty where it did.
+    /// All attempts in order, if the first image did not pass; else empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ladder: Vec<RungEntry>,
     /// Index of the component that it is a part of, if one was split into several pieces.
@@ -42,13 +42,13 @@ pub struct PieceEntry {
     pub part_of: Option<u32>,
 }
 
-/// One way of making the image of a piece, and what came of it.
+/// One attempt to make the image of a piece, and its result.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RungEntry {
-    /// What was done otherwise: `first`, `whole-mesh`, `next-cut`, ...
+    /// How the attempt differs: `first`, `whole-mesh`, `next-cut`, ...
     pub rung: String,
-    /// A lower bound of its PSNR \[dB\]; left out where no image came out.
+    /// A lower bound of its PSNR \[dB\]; none if the attempt gave no image.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr: Option<f64>,
     /// Its image is the one in the bundle.
@@ -82,7 +82,7 @@ pub struct Constants {
     pub area: Option<f64>,
 }
 
-/// What the images of a piece hold, counted.
+/// Counts of the contents of the images of a piece.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Counts {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Quality measured, of a piece or of the bundle. What was not measured is left out.
+/// Quality measured, of a piece or of the bundle. Figures that were not measured are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// 20 log10(diagonal / rms) \[dB\].
@@ -56,7 +56,7 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Whether nothing was measured.
+    /// Whether no figure was measured.
     pub fn is_empty(&self) -> bool {
         *self == Quality::default()
     }

@@ -92,7 +92,7 @@ impl Manifest {
         let joints = self.skeleton.as_ref().map_or(&[][..], |s| &s.joints);
         for (index, joint) in joints.iter().enumerate() {
             if joint.parent.is_some_and(|p| p as usize >= joints.len() || p as usize == index) {
-                return Err(wrong(format!("joint {}: its parent is no other joint", joint.name)));
+                return Err(wrong(format!("joint {}: its parent is not another joint", joint.name)));
             }
         }
         Ok(())
@@ -135,12 +135,12 @@ pub(crate) fn within_cap(bytes: u64) -> Result<()> {
         what: "manifest.json, in bytes".into(),
         need: bytes,
         limit: MAX_MANIFEST_BYTES,
-        hint: "this is no manifest that gimage wrote",
+        hint: "gimage did not write this manifest; build the bundle again",
     })
 }
 
 pub(crate) fn unreadable(problem: String) -> Error {
-    Error::Manifest { problem, hint: "this is no readable gimage bundle; build it again" }
+    Error::Manifest { problem, hint: "this is not a readable gimage bundle; build it again" }
 }
 
 fn wrong(problem: String) -> Error {

@@ -130,7 +130,8 @@ impl<'a> Front<'a> {
                 continue;
             }
             for (b, c) in [(x, y), (y, x)] {
-                if !b.spread || c.distance <= a {
+                // C may be nearer than A and have spread: where its angle is obtuse, the way to it passes between A and B.
+                if !b.spread {
                     continue;
                 }
                 if let Some(distance) = unfold(a, b.distance, b.length, c.length, side) {

@@ -61,7 +61,7 @@ impl Labels {
         anchors.into_iter().map(|(_, anchor)| anchor).collect()
     }
 
-    /// Keeps a label if it is among the nearest, and says so. Ties go to the lower pin, so that the order of offers does
+    /// Keeps a label if it is among the nearest, and returns whether it did. Ties go to the lower pin, so that the order of offers does
     /// not matter.
     pub fn offer(&mut self, point: u32, new: Label) -> bool {
         let (start, slots) = self.range(point);

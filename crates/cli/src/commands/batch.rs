@@ -81,7 +81,7 @@ pub fn run(job: &Job, inputs: &[PathBuf]) -> Result<Exit, Failure> {
         let seconds = start.elapsed().as_secs_f64();
         let document = Document { exit: worst.code(), builds, seconds, peak_bytes: gimage::report::peak_memory() };
         job.out.json(&document).map_err(|failure| Failure {
-            message: format!("{}; the bundles are written, their report is not", failure.message),
+            message: format!("{}; the bundles were written, but their report was not", failure.message),
             ..failure
         })?;
     }

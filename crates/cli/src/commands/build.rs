@@ -55,7 +55,7 @@ pub fn run(args: &BuildArgs, out: &Output) -> Result<Exit, Failure> {
     options.check()?;
     // The main thread's stack is larger than a pool's by default; deep recursion in a decoder should not notice.
     let pool = ThreadPoolBuilder::new().num_threads(args.threads.into()).stack_size(8 << 20);
-    let pool = pool.build().map_err(|e| Failure::refused(format!("option threads: {e}; ask for fewer")))?;
+    let pool = pool.build().map_err(|e| Failure::refused(format!("option threads: {e}; request fewer")))?;
     let job = Job { args, options, pool, out };
     match args.inputs.as_slice() {
         [input] => {

@@ -83,7 +83,7 @@ fn choices(threads: usize) -> (Choice, Option<Choice>) {
     let passed = if check.passed() { "it passed its self-check" } else { "although it failed its self-check" };
     let gpu = Choice { backend: "gpu", adapter: name.clone(), reason: passed.into() };
     let auto = if device.is_software() {
-        cpu("the fastest adapter is a software one, and the CPU backend is quicker".into())
+        cpu("the fastest adapter is a software adapter, and the CPU backend is faster".into())
     } else if check.passed() {
         Choice { backend: "gpu", adapter: name, reason: passed.into() }
     } else {

@@ -84,18 +84,18 @@ impl Faults {
 }
 
 fn words(name: &str, fault: &Fault, frames: usize) -> String {
-    let hint = "give more --substeps, or smaller forces, speeds and stiffnesses";
+    let hint = "use more --substeps, or smaller forces, speeds and stiffnesses";
     let &Fault { frames: back, first, particle, lost } = fault;
     if lost > 0 {
         let what = if lost == 1 { "position is" } else { "positions are" };
         return format!(
-            "cloth '{name}': {lost} {what} not finite or farther than 1e8 m at the end, as that of particle {particle}; \
+            "cloth '{name}': {lost} {what} not finite or farther than 1e8 m away at the end, for example that of particle {particle}; \
              {hint}, or use --solver xpbd, which contains overflows"
         );
     }
     let since = first.map_or_else(String::new, |t| format!(", the first at {t:.3} s"));
     format!(
-        "cloth '{name}': {back} of {frames} frames overflowed{since}, as at particle {particle}, and were taken back: the \
+        "cloth '{name}': {back} of {frames} frames overflowed{since}, for example at particle {particle}, and were taken back: the \
          cloth stands still in them; {hint}"
     )
 }

@@ -23,7 +23,7 @@ pub fn run(args: &ReconstructArgs, out: &Output) -> Result<Exit, Failure> {
     check_file_target(&args.output, args.force)?;
     let bundle = dir::read_dir(&args.bundle).map_err(|e| Failure::bundle(&args.bundle, &e))?;
     if bundle.manifest.pieces.is_empty() {
-        return Err(Failure::refused(format!("{}: there is no piece in it", args.bundle.display())));
+        return Err(Failure::refused(format!("{}: the bundle has no piece", args.bundle.display())));
     }
     let uv: Vec<_> = (0..bundle.manifest.pieces.len()).map(|p| uv(&bundle, p)).collect();
     let views: Vec<_> = uv.iter().enumerate().map(|(p, uv)| view(&bundle, p, uv.as_deref())).collect();

@@ -62,7 +62,7 @@ fn report(
         let ms = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.4}"));
         let (name, frames) = (&args.scene.scene, times.len());
         let line = format!("{name}: {frames} frames on the {backend} ({})", engine.adapter);
-        let line = format!("{line}, ms a frame: least {}, median {}\n", ms(least), ms(median));
+        let line = format!("{line}, ms per frame: least {}, median {}\n", ms(least), ms(median));
         let chosen = chosen(options.quality, [fewest, middle, most], error);
         out.data(&(line + &chosen + &plan.to_string()))?;
         return Ok(faults.exit());

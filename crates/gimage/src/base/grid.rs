@@ -15,7 +15,7 @@ use crate::base::vec3::distance;
 /// triangles below have the winding of the source.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grid {
-    /// Texels a row.
+    /// Texels per row.
     pub width: usize,
     /// Rows.
     pub height: usize,
@@ -34,7 +34,7 @@ impl Grid {
         Self { width, height, positions, links: vec![NONE; n], pinned: vec![false; n] }
     }
 
-    /// Whether every array has one entry a texel.
+    /// Whether every array has one entry per texel.
     pub fn is_sized(&self) -> bool {
         let n = self.positions.len();
         self.width.checked_mul(self.height) == Some(n) && self.links.len() == n && self.pinned.len() == n
@@ -92,7 +92,7 @@ impl Grid {
         sets.into_representatives()
     }
 
-    /// Two triangles a quad by its shorter diagonal, measured on the stored positions; a tie goes to the one from
+    /// Two triangles per quad, split along its shorter diagonal, measured on the stored positions; a tie goes to the one from
     /// (i, j) to (i+1, j+1). Quads row by row.
     pub fn triangulate(&self) -> Vec<[u32; 3]> {
         if !self.is_sized() || self.width < 2 || self.height < 2 {

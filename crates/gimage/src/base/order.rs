@@ -11,7 +11,7 @@ use crate::base::vec3::{add, cross, dot, norm, scale, sub};
 
 /// Parts of the size that coordinates are rounded to, so that the last bits of a turned shape do not count.
 const PARTS: f64 = 1e6;
-/// A moment under this part of its bound is no direction.
+/// A moment under this share of its bound does not define a direction.
 const LEAST: f64 = 1e-4;
 
 /// Rounds positive numbers to whole parts, 2^20 to the mean: sums are exact, so that what is equal is so to the last bit,

@@ -1,4 +1,4 @@
-//! One connected component, cut loose from the rest of the mesh but knowing where it came from.
+//! One connected component, with the indices of its triangles in the mesh.
 
 /// A connected, edge-manifold surface without bow ties.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -5,7 +5,7 @@ use gimage_bundle::DisjointSets;
 use crate::base::halfedge::{Used, next, origin, sorted_edges};
 use serde::Serialize;
 
-/// What a triangle mesh is made of and what is wrong with it.
+/// Counts of the elements and the faults of a triangle mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Topology {
     /// Vertices that triangles use.

@@ -31,7 +31,7 @@ pub(super) fn nothing_left(path: &Path, mesh: &Mesh, parts: &[Component], option
     Error::Empty {
         path: path.to_path_buf(),
         problem: format!(
-            "none of {} is large enough to be a piece (the largest has {:.2} % of the area, {:.2} % are asked for)",
+            "none of {} is large enough to be a piece (the largest has {:.2} % of the area, {:.2} % are required)",
             words::counted(parts.len(), "loose part", "loose parts"),
             100.0 * largest / all,
             100.0 * options.component.accessory_area
@@ -53,7 +53,7 @@ pub(super) fn resolution(mesh: &Mesh) -> Option<Finding> {
         count: 1,
         examples: vec![format!("coordinates up to {far:.3e} m, diagonal {diagonal:.3e} m")],
         message: format!(
-            "The garment is so far from the origin that 32-bit positions are steps of {step:.1e} m; use --center, or move \
+            "The garment is so far from the origin that 32-bit positions are rounded to {step:.1e} m; use --center, or move \
              it to the origin."
         ),
     })
@@ -66,9 +66,14 @@ pub(super) fn split_up(families: &[Family<'_>]) -> Option<Finding> {
         stage: "image",
         kind: "split",
         count: families.len() as u64,
-        examples: families.iter().take(MAX_EXAMPLES).map(|f| format!("{} in {} parts", f.whole.name, f.count)).collect(),
-        message: "One image does not hold these surfaces at this size: each is several pieces with welded seams between them."
-            .into(),
+        examples: families
+            .iter()
+            .take(MAX_EXAMPLES)
+            .map(|f| format!("{} in {} parts", f.whole.name, f.count))
+            .collect(),
+        message:
+            "One image cannot hold these surfaces at this size; each became several pieces, joined by welded seams."
+                .into(),
     })
 }
 
@@ -83,7 +88,7 @@ pub(super) fn set_apart(riders: &[Rider<'_>]) -> Option<Finding> {
             .take(MAX_EXAMPLES)
             .map(|r| format!("{} ({}): {}", r.component.name, words::triangles(r.component.triangles.len()), r.reason))
             .collect(),
-        message: "Parts that are no cloth get no image and ride on the nearest piece.".into(),
+        message: "Parts that are too small to be cloth get no image and ride on the nearest piece.".into(),
     })
 }
 
@@ -99,7 +104,7 @@ pub(super) fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
     };
     let mut out = Vec::new();
     if !image.closed {
-        let text = "The image does not weld to a surface of the piece's own topology; give it more texels.";
+        let text = "The image does not weld to a surface with the topology of the piece; use more texels.";
         out.push(one(Severity::Warning, "topology", 1, text));
     }
     let texels = image.width * image.height;
@@ -115,34 +120,31 @@ pub(super) fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
         });
     }
     if image.moved > 0 {
-        let text =
-            "Texels beside the end of a cut were sampled a fraction of a texel further in, so that the image welds.";
+        let text = "Texels beside the end of a cut were sampled a fraction of a texel farther inside, so that the image welds.";
         out.push(one(Severity::Note, "moved-texels", image.moved, text));
     }
     match image.fit {
         Some(FitRecord::Failed) => {
             let text =
-                "The least-squares fit broke down; the texels lie where they were sampled. Give other texel counts.";
+                "The least-squares fit failed, and point sampling is used instead. Try another number of texels.";
             out.push(one(Severity::Warning, "fit-failed", 1, text));
         }
         Some(FitRecord::Dropped) => {
-            let text =
-                "The least-squares fit did not come closer than sampling; the texels lie where they were sampled.";
+            let text = "The least-squares fit was no closer than point sampling, which is used instead.";
             out.push(one(Severity::Note, "fit-dropped", 1, text));
         }
         Some(FitRecord::Kept(back)) if back > 0 => {
-            let text = "Texels that the fit moved too far lie where they were sampled.";
+            let text = "Texels that the fit moved too far were reset to their sampled points.";
             out.push(one(Severity::Note, "fit-restrained", back, text));
         }
         _ => {}
     }
     let p = &image.parameterize;
     if p.newton.steps == 0 && !p.newton.converged {
-        let text = "The minimiser could not proceed; the flip-free start stands.";
+        let text = "The minimiser made no progress; the flip-free initial map is used.";
         out.push(one(Severity::Warning, "start-kept", 1, text));
     } else if p.newton.capped {
-        let text =
-            "The minimiser stopped at its cap of work while the map still improved; fewer triangles get further.";
+        let text = "The minimiser reached its work limit while the map still improved; a mesh with fewer triangles converges further.";
         out.push(one(Severity::Note, "work-cap", 1, text));
     } else if !p.newton.converged {
         let text = "The minimiser stopped before it converged; the map is flip-free but could be less distorted.";

@@ -106,7 +106,7 @@ pub(super) fn images(
 enum Share {
     /// An exact size, whatever the area.
     Exact,
-    /// So many texels.
+    /// A number of texels.
     Texels(u32),
     /// Too few for an image.
     TooSmall,
@@ -156,7 +156,7 @@ fn make(mesh: &Mesh, component: &Component, total: f64, share: Share, options: &
     let mut image = image(&component.name, &surface, seam.as_deref(), &image_options);
     // The last rung of the ladder: where one image does not hold the surface at its size, or comes out poor.
     let fits = |i: &PieceImage, b: u32| i.closed && f64::from(i.width * i.height) <= TOO_LARGE * f64::from(b);
-    // Stretch alone is no reason: parts of a needle are needles.
+    // Stretch alone does not count: parts of a needle are needles.
     let good = |i: &PieceImage, b: u32| fits(i, b) && is_sound(&i.verdict);
     if let Some(b) = texels.filter(|&b| image.as_ref().map_or(true, |i| !good(i, b))) {
         let parts = image_parts(&component.name, &surface, seam.as_deref(), &image_options, b).ok();

@@ -312,7 +312,7 @@ pub(crate) struct Measured {
     area: f64,
 }
 
-/// Samples a side for the whole garment; a piece gets its share, and no fewer than [`LEAST_SAMPLES`].
+/// Samples per side for the whole garment; a piece gets its share, and no fewer than [`LEAST_SAMPLES`].
 const SAMPLES: f64 = 200_000.0;
 const LEAST_SAMPLES: usize = 5_000;
 

@@ -1,4 +1,4 @@
-//! Tells the pieces of a garment from its accessories, by connectedness and area.
+//! Separates the pieces of a garment from its accessories, by connectedness and area.
 
 mod names;
 mod topology;
@@ -11,7 +11,7 @@ use crate::base::surface::Surface;
 use crate::base::words;
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 
-/// How components are told apart.
+/// Options of [`split`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComponentOptions {
     /// Components under this share of the total area are accessories, 0..=[`ALWAYS_PIECE`], default 0.01. Larger makes
@@ -50,19 +50,19 @@ pub struct Component {
     pub bounds: ([f64; 3], [f64; 3]),
 }
 
-/// A mesh, told apart.
+/// The components of a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Split {
-    /// What becomes images: the largest area first, equal areas by their first triangle. Empty if no component is large
-    /// enough, or nothing has any area; a finding `no-piece` then says so.
+    /// Components that become images: the largest area first, equal areas by their first triangle. Empty if no component is large
+    /// enough, or nothing has any area; a finding `no-piece` then reports it.
     pub pieces: Vec<Component>,
-    /// What is too small, in the same order. Empty if nothing has any area.
+    /// Components that are too small, in the same order. Empty if nothing has any area.
     pub accessories: Vec<Component>,
-    /// What the user should know.
+    /// Findings for the user.
     pub findings: Vec<Finding>,
 }
 
-/// Tells the components of a repaired mesh apart. O(n log n).
+/// Splits a repaired mesh into its components. O(n log n).
 pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
     let mut found = topology::components(mesh);
     found.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.triangles[0].cmp(&b.triangles[0])));
@@ -108,8 +108,8 @@ fn finding(severity: Severity, kind: &'static str, count: usize, examples: Vec<S
     Finding { severity, stage: "component", kind, count: count as u64, examples, message }
 }
 
-/// Cuts a component loose. Vertices come in the order of their places on the shape ([`crate::base::order`]) and triangles in that
-/// of their vertices, so that what is made of the surface depends neither on the order of the file nor on how the shape
+/// Extracts a component as a surface. Vertices come in the order of their places on the shape (`base/order.rs`) and
+/// triangles in that of their vertices, so that what is made of the surface depends neither on the order of the file nor on how the shape
 /// stands. O(n log n) in the component, O(n) in the mesh's vertices.
 pub fn extract(mesh: &Mesh, component: &Component) -> Surface {
     let mut used: Vec<u32> = component.triangles.iter().flat_map(|&t| mesh.triangles[t as usize]).collect();

@@ -104,7 +104,7 @@ fn fixed_size(maker: &Maker<'_>, mut cuts: maker::Cuts, width: u32, height: u32)
                 let (min_width, min_height) = (w, h);
                 return Err(Error::GridTooSmall { piece: maker.name.to_owned(), width, height, min_width, min_height });
             }
-            // A large image that does not weld is no matter of size.
+            // A large image that does not weld will not weld at a larger size either.
             Ok(image) if more == 0 && width.min(height) > 2 * MAX_SHORT => return Ok(image),
             Err(e) if more == MAX_SHORT => return Err(e),
             _ => {}

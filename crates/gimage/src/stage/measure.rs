@@ -1,4 +1,4 @@
-//! How well an image stands for the mesh it was made from: distances both ways, normals and folds.
+//! Measures how close an image is to its source mesh: distances in both directions, normals and folds.
 //!
 //! Samples are spread evenly over both surfaces; maxima also take every vertex. Where triangles overlap so much that a
 //! query is expensive (a crumpled sheet, a soup), fewer samples are taken, and fewer vertices: the work has a limit, which

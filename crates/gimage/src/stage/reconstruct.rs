@@ -1,4 +1,4 @@
-//! The surface back from the images: grids to one welded triangle mesh.
+//! Converts grids back to one welded triangle mesh.
 
 use gimage_bundle::DisjointSets;
 
@@ -13,7 +13,7 @@ use std::ops::Range;
 pub struct PieceView<'a> {
     /// Its name.
     pub name: &'a str,
-    /// Texels a row.
+    /// Texels per row.
     pub width: usize,
     /// Rows.
     pub height: usize,

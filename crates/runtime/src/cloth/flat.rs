@@ -18,7 +18,7 @@ pub struct Flat {
     pub right: [f32; 3],
     /// The whole first column as a vector \[m\].
     pub down: [f32; 3],
-    /// Mass of the whole cloth \[kg\], shared out equally.
+    /// Mass of the whole cloth \[kg\], distributed equally.
     pub mass: f32,
 }
 
@@ -29,7 +29,7 @@ impl Flat {
         Flat { name: name.into(), width: n, height: n, origin: [0.0; 3], right, down, mass: 0.2 }
     }
 
-    /// Makes the cloth: structural and shear springs as long as the grid is wide, so constants, all particles free.
+    /// Makes the cloth: structural and shear springs with the spacing of the grid as rest lengths, all particles free.
     /// Errors as [`Cloth::new`], and on sides or a mass that are not above 0.
     pub fn cloth(&self) -> Result<Cloth> {
         let side = |v: [f32; 3]| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();

@@ -1,4 +1,4 @@
-//! Which anchors belong together, and which texels are one point: what tethers are found anew by after a cut.
+//! Which anchors belong together, and which texels are one point: the input from which tethers are updated after a cut.
 
 use super::{Cloth, Tethers};
 

@@ -7,7 +7,7 @@ use super::{Cloth, Rest};
 impl Cloth {
     /// Up to `most` (at most [`gimage_bundle::MAX_ANCHORS`]) anchors of every particle: the nearest pins of the nearest
     /// groups of pins, with geodesic distances \[m\] at rest. Those of the bundle where they are enough and pins have not
-    /// changed since, else found anew from the present pins and rest lengths as [`gimage_bundle::tethers`] does, which
+    /// changed since, else recomputed from the present pins and rest lengths as [`gimage_bundle::tethers`] does, which
     /// takes about 2 microseconds a particle and anchor.
     pub fn tethers(&self, most: usize) -> Tethers {
         if let Some(stored) = self.stored_tethers().filter(|t| most <= t.per_particle) {
@@ -87,7 +87,7 @@ mod tests {
             let mut bundle = bundle();
             bundle.images.get_mut(&(0, MapKind::Tether)).unwrap().data[3 * 24 + 1] = anchor;
             let cloth = Cloth::from_bundle("p", &bundle).unwrap();
-            // A free particle is no anchor; an index that is none of the bundle's counts as without anchor.
+            // A free particle cannot be an anchor; an index outside the bundle counts as no anchor.
             assert_eq!(cloth.stored_tethers().is_some(), anchor != 1.0, "{anchor}");
         }
     }

@@ -25,7 +25,7 @@ pub struct Aligned<T: Real> {
 }
 
 impl<T: Real> Aligned<T> {
-    /// So many zeros.
+    /// `len` zeros.
     pub fn zeros(len: usize) -> Self {
         Aligned { blocks: vec![T::Block::zeroed(); len.div_ceil(LANES)], len }
     }

@@ -1,7 +1,7 @@
 //! Twin of shaders/part/aside.wgsl: a way out for springs that have almost no length.
 //!
 //! Springs push along themselves. A heap of particles in one plane, on one line or at one point can then never leave it, and
-//! trembles for ever, as its springs cannot all have their lengths there. A push aside too small to be seen is enough, and
+//! trembles forever, as its springs cannot all have their lengths there. A push aside too small to be seen is enough, and
 //! one by springs to the right is: the others then have a length. So it costs a comparison in every fourth spring.
 
 use super::real::{Real, V3};

@@ -133,7 +133,7 @@ impl<T: Real> Body<T> {
         (&mut self.now, &mut self.before)
     }
 
-    /// Share of its rest length by which a hard diagonal may move its ends from here on; 0 is no bound.
+    /// Share of its rest length by which a hard diagonal may move its ends from here on; 0 means no bound.
     pub fn bound_diagonals(&mut self, bound: T) {
         if let Some(fabric) = &mut self.fabric {
             fabric.bound_diagonals(bound);

@@ -1,4 +1,4 @@
-//! Twin of shaders/cut_levels.wgsl: after a cut the coarser grids are made anew from the springs that are left.
+//! Twin of shaders/cut_levels.wgsl: after a cut the coarser grids are rebuilt from the springs that are left.
 
 use super::pyramid::Pyramid;
 use super::real::Real;

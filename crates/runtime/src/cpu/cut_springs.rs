@@ -4,7 +4,7 @@ use super::neighbours::View;
 use super::real::Real;
 use super::rows::Threads;
 
-/// Sets to 0, which is no spring, the lengths of the springs of one grid that are an edge of a triangle that is cut
+/// Sets to 0, which means no spring, the lengths of the springs of one grid that are an edge of a triangle that is cut
 /// away, or that cross it in its quad.
 pub fn run<T: Real>(threads: &Threads, view: View<T>, rest: &mut [[T; 4]]) {
     threads.chunks(rest, view.width, |j, row| {

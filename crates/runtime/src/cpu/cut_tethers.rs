@@ -10,7 +10,7 @@ use super::route::{Held, UNSUPPORTED, far};
 /// Follows a cut that has changed rest lengths from `old` to `rest`; says whether any tether has changed.
 ///
 /// First those go whose way is no longer there, and all whose way led by them; then they take the shortest way that is
-/// left, nearest first. What is reached from no pin has no tether.
+/// left, nearest first. A particle that no pin reaches has no tether.
 pub fn run<T: Real>(held: &mut Held<T>, old: &[[T; 4]], rest: &[[T; 4]]) -> bool {
     let lost = doubt(held, old, rest);
     lengthen(held, rest, &lost);

@@ -83,7 +83,7 @@ impl<T: Real> Fabric<T> {
         (g as u32, self.sheets[g].triple(k - self.firsts[g]) as u32)
     }
 
-    /// Takes over the tethers, so many a particle: the pin and the distance \[m\] of each, by particle and slot.
+    /// Takes over the tethers, `slots` per particle: the pin and the distance \[m\] of each, by particle and slot.
     pub fn hold(&mut self, slots: usize, held: impl Fn(usize) -> Option<(u32, T)>) {
         let count: usize = self.sheets.iter().map(|s| s.width * s.height).sum();
         let mut order: Vec<u32> = (0..count * slots).filter_map(|t| Some(held(t)?.0)).collect();
@@ -107,7 +107,7 @@ impl<T: Real> Fabric<T> {
         for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
             let range = *first..first + sheet.width * sheet.height;
             sheet.load(&now[range.clone()], &before[range]);
-            // What is no number where there is no particle would still be one times a weight of 0.
+            // A NaN in a texel without a particle would stay NaN when multiplied by a weight of 0.
             let gaps = (0..sheet.width * sheet.height).filter(|k| now[first + k][3] < T::of(0.0));
             if !self.plates.is_empty() {
                 gaps.for_each(|k| sheet.put(sheet.triple(k), [T::of(0.0); 3]));
@@ -135,7 +135,7 @@ impl<T: Real> Fabric<T> {
         }
     }
 
-    /// Makes the coarser grids anew from rest lengths \[m\] by texels, after a cut.
+    /// Rebuilds the coarser grids from rest lengths \[m\] by texels, after a cut.
     pub fn cut_levels(&mut self, image: &[[T; 4]]) {
         for ((pyramid, sheet), first) in self.pyramids.iter_mut().zip(&self.sheets).zip(&self.firsts) {
             let range = *first..first + sheet.width * sheet.height;
@@ -236,7 +236,7 @@ impl<T: Real> Fabric<T> {
         }
     }
 
-    /// Where the anchors are. What is no longer pinned holds nothing: no distance to a place that is no number is too large.
+    /// Where the anchors are. A particle that is no longer pinned holds nothing: its place is NaN, and no distance to NaN is too large.
     fn anchors(&self) -> Vec<V3<T>> {
         let of = |&(g, at): &(u32, u32)| {
             let sheet = &self.sheets[g as usize];
@@ -306,7 +306,24 @@ impl<T: Real> Fabric<T> {
                 self.sheets.iter_mut().for_each(|s| contact::run(threads, s, &posed, step.dt));
             }
             // Passes of the classic solver, and those of a frame, which are made from texels.
-            _ => {}
+            Pass::Springs { .. }
+            | Pass::Colliders(_)
+            | Pass::Guard
+            | Pass::Restore
+            | Pass::Normals { .. }
+            | Pass::SeamNormals
+            | Pass::Speed
+            | Pass::Fastest
+            | Pass::Strain { .. }
+            | Pass::Tile(_)
+            | Pass::Fused(_)
+            | Pass::Cut
+            | Pass::CutSprings
+            | Pass::CutTethers { .. }
+            | Pass::CutLevels
+            | Pass::Transform
+            | Pass::Pick { .. }
+            | Pass::PickNearest => {}
         }
     }
 

@@ -7,7 +7,7 @@ pub fn run<T: Real>(partial: &[T]) -> T {
     partial.iter().fold(T::of(0.0), |far, p| larger(far, *p))
 }
 
-/// The larger number; what is no number or infinite counts as fast.
+/// The larger number; NaN and infinity count as fast.
 pub fn larger<T: Real>(a: T, b: T) -> T {
     let fast = T::of(3e38);
     let tame = |x: T| if x < fast { x } else { fast };

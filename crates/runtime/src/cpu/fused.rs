@@ -13,7 +13,7 @@ pub struct Frame<'a, T> {
     pub plan: &'a Schedule,
     /// Steps.
     pub steps: u32,
-    /// Relaxations a step.
+    /// Relaxations per step.
     pub rounds: u32,
     /// Whether a step has the passes on coarser grids.
     pub coarse: &'a dyn Fn(u32) -> bool,

@@ -1,4 +1,4 @@
-//! Twin of shaders/guard.wgsl: particles whose place is no number or out of all bounds.
+//! Twin of shaders/guard.wgsl: particles whose position is NaN or out of bounds.
 
 use super::real::Real;
 
@@ -8,7 +8,7 @@ pub const FARTHEST: f64 = 1e8;
 /// How many there are, and the last of them.
 pub fn run<T: Real>(now: &[[T; 4]]) -> Option<(usize, usize)> {
     let most = T::of(FARTHEST);
-    // Comparisons with what is no number are false.
+    // Comparisons with NaN are false.
     // Nearly always none is at fault, which is quicker to see without a branch for each.
     let fault =
         |p: &[T; 4]| (p[3] >= T::of(0.0)) & !((p[0].abs() <= most) & (p[1].abs() <= most) & (p[2].abs() <= most));

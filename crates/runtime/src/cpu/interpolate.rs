@@ -22,7 +22,7 @@ pub struct Parted {
 }
 
 impl Parted {
-    /// From the links of a grid of so many columns.
+    /// From the links of a grid of `width` columns.
     pub fn new(links: &[u8], width: usize) -> Self {
         if links.iter().all(|l| *l == ALL) {
             return Parted::default();
@@ -54,7 +54,7 @@ pub fn interpolate<T: Real>(
             let between = odd[c].iter_mut().zip(means.windows(2)).take((width - 1) / 2);
             between.for_each(|(x, ends)| *x = half_of * (ends[0] + ends[1]));
             if width % 2 == 0 {
-                // The last column is a node. It is no even one.
+                // The last column is a node, although it is odd.
                 odd[c][width / 2 - 1] = means[nodes - 1];
                 means[nodes - 1] = T::of(0.0);
             }

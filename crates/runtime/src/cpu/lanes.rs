@@ -42,7 +42,7 @@ pub trait Machine<T: Real>: Copy {
     /// Whether the mask is set anywhere.
     fn any(self, mask: Self::M) -> bool;
 
-    /// The larger one; b where a is no number.
+    /// The larger one; b where a is NaN.
     #[inline(always)]
     fn most(self, a: Self::V, b: Self::V) -> Self::V {
         self.choose(self.above(a, b), a, b)

@@ -7,7 +7,7 @@ use super::sheet::{Sheet, planes};
 
 /// The cells of a sheet.
 pub struct Cells<T> {
-    /// Inverses of the rest shapes of two triangles by columns, in the layout of [`Sheet::w`]; 0 is no triangle. The sign
+    /// Inverses of the rest shapes of two triangles by columns, in the layout of [`Sheet::w`]; 0 means no triangle. The sign
     /// of their determinants says which diagonal divides the cell: down-right, or up-right where it is negative.
     pub inverse: [Vec<T>; 8],
     /// One over the stiffness along the weft, along the warp, and in shear \[m/N\].
@@ -189,7 +189,7 @@ fn triangle<T: Real, K: Machine<T>>(
     [moved(k, a, u, v, n[0], m[0], there), moved(k, b, u, v, n[1], m[1], there), moved(k, c, u, v, n[2], m[2], there)]
 }
 
-/// Where there is no triangle the factors are 0, but what they multiply may be no number.
+/// Where there is no triangle the factors are 0, but the numbers that they multiply may be NaN.
 #[inline(always)]
 fn moved<T: Real, K: Machine<T>>(
     k: K,

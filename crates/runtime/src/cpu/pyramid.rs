@@ -31,7 +31,7 @@ struct Level<T: Real> {
 }
 
 impl<T: Real> Pyramid<T> {
-    /// Room for levels above a grid of so many columns.
+    /// Room for levels above a grid of `width` columns.
     pub fn new<U: Real>(grids: &[LevelGrid<U>], width: usize) -> Self {
         let mut below = width;
         let level = |g: &LevelGrid<U>| {

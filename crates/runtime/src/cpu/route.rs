@@ -8,7 +8,7 @@ pub struct Held<T> {
     grids: Vec<Grid>,
     /// The next duplicate of every texel.
     mates: Vec<u32>,
-    /// Tethers a particle.
+    /// Tethers per particle.
     pub slots: usize,
     /// By particle and slot: a group of pins, any of which will do.
     pub groups: Vec<u32>,

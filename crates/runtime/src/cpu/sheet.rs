@@ -117,7 +117,7 @@ impl<T: Real> Sheet<T> {
 
     /// Positions from texels.
     pub fn load(&mut self, now: &[[T; 4]], before: &[[T; 4]]) {
-        // Past the last column too: what is no number there would come back.
+        // Past the last column too: a NaN there would spread.
         self.now.fill(T::of(0.0));
         self.before.fill(T::of(0.0));
         self.lost.fill(T::of(0.0));

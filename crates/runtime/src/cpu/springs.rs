@@ -48,7 +48,7 @@ fn each<T: Real>(a: &mut [[T; 4]], b: &mut [[T; 4]], length: impl Fn(usize) -> T
 }
 
 /// Moves both ends along the spring to its rest length, in proportion to their inverse masses w: w1 / (w1 + w2) is the
-/// responsiveness of the first. A length of 0 is no spring; w < 0 is no particle.
+/// responsiveness of the first. A length of 0 means no spring; w < 0 means no particle.
 #[inline]
 fn relax<T: Real>(a: &mut [T; 4], b: &mut [T; 4], length: T) {
     let sum = a[3] + b[3];

@@ -9,13 +9,13 @@ use super::sheet::{Sheet, Values, planes};
 
 /// The springs of one direction.
 pub struct Springs<T> {
-    /// Rest lengths \[m\]; 0 is no spring.
+    /// Rest lengths \[m\]; 0 means no spring.
     pub rest: Values<T>,
     /// Compliance \[m/N\].
     pub soft: Values<T>,
     /// Sums of multipliers of this step; empty until there is more than one relaxation and any compliance.
     pub sums: Vec<T>,
-    /// Share of its rest length by which a hard diagonal may move its ends; 0 is no bound. It depends on the step.
+    /// Share of its rest length by which a hard diagonal may move its ends; 0 means no bound. It depends on the step.
     pub bound: T,
 }
 
@@ -150,7 +150,7 @@ struct End<'a, T> {
 }
 
 impl<'a, T: Real> Spring<'a, T> {
-    /// Hard ones, of a sheet of so many columns and numbers in half a row.
+    /// Hard ones, of a sheet of `width` columns with `half` numbers in half a row.
     pub fn of((width, half): (usize, usize), alike: &'a [T], springs: &'a Springs<T>) -> Self {
         let columns = [width.div_ceil(2), width / 2, (width - 1) / 2];
         let Springs { rest, soft, bound, .. } = springs;

@@ -78,7 +78,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
     }
 }
 
-/// Rows of a sheet of so many columns and numbers in half a row; their weights are those of `w` from `first` on.
+/// Rows of a sheet, given its columns and the numbers in half a row; their weights are those of `w` from `first` on.
 #[inline(always)]
 pub fn draw<T: Real, K: Machine<T>>(
     k: K,
@@ -100,7 +100,7 @@ pub fn draw<T: Real, K: Machine<T>>(
     }
 }
 
-/// So many particles, even columns or odd ones.
+/// A run of particles, in even columns or in odd ones.
 #[inline(always)]
 fn list<T: Real, K: Machine<T>>(
     k: K,

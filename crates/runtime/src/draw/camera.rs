@@ -6,11 +6,11 @@ use crate::error::{Result, check};
 /// A camera that keeps +y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it stands \[m\].
+    /// Its position \[m\].
     pub eye: [f32; 3],
-    /// What it looks at \[m\]; not where it stands, nor straight above or below.
+    /// The point that it looks at \[m\]; not its position, nor straight above or below it.
     pub target: [f32; 3],
-    /// Angle \[rad\] from the lower to the upper edge of the picture, 0.01 to 3; larger shows more, smaller.
+    /// Vertical field of view \[rad\], 0.01 to 3.
     pub fov: f32,
 }
 
@@ -18,7 +18,7 @@ pub struct Camera {
 const MARGIN: f32 = 1.06;
 
 impl Camera {
-    /// Refuses numbers that make no picture.
+    /// Refuses values that do not give a picture.
     pub fn check(&self) -> Result<()> {
         for x in [self.eye, self.target].as_flattened() {
             check("the place of the camera [m]", f64::from(*x), "finite", |_| true)?;
@@ -46,7 +46,7 @@ impl Camera {
     }
 }
 
-/// What a picture is made with: the camera as a matrix, or a host's own.
+/// The view of a picture: the matrix of a camera, or of the host.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// From the world to clip space, column by column; x right, y up, depth 0 to 1 (or 1 to 0, see `Target`).

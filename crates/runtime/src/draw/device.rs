@@ -14,7 +14,7 @@ use crate::cloth::Cloth;
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
 use crate::gpu::Span;
-use crate::gpu::layout::GridRow;
+use crate::layout::GridRow;
 use crate::shaders::Slot;
 use crate::stepper::Stepper;
 
@@ -25,7 +25,7 @@ pub struct Target {
     pub color: wgpu::TextureFormat,
     /// Format of the depth attachment and when a fragment is in front: `Less`, or `Greater` for reversed depth.
     pub depth: Option<(wgpu::TextureFormat, wgpu::CompareFunction)>,
-    /// Samples a pixel, 1 or 4.
+    /// Samples per pixel, 1 or 4.
     pub samples: u32,
 }
 
@@ -96,7 +96,7 @@ impl Draw {
     }
 
     /// Draws every cloth, between its last two steps by `fraction` (see [`crate::Progress`]), and every collider. One
-    /// draw a grid and one a collider; uploads 160 bytes a cloth and 48 bytes a collider. Up to 256 cloths and
+    /// draw a grid and one a collider; uploads 160 bytes per cloth and 48 bytes a collider. Up to 256 cloths and
     /// collider sets can be drawn before the encoder is submitted. Errors on a stepper without a device and on texture
     /// coordinates that do not fit their cloth.
     pub fn record(&mut self, pass: &mut wgpu::RenderPass, stepper: &Stepper, view: &View, fraction: f32) -> Result<()> {

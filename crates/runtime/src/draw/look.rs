@@ -1,4 +1,4 @@
-//! What cloths and colliders look like.
+//! The appearance of cloths and colliders.
 
 use gimage_bundle::{Bundle, MapKind};
 
@@ -9,7 +9,7 @@ pub struct Look {
     pub front: [f32; 3],
     /// The other side.
     pub back: [f32; 3],
-    /// Texture coordinates, one pair a particle; `None` costs no buffer.
+    /// Texture coordinates, one pair per particle; `None` needs no buffer.
     pub uv: Option<Vec<[f32; 2]>>,
     /// Tiles in one unit of the texture coordinates, and how much darker every other tile is, 0 to 1. Without
     /// coordinates there is no pattern.
@@ -45,7 +45,7 @@ impl Look {
     }
 }
 
-/// The texture coordinates of a bundle, one pair a particle; `None` if no piece has any. Pieces without have (0, 0).
+/// The texture coordinates of a bundle, one pair per particle; `None` if no piece has any. Pieces without have (0, 0).
 pub fn uv_of(bundle: &Bundle) -> Option<Vec<[f32; 2]>> {
     let mut all = Vec::new();
     let mut any = false;

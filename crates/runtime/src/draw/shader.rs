@@ -71,7 +71,7 @@ mod tests {
 
     use super::*;
     use crate::draw::rows::{BodyRow, ViewRow};
-    use crate::gpu::layout::GridRow;
+    use crate::layout::GridRow;
 
     macro_rules! rust {
         ($t:ty: $($field:ident),*) => {

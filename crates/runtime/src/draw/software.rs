@@ -1,4 +1,4 @@
-//! The same pictures on the CPU, for machines without an adapter. Four samples a pixel, each lit by itself.
+//! The same pictures on the CPU, for machines without an adapter. Four samples per pixel, each lit by itself.
 
 use std::collections::HashMap;
 

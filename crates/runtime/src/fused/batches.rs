@@ -6,7 +6,7 @@ use crate::options::{Options, Solver};
 use crate::passes::soft_of;
 use crate::world::World;
 
-/// So many cloths that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
+/// From this number of cloths on, those that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
 /// device idle.
 const MANY: usize = 16;
 /// Relaxations of a frame: longer ones run in separate passes, as a device may take a dispatch that does not end for lost.
@@ -27,7 +27,7 @@ pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Option
         let soft = soft_of(cloth);
         let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some());
         let kind = (image, rings, soft, slots(index), fabric);
-        // No other buffer has more bytes a particle.
+        // No other buffer has more bytes per particle.
         let wide = if cloth.membrane().is_some() { 4 } else { 2 };
         let bytes = room_of(cloth.len()) as u64 * 8 * (slots(index) as u64).max(wide);
         let fits = |a: &&mut (_, u64, Vec<usize>)| a.0 == kind && a.1 + bytes <= room.bytes;
@@ -71,14 +71,14 @@ impl World {
         }
     }
 
-    /// Whether a cloth runs fused in a frame of so many steps.
+    /// Whether a cloth runs fused in a frame of `steps` steps.
     pub fn is_fused(&self, cloth: usize, steps: u32) -> bool {
         let Options { iterations, polish, .. } = self.options;
         let short = steps.saturating_mul(iterations).saturating_mul(polish + 1) <= LONGEST;
         short && self.fused.get(cloth).is_some_and(Option::is_some)
     }
 
-    /// The dispatches of a frame of so many steps, for the cloths that are awake.
+    /// The dispatches of a frame of `steps` steps, for the cloths that are awake.
     pub fn batches(&self, steps: u32) -> Vec<Batch> {
         let mut batches: Vec<Batch> = Vec::new();
         for (arena, cloths) in self.arenas.iter().enumerate() {

@@ -69,10 +69,9 @@ impl Gpu {
         more: &[(Slot, &wgpu::Buffer)],
         [x, y, z]: [u32; 3],
     ) {
-        let source = source(what);
-        let pipeline = self.pipelines.get(&self.device, what, &source);
+        let pipeline = self.pipelines.get(what);
         self.cloths[cloth].separate(&self.device, world, cloth);
-        let group = self.cloths[cloth].bind(&self.device, pipeline, &source, more);
+        let group = self.cloths[cloth].bind(&self.device, pipeline, more);
         pass.set_pipeline(&pipeline.pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.dispatch_workgroups(x, y, z);

@@ -6,13 +6,13 @@ use bytemuck::Zeroable;
 use wgpu::{Buffer, BufferUsages};
 
 use super::buffers::{DRAWN, Spans, bend_rows, grid_rows, soft_row, upload, yielding_row};
-use super::layout::{JobRow, StepRow};
 use super::pipelines::Pipeline;
 use super::span::Span;
 use crate::cloth::{Compliance, Rest};
 use crate::cpu::body::Body;
 use crate::fused::{Batch, Fused, room_of};
-use crate::shaders::{Slot, Source};
+use crate::layout::{JobRow, StepRow};
+use crate::shaders::Slot;
 use crate::world::World;
 
 /// Distance of the faults of two cloths \[u32\]; that of bindings.
@@ -140,8 +140,8 @@ impl Arena {
         })
     }
 
-    /// Grids with the bounds of diagonals that steps have now. What is recorded with the last ones may not have been submitted
-    /// yet: they stay as they are.
+    /// Grids with the bounds of diagonals that steps have now. Recorded frames that use the last ones may not have been submitted
+    /// yet, so the last ones stay as they are.
     fn follow(&mut self, device: &wgpu::Device, world: &World) {
         let dt = world.clock.dt;
         let cloths = || self.cloths.iter().map(|c| &world.scene.cloths[*c]);
@@ -162,7 +162,7 @@ impl Arena {
         device: &wgpu::Device,
         world: &World,
         batch: &Batch,
-        (pipeline, source): (&Pipeline, &Source),
+        pipeline: &Pipeline,
         (solids, frames): (&Buffer, &Buffer),
     ) -> &wgpu::BindGroup {
         self.follow(device, world);
@@ -170,7 +170,7 @@ impl Arena {
         let same = |r: &Ready| r.rows == rows && r.solids == *solids && r.frames == *frames;
         if !self.ready.get(&batch.fused).is_some_and(same) {
             let scratch = |b: &&crate::shaders::Bound| matches!(b.slot, Slot::Sums | Slot::Moments);
-            for slot in source.bindings.iter().filter(scratch).map(|b| b.slot) {
+            for slot in pipeline.source.bindings.iter().filter(scratch).map(|b| b.slot) {
                 let numbers = self.buffers[&Slot::Now].size() as usize / 4;
                 let new = || upload(device, slot.name(), &vec![0f32; numbers], BufferUsages::empty());
                 self.buffers.entry(slot).or_insert_with(new);
@@ -187,7 +187,7 @@ impl Arena {
                 let binding = wgpu::BufferBinding { buffer: buffer(slot)?, offset: 0, size };
                 Some(wgpu::BindGroupEntry { binding: slot as u32, resource: wgpu::BindingResource::Buffer(binding) })
             };
-            let entries: Vec<_> = source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
+            let entries: Vec<_> = pipeline.source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
             let layout = &pipeline.layout;
             let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("fused"),
@@ -210,5 +210,5 @@ impl Arena {
 
 /// Bytes of the numbers of a frame.
 pub(super) const fn slot_size() -> u64 {
-    size_of::<super::layout::FrameRow>() as u64
+    size_of::<crate::layout::FrameRow>() as u64
 }

@@ -11,11 +11,11 @@ use crate::cpu::body::Body;
 use crate::cpu::stretch::UNBOUNDED;
 use crate::error::{Error, Result};
 use crate::gpu::cut_tethers;
-use crate::gpu::layout::{GridRow, StepRow};
 use crate::gpu::levels;
 use crate::gpu::pipelines::Pipeline;
 use crate::gpu::span::Span;
 use crate::gpu::turns;
+use crate::layout::{GridRow, StepRow};
 use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
 use crate::passes::{Soft, has_levels, soft_of};
@@ -24,11 +24,11 @@ use crate::world::World;
 
 /// Distance of the numbers of two steps: the largest alignment that a device may ask for.
 const STEP_STRIDE: u32 = 256;
-/// A frame takes up to two, or [`super::layout::POSES`] where colliders move; so many can be recorded before the first submission.
+/// A frame takes up to two, or [`crate::layout::POSES`] where colliders move; this number can be recorded before the first submission.
 const STEPS: u32 = 1024;
 
-/// What a vertex shader reads of a cloth: arrays of vec4<f32>, a particle each, in buffers for storage and vertices, which
-/// cloths may share.
+/// The buffers of a cloth for a vertex shader: arrays of vec4<f32>, one per particle, in buffers for storage and vertices
+/// that cloths may share.
 pub struct ClothBuffers {
     /// Positions \[m\] now; w is 1/mass, 0 for pinned, -1 for no particle.
     pub now: Span,
@@ -41,7 +41,7 @@ pub struct ClothBuffers {
     /// (i + 1, j + 1), bit 1 is (i, j), (i + 1, j + 1), (i + 1, j). A quad of three particles has one, bit 0.
     pub holes: Option<Span>,
     /// Eight u32 in a buffer for storage: particles at fault in the last frame, frames taken back, one more than the last
-    /// particle at fault, and what is of no use to a host. None for the classic solver and where the CPU steps.
+    /// particle at fault, and what is unused to a host. None for the classic solver and where the CPU steps.
     pub faults: Option<Span>,
     good: Option<Span>,
     pub(super) lost: Option<Span>,
@@ -81,7 +81,7 @@ impl ClothBuffers {
     ) -> Result<Self> {
         let limits = device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        // No other buffer of a cloth has more bytes a particle.
+        // No other buffer of a cloth has more bytes per particle.
         let cells = if cloth.membrane().is_some() { 32 } else { 0 };
         for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64), ("cells", cells)] {
             let need = cloth.len() as u64 * bytes;
@@ -186,11 +186,11 @@ impl ClothBuffers {
     }
 
     /// The bindings of a shader, made once.
-    pub(super) fn group(&mut self, device: &wgpu::Device, pipeline: &Pipeline, source: &Source) -> &wgpu::BindGroup {
-        self.make_scratch(device, source);
-        let key = (source.bindings.clone(), self.turned);
+    pub(super) fn group(&mut self, device: &wgpu::Device, pipeline: &Pipeline) -> &wgpu::BindGroup {
+        self.make_scratch(device, &pipeline.source);
+        let key = (pipeline.source.bindings.clone(), self.turned);
         if !self.groups.contains_key(&key) {
-            let group = self.bind(device, pipeline, source, &[]);
+            let group = self.bind(device, pipeline, &[]);
             self.groups.insert(key.clone(), group);
         }
         &self.groups[&key]
@@ -215,13 +215,7 @@ impl ClothBuffers {
     }
 
     /// Bindings of a shader, `more` being what is not the cloth's own.
-    pub(super) fn bind(
-        &self,
-        device: &wgpu::Device,
-        pipeline: &Pipeline,
-        source: &Source,
-        more: &[(Slot, &Buffer)],
-    ) -> wgpu::BindGroup {
+    pub(super) fn bind(&self, device: &wgpu::Device, pipeline: &Pipeline, more: &[(Slot, &Buffer)]) -> wgpu::BindGroup {
         let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
         let row = std::num::NonZeroU64::new(size_of::<StepRow>() as u64);
         let buffer = |slot| match turns::lies(self.turned, slot) {
@@ -240,9 +234,9 @@ impl ClothBuffers {
             let resource = wgpu::BindingResource::Buffer(buffer(slot)?);
             Some(wgpu::BindGroupEntry { binding: slot as u32, resource })
         };
-        let entries: Vec<_> = source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
-        let layout = &pipeline.layout;
-        device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(source.stem), layout, entries: &entries })
+        let entries: Vec<_> = pipeline.source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
+        let (label, layout) = (Some(pipeline.source.stem), &pipeline.layout);
+        device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
     }
 
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.

@@ -10,7 +10,7 @@ use super::buffers::upload;
 use crate::cloth::{Cloth, Rest, Tethers, groups, mates};
 use crate::cpu::route::UNSUPPORTED;
 use crate::passes::Pass;
-use crate::shaders::{Slot, source};
+use crate::shaders::Slot;
 use crate::world::World;
 
 /// What rounds read and write beside rest lengths and tethers.
@@ -79,7 +79,6 @@ impl Gpu {
             return;
         }
         let what = Pass::CutTethers { slots: tethers.per_particle as u32, seams: cloth.ring_count() > 0 };
-        let source = source(what);
         self.cloths[index].separate(&self.device, world, index);
         let numbers = |r: &Round| {
             let flags = [r.phase as f32, r.turn as f32, u8::from(r.first).into(), u8::from(r.last).into()];
@@ -89,16 +88,16 @@ impl Gpu {
         for round in rounds {
             each.entry(*round).or_insert_with(|| numbers(round));
         }
-        let pipeline = self.pipelines.get(&self.device, what, &source);
+        let pipeline = self.pipelines.get(what);
         let buffers = &self.cloths[index];
         let [Some(there), Some(back)] = [Slot::Tethers, Slot::Holding].map(|slot| buffers.other(slot)) else { return };
         let group = |(round, numbers): (&Round, &Buffer)| {
             let [from, to] = if round.back { [back, there] } else { [there, back] };
             let more = [(Slot::Action, numbers), (Slot::Tethers, from), (Slot::Holding, to)];
-            (*round, buffers.bind(&self.device, pipeline, &source, &more))
+            (*round, buffers.bind(&self.device, pipeline, &more))
         };
         let groups: HashMap<_, _> = each.iter().map(group).collect();
-        let [x, y, z] = source.workgroups(cloth);
+        let [x, y, z] = pipeline.source.workgroups(cloth);
         pass.set_pipeline(&pipeline.pipeline);
         for round in rounds {
             pass.set_bind_group(0, &groups[round], &[]);

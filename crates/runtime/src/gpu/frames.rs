@@ -3,14 +3,14 @@
 use bytemuck::cast_slice;
 use wgpu::{Buffer, BufferUsages};
 
-use super::layout::{FrameRow, POSES, StepRow};
 use crate::cloth::Cloth;
+use crate::layout::{FrameRow, POSES, StepRow};
 use crate::step::Step;
 use crate::world::World;
 
 /// Distance of the numbers of two frames: a multiple of the largest alignment that a device may ask for.
 const STRIDE: u32 = (size_of::<FrameRow>() as u32).next_multiple_of(256);
-/// So many frames with new numbers can be recorded before the first submission.
+/// Frames with new numbers that can be recorded before the first submission.
 const FRAMES: u32 = 64;
 
 /// A ring of frames.
@@ -31,8 +31,8 @@ impl Frames {
         Frames { buffer, last: Vec::new(), cursor: 0 }
     }
 
-    /// Where the numbers of a frame of `steps` steps lie; they are written only if they differ from the last ones. What is
-    /// a cloth's own is not among them, so any cloth will do.
+    /// Where the numbers of a frame of `steps` steps lie; they are written only if they differ from the last ones. Numbers of a single cloth
+    /// are not among them, so any cloth will do.
     pub fn offset(&mut self, queue: &wgpu::Queue, world: &World, cloth: &Cloth, steps: u32) -> u32 {
         let together = steps.div_ceil(POSES).max(1);
         let row = |n: u32, first| {

@@ -3,8 +3,8 @@
 use wgpu::{Buffer, BufferUsages};
 
 use super::buffers::upload;
-use super::layout::LinkRow;
 use crate::cloth::Cloth;
+use crate::layout::LinkRow;
 use crate::levels::{levels, links::ALL, masses, rows, ties};
 use crate::shaders::Slot;
 

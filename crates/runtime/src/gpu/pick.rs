@@ -1,4 +1,4 @@
-//! Picking on the GPU: two dispatches a cloth, and a small buffer that the host maps when it likes.
+//! Picking on the GPU: two dispatches per cloth, and a small buffer that the host maps when it likes.
 
 use bytemuck::cast_slice;
 
@@ -12,7 +12,7 @@ pub const FOUND: u64 = 64;
 
 /// A result that is on its way.
 pub struct Pending {
-    /// [`FOUND`] bytes a cloth, for the host to map.
+    /// [`FOUND`] bytes per cloth, for the host to map.
     pub staging: wgpu::Buffer,
     /// First particle and width of each grid of each cloth.
     pub grids: Vec<Vec<(u32, u32)>>,

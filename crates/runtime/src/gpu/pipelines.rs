@@ -1,29 +1,95 @@
-//! Pipelines, made when a pass first needs them and kept.
+//! Pipelines, compiled once per device and shared by all steppers on it.
 
 use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Instant;
 
-use crate::gpu::layout::{FrameRow, StepRow};
+use crate::layout::{FrameRow, StepRow};
 use crate::passes::Pass;
-use crate::shaders::{Bound, Slot, Source};
+use crate::shaders::{Bound, Slot, Source, source};
 
-/// A pipeline and the layout of what it binds.
+/// A pipeline, the layout of what it binds, and its entry in the table of shaders.
 pub struct Pipeline {
     pub pipeline: wgpu::ComputePipeline,
     pub layout: wgpu::BindGroupLayout,
+    pub source: Source,
+}
+
+/// The pipelines that a stepper has compiled so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Compiled {
+    /// Pipelines, without those that another stepper on the same device had compiled before.
+    pub pipelines: u32,
+    /// Wall time of their compilation \[ms\].
+    pub ms: f64,
 }
 
 /// By pass, constants and parts included.
-#[derive(Default)]
-pub struct Pipelines(HashMap<Pass, Pipeline>);
+type ByPass = HashMap<Pass, Arc<Pipeline>>;
 
-impl Pipelines {
-    /// The pipeline of a pass.
-    pub fn get(&mut self, device: &wgpu::Device, pass: Pass, source: &Source) -> &Pipeline {
-        self.0.entry(pass).or_insert_with(|| make(device, source))
+/// The pipelines of a device.
+struct OnDevice {
+    device: wgpu::Device,
+    made: Mutex<ByPass>,
+}
+
+/// Devices with a stepper. Weak, so that a device and its pipelines go with its last stepper.
+type Devices = Vec<Weak<OnDevice>>;
+
+/// Calls `f` with the devices of this process; on the web, where handles stay on their thread, of this thread.
+fn with_devices<A>(f: impl FnOnce(&mut Devices) -> A) -> A {
+    #[cfg(not(target_family = "wasm"))]
+    {
+        static DEVICES: Mutex<Devices> = Mutex::new(Vec::new());
+        f(&mut DEVICES.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+    #[cfg(target_family = "wasm")]
+    {
+        thread_local!(static DEVICES: std::cell::RefCell<Devices> = const { std::cell::RefCell::new(Vec::new()) });
+        DEVICES.with_borrow_mut(f)
     }
 }
 
-fn make(device: &wgpu::Device, source: &Source) -> Pipeline {
+/// The pipelines of a stepper.
+pub struct Pipelines {
+    shared: Arc<OnDevice>,
+    /// Those that this stepper has used, without a lock.
+    used: ByPass,
+    pub compiled: Compiled,
+}
+
+impl Pipelines {
+    /// Those of a device.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let shared = with_devices(|all| {
+            all.retain(|d| d.strong_count() > 0);
+            all.iter().filter_map(Weak::upgrade).find(|d| d.device == *device).unwrap_or_else(|| {
+                let new = Arc::new(OnDevice { device: device.clone(), made: Mutex::default() });
+                all.push(Arc::downgrade(&new));
+                new
+            })
+        });
+        Pipelines { shared, used: ByPass::new(), compiled: Compiled::default() }
+    }
+
+    /// The pipeline of a pass.
+    pub fn get(&mut self, pass: Pass) -> &Pipeline {
+        let Pipelines { shared, used, compiled } = self;
+        used.entry(pass).or_insert_with(|| {
+            let mut made = shared.made.lock().unwrap_or_else(PoisonError::into_inner);
+            let compile = || {
+                let start = Instant::now();
+                let pipeline = Arc::new(make(&shared.device, source(pass)));
+                compiled.pipelines += 1;
+                compiled.ms += start.elapsed().as_secs_f64() * 1e3;
+                pipeline
+            };
+            made.entry(pass).or_insert_with(compile).clone()
+        })
+    }
+}
+
+fn make(device: &wgpu::Device, source: Source) -> Pipeline {
     let entries: Vec<_> = source.bindings.iter().map(entry).collect();
     let label = Some(source.stem);
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
@@ -48,7 +114,7 @@ fn make(device: &wgpu::Device, source: &Source) -> Pipeline {
         },
         cache: None,
     });
-    Pipeline { pipeline, layout }
+    Pipeline { pipeline, layout, source }
 }
 
 fn entry(bound: &Bound) -> wgpu::BindGroupLayoutEntry {

@@ -4,8 +4,8 @@ use bytemuck::{Zeroable, cast_slice};
 use wgpu::{Buffer, BufferUsages};
 
 use super::buffers::upload;
-use super::layout::SolidRow;
 use super::span::Span;
+use crate::layout::SolidRow;
 use crate::world::World;
 
 /// All lists in one buffer.
@@ -21,7 +21,7 @@ impl Solids {
         Solids { buffer: upload(device, "solids", &rows, BufferUsages::empty()), rows: rows.len() }
     }
 
-    /// Writes them anew, to another buffer only where their number has changed.
+    /// Writes them again, to another buffer only if their number has changed.
     pub fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, world: &World) {
         let rows = rows(world);
         if rows.len() == self.rows {

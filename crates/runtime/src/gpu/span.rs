@@ -2,7 +2,7 @@
 
 use wgpu::{Buffer, BufferBinding, BufferSlice};
 
-/// What a cloth has of a buffer, which it may share with others: `size` bytes from `offset` on, a multiple of 256.
+/// A part of a buffer that cloths may share: `size` bytes from `offset`, a multiple of 256.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Span {
     /// The buffer.

@@ -8,7 +8,7 @@ use crate::tile::Tile;
 pub(super) const TURNS: [(Slot, Slot); 4] =
     [(Slot::Now, Slot::Next), (Slot::Before, Slot::Passed), (Slot::Lost, Slot::Losing), (Slot::Sums, Slot::Summing)];
 
-/// Where what a slot stands for lies, after so many turns.
+/// The slot that holds the contents of `slot` after the turns.
 pub(super) fn lies(turned: [bool; 4], slot: Slot) -> Slot {
     let turn = TURNS.iter().zip(turned).find(|((a, b), turned)| *turned && (*a == slot || *b == slot));
     turn.map_or(slot, |((a, b), _)| if *a == slot { *b } else { *a })

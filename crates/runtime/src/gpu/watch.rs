@@ -30,7 +30,7 @@ struct Probe {
     changes: u64,
 }
 
-/// So many frames may be on their way; a frame beyond is measured with the next.
+/// Most read-backs in flight; a frame beyond is measured with the next.
 const MOST: u32 = 4;
 
 impl Gpu {

@@ -2,7 +2,7 @@
 //!
 //! A displacement is not to be carried across a cut. A particle follows a node beside it while springs that are left lead
 //! there, at most three and all of the cells at the straight way between them. The spring itself is not asked for alone: a
-//! cut takes the springs on its edges too, where the cloth still holds. What is left of the nodes counts alike, so that
+//! cut takes the springs on its edges too, where the cloth still holds. All remaining nodes count alike, so that
 //! what moves as a whole goes on doing so, and nodes have the mass of what follows them, so that momentum stays.
 
 use super::{Below, around, column};

@@ -8,8 +8,8 @@ use crate::error::Result;
 /// masses alone, so that what the heavier one falls in a step is made good by stretch of that many times the fall.
 pub const MOST_RATIO: f64 = 30.0;
 
-/// Limits the masses of neighbours. A particle that is heavier than so many times the mean of its neighbours is made
-/// lighter; then, until no more change, the lighter end of a spring heavier. What is pinned has no mass to speak of.
+/// Limits the masses of neighbours. A particle heavier than [`MOST_RATIO`] times the mean of its neighbours is made
+/// lighter; then, until no more change, the lighter end of a spring heavier. Masses of pinned particles do not count.
 pub fn even(cloth: &mut Cloth) -> Result<Option<Warning>> {
     let most = MOST_RATIO;
     let points = cloth.points();

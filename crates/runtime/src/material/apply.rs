@@ -16,7 +16,7 @@ impl Cloth {
     /// seams. The warp runs along v of the texture coordinates where the cloth has any ([`Cloth::set_grain`]), else
     /// along the columns of the grid.
     ///
-    /// Costs about a microsecond a particle. What it sets may be changed afterwards; rest lengths may not. Errors on
+    /// Costs about a microsecond per particle. Its settings may be changed afterwards; rest lengths may not. Errors on
     /// numbers out of range.
     pub fn set_material(&mut self, material: &Material) -> Result<()> {
         material.check()?;
@@ -51,7 +51,7 @@ impl Cloth {
     pub fn set_grain(&mut self, uv: Option<Vec<[f32; 2]>>) -> Result<()> {
         if let Some(uv) = &uv {
             let whole = |n: f64| n == self.len() as f64;
-            check("the number of texture coordinates", uv.len() as f64, "one a texel", whole)?;
+            check("the number of texture coordinates", uv.len() as f64, "one per texel", whole)?;
         }
         self.keep_grain(uv);
         Ok(())

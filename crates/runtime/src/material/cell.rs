@@ -62,7 +62,7 @@ pub fn cells<'a>(cloth: &'a Cloth, index: usize, same: &'a [u32]) -> impl Iterat
         let corners = local.map(|k| first + k);
         let lengths = SPRINGS.map(|s| f64::from(cloth.spring(index, local[s.2], s.3)));
         let mut there = corners.map(|k| cloth.particles()[k].exists());
-        // Two corners that are one point are one corner; a point across is no cell.
+        // Two corners that are one point are one corner; a point across does not make a cell.
         for s in &SPRINGS[..4] {
             if there[s.0] && there[s.1] && same[corners[s.0]] == same[corners[s.1]] {
                 there[s.1] = false;

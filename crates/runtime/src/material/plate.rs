@@ -57,7 +57,7 @@ impl Plate {
         self.cells.push((cell.corners, areas));
     }
 
-    /// Bending of a cloth for a stiffness \[N m\] above 0. What a cell weighs at points without a moment counts at its
+    /// Bending of a cloth for a stiffness \[N m\] above 0. The weight of a cell at points without a moment counts at its
     /// other ones, so that the energy of a curved sheet is the same on every grid.
     pub fn bending(&self, same: &[u32], stiffness: f64) -> Bending {
         let inner = |k: usize| self.fans.0[same[k] as usize] == 0;

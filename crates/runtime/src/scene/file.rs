@@ -21,9 +21,9 @@ pub const MAX_BYTES: usize = 16 << 20;
 pub struct SceneFile {
     /// The scene at its start. `frames` is the file's duration in frames of `options.step`.
     pub scene: Scene,
-    /// What happens: call [`Script::frame`] before each frame.
+    /// The script: call [`Script::frame`] before each frame.
     pub script: Script,
-    /// Solver settings; backend and threads are not the file's business.
+    /// Solver settings; the file does not set backend and threads.
     pub options: Options,
     /// The camera, if the file has one.
     pub camera: Option<Camera>,
@@ -35,7 +35,7 @@ pub struct SceneFile {
     pub solid_look: SolidLook,
 }
 
-/// What a host answers where a scene names a bundle or a garment.
+/// The answer of a host if a scene names a bundle or a garment.
 pub type Found = std::result::Result<Bundle, Box<dyn std::error::Error + Send + Sync>>;
 
 impl SceneFile {

@@ -160,7 +160,7 @@ mod tests {
         assert!(near(&spin, &[0.0, FRAC_PI_4 as f32, 0.0]), "{spin:?}");
         let still = motion.at(5.0);
         assert_eq!(still.motion_to(&still, 0.1), ([0.0; 3], [0.0; 3]));
-        // The same rotation with the other sign is no motion.
+        // A quaternion with the opposite sign is the same rotation.
         let other = Pose { rotation: still.rotation.map(|x| -x), ..still };
         assert!(near(&still.motion_to(&other, 0.1).1, &[0.0; 3]));
     }

@@ -1,4 +1,4 @@
-//! What happens in a scene over time.
+//! Scripts: the motion of colliders and pins, and cuts, over time.
 
 use super::Scene;
 use super::motion::{Motion, Pose};

@@ -236,7 +236,7 @@ mod tests {
             all.chain(open_seams("test", &scene.cloths[0], &changed)).map(|m| m.to_string()).collect::<Vec<_>>()
         };
         assert!(find(&|_| {}).is_empty());
-        assert!(find(&|l| l[0][40][1] += 1e-6).is_empty(), "rounding is no fault");
+        assert!(find(&|l| l[0][40][1] += 1e-6).is_empty(), "rounding is not a fault");
         assert_eq!(find(&|l| l[0][40][1] += 1e-3), ["test: positions differ from the CPU's by 1.0e-3 (limit 1e-5)"]);
         assert!(find(&|l| l[1][40][1] = f32::NAN)[0].contains("previous positions differ from the CPU's by inf"));
         assert!(find(&|l| l[0][40][3] *= 1.0 + f32::EPSILON)[0].contains("inverse masses"));

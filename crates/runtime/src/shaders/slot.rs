@@ -1,7 +1,7 @@
 //! What shaders bind.
 
 use crate::cloth::Cloth;
-use crate::gpu::layout::{FrameRow, JobRow, LinkRow};
+use crate::layout::{FrameRow, JobRow, LinkRow};
 
 /// What can be bound. The number is the binding in every shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

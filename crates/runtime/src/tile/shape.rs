@@ -1,4 +1,4 @@
-//! How large tiles are.
+//! The sizes of tiles.
 
 use super::Tile;
 use crate::cloth::Grid;
@@ -24,7 +24,7 @@ const BYTES: u32 = 16;
 const USUAL: u32 = 1024;
 /// Beyond, more would gain little.
 const LARGE: u32 = 2304;
-/// A tile that loads so many times what it owns makes no further round of springs.
+/// A tile that loads more than this number of times what it owns makes no further round of springs.
 const DEAR: u64 = 4;
 
 impl Tile {

@@ -1,4 +1,4 @@
-//! The device that tests of the GPU run on. A test that has none says so in one line and counts as skipped; with
+//! The device that tests of the GPU run on. A test without one prints one line and counts as skipped; with
 //! GIMAGE_REQUIRE_GPU=1 it fails.
 
 #[path = "../../../../tests/src/skip.rs"]

@@ -2,10 +2,14 @@
 // Not every test uses all of it.
 #![allow(dead_code)]
 
+#[cfg(feature = "gpu")]
 pub mod adapter;
+#[cfg(feature = "gpu")]
 pub mod rig;
+#[cfg(feature = "gpu")]
 pub mod run;
 
+#[cfg(feature = "gpu")]
 pub use adapter::*;
 use gimage_runtime::*;
 

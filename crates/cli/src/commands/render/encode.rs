@@ -29,7 +29,7 @@ struct Part {
 const WAITING: usize = (256 << 20) / 3;
 
 impl Pictures {
-    /// Of a kind and size; `fps` pictures a second in a GIF.
+    /// Of a kind and size; `fps` pictures per second in a GIF.
     pub fn new(kind: Kind, size: (u32, u32), fps: u32) -> Self {
         let (waiting, counts) = (Vec::new(), Counts::default());
         Pictures { kind, size, fps, png: None, gif: None, last: Vec::new(), waiting, counts }

@@ -33,7 +33,7 @@ impl Offscreen {
         if width.max(height) > limits.max_texture_dimension_2d || bytes > limits.max_buffer_size {
             let most = limits.max_texture_dimension_2d;
             return Err(Failure::refused(format!(
-                "--size {width}x{height} is more than the adapter takes (sides of {most}); use --backend cpu"
+                "--size {width}x{height} is larger than the adapter supports (sides of {most}); use --backend cpu"
             )));
         }
         let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };

@@ -95,7 +95,7 @@ pub(crate) fn hierarchy(positions: &[[f64; 3]], triangles: &[[u32; 3]], boundary
 
 /// As [`hierarchy`], until one inner vertex is left: first while no triangle turns over, then by the link condition alone.
 /// A disk without inner edges between boundary vertices always has such an order: of the edges between inner
-/// vertices, one inside an innermost triangle of edges that is no face keeps the link condition. O(n log n).
+/// vertices, one inside an innermost triangle of edges that is not a face keeps the link condition. O(n log n).
 pub(crate) fn to_one(positions: &[[f64; 3]], triangles: &[[u32; 3]], boundary: &[bool]) -> Hierarchy {
     simplified(positions, triangles, boundary, 0, true)
 }

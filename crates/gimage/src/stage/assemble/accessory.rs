@@ -1,4 +1,4 @@
-//! Where parts that are no pieces ride: the nearest point of the nearest piece.
+//! Attaches accessories to the nearest point of the nearest piece.
 
 use gimage_bundle::manifest::Accessory;
 

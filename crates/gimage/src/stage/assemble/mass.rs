@@ -1,4 +1,4 @@
-//! The mass of each particle, lumped from the area of surface it stands for.
+//! The mass of each particle, lumped from the area of surface that it represents.
 
 use crate::base::grid::Grid;
 use crate::base::order::percentile;

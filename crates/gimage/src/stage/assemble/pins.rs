@@ -1,4 +1,4 @@
-//! Which particles are pinned: the expressions of `--pin`.
+//! Pin conditions: the expressions of `--pin`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -52,9 +52,9 @@ impl FromStr for Pin {
         let number = |t: &str| {
             t.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| bad(&format!("`{t}` is not a number")))
         };
-        let (kind, rest) = s.split_once(':').ok_or_else(|| bad("there is no `:`"))?;
+        let (kind, rest) = s.split_once(':').ok_or_else(|| bad("`:` is missing"))?;
         let compare = |rest: &str| -> Result<(String, f64), Error> {
-            let (name, t) = rest.split_once('>').ok_or_else(|| bad("there is no `>`"))?;
+            let (name, t) = rest.split_once('>').ok_or_else(|| bad("`>` is missing"))?;
             Ok((name.trim().to_owned(), number(t)?))
         };
         match kind {
@@ -62,10 +62,10 @@ impl FromStr for Pin {
             "below" => Ok(Pin::Below(number(rest)?)),
             "box" => {
                 let n = rest.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
-                let &[a, b, c, d, e, f] = n.as_slice() else { return Err(bad("six numbers are wanted")) };
+                let &[a, b, c, d, e, f] = n.as_slice() else { return Err(bad("six numbers are required")) };
                 Ok(Pin::Box([a.min(d), b.min(e), c.min(f)], [a.max(d), b.max(e), c.max(f)]))
             }
-            "loop" => Ok(Pin::Loop(rest.trim().parse().map_err(|_| bad("the loop is no whole number"))?)),
+            "loop" => Ok(Pin::Loop(rest.trim().parse().map_err(|_| bad("the loop is not a whole number"))?)),
             "attr" => {
                 let (name, t) = compare(rest)?;
                 Ok(Pin::Attribute(name, t))
@@ -106,7 +106,7 @@ pub(crate) fn unmet(
         };
         let attributes = attributes(mesh);
         message += &match attributes.is_empty() {
-            true => "; it has no attributes to pin by.".into(),
+            true => "; it has no attributes that a pin can use.".into(),
             false => format!("; its attributes are {}.", attributes.join(", ")),
         };
     }
@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(finding.message, expected);
         assert_eq!(unmet(&pins, &[true; 3], bounds, 2, &mesh), None);
         let bare = unmet(&pins[..1], &[false], bounds, 0, &Mesh::default()).unwrap().message;
-        assert!(bare.ends_with("no boundary loops; it has no attributes to pin by."), "{bare}");
+        assert!(bare.ends_with("no boundary loops; it has no attributes that a pin can use."), "{bare}");
     }
 
     #[test]

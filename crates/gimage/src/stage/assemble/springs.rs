@@ -1,6 +1,6 @@
 //! Rest lengths of the springs between texels: C. Zeller, "Cloth Simulation on the GPU", SIGGRAPH 2005.
 //!
-//! Each texel stores four springs, to the right, down, down-right and up-right. What differs from the sketch: a rest
+//! Each texel stores four springs, to the right, down, down-right and up-right. Two differences from the sketch: a rest
 //! length may follow the surface instead of the chord, and the two copies of a spring along a seam are bit-equal.
 
 pub use gimage_bundle::other_end;
@@ -31,7 +31,7 @@ impl<F: Fn(f64, f64) -> [f64; 3] + Sync> SurfaceMap for F {
     }
 }
 
-/// How the rest length of a spring is taken.
+/// How rest lengths are measured.
 #[derive(Clone, Copy)]
 pub enum Rest<'a> {
     /// The distance of the stored texels.

@@ -12,7 +12,7 @@ const SHORTEST_EDGE: f64 = 1e-4;
 pub(crate) struct LoopPath {
     /// Paths of one group have equal counts.
     pub group: usize,
-    /// It is no part of the surface's own boundary.
+    /// Whether it is a cut, not a part of the surface's own boundary.
     pub cut: bool,
     /// The disk's vertices along it, both ends included.
     pub vertices: Vec<u32>,

@@ -7,7 +7,7 @@ use crate::base::vec3::{distance, lerp};
 use crate::stage::cut::{Cut, Cutter};
 use crate::stage::parameterize::Shape;
 
-/// A vertex that is no vertex of the surface.
+/// A vertex that is not a vertex of the surface.
 pub const NONE: u32 = u32::MAX;
 
 /// A triangulated disk that remembers the surface it was cut from.

@@ -43,8 +43,8 @@ const MIDDLE_COST: f64 = 0.5;
 /// What an edge costs more that faces straight outwards, as a share of its length.
 const OUTWARD_COST: f64 = 0.05;
 
-/// Least mean of ln(density / 4) of the solved map at which limbs are looked for in the plain one. What is nearer to an
-/// isometry has none that it shrinks.
+/// Least mean of ln(density / 4) of the solved map at which limbs are looked for in the plain one. A map nearer to an
+/// isometry shrinks no limb.
 const LIMBS: f64 = 0.3;
 
 /// Texels of the image that a cut is tried with. The default of a bundle.
@@ -160,7 +160,7 @@ pub(crate) struct Grown {
 }
 
 /// Cuts `surface` to a disk, growing the cut while that lowers the distortion of the stand-in. `None` if the stand-in
-/// or the carried cut is no disk.
+/// or the carried cut does not give a disk.
 pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
     let surface = fine.surface;
     let search = SearchOptions::trial(options.triangles);

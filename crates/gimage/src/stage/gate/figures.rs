@@ -1,35 +1,35 @@
-//! What an image must reach before it is written: a good image or a clear no.
+//! Limits that an image must meet before it is written.
 
 use gimage_bundle::manifest::Quality;
 use serde::Serialize;
 
-/// PSNR \[dB\] below which a piece is worth a look, and below which it does not stand for its surface.
+/// PSNR \[dB\] below which a piece gets a warning, and below which it is an error.
 pub const PSNR_DB: [f64; 2] = [45.0, 30.0];
-/// Hausdorff distance, as a share of the diagonal, likewise.
+/// Hausdorff distance / diagonal above which a piece gets a warning, and above which it is an error.
 pub const HAUSDORFF: [f64; 2] = [0.05, 0.3];
-/// How far a texel lies outside the source's bounding box, as a share of the diagonal, likewise.
+/// Distance of a texel outside the bounding box of the source / diagonal, for a warning and for an error.
 pub const OUTSIDE: [f64; 2] = [0.02, 0.3];
-/// Largest stretch of the map above which a piece is worth a look.
+/// Largest stretch of the map above which a piece gets a warning.
 pub const STRETCH: f64 = 100.0;
-/// Share of the surface folded over above which a piece is worth a look.
+/// Folded share of the surface above which a piece gets a warning.
 pub const FOLD: f64 = 0.01;
-/// Mean angle between the normals of source and image above which a piece is worth a look \[degrees\].
+/// Mean angle \[degrees\] between the normals of source and image above which a piece gets a warning.
 pub const NORMAL_DEGREES: f64 = 45.0;
 
-/// A piece in a word.
+/// The rating of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rating {
-    /// No figure is suspicious.
+    /// No figure is beyond a limit.
     Good,
-    /// A figure is suspicious; a person should look at the piece.
+    /// A figure is beyond the limit of a warning; a person should check the piece.
     Look,
-    /// The image does not stand for its surface.
+    /// A figure is beyond the limit of an error.
     Poor,
 }
 
 impl Rating {
-    /// The word for people.
+    /// The rating as shown to users.
     pub fn words(self) -> &'static str {
         match self {
             Rating::Good => "good",
@@ -39,7 +39,7 @@ impl Rating {
     }
 }
 
-/// The figures a piece is judged by. A figure that is not known is `None` and speaks neither for nor against it.
+/// The figures by which a piece is rated. An unknown figure is `None` and does not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Figures {
     /// 20 log10(diagonal / RMS distance) \[dB\].
@@ -98,7 +98,7 @@ impl Figures {
         }
     }
 
-    /// The rating, and every figure that speaks against the piece, in words. A figure that is not finite is poor.
+    /// The rating, and every figure beyond a limit, in words. A figure that is not finite is poor.
     pub fn rate(&self) -> (Rating, Vec<String>) {
         let (mut rating, mut words) = (Rating::Good, Vec::new());
         let mut check = |value: Option<f64>, [look, poor]: [f64; 2], sign: f64, say: &dyn Fn(f64) -> String| {
@@ -111,14 +111,14 @@ impl Figures {
         };
         let never = f64::INFINITY;
         check(self.psnr, PSNR_DB, -1.0, &|x| format!("PSNR {x:.1} dB"));
-        check(self.hausdorff, HAUSDORFF, 1.0, &|x| format!("a point {} of the diagonal off", percent(x)));
+        check(self.hausdorff, HAUSDORFF, 1.0, &|x| format!("a point is off by {} of the diagonal", percent(x)));
         check(self.outside, OUTSIDE, 1.0, &|x| {
-            format!("a texel {} of the diagonal outside the source's box", percent(x))
+            format!("a texel lies outside the source's bounding box by {} of the diagonal", percent(x))
         });
         check(self.stretch, [STRETCH, never], 1.0, &|x| format!("stretch up to {x:.0}"));
         check(self.fold, [FOLD, never], 1.0, &|x| format!("{} folded over", percent(x)));
         check(self.normal_degrees, [NORMAL_DEGREES, never], 1.0, &|x| {
-            format!("normals {x:.0} degrees off in the mean")
+            format!("normals differ by {x:.0} degrees in the mean")
         });
         (rating, words)
     }

@@ -1,4 +1,4 @@
-//! The gate: every piece is compared with its surface before anything is written, with or without metrics.
+//! The gate: compares every piece with its surface before the bundle is written, with or without metrics.
 
 mod figures;
 
@@ -80,7 +80,7 @@ pub(crate) fn check(entries: &[PieceEntry], pieces: &[Piece<'_>], options: &Buil
             kind: "low-quality-others",
             count: rest.len() as u64,
             examples: rest.iter().take(crate::record::MAX_EXAMPLES).map(|r| r.words()).collect(),
-            message: "More pieces are worth a look; `gimage inspect` rates each of them.".into(),
+            message: "More pieces have suspicious figures; `gimage inspect` rates each of them.".into(),
         });
     }
     Ok(out)
@@ -145,11 +145,11 @@ impl<'a> Rated<'a> {
         if self.far {
             "it is too far from the origin for 32-bit positions: move it there with --center"
         } else if close && over(f.normal_degrees, NORMAL_DEGREES) {
-            "if it is a thin closed shell, delete its inner layer, or give texels smaller than the shell is thick"
+            "if it is a thin closed shell, delete its inner layer, or use texels smaller than the thickness of the shell"
         } else if over(f.stretch, STRETCH) || over(f.outside, OUTSIDE[0]) {
-            "remesh its slivers, separate its parts, or give more texels with --texels"
+            "remesh its slivers, separate its parts, or use more texels with --texels"
         } else {
-            "give more texels with --texels, or separate its parts"
+            "use more texels with --texels, or separate its parts"
         }
     }
 
@@ -160,7 +160,10 @@ impl<'a> Rated<'a> {
             kind: "low-quality",
             count: 1,
             examples: vec![self.words()],
-            message: format!("The image is worth a look with `gimage render`; {}.", self.hint()),
+            message: format!(
+                "The image may differ visibly from its surface: check it with `gimage render`; {}.",
+                self.hint()
+            ),
         }
     }
 
@@ -174,13 +177,13 @@ impl<'a> Rated<'a> {
             Some(min) => {
                 let psnr = self.psnr();
                 (
-                    format!("PSNR {psnr:.1} dB, below the {min} dB asked for{others}"),
+                    format!("PSNR {psnr:.1} dB, below the required {min} dB{others}"),
                     format!("{}, or lower --min-psnr", self.hint()),
                 )
             }
             None => (
-                format!("the image does not stand for its surface: {}{others}", self.words.join(", ")),
-                format!("{}, or write it all the same with --accept-poor", self.hint()),
+                format!("the image differs too much from its surface: {}{others}", self.words.join(", ")),
+                format!("{}, or write it anyway with --accept-poor", self.hint()),
             ),
         };
         Error::Poor { piece: self.name.to_owned(), problem, hint }

@@ -1,4 +1,4 @@
-//! How close an image comes to its surface, judged at a few thousand points without a search tree.
+//! The distance from a surface to its image, bounded at a few thousand points without a search tree.
 //!
 //! The map tells where on the image each point of the surface went, so the distance to the texel triangles around that
 //! place bounds the distance to the image from above. The bound is near the true distance for a good map and grows
@@ -18,7 +18,7 @@ use crate::stage::parameterize::distortion::{CHUNK, Distortion};
 /// Points of the surface at which an image is judged.
 const POINTS: usize = 2000;
 
-/// What an image is worth. Lengths are in units of the diagonal of the surface's bounding box.
+/// The quality of an image. Lengths are in units of the diagonal of the surface's bounding box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
     /// Root mean square distance from the surface to the image (and back, where the map is far from an isometry), at most.
@@ -127,7 +127,7 @@ pub(crate) fn judge(
         let (near, facing) = image.nearest(place, point);
         let normal = cross(sub(q, p), sub(r, p));
         let cosine = |facing: [f64; 3]| dot(normal, facing) / (norm(normal) * norm(facing)).max(1e-300);
-        // A texel slid over a sharp edge is no fold: either triangle may speak for the point.
+        // A texel slid over a sharp edge is not a fold: either triangle may speak for the point.
         (near / diagonal, cosine(facing[0]).max(cosine(facing[1])))
     };
     let found: Vec<(f64, f64)> = (0..POINTS).into_par_iter().with_min_len(CHUNK).map(at).collect();

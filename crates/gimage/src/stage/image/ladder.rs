@@ -1,4 +1,4 @@
-//! The ladder: what is tried, in turn, until an image passes.
+//! The ladder: attempts, in order, until an image passes.
 //!
 //! Rungs are judged by the image that was made, not by the stand-in that chose its layout. The first rung that passes is
 //! kept, else the best of all. A garment whose first image passes pays for nothing else.
@@ -7,7 +7,7 @@ use crate::stage::gate;
 use crate::stage::image::PieceImage;
 use crate::stage::image::judge::Verdict;
 
-/// What a rung does otherwise than the first.
+/// How an attempt differs from the first one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rung {
     /// The best layout of the best cut.
@@ -44,7 +44,7 @@ impl Rung {
     }
 }
 
-/// What came of a rung.
+/// The result of an attempt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tried {
     /// The rung.

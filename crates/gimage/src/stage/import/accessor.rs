@@ -49,7 +49,7 @@ impl Accessors<'_> {
             return Err(self.doc.bad(element(), "there is no such accessor"));
         };
         let (Checked::Valid(kind), Checked::Valid(component)) = (accessor.type_, accessor.component_type) else {
-            return Err(self.doc.bad(element(), "its type or component type is none of glTF's"));
+            return Err(self.doc.bad(element(), "glTF does not define its type or component type"));
         };
         let (rows, columns) = match kind {
             Type::Scalar => (1, 1),
@@ -129,7 +129,7 @@ impl Accessors<'_> {
             return Err(bad("vertex indices must be scalars"));
         }
         if accessor.sparse.is_some() {
-            // Rare enough to go through floats, which are exact for so many vertices.
+            // Rare enough to go through floats, which are exact for this number of vertices.
             let floats = self.floats(index)?;
             let exact = |v: &f32| (0.0..16_777_216.0).contains(v) && v.fract() == 0.0;
             if !floats.values.iter().all(exact) {

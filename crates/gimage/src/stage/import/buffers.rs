@@ -25,7 +25,7 @@ pub(crate) struct Buffers<'a> {
     outside: RefCell<Vec<OutsideFile>>,
 }
 
-/// A run of bytes and how far apart its elements are, if the view says so.
+/// A run of bytes and how far apart its elements are, if the view states it.
 pub(crate) struct View<'a> {
     pub bytes: &'a [u8],
     pub stride: Option<usize>,

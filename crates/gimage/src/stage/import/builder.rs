@@ -95,7 +95,7 @@ impl<'a> Builder<'a> {
         channel.corners.resize(corner, NONE);
         let first = (channel.values.len() / a.width) as u32;
         let sound: Vec<bool> = a.values.chunks(a.width).map(|v| v.iter().all(|x| x.is_finite())).collect();
-        let message = "Attribute values that are no finite numbers, and normals without a direction, were left out.";
+        let message = "Attribute values that are not finite, and normals without a direction, were left out.";
         let lost = sound.iter().filter(|s| !**s).count();
         findings.add(Severity::Repair, "attribute-values", lost, message, || format!("{element}, {:?}", a.semantic));
         // A value nothing refers to must still be a number.

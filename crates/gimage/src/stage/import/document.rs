@@ -1,8 +1,8 @@
 //! The JSON of a glTF file.
 //!
 //! Only the JSON layer of the `gltf` crate is used: its readers of buffers trust counts and offsets, and panic on some
-//! damaged files. What this importer never looks at (images, textures, samplers, cameras, what materials look like) is taken
-//! out first, so that faults in there do no harm.
+//! damaged files. Parts that this importer never reads (images, textures, samplers, cameras, the look of materials) are
+//! removed first, so that faults in them do no harm.
 
 use std::path::Path;
 

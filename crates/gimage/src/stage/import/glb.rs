@@ -29,17 +29,17 @@ pub(crate) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>> {
         return Err(gltf_1(path));
     }
     if version != 2 {
-        return Err(malformed(path, "GLB header", format!("it says version {version}"), AGAIN));
+        return Err(malformed(path, "GLB header", format!("its version is {version}, not 2"), AGAIN));
     }
     let Some(bytes) = bytes.get(..length as usize) else {
-        let problem = format!("it says {length} bytes, and there are {}", bytes.len());
+        let problem = format!("its length field is {length} bytes, but the file has {}", bytes.len());
         return Err(malformed(path, "GLB header", problem, AGAIN));
     };
     let (mut json, mut bin, mut at, mut index) = (None, None, 12, 0);
     while let (Some(size), Some(kind)) = (word(bytes, at), word(bytes, at + 4)) {
         let start = at + 8;
         let Some(data) = start.checked_add(size as usize).and_then(|end| bytes.get(start..end)) else {
-            let problem = format!("it says {size} bytes, and there are {}", bytes.len() - start);
+            let problem = format!("its length field is {size} bytes, but the file has {} more", bytes.len() - start);
             return Err(malformed(path, format!("GLB chunk {index}"), problem, AGAIN));
         };
         match kind {

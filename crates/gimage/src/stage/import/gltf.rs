@@ -77,7 +77,7 @@ pub(crate) fn load(
             let joints = match p.skin {
                 Some(skin) if kept.iter().any(|(raw, _)| weighted(raw)) => {
                     let joints = bones.add(skin, &world)?;
-                    let message = "A skinned mesh stands flat in the scene, so it cannot follow its joints.";
+                    let message = "A skinned mesh is scaled flat in the scene, so it cannot follow its joints.";
                     let flat = usize::from(joints.is_none());
                     findings.add(Severity::Warning, "flat-skinned-node", flat, message, || part_name(&doc, p));
                     joints
@@ -106,7 +106,7 @@ fn instances(accessors: &Accessors<'_>, placed: &Placed, findings: &mut Findings
     let Some(list) = placed.node.map_or(Ok(None), |n| instancing::instances(accessors, n))? else {
         return Ok(vec![matrix::IDENTITY]);
     };
-    let message = "Meshes that a node places many times were placed so many times.";
+    let message = "Each instance of an instanced mesh became a copy.";
     findings.add(Severity::Note, "instances", list.len(), message, || part_name(accessors.doc, placed));
     Ok(list)
 }
@@ -137,7 +137,7 @@ fn note_what_is_left(doc: &Document, placed: &[Placed], findings: &mut Findings)
         let message = "The file has no scene; each of its meshes was placed at the origin.";
         findings.add(Severity::Note, "no-scene", 1, message, || "file".into());
     }
-    let message = "Animations are not kept; the scene is taken as it stands.";
+    let message = "Animations are not kept; the scene is read in its rest pose.";
     findings.add(Severity::Note, "animations", doc.animations, message, || "file".into());
 }
 

@@ -12,13 +12,13 @@ pub(crate) fn instances(accessors: &Accessors, node: usize) -> Result<Option<Vec
     let element = || format!("node {node} `{}`, EXT_mesh_gpu_instancing", doc.node_name(node));
     let read = |name: &str, width: usize| -> Result<Option<Vec<f32>>> {
         let Some(index) = extension["attributes"].get(name) else { return Ok(None) };
-        let index = index.as_u64().ok_or_else(|| doc.bad(element(), format!("{name} is no accessor index")))?;
+        let index = index.as_u64().ok_or_else(|| doc.bad(element(), format!("{name} is not an accessor index")))?;
         let floats = accessors.floats(index as usize)?;
         if floats.width != width {
             return Err(doc.bad(element(), format!("{name} has {} components, not {width}", floats.width)));
         }
         if floats.values.iter().any(|v| !v.is_finite()) {
-            return Err(doc.bad(element(), format!("{name} has values that are no numbers")));
+            return Err(doc.bad(element(), format!("{name} has values that are not finite")));
         }
         Ok(Some(floats.values))
     };

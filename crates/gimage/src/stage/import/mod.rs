@@ -43,25 +43,25 @@ use crate::error::{Error, Result};
 use crate::record::{Finding, Severity};
 use findings::Findings;
 
-/// What to take from a file, and how much of it.
+/// Options of the import: selection, units, axes and limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportOptions {
     /// Names of nodes, meshes or materials (OBJ: objects, groups or materials), compared exactly; a triangle is kept if any
     /// of its names is listed. Empty keeps everything, which is the default.
     pub pieces: Vec<String>,
-    /// Metres a unit of the file. Any finite number above 0; 1 by default, 0.01 for a file in centimetres. Larger makes the
+    /// Metres per unit of the file. Any finite number above 0; 1 by default, 0.01 for a file in centimetres. Larger makes the
     /// garment larger.
     pub unit: f64,
-    /// The axis of the file that points up, y by default; the garment is turned so that it is y.
+    /// The up axis of the file, y by default; the garment is rotated to y up.
     pub up: Up,
     /// Moves the garment so that the middle of its bounding box is at x = 0 and z = 0 and its lowest point at y = 0. False by
     /// default.
     pub center: bool,
-    /// Most bytes to read, files beside it and decompressed data included; 2 GiB by default.
+    /// Largest number of bytes to read, including external files and decompressed data; 2 GiB by default.
     pub max_bytes: u64,
-    /// Most vertices of the mesh, instances included; 2^24 by default.
+    /// Largest number of vertices of the mesh, including instances; 2^24 by default.
     pub max_vertices: usize,
-    /// Most triangles of the mesh, instances included; 2^25 by default.
+    /// Largest number of triangles of the mesh, including instances; 2^25 by default.
     pub max_triangles: usize,
 }
 
@@ -86,14 +86,14 @@ pub struct Imported {
     pub mesh: Mesh,
     /// The file.
     pub source: Source,
-    /// What was left out or repaired on the way.
+    /// Elements that were left out or repaired.
     pub findings: Vec<Finding>,
 }
 
 /// Reads the file that stands beside the one being imported, by its relative path with `/` between folders.
 pub type Resolver<'a> = dyn Fn(&str) -> std::io::Result<Vec<u8>> + 'a;
 
-/// Reads a `.glb`, `.gltf` or `.obj` file. The format is told by the content, not by the name.
+/// Reads a `.glb`, `.gltf` or `.obj` file. The content determines the format, not the name.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported> {
     check(options)?;
     let bytes = source::read_capped(path, options.max_bytes)?;
@@ -123,7 +123,7 @@ fn check(options: &ImportOptions) -> Result<()> {
     }
     Err(Error::Option {
         option: "unit".into(),
-        problem: format!("{} is no length", options.unit),
+        problem: format!("{} is not a length above 0", options.unit),
         hint: "give the metres in one unit of the file, such as 0.01 for centimetres".into(),
     })
 }
@@ -133,7 +133,7 @@ fn dispatch(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOpti
     let format = sniff::sniff(name, bytes)?;
     let mut source = Source::new(name, bytes);
     if let Some(said) = format.contradicts(name) {
-        let message = "The extension of the file does not say what is in it; the content was believed.";
+        let message = "The file extension does not match the content; the file was read by its content.";
         findings.add(Severity::Note, "wrong-extension", 1, message, || said);
     }
     let mut mesh = match format {

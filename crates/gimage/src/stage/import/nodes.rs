@@ -33,7 +33,7 @@ impl Forest {
             let list: Vec<usize> = node.children.iter().flatten().map(|c| c.value()).collect();
             for &c in &list {
                 match parent.get_mut(c) {
-                    None => return Err(doc.bad(element(i), format!("its child {c} is not there"))),
+                    None => return Err(doc.bad(element(i), format!("its child {c} does not exist"))),
                     Some(Some(first)) => {
                         let problem = format!("both node {first} and node {i} have it as a child");
                         return Err(doc.bad(element(c), problem));
@@ -68,7 +68,7 @@ impl Forest {
         let mut take = |list: &mut dyn Iterator<Item = usize>, what: &str| -> Result<()> {
             for i in list {
                 match listed.get_mut(i) {
-                    None => return Err(doc.bad(what, format!("its node {i} is not there"))),
+                    None => return Err(doc.bad(what, format!("its node {i} does not exist"))),
                     Some(true) => {}
                     Some(new) => {
                         *new = true;
@@ -80,7 +80,7 @@ impl Forest {
         };
         let default = doc.root.scene.map(|s| s.value());
         if let Some(index) = default.filter(|&index| index >= scenes.len()) {
-            return Err(doc.bad(format!("scene {index}"), "the default scene is not there"));
+            return Err(doc.bad(format!("scene {index}"), "the default scene does not exist"));
         }
         let listing = |k: &usize| !scenes[*k].nodes.is_empty();
         let chosen: Vec<usize> = match default.filter(listing) {
@@ -110,11 +110,11 @@ impl Forest {
             let Some(mesh) = node.mesh.map(|m| m.value()) else { continue };
             let element = || format!("node {i} `{}`", doc.node_name(i));
             if mesh >= doc.root.meshes.len() {
-                return Err(doc.bad(element(), format!("its mesh {mesh} is not there")));
+                return Err(doc.bad(element(), format!("its mesh {mesh} does not exist")));
             }
             let skin = node.skin.map(|s| s.value());
             if let Some(s) = skin.filter(|&s| s >= doc.root.skins.len()) {
-                return Err(doc.bad(element(), format!("its skin {s} is not there")));
+                return Err(doc.bad(element(), format!("its skin {s} does not exist")));
             }
             placed.push(Placed { node: Some(i), mesh, skin, world: self.world[i] });
         }

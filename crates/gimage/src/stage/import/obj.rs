@@ -61,7 +61,7 @@ pub(crate) fn load(
     let used = builder::compact(triangles.as_flattened_mut(), text.positions.len());
     let positions = used.iter().map(|&v| text.positions[v as usize].map(|x| x * options.unit)).collect::<Vec<_>>();
     if positions.iter().flatten().any(|x| !x.is_finite()) {
-        let problem = "its vertices in metres leave the range of numbers".into();
+        let problem = "its vertices in metres overflow".into();
         return Err(Error::Option { option: "unit".into(), problem, hint: "give a smaller unit".into() });
     }
     let mut mesh =
@@ -103,7 +103,7 @@ fn triangles(
             ring.pop();
         }
         let repeated = corners.len() - ring.len();
-        let message = "Vertices that a face names twice in a row were taken once.";
+        let message = "Vertices that a face names twice in a row were read once.";
         findings.add(Severity::Repair, "repeated-vertices", repeated, message, element);
         if ring.len() < 3 {
             let message = "Faces with fewer than three different vertices were left out.";
@@ -123,7 +123,7 @@ fn triangles(
     Ok((out, parts))
 }
 
-/// A channel from one of the three indices of each corner; what is out of range or no number is left out and told.
+/// A channel from one of the three indices of each corner; values out of range or not finite are left out and reported.
 fn channel<const N: usize>(
     semantic: Semantic,
     values: Vec<[f32; N]>,
@@ -150,7 +150,7 @@ fn channel<const N: usize>(
     let message = "Texture coordinates or normals that are not in the file were left out.";
     findings.add(Severity::Repair, "attribute-out-of-range", outside.len(), message, || place(outside[0]));
     if semantic != (Semantic::Color(0)) {
-        let message = "Attribute values that are no finite numbers, and normals without a direction, were left out.";
+        let message = "Attribute values that are not finite, and normals without a direction, were left out.";
         findings.add(Severity::Repair, "attribute-values", lost.len(), message, || place(lost[0]));
     }
     let values = values.iter().flatten().map(|&v| if v.is_finite() { v } else { 0.0 }).collect();

@@ -144,7 +144,7 @@ impl Parser<'_> {
         if vertices > limit { builder::check_size(self.path, self.options, vertices, 0) } else { Ok(()) }
     }
 
-    /// The numbers of a line. `lenient` lets those pass that are no numbers; their users are told later.
+    /// The numbers of a line. `lenient` accepts values that are not numbers; they are reported later.
     fn numbers(&self, rest: &str, count: std::ops::RangeInclusive<usize>, lenient: bool) -> Result<Numbers> {
         let mut out = Numbers { values: [0.0; 8], len: 0 };
         for word in rest.split_ascii_whitespace() {

@@ -153,9 +153,8 @@ fn hint(mesh: &Mesh, options: &ImportOptions, findings: &mut Findings) {
         // The axis is one of the mesh as it stands; that of the file is known only where nothing was turned.
         let option =
             if options.up == Up::Y { format!("--up {up}?") } else { format!("another axis than --up {}?", options.up) };
-        let message = format!(
-            "The garment lies along z and stands off the plane z = 0, as files do whose z axis points up: {option}"
-        );
+        let message =
+            format!("The garment extends along z and does not reach the plane z = 0, as in a file with Z up: {option}");
         findings.add(Severity::Note, "hint-up", 1, &message, place);
     }
 }

@@ -102,7 +102,7 @@ fn clip(p: &[[f64; 2]]) -> (Vec<[usize; 3]>, Quality) {
 }
 
 /// Whether corner `v` lies in or on triangle `t`. Corners that repeat a point of the triangle (where a slit leads to a hole)
-/// are no obstacle.
+/// are not obstacles.
 fn blocks(p: &[[f64; 2]], t: [usize; 3], v: usize) -> bool {
     let q = p[v];
     if t.iter().any(|&c| p[c] == q) {

@@ -61,7 +61,7 @@ pub(crate) fn load(
     let primitive = &doc.root.meshes[mesh].primitives[index];
     let element = format!("mesh {mesh} `{}`, primitive {index}", doc.mesh_name(mesh));
     let Checked::Valid(mode) = primitive.mode else {
-        return Err(doc.bad(element, "its mode is none of glTF's"));
+        return Err(doc.bad(element, "glTF does not define its mode"));
     };
     if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
         let message = "Points and lines have no surface and were left out.";
@@ -104,7 +104,7 @@ pub(crate) fn load(
         return Ok(None);
     }
     let morphs = primitive.targets.as_ref().map_or(0, Vec::len);
-    let message = "Morph targets are not kept; the mesh is taken without them.";
+    let message = "Morph targets are not kept; the mesh is read without them.";
     findings.add(Severity::Note, "morph-targets", morphs, message, || element.clone());
     let read = |name: &str, accessor: usize| streams.attribute(name, accessor);
     let attributes = attributes::load(accessors, primitive, vertices, &element, read, findings)?;

@@ -78,7 +78,7 @@ impl<'a> Bones<'a> {
         let bones = &doc.root.skins[skin];
         let bad = |problem: String| Err(doc.bad(format!("skin {skin}"), problem));
         if let Some(j) = bones.joints.iter().find(|j| j.value() >= self.forest.world.len()) {
-            return bad(format!("its joint node {} is not there", j.value()));
+            return bad(format!("its joint node {} does not exist", j.value()));
         }
         let Some(accessor) = bones.inverse_bind_matrices else {
             return Ok(vec![matrix::IDENTITY; bones.joints.len()]);
@@ -89,7 +89,7 @@ impl<'a> Bones<'a> {
             return bad(format!("it has {} inverse bind matrices for {} joints", all.len(), bones.joints.len()));
         }
         if all.iter().flatten().any(|x| !x.is_finite()) {
-            return bad("its inverse bind matrices have entries that are no numbers".into());
+            return bad("its inverse bind matrices have entries that are not finite".into());
         }
         Ok(all)
     }

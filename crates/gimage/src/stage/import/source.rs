@@ -61,7 +61,7 @@ pub(crate) fn read_beside(folder: &Path, name: &str, cap: u64) -> io::Result<Vec
 }
 
 fn read(path: &Path, cap: u64) -> io::Result<Vec<u8>> {
-    // Asked before opening: a pipe without a writer waits for ever, and a device may have no end.
+    // Asked before opening: a pipe without a writer waits forever, and a device may have no end.
     refuse_unless_regular(&std::fs::metadata(path)?)?;
     let file = File::open(path)?;
     let meta = file.metadata()?;

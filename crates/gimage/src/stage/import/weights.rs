@@ -70,7 +70,7 @@ pub(crate) fn settle(
     let message = "Weights that do not sum to 1 were divided by their sum.";
     findings.add(Severity::Repair, "unnormalised-weights", uneven, message, || element.into());
     if empty.len() == positions.len() {
-        let message = "A skinned primitive has no weights at all; it is taken as rigid.";
+        let message = "A skinned primitive has no weights; it is treated as rigid.";
         findings.add(Severity::Warning, "no-weights", 1, message, || element.into());
         return;
     }

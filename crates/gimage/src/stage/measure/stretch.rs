@@ -1,4 +1,4 @@
-//! Distortion read off the image itself: from the texel lattice to the triangles it draws.
+//! Distortion measured on the image: from the texel lattice to its triangles.
 //!
 //! Geometric stretch is that of Sander, Snyder, Gortler and Hoppe, "Texture Mapping Progressive Meshes", 2001, scaled so
 //! that an isometry up to size has 1; symmetric Dirichlet energy is taken at the size that makes it least, so that an

@@ -58,7 +58,7 @@ fn enough(w: u32, h: u32) -> usize {
 
 /// Lays a disk's border on the rectangle of a layout and maps its inside, by one way only if that is given.
 ///
-/// Errors: [`Error::Piece`] where the boundary cannot be shared out, and where no map free of flips is found.
+/// Errors: [`Error::Piece`] where the boundary cannot be distributed over the texels, and where no map free of flips is found.
 pub fn map(
     source: &Source<'_>,
     disk: &Disk,
@@ -80,7 +80,7 @@ pub fn map(
     }
     .ok_or_else(|| {
         let hint = "remesh the slivers of this piece, or give it more texels";
-        source.fail("parameterize", "no map free of flips was found", hint)
+        source.fail("parameterize", "no flip-free map was found", hint)
     })?;
     Ok(Map { disk, uv, border: placed.texels, w, h, record })
 }

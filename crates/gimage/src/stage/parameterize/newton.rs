@@ -36,7 +36,7 @@ pub struct NewtonRecord {
     pub start: f64,
     /// Mean energy after.
     pub end: f64,
-    /// It ended because a step was small enough, not for want of steps or of a descent.
+    /// It ended because a step was small enough, not because the steps ran out or no descent was found.
     pub converged: bool,
     /// It ended at the cap of work while the energy still fell by over 1 % a step.
     pub capped: bool,

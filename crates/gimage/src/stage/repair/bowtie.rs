@@ -143,7 +143,7 @@ fn report_edges(work: &mut Work, gluing: &Gluing, slits: usize) {
     let examples = examples.collect();
     let count = gluing.crowded.len();
     let mut message = format!(
-        "{} with three or more triangles: the straightest pairs stay joined, the others come loose",
+        "{} with three or more triangles: the straightest pairs stay joined, the others were detached",
         words::edges(count)
     );
     if slits > 0 {

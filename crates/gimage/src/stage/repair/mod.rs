@@ -1,4 +1,4 @@
-//! Makes a mesh an oriented manifold, and says what it took.
+//! Repairs a mesh to an oriented manifold, and reports every repair.
 //!
 //! In order: join equal positions, drop copies, remove triangles without area, take apart edges with three or more
 //! triangles and vertices with more than one fan, wind neighbours alike, drop vertices nothing uses. One file a step.
@@ -22,7 +22,7 @@ use work::Work;
 /// Coordinates beyond this \[m\] are as good as infinite: their squares of squares would be.
 const FARTHEST: f64 = 1e75;
 
-/// How a mesh is repaired.
+/// Options of [`repair`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RepairOptions {
     /// Distance \[m\] within which vertices on open borders, and the ends of an edge, are joined; positive. No vertex
@@ -37,7 +37,7 @@ pub struct Repaired {
     /// The mesh: every edge has one or two triangles, every vertex is used and has one fan, neighbours wind alike
     /// wherever the piece is orientable, no triangle is without area or a copy. Triangles keep their order.
     pub mesh: Mesh,
-    /// What it took, in the order it was done; indices are those of the mesh given.
+    /// The repairs in order; indices are those of the input mesh.
     pub findings: Vec<Finding>,
 }
 
@@ -87,7 +87,7 @@ fn finish(mut work: Work, unused: usize) -> Repaired {
     bowtie::split_vertices(&mut work, &mut gluing);
     orient::orient(&mut work, &gluing);
     compact(&mut work);
-    let message = format!("{} that no triangle uses left out", words::vertices(unused));
+    let message = format!("{} that no triangle uses removed", words::vertices(unused));
     work.report(Severity::Note, "unused-vertices", unused, Vec::new(), message);
     Repaired { mesh: work.mesh, findings: work.findings }
 }
@@ -100,7 +100,7 @@ fn drop_unusable(work: &mut Work) {
         work.mesh.triangles.iter().map(|t| t.iter().all(|&v| positions.get(v as usize).is_some_and(sound))).collect();
     let examples = (0..work.len()).filter(|&t| !keep[t]).take(4).map(|t| work.triangle_words(t)).collect();
     let count = work.retain(&keep);
-    let message = format!("{} with a missing vertex, or one at no finite place, dropped", words::triangles(count));
+    let message = format!("{} dropped: a vertex is missing, or its position is not finite", words::triangles(count));
     work.report(Severity::Repair, "unusable-faces", count, examples, message);
     for channel in &mut work.mesh.channels {
         let values = channel.values.len().checked_div(channel.width).unwrap_or(0);

@@ -64,7 +64,7 @@ pub(super) fn orient(work: &mut Work, gluing: &Gluing) {
         work.reverse(t);
     }
     let examples = flips.iter().take(4).map(|&t| work.triangle_words(t as usize)).collect();
-    let message = format!("{} turned over to wind as most of the piece does", words::triangles(flips.len()));
+    let message = format!("{} flipped to match the winding of most of the piece", words::triangles(flips.len()));
     work.report(Severity::Repair, "flipped-faces", flips.len(), examples, message);
     let pieces = words::counted(twisted_count, "piece that is", "pieces that are");
     let message = format!("{pieces} not orientable will be cut across");

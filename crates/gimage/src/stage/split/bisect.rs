@@ -157,7 +157,7 @@ impl<'a> Region<'a> {
                 sum += gain;
                 done.push(k);
                 weights.push(weight);
-                // Rounding is no gain.
+                // A difference within rounding does not count as a gain.
                 if sum > best.0 + 1e-9 * raise {
                     best = (sum, done.len());
                 } else if done.len() > best.1 + patience {

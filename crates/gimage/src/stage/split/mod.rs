@@ -4,7 +4,7 @@
 //! n / k texels have sqrt(k) times as many. The surface is cut in two along a short path ([`bisect`]) until the border of
 //! each part fits the image of its share of the texels. Parts share the points of the paths between them: their steps are
 //! decided before the images are laid out ([`network`]), so that the texels on both sides are the same points, bit for bit,
-//! and rings of duplicates lead across parts. What is welded is the surface: same Euler number, same boundary loops.
+//! and rings of duplicates lead across parts. Welding them gives the surface: same Euler number, same boundary loops.
 
 mod bisect;
 mod image;
@@ -156,7 +156,7 @@ pub(crate) fn image_parts(
     image_at_least(name, surface, uv_seam, options, budget, 2)
 }
 
-/// As [`image_parts`], with at least so many parts.
+/// As [`image_parts`], with a lower bound of the number of parts.
 fn image_at_least(
     name: &str,
     surface: &Surface,

@@ -62,7 +62,7 @@ impl<T: Real> Reach<T> {
         let size = |v: V3<T>| v[0].abs() + v[1].abs() + v[2].abs();
         let slack = T::of(1e-5) * (size(p) + size(was) + size(self.center));
         let reach = (r + dot(way, way).sqrt()) * T::of(1.001) + slack;
-        // What is no number is left to the rule.
+        // NaN is left to the rule.
         let far = dot(d, d).sqrt() > reach;
         !far
     }
@@ -85,7 +85,7 @@ impl<T: Real> Reach<T> {
                 }
                 let (way, far) = (k.sqrt(way2), k.sqrt(far2));
                 let reach = k.add(k.splat(r), way);
-                // Written so that what is no number is not near: nothing can be done for it.
+                // Written so that NaN is not near: nothing can be done for it.
                 k.any(k.above(reach, far))
             }
             None => {

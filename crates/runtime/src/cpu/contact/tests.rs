@@ -142,7 +142,7 @@ fn what_is_no_number_is_left_to_the_rule_and_spoils_no_other() {
     for k in 0..37 * 21 {
         let place = with.triple(k);
         let p = with.at(place);
-        // What is no number is not near by itself, but where others are it meets what they meet.
+        // A NaN is not near by itself, but in a vector with near particles it meets what they meet.
         let stays = start.at(place);
         let as_ruled = same(p, apart.at(place)) || same(p, stays);
         let fine = if bad.contains(&place) { as_ruled } else { same(p, without.at(place)) };

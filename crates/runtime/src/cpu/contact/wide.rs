@@ -27,7 +27,7 @@ pub fn meet<T: Real, K: Machine<T>>(
     let brief = k.both(free, k.above(k.splat(short(solid)), dot(k, path, path)));
     let Exits { at: out, normal, outside } = solid.exits(k, p);
     let inside = k.without(brief, outside);
-    // Those that are no numbers are among the others.
+    // NaN is among the others.
     let others = k.without(free, brief);
     if k.any(others) {
         let mut alone = [T::of(0.0); LANES];

@@ -70,7 +70,7 @@ fn normalize<T: Real, K: Machine<T>>(k: K, v: Wide<T, K>) -> Wide<T, K> {
 }
 
 impl<T: Real> Solid<T> {
-    /// [`Solid::exit`] of points of which none is no number.
+    /// [`Solid::exit`] of points without NaN.
     #[inline(always)]
     pub fn exits<K: Machine<T>>(&self, k: K, p: Wide<T, K>) -> Exits<T, K> {
         let ([x, y, z, w], center) = (self.rotation, splat(k, self.center));

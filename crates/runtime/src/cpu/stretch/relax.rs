@@ -10,12 +10,12 @@ use crate::cpu::sheet::Values;
 /// is drawn together to there at once.
 ///
 /// Where folds cross, cloth that bends along the sides of its cells alone cannot keep all lengths, and gravity is too weak
-/// to undo it: sides stay 5 to 14 % too long for ever. Real cloth folds along diagonals there, and shears before it
+/// to undo it: sides stay 5 to 14 % too long forever. Real cloth folds along diagonals there, and shears before it
 /// stretches. So the force of diagonals ends somewhere, far above what cloth that hangs or lies asks of them.
 const TORN: f64 = 0.25;
 
 impl<T: Real> Spring<'_, T> {
-    /// Relaxes so many springs from `a` to `b`, whose lengths are stored from `stored` on.
+    /// Relaxes `count` springs from `a` to `b`, whose lengths are stored from `stored` on.
     #[inline(always)]
     pub(super) fn relax<K: Machine<T>, const KIND: u8, const WAY: u8>(
         &self,

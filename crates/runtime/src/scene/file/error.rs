@@ -7,7 +7,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The text is no JSON, or a field is missing, unknown or of the wrong kind.
+    /// The text is not JSON, or a field is missing, unknown or of the wrong kind.
     #[error("{field}: {problem}; SCENE.md lists the fields")]
     Syntax {
         /// Path of the field, as `cloths[0].pins[1].box.low`.

@@ -91,7 +91,7 @@ fn color(field: &str, value: Option<[f32; 3]>) -> Result<Option<[f32; 3]>> {
 fn rotation(fields: &json::Rotation, place: &str) -> Result<[f32; 4]> {
     let no_axis = fields.axis == [0.0; 3] && fields.degrees != 0.0;
     if no_axis || !fields.degrees.is_finite() || fields.axis.iter().any(|x| !x.is_finite()) {
-        return Err(Error::choice(format!("{place}.rotation"), "give an axis of some length, and finite degrees"));
+        return Err(Error::choice(format!("{place}.rotation"), "give an axis longer than 0, and finite degrees"));
     }
     Ok(about(fields.axis, fields.degrees.to_radians()))
 }

@@ -1,7 +1,7 @@
 use serde_json::{Value, json};
 
 use super::*;
-use crate::{Backend, Shape, Stepper};
+use crate::{Shape, Stepper};
 
 fn nothing(_: &Source) -> Found {
     Err("no such bundle".into())
@@ -100,7 +100,7 @@ fn the_script_moves_and_lets_go() {
     let mut value = full();
     value["cloths"][0]["pins"].as_array_mut().unwrap().truncate(1);
     let SceneFile { scene, script, options, .. } = parse(&value).unwrap();
-    let mut stepper = Stepper::new(scene, Options { backend: Backend::Cpu, ..options }, None).unwrap();
+    let mut stepper = Stepper::on_cpu(scene, options).unwrap();
     let dt = stepper.options().step;
     let start = stepper.positions(0).unwrap()[0];
     let mut run = |from: u32, to: u32| {

@@ -2,7 +2,7 @@
 //!
 //! All texels, the duplicates of a seam point as one, minimise over the surface S
 //! `int_S |X - P|^2 + mu w |dX - dP|^2`, where X is the piecewise linear surface the image stands for (each texel quad
-//! split by its shorter diagonal), P the original and d the gradient in texel units. Distance along the surface is no
+//! split by its shorter diagonal), P the original and d the gradient in texel units. Distance along the surface is not an
 //! error, so P and dP slide along it to where X was in the round before (the iterated point-to-plane fit of Chen, Medioni
 //! 1992, majorised so that every round is one scalar system); rounds are extrapolated (Nesterov 1983). That lets texels
 //! settle on folds. The second term holds the normals; its weight w falls with the angle between X and the surface, so
@@ -53,7 +53,7 @@ const NEAR: f64 = 0.1;
 const MOST_TURNED: f64 = 0.005;
 
 /// How firmly the garment's own boundary is held to where it was sampled, as a share of what pulls at it: beyond a
-/// boundary is no surface that would hold it.
+/// boundary there is no surface that would hold it.
 const RIM: f64 = 1.0;
 
 /// What the image is to the fit.

@@ -100,7 +100,7 @@ impl Patch {
         (all, over)
     }
 
-    /// Adds the terms of its fragments with texels now at `points`. What is turned over is held harder if `turned`.
+    /// Adds the terms of its fragments with texels now at `points`. Triangles that are turned over are held harder if `turned`.
     #[inline(always)]
     pub(super) fn equations(
         &self,

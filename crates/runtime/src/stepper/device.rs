@@ -1,0 +1,90 @@
+//! What a stepper does with the host's device.
+
+use super::Stepper;
+use crate::clock::Progress;
+use crate::cpu::rows::Threads;
+use crate::error::{Error, Result};
+use crate::fused::Room;
+use crate::gpu::{ClothBuffers, Compiled, Gpu};
+use crate::options::{Backend, Options};
+use crate::scene::Scene;
+use crate::self_check::{decide, self_check};
+use crate::world::World;
+
+impl Stepper {
+    /// Makes a stepper for a scene. `gpu` is the host's device and queue, if it has them: then positions and normals lie in
+    /// buffers on either backend ([`Stepper::buffers`]). Errors on settings out of range, on [`Backend::Gpu`] without a
+    /// device, and where a cloth does not fit the device.
+    ///
+    /// The first stepper on a device runs its [`self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. [`Backend::Auto`]
+    /// does not use a device that fails, [`Backend::Gpu`] does; [`Stepper::warnings`] has the reason.
+    ///
+    /// Compiles the pipelines that a frame runs, unless another stepper on the device has them ([`Stepper::compiled`]).
+    pub fn new(scene: Scene, options: Options, gpu: Option<(&wgpu::Device, &wgpu::Queue)>) -> Result<Self> {
+        let mut warning = None;
+        let mut options = options;
+        if let Some((device, queue)) = gpu.filter(|_| options.backend != Backend::Cpu) {
+            let (on_cpu, found) = decide(options.backend, Some(&self_check(device, queue)))?;
+            options.backend = if on_cpu { Backend::Cpu } else { options.backend };
+            warning = found;
+        }
+        let mut stepper = Stepper::unchecked(scene, options, gpu)?;
+        stepper.world.warnings.splice(..0, warning);
+        Ok(stepper)
+    }
+
+    /// The same without a self-check, which itself needs it.
+    pub(crate) fn unchecked(
+        scene: Scene,
+        options: Options,
+        gpu: Option<(&wgpu::Device, &wgpu::Queue)>,
+    ) -> Result<Self> {
+        let mut world = World::new(scene, options)?;
+        let on_cpu = match world.options.backend {
+            Backend::Cpu => true,
+            Backend::Auto => gpu.is_none(),
+            Backend::Gpu if gpu.is_none() => return Err(Error::NoGpu("Backend::Gpu")),
+            Backend::Gpu => false,
+        };
+        let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.options.threads)?)) } else { None };
+        if let (false, Some((device, _))) = (on_cpu, gpu) {
+            world.make_room(Room::of(device));
+        }
+        let gpu = gpu.map(|(device, queue)| Gpu::new(&world, device, queue, on_cpu)).transpose()?;
+        Ok(Stepper { world, cpu, gpu })
+    }
+
+    /// Records a frame of `dt` \[s\] of the host's time: as many steps as are due, then normals. On the CPU backend the
+    /// steps are made at once, and the result is written to the buffers by the queue. Needs a device.
+    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
+        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
+        self.world.choose();
+        let progress = self.world.clock.frame(dt);
+        if progress.steps == 0 && self.world.actions.is_empty() {
+            return Ok(progress);
+        }
+        match &mut self.cpu {
+            Some((bodies, threads)) => {
+                self.world.act(bodies, threads);
+                self.world.run(bodies, threads, progress.steps);
+                gpu.upload(bodies, &self.world.asleep);
+            }
+            None => {
+                gpu.act(&mut self.world, encoder);
+                gpu.record(&mut self.world, encoder, progress.steps);
+            }
+        }
+        Ok(progress)
+    }
+
+    /// The buffers that a vertex shader reads. `None` without a device and for a cloth that does not exist.
+    pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
+        self.gpu.as_ref()?.buffers(cloth)
+    }
+
+    /// The pipelines that this stepper has compiled, and how long that took. [`Stepper::new`] compiles all that a frame runs,
+    /// once for all steppers on one device; actions and changed settings may add to them. `None` without a device.
+    pub fn compiled(&self) -> Option<Compiled> {
+        self.gpu.as_ref().map(Gpu::compiled)
+    }
+}
