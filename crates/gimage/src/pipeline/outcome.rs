@@ -41,7 +41,7 @@ pub(super) fn name_parts(pieces: &[Component], accessories: &[Component], made: 
 /// An image this many times as large as its budget is too large: the component is split into parts, if those fit.
 const TOO_LARGE: f64 = 1.5;
 
-/// The pieces of a bundle, in their order, and what is no piece.
+/// The pieces of a bundle in their order, the accessories, and the families of parts.
 pub(super) struct Gathered<'a> {
     /// The pieces.
     pub pieces: Vec<Piece<'a>>,

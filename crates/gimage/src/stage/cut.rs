@@ -92,7 +92,7 @@ impl Loops {
         Self { rim, lengths: cutter.loop_lengths(), euler: cutter.euler() }
     }
 
-    /// The loops of a surface. `None` if it is empty or no manifold.
+    /// The loops of a surface. `None` if it is empty or not a manifold.
     pub fn new(surface: &Surface) -> Option<Self> {
         Cutter::new(surface).map(|cutter| Self::of(&cutter))
     }
@@ -101,7 +101,7 @@ impl Loops {
 /// Cuts a connected surface open in each way worth laying out: along UV seams or not, as the options say, and grown into
 /// limbs. `uv_seam` tells the half-edges on UV seams, if the surface has any.
 ///
-/// Errors: [`crate::Error::Piece`] with `name` where the surface is no manifold.
+/// Errors: [`crate::Error::Piece`] with `name` where the surface is not a manifold.
 pub fn cuts(
     name: &str,
     surface: &Surface,
