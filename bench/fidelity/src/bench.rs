@@ -11,7 +11,7 @@ use crate::measured::summary;
 use crate::one::Run;
 use crate::quality::{Scorer, of_bundle};
 use crate::row::{Row, csv};
-use crate::source::{Reference, defaults, stem};
+use crate::source::{Reference, stem};
 use crate::{machine, peer, plot};
 
 /// What every step needs.
@@ -26,7 +26,7 @@ struct Bench<'a> {
 
 /// Runs it.
 pub fn run(args: &BenchArgs) -> Result<(), Failure> {
-    let meshes = if args.meshes.is_empty() { defaults() } else { args.meshes.clone() };
+    let meshes = if args.meshes.is_empty() { gimage_bench_meshes::clean() } else { args.meshes.clone() };
     let machine = machine::describe(args);
     let references = meshes.iter().map(|m| Reference::read(m)).collect::<Result<Vec<_>, _>>()?;
     let scorer = args.scorer.clone().map(|script| Scorer { python: args.python.clone(), script });

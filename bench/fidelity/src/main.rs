@@ -14,7 +14,6 @@ mod peer;
 mod plot;
 mod quality;
 mod row;
-mod scale;
 mod source;
 
 use std::process::ExitCode;

@@ -1,6 +1,6 @@
-//! The meshes: which ones by default, and as the peers and the measurement of the peers see them.
+//! The meshes, as the peers and the measurement of the peers see them.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gimage::Mesh;
 use gimage::component::{ComponentOptions, split};
@@ -8,32 +8,6 @@ use gimage::import::{ImportOptions, import};
 use gimage::repair::{RepairOptions, repair};
 
 use crate::Failure;
-
-/// The clean meshes among the shared garments.
-const SHARED: [&str; 8] = [
-    "skirt_evening.obj",
-    "tshirt_1900.obj",
-    "hat_fedora.obj",
-    "suit_male06.obj",
-    "models/spot.obj",
-    "models/camel.obj",
-    "models/feline.obj",
-    "models/stanford-bunny.obj",
-];
-
-/// The sample garments, then the clean ones of `$GIMAGE_SHARED/garments`, or of `shared` beside the repository.
-pub fn defaults() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut samples: Vec<PathBuf> = std::fs::read_dir(root.join("assets"))
-        .map(|entries| entries.flatten().map(|e| e.path()).collect())
-        .unwrap_or_default();
-    samples.retain(|p| p.extension().is_some_and(|e| e == "glb"));
-    samples.sort();
-    let shared = std::env::var_os("GIMAGE_SHARED").map_or_else(|| root.join("../shared"), PathBuf::from);
-    let shared = SHARED.iter().map(|name| shared.join("garments").join(name)).filter(|p| p.is_file());
-    samples.extend(shared);
-    samples
-}
 
 /// What stands for a mesh in the table: its name without folders and extension.
 pub fn stem(path: &Path) -> String {
@@ -90,9 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn the_default_meshes_exist_and_their_names_hold_no_folders() {
-        let meshes = defaults();
-        assert!(meshes.len() >= 5);
-        assert!(meshes.iter().all(|m| m.is_file() && !stem(m).contains('/')));
+    fn names_hold_no_folders_and_no_commas() {
+        assert_eq!(stem(Path::new("a/b,c.obj")), "b_c");
     }
 }

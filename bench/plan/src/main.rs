@@ -1,14 +1,13 @@
 //! Times scenes with each feature on and off, so that what a plan saves can be seen. CSV to stdout.
 
-mod gpu;
 mod scenes;
 mod timing;
 
 use clap::Parser;
+use gimage_bench_host::Gpu;
 use gimage_runtime::{Backend, Options};
-use gpu::Gpu;
 use scenes::{Case, cases};
-use timing::{Host, time};
+use timing::{host, time};
 
 /// What a scene pays for: milliseconds per frame with each feature of the runtime on and off. CSV to stdout, the adapter
 /// to stderr.
@@ -66,7 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let mut plans = Vec::new();
             for round in 0..args.rounds {
                 for (case, times) in cases.iter().zip(&mut times) {
-                    let mut host = Host::new(case, &options, device)?;
+                    let mut host = host(case, &options, device)?;
                     times.extend(time(&mut host, args.frames)?);
                     if round == 0 {
                         plans.push(host.stepper.plan());

@@ -3,12 +3,11 @@
 use std::path::Path;
 
 use gimage::options::{BuildOptions, ImageSize};
+use gimage_bench_host::{FRAME, Gpu, Host};
 use gimage_runtime::scene::file::{Found, SceneFile, Source};
 use gimage_runtime::{Backend, Options, Reference, Scene, Solver, measure};
 
 use crate::Failure;
-use crate::gpu::Gpu;
-use crate::host::Host;
 use crate::row::Row;
 use crate::score::Figures;
 use crate::variant::Variant;
@@ -20,8 +19,6 @@ pub const GARMENTS: [&str; 2] = ["tshirt", "cape"];
 const FRAMES: u32 = 240;
 /// Frames in which a run has its turn.
 const TURN: u32 = 24;
-/// Length of a frame \[s\].
-const FRAME: f64 = 1.0 / 60.0;
 /// Steps per frame of the truth, and of the run that tells how sure that is.
 const TRUTH: [u32; 2] = [1000, 500];
 
@@ -75,8 +72,8 @@ pub fn rows(variants: &[Variant], substeps: &[u32], texels: u32, gpu: Option<&Gp
         for _ in 0..FRAMES / TURN {
             for (_, _, host, times, last) in &mut runs {
                 for _ in 0..TURN {
-                    *last = wide(&host.positions()?);
-                    times.push(host.frame()?);
+                    *last = wide(&host.now()?);
+                    times.push(host.timed(FRAME)?);
                 }
             }
         }
@@ -107,7 +104,7 @@ pub fn rows(variants: &[Variant], substeps: &[u32], texels: u32, gpu: Option<&Gp
         rows.push(row("truth-f64", TRUTH[1], &[], &half, &half));
         for (variant, count, host, mut times, last) in runs {
             times.sort_by(f64::total_cmp);
-            rows.push(row(&variant.name, count, &times, &wide(&host.positions()?), &last));
+            rows.push(row(&variant.name, count, &times, &wide(&host.now()?), &last));
         }
         eprintln!("{name}");
     }

@@ -2,15 +2,10 @@
 
 mod chain;
 mod garments;
-#[path = "../../plan/src/gpu.rs"]
-mod gpu;
-mod host;
 mod plot;
 mod reach;
 mod row;
 mod run;
-#[path = "../../fidelity/src/scale.rs"]
-mod scale;
 mod score;
 mod variant;
 
@@ -18,8 +13,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::Parser;
+use gimage_bench_host::Gpu;
 use gimage_runtime::scene::BUILTIN;
-use gpu::Gpu;
 use row::Row;
 use run::{Run, Setting};
 use variant::{USUAL, Variant};

@@ -3,13 +3,12 @@
 use std::fs;
 use std::path::PathBuf;
 
+use gimage_bench_host::{FRAME, Gpu, Host};
 use gimage_bundle::{Image, encode_exr};
 use gimage_runtime::scene::builtin;
 use gimage_runtime::{Backend, Cloth, Options, Scene};
 
 use crate::Failure;
-use crate::gpu::Gpu;
-use crate::host::Host;
 use crate::row::Row;
 use crate::score::Score;
 use crate::variant::Variant;
@@ -57,7 +56,7 @@ impl<'a> Run<'a> {
 
     /// Whether the solver makes as many steps as were asked for, and not more.
     pub fn is_as_asked(&self) -> bool {
-        self.host.substeps() == self.setting.substeps
+        self.host.stepper.options().substeps == self.setting.substeps
     }
 
     /// Frames of the scene.
@@ -71,7 +70,7 @@ impl<'a> Run<'a> {
             if self.frame > 0 && self.frame.is_multiple_of(self.scene.frames) {
                 self.host = Host::new(self.scene.clone(), options(&self.setting, self.gpu), self.gpu)?;
             }
-            self.times.push(self.host.frame()?);
+            self.times.push(self.host.timed(FRAME)?);
             self.frame += 1;
             self.look()?;
         }
@@ -84,7 +83,7 @@ impl<'a> Run<'a> {
         if frame > self.scene.frames || !self.score.wants(frame) {
             return Ok(());
         }
-        let positions = self.host.positions()?;
+        let positions = self.host.now()?;
         self.score.push(frame, &positions);
         if let Some(dir) = &self.dump {
             let cloth = &self.scene.cloths[0];

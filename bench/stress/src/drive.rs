@@ -1,11 +1,10 @@
 //! Runs a case under a solver, and judges.
 
+use gimage_bench_host::{Gpu, Host};
 use gimage_runtime::{Result, Solver, Warning};
 
 use crate::case::{Case, Stretch};
-use crate::figures::{Gauge, distance, norm};
-use crate::gpu::Gpu;
-use crate::host::Host;
+use crate::figures::{Gauge, V3, distance, norm};
 
 /// What came of it.
 #[derive(Clone, Debug, Default)]
@@ -54,9 +53,9 @@ fn run(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>, out: &mut Ou
     let frames = |seconds: f64| (seconds / case.step).ceil() as u32;
     let (storm, calm) = (frames(case.storm), frames(case.calm));
     let dt = case.step / f64::from(stepper.options().substeps);
-    let mut last = host.now()?;
-    let start = gauge.energy(&last, &host.before()?, dt);
-    let begin = gauge.momentum(&host.before()?, &last, dt);
+    let mut last = wide(&host.now()?);
+    let start = gauge.energy(&last, &wide(&host.before()?), dt);
+    let begin = gauge.momentum(&wide(&host.before()?), &last, dt);
     let unit = if gauge.scale > 0.0 { gauge.scale } else { start };
     let (mut stretches, mut speeds, mut kept) = (Vec::new(), [Vec::new(), Vec::new()], Vec::new());
     let (mut changed, mut bustle) = (0f64, 0f64);
@@ -67,7 +66,7 @@ fn run(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>, out: &mut Ou
             (case.after)(&mut host.stepper)?;
         }
         host.frame(case.step)?;
-        let now = host.now()?;
+        let now = wide(&host.now()?);
         let lost = now.iter().filter(|p| p.iter().any(|x| !x.is_finite())).count();
         if lost > 0 {
             out.broke = out.broke.or(Some((frame, lost)));
@@ -96,7 +95,7 @@ fn run(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>, out: &mut Ou
             bustle = bustle.max(gauge.bustle(&last, &now, case.step));
         }
         if case.asked.energy {
-            let energy = gauge.energy(&now, &host.before()?, dt);
+            let energy = gauge.energy(&now, &wide(&host.before()?), dt);
             out.energy = worse(out.energy, (energy - start) / unit);
         }
         last = now;
@@ -108,6 +107,11 @@ fn run(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>, out: &mut Ou
     out.momentum = if changed == 0.0 { 0.0 } else { changed / bustle };
     judge(case, solver.2 > 0, out);
     Ok(())
+}
+
+/// The places of particles in f64.
+fn wide(positions: &[[f32; 4]]) -> Vec<V3> {
+    positions.iter().map(|p| [0, 1, 2].map(|c| f64::from(p[c]))).collect()
 }
 
 fn word(warning: &Warning) -> &'static str {

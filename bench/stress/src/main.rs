@@ -5,10 +5,7 @@ mod cases;
 mod crew;
 mod drive;
 mod figures;
-#[path = "../../plan/src/gpu.rs"]
-mod gpu;
 mod heaps;
-mod host;
 mod random;
 mod table;
 
@@ -18,7 +15,7 @@ use std::process::ExitCode;
 use case::{Case, SOLVERS};
 use clap::Parser;
 use drive::drive;
-use gpu::Gpu;
+use gimage_bench_host::Gpu;
 use table::Entry;
 
 /// Tries cases under every solver, on the CPU unless the GPU is asked for, and says which survive: table to stdout, exit status 1 if any

@@ -9,18 +9,6 @@ use gimage::repair::{RepairOptions, repair};
 use crate::Failure;
 use crate::shape::Shape;
 
-/// Clean meshes among the shared garments.
-const SHARED: [&str; 8] = [
-    "skirt_evening.obj",
-    "tshirt_1900.obj",
-    "hat_fedora.obj",
-    "suit_male06.obj",
-    "models/spot.obj",
-    "models/camel.obj",
-    "models/feline.obj",
-    "models/stanford-bunny.obj",
-];
-
 /// Dirty ones with garments among their parts, for damage only.
 const DRESSED: [&str; 3] = ["outfit_skinned.glb", "mage_skinned.glb", "jacket_fleece.glb"];
 
@@ -57,24 +45,10 @@ fn collect(path: &Path, depth: usize, out: &mut Vec<PathBuf>) -> std::io::Result
     Ok(())
 }
 
-/// The sample garments, then the clean ones of `$GIMAGE_SHARED/garments`, or of `shared` beside the repository.
-pub fn clean() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut out = under(&root.join("assets")).unwrap_or_default();
-    out.extend(shared(&SHARED));
-    out
-}
-
-fn shared(names: &[&str]) -> Vec<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let folder = std::env::var_os("GIMAGE_SHARED").map_or_else(beside, PathBuf::from).join("garments");
-    names.iter().map(|n| folder.join(n)).filter(|p| p.is_file()).collect()
-}
-
 /// The parts to damage, with their names: components of 300 to 16,000 triangles.
 pub fn parts() -> Result<Vec<(String, Shape)>, Failure> {
     let mut out = Vec::new();
-    for path in clean().into_iter().chain(shared(&DRESSED)) {
+    for path in gimage_bench_meshes::clean().into_iter().chain(gimage_bench_meshes::shared(&DRESSED)) {
         let mesh = repair(import(&path, &ImportOptions::default())?.mesh, &RepairOptions::default())?.mesh;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let found = split(&mesh, &ComponentOptions::default()).pieces;

@@ -74,7 +74,7 @@ fn jobs(sources: &mut Sources<'_>) -> Result<Vec<Job>, Failure> {
         }
     }
     if args.budgets.is_some() && args.paths.is_empty() && !args.hard && !args.damaged {
-        for file in garments::clean() {
+        for file in gimage_bench_meshes::clean() {
             let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
             meshes.push((Origin::File(sources.files.len()), name));
             sources.files.push(file);

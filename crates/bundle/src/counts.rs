@@ -6,9 +6,7 @@ use crate::manifest::{Counts, PieceEntry};
 use crate::map::{Image, MapKind};
 use crate::particle::Particle;
 use crate::rings::{Rings, find_rings, ring_gap};
-
-/// The steps (columns, rows) of the four springs stored at a texel: right, down, down-right, up-right.
-pub const SPRING_STEPS: [(i64, i64); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
+use crate::springs::other_end;
 
 impl Bundle {
     /// The particle of every texel of the bundle, in the order of the indices. A piece without positions has none.
@@ -62,13 +60,11 @@ impl Bundle {
     }
 }
 
-/// Whether a spring from texel `k` of a piece along one of [`SPRING_STEPS`] joins two particles inside the grid.
-/// `particles` are those of the piece.
-pub(crate) fn spring_fits(piece: &PieceEntry, particles: &[Particle], k: usize, step: (i64, i64)) -> bool {
-    let (width, height) = (i64::from(piece.width), i64::from(piece.height));
-    let (i, j) = (k as i64 % width + step.0, k as i64 / width + step.1);
+/// Whether spring `kind` of texel `k` of a piece joins two particles inside the grid. `particles` are those of the piece.
+pub(crate) fn spring_fits(piece: &PieceEntry, particles: &[Particle], k: usize, kind: usize) -> bool {
     let exists = |k: usize| particles.get(k).is_some_and(|p| p.exists());
-    (0..width).contains(&i) && (0..height).contains(&j) && exists(k) && exists((j * width + i) as usize)
+    let end = other_end(piece.width as usize, piece.height as usize, k, kind);
+    end.is_some_and(|end| exists(k) && exists(end))
 }
 
 /// The particles of one piece out of those of the bundle; empty where they are too few.
@@ -103,8 +99,6 @@ fn springs(piece: &PieceEntry, particles: &[Particle], rest: Option<&Image>) -> 
         return rest.data.iter().filter(|&&length| length > 0.0).count() as u32;
     }
     let Some(constant) = piece.constants.rest else { return 0 };
-    let steps = SPRING_STEPS.iter().zip(constant).filter(|(_, length)| *length > 0.0);
-    steps
-        .map(|(&step, _)| (0..particles.len()).filter(|&k| spring_fits(piece, particles, k, step)).count() as u32)
-        .sum()
+    let kinds = (0..constant.len()).filter(|&kind| constant[kind] > 0.0);
+    kinds.map(|kind| (0..particles.len()).filter(|&k| spring_fits(piece, particles, k, kind)).count() as u32).sum()
 }

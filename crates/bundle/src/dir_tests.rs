@@ -1,7 +1,8 @@
 use super::*;
 use crate::bundle::tests::sample;
 
-fn names(path: &Path) -> Vec<String> {
+/// The names in a folder, sorted.
+pub(super) fn names(path: &Path) -> Vec<String> {
     let mut names: Vec<_> =
         fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
     names.sort();

@@ -45,7 +45,7 @@ pub fn read_header(file: &str, bytes: &[u8]) -> Result<ExrHeader> {
 
     let (mut channels, mut compression, mut window, mut order) = (None, None, None, None);
     loop {
-        let (name, kind, value) = match cursor.attribute() {
+        let Attribute { name, kind, value } = match cursor.attribute() {
             Some(Some(attribute)) => attribute,
             Some(None) => break,
             None => return Err(damaged("the header is cut off")),
@@ -130,6 +130,13 @@ fn lossless(value: &[u8]) -> std::result::Result<Compression, String> {
     }
 }
 
+/// One attribute of a header, as its bytes.
+struct Attribute<'a> {
+    name: &'a [u8],
+    kind: &'a [u8],
+    value: &'a [u8],
+}
+
 struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -159,14 +166,14 @@ impl<'a> Cursor<'a> {
         Some(&rest[..len])
     }
 
-    /// Name, type and value of the next attribute; the inner `None` is the end of the header.
-    fn attribute(&mut self) -> Option<Option<(&'a [u8], &'a [u8], &'a [u8])>> {
+    /// The next attribute; the inner `None` is the end of the header.
+    fn attribute(&mut self) -> Option<Option<Attribute<'a>>> {
         let name = self.text()?;
         if name.is_empty() {
             return Some(None);
         }
         let kind = self.text()?;
         let size = usize::try_from(self.i32()?).ok()?;
-        Some(Some((name, kind, self.take(size)?)))
+        Some(Some(Attribute { name, kind, value: self.take(size)? }))
     }
 }

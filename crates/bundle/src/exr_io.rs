@@ -168,9 +168,8 @@ mod tests {
             for i in 0..width {
                 let (u, v) = (i as f32 / width as f32, j as f32 / height as f32);
                 let texel = [(3.0 * u).sin() * 0.4, 1.0 + v, (2.0 * u + v).cos() * 0.2, 1.0];
-                for c in 0..channels as usize {
-                    image.data[((j * width + i) * channels) as usize + c] = texel[c];
-                }
+                let at = ((j * width + i) * channels) as usize;
+                image.data[at..at + channels as usize].copy_from_slice(&texel[..channels as usize]);
             }
         }
         image

@@ -25,10 +25,14 @@
 //! # Ok::<(), gimage_bundle::Error>(())
 //! ```
 
+// The workspace allows these for the sake of other crates.
+#![warn(clippy::needless_range_loop, clippy::too_many_arguments, clippy::type_complexity)]
+
 mod budget;
 mod bundle;
 mod counts;
 pub mod dir;
+mod disjoint;
 mod error;
 mod exr_header;
 mod exr_io;
@@ -36,6 +40,7 @@ pub mod manifest;
 mod map;
 mod particle;
 mod rings;
+mod springs;
 mod tether;
 mod validate;
 mod welded;
@@ -45,7 +50,7 @@ pub use budget::{
     MAX_REPAIRS,
 };
 pub use bundle::{Bundle, sha256};
-pub use counts::SPRING_STEPS;
+pub use disjoint::DisjointSets;
 pub use error::{CodeError, Error, Result};
 pub use exr_header::{ExrHeader, max_file_bytes, read_header};
 pub use exr_io::{decode_exr, decode_exr_sized, encode_exr};
@@ -53,5 +58,6 @@ pub use manifest::Manifest;
 pub use map::{Image, MAX_SIDE, MapKind, check_file_name, check_size, file_stems};
 pub use particle::{MAX_PARTICLES, Particle};
 pub use rings::{LinkFault, Rings, find_rings, ring_gap};
+pub use springs::{SPRING_STEPS, other_end};
 pub use tether::{Anchor, MAX_ANCHORS, RestLengths, SpringGrid, Tethers, tethers};
 pub use validate::{Fault, FaultKind, MAX_LISTED, exit_code, validate, validate_files};

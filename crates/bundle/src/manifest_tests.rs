@@ -1,4 +1,5 @@
 use super::*;
+use crate::error::Error;
 
 pub(crate) fn sample() -> Manifest {
     let mut manifest = Manifest::new("gimage 0.1.0");
@@ -57,7 +58,8 @@ fn numbers_that_are_not_finite_are_named() {
 
 #[test]
 fn contradictions_are_refused() {
-    let broken: [(&str, fn(&mut Manifest)); 7] = [
+    type Change = fn(&mut Manifest);
+    let broken: [(&str, Change); 7] = [
         ("range", |m| m.pieces[0].first_particle = 1),
         ("size", |m| m.pieces[0].width = 20_000),
         ("cannot hold a surface", |m| m.pieces[0].height = 1),

@@ -6,7 +6,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::bundle::Bundle;
-use crate::counts::{SPRING_STEPS, count_pieces, piece_particles, spring_fits};
+use crate::counts::{count_pieces, piece_particles, spring_fits};
 use crate::error::{Error, Result};
 use crate::manifest::{MANIFEST_FILE, PieceEntry};
 use crate::map::{Image, MapKind};
@@ -317,11 +317,10 @@ fn check_texel(kind: &MapKind, texel: &[f32], all: &[Particle], bundle: &Bundle)
 }
 
 fn check_rest(found: &mut Findings, index: usize, piece: &PieceEntry, own: &[Particle], k: usize, texel: &[f32]) {
-    for (c, (&length, step)) in texel.iter().zip(SPRING_STEPS).enumerate() {
-        let name = ["right", "down", "down-right", "up-right"][c];
+    for (kind, (&length, name)) in texel.iter().zip(["right", "down", "down-right", "up-right"]).enumerate() {
         if length < 0.0 || !length.is_finite() {
             found.texel(FaultKind::Rest, index, k, &MapKind::Rest, format!("{name} rest length {length} m"));
-        } else if length > 0.0 && !spring_fits(piece, own, k, step) {
+        } else if length > 0.0 && !spring_fits(piece, own, k, kind) {
             let message = format!("{name} rest length {length} m is not 0, but there is no particle to join");
             found.texel(FaultKind::Rest, index, k, &MapKind::Rest, message);
         }

@@ -19,7 +19,8 @@ fn a_sound_bundle_has_no_faults() {
 #[test]
 fn every_rule_is_checked_and_the_place_named() {
     use FaultKind::*;
-    let cases: [(FaultKind, (u32, u32), fn(&mut Bundle)); 16] = [
+    type Change = fn(&mut Bundle);
+    let cases: [(FaultKind, (u32, u32), Change); 16] = [
         (Code, (1, 0), |b| set(b, MapKind::Position, 1, 3, 1.5)),
         (Code, (0, 0), |b| set(b, MapKind::Position, 0, 3, f32::NAN)),
         (Ring, (0, 0), |b| set(b, MapKind::Position, 0, 3, 900.0)),

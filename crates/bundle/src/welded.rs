@@ -2,6 +2,7 @@
 
 use crate::bundle::Bundle;
 use crate::counts::piece_particles;
+use crate::disjoint::DisjointSets;
 use crate::map::MapKind;
 use crate::particle::Particle;
 use crate::rings::Rings;
@@ -17,30 +18,6 @@ pub(crate) struct Welded {
     pub components: usize,
     /// Edges with three triangles or more.
     pub non_manifold_edges: usize,
-}
-
-/// Disjoint sets of `0..n`.
-struct Sets(Vec<u32>);
-
-impl Sets {
-    fn find(&mut self, mut x: u32) -> u32 {
-        while self.0[x as usize] != x {
-            self.0[x as usize] = self.0[self.0[x as usize] as usize];
-            x = self.0[x as usize];
-        }
-        x
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
-
-    /// How many sets have a member for which `of` holds.
-    fn count(&mut self, of: &[bool]) -> usize {
-        let mut seen = vec![false; self.0.len()];
-        (0..of.len()).filter(|&v| of[v] && !std::mem::replace(&mut seen[self.find(v as u32) as usize], true)).count()
-    }
 }
 
 /// The topology of the surface that some pieces weld to. `particles` and `rings` are those of the bundle. O(n log n) in the
@@ -87,16 +64,16 @@ fn topology(triangles: &[[u32; 3]], vertices: usize) -> Welded {
         .map(|[a, b]| [a.min(b), a.max(b)])
         .collect();
     edges.sort_unstable();
-    let (mut all, mut border) = (Sets((0..vertices as u32).collect()), Sets((0..vertices as u32).collect()));
+    let (mut all, mut border) = (DisjointSets::new(vertices), DisjointSets::new(vertices));
     let (mut used, mut on_border) = (vec![false; vertices], vec![false; vertices]);
     let (mut count, mut out) = (0i64, Welded::default());
     for run in edges.chunk_by(|x, y| x == y) {
         let [a, b] = run[0];
         count += 1;
-        all.join(a, b);
+        all.union(a, b);
         (used[a as usize], used[b as usize]) = (true, true);
         if run.len() == 1 {
-            border.join(a, b);
+            border.union(a, b);
             (on_border[a as usize], on_border[b as usize]) = (true, true);
         }
         out.non_manifold_edges += usize::from(run.len() > 2);

@@ -12,63 +12,69 @@
 //! gimage_bundle::dir::write_dir(&built.bundle, "shirt.gim".as_ref(), false)?;
 //! # Ok::<(), gimage::Error>(())
 //! ```
+//!
+//! The stages in [`stage`] each take plain data and return plain data, so that they can be run one by one:
+//!
+//! ```
+//! use gimage::options::{BuildOptions, ImageSize};
+//! use gimage::stage::assemble::{Piece, assemble};
+//! use gimage::stage::image::{ImageOptions, finish};
+//! use gimage::stage::parameterize::{Source, map};
+//! use gimage::stage::{component, cut, layout, repair};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // A sleeve: 24 columns of quads around, 8 rows along it.
+//! let mut mesh = gimage::Mesh::default();
+//! for k in 0..24 * 9 {
+//!     let (sin, cos) = (f64::from(k % 24) / 24.0 * std::f64::consts::TAU).sin_cos();
+//!     mesh.positions.push([0.1 * cos, 0.05 * f64::from(k / 24), 0.1 * sin]);
+//! }
+//! for k in 0..24 * 8 {
+//!     let next = k / 24 * 24 + (k + 1) % 24;
+//!     mesh.triangles.extend([[k, k + 24, next], [next, k + 24, next + 24]]);
+//! }
+//!
+//! let options = BuildOptions { size: ImageSize::Texels(400), ..BuildOptions::default() };
+//! let mesh = repair::repair(mesh, &options.repair)?.mesh;
+//! let parts = component::split(&mesh, &options.component);
+//! let component = &parts.pieces[0];
+//! let surface = component::extract(&mesh, component);
+//!
+//! // From here on, one surface: cut, layout, map, texels.
+//! let settings = ImageOptions::new(&options, Some(400));
+//! let cuts = cut::cuts(&component.name, &surface, None, &settings)?;
+//! let (k, layout) = layout::choose(&cuts, settings.size, settings.search).ok_or("too few texels")?;
+//! let loops = cut::Loops::new(&surface).ok_or("not a manifold")?;
+//! let source = Source { name: &component.name, surface: &surface, rim: &loops.rim };
+//! let map = map(&source, &cuts[k].disk, &cuts[k].border, &layout, None, &settings)?;
+//! let image = finish(&source, &loops, &cuts[k].cut, map, &settings)?;
+//! assert!(image.closed, "the image welds to a tube");
+//!
+//! let mut bundle = gimage_bundle::Bundle::new("an example");
+//! let pieces = [Piece { component, surface: surface.clone(), image }];
+//! assemble(&mut bundle, &mesh, &pieces, &[], &options, &|| ())?;
+//! assert!(gimage_bundle::validate(&bundle).is_empty());
+//! # Ok(())
+//! # }
+//! ```
 
-mod accessory;
-mod assemble;
-mod attributes;
-mod bend;
-mod border;
-mod budget;
-pub mod closest;
-pub mod component;
-mod cut;
-mod decimate;
-mod disjoint;
-mod disk;
+// The workspace allows these for the sake of other crates.
+#![warn(clippy::needless_range_loop, clippy::too_many_arguments, clippy::type_complexity)]
+
+mod base;
 pub mod error;
-pub mod export;
-mod facing;
-mod fit;
-mod frame;
-pub mod gate;
-mod graph;
-pub mod grid;
-mod grow;
-pub mod halfedge;
-pub mod import;
-pub mod judge;
-pub mod ladder;
-mod layout;
-mod locate;
-pub mod mass;
-pub mod measure;
-pub mod mesh;
-mod normal;
 pub mod options;
-mod order;
-mod parameterize;
-mod piece;
-pub mod pins;
 pub mod pipeline;
 pub mod progress;
-pub mod reconstruct;
 pub mod record;
-pub mod repair;
 pub mod report;
-mod resample;
-mod sample;
-mod seal;
-#[cfg(test)]
-mod shapes;
-mod split;
-pub mod springs;
-pub mod stretch;
-pub mod surface;
-mod symmetry;
-pub mod topology;
-mod transfer;
-mod vec3;
-mod words;
+pub mod stage;
+
+pub use base::{closest, grid, halfedge, mesh, surface, topology};
+pub use stage::assemble::{mass, pins, springs};
+pub use stage::image::{judge, ladder};
+pub use stage::measure::stretch;
+pub use stage::{component, export, gate, import, measure, reconstruct, repair};
 
 pub use error::{Error, Result};
 pub use mesh::Mesh;

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use crate::component::{ALWAYS_PIECE, ComponentOptions};
 use crate::error::{Error, Result};
-use crate::import::ImportOptions;
-use crate::mass::MassOptions;
-use crate::pins::Pin;
-use crate::repair::RepairOptions;
+use crate::stage::assemble::mass::MassOptions;
+use crate::stage::assemble::pins::Pin;
+use crate::stage::component::{ALWAYS_PIECE, ComponentOptions};
+use crate::stage::import::ImportOptions;
+use crate::stage::repair::RepairOptions;
 
 /// The size of the images.
 #[derive(Clone, Copy, Debug, PartialEq)]

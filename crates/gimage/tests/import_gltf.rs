@@ -511,7 +511,8 @@ fn vertices_without_a_finite_position() {
 
 #[test]
 fn ranges_are_checked_before_they_are_read() {
-    let tries: [(&str, fn(&mut serde_json::Value)); 7] = [
+    type Change = fn(&mut serde_json::Value);
+    let tries: [(&str, Change); 7] = [
         ("4 elements of 12 bytes do not fit", |j| j["accessors"][0]["byteOffset"] = json!(8)),
         ("do not fit", |j| j["accessors"][0]["count"] = json!(16_000_000)),
         ("no such view", |j| j["accessors"][0]["bufferView"] = json!(99)),

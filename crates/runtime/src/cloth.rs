@@ -8,6 +8,7 @@ mod tether;
 mod weigh;
 
 pub use flat::Flat;
+pub(crate) use gimage_bundle::other_end;
 pub use gimage_bundle::{Anchor, Particle, Tethers};
 pub(crate) use groups::{groups, mates, ring};
 
@@ -361,15 +362,6 @@ impl Cloth {
         let ring = self.ring_starts.partition_point(|&s| s as usize <= at) - 1;
         Some(&self.ring_members[self.ring_starts[ring] as usize..self.ring_starts[ring + 1] as usize])
     }
-}
-
-/// The texel at the other end of the spring at texel `k` (right, down, down-right, up-right), if the grid has it.
-pub(crate) fn other_end(width: usize, height: usize, k: usize, direction: usize) -> Option<usize> {
-    let (right, down, up) = (direction != 1, direction == 1 || direction == 2, direction == 3);
-    if (right && k % width + 1 >= width) || (down && k / width + 1 >= height) || (up && k < width) {
-        return None;
-    }
-    Some(k + usize::from(right) + if down { width } else { 0 } - if up { width } else { 0 })
 }
 
 #[cfg(test)]

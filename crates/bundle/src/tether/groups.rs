@@ -1,13 +1,14 @@
 //! Connected sets of pinned particles.
 
 use super::SpringGrid;
+use crate::disjoint::DisjointSets;
 use crate::particle::Particle;
 use crate::rings::find_rings;
 
 /// The group of every particle, counted from 0 in the order of their lowest indices, `u32::MAX` where it is not pinned;
 /// and how many there are.
 pub(super) fn pin_groups(grids: &[SpringGrid<'_>], particles: &[Particle]) -> (Vec<u32>, usize) {
-    let mut parent: Vec<u32> = (0..particles.len() as u32).collect();
+    let mut sets = DisjointSets::new(particles.len());
     let pinned = |k: usize| particles.get(k).is_some_and(|p| p.is_pinned());
     let mut first = 0;
     for grid in grids {
@@ -21,14 +22,14 @@ pub(super) fn pin_groups(grids: &[SpringGrid<'_>], particles: &[Particle]) -> (V
             let ends = [(i + 1 < w, k + 1), (i > 0 && j + 1 < h, (k + w).saturating_sub(1))];
             let below = [(j + 1 < h, k + w), (i + 1 < w && j + 1 < h, k + w + 1)];
             for (_, end) in ends.into_iter().chain(below).filter(|&(inside, end)| inside && pinned(first + end)) {
-                join(&mut parent, (first + k) as u32, (first + end) as u32);
+                sets.union((first + k) as u32, (first + end) as u32);
             }
         }
         first += w * h;
     }
     for ring in find_rings(particles).0.iter() {
         for pair in ring.windows(2).filter(|pair| pair.iter().all(|&k| pinned(k as usize))) {
-            join(&mut parent, pair[0], pair[1]);
+            sets.union(pair[0], pair[1]);
         }
     }
     let mut groups = vec![u32::MAX; particles.len()];
@@ -38,7 +39,7 @@ pub(super) fn pin_groups(grids: &[SpringGrid<'_>], particles: &[Particle]) -> (V
             continue;
         }
         // Roots are the lowest members, so a root has its number before any other member asks for it.
-        let root = find(&mut parent, k as u32) as usize;
+        let root = sets.find(k as u32) as usize;
         if root == k {
             groups[k] = count;
             count += 1;
@@ -47,18 +48,4 @@ pub(super) fn pin_groups(grids: &[SpringGrid<'_>], particles: &[Particle]) -> (V
         }
     }
     (groups, count as usize)
-}
-
-fn find(parent: &mut [u32], mut k: u32) -> u32 {
-    while parent[k as usize] != k {
-        let up = parent[parent[k as usize] as usize];
-        parent[k as usize] = up;
-        k = up;
-    }
-    k
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }

@@ -1,0 +1,25 @@
+//! The device that benchmarks step on.
+
+use gimage_runtime::{device_limits, wgpu};
+
+/// A device, its queue and its adapter.
+pub struct Gpu {
+    /// Its device.
+    pub device: wgpu::Device,
+    /// The queue of the device.
+    pub queue: wgpu::Queue,
+    /// What the adapter is.
+    pub info: wgpu::AdapterInfo,
+}
+
+impl Gpu {
+    /// The fastest adapter, with what it offers of what the runtime can use.
+    pub fn new() -> Result<Self, Box<dyn std::error::Error>> {
+        let power_preference = wgpu::PowerPreference::HighPerformance;
+        let wish = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
+        let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&wish))?;
+        let wish = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&wish))?;
+        Ok(Gpu { device, queue, info: adapter.get_info() })
+    }
+}

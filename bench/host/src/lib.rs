@@ -1,0 +1,66 @@
+//! The host that benchmarks of the runtime share: a device, and a stepper on it or on the CPU.
+
+mod gpu;
+
+use std::time::Instant;
+
+use gimage_runtime::{Backend, ClothBuffers, Error, Options, Result, Scene, Span, Stepper, read_back, wgpu};
+
+pub use gpu::Gpu;
+
+/// Length of a frame at 60 Hz \[s\].
+pub const FRAME: f64 = 1.0 / 60.0;
+
+/// A scene in motion, on the GPU if there is one and on the CPU otherwise.
+pub struct Host<'a> {
+    /// Its stepper.
+    pub stepper: Stepper,
+    gpu: Option<&'a Gpu>,
+}
+
+impl<'a> Host<'a> {
+    /// A scene at its start; the backend follows from `gpu`, whatever the options say.
+    pub fn new(scene: Scene, options: Options, gpu: Option<&'a Gpu>) -> Result<Self> {
+        let backend = if gpu.is_some() { Backend::Gpu } else { Backend::Cpu };
+        let stepper = Stepper::new(scene, Options { backend, ..options }, gpu.map(|g| (&g.device, &g.queue)))?;
+        Ok(Host { stepper, gpu })
+    }
+
+    /// Makes a frame of this length \[s\]. On the GPU it is submitted, not waited for.
+    pub fn frame(&mut self, seconds: f64) -> Result<()> {
+        let Some(gpu) = self.gpu else { return self.stepper.advance(seconds).map(|_| ()) };
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        self.stepper.record(&mut encoder, seconds)?;
+        gpu.queue.submit([encoder.finish()]);
+        self.stepper.settle()
+    }
+
+    /// Makes a frame of this length \[s\] and returns its time \[ms\], from recording to the end of the work.
+    pub fn timed(&mut self, seconds: f64) -> Result<f64> {
+        let start = Instant::now();
+        self.frame(seconds)?;
+        if let Some(gpu) = self.gpu {
+            // A lost device shows in the next call.
+            let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        }
+        Ok(start.elapsed().as_secs_f64() * 1e3)
+    }
+
+    /// Positions of the first cloth \[m\].
+    pub fn now(&self) -> Result<Vec<[f32; 4]>> {
+        self.list(self.stepper.positions(0), |b| &b.now)
+    }
+
+    /// Positions of the first cloth one step before \[m\].
+    pub fn before(&self) -> Result<Vec<[f32; 4]>> {
+        self.list(self.stepper.previous(0), |b| &b.before)
+    }
+
+    fn list(&self, here: Option<&[[f32; 4]]>, which: fn(&ClothBuffers) -> &Span) -> Result<Vec<[f32; 4]>> {
+        match (here, self.gpu.zip(self.stepper.buffers(0))) {
+            (Some(list), _) => Ok(list.to_vec()),
+            (None, Some((gpu, buffers))) => read_back(&gpu.device, &gpu.queue, which(&buffers)),
+            (None, None) => Err(Error::NoGpu("reading positions")),
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! What the stages share: meshes, surfaces and images, and the geometry and graphs they are worked on with.
+
+pub mod closest;
+pub(crate) mod decimate;
+pub(crate) mod frame;
+pub(crate) mod graph;
+pub mod grid;
+pub mod halfedge;
+pub(crate) mod least_squares;
+pub(crate) mod locate;
+pub mod mesh;
+pub(crate) mod order;
+pub(crate) mod scatter;
+#[cfg(test)]
+pub(crate) mod shapes;
+pub mod surface;
+pub mod topology;
+pub(crate) mod vec3;
+pub(crate) mod words;

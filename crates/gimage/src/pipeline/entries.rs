@@ -1,0 +1,52 @@
+//! What the manifest says of a build beside its pieces.
+
+use gimage_bundle::Bundle;
+use gimage_bundle::manifest::{Joint, Repair, Skeleton, Source as SourceEntry};
+
+use crate::base::mesh::Mesh;
+use crate::options::BuildOptions;
+use crate::record::{Finding, Severity};
+use crate::stage::import::Source;
+
+/// Writes source, options, skeleton and findings into the manifest.
+pub(super) fn describe(
+    bundle: &mut Bundle,
+    mesh: &Mesh,
+    source: &Source,
+    options: &BuildOptions,
+    findings: &[Finding],
+) {
+    let Source { file_name, sha256, extras, .. } = source;
+    bundle.manifest.source = SourceEntry { file: file_name.clone(), sha256: sha256.clone(), extras: extras.clone() };
+    bundle.manifest.options = options.record();
+    bundle.manifest.skeleton = skeleton(mesh, bundle);
+    bundle.manifest.repairs = findings.iter().map(repair_entry).collect();
+}
+
+fn skeleton(mesh: &Mesh, bundle: &Bundle) -> Option<Skeleton> {
+    let used = bundle.images.keys().any(|(_, kind)| matches!(kind, gimage_bundle::MapKind::Joints(_)));
+    (used && !mesh.skeleton.joints.is_empty()).then(|| Skeleton {
+        joints: mesh
+            .skeleton
+            .joints
+            .iter()
+            .map(|j| Joint { name: j.name.clone(), parent: j.parent, inverse_bind: j.inverse_bind.map(|x| x as f32) })
+            .collect(),
+    })
+}
+
+fn repair_entry(f: &Finding) -> Repair {
+    Repair {
+        severity: match f.severity {
+            Severity::Note => "note",
+            Severity::Repair => "repair",
+            Severity::Warning => "warning",
+        }
+        .into(),
+        stage: f.stage.into(),
+        kind: f.kind.into(),
+        count: f.count,
+        examples: f.examples.clone(),
+        message: f.message.clone(),
+    }
+}

@@ -1,0 +1,185 @@
+//! Pin conditions: the expressions of `--pin`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::base::mesh::{Mesh, Semantic};
+use crate::base::words;
+use crate::error::Error;
+use crate::record::{Finding, MAX_EXAMPLES, Severity};
+
+/// One condition on a particle. Positions are in metres, after `--unit`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pin {
+    /// y above this.
+    Above(f64),
+    /// y below this.
+    Below(f64),
+    /// Inside the box from the first to the second corner.
+    Box([f64; 3], [f64; 3]),
+    /// On the `K`-th boundary loop of the garment, the longest being 0.
+    Loop(usize),
+    /// A custom attribute (by name, first component) above a value.
+    Attribute(String, f64),
+    /// A component (0..=3 for r, g, b, a) of the first colour above a value.
+    Color(usize, f64),
+}
+
+const COLORS: [&str; 4] = ["r", "g", "b", "a"];
+
+impl fmt::Display for Pin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Pin::Above(y) => write!(f, "above:{y}"),
+            Pin::Below(y) => write!(f, "below:{y}"),
+            Pin::Box(a, b) => write!(f, "box:{},{},{},{},{},{}", a[0], a[1], a[2], b[0], b[1], b[2]),
+            Pin::Loop(k) => write!(f, "loop:{k}"),
+            Pin::Attribute(name, t) => write!(f, "attr:{name}>{t}"),
+            Pin::Color(c, t) => write!(f, "color:{}>{t}", COLORS[*c % 4]),
+        }
+    }
+}
+
+impl FromStr for Pin {
+    type Err = Error;
+
+    fn from_str(s: &str) -> Result<Self, Error> {
+        let bad = |problem: &str| Error::Option {
+            option: "pin".into(),
+            problem: format!("`{s}`: {problem}"),
+            hint: "use above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1, loop:K, attr:_NAME>T or color:r>T".into(),
+        };
+        let number = |t: &str| {
+            t.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| bad(&format!("`{t}` is not a number")))
+        };
+        let (kind, rest) = s.split_once(':').ok_or_else(|| bad("`:` is missing"))?;
+        let compare = |rest: &str| -> Result<(String, f64), Error> {
+            let (name, t) = rest.split_once('>').ok_or_else(|| bad("`>` is missing"))?;
+            Ok((name.trim().to_owned(), number(t)?))
+        };
+        match kind {
+            "above" => Ok(Pin::Above(number(rest)?)),
+            "below" => Ok(Pin::Below(number(rest)?)),
+            "box" => {
+                let n = rest.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+                let &[a, b, c, d, e, f] = n.as_slice() else { return Err(bad("six numbers are required")) };
+                Ok(Pin::Box([a.min(d), b.min(e), c.min(f)], [a.max(d), b.max(e), c.max(f)]))
+            }
+            "loop" => Ok(Pin::Loop(rest.trim().parse().map_err(|_| bad("the loop is not a whole number"))?)),
+            "attr" => {
+                let (name, t) = compare(rest)?;
+                Ok(Pin::Attribute(name, t))
+            }
+            "color" => {
+                let (name, t) = compare(rest)?;
+                let c =
+                    COLORS.iter().position(|c| *c == name).ok_or_else(|| bad("the component is not r, g, b or a"))?;
+                Ok(Pin::Color(c, t))
+            }
+            _ => Err(bad("unknown kind")),
+        }
+    }
+}
+
+/// The warning for pins that no particle meets, with all there is to choose from: `met` says of each pin whether a particle
+/// does, `bounds` is the box around the garment \[m\], and `loops` counts its boundary loops.
+pub(crate) fn unmet(
+    pins: &[Pin],
+    met: &[bool],
+    bounds: Option<([f64; 3], [f64; 3])>,
+    loops: usize,
+    mesh: &Mesh,
+) -> Option<Finding> {
+    let missed: Vec<&Pin> = pins.iter().zip(met).filter(|(_, met)| !**met).map(|(pin, _)| pin).collect();
+    if missed.is_empty() {
+        return None;
+    }
+    let which = if missed.len() == 1 { "this pin" } else { "these pins" };
+    let mut message = format!("No particle meets {which}.");
+    if let Some((lo, hi)) = bounds {
+        let span = |k: usize| words::span(lo[k], hi[k]);
+        message += &format!(" The garment spans x {}, y {} and z {} m", span(0), span(1), span(2));
+        message += &match loops {
+            0 => "; it has no boundary loops".into(),
+            1 => "; its only boundary loop is loop:0".into(),
+            n => format!("; its boundary loops are loop:0 to loop:{}", n - 1),
+        };
+        let attributes = attributes(mesh);
+        message += &match attributes.is_empty() {
+            true => "; it has no attributes that a pin can use.".into(),
+            false => format!("; its attributes are {}.", attributes.join(", ")),
+        };
+    }
+    Some(Finding {
+        severity: Severity::Warning,
+        stage: "maps",
+        kind: "nothing-pinned",
+        count: missed.len() as u64,
+        examples: missed.iter().take(MAX_EXAMPLES).map(ToString::to_string).collect(),
+        message,
+    })
+}
+
+/// What attribute pins may name, with the range of the values: `attr:_PIN (0 to 1)`, `color:r (0.2 to 1)`, ...
+fn attributes(mesh: &Mesh) -> Vec<String> {
+    let range = |values: &mut dyn Iterator<Item = f32>| {
+        let (lo, hi) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
+        words::span(lo.into(), hi.into())
+    };
+    let mut out = Vec::new();
+    for channel in mesh.channels.iter().filter(|c| !c.values.is_empty()) {
+        let component = |k: usize| range(&mut channel.values.chunks(channel.width).filter_map(|v| v.get(k).copied()));
+        match &channel.semantic {
+            Semantic::Custom(name) => out.push(format!("attr:{name} ({})", component(0))),
+            Semantic::Color(0) => {
+                out.extend(COLORS.iter().enumerate().map(|(k, name)| format!("color:{name} ({})", component(k))));
+            }
+            _ => {}
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::mesh::Channel;
+
+    #[test]
+    fn a_pin_that_selects_nothing_names_bounds_loops_and_attributes() {
+        let channel = |semantic, width, values| Channel { semantic, width, values, corners: Vec::new() };
+        let mesh = Mesh {
+            channels: vec![
+                channel(Semantic::Color(0), 4, vec![0.0, 0.1, 0.2, 1.0, 0.5, 0.1, 0.3, 1.0]),
+                channel(Semantic::Custom("_PIN".into()), 2, vec![0.0, 7.0, 1.0, 8.0]),
+            ],
+            ..Mesh::default()
+        };
+        let pins = [Pin::Above(9.0), Pin::Loop(0), Pin::Loop(5)];
+        let bounds = Some(([-0.5, 0.0, -1.0 / 3.0], [0.5, 1.5, 0.25]));
+        let finding = unmet(&pins, &[false, true, false], bounds, 2, &mesh).unwrap();
+        assert_eq!((finding.count, finding.examples), (2, vec!["above:9".to_owned(), "loop:5".to_owned()]));
+        let expected = "No particle meets these pins. The garment spans x -0.5 to 0.5, y 0 to 1.5 and z -0.3333 to 0.25 m; its \
+                        boundary loops are loop:0 to loop:1; its attributes are color:r (0 to 0.5), color:g (0.1 to 0.1), \
+                        color:b (0.2 to 0.3), color:a (1 to 1), attr:_PIN (0 to 1).";
+        assert_eq!(finding.message, expected);
+        assert_eq!(unmet(&pins, &[true; 3], bounds, 2, &mesh), None);
+        let bare = unmet(&pins[..1], &[false], bounds, 0, &Mesh::default()).unwrap().message;
+        assert!(bare.ends_with("no boundary loops; it has no attributes that a pin can use."), "{bare}");
+    }
+
+    #[test]
+    fn expressions_read_back_as_written() {
+        for s in ["above:1.25", "below:-3", "box:0,0,0,1,2,3", "loop:2", "attr:_PIN>0.5", "color:g>0.25"] {
+            assert_eq!(s.parse::<Pin>().unwrap().to_string(), s);
+        }
+    }
+
+    #[test]
+    fn bad_expressions_say_why() {
+        for s in ["", "above", "above:x", "above:nan", "box:1,2,3", "loop:-1", "attr:_PIN", "color:q>1", "left:3"] {
+            let e = s.parse::<Pin>().unwrap_err().to_string();
+            assert!(e.starts_with("option pin: ") && e.contains(s), "{e}");
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! glTF 2.0: the pieces in the order in which they are used.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::rc::Rc;
+
+use super::accessor::Accessors;
+use super::buffers::Buffers;
+use super::builder::Builder;
+use super::document::Document;
+use super::findings::Findings;
+use super::matrix::Matrix;
+use super::nodes::{Forest, Placed};
+use super::pieces::Selector;
+use super::primitive::{self, Raw};
+use super::skin::Bones;
+use super::source::Source;
+use super::{ImportOptions, Resolver, instancing, matrix};
+use crate::base::mesh::{Mesh, Part, Semantic};
+use crate::error::{Error, Result};
+use crate::record::Severity;
+
+/// The mesh of a glTF file, given its JSON and its binary chunk.
+pub(crate) fn load(
+    path: &Path,
+    json: &[u8],
+    bin: Option<&[u8]>,
+    resolver: &Resolver,
+    options: &ImportOptions,
+    source: &mut Source,
+    findings: &mut Findings,
+) -> Result<Mesh> {
+    let doc = Document::parse(path, json, source)?;
+    let buffers = Buffers::new(&doc, bin, resolver, options.max_bytes);
+    let max_count = options.max_vertices.max(options.max_triangles.saturating_mul(3));
+    let accessors = Accessors { doc: &doc, buffers: &buffers, max_count };
+    let forest = Forest::new(&doc)?;
+    let placed = forest.placed(&doc, findings)?;
+    note_what_is_left(&doc, &placed, findings);
+
+    let mut selector = Selector::new(&options.pieces);
+    let mut bones = Bones::new(&accessors, &forest, options.unit);
+    let mut builder = Builder::new(path, options);
+    // A mesh is read once, however many nodes place it; it is forgotten after its last.
+    let mut uses: HashMap<usize, usize> = HashMap::new();
+    placed.iter().for_each(|p| *uses.entry(p.mesh).or_default() += 1);
+    let mut cache: HashMap<(usize, usize), Option<Rc<Raw>>> = HashMap::new();
+    for p in &placed {
+        let left = uses.entry(p.mesh).or_default();
+        *left -= 1;
+        let last = *left == 0;
+        let mut kept = Vec::new();
+        for k in 0..doc.root.meshes[p.mesh].primitives.len() {
+            let part = part(&doc, p, k);
+            if !selector.keeps(&part) {
+                continue;
+            }
+            let key = (p.mesh, k);
+            let raw = match cache.remove(&key) {
+                Some(raw) => raw,
+                None => {
+                    let (v, t) = (options.max_vertices, options.max_triangles);
+                    primitive::load(&accessors, p.mesh, k, v, t, findings)?.map(Rc::new)
+                }
+            };
+            kept.extend(raw.clone().map(|raw| (raw, part)));
+            if !last {
+                cache.insert(key, raw);
+            }
+        }
+        if kept.is_empty() {
+            continue;
+        }
+        for instance in instances(&accessors, p, findings)? {
+            let world = matrix::mul(&p.world, &instance);
+            let weighted = |r: &Raw| r.attributes.iter().any(|a| matches!(a.semantic, Semantic::Weights(_)));
+            let joints = match p.skin {
+                Some(skin) if kept.iter().any(|(raw, _)| weighted(raw)) => {
+                    let joints = bones.add(skin, &world)?;
+                    let message = "A skinned mesh is scaled flat in the scene, so it cannot follow its joints.";
+                    let flat = usize::from(joints.is_none());
+                    findings.add(Severity::Warning, "flat-skinned-node", flat, message, || part_name(&doc, p));
+                    joints
+                }
+                _ => None,
+            };
+            for (raw, part) in &kept {
+                builder.place(raw, &world, part.clone(), joints.as_deref(), findings)?;
+            }
+        }
+    }
+    selector.finish()?;
+    source.outside = buffers.outside();
+    let mut mesh = builder.finish();
+    if mesh.triangles.is_empty() {
+        return Err(empty(path, &doc, findings));
+    }
+    if mesh.channels.iter().any(|c| matches!(c.semantic, Semantic::Joints(_))) {
+        mesh.skeleton = bones.finish();
+    }
+    Ok(mesh)
+}
+
+/// The transforms by which a node places its mesh, in its own space.
+fn instances(accessors: &Accessors<'_>, placed: &Placed, findings: &mut Findings) -> Result<Vec<Matrix>> {
+    let Some(list) = placed.node.map_or(Ok(None), |n| instancing::instances(accessors, n))? else {
+        return Ok(vec![matrix::IDENTITY]);
+    };
+    let message = "Each instance of an instanced mesh became a copy.";
+    findings.add(Severity::Note, "instances", list.len(), message, || part_name(accessors.doc, placed));
+    Ok(list)
+}
+
+fn part(doc: &Document, placed: &Placed, primitive: usize) -> Part {
+    let material = doc.root.meshes[placed.mesh].primitives[primitive].material.map(|m| m.value());
+    let name = |m: usize| doc.materials.get(m).cloned().unwrap_or_else(|| format!("material {m}"));
+    Part {
+        node: placed.node.map(|n| doc.node_name(n)).unwrap_or_default(),
+        mesh: doc.mesh_name(placed.mesh),
+        primitive: primitive as u32,
+        material: material.map(name).unwrap_or_default(),
+    }
+}
+
+fn part_name(doc: &Document, placed: &Placed) -> String {
+    placed.node.map_or_else(|| doc.mesh_name(placed.mesh), |n| format!("node {n} `{}`", doc.node_name(n)))
+}
+
+fn note_what_is_left(doc: &Document, placed: &[Placed], findings: &mut Findings) {
+    let mut shown = vec![false; doc.root.meshes.len()];
+    placed.iter().for_each(|p| shown[p.mesh] = true);
+    let message = "Meshes that are not in the scene were left out.";
+    for (m, _) in shown.iter().enumerate().filter(|(_, s)| !**s) {
+        findings.add(Severity::Note, "mesh-not-in-scene", 1, message, || format!("mesh {m} `{}`", doc.mesh_name(m)));
+    }
+    if doc.root.nodes.is_empty() && !placed.is_empty() {
+        let message = "The file has no scene; each of its meshes was placed at the origin.";
+        findings.add(Severity::Note, "no-scene", 1, message, || "file".into());
+    }
+    let message = "Animations are not kept; the scene is read in its rest pose.";
+    findings.add(Severity::Note, "animations", doc.animations, message, || "file".into());
+}
+
+/// Why there is nothing, from what was left out.
+fn empty(path: &Path, doc: &Document, findings: &mut Findings) -> Error {
+    let lost = std::mem::take(findings).into_vec();
+    let reasons: Vec<String> =
+        lost.iter().filter(|f| f.severity != Severity::Note).map(|f| f.message.trim_end_matches('.').into()).collect();
+    let problem = match (doc.root.meshes.is_empty(), reasons.is_empty()) {
+        (true, _) => "it has no meshes".into(),
+        (false, true) => "its scene shows no triangles".into(),
+        (false, false) => format!("it has no usable triangles ({})", reasons.join("; ")),
+    };
+    Error::Empty { path: path.to_path_buf(), problem, hint: "export the garment as triangles".into() }
+}

@@ -1,0 +1,162 @@
+//! Files to meshes: glTF 2.0 (`.glb`, `.gltf`) and Wavefront OBJ.
+//!
+//! Positions of every node instance are placed in the world of the file, skinned or not: a skinned mesh is taken in its
+//! bind shape, placed by its node's world transform (glTF viewers ignore that transform when they skin; the joints' inverse
+//! bind matrices are changed accordingly, as [`crate::base::mesh::Joint`] says).
+//!
+//! Nothing here trusts the file: counts are checked against the bytes that are there before anything is reserved, indices
+//! before they are used, and node graphs before they are walked.
+
+mod accessor;
+mod attributes;
+mod buffers;
+mod builder;
+mod document;
+mod draco;
+mod extension;
+mod findings;
+mod glb;
+mod gltf;
+mod instancing;
+mod matrix;
+mod meshopt;
+mod nodes;
+mod obj;
+mod obj_parse;
+mod pieces;
+mod place;
+mod polygon;
+mod primitive;
+mod skin;
+mod sniff;
+mod source;
+mod weights;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+pub use place::Up;
+pub use source::{OutsideFile, Source};
+
+use crate::base::mesh::Mesh;
+use crate::error::{Error, Result};
+use crate::record::{Finding, Severity};
+use findings::Findings;
+
+/// Options of the import: selection, units, axes and limits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImportOptions {
+    /// Names of nodes, meshes or materials (OBJ: objects, groups or materials), compared exactly; a triangle is kept if any
+    /// of its names is listed. Empty keeps everything, which is the default.
+    pub pieces: Vec<String>,
+    /// Metres per unit of the file. Any finite number above 0; 1 by default, 0.01 for a file in centimetres. Larger makes the
+    /// garment larger.
+    pub unit: f64,
+    /// The up axis of the file, y by default; the garment is rotated to y up.
+    pub up: Up,
+    /// Moves the garment so that the middle of its bounding box is at x = 0 and z = 0 and its lowest point at y = 0. False by
+    /// default.
+    pub center: bool,
+    /// Largest number of bytes to read, including external files and decompressed data; 2 GiB by default.
+    pub max_bytes: u64,
+    /// Largest number of vertices of the mesh, including instances; 2^24 by default.
+    pub max_vertices: usize,
+    /// Largest number of triangles of the mesh, including instances; 2^25 by default.
+    pub max_triangles: usize,
+}
+
+impl Default for ImportOptions {
+    fn default() -> Self {
+        Self {
+            pieces: Vec::new(),
+            unit: 1.0,
+            up: Up::Y,
+            center: false,
+            max_bytes: 2 << 30,
+            max_vertices: 1 << 24,
+            max_triangles: 1 << 25,
+        }
+    }
+}
+
+/// A mesh as it stands in its file, turned and moved as [`ImportOptions`] says, with what is known about where it came from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imported {
+    /// The mesh; every vertex is used by a triangle.
+    pub mesh: Mesh,
+    /// The file.
+    pub source: Source,
+    /// Elements that were left out or repaired.
+    pub findings: Vec<Finding>,
+}
+
+/// Reads the file that stands beside the one being imported, by its relative path with `/` between folders.
+pub type Resolver<'a> = dyn Fn(&str) -> std::io::Result<Vec<u8>> + 'a;
+
+/// Reads a `.glb`, `.gltf` or `.obj` file. The content determines the format, not the name.
+pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported> {
+    check(options)?;
+    let bytes = source::read_capped(path, options.max_bytes)?;
+    let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let resolver = |name: &str| source::read_beside(&folder, name, options.max_bytes);
+    import_bytes(path, &bytes, &resolver, options)
+}
+
+/// Like [`import()`], from memory. `name` stands for the file in messages and tells an OBJ by its extension; `resolver` is
+/// asked for outside buffers.
+pub fn import_bytes(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOptions) -> Result<Imported> {
+    check(options)?;
+    // Every read below is checked. Should a decoder still panic on a damaged file, its caller gets an error all the same.
+    catch_unwind(AssertUnwindSafe(|| dispatch(name, bytes, resolver, options))).unwrap_or_else(|_| {
+        Err(Error::Malformed {
+            path: name.to_path_buf(),
+            element: "file".into(),
+            problem: "it is damaged in a way that stopped the reader".into(),
+            hint: "export it again, and report the file as a fault of the importer".into(),
+        })
+    })
+}
+
+fn check(options: &ImportOptions) -> Result<()> {
+    if options.unit.is_finite() && options.unit > 0.0 {
+        return Ok(());
+    }
+    Err(Error::Option {
+        option: "unit".into(),
+        problem: format!("{} is not a length above 0", options.unit),
+        hint: "give the metres in one unit of the file, such as 0.01 for centimetres".into(),
+    })
+}
+
+fn dispatch(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOptions) -> Result<Imported> {
+    let mut findings = Findings::default();
+    let format = sniff::sniff(name, bytes)?;
+    let mut source = Source::new(name, bytes);
+    if let Some(said) = format.contradicts(name) {
+        let message = "The file extension does not match the content; the file was read by its content.";
+        findings.add(Severity::Note, "wrong-extension", 1, message, || said);
+    }
+    let mut mesh = match format {
+        sniff::Format::Obj => obj::load(name, bytes, options, &mut source, &mut findings)?,
+        sniff::Format::Glb => {
+            let chunks = glb::split(name, bytes)?;
+            gltf::load(name, chunks.json, chunks.bin, resolver, options, &mut source, &mut findings)?
+        }
+        sniff::Format::Gltf => gltf::load(name, bytes, None, resolver, options, &mut source, &mut findings)?,
+    };
+    place::place(&mut mesh, options, &mut findings);
+    Ok(Imported { mesh, source, findings: findings.into_vec() })
+}
+
+/// Short for [`Error::Malformed`].
+pub(crate) fn malformed(
+    path: &Path,
+    element: impl Into<String>,
+    problem: impl Into<String>,
+    hint: impl Into<String>,
+) -> Error {
+    Error::Malformed { path: path.to_path_buf(), element: element.into(), problem: problem.into(), hint: hint.into() }
+}
+
+/// The hint where only the program that wrote the file can help.
+pub(crate) const EXPORT_AGAIN: &str = "export the file again";

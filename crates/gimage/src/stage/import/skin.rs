@@ -1,0 +1,116 @@
+//! The skeleton: the union of the skins of all kept nodes.
+//!
+//! glTF places a vertex p of a skinned mesh at J B p, where J is the joint's world transform and B its inverse bind matrix,
+//! and ignores the transform W of the mesh's node. The importer stores W p, so the stored inverse bind matrix is B W^-1. All
+//! of it is in metres: with S the scale by the unit of the file, positions are S W p, worlds S J S^-1 and inverse binds
+//! S B W^-1 S^-1, so that world * inverse_bind * position is S J B p, the glTF result in metres.
+
+use std::collections::HashMap;
+
+use super::accessor::Accessors;
+use super::matrix::{self, Matrix};
+use super::nodes::Forest;
+use crate::base::mesh::{Joint, Skeleton};
+use crate::error::{Error, Result};
+
+/// Most joints of a skeleton.
+const MAX_JOINTS: usize = 1 << 14;
+/// Inverse bind matrices closer than this, relative to their largest entry, are the same.
+const SAME: f64 = 1e-6;
+
+/// A skeleton under construction.
+pub(crate) struct Bones<'a> {
+    accessors: &'a Accessors<'a>,
+    forest: &'a Forest,
+    unit: f64,
+    joints: Vec<Joint>,
+    nodes: Vec<usize>,
+    of_node: HashMap<usize, Vec<u32>>,
+    binds: HashMap<usize, Vec<Matrix>>,
+}
+
+impl<'a> Bones<'a> {
+    pub fn new(accessors: &'a Accessors<'a>, forest: &'a Forest, unit: f64) -> Self {
+        let (joints, nodes, of_node, binds) = Default::default();
+        Self { accessors, forest, unit, joints, nodes, of_node, binds }
+    }
+
+    /// Adds a skin for a mesh placed by `world`; returns the skeleton's joint for each of the skin's. `None` if the placing
+    /// has no inverse.
+    pub fn add(&mut self, skin: usize, world: &Matrix) -> Result<Option<Vec<u32>>> {
+        let doc = self.accessors.doc;
+        let Some(back) = matrix::inverse(world) else { return Ok(None) };
+        if !self.binds.contains_key(&skin) {
+            let binds = self.inverse_binds(skin)?;
+            self.binds.insert(skin, binds);
+        }
+        let binds = &self.binds[&skin];
+        let mut map = Vec::with_capacity(binds.len());
+        for (joint, bind) in doc.root.skins[skin].joints.iter().zip(binds) {
+            let node = joint.value();
+            let bind = matrix::in_unit(&matrix::mul(bind, &back), self.unit);
+            let twins = self.of_node.entry(node).or_default();
+            let known = twins.iter().find(|&&k| same(&self.joints[k as usize].inverse_bind, &bind));
+            if let Some(&k) = known {
+                map.push(k);
+                continue;
+            }
+            let k = self.joints.len() as u32;
+            twins.push(k);
+            map.push(k);
+            self.nodes.push(node);
+            let world = matrix::in_unit(&self.forest.world[node], self.unit);
+            self.joints.push(Joint { name: doc.node_name(node), parent: None, inverse_bind: bind, world });
+            if self.joints.len() > MAX_JOINTS {
+                return Err(Error::TooLarge {
+                    what: format!("{}: the skeleton", doc.path.display()),
+                    need: format!("more than {MAX_JOINTS} joints"),
+                    limit: MAX_JOINTS.to_string(),
+                    hint: "import fewer pieces".into(),
+                });
+            }
+        }
+        Ok(Some(map))
+    }
+
+    fn inverse_binds(&self, skin: usize) -> Result<Vec<Matrix>> {
+        let doc = self.accessors.doc;
+        let bones = &doc.root.skins[skin];
+        let bad = |problem: String| Err(doc.bad(format!("skin {skin}"), problem));
+        if let Some(j) = bones.joints.iter().find(|j| j.value() >= self.forest.world.len()) {
+            return bad(format!("its joint node {} does not exist", j.value()));
+        }
+        let Some(accessor) = bones.inverse_bind_matrices else {
+            return Ok(vec![matrix::IDENTITY; bones.joints.len()]);
+        };
+        let floats = self.accessors.floats(accessor.value())?;
+        let all: Vec<Matrix> = floats.values.as_chunks::<16>().0.iter().map(|m| m.map(f64::from)).collect();
+        if floats.width != 16 || all.len() < bones.joints.len() {
+            return bad(format!("it has {} inverse bind matrices for {} joints", all.len(), bones.joints.len()));
+        }
+        if all.iter().flatten().any(|x| !x.is_finite()) {
+            return bad("its inverse bind matrices have entries that are not finite".into());
+        }
+        Ok(all)
+    }
+
+    /// The skeleton, with each joint's nearest ancestor among the joints.
+    pub fn finish(mut self) -> Skeleton {
+        for k in 0..self.joints.len() {
+            let mut node = self.forest.parent[self.nodes[k]];
+            while let Some(n) = node {
+                if let Some(twins) = self.of_node.get(&n) {
+                    self.joints[k].parent = twins.first().copied();
+                    break;
+                }
+                node = self.forest.parent[n];
+            }
+        }
+        Skeleton { joints: self.joints }
+    }
+}
+
+fn same(a: &Matrix, b: &Matrix) -> bool {
+    let size = a.iter().fold(1.0f64, |s, x| s.max(x.abs()));
+    a.iter().zip(b).all(|(x, y)| (x - y).abs() <= SAME * size)
+}

@@ -1,0 +1,143 @@
+//! The disk as the search sees it: few triangles, mapped in a fraction of a millisecond.
+
+use std::collections::BTreeMap;
+
+use super::Layout;
+use super::search::SearchOptions;
+use crate::base::decimate::decimate;
+use crate::stage::border::{Border, on_rectangle};
+use crate::stage::cut::disk::Disk;
+use crate::stage::parameterize::{NewtonOptions, Shape, Start, System, solve};
+
+/// Relative fall of the energy below which a trial takes no further Newton step: layouts are compared, not mapped.
+const TOLERANCE: f64 = 1e-2;
+
+/// A layout and the map of the stand-in so far.
+#[derive(Clone, Debug)]
+pub(super) struct Trial {
+    pub(super) layout: Layout,
+    pub(super) uv: Vec<[f64; 2]>,
+    /// The score after the first lot of steps.
+    pub(super) early: f64,
+    /// The map is the plain mean-value one.
+    pub(super) plain: bool,
+    /// Index of the aspect and part of the loop at the middle of the side v = 0.
+    pub(super) aspect: usize,
+    pub(super) middle: f64,
+}
+
+/// The disk as the search sees it.
+pub(crate) struct Proxy<'a> {
+    disk: &'a Disk,
+    pub(super) border: &'a Border,
+    positions: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    wanted: Vec<f64>,
+    /// Whether each vertex lies on the boundary.
+    fixed: Vec<bool>,
+    /// The disk vertex of each coarse vertex; those past its end were split in.
+    vertex: Vec<u32>,
+    /// Coarse boundary vertices with their places in the loop of the disk.
+    loop_at: Vec<(u32, usize)>,
+    system: System,
+    /// Places in the loop and dead ends for each way of sharing out the steps.
+    along: BTreeMap<Vec<u32>, (Vec<f64>, Vec<u32>)>,
+    pub(super) options: SearchOptions,
+}
+
+impl<'a> Proxy<'a> {
+    /// Makes the stand-in.
+    pub(crate) fn new(disk: &'a Disk, border: &'a Border, options: SearchOptions) -> Self {
+        let mask = disk.boundary_mask();
+        let mut locked = vec![false; disk.positions.len()];
+        for (i, &v) in disk.boundary.iter().enumerate() {
+            locked[v as usize] = border.nodes.get(i).copied().unwrap_or(false);
+        }
+        let coarse = decimate(&disk.positions, &disk.triangles, &mask, &locked, options.triangles);
+        let mut place = vec![usize::MAX; disk.positions.len()];
+        disk.boundary.iter().enumerate().for_each(|(i, &v)| place[v as usize] = i);
+        let mut small = Disk {
+            positions: coarse.vertex.iter().map(|&v| disk.positions[v as usize]).collect(),
+            face: vec![0; coarse.triangles.len()],
+            corners: vec![[[0.0; 3]; 3]; coarse.triangles.len()],
+            origin: coarse.vertex.clone(),
+            wanted: coarse.vertex.iter().map(|&v| disk.wanted[v as usize]).collect(),
+            triangles: coarse.triangles,
+            ..Disk::default()
+        };
+        let loop_at: Vec<(u32, usize)> = coarse
+            .vertex
+            .iter()
+            .enumerate()
+            .filter(|(_, v)| place[**v as usize] != usize::MAX)
+            .map(|(k, v)| (k as u32, place[*v as usize]))
+            .collect();
+        small.boundary = loop_at.iter().map(|x| x.0).collect();
+        small.split_chords();
+        let fixed = small.boundary_mask();
+        let system = System::new(&small.triangles, &fixed);
+        Self {
+            disk,
+            border,
+            positions: small.positions,
+            triangles: small.triangles,
+            wanted: small.wanted,
+            fixed,
+            vertex: coarse.vertex,
+            loop_at,
+            system,
+            along: BTreeMap::new(),
+            options,
+        }
+    }
+
+    /// The start of the map of the stand-in for a layout. `None` if the layout cannot be, or has no flip-free start.
+    pub(super) fn begin(&mut self, (w, h): (u32, u32), shift: f64, count: Vec<u32>, passes: usize) -> Option<Trial> {
+        let perimeter = 2 * (w + h);
+        let (disk, border) = (self.disk, self.border);
+        if !self.along.contains_key(&count) {
+            self.along.insert(count.clone(), (border.along(disk, &count), border.dead_ends(&count)));
+        }
+        let (along, dead) = &self.along[&count];
+        let at_corner = |step: &u32| {
+            let p = (f64::from(*step) + shift).rem_euclid(f64::from(perimeter)).round() as u32 % perimeter;
+            [0, w, w + h, 2 * w + h].contains(&p)
+        };
+        if dead.iter().any(at_corner) {
+            return None;
+        }
+        let mut uv = vec![[0.0; 2]; self.positions.len()];
+        for &(k, i) in &self.loop_at {
+            uv[k as usize] = on_rectangle(along[i] + shift, w, h);
+        }
+        let layout = Layout { w, h, shift, count, score: f64::INFINITY };
+        let mut trial = Trial { layout, uv, early: f64::INFINITY, plain: false, aspect: 0, middle: 0.0 };
+        self.solve(&mut trial, Start::Convex { passes }, 0).then_some(trial)
+    }
+
+    /// Starts the map of a trial and takes Newton steps; says whether it has a score.
+    pub(super) fn solve(&mut self, trial: &mut Trial, start: Start, steps: usize) -> bool {
+        let options = NewtonOptions { steps, further: 0, tolerance: TOLERANCE };
+        let (positions, triangles, wanted, fixed) = (&self.positions, &self.triangles, &self.wanted, &self.fixed);
+        let shape = Shape { positions, triangles, wanted, fixed };
+        let record = solve(&mut self.system, shape, &mut trial.uv, start, &options);
+        trial.plain = steps == 0 && record.is_some_and(|r| r.start_passes == 1 && !r.uniform_start);
+        trial.layout.score = record.map_or(f64::INFINITY, |r| r.log_distortion);
+        trial.layout.score.is_finite()
+    }
+
+    /// The plain mean-value map of the stand-in for a layout.
+    pub(crate) fn plain(&mut self, layout: &Layout) -> Option<Vec<[f64; 2]>> {
+        Some(self.begin((layout.w, layout.h), layout.shift, layout.count.clone(), 1)?.uv)
+    }
+
+    /// The disk vertex that a vertex of the stand-in is.
+    pub(crate) fn original(&self, v: u32) -> Option<u32> {
+        self.vertex.get(v as usize).copied()
+    }
+
+    /// Positions and triangles of the stand-in.
+    pub(crate) fn coarse(&self) -> (&[[f64; 3]], &[[u32; 3]]) {
+        (&self.positions, &self.triangles)
+    }
+}

@@ -1,0 +1,39 @@
+//! The stages of a build, in order. Each takes plain data and returns plain data; [`crate::pipeline::build`] composes them.
+
+// A file.
+
+pub mod import;
+
+pub mod repair;
+
+pub mod component;
+
+// Each connected component: a surface.
+
+pub mod cut;
+
+pub mod border;
+
+pub mod layout;
+
+pub mod parameterize;
+
+pub mod sample;
+
+pub mod image;
+
+pub mod split;
+
+// All images.
+
+pub mod assemble;
+
+pub mod measure;
+
+pub mod gate;
+
+// The way back, from a bundle.
+
+pub mod reconstruct;
+
+pub mod export;
