@@ -51,8 +51,9 @@
 //! assert!(image.closed, "the image welds to a tube");
 //!
 //! let mut bundle = gimage_bundle::Bundle::new("an example");
-//! let pieces = [Piece { component, surface: surface.clone(), image }];
+//! let pieces = [Piece { component, surface, image }];
 //! assemble(&mut bundle, &mesh, &pieces, &[], &options, &|| ())?;
+//! bundle.count()?;
 //! assert!(gimage_bundle::validate(&bundle).is_empty());
 //! # Ok(())
 //! # }
