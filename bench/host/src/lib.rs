@@ -59,7 +59,7 @@ impl<'a> Host<'a> {
     fn list(&self, here: Option<&[[f32; 4]]>, which: fn(&ClothBuffers) -> &Span) -> Result<Vec<[f32; 4]>> {
         match (here, self.gpu.zip(self.stepper.buffers(0))) {
             (Some(list), _) => Ok(list.to_vec()),
-            (None, Some((gpu, buffers))) => read_back(&gpu.device, &gpu.queue, which(&buffers)),
+            (None, Some((gpu, buffers))) => read_back(&gpu.device, &gpu.queue, which(buffers)),
             (None, None) => Err(Error::NoGpu("reading positions")),
         }
     }
