@@ -96,8 +96,7 @@ impl ClothBuffers {
             now: list("now", body.now()),
             before: list("before", body.before()),
             normals: list("normals", &body.normals),
-            faults: guarded
-                .then(|| upload(device, "faults", &[0u8; FAULT_BYTES], BufferUsages::COPY_SRC).into()),
+            faults: guarded.then(|| upload(device, "faults", &[0u8; FAULT_BYTES], BufferUsages::COPY_SRC).into()),
             good: guarded.then(|| upload(device, "good", body.now(), BufferUsages::empty()).into()),
             lost: (guarded && cloth.is_exact())
                 .then(|| upload(device, "lost", &vec![[0f32; 4]; cloth.len()], BufferUsages::empty()).into()),
