@@ -1,4 +1,4 @@
-// Where a path enters a solid. See crates/runtime/src/cpu/solid/entry.rs.
+// Where a path enters a solid. See crates/runtime/src/collider/solid/entry.rs.
 struct Entry {
   t: f32,
   normal: vec3<f32>,

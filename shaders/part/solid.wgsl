@@ -81,7 +81,7 @@ fn leave_radially(p: vec3<f32>, radii: vec3<f32>) -> Exit {
   return Exit(true, out.at * radii, normalized(out.normal / radii));
 }
 
-// To the closest point, after D. Eberly; see crates/runtime/src/cpu/solid.rs.
+// To the closest point, after D. Eberly; see crates/runtime/src/collider/solid.rs.
 fn leave_ellipsoid(p: vec3<f32>, radii: vec3<f32>) -> Exit {
   let z = abs(p) / radii;
   if (dot(z, z) >= 1.0) {

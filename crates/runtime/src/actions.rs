@@ -6,9 +6,9 @@ pub use drag::Drag;
 
 use crate::cloth::Cloth;
 use crate::cpu::body::Body;
-use crate::cpu::real::{Real, cast};
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result, check};
+use crate::number::real::{Real, cast};
 use crate::stepper::Stepper;
 use crate::world::World;
 

@@ -5,8 +5,8 @@
 
 use crate::cloth::Cloth;
 use crate::collider::Collider;
-use crate::cpu::real::Real;
-use crate::cpu::solid::Solid;
+use crate::collider::solid::Solid;
+use crate::number::real::Real;
 use crate::options::Options;
 
 /// What colliders are changed by.

@@ -1,5 +1,7 @@
 //! Colliders: solids that cloth does not enter.
 
+pub(crate) mod solid;
+
 use crate::error::{Result, check};
 
 /// The shape of a collider in its local frame. All lengths in metres, above 0.

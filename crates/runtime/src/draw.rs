@@ -20,7 +20,7 @@ pub use look::{Look, uv_of};
 pub use software::Software;
 
 use crate::collider::Collider;
-use crate::cpu::real::{add, cross, scale, xyz};
+use crate::number::real::{add, cross, scale, xyz};
 
 /// How all colliders are drawn.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::cpu::solid::Solid;
+use crate::collider::solid::Solid;
 use crate::step::Step;
 
 /// `Step` of shaders/part/step.wgsl.

@@ -4,7 +4,7 @@ pub mod links;
 pub mod ties;
 
 use crate::cloth::{Cloth, Grid};
-use crate::cpu::real::Real;
+use crate::number::real::Real;
 
 /// A level of one grid.
 #[derive(Clone, Debug, PartialEq)]

@@ -44,6 +44,7 @@ mod levels;
 mod limits;
 mod material;
 mod measure;
+mod number;
 mod options;
 mod passes;
 mod pick;
@@ -66,7 +67,6 @@ pub use actions::Drag;
 pub use clock::Progress;
 pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
 pub use collider::{Collider, Shape};
-pub use cpu::real::Real;
 pub use error::{Error, Result};
 pub use fused::{Fused, Hold};
 #[cfg(feature = "gpu")]
@@ -74,6 +74,7 @@ pub use gpu::{ClothBuffers, Compiled, Span, device_limits, read_back, read_back_
 pub use limits::{LONGEST, LONGEST_FREE, MOST_LENGTHS, MOST_RATIO, Warning};
 pub use material::Material;
 pub use measure::{Measures, measure};
+pub use number::real::Real;
 pub use options::{Backend, Options, Sleep, Solver};
 pub use passes::{Air, Kinds, Pass, Soft};
 #[cfg(feature = "gpu")]

@@ -1,7 +1,7 @@
 //! Measures of a cloth in motion, in f64, in one pass over the particles.
 
 use crate::cloth::{Cloth, Rest};
-use crate::cpu::real::Real;
+use crate::number::real::Real;
 
 /// Figures of one cloth at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -9,8 +9,8 @@ pub use ticket::PickTicket;
 use crate::cloth::Cloth;
 use crate::cpu::body::view;
 use crate::cpu::pick_nearest;
-use crate::cpu::real::Real;
 use crate::error::{Error, Result, check};
+use crate::number::real::Real;
 use crate::stepper::Stepper;
 
 /// A point of cloth on a ray.
@@ -67,7 +67,7 @@ pub fn pick(
     let grid = &cloth.grids()[hit.grid];
     let corners = view(positions, &[], grid).quad(hit.texel[0] as usize, hit.texel[1] as usize).1;
     hit.particles = corners[hit.triangle as usize].map(|k| grid.first + k as u32);
-    hit.corners = hit.particles.map(|k| crate::cpu::real::xyz(positions[k as usize]));
+    hit.corners = hit.particles.map(|k| crate::number::real::xyz(positions[k as usize]));
     Ok(Some(hit))
 }
 

@@ -1,6 +1,6 @@
 //! The numbers of one step, as shaders and twins read them.
 
-use crate::cpu::real::{Real, cast};
+use crate::number::real::{Real, cast};
 use crate::wind::{Wind, WindForce};
 
 /// One step of one cloth; the same fields as `Step` in shaders/part/step.wgsl.

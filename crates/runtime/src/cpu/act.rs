@@ -1,10 +1,10 @@
 //! What users do to a cloth on the CPU.
 
 use super::body::{Body, view};
-use super::real::{Real, V3};
 use super::route::far;
 use super::rows::Threads;
 use super::{cut, cut_springs, cut_tethers, transform};
+use crate::number::real::{Real, V3};
 
 impl<T: Real> Body<T> {
     /// Cuts by a triangle; room must have been made by [`Body::open`].

@@ -1,11 +1,11 @@
 //! The rule of integrate.rs on sheets; the results are the same bits. Where exact, with shaders/part/verlet_exact.wgsl.
 
-use super::aligned::Aligned;
 use super::integrate::{Air, push};
-use super::lanes::{LANES, Machine, Work, widest};
-use super::real::Real;
 use super::rows::Threads;
 use super::sheet::{Sheet, columns, planes};
+use crate::number::aligned::Aligned;
+use crate::number::lanes::{LANES, Machine, Work, widest};
+use crate::number::real::Real;
 use crate::step::Step;
 
 /// Rows that are done in one go.

@@ -4,7 +4,7 @@
 //! trembles forever, as its springs cannot all have their lengths there. A push aside too small to be seen is enough, and
 //! one by springs to the right is: the others then have a length. So it costs a comparison in every fourth spring.
 
-use super::real::{Real, V3};
+use crate::number::real::{Real, V3};
 
 /// A spring to the right shorter than this share of its rest length is pushed aside. Cloth that is merely crumpled has none.
 pub const SHORT: f64 = 0.1;

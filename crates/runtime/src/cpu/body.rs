@@ -4,15 +4,15 @@ use super::fabric::Fabric;
 use super::fastest::larger;
 use super::integrate::Air;
 use super::neighbours::View;
-use super::real::{Real, cast};
 use super::route::Held;
 use super::rows::Threads;
-use super::solid::Solid;
 use super::strain::Springs;
 use super::{
     colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, strain, wind,
 };
 use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
+use crate::collider::solid::Solid;
+use crate::number::real::{Real, cast};
 use crate::options::{Options, Solver};
 use crate::passes::{self, Pass, Soft};
 use crate::step::Step;

@@ -1,8 +1,8 @@
 //! Twin of shaders/colliders.wgsl: particles inside a collider go to its surface, and friction holds them there.
 
-use super::real::{Real, V3, add, cross, dot, scale, sub, with_w, xyz};
 use super::rows::Threads;
-use super::solid::Solid;
+use crate::collider::solid::Solid;
+use crate::number::real::{Real, V3, add, cross, dot, scale, sub, with_w, xyz};
 
 const CHUNK: usize = 1024;
 

@@ -7,11 +7,11 @@ mod reach;
 mod wide;
 
 use super::colliders::rub;
-use super::lanes::{Machine, Work, widest};
-use super::real::{Real, V3, add, cross, dot, scale, sub};
 use super::rows::Threads;
 use super::sheet::{Sheet, planes, planes_ref};
-use super::solid::Solid;
+use crate::collider::solid::Solid;
+use crate::number::lanes::{Machine, Work, widest};
+use crate::number::real::{Real, V3, add, cross, dot, scale, sub};
 use reach::{Reach, bounds};
 
 /// Rows that are done in one go.

@@ -1,8 +1,8 @@
 //! Twin of shaders/cut.wgsl: takes away the triangles that a cutting triangle meets.
 
 use super::neighbours::View;
-use super::real::{Real, V3, cross, dot, sub};
 use super::rows::Threads;
+use crate::number::real::{Real, V3, cross, dot, sub};
 
 /// Sets the bits of the triangles of one grid that meet `cut`, in `holes`; `view` shows positions alone.
 pub fn run<T: Real>(threads: &Threads, view: View<T>, cut: [V3<T>; 3], holes: &mut [u32]) {

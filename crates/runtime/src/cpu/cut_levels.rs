@@ -1,9 +1,9 @@
 //! Twin of shaders/cut_levels.wgsl: after a cut the coarser grids are rebuilt from the springs that are left.
 
 use super::pyramid::Pyramid;
-use super::real::Real;
 use crate::cloth::other_end;
 use crate::levels::Below;
+use crate::number::real::Real;
 
 /// The pyramid of a grid of `width` columns with these rest lengths \[m\] and masses \[kg\] (0 where there is no particle).
 /// Limits are those of a cloth without the springs that are cut, so none crosses a cut; nor does a displacement, as

@@ -1,8 +1,8 @@
 //! Twin of shaders/cut_springs.wgsl: springs of triangles that are cut away lose their rest lengths.
 
 use super::neighbours::View;
-use super::real::Real;
 use super::rows::Threads;
+use crate::number::real::Real;
 
 /// Sets to 0, which means no spring, the lengths of the springs of one grid that are an edge of a triangle that is cut
 /// away, or that cross it in its quad.

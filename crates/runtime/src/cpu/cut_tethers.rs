@@ -4,8 +4,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::real::Real;
 use super::route::{Held, UNSUPPORTED, far};
+use crate::number::real::Real;
 
 /// Follows a cut that has changed rest lengths from `old` to `rest`; says whether any tether has changed.
 ///

@@ -1,8 +1,8 @@
 //! Twin of shaders/draw.wgsl and its parts: corners of triangles, and the light on them. In f32 only: nothing is
 //! measured on pictures.
 
-use super::real::{V3, add, dot, scale, sub};
 use crate::draw::rows::ViewRow;
+use crate::number::real::{V3, add, dot, scale, sub};
 
 /// A corner as the vertex stage hands it on.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! Twin of shaders/fastest.wgsl: the largest displacement of all.
 
-use super::real::Real;
+use crate::number::real::Real;
 
 /// The largest number of a list, at least 0.
 pub fn run<T: Real>(partial: &[T]) -> T {

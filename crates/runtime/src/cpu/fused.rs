@@ -1,9 +1,9 @@
 //! Twin of shaders/fused.wgsl: the whole frame of a cloth. It is also that of cloths whose passes the GPU runs apart.
 
 use super::body::Body;
-use super::real::Real;
 use super::rows::Threads;
-use super::solid::Solid;
+use crate::collider::solid::Solid;
+use crate::number::real::Real;
 use crate::passes::Schedule;
 use crate::step::Step;
 

@@ -1,6 +1,6 @@
 //! Twin of shaders/guard.wgsl: particles whose position is NaN or out of bounds.
 
-use super::real::Real;
+use crate::number::real::Real;
 
 /// Coordinates \[m\] beyond this are taken for a fault: squares of distances must stay numbers.
 pub const FARTHEST: f64 = 1e8;

@@ -1,6 +1,6 @@
 //! Velocity of the air at a point: the wind, its heading turned by value noise. Twin of shaders/part/gust.wgsl.
 
-use super::real::{Real, V3};
+use crate::number::real::{Real, V3};
 use crate::step::Step;
 
 /// Velocity \[m/s\] of the air at `p`.

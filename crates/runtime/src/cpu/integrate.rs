@@ -1,8 +1,8 @@
 //! Twin of shaders/integrate.wgsl: one Verlet step of every free particle.
 
 use super::gust::air;
-use super::real::{Real, V3, add, dot, scale, sub, with_w, xyz};
 use super::rows::Threads;
+use crate::number::real::{Real, V3, add, dot, scale, sub, with_w, xyz};
 use crate::step::Step;
 
 const CHUNK: usize = 1024;

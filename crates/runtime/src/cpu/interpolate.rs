@@ -1,8 +1,8 @@
 //! Displacements of a coarser grid, carried to the one below it, as shaders/part/level.wgsl does.
 
-use super::real::Real;
 use crate::levels::links::ALL;
 use crate::levels::{around, span};
+use crate::number::real::Real;
 
 /// How far the nodes of a level have moved.
 pub struct Field<'a, T> {

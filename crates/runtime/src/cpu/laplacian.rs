@@ -1,8 +1,8 @@
 //! Twin of shaders/part/laplacian.wgsl: weighted differences to the eight texels around, summed in the shader's order.
 
-use super::lanes::Machine;
-use super::real::Real;
 use super::sheet::{Sheet, planes_ref};
+use crate::number::lanes::Machine;
+use crate::number::real::Real;
 
 /// Weights of the springs right, down, down-right and up-right of a sheet, in the layout of [`Sheet::w`].
 pub struct Weights<T> {

@@ -1,9 +1,9 @@
 //! Twin of shaders/membrane.wgsl: cells that resist to stretch along weft and warp, and to shear.
 
-use super::lanes::{Machine, Work, widest};
-use super::real::Real;
 use super::rows::Threads;
 use super::sheet::{Sheet, planes};
+use crate::number::lanes::{Machine, Work, widest};
+use crate::number::real::Real;
 
 /// The cells of a sheet.
 pub struct Cells<T> {

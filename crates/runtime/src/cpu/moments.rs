@@ -1,10 +1,10 @@
 //! Twin of shaders/moments.wgsl: the multipliers of bending.
 
-use super::lanes::{Machine, Work, widest};
 use super::laplacian::Weights;
-use super::real::Real;
 use super::rows::Threads;
 use super::sheet::{Sheet, planes};
+use crate::number::lanes::{Machine, Work, widest};
+use crate::number::real::Real;
 
 /// Rows that are done in one go.
 const TOGETHER: usize = 32;

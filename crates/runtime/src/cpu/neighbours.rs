@@ -1,6 +1,6 @@
 //! The triangles around a particle. Twin of shaders/part/neighbours.wgsl.
 
-use super::real::{Real, V3, xyz};
+use crate::number::real::{Real, V3, xyz};
 
 /// Columns of the grid that is looked at, its particles, and which of its triangles are cut away: none if empty.
 #[derive(Clone, Copy)]

@@ -1,8 +1,8 @@
 //! Twin of shaders/normals.wgsl: the normal of every particle.
 
 use super::neighbours::View;
-use super::real::{Real, V3, add, cross, dot, scale, sub, with_w};
 use super::rows::Threads;
+use crate::number::real::{Real, V3, add, cross, dot, scale, sub, with_w};
 
 /// Writes the unit sum of the normals of the triangles around each particle, weighed by area, and in the fourth
 /// component the length of that sum \[m^2\]: the weight of a duplicate when seams are closed. 0 where there is none.

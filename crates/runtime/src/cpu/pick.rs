@@ -1,7 +1,7 @@
 //! Twin of shaders/pick.wgsl: the nearest triangle that a ray meets.
 
 use super::neighbours::View;
-use super::real::{Real, V3, cross, dot, sub};
+use crate::number::real::{Real, V3, cross, dot, sub};
 
 /// A triangle on a ray: its distance, its code (twice the texel, plus 1 for the second of a quad), and the barycentric
 /// weights of its second and third corner.

@@ -5,14 +5,14 @@
 //! as short as it likes. A node has the mass of the particles that it moves, so that free cloth keeps its momentum.
 //! Nodes of both sides of a seam take one displacement ([`crate::levels::ties`]) before the next level goes on from there.
 
-use super::aligned::Aligned;
 use super::interpolate::{Field, Parted, add, interpolate};
-use super::real::{Real, scale};
 use super::rows::Threads;
 use super::sheet::{Sheet, Values};
 use super::stretch::{self, Springs};
 use crate::levels::LevelGrid;
 use crate::levels::ties::Ties;
+use crate::number::aligned::Aligned;
+use crate::number::real::{Real, scale};
 
 /// The levels of a sheet, finest first.
 pub struct Pyramid<T: Real> {

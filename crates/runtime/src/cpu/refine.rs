@@ -2,8 +2,8 @@
 
 use super::interpolate::{add, interpolate};
 use super::pyramid::Pyramid;
-use super::real::Real;
 use super::sheet::Sheet;
+use crate::number::real::Real;
 
 /// Moves particles, and their previous positions by a share of that, `carried`.
 pub fn run<T: Real>(pyramid: &Pyramid<T>, sheet: &mut Sheet<T>, carried: f64) {

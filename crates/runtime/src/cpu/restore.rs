@@ -1,6 +1,6 @@
 //! Twin of shaders/restore.wgsl: back to the last good frame, or on to the next.
 
-use super::real::{Real, with_w, xyz};
+use crate::number::real::{Real, with_w, xyz};
 
 /// With a fault the cloth is put where it was, at rest; without, this is where it was.
 pub fn run<T: Real>(faulty: bool, now: &mut [[T; 4]], before: &mut [[T; 4]], good: &mut [[T; 4]]) {

@@ -1,7 +1,7 @@
 //! The shortest way to what holds a particle, by way of the particles around it. Twin of shaders/part/route.wgsl.
 
-use super::real::Real;
 use crate::cloth::{Cloth, Grid, Tethers, groups, mates, ring};
+use crate::number::real::Real;
 
 /// What holds each particle of a cloth that is cut, in slots, by texels.
 pub struct Held<T> {

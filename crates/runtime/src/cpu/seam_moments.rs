@@ -1,7 +1,7 @@
 //! Twin of shaders/seam_moments.wgsl: the Laplacian at a seam point is the sum of what its duplicates see.
 
 use super::moments::Plate;
-use super::real::{Real, V3, add};
+use crate::number::real::{Real, V3, add};
 
 /// Sums the multipliers of every ring; where one of its members has none, none of them has. Not shared out: seams are few.
 ///

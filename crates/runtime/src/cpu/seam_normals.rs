@@ -1,7 +1,7 @@
 //! Twin of shaders/seam_normals.wgsl: duplicates take the sum of their normals, so that no seam shows.
 
 use super::normals::unit;
-use super::real::{Real, add, scale, xyz};
+use crate::number::real::{Real, add, scale, xyz};
 
 /// Sums the normals of every ring by their weights and gives the result to all of its members.
 pub fn run<T: Real>(normals: &mut [[T; 4]], starts: &[u32], members: &[u32]) {

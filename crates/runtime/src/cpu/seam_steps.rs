@@ -3,10 +3,10 @@
 //! Coarser grids move both. With previous positions left apart, duplicates would fly apart by the next step, the farther
 //! the more they had been drawn together: cloth would gain energy at its seams.
 
-use super::aligned::Aligned;
 use super::fabric::single;
-use super::real::{Real, add, scale};
 use super::sheet::Sheet;
+use crate::number::aligned::Aligned;
+use crate::number::real::{Real, add, scale};
 
 /// Rings as offsets into a list of sheets and places in them.
 pub fn run<T: Real>(sheets: &mut [Sheet<T>], starts: &[u32], members: &[(u32, u32)]) {

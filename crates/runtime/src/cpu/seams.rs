@@ -1,6 +1,6 @@
 //! Twin of shaders/seams.wgsl: all duplicates of a seam point take one position.
 
-use super::real::{Real, V3, add, scale, with_w, xyz};
+use crate::number::real::{Real, V3, add, scale, with_w, xyz};
 
 /// Every member of a ring takes the mean of all, or the position of the first pinned one. Not shared out: seams are
 /// few.

@@ -4,10 +4,10 @@
 //! join two contiguous lists: right-even is even with odd, right-odd is odd with even from the second on, and so on.
 //! Columns past the end are particles that cannot move.
 
-use super::aligned::Aligned;
-use super::lanes::LANES;
-use super::real::{Real, V3};
 use crate::cloth::Grid;
+use crate::number::aligned::Aligned;
+use crate::number::lanes::LANES;
+use crate::number::real::{Real, V3};
 
 /// A number for each particle of a sheet, or one for all.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Twin of shaders/speed.wgsl: how far free particles have moved in the last step.
 
 use super::fastest::larger;
-use super::real::{Real, dot, sub, xyz};
 use super::rows::Threads;
+use crate::number::real::{Real, dot, sub, xyz};
 
 const GROUP: usize = 64;
 

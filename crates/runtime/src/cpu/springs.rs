@@ -1,7 +1,7 @@
 //! Twin of shaders/springs.wgsl: one of the eight passes over springs that share no particle.
 
-use super::real::{Real, add, dot, scale, sub, with_w, xyz};
 use super::rows::Threads;
+use crate::number::real::{Real, add, dot, scale, sub, with_w, xyz};
 
 /// Distance \[m\] below which the direction of a spring is not trusted to grow.
 const CLOSEST: f64 = 1e-9;

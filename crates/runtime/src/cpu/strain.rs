@@ -1,8 +1,8 @@
 //! Twin of shaders/strain.wgsl: how far springs to the right and down are from where relaxation would bring them.
 
 use super::fastest::{self, larger};
-use super::real::{Real, dot, sub, xyz};
 use super::rows::Threads;
+use crate::number::real::{Real, dot, sub, xyz};
 
 /// The springs of one grid.
 pub struct Springs<'a, T, L, G> {

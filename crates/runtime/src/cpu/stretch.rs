@@ -4,10 +4,10 @@ mod relax;
 
 pub use relax::TORN;
 
-use super::lanes::{Machine, Work, widest};
-use super::real::Real;
 use super::rows::Threads;
 use super::sheet::{Sheet, Values, planes};
+use crate::number::lanes::{Machine, Work, widest};
+use crate::number::real::Real;
 
 /// The springs of one direction.
 pub struct Springs<T> {

@@ -5,11 +5,11 @@
 //! every row sees the same passes in the same order, and so do the rows beside it.
 
 use super::advance;
-use super::lanes::{Machine, Work, widest};
-use super::real::{Real, V3};
 use super::sheet::Sheet;
 use super::stretch::{Spring, Springs};
 use super::tethers::{self, Tethers};
+use crate::number::lanes::{Machine, Work, widest};
+use crate::number::real::{Real, V3};
 use crate::step::Step;
 
 /// A pass of a sheet.

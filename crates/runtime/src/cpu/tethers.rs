@@ -1,9 +1,9 @@
 //! Twin of shaders/tethers.wgsl: no particle is farther from its anchors than along the surface.
 
-use super::lanes::{LANES, Machine, Work, widest};
-use super::real::{Real, V3};
 use super::rows::Threads;
 use super::sheet::{Sheet, planes};
+use crate::number::lanes::{LANES, Machine, Work, widest};
+use crate::number::real::{Real, V3};
 
 /// The anchors of a sheet, in slots.
 pub struct Tethers<T> {

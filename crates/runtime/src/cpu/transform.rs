@@ -1,6 +1,6 @@
 //! Twin of shaders/transform.wgsl: moves chosen particles by a matrix.
 
-use super::real::{Real, add, scale, with_w};
+use crate::number::real::{Real, add, scale, with_w};
 
 /// Moves particles, and their previous positions alike, by the matrix with these columns. Not shared out: a set is
 /// chosen by hand.

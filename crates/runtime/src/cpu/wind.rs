@@ -2,8 +2,8 @@
 
 use super::gust::air;
 use super::neighbours::View;
-use super::real::{Real, V3, add, cross, dot, scale, sub, with_w, xyz};
 use super::rows::Threads;
+use crate::number::real::{Real, V3, add, cross, dot, scale, sub, with_w, xyz};
 use crate::step::Step;
 
 /// Writes the acceleration of each particle by a third of the force on each of its triangles.

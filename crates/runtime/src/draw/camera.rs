@@ -1,7 +1,7 @@
 //! Where pictures are taken from.
 
-use crate::cpu::real::{add, cross, dot, scale, sub};
 use crate::error::{Result, check};
+use crate::number::real::{add, cross, dot, scale, sub};
 
 /// A camera that keeps +y up.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 use crate::collider::Shape;
-use crate::cpu::real::{dot, scale};
+use crate::number::real::{dot, scale};
 
 /// A vertex: position and normal; their fourth components are texture coordinates.
 pub type Vertex = [[f32; 4]; 2];
@@ -95,7 +95,7 @@ pub fn half_extent(shape: &Shape) -> Option<[f32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cpu::real::{cross, sub, xyz};
+    use crate::number::real::{cross, sub, xyz};
 
     /// Twice the area of a triangle, as a vector out of its front.
     fn face(t: &[Vertex]) -> [f32; 3] {

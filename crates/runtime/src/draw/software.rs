@@ -6,9 +6,9 @@ use super::rows::{BodyRow, ViewRow};
 use super::{Look, SolidLook, View, mesh, turned};
 use crate::collider::Collider;
 use crate::cpu::draw::{Corner, Drawn, encoded, fragment};
-use crate::cpu::real::{add, scale, xyz};
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result, check};
+use crate::number::real::{add, scale, xyz};
 use crate::stepper::Stepper;
 
 /// Most pixels on a side of a picture.

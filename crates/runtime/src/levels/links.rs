@@ -6,7 +6,7 @@
 //! what moves as a whole goes on doing so, and nodes have the mass of what follows them, so that momentum stays.
 
 use super::{Below, around, column};
-use crate::cpu::real::Real;
+use crate::number::real::Real;
 
 /// All four.
 pub const ALL: u8 = 15;

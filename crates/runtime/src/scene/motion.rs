@@ -33,7 +33,7 @@ impl Pose {
     /// A point of the body's own frame in the world.
     pub fn apply(&self, p: [f32; 3]) -> [f32; 3] {
         let q = self.rotation;
-        let cross = |a: [f32; 3], b: [f32; 3]| crate::cpu::real::cross(a, b);
+        let cross = |a: [f32; 3], b: [f32; 3]| crate::number::real::cross(a, b);
         let axis = [q[0], q[1], q[2]];
         let t = cross(axis, p).map(|x| 2.0 * x);
         let u = cross(axis, t);

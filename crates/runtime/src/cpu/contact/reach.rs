@@ -1,9 +1,9 @@
 //! What of a sheet colliders can touch within a step.
 
-use super::super::lanes::{LANES, Machine, Work, widest};
-use super::super::real::{Real, V3, dot, sub};
 use super::super::sheet::{Sheet, planes_ref};
-use super::super::solid::Solid;
+use crate::collider::solid::Solid;
+use crate::number::lanes::{LANES, Machine, Work, widest};
+use crate::number::real::{Real, V3, dot, sub};
 
 /// A ball or a half-space around all that a solid can touch within a step.
 pub struct Reach<T> {

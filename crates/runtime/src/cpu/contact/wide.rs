@@ -1,11 +1,11 @@
 //! A vector of particles meets a collider: the rule of [`super::meet`], bit for bit.
 
-use super::super::lanes::{LANES, Machine};
-use super::super::real::Real;
-use super::super::solid::Solid;
-use super::super::solid::wide::{Exits, Wide, add, choose, cross, dot, scale, splat, sub};
 use super::reach::Reach;
 use super::short;
+use crate::collider::solid::Solid;
+use crate::collider::solid::wide::{Exits, Wide, add, choose, cross, dot, scale, splat, sub};
+use crate::number::lanes::{LANES, Machine};
+use crate::number::real::Real;
 
 /// The particles from `at` on. Those whose way is short leave together, the others one by one.
 #[inline(always)]

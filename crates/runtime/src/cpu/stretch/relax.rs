@@ -2,9 +2,9 @@
 
 use super::{ALIKE, ALIKE_BOUND, DIAGONAL, End, HARD, HARD_BOUND, LIMIT, RIGHT, SOFT, Spring};
 use crate::cpu::aside;
-use crate::cpu::lanes::{LANES, Machine};
-use crate::cpu::real::Real;
 use crate::cpu::sheet::Values;
+use crate::number::lanes::{LANES, Machine};
+use crate::number::real::Real;
 
 /// A diagonal that has a bound draws its ends together by no more than that, but what is longer by this share of its length
 /// is drawn together to there at once.

@@ -1,7 +1,7 @@
 //! Where a path enters a solid, and how far a solid reaches.
 
 use super::{BOX, CAPSULE, HALF_SPACE, SPHERE, Solid, add, dot, normalize, scale, sub, turn};
-use crate::cpu::real::{Real, V3};
+use crate::number::real::{Real, V3};
 
 impl<T: Real> Solid<T> {
     /// Where the path `from + t path`, t in 0..=1, first meets the surface, and the normal there. Of a start inside

@@ -1,8 +1,8 @@
 //! The way out of a solid for a vector of particles: the operations of [`Solid::exit`], in their order.
 
 use super::{BOX, CAPSULE, ELLIPSOID_RADIAL, HALF_SPACE, SPHERE, STEPS, Solid};
-use crate::cpu::lanes::Machine;
-use crate::cpu::real::{Real, V3};
+use crate::number::lanes::Machine;
+use crate::number::real::{Real, V3};
 
 /// Vectors of numbers, of three coordinates.
 pub type Wide<T, K> = [<K as Machine<T>>::V; 3];

@@ -1,7 +1,7 @@
 //! A collider in numbers, and the way out of it. Twin of shaders/part/solid.wgsl.
 
-use super::real::{Real, V3, add, cast, cross, dot, scale, sub};
 use crate::collider::{Collider, Shape};
+use crate::number::real::{Real, V3, add, cast, cross, dot, scale, sub};
 
 pub const HALF_SPACE: u32 = 0;
 pub const SPHERE: u32 = 1;

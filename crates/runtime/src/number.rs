@@ -1,0 +1,5 @@
+//! Numbers of the CPU backend: f32 and f64 under one name, vector instructions, and aligned lists.
+
+pub(crate) mod aligned;
+pub(crate) mod lanes;
+pub(crate) mod real;
