@@ -7,10 +7,13 @@ use crate::case::{Case, N, flag, scene};
 /// One particle, away from the pins.
 const ONE: usize = 8 * N + 8;
 
+/// What a case does to a stepper before a frame.
+type Act = Box<dyn Fn(&mut Stepper, u32) -> Result<()>>;
+
 pub fn cases() -> Result<Vec<Case>> {
     let first = |frame: u32| frame == 30;
     let mut out = Vec::new();
-    let mut case = |words: &str, act: Box<dyn Fn(&mut Stepper, u32) -> Result<()>>| -> Result<()> {
+    let mut case = |words: &str, act: Act| -> Result<()> {
         out.push(Case::new(words, scene(flag()?)).storm(1.0, act));
         Ok(())
     };
@@ -62,7 +65,7 @@ pub fn cases() -> Result<Vec<Case>> {
 }
 
 /// Done in one frame of the storm.
-fn once(act: impl Fn(&mut Stepper) -> Result<()> + 'static) -> Box<dyn Fn(&mut Stepper, u32) -> Result<()>> {
+fn once(act: impl Fn(&mut Stepper) -> Result<()> + 'static) -> Act {
     Box::new(move |s, frame| if frame == 30 { act(s) } else { Ok(()) })
 }
 
