@@ -26,9 +26,12 @@ pub use skirt::skirt;
 pub use trousers::trousers;
 pub use tshirt::tshirt;
 
+/// Makes the bytes of a garment.
+type Maker = fn() -> Vec<u8>;
+
 /// Every garment: the name of its file, and the bytes.
 pub fn all() -> Vec<(&'static str, Vec<u8>)> {
-    let makers: [(&str, fn() -> Vec<u8>); 5] = [
+    let makers: [(&str, Maker); 5] = [
         ("tshirt.glb", tshirt),
         ("skirt.glb", skirt),
         ("trousers.glb", trousers),

@@ -82,6 +82,17 @@ fn union(parent: &mut [usize], a: usize, b: usize) {
     parent[a.max(b)] = a.min(b);
 }
 
+/// An edge of the panels, as its triangles have it.
+#[derive(Default)]
+struct Edge {
+    /// Sum of its lengths in the panels' planes \[m\].
+    length: f64,
+    /// Triangles at it.
+    count: f64,
+    /// The far corner of each triangle, with its place along the edge and off it.
+    far: Vec<(usize, f64, f64)>,
+}
+
 impl Garment {
     /// All triangles as particles, with their corners in the panel.
     pub fn triangles(&self) -> impl Iterator<Item = ([usize; 3], [V2; 3])> {
@@ -103,8 +114,7 @@ impl Garment {
 
     /// The springs along edges, and those across them that resist folding.
     pub fn springs(&self) -> (Vec<Spring>, Vec<Spring>) {
-        // For each edge: the summed length, the count, and each far corner with its place along and off the edge.
-        let mut edges: BTreeMap<[usize; 2], (f64, f64, Vec<(usize, f64, f64)>)> = BTreeMap::new();
+        let mut edges: BTreeMap<[usize; 2], Edge> = BTreeMap::new();
         for (t, p) in self.triangles() {
             for k in 0..3 {
                 let [mut i, mut j] = [k, (k + 1) % 3];
@@ -116,16 +126,16 @@ impl Garment {
                 let along = ((p[far][0] - p[i][0]) * (p[j][0] - p[i][0]) + (p[far][1] - p[i][1]) * (p[j][1] - p[i][1]))
                     / length;
                 let e = edges.entry([t[i], t[j]]).or_default();
-                *e = (e.0 + length, e.1 + 1.0, std::mem::take(&mut e.2));
-                e.2.push((t[far], along, cross2(p[0], p[1], p[2]) / length));
+                (e.length, e.count) = (e.length + length, e.count + 1.0);
+                e.far.push((t[far], along, cross2(p[0], p[1], p[2]) / length));
             }
         }
         let mut bends = Vec::new();
-        let stretch = |(ends, (sum, n, far)): ([usize; 2], (f64, f64, Vec<(usize, f64, f64)>))| {
-            if let [a, b] = far[..] {
+        let stretch = |(ends, edge): ([usize; 2], Edge)| {
+            if let [a, b] = edge.far[..] {
                 bends.push(Spring { ends: [a.0, b.0], rest: dist2([a.1, a.2], [b.1, -b.2]) });
             }
-            Spring { ends, rest: sum / n }
+            Spring { ends, rest: edge.length / edge.count }
         };
         let mut stretches: Vec<Spring> = edges.into_iter().map(stretch).collect();
         // Holes are braced, or they would close under the weight of the cloth.

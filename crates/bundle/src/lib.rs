@@ -26,7 +26,6 @@
 //! ```
 
 // The workspace allows these for the sake of other crates.
-#![warn(clippy::needless_range_loop, clippy::too_many_arguments, clippy::type_complexity)]
 
 mod budget;
 mod bundle;

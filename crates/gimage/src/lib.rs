@@ -60,7 +60,6 @@
 //! ```
 
 // The workspace allows these for the sake of other crates.
-#![warn(clippy::needless_range_loop, clippy::too_many_arguments, clippy::type_complexity)]
 
 mod base;
 pub mod error;

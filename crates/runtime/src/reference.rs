@@ -14,6 +14,9 @@ pub struct Reference {
     threads: Threads,
 }
 
+/// Positions now and one step before, by particle.
+type NowAndBefore<'a> = (&'a [[f64; 4]], &'a [[f64; 4]]);
+
 impl Reference {
     /// Takes a scene over; `options.backend` and `threads` have no meaning here. Errors on settings out of range.
     pub fn new(scene: Scene, options: Options) -> Result<Self> {
@@ -27,7 +30,7 @@ impl Reference {
     }
 
     /// Positions now and one step before, as [`crate::Stepper::positions`]. Errors where there is no such cloth.
-    pub fn positions(&self, cloth: usize) -> Result<(&[[f64; 4]], &[[f64; 4]])> {
+    pub fn positions(&self, cloth: usize) -> Result<NowAndBefore<'_>> {
         let body = self.bodies.get(cloth);
         let missing = Error::NoSuch { what: "cloth", index: cloth, count: self.bodies.len() };
         body.map(|b| (b.now(), b.before())).ok_or(missing)

@@ -238,8 +238,8 @@ fn normals_leave_out_what_is_cut_away() {
         rig.stepper.cut([-9.0, -1.0, 0.05], [9.0, -1.0, 0.05], [0.0, 4.0, 0.05]).unwrap();
         rig.frame(0.0);
         let normals = rig.normals(0);
-        for k in 36..45 {
-            assert!(normals[k][2].abs() > 0.9999, "{}: {:?}", rig.name(), normals[k]);
+        for normal in &normals[36..45] {
+            assert!(normal[2].abs() > 0.9999, "{}: {normal:?}", rig.name());
         }
     }
 }

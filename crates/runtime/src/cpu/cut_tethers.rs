@@ -23,9 +23,10 @@ fn doubt<T: Real>(held: &mut Held<T>, old: &[[T; 4]], rest: &[[T; 4]]) -> Vec<bo
     let (mut queue, mut listed) = (BinaryHeap::new(), vec![false; held.most.len()]);
     // Tethers of texel `k` that may rest on one of length `above`; pins hang on themselves.
     let mut add = |held: &Held<T>, k: usize, above: T, queue: &mut BinaryHeap<_>| {
-        for t in k * held.slots..(k + 1) * held.slots {
-            if held.most[t] > above && held.most[t] < far() && !std::mem::replace(&mut listed[t], true) {
-                queue.push(Reverse((held.most[t].get().to_bits(), t)));
+        let slots = k * held.slots..(k + 1) * held.slots;
+        for (t, (most, listed)) in slots.clone().zip(held.most[slots.clone()].iter().zip(&mut listed[slots])) {
+            if *most > above && *most < far() && !std::mem::replace(listed, true) {
+                queue.push(Reverse((most.get().to_bits(), t)));
             }
         }
     };

@@ -154,9 +154,8 @@ impl<T: Real> Fabric<T> {
     fn break_plates(&mut self, image: &[[T; 4]]) {
         for ((sheet, plate), first) in self.sheets.iter().zip(&mut self.plates).zip(&self.firsts) {
             for k in 0..sheet.width * sheet.height {
-                for d in 0..4 {
-                    let broken =
-                        image[first + k][d] <= T::of(0.0) && plate.weights.of(sheet.single(k), d) != T::of(0.0);
+                for (d, rest) in image[first + k].iter().enumerate() {
+                    let broken = *rest <= T::of(0.0) && plate.weights.of(sheet.single(k), d) != T::of(0.0);
                     if let (true, Some(other)) = (broken, other_end(sheet.width, sheet.height, k, d)) {
                         [k, other].iter().for_each(|k| plate.compliance[sheet.single(*k)] = T::of(0.0));
                     }

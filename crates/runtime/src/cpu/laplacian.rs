@@ -120,8 +120,8 @@ impl<T: Real> Around<'_, T> {
         let edges = [(1, half, w_right[0]), (2, 0, w_down[0]), (0, 0, w_up[0]), (2, half, w_dr[0]), (0, half, w_ur[0])];
         let mut sum = [T::of(0.0); 3];
         for (row, place, w) in edges {
-            for c in 0..3 {
-                sum[c] = sum[c] + (self.rows[row][c][place] - self.rows[1][c][0]) * w;
+            for (c, sum) in sum.iter_mut().enumerate() {
+                *sum = *sum + (self.rows[row][c][place] - self.rows[1][c][0]) * w;
             }
         }
         sum

@@ -220,7 +220,7 @@ impl<'a, T: Real> Spring<'a, T> {
     ) {
         let [evens, even, odd] = self.columns;
         match direction {
-            0 => self.right::<K, KIND>(k, rows, w, j, parity, [even, odd][parity], sums),
+            0 => self.right::<K, KIND>(k, rows, w, (j, parity), [even, odd][parity], sums),
             1 => self.between::<K, KIND, DOWN>(k, rows, w, (j, false), [evens, even], sums),
             2 => self.between::<K, KIND, DIAGONAL>(k, rows, w, (j, false), [even, odd], sums),
             _ => self.between::<K, KIND, DIAGONAL>(k, rows, w, (j, true), [even, odd], sums),
@@ -233,8 +233,7 @@ impl<'a, T: Real> Spring<'a, T> {
         k: K,
         row: &mut [T],
         w: &[T],
-        j: usize,
-        parity: usize,
+        (j, parity): (usize, usize),
         count: usize,
         sums: &mut [T],
     ) {
@@ -272,7 +271,7 @@ impl<'a, T: Real> Spring<'a, T> {
         counts: [usize; 2],
         sums: &mut [T],
     ) {
-        for side in 0..2 {
+        for (side, count) in counts.into_iter().enumerate() {
             let other = if WAY == DOWN { side } else { 1 - side };
             let skip = if WAY == DOWN { 0 } else { side };
             let (halves, from) = if up { ([other, side], [skip, 0]) } else { ([side, other], [0, skip]) };
@@ -280,7 +279,7 @@ impl<'a, T: Real> Spring<'a, T> {
             let (a, b) = if up { (lower, upper) } else { (upper, lower) };
             let at = (2 * usize::from(up) + side) * self.half;
             let sums = sums.get_mut(at..).unwrap_or(&mut []);
-            self.relax::<K, KIND, WAY>(k, a, b, j * 2 * self.half + at, counts[side], sums);
+            self.relax::<K, KIND, WAY>(k, a, b, j * 2 * self.half + at, count, sums);
         }
     }
 }

@@ -139,10 +139,9 @@ fn to<T: Real, K: Machine<T>>(k: K, slot: &Slot<T>, place: usize, anchors: &[V3<
         let [x, y, z] = of(one);
         return [k.splat(x), k.splat(y), k.splat(z)];
     }
-    let mut lists = [[T::of(0.0); LANES]; 3];
-    for n in 0..K::WIDE {
-        let a = of(slot.anchor[place + n]);
-        (0..3).for_each(|c| lists[c][n] = a[c]);
+    let [mut xs, mut ys, mut zs] = [[T::of(0.0); LANES]; 3];
+    for (n, anchor) in slot.anchor[place..place + K::WIDE].iter().enumerate() {
+        [xs[n], ys[n], zs[n]] = of(*anchor);
     }
-    [k.load(&lists[0], 0), k.load(&lists[1], 0), k.load(&lists[2], 0)]
+    [k.load(&xs, 0), k.load(&ys, 0), k.load(&zs, 0)]
 }

@@ -157,9 +157,9 @@ impl Software {
                 cover(flat, &paints[flat.paint], top, width, &mut samples);
             }
             for (pixel, samples) in pixels.iter_mut().zip(&samples) {
-                for c in 0..3 {
+                for (c, number) in pixel[..3].iter_mut().enumerate() {
                     let light = samples.iter().map(|s| s.1[c].clamp(0.0, 1.0)).sum::<f32>() / 4.0;
-                    pixel[c] = (encoded(light) * 255.0 + 0.5) as u8;
+                    *number = (encoded(light) * 255.0 + 0.5) as u8;
                 }
             }
         });

@@ -184,12 +184,12 @@ mod tests {
         let frames = image::AnimationDecoder::into_frames(frames).collect_frames().unwrap();
         let shown = |frame: usize, k: usize| frames[frame].buffer().as_raw()[4 * k..4 * k + 3].to_vec();
         for frame in 1..taken.len() {
-            for k in 0..width * height {
-                if taken[frame][k] == taken[0][k] {
+            for (k, pixel) in taken[frame].iter().enumerate() {
+                if *pixel == taken[0][k] {
                     assert_eq!(shown(frame, k), shown(0, k), "picture {frame}, pixel {k}");
                 }
-                let gap = |c: usize| i32::from(shown(frame, k)[c]) - i32::from(taken[frame][k][c]);
-                assert!((0..3).all(|c| gap(c).abs() < 32), "picture {frame}, pixel {k}: {:?}", taken[frame][k]);
+                let gap = |c: usize| i32::from(shown(frame, k)[c]) - i32::from(pixel[c]);
+                assert!((0..3).all(|c| gap(c).abs() < 32), "picture {frame}, pixel {k}: {pixel:?}");
             }
         }
     }
