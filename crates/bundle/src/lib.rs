@@ -25,8 +25,6 @@
 //! # Ok::<(), gimage_bundle::Error>(())
 //! ```
 
-// The workspace allows these for the sake of other crates.
-
 mod budget;
 mod bundle;
 mod counts;

@@ -59,8 +59,6 @@
 //! # }
 //! ```
 
-// The workspace allows these for the sake of other crates.
-
 mod base;
 pub mod error;
 pub mod options;
