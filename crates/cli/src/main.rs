@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
     };
+    keep_freed_memory();
     let out = Output::new(cli.quiet, cli.verbose, cli.json());
     let result = exit::guard(|| match &cli.command {
         Command::Build(args) => commands::build::run(args, &out),
@@ -41,6 +42,15 @@ fn main() -> ExitCode {
     });
     let exit = result.unwrap_or_else(|failure| out.failure(&failure));
     ExitCode::from(exit.code())
+}
+
+/// Bytes of freed memory that stages hand on.
+const HANDED_ON: usize = 8 << 20;
+
+/// Lets stages reuse freed memory. Until a buffer of this size was freed, an allocator such as glibc's returns every large
+/// buffer to the system, and each page of the next one is a fault again. The buffer is never touched.
+fn keep_freed_memory() {
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(HANDED_ON)));
 }
 
 /// Help, the version, or what is wrong with the command line.
