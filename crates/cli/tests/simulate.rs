@@ -60,7 +60,7 @@ fn what_cannot_be_is_said() {
         ("simulate tube.obj", "tube.obj"),
         ("simulate s1 --every 2", "--dump"),
         ("simulate s1 --material warp", "NAME=NUMBER"),
-        ("simulate s1 --material silk=1", "none of warp"),
+        ("simulate s1 --material silk=1", "not one of warp"),
         ("simulate s1 --material bend=soft", "not a number"),
         ("simulate s1 --material density=0", "density"),
         ("simulate s1 --material thickness=2", "thickness"),

@@ -34,7 +34,7 @@ use arena::Arena;
 use buffers::Spans;
 use frames::Frames;
 pub use pipelines::Compiled;
-use pipelines::Pipelines;
+pub(crate) use pipelines::Pipelines;
 use solids::Solids;
 use watch::Watch;
 
@@ -52,7 +52,12 @@ pub struct Gpu {
 
 impl Gpu {
     /// Buffers for all cloths; only those for drawing where the CPU steps.
-    pub fn new(world: &World, device: &wgpu::Device, queue: &wgpu::Queue, draw_only: bool) -> Result<Self> {
+    pub fn new(
+        world: &World,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        pipelines: Pipelines,
+        draw_only: bool,
+    ) -> Result<Self> {
         let bodies = world.bodies();
         let arenas: Vec<_> = world.arenas.iter().map(|cloths| Arena::new(device, world, &bodies, cloths)).collect();
         let mut lie: Vec<Option<Spans>> = world.scene.cloths.iter().map(|_| None).collect();
@@ -63,7 +68,7 @@ impl Gpu {
             cloths.map(|((held, body), spans)| ClothBuffers::new(device, held, body, settings, spans)).collect();
         let mut gpu = Gpu {
             solids: Solids::new(device, world),
-            pipelines: Pipelines::new(device),
+            pipelines,
             cloths: cloths?,
             frames: (!arenas.is_empty()).then(|| Frames::new(device)),
             arenas,
@@ -77,6 +82,16 @@ impl Gpu {
             Plan::new(world).passes.iter().for_each(|p| _ = gpu.pipelines.get(p.pass));
         }
         Ok(gpu)
+    }
+
+    /// The device and its queue.
+    pub fn handles(&self) -> (&wgpu::Device, &wgpu::Queue) {
+        (&self.device, &self.queue)
+    }
+
+    /// Its pipelines, for another stepper.
+    pub fn share_pipelines(&self) -> Pipelines {
+        self.pipelines.share()
     }
 
     /// What has been compiled.

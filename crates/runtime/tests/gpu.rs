@@ -237,3 +237,24 @@ fn a_fault_is_taken_back_on_both_backends() {
     let (there, here) = (run(Backend::Gpu), run(Backend::Cpu));
     assert!(largest(&there, &here) < 1e-4, "{}", largest(&there, &here));
 }
+
+#[test]
+fn another_stepper_compiles_nothing_that_the_first_has() {
+    let Some((device, queue)) = support::device() else { return };
+    let options = Options { backend: Backend::Gpu, ..Options::default() };
+    let made = |scene: &Scene, from: Option<&Stepper>| match from {
+        Some(stepper) => stepper.another(scene.clone(), options.clone()).unwrap(),
+        None => Stepper::new(scene.clone(), options.clone(), Some((&device, &queue))).unwrap(),
+    };
+    let [small, other] = [support::scene(support::curtain(8)), support::on_colliders(8)];
+    let first = made(&small, None);
+    assert!(first.compiled().unwrap().pipelines > 0 && first.compiled().unwrap().ms > 0.0);
+    assert_eq!(made(&small, Some(&first)).compiled().unwrap(), Compiled::default());
+    assert!(made(&other, Some(&first)).compiled().unwrap().pipelines > 0);
+    // A frame compiles nothing more.
+    let mut again = made(&small, Some(&first));
+    let mut encoder = device.create_command_encoder(&Default::default());
+    again.record(&mut encoder, 1.0 / 60.0).unwrap();
+    queue.submit([encoder.finish()]);
+    assert_eq!(again.compiled().unwrap().pipelines, 0);
+}

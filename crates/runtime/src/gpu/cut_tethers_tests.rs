@@ -7,6 +7,7 @@ use super::*;
 use crate::actions::Action;
 use crate::cloth::{Flat, Particle, Parts};
 use crate::cpu::rows::Threads;
+use crate::gpu::Pipelines;
 use crate::options::{Options, Solver};
 use crate::scene::Scene;
 
@@ -45,7 +46,8 @@ fn followed(
     scene.cloths = cloths.to_vec();
     let mut world = World::new(scene, Options { solver: Solver::Xpbd, tethers: 2, ..Options::default() }).unwrap();
     let mut bodies = world.bodies::<f32>();
-    let mut there = gpu.map(|(device, queue)| Gpu::new(&world, device, queue, false).unwrap());
+    let mut there =
+        gpu.map(|(device, queue)| Gpu::new(&world, (device, queue), Pipelines::new(device), false).unwrap());
     world.scene.cloths.iter_mut().for_each(Cloth::open);
     world.reschedule();
     let mut all = Vec::new();

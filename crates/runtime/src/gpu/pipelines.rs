@@ -1,7 +1,7 @@
-//! Pipelines, compiled once per device and shared by all steppers on it.
+//! Pipelines, compiled once and shared by steppers that are made from one another.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use crate::layout::{FrameRow, StepRow};
@@ -18,7 +18,7 @@ pub struct Pipeline {
 /// The pipelines that a stepper has compiled so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Compiled {
-    /// Pipelines, without those that another stepper on the same device had compiled before.
+    /// Pipelines, without those that a stepper had compiled that this one was made from ([`crate::Stepper::another`]).
     pub pipelines: u32,
     /// Wall time of their compilation \[ms\].
     pub ms: f64,
@@ -27,59 +27,36 @@ pub struct Compiled {
 /// By pass, constants and parts included.
 type ByPass = HashMap<Pass, Arc<Pipeline>>;
 
-/// The pipelines of a device.
-struct OnDevice {
-    device: wgpu::Device,
-    made: Mutex<ByPass>,
-}
-
-/// Devices with a stepper. Weak, so that a device and its pipelines go with its last stepper.
-type Devices = Vec<Weak<OnDevice>>;
-
-/// Calls `f` with the devices of this process; on the web, where handles stay on their thread, of this thread.
-fn with_devices<A>(f: impl FnOnce(&mut Devices) -> A) -> A {
-    #[cfg(not(target_family = "wasm"))]
-    {
-        static DEVICES: Mutex<Devices> = Mutex::new(Vec::new());
-        f(&mut DEVICES.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-    #[cfg(target_family = "wasm")]
-    {
-        thread_local!(static DEVICES: std::cell::RefCell<Devices> = const { std::cell::RefCell::new(Vec::new()) });
-        DEVICES.with_borrow_mut(f)
-    }
-}
-
-/// The pipelines of a stepper.
+/// The pipelines of a stepper. Steppers made from one another share what they compile. A device alone does not tell whose
+/// pipelines fit: those of different wgpu instances may be equal.
 pub struct Pipelines {
-    shared: Arc<OnDevice>,
+    device: wgpu::Device,
+    shared: Arc<Mutex<ByPass>>,
     /// Those that this stepper has used, without a lock.
     used: ByPass,
     pub compiled: Compiled,
 }
 
 impl Pipelines {
-    /// Those of a device.
+    /// None yet.
     pub fn new(device: &wgpu::Device) -> Self {
-        let shared = with_devices(|all| {
-            all.retain(|d| d.strong_count() > 0);
-            all.iter().filter_map(Weak::upgrade).find(|d| d.device == *device).unwrap_or_else(|| {
-                let new = Arc::new(OnDevice { device: device.clone(), made: Mutex::default() });
-                all.push(Arc::downgrade(&new));
-                new
-            })
-        });
-        Pipelines { shared, used: ByPass::new(), compiled: Compiled::default() }
+        let (shared, used) = (Arc::default(), ByPass::new());
+        Pipelines { device: device.clone(), shared, used, compiled: Compiled::default() }
+    }
+
+    /// For another stepper on the same device.
+    pub fn share(&self) -> Self {
+        Pipelines { shared: self.shared.clone(), ..Pipelines::new(&self.device) }
     }
 
     /// The pipeline of a pass.
     pub fn get(&mut self, pass: Pass) -> &Pipeline {
-        let Pipelines { shared, used, compiled } = self;
+        let Pipelines { device, shared, used, compiled } = self;
         used.entry(pass).or_insert_with(|| {
-            let mut made = shared.made.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut made = shared.lock().unwrap_or_else(PoisonError::into_inner);
             let compile = || {
                 let start = Instant::now();
-                let pipeline = Arc::new(make(&shared.device, source(pass)));
+                let pipeline = Arc::new(make(device, source(pass)));
                 compiled.pipelines += 1;
                 compiled.ms += start.elapsed().as_secs_f64() * 1e3;
                 pipeline

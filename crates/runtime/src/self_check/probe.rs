@@ -125,7 +125,7 @@ fn options(backend: Backend, fused: bool) -> Options {
 }
 
 fn on_cpu(scene: &Scene) -> Result<Vec<Lists>> {
-    let mut stepper = Stepper::unchecked(scene.clone(), options(Backend::Cpu, true), None)?;
+    let mut stepper = Stepper::unchecked(scene.clone(), options(Backend::Cpu, true), None, None)?;
     stepper.advance(FRAME)?;
     let list = |list: Option<&[[f32; 4]]>| list.map(<[_]>::to_vec).unwrap_or_default();
     let lists = |c| [list(stepper.positions(c)), list(stepper.previous(c)), list(stepper.normals(c))];
@@ -133,7 +133,7 @@ fn on_cpu(scene: &Scene) -> Result<Vec<Lists>> {
 }
 
 fn on_device(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene, fused: bool) -> Result<Vec<Lists>> {
-    let mut stepper = Stepper::unchecked(scene.clone(), options(Backend::Gpu, fused), Some((device, queue)))?;
+    let mut stepper = Stepper::unchecked(scene.clone(), options(Backend::Gpu, fused), Some((device, queue)), None)?;
     let mut encoder = device.create_command_encoder(&Default::default());
     stepper.record(&mut encoder, FRAME)?;
     queue.submit([encoder.finish()]);

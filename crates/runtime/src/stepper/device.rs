@@ -5,7 +5,7 @@ use crate::clock::Progress;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
 use crate::fused::Room;
-use crate::gpu::{ClothBuffers, Compiled, Gpu};
+use crate::gpu::{ClothBuffers, Compiled, Gpu, Pipelines};
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
 use crate::self_check::{decide, self_check};
@@ -19,8 +19,24 @@ impl Stepper {
     /// The first stepper on a device runs its [`self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. [`Backend::Auto`]
     /// does not use a device that fails, [`Backend::Gpu`] does; [`Stepper::warnings`] has the reason.
     ///
-    /// Compiles the pipelines that a frame runs, unless another stepper on the device has them ([`Stepper::compiled`]).
+    /// Compiles the pipelines that a frame runs ([`Stepper::compiled`], [`Stepper::another`]).
     pub fn new(scene: Scene, options: Options, gpu: Option<(&wgpu::Device, &wgpu::Queue)>) -> Result<Self> {
+        Stepper::checked(scene, options, gpu, None)
+    }
+
+    /// Makes a stepper for another scene on the same device, as [`Stepper::new`]. The two share their pipelines: each is
+    /// compiled once, by the one that first needs it.
+    pub fn another(&self, scene: Scene, options: Options) -> Result<Self> {
+        let gpu = self.gpu.as_ref();
+        Stepper::checked(scene, options, gpu.map(Gpu::handles), gpu.map(Gpu::share_pipelines))
+    }
+
+    fn checked(
+        scene: Scene,
+        options: Options,
+        gpu: Option<(&wgpu::Device, &wgpu::Queue)>,
+        pipelines: Option<Pipelines>,
+    ) -> Result<Self> {
         let mut warning = None;
         let mut options = options;
         if let Some((device, queue)) = gpu.filter(|_| options.backend != Backend::Cpu) {
@@ -28,7 +44,7 @@ impl Stepper {
             options.backend = if on_cpu { Backend::Cpu } else { options.backend };
             warning = found;
         }
-        let mut stepper = Stepper::unchecked(scene, options, gpu)?;
+        let mut stepper = Stepper::unchecked(scene, options, gpu, pipelines)?;
         stepper.world.warnings.splice(..0, warning);
         Ok(stepper)
     }
@@ -38,6 +54,7 @@ impl Stepper {
         scene: Scene,
         options: Options,
         gpu: Option<(&wgpu::Device, &wgpu::Queue)>,
+        pipelines: Option<Pipelines>,
     ) -> Result<Self> {
         let mut world = World::new(scene, options)?;
         let on_cpu = match world.options.backend {
@@ -50,7 +67,11 @@ impl Stepper {
         if let (false, Some((device, _))) = (on_cpu, gpu) {
             world.make_room(Room::of(device));
         }
-        let gpu = gpu.map(|(device, queue)| Gpu::new(&world, device, queue, on_cpu)).transpose()?;
+        let make = |handles: (&wgpu::Device, &wgpu::Queue)| {
+            let pipelines = pipelines.unwrap_or_else(|| Pipelines::new(handles.0));
+            Gpu::new(&world, handles, pipelines, on_cpu)
+        };
+        let gpu = gpu.map(make).transpose()?;
         Ok(Stepper { world, cpu, gpu })
     }
 
@@ -82,8 +103,8 @@ impl Stepper {
         self.gpu.as_ref()?.buffers(cloth)
     }
 
-    /// The pipelines that this stepper has compiled, and how long that took. [`Stepper::new`] compiles all that a frame runs,
-    /// once for all steppers on one device; actions and changed settings may add to them. `None` without a device.
+    /// The pipelines that this stepper has compiled, and how long that took. [`Stepper::new`] compiles all that a frame
+    /// runs; actions and changed settings may add to them. `None` without a device.
     pub fn compiled(&self) -> Option<Compiled> {
         self.gpu.as_ref().map(Gpu::compiled)
     }
