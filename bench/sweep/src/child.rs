@@ -30,7 +30,10 @@ pub fn run(args: &OneArgs) -> Result<(), Failure> {
     record.mib = peak_memory().map_or(0.0, |b| b as f64 / f64::from(1 << 20));
     match result {
         Err(e) => {
-            record.status = Status::Refused { kind: kind(&e), message: e.to_string() };
+            // Tables of different machines agree on the file's name, not on its folder.
+            let folder = args.mesh.parent().map_or(String::new(), |p| format!("{}/", p.display()));
+            let message = if folder.len() > 1 { e.to_string().replace(&folder, "") } else { e.to_string() };
+            record.status = Status::Refused { kind: kind(&e), message };
             record.triangles = Source::read(&args.mesh).map_or(0, |s| s.mesh.triangles.len());
             if matches!(e, Error::Poor { .. }) {
                 // The figures of what the gate refused are worth having.
