@@ -8,7 +8,7 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// The queue of the device.
     pub queue: wgpu::Queue,
-    /// What the adapter is.
+    /// The name and kind of the adapter.
     pub info: wgpu::AdapterInfo,
 }
 

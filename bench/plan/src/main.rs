@@ -9,7 +9,7 @@ use gimage_runtime::{Backend, Options};
 use scenes::{Case, cases};
 use timing::{host, time};
 
-/// What a scene pays for: milliseconds per frame with each feature of the runtime on and off. CSV to stdout, the adapter
+/// The cost of a scene: milliseconds per frame with each feature of the runtime on and off. CSV to stdout, the adapter
 /// to stderr.
 #[derive(Parser)]
 #[command(after_help = "Example:\n  plan --particles 64,128 --frames 40 > plan.csv")]

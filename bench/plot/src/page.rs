@@ -28,7 +28,7 @@ pub struct Page {
     open: bool,
 }
 
-/// What a panel shows beside its curves.
+/// The title, axes and labels of a panel.
 pub struct Panel<'a> {
     /// Its title.
     pub title: &'a str,

@@ -7,7 +7,7 @@ use crate::case::{Case, N, flag, scene};
 /// One particle, away from the pins.
 const ONE: usize = 8 * N + 8;
 
-/// What a case does to a stepper before a frame.
+/// An action of a case on its stepper before a frame.
 type Act = Box<dyn Fn(&mut Stepper, u32) -> Result<()>>;
 
 pub fn cases() -> Result<Vec<Case>> {

@@ -1,4 +1,4 @@
-//! What the manifest says of a piece.
+//! The entry of a piece in the manifest.
 
 use std::collections::BTreeMap;
 

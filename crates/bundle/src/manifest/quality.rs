@@ -1,4 +1,4 @@
-//! What the manifest says of quality.
+//! The quality figures in the manifest.
 
 use std::collections::BTreeMap;
 

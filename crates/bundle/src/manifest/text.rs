@@ -18,7 +18,7 @@ impl Manifest {
         }
         let mut bytes = serde_json::to_vec_pretty(self).map_err(|e| unreadable(e.to_string()))?;
         bytes.push(b'\n');
-        // What could not be read back is not written.
+        // A value that cannot be read back is not written.
         budget::check_manifest(&bytes)?;
         Ok(bytes)
     }

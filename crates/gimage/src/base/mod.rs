@@ -1,4 +1,4 @@
-//! What the stages share: meshes, surfaces and images, and the geometry and graphs they are worked on with.
+//! Shared types and helpers of the stages: meshes, surfaces and images, and the geometry and graphs they are worked on with.
 
 pub mod closest;
 pub(crate) mod decimate;

@@ -1,4 +1,4 @@
-//! What the manifest says of a build beside its pieces.
+//! The record of a build in the manifest, beside its pieces.
 
 use gimage_bundle::Bundle;
 use gimage_bundle::manifest::{Joint, Repair, Skeleton, Source as SourceEntry};
