@@ -33,6 +33,7 @@ mod collider;
 mod cpu;
 pub mod draw;
 mod error;
+mod form;
 mod fused;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -53,6 +54,7 @@ mod quality;
 #[cfg(feature = "reference")]
 mod reference;
 pub mod scene;
+mod schedule;
 #[cfg(feature = "gpu")]
 mod self_check;
 mod shaders;
@@ -68,6 +70,7 @@ pub use clock::Progress;
 pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
 pub use collider::{Collider, Shape};
 pub use error::{Error, Result};
+pub use form::Form;
 pub use fused::{Fused, Hold};
 #[cfg(feature = "gpu")]
 pub use gpu::{ClothBuffers, Compiled, Span, device_limits, read_back, read_back_u32};

@@ -314,8 +314,6 @@ impl<T: Real> Fabric<T> {
             | Pass::Speed
             | Pass::Fastest
             | Pass::Strain { .. }
-            | Pass::Tile(_)
-            | Pass::Fused(_)
             | Pass::Cut
             | Pass::CutSprings
             | Pass::CutTethers { .. }

@@ -4,7 +4,7 @@ use super::body::Body;
 use super::rows::Threads;
 use crate::collider::solid::Solid;
 use crate::number::real::Real;
-use crate::passes::Schedule;
+use crate::schedule::Schedule;
 use crate::step::Step;
 
 /// What a frame is made of.

@@ -140,18 +140,3 @@ impl Slot {
         bytes as u64
     }
 }
-
-/// A slot and whether the shader writes to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Bound {
-    pub slot: Slot,
-    pub writes: bool,
-}
-
-pub const fn reads(slot: Slot) -> Bound {
-    Bound { slot, writes: false }
-}
-
-pub const fn writes(slot: Slot) -> Bound {
-    Bound { slot, writes: true }
-}
