@@ -13,8 +13,7 @@ pub use batches::{Batch, room_of};
 use std::sync::Arc;
 
 use crate::cloth::Cloth;
-use crate::passes::Pass;
-use crate::schedule::Schedule;
+use crate::passes::{Pass, Schedule};
 use crate::shaders::{self, Slot};
 
 /// Whole frames in one dispatch, described by what is compiled into its shader.

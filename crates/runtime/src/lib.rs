@@ -33,6 +33,7 @@ mod collider;
 mod cpu;
 pub mod draw;
 mod error;
+mod fold;
 mod form;
 mod fused;
 #[cfg(feature = "gpu")]
@@ -54,7 +55,6 @@ mod quality;
 #[cfg(feature = "reference")]
 mod reference;
 pub mod scene;
-mod schedule;
 #[cfg(feature = "gpu")]
 mod self_check;
 mod shaders;

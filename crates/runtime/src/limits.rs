@@ -10,7 +10,7 @@ pub use masses::MOST_RATIO;
 use crate::cloth::{Cloth, Compliance, Rest, Tethers};
 use crate::error::Result;
 use crate::options::{Options, Solver};
-use crate::schedule::has_levels;
+use crate::passes::has_levels;
 
 /// Longest step \[s\] of [`Solver::Xpbd`]: in a longer one cloth falls too far for tethers to hold it.
 pub const LONGEST: f64 = 1.0 / 60.0;

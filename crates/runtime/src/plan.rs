@@ -4,8 +4,7 @@ use std::fmt;
 
 use crate::form::Form;
 use crate::fused::{Fused, Hold};
-use crate::passes::Pass;
-use crate::schedule::Schedule;
+use crate::passes::{Pass, Schedule};
 use crate::shaders::{Slot, source};
 use crate::tile::Tile;
 use crate::world::World;

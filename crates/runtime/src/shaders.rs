@@ -7,9 +7,9 @@ use std::fmt::Write as _;
 
 use crate::cloth::Cloth;
 use crate::cpu::tile::tiles;
+use crate::fold::{Run, fold};
 use crate::form::Form;
 use crate::passes::Pass;
-use crate::schedule::{Run, fold};
 use crate::tile::TileShape;
 
 /// How elements are given to threads.

@@ -8,8 +8,7 @@ use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use super::*;
 use crate::fused::{Fused, Hold};
 use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
-use crate::passes::{Air, Kinds, Soft};
-use crate::schedule::Schedule;
+use crate::passes::{Air, Kinds, Schedule, Soft};
 use crate::tile::Tile;
 
 /// Every form that a frame or an action can have, up to constants.

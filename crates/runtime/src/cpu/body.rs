@@ -143,15 +143,15 @@ impl<T: Real> Body<T> {
         solids: &[Solid<T>],
     ) {
         let Some(mut fabric) = self.fabric.take() else {
-            passes.for_each(|pass| self.run(*pass, threads, step, solids));
+            passes.for_each(|pass| _ = self.run(*pass, threads, step, solids));
             return;
         };
         fabric.step(passes, threads, step, solids, self);
         self.fabric = Some(fabric);
     }
 
-    /// Runs one pass on texels.
-    pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>]) {
+    /// Runs one pass on texels; false if it is not one of those, and nothing was done.
+    pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>]) -> bool {
         match pass {
             Pass::Wind { .. } => {
                 self.field.resize(self.now.len(), [T::of(0.0); 4]);
@@ -177,10 +177,6 @@ impl<T: Real> Body<T> {
                     normals::run(threads, view, &mut self.normals[g.range()]);
                 }
             }
-            // Passes of sheets.
-            Pass::Advance(_) | Pass::Membrane { .. } => {}
-            Pass::SeamSteps | Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
-            Pass::Pyramid { .. } | Pass::Refine { .. } | Pass::Moments { .. } | Pass::SeamMoments | Pass::Bend => {}
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
                 self.edited |= self.faulty.is_some();
@@ -190,10 +186,10 @@ impl<T: Real> Body<T> {
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
             Pass::Strain { image, soft } => self.strain(threads, (image, soft), step.dt),
-            // Run by actions, which bring what they need.
-            Pass::Cut | Pass::CutSprings | Pass::CutLevels | Pass::CutTethers { .. } | Pass::Transform => {}
-            Pass::Pick { .. } | Pass::PickNearest => {}
+            // Passes of sheets, and of actions.
+            _ => return false,
         }
+        true
     }
 
     fn springs(&mut self, threads: &Threads, colour: (u32, u32), image: bool) {

@@ -4,7 +4,7 @@ use super::body::Body;
 use super::rows::Threads;
 use crate::collider::solid::Solid;
 use crate::number::real::Real;
-use crate::schedule::Schedule;
+use crate::passes::Schedule;
 use crate::step::Step;
 
 /// What a frame is made of.
@@ -32,5 +32,5 @@ pub fn run<T: Real>(body: &mut Body<T>, frame: &Frame<T>, threads: &Threads, sol
     }
     body.end();
     let last = (frame.step)(steps.saturating_sub(1));
-    plan.frame.iter().for_each(|pass| body.run(*pass, threads, &last, solids));
+    plan.frame.iter().for_each(|pass| _ = body.run(*pass, threads, &last, solids));
 }

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use super::{Fused, Hold, Room};
 use crate::cloth::{Cloth, Rest};
 use crate::options::{Options, Solver};
-use crate::schedule::Schedule;
-use crate::schedule::soft_of;
+use crate::passes::{Schedule, soft_of};
 use crate::world::World;
 
 /// From this number of cloths on, those that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a

@@ -6,8 +6,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use super::Gpu;
 use crate::actions::Action;
 use crate::cloth::Rest;
-use crate::passes::Pass;
-use crate::schedule::has_levels;
+use crate::passes::{Pass, has_levels};
 use crate::shaders::{Slot, list, source};
 use crate::world::World;
 

@@ -19,8 +19,7 @@ use crate::gpu::span::Span;
 use crate::gpu::turns;
 use crate::layout::{FAULT_BYTES, FaultRow, GridRow, StepRow};
 use crate::options::{Options, Solver};
-use crate::passes::Soft;
-use crate::schedule::{has_levels, soft_of};
+use crate::passes::{Soft, has_levels, soft_of};
 use crate::shaders::{Bound, Slot, Source};
 use crate::world::World;
 

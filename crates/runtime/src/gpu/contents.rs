@@ -6,10 +6,8 @@ use bytemuck::{Pod, cast_slice};
 use wgpu::{Buffer, BufferUsages};
 
 use super::buffers::{grid_rows, soft_row, upload};
-use crate::cloth::{Anchor, Compliance, Rest};
 use crate::fused::room_of;
 use crate::layout::JobRow;
-use crate::options::Solver;
 use crate::shaders::Slot;
 use crate::world::World;
 
@@ -52,27 +50,17 @@ impl Contents {
             ..bytemuck::Zeroable::zeroed()
         });
         self.add_rows(Slot::Grids, &grid_rows(cloth, first, soft_row(cloth, world.clock.dt)));
-        let xpbd = world.options.solver == Solver::Xpbd;
-        if let Rest::Image(rest) = cloth.rest() {
-            self.add_texels(Slot::Rest, first, rest, 1);
+        for slot in Slot::ALL {
+            if let Some((each, bytes)) = slot.texels(cloth, held, first) {
+                // What lies between cloths is not read.
+                let list = self.lists.entry(*slot).or_default();
+                list.resize(first as usize * each, 0);
+                list.extend(bytes);
+            }
         }
-        if let Compliance::Image(soft) = &cloth.compliance {
-            self.add_texels(Slot::Soft, first, soft, 1);
-        }
-        if let Some(membrane) = cloth.membrane().filter(|_| xpbd) {
-            self.add_texels(Slot::Cells, first, &membrane.cells, 2);
+        if let Some(membrane) = cloth.membrane() {
             let [weft, warp, shear] = membrane.soft;
             self.add_rows(Slot::Yielding, &[[weft, warp, shear, 0.0]]);
-        }
-        if let Some(bending) = cloth.bending().filter(|_| xpbd) {
-            self.add_texels(Slot::Weights, first, &bending.weights, 1);
-            let bends: Vec<_> = bending.compliance.iter().zip(bending.bounds(cloth)).map(|(c, b)| [*c, b]).collect();
-            self.add_texels(Slot::Bends, first, &bends, 1);
-        }
-        if held.per_particle > 0 {
-            let of = |a: &Anchor| [if a.exists() { a.particle + first } else { u32::MAX }, a.distance.to_bits()];
-            let rows: Vec<[u32; 2]> = held.anchors.iter().map(of).collect();
-            self.add_texels(Slot::Tethers, first, &rows, held.per_particle);
         }
         if cloth.ring_count() > 0 {
             let (starts, members) = cloth.rings();
@@ -85,13 +73,6 @@ impl Contents {
 
     fn add_rows<T: Pod>(&mut self, slot: Slot, rows: &[T]) {
         self.lists.entry(slot).or_default().extend_from_slice(cast_slice(rows));
-    }
-
-    /// Entries of a cloth whose particles begin at `first`, `each` a particle. What lies between cloths is not read.
-    fn add_texels<T: Pod>(&mut self, slot: Slot, first: u32, rows: &[T], each: usize) {
-        let list = self.lists.entry(slot).or_default();
-        list.resize(first as usize * each * size_of::<T>(), 0);
-        list.extend_from_slice(cast_slice(rows));
     }
 
     /// Their buffers.

@@ -5,8 +5,7 @@ use super::parts::Parts;
 use super::rule::{Over, Rule, Whole, rule};
 use super::{Slot, Source, Threads, calls, colour};
 use crate::fused::{Fused, Hold};
-use crate::passes::Pass;
-use crate::schedule::Schedule;
+use crate::passes::{Pass, Schedule};
 
 /// Whether all passes of a schedule can be part of a whole frame.
 pub fn is_whole(schedule: &Schedule) -> bool {

@@ -4,8 +4,7 @@ use super::Tile;
 use crate::cloth::Cloth;
 use crate::form::Form;
 use crate::fused::Room;
-use crate::passes::Pass;
-use crate::schedule::Schedule;
+use crate::passes::{Pass, Schedule};
 use crate::shaders::{self, Slot};
 
 /// The passes of a step of one cloth, in order.
