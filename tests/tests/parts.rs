@@ -76,6 +76,21 @@ fn the_masses_of_parts_add_to_area_times_density_and_tethers_cross_seams() {
 }
 
 #[test]
+fn parts_agree_on_the_limits_of_the_points_that_they_share() {
+    let limits = vec!["box:0,1,-1,0.6,1.5,1=0.1".parse().unwrap(), "box:0,1,-1,0.3,2,1=0.05".parse().unwrap()];
+    let built = built(21, &BuildOptions { limits, ..texels(4096) });
+    // Part of that check: rings agree bit for bit.
+    check("lace", &built);
+    let (bundle, limits) = (reread(&built.bundle), built.bundle.limits().unwrap());
+    let rings = bundle.rings().unwrap();
+    let across = |r: &[u32]| bundle.locate(r[0]).unwrap().0 != bundle.locate(r[r.len() - 1]).unwrap().0;
+    let held = rings.iter().filter(|r| across(r) && limits[r[0] as usize] > 0.0).count();
+    let free = rings.iter().filter(|r| across(r) && limits[r[0] as usize] < 0.0).count();
+    assert!(held > 4 && free > 4, "{held} rings across parts have a limit, {free} have none");
+    assert_eq!(bundle.limits().unwrap(), limits);
+}
+
+#[test]
 fn seams_between_parts_stay_closed_in_motion() {
     let pins = vec!["above:1.99".parse().unwrap()];
     let built = built(21, &BuildOptions { pins, ..texels(4096) });

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use gimage::import::Up;
+use gimage::limits::Limit;
 use gimage::options::{BuildOptions, Effort, ImageSize, RestLength, Sample, Seams};
 use gimage::pins::Pin;
 use gimage_runtime::Material;
@@ -88,6 +89,10 @@ pub struct BuildArgs {
     /// first), attr:_NAME>T or color:r>T. The bundle then stores tethers: the distance of each particle to the nearest pin.
     #[arg(long, value_name = "EXPR")]
     pub pin: Vec<Pin>,
+    /// Keep particles within this distance of their positions at rest, may be repeated; EXPR as for --pin. The smallest
+    /// distance counts, also of those in an attribute _LIMIT of the file.
+    #[arg(long, value_name = "EXPR=METRES")]
+    pub limit: Vec<Limit>,
     /// Metres per unit of the file, 0.01 for centimetres [default: 1].
     #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true)]
     pub unit: Option<f64>,
@@ -361,6 +366,7 @@ impl BuildArgs {
         set(&mut options.component.accessory_area, self.accessory_area);
         set(&mut options.mass.density, self.density);
         options.pins.clone_from(&self.pin);
+        options.limits.clone_from(&self.limit);
         options.metrics = !self.no_metrics;
         options.accept_poor = self.accept_poor;
         options.min_psnr = self.min_psnr;

@@ -19,7 +19,7 @@ fn nothing_said_is_the_default() {
 
 #[test]
 fn every_flag_reaches_the_options() {
-    let flags = "--size 64x32 --sample point --seams uv --piece a --piece b --pin above:-1.5 --pin loop:0 --unit 0.01 --up -Z --center \
+    let flags = "--size 64x32 --sample point --seams uv --piece a --piece b --pin above:-1.5 --pin loop:0 --limit below:1=0.05 --unit 0.01 --up -Z --center \
                  --weld 1e-4 --accessory-area 0.05 --rest arc --density 0.3 --detail 0.25 --effort best \
                  --no-metrics";
     let o = build(&flags.split_whitespace().collect::<Vec<_>>()).unwrap();
@@ -27,6 +27,7 @@ fn every_flag_reaches_the_options() {
     assert_eq!((o.import.pieces, o.import.unit), (vec!["a".to_owned(), "b".to_owned()], 0.01));
     assert_eq!((o.import.up, o.import.center), (Up::MinusZ, true));
     assert_eq!(o.pins, [Pin::Above(-1.5), Pin::Loop(0)]);
+    assert_eq!(o.limits, [Limit { particles: Pin::Below(1.0), distance: 0.05 }]);
     assert_eq!((o.repair.weld, o.component.accessory_area, o.mass.density), (Some(1e-4), 0.05, 0.3));
     assert_eq!((o.rest, o.metrics), (RestLength::Arc, false));
     assert_eq!((o.detail, o.effort), (0.25, Effort::Best));
@@ -58,6 +59,8 @@ fn nonsense_is_refused() {
         "--unit nan",
         "--weld -1",
         "--pin up:3",
+        "--limit above:1",
+        "--limit above:1=-1",
         "--up W",
         "--sample best",
         "--threads 5000",

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use crate::error::{Error, Result};
+use crate::stage::assemble::limits::Limit;
 use crate::stage::assemble::mass::MassOptions;
 use crate::stage::assemble::pins::Pin;
 use crate::stage::component::{ALWAYS_PIECE, ComponentOptions};
@@ -90,6 +91,8 @@ pub struct BuildOptions {
     pub mass: MassOptions,
     /// Pin conditions; a particle is pinned if any of them holds.
     pub pins: Vec<Pin>,
+    /// Limits of particles; of several that hold for a particle, and of the attribute `_LIMIT`, the smallest counts.
+    pub limits: Vec<Limit>,
     /// Measure the result against the source. Default true; false saves about a second.
     pub metrics: bool,
     /// Keep images that differ too much from their surface ([`crate::gate`]), with a warning. Default false: an error.
@@ -112,11 +115,16 @@ impl Default for BuildOptions {
             rest: RestLength::Chord,
             mass: MassOptions::default(),
             pins: Vec::new(),
+            limits: Vec::new(),
             metrics: true,
             accept_poor: false,
             min_psnr: None,
         }
     }
+}
+
+fn texts(list: &[impl ToString]) -> Value {
+    json!(list.iter().map(ToString::to_string).collect::<Vec<_>>())
 }
 
 fn bad(option: &str, problem: String, hint: &str) -> Error {
@@ -196,9 +204,10 @@ impl BuildOptions {
             ),
             ("rest", json!(if self.rest == RestLength::Arc { "arc" } else { "chord" })),
             ("density", json!(self.mass.density)),
-            ("pin", json!(self.pins.iter().map(ToString::to_string).collect::<Vec<_>>())),
+            ("pin", texts(&self.pins)),
         ]
         .into_iter()
+        .chain((!self.limits.is_empty()).then(|| ("limit", texts(&self.limits))))
         .map(|(k, v)| (k.to_owned(), v))
         .collect()
     }
