@@ -58,5 +58,5 @@ pub use map::{Image, MAX_SIDE, MapKind, check_file_name, check_size, file_stems}
 pub use particle::{MAX_PARTICLES, Particle};
 pub use rings::{LinkFault, Rings, find_rings, ring_gap};
 pub use springs::{SPRING_STEPS, other_end};
-pub use tether::{Anchor, MAX_ANCHORS, RestLengths, SpringGrid, Tethers, tethers};
+pub use tether::{Anchor, MAX_ANCHORS, RestLengths, SpringGrid, Tethers, groups, tethers};
 pub use validate::{Fault, FaultKind, MAX_LISTED, exit_code, validate, validate_files};
