@@ -4,15 +4,12 @@
 
 use std::path::{Path, PathBuf};
 
-use gimage::options::BuildOptions;
-use gimage::pins::Pin;
 use gimage::pipeline::Built;
 use gimage_bundle::{MapKind, Particle, validate};
 use gimage_tests::{asset, build, check, psnr, reread, texels, texels_of};
 
 fn made(name: &str, pins: &[&str]) -> Built {
-    let pins = pins.iter().map(|p| p.parse::<Pin>().unwrap()).collect();
-    let built = build(&asset(name), &BuildOptions { pins, ..texels(4096) }).unwrap();
+    let built = build(&asset(name), &gimage_tests::pinned(4096, pins)).unwrap();
     check(name, &built);
     println!("{name}: PSNR {:.1} dB", psnr(&built.bundle));
     built
@@ -154,8 +151,10 @@ fn limits_come_from_the_attribute_and_the_options_and_the_smallest_counts() {
     let folder = tempfile::tempdir().unwrap();
     let path = cape_with_limits(folder.path());
     let build = |path: &Path, limits: &[&str]| {
-        let limits = limits.iter().map(|l| l.parse().unwrap()).collect();
-        let built = build(path, &BuildOptions { limits, metrics: false, ..texels(1024) }).unwrap();
+        let mut options = texels(1024);
+        options.assemble.limits = limits.iter().map(|l| l.parse().unwrap()).collect();
+        options.gate.metrics = false;
+        let built = build(path, &options).unwrap();
         check("cape", &built);
         built
     };

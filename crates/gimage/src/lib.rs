@@ -34,7 +34,8 @@
 //!     mesh.triangles.extend([[k, k + 24, next], [next, k + 24, next + 24]]);
 //! }
 //!
-//! let options = BuildOptions { size: ImageSize::Texels(400), ..BuildOptions::default() };
+//! let mut options = BuildOptions::default();
+//! options.image.size = ImageSize::Texels(400);
 //! let mesh = repair::repair(mesh, &options.repair)?.mesh;
 //! let parts = component::split(&mesh, &options.component);
 //! let component = &parts.pieces[0];

@@ -18,12 +18,12 @@ use crate::base::locate::Locator;
 use crate::base::mesh::Mesh;
 use crate::base::surface::Surface;
 use crate::error::{Error, Result};
-use crate::options::{BuildOptions, RestLength};
+use crate::options::{BuildOptions, Range, RestLength, stage_options};
 use crate::record::Finding;
 use crate::stage::assemble::attributes::{attributes, places};
-use crate::stage::assemble::limits::Stored;
+use crate::stage::assemble::limits::{Limit, Stored};
 use crate::stage::assemble::mass::{Masses, mass};
-use crate::stage::assemble::pins::unmet;
+use crate::stage::assemble::pins::{Pin, unmet};
 use crate::stage::assemble::springs::{Rest, RestLengths, springs};
 use crate::stage::assemble::texels::{Texels, pinned};
 use crate::stage::component::Component;
@@ -35,6 +35,21 @@ use crate::stage::measure::{MeasureOptions, Quality, measure};
 
 pub use parts::Family;
 pub(crate) use parts::part_components;
+
+stage_options! {
+    /// Options of [`assemble`].
+    pub struct AssembleOptions of "assemble" {
+        /// Rest lengths: straight distance (chord), or distance along the surface (arc).
+        pub rest: RestLength = RestLength::Chord => "rest" [""] Range::Any;
+        /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), loop:K (boundary loop, longest
+        /// first), attr:_NAME>T or color:r>T. The bundle then stores tethers: the distance of each particle to the nearest
+        /// pin.
+        pub pins: Vec<Pin> = Vec::new() => "pin" [""] Range::Any;
+        /// Keep particles within this distance of their positions at rest, may be repeated; EXPR as for --pin. The smallest
+        /// distance counts, also of those in an attribute _LIMIT of the file.
+        pub limits: Vec<Limit> = Vec::new() => "limit" ["m"] Range::Any;
+    }
+}
 
 /// A piece on its way into the bundle.
 #[derive(Clone, Debug)]
@@ -90,7 +105,8 @@ pub fn assemble(
     parts::agree(&mut made, pieces, families);
     let links = parts::links(pieces, families);
     let mut findings = Vec::new();
-    let (mut met, mut limits_met) = (vec![false; options.pins.len()], vec![false; options.limits.len()]);
+    let (mut met, mut limits_met) =
+        (vec![false; options.assemble.pins.len()], vec![false; options.assemble.limits.len()]);
     let mut is_pinned = false;
     for ((piece, made), links) in pieces.iter().zip(made).zip(links) {
         is_pinned |= made.pinned.contains(&true);
@@ -103,8 +119,8 @@ pub fn assemble(
         bundle.write_tethers()?;
     }
     let bounds = bounds(pieces);
-    findings.extend(unmet("pin", &options.pins, &met, bounds, loops.len(), mesh));
-    findings.extend(unmet("limit", &options.limits, &limits_met, bounds, loops.len(), mesh));
+    findings.extend(unmet("pin", &options.assemble.pins, &met, bounds, loops.len(), mesh));
+    findings.extend(unmet("limit", &options.assemble.limits, &limits_met, bounds, loops.len(), mesh));
     Ok(findings)
 }
 
@@ -225,7 +241,7 @@ fn make(
 ) -> Result<Made> {
     let places = places(image, surface);
     let (maps, findings) = attributes(mesh, &component.name, image, &places);
-    let rest = match options.rest {
+    let rest = match options.assemble.rest {
         RestLength::Chord => springs(&image.grid, Rest::Chord),
         RestLength::Arc => {
             let (w, h) = (image.grid.width - 1, image.grid.height - 1);
@@ -244,8 +260,8 @@ fn make(
         other => other,
     })?;
     let texels = Texels { mesh, piece: k, image, places: &places, loops };
-    let (pinned, met) = pinned(&texels, &options.pins);
-    let (limits, limits_met) = limits::limits(&texels, &options.limits, options.import.unit);
+    let (pinned, met) = pinned(&texels, &options.assemble.pins);
+    let (limits, limits_met) = limits::limits(&texels, &options.assemble.limits, options.import.unit);
     Ok(Made { maps, findings, pinned, met, limits, limits_met, rest, mass })
 }
 
