@@ -25,6 +25,7 @@ pub(crate) mod gust;
 pub(crate) mod integrate;
 pub(crate) mod interpolate;
 pub(crate) mod laplacian;
+pub(crate) mod limit;
 pub(crate) mod membrane;
 pub(crate) mod moments;
 pub(crate) mod neighbours;

@@ -65,6 +65,8 @@ pub enum Pass {
         /// Anchors per particle.
         slots: u32,
     },
+    /// No particle is farther from its position at rest than its limit.
+    Limit,
     /// Lengths are limited on coarser grids of the cloth.
     Pyramid {
         /// Which spring directions there are.
@@ -270,6 +272,8 @@ pub fn schedule(
             // A further round has had them already, and ends with springs.
             let last = options.polish == 0 || cloth.membrane().is_some();
             s.relax.extend(tethers.filter(|_| last));
+            // Contact has the last word: a limit may lead into a collider.
+            s.relax.extend(cloth.limits.is_some().then_some(Pass::Limit));
             s.relax.extend(colliders.map(Pass::Contact));
             s.frame.extend([Pass::Guard, Pass::Restore]);
         }

@@ -48,7 +48,7 @@ fn passes() -> Vec<Pass> {
         all.extend([false, true].map(|seams| Pass::Pyramid { directions, seams, cut }));
         all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
     }
-    all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
+    all.extend([Pass::Forget, Pass::Limit, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams }));
     all
 }
@@ -80,6 +80,7 @@ fn tiles() -> Vec<Tile> {
             passes.extend(springs((on(3), soft, again), 2 * u32::from(on(0)), tethers));
         }
         passes.extend(tethers.filter(|_| on(1)));
+        passes.extend((on(1) && on(4)).then_some(Pass::Limit));
         passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 6], friction: on(2), many: on(5) })));
         let shape = TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] };
         all.push(Tile { passes, shape, threads: 256 });
@@ -108,6 +109,7 @@ fn fused() -> Vec<Fused> {
         s.relax.extend(tethers);
         s.relax.extend(springs((image, soft, again), 2 * u32::from(on(4)), tethers));
         s.relax.extend(seams);
+        s.relax.extend(on(0).then_some(Pass::Limit));
         let kinds = Kinds { shapes: [true; 6], friction: on(2), many: on(3) };
         s.relax.extend(on(4).then_some(Pass::Contact(kinds)));
         s.frame.extend([Pass::Guard, Pass::Restore]);

@@ -20,17 +20,10 @@ fn options(fused: bool) -> Options {
     Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: 6, fused, ..Options::default() }
 }
 
-/// Scenes that can run fused: not those with wind on triangles.
-fn fusible() -> Vec<(&'static str, Scene)> {
-    let mut all = [support::outside(), support::soft()].concat();
-    all.retain(|(_, s)| s.wind.as_ref().is_none_or(|w| matches!(w.force, WindForce::Push { .. })));
-    all
-}
-
 #[test]
 fn one_dispatch_gives_the_bits_of_separate_passes() {
     let Some(device) = roomy() else { return };
-    for (name, scene) in fusible() {
+    for (name, scene) in [support::outside(), support::soft()].concat() {
         for (iterations, polish) in [(1, 0), (2, 0), (1, 1), (2, 2)] {
             let with = |fused| Options { iterations, polish, ..options(fused) };
             let one = Run::new(&scene, &with(true), &device);

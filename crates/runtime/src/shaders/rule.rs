@@ -71,6 +71,7 @@ pub fn rule(pass: Pass) -> Rule {
             let parts = parts(&[], &[Slot::Tethers], &[Now]).constant("slots", slots);
             rule!("tethers", "tether", Over::Particles, parts)
         }
+        Pass::Limit => rule!("limit", "limit", Over::Particles, parts(&[], &[Slot::Targets], &[Now])),
         Pass::Contact(kinds) => {
             let over = if kinds.many { Over::Near } else { Over::Particles };
             let near: &[_] = if kinds.many { &[part!("near")] } else { &[part!("near_all")] };

@@ -67,6 +67,7 @@ slots! {
     Mates "mates",
     Links "links",
     Ties "ties",
+    Targets "targets",
 }
 
 impl Slot {
@@ -100,6 +101,11 @@ impl Slot {
                 let rows: Vec<_> = held.anchors.iter().map(|a| [end(a), a.distance.to_bits()]).collect();
                 Some((8 * held.per_particle, cast_slice(&rows).to_vec()))
             }
+            Slot::Targets => cloth.limits.as_ref().map(|limits| {
+                let rows: Vec<_> =
+                    cloth.positions().iter().zip(limits).map(|([x, y, z], l)| [*x, *y, *z, *l]).collect();
+                (16, list(&rows))
+            }),
             _ => None,
         }
     }
@@ -124,6 +130,7 @@ impl Slot {
             Slot::Jobs => size_of::<JobRow>(),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
             Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => cloth.len() * 16,
+            Slot::Targets => cloth.len() * 16,
             Slot::Bends => cloth.len() * 8,
             Slot::Cells => cloth.len() * 32,
             Slot::Yielding => 16,
