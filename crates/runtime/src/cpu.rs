@@ -43,6 +43,7 @@ pub(crate) mod seams;
 pub(crate) mod sheet;
 pub(crate) mod speed;
 pub(crate) mod springs;
+pub(crate) mod start;
 pub(crate) mod strain;
 pub(crate) mod stretch;
 pub(crate) mod sweep;

@@ -33,6 +33,8 @@ mod collider;
 mod cpu;
 pub mod draw;
 mod error;
+mod fold;
+mod form;
 mod fused;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -68,6 +70,7 @@ pub use clock::Progress;
 pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
 pub use collider::{Collider, Shape};
 pub use error::{Error, Result};
+pub use form::Form;
 pub use fused::{Fused, Hold};
 #[cfg(feature = "gpu")]
 pub use gpu::{ClothBuffers, Compiled, Span, device_limits, read_back, read_back_u32};

@@ -1,10 +1,8 @@
-//! The frame: which passes run, in what order, and why.
+//! The step of a cloth as data: which passes there are, which run, in what order, and why. All forms of a frame are made from it.
 
 use crate::cloth::{Cloth, Compliance, Grid, Rest};
 use crate::collider::{Collider, Shape};
-use crate::fused::Fused;
 use crate::options::{Options, Solver};
-use crate::tile::Tile;
 use crate::wind::{Wind, WindForce};
 
 /// A pass over a cloth. Passes of one kind differ in constants only.
@@ -113,10 +111,6 @@ pub enum Pass {
         /// Where compliance comes from, which accounts for a part of it.
         soft: Soft,
     },
-    /// Several of a step's passes in one dispatch, by tiles of the cloth.
-    Tile(Tile),
-    /// All of the above for whole cloths in one dispatch.
-    Fused(Fused),
     /// Triangles that a cut meets are taken away. This and all below run for one action, not every frame.
     Cut,
     /// Springs of those triangles lose their rest lengths.
@@ -208,7 +202,7 @@ impl Kinds {
 }
 
 /// The passes of a cloth, in order.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Schedule {
     /// Once a step.
     pub step: Vec<Pass>,

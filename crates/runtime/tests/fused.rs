@@ -60,7 +60,7 @@ fn where_positions_are_held_changes_nothing() {
     crowded.cloths[0].velocity = [0.0, -3.0, 0.5];
     crowded.colliders = crowd(40);
     let one = Run::new(&crowded, &options(true), &default);
-    let full = |p: &PlannedPass| matches!(p.pass, Pass::Fused(Fused { full: true, hold: Hold::Wide, .. }));
+    let full = |p: &PlannedPass| matches!(p.form, Form::Whole(Fused { full: true, hold: Hold::Wide, .. }));
     assert!(one.stepper.plan().passes.iter().any(full));
     let apart = Run::new(&crowded, &options(false), &default);
     assert!(one.frames(10).bits(0) == apart.frames(10).bits(0));
@@ -105,7 +105,7 @@ fn cloths_that_share_a_dispatch_move_as_they_would_alone() {
     // Kinds: s1, tubes, free ones, soft ones, charts, charts of a material. Where the memory of a workgroup is small, cloths
     // of a kind are held in different ways, and only those that are held alike share a dispatch.
     let kind = |cloth: usize| cloth.saturating_sub(1) % 6;
-    let fused = |p: &PlannedPass| if let Pass::Fused(f) = p.pass { Some((kind(p.cloth), f.hold)) } else { None };
+    let fused = |p: &PlannedPass| if let Form::Whole(f) = &p.form { Some((kind(p.cloth), f.hold)) } else { None };
     let batches: HashSet<_> = plan.passes.iter().filter_map(fused).collect();
     let shared = plan.passes.iter().filter(|p| fused(p).is_some());
     assert_eq!(shared.map(|p| p.dispatches as usize).sum::<usize>(), batches.len(), "{plan}");

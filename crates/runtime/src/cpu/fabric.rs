@@ -212,12 +212,12 @@ impl<T: Real> Fabric<T> {
 
     /// Whether a pass reaches no farther than the next row, on this thread.
     fn walks(&self, pass: Pass, threads: &Threads) -> bool {
-        let local = match pass {
-            Pass::Integrate(passes::Air::None) | Pass::Tethers { .. } => true,
-            Pass::Stretch { direction, .. } => self.springs.iter().all(|s| s[direction as usize & 3].are_hard()),
-            _ => false,
+        let reaches = match pass {
+            Pass::Stretch { direction, .. } => !self.springs.iter().all(|s| s[direction as usize & 3].are_hard()),
+            Pass::Integrate(passes::Air::None) | Pass::Tethers { .. } => false,
+            _ => true,
         };
-        local && self.sheets.iter().all(|s| threads.alone(&s.now))
+        !reaches && self.sheets.iter().all(|s| threads.alone(&s.now))
     }
 
     fn walk(&mut self, passes: &[Pass], step: &Step<T>) {
@@ -245,8 +245,15 @@ impl<T: Real> Fabric<T> {
         self.anchors.iter().map(of).collect()
     }
 
-    /// Runs a pass of a step. Wind needs the texels of `body`.
-    pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>], body: &mut Body<T>) {
+    /// Runs a pass of a step; false if it is not one, and nothing was done. Wind needs the texels of `body`.
+    pub fn run(
+        &mut self,
+        pass: Pass,
+        threads: &Threads,
+        step: &Step<T>,
+        solids: &[Solid<T>],
+        body: &mut Body<T>,
+    ) -> bool {
         match pass {
             Pass::Wind { .. } => self.wind(threads, step, body),
             Pass::Integrate(air) | Pass::Advance(air) => {
@@ -304,7 +311,7 @@ impl<T: Real> Fabric<T> {
                 let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();
                 self.sheets.iter_mut().for_each(|s| contact::run(threads, s, &posed, step.dt));
             }
-            // Passes of the classic solver, and those of a frame, which are made from texels.
+            // Passes of the classic solver, of a frame and of actions, which are made from texels.
             Pass::Springs { .. }
             | Pass::Colliders(_)
             | Pass::Guard
@@ -314,16 +321,15 @@ impl<T: Real> Fabric<T> {
             | Pass::Speed
             | Pass::Fastest
             | Pass::Strain { .. }
-            | Pass::Tile(_)
-            | Pass::Fused(_)
             | Pass::Cut
             | Pass::CutSprings
             | Pass::CutTethers { .. }
             | Pass::CutLevels
             | Pass::Transform
             | Pass::Pick { .. }
-            | Pass::PickNearest => {}
+            | Pass::PickNearest => return false,
         }
+        true
     }
 
     fn wind(&mut self, threads: &Threads, step: &Step<T>, body: &mut Body<T>) {
