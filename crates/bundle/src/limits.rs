@@ -8,7 +8,7 @@ pub const NO_LIMIT: f32 = -1.0;
 
 impl Bundle {
     /// The largest distance \[m\] of every particle from its position at rest, by bundle-wide index, from `limit` maps and
-    /// constants: 0 holds the particle, a negative number is no limit. `None` if no particle has a limit.
+    /// constants: 0 holds the particle, a negative number means no limit. `None` if no particle has a limit.
     ///
     /// ```
     /// let mut bundle = gimage_bundle::Bundle::new("example 1.0");

@@ -101,7 +101,7 @@ pub enum MapKind {
     Mass,
     /// Geodesic distance \[m\] to an anchor and the anchor's particle index (-1 = none); the third is 0. 3 channels.
     Tether,
-    /// Largest distance \[m\] from the position at rest: 0 holds the particle there, a negative value is no limit. 1 channel.
+    /// Largest distance \[m\] from the position at rest: 0 holds the particle there, a negative value means no limit. 1 channel.
     Limit,
     /// Unit normal of the original surface. 3 channels.
     Normal,

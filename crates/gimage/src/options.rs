@@ -290,11 +290,11 @@ mod tests {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), settings.len());
-        assert_eq!(help("density"), "Mass per area of the cloth [default: 0.15; above 0].");
-        assert!(help("detail").ends_with("[default: 0.6; 0 to 1]."), "{}", help("detail"));
-        assert!(help("sample").ends_with("(fit) [default: fit]."), "{}", help("sample"));
-        assert!(help("weld").ends_with("[above 0]."), "{}", help("weld"));
-        assert!(help("texels").ends_with("[default: 16384; 9 to 16777214]."), "{}", help("texels"));
+        assert_eq!(help("density"), "Mass per area of the cloth [default: 0.15; above 0]");
+        assert!(help("detail").ends_with("[default: 0.6; 0 to 1]"), "{}", help("detail"));
+        assert!(help("sample").ends_with("(fit) [default: fit]"), "{}", help("sample"));
+        assert!(help("weld").ends_with("[above 0]"), "{}", help("weld"));
+        assert!(help("texels").ends_with("[default: 16384; 9 to 16777214]"), "{}", help("texels"));
         assert_eq!(help("color"), "");
     }
 

@@ -104,13 +104,12 @@ impl Setting {
             _ if self.words().is_empty() => {}
             _ => facts.push(format!("default: {}", self.words())),
         }
-        if self.range != Range::Any {
+        if !matches!(self.range, Range::Any | Range::Finite) {
             facts.push(self.range.to_string());
         }
-        match (facts.is_empty(), self.help.strip_suffix('.')) {
-            (false, Some(help)) => format!("{help} [{}].", facts.join("; ")),
-            _ => self.help.clone(),
-        }
+        // Help texts end without a period, as the parser ends those of its comments.
+        let effect = self.help.trim_end_matches('.');
+        if facts.is_empty() { effect.into() } else { format!("{effect} [{}]", facts.join("; ")) }
     }
 
     /// The row of the table in docs/building.md.

@@ -160,11 +160,11 @@ pub fn finish(
     let PieceImage { disk, uv, samples, grid, loop_of, distortion, verdict, fit, .. } = &mut image;
     let (disk, uv) = (&*disk, &uv[..]);
     let locator = locator_if_distorted(disk, uv, distortion, grid.width - 1, grid.height - 1);
-    let judged = |grid: &Grid| judge(source.surface, disk, uv, grid, locator.as_ref());
+    let judged: &dyn Fn(&Grid) -> Verdict = &|grid| judge(source.surface, disk, uv, grid, locator.as_ref());
     *verdict = judged(grid);
     if let Sampling::Fit(options) = &options.sampling {
         let rim: Vec<bool> = loop_of.iter().map(|&l| l != NONE).collect();
-        *fit = Some(fit_where_closer((disk, uv), grid, &rim, options, verdict, &judged));
+        *fit = Some(fit_where_closer((disk, uv), grid, &rim, options, verdict, judged));
     }
     let expected = Expected { euler: loops.euler, loops: loops.lengths.len() };
     let (moved, closed) = seal(&mut [Sheet { grid, samples, disk, uv }], &[], expected);

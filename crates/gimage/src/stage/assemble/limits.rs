@@ -12,7 +12,7 @@ use crate::base::mesh::Semantic;
 use crate::error::Error;
 use crate::stage::assemble::pins::Pin;
 
-/// The attribute of the source that holds limits, in units of the file; negative is no limit.
+/// The attribute of the source that holds limits, in units of the file; negative means no limit.
 pub(super) const ATTRIBUTE: &str = "_LIMIT";
 
 /// A limit for the particles that meet an expression.
