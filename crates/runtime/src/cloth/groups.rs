@@ -5,23 +5,16 @@ use super::{Cloth, Tethers};
 /// For every tether (particle and slot, as in [`Tethers::anchors`]) the group of its anchor: anchors that are neighbours
 /// in a grid, or duplicates of such, are a group, as a pinned row is. `u32::MAX` where there is no anchor.
 pub(crate) fn groups(cloth: &Cloth, tethers: &Tethers) -> Vec<u32> {
-    const NEW: u32 = u32::MAX - 1;
-    let (points, mates) = (cloth.points(), mates(cloth));
-    let mut group = vec![u32::MAX; cloth.len()];
-    let anchors = || tethers.anchors.iter().filter(|a| a.exists()).map(|a| points[a.particle as usize] as usize);
-    anchors().for_each(|point| group[point] = NEW);
-    let mut count = 0;
-    for first in 0..cloth.len() {
-        let mut open = if group[first] == NEW { vec![first] } else { Vec::new() };
-        while let Some(point) = open.pop() {
-            group[point] = count;
-            ring(&mates, point, |k| {
-                open.extend(beside(cloth, k).map(|n| points[n] as usize).filter(|n| group[*n] == NEW));
-            });
-        }
-        count += u32::from(group[first] == count);
-    }
-    let of = |a: &super::Anchor| if a.exists() { group[points[a.particle as usize] as usize] } else { u32::MAX };
+    let points = cloth.points();
+    let mut anchored = vec![false; cloth.len()];
+    let anchors = tethers.anchors.iter().filter(|a| a.exists());
+    anchors.for_each(|a| anchored[points[a.particle as usize] as usize] = true);
+    let marked: Vec<bool> = points.iter().map(|point| anchored[*point as usize]).collect();
+    let (starts, members) = cloth.rings();
+    let rings = starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]);
+    let sizes = cloth.grids().iter().map(|g| [g.width, g.height]);
+    let (group, _) = gimage_bundle::groups(sizes, rings, &marked);
+    let of = |a: &super::Anchor| if a.exists() { group[a.particle as usize] } else { u32::MAX };
     tethers.anchors.iter().map(of).collect()
 }
 
@@ -49,19 +42,6 @@ pub(crate) fn ring(mates: &[u32], k: usize, mut each: impl FnMut(usize)) {
     }
 }
 
-/// The up to eight texels around one in its grid.
-fn beside(cloth: &Cloth, k: usize) -> impl Iterator<Item = usize> {
-    let at = cloth.grids().partition_point(|g| g.first as usize <= k) - 1;
-    let (first, w, h) = {
-        let g = &cloth.grids()[at];
-        (g.first as usize, g.width as usize, g.height as usize)
-    };
-    let (i, j) = ((k - first) % w, (k - first) / w);
-    let steps = (0..9usize).filter(|n| *n != 4).map(|n| (n % 3, n / 3));
-    let inside = move |(x, y): &(usize, usize)| (1..=w).contains(&(i + x)) && (1..=h).contains(&(j + y));
-    steps.filter(inside).map(move |(x, y)| first + (j + y - 1) * w + i + x - 1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::{Anchor, Flat};
@@ -80,7 +60,5 @@ mod tests {
         }
         let none = Tethers { per_particle: 1, anchors: vec![Anchor::NONE; 25] };
         assert!(super::groups(&cloth, &none).iter().all(|g| *g == u32::MAX));
-        assert_eq!(beside(&cloth, 12).collect::<Vec<_>>(), [6, 7, 8, 11, 13, 16, 17, 18]);
-        assert_eq!(beside(&cloth, 20).collect::<Vec<_>>(), [15, 16, 21]);
     }
 }
