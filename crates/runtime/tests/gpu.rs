@@ -6,8 +6,10 @@
 
 mod support;
 
+use std::collections::BTreeSet;
+
 use gimage_runtime::*;
-use support::{compared, device};
+use support::{compared, device, scene};
 
 const FRAME: f64 = 1.0 / 60.0;
 
@@ -86,9 +88,15 @@ fn one_step_is_that_of_the_twin() {
     let mut fast = support::on_colliders(32);
     fast.cloths[0].velocity = [1.0, -40.0, 2.0];
     let fast = (Solver::Xpbd, "all colliders, fast", fast);
-    for (solver, name, scene) in solved().into_iter().chain(touching).chain([fast]) {
+    let mut limited = scene(support::hung_tube(2));
+    limited.cloths[0].limits = Some(vec![1e-3; limited.cloths[0].len()]);
+    let limited = (Solver::Xpbd, "limits", limited);
+    let mut seen = BTreeSet::new();
+    for (solver, name, scene) in solved().into_iter().chain(touching).chain([fast, limited]) {
         let once = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
         let options = Options { solver, pyramid: 1, polish: 1, ..once };
+        let plan = Stepper::on_cpu(scene.clone(), options.clone()).unwrap().plan();
+        seen.extend(plan.passes.iter().filter_map(|p| p.form.pass()).map(|p| name_of(&format!("{p:?}"))));
         let there = on_gpu(scene.clone(), &options, &gpu, 1);
         let here = on_cpu(scene, &options, 1);
         let difference = largest(&there[0], &here[0]);
@@ -98,6 +106,19 @@ fn one_step_is_that_of_the_twin() {
         assert!(largest(&there[2], &here[2]) <= 2e-3, "{name}: normals {:e}", largest(&there[2], &here[2]));
         assert!(there[0].iter().zip(&here[0]).all(|(a, b)| a[3] == b[3]), "{name}: inverse masses");
     }
+    // All of the table, but for actions and for measures that a host reads, which have tests of their own.
+    let table = include_str!("../src/passes.rs");
+    let table = &table[table.find("pub enum Pass {").unwrap()..table.find("impl Pass").unwrap()];
+    let variant = |line: &&str| line.starts_with("    ") && line[4..].starts_with(char::is_uppercase);
+    let rare = ["Cut", "CutSprings", "CutTethers", "CutLevels", "Transform", "Pick", "PickNearest"];
+    let read = ["Speed", "Fastest", "Strain"];
+    let all = table.lines().filter(variant).map(name_of).filter(|n| !rare.contains(&&**n) && !read.contains(&&**n));
+    assert_eq!(seen, all.collect());
+}
+
+/// The name of a variant.
+fn name_of(text: &str) -> String {
+    text.trim().chars().take_while(char::is_ascii_alphanumeric).collect()
 }
 
 #[test]
