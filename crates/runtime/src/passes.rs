@@ -1,5 +1,6 @@
 //! The frame: which passes run, in what order, and why.
 
+use crate::choose::Settings;
 use crate::cloth::{Cloth, Compliance, Grid, Rest};
 use crate::collider::{Collider, Shape};
 use crate::fused::Fused;
@@ -227,7 +228,7 @@ pub fn schedule(
     (cloth, slots): (&Cloth, u32),
     colliders: Option<Kinds>,
     wind: Option<&Wind>,
-    options: &Options,
+    options: &Settings,
 ) -> Schedule {
     let air = match wind.map(|w| w.force) {
         None => Air::None,

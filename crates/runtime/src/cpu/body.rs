@@ -10,10 +10,11 @@ use super::strain::Springs;
 use super::{
     colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, strain, wind,
 };
+use crate::choose::Settings;
 use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
 use crate::collider::solid::Solid;
 use crate::number::real::{Real, cast};
-use crate::options::{Options, Solver};
+use crate::options::Solver;
 use crate::passes::{self, Pass, Soft};
 use crate::step::Step;
 
@@ -66,7 +67,7 @@ fn inverse_masses(cloth: &Cloth, solver: Solver) -> Vec<f32> {
 
 impl<T: Real> Body<T> {
     /// A cloth at its start; its previous positions are those of a step ago.
-    pub fn new(cloth: &Cloth, tethers: &Tethers, options: &Options) -> Self {
+    pub fn new(cloth: &Cloth, tethers: &Tethers, options: &Settings) -> Self {
         let dt = options.step / f64::from(options.substeps);
         let shares = inverse_masses(cloth, options.solver);
         let place = |k: usize, ago: f64| {
