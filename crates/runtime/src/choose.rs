@@ -33,19 +33,19 @@ pub enum Support {
 ///
 /// A number given in [`Options`] is used as it is; substeps given alone have no polish. Otherwise every cloth asks for what
 /// its support needs, and the largest numbers are used. N is the square root of the number of particles, at least half of
-/// the longest side in texels.
+/// the longest side in texels. Substeps are those of 1/60 s; a longer or shorter [`Options::step`] has more or fewer.
 ///
 /// | support | substeps | rounds | measured |
 /// |---|---|---|---|
 /// | free, or the classic solver | 8 | 0 | |
-/// | pins with tethers | 4, 6, 6, 8 for N up to 36, 96, 192, and above | 0, 2, 4, 4 | scene s1, N = 32, 64, 128, 256: largest stretch 0.6, 0.4, 0.5, 0.6 % |
+/// | pins with tethers | 4, 6, 8 for N up to 36, 192, and above | 2, 4, 4; 8 if thrown at more than 1 m/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.3, 0.5, 0.6 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 16 sqrt(N / 64) | 4 | T-shirt and cape of `assets/scenes` |
 /// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
 /// | colliders, no pins | 24 sqrt(N / 64) | 12 | a T-shirt on moving arms: p99 3.7 % at N = 64, 4 % at 128 |
 /// | colliders at speed v \[m/s\] | in a step, v moves at most a twentieth of the thinnest collider's radius | 4 | scene s2f |
 ///
-/// Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
+/// The choice is made again when a cloth loses its last pin, and when the first collider comes. Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
 /// colliders change: the number rises at once, and falls gradually one second after the need ends. Cloth with a compliance
 /// or a material is not polished, as its stretch is wanted. At most 64 substeps are chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,6 +86,11 @@ impl fmt::Display for Choice {
     }
 }
 
+/// Speed \[m/s\] at the start from which hanging cloth whips about, and the rounds of polish that keep it together.
+const THROWN: f64 = 1.0;
+const THROWN_POLISH: u32 = 8;
+/// The rules count substeps in this time \[s\].
+const FRAME_S: f64 = 1.0 / 60.0;
 /// Most substeps that are chosen without a target.
 const MAX_SUBSTEPS: u32 = 64;
 /// Substeps of cloth that asks for nothing.
@@ -150,7 +155,7 @@ fn choose(given: &Options, scene: &Scene) -> Choice {
     let needs = cloths.flat_map(|cloth| {
         let speed = moves + own_speed(cloth) + fall(cloth, scene);
         let fast = Need {
-            substeps: for_speed(speed, scene, given.step),
+            substeps: for_speed(speed, scene),
             polish: if stiff(cloth) { FAST_POLISH } else { 0 },
             support: Support::Fast(speed),
         };
@@ -161,7 +166,7 @@ fn choose(given: &Options, scene: &Scene) -> Choice {
     let most = needs.iter().max_by_key(|(_, n)| (n.substeps, n.polish));
     let polish = needs.iter().map(|(_, n)| n.polish).max().unwrap_or(0);
     Choice {
-        substeps: given.substeps.or(most.map(|(_, n)| n.substeps)).unwrap_or(FREE_SUBSTEPS),
+        substeps: given.substeps.unwrap_or(in_step(most.map_or(FREE_SUBSTEPS, |(_, n)| n.substeps), given.step)),
         polish: given.polish.unwrap_or(if given.substeps.is_some() { 0 } else { polish }),
         given: [given.substeps.is_some(), given.polish.is_some()],
         cloth: most.map(|(cloth, _)| cloth.name().to_owned()),
@@ -181,11 +186,11 @@ fn need(cloth: &Cloth, given: &Options, colliders: bool) -> Need {
         }
         (true, true, false) => {
             let (substeps, polish) = match n {
-                n if n <= 36.0 => (4, 0),
-                n if n <= 96.0 => (6, 2),
+                n if n <= 36.0 => (4, 2),
                 n if n <= 192.0 => (6, 4),
                 _ => (8, 4),
             };
+            let polish = if own_speed(cloth) > THROWN { THROWN_POLISH } else { polish };
             (substeps, polish, Support::Tethered)
         }
         (true, true, true) => (scaled(16.0), 4, Support::TetheredOnColliders),
@@ -217,10 +222,15 @@ fn side(cloth: &Cloth) -> f64 {
     (cloth.len() as f64).sqrt().max(0.5 * f64::from(longest))
 }
 
+/// As many steps in `step` \[s\] as `n` in a frame.
+fn in_step(n: u32, step: f64) -> u32 {
+    (f64::from(n) * step / FRAME_S - 1e-6).ceil().clamp(1.0, 4096.0) as u32
+}
+
 /// Substeps in which nothing moves by more than its share of the thinnest collider.
-fn for_speed(speed: f64, scene: &Scene, step: f64) -> u32 {
+fn for_speed(speed: f64, scene: &Scene) -> u32 {
     let thinnest = scene.colliders.iter().map(|c| Solid::<f64>::new(c).thickness()).fold(f64::INFINITY, f64::min);
-    (speed * step / (FAST_SHARE * thinnest)).ceil().min(f64::from(MAX_SUBSTEPS)) as u32
+    (speed * FRAME_S / (FAST_SHARE * thinnest)).ceil().min(f64::from(MAX_SUBSTEPS)) as u32
 }
 
 fn length(v: [f64; 3]) -> f64 {
@@ -271,7 +281,7 @@ impl Follow {
         let given = settings.given();
         let open = given.substeps.is_none() && given.solver == Solver::Xpbd;
         let needs = scene.cloths.iter().map(|c| need(c, given, !scene.colliders.is_empty()).substeps);
-        let lasting = open.then(|| needs.max().unwrap_or(FREE_SUBSTEPS));
+        let lasting = open.then(|| in_step(needs.max().unwrap_or(FREE_SUBSTEPS), given.step));
         let strength = length(scene.gravity.map(f64::from)).max(f64::MIN_POSITIVE);
         let falls = scene.cloths.iter().map(|c| fall(c, scene) / strength).fold(0.0, f64::max);
         Follow { lasting, step: given.step, hold: HOLD_S + falls }
@@ -285,7 +295,7 @@ impl Follow {
     /// The number of substeps from here on, `now` being that of the last frame: up at once, down by an eighth per frame.
     pub fn next(&mut self, now: u32, scene: &Scene) -> u32 {
         let Some(lasting) = self.lasting else { return now };
-        let want = for_speed(top_speed(scene), scene, self.step).max(lasting);
+        let want = in_step(for_speed(top_speed(scene), scene), self.step).max(lasting);
         if want >= now {
             self.hold = if want > lasting { HOLD_S } else { self.hold };
             return want;

@@ -28,6 +28,8 @@ fn support_size_and_speed_decide() {
     assert!(matches!(of("s2f", 32).support, Support::Fast(v) if v > 30.0 && v < 33.0));
     assert!(of("s2f", 64).substeps > of("s2", 64).substeps && of("s2", 64).substeps > of("s1", 64).substeps);
     assert!(of("s2", 128).substeps > of("s2", 64).substeps);
+    let half = chosen(&builtin("s2", 64).unwrap(), Options { step: 1.0 / 120.0, ..Options::default() });
+    assert_eq!(half.substeps, of("s2", 64).substeps / 2);
     // Stretch of soft springs is wanted, and the classic solver has no polish.
     assert_eq!(of("s1k", 256).polish, 0);
     let classic = chosen(&builtin("s2", 64).unwrap(), Options { solver: Solver::Classic, ..Options::default() });

@@ -136,7 +136,7 @@ impl Stepper {
     }
 
     /// The last figures of a cloth, and the largest 99th percentile of its extension so far. On the CPU backend taken 0.2 s
-    /// after the start and then once per second, on either by [`Stepper::examine`].
+    /// after the start and then twice per second, on either by [`Stepper::examine`].
     pub fn health(&self, cloth: usize) -> Option<(Health, f64)> {
         self.world.watchdog.of(cloth)
     }
@@ -152,7 +152,11 @@ impl Stepper {
     /// new bindings if their number changes. Wakes every cloth.
     pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
         colliders.iter().try_for_each(Collider::check)?;
+        let first = self.world.scene.colliders.is_empty() && !colliders.is_empty();
         self.world.scene.colliders = colliders;
+        if first {
+            self.world.decide();
+        }
         self.recoat();
         Ok(())
     }
@@ -231,7 +235,12 @@ impl Stepper {
     /// Pins a particle where it is, or frees it; seam duplicates follow. Uploads four bytes per particle. Tethers
     /// stay those of the initial pins; a released pin holds nothing until it is pinned again.
     pub fn set_pinned(&mut self, cloth: usize, particle: usize, pinned: bool) -> Result<()> {
-        self.edit(cloth, particle, |c| c.set_pinned(particle, pinned))
+        self.edit(cloth, particle, |c| c.set_pinned(particle, pinned))?;
+        let held = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
+        if !pinned && !held(&self.world.scene.cloths[cloth]) {
+            self.world.decide();
+        }
+        Ok(())
     }
 
     /// Puts a particle, and its seam duplicates, at `at` \[m\] and at rest. Meant for pinned ones.

@@ -139,6 +139,22 @@ impl World {
         }
     }
 
+    /// Decides again what the host left open, as the cloth has lost its last pin or met its first collider.
+    pub fn decide(&mut self) {
+        let slack = std::mem::take(&mut self.options.slack);
+        let (settings, choice) = Settings::new(self.options.given().clone(), &self.scene);
+        let polish = self.options.polish;
+        self.follow = Follow::new(&settings, &self.scene);
+        // Substeps that are chosen from frame to frame go on, and tethers were made with the stepper.
+        let substeps = if self.options.quality == Quality::Fixed { settings.substeps } else { self.options.substeps };
+        (self.options, self.choice) = (Settings { substeps, slack, ..settings }, choice);
+        self.clock.change(&self.options);
+        if polish != self.options.polish {
+            self.reschedule();
+        }
+        self.raise();
+    }
+
     /// What the device that will step has room for.
     pub fn make_room(&mut self, room: Room) {
         let slots = |cloth: usize| self.tethers[cloth].per_particle;

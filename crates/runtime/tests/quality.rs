@@ -11,7 +11,7 @@ use support::{curtain, scene};
 
 /// Without tethers, so that stretch is the error of relaxation.
 fn options(solver: Solver, quality: Quality) -> Options {
-    Options { solver, quality, tethers: 0, threads: 1, ..Options::default() }
+    Options { solver, quality, substeps: Some(8), tethers: 0, threads: 1, ..Options::default() }
 }
 
 fn damped() -> Scene {
