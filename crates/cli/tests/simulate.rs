@@ -7,12 +7,12 @@ use common::Place;
 #[test]
 fn frames_are_dumped_timed_and_the_same_for_any_threads() {
     let place = Place::new();
-    let flags = "--backend cpu --n 9 --frames 5 --every 2 --dump-from 1 --json";
+    let flags = "--backend cpu --n 9 --substeps 8 --frames 5 --every 2 --dump-from 1 --json";
     let run = |threads, dir| place.run(&format!("simulate s1 {flags} --threads {threads} --dump {dir}")).expect(&[0]);
     let json = run(1, "one").json();
     run(2, "two");
     assert_eq!((json["frames"].as_u64(), json["backend"].as_str()), (Some(5), Some("cpu")));
-    assert_eq!(json["dispatches_per_frame"].as_u64(), Some(4 * 11 + 3));
+    assert_eq!(json["dispatches_per_frame"].as_u64(), Some(8 * 11 + 3));
     assert!(json["ms_frame_min"].as_f64() <= json["ms_frame_median"].as_f64());
     assert_eq!(json["plan"].as_array().map(Vec::len), Some(14));
     let mut names: Vec<_> = std::fs::read_dir(place.path("one")).unwrap().map(|e| e.unwrap().file_name()).collect();

@@ -38,12 +38,13 @@ pub enum Support {
 /// | support | substeps | rounds | measured |
 /// |---|---|---|---|
 /// | free, or the classic solver | 8 | 0 | |
-/// | pins with tethers | 4, 6, 8 for N up to 36, 192, and above | 2, 4, 4; 8 if thrown at more than 1 m/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.3, 0.5, 0.6 % |
+/// | pins with tethers | 4, 6, 8 for N up to 36, 192, and above | 2, 4, 4; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.3, 0.5, 0.6 % |
+/// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 16 sqrt(N / 64) | 4 | T-shirt and cape of `assets/scenes` |
 /// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
 /// | colliders, no pins | 24 sqrt(N / 64) | 12 | a T-shirt on moving arms: p99 3.7 % at N = 64, 4 % at 128 |
-/// | colliders at speed v \[m/s\] | in a step, v moves at most a twentieth of the thinnest collider's radius | 4 | scene s2f |
+/// | colliders at speed v \[m/s\] | in a step, v moves at most a twentieth of the thinnest collider's radius | 8 | scene s2f |
 ///
 /// The choice is made again when a cloth loses its last pin, and when the first collider comes. Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
 /// colliders change: the number rises at once, and falls gradually one second after the need ends. Cloth with a compliance
@@ -86,9 +87,12 @@ impl fmt::Display for Choice {
     }
 }
 
-/// Speed \[m/s\] at the start from which hanging cloth whips about, and the rounds of polish that keep it together.
+/// Speed \[m/s\] at the start from which hanging cloth whips about, and its substeps at N = 64.
 const THROWN: f64 = 1.0;
-const THROWN_POLISH: u32 = 8;
+const THROWN_SUBSTEPS: f64 = 12.0;
+/// Damping \[1/s\] below which hanging cloth goes on whipping, and the rounds of polish that keep it together.
+const DAMPED: f32 = 0.5;
+const WHIP_POLISH: u32 = 8;
 /// The rules count substeps in this time \[s\].
 const FRAME_S: f64 = 1.0 / 60.0;
 /// Most substeps that are chosen without a target.
@@ -98,7 +102,7 @@ const FREE_SUBSTEPS: u32 = 8;
 /// Largest share of a collider's radius that fast cloth moves in a step.
 const FAST_SHARE: f64 = 0.05;
 /// Rounds of polish of cloth that meets a collider fast.
-const FAST_POLISH: u32 = 4;
+const FAST_POLISH: u32 = 8;
 
 /// Slack of tethers to a row of pins: more than springs yield there, so that tethers hold only what tears.
 const ROW_SLACK: f32 = 1.03;
@@ -190,7 +194,11 @@ fn need(cloth: &Cloth, given: &Options, colliders: bool) -> Need {
                 n if n <= 192.0 => (6, 4),
                 _ => (8, 4),
             };
-            let polish = if own_speed(cloth) > THROWN { THROWN_POLISH } else { polish };
+            let (substeps, polish) = match () {
+                () if own_speed(cloth) > THROWN => (scaled(THROWN_SUBSTEPS), WHIP_POLISH),
+                () if cloth.damping < DAMPED => (substeps, WHIP_POLISH),
+                () => (substeps, polish),
+            };
             (substeps, polish, Support::Tethered)
         }
         (true, true, true) => (scaled(16.0), 4, Support::TetheredOnColliders),

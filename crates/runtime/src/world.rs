@@ -142,12 +142,15 @@ impl World {
     /// Decides again what the host left open, as the cloth has lost its last pin or met its first collider.
     pub fn decide(&mut self) {
         let slack = std::mem::take(&mut self.options.slack);
-        let (settings, choice) = Settings::new(self.options.given().clone(), &self.scene);
+        let (mut settings, choice) = Settings::new(self.options.given().clone(), &self.scene);
         let polish = self.options.polish;
         self.follow = Follow::new(&settings, &self.scene);
         // Substeps that are chosen from frame to frame go on, and tethers were made with the stepper.
-        let substeps = if self.options.quality == Quality::Fixed { settings.substeps } else { self.options.substeps };
-        (self.options, self.choice) = (Settings { substeps, slack, ..settings }, choice);
+        if self.options.quality != Quality::Fixed {
+            settings.substeps = self.options.substeps;
+        }
+        settings.slack = slack;
+        (self.options, self.choice) = (settings, choice);
         self.clock.change(&self.options);
         if polish != self.options.polish {
             self.reschedule();
