@@ -1,16 +1,19 @@
-// Every free particle follows the multipliers of bending. A thread a texel.
-@group(0) @binding(27) var<storage, read> moments: array<vec4<f32>>;
+// A particle follows the multipliers of bending: by the Laplacian of these, times the inverse mass.
+fn bent(grid: Grid, cell: vec2<u32>, k: u32, p: vec4<f32>) -> vec4<f32> {
+  let at = moments[k].xyz;
+  var sum = vec3<f32>(0.0);
+  for (var n = 0u; n < 8u; n++) {
+    let e = edge(grid, cell, n);
+    if (e.weight != 0.0) {
+      sum += (moments[e.other].xyz - at) * e.weight;
+    }
+  }
+  return vec4<f32>(p.xyz - sum * p.w, p.w);
+}
 
-@compute @workgroup_size(16, 4)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-  let grid = grids[id.z];
-  if (id.x >= grid.width || id.y >= grid.height) {
-    return;
+fn bend(g: u32, cell: vec2<u32>, k: u32) {
+  let p = place(k);
+  if (p.w > 0.0) {
+    put(k, bent(grids[g], cell, k, p));
   }
-  let k = grid.first + id.y * grid.width + id.x;
-  let p = now[k];
-  if (p.w <= 0.0) {
-    return;
-  }
-  now[k] = bent(grid, id.xy, k, p);
 }

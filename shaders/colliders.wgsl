@@ -1,17 +1,6 @@
-// Particles inside a collider go to its surface, collider by collider.
-@group(0) @binding(2) var<storage, read_write> now: array<vec4<f32>>;
-
-@compute @workgroup_size(64)
-fn main(
-  @builtin(workgroup_id) workgroup: vec3<u32>,
-  @builtin(num_workgroups) rows: vec3<u32>,
-  @builtin(local_invocation_index) local: u32,
-) {
-  let k = element(workgroup, rows, local);
-  if (k >= arrayLength(&now)) {
-    return;
-  }
-  let p = now[k];
+// A particle inside a collider goes to its surface, collider by collider.
+fn leave_solids(k: u32) {
+  let p = place(k);
   if (p.w <= 0.0) {
     return;
   }
@@ -21,8 +10,8 @@ fn main(
     let out = leave(solid, at);
     if (out.inside) {
       let depth = out.at - at;
-      at = rub(solid, out.at, out.normal, sqrt(dot(depth, depth)), previous(k));
+      at = rub(solid, out.at, out.normal, sqrt(dot(depth, depth)), was(k));
     }
   }
-  now[k] = vec4<f32>(at, p.w);
+  put(k, vec4<f32>(at, p.w));
 }

@@ -1,21 +1,9 @@
-// One Verlet step of every free particle: now becomes before.
-@group(0) @binding(3) var<storage, read_write> before: array<vec4<f32>>;
-
-@compute @workgroup_size(64)
-fn main(
-  @builtin(workgroup_id) workgroup: vec3<u32>,
-  @builtin(num_workgroups) rows: vec3<u32>,
-  @builtin(local_invocation_index) local: u32,
-) {
-  let k = element(workgroup, rows, local);
-  if (k >= arrayLength(&now)) {
-    return;
+// One Verlet step of a free particle: now becomes before.
+fn integrate(k: u32) {
+  let p = place(k);
+  if (p.w > 0.0) {
+    let earlier = was(k);
+    set_was(k, p);
+    put(k, moved_on(k, p, earlier));
   }
-  let p = now[k];
-  if (p.w <= 0.0) {
-    return;
-  }
-  let was = before[k].xyz;
-  before[k] = p;
-  now[k] = moved_on(k, p, was);
 }

@@ -1,12 +1,25 @@
-// The multiplier of bending at every texel.
-@group(0) @binding(27) var<storage, read_write> moments: array<vec4<f32>>;
+// The multiplier of bending at a texel: the Laplacian of position over what a step of this length makes of its compliance,
+// or over the bound with which no step goes too far. w is 1 where there is one.
+@group(0) @binding(26) var<storage, read> bends: array<vec2<f32>>;
 
-@compute @workgroup_size(16, 4)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-  let grid = grids[id.z];
-  if (id.x >= grid.width || id.y >= grid.height) {
-    return;
+fn moment_at(grid: Grid, cell: vec2<u32>, k: u32) -> vec4<f32> {
+  let bend = bends[k];
+  var whole = bend.x > 0.0;
+  var sum = vec3<f32>(0.0);
+  if (whole) {
+    let at = place(k).xyz;
+    for (var n = 0u; n < 8u; n++) {
+      let e = edge(grid, cell, n);
+      if (e.weight != 0.0) {
+        sum += (place(e.other).xyz - at) * e.weight;
+        whole = whole && unbroken(e);
+      }
+    }
   }
-  let k = grid.first + id.y * grid.width + id.x;
-  moments[k] = moment_at(grid, id.xy, k);
+  let scale = 1.0 / max(bend.x / (step.dt * step.dt), bend.y);
+  return select(vec4<f32>(0.0), vec4<f32>(sum * scale, 1.0), whole);
+}
+
+fn moment(g: u32, cell: vec2<u32>, k: u32) {
+  moments[k] = moment_at(grids[g], cell, k);
 }

@@ -1,13 +1,21 @@
-// The normal of every particle. A thread a texel.
-@group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
-@group(0) @binding(8) var<storage, read_write> normals: array<vec4<f32>>;
-
-@compute @workgroup_size(16, 4)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-  let grid = grids[id.z];
-  if (id.x >= grid.width || id.y >= grid.height) {
-    return;
+// The normal of a particle from the triangles around it, weighed by area; w is the length of their sum.
+fn normal_at(grid: Grid, i: u32, j: u32, k: u32) -> vec4<f32> {
+  let p = now[k];
+  var sum = vec3<f32>(0.0);
+  if (p.w >= 0.0) {
+    for (var quadrant = 0u; quadrant < 4u; quadrant++) {
+      let t = triangles(grid, i, j, quadrant);
+      if (t.x >= 0) {
+        sum += cross(now[t.x].xyz - p.xyz, now[t.y].xyz - p.xyz);
+      }
+      if (t.z >= 0) {
+        sum += cross(now[t.z].xyz - p.xyz, now[t.w].xyz - p.xyz);
+      }
+    }
   }
-  let k = grid.first + id.y * grid.width + id.x;
-  normals[k] = normal_at(grid, id.x, id.y, k);
+  return unit(sum);
+}
+
+fn normal(g: u32, cell: vec2<u32>, k: u32) {
+  normals[k] = normal_at(grids[g], cell.x, cell.y, k);
 }

@@ -1,14 +1,14 @@
-// The normals of the duplicates of every seam point become one. A thread a ring.
-@group(0) @binding(8) var<storage, read_write> normals: array<vec4<f32>>;
-
-@compute @workgroup_size(64)
-fn main(
-  @builtin(workgroup_id) workgroup: vec3<u32>,
-  @builtin(num_workgroups) rows: vec3<u32>,
-  @builtin(local_invocation_index) local: u32,
-) {
-  let ring = element(workgroup, rows, local);
-  if (ring + 1u < arrayLength(&starts)) {
-    join_normals(ring);
+// Duplicates of a seam point take the sum of their normals, so that no seam shows.
+fn join_normals(ring: u32) {
+  let first = starts[ring];
+  let end = starts[ring + 1u];
+  var sum = vec3<f32>(0.0);
+  for (var m = first; m < end; m++) {
+    let n = normals[members[m]];
+    sum += n.xyz * n.w;
+  }
+  let normal = unit(sum);
+  for (var m = first; m < end; m++) {
+    normals[members[m]] = normal;
   }
 }

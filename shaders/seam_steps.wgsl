@@ -1,18 +1,6 @@
-// The duplicates of every seam point take their mean, or the position of the first pinned one, in positions and in previous
-// positions: coarser grids move both. A thread a ring.
-@group(0) @binding(2) var<storage, read_write> now: array<vec4<f32>>;
-@group(0) @binding(3) var<storage, read_write> before: array<vec4<f32>>;
-
-@compute @workgroup_size(64)
-fn main(
-  @builtin(workgroup_id) workgroup: vec3<u32>,
-  @builtin(num_workgroups) rows: vec3<u32>,
-  @builtin(local_invocation_index) local: u32,
-) {
-  let ring = element(workgroup, rows, local);
-  if (ring + 1u >= arrayLength(&starts)) {
-    return;
-  }
+// The duplicates of a seam point take their mean, or the position of the first pinned one, in positions and in previous
+// positions: coarser grids move both.
+fn close_steps(ring: u32) {
   let first = starts[ring];
   let end = starts[ring + 1u];
   var at = vec3<f32>(0.0);

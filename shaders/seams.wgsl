@@ -1,12 +1,17 @@
-// The duplicates of every seam point come together. A thread a ring.
-@compute @workgroup_size(64)
-fn main(
-  @builtin(workgroup_id) workgroup: vec3<u32>,
-  @builtin(num_workgroups) rows: vec3<u32>,
-  @builtin(local_invocation_index) local: u32,
-) {
-  let ring = element(workgroup, rows, local);
-  if (ring + 1u < arrayLength(&starts)) {
-    close(ring);
+// All duplicates of a seam point take their mean, or the position of the first pinned one.
+fn close(ring: u32) {
+  let first = starts[ring];
+  let end = starts[ring + 1u];
+  var sum = vec3<f32>(0.0);
+  var pinned = false;
+  for (var m = first; m < end && !pinned; m++) {
+    let p = place(members[m]);
+    pinned = p.w == 0.0;
+    sum = select(sum + p.xyz, p.xyz, pinned);
+  }
+  let at = select(sum * (1.0 / f32(end - first)), sum, pinned);
+  for (var m = first; m < end; m++) {
+    let k = members[m];
+    put(k, vec4<f32>(at, place(k).w));
   }
 }

@@ -1,12 +1,20 @@
-// One of eight passes: springs with compliance, of one direction and parity, so that none has a particle in common.
-override direction: u32 = 0u;
-override parity: u32 = 0u;
-
-@compute @workgroup_size(16, 4)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-  let grid = grids[id.z];
-  let ends = spring_ends(id.xy, grid.first, vec2<u32>(grid.width, grid.height), direction, parity);
-  if (ends.inside) {
-    relax(id.z, ends, direction);
+// A spring with compliance draws its ends together, or apart.
+fn stretch(grid: u32, ends: Ends, direction: u32) {
+  let k = ends.k;
+  let other = ends.other;
+  let rest = rest_length(grid, k, direction);
+  let a = place(k);
+  let b = place(other);
+  if (rest <= 0.0 || min(a.w, b.w) < 0.0) {
+    return;
   }
+  var d = b.xyz - a.xyz;
+  var far = max(sqrt(dot(d, d)), 1e-9);
+  if (direction == 0u && far < rest * SHORT) {
+    d += way(k - grids[grid].first) * (rest * ASIDE);
+    far = max(sqrt(dot(d, d)), 1e-9);
+  }
+  let g = multiplier(grid, k, direction, far, rest, a.w + b.w);
+  put(k, vec4<f32>(a.xyz + d * (g * a.w), a.w));
+  put(other, vec4<f32>(b.xyz - d * (g * b.w), b.w));
 }

@@ -1,17 +1,34 @@
-// Every free particle is held back by its anchors. A thread a particle.
-@compute @workgroup_size(64)
-fn main(
-  @builtin(workgroup_id) workgroup: vec3<u32>,
-  @builtin(num_workgroups) rows: vec3<u32>,
-  @builtin(local_invocation_index) local: u32,
-) {
-  let k = element(workgroup, rows, local);
-  if (k >= arrayLength(&now)) {
-    return;
+// No particle is farther from its anchors than along the surface: hard, one anchor after the other.
+// For each particle `slots` pairs of the anchor's index, all ones for none, and the bits of its distance.
+@group(0) @binding(19) var<storage, read> tethers: array<vec2<u32>>;
+
+override slots: u32 = 1u;
+
+fn held_back(k: u32, p: vec3<f32>) -> vec3<f32> {
+  var at = p;
+  for (var s = 0u; s < slots; s++) {
+    let pair = tethers[k * slots + s];
+    if (pair.x == 0xffffffffu) {
+      continue;
+    }
+    // Nothing moves pinned anchors here; a particle that is no longer pinned holds nothing.
+    let end = anchor(pair.x);
+    if (end.w != 0.0) {
+      continue;
+    }
+    let most = bitcast<f32>(pair.y);
+    let d = at - end.xyz;
+    let far = sqrt(dot(d, d));
+    if (far > most) {
+      at = end.xyz + d * (most / max(far, 1e-30));
+    }
   }
-  let p = now[k];
-  if (p.w <= 0.0) {
-    return;
+  return at;
+}
+
+fn tether(k: u32) {
+  let p = place(k);
+  if (p.w > 0.0) {
+    put(k, vec4<f32>(held_back(k, p.xyz), p.w));
   }
-  now[k] = vec4<f32>(held_back(k, p.xyz), p.w);
 }

@@ -1,6 +1,6 @@
 // Several passes of a step, by tiles: a workgroup has a part of a grid in its memory, with so much around it that what it
 // owns comes out as if the whole cloth had gone through the passes one by one. It writes what it owns, to another place, as
-// its neighbours read what is around theirs.
+// its neighbours read what is around theirs. `arrive_program`, `middle_program` and `leave_program` are made from the list of passes.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(34) var<storage, read_write> next: array<vec4<f32>>;
 
@@ -15,9 +15,9 @@ override around_x: u32 = 0u;
 override around_y: u32 = 0u;
 override lacks_x: u32 = 0u;
 override lacks_y: u32 = 0u;
-// Whether tethers are first, and whether they are last.
-override first: bool = false;
-override last: bool = false;
+// Whether particles are still being taken in, and whether the tile owns the one at hand.
+var<private> arriving: bool;
+var<private> own: bool;
 
 var<workgroup> held: array<vec4<f32>, places>;
 
@@ -54,6 +54,27 @@ fn anchor(k: u32) -> vec4<f32> {
   return now[k];
 }
 
+// What the tile owns.
+fn own_columns() -> u32 {
+  return max(select(0u, own_high.x - own_low.x, all(own_low < own_high)), 1u);
+}
+
+fn own_rows() -> u32 {
+  return select(0u, own_high.y - own_low.y, all(own_low < own_high));
+}
+
+// From here on `place` and `put` are of this row and the next.
+fn to_row(y: u32) {
+  upper = start + (y - corner.y) * size.x;
+  upper_place = (y - corner.y) * stride;
+}
+
+// The particle of a cell, whose row `place` and `put` are of from here on.
+fn here(cell: vec2<u32>) -> u32 {
+  to_row(cell.y);
+  return listed(cell);
+}
+
 fn listed(cell: vec2<u32>) -> u32 {
   return start + (cell.y - corner.y) * size.x + cell.x - corner.x;
 }
@@ -80,38 +101,31 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   let columns = max(high.x - low.x, 1u);
   let by = by_rows(threads, columns);
   var cell = by_rows(local, columns);
+  arriving = true;
   while (cell.y < high.y - low.y) {
     let at = low + cell;
-    let k = listed(at);
-    var p = arrive(k, now[k], all(at >= own_low) && all(at < own_high));
-    if (first) {
-      p = hold(k, p);
-    }
+    let k = here(at);
+    let p = now[k];
+    own = all(at >= own_low) && all(at < own_high);
     held[stored(at)] = p;
     take_sums(k, stored(at));
+    if (p.w <= 0.0) {
+      stay(k);
+    }
+    arrive_program(k);
     cell = on_by_rows(cell, by, columns);
   }
+  arriving = false;
   workgroupBarrier();
-  relax_all(local);
-
-  let owned = select(vec2<u32>(0u), own_high - own_low, all(own_low < own_high));
-  let own_columns = max(owned.x, 1u);
-  let own_by = by_rows(threads, own_columns);
-  if (last) {
-    cell = by_rows(local, own_columns);
-    while (cell.y < owned.y) {
-      let at = own_low + cell;
-      held[stored(at)] = hold(listed(at), held[stored(at)]);
-      cell = on_by_rows(cell, own_by, own_columns);
-    }
-  }
-  gather_all(local, owned, own_columns);
-  cell = by_rows(local, own_columns);
-  while (cell.y < owned.y) {
+  middle_program(local);
+  leave_program(local);
+  let own_by = by_rows(threads, own_columns());
+  cell = by_rows(local, own_columns());
+  while (cell.y < own_rows()) {
     let at = own_low + cell;
     let k = listed(at);
-    next[k] = clear_of(k, held[stored(at)]);
+    next[k] = held[stored(at)];
     give_sums(k, stored(at));
-    cell = on_by_rows(cell, own_by, own_columns);
+    cell = on_by_rows(cell, own_by, own_columns());
   }
 }

@@ -1,8 +1,4 @@
 // What air does to the triangles around each particle, as an acceleration: a third of each triangle's force.
-@group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
-@group(0) @binding(3) var<storage, read> before: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read_write> field: array<vec4<f32>>;
-
 // Drag along the flow, lift across it in the plane of flow and normal, both as the area that faces the wind.
 fn force(area: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
   let speed = max(sqrt(dot(v, v)), 1e-9);
@@ -14,25 +10,20 @@ fn force(area: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
 }
 
 fn on_triangle(k: u32, a: i32, b: i32) -> vec3<f32> {
-  let at = now[k].xyz;
-  let area = cross(now[a].xyz - at, now[b].xyz - at) * 0.5;
-  let middle = (at + now[a].xyz + now[b].xyz) * (1.0 / 3.0);
-  let earlier = (before[k].xyz + before[a].xyz + before[b].xyz) * (1.0 / 3.0);
+  let at = place(k).xyz;
+  let area = cross(place(u32(a)).xyz - at, place(u32(b)).xyz - at) * 0.5;
+  let middle = (at + place(u32(a)).xyz + place(u32(b)).xyz) * (1.0 / 3.0);
+  let earlier = (was(k) + was(u32(a)) + was(u32(b))) * (1.0 / 3.0);
   return force(area, air(middle) - (middle - earlier) * step.rate);
 }
 
-@compute @workgroup_size(16, 4)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-  let grid = grids[id.z];
-  if (id.x >= grid.width || id.y >= grid.height) {
-    return;
-  }
-  let k = grid.first + id.y * grid.width + id.x;
-  let w = max(now[k].w, 0.0);
+fn blow(g: u32, cell: vec2<u32>, k: u32) {
+  let grid = grids[g];
+  let w = max(place(k).w, 0.0);
   var sum = vec3<f32>(0.0);
   if (w > 0.0) {
     for (var quadrant = 0u; quadrant < 4u; quadrant++) {
-      let t = triangles(grid, id.x, id.y, quadrant);
+      let t = triangles(grid, cell.x, cell.y, quadrant);
       if (t.x >= 0) {
         sum += on_triangle(k, t.x, t.y);
       }

@@ -3,6 +3,6 @@ fn rub(solid: Solid, at: vec3<f32>, n: vec3<f32>, depth: f32, was: vec3<f32>) ->
   return at;
 }
 
-fn previous(k: u32) -> vec3<f32> {
+fn was(k: u32) -> vec3<f32> {
   return vec3<f32>(0.0);
 }

@@ -1,6 +1,4 @@
 // Of the colliders of all coats, those that the workgroup's cloth meets.
-var<private> first_solid: u32;
-
 fn solid_count() -> u32 {
   return frame.solids;
 }

@@ -8,3 +8,7 @@ fn summed(k: u32, direction: u32) -> f32 {
 fn sum_up(k: u32, direction: u32, sum: f32) {
   sums[k][direction] = sum;
 }
+
+fn end_sums(k: u32) {
+  sums[k] = vec4<f32>(0.0);
+}

@@ -9,6 +9,6 @@ fn lose(k: u32, what: vec4<f32>) {
 }
 
 // Of a particle that does not move.
-fn stay(k: u32) {
+fn stay_lost(k: u32) {
   lose(k, lost[k]);
 }

@@ -1,2 +1,2 @@
 // Nothing is lost.
-fn stay(k: u32) {}
+fn stay_lost(k: u32) {}

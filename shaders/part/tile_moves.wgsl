@@ -2,23 +2,24 @@
 @group(0) @binding(3) var<storage, read> before: array<vec4<f32>>;
 @group(0) @binding(35) var<storage, read_write> passed: array<vec4<f32>>;
 
-// Whether the tile owns the particle that moves.
-var<private> own: bool;
-
-fn arrive(k: u32, p: vec4<f32>, mine: bool) -> vec4<f32> {
-  own = mine;
-  let earlier = before[k];
-  let free = p.w > 0.0;
-  if (mine) {
-    passed[k] = select(earlier, p, free);
+// Until all particles have moved, the step before is the last one; then it is this one.
+fn was(k: u32) -> vec3<f32> {
+  if (arriving) {
+    return before[k].xyz;
   }
-  if (free) {
-    return moved_on(k, p, earlier.xyz);
-  }
-  stay(k);
-  return p;
+  return now[k].xyz;
 }
 
-fn previous(k: u32) -> vec3<f32> {
-  return now[k].xyz;
+fn set_was(k: u32, p: vec4<f32>) {
+  if (own) {
+    passed[k] = p;
+  }
+}
+
+// Of a particle that does not move.
+fn stay(k: u32) {
+  if (own) {
+    passed[k] = before[k];
+  }
+  stay_lost(k);
 }

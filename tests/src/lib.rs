@@ -14,7 +14,7 @@ mod runtime_page {}
 use std::path::{Path, PathBuf};
 
 use gimage::Result;
-use gimage::options::{BuildOptions, ImageSize, Sample};
+use gimage::options::{BuildOptions, ImageSize, PieceOptions, Sample};
 use gimage::pipeline::Built;
 use gimage::progress::Quiet;
 use gimage::reconstruct::{PieceView, Reconstruction, reconstruct};
@@ -46,12 +46,22 @@ pub fn asset(name: &str) -> PathBuf {
 
 /// Default options at a budget of texels.
 pub fn texels(n: u32) -> BuildOptions {
-    BuildOptions { size: ImageSize::Texels(n), ..BuildOptions::default() }
+    let image = PieceOptions { size: ImageSize::Texels(n), ..PieceOptions::default() };
+    BuildOptions { image, ..BuildOptions::default() }
 }
 
 /// The same with texels exactly on the surface.
 pub fn point(n: u32) -> BuildOptions {
-    BuildOptions { sample: Sample::Point, ..texels(n) }
+    let mut options = texels(n);
+    options.image.sample = Sample::Point;
+    options
+}
+
+/// As [`texels`], with pins.
+pub fn pinned(n: u32, pins: &[&str]) -> BuildOptions {
+    let mut options = texels(n);
+    options.assemble.pins = pins.iter().map(|pin| pin.parse().expect("a pin expression")).collect();
+    options
 }
 
 /// Builds without progress.

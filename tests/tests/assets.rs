@@ -2,15 +2,14 @@
 
 #![allow(clippy::print_stdout)]
 
-use gimage::options::BuildOptions;
-use gimage::pins::Pin;
+use std::path::{Path, PathBuf};
+
 use gimage::pipeline::Built;
 use gimage_bundle::{MapKind, Particle, validate};
 use gimage_tests::{asset, build, check, psnr, reread, texels, texels_of};
 
 fn made(name: &str, pins: &[&str]) -> Built {
-    let pins = pins.iter().map(|p| p.parse::<Pin>().unwrap()).collect();
-    let built = build(&asset(name), &BuildOptions { pins, ..texels(4096) }).unwrap();
+    let built = build(&asset(name), &gimage_tests::pinned(4096, pins)).unwrap();
     check(name, &built);
     println!("{name}: PSNR {:.1} dB", psnr(&built.bundle));
     built
@@ -131,6 +130,73 @@ fn the_cape_is_pinned_by_its_attribute() {
     for (k, p) in texels_of(&built.bundle, 0).iter().enumerate() {
         assert_eq!(p[3] < 0.0, pin.at(k)[0] > 0.5, "texel {k}: {}", pin.at(k)[0]);
     }
+}
+
+/// The cape with its attribute `_PIN` under the name `_LIMIT`.
+fn cape_with_limits(folder: &Path) -> PathBuf {
+    let bytes = std::fs::read(asset("cape.glb")).unwrap();
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    let (text, rest) = bytes[20..].split_at(word(12));
+    let mut text = std::str::from_utf8(text).unwrap().replace("_PIN", "_LIMIT");
+    text.push_str(&" ".repeat(text.len().next_multiple_of(4) - text.len()));
+    let header = [0x4654_6C67, 2, 20 + text.len() + rest.len(), text.len(), 0x4E4F_534A];
+    let header = header.into_iter().flat_map(|word| (word as u32).to_le_bytes());
+    let path = folder.join("cape.glb");
+    std::fs::write(&path, header.chain(text.bytes()).chain(rest.iter().copied()).collect::<Vec<u8>>()).unwrap();
+    path
+}
+
+#[test]
+fn limits_come_from_the_attribute_and_the_options_and_the_smallest_counts() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = cape_with_limits(folder.path());
+    let build = |path: &Path, limits: &[&str]| {
+        let mut options = texels(1024);
+        options.assemble.limits = limits.iter().map(|l| l.parse().unwrap()).collect();
+        options.gate.metrics = false;
+        let built = build(path, &options).unwrap();
+        check("cape", &built);
+        built
+    };
+    let limit = |built: &Built| built.bundle.image(0, &MapKind::Limit).cloned();
+    let plain = build(&asset("cape.glb"), &[]);
+    let pin = plain.bundle.image(0, &MapKind::Custom("_PIN".into())).unwrap();
+    let painted = build(&path, &[]);
+    assert_eq!(limit(&painted).unwrap(), *pin);
+    assert!(painted.bundle.images.keys().all(|(_, kind)| !matches!(kind, MapKind::Custom(_))));
+    assert!(!painted.bundle.manifest.options.contains_key("limit"));
+    // The attribute is everywhere: limits of options count where they are smaller.
+    let both = build(&path, &["above:1.2=0.25", "above:1.3=0.125", "above:1.3=0.5"]);
+    let positions = texels_of(&both.bundle, 0);
+    let mut counted = [0; 3];
+    for (k, p) in positions.iter().enumerate() {
+        let option = if p[1] > 1.3 {
+            0.125
+        } else if p[1] > 1.2 {
+            0.25
+        } else {
+            f32::INFINITY
+        };
+        assert_eq!(limit(&both).unwrap().at(k)[0], option.min(pin.at(k)[0]), "texel {k} at {p:?}");
+        counted[if p[1] > 1.3 {
+            0
+        } else if p[1] > 1.2 {
+            1
+        } else {
+            2
+        }] += 1;
+    }
+    assert!(counted.iter().all(|n| *n > 10), "{counted:?}");
+    // Options alone leave the rest free; where all texels have one limit, it is a constant.
+    let part = limit(&build(&asset("cape.glb"), &["above:1.3=0"])).unwrap();
+    assert!(part.data.iter().zip(&positions).all(|(&limit, p)| limit == if p[1] > 1.3 { 0.0 } else { -1.0 }));
+    let whole = build(&asset("cape.glb"), &["above:-9=0.5"]);
+    assert_eq!((limit(&whole), whole.bundle.manifest.pieces[0].constants.limit), (None, Some(0.5)));
+    assert_eq!(whole.bundle.limits().unwrap(), vec![0.5; positions.len()]);
+    assert_eq!(whole.bundle.manifest.options["limit"], serde_json::json!(["above:-9=0.5"]));
+    let missed = build(&asset("cape.glb"), &["above:99=0.5"]);
+    assert!(missed.report.findings.iter().any(|f| f.kind == "nothing-limited"));
+    assert_eq!(missed.bundle.limits(), None);
 }
 
 #[test]

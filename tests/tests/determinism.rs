@@ -9,7 +9,7 @@ use gimage::options::BuildOptions;
 use gimage::pipeline::Built;
 use gimage_bundle::MapKind;
 use gimage_tests::shapes::{Random, Shape};
-use gimage_tests::{asset, build, build_shape, check, garments_or_skip, point, psnr, texels, texels_of};
+use gimage_tests::{asset, build, build_shape, check, garments_or_skip, pinned, point, psnr, texels, texels_of};
 
 fn with_threads(threads: usize, path: &Path, options: &BuildOptions) -> Built {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -25,7 +25,7 @@ fn differences(a: &Built, b: &Built) -> Vec<String> {
 
 #[test]
 fn the_bytes_do_not_depend_on_the_threads() {
-    let held = BuildOptions { pins: vec!["above:1.4".parse().unwrap(), "loop:0".parse().unwrap()], ..texels(2000) };
+    let held = pinned(2000, &["above:1.4", "loop:0"]);
     for (name, options) in [("tshirt.glb", held), ("trousers.glb", point(3000)), ("dress.glb", texels(1500))] {
         let one = with_threads(1, &asset(name), &options);
         for threads in [1, 2, 5] {

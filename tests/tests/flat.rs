@@ -1,6 +1,6 @@
 //! Shapes that can be unrolled: the image of a rectangle is the rectangle, and that of a tube its sheet.
 
-use gimage::options::{BuildOptions, ImageSize};
+use gimage::options::ImageSize;
 use gimage::pipeline::Built;
 use gimage_bundle::MapKind;
 use gimage_tests::shapes::{Random, Shape, sheet};
@@ -112,7 +112,9 @@ fn an_exact_size_is_kept() {
         (64, 64, irregular(1.0, 1.0, 12, 12, 5)),
         (33, 17, rectangle(1.0, 1.0, 7, 7)),
     ] {
-        let built = build_shape(&shape, &BuildOptions { size: ImageSize::Exact(w, h), ..point(9) }).unwrap();
+        let mut options = point(9);
+        options.image.size = ImageSize::Exact(w, h);
+        let built = build_shape(&shape, &options).unwrap();
         check("square", &built);
         let piece = &built.bundle.manifest.pieces[0];
         assert_eq!((piece.width, piece.height), (w, h));

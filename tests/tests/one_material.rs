@@ -4,7 +4,7 @@
 #![allow(clippy::print_stdout)]
 
 use gimage::closest::Closest;
-use gimage::options::{BuildOptions, Seams};
+use gimage::options::Seams;
 use gimage_runtime::*;
 use gimage_tests::{asset, build, texels};
 
@@ -31,7 +31,9 @@ struct Settled {
 
 /// The shirt held by all that is above 1.4 m, drawn down and forward for two and a half seconds.
 fn settled(count: u32, seams: Seams, substeps: u32) -> Settled {
-    let built = build(&asset("tshirt.glb"), &BuildOptions { seams, metrics: false, ..texels(count) }).unwrap();
+    let mut options = texels(count);
+    (options.image.seams, options.gate.metrics) = (seams, false);
+    let built = build(&asset("tshirt.glb"), &options).unwrap();
     let mut cloth = Cloth::from_bundle("tshirt", &built.bundle).unwrap();
     cloth.set_material(&FABRIC).unwrap();
     let held = |k: &usize| cloth.particles()[*k].exists() && cloth.positions()[*k][1] > 1.4;

@@ -8,7 +8,7 @@ use gimage::topology::Topology;
 use gimage_bundle::{MapKind, validate};
 use gimage_runtime::*;
 use gimage_tests::shapes::{Random, Shape, sheet};
-use gimage_tests::{build_shape, check, psnr, reread, surface, texels};
+use gimage_tests::{build_shape, check, pinned, psnr, reread, surface, texels};
 
 /// A flat sheet of 1 m of `n` x `n` quads without every second quad of every second row.
 fn lace(n: usize) -> Shape {
@@ -28,8 +28,7 @@ fn built(n: usize, options: &BuildOptions) -> Built {
 
 #[test]
 fn a_sheet_of_400_holes_is_split_into_parts_that_weld() {
-    let pins = vec!["above:1.99".parse().unwrap()];
-    let built = built(41, &BuildOptions { pins, ..texels(16_384) });
+    let built = built(41, &pinned(16_384, &["above:1.99"]));
     check("lace", &built);
     let manifest = &built.bundle.manifest;
     assert_eq!(manifest.components.len(), 1);
@@ -50,8 +49,7 @@ fn a_sheet_of_400_holes_is_split_into_parts_that_weld() {
 
 #[test]
 fn the_masses_of_parts_add_to_area_times_density_and_tethers_cross_seams() {
-    let pins = vec!["above:1.99".parse().unwrap()];
-    let bundle = reread(&built(21, &BuildOptions { pins, ..texels(4096) }).bundle);
+    let bundle = reread(&built(21, &pinned(4096, &["above:1.99"])).bundle);
     assert!(bundle.manifest.pieces.len() > 1 && validate(&bundle).is_empty());
     let rings = bundle.rings().unwrap();
     assert!(rings.iter().any(|r| bundle.locate(r[0]).unwrap().0 != bundle.locate(r[r.len() - 1]).unwrap().0));
@@ -76,9 +74,25 @@ fn the_masses_of_parts_add_to_area_times_density_and_tethers_cross_seams() {
 }
 
 #[test]
+fn parts_agree_on_the_limits_of_the_points_that_they_share() {
+    let mut options = texels(4096);
+    options.assemble.limits =
+        vec!["box:0,1,-1,0.6,1.5,1=0.1".parse().unwrap(), "box:0,1,-1,0.3,2,1=0.05".parse().unwrap()];
+    let built = built(21, &options);
+    // Part of that check: rings agree bit for bit.
+    check("lace", &built);
+    let (bundle, limits) = (reread(&built.bundle), built.bundle.limits().unwrap());
+    let rings = bundle.rings().unwrap();
+    let across = |r: &[u32]| bundle.locate(r[0]).unwrap().0 != bundle.locate(r[r.len() - 1]).unwrap().0;
+    let held = rings.iter().filter(|r| across(r) && limits[r[0] as usize] > 0.0).count();
+    let free = rings.iter().filter(|r| across(r) && limits[r[0] as usize] < 0.0).count();
+    assert!(held > 4 && free > 4, "{held} rings across parts have a limit, {free} have none");
+    assert_eq!(bundle.limits().unwrap(), limits);
+}
+
+#[test]
 fn seams_between_parts_stay_closed_in_motion() {
-    let pins = vec!["above:1.99".parse().unwrap()];
-    let built = built(21, &BuildOptions { pins, ..texels(4096) });
+    let built = built(21, &pinned(4096, &["above:1.99"]));
     let rings = built.bundle.rings().unwrap();
     let mut scene = Scene::new("lace");
     scene.cloths.push(Cloth::from_bundle("lace", &built.bundle).unwrap());

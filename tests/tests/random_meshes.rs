@@ -1,8 +1,6 @@
 //! Random surfaces of any genus, with and without boundary, of one side and of two: each must come out whole.
 
 use gimage::Error;
-use gimage::component::ComponentOptions;
-use gimage::options::BuildOptions;
 use gimage_tests::shapes::{Random, Shape, growth, sheet, twisted, voxels};
 use gimage_tests::{build_shape, faults, point, texels};
 use proptest::prelude::*;
@@ -16,9 +14,10 @@ fn config(cases: u32) -> ProptestConfig {
 
 /// Builds every component as a piece and fails with everything that is wrong. Returns the number of pieces.
 fn sound(shape: &Shape, budget: u32, fit: bool) -> Result<usize, TestCaseError> {
-    let component = ComponentOptions { accessory_area: 0.0 };
-    let options = if fit { texels(budget) } else { point(budget) };
-    match build_shape(shape, &BuildOptions { component, metrics: false, ..options }) {
+    let mut options = if fit { texels(budget) } else { point(budget) };
+    options.component.accessory_area = 0.0;
+    options.gate.metrics = false;
+    match build_shape(shape, &options) {
         Ok(built) => {
             let wrong = faults(&built);
             prop_assert!(wrong.is_empty(), "{}", wrong.join("; "));

@@ -1,6 +1,6 @@
 //! Rest lengths: chords are distances of texels, arcs are no shorter.
 
-use gimage::options::{BuildOptions, RestLength};
+use gimage::options::RestLength;
 use gimage_bundle::{Bundle, MapKind, SPRING_STEPS};
 use gimage_tests::{asset, build, check, point, texels, texels_of};
 
@@ -40,8 +40,9 @@ fn chords_are_distances() {
 
 #[test]
 fn arcs_are_no_shorter_than_chords() {
-    for options in [point(3000), texels(3000)] {
-        let built = build(&asset("tshirt.glb"), &BuildOptions { rest: RestLength::Arc, ..options }).unwrap();
+    for mut options in [point(3000), texels(3000)] {
+        options.assemble.rest = RestLength::Arc;
+        let built = build(&asset("tshirt.glb"), &options).unwrap();
         check("arc", &built);
         let all = springs(&built.bundle);
         let mut longer = 0.0;

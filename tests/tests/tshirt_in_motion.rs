@@ -9,15 +9,13 @@ mod adapter;
 use std::sync::LazyLock;
 
 use adapter::device;
-use gimage::options::BuildOptions;
 use gimage_runtime::*;
-use gimage_tests::{asset, build, texels};
+use gimage_tests::{asset, build, pinned};
 
 const FRAME: f64 = 1.0 / 60.0;
 
 static SHIRT: LazyLock<Cloth> = LazyLock::new(|| {
-    let pins = vec!["above:1.4".parse().unwrap()];
-    let built = build(&asset("tshirt.glb"), &BuildOptions { pins, ..texels(4096) }).unwrap();
+    let built = build(&asset("tshirt.glb"), &pinned(4096, &["above:1.4"])).unwrap();
     let mut cloth = Cloth::from_bundle("tshirt", &built.bundle).unwrap();
     cloth.damping = 0.5;
     cloth

@@ -59,7 +59,8 @@ fn the_budget_holds_for_any_number_of_pieces() {
     for (n, budget) in [(9, 300), (300, 16_384), (2000, 4096)] {
         std::fs::write(&path, confetti(n)).unwrap();
         let component = ComponentOptions { accessory_area: 0.0 };
-        let options = BuildOptions { component, metrics: false, ..texels(budget) };
+        let mut options = BuildOptions { component, ..texels(budget) };
+        options.gate.metrics = false;
         let built = build(&path, &options).unwrap();
         let manifest = &built.bundle.manifest;
         assert!(total(&built) <= budget, "{n}: {}", total(&built));

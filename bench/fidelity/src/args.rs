@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use gimage::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
+use gimage::gate::GateOptions;
+use gimage::options::{BuildOptions, Effort, ImageSize, PieceOptions, Sample, Seams};
 
 /// Measures builds: CPU time, memory and faithfulness, as a table and a plot.
 #[derive(Debug, Parser)]
@@ -159,7 +160,7 @@ pub fn name(value: impl ValueEnum) -> String {
 impl OneArgs {
     /// The options of this build.
     pub fn options(&self) -> BuildOptions {
-        BuildOptions {
+        let image = PieceOptions {
             size: ImageSize::Texels(self.texels * self.texels),
             sample: match self.sample {
                 SampleArg::Point => Sample::Point,
@@ -176,9 +177,9 @@ impl OneArgs {
                 EffortArg::Best => Effort::Best,
             },
             detail: self.detail,
-            metrics: self.metrics,
-            ..BuildOptions::default()
-        }
+        };
+        let gate = GateOptions { metrics: self.metrics, ..GateOptions::default() };
+        BuildOptions { image, gate, ..BuildOptions::default() }
     }
 }
 
@@ -194,7 +195,7 @@ mod tests {
         assert_eq!(cli.bench.texels, [65, 129, 257, 513]);
         assert!(cli.bench.peers.is_empty() && cli.bench.repeat == 3);
         let options = BuildOptions::default();
-        assert_eq!((cli.bench.detail[0], options.effort), (options.detail, Effort::Default));
+        assert_eq!((cli.bench.detail[0], options.image.effort), (options.image.detail, Effort::Default));
     }
 
     #[test]

@@ -27,7 +27,9 @@ fn scene(name: &str, texels: u32) -> Result<Scene, Failure> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes");
     let find = |source: &Source| -> Found {
         let Source::Garment { file, .. } = source else { return Err(format!("{name}: no garment to build").into()) };
-        let options = BuildOptions { size: ImageSize::Texels(texels), metrics: false, ..BuildOptions::default() };
+        let mut options = BuildOptions::default();
+        options.image.size = ImageSize::Texels(texels);
+        options.gate.metrics = false;
         let built = gimage::pipeline::build(&folder.join(file), &options, &gimage::progress::Quiet)?;
         Ok(built.bundle)
     };

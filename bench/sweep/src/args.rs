@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use gimage::options::{BuildOptions, ImageSize, Sample};
+use gimage::options::{BuildOptions, ImageSize, PieceOptions, Sample};
 
 /// Builds many meshes, each in a child process, and reports what came out.
 ///
@@ -140,7 +140,8 @@ impl OneArgs {
             SampleArg::Point => Sample::Point,
             SampleArg::Fit => Sample::Fit,
         };
-        BuildOptions { size: ImageSize::Texels(self.texels), sample, ..BuildOptions::default() }
+        let image = PieceOptions { size: ImageSize::Texels(self.texels), sample, ..PieceOptions::default() };
+        BuildOptions { image, ..BuildOptions::default() }
     }
 }
 

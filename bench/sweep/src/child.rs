@@ -6,7 +6,6 @@ use std::time::Instant;
 
 use gimage::component::{Component, ComponentOptions, split};
 use gimage::import::{ImportOptions, import};
-use gimage::options::BuildOptions;
 use gimage::pipeline::{Built, build};
 use gimage::progress::Quiet;
 use gimage::repair::{RepairOptions, repair};
@@ -37,7 +36,8 @@ pub fn run(args: &OneArgs) -> Result<(), Failure> {
             record.triangles = Source::read(&args.mesh).map_or(0, |s| s.mesh.triangles.len());
             if matches!(e, Error::Poor { .. }) {
                 // The figures of what the gate refused are worth having.
-                let options = BuildOptions { accept_poor: true, ..args.options() };
+                let mut options = args.options();
+                options.gate.accept_poor = true;
                 if let Ok(built) = build(&args.mesh, &options, &Quiet) {
                     describe(&built, &args.mesh, &mut record)?;
                 }

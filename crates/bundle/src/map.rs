@@ -99,11 +99,9 @@ pub enum MapKind {
     Rest,
     /// Particle mass \[kg\]. 1 channel.
     Mass,
-    /// Rest lengths \[m\] over two steps: right, down; the third channel is 0. 3 channels.
-    Bend,
     /// Geodesic distance \[m\] to an anchor and the anchor's particle index (-1 = none); the third is 0. 3 channels.
     Tether,
-    /// Reserved: largest distance from the skinned pose, backstop radius, backstop offset \[m\]. 3 channels.
+    /// Largest distance \[m\] from the position at rest: 0 holds the particle there, a negative value means no limit. 1 channel.
     Limit,
     /// Unit normal of the original surface. 3 channels.
     Normal,
@@ -135,7 +133,6 @@ impl MapKind {
             "position" => MapKind::Position,
             "rest" => MapKind::Rest,
             "mass" => MapKind::Mass,
-            "bend" => MapKind::Bend,
             "tether" => MapKind::Tether,
             "limit" => MapKind::Limit,
             "normal" => MapKind::Normal,
@@ -157,7 +154,6 @@ impl MapKind {
             MapKind::Position => "position".into(),
             MapKind::Rest => "rest".into(),
             MapKind::Mass => "mass".into(),
-            MapKind::Bend => "bend".into(),
             MapKind::Tether => "tether".into(),
             MapKind::Limit => "limit".into(),
             MapKind::Normal => "normal".into(),
@@ -173,16 +169,16 @@ impl MapKind {
     pub fn channels(&self) -> &'static [u32] {
         match self {
             MapKind::Position | MapKind::Rest | MapKind::Joints(_) | MapKind::Weights(_) => &[4],
-            MapKind::Mass => &[1],
-            MapKind::Bend | MapKind::Tether | MapKind::Limit | MapKind::Normal | MapKind::Uv(_) => &[3],
+            MapKind::Mass | MapKind::Limit => &[1],
+            MapKind::Tether | MapKind::Normal | MapKind::Uv(_) => &[3],
             MapKind::Color(_) => &[3, 4],
             MapKind::Custom(_) => &[1, 3, 4],
         }
     }
 
     /// Whether all duplicates of a seam point must hold the same bits. Texture coordinates, colours, normals and custom
-    /// attributes may differ on the two sides of a cut, as they may on a UV seam or a hard edge of the source; rest and
-    /// bend lengths belong to springs, which each side has for itself.
+    /// attributes may differ on the two sides of a cut, as they may on a UV seam or a hard edge of the source; rest
+    /// lengths belong to springs, which each side has for itself.
     pub fn agrees_across_seams(&self) -> bool {
         use MapKind::*;
         matches!(self, Position | Mass | Tether | Limit | Joints(_) | Weights(_))
@@ -244,10 +240,10 @@ mod tests {
     fn names_round_trip() {
         use MapKind::*;
         let custom = Custom("_THICKNESS".into());
-        for kind in [Position, Rest, Mass, Bend, Tether, Limit, Normal, Uv(0), Uv(1), Color(12), Joints(0), custom] {
+        for kind in [Position, Rest, Mass, Tether, Limit, Normal, Uv(0), Uv(1), Color(12), Joints(0), custom] {
             assert_eq!(MapKind::parse(&kind.name()), Some(kind));
         }
-        for unknown in ["", "_", "uv0", "uv01", "uv+1", "uv256", "velocity", "colour", "Position"] {
+        for unknown in ["", "_", "uv0", "uv01", "uv+1", "uv256", "bend", "velocity", "colour", "Position"] {
             assert_eq!(MapKind::parse(unknown), None, "{unknown}");
         }
     }

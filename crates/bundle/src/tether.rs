@@ -13,8 +13,9 @@ use crate::bundle::Bundle;
 use crate::error::Result;
 use crate::map::{Image, MapKind};
 use crate::particle::Particle;
+use crate::rings::find_rings;
 use front::Front;
-use groups::pin_groups;
+pub use groups::groups;
 
 /// Largest number of anchors per particle.
 pub const MAX_ANCHORS: usize = 4;
@@ -99,7 +100,9 @@ impl Tethers {
 /// number of pins: all pins spread at once, and each particle keeps only the nearest. One thread.
 pub fn tethers(grids: &[SpringGrid<'_>], particles: &[Particle], most: usize) -> Tethers {
     let most = most.min(MAX_ANCHORS);
-    let (groups, count) = pin_groups(grids, particles);
+    let pinned: Vec<bool> = particles.iter().map(|p| p.is_pinned()).collect();
+    let sizes = grids.iter().map(|grid| [grid.width, grid.height]);
+    let (groups, count) = groups(sizes, find_rings(particles).0.iter(), &pinned);
     if most == 0 || count == 0 {
         return Tethers { per_particle: most, anchors: vec![Anchor::NONE; most * particles.len()] };
     }

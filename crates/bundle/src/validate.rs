@@ -284,8 +284,10 @@ fn check_piece(found: &mut Findings, index: usize, piece: &PieceEntry, all: &[Pa
     }
     check_weights(found, index, particles);
     let both = |kind: &MapKind, constant: bool| constant && bundle.image(index, kind).is_some();
-    let (rest, mass) = (piece.constants.rest, piece.constants.mass);
-    if both(&MapKind::Rest, rest.is_some()) || both(&MapKind::Mass, mass.is_some()) {
+    let (rest, mass, limit) = (piece.constants.rest, piece.constants.mass, piece.constants.limit);
+    let constants =
+        [(MapKind::Rest, rest.is_some()), (MapKind::Mass, mass.is_some()), (MapKind::Limit, limit.is_some())];
+    if constants.iter().any(|(kind, constant)| both(kind, *constant)) {
         found.manifest(FaultKind::Manifest, Some(piece), "a value is given both as a constant and as a map".into());
     }
     if rest.is_some_and(|lengths| lengths.iter().any(|&length| length < 0.0)) {
@@ -351,6 +353,9 @@ fn check_rings(found: &mut Findings, particles: &[Particle], rings: &Rings) {
     let bundle = found.bundle;
     let mut kinds: Vec<&MapKind> =
         bundle.images.keys().map(|(_, kind)| kind).filter(|k| k.agrees_across_seams()).collect();
+    // A piece without a limit map has a constant limit, or none: it is compared all the same.
+    let limits = bundle.limits().map(|_| MapKind::Limit);
+    kinds.extend(&limits);
     kinds.sort();
     kinds.dedup();
     for ring in rings.iter() {
@@ -365,6 +370,9 @@ fn check_rings(found: &mut Findings, particles: &[Particle], rings: &Rings) {
                 let count = if **kind == MapKind::Position { 3 } else { 4 };
                 let value = |index: u32| {
                     let (piece, k) = bundle.locate(index)?;
+                    if **kind == MapKind::Limit {
+                        return Some(vec![bundle.limit(piece, k).to_bits()]);
+                    }
                     let texel = bundle.image(piece, kind)?.at(k);
                     Some(texel.iter().take(count).map(|v| v.to_bits()).collect::<Vec<_>>())
                 };

@@ -67,6 +67,39 @@ fn tethers_hold_to_pinned_particles() {
 }
 
 #[test]
+fn limits_are_finite_and_agree_in_rings_with_maps_and_constants() {
+    let with = |change: &dyn Fn(&mut Bundle)| {
+        let mut bundle = sample();
+        let mut limit = Image::zeros(4, 3, 1);
+        limit.data.fill(0.05);
+        bundle.insert(0, MapKind::Limit, limit).unwrap();
+        change(&mut bundle);
+        validate(&bundle).iter().map(|f| (f.kind, f.texel)).collect::<Vec<_>>()
+    };
+    assert_eq!(with(&|_| {}), []);
+    assert_eq!(with(&|b| set(b, MapKind::Limit, 5, 0, -1.0)), []);
+    assert_eq!(with(&|b| set(b, MapKind::Limit, 5, 0, f32::NAN)), [(FaultKind::NotFinite, Some((1, 1)))]);
+    assert_eq!(with(&|b| set(b, MapKind::Limit, 3, 0, 0.050_000_01)), [(FaultKind::Seam, Some((3, 0)))]);
+    let both = with(&|b| b.manifest.pieces[0].constants.limit = Some(0.05));
+    assert_eq!(both, [(FaultKind::Manifest, None)]);
+    assert_eq!(with(&|b| b.manifest.pieces[1].constants.limit = Some(f32::INFINITY)), [(FaultKind::NotFinite, None)]);
+    // A ring that leads from a piece with a limit to one without.
+    let mut bundle = sample();
+    let code = |next| crate::Particle::Free { next: Some(next) }.code().unwrap();
+    set(&mut bundle, MapKind::Position, 1, 3, code(13));
+    let flag = bundle.images.get_mut(&(1, MapKind::Position)).unwrap();
+    let at = sample().position(1).unwrap();
+    flag.data[4..8].copy_from_slice(&[at[0], at[1], at[2], code(1)]);
+    bundle.count().unwrap();
+    let seams = |bundle: &Bundle| validate(bundle).iter().filter(|f| f.message.starts_with("limit differs")).count();
+    assert_eq!(seams(&bundle), 0);
+    bundle.manifest.pieces[0].constants.limit = Some(0.05);
+    assert_eq!(seams(&bundle), 1);
+    bundle.manifest.pieces[1].constants.limit = Some(0.05);
+    assert_eq!(seams(&bundle), 0);
+}
+
+#[test]
 fn a_hole_needs_rest_lengths_of_zero_around_it() {
     let mut bundle = sample();
     set(&mut bundle, MapKind::Position, 5, 3, 0.0);

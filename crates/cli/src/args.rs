@@ -2,9 +2,13 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use gimage::gate::GateOptions;
 use gimage::import::Up;
-use gimage::options::{BuildOptions, Effort, ImageSize, RestLength, Sample, Seams};
+use gimage::limits::Limit;
+use gimage::options::help as help_of;
+use gimage::options::{BuildOptions, Choice, Effort, ImageSize, RestLength, Sample, Seams, range};
 use gimage::pins::Pin;
 use gimage_runtime::Material;
 
@@ -60,66 +64,45 @@ pub struct BuildArgs {
     /// The bundle to write; with several inputs, the directory for one <stem>.gim per input.
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// Texels of the whole bundle, divided among the pieces by area [default: 16384].
-    #[arg(long, value_name = "N", group = "image_size", allow_negative_numbers = true)]
+    #[arg(long, help = help_of("texels"), value_name = "N", group = "image_size", allow_negative_numbers = true)]
     pub texels: Option<u32>,
-    /// Size in texels of the image of each piece, for example 128x96.
-    #[arg(long, value_name = "WxH", group = "image_size", value_parser = size)]
+    #[arg(long, help = help_of("size"), value_name = "WxH", group = "image_size", value_parser = size)]
     pub size: Option<(u32, u32)>,
-    /// Mean distance between neighbouring texels.
-    #[arg(long, value_name = "METRES", group = "image_size", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, help = help_of("spacing"), value_name = "METRES", group = "image_size", value_parser = number("spacing"), allow_negative_numbers = true)]
     pub spacing: Option<f64>,
-    /// Place texels exactly on the surface (point), or so that the surface between them is closest (fit) [default: fit].
-    #[arg(long, value_enum)]
-    pub sample: Option<SampleArg>,
-    /// Where cuts run: along the shortest path, along UV seams, or the better of both (auto) [default: auto].
-    #[arg(long, value_enum)]
-    pub seams: Option<SeamsArg>,
-    /// How strongly texels concentrate where the surface bends: 0 is uniform, 1 has the least error [default: 0.6].
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    #[arg(long, help = help_of("sample"), value_parser = choice::<Sample>())]
+    pub sample: Option<Sample>,
+    #[arg(long, help = help_of("seams"), value_parser = choice::<Seams>())]
+    pub seams: Option<Seams>,
+    #[arg(long, help = help_of("detail"), value_name = "SHARE", allow_negative_numbers = true)]
     pub detail: Option<f64>,
-    /// Effort of the search for the best cut and layout [default: default].
-    #[arg(long, value_enum)]
-    pub effort: Option<EffortArg>,
-    /// Import only the node, mesh, object, group or material of this name; may be repeated.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, help = help_of("effort"), value_parser = choice::<Effort>())]
+    pub effort: Option<Effort>,
+    #[arg(long, help = help_of("piece"), value_name = "NAME")]
     pub piece: Vec<String>,
-    /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), loop:K (boundary loop, longest
-    /// first), attr:_NAME>T or color:r>T. The bundle then stores tethers: the distance of each particle to the nearest pin.
-    #[arg(long, value_name = "EXPR")]
+    #[arg(long, help = help_of("pin"), value_name = "EXPR")]
     pub pin: Vec<Pin>,
-    /// Metres per unit of the file, 0.01 for centimetres [default: 1].
-    #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, help = help_of("limit"), value_name = "EXPR=METRES")]
+    pub limit: Vec<Limit>,
+    #[arg(long, help = help_of("unit"), value_name = "METRES", value_parser = number("unit"), allow_negative_numbers = true)]
     pub unit: Option<f64>,
-    /// The up axis of the file: X, Y, Z, -X, -Y or -Z. The garment, its normals and its skin are rotated to Y up
-    /// [default: Y].
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    #[arg(long, help = help_of("up"), value_name = "AXIS", allow_hyphen_values = true)]
     pub up: Option<Up>,
-    /// Move the garment, after --unit and --up: the middle of its bounding box to x = 0 and z = 0, its lowest point to y = 0.
-    /// Pin expressions refer to the moved garment.
-    #[arg(long)]
+    #[arg(long, help = help_of("center"))]
     pub center: bool,
-    /// Join vertices within this distance if both lie on open borders or an edge connects them; no vertex moves farther
-    /// [default: exactly equal positions only].
-    #[arg(long, value_name = "METRES", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, help = help_of("weld"), value_name = "METRES", value_parser = number("weld"), allow_negative_numbers = true)]
     pub weld: Option<f64>,
-    /// Parts below this share of the total area become accessories, 0 to 0.1 [default: 0.01].
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    #[arg(long, help = help_of("accessory-area"), value_name = "SHARE", allow_negative_numbers = true)]
     pub accessory_area: Option<f64>,
-    /// Rest lengths: straight distance (chord), or distance along the surface (arc) [default: chord].
-    #[arg(long, value_enum)]
-    pub rest: Option<RestArg>,
-    /// Mass per area of the cloth [default: 0.15].
-    #[arg(long, value_name = "KG_M2", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, help = help_of("rest"), value_parser = choice::<RestLength>())]
+    pub rest: Option<RestLength>,
+    #[arg(long, help = help_of("density"), value_name = "KG_M2", value_parser = number("density"), allow_negative_numbers = true)]
     pub density: Option<f64>,
-    /// Do not measure the result against the source.
-    #[arg(long)]
+    #[arg(long, help = help_of("no-metrics"))]
     pub no_metrics: bool,
-    /// Write images that differ too much from their surface, with a warning, instead of failing.
-    #[arg(long)]
+    #[arg(long, help = help_of("accept-poor"))]
     pub accept_poor: bool,
-    /// Fail if the PSNR of a piece is below this value.
-    #[arg(long, value_name = "DB", allow_negative_numbers = true)]
+    #[arg(long, help = help_of("min-psnr"), value_name = "DB", allow_negative_numbers = true)]
     pub min_psnr: Option<f64>,
     /// Number of threads; 0 means one per core. The bundle does not depend on it.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024), allow_negative_numbers = true)]
@@ -287,36 +270,6 @@ pub struct DoctorArgs {
 
 // The values have no help texts: the flag describes them, so that the help stays short.
 
-/// Where texels are placed.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum SampleArg {
-    Point,
-    Fit,
-}
-
-/// Which edges a cut prefers.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum SeamsArg {
-    Auto,
-    Short,
-    Uv,
-}
-
-/// Effort of the search.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum EffortArg {
-    Fast,
-    Default,
-    Best,
-}
-
-/// What rest lengths measure.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum RestArg {
-    Chord,
-    Arc,
-}
-
 /// Where to compute.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum BackendArg {
@@ -353,7 +306,7 @@ impl BuildArgs {
         let size = (self.size.map(|(w, h)| ImageSize::Exact(w, h)))
             .or(self.spacing.map(ImageSize::Spacing))
             .or(self.texels.map(ImageSize::Texels));
-        set(&mut options.size, size);
+        set(&mut options.image.size, size);
         set(&mut options.import.unit, self.unit);
         set(&mut options.import.up, self.up);
         options.import.center = self.center;
@@ -361,33 +314,15 @@ impl BuildArgs {
         options.repair.weld = self.weld.or(options.repair.weld);
         set(&mut options.component.accessory_area, self.accessory_area);
         set(&mut options.mass.density, self.density);
-        options.pins.clone_from(&self.pin);
-        options.metrics = !self.no_metrics;
-        options.accept_poor = self.accept_poor;
-        options.min_psnr = self.min_psnr;
-        let sample = |s| match s {
-            SampleArg::Point => Sample::Point,
-            SampleArg::Fit => Sample::Fit,
-        };
-        set(&mut options.sample, self.sample.map(sample));
-        let seams = |s| match s {
-            SeamsArg::Auto => Seams::Auto,
-            SeamsArg::Short => Seams::Short,
-            SeamsArg::Uv => Seams::Uv,
-        };
-        set(&mut options.seams, self.seams.map(seams));
-        set(&mut options.detail, self.detail);
-        let effort = |e| match e {
-            EffortArg::Fast => Effort::Fast,
-            EffortArg::Default => Effort::Default,
-            EffortArg::Best => Effort::Best,
-        };
-        set(&mut options.effort, self.effort.map(effort));
-        let rest = |r| match r {
-            RestArg::Chord => RestLength::Chord,
-            RestArg::Arc => RestLength::Arc,
-        };
-        set(&mut options.rest, self.rest.map(rest));
+        options.assemble.pins.clone_from(&self.pin);
+        options.assemble.limits.clone_from(&self.limit);
+        set(&mut options.assemble.rest, self.rest);
+        options.gate =
+            GateOptions { metrics: !self.no_metrics, accept_poor: self.accept_poor, min_psnr: self.min_psnr };
+        set(&mut options.image.sample, self.sample);
+        set(&mut options.image.seams, self.seams);
+        set(&mut options.image.detail, self.detail);
+        set(&mut options.image.effort, self.effort);
         options
     }
 }
@@ -398,9 +333,19 @@ fn set<T>(option: &mut T, value: Option<T>) {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().map_err(|_| format!("`{text}` is not a number"))?;
-    if number.is_finite() && number > 0.0 { Ok(number) } else { Err("give a number above 0".into()) }
+/// Reads a number in the range of an option of the library.
+fn number(name: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number = text.parse::<f64>().map_err(|_| format!("`{text}` is not a number"))?;
+        let range = range(name);
+        if range.holds(&[number]) { Ok(number) } else { Err(format!("give {}", range.words())) }
+    }
+}
+
+/// Reads one of the words of an option of the library.
+fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    let words = PossibleValuesParser::new(T::ALL.iter().map(|(name, _)| *name));
+    words.try_map(|word| T::ALL.iter().find(|(name, _)| *name == word).map(|(_, value)| *value).ok_or("not a choice"))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -19,19 +19,20 @@ fn nothing_said_is_the_default() {
 
 #[test]
 fn every_flag_reaches_the_options() {
-    let flags = "--size 64x32 --sample point --seams uv --piece a --piece b --pin above:-1.5 --pin loop:0 --unit 0.01 --up -Z --center \
+    let flags = "--size 64x32 --sample point --seams uv --piece a --piece b --pin above:-1.5 --pin loop:0 --limit below:1=0.05 --unit 0.01 --up -Z --center \
                  --weld 1e-4 --accessory-area 0.05 --rest arc --density 0.3 --detail 0.25 --effort best \
                  --no-metrics";
     let o = build(&flags.split_whitespace().collect::<Vec<_>>()).unwrap();
-    assert_eq!((o.size, o.sample, o.seams), (ImageSize::Exact(64, 32), Sample::Point, Seams::Uv));
+    assert_eq!((o.image.size, o.image.sample, o.image.seams), (ImageSize::Exact(64, 32), Sample::Point, Seams::Uv));
     assert_eq!((o.import.pieces, o.import.unit), (vec!["a".to_owned(), "b".to_owned()], 0.01));
     assert_eq!((o.import.up, o.import.center), (Up::MinusZ, true));
-    assert_eq!(o.pins, [Pin::Above(-1.5), Pin::Loop(0)]);
+    assert_eq!(o.assemble.pins, [Pin::Above(-1.5), Pin::Loop(0)]);
+    assert_eq!(o.assemble.limits, [Limit { particles: Pin::Below(1.0), distance: 0.05 }]);
     assert_eq!((o.repair.weld, o.component.accessory_area, o.mass.density), (Some(1e-4), 0.05, 0.3));
-    assert_eq!((o.rest, o.metrics), (RestLength::Arc, false));
-    assert_eq!((o.detail, o.effort), (0.25, Effort::Best));
-    assert_eq!(build(&["--texels", "99"]).unwrap().size, ImageSize::Texels(99));
-    assert_eq!(build(&["--spacing", "0.01"]).unwrap().size, ImageSize::Spacing(0.01));
+    assert_eq!((o.assemble.rest, o.gate.metrics), (RestLength::Arc, false));
+    assert_eq!((o.image.detail, o.image.effort), (0.25, Effort::Best));
+    assert_eq!(build(&["--texels", "99"]).unwrap().image.size, ImageSize::Texels(99));
+    assert_eq!(build(&["--spacing", "0.01"]).unwrap().image.size, ImageSize::Spacing(0.01));
 }
 
 #[test]
@@ -58,6 +59,8 @@ fn nonsense_is_refused() {
         "--unit nan",
         "--weld -1",
         "--pin up:3",
+        "--limit above:1",
+        "--limit above:1=-1",
         "--up W",
         "--sample best",
         "--threads 5000",

@@ -30,6 +30,7 @@ pub const BUILD: &str = concat!(
     "  gimage build shirt.glb -o shirt.gim\n",
     "  gimage build skirt.obj -o skirt.gim --unit 0.01 --texels 65536 --pin above:0.98\n",
     "  gimage build flag.obj -o flag.gim --size 64x48 --pin loop:0 --force\n",
+    "  gimage build shirt.glb -o shirt.gim --pin above:1.4 --limit above:1.2=0.03\n",
     "  gimage build coat.glb -o coat.gim --up Z --center --pin above:0.9\n",
     "  gimage build *.glb -o bundles --json --threads 4\n\n",
     "The same input and options give the same bytes. With several inputs, a failed build does not stop the others, and the ",

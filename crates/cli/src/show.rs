@@ -37,6 +37,7 @@ pub fn overview(out: &Output, path: &str, summary: &Summary) -> String {
     text += &section(out, "Pieces", &sizes(summary).render());
     text += &section(out, "Bounding box", &boxes(summary).render());
     text += &section(out, "Surface", &surfaces(summary).render());
+    text += &section(out, "Limits", &limits(summary).render());
     text += &section(out, "Seams", &seams(summary).render());
     text += &section(out, "Distortion of the map", &distortion(summary).render());
     text += &section(out, "Distance from the source", &fidelity(summary).render());
@@ -111,6 +112,16 @@ fn boxes(summary: &Summary) -> Table {
             })
         };
         table.row([name.into(), side(0), side(1), side(2)]);
+    }
+    table
+}
+
+/// The pieces with particles that may only move so far.
+fn limits(summary: &Summary) -> Table {
+    let mut table = Table::new(&["<piece", "limited particles", "shortest limit", "longest limit"]);
+    for (name, limits) in summary.pieces.iter().filter_map(|p| Some((&p.name, p.limits?))) {
+        let [shortest, longest] = [limits.min, limits.max].map(|x| length(x.into()));
+        table.row([name.clone(), grouped(limits.particles.into()), shortest, longest]);
     }
     table
 }

@@ -68,6 +68,32 @@ impl Bounds {
     }
 }
 
+/// The limits of a piece: largest distances of particles from their positions at rest \[m\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Limits {
+    /// Particles that have a limit.
+    pub particles: u32,
+    /// Shortest limit.
+    pub min: f32,
+    /// Longest limit.
+    pub max: f32,
+}
+
+impl Limits {
+    /// The limits of a piece of `bundle`; `all` are those of its particles, by bundle-wide index.
+    fn of(bundle: &Bundle, piece: usize, all: &[f32]) -> Option<Limits> {
+        let first = bundle.manifest.pieces[piece].first_particle as usize;
+        let positions = bundle.image(piece, &MapKind::Position)?;
+        let codes = positions.data.as_chunks::<4>().0.iter().map(|t| t[3]);
+        let limited = codes.zip(all.get(first..)?).filter(|&(code, &limit)| code != 0.0 && limit >= 0.0);
+        limited.map(|(_, &limit)| Limits { particles: 1, min: limit, max: limit }).reduce(|a, b| Limits {
+            particles: a.particles + b.particles,
+            min: a.min.min(b.min),
+            max: a.max.max(b.max),
+        })
+    }
+}
+
 /// A piece summed up.
 #[derive(Clone, Debug, Serialize)]
 pub struct Piece {
@@ -88,6 +114,9 @@ pub struct Piece {
     pub maps: Vec<Map>,
     /// Values that are the same everywhere.
     pub constants: Constants,
+    /// The limits of its particles, if any has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limits: Option<Limits>,
     /// Quality measured.
     pub quality: Quality,
     /// The cut that made it a disk.
@@ -128,6 +157,8 @@ impl Summary {
         let positions = |piece| bundle.image(piece, &MapKind::Position);
         let boxes: Vec<Option<Bounds>> = (0..stated.len()).map(|piece| positions(piece).and_then(Bounds::of)).collect();
         let bounds = boxes.iter().flatten().copied().reduce(Bounds::with);
+        let all_limits = bundle.limits().unwrap_or_default();
+        let limits: Vec<Option<Limits>> = (0..stated.len()).map(|k| Limits::of(&bundle, k, &all_limits)).collect();
         let manifest = bundle.manifest;
         let mut disagreements = Vec::new();
         for (piece, stated) in manifest.pieces.iter().zip(&stated) {
@@ -150,25 +181,27 @@ impl Summary {
         let maps: Vec<Vec<Map>> = manifest.pieces.iter().map(|p| p.maps.iter().map(map).collect()).collect();
         let image_bytes = manifest.files.values().map(|f| f.bytes).sum();
         let texels = manifest.texels();
-        let pieces = manifest.pieces.into_iter().zip(maps).zip(boxes).map(|((p, maps), bounds)| {
-            let (rating, remarks) = Figures::of(&p.quality).rate();
-            Piece {
-                name: p.name,
-                width: p.width,
-                height: p.height,
-                first_particle: p.first_particle,
-                bounds,
-                counts: p.counts,
-                maps,
-                constants: p.constants,
-                quality: p.quality,
-                cut: p.cut,
-                surface: p.surface,
-                rating,
-                remarks,
-                ladder: p.ladder,
-            }
-        });
+        let pieces =
+            manifest.pieces.into_iter().zip(maps).zip(boxes).zip(limits).map(|(((p, maps), bounds), limits)| {
+                let (rating, remarks) = Figures::of(&p.quality).rate();
+                Piece {
+                    name: p.name,
+                    width: p.width,
+                    height: p.height,
+                    first_particle: p.first_particle,
+                    bounds,
+                    counts: p.counts,
+                    maps,
+                    constants: p.constants,
+                    limits,
+                    quality: p.quality,
+                    cut: p.cut,
+                    surface: p.surface,
+                    rating,
+                    remarks,
+                    ladder: p.ladder,
+                }
+            });
         Ok(Summary {
             version: manifest.version,
             generator: manifest.generator,

@@ -251,6 +251,21 @@ fn a_hint_about_unit_and_axis_is_shown_and_changes_nothing() {
 }
 
 #[test]
+fn limits_are_listed_by_inspect() {
+    let place = Place::new();
+    place.run("build tube.obj -o tube.gim --texels 600 --limit above:0.4=0.05 --limit above:0.6=0").expect(&[0]);
+    let json = place.run("inspect tube.gim --json").expect(&[0]).json();
+    let limits = &json["pieces"][0]["limits"];
+    let (limited, all) = (limits["particles"].as_u64().unwrap(), json["texels"].as_u64().unwrap());
+    assert!(limited > all / 3 && limited < 2 * all / 3, "{limited} of {all} particles");
+    assert_eq!((limits["min"].as_f64(), limits["max"].as_f64()), (Some(0.0), Some(0.05)));
+    let text = place.run("inspect tube.gim").expect(&[0]).stdout;
+    assert!(text.contains("Limits") && text.contains("50.00 mm"), "{text}");
+    let none = place.run("build tube.obj -o free.gim --texels 600").expect(&[0]).stdout;
+    assert!(!none.contains("Limits"), "{none}");
+}
+
+#[test]
 fn a_pin_that_selects_nothing_names_bounds_and_what_there_is() {
     let place = Place::new();
     let run = place.run("build tube.obj -o tube.gim --texels 600 --pin above:7 --pin loop:0").expect(&[1]);

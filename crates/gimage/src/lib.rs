@@ -34,7 +34,8 @@
 //!     mesh.triangles.extend([[k, k + 24, next], [next, k + 24, next + 24]]);
 //! }
 //!
-//! let options = BuildOptions { size: ImageSize::Texels(400), ..BuildOptions::default() };
+//! let mut options = BuildOptions::default();
+//! options.image.size = ImageSize::Texels(400);
 //! let mesh = repair::repair(mesh, &options.repair)?.mesh;
 //! let parts = component::split(&mesh, &options.component);
 //! let component = &parts.pieces[0];
@@ -69,7 +70,7 @@ pub mod report;
 pub mod stage;
 
 pub use base::{closest, grid, halfedge, mesh, surface, topology};
-pub use stage::assemble::{mass, pins, springs};
+pub use stage::assemble::{limits, mass, pins, springs};
 pub use stage::image::{judge, ladder};
 pub use stage::measure::stretch;
 pub use stage::{component, export, gate, import, measure, reconstruct, repair};

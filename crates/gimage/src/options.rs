@@ -1,25 +1,37 @@
-//! The options of a build, with units, defaults, ranges and the effect of larger values.
+//! The options of a build: one struct of structs, one per stage.
+//!
+//! The declaration of a field (`stage_options!`) is the only place that has its unit, default, range and effect. The
+//! checks, the record in the manifest, the help of the command line and the table in docs/building.md are derived from it.
+
+mod field;
+mod setting;
 
 use std::collections::BTreeMap;
 
+use gimage_bundle::{MAX_PARTICLES, MAX_SIDE};
 use serde_json::{Value, json};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::stage::assemble::AssembleOptions;
 use crate::stage::assemble::mass::MassOptions;
-use crate::stage::assemble::pins::Pin;
-use crate::stage::component::{ALWAYS_PIECE, ComponentOptions};
+use crate::stage::component::ComponentOptions;
+use crate::stage::gate::GateOptions;
 use crate::stage::import::ImportOptions;
 use crate::stage::repair::RepairOptions;
+
+pub use field::Choice;
+pub(crate) use field::{Field, stage_options};
+pub(crate) use setting::check;
+pub use setting::{Range, Setting};
 
 /// The size of the images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ImageSize {
-    /// Texels for the whole bundle, divided by area; each piece gets the shape that fits it best. 9..=2^24 - 2, default
-    /// 16,384; more is more faithful and slower.
+    /// Texels of the whole bundle.
     Texels(u32),
-    /// Width and height of every piece's image in texels, 3..=16,384 each.
+    /// Width and height in texels of the image of each piece.
     Exact(u32, u32),
-    /// Mean distance between neighbouring texels \[m\], above 0; smaller is more faithful and slower.
+    /// Mean distance between neighbouring texels \[m\].
     Spacing(f64),
 }
 
@@ -64,8 +76,84 @@ pub enum RestLength {
     Arc,
 }
 
-/// All options of [`crate::pipeline::build`].
-#[derive(Clone, Debug, PartialEq)]
+impl Choice for Sample {
+    const ALL: &'static [(&'static str, Self)] = &[("point", Self::Point), ("fit", Self::Fit)];
+}
+
+impl Choice for Seams {
+    const ALL: &'static [(&'static str, Self)] = &[("auto", Self::Auto), ("short", Self::Short), ("uv", Self::Uv)];
+}
+
+impl Choice for Effort {
+    const ALL: &'static [(&'static str, Self)] =
+        &[("fast", Self::Fast), ("default", Self::Default), ("best", Self::Best)];
+}
+
+impl Choice for RestLength {
+    const ALL: &'static [(&'static str, Self)] = &[("chord", Self::Chord), ("arc", Self::Arc)];
+}
+
+impl Field for ImageSize {
+    fn settings(&self, about: Setting) -> Vec<Setting> {
+        let mut texels = Setting {
+            unit: "texels",
+            range: Range::Between(9.0, MAX_PARTICLES as f64),
+            help: "Texels of the whole bundle, divided among the pieces by area; more are more faithful and slower."
+                .into(),
+            ..about.clone()
+        };
+        let mut size = Setting {
+            name: "size",
+            unit: "texels",
+            range: Range::Sides(3, MAX_SIDE, MAX_PARTICLES),
+            help: "Size of the image of each piece, for example 128x96.".into(),
+            ..about.clone()
+        };
+        let mut spacing = Setting {
+            name: "spacing",
+            unit: "m",
+            range: Range::Above(0.0),
+            help: "Mean distance between neighbouring texels.".into(),
+            ..about
+        };
+        match *self {
+            ImageSize::Texels(n) => (texels.value, texels.numbers) = (Some(json!(n)), vec![n.into()]),
+            ImageSize::Exact(w, h) => (size.value, size.numbers) = (Some(json!([w, h])), vec![w.into(), h.into()]),
+            ImageSize::Spacing(d) => (spacing.value, spacing.numbers) = (Some(json!(d)), vec![d]),
+        }
+        vec![texels, size, spacing]
+    }
+}
+
+stage_options! {
+    /// Options of the image of each piece: cut, layout, map and texels.
+    #[derive(Copy)]
+    pub struct PieceOptions of "image" {
+        /// The size of the images.
+        pub size: ImageSize = ImageSize::Texels(16_384) => "texels" [""] Range::Any;
+        /// Place texels exactly on the surface (point), or so that the surface between them is closest (fit).
+        pub sample: Sample = Sample::Fit => "sample" [""] Range::Any;
+        /// Where cuts run: along the shortest path, along UV seams, or the better of both (auto).
+        pub seams: Seams = Seams::Auto => "seams" [""] Range::Any;
+        /// How strongly texels concentrate where the surface bends: 0 is uniform, 1 has the least error. Even springs suit
+        /// solvers, dense folds look better.
+        pub detail: f64 = 0.6 => "detail" ["share"] Range::Between(0.0, 1.0);
+        /// Effort of the search for the best cut and layout.
+        pub effort: Effort = Effort::Default => "effort" [""] Range::Any;
+    }
+}
+
+/// All options of [`crate::pipeline::build`], one struct per stage.
+///
+/// ```
+/// use gimage::options::{BuildOptions, ImageSize, PieceOptions};
+///
+/// let image = PieceOptions { size: ImageSize::Texels(4096), detail: 2.0, ..PieceOptions::default() };
+/// let options = BuildOptions { image, ..BuildOptions::default() };
+/// let error = options.check().unwrap_err().to_string();
+/// assert_eq!(error, "option detail: 2 is out of range; give a number from 0 to 1");
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BuildOptions {
     /// Options of the import.
     pub import: ImportOptions,
@@ -73,140 +161,59 @@ pub struct BuildOptions {
     pub repair: RepairOptions,
     /// Options that separate pieces from accessories.
     pub component: ComponentOptions,
-    /// The size of the images.
-    pub size: ImageSize,
-    /// Where texels are placed.
-    pub sample: Sample,
-    /// Which edges the cut prefers.
-    pub seams: Seams,
-    /// Controls how strongly texels concentrate where the surface bends: 0 (uniform) to 1 (least square error); default 0.6,
-    /// which is nearly as faithful as 1 and nearly as even as 0. Even springs suit solvers, dense folds look better.
-    pub detail: f64,
-    /// Effort of the search for the cut and the layout.
-    pub effort: Effort,
-    /// What rest lengths measure.
-    pub rest: RestLength,
+    /// Options of the image of each piece.
+    pub image: PieceOptions,
     /// Options of the masses.
     pub mass: MassOptions,
-    /// Pin conditions; a particle is pinned if any of them holds.
-    pub pins: Vec<Pin>,
-    /// Measure the result against the source. Default true; false saves about a second.
-    pub metrics: bool,
-    /// Keep images that differ too much from their surface ([`crate::gate`]), with a warning. Default false: an error.
-    pub accept_poor: bool,
-    /// PSNR \[dB\] that every piece must reach; otherwise the build fails. Default none; larger is stricter.
-    pub min_psnr: Option<f64>,
-}
-
-impl Default for BuildOptions {
-    fn default() -> Self {
-        Self {
-            import: ImportOptions::default(),
-            repair: RepairOptions::default(),
-            component: ComponentOptions::default(),
-            size: ImageSize::Texels(16_384),
-            sample: Sample::Fit,
-            seams: Seams::Auto,
-            detail: 0.6,
-            effort: Effort::default(),
-            rest: RestLength::Chord,
-            mass: MassOptions::default(),
-            pins: Vec::new(),
-            metrics: true,
-            accept_poor: false,
-            min_psnr: None,
-        }
-    }
-}
-
-fn bad(option: &str, problem: String, hint: &str) -> Error {
-    Error::Option { option: option.into(), problem, hint: hint.into() }
+    /// Options of the other maps.
+    pub assemble: AssembleOptions,
+    /// Options of the measurement of quality, and of what follows from it.
+    pub gate: GateOptions,
 }
 
 impl BuildOptions {
+    /// All settings in the order of the stages, with the values of these options.
+    pub fn settings(&self) -> Vec<Setting> {
+        [
+            self.import.settings(),
+            self.repair.settings(),
+            self.component.settings(),
+            self.image.settings(),
+            self.mass.settings(),
+            self.assemble.settings(),
+            self.gate.settings(),
+        ]
+        .concat()
+    }
+
     /// Checks every range; stages rely on it.
     pub fn check(&self) -> Result<()> {
-        let cap = gimage_bundle::MAX_PARTICLES;
-        match self.size {
-            ImageSize::Texels(n) if !(9..=cap).contains(&n) => {
-                return Err(bad("texels", format!("{n} texels"), &format!("give 9 to {cap}")));
-            }
-            ImageSize::Exact(w, h)
-                if w.min(h) < 3
-                    || u64::from(w) * u64::from(h) > u64::from(cap)
-                    || w.max(h) > gimage_bundle::MAX_SIDE =>
-            {
-                let hint = format!("give sides of 3 to {} and at most {cap} texels", gimage_bundle::MAX_SIDE);
-                return Err(bad("size", format!("{w} x {h}"), &hint));
-            }
-            ImageSize::Spacing(d) if !(d.is_finite() && d > 0.0) => {
-                return Err(bad("spacing", format!("{d} is not a length above 0"), "give metres above 0"));
-            }
-            _ => {}
-        }
-        let a = self.component.accessory_area;
-        if !(0.0..=ALWAYS_PIECE).contains(&a) {
-            let hint = format!("give a share of the area from 0 to {ALWAYS_PIECE}; larger parts are always pieces");
-            return Err(bad("accessory-area", format!("{a}"), &hint));
-        }
-        if !(0.0..=1.0).contains(&self.detail) {
-            return Err(bad("detail", format!("{}", self.detail), "give a number from 0 to 1"));
-        }
-        if let Some(db) = self.min_psnr.filter(|db| !db.is_finite()) {
-            return Err(bad("min-psnr", format!("{db}"), "give decibels, such as 50"));
-        }
-        if !(self.mass.density.is_finite() && self.mass.density > 0.0) {
-            return Err(bad("density", format!("{}", self.mass.density), "give kg/m2 above 0"));
-        }
-        Ok(())
+        check(&self.settings())
     }
 
     /// The options as they stand in the manifest.
     pub(crate) fn record(&self) -> BTreeMap<String, Value> {
-        let size = match self.size {
-            ImageSize::Texels(n) => ("texels", json!(n)),
-            ImageSize::Exact(w, h) => ("size", json!([w, h])),
-            ImageSize::Spacing(d) => ("spacing", json!(d)),
-        };
-        [
-            size,
-            ("piece", json!(self.import.pieces)),
-            ("unit", json!(self.import.unit)),
-            ("up", json!(self.import.up.to_string())),
-            ("center", json!(self.import.center)),
-            ("weld", json!(self.repair.weld)),
-            ("accessory_area", json!(self.component.accessory_area)),
-            ("sample", json!(if self.sample == Sample::Fit { "fit" } else { "point" })),
-            (
-                "seams",
-                json!(match self.seams {
-                    Seams::Auto => "auto",
-                    Seams::Short => "short",
-                    Seams::Uv => "uv",
-                }),
-            ),
-            ("detail", json!(self.detail)),
-            (
-                "effort",
-                json!(match self.effort {
-                    Effort::Fast => "fast",
-                    Effort::Default => "default",
-                    Effort::Best => "best",
-                }),
-            ),
-            ("rest", json!(if self.rest == RestLength::Arc { "arc" } else { "chord" })),
-            ("density", json!(self.mass.density)),
-            ("pin", json!(self.pins.iter().map(ToString::to_string).collect::<Vec<_>>())),
-        ]
-        .into_iter()
-        .map(|(k, v)| (k.to_owned(), v))
-        .collect()
+        let recorded = self.settings().into_iter().filter(|setting| setting.recorded);
+        recorded.filter_map(|setting| Some((setting.name.replace('-', "_"), setting.value?))).collect()
     }
+}
+
+/// The text of an option of the command line, by name: its effect, default and range. Empty for an unknown name.
+pub fn help(name: &str) -> String {
+    let settings = BuildOptions::default().settings();
+    settings.iter().find(|setting| setting.name == name).map(Setting::help).unwrap_or_default()
+}
+
+/// The range of an option of the command line, by name.
+pub fn range(name: &str) -> Range {
+    let settings = BuildOptions::default().settings();
+    settings.iter().find(|setting| setting.name == name).map_or(Range::Any, |setting| setting.range)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
 
     #[test]
     fn the_defaults_pass_and_every_range_error_names_its_option() {
@@ -218,21 +225,28 @@ mod tests {
         assert!(with(&|_| {}).is_ok());
         let sizes = [
             ("texels", ImageSize::Texels(8)),
-            ("texels", ImageSize::Texels(gimage_bundle::MAX_PARTICLES + 1)),
+            ("texels", ImageSize::Texels(MAX_PARTICLES + 1)),
             ("size", ImageSize::Exact(2, 9)),
-            ("size", ImageSize::Exact(9, gimage_bundle::MAX_SIDE + 1)),
+            ("size", ImageSize::Exact(9, MAX_SIDE + 1)),
+            ("size", ImageSize::Exact(MAX_SIDE, MAX_SIDE)),
             ("spacing", ImageSize::Spacing(0.0)),
             ("spacing", ImageSize::Spacing(f64::NAN)),
         ];
-        let mut found: Vec<_> = sizes.into_iter().map(|(name, s)| (name, with(&|o| o.size = s))).collect();
+        let mut found: Vec<_> = sizes.into_iter().map(|(name, s)| (name, with(&|o| o.image.size = s))).collect();
         found.push(("accessory-area", with(&|o| o.component.accessory_area = 0.11)));
         for x in [-0.1, 1.1, f64::NAN] {
             found.push(("accessory-area", with(&|o| o.component.accessory_area = x)));
-            found.push(("detail", with(&|o| o.detail = x)));
+            found.push(("detail", with(&|o| o.image.detail = x)));
             found.push(("density", with(&|o| o.mass.density = x.min(0.0))));
+            found.push(("unit", with(&|o| o.import.unit = x.min(0.0))));
+            found.push(("weld", with(&|o| o.repair.weld = Some(x.min(0.0)))));
         }
+        found.push(("min-psnr", with(&|o| o.gate.min_psnr = Some(f64::INFINITY))));
         for (name, result) in found {
             assert!(matches!(&result, Err(Error::Option { option, .. }) if option == name), "{name}: {result:?}");
+        }
+        for size in [ImageSize::Texels(9), ImageSize::Exact(3, MAX_SIDE), ImageSize::Spacing(1e-6)] {
+            assert!(with(&|o| o.image.size = size).is_ok(), "{size:?}");
         }
     }
 
@@ -259,9 +273,45 @@ mod tests {
             ("spacing", ImageSize::Spacing(0.1)),
         ];
         for (name, size) in sizes {
-            let record = BuildOptions { size, ..BuildOptions::default() }.record();
+            let mut options = BuildOptions::default();
+            options.image.size = size;
+            let record = options.record();
             assert!(record.contains_key(name) && rest.iter().all(|k| record.contains_key(*k)), "{record:?}");
             assert_eq!(record.len(), rest.len() + 1);
+            options.assemble.limits = vec!["above:1=0.5".parse().unwrap()];
+            assert_eq!(options.record()["limit"], json!(["above:1=0.5"]));
         }
+    }
+
+    #[test]
+    fn names_are_unique_and_help_has_default_and_range() {
+        let settings = BuildOptions::default().settings();
+        let mut names: Vec<_> = settings.iter().map(|setting| setting.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), settings.len());
+        assert_eq!(help("density"), "Mass per area of the cloth [default: 0.15; above 0]");
+        assert!(help("detail").ends_with("[default: 0.6; 0 to 1]"), "{}", help("detail"));
+        assert!(help("sample").ends_with("(fit) [default: fit]"), "{}", help("sample"));
+        assert!(help("weld").ends_with("[above 0]"), "{}", help("weld"));
+        assert!(help("texels").ends_with("[default: 16384; 9 to 16777214]"), "{}", help("texels"));
+        assert_eq!(help("color"), "");
+    }
+
+    /// The table of docs/building.md.
+    fn table() -> String {
+        let mut out = String::from("| option | stage | effect | unit | default | range |\n|---|---|---|---|---|---|\n");
+        for setting in BuildOptions::default().settings() {
+            out += &setting.row();
+            out.push('\n');
+        }
+        out
+    }
+
+    #[test]
+    fn the_page_has_the_table_of_options() {
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/building.md");
+        let text = std::fs::read_to_string(page).unwrap().replace("\r\n", "\n");
+        assert!(text.contains(&table()), "docs/building.md must have this table of options:\n\n{}", table());
     }
 }

@@ -105,14 +105,14 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
         report.findings.extend(findings);
         Ok(bundle)
     })?;
-    if options.metrics {
+    if options.gate.metrics {
         run.stage(Stage::Measure, pieces.len(), |_| {
             measure(&mut bundle, &pieces, total, progress);
             Ok(())
         })?;
     }
     gate::scale_parts(&mut bundle.manifest.pieces, &pieces);
-    run.report.findings.extend(gate::check(&bundle.manifest.pieces, &pieces, options)?);
+    run.report.findings.extend(gate::check(&bundle.manifest.pieces, &pieces, &options.gate)?);
     let images: Vec<PieceImage> = pieces.into_iter().map(|p| p.image).collect();
     bundle.manifest.accessories = anchor(&mesh, &riders, &images);
     entries::describe(&mut bundle, &mesh, &source, options, &run.report.findings);

@@ -10,45 +10,19 @@ pub use batches::arenas;
 #[cfg(feature = "gpu")]
 pub use batches::{Batch, room_of};
 
-use crate::cloth::Cloth;
-use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
-use crate::shaders::{Slot, source};
+use std::sync::Arc;
 
-/// A whole frame of XPBD in one dispatch, described by the variants compiled into its shader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+use crate::cloth::Cloth;
+use crate::passes::{Pass, Schedule};
+use crate::shaders::{self, Slot};
+
+/// Whole frames in one dispatch, described by what is compiled into its shader.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Fused {
-    /// Not [`Air::Field`].
-    pub air: Air,
-    /// Whether integration keeps what rounding takes.
-    pub exact: bool,
-    /// Whether cloth is stiff against bending.
-    pub bends: bool,
-    /// Whether a membrane carries tension, in place of springs.
-    pub membrane: bool,
-    /// Which spring directions there are.
-    pub directions: [bool; 4],
-    /// Whether rest lengths come from an image.
-    pub image: bool,
-    /// Where compliance comes from.
-    pub soft: Soft,
-    /// Whether multipliers are summed over several relaxations.
-    pub again: bool,
-    /// Anchors per particle.
-    pub slots: u32,
-    /// Further rounds of a relaxation.
-    pub polish: u32,
-    /// Whether there are seams.
-    pub seams: bool,
-    /// Which colliders there are.
-    pub contact: Option<Kinds>,
+    /// The passes, which cloths share whose frames are alike.
+    pub(crate) schedule: Arc<Schedule>,
     /// Whether positions leave no room in the memory of a workgroup for a list of the colliders that are near.
     pub full: bool,
-    /// Whether normals are made.
-    pub normals: bool,
-    /// Whether the largest stretch is measured.
-    pub strain: bool,
-    /// Whether speeds are measured.
-    pub watch: bool,
     /// Where positions are during the frame.
     pub hold: Hold,
     /// Particles that the memory of a workgroup has room for.
@@ -119,133 +93,31 @@ impl Room {
 }
 
 impl Fused {
-    /// The frame that a schedule asks for, if a fused one is the same: the same passes in the same order.
-    fn of(cloth: &Cloth, schedule: &Schedule, room: &Room) -> Option<Self> {
-        let mut fused = Fused {
-            air: Air::None,
-            exact: false,
-            bends: false,
-            membrane: false,
-            directions: [false; 4],
-            image: false,
-            soft: Soft::None,
-            again: false,
-            slots: 0,
-            polish: 0,
-            seams: false,
-            contact: None,
-            full: false,
-            normals: false,
-            strain: false,
-            watch: false,
-            hold: room.hold(cloth.len(), 0),
+    /// The frame of a schedule, if all of its passes can be part of one and a device can bind what they need.
+    fn of(cloth: &Cloth, schedule: &Arc<Schedule>, room: &Room) -> Option<Self> {
+        let hold = room.hold(cloth.len(), 0);
+        let many = schedule.relax.iter().any(|p| matches!(p, Pass::Contact(kinds) if kinds.many));
+        let fused = Fused {
+            schedule: schedule.clone(),
+            full: many && room.hold(cloth.len(), NOTES) != hold,
+            hold,
             places: (cloth.len() as u32).next_multiple_of(64),
             threads: (cloth.len() as u32 / 4).next_power_of_two().clamp(LEAST, room.threads),
         };
-        for pass in schedule.step.iter().chain(&schedule.relax).chain(&schedule.frame) {
-            match *pass {
-                Pass::Integrate(air) => fused.air = air,
-                Pass::Advance(air) => (fused.air, fused.exact) = (air, true),
-                Pass::Bend => fused.bends = true,
-                Pass::Membrane { .. } => fused.membrane = true,
-                Pass::Stretch { direction, image, soft, again, .. } => {
-                    fused.directions[direction as usize & 3] = true;
-                    (fused.image, fused.soft, fused.again) = (image, soft, again);
-                }
-                Pass::Tethers { slots } => fused.slots = slots,
-                Pass::Seams => fused.seams = true,
-                Pass::Contact(kinds) => fused.contact = Some(kinds),
-                Pass::Normals { .. } => fused.normals = true,
-                Pass::Strain { image, soft } => (fused.strain, fused.image, fused.soft) = (true, image, soft),
-                Pass::Speed => fused.watch = true,
-                // Implied by the others, or beyond the shader, whose schedule then differs.
-                Pass::Wind { .. }
-                | Pass::Moments { .. }
-                | Pass::SeamMoments
-                | Pass::Springs { .. }
-                | Pass::Forget
-                | Pass::Pyramid { .. }
-                | Pass::Refine { .. }
-                | Pass::SeamSteps
-                | Pass::Colliders(_)
-                | Pass::Guard
-                | Pass::Restore
-                | Pass::SeamNormals
-                | Pass::Fastest
-                | Pass::Tile(_)
-                | Pass::Fused(_)
-                | Pass::Cut
-                | Pass::CutSprings
-                | Pass::CutTethers { .. }
-                | Pass::CutLevels
-                | Pass::Transform
-                | Pass::Pick { .. }
-                | Pass::PickNearest => {}
-            }
+        if !shaders::is_whole(schedule) {
+            return None;
         }
-        fused.polish = fused.rounds(schedule).saturating_sub(1);
-        fused.full = fused.contact.is_some_and(|k| k.many) && room.hold(cloth.len(), NOTES) != fused.hold;
-        let bound = source(Pass::Fused(fused)).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
-        let same = fused.air != Air::Field && fused.schedule(schedule) == *schedule;
-        (same && bound <= room.buffers as usize).then_some(fused)
-    }
-
-    /// The passes that the shader makes, in its order. Colours without room for a spring make no difference.
-    fn schedule(&self, like: &Schedule) -> Schedule {
-        let Fused { image, soft, again, slots, .. } = *self;
-        let colours = like.relax.iter().filter(|p| matches!(p, Pass::Stretch { .. }));
-        let colours: Vec<_> = colours
-            .map(|p| if let Pass::Stretch { direction, parity, .. } = *p { (direction, parity) } else { (0, 0) })
-            .collect();
-        let order = [2, 3, 0, 1].into_iter().flat_map(|d| [(d, 0), (d, 1)]);
-        let colours = order.filter(|c| colours.contains(c));
-        let tethers = (slots > 0).then_some(Pass::Tethers { slots });
-        let mut s = Schedule::default();
-        s.step.push(if self.exact { Pass::Advance(self.air) } else { Pass::Integrate(self.air) });
-        if self.bends {
-            s.step.push(Pass::Moments { holes: false });
-            s.step.extend(self.seams.then_some(Pass::SeamMoments));
-            s.step.push(Pass::Bend);
-            s.step.extend(self.seams.then_some(Pass::Seams));
-        }
-        // Nor do those without room for a cell.
-        let cells = |(column, row)| Pass::Membrane { column, row, holes: false };
-        let cells = [(0, 0), (1, 0), (0, 1), (1, 1)].map(cells);
-        s.step.extend(cells.into_iter().filter(|c| like.step.contains(c)));
-        s.step.extend(again.then_some(Pass::Forget));
-        s.relax.extend(tethers);
-        let springs: Vec<_> =
-            colours.map(|(direction, parity)| Pass::Stretch { direction, parity, image, soft, again }).collect();
-        s.relax.extend(&springs);
-        for _ in 0..self.polish {
-            s.relax.extend(self.seams.then_some(Pass::Seams));
-            s.relax.extend(tethers);
-            s.relax.extend(springs.iter().filter(|p| p.is_structural()));
-        }
-        s.relax.extend(self.seams.then_some(Pass::Seams));
-        s.relax.extend(tethers.filter(|_| self.polish == 0));
-        s.relax.extend(self.contact.map(Pass::Contact));
-        s.frame.extend([Pass::Guard, Pass::Restore]);
-        s.frame.extend(self.strain.then_some(Pass::Strain { image, soft }));
-        s.frame.extend(self.normals.then_some(Pass::Normals { holes: false }));
-        s.frame.extend((self.normals && self.seams).then_some(Pass::SeamNormals));
-        s.frame.extend(self.watch.then_some([Pass::Speed, Pass::Fastest]).into_iter().flatten());
-        s
-    }
-
-    /// How often springs to the right, or else down, are relaxed: as often as the first such pass is there.
-    fn rounds(&self, schedule: &Schedule) -> u32 {
-        let first = schedule.relax.iter().find(|p| p.is_structural());
-        schedule.relax.iter().filter(|p| first == Some(*p)).count() as u32
+        let bound = shaders::whole(&fused).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
+        (bound <= room.buffers as usize).then_some(fused)
     }
 
     /// Without what may differ within a batch.
     fn kind(&self) -> Self {
-        Fused { places: 0, threads: 0, ..*self }
+        Fused { places: 0, threads: 0, ..self.clone() }
     }
 
     /// Room for both.
     fn with(&self, other: &Self) -> Self {
-        Fused { places: self.places.max(other.places), threads: self.threads.max(other.threads), ..*self }
+        Fused { places: self.places.max(other.places), threads: self.threads.max(other.threads), ..self.clone() }
     }
 }

@@ -3,6 +3,7 @@
 mod actions;
 mod arena;
 mod buffers;
+mod contents;
 mod cut_tethers;
 mod frames;
 mod levels;
@@ -23,9 +24,10 @@ pub use span::Span;
 use bytemuck::cast_slice;
 
 use crate::cpu::body::Body;
+use crate::cpu::start::Start;
 use crate::error::Result;
+use crate::form::Form;
 use crate::layout::{POSES, StepRow};
-use crate::passes::Pass;
 use crate::plan::Plan;
 use crate::shaders::Slot;
 use crate::step::Step;
@@ -58,14 +60,14 @@ impl Gpu {
         pipelines: Pipelines,
         draw_only: bool,
     ) -> Result<Self> {
-        let bodies = world.bodies();
-        let arenas: Vec<_> = world.arenas.iter().map(|cloths| Arena::new(device, world, &bodies, cloths)).collect();
+        let starts: Vec<_> = world.scene.cloths.iter().map(|c| Start::new(c, &world.options)).collect();
+        let arenas: Vec<_> = world.arenas.iter().map(|cloths| Arena::new(device, world, &starts, cloths)).collect();
         let mut lie: Vec<Option<Spans>> = world.scene.cloths.iter().map(|_| None).collect();
         arenas.iter().flat_map(Arena::spans).for_each(|(cloth, spans)| lie[cloth] = Some(spans));
-        let cloths = world.scene.cloths.iter().zip(&world.tethers).zip(&bodies).zip(lie);
+        let cloths = world.scene.cloths.iter().zip(&world.tethers).zip(&starts).zip(lie);
         let settings = (draw_only, &*world.options);
         let cloths: Result<_> =
-            cloths.map(|((held, body), spans)| ClothBuffers::new(device, held, body, settings, spans)).collect();
+            cloths.map(|((held, start), spans)| ClothBuffers::new(device, held, start, settings, spans)).collect();
         let mut gpu = Gpu {
             solids: Solids::new(device, world),
             pipelines,
@@ -79,7 +81,7 @@ impl Gpu {
         gpu.meet(world);
         if !draw_only {
             // All that a frame runs, so that the first one does not wait for a compiler.
-            Plan::new(world).passes.iter().for_each(|p| _ = gpu.pipelines.get(p.pass));
+            Plan::new(world).passes.iter().for_each(|p| _ = gpu.pipelines.get(&p.form));
         }
         Ok(gpu)
     }
@@ -126,7 +128,10 @@ impl Gpu {
             pass = begin(encoder);
         }
         for (index, offset) in alone.into_iter().zip(last) {
-            world.schedules[index].frame.iter().for_each(|what| self.run(world, &mut pass, index, (*what, offset)));
+            world.schedules[index]
+                .frame
+                .iter()
+                .for_each(|what| self.run(world, &mut pass, index, (&Form::Apart(*what), offset)));
         }
         drop(pass);
         self.watch(world, encoder, steps);
@@ -136,7 +141,8 @@ impl Gpu {
     /// Records the steps of a cloth; returns where the numbers of the last one lie.
     fn record_steps(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, steps: u32) -> u32 {
         let (cloth, plan, order) = (&world.scene.cloths[index], &world.schedules[index], world.order(index));
-        let relax = order.map_or(&plan.relax, |o| &o.relax);
+        let alone = || plan.relax.iter().map(|p| Form::Apart(*p)).collect();
+        let relax: Vec<Form> = order.map_or_else(alone, |o| o.relax.clone());
         let mut offset = 0;
         for n in 0..steps {
             let group = steps.div_ceil(POSES);
@@ -144,18 +150,21 @@ impl Gpu {
             let row = StepRow::from(&Step { left, ..world.step(cloth, n == 0) });
             offset = self.cloths[index].step_offset(&self.queue, row);
             let coarse = if world.coarse(n) { &plan.coarse[..] } else { &[] };
-            let rounds = |count| (0..count).flat_map(|_| relax);
-            let mut run = |what: &Pass| self.run(world, pass, index, (*what, offset));
+            let rounds = |count| (0..count).flat_map(|_| &relax);
+            let mut run = |what: &Form| self.run(world, pass, index, (what, offset));
             match order.filter(|_| coarse.is_empty()) {
                 Some(order) => order.first.iter().chain(rounds(world.options.iterations - 1)).for_each(&mut run),
-                None => plan.step.iter().chain(coarse).chain(rounds(world.options.iterations)).for_each(&mut run),
+                None => {
+                    plan.step.iter().chain(coarse).for_each(|p| run(&Form::Apart(*p)));
+                    rounds(world.options.iterations).for_each(&mut run);
+                }
             }
         }
         offset
     }
 
     /// Records one pass of a cloth, with the numbers that lie at an offset.
-    fn run(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, (what, offset): (Pass, u32)) {
+    fn run(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, (what, offset): (&Form, u32)) {
         let pipeline = self.pipelines.get(what);
         let buffers = &mut self.cloths[index];
         let group = buffers.group(&self.device, pipeline);
@@ -164,16 +173,14 @@ impl Gpu {
         pass.set_pipeline(&pipeline.pipeline);
         pass.set_bind_group(0, group, offsets);
         pass.dispatch_workgroups(x, y, z);
-        if let Pass::Tile(tile) = &what {
-            buffers.turn(tile);
-        }
+        buffers.turn(&pipeline.source);
     }
 
     /// Records the frames of all cloths that share dispatches.
     fn record_fused(&mut self, world: &World, pass: &mut wgpu::ComputePass, steps: u32) {
         let Some(frames) = &mut self.frames else { return };
         for batch in world.batches(steps) {
-            let pipeline = self.pipelines.get(Pass::Fused(batch.fused));
+            let pipeline = self.pipelines.get(&Form::Whole(batch.fused.clone()));
             let arena = &mut self.arenas[batch.arena];
             let any = &world.scene.cloths[world.arenas[batch.arena][batch.members[0]]];
             let offset = frames.offset(&self.queue, world, any, steps);
@@ -247,7 +254,7 @@ fn begin(encoder: &mut wgpu::CommandEncoder) -> wgpu::ComputePass<'_> {
 }
 
 impl crate::shaders::Source {
-    fn binds(&self, slot: Slot) -> bool {
+    pub(crate) fn binds(&self, slot: Slot) -> bool {
         self.bindings.iter().any(|b| b.slot == slot)
     }
 }

@@ -35,6 +35,8 @@ mod cpu;
 pub mod draw;
 mod error;
 mod findings;
+mod fold;
+mod form;
 mod fused;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -73,6 +75,7 @@ pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Re
 pub use collider::{Collider, Shape};
 pub use error::{Error, Result};
 pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
+pub use form::Form;
 pub use fused::{Fused, Hold};
 #[cfg(feature = "gpu")]
 pub use gpu::{ClothBuffers, Compiled, Span, device_limits, read_back, read_back_u32};

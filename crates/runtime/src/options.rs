@@ -85,7 +85,7 @@ pub struct Options {
     /// share the rows of large cloths, of springs under [`Solver::Xpbd`] from some 300 x 300 particles on.
     pub threads: usize,
     /// Whether, on the GPU, cloths run their whole frame in one dispatch where they can: with [`Solver::Xpbd`], a size that
-    /// fits the memory of a workgroup (or of any size, from 16 such cloths on), no cut, no wind on triangles and no
+    /// fits the memory of a workgroup (or of any size, from 16 such cloths on), no cut and no
     /// pyramid, and at most 512 relaxations per frame, rounds of polishing included. Other cloth of that solver runs as many
     /// consecutive passes of a step in one dispatch as wait for nothing but their neighbours, by tiles (see [`crate::Tile`]):
     /// from the integration to the contact, or to the seams and from there on. Tiles take 32 bytes per particle more, 16 more

@@ -1,11 +1,9 @@
-//! The frame: which passes run, in what order, and why.
+//! The step of a cloth as data: which passes there are, which run, in what order, and why. All forms of a frame are made from it.
 
 use crate::choose::Settings;
 use crate::cloth::{Cloth, Compliance, Grid, Rest};
 use crate::collider::{Collider, Shape};
-use crate::fused::Fused;
 use crate::options::{Options, Solver};
-use crate::tile::Tile;
 use crate::wind::{Wind, WindForce};
 
 /// A pass over a cloth. Passes of one kind differ in constants only.
@@ -68,6 +66,8 @@ pub enum Pass {
         /// Anchors per particle.
         slots: u32,
     },
+    /// No particle is farther from its position at rest than its limit.
+    Limit,
     /// Lengths are limited on coarser grids of the cloth.
     Pyramid {
         /// Which spring directions there are.
@@ -114,10 +114,6 @@ pub enum Pass {
         /// Where compliance comes from, which accounts for a part of it.
         soft: Soft,
     },
-    /// Several of a step's passes in one dispatch, by tiles of the cloth.
-    Tile(Tile),
-    /// All of the above for whole cloths in one dispatch.
-    Fused(Fused),
     /// Triangles that a cut meets are taken away. This and all below run for one action, not every frame.
     Cut,
     /// Springs of those triangles lose their rest lengths.
@@ -209,7 +205,7 @@ impl Kinds {
 }
 
 /// The passes of a cloth, in order.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Schedule {
     /// Once a step.
     pub step: Vec<Pass>,
@@ -277,6 +273,8 @@ pub fn schedule(
             // A further round has had them already, and ends with springs.
             let last = options.polish == 0 || cloth.membrane().is_some();
             s.relax.extend(tethers.filter(|_| last));
+            // Contact has the last word: a limit may lead into a collider.
+            s.relax.extend(cloth.limits.is_some().then_some(Pass::Limit));
             s.relax.extend(colliders.map(Pass::Contact));
             s.frame.extend([Pass::Guard, Pass::Restore]);
         }

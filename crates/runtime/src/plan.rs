@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::form::Form;
 use crate::fused::{Fused, Hold};
 use crate::passes::{Pass, Schedule};
 use crate::shaders::{Slot, source};
@@ -13,8 +14,8 @@ use crate::world::World;
 pub struct PlannedPass {
     /// Index of the cloth.
     pub cloth: usize,
-    /// Which pass.
-    pub pass: Pass,
+    /// What runs.
+    pub form: Form,
     /// The shader file's stem.
     pub shader: &'static str,
     /// Workgroups in x, y, z.
@@ -38,24 +39,27 @@ impl Plan {
         let mut passes = Vec::new();
         for batch in world.batches(steps) {
             let cloths = batch.members.iter().map(|m| world.arenas[batch.arena][*m]);
-            let fused = cloths.enumerate().map(|(k, c)| planned(world, c, Pass::Fused(batch.fused), u32::from(k == 0)));
+            let fused =
+                cloths.enumerate().map(|(k, c)| planned(world, c, Form::Whole(batch.fused.clone()), u32::from(k == 0)));
             passes.extend(fused);
         }
-        let apart = |c: usize| !world.asleep[c] && !world.is_fused(c, steps);
-        for (cloth, plan) in world.schedules.iter().enumerate().filter(|(c, _)| apart(*c)) {
+        let apart = |list: &[Pass]| list.iter().map(|pass| Form::Apart(*pass)).collect::<Vec<_>>();
+        let alone = |c: usize| !world.asleep[c] && !world.is_fused(c, steps);
+        for (cloth, plan) in world.schedules.iter().enumerate().filter(|(c, _)| alone(*c)) {
             let Schedule { step, coarse, relax, frame } = plan;
             let rare = steps.div_ceil(world.options.pyramid.max(1));
             if let Some(order) = world.order(cloth) {
                 let rare = if coarse.is_empty() { 0 } else { rare };
-                let relax = (&order.relax, steps * (rounds - 1) + rare);
-                let lists = [(step, rare), (coarse, rare), (&order.first, steps - rare), relax, (frame, 1)];
+                let relax = (order.relax.clone(), steps * (rounds - 1) + rare);
+                let first = (order.first.clone(), steps - rare);
+                let lists = [(apart(step), rare), (apart(coarse), rare), first, relax, (apart(frame), 1)];
                 for (list, dispatches) in lists.into_iter().filter(|l| l.1 > 0) {
-                    passes.extend(list.iter().map(|pass| planned(world, cloth, *pass, dispatches)));
+                    passes.extend(list.into_iter().map(|form| planned(world, cloth, form, dispatches)));
                 }
                 continue;
             }
             for (list, dispatches) in [(step, steps), (coarse, rare), (relax, steps * rounds), (frame, 1)] {
-                passes.extend(list.iter().map(|pass| planned(world, cloth, *pass, dispatches)));
+                passes.extend(apart(list).into_iter().map(|form| planned(world, cloth, form, dispatches)));
             }
         }
         Plan { passes }
@@ -76,14 +80,14 @@ impl Plan {
     }
 }
 
-fn planned(world: &World, cloth: usize, pass: Pass, dispatches: u32) -> PlannedPass {
-    let source = source(pass);
+fn planned(world: &World, cloth: usize, form: Form, dispatches: u32) -> PlannedPass {
+    let source = source(&form);
     let of = &world.scene.cloths[cloth];
     let slots = source.bindings.iter().map(|b| b.slot);
     let bytes = |slot: Slot| slot.bytes(of, world.tethers[cloth].per_particle, world.scene.colliders.len());
     PlannedPass {
         cloth,
-        pass,
+        form,
         shader: source.stem,
         workgroups: source.workgroups(of),
         dispatches,
@@ -96,18 +100,18 @@ impl fmt::Display for Plan {
         for p in &self.passes {
             let [x, y, z] = p.workgroups;
             let bound: Vec<_> = p.bindings.iter().map(|(name, bytes)| format!("{name} {bytes}")).collect();
-            let variant = match p.pass {
-                Pass::Springs { direction, parity, .. } => {
-                    format!(" {} {}", ["right", "down", "down-right", "up-right"][direction as usize & 3], parity)
+            let variant = match &p.form {
+                Form::Apart(Pass::Springs { direction, parity, .. }) => {
+                    format!(" {} {}", ["right", "down", "down-right", "up-right"][*direction as usize & 3], parity)
                 }
-                Pass::Fused(Fused { hold, threads, .. }) => {
+                Form::Whole(Fused { hold, threads, .. }) => {
                     let held = match hold {
                         Hold::Both | Hold::Wide | Hold::Narrow => "workgroup memory",
                         Hold::Stored => "storage",
                     };
                     format!(" in {held}, {threads} threads")
                 }
-                Pass::Tile(Tile { shape, threads, .. }) => {
+                Form::Tile(Tile { shape, threads, .. }) => {
                     let [[x, y], [wide, high]] = [shape.inner, shape.room];
                     format!(" of {x} x {y} in {wide} x {high}, {threads} threads")
                 }

@@ -8,10 +8,17 @@ use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use super::*;
 use crate::fused::{Fused, Hold};
 use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
-use crate::tile::{Tile, TileShape};
+use crate::passes::{Air, Kinds, Schedule, Soft};
+use crate::tile::Tile;
 
-/// Every variant that a schedule can hold, up to constants.
-pub(super) fn variants() -> Vec<Pass> {
+/// Every form that a frame or an action can have, up to constants.
+pub(super) fn variants() -> Vec<Form> {
+    let apart = passes().into_iter().map(Form::Apart);
+    apart.chain(fused().into_iter().map(Form::Whole)).chain(tiles().into_iter().map(Form::Tile)).collect()
+}
+
+/// Every variant of every pass.
+fn passes() -> Vec<Pass> {
     let mut all = vec![Pass::Seams, Pass::SeamSteps, Pass::SeamNormals, Pass::Speed, Pass::Fastest];
     all.extend([Pass::Cut, Pass::CutSprings, Pass::CutLevels, Pass::Transform, Pass::PickNearest]);
     for holes in [false, true] {
@@ -27,13 +34,8 @@ pub(super) fn variants() -> Vec<Pass> {
     }
     for (direction, soft) in (0..4).flat_map(|d| SOFTS.map(|s| (d, s))) {
         let stretch = |k: u32| (k % 2, k & 2 > 0, k & 4 > 0 && soft != Soft::None);
-        all.extend((0..8).map(stretch).map(|(parity, image, again)| Pass::Stretch {
-            direction,
-            parity,
-            image,
-            soft,
-            again,
-        }));
+        let stretch = (0..8).map(stretch);
+        all.extend(stretch.map(|(parity, image, again)| Pass::Stretch { direction, parity, image, soft, again }));
     }
     for soft in SOFTS {
         all.extend([false, true].map(|image| Pass::Strain { image, soft }));
@@ -46,69 +48,83 @@ pub(super) fn variants() -> Vec<Pass> {
         all.extend([false, true].map(|seams| Pass::Pyramid { directions, seams, cut }));
         all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
     }
-    all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
+    all.extend([Pass::Forget, Pass::Limit, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams }));
-    all.extend(fused().map(Pass::Fused));
-    all.extend(tiles().map(Pass::Tile));
     all
-}
-
-/// Every part of tiles, alone and with all others.
-fn tiles() -> impl Iterator<Item = Tile> {
-    let airs = [None, Some(Air::None), Some(Air::Push), Some(Air::Field)];
-    (0..64u32).flat_map(move |k| {
-        let on = move |bit: u32| k >> bit & 1 == 1;
-        (0..12).map(move |n| Tile {
-            air: airs[n % 4],
-            exact: on(3) && n % 4 > 0,
-            forget: on(2) && on(3) && n > 3,
-            again: on(2) && (on(3) || on(4)) && n > 3,
-            tethers: [on(0), on(1)],
-            slots: 2 * u32::from(on(0) || on(1)),
-            colours: if on(2) { 0xff } else { 0 },
-            polish: u32::from(on(2) && on(0)),
-            image: on(3),
-            soft: if on(2) { SOFTS[n / 4] } else { Soft::None },
-            contact: on(4).then_some(Kinds { shapes: [true; 6], friction: on(2), many: on(5) }),
-            shape: TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] },
-            threads: 256,
-        })
-    })
 }
 
 const SOFTS: [Soft; 3] = [Soft::None, Soft::Constant, Soft::Image];
 
-/// Every part of whole frames, alone and with all others.
-fn fused() -> impl Iterator<Item = Fused> {
-    let holds = [Hold::Both, Hold::Wide, Hold::Narrow, Hold::Stored];
-    (0..128u32).flat_map(move |k| {
-        let on = move |bit: u32| k >> bit & 1 == 1;
-        (0..SOFTS.len()).map(move |n| Fused {
-            air: if on(0) { Air::Push } else { Air::None },
-            directions: [true, on(1), true, on(2)],
-            image: on(3),
-            soft: SOFTS[n],
-            again: on(4) && SOFTS[n] != Soft::None,
-            slots: 2 * u32::from(on(5)),
-            polish: u32::from(on(4)),
-            seams: on(6),
-            exact: on(1),
-            membrane: on(2),
-            bends: on(3),
-            contact: on(4).then_some(Kinds { shapes: [true; 6], friction: on(2), many: on(3) }),
-            full: on(5),
-            normals: on(1),
-            strain: on(5),
-            watch: on(0),
-            hold: holds[(n + k as usize) % 4],
-            places: 1024,
-            threads: 256,
-        })
-    })
+/// All colours of springs, and rounds of those to the right and down, with tethers between them.
+fn springs((image, soft, again): (bool, Soft, bool), rounds: u32, tethers: Option<Pass>) -> Vec<Pass> {
+    let spring = |(direction, parity)| Pass::Stretch { direction, parity, image, soft, again };
+    let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)].map(spring);
+    let round = || tethers.into_iter().chain(colours[4..].iter().copied());
+    colours.into_iter().chain((0..rounds).flat_map(|_| round())).collect()
 }
 
-pub(super) fn module(pass: Pass) -> Module {
-    let source = source(pass);
+/// Every part of tiles, alone and with all others.
+fn tiles() -> Vec<Tile> {
+    let airs = [None, Some(Air::None), Some(Air::Push), Some(Air::Field)];
+    let mut all = Vec::new();
+    for (k, n) in (0..64u32).flat_map(|k| (0..12).map(move |n| (k, n))) {
+        let on = |bit: u32| k >> bit & 1 == 1;
+        let (soft, exact) = (SOFTS[n / 4], on(3));
+        let again = on(2) && (on(3) || on(4)) && soft != Soft::None;
+        let tethers = Some(Pass::Tethers { slots: 2 });
+        let mut passes: Vec<Pass> =
+            airs[n % 4].map(|air| if exact { Pass::Advance(air) } else { Pass::Integrate(air) }).into_iter().collect();
+        passes.extend((again && on(3)).then_some(Pass::Forget));
+        passes.extend(tethers.filter(|_| on(0)));
+        if on(2) {
+            passes.extend(springs((on(3), soft, again), 2 * u32::from(on(0)), tethers));
+        }
+        passes.extend(tethers.filter(|_| on(1)));
+        passes.extend((on(1) && on(4)).then_some(Pass::Limit));
+        passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 6], friction: on(2), many: on(5) })));
+        let shape = TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] };
+        all.push(Tile { passes, shape, threads: 256 });
+    }
+    all
+}
+
+/// Every part of whole frames, alone and with all others.
+fn fused() -> Vec<Fused> {
+    let holds = [Hold::Both, Hold::Wide, Hold::Narrow, Hold::Stored];
+    let mut all = Vec::new();
+    for (k, n) in (0..128u32).flat_map(|k| (0..SOFTS.len()).map(move |n| (k, n))) {
+        let on = |bit: u32| k >> bit & 1 == 1;
+        let (image, soft, again) = (on(3), SOFTS[n], on(4) && SOFTS[n] != Soft::None);
+        let air = [Air::None, Air::Push, Air::Field][(k as usize + n) % 3];
+        let (seams, tethers) = (on(6).then_some(Pass::Seams), on(5).then_some(Pass::Tethers { slots: 2 }));
+        let mut s = Schedule::default();
+        s.step.extend((air == Air::Field).then_some(Pass::Wind { holes: false }));
+        s.step.push(if on(1) { Pass::Advance(air) } else { Pass::Integrate(air) });
+        if on(3) {
+            s.step.extend([Pass::Moments { holes: false }, Pass::Bend]);
+            s.step.extend(seams.map(|_| Pass::SeamMoments));
+        }
+        s.step.extend(on(2).then_some(Pass::Membrane { column: 1, row: 0, holes: false }));
+        s.step.extend(again.then_some(Pass::Forget));
+        s.relax.extend(tethers);
+        s.relax.extend(springs((image, soft, again), 2 * u32::from(on(4)), tethers));
+        s.relax.extend(seams);
+        s.relax.extend(on(0).then_some(Pass::Limit));
+        let kinds = Kinds { shapes: [true; 6], friction: on(2), many: on(3) };
+        s.relax.extend(on(4).then_some(Pass::Contact(kinds)));
+        s.frame.extend([Pass::Guard, Pass::Restore]);
+        s.frame.extend(on(5).then_some(Pass::Strain { image, soft }));
+        s.frame.extend(on(1).then_some(Pass::Normals { holes: false }));
+        s.frame.extend(seams.filter(|_| on(1)).map(|_| Pass::SeamNormals));
+        s.frame.extend(on(0).then_some([Pass::Speed, Pass::Fastest]).into_iter().flatten());
+        let hold = holds[(n + k as usize) % 4];
+        all.push(Fused { schedule: s.into(), full: on(5), hold, places: 1024, threads: 256 });
+    }
+    all
+}
+
+pub(super) fn module(form: &Form) -> Module {
+    let source = source(form);
     let module = naga::front::wgsl::parse_str(&source.text());
     module.unwrap_or_else(|e| panic!("{}: {}", source.stem, e.emit_to_string(&source.text())))
 }
@@ -125,42 +141,42 @@ fn files(folder: &str) -> BTreeSet<String> {
 
 #[test]
 fn every_shader_is_valid_without_any_capability() {
-    for pass in variants() {
-        let module = module(pass);
+    for form in &variants() {
+        let module = module(form);
         let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
-        info.unwrap_or_else(|e| panic!("{pass:?}: {}", e.emit_to_string(&source(pass).text())));
+        info.unwrap_or_else(|e| panic!("{form:?}: {}", e.emit_to_string(&source(form).text())));
     }
 }
 
 #[test]
 fn the_table_names_just_what_shaders_bind() {
-    for pass in variants() {
-        let module = module(pass);
+    for form in &variants() {
+        let module = module(form);
         let (mut bound, mut storage) = (BTreeSet::new(), 0);
         for (_, variable) in module.global_variables.iter() {
             let Some(binding) = &variable.binding else { continue };
             let writes =
                 matches!(variable.space, AddressSpace::Storage { access } if access.contains(StorageAccess::STORE));
             storage += u32::from(variable.space != AddressSpace::Uniform);
-            assert_eq!(binding.group, 0, "{pass:?}");
+            assert_eq!(binding.group, 0, "{form:?}");
             bound.insert((binding.binding, variable.name.clone().unwrap(), writes));
         }
-        let table = source(pass).bindings;
+        let table = source(form).bindings;
         let table = table.iter().map(|b| (b.slot as u32, b.slot.name().to_string(), b.writes));
-        assert_eq!(bound, table.collect(), "{pass:?}");
+        assert_eq!(bound, table.collect(), "{form:?}");
         // Where a device has no more than WebGPU promises, frames that need more run in passes of their own.
-        let most = if matches!(pass, Pass::Fused(_) | Pass::Tile(_)) { 24 } else { 8 };
-        assert!(storage <= most, "{pass:?} binds {storage} storage buffers");
+        let most = if !matches!(form, Form::Apart(_)) { 24 } else { 8 };
+        assert!(storage <= most, "{form:?} binds {storage} storage buffers");
     }
 }
 
 #[test]
 fn constants_of_the_table_are_overrides() {
-    for pass in variants() {
-        let module = module(pass);
+    for form in &variants() {
+        let module = module(form);
         let overrides: BTreeSet<_> = module.overrides.iter().filter_map(|(_, o)| o.name.clone()).collect();
-        let table = source(pass).constants.iter().map(|(name, _)| name.to_string()).collect();
-        assert_eq!(overrides, table, "{pass:?}");
+        let table = source(form).constants.iter().map(|(name, _)| name.to_string()).collect();
+        assert_eq!(overrides, table, "{form:?}");
     }
 }
 
@@ -178,8 +194,8 @@ fn structs_lie_as_in_rust() {
     let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest);
     let link = rust!(LinkRow: follows, mass);
     let mut seen = BTreeSet::new();
-    for pass in variants() {
-        let module = module(pass);
+    for form in &variants() {
+        let module = module(form);
         for (_, ty) in module.types.iter() {
             let TypeInner::Struct { members, span } = &ty.inner else { continue };
             let rust = match ty.name.as_deref() {
@@ -208,10 +224,13 @@ fn structs_lie_as_in_rust() {
 #[test]
 fn every_shader_has_a_twin_and_every_file_is_used() {
     let drawn = crate::draw::all_files();
-    let used = variants().iter().flat_map(|p| source(*p).files).chain(drawn).map(String::from).collect();
-    let there: BTreeSet<_> = files("shaders").union(&files("shaders/part")).cloned().collect();
-    assert_eq!(there.difference(&used).count(), 0);
-    let stems: BTreeSet<_> = variants().iter().map(|p| source(*p).stem).chain(["draw"]).collect();
+    let sources: Vec<_> = variants().iter().map(source).collect();
+    let texts = |s: &Source| s.files.iter().copied().chain(s.loops.iter().map(|l| l.0)).collect::<Vec<_>>();
+    let used: BTreeSet<String> = sources.iter().flat_map(texts).chain(drawn).map(String::from).collect();
+    for folder in ["shaders", "shaders/part", "shaders/loop"] {
+        assert_eq!(files(folder).difference(&used).collect::<Vec<_>>(), Vec::<&String>::new());
+    }
+    let stems: BTreeSet<_> = sources.iter().map(|s| s.stem).chain(["draw"]).collect();
     assert_eq!(stems.len(), files("shaders").len());
     for stem in stems {
         assert!(root().join(format!("shaders/{stem}.wgsl")).is_file(), "{stem}");

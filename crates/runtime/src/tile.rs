@@ -17,116 +17,70 @@ mod shape;
 pub use order::{Order, order};
 pub use shape::TileShape;
 
-use crate::cpu::tile::around;
-use crate::passes::{Air, Kinds, Pass, Soft};
+use crate::passes::Pass;
+use crate::shaders::{Over, rule};
 
-/// Consecutive passes of a step in one dispatch, described by the variants compiled into its shader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// Consecutive passes of a step in one dispatch, described by what is compiled into its shader.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Tile {
-    /// The integration that comes first, if any does.
-    pub air: Option<Air>,
-    /// Whether that keeps what rounding takes.
-    pub exact: bool,
-    /// Whether the multipliers of the last step end.
-    pub forget: bool,
-    /// Whether tethers hold before springs, and after them.
-    pub tethers: [bool; 2],
-    /// Anchors per particle; 0 where there is no pass of tethers.
-    pub slots: u32,
-    /// Colours of springs: bit 2 * direction + parity.
-    pub colours: u32,
-    /// Further rounds of tethers, where there are any, and of springs to the right and down.
-    pub polish: u32,
-    /// Whether rest lengths come from an image.
-    pub image: bool,
-    /// Where compliance comes from.
-    pub soft: Soft,
-    /// Whether multipliers are summed over several relaxations.
-    pub again: bool,
-    /// Colliders that come last, if they do.
-    pub contact: Option<Kinds>,
+    /// The passes, in order.
+    pub passes: Vec<Pass>,
     /// Sizes.
     pub shape: TileShape,
     /// Threads of a workgroup.
     pub threads: u32,
 }
 
-/// Colours in the order in which they run.
-const COLOURS: [(u32, u32); 8] = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
+/// Where in a tile's work its passes are.
+pub(crate) struct Stages<'a> {
+    /// While particles are taken in: the integration, and what acts on each particle alone.
+    pub arrive: &'a [Pass],
+    /// Up to the last springs.
+    pub middle: &'a [Pass],
+    /// On what the tile owns.
+    pub leave: &'a [Pass],
+}
 
 impl Tile {
     /// What makes just these passes, but for sizes; `None` where nothing does.
     fn of(passes: &[Pass]) -> Option<Self> {
-        let mut tile = Tile {
-            air: None,
-            exact: false,
-            forget: false,
-            tethers: [false; 2],
-            slots: 0,
-            colours: 0,
-            polish: 0,
-            image: false,
-            soft: Soft::None,
-            again: false,
-            contact: None,
-            shape: TileShape::default(),
-            threads: 0,
-        };
-        for pass in passes {
-            match *pass {
-                Pass::Integrate(air) => tile.air = Some(air),
-                Pass::Advance(air) => (tile.air, tile.exact) = (Some(air), true),
-                Pass::Forget => tile.forget = true,
-                Pass::Tethers { slots } => {
-                    tile.tethers[usize::from(tile.colours > 0 || tile.tethers[0])] = true;
-                    tile.slots = slots;
-                }
-                Pass::Stretch { direction, parity, image, soft, again } => {
-                    tile.colours |= 1 << (2 * direction + parity);
-                    (tile.image, tile.soft, tile.again) = (image, soft, again);
-                    // Those before were not the last ones, but those of a round.
-                    tile.tethers[1] = false;
-                }
-                Pass::Contact(kinds) => tile.contact = Some(kinds),
-                _ => return None,
-            }
-        }
-        let structural = passes.iter().find(|p| p.is_structural());
-        let rounds = passes.iter().filter(|p| structural == Some(*p)).count();
-        tile.polish = rounds.saturating_sub(1) as u32;
+        let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0 };
+        let Stages { arrive, middle, leave } = tile.stages();
+        let moves = |p: &Pass| matches!(p, Pass::Integrate(_) | Pass::Advance(_));
+        let within = |p: &Pass| matches!(rule(*p).over, Over::Particles | Over::Springs { .. }) && !moves(p);
+        let alone = |p: &Pass| matches!(rule(*p).over, Over::Particles);
         // Sums are a matter of springs.
-        (tile.passes() == passes && tile.again >= tile.forget).then_some(tile)
+        let forgets = tile.forgets();
+        let sums = passes.iter().any(|p| matches!(p, Pass::Stretch { again: true, .. }));
+        let good = arrive.iter().skip(1).all(|p| alone(p) && !moves(p))
+            && arrive.first().is_none_or(alone)
+            && middle.iter().all(|p| within(p) && *p != Pass::Forget)
+            && leave.iter().all(|p| matches!(rule(*p).over, Over::Particles | Over::Near) && !moves(p))
+            && leave.iter().rev().skip(1).all(|p| !matches!(p, Pass::Contact(_)))
+            && (sums || !forgets);
+        good.then_some(tile)
     }
 
-    /// The passes that the shader makes, in its order.
-    fn passes(&self) -> Vec<Pass> {
-        let Tile { image, soft, again, slots, .. } = *self;
-        let tethers = (slots > 0).then_some(Pass::Tethers { slots });
-        let spring = |(direction, parity)| Pass::Stretch { direction, parity, image, soft, again };
-        let springs: Vec<_> = COLOURS.into_iter().filter(|c| self.has(*c)).map(spring).collect();
-        let step = if self.exact { Pass::Advance } else { Pass::Integrate };
-        let mut all: Vec<_> = self.air.map(step).into_iter().collect();
-        all.extend(self.forget.then_some(Pass::Forget));
-        all.extend(tethers.filter(|_| self.tethers[0]));
-        all.extend(&springs);
-        for _ in 0..self.polish {
-            all.extend(tethers);
-            all.extend(springs.iter().filter(|p| p.is_structural()));
-        }
-        all.extend(tethers.filter(|_| self.tethers[1]));
-        all.extend(self.contact.map(Pass::Contact));
-        all
+    /// The passes by where they are.
+    pub(crate) fn stages(&self) -> Stages<'_> {
+        let springs = |p: &Pass| matches!(rule(*p).over, Over::Springs { .. });
+        let passes = &self.passes[..];
+        let early = |p: &Pass| springs(p) || matches!(p, Pass::Contact(_));
+        let first = passes.iter().position(early).unwrap_or(passes.len());
+        let last = passes.iter().rposition(springs).map_or(first, |n| n + 1);
+        Stages { arrive: &passes[..first], middle: &passes[first..last], leave: &passes[last..] }
     }
 
-    fn has(&self, (direction, parity): (u32, u32)) -> bool {
-        self.colours >> (2 * direction + parity) & 1 == 1
+    /// Whether the multipliers of the last step end here.
+    pub(crate) fn forgets(&self) -> bool {
+        self.passes.contains(&Pass::Forget)
     }
 
-    /// Columns and rows around a tile, and whether it begins at odd ones.
-    fn around(&self) -> ([u32; 2], [u32; 2]) {
-        let springs = COLOURS.into_iter().filter(|c| self.has(*c));
-        let structural = springs.clone().filter(|c| c.0 < 2);
-        let polish = (0..self.polish).flat_map(|_| structural.clone());
-        around(&springs.chain(polish).collect::<Vec<_>>())
+    /// Directions and parities of its springs, in order.
+    fn colours(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.passes.iter().filter_map(|p| match rule(*p).over {
+            Over::Springs { direction, parity } => Some((direction, parity)),
+            _ => None,
+        })
     }
 }

@@ -150,8 +150,8 @@ fn cloths_of_all_coats_share_a_dispatch_and_move_as_alone() {
         let with = |fused| Options { fused, solver, ..options(0.02) };
         let mut all = Rig::gpu(scene.clone(), &with(fused), device);
         let (name, plan) = (format!("{n} {fused} {solver:?} {}", colliders.len()), all.stepper.plan());
-        let is_fused = plan.passes.iter().any(|p| matches!(p.pass, Pass::Fused(_)));
-        let is_tiled = plan.passes.iter().any(|p| matches!(p.pass, Pass::Tile(_)));
+        let is_fused = plan.passes.iter().any(|p| matches!(p.form, Form::Whole(_)));
+        let is_tiled = plan.passes.iter().any(|p| matches!(p.form, Form::Tile(_)));
         assert_eq!((is_fused, is_tiled), (fused && n == 17, fused && n == 40), "{name}");
         assert!(!is_fused || plan.dispatches() == 1, "{name}: {plan}");
         all.frames(6);

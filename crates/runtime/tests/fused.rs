@@ -20,17 +20,10 @@ fn options(fused: bool) -> Options {
     Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: Some(6), fused, ..Options::default() }
 }
 
-/// Scenes that can run fused: not those with wind on triangles.
-fn fusible() -> Vec<(&'static str, Scene)> {
-    let mut all = [support::outside(), support::soft()].concat();
-    all.retain(|(_, s)| s.wind.as_ref().is_none_or(|w| matches!(w.force, WindForce::Push { .. })));
-    all
-}
-
 #[test]
 fn one_dispatch_gives_the_bits_of_separate_passes() {
     let Some(device) = roomy() else { return };
-    for (name, scene) in fusible() {
+    for (name, scene) in [support::outside(), support::soft()].concat() {
         for (iterations, polish) in [(1, 0), (2, 0), (1, 1), (2, 2)] {
             let with = |fused| Options { iterations, polish: Some(polish), ..options(fused) };
             let one = Run::new(&scene, &with(true), &device);
@@ -60,7 +53,7 @@ fn where_positions_are_held_changes_nothing() {
     crowded.cloths[0].velocity = [0.0, -3.0, 0.5];
     crowded.colliders = crowd(40);
     let one = Run::new(&crowded, &options(true), &default);
-    let full = |p: &PlannedPass| matches!(p.pass, Pass::Fused(Fused { full: true, hold: Hold::Wide, .. }));
+    let full = |p: &PlannedPass| matches!(p.form, Form::Whole(Fused { full: true, hold: Hold::Wide, .. }));
     assert!(one.stepper.plan().passes.iter().any(full));
     let apart = Run::new(&crowded, &options(false), &default);
     assert!(one.frames(10).bits(0) == apart.frames(10).bits(0));
@@ -105,7 +98,7 @@ fn cloths_that_share_a_dispatch_move_as_they_would_alone() {
     // Kinds: s1, tubes, free ones, soft ones, charts, charts of a material. Where the memory of a workgroup is small, cloths
     // of a kind are held in different ways, and only those that are held alike share a dispatch.
     let kind = |cloth: usize| cloth.saturating_sub(1) % 6;
-    let fused = |p: &PlannedPass| if let Pass::Fused(f) = p.pass { Some((kind(p.cloth), f.hold)) } else { None };
+    let fused = |p: &PlannedPass| if let Form::Whole(f) = &p.form { Some((kind(p.cloth), f.hold)) } else { None };
     let batches: HashSet<_> = plan.passes.iter().filter_map(fused).collect();
     let shared = plan.passes.iter().filter(|p| fused(p).is_some());
     assert_eq!(shared.map(|p| p.dispatches as usize).sum::<usize>(), batches.len(), "{plan}");

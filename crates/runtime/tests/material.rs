@@ -270,7 +270,7 @@ fn only_cloth_of_a_material_pays_for_it() {
     let shaders = |cloth: Cloth, solver| {
         let plan = Stepper::on_cpu(scene(cloth), Options { solver, ..options(1) }).unwrap().plan();
         // The exact step has the shader of the plain one, with another rule.
-        let name = |p: &PlannedPass| if matches!(p.pass, Pass::Advance(_)) { "advance" } else { p.shader };
+        let name = |p: &PlannedPass| if matches!(p.form.pass(), Some(Pass::Advance(_))) { "advance" } else { p.shader };
         plan.passes.iter().map(name).collect::<Vec<_>>()
     };
     let flat = || Flat::square("flat", 8).cloth().unwrap();

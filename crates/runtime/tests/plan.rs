@@ -59,7 +59,10 @@ fn each_kind_of_collider_is_one_dispatch_and_only_its_own_code() {
             // Step and previous positions, which friction reads, are bound in any case.
             let sums = (plan.dispatches(), plan.bytes());
             assert_eq!(sums, (springs.dispatches() + 1, springs.bytes() + 80), "{collider:?}");
-            let kinds = plan.passes.iter().find_map(|p| if let Pass::Colliders(k) = p.pass { Some(k) } else { None });
+            let kinds = plan
+                .passes
+                .iter()
+                .find_map(|p| if let Some(Pass::Colliders(k)) = p.form.pass() { Some(k) } else { None });
             let mut only = Kinds { friction: friction > 0.0, ..Kinds::default() };
             only.shapes[n] = true;
             assert_eq!(kinds, Some(only));
@@ -137,7 +140,7 @@ fn smooth_colliders_do_not_bind_previous_positions() {
         let pass = plan.passes.into_iter().find(|p| p.shader == "colliders").unwrap();
         pass.bindings.into_iter().map(|b| b.0).collect::<Vec<_>>()
     };
-    assert_eq!((names(0.0), names(0.1)), (vec!["now", "solids"], vec!["now", "solids", "step", "before"]));
+    assert_eq!((names(0.0), names(0.1)), (vec!["solids", "now"], vec!["solids", "step", "before", "now"]));
 }
 
 #[test]

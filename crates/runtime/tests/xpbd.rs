@@ -67,7 +67,7 @@ fn a_round_of_polishing_has_tethers_and_structural_springs_alone() {
     let passes = |polish| {
         let once = Options { polish: Some(polish), backend: Backend::Cpu, ..options(1) };
         let stepper = Stepper::on_cpu(scene::builtin("s1", 8).unwrap(), once).unwrap();
-        stepper.plan().passes.iter().map(|p| p.pass).collect::<Vec<_>>()
+        stepper.plan().passes.iter().filter_map(|p| p.form.pass()).collect::<Vec<_>>()
     };
     let (plain, polished) = (passes(0), passes(1));
     let last = plain.iter().rposition(|p| matches!(p, Pass::Tethers { .. })).unwrap();

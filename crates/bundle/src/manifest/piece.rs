@@ -74,6 +74,9 @@ pub struct Constants {
     /// Particle mass \[kg\], in place of a mass map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mass: Option<f32>,
+    /// Largest distance \[m\] of a particle from its position at rest, in place of a limit map; negative means no limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<f32>,
     /// Area density \[kg/m^2\] that the masses were made from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,

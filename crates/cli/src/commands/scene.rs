@@ -87,8 +87,9 @@ fn find(folder: &Path, source: &Source) -> Found {
         }
         Source::Garment { file, texels } => {
             let path = folder.join(file);
-            let size = ImageSize::Texels(*texels);
-            let options = BuildOptions { size, metrics: false, ..BuildOptions::default() };
+            let mut options = BuildOptions::default();
+            options.image.size = ImageSize::Texels(*texels);
+            options.gate.metrics = false;
             let built = pipeline::build(&path, &options, &Quiet);
             built.map(|b| b.bundle).map_err(|e| format!("{}: {e}", path.display()).into())
         }

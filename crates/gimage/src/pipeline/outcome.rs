@@ -94,7 +94,7 @@ pub(super) fn images(
         })
         .collect();
     let mut made = made.into_iter().collect::<Result<Vec<_>>>()?;
-    let finding = match options.size {
+    let finding = match options.image.size {
         ImageSize::Texels(texels) => keep_budget(components, &shares, &mut made, texels, &one)?,
         _ => None,
     };
@@ -115,7 +115,7 @@ enum Share {
 /// The share of each component, in their order.
 fn shares(components: &[Component], options: &BuildOptions) -> Result<Vec<Share>> {
     let total: f64 = components.iter().map(|c| c.area).sum();
-    match options.size {
+    match options.image.size {
         ImageSize::Exact(..) => Ok(vec![Share::Exact; components.len()]),
         ImageSize::Texels(n) => {
             let areas: Vec<f64> = components.iter().map(|c| c.area).collect();

@@ -2,10 +2,12 @@
 
 pub(crate) mod accessory;
 pub(crate) mod attributes;
+pub mod limits;
 pub mod mass;
 mod parts;
 pub mod pins;
 pub mod springs;
+mod texels;
 
 use gimage_bundle::manifest::{Cut, Quality as ManifestQuality, Surface as SurfaceEntry};
 use gimage_bundle::{Bundle, Image, MapKind, Particle};
@@ -13,15 +15,17 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use crate::base::locate::Locator;
-use crate::base::mesh::{Mesh, Semantic};
+use crate::base::mesh::Mesh;
 use crate::base::surface::Surface;
 use crate::error::{Error, Result};
-use crate::options::{BuildOptions, RestLength};
+use crate::options::{BuildOptions, Range, RestLength, stage_options};
 use crate::record::Finding;
 use crate::stage::assemble::attributes::{attributes, places};
+use crate::stage::assemble::limits::{Limit, Stored};
 use crate::stage::assemble::mass::{Masses, mass};
 use crate::stage::assemble::pins::{Pin, unmet};
 use crate::stage::assemble::springs::{Rest, RestLengths, springs};
+use crate::stage::assemble::texels::{Texels, pinned};
 use crate::stage::component::Component;
 use crate::stage::cut::CutRecord;
 use crate::stage::cut::disk::NONE;
@@ -31,6 +35,21 @@ use crate::stage::measure::{MeasureOptions, Quality, measure};
 
 pub use parts::Family;
 pub(crate) use parts::part_components;
+
+stage_options! {
+    /// Options of [`assemble`].
+    pub struct AssembleOptions of "assemble" {
+        /// Rest lengths: straight distance (chord), or distance along the surface (arc).
+        pub rest: RestLength = RestLength::Chord => "rest" [""] Range::Any;
+        /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), loop:K (boundary loop, longest
+        /// first), attr:_NAME>T or color:r>T. The bundle then stores tethers: the distance of each particle to the nearest
+        /// pin.
+        pub pins: Vec<Pin> = Vec::new() => "pin" [""] Range::Any;
+        /// Keep particles within this distance of their positions at rest, may be repeated; EXPR as for --pin. The smallest
+        /// distance counts, also of those in an attribute _LIMIT of the file.
+        pub limits: Vec<Limit> = Vec::new() => "limit" ["m"] Range::Any;
+    }
+}
 
 /// A piece on its way into the bundle.
 #[derive(Clone, Debug)]
@@ -50,6 +69,10 @@ struct Made {
     pinned: Vec<bool>,
     /// For each pin whether a particle of the piece meets it.
     met: Vec<bool>,
+    /// The limit \[m\] of each texel, infinite for none; `None` if no texel has one.
+    limits: Option<Vec<f32>>,
+    /// For each option of limits whether a particle of the piece meets it.
+    limits_met: Vec<bool>,
     rest: RestLengths,
     mass: Masses,
 }
@@ -82,18 +105,22 @@ pub fn assemble(
     parts::agree(&mut made, pieces, families);
     let links = parts::links(pieces, families);
     let mut findings = Vec::new();
-    let mut met = vec![false; options.pins.len()];
+    let (mut met, mut limits_met) =
+        (vec![false; options.assemble.pins.len()], vec![false; options.assemble.limits.len()]);
     let mut is_pinned = false;
     for ((piece, made), links) in pieces.iter().zip(made).zip(links) {
         is_pinned |= made.pinned.contains(&true);
         met.iter_mut().zip(&made.met).for_each(|(all, one)| *all |= one);
+        limits_met.iter_mut().zip(&made.limits_met).for_each(|(all, one)| *all |= one);
         findings.extend(add(bundle, piece, made, &links, options)?);
     }
     parts::declare(bundle, families);
     if is_pinned {
         bundle.write_tethers()?;
     }
-    findings.extend(unmet(&options.pins, &met, bounds(pieces), loops.len(), mesh));
+    let bounds = bounds(pieces);
+    findings.extend(unmet("pin", &options.assemble.pins, &met, bounds, loops.len(), mesh));
+    findings.extend(unmet("limit", &options.assemble.limits, &limits_met, bounds, loops.len(), mesh));
     Ok(findings)
 }
 
@@ -130,6 +157,11 @@ fn add(
     match made.mass {
         Masses::Constant(m) => bundle.manifest.pieces[k].constants.mass = Some(m),
         Masses::Image(m) => bundle.insert(k, MapKind::Mass, map(1, m))?,
+    }
+    match made.limits.and_then(Stored::new) {
+        Some(Stored::Constant(limit)) => bundle.manifest.pieces[k].constants.limit = Some(limit),
+        Some(Stored::Image(limits)) => bundle.insert(k, MapKind::Limit, map(1, limits))?,
+        None => {}
     }
     for (kind, image) in made.maps {
         bundle.insert(k, kind, image)?;
@@ -209,7 +241,7 @@ fn make(
 ) -> Result<Made> {
     let places = places(image, surface);
     let (maps, findings) = attributes(mesh, &component.name, image, &places);
-    let rest = match options.rest {
+    let rest = match options.assemble.rest {
         RestLength::Chord => springs(&image.grid, Rest::Chord),
         RestLength::Arc => {
             let (w, h) = (image.grid.width - 1, image.grid.height - 1);
@@ -227,58 +259,10 @@ fn make(
         }
         other => other,
     })?;
-    let (pinned, met) = pinned(mesh, k, image, &places, loops, &options.pins);
-    Ok(Made { maps, findings, pinned, met, rest, mass })
-}
-
-/// Which texels are pinned, all duplicates of a point if one of them is, and which pins a texel meets.
-fn pinned(
-    mesh: &Mesh,
-    piece: usize,
-    image: &PieceImage,
-    places: &[(usize, [f64; 3])],
-    loops: &[(usize, u32)],
-    pins: &[Pin],
-) -> (Vec<bool>, Vec<bool>) {
-    let value = |semantic: &Semantic, component: usize, (t, bary): (usize, [f64; 3])| -> Option<f64> {
-        let channel = mesh.channel(semantic).filter(|c| component < c.width)?;
-        let (mut sum, mut total) = (0.0, 0.0);
-        for (c, b) in bary.iter().enumerate() {
-            if let Some(v) = channel.at(t, c) {
-                sum += b * f64::from(v[component]);
-                total += b;
-            }
-        }
-        (total > 0.0).then(|| sum / total)
-    };
-    let mut met = vec![false; pins.len()];
-    let mut out: Vec<bool> = (0..places.len())
-        .map(|at| {
-            let p = image.grid.positions[at];
-            let meets = |pin: &Pin| match pin {
-                Pin::Above(y) => p[1] > *y,
-                Pin::Below(y) => p[1] < *y,
-                Pin::Box(lo, hi) => (0..3).all(|c| lo[c] <= p[c] && p[c] <= hi[c]),
-                Pin::Loop(l) => loops.get(*l) == Some(&(piece, image.loop_of[at])),
-                Pin::Attribute(name, t) => {
-                    value(&Semantic::Custom(name.clone()), 0, places[at]).is_some_and(|x| x > *t)
-                }
-                Pin::Color(c, t) => value(&Semantic::Color(0), *c, places[at]).is_some_and(|x| x > *t),
-            };
-            let mut any = false;
-            for (pin, met) in pins.iter().zip(&mut met) {
-                let here = meets(pin);
-                (any, *met) = (any | here, *met | here);
-            }
-            any
-        })
-        .collect();
-    for ring in image.grid.rings() {
-        if ring.iter().any(|&k| out[k as usize]) {
-            ring.iter().for_each(|&k| out[k as usize] = true);
-        }
-    }
-    (out, met)
+    let texels = Texels { mesh, piece: k, image, places: &places, loops };
+    let (pinned, met) = pinned(&texels, &options.assemble.pins);
+    let (limits, limits_met) = limits::limits(&texels, &options.assemble.limits, options.import.unit);
+    Ok(Made { maps, findings, pinned, met, limits, limits_met, rest, mass })
 }
 
 /// What is known of a map without measuring distances.

@@ -9,24 +9,20 @@ use crate::base::mesh::Mesh;
 use crate::base::order;
 use crate::base::surface::Surface;
 use crate::base::words;
+use crate::options::{Range, stage_options};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 
-/// Options of [`split`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct ComponentOptions {
-    /// Components under this share of the total area are accessories, 0..=[`ALWAYS_PIECE`], default 0.01. Larger makes
-    /// fewer pieces; 0 makes every component a piece. A larger value counts as [`ALWAYS_PIECE`].
-    pub accessory_area: f64,
+stage_options! {
+    /// Options of [`split`].
+    pub struct ComponentOptions of "component" {
+        /// Parts below this share of the total area become accessories; with 0 every part is a piece. Larger parts than the
+        /// range allows are always pieces.
+        pub accessory_area: f64 = 0.01 => "accessory-area" ["share"] Range::Between(0.0, ALWAYS_PIECE);
+    }
 }
 
 /// Share of the total area from which a component is always a piece, whatever else would make it an accessory.
 pub const ALWAYS_PIECE: f64 = 0.1;
-
-impl Default for ComponentOptions {
-    fn default() -> Self {
-        ComponentOptions { accessory_area: 0.01 }
-    }
-}
 
 /// A connected part of a repaired mesh.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,11 @@
 //! A reconstruction as the text of an OBJ file or the bytes of a GLB file.
 
+pub mod glb;
+
 use crate::error::{Error, Result};
+use crate::stage::export::glb::{BinaryChunk, Component, Target};
 use crate::stage::reconstruct::{ReconstructedPiece, Reconstruction};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::collections::HashMap;
 use std::fmt::Write;
 
@@ -79,62 +82,25 @@ impl Primitive {
     }
 }
 
-/// The binary chunk and the descriptions that point into it.
-#[derive(Default)]
-struct Buffer {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-}
-
-impl Buffer {
-    /// Appends an array and returns its accessor; `kind` is glTF's name for `width` components.
-    fn push<T: bytemuck::NoUninit>(
-        &mut self,
-        values: &[T],
-        kind: &str,
-        component: u32,
-        bounds: Option<Value>,
-    ) -> usize {
-        let raw: &[u8] = bytemuck::cast_slice(values);
-        let target = if kind == "SCALAR" { 34963 } else { 34962 };
-        self.views
-            .push(json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": raw.len(), "target": target}));
-        self.bytes.extend_from_slice(raw);
-        let view = self.views.len() - 1;
-        let mut accessor = json!({"bufferView": view, "componentType": component, "count": values.len(), "type": kind});
-        if let (Some(bounds), Some(fields)) = (bounds, accessor.as_object_mut()) {
-            fields.insert("min".into(), bounds["min"].clone());
-            fields.insert("max".into(), bounds["max"].clone());
-        }
-        self.accessors.push(accessor);
-        self.accessors.len() - 1
-    }
-}
-
 /// A GLB file: a node and a mesh for each piece that has triangles.
 pub fn glb(surface: &Reconstruction) -> Result<Vec<u8>> {
-    const FLOAT: u32 = 5126;
-    const UNSIGNED_INT: u32 = 5125;
     let vertices = surface.positions.len();
     if surface.normals.len() != vertices || surface.triangles.iter().flatten().any(|&v| v as usize >= vertices) {
         return Err(Error::Internal("a reconstruction with indices out of range".into()));
     }
-    let mut buffer = Buffer::default();
+    let mut chunk = BinaryChunk::default();
     let (mut nodes, mut meshes) = (Vec::new(), Vec::new());
     for piece in surface.pieces.iter().filter(|p| !piece_triangles(surface, p).is_empty()) {
         let p = Primitive::new(surface, piece);
-        let side =
-            |f: fn(f32, f32) -> f32, from: f32| [0, 1, 2].map(|k| p.positions.iter().map(|p| p[k]).fold(from, f));
-        let bounds = json!({"min": side(f32::min, f32::INFINITY), "max": side(f32::max, f32::NEG_INFINITY)});
         let mut attributes = json!({
-            "POSITION": buffer.push(&p.positions, "VEC3", FLOAT, Some(bounds)),
-            "NORMAL": buffer.push(&p.normals, "VEC3", FLOAT, None),
+            "POSITION": chunk.floats(&p.positions, glb::bounds(&p.positions)),
+            "NORMAL": chunk.floats(&p.normals, json!({})),
         });
         if p.uv.len() == p.positions.len() {
-            attributes["TEXCOORD_0"] = buffer.push(&p.uv, "VEC2", FLOAT, None).into();
+            attributes["TEXCOORD_0"] = chunk.floats(&p.uv, json!({})).into();
         }
-        let indices = buffer.push(&p.indices, "SCALAR", UNSIGNED_INT, None);
+        let raw: &[u8] = bytemuck::cast_slice(&p.indices);
+        let indices = chunk.push(raw, Some(Target::Indices), p.indices.len(), "SCALAR", Component::U32, json!({}));
         nodes.push(json!({"name": piece.name, "mesh": meshes.len()}));
         meshes.push(json!({"name": piece.name, "primitives": [{"attributes": attributes, "indices": indices}]}));
     }
@@ -145,36 +111,8 @@ pub fn glb(surface: &Reconstruction) -> Result<Vec<u8>> {
         root["scenes"] = json!([{"nodes": (0..nodes.len()).collect::<Vec<_>>()}]);
         root["nodes"] = nodes.into();
         root["meshes"] = meshes.into();
-        root["buffers"] = json!([{"byteLength": buffer.bytes.len()}]);
-        root["bufferViews"] = buffer.views.into();
-        root["accessors"] = buffer.accessors.into();
     }
-    container(root.to_string().into_bytes(), buffer.bytes)
-}
-
-/// The GLB header and its chunks.
-fn container(mut text: Vec<u8>, binary: Vec<u8>) -> Result<Vec<u8>> {
-    text.resize(text.len().next_multiple_of(4), b' ');
-    // Every array holds whole 4-byte numbers: the binary chunk needs no padding.
-    let chunks: &[(&[u8], &[u8; 4])] = &[(&text, b"JSON"), (&binary, b"BIN\0")];
-    let chunks = &chunks[..if binary.is_empty() { 1 } else { 2 }];
-    let total = 12 + chunks.iter().map(|(bytes, _)| 8 + bytes.len()).sum::<usize>();
-    let length = u32::try_from(total).map_err(|_| Error::TooLarge {
-        what: "the GLB file".into(),
-        need: format!("{total} bytes"),
-        limit: format!("{} bytes", u32::MAX),
-        hint: "write an OBJ file instead".into(),
-    })?;
-    let mut out = Vec::with_capacity(total);
-    out.extend_from_slice(b"glTF");
-    out.extend_from_slice(&2u32.to_le_bytes());
-    out.extend_from_slice(&length.to_le_bytes());
-    for (bytes, kind) in chunks {
-        out.extend_from_slice(&(bytes.len() as u32).to_le_bytes());
-        out.extend_from_slice(*kind);
-        out.extend_from_slice(bytes);
-    }
-    Ok(out)
+    chunk.file(root)
 }
 
 #[cfg(test)]

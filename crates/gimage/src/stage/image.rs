@@ -115,6 +115,37 @@ fn fixed_size(maker: &Maker<'_>, mut cuts: maker::Cuts, width: u32, height: u32)
     Err(Error::GridTooSmall { piece: maker.name.to_owned(), width, height, min_width, min_height })
 }
 
+impl PieceImage {
+    /// Samples a map: an image that is neither fitted nor judged nor sealed. `cut` is the record of the cut that made the disk.
+    ///
+    /// Errors: [`Error::Piece`] where a texel falls outside the map.
+    pub(crate) fn sampled(source: &Source<'_>, map: Map, cut: CutRecord) -> Result<Self> {
+        let Sampled { samples, grid, loop_of } = sample(&map, source.rim).ok_or_else(|| {
+            source.fail("resample", "a texel fell outside the map", "please report it with the input")
+        })?;
+        let Map { disk, uv, w, h, record, .. } = map;
+        Ok(Self {
+            distortion: distortion::measure(&disk.positions, &disk.triangles, &uv),
+            disk,
+            uv,
+            width: w + 1,
+            height: h + 1,
+            samples,
+            grid,
+            closed: false,
+            loop_of,
+            loop_lengths: Vec::new(),
+            moved: 0,
+            parameterize: record,
+            cut,
+            fit: None,
+            verdict: Verdict::WORST,
+            tried: Vec::new(),
+            budget: None,
+        })
+    }
+}
+
 /// Samples a map and fits, judges and seals its image. `cut` is the record of the cut that made the disk.
 ///
 /// Errors: [`Error::Piece`] where a texel falls outside the map.
@@ -125,41 +156,21 @@ pub fn finish(
     map: Map,
     options: &ImageOptions,
 ) -> Result<PieceImage> {
-    let Sampled { mut samples, mut grid, loop_of } = sample(&map, source.rim)
-        .ok_or_else(|| source.fail("resample", "a texel fell outside the map", "please report it with the input"))?;
-    let Map { disk, uv, w, h, record, .. } = map;
-    let distortion = distortion::measure(&disk.positions, &disk.triangles, &uv);
-    let locator = locator_if_distorted(&disk, &uv, &distortion, w as usize, h as usize);
-    let judged = |grid: &Grid| judge(source.surface, &disk, &uv, grid, locator.as_ref());
-    let mut verdict = judged(&grid);
-    let fit = match &options.sampling {
-        Sampling::Fit(fit) => {
-            let rim: Vec<bool> = loop_of.iter().map(|&l| l != NONE).collect();
-            Some(fit_where_closer((&disk, &uv), &mut grid, &rim, fit, &mut verdict, &judged))
-        }
-        Sampling::Point => None,
-    };
+    let mut image = PieceImage::sampled(source, map, cut.clone())?;
+    let PieceImage { disk, uv, samples, grid, loop_of, distortion, verdict, fit, .. } = &mut image;
+    let (disk, uv) = (&*disk, &uv[..]);
+    let locator = locator_if_distorted(disk, uv, distortion, grid.width - 1, grid.height - 1);
+    let judged: &dyn Fn(&Grid) -> Verdict = &|grid| judge(source.surface, disk, uv, grid, locator.as_ref());
+    *verdict = judged(grid);
+    if let Sampling::Fit(options) = &options.sampling {
+        let rim: Vec<bool> = loop_of.iter().map(|&l| l != NONE).collect();
+        *fit = Some(fit_where_closer((disk, uv), grid, &rim, options, verdict, judged));
+    }
     let expected = Expected { euler: loops.euler, loops: loops.lengths.len() };
-    let sheet = Sheet { grid: &mut grid, samples: &mut samples, disk: &disk, uv: &uv };
-    let (moved, closed) = seal(&mut [sheet], &[], expected);
+    let (moved, closed) = seal(&mut [Sheet { grid, samples, disk, uv }], &[], expected);
     drop(locator);
-    Ok(PieceImage {
-        disk,
-        uv,
-        width: w + 1,
-        height: h + 1,
-        samples,
-        grid,
-        closed,
-        loop_of,
-        loop_lengths: loops.lengths.clone(),
-        moved: moved[0],
-        distortion,
-        parameterize: record,
-        cut: cut.clone(),
-        fit,
-        verdict,
-        tried: Vec::new(),
-        budget: if let Size::Budget(n) = options.size { Some(n) } else { None },
-    })
+    (image.moved, image.closed) = (moved[0], closed);
+    image.loop_lengths.clone_from(&loops.lengths);
+    image.budget = if let Size::Budget(n) = options.size { Some(n) } else { None };
+    Ok(image)
 }

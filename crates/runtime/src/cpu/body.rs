@@ -6,6 +6,7 @@ use super::integrate::Air;
 use super::neighbours::View;
 use super::route::Held;
 use super::rows::Threads;
+use super::start::Start;
 use super::strain::Springs;
 use super::{
     colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, strain, wind,
@@ -53,29 +54,10 @@ pub struct Body<T: Real> {
     pub(super) cut: bool,
 }
 
-/// The fourth component of every position. Under XPBD a duplicate stands for its share of the point's mass: else forces
-/// on it would count half when the mean is taken.
-fn inverse_masses(cloth: &Cloth, solver: Solver) -> Vec<f32> {
-    let mut all: Vec<f32> = (0..cloth.len()).map(|k| cloth.inverse_mass(k)).collect();
-    let (starts, members) = cloth.rings();
-    for ring in starts.windows(2).filter(|_| solver == Solver::Xpbd) {
-        let members = &members[ring[0] as usize..ring[1] as usize];
-        members.iter().for_each(|k| all[*k as usize] *= members.len() as f32);
-    }
-    all
-}
-
 impl<T: Real> Body<T> {
     /// A cloth at its start; its previous positions are those of a step ago.
     pub fn new(cloth: &Cloth, tethers: &Tethers, options: &Settings) -> Self {
-        let dt = options.step / f64::from(options.substeps);
-        let shares = inverse_masses(cloth, options.solver);
-        let place = |k: usize, ago: f64| {
-            let (p, w) = (cloth.positions()[k].map(f64::from), f64::from(shares[k]));
-            let ago = if w > 0.0 { ago } else { 0.0 };
-            let at = [0, 1, 2].map(|c| T::of(p[c] - f64::from(cloth.velocity[c]) * ago));
-            [at[0], at[1], at[2], T::of(w)]
-        };
+        let Start { now, before, normals } = Start::new(cloth, options);
         let list = |rest: &[[f32; 4]]| rest.iter().map(|r| cast(*r)).collect();
         let (constant, image) = match cloth.rest() {
             Rest::None => (Vec::new(), Vec::new()),
@@ -83,12 +65,11 @@ impl<T: Real> Body<T> {
             Rest::Image(r) => (Vec::new(), list(r)),
         };
         let (starts, members) = cloth.rings();
-        let now: Vec<_> = (0..cloth.len()).map(|k| place(k, 0.0)).collect();
-        let mut body = Body {
+        Body {
             good: if options.solver == Solver::Xpbd { now.clone() } else { Vec::new() },
             now,
-            before: (0..cloth.len()).map(|k| place(k, dt)).collect(),
-            normals: vec![[T::of(0.0); 4]; cloth.len()],
+            before,
+            normals,
             holes: Vec::new(),
             fastest: T::of(0.0),
             strain: None,
@@ -106,16 +87,7 @@ impl<T: Real> Body<T> {
             held: None,
             edited: true,
             cut: false,
-        };
-        if options.normals {
-            // What is drawn before the first frame has a front and a back too.
-            let threads = Threads::one();
-            for g in &body.grids {
-                normals::run(&threads, view(&body.now, &[], g), &mut body.normals[g.range()]);
-            }
-            seam_normals::run(&mut body.normals, &body.starts, &body.members);
         }
-        body
     }
 
     /// Positions.
@@ -172,15 +144,15 @@ impl<T: Real> Body<T> {
         solids: &[Solid<T>],
     ) {
         let Some(mut fabric) = self.fabric.take() else {
-            passes.for_each(|pass| self.run(*pass, threads, step, solids));
+            passes.for_each(|pass| _ = self.run(*pass, threads, step, solids));
             return;
         };
         fabric.step(passes, threads, step, solids, self);
         self.fabric = Some(fabric);
     }
 
-    /// Runs one pass on texels.
-    pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>]) {
+    /// Runs one pass on texels; false if it is not one of those, and nothing was done.
+    pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>]) -> bool {
         match pass {
             Pass::Wind { .. } => {
                 self.field.resize(self.now.len(), [T::of(0.0); 4]);
@@ -206,10 +178,6 @@ impl<T: Real> Body<T> {
                     normals::run(threads, view, &mut self.normals[g.range()]);
                 }
             }
-            // Passes of sheets.
-            Pass::Advance(_) | Pass::Membrane { .. } => {}
-            Pass::SeamSteps | Pass::Stretch { .. } | Pass::Forget | Pass::Tethers { .. } | Pass::Contact(_) => {}
-            Pass::Pyramid { .. } | Pass::Refine { .. } | Pass::Moments { .. } | Pass::SeamMoments | Pass::Bend => {}
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
                 self.edited |= self.faulty.is_some();
@@ -219,16 +187,10 @@ impl<T: Real> Body<T> {
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
             Pass::Strain { image, soft } => self.strain(threads, (image, soft), step.dt),
-            // Run by actions, which bring what they need.
-            Pass::Fused(_)
-            | Pass::Tile(_)
-            | Pass::Cut
-            | Pass::CutSprings
-            | Pass::CutLevels
-            | Pass::CutTethers { .. }
-            | Pass::Transform => {}
-            Pass::Pick { .. } | Pass::PickNearest => {}
+            // Passes of sheets, and of actions.
+            _ => return false,
         }
+        true
     }
 
     fn springs(&mut self, threads: &Threads, colour: (u32, u32), image: bool) {

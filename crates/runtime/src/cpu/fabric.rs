@@ -4,6 +4,7 @@ use super::body::Body;
 use super::contact;
 use super::integrate::Air;
 use super::laplacian::Weights;
+use super::limit::{self, Limit};
 use super::membrane::{self, Cells};
 use super::moments::{self, Plate};
 use super::neighbours::View;
@@ -36,6 +37,8 @@ pub struct Fabric<T: Real> {
     /// One a sheet, of cloth that bends.
     plates: Vec<Plate<T>>,
     tethers: Vec<Tethers<T>>,
+    /// One a sheet, of cloth that has any.
+    limits: Vec<Limit<T>>,
     /// Sheet and place of every anchor.
     anchors: Vec<(u32, u32)>,
     /// Sheet and place of every member of every ring.
@@ -58,13 +61,14 @@ impl<T: Real> Fabric<T> {
             grids.map(|g| Pyramid::new(&levels(cloth, g, &masses), sheets[g].width)).collect();
         let (cells, plates) = (cells(cloth, &sheets), plates(cloth, &sheets));
         let mut fabric = Fabric {
-            sheets,
             springs,
             ties: if pyramids.is_empty() { Vec::new() } else { ties(cloth) },
             pyramids,
             masses,
             cells,
             plates,
+            limits: limits(cloth, &sheets),
+            sheets,
             tethers: Vec::new(),
             anchors: Vec::new(),
             members: Vec::new(),
@@ -212,12 +216,12 @@ impl<T: Real> Fabric<T> {
 
     /// Whether a pass reaches no farther than the next row, on this thread.
     fn walks(&self, pass: Pass, threads: &Threads) -> bool {
-        let local = match pass {
-            Pass::Integrate(passes::Air::None) | Pass::Tethers { .. } => true,
-            Pass::Stretch { direction, .. } => self.springs.iter().all(|s| s[direction as usize & 3].are_hard()),
-            _ => false,
+        let reaches = match pass {
+            Pass::Stretch { direction, .. } => !self.springs.iter().all(|s| s[direction as usize & 3].are_hard()),
+            Pass::Integrate(passes::Air::None) | Pass::Tethers { .. } => false,
+            _ => true,
         };
-        local && self.sheets.iter().all(|s| threads.alone(&s.now))
+        !reaches && self.sheets.iter().all(|s| threads.alone(&s.now))
     }
 
     fn walk(&mut self, passes: &[Pass], step: &Step<T>) {
@@ -245,8 +249,15 @@ impl<T: Real> Fabric<T> {
         self.anchors.iter().map(of).collect()
     }
 
-    /// Runs a pass of a step. Wind needs the texels of `body`.
-    pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>], body: &mut Body<T>) {
+    /// Runs a pass of a step; false if it is not one, and nothing was done. Wind needs the texels of `body`.
+    pub fn run(
+        &mut self,
+        pass: Pass,
+        threads: &Threads,
+        step: &Step<T>,
+        solids: &[Solid<T>],
+        body: &mut Body<T>,
+    ) -> bool {
         match pass {
             Pass::Wind { .. } => self.wind(threads, step, body),
             Pass::Integrate(air) | Pass::Advance(air) => {
@@ -291,6 +302,10 @@ impl<T: Real> Fabric<T> {
                     tethers::run(threads, sheet, held, &anchors);
                 }
             }
+            Pass::Limit => {
+                let each = self.sheets.iter_mut().zip(&self.limits);
+                each.for_each(|(sheet, limit)| limit::run(threads, sheet, limit));
+            }
             Pass::Pyramid { directions, cut, .. } => {
                 pyramid::run(&mut self.pyramids, &self.sheets, threads, (&directions, cut), &self.ties);
             }
@@ -304,7 +319,7 @@ impl<T: Real> Fabric<T> {
                 let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();
                 self.sheets.iter_mut().for_each(|s| contact::run(threads, s, &posed, step.dt));
             }
-            // Passes of the classic solver, and those of a frame, which are made from texels.
+            // Passes of the classic solver, of a frame and of actions, which are made from texels.
             Pass::Springs { .. }
             | Pass::Colliders(_)
             | Pass::Guard
@@ -314,16 +329,15 @@ impl<T: Real> Fabric<T> {
             | Pass::Speed
             | Pass::Fastest
             | Pass::Strain { .. }
-            | Pass::Tile(_)
-            | Pass::Fused(_)
             | Pass::Cut
             | Pass::CutSprings
             | Pass::CutTethers { .. }
             | Pass::CutLevels
             | Pass::Transform
             | Pass::Pick { .. }
-            | Pass::PickNearest => {}
+            | Pass::PickNearest => return false,
         }
+        true
     }
 
     fn wind(&mut self, threads: &Threads, step: &Step<T>, body: &mut Body<T>) {
@@ -366,6 +380,15 @@ fn cells<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Cells<T>> {
         let entry = |k: usize, n: usize| membrane.cells[2 * (grid.first as usize + k) + n / 4][n % 4];
         let list = |n: usize| sheet.list(T::of(0.0), |k| T::of(entry(k, n).into()));
         Cells { inverse: [0, 1, 2, 3, 4, 5, 6, 7].map(list), soft: membrane.soft.map(|s| T::of(s.into())) }
+    };
+    sheets.iter().zip(cloth.grids()).map(of).collect()
+}
+
+/// How far particles may be from where they begin; empty for cloth without limits.
+fn limits<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Limit<T>> {
+    let Some(limits) = &cloth.limits else { return Vec::new() };
+    let of = |(sheet, grid): (&Sheet<T>, &cloth::Grid)| {
+        Limit::new(sheet, |k| (cloth.positions()[grid.first as usize + k], limits[grid.first as usize + k]))
     };
     sheets.iter().zip(cloth.grids()).map(of).collect()
 }

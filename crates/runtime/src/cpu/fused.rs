@@ -32,5 +32,5 @@ pub fn run<T: Real>(body: &mut Body<T>, frame: &Frame<T>, threads: &Threads, sol
     }
     body.end();
     let last = (frame.step)(steps.saturating_sub(1));
-    plan.frame.iter().for_each(|pass| body.run(*pass, threads, &last, solids));
+    plan.frame.iter().for_each(|pass| _ = body.run(*pass, threads, &last, solids));
 }

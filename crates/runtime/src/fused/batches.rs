@@ -1,9 +1,11 @@
 //! Which cloths lie in the same buffers, and which of them share a dispatch.
 
+use std::sync::Arc;
+
 use super::{Fused, Hold, Room};
 use crate::cloth::{Cloth, Rest};
 use crate::options::{Options, Solver};
-use crate::passes::soft_of;
+use crate::passes::{Schedule, soft_of};
 use crate::world::World;
 
 /// From this number of cloths on, those that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
@@ -64,10 +66,19 @@ impl World {
         self.fused = vec![None; self.schedules.len()];
         self.orders = vec![Default::default(); self.schedules.len()];
         let Some(room) = self.room.filter(|_| self.options.fused) else { return };
+        // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.
+        let mut frames: Vec<Arc<Schedule>> = Vec::new();
         for index in self.arenas.iter().flatten() {
             let (cloth, schedule) = (&self.scene.cloths[*index], &self.schedules[*index]);
             // Rest lengths and tethers that a cut has changed are the cloth's own.
-            self.fused[*index] = Fused::of(cloth, schedule, &room).filter(|_| !cloth.is_cut());
+            if cloth.is_cut() {
+                continue;
+            }
+            let frame = frames.iter().find(|f| ***f == *schedule).cloned().unwrap_or_else(|| {
+                frames.push(Arc::new(schedule.clone()));
+                frames[frames.len() - 1].clone()
+            });
+            self.fused[*index] = Fused::of(cloth, &frame, &room);
         }
     }
 
@@ -87,14 +98,14 @@ impl World {
                 if self.asleep[*cloth] || !self.is_fused(*cloth, steps) {
                     continue;
                 }
-                let Some(fused) = self.fused[*cloth] else { continue };
+                let Some(fused) = &self.fused[*cloth] else { continue };
                 let fits = |b: &&mut Batch| b.fused.kind() == fused.kind() && b.members.len() < MOST;
                 match batches[first..].iter_mut().find(fits) {
                     Some(batch) => {
-                        batch.fused = batch.fused.with(&fused);
+                        batch.fused = batch.fused.with(fused);
                         batch.members.push(member);
                     }
-                    None => batches.push(Batch { arena, fused, members: vec![member] }),
+                    None => batches.push(Batch { arena, fused: fused.clone(), members: vec![member] }),
                 }
             }
         }

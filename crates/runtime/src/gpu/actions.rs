@@ -37,7 +37,7 @@ impl Gpu {
                         let levels = has_levels(cloth, &world.options).then_some(Pass::CutLevels);
                         let passes = [Some(Pass::Cut), springs.then_some(Pass::CutSprings), levels];
                         for what in passes.into_iter().flatten() {
-                            let groups = source(what).workgroups(cloth);
+                            let groups = source(&what.into()).workgroups(cloth);
                             self.once(world, &mut pass, index, what, &[(Slot::Action, &numbers)], groups);
                         }
                         self.after_cut(world, &mut pass, index);
@@ -69,7 +69,7 @@ impl Gpu {
         more: &[(Slot, &wgpu::Buffer)],
         [x, y, z]: [u32; 3],
     ) {
-        let pipeline = self.pipelines.get(what);
+        let pipeline = self.pipelines.get(&what.into());
         self.cloths[cloth].separate(&self.device, world, cloth);
         let group = self.cloths[cloth].bind(&self.device, pipeline, more);
         pass.set_pipeline(&pipeline.pipeline);

@@ -2,15 +2,14 @@
 
 use std::collections::HashMap;
 
-use bytemuck::Zeroable;
 use wgpu::{Buffer, BufferUsages};
 
-use super::buffers::{DRAWN, Spans, bend_rows, grid_rows, soft_row, upload, yielding_row};
+use super::buffers::{DRAWN, Spans, grid_rows, soft_row, upload};
+use super::contents::Contents;
 use super::pipelines::Pipeline;
 use super::span::Span;
-use crate::cloth::{Compliance, Rest};
-use crate::cpu::body::Body;
-use crate::fused::{Batch, Fused, room_of};
+use crate::cpu::start::Start;
+use crate::fused::{Batch, Fused};
 use crate::layout::{FAULT_BYTES, FAULT_STRIDE, JobRow, StepRow};
 use crate::shaders::Slot;
 use crate::world::World;
@@ -37,86 +36,33 @@ struct Ready {
 
 impl Arena {
     /// Uploads the cloths of an index list.
-    pub fn new(device: &wgpu::Device, world: &World, bodies: &[Body<f32>], cloths: &[usize]) -> Self {
-        let (mut jobs, mut grids): (Vec<JobRow>, Vec<_>) = (Vec::new(), Vec::new());
-        let mut lists: [Vec<[f32; 4]>; 5] = Default::default();
-        let (mut starts, mut members, mut tethers) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut cells, mut yielding, mut weights, mut bends) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let softs: Vec<_> = cloths.iter().map(|c| soft_row(&world.scene.cloths[*c], world.clock.dt)).collect();
-        for (row, &index) in cloths.iter().enumerate() {
-            let (cloth, held, body) = (&world.scene.cloths[index], &world.tethers[index], &bodies[index]);
-            let first = lists[0].len() as u32;
-            jobs.push(JobRow {
-                first,
-                count: cloth.len() as u32,
-                grid: grids.len() as u32,
-                grids: cloth.grids().len() as u32,
-                ring: starts.len() as u32,
-                rings: cloth.ring_count() as u32,
-                row: row as u32,
-                ..JobRow::zeroed()
-            });
-            grids.extend(grid_rows(cloth, first, softs[row]));
-            let rest: &[_] = if let Rest::Image(rest) = cloth.rest() { rest } else { &[] };
-            let soft: &[_] = if let Compliance::Image(soft) = &cloth.compliance { soft } else { &[] };
-            let end = lists[0].len() + room_of(cloth.len());
-            // Between cloths there are no particles.
-            for (list, data) in lists.iter_mut().zip([body.now(), body.before(), &body.normals, rest, soft]) {
+    pub fn new(device: &wgpu::Device, world: &World, starts: &[Start<f32>], cloths: &[usize]) -> Self {
+        let contents = Contents::new(world, cloths);
+        let mut lists: [Vec<[f32; 4]>; 3] = Default::default();
+        for (index, job) in cloths.iter().zip(&contents.jobs) {
+            let start = &starts[*index];
+            for (list, data) in lists.iter_mut().zip([&start.now, &start.before, &start.normals]) {
+                // Between cloths there are no particles.
+                list.resize(job.first as usize, [0.0, 0.0, 0.0, -1.0]);
                 list.extend(data);
-                list.resize(if data.is_empty() { 0 } else { end }, [0.0, 0.0, 0.0, -1.0]);
             }
-            if let Some(membrane) = cloth.membrane() {
-                cells.extend(&membrane.cells);
-                cells.resize(2 * end, [0.0; 4]);
-                yielding.push(yielding_row(membrane));
-            }
-            if let Some(bending) = cloth.bending() {
-                weights.extend(&bending.weights);
-                weights.resize(end, [0.0; 4]);
-                bends.extend(bend_rows(bending, cloth));
-                bends.resize(end, [0.0; 2]);
-            }
-            let (rings, of_rings) = cloth.rings();
-            let so_far = members.len() as u32;
-            starts.extend(rings[..rings.len() - 1].iter().map(|s| s + so_far));
-            members.extend(of_rings.iter().map(|m| m + first));
-            let anchor =
-                |a: &crate::Anchor| [if a.exists() { a.particle + first } else { u32::MAX }, a.distance.to_bits()];
-            tethers.extend(held.anchors.iter().map(anchor));
-            tethers.resize(end * held.per_particle, [u32::MAX, 0]);
         }
-        starts.push(members.len() as u32);
         let none = BufferUsages::empty();
-        let [now, before, normals, rest, soft] = lists;
-        let mut buffers = HashMap::from([
+        let [now, before, normals] = lists;
+        let mut buffers = contents.upload(device);
+        let faults = vec![0u32; FAULT_STRIDE as usize * contents.jobs.len()];
+        buffers.extend([
             (Slot::Good, upload(device, "good", &now, none)),
             (Slot::Now, upload(device, "now", &now, DRAWN)),
             (Slot::Before, upload(device, "before", &before, DRAWN)),
             (Slot::Normals, upload(device, "normals", &normals, DRAWN)),
-            (Slot::Grids, upload(device, "grids", &grids, none)),
-            (
-                Slot::Faults,
-                upload(device, "faults", &vec![0u32; FAULT_STRIDE as usize * jobs.len()], BufferUsages::COPY_SRC),
-            ),
+            (Slot::Faults, upload(device, "faults", &faults, BufferUsages::COPY_SRC)),
         ]);
-        let lists = [(Slot::Rest, rest), (Slot::Soft, soft), (Slot::Cells, cells), (Slot::Yielding, yielding)];
-        for (slot, list) in lists.into_iter().chain([(Slot::Weights, weights)]).filter(|l| !l.1.is_empty()) {
-            buffers.insert(slot, upload(device, slot.name(), &list, none));
-        }
-        if !bends.is_empty() {
-            buffers.insert(Slot::Bends, upload(device, "bends", &bends, none));
-        }
         if cloths.iter().any(|c| world.scene.cloths[*c].is_exact()) {
             buffers.insert(Slot::Lost, upload(device, "lost", &vec![[0f32; 4]; now.len()], none));
         }
-        if !members.is_empty() {
-            buffers.insert(Slot::Starts, upload(device, "starts", &starts, none));
-            buffers.insert(Slot::Members, upload(device, "members", &members, none));
-        }
-        if !tethers.is_empty() {
-            buffers.insert(Slot::Tethers, upload(device, "tethers", &tethers, none));
-        }
-        Arena { cloths: cloths.to_vec(), buffers, jobs, softs, ready: HashMap::new() }
+        let softs = cloths.iter().map(|c| soft_row(&world.scene.cloths[*c], world.clock.dt)).collect();
+        Arena { cloths: cloths.to_vec(), buffers, jobs: contents.jobs, softs, ready: HashMap::new() }
     }
 
     /// Where each of its cloths lies.
@@ -169,7 +115,7 @@ impl Arena {
         let rows: Vec<_> = batch.members.iter().map(|m| self.job(world, *m)).collect();
         let same = |r: &Ready| r.rows == rows && r.solids == *solids && r.frames == *frames;
         if !self.ready.get(&batch.fused).is_some_and(same) {
-            let scratch = |b: &&crate::shaders::Bound| matches!(b.slot, Slot::Sums | Slot::Moments);
+            let scratch = |b: &&crate::shaders::Bound| matches!(b.slot, Slot::Sums | Slot::Moments | Slot::Field);
             for slot in pipeline.source.bindings.iter().filter(scratch).map(|b| b.slot) {
                 let numbers = self.buffers[&Slot::Now].size() as usize / 4;
                 let new = || upload(device, slot.name(), &vec![0f32; numbers], BufferUsages::empty());
@@ -195,7 +141,7 @@ impl Arena {
                 entries: &entries,
             });
             let ready = Ready { rows, solids: solids.clone(), frames: frames.clone(), group };
-            self.ready.insert(batch.fused, ready);
+            self.ready.insert(batch.fused.clone(), ready);
         }
         &self.ready[&batch.fused].group
     }

@@ -7,17 +7,17 @@ use bytemuck::{Pod, bytes_of, cast_slice};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
-use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
-use crate::cpu::body::Body;
+use crate::cloth::{Cloth, Grid, Rest, Tethers};
+use crate::cpu::start::Start;
 use crate::cpu::stretch::UNBOUNDED;
 use crate::error::{Error, Result};
+use crate::gpu::contents::Contents;
 use crate::gpu::cut_tethers;
 use crate::gpu::levels;
 use crate::gpu::pipelines::Pipeline;
 use crate::gpu::span::Span;
 use crate::gpu::turns;
 use crate::layout::{FAULT_BYTES, FaultRow, GridRow, StepRow};
-use crate::material::{Bending, Membrane};
 use crate::options::{Options, Solver};
 use crate::passes::{Soft, has_levels, soft_of};
 use crate::shaders::{Bound, Slot, Source};
@@ -76,7 +76,7 @@ impl ClothBuffers {
     pub(super) fn new(
         device: &wgpu::Device,
         (cloth, held): (&Cloth, &Tethers),
-        body: &Body<f32>,
+        start: &Start<f32>,
         (draw_only, options): (bool, &Options),
         lies: Option<Spans>,
     ) -> Result<Self> {
@@ -93,11 +93,11 @@ impl ClothBuffers {
         let list = |label, data: &[[f32; 4]]| Span::from(upload(device, label, data, DRAWN));
         let guarded = options.solver == Solver::Xpbd && !draw_only;
         let alone = || Spans {
-            now: list("now", body.now()),
-            before: list("before", body.before()),
-            normals: list("normals", &body.normals),
+            now: list("now", &start.now),
+            before: list("before", &start.before),
+            normals: list("normals", &start.normals),
             faults: guarded.then(|| upload(device, "faults", &[0u8; FAULT_BYTES], BufferUsages::COPY_SRC).into()),
-            good: guarded.then(|| upload(device, "good", body.now(), BufferUsages::empty()).into()),
+            good: guarded.then(|| upload(device, "good", &start.now, BufferUsages::empty()).into()),
             lost: (guarded && cloth.is_exact())
                 .then(|| upload(device, "lost", &vec![[0f32; 4]; cloth.len()], BufferUsages::empty()).into()),
         };
@@ -124,7 +124,7 @@ impl ClothBuffers {
 
     /// Makes what only passes of the cloth's own need, once; its grids again where the bound of diagonals is another.
     pub(super) fn separate(&mut self, device: &wgpu::Device, world: &World, index: usize) {
-        let (cloth, held, options) = (&world.scene.cloths[index], &world.tethers[index], &world.options);
+        let (cloth, options) = (&world.scene.cloths[index], &world.options);
         if !self.stepping {
             return;
         }
@@ -145,32 +145,12 @@ impl ClothBuffers {
             usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         }));
-        let none = BufferUsages::empty();
-        if let Rest::Image(rest) = cloth.rest() {
-            self.others.entry(Slot::Rest).or_insert_with(|| upload(device, "rest", rest, none));
-        }
-        if let Compliance::Image(soft) = &cloth.compliance {
-            self.others.insert(Slot::Soft, upload(device, "soft", soft, none));
-        }
-        if let Some(membrane) = cloth.membrane().filter(|_| options.solver == Solver::Xpbd) {
-            self.others.insert(Slot::Cells, upload(device, "cells", &membrane.cells, none));
-            self.others.insert(Slot::Yielding, upload(device, "yielding", &[yielding_row(membrane)], none));
-        }
-        if let Some(bending) = cloth.bending().filter(|_| options.solver == Solver::Xpbd) {
-            self.others.insert(Slot::Weights, upload(device, "weights", &bending.weights, none));
-            self.others.insert(Slot::Bends, upload(device, "bends", &bend_rows(bending, cloth), none));
+        for (slot, buffer) in Contents::new(world, &[index]).upload(device) {
+            // Rest lengths may be there already, and be cut.
+            self.others.entry(slot).or_insert(buffer);
         }
         if has_levels(cloth, options) {
             self.others.extend(levels::buffers(device, cloth));
-        }
-        if held.per_particle > 0 {
-            let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
-            self.others.insert(Slot::Tethers, upload(device, "tethers", &rows, BufferUsages::COPY_SRC));
-        }
-        if cloth.ring_count() > 0 {
-            let (starts, members) = cloth.rings();
-            self.others.insert(Slot::Starts, upload(device, "starts", starts, none));
-            self.others.insert(Slot::Members, upload(device, "members", members, none));
         }
     }
 
@@ -314,17 +294,6 @@ pub(super) fn grid_rows(cloth: &Cloth, first: u32, soft: f32) -> Vec<GridRow> {
         rest: constant(g),
     };
     cloth.grids().iter().enumerate().map(row).collect()
-}
-
-/// One over the stiffness of a membrane.
-pub(super) fn yielding_row(membrane: &Membrane) -> [f32; 4] {
-    let [weft, warp, shear] = membrane.soft;
-    [weft, warp, shear, 0.0]
-}
-
-/// Compliance of bending, and what keeps it stable.
-pub(super) fn bend_rows(bending: &Bending, cloth: &Cloth) -> Vec<[f32; 2]> {
-    bending.compliance.iter().zip(bending.bounds(cloth)).map(|(c, b)| [*c, b]).collect()
 }
 
 /// How buffers are used that a vertex shader reads.

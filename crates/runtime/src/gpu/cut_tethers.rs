@@ -88,7 +88,7 @@ impl Gpu {
         for round in rounds {
             each.entry(*round).or_insert_with(|| numbers(round));
         }
-        let pipeline = self.pipelines.get(what);
+        let pipeline = self.pipelines.get(&what.into());
         let buffers = &self.cloths[index];
         let [Some(there), Some(back)] = [Slot::Tethers, Slot::Holding].map(|slot| buffers.other(slot)) else { return };
         let group = |(round, numbers): (&Round, &Buffer)| {

@@ -36,7 +36,7 @@ impl Gpu {
         let storage = wgpu::BufferUsages::STORAGE;
         let found: Vec<_> = (world.scene.cloths.iter())
             .map(|cloth| {
-                let groups = source(Pass::Pick { holes: cloth.is_cut() }).workgroups(cloth);
+                let groups = source(&Pass::Pick { holes: cloth.is_cut() }.into()).workgroups(cloth);
                 let count = groups.iter().map(|n| u64::from(*n)).product::<u64>();
                 let found = buffer("found", FOUND, storage | wgpu::BufferUsages::COPY_SRC);
                 (buffer("candidates", 16 * count, storage), found, groups)

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
+use crate::form::Form;
 use crate::layout::{FrameRow, StepRow};
-use crate::passes::Pass;
 use crate::shaders::{Bound, Slot, Source, source};
 
 /// A pipeline, the layout of what it binds, and its entry in the table of shaders.
@@ -24,23 +24,23 @@ pub struct Compiled {
     pub ms: f64,
 }
 
-/// By pass, constants and parts included.
-type ByPass = HashMap<Pass, Arc<Pipeline>>;
+/// By form, constants and parts included.
+type ByForm = HashMap<Form, Arc<Pipeline>>;
 
 /// The pipelines of a stepper. Steppers made from one another share what they compile. A device alone does not tell whose
 /// pipelines fit: those of different wgpu instances may be equal.
 pub struct Pipelines {
     device: wgpu::Device,
-    shared: Arc<Mutex<ByPass>>,
+    shared: Arc<Mutex<ByForm>>,
     /// Those that this stepper has used, without a lock.
-    used: ByPass,
+    used: ByForm,
     pub compiled: Compiled,
 }
 
 impl Pipelines {
     /// None yet.
     pub fn new(device: &wgpu::Device) -> Self {
-        let (shared, used) = (Arc::default(), ByPass::new());
+        let (shared, used) = (Arc::default(), ByForm::new());
         Pipelines { device: device.clone(), shared, used, compiled: Compiled::default() }
     }
 
@@ -49,20 +49,21 @@ impl Pipelines {
         Pipelines { shared: self.shared.clone(), ..Pipelines::new(&self.device) }
     }
 
-    /// The pipeline of a pass.
-    pub fn get(&mut self, pass: Pass) -> &Pipeline {
+    /// The pipeline of a form.
+    pub fn get(&mut self, form: &Form) -> &Pipeline {
         let Pipelines { device, shared, used, compiled } = self;
-        used.entry(pass).or_insert_with(|| {
+        if !used.contains_key(form) {
             let mut made = shared.lock().unwrap_or_else(PoisonError::into_inner);
             let compile = || {
                 let start = Instant::now();
-                let pipeline = Arc::new(make(device, source(pass)));
+                let pipeline = Arc::new(make(device, source(form)));
                 compiled.pipelines += 1;
                 compiled.ms += start.elapsed().as_secs_f64() * 1e3;
                 pipeline
             };
-            made.entry(pass).or_insert_with(compile).clone()
-        })
+            used.insert(form.clone(), made.entry(form.clone()).or_insert_with(compile).clone());
+        }
+        &used[form]
     }
 }
 

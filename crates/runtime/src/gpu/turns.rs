@@ -1,8 +1,7 @@
 //! Tiles write positions to other buffers than they read, which then change places.
 
 use super::buffers::ClothBuffers;
-use crate::shaders::Slot;
-use crate::tile::Tile;
+use crate::shaders::{Slot, Source};
 
 /// What tiles read, and where they write it to.
 pub(super) const TURNS: [(Slot, Slot); 4] =
@@ -15,10 +14,9 @@ pub(super) fn lies(turned: [bool; 4], slot: Slot) -> Slot {
 }
 
 impl ClothBuffers {
-    /// A tile has written positions to where the last ones were not.
-    pub(super) fn turn(&mut self, tile: &Tile) {
-        let moves = [true, tile.air.is_some(), tile.exact, tile.again];
-        self.turned = std::array::from_fn(|n| self.turned[n] != moves[n]);
+    /// What a tile has written lies where the last ones were not.
+    pub(super) fn turn(&mut self, source: &Source) {
+        self.turned = std::array::from_fn(|n| self.turned[n] != source.binds(TURNS[n].1));
     }
 
     /// Brings positions back to where hosts look for them. Nothing goes on from the multipliers of a frame.

@@ -126,10 +126,10 @@ fn check(module: &Module) -> (usize, BTreeSet<String>) {
 fn loops_decide_whether_to_go_on_before_they_load() {
     let mut count = 0;
     let mut wrong = BTreeSet::new();
-    for pass in variants() {
-        let (loops, functions) = check(&module(pass));
+    for form in &variants() {
+        let (loops, functions) = check(&module(form));
         count += loops;
-        wrong.extend(functions.into_iter().map(|f| format!("{}: {f}", super::source(pass).stem)));
+        wrong.extend(functions.into_iter().map(|f| format!("{}: {f}", super::source(form).stem)));
     }
     assert!(count > 1000, "{count} loops");
     assert!(wrong.is_empty(), "load the value before the loop, or in the turn before: {wrong:#?}");

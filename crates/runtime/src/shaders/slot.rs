@@ -1,106 +1,113 @@
 //! What shaders bind.
 
-use crate::cloth::Cloth;
+use bytemuck::cast_slice;
+
+use crate::cloth::{Cloth, Compliance, Rest, Tethers};
 use crate::layout::{FAULT_BYTES, FrameRow, JobRow, LinkRow};
 
-/// What can be bound. The number is the binding in every shader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Slot {
-    Step = 0,
-    Grids,
-    Now,
-    Before,
-    Rest,
-    Starts,
-    Members,
-    Solids,
-    Normals,
-    Field,
-    Holes,
-    Action,
-    Chosen,
-    Candidates,
-    Found,
-    Partial,
-    Fastest,
-    Soft,
-    Sums,
-    Tethers,
-    Levels,
-    Nodes,
-    Limits,
-    Faults,
-    Good,
-    Weights,
-    Bends,
-    Moments,
-    Lost,
-    Cells,
-    Yielding,
-    Frame,
-    Jobs,
-    Strain,
-    Next,
-    Passed,
-    Losing,
-    Summing,
-    Supports,
-    Holding,
-    Changes,
-    Mates,
-    Links,
-    Ties,
+macro_rules! slots {
+    ($($slot:ident $name:literal,)*) => {
+        /// What can be bound. The number is the binding in every shader.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Slot { $($slot,)* }
+
+        impl Slot {
+            /// All of them.
+            pub const ALL: &[Slot] = &[$(Slot::$slot,)*];
+
+            pub fn name(self) -> &'static str {
+                match self { $(Slot::$slot => $name,)* }
+            }
+        }
+    };
+}
+
+slots! {
+    Step "step",
+    Grids "grids",
+    Now "now",
+    Before "before",
+    Rest "rest",
+    Starts "starts",
+    Members "members",
+    Solids "solids",
+    Normals "normals",
+    Field "field",
+    Holes "holes",
+    Action "action",
+    Chosen "chosen",
+    Candidates "candidates",
+    Found "found",
+    Partial "partial",
+    Fastest "fastest",
+    Soft "soft",
+    Sums "sums",
+    Tethers "tethers",
+    Levels "levels",
+    Nodes "nodes",
+    Limits "limits",
+    Faults "faults",
+    Good "good",
+    Weights "weights",
+    Bends "bends",
+    Moments "moments",
+    Lost "lost",
+    Cells "cells",
+    Yielding "yielding",
+    Frame "frame",
+    Jobs "jobs",
+    Strain "strain",
+    Next "next",
+    Passed "passed",
+    Losing "losing",
+    Summing "summing",
+    Supports "supports",
+    Holding "holding",
+    Changes "changes",
+    Mates "mates",
+    Links "links",
+    Ties "ties",
+    Targets "targets",
 }
 
 impl Slot {
-    pub fn name(self) -> &'static str {
-        const NAMES: [&str; 44] = [
-            "step",
-            "grids",
-            "now",
-            "before",
-            "rest",
-            "starts",
-            "members",
-            "solids",
-            "normals",
-            "field",
-            "holes",
-            "action",
-            "chosen",
-            "candidates",
-            "found",
-            "partial",
-            "fastest",
-            "soft",
-            "sums",
-            "tethers",
-            "levels",
-            "nodes",
-            "limits",
-            "faults",
-            "good",
-            "weights",
-            "bends",
-            "moments",
-            "lost",
-            "cells",
-            "yielding",
-            "frame",
-            "jobs",
-            "strain",
-            "next",
-            "passed",
-            "losing",
-            "summing",
-            "supports",
-            "holding",
-            "changes",
-            "mates",
-            "links",
-            "ties",
-        ];
-        NAMES[self as usize]
+    /// The entries that each texel of a cloth has in a list that shaders only read: their number, their bytes together, and the list,
+    /// whose texels begin at `first`. None for other slots, and where the cloth has no such list.
+    pub fn texels(self, cloth: &Cloth, held: &Tethers, first: u32) -> Option<(usize, Vec<u8>)> {
+        let list = |data: &[[f32; 4]]| cast_slice(data).to_vec();
+        match self {
+            Slot::Rest => {
+                if let Rest::Image(rest) = cloth.rest() {
+                    Some((16, list(rest)))
+                } else {
+                    None
+                }
+            }
+            Slot::Soft => {
+                if let Compliance::Image(soft) = &cloth.compliance {
+                    Some((16, list(soft)))
+                } else {
+                    None
+                }
+            }
+            Slot::Cells => cloth.membrane().map(|m| (32, list(&m.cells))),
+            Slot::Weights => cloth.bending().map(|b| (16, list(&b.weights))),
+            Slot::Bends => cloth.bending().map(|b| {
+                let rows: Vec<_> = b.compliance.iter().zip(b.bounds(cloth)).map(|(c, bound)| [*c, bound]).collect();
+                (8, cast_slice(&rows).to_vec())
+            }),
+            Slot::Tethers if held.per_particle > 0 => {
+                let end = |a: &crate::Anchor| if a.exists() { a.particle + first } else { u32::MAX };
+                let rows: Vec<_> = held.anchors.iter().map(|a| [end(a), a.distance.to_bits()]).collect();
+                Some((8 * held.per_particle, cast_slice(&rows).to_vec()))
+            }
+            Slot::Targets => cloth.limits.as_ref().map(|limits| {
+                let rows: Vec<_> =
+                    cloth.positions().iter().zip(limits).map(|([x, y, z], l)| [*x, *y, *z, *l]).collect();
+                (16, list(&rows))
+            }),
+            _ => None,
+        }
     }
 
     /// Bytes of the buffer for a cloth.
@@ -123,6 +130,7 @@ impl Slot {
             Slot::Jobs => size_of::<JobRow>(),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
             Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => cloth.len() * 16,
+            Slot::Targets => cloth.len() * 16,
             Slot::Bends => cloth.len() * 8,
             Slot::Cells => cloth.len() * 32,
             Slot::Yielding => 16,
@@ -139,19 +147,4 @@ impl Slot {
         };
         bytes as u64
     }
-}
-
-/// A slot and whether the shader writes to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Bound {
-    pub slot: Slot,
-    pub writes: bool,
-}
-
-pub const fn reads(slot: Slot) -> Bound {
-    Bound { slot, writes: false }
-}
-
-pub const fn writes(slot: Slot) -> Bound {
-    Bound { slot, writes: true }
 }

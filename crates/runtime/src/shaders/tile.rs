@@ -1,82 +1,87 @@
-//! The parts of the shader that makes several passes of a step by tiles.
+//! The shader of several passes by tiles.
 
-use super::{
-    BOUND, BY_ROWS, CONTACT, GRID, SOLIDS, STEP, Slot, Source, Threads, air, reads, rule, shapes, spring_parts, writes,
-};
-use crate::passes::Soft;
-use crate::tile::Tile;
+use super::apart::lists;
+use super::parts::{Parts, reads, writes};
+use super::rule::{Over, Rule, rule};
+use super::{Slot, Source, Threads, calls, colour};
+use crate::passes::Pass;
+use crate::tile::{Stages, Tile};
 
-/// Only what these passes need is compiled in and bound.
-pub(super) fn source(tile: Tile) -> Source {
-    let Tile { shape, threads, .. } = tile;
-    let mut files = vec![GRID, BY_ROWS];
-    let mut bindings = vec![reads(Slot::Grids), reads(Slot::Now), writes(Slot::Next)];
-    let mut constants = vec![("threads", f64::from(threads)), ("places", f64::from(shape.room[0] * shape.room[1]))];
-    let numbers = [("stride", shape.room[0]), ("inner_x", shape.inner[0]), ("inner_y", shape.inner[1])];
-    let more = [("around_x", shape.around[0]), ("around_y", shape.around[1])];
-    let lacks = [("lacks_x", shape.lacks[0]), ("lacks_y", shape.lacks[1])];
-    constants.extend(numbers.into_iter().chain(more).chain(lacks).map(|(name, n)| (name, f64::from(n))));
-    constants.extend(["first", "last"].into_iter().zip(tile.tethers).map(|(name, on)| (name, f64::from(u8::from(on)))));
-    if tile.air.is_some() || tile.contact.is_some() || tile.soft != Soft::None {
-        files.extend([STEP, BOUND]);
-        bindings.push(reads(Slot::Step));
-    }
-    if let Some(of) = tile.air {
-        files.extend(air(of));
-        if tile.exact {
-            files.extend([part!("tile_lost"), part!("verlet_exact")]);
-            bindings.extend([reads(Slot::Lost), writes(Slot::Losing)]);
-        } else {
-            files.extend([part!("tile_lost_none"), part!("verlet")]);
+/// The rules of all passes, called in their order: on particles as they are taken in, on all that the tile has, on what it
+/// owns.
+pub fn tile(tile: &Tile) -> Source {
+    let Stages { arrive, middle, leave } = tile.stages();
+    let mut parts = Parts::new(&[part!("grid"), part!("by_rows")], &[Slot::Grids], &[Slot::Next]);
+    for pass in &tile.passes {
+        let Rule { text, over, parts: own, .. } = rule(*pass);
+        parts = parts.and(own).files(&[text]);
+        if over == Over::Near {
+            parts = parts.files(&[part!("notes")]);
         }
-        files.push(part!("tile_moves"));
-        bindings.extend([reads(Slot::Before), writes(Slot::Passed)]);
-        bindings.extend((of == crate::passes::Air::Field).then_some(reads(Slot::Field)));
-    } else {
-        files.push(part!("tile_moves_none"));
     }
-    if tile.slots > 0 {
-        files.extend([part!("tether"), part!("tile_tethers")]);
-        bindings.push(reads(Slot::Tethers));
-        constants.push(("slots", f64::from(tile.slots)));
-    } else {
-        files.push(part!("tile_tethers_none"));
-    }
-    if tile.colours > 0 {
-        let sums = || {
-            let bound = vec![reads(Slot::Sums), writes(Slot::Summing)];
-            (vec![part!("tile_sums"), part!("again")], bound)
+    let mut loops: Vec<(&str, &str)> = Vec::new();
+    for pass in middle.iter().chain(leave) {
+        let Rule { call, over, .. } = rule(*pass);
+        let turn = match over {
+            Over::Springs { .. } => turn!("tile_springs"),
+            Over::Near => turn!("tile_near"),
+            Over::Particles | Over::Rings | Over::Texels | Over::Cells { .. } | Over::Own(_) => turn!("tile_particles"),
         };
-        let (springs, read) = spring_parts(tile.image, tile.soft, if tile.again { sums() } else { rule(false) });
-        files.extend(springs);
-        files.push(part!("tile_springs"));
-        constants.extend(tile.again.then(|| ("forget", f64::from(u8::from(tile.forget)))));
-        bindings.extend(read);
-        constants.extend([("colours", f64::from(tile.colours)), ("polish", f64::from(tile.polish))]);
-    } else {
-        files.push(part!("tile_springs_none"));
-    }
-    if !tile.again {
-        files.push(part!("tile_sums_none"));
-    }
-    if let Some(kinds) = tile.contact {
-        files.push(SOLIDS);
-        files.extend(CONTACT);
-        if kinds.many {
-            files.extend([part!("notes"), part!("near"), part!("tile_near")]);
-        } else {
-            files.extend([part!("near_all"), part!("tile_near_all")]);
+        if !loops.contains(&(turn, call)) {
+            loops.push((turn, call));
         }
-        files.push(part!("tile_contact"));
-        bindings.push(reads(Slot::Solids));
-        constants.extend(shapes(kinds));
-        if tile.air.is_none() {
-            files.push(part!("before"));
-            bindings.push(reads(Slot::Before));
-        }
-    } else {
-        files.push(part!("tile_contact_none"));
     }
-    files.push(pass!("tile"));
-    Source { stem: "tile", files, bindings, constants, threads: Threads::Tiles(shape) }
+    let call = |pass: &Pass| rule(*pass).call;
+    let program = format!(
+        "\nfn arrive_program(k: u32) {{\n{}}}\n\nfn middle_program(local: u32) {{\n{}}}\n\nfn leave_program(local: u32) {{\n{}}}\n",
+        calls(arrive, |pass| format!("  {}(k);\n", call(pass))),
+        calls(middle, |pass| {
+            format!("  {}_all(local{});\n  workgroupBarrier();\n", call(pass), colour(rule(*pass).over))
+        }),
+        calls(leave, |pass| format!("  {}_own(local);\n", call(pass))),
+    );
+    let shape = tile.shape;
+    let parts = apart_from_others(tile, parts).files(&[pass!("tile")]).constant("threads", tile.threads);
+    let numbers = [("places", shape.room[0] * shape.room[1]), ("stride", shape.room[0])];
+    let inner = [("inner_x", shape.inner[0]), ("inner_y", shape.inner[1])];
+    let around = [("around_x", shape.around[0]), ("around_y", shape.around[1])];
+    let lacks = [("lacks_x", shape.lacks[0]), ("lacks_y", shape.lacks[1])];
+    let numbers = numbers.into_iter().chain(inner).chain(around).chain(lacks);
+    let parts = numbers.fold(parts, |parts, (name, n)| parts.constant(name, n));
+    let (files, bindings, constants) = (parts.files, parts.bindings, parts.constants);
+    Source { stem: "tile", files, loops, program, bindings, constants, threads: Threads::Tiles(shape) }
+}
+
+/// What a tile changes it writes elsewhere, as its neighbours read what is around theirs.
+fn apart_from_others(tile: &Tile, mut parts: Parts) -> Parts {
+    let moves = parts.bound(Slot::Before).is_some_and(|b| b.writes);
+    let (exact, sums) = (parts.binds(Slot::Lost), parts.binds(Slot::Sums));
+    let files: Vec<_> = parts.bindings.iter().flat_map(|b| declared(b.slot)).copied().collect();
+    let changed = [Slot::Now, Slot::Before, Slot::Lost, Slot::Sums];
+    parts.bindings.iter_mut().filter(|b| changed.contains(&b.slot)).for_each(|b| b.writes = false);
+    let parts = parts.files(&files).bind(&[reads(Slot::Now)]);
+    let parts = match (moves, parts.binds(Slot::Before)) {
+        (true, _) => {
+            let lost = if exact { part!("tile_lost") } else { part!("tile_lost_none") };
+            parts.files(&[part!("tile_moves"), lost]).bind(&[writes(Slot::Passed)])
+        }
+        (false, true) => parts.files(&[part!("tile_moves_none"), part!("before")]),
+        (false, false) => parts.files(&[part!("tile_moves_none")]),
+    };
+    let parts = if exact { parts.bind(&[writes(Slot::Losing)]) } else { parts };
+    if sums {
+        let forgets = u32::from(tile.forgets());
+        return parts.files(&[part!("tile_sums")]).bind(&[writes(Slot::Summing)]).constant("forgets", forgets);
+    }
+    parts.files(&[part!("tile_sums_none")])
+}
+
+/// Declarations of what rules name but do not declare.
+fn declared(slot: Slot) -> &'static [&'static str] {
+    match slot {
+        Slot::Step => &[part!("step"), part!("step_bound")],
+        Slot::Field => &[part!("field_read")],
+        Slot::Solids => &[part!("solids_all")],
+        other => lists(other),
+    }
 }

@@ -2,39 +2,40 @@
 
 use super::Tile;
 use crate::cloth::Cloth;
+use crate::form::Form;
 use crate::fused::Room;
 use crate::passes::{Pass, Schedule};
-use crate::shaders::{Slot, source};
+use crate::shaders::{self, Slot};
 
 /// The passes of a step of one cloth, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Order {
     /// All before the first relaxation, and that: for steps without passes on coarser grids.
-    pub first: Vec<Pass>,
+    pub first: Vec<Form>,
     /// One more relaxation, or the first after passes on coarser grids.
-    pub relax: Vec<Pass>,
+    pub relax: Vec<Form>,
 }
 
 /// The order of a schedule, if any of its passes can run together.
 pub fn order(cloth: &Cloth, schedule: &Schedule, room: &Room) -> Option<Order> {
     let whole = [&schedule.step[..], &schedule.relax].concat();
     let order = Order { first: together(&whole, cloth, room), relax: together(&schedule.relax, cloth, room) };
-    order.first.iter().chain(&order.relax).any(|p| matches!(p, Pass::Tile(_))).then_some(order)
+    order.first.iter().chain(&order.relax).any(|f| matches!(f, Form::Tile(_))).then_some(order)
 }
 
 /// As many passes at a time as one dispatch can make, from the first on.
-fn together(passes: &[Pass], cloth: &Cloth, room: &Room) -> Vec<Pass> {
+fn together(passes: &[Pass], cloth: &Cloth, room: &Room) -> Vec<Form> {
     let mut list = Vec::new();
     let mut left = passes;
     while let Some(first) = left.first() {
         let tile = |n: usize| {
             let tile = Tile::of(&left[..n])?.fit(cloth.grids(), room)?;
-            let bindings = source(Pass::Tile(tile)).bindings;
+            let bindings = shaders::tile(&tile).bindings;
             let bound = bindings.iter().filter(|b| b.slot != Slot::Step).count();
-            (bound <= room.buffers as usize).then_some((Pass::Tile(tile), n))
+            (bound <= room.buffers as usize).then_some((Form::Tile(tile), n))
         };
-        let (pass, n) = (2..=left.len()).rev().find_map(tile).unwrap_or((*first, 1));
-        list.push(pass);
+        let (form, n) = (2..=left.len()).rev().find_map(tile).unwrap_or((Form::Apart(*first), 1));
+        list.push(form);
         left = &left[n..];
     }
     list

@@ -2,8 +2,10 @@
 
 use super::Tile;
 use crate::cloth::Grid;
-use crate::cpu::tile::tiles;
+use crate::cpu::tile::{around, tiles};
 use crate::fused::{NOTES, Room};
+use crate::passes::Pass;
+use crate::shaders::{Over, rule};
 
 /// Sizes of tiles, in columns and rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -30,15 +32,19 @@ const DEAR: u64 = 4;
 impl Tile {
     /// With sizes, if a device has room for it.
     pub(super) fn fit(self, grids: &[Grid], room: &Room) -> Option<Self> {
-        let (around, lacks) = self.around();
-        let beside = if self.contact.is_some_and(|k| k.many) { NOTES } else { 0 };
-        let most = (room.memory.saturating_sub(beside) / if self.again { 2 * BYTES } else { BYTES }).min(LARGE);
+        let colours: Vec<_> = self.colours().collect();
+        let (around, lacks) = around(&colours);
+        let near = self.passes.iter().any(|p| matches!(rule(*p).over, Over::Near));
+        let sums = self.passes.iter().any(|p| matches!(p, Pass::Stretch { again: true, .. }));
+        let beside = if near { NOTES } else { 0 };
+        let most = (room.memory.saturating_sub(beside) / if sums { 2 * BYTES } else { BYTES }).min(LARGE);
         let shape = |places: u32| best(TileShape { around, lacks, ..TileShape::default() }, grids, places);
         // Large ones only where there are enough of them to keep a device busy.
         let large = shape(most).filter(|s| count(s, grids) >= room.busy || most <= USUAL);
         let shape = large.or_else(|| shape(most.min(USUAL)))?;
         let particles: u64 = grids.iter().map(|g| u64::from(g.width) * u64::from(g.height)).sum();
-        if self.polish > 0 && loads(&shape, grids) > DEAR * particles {
+        let rounds = colours.iter().filter(|c| Some(*c) == colours.last()).count();
+        if rounds > 1 && loads(&shape, grids) > DEAR * particles {
             return None;
         }
         // As many as a colour has springs.
@@ -93,9 +99,10 @@ fn best(like: TileShape, grids: &[Grid], places: u32) -> Option<TileShape> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::COLOURS;
     use super::*;
-    use crate::passes::{Air, Kinds, Pass, Soft};
+    use crate::passes::{Air, Kinds, Soft};
+
+    const COLOURS: [(u32, u32); 8] = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
 
     fn grid(width: u32, height: u32) -> Grid {
         Grid { name: String::new(), first: 0, width, height }

@@ -40,13 +40,13 @@ impl<'a> Run<'a> {
 
     /// What runs whole frames in one dispatch.
     pub fn holds(&self) -> Vec<Hold> {
-        let of = |p: &PlannedPass| if let Pass::Fused(f) = p.pass { Some(f.hold) } else { None };
+        let of = |p: &PlannedPass| if let Form::Whole(f) = &p.form { Some(f.hold) } else { None };
         self.stepper.plan().passes.iter().filter_map(of).collect()
     }
 
     /// What runs by tiles, and how often a frame.
     pub fn tiles(&self) -> Vec<(Tile, u32)> {
-        let of = |p: &PlannedPass| if let Pass::Tile(t) = p.pass { Some((t, p.dispatches)) } else { None };
+        let of = |p: &PlannedPass| if let Form::Tile(t) = &p.form { Some((t.clone(), p.dispatches)) } else { None };
         self.stepper.plan().passes.iter().filter_map(of).collect()
     }
 }

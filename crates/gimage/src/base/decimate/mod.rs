@@ -38,6 +38,25 @@ impl Hierarchy {
         (vertex, triangles)
     }
 
+    /// Puts back the vertex of collapse `k`, which must be the last one that is not undone, and calls `each` with every
+    /// triangle around it. Returns how many triangles came back.
+    pub(crate) fn undo(&mut self, k: usize, mut each: impl FnMut([u32; 3])) -> usize {
+        let [u, v] = self.collapses[k];
+        let from = k.checked_sub(1).map_or(0, |k| self.ends[k]);
+        let mut back = 0;
+        for &t in &self.fans[from as usize..self.ends[k] as usize] {
+            let t = t as usize;
+            if self.alive[t] {
+                self.triangles[t] = self.triangles[t].map(|x| if x == v { u } else { x });
+            } else {
+                self.alive[t] = true;
+                back += 1;
+            }
+            each(self.triangles[t]);
+        }
+        back
+    }
+
     /// The triangles now there, over the original vertices.
     pub(crate) fn now(&self) -> Vec<[u32; 3]> {
         self.triangles.iter().zip(&self.alive).filter(|x| *x.1).map(|x| *x.0).collect()

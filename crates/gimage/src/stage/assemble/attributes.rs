@@ -11,6 +11,7 @@ use gimage_bundle::{Image, MapKind};
 use crate::base::mesh::{Channel, Mesh, Semantic};
 use crate::base::surface::Surface;
 use crate::record::{Finding, Severity};
+use crate::stage::assemble::limits;
 use crate::stage::image::PieceImage;
 
 /// Relative difference up to which the two sides of a seam are one value.
@@ -112,7 +113,9 @@ pub(crate) fn attributes(
         data: vec![0.0; places.len() * channels],
     };
     let rings: Vec<Vec<u32>> = image.grid.rings().collect();
-    for channel in &mesh.channels {
+    // Limits have a map of their own.
+    let is_limit = |c: &&Channel| matches!(&c.semantic, Semantic::Custom(name) if name == limits::ATTRIBUTE);
+    for channel in mesh.channels.iter().filter(|c| !is_limit(c)) {
         let Some((kind, channels)) = map_of(&channel.semantic, channel.width) else {
             if let Semantic::Custom(name) = &channel.semantic {
                 findings.push(note(

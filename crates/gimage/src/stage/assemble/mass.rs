@@ -4,18 +4,14 @@ use crate::base::grid::Grid;
 use crate::base::order::percentile;
 use crate::base::vec3::{cross, norm, sub};
 use crate::error::{Error, Result};
-use serde::Serialize;
+use crate::options::{Range, stage_options};
 
-/// Options of [`mass`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct MassOptions {
-    /// Mass of the cloth \[kg/m2\], above 0, default 0.15 (a shirt). Larger: the cloth is heavier.
-    pub density: f64,
-}
-
-impl Default for MassOptions {
-    fn default() -> Self {
-        Self { density: 0.15 }
+stage_options! {
+    /// Options of [`mass`].
+    #[derive(Copy)]
+    pub struct MassOptions of "mass" {
+        /// Mass per area of the cloth.
+        pub density: f64 = 0.15 => "density" ["kg/m2"] Range::Above(0.0);
     }
 }
 
@@ -85,14 +81,8 @@ const LIGHTEST: f64 = 1e-3;
 /// of all texels) add to `source_area` \[m2\] times the density; a source area that is not above 0 stands for
 /// the image's own. Errors where a density is not above 0, or a mass is not one that 32-bit floats hold.
 pub fn mass(grid: &Grid, source_area: f64, options: &MassOptions) -> Result<Masses> {
+    options.check()?;
     let positive = |x: f64| x > 0.0 && x.is_finite();
-    if !positive(options.density) {
-        return Err(Error::Option {
-            option: "density".into(),
-            problem: format!("{} kg/m2 is not above 0", options.density),
-            hint: "cloth has 0.05 to 1 kg/m2".into(),
-        });
-    }
     if !grid.is_sized() || grid.positions.is_empty() {
         return Err(Error::Internal(format!("a grid of {} x {} texels has no masses", grid.width, grid.height)));
     }

@@ -96,7 +96,7 @@ pub(super) fn links(pieces: &[Piece<'_>], families: &[Family<'_>]) -> Vec<Vec<u3
 }
 
 /// Makes the maps of parts agree at the points that they share: masses add up, a pin holds all duplicates, joints and
-/// weights are one, other attributes where they are equal to rounding, and so are the lengths of springs along a seam.
+/// weights are one, the smallest limit counts, other attributes where they are equal to rounding, and so are the lengths of springs along a seam.
 pub(super) fn agree(made: &mut [Made], pieces: &[Piece<'_>], families: &[Family<'_>]) {
     for family in families {
         let (made, pieces) = (&mut made[family.pieces()], &pieces[family.pieces()]);
@@ -106,6 +106,7 @@ pub(super) fn agree(made: &mut [Made], pieces: &[Piece<'_>], families: &[Family<
                 ring.iter().for_each(|&(p, at)| made[p as usize].pinned[at as usize] = true);
             }
         }
+        limits(made, pieces, family);
         maps(made, pieces, family);
         rests(made, pieces, family);
     }
@@ -128,6 +129,22 @@ fn masses(made: &mut [Made], pieces: &[Piece<'_>], family: &Family<'_>) {
             }
         }
     }
+}
+
+/// The limit of a point is the smallest of the parts that have it.
+fn limits(made: &mut [Made], pieces: &[Piece<'_>], family: &Family<'_>) {
+    if made.iter().all(|m| m.limits.is_none()) {
+        return;
+    }
+    let of_piece = |(m, Piece { image, .. }): (&mut Made, &Piece<'_>)| {
+        m.limits.take().unwrap_or_else(|| vec![f32::INFINITY; image.grid.positions.len()])
+    };
+    let mut limits: Vec<Vec<f32>> = made.iter_mut().zip(pieces).map(of_piece).collect();
+    for ring in &family.rings {
+        let least = ring.iter().map(|&(p, at)| limits[p as usize][at as usize]).fold(f32::INFINITY, f32::min);
+        ring.iter().for_each(|&(p, at)| limits[p as usize][at as usize] = least);
+    }
+    made.iter_mut().zip(limits).for_each(|(m, limits)| m.limits = Some(limits));
 }
 
 fn maps(made: &mut [Made], pieces: &[Piece<'_>], family: &Family<'_>) {

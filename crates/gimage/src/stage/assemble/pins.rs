@@ -1,4 +1,4 @@
-//! Pin conditions: the expressions of `--pin`.
+//! Pin conditions: the expressions of `--pin` and `--limit`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -81,21 +81,22 @@ impl FromStr for Pin {
     }
 }
 
-/// The warning for pins that no particle meets, with all there is to choose from: `met` says of each pin whether a particle
-/// does, `bounds` is the box around the garment \[m\], and `loops` counts its boundary loops.
+/// The warning for pins or limits (`option`) that no particle meets, with all there is to choose from: `met` says of each
+/// whether a particle does, `bounds` is the box around the garment \[m\], and `loops` counts its boundary loops.
 pub(crate) fn unmet(
-    pins: &[Pin],
+    option: &'static str,
+    values: &[impl fmt::Display],
     met: &[bool],
     bounds: Option<([f64; 3], [f64; 3])>,
     loops: usize,
     mesh: &Mesh,
 ) -> Option<Finding> {
-    let missed: Vec<&Pin> = pins.iter().zip(met).filter(|(_, met)| !**met).map(|(pin, _)| pin).collect();
+    let missed: Vec<_> = values.iter().zip(met).filter(|(_, met)| !**met).map(|(value, _)| value).collect();
     if missed.is_empty() {
         return None;
     }
-    let which = if missed.len() == 1 { "this pin" } else { "these pins" };
-    let mut message = format!("No particle meets {which}.");
+    let (which, s) = if missed.len() == 1 { ("this", "") } else { ("these", "s") };
+    let mut message = format!("No particle meets {which} {option}{s}.");
     if let Some((lo, hi)) = bounds {
         let span = |k: usize| words::span(lo[k], hi[k]);
         message += &format!(" The garment spans x {}, y {} and z {} m", span(0), span(1), span(2));
@@ -106,14 +107,14 @@ pub(crate) fn unmet(
         };
         let attributes = attributes(mesh);
         message += &match attributes.is_empty() {
-            true => "; it has no attributes that a pin can use.".into(),
+            true => format!("; it has no attributes that a {option} can use."),
             false => format!("; its attributes are {}.", attributes.join(", ")),
         };
     }
     Some(Finding {
         severity: Severity::Warning,
         stage: "maps",
-        kind: "nothing-pinned",
+        kind: if option == "pin" { "nothing-pinned" } else { "nothing-limited" },
         count: missed.len() as u64,
         examples: missed.iter().take(MAX_EXAMPLES).map(ToString::to_string).collect(),
         message,
@@ -157,15 +158,17 @@ mod tests {
         };
         let pins = [Pin::Above(9.0), Pin::Loop(0), Pin::Loop(5)];
         let bounds = Some(([-0.5, 0.0, -1.0 / 3.0], [0.5, 1.5, 0.25]));
-        let finding = unmet(&pins, &[false, true, false], bounds, 2, &mesh).unwrap();
+        let finding = unmet("pin", &pins, &[false, true, false], bounds, 2, &mesh).unwrap();
         assert_eq!((finding.count, finding.examples), (2, vec!["above:9".to_owned(), "loop:5".to_owned()]));
         let expected = "No particle meets these pins. The garment spans x -0.5 to 0.5, y 0 to 1.5 and z -0.3333 to 0.25 m; its \
                         boundary loops are loop:0 to loop:1; its attributes are color:r (0 to 0.5), color:g (0.1 to 0.1), \
                         color:b (0.2 to 0.3), color:a (1 to 1), attr:_PIN (0 to 1).";
         assert_eq!(finding.message, expected);
-        assert_eq!(unmet(&pins, &[true; 3], bounds, 2, &mesh), None);
-        let bare = unmet(&pins[..1], &[false], bounds, 0, &Mesh::default()).unwrap().message;
+        assert_eq!(unmet("pin", &pins, &[true; 3], bounds, 2, &mesh), None);
+        let bare = unmet("pin", &pins[..1], &[false], bounds, 0, &Mesh::default()).unwrap().message;
         assert!(bare.ends_with("no boundary loops; it has no attributes that a pin can use."), "{bare}");
+        let limit = unmet("limit", &["loop:1=0.1"], &[false], None, 0, &Mesh::default()).unwrap();
+        assert_eq!((limit.kind, limit.message.as_str()), ("nothing-limited", "No particle meets this limit."));
     }
 
     #[test]

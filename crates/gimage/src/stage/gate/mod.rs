@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::base::vec3::distance;
 use crate::error::{Error, Result};
-use crate::options::BuildOptions;
+use crate::options::{Range, stage_options};
 use crate::record::{Finding, Severity};
 use crate::stage::assemble::{Measured, Piece, measure_piece};
 use crate::stage::image::judge::bounds;
@@ -20,6 +20,19 @@ const NAMED: usize = 8;
 
 /// Share of the samples of a full measurement that decides where metrics are off.
 const SHARE: f64 = 0.05;
+
+stage_options! {
+    /// Options of the measurement of quality, and of what follows from it.
+    #[derive(Copy)]
+    pub struct GateOptions of "gate" {
+        /// Do not measure the result against the source.
+        pub metrics: bool = true => (not recorded) "no-metrics" [""] Range::Any;
+        /// Write images that differ too much from their surface, with a warning, instead of failing.
+        pub accept_poor: bool = false => (not recorded) "accept-poor" [""] Range::Any;
+        /// Fail if the PSNR of a piece is below this value.
+        pub min_psnr: Option<f64> = None => (not recorded) "min-psnr" ["dB"] Range::Finite;
+    }
+}
 
 /// Writes down what is known of every piece without measuring: the texels outside the box, how all triangles face, the
 /// rungs tried.
@@ -59,7 +72,7 @@ pub(crate) fn scale_parts(entries: &mut [PieceEntry], pieces: &[Piece<'_>]) {
 /// Rates all pieces. A piece worth a look becomes a warning; [`Error::Poor`] where one does not stand for its surface and
 /// `options` do not accept that, or where one is below the PSNR asked for. Pieces that look suspicious are measured here
 /// if they were not before.
-pub(crate) fn check(entries: &[PieceEntry], pieces: &[Piece<'_>], options: &BuildOptions) -> Result<Vec<Finding>> {
+pub(crate) fn check(entries: &[PieceEntry], pieces: &[Piece<'_>], options: &GateOptions) -> Result<Vec<Finding>> {
     let rated: Vec<Rated> = entries
         .par_iter()
         .zip(pieces)
@@ -87,7 +100,7 @@ pub(crate) fn check(entries: &[PieceEntry], pieces: &[Piece<'_>], options: &Buil
 }
 
 /// The figures of a piece: those of its manifest entry, with a bound or a quick measurement where metrics are off.
-fn figures(entry: &PieceEntry, piece: &Piece<'_>, options: &BuildOptions) -> Figures {
+fn figures(entry: &PieceEntry, piece: &Piece<'_>, options: &GateOptions) -> Figures {
     let known = Figures::of(&entry.quality);
     if options.metrics {
         return known;
@@ -123,7 +136,7 @@ fn is_far(Piece { surface, .. }: &Piece<'_>) -> bool {
 }
 
 impl<'a> Rated<'a> {
-    fn new(name: &'a str, figures: Figures, far: bool, options: &BuildOptions) -> Self {
+    fn new(name: &'a str, figures: Figures, far: bool, options: &GateOptions) -> Self {
         let (rating, words) = figures.rate();
         let below = options.min_psnr.zip(figures.psnr).is_some_and(|(min, psnr)| psnr.is_nan() || psnr < min);
         Self { name, figures, rating, words, below, far }
@@ -167,7 +180,7 @@ impl<'a> Rated<'a> {
         }
     }
 
-    fn error(&self, more: usize, options: &BuildOptions) -> Error {
+    fn error(&self, more: usize, options: &GateOptions) -> Error {
         let others = match more {
             0 => String::new(),
             1 => ", and 1 more piece".into(),

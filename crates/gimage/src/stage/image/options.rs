@@ -20,7 +20,7 @@ pub struct ImageOptions {
     pub newton: NewtonOptions,
     /// Largest number of reweighting passes of the start of the map.
     pub passes: usize,
-    /// As [`BuildOptions::detail`].
+    /// As [`crate::options::PieceOptions::detail`].
     pub detail: f64,
     /// Where texels go.
     pub sampling: Sampling,
@@ -31,6 +31,7 @@ pub struct ImageOptions {
 impl ImageOptions {
     /// The settings of a build for a piece with a budget of texels, or of the exact size asked for.
     pub fn new(options: &BuildOptions, budget: Option<u32>) -> Self {
+        let options = &options.image;
         let size = match (options.size, budget) {
             (ImageSize::Exact(w, h), _) => Size::Fixed(w, h),
             (ImageSize::Texels(n), None) => Size::Budget(n),

@@ -40,42 +40,28 @@ pub use source::{OutsideFile, Source};
 
 use crate::base::mesh::Mesh;
 use crate::error::{Error, Result};
+use crate::options::{Range, stage_options};
 use crate::record::{Finding, Severity};
 use findings::Findings;
 
-/// Options of the import: selection, units, axes and limits.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ImportOptions {
-    /// Names of nodes, meshes or materials (OBJ: objects, groups or materials), compared exactly; a triangle is kept if any
-    /// of its names is listed. Empty keeps everything, which is the default.
-    pub pieces: Vec<String>,
-    /// Metres per unit of the file. Any finite number above 0; 1 by default, 0.01 for a file in centimetres. Larger makes the
-    /// garment larger.
-    pub unit: f64,
-    /// The up axis of the file, y by default; the garment is rotated to y up.
-    pub up: Up,
-    /// Moves the garment so that the middle of its bounding box is at x = 0 and z = 0 and its lowest point at y = 0. False by
-    /// default.
-    pub center: bool,
-    /// Largest number of bytes to read, including external files and decompressed data; 2 GiB by default.
-    pub max_bytes: u64,
-    /// Largest number of vertices of the mesh, including instances; 2^24 by default.
-    pub max_vertices: usize,
-    /// Largest number of triangles of the mesh, including instances; 2^25 by default.
-    pub max_triangles: usize,
-}
-
-impl Default for ImportOptions {
-    fn default() -> Self {
-        Self {
-            pieces: Vec::new(),
-            unit: 1.0,
-            up: Up::Y,
-            center: false,
-            max_bytes: 2 << 30,
-            max_vertices: 1 << 24,
-            max_triangles: 1 << 25,
-        }
+stage_options! {
+    /// Options of the import: selection, units, axes and limits.
+    pub struct ImportOptions of "import" {
+        /// Import only the node, mesh, object, group or material of this name; may be repeated. Names are compared exactly.
+        pub pieces: Vec<String> = Vec::new() => "piece" [""] Range::Any;
+        /// Metres per unit of the file, 0.01 for centimetres.
+        pub unit: f64 = 1.0 => "unit" ["m"] Range::Above(0.0);
+        /// The up axis of the file: X, Y, Z, -X, -Y or -Z. The garment, its normals and its skin are rotated to Y up.
+        pub up: Up = Up::Y => "up" [""] Range::Any;
+        /// Move the garment, after --unit and --up: the middle of its bounding box to x = 0 and z = 0, its lowest point to
+        /// y = 0. Pin expressions refer to the moved garment.
+        pub center: bool = false => "center" [""] Range::Any;
+        /// Largest number of bytes to read, including external files and decompressed data.
+        pub max_bytes: u64 = 2 << 30;
+        /// Largest number of vertices of the mesh, including instances.
+        pub max_vertices: usize = 1 << 24;
+        /// Largest number of triangles of the mesh, including instances.
+        pub max_triangles: usize = 1 << 25;
     }
 }
 
@@ -95,7 +81,7 @@ pub type Resolver<'a> = dyn Fn(&str) -> std::io::Result<Vec<u8>> + 'a;
 
 /// Reads a `.glb`, `.gltf` or `.obj` file. The content determines the format, not the name.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported> {
-    check(options)?;
+    options.check()?;
     let bytes = source::read_capped(path, options.max_bytes)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let resolver = |name: &str| source::read_beside(&folder, name, options.max_bytes);
@@ -105,7 +91,7 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported> {
 /// Like [`import()`], from memory. `name` stands for the file in messages and tells an OBJ by its extension; `resolver` is
 /// asked for outside buffers.
 pub fn import_bytes(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOptions) -> Result<Imported> {
-    check(options)?;
+    options.check()?;
     // Every read below is checked. Should a decoder still panic on a damaged file, its caller gets an error all the same.
     catch_unwind(AssertUnwindSafe(|| dispatch(name, bytes, resolver, options))).unwrap_or_else(|_| {
         Err(Error::Malformed {
@@ -114,17 +100,6 @@ pub fn import_bytes(name: &Path, bytes: &[u8], resolver: &Resolver, options: &Im
             problem: "it is damaged in a way that stopped the reader".into(),
             hint: "export it again, and report the file as a fault of the importer".into(),
         })
-    })
-}
-
-fn check(options: &ImportOptions) -> Result<()> {
-    if options.unit.is_finite() && options.unit > 0.0 {
-        return Ok(());
-    }
-    Err(Error::Option {
-        option: "unit".into(),
-        problem: format!("{} is not a length above 0", options.unit),
-        hint: "give the metres in one unit of the file, such as 0.01 for centimetres".into(),
     })
 }
 

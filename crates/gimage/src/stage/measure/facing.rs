@@ -78,7 +78,8 @@ mod tests {
     use crate::stage::repair::{RepairOptions, repair};
 
     fn made(surface: &Surface, texels: u32) -> PieceImage {
-        let options = BuildOptions { size: ImageSize::Texels(texels), ..BuildOptions::default() };
+        let mut options = BuildOptions::default();
+        options.image.size = ImageSize::Texels(texels);
         image("piece", surface, None, &ImageOptions::new(&options, None)).unwrap()
     }
 

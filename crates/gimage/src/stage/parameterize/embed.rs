@@ -54,19 +54,14 @@ pub(super) fn embed(
     let mut scales = Scales::new(plane, shape, &coarse);
     let (mut level, mut last) = (left, f64::INFINITY);
     let mut fan: Vec<([u32; 3], Rest)> = Vec::new();
-    for (k, &[u, v]) in now.collapses.iter().enumerate().rev() {
-        let from = k.checked_sub(1).map_or(0, |k| now.ends[k]);
+    for k in (0..now.collapses.len()).rev() {
+        let [u, v] = now.collapses[k];
         fan.clear();
-        for &t in &now.fans[from as usize..now.ends[k] as usize] {
-            let t = t as usize;
-            if now.alive[t] {
-                now.triangles[t] = now.triangles[t].map(|x| if x == v { u } else { x });
-            }
-            now.alive[t] = true;
-            let mut rest = rest_shape(positions, now.triangles[t], wanted, scales.length);
+        now.undo(k, |t| {
+            let mut rest = rest_shape(positions, t, wanted, scales.length);
             rest.weight = rest.weight.max(scales.least);
-            fan.push((now.triangles[t], rest));
-        }
+            fan.push((t, rest));
+        });
         let corners = || fan.iter().map(|x| x.0);
         uv[u as usize] =
             room(u, corners(), uv).filter(|&p| valid(u, p, corners(), uv)).or_else(|| beside(u, v, corners(), uv))?;

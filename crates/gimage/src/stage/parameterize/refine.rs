@@ -61,19 +61,10 @@ pub(super) fn coarse_to_fine(
     }
     drop((vertex, coarse, small_uv));
     let mut fan: Vec<([u32; 3], Rest)> = Vec::new();
-    for (k, &[u, v]) in now.collapses.iter().enumerate().rev() {
-        let from = k.checked_sub(1).map_or(0, |k| now.ends[k]);
+    for k in (0..now.collapses.len()).rev() {
+        let [u, _] = now.collapses[k];
         fan.clear();
-        for &t in &now.fans[from as usize..now.ends[k] as usize] {
-            let t = t as usize;
-            if now.alive[t] {
-                now.triangles[t] = now.triangles[t].map(|x| if x == v { u } else { x });
-            } else {
-                now.alive[t] = true;
-                left += 1;
-            }
-            fan.push((now.triangles[t], rest_shape(positions, now.triangles[t], wanted, scale)));
-        }
+        left += now.undo(k, |t| fan.push((t, rest_shape(positions, t, wanted, scale))));
         uv[u as usize] = room(u, fan.iter().map(|x| x.0), uv)?;
         settle(u, fan.iter().map(|x| (x.0, &x.1)), uv, STEPS, false);
         if left >= level && left < triangles.len() {

@@ -14,7 +14,8 @@ mod work;
 
 use crate::base::mesh::{Mesh, NONE};
 use crate::base::words;
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::options::{Range, stage_options};
 use crate::record::{Finding, Severity};
 use duplicate::Duplicates;
 use work::Work;
@@ -22,13 +23,14 @@ use work::Work;
 /// Coordinates beyond this \[m\] are as good as infinite: their squares of squares would be.
 const FARTHEST: f64 = 1e75;
 
-/// Options of [`repair`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RepairOptions {
-    /// Distance \[m\] within which vertices on open borders, and the ends of an edge, are joined; positive. No vertex
-    /// moves farther. `None`, the default, joins exactly equal positions only. Larger mends wider cracks but drops
-    /// detail, and joins panels whose borders only lie close.
-    pub weld: Option<f64>,
+stage_options! {
+    /// Options of [`repair`].
+    pub struct RepairOptions of "repair" {
+        /// Join vertices within this distance if both lie on open borders or an edge connects them; no vertex moves farther.
+        /// Without it, only exactly equal positions are joined. Larger distances mend wider cracks, but drop detail and join
+        /// panels whose borders only lie close.
+        pub weld: Option<f64> = None => "weld" ["m"] Range::Above(0.0);
+    }
 }
 
 /// A repaired mesh.
@@ -46,18 +48,12 @@ pub struct Repaired {
 /// Equal positions are joined first, so sheets this took apart where they touched would be joined by a second call and
 /// taken apart again: use [`repair_joined`] on what was repaired before. An error only for an impossible option.
 pub fn repair(mesh: Mesh, options: &RepairOptions) -> Result<Repaired> {
+    options.check()?;
     let mut work = Work::new(mesh);
     drop_unusable(&mut work);
     let unused = work.used().iter().filter(|&&u| !u).count();
     weld::exact(&mut work);
     if let Some(d) = options.weld {
-        if !(d.is_finite() && d > 0.0) {
-            return Err(Error::Option {
-                option: "weld".into(),
-                problem: format!("{d} is not a distance"),
-                hint: "give a positive number of metres, or leave it out to join equal positions only".into(),
-            });
-        }
         weld::within(&mut work, d);
     }
     Ok(finish(work, unused))

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::base::halfedge::{self, BOUNDARY};
 use crate::base::mesh::{Channel, Semantic};
+use crate::error::Error;
 use crate::stage::component::{ComponentOptions, split};
 
 fn area(mesh: &Mesh) -> f64 {

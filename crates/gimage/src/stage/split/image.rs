@@ -14,9 +14,9 @@ use crate::stage::cut::disk::{Disk, NONE};
 use crate::stage::image::judge::{Verdict, judge, locator_if_distorted};
 use crate::stage::image::{ImageOptions, PieceImage};
 use crate::stage::layout::{Proxy, Size};
-use crate::stage::parameterize::distortion::{self, Distortion};
-use crate::stage::parameterize::{Map, Source, map};
-use crate::stage::sample::{Sampled, Sampling, border_index, fit_where_closer, sample};
+use crate::stage::parameterize::distortion::Distortion;
+use crate::stage::parameterize::{Source, map};
+use crate::stage::sample::{Sampling, border_index, fit_where_closer};
 
 /// Which point of the whole surface a border texel is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -53,35 +53,12 @@ fn image(name: &str, bordered: Bordered, loops: &Loops<'_>, options: &ImageOptio
         .ok_or_else(|| source.fail("layout", "the border of a part does not fit its image", "give it more texels"))?
         .layout;
     let map = map(&source, &opened.disk, border, &layout, None, options)?;
-    let Sampled { samples, grid, loop_of } = sample(&map, &rim)
-        .ok_or_else(|| source.fail("resample", "a texel fell outside the map", "please report it with the input"))?;
-    let Map { disk, uv, border, w, h, record } = map;
     let mut points = Vec::new();
-    for (p, t) in border.iter().enumerate() {
-        points.extend(point(&bordered, &layout.count, t).map(|x| (x, border_index(p as u32, w, h) as u32)));
+    for (p, t) in map.border.iter().enumerate() {
+        points.extend(point(&bordered, &layout.count, t).map(|x| (x, border_index(p as u32, map.w, map.h) as u32)));
     }
-    let distortion = distortion::measure(&disk.positions, &disk.triangles, &uv);
-    let cut = bordered.opened.cut.clone();
-    let image = PieceImage {
-        disk,
-        uv,
-        width: w + 1,
-        height: h + 1,
-        samples,
-        grid,
-        closed: false,
-        loop_of,
-        loop_lengths: Vec::new(),
-        moved: 0,
-        distortion,
-        parameterize: record,
-        cut,
-        fit: None,
-        verdict: Verdict::WORST,
-        tried: Vec::new(),
-        // The budget is that of all parts together.
-        budget: None,
-    };
+    // Without a budget: that is of all parts together.
+    let image = PieceImage::sampled(&source, map, bordered.opened.cut.clone())?;
     Ok(Imaged { bordered, image, points })
 }
 

@@ -6,7 +6,8 @@ use crate::stage::measure::{MeasureOptions, measure};
 use proptest::prelude::*;
 
 fn options() -> ImageOptions {
-    let build = BuildOptions { effort: crate::options::Effort::Fast, ..BuildOptions::default() };
+    let mut build = BuildOptions::default();
+    build.image.effort = crate::options::Effort::Fast;
     ImageOptions::new(&build, Some(4096))
 }
 

@@ -1,0 +1,44 @@
+//! Limits: how far particles may move from their positions at rest.
+
+use crate::bundle::Bundle;
+use crate::map::MapKind;
+
+/// The limit of a particle that has none \[m\].
+pub const NO_LIMIT: f32 = -1.0;
+
+impl Bundle {
+    /// The largest distance \[m\] of every particle from its position at rest, by bundle-wide index, from `limit` maps and
+    /// constants: 0 holds the particle, a negative number means no limit. `None` if no particle has a limit.
+    ///
+    /// ```
+    /// let mut bundle = gimage_bundle::Bundle::new("example 1.0");
+    /// bundle.add_piece("collar", 2, 2)?;
+    /// bundle.add_piece("tail", 2, 2)?;
+    /// assert_eq!(bundle.limits(), None);
+    /// bundle.manifest.pieces[0].constants.limit = Some(0.02);
+    /// assert_eq!(bundle.limits().unwrap(), [0.02, 0.02, 0.02, 0.02, -1.0, -1.0, -1.0, -1.0]);
+    /// # Ok::<(), gimage_bundle::Error>(())
+    /// ```
+    pub fn limits(&self) -> Option<Vec<f32>> {
+        let limited = |index: usize| {
+            let image = self.image(index, &MapKind::Limit);
+            let constant = self.manifest.pieces[index].constants.limit;
+            image.is_some_and(|image| image.data.iter().any(|&x| x >= 0.0)) || constant.is_some_and(|x| x >= 0.0)
+        };
+        if !(0..self.manifest.pieces.len()).any(limited) {
+            return None;
+        }
+        let texels = |index: usize| {
+            let piece = &self.manifest.pieces[index];
+            (0..piece.width as usize * piece.height as usize).map(move |k| self.limit(index, k))
+        };
+        Some((0..self.manifest.pieces.len()).flat_map(texels).collect())
+    }
+
+    /// The limit of texel `k` of a piece: that of the map, else the constant, else [`NO_LIMIT`].
+    pub(crate) fn limit(&self, piece: usize, k: usize) -> f32 {
+        let constant = self.manifest.pieces.get(piece).and_then(|p| p.constants.limit);
+        let stored = self.image(piece, &MapKind::Limit).and_then(|image| image.at(k).first().copied());
+        stored.or(constant).unwrap_or(NO_LIMIT)
+    }
+}

@@ -1,0 +1,76 @@
+//! Twin of shaders/limit.wgsl: no particle is farther from its target than its limit.
+
+use super::rows::Threads;
+use super::sheet::{Sheet, planes, planes_ref};
+use crate::number::aligned::Aligned;
+use crate::number::lanes::{Machine, Work, widest};
+use crate::number::real::Real;
+
+/// The limits of a sheet.
+pub struct Limit<T: Real> {
+    /// Where to, in the layout of [`Sheet::now`].
+    targets: Aligned<T>,
+    /// Largest distance \[m\]; very large where there is no limit. In the layout of [`Sheet::w`].
+    most: Vec<T>,
+}
+
+impl<T: Real> Limit<T> {
+    /// From the target \[m\] and the limit \[m\] of each texel, below 0 for none.
+    pub fn new(sheet: &Sheet<T>, of: impl Fn(usize) -> ([f32; 3], f32)) -> Self {
+        let mut targets = Aligned::zeros(sheet.now.len());
+        for k in 0..sheet.width * sheet.height {
+            let (at, place) = (of(k).0, sheet.triple(k));
+            (0..3).for_each(|c| targets[place + 2 * c * sheet.half] = T::of(at[c].into()));
+        }
+        let none = f64::from(f32::MAX);
+        let most = |k: usize| if of(k).1 < 0.0 { none } else { f64::from(of(k).1) };
+        Limit { targets, most: sheet.list(T::of(none), |k| T::of(most(k))) }
+    }
+}
+
+/// Rows that are done in one go.
+const TOGETHER: usize = 32;
+
+/// Draws every particle beyond its limit back to it.
+pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, limit: &Limit<T>) {
+    let (half, row) = (sheet.half, sheet.row());
+    let w = &sheet.w[..];
+    threads.chunks(&mut sheet.now, TOGETHER * row, |chunk, rows| {
+        widest(Rows { rows, first: chunk * TOGETHER, half, w, limit });
+    });
+}
+
+struct Rows<'a, 'b, T: Real> {
+    rows: &'b mut [T],
+    first: usize,
+    half: usize,
+    w: &'a [T],
+    limit: &'a Limit<T>,
+}
+
+impl<T: Real> Work<T> for Rows<'_, '_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let (zero, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-30)));
+        let none = k.splat(T::of(f64::from(f32::MAX)));
+        let wide = 2 * self.half;
+        for (n, row) in self.rows.chunks_exact_mut(3 * wide).enumerate() {
+            let j = self.first + n;
+            let (w, most) = (&self.w[j * wide..(j + 1) * wide], &self.limit.most[j * wide..(j + 1) * wide]);
+            let to = planes_ref(&self.limit.targets[j * 3 * wide..(j + 1) * 3 * wide], self.half);
+            let [x, y, z] = planes(row, self.half);
+            for at in (0..wide).step_by(K::WIDE) {
+                let p = [k.load(x, at), k.load(y, at), k.load(z, at)];
+                let to = [k.load(to[0], at), k.load(to[1], at), k.load(to[2], at)];
+                let d = [k.sub(p[0], to[0]), k.sub(p[1], to[1]), k.sub(p[2], to[2])];
+                let far = k.sqrt(k.squares(d));
+                let most = k.choose(k.above(k.load(w, at), zero), k.load(most, at), none);
+                let keep = k.div(most, k.most(far, least));
+                let beyond = k.above(far, most);
+                k.store(x, at, k.choose(beyond, k.add(to[0], k.mul(d[0], keep)), p[0]));
+                k.store(y, at, k.choose(beyond, k.add(to[1], k.mul(d[1], keep)), p[1]));
+                k.store(z, at, k.choose(beyond, k.add(to[2], k.mul(d[2], keep)), p[2]));
+            }
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Rules of passes that have loops of their own: those on coarser grids, and those of actions.
+
+use super::parts::Parts;
+use super::rule::{Over, Rule, Whole, open, parted};
+use super::{Slot, Threads};
+use Slot::{Action, Candidates, Grids, Holes, Now, Rest};
+
+macro_rules! own {
+    ($stem:literal, $threads:expr, $parts:expr) => {
+        Rule { stem: $stem, text: pass!($stem), call: "", over: Over::Own($threads), whole: Whole::No, parts: $parts }
+    };
+}
+
+pub(super) fn pyramid(directions: [bool; 4], seams: bool, cut: bool) -> Rule {
+    let mut read = vec![Slot::Levels, Now, Slot::Limits, Grids];
+    read.extend(seams.then_some(Slot::Ties));
+    let ties: &[_] = match (seams, cut) {
+        (false, _) => &[part!("ties_none")],
+        (true, false) => &[part!("ties"), part!("ties_near")],
+        (true, true) => &[part!("ties"), part!("ties_exact")],
+    };
+    let files = [&[part!("ends"), part!("level")], ties].concat();
+    let parts = parted(cut, Parts::new(&files, &read, &[Slot::Nodes]));
+    let names = ["right", "down", "down_right", "up_right"].into_iter().zip(directions);
+    let parts = names.fold(parts, |parts, (name, on)| parts.constant(name, u32::from(on)));
+    own!("pyramid", if seams { Threads::Cloth } else { Threads::Grids }, parts)
+}
+
+pub(super) fn cut() -> Rule {
+    let parts = Parts::new(&[part!("quad"), part!("action")], &[Grids, Now, Action], &[Holes]);
+    own!("cut", Threads::Texels, parts)
+}
+
+pub(super) fn cut_springs() -> Rule {
+    own!("cut_springs", Threads::Texels, open(true, Parts::new(&[part!("quad")], &[Grids, Now], &[Rest])))
+}
+
+pub(super) fn cut_tethers(slots: u32, seams: bool) -> Rule {
+    let mates = if seams { part!("mates") } else { part!("mates_none") };
+    let mut read = vec![Grids, Rest, Action, Slot::Tethers];
+    read.extend(seams.then_some(Slot::Mates));
+    let write = [Slot::Supports, Slot::Holding, Slot::Changes];
+    let parts = Parts::new(&[part!("action"), mates, part!("route")], &read, &write).constant("slots", slots);
+    own!("cut_tethers", Threads::Texels, parts)
+}
+
+pub(super) fn cut_levels() -> Rule {
+    let write = [Slot::Nodes, Slot::Limits, Slot::Links];
+    own!("cut_levels", Threads::Grids, Parts::new(&[part!("level")], &[Grids, Rest, Slot::Levels], &write))
+}
+
+pub(super) fn transform() -> Rule {
+    let parts = Parts::new(&[part!("action")], &[Action, Slot::Chosen], &[Now, Slot::Before]);
+    own!("transform", Threads::Particles, parts)
+}
+
+pub(super) fn pick(holes: bool) -> Rule {
+    let files = [part!("quad"), part!("action"), part!("nearest")];
+    own!("pick", Threads::Texels, open(holes, Parts::new(&files, &[Grids, Now, Action], &[Candidates])))
+}
+
+pub(super) fn pick_nearest() -> Rule {
+    let parts = Parts::new(&[part!("quad"), part!("nearest")], &[Grids, Now, Candidates], &[Slot::Found]);
+    own!("pick_nearest", Threads::One, parts)
+}

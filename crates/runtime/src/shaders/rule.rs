@@ -1,0 +1,219 @@
+//! What each pass does, for all forms in which it can run: its rule, what that is run for, and what it reads and writes.
+
+use super::parts::{Parts, reads, writes};
+use super::{Slot, Threads, rare};
+use crate::passes::{Air, Kinds, Pass, Soft};
+
+/// What a rule is run for, one call each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Over {
+    /// Particles, each by itself: `fn(k)`.
+    Particles,
+    /// The same, once the colliders near them are known.
+    Near,
+    /// Seam rings: `fn(ring)`.
+    Rings,
+    /// Texels: `fn(grid, cell, k)`. They read their neighbours.
+    Texels,
+    /// Springs of a colour: `fn(grid, ends, direction)`.
+    Springs { direction: u32, parity: u32 },
+    /// Cells in every other column and row: `fn(grid, i, j)`.
+    Cells { column: u32, row: u32 },
+    /// The file of the pass has a loop of its own.
+    Own(Threads),
+}
+
+/// How a pass is part of a whole frame.
+#[derive(Clone, Debug)]
+pub enum Whole {
+    /// By the loop over what its rule is run for.
+    Loop,
+    /// Not at all: its cloths run in separate passes.
+    No,
+    /// Another pass has done it.
+    Done,
+    /// By a function of its own, `NAME_all`.
+    Call(&'static str, Parts),
+}
+
+/// A pass as all its forms share it.
+#[derive(Clone, Debug)]
+pub struct Rule {
+    /// Stem of its file in `shaders`, and of its twin.
+    pub stem: &'static str,
+    /// The file.
+    pub text: &'static str,
+    /// The function in it that is called.
+    pub call: &'static str,
+    /// What for.
+    pub over: Over,
+    /// How it is part of a whole frame.
+    pub whole: Whole,
+    /// Other files of the rule, without those that declare what it binds, and what it binds.
+    pub parts: Parts,
+}
+
+macro_rules! rule {
+    ($stem:literal, $call:literal, $over:expr, $parts:expr) => {
+        Rule { stem: $stem, text: pass!($stem), call: $call, over: $over, whole: Whole::Loop, parts: $parts }
+    };
+}
+
+/// The rule of a pass.
+pub fn rule(pass: Pass) -> Rule {
+    use Slot::{Before, Field, Grids, Members, Now, Solids, Starts, Step, Sums};
+    let parts = |files: &[&'static str], reads: &[Slot], writes: &[Slot]| Parts::new(files, reads, writes);
+    match pass {
+        Pass::Integrate(air) => rule!("integrate", "integrate", Over::Particles, integrate(air, false)),
+        Pass::Advance(air) => rule!("integrate", "integrate", Over::Particles, integrate(air, true)),
+        Pass::Forget => rule!("forget", "forget", Over::Particles, parts(&[], &[], &[Now, Sums])),
+        Pass::Tethers { slots } => {
+            let parts = parts(&[], &[Slot::Tethers], &[Now]).constant("slots", slots);
+            rule!("tethers", "tether", Over::Particles, parts)
+        }
+        Pass::Limit => rule!("limit", "limit", Over::Particles, parts(&[], &[Slot::Targets], &[Now])),
+        Pass::Contact(kinds) => {
+            let over = if kinds.many { Over::Near } else { Over::Particles };
+            let near: &[_] = if kinds.many { &[part!("near")] } else { &[part!("near_all")] };
+            let files = [&[part!("solid"), part!("friction"), part!("entry"), part!("touch")], near].concat();
+            rule!("contact", "clear", over, shapes(kinds, parts(&files, &[Step, Before, Solids], &[Now])))
+        }
+        Pass::Colliders(kinds) => {
+            let files = [part!("solid"), if kinds.friction { part!("friction") } else { part!("friction_none") }];
+            let read: &[_] = if kinds.friction { &[Solids, Step, Before] } else { &[Solids] };
+            rule!("colliders", "leave_solids", Over::Particles, shapes(kinds, parts(&files, read, &[Now])))
+        }
+        Pass::Seams => rule!("seams", "close", Over::Rings, parts(&[], &[Starts, Members], &[Now])),
+        Pass::SeamSteps => {
+            rule!("seam_steps", "close_steps", Over::Rings, parts(&[], &[Starts, Members], &[Now, Before]))
+        }
+        Pass::SeamMoments => {
+            rule!("seam_moments", "join_moments", Over::Rings, parts(&[], &[Starts, Members], &[Slot::Moments]))
+        }
+        Pass::SeamNormals => {
+            let parts = parts(&[part!("unit")], &[Starts, Members], &[Slot::Normals]);
+            rule!("seam_normals", "join_normals", Over::Rings, parts)
+        }
+        Pass::Wind { holes } => {
+            let parts = parts(&[part!("gust"), part!("neighbours")], &[Step, Grids, Now, Before], &[Field]);
+            rule!("wind", "blow", Over::Texels, open(holes, parts))
+        }
+        Pass::Moments { holes } => {
+            let unbroken = if holes { part!("unbroken_rest") } else { part!("unbroken_all") };
+            let read = [Step, Grids, Now, Slot::Weights, Slot::Bends];
+            let parts = parts(&[part!("laplacian"), unbroken], &read, &[Slot::Moments]);
+            let rest: &[_] = if holes { &[reads(Slot::Rest)] } else { &[] };
+            rule!("moments", "moment", Over::Texels, parts.bind(rest))
+        }
+        Pass::Bend => {
+            let parts = parts(&[part!("laplacian")], &[Grids, Slot::Weights], &[Now, Slot::Moments]);
+            rule!("bend", "bend", Over::Texels, parts)
+        }
+        Pass::Normals { holes } => {
+            let parts = parts(&[part!("neighbours"), part!("unit")], &[Grids, Now], &[Slot::Normals]);
+            rule!("normals", "normal", Over::Texels, open(holes, parts))
+        }
+        Pass::Refine { seams, cut } => {
+            let parts = parts(&[part!("level")], &[Slot::Levels, Slot::Nodes, Grids], &[Now, Before]);
+            let parts = parted(cut, parts).number("carried", crate::levels::carried(seams));
+            rule!("refine", "follow", Over::Texels, parts)
+        }
+        Pass::Membrane { column, row, holes } => {
+            let parts = parts(&[], &[Step, Grids, Slot::Cells, Slot::Yielding], &[Now]);
+            rule!("membrane", "relax_cell", Over::Cells { column, row }, open(holes, parts))
+        }
+        Pass::Springs { direction, parity, image } => {
+            let parts = parts(&[part!("ends")], &[Grids], &[Now]).and(rest(image));
+            rule!("springs", "relax_hard", Over::Springs { direction, parity }, parts)
+        }
+        Pass::Stretch { direction, parity, image, soft, again } => {
+            let parts =
+                parts(&[part!("ends"), part!("aside")], &[Grids], &[Now]).and(rest(image)).and(compliance(soft));
+            let parts = match (soft, again) {
+                (Soft::None, _) => parts.and(Parts::new(&[part!("soft_none")], &[], &[])),
+                (_, false) => parts.and(Parts::new(&[part!("once")], &[], &[])),
+                (_, true) => parts.and(Parts::new(&[part!("again")], &[], &[Sums])),
+            };
+            rule!("stretch", "stretch", Over::Springs { direction, parity }, parts)
+        }
+        Pass::Guard => rule!("guard", "guard", Over::Particles, parts(&[part!("sane")], &[Now], &[Slot::Faults])),
+        Pass::Restore => {
+            let parts = parts(&[], &[], &[Now, Before, Slot::Faults, Slot::Good]);
+            rule!("restore", "restore", Over::Particles, parts)
+        }
+        Pass::Speed => {
+            let parts = parts(&[part!("larger"), part!("most")], &[Now, Before], &[Slot::Partial]);
+            let whole = Whole::Call("speed", Parts::new(&[part!("larger"), part!("whole_speed")], &[], &[]));
+            Rule { whole, ..rule!("speed", "", Over::Own(Threads::Particles), parts) }
+        }
+        Pass::Fastest => {
+            let parts = parts(&[part!("larger"), part!("most")], &[Slot::Partial], &[Slot::Fastest]);
+            Rule { whole: Whole::Done, ..rule!("fastest", "", Over::Own(Threads::One), parts) }
+        }
+        Pass::Strain { image, soft } => strain(image, soft),
+        Pass::Pyramid { directions, seams, cut } => rare::pyramid(directions, seams, cut),
+        Pass::Cut => rare::cut(),
+        Pass::CutSprings => rare::cut_springs(),
+        Pass::CutTethers { slots, seams } => rare::cut_tethers(slots, seams),
+        Pass::CutLevels => rare::cut_levels(),
+        Pass::Transform => rare::transform(),
+        Pass::Pick { holes } => rare::pick(holes),
+        Pass::PickNearest => rare::pick_nearest(),
+    }
+}
+
+/// A step of air, exact or not.
+fn integrate(air: Air, exact: bool) -> Parts {
+    let verlet = if exact { part!("verlet_exact") } else { part!("verlet") };
+    let parts = Parts::new(&[verlet], &[Slot::Step], &[Slot::Now, Slot::Before]);
+    let parts = if exact { parts.bind(&[writes(Slot::Lost)]) } else { parts };
+    parts.and(match air {
+        Air::None => Parts::new(&[part!("air_none")], &[], &[]),
+        Air::Push => Parts::new(&[part!("gust"), part!("air_push")], &[], &[]),
+        Air::Field => Parts::new(&[part!("air_field")], &[Slot::Field], &[]),
+    })
+}
+
+/// The largest stretch, a number for a workgroup.
+fn strain(image: bool, soft: Soft) -> Rule {
+    let share = if soft == Soft::None { part!("share_all") } else { part!("share_soft") };
+    let common = Parts::new(&[part!("larger"), part!("residual"), share], &[Slot::Grids, Slot::Now], &[]);
+    let common = common.and(rest(image)).and(compliance(soft));
+    let whole = Whole::Call("strain", common.clone().files(&[part!("whole_strain")]));
+    let parts = common.files(&[part!("most")]).bind(&[writes(Slot::Strain)]);
+    Rule { whole, ..rule!("strain", "", Over::Own(Threads::Texels), parts) }
+}
+
+/// Where rest lengths come from.
+fn rest(image: bool) -> Parts {
+    let (file, read): (_, &[_]) =
+        if image { (part!("rest_image"), &[Slot::Rest]) } else { (part!("rest_constant"), &[]) };
+    Parts::new(&[file], read, &[])
+}
+
+/// Where compliance comes from, if there is any.
+fn compliance(soft: Soft) -> Parts {
+    match soft {
+        Soft::None => Parts::default(),
+        Soft::Constant => Parts::new(&[part!("soft_constant")], &[Slot::Step], &[]),
+        Soft::Image => Parts::new(&[part!("soft_image")], &[Slot::Step, Slot::Soft], &[]),
+    }
+}
+
+/// Asks which triangles are cut away; only cloth that was cut binds the answer.
+pub(super) fn open(holes: bool, parts: Parts) -> Parts {
+    let (file, read): (_, &[_]) = if holes { (part!("holes"), &[Slot::Holes]) } else { (part!("holes_none"), &[]) };
+    parts.and(Parts::new(&[file], read, &[]))
+}
+
+/// Carries displacements from nodes; only cloth that was cut binds which of them it still follows.
+pub(super) fn parted(cut: bool, parts: Parts) -> Parts {
+    let (file, read): (_, &[_]) = if cut { (part!("links"), &[Slot::Links]) } else { (part!("links_all"), &[]) };
+    parts.and(Parts::new(&[file], read, &[]))
+}
+
+fn shapes(kinds: Kinds, parts: Parts) -> Parts {
+    const NAMES: [&str; 6] = ["half_spaces", "spheres", "capsules", "boxes", "radial_ellipsoids", "ellipsoids"];
+    let each = NAMES.iter().zip(kinds.shapes);
+    each.fold(parts, |parts, (name, on)| parts.constant(name, u32::from(on)))
+}

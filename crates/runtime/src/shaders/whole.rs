@@ -1,0 +1,111 @@
+//! The shader of whole frames.
+
+use super::apart::lists;
+use super::parts::Parts;
+use super::rule::{Over, Rule, Whole, rule};
+use super::{Slot, Source, Threads, calls, colour};
+use crate::fused::{Fused, Hold};
+use crate::passes::{Pass, Schedule};
+
+/// Whether all passes of a schedule can be part of a whole frame.
+pub fn is_whole(schedule: &Schedule) -> bool {
+    schedule.coarse.is_empty() && all(schedule).all(|p| !matches!(rule(*p).whole, Whole::No))
+}
+
+fn all(schedule: &Schedule) -> impl Iterator<Item = &Pass> {
+    schedule.step.iter().chain(&schedule.relax).chain(&schedule.frame)
+}
+
+/// The rules of all passes and a loop for each, called in their order.
+pub fn whole(fused: &Fused) -> Source {
+    let schedule = &*fused.schedule;
+    let files = [part!("step"), part!("grid"), part!("now"), part!("befores"), part!("by_rows"), part!("faults")];
+    let mut parts =
+        Parts::new(&files, &[Slot::Frame, Slot::Jobs, Slot::Grids], &[Slot::Now, Slot::Before, Slot::Faults]);
+    let mut loops: Vec<(&str, &str)> = Vec::new();
+    for pass in all(schedule) {
+        let Rule { text, call, over, whole, parts: own, .. } = rule(*pass);
+        match whole {
+            Whole::No | Whole::Done => {}
+            Whole::Call(_, own) => parts = parts.and(own),
+            Whole::Loop => {
+                parts = parts.and(own).files(&[text]);
+                let turn = turn(over).map(|turn| (turn, call));
+                loops.extend(turn.filter(|turn| !loops.contains(turn)));
+                if over == Over::Near {
+                    let notes = if fused.full { part!("notes_stored") } else { part!("notes") };
+                    parts = parts.files(&[notes]);
+                }
+            }
+        }
+    }
+    // A workgroup reads its step from the numbers of the frame.
+    parts.bindings.retain(|b| b.slot != Slot::Step);
+    let declared: Vec<_> = parts.bindings.iter().flat_map(|b| declared(b.slot)).copied().collect();
+    let parts = held(fused, parts.files(&declared)).files(&[pass!("fused")]);
+    let step = |pass: &Pass| line(pass, true);
+    let program = format!(
+        "\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
+         fn frame_program(job: Job, local: u32) {{\n{}}}\n",
+        calls(&schedule.step, step),
+        calls(&schedule.relax, step),
+        calls(&schedule.frame, |pass| line(pass, false)),
+    );
+    let (files, bindings, constants) = (parts.files, parts.bindings, parts.constants);
+    Source { stem: "fused", files, loops, program, bindings, constants, threads: Threads::Cloth }
+}
+
+/// The call of a pass, and the barrier behind it: of what positions lie in during the steps, else of buffers.
+fn line(pass: &Pass, steps: bool) -> String {
+    let Rule { call, over, whole, parts, .. } = rule(*pass);
+    match whole {
+        Whole::No | Whole::Done => String::new(),
+        Whole::Call(name, _) => format!("  {name}_all(job, local);\n"),
+        Whole::Loop => {
+            let moves = steps && parts.bound(Slot::Now).is_some_and(|b| b.writes);
+            let after = if moves { "sync" } else { "storageBarrier" };
+            // Previous positions of neighbours may lie in a buffer.
+            let before = if over == Over::Texels && parts.binds(Slot::Before) { "  storageBarrier();\n" } else { "" };
+            format!("{before}  {call}_all(job, local{});\n  {after}();\n", colour(over))
+        }
+    }
+}
+
+fn turn(over: Over) -> Option<&'static str> {
+    match over {
+        Over::Particles => Some(turn!("whole_particles")),
+        Over::Near => Some(turn!("whole_near")),
+        Over::Rings => Some(turn!("whole_rings")),
+        Over::Texels => Some(turn!("whole_texels")),
+        Over::Springs { .. } => Some(turn!("whole_springs")),
+        Over::Cells { .. } => Some(turn!("whole_cells")),
+        Over::Own(_) => None,
+    }
+}
+
+/// Where positions are during the frame.
+fn held(fused: &Fused, parts: Parts) -> Parts {
+    let parts = parts.constant("threads", fused.threads);
+    let parts = match fused.hold {
+        Hold::Both | Hold::Wide => parts.files(&[part!("held")]),
+        Hold::Narrow => parts.files(&[part!("held_narrow")]).constant("numbers", 3 * fused.places),
+        Hold::Stored => parts.files(&[part!("held_stored")]),
+    };
+    let parts = if fused.hold == Hold::Stored { parts } else { parts.constant("places", fused.places) };
+    if fused.hold == Hold::Both {
+        return parts.files(&[part!("was_held")]).constant("befores", 3 * fused.places);
+    }
+    parts.files(&[part!("was_stored")])
+}
+
+/// Declarations of what rules name but do not declare, as it lies in buffers that cloths share.
+fn declared(slot: Slot) -> &'static [&'static str] {
+    match slot {
+        Slot::Field => &[part!("field")],
+        Slot::Lost => &[part!("lost")],
+        Slot::Sums => &[part!("sums")],
+        Slot::Solids => &[part!("solids_own")],
+        Slot::Tethers => &[part!("anchor_placed")],
+        other => lists(other),
+    }
+}

@@ -1,0 +1,16 @@
+// A particle is no farther from its target than its limit: a hard motion constraint, as NvCloth and Chaos have it.
+// For each particle the target, and as w the limit in metres; below 0 there is none.
+@group(0) @binding(44) var<storage, read> targets: array<vec4<f32>>;
+
+fn limit(k: u32) {
+  let p = place(k);
+  let to = targets[k];
+  if (p.w <= 0.0 || to.w < 0.0) {
+    return;
+  }
+  let d = p.xyz - to.xyz;
+  let far = sqrt(dot(d, d));
+  if (far > to.w) {
+    put(k, vec4<f32>(to.xyz + d * (to.w / max(far, 1e-30)), p.w));
+  }
+}

@@ -1,0 +1,50 @@
+// A rule of springs in a tile, colour by colour. See crates/runtime/src/cpu/tile.rs.
+
+// Pairs of columns or rows, all of which are in memory: the first, and the one after the last.
+fn pairs(begin: u32, end: u32, parity: u32) -> vec2<u32> {
+  return vec2<u32>((begin + 1u - parity) / 2u, (max(end, parity) - parity) / 2u);
+}
+
+// What is still right of a row: its ends are not where their other ends are missing. Where a tile has nothing, that ends no
+// later than it begins, but never before 0, so that loops over it have nothing to do.
+fn within(begin: u32, end: u32, whole: u32, parity: u32) -> vec2<u32> {
+  let less = select(0u, (begin ^ parity) & 1u, begin > 0u);
+  let more = select(0u, (end ^ parity) & 1u, end < whole);
+  return vec2<u32>(begin + less, max(end, more) - more);
+}
+
+fn each_all(local: u32, direction: u32, parity: u32) {
+  // Columns and rows of cells, as spring_ends has them.
+  var x = vec2<u32>(low.x, max(high.x, 1u) - u32(direction != 1u));
+  var y = vec2<u32>(low.y, high.y);
+  if (direction == 0u) {
+    x = pairs(low.x, high.x, parity);
+  } else {
+    y = pairs(low.y, high.y, parity);
+  }
+  let columns = max(x.y, x.x + 1u) - x.x;
+  let rows = select(0u, max(y.y, y.x) - y.x, x.y > x.x);
+  let by = by_rows(threads, columns);
+  var cell = by_rows(local, columns);
+  while (cell.y < rows) {
+    let at = cell + vec2<u32>(x.x, y.x);
+    let ends = spring_ends(at, grids[grid].first, size, direction, parity);
+    to_row(select(2u * at.y + parity, at.y, direction == 0u));
+    each(grid, ends, direction);
+    cell = on_by_rows(cell, by, columns);
+  }
+  if (direction == 0u) {
+    x = within(low.x, high.x, size.x, parity);
+  } else {
+    x = vec2<u32>(low.x, high.x);
+    if (direction > 1u) {
+      let more = u32(high.x < size.x);
+      x = vec2<u32>(low.x + u32(low.x > 0u), max(high.x, more) - more);
+    }
+    y = within(low.y, high.y, size.y, parity);
+    low.y = y.x;
+    high.y = y.y;
+  }
+  low.x = x.x;
+  high.x = x.y;
+}

@@ -1,2 +1,0 @@
-// Cloth that bends freely.
-fn bend_all(job: Job, local: u32) {}

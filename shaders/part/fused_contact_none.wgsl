@@ -1,2 +1,0 @@
-// There is no collider.
-fn contact_all(job: Job, local: u32) {}

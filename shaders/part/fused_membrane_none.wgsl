@@ -1,2 +1,0 @@
-// Cloth of springs.
-fn membrane_all(job: Job, local: u32) {}

@@ -1,2 +1,0 @@
-// Nobody asks for normals.
-fn normal_all(job: Job, local: u32) {}

@@ -1,2 +1,0 @@
-// Cloth without seams.
-fn seam_all(job: Job, local: u32) {}

@@ -1,2 +1,0 @@
-// Cloth that hangs on nothing.
-fn tether_all(job: Job, local: u32) {}

@@ -1,2 +1,0 @@
-// No springs.
-fn relax_all(local: u32) {}
