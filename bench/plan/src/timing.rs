@@ -10,7 +10,7 @@ const WARM_UP: u32 = 3;
 
 /// A case made ready, with the substeps and threads of the run.
 pub fn host<'a>(case: &Case, run: &Options, gpu: Option<&'a Gpu>) -> Result<Host<'a>> {
-    let options = Options { substeps: Some(run.substeps), threads: run.threads, ..case.options.clone() };
+    let options = Options { substeps: run.substeps, threads: run.threads, ..case.options.clone() };
     let mut host = Host::new(case.scene.clone(), options, gpu)?;
     match case.action {
         Action::None => {}

@@ -27,7 +27,9 @@ fn load(name: &str, texels: u32) -> Result<SceneFile, Failure> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let find = |source: &Source| -> Found {
         let Source::Garment { file, .. } = source else { return Err(format!("{name}: no garment to build").into()) };
-        let options = BuildOptions { size: ImageSize::Texels(texels), metrics: false, ..BuildOptions::default() };
+        let mut options = BuildOptions::default();
+        options.image.size = ImageSize::Texels(texels);
+        options.gate.metrics = false;
         Ok(gimage::pipeline::build(&folder.join(file), &options, &gimage::progress::Quiet)?.bundle)
     };
     Ok(SceneFile::parse(&std::fs::read(folder.join(format!("{name}.json")))?, find)?)
