@@ -9,7 +9,14 @@ const N: usize = 17;
 
 /// One thread of the CPU backend under the default solver.
 fn options(substeps: u32, tethers: u32) -> Options {
-    Options { backend: Backend::Cpu, threads: 1, normals: false, substeps, tethers, ..Options::default() }
+    Options {
+        backend: Backend::Cpu,
+        threads: 1,
+        normals: false,
+        substeps: Some(substeps),
+        tethers,
+        ..Options::default()
+    }
 }
 
 /// A horizontal square of 1 m and 0.2 kg, pinned at the ends of its first row and damped at 2 /s.

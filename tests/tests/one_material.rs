@@ -58,7 +58,8 @@ fn settled(count: u32, seams: Seams, substeps: u32) -> Settled {
     scene.cloths.push(cloth);
     scene.gravity = [0.0, -9.81, 1.5];
     let (backend, solver) = (Backend::Cpu, Solver::Xpbd);
-    let options = Options { backend, solver, substeps, tethers: 0, normals: false, ..Options::default() };
+    let options =
+        Options { backend, solver, substeps: Some(substeps), tethers: 0, normals: false, ..Options::default() };
     let mut stepper = Stepper::new(scene, options, None).unwrap();
     (0..150).for_each(|_| assert!(stepper.advance(1.0 / 60.0).is_ok()));
     assert!(stepper.take_faults().is_empty());

@@ -95,7 +95,7 @@ fn moved(a: &[[f32; 4]], b: &[[f32; 4]]) -> f32 {
 #[test]
 fn the_shirt_meets_every_collider() {
     let bare = |colliders| {
-        let mut run = Run::new(scene(colliders), &Options { substeps: 1, ..Options::default() }, None);
+        let mut run = Run::new(scene(colliders), &Options { substeps: Some(1), ..Options::default() }, None);
         run.frame(FRAME);
         run.lists()[0].clone()
     };
@@ -114,7 +114,7 @@ fn the_shirt_meets_every_collider() {
 #[test]
 fn one_step_is_that_of_the_twin() {
     let Some(device) = device() else { return };
-    let one = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
+    let one = Options { substeps: Some(1), iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
     for (name, colliders) in [("bare", Vec::new()), ("among colliders", colliders())] {
         let lists = [None, Some(&device)].map(|d| {
             let mut run = Run::new(scene(colliders.clone()), &one, d);
@@ -149,7 +149,7 @@ fn after_100_steps_the_measures_agree() {
         ("at an ellipsoid", xpbd, iterated, 2),
     ];
     for (name, solver, colliders, frames) in cases {
-        let options = Options { substeps: 10, solver, ..Options::default() };
+        let options = Options { substeps: Some(10), solver, ..Options::default() };
         let scene = scene(colliders);
         let moved_by = |nudge: f32| {
             let mut scene = scene.clone();
@@ -206,7 +206,7 @@ fn seams_stay_closed_for_ten_seconds_pinned_cut_and_colliding() {
     let (starts, members) = SHIRT.rings();
     let runs = [Some(None), device.as_ref().map(Some)];
     for (name, device) in ["cpu", "gpu"].into_iter().zip(runs).filter_map(|(n, d)| Some((n, d?))) {
-        let mut run = Run::new(scene(colliders()), &Options { substeps: 2, ..Options::default() }, device);
+        let mut run = Run::new(scene(colliders()), &Options { substeps: Some(2), ..Options::default() }, device);
         let (mut gap, mut bodies) = (0.0f32, colliders());
         for frame in 0..600 {
             match frame {

@@ -60,7 +60,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             if if backend == Backend::Gpu { device.is_none() } else { args.gpu } {
                 continue;
             }
-            let options = Options { backend, substeps: args.substeps, threads: args.threads, ..Options::default() };
+            let options =
+                Options { backend, substeps: Some(args.substeps), threads: args.threads, ..Options::default() };
             let mut times: Vec<Vec<f64>> = vec![Vec::new(); cases.len()];
             let mut plans = Vec::new();
             for round in 0..args.rounds {

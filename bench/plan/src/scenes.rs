@@ -142,7 +142,7 @@ fn xpbd(n: u32) -> Result<Vec<Case>> {
         case("xpbd with 2 tethers", plain()?).with(|o| o.tethers = 2),
         apart("xpbd with 2 tethers in separate passes", plain()?).with(|o| o.tethers = 2),
         case("xpbd with 2 tethers and a cut", plain()?).with(|o| o.tethers = 2).after(Action::Cut),
-        case("xpbd with 2 tethers and a round of polish", plain()?).with(|o| (o.tethers, o.polish) = (2, 1)),
+        case("xpbd with 2 tethers and a round of polish", plain()?).with(|o| (o.tethers, o.polish) = (2, Some(1))),
         case("xpbd with a pyramid once in 2 steps", plain()?).with(|o| o.pyramid = 2),
         case(
             "xpbd with a pyramid and a seam",

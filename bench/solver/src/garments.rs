@@ -41,7 +41,7 @@ fn scene(name: &str, texels: u32) -> Result<Scene, Failure> {
 
 /// The last frame in f64, and one step before.
 fn reference(scene: &Scene, options: &Options, substeps: u32) -> Result<Vec<[f64; 4]>, Failure> {
-    let options = Options { solver: Solver::Xpbd, tethers: 0, pyramid: 0, substeps, ..options.clone() };
+    let options = Options { solver: Solver::Xpbd, tethers: 0, pyramid: 0, substeps: Some(substeps), ..options.clone() };
     let mut reference = Reference::new(scene.clone(), options)?;
     (0..FRAMES).for_each(|_| reference.step(substeps));
     Ok(reference.positions(0)?.0.to_vec())

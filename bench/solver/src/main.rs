@@ -8,6 +8,7 @@ mod row;
 mod run;
 mod score;
 mod variant;
+mod worn;
 
 use std::fs;
 use std::path::PathBuf;
@@ -26,7 +27,7 @@ pub type Failure = Box<dyn std::error::Error>;
 #[derive(Parser)]
 #[command(after_help = "Examples:\n  solver --out solver.csv --svg solver.svg\n  \
                         solver --scenes s1 --particles 32 --solvers xpbd --substeps 4,8 --dump frames\n  \
-                        solver --reach\n  solver --garments --substeps 8,16,32")]
+                        solver --reach\n  solver --garments --substeps 8,16,32\n  solver --worn 4096 --out worn.csv")]
 struct Args {
     /// Built-in scenes, separated by commas.
     #[arg(long, value_delimiter = ',', default_values_t = BUILTIN.map(String::from))]
@@ -50,6 +51,10 @@ struct Args {
     /// The garments of this many texels on their bodies, as in `assets/scenes`, instead of the built-in scenes.
     #[arg(long, value_name = "TEXELS", num_args = 0..=1, default_missing_value = "4096", value_parser = clap::value_parser!(u32).range(64..=1 << 20))]
     garments: Option<u32>,
+    /// Garments of this many texels as people wear them (`bench/solver/scenes`): the defaults and settings by hand, three runs
+    /// each, with normals; a table of its own instead of the built-in scenes.
+    #[arg(long, value_name = "TEXELS", num_args = 0..=1, default_missing_value = "4096", value_parser = clap::value_parser!(u32).range(64..=1 << 20))]
+    worn: Option<u32>,
     /// A first look: 32 and 64 particles, 2, 8 and 16 steps.
     #[arg(long)]
     quick: bool,
@@ -85,6 +90,15 @@ fn main() -> Result<(), Failure> {
     let variants = args.solvers.iter().map(|name| name.parse()).collect::<Result<Vec<Variant>, _>>()?;
     let gpu = if args.gpu { Some(Gpu::new()?) } else { None };
     eprintln!("on {}", gpu.as_ref().map_or("one thread of the CPU", |g| &g.info.name));
+    if let Some(texels) = args.worn {
+        let lines = worn::lines(texels, gpu.as_ref())?;
+        let table = std::iter::once(worn::HEADER.to_owned()).chain(lines).map(|l| l + "\n").collect::<String>();
+        match &args.out {
+            Some(path) => fs::write(path, table)?,
+            None => print!("{table}"),
+        }
+        return Ok(());
+    }
     let mut rows = Vec::new();
     if args.reach {
         rows = reached(&args, gpu.as_ref())?;

@@ -56,7 +56,7 @@ impl<'a> Run<'a> {
 
     /// Whether the solver makes as many steps as were asked for, and not more.
     pub fn is_as_asked(&self) -> bool {
-        self.host.stepper.options().substeps == self.setting.substeps
+        self.host.stepper.substeps() == self.setting.substeps
     }
 
     /// Frames of the scene.

@@ -61,7 +61,7 @@ impl Variant {
     /// The settings for a number of substeps; what is not said here is as in `base`.
     pub fn options(&self, substeps: u32, base: &Options) -> Options {
         let Variant { solver, tethers, pyramid, polish, iterations, .. } = *self;
-        Options { solver, tethers, pyramid, polish, iterations, substeps, ..base.clone() }
+        Options { solver, tethers, pyramid, polish: Some(polish), iterations, substeps: Some(substeps), ..base.clone() }
     }
 
     /// Whether a scene shows it: the classic solver knows no compliance, and what falls freely has no tethers,

@@ -97,7 +97,7 @@ impl Case {
             solver,
             tethers,
             step: self.step,
-            substeps: self.substeps,
+            substeps: Some(self.substeps),
             normals: false,
             threads: 1,
             ..Options::default()

@@ -52,7 +52,7 @@ fn run(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>, out: &mut Ou
     let gauge = Gauge::new(&stepper.scene().cloths[0], case.scene.gravity);
     let frames = |seconds: f64| (seconds / case.step).ceil() as u32;
     let (storm, calm) = (frames(case.storm), frames(case.calm));
-    let dt = case.step / f64::from(stepper.options().substeps);
+    let dt = case.step / f64::from(stepper.substeps());
     let mut last = wide(&host.now()?);
     let start = gauge.energy(&last, &wide(&host.before()?), dt);
     let begin = gauge.momentum(&wide(&host.before()?), &last, dt);

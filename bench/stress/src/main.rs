@@ -7,6 +7,7 @@ mod drive;
 mod figures;
 mod heaps;
 mod random;
+mod scenes;
 mod table;
 
 use std::path::PathBuf;
@@ -21,7 +22,9 @@ use table::Entry;
 /// Tries cases under every solver, on the CPU unless the GPU is asked for, and says which survive: table to stdout, exit status 1 if any
 /// fails.
 #[derive(Parser)]
-#[command(after_help = "Examples:\n  stress --out stress.csv\n  stress --only \"mass ratio\" --solvers xpbd --gpu")]
+#[command(
+    after_help = "Examples:\n  stress --out stress.csv\n  stress --only \"mass ratio\" --solvers xpbd --gpu\n  stress --scenes 200 > random.csv"
+)]
 struct Args {
     /// Only cases whose names have this in them.
     #[arg(long, default_value = "")]
@@ -39,6 +42,10 @@ struct Args {
     /// after 15, in each number of `--substeps`.
     #[arg(long, value_name = "COUNT")]
     heaps: Option<usize>,
+    /// Instead of the cases: this many random scenes under the default settings as CSV to stdout, and which of them stretch or
+    /// pass a collider without a finding.
+    #[arg(long, value_name = "COUNT", conflicts_with = "heaps")]
+    scenes: Option<usize>,
     /// Steps in 1/60 s of the heaps.
     #[arg(long, value_delimiter = ',', default_value = "8,16,24,32,48", requires = "heaps")]
     substeps: Vec<u32>,
@@ -57,6 +64,9 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         return Err(format!("there is no solver {name}; there are {}", SOLVERS.map(|s| s.0).join(", ")).into());
     }
     let threads = args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into));
+    if let Some(count) = args.scenes {
+        return Ok(if scenes::run(count, threads) { ExitCode::SUCCESS } else { ExitCode::FAILURE });
+    }
     if let Some(count) = args.heaps {
         heaps::run(count, &args.substeps, threads);
         return Ok(ExitCode::SUCCESS);

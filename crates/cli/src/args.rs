@@ -155,7 +155,7 @@ pub struct SceneArgs {
     /// Solver of the springs [default: that of the scene, or xpbd].
     #[arg(long, value_enum)]
     pub solver: Option<SolverArg>,
-    /// Steps per frame [default: that of the scene, or 8].
+    /// Steps per frame [default: that of the scene, or chosen from what holds the cloth, its size and speeds].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub substeps: Option<u32>,
     /// Choose the number of steps per frame, starting at --substeps, so that they take at most this time [default: that of
@@ -172,11 +172,12 @@ pub struct SceneArgs {
     /// Tethers per particle to the nearest pins, 0 to 4; xpbd only [default: that of the scene, or 2].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub tethers: Option<u32>,
-    /// Limit lengths on coarser grids every K steps, 0 for never; xpbd only [default: that of the scene, or 0].
+    /// Limit lengths on coarser grids every K steps, 0 for never; for cloth that flies freely, not for cloth on colliders;
+    /// xpbd only [default: that of the scene, or 0].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub pyramid: Option<u32>,
-    /// Additional rounds of tethers and structural springs after each relaxation, 0 to 64, for fine cloth on tethers; xpbd
-    /// only [default: that of the scene, or 0].
+    /// Additional rounds of tethers and structural springs after each relaxation, 0 to 64, for cloth on colliders and fine
+    /// cloth on tethers; xpbd only [default: that of the scene, or chosen with the substeps; 0 if --substeps is given].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub polish: Option<u32>,
     /// Distance that particles keep from colliders, 0 to 1 m: half the thickness of the cloth; for cloth without a thickness

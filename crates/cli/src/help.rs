@@ -84,11 +84,13 @@ pub const SIMULATE: &str = concat!(
     "Built-in scenes: s1 (hangs by two corners), s1k (s1 with soft springs), s2 (falls on a sphere), s2f (s2, fast), s3 ",
     "(swings).\n",
     "SCENE.md describes scene files: garments, colliders, pins, wind, motion, cuts. A bundle hangs by its pins, or falls. A ",
-    "frame is 1/60 s. --error measures the largest stretch of each frame; the number of steps follows from the rule that ",
-    "stretch falls with its square. --budget uses the median time of a step. --dump writes ",
+    "frame is 1/60 s. Without flags, steps and rounds of polish follow from the scene; the second line of the result says which ",
+    "and why. The table is of the end of the run: extension of the structural springs, its largest 99th percentile so far, RMS ",
+    "speed, depth in colliders. -v lists the passes. --error measures the largest stretch of each frame; the number of steps ",
+    "follows from the rule that stretch falls with its square. --budget models a frame as a fixed part plus a part per step. --dump writes ",
     "frame_NNNNN.<piece>.position.exr, where frame 0 is the start; it refuses a directory with frames of an older run unless ",
     "--force is given, which removes them. Settings beyond the limits of the solver are adjusted, with a warning.",
-    exit_codes!("done, but a cloth overflowed: frames were reset, or positions are not finite")
+    exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
 );
 
 /// Of `gimage render`.
@@ -100,7 +102,7 @@ pub const RENDER: &str = concat!(
     "Without a hardware GPU, cloth and picture are computed on the CPU; --backend gpu accepts any adapter, including a ",
     "software one. 4 samples per pixel. Without a camera, every picture shows all cloths and colliders. A still picture of a ",
     "bundle without pins, which would fall out of sight, shows its rest pose (default --time 0).",
-    exit_codes!("done, but a cloth overflowed: frames were reset, or positions are not finite")
+    exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
 );
 
 /// Of `gimage doctor`.

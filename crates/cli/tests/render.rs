@@ -46,7 +46,7 @@ fn every_scene_here_runs_and_is_drawn() {
 #[test]
 fn both_painters_agree() {
     let place = Place::new();
-    let flags = "s2 --n 24 --time 0.6 --size 120x90 --background 102030";
+    let flags = "s2 --n 24 --substeps 8 --time 0.6 --size 120x90 --background 102030";
     place.run(&format!("render {flags} --backend cpu -o cpu.png")).expect(&[0]);
     let gpu = place.run(&format!("render {flags} --backend gpu -o gpu.png"));
     if gpu.code != 0 {

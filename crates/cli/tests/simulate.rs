@@ -7,7 +7,7 @@ use common::Place;
 #[test]
 fn frames_are_dumped_timed_and_the_same_for_any_threads() {
     let place = Place::new();
-    let flags = "--backend cpu --n 9 --frames 5 --every 2 --dump-from 1 --json";
+    let flags = "--backend cpu --n 9 --substeps 8 --frames 5 --every 2 --dump-from 1 --json";
     let run = |threads, dir| place.run(&format!("simulate s1 {flags} --threads {threads} --dump {dir}")).expect(&[0]);
     let json = run(1, "one").json();
     run(2, "two");
@@ -29,7 +29,7 @@ fn frames_are_dumped_timed_and_the_same_for_any_threads() {
 fn a_bundle_falls() {
     let place = Place::new();
     place.run("build tube.obj -o tube.gim --texels 400").expect(&[0, 1]);
-    let run = place.run("simulate tube.gim --frames 2 --backend cpu").expect(&[0]);
+    let run = place.run("simulate tube.gim --frames 2 --backend cpu -v").expect(&[0]);
     assert!(run.stdout.contains("2 frames on the cpu") && run.stdout.contains("seams"), "{}", run.stdout);
 }
 
@@ -89,20 +89,63 @@ fn what_the_solver_cannot_do_is_changed_and_said() {
 #[test]
 fn substeps_are_chosen_and_reported() {
     let place = Place::new();
-    let flags = "--backend cpu --solver xpbd --tethers 0 --n 16 --frames 240";
+    let flags = "--backend cpu --solver xpbd --tethers 0 --substeps 8 --n 16 --frames 240";
     let json = place.run(&format!("simulate s1 {flags} --error 0.02 --json")).expect(&[0]).json();
     let count = |name: &str| json[name].as_u64().unwrap();
     assert!(count("substeps_min") <= count("substeps_median") && count("substeps_median") < count("substeps_max"));
     assert!(json["error_estimated"].as_f64().is_some_and(|e| e < 0.1), "{json}");
     assert_eq!((json["error_target"].as_f64(), json["budget_ms"].as_f64()), (Some(0.02), None));
-    // Nothing can be done in so little time, and the budget wins.
-    let json = place.run(&format!("simulate s1 {flags} --error 0.02 --budget 1e-9 --json")).expect(&[0]).json();
+    // Nothing can be done in so little time, and the budget wins: the cloth is like rubber, which is a finding.
+    let json = place.run(&format!("simulate s1 {flags} --error 0.02 --budget 1e-9 --json")).expect(&[1]).json();
     assert_eq!((json["substeps"].as_u64(), json["substeps_median"].as_u64()), (Some(1), Some(1)));
     let json = place.run(&format!("simulate s1 {flags} --json")).expect(&[0]).json();
     assert_eq!((json["substeps_min"].as_u64(), json["substeps_max"].as_u64()), (Some(8), Some(8)));
     assert!(json["error_estimated"].is_null());
-    let words = place.run(&format!("simulate s1 {flags} --error 0.02")).expect(&[0]).stdout;
+    let words = place.run(&format!("simulate s1 {flags} --error 0.02 -v")).expect(&[0]).stdout;
     assert!(words.contains("substeps chosen") && words.contains("strain"), "{words}");
+}
+
+#[test]
+fn without_flags_the_scene_decides_and_the_table_says_how_the_cloth_fares() {
+    let place = Place::new();
+    let run = place.run("simulate s2 --n 16 --backend cpu --frames 30").expect(&[0]);
+    for words in
+        ["substeps, 12 rounds of polish: chosen, as cloth 's2' lies on colliders", "stretch mean", "worst p99", "mm/s"]
+    {
+        assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+    }
+    assert!(!run.stdout.contains("dispatches"), "{}", run.stdout);
+    let run = place.run("simulate s2 --n 16 --backend cpu --frames 30 --substeps 5 --json").expect(&[0]);
+    let json = run.json();
+    assert_eq!((json["substeps"].as_u64(), json["polish"].as_u64()), (Some(5), Some(0)));
+    assert!(json["cloths"][0]["stretch_p99"].is_f64() && json["findings"].as_array().is_some_and(Vec::is_empty));
+}
+
+#[test]
+fn cloth_that_tunnels_and_falls_is_a_finding() {
+    let place = Place::new();
+    let run = place.run("simulate s2f --n 64 --backend cpu --substeps 8 --json").expect(&[1]);
+    let kinds: Vec<_> = run.json()["findings"].as_array().unwrap().iter().map(|f| f["kind"].clone()).collect();
+    assert!(kinds.contains(&"tunnelled".into()) && kinds.contains(&"stretched".into()), "{kinds:?}");
+    assert!(
+        run.stderr.contains("went through collider 0") && run.stderr.contains("substeps (now 8)"),
+        "{}",
+        run.stderr
+    );
+    let run = place.run("simulate s2f --n 64 --backend cpu --json").expect(&[0]);
+    assert_eq!(run.json()["findings"].as_array().map(Vec::len), Some(0));
+    overflowing(&place, "-9.81");
+    let run = place.run("simulate storm.json --backend cpu --frames 90").expect(&[1]);
+    assert!(run.stderr.contains("it falls, as no pin holds it"), "{}", run.stderr);
+}
+
+#[test]
+fn a_pyramid_on_cloth_that_lies_on_colliders_is_warned_of() {
+    let place = Place::new();
+    let run =
+        |more: &str| place.run(&format!("simulate s2 --n 16 --backend cpu --frames 2 {more}")).expect(&[0]).stderr;
+    assert!(run("--pyramid 2").contains("a pyramid pulls cloth"));
+    assert_eq!(run(""), "");
 }
 
 /// A flag whose gravity is more than numbers hold.

@@ -1,6 +1,6 @@
 //! Converts frames of any length to steps of a fixed length.
 
-use crate::options::Options;
+use crate::choose::Settings;
 
 /// The progress of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,13 +28,13 @@ pub struct Clock {
 const ROUNDING: f64 = 1e-4;
 
 impl Clock {
-    pub fn new(options: &Options) -> Self {
+    pub fn new(options: &Settings) -> Self {
         let dt = options.step / f64::from(options.substeps);
         Clock { dt, dt_old: dt, time: 0.0, left: 0.0, most: options.max_catch_up.saturating_mul(options.substeps) }
     }
 
     /// Other steps from here on. Velocities go on: the next step is scaled by the ratio.
-    pub fn change(&mut self, options: &Options) {
+    pub fn change(&mut self, options: &Settings) {
         let next = Clock::new(options);
         (self.dt, self.most) = (next.dt, next.most);
     }
@@ -59,10 +59,17 @@ impl Clock {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::Options;
+    use crate::scene::Scene;
+
+    fn clock(substeps: u32) -> Clock {
+        let options = Options { substeps: Some(substeps), ..Options::default() };
+        Clock::new(&Settings::new(options, &Scene::new("empty")).0)
+    }
 
     #[test]
     fn frames_of_any_length_add_up() {
-        let mut clock = Clock::new(&Options::default());
+        let mut clock = clock(8);
         assert!((0..6000).all(|_| clock.frame(1.0 / 60.0).steps == 8));
         let steps: u32 = (0..1000).map(|_| clock.frame(0.001_234).steps).sum();
         assert!((592..=593).contains(&steps), "{steps}");
@@ -72,7 +79,7 @@ mod tests {
 
     #[test]
     fn the_fraction_is_of_a_step() {
-        let mut clock = Clock::new(&Options { substeps: 1, ..Options::default() });
+        let mut clock = clock(1);
         let p = clock.frame(1.5 / 60.0);
         assert_eq!((p.steps, (p.fraction - 0.5).abs() < 1e-6), (1, true));
         assert_eq!(clock.frame(0.5 / 60.0).steps, 1);

@@ -65,7 +65,7 @@ impl Gpu {
         let mut lie: Vec<Option<Spans>> = world.scene.cloths.iter().map(|_| None).collect();
         arenas.iter().flat_map(Arena::spans).for_each(|(cloth, spans)| lie[cloth] = Some(spans));
         let cloths = world.scene.cloths.iter().zip(&world.tethers).zip(&starts).zip(lie);
-        let settings = (draw_only, &world.options);
+        let settings = (draw_only, &*world.options);
         let cloths: Result<_> =
             cloths.map(|((held, start), spans)| ClothBuffers::new(device, held, start, settings, spans)).collect();
         let mut gpu = Gpu {

@@ -26,6 +26,7 @@
 #![cfg_attr(not(feature = "gpu"), allow(dead_code))]
 
 mod actions;
+mod choose;
 mod clock;
 mod cloth;
 mod coat;
@@ -33,6 +34,7 @@ mod collider;
 mod cpu;
 pub mod draw;
 mod error;
+mod findings;
 mod fold;
 mod form;
 mod fused;
@@ -41,6 +43,7 @@ mod gpu;
 #[cfg(not(feature = "gpu"))]
 #[path = "gpu/absent.rs"]
 mod gpu;
+mod health;
 mod layout;
 mod levels;
 mod limits;
@@ -66,14 +69,17 @@ mod wind;
 mod world;
 
 pub use actions::Drag;
+pub use choose::{Choice, Support};
 pub use clock::Progress;
 pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
 pub use collider::{Collider, Shape};
 pub use error::{Error, Result};
+pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
 pub use form::Form;
 pub use fused::{Fused, Hold};
 #[cfg(feature = "gpu")]
 pub use gpu::{ClothBuffers, Compiled, Span, device_limits, read_back, read_back_u32};
+pub use health::{Health, Stretch};
 pub use limits::{LONGEST, LONGEST_FREE, MOST_LENGTHS, MOST_RATIO, Warning};
 pub use material::Material;
 pub use measure::{Measures, measure};

@@ -7,9 +7,10 @@ pub(crate) mod shear;
 pub use lengths::MOST_LENGTHS;
 pub use masses::MOST_RATIO;
 
+use crate::choose::Settings;
 use crate::cloth::{Cloth, Compliance, Rest, Tethers};
 use crate::error::Result;
-use crate::options::{Options, Solver};
+use crate::options::Solver;
 use crate::passes::has_levels;
 
 /// Longest step \[s\] of [`Solver::Xpbd`]: in a longer one cloth falls too far for tethers to hold it.
@@ -92,6 +93,15 @@ pub enum Warning {
         /// The cloth by name.
         cloth: String,
     },
+    /// Lengths are limited on coarser grids, which ignore contact: they pull the cloth through colliders.
+    #[error(
+        "cloth {cloth}: a pyramid pulls cloth that lies on colliders through them, and no pin holds this one: leave the pyramid \
+         out, and use 8 or more rounds of polish"
+    )]
+    PyramidOnColliders {
+        /// The cloth by name.
+        cloth: String,
+    },
     /// Steps were too long: more are made.
     #[error(
         "{asked} substeps in {step:.4} s were requested, and {made} are used: a step may take at most {longest:.4} s here; \
@@ -102,7 +112,7 @@ pub enum Warning {
         asked: u32,
         /// As made.
         made: u32,
-        /// [`Options::step`] \[s\].
+        /// [`crate::Options::step`] \[s\].
         step: f64,
         /// The longest step \[s\].
         longest: f64,
@@ -127,7 +137,7 @@ pub enum Warning {
 }
 
 /// The fewest substeps that a scene may have, and the longest step \[s\] from which it follows.
-pub fn fewest(options: &Options, cloths: &[Cloth], tethers: &[Tethers]) -> (u32, f64) {
+pub fn fewest(options: &Settings, cloths: &[Cloth], tethers: &[Tethers]) -> (u32, f64) {
     if options.solver != Solver::Xpbd {
         return (1, f64::INFINITY);
     }
@@ -140,7 +150,7 @@ pub fn fewest(options: &Options, cloths: &[Cloth], tethers: &[Tethers]) -> (u32,
 }
 
 /// Prepares a cloth for a solver: what it cannot do is changed. Returns the number of its tethers per particle.
-pub fn prepare(cloth: &mut Cloth, options: &Options, warnings: &mut Vec<Warning>) -> Result<u32> {
+pub fn prepare(cloth: &mut Cloth, options: &Settings, warnings: &mut Vec<Warning>) -> Result<u32> {
     if options.solver != Solver::Xpbd {
         return Ok(0);
     }
@@ -165,14 +175,14 @@ pub fn prepare(cloth: &mut Cloth, options: &Options, warnings: &mut Vec<Warning>
 }
 
 /// Whether steps are so short that rounding of positions matters, and numbers so fine that what it takes is worth keeping.
-fn rounds(cloth: &Cloth, options: &Options) -> bool {
+fn rounds(cloth: &Cloth, options: &Settings) -> bool {
     let dt = options.step / f64::from(options.substeps);
     let far = cloth.positions().as_flattened().iter().fold(0f32, |far, x| far.max(x.abs()));
     dt < SHORT && f64::from(far * f32::EPSILON) / dt < COARSE
 }
 
 /// Whether steps are so short for soft springs that rounding outdoes them.
-fn soft(cloth: &Cloth, options: &Options) -> Option<Warning> {
+fn soft(cloth: &Cloth, options: &Settings) -> Option<Warning> {
     let Compliance::Constant(soft) = cloth.compliance else { return None };
     let least = (0..cloth.len()).map(|k| f64::from(cloth.mass(k))).fold(f64::INFINITY, f64::min);
     // Eight springs hold a particle.

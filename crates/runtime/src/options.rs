@@ -39,12 +39,13 @@ pub struct Options {
     pub solver: Solver,
     /// Time \[s\] of `substeps` steps, whatever the length of the host's frames. Default 1/60; 1e-6 to 1.
     pub step: f64,
-    /// Number of steps in that time, each with all passes. Default 8; 1 to 4096; larger is stiffer, at proportional cost. If
-    /// `quality` chooses the number, this is the initial one; [`crate::Stepper::options`] has the current one. Otherwise
-    /// [`Solver::Xpbd`] uses enough substeps that no step is longer than [`crate::LONGEST`] (cloth without tethers:
-    /// [`crate::LONGEST_FREE`]), with a warning ([`crate::Stepper::warnings`]). Steps below 1e-3 s at the start
-    /// carry rounding errors over; below 1/16000 s cloth of a metre trembles in f32 nevertheless.
-    pub substeps: u32,
+    /// Number of steps in that time, each with all passes. Default `None`: chosen from the scene ([`crate::Choice`] has the
+    /// rules). 1 to 4096; larger is stiffer, at proportional cost. If `quality` chooses the number, this is the initial one;
+    /// [`crate::Stepper::substeps`] is the current one. Otherwise [`Solver::Xpbd`] uses enough substeps that no step is longer
+    /// than [`crate::LONGEST`] (cloth without tethers: [`crate::LONGEST_FREE`]), with a warning
+    /// ([`crate::Stepper::warnings`]). Steps below 1e-3 s at the start carry rounding errors over; below 1/16000 s cloth of a
+    /// metre trembles in f32 nevertheless.
+    pub substeps: Option<u32>,
     /// How the number of substeps is chosen. Default [`Quality::Fixed`].
     pub quality: Quality,
     /// Relaxations per step. Default 1; 1 to 4096; larger is stiffer and costs more, both less than with substeps. Membrane
@@ -59,13 +60,15 @@ pub struct Options {
     /// ([`crate::Stepper::warnings`]): springs alone do not hold it.
     pub tethers: u32,
     /// Further rounds of a relaxation: tethers, then springs to the right and down, which stretch shows in, and not the
-    /// diagonal ones, which take half of the time. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default 0;
-    /// at most 64. Such a round is a fourth of a substep. Hanging on tethers, one does as much as two further substeps from
-    /// some 100 particles per side on, as fine cloth crumples beside its pins; coarser cloth gains more by substeps.
-    pub polish: u32,
+    /// diagonal ones, which take half of the time. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default
+    /// `None`: chosen from the scene ([`crate::Choice`] has the rules); 0 to 64. Such a round is a fourth of a substep. On
+    /// cloth that lies on colliders, eight rounds leave a seventh of the stretch; hanging on tethers, one does as much as two
+    /// further substeps from some 100 particles per side on, as fine cloth crumples beside its pins.
+    pub polish: Option<u32>,
     /// Number of steps from one pass of length limits on coarser grids to the next, for [`Solver::Xpbd`]; 0 means never. Default
-    /// 0; at most 4096. It keeps cloth together that no pin holds, such as cloth that is hit. Every other step is often
-    /// enough: in every step, limits and springs work against one another, and cloth without damping takes up motion. No
+    /// 0; at most 4096. It keeps cloth together that no pin holds and that flies freely. Not for cloth that lies on
+    /// colliders: the limits ignore contact, and pull it through them ([`crate::Warning::PyramidOnColliders`]). Every other
+    /// step is often enough: in every step, limits and springs work against one another, and cloth without damping takes up motion. No
     /// limit crosses a cut, and nothing is carried across one; both sides of a seam move alike on every grid; after a cut of
     /// any cloth only where both have a node at the same point.
     pub pyramid: u32,
@@ -116,11 +119,11 @@ impl Default for Options {
             backend,
             solver,
             step: 1.0 / 60.0,
-            substeps: 8,
+            substeps: None,
             quality: Quality::default(),
             iterations: 1,
             tethers: 2,
-            polish: 0,
+            polish: None,
             pyramid: 0,
             thickness: 0.0,
             normals: true,
@@ -137,10 +140,10 @@ impl Options {
     pub fn check(&self) -> Result<()> {
         check("the step [s]", self.step, "1e-6 to 1", |s| (1e-6..=1.0).contains(&s))?;
         let count = |n: f64| (1.0..=4096.0).contains(&n);
-        check("the number of substeps", self.substeps.into(), "1 to 4096", count)?;
+        check("the number of substeps", self.substeps.unwrap_or(1).into(), "1 to 4096", count)?;
         check("the number of iterations", self.iterations.into(), "1 to 4096", count)?;
         check("the number of tethers", self.tethers.into(), "0 to 4", |n| n <= 4.0)?;
-        check("the number of polishing rounds", self.polish.into(), "0 to 64", |n| n <= 64.0)?;
+        check("the number of polishing rounds", self.polish.unwrap_or(0).into(), "0 to 64", |n| n <= 64.0)?;
         check("the number of steps between pyramids", self.pyramid.into(), "0 to 4096", |n| n <= 4096.0)?;
         check("the thickness [m]", self.thickness.into(), "0 to 1", |t| (0.0..=1.0).contains(&t))?;
         let catch_up = |n: f64| (1.0..=1024.0).contains(&n);

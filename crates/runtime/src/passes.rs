@@ -1,5 +1,6 @@
 //! The step of a cloth as data: which passes there are, which run, in what order, and why. All forms of a frame are made from it.
 
+use crate::choose::Settings;
 use crate::cloth::{Cloth, Compliance, Grid, Rest};
 use crate::collider::{Collider, Shape};
 use crate::options::{Options, Solver};
@@ -223,7 +224,7 @@ pub fn schedule(
     (cloth, slots): (&Cloth, u32),
     colliders: Option<Kinds>,
     wind: Option<&Wind>,
-    options: &Options,
+    options: &Settings,
 ) -> Schedule {
     let air = match wind.map(|w| w.force) {
         None => Air::None,

@@ -5,7 +5,9 @@
 //! miss. Cloth answers late, and a shorter substep is a stiffer spring: the number changes by small steps, rises
 //! soon, and falls only after a while in which fewer would have done.
 
-use std::collections::VecDeque;
+mod cost;
+
+use cost::Costs;
 
 use crate::error::{Result, check};
 
@@ -17,14 +19,15 @@ pub enum Quality {
     #[default]
     Fixed,
     /// As many substeps as take at most this time \[ms\] in [`crate::Options::step`], from the times that the host reports
-    /// ([`crate::Stepper::took`]); unchanged until it does. Above 0. Results then depend on the host's clock.
+    /// ([`crate::Stepper::took`]); unchanged until it does. Above 0. A frame is modelled as a fixed part plus a part per
+    /// step, so that normals and other work once per frame do not count as steps. Results then depend on the host's clock.
     Budget(f64),
     /// The fewest substeps, at most 256, that keep the error at or below this value; 1e-4 to 1, 0.01 is 1 %. The error is the
     /// largest stretch of a spring to the right or down (length / rest length - 1, not below 0) at the end of a frame,
     /// over cloths that are awake. Where cloth has a compliance or a material, only a share of a stretch is error, that
     /// which one relaxation takes away (`w dt^2 / (w dt^2 + compliance)`, w being the sum of the inverse masses): more
     /// than is left of relaxation rather than less. For a material the compliance is that of square cells.
-    /// Costs a pass over the particles per frame. Deterministic on the CPU; on the GPU the number changes when
+    /// Rounds of polish are those of [`crate::Choice`], and do not change. Costs a pass over the particles per frame. Deterministic on the CPU; on the GPU the number changes when
     /// measurements have come back ([`crate::Stepper::settle`]), so runs repeat if the host waits for each frame before
     /// it settles.
     Error(f64),
@@ -83,9 +86,6 @@ const AIM: f64 = 0.85;
 const SOON: f64 = 0.05;
 /// For so long fewer substeps must have been enough \[s\]; up to the second, where they turned out to be too few.
 const PATIENCE: [f64; 2] = [0.25, 4.0];
-/// Most costs kept, and fewest costs of which the median counts.
-const COSTS: [usize; 2] = [15, 5];
-
 /// Chooses the number of substeps, frame by frame.
 #[derive(Clone, Debug)]
 pub struct Chooser {
@@ -99,8 +99,8 @@ pub struct Chooser {
     waited: f64,
     /// Stepped since the last choice \[s\].
     seconds: f64,
-    /// What steps took \[ms\].
-    costs: VecDeque<f64>,
+    /// What frames took.
+    costs: Costs,
     patience: f64,
     fell: bool,
 }
@@ -108,7 +108,7 @@ pub struct Chooser {
 impl Default for Chooser {
     fn default() -> Self {
         let (error, fresh, worst) = (None, None, None);
-        let costs = VecDeque::new();
+        let costs = Costs::default();
         Chooser { error, fresh, worst, waited: 0.0, seconds: 0.0, costs, patience: PATIENCE[0], fell: false }
     }
 }
@@ -126,10 +126,7 @@ impl Chooser {
 
     /// Takes in what `steps` steps took.
     pub fn took(&mut self, steps: u32, ms: f64) {
-        if steps > 0 && ms.is_finite() && ms > 0.0 {
-            self.costs.push_back(ms / f64::from(steps));
-            self.costs.drain(..self.costs.len().saturating_sub(COSTS[0]));
-        }
+        self.costs.add(steps, ms);
     }
 
     /// The number of substeps from here on, `n` being that of the last frame.
@@ -137,18 +134,20 @@ impl Chooser {
         if quality == Quality::Fixed || self.seconds == 0.0 {
             return n;
         }
+        self.costs.age(self.seconds);
         self.waited += std::mem::take(&mut self.seconds);
         if let Some(error) = self.fresh.take() {
             self.error = Some(error);
             self.worst = Some(self.worst.map_or(error, |w| w.max(error)));
         }
-        let room = quality.budget().and_then(|ms| Some((ms / self.cost()?).min(f64::from(MOST)) as u32));
+        let room = quality.budget().and_then(|ms| self.costs.room(n, ms)).map(|room| room.min(MOST));
         let want = match (quality.target(), room) {
             (Some(target), _) => self.for_error(target, n),
             (None, Some(room)) => self.for_budget(room, n),
             (None, None) => n,
         };
-        let next = want.min(room.unwrap_or(MOST)).clamp(1, MOST);
+        // A fall by more than a quarter at once would stir cloth at rest.
+        let next = want.min(room.unwrap_or(MOST).max(n - n.div_ceil(4))).clamp(1, MOST);
         if next != n {
             // A rise after a fall: the fall was a mistake. A fall after a fall: the one before was none.
             self.patience = match (next > n, self.fell) {
@@ -181,14 +180,7 @@ impl Chooser {
     /// Not up and down with every frame.
     fn for_budget(&self, room: u32, n: u32) -> u32 {
         let more = (n / 8).max(1);
-        if room >= n + more && self.waited >= PATIENCE[0] { n + more } else { n.min(room) }
-    }
-
-    /// Median of what a step takes \[ms\].
-    fn cost(&self) -> Option<f64> {
-        let mut costs: Vec<f64> = self.costs.iter().copied().collect();
-        costs.sort_by(f64::total_cmp);
-        (costs.len() >= COSTS[1]).then(|| costs[costs.len() / 2])
+        if room >= n + more && self.waited >= self.patience { n + more } else { n.min(room) }
     }
 }
 

@@ -3,13 +3,16 @@
 #[cfg(feature = "gpu")]
 mod device;
 
+use crate::choose::{Choice, Follow, Settings};
 use crate::clock::Progress;
 use crate::cloth::Cloth;
 use crate::collider::Collider;
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
+use crate::findings::{Finding, Watchdog};
 use crate::gpu::Gpu;
+use crate::health::Health;
 use crate::options::{Backend, Options, Solver};
 use crate::plan::Plan;
 use crate::quality::Chooser;
@@ -63,9 +66,19 @@ impl Stepper {
         &self.world.scene
     }
 
-    /// The settings.
+    /// The settings as the host gave them; [`Stepper::choice`] has what was chosen for those left open.
     pub fn options(&self) -> &Options {
-        &self.world.options
+        self.world.options.given()
+    }
+
+    /// Steps per [`Options::step`] as of the last frame.
+    pub fn substeps(&self) -> u32 {
+        self.world.options.substeps
+    }
+
+    /// The numbers of substeps and of polishing rounds at the start, and the reason.
+    pub fn choice(&self) -> &Choice {
+        &self.world.choice
     }
 
     /// Positions \[m\] of a cloth, the fourth component 1/mass (0 pinned, -1 no particle). `None` on the GPU backend,
@@ -98,6 +111,36 @@ impl Stepper {
         std::mem::take(&mut self.world.faults)
     }
 
+    /// What went wrong so far, one finding of each kind per cloth: cloth out of shape, off its body, falling, or through a
+    /// collider. The CPU backend looks by itself; on the GPU backend the host reads positions back, say once per second, and
+    /// hands them to [`Stepper::examine`], which finds all but tunnelling.
+    pub fn findings(&self) -> &[Finding] {
+        &self.world.watchdog.findings
+    }
+
+    /// Takes the figures of a cloth from its positions now and one step before, as a host has read them back, and returns
+    /// them. 20 ns per particle. An error if there is no such cloth or a list has another length.
+    pub fn examine(&mut self, cloth: usize, now: &[[f32; 4]], before: &[[f32; 4]]) -> Result<Health> {
+        let of = self.world.cloth(cloth)?;
+        for list in [now, before] {
+            if list.len() != of.len() {
+                let (cloth, found, expected) = (of.name().into(), list.len(), of.len());
+                return Err(Error::Length { cloth, what: "positions", found, expected });
+            }
+        }
+        let mut watchdog = std::mem::replace(&mut self.world.watchdog, Watchdog::new(0));
+        let solids = self.world.solids();
+        watchdog.examine(&self.world.sight(cloth, (now, before), &solids[self.world.coats.of(cloth)], 0.0));
+        self.world.watchdog = watchdog;
+        Ok(self.health(cloth).map_or_else(Health::default, |h| h.0))
+    }
+
+    /// The last figures of a cloth, and the largest 99th percentile of its extension so far. On the CPU backend taken 0.2 s
+    /// after the start and then twice per second, on either by [`Stepper::examine`].
+    pub fn health(&self, cloth: usize) -> Option<(Health, f64)> {
+        self.world.watchdog.of(cloth)
+    }
+
     /// Warnings about settings beyond the solver's limits: masses, tethers and cloth that will not rest, as found when the
     /// stepper was made, and the current number of substeps. [`Solver::Classic`] has none of these. A failed [`self_check`] of
     /// the device comes first.
@@ -109,7 +152,11 @@ impl Stepper {
     /// new bindings if their number changes. Wakes every cloth.
     pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
         colliders.iter().try_for_each(Collider::check)?;
+        let first = self.world.scene.colliders.is_empty() && !colliders.is_empty();
         self.world.scene.colliders = colliders;
+        if first {
+            self.world.decide();
+        }
         self.recoat();
         Ok(())
     }
@@ -145,13 +192,16 @@ impl Stepper {
     /// stay as they are, because their data was made with the stepper.
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
-        let Options { backend, threads, solver, tethers, pyramid, .. } = self.world.options;
+        let Options { backend, threads, solver, tethers, pyramid, .. } = *self.options();
         let fused = options.fused && self.world.options.fused;
         if options.quality != self.world.options.quality {
             self.world.chooser = Chooser::default();
         }
         let coat = options.thickness != self.world.options.thickness;
-        self.world.options = Options { backend, threads, solver, tethers, pyramid, fused, ..options };
+        let options = Options { backend, threads, solver, tethers, pyramid, fused, ..options };
+        let (settings, choice) = Settings::new(options, &self.world.scene);
+        self.world.follow = Follow::new(&settings, &self.world.scene);
+        (self.world.options, self.world.choice) = (settings, choice);
         self.world.clock.change(&self.world.options);
         self.world.raised = None;
         self.world.raise();
@@ -185,7 +235,12 @@ impl Stepper {
     /// Pins a particle where it is, or frees it; seam duplicates follow. Uploads four bytes per particle. Tethers
     /// stay those of the initial pins; a released pin holds nothing until it is pinned again.
     pub fn set_pinned(&mut self, cloth: usize, particle: usize, pinned: bool) -> Result<()> {
-        self.edit(cloth, particle, |c| c.set_pinned(particle, pinned))
+        self.edit(cloth, particle, |c| c.set_pinned(particle, pinned))?;
+        let held = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
+        if !pinned && !held(&self.world.scene.cloths[cloth]) {
+            self.world.decide();
+        }
+        Ok(())
     }
 
     /// Puts a particle, and its seam duplicates, at `at` \[m\] and at rest. Meant for pinned ones.

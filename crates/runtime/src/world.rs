@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::actions::Action;
+use crate::choose::{Choice, Follow, Settings};
 use crate::clock::Clock;
 use crate::cloth::{Anchor, Cloth, Tethers};
 use crate::coat::Coats;
@@ -11,11 +12,12 @@ use crate::cpu::body::Body;
 use crate::cpu::fused::{self, Frame};
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
+use crate::findings::{Sight, Watchdog, is_risky};
 use crate::fused::{Fused, Room, arenas};
 use crate::limits::{self, Warning};
-use crate::number::real::Real;
+use crate::number::real::{Real, xyz};
 use crate::options::{Options, Solver};
-use crate::passes::{Kinds, Schedule, schedule};
+use crate::passes::{Kinds, Schedule, has_levels, schedule};
 use crate::quality::{Chooser, Quality};
 use crate::scene::Scene;
 use crate::sleep::Calm;
@@ -25,7 +27,12 @@ use crate::tile::{Order, order};
 /// A scene, what is to be run for it, and when.
 pub struct World {
     pub scene: Scene,
-    pub options: Options,
+    /// With all decided that the host left open.
+    pub options: Settings,
+    /// Why so.
+    pub choice: Choice,
+    /// Keeps substeps up with the speed of colliders.
+    pub follow: Follow,
     pub clock: Clock,
     /// Chooses substeps.
     pub chooser: Chooser,
@@ -49,6 +56,8 @@ pub struct World {
     pub raised: Option<Warning>,
     /// What has been contained since anybody asked.
     pub faults: Vec<Fault>,
+    /// What goes wrong while cloths move.
+    pub watchdog: Watchdog,
     /// How long each cloth has been calm.
     pub calm: Vec<Calm>,
     /// What users have done since the last frame.
@@ -75,19 +84,26 @@ impl World {
     pub fn new(mut scene: Scene, options: Options) -> Result<Self> {
         options.check()?;
         scene.check()?;
-        let clock = Clock::new(&options);
+        let (options, choice) = Settings::new(options, &scene);
+        let (clock, follow) = (Clock::new(&options), Follow::new(&options, &scene));
         let (mut warnings, mut tethers) = (Vec::new(), Vec::new());
         for cloth in &mut scene.cloths {
             // It may come from a stepper that has cut it.
             cloth.close();
             let most = limits::prepare(cloth, &options, &mut warnings)?;
-            tethers.push(hang(cloth, most));
+            let lies = options.pyramid > 0 && !scene.colliders.is_empty() && has_levels(cloth, &options);
+            let lies = lies && !cloth.particles().iter().any(|p| p.is_pinned());
+            warnings.extend(lies.then(|| Warning::PyramidOnColliders { cloth: cloth.name().into() }));
+            tethers.push(hang(cloth, most, options.slack[tethers.len()]));
         }
         let asleep = vec![false; scene.cloths.len()];
+        let watchdog = Watchdog::new(scene.cloths.len());
         let (calm, actions) = (vec![Calm::default(); scene.cloths.len()], Vec::new());
         let mut world = World {
             scene,
             options,
+            choice,
+            follow,
             clock,
             chooser: Chooser::default(),
             schedules: Vec::new(),
@@ -100,6 +116,7 @@ impl World {
             warnings,
             raised: None,
             faults: Vec::new(),
+            watchdog,
             asleep,
             calm,
             actions,
@@ -113,13 +130,32 @@ impl World {
 
     /// More steps where they are too long for the solver. Steps that are chosen are as few as they are chosen to be.
     pub fn raise(&mut self) {
-        let Options { step, substeps: asked, quality, .. } = self.options;
+        let (step, asked, quality) = (self.options.step, self.options.substeps, self.options.quality);
         let (made, longest) = limits::fewest(&self.options, &self.scene.cloths, &self.tethers);
         if made > asked && quality == Quality::Fixed {
             self.options.substeps = made;
             self.clock.change(&self.options);
             self.raised = Some(Warning::Substeps { asked, made, step, longest });
         }
+    }
+
+    /// Decides again what the host left open, as the cloth has lost its last pin or met its first collider.
+    pub fn decide(&mut self) {
+        let slack = std::mem::take(&mut self.options.slack);
+        let (mut settings, choice) = Settings::new(self.options.given().clone(), &self.scene);
+        let polish = self.options.polish;
+        self.follow = Follow::new(&settings, &self.scene);
+        // Substeps that are chosen from frame to frame go on, and tethers were made with the stepper.
+        if self.options.quality != Quality::Fixed {
+            settings.substeps = self.options.substeps;
+        }
+        settings.slack = slack;
+        (self.options, self.choice) = (settings, choice);
+        self.clock.change(&self.options);
+        if polish != self.options.polish {
+            self.reschedule();
+        }
+        self.raise();
     }
 
     /// What the device that will step has room for.
@@ -132,7 +168,11 @@ impl World {
 
     /// Chooses how many substeps the next frames have.
     pub fn choose(&mut self) {
-        let substeps = self.chooser.next(self.options.quality, self.options.substeps);
+        let now = self.options.substeps;
+        let substeps = match self.options.quality {
+            Quality::Fixed => self.follow.next(now, &self.scene),
+            quality => self.chooser.next(quality, now),
+        };
         if substeps != self.options.substeps {
             self.options.substeps = substeps;
             self.clock.change(&self.options);
@@ -143,6 +183,7 @@ impl World {
     /// To be called after the steps of a frame.
     pub fn tick(&mut self, steps: u32) {
         self.chooser.stepped(f64::from(steps) * self.clock.dt);
+        self.follow.stepped(f64::from(steps) * self.clock.dt);
         (0..steps).for_each(|_| self.clock.tick());
     }
 
@@ -217,9 +258,33 @@ impl World {
         self.coats.of(cloth) * self.coats.stride(self.scene.colliders.len())
     }
 
+    /// A cloth as the watchdog sees it, `seconds` after the last step that was counted.
+    pub fn sight<'a, T: Real>(
+        &'a self,
+        index: usize,
+        (now, before): (&'a [[T; 4]], &'a [[T; 4]]),
+        solids: &'a [Solid<T>],
+        seconds: f64,
+    ) -> Sight<'a, T> {
+        Sight {
+            index,
+            cloth: &self.scene.cloths[index],
+            now,
+            before,
+            solids,
+            gravity: self.scene.gravity,
+            time: self.clock.time + seconds,
+            dt: self.clock.dt,
+            substeps: self.options.substeps,
+        }
+    }
+
     /// Runs a frame of `steps` steps on the CPU.
     pub fn run<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
         let solids: Vec<Vec<Solid<T>>> = self.solids();
+        let seconds = f64::from(steps) * self.clock.dt;
+        let mut watchdog = std::mem::replace(&mut self.watchdog, Watchdog::new(0));
+        let due = watchdog.is_due(self.clock.time + seconds);
         for (index, body) in bodies.iter_mut().enumerate() {
             if self.asleep[index] {
                 continue;
@@ -230,9 +295,19 @@ impl World {
             let frame =
                 Frame { plan, steps, rounds: self.options.iterations, coarse: &|n| self.coarse(n), step: &step };
             body.bound_diagonals(T::of(cloth.bound(self.clock.dt).into()));
-            fused::run(body, &frame, threads, &solids[self.coats.of(index)]);
+            let met = &solids[self.coats.of(index)];
+            let risky = !met.is_empty() && is_risky(body.now(), body.before(), met, self.clock.dt, seconds);
+            let prior: Vec<_> = body.now().iter().filter(|_| risky).map(|p| xyz(*p)).collect();
+            fused::run(body, &frame, threads, met);
+            let sight = self.sight(index, (body.now(), body.before()), met, seconds);
+            if risky {
+                watchdog.cross(&sight, &prior, seconds);
+            }
+            if due {
+                watchdog.examine(&sight);
+            }
             if let Some((particles, particle)) = body.faulty.take() {
-                let time = self.clock.time + f64::from(steps) * self.clock.dt;
+                let time = self.clock.time + seconds;
                 self.faults.push(Fault { cloth: index, particle, particles, time });
                 let excess = self.faults.len().saturating_sub(MOST_FAULTS);
                 self.faults.drain(..excess);
@@ -241,16 +316,19 @@ impl World {
                 self.chooser.measured(error.get());
             }
             if let Some(limit) = self.calm_below() {
-                let seconds = f64::from(steps) * self.clock.dt;
                 self.note(index, body.fastest.get() <= limit, seconds);
             }
         }
+        if due {
+            watchdog.done(self.clock.time + seconds);
+        }
+        self.watchdog = watchdog;
         self.tick(steps);
     }
 }
 
-/// The tethers of a cloth, in as many slots as are used, where it may have `most` a particle.
-fn hang(cloth: &Cloth, most: u32) -> Tethers {
+/// The tethers of a cloth, in as many slots as are used, where it may have `most` a particle, longer by a factor.
+fn hang(cloth: &Cloth, most: u32, slack: f32) -> Tethers {
     if most == 0 || !cloth.particles().iter().any(|p| p.is_pinned()) {
         return Tethers::default();
     }
@@ -269,5 +347,6 @@ fn hang(cloth: &Cloth, most: u32) -> Tethers {
             anchors.extend(&found.of(k)[..used]);
         }
     }
+    anchors.iter_mut().for_each(|a| a.distance *= slack);
     Tethers { per_particle: used, anchors }
 }

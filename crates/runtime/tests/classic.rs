@@ -8,13 +8,19 @@ use support::{compared, scene};
 const FRAME: f64 = 1.0 / 60.0;
 
 fn cpu(scene: Scene, substeps: u32, threads: usize) -> Stepper {
-    let options = Options { backend: Backend::Cpu, substeps, threads, solver: Solver::Classic, ..Options::default() };
+    let options = Options {
+        backend: Backend::Cpu,
+        substeps: Some(substeps),
+        threads,
+        solver: Solver::Classic,
+        ..Options::default()
+    };
     Stepper::on_cpu(scene, options).unwrap()
 }
 
 fn measured(stepper: &Stepper) -> Measures {
     let options = stepper.options();
-    let dt = options.step / f64::from(options.substeps);
+    let dt = options.step / f64::from(stepper.substeps());
     let (now, before) = (stepper.positions(0).unwrap(), stepper.previous(0).unwrap());
     measure(&stepper.scene().cloths[0], now, before, dt, stepper.scene().gravity)
 }
@@ -40,7 +46,8 @@ fn the_error_of_f32_is_small() {
         let mut stepper = cpu(scene.clone(), 1, 1);
         stepper.advance(FRAME).unwrap();
         let mut exact =
-            Reference::new(scene, Options { substeps: 1, solver: Solver::Classic, ..Options::default() }).unwrap();
+            Reference::new(scene, Options { substeps: Some(1), solver: Solver::Classic, ..Options::default() })
+                .unwrap();
         exact.step(1);
         let (now, _) = exact.positions(0).unwrap();
         for (a, b) in stepper.positions(0).unwrap().iter().zip(now) {
@@ -71,7 +78,7 @@ fn damping_does_not_depend_on_the_step() {
     for substeps in [1, 4, 16] {
         let mut cloth = Flat::square("flat", 2).cloth().unwrap();
         (cloth.velocity, cloth.damping) = ([1.0, 0.0, 0.0], 2.0);
-        let options = Options { substeps, solver: Solver::Classic, ..Options::default() };
+        let options = Options { substeps: Some(substeps), solver: Solver::Classic, ..Options::default() };
         let mut flight = Reference::new(Scene { gravity: [0.0; 3], ..scene(cloth) }, options).unwrap();
         flight.step(60 * substeps);
         let (now, before) = flight.positions(0).unwrap();
@@ -89,7 +96,7 @@ fn a_change_of_the_step_keeps_the_velocity() {
     cloth.velocity = [1.0, 0.0, 0.0];
     let mut stepper = cpu(Scene { gravity: [0.0; 3], ..scene(cloth) }, 2, 1);
     for substeps in [2, 7, 3, 1] {
-        stepper.set_options(Options { substeps, ..stepper.options().clone() }).unwrap();
+        stepper.set_options(Options { substeps: Some(substeps), ..stepper.options().clone() }).unwrap();
         stepper.advance(FRAME).unwrap();
     }
     let x = stepper.positions(0).unwrap()[0][0];
@@ -126,7 +133,7 @@ fn drag_of_a_plate_across_the_wind_is_that_of_its_area() {
         let gravity = [0.0; 3];
         let mut stepper = cpu(Scene { gravity, wind, ..scene(cloth) }, 16, 1);
         let start = measured(&stepper).center;
-        stepper.set_options(Options { step: FRAME / 16.0, substeps: 1, ..stepper.options().clone() }).unwrap();
+        stepper.set_options(Options { step: FRAME / 16.0, substeps: Some(1), ..stepper.options().clone() }).unwrap();
         stepper.advance(FRAME / 16.0).unwrap();
         let end = measured(&stepper).center;
         let a = (end[2] - start[2]) / (FRAME / 16.0).powi(2);

@@ -10,7 +10,7 @@ use support::rig::{FRAME, Rig, largest};
 use support::{all_colliders, device_with, scene};
 
 fn options(thickness: f32) -> Options {
-    Options { substeps: 4, tethers: 0, threads: 1, thickness, ..Options::default() }
+    Options { substeps: Some(4), tethers: 0, threads: 1, thickness, ..Options::default() }
 }
 
 const RADIUS: f32 = 0.3;
@@ -164,7 +164,7 @@ fn cloths_of_all_coats_share_a_dispatch_and_move_as_alone() {
         }
         assert!(places[2] == places[5] && (0..2).all(|c| places[c] != places[4] && places[c] != places[3]), "{name}");
         // A step each, before rounding grows.
-        let once = Options { substeps: 1, step: FRAME / 4.0, ..with(fused) };
+        let once = Options { substeps: Some(1), step: FRAME / 4.0, ..with(fused) };
         let (mut there, mut here) = (Rig::gpu(scene.clone(), &once, device), Rig::cpu(scene.clone(), &once));
         for _ in 0..4 {
             [&mut there, &mut here].into_iter().for_each(|rig| rig.frame(FRAME / 4.0));

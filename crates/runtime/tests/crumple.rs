@@ -12,7 +12,7 @@ use support::scene;
 const N: usize = 17;
 
 fn options(substeps: u32) -> Options {
-    Options { solver: Solver::Xpbd, substeps, threads: 1, normals: false, ..Options::default() }
+    Options { solver: Solver::Xpbd, substeps: Some(substeps), threads: 1, normals: false, ..Options::default() }
 }
 
 /// A square of 1 m held by two corners, all else within a hair of `at`.
@@ -99,7 +99,7 @@ fn crumpled() -> Scene {
 /// Other substeps from the next frame on. A budget without any measured time leaves them as they are, and few as well.
 fn change(rig: &mut Rig, substeps: u32) {
     let options = rig.stepper.options().clone();
-    rig.stepper.set_options(Options { substeps, quality: Quality::Budget(1.0), ..options }).unwrap();
+    rig.stepper.set_options(Options { substeps: Some(substeps), quality: Quality::Budget(1.0), ..options }).unwrap();
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn the_bound_is_that_of_the_step_that_is_made() {
                     rig.frame(next);
                     let p = rig.positions(0);
                     let far = (0..3).map(|c| f64::from(p[3][c] - p[0][c]).powi(2)).sum::<f64>().sqrt() / 0.1;
-                    let (name, now) = (rig.name(), rig.stepper.options().substeps);
+                    let (name, now) = (rig.name(), rig.stepper.substeps());
                     assert!((far - length).abs() < 1e-4, "{all:?} {name} {now} fused {fused}: {far} {length}");
                     assert_eq!(now, substeps);
                 }
@@ -167,7 +167,7 @@ fn steps_that_are_chosen_are_as_good_as_those_that_are_set() {
             let mut counts = Vec::new();
             for frame in 0..30 {
                 chosen.frame_to_its_end(FRAME);
-                let substeps = chosen.stepper.options().substeps;
+                let substeps = chosen.stepper.substeps();
                 counts.push(substeps);
                 change(&mut set, substeps);
                 set.frame_to_its_end(FRAME);

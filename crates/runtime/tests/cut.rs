@@ -26,7 +26,7 @@ fn cut(rig: &mut Rig, [eye, a, b]: Stroke) {
 }
 
 fn options() -> Options {
-    Options { substeps: 16, ..Options::default() }
+    Options { substeps: Some(16), ..Options::default() }
 }
 
 /// How far the centre of a part is from free fall since the start, as a share of the fall, after half a second.
@@ -139,7 +139,7 @@ fn a_cut_is_that_of_the_twin() {
         ("a ring of 4", scene(tube(17, 12, 4))),
         ("charts", scene(two_charts(12))),
     ];
-    let one = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
+    let one = Options { substeps: Some(1), iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
     let solvers = [Solver::Classic, Solver::Xpbd];
     for (solver, (name, scene)) in solvers.iter().flat_map(|s| scenes.iter().map(move |x| (*s, x.clone()))) {
         let one = Options { solver, ..one.clone() };
@@ -248,7 +248,7 @@ fn normals_leave_out_what_is_cut_away() {
 fn the_first_cut_changes_the_plan_and_wakes() {
     let mut two = scene(curtain(8));
     two.cloths.push(curtain(8));
-    let options = Options { backend: Backend::Cpu, substeps: 1, solver: Solver::Classic, ..Options::default() };
+    let options = Options { backend: Backend::Cpu, substeps: Some(1), solver: Solver::Classic, ..Options::default() };
     let mut stepper = Stepper::new(two, options, None).unwrap();
     let plan = stepper.plan();
     // step, grids, now, before, normals.
@@ -274,7 +274,7 @@ fn rings_of_three_and_four_stay_closed_for_ten_seconds_whatever_happens() {
         let rings: Vec<Vec<u32>> = (0..cloth.len() as u32).filter_map(|k| Some(cloth.ring_of(k)?.to_vec())).collect();
         assert!(rings.iter().any(|r| r.len() == fold as usize));
         let scene = Scene { colliders: support::below(), wind: Some(wind(true)), ..scene(cloth) };
-        for mut rig in Rig::both(&scene, &Options { substeps: 4, ..Options::default() }) {
+        for mut rig in Rig::both(&scene, &Options { substeps: Some(4), ..Options::default() }) {
             for frame in 0..600 {
                 match frame {
                     100 => rig.stepper.set_pinned(0, 17 * 9, true).unwrap(),

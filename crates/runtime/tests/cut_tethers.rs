@@ -10,7 +10,7 @@ use support::rig::{FRAME, Rig, center, largest};
 use support::{curtain, scene, two_charts};
 
 fn options(substeps: u32) -> Options {
-    Options { solver: Solver::Xpbd, substeps, ..Options::default() }
+    Options { solver: Solver::Xpbd, substeps: Some(substeps), ..Options::default() }
 }
 
 /// A cut from behind the eye through what lies between two points of the plane of a sheet that hangs at z = 0.

@@ -43,7 +43,7 @@ fn prepared(cut: bool, gpu: Option<(&wgpu::Device, &wgpu::Queue)>) -> (Stepper, 
     let uv = (0..grid.texels()).map(|k| [(k % 24) as f32 / 23.0, (k / 24) as f32 / 23.0]).collect();
     let look = Look { uv: Some(uv), checker: [4.0, 0.3], ..Look::plain([0.9, 0.4, 0.2]) };
     let backend = if gpu.is_some() { Backend::Gpu } else { Backend::Cpu };
-    let options = Options { backend, substeps: 4, solver: Solver::Xpbd, ..Options::default() };
+    let options = Options { backend, substeps: Some(4), solver: Solver::Xpbd, ..Options::default() };
     let mut stepper = Stepper::new(scene, options, gpu).unwrap();
     if cut {
         stepper.cut([0.3, 3.0, 0.5], [0.3, -3.0, -3.0], [0.3, -3.0, 3.0]).unwrap();

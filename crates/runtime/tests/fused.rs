@@ -17,7 +17,7 @@ fn roomy() -> Option<Device> {
 }
 
 fn options(fused: bool) -> Options {
-    Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: 6, fused, ..Options::default() }
+    Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: Some(6), fused, ..Options::default() }
 }
 
 #[test]
@@ -25,7 +25,7 @@ fn one_dispatch_gives_the_bits_of_separate_passes() {
     let Some(device) = roomy() else { return };
     for (name, scene) in [support::outside(), support::soft()].concat() {
         for (iterations, polish) in [(1, 0), (2, 0), (1, 1), (2, 2)] {
-            let with = |fused| Options { iterations, polish, ..options(fused) };
+            let with = |fused| Options { iterations, polish: Some(polish), ..options(fused) };
             let one = Run::new(&scene, &with(true), &device);
             assert_eq!((one.stepper.plan().dispatches(), one.holds().len()), (1, 1), "{name}");
             let apart = Run::new(&scene, &with(false), &device);
@@ -190,10 +190,10 @@ fn colliders_that_move_are_where_they_are_in_every_step() {
         ..Collider::new(shape, [0.5, -0.5, 0.1])
     }];
     // Above 128 steps per frame some share their place.
-    let longest = Run::new(&hit, &Options { substeps: 300, iterations: 2, ..options(true) }, &device);
+    let longest = Run::new(&hit, &Options { substeps: Some(300), iterations: 2, ..options(true) }, &device);
     assert_eq!(longest.holds(), [], "a dispatch that does not end is taken for lost");
     for substeps in [1, 7, 300] {
-        let with = |fused| Options { substeps, ..options(fused) };
+        let with = |fused| Options { substeps: Some(substeps), ..options(fused) };
         let [one, apart] = [true, false].map(|fused| Run::new(&hit, &with(fused), &device).frames(3).bits(0));
         assert!(one == apart, "{substeps} steps");
     }
@@ -297,7 +297,7 @@ fn a_crowd_of_colliders_acts_as_on_the_twin_and_repeats() {
     flat.cloths[0].velocity = [0.0, -3.0, 0.5];
     flat.colliders = crowd(200);
     for fused in [true, false] {
-        let once = Options { substeps: 1, step: FRAME / 4.0, max_catch_up: 1, ..options(fused) };
+        let once = Options { substeps: Some(1), step: FRAME / 4.0, max_catch_up: 1, ..options(fused) };
         let [there, ..] = Run::new(&flat, &once, &device).frames(1).bits(0);
         let here = Options { backend: Backend::Cpu, ..once };
         let mut here = Stepper::new(flat.clone(), here, None).unwrap();

@@ -93,8 +93,9 @@ fn one_step_is_that_of_the_twin() {
     let limited = (Solver::Xpbd, "limits", limited);
     let mut seen = BTreeSet::new();
     for (solver, name, scene) in solved().into_iter().chain(touching).chain([fast, limited]) {
-        let once = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
-        let options = Options { solver, pyramid: 1, polish: 1, ..once };
+        let once =
+            Options { substeps: Some(1), iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
+        let options = Options { solver, pyramid: 1, polish: Some(1), ..once };
         let plan = Stepper::on_cpu(scene.clone(), options.clone()).unwrap().plan();
         seen.extend(plan.passes.iter().filter_map(|p| p.form.pass()).map(|p| name_of(&format!("{p:?}"))));
         let there = on_gpu(scene.clone(), &options, &gpu, 1);
@@ -127,7 +128,7 @@ fn after_100_steps_the_measures_agree() {
     let mut apart = Vec::new();
     for (solver, name, scene) in solved() {
         let scene = if solver == Solver::Xpbd { support::smooth(scene) } else { scene };
-        let options = Options { solver, substeps: 10, pyramid: 4, ..Options::default() };
+        let options = Options { solver, substeps: Some(10), pyramid: 4, ..Options::default() };
         let cloth = &scene.cloths[0];
         let of = |lists: Lists| measure(cloth, &lists[0], &lists[1], FRAME / 10.0, scene.gravity);
         let there = of(on_gpu(scene.clone(), &options, &gpu, 10));
@@ -151,7 +152,7 @@ fn two_runs_give_the_same_bits() {
     let Some(gpu) = device() else { return };
     let bits = |lists: Lists| lists.map(|l| l.iter().map(|v| v.map(f32::to_bits)).collect::<Vec<_>>());
     for (solver, name, scene) in solved() {
-        let options = Options { solver, iterations: 2, pyramid: 2, polish: 1, ..Options::default() };
+        let options = Options { solver, iterations: 2, pyramid: 2, polish: Some(1), ..Options::default() };
         let run = || bits(on_gpu(scene.clone(), &options, &gpu, 20));
         assert!(run() == run(), "{name}");
     }
@@ -165,7 +166,7 @@ fn seams_stay_closed_for_ten_seconds() {
         let rings: Vec<Vec<u32>> = (0..cloth.len() as u32).filter_map(|k| Some(cloth.ring_of(k)?.to_vec())).collect();
         let scene = Scene { colliders: support::below(), ..support::scene(cloth) };
         let [now, before, normals] =
-            on_gpu(scene, &Options { solver, substeps: 4, pyramid: 2, ..Options::default() }, &gpu, 600);
+            on_gpu(scene, &Options { solver, substeps: Some(4), pyramid: 2, ..Options::default() }, &gpu, 600);
         for list in [now, before, normals] {
             for ring in &rings {
                 assert!(ring.iter().all(|k| list[*k as usize] == list[ring[0] as usize]), "ring of {fold}");
@@ -179,7 +180,7 @@ fn seams_stay_closed_for_ten_seconds() {
 fn changes_reach_the_device() {
     let Some((device, queue)) = device() else { return };
     let run = |backend, solver| {
-        let options = Options { solver, substeps: 4, pyramid: 3, ..Options::default() };
+        let options = Options { solver, substeps: Some(4), pyramid: 3, ..Options::default() };
         let options = Options { backend, ..options.clone() };
         let mut stepper = Stepper::new(support::on_colliders(16), options, Some((&device, &queue))).unwrap();
         let mut colliders = support::all_colliders();
@@ -191,7 +192,7 @@ fn changes_reach_the_device() {
                 5 => drop(colliders.pop()),
                 6 => stepper.set_wind(Some(support::wind(true))).unwrap(),
                 8 => stepper.set_pinned(0, 17, false).unwrap(),
-                9 => stepper.set_options(Options { substeps: 6, ..options_of(&stepper) }).unwrap(),
+                9 => stepper.set_options(Options { substeps: Some(6), ..options_of(&stepper) }).unwrap(),
                 10 => stepper.set_asleep(0, true).unwrap(),
                 11 => stepper.set_gravity([0.0, -5.0, 1.0]).unwrap(),
                 _ => {}
@@ -221,7 +222,7 @@ fn a_fault_is_taken_back_on_both_backends() {
     let Some((device, queue)) = device() else { return };
     let run = |backend| {
         // Tethers would draw it back before it does any harm.
-        let options = Options { backend, solver: Solver::Xpbd, substeps: 4, tethers: 0, ..Options::default() };
+        let options = Options { backend, solver: Solver::Xpbd, substeps: Some(4), tethers: 0, ..Options::default() };
         let mut stepper = Stepper::new(scene::builtin("s1", 17).unwrap(), options, Some((&device, &queue))).unwrap();
         let mut good = Vec::new();
         for frame in 0..40 {

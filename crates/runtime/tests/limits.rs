@@ -10,7 +10,14 @@ use support::rig::{FRAME, Rig, largest};
 use support::scene;
 
 fn options(substeps: u32, tethers: u32) -> Options {
-    Options { solver: Solver::Xpbd, substeps, tethers, threads: 1, normals: false, ..Options::default() }
+    Options {
+        solver: Solver::Xpbd,
+        substeps: Some(substeps),
+        tethers,
+        threads: 1,
+        normals: false,
+        ..Options::default()
+    }
 }
 
 fn flag(n: u32, place: impl Fn(usize) -> [f32; 3]) -> Cloth {
@@ -119,7 +126,7 @@ fn uneven_masses_are_evened_out_held_by_tethers_and_said() {
 #[test]
 fn steps_that_are_too_long_are_made_shorter_and_said() {
     let flat = || scene(flag(9, |k| [(k % 9) as f32 / 8.0, 0.0, (k / 9) as f32 / 8.0]));
-    let made = |rig: &Rig| (rig.stepper.options().substeps, rig.stepper.warnings().len());
+    let made = |rig: &Rig| (rig.stepper.substeps(), rig.stepper.warnings().len());
     let long = |tethers, step: f64, substeps| Options { step, ..options(substeps, tethers) };
     for (tethers, step, asked, expected) in
         [(0, FRAME, 1, 2), (2, FRAME, 1, 1), (0, 0.1, 4, 12), (2, 0.1, 1, 6), (0, FRAME, 2, 2), (2, 1.0 / 30.0, 2, 2)]

@@ -11,7 +11,14 @@ type V = [f64; 3];
 
 fn options(substeps: u32) -> Options {
     let backend = Backend::Cpu;
-    Options { backend, solver: Solver::Xpbd, substeps, tethers: 0, normals: false, ..Options::default() }
+    Options {
+        backend,
+        solver: Solver::Xpbd,
+        substeps: Some(substeps),
+        tethers: 0,
+        normals: false,
+        ..Options::default()
+    }
 }
 
 fn run(scene: Scene, options: Options, frames: u32) -> Stepper {

@@ -7,7 +7,7 @@ use support::scene;
 
 fn plan(scene: Scene) -> Plan {
     let options =
-        Options { backend: Backend::Cpu, substeps: 1, threads: 1, solver: Solver::Classic, ..Options::default() };
+        Options { backend: Backend::Cpu, substeps: Some(1), threads: 1, solver: Solver::Classic, ..Options::default() };
     Stepper::on_cpu(scene, options).unwrap().plan()
 }
 
@@ -106,8 +106,13 @@ fn what_is_done_to_a_scene_changes_its_plan() {
         ("one of two asleep", two(), &[sleep], 12, TUBE),
     ];
     for (name, scene, changes, dispatches, bytes) in table {
-        let options =
-            Options { backend: Backend::Cpu, substeps: 1, threads: 1, solver: Solver::Classic, ..Options::default() };
+        let options = Options {
+            backend: Backend::Cpu,
+            substeps: Some(1),
+            threads: 1,
+            solver: Solver::Classic,
+            ..Options::default()
+        };
         let mut stepper = Stepper::on_cpu(scene, options).unwrap();
         changes.iter().for_each(|change| change(&mut stepper));
         let plan = stepper.plan();
@@ -143,7 +148,7 @@ fn a_sleeping_cloth_costs_nothing_until_something_changes() {
     let mut two = scene(flat(Rest::None));
     two.cloths.push(flat(Rest::None));
     let options =
-        Options { backend: Backend::Cpu, substeps: 3, threads: 1, solver: Solver::Classic, ..Options::default() };
+        Options { backend: Backend::Cpu, substeps: Some(3), threads: 1, solver: Solver::Classic, ..Options::default() };
     let mut stepper = Stepper::on_cpu(two, options).unwrap();
     assert_eq!(stepper.plan().dispatches(), 8);
     stepper.set_asleep(0, true).unwrap();
@@ -162,7 +167,7 @@ fn a_sleeping_cloth_costs_nothing_until_something_changes() {
 fn wrong_settings_are_errors() {
     let cloth = || flat(Rest::None);
     let new = |scene, options| Stepper::on_cpu(scene, options).map(|_| ()).unwrap_err().to_string();
-    assert!(new(scene(cloth()), Options { substeps: 0, ..Options::default() }).contains("substeps"));
+    assert!(new(scene(cloth()), Options { substeps: Some(0), ..Options::default() }).contains("substeps"));
     assert!(new(scene(cloth()), Options { step: f64::NAN, ..Options::default() }).contains("step"));
     let gpu = Options { backend: Backend::Gpu, ..Options::default() };
     assert!(new(scene(cloth()), gpu).contains("mesa-vulkan-drivers"));

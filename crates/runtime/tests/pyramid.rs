@@ -10,7 +10,7 @@ use support::rig::{FRAME, Rig, center, largest};
 use support::{curtain, scene, tube, two_charts};
 
 fn options(pyramid: u32) -> Options {
-    Options { solver: Solver::Xpbd, substeps: 8, tethers: 0, pyramid, threads: 1, ..Options::default() }
+    Options { solver: Solver::Xpbd, substeps: Some(8), tethers: 0, pyramid, threads: 1, ..Options::default() }
 }
 
 /// Cuts across everything at a height.
@@ -147,7 +147,7 @@ fn a_cut_pyramid_is_that_of_the_twin() {
         ("charts", scene(two_charts(12))),
         ("free", flying(21)),
     ];
-    let once = Options { substeps: 1, iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..options(1) };
+    let once = Options { substeps: Some(1), iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..options(1) };
     // Tethers that a cut has changed are as long on both to a part in 1e5.
     for ((name, scene), (tethers, most)) in scenes.iter().flat_map(|s| [(s, (0, 2e-6)), (s, (2, 2e-5))]) {
         let once = Options { tethers, ..once.clone() };

@@ -11,7 +11,7 @@ use support::{curtain, scene};
 
 /// Without tethers, so that stretch is the error of relaxation.
 fn options(solver: Solver, quality: Quality) -> Options {
-    Options { solver, quality, tethers: 0, threads: 1, ..Options::default() }
+    Options { solver, quality, substeps: Some(8), tethers: 0, threads: 1, ..Options::default() }
 }
 
 fn damped() -> Scene {
@@ -29,7 +29,7 @@ fn swinging(n: u32, damping: f32) -> Scene {
 }
 
 fn substeps(rig: &Rig) -> u32 {
-    rig.stepper.options().substeps
+    rig.stepper.substeps()
 }
 
 fn measured(rig: &Rig) -> Measures {
@@ -83,7 +83,7 @@ fn a_change_of_substeps_is_no_push() {
         rig.frame(FRAME);
         let before = measured(&rig).kinetic;
         for substeps in [10, 3, 64, 1, 8] {
-            let with = Options { substeps, ..rig.stepper.options().clone() };
+            let with = Options { substeps: Some(substeps), ..rig.stepper.options().clone() };
             rig.stepper.set_options(with).unwrap();
             rig.frame(FRAME);
             let change = measured(&rig).kinetic / before - 1.0;
@@ -96,14 +96,14 @@ fn a_change_of_substeps_is_no_push() {
         let all = [16, 20, 14].map(|to| {
             let change = |mut rig: Rig| {
                 rig.frames(20);
-                let with = Options { substeps: to, ..rig.stepper.options().clone() };
+                let with = Options { substeps: Some(to), ..rig.stepper.options().clone() };
                 rig.stepper.set_options(with).unwrap();
                 rig.frame(FRAME);
                 let soon = measured(&rig);
                 rig.frames(5);
                 (rig.name(), soon.kinetic, measured(&rig))
             };
-            let fixed = Options { substeps: 16, ..options(solver, Quality::Fixed) };
+            let fixed = Options { substeps: Some(16), ..options(solver, Quality::Fixed) };
             Rig::both(&start, &fixed).into_iter().map(change).collect::<Vec<_>>()
         });
         for (k, (name, soon, late)) in all.iter().flat_map(|a| a.iter().enumerate()) {
@@ -124,7 +124,7 @@ fn changes_do_not_add_energy() {
         let (start, mut most) = (energy(measured(&rig)), f64::MIN);
         let depth = 0.2 * 9.81;
         for frame in 0..180 {
-            let with = Options { substeps: [8, 10][frame / 3 % 2], ..rig.stepper.options().clone() };
+            let with = Options { substeps: Some([8, 10][frame / 3 % 2]), ..rig.stepper.options().clone() };
             rig.stepper.set_options(with).unwrap();
             rig.frame(FRAME);
             most = most.max(energy(measured(&rig)));

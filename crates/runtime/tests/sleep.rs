@@ -11,7 +11,7 @@ use support::{curtain, scene, wind};
 
 fn sleepy() -> Options {
     // Passes of their own for each cloth, to be counted.
-    Options { substeps: 4, sleep: Some(Sleep { speed: 0.02, after: 0.25 }), fused: false, ..Options::default() }
+    Options { substeps: Some(4), sleep: Some(Sleep { speed: 0.02, after: 0.25 }), fused: false, ..Options::default() }
 }
 
 /// A damped curtain that hangs still after a while, and one that swings on.

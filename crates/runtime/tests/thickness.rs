@@ -12,7 +12,7 @@ use support::{on_colliders, scene};
 const THICK: f32 = 0.02;
 
 fn options(solver: Solver, thickness: f32) -> Options {
-    Options { solver, substeps: 4, tethers: 0, threads: 1, thickness, ..Options::default() }
+    Options { solver, substeps: Some(4), tethers: 0, threads: 1, thickness, ..Options::default() }
 }
 
 /// A sheet of particles without springs above a solid, which it falls on.
@@ -85,7 +85,7 @@ fn without_thickness_not_a_bit_changes_and_with_it_backends_agree() {
     assert!(at_surface(0.0) == at_surface(-0.0) && largest(&at_surface(0.0), &at_surface(THICK)) > 0.01);
     let Some(device) = support::device() else { return };
     for fused in [false, true] {
-        let options = Options { fused, substeps: 1, step: FRAME / 4.0, ..options(Solver::Xpbd, THICK) };
+        let options = Options { fused, substeps: Some(1), step: FRAME / 4.0, ..options(Solver::Xpbd, THICK) };
         let mut cpu = Rig::cpu(on_colliders(17), &options);
         let mut gpu = Rig::gpu(on_colliders(17), &options, &device);
         [&mut cpu, &mut gpu].into_iter().for_each(|rig| rig.frame(FRAME / 4.0));

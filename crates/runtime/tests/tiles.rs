@@ -16,7 +16,7 @@ fn device() -> Option<Device> {
 }
 
 fn options(fused: bool) -> Options {
-    Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: 5, fused, ..Options::default() }
+    Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: Some(5), fused, ..Options::default() }
 }
 
 /// Runs a scene both ways: the same bits, at last, in fewer dispatches.
@@ -68,10 +68,10 @@ fn tiles_of_any_cloth_give_the_bits_of_separate_passes() {
         assert!(matches!(tiles[..], [(_, 5)]), "{tiles:?}");
         let tethers = tiles[0].0.passes.iter().filter(|p| matches!(p, Pass::Tethers { .. }));
         assert_eq!(tethers.count(), 2);
-        agree(&name, &scene, |o| Options { tethers: 0, substeps: 4, ..o }, &device);
+        agree(&name, &scene, |o| Options { tethers: 0, substeps: Some(4), ..o }, &device);
         agree(&name, &scene, |o| Options { iterations: 3, ..o }, &device);
-        agree(&name, &scene, |o| Options { polish: 1, ..o }, &device);
-        agree(&name, &scene, |o| Options { polish: 5, iterations: 2, ..o }, &device);
+        agree(&name, &scene, |o| Options { polish: Some(1), ..o }, &device);
+        agree(&name, &scene, |o| Options { polish: Some(5), iterations: 2, ..o }, &device);
     }
 }
 
@@ -102,7 +102,7 @@ fn tiles_past_the_end_of_a_small_grid_do_nothing() {
     let scene = scene(pieces(&[(70, 70), (6, 40), (40, 6), (3, 3), (30, 30)]));
     for (polish, tethers) in [(0, 0), (0, 2), (1, 0), (1, 2)] {
         let name = format!("polish {polish}, {tethers} tethers");
-        agree(&name, &scene, |o| Options { polish, tethers, ..o }, &device);
+        agree(&name, &scene, |o| Options { polish: Some(polish), tethers, ..o }, &device);
     }
 }
 
@@ -116,16 +116,16 @@ fn a_step_is_as_few_dispatches_as_can_be() {
     };
     let plain = scene(sheet(70, 70));
     let six = Scene { colliders: all_colliders(), ..plain.clone() };
-    let base = || Options { substeps: 1, ..options(true) };
+    let base = || Options { substeps: Some(1), ..options(true) };
     let tile = ["tile", "guard", "restore"];
     assert_eq!(of(&plain, base()), (1, tile.to_vec()));
-    assert_eq!(of(&plain, Options { substeps: 16, ..base() }), (16, tile.to_vec()));
+    assert_eq!(of(&plain, Options { substeps: Some(16), ..base() }), (16, tile.to_vec()));
     assert_eq!(of(&six, base()), (1, tile.to_vec()));
-    assert_eq!(of(&six, Options { polish: 1, ..base() }), (1, tile.to_vec()));
+    assert_eq!(of(&six, Options { polish: Some(1), ..base() }), (1, tile.to_vec()));
     // The first one integrates.
     assert_eq!(of(&six, Options { iterations: 4, ..base() }).0, 4);
     // With 12 more rounds a tile would load far more around it than it owns.
-    assert_eq!(of(&six, Options { polish: 12, ..base() }).0, 4);
+    assert_eq!(of(&six, Options { polish: Some(12), ..base() }).0, 4);
     let windy = Scene { wind: Some(wind(true)), ..plain };
     assert_eq!(of(&windy, base()).1[..2], ["wind", "tile"]);
     let charts = Scene { colliders: all_colliders(), ..scene(two_charts(48)) };
@@ -165,16 +165,21 @@ fn what_springs_are_like_is_the_same_by_tiles() {
     for (name, scene) in &all {
         agree(name, scene, |o| o, &device);
         if *name != "one direction" {
-            agree(name, scene, |o| Options { polish: 1, ..o }, &device);
+            agree(name, scene, |o| Options { polish: Some(1), ..o }, &device);
             agree(name, scene, |o| Options { iterations: 3, ..o }, &device);
         }
     }
     // Multipliers are summed in one tile, and from one to the next; with more to bind where a device can.
-    let tiles = agree("soft", &all[1].1, |o| Options { polish: 2, iterations: 2, ..o }, &device);
+    let tiles = agree("soft", &all[1].1, |o| Options { polish: Some(2), iterations: 2, ..o }, &device);
     let forgets = |t: &(Tile, u32)| t.0.passes.contains(&Pass::Forget);
     assert!(tiles.iter().any(forgets) && tiles.iter().any(|t| !forgets(t)), "{tiles:?}");
     if let Some(roomy) = device_with(device_limits) {
-        agree("both images", &all[3].1, |o| Options { polish: 1, iterations: 2, substeps: 23, ..o }, &roomy);
+        agree(
+            "both images",
+            &all[3].1,
+            |o| Options { polish: Some(1), iterations: 2, substeps: Some(23), ..o },
+            &roomy,
+        );
     }
     let tiles = agree("no shear", &all[4].1, |o| o, &device);
     assert_eq!(tiles[0].0.shape.around, [1, 1], "what is not there reaches nowhere");
@@ -191,7 +196,7 @@ fn colliders_end_a_tile() {
         let tiles = agree(name, &scene, |o| o, &device);
         assert!(has(&tiles, |p| matches!(p, Pass::Contact(_))), "{tiles:?}");
         agree(name, &scene, |o| Options { iterations: 2, thickness: 0.01, ..o }, &device);
-        agree(name, &scene, |o| Options { polish: 1, ..o }, &device);
+        agree(name, &scene, |o| Options { polish: Some(1), ..o }, &device);
     }
 }
 
@@ -202,7 +207,7 @@ fn seams_part_tiles() {
     charts.cloths[0].velocity = [0.3, 0.1, 0.8];
     charts.colliders = all_colliders();
     for (iterations, polish) in [(1, 0), (2, 0), (1, 2)] {
-        let tiles = agree("charts", &charts, |o| Options { iterations, polish, ..o }, &device);
+        let tiles = agree("charts", &charts, |o| Options { iterations, polish: Some(polish), ..o }, &device);
         // What comes before seams, and what comes after.
         assert!(tiles.len() > 1, "{tiles:?}");
     }
@@ -210,7 +215,7 @@ fn seams_part_tiles() {
     tube.cloths[0].set_pinned(0, true).unwrap();
     tube.cloths[0].velocity = [0.2, -0.5, 0.1];
     agree("ring of 4", &tube, |o| o, &device);
-    agree("ring of 4", &tube, |o| Options { polish: 1, ..o }, &device);
+    agree("ring of 4", &tube, |o| Options { polish: Some(1), ..o }, &device);
 }
 
 #[test]
@@ -225,7 +230,7 @@ fn what_tiles_do_not_make_runs_between_them() {
     // Steps so short that rounding is kept; with wind on triangles, of more buffers than this device binds at a time.
     for (substeps, pyramid, triangles) in [(24, 0, true), (23, 0, false), (25, 2, false)] {
         flies.wind = Some(wind(triangles));
-        let tiles = agree("short steps", &flies, |o| Options { substeps, pyramid, ..o }, &device);
+        let tiles = agree("short steps", &flies, |o| Options { substeps: Some(substeps), pyramid, ..o }, &device);
         assert_eq!(has(&tiles, |p| matches!(p, Pass::Advance(_))), !triangles, "{tiles:?}");
     }
     agree(
@@ -257,7 +262,7 @@ fn what_users_do_between_frames_is_the_same_by_tiles() {
     // Odd numbers of steps leave positions elsewhere until the frame ends.
     for substeps in [3, 4, 23] {
         let run = |fused| {
-            let mut run = Run::new(&scene, &Options { substeps, ..options(fused) }, &device).frames(3);
+            let mut run = Run::new(&scene, &Options { substeps: Some(substeps), ..options(fused) }, &device).frames(3);
             // Where it is, with a speed.
             run.stepper.set_pinned(0, 1234, true).unwrap();
             let mut run = run.frames(2);
@@ -334,7 +339,7 @@ fn tiles_agree_with_the_twin() {
         ("on colliders", falls),
     ];
     for (name, scene) in all {
-        let once = Options { substeps: 1, step: FRAME / 4.0, max_catch_up: 1, ..options(true) };
+        let once = Options { substeps: Some(1), step: FRAME / 4.0, max_catch_up: 1, ..options(true) };
         let there = Run::new(&scene, &once, &device);
         assert!(!there.tiles().is_empty(), "{name}");
         let [there, ..] = there.frames(1).bits(0);

@@ -8,7 +8,7 @@ use support::{compared, scene};
 const FRAME: f64 = 1.0 / 60.0;
 
 fn options(substeps: u32) -> Options {
-    Options { backend: Backend::Cpu, solver: Solver::Xpbd, substeps, threads: 1, ..Options::default() }
+    Options { backend: Backend::Cpu, solver: Solver::Xpbd, substeps: Some(substeps), threads: 1, ..Options::default() }
 }
 
 fn run(scene: Scene, options: Options, frames: u32) -> Stepper {
@@ -19,7 +19,7 @@ fn run(scene: Scene, options: Options, frames: u32) -> Stepper {
 
 fn measured(stepper: &Stepper) -> Measures {
     let options = stepper.options();
-    let dt = options.step / f64::from(options.substeps);
+    let dt = options.step / f64::from(stepper.substeps());
     let (now, before) = (stepper.positions(0).unwrap(), stepper.previous(0).unwrap());
     measure(&stepper.scene().cloths[0], now, before, dt, stepper.scene().gravity)
 }
@@ -55,7 +55,8 @@ fn soft_springs_stretch_as_far_as_their_compliance_says() {
 
 #[test]
 fn polishing_takes_stretch_out_of_fine_cloth() {
-    let of = |polish| measured(&run(scene::builtin("s1", 64).unwrap(), Options { polish, ..options(2) }, 600));
+    let of =
+        |polish| measured(&run(scene::builtin("s1", 64).unwrap(), Options { polish: Some(polish), ..options(2) }, 600));
     let (plain, polished) = (of(0), of(1));
     assert!(polished.stretch_max < 0.3 * plain.stretch_max, "{plain:?} {polished:?}");
     assert!(polished.stretch_mean < 0.5 * plain.stretch_mean, "{plain:?} {polished:?}");
@@ -64,7 +65,7 @@ fn polishing_takes_stretch_out_of_fine_cloth() {
 #[test]
 fn a_round_of_polishing_has_tethers_and_structural_springs_alone() {
     let passes = |polish| {
-        let once = Options { polish, backend: Backend::Cpu, ..options(1) };
+        let once = Options { polish: Some(polish), backend: Backend::Cpu, ..options(1) };
         let stepper = Stepper::on_cpu(scene::builtin("s1", 8).unwrap(), once).unwrap();
         stepper.plan().passes.iter().filter_map(|p| p.form.pass()).collect::<Vec<_>>()
     };
@@ -75,7 +76,7 @@ fn a_round_of_polishing_has_tethers_and_structural_springs_alone() {
     let expected: Vec<_> = plain[..=last].iter().copied().chain(springs).chain(plain[last + 1..].to_vec()).collect();
     assert_eq!(polished, expected);
     let classic = |polish| {
-        let once = Options { polish, solver: Solver::Classic, backend: Backend::Cpu, ..options(1) };
+        let once = Options { polish: Some(polish), solver: Solver::Classic, backend: Backend::Cpu, ..options(1) };
         Stepper::on_cpu(scene::builtin("s1", 8).unwrap(), once).unwrap().plan()
     };
     assert_eq!(classic(0), classic(3));
@@ -87,7 +88,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     large.wind = Some(support::wind(true));
     large.cloths[0].set_pinned(7, true).unwrap();
     let bits = |threads| {
-        let stepper = run(large.clone(), Options { threads, pyramid: 2, polish: 1, ..options(2) }, 10);
+        let stepper = run(large.clone(), Options { threads, pyramid: 2, polish: Some(1), ..options(2) }, 10);
         let bits = |list: &[[f32; 4]]| list.iter().map(|v| v.map(f32::to_bits)).collect::<Vec<_>>();
         (bits(stepper.positions(0).unwrap()), bits(stepper.previous(0).unwrap()))
     };
@@ -99,7 +100,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 fn the_error_of_f32_is_small() {
     for (name, scene) in [compared(), support::soft()].concat() {
         // One step, as long as it may be without tethers.
-        let once = Options { iterations: 2, pyramid: 1, polish: 1, step: FRAME / 2.0, ..options(1) };
+        let once = Options { iterations: 2, pyramid: 1, polish: Some(1), step: FRAME / 2.0, ..options(1) };
         let mut stepper = Stepper::on_cpu(scene.clone(), once.clone()).unwrap();
         assert_eq!(stepper.advance(FRAME / 2.0).unwrap().steps, 1);
         let mut exact = Reference::new(scene, once).unwrap();

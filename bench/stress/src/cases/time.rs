@@ -20,9 +20,9 @@ pub fn cases(steps: u32) -> Result<Vec<Case>> {
     }
     let jumps = |s: &mut gimage_runtime::Stepper, frame: u32| {
         let substeps = [1, 64, 7, 32][frame as usize % 4];
-        s.set_options(Options { substeps, ..s.options().clone() })
+        s.set_options(Options { substeps: Some(substeps), ..s.options().clone() })
     };
-    let back = |s: &mut gimage_runtime::Stepper| s.set_options(Options { substeps: 32, ..s.options().clone() });
+    let back = |s: &mut gimage_runtime::Stepper| s.set_options(Options { substeps: Some(32), ..s.options().clone() });
     out.push(Case::new("substeps 1, 64, 7, 32 by turns", scene(flag()?)).storm(2.0, jumps).after(back));
     let stutter = |s: &mut gimage_runtime::Stepper, frame: u32| {
         let more = [0.0, 1.0, 0.0001, 0.03, f64::NAN][frame as usize % 5];

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use gimage_runtime::scene::Script;
 use gimage_runtime::wgpu;
-use gimage_runtime::{Backend, Options, Progress, Scene, Stepper, read_back, read_back_u32};
+use gimage_runtime::{Backend, Health, Options, Progress, Scene, Stepper, read_back, read_back_u32};
 
 use crate::commands::device::Device;
 use crate::exit::Failure;
@@ -60,6 +60,10 @@ impl Engine {
         let start = Instant::now();
         let progress = self.step(dt)?;
         self.stepper.took(progress.steps, start.elapsed().as_secs_f64() * 1e3);
+        // The CPU backend looks for itself.
+        if self.gpu.is_some() && (2.0 * self.time).floor() > (2.0 * (self.time - dt)).floor() {
+            self.examine()?;
+        }
         Ok(progress)
     }
 
@@ -93,6 +97,24 @@ impl Engine {
         let (Some((device, queue)), Some(faults)) = (&self.gpu, faults) else { return Ok(None) };
         let words = read_back_u32(device, queue, faults)?;
         Ok(Some((u64::from(words[1]), (words[2] as usize).saturating_sub(1))))
+    }
+
+    /// Figures of every cloth as it is now.
+    pub fn examine(&mut self) -> Result<Vec<Health>, Failure> {
+        let cloths = self.stepper.scene().cloths.len();
+        let mut each = |cloth| {
+            let (now, before) = (self.positions(cloth)?, self.previous(cloth)?);
+            Ok(self.stepper.examine(cloth, &now, &before)?)
+        };
+        (0..cloths).map(&mut each).collect()
+    }
+
+    /// Positions of a cloth one step before.
+    fn previous(&self, cloth: usize) -> Result<Vec<[f32; 4]>, Failure> {
+        match (&self.gpu, self.stepper.buffers(cloth)) {
+            (Some((device, queue)), Some(buffers)) => Ok(read_back(device, queue, &buffers.before)?),
+            _ => Ok(self.stepper.previous(cloth).unwrap_or_default().to_vec()),
+        }
     }
 
     /// Positions of a cloth as they are now.

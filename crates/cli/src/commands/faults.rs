@@ -1,7 +1,8 @@
-//! Cloth whose numbers overflowed during a run: reported at its end, with exit code 1.
+//! What went wrong during a run, such as numbers that overflowed: reported at its end, with exit code 1.
 
 use std::collections::BTreeMap;
 
+use gimage_runtime::{Fate, Finding, Health};
 use serde_json::{Value, json};
 
 use crate::commands::engine::Engine;
@@ -28,6 +29,10 @@ struct Fault {
 #[derive(Debug, Default)]
 pub struct Faults {
     of: BTreeMap<usize, Fault>,
+    /// What the stepper found.
+    findings: Vec<Finding>,
+    /// Figures of each cloth at the end.
+    pub health: Vec<Health>,
 }
 
 impl Faults {
@@ -42,7 +47,9 @@ impl Faults {
     }
 
     /// Looks at the cloths as they are at the end.
-    pub fn at_end(&mut self, engine: &Engine) -> Result<(), Failure> {
+    pub fn at_end(&mut self, engine: &mut Engine) -> Result<(), Failure> {
+        self.health = engine.examine()?;
+        self.findings = engine.stepper.findings().to_vec();
         for cloth in 0..engine.stepper.scene().cloths.len() {
             if let Some((frames, particle)) = engine.taken_back(cloth)?.filter(|f| f.0 > 0) {
                 let entry = self.of.entry(cloth).or_default();
@@ -61,7 +68,7 @@ impl Faults {
 
     /// How the run ends.
     pub fn exit(&self) -> Exit {
-        if self.of.is_empty() { Exit::Done } else { Exit::Findings }
+        if self.of.is_empty() && self.findings.is_empty() { Exit::Done } else { Exit::Findings }
     }
 
     /// One warning on stderr per cloth; `frames` is how many there were.
@@ -71,6 +78,27 @@ impl Faults {
             let name = cloths.get(cloth).map_or("", |c| c.name());
             out.remark(Tone::Warning, "warning", &words(name, fault, frames));
         }
+        self.findings.iter().for_each(|finding| out.remark(Tone::Warning, "warning", &finding.to_string()));
+    }
+
+    /// Kinds of findings of a cloth.
+    pub fn count(&self, cloth: usize) -> usize {
+        self.findings.iter().filter(|f| f.cloth == cloth).count() + usize::from(self.of.contains_key(&cloth))
+    }
+
+    /// The findings for `--json`.
+    pub fn findings(&self) -> Value {
+        let entry = |f: &Finding| {
+            let kind = match f.fate {
+                Fate::Stretched { .. } => "stretched",
+                Fate::Left => "left",
+                Fate::Falls => "falls",
+                Fate::Tunnelled { .. } => "tunnelled",
+                _ => "other",
+            };
+            json!({"cloth": f.cloth, "time_s": f.time, "kind": kind, "text": f.to_string()})
+        };
+        self.findings.iter().map(entry).collect()
     }
 
     /// The same for `--json`.

@@ -66,7 +66,7 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
         let fraction = go_to(&mut engine, *time, &mut faults)?;
         pictures.add(painter.paint(&engine, &view, fraction)?)?;
     }
-    faults.at_end(&engine)?;
+    faults.at_end(&mut engine)?;
     faults.warn(out, &engine, (engine.time() / engine.stepper.options().step).round() as usize);
     let bytes = pictures.finish()?;
     Pending::write(&args.output, &bytes)?.commit()?;
@@ -82,6 +82,7 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
             "backend": backend,
             "adapter": engine.adapter,
             "camera": {"eye": camera.eye, "target": camera.target, "fov_degrees": camera.fov.to_degrees()},
+            "findings": faults.findings(),
             "faults": faults.json(),
             "exit": faults.exit().code(),
         }))?;

@@ -45,13 +45,13 @@ pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
     if let Some(material) = &args.material {
         file.scene.cloths.iter_mut().try_for_each(|cloth| cloth.set_material(material))?;
     }
-    file.options.substeps = args.substeps.unwrap_or(file.options.substeps);
+    file.options.substeps = args.substeps.or(file.options.substeps);
     // Steps that are asked for by number are not chosen by the scene.
     let quality = if args.substeps.is_some() { Quality::Fixed } else { file.options.quality };
     file.options.quality = Quality::of(args.error.or(quality.target()), args.budget.or(quality.budget()));
     file.options.thickness = args.thickness.unwrap_or(file.options.thickness);
     file.options.pyramid = args.pyramid.unwrap_or(file.options.pyramid);
-    file.options.polish = args.polish.unwrap_or(file.options.polish);
+    file.options.polish = args.polish.or(file.options.polish);
     file.options.tethers = args.tethers.unwrap_or(file.options.tethers);
     file.options.iterations = args.iterations.unwrap_or(file.options.iterations);
     file.options.threads = args.threads.into();

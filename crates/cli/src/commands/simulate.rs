@@ -13,6 +13,7 @@ use crate::commands::faults::Faults;
 use crate::commands::scene;
 use crate::exit::{Exit, Failure};
 use crate::output::Output;
+use crate::table::{NOTHING, Table};
 use dump::Dump;
 
 /// Runs it.
@@ -31,7 +32,7 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
             let start = Instant::now();
             engine.frame(step)?;
             times.push(start.elapsed().as_secs_f64() * 1e3);
-            counts.push(engine.stepper.options().substeps);
+            counts.push(engine.stepper.substeps());
             faults.after_frame(&mut engine);
         }
         let due = frame >= args.dump_from && (frame - args.dump_from).is_multiple_of(args.every);
@@ -39,7 +40,7 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
             dump.write(frame, &mut engine)?;
         }
     }
-    faults.at_end(&engine)?;
+    faults.at_end(&mut engine)?;
     faults.warn(out, &engine, times.len());
     report(args, out, &engine, &faults, (times, counts))
 }
@@ -57,6 +58,7 @@ fn report(
     let error = engine.stepper.estimated_error();
     let (least, median) = (times.first().copied(), times.get(times.len() / 2).copied());
     let (plan, options) = (engine.stepper.plan(), engine.stepper.options());
+    let choice = engine.stepper.choice();
     let backend = if engine.stepper.backend() == Backend::Cpu { "cpu" } else { "gpu" };
     if !out.json {
         let ms = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.4}"));
@@ -64,7 +66,8 @@ fn report(
         let line = format!("{name}: {frames} frames on the {backend} ({})", engine.adapter);
         let line = format!("{line}, ms per frame: least {}, median {}\n", ms(least), ms(median));
         let chosen = chosen(options.quality, [fewest, middle, most], error);
-        out.data(&(line + &chosen + &plan.to_string()))?;
+        let passes = if out.verbose { plan.to_string() } else { String::new() };
+        out.data(&(line + &format!("{choice}\n") + &chosen + &fares(engine, faults) + &passes))?;
         return Ok(faults.exit());
     }
     let passes = plan.passes.iter().map(|p| {
@@ -72,12 +75,18 @@ fn report(
         json!({"cloth": p.cloth, "shader": p.shader, "workgroups": p.workgroups, "dispatches": p.dispatches,
                "bindings": bindings})
     });
+    let cloths = faults.health.iter().zip(&engine.stepper.scene().cloths).enumerate().map(|(index, (h, cloth))| {
+        let worst = engine.stepper.health(index).map_or(0.0, |h| h.1);
+        json!({"name": cloth.name(), "particles": cloth.len(), "stretch_mean": h.stretch.map(|s| s.mean),
+               "stretch_p99": h.stretch.map(|s| s.p99), "stretch_max": h.stretch.map(|s| s.max),
+               "stretch_p99_worst": worst, "speed_rms_m_s": h.speed, "contact_depth_m": h.depth})
+    });
     out.json(&json!({
         "scene": args.scene.scene,
         "backend": backend,
         "adapter": engine.adapter,
         "solver": if options.solver == Solver::Xpbd { "xpbd" } else { "classic" },
-        "substeps": options.substeps,
+        "substeps": engine.stepper.substeps(),
         "budget_ms": options.quality.budget(),
         "error_target": options.quality.target(),
         "substeps_min": fewest,
@@ -88,7 +97,8 @@ fn report(
         "iterations": options.iterations,
         "tethers": options.tethers,
         "pyramid": options.pyramid,
-        "polish": options.polish,
+        "polish": choice.polish,
+        "choice": choice.to_string(),
         "thickness": options.thickness,
         "particles": engine.stepper.scene().cloths.iter().map(Cloth::len).sum::<usize>(),
         "frames": times.len(),
@@ -96,10 +106,34 @@ fn report(
         "ms_frame_median": median,
         "dispatches_per_frame": plan.dispatches(),
         "plan": passes.collect::<Vec<_>>(),
+        "cloths": cloths.collect::<Vec<_>>(),
+        "findings": faults.findings(),
         "faults": faults.json(),
         "exit": faults.exit().code(),
     }))?;
     Ok(faults.exit())
+}
+
+/// A row per cloth: how it fares at the end.
+fn fares(engine: &Engine, faults: &Faults) -> String {
+    let headings = ["<cloth", "particles", "stretch mean", "p99", "max", "worst p99", "speed", "depth", "warnings"];
+    let mut table = Table::new(&headings);
+    for (index, (h, cloth)) in faults.health.iter().zip(&engine.stepper.scene().cloths).enumerate() {
+        let percent = |x: Option<f64>| x.map_or_else(|| NOTHING.to_owned(), |x| format!("{:.2} %", 100.0 * x));
+        let worst = engine.stepper.health(index).filter(|_| h.stretch.is_some()).map(|h| h.1);
+        table.row([
+            cloth.name().to_owned(),
+            cloth.len().to_string(),
+            percent(h.stretch.map(|s| s.mean)),
+            percent(h.stretch.map(|s| s.p99)),
+            percent(h.stretch.map(|s| s.max)),
+            percent(worst),
+            format!("{:.1} mm/s", 1e3 * h.speed),
+            format!("{:.2} mm", 1e3 * h.depth),
+            faults.count(index).to_string(),
+        ]);
+    }
+    table.render()
 }
 
 /// How many steps were chosen and what they achieved, where they were; else nothing.

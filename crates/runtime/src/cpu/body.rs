@@ -11,10 +11,11 @@ use super::strain::Springs;
 use super::{
     colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, strain, wind,
 };
+use crate::choose::Settings;
 use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
 use crate::collider::solid::Solid;
 use crate::number::real::{Real, cast};
-use crate::options::{Options, Solver};
+use crate::options::Solver;
 use crate::passes::{self, Pass, Soft};
 use crate::step::Step;
 
@@ -55,7 +56,7 @@ pub struct Body<T: Real> {
 
 impl<T: Real> Body<T> {
     /// A cloth at its start; its previous positions are those of a step ago.
-    pub fn new(cloth: &Cloth, tethers: &Tethers, options: &Options) -> Self {
+    pub fn new(cloth: &Cloth, tethers: &Tethers, options: &Settings) -> Self {
         let Start { now, before, normals } = Start::new(cloth, options);
         let list = |rest: &[[f32; 4]]| rest.iter().map(|r| cast(*r)).collect();
         let (constant, image) = match cloth.rest() {

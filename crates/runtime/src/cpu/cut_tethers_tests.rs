@@ -1,8 +1,10 @@
 use super::*;
+use crate::choose::Settings;
 use crate::cloth::{Cloth, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::options::Options;
+use crate::scene::Scene;
 use gimage_bundle::{RestLengths, SpringGrid};
 
 /// xorshift32.
@@ -53,7 +55,7 @@ fn sewn(n: usize) -> Cloth {
 
 fn opened(cloth: &Cloth, tethers: &Tethers) -> Body<f32> {
     let mut cloth = cloth.clone();
-    let mut body = Body::new(&cloth, tethers, &Options::default());
+    let mut body = Body::new(&cloth, tethers, &Settings::new(Options::default(), &Scene::new("empty")).0);
     cloth.open();
     body.open(&cloth, tethers);
     body

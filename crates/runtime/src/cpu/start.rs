@@ -3,9 +3,10 @@
 use super::body::view;
 use super::rows::Threads;
 use super::{normals, seam_normals};
+use crate::choose::Settings;
 use crate::cloth::Cloth;
 use crate::number::real::Real;
-use crate::options::{Options, Solver};
+use crate::options::Solver;
 
 /// Positions, positions one step before and normals; the fourth component of a position is the inverse mass.
 pub struct Start<T> {
@@ -16,7 +17,7 @@ pub struct Start<T> {
 
 impl<T: Real> Start<T> {
     /// Those of a cloth that moves with its velocity; normals only where they are asked for, else 0.
-    pub fn new(cloth: &Cloth, options: &Options) -> Self {
+    pub fn new(cloth: &Cloth, options: &Settings) -> Self {
         let dt = options.step / f64::from(options.substeps);
         let shares = inverse_masses(cloth, options.solver);
         let place = |k: usize, ago: f64| {

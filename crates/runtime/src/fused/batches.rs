@@ -84,7 +84,7 @@ impl World {
 
     /// Whether a cloth runs fused in a frame of `steps` steps.
     pub fn is_fused(&self, cloth: usize, steps: u32) -> bool {
-        let Options { iterations, polish, .. } = self.options;
+        let (iterations, polish) = (self.options.iterations, self.options.polish);
         let short = steps.saturating_mul(iterations).saturating_mul(polish + 1) <= LONGEST;
         short && self.fused.get(cloth).is_some_and(Option::is_some)
     }

@@ -121,7 +121,7 @@ fn open_seams(run: &'static str, cloth: &Cloth, computed: &Lists) -> Vec<Mismatc
 }
 
 fn options(backend: Backend, fused: bool) -> Options {
-    Options { backend, solver: Solver::Xpbd, substeps: 2, step: FRAME, threads: 1, fused, ..Options::default() }
+    Options { backend, solver: Solver::Xpbd, substeps: Some(2), step: FRAME, threads: 1, fused, ..Options::default() }
 }
 
 fn on_cpu(scene: &Scene) -> Result<Vec<Lists>> {

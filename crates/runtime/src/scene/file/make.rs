@@ -59,10 +59,10 @@ fn options(fields: &json::Solver) -> Result<Options> {
             return Err(Error::choice("solver.name", format!("there is no solver {other:?}, only classic and xpbd")));
         }
     };
-    options.substeps = fields.substeps.unwrap_or(options.substeps);
+    options.substeps = fields.substeps;
     options.quality = Quality::of(fields.error, fields.budget);
     options.pyramid = fields.pyramid.unwrap_or(options.pyramid);
-    options.polish = fields.polish.unwrap_or(options.polish);
+    options.polish = fields.polish;
     options.tethers = fields.tethers.unwrap_or(options.tethers);
     options.iterations = fields.iterations.unwrap_or(options.iterations);
     options.check().map_err(Error::value("solver"))?;

@@ -49,7 +49,7 @@ fn parse(value: &Value) -> Result<SceneFile> {
 fn every_field_reaches_the_scene() {
     let file = parse(&full()).unwrap();
     let scene = &file.scene;
-    assert_eq!((scene.frames, file.options.substeps, file.options.iterations), (30, 2, 3));
+    assert_eq!((scene.frames, file.options.substeps, file.options.iterations), (30, Some(2), 3));
     assert_eq!(file.options.thickness, 0.003);
     assert_eq!(file.options.quality, crate::Quality::ErrorWithin { stretch: 0.02, ms: 1.5 });
     assert_eq!((scene.colliders.len(), file.script.colliders.len(), file.script.cuts.len()), (5, 5, 1));

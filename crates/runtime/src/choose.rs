@@ -1,0 +1,317 @@
+//! Chooses the substeps and polishing rounds that the host leaves open, from what the scene is.
+
+use std::fmt;
+use std::ops::Deref;
+
+use crate::cloth::{Cloth, Compliance};
+use crate::collider::solid::Solid;
+use crate::number::real::dot;
+use crate::options::{Options, Solver};
+use crate::scene::Scene;
+
+/// How a cloth is held, which decides how many substeps it needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Support {
+    /// Nothing holds it and nothing is in its way.
+    Free,
+    /// It hangs from pins, with tethers.
+    Tethered,
+    /// It hangs from a row of pins, with slack tethers.
+    TetheredRow,
+    /// It hangs from pins, with tethers, and colliders are in its way.
+    TetheredOnColliders,
+    /// It hangs from pins by its springs alone.
+    Springs,
+    /// No pin holds it: it falls on colliders, or lies on them.
+    OnColliders,
+    /// It meets a collider at this speed \[m/s\].
+    Fast(f64),
+}
+
+/// The number of substeps and of polishing rounds that a stepper uses, and why.
+///
+/// A number given in [`Options`] is used as it is; substeps given alone have no polish. Otherwise every cloth asks for what
+/// its support needs, and the largest numbers are used. N is the square root of the number of particles, at least half of
+/// the longest side in texels. Substeps are those of 1/60 s; a longer or shorter [`Options::step`] has more or fewer.
+///
+/// | support | substeps | rounds | measured |
+/// |---|---|---|---|
+/// | free, or the classic solver | 8 | 0 | |
+/// | pins with tethers | 4, 6, 8 for N up to 36, 192, and above | 2, 4, 4; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.3, 0.5, 0.6 % |
+/// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
+/// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
+/// | pins with tethers, among colliders | 16 sqrt(N / 64) | 4 | T-shirt and cape of `assets/scenes` |
+/// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
+/// | colliders, no pins | 24 sqrt(N / 64) | 12 | a T-shirt on moving arms: p99 3.7 % at N = 64, 4 % at 128 |
+/// | colliders at speed v \[m/s\] | in a step, v moves at most a twentieth of the thinnest collider's radius | 8 | scene s2f |
+///
+/// The choice is made again when a cloth loses its last pin, and when the first collider comes. Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
+/// colliders change: the number rises at once, and falls gradually one second after the need ends. Cloth with a compliance
+/// or a material is not polished, as its stretch is wanted. At most 64 substeps are chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// Steps per [`Options::step`].
+    pub substeps: u32,
+    /// Rounds of polish.
+    pub polish: u32,
+    /// Whether the host gave the number of substeps, and that of rounds.
+    pub given: [bool; 2],
+    /// The cloth that asks for most, by name; none in a scene without cloth.
+    pub cloth: Option<String>,
+    /// Its support.
+    pub support: Support,
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let plural = |n: u32| if n == 1 { "" } else { "s" };
+        let Choice { substeps, polish, given, .. } = self;
+        write!(f, "{substeps} substep{}, {polish} round{} of polish", plural(*substeps), plural(*polish))?;
+        let chosen = match given {
+            [true, _] => return f.write_str(": given"),
+            [false, false] => "chosen",
+            [false, true] => "substeps chosen",
+        };
+        let name = self.cloth.as_deref().unwrap_or("");
+        let because = match self.support {
+            Support::Free => return write!(f, ": {chosen}"),
+            Support::Tethered => "hangs from pins with tethers".to_owned(),
+            Support::TetheredRow => "hangs from a row of pins".to_owned(),
+            Support::TetheredOnColliders => "hangs from pins among colliders".to_owned(),
+            Support::Springs => "hangs from pins by its springs alone".to_owned(),
+            Support::OnColliders => "lies on colliders and no pin holds it".to_owned(),
+            Support::Fast(speed) => format!("meets a collider at {speed:.1} m/s"),
+        };
+        write!(f, ": {chosen}, as cloth '{name}' {because}")
+    }
+}
+
+/// Speed \[m/s\] at the start from which hanging cloth whips about, and its substeps at N = 64.
+const THROWN: f64 = 1.0;
+const THROWN_SUBSTEPS: f64 = 12.0;
+/// Damping \[1/s\] below which hanging cloth goes on whipping, and the rounds of polish that keep it together.
+const DAMPED: f32 = 0.5;
+const WHIP_POLISH: u32 = 8;
+/// The rules count substeps in this time \[s\].
+const FRAME_S: f64 = 1.0 / 60.0;
+/// Most substeps that are chosen without a target.
+const MAX_SUBSTEPS: u32 = 64;
+/// Substeps of cloth that asks for nothing.
+const FREE_SUBSTEPS: u32 = 8;
+/// Largest share of a collider's radius that fast cloth moves in a step.
+const FAST_SHARE: f64 = 0.05;
+/// Rounds of polish of cloth that meets a collider fast.
+const FAST_POLISH: u32 = 8;
+
+/// Slack of tethers to a row of pins: more than springs yield there, so that tethers hold only what tears.
+const ROW_SLACK: f32 = 1.03;
+
+/// The options, with all that they leave open decided.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    given: Options,
+    /// Steps per [`Options::step`].
+    pub substeps: u32,
+    /// Rounds of polish.
+    pub polish: u32,
+    /// Length of a tether over the distance along the surface, for each cloth: above 1 where springs do without tethers,
+    /// which shorten the lengths that they swing on, and slow down a swing.
+    pub slack: Vec<f32>,
+}
+
+impl Deref for Settings {
+    type Target = Options;
+
+    fn deref(&self) -> &Options {
+        &self.given
+    }
+}
+
+impl Settings {
+    /// Decides what `given` leaves open.
+    pub fn new(given: Options, scene: &Scene) -> (Self, Choice) {
+        let choice = choose(&given, scene);
+        let row = |c| {
+            choice.given == [false; 2] && need(c, &given, !scene.colliders.is_empty()).support == Support::TetheredRow
+        };
+        let slack = scene.cloths.iter().map(|c| if row(c) { ROW_SLACK } else { 1.0 }).collect();
+        (Settings { substeps: choice.substeps, polish: choice.polish, slack, given }, choice)
+    }
+
+    /// The options as the host gave them.
+    pub fn given(&self) -> &Options {
+        &self.given
+    }
+}
+
+/// What a cloth asks for.
+#[derive(Clone, Copy)]
+struct Need {
+    substeps: u32,
+    polish: u32,
+    support: Support,
+}
+
+fn choose(given: &Options, scene: &Scene) -> Choice {
+    let moves = top_speed(scene);
+    let cloths = scene.cloths.iter().filter(|_| given.solver == Solver::Xpbd);
+    let needs = cloths.flat_map(|cloth| {
+        let speed = moves + own_speed(cloth) + fall(cloth, scene);
+        let fast = Need {
+            substeps: for_speed(speed, scene),
+            polish: if stiff(cloth) { FAST_POLISH } else { 0 },
+            support: Support::Fast(speed),
+        };
+        let lasting = need(cloth, given, !scene.colliders.is_empty());
+        [Some(lasting), Some(fast).filter(|f| f.substeps > lasting.substeps)].map(|n| Some((cloth, n?)))
+    });
+    let needs: Vec<(&Cloth, Need)> = needs.flatten().collect();
+    let most = needs.iter().max_by_key(|(_, n)| (n.substeps, n.polish));
+    let polish = needs.iter().map(|(_, n)| n.polish).max().unwrap_or(0);
+    Choice {
+        substeps: given.substeps.unwrap_or(in_step(most.map_or(FREE_SUBSTEPS, |(_, n)| n.substeps), given.step)),
+        polish: given.polish.unwrap_or(if given.substeps.is_some() { 0 } else { polish }),
+        given: [given.substeps.is_some(), given.polish.is_some()],
+        cloth: most.map(|(cloth, _)| cloth.name().to_owned()),
+        support: most.map_or(Support::Free, |(_, n)| n.support),
+    }
+}
+
+/// What the support of a cloth asks for.
+fn need(cloth: &Cloth, given: &Options, colliders: bool) -> Need {
+    let n = side(cloth);
+    let scaled =
+        |at_64: f64| (at_64 * (n / 64.0).sqrt()).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into()) as u32;
+    let (substeps, polish, support) = match (is_pinned(cloth), given.tethers > 0, colliders) {
+        (true, true, false) if stiff(cloth) && pins(cloth) as f64 >= 0.5 * n => {
+            let substeps = (16.0 * (n / 64.0).powf(0.75)).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into());
+            (substeps as u32, 4, Support::TetheredRow)
+        }
+        (true, true, false) => {
+            let (substeps, polish) = match n {
+                n if n <= 36.0 => (4, 2),
+                n if n <= 192.0 => (6, 4),
+                _ => (8, 4),
+            };
+            let (substeps, polish) = match () {
+                () if own_speed(cloth) > THROWN => (scaled(THROWN_SUBSTEPS), WHIP_POLISH),
+                () if cloth.damping < DAMPED => (substeps, WHIP_POLISH),
+                () => (substeps, polish),
+            };
+            (substeps, polish, Support::Tethered)
+        }
+        (true, true, true) => (scaled(16.0), 4, Support::TetheredOnColliders),
+        (true, false, _) => (scaled(16.0), 4, Support::Springs),
+        (false, _, true) => (scaled(24.0), 12, Support::OnColliders),
+        (false, _, false) => (FREE_SUBSTEPS, 0, Support::Free),
+    };
+    // Compliance and tension are exact in short steps only.
+    let (substeps, polish) = if stiff(cloth) { (substeps, polish) } else { (substeps.max(FREE_SUBSTEPS), 0) };
+    Need { substeps, polish, support }
+}
+
+fn is_pinned(cloth: &Cloth) -> bool {
+    pins(cloth) > 0
+}
+
+fn pins(cloth: &Cloth) -> usize {
+    cloth.particles().iter().filter(|p| p.is_pinned()).count()
+}
+
+/// Whether all stretch is error: springs without compliance.
+pub(crate) fn stiff(cloth: &Cloth) -> bool {
+    cloth.membrane().is_none() && matches!(cloth.compliance, Compliance::None | Compliance::Constant(0.0))
+}
+
+/// Particles along a side.
+fn side(cloth: &Cloth) -> f64 {
+    let longest = cloth.grids().iter().map(|g| g.width.max(g.height)).max().unwrap_or(0);
+    (cloth.len() as f64).sqrt().max(0.5 * f64::from(longest))
+}
+
+/// As many steps in `step` \[s\] as `n` in a frame.
+fn in_step(n: u32, step: f64) -> u32 {
+    (f64::from(n) * step / FRAME_S - 1e-6).ceil().clamp(1.0, 4096.0) as u32
+}
+
+/// Substeps in which nothing moves by more than its share of the thinnest collider.
+fn for_speed(speed: f64, scene: &Scene) -> u32 {
+    let thinnest = scene.colliders.iter().map(|c| Solid::<f64>::new(c).thickness()).fold(f64::INFINITY, f64::min);
+    (speed * FRAME_S / (FAST_SHARE * thinnest)).ceil().min(f64::from(MAX_SUBSTEPS)) as u32
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    dot(v, v).sqrt()
+}
+
+fn own_speed(cloth: &Cloth) -> f64 {
+    length(cloth.velocity.map(f64::from))
+}
+
+/// Largest speed \[m/s\] of a point of a collider.
+fn top_speed(scene: &Scene) -> f64 {
+    let solids = scene.colliders.iter().map(Solid::<f64>::new);
+    // The rim of a half-space that turns is far away.
+    let speed = |s: Solid<f64>| length(s.velocity) + length(s.spin) * s.around().unwrap_or(0.0);
+    solids.map(speed).fold(0.0, f64::max)
+}
+
+/// Speed \[m/s\] of a fall from the start onto the highest collider; 0 for pinned cloth.
+fn fall(cloth: &Cloth, scene: &Scene) -> f64 {
+    let g = scene.gravity.map(f64::from);
+    let strength = length(g);
+    if strength <= 0.0 || scene.colliders.is_empty() || is_pinned(cloth) {
+        return 0.0;
+    }
+    let height = |p: [f64; 3]| -dot(p, g) / strength;
+    let sum: f64 = cloth.positions().iter().map(|p| height(p.map(f64::from))).sum();
+    let tops = scene.colliders.iter().map(Solid::<f64>::new).map(|s| height(s.center) + s.around().unwrap_or(0.0));
+    let drop = sum / f64::max(cloth.len() as f64, 1.0) - tops.fold(f64::NEG_INFINITY, f64::max);
+    (2.0 * strength * drop.max(0.0)).sqrt()
+}
+
+/// Seconds for which substeps stay high when what was fast is slow again.
+const HOLD_S: f64 = 1.0;
+
+/// Keeps a chosen number of substeps up with the speed of colliders, frame by frame.
+#[derive(Clone, Debug)]
+pub struct Follow {
+    /// Substeps of cloth and colliders at rest; none where the host gave a number.
+    lasting: Option<u32>,
+    step: f64,
+    /// For how long \[s\] the number stays.
+    hold: f64,
+}
+
+impl Follow {
+    pub fn new(settings: &Settings, scene: &Scene) -> Self {
+        let given = settings.given();
+        let open = given.substeps.is_none() && given.solver == Solver::Xpbd;
+        let needs = scene.cloths.iter().map(|c| need(c, given, !scene.colliders.is_empty()).substeps);
+        let lasting = open.then(|| in_step(needs.max().unwrap_or(FREE_SUBSTEPS), given.step));
+        let strength = length(scene.gravity.map(f64::from)).max(f64::MIN_POSITIVE);
+        let falls = scene.cloths.iter().map(|c| fall(c, scene) / strength).fold(0.0, f64::max);
+        Follow { lasting, step: given.step, hold: HOLD_S + falls }
+    }
+
+    /// To be called when steps have been made.
+    pub fn stepped(&mut self, seconds: f64) {
+        self.hold = (self.hold - seconds).max(0.0);
+    }
+
+    /// The number of substeps from here on, `now` being that of the last frame: up at once, down by an eighth per frame.
+    pub fn next(&mut self, now: u32, scene: &Scene) -> u32 {
+        let Some(lasting) = self.lasting else { return now };
+        let want = in_step(for_speed(top_speed(scene), scene), self.step).max(lasting);
+        if want >= now {
+            self.hold = if want > lasting { HOLD_S } else { self.hold };
+            return want;
+        }
+        if self.hold > 0.0 { now } else { (now - now.div_ceil(8)).max(want) }
+    }
+}
+
+#[cfg(test)]
+#[path = "choose_tests.rs"]
+mod tests;

@@ -1,0 +1,65 @@
+use super::*;
+use crate::collider::{Collider, Shape};
+use crate::scene::builtin;
+
+fn chosen(scene: &Scene, given: Options) -> Choice {
+    Settings::new(given, scene).1
+}
+
+#[test]
+fn given_numbers_win_over_every_rule() {
+    for name in ["s1", "s2", "s2f", "s3"] {
+        let scene = builtin(name, 32).unwrap();
+        let given = Options { substeps: Some(3), polish: Some(0), ..Options::default() };
+        let (settings, choice) = Settings::new(given.clone(), &scene);
+        assert_eq!((settings.substeps, settings.polish, settings.given()), (3, 0, &given), "{name}");
+        assert!(choice.to_string().ends_with(": given"), "{choice}");
+        let [one, other, none] = [(None, Some(2)), (Some(9), None), (None, None)]
+            .map(|(substeps, polish)| chosen(&scene, Options { substeps, polish, ..Options::default() }));
+        assert_eq!((one.substeps, one.polish), (none.substeps, 2), "{name}");
+        assert_eq!((other.substeps, other.polish), (9, 0), "{name}");
+    }
+}
+
+#[test]
+fn support_size_and_speed_decide() {
+    let of = |name: &str, n| chosen(&builtin(name, n).unwrap(), Options::default());
+    assert_eq!((of("s1", 32).support, of("s2", 32).support), (Support::Tethered, Support::OnColliders));
+    assert!(matches!(of("s2f", 32).support, Support::Fast(v) if v > 30.0 && v < 33.0));
+    assert!(of("s2f", 64).substeps > of("s2", 64).substeps && of("s2", 64).substeps > of("s1", 64).substeps);
+    assert!(of("s2", 128).substeps > of("s2", 64).substeps);
+    let half = chosen(&builtin("s2", 64).unwrap(), Options { step: 1.0 / 120.0, ..Options::default() });
+    assert_eq!(half.substeps, of("s2", 64).substeps / 2);
+    // Stretch of soft springs is wanted, and the classic solver has no polish.
+    assert_eq!(of("s1k", 256).polish, 0);
+    let classic = chosen(&builtin("s2", 64).unwrap(), Options { solver: Solver::Classic, ..Options::default() });
+    assert_eq!((classic.substeps, classic.polish), (FREE_SUBSTEPS, 0));
+    let words = of("s2", 64).to_string();
+    assert!(words.contains("substeps") && words.contains("cloth 's2' lies on colliders"), "{words}");
+}
+
+#[test]
+fn a_collider_that_speeds_up_raises_the_number_at_once_and_lets_it_fall_gradually() {
+    let mut scene = builtin("s2", 32).unwrap();
+    let (settings, choice) = Settings::new(Options::default(), &scene);
+    let mut follow = Follow::new(&settings, &scene);
+    let rest = choice.substeps;
+    assert_eq!(follow.next(rest, &scene), rest);
+    let ball = Collider::new(Shape::Sphere { radius: 0.1 }, [0.0; 3]);
+    scene.colliders = vec![Collider { velocity: [20.0, 0.0, 0.0], ..ball }];
+    let fast = follow.next(rest, &scene);
+    assert!(fast > 2 * rest, "{fast} {rest}");
+    scene.colliders = vec![ball];
+    let mut counts = vec![fast];
+    for _ in 0..120 {
+        follow.stepped(1.0 / 60.0);
+        counts.push(follow.next(counts[counts.len() - 1], &scene));
+    }
+    assert_eq!((counts[50], counts[120]), (fast, rest));
+    assert!(counts.windows(2).all(|n| n[0] - n[1] <= n[0].div_ceil(8)), "{counts:?}");
+    // A number that was given stays.
+    let given = Options { substeps: Some(5), ..Options::default() };
+    let settings = Settings::new(given, &scene).0;
+    scene.colliders = vec![Collider { velocity: [20.0, 0.0, 0.0], ..ball }];
+    assert_eq!(Follow::new(&settings, &scene).next(5, &scene), 5);
+}

@@ -1,0 +1,264 @@
+//! What goes wrong in a run: found while it steps, so that nothing fails in silence.
+//!
+//! Figures are taken 0.2 s after the start and then twice per second: about 20 ns per particle each time, 0.7 ns per frame.
+//! Tunnelling shows only from frame to frame. It is looked for in frames in which a particle or a collider moves by half of
+//! the thinnest collider's radius; finding out costs 1 ns per particle per frame in scenes with colliders.
+
+use std::fmt;
+
+use crate::cloth::Cloth;
+use crate::collider::solid::Solid;
+use crate::health::{self, Health};
+use crate::number::real::{Real, V3, add, cross, dot, scale, sub, xyz};
+
+/// What went wrong with a cloth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Fate {
+    /// Springs are longer than [`MAX_LENGTH`] times their rest length, or, without compliance or material, one in a hundred
+    /// is extended by more than [`MAX_P99`] after the first second.
+    Stretched {
+        /// Largest length / rest length.
+        ratio: f64,
+        /// 99th percentile of the extension.
+        p99: f64,
+    },
+    /// The cloth touched colliders, and its topmost particle is below all of these: it slid off or went through.
+    Left,
+    /// No pin holds the cloth, nothing is below it, and it touched nothing.
+    Falls,
+    /// Particles went through a collider within a frame.
+    Tunnelled {
+        /// Most particles in a frame.
+        particles: usize,
+        /// One of them.
+        particle: usize,
+        /// The collider by index.
+        collider: usize,
+    },
+}
+
+/// What went wrong, where and when; one of each kind per cloth, with the worst figures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// The cloth by index.
+    pub cloth: usize,
+    /// The cloth by name.
+    pub name: String,
+    /// When it was first found \[s\], in the time of the scene.
+    pub time: f64,
+    /// What it is.
+    pub fate: Fate,
+    /// Substeps at that time.
+    pub substeps: u32,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Finding { name, time, substeps, .. } = self;
+        write!(f, "cloth '{name}', at {time:.2} s: ")?;
+        match self.fate {
+            Fate::Stretched { ratio, p99 } => write!(
+                f,
+                "springs are up to {ratio:.1} times as long as at rest, and 1 in 100 is at least {:.0} % longer: use more \
+                 substeps (now {substeps}) and 8 or more rounds of polish",
+                100.0 * p99
+            ),
+            Fate::Left => f.write_str(
+                "it left its body: its topmost particle is below all colliders that it touched: use more substeps and no \
+                 pyramid, more friction, or pins",
+            ),
+            Fate::Falls => {
+                f.write_str("it falls, as no pin holds it and nothing is below: pin particles, or add a collider")
+            }
+            Fate::Tunnelled { particles, particle, collider } => write!(
+                f,
+                "{particles} particles went through collider {collider} in one frame, for example particle {particle}: use more \
+                 substeps (now {substeps}), a thicker collider, or a lower speed"
+            ),
+        }
+    }
+}
+
+/// Length / rest length of a spring beyond which cloth counts as torn out of shape.
+pub const MAX_LENGTH: f64 = 3.0;
+/// Extension that one spring in a hundred may have.
+pub const MAX_P99: f64 = 0.1;
+/// First time of taking figures \[s\], and time between them.
+const FIRST_S: f64 = 0.2;
+const EVERY_S: f64 = 0.5;
+/// Time \[s\] from which one spring in a hundred may not be extended by more than [`MAX_P99`].
+const SETTLED_S: f64 = 1.0 - 1e-6;
+/// A cloth this close \[m\] to a collider touches it.
+const TOUCH_M: f64 = 0.01;
+/// Share of a collider's radius: a particle that moves less in a frame cannot pass it, and one that passes the core of
+/// this share went through.
+const CORE: f64 = 0.5;
+
+/// What is known of one cloth.
+#[derive(Clone, Debug, Default)]
+struct Record {
+    health: Health,
+    /// Largest 99th percentile.
+    worst: f64,
+    touched: Vec<bool>,
+}
+
+/// Watches the cloths of a scene.
+#[derive(Clone, Debug)]
+pub struct Watchdog {
+    due: f64,
+    records: Vec<Record>,
+    pub findings: Vec<Finding>,
+}
+
+/// A cloth at the end of a frame.
+pub struct Sight<'a, T: Real> {
+    pub index: usize,
+    pub cloth: &'a Cloth,
+    pub now: &'a [[T; 4]],
+    pub before: &'a [[T; 4]],
+    /// The colliders as the cloth meets them.
+    pub solids: &'a [Solid<T>],
+    pub gravity: [f32; 3],
+    /// End of the frame \[s\], and length of a step.
+    pub time: f64,
+    pub dt: f64,
+    pub substeps: u32,
+}
+
+impl Watchdog {
+    pub fn new(cloths: usize) -> Self {
+        Watchdog { due: FIRST_S, records: vec![Record::default(); cloths], findings: Vec::new() }
+    }
+
+    /// Whether figures are due at the end of a frame.
+    pub fn is_due(&self, time: f64) -> bool {
+        time >= self.due - 1e-6
+    }
+
+    /// To be called when the figures of all cloths have been taken.
+    pub fn done(&mut self, time: f64) {
+        self.due = (time / EVERY_S + 1e-6).floor() * EVERY_S + EVERY_S;
+    }
+
+    /// The last figures of a cloth, and the largest 99th percentile of its extension so far.
+    pub fn of(&self, cloth: usize) -> Option<(Health, f64)> {
+        self.records.get(cloth).map(|r| (r.health, r.worst))
+    }
+
+    /// Takes the figures of a cloth.
+    pub fn examine<T: Real>(&mut self, sight: &Sight<T>) {
+        let Sight { cloth, now, before, solids, .. } = *sight;
+        let stretch = health::stretch(cloth, now);
+        let record = &mut self.records[sight.index];
+        record.touched.resize(solids.len(), false);
+        let near = health::depths(now, solids, TOUCH_M);
+        record.touched.iter_mut().zip(&near).for_each(|(touched, depth)| *touched |= *depth > 0.0);
+        let depth = near.iter().map(|d| (d - TOUCH_M).max(0.0)).fold(0.0, f64::max);
+        record.health = Health { time: sight.time, stretch, speed: health::speed(now, before, sight.dt), depth };
+        record.worst = record.worst.max(stretch.map_or(0.0, |s| s.p99));
+        let gone = gone(sight, &record.touched);
+        if let Some(s) = stretch {
+            // Starts are abrupt.
+            let rubber = crate::choose::stiff(cloth) && s.p99 > MAX_P99 && sight.time > SETTLED_S;
+            if rubber || s.max + 1.0 > MAX_LENGTH {
+                self.find(sight, Fate::Stretched { ratio: s.max + 1.0, p99: s.p99 });
+            }
+        }
+        if let Some(fate) = gone {
+            self.find(sight, fate);
+        }
+    }
+
+    /// Looks for particles that went through a collider since the frame before, in which they were at `prior`.
+    pub fn cross<T: Real>(&mut self, sight: &Sight<T>, prior: &[V3<T>], frame: f64) {
+        for (collider, solid) in sight.solids.iter().enumerate() {
+            let core = solid.coated(solid.thickness() * T::of(-CORE));
+            let through = |(p, was): (&[T; 4], &V3<T>)| {
+                let now = xyz(*p);
+                let from = carried(solid, *was, frame);
+                p[3].get() > 0.0 && core.exit(from).is_none() && core.entry(from, sub(now, from)).is_some()
+            };
+            let all = || sight.now.iter().zip(prior).enumerate().filter(|(_, pair)| through(*pair));
+            if let Some((particle, _)) = all().next().filter(|_| solid.around().is_some()) {
+                let particles = all().count();
+                self.find(sight, Fate::Tunnelled { particles, particle, collider });
+            }
+        }
+    }
+
+    fn find<T: Real>(&mut self, sight: &Sight<T>, fate: Fate) {
+        let same = |f: &&mut Finding| {
+            f.cloth == sight.index && std::mem::discriminant(&f.fate) == std::mem::discriminant(&fate)
+        };
+        match self.findings.iter_mut().find(same) {
+            Some(known) => {
+                if worse(&fate, &known.fate) {
+                    known.fate = fate;
+                }
+            }
+            None => self.findings.push(Finding {
+                cloth: sight.index,
+                name: sight.cloth.name().into(),
+                time: sight.time,
+                fate,
+                substeps: sight.substeps,
+            }),
+        }
+    }
+}
+
+fn worse(a: &Fate, b: &Fate) -> bool {
+    match (a, b) {
+        (Fate::Stretched { p99: a, .. }, Fate::Stretched { p99: b, .. }) => a > b,
+        (Fate::Tunnelled { particles: a, .. }, Fate::Tunnelled { particles: b, .. }) => a > b,
+        _ => false,
+    }
+}
+
+/// Whether a cloth without pins is below everything that could hold it.
+fn gone<T: Real>(sight: &Sight<T>, touched: &[bool]) -> Option<Fate> {
+    let g = sight.gravity.map(|x| T::of(x.into()));
+    let strength = dot(g, g).sqrt();
+    if strength.get() <= 0.0 || sight.now.iter().any(|p| p[3].get() == 0.0) {
+        return None;
+    }
+    let up = scale(g, T::of(-1.0) / strength);
+    let height = |p: V3<T>| dot(p, up).get();
+    let top = sight.now.iter().filter(|p| p[3].get() >= 0.0).map(|p| height(xyz(*p))).fold(f64::NEG_INFINITY, f64::max);
+    let bottom = |s: &Solid<T>| s.around().map_or(f64::NEG_INFINITY, |r| height(s.center) - r.get());
+    let lowest = |all: &mut dyn Iterator<Item = f64>| all.fold(f64::INFINITY, f64::min);
+    let touches = touched.contains(&true);
+    let held = sight.solids.iter().zip(touched).filter(|(_, t)| **t || !touches).map(|(s, _)| bottom(s));
+    let start = sight.cloth.positions().iter().map(|p| height(p.map(|x| T::of(x.into()))));
+    let floor = lowest(&mut held.into_iter());
+    match touches {
+        true => (top < floor).then_some(Fate::Left),
+        false => (top < floor.min(lowest(&mut start.into_iter()) - 1.0)).then_some(Fate::Falls),
+    }
+}
+
+/// Where a point fixed to a collider is at the end of a frame of `frame` seconds.
+fn carried<T: Real>(solid: &Solid<T>, p: V3<T>, frame: f64) -> V3<T> {
+    let frame = T::of(frame);
+    let center = sub(solid.center, scale(solid.velocity, frame));
+    let arm = sub(p, center);
+    add(p, scale(add(solid.velocity, cross(solid.spin, arm)), frame))
+}
+
+/// Whether something moves so far in a frame of `frame` seconds that it may pass a collider.
+pub fn is_risky<T: Real>(now: &[[T; 4]], before: &[[T; 4]], solids: &[Solid<T>], dt: f64, frame: f64) -> bool {
+    let thinnest = solids.iter().map(|s| s.thickness().get()).fold(f64::INFINITY, f64::min);
+    let length = |v: V3<T>| dot(v, v).sqrt().get();
+    let moves = solids.iter().map(|s| length(s.velocity) + length(s.spin) * s.around().map_or(0.0, Real::get));
+    let room = CORE * thinnest - moves.fold(0.0, f64::max) * frame;
+    if room <= 0.0 {
+        return true;
+    }
+    let limit = T::of((room * dt / frame).powi(2));
+    now.iter().zip(before).any(|(a, b)| {
+        let d = sub(xyz(*a), xyz(*b));
+        dot(d, d) > limit && a[3].get() > 0.0
+    })
+}

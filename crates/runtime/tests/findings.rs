@@ -1,0 +1,128 @@
+//! Nothing fails in silence: cloth in trouble is found, and cloth that is well is not.
+
+use gimage_runtime::*;
+
+const FRAME: f64 = 1.0 / 60.0;
+
+/// A square of `n` x `n` particles, 1 m wide, `height` above the origin, over its middle.
+fn square(n: u32, height: f32) -> Cloth {
+    Flat { origin: [-0.5, height, -0.5], ..Flat::square("sheet", n) }.cloth().unwrap()
+}
+
+fn scene(cloth: Cloth, colliders: &[Collider]) -> Scene {
+    let mut scene = Scene::new("findings");
+    scene.cloths.push(cloth);
+    scene.colliders = colliders.to_vec();
+    scene
+}
+
+fn run(scene: Scene, options: Options, frames: u32) -> Stepper {
+    let mut stepper = Stepper::on_cpu(scene, Options { threads: 1, ..options }).unwrap();
+    (0..frames).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
+    stepper
+}
+
+fn ball(radius: f32, center: [f32; 3]) -> Collider {
+    Collider { friction: 0.3, ..Collider::new(Shape::Sphere { radius }, center) }
+}
+
+fn fates(stepper: &Stepper) -> Vec<Fate> {
+    stepper.findings().iter().map(|f| f.fate).collect()
+}
+
+#[test]
+fn cloth_that_is_well_has_no_findings() {
+    for (name, n) in [("s1", 32), ("s2", 32), ("s2f", 64), ("s3", 32)] {
+        let stepper = run(scene::builtin(name, n).unwrap(), Options::default(), if name == "s2f" { 12 } else { 90 });
+        assert_eq!(fates(&stepper), [], "{name}");
+        let (health, worst) = stepper.health(0).unwrap();
+        let stretch = health.stretch.unwrap();
+        assert!(
+            stretch.mean <= stretch.p99 && stretch.p99 <= stretch.max && stretch.p99 <= worst,
+            "{name}: {health:?}"
+        );
+        assert!(health.depth < 1e-4, "{name}: {health:?}");
+    }
+}
+
+#[test]
+fn cloth_that_falls_without_end_is_found_once() {
+    let stepper = run(scene(square(9, 0.0), &[]), Options::default(), 190);
+    assert_eq!(fates(&stepper), [Fate::Falls]);
+    assert!(stepper.findings()[0].to_string().starts_with("cloth 'sheet', at "), "{}", stepper.findings()[0]);
+    // A floor, pins, or no gravity.
+    let floor = Collider::new(Shape::HalfSpace, [0.0, -0.5, 0.0]);
+    assert_eq!(fates(&run(scene(square(9, 0.0), &[floor]), Options::default(), 190)), []);
+    let mut pinned = square(9, 0.0);
+    pinned.set_pinned(0, true).unwrap();
+    assert_eq!(fates(&run(scene(pinned, &[]), Options::default(), 190)), []);
+    let afloat = Scene { gravity: [0.0; 3], ..scene(square(9, 0.0), &[]) };
+    assert_eq!(fates(&run(afloat, Options::default(), 190)), []);
+}
+
+#[test]
+fn cloth_that_slides_off_its_body_has_left_it() {
+    // One corner on a ball without friction: it touches, and slides off.
+    let smooth = Collider::new(Shape::Sphere { radius: 0.2 }, [-0.45, -0.22, -0.45]);
+    let stepper = run(scene(square(17, 0.0), &[smooth]), Options::default(), 190);
+    assert_eq!(fates(&stepper), [Fate::Left]);
+}
+
+#[test]
+fn a_ball_that_flies_through_cloth_in_a_frame_is_found() {
+    let shot = |substeps| {
+        let mut stepper = Stepper::on_cpu(
+            scene(square(33, 0.3), &[ball(0.05, [0.0, -0.4, 0.0])]),
+            Options { substeps, threads: 1, ..Options::default() },
+        )
+        .unwrap();
+        for frame in 0..20 {
+            let y = -0.4 + 0.4 * frame as f32;
+            let shot = Collider { velocity: [0.0, 24.0, 0.0], ..ball(0.05, [0.0, y, 0.0]) };
+            stepper.set_colliders(vec![shot]).unwrap();
+            stepper.advance(FRAME).unwrap();
+        }
+        (fates(&stepper), stepper.substeps())
+    };
+    let (found, substeps) = shot(Some(1));
+    assert!(
+        found.iter().any(|f| matches!(f, Fate::Tunnelled { collider: 0, .. } | Fate::Stretched { .. })),
+        "{found:?}"
+    );
+    assert_eq!(substeps, 2);
+    // The default keeps up with the ball.
+    assert_eq!(shot(None).1, 64);
+}
+
+#[test]
+fn a_first_collider_and_a_lost_pin_are_reasons_to_choose_again() {
+    let chosen = |s: &Stepper| (s.substeps(), s.choice().polish, s.choice().support);
+    let mut pinned = square(32, 0.3);
+    pinned.damping = 1.0;
+    pinned.set_pinned(0, true).unwrap();
+    let mut stepper = run(scene(pinned, &[]), Options::default(), 1);
+    assert_eq!(chosen(&stepper), (4, 2, Support::Tethered));
+    stepper.set_colliders(vec![ball(0.2, [0.0; 3])]).unwrap();
+    assert_eq!(chosen(&stepper), (12, 4, Support::TetheredOnColliders));
+    stepper.set_pinned(0, 0, false).unwrap();
+    assert_eq!(chosen(&stepper), (17, 12, Support::OnColliders));
+    (0..60).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
+    assert!(stepper.health(0).unwrap().0.stretch.unwrap().p99 < 0.05);
+    // Numbers by hand stay.
+    let given = Options { substeps: Some(9), ..Options::default() };
+    let mut stepper = run(scene(square(32, 0.3), &[]), given, 1);
+    stepper.set_colliders(vec![ball(0.2, [0.0; 3])]).unwrap();
+    assert_eq!((stepper.substeps(), stepper.choice().polish), (9, 0));
+}
+
+#[test]
+fn a_host_that_reads_positions_back_finds_the_same() {
+    let mut stepper = run(scene(square(9, 0.0), &[]), Options::default(), 1);
+    let now = stepper.positions(0).unwrap().to_vec();
+    let torn: Vec<_> = now.iter().map(|p| [4.0 * p[0], p[1], p[2], p[3]]).collect();
+    let health = stepper.examine(0, &torn, &now).unwrap();
+    let stretch = health.stretch.unwrap();
+    assert!((stretch.max - 3.0).abs() < 0.01 && stretch.mean > 1.4 && health.speed > 1.0, "{health:?}");
+    assert!(matches!(fates(&stepper)[..], [Fate::Stretched { ratio, .. }] if (ratio - 4.0).abs() < 0.01));
+    assert!(stepper.examine(1, &now, &now).is_err() && stepper.examine(0, &now[1..], &now).is_err());
+}
