@@ -15,7 +15,7 @@ const SCORED: [u32; 2] = [60, 4];
 const MAX_P99: f64 = 0.1;
 /// Points on the path of a particle in a frame at which it is looked for inside a collider.
 const POINTS: u32 = 24;
-/// Share of a collider's size: who passes a core of this size went through.
+/// Share of a collider's size: who goes through a core of this size went through.
 const CORE: f32 = 0.5;
 
 /// A scene, and the words for it.

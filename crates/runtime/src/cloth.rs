@@ -119,7 +119,7 @@ pub struct Cloth {
     /// Compliance of the springs. Default none. Cloth of a material has a membrane instead of springs.
     pub compliance: Compliance,
     /// Largest distance \[m\] of each particle from its initial position, for [`crate::Solver::Xpbd`]: a motion constraint.
-    /// 0 holds a free particle there, below 0 means none. Default none, at no cost; else one pass per step, of 36 bytes a
+    /// 0 holds a free particle there, below 0 means none. Default none, at no cost; else one pass per step, of 36 bytes per
     /// particle. The same for all duplicates of a seam particle.
     pub limits: Option<Vec<f32>>,
     /// What carries tension in place of springs; [`Cloth::set_material`] makes it.
