@@ -93,22 +93,24 @@ impl Room {
 }
 
 impl Fused {
-    /// The frame of a schedule, if all of its passes can be part of one and a device can bind what they need.
-    fn of(cloth: &Cloth, schedule: &Arc<Schedule>, room: &Room) -> Option<Self> {
+    /// The whole frame of a schedule.
+    fn of(cloth: &Cloth, schedule: &Arc<Schedule>, room: &Room) -> Self {
         let hold = room.hold(cloth.len(), 0);
         let many = schedule.relax.iter().any(|p| matches!(p, Pass::Contact(kinds) if kinds.many));
-        let fused = Fused {
+        Fused {
             schedule: schedule.clone(),
             full: many && room.hold(cloth.len(), NOTES) != hold,
             hold,
             places: (cloth.len() as u32).next_multiple_of(64),
             threads: (cloth.len() as u32 / 4).next_power_of_two().clamp(LEAST, room.threads),
-        };
-        if !shaders::is_whole(schedule) {
-            return None;
         }
-        let bound = shaders::whole(&fused).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
-        (bound <= room.buffers as usize).then_some(fused)
+    }
+
+    /// Storage buffers that the frame of a schedule binds; `None` if one of its passes cannot be part of a whole frame.
+    fn buffers(schedule: &Arc<Schedule>) -> Option<usize> {
+        let fused = Fused { schedule: schedule.clone(), full: false, hold: Hold::Stored, places: 0, threads: LEAST };
+        let bound = |fused| shaders::whole(fused).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
+        shaders::is_whole(schedule).then(|| bound(&fused))
     }
 
     /// Without what may differ within a batch.

@@ -73,7 +73,7 @@ mod tile;
 mod whole;
 
 pub use parts::Bound;
-pub use rule::{Over, rule};
+pub use rule::{Over, over};
 pub use slot::Slot;
 pub use tile::tile;
 pub use whole::{is_whole, whole};

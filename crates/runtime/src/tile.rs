@@ -18,7 +18,7 @@ pub use order::{Order, order};
 pub use shape::TileShape;
 
 use crate::passes::Pass;
-use crate::shaders::{Over, rule};
+use crate::shaders::{Over, over};
 
 /// Consecutive passes of a step in one dispatch, described by what is compiled into its shader.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -47,15 +47,15 @@ impl Tile {
         let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0 };
         let Stages { arrive, middle, leave } = tile.stages();
         let moves = |p: &Pass| matches!(p, Pass::Integrate(_) | Pass::Advance(_));
-        let within = |p: &Pass| matches!(rule(*p).over, Over::Particles | Over::Springs { .. }) && !moves(p);
-        let alone = |p: &Pass| matches!(rule(*p).over, Over::Particles);
+        let within = |p: &Pass| matches!(over(*p), Over::Particles | Over::Springs { .. }) && !moves(p);
+        let alone = |p: &Pass| matches!(over(*p), Over::Particles);
         // Sums are a matter of springs.
         let forgets = tile.forgets();
         let sums = passes.iter().any(|p| matches!(p, Pass::Stretch { again: true, .. }));
         let good = arrive.iter().skip(1).all(|p| alone(p) && !moves(p))
             && arrive.first().is_none_or(alone)
             && middle.iter().all(|p| within(p) && *p != Pass::Forget)
-            && leave.iter().all(|p| matches!(rule(*p).over, Over::Particles | Over::Near) && !moves(p))
+            && leave.iter().all(|p| matches!(over(*p), Over::Particles | Over::Near) && !moves(p))
             && leave.iter().rev().skip(1).all(|p| !matches!(p, Pass::Contact(_)))
             && (sums || !forgets);
         good.then_some(tile)
@@ -63,7 +63,7 @@ impl Tile {
 
     /// The passes by where they are.
     pub(crate) fn stages(&self) -> Stages<'_> {
-        let springs = |p: &Pass| matches!(rule(*p).over, Over::Springs { .. });
+        let springs = |p: &Pass| matches!(over(*p), Over::Springs { .. });
         let passes = &self.passes[..];
         let early = |p: &Pass| springs(p) || matches!(p, Pass::Contact(_));
         let first = passes.iter().position(early).unwrap_or(passes.len());
@@ -78,7 +78,7 @@ impl Tile {
 
     /// Directions and parities of its springs, in order.
     fn colours(&self) -> impl Iterator<Item = (u32, u32)> {
-        self.passes.iter().filter_map(|p| match rule(*p).over {
+        self.passes.iter().filter_map(|p| match over(*p) {
             Over::Springs { direction, parity } => Some((direction, parity)),
             _ => None,
         })

@@ -67,18 +67,22 @@ impl World {
         self.orders = vec![Default::default(); self.schedules.len()];
         let Some(room) = self.room.filter(|_| self.options.fused) else { return };
         // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.
-        let mut frames: Vec<Arc<Schedule>> = Vec::new();
+        let mut frames: Vec<(Arc<Schedule>, bool)> = Vec::new();
         for index in self.arenas.iter().flatten() {
             let (cloth, schedule) = (&self.scene.cloths[*index], &self.schedules[*index]);
             // Rest lengths and tethers that a cut has changed are the cloth's own.
             if cloth.is_cut() {
                 continue;
             }
-            let frame = frames.iter().find(|f| ***f == *schedule).cloned().unwrap_or_else(|| {
-                frames.push(Arc::new(schedule.clone()));
-                frames[frames.len() - 1].clone()
+            let known = frames.iter().position(|(frame, _)| **frame == *schedule);
+            let at = known.unwrap_or_else(|| {
+                let frame = Arc::new(schedule.clone());
+                let fits = Fused::buffers(&frame).is_some_and(|count| count <= room.buffers as usize);
+                frames.push((frame, fits));
+                frames.len() - 1
             });
-            self.fused[*index] = Fused::of(cloth, &frame, &room);
+            let (frame, fits) = &frames[at];
+            self.fused[*index] = fits.then(|| Fused::of(cloth, frame, &room));
         }
     }
 

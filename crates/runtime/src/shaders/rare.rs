@@ -1,17 +1,17 @@
 //! Rules of passes that have loops of their own: those on coarser grids, and those of actions.
 
+use super::Slot;
 use super::parts::Parts;
 use super::rule::{Over, Rule, Whole, open, parted};
-use super::{Slot, Threads};
 use Slot::{Action, Candidates, Grids, Holes, Now, Rest};
 
 macro_rules! own {
-    ($stem:literal, $threads:expr, $parts:expr) => {
-        Rule { stem: $stem, text: pass!($stem), call: "", over: Over::Own($threads), whole: Whole::No, parts: $parts }
+    ($stem:literal, $over:expr, $parts:expr) => {
+        Rule { stem: $stem, text: pass!($stem), call: "", over: $over, whole: Whole::No, parts: $parts }
     };
 }
 
-pub(super) fn pyramid(directions: [bool; 4], seams: bool, cut: bool) -> Rule {
+pub(super) fn pyramid(over: Over, directions: [bool; 4], seams: bool, cut: bool) -> Rule {
     let mut read = vec![Slot::Levels, Now, Slot::Limits, Grids];
     read.extend(seams.then_some(Slot::Ties));
     let ties: &[_] = match (seams, cut) {
@@ -23,43 +23,43 @@ pub(super) fn pyramid(directions: [bool; 4], seams: bool, cut: bool) -> Rule {
     let parts = parted(cut, Parts::new(&files, &read, &[Slot::Nodes]));
     let names = ["right", "down", "down_right", "up_right"].into_iter().zip(directions);
     let parts = names.fold(parts, |parts, (name, on)| parts.constant(name, u32::from(on)));
-    own!("pyramid", if seams { Threads::Cloth } else { Threads::Grids }, parts)
+    own!("pyramid", over, parts)
 }
 
-pub(super) fn cut() -> Rule {
+pub(super) fn cut(over: Over) -> Rule {
     let parts = Parts::new(&[part!("quad"), part!("action")], &[Grids, Now, Action], &[Holes]);
-    own!("cut", Threads::Texels, parts)
+    own!("cut", over, parts)
 }
 
-pub(super) fn cut_springs() -> Rule {
-    own!("cut_springs", Threads::Texels, open(true, Parts::new(&[part!("quad")], &[Grids, Now], &[Rest])))
+pub(super) fn cut_springs(over: Over) -> Rule {
+    own!("cut_springs", over, open(true, Parts::new(&[part!("quad")], &[Grids, Now], &[Rest])))
 }
 
-pub(super) fn cut_tethers(slots: u32, seams: bool) -> Rule {
+pub(super) fn cut_tethers(over: Over, slots: u32, seams: bool) -> Rule {
     let mates = if seams { part!("mates") } else { part!("mates_none") };
     let mut read = vec![Grids, Rest, Action, Slot::Tethers];
     read.extend(seams.then_some(Slot::Mates));
     let write = [Slot::Supports, Slot::Holding, Slot::Changes];
     let parts = Parts::new(&[part!("action"), mates, part!("route")], &read, &write).constant("slots", slots);
-    own!("cut_tethers", Threads::Texels, parts)
+    own!("cut_tethers", over, parts)
 }
 
-pub(super) fn cut_levels() -> Rule {
+pub(super) fn cut_levels(over: Over) -> Rule {
     let write = [Slot::Nodes, Slot::Limits, Slot::Links];
-    own!("cut_levels", Threads::Grids, Parts::new(&[part!("level")], &[Grids, Rest, Slot::Levels], &write))
+    own!("cut_levels", over, Parts::new(&[part!("level")], &[Grids, Rest, Slot::Levels], &write))
 }
 
-pub(super) fn transform() -> Rule {
+pub(super) fn transform(over: Over) -> Rule {
     let parts = Parts::new(&[part!("action")], &[Action, Slot::Chosen], &[Now, Slot::Before]);
-    own!("transform", Threads::Particles, parts)
+    own!("transform", over, parts)
 }
 
-pub(super) fn pick(holes: bool) -> Rule {
+pub(super) fn pick(over: Over, holes: bool) -> Rule {
     let files = [part!("quad"), part!("action"), part!("nearest")];
-    own!("pick", Threads::Texels, open(holes, Parts::new(&files, &[Grids, Now, Action], &[Candidates])))
+    own!("pick", over, open(holes, Parts::new(&files, &[Grids, Now, Action], &[Candidates])))
 }
 
-pub(super) fn pick_nearest() -> Rule {
+pub(super) fn pick_nearest(over: Over) -> Rule {
     let parts = Parts::new(&[part!("quad"), part!("nearest")], &[Grids, Now, Candidates], &[Slot::Found]);
-    own!("pick_nearest", Threads::One, parts)
+    own!("pick_nearest", over, parts)
 }

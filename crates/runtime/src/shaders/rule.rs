@@ -59,21 +59,51 @@ macro_rules! rule {
     };
 }
 
+/// What the rule of a pass is run for.
+pub fn over(pass: Pass) -> Over {
+    match pass {
+        Pass::Integrate(_) | Pass::Advance(_) | Pass::Forget | Pass::Tethers { .. } | Pass::Limit => Over::Particles,
+        Pass::Guard | Pass::Restore | Pass::Colliders(_) => Over::Particles,
+        Pass::Contact(kinds) => {
+            if kinds.many {
+                Over::Near
+            } else {
+                Over::Particles
+            }
+        }
+        Pass::Seams | Pass::SeamSteps | Pass::SeamMoments | Pass::SeamNormals => Over::Rings,
+        Pass::Wind { .. } | Pass::Moments { .. } | Pass::Bend | Pass::Normals { .. } | Pass::Refine { .. } => {
+            Over::Texels
+        }
+        Pass::Membrane { column, row, .. } => Over::Cells { column, row },
+        Pass::Springs { direction, parity, .. } | Pass::Stretch { direction, parity, .. } => {
+            Over::Springs { direction, parity }
+        }
+        Pass::Speed | Pass::Transform => Over::Own(Threads::Particles),
+        Pass::Fastest | Pass::PickNearest => Over::Own(Threads::One),
+        Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
+        Pass::CutLevels => Over::Own(Threads::Grids),
+        Pass::Strain { .. } | Pass::Cut | Pass::CutSprings | Pass::CutTethers { .. } | Pass::Pick { .. } => {
+            Over::Own(Threads::Texels)
+        }
+    }
+}
+
 /// The rule of a pass.
 pub fn rule(pass: Pass) -> Rule {
     use Slot::{Before, Field, Grids, Members, Now, Solids, Starts, Step, Sums};
+    let over = over(pass);
     let parts = |files: &[&'static str], reads: &[Slot], writes: &[Slot]| Parts::new(files, reads, writes);
     match pass {
-        Pass::Integrate(air) => rule!("integrate", "integrate", Over::Particles, integrate(air, false)),
-        Pass::Advance(air) => rule!("integrate", "integrate", Over::Particles, integrate(air, true)),
-        Pass::Forget => rule!("forget", "forget", Over::Particles, parts(&[], &[], &[Now, Sums])),
+        Pass::Integrate(air) => rule!("integrate", "integrate", over, integrate(air, false)),
+        Pass::Advance(air) => rule!("integrate", "integrate", over, integrate(air, true)),
+        Pass::Forget => rule!("forget", "forget", over, parts(&[], &[], &[Now, Sums])),
         Pass::Tethers { slots } => {
             let parts = parts(&[], &[Slot::Tethers], &[Now]).constant("slots", slots);
-            rule!("tethers", "tether", Over::Particles, parts)
+            rule!("tethers", "tether", over, parts)
         }
-        Pass::Limit => rule!("limit", "limit", Over::Particles, parts(&[], &[Slot::Targets], &[Now])),
+        Pass::Limit => rule!("limit", "limit", over, parts(&[], &[Slot::Targets], &[Now])),
         Pass::Contact(kinds) => {
-            let over = if kinds.many { Over::Near } else { Over::Particles };
             let near: &[_] = if kinds.many { &[part!("near")] } else { &[part!("near_all")] };
             let files = [&[part!("solid"), part!("friction"), part!("entry"), part!("touch")], near].concat();
             rule!("contact", "clear", over, shapes(kinds, parts(&files, &[Step, Before, Solids], &[Now])))
@@ -81,52 +111,52 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Colliders(kinds) => {
             let files = [part!("solid"), if kinds.friction { part!("friction") } else { part!("friction_none") }];
             let read: &[_] = if kinds.friction { &[Solids, Step, Before] } else { &[Solids] };
-            rule!("colliders", "leave_solids", Over::Particles, shapes(kinds, parts(&files, read, &[Now])))
+            rule!("colliders", "leave_solids", over, shapes(kinds, parts(&files, read, &[Now])))
         }
-        Pass::Seams => rule!("seams", "close", Over::Rings, parts(&[], &[Starts, Members], &[Now])),
+        Pass::Seams => rule!("seams", "close", over, parts(&[], &[Starts, Members], &[Now])),
         Pass::SeamSteps => {
-            rule!("seam_steps", "close_steps", Over::Rings, parts(&[], &[Starts, Members], &[Now, Before]))
+            rule!("seam_steps", "close_steps", over, parts(&[], &[Starts, Members], &[Now, Before]))
         }
         Pass::SeamMoments => {
-            rule!("seam_moments", "join_moments", Over::Rings, parts(&[], &[Starts, Members], &[Slot::Moments]))
+            rule!("seam_moments", "join_moments", over, parts(&[], &[Starts, Members], &[Slot::Moments]))
         }
         Pass::SeamNormals => {
             let parts = parts(&[part!("unit")], &[Starts, Members], &[Slot::Normals]);
-            rule!("seam_normals", "join_normals", Over::Rings, parts)
+            rule!("seam_normals", "join_normals", over, parts)
         }
         Pass::Wind { holes } => {
             let parts = parts(&[part!("gust"), part!("neighbours")], &[Step, Grids, Now, Before], &[Field]);
-            rule!("wind", "blow", Over::Texels, open(holes, parts))
+            rule!("wind", "blow", over, open(holes, parts))
         }
         Pass::Moments { holes } => {
             let unbroken = if holes { part!("unbroken_rest") } else { part!("unbroken_all") };
             let read = [Step, Grids, Now, Slot::Weights, Slot::Bends];
             let parts = parts(&[part!("laplacian"), unbroken], &read, &[Slot::Moments]);
             let rest: &[_] = if holes { &[reads(Slot::Rest)] } else { &[] };
-            rule!("moments", "moment", Over::Texels, parts.bind(rest))
+            rule!("moments", "moment", over, parts.bind(rest))
         }
         Pass::Bend => {
             let parts = parts(&[part!("laplacian")], &[Grids, Slot::Weights], &[Now, Slot::Moments]);
-            rule!("bend", "bend", Over::Texels, parts)
+            rule!("bend", "bend", over, parts)
         }
         Pass::Normals { holes } => {
             let parts = parts(&[part!("neighbours"), part!("unit")], &[Grids, Now], &[Slot::Normals]);
-            rule!("normals", "normal", Over::Texels, open(holes, parts))
+            rule!("normals", "normal", over, open(holes, parts))
         }
         Pass::Refine { seams, cut } => {
             let parts = parts(&[part!("level")], &[Slot::Levels, Slot::Nodes, Grids], &[Now, Before]);
             let parts = parted(cut, parts).number("carried", crate::levels::carried(seams));
-            rule!("refine", "follow", Over::Texels, parts)
+            rule!("refine", "follow", over, parts)
         }
-        Pass::Membrane { column, row, holes } => {
+        Pass::Membrane { holes, .. } => {
             let parts = parts(&[], &[Step, Grids, Slot::Cells, Slot::Yielding], &[Now]);
-            rule!("membrane", "relax_cell", Over::Cells { column, row }, open(holes, parts))
+            rule!("membrane", "relax_cell", over, open(holes, parts))
         }
-        Pass::Springs { direction, parity, image } => {
+        Pass::Springs { image, .. } => {
             let parts = parts(&[part!("ends")], &[Grids], &[Now]).and(rest(image));
-            rule!("springs", "relax_hard", Over::Springs { direction, parity }, parts)
+            rule!("springs", "relax_hard", over, parts)
         }
-        Pass::Stretch { direction, parity, image, soft, again } => {
+        Pass::Stretch { image, soft, again, .. } => {
             let parts =
                 parts(&[part!("ends"), part!("aside")], &[Grids], &[Now]).and(rest(image)).and(compliance(soft));
             let parts = match (soft, again) {
@@ -134,31 +164,31 @@ pub fn rule(pass: Pass) -> Rule {
                 (_, false) => parts.and(Parts::new(&[part!("once")], &[], &[])),
                 (_, true) => parts.and(Parts::new(&[part!("again")], &[], &[Sums])),
             };
-            rule!("stretch", "stretch", Over::Springs { direction, parity }, parts)
+            rule!("stretch", "stretch", over, parts)
         }
-        Pass::Guard => rule!("guard", "guard", Over::Particles, parts(&[part!("sane")], &[Now], &[Slot::Faults])),
+        Pass::Guard => rule!("guard", "guard", over, parts(&[part!("sane")], &[Now], &[Slot::Faults])),
         Pass::Restore => {
             let parts = parts(&[], &[], &[Now, Before, Slot::Faults, Slot::Good]);
-            rule!("restore", "restore", Over::Particles, parts)
+            rule!("restore", "restore", over, parts)
         }
         Pass::Speed => {
             let parts = parts(&[part!("larger"), part!("most")], &[Now, Before], &[Slot::Partial]);
             let whole = Whole::Call("speed", Parts::new(&[part!("larger"), part!("whole_speed")], &[], &[]));
-            Rule { whole, ..rule!("speed", "", Over::Own(Threads::Particles), parts) }
+            Rule { whole, ..rule!("speed", "", over, parts) }
         }
         Pass::Fastest => {
             let parts = parts(&[part!("larger"), part!("most")], &[Slot::Partial], &[Slot::Fastest]);
-            Rule { whole: Whole::Done, ..rule!("fastest", "", Over::Own(Threads::One), parts) }
+            Rule { whole: Whole::Done, ..rule!("fastest", "", over, parts) }
         }
-        Pass::Strain { image, soft } => strain(image, soft),
-        Pass::Pyramid { directions, seams, cut } => rare::pyramid(directions, seams, cut),
-        Pass::Cut => rare::cut(),
-        Pass::CutSprings => rare::cut_springs(),
-        Pass::CutTethers { slots, seams } => rare::cut_tethers(slots, seams),
-        Pass::CutLevels => rare::cut_levels(),
-        Pass::Transform => rare::transform(),
-        Pass::Pick { holes } => rare::pick(holes),
-        Pass::PickNearest => rare::pick_nearest(),
+        Pass::Strain { image, soft } => strain(over, image, soft),
+        Pass::Pyramid { directions, seams, cut } => rare::pyramid(over, directions, seams, cut),
+        Pass::Cut => rare::cut(over),
+        Pass::CutSprings => rare::cut_springs(over),
+        Pass::CutTethers { slots, seams } => rare::cut_tethers(over, slots, seams),
+        Pass::CutLevels => rare::cut_levels(over),
+        Pass::Transform => rare::transform(over),
+        Pass::Pick { holes } => rare::pick(over, holes),
+        Pass::PickNearest => rare::pick_nearest(over),
     }
 }
 
@@ -175,13 +205,13 @@ fn integrate(air: Air, exact: bool) -> Parts {
 }
 
 /// The largest stretch, a number for a workgroup.
-fn strain(image: bool, soft: Soft) -> Rule {
+fn strain(over: Over, image: bool, soft: Soft) -> Rule {
     let share = if soft == Soft::None { part!("share_all") } else { part!("share_soft") };
     let common = Parts::new(&[part!("larger"), part!("residual"), share], &[Slot::Grids, Slot::Now], &[]);
     let common = common.and(rest(image)).and(compliance(soft));
     let whole = Whole::Call("strain", common.clone().files(&[part!("whole_strain")]));
     let parts = common.files(&[part!("most")]).bind(&[writes(Slot::Strain)]);
-    Rule { whole, ..rule!("strain", "", Over::Own(Threads::Texels), parts) }
+    Rule { whole, ..rule!("strain", "", over, parts) }
 }
 
 /// Where rest lengths come from.

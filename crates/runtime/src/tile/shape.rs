@@ -5,7 +5,7 @@ use crate::cloth::Grid;
 use crate::cpu::tile::{around, tiles};
 use crate::fused::{NOTES, Room};
 use crate::passes::Pass;
-use crate::shaders::{Over, rule};
+use crate::shaders::{Over, over};
 
 /// Sizes of tiles, in columns and rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -34,7 +34,7 @@ impl Tile {
     pub(super) fn fit(self, grids: &[Grid], room: &Room) -> Option<Self> {
         let colours: Vec<_> = self.colours().collect();
         let (around, lacks) = around(&colours);
-        let near = self.passes.iter().any(|p| matches!(rule(*p).over, Over::Near));
+        let near = self.passes.iter().any(|p| matches!(over(*p), Over::Near));
         let sums = self.passes.iter().any(|p| matches!(p, Pass::Stretch { again: true, .. }));
         let beside = if near { NOTES } else { 0 };
         let most = (room.memory.saturating_sub(beside) / if sums { 2 * BYTES } else { BYTES }).min(LARGE);
