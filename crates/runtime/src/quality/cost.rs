@@ -22,10 +22,11 @@ struct Times {
 }
 
 impl Times {
-    fn median(&self) -> Option<f64> {
+    /// The median, if there are `fewest` times.
+    fn median(&self, fewest: usize) -> Option<f64> {
         let mut ms: Vec<f64> = self.ms.iter().copied().collect();
         ms.sort_by(f64::total_cmp);
-        (ms.len() >= TIMES[1]).then(|| ms[ms.len() / 2])
+        (ms.len() >= fewest).then(|| ms[ms.len() / 2])
     }
 }
 
@@ -57,12 +58,15 @@ impl Costs {
         self.of.retain(|t| t.age <= OLD_S);
     }
 
-    /// The largest number of steps that `ms` have room for, `n` being the present one; none before enough times are known.
+    /// The largest number of steps that `ms` have room for, `n` being the present one; none before times are known.
     pub fn room(&self, n: u32, ms: f64) -> Option<u32> {
-        let latest = self.of.iter().rev().find_map(|t| Some((f64::from(t.steps), t.median()?)));
-        let (steps, took) = latest?;
-        let others = self.of.iter().filter_map(|t| Some((f64::from(t.steps), t.median()?)));
-        let far = others.max_by(|a, b| (a.0 - steps).abs().total_cmp(&(b.0 - steps).abs()))?;
+        let known = |fewest| -> Vec<(f64, f64)> {
+            self.of.iter().filter_map(|t| Some((f64::from(t.steps), t.median(fewest)?))).collect()
+        };
+        // Where the number rises fast, none has many times: few are better than a rise without a bound.
+        let known = Some(known(TIMES[1])).filter(|k| !k.is_empty()).unwrap_or_else(|| known(1));
+        let (steps, took) = *known.last()?;
+        let far = known.iter().copied().max_by(|a, b| (a.0 - steps).abs().total_cmp(&(b.0 - steps).abs()))?;
         if far.0 == steps {
             // All that is known: the steps take everything. A spare budget is worth a trial.
             let room = (steps * ms / took).floor() as u32;
