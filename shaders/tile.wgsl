@@ -107,7 +107,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let k = here(at);
     let p = now[k];
     own = all(at >= own_low) && all(at < own_high);
-    held[stored(at)] = p;
+    put(k, p);
     take_sums(k, stored(at));
     if (p.w <= 0.0) {
       stay(k);
