@@ -124,7 +124,7 @@ fn p99(flat: [usize; 2], rest: f64, now: &[[f32; 4]]) -> f64 {
     all.get(all.len() * 99 / 100).copied().unwrap_or(0.0)
 }
 
-/// What came of a scene.
+/// The result of a scene.
 struct Outcome {
     line: String,
     /// Stretched or tunnelled, and nothing was found.

@@ -145,7 +145,7 @@ impl Settings {
     }
 }
 
-/// What a cloth asks for.
+/// The numbers that one cloth needs.
 #[derive(Clone, Copy)]
 struct Need {
     substeps: u32,
@@ -178,7 +178,7 @@ fn choose(given: &Options, scene: &Scene) -> Choice {
     }
 }
 
-/// What the support of a cloth asks for.
+/// The numbers that a cloth needs because of how it is held.
 fn need(cloth: &Cloth, given: &Options, colliders: bool) -> Need {
     let n = side(cloth);
     let scaled =

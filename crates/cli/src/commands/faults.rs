@@ -1,4 +1,4 @@
-//! What went wrong during a run, such as numbers that overflowed: reported at its end, with exit code 1.
+//! Reports the faults of a run, such as overflows, at its end; the exit code is then 1.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ struct Fault {
 #[derive(Debug, Default)]
 pub struct Faults {
     of: BTreeMap<usize, Fault>,
-    /// What the stepper found.
+    /// Findings of the stepper.
     findings: Vec<Finding>,
     /// Figures of each cloth at the end.
     pub health: Vec<Health>,

@@ -34,7 +34,7 @@ impl fmt::Display for Range {
 }
 
 impl Range {
-    /// What to give, as part of a sentence: `a number above 0`.
+    /// The permitted values in words, as part of a sentence: `a number above 0`.
     pub fn words(&self) -> String {
         match self {
             Range::Any => "another value".into(),

@@ -85,7 +85,7 @@ fn stored_binds_reproduce_the_skinned_positions() {
         let weights = got.mesh.channel(&Semantic::Weights(0)).unwrap();
         assert_eq!(weights.at(0, 0), Some(&[0.25, 0.75, 0.0, 0.0][..]));
     }
-    // Turned and moved, skin and surface still go together: what a joint does is turned and moved alike.
+    // A transform of the scene applies to the surface and to its joints alike.
     let skinned = |got: &gimage::import::Imported| -> Vec<[f64; 3]> {
         let apply = |m: &[f64; 16], p: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|i| m[i] * p[0] + m[4 + i] * p[1] + m[8 + i] * p[2] + m[12 + i])

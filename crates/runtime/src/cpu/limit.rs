@@ -8,9 +8,9 @@ use crate::number::real::Real;
 
 /// The limits of a sheet.
 pub struct Limit<T: Real> {
-    /// Where to, in the layout of [`Sheet::now`].
+    /// Target positions \[m\]; in the layout of [`Sheet::now`].
     targets: Aligned<T>,
-    /// Largest distance \[m\]; very large where there is no limit. In the layout of [`Sheet::w`].
+    /// Largest distance \[m\], `f32::MAX` for no limit; in the layout of [`Sheet::w`].
     most: Vec<T>,
 }
 

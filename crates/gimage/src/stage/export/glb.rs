@@ -18,7 +18,7 @@ pub enum Component {
     F32 = 5126,
 }
 
-/// What a view holds.
+/// The kind of data in a buffer view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Target {
