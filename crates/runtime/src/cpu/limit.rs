@@ -2,6 +2,7 @@
 
 use super::rows::Threads;
 use super::sheet::{Sheet, planes, planes_ref};
+use super::tethers::hold_within;
 use crate::number::aligned::Aligned;
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
@@ -51,8 +52,6 @@ struct Rows<'a, 'b, T: Real> {
 impl<T: Real> Work<T> for Rows<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        let (zero, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-30)));
-        let none = k.splat(T::of(f64::from(f32::MAX)));
         let wide = 2 * self.half;
         for (n, row) in self.rows.chunks_exact_mut(3 * wide).enumerate() {
             let j = self.first + n;
@@ -60,16 +59,8 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
             let to = planes_ref(&self.limit.targets[j * 3 * wide..(j + 1) * 3 * wide], self.half);
             let [x, y, z] = planes(row, self.half);
             for at in (0..wide).step_by(K::WIDE) {
-                let p = [k.load(x, at), k.load(y, at), k.load(z, at)];
                 let to = [k.load(to[0], at), k.load(to[1], at), k.load(to[2], at)];
-                let d = [k.sub(p[0], to[0]), k.sub(p[1], to[1]), k.sub(p[2], to[2])];
-                let far = k.sqrt(k.squares(d));
-                let most = k.choose(k.above(k.load(w, at), zero), k.load(most, at), none);
-                let keep = k.div(most, k.most(far, least));
-                let beyond = k.above(far, most);
-                k.store(x, at, k.choose(beyond, k.add(to[0], k.mul(d[0], keep)), p[0]));
-                k.store(y, at, k.choose(beyond, k.add(to[1], k.mul(d[1], keep)), p[1]));
-                k.store(z, at, k.choose(beyond, k.add(to[2], k.mul(d[2], keep)), p[2]));
+                hold_within(k, [x, y, z], at, to, (k.load(w, at), k.load(most, at)));
             }
         }
     }

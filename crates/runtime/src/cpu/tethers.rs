@@ -111,24 +111,36 @@ fn list<T: Real, K: Machine<T>>(
     first: usize,
     anchors: &[V3<T>],
 ) {
-    let (zero, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-30)));
-    let none = k.splat(T::of(f64::from(f32::MAX)));
     // All as long, so that this is checked once.
     let long = count.next_multiple_of(LANES);
     let (x, y, z, w, most) =
         (&mut x[..long], &mut y[..long], &mut z[..long], &w[..long], &slot.most[first..first + long]);
     for at in (0..long).step_by(K::WIDE) {
         let anchor = to(k, slot, first + at, anchors);
-        let p = [k.load(x, at), k.load(y, at), k.load(z, at)];
-        let d = [k.sub(p[0], anchor[0]), k.sub(p[1], anchor[1]), k.sub(p[2], anchor[2])];
-        let far = k.sqrt(k.squares(d));
-        let most = k.choose(k.above(k.load(w, at), zero), k.load(most, at), none);
-        let keep = k.div(most, k.most(far, least));
-        let beyond = k.above(far, most);
-        k.store(x, at, k.choose(beyond, k.add(anchor[0], k.mul(d[0], keep)), p[0]));
-        k.store(y, at, k.choose(beyond, k.add(anchor[1], k.mul(d[1], keep)), p[1]));
-        k.store(z, at, k.choose(beyond, k.add(anchor[2], k.mul(d[2], keep)), p[2]));
+        hold_within(k, [x, y, z], at, anchor, (k.load(w, at), k.load(most, at)));
     }
+}
+
+/// Draws the free particles of a vector, at `at`, to within `most` \[m\] of `to`; `w` are their inverse masses.
+#[inline(always)]
+pub fn hold_within<T: Real, K: Machine<T>>(
+    k: K,
+    [x, y, z]: [&mut [T]; 3],
+    at: usize,
+    to: [K::V; 3],
+    (w, most): (K::V, K::V),
+) {
+    let (zero, least) = (k.splat(T::of(0.0)), k.splat(T::of(1e-30)));
+    let none = k.splat(T::of(f64::from(f32::MAX)));
+    let p = [k.load(x, at), k.load(y, at), k.load(z, at)];
+    let d = [k.sub(p[0], to[0]), k.sub(p[1], to[1]), k.sub(p[2], to[2])];
+    let far = k.sqrt(k.squares(d));
+    let most = k.choose(k.above(w, zero), most, none);
+    let keep = k.div(most, k.most(far, least));
+    let beyond = k.above(far, most);
+    k.store(x, at, k.choose(beyond, k.add(to[0], k.mul(d[0], keep)), p[0]));
+    k.store(y, at, k.choose(beyond, k.add(to[1], k.mul(d[1], keep)), p[1]));
+    k.store(z, at, k.choose(beyond, k.add(to[2], k.mul(d[2], keep)), p[2]));
 }
 
 #[inline(always)]
