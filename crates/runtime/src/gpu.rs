@@ -24,6 +24,7 @@ pub use span::Span;
 use bytemuck::cast_slice;
 
 use crate::cpu::body::Body;
+use crate::cpu::rows::Threads;
 use crate::cpu::start::Start;
 use crate::error::Result;
 use crate::form::Form;
@@ -193,13 +194,13 @@ impl Gpu {
     }
 
     /// Writes what the CPU made into the buffers for drawing.
-    pub fn upload(&self, bodies: &[Body<f32>], asleep: &[bool]) {
+    pub fn upload(&self, bodies: &[Body<f32>], threads: &Threads, asleep: &[bool]) {
         let write = |span: &Span, bytes: &[u8]| self.queue.write_buffer(&span.buffer, span.offset, bytes);
         for ((buffers, body), asleep) in self.cloths.iter().zip(bodies).zip(asleep) {
             if !asleep {
                 write(&buffers.now, cast_slice(body.now()));
                 write(&buffers.before, cast_slice(body.before()));
-                write(&buffers.normals, cast_slice(&body.normals));
+                write(&buffers.normals, cast_slice(body.normals(threads)));
                 if let Some(holes) = &buffers.holes {
                     write(holes, cast_slice(&body.holes));
                 }

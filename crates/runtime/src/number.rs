@@ -2,4 +2,5 @@
 
 pub(crate) mod aligned;
 pub(crate) mod lanes;
+pub(crate) mod noise;
 pub(crate) mod real;

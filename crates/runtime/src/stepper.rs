@@ -92,9 +92,11 @@ impl Stepper {
         Some(self.cpu.as_ref()?.0.get(cloth)?.before())
     }
 
-    /// Unit normals of a cloth; 0 where there is none.
+    /// Unit normals of a cloth; 0 where there is none. Made from its positions when they are first read after a frame, 4 ns per
+    /// particle.
     pub fn normals(&self, cloth: usize) -> Option<&[[f32; 4]]> {
-        Some(&self.cpu.as_ref()?.0.get(cloth)?.normals)
+        let (bodies, threads) = self.cpu.as_ref()?;
+        Some(bodies.get(cloth)?.normals(threads))
     }
 
     /// Triangles of a cloth that a cut has taken away, as [`ClothBuffers::holes`]. `None` on the GPU backend, until the

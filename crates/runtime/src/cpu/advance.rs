@@ -1,17 +1,18 @@
 //! The rule of integrate.rs on sheets; the results are the same bits. Where exact, with shaders/part/verlet_exact.wgsl.
 
-use super::integrate::{Air, push};
+use super::gust::airs;
+use super::integrate::Air;
 use super::rows::Threads;
 use super::sheet::{Sheet, columns, planes};
 use crate::number::aligned::Aligned;
-use crate::number::lanes::{LANES, Machine, Work, widest};
+use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
 use crate::step::Step;
 
 /// Rows that are done in one go.
 const TOGETHER: usize = 32;
 
-/// One Verlet step. A field is by texels. `exact`: what is too small for a position to take up is added to the next step's
+/// One Verlet step. A field is in the layout of [`Sheet::now`]. `exact`: what is too small for a position to take up is added to the next step's
 /// displacement, so that gravity and damping do their work however short the step is; after W. Kahan, "Further Remarks
 /// on Reducing Truncation Errors", CACM 1965.
 pub fn run<T: Real>(threads: &Threads, step: &Step<T>, sheet: &mut Sheet<T>, air: Air<T>, exact: bool) {
@@ -93,7 +94,7 @@ impl<T: Real> Rows<'_, '_, T> {
                 let b = [k.load(before[0], at), k.load(before[1], at), k.load(before[2], at)];
                 let moved = [k.sub(p[0], b[0]), k.sub(p[1], b[1]), k.sub(p[2], b[2])];
                 let on = k.choose(k.above(k.squares(moved), longest), zero, keep);
-                let a = if STILL { gravity } else { bent(k, step, &air, [p, moved], (j * width, width, half, at)) };
+                let a = if STILL { gravity } else { bent(k, step, &air, [p, moved], (j, half, at)) };
                 for c in 0..3 {
                     let to = if let Some(lost) = &mut lost {
                         let by = k.add(k.add(k.mul(moved[c], on), k.mul(a[c], scale)), k.load(lost[c], at));
@@ -111,34 +112,25 @@ impl<T: Real> Rows<'_, '_, T> {
     }
 }
 
-/// Accelerations in wind.
+/// Accelerations by gravity and air of the particles at `at` in the row `j`, given where they are and how they moved.
 #[inline(always)]
 fn bent<T: Real, K: Machine<T>>(
     k: K,
     step: &Step<T>,
     air: &Air<T>,
-    vectors: [[K::V; 3]; 2],
-    (first, width, half, at): (usize, usize, usize, usize),
+    [p, moved]: [[K::V; 3]; 2],
+    (j, half, at): (usize, usize, usize),
 ) -> [K::V; 3] {
-    let list = |v: K::V| {
-        let mut out = [T::of(0.0); LANES];
-        k.store(&mut out, 0, v);
-        out
-    };
-    let [p, moved] = vectors.map(|v| v.map(list));
-    let mut out = [[T::of(0.0); LANES]; 3];
-    for n in 0..K::WIDE {
-        let (place, odd) = ((at + n) % half, (at + n) / half);
-        let i = 2 * place + odd;
-        if i >= width {
-            continue;
+    let gravity = step.gravity.map(|g| k.splat(g));
+    match air {
+        Air::None => gravity,
+        Air::Push => {
+            let flow = k.minus(airs(k, step, p), k.times(moved, k.splat(step.rate)));
+            k.plus(gravity, k.times(flow, k.splat(step.response)))
         }
-        let more = match air {
-            Air::None => [T::of(0.0); 3],
-            Air::Push => push(step, p.map(|c| c[n]), moved.map(|c| c[n])),
-            Air::Field(field) => [0, 1, 2].map(|c| field[first + i][c]),
-        };
-        (0..3).for_each(|c| out[c][n] = step.gravity[c] + more[c]);
+        Air::Field(field) => {
+            let first = j * 6 * half + at;
+            k.plus(gravity, [0, 1, 2].map(|c| k.load(field, first + 2 * c * half)))
+        }
     }
-    out.map(|c| k.load(&c, 0))
 }

@@ -3,6 +3,7 @@
 use super::fabric::Fabric;
 use super::fastest::larger;
 use super::integrate::Air;
+use super::lazy::Lazy;
 use super::neighbours::View;
 use super::route::Held;
 use super::rows::Threads;
@@ -20,11 +21,11 @@ use crate::passes::{self, Pass, Soft};
 use crate::step::Step;
 
 /// Positions, previous positions and normals, and what the passes read beside them. The fourth component of a position
-/// is the inverse mass.
+/// is the inverse mass. Normals are made when they are read, of the positions then.
 pub struct Body<T: Real> {
     pub(super) now: Vec<[T; 4]>,
     pub(super) before: Vec<[T; 4]>,
-    pub normals: Vec<[T; 4]>,
+    normals: Lazy<[T; 4]>,
     /// Triangles that are cut away, by texel; empty until the first cut.
     pub holes: Vec<u32>,
     /// Square of the longest displacement \[m^2\] in the last step of a frame, if that is asked for.
@@ -69,7 +70,7 @@ impl<T: Real> Body<T> {
             good: if options.solver == Solver::Xpbd { now.clone() } else { Vec::new() },
             now,
             before,
-            normals,
+            normals: Lazy::new(normals),
             holes: Vec::new(),
             fastest: T::of(0.0),
             strain: None,
@@ -93,6 +94,16 @@ impl<T: Real> Body<T> {
     /// Positions.
     pub fn now(&self) -> &[[T; 4]] {
         &self.now
+    }
+
+    /// Unit normals by texels: of the start, then of the last frame that has the pass `normals`.
+    pub fn normals(&self, threads: &Threads) -> &[[T; 4]] {
+        self.normals.get(|normals| {
+            for g in &self.grids {
+                normals::run(threads, view(&self.now, &self.holes, g), &mut normals[g.range()]);
+            }
+            seam_normals::run(normals, &self.starts, &self.members);
+        })
     }
 
     /// Positions one step before.
@@ -172,18 +183,12 @@ impl<T: Real> Body<T> {
             Pass::Springs { direction, parity, image } => self.springs(threads, (direction, parity), image),
             Pass::Seams => seams::run(&mut self.now, &self.starts, &self.members),
             Pass::Colliders(_) => colliders::run(threads, &mut self.now, &self.before, solids, step.dt),
-            Pass::Normals { .. } => {
-                for g in &self.grids {
-                    let view = view(&self.now, &self.holes, g);
-                    normals::run(threads, view, &mut self.normals[g.range()]);
-                }
-            }
+            Pass::Normals { .. } | Pass::SeamNormals => self.normals.forget(),
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
                 self.edited |= self.faulty.is_some();
                 restore::run(self.faulty.is_some(), &mut self.now, &mut self.before, &mut self.good);
             }
-            Pass::SeamNormals => seam_normals::run(&mut self.normals, &self.starts, &self.members),
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),
             Pass::Fastest => self.fastest = fastest::run(&self.partial),
             Pass::Strain { image, soft } => self.strain(threads, (image, soft), step.dt),

@@ -10,6 +10,7 @@ use super::moments::{self, Plate};
 use super::neighbours::View;
 use super::pyramid::{self, Pyramid};
 use super::rows::Threads;
+use super::seam_steps::Member;
 use super::sheet::{Sheet, Values};
 use super::stretch::{self, Springs};
 use super::sweep::{self, Stage};
@@ -19,6 +20,7 @@ use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
 use crate::collider::solid::Solid;
 use crate::levels::ties::{Ties, ties};
 use crate::levels::{carried, levels, masses};
+use crate::number::aligned::Aligned;
 use crate::number::real::{Real, V3};
 use crate::options::Options;
 use crate::passes::{self, Pass};
@@ -41,11 +43,13 @@ pub struct Fabric<T: Real> {
     limits: Vec<Limit<T>>,
     /// Sheet and place of every anchor.
     anchors: Vec<(u32, u32)>,
-    /// Sheet and place of every member of every ring.
-    members: Vec<(u32, u32)>,
+    /// Those of every ring.
+    members: Vec<Member>,
     starts: Vec<u32>,
     firsts: Vec<usize>,
+    /// Accelerations by air, by texels, and of each sheet as its positions lie.
     field: Vec<[T; 4]>,
+    fields: Vec<Aligned<T>>,
 }
 
 impl<T: Real> Fabric<T> {
@@ -75,8 +79,13 @@ impl<T: Real> Fabric<T> {
             starts: starts.to_vec(),
             firsts,
             field: Vec::new(),
+            fields: Vec::new(),
         };
-        fabric.members = members.iter().map(|k| fabric.place(*k as usize)).collect();
+        let member = |k: &u32| {
+            let (sheet, at) = fabric.place(*k as usize);
+            Member { sheet, at, single: single(at as usize, fabric.sheets[sheet as usize].half) as u32 }
+        };
+        fabric.members = members.iter().map(member).collect();
         let of = |t: usize| held.anchors.get(t).filter(|a| a.exists());
         fabric.hold(held.per_particle, |t| of(t).map(|a| (a.particle, T::of(f64::from(a.distance)))));
         fabric
@@ -262,11 +271,11 @@ impl<T: Real> Fabric<T> {
             Pass::Wind { .. } => self.wind(threads, step, body),
             Pass::Integrate(air) | Pass::Advance(air) => {
                 let exact = matches!(pass, Pass::Advance(_));
-                for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
+                for (g, sheet) in self.sheets.iter_mut().enumerate() {
                     let air = match air {
                         passes::Air::None => Air::None,
                         passes::Air::Push => Air::Push,
-                        passes::Air::Field => Air::Field(&self.field[*first..]),
+                        passes::Air::Field => Air::Field(&self.fields[g]),
                     };
                     advance::run(threads, step, sheet, air, exact);
                 }
@@ -344,21 +353,21 @@ impl<T: Real> Fabric<T> {
         self.field.resize(body.now().len(), [T::of(0.0); 4]);
         self.store(&mut body.now, &mut body.before);
         let (now, before, holes) = (&body.now, &body.before, &body.holes);
-        for (sheet, first) in self.sheets.iter().zip(&self.firsts) {
+        self.fields.resize_with(self.sheets.len(), Aligned::default);
+        for ((sheet, first), field) in self.sheets.iter().zip(&self.firsts).zip(&mut self.fields) {
             let range = *first..first + sheet.width * sheet.height;
             let holes = holes.get(range.clone()).unwrap_or(&[]);
             let view = View { now: &now[range.clone()], width: sheet.width, holes };
-            wind::run(threads, step, view, &before[range.clone()], &mut self.field[range]);
+            wind::run(threads, step, view, &before[range.clone()], &mut self.field[range.clone()]);
+            if field.len() != sheet.now.len() {
+                *field = Aligned::zeros(sheet.now.len());
+            }
+            sheet.arrange(&self.field[range], field);
         }
     }
 
     fn seam_moments(&mut self) {
-        let of = |&(g, at): &(u32, u32)| {
-            let half = self.sheets[g as usize].half;
-            (g as usize, at as usize, single(at as usize, half))
-        };
-        let members: Vec<_> = self.members.iter().map(of).collect();
-        seam_moments::run(&mut self.plates, &self.starts, &members);
+        seam_moments::run(&mut self.plates, &self.starts, &self.members);
     }
 
     fn seams(&mut self) {
@@ -369,7 +378,7 @@ impl<T: Real> Fabric<T> {
 }
 
 /// From a place of x in `now` to the place in `w`.
-pub(super) fn single(triple: usize, half: usize) -> usize {
+fn single(triple: usize, half: usize) -> usize {
     triple / (6 * half) * 2 * half + triple % (6 * half)
 }
 

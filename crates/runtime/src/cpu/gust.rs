@@ -1,11 +1,16 @@
 //! Velocity of the air at a point: the wind, its heading turned by value noise. Twin of shaders/part/gust.wgsl.
 
+use crate::number::lanes::Machine;
+use crate::number::noise::{noise, noises};
 use crate::number::real::{Real, V3};
 use crate::step::Step;
 
 /// Velocity \[m/s\] of the air at `p`.
 #[inline]
 pub fn air<T: Real>(step: &Step<T>, p: V3<T>) -> V3<T> {
+    if step.turn == T::of(0.0) {
+        return step.wind;
+    }
     let q = [0, 1, 2].map(|c| p[c] * step.fineness - step.drift[c]);
     let t = step.turn * noise(q);
     // cos and sin by the tangent of the half angle: no trigonometry, so devices agree.
@@ -15,30 +20,19 @@ pub fn air<T: Real>(step: &Step<T>, p: V3<T>) -> V3<T> {
     [cos * w[0] + sin * w[2], w[1], cos * w[2] - sin * w[0]]
 }
 
-/// Noise between -1 and 1 that changes smoothly from lattice point to lattice point.
-fn noise<T: Real>(q: V3<T>) -> T {
-    let base = q.map(T::floor);
-    let f = [0, 1, 2].map(|c| q[c] - base[c]);
-    let u = f.map(|x| x * x * (T::of(3.0) - T::of(2.0) * x));
-    let cell = base.map(|x| x.get() as i32);
-    let mix = |a: T, b: T, t: T| a + (b - a) * t;
-    let row = |y: i32, z: i32| {
-        let at = |x: i32| {
-            T::of(f64::from(lattice(cell[0].wrapping_add(x), cell[1].wrapping_add(y), cell[2].wrapping_add(z))))
-        };
-        mix(at(0), at(1), u[0])
-    };
-    let sheet = |z: i32| mix(row(0, z), row(1, z), u[1]);
-    mix(sheet(0), sheet(1), u[2])
-}
-
-/// A number between -1 and 1 for a lattice point; repeats after 1024 cells.
-fn lattice(x: i32, y: i32, z: i32) -> f32 {
-    let wrap = |k: i32| (k & 1023) as u32;
-    let mut h = wrap(x) | (wrap(y) << 10) | (wrap(z) << 20);
-    // lowbias32 by C. Wellons: integer, so the same everywhere.
-    h = (h ^ (h >> 16)).wrapping_mul(0x7feb_352d);
-    h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
-    h ^= h >> 16;
-    (h >> 8) as f32 * (1.0 / 8_388_608.0) - 1.0
+/// The same at a vector of points, with the same bits.
+#[inline(always)]
+pub fn airs<T: Real, K: Machine<T>>(k: K, step: &Step<T>, p: [K::V; 3]) -> [K::V; 3] {
+    let w = step.wind.map(|v| k.splat(v));
+    if step.turn == T::of(0.0) {
+        return w;
+    }
+    let (one, fineness) = (k.splat(T::of(1.0)), k.splat(step.fineness));
+    let q = k.minus(k.times(p, fineness), step.drift.map(|v| k.splat(v)));
+    let t = k.mul(k.splat(step.turn), noises(k, q));
+    let square = k.mul(t, t);
+    let over = k.div(one, k.add(one, square));
+    let cos = k.mul(k.sub(one, square), over);
+    let sin = k.mul(k.mul(k.splat(T::of(2.0)), t), over);
+    [k.add(k.mul(cos, w[0]), k.mul(sin, w[2])), w[1], k.sub(k.mul(cos, w[2]), k.mul(sin, w[0]))]
 }

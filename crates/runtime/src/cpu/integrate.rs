@@ -7,18 +7,18 @@ use crate::step::Step;
 
 const CHUNK: usize = 1024;
 
-/// What air adds to gravity.
+/// What air adds to gravity; fields lie as the particles do.
 #[derive(Clone, Copy)]
-pub enum Air<'a, T> {
+pub enum Air<'a, A> {
     None,
     /// Every particle alike.
     Push,
     /// An acceleration a particle, from the pass `wind`.
-    Field(&'a [[T; 4]]),
+    Field(&'a [A]),
 }
 
 /// Moves free particles on and makes their positions the previous ones.
-pub fn run<T: Real>(threads: &Threads, step: &Step<T>, now: &mut [[T; 4]], before: &mut [[T; 4]], air: Air<T>) {
+pub fn run<T: Real>(threads: &Threads, step: &Step<T>, now: &mut [[T; 4]], before: &mut [[T; 4]], air: Air<[T; 4]>) {
     threads.chunks2(now, before, (CHUNK, CHUNK), |chunk, now, before| match air {
         Air::None => all(step, now, before, |_, _, _| step.gravity),
         Air::Push => all(step, now, before, |_, p, moved| add(step.gravity, push(step, p, moved))),

@@ -3,13 +3,20 @@
 //! Coarser grids move both. With previous positions left apart, duplicates would fly apart by the next step, the farther
 //! the more they had been drawn together: cloth would gain energy at its seams.
 
-use super::fabric::single;
 use super::sheet::Sheet;
 use crate::number::aligned::Aligned;
 use crate::number::real::{Real, add, scale};
 
-/// Rings as offsets into a list of sheets and places in them.
-pub fn run<T: Real>(sheets: &mut [Sheet<T>], starts: &[u32], members: &[(u32, u32)]) {
+/// A member of a ring: its sheet, where its x lies in [`Sheet::now`], and where its inverse mass lies in [`Sheet::w`].
+#[derive(Clone, Copy, Debug)]
+pub struct Member {
+    pub sheet: u32,
+    pub at: u32,
+    pub single: u32,
+}
+
+/// Rings as offsets into a list of members.
+pub fn run<T: Real>(sheets: &mut [Sheet<T>], starts: &[u32], members: &[Member]) {
     for ring in starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]) {
         close(sheets, ring, |s| &mut s.now);
         close(sheets, ring, |s| &mut s.before);
@@ -17,23 +24,28 @@ pub fn run<T: Real>(sheets: &mut [Sheet<T>], starts: &[u32], members: &[(u32, u3
 }
 
 /// The rule of seams.rs for one ring, on positions or on previous ones.
-pub fn close<T: Real>(sheets: &mut [Sheet<T>], ring: &[(u32, u32)], of: impl Fn(&mut Sheet<T>) -> &mut Aligned<T>) {
+#[inline]
+pub fn close<T: Real>(sheets: &mut [Sheet<T>], ring: &[Member], of: impl Fn(&mut Sheet<T>) -> &mut Aligned<T>) {
     let mut sum = [T::of(0.0); 3];
     let mut pinned = None;
-    for (g, at) in ring {
-        let (sheet, at) = (&mut sheets[*g as usize], *at as usize);
-        let (half, list) = (sheet.half, of(sheet));
+    for member in ring {
+        let (sheet, at) = (&mut sheets[member.sheet as usize], member.at as usize);
+        let (half, holds) = (sheet.half, sheet.w[member.single as usize] == T::of(0.0));
+        let list = of(sheet);
         let p = [list[at], list[at + 2 * half], list[at + 4 * half]];
-        if sheet.w[single(at, half)] == T::of(0.0) {
+        if holds {
             pinned = Some(p);
             break;
         }
         sum = add(sum, p);
     }
-    let mean = pinned.unwrap_or(scale(sum, T::of(1.0) / T::of(ring.len() as f64)));
-    for (g, at) in ring {
-        let sheet = &mut sheets[*g as usize];
-        let (half, list) = (sheet.half, of(sheet));
-        (0..3).for_each(|c| list[*at as usize + 2 * c * half] = mean[c]);
+    // A pair is nearly every ring, and a division is what it would cost most.
+    let share = if ring.len() == 2 { T::of(0.5) } else { T::of(1.0) / T::of(ring.len() as f64) };
+    let mean = pinned.unwrap_or(scale(sum, share));
+    for member in ring {
+        let (sheet, at) = (&mut sheets[member.sheet as usize], member.at as usize);
+        let half = sheet.half;
+        let list = of(sheet);
+        (0..3).for_each(|c| list[at + 2 * c * half] = mean[c]);
     }
 }

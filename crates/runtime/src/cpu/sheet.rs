@@ -125,6 +125,11 @@ impl<T: Real> Sheet<T> {
         scatter(&mut self.before, self.width, self.half, before);
     }
 
+    /// A list by texels in the layout of [`Sheet::now`].
+    pub fn arrange(&self, texels: &[[T; 4]], list: &mut [T]) {
+        scatter(list, self.width, self.half, texels);
+    }
+
     /// Positions to texels; their fourth component stays.
     pub fn store(&self, now: &mut [[T; 4]], before: &mut [[T; 4]]) {
         gather(&self.now, self.width, self.half, now);

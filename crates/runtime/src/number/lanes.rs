@@ -1,11 +1,14 @@
 //! Vector instructions of the processor at hand, behind one trait for f32 and f64.
 //!
 //! Only additions, multiplications, divisions, square roots and comparisons are used, all correctly rounded and none
-//! fused, so every instruction set gives the same bits, as a loop over single numbers would.
+//! fused, and whole numbers, so every instruction set gives the same bits, as a loop over single numbers would.
+
+use std::slice::{from_mut, from_ref};
 
 use bytemuck::{bytes_of, cast_slice, cast_slice_mut, pod_read_unaligned};
 use pulp::Simd;
 
+use super::noise::lattice;
 use super::real::Real;
 
 /// Numbers in a block: one AVX-512 register of f32, two of AVX2, four of SSE2 or NEON. Lists are as long as a whole
@@ -28,6 +31,10 @@ pub trait Machine<T: Real>: Copy {
     fn mul(self, a: Self::V, b: Self::V) -> Self::V;
     fn div(self, a: Self::V, b: Self::V) -> Self::V;
     fn sqrt(self, a: Self::V) -> Self::V;
+    /// The largest whole number not above a, from -2^22 to 2^22.
+    fn floor(self, a: Self::V) -> Self::V;
+    /// As [`noise::lattice`], for whole numbers from -2^22 to 2^22.
+    fn lattice(self, cell: [Self::V; 3]) -> Self::V;
     /// Whether a > b, number by number.
     fn above(self, a: Self::V, b: Self::V) -> Self::M;
     /// Whether a >= b, number by number.
@@ -50,8 +57,38 @@ pub trait Machine<T: Real>: Copy {
 
     /// Squares of lengths, summed in the order of `real::dot`.
     #[inline(always)]
-    fn squares(self, [x, y, z]: [Self::V; 3]) -> Self::V {
-        self.add(self.add(self.mul(x, x), self.mul(y, y)), self.mul(z, z))
+    fn squares(self, v: [Self::V; 3]) -> Self::V {
+        self.dot(v, v)
+    }
+
+    /// A sum of vectors.
+    #[inline(always)]
+    fn plus(self, a: [Self::V; 3], b: [Self::V; 3]) -> [Self::V; 3] {
+        [self.add(a[0], b[0]), self.add(a[1], b[1]), self.add(a[2], b[2])]
+    }
+
+    /// A difference of vectors.
+    #[inline(always)]
+    fn minus(self, a: [Self::V; 3], b: [Self::V; 3]) -> [Self::V; 3] {
+        [self.sub(a[0], b[0]), self.sub(a[1], b[1]), self.sub(a[2], b[2])]
+    }
+
+    /// A vector times a number.
+    #[inline(always)]
+    fn times(self, a: [Self::V; 3], by: Self::V) -> [Self::V; 3] {
+        [self.mul(a[0], by), self.mul(a[1], by), self.mul(a[2], by)]
+    }
+
+    /// A product of vectors, summed in the order of `real::dot`.
+    #[inline(always)]
+    fn dot(self, a: [Self::V; 3], b: [Self::V; 3]) -> Self::V {
+        self.add(self.add(self.mul(a[0], b[0]), self.mul(a[1], b[1])), self.mul(a[2], b[2]))
+    }
+
+    /// As `real::cross`.
+    #[inline(always)]
+    fn cross(self, a: [Self::V; 3], b: [Self::V; 3]) -> [Self::V; 3] {
+        [[1, 2], [2, 0], [0, 1]].map(|[m, n]| self.sub(self.mul(a[m], b[n]), self.mul(a[n], b[m])))
     }
 
     /// The first `count` numbers of a vector, zeros after them.
@@ -76,7 +113,7 @@ pub fn widest<T: Real>(work: impl Work<T>) {
 }
 
 macro_rules! machine {
-    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $above:ident, $at_least:ident, $both:ident, $either:ident, $choose:ident, $first:ident, $dispatch:ident) => {
+    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $floor:ident, $lattice:ident, $above:ident, $at_least:ident, $both:ident, $either:ident, $choose:ident, $first:ident, $dispatch:ident) => {
         impl<S: Simd> Machine<$t> for On<S> {
             type V = S::$v;
             type M = S::$m;
@@ -113,6 +150,14 @@ macro_rules! machine {
             #[inline(always)]
             fn sqrt(self, a: S::$v) -> S::$v {
                 self.0.$sqrt(a)
+            }
+            #[inline(always)]
+            fn floor(self, a: S::$v) -> S::$v {
+                self.$floor(a)
+            }
+            #[inline(always)]
+            fn lattice(self, cell: [S::$v; 3]) -> S::$v {
+                self.$lattice(cell)
             }
             #[inline(always)]
             fn above(self, a: S::$v, b: S::$v) -> S::$m {
@@ -177,6 +222,56 @@ fn on_128_bits(op: impl pulp::WithSimd) {
 #[derive(Clone, Copy)]
 struct On<S>(S);
 
+impl<S: Simd> On<S> {
+    #[inline(always)]
+    fn floor_f32s(self, a: S::f32s) -> S::f32s {
+        let Self(s) = self;
+        let shift = s.splat_f32s(WHOLE);
+        let near = s.sub_f32s(s.add_f32s(a, shift), shift);
+        s.select_f32s(s.greater_than_f32s(near, a), s.sub_f32s(near, s.splat_f32s(1.0)), near)
+    }
+
+    #[inline(always)]
+    fn lattice_f32s(self, cell: [S::f32s; 3]) -> S::f32s {
+        let Self(s) = self;
+        let right = |h, by| s.wrapping_dyn_shr_u32s(h, s.splat_u32s(by));
+        let left = |h, by| s.wrapping_dyn_shl_u32s(h, s.splat_u32s(by));
+        let times = |h, by| s.mul_u32s(h, s.splat_u32s(by));
+        let [x, y, z] = cell.map(|v| {
+            let bits = s.transmute_u32s_f32s(s.add_f32s(v, s.splat_f32s(WHOLE)));
+            s.and_u32s(bits, s.splat_u32s(1023))
+        });
+        let h = s.or_u32s(s.or_u32s(x, left(y, 10)), left(z, 20));
+        let h = times(s.xor_u32s(h, right(h, 16)), 0x7feb_352d);
+        let h = times(s.xor_u32s(h, right(h, 15)), 0x846c_a68b);
+        let h = s.xor_u32s(h, right(h, 16));
+        // (h >> 8) / 2^23 - 1, exactly: 23 bits as a number from 1 to 2, and 0 or 2^-23 for the last.
+        let most = s.transmute_f32s_u32s(s.or_u32s(right(h, 9), s.splat_u32s(0x3f80_0000)));
+        let last = s.transmute_f32s_u32s(times(s.and_u32s(right(h, 8), s.splat_u32s(1)), 0x3400_0000));
+        s.add_f32s(s.sub_f32s(s.add_f32s(most, most), s.splat_f32s(3.0)), last)
+    }
+
+    #[inline(always)]
+    fn floor_f64s(self, mut a: S::f64s) -> S::f64s {
+        cast_slice_mut(from_mut(&mut a)).iter_mut().for_each(|x: &mut f64| *x = x.floor());
+        a
+    }
+
+    #[inline(always)]
+    fn lattice_f64s(self, [mut x, y, z]: [S::f64s; 3]) -> S::f64s {
+        let list = |v| cast_slice::<_, f64>(from_ref(v)).iter().map(|x| *x as i32);
+        let rest: &[S::f64s; 2] = &[y, z];
+        let others = list(&rest[0]).zip(list(&rest[1]));
+        for (x, (y, z)) in cast_slice_mut::<_, f64>(from_mut(&mut x)).iter_mut().zip(others) {
+            *x = f64::from(lattice(*x as i32, y, z));
+        }
+        x
+    }
+}
+
+/// 1.5 * 2^23: with this added, a number is rounded to a whole one, whose last bits are those of the sum.
+const WHOLE: f32 = 12_582_912.0;
+
 machine!(
     f32,
     f32s,
@@ -188,6 +283,8 @@ machine!(
     mul_f32s,
     div_f32s,
     sqrt_f32s,
+    floor_f32s,
+    lattice_f32s,
     greater_than_f32s,
     greater_than_or_equal_f32s,
     and_m32s,
@@ -207,6 +304,8 @@ machine!(
     mul_f64s,
     div_f64s,
     sqrt_f64s,
+    floor_f64s,
+    lattice_f64s,
     greater_than_f64s,
     greater_than_or_equal_f64s,
     and_m64s,

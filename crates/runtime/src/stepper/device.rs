@@ -88,7 +88,7 @@ impl Stepper {
             Some((bodies, threads)) => {
                 self.world.act(bodies, threads);
                 self.world.run(bodies, threads, progress.steps);
-                gpu.upload(bodies, &self.world.asleep);
+                gpu.upload(bodies, threads, &self.world.asleep);
             }
             None => {
                 gpu.act(&mut self.world, encoder);
