@@ -38,12 +38,12 @@ pub enum Support {
 /// | support | substeps | rounds | measured |
 /// |---|---|---|---|
 /// | free, or the classic solver | 8 | 0 | |
-/// | pins with tethers | 4, 6, 8 for N up to 36, 192, and above | 2, 4, 4; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.3, 0.5, 0.6 % |
+/// | pins with tethers | 4, 4, 6 for N up to 36, 192, and above | 2, 4, 4; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.6, 1.1, 1.0 % |
 /// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 16 sqrt(N / 64) | 4 | T-shirt and cape of `assets/scenes` |
 /// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
-/// | colliders, no pins | 24 sqrt(N / 64) | 12 | a T-shirt on moving arms: p99 3.7 % at N = 64, 4 % at 128 |
+/// | colliders, no pins | 12 sqrt(N / 64) | 8 | a T-shirt on moving arms: p99 4 % at N = 64, 5 % at 128 |
 /// | colliders at speed v \[m/s\] | in a step, v moves at most a twentieth of the thinnest collider's radius | 8 | scene s2f |
 ///
 /// The choice is made again when a cloth loses its last pin, and when the first collider comes. Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
@@ -191,8 +191,8 @@ fn need(cloth: &Cloth, given: &Options, colliders: bool) -> Need {
         (true, true, false) => {
             let (substeps, polish) = match n {
                 n if n <= 36.0 => (4, 2),
-                n if n <= 192.0 => (6, 4),
-                _ => (8, 4),
+                n if n <= 192.0 => (4, 4),
+                _ => (6, 4),
             };
             let (substeps, polish) = match () {
                 () if own_speed(cloth) > THROWN => (scaled(THROWN_SUBSTEPS), WHIP_POLISH),
@@ -203,7 +203,7 @@ fn need(cloth: &Cloth, given: &Options, colliders: bool) -> Need {
         }
         (true, true, true) => (scaled(16.0), 4, Support::TetheredOnColliders),
         (true, false, _) => (scaled(16.0), 4, Support::Springs),
-        (false, _, true) => (scaled(24.0), 12, Support::OnColliders),
+        (false, _, true) => (scaled(12.0), 8, Support::OnColliders),
         (false, _, false) => (FREE_SUBSTEPS, 0, Support::Free),
     };
     // Compliance and tension are exact in short steps only.

@@ -59,6 +59,16 @@ pub enum Pass {
         /// Whether multipliers are summed over several relaxations.
         again: bool,
     },
+    /// Springs without compliance of one direction and parity, in a round of polish but the last: they move farther than their
+    /// lengths ask, which the rounds after them make use of.
+    Polish {
+        /// 0 or 1.
+        direction: u32,
+        /// 0 or 1.
+        parity: u32,
+        /// Whether rest lengths come from an image.
+        image: bool,
+    },
     /// The multipliers of the last step end with it.
     Forget,
     /// No particle is farther from its anchors than along the surface.
@@ -136,13 +146,6 @@ pub enum Pass {
     },
     /// The nearest candidate of all.
     PickNearest,
-}
-
-impl Pass {
-    /// Whether it is of springs to the right or down.
-    pub(crate) fn is_structural(&self) -> bool {
-        matches!(self, Pass::Stretch { direction: 0 | 1, .. })
-    }
 }
 
 /// How air enters the integration.
@@ -263,10 +266,10 @@ pub fn schedule(
                 let again = options.iterations * (options.polish + 1) > 1 && soft_of(cloth) != Soft::None;
                 s.step.extend(again.then_some(Pass::Forget));
                 s.relax.extend(stretch(cloth, again));
-                for _ in 0..options.polish {
+                for round in 1..=options.polish {
                     s.relax.extend(seams.then_some(Pass::Seams));
                     s.relax.extend(tethers);
-                    s.relax.extend(stretch(cloth, again).filter(Pass::is_structural));
+                    s.relax.extend(polish(cloth, again, round == options.polish));
                 }
             }
             s.relax.extend(seams.then_some(Pass::Seams));
@@ -342,6 +345,17 @@ fn stretch(cloth: &Cloth, again: bool) -> impl Iterator<Item = Pass> {
         })
     };
     of(1).chain(of(0))
+}
+
+/// A round of polish: the springs to the right and down, those without compliance over-relaxed until the last round.
+fn polish(cloth: &Cloth, again: bool, last: bool) -> impl Iterator<Item = Pass> {
+    stretch(cloth, again).filter_map(move |pass| match pass {
+        Pass::Stretch { direction, parity, image, soft: Soft::None, .. } if direction < 2 && !last => {
+            Some(Pass::Polish { direction, parity, image })
+        }
+        Pass::Stretch { direction: 0 | 1, .. } => Some(pass),
+        _ => None,
+    })
 }
 
 /// Up to eight passes: directions without springs and parities without room are left out.

@@ -37,6 +37,9 @@ fn passes() -> Vec<Pass> {
         let stretch = (0..8).map(stretch);
         all.extend(stretch.map(|(parity, image, again)| Pass::Stretch { direction, parity, image, soft, again }));
     }
+    for k in 0..8 {
+        all.push(Pass::Polish { direction: k & 1, parity: k >> 1 & 1, image: k & 4 > 0 });
+    }
     for soft in SOFTS {
         all.extend([false, true].map(|image| Pass::Strain { image, soft }));
     }
@@ -59,8 +62,13 @@ const SOFTS: [Soft; 3] = [Soft::None, Soft::Constant, Soft::Image];
 fn springs((image, soft, again): (bool, Soft, bool), rounds: u32, tethers: Option<Pass>) -> Vec<Pass> {
     let spring = |(direction, parity)| Pass::Stretch { direction, parity, image, soft, again };
     let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)].map(spring);
-    let round = || tethers.into_iter().chain(colours[4..].iter().copied());
-    colours.into_iter().chain((0..rounds).flat_map(|_| round())).collect()
+    let over = |pass| match pass {
+        Pass::Stretch { direction, parity, image, soft: Soft::None, .. } => Pass::Polish { direction, parity, image },
+        _ => pass,
+    };
+    // All rounds but the last go too far.
+    let round = |last| tethers.into_iter().chain(colours[4..].iter().map(move |p| if last { *p } else { over(*p) }));
+    colours.into_iter().chain((1..=rounds).flat_map(|n| round(n == rounds))).collect()
 }
 
 /// Every part of tiles, alone and with all others.

@@ -227,7 +227,7 @@ impl<T: Real> Fabric<T> {
     fn walks(&self, pass: Pass, threads: &Threads) -> bool {
         let reaches = match pass {
             Pass::Stretch { direction, .. } => !self.springs.iter().all(|s| s[direction as usize & 3].are_hard()),
-            Pass::Integrate(passes::Air::None) | Pass::Tethers { .. } => false,
+            Pass::Integrate(passes::Air::None) | Pass::Tethers { .. } | Pass::Polish { .. } => false,
             _ => true,
         };
         !reaches && self.sheets.iter().all(|s| threads.alone(&s.now))
@@ -238,7 +238,10 @@ impl<T: Real> Fabric<T> {
         for (g, sheet) in self.sheets.iter_mut().enumerate().filter(|_| !passes.is_empty()) {
             let stage = |pass: &Pass| match *pass {
                 Pass::Stretch { direction, parity, .. } => {
-                    Stage::Springs(&self.springs[g][direction as usize & 3], (direction & 3, parity))
+                    Stage::Springs(&self.springs[g][direction as usize & 3], (direction & 3, parity), false)
+                }
+                Pass::Polish { direction, parity, .. } => {
+                    Stage::Springs(&self.springs[g][direction as usize & 3], (direction & 3, parity), true)
                 }
                 Pass::Tethers { .. } => Stage::Tethers(&self.tethers[g], &anchors),
                 _ => Stage::Advance(step),
@@ -298,6 +301,11 @@ impl<T: Real> Fabric<T> {
                 for (sheet, springs) in self.sheets.iter_mut().zip(&mut self.springs) {
                     let springs = &mut springs[direction as usize & 3];
                     stretch::run(threads, sheet, springs, (direction, parity), again, step.dt);
+                }
+            }
+            Pass::Polish { direction, parity, .. } => {
+                for (sheet, springs) in self.sheets.iter_mut().zip(&mut self.springs) {
+                    stretch::polish(threads, sheet, &mut springs[direction as usize & 3], (direction, parity));
                 }
             }
             Pass::Forget => {

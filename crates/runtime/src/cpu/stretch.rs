@@ -2,7 +2,7 @@
 
 mod relax;
 
-pub use relax::TORN;
+pub use relax::{OVER, TORN};
 
 use super::rows::Threads;
 use super::sheet::{Sheet, Values, planes};
@@ -45,6 +45,11 @@ pub fn run<T: Real>(
     run_colour(threads, sheet, springs, colour, kind, dt * dt);
 }
 
+/// As [`run`] with springs without compliance, each of which moves its ends [`OVER`] times as far. Twin of shaders/polish.wgsl.
+pub fn polish<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, springs: &mut Springs<T>, colour: (u32, u32)) {
+    run_colour(threads, sheet, springs, colour, Kind::Over, T::of(1.0));
+}
+
 /// As [`run`] with springs that only hold ends together: the rest lengths are the longest allowed.
 pub fn limit<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, springs: &mut Springs<T>, direction: u32, parity: u32) {
     run_colour(threads, sheet, springs, (direction, parity), Kind::Limit, T::of(1.0));
@@ -70,7 +75,11 @@ const DIAGONAL: u8 = 2;
 #[derive(Clone, Copy)]
 enum Kind {
     Hard,
-    Soft { again: bool },
+    /// Hard, and moves its ends [`OVER`] times as far.
+    Over,
+    Soft {
+        again: bool,
+    },
     Limit,
 }
 
@@ -85,7 +94,8 @@ fn run_colour<T: Real>(
     let (width, half, row) = (sheet.width, sheet.half, sheet.row());
     let (w, alike) = (&sheet.w[..], &sheet.alike[..]);
     let mut sums = std::mem::take(&mut springs.sums);
-    let spring = Spring { span, kind, ..Spring::of((width, half), alike, springs) };
+    let over = matches!(kind, Kind::Over);
+    let spring = Spring { span, kind, ..Spring::of((width, half), alike, springs).over(over) };
     let parity = parity as usize;
     let (first, step) = if direction == 0 { (0, 1) } else { (parity, 2) };
     let size = TOGETHER / step * step;
@@ -117,6 +127,8 @@ pub struct Spring<'a, T> {
     span: T,
     kind: Kind,
     bound: T,
+    /// How many times as far as their lengths ask springs to the right and down move their ends.
+    times: T,
     /// Even columns, pairs from even to odd, pairs from odd to even.
     columns: [usize; 3],
 }
@@ -156,7 +168,22 @@ impl<'a, T: Real> Spring<'a, T> {
     pub fn of((width, half): (usize, usize), alike: &'a [T], springs: &'a Springs<T>) -> Self {
         let columns = [width.div_ceil(2), width / 2, (width - 1) / 2];
         let Springs { rest, soft, bound, .. } = springs;
-        Spring { rest, soft, half, alike, span: T::of(1.0), kind: Kind::Hard, bound: *bound, columns }
+        Spring {
+            rest,
+            soft,
+            half,
+            alike,
+            span: T::of(1.0),
+            kind: Kind::Hard,
+            bound: *bound,
+            times: T::of(1.0),
+            columns,
+        }
+    }
+
+    /// Those of a round of polish, or as they are.
+    pub fn over(self, over: bool) -> Self {
+        Spring { times: T::of(if over { OVER } else { 1.0 }), ..self }
     }
 
     /// For the code of those that have a bound: one that nothing reaches where there is none.
@@ -201,8 +228,10 @@ impl<'a, T: Real> Spring<'a, T> {
         sums: &mut [T],
     ) {
         match self.kind {
-            Kind::Hard if self.bound > T::of(0.0) => self.hard::<K, true>(k, rows, w, j, (direction, parity)),
-            Kind::Hard => self.hard::<K, false>(k, rows, w, j, (direction, parity)),
+            Kind::Hard | Kind::Over if self.bound > T::of(0.0) => {
+                self.hard::<K, true>(k, rows, w, j, (direction, parity))
+            }
+            Kind::Hard | Kind::Over => self.hard::<K, false>(k, rows, w, j, (direction, parity)),
             Kind::Soft { .. } => self.colour::<K, SOFT>(k, rows, w, j, (direction, parity), sums),
             Kind::Limit => self.colour::<K, LIMIT>(k, rows, w, j, (direction, parity), sums),
         }

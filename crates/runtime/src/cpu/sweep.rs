@@ -18,8 +18,8 @@ pub enum Stage<'a, T> {
     Advance(&'a Step<T>),
     /// Tethers, and where their anchors are.
     Tethers(&'a Tethers<T>, &'a [V3<T>]),
-    /// Hard springs of a direction and parity.
-    Springs(&'a Springs<T>, (u32, u32)),
+    /// Hard springs of a direction and parity, of a round of polish or not.
+    Springs(&'a Springs<T>, (u32, u32), bool),
 }
 
 /// Bytes of rows that are taken up in one go. With those that lie between the first pass and the last they should fit into
@@ -31,7 +31,7 @@ pub fn run<T: Real>(sheet: &mut Sheet<T>, stages: &[Stage<T>]) {
     // Coordinates now and before, and a weight.
     let bytes = 7 * sheet.width * size_of::<T>();
     let together = (NEAREST / bytes).max(2).next_multiple_of(2);
-    let bound = |stage: &Stage<T>| matches!(stage, Stage::Springs(springs, _) if springs.bound > T::of(0.0));
+    let bound = |stage: &Stage<T>| matches!(stage, Stage::Springs(springs, ..) if springs.bound > T::of(0.0));
     if stages.iter().any(bound) {
         widest(Walk::<_, true> { sheet, stages, together });
     } else {
@@ -79,13 +79,13 @@ impl<T: Real, const BOUND: bool> Work<T> for Walk<'_, '_, T, BOUND> {
                         );
                         *next = ready;
                     }
-                    (Stage::Springs(_, (0, parity)), Some(spring)) => {
+                    (Stage::Springs(_, (0, parity), _), Some(spring)) => {
                         for j in *next..ready {
                             spring.hard::<K, BOUND>(k, &mut now[j * row..(j + 1) * row], w, j, (0, *parity as usize));
                         }
                         *next = ready;
                     }
-                    (Stage::Springs(_, (direction, parity)), Some(spring)) => {
+                    (Stage::Springs(_, (direction, parity), _), Some(spring)) => {
                         while *next + 2 <= ready {
                             let rows = &mut now[*next * row..(*next + 2) * row];
                             spring.hard::<K, BOUND>(k, rows, w, *next, (*direction, *parity as usize));
@@ -104,8 +104,8 @@ impl<T: Real, const BOUND: bool> Work<T> for Walk<'_, '_, T, BOUND> {
 impl<'a, T: Real> Stage<'a, T> {
     fn start(&self, size: (usize, usize), alike: &'a [T]) -> (Option<Spring<'a, T>>, usize) {
         match self {
-            Stage::Springs(springs, (direction, parity)) => {
-                (Some(Spring::of(size, alike, springs)), if *direction == 0 { 0 } else { *parity as usize })
+            Stage::Springs(springs, (direction, parity), over) => {
+                (Some(Spring::of(size, alike, springs).over(*over)), if *direction == 0 { 0 } else { *parity as usize })
             }
             _ => (None, 0),
         }
@@ -171,7 +171,7 @@ mod tests {
                 stretch::run(&threads, &mut apart, &mut springs[colour.0 as usize], colour, false, step.dt);
             }
             tethers::run(&threads, &mut apart, &held, &anchors);
-            let all = colours.map(|colour| Stage::Springs(&springs[colour.0 as usize], colour));
+            let all = colours.map(|colour| Stage::Springs(&springs[colour.0 as usize], colour, false));
             let mut stages = vec![Stage::Advance(&step), Stage::Tethers(&held, &anchors)];
             stages.extend(all);
             stages.push(Stage::Tethers(&held, &anchors));

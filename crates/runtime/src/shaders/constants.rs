@@ -8,11 +8,12 @@ use crate::cpu::{aside, guard, pick, route, stretch};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 5] = [
+const FLOATS: [(&str, f64); 6] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
     ("TORN", stretch::TORN),
+    ("OVER", stretch::OVER),
     ("EDGE", pick::EDGE),
 ];
 

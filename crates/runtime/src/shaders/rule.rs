@@ -76,9 +76,9 @@ pub fn over(pass: Pass) -> Over {
             Over::Texels
         }
         Pass::Membrane { column, row, .. } => Over::Cells { column, row },
-        Pass::Springs { direction, parity, .. } | Pass::Stretch { direction, parity, .. } => {
-            Over::Springs { direction, parity }
-        }
+        Pass::Springs { direction, parity, .. }
+        | Pass::Stretch { direction, parity, .. }
+        | Pass::Polish { direction, parity, .. } => Over::Springs { direction, parity },
         Pass::Speed | Pass::Transform => Over::Own(Threads::Particles),
         Pass::Fastest | Pass::PickNearest => Over::Own(Threads::One),
         Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
@@ -157,14 +157,16 @@ pub fn rule(pass: Pass) -> Rule {
             rule!("springs", "relax_hard", over, parts)
         }
         Pass::Stretch { image, soft, again, .. } => {
-            let parts =
-                parts(&[part!("ends"), part!("aside")], &[Grids], &[Now]).and(rest(image)).and(compliance(soft));
+            let parts = pull(image).and(compliance(soft));
             let parts = match (soft, again) {
                 (Soft::None, _) => parts.and(Parts::new(&[part!("soft_none")], &[], &[])),
                 (_, false) => parts.and(Parts::new(&[part!("once")], &[], &[])),
                 (_, true) => parts.and(Parts::new(&[part!("again")], &[], &[Sums])),
             };
             rule!("stretch", "stretch", over, parts)
+        }
+        Pass::Polish { image, .. } => {
+            rule!("polish", "polish", over, pull(image))
         }
         Pass::Guard => rule!("guard", "guard", over, parts(&[part!("sane")], &[Now], &[Slot::Faults])),
         Pass::Restore => {
@@ -190,6 +192,12 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Pick { holes } => rare::pick(over, holes),
         Pass::PickNearest => rare::pick_nearest(over),
     }
+}
+
+/// What springs of sheets share.
+fn pull(image: bool) -> Parts {
+    let files = [part!("ends"), part!("aside"), part!("pull")];
+    Parts::new(&files, &[Slot::Grids], &[Slot::Now]).and(rest(image))
 }
 
 /// A step of air, exact or not.
