@@ -4,45 +4,18 @@
 //! between the first step and the last nothing but its previous positions leaves the workgroup. Cloths whose frames need
 //! the same code are steps of one dispatch, however many and however different in size and material they are.
 
-mod batches;
+mod arenas;
 
-pub use batches::arenas;
+pub use arenas::arenas;
 #[cfg(feature = "gpu")]
-pub use batches::{Batch, room_of};
+pub use arenas::room_of;
 
 use std::sync::Arc;
 
 use crate::cloth::Cloth;
+use crate::form::{Fused, Hold};
 use crate::passes::{Pass, Schedule};
 use crate::shaders::{self, Slot};
-
-/// Whole frames in one dispatch, described by what is compiled into its shader.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Fused {
-    /// The passes, which cloths share whose frames are alike.
-    pub(crate) schedule: Arc<Schedule>,
-    /// Whether positions leave no room in the memory of a workgroup for a list of the colliders that are near.
-    pub full: bool,
-    /// Where positions are during the frame.
-    pub hold: Hold,
-    /// Particles that the memory of a workgroup has room for.
-    pub places: u32,
-    /// Threads of a workgroup.
-    pub threads: u32,
-}
-
-/// Where a workgroup stores the positions of its cloth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Hold {
-    /// In its memory, with inverse masses and previous positions: 28 bytes per particle.
-    Both,
-    /// In its memory, with inverse masses: 16 bytes per particle.
-    Wide,
-    /// In its memory, alone: 12 bytes per particle.
-    Narrow,
-    /// In storage. For cloths that are too large, where there are many of them.
-    Stored,
-}
 
 /// What a device has room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,7 +67,7 @@ impl Room {
 
 impl Fused {
     /// The whole frame of a schedule.
-    fn of(cloth: &Cloth, schedule: &Arc<Schedule>, room: &Room) -> Self {
+    pub(crate) fn of(cloth: &Cloth, schedule: &Arc<Schedule>, room: &Room) -> Self {
         let hold = room.hold(cloth.len(), 0);
         let many = schedule.relax.iter().any(|p| matches!(p, Pass::Contact(kinds) if kinds.many));
         Fused {
@@ -107,19 +80,19 @@ impl Fused {
     }
 
     /// Storage buffers that the frame of a schedule binds; `None` if one of its passes cannot be part of a whole frame.
-    fn buffers(schedule: &Arc<Schedule>) -> Option<usize> {
+    pub(crate) fn buffers(schedule: &Arc<Schedule>) -> Option<usize> {
         let fused = Fused { schedule: schedule.clone(), full: false, hold: Hold::Stored, places: 0, threads: LEAST };
         let bound = |fused| shaders::whole(fused).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
         shaders::is_whole(schedule).then(|| bound(&fused))
     }
 
     /// Without what may differ within a batch.
-    fn kind(&self) -> Self {
+    pub(crate) fn kind(&self) -> Self {
         Fused { places: 0, threads: 0, ..self.clone() }
     }
 
     /// Room for both.
-    fn with(&self, other: &Self) -> Self {
+    pub(crate) fn with(&self, other: &Self) -> Self {
         Fused { places: self.places.max(other.places), threads: self.threads.max(other.threads), ..self.clone() }
     }
 }

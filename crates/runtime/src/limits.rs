@@ -2,13 +2,12 @@
 
 mod lengths;
 mod masses;
-pub(crate) mod shear;
 
 pub use lengths::MOST_LENGTHS;
 pub use masses::MOST_RATIO;
 
 use crate::choose::Settings;
-use crate::cloth::{Cloth, Compliance, Rest, Tethers};
+use crate::cloth::{Cloth, Compliance, Rest, Tethers, shear};
 use crate::error::Result;
 use crate::options::Solver;
 use crate::passes::has_levels;

@@ -2,11 +2,9 @@
 
 use std::fmt;
 
-use crate::form::Form;
-use crate::fused::{Fused, Hold};
+use crate::form::{Form, Fused, Hold, Tile};
 use crate::passes::{Pass, Schedule};
 use crate::shaders::{Slot, source};
-use crate::tile::Tile;
 use crate::world::World;
 
 /// One pass of one cloth.

@@ -6,10 +6,9 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 
 use super::*;
-use crate::fused::{Fused, Hold};
+use crate::form::{Fused, Hold, Tile};
 use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
 use crate::passes::{Air, Kinds, Schedule, Soft};
-use crate::tile::Tile;
 
 /// Every form that a frame or an action can have, up to constants.
 pub(super) fn variants() -> Vec<Form> {
@@ -234,7 +233,12 @@ fn every_shader_has_a_twin_and_every_file_is_used() {
     assert_eq!(stems.len(), files("shaders").len());
     for stem in stems {
         assert!(root().join(format!("shaders/{stem}.wgsl")).is_file(), "{stem}");
-        let twin = std::fs::read_to_string(root().join(format!("crates/runtime/src/cpu/{stem}.rs"))).unwrap();
+        let twin = match stem {
+            "draw" => "draw/raster",
+            "tile" => "tile/reach",
+            pass => &format!("cpu/{pass}"),
+        };
+        let twin = std::fs::read_to_string(root().join(format!("crates/runtime/src/{twin}.rs"))).unwrap();
         assert!(twin.contains(&format!("shaders/{stem}.wgsl")), "the twin of {stem} does not name it");
     }
 }

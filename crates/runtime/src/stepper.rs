@@ -1,7 +1,18 @@
 //! Steps a scene, frame by frame.
 
+mod actions;
 #[cfg(feature = "gpu")]
 mod device;
+mod drag;
+mod pick;
+mod script;
+#[cfg(feature = "gpu")]
+mod self_check;
+mod sleep;
+
+pub use drag::Drag;
+#[cfg(feature = "gpu")]
+pub use self_check::{Mismatch, SelfCheck, self_check};
 
 use crate::choose::{Choice, Follow, Settings};
 use crate::clock::Progress;
@@ -23,9 +34,9 @@ use crate::world::World;
 /// A scene in motion. It keeps handles to the host's device and queue, and never submits, waits or reads back after
 /// [`Stepper::new`].
 pub struct Stepper {
-    pub(crate) world: World,
-    pub(crate) cpu: Option<(Vec<Body<f32>>, Threads)>,
-    pub(crate) gpu: Option<Gpu>,
+    world: World,
+    cpu: Option<(Vec<Body<f32>>, Threads)>,
+    gpu: Option<Gpu>,
 }
 
 impl Stepper {
@@ -289,7 +300,7 @@ impl Stepper {
         Ok(())
     }
 
-    pub(crate) fn changed(&mut self) {
+    fn changed(&mut self) {
         self.world.wake_all();
         self.world.reschedule();
     }

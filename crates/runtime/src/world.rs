@@ -1,8 +1,15 @@
 //! The state that both backends share: the scene, its schedules and the clock.
 
+mod act;
+mod fuse;
+mod sleep;
+
+pub use act::Action;
+#[cfg(feature = "gpu")]
+pub use fuse::Batch;
+
 use std::sync::OnceLock;
 
-use crate::actions::Action;
 use crate::choose::{Choice, Follow, Settings};
 use crate::clock::Clock;
 use crate::cloth::{Anchor, Cloth, Tethers};
@@ -13,16 +20,17 @@ use crate::cpu::fused::{self, Frame};
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
 use crate::findings::{Sight, Watchdog, is_risky};
-use crate::fused::{Fused, Room, arenas};
+use crate::form::Fused;
+use crate::fused::{Room, arenas};
 use crate::limits::{self, Warning};
 use crate::number::real::{Real, xyz};
 use crate::options::{Options, Solver};
 use crate::passes::{Kinds, Schedule, has_levels, schedule};
 use crate::quality::{Chooser, Quality};
 use crate::scene::Scene;
-use crate::sleep::Calm;
 use crate::step::{Step, StepInput};
 use crate::tile::{Order, order};
+use sleep::Calm;
 
 /// A scene, what is to be run for it, and when.
 pub struct World {

@@ -4,11 +4,10 @@ use bytemuck::cast_slice;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::Gpu;
-use crate::actions::Action;
 use crate::cloth::Rest;
 use crate::passes::{Pass, has_levels};
 use crate::shaders::{Slot, list, source};
-use crate::world::World;
+use crate::world::{Action, World};
 
 impl Gpu {
     /// Makes room for cuts.

@@ -9,10 +9,10 @@ use super::contents::Contents;
 use super::pipelines::Pipeline;
 use super::span::Span;
 use crate::cpu::start::Start;
-use crate::fused::{Batch, Fused};
+use crate::form::Fused;
 use crate::layout::{FAULT_BYTES, FAULT_STRIDE, JobRow, StepRow};
 use crate::shaders::Slot;
-use crate::world::World;
+use crate::world::{Batch, World};
 
 /// Buffers of several cloths, one after the other.
 pub(super) struct Arena {

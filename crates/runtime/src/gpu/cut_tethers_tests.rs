@@ -4,12 +4,12 @@ mod adapter;
 use adapter::device;
 
 use super::*;
-use crate::actions::Action;
 use crate::cloth::{Flat, Particle, Parts};
 use crate::cpu::rows::Threads;
 use crate::gpu::Pipelines;
 use crate::options::{Options, Solver};
 use crate::scene::Scene;
+use crate::world::Action;
 
 /// A tube whose first and last column are one, and whose first row is pinned here and there.
 fn tube(n: u32, rows: u32, pins: &[u32]) -> Cloth {

@@ -1,6 +1,7 @@
 //! What a stepper does with the host's device.
 
 use super::Stepper;
+use super::self_check::{decide, self_check};
 use crate::clock::Progress;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
@@ -8,7 +9,6 @@ use crate::fused::Room;
 use crate::gpu::{ClothBuffers, Compiled, Gpu, Pipelines};
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
-use crate::self_check::{decide, self_check};
 use crate::world::World;
 
 impl Stepper {
@@ -50,7 +50,7 @@ impl Stepper {
     }
 
     /// The same without a self-check, which itself needs it.
-    pub(crate) fn unchecked(
+    pub(super) fn unchecked(
         scene: Scene,
         options: Options,
         gpu: Option<(&wgpu::Device, &wgpu::Queue)>,

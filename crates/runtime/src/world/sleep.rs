@@ -3,12 +3,10 @@
 //! Asleep is a state of the host, so that a cloth at rest costs no dispatch, no binding and no recording at all.
 //! Dispatches whose size a shader sets to 0 would need no word from the host, but each is still recorded, bound and, by
 //! wgpu, checked by a dispatch of its own. The price is that on the GPU four bytes per cloth have to come back: they are
-//! copied with the frame, and [`Stepper::settle`] takes what has arrived, without waiting.
+//! copied with the frame, and [`crate::Stepper::settle`] takes what has arrived, without waiting.
 
-use crate::error::Result;
+use super::World;
 use crate::passes::Pass;
-use crate::stepper::Stepper;
-use crate::world::World;
 
 /// How calm a cloth has been.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,20 +49,5 @@ impl World {
     /// Wakes every cloth.
     pub fn wake_all(&mut self) {
         (0..self.asleep.len()).for_each(|cloth| self.wake(cloth));
-    }
-}
-
-impl Stepper {
-    /// Whether a cloth is asleep; not where there is none.
-    pub fn is_asleep(&self, cloth: usize) -> bool {
-        self.world.asleep.get(cloth).is_some_and(|a| *a)
-    }
-
-    /// Lets cloths fall asleep on the GPU backend if [`crate::Options::sleep`] is set, and substeps be chosen by
-    /// [`crate::Quality::Error`]: call it once a frame, after everything that was recorded has been submitted. It takes in
-    /// what has come back, eight bytes per cloth some frames late, and never waits. Without it no cloth falls asleep and
-    /// no error is known there. The CPU backend needs no call.
-    pub fn settle(&mut self) -> Result<()> {
-        self.gpu.as_mut().map_or(Ok(()), |gpu| gpu.settle(&mut self.world))
     }
 }
