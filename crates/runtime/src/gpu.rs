@@ -23,6 +23,7 @@ pub use span::Span;
 
 use bytemuck::cast_slice;
 
+use crate::cloth::Cloth;
 use crate::cpu::body::Body;
 use crate::cpu::start::Start;
 use crate::error::Result;
@@ -30,8 +31,7 @@ use crate::form::Form;
 use crate::layout::{POSES, StepRow};
 use crate::plan::Plan;
 use crate::shaders::Slot;
-use crate::step::Step;
-use crate::world::World;
+use crate::world::{ClothRun, World};
 use arena::Arena;
 use buffers::Spans;
 use frames::Frames;
@@ -60,14 +60,17 @@ impl Gpu {
         pipelines: Pipelines,
         draw_only: bool,
     ) -> Result<Self> {
-        let starts: Vec<_> = world.scene.cloths.iter().map(|c| Start::new(c, &world.options)).collect();
+        let starts: Vec<_> = world.scene.cloths.iter().map(|c| Start::new(c, &world.control.options)).collect();
         let arenas: Vec<_> = world.arenas.iter().map(|cloths| Arena::new(device, world, &starts, cloths)).collect();
         let mut lie: Vec<Option<Spans>> = world.scene.cloths.iter().map(|_| None).collect();
         arenas.iter().flat_map(Arena::spans).for_each(|(cloth, spans)| lie[cloth] = Some(spans));
-        let cloths = world.scene.cloths.iter().zip(&world.tethers).zip(&starts).zip(lie);
-        let settings = (draw_only, &*world.options);
-        let cloths: Result<_> =
-            cloths.map(|((held, start), spans)| ClothBuffers::new(device, held, start, settings, spans)).collect();
+        let cloths = world.scene.cloths.iter().zip(&world.runs).zip(&starts).zip(lie);
+        let settings = (draw_only, &*world.control.options);
+        let cloths: Result<_> = cloths
+            .map(|(((cloth, run), start), spans)| {
+                ClothBuffers::new(device, (cloth, &run.tethers), start, settings, spans)
+            })
+            .collect();
         let mut gpu = Gpu {
             solids: Solids::new(device, world),
             pipelines,
@@ -107,8 +110,7 @@ impl Gpu {
 
     /// Records `steps` steps of every cloth that is awake and has any, then its normals.
     pub fn record(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
-        let apart = |world: &World, cloth: usize| !world.asleep[cloth] && !world.is_fused(cloth, steps);
-        let alone: Vec<usize> = (0..self.cloths.len()).filter(|c| apart(world, *c)).collect();
+        let alone: Vec<usize> = (0..self.cloths.len()).filter(|c| world.is_apart(*c, steps)).collect();
         for faults in alone.iter().filter_map(|c| self.cloths[*c].faults.as_ref()) {
             encoder.clear_buffer(&faults.buffer, faults.offset, Some(4));
         }
@@ -128,35 +130,34 @@ impl Gpu {
             pass = begin(encoder);
         }
         for (index, offset) in alone.into_iter().zip(last) {
-            world.schedules[index]
-                .frame
-                .iter()
-                .for_each(|what| self.run(world, &mut pass, index, (&Form::Apart(*what), offset)));
+            let cloth = &world.scene.cloths[index];
+            let frame = world.runs[index].schedule.frame.iter();
+            frame.for_each(|what| self.run(cloth, &mut pass, index, (&Form::Apart(*what), offset)));
         }
         drop(pass);
         self.watch(world, encoder, steps);
-        world.tick(steps);
+        world.control.tick(steps);
     }
 
     /// Records the steps of a cloth; returns where the numbers of the last one lie.
     fn record_steps(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, steps: u32) -> u32 {
-        let (cloth, plan, order) = (&world.scene.cloths[index], &world.schedules[index], world.order(index));
-        let alone = || plan.relax.iter().map(|p| Form::Apart(*p)).collect();
+        let (cloth, order, frame) = (&world.scene.cloths[index], world.order(index), world.frame(index, steps));
+        let alone = || frame.schedule.relax.iter().map(|p| Form::Apart(*p)).collect();
         let relax: Vec<Form> = order.map_or_else(alone, |o| o.relax.clone());
+        // Moving colliders have a new pose once in this number of steps.
+        let group = steps.div_ceil(POSES);
         let mut offset = 0;
         for n in 0..steps {
-            let group = steps.div_ceil(POSES);
-            let left = world.left(n / group * group, steps);
-            let row = StepRow::from(&Step { left, ..world.step(cloth, n == 0) });
+            let row = StepRow::from(&frame.step(n, n / group * group));
             offset = self.cloths[index].step_offset(&self.queue, row);
-            let coarse = if world.coarse(n) { &plan.coarse[..] } else { &[] };
+            let coarse = frame.coarse(n);
             let rounds = |count| (0..count).flat_map(|_| &relax);
-            let mut run = |what: &Form| self.run(world, pass, index, (what, offset));
+            let mut run = |what: &Form| self.run(cloth, pass, index, (what, offset));
             match order.filter(|_| coarse.is_empty()) {
-                Some(order) => order.first.iter().chain(rounds(world.options.iterations - 1)).for_each(&mut run),
+                Some(order) => order.first.iter().chain(rounds(frame.rounds - 1)).for_each(&mut run),
                 None => {
-                    plan.step.iter().chain(coarse).for_each(|p| run(&Form::Apart(*p)));
-                    rounds(world.options.iterations).for_each(&mut run);
+                    frame.schedule.step.iter().chain(coarse).for_each(|p| run(&Form::Apart(*p)));
+                    rounds(frame.rounds).for_each(&mut run);
                 }
             }
         }
@@ -164,12 +165,12 @@ impl Gpu {
     }
 
     /// Records one pass of a cloth, with the numbers that lie at an offset.
-    fn run(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, (what, offset): (&Form, u32)) {
+    fn run(&mut self, cloth: &Cloth, pass: &mut wgpu::ComputePass, index: usize, (what, offset): (&Form, u32)) {
         let pipeline = self.pipelines.get(what);
         let buffers = &mut self.cloths[index];
         let group = buffers.group(&self.device, pipeline);
         let offsets: &[u32] = if pipeline.source.binds(Slot::Step) { &[offset] } else { &[] };
-        let [x, y, z] = pipeline.source.workgroups(&world.scene.cloths[index]);
+        let [x, y, z] = pipeline.source.workgroups(cloth);
         pass.set_pipeline(&pipeline.pipeline);
         pass.set_bind_group(0, group, offsets);
         pass.dispatch_workgroups(x, y, z);
@@ -182,8 +183,8 @@ impl Gpu {
         for batch in world.batches(steps) {
             let pipeline = self.pipelines.get(&Form::Whole(batch.fused.clone()));
             let arena = &mut self.arenas[batch.arena];
-            let any = &world.scene.cloths[world.arenas[batch.arena][batch.members[0]]];
-            let offset = frames.offset(&self.queue, world, any, steps);
+            let any = world.frame(world.arenas[batch.arena][batch.members[0]], steps);
+            let offset = frames.offset(&self.queue, &any, world.scene.colliders.len());
             let buffers = (&self.solids.buffer, &frames.buffer);
             let group = arena.group(&self.device, world, &batch, pipeline, buffers);
             pass.set_pipeline(&pipeline.pipeline);
@@ -193,10 +194,10 @@ impl Gpu {
     }
 
     /// Writes what the CPU made into the buffers for drawing.
-    pub fn upload(&self, bodies: &[Body<f32>], asleep: &[bool]) {
+    pub fn upload(&self, bodies: &[Body<f32>], runs: &[ClothRun]) {
         let write = |span: &Span, bytes: &[u8]| self.queue.write_buffer(&span.buffer, span.offset, bytes);
-        for ((buffers, body), asleep) in self.cloths.iter().zip(bodies).zip(asleep) {
-            if !asleep {
+        for ((buffers, body), run) in self.cloths.iter().zip(bodies).zip(runs) {
+            if !run.asleep {
                 write(&buffers.now, cast_slice(body.now()));
                 write(&buffers.before, cast_slice(body.before()));
                 write(&buffers.normals, cast_slice(&body.normals));

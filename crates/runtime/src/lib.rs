@@ -36,6 +36,7 @@ mod error;
 mod findings;
 mod fold;
 mod form;
+mod frame;
 mod fused;
 #[cfg(feature = "gpu")]
 mod gpu;

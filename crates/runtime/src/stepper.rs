@@ -14,7 +14,7 @@ pub use drag::Drag;
 #[cfg(feature = "gpu")]
 pub use self_check::{Mismatch, SelfCheck, self_check};
 
-use crate::choose::{Choice, Follow, Settings};
+use crate::choose::Choice;
 use crate::clock::Progress;
 use crate::cloth::Cloth;
 use crate::collider::Collider;
@@ -47,7 +47,7 @@ impl Stepper {
             return Err(Error::NoGpu("Backend::Gpu"));
         }
         let world = World::new(scene, options)?;
-        let threads = Threads::new(world.options.threads)?;
+        let threads = Threads::new(world.control.options.threads)?;
         Ok(Stepper { cpu: Some((world.bodies(), threads)), gpu: None, world })
     }
 
@@ -60,7 +60,7 @@ impl Stepper {
     pub fn advance(&mut self, dt: f64) -> Result<Progress> {
         let (bodies, threads) = self.cpu.as_mut().ok_or(Error::GpuOnly("Stepper::advance"))?;
         self.world.choose();
-        let progress = self.world.clock.frame(dt);
+        let progress = self.world.control.clock.frame(dt);
         if self.world.act(bodies, threads) || progress.steps > 0 {
             self.world.run(bodies, threads, progress.steps);
         }
@@ -79,17 +79,17 @@ impl Stepper {
 
     /// The settings as the host gave them; [`Stepper::choice`] has what was chosen for those left open.
     pub fn options(&self) -> &Options {
-        self.world.options.given()
+        self.world.control.options.given()
     }
 
     /// Steps per [`Options::step`] as of the last frame.
     pub fn substeps(&self) -> u32 {
-        self.world.options.substeps
+        self.world.control.options.substeps
     }
 
     /// The numbers of substeps and of polishing rounds at the start, and the reason.
     pub fn choice(&self) -> &Choice {
-        &self.world.choice
+        &self.world.control.choice
     }
 
     /// Positions \[m\] of a cloth, the fourth component 1/mass (0 pinned, -1 no particle). `None` on the GPU backend,
@@ -119,7 +119,7 @@ impl Stepper {
     /// that are NaN or farther than 1e8 m away is reset to its last good frame, at rest. With
     /// [`Solver::Xpbd`] only. Empty on the GPU backend, where they are counted in [`ClothBuffers::faults`].
     pub fn take_faults(&mut self) -> Vec<crate::world::Fault> {
-        std::mem::take(&mut self.world.faults)
+        std::mem::take(&mut self.world.host.faults)
     }
 
     /// What went wrong so far, one finding of each kind per cloth: cloth out of shape, off its body, falling, or through a
@@ -141,7 +141,7 @@ impl Stepper {
         }
         let mut watchdog = std::mem::replace(&mut self.world.watchdog, Watchdog::new(0));
         let solids = self.world.solids();
-        watchdog.examine(&self.world.sight(cloth, (now, before), &solids[self.world.coats.of(cloth)], 0.0));
+        watchdog.examine(&self.world.sight(cloth, (now, before), &solids[self.world.runs[cloth].coat], 0.0));
         self.world.watchdog = watchdog;
         Ok(self.health(cloth).map_or_else(Health::default, |h| h.0))
     }
@@ -156,7 +156,7 @@ impl Stepper {
     /// stepper was made, and the current number of substeps. [`Solver::Classic`] has none of these. A failed [`self_check`] of
     /// the device comes first.
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
-        self.world.warnings.iter().chain(&self.world.raised).cloned().collect()
+        self.world.host.warnings.iter().chain(&self.world.host.raised).cloned().collect()
     }
 
     /// Replaces all colliders. Costs one upload of 80 bytes per collider, for each pair of thickness and friction of the cloths, and
@@ -204,19 +204,13 @@ impl Stepper {
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
         let Options { backend, threads, solver, tethers, pyramid, .. } = *self.options();
-        let fused = options.fused && self.world.options.fused;
-        if options.quality != self.world.options.quality {
-            self.world.chooser = Chooser::default();
+        let fused = options.fused && self.world.control.options.fused;
+        if options.quality != self.world.control.options.quality {
+            self.world.control.chooser = Chooser::default();
         }
-        let coat = options.thickness != self.world.options.thickness;
+        let coat = options.thickness != self.world.control.options.thickness;
         let options = Options { backend, threads, solver, tethers, pyramid, fused, ..options };
-        let (settings, choice) = Settings::new(options, &self.world.scene);
-        self.world.follow = Follow::new(&settings, &self.world.scene);
-        (self.world.options, self.world.choice) = (settings, choice);
-        self.world.clock.change(&self.world.options);
-        self.world.raised = None;
-        self.world.raise();
-        self.world.reschedule();
+        self.world.set_options(options);
         if coat {
             self.recoat();
         }
@@ -227,19 +221,19 @@ impl Stepper {
     /// host's clock or from timestamps of the GPU. It may come late. Frames without a step and times not above 0 do not
     /// count. The median of the last 15 times per step is used, from the fifth time on.
     pub fn took(&mut self, steps: u32, ms: f64) {
-        self.world.chooser.took(steps, ms);
+        self.world.control.chooser.took(steps, ms);
     }
 
     /// The largest stretch in the last measured frame, for [`crate::Quality::Error`]; `None` before the first measurement.
     pub fn estimated_error(&self) -> Option<f64> {
-        self.world.chooser.error
+        self.world.control.chooser.error
     }
 
     /// Lets a cloth sleep where it is, at no per-frame cost, or wakes it. Any change wakes it too.
     pub fn set_asleep(&mut self, cloth: usize, asleep: bool) -> Result<()> {
         self.world.cloth(cloth)?;
         self.world.wake(cloth);
-        self.world.asleep[cloth] = asleep;
+        self.world.runs[cloth].asleep = asleep;
         Ok(())
     }
 
@@ -286,7 +280,7 @@ impl Stepper {
         change(&mut self.world.scene.cloths[cloth])?;
         self.world.wake(cloth);
         let duplicates = self.duplicates(cloth, particle);
-        let share = if self.world.options.solver == Solver::Xpbd { duplicates.len() as f32 } else { 1.0 };
+        let share = if self.world.control.options.solver == Solver::Xpbd { duplicates.len() as f32 } else { 1.0 };
         for k in duplicates {
             let w = self.world.scene.cloths[cloth].inverse_mass(k) * share;
             if let Some((bodies, _)) = &mut self.cpu {

@@ -61,7 +61,7 @@ impl Arena {
         if cloths.iter().any(|c| world.scene.cloths[*c].is_exact()) {
             buffers.insert(Slot::Lost, upload(device, "lost", &vec![[0f32; 4]; now.len()], none));
         }
-        let softs = cloths.iter().map(|c| soft_row(&world.scene.cloths[*c], world.clock.dt)).collect();
+        let softs = cloths.iter().map(|c| soft_row(&world.scene.cloths[*c], world.control.clock.dt)).collect();
         Arena { cloths: cloths.to_vec(), buffers, jobs: contents.jobs, softs, ready: HashMap::new() }
     }
 
@@ -89,7 +89,7 @@ impl Arena {
     /// Grids with the bounds of diagonals that steps have now. Recorded frames that use the last ones may not have been submitted
     /// yet, so the last ones stay as they are.
     fn follow(&mut self, device: &wgpu::Device, world: &World) {
-        let dt = world.clock.dt;
+        let dt = world.control.clock.dt;
         let cloths = || self.cloths.iter().map(|c| &world.scene.cloths[*c]);
         if cloths().map(|c| soft_row(c, dt)).eq(self.softs.iter().copied()) {
             return;
@@ -148,8 +148,9 @@ impl Arena {
 
     /// What a workgroup does for a cloth, with the numbers that are the cloth's own.
     fn job(&self, world: &World, member: usize) -> JobRow {
-        let (cloth, solid) = (&world.scene.cloths[self.cloths[member]], world.first_solid(self.cloths[member]) as u32);
-        let steps = [true, false].map(|first| StepRow::from(&world.step(cloth, first)));
+        let index = self.cloths[member];
+        let (cloth, solid) = (&world.scene.cloths[index], world.first_solid(index) as u32);
+        let steps = world.numbers(cloth).map(|step| StepRow::from(&step));
         JobRow { solid, keep: steps.map(|s| s.keep), longest: steps.map(|s| s.longest), ..self.jobs[member] }
     }
 }

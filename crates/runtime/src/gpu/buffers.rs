@@ -124,11 +124,11 @@ impl ClothBuffers {
 
     /// Makes what only passes of the cloth's own need, once; its grids again where the bound of diagonals is another.
     pub(super) fn separate(&mut self, device: &wgpu::Device, world: &World, index: usize) {
-        let (cloth, options) = (&world.scene.cloths[index], &world.options);
+        let (cloth, options) = (&world.scene.cloths[index], &world.control.options);
         if !self.stepping {
             return;
         }
-        let soft = soft_row(cloth, world.clock.dt);
+        let soft = soft_row(cloth, world.control.clock.dt);
         if self.soft != Some(soft) {
             // What is recorded with the last ones may not have been submitted yet: they stay as they are.
             let grids = upload(device, "grids", &grid_rows(cloth, 0, soft), BufferUsages::empty());

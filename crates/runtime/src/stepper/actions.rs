@@ -31,14 +31,14 @@ impl Stepper {
         }
         self.world.scene.cloths.iter_mut().for_each(Cloth::open);
         if let Some((bodies, _)) = &mut self.cpu {
-            let cloths = self.world.scene.cloths.iter().zip(&self.world.tethers);
-            bodies.iter_mut().zip(cloths).for_each(|(body, (cloth, held))| body.open(cloth, held));
+            let cloths = self.world.scene.cloths.iter().zip(&self.world.runs);
+            bodies.iter_mut().zip(cloths).for_each(|(body, (cloth, run))| body.open(cloth, &run.tethers));
         }
         if let Some(gpu) = &mut self.gpu {
             gpu.open(&self.world);
         }
         self.changed();
-        self.world.actions.push(Action::Cut([eye, a, b]));
+        self.world.host.actions.push(Action::Cut([eye, a, b]));
         Ok(())
     }
 
@@ -55,7 +55,7 @@ impl Stepper {
         let chosen = with_duplicates(self.world.cloth(cloth)?, particles)?;
         if !chosen.is_empty() {
             self.world.wake(cloth);
-            self.world.actions.push(Action::Transform { cloth, chosen, matrix });
+            self.world.host.actions.push(Action::Transform { cloth, chosen, matrix });
         }
         Ok(())
     }

@@ -45,7 +45,7 @@ impl Stepper {
             warning = found;
         }
         let mut stepper = Stepper::unchecked(scene, options, gpu, pipelines)?;
-        stepper.world.warnings.splice(..0, warning);
+        stepper.world.host.warnings.splice(..0, warning);
         Ok(stepper)
     }
 
@@ -57,13 +57,13 @@ impl Stepper {
         pipelines: Option<Pipelines>,
     ) -> Result<Self> {
         let mut world = World::new(scene, options)?;
-        let on_cpu = match world.options.backend {
+        let on_cpu = match world.control.options.backend {
             Backend::Cpu => true,
             Backend::Auto => gpu.is_none(),
             Backend::Gpu if gpu.is_none() => return Err(Error::NoGpu("Backend::Gpu")),
             Backend::Gpu => false,
         };
-        let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.options.threads)?)) } else { None };
+        let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.control.options.threads)?)) } else { None };
         if let (false, Some((device, _))) = (on_cpu, gpu) {
             world.make_room(Room::of(device));
         }
@@ -80,15 +80,15 @@ impl Stepper {
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
         self.world.choose();
-        let progress = self.world.clock.frame(dt);
-        if progress.steps == 0 && self.world.actions.is_empty() {
+        let progress = self.world.control.clock.frame(dt);
+        if progress.steps == 0 && self.world.host.actions.is_empty() {
             return Ok(progress);
         }
         match &mut self.cpu {
             Some((bodies, threads)) => {
                 self.world.act(bodies, threads);
                 self.world.run(bodies, threads, progress.steps);
-                gpu.upload(bodies, &self.world.asleep);
+                gpu.upload(bodies, &self.world.runs);
             }
             None => {
                 gpu.act(&mut self.world, encoder);

@@ -6,7 +6,7 @@ use crate::error::Result;
 impl Stepper {
     /// Whether a cloth is asleep; not where there is none.
     pub fn is_asleep(&self, cloth: usize) -> bool {
-        self.world.asleep.get(cloth).is_some_and(|a| *a)
+        self.world.runs.get(cloth).is_some_and(|run| run.asleep)
     }
 
     /// Lets cloths fall asleep on the GPU backend if [`crate::Options::sleep`] is set, and substeps be chosen by

@@ -6,7 +6,6 @@
 //! copied with the frame, and [`crate::Stepper::settle`] takes what has arrived, without waiting.
 
 use super::World;
-use crate::passes::Pass;
 
 /// How calm a cloth has been.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,36 +17,30 @@ pub struct Calm {
 }
 
 impl World {
-    /// Adds the passes that measure speeds, where cloth may fall asleep.
-    pub fn watch(&mut self) {
-        if self.calm_below().is_some() {
-            self.schedules.iter_mut().for_each(|s| s.frame.extend([Pass::Speed, Pass::Fastest]));
-        }
-    }
-
     /// Square of the longest displacement of a step \[m^2\] that counts as calm; none where no cloth falls asleep.
     pub fn calm_below(&self) -> Option<f64> {
-        let sleep = self.options.sleep.filter(|_| self.scene.wind.is_none())?;
-        Some((sleep.speed * self.clock.dt).powi(2))
+        let sleep = self.control.options.sleep.filter(|_| self.scene.wind.is_none())?;
+        Some((sleep.speed * self.control.clock.dt).powi(2))
     }
 
     /// Takes in a frame of `seconds`.
     pub fn note(&mut self, cloth: usize, calm: bool, seconds: f64) {
-        let entry = &mut self.calm[cloth];
-        entry.seconds = if calm { entry.seconds + seconds } else { 0.0 };
-        if calm && self.options.sleep.is_some_and(|s| entry.seconds >= s.after) {
-            self.asleep[cloth] = true;
+        let run = &mut self.runs[cloth];
+        run.calm.seconds = if calm { run.calm.seconds + seconds } else { 0.0 };
+        if calm && self.control.options.sleep.is_some_and(|s| run.calm.seconds >= s.after) {
+            run.asleep = true;
         }
     }
 
     /// Wakes a cloth, and counts its rest from 0.
     pub fn wake(&mut self, cloth: usize) {
-        self.asleep[cloth] = false;
-        self.calm[cloth] = Calm { seconds: 0.0, changes: self.calm[cloth].changes + 1 };
+        let run = &mut self.runs[cloth];
+        run.asleep = false;
+        run.calm = Calm { seconds: 0.0, changes: run.calm.changes + 1 };
     }
 
     /// Wakes every cloth.
     pub fn wake_all(&mut self) {
-        (0..self.asleep.len()).for_each(|cloth| self.wake(cloth));
+        (0..self.runs.len()).for_each(|cloth| self.wake(cloth));
     }
 }
