@@ -10,6 +10,7 @@ mod levels;
 mod pick;
 mod pipelines;
 mod read_back;
+mod ring;
 mod solids;
 mod span;
 mod turns;
@@ -19,6 +20,7 @@ pub use buffers::ClothBuffers;
 pub(crate) use pick::Pending;
 pub(crate) use read_back::read_bytes;
 pub use read_back::{read_back, read_back_u32};
+pub(crate) use ring::Ring;
 pub use span::Span;
 
 use bytemuck::cast_slice;
@@ -34,7 +36,6 @@ use crate::shaders::Slot;
 use crate::world::{ClothRun, World};
 use arena::Arena;
 use buffers::Spans;
-use frames::Frames;
 pub use pipelines::Compiled;
 pub(crate) use pipelines::Pipelines;
 use solids::Solids;
@@ -47,7 +48,7 @@ pub struct Gpu {
     pipelines: Pipelines,
     cloths: Vec<ClothBuffers>,
     arenas: Vec<Arena>,
-    frames: Option<Frames>,
+    frames: Option<Ring>,
     solids: Solids,
     watches: Vec<Watch>,
 }
@@ -75,7 +76,7 @@ impl Gpu {
             solids: Solids::new(device, world),
             pipelines,
             cloths: cloths?,
-            frames: (!arenas.is_empty()).then(|| Frames::new(device)),
+            frames: (!arenas.is_empty()).then(|| frames::ring(device)),
             arenas,
             device: device.clone(),
             queue: queue.clone(),
@@ -184,7 +185,8 @@ impl Gpu {
             let pipeline = self.pipelines.get(&Form::Whole(batch.fused.clone()));
             let arena = &mut self.arenas[batch.arena];
             let any = world.frame(world.arenas[batch.arena][batch.members[0]], steps);
-            let offset = frames.offset(&self.queue, &any, world.scene.colliders.len());
+            let numbers = frames::numbers(&any, world.scene.colliders.len());
+            let offset = frames.offset(&self.queue, &numbers);
             let buffers = (&self.solids.buffer, &frames.buffer);
             let group = arena.group(&self.device, world, &batch, pipeline, buffers);
             pass.set_pipeline(&pipeline.pipeline);

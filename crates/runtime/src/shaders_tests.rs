@@ -55,7 +55,7 @@ fn passes() -> Vec<Pass> {
 const SOFTS: [Soft; 3] = [Soft::None, Soft::Constant, Soft::Image];
 
 /// All colours of springs, and rounds of those to the right and down, with tethers between them.
-fn springs((image, soft, again): (bool, Soft, bool), rounds: u32, tethers: Option<Pass>) -> Vec<Pass> {
+fn springs(image: bool, soft: Soft, again: bool, rounds: u32, tethers: Option<Pass>) -> Vec<Pass> {
     let spring = |(direction, parity)| Pass::Stretch { direction, parity, image, soft, again };
     let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)].map(spring);
     let round = || tethers.into_iter().chain(colours[4..].iter().copied());
@@ -76,7 +76,7 @@ fn tiles() -> Vec<Tile> {
         passes.extend((again && on(3)).then_some(Pass::Forget));
         passes.extend(tethers.filter(|_| on(0)));
         if on(2) {
-            passes.extend(springs((on(3), soft, again), 2 * u32::from(on(0)), tethers));
+            passes.extend(springs(on(3), soft, again, 2 * u32::from(on(0)), tethers));
         }
         passes.extend(tethers.filter(|_| on(1)));
         passes.extend((on(1) && on(4)).then_some(Pass::Limit));
@@ -106,7 +106,7 @@ fn fused() -> Vec<Fused> {
         s.step.extend(on(2).then_some(Pass::Membrane { column: 1, row: 0, holes: false }));
         s.step.extend(again.then_some(Pass::Forget));
         s.relax.extend(tethers);
-        s.relax.extend(springs((image, soft, again), 2 * u32::from(on(4)), tethers));
+        s.relax.extend(springs(image, soft, again, 2 * u32::from(on(4)), tethers));
         s.relax.extend(seams);
         s.relax.extend(on(0).then_some(Pass::Limit));
         let kinds = Kinds { shapes: [true; 6], friction: on(2), many: on(3) };

@@ -15,6 +15,7 @@ use crate::gpu::contents::Contents;
 use crate::gpu::cut_tethers;
 use crate::gpu::levels;
 use crate::gpu::pipelines::Pipeline;
+use crate::gpu::ring::Ring;
 use crate::gpu::span::Span;
 use crate::gpu::turns;
 use crate::layout::{FAULT_BYTES, FaultRow, GridRow, StepRow};
@@ -23,8 +24,6 @@ use crate::passes::{Soft, has_levels, soft_of};
 use crate::shaders::{Bound, Slot, Source};
 use crate::world::World;
 
-/// Distance of the numbers of two steps: the largest alignment that a device may ask for.
-const STEP_STRIDE: u32 = 256;
 /// A frame takes up to two, or [`crate::layout::POSES`] where colliders move; this number can be recorded before the first submission.
 const STEPS: u32 = 1024;
 
@@ -47,7 +46,7 @@ pub struct ClothBuffers {
     good: Option<Span>,
     pub(super) lost: Option<Span>,
     stepping: bool,
-    step: Option<Buffer>,
+    steps: Option<Ring>,
     /// The colliders as this cloth meets them.
     solids: Option<Span>,
     /// [`GridRow::soft`] of the grids in `others`.
@@ -56,8 +55,6 @@ pub struct ClothBuffers {
     groups: HashMap<(Vec<Bound>, [bool; 4]), wgpu::BindGroup>,
     /// Which of [`turns::TURNS`] lie in the other buffers, as they do after an odd number of tiles.
     pub(super) turned: [bool; 4],
-    last: Option<StepRow>,
-    cursor: u32,
 }
 
 /// Where what changes in a frame lies.
@@ -111,14 +108,12 @@ impl ClothBuffers {
             good,
             lost,
             stepping: !draw_only,
-            step: None,
+            steps: None,
             solids: None,
             soft: None,
             others: HashMap::new(),
             groups: HashMap::new(),
             turned: [false; 4],
-            last: None,
-            cursor: 0,
         })
     }
 
@@ -136,15 +131,10 @@ impl ClothBuffers {
             self.forget(Slot::Grids);
             self.soft = Some(soft);
         }
-        if self.step.is_some() {
+        if self.steps.is_some() {
             return;
         }
-        self.step = Some(device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("step"),
-            size: u64::from(STEP_STRIDE * STEPS),
-            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        }));
+        self.steps = Some(Ring::new(device, "step", size_of::<StepRow>(), STEPS));
         for (slot, buffer) in Contents::new(world, &[index]).upload(device) {
             // Rest lengths may be there already, and be cut.
             self.others.entry(slot).or_insert(buffer);
@@ -154,16 +144,9 @@ impl ClothBuffers {
         }
     }
 
-    /// Where the numbers of a step lie; they are written only if they differ from the last ones.
+    /// Where the numbers of a step lie.
     pub(super) fn step_offset(&mut self, queue: &wgpu::Queue, row: StepRow) -> u32 {
-        if self.last != Some(row) {
-            self.cursor = (self.cursor + 1) % STEPS;
-            self.last = Some(row);
-            if let Some(step) = &self.step {
-                queue.write_buffer(step, u64::from(self.cursor * STEP_STRIDE), bytes_of(&row));
-            }
-        }
-        self.cursor * STEP_STRIDE
+        self.steps.as_mut().map_or(0, |steps| steps.offset(queue, bytes_of(&row)))
     }
 
     /// The bindings of a shader, made once.
@@ -208,7 +191,7 @@ impl ClothBuffers {
             Slot::Good => self.good.as_ref().map(Span::binding),
             Slot::Lost => self.lost.as_ref().map(Span::binding),
             Slot::Solids => self.solids.as_ref().map(Span::binding),
-            Slot::Step => self.step.as_ref().map(|buffer| wgpu::BufferBinding { buffer, offset: 0, size: row }),
+            Slot::Step => self.steps.as_ref().map(|ring| wgpu::BufferBinding { size: row, ..whole(&ring.buffer) }),
             other => more.iter().find(|m| m.0 == other).map(|m| m.1).or_else(|| self.others.get(&other)).map(whole),
         };
         let entry = |slot| {
