@@ -118,7 +118,7 @@ impl Gpu {
         for (strain, at) in alone.iter().filter_map(|c| self.cloths[*c].strain(false)) {
             encoder.clear_buffer(strain, at, Some(4));
         }
-        let mut pass = begin(encoder);
+        let mut pass = begin(encoder, "cloth");
         self.record_fused(world, &mut pass, steps);
         let mut last = Vec::new();
         for &index in &alone {
@@ -128,7 +128,7 @@ impl Gpu {
         if alone.iter().any(|c| self.cloths[*c].turned.contains(&true)) {
             drop(pass);
             alone.iter().for_each(|c| self.cloths[*c].turn_back(encoder));
-            pass = begin(encoder);
+            pass = begin(encoder, "cloth");
         }
         for (index, offset) in alone.into_iter().zip(last) {
             let cloth = &world.scene.cloths[index];
@@ -252,8 +252,8 @@ pub fn device_limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
     }
 }
 
-fn begin(encoder: &mut wgpu::CommandEncoder) -> wgpu::ComputePass<'_> {
-    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None })
+fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, label: &str) -> wgpu::ComputePass<'a> {
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None })
 }
 
 impl crate::shaders::Source {

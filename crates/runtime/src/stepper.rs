@@ -8,7 +8,6 @@ mod pick;
 mod script;
 #[cfg(feature = "gpu")]
 mod self_check;
-mod sleep;
 
 pub use drag::Drag;
 #[cfg(feature = "gpu")]
@@ -235,6 +234,19 @@ impl Stepper {
         self.world.wake(cloth);
         self.world.runs[cloth].asleep = asleep;
         Ok(())
+    }
+
+    /// Whether a cloth is asleep; not where there is none.
+    pub fn is_asleep(&self, cloth: usize) -> bool {
+        self.world.runs.get(cloth).is_some_and(|run| run.asleep)
+    }
+
+    /// Lets cloths fall asleep on the GPU backend if [`crate::Options::sleep`] is set, and substeps be chosen by
+    /// [`crate::Quality::Error`]: call it once a frame, after everything that was recorded has been submitted. It takes in
+    /// what has come back, eight bytes per cloth some frames late, and never waits. Without it no cloth falls asleep and
+    /// no error is known there. The CPU backend needs no call.
+    pub fn settle(&mut self) -> Result<()> {
+        self.gpu.as_mut().map_or(Ok(()), |gpu| gpu.settle(&mut self.world))
     }
 
     /// Pins a particle where it is, or frees it; seam duplicates follow. Uploads four bytes per particle. Tethers

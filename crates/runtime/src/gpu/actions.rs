@@ -3,7 +3,7 @@
 use bytemuck::cast_slice;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-use super::Gpu;
+use super::{Gpu, begin};
 use crate::cloth::Rest;
 use crate::passes::{Pass, has_levels};
 use crate::shaders::{Slot, list, source};
@@ -24,8 +24,7 @@ impl Gpu {
         if actions.is_empty() {
             return;
         }
-        let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("actions"), timestamp_writes: None });
+        let mut pass = begin(encoder, "actions");
         for action in &actions {
             match action {
                 Action::Cut(corners) => {

@@ -10,7 +10,7 @@ use super::pipelines::Pipeline;
 use super::span::Span;
 use crate::cpu::start::Start;
 use crate::form::Fused;
-use crate::layout::{FAULT_BYTES, FAULT_STRIDE, JobRow, StepRow};
+use crate::layout::{FAULT_BYTES, FAULT_STRIDE, FrameRow, JobRow, StepRow};
 use crate::shaders::Slot;
 use crate::world::{Batch, World};
 
@@ -122,23 +122,13 @@ impl Arena {
                 self.buffers.entry(slot).or_insert_with(new);
             }
             let jobs = upload(device, "jobs", &rows, BufferUsages::empty());
-            let buffer = |slot| match slot {
-                Slot::Jobs => Some(&jobs),
-                Slot::Solids => Some(solids),
-                Slot::Frame => Some(frames),
-                other => self.buffers.get(&other),
-            };
-            let entry = |slot| {
-                let size = (slot == Slot::Frame).then_some(slot_size()).and_then(std::num::NonZeroU64::new);
-                let binding = wgpu::BufferBinding { buffer: buffer(slot)?, offset: 0, size };
-                Some(wgpu::BindGroupEntry { binding: slot as u32, resource: wgpu::BindingResource::Buffer(binding) })
-            };
-            let entries: Vec<_> = pipeline.source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
-            let layout = &pipeline.layout;
-            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("fused"),
-                layout,
-                entries: &entries,
+            let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
+            let row = std::num::NonZeroU64::new(size_of::<FrameRow>() as u64);
+            let group = pipeline.bind(device, |slot| match slot {
+                Slot::Jobs => Some(whole(&jobs)),
+                Slot::Solids => Some(whole(solids)),
+                Slot::Frame => Some(wgpu::BufferBinding { size: row, ..whole(frames) }),
+                other => self.buffers.get(&other).map(whole),
             });
             let ready = Ready { rows, solids: solids.clone(), frames: frames.clone(), group };
             self.ready.insert(batch.fused.clone(), ready);
@@ -153,9 +143,4 @@ impl Arena {
         let steps = world.numbers(cloth).map(|step| StepRow::from(&step));
         JobRow { solid, keep: steps.map(|s| s.keep), longest: steps.map(|s| s.longest), ..self.jobs[member] }
     }
-}
-
-/// Bytes of the numbers of a frame.
-pub(super) const fn slot_size() -> u64 {
-    size_of::<crate::layout::FrameRow>() as u64
 }

@@ -43,15 +43,12 @@ pub struct ClothBuffers {
     /// Eight u32 in a buffer for storage: particles at fault in the last frame, frames taken back, one more than the last
     /// particle at fault, and what is unused to a host. None for the classic solver and where the CPU steps.
     pub faults: Option<Span>,
-    good: Option<Span>,
-    pub(super) lost: Option<Span>,
     stepping: bool,
     steps: Option<Ring>,
-    /// The colliders as this cloth meets them.
-    solids: Option<Span>,
     /// [`GridRow::soft`] of the grids in `others`.
     soft: Option<f32>,
-    pub(super) others: HashMap<Slot, Buffer>,
+    /// All else that is bound.
+    pub(super) others: HashMap<Slot, Span>,
     groups: HashMap<(Vec<Bound>, [bool; 4]), wgpu::BindGroup>,
     /// Which of [`turns::TURNS`] lie in the other buffers, as they do after an odd number of tiles.
     pub(super) turned: [bool; 4],
@@ -99,19 +96,17 @@ impl ClothBuffers {
                 .then(|| upload(device, "lost", &vec![[0f32; 4]; cloth.len()], BufferUsages::empty()).into()),
         };
         let Spans { now, before, normals, faults, good, lost } = lies.unwrap_or_else(alone);
+        let others = [good.map(|good| (Slot::Good, good)), lost.map(|lost| (Slot::Lost, lost))].into_iter().flatten();
         Ok(ClothBuffers {
             now,
             before,
             normals,
             holes: None,
             faults,
-            good,
-            lost,
             stepping: !draw_only,
             steps: None,
-            solids: None,
             soft: None,
-            others: HashMap::new(),
+            others: HashMap::from_iter(others),
             groups: HashMap::new(),
             turned: [false; 4],
         })
@@ -127,7 +122,7 @@ impl ClothBuffers {
         if self.soft != Some(soft) {
             // What is recorded with the last ones may not have been submitted yet: they stay as they are.
             let grids = upload(device, "grids", &grid_rows(cloth, 0, soft), BufferUsages::empty());
-            self.others.insert(Slot::Grids, grids);
+            self.others.insert(Slot::Grids, grids.into());
             self.forget(Slot::Grids);
             self.soft = Some(soft);
         }
@@ -137,10 +132,10 @@ impl ClothBuffers {
         self.steps = Some(Ring::new(device, "step", size_of::<StepRow>(), STEPS));
         for (slot, buffer) in Contents::new(world, &[index]).upload(device) {
             // Rest lengths may be there already, and be cut.
-            self.others.entry(slot).or_insert(buffer);
+            self.others.entry(slot).or_insert(buffer.into());
         }
         if has_levels(cloth, options) {
-            self.others.extend(levels::buffers(device, cloth));
+            self.take(levels::buffers(device, cloth));
         }
     }
 
@@ -173,8 +168,7 @@ impl ClothBuffers {
                 _ => continue,
             };
             let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-            let new = wgpu::BufferDescriptor { label: Some(slot.name()), size, usage, mapped_at_creation: false };
-            self.others.entry(slot).or_insert_with(|| device.create_buffer(&new));
+            self.others.entry(slot).or_insert_with(|| empty(device, slot.name(), size, usage).into());
         }
     }
 
@@ -182,48 +176,45 @@ impl ClothBuffers {
     pub(super) fn bind(&self, device: &wgpu::Device, pipeline: &Pipeline, more: &[(Slot, &Buffer)]) -> wgpu::BindGroup {
         let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
         let row = std::num::NonZeroU64::new(size_of::<StepRow>() as u64);
-        let buffer = |slot| match turns::lies(self.turned, slot) {
+        pipeline.bind(device, |slot| match turns::lies(self.turned, slot) {
             Slot::Now => Some(self.now.binding()),
             Slot::Before => Some(self.before.binding()),
             Slot::Normals => Some(self.normals.binding()),
             Slot::Holes => self.holes.as_ref().map(Span::binding),
             Slot::Faults => self.faults.as_ref().map(Span::binding),
-            Slot::Good => self.good.as_ref().map(Span::binding),
-            Slot::Lost => self.lost.as_ref().map(Span::binding),
-            Slot::Solids => self.solids.as_ref().map(Span::binding),
             Slot::Step => self.steps.as_ref().map(|ring| wgpu::BufferBinding { size: row, ..whole(&ring.buffer) }),
-            other => more.iter().find(|m| m.0 == other).map(|m| m.1).or_else(|| self.others.get(&other)).map(whole),
-        };
-        let entry = |slot| {
-            let resource = wgpu::BindingResource::Buffer(buffer(slot)?);
-            Some(wgpu::BindGroupEntry { binding: slot as u32, resource })
-        };
-        let entries: Vec<_> = pipeline.source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
-        let (label, layout) = (Some(pipeline.source.stem), &pipeline.layout);
-        device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
+            other => match more.iter().find(|m| m.0 == other) {
+                Some((_, buffer)) => Some(whole(buffer)),
+                None => self.others.get(&other).map(Span::binding),
+            },
+        })
     }
 
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.
     pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth, held: &Tethers, options: &Options) {
         if self.holes.is_none() {
             if self.stepping {
-                self.others.extend(cut_tethers::room(device, cloth, held));
+                self.take(cut_tethers::room(device, cloth, held));
             }
             let none = vec![0u32; cloth.len()];
             self.holes = Some(upload(device, "holes", &none, BufferUsages::COPY_SRC).into());
         }
         if let (Rest::Image(rest), true) = (cloth.rest(), self.stepping) {
-            let new = || upload(device, "rest", rest, BufferUsages::empty());
+            let new = || upload(device, "rest", rest, BufferUsages::empty()).into();
             self.others.entry(Slot::Rest).or_insert_with(new);
         }
         if has_levels(cloth, options) && self.stepping {
-            self.others.entry(Slot::Links).or_insert_with(|| levels::links(device, cloth));
+            self.others.entry(Slot::Links).or_insert_with(|| levels::links(device, cloth).into());
         }
+    }
+
+    fn take(&mut self, buffers: Vec<(Slot, Buffer)>) {
+        self.others.extend(buffers.into_iter().map(|(slot, buffer)| (slot, buffer.into())));
     }
 
     /// A buffer of the cloth's own.
     pub(super) fn other(&self, slot: Slot) -> Option<&Buffer> {
-        self.others.get(&slot)
+        self.others.get(&slot).map(|span| &span.buffer)
     }
 
     /// The largest squared displacement of the last frame, where cloth may fall asleep.
@@ -231,7 +222,7 @@ impl ClothBuffers {
         if fused {
             return self.faults.as_ref().map(|f| (&f.buffer, f.offset + offset_of!(FaultRow, speed) as u64));
         }
-        self.others.get(&Slot::Fastest).map(|b| (b, 0))
+        self.other(Slot::Fastest).map(|b| (b, 0))
     }
 
     /// The largest residual of springs in the last frame, where that is measured.
@@ -239,13 +230,13 @@ impl ClothBuffers {
         if fused {
             return self.faults.as_ref().map(|f| (&f.buffer, f.offset + offset_of!(FaultRow, strain) as u64));
         }
-        self.others.get(&Slot::Strain).map(|b| (b, 0))
+        self.other(Slot::Strain).map(|b| (b, 0))
     }
 
     /// From here on these are the colliders.
     pub(super) fn meet(&mut self, solids: Span) {
-        if self.solids.as_ref() != Some(&solids) {
-            self.solids = Some(solids);
+        if self.others.get(&Slot::Solids) != Some(&solids) {
+            self.others.insert(Slot::Solids, solids);
             self.forget(Slot::Solids);
         }
     }
@@ -281,6 +272,11 @@ pub(super) fn grid_rows(cloth: &Cloth, first: u32, soft: f32) -> Vec<GridRow> {
 
 /// How buffers are used that a vertex shader reads.
 pub(super) const DRAWN: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::COPY_SRC);
+
+/// A buffer to be written on the device, or to be mapped.
+pub(super) fn empty(device: &wgpu::Device, label: &str, size: u64, usage: BufferUsages) -> Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+}
 
 pub(super) fn upload<T: Pod>(device: &wgpu::Device, label: &str, data: &[T], more: BufferUsages) -> Buffer {
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | more;

@@ -2,6 +2,8 @@
 
 use wgpu::{Buffer, BufferUsages};
 
+use super::buffers::empty;
+
 /// A buffer of rows that are written in turn: what was recorded with the last ones may not have been submitted yet.
 pub(crate) struct Ring {
     pub buffer: Buffer,
@@ -16,12 +18,8 @@ impl Ring {
     pub fn new(device: &wgpu::Device, label: &str, bytes: usize, rows: u32) -> Self {
         // The largest alignment that a device may ask for.
         let stride = (bytes as u32).next_multiple_of(256);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: u64::from(stride * rows),
-            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let buffer = empty(device, label, u64::from(stride * rows), usage);
         Ring { buffer, stride, rows, cursor: 0, last: Vec::new() }
     }
 

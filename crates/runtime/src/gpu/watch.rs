@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::Gpu;
+use super::buffers::empty;
+use super::read_back::MAPPED;
 use crate::error::{Error, Result};
 use crate::passes::Pass;
 use crate::world::World;
@@ -104,13 +106,6 @@ impl Watch {
             return Some(staging);
         }
         self.made += u32::from(self.made <= MOST);
-        (self.made <= MOST).then(|| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("measured"),
-                size: 8,
-                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        })
+        (self.made <= MOST).then(|| empty(device, "measured", 8, MAPPED))
     }
 }
