@@ -1,4 +1,4 @@
-//! The CPU backend: the twin of every shader, one file a pass, with the stem of the shader.
+//! The CPU backend: the twin of every pass, one file each, with the stem of the shader.
 //!
 //! Twins are generic over f32, which steps, and f64, which measures rounding. They do the operations of the shaders in
 //! the same order. Large grids are shared out by rows or by rows of pairs, never by the number of threads, so every

@@ -152,7 +152,7 @@ impl Stepper {
     }
 
     /// Warnings about settings beyond the solver's limits: masses, tethers and cloth that will not rest, as found when the
-    /// stepper was made, and the current number of substeps. [`Solver::Classic`] has none of these. A failed [`self_check`] of
+    /// stepper was made, and the current number of substeps. [`Solver::Classic`] has none of these. A failed [`crate::self_check`] of
     /// the device comes first.
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
         self.world.host.warnings.iter().chain(&self.world.host.raised).cloned().collect()

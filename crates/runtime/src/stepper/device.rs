@@ -16,7 +16,7 @@ impl Stepper {
     /// buffers on either backend ([`Stepper::buffers`]). Errors on settings out of range, on [`Backend::Gpu`] without a
     /// device, and where a cloth does not fit the device.
     ///
-    /// The first stepper on a device runs its [`self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. [`Backend::Auto`]
+    /// The first stepper on a device runs its [`crate::self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. [`Backend::Auto`]
     /// does not use a device that fails, [`Backend::Gpu`] does; [`Stepper::warnings`] has the reason.
     ///
     /// Compiles the pipelines that a frame runs ([`Stepper::compiled`], [`Stepper::another`]).
