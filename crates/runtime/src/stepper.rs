@@ -107,7 +107,7 @@ impl Stepper {
         Some(&self.cpu.as_ref()?.0.get(cloth)?.normals)
     }
 
-    /// Triangles of a cloth that a cut has taken away, as [`ClothBuffers::holes`]. `None` on the GPU backend, until the
+    /// Triangles of a cloth that a cut has taken away, as [`crate::ClothBuffers::holes`]. `None` on the GPU backend, until the
     /// first cut, and for a cloth that does not exist.
     pub fn holes(&self, cloth: usize) -> Option<&[u32]> {
         let holes = &self.cpu.as_ref()?.0.get(cloth)?.holes;
@@ -116,7 +116,7 @@ impl Stepper {
 
     /// The frames that were taken back since the last call, oldest first, at most the latest 64: a cloth with particles
     /// that are NaN or farther than 1e8 m away is reset to its last good frame, at rest. With
-    /// [`Solver::Xpbd`] only. Empty on the GPU backend, where they are counted in [`ClothBuffers::faults`].
+    /// [`Solver::Xpbd`] only. Empty on the GPU backend, where they are counted in [`crate::ClothBuffers::faults`].
     pub fn take_faults(&mut self) -> Vec<crate::world::Fault> {
         std::mem::take(&mut self.world.host.faults)
     }

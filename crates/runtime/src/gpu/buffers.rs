@@ -27,7 +27,7 @@ use crate::world::World;
 /// A frame takes up to two, or [`crate::layout::POSES`] where colliders move; this number can be recorded before the first submission.
 const STEPS: u32 = 1024;
 
-/// The buffers of a cloth for a vertex shader: arrays of vec4<f32>, one per particle, in buffers for storage and vertices
+/// The buffers of a cloth for a vertex shader: arrays of `vec4<f32>`, one per particle, in buffers for storage and vertices
 /// that cloths may share.
 pub struct ClothBuffers {
     /// Positions \[m\] now; w is 1/mass, 0 for pinned, -1 for no particle.
