@@ -1,5 +1,6 @@
-//! The pages name only files that exist.
+//! The pages name only files that exist, and modules depend on one another one way.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Folders that a page may leave out of a path, as a table's heading names them.
@@ -43,4 +44,125 @@ fn every_path_in_the_pages_exists() {
         }
     }
     assert!(checked > 100, "only {checked} paths found");
+}
+
+/// Top-level modules of the runtime that each one names by `crate::`, in code outside its tests.
+fn modules_named(source: &Path) -> BTreeMap<String, BTreeSet<String>> {
+    let root = code(&source.join("lib.rs"));
+    let mut tokens = words(&root).peekable();
+    let (mut modules, mut exports) = (BTreeSet::new(), BTreeMap::new());
+    while let Some(token) = tokens.next() {
+        let next = tokens.peek().copied().unwrap_or_default();
+        if token == "mod" {
+            modules.insert(next.to_owned());
+        } else if token == "use" {
+            let module = next.to_owned();
+            // Names that the crate re-exports belong to the module that has them.
+            let names = tokens.by_ref().skip(1).take_while(|t| *t != ";");
+            exports.extend(names.map(|name| (name.to_owned(), module.clone())));
+        }
+    }
+    let mut named: BTreeMap<String, BTreeSet<String>> = modules.iter().map(|m| (m.clone(), BTreeSet::new())).collect();
+    for file in files(source) {
+        let top = file.strip_prefix(source).unwrap().components().next().unwrap();
+        let top = Path::new(&top).file_stem().unwrap().to_str().unwrap().to_owned();
+        let Some(named) = named.get_mut(&top) else { continue };
+        let found = names_after_crate(&code(&file));
+        let module = |name: String| if modules.contains(&name) { Some(name) } else { exports.get(&name).cloned() };
+        named.extend(found.into_iter().filter_map(module).filter(|module| *module != top));
+    }
+    named
+}
+
+/// What follows `crate::` in a program: one name, or those of a list in braces without what is nested in it.
+fn names_after_crate(code: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    for path in code.split("crate::").skip(1) {
+        let Some(list) = path.strip_prefix('{') else {
+            names.extend(words(path).next().map(String::from));
+            continue;
+        };
+        let (mut depth, mut first) = (0, true);
+        for token in words(list) {
+            match token {
+                "{" => depth += 1,
+                "}" if depth == 0 => break,
+                "}" => depth -= 1,
+                "," => first = depth == 0,
+                name if depth == 0 && first => {
+                    names.push(name.to_owned());
+                    first = false;
+                }
+                _ => {}
+            }
+        }
+    }
+    names
+}
+
+/// Names and the marks `{`, `}`, `,` and `;` of a program.
+fn words(code: &str) -> impl Iterator<Item = &str> {
+    let name = |c: char| c.is_alphanumeric() || c == '_';
+    code.split_inclusive(move |c| !name(c))
+        .flat_map(move |part| {
+            let (word, mark) = part.split_at(part.trim_end_matches(|c| !name(c)).len());
+            [word, mark]
+        })
+        .filter(move |token| token.starts_with(name) || ["{", "}", ",", ";"].contains(token))
+}
+
+/// A program without comments and without the module of its tests, which ends a file.
+fn code(file: &Path) -> String {
+    let text = std::fs::read_to_string(file).unwrap();
+    let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default());
+    let code = lines.collect::<Vec<_>>().join("\n");
+    code.split("#[cfg(test)]\nmod tests").next().unwrap_or_default().to_owned()
+}
+
+/// Programs in a folder and those below, without files of tests.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let each = paths.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] });
+    let program = |path: &PathBuf| {
+        path.extension().is_some_and(|e| e == "rs") && !path.file_stem().unwrap().to_str().unwrap().ends_with("tests")
+    };
+    each.filter(program).collect()
+}
+
+/// A way from a module to itself, if there is one.
+fn circle(named: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<&str>> {
+    // A module that names nothing, or only such modules, is part of no circle.
+    let mut left: BTreeMap<&str, Vec<&str>> =
+        named.iter().map(|(m, names)| (&**m, names.iter().map(|n| &**n).collect())).collect();
+    while let Some(done) = left.iter().find(|(_, names)| names.iter().all(|n| !left.contains_key(n))).map(|(m, _)| *m) {
+        left.remove(done);
+    }
+    let mut way = vec![*left.keys().next()?];
+    loop {
+        let next = *left[way[way.len() - 1]].iter().find(|n| left.contains_key(*n))?;
+        let known = way.iter().position(|m| *m == next);
+        way.push(next);
+        if let Some(start) = known {
+            return Some(way.split_off(start));
+        }
+    }
+}
+
+#[test]
+fn imports_of_the_runtime_run_one_way() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let named = modules_named(&root.join("crates/runtime/src"));
+    assert!(named.len() > 30 && named["stepper"].len() > 10 && named["fold"].contains("passes"), "{named:?}");
+    let circle = circle(&named).map(|way| way.join(" -> "));
+    assert!(circle.is_none(), "modules of the runtime name one another in a circle: {}", circle.unwrap_or_default());
+}
+
+#[test]
+fn a_circle_is_found() {
+    let list = |names: &[&str]| names.iter().map(|n| n.to_string()).collect();
+    let named = [("a", list(&["b"])), ("b", list(&["c", "d"])), ("c", list(&["b"])), ("d", list(&[]))];
+    let named = named.map(|(module, names)| (module.to_owned(), names)).into_iter().collect();
+    assert_eq!(circle(&named), Some(vec!["b", "c", "b"]));
+    let code = "use crate::{a::{x, y}, b};\nuse crate::c::{d, e}; fn f(_: crate::g::H) {}";
+    assert_eq!(names_after_crate(code), ["a", "b", "c", "g"]);
 }

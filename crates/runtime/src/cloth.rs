@@ -4,6 +4,8 @@ mod check;
 mod flat;
 mod from_bundle;
 mod groups;
+pub(crate) mod shear;
+mod sheet;
 mod tether;
 mod weigh;
 
@@ -11,10 +13,9 @@ pub use flat::Flat;
 pub(crate) use gimage_bundle::other_end;
 pub use gimage_bundle::{Anchor, Particle, Tethers};
 pub(crate) use groups::{groups, mates, ring};
+pub(crate) use sheet::{Bending, Membrane};
 
 use crate::error::{Error, Result, check as range};
-use crate::limits::shear;
-use crate::material::{Bending, Membrane};
 
 /// One grid of particles, a piece of a bundle. Texel (i, j) is particle `first + j * width + i`.
 #[derive(Clone, Debug, PartialEq)]

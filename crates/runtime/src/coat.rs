@@ -23,17 +23,16 @@ struct Coat {
 pub struct Coats {
     /// No two are the same.
     list: Vec<Coat>,
-    /// Of each cloth its place in the list.
-    of: Vec<usize>,
 }
 
 /// Lists of colliders begin at multiples of this number of rows (80 bytes each), where a binding may begin.
 const ROWS: usize = 16;
 
 impl Coats {
-    /// Those of cloths, a cloth's own thickness before that of the options.
-    pub fn new(cloths: &[Cloth], options: &Options) -> Self {
-        let (mut coats, mut seen) = (Coats::default(), std::collections::HashMap::new());
+    /// Those of cloths, a cloth's own thickness before that of the options, and the place of each cloth's coat among them.
+    pub fn new(cloths: &[Cloth], options: &Options) -> (Self, Vec<usize>) {
+        let (mut coats, mut places) = (Coats::default(), Vec::new());
+        let mut seen = std::collections::HashMap::new();
         for cloth in cloths {
             // Of the two zeros one.
             let coat =
@@ -42,14 +41,9 @@ impl Coats {
             if place == coats.list.len() {
                 coats.list.push(coat);
             }
-            coats.of.push(place);
+            places.push(place);
         }
-        coats
-    }
-
-    /// The place of a cloth's colliders among the lists of [`Coats::solids`].
-    pub fn of(&self, cloth: usize) -> usize {
-        self.of[cloth]
+        (coats, places)
     }
 
     /// The colliders as cloths meet them, a list a coat.

@@ -1,4 +1,4 @@
-//! The CPU backend: the twin of every shader, one file a pass, with the stem of the shader.
+//! The CPU backend: the twin of every pass, one file each, with the stem of the shader.
 //!
 //! Twins are generic over f32, which steps, and f64, which measures rounding. They do the operations of the shaders in
 //! the same order. Large grids are shared out by rows or by rows of pairs, never by the number of threads, so every
@@ -15,7 +15,6 @@ pub(crate) mod cut;
 pub(crate) mod cut_levels;
 pub(crate) mod cut_springs;
 pub(crate) mod cut_tethers;
-pub(crate) mod draw;
 pub(crate) mod fabric;
 pub(crate) mod facets;
 pub(crate) mod fastest;
@@ -51,6 +50,5 @@ pub(crate) mod strain;
 pub(crate) mod stretch;
 pub(crate) mod sweep;
 pub(crate) mod tethers;
-pub(crate) mod tile;
 pub(crate) mod transform;
 pub(crate) mod wind;

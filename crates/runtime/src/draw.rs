@@ -4,38 +4,21 @@
 //! on the CPU. There is no index buffer: a grid of W x H texels is `(W - 1) (H - 1) 6` vertices, and the shader works
 //! out which texel each one is. Hosts with a renderer of their own read [`crate::ClothBuffers`] in their own shader.
 
-mod camera;
 #[cfg(feature = "gpu")]
 mod device;
-mod look;
 mod mesh;
-pub(crate) mod rows;
+mod raster;
+mod rows;
 mod shader;
 mod software;
 
-pub use camera::{Camera, View};
+pub use crate::look::{Camera, Look, SolidLook, View, uv_of};
 #[cfg(feature = "gpu")]
 pub use device::{Draw, Target};
-pub use look::{Look, uv_of};
 pub use software::Software;
 
 use crate::collider::Collider;
 use crate::number::real::{add, cross, scale, xyz};
-
-/// How all colliders are drawn.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SolidLook {
-    /// sRGB, 0 to 1.
-    pub color: [f32; 3],
-    /// How far \[m\] within its shape a collider is drawn. Default 0.004, because cloth lies right on the surface.
-    pub inset: f32,
-}
-
-impl Default for SolidLook {
-    fn default() -> Self {
-        SolidLook { color: [0.58, 0.60, 0.65], inset: 0.004 }
-    }
-}
 
 /// The box around positions \[m\] of particles (w at least 0) and finite colliders: its low and high corner. `None`
 /// where there is neither.

@@ -2,6 +2,9 @@
 
 use gimage_bundle::LinkFault;
 
+/// The names of the built-in scenes, which an error lists.
+pub const BUILTIN: [&str; 5] = ["s1", "s1k", "s2", "s2f", "s3"];
+
 /// The result of a call into the runtime.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -79,7 +82,7 @@ pub enum Error {
         count: usize,
     },
     /// No such built-in scene.
-    #[error("there is no scene {0:?}; built in are {list}", list = crate::scene::BUILTIN.join(", "))]
+    #[error("there is no scene {0:?}; built in are {list}", list = BUILTIN.join(", "))]
     NoScene(String),
     /// The call needs a device, and the stepper has none.
     #[error("{0} needs a GPU; none was given (install a Vulkan driver, such as mesa-vulkan-drivers, or use the CPU)")]

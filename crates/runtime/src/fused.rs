@@ -4,45 +4,13 @@
 //! between the first step and the last nothing but its previous positions leaves the workgroup. Cloths whose frames need
 //! the same code are steps of one dispatch, however many and however different in size and material they are.
 
-mod batches;
-
-pub use batches::arenas;
-#[cfg(feature = "gpu")]
-pub use batches::{Batch, room_of};
-
 use std::sync::Arc;
 
-use crate::cloth::Cloth;
-use crate::passes::{Pass, Schedule};
+use crate::cloth::{Cloth, Rest};
+use crate::form::{Fused, Hold};
+use crate::options::{Options, Solver};
+use crate::passes::{Pass, Schedule, soft_of};
 use crate::shaders::{self, Slot};
-
-/// Whole frames in one dispatch, described by what is compiled into its shader.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Fused {
-    /// The passes, which cloths share whose frames are alike.
-    pub(crate) schedule: Arc<Schedule>,
-    /// Whether positions leave no room in the memory of a workgroup for a list of the colliders that are near.
-    pub full: bool,
-    /// Where positions are during the frame.
-    pub hold: Hold,
-    /// Particles that the memory of a workgroup has room for.
-    pub places: u32,
-    /// Threads of a workgroup.
-    pub threads: u32,
-}
-
-/// Where a workgroup stores the positions of its cloth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Hold {
-    /// In its memory, with inverse masses and previous positions: 28 bytes per particle.
-    Both,
-    /// In its memory, with inverse masses: 16 bytes per particle.
-    Wide,
-    /// In its memory, alone: 12 bytes per particle.
-    Narrow,
-    /// In storage. For cloths that are too large, where there are many of them.
-    Stored,
-}
 
 /// What a device has room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +31,9 @@ pub struct Room {
 pub(crate) const NOTES: u32 = 152;
 /// Threads of a workgroup, at least.
 const LEAST: u32 = 64;
+/// From this number of cloths on, those that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
+/// device idle.
+const MANY: usize = 16;
 
 impl Room {
     /// That of a device.
@@ -94,7 +65,7 @@ impl Room {
 
 impl Fused {
     /// The whole frame of a schedule.
-    fn of(cloth: &Cloth, schedule: &Arc<Schedule>, room: &Room) -> Self {
+    pub(crate) fn of(cloth: &Cloth, schedule: &Arc<Schedule>, room: &Room) -> Self {
         let hold = room.hold(cloth.len(), 0);
         let many = schedule.relax.iter().any(|p| matches!(p, Pass::Contact(kinds) if kinds.many));
         Fused {
@@ -107,19 +78,52 @@ impl Fused {
     }
 
     /// Storage buffers that the frame of a schedule binds; `None` if one of its passes cannot be part of a whole frame.
-    fn buffers(schedule: &Arc<Schedule>) -> Option<usize> {
+    pub(crate) fn buffers(schedule: &Arc<Schedule>) -> Option<usize> {
         let fused = Fused { schedule: schedule.clone(), full: false, hold: Hold::Stored, places: 0, threads: LEAST };
         let bound = |fused| shaders::whole(fused).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
         shaders::is_whole(schedule).then(|| bound(&fused))
     }
 
     /// Without what may differ within a batch.
-    fn kind(&self) -> Self {
+    pub(crate) fn kind(&self) -> Self {
         Fused { places: 0, threads: 0, ..self.clone() }
     }
 
     /// Room for both.
-    fn with(&self, other: &Self) -> Self {
+    pub(crate) fn with(&self, other: &Self) -> Self {
         Fused { places: self.places.max(other.places), threads: self.threads.max(other.threads), ..self.clone() }
     }
+}
+
+/// Cloths that lie in the same buffers, by index; in order.
+pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Options, room: &Room) -> Vec<Vec<usize>> {
+    let mut arenas: Vec<(_, u64, Vec<usize>)> = Vec::new();
+    let small = |c: &Cloth| room.hold(c.len(), 0) != Hold::Stored;
+    let large = cloths.iter().filter(|c| !small(c)).count();
+    for (index, cloth) in cloths.iter().enumerate() {
+        if options.solver != Solver::Xpbd || !options.fused || (!small(cloth) && large < MANY) {
+            continue;
+        }
+        let (image, rings) = (matches!(cloth.rest(), Rest::Image(_)), cloth.ring_count() > 0);
+        let soft = soft_of(cloth);
+        let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some());
+        let kind = (image, rings, soft, slots(index), fabric);
+        // No other buffer has more bytes per particle.
+        let wide = if cloth.membrane().is_some() { 4 } else { 2 };
+        let bytes = room_of(cloth.len()) as u64 * 8 * (slots(index) as u64).max(wide);
+        let fits = |a: &&mut (_, u64, Vec<usize>)| a.0 == kind && a.1 + bytes <= room.bytes;
+        match arenas.iter_mut().find(fits) {
+            Some(arena) => {
+                arena.1 += bytes;
+                arena.2.push(index);
+            }
+            None => arenas.push((kind, bytes, vec![index])),
+        }
+    }
+    arenas.into_iter().map(|a| a.2).collect()
+}
+
+/// Entries that a cloth takes up in the buffers of an arena: each begins where a binding may begin.
+pub const fn room_of(particles: usize) -> usize {
+    particles.next_multiple_of(64)
 }

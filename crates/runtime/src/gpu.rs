@@ -10,6 +10,7 @@ mod levels;
 mod pick;
 mod pipelines;
 mod read_back;
+mod ring;
 mod solids;
 mod span;
 mod turns;
@@ -19,10 +20,12 @@ pub use buffers::ClothBuffers;
 pub(crate) use pick::Pending;
 pub(crate) use read_back::read_bytes;
 pub use read_back::{read_back, read_back_u32};
+pub(crate) use ring::Ring;
 pub use span::Span;
 
 use bytemuck::cast_slice;
 
+use crate::cloth::Cloth;
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::cpu::start::Start;
@@ -31,11 +34,9 @@ use crate::form::Form;
 use crate::layout::{POSES, StepRow};
 use crate::plan::Plan;
 use crate::shaders::Slot;
-use crate::step::Step;
-use crate::world::World;
+use crate::world::{ClothRun, World};
 use arena::Arena;
 use buffers::Spans;
-use frames::Frames;
 pub use pipelines::Compiled;
 pub(crate) use pipelines::Pipelines;
 use solids::Solids;
@@ -48,7 +49,7 @@ pub struct Gpu {
     pipelines: Pipelines,
     cloths: Vec<ClothBuffers>,
     arenas: Vec<Arena>,
-    frames: Option<Frames>,
+    frames: Option<Ring>,
     solids: Solids,
     watches: Vec<Watch>,
 }
@@ -61,19 +62,22 @@ impl Gpu {
         pipelines: Pipelines,
         draw_only: bool,
     ) -> Result<Self> {
-        let starts: Vec<_> = world.scene.cloths.iter().map(|c| Start::new(c, &world.options)).collect();
+        let starts: Vec<_> = world.scene.cloths.iter().map(|c| Start::new(c, &world.control.options)).collect();
         let arenas: Vec<_> = world.arenas.iter().map(|cloths| Arena::new(device, world, &starts, cloths)).collect();
         let mut lie: Vec<Option<Spans>> = world.scene.cloths.iter().map(|_| None).collect();
         arenas.iter().flat_map(Arena::spans).for_each(|(cloth, spans)| lie[cloth] = Some(spans));
-        let cloths = world.scene.cloths.iter().zip(&world.tethers).zip(&starts).zip(lie);
-        let settings = (draw_only, &*world.options);
-        let cloths: Result<_> =
-            cloths.map(|((held, start), spans)| ClothBuffers::new(device, held, start, settings, spans)).collect();
+        let cloths = world.scene.cloths.iter().zip(&world.runs).zip(&starts).zip(lie);
+        let settings = (draw_only, &*world.control.options);
+        let cloths: Result<_> = cloths
+            .map(|(((cloth, run), start), spans)| {
+                ClothBuffers::new(device, (cloth, &run.tethers), start, settings, spans)
+            })
+            .collect();
         let mut gpu = Gpu {
             solids: Solids::new(device, world),
             pipelines,
             cloths: cloths?,
-            frames: (!arenas.is_empty()).then(|| Frames::new(device)),
+            frames: (!arenas.is_empty()).then(|| frames::ring(device)),
             arenas,
             device: device.clone(),
             queue: queue.clone(),
@@ -108,15 +112,14 @@ impl Gpu {
 
     /// Records `steps` steps of every cloth that is awake and has any, then its normals.
     pub fn record(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
-        let apart = |world: &World, cloth: usize| !world.asleep[cloth] && !world.is_fused(cloth, steps);
-        let alone: Vec<usize> = (0..self.cloths.len()).filter(|c| apart(world, *c)).collect();
+        let alone: Vec<usize> = (0..self.cloths.len()).filter(|c| world.is_apart(*c, steps)).collect();
         for faults in alone.iter().filter_map(|c| self.cloths[*c].faults.as_ref()) {
             encoder.clear_buffer(&faults.buffer, faults.offset, Some(4));
         }
         for (strain, at) in alone.iter().filter_map(|c| self.cloths[*c].strain(false)) {
             encoder.clear_buffer(strain, at, Some(4));
         }
-        let mut pass = begin(encoder);
+        let mut pass = begin(encoder, "cloth");
         self.record_fused(world, &mut pass, steps);
         let mut last = Vec::new();
         for &index in &alone {
@@ -126,38 +129,37 @@ impl Gpu {
         if alone.iter().any(|c| self.cloths[*c].turned.contains(&true)) {
             drop(pass);
             alone.iter().for_each(|c| self.cloths[*c].turn_back(encoder));
-            pass = begin(encoder);
+            pass = begin(encoder, "cloth");
         }
         for (index, offset) in alone.into_iter().zip(last) {
-            world.schedules[index]
-                .frame
-                .iter()
-                .for_each(|what| self.run(world, &mut pass, index, (&Form::Apart(*what), offset)));
+            let cloth = &world.scene.cloths[index];
+            let frame = world.runs[index].schedule.frame.iter();
+            frame.for_each(|what| self.run(cloth, &mut pass, index, (&Form::Apart(*what), offset)));
         }
         drop(pass);
         self.watch(world, encoder, steps);
-        world.tick(steps);
+        world.control.tick(steps);
     }
 
     /// Records the steps of a cloth; returns where the numbers of the last one lie.
     fn record_steps(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, steps: u32) -> u32 {
-        let (cloth, plan, order) = (&world.scene.cloths[index], &world.schedules[index], world.order(index));
-        let alone = || plan.relax.iter().map(|p| Form::Apart(*p)).collect();
+        let (cloth, order, frame) = (&world.scene.cloths[index], world.order(index), world.frame(index, steps));
+        let alone = || frame.schedule.relax.iter().map(|p| Form::Apart(*p)).collect();
         let relax: Vec<Form> = order.map_or_else(alone, |o| o.relax.clone());
+        // Moving colliders have a new pose once in this number of steps.
+        let group = steps.div_ceil(POSES);
         let mut offset = 0;
         for n in 0..steps {
-            let group = steps.div_ceil(POSES);
-            let left = world.left(n / group * group, steps);
-            let row = StepRow::from(&Step { left, ..world.step(cloth, n == 0) });
+            let row = StepRow::from(&frame.step(n, n / group * group));
             offset = self.cloths[index].step_offset(&self.queue, row);
-            let coarse = if world.coarse(n) { &plan.coarse[..] } else { &[] };
+            let coarse = frame.coarse(n);
             let rounds = |count| (0..count).flat_map(|_| &relax);
-            let mut run = |what: &Form| self.run(world, pass, index, (what, offset));
+            let mut run = |what: &Form| self.run(cloth, pass, index, (what, offset));
             match order.filter(|_| coarse.is_empty()) {
-                Some(order) => order.first.iter().chain(rounds(world.options.iterations - 1)).for_each(&mut run),
+                Some(order) => order.first.iter().chain(rounds(frame.rounds - 1)).for_each(&mut run),
                 None => {
-                    plan.step.iter().chain(coarse).for_each(|p| run(&Form::Apart(*p)));
-                    rounds(world.options.iterations).for_each(&mut run);
+                    frame.schedule.step.iter().chain(coarse).for_each(|p| run(&Form::Apart(*p)));
+                    rounds(frame.rounds).for_each(&mut run);
                 }
             }
         }
@@ -165,12 +167,12 @@ impl Gpu {
     }
 
     /// Records one pass of a cloth, with the numbers that lie at an offset.
-    fn run(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, (what, offset): (&Form, u32)) {
+    fn run(&mut self, cloth: &Cloth, pass: &mut wgpu::ComputePass, index: usize, (what, offset): (&Form, u32)) {
         let pipeline = self.pipelines.get(what);
         let buffers = &mut self.cloths[index];
         let group = buffers.group(&self.device, pipeline);
         let offsets: &[u32] = if pipeline.source.binds(Slot::Step) { &[offset] } else { &[] };
-        let [x, y, z] = pipeline.source.workgroups(&world.scene.cloths[index]);
+        let [x, y, z] = pipeline.source.workgroups(cloth);
         pass.set_pipeline(&pipeline.pipeline);
         pass.set_bind_group(0, group, offsets);
         pass.dispatch_workgroups(x, y, z);
@@ -183,8 +185,9 @@ impl Gpu {
         for batch in world.batches(steps) {
             let pipeline = self.pipelines.get(&Form::Whole(batch.fused.clone()));
             let arena = &mut self.arenas[batch.arena];
-            let any = &world.scene.cloths[world.arenas[batch.arena][batch.members[0]]];
-            let offset = frames.offset(&self.queue, world, any, steps);
+            let any = world.frame(world.arenas[batch.arena][batch.members[0]], steps);
+            let numbers = frames::numbers(&any, world.scene.colliders.len());
+            let offset = frames.offset(&self.queue, &numbers);
             let buffers = (&self.solids.buffer, &frames.buffer);
             let group = arena.group(&self.device, world, &batch, pipeline, buffers);
             pass.set_pipeline(&pipeline.pipeline);
@@ -194,10 +197,10 @@ impl Gpu {
     }
 
     /// Writes what the CPU made into the buffers for drawing.
-    pub fn upload(&self, bodies: &[Body<f32>], threads: &Threads, asleep: &[bool]) {
+    pub fn upload(&self, bodies: &[Body<f32>], threads: &Threads, runs: &[ClothRun]) {
         let write = |span: &Span, bytes: &[u8]| self.queue.write_buffer(&span.buffer, span.offset, bytes);
-        for ((buffers, body), asleep) in self.cloths.iter().zip(bodies).zip(asleep) {
-            if !asleep {
+        for ((buffers, body), run) in self.cloths.iter().zip(bodies).zip(runs) {
+            if !run.asleep {
                 write(&buffers.now, cast_slice(body.now()));
                 write(&buffers.before, cast_slice(body.before()));
                 write(&buffers.normals, cast_slice(body.normals(threads)));
@@ -250,8 +253,8 @@ pub fn device_limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
     }
 }
 
-fn begin(encoder: &mut wgpu::CommandEncoder) -> wgpu::ComputePass<'_> {
-    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None })
+fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, label: &str) -> wgpu::ComputePass<'a> {
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None })
 }
 
 impl crate::shaders::Source {

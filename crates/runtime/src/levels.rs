@@ -130,8 +130,9 @@ impl<T: Real> Below<T> {
     }
 
     /// Along two springs, one after the other; 0 if either is not there.
-    fn path(&self, a: (usize, usize, usize), b: (usize, usize, usize)) -> T {
-        let (a, b, zero) = (self.limit(a.0, a.1, a.2), self.limit(b.0, b.1, b.2), T::of(0.0));
+    fn path(&self, a: [usize; 3], b: [usize; 3]) -> T {
+        let limit = |[i, j, d]: [usize; 3]| self.limit(i, j, d);
+        let (a, b, zero) = (limit(a), limit(b), T::of(0.0));
         if a > zero && b > zero { a + b } else { zero }
     }
 
@@ -167,7 +168,7 @@ impl<T: Real> Below<T> {
         match steps {
             0 => T::of(0.0),
             1 => self.limit(x, y, d),
-            _ => self.path((x, y, d), if d == 0 { (x + 1, y, d) } else { (x, y + 1, d) }),
+            _ => self.path([x, y, d], if d == 0 { [x + 1, y, d] } else { [x, y + 1, d] }),
         }
     }
 
@@ -176,15 +177,15 @@ impl<T: Real> Below<T> {
         let d = if down { 2 } else { 3 };
         let next = |y: usize| if down { y + 1 } else { y.saturating_sub(1) };
         // A spring down is stored at its upper end.
-        let fall = |x: usize, y: usize| (x, if down { y } else { y.saturating_sub(1) }, 1);
+        let fall = |x: usize, y: usize| [x, if down { y } else { y.saturating_sub(1) }, 1];
         let zero = T::of(0.0);
         let shorter = |a: T, b: T| if a > zero && b > zero { a.min(b) } else { a.max(b) };
         match (right, rows) {
             (0, _) | (_, 0) => zero,
             (1, 1) => self.limit(x, y, d),
-            (2, 1) => shorter(self.path((x, y, d), (x + 1, next(y), 0)), self.path((x, y, 0), (x + 1, y, d))),
-            (1, 2) => shorter(self.path((x, y, d), fall(x + 1, next(y))), self.path(fall(x, y), (x, next(y), d))),
-            _ => self.path((x, y, d), (x + 1, next(y), d)),
+            (2, 1) => shorter(self.path([x, y, d], [x + 1, next(y), 0]), self.path([x, y, 0], [x + 1, y, d])),
+            (1, 2) => shorter(self.path([x, y, d], fall(x + 1, next(y))), self.path(fall(x, y), [x, next(y), d])),
+            _ => self.path([x, y, d], [x + 1, next(y), d]),
         }
     }
 }

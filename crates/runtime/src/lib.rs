@@ -25,7 +25,6 @@
 // Plans of dispatches and the table of shaders have no reader in a build without `gpu`.
 #![cfg_attr(not(feature = "gpu"), allow(dead_code))]
 
-mod actions;
 mod choose;
 mod clock;
 mod cloth;
@@ -37,6 +36,7 @@ mod error;
 mod findings;
 mod fold;
 mod form;
+mod frame;
 mod fused;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -47,6 +47,7 @@ mod health;
 mod layout;
 mod levels;
 mod limits;
+mod look;
 mod material;
 mod measure;
 mod number;
@@ -58,25 +59,20 @@ mod quality;
 #[cfg(feature = "reference")]
 mod reference;
 pub mod scene;
-#[cfg(feature = "gpu")]
-mod self_check;
 mod shaders;
-mod sleep;
 mod step;
 mod stepper;
 mod tile;
 mod wind;
 mod world;
 
-pub use actions::Drag;
 pub use choose::{Choice, Support};
 pub use clock::Progress;
 pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
 pub use collider::{Collider, Shape};
 pub use error::{Error, Result};
 pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
-pub use form::Form;
-pub use fused::{Fused, Hold};
+pub use form::{Form, Fused, Hold, Tile, TileShape};
 #[cfg(feature = "gpu")]
 pub use gpu::{ClothBuffers, Compiled, Span, device_limits, read_back, read_back_u32};
 pub use health::{Health, Stretch};
@@ -94,10 +90,9 @@ pub use quality::Quality;
 #[cfg(feature = "reference")]
 pub use reference::Reference;
 pub use scene::Scene;
+pub use stepper::{Drag, Stepper};
 #[cfg(feature = "gpu")]
-pub use self_check::{Mismatch, SelfCheck, self_check};
-pub use stepper::Stepper;
-pub use tile::{Tile, TileShape};
+pub use stepper::{Mismatch, SelfCheck, self_check};
 #[cfg(feature = "gpu")]
 pub use wgpu;
 pub use wind::{Wind, WindForce};

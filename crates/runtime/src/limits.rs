@@ -2,13 +2,12 @@
 
 mod lengths;
 mod masses;
-pub(crate) mod shear;
 
 pub use lengths::MOST_LENGTHS;
 pub use masses::MOST_RATIO;
 
 use crate::choose::Settings;
-use crate::cloth::{Cloth, Compliance, Rest, Tethers};
+use crate::cloth::{Cloth, Compliance, Rest, shear};
 use crate::error::Result;
 use crate::options::Solver;
 use crate::passes::has_levels;
@@ -136,13 +135,12 @@ pub enum Warning {
     },
 }
 
-/// The fewest substeps that a scene may have, and the longest step \[s\] from which it follows.
-pub fn fewest(options: &Settings, cloths: &[Cloth], tethers: &[Tethers]) -> (u32, f64) {
+/// The fewest substeps that a scene may have, and the longest step \[s\] from which it follows; `free` if it has cloth that
+/// springs alone hold together.
+pub fn fewest(options: &Settings, free: bool) -> (u32, f64) {
     if options.solver != Solver::Xpbd {
         return (1, f64::INFINITY);
     }
-    // A cut may have left parts that no tether holds.
-    let free = cloths.iter().zip(tethers).any(|(cloth, held)| held.per_particle == 0 || cloth.is_cut());
     let longest = if free { LONGEST_FREE } else { LONGEST };
     // What rounding has put just above a whole number is that number.
     let steps = (options.step / longest - 1e-6).ceil();

@@ -24,9 +24,6 @@ mod cell;
 mod membrane;
 mod plate;
 
-pub(crate) use membrane::Membrane;
-pub(crate) use plate::Bending;
-
 use crate::error::{Result, check};
 
 /// A fabric in physical units. [`crate::Cloth::set_material`] derives masses, a membrane and bending from it;

@@ -4,6 +4,8 @@
 mod ticket;
 
 #[cfg(feature = "gpu")]
+pub(crate) use ticket::Answer;
+#[cfg(feature = "gpu")]
 pub use ticket::PickTicket;
 
 use crate::cloth::Cloth;
@@ -11,7 +13,6 @@ use crate::cpu::body::view;
 use crate::cpu::pick_nearest;
 use crate::error::{Error, Result, check};
 use crate::number::real::Real;
-use crate::stepper::Stepper;
 
 /// A point of cloth on a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +43,7 @@ impl Hit {
 }
 
 /// Finds the nearest triangle of one cloth on the ray from `origin` \[m\] along `direction` (of any length but 0), from either
-/// side; `positions` as [`Stepper::positions`] or read back, `holes` as [`Stepper::holes`]. Costs a look at every
+/// side; `positions` as [`crate::Stepper::positions`] or read back, `holes` as [`crate::Stepper::holes`]. Costs a look at every
 /// triangle. `cloth` of the hit is 0. Errors on lists of the wrong length, numbers that are not finite and no direction.
 pub fn pick(
     cloth: &Cloth,
@@ -71,7 +72,7 @@ pub fn pick(
     Ok(Some(hit))
 }
 
-fn unit(origin: [f32; 3], direction: [f32; 3]) -> Result<[f32; 3]> {
+pub(crate) fn unit(origin: [f32; 3], direction: [f32; 3]) -> Result<[f32; 3]> {
     for x in [origin, direction].as_flattened() {
         check("a number of a ray", f64::from(*x), "finite", |_| true)?;
     }
@@ -87,18 +88,4 @@ fn place(grids: &[(u32, u32)], code: u32, distance: f32, [v, w]: [f32; 2]) -> Hi
     let texel = [(k - first) % width, (k - first) / width];
     let barycentric = [1.0 - v - w, v, w];
     Hit { cloth: 0, grid, texel, triangle: code % 2, particles: [0; 3], barycentric, corners: [[0.0; 3]; 3], distance }
-}
-
-impl Stepper {
-    /// The nearest hit of all cloths, as [`pick`]. CPU backend only.
-    pub fn pick(&self, origin: [f32; 3], direction: [f32; 3]) -> Result<Option<Hit>> {
-        let mut best: Option<Hit> = None;
-        for (index, cloth) in self.world.scene.cloths.iter().enumerate() {
-            let positions = self.positions(index).ok_or(Error::GpuOnly("Stepper::pick"))?;
-            let hit = pick(cloth, positions, self.holes(index), origin, direction)?;
-            let hit = hit.map(|h| Hit { cloth: index, ..h });
-            best = best.into_iter().chain(hit).reduce(|a, b| if b.distance < a.distance { b } else { a });
-        }
-        Ok(best)
-    }
 }

@@ -2,11 +2,9 @@
 
 use std::fmt;
 
-use crate::form::Form;
-use crate::fused::{Fused, Hold};
+use crate::form::{Form, Fused, Hold, Tile};
 use crate::passes::{Pass, Schedule};
 use crate::shaders::{Slot, source};
-use crate::tile::Tile;
 use crate::world::World;
 
 /// One pass of one cloth.
@@ -35,7 +33,7 @@ pub struct Plan {
 
 impl Plan {
     pub(crate) fn new(world: &World) -> Self {
-        let (steps, rounds) = (world.options.substeps, world.options.iterations);
+        let (steps, rounds) = (world.control.options.substeps, world.control.options.iterations);
         let mut passes = Vec::new();
         for batch in world.batches(steps) {
             let cloths = batch.members.iter().map(|m| world.arenas[batch.arena][*m]);
@@ -44,10 +42,9 @@ impl Plan {
             passes.extend(fused);
         }
         let apart = |list: &[Pass]| list.iter().map(|pass| Form::Apart(*pass)).collect::<Vec<_>>();
-        let alone = |c: usize| !world.asleep[c] && !world.is_fused(c, steps);
-        for (cloth, plan) in world.schedules.iter().enumerate().filter(|(c, _)| alone(*c)) {
-            let Schedule { step, coarse, relax, frame } = plan;
-            let rare = steps.div_ceil(world.options.pyramid.max(1));
+        for cloth in (0..world.runs.len()).filter(|c| world.is_apart(*c, steps)) {
+            let Schedule { step, coarse, relax, frame } = &world.runs[cloth].schedule;
+            let rare = steps.div_ceil(world.control.options.pyramid.max(1));
             if let Some(order) = world.order(cloth) {
                 let rare = if coarse.is_empty() { 0 } else { rare };
                 let relax = (order.relax.clone(), steps * (rounds - 1) + rare);
@@ -84,7 +81,7 @@ fn planned(world: &World, cloth: usize, form: Form, dispatches: u32) -> PlannedP
     let source = source(&form);
     let of = &world.scene.cloths[cloth];
     let slots = source.bindings.iter().map(|b| b.slot);
-    let bytes = |slot: Slot| slot.bytes(of, world.tethers[cloth].per_particle, world.scene.colliders.len());
+    let bytes = |slot: Slot| slot.bytes(of, world.runs[cloth].tethers.per_particle, world.scene.colliders.len());
     PlannedPass {
         cloth,
         form,

@@ -6,9 +6,11 @@ pub mod file;
 mod motion;
 mod script;
 
-pub use builtin::{BUILTIN, builtin};
+pub use builtin::builtin;
 pub use motion::{Key, Motion, Pose, about};
 pub use script::{Cut, PinnedSet, Script};
+
+pub use crate::error::BUILTIN;
 
 use crate::cloth::Cloth;
 use crate::collider::Collider;

@@ -6,11 +6,9 @@
 use std::fmt::Write as _;
 
 use crate::cloth::Cloth;
-use crate::cpu::tile::tiles;
 use crate::fold::{Run, fold};
-use crate::form::Form;
+use crate::form::{Form, TileShape};
 use crate::passes::Pass;
-use crate::tile::TileShape;
 
 /// How elements are given to threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +73,7 @@ mod whole;
 pub use parts::Bound;
 pub use rule::{Over, over};
 pub use slot::Slot;
-pub use tile::tile;
+pub use tile::{Stages, stages, tile};
 pub use whole::{is_whole, whole};
 
 /// The shader of a form.
@@ -147,8 +145,8 @@ impl Source {
             Threads::One | Threads::Cloth => [1; 3],
             Threads::Grids => [1, 1, cloth.grids().len() as u32],
             Threads::Half(columns) => sides(columns, !columns),
-            Threads::Tiles(TileShape { inner, lacks, .. }) => {
-                let [x, y] = [0, 1].map(|d| cloth.grids().iter().map(|g| tiles(g, inner, lacks)[d]).max().unwrap_or(0));
+            Threads::Tiles(shape) => {
+                let [x, y] = [0, 1].map(|d| cloth.grids().iter().map(|g| shape.tiles(g)[d]).max().unwrap_or(0));
                 [x, y, cloth.grids().len() as u32]
             }
         }

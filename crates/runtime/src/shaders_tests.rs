@@ -6,10 +6,9 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 
 use super::*;
-use crate::fused::{Fused, Hold};
+use crate::form::{Fused, Hold, Tile};
 use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
 use crate::passes::{Air, Kinds, Schedule, Soft};
-use crate::tile::Tile;
 
 /// Every form that a frame or an action can have, up to constants.
 pub(super) fn variants() -> Vec<Form> {
@@ -59,7 +58,7 @@ fn passes() -> Vec<Pass> {
 const SOFTS: [Soft; 3] = [Soft::None, Soft::Constant, Soft::Image];
 
 /// All colours of springs, and rounds of those to the right and down, with tethers between them.
-fn springs((image, soft, again): (bool, Soft, bool), rounds: u32, tethers: Option<Pass>) -> Vec<Pass> {
+fn springs(image: bool, soft: Soft, again: bool, rounds: u32, tethers: Option<Pass>) -> Vec<Pass> {
     let spring = |(direction, parity)| Pass::Stretch { direction, parity, image, soft, again };
     let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)].map(spring);
     let over = |pass| match pass {
@@ -85,7 +84,7 @@ fn tiles() -> Vec<Tile> {
         passes.extend((again && on(3)).then_some(Pass::Forget));
         passes.extend(tethers.filter(|_| on(0)));
         if on(2) {
-            passes.extend(springs((on(3), soft, again), 2 * u32::from(on(0)), tethers));
+            passes.extend(springs(on(3), soft, again, 2 * u32::from(on(0)), tethers));
         }
         passes.extend(tethers.filter(|_| on(1)));
         passes.extend((on(1) && on(4)).then_some(Pass::Limit));
@@ -115,7 +114,7 @@ fn fused() -> Vec<Fused> {
         s.step.extend(on(2).then_some(Pass::Membrane { column: 1, row: 0, holes: false }));
         s.step.extend(again.then_some(Pass::Forget));
         s.relax.extend(tethers);
-        s.relax.extend(springs((image, soft, again), 2 * u32::from(on(4)), tethers));
+        s.relax.extend(springs(image, soft, again, 2 * u32::from(on(4)), tethers));
         s.relax.extend(seams);
         s.relax.extend(on(0).then_some(Pass::Limit));
         let kinds = Kinds { shapes: [true; 6], friction: on(2), many: on(3) };
@@ -242,7 +241,12 @@ fn every_shader_has_a_twin_and_every_file_is_used() {
     assert_eq!(stems.len(), files("shaders").len());
     for stem in stems {
         assert!(root().join(format!("shaders/{stem}.wgsl")).is_file(), "{stem}");
-        let twin = std::fs::read_to_string(root().join(format!("crates/runtime/src/cpu/{stem}.rs"))).unwrap();
+        let twin = match stem {
+            "draw" => "draw/raster",
+            "tile" => "tile/reach",
+            pass => &format!("cpu/{pass}"),
+        };
+        let twin = std::fs::read_to_string(root().join(format!("crates/runtime/src/{twin}.rs"))).unwrap();
         assert!(twin.contains(&format!("shaders/{stem}.wgsl")), "the twin of {stem} does not name it");
     }
 }

@@ -1,9 +1,19 @@
 //! Steps a scene, frame by frame.
 
+mod actions;
 #[cfg(feature = "gpu")]
 mod device;
+mod drag;
+mod pick;
+mod script;
+#[cfg(feature = "gpu")]
+mod self_check;
 
-use crate::choose::{Choice, Follow, Settings};
+pub use drag::Drag;
+#[cfg(feature = "gpu")]
+pub use self_check::{Mismatch, SelfCheck, self_check};
+
+use crate::choose::Choice;
 use crate::clock::Progress;
 use crate::cloth::Cloth;
 use crate::collider::Collider;
@@ -23,9 +33,9 @@ use crate::world::World;
 /// A scene in motion. It keeps handles to the host's device and queue, and never submits, waits or reads back after
 /// [`Stepper::new`].
 pub struct Stepper {
-    pub(crate) world: World,
-    pub(crate) cpu: Option<(Vec<Body<f32>>, Threads)>,
-    pub(crate) gpu: Option<Gpu>,
+    world: World,
+    cpu: Option<(Vec<Body<f32>>, Threads)>,
+    gpu: Option<Gpu>,
 }
 
 impl Stepper {
@@ -36,7 +46,7 @@ impl Stepper {
             return Err(Error::NoGpu("Backend::Gpu"));
         }
         let world = World::new(scene, options)?;
-        let threads = Threads::new(world.options.threads)?;
+        let threads = Threads::new(world.control.options.threads)?;
         Ok(Stepper { cpu: Some((world.bodies(), threads)), gpu: None, world })
     }
 
@@ -49,7 +59,7 @@ impl Stepper {
     pub fn advance(&mut self, dt: f64) -> Result<Progress> {
         let (bodies, threads) = self.cpu.as_mut().ok_or(Error::GpuOnly("Stepper::advance"))?;
         self.world.choose();
-        let progress = self.world.clock.frame(dt);
+        let progress = self.world.control.clock.frame(dt);
         if self.world.act(bodies, threads) || progress.steps > 0 {
             self.world.run(bodies, threads, progress.steps);
         }
@@ -68,17 +78,17 @@ impl Stepper {
 
     /// The settings as the host gave them; [`Stepper::choice`] has what was chosen for those left open.
     pub fn options(&self) -> &Options {
-        self.world.options.given()
+        self.world.control.options.given()
     }
 
     /// Steps per [`Options::step`] as of the last frame.
     pub fn substeps(&self) -> u32 {
-        self.world.options.substeps
+        self.world.control.options.substeps
     }
 
     /// The numbers of substeps and of polishing rounds at the start, and the reason.
     pub fn choice(&self) -> &Choice {
-        &self.world.choice
+        &self.world.control.choice
     }
 
     /// Positions \[m\] of a cloth, the fourth component 1/mass (0 pinned, -1 no particle). `None` on the GPU backend,
@@ -99,7 +109,7 @@ impl Stepper {
         Some(bodies.get(cloth)?.normals(threads))
     }
 
-    /// Triangles of a cloth that a cut has taken away, as [`ClothBuffers::holes`]. `None` on the GPU backend, until the
+    /// Triangles of a cloth that a cut has taken away, as [`crate::ClothBuffers::holes`]. `None` on the GPU backend, until the
     /// first cut, and for a cloth that does not exist.
     pub fn holes(&self, cloth: usize) -> Option<&[u32]> {
         let holes = &self.cpu.as_ref()?.0.get(cloth)?.holes;
@@ -108,9 +118,9 @@ impl Stepper {
 
     /// The frames that were taken back since the last call, oldest first, at most the latest 64: a cloth with particles
     /// that are NaN or farther than 1e8 m away is reset to its last good frame, at rest. With
-    /// [`Solver::Xpbd`] only. Empty on the GPU backend, where they are counted in [`ClothBuffers::faults`].
+    /// [`Solver::Xpbd`] only. Empty on the GPU backend, where they are counted in [`crate::ClothBuffers::faults`].
     pub fn take_faults(&mut self) -> Vec<crate::world::Fault> {
-        std::mem::take(&mut self.world.faults)
+        std::mem::take(&mut self.world.host.faults)
     }
 
     /// What went wrong so far, one finding of each kind per cloth: cloth out of shape, off its body, falling, or through a
@@ -132,7 +142,7 @@ impl Stepper {
         }
         let mut watchdog = std::mem::replace(&mut self.world.watchdog, Watchdog::new(0));
         let solids = self.world.solids();
-        watchdog.examine(&self.world.sight(cloth, (now, before), &solids[self.world.coats.of(cloth)], 0.0));
+        watchdog.examine(&self.world.sight(cloth, (now, before), &solids[self.world.runs[cloth].coat], 0.0));
         self.world.watchdog = watchdog;
         Ok(self.health(cloth).map_or_else(Health::default, |h| h.0))
     }
@@ -144,10 +154,10 @@ impl Stepper {
     }
 
     /// Warnings about settings beyond the solver's limits: masses, tethers and cloth that will not rest, as found when the
-    /// stepper was made, and the current number of substeps. [`Solver::Classic`] has none of these. A failed [`self_check`] of
+    /// stepper was made, and the current number of substeps. [`Solver::Classic`] has none of these. A failed [`crate::self_check`] of
     /// the device comes first.
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
-        self.world.warnings.iter().chain(&self.world.raised).cloned().collect()
+        self.world.host.warnings.iter().chain(&self.world.host.raised).cloned().collect()
     }
 
     /// Replaces all colliders. Costs one upload of 80 bytes per collider, for each pair of thickness and friction of the cloths, and
@@ -195,19 +205,13 @@ impl Stepper {
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
         let Options { backend, threads, solver, tethers, pyramid, .. } = *self.options();
-        let fused = options.fused && self.world.options.fused;
-        if options.quality != self.world.options.quality {
-            self.world.chooser = Chooser::default();
+        let fused = options.fused && self.world.control.options.fused;
+        if options.quality != self.world.control.options.quality {
+            self.world.control.chooser = Chooser::default();
         }
-        let coat = options.thickness != self.world.options.thickness;
+        let coat = options.thickness != self.world.control.options.thickness;
         let options = Options { backend, threads, solver, tethers, pyramid, fused, ..options };
-        let (settings, choice) = Settings::new(options, &self.world.scene);
-        self.world.follow = Follow::new(&settings, &self.world.scene);
-        (self.world.options, self.world.choice) = (settings, choice);
-        self.world.clock.change(&self.world.options);
-        self.world.raised = None;
-        self.world.raise();
-        self.world.reschedule();
+        self.world.set_options(options);
         if coat {
             self.recoat();
         }
@@ -218,20 +222,33 @@ impl Stepper {
     /// host's clock or from timestamps of the GPU. It may come late. Frames without a step and times not above 0 do not
     /// count. The median of the last 15 times per step is used, from the fifth time on.
     pub fn took(&mut self, steps: u32, ms: f64) {
-        self.world.chooser.took(steps, ms);
+        self.world.control.chooser.took(steps, ms);
     }
 
     /// The largest stretch in the last measured frame, for [`crate::Quality::Error`]; `None` before the first measurement.
     pub fn estimated_error(&self) -> Option<f64> {
-        self.world.chooser.error
+        self.world.control.chooser.error
     }
 
     /// Lets a cloth sleep where it is, at no per-frame cost, or wakes it. Any change wakes it too.
     pub fn set_asleep(&mut self, cloth: usize, asleep: bool) -> Result<()> {
         self.world.cloth(cloth)?;
         self.world.wake(cloth);
-        self.world.asleep[cloth] = asleep;
+        self.world.runs[cloth].asleep = asleep;
         Ok(())
+    }
+
+    /// Whether a cloth is asleep; not where there is none.
+    pub fn is_asleep(&self, cloth: usize) -> bool {
+        self.world.runs.get(cloth).is_some_and(|run| run.asleep)
+    }
+
+    /// Lets cloths fall asleep on the GPU backend if [`crate::Options::sleep`] is set, and substeps be chosen by
+    /// [`crate::Quality::Error`]: call it once a frame, after everything that was recorded has been submitted. It takes in
+    /// what has come back, eight bytes per cloth some frames late, and never waits. Without it no cloth falls asleep and
+    /// no error is known there. The CPU backend needs no call.
+    pub fn settle(&mut self) -> Result<()> {
+        self.gpu.as_mut().map_or(Ok(()), |gpu| gpu.settle(&mut self.world))
     }
 
     /// Pins a particle where it is, or frees it; seam duplicates follow. Uploads four bytes per particle. Tethers
@@ -277,7 +294,7 @@ impl Stepper {
         change(&mut self.world.scene.cloths[cloth])?;
         self.world.wake(cloth);
         let duplicates = self.duplicates(cloth, particle);
-        let share = if self.world.options.solver == Solver::Xpbd { duplicates.len() as f32 } else { 1.0 };
+        let share = if self.world.control.options.solver == Solver::Xpbd { duplicates.len() as f32 } else { 1.0 };
         for k in duplicates {
             let w = self.world.scene.cloths[cloth].inverse_mass(k) * share;
             if let Some((bodies, _)) = &mut self.cpu {
@@ -291,7 +308,7 @@ impl Stepper {
         Ok(())
     }
 
-    pub(crate) fn changed(&mut self) {
+    fn changed(&mut self) {
         self.world.wake_all();
         self.world.reschedule();
     }

@@ -12,40 +12,20 @@
 //! read by neighbours as well, and come out of a cache. Tethers read 8 bytes for each of a particle.
 
 mod order;
+mod reach;
 mod shape;
 
 pub use order::{Order, order};
-pub use shape::TileShape;
 
+use crate::form::{Tile, TileShape};
 use crate::passes::Pass;
-use crate::shaders::{Over, over};
-
-/// Consecutive passes of a step in one dispatch, described by what is compiled into its shader.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Tile {
-    /// The passes, in order.
-    pub passes: Vec<Pass>,
-    /// Sizes.
-    pub shape: TileShape,
-    /// Threads of a workgroup.
-    pub threads: u32,
-}
-
-/// Where in a tile's work its passes are.
-pub(crate) struct Stages<'a> {
-    /// While particles are taken in: the integration, and what acts on each particle alone.
-    pub arrive: &'a [Pass],
-    /// Up to the last springs.
-    pub middle: &'a [Pass],
-    /// On what the tile owns.
-    pub leave: &'a [Pass],
-}
+use crate::shaders::{Over, Stages, over, stages};
 
 impl Tile {
     /// What makes just these passes, but for sizes; `None` where nothing does.
     fn of(passes: &[Pass]) -> Option<Self> {
         let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0 };
-        let Stages { arrive, middle, leave } = tile.stages();
+        let Stages { arrive, middle, leave } = stages(passes);
         let moves = |p: &Pass| matches!(p, Pass::Integrate(_) | Pass::Advance(_));
         let within = |p: &Pass| matches!(over(*p), Over::Particles | Over::Springs { .. }) && !moves(p);
         let alone = |p: &Pass| matches!(over(*p), Over::Particles);
@@ -59,21 +39,6 @@ impl Tile {
             && leave.iter().rev().skip(1).all(|p| !matches!(p, Pass::Contact(_)))
             && (sums || !forgets);
         good.then_some(tile)
-    }
-
-    /// The passes by where they are.
-    pub(crate) fn stages(&self) -> Stages<'_> {
-        let springs = |p: &Pass| matches!(over(*p), Over::Springs { .. });
-        let passes = &self.passes[..];
-        let early = |p: &Pass| springs(p) || matches!(p, Pass::Contact(_));
-        let first = passes.iter().position(early).unwrap_or(passes.len());
-        let last = passes.iter().rposition(springs).map_or(first, |n| n + 1);
-        Stages { arrive: &passes[..first], middle: &passes[first..last], leave: &passes[last..] }
-    }
-
-    /// Whether the multipliers of the last step end here.
-    pub(crate) fn forgets(&self) -> bool {
-        self.passes.contains(&Pass::Forget)
     }
 
     /// Directions and parities of its springs, in order.

@@ -3,9 +3,7 @@
 mod support;
 
 use gimage_runtime::*;
-use support::{compared, scene};
-
-const FRAME: f64 = 1.0 / 60.0;
+use support::{FRAME, compared, is_exact, measured, scene};
 
 fn cpu(scene: Scene, substeps: u32, threads: usize) -> Stepper {
     let options = Options {
@@ -16,13 +14,6 @@ fn cpu(scene: Scene, substeps: u32, threads: usize) -> Stepper {
         ..Options::default()
     };
     Stepper::on_cpu(scene, options).unwrap()
-}
-
-fn measured(stepper: &Stepper) -> Measures {
-    let options = stepper.options();
-    let dt = options.step / f64::from(stepper.substeps());
-    let (now, before) = (stepper.positions(0).unwrap(), stepper.previous(0).unwrap());
-    measure(&stepper.scene().cloths[0], now, before, dt, stepper.scene().gravity)
 }
 
 #[test]
@@ -43,16 +34,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 #[test]
 fn the_error_of_f32_is_small() {
     for (name, scene) in compared() {
-        let mut stepper = cpu(scene.clone(), 1, 1);
-        stepper.advance(FRAME).unwrap();
-        let mut exact =
-            Reference::new(scene, Options { substeps: Some(1), solver: Solver::Classic, ..Options::default() })
-                .unwrap();
-        exact.step(1);
-        let (now, _) = exact.positions(0).unwrap();
-        for (a, b) in stepper.positions(0).unwrap().iter().zip(now) {
-            assert!((0..3).all(|c| (f64::from(a[c]) - b[c]).abs() < 3e-6), "{name}: {a:?} {b:?}");
-        }
+        is_exact(name, scene, Options { solver: Solver::Classic, ..Options::default() });
     }
 }
 

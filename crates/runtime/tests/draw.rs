@@ -7,7 +7,7 @@ mod support;
 
 use gimage_runtime::draw::{Camera, Draw, Look, Software, Target, View};
 use gimage_runtime::*;
-use support::device;
+use support::{FRAME, device};
 
 #[path = "../examples/headless.rs"]
 mod headless;
@@ -27,7 +27,6 @@ fn the_render_loop_runs() {
 }
 
 const SIZE: u32 = 64;
-const FRAME: f64 = 1.0 / 60.0;
 
 fn view() -> View {
     let camera = Camera { eye: [0.9, 1.2, 2.0], target: [0.5, -0.1, 0.5], fov: 0.8 };

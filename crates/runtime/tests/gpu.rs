@@ -9,9 +9,7 @@ mod support;
 use std::collections::BTreeSet;
 
 use gimage_runtime::*;
-use support::{compared, device, scene};
-
-const FRAME: f64 = 1.0 / 60.0;
+use support::{FRAME, compared, device, scene};
 
 const SOLVERS: [Solver; 2] = [Solver::Classic, Solver::Xpbd];
 

@@ -3,9 +3,7 @@
 mod support;
 
 use gimage_runtime::*;
-use support::scene;
-
-const FRAME: f64 = 1.0 / 60.0;
+use support::{FRAME, run, scene};
 
 type V = [f64; 3];
 
@@ -19,13 +17,6 @@ fn options(substeps: u32) -> Options {
         normals: false,
         ..Options::default()
     }
-}
-
-fn run(scene: Scene, options: Options, frames: u32) -> Stepper {
-    let mut stepper = Stepper::on_cpu(scene, options).unwrap();
-    (0..frames).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
-    assert!(stepper.take_faults().is_empty());
-    stepper
 }
 
 /// Where texel (u, v) of a grid lies in the square of 1 m; edges lie on edges.

@@ -3,25 +3,10 @@
 mod support;
 
 use gimage_runtime::*;
-use support::{compared, scene};
-
-const FRAME: f64 = 1.0 / 60.0;
+use support::{FRAME, compared, is_exact, measured, run, scene};
 
 fn options(substeps: u32) -> Options {
     Options { backend: Backend::Cpu, solver: Solver::Xpbd, substeps: Some(substeps), threads: 1, ..Options::default() }
-}
-
-fn run(scene: Scene, options: Options, frames: u32) -> Stepper {
-    let mut stepper = Stepper::on_cpu(scene, options).unwrap();
-    (0..frames).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
-    stepper
-}
-
-fn measured(stepper: &Stepper) -> Measures {
-    let options = stepper.options();
-    let dt = options.step / f64::from(stepper.substeps());
-    let (now, before) = (stepper.positions(0).unwrap(), stepper.previous(0).unwrap());
-    measure(&stepper.scene().cloths[0], now, before, dt, stepper.scene().gravity)
 }
 
 #[test]
@@ -100,15 +85,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 fn the_error_of_f32_is_small() {
     for (name, scene) in [compared(), support::soft()].concat() {
         // One step, as long as it may be without tethers.
-        let once = Options { iterations: 2, pyramid: 1, polish: Some(1), step: FRAME / 2.0, ..options(1) };
-        let mut stepper = Stepper::on_cpu(scene.clone(), once.clone()).unwrap();
-        assert_eq!(stepper.advance(FRAME / 2.0).unwrap().steps, 1);
-        let mut exact = Reference::new(scene, once).unwrap();
-        exact.step(1);
-        let (now, _) = exact.positions(0).unwrap();
-        for (a, b) in stepper.positions(0).unwrap().iter().zip(now) {
-            assert!((0..3).all(|c| (f64::from(a[c]) - b[c]).abs() < 3e-6), "{name}: {a:?} {b:?}");
-        }
+        is_exact(name, scene, Options { iterations: 2, pyramid: 1, polish: Some(1), step: FRAME / 2.0, ..options(1) });
     }
 }
 

@@ -79,7 +79,8 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
             for at in (0..2 * half).step_by(K::WIDE) {
                 for (solid, reach) in self.near {
                     if reach.any_near(k, [&*now[0], &*now[1], &*now[2]], was, at) {
-                        wide::meet(k, solid, reach, (&mut now, was, &w[at..]), at, self.dt);
+                        let lines = wide::Lines { now: &mut now, was, w: &w[at..] };
+                        wide::meet(k, solid, reach, lines, at, self.dt);
                     }
                 }
             }

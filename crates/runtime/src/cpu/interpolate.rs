@@ -35,7 +35,8 @@ impl Parted {
 /// For every row of a finer grid the displacement of its even and odd columns, by means of the nodes around that they
 /// follow.
 pub fn interpolate<T: Real>(
-    (width, height, half): (usize, usize, usize),
+    [width, height]: [usize; 2],
+    half: usize,
     field: &Field<T>,
     mut each: impl FnMut(usize, &[Vec<T>; 3], &[Vec<T>; 3]),
 ) {

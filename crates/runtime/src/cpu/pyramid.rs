@@ -68,7 +68,7 @@ impl<T: Real> Pyramid<T> {
         let level = &mut here[n];
         if let Some(above) = above.first() {
             let Sheet { width, height, half, now, w, .. } = &mut level.sheet;
-            interpolate((*width, *height, *half), &above.field(), |j, from, to| {
+            interpolate([*width, *height], *half, &above.field(), |j, from, to| {
                 add(&mut now[j * 6 * *half..], &w[j * 2 * *half..], *half, from, to, T::of(1.0));
             });
         }

@@ -10,7 +10,7 @@ pub fn run<T: Real>(pyramid: &Pyramid<T>, sheet: &mut Sheet<T>, carried: f64) {
     let Some(field) = pyramid.field() else { return };
     let Sheet { width, height, half, now, before, w, .. } = sheet;
     let (row, half) = (6 * *half, *half);
-    interpolate((*width, *height, half), &field, |j, even, odd| {
+    interpolate([*width, *height], half, &field, |j, even, odd| {
         let w = &w[j * 2 * half..];
         add(&mut now[j * row..], w, half, even, odd, T::of(1.0));
         add(&mut before[j * row..], w, half, even, odd, T::of(carried));

@@ -13,7 +13,7 @@ use super::{Look, SolidLook, View, mesh};
 use crate::cloth::Cloth;
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
-use crate::gpu::Span;
+use crate::gpu::{Ring, Span};
 use crate::layout::GridRow;
 use crate::shaders::Slot;
 use crate::stepper::Stepper;
@@ -29,8 +29,6 @@ pub struct Target {
     pub samples: u32,
 }
 
-/// Distance of two rows of numbers: the largest alignment that a device may ask for.
-const STRIDE: u64 = 256;
 /// Rows that can be in use before the encoder is submitted: a row a cloth and one for the colliders, each record.
 const ROWS: u32 = 256;
 
@@ -40,8 +38,7 @@ pub struct Draw {
     queue: wgpu::Queue,
     target: Target,
     pipelines: HashMap<Variant, (wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
-    rows: Buffer,
-    cursor: u32,
+    rows: Ring,
     looks: HashMap<usize, Look>,
     solid_look: SolidLook,
     cloths: HashMap<usize, DrawnCloth>,
@@ -66,16 +63,12 @@ struct DrawnSolids {
 impl Draw {
     /// Makes no pipeline yet: each is made when it is first needed.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target: Target) -> Self {
-        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let size = STRIDE * u64::from(ROWS);
-        let rows = wgpu::BufferDescriptor { label: Some("views"), size, usage, mapped_at_creation: false };
         Draw {
-            rows: device.create_buffer(&rows),
+            rows: Ring::new(device, "views", size_of::<ViewRow>(), ROWS),
             device: device.clone(),
             queue: queue.clone(),
             target,
             pipelines: HashMap::new(),
-            cursor: 0,
             looks: HashMap::new(),
             solid_look: SolidLook::default(),
             cloths: HashMap::new(),
@@ -111,7 +104,7 @@ impl Draw {
             }
             let drawn = &self.cloths[&index];
             let row = ViewRow::cloth(view, &look, drawn.jump, fraction);
-            let offset = next_row(&self.queue, &self.rows, &mut self.cursor, &row);
+            let offset = self.rows.offset(&self.queue, bytes_of(&row));
             let Some((pipeline, _)) = self.pipelines.get(&drawn.variant) else { continue };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &drawn.group, &[offset]);
@@ -134,7 +127,7 @@ impl Draw {
         let (Some(solids), Some((pipeline, _))) = (&self.solids, self.pipelines.get(&Variant::Solids)) else { return };
         let bodies: Vec<_> = colliders.iter().map(|c| BodyRow::new(c, self.solid_look.color)).collect();
         self.queue.write_buffer(&solids.bodies, 0, cast_slice(&bodies));
-        let offset = next_row(&self.queue, &self.rows, &mut self.cursor, &ViewRow::solids(view));
+        let offset = self.rows.offset(&self.queue, bytes_of(&ViewRow::solids(view)));
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &solids.group, &[offset]);
         let mut first = 0;
@@ -189,18 +182,11 @@ impl Draw {
         let (_, layout) =
             self.pipelines.entry(variant).or_insert_with(|| pipeline(&self.device, &self.target, variant));
         let size = NonZeroU64::new(size_of::<ViewRow>() as u64);
-        let view = wgpu::BufferBinding { buffer: &self.rows, offset: 0, size };
+        let view = wgpu::BufferBinding { buffer: &self.rows.buffer, offset: 0, size };
         let mut entries = vec![wgpu::BindGroupEntry { binding: VIEW, resource: BindingResource::Buffer(view) }];
         entries.extend(bound.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }));
         self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("draw"), layout, entries: &entries })
     }
-}
-
-fn next_row(queue: &wgpu::Queue, rows: &Buffer, cursor: &mut u32, row: &ViewRow) -> u32 {
-    *cursor = (*cursor + 1) % ROWS;
-    let offset = u64::from(*cursor) * STRIDE;
-    queue.write_buffer(rows, offset, bytes_of(row));
-    offset as u32
 }
 
 fn pipeline(device: &wgpu::Device, target: &Target, variant: Variant) -> (wgpu::RenderPipeline, wgpu::BindGroupLayout) {

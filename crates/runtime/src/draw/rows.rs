@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::raster::decoded;
 use super::{Look, View};
 use crate::collider::{Collider, Shape};
-use crate::cpu::draw::decoded;
 
 /// `View` of shaders/part/view.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

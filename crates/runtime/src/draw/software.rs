@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
+use super::raster::{Corner, Drawn, decoded, encoded, fragment};
 use super::rows::{BodyRow, ViewRow};
 use super::{Look, SolidLook, View, mesh, turned};
 use crate::collider::Collider;
-use crate::cpu::draw::{Corner, Drawn, encoded, fragment};
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result, check};
 use crate::number::real::{add, scale, xyz};
@@ -149,7 +149,7 @@ impl Software {
     fn paint(&self, flats: &[Flat], paints: &[Paint], view: &View) -> Vec<[u8; 4]> {
         let width = self.width as usize;
         let mut pixels = vec![[0, 0, 0, 255]; width * self.height as usize];
-        let background = view.background.map(crate::cpu::draw::decoded);
+        let background = view.background.map(decoded);
         self.threads.chunks(&mut pixels, width * BAND, |band, pixels| {
             let top = band * BAND;
             let mut samples = vec![[(f32::INFINITY, background); 4]; pixels.len()];

@@ -3,30 +3,28 @@
 use bytemuck::cast_slice;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-use super::Gpu;
-use crate::actions::Action;
+use super::{Gpu, begin};
 use crate::cloth::Rest;
 use crate::passes::{Pass, has_levels};
 use crate::shaders::{Slot, list, source};
-use crate::world::World;
+use crate::world::{Action, World};
 
 impl Gpu {
     /// Makes room for cuts.
     pub fn open(&mut self, world: &World) {
-        let cloths = world.scene.cloths.iter().zip(&world.tethers);
-        for (buffers, (cloth, held)) in self.cloths.iter_mut().zip(cloths) {
-            buffers.open(&self.device, cloth, held, &world.options);
+        let cloths = world.scene.cloths.iter().zip(&world.runs);
+        for (buffers, (cloth, run)) in self.cloths.iter_mut().zip(cloths) {
+            buffers.open(&self.device, cloth, &run.tethers, &world.control.options);
         }
     }
 
     /// Records what is to be done.
     pub fn act(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder) {
-        let actions = std::mem::take(&mut world.actions);
+        let actions = std::mem::take(&mut world.host.actions);
         if actions.is_empty() {
             return;
         }
-        let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("actions"), timestamp_writes: None });
+        let mut pass = begin(encoder, "actions");
         for action in &actions {
             match action {
                 Action::Cut(corners) => {
@@ -34,7 +32,7 @@ impl Gpu {
                     for (index, cloth) in world.scene.cloths.iter().enumerate() {
                         self.before_cut(world, &mut pass, index);
                         let springs = !matches!(cloth.rest(), Rest::None);
-                        let levels = has_levels(cloth, &world.options).then_some(Pass::CutLevels);
+                        let levels = has_levels(cloth, &world.control.options).then_some(Pass::CutLevels);
                         let passes = [Some(Pass::Cut), springs.then_some(Pass::CutSprings), levels];
                         for what in passes.into_iter().flatten() {
                             let groups = source(&what.into()).workgroups(cloth);

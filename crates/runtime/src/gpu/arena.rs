@@ -9,10 +9,10 @@ use super::contents::Contents;
 use super::pipelines::Pipeline;
 use super::span::Span;
 use crate::cpu::start::Start;
-use crate::fused::{Batch, Fused};
-use crate::layout::{FAULT_BYTES, FAULT_STRIDE, JobRow, StepRow};
+use crate::form::Fused;
+use crate::layout::{FAULT_BYTES, FAULT_STRIDE, FrameRow, JobRow, StepRow};
 use crate::shaders::Slot;
-use crate::world::World;
+use crate::world::{Batch, World};
 
 /// Buffers of several cloths, one after the other.
 pub(super) struct Arena {
@@ -61,7 +61,7 @@ impl Arena {
         if cloths.iter().any(|c| world.scene.cloths[*c].is_exact()) {
             buffers.insert(Slot::Lost, upload(device, "lost", &vec![[0f32; 4]; now.len()], none));
         }
-        let softs = cloths.iter().map(|c| soft_row(&world.scene.cloths[*c], world.clock.dt)).collect();
+        let softs = cloths.iter().map(|c| soft_row(&world.scene.cloths[*c], world.control.clock.dt)).collect();
         Arena { cloths: cloths.to_vec(), buffers, jobs: contents.jobs, softs, ready: HashMap::new() }
     }
 
@@ -89,7 +89,7 @@ impl Arena {
     /// Grids with the bounds of diagonals that steps have now. Recorded frames that use the last ones may not have been submitted
     /// yet, so the last ones stay as they are.
     fn follow(&mut self, device: &wgpu::Device, world: &World) {
-        let dt = world.clock.dt;
+        let dt = world.control.clock.dt;
         let cloths = || self.cloths.iter().map(|c| &world.scene.cloths[*c]);
         if cloths().map(|c| soft_row(c, dt)).eq(self.softs.iter().copied()) {
             return;
@@ -122,23 +122,13 @@ impl Arena {
                 self.buffers.entry(slot).or_insert_with(new);
             }
             let jobs = upload(device, "jobs", &rows, BufferUsages::empty());
-            let buffer = |slot| match slot {
-                Slot::Jobs => Some(&jobs),
-                Slot::Solids => Some(solids),
-                Slot::Frame => Some(frames),
-                other => self.buffers.get(&other),
-            };
-            let entry = |slot| {
-                let size = (slot == Slot::Frame).then_some(slot_size()).and_then(std::num::NonZeroU64::new);
-                let binding = wgpu::BufferBinding { buffer: buffer(slot)?, offset: 0, size };
-                Some(wgpu::BindGroupEntry { binding: slot as u32, resource: wgpu::BindingResource::Buffer(binding) })
-            };
-            let entries: Vec<_> = pipeline.source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
-            let layout = &pipeline.layout;
-            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("fused"),
-                layout,
-                entries: &entries,
+            let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
+            let row = std::num::NonZeroU64::new(size_of::<FrameRow>() as u64);
+            let group = pipeline.bind(device, |slot| match slot {
+                Slot::Jobs => Some(whole(&jobs)),
+                Slot::Solids => Some(whole(solids)),
+                Slot::Frame => Some(wgpu::BufferBinding { size: row, ..whole(frames) }),
+                other => self.buffers.get(&other).map(whole),
             });
             let ready = Ready { rows, solids: solids.clone(), frames: frames.clone(), group };
             self.ready.insert(batch.fused.clone(), ready);
@@ -148,13 +138,9 @@ impl Arena {
 
     /// What a workgroup does for a cloth, with the numbers that are the cloth's own.
     fn job(&self, world: &World, member: usize) -> JobRow {
-        let (cloth, solid) = (&world.scene.cloths[self.cloths[member]], world.first_solid(self.cloths[member]) as u32);
-        let steps = [true, false].map(|first| StepRow::from(&world.step(cloth, first)));
+        let index = self.cloths[member];
+        let (cloth, solid) = (&world.scene.cloths[index], world.first_solid(index) as u32);
+        let steps = world.numbers(cloth).map(|step| StepRow::from(&step));
         JobRow { solid, keep: steps.map(|s| s.keep), longest: steps.map(|s| s.longest), ..self.jobs[member] }
     }
-}
-
-/// Bytes of the numbers of a frame.
-pub(super) const fn slot_size() -> u64 {
-    size_of::<crate::layout::FrameRow>() as u64
 }

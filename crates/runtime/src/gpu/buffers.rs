@@ -15,6 +15,7 @@ use crate::gpu::contents::Contents;
 use crate::gpu::cut_tethers;
 use crate::gpu::levels;
 use crate::gpu::pipelines::Pipeline;
+use crate::gpu::ring::Ring;
 use crate::gpu::span::Span;
 use crate::gpu::turns;
 use crate::layout::{FAULT_BYTES, FaultRow, GridRow, StepRow};
@@ -23,12 +24,10 @@ use crate::passes::{Soft, has_levels, soft_of};
 use crate::shaders::{Bound, Slot, Source};
 use crate::world::World;
 
-/// Distance of the numbers of two steps: the largest alignment that a device may ask for.
-const STEP_STRIDE: u32 = 256;
 /// A frame takes up to two, or [`crate::layout::POSES`] where colliders move; this number can be recorded before the first submission.
 const STEPS: u32 = 1024;
 
-/// The buffers of a cloth for a vertex shader: arrays of vec4<f32>, one per particle, in buffers for storage and vertices
+/// The buffers of a cloth for a vertex shader: arrays of `vec4<f32>`, one per particle, in buffers for storage and vertices
 /// that cloths may share.
 pub struct ClothBuffers {
     /// Positions \[m\] now; w is 1/mass, 0 for pinned, -1 for no particle.
@@ -44,20 +43,15 @@ pub struct ClothBuffers {
     /// Eight u32 in a buffer for storage: particles at fault in the last frame, frames taken back, one more than the last
     /// particle at fault, and what is unused to a host. None for the classic solver and where the CPU steps.
     pub faults: Option<Span>,
-    good: Option<Span>,
-    pub(super) lost: Option<Span>,
     stepping: bool,
-    step: Option<Buffer>,
-    /// The colliders as this cloth meets them.
-    solids: Option<Span>,
+    steps: Option<Ring>,
     /// [`GridRow::soft`] of the grids in `others`.
     soft: Option<f32>,
-    pub(super) others: HashMap<Slot, Buffer>,
+    /// All else that is bound.
+    pub(super) others: HashMap<Slot, Span>,
     groups: HashMap<(Vec<Bound>, [bool; 4]), wgpu::BindGroup>,
     /// Which of [`turns::TURNS`] lie in the other buffers, as they do after an odd number of tiles.
     pub(super) turned: [bool; 4],
-    last: Option<StepRow>,
-    cursor: u32,
 }
 
 /// Where what changes in a frame lies.
@@ -102,68 +96,52 @@ impl ClothBuffers {
                 .then(|| upload(device, "lost", &vec![[0f32; 4]; cloth.len()], BufferUsages::empty()).into()),
         };
         let Spans { now, before, normals, faults, good, lost } = lies.unwrap_or_else(alone);
+        let others = [good.map(|good| (Slot::Good, good)), lost.map(|lost| (Slot::Lost, lost))].into_iter().flatten();
         Ok(ClothBuffers {
             now,
             before,
             normals,
             holes: None,
             faults,
-            good,
-            lost,
             stepping: !draw_only,
-            step: None,
-            solids: None,
+            steps: None,
             soft: None,
-            others: HashMap::new(),
+            others: HashMap::from_iter(others),
             groups: HashMap::new(),
             turned: [false; 4],
-            last: None,
-            cursor: 0,
         })
     }
 
     /// Makes what only passes of the cloth's own need, once; its grids again where the bound of diagonals is another.
     pub(super) fn separate(&mut self, device: &wgpu::Device, world: &World, index: usize) {
-        let (cloth, options) = (&world.scene.cloths[index], &world.options);
+        let (cloth, options) = (&world.scene.cloths[index], &world.control.options);
         if !self.stepping {
             return;
         }
-        let soft = soft_row(cloth, world.clock.dt);
+        let soft = soft_row(cloth, world.control.clock.dt);
         if self.soft != Some(soft) {
             // What is recorded with the last ones may not have been submitted yet: they stay as they are.
             let grids = upload(device, "grids", &grid_rows(cloth, 0, soft), BufferUsages::empty());
-            self.others.insert(Slot::Grids, grids);
+            self.others.insert(Slot::Grids, grids.into());
             self.forget(Slot::Grids);
             self.soft = Some(soft);
         }
-        if self.step.is_some() {
+        if self.steps.is_some() {
             return;
         }
-        self.step = Some(device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("step"),
-            size: u64::from(STEP_STRIDE * STEPS),
-            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        }));
+        self.steps = Some(Ring::new(device, "step", size_of::<StepRow>(), STEPS));
         for (slot, buffer) in Contents::new(world, &[index]).upload(device) {
             // Rest lengths may be there already, and be cut.
-            self.others.entry(slot).or_insert(buffer);
+            self.others.entry(slot).or_insert(buffer.into());
         }
         if has_levels(cloth, options) {
-            self.others.extend(levels::buffers(device, cloth));
+            self.take(levels::buffers(device, cloth));
         }
     }
 
-    /// Where the numbers of a step lie; they are written only if they differ from the last ones.
+    /// Where the numbers of a step lie.
     pub(super) fn step_offset(&mut self, queue: &wgpu::Queue, row: StepRow) -> u32 {
-        if self.last != Some(row) {
-            self.cursor = (self.cursor + 1) % STEPS;
-            self.last = Some(row);
-            if let Some(step) = &self.step {
-                queue.write_buffer(step, u64::from(self.cursor * STEP_STRIDE), bytes_of(&row));
-            }
-        }
-        self.cursor * STEP_STRIDE
+        self.steps.as_mut().map_or(0, |steps| steps.offset(queue, bytes_of(&row)))
     }
 
     /// The bindings of a shader, made once.
@@ -190,8 +168,7 @@ impl ClothBuffers {
                 _ => continue,
             };
             let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-            let new = wgpu::BufferDescriptor { label: Some(slot.name()), size, usage, mapped_at_creation: false };
-            self.others.entry(slot).or_insert_with(|| device.create_buffer(&new));
+            self.others.entry(slot).or_insert_with(|| empty(device, slot.name(), size, usage).into());
         }
     }
 
@@ -199,48 +176,45 @@ impl ClothBuffers {
     pub(super) fn bind(&self, device: &wgpu::Device, pipeline: &Pipeline, more: &[(Slot, &Buffer)]) -> wgpu::BindGroup {
         let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
         let row = std::num::NonZeroU64::new(size_of::<StepRow>() as u64);
-        let buffer = |slot| match turns::lies(self.turned, slot) {
+        pipeline.bind(device, |slot| match turns::lies(self.turned, slot) {
             Slot::Now => Some(self.now.binding()),
             Slot::Before => Some(self.before.binding()),
             Slot::Normals => Some(self.normals.binding()),
             Slot::Holes => self.holes.as_ref().map(Span::binding),
             Slot::Faults => self.faults.as_ref().map(Span::binding),
-            Slot::Good => self.good.as_ref().map(Span::binding),
-            Slot::Lost => self.lost.as_ref().map(Span::binding),
-            Slot::Solids => self.solids.as_ref().map(Span::binding),
-            Slot::Step => self.step.as_ref().map(|buffer| wgpu::BufferBinding { buffer, offset: 0, size: row }),
-            other => more.iter().find(|m| m.0 == other).map(|m| m.1).or_else(|| self.others.get(&other)).map(whole),
-        };
-        let entry = |slot| {
-            let resource = wgpu::BindingResource::Buffer(buffer(slot)?);
-            Some(wgpu::BindGroupEntry { binding: slot as u32, resource })
-        };
-        let entries: Vec<_> = pipeline.source.bindings.iter().filter_map(|b| entry(b.slot)).collect();
-        let (label, layout) = (Some(pipeline.source.stem), &pipeline.layout);
-        device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
+            Slot::Step => self.steps.as_ref().map(|ring| wgpu::BufferBinding { size: row, ..whole(&ring.buffer) }),
+            other => match more.iter().find(|m| m.0 == other) {
+                Some((_, buffer)) => Some(whole(buffer)),
+                None => self.others.get(&other).map(Span::binding),
+            },
+        })
     }
 
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.
     pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth, held: &Tethers, options: &Options) {
         if self.holes.is_none() {
             if self.stepping {
-                self.others.extend(cut_tethers::room(device, cloth, held));
+                self.take(cut_tethers::room(device, cloth, held));
             }
             let none = vec![0u32; cloth.len()];
             self.holes = Some(upload(device, "holes", &none, BufferUsages::COPY_SRC).into());
         }
         if let (Rest::Image(rest), true) = (cloth.rest(), self.stepping) {
-            let new = || upload(device, "rest", rest, BufferUsages::empty());
+            let new = || upload(device, "rest", rest, BufferUsages::empty()).into();
             self.others.entry(Slot::Rest).or_insert_with(new);
         }
         if has_levels(cloth, options) && self.stepping {
-            self.others.entry(Slot::Links).or_insert_with(|| levels::links(device, cloth));
+            self.others.entry(Slot::Links).or_insert_with(|| levels::links(device, cloth).into());
         }
+    }
+
+    fn take(&mut self, buffers: Vec<(Slot, Buffer)>) {
+        self.others.extend(buffers.into_iter().map(|(slot, buffer)| (slot, buffer.into())));
     }
 
     /// A buffer of the cloth's own.
     pub(super) fn other(&self, slot: Slot) -> Option<&Buffer> {
-        self.others.get(&slot)
+        self.others.get(&slot).map(|span| &span.buffer)
     }
 
     /// The largest squared displacement of the last frame, where cloth may fall asleep.
@@ -248,7 +222,7 @@ impl ClothBuffers {
         if fused {
             return self.faults.as_ref().map(|f| (&f.buffer, f.offset + offset_of!(FaultRow, speed) as u64));
         }
-        self.others.get(&Slot::Fastest).map(|b| (b, 0))
+        self.other(Slot::Fastest).map(|b| (b, 0))
     }
 
     /// The largest residual of springs in the last frame, where that is measured.
@@ -256,13 +230,13 @@ impl ClothBuffers {
         if fused {
             return self.faults.as_ref().map(|f| (&f.buffer, f.offset + offset_of!(FaultRow, strain) as u64));
         }
-        self.others.get(&Slot::Strain).map(|b| (b, 0))
+        self.other(Slot::Strain).map(|b| (b, 0))
     }
 
     /// From here on these are the colliders.
     pub(super) fn meet(&mut self, solids: Span) {
-        if self.solids.as_ref() != Some(&solids) {
-            self.solids = Some(solids);
+        if self.others.get(&Slot::Solids) != Some(&solids) {
+            self.others.insert(Slot::Solids, solids);
             self.forget(Slot::Solids);
         }
     }
@@ -298,6 +272,11 @@ pub(super) fn grid_rows(cloth: &Cloth, first: u32, soft: f32) -> Vec<GridRow> {
 
 /// How buffers are used that a vertex shader reads.
 pub(super) const DRAWN: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::COPY_SRC);
+
+/// A buffer to be written on the device, or to be mapped.
+pub(super) fn empty(device: &wgpu::Device, label: &str, size: u64, usage: BufferUsages) -> Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+}
 
 pub(super) fn upload<T: Pod>(device: &wgpu::Device, label: &str, data: &[T], more: BufferUsages) -> Buffer {
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | more;

@@ -36,7 +36,7 @@ impl Contents {
     }
 
     fn add(&mut self, world: &World, index: usize, row: usize) {
-        let (cloth, held) = (&world.scene.cloths[index], &world.tethers[index]);
+        let (cloth, held) = (&world.scene.cloths[index], &world.runs[index].tethers);
         let first = self.jobs.last().map_or(0, |job| job.first + room_of(job.count as usize) as u32);
         let count = |list: &Self, slot, size: usize| list.lists.get(&slot).map_or(0, |l| l.len() / size) as u32;
         self.jobs.push(JobRow {
@@ -49,7 +49,7 @@ impl Contents {
             row: row as u32,
             ..bytemuck::Zeroable::zeroed()
         });
-        self.add_rows(Slot::Grids, &grid_rows(cloth, first, soft_row(cloth, world.clock.dt)));
+        self.add_rows(Slot::Grids, &grid_rows(cloth, first, soft_row(cloth, world.control.clock.dt)));
         for slot in Slot::ALL {
             if let Some((each, bytes)) = slot.texels(cloth, held, first) {
                 // What lies between cloths is not read.

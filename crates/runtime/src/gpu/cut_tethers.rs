@@ -74,7 +74,7 @@ impl Gpu {
     }
 
     fn rounds(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, rounds: &[Round]) {
-        let (cloth, tethers) = (&world.scene.cloths[index], &world.tethers[index]);
+        let (cloth, tethers) = (&world.scene.cloths[index], &world.runs[index].tethers);
         if !follows(cloth, tethers) {
             return;
         }

@@ -4,12 +4,12 @@ mod adapter;
 use adapter::device;
 
 use super::*;
-use crate::actions::Action;
 use crate::cloth::{Flat, Particle, Parts};
 use crate::cpu::rows::Threads;
 use crate::gpu::Pipelines;
 use crate::options::{Options, Solver};
 use crate::scene::Scene;
+use crate::world::Action;
 
 /// A tube whose first and last column are one, and whose first row is pinned here and there.
 fn tube(n: u32, rows: u32, pins: &[u32]) -> Cloth {
@@ -55,7 +55,7 @@ fn followed(
         (Some(there), Some((device, queue))) => {
             there.open(&world);
             for cut in cuts {
-                world.actions.push(Action::Cut(*cut));
+                world.host.actions.push(Action::Cut(*cut));
                 let mut encoder = device.create_command_encoder(&Default::default());
                 there.act(&mut world, &mut encoder);
                 queue.submit([encoder.finish()]);
@@ -67,10 +67,10 @@ fn followed(
             }
         }
         _ => {
-            let each = bodies.iter_mut().zip(world.scene.cloths.iter().zip(&world.tethers));
-            each.for_each(|(body, (cloth, held))| body.open(cloth, held));
+            let each = bodies.iter_mut().zip(world.scene.cloths.iter().zip(&world.runs));
+            each.for_each(|(body, (cloth, held))| body.open(cloth, &held.tethers));
             for cut in cuts {
-                world.actions.push(Action::Cut(*cut));
+                world.host.actions.push(Action::Cut(*cut));
                 world.act(&mut bodies, &Threads::one());
                 for held in bodies.iter().map(|b| b.held.as_ref().unwrap()) {
                     all.push(held.anchors.iter().copied().zip(held.most.iter().copied()).collect());

@@ -2,7 +2,9 @@
 
 use bytemuck::cast_slice;
 
-use super::Gpu;
+use super::buffers::empty;
+use super::read_back::MAPPED;
+use super::{Gpu, begin};
 use crate::passes::Pass;
 use crate::shaders::{Slot, source};
 use crate::world::World;
@@ -27,12 +29,8 @@ impl Gpu {
         origin: [f32; 3],
         direction: [f32; 3],
     ) -> Pending {
-        let buffer = |label, size, usage| {
-            let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
-            self.device.create_buffer(&descriptor)
-        };
-        let read = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let staging = buffer("picked", FOUND * world.scene.cloths.len().max(1) as u64, read);
+        let buffer = |label, size, usage| empty(&self.device, label, size, usage);
+        let staging = buffer("picked", FOUND * world.scene.cloths.len().max(1) as u64, MAPPED);
         let storage = wgpu::BufferUsages::STORAGE;
         let found: Vec<_> = (world.scene.cloths.iter())
             .map(|cloth| {
@@ -44,8 +42,7 @@ impl Gpu {
             .collect();
         let ray = [origin, direction].map(|[x, y, z]| [x, y, z, 0.0]);
         let ray = self.numbers("ray", cast_slice(&ray));
-        let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("pick"), timestamp_writes: None });
+        let mut pass = begin(encoder, "pick");
         for (index, (candidates, found, groups)) in found.iter().enumerate() {
             let more = [(Slot::Action, &ray), (Slot::Candidates, candidates), (Slot::Found, found)];
             let holes = world.scene.cloths[index].is_cut();

@@ -15,6 +15,23 @@ pub struct Pipeline {
     pub source: Source,
 }
 
+impl Pipeline {
+    /// Its bindings, `buffer` being where a slot lies.
+    pub fn bind<'a>(
+        &self,
+        device: &wgpu::Device,
+        buffer: impl Fn(Slot) -> Option<wgpu::BufferBinding<'a>>,
+    ) -> wgpu::BindGroup {
+        let entry = |bound: &Bound| {
+            let resource = wgpu::BindingResource::Buffer(buffer(bound.slot)?);
+            Some(wgpu::BindGroupEntry { binding: bound.slot as u32, resource })
+        };
+        let entries: Vec<_> = self.source.bindings.iter().filter_map(entry).collect();
+        let (label, layout) = (Some(self.source.stem), &self.layout);
+        device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
+    }
+}
+
 /// The pipelines that a stepper has compiled so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Compiled {

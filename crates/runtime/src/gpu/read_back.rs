@@ -2,8 +2,14 @@
 
 use std::sync::mpsc::channel;
 
+use wgpu::BufferUsages;
+
 use super::Span;
+use super::buffers::empty;
 use crate::error::{Error, Result};
+
+/// How buffers are used that the host maps.
+pub(super) const MAPPED: BufferUsages = BufferUsages::MAP_READ.union(BufferUsages::COPY_DST);
 
 /// The vectors in a part of a buffer such as those of [`crate::ClothBuffers`]. Submits a copy and waits for everything submitted
 /// before it: a game should not call this.
@@ -17,12 +23,7 @@ pub fn read_back_u32(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) ->
 }
 
 fn copied(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> wgpu::Buffer {
-    let staging = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("read back"),
-        size: span.size,
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
+    let staging = empty(device, "read back", span.size, MAPPED);
     let mut encoder = device.create_command_encoder(&Default::default());
     encoder.copy_buffer_to_buffer(&span.buffer, span.offset, &staging, 0, span.size);
     queue.submit([encoder.finish()]);

@@ -21,10 +21,10 @@ impl ClothBuffers {
 
     /// Brings positions back to where hosts look for them. Nothing goes on from the multipliers of a frame.
     pub(super) fn turn_back(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        let places = [Some(&self.now), Some(&self.before), self.lost.as_ref()];
+        let places = [Some(&self.now), Some(&self.before), self.others.get(&Slot::Lost)];
         for ((to, (_, slot)), turned) in places.into_iter().zip(TURNS).zip(std::mem::take(&mut self.turned)) {
             if let (Some(to), Some(from), true) = (to, self.others.get(&slot), turned) {
-                encoder.copy_buffer_to_buffer(from, 0, &to.buffer, to.offset, to.size);
+                encoder.copy_buffer_to_buffer(&from.buffer, from.offset, &to.buffer, to.offset, to.size);
             }
         }
     }

@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::Gpu;
+use super::buffers::empty;
+use super::read_back::MAPPED;
 use crate::error::{Error, Result};
 use crate::passes::Pass;
 use crate::world::World;
@@ -37,25 +39,25 @@ impl Gpu {
     /// Copies the speeds and the stretch of cloths that are awake to where the host may read them.
     pub(super) fn watch(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
         let limit = world.calm_below();
-        if limit.is_none() && world.options.quality.target().is_none() {
+        if limit.is_none() && world.control.options.quality.target().is_none() {
             return;
         }
-        for index in (0..self.cloths.len()).filter(|c| !world.asleep[*c]) {
+        for index in (0..self.cloths.len()).filter(|c| !world.runs[*c].asleep) {
             let (watch, cloth) = (&mut self.watches[index], &self.cloths[index]);
             let fused = world.is_fused(index, steps);
             let fastest = limit.and_then(|_| cloth.fastest(fused));
-            let measured = world.schedules[index].frame.iter().any(|p| matches!(p, Pass::Strain { .. }));
+            let measured = world.runs[index].schedule.frame.iter().any(|p| matches!(p, Pass::Strain { .. }));
             let strain = if measured { cloth.strain(fused) } else { None };
             if fastest.is_none() && strain.is_none() {
                 continue;
             }
-            watch.seconds += f64::from(steps) * world.clock.dt;
+            watch.seconds += f64::from(steps) * world.control.clock.dt;
             let Some(staging) = watch.staging(&self.device) else { continue };
             for ((from, at), to) in fastest.map(|f| (f, 0)).into_iter().chain(strain.map(|s| (s, 4))) {
                 encoder.copy_buffer_to_buffer(from, at, &staging, to, 4);
             }
-            let (seconds, changes) = (std::mem::take(&mut watch.seconds), world.calm[index].changes);
-            let (limit, substeps) = (fastest.and(limit), strain.map(|_| world.options.substeps));
+            let (seconds, changes) = (std::mem::take(&mut watch.seconds), world.runs[index].calm.changes);
+            let (limit, substeps) = (fastest.and(limit), strain.map(|_| world.control.options.substeps));
             watch.under_way.push_back(Probe { staging, mapping: None, limit, substeps, seconds, changes });
         }
     }
@@ -85,12 +87,12 @@ impl Gpu {
                 drop(bytes);
                 probe.staging.unmap();
                 watch.free.push(probe.staging);
-                if let Some(limit) = probe.limit.filter(|_| probe.changes == world.calm[index].changes) {
+                if let Some(limit) = probe.limit.filter(|_| probe.changes == world.runs[index].calm.changes) {
                     world.note(index, f64::from(fastest) <= limit, probe.seconds);
                 }
                 // With another number of substeps it was another question.
-                if probe.substeps == Some(world.options.substeps) {
-                    world.chooser.measured(f64::from(strain));
+                if probe.substeps == Some(world.control.options.substeps) {
+                    world.control.chooser.measured(f64::from(strain));
                 }
             }
         }
@@ -104,13 +106,6 @@ impl Watch {
             return Some(staging);
         }
         self.made += u32::from(self.made <= MOST);
-        (self.made <= MOST).then(|| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("measured"),
-                size: 8,
-                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        })
+        (self.made <= MOST).then(|| empty(device, "measured", 8, MAPPED))
     }
 }

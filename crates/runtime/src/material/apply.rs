@@ -1,10 +1,10 @@
 //! From a material to the numbers of a cloth.
 
+use super::Material;
 use super::cell::{Cell, P2, cells, cross, sub};
 use super::membrane::triangles;
 use super::plate::Plate;
-use super::{Bending, Material, Membrane};
-use crate::cloth::Cloth;
+use crate::cloth::{Cloth, Membrane};
 use crate::error::{Result, check};
 
 /// A particle is no lighter than this share of the mean: one without an area would have no finite inverse mass.
@@ -55,14 +55,6 @@ impl Cloth {
         }
         self.keep_grain(uv);
         Ok(())
-    }
-
-    pub(crate) fn membrane(&self) -> Option<&Membrane> {
-        self.membrane.as_ref()
-    }
-
-    pub(crate) fn bending(&self) -> Option<&Bending> {
-        self.bending.as_ref()
     }
 }
 

@@ -2,19 +2,6 @@
 
 use super::cell::{Cell, P2, cross, sub};
 
-/// The membrane of a cloth.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Membrane {
-    /// Two entries a texel, the triangles of the cell of which it is the upper left corner: with `Q` the inverse of the
-    /// rest shape (two sides from the first corner as columns, weft and warp as rows \[m\]), its rows one after the other
-    /// \[1/m\]; weft is `side Q00 + other side Q10`. 0 means no triangle. Where determinants are above 0 the cell is divided
-    /// from upper left to lower right, into upper left, upper right, lower right, and upper left, lower right, lower
-    /// left; where they are below 0 all corners are one further on in this circle.
-    pub cells: Vec<[f32; 4]>,
-    /// One over the stiffness along the weft, along the warp, and in shear \[m/N\].
-    pub soft: [f32; 3],
-}
-
 /// The triangles of a cell, divided along its shorter diagonal. `warp` is the direction of the warp in the cell's plane,
 /// of length 1.
 pub fn triangles(cell: &Cell, warp: P2) -> [[f32; 4]; 2] {

@@ -1,19 +1,7 @@
 //! The Laplacian of bilinear elements on the cells of a cloth, and where it measures bending.
 
 use super::cell::{Cell, P2, cross, sub};
-use crate::cloth::Cloth;
-
-/// Bending of a cloth: at each particle the moment `m = sum of weight (x_other - x)` over the eight springs around it,
-/// and the energy `m^2 / (2 compliance)`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bending {
-    /// Weights of the springs stored at a texel: right, down, down-right, up-right. The Laplacian of a linear function is
-    /// 0 inside of a flat sheet, however its grid is distorted.
-    pub weights: Vec<[f32; 4]>,
-    /// Compliance \[m/N\]: area over stiffness. 0 where there is no moment, as on a border. Duplicates hold that of the
-    /// whole point.
-    pub compliance: Vec<f32>,
-}
+use crate::cloth::Bending;
 
 /// What cells add to.
 pub struct Plate {
@@ -139,37 +127,4 @@ fn linear(cell: &Cell) -> ([P2; 4], [f64; 4]) {
         (gradients[k], values[k]) = (g, 1.0 / 3.0);
     }
     (gradients, values)
-}
-
-impl Bending {
-    /// For each particle a bound \[1/kg\] on what a multiplier of 1 at all points of the same sign does to the moment
-    /// there: with compliance / dt^2 no less than this, no step overshoots.
-    pub fn bounds(&self, cloth: &Cloth) -> Vec<f32> {
-        let same = cloth.points();
-        let mut edges = Vec::with_capacity(4 * self.weights.len());
-        for (g, grid) in cloth.grids().iter().enumerate() {
-            for local in 0..grid.texels() {
-                let k = grid.first as usize + local;
-                for d in 0..4 {
-                    let weight = f64::from(self.weights[k][d]);
-                    if let (Some(other), true) = (cloth.neighbour(g, local, d), weight != 0.0) {
-                        edges.push((same[k] as usize, same[other] as usize, weight));
-                    }
-                }
-            }
-        }
-        // Rows of the Laplacian: the sum of magnitudes off the diagonal, and the diagonal.
-        let (mut off, mut diagonal) = (vec![0.0; same.len()], vec![0.0; same.len()]);
-        for (a, b, w) in &edges {
-            [*a, *b].iter().for_each(|k| (off[*k] += w.abs(), diagonal[*k] += w).0);
-        }
-        let row: Vec<f64> = off.iter().zip(&diagonal).map(|(o, d): (&f64, &f64)| o + d.abs()).collect();
-        let moves = |k: usize| row[k] / f64::from(cloth.mass(k));
-        let mut bound: Vec<f64> = diagonal.iter().enumerate().map(|(k, d): (usize, &f64)| d.abs() * moves(k)).collect();
-        for (a, b, w) in &edges {
-            bound[*a] += w.abs() * moves(*b);
-            bound[*b] += w.abs() * moves(*a);
-        }
-        same.iter().map(|k| bound[*k as usize] as f32).collect()
-    }
 }

@@ -1,5 +1,6 @@
 use super::cell::cells;
 use super::*;
+use crate::cloth::Membrane;
 use crate::{Cloth, Flat, Grid, Mass, Particle, Parts, Rest};
 
 /// A sheet of 0.8 m x 1 m with `w` x `h` particles whose grid is not that of the fabric: `skew` moves and turns it.

@@ -1,14 +1,13 @@
 //! The search on the GPU, whose answer comes later.
 
-use super::{Hit, place, unit};
-use crate::error::{Error, Result};
+use super::{Hit, place};
+use crate::error::Result;
 use crate::gpu::{Pending, read_bytes};
-use crate::stepper::Stepper;
 
-/// The answer to [`Stepper::record_pick`].
-pub struct PickTicket(Answer);
+/// The answer to [`crate::Stepper::record_pick`].
+pub struct PickTicket(pub(crate) Answer);
 
-enum Answer {
+pub(crate) enum Answer {
     Known(Option<Hit>),
     Pending(Pending),
 }
@@ -47,24 +46,5 @@ impl PickTicket {
             Answer::Known(hit) => Ok(*hit),
             Answer::Pending(pending) => read_bytes(device, &pending.staging, |bytes| self.decode(bytes)),
         }
-    }
-}
-
-impl Stepper {
-    /// Records the same search on the GPU, in positions as they are at that place of the encoder. Two dispatches and
-    /// three small buffers per cloth; nothing is read back until the host asks the ticket. On the CPU backend the ticket
-    /// knows the answer at once. Errors on numbers that are not finite, no direction, and no device.
-    pub fn record_pick(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        origin: [f32; 3],
-        direction: [f32; 3],
-    ) -> Result<PickTicket> {
-        if self.cpu.is_some() {
-            return Ok(PickTicket(Answer::Known(self.pick(origin, direction)?)));
-        }
-        let direction = unit(origin, direction)?;
-        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_pick"))?;
-        Ok(PickTicket(Answer::Pending(gpu.pick(&self.world, encoder, origin, direction))))
     }
 }

@@ -5,9 +5,6 @@ use crate::cloth::{Cloth, Compliance, Flat};
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
 
-/// The names of the built-in scenes.
-pub const BUILTIN: [&str; 5] = ["s1", "s1k", "s2", "s2f", "s3"];
-
 /// A built-in scene with `n` x `n` particles, n at least 2. Errors on other names and sizes.
 ///
 /// - `s1`: horizontal, hung by the two ends of row 0, damped at 2 /s. Ends as a flat vertical square.
@@ -85,6 +82,7 @@ fn bessel_j0(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::BUILTIN;
 
     #[test]
     fn all_names_make_a_scene() {

@@ -10,7 +10,7 @@ pub use json::Source;
 use gimage_bundle::Bundle;
 
 use super::{Scene, Script};
-use crate::draw::{Camera, Look, SolidLook};
+use crate::look::{Camera, Look, SolidLook};
 use crate::options::Options;
 
 /// Most bytes of a scene file: 16 MiB.

@@ -2,9 +2,6 @@
 
 use super::Scene;
 use super::motion::{Motion, Pose};
-use crate::error::Result;
-use crate::stepper::Stepper;
-
 /// Particles that are pinned together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PinnedSet {
@@ -54,46 +51,5 @@ impl Script {
                 (collider.center, collider.rotation) = (position, rotation);
             }
         }
-    }
-
-    /// Does what happens from `time` to `time + dt` \[s\]; to be called before the stepper's frame of `dt`. Colliders go
-    /// to where they are at its end, with the velocity that takes them there. Nothing is uploaded, and no cloth is
-    /// woken, where nothing changes.
-    pub fn frame(&self, stepper: &mut Stepper, time: f64, dt: f64) -> Result<()> {
-        let end = time + dt;
-        let mut colliders = stepper.scene().colliders.clone();
-        for (collider, motion) in colliders.iter_mut().zip(&self.colliders) {
-            let Some(motion) = motion else { continue };
-            let pose = motion.at(end);
-            (collider.velocity, collider.spin) = motion.at(time).motion_to(&pose, dt);
-            (collider.center, collider.rotation) = (pose.position, pose.rotation);
-        }
-        if colliders != stepper.scene().colliders {
-            stepper.set_colliders(colliders)?;
-        }
-        for set in &self.pins {
-            let released = set.release.filter(|r| *r < end);
-            if released.is_some_and(|r| r < time) {
-                continue;
-            }
-            let poses = set.motion.as_ref().map(|m| (m.at(time), m.at(end)));
-            if let Some((_, pose)) = poses.filter(|(a, b)| a != b || time == 0.0) {
-                for (particle, start) in &set.particles {
-                    let from = [0, 1, 2].map(|c| start[c] - set.pivot[c]);
-                    let to = pose.apply(from);
-                    stepper.set_position(set.cloth, *particle, [0, 1, 2].map(|c| to[c] + set.pivot[c]))?;
-                }
-            }
-            if released.is_some() {
-                for (particle, _) in &set.particles {
-                    stepper.set_pinned(set.cloth, *particle, false)?;
-                }
-            }
-        }
-        for cut in self.cuts.iter().filter(|c| (time..end).contains(&c.time)) {
-            let [eye, a, b] = cut.triangle;
-            stepper.cut(eye, a, b)?;
-        }
-        Ok(())
     }
 }

@@ -91,7 +91,7 @@ pub fn over(pass: Pass) -> Over {
 
 /// The rule of a pass.
 pub fn rule(pass: Pass) -> Rule {
-    use Slot::{Before, Field, Grids, Members, Now, Solids, Starts, Step, Sums};
+    use Slot::{Before, Field, Grids, Members, Now, Starts, Step, Sums};
     let over = over(pass);
     let parts = |files: &[&'static str], reads: &[Slot], writes: &[Slot]| Parts::new(files, reads, writes);
     match pass {
@@ -103,16 +103,8 @@ pub fn rule(pass: Pass) -> Rule {
             rule!("tethers", "tether", over, parts)
         }
         Pass::Limit => rule!("limit", "limit", over, parts(&[], &[Slot::Targets], &[Now])),
-        Pass::Contact(kinds) => {
-            let near: &[_] = if kinds.many { &[part!("near")] } else { &[part!("near_all")] };
-            let files = [&[part!("solid"), part!("friction"), part!("entry"), part!("touch")], near].concat();
-            rule!("contact", "clear", over, shapes(kinds, parts(&files, &[Step, Before, Solids], &[Now])))
-        }
-        Pass::Colliders(kinds) => {
-            let files = [part!("solid"), if kinds.friction { part!("friction") } else { part!("friction_none") }];
-            let read: &[_] = if kinds.friction { &[Solids, Step, Before] } else { &[Solids] };
-            rule!("colliders", "leave_solids", over, shapes(kinds, parts(&files, read, &[Now])))
-        }
+        Pass::Contact(kinds) => contact(over, kinds),
+        Pass::Colliders(kinds) => colliders(over, kinds),
         Pass::Seams => rule!("seams", "close", over, parts(&[], &[Starts, Members], &[Now])),
         Pass::SeamSteps => {
             rule!("seam_steps", "close_steps", over, parts(&[], &[Starts, Members], &[Now, Before]))
@@ -128,13 +120,7 @@ pub fn rule(pass: Pass) -> Rule {
             let parts = parts(&[part!("gust"), part!("neighbours")], &[Step, Grids, Now, Before], &[Field]);
             rule!("wind", "blow", over, open(holes, parts))
         }
-        Pass::Moments { holes } => {
-            let unbroken = if holes { part!("unbroken_rest") } else { part!("unbroken_all") };
-            let read = [Step, Grids, Now, Slot::Weights, Slot::Bends];
-            let parts = parts(&[part!("laplacian"), unbroken], &read, &[Slot::Moments]);
-            let rest: &[_] = if holes { &[reads(Slot::Rest)] } else { &[] };
-            rule!("moments", "moment", over, parts.bind(rest))
-        }
+        Pass::Moments { holes } => moments(over, holes),
         Pass::Bend => {
             let parts = parts(&[part!("laplacian")], &[Grids, Slot::Weights], &[Now, Slot::Moments]);
             rule!("bend", "bend", over, parts)
@@ -156,18 +142,8 @@ pub fn rule(pass: Pass) -> Rule {
             let parts = parts(&[part!("ends")], &[Grids], &[Now]).and(rest(image));
             rule!("springs", "relax_hard", over, parts)
         }
-        Pass::Stretch { image, soft, again, .. } => {
-            let parts = pull(image).and(compliance(soft));
-            let parts = match (soft, again) {
-                (Soft::None, _) => parts.and(Parts::new(&[part!("soft_none")], &[], &[])),
-                (_, false) => parts.and(Parts::new(&[part!("once")], &[], &[])),
-                (_, true) => parts.and(Parts::new(&[part!("again")], &[], &[Sums])),
-            };
-            rule!("stretch", "stretch", over, parts)
-        }
-        Pass::Polish { image, .. } => {
-            rule!("polish", "polish", over, pull(image))
-        }
+        Pass::Stretch { image, soft, again, .. } => stretch(over, image, soft, again),
+        Pass::Polish { image, .. } => rule!("polish", "polish", over, pull(image)),
         Pass::Guard => rule!("guard", "guard", over, parts(&[part!("sane")], &[Now], &[Slot::Faults])),
         Pass::Restore => {
             let parts = parts(&[], &[], &[Now, Before, Slot::Faults, Slot::Good]);
@@ -192,6 +168,41 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Pick { holes } => rare::pick(over, holes),
         Pass::PickNearest => rare::pick_nearest(over),
     }
+}
+
+/// Swept contact.
+fn contact(over: Over, kinds: Kinds) -> Rule {
+    let near: &[_] = if kinds.many { &[part!("near")] } else { &[part!("near_all")] };
+    let files = [&[part!("solid"), part!("friction"), part!("entry"), part!("touch")], near].concat();
+    let parts = Parts::new(&files, &[Slot::Step, Slot::Before, Slot::Solids], &[Slot::Now]);
+    rule!("contact", "clear", over, shapes(kinds, parts))
+}
+
+/// The way out of colliders, from inside them alone.
+fn colliders(over: Over, kinds: Kinds) -> Rule {
+    let files = [part!("solid"), if kinds.friction { part!("friction") } else { part!("friction_none") }];
+    let read: &[_] = if kinds.friction { &[Slot::Solids, Slot::Step, Slot::Before] } else { &[Slot::Solids] };
+    rule!("colliders", "leave_solids", over, shapes(kinds, Parts::new(&files, read, &[Slot::Now])))
+}
+
+/// Multipliers of bending, of springs that a cut has left.
+fn moments(over: Over, holes: bool) -> Rule {
+    let unbroken = if holes { part!("unbroken_rest") } else { part!("unbroken_all") };
+    let read = [Slot::Step, Slot::Grids, Slot::Now, Slot::Weights, Slot::Bends];
+    let parts = Parts::new(&[part!("laplacian"), unbroken], &read, &[Slot::Moments]);
+    let rest: &[_] = if holes { &[reads(Slot::Rest)] } else { &[] };
+    rule!("moments", "moment", over, parts.bind(rest))
+}
+
+/// Springs with compliance; over several relaxations their multipliers are summed.
+fn stretch(over: Over, image: bool, soft: Soft, again: bool) -> Rule {
+    let parts = pull(image).and(compliance(soft));
+    let parts = match (soft, again) {
+        (Soft::None, _) => parts.and(Parts::new(&[part!("soft_none")], &[], &[])),
+        (_, false) => parts.and(Parts::new(&[part!("once")], &[], &[])),
+        (_, true) => parts.and(Parts::new(&[part!("again")], &[], &[Slot::Sums])),
+    };
+    rule!("stretch", "stretch", over, parts)
 }
 
 /// What springs of sheets share.

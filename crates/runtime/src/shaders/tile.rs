@@ -2,15 +2,34 @@
 
 use super::apart::lists;
 use super::parts::{Parts, reads, writes};
-use super::rule::{Over, Rule, rule};
+use super::rule::{Over, Rule, over, rule};
 use super::{Slot, Source, Threads, calls, colour};
+use crate::form::Tile;
 use crate::passes::Pass;
-use crate::tile::{Stages, Tile};
+
+/// Where in a tile's work its passes are.
+pub struct Stages<'a> {
+    /// While particles are taken in: the integration, and what acts on each particle alone.
+    pub arrive: &'a [Pass],
+    /// Up to the last springs.
+    pub middle: &'a [Pass],
+    /// On what the tile owns.
+    pub leave: &'a [Pass],
+}
+
+/// The passes of a tile by where they are.
+pub fn stages(passes: &[Pass]) -> Stages<'_> {
+    let springs = |p: &Pass| matches!(over(*p), Over::Springs { .. });
+    let early = |p: &Pass| springs(p) || matches!(p, Pass::Contact(_));
+    let first = passes.iter().position(early).unwrap_or(passes.len());
+    let last = passes.iter().rposition(springs).map_or(first, |n| n + 1);
+    Stages { arrive: &passes[..first], middle: &passes[first..last], leave: &passes[last..] }
+}
 
 /// The rules of all passes, called in their order: on particles as they are taken in, on all that the tile has, on what it
 /// owns.
 pub fn tile(tile: &Tile) -> Source {
-    let Stages { arrive, middle, leave } = tile.stages();
+    let Stages { arrive, middle, leave } = stages(&tile.passes);
     let mut parts = Parts::new(&[part!("grid"), part!("by_rows")], &[Slot::Grids], &[Slot::Next]);
     for pass in &tile.passes {
         let Rule { text, over, parts: own, .. } = rule(*pass);

@@ -4,7 +4,7 @@ use super::apart::lists;
 use super::parts::Parts;
 use super::rule::{Over, Rule, Whole, rule};
 use super::{Slot, Source, Threads, calls, colour};
-use crate::fused::{Fused, Hold};
+use crate::form::{Fused, Hold};
 use crate::passes::{Pass, Schedule};
 
 /// Whether all passes of a schedule can be part of a whole frame.

@@ -1,6 +1,7 @@
 //! What a stepper does with the host's device.
 
 use super::Stepper;
+use super::self_check::{decide, self_check};
 use crate::clock::Progress;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
@@ -8,7 +9,6 @@ use crate::fused::Room;
 use crate::gpu::{ClothBuffers, Compiled, Gpu, Pipelines};
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
-use crate::self_check::{decide, self_check};
 use crate::world::World;
 
 impl Stepper {
@@ -16,7 +16,7 @@ impl Stepper {
     /// buffers on either backend ([`Stepper::buffers`]). Errors on settings out of range, on [`Backend::Gpu`] without a
     /// device, and where a cloth does not fit the device.
     ///
-    /// The first stepper on a device runs its [`self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. [`Backend::Auto`]
+    /// The first stepper on a device runs its [`crate::self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. [`Backend::Auto`]
     /// does not use a device that fails, [`Backend::Gpu`] does; [`Stepper::warnings`] has the reason.
     ///
     /// Compiles the pipelines that a frame runs ([`Stepper::compiled`], [`Stepper::another`]).
@@ -45,25 +45,25 @@ impl Stepper {
             warning = found;
         }
         let mut stepper = Stepper::unchecked(scene, options, gpu, pipelines)?;
-        stepper.world.warnings.splice(..0, warning);
+        stepper.world.host.warnings.splice(..0, warning);
         Ok(stepper)
     }
 
     /// The same without a self-check, which itself needs it.
-    pub(crate) fn unchecked(
+    pub(super) fn unchecked(
         scene: Scene,
         options: Options,
         gpu: Option<(&wgpu::Device, &wgpu::Queue)>,
         pipelines: Option<Pipelines>,
     ) -> Result<Self> {
         let mut world = World::new(scene, options)?;
-        let on_cpu = match world.options.backend {
+        let on_cpu = match world.control.options.backend {
             Backend::Cpu => true,
             Backend::Auto => gpu.is_none(),
             Backend::Gpu if gpu.is_none() => return Err(Error::NoGpu("Backend::Gpu")),
             Backend::Gpu => false,
         };
-        let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.options.threads)?)) } else { None };
+        let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.control.options.threads)?)) } else { None };
         if let (false, Some((device, _))) = (on_cpu, gpu) {
             world.make_room(Room::of(device));
         }
@@ -80,15 +80,15 @@ impl Stepper {
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
         self.world.choose();
-        let progress = self.world.clock.frame(dt);
-        if progress.steps == 0 && self.world.actions.is_empty() {
+        let progress = self.world.control.clock.frame(dt);
+        if progress.steps == 0 && self.world.host.actions.is_empty() {
             return Ok(progress);
         }
         match &mut self.cpu {
             Some((bodies, threads)) => {
                 self.world.act(bodies, threads);
                 self.world.run(bodies, threads, progress.steps);
-                gpu.upload(bodies, threads, &self.world.asleep);
+                gpu.upload(bodies, threads, &self.world.runs);
             }
             None => {
                 gpu.act(&mut self.world, encoder);

@@ -1,8 +1,7 @@
 //! A step whose passes run together where they can.
 
-use super::Tile;
 use crate::cloth::Cloth;
-use crate::form::Form;
+use crate::form::{Form, Tile};
 use crate::fused::Room;
 use crate::passes::{Pass, Schedule};
 use crate::shaders::{self, Slot};

@@ -1,24 +1,11 @@
 //! The sizes of tiles.
 
-use super::Tile;
+use super::reach::around;
 use crate::cloth::Grid;
-use crate::cpu::tile::{around, tiles};
+use crate::form::{Tile, TileShape};
 use crate::fused::{NOTES, Room};
 use crate::passes::Pass;
 use crate::shaders::{Over, over};
-
-/// Sizes of tiles, in columns and rows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct TileShape {
-    /// What a tile owns; both even.
-    pub inner: [u32; 2],
-    /// How many it has on every side beside these, where the grid has any.
-    pub around: [u32; 2],
-    /// 1 where the first tile lacks a column or row, so that tiles begin at odd ones.
-    pub lacks: [u32; 2],
-    /// Columns and rows that there is room for.
-    pub room: [u32; 2],
-}
 
 /// Bytes of a particle in a workgroup's memory, and of its springs' multipliers.
 const BYTES: u32 = 16;
@@ -55,7 +42,7 @@ impl Tile {
 
 /// Tiles of all grids.
 fn count(shape: &TileShape, grids: &[Grid]) -> u32 {
-    grids.iter().map(|g| tiles(g, shape.inner, shape.lacks)).map(|[x, y]| x * y).sum()
+    grids.iter().map(|g| shape.tiles(g)).map(|[x, y]| x * y).sum()
 }
 
 /// Particles that all tiles read.

@@ -2,7 +2,7 @@
 
 use gimage_runtime::*;
 
-pub const FRAME: f64 = 1.0 / 60.0;
+pub use super::FRAME;
 
 pub struct Rig {
     pub stepper: Stepper,

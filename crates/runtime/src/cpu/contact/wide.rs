@@ -7,13 +7,20 @@ use crate::collider::solid::wide::{Exits, Wide, add, choose, cross, dot, scale, 
 use crate::number::lanes::{LANES, Machine};
 use crate::number::real::Real;
 
+/// A row of particles: coordinates of where they are and were, and inverse masses from the first one that meets a collider.
+pub struct Lines<'a, 'b, T> {
+    pub now: &'a mut [&'b mut [T]; 3],
+    pub was: [&'a [T]; 3],
+    pub w: &'a [T],
+}
+
 /// The particles from `at` on. Those whose way is short leave together, the others one by one.
 #[inline(always)]
 pub fn meet<T: Real, K: Machine<T>>(
     k: K,
     solid: &Solid<T>,
     reach: &Reach<T>,
-    (now, was, w): (&mut [&mut [T]; 3], [&[T]; 3], &[T]),
+    Lines { now, was, w }: Lines<T>,
     at: usize,
     dt: T,
 ) {

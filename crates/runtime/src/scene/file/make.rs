@@ -5,7 +5,7 @@ use super::json::{self, From, Select};
 use super::{Found, SceneFile, Source};
 use crate::cloth::{Cloth, Compliance, Flat};
 use crate::collider::{Collider, Shape};
-use crate::draw::{Camera, Look, SolidLook, uv_of};
+use crate::look::{Camera, Look, SolidLook, uv_of};
 use crate::material::Material;
 use crate::options::{Options, Solver};
 use crate::quality::Quality;

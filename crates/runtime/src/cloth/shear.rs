@@ -1,6 +1,6 @@
 //! What a diagonal spring may do in a step, so that crumpled cloth unfolds.
 
-use crate::cloth::{Cloth, Rest};
+use super::{Cloth, Rest};
 
 /// Least bound, as a share of a diagonal's rest length.
 const LEAST: f64 = 0.01;

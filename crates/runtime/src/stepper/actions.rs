@@ -1,25 +1,9 @@
-//! User actions: cuts, transforms and drags.
+//! User actions: cuts and transforms.
 
-mod drag;
-
-pub use drag::Drag;
-
+use super::Stepper;
 use crate::cloth::Cloth;
-use crate::cpu::body::Body;
-use crate::cpu::rows::Threads;
 use crate::error::{Error, Result, check};
-use crate::number::real::{Real, cast};
-use crate::stepper::Stepper;
-use crate::world::World;
-
-/// What is to be done before the next step, in the order of the calls.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Action {
-    /// A cut by the triangle with these corners.
-    Cut([[f32; 3]; 3]),
-    /// Particles of a cloth, all duplicates among them, are moved by the matrix with these columns.
-    Transform { cloth: usize, chosen: Vec<u32>, matrix: [[f32; 4]; 4] },
-}
+use crate::world::Action;
 
 impl Stepper {
     /// Cuts every cloth by the triangle from the eye to the two ends of a stroke \[m\]; it takes effect at the start of
@@ -47,14 +31,14 @@ impl Stepper {
         }
         self.world.scene.cloths.iter_mut().for_each(Cloth::open);
         if let Some((bodies, _)) = &mut self.cpu {
-            let cloths = self.world.scene.cloths.iter().zip(&self.world.tethers);
-            bodies.iter_mut().zip(cloths).for_each(|(body, (cloth, held))| body.open(cloth, held));
+            let cloths = self.world.scene.cloths.iter().zip(&self.world.runs);
+            bodies.iter_mut().zip(cloths).for_each(|(body, (cloth, run))| body.open(cloth, &run.tethers));
         }
         if let Some(gpu) = &mut self.gpu {
             gpu.open(&self.world);
         }
         self.changed();
-        self.world.actions.push(Action::Cut([eye, a, b]));
+        self.world.host.actions.push(Action::Cut([eye, a, b]));
         Ok(())
     }
 
@@ -71,7 +55,7 @@ impl Stepper {
         let chosen = with_duplicates(self.world.cloth(cloth)?, particles)?;
         if !chosen.is_empty() {
             self.world.wake(cloth);
-            self.world.actions.push(Action::Transform { cloth, chosen, matrix });
+            self.world.host.actions.push(Action::Transform { cloth, chosen, matrix });
         }
         Ok(())
     }
@@ -93,18 +77,4 @@ fn with_duplicates(cloth: &Cloth, particles: &[usize]) -> Result<Vec<u32>> {
         ring.iter().for_each(|k| chosen[*k as usize] |= any);
     }
     Ok((0..count as u32).filter(|k| chosen[*k as usize]).collect())
-}
-
-impl World {
-    /// Does on the CPU what is to be done, and says whether that was anything.
-    pub fn act<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads) -> bool {
-        let actions = std::mem::take(&mut self.actions);
-        for action in &actions {
-            match action {
-                Action::Cut(corners) => bodies.iter_mut().for_each(|b| b.cut(threads, corners.map(cast))),
-                Action::Transform { cloth, chosen, matrix } => bodies[*cloth].transform(chosen, matrix.map(cast)),
-            }
-        }
-        !actions.is_empty()
-    }
 }

@@ -1,7 +1,7 @@
 //! Twin of shaders/draw.wgsl and its parts: corners of triangles, and the light on them. In f32 only: nothing is
 //! measured on pictures.
 
-use crate::draw::rows::ViewRow;
+use super::rows::ViewRow;
 use crate::number::real::{V3, add, dot, scale, sub};
 
 /// A corner as the vertex stage hands it on.

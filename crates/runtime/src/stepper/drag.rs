@@ -1,8 +1,8 @@
 //! Dragging cloth by a point of it.
 
+use super::Stepper;
 use crate::error::Result;
 use crate::pick::Hit;
-use crate::stepper::Stepper;
 
 /// A triangle of cloth that is held. [`Stepper::release`] lets it go.
 #[derive(Clone, Debug, PartialEq)]

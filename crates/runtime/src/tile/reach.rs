@@ -1,8 +1,6 @@
 //! Twin of shaders/tile.wgsl: how far a colour of springs reaches, which is what a tile has to have around it. The rules
 //! of particles and springs are those of the separate passes.
 
-use crate::cloth::Grid;
-
 /// What a colour joins along one side of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reach {
@@ -54,14 +52,11 @@ pub fn around(colours: &[(u32, u32)]) -> ([u32; 2], [u32; 2]) {
     ([x.0, y.0], [x.1, y.1])
 }
 
-/// Tiles along the sides of a grid, each with `inner` columns and rows, of which the first lacks some.
-pub fn tiles(grid: &Grid, inner: [u32; 2], lacks: [u32; 2]) -> [u32; 2] {
-    [(grid.width + lacks[0]).div_ceil(inner[0]), (grid.height + lacks[1]).div_ceil(inner[1])]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloth::Grid;
+    use crate::form::TileShape;
 
     const ALL: [(u32, u32); 8] = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
 
@@ -100,7 +95,7 @@ mod tests {
             let (around, lacks) = around(colours);
             for inner in [[2u32, 2], [4, 10], [12, 6], [40, 40]] {
                 let grid = Grid { name: String::new(), first: 0, width: width as u32, height: height as u32 };
-                let [columns, rows] = tiles(&grid, inner, lacks);
+                let [columns, rows] = TileShape { inner, lacks, ..TileShape::default() }.tiles(&grid);
                 let mut seen = 0;
                 for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
                     let size = [width as i64, height as i64];

@@ -95,7 +95,7 @@ fn name(info: &wgpu::AdapterInfo) -> String {
 }
 
 /// Whether the CPU steps, and what there is to say about the device. `check` is that of the host's device, if it gave one.
-pub(crate) fn decide(backend: Backend, check: Option<&SelfCheck>) -> Result<(bool, Option<Warning>)> {
+pub(super) fn decide(backend: Backend, check: Option<&SelfCheck>) -> Result<(bool, Option<Warning>)> {
     let Some(check) = check.filter(|_| backend != Backend::Cpu) else {
         return if backend == Backend::Gpu { Err(Error::NoGpu("Backend::Gpu")) } else { Ok((true, None)) };
     };

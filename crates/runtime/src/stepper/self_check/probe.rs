@@ -3,6 +3,7 @@
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
+use super::super::Stepper;
 use super::Mismatch;
 use crate::cloth::{Cloth, Grid, Mass, Particle, Parts, Rest};
 use crate::collider::{Collider, Shape};
@@ -10,7 +11,6 @@ use crate::error::Result;
 use crate::gpu::read_back;
 use crate::options::{Backend, Options, Solver};
 use crate::scene::Scene;
-use crate::stepper::Stepper;
 
 /// Length \[s\] of the frame, of two steps.
 const FRAME: f64 = 1.0 / 120.0;

@@ -79,7 +79,7 @@ impl View {
     }
 
     /// Right, up and back of the eye.
-    pub(super) fn axes(&self) -> [[f32; 3]; 3] {
+    pub(crate) fn axes(&self) -> [[f32; 3]; 3] {
         axes(sub(self.eye, self.target))
     }
 }

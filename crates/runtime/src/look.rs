@@ -1,6 +1,12 @@
-//! The appearance of cloths and colliders.
+//! The appearance of cloths and colliders, and where they are seen from.
+
+mod camera;
+
+pub use camera::{Camera, View};
 
 use gimage_bundle::{Bundle, MapKind};
+
+use crate::cloth::Grid;
 
 /// How a cloth is drawn. Colours are sRGB, 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +38,7 @@ impl Look {
     }
 
     /// How far apart texture coordinates of one triangle may be; further ones lie on two sides of a texture's seam.
-    pub(super) fn jump(&self, grids: &[crate::Grid]) -> f32 {
+    pub(crate) fn jump(&self, grids: &[Grid]) -> f32 {
         let Some(uv) = &self.uv else { return 0.0 };
         let mut steps = Vec::new();
         for grid in grids {
@@ -42,6 +48,21 @@ impl Look {
         }
         let middle = steps.len() / 2;
         if steps.is_empty() { 0.0 } else { 4.0 * *steps.select_nth_unstable_by(middle, f32::total_cmp).1 }
+    }
+}
+
+/// How all colliders are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidLook {
+    /// sRGB, 0 to 1.
+    pub color: [f32; 3],
+    /// How far \[m\] within its shape a collider is drawn. Default 0.004, because cloth lies right on the surface.
+    pub inset: f32,
+}
+
+impl Default for SolidLook {
+    fn default() -> Self {
+        SolidLook { color: [0.58, 0.60, 0.65], inset: 0.004 }
     }
 }
 

@@ -1,0 +1,58 @@
+//! How a cloth runs.
+
+use std::sync::OnceLock;
+
+use super::sleep::Calm;
+use crate::cloth::{Anchor, Cloth, Tethers};
+use crate::form::Fused;
+use crate::passes::Schedule;
+use crate::tile::Order;
+
+/// What a world holds of one cloth beside the cloth itself.
+#[derive(Default)]
+pub struct ClothRun {
+    /// What it hangs on; without slots where that is nothing.
+    pub tethers: Tethers,
+    /// Its place among the [`crate::coat::Coats`].
+    pub coat: usize,
+    /// Its passes.
+    pub schedule: Schedule,
+    /// Its whole frame in one dispatch, where it runs so.
+    pub fused: Option<Fused>,
+    /// How passes run together where it does not, found when it is first asked for.
+    pub order: OnceLock<Option<Order>>,
+    pub asleep: bool,
+    /// How long it has been calm.
+    pub calm: Calm,
+}
+
+impl ClothRun {
+    /// A cloth that may have `most` tethers per particle, longer by a factor than the way along the surface.
+    pub fn new(cloth: &Cloth, most: u32, slack: f32) -> Self {
+        ClothRun { tethers: hang(cloth, most, slack), ..ClothRun::default() }
+    }
+}
+
+/// The tethers of a cloth, in as many slots as are used, where it may have `most` a particle, longer by a factor.
+fn hang(cloth: &Cloth, most: u32, slack: f32) -> Tethers {
+    if most == 0 || !cloth.particles().iter().any(|p| p.is_pinned()) {
+        return Tethers::default();
+    }
+    let found = cloth.stored_tethers().cloned().unwrap_or_else(|| cloth.tethers(most as usize));
+    let used = (0..cloth.len()).map(|k| found.of(k).iter().filter(|a| a.exists()).count()).max().unwrap_or(0);
+    let mut ends: Vec<u32> = found.anchors.iter().filter(|a| a.exists()).map(|a| a.particle).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    let mut anchors = Vec::with_capacity(used * cloth.len());
+    for k in 0..cloth.len() {
+        if ends.len() == used {
+            // A slot for each pin: neighbours then hang on the same one, which is quicker.
+            let of = |end: &u32| found.of(k).iter().find(|a| a.particle == *end).copied().unwrap_or(Anchor::NONE);
+            anchors.extend(ends.iter().map(of));
+        } else {
+            anchors.extend(&found.of(k)[..used]);
+        }
+    }
+    anchors.iter_mut().for_each(|a| a.distance *= slack);
+    Tethers { per_particle: used, anchors }
+}

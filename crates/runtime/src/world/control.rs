@@ -1,0 +1,79 @@
+//! The settings that are in force, and how they change from frame to frame.
+
+use crate::choose::{Choice, Follow, Settings};
+use crate::clock::Clock;
+use crate::options::Options;
+use crate::quality::{Chooser, Quality};
+use crate::scene::Scene;
+
+/// Settings, and what decides them.
+pub struct Control {
+    /// With all decided that the host left open.
+    pub options: Settings,
+    /// Why so.
+    pub choice: Choice,
+    /// Keeps substeps up with the speed of colliders.
+    pub follow: Follow,
+    pub clock: Clock,
+    /// Chooses substeps.
+    pub chooser: Chooser,
+}
+
+impl Control {
+    pub fn new(options: Options, scene: &Scene) -> Self {
+        let (options, choice) = Settings::new(options, scene);
+        let (clock, follow) = (Clock::new(&options), Follow::new(&options, scene));
+        Control { options, choice, follow, clock, chooser: Chooser::default() }
+    }
+
+    /// Starts the clock again, before anything has moved.
+    pub fn start(&mut self) {
+        self.clock = Clock::new(&self.options);
+    }
+
+    /// Takes other settings from the next step on.
+    pub fn set(&mut self, (settings, choice): (Settings, Choice), scene: &Scene) {
+        self.follow = Follow::new(&settings, scene);
+        (self.options, self.choice) = (settings, choice);
+        self.clock.change(&self.options);
+    }
+
+    /// Takes another number of substeps.
+    pub fn set_substeps(&mut self, substeps: u32) {
+        if substeps != self.options.substeps {
+            self.options.substeps = substeps;
+            self.clock.change(&self.options);
+        }
+    }
+
+    /// Decides again what the host left open; whether the rounds of polish change with it.
+    pub fn decide(&mut self, scene: &Scene) -> bool {
+        let (mut settings, choice) = Settings::new(self.options.given().clone(), scene);
+        let polish = self.options.polish;
+        // Substeps that are chosen from frame to frame go on, and tethers were made with the stepper.
+        if self.options.quality != Quality::Fixed {
+            settings.substeps = self.options.substeps;
+        }
+        settings.slack = std::mem::take(&mut self.options.slack);
+        self.set((settings, choice), scene);
+        polish != self.options.polish
+    }
+
+    /// Chooses how many substeps the next frames have.
+    pub fn choose(&mut self, scene: &Scene) {
+        let now = self.options.substeps;
+        let next = match self.options.quality {
+            Quality::Fixed => self.follow.next(now, scene),
+            quality => self.chooser.next(quality, now),
+        };
+        self.set_substeps(next);
+    }
+
+    /// To be called after the steps of a frame.
+    pub fn tick(&mut self, steps: u32) {
+        let seconds = f64::from(steps) * self.clock.dt;
+        self.chooser.stepped(seconds);
+        self.follow.stepped(seconds);
+        (0..steps).for_each(|_| self.clock.tick());
+    }
+}
