@@ -13,7 +13,7 @@ use crate::Failure;
 const WORN: [&str; 4] = ["g1_arms", "g1_shoulders", "cape", "dress"];
 /// Substeps and rounds of polish by hand; none are the defaults.
 const SETTINGS: [Option<(u32, u32)>; 7] =
-    [None, Some((8, 0)), Some((16, 4)), Some((16, 8)), Some((24, 8)), Some((32, 8)), Some((64, 0))];
+    [None, Some((8, 0)), Some((8, 8)), Some((12, 4)), Some((16, 8)), Some((24, 8)), Some((64, 0))];
 /// First frame that is scored, and frames from one score to the next.
 const SCORED: [u32; 2] = [60, 3];
 /// Runs of a setting: such cloth is chaotic, and one run proves little. Each starts a tenth of a millimetre beside the last.

@@ -184,10 +184,11 @@ pub struct SceneArgs {
     /// of its own [default: that of the scene, or 0].
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub thickness: Option<f32>,
-    /// Material of all cloth: warp=500,weft=400,shear=40 (N/m), bend=1e-5 (N m), density=0.15 (kg/m2), damping=0.5 (1/s),
-    /// friction=1 (factor of the friction of colliders), thickness=0.001 (m), separated by commas. Omitted values have these
-    /// defaults; an omitted thickness stays as it is. xpbd only [default: that of the scene, or springs].
-    #[arg(long, value_name = "NAME=NUMBER,...", value_parser = material)]
+    /// Material of all cloth: a fabric (silk, cotton, denim, wool, leather, felt, rubber), numbers, or both, separated by
+    /// commas: warp=500,weft=400,shear=40 (N/m), bend=1e-5 (N m), density=0.15 (kg/m2), damping=0.5 (1/s), friction=1 (factor
+    /// of the friction of colliders), thickness=0.001 (m). Omitted values are those of the fabric, or have these defaults; an
+    /// omitted thickness stays as it is. xpbd only [default: that of the scene, or springs].
+    #[arg(long, value_name = "FABRIC,NAME=NUMBER,...", value_parser = material)]
     pub material: Option<Material>,
     /// Particles per side of a built-in scene.
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095), allow_negative_numbers = true)]
@@ -354,8 +355,15 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 fn material(text: &str) -> Result<Material, String> {
-    let mut material = Material::default();
-    for part in text.split(',') {
+    let first = text.split(',').next().unwrap_or("").trim();
+    let fabric = Material::named(first);
+    let skipped = usize::from(fabric.is_some());
+    if fabric.is_none() && !first.contains('=') {
+        let names: Vec<_> = Material::names().collect();
+        return Err(format!("`{first}` is neither NAME=NUMBER nor one of {}", names.join(", ")));
+    }
+    let mut material = fabric.unwrap_or_default();
+    for part in text.split(',').skip(skipped) {
         let (name, number) = part.split_once('=').ok_or_else(|| format!("`{part}` is not NAME=NUMBER"))?;
         let field = match name.trim() {
             "warp" => &mut material.warp,

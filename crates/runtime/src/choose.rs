@@ -41,9 +41,9 @@ pub enum Support {
 /// | pins with tethers | 4, 4, 6 for N up to 36, 192, and above | 2, 4, 4; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.6, 1.1, 1.0 % |
 /// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
-/// | pins with tethers, among colliders | 16 sqrt(N / 64) | 4 | T-shirt and cape of `assets/scenes` |
+/// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
 /// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
-/// | colliders, no pins | 12 sqrt(N / 64) | 8 | a T-shirt on moving arms: p99 4 % at N = 64, 5 % at 128 |
+/// | colliders, no pins | 12 sqrt(N / 64), of a material 48 | 8 | a T-shirt on moving arms: p99 4 % at N = 64, 5 % at 128 |
 /// | colliders at speed v \[m/s\] | in a step, v moves at most a twentieth of the thinnest collider's radius | 8 | scene s2f |
 ///
 /// The choice is made again when a cloth loses its last pin, and when the first collider comes. Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
@@ -183,6 +183,8 @@ fn need(cloth: &Cloth, given: &Options, colliders: bool) -> Need {
     let n = side(cloth);
     let scaled =
         |at_64: f64| (at_64 * (n / 64.0).sqrt()).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into()) as u32;
+    // Rounds of polish would take the place of its stiffness.
+    let sheet = cloth.membrane().is_some();
     let (substeps, polish, support) = match (is_pinned(cloth), given.tethers > 0, colliders) {
         (true, true, false) if stiff(cloth) && pins(cloth) as f64 >= 0.5 * n => {
             let substeps = (16.0 * (n / 64.0).powf(0.75)).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into());
@@ -201,9 +203,9 @@ fn need(cloth: &Cloth, given: &Options, colliders: bool) -> Need {
             };
             (substeps, polish, Support::Tethered)
         }
-        (true, true, true) => (scaled(16.0), 4, Support::TetheredOnColliders),
+        (true, true, true) => (scaled(if sheet { 16.0 } else { 12.0 }), 4, Support::TetheredOnColliders),
         (true, false, _) => (scaled(16.0), 4, Support::Springs),
-        (false, _, true) => (scaled(12.0), 8, Support::OnColliders),
+        (false, _, true) => (scaled(if sheet { 48.0 } else { 12.0 }), 8, Support::OnColliders),
         (false, _, false) => (FREE_SUBSTEPS, 0, Support::Free),
     };
     // Compliance and tension are exact in short steps only.

@@ -33,6 +33,7 @@ pub(crate) mod neighbours;
 pub(crate) mod normals;
 pub(crate) mod pick;
 pub(crate) mod pick_nearest;
+pub(crate) mod polish;
 pub(crate) mod pyramid;
 pub(crate) mod refine;
 pub(crate) mod restore;

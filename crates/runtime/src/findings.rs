@@ -15,8 +15,9 @@ use crate::number::real::{Real, V3, add, cross, dot, scale, sub, xyz};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Fate {
-    /// Springs are longer than [`MAX_LENGTH`] times their rest length, or, without compliance or material, one in a hundred
-    /// is extended by more than [`MAX_P99`] after the first second.
+    /// Springs are longer than [`MAX_LENGTH`] times their rest length, or, without compliance, one in a hundred is extended by
+    /// more than [`MAX_P99`] after the first second; of a material also by more than its weight would do to a strip 10 cm
+    /// wide.
     Stretched {
         /// Largest length / rest length.
         ratio: f64,
@@ -61,7 +62,7 @@ impl fmt::Display for Finding {
             Fate::Stretched { ratio, p99 } => write!(
                 f,
                 "springs are up to {ratio:.1} times as long as at rest, and 1 in 100 is at least {:.0} % longer: use more \
-                 substeps (now {substeps}) and 8 or more rounds of polish",
+                 substeps (now {substeps}) and, without a material, 8 or more rounds of polish",
                 100.0 * p99
             ),
             Fate::Left => f.write_str(
@@ -84,6 +85,8 @@ impl fmt::Display for Finding {
 pub const MAX_LENGTH: f64 = 3.0;
 /// Extension that one spring in a hundred may have.
 pub const MAX_P99: f64 = 0.1;
+/// Width of a strip of fabric \[m\] that a whole garment may hang from.
+const STRIP_M: f64 = 0.1;
 /// First time of taking figures \[s\], and time between them.
 const FIRST_S: f64 = 0.2;
 const EVERY_S: f64 = 0.5;
@@ -161,7 +164,7 @@ impl Watchdog {
         let gone = gone(sight, &record.touched);
         if let Some(s) = stretch {
             // Starts are abrupt.
-            let rubber = crate::choose::stiff(cloth) && s.p99 > MAX_P99 && sight.time > SETTLED_S;
+            let rubber = s.p99 > largest(cloth, sight.gravity) && sight.time > SETTLED_S;
             if rubber || s.max + 1.0 > MAX_LENGTH {
                 self.find(sight, Fate::Stretched { ratio: s.max + 1.0, p99: s.p99 });
             }
@@ -207,6 +210,17 @@ impl Watchdog {
             }),
         }
     }
+}
+
+/// Extension that one spring in a hundred may have: any where compliance of springs asks for it.
+fn largest(cloth: &Cloth, gravity: [f32; 3]) -> f64 {
+    let Some(membrane) = cloth.membrane() else {
+        return if crate::choose::stiff(cloth) { MAX_P99 } else { f64::INFINITY };
+    };
+    let mass: f64 = (0..cloth.len()).map(|k| f64::from(cloth.mass(k))).sum();
+    let strength = gravity.iter().map(|g| f64::from(*g).powi(2)).sum::<f64>().sqrt();
+    let give = f64::from(membrane.soft[0].max(membrane.soft[1]));
+    MAX_P99.max(mass * strength * give / STRIP_M)
 }
 
 fn worse(a: &Fate, b: &Fate) -> bool {

@@ -21,6 +21,7 @@
 
 mod apply;
 mod cell;
+mod fabric;
 mod membrane;
 mod plate;
 

@@ -213,7 +213,7 @@ fn structs_lie_as_in_rust() {
                 Some("Job") => &job,
                 Some("Link") => &link,
                 // Lives in registers only.
-                Some("Ends" | "Exit" | "Entry" | "Quad" | "Edge" | "Below") => continue,
+                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below") => continue,
                 // A row of four numbers.
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),

@@ -15,7 +15,7 @@ use super::sheet::{Sheet, Values};
 use super::stretch::{self, Springs};
 use super::sweep::{self, Stage};
 use super::tethers::{self, Tethers};
-use super::{advance, bend, cut_levels, forget, refine, seam_moments, seam_steps, wind};
+use super::{advance, bend, cut_levels, forget, polish, refine, seam_moments, seam_steps, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
 use crate::collider::solid::Solid;
 use crate::levels::ties::{Ties, ties};
@@ -305,7 +305,7 @@ impl<T: Real> Fabric<T> {
             }
             Pass::Polish { direction, parity, .. } => {
                 for (sheet, springs) in self.sheets.iter_mut().zip(&mut self.springs) {
-                    stretch::polish(threads, sheet, &mut springs[direction as usize & 3], (direction, parity));
+                    polish::run(threads, sheet, &mut springs[direction as usize & 3], (direction, parity));
                 }
             }
             Pass::Forget => {

@@ -2,8 +2,9 @@
 
 mod relax;
 
-pub use relax::{OVER, TORN};
+pub use relax::TORN;
 
+use super::polish::OVER;
 use super::rows::Threads;
 use super::sheet::{Sheet, Values, planes};
 use crate::number::lanes::{Machine, Work, widest};
@@ -45,8 +46,8 @@ pub fn run<T: Real>(
     run_colour(threads, sheet, springs, colour, kind, dt * dt);
 }
 
-/// As [`run`] with springs without compliance, each of which moves its ends [`OVER`] times as far. Twin of shaders/polish.wgsl.
-pub fn polish<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, springs: &mut Springs<T>, colour: (u32, u32)) {
+/// As [`run`] with springs without compliance, each of which moves its ends [`OVER`] times as far.
+pub fn far<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, springs: &mut Springs<T>, colour: (u32, u32)) {
     run_colour(threads, sheet, springs, colour, Kind::Over, T::of(1.0));
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::mem::offset_of;
 use std::sync::LazyLock;
 
-use crate::cpu::{aside, guard, pick, route, stretch};
+use crate::cpu::{aside, guard, pick, polish, route, stretch};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
@@ -13,7 +13,7 @@ const FLOATS: [(&str, f64); 6] = [
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
     ("TORN", stretch::TORN),
-    ("OVER", stretch::OVER),
+    ("OVER", polish::OVER),
     ("EDGE", pick::EDGE),
 ];
 

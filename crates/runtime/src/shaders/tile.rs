@@ -34,8 +34,10 @@ pub fn tile(tile: &Tile) -> Source {
     for pass in &tile.passes {
         let Rule { text, over, parts: own, .. } = rule(*pass);
         parts = parts.and(own).files(&[text]);
-        if over == Over::Near {
-            parts = parts.files(&[part!("notes")]);
+        match over {
+            Over::Near => parts = parts.files(&[part!("notes")]),
+            Over::Springs { .. } => parts = parts.files(&[part!("tile_colours")]),
+            Over::Particles | Over::Rings | Over::Texels | Over::Cells { .. } | Over::Own(_) => {}
         }
     }
     let mut loops: Vec<(&str, &str)> = Vec::new();

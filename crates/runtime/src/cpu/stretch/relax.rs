@@ -14,14 +14,6 @@ use crate::number::real::Real;
 /// stretches. So the force of diagonals ends somewhere, far above what cloth that hangs or lies asks of them.
 pub const TORN: f64 = 0.25;
 
-/// How many times as far as their lengths ask springs move their ends in a round of polish.
-///
-/// Successive over-relaxation (D. Young, "Iterative Methods for Solving Partial Difference Equations of Elliptic Type",
-/// Transactions of the AMS 1954), as far as an error spreads along the cloth in one round. On a T-shirt on moving arms 12
-/// substeps with 8 rounds hold what 24 with 12 do without. From 1.9 on cloth trembles. The last round does not go too far:
-/// its errors would be seen.
-pub const OVER: f64 = 1.7;
-
 impl<T: Real> Spring<'_, T> {
     /// Relaxes `count` springs from `a` to `b`, whose lengths are stored from `stored` on.
     #[inline(always)]

@@ -109,6 +109,7 @@ pub struct Cloth {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
+    pub fabric: Option<String>,
     pub warp: Option<f64>,
     pub weft: Option<f64>,
     pub shear: Option<f64>,

@@ -134,7 +134,7 @@ fn cloth(
         cloth.place(placed).map_err(Error::value(format!("{place}.position")))?;
     }
     if let Some(fields) = &fields.material {
-        cloth.set_material(&material(fields)).map_err(Error::value(format!("{place}.material")))?;
+        cloth.set_material(&material(fields, place)?).map_err(Error::value(format!("{place}.material")))?;
     }
     if let Some(mass) = fields.mass {
         cloth.set_total_mass(mass).map_err(Error::value(format!("{place}.mass")))?;
@@ -172,10 +172,17 @@ fn cloth(
     Ok((cloth, look))
 }
 
-/// What is not named is as in the default.
-fn material(fields: &json::Material) -> Material {
-    let json::Material { warp, weft, shear, bend, density, damping, thickness, friction } = fields;
-    let mut material = Material { thickness: *thickness, ..Material::default() };
+/// What is not given is that of the fabric, or as in the default.
+fn material(fields: &json::Material, place: &str) -> Result<Material> {
+    let json::Material { fabric, warp, weft, shear, bend, density, damping, thickness, friction } = fields;
+    let mut material = match fabric {
+        None => Material::default(),
+        Some(name) => Material::named(name).ok_or_else(|| {
+            let names: Vec<_> = Material::names().collect();
+            Error::choice(format!("{place}.material.fabric"), &format!("give one of {}", names.join(", ")))
+        })?,
+    };
+    material.thickness = thickness.or(material.thickness);
     let all = [
         (&mut material.warp, warp),
         (&mut material.weft, weft),
@@ -186,7 +193,7 @@ fn material(fields: &json::Material) -> Material {
         (&mut material.friction, friction),
     ];
     all.into_iter().for_each(|(to, from)| *to = from.unwrap_or(*to));
-    material
+    Ok(material)
 }
 
 fn flat_uv(width: u32, height: u32) -> Vec<[f32; 2]> {
