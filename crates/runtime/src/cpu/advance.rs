@@ -121,7 +121,7 @@ fn bent<T: Real, K: Machine<T>>(
     [p, moved]: [[K::V; 3]; 2],
     (j, half, at): (usize, usize, usize),
 ) -> [K::V; 3] {
-    let gravity = step.gravity.map(|g| k.splat(g));
+    let gravity = k.splats(step.gravity);
     match air {
         Air::None => gravity,
         Air::Push => {
@@ -130,7 +130,8 @@ fn bent<T: Real, K: Machine<T>>(
         }
         Air::Field(field) => {
             let first = j * 6 * half + at;
-            k.plus(gravity, [0, 1, 2].map(|c| k.load(field, first + 2 * c * half)))
+            let there = [k.load(field, first), k.load(field, first + 2 * half), k.load(field, first + 4 * half)];
+            k.plus(gravity, there)
         }
     }
 }

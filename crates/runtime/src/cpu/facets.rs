@@ -97,18 +97,18 @@ impl<T: Real> Quads<T> {
     /// The quads between two rows.
     #[inline(always)]
     fn fill<K: Machine<T>>(&mut self, k: K, facets: &impl Facets<T>, upper: &Row<T>, lower: &Row<T>, width: usize) {
-        let load = |p: &[Vec<T>; 3], at: usize| [k.load(&p[0], at), k.load(&p[1], at), k.load(&p[2], at)];
         for at in (0..width - 1).step_by(K::WIDE) {
             // From the upper left by way of the upper right.
-            let corners =
-                |a: &[Vec<T>; 3], b: &[Vec<T>; 3]| [load(a, at), load(a, at + 1), load(b, at + 1), load(b, at)];
-            let [p, q, r, s] = corners(&upper.now, &lower.now);
-            let [e, f, g, h] = corners(&upper.before, &lower.before);
+            let [p, q] = [k.loads(&upper.now, at), k.loads(&upper.now, at + 1)];
+            let [r, s] = [k.loads(&lower.now, at + 1), k.loads(&lower.now, at)];
+            let [e, f] = [k.loads(&upper.before, at), k.loads(&upper.before, at + 1)];
+            let [g, h] = [k.loads(&lower.before, at + 1), k.loads(&lower.before, at)];
             let right = facets.facet(k, [p, q, r], [e, f, g]);
             let left = facets.facet(k, [p, r, s], [e, g, h]);
+            let count = width - 1 - at;
             for c in 0..3 {
                 // Past the last quad there are zeros.
-                let [left, right] = [left[c], right[c]].map(|v| k.first(v, width - 1 - at));
+                let (left, right) = (k.first(left[c], count), k.first(right[c], count));
                 k.store(&mut self.left[c], at + 1, left);
                 k.store(&mut self.right[c], at + 1, right);
                 k.store(&mut self.both[c], at + 1, k.add(left, right));
@@ -161,14 +161,13 @@ fn row<T: Real, K: Machine<T>>(
 ) {
     for (n, results) in results.chunks_mut(K::WIDE).enumerate() {
         let at = n * K::WIDE;
-        let sum = [0, 1, 2].map(|c| {
-            let above = k.add(k.load(&over.left[c], at + 1), k.load(&over.both[c], at));
-            let below = k.add(k.load(&under.both[c], at + 1), k.load(&under.right[c], at));
-            k.add(above, below)
-        });
-        let of = facets.particle(k, sum, k.load(w, at));
+        let above = k.plus(k.loads(&over.left, at + 1), k.loads(&over.both, at));
+        let below = k.plus(k.loads(&under.both, at + 1), k.loads(&under.right, at));
+        let of = facets.particle(k, k.plus(above, below), k.load(w, at));
         let mut lists = [[T::of(0.0); LANES]; 4];
-        lists.iter_mut().zip(of).for_each(|(list, v)| k.store(list, 0, v));
+        for (list, v) in lists.iter_mut().zip(of) {
+            k.store(list, 0, v);
+        }
         let [x, y, z, w] = &lists;
         for (result, (((x, y), z), w)) in results.iter_mut().zip(x.iter().zip(y).zip(z).zip(w)) {
             *result = [*x, *y, *z, *w];

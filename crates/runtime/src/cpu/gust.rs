@@ -23,12 +23,12 @@ pub fn air<T: Real>(step: &Step<T>, p: V3<T>) -> V3<T> {
 /// The same at a vector of points, with the same bits.
 #[inline(always)]
 pub fn airs<T: Real, K: Machine<T>>(k: K, step: &Step<T>, p: [K::V; 3]) -> [K::V; 3] {
-    let w = step.wind.map(|v| k.splat(v));
+    let w = k.splats(step.wind);
     if step.turn == T::of(0.0) {
         return w;
     }
     let (one, fineness) = (k.splat(T::of(1.0)), k.splat(step.fineness));
-    let q = k.minus(k.times(p, fineness), step.drift.map(|v| k.splat(v)));
+    let q = k.minus(k.times(p, fineness), k.splats(step.drift));
     let t = k.mul(k.splat(step.turn), noises(k, q));
     let square = k.mul(t, t);
     let over = k.div(one, k.add(one, square));

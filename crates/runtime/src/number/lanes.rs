@@ -61,6 +61,18 @@ pub trait Machine<T: Real>: Copy {
         self.dot(v, v)
     }
 
+    /// A vector of numbers that are alike.
+    #[inline(always)]
+    fn splats(self, [x, y, z]: [T; 3]) -> [Self::V; 3] {
+        [self.splat(x), self.splat(y), self.splat(z)]
+    }
+
+    /// A vector from three lists.
+    #[inline(always)]
+    fn loads(self, [x, y, z]: &[Vec<T>; 3], at: usize) -> [Self::V; 3] {
+        [self.load(x, at), self.load(y, at), self.load(z, at)]
+    }
+
     /// A sum of vectors.
     #[inline(always)]
     fn plus(self, a: [Self::V; 3], b: [Self::V; 3]) -> [Self::V; 3] {
@@ -88,7 +100,11 @@ pub trait Machine<T: Real>: Copy {
     /// As `real::cross`.
     #[inline(always)]
     fn cross(self, a: [Self::V; 3], b: [Self::V; 3]) -> [Self::V; 3] {
-        [[1, 2], [2, 0], [0, 1]].map(|[m, n]| self.sub(self.mul(a[m], b[n]), self.mul(a[n], b[m])))
+        [
+            self.sub(self.mul(a[1], b[2]), self.mul(a[2], b[1])),
+            self.sub(self.mul(a[2], b[0]), self.mul(a[0], b[2])),
+            self.sub(self.mul(a[0], b[1]), self.mul(a[1], b[0])),
+        ]
     }
 
     /// The first `count` numbers of a vector, zeros after them.
@@ -100,7 +116,8 @@ pub trait Machine<T: Real>: Copy {
     }
 }
 
-/// Work for whatever instruction set there is. Everything it calls must be inlined into it.
+/// Work for whatever instruction set there is. Everything it calls must be inlined into it, always; closures and
+/// `array::map` are not, and cost fifty times as much.
 pub trait Work<T: Real> {
     /// Does it.
     fn run<K: Machine<T>>(self, k: K);
@@ -231,23 +248,35 @@ impl<S: Simd> On<S> {
         s.select_f32s(s.greater_than_f32s(near, a), s.sub_f32s(near, s.splat_f32s(1.0)), near)
     }
 
+    /// A whole number modulo 1024.
+    #[inline(always)]
+    fn wrapped(self, a: S::f32s) -> S::u32s {
+        let Self(s) = self;
+        s.and_u32s(s.transmute_u32s_f32s(s.add_f32s(a, s.splat_f32s(WHOLE))), s.splat_u32s(1023))
+    }
+
+    #[inline(always)]
+    fn right(self, a: S::u32s, by: u32) -> S::u32s {
+        self.0.wrapping_dyn_shr_u32s(a, self.0.splat_u32s(by))
+    }
+
+    #[inline(always)]
+    fn left(self, a: S::u32s, by: u32) -> S::u32s {
+        self.0.wrapping_dyn_shl_u32s(a, self.0.splat_u32s(by))
+    }
+
     #[inline(always)]
     fn lattice_f32s(self, cell: [S::f32s; 3]) -> S::f32s {
         let Self(s) = self;
-        let right = |h, by| s.wrapping_dyn_shr_u32s(h, s.splat_u32s(by));
-        let left = |h, by| s.wrapping_dyn_shl_u32s(h, s.splat_u32s(by));
-        let times = |h, by| s.mul_u32s(h, s.splat_u32s(by));
-        let [x, y, z] = cell.map(|v| {
-            let bits = s.transmute_u32s_f32s(s.add_f32s(v, s.splat_f32s(WHOLE)));
-            s.and_u32s(bits, s.splat_u32s(1023))
-        });
-        let h = s.or_u32s(s.or_u32s(x, left(y, 10)), left(z, 20));
-        let h = times(s.xor_u32s(h, right(h, 16)), 0x7feb_352d);
-        let h = times(s.xor_u32s(h, right(h, 15)), 0x846c_a68b);
-        let h = s.xor_u32s(h, right(h, 16));
+        let [x, y, z] = [self.wrapped(cell[0]), self.wrapped(cell[1]), self.wrapped(cell[2])];
+        let h = s.or_u32s(s.or_u32s(x, self.left(y, 10)), self.left(z, 20));
+        let h = s.mul_u32s(s.xor_u32s(h, self.right(h, 16)), s.splat_u32s(0x7feb_352d));
+        let h = s.mul_u32s(s.xor_u32s(h, self.right(h, 15)), s.splat_u32s(0x846c_a68b));
+        let h = s.xor_u32s(h, self.right(h, 16));
         // (h >> 8) / 2^23 - 1, exactly: 23 bits as a number from 1 to 2, and 0 or 2^-23 for the last.
-        let most = s.transmute_f32s_u32s(s.or_u32s(right(h, 9), s.splat_u32s(0x3f80_0000)));
-        let last = s.transmute_f32s_u32s(times(s.and_u32s(right(h, 8), s.splat_u32s(1)), 0x3400_0000));
+        let most = s.transmute_f32s_u32s(s.or_u32s(self.right(h, 9), s.splat_u32s(0x3f80_0000)));
+        let last = s.mul_u32s(s.and_u32s(self.right(h, 8), s.splat_u32s(1)), s.splat_u32s(0x3400_0000));
+        let last = s.transmute_f32s_u32s(last);
         s.add_f32s(s.sub_f32s(s.add_f32s(most, most), s.splat_f32s(3.0)), last)
     }
 
