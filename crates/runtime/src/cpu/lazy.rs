@@ -14,7 +14,7 @@ impl<A> Lazy<A> {
         Lazy { list: OnceLock::from(list), spare: Mutex::new(Vec::new()) }
     }
 
-    /// The list is to be made anew.
+    /// The list has to be made again.
     pub fn forget(&mut self) {
         if let Some(list) = self.list.take() {
             *self.spare.get_mut().unwrap_or_else(PoisonError::into_inner) = list;

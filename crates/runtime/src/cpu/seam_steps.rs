@@ -39,7 +39,7 @@ pub fn close<T: Real>(sheets: &mut [Sheet<T>], ring: &[Member], of: impl Fn(&mut
         }
         sum = add(sum, p);
     }
-    // A pair is nearly every ring, and a division is what it would cost most.
+    // Nearly every ring is a pair, and a division would be its largest cost.
     let share = if ring.len() == 2 { T::of(0.5) } else { T::of(1.0) / T::of(ring.len() as f64) };
     let mean = pinned.unwrap_or(scale(sum, share));
     for member in ring {
