@@ -1,6 +1,7 @@
 //! Sums over the triangles around every particle, for as many particles at once as the machine has lanes.
 //!
-//! A triangle is computed once and added to its three corners. Beside gaps and holes, where triangles differ from particle
+//! A triangle is computed once and added to its three corners, where shaders compute it for each: the sums differ by
+//! rounding. Beside gaps and holes, where triangles differ from particle
 //! to particle, the sum is made by the particle ([`View::triangles`]).
 
 use super::neighbours::View;
