@@ -103,9 +103,9 @@ fn a_first_collider_and_a_lost_pin_are_reasons_to_choose_again() {
     let mut stepper = run(scene(pinned, &[]), Options::default(), 1);
     assert_eq!(chosen(&stepper), (4, 2, Support::Tethered));
     stepper.set_colliders(vec![ball(0.2, [0.0; 3])]).unwrap();
-    assert_eq!(chosen(&stepper), (12, 4, Support::TetheredOnColliders));
+    assert_eq!(chosen(&stepper), (9, 4, Support::TetheredOnColliders));
     stepper.set_pinned(0, 0, false).unwrap();
-    assert_eq!(chosen(&stepper), (17, 12, Support::OnColliders));
+    assert_eq!(chosen(&stepper), (9, 8, Support::OnColliders));
     (0..60).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
     assert!(stepper.health(0).unwrap().0.stretch.unwrap().p99 < 0.05);
     // Numbers by hand stay.

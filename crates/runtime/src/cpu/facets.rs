@@ -104,12 +104,17 @@ impl<T: Real> Quads<T> {
             let [r, s] = [k.loads(&lower.now, at + 1), k.loads(&lower.now, at)];
             let [e, f] = [k.loads(&upper.before, at), k.loads(&upper.before, at + 1)];
             let [g, h] = [k.loads(&lower.before, at + 1), k.loads(&lower.before, at)];
-            let right = facets.facet(k, [p, q, r], [e, f, g]);
-            let left = facets.facet(k, [p, r, s], [e, g, h]);
+            // A loop, so that a facet is compiled once.
+            let (now, before) = ([[p, q, r], [p, r, s]], [[e, f, g], [e, g, h]]);
+            let mut sides = [p; 2];
+            for side in 0..2 {
+                sides[side] = facets.facet(k, now[side], before[side]);
+            }
             let count = width - 1 - at;
-            for c in 0..3 {
+            let [right, left] = sides;
+            for (c, (right, left)) in right.into_iter().zip(left).enumerate() {
                 // Past the last quad there are zeros.
-                let (left, right) = (k.first(left[c], count), k.first(right[c], count));
+                let (right, left) = (k.first(right, count), k.first(left, count));
                 k.store(&mut self.left[c], at + 1, left);
                 k.store(&mut self.right[c], at + 1, right);
                 k.store(&mut self.both[c], at + 1, k.add(left, right));

@@ -1,14 +1,13 @@
 //! Vector instructions of the processor at hand, behind one trait for f32 and f64.
 //!
 //! Only additions, multiplications, divisions, square roots and comparisons are used, all correctly rounded and none
-//! fused, and whole numbers, so every instruction set gives the same bits, as a loop over single numbers would.
+//! fused, so every instruction set gives the same bits, as a loop over single numbers would.
 
-use std::slice::{from_mut, from_ref};
+use std::slice::from_mut;
 
 use bytemuck::{bytes_of, cast_slice, cast_slice_mut, pod_read_unaligned};
 use pulp::Simd;
 
-use super::noise::lattice;
 use super::real::Real;
 
 /// Numbers in a block: one AVX-512 register of f32, two of AVX2, four of SSE2 or NEON. Lists are as long as a whole
@@ -33,8 +32,6 @@ pub trait Machine<T: Real>: Copy {
     fn sqrt(self, a: Self::V) -> Self::V;
     /// The largest whole number not above a, from -2^22 to 2^22.
     fn floor(self, a: Self::V) -> Self::V;
-    /// As [`noise::lattice`], for whole numbers from -2^22 to 2^22.
-    fn lattice(self, cell: [Self::V; 3]) -> Self::V;
     /// Whether a > b, number by number.
     fn above(self, a: Self::V, b: Self::V) -> Self::M;
     /// Whether a >= b, number by number.
@@ -130,7 +127,7 @@ pub fn widest<T: Real>(work: impl Work<T>) {
 }
 
 macro_rules! machine {
-    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $floor:ident, $lattice:ident, $above:ident, $at_least:ident, $both:ident, $either:ident, $choose:ident, $first:ident, $dispatch:ident) => {
+    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $floor:ident, $above:ident, $at_least:ident, $both:ident, $either:ident, $choose:ident, $first:ident, $dispatch:ident) => {
         impl<S: Simd> Machine<$t> for On<S> {
             type V = S::$v;
             type M = S::$m;
@@ -171,10 +168,6 @@ macro_rules! machine {
             #[inline(always)]
             fn floor(self, a: S::$v) -> S::$v {
                 self.$floor(a)
-            }
-            #[inline(always)]
-            fn lattice(self, cell: [S::$v; 3]) -> S::$v {
-                self.$lattice(cell)
             }
             #[inline(always)]
             fn above(self, a: S::$v, b: S::$v) -> S::$m {
@@ -248,57 +241,14 @@ impl<S: Simd> On<S> {
         s.select_f32s(s.greater_than_f32s(near, a), s.sub_f32s(near, s.splat_f32s(1.0)), near)
     }
 
-    /// A whole number modulo 1024.
-    #[inline(always)]
-    fn wrapped(self, a: S::f32s) -> S::u32s {
-        let Self(s) = self;
-        s.and_u32s(s.transmute_u32s_f32s(s.add_f32s(a, s.splat_f32s(WHOLE))), s.splat_u32s(1023))
-    }
-
-    #[inline(always)]
-    fn right(self, a: S::u32s, by: u32) -> S::u32s {
-        self.0.wrapping_dyn_shr_u32s(a, self.0.splat_u32s(by))
-    }
-
-    #[inline(always)]
-    fn left(self, a: S::u32s, by: u32) -> S::u32s {
-        self.0.wrapping_dyn_shl_u32s(a, self.0.splat_u32s(by))
-    }
-
-    #[inline(always)]
-    fn lattice_f32s(self, cell: [S::f32s; 3]) -> S::f32s {
-        let Self(s) = self;
-        let [x, y, z] = [self.wrapped(cell[0]), self.wrapped(cell[1]), self.wrapped(cell[2])];
-        let h = s.or_u32s(s.or_u32s(x, self.left(y, 10)), self.left(z, 20));
-        let h = s.mul_u32s(s.xor_u32s(h, self.right(h, 16)), s.splat_u32s(0x7feb_352d));
-        let h = s.mul_u32s(s.xor_u32s(h, self.right(h, 15)), s.splat_u32s(0x846c_a68b));
-        let h = s.xor_u32s(h, self.right(h, 16));
-        // (h >> 8) / 2^23 - 1, exactly: 23 bits as a number from 1 to 2, and 0 or 2^-23 for the last.
-        let most = s.transmute_f32s_u32s(s.or_u32s(self.right(h, 9), s.splat_u32s(0x3f80_0000)));
-        let last = s.mul_u32s(s.and_u32s(self.right(h, 8), s.splat_u32s(1)), s.splat_u32s(0x3400_0000));
-        let last = s.transmute_f32s_u32s(last);
-        s.add_f32s(s.sub_f32s(s.add_f32s(most, most), s.splat_f32s(3.0)), last)
-    }
-
     #[inline(always)]
     fn floor_f64s(self, mut a: S::f64s) -> S::f64s {
         cast_slice_mut(from_mut(&mut a)).iter_mut().for_each(|x: &mut f64| *x = x.floor());
         a
     }
-
-    #[inline(always)]
-    fn lattice_f64s(self, [mut x, y, z]: [S::f64s; 3]) -> S::f64s {
-        let list = |v| cast_slice::<_, f64>(from_ref(v)).iter().map(|x| *x as i32);
-        let rest: &[S::f64s; 2] = &[y, z];
-        let others = list(&rest[0]).zip(list(&rest[1]));
-        for (x, (y, z)) in cast_slice_mut::<_, f64>(from_mut(&mut x)).iter_mut().zip(others) {
-            *x = f64::from(lattice(*x as i32, y, z));
-        }
-        x
-    }
 }
 
-/// 1.5 * 2^23: with this added, a number is rounded to a whole one, whose last bits are those of the sum.
+/// 1.5 * 2^23: a number to which this is added is rounded to a whole one.
 const WHOLE: f32 = 12_582_912.0;
 
 machine!(
@@ -313,7 +263,6 @@ machine!(
     div_f32s,
     sqrt_f32s,
     floor_f32s,
-    lattice_f32s,
     greater_than_f32s,
     greater_than_or_equal_f32s,
     and_m32s,
@@ -334,7 +283,6 @@ machine!(
     div_f64s,
     sqrt_f64s,
     floor_f64s,
-    lattice_f64s,
     greater_than_f64s,
     greater_than_or_equal_f64s,
     and_m64s,

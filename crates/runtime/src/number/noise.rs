@@ -21,47 +21,54 @@ pub fn noise<T: Real>(q: V3<T>) -> T {
 }
 
 /// The same for a vector of points, with the same bits within 2^22 cells of the origin.
+///
+/// Nearly always all points are in one cell, as cloth is finer than gusts: then the lattice is looked up once. Code for
+/// lattice points in vectors would be quicker where they are not, and a tenth of this crate's compile time.
 #[inline(always)]
 pub fn noises<T: Real, K: Machine<T>>(k: K, q: [K::V; 3]) -> K::V {
-    let one = k.splat(T::of(1.0));
     let base = [k.floor(q[0]), k.floor(q[1]), k.floor(q[2])];
+    let mut lists = [[T::of(0.0); LANES]; 3];
+    for c in 0..3 {
+        k.store(&mut lists[c], 0, base[c]);
+    }
+    let first = k.splats([lists[0][0], lists[1][0], lists[2][0]]);
+    let mut apart = false;
+    for c in 0..3 {
+        apart |= k.any(k.above(base[c], first[c])) || k.any(k.above(first[c], base[c]));
+    }
+    if apart {
+        for c in 0..3 {
+            k.store(&mut lists[c], 0, q[c]);
+        }
+        return k.load(&each(&lists), 0);
+    }
+    let at = corners([lists[0][0], lists[1][0], lists[2][0]]);
     let f = k.minus(q, base);
     let u = [smooth(k, f[0]), smooth(k, f[1]), smooth(k, f[2])];
-    let next = k.plus(base, [one; 3]);
-    // Nearly always all points are in one cell, as cloth is finer than gusts.
-    if let Some([x, y, z]) = one_cell(k, base) {
-        let at = |n: i32| {
-            T::of(f64::from(lattice(x.wrapping_add(n & 1), y.wrapping_add(n >> 1 & 1), z.wrapping_add(n >> 2))))
-        };
-        let rows = [[at(0), at(1)], [at(2), at(3)], [at(4), at(5)], [at(6), at(7)]];
-        let [a, b] = [along(k, rows[0], u[0]), along(k, rows[1], u[0])];
-        let [c, d] = [along(k, rows[2], u[0]), along(k, rows[3], u[0])];
-        return mix(k, mix(k, a, b, u[1]), mix(k, c, d, u[1]), u[2]);
+    let mut along = [u[0]; 4];
+    for n in 0..4 {
+        along[n] = mix(k, k.splat(at[2 * n]), k.splat(at[2 * n + 1]), u[0]);
     }
-    let [a, b] = [row(k, [base, next], [base[1], base[2]], u[0]), row(k, [base, next], [next[1], base[2]], u[0])];
-    let [c, d] = [row(k, [base, next], [base[1], next[2]], u[0]), row(k, [base, next], [next[1], next[2]], u[0])];
-    mix(k, mix(k, a, b, u[1]), mix(k, c, d, u[1]), u[2])
+    mix(k, mix(k, along[0], along[1], u[1]), mix(k, along[2], along[3], u[1]), u[2])
 }
 
-/// The cell of all points, if it is one.
-#[inline(always)]
-fn one_cell<T: Real, K: Machine<T>>(k: K, base: [K::V; 3]) -> Option<[i32; 3]> {
-    let mut cell = [0; 3];
-    for c in 0..3 {
-        let mut list = [T::of(0.0); LANES];
-        k.store(&mut list, 0, base[c]);
-        let first = k.splat(list[0]);
-        if k.any(k.above(base[c], first)) || k.any(k.above(first, base[c])) {
-            return None;
-        }
-        cell[c] = list[0].get() as i32;
+/// Noise at a list of points by coordinates.
+#[cold]
+#[inline(never)]
+fn each<T: Real>([x, y, z]: &[[T; LANES]; 3]) -> [T; LANES] {
+    let mut all = [T::of(0.0); LANES];
+    for (all, ((x, y), z)) in all.iter_mut().zip(x.iter().zip(y).zip(z)) {
+        *all = noise([*x, *y, *z]);
     }
-    Some(cell)
+    all
 }
 
-#[inline(always)]
-fn along<T: Real, K: Machine<T>>(k: K, [a, b]: [T; 2], t: K::V) -> K::V {
-    mix(k, k.splat(a), k.splat(b), t)
+/// The lattice around a cell, by x, then y, then z.
+#[inline(never)]
+fn corners<T: Real>(base: V3<T>) -> [T; 8] {
+    let [x, y, z] = base.map(|b| b.get() as i32);
+    let at = |n: i32| lattice(x.wrapping_add(n & 1), y.wrapping_add(n >> 1 & 1), z.wrapping_add(n >> 2));
+    [0, 1, 2, 3, 4, 5, 6, 7].map(|n| T::of(f64::from(at(n))))
 }
 
 /// From 0 to 1 without a bend at the ends.
@@ -73,12 +80,6 @@ fn smooth<T: Real, K: Machine<T>>(k: K, x: K::V) -> K::V {
 #[inline(always)]
 fn mix<T: Real, K: Machine<T>>(k: K, a: K::V, b: K::V, t: K::V) -> K::V {
     k.add(a, k.mul(k.sub(b, a), t))
-}
-
-/// Between the lattice points of a cell in the row (y, z).
-#[inline(always)]
-fn row<T: Real, K: Machine<T>>(k: K, [base, next]: [[K::V; 3]; 2], [y, z]: [K::V; 2], t: K::V) -> K::V {
-    mix(k, k.lattice([base[0], y, z]), k.lattice([next[0], y, z]), t)
 }
 
 /// A number between -1 and 1 for a lattice point; repeats after 1024 cells.

@@ -179,7 +179,7 @@ fn material(fields: &json::Material, place: &str) -> Result<Material> {
         None => Material::default(),
         Some(name) => Material::named(name).ok_or_else(|| {
             let names: Vec<_> = Material::names().collect();
-            Error::choice(format!("{place}.material.fabric"), &format!("give one of {}", names.join(", ")))
+            Error::choice(format!("{place}.material.fabric"), format!("give one of {}", names.join(", ")))
         })?,
     };
     material.thickness = thickness.or(material.thickness);
