@@ -6,18 +6,16 @@ use super::real::{Real, V3};
 /// Noise between -1 and 1 that changes smoothly from lattice point to lattice point.
 pub fn noise<T: Real>(q: V3<T>) -> T {
     let base = q.map(T::floor);
+    within(&corners(base), q, base)
+}
+
+/// Noise at a point of a cell, given the lattice around it.
+fn within<T: Real>(at: &[T; 8], q: V3<T>, base: V3<T>) -> T {
     let f = [0, 1, 2].map(|c| q[c] - base[c]);
     let u = f.map(|x| x * x * (T::of(3.0) - T::of(2.0) * x));
-    let cell = base.map(|x| x.get() as i32);
     let mix = |a: T, b: T, t: T| a + (b - a) * t;
-    let row = |y: i32, z: i32| {
-        let at = |x: i32| {
-            T::of(f64::from(lattice(cell[0].wrapping_add(x), cell[1].wrapping_add(y), cell[2].wrapping_add(z))))
-        };
-        mix(at(0), at(1), u[0])
-    };
-    let sheet = |z: i32| mix(row(0, z), row(1, z), u[1]);
-    mix(sheet(0), sheet(1), u[2])
+    let along = [0, 2, 4, 6].map(|n| mix(at[n], at[n + 1], u[0]));
+    mix(mix(along[0], along[1], u[1]), mix(along[2], along[3], u[1]), u[2])
 }
 
 /// The same for a vector of points, with the same bits within 2^22 cells of the origin.
@@ -57,8 +55,17 @@ pub fn noises<T: Real, K: Machine<T>>(k: K, q: [K::V; 3]) -> K::V {
 #[inline(never)]
 fn each<T: Real>([x, y, z]: &[[T; LANES]; 3]) -> [T; LANES] {
     let mut all = [T::of(0.0); LANES];
+    // Neighbours are mostly in one cell.
+    let mut known = None;
     for (all, ((x, y), z)) in all.iter_mut().zip(x.iter().zip(y).zip(z)) {
-        *all = noise([*x, *y, *z]);
+        let q = [*x, *y, *z];
+        let base = q.map(T::floor);
+        let around = match known {
+            Some((cell, around)) if cell == base => around,
+            _ => corners(base),
+        };
+        *all = within(&around, q, base);
+        known = Some((base, around));
     }
     all
 }
