@@ -4,6 +4,9 @@ mod check;
 mod flat;
 mod from_bundle;
 mod groups;
+mod loops;
+mod pin;
+mod select;
 pub(crate) mod shear;
 mod sheet;
 mod tether;
@@ -13,9 +16,10 @@ pub use flat::Flat;
 pub(crate) use gimage_bundle::other_end;
 pub use gimage_bundle::{Anchor, Particle, Tethers};
 pub(crate) use groups::{groups, mates, ring};
+pub use select::Select;
 pub(crate) use sheet::{Bending, Membrane};
 
-use crate::error::{Error, Result, check as range};
+use crate::error::{Result, check as range};
 
 /// One grid of particles, a piece of a bundle. Texel (i, j) is particle `first + j * width + i`.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,6 +104,8 @@ pub struct Cloth {
     ring_starts: Vec<u32>,
     ring_members: Vec<u32>,
     cut: bool,
+    /// The rest lengths before the first cut, where cuts need an image of them.
+    uncut: Option<Rest>,
     /// Tethers that came with the cloth, as long as its pins are those they were made for.
     stored_tethers: Option<Tethers>,
     /// Velocity \[m/s\] of all free particles at the start. Default 0.
@@ -145,6 +151,7 @@ impl Cloth {
             ring_starts,
             ring_members,
             cut: false,
+            uncut: None,
             stored_tethers: None,
             velocity: [0.0; 3],
             damping: 0.0,
@@ -278,25 +285,6 @@ impl Cloth {
         Ok(())
     }
 
-    /// Pins a particle where it is, or frees it. Its seam duplicates follow. Errors where there is no such particle.
-    pub fn set_pinned(&mut self, index: usize, pinned: bool) -> Result<()> {
-        let count = self.len();
-        let ring = self.ring_of(index as u32).map(<[u32]>::to_vec).unwrap_or_else(|| vec![index as u32]);
-        for member in ring {
-            let missing = Error::NoSuch { what: "particle", index, count };
-            let particle = self.parts.particles.get_mut(member as usize).ok_or(missing)?;
-            if particle.is_pinned() != pinned {
-                self.stored_tethers = None;
-            }
-            *particle = match (particle.next(), pinned) {
-                _ if !particle.exists() => return Err(Error::NoSuch { what: "particle", index, count }),
-                (next, true) => Particle::Pinned { next },
-                (next, false) => Particle::Free { next },
-            };
-        }
-        Ok(())
-    }
-
     /// Rest length \[m\] of the spring at texel `k` of a grid in a direction; 0 where an end is not a particle.
     pub(crate) fn spring(&self, grid: usize, k: usize, direction: usize) -> f32 {
         let Grid { first, width, height, .. } = self.parts.grids[grid];
@@ -364,20 +352,17 @@ impl Cloth {
         self.cut = true;
         if let Rest::Constant(lengths) = &self.parts.rest {
             let each = self.parts.grids.iter().zip(lengths);
-            self.parts.rest = Rest::Image(each.flat_map(|(g, l)| std::iter::repeat_n(*l, g.texels())).collect());
+            let image = Rest::Image(each.flat_map(|(g, l)| std::iter::repeat_n(*l, g.texels())).collect());
+            self.uncut = Some(std::mem::replace(&mut self.parts.rest, image));
         }
     }
 
-    /// Whole again, as the cloth of a new stepper is; rest lengths may stay an image.
+    /// Whole again, as the cloth of a new stepper is.
     pub(crate) fn close(&mut self) {
         self.cut = false;
-    }
-
-    /// All duplicates of a seam particle, itself among them. Costs a search through the seams.
-    pub fn ring_of(&self, index: u32) -> Option<&[u32]> {
-        let at = self.ring_members.iter().position(|&m| m == index)?;
-        let ring = self.ring_starts.partition_point(|&s| s as usize <= at) - 1;
-        Some(&self.ring_members[self.ring_starts[ring] as usize..self.ring_starts[ring + 1] as usize])
+        if let Some(rest) = self.uncut.take() {
+            self.parts.rest = rest;
+        }
     }
 }
 

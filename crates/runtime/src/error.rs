@@ -16,7 +16,7 @@ pub enum Error {
     #[error(transparent)]
     Bundle(#[from] gimage_bundle::Error),
     /// A list does not have one entry per particle.
-    #[error("cloth {cloth}: {found} {what} for {expected} particles; give one for each texel of every grid")]
+    #[error("cloth {cloth}: {found} {what} for {expected} particles; give one for each")]
     Length {
         /// The cloth by name.
         cloth: String,
@@ -81,6 +81,61 @@ pub enum Error {
         /// How many there are.
         count: usize,
     },
+    /// No piece of this name.
+    #[error("cloth {cloth}: there is no piece {piece:?}; there are {pieces}")]
+    NoPiece {
+        /// The cloth by name.
+        cloth: String,
+        /// What was asked for.
+        piece: String,
+        /// The names of its pieces.
+        pieces: String,
+    },
+    /// A number of a particle is NaN or infinite.
+    #[error("cloth {cloth}: the {what} of particle {index} is not finite; pass finite numbers")]
+    NotFinite {
+        /// The cloth by name.
+        cloth: String,
+        /// What is not finite.
+        what: &'static str,
+        /// Index of the particle.
+        index: usize,
+    },
+    /// A state does not fit the cloth.
+    #[error("cloth {cloth}: the state does not fit: {problem}")]
+    State {
+        /// The cloth by name.
+        cloth: String,
+        /// What does not fit, and what to do.
+        problem: StateProblem,
+    },
+    /// Bytes are not a state.
+    #[error("the bytes are not a {what} of this version: {problem}; save it again")]
+    StateBytes {
+        /// What was expected.
+        what: &'static str,
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// A buffer cannot hold the data of a cloth.
+    #[error("cloth {cloth}: {what} takes {need} bytes in a buffer with {usage}; the buffer has {found} bytes: {hint}")]
+    Buffer {
+        /// The cloth by name.
+        cloth: String,
+        /// The data.
+        what: &'static str,
+        /// Bytes needed.
+        need: u64,
+        /// Bytes found.
+        found: u64,
+        /// The usages needed.
+        usage: &'static str,
+        /// What to do.
+        hint: &'static str,
+    },
+    /// The call is only for the GPU backend.
+    #[error("{0} is for the GPU backend; on the CPU use {1}")]
+    CpuBackend(&'static str, &'static str),
     /// No such built-in scene.
     #[error("there is no scene {0:?}; built in are {list}", list = BUILTIN.join(", "))]
     NoScene(String),
@@ -108,6 +163,59 @@ pub enum Error {
     /// Threads could not be started.
     #[error("no threads: {0}; ask for 1 thread")]
     Threads(String),
+}
+
+/// Why a state does not fit a cloth.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StateProblem {
+    /// It has other grids.
+    #[error("its grids are {found}, those of the cloth {expected}; load the state of a cloth with the same grids")]
+    Grids {
+        /// Sizes in the state, as `32 x 32, 8 x 16`.
+        found: String,
+        /// Sizes in the cloth.
+        expected: String,
+    },
+    /// A particle exists in one of the two alone.
+    #[error("particle {index} exists in only one of them; load the state of a cloth of the same bundle")]
+    Particle {
+        /// Index of the particle.
+        index: usize,
+    },
+    /// It was cut with other tethers.
+    #[error("it has {found} tethers per particle, the cloth {expected}; use the Options::tethers of the saved stepper")]
+    Tethers {
+        /// Tethers per particle in the state.
+        found: usize,
+        /// Tethers per particle of the cloth.
+        expected: usize,
+    },
+    /// It has rest lengths and the cloth has none, or the other way round.
+    #[error("only one of them has springs; load the state of a cloth of the same bundle")]
+    Springs,
+    /// A buffer on the GPU was saved with other steps.
+    #[error(
+        "it was saved after a step of {found} s, the last step here took {expected} s; read it with SavedState::read and \
+         load it with Stepper::set_state"
+    )]
+    Step {
+        /// Length of the step \[s\] before it was saved.
+        found: f64,
+        /// Length of the last step \[s\].
+        expected: f64,
+    },
+    /// A buffer on the GPU was saved by another solver.
+    #[error("it was saved by another solver; make the stepper with the same Options::solver")]
+    Solver,
+    /// A snapshot has another number of cloths.
+    #[error("the snapshot has {found} cloths, the scene {expected}; restore it in the scene that it was taken of")]
+    Cloths {
+        /// Cloths in the snapshot.
+        found: usize,
+        /// Cloths in the scene.
+        expected: usize,
+    },
 }
 
 /// An error unless `value` is finite and `ok` holds.

@@ -68,9 +68,9 @@ mod world;
 
 pub use choose::{Choice, Support};
 pub use clock::Progress;
-pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
+pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Select, Tethers};
 pub use collider::{Collider, Shape};
-pub use error::{Error, Result};
+pub use error::{Error, Result, StateProblem};
 pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
 pub use form::{Form, Fused, Hold, Tile, TileShape};
 #[cfg(feature = "gpu")]

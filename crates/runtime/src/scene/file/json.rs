@@ -187,6 +187,9 @@ pub enum Select {
     },
     /// Those that the bundle has pinned already.
     Pinned {},
+    Loop {
+        index: usize,
+    },
 }
 
 #[derive(Deserialize)]

@@ -1,9 +1,9 @@
 //! From the fields of a file to a scene.
 
 use super::error::{Error, Result};
-use super::json::{self, From, Select};
+use super::json::{self, From};
 use super::{Found, SceneFile, Source};
-use crate::cloth::{Cloth, Compliance, Flat};
+use crate::cloth::{Cloth, Compliance, Flat, Select};
 use crate::collider::{Collider, Shape};
 use crate::look::{Camera, Look, SolidLook, uv_of};
 use crate::material::Material;
@@ -147,9 +147,8 @@ fn cloth(
     for (p, pins) in fields.pins.iter().enumerate() {
         let place = format!("{place}.pins[{p}]");
         let set = pinned(pins, index, &place, &cloth)?;
-        for (particle, _) in &set.particles {
-            cloth.set_pinned(*particle, true).map_err(Error::value(&place))?;
-        }
+        let held: Vec<u32> = set.particles.iter().map(|(k, _)| *k as u32).collect();
+        cloth.pin(&held).map_err(Error::value(&place))?;
         if set.motion.is_some() || set.release.is_some() {
             script.pins.push(set);
         }
@@ -202,13 +201,12 @@ fn flat_uv(width: u32, height: u32) -> Vec<[f32; 2]> {
 }
 
 fn pinned(fields: &json::Pins, index: usize, place: &str, cloth: &Cloth) -> Result<PinnedSet> {
-    let inside = select(&fields.select, place, cloth)?;
-    let exists = |k: &usize| cloth.particles()[*k].exists();
-    let particles: Vec<_> = (0..cloth.len()).filter(exists).filter(|k| inside(*k)).collect();
+    let (rule, field) = select(&fields.select);
+    let particles = cloth.select(&rule).map_err(Error::value(format!("{place}.select.{field}")))?;
     if particles.is_empty() {
         return Err(Error::choice(format!("{place}.select"), "no particle is selected; nothing would be pinned"));
     }
-    let particles: Vec<_> = particles.into_iter().map(|k| (k, cloth.positions()[k])).collect();
+    let particles: Vec<_> = particles.into_iter().map(|k| (k as usize, cloth.positions()[k as usize])).collect();
     let middle = |c: usize| {
         let sum: f64 = particles.iter().map(|(_, p)| f64::from(p[c])).sum();
         (sum / particles.len() as f64) as f32
@@ -233,33 +231,17 @@ fn motion(keys: Vec<Key>, place: &str) -> Result<Option<Motion>> {
     Motion::new(keys).map(Some).map_err(Error::value(format!("{place}.motion")))
 }
 
-fn select<'a>(fields: &'a Select, place: &str, cloth: &'a Cloth) -> Result<Box<dyn Fn(usize) -> bool + 'a>> {
-    let at = |k: usize| cloth.positions()[k];
-    Ok(match fields {
-        Select::Pinned {} => Box::new(|k| cloth.inverse_mass(k) == 0.0),
-        Select::Box { low, high } => Box::new(move |k| (0..3).all(|c| (low[c]..=high[c]).contains(&at(k)[c]))),
-        Select::Sphere { radius, .. } if *radius <= 0.0 => {
-            return Err(Error::choice(format!("{place}.select.sphere.radius"), "give a radius above 0 m"));
+/// The rule, and the name of its field.
+fn select(fields: &json::Select) -> (Select<'_>, &'static str) {
+    match fields {
+        json::Select::Pinned {} => (Select::Pinned, "pinned"),
+        json::Select::Box { low, high } => (Select::Box { low: *low, high: *high }, "box"),
+        json::Select::Sphere { center, radius } => (Select::Sphere { center: *center, radius: *radius }, "sphere"),
+        json::Select::Texels { piece, from, to } => {
+            (Select::Texels { piece: piece.as_deref(), from: *from, to: *to }, "texels")
         }
-        Select::Sphere { center, radius } => {
-            Box::new(move |k| (0..3).map(|c| (at(k)[c] - center[c]).powi(2)).sum::<f32>() <= radius * radius)
-        }
-        Select::Texels { piece, from, to } => {
-            let named = |g: &&crate::Grid| piece.as_ref().is_none_or(|name| g.name == *name);
-            let Some(grid) = cloth.grids().iter().find(named) else {
-                let names: Vec<_> = cloth.grids().iter().map(|g| g.name.as_str()).collect();
-                let problem = format!("there is no such piece; there are {}", names.join(", "));
-                return Err(Error::choice(format!("{place}.select.texels.piece"), problem));
-            };
-            Box::new(move |k| {
-                let Some(local) = k.checked_sub(grid.first as usize).filter(|l| *l < grid.texels()) else {
-                    return false;
-                };
-                let (i, j) = (local as u32 % grid.width, local as u32 / grid.width);
-                (from[0]..=to[0]).contains(&i) && (from[1]..=to[1]).contains(&j)
-            })
-        }
-    })
+        json::Select::Loop { index } => (Select::Loop(*index), "loop"),
+    }
 }
 
 fn collider(fields: json::Collider, place: &str) -> Result<(Collider, Option<Motion>)> {
