@@ -297,6 +297,19 @@ impl Follow {
         Follow { lasting, step: given.step, hold: HOLD_S + falls }
     }
 
+    /// The substeps of cloth and colliders at rest, NaN if the host gave a number, and for how long \[s\] more than those stay.
+    pub fn numbers(&self) -> [f64; 2] {
+        [self.lasting.map_or(f64::NAN, f64::from), self.hold]
+    }
+
+    /// Takes them over from another one; a number that the host gave stays.
+    pub fn resume(&mut self, [lasting, hold]: [f64; 2]) {
+        if lasting >= 1.0 {
+            self.lasting = self.lasting.map(|_| lasting as u32);
+        }
+        self.hold = hold.max(0.0);
+    }
+
     /// To be called when steps have been made.
     pub fn stepped(&mut self, seconds: f64) {
         self.hold = (self.hold - seconds).max(0.0);

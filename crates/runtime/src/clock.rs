@@ -39,6 +39,16 @@ impl Clock {
         (self.dt, self.most) = (next.dt, next.most);
     }
 
+    /// Time, length of the last step and time left over \[s\].
+    pub fn numbers(&self) -> [f64; 3] {
+        [self.time, self.dt_old, self.left]
+    }
+
+    /// Takes them over from another clock.
+    pub fn resume(&mut self, [time, dt_old, left]: [f64; 3]) {
+        (self.time, self.dt_old, self.left) = (time, dt_old, left);
+    }
+
     /// Takes in `dt` \[s\] of the host's time and returns what is due. Negative time and NaN count as 0.
     pub fn frame(&mut self, dt: f64) -> Progress {
         self.left += if dt.is_finite() { dt.max(0.0) } else { 0.0 };

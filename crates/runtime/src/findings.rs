@@ -9,7 +9,8 @@ use std::fmt;
 use crate::cloth::Cloth;
 use crate::collider::solid::Solid;
 use crate::health::{self, Health};
-use crate::number::real::{Real, V3, add, cross, dot, scale, sub, xyz};
+use crate::number::real::{Real, V3, add, cast, cross, dot, scale, sub, xyz};
+use crate::scene::Pose;
 
 /// What went wrong with a cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,7 +111,8 @@ struct Record {
 /// Watches the cloths of a scene.
 #[derive(Clone, Debug)]
 pub struct Watchdog {
-    due: f64,
+    /// When figures are next taken \[s\].
+    pub due: f64,
     records: Vec<Record>,
     pub findings: Vec<Finding>,
 }
@@ -119,6 +121,8 @@ pub struct Watchdog {
 pub struct Sight<'a, T: Real> {
     pub index: usize,
     pub cloth: &'a Cloth,
+    /// Where teleports have moved its start.
+    pub home: Pose,
     pub now: &'a [[T; 4]],
     pub before: &'a [[T; 4]],
     /// The colliders as the cloth meets them.
@@ -245,7 +249,7 @@ fn gone<T: Real>(sight: &Sight<T>, touched: &[bool]) -> Option<Fate> {
     let lowest = |all: &mut dyn Iterator<Item = f64>| all.fold(f64::INFINITY, f64::min);
     let touches = touched.contains(&true);
     let held = sight.solids.iter().zip(touched).filter(|(_, t)| **t || !touches).map(|(s, _)| bottom(s));
-    let start = sight.cloth.positions().iter().map(|p| height(p.map(|x| T::of(x.into()))));
+    let start = sight.cloth.positions().iter().map(|p| height(cast(sight.home.apply(*p))));
     let floor = lowest(&mut held.into_iter());
     match touches {
         true => (top < floor).then_some(Fate::Left),

@@ -9,8 +9,10 @@ mod frames;
 mod levels;
 mod pick;
 mod pipelines;
+mod place;
 mod read_back;
 mod ring;
+mod save;
 mod solids;
 mod span;
 mod turns;
@@ -138,6 +140,7 @@ impl Gpu {
         }
         drop(pass);
         self.watch(world, encoder, steps);
+        world.host.touched = false;
         world.control.tick(steps);
     }
 
@@ -196,18 +199,21 @@ impl Gpu {
         }
     }
 
-    /// Writes what the CPU made into the buffers for drawing.
+    /// Writes what the CPU made of cloths that are awake into the buffers for drawing.
     pub fn upload(&self, bodies: &[Body<f32>], threads: &Threads, runs: &[ClothRun]) {
+        let all = bodies.iter().zip(runs).enumerate().filter(|(_, (_, run))| !run.asleep);
+        all.for_each(|(cloth, (body, _))| self.upload_one(cloth, body, threads));
+    }
+
+    /// The same for one cloth.
+    pub fn upload_one(&self, cloth: usize, body: &Body<f32>, threads: &Threads) {
         let write = |span: &Span, bytes: &[u8]| self.queue.write_buffer(&span.buffer, span.offset, bytes);
-        for ((buffers, body), run) in self.cloths.iter().zip(bodies).zip(runs) {
-            if !run.asleep {
-                write(&buffers.now, cast_slice(body.now()));
-                write(&buffers.before, cast_slice(body.before()));
-                write(&buffers.normals, cast_slice(body.normals(threads)));
-                if let Some(holes) = &buffers.holes {
-                    write(holes, cast_slice(&body.holes));
-                }
-            }
+        let buffers = &self.cloths[cloth];
+        write(&buffers.now, cast_slice(body.now()));
+        write(&buffers.before, cast_slice(body.before()));
+        write(&buffers.normals, cast_slice(body.normals(threads)));
+        if let Some(holes) = &buffers.holes {
+            write(holes, cast_slice(&body.holes));
         }
     }
 
@@ -219,21 +225,6 @@ impl Gpu {
 
     fn meet(&mut self, world: &World) {
         self.cloths.iter_mut().enumerate().for_each(|(c, buffers)| buffers.meet(self.solids.of(world, c)));
-    }
-
-    pub fn set_inverse_mass(&self, cloth: usize, k: usize, w: f32) {
-        self.write(cloth, k as u64 * 16 + 12, &[w]);
-    }
-
-    pub fn set_position(&self, cloth: usize, k: usize, at: [f32; 3]) {
-        self.write(cloth, k as u64 * 16, &at);
-    }
-
-    /// Into the positions of a cloth, now and before.
-    fn write(&self, cloth: usize, at: u64, numbers: &[f32]) {
-        for span in [&self.cloths[cloth].now, &self.cloths[cloth].before] {
-            self.queue.write_buffer(&span.buffer, span.offset + at, cast_slice(numbers));
-        }
     }
 }
 

@@ -60,6 +60,7 @@ mod quality;
 mod reference;
 pub mod scene;
 mod shaders;
+mod state;
 mod step;
 mod stepper;
 mod tile;
@@ -90,9 +91,10 @@ pub use quality::Quality;
 #[cfg(feature = "reference")]
 pub use reference::Reference;
 pub use scene::Scene;
+pub use state::{ClothState, Snapshot};
 pub use stepper::{Drag, Stepper};
 #[cfg(feature = "gpu")]
-pub use stepper::{Mismatch, SelfCheck, self_check};
+pub use stepper::{Mismatch, SavedState, SelfCheck, self_check};
 #[cfg(feature = "gpu")]
 pub use wgpu;
 pub use wind::{Wind, WindForce};

@@ -139,6 +139,8 @@ pub enum Pass {
     CutLevels,
     /// A set of particles is moved by a matrix.
     Transform,
+    /// A set of particles is put at given positions, or pinned, or freed.
+    Place,
     /// The nearest triangle on a ray, one candidate a workgroup.
     Pick {
         /// Whether any triangle is cut away.

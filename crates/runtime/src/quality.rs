@@ -114,6 +114,22 @@ impl Default for Chooser {
 }
 
 impl Chooser {
+    /// What it goes by beside the times of frames, which are the machine's; NaN for what is not known.
+    pub fn numbers(&self) -> [f64; 7] {
+        let known = |x: Option<f64>| x.unwrap_or(f64::NAN);
+        let fell = f64::from(u8::from(self.fell));
+        let [error, fresh, worst] = [self.error, self.fresh, self.worst].map(known);
+        [error, fresh, worst, self.waited, self.seconds, self.patience, fell]
+    }
+
+    /// Takes them over from another one.
+    pub fn resume(&mut self, [error, fresh, worst, waited, seconds, patience, fell]: [f64; 7]) {
+        let known = |x: f64| Some(x).filter(|x| x.is_finite());
+        (self.error, self.fresh, self.worst) = (known(error), known(fresh), known(worst));
+        (self.waited, self.seconds) = (waited.max(0.0), seconds.max(0.0));
+        (self.patience, self.fell) = (patience.max(PATIENCE[0]), fell > 0.0);
+    }
+
     /// To be called when steps have been made.
     pub fn stepped(&mut self, seconds: f64) {
         self.seconds += seconds;

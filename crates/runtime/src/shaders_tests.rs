@@ -19,7 +19,7 @@ pub(super) fn variants() -> Vec<Form> {
 /// Every variant of every pass.
 fn passes() -> Vec<Pass> {
     let mut all = vec![Pass::Seams, Pass::SeamSteps, Pass::SeamNormals, Pass::Speed, Pass::Fastest];
-    all.extend([Pass::Cut, Pass::CutSprings, Pass::CutLevels, Pass::Transform, Pass::PickNearest]);
+    all.extend([Pass::Cut, Pass::CutSprings, Pass::CutLevels, Pass::Transform, Pass::Place, Pass::PickNearest]);
     for holes in [false, true] {
         all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }]);
     }

@@ -5,17 +5,22 @@ mod actions;
 mod device;
 mod drag;
 mod pick;
+mod pins;
+#[cfg(feature = "gpu")]
+mod saved;
 mod script;
 #[cfg(feature = "gpu")]
 mod self_check;
+mod state;
 
 pub use drag::Drag;
+#[cfg(feature = "gpu")]
+pub use saved::SavedState;
 #[cfg(feature = "gpu")]
 pub use self_check::{Mismatch, SelfCheck, self_check};
 
 use crate::choose::Choice;
 use crate::clock::Progress;
-use crate::cloth::Cloth;
 use crate::collider::Collider;
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
@@ -23,7 +28,7 @@ use crate::error::{Error, Result};
 use crate::findings::{Finding, Watchdog};
 use crate::gpu::Gpu;
 use crate::health::Health;
-use crate::options::{Backend, Options, Solver};
+use crate::options::{Backend, Options};
 use crate::plan::Plan;
 use crate::quality::Chooser;
 use crate::scene::Scene;
@@ -118,7 +123,7 @@ impl Stepper {
 
     /// The frames that were taken back since the last call, oldest first, at most the latest 64: a cloth with particles
     /// that are NaN or farther than 1e8 m away is reset to its last good frame, at rest. With
-    /// [`Solver::Xpbd`] only. Empty on the GPU backend, where they are counted in [`crate::ClothBuffers::faults`].
+    /// [`crate::Solver::Xpbd`] only. Empty on the GPU backend, where they are counted in [`crate::ClothBuffers::faults`].
     pub fn take_faults(&mut self) -> Vec<crate::world::Fault> {
         std::mem::take(&mut self.world.host.faults)
     }
@@ -154,7 +159,7 @@ impl Stepper {
     }
 
     /// Warnings about settings beyond the solver's limits: masses, tethers and cloth that will not rest, as found when the
-    /// stepper was made, and the current number of substeps. [`Solver::Classic`] has none of these. A failed [`crate::self_check`] of
+    /// stepper was made, and the current number of substeps. [`crate::Solver::Classic`] has none of these. A failed [`crate::self_check`] of
     /// the device comes first.
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
         self.world.host.warnings.iter().chain(&self.world.host.raised).cloned().collect()
@@ -249,63 +254,6 @@ impl Stepper {
     /// no error is known there. The CPU backend needs no call.
     pub fn settle(&mut self) -> Result<()> {
         self.gpu.as_mut().map_or(Ok(()), |gpu| gpu.settle(&mut self.world))
-    }
-
-    /// Pins a particle where it is, or frees it; seam duplicates follow. Uploads four bytes per particle. Tethers
-    /// stay those of the initial pins; a released pin holds nothing until it is pinned again.
-    pub fn set_pinned(&mut self, cloth: usize, particle: usize, pinned: bool) -> Result<()> {
-        self.edit(cloth, particle, |c| c.set_pinned(particle, pinned))?;
-        let held = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
-        if !pinned && !held(&self.world.scene.cloths[cloth]) {
-            self.world.decide();
-        }
-        Ok(())
-    }
-
-    /// Puts a particle, and its seam duplicates, at `at` \[m\] and at rest. Meant for pinned ones.
-    pub fn set_position(&mut self, cloth: usize, particle: usize, at: [f32; 3]) -> Result<()> {
-        for x in at {
-            crate::error::check("a position [m]", f64::from(x), "finite", |_| true)?;
-        }
-        self.edit(cloth, particle, |_| Ok(()))?;
-        for k in self.duplicates(cloth, particle) {
-            if let Some((bodies, _)) = &mut self.cpu {
-                let (now, before) = bodies[cloth].edit();
-                now[k][..3].copy_from_slice(&at);
-                before[k][..3].copy_from_slice(&at);
-            }
-            if let Some(gpu) = &self.gpu {
-                gpu.set_position(cloth, k, at);
-            }
-        }
-        Ok(())
-    }
-
-    fn duplicates(&self, cloth: usize, particle: usize) -> Vec<usize> {
-        let ring = self.world.scene.cloths[cloth].ring_of(particle as u32);
-        ring.map_or_else(|| vec![particle], |r| r.iter().map(|k| *k as usize).collect())
-    }
-
-    fn edit(&mut self, cloth: usize, particle: usize, change: impl Fn(&mut Cloth) -> Result<()>) -> Result<()> {
-        let count = self.world.cloth(cloth)?.len();
-        if particle >= count || !self.world.scene.cloths[cloth].particles()[particle].exists() {
-            return Err(Error::NoSuch { what: "particle", index: particle, count });
-        }
-        change(&mut self.world.scene.cloths[cloth])?;
-        self.world.wake(cloth);
-        let duplicates = self.duplicates(cloth, particle);
-        let share = if self.world.control.options.solver == Solver::Xpbd { duplicates.len() as f32 } else { 1.0 };
-        for k in duplicates {
-            let w = self.world.scene.cloths[cloth].inverse_mass(k) * share;
-            if let Some((bodies, _)) = &mut self.cpu {
-                let (now, before) = bodies[cloth].edit();
-                (now[k][3], before[k][3]) = (w, w);
-            }
-            if let Some(gpu) = &self.gpu {
-                gpu.set_inverse_mass(cloth, k, w);
-            }
-        }
-        Ok(())
     }
 
     fn changed(&mut self) {

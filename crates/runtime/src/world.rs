@@ -5,6 +5,7 @@ mod control;
 mod fuse;
 mod host;
 mod run;
+mod save;
 mod sleep;
 
 pub use cloth_run::ClothRun;
@@ -212,6 +213,7 @@ impl World {
         Sight {
             index,
             cloth: &self.scene.cloths[index],
+            home: self.runs[index].home,
             now,
             before,
             solids,

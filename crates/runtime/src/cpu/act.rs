@@ -1,6 +1,7 @@
 //! What users do to a cloth on the CPU.
 
 use super::body::{Body, view};
+use super::place::{self, Placed};
 use super::route::far;
 use super::rows::Threads;
 use super::{cut, cut_springs, cut_tethers, transform};
@@ -23,6 +24,12 @@ impl<T: Real> Body<T> {
                 fabric.hold(held.slots, |t| (held.most[t] < far()).then_some((held.anchors[t], held.most[t])));
             }
         }
+    }
+
+    /// Puts particles in their places; previous positions too, so that they are at rest.
+    pub fn place(&mut self, rows: &[Placed]) {
+        self.edited = true;
+        place::run(&mut self.now, &mut self.before, rows);
     }
 
     /// Moves particles by the matrix with these columns.

@@ -34,7 +34,7 @@ pub struct Body<T: Real> {
     pub strain: Option<T>,
     partial: Vec<T>,
     /// Where particles were at the end of the last good frame; empty for the classic solver.
-    good: Vec<[T; 4]>,
+    pub(super) good: Vec<[T; 4]>,
     /// How many particles were nowhere at the end of the last frame, and the last of them.
     pub faulty: Option<(usize, usize)>,
     field: Vec<[T; 4]>,
@@ -106,21 +106,27 @@ impl<T: Real> Body<T> {
         })
     }
 
+    /// Normals have to be made again.
+    pub fn forget_normals(&mut self) {
+        self.normals.forget();
+    }
+
     /// Positions one step before.
     pub fn before(&self) -> &[[T; 4]] {
         &self.before
-    }
-
-    /// Positions now and before, to be changed.
-    pub fn edit(&mut self) -> (&mut [[T; 4]], &mut [[T; 4]]) {
-        self.edited = true;
-        (&mut self.now, &mut self.before)
     }
 
     /// Share of its rest length by which a hard diagonal may move its ends from here on; 0 means no bound.
     pub fn bound_diagonals(&mut self, bound: T) {
         if let Some(fabric) = &mut self.fabric {
             fabric.bound_diagonals(bound);
+        }
+    }
+
+    /// From here on these are the targets \[m\] of the limits, and the limits.
+    pub fn aim(&mut self, targets: &[[f32; 4]]) {
+        if let Some(fabric) = &mut self.fabric {
+            fabric.aim(targets);
         }
     }
 

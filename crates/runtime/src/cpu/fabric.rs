@@ -201,6 +201,31 @@ impl<T: Real> Fabric<T> {
         }
     }
 
+    /// The low bits that positions are too coarse for, to texels; where none are kept these stay.
+    pub fn store_lost(&self, texels: &mut [[T; 4]]) {
+        for (sheet, first) in self.sheets.iter().zip(&self.firsts) {
+            sheet.store_lost(&mut texels[*first..first + sheet.width * sheet.height]);
+        }
+    }
+
+    /// The same from texels; to be called after [`Fabric::load`].
+    pub fn load_lost(&mut self, texels: &[[T; 4]]) {
+        for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
+            sheet.load_lost(&texels[*first..*first + sheet.width * sheet.height]);
+        }
+    }
+
+    /// From here on these are the targets \[m\] of the limits, and the limits, by texels.
+    pub fn aim(&mut self, targets: &[[f32; 4]]) {
+        let each = self.limits.iter_mut().zip(&self.sheets).zip(&self.firsts);
+        each.for_each(|((limit, sheet), first)| {
+            *limit = Limit::new(sheet, |k| {
+                let [x, y, z, most] = targets[first + k];
+                ([x, y, z], most)
+            });
+        });
+    }
+
     /// Runs the passes of a step, those that can in one walk down each sheet.
     pub fn step<'a>(
         &mut self,
@@ -351,6 +376,7 @@ impl<T: Real> Fabric<T> {
             | Pass::CutTethers { .. }
             | Pass::CutLevels
             | Pass::Transform
+            | Pass::Place
             | Pass::Pick { .. }
             | Pass::PickNearest => return false,
         }

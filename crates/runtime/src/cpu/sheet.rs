@@ -136,6 +136,20 @@ impl<T: Real> Sheet<T> {
         gather(&self.before, self.width, self.half, before);
     }
 
+    /// What was too small for the positions, to texels; where it is not kept they stay.
+    pub fn store_lost(&self, texels: &mut [[T; 4]]) {
+        if !self.lost.is_empty() {
+            gather(&self.lost, self.width, self.half, texels);
+        }
+    }
+
+    /// The same from texels.
+    pub fn load_lost(&mut self, texels: &[[T; 4]]) {
+        let mut lost = Aligned::zeros(self.now.len());
+        scatter(&mut lost, self.width, self.half, texels);
+        self.lost = lost;
+    }
+
     /// A position.
     #[inline]
     pub fn at(&self, triple: usize) -> V3<T> {

@@ -44,7 +44,7 @@ impl<T: Real> Start<T> {
 
 /// The fourth component of every position. Under XPBD a duplicate stands for its share of the point's mass: else forces
 /// on it would count half when the mean is taken.
-fn inverse_masses(cloth: &Cloth, solver: Solver) -> Vec<f32> {
+pub(crate) fn inverse_masses(cloth: &Cloth, solver: Solver) -> Vec<f32> {
     let mut all: Vec<f32> = (0..cloth.len()).map(|k| cloth.inverse_mass(k)).collect();
     let (starts, members) = cloth.rings();
     for ring in starts.windows(2).filter(|_| solver == Solver::Xpbd) {

@@ -1,5 +1,7 @@
 //! The GPU backend of a build without the feature `gpu`: a type without values, so that no call of it can happen.
 
+use crate::cpu::body::Body;
+use crate::cpu::rows::Threads;
 use crate::error::Result;
 use crate::world::World;
 
@@ -15,11 +17,11 @@ impl Gpu {
         match *self {}
     }
 
-    pub fn set_inverse_mass(&self, _: usize, _: usize, _: f32) {
+    pub fn renew(&mut self, _: &World, _: usize) {
         match *self {}
     }
 
-    pub fn set_position(&self, _: usize, _: usize, _: [f32; 3]) {
+    pub fn upload_one(&self, _: usize, _: &Body<f32>, _: &Threads) {
         match *self {}
     }
 

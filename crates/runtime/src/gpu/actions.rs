@@ -21,15 +21,14 @@ impl Gpu {
     /// Records what is to be done.
     pub fn act(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder) {
         let actions = std::mem::take(&mut world.host.actions);
-        if actions.is_empty() {
-            return;
-        }
-        let mut pass = begin(encoder, "actions");
+        world.host.touched |= !actions.is_empty();
         for action in &actions {
             match action {
-                Action::Cut(corners) => {
+                Action::Cut { corners, spared } => {
+                    let mut pass = begin(encoder, "cut");
                     let numbers = self.numbers("cut", cast_slice(&corners.map(|[x, y, z]| [x, y, z, 0.0])));
-                    for (index, cloth) in world.scene.cloths.iter().enumerate() {
+                    let cloths = world.scene.cloths.iter().enumerate();
+                    for (index, cloth) in cloths.filter(|(index, _)| !spared.contains(index)) {
                         self.before_cut(world, &mut pass, index);
                         let springs = !matches!(cloth.rest(), Rest::None);
                         let levels = has_levels(cloth, &world.control.options).then_some(Pass::CutLevels);
@@ -42,11 +41,15 @@ impl Gpu {
                     }
                 }
                 Action::Transform { cloth, chosen, matrix } => {
+                    let mut pass = begin(encoder, "transform");
                     let numbers = self.numbers("matrix", cast_slice(matrix));
                     let chosen_buffer = self.numbers("chosen", cast_slice(chosen));
                     let more = [(Slot::Action, &numbers), (Slot::Chosen, &chosen_buffer)];
                     self.once(world, &mut pass, *cloth, Pass::Transform, &more, list(chosen.len()));
                 }
+                Action::Place { cloth, rows } => self.place(&mut begin(encoder, "pins"), *cloth, rows),
+                Action::Aim { cloth } => self.aim(world, encoder, *cloth),
+                Action::Load { cloth, layout, words } => self.load_words(world, encoder, *cloth, (layout, words)),
             }
         }
     }

@@ -86,6 +86,13 @@ impl Arena {
         })
     }
 
+    /// Where a list of vectors, one a particle, lies for one of its cloths.
+    pub fn vectors(&self, cloth: usize, slot: Slot) -> Option<Span> {
+        let job = &self.jobs[self.cloths.iter().position(|c| *c == cloth)?];
+        let (offset, size) = (16 * u64::from(job.first), 16 * u64::from(job.count));
+        Some(Span { buffer: self.buffers.get(&slot)?.clone(), offset, size })
+    }
+
     /// Grids with the bounds of diagonals that steps have now. Recorded frames that use the last ones may not have been submitted
     /// yet, so the last ones stay as they are.
     fn follow(&mut self, device: &wgpu::Device, world: &World) {

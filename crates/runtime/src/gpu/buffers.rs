@@ -208,6 +208,13 @@ impl ClothBuffers {
         }
     }
 
+    /// Drops what cuts have changed, and what is made beside it: both are made again when they are needed.
+    pub(super) fn mend(&mut self) {
+        (self.holes, self.steps, self.soft) = (None, None, None);
+        self.others.retain(|slot, _| [Slot::Good, Slot::Lost, Slot::Solids].contains(slot));
+        self.groups.clear();
+    }
+
     fn take(&mut self, buffers: Vec<(Slot, Buffer)>) {
         self.others.extend(buffers.into_iter().map(|(slot, buffer)| (slot, buffer.into())));
     }
@@ -279,6 +286,7 @@ pub(super) fn empty(device: &wgpu::Device, label: &str, size: u64, usage: Buffer
 }
 
 pub(super) fn upload<T: Pod>(device: &wgpu::Device, label: &str, data: &[T], more: BufferUsages) -> Buffer {
-    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | more;
+    // States are copied out and in.
+    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC | more;
     device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents: cast_slice(data), usage })
 }

@@ -51,7 +51,11 @@ impl Contents {
         });
         self.add_rows(Slot::Grids, &grid_rows(cloth, first, soft_row(cloth, world.control.clock.dt)));
         for slot in Slot::ALL {
-            if let Some((each, bytes)) = slot.texels(cloth, held, first) {
+            if let Some((each, mut bytes)) = slot.texels(cloth, held, first) {
+                if *slot == Slot::Targets {
+                    // Teleports may have moved them.
+                    bytes = cast_slice(&world.runs[index].targets(cloth)).to_vec();
+                }
                 // What lies between cloths is not read.
                 let list = self.lists.entry(*slot).or_default();
                 list.resize(first as usize * each, 0);

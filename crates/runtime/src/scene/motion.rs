@@ -30,6 +30,36 @@ impl Pose {
         (velocity, [0, 1, 2].map(|c| (turn[c] * rate) as f32))
     }
 
+    /// The columns of the matrix that does the same, the last being the position.
+    pub fn columns(&self) -> [[f32; 4]; 4] {
+        let [x, y, z, w] = self.rotation.map(f64::from);
+        let column = |c: [f64; 3]| [c[0] as f32, c[1] as f32, c[2] as f32, 0.0];
+        let [a, b, c] = self.position;
+        [
+            column([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)]),
+            column([2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)]),
+            column([2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)]),
+            [a, b, c, 1.0],
+        ]
+    }
+
+    /// The pose that does what `first` does, then this one.
+    pub(crate) fn after(&self, first: &Pose) -> Pose {
+        let rotation = product(self.rotation.map(f64::from), first.rotation.map(f64::from));
+        let norm = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        Pose { position: self.apply(first.position), rotation: rotation.map(|x| (x / norm) as f32) }
+    }
+
+    /// The same with a unit quaternion. Errors on numbers that are not finite, and on a rotation of no length.
+    pub(crate) fn checked(&self) -> Result<Pose> {
+        for x in self.position {
+            check("the position of a pose [m]", x.into(), "finite", |_| true)?;
+        }
+        let norm = self.rotation.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+        check("the length of a pose's rotation", norm, "above 0", |n| n > 1e-6)?;
+        Ok(Pose { rotation: self.rotation.map(|x| (f64::from(x) / norm) as f32), ..*self })
+    }
+
     /// A point of the body's own frame in the world.
     pub fn apply(&self, p: [f32; 3]) -> [f32; 3] {
         let q = self.rotation;

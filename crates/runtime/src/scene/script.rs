@@ -17,6 +17,13 @@ pub struct PinnedSet {
     pub release: Option<f64>,
 }
 
+impl PinnedSet {
+    /// The particles, as [`crate::Stepper::set_pins`] takes them.
+    pub fn indices(&self) -> Vec<u32> {
+        self.particles.iter().map(|(k, _)| u32::try_from(*k).unwrap_or(u32::MAX)).collect()
+    }
+}
+
 /// A cut along the triangle of an eye and two points that it sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::mem::offset_of;
 use std::sync::LazyLock;
 
-use crate::cpu::{aside, guard, pick, polish, route, stretch};
+use crate::cpu::{aside, guard, pick, place, polish, route, stretch};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
@@ -18,8 +18,10 @@ const FLOATS: [(&str, f64); 6] = [
 ];
 
 /// u32 constants. `FAULT_...` are indices into the counters of a cloth.
-const NUMBERS: [(&str, usize); 8] = [
+const NUMBERS: [(&str, usize); 10] = [
     ("UNSUPPORTED", route::UNSUPPORTED as usize),
+    ("PLACE_MOVES", place::PLACE_MOVES as usize),
+    ("PLACE_WEIGHS", place::PLACE_WEIGHS as usize),
     ("FAULT_PARTICLES", offset_of!(FaultRow, particles) / 4),
     ("FAULT_FRAMES", offset_of!(FaultRow, frames) / 4),
     ("FAULT_LAST", offset_of!(FaultRow, last) / 4),

@@ -54,6 +54,11 @@ pub(super) fn transform(over: Over) -> Rule {
     own!("transform", over, parts)
 }
 
+pub(super) fn place(over: Over) -> Rule {
+    let parts = Parts::new(&[part!("action")], &[Action, Slot::Chosen], &[Now, Slot::Before]);
+    own!("place", over, parts)
+}
+
 pub(super) fn pick(over: Over, holes: bool) -> Rule {
     let files = [part!("quad"), part!("action"), part!("nearest")];
     own!("pick", over, open(holes, Parts::new(&files, &[Grids, Now, Action], &[Candidates])))

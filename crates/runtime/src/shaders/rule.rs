@@ -79,7 +79,7 @@ pub fn over(pass: Pass) -> Over {
         Pass::Springs { direction, parity, .. }
         | Pass::Stretch { direction, parity, .. }
         | Pass::Polish { direction, parity, .. } => Over::Springs { direction, parity },
-        Pass::Speed | Pass::Transform => Over::Own(Threads::Particles),
+        Pass::Speed | Pass::Transform | Pass::Place => Over::Own(Threads::Particles),
         Pass::Fastest | Pass::PickNearest => Over::Own(Threads::One),
         Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
         Pass::CutLevels => Over::Own(Threads::Grids),
@@ -165,6 +165,7 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::CutTethers { slots, seams } => rare::cut_tethers(over, slots, seams),
         Pass::CutLevels => rare::cut_levels(over),
         Pass::Transform => rare::transform(over),
+        Pass::Place => rare::place(over),
         Pass::Pick { holes } => rare::pick(over, holes),
         Pass::PickNearest => rare::pick_nearest(over),
     }

@@ -2,7 +2,8 @@
 
 use super::Stepper;
 use crate::cloth::Cloth;
-use crate::error::{Error, Result, check};
+use crate::error::{Result, check};
+use crate::scene::Pose;
 use crate::world::Action;
 
 impl Stepper {
@@ -38,7 +39,7 @@ impl Stepper {
             gpu.open(&self.world);
         }
         self.changed();
-        self.world.host.actions.push(Action::Cut([eye, a, b]));
+        self.world.host.actions.push(Action::Cut { corners: [eye, a, b], spared: Vec::new() });
         Ok(())
     }
 
@@ -52,29 +53,51 @@ impl Stepper {
             column.iter().try_for_each(|x| check("an element of a matrix", f64::from(*x), "finite", |_| true))?;
             check("the last row of a matrix", column[3].into(), "0, 0, 0, 1", |x| x == last)?;
         }
-        let chosen = with_duplicates(self.world.cloth(cloth)?, particles)?;
+        let of = self.world.cloth(cloth)?;
+        let index = |k: &usize| u32::try_from(*k).unwrap_or(u32::MAX);
+        let chosen = of.with_duplicates(&particles.iter().map(index).collect::<Vec<_>>())?;
+        let chosen: Vec<u32> = chosen.into_iter().map(|[k, _]| k).collect();
         if !chosen.is_empty() {
             self.world.wake(cloth);
             self.world.host.actions.push(Action::Transform { cloth, chosen, matrix });
         }
         Ok(())
     }
-}
 
-/// Particles and all their duplicates, each once, in order.
-fn with_duplicates(cloth: &Cloth, particles: &[usize]) -> Result<Vec<u32>> {
-    let count = cloth.len();
-    let mut chosen = vec![false; count];
-    for &index in particles {
-        if !cloth.particles().get(index).is_some_and(|p| p.exists()) {
-            return Err(Error::NoSuch { what: "particle", index, count });
+    /// Moves a whole cloth by a rigid transform, a turn about the origin and then a shift, at the start of the next frame, without
+    /// stirring it: previous positions move alike, so that velocities turn with the cloth, springs keep their lengths to
+    /// rounding, and what was at rest stays so. Pins move too, and the targets of [`Cloth::limits`]. Colliders do not: move them with
+    /// [`Stepper::set_colliders`], at rest. Positions are f32, so velocities far from the origin are coarse: 1e-3 m/s at
+    /// 30 m in steps of 2 ms.
+    ///
+    /// Four bytes of upload per particle and one dispatch. Wakes the cloth. Errors if there is no such cloth, on numbers that
+    /// are not finite, and on a rotation of no length; any other is made a unit quaternion.
+    ///
+    /// ```
+    /// use gimage_runtime::scene::{Pose, about};
+    /// use gimage_runtime::{Flat, Options, Scene, Stepper};
+    ///
+    /// let mut scene = Scene::new("portal");
+    /// scene.cloths.push(Flat::square("cape", 9).cloth()?);
+    /// let mut stepper = Stepper::on_cpu(scene, Options::default())?;
+    /// stepper.advance(0.1)?;
+    /// stepper.teleport(0, &Pose { position: [10.0, 0.0, 3.0], rotation: about([0.0, 1.0, 0.0], 1.57) })?;
+    /// stepper.advance(0.1)?;
+    /// assert!(stepper.positions(0).unwrap_or_default()[0][0] > 9.0);
+    /// # Ok::<(), gimage_runtime::Error>(())
+    /// ```
+    pub fn teleport(&mut self, cloth: usize, by: &Pose) -> Result<()> {
+        let of = self.world.cloth(cloth)?;
+        let by = by.checked()?;
+        let chosen: Vec<u32> = (0..of.len() as u32).filter(|k| of.particles()[*k as usize].exists()).collect();
+        let limited = of.limits.is_some();
+        self.world.wake(cloth);
+        let run = &mut self.world.runs[cloth];
+        run.home = by.after(&run.home);
+        self.world.host.actions.push(Action::Transform { cloth, chosen, matrix: by.columns() });
+        if limited {
+            self.world.host.actions.push(Action::Aim { cloth });
         }
-        chosen[index] = true;
+        Ok(())
     }
-    let (starts, members) = cloth.rings();
-    for ring in starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]) {
-        let any = ring.iter().any(|k| chosen[*k as usize]);
-        ring.iter().for_each(|k| chosen[*k as usize] |= any);
-    }
-    Ok((0..count as u32).filter(|k| chosen[*k as usize]).collect())
 }

@@ -81,7 +81,7 @@ impl Stepper {
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
         self.world.choose();
         let progress = self.world.control.clock.frame(dt);
-        if progress.steps == 0 && self.world.host.actions.is_empty() {
+        if progress.steps == 0 && !self.world.host.is_pending() {
             return Ok(progress);
         }
         match &mut self.cpu {

@@ -9,24 +9,23 @@ use crate::pick::Hit;
 pub struct Drag {
     cloth: usize,
     /// Particle, whether it was pinned before, and where it is from the point that is held \[m\].
-    held: [(usize, bool, [f32; 3]); 3],
+    held: [(u32, bool, [f32; 3]); 3],
 }
 
 impl Stepper {
     /// Takes hold of the triangle that was hit: its particles are pinned where the hit saw them, until they are
-    /// released. Costs six small uploads, more on a seam. Wakes the cloth. Errors where there is no such particle.
+    /// released. Costs what [`Stepper::set_pins`] of three
+    /// particles costs. Wakes the cloth. Errors where there is no such particle.
     pub fn grab(&mut self, hit: &Hit) -> Result<Drag> {
         let cloth = self.world.cloth(hit.cloth)?;
         let point = hit.point();
         let hold = |n: usize| {
-            let k = hit.particles[n] as usize;
-            let pinned = cloth.particles().get(k).is_some_and(|p| p.is_pinned());
+            let k = hit.particles[n];
+            let pinned = cloth.particles().get(k as usize).is_some_and(|p| p.is_pinned());
             (k, pinned, [0, 1, 2].map(|c| hit.corners[n][c] - point[c]))
         };
         let drag = Drag { cloth: hit.cloth, held: [0, 1, 2].map(hold) };
-        for (k, _, _) in drag.held {
-            self.set_pinned(drag.cloth, k, true)?;
-        }
+        self.pin(drag.cloth, &hit.particles)?;
         self.drag(&drag, point)?;
         Ok(drag)
     }
@@ -34,17 +33,15 @@ impl Stepper {
     /// Moves the point that is held to `to` \[m\]; its triangle keeps its place around it. Errors on a number that is
     /// not finite.
     pub fn drag(&mut self, drag: &Drag, to: [f32; 3]) -> Result<()> {
-        for (k, _, offset) in drag.held {
-            self.set_position(drag.cloth, k, [0, 1, 2].map(|c| to[c] + offset[c]))?;
-        }
-        Ok(())
+        let at = drag.held.map(|(_, _, offset)| [0, 1, 2].map(|c| to[c] + offset[c]));
+        self.set_pins(drag.cloth, &drag.held.map(|(k, _, _)| k), &at)
     }
 
     /// Lets go: particles that were free before are free again, at rest where they are; pinned ones stay.
     pub fn release(&mut self, drag: Drag) -> Result<()> {
-        for (k, pinned, _) in drag.held {
-            self.set_pinned(drag.cloth, k, pinned)?;
-        }
-        Ok(())
+        let were =
+            |pinned| drag.held.iter().filter(move |held| held.1 == pinned).map(|held| held.0).collect::<Vec<_>>();
+        self.pin(drag.cloth, &were(true))?;
+        self.unpin(drag.cloth, &were(false))
     }
 }

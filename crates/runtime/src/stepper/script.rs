@@ -27,16 +27,15 @@ impl Script {
             }
             let poses = set.motion.as_ref().map(|m| (m.at(time), m.at(end)));
             if let Some((_, pose)) = poses.filter(|(a, b)| a != b || time == 0.0) {
-                for (particle, start) in &set.particles {
-                    let from = [0, 1, 2].map(|c| start[c] - set.pivot[c]);
-                    let to = pose.apply(from);
-                    stepper.set_position(set.cloth, *particle, [0, 1, 2].map(|c| to[c] + set.pivot[c]))?;
-                }
+                let moved = |start: &[f32; 3]| {
+                    let to = pose.apply([0, 1, 2].map(|c| start[c] - set.pivot[c]));
+                    [0, 1, 2].map(|c| to[c] + set.pivot[c])
+                };
+                let at: Vec<_> = set.particles.iter().map(|(_, start)| moved(start)).collect();
+                stepper.set_pins(set.cloth, &set.indices(), &at)?;
             }
             if released.is_some() {
-                for (particle, _) in &set.particles {
-                    stepper.set_pinned(set.cloth, *particle, false)?;
-                }
+                stepper.unpin(set.cloth, &set.indices())?;
             }
         }
         for cut in self.cuts.iter().filter(|c| (time..end).contains(&c.time)) {

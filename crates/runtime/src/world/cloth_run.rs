@@ -5,7 +5,9 @@ use std::sync::OnceLock;
 use super::sleep::Calm;
 use crate::cloth::{Anchor, Cloth, Tethers};
 use crate::form::Fused;
+use crate::number::real::with_w;
 use crate::passes::Schedule;
+use crate::scene::Pose;
 use crate::tile::Order;
 
 /// What a world holds of one cloth beside the cloth itself.
@@ -22,6 +24,8 @@ pub struct ClothRun {
     /// How passes run together where it does not, found when it is first asked for.
     pub order: OnceLock<Option<Order>>,
     pub asleep: bool,
+    /// Where teleports have moved its start.
+    pub home: Pose,
     /// How long it has been calm.
     pub calm: Calm,
 }
@@ -30,6 +34,12 @@ impl ClothRun {
     /// A cloth that may have `most` tethers per particle, longer by a factor than the way along the surface.
     pub fn new(cloth: &Cloth, most: u32, slack: f32) -> Self {
         ClothRun { tethers: hang(cloth, most, slack), ..ClothRun::default() }
+    }
+
+    /// The targets \[m\] of a cloth's limits where it is now, and the limits; empty if it has none.
+    pub fn targets(&self, cloth: &Cloth) -> Vec<[f32; 4]> {
+        let each = cloth.positions().iter().zip(cloth.limits.iter().flatten());
+        each.map(|(p, limit)| with_w(self.home.apply(*p), *limit)).collect()
     }
 }
 

@@ -5,6 +5,7 @@ use crate::clock::Clock;
 use crate::options::Options;
 use crate::quality::{Chooser, Quality};
 use crate::scene::Scene;
+use crate::state::ControlState;
 
 /// Settings, and what decides them.
 pub struct Control {
@@ -67,6 +68,29 @@ impl Control {
             quality => self.chooser.next(quality, now),
         };
         self.set_substeps(next);
+    }
+
+    /// What a continuation with the same bits needs.
+    pub fn save(&self, due: f64) -> ControlState {
+        let (clock, chooser, follow) = (self.clock.numbers(), self.chooser.numbers(), self.follow.numbers());
+        ControlState { clock, chooser, follow, due, substeps: self.options.substeps, polish: self.options.polish }
+    }
+
+    /// Goes on from there, with the numbers that the host gave, and otherwise those of then.
+    pub fn resume(&mut self, state: &ControlState, scene: &Scene) {
+        let given = self.options.given();
+        let (mut settings, choice) = Settings::new(given.clone(), scene);
+        if given.quality != Quality::Fixed || given.substeps.is_none() {
+            settings.substeps = state.substeps;
+        }
+        if given.substeps.is_none() && given.polish.is_none() {
+            settings.polish = state.polish;
+        }
+        settings.slack = std::mem::take(&mut self.options.slack);
+        self.set((settings, choice), scene);
+        self.follow.resume(state.follow);
+        self.chooser.resume(state.chooser);
+        self.clock.resume(state.clock);
     }
 
     /// To be called after the steps of a frame.

@@ -2,17 +2,38 @@
 
 use super::World;
 use crate::cpu::body::Body;
+use crate::cpu::place::Placed;
 use crate::cpu::rows::Threads;
 use crate::limits::Warning;
 use crate::number::real::{Real, cast};
+use crate::state::Layout;
 
 /// What is to be done before the next step, in the order of the calls.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// A cut by the triangle with these corners.
-    Cut([[f32; 3]; 3]),
+    /// A cut by the triangle with these corners, through all cloths but some: those whose state was set since.
+    Cut { corners: [[f32; 3]; 3], spared: Vec<usize> },
     /// Particles of a cloth, all duplicates among them, are moved by the matrix with these columns.
     Transform { cloth: usize, chosen: Vec<u32>, matrix: [[f32; 4]; 4] },
+    /// Particles of a cloth, all duplicates among them, are put in their places, pinned or freed.
+    Place { cloth: usize, rows: Vec<Placed> },
+    /// The targets of a cloth's limits follow its start, which a teleport has moved.
+    Aim { cloth: usize },
+    /// The lists of a state take the place of those on the device.
+    Load { cloth: usize, layout: Layout, words: Vec<u32> },
+}
+
+impl Action {
+    /// The cloth, if it is one alone.
+    fn cloth(&self) -> Option<usize> {
+        match self {
+            Action::Cut { .. } => None,
+            Action::Transform { cloth, .. }
+            | Action::Place { cloth, .. }
+            | Action::Aim { cloth }
+            | Action::Load { cloth, .. } => Some(*cloth),
+        }
+    }
 }
 
 /// A frame that was taken back: particles were NaN, or more than 1e8 m away.
@@ -36,6 +57,8 @@ const MOST_FAULTS: usize = 64;
 pub struct Host {
     /// What users have done since the last frame.
     pub actions: Vec<Action>,
+    /// Whether cloths have changed since the last frame although no action waits: they were saved or loaded.
+    pub touched: bool,
     /// What was changed because the solver cannot do it.
     pub warnings: Vec<Warning>,
     /// The same of steps that were too long.
@@ -45,6 +68,35 @@ pub struct Host {
 }
 
 impl Host {
+    /// Whether the next frame has anything to do even without a step.
+    pub fn is_pending(&self) -> bool {
+        self.touched || !self.actions.is_empty()
+    }
+
+    /// Puts particles in their places, with those of the last call where that was for the same cloth.
+    pub fn place(&mut self, cloth: usize, more: impl IntoIterator<Item = Placed>) {
+        if let Some(Action::Place { cloth: last, rows }) = self.actions.last_mut()
+            && *last == cloth
+        {
+            rows.extend(more);
+            return;
+        }
+        let rows: Vec<_> = more.into_iter().collect();
+        if !rows.is_empty() {
+            self.actions.push(Action::Place { cloth, rows });
+        }
+    }
+
+    /// Takes a cloth out of what waits, as it gets another state.
+    pub fn forget(&mut self, cloth: usize) {
+        self.actions.retain(|action| action.cloth() != Some(cloth));
+        for action in &mut self.actions {
+            if let Action::Cut { spared, .. } = action {
+                spared.push(cloth);
+            }
+        }
+    }
+
     /// Keeps a fault until the host asks.
     pub fn report(&mut self, fault: Fault) {
         self.faults.push(fault);
@@ -54,15 +106,23 @@ impl Host {
 }
 
 impl World {
-    /// Does on the CPU what is to be done, and says whether that was anything.
+    /// Does on the CPU what is to be done, and says whether cloths have changed since the last frame.
     pub fn act<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads) -> bool {
         let actions = std::mem::take(&mut self.host.actions);
         for action in &actions {
             match action {
-                Action::Cut(corners) => bodies.iter_mut().for_each(|b| b.cut(threads, corners.map(cast))),
+                Action::Cut { corners, spared } => {
+                    let cut = bodies.iter_mut().enumerate().filter(|(cloth, _)| !spared.contains(cloth));
+                    cut.for_each(|(_, body)| body.cut(threads, corners.map(cast)));
+                }
                 Action::Transform { cloth, chosen, matrix } => bodies[*cloth].transform(chosen, matrix.map(cast)),
+                Action::Place { cloth, rows } => bodies[*cloth].place(rows),
+                Action::Aim { cloth } => bodies[*cloth].aim(&self.runs[*cloth].targets(&self.scene.cloths[*cloth])),
+                // The CPU takes states at once.
+                Action::Load { .. } => {}
             }
         }
-        !actions.is_empty()
+        self.host.touched |= !actions.is_empty();
+        self.host.touched
     }
 }

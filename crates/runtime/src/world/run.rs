@@ -46,6 +46,7 @@ impl World {
             watchdog.done(self.control.clock.time + seconds);
         }
         self.watchdog = watchdog;
+        self.host.touched = false;
         self.control.tick(steps);
     }
 }

@@ -16,6 +16,13 @@ pub struct Calm {
     pub changes: u64,
 }
 
+impl Calm {
+    /// For how long it has been calm \[s\].
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+}
+
 impl World {
     /// Square of the longest displacement of a step \[m^2\] that counts as calm; none where no cloth falls asleep.
     pub fn calm_below(&self) -> Option<f64> {
@@ -37,6 +44,13 @@ impl World {
         let run = &mut self.runs[cloth];
         run.asleep = false;
         run.calm = Calm { seconds: 0.0, changes: run.calm.changes + 1 };
+    }
+
+    /// Lets a cloth sleep or be awake as it was when it had been calm for `seconds`.
+    pub fn resume_sleep(&mut self, cloth: usize, asleep: bool, seconds: f64) {
+        self.wake(cloth);
+        let run = &mut self.runs[cloth];
+        (run.asleep, run.calm.seconds) = (asleep, seconds);
     }
 
     /// Wakes every cloth.

@@ -1,0 +1,119 @@
+//! States out and in: save games, rollback, level switches.
+
+use super::Stepper;
+use crate::cpu::start::inverse_masses;
+use crate::error::{Error, Result, StateProblem};
+use crate::state::{ClothState, Head, Layout, Snapshot};
+use crate::world::Action;
+
+impl Stepper {
+    /// The state of a cloth after all calls so far; those that wait for the next frame (pins, cuts, transforms) are done first.
+    /// Saving does not change how the cloth goes on.
+    ///
+    /// On the CPU a copy. On the GPU it submits a copy and waits for everything submitted before: a game uses
+    /// [`Stepper::record_state`] there. Submit what was recorded before the call. Errors if there is no such cloth, and if
+    /// reading back fails.
+    pub fn state(&mut self, cloth: usize) -> Result<ClothState> {
+        self.world.cloth(cloth)?;
+        let mut states = self.states(&[cloth])?;
+        let count = self.world.scene.cloths.len();
+        states.pop().ok_or(Error::NoSuch { what: "cloth", index: cloth, count })
+    }
+
+    /// Puts a cloth into a state that [`Stepper::state`] returned, or that the host has changed
+    /// ([`ClothState::set_motion`]). The stepper may be another one, with either backend, if the cloth has the same grids and
+    /// particles. With the same backend and settings the cloth continues with the same bits. Pins, cuts and sleep are those
+    /// of the state; pins, cuts and transforms that wait for the next frame spare the cloth. If steps have another length by now,
+    /// previous positions are scaled so that velocities stay.
+    ///
+    /// On the CPU it takes effect at once. On the GPU it is one upload, 48 bytes per particle and more (see
+    /// [`ClothState`]), copied at the start of the next frame that is recorded. If the cloth or the state is cut, the
+    /// buffers that cuts change are made again, and the cloth's passes are scheduled.
+    ///
+    /// Errors if there is no such cloth, if the state does not fit it ([`Error::State`]), and on a number that is not finite;
+    /// then nothing has changed.
+    pub fn set_state(&mut self, cloth: usize, state: &ClothState) -> Result<()> {
+        state.check(self.world.cloth(cloth)?, &self.world.runs[cloth].tethers)?;
+        self.prepare(cloth, &state.head, &state.pinned());
+        self.put(cloth, state);
+        Ok(())
+    }
+
+    /// The states of all cloths, of the clock, and of what chooses substeps: [`Stepper::state`] for all cloths, with one wait.
+    /// Colliders, wind, gravity and settings are the host's, and are not in it.
+    pub fn snapshot(&mut self) -> Result<Snapshot> {
+        let all: Vec<usize> = (0..self.world.scene.cloths.len()).collect();
+        let cloths = self.states(&all)?;
+        Ok(Snapshot { control: self.world.save_control(), cloths })
+    }
+
+    /// Puts all cloths, the clock and what chooses substeps into the state of a snapshot, as [`Stepper::set_state`]. Numbers of
+    /// substeps and rounds of polish that the host has given stay. Errors as there, and if the scene has another number of
+    /// cloths ([`StateProblem::Cloths`], with the name of the scene); then nothing has changed.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (found, expected) = (snapshot.cloths.len(), self.world.scene.cloths.len());
+        if found != expected {
+            let problem = StateProblem::Cloths { found, expected };
+            return Err(Error::State { cloth: format!("of scene {}", self.world.scene.name), problem });
+        }
+        for ((state, cloth), run) in snapshot.cloths.iter().zip(&self.world.scene.cloths).zip(&self.world.runs) {
+            state.check(cloth, &run.tethers)?;
+        }
+        for (cloth, state) in snapshot.cloths.iter().enumerate() {
+            self.prepare(cloth, &state.head, &state.pinned());
+        }
+        self.world.resume_control(&snapshot.control);
+        for (cloth, state) in snapshot.cloths.iter().enumerate() {
+            self.put(cloth, state);
+        }
+        Ok(())
+    }
+
+    /// The states of some cloths.
+    fn states(&mut self, cloths: &[usize]) -> Result<Vec<ClothState>> {
+        let Some((bodies, threads)) = &mut self.cpu else { return self.read_states(cloths) };
+        self.world.act(bodies, threads);
+        let save = |cloth: &usize| {
+            let head = self.world.head(*cloth);
+            let words = bodies[*cloth].save(&head.layout);
+            ClothState::new(head, words)
+        };
+        Ok(cloths.iter().map(save).collect())
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn read_states(&mut self, _: &[usize]) -> Result<Vec<ClothState>> {
+        Err(Error::NoGpu("Stepper::state"))
+    }
+
+    /// Makes a cloth ready for the lists of a state.
+    pub(super) fn prepare(&mut self, cloth: usize, head: &Head, pinned: &[u32]) {
+        let renewed = head.layout.cut || self.world.scene.cloths[cloth].is_cut();
+        self.world.take(cloth, head, pinned);
+        self.world.reschedule();
+        if let Some(gpu) = self.gpu.as_mut().filter(|_| renewed) {
+            gpu.renew(&self.world, cloth);
+        }
+        if self.world.scene.cloths[cloth].limits.is_some() {
+            self.world.host.actions.push(Action::Aim { cloth });
+        }
+    }
+
+    /// Hands the lists of a state over to what steps.
+    fn put(&mut self, cloth: usize, state: &ClothState) {
+        let (of, run, settings) =
+            (&self.world.scene.cloths[cloth], &self.world.runs[cloth], &self.world.control.options);
+        let layout = Layout::of(of, &run.tethers, settings.solver);
+        let words = state.fit(&layout, &inverse_masses(of, settings.solver), self.world.control.clock.dt_old);
+        match &mut self.cpu {
+            Some((bodies, threads)) => {
+                bodies[cloth].load((of, &run.tethers), settings, &layout, &words);
+                // Cloth that is asleep is not uploaded with the next frame.
+                if let Some(gpu) = self.gpu.as_ref().filter(|_| run.asleep) {
+                    gpu.upload_one(cloth, &bodies[cloth], threads);
+                }
+            }
+            None => self.world.host.actions.push(Action::Load { cloth, layout, words }),
+        }
+    }
+}
