@@ -195,7 +195,9 @@ fn positions_and_velocities_are_plain_arrays() {
 
 #[test]
 fn velocities_stay_with_steps_of_another_length() {
-    for mut rig in Rig::both(&support::scene(curtain(12)), &Options { substeps: Some(4), ..Options::default() }) {
+    let mut swings = curtain(12);
+    swings.velocity = [0.0, 0.0, 1.0];
+    for mut rig in Rig::both(&support::scene(swings), &Options { substeps: Some(4), ..Options::default() }) {
         rig.frames(10);
         let saved = rig.stepper.state(0).unwrap();
         rig.stepper.set_options(Options { substeps: Some(10), ..rig.stepper.options().clone() }).unwrap();
@@ -209,7 +211,8 @@ fn velocities_stay_with_steps_of_another_length() {
             a.iter().flatten().fold(0.0, |most: f32, v| most.max(v.abs())),
             a.iter().zip(&b).map(far).fold(0.0, f32::max),
         );
-        assert!(speed > 0.05 && error < 1e-4, "{}: {speed} {error:e}", rig.name());
+        // Positions of 1 m have steps of 6e-8 m, in which 1/600 s shows.
+        assert!(speed > 0.3 && error < 3e-4, "{}: {speed} {error:e}", rig.name());
     }
 }
 
@@ -346,16 +349,17 @@ fn a_state_goes_through_a_buffer_without_a_wait() {
 
 #[test]
 fn a_teleport_stirs_nothing() {
-    let by = Pose { position: [4.0, 0.5, -2.0], rotation: scene::about([0.0, 1.0, 0.0], 1.0) };
-    for cloth in [curtain(14), made_of(hung_tube(3)), {
-        let mut limited = curtain(14);
-        limited.limits = Some(vec![0.05; 196]);
-        limited
-    }] {
-        for (mut rig, mut still) in Rig::both(&support::scene(cloth.clone()), &Options::default())
-            .into_iter()
-            .zip(Rig::both(&support::scene(cloth.clone()), &Options::default()))
-        {
+    let by = Pose { position: [0.25, 0.5, -0.125], rotation: scene::about([0.0, 1.0, 0.0], 1.0) };
+    let mut limited = curtain(14);
+    limited.limits = Some(vec![0.05; 196]);
+    let mut swings = made_of(curtain(14));
+    swings.velocity = [0.0, 0.0, 1.0];
+    let mut charts = two_charts(9);
+    charts.pin(&charts.select(&Select::Box { low: [-1.0, -0.01, -1.0], high: [2.0; 3] }).unwrap()).unwrap();
+    for cloth in [curtain(14), swings, charts, limited] {
+        let scene = support::scene(cloth.clone());
+        let rigs = || Rig::both(&scene, &Options::default());
+        for (mut rig, mut still) in rigs().into_iter().zip(rigs()) {
             // Gravity points along the axis of the turn.
             rig.frames(10);
             still.frames(10);
@@ -366,8 +370,9 @@ fn a_teleport_stirs_nothing() {
             for (v, w) in a.velocities().iter().zip(b.velocities()) {
                 assert!(far(*v, turn.apply(w)) < 1e-3, "{}: {v:?} {w:?}", rig.name());
             }
-            rig.frames(30);
-            still.frames(30);
+            // Not for long: a flat sheet is stiff in its plane and swings out of it to where rounding pushes it.
+            rig.frames(3);
+            still.frames(3);
             let xyz = |p: [f32; 4]| [p[0], p[1], p[2]];
             let error = rig
                 .positions(0)
@@ -375,7 +380,7 @@ fn a_teleport_stirs_nothing() {
                 .zip(still.positions(0))
                 .map(|(p, q)| far(xyz(*p), by.apply(xyz(q))))
                 .fold(0.0, f32::max);
-            assert!(error < 2e-3, "{} {}: {error:e}", cloth.name(), rig.name());
+            assert!(error < 1e-4, "{} {}: {error:e}", cloth.name(), rig.name());
             // A state knows where limits are.
             let saved = rig.stepper.state(0).unwrap();
             rig.frames(10);
