@@ -19,7 +19,7 @@ use crate::scene::Pose;
 /// It has everything that a continuation with the same bits needs: positions now and one step before, the frame to return
 /// to after a fault, the low bits that positions of a material are too coarse for, holes, rest lengths and tethers after cuts,
 /// pins, and whether the cloth is asleep. It has neither the description of the cloth (grids, masses, seams, material) nor
-/// colliders, wind and settings: those are the scene's. [`Snapshot`] holds all cloths, and the clock.
+/// colliders, wind and settings: the scene has them. [`Snapshot`] holds all cloths, and the clock.
 ///
 /// 48 bytes per particle, 64 of a material; a cut adds 20, and 8 per tether.
 ///
@@ -48,7 +48,7 @@ pub struct ClothState {
     words: Vec<u32>,
 }
 
-/// What is known of a state without its lists.
+/// A state without its lists.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Head {
     /// Columns and rows of each grid.

@@ -22,7 +22,7 @@ pub fn cases() -> Result<Vec<Case>> {
         Box::new(move |s, frame| match s.set_position(0, ONE, [f32::NAN, 0.0, 0.0]) {
             _ if !first(frame) => Ok(()),
             // Refused, as it should be.
-            Err(Error::Setting { .. }) => Ok(()),
+            Err(Error::NotFinite { .. }) => Ok(()),
             Ok(()) => s.set_position(0, ONE, [f32::NAN; 3]),
             Err(other) => Err(other),
         }),

@@ -38,6 +38,18 @@ impl Cloth {
         cloth.keep_grain(grain(bundle, cloth.grids()));
         Ok(cloth)
     }
+
+    /// One channel of a map of a bundle, for [`super::Select::Map`]: one value per texel of every piece, in the order of the
+    /// particles; NaN, which no selection takes, in pieces without the map or the channel.
+    pub fn map_values(bundle: &Bundle, kind: &MapKind, channel: usize) -> Vec<f32> {
+        let mut values = Vec::new();
+        for (index, piece) in bundle.manifest.pieces.iter().enumerate() {
+            let image = bundle.image(index, kind);
+            let value = |k: usize| image.and_then(|i| i.at(k).get(channel).copied()).unwrap_or(f32::NAN);
+            values.extend((0..piece.width as usize * piece.height as usize).map(value));
+        }
+        values
+    }
 }
 
 /// The first texture coordinates, if every piece has them.

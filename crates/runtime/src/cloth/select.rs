@@ -38,8 +38,7 @@ pub enum Select<'a> {
     Loop(usize),
     /// The particles at which a map is above a value.
     Map {
-        /// One value per texel of every grid, as [`Cloth::len`] counts them, for example a channel of
-        /// `Bundle::image(piece, &MapKind::Custom("_PIN".into()))` for one piece after another.
+        /// One value per texel of every grid, as [`Cloth::len`] counts them; [`Cloth::map_values`] takes them from a bundle.
         values: &'a [f32],
         /// The value.
         above: f32,

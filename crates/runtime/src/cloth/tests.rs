@@ -60,4 +60,7 @@ fn a_bundle_of_two_pieces_is_one_cloth() {
     let cloth = Cloth::from_bundle("two", &bundle).unwrap();
     let Rest::Image(rest) = cloth.rest() else { panic!("an image is needed") };
     assert_eq!((rest[5], rest[6], cloth.mass(5), cloth.mass(6)), ([1.0; 4], [3.0; 4], 1e-3, 2.0));
+    // A map of the second piece alone selects no particle of the first.
+    let values = Cloth::map_values(&bundle, &MapKind::Mass, 0);
+    assert_eq!(cloth.select(&Select::Map { values: &values, above: 1.0 }).unwrap(), [6, 7, 8, 9, 10, 11]);
 }

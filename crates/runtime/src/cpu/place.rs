@@ -2,7 +2,7 @@
 
 use crate::number::real::{Real, cast, with_w};
 
-/// What becomes of one particle.
+/// A change of one particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
     pub particle: u32,

@@ -32,7 +32,7 @@ impl Body<f32> {
         words
     }
 
-    /// What positions are too coarse for; nothing where they were changed from outside, as the next frame begins with 0.
+    /// The low bits that positions are too coarse for; 0 if positions were changed from outside, as the next frame begins so.
     fn lost(&self) -> Vec<[f32; 4]> {
         let mut texels = vec![[0.0; 4]; self.now.len()];
         if let Some(fabric) = self.fabric.as_ref().filter(|_| !self.edited) {

@@ -55,7 +55,7 @@ fn followed(
         (Some(there), Some((device, queue))) => {
             there.open(&world);
             for cut in cuts {
-                world.host.actions.push(Action::Cut(*cut));
+                world.host.actions.push(Action::Cut { corners: *cut, spared: Vec::new() });
                 let mut encoder = device.create_command_encoder(&Default::default());
                 there.act(&mut world, &mut encoder);
                 queue.submit([encoder.finish()]);
@@ -70,7 +70,7 @@ fn followed(
             let each = bodies.iter_mut().zip(world.scene.cloths.iter().zip(&world.runs));
             each.for_each(|(body, (cloth, held))| body.open(cloth, &held.tethers));
             for cut in cuts {
-                world.host.actions.push(Action::Cut(*cut));
+                world.host.actions.push(Action::Cut { corners: *cut, spared: Vec::new() });
                 world.act(&mut bodies, &Threads::one());
                 for held in bodies.iter().map(|b| b.held.as_ref().unwrap()) {
                     all.push(held.anchors.iter().copied().zip(held.most.iter().copied()).collect());

@@ -90,7 +90,7 @@ impl Gpu {
         self.load(world, encoder, cloth, layout, (&buffer, 0));
     }
 
-    /// The buffers of a cloth as those of one that was never cut or, if it is cut now, that a state will say how.
+    /// Makes the buffers that cuts change again, as before any cut; with room for cuts if the cloth is cut, as a state is to follow.
     pub fn renew(&mut self, world: &World, cloth: usize) {
         let (of, run) = (&world.scene.cloths[cloth], &world.runs[cloth]);
         let buffers = &mut self.cloths[cloth];

@@ -42,7 +42,7 @@ impl ClothState {
 }
 
 impl Snapshot {
-    /// The snapshot as bytes: about 130 bytes, then those of each state.
+    /// The snapshot as bytes: about 130 bytes, then the bytes of each state.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = SNAPSHOT.to_vec();
         out.extend(self.control.numbers().iter().flat_map(|x| x.to_le_bytes()));

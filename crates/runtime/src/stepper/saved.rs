@@ -17,13 +17,13 @@ pub struct SavedState {
 }
 
 impl SavedState {
-    /// Where it lies: bytes are those of [`Stepper::state_bytes`] at that time.
+    /// The part of the buffer that holds it, [`Stepper::state_bytes`] long at that time.
     pub fn span(&self) -> &Span {
         &self.place
     }
 
-    /// The same state in the host's memory. `bytes` are those of the span, for example mapped from it once the submission is
-    /// done: nothing waits here. Errors if there are fewer or more.
+    /// The same state in the host's memory. `bytes` are the bytes of the span, for example mapped once the submission is
+    /// done: the call itself does not wait. Errors if there are fewer or more.
     pub fn read(&self, bytes: &[u8]) -> Result<ClothState> {
         if bytes.len() as u64 != self.place.size {
             return Err(Error::StateBytes { what: "state", problem: "they are not as many as the span has" });
@@ -41,7 +41,7 @@ impl Stepper {
     }
 
     /// Records copies of the state of a cloth into a buffer of the host, from `offset` \[bytes\] on: up to seven copies on the
-    /// device, and no wait. What waits for the next frame (pins, cuts, transforms) is recorded first. GPU backend only.
+    /// device, and no wait. Pins, cuts and transforms that wait for the next frame are recorded first. GPU backend only.
     ///
     /// The buffer has [`Stepper::state_bytes`] bytes from there on, and the usage `COPY_DST`; `COPY_SRC` too if the state is to
     /// be loaded from it ([`Stepper::record_set_state`]), or `MAP_READ` if it is to be read ([`SavedState::read`]). A ring of
@@ -87,7 +87,7 @@ impl Stepper {
         }
         self.refuse_cpu("Stepper::record_set_state", "Stepper::set_state")?;
         self.fits(cloth, &saved.place, (BufferUsages::COPY_SRC, "COPY_SRC"), "its state")?;
-        self.prepare(cloth, &saved.head, &saved.pinned);
+        self.prepare(&[(cloth, &saved.head, saved.pinned.clone())]);
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_set_state"))?;
         let place = (&saved.place.buffer, saved.place.offset);
         gpu.load(&self.world, encoder, cloth, &saved.head.layout, place);
@@ -95,8 +95,8 @@ impl Stepper {
     }
 
     /// Records that particles, and their seam duplicates, are put at positions that lie in a buffer of the host, and at rest:
-    /// [`Stepper::set_pins`] without the way through the host's memory. 8 bytes of upload per particle, and one dispatch. What waits for
-    /// the next frame is recorded first. GPU backend only.
+    /// [`Stepper::set_pins`] without the way through the host's memory. 8 bytes of upload per particle, and one dispatch. Calls
+    /// that wait for the next frame are recorded first. GPU backend only.
     ///
     /// `positions` is an array of `vec4<f32>` \[m\], one per particle, whose w is not read; the buffer has the usage `STORAGE`, and
     /// the span begins at a multiple of 256 bytes. Nothing looks whether positions are finite: a frame with one that is

@@ -7,8 +7,8 @@ use crate::state::{ClothState, Head, Layout, Snapshot};
 use crate::world::Action;
 
 impl Stepper {
-    /// The state of a cloth after all calls so far; those that wait for the next frame (pins, cuts, transforms) are done first.
-    /// Saving does not change how the cloth goes on.
+    /// The state of a cloth after all calls so far: pins, cuts and transforms that wait for the next frame are done first.
+    /// Saving does not change how the cloth moves on.
     ///
     /// On the CPU a copy. On the GPU it submits a copy and waits for everything submitted before: a game uses
     /// [`Stepper::record_state`] there. Submit what was recorded before the call. Errors if there is no such cloth, and if
@@ -21,9 +21,9 @@ impl Stepper {
     }
 
     /// Puts a cloth into a state that [`Stepper::state`] returned, or that the host has changed
-    /// ([`ClothState::set_motion`]). The stepper may be another one, with either backend, if the cloth has the same grids and
-    /// particles. With the same backend and settings the cloth continues with the same bits. Pins, cuts and sleep are those
-    /// of the state; pins, cuts and transforms that wait for the next frame spare the cloth. If steps have another length by now,
+    /// ([`ClothState::set_motion`]). The state may come from another stepper on either backend, if its cloth has the same grids and
+    /// particles. With the same backend and settings the cloth continues with the same bits. Pins, cuts and sleep become
+    /// the state's; pins, cuts and transforms that wait for the next frame do not touch the cloth. If steps have another length by now,
     /// previous positions are scaled so that velocities stay.
     ///
     /// On the CPU it takes effect at once. On the GPU it is one upload, 48 bytes per particle and more (see
@@ -34,7 +34,7 @@ impl Stepper {
     /// then nothing has changed.
     pub fn set_state(&mut self, cloth: usize, state: &ClothState) -> Result<()> {
         state.check(self.world.cloth(cloth)?, &self.world.runs[cloth].tethers)?;
-        self.prepare(cloth, &state.head, &state.pinned());
+        self.prepare(&[(cloth, &state.head, state.pinned())]);
         self.put(cloth, state);
         Ok(())
     }
@@ -59,9 +59,8 @@ impl Stepper {
         for ((state, cloth), run) in snapshot.cloths.iter().zip(&self.world.scene.cloths).zip(&self.world.runs) {
             state.check(cloth, &run.tethers)?;
         }
-        for (cloth, state) in snapshot.cloths.iter().enumerate() {
-            self.prepare(cloth, &state.head, &state.pinned());
-        }
+        let heads = snapshot.cloths.iter().enumerate().map(|(cloth, state)| (cloth, &state.head, state.pinned()));
+        self.prepare(&heads.collect::<Vec<_>>());
         self.world.resume_control(&snapshot.control);
         for (cloth, state) in snapshot.cloths.iter().enumerate() {
             self.put(cloth, state);
@@ -86,16 +85,23 @@ impl Stepper {
         Err(Error::NoGpu("Stepper::state"))
     }
 
-    /// Makes a cloth ready for the lists of a state.
-    pub(super) fn prepare(&mut self, cloth: usize, head: &Head, pinned: &[u32]) {
-        let renewed = head.layout.cut || self.world.scene.cloths[cloth].is_cut();
-        self.world.take(cloth, head, pinned);
-        self.world.reschedule();
-        if let Some(gpu) = self.gpu.as_mut().filter(|_| renewed) {
-            gpu.renew(&self.world, cloth);
+    /// Makes cloths ready for the lists of their states; `heads` has their pins too.
+    pub(super) fn prepare(&mut self, heads: &[(usize, &Head, Vec<u32>)]) {
+        let cut: Vec<usize> = heads.iter().map(|h| h.0).filter(|c| self.world.scene.cloths[*c].is_cut()).collect();
+        let is_cut = |(cloth, head, _): &&(usize, &Head, _)| head.layout.cut || cut.contains(cloth);
+        let renewed: Vec<usize> = heads.iter().filter(is_cut).map(|h| h.0).collect();
+        for (cloth, head, pinned) in heads {
+            self.world.take(*cloth, head, pinned);
+            if self.world.scene.cloths[*cloth].limits.is_some() {
+                self.world.host.actions.push(Action::Aim { cloth: *cloth });
+            }
         }
-        if self.world.scene.cloths[cloth].limits.is_some() {
-            self.world.host.actions.push(Action::Aim { cloth });
+        if renewed.is_empty() {
+            return;
+        }
+        self.world.reschedule();
+        if let Some(gpu) = &mut self.gpu {
+            renewed.into_iter().for_each(|cloth| gpu.renew(&self.world, cloth));
         }
     }
 

@@ -76,8 +76,9 @@ impl Control {
         ControlState { clock, chooser, follow, due, substeps: self.options.substeps, polish: self.options.polish }
     }
 
-    /// Goes on from there, with the numbers that the host gave, and otherwise those of then.
-    pub fn resume(&mut self, state: &ControlState, scene: &Scene) {
+    /// Continues from there, with substeps and polish of then where the host gave none; whether the rounds of polish change.
+    pub fn resume(&mut self, state: &ControlState, scene: &Scene) -> bool {
+        let polish = self.options.polish;
         let given = self.options.given();
         let (mut settings, choice) = Settings::new(given.clone(), scene);
         if given.quality != Quality::Fixed || given.substeps.is_none() {
@@ -91,6 +92,7 @@ impl Control {
         self.follow.resume(state.follow);
         self.chooser.resume(state.chooser);
         self.clock.resume(state.clock);
+        polish != self.options.polish
     }
 
     /// To be called after the steps of a frame.

@@ -5,7 +5,7 @@ use crate::cloth::Cloth;
 use crate::state::{ControlState, Head, Layout};
 
 impl World {
-    /// What the state of a cloth has beside its lists.
+    /// The head of a cloth's state.
     pub fn head(&self, cloth: usize) -> Head {
         let (of, run) = (&self.scene.cloths[cloth], &self.runs[cloth]);
         Head {
@@ -18,8 +18,7 @@ impl World {
         }
     }
 
-    /// Takes over what a state has beside its lists, and its pins in ascending order. What waits for the next frame spares the
-    /// cloth.
+    /// Takes over the head of a state, and its pins in ascending order. Actions that wait for the next frame spare the cloth.
     pub fn take(&mut self, cloth: usize, head: &Head, pinned: &[u32]) {
         let of = &mut self.scene.cloths[cloth];
         let held = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
@@ -53,12 +52,14 @@ impl World {
         self.control.save(self.watchdog.due)
     }
 
-    /// Goes on from there.
+    /// Continues from there.
     pub fn resume_control(&mut self, state: &ControlState) {
-        self.control.resume(state, &self.scene);
+        let changed = self.control.resume(state, &self.scene);
         self.watchdog.due = state.due;
         self.host.raised = None;
         self.raise();
-        self.reschedule();
+        if changed {
+            self.reschedule();
+        }
     }
 }
