@@ -139,7 +139,7 @@ impl Reader<'_> {
         if !timed || numbers.iter().any(|x| !x.is_finite()) {
             return Err(self.bad("a number is out of range"));
         }
-        if !cut && (rest || slots > 0) || !rest && slots > 0 || slots > MAX_ANCHORS {
+        if (rest && !cut) || (slots > 0 && !rest) || slots > MAX_ANCHORS {
             return Err(self.bad("its parts do not go together"));
         }
         let particles = grids.iter().try_fold(0u64, |sum, [w, h]| sum.checked_add(u64::from(*w) * u64::from(*h)));

@@ -126,3 +126,28 @@ impl World {
         self.host.touched
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(particle: u32) -> Placed {
+        Placed { particle, at: Some([0.0; 3]), inverse_mass: None }
+    }
+
+    #[test]
+    fn calls_for_one_cloth_are_one_action_and_its_state_ends_them() {
+        let mut host = Host::default();
+        (0..1402).for_each(|k| host.place(0, [row(k)]));
+        host.place(1, [row(0)]);
+        host.place(0, []);
+        assert_eq!(host.actions.len(), 2, "an upload each");
+        host.actions.push(Action::Cut { corners: [[0.0; 3]; 3], spared: Vec::new() });
+        host.place(0, [row(3)]);
+        host.forget(0);
+        assert!(
+            matches!(&host.actions[..], [Action::Place { cloth: 1, .. }, Action::Cut { spared, .. }] if spared == &[0])
+        );
+        assert!(host.is_pending());
+    }
+}
