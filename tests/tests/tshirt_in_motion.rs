@@ -248,3 +248,37 @@ fn a_ray_picks_the_front_of_the_shirt() {
     let behind = run.0.pick([0.02, 1.1, point[2] - 0.01], [0.0, 0.0, -1.0]).unwrap().unwrap();
     assert!(behind.point()[2] < point[2] - 0.05, "{behind:?}");
 }
+
+#[test]
+fn a_saved_shirt_goes_on_with_the_same_bits() {
+    let device = device();
+    let collar = SHIRT.select(&Select::Pinned).unwrap();
+    assert!(collar.len() > 50 && SHIRT.loops().len() == 4, "two sleeves, a neck and a hem");
+    let at: Vec<[f32; 3]> = collar.iter().map(|k| SHIRT.positions()[*k as usize]).collect();
+    let frames = |run: &mut Run, from: u32| {
+        for frame in from..from + 30 {
+            let by = 0.05 * (0.1 * frame as f32).sin();
+            let to: Vec<_> = at.iter().map(|p| [p[0] + by, p[1], p[2]]).collect();
+            run.0.set_pins(0, &collar, &to).unwrap();
+            run.frame(FRAME);
+        }
+        run.lists().map(|l| l.iter().map(|v| v.map(f32::to_bits)).collect::<Vec<_>>())
+    };
+    let runs = [Some(None), device.as_ref().map(Some)];
+    for (name, device) in ["cpu", "gpu"].into_iter().zip(runs).filter_map(|(n, d)| Some((n, d?))) {
+        let mut run = Run::new(scene(colliders()), &Options { substeps: Some(4), ..Options::default() }, device);
+        frames(&mut run, 0);
+        let whole = run.0.snapshot().unwrap().to_bytes();
+        let swings = frames(&mut run, 30);
+        run.0.restore(&Snapshot::from_bytes(&whole).unwrap()).unwrap();
+        run.0.cut([0.0, 1.1, 2.0], [-1.0, 1.0, -1.0], [1.0, 1.05, -1.0]).unwrap();
+        run.frame(FRAME);
+        let open = run.0.snapshot().unwrap().to_bytes();
+        let parts = frames(&mut run, 30);
+        assert!(parts != swings, "{name}");
+        run.0.restore(&Snapshot::from_bytes(&whole).unwrap()).unwrap();
+        assert!(frames(&mut run, 30) == swings, "{name}, whole");
+        run.0.restore(&Snapshot::from_bytes(&open).unwrap()).unwrap();
+        assert!(frames(&mut run, 30) == parts, "{name}, cut");
+    }
+}

@@ -34,6 +34,7 @@ use crate::cpu::start::Start;
 use crate::error::Result;
 use crate::form::Form;
 use crate::layout::{POSES, StepRow};
+use crate::passes::Pass;
 use crate::plan::Plan;
 use crate::shaders::Slot;
 use crate::world::{ClothRun, World};
@@ -89,6 +90,11 @@ impl Gpu {
         if !draw_only {
             // All that a frame runs, so that the first one does not wait for a compiler.
             Plan::new(world).passes.iter().for_each(|p| _ = gpu.pipelines.get(&p.form));
+            let pinned = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
+            if world.scene.cloths.iter().any(pinned) {
+                // Nor the first frame in which they move.
+                gpu.pipelines.get(&Pass::Place.into());
+            }
         }
         Ok(gpu)
     }

@@ -4,8 +4,12 @@ mod actions;
 #[cfg(feature = "gpu")]
 mod device;
 mod drag;
+#[cfg(feature = "gpu")]
+mod host_buffer;
 mod pick;
 mod pins;
+#[cfg(feature = "gpu")]
+mod record_pins;
 #[cfg(feature = "gpu")]
 mod saved;
 mod script;

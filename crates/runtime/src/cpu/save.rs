@@ -41,7 +41,7 @@ impl Body<f32> {
         texels
     }
 
-    /// Takes the lists of a state over. What cuts have changed is made again from the cloth and the state.
+    /// Takes over the lists of a state. Levels, cells and tethers that cuts have changed are rebuilt from it.
     pub fn load(&mut self, (cloth, tethers): (&Cloth, &Tethers), options: &Settings, layout: &Layout, words: &[u32]) {
         if layout.cut || !self.holes.is_empty() {
             *self = Body::new(cloth, tethers, options);

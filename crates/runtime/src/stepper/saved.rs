@@ -94,47 +94,6 @@ impl Stepper {
         Ok(())
     }
 
-    /// Records that particles, and their seam duplicates, are put at positions that lie in a buffer of the host, and at rest:
-    /// [`Stepper::set_pins`] without the way through the host's memory. 8 bytes of upload per particle, and one dispatch. Calls
-    /// that wait for the next frame are recorded first. GPU backend only.
-    ///
-    /// `positions` is an array of `vec4<f32>` \[m\], one per particle, whose w is not read; the buffer has the usage `STORAGE`, and
-    /// the span begins at a multiple of 256 bytes. Nothing looks whether positions are finite: a frame with one that is
-    /// not is taken back ([`crate::ClothBuffers::faults`]). Errors if there is no such cloth or particle, on the CPU backend, and if the
-    /// span is too small, too far out or lacks the usage; then nothing is recorded.
-    pub fn record_pins(
-        &mut self,
-        encoder: &mut CommandEncoder,
-        cloth: usize,
-        particles: &[u32],
-        positions: &Span,
-    ) -> Result<()> {
-        let all = self.world.cloth(cloth)?.with_duplicates(particles)?;
-        self.refuse_cpu("Stepper::record_pins", "Stepper::set_pins")?;
-        let need = Span { size: positions.size.min(16 * particles.len() as u64), ..positions.clone() };
-        if need.size < 16 * particles.len() as u64 || !need.offset.is_multiple_of(256) {
-            let hint = "give 16 bytes per particle, from a multiple of 256 on";
-            return Err(self.buffer(
-                cloth,
-                "positions of pins",
-                16 * particles.len() as u64,
-                positions.size,
-                "STORAGE",
-                hint,
-            ));
-        }
-        self.fits(cloth, &need, (BufferUsages::STORAGE, "STORAGE"), "positions of pins")?;
-        if all.is_empty() {
-            return Ok(());
-        }
-        self.world.wake(cloth);
-        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_pins"))?;
-        gpu.act(&mut self.world, encoder);
-        gpu.place_from(encoder, cloth, &all, &need);
-        self.world.host.touched = true;
-        Ok(())
-    }
-
     /// The states of some cloths, by one copy and one wait.
     pub(super) fn read_states(&mut self, cloths: &[usize]) -> Result<Vec<ClothState>> {
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::state"))?;
@@ -164,43 +123,5 @@ impl Stepper {
             states.push(ClothState::new(head, own.to_vec()));
         }
         Ok(states)
-    }
-
-    fn refuse_cpu(&self, call: &'static str, other: &'static str) -> Result<()> {
-        if self.cpu.is_some() { Err(Error::CpuBackend(call, other)) } else { Ok(()) }
-    }
-
-    /// Refuses a part of a buffer that copies or shaders could not use.
-    fn fits(
-        &self,
-        cloth: usize,
-        place: &Span,
-        (usage, name): (BufferUsages, &'static str),
-        what: &'static str,
-    ) -> Result<()> {
-        let found = place.buffer.size().saturating_sub(place.offset);
-        let hint = if !place.buffer.usage().contains(usage) {
-            "make it with the usage"
-        } else if !place.offset.is_multiple_of(4) {
-            "begin at a multiple of 4 bytes"
-        } else if found < place.size {
-            "make it larger"
-        } else {
-            return Ok(());
-        };
-        Err(self.buffer(cloth, what, place.size, found, name, hint))
-    }
-
-    fn buffer(
-        &self,
-        cloth: usize,
-        what: &'static str,
-        need: u64,
-        found: u64,
-        usage: &'static str,
-        hint: &'static str,
-    ) -> Error {
-        let cloth = self.world.scene.cloths.get(cloth).map_or_else(String::new, |c| c.name().into());
-        Error::Buffer { cloth, what, need, found, usage, hint }
     }
 }

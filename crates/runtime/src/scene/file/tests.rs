@@ -120,12 +120,34 @@ fn the_script_moves_and_lets_go() {
 }
 
 #[test]
+fn a_loop_is_pinned() {
+    let mut value = full();
+    value["cloths"][0]["pins"] = json!([{"select": {"loop": {"index": 0}}}]);
+    let cloth = &parse(&value).unwrap().scene.cloths[0];
+    // The border of 5 x 4 texels.
+    assert_eq!((0..20).filter(|k| cloth.inverse_mass(*k) == 0.0).count(), 14);
+}
+
+#[test]
 fn mistakes_are_told_with_their_field() {
-    let at = |value: &mut Value, pointer: &str, new: Value| *value.pointer_mut(pointer).unwrap() = new;
+    let at = |value: &mut Value, pointer: &str, new: Value| match value.pointer_mut(pointer) {
+        Some(old) => *old = new,
+        // A field that has a default.
+        None => {
+            let (parent, name) = pointer.rsplit_once('/').unwrap();
+            value.pointer_mut(parent).unwrap()[name] = new;
+        }
+    };
     for (pointer, new, field) in [
         ("/cloths/0/pins/1/select/sphere/radius", json!("x"), "cloths[0].pins[1].select"),
         ("/cloths/0/pins/1/select/sphere/radius", json!(-1), "cloths[0].pins[1].select"),
         ("/cloths/0/pins/0/select/texels/to", json!([4]), "cloths[0].pins[0].select"),
+        (
+            "/cloths/0/pins/1/select",
+            json!({"loop": {"index": 9}}),
+            "cloths[0].pins[1].select.loop: there is no boundary loop 9",
+        ),
+        ("/cloths/0/pins/0/select/texels/piece", json!("arm"), "cloths[0].pins[0].select.texels: cloth"),
         ("/cloths/0/pins/0/release", json!(-1), "cloths[0].pins[0].release"),
         ("/cloths/0/pins/0/motion/1/time", json!(0), "cloths[0].pins[0].motion"),
         ("/cloths/0/from", json!({"bundle": "x.gim"}), "cloths[0].from: no such bundle"),
