@@ -59,7 +59,7 @@ pub fn noises<T: Real, K: Machine<T>>(k: K, around: &mut Around<T>, q: [K::V; 3]
     loop {
         let cell = [cells[0][lane], cells[1][lane], cells[2][lane]];
         let here = k.splats(cell);
-        // What is no number is in every cell, and comes out as none.
+        // A NaN is in every cell, and comes out as NaN.
         let mut elsewhere = zero;
         for c in 0..3 {
             elsewhere = k.choose(k.above(base[c], here[c]), one, elsewhere);
