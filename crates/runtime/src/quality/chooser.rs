@@ -1,0 +1,250 @@
+//! Chooses the numbers of substeps and of rounds of polish, frame by frame.
+//!
+//! [`Law`] foretells the error of other numbers. Of the mixes that one change reaches, the chooser takes the cheapest one that
+//! is foretold to meet the target, or the one from which the target is cheapest to reach by substeps. Cloth answers late, and
+//! a shorter substep is a stiffer spring: the numbers change by small steps, rise soon, and fall or are traded for one
+//! another only after a while in which less would have done.
+
+use super::cost::Costs;
+use super::law::Law;
+use super::{Levers, Mix, Quality};
+
+/// Most substeps and most rounds that are chosen.
+const MAX_SUBSTEPS: u32 = 256;
+const MAX_ROUNDS: u32 = 32;
+/// The numbers fall if fewer are foretold to leave this share of the target, and rises aim at it.
+const AIM: f64 = 0.85;
+/// From a change to a rise \[s\]: the cloth is on its way.
+const SOON: f64 = 0.05;
+/// For so long less must have been enough \[s\]; up to the second, where it turned out to be too little.
+const PATIENCE: [f64; 2] = [0.25, 4.0];
+/// Share of the cost that another number of rounds has to save.
+const MIN_GAIN: f64 = 0.03;
+/// Below so many substeps a fraction of one counts as a whole one.
+const FEW: f64 = 8.0;
+/// Another number of rounds is worth a trial if it saves when their exponent is so many standard deviations better than it
+/// is known to be; and the time without a change before the first trial and the last ones \[s\].
+const TRIAL: f64 = 1.0;
+const TRIAL_WAITS: [f64; 2] = [1.0, 64.0];
+
+/// Chooses, from what was measured.
+#[derive(Clone, Debug)]
+pub struct Chooser {
+    /// Largest stretch of the last frame that was measured.
+    pub error: Option<f64>,
+    /// What has been measured since the last choice.
+    fresh: Option<f64>,
+    /// The largest since the numbers were changed, or smaller ones were thought of.
+    worst: Option<f64>,
+    /// Stepped since then, and since the change \[s\].
+    waited: f64,
+    held: f64,
+    /// Stepped since the last choice \[s\].
+    seconds: f64,
+    law: Law,
+    /// What frames took.
+    costs: Costs,
+    /// Cost of a substep of the last mix.
+    of_substep: f64,
+    patience: f64,
+    /// Time without a change before a trial \[s\].
+    trial: f64,
+    fell: bool,
+}
+
+impl Default for Chooser {
+    fn default() -> Self {
+        let (error, fresh, worst) = (None, None, None);
+        let (waited, held, seconds) = (0.0, 0.0, 0.0);
+        let (law, costs, of_substep) = (Law::default(), Costs::default(), 1.0);
+        let (patience, trial, fell) = (PATIENCE[0], TRIAL_WAITS[0], false);
+        Chooser { error, fresh, worst, waited, held, seconds, law, costs, of_substep, patience, trial, fell }
+    }
+}
+
+/// What a change has to achieve.
+struct Aim {
+    /// The error over the error that is aimed at.
+    excess: f64,
+    /// Largest cost.
+    most: f64,
+    /// Whether the error has to fall; if not, the cost has to.
+    rise: bool,
+    /// Standard deviations by which other numbers of rounds are thought better than they are known to be.
+    hope: f64,
+}
+
+impl Chooser {
+    /// To be called when steps have been made.
+    pub fn stepped(&mut self, seconds: f64) {
+        self.seconds += seconds;
+    }
+
+    /// Takes in the error of a cloth.
+    pub fn measured(&mut self, stretch: f64) {
+        self.fresh = Some(self.fresh.map_or(stretch, |s| s.max(stretch)));
+    }
+
+    /// Takes in what `steps` steps took.
+    pub fn took(&mut self, steps: u32, ms: f64) {
+        self.costs.add(f64::from(steps) * self.of_substep, ms);
+    }
+
+    /// The mix from here on, `now` being that of the last frame.
+    pub fn next(&mut self, quality: Quality, now: Mix, levers: &Levers) -> Mix {
+        self.of_substep = levers.of_substep(now.rounds);
+        if quality == Quality::Fixed || self.seconds == 0.0 {
+            return now;
+        }
+        self.take_in(now);
+        let (n, more) = (now.substeps, (now.substeps / 8).max(1));
+        let trial = self.of_substep * f64::from(n + more);
+        let room = quality.budget().and_then(|ms| self.costs.room(trial, ms));
+        let steps = |rounds| room.map(|r| ((r / levers.of_substep(rounds)).floor().max(1.0) as u32).min(MAX_SUBSTEPS));
+        let (want, rise) = match quality.target() {
+            Some(target) => self.for_error(target, now, levers, room),
+            None => {
+                let substeps = steps(now.rounds).map_or(n, |room| self.for_budget(room, n));
+                (Mix { substeps, ..now }, substeps > n)
+            }
+        };
+        // Colliders that are fast have to be met, also by cloth that is not stretched.
+        let fewest = if quality.target().is_some() { levers.fewest.min(n + quarter(n)) } else { 1 };
+        // A fall by more than a quarter at once would stir cloth at rest.
+        let most = steps(want.rounds).unwrap_or(MAX_SUBSTEPS).max(n - n.div_ceil(4));
+        let mut next = Mix { substeps: want.substeps.max(fewest).min(most).clamp(1, MAX_SUBSTEPS), ..want };
+        let over = room.is_some_and(|room| levers.cost(next) > room);
+        if over && next.substeps == 1 && levers.round.is_some() {
+            next.rounds -= next.rounds.div_ceil(4);
+        }
+        self.note(rise, next != now);
+        self.of_substep = levers.of_substep(next.rounds);
+        next
+    }
+
+    /// Takes in the last frame.
+    fn take_in(&mut self, now: Mix) {
+        let seconds = std::mem::take(&mut self.seconds);
+        self.costs.age(seconds);
+        self.waited += seconds;
+        self.held += seconds;
+        if let Some(error) = self.fresh.take() {
+            self.error = Some(error);
+            self.worst = Some(self.worst.map_or(error, |w| w.max(error)));
+            self.law.measured(now, error, seconds);
+        }
+    }
+
+    /// Notes a change, which may be a rise.
+    fn note(&mut self, rise: bool, changed: bool) {
+        if !changed {
+            return;
+        }
+        // A rise after a fall: the fall was a mistake. A fall after a fall: the one before was none.
+        self.patience = match (rise, self.fell) {
+            (true, true) => (2.0 * self.patience).min(PATIENCE[1]),
+            (false, true) => PATIENCE[0],
+            _ => self.patience,
+        };
+        (self.fell, self.held) = (!rise, 0.0);
+        self.start_anew();
+    }
+
+    fn start_anew(&mut self) {
+        (self.worst, self.waited) = (None, 0.0);
+    }
+
+    /// The mix that is wanted, and whether because the error is too large.
+    fn for_error(&mut self, target: f64, now: Mix, levers: &Levers, room: Option<f64>) -> (Mix, bool) {
+        // Where no mix meets the target, the cost ends where it does with substeps alone.
+        let start = Mix { substeps: MAX_SUBSTEPS, rounds: levers.start };
+        let most = room.unwrap_or(f64::INFINITY).min(levers.cost(start));
+        let hope = if self.held >= self.trial { TRIAL } else { 0.0 };
+        let aim = |error: f64, rise| Aim { excess: error / (AIM * target), most, rise, hope };
+        let aim = match (self.error, self.worst) {
+            (Some(error), Some(_)) if error > target && self.waited >= SOON => aim(error, true),
+            (_, Some(worst)) if self.waited >= self.patience => {
+                self.start_anew();
+                // What meets the target is good enough.
+                aim(worst.min(AIM * target), false)
+            }
+            _ => return (now, false),
+        };
+        self.law.learn();
+        let best = self.best(now, levers, &aim);
+        if aim.hope > 0.0 && best.rounds != now.rounds {
+            self.trial = (2.0 * self.trial).min(TRIAL_WAITS[1]);
+        }
+        (best, aim.rise)
+    }
+
+    /// The mix that one change reaches on the way to the best number of rounds.
+    fn best(&self, now: Mix, levers: &Levers, aim: &Aim) -> Mix {
+        let r = now.rounds;
+        let stays = self.with_rounds(r, now, levers, aim).unwrap_or(now);
+        if levers.round.is_none() {
+            return stays;
+        }
+        // Farther away the law holds no more. A rise after rounds were given up does not give up more.
+        let fewest = if aim.rise && aim.hope == 0.0 { r } else { r / 2 };
+        let near = fewest..=(2 * r + 2).min(MAX_ROUNDS.max(r));
+        let cost = |rounds| {
+            let need = self.need(rounds, now, aim).0;
+            let need = if need < FEW { need.ceil() } else { need };
+            levers.of_substep(rounds) * need.max(f64::from(levers.fewest))
+        };
+        let Some(best) = near.min_by(|a, b| cost(*a).total_cmp(&cost(*b))) else { return stays };
+        if cost(best) > (1.0 - MIN_GAIN) * cost(r) {
+            return stays;
+        }
+        let step = best.clamp(r - ((r + 1) / 8).max(1).min(r), r + ((r + 1) / 4).max(1));
+        let one = best.clamp(r - r.min(1), r + 1);
+        [step, one].into_iter().find_map(|rounds| self.with_rounds(rounds, now, levers, aim)).unwrap_or(stays)
+    }
+
+    /// How many substeps a number of rounds needs, and by what that number divides the error.
+    fn need(&self, rounds: u32, now: Mix, aim: &Aim) -> (f64, f64) {
+        let hope = if rounds > now.rounds { aim.hope } else { -aim.hope };
+        let by_rounds = (f64::from(rounds + 1) / f64::from(now.rounds + 1)).powf(self.law.of_rounds(hope));
+        let factor = (aim.excess / by_rounds).powf(1.0 / self.law.of_substeps());
+        (f64::from(now.substeps) * factor, by_rounds)
+    }
+
+    /// The mix with a number of rounds that one change reaches; none where it does not do.
+    fn with_rounds(&self, rounds: u32, now: Mix, levers: &Levers, aim: &Aim) -> Option<Mix> {
+        let (n, same) = (now.substeps, rounds == now.rounds);
+        let (need, by_rounds) = self.need(rounds, now, aim);
+        let fits = (aim.most / levers.of_substep(rounds)).floor().min(f64::from(MAX_SUBSTEPS)) as u32;
+        let most = if same && !aim.rise { n } else { (n + quarter(n)).min(fits) };
+        // At the largest cost, rounds take the place of more substeps at once: the cloth does not rest.
+        let least = n - match (same, aim.rise) {
+            (true, true) => 0,
+            (false, true) => n.div_ceil(4),
+            (_, false) => n.div_ceil(8),
+        };
+        if most < least.max(1) {
+            return None;
+        }
+        let least = if aim.rise { n.min(most) } else { least };
+        let substeps = (need.ceil().min(f64::from(most)) as u32).max(least).max(1);
+        let left = aim.excess / by_rounds * (f64::from(n) / f64::from(substeps)).powf(self.law.of_substeps());
+        // Neither a rise that makes the error larger, nor a trade that misses the target.
+        let good = same || if aim.rise { left < aim.excess } else { left <= 1.0 };
+        good.then_some(Mix { substeps, rounds })
+    }
+
+    /// Not up and down with every frame.
+    fn for_budget(&self, room: u32, n: u32) -> u32 {
+        let more = (n / 8).max(1);
+        if room >= n + more && self.waited >= self.patience { n + more } else { n.min(room) }
+    }
+}
+
+/// By how much a number of substeps rises at most.
+fn quarter(n: u32) -> u32 {
+    (n / 4).max(1)
+}
+
+#[cfg(test)]
+#[path = "../quality_tests.rs"]
+mod tests;

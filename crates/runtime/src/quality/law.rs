@@ -1,0 +1,153 @@
+//! How the error answers to substeps and to rounds of polish: as `1 / (substeps^a (rounds + 1)^b)`.
+//!
+//! In theory `a` is 2 (Macklin et al., "Small Steps in Physics Simulation", SCA 2019), but it is 1 and less where cloth is
+//! crumpled or squeezed, and `b` depends on how far a correction has to travel. A Kalman filter learns both exponents from
+//! the changes of the numbers that are made anyway: each one is a measurement of the change of the logarithm of the error.
+//! The uncertainty of a measurement is that with which the error changes between changes of the numbers, so that nothing is
+//! learned from cloth in wild motion and much from cloth at rest.
+
+use super::Mix;
+
+/// Exponents before anything was measured, and their standard deviations.
+const PRIOR: [f64; 2] = [2.0, 1.0];
+const PRIOR_DEVIATION: f64 = 0.5;
+/// Range of each exponent.
+const RANGE: [[f64; 2]; 2] = [[0.3, 4.0], [0.0, 4.0]];
+/// Largest standard deviation of an exponent.
+const MAX_DEVIATION: f64 = 1.0;
+/// Standard deviation of the change of each exponent when the number that it belongs to changes by a factor of e.
+const WANDER: [f64; 2] = [0.2, 0.6];
+/// The error is averaged over this time \[s\].
+const MEAN_S: f64 = 0.1;
+/// Time \[s\] in which most of the answer to a change arrives.
+const ANSWER_S: f64 = 0.15;
+/// Standard deviation of ln(error): at any time, and what the missing part of the answer adds right after a change.
+const NOISE: [f64; 2] = [0.03, 0.5];
+/// Share of the newest measurement in the drift.
+const NEWEST: f64 = 0.2;
+/// Drift \[1/s\] before anything was measured, and the largest one that is counted.
+const DRIFT: [f64; 2] = [0.1, 10.0];
+/// Smallest error that is told from none.
+const MIN_ERROR: f64 = 1e-6;
+
+/// The mean of ln(error) with one mix.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    mix: Mix,
+    mean: f64,
+    /// When, and for how long it had lasted \[s\].
+    at: f64,
+    since: f64,
+}
+
+impl Level {
+    /// Variance of the mean.
+    fn noise(&self) -> f64 {
+        NOISE[0].powi(2) + (NOISE[1] * (-self.since / ANSWER_S).exp()).powi(2)
+    }
+}
+
+/// What is known of the exponents.
+#[derive(Clone, Debug)]
+pub struct Law {
+    /// Of the substeps, and of the rounds plus 1.
+    exponents: [f64; 2],
+    covariance: [[f64; 2]; 2],
+    /// Mean square of the change of ln(error) \[1/s\] with the same mix.
+    drift: f64,
+    /// With the mix before the last change, until something was learned from the change.
+    before: Option<Level>,
+    /// With the current mix.
+    now: Option<Level>,
+    /// Mean and time from which the drift is measured next.
+    mark: Option<(f64, f64)>,
+    /// Measured so far \[s\].
+    time: f64,
+}
+
+impl Default for Law {
+    fn default() -> Self {
+        let variance = PRIOR_DEVIATION * PRIOR_DEVIATION;
+        let covariance = [[variance, 0.0], [0.0, variance]];
+        let (before, now, mark) = (None, None, None);
+        Law { exponents: PRIOR, covariance, drift: DRIFT[0], before, now, mark, time: 0.0 }
+    }
+}
+
+/// Logarithms of the numbers that the error is a power of.
+fn logarithms(mix: Mix) -> [f64; 2] {
+    [f64::from(mix.substeps).ln(), f64::from(mix.rounds + 1).ln()]
+}
+
+impl Law {
+    /// The exponent of the substeps.
+    pub fn of_substeps(&self) -> f64 {
+        self.exponents[0]
+    }
+
+    /// The exponent of the rounds plus 1, `deviations` standard deviations above the most probable one.
+    pub fn of_rounds(&self, deviations: f64) -> f64 {
+        let exponent = self.exponents[1] + deviations * self.covariance[1][1].sqrt();
+        exponent.clamp(RANGE[1][0], RANGE[1][1])
+    }
+
+    /// Takes in the error of a frame of `seconds`.
+    pub fn measured(&mut self, mix: Mix, error: f64, seconds: f64) {
+        self.time += seconds;
+        let error = error.max(MIN_ERROR).ln();
+        match &mut self.now {
+            Some(level) if level.mix == mix => {
+                level.since += seconds;
+                level.mean += (error - level.mean) * (seconds / MEAN_S).min(1.0);
+                level.at = self.time;
+            }
+            _ => {
+                self.learn();
+                // Of a mix that did not last nothing is known.
+                self.before = self.before.or(self.now);
+                (self.now, self.mark) = (Some(Level { mix, mean: error, at: self.time, since: 0.0 }), None);
+            }
+        }
+        self.measure_drift();
+    }
+
+    fn measure_drift(&mut self) {
+        let Some(level) = self.now.filter(|now| now.since >= MEAN_S) else { return };
+        let Some((mean, at)) = self.mark else {
+            self.mark = Some((level.mean, level.at));
+            return;
+        };
+        if level.at - at >= MEAN_S {
+            let drift = ((level.mean - mean).powi(2) / (level.at - at)).min(DRIFT[1]);
+            self.drift += NEWEST * (drift - self.drift);
+            self.mark = Some((level.mean, level.at));
+        }
+    }
+
+    /// Learns from the last change, once.
+    pub fn learn(&mut self) {
+        let (Some(before), Some(now)) = (self.before, self.now.filter(|now| now.since >= MEAN_S)) else { return };
+        self.before = None;
+        let (a, b) = (logarithms(before.mix), logarithms(now.mix));
+        // How far the logarithm of the error falls for each exponent.
+        let by = [b[0] - a[0], b[1] - a[1]];
+        if by == [0.0; 2] {
+            return;
+        }
+        let noise = before.noise() + now.noise() + self.drift * (now.at - before.at);
+        for (d, row) in self.covariance.iter_mut().enumerate() {
+            row[d] = (row[d] + (WANDER[d] * by[d]).powi(2)).min(MAX_DEVIATION * MAX_DEVIATION);
+        }
+        let times = self.covariance.map(|row| row[0] * by[0] + row[1] * by[1]);
+        let variance = times[0] * by[0] + times[1] * by[1] + noise;
+        let expected = self.exponents[0] * by[0] + self.exponents[1] * by[1];
+        let found = before.mean - now.mean;
+        // A surprise beyond three standard deviations is something else that happened.
+        let surprise = (found - expected).clamp(-3.0 * variance.sqrt(), 3.0 * variance.sqrt());
+        for d in 0..2 {
+            let [least, most] = RANGE[d];
+            self.exponents[d] = (self.exponents[d] + times[d] * surprise / variance).clamp(least, most);
+            (0..2).for_each(|e| self.covariance[d][e] -= times[d] * times[e] / variance);
+        }
+    }
+}
