@@ -135,15 +135,15 @@ fn the_cheapest_mix_is_found_by_measuring() {
             let (least, best) = cheapest(AIM * target, &levers, error);
             for (substeps, rounds) in [(8, 0), (8, 8), (100, 0), (40, 16)] {
                 let start = Mix { substeps, rounds };
-                let all = mixes(target, start, 7200, (&levers, answer), |_, mix| error(mix));
-                let end = all[7199];
+                let all = mixes(target, start, 10_800, (&levers, answer), |_, mix| error(mix));
+                let end = all[10_799];
                 let name = format!("{name}, {target} from {start:?} with {answer}: {end:?}, best {best:?}");
-                let changes = all[3600..].windows(2).filter(|w| w[0] != w[1]).count();
+                let changes = all[7200..].windows(2).filter(|w| w[0] != w[1]).count();
                 eprintln!("{:.3} {changes} {name}", levers.cost(end) / least);
                 assert!(levers.cost(end) <= 1.15 * least, "{name}");
                 assert!(error(end) <= target, "{name}: {}", error(end));
-                // Of a trial that does not pay and the way back.
-                assert!(changes <= 4, "{name}: {:?}", &all[3600..]);
+                // Of trials that do not pay and the way back.
+                assert!(changes <= 8, "{name}: {:?}", &all[7200..]);
             }
         }
     }
@@ -157,8 +157,8 @@ fn mixes_change_by_small_steps() {
         let all = mixes(0.02, Mix { substeps: 8, rounds: 2 }, 1800, (&Levers { start: 8, ..both(round) }, 1.0), error);
         for w in all.windows(2) {
             let [(n, r), (m, s)] = [w[0], w[1]].map(|mix| (mix.substeps, mix.rounds + 1));
-            assert!(m <= n + (n / 4).max(1) && m + n.div_ceil(8) >= n, "{name}: {w:?}");
-            assert!(s <= r + (r / 4).max(2) && s + (r / 8).max(2) >= r, "{name}: {w:?}");
+            assert!(m <= n + (n / 4).max(1) && m + n.div_ceil(4) >= n, "{name}: {w:?}");
+            assert!(s <= r + (r / 4).max(2) && s + (r / 4).max(2) >= r, "{name}: {w:?}");
         }
         // The target is met soon after the load has come.
         let met = (300..900).find(|f| error(*f, all[*f as usize]) <= 0.02).unwrap();

@@ -18,14 +18,20 @@ const AIM: f64 = 0.85;
 const SOON: f64 = 0.05;
 /// For so long less must have been enough \[s\]; up to the second, where it turned out to be too little.
 const PATIENCE: [f64; 2] = [0.25, 4.0];
+/// A change after which the error is too large within this time \[s\] is undone.
+const UNDO_S: f64 = 0.5;
+/// For so long a mix that turned out to be too little is not tried again \[s\], the first time and at most.
+const RETRY: [f64; 2] = [0.5, 8.0];
 /// Share of the cost that another number of rounds has to save.
 const MIN_GAIN: f64 = 0.03;
 /// Below so many substeps a fraction of one counts as a whole one.
 const FEW: f64 = 8.0;
-/// Another number of rounds is worth a trial if it saves when their exponent is so many standard deviations better than it
-/// is known to be; and the time without a change before the first trial and the last ones \[s\].
-const TRIAL: f64 = 1.0;
+/// By so many standard deviations the exponent of the rounds is taken for worse than it is known to be, and for better in a
+/// trial; and the time without a change before the first trial and the last ones \[s\].
+const HOPE: [f64; 2] = [-1.0, 1.0];
 const TRIAL_WAITS: [f64; 2] = [1.0, 64.0];
+/// Fewest substeps that are given up for rounds.
+const MIN_TRADED: u32 = 4;
 
 /// Chooses, from what was measured.
 #[derive(Clone, Debug)]
@@ -47,9 +53,18 @@ pub struct Chooser {
     /// Cost of a substep of the last mix.
     of_substep: f64,
     patience: f64,
-    /// Time without a change before a trial \[s\].
+    /// The last mix that turned out to be too little, and for how long it is not tried again \[s\].
+    failed: Option<(Mix, f64)>,
+    /// How long that is next time \[s\].
+    retry: f64,
+    /// Time without a change before a trial \[s\], and the least cost before one.
     trial: f64,
+    tried: f64,
     fell: bool,
+    /// The mix before, where the last change was no rise.
+    back: Option<Mix>,
+    /// Whether the next trial is one of more rounds.
+    more: bool,
 }
 
 impl Default for Chooser {
@@ -57,8 +72,26 @@ impl Default for Chooser {
         let (error, fresh, worst) = (None, None, None);
         let (waited, held, seconds) = (0.0, 0.0, 0.0);
         let (law, costs, of_substep) = (Law::default(), Costs::default(), 1.0);
-        let (patience, trial, fell) = (PATIENCE[0], TRIAL_WAITS[0], false);
-        Chooser { error, fresh, worst, waited, held, seconds, law, costs, of_substep, patience, trial, fell }
+        let (patience, failed, retry, trial, fell) = (PATIENCE[0], None, RETRY[0], TRIAL_WAITS[0], false);
+        Chooser {
+            error,
+            fresh,
+            worst,
+            waited,
+            held,
+            seconds,
+            law,
+            costs,
+            of_substep,
+            patience,
+            failed,
+            retry,
+            trial,
+            tried: f64::INFINITY,
+            fell,
+            back: None,
+            more: true,
+        }
     }
 }
 
@@ -72,6 +105,8 @@ struct Aim {
     rise: bool,
     /// Standard deviations by which other numbers of rounds are thought better than they are known to be.
     hope: f64,
+    /// Whether a trial is one of more rounds, where it is one.
+    trial: Option<bool>,
 }
 
 impl Chooser {
@@ -117,7 +152,7 @@ impl Chooser {
         if over && next.substeps == 1 && levers.round.is_some() {
             next.rounds -= next.rounds.div_ceil(4);
         }
-        self.note(rise, next != now);
+        self.note(rise, now, next);
         self.of_substep = levers.of_substep(next.rounds);
         next
     }
@@ -128,6 +163,7 @@ impl Chooser {
         self.costs.age(seconds);
         self.waited += seconds;
         self.held += seconds;
+        self.failed = self.failed.map(|(mix, left)| (mix, left - seconds)).filter(|(_, left)| *left > 0.0);
         if let Some(error) = self.fresh.take() {
             self.error = Some(error);
             self.worst = Some(self.worst.map_or(error, |w| w.max(error)));
@@ -136,17 +172,27 @@ impl Chooser {
     }
 
     /// Notes a change, which may be a rise.
-    fn note(&mut self, rise: bool, changed: bool) {
-        if !changed {
+    fn note(&mut self, rise: bool, now: Mix, next: Mix) {
+        if next == now {
             return;
         }
         // A rise after a fall: the fall was a mistake. A fall after a fall: the one before was none.
-        self.patience = match (rise, self.fell) {
-            (true, true) => (2.0 * self.patience).min(PATIENCE[1]),
-            (false, true) => PATIENCE[0],
-            _ => self.patience,
-        };
-        (self.fell, self.held) = (!rise, 0.0);
+        match (rise, self.fell) {
+            (true, true) => {
+                self.patience = (2.0 * self.patience).min(PATIENCE[1]);
+                self.failed = Some((now, self.retry));
+                self.retry = (2.0 * self.retry).min(RETRY[1]);
+            }
+            (false, true) => {
+                self.patience = PATIENCE[0];
+                let as_little = |(mix, _): (Mix, f64)| now.substeps <= mix.substeps && now.rounds <= mix.rounds;
+                if self.failed.is_some_and(as_little) {
+                    (self.failed, self.retry) = (None, RETRY[0]);
+                }
+            }
+            _ => {}
+        }
+        (self.fell, self.held, self.back) = (!rise, 0.0, Some(now).filter(|_| !rise));
         self.start_anew();
     }
 
@@ -159,8 +205,11 @@ impl Chooser {
         // Where no mix meets the target, the cost ends where it does with substeps alone.
         let start = Mix { substeps: MAX_SUBSTEPS, rounds: levers.start };
         let most = room.unwrap_or(f64::INFINITY).min(levers.cost(start));
-        let hope = if self.held >= self.trial { TRIAL } else { 0.0 };
-        let aim = |error: f64, rise| Aim { excess: error / (AIM * target), most, rise, hope };
+        // Where the target is not met, all that was possible has been done.
+        let trial = self.held >= self.trial && (self.law.is_calm() || self.error > Some(target));
+        let hope = HOPE[usize::from(trial)];
+        let way = Some(self.more).filter(|_| trial && self.law.is_calm());
+        let aim = |error: f64, rise| Aim { excess: error / (AIM * target), most, rise, hope, trial: way };
         let aim = match (self.error, self.worst) {
             (Some(error), Some(_)) if error > target && self.waited >= SOON => aim(error, true),
             (_, Some(worst)) if self.waited >= self.patience => {
@@ -170,10 +219,25 @@ impl Chooser {
             }
             _ => return (now, false),
         };
-        self.law.learn();
+        if !aim.rise || self.fell {
+            self.law.learn();
+        }
+        let back = self.back.filter(|back| aim.rise && self.held <= UNDO_S && levers.cost(*back) <= most);
+        if let Some(back) = back {
+            return (back, true);
+        }
         let best = self.best(now, levers, &aim);
-        if aim.hope > 0.0 && best.rounds != now.rounds {
-            self.trial = (2.0 * self.trial).min(TRIAL_WAITS[1]);
+        if aim.rise && best != now {
+            self.law.rises();
+        }
+        // More and fewer rounds are tried in turn.
+        self.more ^= trial;
+        if trial && best.rounds != now.rounds {
+            // On with trials soon where the last one paid.
+            let (cost, [first, last]) = (levers.cost(now), TRIAL_WAITS);
+            let paid = cost < (1.0 - MIN_GAIN) * self.tried;
+            self.trial = if paid { first } else { (2.0 * self.trial).min(last) };
+            self.tried = self.tried.min(cost);
         }
         (best, aim.rise)
     }
@@ -186,12 +250,18 @@ impl Chooser {
             return stays;
         }
         // Farther away the law holds no more. A rise after rounds were given up does not give up more.
-        let fewest = if aim.rise && aim.hope == 0.0 { r } else { r / 2 };
-        let near = fewest..=(2 * r + 2).min(MAX_ROUNDS.max(r));
+        let fewest = if aim.rise && aim.hope < 0.0 { r } else { r / 2 };
+        let most = (2 * r + 2).min(MAX_ROUNDS.max(r));
+        let near = match aim.trial {
+            Some(true) => r..=most,
+            Some(false) => fewest..=r,
+            None => fewest..=most,
+        };
         let cost = |rounds| {
             let need = self.need(rounds, now, aim).0;
             let need = if need < FEW { need.ceil() } else { need };
-            levers.of_substep(rounds) * need.max(f64::from(levers.fewest))
+            let least = if rounds > r { now.substeps.min(MIN_TRADED) } else { 1 };
+            levers.of_substep(rounds) * need.max(f64::from(levers.fewest.max(least)))
         };
         let Some(best) = near.min_by(|a, b| cost(*a).total_cmp(&cost(*b))) else { return stays };
         if cost(best) > (1.0 - MIN_GAIN) * cost(r) {
@@ -222,10 +292,17 @@ impl Chooser {
             (false, true) => n.div_ceil(4),
             (_, false) => n.div_ceil(8),
         };
+        let least = if rounds > now.rounds { least.max(n.min(MIN_TRADED)) } else { least };
         if most < least.max(1) {
             return None;
         }
         let least = if aim.rise { n.min(most) } else { least };
+        // Not again what has just been too little.
+        let known = self.failed.filter(|(mix, _)| !aim.rise && rounds <= mix.rounds).map_or(0, |(mix, _)| mix.substeps);
+        let least = least.max((known + 1).min(n));
+        if most < least {
+            return None;
+        }
         let substeps = (need.ceil().min(f64::from(most)) as u32).max(least).max(1);
         let left = aim.excess / by_rounds * (f64::from(n) / f64::from(substeps)).powf(self.law.of_substeps());
         // Neither a rise that makes the error larger, nor a trade that misses the target.
