@@ -62,7 +62,8 @@ pub struct Options {
     /// Further rounds of a relaxation: tethers, then springs to the right and down, which stretch shows in, and not the
     /// diagonal ones, which take half of the time. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default
     /// `None`: chosen from the scene ([`crate::Choice`] has the rules), and then by [`Quality::Error`]
-    /// ([`crate::Stepper::polish`] is the current number); 0 to 64. A number is kept. Such a round is a fourth of a substep. On
+    /// ([`crate::Stepper::polish`] is the current number); 0 to 64. A number is kept. The first round
+    /// is a fourth of a substep, each further one two thirds of one on tethers and an eighth among several colliders. On
     /// cloth that lies on colliders, eight rounds leave a seventh of the stretch; hanging on tethers, one does as much as two
     /// further substeps from some 100 particles per side on, as fine cloth crumples beside its pins.
     pub polish: Option<u32>,

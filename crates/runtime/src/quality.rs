@@ -3,6 +3,7 @@
 mod chooser;
 mod cost;
 mod law;
+mod reach;
 
 pub use chooser::Chooser;
 
@@ -56,9 +57,10 @@ pub enum Quality {
     /// than is left of relaxation rather than less. For a material the compliance is that of square cells.
     ///
     /// Both numbers start as those of [`crate::Choice`]. Each change is a measurement of what it brought, from which the stepper
-    /// foretells the error of other numbers; their cost is computed from the passes. Rounds of polish change on the CPU only, and
-    /// stay as they are where the host gave them ([`crate::Options::polish`]) and in scenes whose cloths all have a compliance or a
-    /// material. Fast colliders have the substeps of [`crate::Choice`] at least. Costs a pass over the particles per frame. Deterministic on
+    /// foretells the error of other numbers; their cost is computed from the passes. Rounds of polish change on the CPU only (on
+    /// the GPU they are part of compiled pipelines), and stay as they are where the host gave them ([`crate::Options::polish`])
+    /// and in scenes whose cloths all have a compliance or a material. Substeps do not fall below those that fast colliders
+    /// need. Without a mix that meets the target, the cost ends at that of 256 substeps with the rounds of the start. Costs a pass over the particles per frame. Deterministic on
     /// the CPU; on the GPU the number of substeps changes when measurements have come back ([`crate::Stepper::settle`]), so
     /// runs repeat if the host waits for each frame before it settles.
     Error(f64),

@@ -1,3 +1,4 @@
+use super::super::reach::MAX_ROUNDS;
 use super::*;
 
 const FRAME: f64 = 1.0 / 60.0;

@@ -144,9 +144,8 @@ fn fares(engine: &Engine, faults: &Faults) -> String {
 
 /// How many steps and rounds of polish were chosen and what they achieved, where they were; else nothing.
 fn chosen(quality: Quality, [substeps, rounds]: [[Option<u32>; 3]; 2], error: Option<f64>) -> String {
-    let range = |[least, median, most]: [Option<u32>; 3]| {
-        Some(format!("least {}, median {}, most {}", least?, median?, most?))
-    };
+    let range =
+        |[least, median, most]: [Option<u32>; 3]| Some(format!("least {}, median {}, most {}", least?, median?, most?));
     let (Some(substeps), Some(rounds)) = (range(substeps), range(rounds)) else { return String::new() };
     if quality == Quality::Fixed {
         return String::new();

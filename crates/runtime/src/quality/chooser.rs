@@ -1,17 +1,14 @@
 //! Chooses the numbers of substeps and of rounds of polish, frame by frame.
 //!
-//! [`Law`] foretells the error of other numbers. Of the mixes that one change reaches, the chooser takes the cheapest one that
-//! is foretold to meet the target, or the one from which the target is cheapest to reach by substeps. Cloth answers late, and
-//! a shorter substep is a stiffer spring: the numbers change by small steps, rise soon, and fall or are traded for one
-//! another only after a while in which less would have done.
+//! [`Law`] foretells the error of other numbers, and [`Reach`] finds the cheapest mix. Cloth answers late, and a shorter
+//! substep is a stiffer spring: the numbers change by small steps, rise soon, and fall or are traded for one another only
+//! after a while in which less would have done. A change that turns out to be wrong is undone.
 
 use super::cost::Costs;
 use super::law::Law;
+use super::reach::{Aim, MAX_SUBSTEPS, MIN_GAIN, Reach, quarter};
 use super::{Levers, Mix, Quality};
 
-/// Most substeps and most rounds that are chosen.
-const MAX_SUBSTEPS: u32 = 256;
-const MAX_ROUNDS: u32 = 32;
 /// The numbers fall if fewer are foretold to leave this share of the target, and rises aim at it.
 const AIM: f64 = 0.85;
 /// From a change to a rise \[s\]: the cloth is on its way.
@@ -22,17 +19,10 @@ const PATIENCE: [f64; 2] = [0.25, 4.0];
 const UNDO_S: f64 = 0.5;
 /// For so long a mix that turned out to be too little is not tried again \[s\], the first time and at most.
 const RETRY: [f64; 2] = [0.5, 8.0];
-/// Share of the cost that another number of rounds has to save.
-const MIN_GAIN: f64 = 0.03;
-/// Below so many substeps a fraction of one counts as a whole one.
-const FEW: f64 = 8.0;
 /// By so many standard deviations the exponent of the rounds is taken for worse than it is known to be, and for better in a
 /// trial; and the time without a change before the first trial and the last ones \[s\].
 const HOPE: [f64; 2] = [-1.0, 1.0];
 const TRIAL_WAITS: [f64; 2] = [1.0, 64.0];
-/// Fewest substeps that are given up for rounds.
-const MIN_TRADED: u32 = 4;
-
 /// Chooses, from what was measured.
 #[derive(Clone, Debug)]
 pub struct Chooser {
@@ -93,20 +83,6 @@ impl Default for Chooser {
             more: true,
         }
     }
-}
-
-/// What a change has to achieve.
-struct Aim {
-    /// The error over the error that is aimed at.
-    excess: f64,
-    /// Largest cost.
-    most: f64,
-    /// Whether the error has to fall; if not, the cost has to.
-    rise: bool,
-    /// Standard deviations by which other numbers of rounds are thought better than they are known to be.
-    hope: f64,
-    /// Whether a trial is one of more rounds, where it is one.
-    trial: Option<bool>,
 }
 
 impl Chooser {
@@ -226,7 +202,8 @@ impl Chooser {
         if let Some(back) = back {
             return (back, true);
         }
-        let best = self.best(now, levers, &aim);
+        let failed = self.failed.map(|(mix, _)| mix);
+        let best = Reach { law: &self.law, levers, now, aim: &aim, failed }.best();
         if aim.rise && best != now {
             self.law.rises();
         }
@@ -242,84 +219,11 @@ impl Chooser {
         (best, aim.rise)
     }
 
-    /// The mix that one change reaches on the way to the best number of rounds.
-    fn best(&self, now: Mix, levers: &Levers, aim: &Aim) -> Mix {
-        let r = now.rounds;
-        let stays = self.with_rounds(r, now, levers, aim).unwrap_or(now);
-        if levers.round.is_none() {
-            return stays;
-        }
-        // Farther away the law holds no more. A rise after rounds were given up does not give up more.
-        let fewest = if aim.rise && aim.hope < 0.0 { r } else { r / 2 };
-        let most = (2 * r + 2).min(MAX_ROUNDS.max(r));
-        let near = match aim.trial {
-            Some(true) => r..=most,
-            Some(false) => fewest..=r,
-            None => fewest..=most,
-        };
-        let cost = |rounds| {
-            let need = self.need(rounds, now, aim).0;
-            let need = if need < FEW { need.ceil() } else { need };
-            let least = if rounds > r { now.substeps.min(MIN_TRADED) } else { 1 };
-            levers.of_substep(rounds) * need.max(f64::from(levers.fewest.max(least)))
-        };
-        let Some(best) = near.min_by(|a, b| cost(*a).total_cmp(&cost(*b))) else { return stays };
-        if cost(best) > (1.0 - MIN_GAIN) * cost(r) {
-            return stays;
-        }
-        let step = best.clamp(r - ((r + 1) / 8).max(1).min(r), r + ((r + 1) / 4).max(1));
-        let one = best.clamp(r - r.min(1), r + 1);
-        [step, one].into_iter().find_map(|rounds| self.with_rounds(rounds, now, levers, aim)).unwrap_or(stays)
-    }
-
-    /// How many substeps a number of rounds needs, and by what that number divides the error.
-    fn need(&self, rounds: u32, now: Mix, aim: &Aim) -> (f64, f64) {
-        let hope = if rounds > now.rounds { aim.hope } else { -aim.hope };
-        let by_rounds = (f64::from(rounds + 1) / f64::from(now.rounds + 1)).powf(self.law.of_rounds(hope));
-        let factor = (aim.excess / by_rounds).powf(1.0 / self.law.of_substeps());
-        (f64::from(now.substeps) * factor, by_rounds)
-    }
-
-    /// The mix with a number of rounds that one change reaches; none where it does not do.
-    fn with_rounds(&self, rounds: u32, now: Mix, levers: &Levers, aim: &Aim) -> Option<Mix> {
-        let (n, same) = (now.substeps, rounds == now.rounds);
-        let (need, by_rounds) = self.need(rounds, now, aim);
-        let fits = (aim.most / levers.of_substep(rounds)).floor().min(f64::from(MAX_SUBSTEPS)) as u32;
-        let most = if same && !aim.rise { n } else { (n + quarter(n)).min(fits) };
-        // At the largest cost, rounds take the place of more substeps at once: the cloth does not rest.
-        let least = n - match (same, aim.rise) {
-            (true, true) => 0,
-            (false, true) => n.div_ceil(4),
-            (_, false) => n.div_ceil(8),
-        };
-        let least = if rounds > now.rounds { least.max(n.min(MIN_TRADED)) } else { least };
-        if most < least.max(1) {
-            return None;
-        }
-        let least = if aim.rise { n.min(most) } else { least };
-        // Not again what has just been too little.
-        let known = self.failed.filter(|(mix, _)| !aim.rise && rounds <= mix.rounds).map_or(0, |(mix, _)| mix.substeps);
-        let least = least.max((known + 1).min(n));
-        if most < least {
-            return None;
-        }
-        let substeps = (need.ceil().min(f64::from(most)) as u32).max(least).max(1);
-        let left = aim.excess / by_rounds * (f64::from(n) / f64::from(substeps)).powf(self.law.of_substeps());
-        // Neither a rise that makes the error larger, nor a trade that misses the target.
-        let good = same || if aim.rise { left < aim.excess } else { left <= 1.0 };
-        good.then_some(Mix { substeps, rounds })
-    }
-
     /// Not up and down with every frame.
     fn for_budget(&self, room: u32, n: u32) -> u32 {
         let more = (n / 8).max(1);
         if room >= n + more && self.waited >= self.patience { n + more } else { n.min(room) }
     }
-}
-
-/// By how much a number of substeps rises at most.
-fn quarter(n: u32) -> u32 {
-    (n / 4).max(1)
 }
 
 #[cfg(test)]
