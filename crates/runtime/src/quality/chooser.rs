@@ -181,11 +181,14 @@ impl Chooser {
         // Where no mix meets the target, the cost ends where it does with substeps alone.
         let start = Mix { substeps: MAX_SUBSTEPS, rounds: levers.start };
         let most = room.unwrap_or(f64::INFINITY).min(levers.cost(start));
-        // Where the target is not met, all that was possible has been done.
-        let trial = self.held >= self.trial && (self.law.is_calm() || self.error > Some(target));
-        let hope = HOPE[usize::from(trial)];
-        let way = Some(self.more).filter(|_| trial && self.law.is_calm());
-        let aim = |error: f64, rise| Aim { excess: error / (AIM * target), most, rise, hope, trial: way };
+        let trial = self.held >= self.trial && self.law.is_calm();
+        let (stuck, more) = (self.held >= TRIAL_WAITS[0], self.more);
+        let aim = |error: f64, rise: bool| {
+            // Where the target has not been met for long, all else has been done.
+            let hopes = if rise { stuck } else { trial };
+            let way = Some(more).filter(|_| trial && !rise);
+            Aim { excess: error / (AIM * target), most, rise, hope: HOPE[usize::from(hopes)], trial: way }
+        };
         let aim = match (self.error, self.worst) {
             (Some(error), Some(_)) if error > target && self.waited >= SOON => aim(error, true),
             (_, Some(worst)) if self.waited >= self.patience => {
@@ -208,8 +211,8 @@ impl Chooser {
             self.law.rises();
         }
         // More and fewer rounds are tried in turn.
-        self.more ^= trial;
-        if trial && best.rounds != now.rounds {
+        self.more ^= aim.trial.is_some();
+        if aim.trial.is_some() && best.rounds != now.rounds {
             // On with trials soon where the last one paid.
             let (cost, [first, last]) = (levers.cost(now), TRIAL_WAITS);
             let paid = cost < (1.0 - MIN_GAIN) * self.tried;

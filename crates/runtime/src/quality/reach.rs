@@ -84,7 +84,11 @@ impl Reach<'_> {
         let (n, same) = (now.substeps, rounds == now.rounds);
         let (need, by_rounds) = self.need(rounds);
         let fits = (aim.most / levers.of_substep(rounds)).floor().min(f64::from(MAX_SUBSTEPS)) as u32;
-        let most = if same && !aim.rise { n } else { (n + quarter(n)).min(fits) };
+        let most = match (same, aim.rise) {
+            (true, false) => n,
+            (false, false) => n + quarter(n),
+            (_, true) => (n + quarter(n)).min(fits),
+        };
         // At the largest cost, rounds take the place of more substeps at once: the cloth does not rest.
         let least = n - match (same, aim.rise) {
             (true, true) => 0,
