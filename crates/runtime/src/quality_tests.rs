@@ -159,7 +159,7 @@ fn mixes_change_by_small_steps() {
         for w in all.windows(2) {
             let [(n, r), (m, s)] = [w[0], w[1]].map(|mix| (mix.substeps, mix.rounds + 1));
             assert!(m <= n + (n / 4).max(1) && m + n.div_ceil(4) >= n, "{name}: {w:?}");
-            assert!(s <= r + (r / 4).max(2) && s + (r / 4).max(2) >= r, "{name}: {w:?}");
+            assert!(s <= r + (r / 4).max(1) && s + (r / 4).max(1) >= r, "{name}: {w:?}");
         }
         // The target is met soon after the load has come.
         let met = (300..900).find(|f| error(*f, all[*f as usize]) <= 0.02);
