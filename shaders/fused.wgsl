@@ -1,7 +1,7 @@
 // The whole frame of a cloth by one workgroup: every step, from the integration to the contact, then what ends a frame.
 // A workgroup a cloth. `step_program`, `round_program` and `frame_program` are made from the schedule: the rules of the separate passes, in
 // the same order, with a barrier after each.
-// Laid out as `FrameRow` in crates/runtime/src/gpu/layout.rs. Rows: the first step, then one for each group of steps.
+// Laid out as `FrameRow` in crates/runtime/src/layout.rs. Rows: the first step, then one for each group of steps.
 struct Frame {
   steps: u32,
   rounds: u32,

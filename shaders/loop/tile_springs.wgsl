@@ -1,4 +1,4 @@
-// A rule of springs in a tile, colour by colour. See crates/runtime/src/cpu/tile.rs.
+// A rule of springs in a tile, colour by colour. See crates/runtime/src/tile/reach.rs.
 
 fn each_all(local: u32, direction: u32, parity: u32) {
   // Columns and rows of cells, as spring_ends has them.

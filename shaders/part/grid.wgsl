@@ -1,4 +1,4 @@
-// One grid of particles. Laid out as `GridRow` in crates/runtime/src/gpu/layout.rs.
+// One grid of particles. Laid out as `GridRow` in crates/runtime/src/layout.rs.
 struct Grid {
   first: u32,
   width: u32,

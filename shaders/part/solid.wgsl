@@ -1,4 +1,4 @@
-// A collider in numbers, and the way out of it. Laid out as `SolidRow` in crates/runtime/src/gpu/layout.rs.
+// A collider in numbers, and the way out of it. Laid out as `SolidRow` in crates/runtime/src/layout.rs.
 struct Solid {
   center: vec3<f32>,
   kind: u32,

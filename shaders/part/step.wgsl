@@ -1,4 +1,4 @@
-// The numbers of one step. Laid out as `Step` in crates/runtime/src/gpu/layout.rs.
+// The numbers of one step. Laid out as `Step` in crates/runtime/src/layout.rs.
 struct Step {
   gravity: vec3<f32>,
   keep: f32,

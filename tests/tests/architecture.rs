@@ -46,6 +46,29 @@ fn every_path_in_the_pages_exists() {
     assert!(checked > 100, "only {checked} paths found");
 }
 
+/// Comments of shaders and of sources name files from the root.
+#[test]
+fn every_path_in_comments_exists() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut checked = 0;
+    for file in ["crates", "shaders"].iter().flat_map(|folder| files(&root.join(folder))) {
+        let text = std::fs::read_to_string(&file).unwrap_or_default();
+        let comments = text.lines().filter_map(|line| line.trim_start().strip_prefix("//"));
+        let words = comments.flat_map(|line| line.split([' ', '`', '(', ')', ',', ';', ':', '[', ']']));
+        let path = |word: &str| -> Option<String> {
+            let word = word.trim_end_matches('.');
+            let named = (word.starts_with("crates/") && word.ends_with(".rs"))
+                || (word.starts_with("shaders/") && word.ends_with(".wgsl"));
+            named.then(|| word.to_owned())
+        };
+        for path in words.filter_map(path) {
+            assert!(root.join(&path).exists(), "{} names {path}", file.display());
+            checked += 1;
+        }
+    }
+    assert!(checked > 50, "only {checked} paths found");
+}
+
 /// Top-level modules of the runtime that each one names by `crate::`, in code outside its tests.
 fn modules_named(source: &Path) -> BTreeMap<String, BTreeSet<String>> {
     let root = code(&source.join("lib.rs"));
@@ -124,7 +147,8 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let each = paths.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] });
     let program = |path: &PathBuf| {
-        path.extension().is_some_and(|e| e == "rs") && !path.file_stem().unwrap().to_str().unwrap().ends_with("tests")
+        path.extension().is_some_and(|e| e == "rs" || e == "wgsl")
+            && !path.file_stem().unwrap().to_str().unwrap().ends_with("tests")
     };
     each.filter(program).collect()
 }

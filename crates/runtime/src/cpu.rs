@@ -5,7 +5,7 @@
 //! number of threads gives the same bits.
 
 mod act;
-pub(crate) mod advance;
+
 pub(crate) mod aside;
 pub(crate) mod bend;
 pub(crate) mod body;
@@ -23,6 +23,7 @@ pub(crate) mod fused;
 pub(crate) mod guard;
 pub(crate) mod gust;
 pub(crate) mod integrate;
+pub(crate) mod integrate_rows;
 pub(crate) mod interpolate;
 pub(crate) mod laplacian;
 pub(crate) mod lazy;

@@ -13,7 +13,9 @@ mod read_back;
 mod ring;
 mod solids;
 mod span;
+mod store;
 mod turns;
+mod upload;
 mod watch;
 
 pub use buffers::ClothBuffers;
@@ -25,21 +27,21 @@ pub use span::Span;
 
 use bytemuck::cast_slice;
 
-use crate::cloth::Cloth;
+use crate::cloth::{Cloth, Tethers};
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::cpu::start::Start;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::form::Form;
 use crate::layout::{POSES, StepRow};
 use crate::plan::Plan;
 use crate::shaders::Slot;
 use crate::world::{ClothRun, World};
 use arena::Arena;
-use buffers::Spans;
 pub use pipelines::Compiled;
 pub(crate) use pipelines::Pipelines;
 use solids::Solids;
+use store::Store;
 use watch::Watch;
 
 /// Everything on the device.
@@ -48,6 +50,8 @@ pub struct Gpu {
     queue: wgpu::Queue,
     pipelines: Pipelines,
     cloths: Vec<ClothBuffers>,
+    /// State of all cloths: those of the arenas in their order, then a store for each other cloth.
+    stores: Vec<Store>,
     arenas: Vec<Arena>,
     frames: Option<Ring>,
     solids: Solids,
@@ -62,21 +66,22 @@ impl Gpu {
         pipelines: Pipelines,
         draw_only: bool,
     ) -> Result<Self> {
+        for (cloth, run) in world.scene.cloths.iter().zip(&world.runs) {
+            fits(&device.limits(), cloth, &run.tethers)?;
+        }
         let starts: Vec<_> = world.scene.cloths.iter().map(|c| Start::new(c, &world.control.options)).collect();
-        let arenas: Vec<_> = world.arenas.iter().map(|cloths| Arena::new(device, world, &starts, cloths)).collect();
-        let mut lie: Vec<Option<Spans>> = world.scene.cloths.iter().map(|_| None).collect();
-        arenas.iter().flat_map(Arena::spans).for_each(|(cloth, spans)| lie[cloth] = Some(spans));
-        let cloths = world.scene.cloths.iter().zip(&world.runs).zip(&starts).zip(lie);
-        let settings = (draw_only, &*world.control.options);
-        let cloths: Result<_> = cloths
-            .map(|(((cloth, run), start), spans)| {
-                ClothBuffers::new(device, (cloth, &run.tethers), start, settings, spans)
-            })
-            .collect();
+        let shared = |cloth: &usize| world.arenas.iter().flatten().any(|c| c == cloth);
+        let alone = (0..starts.len()).filter(|c| !shared(c)).map(|c| vec![c]);
+        let stores = world.arenas.iter().cloned().chain(alone);
+        let stores: Vec<_> = stores.map(|cloths| Store::new(device, world, &starts, &cloths, draw_only)).collect();
+        let arenas: Vec<_> = world.arenas.iter().zip(&stores).map(|(_, s)| Arena::new(device, world, s)).collect();
+        let mut states: Vec<_> = stores.iter().flat_map(Store::spans).collect();
+        states.sort_by_key(|(cloth, _)| *cloth);
         let mut gpu = Gpu {
             solids: Solids::new(device, world),
             pipelines,
-            cloths: cloths?,
+            cloths: states.into_iter().map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect(),
+            stores,
             frames: (!arenas.is_empty()).then(|| frames::ring(device)),
             arenas,
             device: device.clone(),
@@ -189,7 +194,8 @@ impl Gpu {
             let numbers = frames::numbers(&any, world.scene.colliders.len());
             let offset = frames.offset(&self.queue, &numbers);
             let buffers = (&self.solids.buffer, &frames.buffer);
-            let group = arena.group(&self.device, world, &batch, pipeline, buffers);
+            let store = &self.stores[batch.arena];
+            let group = arena.group(&self.device, world, &batch, (pipeline, store), buffers);
             pass.set_pipeline(&pipeline.pipeline);
             pass.set_bind_group(0, group, &[offset]);
             pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);
@@ -235,6 +241,20 @@ impl Gpu {
             self.queue.write_buffer(&span.buffer, span.offset + at, cast_slice(numbers));
         }
     }
+}
+
+/// Errors where a buffer of a cloth is larger than the device allows.
+fn fits(limits: &wgpu::Limits, cloth: &Cloth, held: &Tethers) -> Result<()> {
+    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    // No other buffer of a cloth has more bytes per particle.
+    let cells = if cloth.membrane().is_some() { 32 } else { 0 };
+    for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64), ("cells", cells)] {
+        let need = cloth.len() as u64 * bytes;
+        if need > limit {
+            return Err(Error::Limit { cloth: cloth.name().into(), buffer, need, limit });
+        }
+    }
+    Ok(())
 }
 
 /// The limits to request a device with, so that as many cloths as possible run whole frames in one dispatch: those of

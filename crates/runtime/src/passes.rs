@@ -18,7 +18,7 @@ pub enum Pass {
     /// Verlet step of the free particles.
     Integrate(Air),
     /// The same for cloth of a material, which keeps what is too small for a position to take up.
-    Advance(Air),
+    IntegrateExact(Air),
     /// Multipliers of bending, of cloth that has any.
     Moments {
         /// Whether any triangle is cut away.
@@ -238,7 +238,7 @@ pub fn schedule(
     // Reads neighbours, so it cannot be part of the step that moves them.
     s.step.extend((air == Air::Field).then_some(Pass::Wind { holes: cloth.is_cut() }));
     let exact = cloth.is_exact() && options.solver == Solver::Xpbd;
-    s.step.push(if exact { Pass::Advance(air) } else { Pass::Integrate(air) });
+    s.step.push(if exact { Pass::IntegrateExact(air) } else { Pass::Integrate(air) });
     let seams = cloth.ring_count() > 0;
     // Colliders are last, so that a frame ends outside of them. Duplicates are equal there and stay so.
     match options.solver {

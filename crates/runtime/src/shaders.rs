@@ -3,12 +3,8 @@
 //! A pass is declared once, by its [`rule`](rule()). Each form adds a loop to it: over a whole cloth apart, over a
 //! workgroup's cloth in a whole frame, over a part of a grid in a tile. A shader is its files, in order.
 
-use std::fmt::Write as _;
-
 use crate::cloth::Cloth;
-use crate::fold::{Run, fold};
 use crate::form::{Form, TileShape};
-use crate::passes::Pass;
 
 /// How elements are given to threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,6 +60,7 @@ macro_rules! turn {
 mod apart;
 mod constants;
 mod parts;
+mod program;
 mod rare;
 mod rule;
 mod slot;
@@ -82,29 +79,6 @@ pub fn source(form: &Form) -> Source {
         Form::Apart(pass) => apart::apart(*pass),
         Form::Tile(of) => tile(of),
         Form::Whole(of) => whole(of),
-    }
-}
-
-/// Calls of a list of passes, rounds as loops; `call` gives the lines of one.
-fn calls(passes: &[Pass], call: impl Fn(&Pass) -> String) -> String {
-    fold(passes).iter().fold(String::new(), |mut text, run| {
-        match run {
-            Run::Once(pass) => text += &call(pass),
-            Run::Times(n, part) => {
-                _ = writeln!(text, "  for (var turn = 0u; turn < {n}u; turn++) {{");
-                part.iter().for_each(|pass| text += &call(pass));
-                text += "  }\n";
-            }
-        }
-        text
-    })
-}
-
-/// What a rule's loop is told beside the thread: the colour, if it has any.
-fn colour(over: Over) -> String {
-    match over {
-        Over::Springs { direction: a, parity: b } | Over::Cells { column: a, row: b } => format!(", {a}u, {b}u"),
-        Over::Particles | Over::Near | Over::Rings | Over::Texels | Over::Own(_) => String::new(),
     }
 }
 

@@ -8,7 +8,7 @@ use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use super::*;
 use crate::form::{Fused, Hold, Tile};
 use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
-use crate::passes::{Air, Kinds, Schedule, Soft};
+use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
 
 /// Every form that a frame or an action can have, up to constants.
 pub(super) fn variants() -> Vec<Form> {
@@ -24,7 +24,7 @@ fn passes() -> Vec<Pass> {
         all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }]);
     }
     all.extend([Air::None, Air::Push, Air::Field].map(Pass::Integrate));
-    all.extend([Air::None, Air::Push, Air::Field].map(Pass::Advance));
+    all.extend([Air::None, Air::Push, Air::Field].map(Pass::IntegrateExact));
     let springs = (0..16).map(|k| Pass::Springs { direction: k / 4, parity: k / 2 % 2, image: k % 2 == 1 });
     all.extend(springs);
     for (friction, many) in [(false, false), (true, false), (false, true), (true, true)] {
@@ -79,8 +79,10 @@ fn tiles() -> Vec<Tile> {
         let (soft, exact) = (SOFTS[n / 4], on(3));
         let again = on(2) && (on(3) || on(4)) && soft != Soft::None;
         let tethers = Some(Pass::Tethers { slots: 2 });
-        let mut passes: Vec<Pass> =
-            airs[n % 4].map(|air| if exact { Pass::Advance(air) } else { Pass::Integrate(air) }).into_iter().collect();
+        let mut passes: Vec<Pass> = airs[n % 4]
+            .map(|air| if exact { Pass::IntegrateExact(air) } else { Pass::Integrate(air) })
+            .into_iter()
+            .collect();
         passes.extend((again && on(3)).then_some(Pass::Forget));
         passes.extend(tethers.filter(|_| on(0)));
         if on(2) {
@@ -106,7 +108,7 @@ fn fused() -> Vec<Fused> {
         let (seams, tethers) = (on(6).then_some(Pass::Seams), on(5).then_some(Pass::Tethers { slots: 2 }));
         let mut s = Schedule::default();
         s.step.extend((air == Air::Field).then_some(Pass::Wind { holes: false }));
-        s.step.push(if on(1) { Pass::Advance(air) } else { Pass::Integrate(air) });
+        s.step.push(if on(1) { Pass::IntegrateExact(air) } else { Pass::Integrate(air) });
         if on(3) {
             s.step.extend([Pass::Moments { holes: false }, Pass::Bend]);
             s.step.extend(seams.map(|_| Pass::SeamMoments));

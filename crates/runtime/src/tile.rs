@@ -26,7 +26,7 @@ impl Tile {
     fn of(passes: &[Pass]) -> Option<Self> {
         let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0 };
         let Stages { arrive, middle, leave } = stages(passes);
-        let moves = |p: &Pass| matches!(p, Pass::Integrate(_) | Pass::Advance(_));
+        let moves = |p: &Pass| matches!(p, Pass::Integrate(_) | Pass::IntegrateExact(_));
         let within = |p: &Pass| matches!(over(*p), Over::Particles | Over::Springs { .. }) && !moves(p);
         let alone = |p: &Pass| matches!(over(*p), Over::Particles);
         // Sums are a matter of springs.

@@ -261,7 +261,9 @@ fn only_cloth_of_a_material_pays_for_it() {
     let shaders = |cloth: Cloth, solver| {
         let plan = Stepper::on_cpu(scene(cloth), Options { solver, ..options(1) }).unwrap().plan();
         // The exact step has the shader of the plain one, with another rule.
-        let name = |p: &PlannedPass| if matches!(p.form.pass(), Some(Pass::Advance(_))) { "advance" } else { p.shader };
+        let name = |p: &PlannedPass| {
+            if matches!(p.form.pass(), Some(Pass::IntegrateExact(_))) { "integrate_exact" } else { p.shader }
+        };
         plan.passes.iter().map(name).collect::<Vec<_>>()
     };
     let flat = || Flat::square("flat", 8).cloth().unwrap();
@@ -270,14 +272,14 @@ fn only_cloth_of_a_material_pays_for_it() {
         cloth.set_material(&Material { bend, ..FABRIC }).unwrap();
         cloth
     };
-    let is_new = |s: &&str| ["advance", "moments", "seam_moments", "bend", "membrane"].contains(s);
+    let is_new = |s: &&str| ["integrate_exact", "moments", "seam_moments", "bend", "membrane"].contains(s);
     assert_eq!(shaders(flat(), Solver::Xpbd).iter().filter(|s| is_new(s)).count(), 0);
     assert_eq!(shaders(of(1e-4), Solver::Classic), shaders(flat(), Solver::Classic));
     let four = ["membrane"; 4];
     let end = ["guard", "restore"];
-    assert_eq!(shaders(of(0.0), Solver::Xpbd), [&["advance"][..], &four, &end].concat());
-    assert_eq!(shaders(of(1e-4), Solver::Xpbd), [&["advance", "moments", "bend"][..], &four, &end].concat());
+    assert_eq!(shaders(of(0.0), Solver::Xpbd), [&["integrate_exact"][..], &four, &end].concat());
+    assert_eq!(shaders(of(1e-4), Solver::Xpbd), [&["integrate_exact", "moments", "bend"][..], &four, &end].concat());
     let sewn = support::made_of(support::two_charts(5));
-    let begin = ["advance", "moments", "seam_moments", "bend", "seams"];
+    let begin = ["integrate_exact", "moments", "seam_moments", "bend", "seams"];
     assert_eq!(shaders(sewn, Solver::Xpbd), [&begin[..], &four, &["seams"], &end].concat());
 }

@@ -231,7 +231,7 @@ fn what_tiles_do_not_make_runs_between_them() {
     for (substeps, pyramid, triangles) in [(24, 0, true), (23, 0, false), (25, 2, false)] {
         flies.wind = Some(wind(triangles));
         let tiles = agree("short steps", &flies, |o| Options { substeps: Some(substeps), pyramid, ..o }, &device);
-        assert_eq!(has(&tiles, |p| matches!(p, Pass::Advance(_))), !triangles, "{tiles:?}");
+        assert_eq!(has(&tiles, |p| matches!(p, Pass::IntegrateExact(_))), !triangles, "{tiles:?}");
     }
     agree(
         "measured",

@@ -15,7 +15,7 @@ use super::sheet::{Sheet, Values};
 use super::stretch::{self, Springs};
 use super::sweep::{self, Stage};
 use super::tethers::{self, Tethers};
-use super::{advance, bend, cut_levels, forget, polish, refine, seam_moments, seam_steps, wind};
+use super::{bend, cut_levels, forget, integrate_rows, polish, refine, seam_moments, seam_steps, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
 use crate::collider::solid::Solid;
 use crate::levels::ties::{Ties, ties};
@@ -244,7 +244,7 @@ impl<T: Real> Fabric<T> {
                     Stage::Springs(&self.springs[g][direction as usize & 3], (direction & 3, parity), true)
                 }
                 Pass::Tethers { .. } => Stage::Tethers(&self.tethers[g], &anchors),
-                _ => Stage::Advance(step),
+                _ => Stage::Integrate(step),
             };
             let stages: Vec<_> = passes.iter().map(stage).collect();
             sweep::run(sheet, &stages);
@@ -272,15 +272,15 @@ impl<T: Real> Fabric<T> {
     ) -> bool {
         match pass {
             Pass::Wind { .. } => self.wind(threads, step, body),
-            Pass::Integrate(air) | Pass::Advance(air) => {
-                let exact = matches!(pass, Pass::Advance(_));
+            Pass::Integrate(air) | Pass::IntegrateExact(air) => {
+                let exact = matches!(pass, Pass::IntegrateExact(_));
                 for (g, sheet) in self.sheets.iter_mut().enumerate() {
                     let air = match air {
                         passes::Air::None => Air::None,
                         passes::Air::Push => Air::Push,
                         passes::Air::Field => Air::Field(&self.fields[g]),
                     };
-                    advance::run(threads, step, sheet, air, exact);
+                    integrate_rows::run(threads, step, sheet, air, exact);
                 }
             }
             Pass::Membrane { column, row, .. } => {
@@ -358,18 +358,31 @@ impl<T: Real> Fabric<T> {
     }
 
     fn wind(&mut self, threads: &Threads, step: &Step<T>, body: &mut Body<T>) {
-        self.field.resize(body.now().len(), [T::of(0.0); 4]);
-        self.store(&mut body.now, &mut body.before);
-        let (now, before, holes) = (&body.now, &body.before, &body.holes);
         self.fields.resize_with(self.sheets.len(), Aligned::default);
-        for ((sheet, first), field) in self.sheets.iter().zip(&self.firsts).zip(&mut self.fields) {
+        for (sheet, field) in self.sheets.iter().zip(&mut self.fields) {
+            if field.len() != sheet.now.len() {
+                *field = Aligned::zeros(sheet.now.len());
+            }
+        }
+        let missing = |k: &usize| body.now[*k][3] < T::of(0.0) || body.holes.get(*k).is_some_and(|h| *h != 0);
+        let whole = |first: usize, sheet: &Sheet<T>| !(first..first + sheet.width * sheet.height).any(|k| missing(&k));
+        let whole: Vec<bool> =
+            self.firsts.iter().zip(&self.sheets).map(|(first, sheet)| whole(*first, sheet)).collect();
+        if whole.contains(&false) {
+            self.field.resize(body.now.len(), [T::of(0.0); 4]);
+            self.store(&mut body.now, &mut body.before);
+        }
+        let (now, before, holes) = (&body.now, &body.before, &body.holes);
+        let each = self.sheets.iter().zip(&self.firsts).zip(&mut self.fields).zip(whole);
+        for (((sheet, first), field), whole) in each {
+            if whole {
+                wind::of_sheet(threads, step, sheet, field);
+                continue;
+            }
             let range = *first..first + sheet.width * sheet.height;
             let holes = holes.get(range.clone()).unwrap_or(&[]);
             let view = View { now: &now[range.clone()], width: sheet.width, holes };
             wind::run(threads, step, view, &before[range.clone()], &mut self.field[range.clone()]);
-            if field.len() != sheet.now.len() {
-                *field = Aligned::zeros(sheet.now.len());
-            }
             sheet.arrange(&self.field[range], field);
         }
     }

@@ -1,10 +1,14 @@
 //! Sums over the triangles around every particle, for as many particles at once as the machine has lanes.
 //!
 //! A triangle is computed once and added to its three corners, where shaders compute it for each: the sums differ by
-//! rounding. Beside gaps and holes, where triangles differ from particle
-//! to particle, the sum is made by the particle ([`View::triangles`]).
+//! rounding. Rows beside gaps and holes, where triangles differ from particle to particle, are made by the particle.
 
-use super::neighbours::View;
+mod planes;
+mod texels;
+
+pub use planes::Planes;
+pub use texels::Texels;
+
 use super::rows::Threads;
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::Real;
@@ -12,45 +16,50 @@ use crate::number::real::Real;
 /// What is summed.
 pub trait Facets<T: Real>: Copy + Send + Sync {
     /// The value of a triangle, from its corners now and one step before, counter-clockwise seen from the front.
-    fn facet<K: Machine<T>>(&self, k: K, now: [[K::V; 3]; 3], before: [[K::V; 3]; 3]) -> [K::V; 3];
+    fn facet<K: Machine<T>>(&mut self, k: K, now: [[K::V; 3]; 3], before: [[K::V; 3]; 3]) -> [K::V; 3];
     /// The result of a particle with an inverse mass.
     fn particle<K: Machine<T>>(&self, k: K, sum: [K::V; 3], w: K::V) -> [K::V; 4];
-    /// The same for the particle (i, j) alone, by its own triangles.
-    fn alone(&self, i: usize, j: usize) -> [T; 4];
+}
+
+/// Where particles and results lie.
+pub trait Place<T: Real>: Copy + Send + Sync {
+    /// Of what results are made.
+    type Item: Send;
+    /// Particles in a row, and rows.
+    fn size(&self) -> (usize, usize);
+    /// Items in a row of results.
+    fn row(&self) -> usize;
+    /// Copies a row of particles; whether all of its texels are particles and all of its quads are there.
+    fn fill(&self, j: usize, row: &mut Row<T>) -> bool;
+    /// Copies a row of results.
+    fn put(&self, from: &[Vec<T>; 4], to: &mut [Self::Item]);
+    /// Makes a row of results particle by particle, where quads are missing.
+    fn mend(&self, _j: usize, _to: &mut [Self::Item]) {}
 }
 
 /// Rows that are done in one go.
 const TOGETHER: usize = 8;
 
-/// Writes the result of every particle. `before` may be empty if no facet reads it.
-pub fn run<T: Real>(
-    threads: &Threads,
-    facets: impl Facets<T>,
-    view: View<T>,
-    before: &[[T; 4]],
-    results: &mut [[T; 4]],
-) {
-    threads.chunks(results, TOGETHER * view.width, |chunk, results| {
-        widest(Chunk { facets, view, before, first: chunk * TOGETHER, results });
+/// Writes the result of every particle.
+pub fn run<T: Real, P: Place<T>>(threads: &Threads, facets: impl Facets<T>, place: P, results: &mut [P::Item]) {
+    threads.chunks(results, TOGETHER * place.row(), |chunk, results| {
+        widest(Chunk { facets, place, first: chunk * TOGETHER, results });
     });
 }
 
 /// Rows of particles from the row `first` on.
-struct Chunk<'a, 'b, T, F> {
+struct Chunk<'b, F, P, I> {
     facets: F,
-    view: View<'a, T>,
-    before: &'a [[T; 4]],
+    place: P,
     first: usize,
-    results: &'b mut [[T; 4]],
+    results: &'b mut [I],
 }
 
-/// A row of particles by coordinates, with room for a vector past its end.
-struct Row<T> {
+/// A row of particles by coordinates, with room for a vector past its end. `before` is 0 if no facet reads it.
+pub struct Row<T> {
     now: [Vec<T>; 3],
     before: [Vec<T>; 3],
     w: Vec<T>,
-    /// Whether all of its texels are particles, and all of its quads are there.
-    whole: bool,
 }
 
 /// Values of the quads of a row: of the triangle at their lower left, of that at their upper right, and of both. The quad `i`
@@ -64,23 +73,7 @@ struct Quads<T> {
 impl<T: Real> Row<T> {
     fn new(width: usize) -> Self {
         let list = || vec![T::of(0.0); width + 1 + LANES];
-        Row { now: [list(), list(), list()], before: [list(), list(), list()], w: list(), whole: false }
-    }
-
-    fn fill(&mut self, j: usize, view: &View<T>, before: &[[T; 4]]) {
-        let range = j * view.width..(j + 1) * view.width;
-        let holes = view.holes.get(range.clone()).unwrap_or(&[]);
-        self.whole = holes.iter().all(|h| *h == 0);
-        let Row { now: [x, y, z], w, .. } = self;
-        let row = &view.now[range.clone()];
-        for ((((p, x), y), z), w) in row.iter().zip(x).zip(y).zip(z).zip(w) {
-            [*x, *y, *z, *w] = *p;
-        }
-        self.whole &= row.iter().all(|p| p[3] >= T::of(0.0));
-        let [x, y, z] = &mut self.before;
-        for (((p, x), y), z) in before.get(range).unwrap_or(&[]).iter().zip(x).zip(y).zip(z) {
-            [*x, *y, *z, _] = *p;
-        }
+        Row { now: [list(), list(), list()], before: [list(), list(), list()], w: list() }
     }
 }
 
@@ -97,7 +90,7 @@ impl<T: Real> Quads<T> {
 
     /// The quads between two rows.
     #[inline(always)]
-    fn fill<K: Machine<T>>(&mut self, k: K, facets: &impl Facets<T>, upper: &Row<T>, lower: &Row<T>, width: usize) {
+    fn fill<K: Machine<T>>(&mut self, k: K, facets: &mut impl Facets<T>, upper: &Row<T>, lower: &Row<T>, width: usize) {
         for at in (0..width - 1).step_by(K::WIDE) {
             // From the upper left by way of the upper right.
             let [p, q] = [k.loads(&upper.now, at), k.loads(&upper.now, at + 1)];
@@ -123,35 +116,39 @@ impl<T: Real> Quads<T> {
     }
 }
 
-impl<T: Real, F: Facets<T>> Work<T> for Chunk<'_, '_, T, F> {
+impl<T: Real, F: Facets<T>, P: Place<T>> Work<T> for Chunk<'_, F, P, P::Item> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        let Chunk { facets, view, before, first, results } = self;
-        let (width, height) = (view.width, view.now.len() / view.width);
+        let Chunk { mut facets, place, first, results } = self;
+        let (width, height) = place.size();
         let [mut above, mut here, mut below] = [0; 3].map(|_| Row::new(width));
         let [mut over, mut under] = [0; 2].map(|_| Quads::new(width));
-        here.fill(first, &view, before);
-        above.whole = true;
+        let mut sums = [0; 4].map(|_| vec![T::of(0.0); width + LANES]);
+        // Whether the row above, this one and the one below are whole.
+        let mut whole = [true; 3];
+        whole[1] = place.fill(first, &mut here);
         if first > 0 {
-            above.fill(first - 1, &view, before);
-            over.fill(k, &facets, &above, &here, width);
+            whole[0] = place.fill(first - 1, &mut above);
+            over.fill(k, &mut facets, &above, &here, width);
         }
-        for (n, results) in results.chunks_exact_mut(width).enumerate() {
+        for (n, results) in results.chunks_exact_mut(place.row()).enumerate() {
             let j = first + n;
             if j + 1 < height {
-                below.fill(j + 1, &view, before);
-                under.fill(k, &facets, &here, &below, width);
+                whole[2] = place.fill(j + 1, &mut below);
+                under.fill(k, &mut facets, &here, &below, width);
             } else {
-                (below.whole, ()) = (true, under.clear());
+                (whole[2], ()) = (true, under.clear());
             }
-            if above.whole && here.whole && below.whole {
-                row(k, &facets, (&over, &under), &here.w, results);
+            if whole == [true; 3] {
+                row(k, &facets, (&over, &under), (&here.w, width), &mut sums);
+                place.put(&sums, results);
             } else {
-                results.iter_mut().enumerate().for_each(|(i, result)| *result = facets.alone(i, j));
+                place.mend(j, results);
             }
             std::mem::swap(&mut over, &mut under);
             std::mem::swap(&mut above, &mut here);
             std::mem::swap(&mut here, &mut below);
+            whole = [whole[1], whole[2], true];
         }
     }
 }
@@ -162,21 +159,15 @@ fn row<T: Real, K: Machine<T>>(
     k: K,
     facets: &impl Facets<T>,
     (over, under): (&Quads<T>, &Quads<T>),
-    w: &[T],
-    results: &mut [[T; 4]],
+    (w, width): (&[T], usize),
+    results: &mut [Vec<T>; 4],
 ) {
-    for (n, results) in results.chunks_mut(K::WIDE).enumerate() {
-        let at = n * K::WIDE;
+    for at in (0..width).step_by(K::WIDE) {
         let above = k.plus(k.loads(&over.left, at + 1), k.loads(&over.both, at));
         let below = k.plus(k.loads(&under.both, at + 1), k.loads(&under.right, at));
         let of = facets.particle(k, k.plus(above, below), k.load(w, at));
-        let mut lists = [[T::of(0.0); LANES]; 4];
-        for (list, v) in lists.iter_mut().zip(of) {
-            k.store(list, 0, v);
-        }
-        let [x, y, z, w] = &lists;
-        for (result, (((x, y), z), w)) in results.iter_mut().zip(x.iter().zip(y).zip(z).zip(w)) {
-            *result = [*x, *y, *z, *w];
+        for c in 0..4 {
+            k.store(&mut results[c], at, of[c]);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Velocity of the air at a point: the wind, its heading turned by value noise. Twin of shaders/part/gust.wgsl.
 
 use crate::number::lanes::Machine;
-use crate::number::noise::{noise, noises};
+use crate::number::noise::{Around, noise, noises};
 use crate::number::real::{Real, V3};
 use crate::step::Step;
 
@@ -22,14 +22,14 @@ pub fn air<T: Real>(step: &Step<T>, p: V3<T>) -> V3<T> {
 
 /// The same at a vector of points, with the same bits.
 #[inline(always)]
-pub fn airs<T: Real, K: Machine<T>>(k: K, step: &Step<T>, p: [K::V; 3]) -> [K::V; 3] {
+pub fn airs<T: Real, K: Machine<T>>(k: K, step: &Step<T>, around: &mut Around<T>, p: [K::V; 3]) -> [K::V; 3] {
     let w = k.splats(step.wind);
     if step.turn == T::of(0.0) {
         return w;
     }
     let (one, fineness) = (k.splat(T::of(1.0)), k.splat(step.fineness));
     let q = k.minus(k.times(p, fineness), k.splats(step.drift));
-    let t = k.mul(k.splat(step.turn), noises(k, q));
+    let t = k.mul(k.splat(step.turn), noises(k, around, q));
     let square = k.mul(t, t);
     let over = k.div(one, k.add(one, square));
     let cos = k.mul(k.sub(one, square), over);

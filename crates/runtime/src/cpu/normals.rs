@@ -1,6 +1,6 @@
 //! Twin of shaders/normals.wgsl: the normal of every particle.
 
-use super::facets::{self, Facets};
+use super::facets::{self, Facets, Texels};
 use super::neighbours::View;
 use super::rows::Threads;
 use crate::number::lanes::Machine;
@@ -9,16 +9,16 @@ use crate::number::real::{Real, V3, add, cross, dot, scale, sub, with_w};
 /// Writes the unit sum of the normals of the triangles around each particle, weighed by area, and in the fourth
 /// component the length of that sum \[m^2\]: the weight of a duplicate when seams are closed. 0 where there is none.
 pub fn run<T: Real>(threads: &Threads, view: View<T>, normals: &mut [[T; 4]]) {
-    facets::run(threads, Areas(view), view, &[], normals);
+    facets::run(threads, Areas, Texels { view, before: &[], alone: |i, j| alone(view, i, j) }, normals);
 }
 
 /// Twice the areas of triangles, as vectors across them.
 #[derive(Clone, Copy)]
-struct Areas<'a, T>(View<'a, T>);
+struct Areas;
 
-impl<T: Real> Facets<T> for Areas<'_, T> {
+impl<T: Real> Facets<T> for Areas {
     #[inline(always)]
-    fn facet<K: Machine<T>>(&self, k: K, [p, q, r]: [[K::V; 3]; 3], _: [[K::V; 3]; 3]) -> [K::V; 3] {
+    fn facet<K: Machine<T>>(&mut self, k: K, [p, q, r]: [[K::V; 3]; 3], _: [[K::V; 3]; 3]) -> [K::V; 3] {
         k.cross(k.minus(q, p), k.minus(r, p))
     }
 
@@ -29,16 +29,17 @@ impl<T: Real> Facets<T> for Areas<'_, T> {
         let by = k.choose(k.above(length, zero), k.div(one, length), zero);
         [k.mul(sum[0], by), k.mul(sum[1], by), k.mul(sum[2], by), length]
     }
+}
 
-    fn alone(&self, i: usize, j: usize) -> [T; 4] {
-        let (view, k) = (self.0, j * self.0.width + i);
-        let mut sum = [T::of(0.0); 3];
-        if view.now[k][3] >= T::of(0.0) {
-            let at = view.at(k);
-            view.triangles(i, j, |a, b| sum = add(sum, cross(sub(view.at(a), at), sub(view.at(b), at))));
-        }
-        unit(sum)
+/// That of the particle (i, j), by its own triangles.
+fn alone<T: Real>(view: View<T>, i: usize, j: usize) -> [T; 4] {
+    let k = j * view.width + i;
+    let mut sum = [T::of(0.0); 3];
+    if view.now[k][3] >= T::of(0.0) {
+        let at = view.at(k);
+        view.triangles(i, j, |a, b| sum = add(sum, cross(sub(view.at(a), at), sub(view.at(b), at))));
     }
+    unit(sum)
 }
 
 /// The direction and the length of a vector.

@@ -4,7 +4,7 @@
 //! is read from memory once for all passes, and not once for each. The results are those of pass after pass, bit for bit:
 //! every row sees the same passes in the same order, and so do the rows beside it.
 
-use super::advance;
+use super::integrate_rows;
 use super::sheet::Sheet;
 use super::stretch::{Spring, Springs};
 use super::tethers::{self, Tethers};
@@ -15,7 +15,7 @@ use crate::step::Step;
 /// A pass of a sheet.
 pub enum Stage<'a, T> {
     /// A step in still air.
-    Advance(&'a Step<T>),
+    Integrate(&'a Step<T>),
     /// Tethers, and where their anchors are.
     Tethers(&'a Tethers<T>, &'a [V3<T>]),
     /// Hard springs of a direction and parity, of a round of polish or not.
@@ -63,9 +63,9 @@ impl<T: Real, const BOUND: bool> Work<T> for Walk<'_, '_, T, BOUND> {
             let mut ready = taken;
             for (stage, (spring, next)) in self.stages.iter().zip(&mut states) {
                 match (stage, spring) {
-                    (Stage::Advance(step), _) => {
+                    (Stage::Integrate(step), _) => {
                         let part = *next * row..ready * row;
-                        advance::still(k, step, &mut now[part.clone()], &mut before[part], size, (w, *next));
+                        integrate_rows::still(k, step, &mut now[part.clone()], &mut before[part], size, (w, *next));
                         *next = ready;
                     }
                     (Stage::Tethers(held, anchors), _) => {
@@ -165,14 +165,14 @@ mod tests {
             let held = Tethers { slots: vec![Slot::new(&together, far)] };
             let anchors = [together.at(0)];
             let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
-            advance::run(&threads, &step, &mut apart, Air::None, false);
+            integrate_rows::run(&threads, &step, &mut apart, Air::None, false);
             tethers::run(&threads, &mut apart, &held, &anchors);
             for colour in colours {
                 stretch::run(&threads, &mut apart, &mut springs[colour.0 as usize], colour, false, step.dt);
             }
             tethers::run(&threads, &mut apart, &held, &anchors);
             let all = colours.map(|colour| Stage::Springs(&springs[colour.0 as usize], colour, false));
-            let mut stages = vec![Stage::Advance(&step), Stage::Tethers(&held, &anchors)];
+            let mut stages = vec![Stage::Integrate(&step), Stage::Tethers(&held, &anchors)];
             stages.extend(all);
             stages.push(Stage::Tethers(&held, &anchors));
             run(&mut together, &stages);

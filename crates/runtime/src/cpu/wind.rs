@@ -1,35 +1,42 @@
 //! Twin of shaders/wind.wgsl: what air does to the triangles around each particle.
 
-use super::facets::{self, Facets};
+use super::facets::{self, Facets, Planes, Texels};
 use super::gust::{air, airs};
 use super::neighbours::View;
 use super::rows::Threads;
+use super::sheet::Sheet;
 use crate::number::lanes::Machine;
+use crate::number::noise::Around;
 use crate::number::real::{Real, V3, add, cross, dot, scale, sub, with_w, xyz};
 use crate::step::Step;
 
 /// Writes the acceleration of each particle by a third of the force on each of its triangles.
 pub fn run<T: Real>(threads: &Threads, step: &Step<T>, view: View<T>, before: &[[T; 4]], field: &mut [[T; 4]]) {
-    facets::run(threads, Forces { step, view, before }, view, before, field);
+    let alone = |i, j| alone(step, view, before, (i, j));
+    facets::run(threads, Forces { step, around: Around::default() }, Texels { view, before, alone }, field);
+}
+
+/// The same for a sheet without gaps and holes; the field lies as [`Sheet::now`].
+pub fn of_sheet<T: Real>(threads: &Threads, step: &Step<T>, sheet: &Sheet<T>, field: &mut [T]) {
+    facets::run(threads, Forces { step, around: Around::default() }, Planes(sheet), field);
 }
 
 /// Forces \[N\] on triangles.
 #[derive(Clone, Copy)]
 struct Forces<'a, T> {
     step: &'a Step<T>,
-    view: View<'a, T>,
-    before: &'a [[T; 4]],
+    around: Around<T>,
 }
 
 impl<T: Real> Facets<T> for Forces<'_, T> {
     #[inline(always)]
-    fn facet<K: Machine<T>>(&self, k: K, [p, q, r]: [[K::V; 3]; 3], [e, f, g]: [[K::V; 3]; 3]) -> [K::V; 3] {
+    fn facet<K: Machine<T>>(&mut self, k: K, [p, q, r]: [[K::V; 3]; 3], [e, f, g]: [[K::V; 3]; 3]) -> [K::V; 3] {
         let third = k.splat(T::of(1.0 / 3.0));
         let area = k.times(k.cross(k.minus(q, p), k.minus(r, p)), k.splat(T::of(0.5)));
         let middle = k.times(k.plus(k.plus(p, q), r), third);
         let earlier = k.times(k.plus(k.plus(e, f), g), third);
         let moves = k.times(k.minus(middle, earlier), k.splat(self.step.rate));
-        forces(k, self.step, area, k.minus(airs(k, self.step, middle), moves))
+        forces(k, self.step, area, k.minus(airs(k, self.step, &mut self.around, middle), moves))
     }
 
     #[inline(always)]
@@ -37,24 +44,24 @@ impl<T: Real> Facets<T> for Forces<'_, T> {
         let [x, y, z] = k.times(sum, k.mul(w, k.splat(T::of(1.0 / 3.0))));
         [x, y, z, k.splat(T::of(0.0))]
     }
+}
 
-    fn alone(&self, i: usize, j: usize) -> [T; 4] {
-        let Forces { step, view, before } = *self;
-        let (k, zero) = (j * view.width + i, T::of(0.0));
-        let mut sum = [zero; 3];
-        if view.now[k][3] > zero {
-            let (at, was) = (view.at(k), xyz(before[k]));
-            view.triangles(i, j, |a, b| {
-                let (pa, pb) = (view.at(a), view.at(b));
-                let area = scale(cross(sub(pa, at), sub(pb, at)), T::of(0.5));
-                let middle = scale(add(add(at, pa), pb), T::of(1.0 / 3.0));
-                let earlier = scale(add(add(was, xyz(before[a])), xyz(before[b])), T::of(1.0 / 3.0));
-                let flow = sub(air(step, middle), scale(sub(middle, earlier), step.rate));
-                sum = add(sum, force(step, area, flow));
-            });
-        }
-        with_w(scale(sum, view.now[k][3].max(zero) * T::of(1.0 / 3.0)), zero)
+/// The acceleration of the particle (i, j), by its own triangles.
+fn alone<T: Real>(step: &Step<T>, view: View<T>, before: &[[T; 4]], (i, j): (usize, usize)) -> [T; 4] {
+    let (k, zero) = (j * view.width + i, T::of(0.0));
+    let mut sum = [zero; 3];
+    if view.now[k][3] > zero {
+        let (at, was) = (view.at(k), xyz(before[k]));
+        view.triangles(i, j, |a, b| {
+            let (pa, pb) = (view.at(a), view.at(b));
+            let area = scale(cross(sub(pa, at), sub(pb, at)), T::of(0.5));
+            let middle = scale(add(add(at, pa), pb), T::of(1.0 / 3.0));
+            let earlier = scale(add(add(was, xyz(before[a])), xyz(before[b])), T::of(1.0 / 3.0));
+            let flow = sub(air(step, middle), scale(sub(middle, earlier), step.rate));
+            sum = add(sum, force(step, area, flow));
+        });
     }
+    with_w(scale(sum, view.now[k][3].max(zero) * T::of(1.0 / 3.0)), zero)
 }
 
 /// Force \[N\] of air that passes a triangle with the velocity `v`: drag along it, lift across it in the plane of v and

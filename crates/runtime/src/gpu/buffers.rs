@@ -3,24 +3,22 @@
 use std::collections::HashMap;
 use std::mem::offset_of;
 
-use bytemuck::{Pod, bytes_of, cast_slice};
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use bytemuck::bytes_of;
 use wgpu::{Buffer, BufferUsages};
 
-use crate::cloth::{Cloth, Grid, Rest, Tethers};
-use crate::cpu::start::Start;
-use crate::cpu::stretch::UNBOUNDED;
-use crate::error::{Error, Result};
-use crate::gpu::contents::Contents;
+use crate::cloth::{Cloth, Rest, Tethers};
+use crate::gpu::contents::{Contents, Grids};
 use crate::gpu::cut_tethers;
 use crate::gpu::levels;
 use crate::gpu::pipelines::Pipeline;
 use crate::gpu::ring::Ring;
 use crate::gpu::span::Span;
+use crate::gpu::store::State;
 use crate::gpu::turns;
-use crate::layout::{FAULT_BYTES, FaultRow, GridRow, StepRow};
-use crate::options::{Options, Solver};
-use crate::passes::{Soft, has_levels, soft_of};
+use crate::gpu::upload::{empty, upload};
+use crate::layout::{FaultRow, StepRow};
+use crate::options::Options;
+use crate::passes::has_levels;
 use crate::shaders::{Bound, Slot, Source};
 use crate::world::World;
 
@@ -45,8 +43,8 @@ pub struct ClothBuffers {
     pub faults: Option<Span>,
     stepping: bool,
     steps: Option<Ring>,
-    /// [`GridRow::soft`] of the grids in `others`.
-    soft: Option<f32>,
+    /// Of the grids in `others`.
+    grids: Option<Grids>,
     /// All else that is bound.
     pub(super) others: HashMap<Slot, Span>,
     groups: HashMap<(Vec<Bound>, [bool; 4]), wgpu::BindGroup>,
@@ -54,62 +52,23 @@ pub struct ClothBuffers {
     pub(super) turned: [bool; 4],
 }
 
-/// Where what changes in a frame lies.
-pub(super) struct Spans {
-    pub now: Span,
-    pub before: Span,
-    pub normals: Span,
-    pub faults: Option<Span>,
-    pub good: Option<Span>,
-    /// What positions of cloth of a material are too coarse for.
-    pub lost: Option<Span>,
-}
-
 impl ClothBuffers {
-    /// Uploads a cloth. Errors where a buffer is larger than the device allows.
-    pub(super) fn new(
-        device: &wgpu::Device,
-        (cloth, held): (&Cloth, &Tethers),
-        start: &Start<f32>,
-        (draw_only, options): (bool, &Options),
-        lies: Option<Spans>,
-    ) -> Result<Self> {
-        let limits = device.limits();
-        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        // No other buffer of a cloth has more bytes per particle.
-        let cells = if cloth.membrane().is_some() { 32 } else { 0 };
-        for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64), ("cells", cells)] {
-            let need = cloth.len() as u64 * bytes;
-            if need > limit {
-                return Err(Error::Limit { cloth: cloth.name().into(), buffer, need, limit });
-            }
-        }
-        let list = |label, data: &[[f32; 4]]| Span::from(upload(device, label, data, DRAWN));
-        let guarded = options.solver == Solver::Xpbd && !draw_only;
-        let alone = || Spans {
-            now: list("now", &start.now),
-            before: list("before", &start.before),
-            normals: list("normals", &start.normals),
-            faults: guarded.then(|| upload(device, "faults", &[0u8; FAULT_BYTES], BufferUsages::COPY_SRC).into()),
-            good: guarded.then(|| upload(device, "good", &start.now, BufferUsages::empty()).into()),
-            lost: (guarded && cloth.is_exact())
-                .then(|| upload(device, "lost", &vec![[0f32; 4]; cloth.len()], BufferUsages::empty()).into()),
-        };
-        let Spans { now, before, normals, faults, good, lost } = lies.unwrap_or_else(alone);
-        let others = [good.map(|good| (Slot::Good, good)), lost.map(|lost| (Slot::Lost, lost))].into_iter().flatten();
-        Ok(ClothBuffers {
+    /// Those of a cloth whose state lies in a store.
+    pub(super) fn new(state: State<Span>, stepping: bool) -> Self {
+        let State { now, before, normals, mut others } = state;
+        ClothBuffers {
             now,
             before,
             normals,
             holes: None,
-            faults,
-            stepping: !draw_only,
+            faults: others.remove(&Slot::Faults),
+            stepping,
             steps: None,
-            soft: None,
-            others: HashMap::from_iter(others),
+            grids: None,
+            others,
             groups: HashMap::new(),
             turned: [false; 4],
-        })
+        }
     }
 
     /// Makes what only passes of the cloth's own need, once; its grids again where the bound of diagonals is another.
@@ -118,13 +77,9 @@ impl ClothBuffers {
         if !self.stepping {
             return;
         }
-        let soft = soft_row(cloth, world.control.clock.dt);
-        if self.soft != Some(soft) {
-            // What is recorded with the last ones may not have been submitted yet: they stay as they are.
-            let grids = upload(device, "grids", &grid_rows(cloth, 0, soft), BufferUsages::empty());
+        if let Some(grids) = Grids::follow(&mut self.grids, device, world, &[index]) {
             self.others.insert(Slot::Grids, grids.into());
             self.forget(Slot::Grids);
-            self.soft = Some(soft);
         }
         if self.steps.is_some() {
             return;
@@ -245,40 +200,4 @@ impl ClothBuffers {
     pub(super) fn forget(&mut self, slot: Slot) {
         self.groups.retain(|(bindings, _), _| bindings.iter().all(|b| b.slot != slot));
     }
-}
-
-/// [`GridRow::soft`] of a cloth in steps of `dt` \[s\].
-pub(super) fn soft_row(cloth: &Cloth, dt: f64) -> f32 {
-    if cloth.membrane().is_some() || soft_of(cloth) != Soft::None {
-        return cloth.softness();
-    }
-    // One shader for all hard springs, so that cloths of all sizes share a dispatch.
-    let bound = cloth.bound(dt);
-    if bound > 0.0 { bound } else { UNBOUNDED as f32 }
-}
-
-/// The grids of a cloth whose particles begin at `first`, `soft` being that of [`soft_row`].
-pub(super) fn grid_rows(cloth: &Cloth, first: u32, soft: f32) -> Vec<GridRow> {
-    let constant = |g: usize| if let Rest::Constant(r) = cloth.rest() { r[g] } else { [0.0; 4] };
-    let row = |(g, grid): (usize, &Grid)| GridRow {
-        first: first + grid.first,
-        width: grid.width,
-        height: grid.height,
-        soft,
-        rest: constant(g),
-    };
-    cloth.grids().iter().enumerate().map(row).collect()
-}
-
-/// How buffers are used that a vertex shader reads.
-pub(super) const DRAWN: BufferUsages = BufferUsages::VERTEX.union(BufferUsages::COPY_SRC);
-
-/// A buffer to be written on the device, or to be mapped.
-pub(super) fn empty(device: &wgpu::Device, label: &str, size: u64, usage: BufferUsages) -> Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
-}
-
-pub(super) fn upload<T: Pod>(device: &wgpu::Device, label: &str, data: &[T], more: BufferUsages) -> Buffer {
-    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST | more;
-    device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents: cast_slice(data), usage })
 }

@@ -5,13 +5,16 @@ use std::collections::HashMap;
 use bytemuck::{Pod, cast_slice};
 use wgpu::{Buffer, BufferUsages};
 
-use super::buffers::{grid_rows, soft_row, upload};
+use super::upload::upload;
+use crate::cloth::{Cloth, Grid, Rest};
+use crate::cpu::stretch::UNBOUNDED;
 use crate::fused::room_of;
-use crate::layout::JobRow;
+use crate::layout::{GridRow, JobRow};
+use crate::passes::{Soft, soft_of};
 use crate::shaders::Slot;
 use crate::world::World;
 
-/// Lists as shaders lay them out, and where each cloth lies in them.
+/// Lists as shaders lay them out, but for [`Grids`], and where each cloth lies in them.
 #[derive(Default)]
 pub(super) struct Contents {
     lists: HashMap<Slot, Vec<u8>>,
@@ -23,8 +26,8 @@ impl Contents {
     /// Those of an index list of cloths.
     pub fn new(world: &World, cloths: &[usize]) -> Self {
         let mut all = Contents::default();
-        for (row, &index) in cloths.iter().enumerate() {
-            all.add(world, index, row);
+        for (row, (&index, first)) in cloths.iter().zip(firsts(world, cloths)).enumerate() {
+            all.add(world, index, (row, first));
         }
         if let Some(last) = all.jobs.last() {
             let end = all.lists.get(&Slot::Members).map_or(0, |m| m.len() as u32 / 4);
@@ -35,21 +38,19 @@ impl Contents {
         all
     }
 
-    fn add(&mut self, world: &World, index: usize, row: usize) {
+    fn add(&mut self, world: &World, index: usize, (row, first): (usize, u32)) {
         let (cloth, held) = (&world.scene.cloths[index], &world.runs[index].tethers);
-        let first = self.jobs.last().map_or(0, |job| job.first + room_of(job.count as usize) as u32);
         let count = |list: &Self, slot, size: usize| list.lists.get(&slot).map_or(0, |l| l.len() / size) as u32;
         self.jobs.push(JobRow {
             first,
             count: cloth.len() as u32,
-            grid: count(self, Slot::Grids, 32),
+            grid: self.jobs.last().map_or(0, |last| last.grid + last.grids),
             grids: cloth.grids().len() as u32,
             ring: count(self, Slot::Starts, 4),
             rings: cloth.ring_count() as u32,
             row: row as u32,
             ..bytemuck::Zeroable::zeroed()
         });
-        self.add_rows(Slot::Grids, &grid_rows(cloth, first, soft_row(cloth, world.control.clock.dt)));
         for slot in Slot::ALL {
             if let Some((each, bytes)) = slot.texels(cloth, held, first) {
                 // What lies between cloths is not read.
@@ -82,4 +83,58 @@ impl Contents {
             |(slot, bytes): (&Slot, &Vec<u8>)| (*slot, upload(device, slot.name(), bytes, BufferUsages::COPY_SRC));
         self.lists.iter().filter(|(_, bytes)| !bytes.is_empty()).map(buffer).collect()
     }
+}
+
+/// Where the particles of cloths begin that lie one after the other.
+pub(super) fn firsts(world: &World, cloths: &[usize]) -> Vec<u32> {
+    let rooms = cloths.iter().map(|c| room_of(world.scene.cloths[*c].len()) as u32);
+    let next = |end: &mut u32, room| Some(std::mem::replace(end, *end + room));
+    rooms.scan(0, next).collect()
+}
+
+/// Grids of cloths as they were uploaded last.
+pub(super) struct Grids {
+    /// [`GridRow::soft`] of each cloth.
+    softs: Vec<f32>,
+}
+
+impl Grids {
+    /// New grids, where steps have other bounds of diagonals than those that were uploaded last. Recorded frames that use the last
+    /// ones may not have been submitted yet, so the last ones stay as they are.
+    pub fn follow(last: &mut Option<Grids>, device: &wgpu::Device, world: &World, cloths: &[usize]) -> Option<Buffer> {
+        let dt = world.control.clock.dt;
+        let softs = || cloths.iter().map(|c| soft_row(&world.scene.cloths[*c], dt));
+        if last.as_ref().is_some_and(|l| softs().eq(l.softs.iter().copied())) {
+            return None;
+        }
+        let softs: Vec<_> = softs().collect();
+        let each = cloths.iter().zip(firsts(world, cloths)).zip(&softs);
+        let rows: Vec<_> =
+            each.flat_map(|((c, first), soft)| grid_rows(&world.scene.cloths[*c], first, *soft)).collect();
+        *last = Some(Grids { softs });
+        Some(upload(device, "grids", &rows, BufferUsages::empty()))
+    }
+}
+
+/// [`GridRow::soft`] of a cloth in steps of `dt` \[s\].
+fn soft_row(cloth: &Cloth, dt: f64) -> f32 {
+    if cloth.membrane().is_some() || soft_of(cloth) != Soft::None {
+        return cloth.softness();
+    }
+    // One shader for all hard springs, so that cloths of all sizes share a dispatch.
+    let bound = cloth.bound(dt);
+    if bound > 0.0 { bound } else { UNBOUNDED as f32 }
+}
+
+/// The grids of a cloth whose particles begin at `first`, `soft` being that of [`soft_row`].
+fn grid_rows(cloth: &Cloth, first: u32, soft: f32) -> Vec<GridRow> {
+    let constant = |g: usize| if let Rest::Constant(r) = cloth.rest() { r[g] } else { [0.0; 4] };
+    let row = |(g, grid): (usize, &Grid)| GridRow {
+        first: first + grid.first,
+        width: grid.width,
+        height: grid.height,
+        soft,
+        rest: constant(g),
+    };
+    cloth.grids().iter().enumerate().map(row).collect()
 }

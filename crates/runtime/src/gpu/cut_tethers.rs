@@ -6,7 +6,7 @@ use bytemuck::cast_slice;
 use wgpu::{Buffer, BufferUsages};
 
 use super::Gpu;
-use super::buffers::upload;
+use super::upload::upload;
 use crate::cloth::{Cloth, Rest, Tethers, groups, mates};
 use crate::cpu::route::UNSUPPORTED;
 use crate::passes::Pass;

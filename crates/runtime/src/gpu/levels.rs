@@ -2,7 +2,7 @@
 
 use wgpu::{Buffer, BufferUsages};
 
-use super::buffers::upload;
+use super::upload::upload;
 use crate::cloth::Cloth;
 use crate::layout::LinkRow;
 use crate::levels::{levels, links::ALL, masses, rows, ties};

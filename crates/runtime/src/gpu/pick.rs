@@ -2,8 +2,8 @@
 
 use bytemuck::cast_slice;
 
-use super::buffers::empty;
 use super::read_back::MAPPED;
+use super::upload::empty;
 use super::{Gpu, begin};
 use crate::passes::Pass;
 use crate::shaders::{Slot, source};

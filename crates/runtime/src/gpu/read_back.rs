@@ -5,7 +5,7 @@ use std::sync::mpsc::channel;
 use wgpu::BufferUsages;
 
 use super::Span;
-use super::buffers::empty;
+use super::upload::empty;
 use crate::error::{Error, Result};
 
 /// How buffers are used that the host maps.

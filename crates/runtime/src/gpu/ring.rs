@@ -2,7 +2,7 @@
 
 use wgpu::{Buffer, BufferUsages};
 
-use super::buffers::empty;
+use super::upload::empty;
 
 /// A buffer of rows that are written in turn: what was recorded with the last ones may not have been submitted yet.
 pub(crate) struct Ring {

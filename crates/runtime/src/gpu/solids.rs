@@ -3,8 +3,8 @@
 use bytemuck::{Zeroable, cast_slice};
 use wgpu::{Buffer, BufferUsages};
 
-use super::buffers::upload;
 use super::span::Span;
+use super::upload::upload;
 use crate::layout::SolidRow;
 use crate::world::World;
 

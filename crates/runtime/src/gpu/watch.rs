@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::Gpu;
-use super::buffers::empty;
 use super::read_back::MAPPED;
+use super::upload::empty;
 use crate::error::{Error, Result};
 use crate::passes::Pass;
 use crate::world::World;

@@ -18,56 +18,69 @@ fn within<T: Real>(at: &[T; 8], q: V3<T>, base: V3<T>) -> T {
     mix(mix(along[0], along[1], u[1]), mix(along[2], along[3], u[1]), u[2])
 }
 
-/// The same for a vector of points, with the same bits within 2^22 cells of the origin.
-///
-/// Nearly always all points are in one cell, as cloth is finer than gusts: then the lattice is looked up once. Code for
-/// lattice points in vectors would be quicker where they are not, and a tenth of this crate's compile time.
-#[inline(always)]
-pub fn noises<T: Real, K: Machine<T>>(k: K, q: [K::V; 3]) -> K::V {
-    let base = [k.floor(q[0]), k.floor(q[1]), k.floor(q[2])];
-    let mut lists = [[T::of(0.0); LANES]; 3];
-    for c in 0..3 {
-        k.store(&mut lists[c], 0, base[c]);
-    }
-    let first = k.splats([lists[0][0], lists[1][0], lists[2][0]]);
-    let mut apart = false;
-    for c in 0..3 {
-        apart |= k.any(k.above(base[c], first[c])) || k.any(k.above(first[c], base[c]));
-    }
-    if apart {
-        for c in 0..3 {
-            k.store(&mut lists[c], 0, q[c]);
-        }
-        return k.load(&each(&lists), 0);
-    }
-    let at = corners([lists[0][0], lists[1][0], lists[2][0]]);
-    let f = k.minus(q, base);
-    let u = [smooth(k, f[0]), smooth(k, f[1]), smooth(k, f[2])];
-    let mut along = [u[0]; 4];
-    for n in 0..4 {
-        along[n] = mix(k, k.splat(at[2 * n]), k.splat(at[2 * n + 1]), u[0]);
-    }
-    mix(k, mix(k, along[0], along[1], u[1]), mix(k, along[2], along[3], u[1]), u[2])
+/// The lattice around the cell that was looked at last: cloth is finer than gusts.
+#[derive(Clone, Copy)]
+pub struct Around<T> {
+    cell: Option<V3<T>>,
+    at: [T; 8],
 }
 
-/// Noise at a list of points by coordinates.
-#[cold]
-#[inline(never)]
-fn each<T: Real>([x, y, z]: &[[T; LANES]; 3]) -> [T; LANES] {
-    let mut all = [T::of(0.0); LANES];
-    // Neighbours are mostly in one cell.
-    let mut known = None;
-    for (all, ((x, y), z)) in all.iter_mut().zip(x.iter().zip(y).zip(z)) {
-        let q = [*x, *y, *z];
-        let base = q.map(T::floor);
-        let around = match known {
-            Some((cell, around)) if cell == base => around,
-            _ => corners(base),
-        };
-        *all = within(&around, q, base);
-        known = Some((base, around));
+impl<T: Real> Default for Around<T> {
+    fn default() -> Self {
+        Around { cell: None, at: [T::of(0.0); 8] }
     }
-    all
+}
+
+impl<T: Real> Around<T> {
+    #[inline(always)]
+    fn of(&mut self, cell: V3<T>) -> &[T; 8] {
+        if self.cell != Some(cell) {
+            *self = Around { cell: Some(cell), at: corners(cell) };
+        }
+        &self.at
+    }
+}
+
+/// The same for a vector of points, with the same bits within 2^22 cells of the origin.
+///
+/// Cell by cell, and nearly always all points are in one. Code for lattice points in vectors would be a tenth of this crate's
+/// compile time.
+#[inline(always)]
+pub fn noises<T: Real, K: Machine<T>>(k: K, around: &mut Around<T>, q: [K::V; 3]) -> K::V {
+    let (zero, one) = (k.splat(T::of(0.0)), k.splat(T::of(1.0)));
+    let base = [k.floor(q[0]), k.floor(q[1]), k.floor(q[2])];
+    let f = k.minus(q, base);
+    let u = [smooth(k, f[0]), smooth(k, f[1]), smooth(k, f[2])];
+    let mut cells = [[T::of(0.0); LANES]; 3];
+    for c in 0..3 {
+        k.store(&mut cells[c], 0, base[c]);
+    }
+    let (mut all, mut left, mut lane) = (zero, one, 0);
+    loop {
+        let cell = [cells[0][lane], cells[1][lane], cells[2][lane]];
+        let here = k.splats(cell);
+        // A NaN is in every cell, and comes out as NaN.
+        let mut elsewhere = zero;
+        for c in 0..3 {
+            elsewhere = k.choose(k.above(base[c], here[c]), one, elsewhere);
+            elsewhere = k.choose(k.above(here[c], base[c]), one, elsewhere);
+        }
+        let at = around.of(cell);
+        let mut along = [zero; 4];
+        for n in 0..4 {
+            along[n] = mix(k, k.splat(at[2 * n]), k.splat(at[2 * n + 1]), u[0]);
+        }
+        let value = mix(k, mix(k, along[0], along[1], u[1]), mix(k, along[2], along[3], u[1]), u[2]);
+        let elsewhere = k.above(elsewhere, zero);
+        all = k.choose(elsewhere, all, value);
+        left = k.choose(elsewhere, left, zero);
+        let mut still = [T::of(0.0); LANES];
+        k.store(&mut still, 0, left);
+        match still[..K::WIDE].iter().position(|s| *s > T::of(0.0)) {
+            Some(next) => lane = next,
+            None => return all,
+        }
+    }
 }
 
 /// The lattice around a cell, by x, then y, then z.
@@ -109,6 +122,7 @@ mod tests {
 
     impl<T: Real> Work<T> for Compare<'_, T> {
         fn run<K: Machine<T>>(self, k: K) {
+            let mut around = Around::default();
             for n in 0..400 {
                 let far = |m: usize, c: usize| ((n * LANES + m) * (7919 + 12 * c)) as f64 % 60_000.0 * 0.037 - 900.0;
                 // Every other vector is within a cell.
@@ -116,7 +130,7 @@ mod tests {
                 let at = |m, c| if n % 2 == 0 { far(m, c) } else { near(m, c) };
                 let list = |c: usize| -> Vec<T> { (0..LANES).map(|m| T::of(at(m, c))).collect() };
                 let lists = [list(0), list(1), list(2)];
-                let all = noises(k, [0, 1, 2].map(|c| k.load(&lists[c], 0)));
+                let all = noises(k, &mut around, [0, 1, 2].map(|c| k.load(&lists[c], 0)));
                 let mut out = vec![T::of(0.0); LANES];
                 k.store(&mut out, 0, all);
                 self.0.extend((0..K::WIDE).map(|m| (lists.each_ref().map(|l| l[m]), out[m])));

@@ -62,7 +62,9 @@ macro_rules! rule {
 /// What the rule of a pass is run for.
 pub fn over(pass: Pass) -> Over {
     match pass {
-        Pass::Integrate(_) | Pass::Advance(_) | Pass::Forget | Pass::Tethers { .. } | Pass::Limit => Over::Particles,
+        Pass::Integrate(_) | Pass::IntegrateExact(_) | Pass::Forget | Pass::Tethers { .. } | Pass::Limit => {
+            Over::Particles
+        }
         Pass::Guard | Pass::Restore | Pass::Colliders(_) => Over::Particles,
         Pass::Contact(kinds) => {
             if kinds.many {
@@ -96,7 +98,7 @@ pub fn rule(pass: Pass) -> Rule {
     let parts = |files: &[&'static str], reads: &[Slot], writes: &[Slot]| Parts::new(files, reads, writes);
     match pass {
         Pass::Integrate(air) => rule!("integrate", "integrate", over, integrate(air, false)),
-        Pass::Advance(air) => rule!("integrate", "integrate", over, integrate(air, true)),
+        Pass::IntegrateExact(air) => rule!("integrate", "integrate", over, integrate(air, true)),
         Pass::Forget => rule!("forget", "forget", over, parts(&[], &[], &[Now, Sums])),
         Pass::Tethers { slots } => {
             let parts = parts(&[], &[Slot::Tethers], &[Now]).constant("slots", slots);

@@ -2,8 +2,9 @@
 
 use super::apart::lists;
 use super::parts::{Parts, reads, writes};
+use super::program::calls;
 use super::rule::{Over, Rule, over, rule};
-use super::{Slot, Source, Threads, calls, colour};
+use super::{Slot, Source, Threads};
 use crate::form::Tile;
 use crate::passes::Pass;
 
@@ -55,11 +56,9 @@ pub fn tile(tile: &Tile) -> Source {
     let call = |pass: &Pass| rule(*pass).call;
     let program = format!(
         "\nfn arrive_program(k: u32) {{\n{}}}\n\nfn middle_program(local: u32) {{\n{}}}\n\nfn leave_program(local: u32) {{\n{}}}\n",
-        calls(arrive, |pass| format!("  {}(k);\n", call(pass))),
-        calls(middle, |pass| {
-            format!("  {}_all(local{});\n  workgroupBarrier();\n", call(pass), colour(rule(*pass).over))
-        }),
-        calls(leave, |pass| format!("  {}_own(local);\n", call(pass))),
+        calls(arrive, |pass, _| format!("  {}(k);\n", call(pass))),
+        calls(middle, |pass, colour| format!("  {}_all(local{colour});\n  workgroupBarrier();\n", call(pass))),
+        calls(leave, |pass, _| format!("  {}_own(local);\n", call(pass))),
     );
     let shape = tile.shape;
     let parts = apart_from_others(tile, parts).files(&[pass!("tile")]).constant("threads", tile.threads);

@@ -2,8 +2,9 @@
 
 use super::apart::lists;
 use super::parts::Parts;
+use super::program::calls;
 use super::rule::{Over, Rule, Whole, rule};
-use super::{Slot, Source, Threads, calls, colour};
+use super::{Slot, Source, Threads};
 use crate::form::{Fused, Hold};
 use crate::passes::{Pass, Schedule};
 
@@ -43,20 +44,20 @@ pub fn whole(fused: &Fused) -> Source {
     parts.bindings.retain(|b| b.slot != Slot::Step);
     let declared: Vec<_> = parts.bindings.iter().flat_map(|b| declared(b.slot)).copied().collect();
     let parts = held(fused, parts.files(&declared)).files(&[pass!("fused")]);
-    let step = |pass: &Pass| line(pass, true);
+    let step = |pass: &Pass, colour: &str| line(pass, colour, true);
     let program = format!(
         "\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
          fn frame_program(job: Job, local: u32) {{\n{}}}\n",
         calls(&schedule.step, step),
         calls(&schedule.relax, step),
-        calls(&schedule.frame, |pass| line(pass, false)),
+        calls(&schedule.frame, |pass, colour| line(pass, colour, false)),
     );
     let (files, bindings, constants) = (parts.files, parts.bindings, parts.constants);
     Source { stem: "fused", files, loops, program, bindings, constants, threads: Threads::Cloth }
 }
 
 /// The call of a pass, and the barrier behind it: of what positions lie in during the steps, else of buffers.
-fn line(pass: &Pass, steps: bool) -> String {
+fn line(pass: &Pass, colour: &str, steps: bool) -> String {
     let Rule { call, over, whole, parts, .. } = rule(*pass);
     match whole {
         Whole::No | Whole::Done => String::new(),
@@ -66,7 +67,7 @@ fn line(pass: &Pass, steps: bool) -> String {
             let after = if moves { "sync" } else { "storageBarrier" };
             // Previous positions of neighbours may lie in a buffer.
             let before = if over == Over::Texels && parts.binds(Slot::Before) { "  storageBarrier();\n" } else { "" };
-            format!("{before}  {call}_all(job, local{});\n  {after}();\n", colour(over))
+            format!("{before}  {call}_all(job, local{colour});\n  {after}();\n")
         }
     }
 }

@@ -1,0 +1,100 @@
+//! What changes of cloths: in the buffers of one cloth, or of several that lie one after the other.
+
+use std::collections::HashMap;
+
+use wgpu::{Buffer, BufferUsages};
+
+use super::contents::firsts;
+use super::span::Span;
+use super::upload::{DRAWN, upload};
+use crate::cpu::start::Start;
+use crate::layout::{FAULT_BYTES, FAULT_STRIDE};
+use crate::options::Solver;
+use crate::shaders::Slot;
+use crate::world::World;
+
+/// Positions, normals, faults and good frames of cloths. A cloth that shares nothing is a store of one.
+pub(super) struct Store {
+    /// Index of every cloth, its first particle and their number.
+    cloths: Vec<(usize, usize, usize)>,
+    state: State<Buffer>,
+}
+
+/// What changes in a frame.
+pub(super) struct State<B> {
+    pub now: B,
+    pub before: B,
+    pub normals: B,
+    /// What only steps need: counters of faults, the last good frame, and what positions are too coarse for.
+    pub others: HashMap<Slot, B>,
+}
+
+impl Store {
+    /// Uploads the cloths of an index list as they begin. `draw_only`: without what only steps need.
+    pub fn new(device: &wgpu::Device, world: &World, starts: &[Start<f32>], cloths: &[usize], draw_only: bool) -> Self {
+        let at: Vec<_> = firsts(world, cloths);
+        let cloths: Vec<_> = cloths.iter().zip(at).map(|(c, at)| (*c, at as usize, starts[*c].now.len())).collect();
+        let mut lists: [Vec<[f32; 4]>; 3] = Default::default();
+        for (cloth, first, _) in &cloths {
+            let start = &starts[*cloth];
+            for (list, data) in lists.iter_mut().zip([&start.now, &start.before, &start.normals]) {
+                // Between cloths there are no particles.
+                list.resize(*first, [0.0, 0.0, 0.0, -1.0]);
+                list.extend(data);
+            }
+        }
+        let none = BufferUsages::empty();
+        let [now, before, normals] = lists;
+        let mut others = HashMap::new();
+        if world.control.options.solver == Solver::Xpbd && !draw_only {
+            let faults = vec![0u32; FAULT_STRIDE as usize * cloths.len()];
+            others.insert(Slot::Faults, upload(device, "faults", &faults, BufferUsages::COPY_SRC));
+            others.insert(Slot::Good, upload(device, "good", &now, none));
+            if cloths.iter().any(|(c, ..)| world.scene.cloths[*c].is_exact()) {
+                others.insert(Slot::Lost, upload(device, "lost", &vec![[0f32; 4]; now.len()], none));
+            }
+        }
+        let [now, before, normals] = [("now", now), ("before", before), ("normals", normals)]
+            .map(|(name, list)| upload(device, name, &list, DRAWN));
+        Store { cloths, state: State { now, before, normals, others } }
+    }
+
+    /// Numbers in each of its lists, four a particle.
+    pub fn numbers(&self) -> usize {
+        self.state.now.size() as usize / 4
+    }
+
+    /// Index of every cloth.
+    pub fn cloths(&self) -> impl Iterator<Item = usize> {
+        self.cloths.iter().map(|c| c.0)
+    }
+
+    /// The whole buffer of a slot.
+    pub fn get(&self, slot: Slot) -> Option<&Buffer> {
+        match slot {
+            Slot::Now => Some(&self.state.now),
+            Slot::Before => Some(&self.state.before),
+            Slot::Normals => Some(&self.state.normals),
+            other => self.state.others.get(&other),
+        }
+    }
+
+    /// Where each of its cloths lies.
+    pub fn spans(&self) -> impl Iterator<Item = (usize, State<Span>)> {
+        self.cloths.iter().enumerate().map(|(row, (cloth, first, count))| {
+            let span = |buffer: &Buffer, offset: usize, size: usize| Span {
+                buffer: buffer.clone(),
+                offset: offset as u64,
+                size: size as u64,
+            };
+            let list = |buffer: &Buffer| span(buffer, 16 * first, 16 * count);
+            let other = |(slot, buffer): (&Slot, &Buffer)| match slot {
+                Slot::Faults => (*slot, span(buffer, 4 * FAULT_STRIDE as usize * row, FAULT_BYTES)),
+                _ => (*slot, list(buffer)),
+            };
+            let State { now, before, normals, others } = &self.state;
+            let others = others.iter().map(other).collect();
+            (*cloth, State { now: list(now), before: list(before), normals: list(normals), others })
+        })
+    }
+}
