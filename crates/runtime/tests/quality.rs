@@ -119,16 +119,16 @@ fn a_change_of_substeps_is_no_push() {
 #[test]
 fn rounds_change_on_the_cpu_unless_they_are_given() {
     let counts = |polish| {
-        let with = Options { polish, ..options(Solver::Xpbd, Quality::Error(0.02)) };
-        let mut rig = Rig::cpu(damped(), &with);
-        let frames = (0..120).map(|_| {
+        let with = Options { polish, quality: Quality::Error(0.05), ..Options::default() };
+        let mut rig = Rig::cpu(scene::builtin("s1", 32).unwrap(), &with);
+        let frames = (0..600).map(|_| {
             rig.frame(FRAME);
             rig.stepper.polish()
         });
         frames.collect::<Vec<_>>()
     };
     let open = counts(None);
-    assert!(open.iter().any(|r| *r > 0), "{open:?}");
+    assert!(open.iter().any(|r| *r != open[0]), "{open:?}");
     assert!(counts(Some(2)).iter().all(|r| *r == 2));
     if let Some(device) = support::device() {
         let mut rig = Rig::gpu(damped(), &options(Solver::Xpbd, Quality::Error(0.02)), &device);
