@@ -105,7 +105,8 @@ fn substeps_are_chosen_and_reported() {
     assert!(words.contains("substeps chosen") && words.contains("rounds of polish: least"), "{words}");
     assert!(words.contains("strain"), "{words}");
     let rounds = |more: &str| {
-        let json = place.run(&format!("simulate s1 {flags} --error 0.02 --json {more}")).expect(&[0]).json();
+        let flags = "--backend cpu --frames 300 --error 0.05 --json";
+        let json = place.run(&format!("simulate s1 {flags} {more}")).expect(&[0]).json();
         ["polish_min", "polish", "polish_max"].map(|name| json[name].as_u64().unwrap())
     };
     let [least, _, most] = rounds("");
