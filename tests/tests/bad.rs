@@ -3,7 +3,6 @@
 #![allow(clippy::print_stdout)]
 
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 use gimage::component::ComponentOptions;
 use gimage::options::BuildOptions;
@@ -94,9 +93,6 @@ const TABLE: &[(&str, Is)] = &[
     ("zero_indices.glb", Empty),
 ];
 
-/// Nothing here may take longer: a guard against hangs, not a measure of speed.
-const PATIENCE: Duration = Duration::from_secs(10);
-
 fn outcome(built: &Result<Built>) -> Option<Is> {
     Some(match built {
         Ok(b) if b.report.has_findings() => Findings,
@@ -111,9 +107,7 @@ fn outcome(built: &Result<Built>) -> Option<Is> {
 }
 
 fn with(folder: &Path, name: &str, options: &BuildOptions) -> Result<Built> {
-    let start = Instant::now();
     let built = build(&folder.join(name), options);
-    assert!(start.elapsed() < PATIENCE, "{name} took {:?}", start.elapsed());
     if let Ok(b) = &built {
         check(name, b);
     }
@@ -132,17 +126,12 @@ fn every_file_comes_to_what_the_table_says() {
         std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     for name in names.iter().filter(|n| !n.ends_with(".md")) {
-        let start = Instant::now();
         let built = std::panic::catch_unwind(|| build(&folder.join(name), &texels(1024)));
-        let spent = start.elapsed();
         let Ok(built) = built else {
             wrong.push(format!("{name}: panic"));
             continue;
         };
         let found = outcome(&built);
-        if spent > PATIENCE {
-            wrong.push(format!("{name}: took {spent:?}"));
-        }
         match &built {
             Ok(b) => wrong.extend(gimage_tests::faults(b).iter().map(|f| format!("{name}: {f}"))),
             Err(e) => {

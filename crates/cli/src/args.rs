@@ -162,8 +162,8 @@ pub struct SceneArgs {
     /// the scene].
     #[arg(long, value_name = "MS", allow_negative_numbers = true)]
     pub budget: Option<f64>,
-    /// Choose the fewest steps per frame that leave at most this stretch, 0.01 for 1 %; --budget wins [default: that of the
-    /// scene].
+    /// Choose the cheapest numbers of steps per frame and rounds of polish that leave at most this stretch, 0.01 for 1 %;
+    /// --budget wins [default: that of the scene].
     #[arg(long, value_name = "STRETCH", allow_negative_numbers = true)]
     pub error: Option<f64>,
     /// Relaxations per step [default: that of the scene, or 1].

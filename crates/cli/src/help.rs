@@ -87,8 +87,9 @@ pub const SIMULATE: &str = concat!(
     "SCENE.md describes scene files: garments, colliders, pins, wind, motion, cuts. A bundle hangs by its pins, or falls. A ",
     "frame is 1/60 s. Without flags, steps and rounds of polish follow from the scene; the second line of the result says which ",
     "and why. The table is of the end of the run: extension of the structural springs, its largest 99th percentile so far, RMS ",
-    "speed, depth in colliders. -v lists the passes. --error measures the largest stretch of each frame; the number of steps ",
-    "follows from the rule that stretch falls with its square. --budget models a frame as a fixed part plus a part per step. --dump writes ",
+    "speed, depth in colliders. -v lists the passes. --error measures the largest stretch of each frame, learns from ",
+    "changes what steps and rounds of polish do against it, and uses the cheapest numbers that suffice; --polish fixes the ",
+    "rounds, and a GPU keeps those of the start. --budget models a frame as a fixed part plus a part per step. --dump writes ",
     "frame_NNNNN.<piece>.position.exr, where frame 0 is the start; it refuses a directory with frames of an older run unless ",
     "--force is given, which removes them. Settings beyond the limits of the solver are adjusted, with a warning.",
     exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")

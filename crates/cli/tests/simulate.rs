@@ -102,7 +102,16 @@ fn substeps_are_chosen_and_reported() {
     assert_eq!((json["substeps_min"].as_u64(), json["substeps_max"].as_u64()), (Some(8), Some(8)));
     assert!(json["error_estimated"].is_null());
     let words = place.run(&format!("simulate s1 {flags} --error 0.02 -v")).expect(&[0]).stdout;
-    assert!(words.contains("substeps chosen") && words.contains("strain"), "{words}");
+    assert!(words.contains("substeps chosen") && words.contains("rounds of polish: least"), "{words}");
+    assert!(words.contains("strain"), "{words}");
+    let rounds = |more: &str| {
+        let flags = "--backend cpu --frames 300 --error 0.05 --json";
+        let json = place.run(&format!("simulate s1 {flags} {more}")).expect(&[0]).json();
+        ["polish_min", "polish", "polish_max"].map(|name| json[name].as_u64().unwrap())
+    };
+    let [least, _, most] = rounds("");
+    assert!(least < most, "{least} {most}");
+    assert_eq!(rounds("--polish 3"), [3; 3]);
 }
 
 #[test]

@@ -3,7 +3,6 @@
 mod support;
 
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 use gimage::import::{ImportOptions, import};
 use gimage::mesh::Semantic;
@@ -41,9 +40,7 @@ fn extent(mesh: &Mesh) -> [f64; 3] {
 fn every_garment_has_its_triangles_and_its_size() {
     let Some(folder) = garments_or_skip("every_garment_has_its_triangles_and_its_size") else { return };
     for (file, triangles, size) in GARMENTS {
-        let start = Instant::now();
         let got = import(&folder.join(file), &ImportOptions::default()).unwrap();
-        let spent = start.elapsed();
         check(&got);
         assert_eq!(got.mesh.triangles.len(), *triangles, "{file}");
         let mut found = extent(&got.mesh);
@@ -53,7 +50,6 @@ fn every_garment_has_its_triangles_and_its_size() {
         for (a, b) in found.iter().zip(want).filter(|(_, b)| *b != 0.0) {
             assert!((a - b).abs() < 1e-3 * b, "{file}: {found:?} {want:?}");
         }
-        assert!(spent < Duration::from_secs(10), "{file}: {spent:?}");
     }
 }
 
@@ -276,14 +272,12 @@ fn mutate(name: &str, bytes: &[u8], rounds: usize) {
         if random.below(8) == 0 {
             bad.truncate(random.below(bad.len()));
         }
-        let start = Instant::now();
         let result = load_with(name, &bad, &ImportOptions::default());
         if let Ok(got) = &result {
             check(got);
         }
         // The guard against panics is a last resort that no test file may need.
         assert!(!is_malformed(&result, "stopped the reader"), "{name}, round {round}");
-        assert!(start.elapsed() < Duration::from_secs(5), "{name}, round {round}: {:?}", start.elapsed());
     }
 }
 

@@ -284,6 +284,8 @@ pub struct Follow {
     step: f64,
     /// For how long \[s\] the number stays.
     hold: f64,
+    /// Whether contact is swept.
+    swept: bool,
 }
 
 impl Follow {
@@ -294,7 +296,7 @@ impl Follow {
         let lasting = open.then(|| in_step(needs.max().unwrap_or(FREE_SUBSTEPS), given.step));
         let strength = length(scene.gravity.map(f64::from)).max(f64::MIN_POSITIVE);
         let falls = scene.cloths.iter().map(|c| fall(c, scene) / strength).fold(0.0, f64::max);
-        Follow { lasting, step: given.step, hold: HOLD_S + falls }
+        Follow { lasting, step: given.step, hold: HOLD_S + falls, swept: given.solver == Solver::Xpbd }
     }
 
     /// The substeps of cloth and colliders at rest, NaN if the host gave a number, and for how long \[s\] more than those stay.
@@ -313,6 +315,11 @@ impl Follow {
     /// To be called when steps have been made.
     pub fn stepped(&mut self, seconds: f64) {
         self.hold = (self.hold - seconds).max(0.0);
+    }
+
+    /// Substeps in which no collider moves far.
+    pub fn fewest(&self, scene: &Scene) -> u32 {
+        if self.swept { in_step(for_speed(top_speed(scene), scene), self.step) } else { 1 }
     }
 
     /// The number of substeps from here on, `now` being that of the last frame: up at once, down by an eighth per frame.

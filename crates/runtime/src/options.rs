@@ -46,7 +46,7 @@ pub struct Options {
     /// ([`crate::Stepper::warnings`]). Steps below 1e-3 s at the start carry rounding errors over; below 1/16000 s cloth of a
     /// metre trembles in f32 nevertheless.
     pub substeps: Option<u32>,
-    /// How the number of substeps is chosen. Default [`Quality::Fixed`].
+    /// How the numbers of substeps and of rounds of polish are chosen from frame to frame. Default [`Quality::Fixed`].
     pub quality: Quality,
     /// Relaxations per step. Default 1; 1 to 4096; larger is stiffer and costs more, both less than with substeps. Membrane
     /// and bending of a [`crate::Material`] are always relaxed once per step: only substeps make them exact.
@@ -61,7 +61,9 @@ pub struct Options {
     pub tethers: u32,
     /// Further rounds of a relaxation: tethers, then springs to the right and down, which stretch shows in, and not the
     /// diagonal ones, which take half of the time. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default
-    /// `None`: chosen from the scene ([`crate::Choice`] has the rules); 0 to 64. Such a round is a fourth of a substep. On
+    /// `None`: chosen from the scene ([`crate::Choice`] has the rules), and then by [`Quality::Error`]
+    /// ([`crate::Stepper::polish`] is the current number); 0 to 64. A number is kept. The first round
+    /// is a fourth of a substep, each further one two thirds of one on tethers and an eighth among several colliders. On
     /// cloth that lies on colliders, eight rounds leave a seventh of the stretch; hanging on tethers, one does as much as two
     /// further substeps from some 100 particles per side on, as fine cloth crumples beside its pins.
     pub polish: Option<u32>,

@@ -95,6 +95,11 @@ impl Stepper {
         self.world.control.options.substeps
     }
 
+    /// Rounds of polish as of the last frame.
+    pub fn polish(&self) -> u32 {
+        self.world.control.options.polish
+    }
+
     /// The numbers of substeps and of polishing rounds at the start, and the reason.
     pub fn choice(&self) -> &Choice {
         &self.world.control.choice

@@ -7,6 +7,7 @@ mod host;
 mod run;
 mod save;
 mod sleep;
+mod work;
 
 pub use cloth_run::ClothRun;
 #[cfg(feature = "gpu")]
@@ -26,7 +27,7 @@ use crate::fused::{Room, arenas};
 use crate::limits::{self, Warning};
 use crate::number::real::Real;
 use crate::options::{Options, Solver};
-use crate::passes::{Kinds, Pass, has_levels, schedule};
+use crate::passes::{Kinds, Pass, Schedule, has_levels, schedule};
 use crate::quality::Quality;
 use crate::scene::Scene;
 use crate::step::{Step, StepInput};
@@ -112,31 +113,41 @@ impl World {
         let slots = |cloth: usize| self.runs[cloth].tethers.per_particle;
         self.arenas = arenas(&self.scene.cloths, slots, &self.control.options, &room);
         self.room = Some(room);
-        self.fuse();
+        self.reschedule();
     }
 
-    /// Chooses how many substeps the next frames have.
+    /// Chooses how many substeps and rounds of polish the next frames have.
     pub fn choose(&mut self) {
-        self.control.choose(&self.scene);
+        if self.control.choose(&self.scene) {
+            self.reschedule();
+        }
         self.raise();
+    }
+
+    /// The passes of a cloth under some settings.
+    fn schedule(&self, index: usize, options: &Settings) -> Schedule {
+        let (cloth, wind) = (&self.scene.cloths[index], self.scene.wind.as_ref());
+        // Only the classic solver has another pass without friction.
+        let smooth = options.solver == Solver::Classic && cloth.friction <= 0.0;
+        let kinds = Kinds::of(&self.scene.colliders);
+        let met = kinds.map(|k| Kinds { friction: k.friction && !smooth, ..k });
+        let mut schedule = schedule((cloth, self.runs[index].tethers.per_particle as u32), met, wind, options);
+        // Speeds are measured where cloth may fall asleep.
+        if self.calm_below().is_some() {
+            schedule.frame.extend([Pass::Speed, Pass::Fastest]);
+        }
+        schedule
     }
 
     /// Works out which passes run; to be called when colliders, wind, rest lengths or seams have changed.
     pub fn reschedule(&mut self) {
-        let (kinds, wind, options) =
-            (Kinds::of(&self.scene.colliders), self.scene.wind.as_ref(), &self.control.options);
-        // Only the classic solver has another pass without friction.
-        let smooth = |c: &Cloth| options.solver == Solver::Classic && c.friction <= 0.0;
-        let met = |c: &Cloth| kinds.map(|k| Kinds { friction: k.friction && !smooth(c), ..k });
-        // Speeds are measured where cloth may fall asleep.
-        let watched = if self.calm_below().is_some() { &[Pass::Speed, Pass::Fastest][..] } else { &[] };
-        let (coats, places) = Coats::new(&self.scene.cloths, options);
-        for ((cloth, run), coat) in self.scene.cloths.iter().zip(&mut self.runs).zip(places) {
-            run.schedule = schedule((cloth, run.tethers.per_particle as u32), met(cloth), wind, options);
-            run.schedule.frame.extend(watched);
-            run.coat = coat;
+        let (coats, places) = Coats::new(&self.scene.cloths, &self.control.options);
+        for (index, coat) in places.into_iter().enumerate() {
+            let schedule = self.schedule(index, &self.control.options);
+            (self.runs[index].schedule, self.runs[index].coat) = (schedule, coat);
         }
         self.coats = coats;
+        self.control.round = self.cost_of_round();
         self.fuse();
     }
 

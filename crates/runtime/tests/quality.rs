@@ -1,4 +1,4 @@
-//! An error target sets the number of substeps, and a change of the number does not push the cloth.
+//! An error target sets the numbers of substeps and of rounds of polish, and a change does not push the cloth.
 
 // Also, or only, on the GPU.
 #![cfg(feature = "gpu")]
@@ -117,6 +117,52 @@ fn a_change_of_substeps_is_no_push() {
 }
 
 #[test]
+fn rounds_change_on_the_cpu_unless_they_are_given() {
+    let counts = |polish| {
+        let with = Options { polish, quality: Quality::Error(0.05), ..Options::default() };
+        let mut rig = Rig::cpu(scene::builtin("s1", 32).unwrap(), &with);
+        let frames = (0..600).map(|_| {
+            rig.frame(FRAME);
+            rig.stepper.polish()
+        });
+        frames.collect::<Vec<_>>()
+    };
+    let open = counts(None);
+    assert!(open.iter().any(|r| *r != open[0]), "{open:?}");
+    assert!(counts(Some(2)).iter().all(|r| *r == 2));
+    if let Some(device) = support::device() {
+        let mut rig = Rig::gpu(damped(), &options(Solver::Xpbd, Quality::Error(0.02)), &device);
+        let compiled = rig.stepper.compiled();
+        (0..60).for_each(|_| rig.frame_to_its_end(FRAME));
+        assert!(substeps(&rig) > 8 && rig.stepper.polish() == 0);
+        assert_eq!(rig.stepper.compiled(), compiled);
+    }
+}
+
+#[test]
+fn cloth_at_rest_stays_at_rest_when_rounds_change() {
+    let settled = |polish| {
+        let with = Options { polish: Some(polish), tethers: 2, ..options(Solver::Xpbd, Quality::Fixed) };
+        let mut rig = Rig::cpu(damped(), &with);
+        rig.frames(480);
+        rig
+    };
+    for (from, to) in [(3, 4), (4, 3), (1, 0), (0, 1)] {
+        let mut rig = settled(from);
+        let with = Options { polish: Some(to), ..rig.stepper.options().clone() };
+        rig.stepper.set_options(with).unwrap();
+        let mut most = 0f64;
+        for _ in 0..60 {
+            rig.frame(FRAME);
+            most = most.max(measured(&rig).kinetic);
+        }
+        eprintln!("{from} to {to}: {most} J");
+        // A sheet of 0.2 kg at 2 cm/s.
+        assert!(most < 0.5 * 0.2 * 0.02 * 0.02, "{from} to {to}: {most} J");
+    }
+}
+
+#[test]
 fn changes_do_not_add_energy() {
     // Up and down again and again, as a target that is nearly met might.
     let energy = |m: Measures| m.kinetic + m.potential;
@@ -155,7 +201,8 @@ fn on_the_cpu_every_run_and_any_threads_choose_the_same() {
 #[test]
 fn both_backends_choose_the_same() {
     for (solver, fused) in [(Solver::Classic, false), (Solver::Xpbd, false), (Solver::Xpbd, true)] {
-        let with = Options { fused, ..options(solver, Quality::Error(0.015)) };
+        // Rounds of polish change on the CPU alone.
+        let with = Options { fused, polish: Some(0), ..options(solver, Quality::Error(0.015)) };
         let run = |mut rig: Rig| {
             let mut counts = Vec::new();
             for _ in 0..120 {

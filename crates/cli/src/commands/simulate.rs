@@ -25,7 +25,7 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
     let mut engine = Engine::new(file.scene, file.script, options)?;
     engine.warn(out);
     let dump = args.dump.as_deref().map(|dir| Dump::new(dir, &engine.stepper, args.force, out)).transpose()?;
-    let (mut times, mut counts) = (Vec::new(), Vec::new());
+    let (mut times, mut counts, mut rounds) = (Vec::new(), Vec::new(), Vec::new());
     let mut faults = Faults::default();
     for frame in 0..=frames {
         if frame > 0 {
@@ -33,6 +33,7 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
             engine.frame(step)?;
             times.push(start.elapsed().as_secs_f64() * 1e3);
             counts.push(engine.stepper.substeps());
+            rounds.push(engine.stepper.polish());
             faults.after_frame(&mut engine);
         }
         let due = frame >= args.dump_from && (frame - args.dump_from).is_multiple_of(args.every);
@@ -42,7 +43,7 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
     }
     faults.at_end(&mut engine)?;
     faults.warn(out, &engine, times.len());
-    report(args, out, &engine, &faults, (times, counts))
+    report(args, out, &engine, &faults, (times, [counts, rounds]))
 }
 
 fn report(
@@ -50,11 +51,13 @@ fn report(
     out: &Output,
     engine: &Engine,
     faults: &Faults,
-    (mut times, mut counts): (Vec<f64>, Vec<u32>),
+    (mut times, mut counts): (Vec<f64>, [Vec<u32>; 2]),
 ) -> Result<Exit, Failure> {
     times.sort_by(f64::total_cmp);
-    counts.sort_unstable();
-    let [fewest, middle, most] = [0, counts.len() / 2, counts.len().saturating_sub(1)].map(|k| counts.get(k).copied());
+    let [substeps, rounds] = counts.each_mut().map(|list| {
+        list.sort_unstable();
+        [0, list.len() / 2, list.len().saturating_sub(1)].map(|k| list.get(k).copied())
+    });
     let error = engine.stepper.estimated_error();
     let (least, median) = (times.first().copied(), times.get(times.len() / 2).copied());
     let (plan, options) = (engine.stepper.plan(), engine.stepper.options());
@@ -65,7 +68,7 @@ fn report(
         let (name, frames) = (&args.scene.scene, times.len());
         let line = format!("{name}: {frames} frames on the {backend} ({})", engine.adapter);
         let line = format!("{line}, ms per frame: least {}, median {}\n", ms(least), ms(median));
-        let chosen = chosen(options.quality, [fewest, middle, most], error);
+        let chosen = chosen(options.quality, [substeps, rounds], error);
         let passes = if out.verbose { plan.to_string() } else { String::new() };
         out.data(&(line + &format!("{choice}\n") + &chosen + &fares(engine, faults) + &passes))?;
         return Ok(faults.exit());
@@ -89,15 +92,18 @@ fn report(
         "substeps": engine.stepper.substeps(),
         "budget_ms": options.quality.budget(),
         "error_target": options.quality.target(),
-        "substeps_min": fewest,
-        "substeps_median": middle,
-        "substeps_max": most,
+        "substeps_min": substeps[0],
+        "substeps_median": substeps[1],
+        "substeps_max": substeps[2],
         "error_estimated": error,
         "warnings": engine.stepper.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
         "iterations": options.iterations,
         "tethers": options.tethers,
         "pyramid": options.pyramid,
-        "polish": choice.polish,
+        "polish": engine.stepper.polish(),
+        "polish_min": rounds[0],
+        "polish_median": rounds[1],
+        "polish_max": rounds[2],
         "choice": choice.to_string(),
         "thickness": options.thickness,
         "particles": engine.stepper.scene().cloths.iter().map(Cloth::len).sum::<usize>(),
@@ -136,12 +142,14 @@ fn fares(engine: &Engine, faults: &Faults) -> String {
     table.render()
 }
 
-/// How many steps were chosen and what they achieved, where they were; else nothing.
-fn chosen(quality: Quality, counts: [Option<u32>; 3], error: Option<f64>) -> String {
-    let [Some(fewest), Some(median), Some(most)] = counts else { return String::new() };
+/// How many steps and rounds of polish were chosen and what they achieved, where they were; else nothing.
+fn chosen(quality: Quality, [substeps, rounds]: [[Option<u32>; 3]; 2], error: Option<f64>) -> String {
+    let range =
+        |[least, median, most]: [Option<u32>; 3]| Some(format!("least {}, median {}, most {}", least?, median?, most?));
+    let (Some(substeps), Some(rounds)) = (range(substeps), range(rounds)) else { return String::new() };
     if quality == Quality::Fixed {
         return String::new();
     }
     let error = error.map_or_else(String::new, |e| format!("; stretch at the end {:.2} %", 100.0 * e));
-    format!("substeps chosen: least {fewest}, median {median}, most {most}{error}\n")
+    format!("substeps chosen: {substeps}; rounds of polish: {rounds}{error}\n")
 }

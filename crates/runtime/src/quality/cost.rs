@@ -1,22 +1,23 @@
-//! What a frame costs: a fixed part and a part per step, from the times of frames of different numbers of steps.
+//! What a frame costs: a fixed part and a part per unit of work, from the times of frames of different work. The unit is a
+//! step without polish.
 
 use std::collections::VecDeque;
 
-/// Most times kept per number of steps, and fewest times of which the median counts.
+/// Most times kept per amount of work, and fewest times of which the median counts.
 const TIMES: [usize; 2] = [15, 5];
-/// Most numbers of steps remembered.
+/// Most amounts of work remembered.
 const MAX_COUNTS: usize = 6;
 /// Times that were not renewed for so long \[s\] do not count: the machine may be another by now.
 const OLD_S: f64 = 20.0;
-/// Smallest share of a frame that its steps take, as times are noisy.
+/// Smallest share of a frame that its work takes, as times are noisy.
 const MIN_SHARE: f64 = 0.05;
-/// Share of a budget below which a larger number of steps is tried when nothing is known of others.
+/// Share of a budget below which more work is tried when nothing is known of others.
 const SPARE: f64 = 0.8;
 
-/// Times of frames of one number of steps.
+/// Times of frames of one amount of work.
 #[derive(Clone, Debug)]
 struct Times {
-    steps: u32,
+    work: f64,
     ms: VecDeque<f64>,
     age: f64,
 }
@@ -38,13 +39,13 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// Takes in a frame. Frames without a step and times not above 0 do not count.
-    pub fn add(&mut self, steps: u32, ms: f64) {
-        if steps == 0 || !ms.is_finite() || ms <= 0.0 {
+    /// Takes in a frame. Frames without work and times not above 0 do not count.
+    pub fn add(&mut self, work: f64, ms: f64) {
+        if work <= 0.0 || !ms.is_finite() || ms <= 0.0 {
             return;
         }
-        let known = self.of.iter().position(|t| t.steps == steps).map(|at| self.of.remove(at));
-        let mut times = known.unwrap_or_else(|| Times { steps, ms: VecDeque::new(), age: 0.0 });
+        let known = self.of.iter().position(|t| t.work == work).map(|at| self.of.remove(at));
+        let mut times = known.unwrap_or_else(|| Times { work, ms: VecDeque::new(), age: 0.0 });
         times.age = 0.0;
         times.ms.push_back(ms);
         times.ms.drain(..times.ms.len().saturating_sub(TIMES[0]));
@@ -58,23 +59,21 @@ impl Costs {
         self.of.retain(|t| t.age <= OLD_S);
     }
 
-    /// The largest number of steps that `ms` have room for, `n` being the present one; none before times are known.
-    pub fn room(&self, n: u32, ms: f64) -> Option<u32> {
-        let known = |fewest| -> Vec<(f64, f64)> {
-            self.of.iter().filter_map(|t| Some((f64::from(t.steps), t.median(fewest)?))).collect()
-        };
-        // Where the number rises fast, none has many times: few are better than a rise without a bound.
+    /// The most work that `ms` have room for; none before times are known. `trial` is the work to be tried with budget to spare.
+    pub fn room(&self, trial: f64, ms: f64) -> Option<f64> {
+        let known =
+            |fewest| -> Vec<(f64, f64)> { self.of.iter().filter_map(|t| Some((t.work, t.median(fewest)?))).collect() };
+        // Where the work rises fast, no amount has many times: few are better than a rise without a bound.
         let known = Some(known(TIMES[1])).filter(|k| !k.is_empty()).unwrap_or_else(|| known(1));
-        let (steps, took) = *known.last()?;
-        let far = known.iter().copied().max_by(|a, b| (a.0 - steps).abs().total_cmp(&(b.0 - steps).abs()))?;
-        if far.0 == steps {
-            // All that is known: the steps take everything. A spare budget is worth a trial.
-            let room = (steps * ms / took).floor() as u32;
-            let trial = if took <= SPARE * ms { n + (n / 8).max(1) } else { 0 };
-            return Some(room.max(trial));
+        let (work, took) = *known.last()?;
+        let far = known.iter().copied().max_by(|a, b| (a.0 - work).abs().total_cmp(&(b.0 - work).abs()))?;
+        if far.0 == work {
+            // All that is known: the work takes everything. A spare budget is worth a trial.
+            let trial = if took <= SPARE * ms { trial } else { 0.0 };
+            return Some((work * ms / took).max(trial));
         }
-        let per_step = ((took - far.1) / (steps - far.0)).clamp(MIN_SHARE * took / steps, took / steps);
-        Some((steps + (ms - took) / per_step).max(1.0).floor() as u32)
+        let per_work = ((took - far.1) / (work - far.0)).clamp(MIN_SHARE * took / work, took / work);
+        Some((work + (ms - took) / per_work).max(0.0))
     }
 }
 
@@ -84,35 +83,40 @@ mod tests {
 
     fn costs(frames: &[(u32, f64)]) -> Costs {
         let mut costs = Costs::default();
-        frames.iter().for_each(|&(steps, ms)| (0..TIMES[1]).for_each(|_| costs.add(steps, ms)));
+        frames.iter().for_each(|&(steps, ms)| (0..TIMES[1]).for_each(|_| costs.add(f64::from(steps), ms)));
         costs
+    }
+
+    /// Whole steps that there is room for, the next larger number being worth a trial.
+    fn room(costs: &Costs, n: u32, ms: f64) -> Option<u32> {
+        costs.room(f64::from(n + 1), ms).map(|work| work.floor() as u32)
     }
 
     #[test]
     fn a_fixed_part_is_no_cost_of_steps() {
         // 3 ms + 0.25 ms per step.
         let known = costs(&[(1, 3.25), (4, 4.0)]);
-        assert_eq!(known.room(4, 6.0), Some(12));
-        assert_eq!(known.room(4, 3.5), Some(2));
+        assert_eq!(room(&known, 4, 6.0), Some(12));
+        assert_eq!(room(&known, 4, 3.5), Some(2));
     }
 
     #[test]
     fn one_step_with_budget_to_spare_is_not_the_end() {
-        assert_eq!(costs(&[(1, 4.0)]).room(1, 6.0), Some(2));
+        assert_eq!(room(&costs(&[(1, 4.0)]), 1, 6.0), Some(2));
         // At 90 % of the budget nothing is tried.
-        assert_eq!(costs(&[(1, 5.4)]).room(1, 6.0), Some(1));
-        assert_eq!(Costs::default().room(8, 6.0), None);
+        assert_eq!(room(&costs(&[(1, 5.4)]), 1, 6.0), Some(1));
+        assert_eq!(room(&Costs::default(), 8, 6.0), None);
     }
 
     #[test]
     fn old_and_absurd_times_do_not_count() {
         let mut known = costs(&[(8, 1.0), (16, 9.0)]);
         // More than steps alone would take: a machine under load.
-        assert_eq!(known.room(16, 4.5), Some(8));
+        assert_eq!(room(&known, 16, 4.5), Some(8));
         known.age(OLD_S + 1.0);
-        assert_eq!(known.room(16, 4.5), None);
-        known.add(8, f64::NAN);
-        known.add(0, 1.0);
+        assert_eq!(room(&known, 16, 4.5), None);
+        known.add(8.0, f64::NAN);
+        known.add(0.0, 1.0);
         assert_eq!(known.of.len(), 0);
     }
 }

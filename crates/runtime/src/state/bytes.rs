@@ -2,6 +2,7 @@
 
 use gimage_bundle::MAX_ANCHORS;
 
+use super::snapshot::CONTROL_NUMBERS;
 use super::{ClothState, ControlState, Head, Layout, Snapshot};
 use crate::error::{Error, Result};
 use crate::scene::Pose;
@@ -42,7 +43,7 @@ impl ClothState {
 }
 
 impl Snapshot {
-    /// The snapshot as bytes: about 130 bytes, then the bytes of each state.
+    /// The snapshot as bytes: about 400 bytes, then the bytes of each state.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = SNAPSHOT.to_vec();
         out.extend(self.control.numbers().iter().flat_map(|x| x.to_le_bytes()));
@@ -56,7 +57,7 @@ impl Snapshot {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let mut reader = Reader { what: "snapshot", rest: bytes };
         reader.magic(SNAPSHOT)?;
-        let mut numbers = [0.0; 13];
+        let mut numbers = [0.0; CONTROL_NUMBERS];
         for x in &mut numbers {
             *x = reader.f64()?;
         }
@@ -172,7 +173,7 @@ mod tests {
         let state = state();
         assert_eq!(ClothState::from_bytes(&state.to_bytes()).unwrap(), state);
         let control = ControlState { clock: [1.0, 0.002, 0.001], substeps: 4, polish: 2, ..ControlState::default() };
-        let chooser = [f64::NAN, 1.0, 2.0, 3.0, 4.0, 5.0, 1.0];
+        let chooser = std::array::from_fn(|n| if n == 0 { f64::NAN } else { n as f64 });
         let control = ControlState { chooser, ..control };
         let snapshot = Snapshot { control, cloths: vec![state.clone(), state] };
         assert_eq!(Snapshot::from_bytes(&snapshot.to_bytes()).unwrap(), snapshot);

@@ -1,6 +1,7 @@
 //! The state of all cloths, and of what steps them.
 
 use super::ClothState;
+use crate::quality::NUMBERS;
 
 /// The states of all cloths of a stepper, its clock, and the numbers by which it chooses substeps. Restored, the stepper
 /// continues with the same bits if the host gives it the same colliders, wind and settings as before.
@@ -36,18 +37,25 @@ impl Snapshot {
 }
 
 /// The numbers of clock and choice. NaN stands for a number that is not known.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct ControlState {
     /// Time, length of the last step, time left over \[s\].
     pub clock: [f64; 3],
     /// As `Chooser::numbers`.
-    pub chooser: [f64; 7],
+    pub chooser: [f64; NUMBERS],
     /// As `Follow::numbers`.
     pub follow: [f64; 2],
     /// When cloths are next examined \[s\].
     pub due: f64,
     pub substeps: u32,
     pub polish: u32,
+}
+
+impl Default for ControlState {
+    fn default() -> Self {
+        let (clock, chooser, follow) = ([0.0; 3], [0.0; NUMBERS], [0.0; 2]);
+        ControlState { clock, chooser, follow, due: 0.0, substeps: 0, polish: 0 }
+    }
 }
 
 impl PartialEq for ControlState {
@@ -58,15 +66,21 @@ impl PartialEq for ControlState {
     }
 }
 
+/// How many numbers of a control state are not whole.
+pub const CONTROL_NUMBERS: usize = NUMBERS + 6;
+
 impl ControlState {
     /// All numbers that are not whole, in one list.
-    pub fn numbers(&self) -> [f64; 13] {
-        let ([a, b, c], [d, e, f, g, h, i, j], [k, l]) = (self.clock, self.chooser, self.follow);
-        [a, b, c, d, e, f, g, h, i, j, k, l, self.due]
+    pub fn numbers(&self) -> [f64; CONTROL_NUMBERS] {
+        let all = [&self.clock[..], &self.chooser, &self.follow, &[self.due]].concat();
+        std::array::from_fn(|n| all[n])
     }
 
     /// The same from that list.
-    pub fn from_numbers([a, b, c, d, e, f, g, h, i, j, k, l, due]: [f64; 13], substeps: u32, polish: u32) -> Self {
-        ControlState { clock: [a, b, c], chooser: [d, e, f, g, h, i, j], follow: [k, l], due, substeps, polish }
+    pub fn from_numbers(all: [f64; CONTROL_NUMBERS], substeps: u32, polish: u32) -> Self {
+        let [a, b, c, ..] = all;
+        let [.., k, l, due] = all;
+        let chooser = std::array::from_fn(|n| all[3 + n]);
+        ControlState { clock: [a, b, c], chooser, follow: [k, l], due, substeps, polish }
     }
 }

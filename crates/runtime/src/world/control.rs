@@ -3,7 +3,7 @@
 use crate::choose::{Choice, Follow, Settings};
 use crate::clock::Clock;
 use crate::options::Options;
-use crate::quality::{Chooser, Quality};
+use crate::quality::{Chooser, Levers, Mix, Quality};
 use crate::scene::Scene;
 use crate::state::ControlState;
 
@@ -16,15 +16,17 @@ pub struct Control {
     /// Keeps substeps up with the speed of colliders.
     pub follow: Follow,
     pub clock: Clock,
-    /// Chooses substeps.
+    /// Chooses substeps and rounds of polish.
     pub chooser: Chooser,
+    /// As [`Levers::round`].
+    pub round: Option<f64>,
 }
 
 impl Control {
     pub fn new(options: Options, scene: &Scene) -> Self {
         let (options, choice) = Settings::new(options, scene);
         let (clock, follow) = (Clock::new(&options), Follow::new(&options, scene));
-        Control { options, choice, follow, clock, chooser: Chooser::default() }
+        Control { options, choice, follow, clock, chooser: Chooser::default(), round: None }
     }
 
     /// Starts the clock again, before anything has moved.
@@ -51,23 +53,32 @@ impl Control {
     pub fn decide(&mut self, scene: &Scene) -> bool {
         let (mut settings, choice) = Settings::new(self.options.given().clone(), scene);
         let polish = self.options.polish;
-        // Substeps that are chosen from frame to frame go on, and tethers were made with the stepper.
+        // Numbers that are chosen from frame to frame go on, and tethers were made with the stepper.
         if self.options.quality != Quality::Fixed {
             settings.substeps = self.options.substeps;
+        }
+        if self.round.is_some() {
+            settings.polish = self.options.polish;
         }
         settings.slack = std::mem::take(&mut self.options.slack);
         self.set((settings, choice), scene);
         polish != self.options.polish
     }
 
-    /// Chooses how many substeps the next frames have.
-    pub fn choose(&mut self, scene: &Scene) {
-        let now = self.options.substeps;
+    /// Chooses how many substeps and rounds of polish the next frames have; whether the rounds change.
+    pub fn choose(&mut self, scene: &Scene) -> bool {
+        let now = Mix { substeps: self.options.substeps, rounds: self.options.polish };
         let next = match self.options.quality {
-            Quality::Fixed => self.follow.next(now, scene),
-            quality => self.chooser.next(quality, now),
+            Quality::Fixed => Mix { substeps: self.follow.next(now.substeps, scene), ..now },
+            quality => {
+                let fewest = self.follow.fewest(scene);
+                let levers = Levers { round: self.round, start: self.choice.polish, fewest };
+                self.chooser.next(quality, now, &levers)
+            }
         };
-        self.set_substeps(next);
+        self.set_substeps(next.substeps);
+        self.options.polish = next.rounds;
+        next.rounds != now.rounds
     }
 
     /// What a continuation with the same bits needs.
@@ -90,7 +101,7 @@ impl Control {
         settings.slack = std::mem::take(&mut self.options.slack);
         self.set((settings, choice), scene);
         self.follow.resume(state.follow);
-        self.chooser.resume(state.chooser);
+        self.chooser.resume(&state.chooser);
         self.clock.resume(state.clock);
         polish != self.options.polish
     }
