@@ -17,9 +17,9 @@ const SOON: f64 = 0.05;
 const PATIENCE: [f64; 2] = [0.25, 4.0];
 /// A change after which the error is too large within this time \[s\] is undone.
 const UNDO_S: f64 = 0.5;
-/// For so long a mix that turned out to be too little is not tried again \[s\], the first time and at most.
+/// Time before a mix that turned out to be too little is tried again \[s\], the first time and at most.
 const RETRY: [f64; 2] = [0.5, 8.0];
-/// By so many standard deviations the exponent of the rounds is taken for worse than it is known to be, and for better in a
+/// Standard deviations by which the exponent of the rounds is taken for worse than it is known to be, and for better in a
 /// trial; and the time without a change before the first trial and the last ones \[s\].
 const HOPE: [f64; 2] = [-1.0, 1.0];
 const TRIAL_WAITS: [f64; 2] = [1.0, 64.0];
@@ -51,7 +51,7 @@ pub struct Chooser {
     trial: f64,
     tried: f64,
     fell: bool,
-    /// The mix before, where the last change was no rise.
+    /// The mix before, where the last change was not a rise.
     back: Option<Mix>,
     /// Whether the next trial is one of more rounds.
     more: bool,
@@ -95,7 +95,7 @@ impl Chooser {
         std::array::from_fn(|n| list[n])
     }
 
-    /// Takes them over from another one; begins anew with numbers that no chooser has.
+    /// Takes them over from another one; begins again with numbers that no chooser has.
     pub fn resume(&mut self, numbers: &[f64]) {
         self.each(&mut Numbers::From(numbers.iter()));
         let times = [self.waited, self.held, self.seconds, self.retry, self.trial, self.of_substep];

@@ -8,7 +8,7 @@ pub const MAX_SUBSTEPS: u32 = 256;
 pub const MAX_ROUNDS: u32 = 32;
 /// Share of the cost that another number of rounds has to save.
 pub const MIN_GAIN: f64 = 0.03;
-/// Below so many substeps a fraction of one counts as a whole one.
+/// Number of substeps below which a fraction of one counts as a whole one.
 const FEW: f64 = 8.0;
 /// Fewest substeps that are given up for rounds.
 const MIN_TRADED: u32 = 4;
