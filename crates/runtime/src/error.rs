@@ -74,19 +74,19 @@ pub enum Error {
     /// No such cloth, particle or collider.
     #[error("there is no {what} {index}; there are {count}")]
     NoSuch {
-        /// What was asked for.
+        /// Its kind: a cloth, a particle, a collider.
         what: &'static str,
-        /// Its index.
+        /// The index that was given.
         index: usize,
         /// How many there are.
         count: usize,
     },
     /// No piece of this name.
-    #[error("cloth {cloth}: there is no piece {piece:?}; there are {pieces}")]
+    #[error("cloth {cloth} has no piece {piece:?}; its pieces are {pieces}")]
     NoPiece {
         /// The cloth by name.
         cloth: String,
-        /// What was asked for.
+        /// The name that was given.
         piece: String,
         /// The names of its pieces.
         pieces: String,
@@ -96,7 +96,7 @@ pub enum Error {
     NotFinite {
         /// The cloth by name.
         cloth: String,
-        /// What is not finite.
+        /// The quantity, such as a position.
         what: &'static str,
         /// Index of the particle.
         index: usize,
@@ -106,15 +106,15 @@ pub enum Error {
     State {
         /// The cloth by name.
         cloth: String,
-        /// What does not fit, and what to do.
+        /// The difference, and how to resolve it.
         problem: StateProblem,
     },
     /// Bytes are not a state.
     #[error("the bytes are not a {what} of this version: {problem}; save it again")]
     StateBytes {
-        /// What was expected.
+        /// The expected kind: a state or a snapshot.
         what: &'static str,
-        /// What is wrong.
+        /// The fault in the bytes.
         problem: &'static str,
     },
     /// A buffer cannot hold the data of a cloth.
@@ -130,7 +130,7 @@ pub enum Error {
         found: u64,
         /// The usages needed.
         usage: &'static str,
-        /// What to do.
+        /// Advice for the caller.
         hint: &'static str,
     },
     /// The call is only for the GPU backend.

@@ -10,15 +10,15 @@ const MIN_FOR_TABLE: usize = 16;
 const NO_RING: u32 = u32::MAX;
 
 impl Cloth {
-    /// Pins a particle where it is, or frees it. Its seam duplicates follow. Errors where there is no such particle.
+    /// Pins a particle and its seam duplicates where they are, or frees them. Errors if the cloth has no particle of this index.
     pub fn set_pinned(&mut self, index: usize, pinned: bool) -> Result<()> {
         let (what, count) = ("particle", self.len());
         let particle = u32::try_from(index).map_err(|_| Error::NoSuch { what, index, count })?;
         self.hold(&[particle], pinned)
     }
 
-    /// Pins particles where they are. Their seam duplicates follow. Time linear in the particles of the cloth. Errors where
-    /// there is no such particle, and then changes nothing.
+    /// Pins particles and their seam duplicates where they are. Takes time linear in the number of particles. Errors if the
+    /// cloth has no particle of an index; then nothing has changed.
     pub fn pin(&mut self, particles: &[u32]) -> Result<()> {
         self.hold(particles, true)
     }
@@ -46,8 +46,8 @@ impl Cloth {
         }
     }
 
-    /// Particles and all their duplicates, each once and in order, with the place in `particles` that each comes from; the
-    /// last such place where there are several. Errors where there is no such particle.
+    /// Particles and all their duplicates, each once and in order, with the index in `particles` that it comes from; the
+    /// last index if it comes from several. Errors if the cloth has no particle of an index.
     pub(crate) fn with_duplicates(&self, particles: &[u32]) -> Result<Vec<[u32; 2]>> {
         let (what, count) = ("particle", self.len());
         let exists = |k: u32| self.parts.particles.get(k as usize).is_some_and(|p| p.exists());

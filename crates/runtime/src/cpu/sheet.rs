@@ -136,7 +136,7 @@ impl<T: Real> Sheet<T> {
         gather(&self.before, self.width, self.half, before);
     }
 
-    /// What was too small for the positions, to texels; where it is not kept they stay.
+    /// Copies the low bits of the positions to texels; without low bits the texels keep their values.
     pub fn store_lost(&self, texels: &mut [[T; 4]]) {
         if !self.lost.is_empty() {
             gather(&self.lost, self.width, self.half, texels);

@@ -14,7 +14,7 @@ use crate::layout::{FrameRow, JobRow, StepRow};
 use crate::shaders::Slot;
 use crate::world::{Batch, World};
 
-/// What whole frames of several cloths read and write beside their state.
+/// The read-only lists and the scratch of cloths that share a dispatch; their state is in a [`Store`].
 pub(super) struct Arena {
     /// Index of every cloth.
     cloths: Vec<usize>,

@@ -46,7 +46,7 @@ impl Stepper {
     /// Moves particles of a cloth, and their seam duplicates, by a matrix of four columns (of which the last is the
     /// translation \[m\], as in WGSL), at the start of the next frame. Previous positions move alike, so velocities
     /// turn with them and pinned particles stay at rest. Four bytes of upload a particle and one dispatch. Wakes the
-    /// cloth. Errors where there is no such particle, on a number that is not finite, and on a last row that is not
+    /// cloth. Errors if the cloth has no particle of an index, on a number that is not finite, and on a last row that is not
     /// 0, 0, 0, 1.
     pub fn transform(&mut self, cloth: usize, particles: &[usize], matrix: [[f32; 4]; 4]) -> Result<()> {
         for (column, last) in matrix.iter().zip([0.0, 0.0, 0.0, 1.0]) {

@@ -15,7 +15,7 @@ pub struct Drag {
 impl Stepper {
     /// Takes hold of the triangle that was hit: its particles are pinned where the hit saw them, until they are
     /// released. Costs what [`Stepper::set_pins`] of three
-    /// particles costs. Wakes the cloth. Errors where there is no such particle.
+    /// particles costs. Wakes the cloth. Errors if the cloth has no particle of this index.
     pub fn grab(&mut self, hit: &Hit) -> Result<Drag> {
         let cloth = self.world.cloth(hit.cloth)?;
         let point = hit.point();
