@@ -176,7 +176,10 @@ fn selections_are_those_of_scene_files() {
     for (wrong, words) in [
         (Select::Loop(2), "no boundary loop 2; there are 2"),
         (Select::Sphere { center: [0.0; 3], radius: 0.0 }, "above 0"),
-        (Select::Texels { piece: Some("sleeve"), from: [0; 2], to: [0; 2] }, "no piece \"sleeve\"; there are tube"),
+        (
+            Select::Texels { piece: Some("sleeve"), from: [0; 2], to: [0; 2] },
+            "no piece \"sleeve\"; its pieces are tube",
+        ),
         (Select::Map { values: &values[1..], above: 0.0 }, "203 values of a map for 204"),
     ] {
         let error = cloth.select(&wrong).unwrap_err().to_string();
