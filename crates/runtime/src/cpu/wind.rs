@@ -90,3 +90,68 @@ fn forces<T: Real, K: Machine<T>>(k: K, step: &Step<T>, area: [K::V; 3], v: [K::
     let shown = k.choose(back, k.sub(zero, facing), facing);
     k.times(k.plus(k.times(v, k.splat(step.drag)), k.times(across, lift)), shown)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloth::Grid;
+    use crate::step::StepInput;
+    use crate::wind::{Wind, WindForce};
+
+    /// A rippled sheet in motion, and the numbers of a step in gusts.
+    fn rippled(width: usize, height: usize) -> (Step<f32>, Vec<[f32; 4]>, Vec<[f32; 4]>) {
+        let force = WindForce::Triangles { density: 1.2, drag: 0.9, lift: 0.7 };
+        let wind = Wind { velocity: [4.0, 0.5, -2.0], gust: 0.8, gust_size: 0.13, force };
+        let (gravity, dt) = ([0.0, -9.81, 0.0], 1.0 / 960.0);
+        let step = StepInput { gravity, wind: Some(&wind), damping: 0.1, speed_limit: 50.0, dt, dt_old: dt, time: 1.3 };
+        let at = |k: usize, t: f32| {
+            let (x, y) = ((k % width) as f32, (k / width) as f32);
+            [0.02 * x, -0.02 * y, 0.03 * (0.7 * x + 0.4 * y + t).sin(), if k % 7 == 3 { 0.0 } else { 1.0 + 0.1 * y }]
+        };
+        let all = |t| (0..width * height).map(|k| at(k, t)).collect();
+        (Step::new(&step).cast(), all(0.02), all(0.0))
+    }
+
+    fn texels(step: &Step<f32>, width: usize, now: &[[f32; 4]], before: &[[f32; 4]]) -> Vec<[f32; 4]> {
+        let mut field = vec![[0.0; 4]; now.len()];
+        run(&Threads::one(), step, View { now, width, holes: &[] }, before, &mut field);
+        field
+    }
+
+    #[test]
+    fn planes_and_texels_have_the_same_bits() {
+        for (width, height) in [(2, 2), (3, 9), (16, 16), (33, 18), (67, 23)] {
+            let (step, now, before) = rippled(width, height);
+            let mut sheet =
+                Sheet::new(&Grid { name: String::new(), first: 0, width: width as u32, height: height as u32 });
+            sheet.load(&now, &before);
+            sheet.weigh(|k| now[k][3]);
+            let (mut planes, mut expected) = (vec![0.0; sheet.now.len()], vec![0.0; sheet.now.len()]);
+            of_sheet(&Threads::one(), &step, &sheet, &mut planes);
+            sheet.arrange(&texels(&step, width, &now, &before), &mut expected);
+            for k in 0..width * height {
+                let places = [0, 2, 4].map(|c| sheet.triple(k) + c * sheet.half);
+                assert_eq!(places.map(|p| planes[p]), places.map(|p| expected[p]), "{width} x {height}, texel {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn vectors_sum_what_single_particles_do_with_and_without_gaps() {
+        for (width, gap) in [(16, usize::MAX), (33, usize::MAX), (33, 5), (20, 11)] {
+            let (step, mut now, before) = rippled(width, 18);
+            for k in (0..now.len()).filter(|k| k % 29 == gap) {
+                now[k][3] = -1.0;
+            }
+            let field = texels(&step, width, &now, &before);
+            let view = View { now: &now[..], width, holes: &[] };
+            let most = field.iter().flat_map(|f| &f[..3]).fold(0.0f32, |m, x| m.max(x.abs()));
+            assert!(most > 0.0);
+            for (k, got) in field.iter().enumerate() {
+                let single = alone(&step, view, &before, (k % width, k / width));
+                let off = (0..3).map(|c| (got[c] - single[c]).abs()).fold(0.0, f32::max);
+                assert!(off <= 2e-5 * most, "{width} wide, texel {k}: {got:?} {single:?}");
+            }
+        }
+    }
+}
