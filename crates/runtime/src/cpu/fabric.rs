@@ -47,6 +47,8 @@ pub struct Fabric<T: Real> {
     members: Vec<Member>,
     starts: Vec<u32>,
     firsts: Vec<usize>,
+    /// Whether all texels of a sheet are particles.
+    whole: Vec<bool>,
     /// Accelerations by air, by texels, and of each sheet as its positions lie.
     field: Vec<[T; 4]>,
     fields: Vec<Aligned<T>>,
@@ -73,6 +75,7 @@ impl<T: Real> Fabric<T> {
             plates,
             limits: limits(cloth, &sheets),
             sheets,
+            whole: cloth.grids().iter().map(|g| cloth.particles()[g.range()].iter().all(|p| p.exists())).collect(),
             tethers: Vec::new(),
             anchors: Vec::new(),
             members: Vec::new(),
@@ -296,7 +299,7 @@ impl<T: Real> Fabric<T> {
         body: &mut Body<T>,
     ) -> bool {
         match pass {
-            Pass::Wind { .. } => self.wind(threads, step, body),
+            Pass::Wind { holes } => self.wind(threads, step, body, holes),
             Pass::Integrate(air) | Pass::IntegrateExact(air) => {
                 let exact = matches!(pass, Pass::IntegrateExact(_));
                 for (g, sheet) in self.sheets.iter_mut().enumerate() {
@@ -383,25 +386,22 @@ impl<T: Real> Fabric<T> {
         true
     }
 
-    fn wind(&mut self, threads: &Threads, step: &Step<T>, body: &mut Body<T>) {
+    fn wind(&mut self, threads: &Threads, step: &Step<T>, body: &mut Body<T>, holes: bool) {
         self.fields.resize_with(self.sheets.len(), Aligned::default);
         for (sheet, field) in self.sheets.iter().zip(&mut self.fields) {
             if field.len() != sheet.now.len() {
                 *field = Aligned::zeros(sheet.now.len());
             }
         }
-        let missing = |k: &usize| body.now[*k][3] < T::of(0.0) || body.holes.get(*k).is_some_and(|h| *h != 0);
-        let whole = |first: usize, sheet: &Sheet<T>| !(first..first + sheet.width * sheet.height).any(|k| missing(&k));
-        let whole: Vec<bool> =
-            self.firsts.iter().zip(&self.sheets).map(|(first, sheet)| whole(*first, sheet)).collect();
-        if whole.contains(&false) {
+        if holes || self.whole.contains(&false) {
             self.field.resize(body.now.len(), [T::of(0.0); 4]);
             self.store(&mut body.now, &mut body.before);
         }
+        let direct = self.whole.iter().map(|whole| *whole && !holes);
         let (now, before, holes) = (&body.now, &body.before, &body.holes);
-        let each = self.sheets.iter().zip(&self.firsts).zip(&mut self.fields).zip(whole);
-        for (((sheet, first), field), whole) in each {
-            if whole {
+        let each = self.sheets.iter().zip(&self.firsts).zip(&mut self.fields).zip(direct);
+        for (((sheet, first), field), direct) in each {
+            if direct {
                 wind::of_sheet(threads, step, sheet, field);
                 continue;
             }
