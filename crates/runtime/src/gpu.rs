@@ -73,11 +73,12 @@ impl Gpu {
             fits(&device.limits(), cloth, &run.tethers)?;
         }
         let starts: Vec<_> = world.scene.cloths.iter().map(|c| Start::new(c, &world.control.options)).collect();
-        let shared = |cloth: &usize| world.arenas.iter().flatten().any(|c| c == cloth);
-        let alone = (0..starts.len()).filter(|c| !shared(c)).map(|c| vec![c]);
+        let mut shared = vec![false; starts.len()];
+        world.arenas.iter().flatten().for_each(|c| shared[*c] = true);
+        let alone = (0..starts.len()).filter(|c| !shared[*c]).map(|c| vec![c]);
         let stores = world.arenas.iter().cloned().chain(alone);
         let stores: Vec<_> = stores.map(|cloths| Store::new(device, world, &starts, &cloths, draw_only)).collect();
-        let arenas: Vec<_> = world.arenas.iter().zip(&stores).map(|(_, s)| Arena::new(device, world, s)).collect();
+        let arenas: Vec<_> = stores[..world.arenas.len()].iter().map(|s| Arena::new(device, world, s)).collect();
         let mut states: Vec<_> = stores.iter().flat_map(Store::spans).collect();
         states.sort_by_key(|(cloth, _)| *cloth);
         let mut gpu = Gpu {
