@@ -50,13 +50,16 @@ pub(super) fn cut_levels(over: Over) -> Rule {
 }
 
 pub(super) fn transform(over: Over) -> Rule {
-    let parts = Parts::new(&[part!("action")], &[Action, Slot::Chosen], &[Now, Slot::Before]);
-    own!("transform", over, parts)
+    own!("transform", over, chosen())
 }
 
 pub(super) fn place(over: Over) -> Rule {
-    let parts = Parts::new(&[part!("action")], &[Action, Slot::Chosen], &[Now, Slot::Before]);
-    own!("place", over, parts)
+    own!("place", over, chosen())
+}
+
+/// What an action on a list of particles needs.
+fn chosen() -> Parts {
+    Parts::new(&[part!("action"), part!("chosen")], &[Action, Slot::Chosen], &[Now, Slot::Before])
 }
 
 pub(super) fn pick(over: Over, holes: bool) -> Rule {
