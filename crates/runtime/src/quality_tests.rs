@@ -72,7 +72,16 @@ fn an_error_is_met_with_few_substeps_more_than_it_needs() {
 fn it_rises_soon_and_falls_with_patience() {
     let all = settled(0.02, 8, 1200, |frame| if (300..600).contains(&frame) { 50.0 } else { 5.0 });
     let (calm, hard) = (all[299], all[599]);
-    assert!(hard >= 50 && calm <= 19 && all[1199].abs_diff(calm) <= 1, "{calm} {hard} {}", all[1199]);
+    assert!(hard >= 50, "{hard}");
+    // 16 just meet the target. The exponents that were learned on the way decide how many more there are, so that a load leads
+    // to 17 or 18 by its history.
+    for end in [200..300, 1100..1200] {
+        let all = &all[end];
+        assert!(
+            (16..=18).contains(&calm) && all.iter().all(|n| n.abs_diff(calm) <= 1 && *n == all[0]),
+            "{calm} {all:?}"
+        );
+    }
     assert!(all[300..360].contains(&hard));
     assert!(!all[600..660].contains(&calm));
 }
