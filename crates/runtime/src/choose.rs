@@ -132,9 +132,7 @@ impl Settings {
     /// Decides what `given` leaves open.
     pub fn new(given: Options, scene: &Scene) -> (Self, Choice) {
         let choice = choose(&given, scene);
-        let row = |c| {
-            choice.given == [false; 2] && need(c, &given, !scene.colliders.is_empty()).support == Support::TetheredRow
-        };
+        let row = |c| choice.given == [false; 2] && need(c, &given, scene).support == Support::TetheredRow;
         let slack = scene.cloths.iter().map(|c| if row(c) { ROW_SLACK } else { 1.0 }).collect();
         (Settings { substeps: choice.substeps, polish: choice.polish, slack, given }, choice)
     }
@@ -163,7 +161,7 @@ fn choose(given: &Options, scene: &Scene) -> Choice {
             polish: if stiff(cloth) { FAST_POLISH } else { 0 },
             support: Support::Fast(speed),
         };
-        let lasting = need(cloth, given, !scene.colliders.is_empty());
+        let lasting = need(cloth, given, scene);
         [Some(lasting), Some(fast).filter(|f| f.substeps > lasting.substeps)].map(|n| Some((cloth, n?)))
     });
     let needs: Vec<(&Cloth, Need)> = needs.flatten().collect();
@@ -179,13 +177,13 @@ fn choose(given: &Options, scene: &Scene) -> Choice {
 }
 
 /// The numbers that a cloth needs because of how it is held.
-fn need(cloth: &Cloth, given: &Options, colliders: bool) -> Need {
+fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
     let n = side(cloth);
     let scaled =
         |at_64: f64| (at_64 * (n / 64.0).sqrt()).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into()) as u32;
     // Rounds of polish would take the place of its stiffness.
     let sheet = cloth.membrane().is_some();
-    let (substeps, polish, support) = match (is_pinned(cloth), given.tethers > 0, colliders) {
+    let (substeps, polish, support) = match (is_pinned(cloth), given.tethers > 0, scene.meets(cloth.collision_groups)) {
         (true, true, false) if stiff(cloth) && pins(cloth) as f64 >= 0.5 * n => {
             let substeps = (16.0 * (n / 64.0).powf(0.75)).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into());
             (substeps as u32, 4, Support::TetheredRow)
@@ -239,7 +237,8 @@ fn in_step(n: u32, step: f64) -> u32 {
 
 /// Substeps in which nothing moves by more than its share of the thinnest collider.
 fn for_speed(speed: f64, scene: &Scene) -> u32 {
-    let thinnest = scene.colliders.iter().map(|c| Solid::<f64>::new(c).thickness()).fold(f64::INFINITY, f64::min);
+    let met = scene.met(scene.collision_groups());
+    let thinnest = met.map(|c| Solid::<f64>::new(c).thickness()).fold(f64::INFINITY, f64::min);
     (speed * FRAME_S / (FAST_SHARE * thinnest)).ceil().min(f64::from(MAX_SUBSTEPS)) as u32
 }
 
@@ -251,24 +250,25 @@ fn own_speed(cloth: &Cloth) -> f64 {
     length(cloth.velocity.map(f64::from))
 }
 
-/// Largest speed \[m/s\] of a point of a collider.
+/// Largest speed \[m/s\] of a point of a collider that any cloth meets.
 fn top_speed(scene: &Scene) -> f64 {
-    let solids = scene.colliders.iter().map(Solid::<f64>::new);
+    let solids = scene.met(scene.collision_groups()).map(Solid::<f64>::new);
     // The rim of a half-space that turns is far away.
     let speed = |s: Solid<f64>| length(s.velocity) + length(s.spin) * s.around().unwrap_or(0.0);
     solids.map(speed).fold(0.0, f64::max)
 }
 
-/// Speed \[m/s\] of a fall from the start onto the highest collider; 0 for pinned cloth.
+/// Speed \[m/s\] of a fall from the start onto the highest collider that it meets; 0 for pinned cloth.
 fn fall(cloth: &Cloth, scene: &Scene) -> f64 {
     let g = scene.gravity.map(f64::from);
     let strength = length(g);
-    if strength <= 0.0 || scene.colliders.is_empty() || is_pinned(cloth) {
+    if strength <= 0.0 || !scene.meets(cloth.collision_groups) || is_pinned(cloth) {
         return 0.0;
     }
     let height = |p: [f64; 3]| -dot(p, g) / strength;
     let sum: f64 = cloth.positions().iter().map(|p| height(p.map(f64::from))).sum();
-    let tops = scene.colliders.iter().map(Solid::<f64>::new).map(|s| height(s.center) + s.around().unwrap_or(0.0));
+    let solids = scene.met(cloth.collision_groups).map(Solid::<f64>::new);
+    let tops = solids.map(|s| height(s.center) + s.around().unwrap_or(0.0));
     let drop = sum / f64::max(cloth.len() as f64, 1.0) - tops.fold(f64::NEG_INFINITY, f64::max);
     (2.0 * strength * drop.max(0.0)).sqrt()
 }
@@ -292,7 +292,7 @@ impl Follow {
     pub fn new(settings: &Settings, scene: &Scene) -> Self {
         let given = settings.given();
         let open = given.substeps.is_none() && given.solver == Solver::Xpbd;
-        let needs = scene.cloths.iter().map(|c| need(c, given, !scene.colliders.is_empty()).substeps);
+        let needs = scene.cloths.iter().map(|c| need(c, given, scene).substeps);
         let lasting = open.then(|| in_step(needs.max().unwrap_or(FREE_SUBSTEPS), given.step));
         let strength = length(scene.gravity.map(f64::from)).max(f64::MIN_POSITIVE);
         let falls = scene.cloths.iter().map(|c| fall(c, scene) / strength).fold(0.0, f64::max);

@@ -123,6 +123,9 @@ pub struct Cloth {
     /// Factor of the friction of colliders: the coefficient of contact is the product of both. Default 1; 0 to 1e6; larger
     /// slides less. A collider without friction stays smooth.
     pub friction: f32,
+    /// The groups of colliders that it meets, a bit each; see [`crate::Collider::collision_groups`]. Default all. Cloth
+    /// that meets no collider has no pass for contact. Cloths of equal thickness, friction and groups share colliders.
+    pub collision_groups: u32,
     /// Compliance of the springs. Default none. Cloth of a material has a membrane instead of springs.
     pub compliance: Compliance,
     /// Largest distance \[m\] of each particle from its initial position, for [`crate::Solver::Xpbd`]: a motion constraint.
@@ -158,6 +161,7 @@ impl Cloth {
             speed_limit: f32::INFINITY,
             thickness: None,
             friction: 1.0,
+            collision_groups: u32::MAX,
             compliance: Compliance::None,
             limits: None,
             membrane: None,

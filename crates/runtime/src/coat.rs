@@ -1,21 +1,27 @@
-//! What a cloth is to colliders: how far it keeps from them, and how much of their friction holds it.
+//! What a cloth is to colliders: which of them it meets, how far it keeps from them, and how much of their friction holds it.
 //!
-//! Colliders are made larger by the thickness of a cloth, and rougher or smoother by its friction, before a frame begins:
-//! cloths of one coat share them, and no step knows of it.
+//! Colliders are chosen by the groups of a cloth, made larger by its thickness, and rougher or smoother by its friction,
+//! before a frame begins: cloths of one coat share them, and no step knows of it.
 
-use crate::cloth::Cloth;
 use crate::collider::Collider;
 use crate::collider::solid::Solid;
 use crate::number::real::Real;
 use crate::options::Options;
+use crate::scene::Scene;
 
-/// What colliders are changed by.
+/// What colliders are chosen and changed by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Coat {
     /// \[m\]
     thickness: f32,
     /// A factor.
     friction: f32,
+    /// Those that it meets.
+    collision_groups: u32,
+    /// The row of the first of them, where all lists lie one after the other.
+    first: usize,
+    /// How many there are.
+    count: usize,
 }
 
 /// The coats of all cloths.
@@ -29,17 +35,22 @@ pub struct Coats {
 const ROWS: usize = 16;
 
 impl Coats {
-    /// Those of cloths, a cloth's own thickness before that of the options, and the place of each cloth's coat among them.
-    pub fn new(cloths: &[Cloth], options: &Options) -> (Self, Vec<usize>) {
+    /// Those of a scene's cloths, a cloth's own thickness before that of the options, and the place of each cloth's coat
+    /// among them.
+    pub fn new(scene: &Scene, options: &Options) -> (Self, Vec<usize>) {
         let (mut coats, mut places) = (Coats::default(), Vec::new());
         let mut seen = std::collections::HashMap::new();
-        for cloth in cloths {
+        let mut end = 0;
+        for cloth in &scene.cloths {
             // Of the two zeros one.
-            let coat =
-                Coat { thickness: cloth.thickness.unwrap_or(options.thickness) + 0.0, friction: cloth.friction + 0.0 };
-            let place = *seen.entry([coat.thickness, coat.friction].map(f32::to_bits)).or_insert(coats.list.len());
+            let (thickness, friction) = (cloth.thickness.unwrap_or(options.thickness) + 0.0, cloth.friction + 0.0);
+            let collision_groups = cloth.collision_groups;
+            let kind = (thickness.to_bits(), friction.to_bits(), collision_groups);
+            let place = *seen.entry(kind).or_insert(coats.list.len());
             if place == coats.list.len() {
-                coats.list.push(coat);
+                let (first, count) = (end, scene.met(collision_groups).count());
+                end = (first + count).next_multiple_of(ROWS);
+                coats.list.push(Coat { thickness, friction, collision_groups, first, count });
             }
             places.push(place);
         }
@@ -54,11 +65,23 @@ impl Coats {
             let friction = solid.friction * T::of(coat.friction.into());
             Solid { friction: friction.min(T::of(f32::MAX.into())), ..solid }
         };
-        self.list.iter().map(|coat| colliders.iter().map(|c| of(c, coat)).collect()).collect()
+        let met =
+            |coat: &Coat| colliders.iter().filter(|c| c.is_met(coat.collision_groups)).map(|c| of(c, coat)).collect();
+        self.list.iter().map(met).collect()
     }
 
-    /// Rows from list to list where all lie in one buffer; 0 for a single one.
-    pub fn stride(&self, colliders: usize) -> usize {
-        if self.list.len() > 1 { colliders.next_multiple_of(ROWS) } else { 0 }
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// The row of a coat's first collider, where all lists lie one after the other.
+    pub fn first(&self, place: usize) -> usize {
+        self.list.get(place).map_or(0, |coat| coat.first)
+    }
+
+    /// The number of colliders of a coat.
+    pub fn count(&self, place: usize) -> usize {
+        self.list.get(place).map_or(0, |coat| coat.count)
     }
 }

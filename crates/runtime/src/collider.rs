@@ -51,13 +51,22 @@ pub struct Collider {
     pub velocity: [f32; 3],
     /// Angular velocity \[rad/s\] about the centre.
     pub spin: [f32; 3],
+    /// The groups that it is in, a bit each. It meets the cloths whose [`crate::Cloth::collision_groups`] share a bit.
+    /// Default all.
+    pub collision_groups: u32,
 }
 
 impl Collider {
-    /// A collider at rest at `center`, unrotated, without friction.
+    /// A collider at rest at `center`, unrotated, without friction, in all groups.
     pub fn new(shape: Shape, center: [f32; 3]) -> Self {
         let rotation = [0.0, 0.0, 0.0, 1.0];
-        Collider { shape, center, rotation, friction: 0.0, velocity: [0.0; 3], spin: [0.0; 3] }
+        let (velocity, spin, collision_groups) = ([0.0; 3], [0.0; 3], u32::MAX);
+        Collider { shape, center, rotation, friction: 0.0, velocity, spin, collision_groups }
+    }
+
+    /// Whether cloth of some groups meets it.
+    pub(crate) fn is_met(&self, collision_groups: u32) -> bool {
+        self.collision_groups & collision_groups != 0
     }
 
     /// Refuses numbers that are not finite, sizes not above 0, friction below 0 and a rotation that is not a unit

@@ -200,8 +200,8 @@ impl Gpu {
         for batch in world.batches(steps) {
             let pipeline = self.pipelines.get(&Form::Whole(batch.fused.clone()));
             let arena = &mut self.arenas[batch.arena];
-            let any = world.frame(world.arenas[batch.arena][batch.members[0]], steps);
-            let numbers = frames::numbers(&any, world.scene.colliders.len());
+            let any = world.arenas[batch.arena][batch.members[0]];
+            let numbers = frames::numbers(&world.frame(any, steps), batch.solids);
             let offset = frames.offset(&self.queue, &numbers);
             let buffers = (&self.solids.buffer, &frames.buffer);
             let store = &self.stores[batch.arena];

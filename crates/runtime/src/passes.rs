@@ -189,9 +189,9 @@ pub struct Kinds {
 const MANY: usize = 2;
 
 impl Kinds {
-    /// What a list of colliders needs; `None` if it is empty.
-    pub fn of(colliders: &[Collider]) -> Option<Self> {
-        let mut kinds = Kinds::default();
+    /// What some colliders need; `None` if there are none.
+    pub fn of<'a>(colliders: impl IntoIterator<Item = &'a Collider>) -> Option<Self> {
+        let (mut kinds, mut count) = (Kinds::default(), 0);
         for c in colliders {
             let kind = match c.shape {
                 Shape::HalfSpace => 0,
@@ -203,9 +203,10 @@ impl Kinds {
             };
             kinds.shapes[kind] = true;
             kinds.friction |= c.friction > 0.0;
+            count += 1;
         }
-        kinds.many = colliders.len() >= MANY;
-        (!colliders.is_empty()).then_some(kinds)
+        kinds.many = count >= MANY;
+        (count > 0).then_some(kinds)
     }
 }
 

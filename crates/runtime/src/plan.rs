@@ -81,7 +81,7 @@ fn planned(world: &World, cloth: usize, form: Form, dispatches: u32) -> PlannedP
     let source = source(&form);
     let of = &world.scene.cloths[cloth];
     let slots = source.bindings.iter().map(|b| b.slot);
-    let bytes = |slot: Slot| slot.bytes(of, world.runs[cloth].tethers.per_particle, world.scene.colliders.len());
+    let bytes = |slot: Slot| slot.bytes(of, world.runs[cloth].tethers.per_particle, world.solid_count(cloth));
     PlannedPass {
         cloth,
         form,

@@ -47,6 +47,21 @@ impl Scene {
         }
     }
 
+    /// The colliders that cloth of some groups meets, in order.
+    pub(crate) fn met(&self, collision_groups: u32) -> impl Iterator<Item = &Collider> {
+        self.colliders.iter().filter(move |c| c.is_met(collision_groups))
+    }
+
+    /// Whether cloth of some groups meets any collider.
+    pub(crate) fn meets(&self, collision_groups: u32) -> bool {
+        self.met(collision_groups).next().is_some()
+    }
+
+    /// The groups of all cloths together.
+    pub(crate) fn collision_groups(&self) -> u32 {
+        self.cloths.iter().fold(0, |all, cloth| all | cloth.collision_groups)
+    }
+
     /// Refuses numbers outside their ranges.
     pub fn check(&self) -> Result<()> {
         self.colliders.iter().try_for_each(Collider::check)?;

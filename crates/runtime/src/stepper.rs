@@ -1,6 +1,7 @@
 //! Steps a scene, frame by frame.
 
 mod actions;
+mod colliders;
 #[cfg(feature = "gpu")]
 mod device;
 mod drag;
@@ -25,7 +26,6 @@ pub use self_check::{Mismatch, SelfCheck, self_check};
 
 use crate::choose::Choice;
 use crate::clock::Progress;
-use crate::collider::Collider;
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
@@ -67,8 +67,12 @@ impl Stepper {
     /// Makes the steps that are due after `dt` \[s\] of the host's time, without a device. CPU backend only.
     pub fn advance(&mut self, dt: f64) -> Result<Progress> {
         let (bodies, threads) = self.cpu.as_mut().ok_or(Error::GpuOnly("Stepper::advance"))?;
-        self.world.choose();
-        let progress = self.world.control.clock.frame(dt);
+        if self.world.drive(dt)
+            && let Some(gpu) = &mut self.gpu
+        {
+            gpu.set_colliders(&self.world);
+        }
+        let progress = self.world.begin(dt);
         if self.world.act(bodies, threads) || progress.steps > 0 {
             self.world.run(bodies, threads, progress.steps);
         }
@@ -172,27 +176,6 @@ impl Stepper {
     /// the device comes first.
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
         self.world.host.warnings.iter().chain(&self.world.host.raised).cloned().collect()
-    }
-
-    /// Replaces all colliders. Costs one upload of 80 bytes per collider, for each pair of thickness and friction of the cloths, and
-    /// new bindings if their number changes. Wakes every cloth.
-    pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
-        colliders.iter().try_for_each(Collider::check)?;
-        let first = self.world.scene.colliders.is_empty() && !colliders.is_empty();
-        self.world.scene.colliders = colliders;
-        if first {
-            self.world.decide();
-        }
-        self.recoat();
-        Ok(())
-    }
-
-    /// Tells the device what colliders are like now.
-    fn recoat(&mut self) {
-        self.changed();
-        if let Some(gpu) = &mut self.gpu {
-            gpu.set_colliders(&self.world);
-        }
     }
 
     /// Changes the wind, or ends it. Wakes every cloth.

@@ -2,6 +2,7 @@
 
 mod cloth_run;
 mod control;
+mod drive;
 mod fuse;
 mod host;
 mod run;
@@ -15,6 +16,7 @@ pub use fuse::Batch;
 pub use host::{Action, Fault};
 
 use crate::choose::Settings;
+use crate::clock::Progress;
 use crate::cloth::Cloth;
 use crate::coat::Coats;
 use crate::collider::Collider;
@@ -33,6 +35,7 @@ use crate::scene::Scene;
 use crate::step::{Step, StepInput};
 use crate::tile::{Order, order};
 use control::Control;
+use drive::Drive;
 use host::Host;
 
 /// A scene, what is to be run for it, and when.
@@ -40,6 +43,8 @@ pub struct World {
     pub scene: Scene,
     pub control: Control,
     pub host: Host,
+    /// Where the host moves colliders.
+    pub driven: Drive,
     /// How each cloth runs.
     pub runs: Vec<ClothRun>,
     /// How colliders meet cloths.
@@ -63,14 +68,15 @@ impl World {
             // It may come from a stepper that has cut it.
             cloth.close();
             let most = limits::prepare(cloth, options, &mut host.warnings)?;
-            let lies = options.pyramid > 0 && !scene.colliders.is_empty() && has_levels(cloth, options);
+            let meets = scene.colliders.iter().any(|c| c.is_met(cloth.collision_groups));
+            let lies = options.pyramid > 0 && meets && has_levels(cloth, options);
             let lies = lies && !cloth.particles().iter().any(|p| p.is_pinned());
             host.warnings.extend(lies.then(|| Warning::PyramidOnColliders { cloth: cloth.name().into() }));
             runs.push(ClothRun::new(cloth, most, *slack));
         }
         let watchdog = Watchdog::new(scene.cloths.len());
         let (coats, room, arenas) = (Coats::default(), None, Vec::new());
-        let mut world = World { scene, control, host, runs, coats, room, arenas, watchdog };
+        let mut world = World { scene, control, host, driven: Drive::default(), runs, coats, room, arenas, watchdog };
         world.raise();
         // Nothing has moved yet: the first step is like those after it.
         world.control.start();
@@ -124,12 +130,20 @@ impl World {
         self.raise();
     }
 
+    /// Begins a frame of `dt` \[s\] of the host's time: chooses its substeps and returns the steps that are due.
+    pub fn begin(&mut self, dt: f64) -> Progress {
+        self.choose();
+        let progress = self.control.clock.frame(dt);
+        self.driven.stepped(progress.steps);
+        progress
+    }
+
     /// The passes of a cloth under some settings.
     fn schedule(&self, index: usize, options: &Settings) -> Schedule {
         let (cloth, wind) = (&self.scene.cloths[index], self.scene.wind.as_ref());
         // Only the classic solver has another pass without friction.
         let smooth = options.solver == Solver::Classic && cloth.friction <= 0.0;
-        let kinds = Kinds::of(&self.scene.colliders);
+        let kinds = Kinds::of(self.scene.met(cloth.collision_groups));
         let met = kinds.map(|k| Kinds { friction: k.friction && !smooth, ..k });
         let mut schedule = schedule((cloth, self.runs[index].tethers.per_particle as u32), met, wind, options);
         // Speeds are measured where cloth may fall asleep.
@@ -141,7 +155,7 @@ impl World {
 
     /// Works out which passes run; to be called when colliders, wind, rest lengths or seams have changed.
     pub fn reschedule(&mut self) {
-        let (coats, places) = Coats::new(&self.scene.cloths, &self.control.options);
+        let (coats, places) = Coats::new(&self.scene, &self.control.options);
         for (index, coat) in places.into_iter().enumerate() {
             let schedule = self.schedule(index, &self.control.options);
             (self.runs[index].schedule, self.runs[index].coat) = (schedule, coat);
@@ -210,7 +224,12 @@ impl World {
 
     /// Of a cloth's colliders the first, where all lists lie one after the other.
     pub fn first_solid(&self, cloth: usize) -> usize {
-        self.runs[cloth].coat * self.coats.stride(self.scene.colliders.len())
+        self.coats.first(self.runs[cloth].coat)
+    }
+
+    /// The number of colliders that a cloth meets.
+    pub fn solid_count(&self, cloth: usize) -> usize {
+        self.coats.count(self.runs[cloth].coat)
     }
 
     /// A cloth as the watchdog sees it, `seconds` after the last step that was counted.

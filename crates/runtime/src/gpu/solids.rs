@@ -34,19 +34,20 @@ impl Solids {
     /// Those that a cloth meets.
     pub fn of(&self, world: &World, cloth: usize) -> Span {
         let row = size_of::<SolidRow>();
-        let (first, count) = (world.first_solid(cloth), world.scene.colliders.len().max(1));
+        let (first, count) = (world.first_solid(cloth), world.solid_count(cloth).max(1));
         Span { buffer: self.buffer.clone(), offset: (first * row) as u64, size: (count * row) as u64 }
     }
 }
 
-/// The lists; one unused row where there is none, as no buffer may be empty.
+/// The lists; an unused row where the last one is empty.
 fn rows(world: &World) -> Vec<SolidRow> {
-    let stride = world.coats.stride(world.scene.colliders.len());
     let mut rows: Vec<SolidRow> = Vec::new();
-    for (n, list) in world.solids().into_iter().enumerate() {
-        rows.resize(n * stride, SolidRow::zeroed());
+    for (coat, list) in world.solids().into_iter().enumerate() {
+        rows.resize(world.coats.first(coat), SolidRow::zeroed());
         rows.extend(list.into_iter().map(SolidRow::from));
     }
-    rows.resize(rows.len().max(1), SolidRow::zeroed());
+    // An empty list at the end is bound like any other.
+    let last = world.coats.first(world.coats.len().saturating_sub(1));
+    rows.resize(rows.len().max(last + 1), SolidRow::zeroed());
     rows
 }

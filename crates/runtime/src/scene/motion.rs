@@ -1,6 +1,7 @@
 //! Motion given by keys: positions in between are linear, rotations spherical linear (K. Shoemake, "Animating Rotation
 //! with Quaternion Curves", SIGGRAPH 1985).
 
+use crate::collider::Collider;
 use crate::error::{Result, check};
 
 /// Where something is.
@@ -68,6 +69,22 @@ impl Pose {
         let t = cross(axis, p).map(|x| 2.0 * x);
         let u = cross(axis, t);
         [0, 1, 2].map(|c| p[c] + q[3] * t[c] + u[c] + self.position[c])
+    }
+}
+
+impl Collider {
+    /// Where it is.
+    pub fn pose(&self) -> Pose {
+        Pose { position: self.center, rotation: self.rotation }
+    }
+
+    /// Itself at the second of two poses that are `dt` \[s\] apart, with the velocity and spin that lead there from the first,
+    /// the shorter way round; at rest if `dt` is not above 0, or so short that they are not finite.
+    pub fn moved(self, from: &Pose, to: &Pose, dt: f64) -> Collider {
+        let (velocity, spin) = from.motion_to(to, dt);
+        let finite = [velocity, spin].as_flattened().iter().all(|x| x.is_finite());
+        let (velocity, spin) = if finite && dt > 0.0 { (velocity, spin) } else { ([0.0; 3], [0.0; 3]) };
+        Collider { center: to.position, rotation: to.rotation, velocity, spin, ..self }
     }
 }
 

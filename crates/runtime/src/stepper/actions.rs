@@ -67,7 +67,7 @@ impl Stepper {
     /// Moves a whole cloth by a rigid transform, a turn about the origin and then a shift, at the start of the next frame, without
     /// stirring it: previous positions move alike, so that velocities turn with the cloth, springs keep their lengths to
     /// rounding, and what was at rest stays so. Pins move too, and the targets of [`Cloth::limits`]. Colliders do not: move them with
-    /// [`Stepper::set_colliders`], at rest. Positions are f32, so velocities far from the origin are coarse: 1e-3 m/s at
+    /// [`Stepper::teleport_collider`]. Positions are f32, so velocities far from the origin are coarse: 1e-3 m/s at
     /// 30 m in steps of 2 ms.
     ///
     /// Four bytes of upload per particle and one dispatch. Wakes the cloth. Errors if there is no such cloth, on numbers that

@@ -79,8 +79,10 @@ impl Stepper {
     /// steps are made at once, and the result is written to the buffers by the queue. Needs a device.
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
-        self.world.choose();
-        let progress = self.world.control.clock.frame(dt);
+        if self.world.drive(dt) {
+            gpu.set_colliders(&self.world);
+        }
+        let progress = self.world.begin(dt);
         if progress.steps == 0 && !self.world.host.is_pending() {
             return Ok(progress);
         }

@@ -13,9 +13,7 @@ impl Script {
         let mut colliders = stepper.scene().colliders.clone();
         for (collider, motion) in colliders.iter_mut().zip(&self.colliders) {
             let Some(motion) = motion else { continue };
-            let pose = motion.at(end);
-            (collider.velocity, collider.spin) = motion.at(time).motion_to(&pose, dt);
-            (collider.center, collider.rotation) = (pose.position, pose.rotation);
+            *collider = collider.moved(&motion.at(time), &motion.at(end), dt);
         }
         if colliders != stepper.scene().colliders {
             stepper.set_colliders(colliders)?;

@@ -18,6 +18,8 @@ pub struct Batch {
     pub arena: usize,
     /// What runs.
     pub fused: Fused,
+    /// Colliders that each of its cloths meets.
+    pub solids: usize,
     /// Places in the arena's list of cloths.
     pub members: Vec<usize>,
 }
@@ -69,13 +71,15 @@ impl World {
                 let Some(fused) = run.fused.as_ref().filter(|_| !run.asleep && self.is_fused(*cloth, steps)) else {
                     continue;
                 };
-                let fits = |b: &&mut Batch| b.fused.kind() == fused.kind() && b.members.len() < MOST;
+                let solids = self.solid_count(*cloth);
+                let fits =
+                    |b: &&mut Batch| b.solids == solids && b.fused.kind() == fused.kind() && b.members.len() < MOST;
                 match batches[first..].iter_mut().find(fits) {
                     Some(batch) => {
                         batch.fused = batch.fused.with(fused);
                         batch.members.push(member);
                     }
-                    None => batches.push(Batch { arena, fused: fused.clone(), members: vec![member] }),
+                    None => batches.push(Batch { arena, fused: fused.clone(), solids, members: vec![member] }),
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use super::World;
 use crate::choose::stiff;
+use crate::cloth::Cloth;
 use crate::options::Solver;
 use crate::passes::{Air, Pass, Schedule, Soft};
 
@@ -42,17 +43,20 @@ impl World {
             let mut settings = options.clone();
             settings.polish = polish;
             let each = self.scene.cloths.iter().enumerate();
-            each.map(|(c, cloth)| cloth.len() as f64 * self.of_step(&self.schedule(c, &settings))).sum::<f64>()
+            let cost = |(c, cloth): (usize, &Cloth)| {
+                cloth.len() as f64 * self.of_step(&self.schedule(c, &settings), self.solid_count(c))
+            };
+            each.map(cost).sum::<f64>()
         };
         // The last tethers of a step without polish are part of the first round.
         let round = with(2) - with(1);
         Some(round / (with(1) - round))
     }
 
-    /// Time of a step per particle.
-    fn of_step(&self, schedule: &Schedule) -> f64 {
+    /// Time of a step per particle of cloth that meets a number of colliders.
+    fn of_step(&self, schedule: &Schedule, colliders: usize) -> f64 {
         let options = &self.control.options;
-        let sum = |passes: &[Pass]| passes.iter().map(|p| of_pass(p, self.scene.colliders.len())).sum::<f64>();
+        let sum = |passes: &[Pass]| passes.iter().map(|p| of_pass(p, colliders)).sum::<f64>();
         let coarse = if options.pyramid > 0 { sum(&schedule.coarse) / f64::from(options.pyramid) } else { 0.0 };
         sum(&schedule.step) + coarse + f64::from(options.iterations) * sum(&schedule.relax)
     }

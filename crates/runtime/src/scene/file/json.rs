@@ -96,6 +96,7 @@ pub struct Cloth {
     pub damping: Option<f32>,
     pub thickness: Option<f32>,
     pub friction: Option<f32>,
+    pub collision_groups: Option<Vec<u32>>,
     pub compliance: Option<f32>,
     pub material: Option<Material>,
     #[serde(default)]
@@ -212,6 +213,7 @@ pub struct Collider {
     pub rotation: Rotation,
     #[serde(default)]
     pub friction: f32,
+    pub collision_groups: Option<Vec<u32>>,
     #[serde(default)]
     pub motion: Vec<ColliderKey>,
 }

@@ -142,6 +142,7 @@ fn cloth(
     (cloth.damping, cloth.velocity) = (fields.damping.unwrap_or(cloth.damping), fields.velocity);
     (cloth.thickness, cloth.friction) =
         (fields.thickness.or(cloth.thickness), fields.friction.unwrap_or(cloth.friction));
+    cloth.collision_groups = collision_groups(fields.collision_groups.as_deref(), place)?;
     cloth.compliance = fields.compliance.map_or(Compliance::None, Compliance::Constant);
     cloth.speed_limit = fields.speed_limit.unwrap_or(cloth.speed_limit);
     for (p, pins) in fields.pins.iter().enumerate() {
@@ -254,13 +255,26 @@ fn collider(fields: json::Collider, place: &str) -> Result<(Collider, Option<Mot
     };
     let rotation_at = |r: &json::Rotation| rotation(r, place);
     let rotation = rotation_at(&fields.rotation)?;
-    let collider = Collider { rotation, friction: fields.friction, ..Collider::new(shape, fields.position) };
+    let collision_groups = collision_groups(fields.collision_groups.as_deref(), place)?;
+    let at = Collider::new(shape, fields.position);
+    let collider = Collider { rotation, friction: fields.friction, collision_groups, ..at };
     collider.check().map_err(Error::value(place))?;
     let key = |k: &json::ColliderKey| {
         Ok(Key { time: k.time, pose: Pose { position: k.position, rotation: rotation_at(&k.rotation)? } })
     };
     let keys = fields.motion.iter().map(key).collect::<Result<Vec<_>>>()?;
     Ok((collider, motion(keys, place)?))
+}
+
+/// The mask of some groups; all where none are given.
+fn collision_groups(groups: Option<&[u32]>, place: &str) -> Result<u32> {
+    let Some(groups) = groups else { return Ok(u32::MAX) };
+    groups.iter().try_fold(0, |mask, group| {
+        let within = |g: f64| g <= 31.0;
+        crate::error::check("a collision group", f64::from(*group), "0 to 31", within)
+            .map_err(Error::value(format!("{place}.collision_groups")))?;
+        Ok(mask | 1 << group)
+    })
 }
 
 fn cuts(fields: &[json::Cut]) -> Result<Vec<Cut>> {

@@ -17,7 +17,7 @@ fn full() -> Value {
         "cloths": [{
             "name": "flag", "from": {"flat": {"width": 5, "height": 4, "right": [1, 0, 0], "down": [0, 0, 1]}},
             "position": [0, 1, 0], "rotation": {"axis": [0, 1, 0], "degrees": 90}, "mass": 0.5, "damping": 1,
-            "thickness": 0.002, "friction": 0.5,
+            "thickness": 0.002, "friction": 0.5, "collision_groups": [0, 3],
             "velocity": [0, 0, 1], "speed_limit": 50, "front": [1, 0, 0], "back": [0, 0, 1], "checker": [8, 0.1],
             "pins": [
                 {"select": {"texels": {"from": [0, 0], "to": [4, 0]}},
@@ -28,7 +28,7 @@ fn full() -> Value {
             ]
         }],
         "colliders": [
-            {"shape": {"half_space": {}}, "position": [0, -1, 0], "friction": 0.3},
+            {"shape": {"half_space": {}}, "position": [0, -1, 0], "friction": 0.3, "collision_groups": [31]},
             {"shape": {"sphere": {"radius": 0.2}},
              "motion": [{"time": 0, "position": [0, 0, 0]}, {"time": 1, "position": [1, 0, 0]}]},
             {"shape": {"capsule": {"half_height": 0.2, "radius": 0.1}}},
@@ -56,7 +56,8 @@ fn every_field_reaches_the_scene() {
     assert_eq!(scene.colliders[4].shape, Shape::Ellipsoid { radii: [1.0, 2.0, 3.0], closest: true });
     let cloth = &scene.cloths[0];
     assert!((cloth.total_mass() - 0.5).abs() < 1e-6);
-    assert_eq!((cloth.thickness, cloth.friction), (Some(0.002), 0.5));
+    assert_eq!((cloth.thickness, cloth.friction, cloth.collision_groups), (Some(0.002), 0.5, 9));
+    assert_eq!([0, 1].map(|c: usize| scene.colliders[c].collision_groups), [1 << 31, u32::MAX]);
     assert!((0..20).all(|k| cloth.inverse_mass(k) == 0.0), "the box selects all");
     // A quarter turn about +y takes x to -z.
     let last = cloth.positions()[4];
@@ -158,6 +159,8 @@ fn mistakes_are_told_with_their_field() {
         ("/cloths/0/thickness", json!(-0.001), "cloths[0]: the thickness"),
         ("/cloths/0/thickness", json!("thick"), "cloths[0].thickness"),
         ("/cloths/0/friction", json!(-1), "cloths[0]: the friction"),
+        ("/cloths/0/collision_groups", json!([0, 32]), "cloths[0].collision_groups: a collision group is 32"),
+        ("/cloths/0/collision_groups", json!(1), "cloths[0].collision_groups"),
         ("/cloths/0/front", json!([2, 0, 0]), "cloths[0].front"),
         ("/cloths/0/checker", json!([0, 0]), "cloths[0].checker"),
         ("/cloths/0/rotation/axis", json!([0, 0, 0]), "cloths[0].rotation"),
@@ -166,6 +169,7 @@ fn mistakes_are_told_with_their_field() {
         ("/colliders/1/shape", json!({"cone": {}}), "colliders[1].shape"),
         ("/colliders/1/motion/0/time", json!(-1), "colliders[1].motion"),
         ("/colliders/0/friction", json!(-1), "colliders[0]"),
+        ("/colliders/0/collision_groups", json!([-1]), "colliders[0].collision_groups"),
         ("/wind/gust_degrees", json!(1000), "wind"),
         ("/wind/force", json!({"push": {"response": 1, "drag": 2}}), "wind.force"),
         ("/solver/name", json!("best"), "solver.name"),

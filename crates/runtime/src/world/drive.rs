@@ -1,0 +1,77 @@
+//! Colliders that the host moves by poses: their velocities, from the pose before and the time in between.
+
+use super::World;
+use crate::scene::Pose;
+
+/// Where the host moves colliders, and since when they were where they are.
+#[derive(Default)]
+pub struct Drive {
+    /// By index, one each, in the order of the calls.
+    moves: Vec<Move>,
+    /// The host's time \[s\] since the last frame that made a step.
+    waited: f64,
+}
+
+/// The way of one collider from the last frame that made a step to the next one.
+struct Move {
+    collider: usize,
+    from: Pose,
+    to: Pose,
+    /// [`Drive::waited`] when it was at `from`.
+    since: f64,
+}
+
+impl Drive {
+    /// Moves a collider, at `at` until now, to a pose.
+    pub fn go(&mut self, collider: usize, at: Pose, to: Pose) {
+        match self.moves.iter_mut().find(|m| m.collider == collider) {
+            Some(known) => known.to = to,
+            None => self.moves.push(Move { collider, from: at, to, since: 0.0 }),
+        }
+    }
+
+    /// Puts a collider at a pose, as if it had rested there.
+    pub fn put(&mut self, collider: usize, at: Pose) {
+        self.moves.retain(|m| m.collider != collider);
+        self.moves.push(Move { collider, from: at, to: at, since: self.waited });
+    }
+
+    /// Drops all, where colliders are replaced.
+    pub fn forget(&mut self) {
+        *self = Drive::default();
+    }
+
+    /// To be called when a frame has begun, with its number of steps: what has arrived rests from here on.
+    pub fn stepped(&mut self, steps: u32) {
+        if steps == 0 {
+            return;
+        }
+        self.waited = 0.0;
+        // One more frame, in which the velocity ends.
+        self.moves.retain(|m| m.from != m.to);
+        self.moves.iter_mut().for_each(|m| (m.from, m.since) = (m.to, 0.0));
+    }
+}
+
+impl World {
+    /// Moves colliders at the start of a frame of `dt` \[s\] of the host's time, and wakes the cloths that meet them. Whether
+    /// any has changed. Passes and their order are those of before: they depend on shapes and groups alone.
+    pub fn drive(&mut self, dt: f64) -> bool {
+        let driven = &mut self.driven;
+        driven.waited += if dt.is_finite() { dt.max(0.0) } else { 0.0 };
+        let (mut changed, mut woken) = (false, 0);
+        for m in &driven.moves {
+            let Some(collider) = self.scene.colliders.get_mut(m.collider) else { continue };
+            let now = collider.moved(&m.from, &m.to, driven.waited - m.since);
+            if now.pose() != collider.pose() {
+                woken |= now.collision_groups;
+            }
+            changed |= now != *collider;
+            *collider = now;
+        }
+        let wakes = |cloth: &usize| self.scene.cloths[*cloth].collision_groups & woken != 0;
+        let wakes: Vec<_> = (0..self.runs.len()).filter(wakes).collect();
+        wakes.into_iter().for_each(|cloth| self.wake(cloth));
+        changed
+    }
+}
