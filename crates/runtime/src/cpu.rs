@@ -9,6 +9,7 @@ mod act;
 pub(crate) mod aside;
 pub(crate) mod bend;
 pub(crate) mod body;
+pub(crate) mod bounds;
 pub(crate) mod colliders;
 pub(crate) mod contact;
 pub(crate) mod cut;

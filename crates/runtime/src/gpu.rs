@@ -2,6 +2,7 @@
 
 mod actions;
 mod arena;
+mod bounds;
 mod buffers;
 mod contents;
 mod cut_tethers;
@@ -15,6 +16,7 @@ mod ring;
 mod save;
 mod solids;
 mod span;
+mod staging;
 mod store;
 mod turns;
 mod upload;
@@ -41,6 +43,7 @@ use crate::plan::Plan;
 use crate::shaders::Slot;
 use crate::world::{ClothRun, World};
 use arena::Arena;
+use bounds::Boxes;
 pub use pipelines::Compiled;
 pub(crate) use pipelines::Pipelines;
 use solids::Solids;
@@ -59,6 +62,7 @@ pub struct Gpu {
     frames: Option<Ring>,
     solids: Solids,
     watches: Vec<Watch>,
+    boxes: Boxes,
 }
 
 impl Gpu {
@@ -91,6 +95,7 @@ impl Gpu {
             device: device.clone(),
             queue: queue.clone(),
             watches: world.scene.cloths.iter().map(|_| Watch::default()).collect(),
+            boxes: Boxes::default(),
         };
         gpu.meet(world);
         if !draw_only {

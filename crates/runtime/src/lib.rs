@@ -25,6 +25,7 @@
 // Plans of dispatches and the table of shaders have no reader in a build without `gpu`.
 #![cfg_attr(not(feature = "gpu"), allow(dead_code))]
 
+mod bounds;
 mod choose;
 mod clock;
 mod cloth;
@@ -67,6 +68,7 @@ mod tile;
 mod wind;
 mod world;
 
+pub use bounds::Bounds;
 pub use choose::{Choice, Support};
 pub use clock::Progress;
 pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Select, Tethers};

@@ -124,7 +124,7 @@ pub enum Pass {
         /// Where compliance comes from, which accounts for a part of it.
         soft: Soft,
     },
-    /// Triangles that a cut meets are taken away. This and all below run for one action, not every frame.
+    /// Triangles that a cut meets are taken away. This and all below run when they are asked for, not every frame.
     Cut,
     /// Springs of those triangles lose their rest lengths.
     CutSprings,
@@ -148,6 +148,8 @@ pub enum Pass {
     },
     /// The nearest candidate of all.
     PickNearest,
+    /// The box around the cloth. For hosts that ask.
+    Bounds,
 }
 
 /// How air enters the integration.

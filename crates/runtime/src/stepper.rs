@@ -1,6 +1,7 @@
 //! Steps a scene, frame by frame.
 
 mod actions;
+mod bounds;
 mod colliders;
 #[cfg(feature = "gpu")]
 mod device;

@@ -381,7 +381,8 @@ impl<T: Real> Fabric<T> {
             | Pass::Transform
             | Pass::Place
             | Pass::Pick { .. }
-            | Pass::PickNearest => return false,
+            | Pass::PickNearest
+            | Pass::Bounds => return false,
         }
         true
     }

@@ -1,5 +1,6 @@
 //! The GPU backend of a build without the feature `gpu`: a type without values, so that no call of it can happen.
 
+use crate::bounds::Bounds;
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::error::Result;
@@ -22,6 +23,14 @@ impl Gpu {
     }
 
     pub fn upload_one(&self, _: usize, _: &Body<f32>, _: &Threads) {
+        match *self {}
+    }
+
+    pub fn bounds(&self, _: &World, _: usize) -> Option<Bounds> {
+        match *self {}
+    }
+
+    pub fn forget_bounds(&mut self, _: usize) {
         match *self {}
     }
 

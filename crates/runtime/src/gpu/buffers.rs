@@ -166,7 +166,7 @@ impl ClothBuffers {
     /// Drops what cuts have changed, and what is made beside it: both are made again when they are needed.
     pub(super) fn mend(&mut self) {
         (self.holes, self.steps, self.grids) = (None, None, None);
-        self.others.retain(|slot, _| [Slot::Good, Slot::Lost, Slot::Solids].contains(slot));
+        self.others.retain(|slot, _| [Slot::Good, Slot::Lost, Slot::Solids, Slot::Bounds].contains(slot));
         self.groups.clear();
     }
 

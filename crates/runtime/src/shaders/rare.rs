@@ -1,4 +1,4 @@
-//! Rules of passes that have loops of their own: those on coarser grids, and those of actions.
+//! Rules of passes that have loops of their own: those on coarser grids, of actions, and for hosts that ask.
 
 use super::Slot;
 use super::parts::Parts;
@@ -70,4 +70,8 @@ pub(super) fn pick(over: Over, holes: bool) -> Rule {
 pub(super) fn pick_nearest(over: Over) -> Rule {
     let parts = Parts::new(&[part!("quad"), part!("nearest")], &[Grids, Now, Candidates], &[Slot::Found]);
     own!("pick_nearest", over, parts)
+}
+
+pub(super) fn bounds(over: Over) -> Rule {
+    own!("bounds", over, Parts::new(&[part!("sane")], &[Now, Slot::Before], &[Slot::Bounds]))
 }

@@ -81,7 +81,7 @@ pub fn over(pass: Pass) -> Over {
         Pass::Springs { direction, parity, .. }
         | Pass::Stretch { direction, parity, .. }
         | Pass::Polish { direction, parity, .. } => Over::Springs { direction, parity },
-        Pass::Speed | Pass::Transform | Pass::Place => Over::Own(Threads::Particles),
+        Pass::Speed | Pass::Transform | Pass::Place | Pass::Bounds => Over::Own(Threads::Particles),
         Pass::Fastest | Pass::PickNearest => Over::Own(Threads::One),
         Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
         Pass::CutLevels => Over::Own(Threads::Grids),
@@ -170,6 +170,7 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Place => rare::place(over),
         Pass::Pick { holes } => rare::pick(over, holes),
         Pass::PickNearest => rare::pick_nearest(over),
+        Pass::Bounds => rare::bounds(over),
     }
 }
 

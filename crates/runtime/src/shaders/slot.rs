@@ -68,6 +68,7 @@ slots! {
     Links "links",
     Ties "ties",
     Targets "targets",
+    Bounds "bounds",
 }
 
 impl Slot {
@@ -141,8 +142,8 @@ impl Slot {
             Slot::Ties => crate::levels::ties::rows(&crate::levels::ties::ties(cloth), |_, _| 0).len() * 16,
             Slot::Partial => cloth.len().div_ceil(64) * 4,
             Slot::Fastest | Slot::Strain => 4,
-            // Made for one action; no frame binds them.
-            Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
+            // Made when they are asked for; no frame binds them.
+            Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found | Slot::Bounds => 0,
             Slot::Supports | Slot::Holding | Slot::Changes | Slot::Mates => 0,
         };
         bytes as u64

@@ -91,6 +91,7 @@ impl Stepper {
         let by = by.checked()?;
         let chosen: Vec<u32> = (0..of.len() as u32).filter(|k| of.particles()[*k as usize].exists()).collect();
         let limited = of.limits.is_some();
+        self.forget_bounds(cloth);
         self.world.wake(cloth);
         let run = &mut self.world.runs[cloth];
         run.home = by.after(&run.home);

@@ -91,6 +91,7 @@ impl Stepper {
         let is_cut = |(cloth, head, _): &&(usize, &Head, _)| head.layout.cut || cut.contains(cloth);
         let renewed: Vec<usize> = heads.iter().filter(is_cut).map(|h| h.0).collect();
         for (cloth, head, pinned) in heads {
+            self.forget_bounds(*cloth);
             self.world.take(*cloth, head, pinned);
             if self.world.scene.cloths[*cloth].limits.is_some() {
                 self.world.host.actions.push(Action::Aim { cloth: *cloth });

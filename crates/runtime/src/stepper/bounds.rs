@@ -1,0 +1,50 @@
+//! Boxes around cloths, for culling.
+
+use super::Stepper;
+use crate::bounds::Bounds;
+use crate::cpu::bounds;
+#[cfg(feature = "gpu")]
+use crate::error::{Error, Result};
+
+impl Stepper {
+    /// The box around a cloth. On the CPU backend as it is now, from one pass over the particles. On the GPU backend the last one that has
+    /// arrived ([`Stepper::record_bounds`]), with its age: [`Bounds::grown`] allows for what has happened since. `None` for a
+    /// cloth that does not exist or has no particle, and on the GPU backend before the first box has arrived, or after the cloth was
+    /// teleported or put into another state.
+    pub fn bounds(&self, cloth: usize) -> Option<Bounds> {
+        match (&self.cpu, &self.gpu) {
+            (Some((bodies, _)), _) => {
+                let body = bodies.get(cloth)?;
+                let extent = bounds::run(body.now(), body.before())?;
+                Some(Bounds::new(&extent, self.world.control.clock.dt_old))
+            }
+            (None, Some(gpu)) => gpu.bounds(&self.world, cloth),
+            (None, None) => None,
+        }
+    }
+
+    /// Records the measurement of the boxes of all cloths, at that place of the encoder: after [`Stepper::record`] for the positions
+    /// that are drawn. Nothing waits: [`Stepper::settle`], called once a frame after the submission, takes in what has arrived, one to three
+    /// frames later, for [`Stepper::bounds`]. Teleports and states that wait for the next frame are recorded first.
+    ///
+    /// One dispatch per cloth, of 32 bytes read per particle, and a copy of 256 bytes per cloth. A call is skipped while four
+    /// are under way. Does nothing on the CPU backend. Errors without a device.
+    #[cfg(feature = "gpu")]
+    pub fn record_bounds(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<()> {
+        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_bounds"))?;
+        if self.cpu.is_none() {
+            if !self.world.host.actions.is_empty() {
+                gpu.act(&mut self.world, encoder);
+            }
+            gpu.record_bounds(&self.world, encoder);
+        }
+        Ok(())
+    }
+
+    /// Drops the boxes of a cloth, as it is somewhere else.
+    pub(super) fn forget_bounds(&mut self, cloth: usize) {
+        if let Some(gpu) = &mut self.gpu {
+            gpu.forget_bounds(cloth);
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Boxes around cloths, known without a wait.
+
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
+mod support;
+
+use gimage_runtime::scene::Pose;
+use gimage_runtime::*;
+use support::rig::{FRAME, Rig};
+use support::{curtain, device_with, on_colliders, scene, tube};
+
+fn options() -> Options {
+    Options { substeps: Some(3), threads: 1, ..Options::default() }
+}
+
+/// Cloths of several sizes, one with seams and one that falls on colliders.
+fn all() -> Scene {
+    let mut all = on_colliders(12);
+    all.cloths.extend([curtain(9), tube(17, 12, 3)]);
+    all
+}
+
+/// The corners around a cloth's particles, now and one step before.
+fn corners(rig: &Rig, cloth: usize) -> [[f32; 3]; 2] {
+    let lists = [rig.positions(cloth), rig.previous(cloth)];
+    let there = |k: &usize| lists[0][*k][3] >= 0.0;
+    let all = || lists.iter().flat_map(|list| (0..list.len()).filter(there).map(|k| list[k]));
+    [f32::min as fn(f32, f32) -> f32, f32::max].map(|pick| [0, 1, 2].map(|c| all().map(|p| p[c]).reduce(pick).unwrap()))
+}
+
+/// Submits what `record` records, and takes in what comes back.
+fn submit(
+    rig: &mut Rig,
+    device: &(wgpu::Device, wgpu::Queue),
+    record: impl FnOnce(&mut Stepper, &mut wgpu::CommandEncoder),
+) {
+    let mut encoder = device.0.create_command_encoder(&Default::default());
+    record(&mut rig.stepper, &mut encoder);
+    device.1.submit([encoder.finish()]);
+    rig.stepper.settle().unwrap();
+}
+
+/// Waits until everything has arrived.
+fn arrive(rig: &mut Rig, device: &(wgpu::Device, wgpu::Queue)) {
+    device.0.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    rig.stepper.settle().unwrap();
+}
+
+#[test]
+fn a_box_is_that_of_all_particles() {
+    let mut cpu = Rig::cpu(all(), &options());
+    cpu.frames(5);
+    for cloth in 0..3 {
+        let found = cpu.stepper.bounds(cloth).unwrap();
+        assert_eq!(([found.low, found.high], found.age), (corners(&cpu, cloth), 0.0));
+        let (now, before) = (cpu.positions(cloth), cpu.previous(cloth));
+        let ways = now.iter().zip(&before).map(|(p, q)| (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f32>());
+        let speed = ways.reduce(f32::max).unwrap().sqrt() * 180.0;
+        assert!((found.speed - speed).abs() < 1e-3 * speed, "{found:?} {speed}");
+        assert_eq!(found.grown(0.25).high[1], found.high[1] + 0.25);
+    }
+    assert_eq!(cpu.stepper.bounds(3), None);
+    let Some(roomy) = device_with(device_limits) else { return };
+    let mut gpu = Rig::gpu(all(), &options(), &roomy);
+    assert_eq!(gpu.stepper.bounds(0), None, "none has arrived");
+    gpu.frames(4);
+    submit(&mut gpu, &roomy, |stepper, encoder| {
+        stepper.record(encoder, FRAME).unwrap();
+        stepper.record_bounds(encoder).unwrap();
+    });
+    let there: Vec<_> = (0..3).map(|cloth| corners(&gpu, cloth)).collect();
+    // It is two frames late.
+    gpu.frames(2);
+    arrive(&mut gpu, &roomy);
+    for (cloth, corners) in there.into_iter().enumerate() {
+        let (found, twin) = (gpu.stepper.bounds(cloth).unwrap(), cpu.stepper.bounds(cloth).unwrap());
+        assert_eq!([found.low, found.high], corners, "cloth {cloth}");
+        assert!((found.age - 2.0 * FRAME).abs() < 1e-9, "{found:?}");
+        assert!((found.speed - twin.speed).abs() < 0.1 * twin.speed, "{found:?} {twin:?}");
+        // No particle has gone faster by more than gravity makes it.
+        let (now, later) = (self::corners(&gpu, cloth), found.grown(0.02));
+        assert!((0..3).all(|c| later.low[c] <= now[0][c] && now[1][c] <= later.high[c]), "{now:?} {later:?}");
+    }
+}
+
+#[test]
+fn a_cloth_that_is_moved_has_no_box_of_before() {
+    let Some(device) = support::device() else { return };
+    let mut gpu = Rig::gpu(scene(curtain(9)), &Options { fused: false, ..options() }, &device);
+    gpu.frame(FRAME);
+    let state = gpu.stepper.state(0).unwrap();
+    let measure = |stepper: &mut Stepper, encoder: &mut wgpu::CommandEncoder| stepper.record_bounds(encoder).unwrap();
+    submit(&mut gpu, &device, measure);
+    // On its way when the cloth is moved.
+    gpu.stepper.teleport(0, &Pose { position: [50.0, 0.0, 0.0], ..Pose::default() }).unwrap();
+    arrive(&mut gpu, &device);
+    assert_eq!(gpu.stepper.bounds(0), None);
+    // The teleport waits for the next frame, and is done before the cloth is measured.
+    submit(&mut gpu, &device, measure);
+    arrive(&mut gpu, &device);
+    let found = gpu.stepper.bounds(0).unwrap();
+    assert!(found.low[0] >= 49.99 && found.high[0] <= 51.01, "{found:?}");
+    gpu.stepper.set_state(0, &state).unwrap();
+    assert_eq!(gpu.stepper.bounds(0), None);
+    // More calls than may be in flight are skipped, and not an error; each that is recorded arrives.
+    let mut encoder = device.0.create_command_encoder(&Default::default());
+    (0..9).for_each(|_| gpu.stepper.record_bounds(&mut encoder).unwrap());
+    device.1.submit([encoder.finish()]);
+    gpu.stepper.settle().unwrap();
+    arrive(&mut gpu, &device);
+    assert!(gpu.stepper.bounds(0).unwrap().high[0] <= 1.01);
+    gpu.frame(FRAME);
+    submit(&mut gpu, &device, measure);
+    arrive(&mut gpu, &device);
+    assert_eq!(gpu.stepper.bounds(0).unwrap().age, 0.0);
+    // After a cut as before.
+    gpu.stepper.cut([0.5, -0.4, 3.0], [-4.0, -0.4, -2.0], [5.0, -0.4, -2.0]).unwrap();
+    gpu.frames(20);
+    submit(&mut gpu, &device, measure);
+    arrive(&mut gpu, &device);
+    let [low, high] = corners(&gpu, 0);
+    let found = gpu.stepper.bounds(0).unwrap();
+    assert_eq!((found.low, found.high), (low, high));
+    // On the CPU backend there is nothing to record, with a device or without.
+    let mut cpu = Stepper::on_cpu(scene(curtain(5)), options()).unwrap();
+    let mut encoder = device.0.create_command_encoder(&Default::default());
+    assert!(matches!(cpu.record_bounds(&mut encoder), Err(Error::NoGpu(_))));
+    let on_cpu = Options { backend: Backend::Cpu, ..options() };
+    let mut drawn = Stepper::new(scene(curtain(5)), on_cpu, Some((&device.0, &device.1))).unwrap();
+    drawn.record_bounds(&mut encoder).unwrap();
+    assert_eq!(drawn.bounds(0), cpu.bounds(0));
+}
