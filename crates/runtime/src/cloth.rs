@@ -1,5 +1,6 @@
 //! The description of a cloth before it is stepped: grids of particles, pins, rest lengths and masses.
 
+mod charts;
 mod check;
 mod flat;
 mod from_bundle;
@@ -10,6 +11,7 @@ mod select;
 pub(crate) mod shear;
 mod sheet;
 mod tether;
+mod texture;
 mod weigh;
 
 pub use flat::Flat;

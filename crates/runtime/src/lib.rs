@@ -51,6 +51,7 @@ mod limits;
 mod look;
 mod material;
 mod measure;
+mod mesh;
 mod number;
 mod options;
 mod passes;

@@ -150,6 +150,16 @@ pub enum Pass {
     PickNearest,
     /// The box around the cloth. For hosts that ask.
     Bounds,
+    /// The triangles that are left, as an index buffer has them. After a cut, where a host has asked for it.
+    Indices {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
+    /// Tangents along the texture. For hosts that ask.
+    Tangents {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
 }
 
 /// How air enters the integration.

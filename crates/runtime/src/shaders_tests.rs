@@ -21,7 +21,8 @@ fn passes() -> Vec<Pass> {
     let mut all = vec![Pass::Seams, Pass::SeamSteps, Pass::SeamNormals, Pass::Speed, Pass::Fastest];
     all.extend([Pass::Cut, Pass::CutSprings, Pass::CutLevels, Pass::Transform, Pass::Place, Pass::PickNearest]);
     for holes in [false, true] {
-        all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }]);
+        all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }, Pass::Indices { holes }]);
+        all.push(Pass::Tangents { holes });
     }
     all.extend([Air::None, Air::Push, Air::Field].map(Pass::Integrate));
     all.extend([Air::None, Air::Push, Air::Field].map(Pass::IntegrateExact));

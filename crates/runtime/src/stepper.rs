@@ -8,6 +8,7 @@ mod device;
 mod drag;
 #[cfg(feature = "gpu")]
 mod host_buffer;
+mod indices;
 mod pick;
 mod pins;
 #[cfg(feature = "gpu")]
@@ -18,6 +19,7 @@ mod script;
 #[cfg(feature = "gpu")]
 mod self_check;
 mod state;
+mod tangents;
 
 pub use drag::Drag;
 #[cfg(feature = "gpu")]

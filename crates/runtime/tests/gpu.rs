@@ -111,7 +111,7 @@ fn one_step_is_that_of_the_twin() {
     let table = &table[..table.find("\n}\n").unwrap()];
     let variant = |line: &&str| line.starts_with("    ") && line[4..].starts_with(char::is_uppercase);
     let rare = ["Cut", "CutSprings", "CutTethers", "CutLevels", "Transform", "Place", "Pick", "PickNearest"];
-    let read = ["Speed", "Fastest", "Strain", "Bounds"];
+    let read = ["Speed", "Fastest", "Strain", "Bounds", "Indices", "Tangents"];
     let all = table.lines().filter(variant).map(name_of).filter(|n| !rare.contains(&&**n) && !read.contains(&&**n));
     assert_eq!(seen, all.collect());
 }

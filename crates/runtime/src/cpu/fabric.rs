@@ -382,7 +382,9 @@ impl<T: Real> Fabric<T> {
             | Pass::Place
             | Pass::Pick { .. }
             | Pass::PickNearest
-            | Pass::Bounds => return false,
+            | Pass::Bounds
+            | Pass::Indices { .. }
+            | Pass::Tangents { .. } => return false,
         }
         true
     }

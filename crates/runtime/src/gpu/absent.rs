@@ -30,6 +30,10 @@ impl Gpu {
         match *self {}
     }
 
+    pub fn forget_indices(&mut self, _: usize) {
+        match *self {}
+    }
+
     pub fn forget_bounds(&mut self, _: usize) {
         match *self {}
     }

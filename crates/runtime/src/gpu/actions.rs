@@ -52,6 +52,7 @@ impl Gpu {
                 Action::Load { cloth, layout, words } => self.load_words(world, encoder, *cloth, (layout, words)),
             }
         }
+        self.reindex(world, encoder);
     }
 
     /// A buffer for one action.

@@ -41,6 +41,12 @@ pub struct ClothBuffers {
     /// Eight u32 in a buffer for storage: particles at fault in the last frame, frames taken back, one more than the last
     /// particle at fault, and what is unused to a host. None for the classic solver and where the CPU steps.
     pub faults: Option<Span>,
+    /// The triangles, once [`crate::Stepper::index_buffer`] has asked for them: six `u32` per texel in an index buffer.
+    pub indices: Option<Span>,
+    /// Whether triangles have changed since these were written.
+    pub(super) reindex: bool,
+    /// Unit tangents, once [`crate::Stepper::record_tangents`] has asked for them: those of the positions at its last call.
+    pub tangents: Option<Span>,
     stepping: bool,
     steps: Option<Ring>,
     /// Of the grids in `others`.
@@ -61,6 +67,9 @@ impl ClothBuffers {
             before,
             normals,
             holes: None,
+            indices: None,
+            reindex: false,
+            tangents: None,
             faults: others.remove(&Slot::Faults),
             stepping,
             steps: None,
@@ -77,10 +86,7 @@ impl ClothBuffers {
         if !self.stepping {
             return;
         }
-        if let Some(grids) = Grids::follow(&mut self.grids, device, world, &[index]) {
-            self.others.insert(Slot::Grids, grids.into());
-            self.forget(Slot::Grids);
-        }
+        self.follow_grids(device, world, index);
         if self.steps.is_some() {
             return;
         }
@@ -91,6 +97,14 @@ impl ClothBuffers {
         }
         if has_levels(cloth, options) {
             self.take(levels::buffers(device, cloth));
+        }
+    }
+
+    /// Uploads its grids, where they are not those of the steps now.
+    pub(super) fn follow_grids(&mut self, device: &wgpu::Device, world: &World, index: usize) {
+        if let Some(grids) = Grids::follow(&mut self.grids, device, world, &[index]) {
+            self.others.insert(Slot::Grids, grids.into());
+            self.forget(Slot::Grids);
         }
     }
 
@@ -136,6 +150,8 @@ impl ClothBuffers {
             Slot::Before => Some(self.before.binding()),
             Slot::Normals => Some(self.normals.binding()),
             Slot::Holes => self.holes.as_ref().map(Span::binding),
+            Slot::Indices => self.indices.as_ref().map(Span::binding),
+            Slot::Tangents => self.tangents.as_ref().map(Span::binding),
             Slot::Faults => self.faults.as_ref().map(Span::binding),
             Slot::Step => self.steps.as_ref().map(|ring| wgpu::BufferBinding { size: row, ..whole(&ring.buffer) }),
             other => match more.iter().find(|m| m.0 == other) {
@@ -166,7 +182,7 @@ impl ClothBuffers {
     /// Drops what cuts have changed, and what is made beside it: both are made again when they are needed.
     pub(super) fn mend(&mut self) {
         (self.holes, self.steps, self.grids) = (None, None, None);
-        self.others.retain(|slot, _| [Slot::Good, Slot::Lost, Slot::Solids, Slot::Bounds].contains(slot));
+        self.others.retain(|slot, _| [Slot::Good, Slot::Lost, Slot::Solids, Slot::Bounds, Slot::Charts].contains(slot));
         self.groups.clear();
     }
 

@@ -75,3 +75,12 @@ pub(super) fn pick_nearest(over: Over) -> Rule {
 pub(super) fn bounds(over: Over) -> Rule {
     own!("bounds", over, Parts::new(&[part!("sane")], &[Now, Slot::Before], &[Slot::Bounds]))
 }
+
+pub(super) fn indices(over: Over, holes: bool) -> Rule {
+    own!("indices", over, open(holes, Parts::new(&[part!("quad")], &[Grids, Now], &[Slot::Indices])))
+}
+
+pub(super) fn tangents(over: Over, holes: bool) -> Rule {
+    let parts = Parts::new(&[part!("unit")], &[Grids, Now, Slot::Normals, Slot::Charts], &[Slot::Tangents]);
+    own!("tangents", over, open(holes, parts))
+}

@@ -85,9 +85,8 @@ pub fn over(pass: Pass) -> Over {
         Pass::Fastest | Pass::PickNearest => Over::Own(Threads::One),
         Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
         Pass::CutLevels => Over::Own(Threads::Grids),
-        Pass::Strain { .. } | Pass::Cut | Pass::CutSprings | Pass::CutTethers { .. } | Pass::Pick { .. } => {
-            Over::Own(Threads::Texels)
-        }
+        Pass::Strain { .. } | Pass::Cut | Pass::CutSprings | Pass::CutTethers { .. } => Over::Own(Threads::Texels),
+        Pass::Pick { .. } | Pass::Indices { .. } | Pass::Tangents { .. } => Over::Own(Threads::Texels),
     }
 }
 
@@ -171,6 +170,8 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Pick { holes } => rare::pick(over, holes),
         Pass::PickNearest => rare::pick_nearest(over),
         Pass::Bounds => rare::bounds(over),
+        Pass::Indices { holes } => rare::indices(over, holes),
+        Pass::Tangents { holes } => rare::tangents(over, holes),
     }
 }
 

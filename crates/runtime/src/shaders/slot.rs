@@ -69,6 +69,9 @@ slots! {
     Ties "ties",
     Targets "targets",
     Bounds "bounds",
+    Indices "indices",
+    Tangents "tangents",
+    Charts "charts",
 }
 
 impl Slot {
@@ -143,7 +146,8 @@ impl Slot {
             Slot::Partial => cloth.len().div_ceil(64) * 4,
             Slot::Fastest | Slot::Strain => 4,
             // Made when they are asked for; no frame binds them.
-            Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found | Slot::Bounds => 0,
+            Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
+            Slot::Bounds | Slot::Indices | Slot::Tangents | Slot::Charts => 0,
             Slot::Supports | Slot::Holding | Slot::Changes | Slot::Mates => 0,
         };
         bytes as u64

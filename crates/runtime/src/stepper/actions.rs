@@ -37,6 +37,7 @@ impl Stepper {
         }
         if let Some(gpu) = &mut self.gpu {
             gpu.open(&self.world);
+            (0..self.world.runs.len()).for_each(|cloth| gpu.forget_indices(cloth));
         }
         self.changed();
         self.world.host.actions.push(Action::Cut { corners: [eye, a, b], spared: Vec::new() });

@@ -91,6 +91,9 @@ impl Stepper {
                 self.world.act(bodies, threads);
                 self.world.run(bodies, threads, progress.steps);
                 gpu.upload(bodies, threads, &self.world.runs);
+                for (cloth, body) in bodies.iter().enumerate() {
+                    gpu.upload_indices(&self.world, cloth, body);
+                }
             }
             None => {
                 gpu.act(&mut self.world, encoder);

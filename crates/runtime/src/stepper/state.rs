@@ -102,7 +102,10 @@ impl Stepper {
         }
         self.world.reschedule();
         if let Some(gpu) = &mut self.gpu {
-            renewed.into_iter().for_each(|cloth| gpu.renew(&self.world, cloth));
+            for cloth in renewed {
+                gpu.renew(&self.world, cloth);
+                gpu.forget_indices(cloth);
+            }
         }
     }
 

@@ -28,12 +28,19 @@ pub struct ClothRun {
     pub home: Pose,
     /// How long it has been calm.
     pub calm: Calm,
+    /// How texture coordinates run along its rows and columns, found when tangents are first asked for.
+    charts: OnceLock<Vec<[f32; 4]>>,
 }
 
 impl ClothRun {
     /// A cloth that may have `most` tethers per particle, longer by a factor than the way along the surface.
     pub fn new(cloth: &Cloth, most: u32, slack: f32) -> Self {
         ClothRun { tethers: hang(cloth, most, slack), ..ClothRun::default() }
+    }
+
+    /// As [`Cloth::charts`].
+    pub fn charts(&self, cloth: &Cloth) -> &[[f32; 4]] {
+        self.charts.get_or_init(|| cloth.charts())
     }
 
     /// The targets \[m\] of a cloth's limits where it is now, and the limits; empty if it has none.
