@@ -80,7 +80,7 @@ impl Rest {
 /// Folds of a rim by its distances from the axis: how often it comes out past its middle by a tenth of its range.
 fn folds(rim: &[f64]) -> usize {
     let (low, high) = rim.iter().fold((f64::INFINITY, 0.0), |(l, h), r| (f64::min(l, *r), f64::max(h, *r)));
-    // Less than a hundredth of the radius is no fold.
+    // Waves below a hundredth of the radius do not count.
     let band = (0.1 * (high - low)).max(0.005 * RIM);
     let middle = 0.5 * (low + high);
     let (mut out, mut count) = (None, 0);
@@ -138,11 +138,14 @@ fn fabric(name: &str) -> Result<Material, Failure> {
     Material::named(name).ok_or_else(|| format!("there is no fabric {name}").into())
 }
 
-/// Every fabric, grid and start; starts run at the same time.
-pub fn all() -> Result<Vec<Rest>, Failure> {
+/// Every fabric that is asked for by name (all if none is), grid and start, under the defaults and by the twin or with a number
+/// of substeps; starts run at the same time.
+pub fn all(asked: &[String], given: Option<u32>) -> Result<Vec<Rest>, Failure> {
     let mut rests = Vec::new();
-    for name in Material::names() {
-        let one = |start| every(name, start).map_err(|error| error.to_string());
+    let is_asked = |name: &str| asked.iter().any(|a| a == name);
+    let any = Material::names().any(is_asked);
+    for name in Material::names().filter(|name| !any || is_asked(name)) {
+        let one = |start| every(name, given, start).map_err(|error| error.to_string());
         let some = std::thread::scope(|scope| {
             let threads: Vec<_> = (0..STARTS).map(|start| scope.spawn(move || one(start))).collect();
             threads.into_iter().map(|t| t.join().map_err(|_| "a run panicked".to_owned())?).collect::<Vec<_>>()
@@ -155,8 +158,11 @@ pub fn all() -> Result<Vec<Rest>, Failure> {
     Ok(rests)
 }
 
-/// The truth on the coarsest grid, the defaults on all grids, and a few substeps on the finest.
-fn every(name: &str, start: u32) -> Result<Vec<Rest>, Failure> {
+/// A number of substeps on all grids; or the truth on the coarsest grid, the defaults on all, and a few substeps on the finest.
+fn every(name: &str, given: Option<u32>, start: u32) -> Result<Vec<Rest>, Failure> {
+    if given.is_some() {
+        return GRIDS.into_iter().map(|along| settle(name, (along, given), start)).collect();
+    }
     let mut rests = vec![truth(name, GRIDS[0], start)?];
     for along in GRIDS {
         rests.push(settle(name, (along, None), start)?);

@@ -66,10 +66,10 @@ struct Args {
     /// Computes what the folder of `--truth` lacks, instead of measuring; a table of how far the twin stretches.
     #[arg(long, requires = "truth")]
     measure_truth: bool,
-    /// The drape test: a disk of each fabric on a plate, on three grids, under the defaults and by the twin in f64; a table of
-    /// its own instead of the built-in scenes, and means to stderr.
-    #[arg(long)]
-    drape: bool,
+    /// The drape test: a disk of each fabric on a plate, on three grids, under the defaults and by the twin in f64, or with this
+    /// number of substeps (`--scenes` for some fabrics); a table of its own instead of the built-in scenes, and means to stderr.
+    #[arg(long, value_name = "SUBSTEPS", num_args = 0..=1)]
+    drape: Option<Option<u32>>,
     /// A first look: 32 and 64 particles, 2, 8 and 16 steps.
     #[arg(long)]
     quick: bool,
@@ -115,8 +115,8 @@ fn main() -> Result<(), Failure> {
         };
         return args.table(worn::HEADER, lines);
     }
-    if args.drape {
-        let rests = drape::all()?;
+    if let Some(substeps) = args.drape {
+        let rests = drape::all(&args.scenes, substeps)?;
         return args.table(drape::HEADER, rests.iter().map(drape::Rest::line));
     }
     if !args.plot.is_empty() {

@@ -94,16 +94,17 @@ fn series<'a>(page: &mut Page, solver: usize, points: impl Iterator<Item = &'a &
     let at = |p: &Point, error: f64| [x.at(p.ms), y.at(shown(error))];
     let joined: Vec<_> = points.iter().filter(|(steps, _)| steps.is_some()).map(|(_, p)| at(p, p.error[0])).collect();
     page.curve(solver, &joined);
-    for (steps, point) in points {
+    for (k, (steps, point)) in points.into_iter().enumerate() {
         let [middle, low, high] = point.error;
         if low < high {
             page.curve(solver, &[at(point, low), at(point, high)]);
         }
         let p = at(point, middle);
         page.marker(solver, p);
-        // Names are long: they go where the panel has room.
+        // Names are long: they go where the panel has room, above and below their points in turn.
         let (anchor, side) = if steps.is_none() && p[0] > 0.5 * PANEL[0] { ("end", -1.0) } else { ("start", 1.0) };
-        page.text([p[0] + 5.0 * side, p[1] - 5.0], anchor, 8, colour(solver), &point.label);
+        let up = if steps.is_none() && k % 2 == 1 { 11.0 } else { -5.0 };
+        page.text([p[0] + 5.0 * side, p[1] + up], anchor, 8, colour(solver), &point.label);
     }
 }
 
