@@ -63,6 +63,8 @@ pub struct FrameRow {
     pub rounds: u32,
     pub together: u32,
     pub solids: u32,
+    pub hold: u32,
+    pub unused: [u32; 3],
     pub rows: [StepRow; POSES as usize + 1],
 }
 

@@ -43,19 +43,21 @@ impl Plan {
         }
         let apart = |list: &[Pass]| list.iter().map(|pass| Form::Apart(*pass)).collect::<Vec<_>>();
         for cloth in (0..world.runs.len()).filter(|c| world.is_apart(*c, steps)) {
-            let Schedule { step, coarse, relax, frame } = &world.runs[cloth].schedule;
+            let Schedule { air, step, coarse, relax, frame } = &world.runs[cloth].schedule;
             let rare = steps.div_ceil(world.control.options.pyramid.max(1));
+            let blows = (air, steps.div_ceil(world.hold()));
             if let Some(order) = world.order(cloth) {
                 let rare = if coarse.is_empty() { 0 } else { rare };
                 let relax = (order.relax.clone(), steps * (rounds - 1) + rare);
                 let first = (order.first.clone(), steps - rare);
-                let lists = [(apart(step), rare), (apart(coarse), rare), first, relax, (apart(frame), 1)];
+                let blows = (apart(blows.0), blows.1);
+                let lists = [blows, (apart(step), rare), (apart(coarse), rare), first, relax, (apart(frame), 1)];
                 for (list, dispatches) in lists.into_iter().filter(|l| l.1 > 0) {
                     passes.extend(list.into_iter().map(|form| planned(world, cloth, form, dispatches)));
                 }
                 continue;
             }
-            for (list, dispatches) in [(step, steps), (coarse, rare), (relax, steps * rounds), (frame, 1)] {
+            for (list, dispatches) in [blows, (step, steps), (coarse, rare), (relax, steps * rounds), (frame, 1)] {
                 passes.extend(apart(list).into_iter().map(|form| planned(world, cloth, form, dispatches)));
             }
         }

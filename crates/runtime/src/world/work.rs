@@ -54,7 +54,10 @@ impl World {
         let options = &self.control.options;
         let sum = |passes: &[Pass]| passes.iter().map(|p| of_pass(p, self.scene.colliders.len())).sum::<f64>();
         let coarse = if options.pyramid > 0 { sum(&schedule.coarse) / f64::from(options.pyramid) } else { 0.0 };
-        sum(&schedule.step) + coarse + f64::from(options.iterations) * sum(&schedule.relax)
+        sum(&schedule.air) / f64::from(self.hold())
+            + sum(&schedule.step)
+            + coarse
+            + f64::from(options.iterations) * sum(&schedule.relax)
     }
 }
 
