@@ -27,6 +27,12 @@ impl Rig {
         [Some(Rig::cpu(scene.clone(), options)), gpu].into_iter().flatten().collect()
     }
 
+    /// Goes on with another device.
+    pub fn recover(&mut self, device: &(wgpu::Device, wgpu::Queue)) {
+        self.stepper.recover(&device.0, &device.1).unwrap();
+        self.device = Some(device.clone());
+    }
+
     pub fn name(&self) -> &'static str {
         if self.device.is_some() { "gpu" } else { "cpu" }
     }
