@@ -3,6 +3,10 @@
 // Also, or only, on the GPU.
 #![cfg(feature = "gpu")]
 
+// The test has a number of frames of its own.
+#[allow(dead_code)]
+#[path = "../examples/crowd.rs"]
+mod crowd;
 mod support;
 
 use gimage_runtime::*;
@@ -28,6 +32,13 @@ fn bits(rig: &Rig) -> Vec<[Vec<[u32; 4]>; 3]> {
 
 fn cut(stepper: &mut Stepper) -> Result<()> {
     stepper.cut([0.6, -0.45, 3.0], [0.3, -0.45, -2.0], [5.0, -0.45, -2.0])
+}
+
+#[test]
+fn the_crowd_example_runs() {
+    if support::device().is_some() {
+        crowd::run(24).unwrap();
+    }
 }
 
 #[test]
@@ -88,7 +99,7 @@ fn another_device_goes_on_from_the_last_state_on_the_host() {
     }
     rig.recover(&second);
     assert_eq!(rig.stepper.handles(), [handles[1], handles[2], added]);
-    let mut other = Rig::gpu(start(), &options(), &second);
+    let mut other = rig.another(&start());
     other.stepper.add_cloth(curtain(9)).unwrap();
     other.stepper.restore(&saved).unwrap();
     other.stepper.remove_cloth(0).unwrap();
@@ -114,7 +125,7 @@ fn cloth_without_a_state_begins_again_and_the_cpu_loses_nothing() {
     first.0.destroy();
     rig.recover(&second);
     rig.frame(0.0);
-    let mut fresh = Rig::gpu(start(), &options(), &second);
+    let mut fresh = rig.another(&start());
     fresh.stepper.set_state(1, &one).unwrap();
     fresh.frame(0.0);
     assert!(bits(&rig) == bits(&fresh) && rig.holes(0).is_none());
