@@ -32,7 +32,7 @@ use crate::number::real::Real;
 use crate::options::{Options, Solver};
 use crate::passes::{Kinds, Pass, Schedule, schedule};
 use crate::quality::Quality;
-use crate::scene::{Pose, Scene};
+use crate::scene::Scene;
 use crate::state::ControlState;
 use crate::step::{Step, StepInput};
 use crate::tile::{Order, order};
@@ -124,7 +124,7 @@ impl World {
     #[cfg(feature = "gpu")]
     pub fn start_again(&mut self, room: Option<Room>) {
         self.scene.cloths.iter_mut().for_each(Cloth::close);
-        self.runs.iter_mut().for_each(|run| run.home = Pose::default());
+        self.runs.iter_mut().for_each(|run| run.home = Default::default());
         self.wake_all();
         (self.host.actions, self.host.touched) = (Vec::new(), true);
         (self.room, self.arenas) = (None, Vec::new());
