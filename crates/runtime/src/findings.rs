@@ -44,7 +44,7 @@ pub enum Fate {
 /// What went wrong, where and when; one of each kind per cloth, with the worst figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// The cloth by index.
+    /// The cloth by its index now. Findings of a removed cloth are dropped.
     pub cloth: usize,
     /// The cloth by name.
     pub name: String,

@@ -40,7 +40,7 @@ impl Action {
 /// A frame that was taken back: particles were NaN, or more than 1e8 m away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// Index of the cloth.
+    /// Index of the cloth when the host asks. Faults of a removed cloth are dropped.
     pub cloth: usize,
     /// The last of the particles at fault.
     pub particle: usize,
