@@ -7,8 +7,6 @@ struct Frame {
   rounds: u32,
   together: u32,
   solids: u32,
-  // Steps from one with the forces of air to the next.
-  hold: u32,
   rows: array<Step, 129>,
 }
 @group(0) @binding(31) var<uniform> frame: Frame;
@@ -25,6 +23,8 @@ struct Job {
   solid: u32,
   keep: vec2<f32>,
   longest: vec2<f32>,
+  // Steps from one with the forces of air to the next.
+  hold: u32,
 }
 @group(0) @binding(32) var<storage, read> jobs: array<Job>;
 
@@ -66,7 +66,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   sync();
   for (var n = 0u; n < frame.steps; n++) {
     begin(n, job);
-    if (n % frame.hold == 0u) {
+    if (n % job.hold == 0u) {
       air_program(job, local);
     }
     step_program(job, local);

@@ -63,8 +63,6 @@ pub struct FrameRow {
     pub rounds: u32,
     pub together: u32,
     pub solids: u32,
-    pub hold: u32,
-    pub unused: [u32; 3],
     pub rows: [StepRow; POSES as usize + 1],
 }
 
@@ -82,6 +80,8 @@ pub struct JobRow {
     pub solid: u32,
     pub keep: [f32; 2],
     pub longest: [f32; 2],
+    pub hold: u32,
+    pub unused: u32,
 }
 
 /// `Link` of shaders/part/links.wgsl.

@@ -77,7 +77,7 @@ impl ClothBuffers {
         if !self.stepping {
             return;
         }
-        if let Some(grids) = Grids::follow(&mut self.grids, device, world, &[index]) {
+        if let Some(grids) = Grids::follow(&mut self.grids, device, world, [(index, 0, 0)].into_iter()) {
             self.others.insert(Slot::Grids, grids.into());
             self.forget(Slot::Grids);
         }

@@ -23,7 +23,7 @@ pub(super) fn numbers(frame: &Frame, solids: usize) -> Vec<u8> {
     let mut rows = vec![StepRow::from(&frame.step(0, 0))];
     rows.extend((0..groups).map(|g| StepRow::from(&frame.step(1, g * together))));
     let together = if moves { together } else { frame.steps.max(1) };
-    let mut bytes = cast_slice(&[frame.steps, frame.rounds, together, solids as u32, frame.hold, 0, 0, 0]).to_vec();
+    let mut bytes = cast_slice(&[frame.steps, frame.rounds, together, solids as u32]).to_vec();
     bytes.extend_from_slice(cast_slice(&rows));
     bytes
 }

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::Gpu;
+use super::lost::poll;
 use super::read_back::MAPPED;
 use super::upload::empty;
 use crate::error::{Error, Result};
@@ -73,7 +74,7 @@ impl Gpu {
             });
             probe.mapping = Some(receive);
         }
-        self.device.poll(wgpu::PollType::Poll).map_err(|e| failed(&e))?;
+        poll(&self.device, wgpu::PollType::Poll)?;
         for (index, watch) in self.watches.iter_mut().enumerate() {
             while let Some(mapping) = watch.under_way.front().and_then(|p| p.mapping.as_ref()) {
                 match mapping.try_recv() {

@@ -20,14 +20,13 @@ const MAX_LOSS: f64 = 0.4;
 const OWN_SPEED: f64 = 10.0;
 
 impl World {
-    /// Steps from one with forces of air on triangles to the next. The first step of a frame is one.
-    pub fn hold(&self) -> u32 {
+    /// Steps of a cloth from one with forces of air on triangles to the next. The first step of a frame is one.
+    pub fn hold(&self, cloth: usize) -> u32 {
         let Some(wind) = self.scene.wind.filter(|_| self.control.options.solver == Solver::Xpbd) else { return 1 };
         let WindForce::Triangles { density, drag, lift } = wind.force else { return 1 };
-        let exposed =
-            self.scene.cloths.iter().zip(&self.runs).map(|(cloth, run)| *run.exposed.get_or_init(|| exposed(cloth)));
+        let exposed = *self.runs[cloth].exposed.get_or_init(|| exposed(&self.scene.cloths[cloth]));
         let pressure = 0.5 * f64::from(density) * f64::from(drag + lift) * (speed(&wind) + OWN_SPEED);
-        steps(self.control.clock.dt, pressure * exposed.fold(0.0, f64::max))
+        steps(self.control.clock.dt, pressure * exposed)
     }
 }
 

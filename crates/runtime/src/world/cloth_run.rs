@@ -5,9 +5,11 @@ use std::sync::OnceLock;
 use super::sleep::Calm;
 use crate::cloth::{Anchor, Cloth, Tethers};
 use crate::form::Fused;
+use crate::limits::Warning;
 use crate::number::real::with_w;
 use crate::passes::Schedule;
 use crate::scene::Pose;
+use crate::state::ClothState;
 use crate::tile::Order;
 
 /// What a world holds of one cloth beside the cloth itself.
@@ -30,6 +32,10 @@ pub struct ClothRun {
     pub home: Pose,
     /// How long it has been calm.
     pub calm: Calm,
+    /// What was changed of it because the solver cannot do it.
+    pub warnings: Vec<Warning>,
+    /// Its last state in the host's memory, from which it continues if the device is lost.
+    pub kept: Option<ClothState>,
 }
 
 impl ClothRun {

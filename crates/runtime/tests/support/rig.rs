@@ -27,6 +27,18 @@ impl Rig {
         [Some(Rig::cpu(scene.clone(), options)), gpu].into_iter().flatten().collect()
     }
 
+    /// Another stepper with the same options, on the same device, which compiles nothing that this one has.
+    pub fn another(&self, scene: &Scene) -> Self {
+        let stepper = self.stepper.another(scene.clone(), self.stepper.options().clone()).unwrap();
+        Rig { stepper, device: self.device.clone() }
+    }
+
+    /// Goes on with another device.
+    pub fn recover(&mut self, device: &(wgpu::Device, wgpu::Queue)) {
+        self.stepper.recover(&device.0, &device.1).unwrap();
+        self.device = Some(device.clone());
+    }
+
     pub fn name(&self) -> &'static str {
         if self.device.is_some() { "gpu" } else { "cpu" }
     }
