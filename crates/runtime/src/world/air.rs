@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn forces_stand_for_a_short_time_and_less_on_light_cloth() {
-        // 60 frames a second.
+        // 60 frames per second.
         let dt = |substeps: u32| 1.0 / f64::from(60 * substeps);
         for (substeps, expected) in [(1, 1), (8, 1), (15, 1), (16, 2), (24, 3), (32, 4), (1000, 4)] {
             assert_eq!(steps(dt(substeps), 50.0), expected, "{substeps}");
