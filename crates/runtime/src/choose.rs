@@ -1,5 +1,7 @@
 //! Chooses the substeps and polishing rounds that the host leaves open, from what the scene is.
 
+mod bend;
+
 use std::fmt;
 use std::ops::Deref;
 
@@ -49,7 +51,8 @@ pub enum Support {
 /// The choice is made again when a cloth loses its last pin, and when the first collider comes. A cloth that is added raises the
 /// numbers if it asks for more ([`crate::Stepper::add_cloth`]). Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
 /// colliders change: the number rises at once, and falls gradually one second after the need ends. Cloth with a compliance
-/// or a material is not polished, as its stretch is wanted. At most 64 substeps are chosen.
+/// or a material is not polished, as its stretch is wanted. Cloth of a material has at least the substeps in which it bends as
+/// stiffly as it should: the finer the grid and the stiffer the fabric, the more. At most 64 substeps are chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// Steps per [`Options::step`].
@@ -238,8 +241,10 @@ fn need(cloth: &Cloth, given: &Options, colliders: bool) -> Need {
         (false, _, true) => (scaled(if sheet { 48.0 } else { 12.0 }), 8, Support::OnColliders),
         (false, _, false) => (FREE_SUBSTEPS, 0, Support::Free),
     };
-    // Compliance and tension are exact in short steps only.
-    let (substeps, polish) = if stiff(cloth) { (substeps, polish) } else { (substeps.max(FREE_SUBSTEPS), 0) };
+    // Compliance, tension and bending are exact in short steps only.
+    let bends = (FRAME_S / bend::longest(cloth)).ceil().min(MAX_SUBSTEPS.into()) as u32;
+    let (substeps, polish) =
+        if stiff(cloth) { (substeps, polish) } else { (substeps.max(FREE_SUBSTEPS).max(bends), 0) };
     Need { substeps, polish, support }
 }
 

@@ -208,6 +208,7 @@ impl Gpu {
             let coarse = frame.coarse(n);
             let rounds = |count| (0..count).flat_map(|_| &relax);
             let mut run = |what: &Form| self.run(cloth, pass, index, (what, offset));
+            frame.air(n).iter().for_each(|p| run(&Form::Apart(*p)));
             match order.filter(|_| coarse.is_empty()) {
                 Some(order) => order.first.iter().chain(rounds(frame.rounds - 1)).for_each(&mut run),
                 None => {

@@ -1,5 +1,6 @@
 //! The state that both backends share: the scene, its schedules and the clock.
 
+mod air;
 mod cloth_run;
 mod control;
 mod fuse;
@@ -202,6 +203,7 @@ impl World {
             schedule: &self.runs[cloth].schedule,
             steps,
             rounds: options.iterations,
+            hold: self.hold(cloth),
             pyramid: options.pyramid,
             numbers: self.numbers(&self.scene.cloths[cloth]),
             swept: if swept { self.control.clock.dt } else { 0.0 },

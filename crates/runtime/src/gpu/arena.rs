@@ -95,6 +95,7 @@ impl Arena {
     fn job(&self, world: &World, index: usize, member: usize) -> JobRow {
         let (cloth, solid) = (&world.scene.cloths[index], world.first_solid(index) as u32);
         let steps = world.numbers(cloth).map(|step| StepRow::from(&step));
-        JobRow { solid, keep: steps.map(|s| s.keep), longest: steps.map(|s| s.longest), ..self.jobs[member] }
+        let (keep, longest) = (steps.map(|s| s.keep), steps.map(|s| s.longest));
+        JobRow { solid, keep, longest, hold: world.hold(index), ..self.jobs[member] }
     }
 }

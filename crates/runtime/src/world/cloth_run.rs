@@ -25,6 +25,8 @@ pub struct ClothRun {
     pub fused: Option<Fused>,
     /// How passes run together where it does not, found when it is first asked for.
     pub order: OnceLock<Option<Order>>,
+    /// Largest area of its particles over their mass \[m^2/kg\], found when air first acts on it.
+    pub exposed: OnceLock<f64>,
     pub asleep: bool,
     /// Where teleports have moved its start.
     pub home: Pose,

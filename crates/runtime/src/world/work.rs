@@ -42,7 +42,7 @@ impl World {
             let mut settings = options.clone();
             settings.polish = polish;
             let each = self.scene.cloths.iter().enumerate();
-            each.map(|(c, cloth)| cloth.len() as f64 * self.of_step(&self.schedule(c, &settings))).sum::<f64>()
+            each.map(|(c, cloth)| cloth.len() as f64 * self.of_step(c, &self.schedule(c, &settings))).sum::<f64>()
         };
         // The last tethers of a step without polish are part of the first round.
         let round = with(2) - with(1);
@@ -50,11 +50,14 @@ impl World {
     }
 
     /// Time of a step per particle.
-    fn of_step(&self, schedule: &Schedule) -> f64 {
+    fn of_step(&self, cloth: usize, schedule: &Schedule) -> f64 {
         let options = &self.control.options;
         let sum = |passes: &[Pass]| passes.iter().map(|p| of_pass(p, self.scene.colliders.len())).sum::<f64>();
         let coarse = if options.pyramid > 0 { sum(&schedule.coarse) / f64::from(options.pyramid) } else { 0.0 };
-        sum(&schedule.step) + coarse + f64::from(options.iterations) * sum(&schedule.relax)
+        sum(&schedule.air) / f64::from(self.hold(cloth))
+            + sum(&schedule.step)
+            + coarse
+            + f64::from(options.iterations) * sum(&schedule.relax)
     }
 }
 
