@@ -37,7 +37,7 @@ fn lasting() -> Scene {
 fn passing() -> [Cloth; 3] {
     let mut thick = curtain(9);
     thick.thickness = Some(0.03);
-    [thick, made_of(hung_tube(3)), curtain(14)]
+    [thick, hung_tube(3), curtain(14)]
 }
 
 /// Twenty frames of those that last; `come_and_go` is called before each.
@@ -61,7 +61,10 @@ fn those_that_stay_move_as_if_no_other_had_been_there() {
     // One goes from the front, one from the middle.
     with.cloths.splice(0..0, passing()[..1].to_vec());
     with.cloths.insert(2, passing()[2].clone());
-    for mut rig in Rig::both(&with, &options()) {
+    // With room for whole frames, until the cut.
+    let roomy = support::device_with(device_limits);
+    let gpu = roomy.map(|device| Rig::gpu(with.clone(), &options(), &device));
+    for mut rig in [Some(Rig::cpu(with, &options())), gpu].into_iter().flatten() {
         let mut alone = rig.another(&lasting());
         let all = rig.stepper.handles().to_vec();
         let keep = [all[1], all[3], all[4]];
@@ -112,8 +115,9 @@ fn a_cloth_that_comes_late_moves_as_at_the_start() {
 
 #[test]
 fn buffers_stay_and_nothing_is_compiled_again() {
-    let Some(device) = support::device() else { return };
+    let Some(device) = support::device_with(device_limits) else { return };
     let mut scene = lasting();
+    scene.cloths.remove(1);
     // Too large for the memory of a workgroup: by tiles.
     scene.cloths.push(curtain(70));
     let mut rig = Rig::gpu(scene.clone(), &options(), &device);
@@ -123,7 +127,7 @@ fn buffers_stay_and_nothing_is_compiled_again() {
     rig.frames(2);
     let (compiled, spans) = (rig.stepper.compiled(), |rig: &Rig| {
         let of = |c| rig.stepper.buffers(c).map(|b| (b.now.clone(), b.before.clone(), b.normals.clone()));
-        (0..4).map(of).collect::<Vec<_>>()
+        (0..3).map(of).collect::<Vec<_>>()
     });
     let there = spans(&rig);
     let added: Vec<_> = scene.cloths.iter().map(|cloth| rig.stepper.add_cloth(cloth.clone()).unwrap()).collect();
