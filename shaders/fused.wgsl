@@ -1,6 +1,6 @@
 // The whole frame of a cloth by one workgroup: every step, from the integration to the contact, then what ends a frame.
-// A workgroup a cloth. `step_program`, `round_program` and `frame_program` are made from the schedule: the rules of the separate passes, in
-// the same order, with a barrier after each.
+// A workgroup a cloth. `air_program`, `step_program`, `round_program` and `frame_program` are made from the schedule: the rules of
+// the separate passes, in the same order, with a barrier after each.
 // Laid out as `FrameRow` in crates/runtime/src/layout.rs. Rows: the first step, then one for each group of steps.
 struct Frame {
   steps: u32,
@@ -23,6 +23,8 @@ struct Job {
   solid: u32,
   keep: vec2<f32>,
   longest: vec2<f32>,
+  // Steps from one with the forces of air to the next.
+  hold: u32,
 }
 @group(0) @binding(32) var<storage, read> jobs: array<Job>;
 
@@ -64,6 +66,9 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   sync();
   for (var n = 0u; n < frame.steps; n++) {
     begin(n, job);
+    if (n % job.hold == 0u) {
+      air_program(job, local);
+    }
     step_program(job, local);
     for (var r = 0u; r < frame.rounds; r++) {
       round_program(job, local);

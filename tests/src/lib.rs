@@ -10,6 +10,9 @@ mod readme {}
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/runtime.md")]
 mod runtime_page {}
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/recovery.md")]
+mod recovery_page {}
 
 use std::path::{Path, PathBuf};
 

@@ -8,8 +8,11 @@ use crate::axis::Log;
 const GAP: [f64; 2] = [18.0, 40.0];
 /// Left, top, right, bottom.
 const MARGIN: [f64; 4] = [92.0, 104.0, 22.0, 62.0];
-/// Colours that also differ for colour-blind readers (Okabe, Ito 2008).
-const COLOURS: [&str; 8] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#9A8C00"];
+/// Colours; the first eight also differ for colour-blind readers (Okabe, Ito 2008).
+const COLOURS: [&str; 12] = [
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#9A8C00", "#8C564B", "#5E4FA2",
+    "#7FB800", "#A0A0A0",
+];
 /// Colour of titles and labels.
 pub const INK: &str = "#222";
 /// Colour of notes.

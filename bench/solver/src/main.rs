@@ -1,6 +1,7 @@
 //! Run time against error: each solver at several numbers of substeps on the built-in scenes.
 
 mod chain;
+mod drape;
 mod garments;
 mod plot;
 mod reach;
@@ -27,7 +28,8 @@ pub type Failure = Box<dyn std::error::Error>;
 #[derive(Parser)]
 #[command(after_help = "Examples:\n  solver --out solver.csv --svg solver.svg\n  \
                         solver --scenes s1 --particles 32 --solvers xpbd --substeps 4,8 --dump frames\n  \
-                        solver --reach\n  solver --garments --substeps 8,16,32\n  solver --worn 4096 --out worn.csv")]
+                        solver --reach\n  solver --garments --substeps 8,16,32\n  solver --worn 4096 --truth truth --measure-truth --out truth.csv\n  \
+                        solver --worn 4096 --truth truth --out worn.csv\n  solver --plot solver.csv,worn.csv --svg solver.svg\n  solver --drape --out drape.csv")]
 struct Args {
     /// Built-in scenes, separated by commas.
     #[arg(long, value_delimiter = ',', default_values_t = BUILTIN.map(String::from))]
@@ -51,10 +53,23 @@ struct Args {
     /// The garments of this many texels on their bodies, as in `assets/scenes`, instead of the built-in scenes.
     #[arg(long, value_name = "TEXELS", num_args = 0..=1, default_missing_value = "4096", value_parser = clap::value_parser!(u32).range(64..=1 << 20))]
     garments: Option<u32>,
-    /// Garments of this many texels as people wear them (`bench/solver/scenes`): the defaults and settings by hand, three runs
-    /// each, with normals; a table of its own instead of the built-in scenes.
+    /// Garments of this many texels as people wear them (`bench/solver/scenes`, `--scenes` for some of them): the defaults and
+    /// settings by hand, with normals; a table of its own instead of the built-in scenes.
     #[arg(long, value_name = "TEXELS", num_args = 0..=1, default_missing_value = "4096", value_parser = clap::value_parser!(u32).range(64..=1 << 20))]
     worn: Option<u32>,
+    /// Runs of each setting of `--worn`.
+    #[arg(long, default_value_t = 3)]
+    runs: u32,
+    /// A folder of the last frames of `--worn` by the twin in f64 at 1,000 steps per frame: the table has distances from them.
+    #[arg(long, value_name = "FOLDER")]
+    truth: Option<PathBuf>,
+    /// Computes what the folder of `--truth` lacks, instead of measuring; a table of how far the twin stretches.
+    #[arg(long, requires = "truth")]
+    measure_truth: bool,
+    /// The drape test: a disk of each fabric on a plate, on three grids, under the defaults and by the twin in f64, or with this
+    /// number of substeps (`--scenes` for some fabrics); a table of its own instead of the built-in scenes, and means to stderr.
+    #[arg(long, value_name = "SUBSTEPS", num_args = 0..=1)]
+    drape: Option<Option<u32>>,
     /// A first look: 32 and 64 particles, 2, 8 and 16 steps.
     #[arg(long)]
     quick: bool,
@@ -70,6 +85,9 @@ struct Args {
     /// Writes the table to this file.
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Draws the tables of earlier runs, and of `bench/peers/cloth.csv`, in one plot.
+    #[arg(long, value_delimiter = ',', value_name = "CSV")]
+    plot: Vec<PathBuf>,
     /// Draws the plot to this file.
     #[arg(long)]
     svg: Option<PathBuf>,
@@ -78,7 +96,6 @@ struct Args {
     dump: Option<PathBuf>,
 }
 
-#[allow(clippy::print_stdout)]
 fn main() -> Result<(), Failure> {
     let mut args = Args::parse();
     if args.quick {
@@ -91,13 +108,24 @@ fn main() -> Result<(), Failure> {
     let gpu = if args.gpu { Some(Gpu::new()?) } else { None };
     eprintln!("on {}", gpu.as_ref().map_or("one thread of the CPU", |g| &g.info.name));
     if let Some(texels) = args.worn {
-        let lines = worn::lines(texels, gpu.as_ref())?;
-        let table = std::iter::once(worn::HEADER.to_owned()).chain(lines).map(|l| l + "\n").collect::<String>();
-        match &args.out {
-            Some(path) => fs::write(path, table)?,
-            None => print!("{table}"),
-        }
-        return Ok(());
+        let (scenes, truth) = (worn::scenes(&args.scenes), args.truth.as_deref());
+        let lines = match truth {
+            Some(folder) if args.measure_truth => worn::truths(&scenes, texels, args.runs, folder)?,
+            _ => worn::lines(&scenes, texels, args.runs, truth, gpu.as_ref())?,
+        };
+        return args.table(worn::HEADER, lines);
+    }
+    if let Some(substeps) = args.drape {
+        let rests = drape::all(&args.scenes, substeps)?;
+        return args.table(drape::HEADER, rests.iter().map(drape::Rest::line));
+    }
+    if !args.plot.is_empty() {
+        let tables = args.plot.iter().map(fs::read_to_string).collect::<Result<Vec<_>, _>>()?;
+        let points = tables.iter().map(|table| plot::read(table)).collect::<Result<Vec<_>, _>>()?.concat();
+        return match &args.svg {
+            Some(path) => Ok(fs::write(path, plot::draw(&points))?),
+            None => Err("--plot needs a file to draw to: --svg".into()),
+        };
     }
     let mut rows = Vec::new();
     if args.reach {
@@ -114,17 +142,25 @@ fn main() -> Result<(), Failure> {
             eprintln!("{scene} {n}");
         }
     }
-    let lines = rows.iter().map(|row| row.line() + "\n");
-    let table: String = std::iter::once(format!("{}\n", row::HEADER)).chain(lines).collect();
-    match &args.out {
-        Some(path) => fs::write(path, table)?,
-        None if args.reach => {}
-        None => print!("{table}"),
-    }
+    let lines: Vec<String> = rows.iter().map(Row::line).collect();
     if let Some(path) = &args.svg {
-        fs::write(path, plot::draw(&rows))?;
+        let table = [&[row::HEADER.to_owned()], &lines[..]].concat().join("\n");
+        fs::write(path, plot::draw(&plot::read(&table)?))?;
     }
-    Ok(())
+    if args.reach && args.out.is_none() { Ok(()) } else { args.table(row::HEADER, lines) }
+}
+
+impl Args {
+    /// Writes a table to the file that is asked for, else to stdout.
+    #[allow(clippy::print_stdout)]
+    fn table(&self, header: &str, lines: impl IntoIterator<Item = String>) -> Result<(), Failure> {
+        let table: String = std::iter::once(header.to_owned()).chain(lines).map(|line| line + "\n").collect();
+        match &self.out {
+            Some(path) => fs::write(path, table)?,
+            None => print!("{table}"),
+        }
+        Ok(())
+    }
 }
 
 /// The runs of [`reach::BARS`]; prints how they fare.

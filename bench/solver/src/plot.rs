@@ -1,8 +1,11 @@
-//! The plot: time a frame against error, a row of panels a scene and a column a size, both axes logarithmic.
+//! The plot: time per frame against error, both axes logarithmic: a row of panels per built-in scene and a column per size,
+//! and below them a row per size of the garments and a column per garment.
+
+mod points;
 
 use gimage_bench_plot::{Log, Page, Panel, colour};
 
-use crate::row::Row;
+pub use points::{Point, read};
 
 /// Width and height of a panel in pixels.
 const PANEL: [f64; 2] = [230.0, 170.0];
@@ -11,15 +14,15 @@ const FLOOR: f64 = 1e-3;
 /// And above this \[%\].
 const CEILING: f64 = 1e3;
 
-/// Time and error of a row, if it has any.
-fn point(row: &Row) -> Option<[f64; 2]> {
-    row.error().filter(|e| e.is_finite() && row.time() > 0.0).map(|e| [row.time(), e.clamp(FLOOR, CEILING)])
+/// An error as it is drawn.
+fn shown(error: f64) -> f64 {
+    error.clamp(FLOOR, CEILING)
 }
 
-/// What differs between rows, each once, in the order of the table.
-fn distinct<K: PartialEq>(rows: &[Row], of: impl Fn(&Row) -> K) -> Vec<K> {
+/// What differs between points, each once, in their order.
+fn distinct<'a, K: PartialEq>(points: impl Iterator<Item = &'a Point>, of: impl Fn(&Point) -> K) -> Vec<K> {
     let mut out: Vec<K> = Vec::new();
-    for value in rows.iter().filter(|r| point(r).is_some()).map(of) {
+    for value in points.map(of) {
         if !out.contains(&value) {
             out.push(value);
         }
@@ -28,70 +31,83 @@ fn distinct<K: PartialEq>(rows: &[Row], of: impl Fn(&Row) -> K) -> Vec<K> {
 }
 
 /// The plot as SVG.
-pub fn draw(rows: &[Row]) -> String {
-    let (scenes, sizes) = (distinct(rows, |r| r.scene.clone()), distinct(rows, |r| r.n));
-    let solvers = distinct(rows, |r| r.solver.clone());
+pub fn draw(points: &[Point]) -> String {
+    let flat = || points.iter().filter(|p| !p.worn);
+    let worn = || points.iter().filter(|p| p.worn);
+    let mut sizes = distinct(flat(), |p| p.n);
+    sizes.sort_unstable();
+    let scenes = distinct(flat(), |p| p.scene.clone());
+    let (garments, texels) = (distinct(worn(), |p| p.scene.clone()), distinct(worn(), |p| p.n));
+    let solvers = distinct(points.iter(), |p| p.solver.clone());
     let notes = [
-        "Least (s2, s2f: median) milliseconds of a frame; numbers at the points: steps per frame.",
-        "Error: largest stretch, for s3 that of the period; off scale above 1000 %. Lower left is better.",
+        "Built-in scenes, without normals: least (s2, s2f: median) milliseconds of a frame; largest stretch, for s3 error of the period.",
+        "Garments, with normals: 99th percentile of extension, mean and range of the runs. Numbers at the points: steps per frame, \
+         iterations of NvCloth. Lower left is better.",
     ];
-    let mut page = Page::new(PANEL, [sizes.len(), scenes.len()], "Run time against error", &notes);
+    let grid = [sizes.len().max(garments.len()), scenes.len() + texels.len()];
+    let mut page = Page::new(PANEL, grid, "Run time against error", &notes);
     page.legend(&solvers);
     for (line, scene) in scenes.iter().enumerate() {
-        let of_scene = || rows.iter().filter(|r| r.scene == *scene).filter_map(point);
-        let y = Log::around(of_scene().map(|p| p[1]), PANEL[1], 0.0);
+        let y = upwards(flat().filter(|p| p.scene == *scene));
         for (column, n) in sizes.iter().enumerate() {
-            let of_size = rows.iter().filter(|r| r.n == *n).filter_map(point);
-            let x = Log::around(of_size.map(|p| p[0]), 0.0, PANEL[0]);
+            let x = Log::around(flat().filter(|p| p.n == *n).map(|p| p.ms), 0.0, PANEL[0]);
+            let here: Vec<&Point> = flat().filter(|p| p.scene == *scene && p.n == *n).collect();
             let title = &format!("{scene}, {n} x {n}");
-            let y_labels = |d| vec![10f64.powi(d).to_string()];
-            let (left, bottom) = (column == 0, line + 1 == scenes.len());
-            page.panel([column, line], &Panel { title, x, y, y_labels, left, bottom });
-            for (k, solver) in solvers.iter().enumerate() {
-                let of = |r: &&Row| r.scene == *scene && r.n == *n && r.solver == *solver;
-                series(&mut page, k, &rows.iter().filter(of).collect::<Vec<_>>(), x, y);
-            }
+            panel(&mut page, [column, line], (title, line + 1 == scenes.len()), (x, y), (&solvers, &here));
         }
     }
-    page.finish("time a frame [ms]", "error [%]")
+    let y = upwards(worn());
+    for (line, n) in texels.iter().enumerate() {
+        for (column, garment) in garments.iter().enumerate() {
+            let x = Log::around(worn().filter(|p| p.scene == *garment).map(|p| p.ms), 0.0, PANEL[0]);
+            let here: Vec<&Point> = worn().filter(|p| p.scene == *garment && p.n == *n).collect();
+            let (title, place) = (&format!("{garment}, {} texels", n * n), [column, scenes.len() + line]);
+            panel(&mut page, place, (title, line + 1 == texels.len()), (x, y), (&solvers, &here));
+        }
+    }
+    page.finish("time per frame [ms]", "error [%]")
 }
 
-/// The points of a solver in one panel, joined in the order of their substeps.
-fn series(page: &mut Page, solver: usize, rows: &[&Row], x: Log, y: Log) {
-    let mut points: Vec<(u32, [f64; 2])> = rows.iter().filter_map(|r| Some((r.substeps, point(r)?))).collect();
-    points.sort_by_key(|p| p.0);
-    let at: Vec<[f64; 2]> = points.iter().map(|(_, p)| [x.at(p[0]), y.at(p[1])]).collect();
-    page.curve(solver, &at);
-    for ((substeps, _), p) in points.iter().zip(at) {
+/// The axis of errors.
+fn upwards<'a>(points: impl Iterator<Item = &'a Point>) -> Log {
+    Log::around(points.flat_map(|p| p.error).map(shown), PANEL[1], 0.0)
+}
+
+fn panel(
+    page: &mut Page,
+    place: [usize; 2],
+    (title, bottom): (&str, bool),
+    (x, y): (Log, Log),
+    (solvers, here): (&[String], &[&Point]),
+) {
+    let y_labels = |d| vec![10f64.powi(d).to_string()];
+    page.panel(place, &Panel { title, x, y, y_labels, left: place[0] == 0, bottom });
+    for (k, solver) in solvers.iter().enumerate() {
+        series(page, k, here.iter().filter(|p| p.solver == *solver), (x, y));
+    }
+}
+
+/// The points of a solver in one panel, joined in the order of their steps; points with names stand alone.
+fn series<'a>(page: &mut Page, solver: usize, points: impl Iterator<Item = &'a &'a Point>, (x, y): (Log, Log)) {
+    let mut points: Vec<_> = points.map(|p| (p.label.parse::<u32>().ok(), *p)).collect();
+    points.sort_by_key(|(steps, _)| *steps);
+    let at = |p: &Point, error: f64| [x.at(p.ms), y.at(shown(error))];
+    let joined: Vec<_> = points.iter().filter(|(steps, _)| steps.is_some()).map(|(_, p)| at(p, p.error[0])).collect();
+    page.curve(solver, &joined);
+    for (k, (steps, point)) in points.into_iter().enumerate() {
+        let [middle, low, high] = point.error;
+        if low < high {
+            page.curve(solver, &[at(point, low), at(point, high)]);
+        }
+        let p = at(point, middle);
         page.marker(solver, p);
-        page.text([p[0] + 5.0, p[1] - 5.0], "start", 8, colour(solver), substeps);
+        // Names are long: they go where the panel has room, above and below their points in turn.
+        let (anchor, side) = if steps.is_none() && p[0] > 0.5 * PANEL[0] { ("end", -1.0) } else { ("start", 1.0) };
+        let up = if steps.is_none() && k % 2 == 1 { 11.0 } else { -5.0 };
+        page.text([p[0] + 5.0 * side, p[1] + up], anchor, 8, colour(solver), &point.label);
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::score::Figures;
-
-    fn row(scene: &str, n: u32, solver: &'static str, ms_min: f64, stretch: f64) -> Row {
-        let figures = Figures { stretch_max: Some(stretch), ..Figures::default() };
-        let (scene, backend) = (scene.into(), "cpu");
-        Row { scene, n, solver: solver.into(), substeps: 8, backend, frames: 1, ms_min, ms_median: ms_min, figures }
-    }
-
-    #[test]
-    fn every_point_is_drawn_and_nothing_is_not_a_number() {
-        let rows =
-            [row("s1", 32, "classic", 0.1, 0.3), row("s1", 64, "xpbd", 0.2, f64::NAN), row("s2", 64, "xpbd", 0.2, 0.0)];
-        let svg = draw(&rows);
-        // Each solver once in the legend and once in its panel.
-        assert_eq!((svg.matches("<circle").count(), svg.matches("width=\"6.6\"").count()), (2, 2));
-        assert!(!svg.contains("NaN") && !svg.contains("inf"));
-        assert_eq!(svg.matches("<g ").count(), svg.matches("</g>").count());
-    }
-
-    #[test]
-    fn a_table_without_points_still_draws() {
-        assert!(draw(&[]).ends_with("</svg>\n"));
-    }
-}
+#[path = "plot/tests.rs"]
+mod tests;

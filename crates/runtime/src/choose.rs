@@ -1,5 +1,7 @@
 //! Chooses the substeps and polishing rounds that the host leaves open, from what the scene is.
 
+mod bend;
+
 use std::fmt;
 use std::ops::Deref;
 
@@ -46,9 +48,11 @@ pub enum Support {
 /// | colliders, no pins | 12 sqrt(N / 64), of a material 48 | 8 | a T-shirt on moving arms: p99 4 % at N = 64, 5 % at 128 |
 /// | colliders at speed v \[m/s\] | in a step, v moves at most a twentieth of the thinnest collider's radius | 8 | scene s2f |
 ///
-/// The choice is made again when a cloth loses its last pin, and when the first collider comes. Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
+/// The choice is made again when a cloth loses its last pin, and when the first collider comes. A cloth that is added raises the
+/// numbers if it asks for more ([`crate::Stepper::add_cloth`]). Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
 /// colliders change: the number rises at once, and falls gradually one second after the need ends. Cloth with a compliance
-/// or a material is not polished, as its stretch is wanted. At most 64 substeps are chosen.
+/// or a material is not polished, as its stretch is wanted. Cloth of a material has at least the substeps in which it bends as
+/// stiffly as it should: the finer the grid and the stiffer the fabric, the more. At most 64 substeps are chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// Steps per [`Options::step`].
@@ -143,6 +147,28 @@ impl Settings {
     }
 }
 
+/// The numbers that one cloth asks for as long as it is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wish {
+    /// Steps per [`Options::step`], of cloth and colliders at rest.
+    pub substeps: u32,
+    /// Rounds of polish.
+    pub polish: u32,
+}
+
+impl Wish {
+    /// The numbers of all cloths of a scene.
+    pub fn of(given: &Options, scene: &Scene) -> Vec<Self> {
+        let moves = top_speed(scene);
+        let wish = |cloth: &Cloth| {
+            let (lasting, fast) = needs(cloth, given, scene, moves);
+            let polish = fast.map_or(lasting.polish, |f| f.polish.max(lasting.polish));
+            Wish { substeps: in_step(lasting.substeps, given.step), polish }
+        };
+        scene.cloths.iter().map(wish).collect()
+    }
+}
+
 /// The numbers that one cloth needs.
 #[derive(Clone, Copy)]
 struct Need {
@@ -155,14 +181,8 @@ fn choose(given: &Options, scene: &Scene) -> Choice {
     let moves = top_speed(scene);
     let cloths = scene.cloths.iter().filter(|_| given.solver == Solver::Xpbd);
     let needs = cloths.flat_map(|cloth| {
-        let speed = moves + own_speed(cloth) + fall(cloth, scene);
-        let fast = Need {
-            substeps: for_speed(speed, scene),
-            polish: if stiff(cloth) { FAST_POLISH } else { 0 },
-            support: Support::Fast(speed),
-        };
-        let lasting = need(cloth, given, scene);
-        [Some(lasting), Some(fast).filter(|f| f.substeps > lasting.substeps)].map(|n| Some((cloth, n?)))
+        let (lasting, fast) = needs(cloth, given, scene, moves);
+        [Some(lasting), fast].map(|n| Some((cloth, n?)))
     });
     let needs: Vec<(&Cloth, Need)> = needs.flatten().collect();
     let most = needs.iter().max_by_key(|(_, n)| (n.substeps, n.polish));
@@ -174,6 +194,19 @@ fn choose(given: &Options, scene: &Scene) -> Choice {
         cloth: most.map(|(cloth, _)| cloth.name().to_owned()),
         support: most.map_or(Support::Free, |(_, n)| n.support),
     }
+}
+
+/// The numbers that a cloth needs because of how it is held, and those for its speed where they are larger. Colliders move
+/// at up to `moves` \[m/s\].
+fn needs(cloth: &Cloth, given: &Options, scene: &Scene, moves: f64) -> (Need, Option<Need>) {
+    let speed = moves + own_speed(cloth) + fall(cloth, scene);
+    let fast = Need {
+        substeps: for_speed(speed, scene),
+        polish: if stiff(cloth) { FAST_POLISH } else { 0 },
+        support: Support::Fast(speed),
+    };
+    let lasting = need(cloth, given, scene);
+    (lasting, Some(fast).filter(|f| f.substeps > lasting.substeps))
 }
 
 /// The numbers that a cloth needs because of how it is held.
@@ -206,8 +239,10 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
         (false, _, true) => (scaled(if sheet { 48.0 } else { 12.0 }), 8, Support::OnColliders),
         (false, _, false) => (FREE_SUBSTEPS, 0, Support::Free),
     };
-    // Compliance and tension are exact in short steps only.
-    let (substeps, polish) = if stiff(cloth) { (substeps, polish) } else { (substeps.max(FREE_SUBSTEPS), 0) };
+    // Compliance, tension and bending are exact in short steps only.
+    let bends = (FRAME_S / bend::longest(cloth)).ceil().min(MAX_SUBSTEPS.into()) as u32;
+    let (substeps, polish) =
+        if stiff(cloth) { (substeps, polish) } else { (substeps.max(FREE_SUBSTEPS).max(bends), 0) };
     Need { substeps, polish, support }
 }
 
@@ -297,6 +332,17 @@ impl Follow {
         let strength = length(scene.gravity.map(f64::from)).max(f64::MIN_POSITIVE);
         let falls = scene.cloths.iter().map(|c| fall(c, scene) / strength).fold(0.0, f64::max);
         Follow { lasting, step: given.step, hold: HOLD_S + falls, swept: given.solver == Solver::Xpbd }
+    }
+
+    /// Takes in that a cloth comes that asks for `lasting` substeps at rest; more than those are held as long as `other` holds them.
+    pub fn join(&mut self, lasting: u32, other: Option<&Follow>) {
+        self.lasting = self.lasting.map(|now| now.max(lasting));
+        self.hold = other.map_or(self.hold, |o| self.hold.max(o.hold));
+    }
+
+    /// Takes in that the cloth left that asked for `gone` substeps at rest; the others ask for at most `rest`.
+    pub fn leave(&mut self, gone: u32, rest: u32) {
+        self.lasting = self.lasting.map(|now| if now == gone { now.min(rest) } else { now });
     }
 
     /// The substeps of cloth and colliders at rest, NaN if the host gave a number, and for how long \[s\] more than those stay.

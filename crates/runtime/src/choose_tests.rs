@@ -63,3 +63,19 @@ fn a_collider_that_speeds_up_raises_the_number_at_once_and_lets_it_fall_graduall
     scene.colliders = vec![Collider { velocity: [20.0, 0.0, 0.0], ..ball }];
     assert_eq!(Follow::new(&settings, &scene).next(5, &scene), 5);
 }
+
+#[test]
+fn the_finer_the_grid_and_the_stiffer_the_fabric_the_more_substeps() {
+    let of = |name: &str, n: u32| {
+        let mut scene = builtin("s1", n).unwrap();
+        scene.cloths[0].set_material(&crate::Material::named(name).unwrap()).unwrap();
+        chosen(&scene, Options::default()).substeps
+    };
+    assert_eq!((of("silk", 32), of("felt", 32)), (FREE_SUBSTEPS, FREE_SUBSTEPS));
+    let fine = ["silk", "denim", "felt"].map(|name| of(name, 128));
+    assert!(fine.is_sorted() && fine[0] > FREE_SUBSTEPS && fine[2] > 40, "{fine:?}");
+    assert_eq!(of("felt", 256), MAX_SUBSTEPS);
+    // Cells half as long need four times the steps.
+    let [coarse, half] = [96, 191].map(|n| f64::from(of("silk", n)));
+    assert!(half > 2.0 * coarse && half <= 4.0 * coarse + 1.0, "{coarse} {half}");
+}

@@ -25,7 +25,7 @@ struct Coat {
 }
 
 /// The coats of all cloths.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Coats {
     /// No two are the same.
     list: Vec<Coat>,

@@ -2,6 +2,8 @@
 
 use gimage_bundle::LinkFault;
 
+use crate::handle::ClothHandle;
+
 /// The names of the built-in scenes, which an error lists.
 pub const BUILTIN: [&str; 5] = ["s1", "s1k", "s2", "s2f", "s3"];
 
@@ -80,6 +82,19 @@ pub enum Error {
         index: usize,
         /// How many there are.
         count: usize,
+    },
+    /// The cloth of a handle is gone.
+    #[error(
+        "no cloth has the handle {0:?}: it was removed, or belongs to another stepper; drop the handle with its cloth"
+    )]
+    NoCloth(ClothHandle),
+    /// An option cannot change while a stepper runs.
+    #[error(
+        "Options::{option} cannot change while a stepper runs; keep the value of Stepper::options, or make another stepper"
+    )]
+    FixedOption {
+        /// The field of [`crate::Options`].
+        option: &'static str,
     },
     /// No piece of this name.
     #[error("cloth {cloth} has no piece {piece:?}; its pieces are {pieces}")]
@@ -160,6 +175,17 @@ pub enum Error {
     /// A buffer could not be read back.
     #[error("reading back from the GPU failed: {0}")]
     ReadBack(String),
+    /// The device is lost: a driver was reset or removed, or the host destroyed it.
+    #[error("the GPU device is lost; make a new one and pass it to Stepper::recover")]
+    DeviceLost,
+    /// The device has no memory left.
+    #[error(
+        "the GPU has no memory left; free some, or add less; after a call that records, pass the device to Stepper::recover"
+    )]
+    OutOfMemory,
+    /// The device refused a call, which is a fault of this crate or of the driver.
+    #[error("the GPU device refused a call: {0}; update the driver, or use the CPU backend")]
+    Device(String),
     /// Threads could not be started.
     #[error("no threads: {0}; ask for 1 thread")]
     Threads(String),

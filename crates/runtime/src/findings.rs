@@ -1,6 +1,6 @@
 //! What goes wrong in a run: found while it steps, so that nothing fails in silence.
 //!
-//! Figures are taken 0.2 s after the start and then twice per second: about 20 ns per particle each time, 0.7 ns per frame.
+//! Figures are taken 0.2 s after a cloth's start and then twice per second: about 20 ns per particle each time, 0.7 ns per frame.
 //! Tunnelling shows only from frame to frame. It is looked for in frames in which a particle or a collider moves by half of
 //! the thinnest collider's radius; finding out costs 1 ns per particle per frame in scenes with colliders.
 
@@ -8,6 +8,7 @@ use std::fmt;
 
 use crate::cloth::Cloth;
 use crate::collider::solid::Solid;
+use crate::handle::follow;
 use crate::health::{self, Health};
 use crate::number::real::{Real, V3, add, cast, cross, dot, scale, sub, xyz};
 use crate::scene::Pose;
@@ -43,7 +44,7 @@ pub enum Fate {
 /// What went wrong, where and when; one of each kind per cloth, with the worst figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// The cloth by index.
+    /// The cloth by its index now. Findings of a removed cloth are dropped.
     pub cloth: usize,
     /// The cloth by name.
     pub name: String,
@@ -102,6 +103,8 @@ const CORE: f64 = 0.5;
 /// What is known of one cloth.
 #[derive(Clone, Debug, Default)]
 struct Record {
+    /// When the cloth came \[s\].
+    start: f64,
     health: Health,
     /// Largest 99th percentile.
     worst: f64,
@@ -139,6 +142,22 @@ impl Watchdog {
         Watchdog { due: FIRST_S, records: vec![Record::default(); cloths], findings: Vec::new() }
     }
 
+    /// Watches a further cloth, which comes at `time` \[s\].
+    pub fn join(&mut self, time: f64) {
+        self.records.push(Record { start: time, ..Record::default() });
+    }
+
+    /// Forgets a cloth and its findings.
+    pub fn leave(&mut self, cloth: usize) {
+        self.records.remove(cloth);
+        self.findings.retain_mut(|finding| follow(&mut finding.cloth, cloth));
+    }
+
+    /// Whether a cloth has been there long enough for its figures at `time` \[s\].
+    pub fn knows(&self, cloth: usize, time: f64) -> bool {
+        self.records.get(cloth).is_some_and(|r| time - r.start >= FIRST_S - 1e-6)
+    }
+
     /// Whether figures are due at the end of a frame.
     pub fn is_due(&self, time: f64) -> bool {
         time >= self.due - 1e-6
@@ -159,6 +178,7 @@ impl Watchdog {
         let Sight { cloth, now, before, solids, .. } = *sight;
         let stretch = health::stretch(cloth, now);
         let record = &mut self.records[sight.index];
+        let start = record.start;
         record.touched.resize(solids.len(), false);
         let near = health::depths(now, solids, TOUCH_M);
         record.touched.iter_mut().zip(&near).for_each(|(touched, depth)| *touched |= *depth > 0.0);
@@ -168,7 +188,7 @@ impl Watchdog {
         let gone = gone(sight, &record.touched);
         if let Some(s) = stretch {
             // Starts are abrupt.
-            let rubber = s.p99 > largest(cloth, sight.gravity) && sight.time > SETTLED_S;
+            let rubber = s.p99 > largest(cloth, sight.gravity) && sight.time - start > SETTLED_S;
             if rubber || s.max + 1.0 > MAX_LENGTH {
                 self.find(sight, Fate::Stretched { ratio: s.max + 1.0, p99: s.p99 });
             }

@@ -11,6 +11,8 @@ pub struct Frame<'a> {
     pub steps: u32,
     /// Relaxations per step.
     pub rounds: u32,
+    /// Steps from one with the forces of air to the next, at least 1.
+    pub hold: u32,
     /// Steps from one with the passes on coarser grids to the next; 0 means never.
     pub pyramid: u32,
     /// The numbers of the first step and of the others; [`Frame::step`] adds where colliders are.
@@ -20,6 +22,11 @@ pub struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
+    /// The passes that step `n` begins with.
+    pub fn air(&self, n: u32) -> &'a [Pass] {
+        if n.is_multiple_of(self.hold) { &self.schedule.air } else { &[] }
+    }
+
     /// The passes on coarser grids that step `n` has.
     pub fn coarse(&self, n: u32) -> &'a [Pass] {
         if self.pyramid > 0 && n.is_multiple_of(self.pyramid) { &self.schedule.coarse } else { &[] }
@@ -38,12 +45,14 @@ mod tests {
 
     #[test]
     fn colliders_are_where_a_step_ends_also_in_a_frame_without_steps() {
-        let schedule = Schedule { coarse: vec![Pass::Seams], ..Schedule::default() };
+        let air = vec![Pass::Wind { holes: false }];
+        let schedule = Schedule { air, coarse: vec![Pass::Seams], ..Schedule::default() };
         let first = Step { dt: 2.0, ..Step::default() };
         let frame = |steps| Frame {
             schedule: &schedule,
             steps,
             rounds: 1,
+            hold: 3,
             pyramid: 2,
             numbers: [first, Step::default()],
             swept: 0.5,
@@ -52,6 +61,7 @@ mod tests {
         assert_eq!([0, 1, 2, 3].map(|n| four.step(n, n).left), [1.5, 1.0, 0.5, 0.0]);
         assert_eq!([0, 1, 2, 3].map(|n| four.step(n, n).dt), [2.0, 0.0, 0.0, 0.0]);
         assert_eq!([0, 1, 2, 3].map(|n| four.coarse(n).len()), [1, 0, 1, 0]);
+        assert_eq!([0, 1, 2, 3].map(|n| four.air(n).len()), [1, 0, 0, 1]);
         // An action alone has no step, and its last passes ask all the same.
         assert_eq!(frame(0).step(0, 0).left, 0.0);
     }

@@ -89,6 +89,12 @@ impl Fused {
         Fused { places: 0, threads: 0, ..self.clone() }
     }
 
+    /// Whether the shader of another whole frame has room for it.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn fits(&self, other: &Self) -> bool {
+        self.places <= other.places && self.threads <= other.threads && self.kind() == other.kind()
+    }
+
     /// Room for both.
     pub(crate) fn with(&self, other: &Self) -> Self {
         Fused { places: self.places.max(other.places), threads: self.threads.max(other.threads), ..self.clone() }

@@ -9,6 +9,8 @@ mod cut_tethers;
 mod frames;
 mod indices;
 mod levels;
+mod lost;
+mod members;
 mod pick;
 mod pipelines;
 mod place;
@@ -25,18 +27,19 @@ mod upload;
 mod watch;
 
 pub use buffers::ClothBuffers;
+pub(crate) use lost::{guard, is_lost};
 pub(crate) use pick::Pending;
 pub(crate) use read_back::read_bytes;
 pub use read_back::{read_back, read_back_u32};
 pub(crate) use ring::Ring;
 pub use span::Span;
+pub(crate) use upload::filled;
 
 use bytemuck::cast_slice;
 
 use crate::cloth::{Cloth, Tethers};
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
-use crate::cpu::start::Start;
 use crate::error::{Error, Result};
 use crate::form::Form;
 use crate::layout::{POSES, StepRow};
@@ -46,20 +49,31 @@ use crate::shaders::Slot;
 use crate::world::{ClothRun, World};
 use arena::Arena;
 use bounds::Boxes;
+use lost::Pulse;
 pub use pipelines::Compiled;
 pub(crate) use pipelines::Pipelines;
 use solids::Solids;
 use store::Store;
 use watch::Watch;
 
+/// Why nothing more runs on a device.
+#[derive(Clone, Copy)]
+enum Failure {
+    Lost,
+    /// Out of memory.
+    Full,
+}
+
 /// Everything on the device.
 pub struct Gpu {
+    pulse: Pulse,
+    /// What has ended its work, until it is made again.
+    failure: Option<Failure>,
     device: wgpu::Device,
     queue: wgpu::Queue,
     pipelines: Pipelines,
     cloths: Vec<ClothBuffers>,
-    /// State of all cloths: those of the arenas in their order, then a store for each other cloth.
-    stores: Vec<Store>,
+    /// In the order of the world's.
     arenas: Vec<Arena>,
     frames: Option<Ring>,
     solids: Solids,
@@ -78,20 +92,23 @@ impl Gpu {
         for (cloth, run) in world.scene.cloths.iter().zip(&world.runs) {
             fits(&device.limits(), cloth, &run.tethers)?;
         }
-        let starts: Vec<_> = world.scene.cloths.iter().map(|c| Start::new(c, &world.control.options)).collect();
-        let mut shared = vec![false; starts.len()];
-        world.arenas.iter().flatten().for_each(|c| shared[*c] = true);
-        let alone = (0..starts.len()).filter(|c| !shared[*c]).map(|c| vec![c]);
-        let stores = world.arenas.iter().cloned().chain(alone);
-        let stores: Vec<_> = stores.map(|cloths| Store::new(device, world, &starts, &cloths, draw_only)).collect();
-        let arenas: Vec<_> = stores[..world.arenas.len()].iter().map(|s| Arena::new(device, world, s)).collect();
-        let mut states: Vec<_> = stores.iter().flat_map(Store::spans).collect();
+        let (mut states, mut arenas) = (Vec::new(), Vec::new());
+        let mut shared = vec![false; world.runs.len()];
+        for cloths in &world.arenas {
+            let (store, spans) = Store::new(device, world, cloths, draw_only);
+            states.extend(spans);
+            arenas.push(Arena::new(device, world, store, cloths));
+            cloths.iter().for_each(|c| shared[*c] = true);
+        }
+        let alone = (0..shared.len()).filter(|c| !shared[*c]);
+        states.extend(alone.flat_map(|cloth| Store::new(device, world, &[cloth], draw_only).1));
         states.sort_by_key(|(cloth, _)| *cloth);
         let mut gpu = Gpu {
+            pulse: Pulse::new(device)?,
+            failure: None,
             solids: Solids::new(device, world),
             pipelines,
             cloths: states.into_iter().map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect(),
-            stores,
             frames: (!arenas.is_empty()).then(|| frames::ring(device)),
             arenas,
             device: device.clone(),
@@ -110,6 +127,27 @@ impl Gpu {
             }
         }
         Ok(gpu)
+    }
+
+    /// Whether the device can go on: an error if it is lost, or a call has failed on it.
+    pub fn check(&mut self) -> Result<()> {
+        if self.failure.is_none() && self.pulse.is_lost() {
+            self.failure = Some(Failure::Lost);
+        }
+        match self.failure {
+            None => Ok(()),
+            Some(Failure::Lost) => Err(Error::DeviceLost),
+            Some(Failure::Full) => Err(Error::OutOfMemory),
+        }
+    }
+
+    /// Takes in that a call has failed on the device half-way.
+    pub fn fail(&mut self, error: &Error) {
+        match error {
+            Error::DeviceLost => self.failure = Some(Failure::Lost),
+            Error::OutOfMemory => self.failure = Some(Failure::Full),
+            _ => (),
+        }
     }
 
     /// The device and its queue.
@@ -177,6 +215,7 @@ impl Gpu {
             let coarse = frame.coarse(n);
             let rounds = |count| (0..count).flat_map(|_| &relax);
             let mut run = |what: &Form| self.run(cloth, pass, index, (what, offset));
+            frame.air(n).iter().for_each(|p| run(&Form::Apart(*p)));
             match order.filter(|_| coarse.is_empty()) {
                 Some(order) => order.first.iter().chain(rounds(frame.rounds - 1)).for_each(&mut run),
                 None => {
@@ -205,14 +244,13 @@ impl Gpu {
     fn record_fused(&mut self, world: &World, pass: &mut wgpu::ComputePass, steps: u32) {
         let Some(frames) = &mut self.frames else { return };
         for batch in world.batches(steps) {
-            let pipeline = self.pipelines.get(&Form::Whole(batch.fused.clone()));
+            let pipeline = self.pipelines.fitting(&Form::Whole(batch.fused.clone()));
             let arena = &mut self.arenas[batch.arena];
             let any = world.arenas[batch.arena][batch.members[0]];
             let numbers = frames::numbers(&world.frame(any, steps), batch.solids);
             let offset = frames.offset(&self.queue, &numbers);
             let buffers = (&self.solids.buffer, &frames.buffer);
-            let store = &self.stores[batch.arena];
-            let group = arena.group(&self.device, world, &batch, (pipeline, store), buffers);
+            let group = arena.group(&self.device, world, &batch, pipeline, buffers);
             pass.set_pipeline(&pipeline.pipeline);
             pass.set_bind_group(0, group, &[offset]);
             pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);
@@ -244,7 +282,8 @@ impl Gpu {
     }
 
     fn meet(&mut self, world: &World) {
-        self.cloths.iter_mut().enumerate().for_each(|(c, buffers)| buffers.meet(self.solids.of(world, c)));
+        let cloths = self.cloths.iter_mut().enumerate();
+        cloths.for_each(|(c, buffers)| buffers.replace(Slot::Solids, self.solids.of(world, c)));
     }
 }
 

@@ -80,6 +80,8 @@ pub struct JobRow {
     pub solid: u32,
     pub keep: [f32; 2],
     pub longest: [f32; 2],
+    pub hold: u32,
+    pub unused: u32,
 }
 
 /// `Link` of shaders/part/links.wgsl.

@@ -4,9 +4,12 @@ mod camera;
 
 pub use camera::{Camera, View};
 
+use std::collections::HashMap;
+
 use gimage_bundle::{Bundle, MapKind};
 
 use crate::cloth::Grid;
+use crate::handle::{ClothHandle, ClothRef};
 
 /// How a cloth is drawn. Colours are sRGB, 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +51,35 @@ impl Look {
         }
         let middle = steps.len() / 2;
         if steps.is_empty() { 0.0 } else { 4.0 * *steps.select_nth_unstable_by(middle, f32::total_cmp).1 }
+    }
+}
+
+/// The looks of the cloths of a stepper. The look of an index is for the cloth that has it when cloths are drawn, unless the cloth has
+/// a look by its handle.
+#[derive(Default)]
+pub(crate) struct Looks {
+    by_index: HashMap<usize, Look>,
+    by_handle: HashMap<ClothHandle, Look>,
+}
+
+impl Looks {
+    pub fn set(&mut self, cloth: ClothRef, look: Look) {
+        match cloth {
+            ClothRef::Index(index) => self.by_index.insert(index, look),
+            ClothRef::Handle(handle) => self.by_handle.insert(handle, look),
+        };
+    }
+
+    /// Forgets cloths that are gone.
+    #[cfg(feature = "gpu")]
+    pub fn keep(&mut self, handles: &[ClothHandle]) {
+        self.by_handle.retain(|handle, _| handles.binary_search(handle).is_ok());
+    }
+
+    /// The look of a cloth.
+    pub fn of(&self, index: usize, handle: ClothHandle) -> Look {
+        let given = self.by_handle.get(&handle).or_else(|| self.by_index.get(&index));
+        given.cloned().unwrap_or_else(|| Look::of(index))
     }
 }
 

@@ -225,6 +225,8 @@ impl Kinds {
 /// The passes of a cloth, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Schedule {
+    /// Before all others, once in as many steps as forces of air stand for.
+    pub air: Vec<Pass>,
     /// Once a step.
     pub step: Vec<Pass>,
     /// After these, once in [`Options::pyramid`] steps.
@@ -251,7 +253,7 @@ pub fn schedule(
     };
     let mut s = Schedule::default();
     // Reads neighbours, so it cannot be part of the step that moves them.
-    s.step.extend((air == Air::Field).then_some(Pass::Wind { holes: cloth.is_cut() }));
+    s.air.extend((air == Air::Field).then_some(Pass::Wind { holes: cloth.is_cut() }));
     let exact = cloth.is_exact() && options.solver == Solver::Xpbd;
     s.step.push(if exact { Pass::IntegrateExact(air) } else { Pass::Integrate(air) });
     let seams = cloth.ring_count() > 0;

@@ -12,13 +12,16 @@ use crate::cloth::Cloth;
 use crate::cpu::body::view;
 use crate::cpu::pick_nearest;
 use crate::error::{Error, Result, check};
+use crate::handle::ClothHandle;
 use crate::number::real::Real;
 
 /// A point of cloth on a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Index of the cloth.
+    /// Index of the cloth when the search was made.
     pub cloth: usize,
+    /// Handle of the cloth; `None` from [`pick`], which knows of no stepper.
+    pub handle: Option<ClothHandle>,
     /// Index of the grid: the piece of the bundle.
     pub grid: usize,
     /// Column and row of the quad's upper left texel.
@@ -87,5 +90,15 @@ fn place(grids: &[(u32, u32)], code: u32, distance: f32, [v, w]: [f32; 2]) -> Hi
     let (first, width) = grids.get(grid).copied().unwrap_or((0, 1));
     let texel = [(k - first) % width, (k - first) / width];
     let barycentric = [1.0 - v - w, v, w];
-    Hit { cloth: 0, grid, texel, triangle: code % 2, particles: [0; 3], barycentric, corners: [[0.0; 3]; 3], distance }
+    Hit {
+        cloth: 0,
+        handle: None,
+        grid,
+        texel,
+        triangle: code % 2,
+        particles: [0; 3],
+        barycentric,
+        corners: [[0.0; 3]; 3],
+        distance,
+    }
 }

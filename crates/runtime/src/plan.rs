@@ -33,7 +33,7 @@ pub struct Plan {
 
 impl Plan {
     pub(crate) fn new(world: &World) -> Self {
-        let (steps, rounds) = (world.control.options.substeps, world.control.options.iterations);
+        let steps = world.control.options.substeps;
         let mut passes = Vec::new();
         for batch in world.batches(steps) {
             let cloths = batch.members.iter().map(|m| world.arenas[batch.arena][*m]);
@@ -41,25 +41,20 @@ impl Plan {
                 cloths.enumerate().map(|(k, c)| planned(world, c, Form::Whole(batch.fused.clone()), u32::from(k == 0)));
             passes.extend(fused);
         }
-        let apart = |list: &[Pass]| list.iter().map(|pass| Form::Apart(*pass)).collect::<Vec<_>>();
         for cloth in (0..world.runs.len()).filter(|c| world.is_apart(*c, steps)) {
-            let Schedule { step, coarse, relax, frame } = &world.runs[cloth].schedule;
-            let rare = steps.div_ceil(world.control.options.pyramid.max(1));
-            if let Some(order) = world.order(cloth) {
-                let rare = if coarse.is_empty() { 0 } else { rare };
-                let relax = (order.relax.clone(), steps * (rounds - 1) + rare);
-                let first = (order.first.clone(), steps - rare);
-                let lists = [(apart(step), rare), (apart(coarse), rare), first, relax, (apart(frame), 1)];
-                for (list, dispatches) in lists.into_iter().filter(|l| l.1 > 0) {
-                    passes.extend(list.into_iter().map(|form| planned(world, cloth, form, dispatches)));
-                }
-                continue;
-            }
-            for (list, dispatches) in [(step, steps), (coarse, rare), (relax, steps * rounds), (frame, 1)] {
-                passes.extend(apart(list).into_iter().map(|form| planned(world, cloth, form, dispatches)));
-            }
+            let forms = apart(world, cloth).into_iter();
+            passes.extend(forms.map(|(form, dispatches)| planned(world, cloth, form, dispatches)));
         }
         Plan { passes }
+    }
+
+    /// What runs in a frame of a cloth.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn forms(world: &World, cloth: usize) -> Vec<Form> {
+        match &world.runs[cloth].fused {
+            Some(fused) if world.is_fused(cloth, world.control.options.substeps) => vec![Form::Whole(fused.clone())],
+            _ => apart(world, cloth).into_iter().map(|(form, _)| form).collect(),
+        }
     }
 
     /// Dispatches per frame.
@@ -75,6 +70,28 @@ impl Plan {
         }
         seen.values().sum()
     }
+}
+
+/// What runs in a frame of a cloth that shares no dispatch, and how often.
+fn apart(world: &World, cloth: usize) -> Vec<(Form, u32)> {
+    let (steps, rounds) = (world.control.options.substeps, world.control.options.iterations);
+    let Schedule { air, step, coarse, relax, frame } = &world.runs[cloth].schedule;
+    let rare = steps.div_ceil(world.control.options.pyramid.max(1));
+    let alone = |list: &[Pass]| list.iter().map(|pass| Form::Apart(*pass)).collect::<Vec<_>>();
+    let blows = (alone(air), steps.div_ceil(world.hold(cloth)));
+    let lists = match world.order(cloth) {
+        Some(order) => {
+            let rare = if coarse.is_empty() { 0 } else { rare };
+            let relax = (order.relax.clone(), steps * (rounds - 1) + rare);
+            let first = (order.first.clone(), steps - rare);
+            let lists = [blows, (alone(step), rare), (alone(coarse), rare), first, relax, (alone(frame), 1)];
+            lists.into_iter().filter(|l| l.1 > 0).collect::<Vec<_>>()
+        }
+        None => {
+            vec![blows, (alone(step), steps), (alone(coarse), rare), (alone(relax), steps * rounds), (alone(frame), 1)]
+        }
+    };
+    lists.into_iter().flat_map(|(list, count)| list.into_iter().map(move |form| (form, count))).collect()
 }
 
 fn planned(world: &World, cloth: usize, form: Form, dispatches: u32) -> PlannedPass {

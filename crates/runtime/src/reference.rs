@@ -1,5 +1,6 @@
 //! The twin in f64, to measure what f32 and a coarse step cost.
 
+use crate::collider::Collider;
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
@@ -22,6 +23,19 @@ impl Reference {
     pub fn new(scene: Scene, options: Options) -> Result<Self> {
         let world = World::new(scene, options)?;
         Ok(Reference { bodies: world.bodies(), world, threads: Threads::new(1)? })
+    }
+
+    /// The colliders as they are now.
+    pub fn colliders(&self) -> &[Collider] {
+        &self.world.scene.colliders
+    }
+
+    /// Replaces all colliders by as many others. Errors on numbers out of range.
+    pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
+        colliders.iter().try_for_each(Collider::check)?;
+        self.world.scene.colliders = colliders;
+        self.world.reschedule();
+        Ok(())
     }
 
     /// Makes `steps` steps of [`Options::step`] / [`Options::substeps`], then normals.

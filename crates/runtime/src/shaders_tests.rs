@@ -108,7 +108,7 @@ fn fused() -> Vec<Fused> {
         let air = [Air::None, Air::Push, Air::Field][(k as usize + n) % 3];
         let (seams, tethers) = (on(6).then_some(Pass::Seams), on(5).then_some(Pass::Tethers { slots: 2 }));
         let mut s = Schedule::default();
-        s.step.extend((air == Air::Field).then_some(Pass::Wind { holes: false }));
+        s.air.extend((air == Air::Field).then_some(Pass::Wind { holes: false }));
         s.step.push(if on(1) { Pass::IntegrateExact(air) } else { Pass::Integrate(air) });
         if on(3) {
             s.step.extend([Pass::Moments { holes: false }, Pass::Bend]);
@@ -201,7 +201,7 @@ fn structs_lie_as_in_rust() {
     let grid = rust!(GridRow: first, width, height, soft, rest);
     let solid = rust!(SolidRow: center, kind, size, friction, rotation, velocity, spin);
     let frame = rust!(FrameRow: steps, rounds, together, solids, rows);
-    let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest);
+    let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest, hold);
     let link = rust!(LinkRow: follows, mass);
     let mut seen = BTreeSet::new();
     for form in &variants() {

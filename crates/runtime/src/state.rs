@@ -8,6 +8,8 @@ pub(crate) use layout::{Layout, Part};
 pub(crate) use snapshot::ControlState;
 pub use snapshot::Snapshot;
 
+use std::sync::Arc;
+
 use bytemuck::cast_slice;
 
 use crate::cloth::{Cloth, Rest, Tethers};
@@ -21,7 +23,7 @@ use crate::scene::Pose;
 /// pins, and whether the cloth is asleep. It has neither the description of the cloth (grids, masses, seams, material) nor
 /// colliders, wind and settings: the scene has them. [`Snapshot`] holds all cloths, and the clock.
 ///
-/// 48 bytes per particle, 64 of a material; a cut adds 20, and 8 per tether.
+/// 48 bytes per particle, 64 of a material; a cut adds 20, and 8 per tether. Copies of a state share them.
 ///
 /// ```
 /// use gimage_runtime::{ClothState, Flat, Options, Scene, Stepper};
@@ -45,7 +47,7 @@ use crate::scene::Pose;
 pub struct ClothState {
     pub(crate) head: Head,
     /// The parts of `head.layout`, one after the other.
-    words: Vec<u32>,
+    words: Arc<Vec<u32>>,
 }
 
 /// A state without its lists.
@@ -65,7 +67,7 @@ pub(crate) struct Head {
 
 impl ClothState {
     pub(crate) fn new(head: Head, words: Vec<u32>) -> Self {
-        ClothState { head, words }
+        ClothState { head, words: Arc::new(words) }
     }
 
     fn list(&self, part: Part) -> &[[f32; 4]] {
@@ -118,18 +120,19 @@ impl ClothState {
         }
         let Head { layout, step, .. } = self.head;
         let (now, before) = (layout.range(Part::Now), layout.range(Part::Before));
+        let words = Arc::make_mut(&mut self.words);
         for (k, (p, v)) in positions.iter().zip(velocities).enumerate() {
             for c in 0..3 {
                 let was = f64::from(p[c]) - f64::from(v[c]) * step;
-                self.words[now.start + 4 * k + c] = p[c].to_bits();
-                self.words[before.start + 4 * k + c] = (was as f32).to_bits();
+                words[now.start + 4 * k + c] = p[c].to_bits();
+                words[before.start + 4 * k + c] = (was as f32).to_bits();
             }
         }
         let good = layout.range(Part::Good);
         if !good.is_empty() {
-            self.words.copy_within(now, good.start);
+            words.copy_within(now, good.start);
         }
-        self.words[layout.range(Part::Lost)].fill(0);
+        words[layout.range(Part::Lost)].fill(0);
         (self.head.asleep, self.head.calm) = (false, 0.0);
         Ok(())
     }

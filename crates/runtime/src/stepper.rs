@@ -9,15 +9,19 @@ mod drag;
 #[cfg(feature = "gpu")]
 mod host_buffer;
 mod indices;
+mod members;
 mod pick;
 mod pins;
 #[cfg(feature = "gpu")]
 mod record_pins;
 #[cfg(feature = "gpu")]
+mod recover;
+#[cfg(feature = "gpu")]
 mod saved;
 mod script;
 #[cfg(feature = "gpu")]
 mod self_check;
+mod settings;
 mod state;
 mod tangents;
 
@@ -34,10 +38,10 @@ use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
 use crate::findings::{Finding, Watchdog};
 use crate::gpu::Gpu;
+use crate::handle::ClothRef;
 use crate::health::Health;
 use crate::options::{Backend, Options};
 use crate::plan::Plan;
-use crate::quality::Chooser;
 use crate::scene::Scene;
 use crate::wind::Wind;
 use crate::world::World;
@@ -114,27 +118,31 @@ impl Stepper {
 
     /// Positions \[m\] of a cloth, the fourth component 1/mass (0 pinned, -1 no particle). `None` on the GPU backend,
     /// where they stay in [`Stepper::buffers`], and for a cloth that does not exist.
-    pub fn positions(&self, cloth: usize) -> Option<&[[f32; 4]]> {
-        Some(self.cpu.as_ref()?.0.get(cloth)?.now())
+    pub fn positions(&self, cloth: impl Into<ClothRef>) -> Option<&[[f32; 4]]> {
+        Some(self.body(cloth.into())?.now())
     }
 
     /// Positions one step before, as [`Stepper::positions`].
-    pub fn previous(&self, cloth: usize) -> Option<&[[f32; 4]]> {
-        Some(self.cpu.as_ref()?.0.get(cloth)?.before())
+    pub fn previous(&self, cloth: impl Into<ClothRef>) -> Option<&[[f32; 4]]> {
+        Some(self.body(cloth.into())?.before())
     }
 
     /// Unit normals of a cloth; 0 where there is none. Made from its positions when they are first read after a frame, 4 ns per
     /// particle.
-    pub fn normals(&self, cloth: usize) -> Option<&[[f32; 4]]> {
-        let (bodies, threads) = self.cpu.as_ref()?;
-        Some(bodies.get(cloth)?.normals(threads))
+    pub fn normals(&self, cloth: impl Into<ClothRef>) -> Option<&[[f32; 4]]> {
+        let (_, threads) = self.cpu.as_ref()?;
+        Some(self.body(cloth.into())?.normals(threads))
     }
 
     /// Triangles of a cloth that a cut has taken away, as [`crate::ClothBuffers::holes`]. `None` on the GPU backend, until the
     /// first cut, and for a cloth that does not exist.
-    pub fn holes(&self, cloth: usize) -> Option<&[u32]> {
-        let holes = &self.cpu.as_ref()?.0.get(cloth)?.holes;
+    pub fn holes(&self, cloth: impl Into<ClothRef>) -> Option<&[u32]> {
+        let holes = &self.body(cloth.into())?.holes;
         (!holes.is_empty()).then_some(holes)
+    }
+
+    fn body(&self, cloth: ClothRef) -> Option<&Body<f32>> {
+        self.cpu.as_ref()?.0.get(self.world.find(cloth).ok()?)
     }
 
     /// The frames that were taken back since the last call, oldest first, at most the latest 64: a cloth with particles
@@ -153,8 +161,9 @@ impl Stepper {
 
     /// Takes the figures of a cloth from its positions now and one step before, as a host has read them back, and returns
     /// them. 20 ns per particle. An error if there is no such cloth or a list has another length.
-    pub fn examine(&mut self, cloth: usize, now: &[[f32; 4]], before: &[[f32; 4]]) -> Result<Health> {
-        let of = self.world.cloth(cloth)?;
+    pub fn examine(&mut self, cloth: impl Into<ClothRef>, now: &[[f32; 4]], before: &[[f32; 4]]) -> Result<Health> {
+        let cloth = self.world.find(cloth.into())?;
+        let of = &self.world.scene.cloths[cloth];
         for list in [now, before] {
             if list.len() != of.len() {
                 let (cloth, found, expected) = (of.name().into(), list.len(), of.len());
@@ -169,16 +178,18 @@ impl Stepper {
     }
 
     /// The last figures of a cloth, and the largest 99th percentile of its extension so far. On the CPU backend taken 0.2 s
-    /// after the start and then twice per second, on either by [`Stepper::examine`].
-    pub fn health(&self, cloth: usize) -> Option<(Health, f64)> {
-        self.world.watchdog.of(cloth)
+    /// after its start and then twice per second, on either by [`Stepper::examine`].
+    pub fn health(&self, cloth: impl Into<ClothRef>) -> Option<(Health, f64)> {
+        self.world.watchdog.of(self.world.find(cloth.into()).ok()?)
     }
 
     /// Warnings about settings beyond the solver's limits: masses, tethers and cloth that will not rest, as found when the
-    /// stepper was made, and the current number of substeps. [`crate::Solver::Classic`] has none of these. A failed [`crate::self_check`] of
+    /// cloth came, and the current number of substeps. [`crate::Solver::Classic`] has none of these. A failed [`crate::self_check`] of
     /// the device comes first.
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
-        self.world.host.warnings.iter().chain(&self.world.host.raised).cloned().collect()
+        let World { host, runs, .. } = &self.world;
+        let cloths = runs.iter().flat_map(|run| &run.warnings);
+        host.adapter.iter().chain(cloths).chain(&host.raised).cloned().collect()
     }
 
     /// Changes the wind, or ends it. Wakes every cloth.
@@ -200,24 +211,6 @@ impl Stepper {
         Ok(())
     }
 
-    /// Changes the number of steps and relaxations from the next frame on. Backend, threads, solver, tethers and pyramid
-    /// stay as they are, because their data was made with the stepper.
-    pub fn set_options(&mut self, options: Options) -> Result<()> {
-        options.check()?;
-        let Options { backend, threads, solver, tethers, pyramid, .. } = *self.options();
-        let fused = options.fused && self.world.control.options.fused;
-        if options.quality != self.world.control.options.quality {
-            self.world.control.chooser = Chooser::default();
-        }
-        let coat = options.thickness != self.world.control.options.thickness;
-        let options = Options { backend, threads, solver, tethers, pyramid, fused, ..options };
-        self.world.set_options(options);
-        if coat {
-            self.recoat();
-        }
-        Ok(())
-    }
-
     /// Reports the time of a frame \[ms\], for [`crate::Quality::Budget`]: `steps` as in [`Progress::steps`], the time from the
     /// host's clock or from timestamps of the GPU. It may come late. Frames without a step and times not above 0 do not
     /// count. The median of the last 15 times per step is used, from the fifth time on.
@@ -231,16 +224,16 @@ impl Stepper {
     }
 
     /// Lets a cloth sleep where it is, at no per-frame cost, or wakes it. Any change wakes it too.
-    pub fn set_asleep(&mut self, cloth: usize, asleep: bool) -> Result<()> {
-        self.world.cloth(cloth)?;
+    pub fn set_asleep(&mut self, cloth: impl Into<ClothRef>, asleep: bool) -> Result<()> {
+        let cloth = self.world.find(cloth.into())?;
         self.world.wake(cloth);
         self.world.runs[cloth].asleep = asleep;
         Ok(())
     }
 
     /// Whether a cloth is asleep; not where there is none.
-    pub fn is_asleep(&self, cloth: usize) -> bool {
-        self.world.runs.get(cloth).is_some_and(|run| run.asleep)
+    pub fn is_asleep(&self, cloth: impl Into<ClothRef>) -> bool {
+        self.world.find(cloth.into()).is_ok_and(|cloth| self.world.runs[cloth].asleep)
     }
 
     /// Lets cloths fall asleep on the GPU backend if [`crate::Options::sleep`] is set, and substeps be chosen by
@@ -248,7 +241,13 @@ impl Stepper {
     /// what has come back, eight bytes per cloth some frames late, and never waits. Without it no cloth falls asleep and
     /// no error is known there. The CPU backend needs no call.
     pub fn settle(&mut self) -> Result<()> {
-        self.gpu.as_mut().map_or(Ok(()), |gpu| gpu.settle(&mut self.world))
+        self.guarded(|stepper| stepper.gpu.as_mut().map_or(Ok(()), |gpu| gpu.settle(&mut stepper.world)))
+    }
+
+    /// Without a device no call fails on one.
+    #[cfg(not(feature = "gpu"))]
+    fn guarded<T>(&mut self, run: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
+        run(self)
     }
 
     fn changed(&mut self) {

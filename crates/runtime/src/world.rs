@@ -1,10 +1,12 @@
 //! The state that both backends share: the scene, its schedules and the clock.
 
+mod air;
 mod cloth_run;
 mod control;
 mod drive;
 mod fuse;
 mod host;
+mod members;
 mod run;
 mod save;
 mod sleep;
@@ -14,6 +16,7 @@ pub use cloth_run::ClothRun;
 #[cfg(feature = "gpu")]
 pub use fuse::Batch;
 pub use host::{Action, Fault};
+pub use members::Left;
 
 use crate::choose::Settings;
 use crate::clock::Progress;
@@ -22,16 +25,18 @@ use crate::coat::Coats;
 use crate::collider::Collider;
 use crate::collider::solid::Solid;
 use crate::cpu::body::Body;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::findings::{Sight, Watchdog};
 use crate::frame::Frame;
 use crate::fused::{Room, arenas};
+use crate::handle::ClothHandle;
 use crate::limits::{self, Warning};
 use crate::number::real::Real;
 use crate::options::{Options, Solver};
-use crate::passes::{Kinds, Pass, Schedule, has_levels, schedule};
+use crate::passes::{Kinds, Pass, Schedule, schedule};
 use crate::quality::Quality;
 use crate::scene::Scene;
+use crate::state::ControlState;
 use crate::step::{Step, StepInput};
 use crate::tile::{Order, order};
 use control::Control;
@@ -47,6 +52,8 @@ pub struct World {
     pub driven: Drive,
     /// How each cloth runs.
     pub runs: Vec<ClothRun>,
+    /// The handle of each cloth, in ascending order.
+    pub handles: Vec<ClothHandle>,
     /// How colliders meet cloths.
     pub coats: Coats,
     /// What the device that steps has room for.
@@ -55,6 +62,8 @@ pub struct World {
     pub arenas: Vec<Vec<usize>>,
     /// What goes wrong while cloths move.
     pub watchdog: Watchdog,
+    /// The last state of the clock in the host's memory, as [`ClothRun::kept`].
+    pub kept: Option<ControlState>,
 }
 
 impl World {
@@ -63,20 +72,16 @@ impl World {
         scene.check()?;
         let control = Control::new(options, &scene);
         let options = &control.options;
-        let (mut host, mut runs) = (Host::default(), Vec::new());
+        let mut runs = Vec::new();
         for (cloth, slack) in scene.cloths.iter_mut().zip(&options.slack) {
-            // It may come from a stepper that has cut it.
-            cloth.close();
-            let most = limits::prepare(cloth, options, &mut host.warnings)?;
-            let meets = scene.colliders.iter().any(|c| c.is_met(cloth.collision_groups));
-            let lies = options.pyramid > 0 && meets && has_levels(cloth, options);
-            let lies = lies && !cloth.particles().iter().any(|p| p.is_pinned());
-            host.warnings.extend(lies.then(|| Warning::PyramidOnColliders { cloth: cloth.name().into() }));
-            runs.push(ClothRun::new(cloth, most, *slack));
+            runs.push(members::prepare(cloth, options, *slack, &scene.colliders)?);
         }
+        let (handles, host) = (runs.iter().map(|_| ClothHandle::fresh()).collect(), Host::default());
         let watchdog = Watchdog::new(scene.cloths.len());
         let (coats, room, arenas) = (Coats::default(), None, Vec::new());
-        let mut world = World { scene, control, host, driven: Drive::default(), runs, coats, room, arenas, watchdog };
+        let driven = Drive::default();
+        let mut world =
+            World { scene, control, host, driven, runs, handles, coats, room, arenas, watchdog, kept: None };
         world.raise();
         // Nothing has moved yet: the first step is like those after it.
         world.control.start();
@@ -122,6 +127,21 @@ impl World {
         self.reschedule();
     }
 
+    /// Puts every cloth back to where it began, as what steps them has lost it. `room` is that of the device that steps from here
+    /// on.
+    #[cfg(feature = "gpu")]
+    pub fn start_again(&mut self, room: Option<Room>) {
+        self.scene.cloths.iter_mut().for_each(Cloth::close);
+        self.runs.iter_mut().for_each(|run| run.home = Default::default());
+        self.wake_all();
+        (self.host.actions, self.host.touched) = (Vec::new(), true);
+        (self.room, self.arenas) = (None, Vec::new());
+        match room {
+            Some(room) => self.make_room(room),
+            None => self.reschedule(),
+        }
+    }
+
     /// Chooses how many substeps and rounds of polish the next frames have.
     pub fn choose(&mut self) {
         if self.control.choose(&self.scene) {
@@ -155,14 +175,21 @@ impl World {
 
     /// Works out which passes run; to be called when colliders, wind, rest lengths or seams have changed.
     pub fn reschedule(&mut self) {
-        let (coats, places) = Coats::new(&self.scene, &self.control.options);
-        for (index, coat) in places.into_iter().enumerate() {
-            let schedule = self.schedule(index, &self.control.options);
-            (self.runs[index].schedule, self.runs[index].coat) = (schedule, coat);
+        self.recoat();
+        for index in 0..self.runs.len() {
+            self.runs[index].schedule = self.schedule(index, &self.control.options);
         }
-        self.coats = coats;
         self.control.round = self.cost_of_round();
         self.fuse();
+    }
+
+    /// Works out how cloths meet colliders; whether the list of coats is another one now.
+    fn recoat(&mut self) -> bool {
+        let (coats, places) = Coats::new(&self.scene, &self.control.options);
+        self.runs.iter_mut().zip(places).for_each(|(run, coat)| run.coat = coat);
+        let changed = coats != self.coats;
+        self.coats = coats;
+        changed
     }
 
     /// The numbers of the first step of a frame and of the others, as far as they depend on the cloth.
@@ -191,6 +218,7 @@ impl World {
             schedule: &self.runs[cloth].schedule,
             steps,
             rounds: options.iterations,
+            hold: self.hold(cloth),
             pyramid: options.pyramid,
             numbers: self.numbers(&self.scene.cloths[cloth]),
             swept: if swept { self.control.clock.dt } else { 0.0 },
@@ -206,15 +234,9 @@ impl World {
         self.runs.get(cloth)?.order.get_or_init(find).as_ref()
     }
 
-    pub fn cloth(&self, index: usize) -> Result<&Cloth> {
-        let count = self.scene.cloths.len();
-        self.scene.cloths.get(index).ok_or(Error::NoSuch { what: "cloth", index, count })
-    }
-
     /// Bodies of all cloths at the start.
     pub fn bodies<T: Real>(&self) -> Vec<Body<T>> {
-        let cloths = self.scene.cloths.iter().zip(&self.runs);
-        cloths.map(|(cloth, run)| Body::new(cloth, &run.tethers, &self.control.options)).collect()
+        (0..self.runs.len()).map(|index| self.body(index)).collect()
     }
 
     /// The colliders as cloths meet them, a list for each of [`World::coats`].

@@ -157,7 +157,7 @@ fn wrong_actions_are_errors() {
     assert!(stepper.transform(0, &[0], broken).unwrap_err().to_string().contains("finite"));
     assert!(stepper.transform(0, &[], identity).is_ok());
     let hit = stepper.pick([0.5, -0.5, 1.0], [0.0, 0.0, -1.0]).unwrap().unwrap();
-    assert!(stepper.grab(&Hit { cloth: 3, ..hit }).is_err());
+    assert!(stepper.grab(&Hit { cloth: 3, handle: None, ..hit }).is_err());
     assert!(stepper.grab(&Hit { particles: [900; 3], ..hit }).is_err());
     let drag = stepper.grab(&hit).unwrap();
     assert!(stepper.drag(&drag, [f32::INFINITY; 3]).is_err());

@@ -84,6 +84,59 @@ fn a_box_is_that_of_all_particles() {
     }
 }
 
+/// A curtain that begins at some x \[m\].
+fn at(x: f32) -> Cloth {
+    let mut cloth = curtain(5);
+    cloth.place(cloth.positions().iter().map(|p| [p[0] + x, p[1], p[2]]).collect()).unwrap();
+    cloth
+}
+
+#[test]
+fn boxes_follow_their_cloths_where_others_come_and_go() {
+    let mut start = scene(at(0.0));
+    start.cloths.extend([at(10.0), at(20.0)]);
+    let (gone, there) = (None, |x: f32| Some([x, x + 1.0]));
+    for mut rig in Rig::both(&start, &options()) {
+        let device = rig.device().cloned();
+        // On the GPU the boxes are under way when cloths come and go after it.
+        let measure = |rig: &mut Rig| {
+            rig.frame(FRAME);
+            if let Some((device, queue)) = &device {
+                let mut encoder = device.create_command_encoder(&Default::default());
+                rig.stepper.record_bounds(&mut encoder).unwrap();
+                queue.submit([encoder.finish()]);
+            }
+        };
+        // From where to where along x the boxes of some cloths are, to a centimetre.
+        let found = |rig: &mut Rig, cloths: &[ClothHandle]| -> Vec<Option<[f32; 2]>> {
+            device.iter().for_each(|device| (0..2).for_each(|_| arrive(rig, device)));
+            let x = |b: Bounds| [b.low[0], b.high[0]].map(|x| (x * 100.0).round() / 100.0);
+            cloths.iter().map(|cloth| rig.stepper.bounds(*cloth).map(x)).collect()
+        };
+        let known_at_once = |x: f32| there(x).filter(|_| device.is_none());
+        let mut all = rig.stepper.handles().to_vec();
+        measure(&mut rig);
+        rig.stepper.remove_cloth(all[0]).unwrap();
+        all.push(rig.stepper.add_cloth(at(30.0)).unwrap());
+        assert_eq!(found(&mut rig, &all), [gone, there(10.0), there(20.0), known_at_once(30.0)], "{}", rig.name());
+        assert_eq!(rig.stepper.bounds(0), rig.stepper.bounds(all[1]));
+        rig.stepper.remove_cloth(all[1]).unwrap();
+        assert_eq!(found(&mut rig, &all), [gone, gone, there(20.0), known_at_once(30.0)], "{}", rig.name());
+        // Measured once more than there is room for, where the last ones have not arrived.
+        measure(&mut rig);
+        all.extend([40.0, 50.0, 60.0].map(|x| rig.stepper.add_cloth(at(x)).unwrap()));
+        measure(&mut rig);
+        rig.stepper.remove_cloth(all[2]).unwrap();
+        let expected = [gone, gone, gone, there(30.0), there(40.0), there(50.0), there(60.0)];
+        assert_eq!(found(&mut rig, &all), expected, "{}", rig.name());
+        measure(&mut rig);
+        assert_eq!(found(&mut rig, &all), expected, "{}", rig.name());
+        let [low, high] = corners(&rig, 3);
+        let last = rig.stepper.bounds(all[6]).unwrap();
+        assert_eq!((last.low, last.high, last.age), (low, high, 0.0));
+    }
+}
+
 #[test]
 fn a_cloth_that_is_moved_has_no_box_of_before() {
     let Some(device) = support::device() else { return };

@@ -161,6 +161,45 @@ fn cloth_meets_the_colliders_of_its_groups_alone() {
 }
 
 #[test]
+fn cloths_that_come_and_go_meet_moving_colliders_in_their_own_way() {
+    let to = |frame: u32| Pose { position: [0.01, 0.005, 0.0].map(|x| x * frame as f32), ..Pose::default() };
+    let run = |rig: &mut Rig, frames: std::ops::Range<u32>| {
+        for frame in frames {
+            rig.stepper.move_collider(0, &to(frame)).unwrap();
+            rig.frame(FRAME);
+        }
+    };
+    let masks = [2, 3, 1, 0];
+    for mut rig in Rig::both(&grouped(9, &[1, 2]), &options()) {
+        run(&mut rig, 1..4);
+        let late = masks.map(|mask| rig.stepper.add_cloth(grouped(9, &[mask]).cloths.remove(0)).unwrap());
+        run(&mut rig, 4..8);
+        // Takes its kind of contact along; cloth of the same groups is there still.
+        rig.stepper.remove_cloth(0).unwrap();
+        run(&mut rig, 8..16);
+        for (cloth, mask) in late.into_iter().zip(masks) {
+            let mut alone = grouped(9, &[mask]);
+            alone.colliders[0].center = to(3).position;
+            let mut fresh = rig.another(&alone);
+            run(&mut fresh, 4..16);
+            let index = rig.stepper.index(cloth).unwrap();
+            assert!(rig.positions(index) == fresh.positions(0), "{} {mask}", rig.name());
+            rig.stepper.set_asleep(cloth, true).unwrap();
+        }
+        let heights = late.map(|cloth| rig.positions(rig.stepper.index(cloth).unwrap())[40][1]);
+        assert!(heights[1] > 0.28 && heights[2] > 0.28 && heights[0] < 0.0, "{heights:?}");
+        // The ball wakes those that meet it, and groups are those of one cloth.
+        run(&mut rig, 16..17);
+        assert_eq!(late.map(|cloth| rig.stepper.is_asleep(cloth)), [true, false, false, true], "{}", rig.name());
+        rig.stepper.set_collision_groups(late[2], 2).unwrap();
+        let of = |cloth| rig.stepper.scene().cloths[rig.stepper.index(cloth).unwrap()].collision_groups;
+        assert_eq!(late.map(of), [2, 3, 2, 0]);
+        let gone = rig.stepper.remove_cloth(late[3]).map(|_| late[3]).unwrap();
+        assert!(matches!(rig.stepper.set_collision_groups(gone, 1), Err(Error::NoCloth(_))));
+    }
+}
+
+#[test]
 fn groups_cost_only_cloth_that_meets_a_collider() {
     let contact = |stepper: &Stepper, cloth: usize| {
         let passes = stepper.plan().passes;

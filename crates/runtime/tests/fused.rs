@@ -172,7 +172,7 @@ fn what_is_done_to_one_cloth_is_done_to_it_alone() {
         ((0..wardrobe().cloths.len()).map(|c| run.bits(c)).collect::<Vec<_>>(), hit)
     };
     let ((one, hit), (apart, hit_apart)) = (run(true), run(false));
-    assert_eq!(hit, hit_apart);
+    assert_eq!(Hit { handle: hit_apart.handle, ..hit }, hit_apart);
     for (cloth, (a, b)) in one.iter().zip(&apart).enumerate() {
         assert!(a == b, "cloth {cloth}");
     }

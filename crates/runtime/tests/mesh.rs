@@ -72,18 +72,13 @@ fn index_buffers_follow_cuts_and_states() {
     let mut all = scene(curtain(12));
     all.cloths.push(two_charts(9));
     let mut twin = Rig::cpu(all.clone(), &options());
-    let on = |backend| {
-        let options = Options { backend, ..options() };
-        (backend, Stepper::new(all.clone(), options, Some((&device.0, &device.1))).unwrap())
-    };
     let whole: Vec<_> = all.cloths.iter().map(Cloth::indices).collect();
     cut(&mut twin.stepper);
     twin.frame(FRAME);
     let left = [0, 1].map(|cloth| twin.stepper.indices(cloth).unwrap());
     assert!((0..2).all(|c| left[c].len() < whole[c].len() && left[c].len() > whole[c].len() / 2));
-    for (backend, stepper) in [on(Backend::Gpu), on(Backend::Cpu)] {
-        let mut rig = Rig::gpu(scene(curtain(2)), &options(), &device);
-        rig.stepper = stepper;
+    for backend in [Backend::Gpu, Backend::Cpu] {
+        let mut rig = Rig::on(backend, all.clone(), &options(), &device);
         assert!(rig.stepper.buffers(0).unwrap().indices.is_none());
         let start = rig.stepper.state(0).unwrap();
         assert_eq!(buffered(&mut rig, &device, 0), whole[0]);
@@ -111,6 +106,46 @@ fn index_buffers_follow_cuts_and_states() {
     assert!(matches!(twin.stepper.index_buffer(0), Err(Error::NoGpu(_))));
 }
 
+#[test]
+fn lists_follow_their_cloths_where_others_come_and_go() {
+    let Some(device) = support::device() else { return };
+    let options = Options { fused: false, ..options() };
+    let mut all = scene(curtain(12));
+    all.cloths.extend([two_charts(9), gappy(&[5]), curtain(9)]);
+    let changes: [fn(&mut Stepper); 3] = [
+        |_| (),
+        |stepper| {
+            stepper.remove_cloth(2).unwrap();
+            stepper.add_cloth(gappy(&[0, 1])).unwrap();
+        },
+        |stepper| {
+            cut(stepper);
+            // One goes before the frame of the cut. A cut spares what comes after it.
+            stepper.remove_cloth(0).unwrap();
+            stepper.add_cloth(curtain(12)).unwrap();
+        },
+    ];
+    for backend in [Backend::Gpu, Backend::Cpu] {
+        let mut rig = Rig::on(backend, all.clone(), &options, &device);
+        let mut twin = Rig::cpu(all.clone(), &options);
+        for (n, change) in changes.iter().enumerate() {
+            for rig in [&mut rig, &mut twin] {
+                change(&mut rig.stepper);
+                rig.frame(FRAME);
+            }
+            for cloth in 0..4 {
+                let name = format!("{backend:?} {n} {cloth}");
+                assert_eq!(buffered(&mut rig, &device, cloth), twin.stepper.indices(cloth).unwrap(), "{name}");
+                let apart = largest(&recorded(&mut rig, &device, cloth), &twin.stepper.tangents(cloth).unwrap());
+                assert!(apart < 1e-3, "{name}: {apart}");
+            }
+        }
+        let [charts, curtain, _, late] = [0, 1, 2, 3].map(|c| twin.stepper.indices(c).unwrap().len());
+        assert!(charts < two_charts(9).indices().len() && curtain < support::curtain(9).indices().len());
+        assert_eq!(late, support::curtain(12).indices().len());
+    }
+}
+
 /// The scene as it begins.
 fn twin_start(all: &Scene) -> Snapshot {
     Stepper::on_cpu(all.clone(), options()).unwrap().snapshot().unwrap()
@@ -118,12 +153,17 @@ fn twin_start(all: &Scene) -> Snapshot {
 
 /// The tangents of a cloth after some frames, on either backend.
 fn tangents(rig: &mut Rig, device: Option<&Device>) -> Vec<[f32; 4]> {
-    let Some((device, queue)) = device else { return rig.stepper.tangents(0).unwrap() };
+    let Some(device) = device else { return rig.stepper.tangents(0).unwrap() };
     assert_eq!(rig.stepper.tangents(0), None);
+    recorded(rig, device, 0)
+}
+
+/// The tangents of a cloth in its buffer.
+fn recorded(rig: &mut Rig, (device, queue): &Device, cloth: usize) -> Vec<[f32; 4]> {
     let mut encoder = device.create_command_encoder(&Default::default());
-    let span = rig.stepper.record_tangents(&mut encoder, 0).unwrap();
+    let span = rig.stepper.record_tangents(&mut encoder, cloth).unwrap();
     queue.submit([encoder.finish()]);
-    assert_eq!(rig.stepper.buffers(0).unwrap().tangents, Some(span.clone()));
+    assert_eq!(rig.stepper.buffers(cloth).unwrap().tangents, Some(span.clone()));
     read_back(device, queue, &span).unwrap()
 }
 

@@ -72,7 +72,17 @@ fn every_change_wakes() {
             let corners = [[0.5, -0.5, 0.0], [0.5, -0.6, 0.0], [0.6, -0.6, 0.0]];
             let (texel, barycentric) = ([5, 5], [1.0, 0.0, 0.0]);
             let particles = [55, 65, 66];
-            let hit = Hit { cloth: 0, grid: 0, texel, triangle: 0, particles, barycentric, corners, distance: 1.0 };
+            let hit = Hit {
+                cloth: 0,
+                handle: None,
+                grid: 0,
+                texel,
+                triangle: 0,
+                particles,
+                barycentric,
+                corners,
+                distance: 1.0,
+            };
             let drag = s.grab(&hit).unwrap();
             s.drag(&drag, [0.5, -0.3, 0.2]).unwrap();
         }),

@@ -56,9 +56,9 @@ pub struct Body<T: Real> {
 }
 
 impl<T: Real> Body<T> {
-    /// A cloth at its start; its previous positions are those of a step ago.
-    pub fn new(cloth: &Cloth, tethers: &Tethers, options: &Settings) -> Self {
-        let Start { now, before, normals } = Start::new(cloth, options);
+    /// A cloth at its start; its previous positions are those of a step of `dt` \[s\] ago.
+    pub fn new(cloth: &Cloth, tethers: &Tethers, options: &Settings, dt: f64) -> Self {
+        let Start { now, before, normals } = Start::new(cloth, options, dt);
         let list = |rest: &[[f32; 4]]| rest.iter().map(|r| cast(*r)).collect();
         let (constant, image) = match cloth.rest() {
             Rest::None => (Vec::new(), Vec::new()),

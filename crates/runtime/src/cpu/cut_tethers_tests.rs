@@ -55,7 +55,8 @@ fn sewn(n: usize) -> Cloth {
 
 fn opened(cloth: &Cloth, tethers: &Tethers) -> Body<f32> {
     let mut cloth = cloth.clone();
-    let mut body = Body::new(&cloth, tethers, &Settings::new(Options::default(), &Scene::new("empty")).0);
+    let settings = Settings::new(Options::default(), &Scene::new("empty")).0;
+    let mut body = Body::new(&cloth, tethers, &settings, settings.step);
     cloth.open();
     body.open(&cloth, tethers);
     body

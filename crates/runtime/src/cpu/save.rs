@@ -44,7 +44,8 @@ impl Body<f32> {
     /// Takes over the lists of a state. Levels, cells and tethers that cuts have changed are rebuilt from it.
     pub fn load(&mut self, (cloth, tethers): (&Cloth, &Tethers), options: &Settings, layout: &Layout, words: &[u32]) {
         if layout.cut || !self.holes.is_empty() {
-            *self = Body::new(cloth, tethers, options);
+            // Positions, velocities included, follow below.
+            *self = Body::new(cloth, tethers, options, 0.0);
         }
         let vectors = |part| cast_slice::<u32, [f32; 4]>(&words[layout.range(part)]);
         self.now.copy_from_slice(vectors(Part::Now));

@@ -16,9 +16,9 @@ pub struct Start<T> {
 }
 
 impl<T: Real> Start<T> {
-    /// Those of a cloth that moves with its velocity; normals only where they are asked for, else 0.
-    pub fn new(cloth: &Cloth, options: &Settings) -> Self {
-        let dt = options.step / f64::from(options.substeps);
+    /// Those of a cloth that moves with its velocity, as if its last step had taken `dt` \[s\]; normals only where they are asked
+    /// for, else 0.
+    pub fn new(cloth: &Cloth, options: &Settings, dt: f64) -> Self {
         let shares = inverse_masses(cloth, options.solver);
         let place = |k: usize, ago: f64| {
             let (p, w) = (cloth.positions()[k].map(f64::from), f64::from(shares[k]));

@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::num::NonZeroU64;
 
 use bytemuck::{bytes_of, cast_slice};
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 
 use super::rows::{BodyRow, ViewRow};
@@ -13,8 +12,10 @@ use super::{Look, SolidLook, View, mesh};
 use crate::cloth::Cloth;
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
-use crate::gpu::{Ring, Span};
+use crate::gpu::{Ring, Span, filled};
+use crate::handle::{ClothHandle, ClothRef};
 use crate::layout::GridRow;
+use crate::look::Looks;
 use crate::shaders::Slot;
 use crate::stepper::Stepper;
 
@@ -39,14 +40,15 @@ pub struct Draw {
     target: Target,
     pipelines: HashMap<Variant, (wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
     rows: Ring,
-    looks: HashMap<usize, Look>,
+    looks: Looks,
     solid_look: SolidLook,
-    cloths: HashMap<usize, DrawnCloth>,
+    cloths: HashMap<ClothHandle, DrawnCloth>,
     solids: Option<DrawnSolids>,
 }
 
 /// A cloth's own buffers and bindings, good for as long as the stepper's buffers are the same.
 struct DrawnCloth {
+    index: usize,
     source: Vec<Span>,
     variant: Variant,
     group: BindGroup,
@@ -69,17 +71,18 @@ impl Draw {
             queue: queue.clone(),
             target,
             pipelines: HashMap::new(),
-            looks: HashMap::new(),
+            looks: Looks::default(),
             solid_look: SolidLook::default(),
             cloths: HashMap::new(),
             solids: None,
         }
     }
 
-    /// How a cloth is drawn from now on. Texture coordinates are uploaded once.
-    pub fn set_look(&mut self, cloth: usize, look: Look) {
-        self.looks.insert(cloth, look);
-        self.cloths.remove(&cloth);
+    /// How a cloth is drawn from now on; an index is that of the cloth when it is drawn. Texture coordinates are uploaded once.
+    pub fn set_look(&mut self, cloth: impl Into<ClothRef>, look: Look) {
+        let cloth = cloth.into();
+        self.looks.set(cloth, look);
+        self.cloths.retain(|handle, drawn| ![ClothRef::Index(drawn.index), (*handle).into()].contains(&cloth));
     }
 
     /// How colliders are drawn from now on.
@@ -93,16 +96,19 @@ impl Draw {
     /// collider sets can be drawn before the encoder is submitted. Errors on a stepper without a device and on texture
     /// coordinates that do not fit their cloth.
     pub fn record(&mut self, pass: &mut wgpu::RenderPass, stepper: &Stepper, view: &View, fraction: f32) -> Result<()> {
-        for (index, cloth) in stepper.scene().cloths.iter().enumerate() {
+        let handles = stepper.handles();
+        self.looks.keep(handles);
+        self.cloths.retain(|handle, _| handles.binary_search(handle).is_ok());
+        for (index, (cloth, handle)) in stepper.scene().cloths.iter().zip(handles).enumerate() {
             let buffers = stepper.buffers(index).ok_or(Error::NoGpu("Draw::record"))?;
-            let look = self.looks.entry(index).or_insert_with(|| Look::of(index)).clone();
+            let look = self.looks.of(index, *handle);
             let mut source = vec![buffers.now.clone(), buffers.before.clone(), buffers.normals.clone()];
             source.extend(buffers.holes.clone());
-            if self.cloths.get(&index).is_none_or(|c| c.source != source) {
-                let drawn = self.cloth(cloth, &look, source)?;
-                self.cloths.insert(index, drawn);
+            if self.cloths.get(handle).is_none_or(|c| c.source != source || c.index != index) {
+                let drawn = self.cloth(index, cloth, &look, source)?;
+                self.cloths.insert(*handle, drawn);
             }
-            let drawn = &self.cloths[&index];
+            let drawn = &self.cloths[handle];
             let row = ViewRow::cloth(view, &look, drawn.jump, fraction);
             let offset = self.rows.offset(&self.queue, bytes_of(&row));
             let Some((pipeline, _)) = self.pipelines.get(&drawn.variant) else { continue };
@@ -137,7 +143,7 @@ impl Draw {
         }
     }
 
-    fn cloth(&mut self, cloth: &Cloth, look: &Look, source: Vec<Span>) -> Result<DrawnCloth> {
+    fn cloth(&mut self, index: usize, cloth: &Cloth, look: &Look, source: Vec<Span>) -> Result<DrawnCloth> {
         let variant = Variant::Cloth { holes: source.len() > 3, uv: look.uv.is_some() };
         let row =
             |g: &crate::Grid| GridRow { first: g.first, width: g.width, height: g.height, soft: 0.0, rest: [0.0; 4] };
@@ -156,7 +162,7 @@ impl Draw {
         bound.extend(uv.iter().map(|b| (UV, b.as_entire_binding())));
         let group = self.group(variant, bound);
         let jump = look.jump(cloth.grids());
-        Ok(DrawnCloth { variant, group, jump, source })
+        Ok(DrawnCloth { index, variant, group, jump, source })
     }
 
     fn meshes(&mut self, shapes: Vec<Shape>) -> DrawnSolids {
@@ -175,7 +181,7 @@ impl Draw {
 
     fn upload(&self, label: &str, contents: &[u8]) -> Buffer {
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-        self.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+        filled(&self.device, label, contents, usage)
     }
 
     fn group(&mut self, variant: Variant, bound: Vec<(u32, BindingResource)>) -> BindGroup {

@@ -1,13 +1,13 @@
 //! The same pictures on the CPU, for machines without an adapter. Four samples per pixel, each lit by itself.
 
-use std::collections::HashMap;
-
 use super::raster::{Corner, Drawn, decoded, encoded, fragment};
 use super::rows::{BodyRow, ViewRow};
 use super::{Look, SolidLook, View, mesh, turned};
 use crate::collider::Collider;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result, check};
+use crate::handle::ClothRef;
+use crate::look::Looks;
 use crate::number::real::{add, scale, xyz};
 use crate::stepper::Stepper;
 
@@ -23,7 +23,7 @@ pub struct Software {
     width: u32,
     height: u32,
     threads: Threads,
-    looks: HashMap<usize, Look>,
+    looks: Looks,
     /// How colliders are drawn.
     pub solid_look: SolidLook,
 }
@@ -53,12 +53,12 @@ impl Software {
             })?;
         }
         let (threads, solid_look) = (Threads::new(threads)?, SolidLook::default());
-        Ok(Software { width, height, threads, looks: HashMap::new(), solid_look })
+        Ok(Software { width, height, threads, looks: Looks::default(), solid_look })
     }
 
-    /// How a cloth is drawn from now on.
-    pub fn set_look(&mut self, cloth: usize, look: Look) {
-        self.looks.insert(cloth, look);
+    /// How a cloth is drawn from now on; an index is that of the cloth when it is drawn.
+    pub fn set_look(&mut self, cloth: impl Into<ClothRef>, look: Look) {
+        self.looks.set(cloth.into(), look);
     }
 
     /// The picture, a row after the other from the top, sRGB and opaque. Takes a stepper on the CPU backend; `fraction`
@@ -69,7 +69,7 @@ impl Software {
         for (index, cloth) in stepper.scene().cloths.iter().enumerate() {
             let lists = (stepper.positions(index), stepper.previous(index), stepper.normals(index));
             let (Some(now), Some(before), Some(normals)) = lists else { return Err(Error::GpuOnly("Software")) };
-            let look = self.looks.get(&index).cloned().unwrap_or_else(|| Look::of(index));
+            let look = self.looks.of(index, stepper.handles()[index]);
             let uv = look.uv.as_deref();
             if let Some(found) = uv.map(<[_]>::len).filter(|n| *n != cloth.len()) {
                 let (cloth, expected) = (cloth.name().to_owned(), cloth.len());

@@ -1,8 +1,8 @@
 //! What users do to cloths on the GPU: a few dispatches, recorded before the steps.
 
 use bytemuck::cast_slice;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
+use super::upload::filled;
 use super::{Gpu, begin};
 use crate::cloth::Rest;
 use crate::passes::{Pass, has_levels};
@@ -58,7 +58,7 @@ impl Gpu {
     /// A buffer for one action.
     pub(super) fn numbers(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
         let usage = wgpu::BufferUsages::STORAGE;
-        self.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+        filled(&self.device, label, contents, usage)
     }
 
     /// Records a pass whose bindings are not kept.

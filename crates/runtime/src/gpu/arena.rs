@@ -14,12 +14,11 @@ use crate::layout::{FrameRow, JobRow, StepRow};
 use crate::shaders::Slot;
 use crate::world::{Batch, World};
 
-/// The read-only lists and the scratch of cloths that share a dispatch; their state is in a [`Store`].
+/// Cloths that share a dispatch: their state, the lists that are only read, and scratch.
 pub(super) struct Arena {
-    /// Index of every cloth.
-    cloths: Vec<usize>,
+    store: Store,
     buffers: HashMap<Slot, Buffer>,
-    /// What is where, without numbers of a step.
+    /// What is where, without numbers of a step, for each cloth of the world's arena. A place that a cloth has left stays empty.
     jobs: Vec<JobRow>,
     grids: Option<Grids>,
     ready: HashMap<Fused, Ready>,
@@ -35,16 +34,21 @@ struct Ready {
 
 impl Arena {
     /// Uploads what is only read of the cloths of a store.
-    pub fn new(device: &wgpu::Device, world: &World, store: &Store) -> Self {
-        let cloths: Vec<_> = store.cloths().collect();
-        let contents = Contents::new(world, &cloths);
+    pub fn new(device: &wgpu::Device, world: &World, store: Store, cloths: &[usize]) -> Self {
+        let contents = Contents::new(world, cloths);
         let buffers = contents.upload(device);
-        Arena { cloths, buffers, jobs: contents.jobs, grids: None, ready: HashMap::new() }
+        Arena { store, buffers, jobs: contents.jobs, grids: None, ready: HashMap::new() }
+    }
+
+    /// Lets one of its cloths go; whether it was the last.
+    pub fn leave(&mut self, member: usize) -> bool {
+        self.jobs.remove(member);
+        self.jobs.is_empty()
     }
 
     /// Where a list of vectors, one a particle, lies for one of its cloths.
-    pub fn vectors(&self, cloth: usize, slot: Slot) -> Option<Span> {
-        let job = &self.jobs[self.cloths.iter().position(|c| *c == cloth)?];
+    pub fn vectors(&self, member: usize, slot: Slot) -> Option<Span> {
+        let job = self.jobs.get(member)?;
         let (offset, size) = (16 * u64::from(job.first), 16 * u64::from(job.count));
         Some(Span { buffer: self.buffers.get(&slot)?.clone(), offset, size })
     }
@@ -55,19 +59,21 @@ impl Arena {
         device: &wgpu::Device,
         world: &World,
         batch: &Batch,
-        (pipeline, store): (&Pipeline, &Store),
+        pipeline: &Pipeline,
         (solids, frames): (&Buffer, &Buffer),
     ) -> &wgpu::BindGroup {
-        if let Some(grids) = Grids::follow(&mut self.grids, device, world, &self.cloths) {
+        let cloths = &world.arenas[batch.arena];
+        let places = cloths.iter().zip(&self.jobs).map(|(cloth, job)| (*cloth, job.first, job.grid));
+        if let Some(grids) = Grids::follow(&mut self.grids, device, world, places) {
             self.buffers.insert(Slot::Grids, grids);
             self.ready.clear();
         }
-        let rows: Vec<_> = batch.members.iter().map(|m| self.job(world, *m)).collect();
+        let rows: Vec<_> = batch.members.iter().map(|m| self.job(world, cloths[*m], *m)).collect();
         let same = |r: &Ready| r.rows == rows && r.solids == *solids && r.frames == *frames;
         if !self.ready.get(&batch.fused).is_some_and(same) {
             let scratch = |b: &&crate::shaders::Bound| matches!(b.slot, Slot::Sums | Slot::Moments | Slot::Field);
             for slot in pipeline.source.bindings.iter().filter(scratch).map(|b| b.slot) {
-                let new = || upload(device, slot.name(), &vec![0f32; store.numbers()], BufferUsages::empty());
+                let new = || upload(device, slot.name(), &vec![0f32; self.store.numbers()], BufferUsages::empty());
                 self.buffers.entry(slot).or_insert_with(new);
             }
             let jobs = upload(device, "jobs", &rows, BufferUsages::empty());
@@ -77,7 +83,7 @@ impl Arena {
                 Slot::Jobs => Some(whole(&jobs)),
                 Slot::Solids => Some(whole(solids)),
                 Slot::Frame => Some(wgpu::BufferBinding { size: row, ..whole(frames) }),
-                other => store.get(other).or_else(|| self.buffers.get(&other)).map(whole),
+                other => self.store.get(other).or_else(|| self.buffers.get(&other)).map(whole),
             });
             let ready = Ready { rows, solids: solids.clone(), frames: frames.clone(), group };
             self.ready.insert(batch.fused.clone(), ready);
@@ -86,10 +92,10 @@ impl Arena {
     }
 
     /// What a workgroup does for a cloth, with the numbers that are the cloth's own.
-    fn job(&self, world: &World, member: usize) -> JobRow {
-        let index = self.cloths[member];
+    fn job(&self, world: &World, index: usize, member: usize) -> JobRow {
         let (cloth, solid) = (&world.scene.cloths[index], world.first_solid(index) as u32);
         let steps = world.numbers(cloth).map(|step| StepRow::from(&step));
-        JobRow { solid, keep: steps.map(|s| s.keep), longest: steps.map(|s| s.longest), ..self.jobs[member] }
+        let (keep, longest) = (steps.map(|s| s.keep), steps.map(|s| s.longest));
+        JobRow { solid, keep, longest, hold: world.hold(index), ..self.jobs[member] }
     }
 }

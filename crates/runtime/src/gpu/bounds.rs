@@ -10,6 +10,7 @@ use crate::bounds::Bounds;
 use crate::cpu::bounds;
 use crate::error::Result;
 use crate::form::Form;
+use crate::handle::follow;
 use crate::passes::Pass;
 use crate::shaders::Slot;
 use crate::world::World;
@@ -22,7 +23,7 @@ const BYTES: u64 = 32;
 /// The boxes of all cloths.
 #[derive(Default)]
 pub(super) struct Boxes {
-    /// Where shaders leave them.
+    /// Where shaders leave them, a row each in the order of the cloths.
     buffer: Option<wgpu::Buffer>,
     staging: Staging,
     /// In the order of recording.
@@ -34,8 +35,8 @@ pub(super) struct Boxes {
 /// Boxes on their way to the host.
 struct Measured {
     parcel: Parcel,
-    /// By cloth: whether it has stayed where it was since.
-    holds: Vec<bool>,
+    /// By row: the index of its cloth now. None if the cloth has left, or was moved to somewhere else.
+    cloths: Vec<Option<usize>>,
     /// Time of the scene \[s\].
     time: f64,
     /// Length of the last step \[s\].
@@ -57,13 +58,46 @@ impl Boxes {
             };
             let Some(words) = measured.parcel.open(words)? else { break };
             let Some(measured) = self.under_way.pop_front() else { break };
-            for (cloth, words) in words.into_iter().enumerate().filter(|(cloth, _)| measured.holds[*cloth]) {
-                let box_of = |extent| (Bounds::new(&extent, measured.step), measured.time);
-                self.known[cloth] = bounds::read(words).map(box_of);
+            let box_of = |extent| (Bounds::new(&extent, measured.step), measured.time);
+            for (words, cloth) in words.into_iter().zip(&measured.cloths) {
+                if let Some(cloth) = *cloth {
+                    self.known[cloth] = bounds::read(words).map(box_of);
+                }
             }
             self.staging.put_back(measured.parcel);
         }
         Ok(())
+    }
+
+    /// Lets a cloth go. Its boxes arrive nowhere, and those of the cloths behind it follow their cloths.
+    pub fn leave(&mut self, cloth: usize) {
+        if cloth < self.known.len() {
+            self.known.remove(cloth);
+        }
+        self.keep(|index| follow(index, cloth));
+    }
+
+    /// Drops the boxes of a cloth, as it is somewhere else.
+    fn forget(&mut self, cloth: usize) {
+        self.known.get_mut(cloth).into_iter().for_each(|known| *known = None);
+        self.keep(|index| *index != cloth);
+    }
+
+    /// Keeps those boxes under way whose cloth passes a test, which may change its index.
+    fn keep(&mut self, mut test: impl FnMut(&mut usize) -> bool) {
+        for row in self.under_way.iter_mut().flat_map(|m| &mut m.cloths) {
+            if !row.as_mut().is_some_and(&mut test) {
+                *row = None;
+            }
+        }
+    }
+
+    /// The buffer with at least this number of rows. There are more than are needed now, so that few cloths that come need another one.
+    fn rows(&mut self, device: &wgpu::Device, count: usize) -> wgpu::Buffer {
+        let size = STRIDE * count.next_power_of_two() as u64;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        let last = self.buffer.take().filter(|buffer| buffer.size() >= size);
+        self.buffer.insert(last.unwrap_or_else(|| empty(device, "bounds", size, usage))).clone()
     }
 }
 
@@ -71,39 +105,35 @@ impl Gpu {
     /// Records the measurement of all boxes.
     pub fn record_bounds(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder) {
         let count = self.cloths.len();
-        let size = STRIDE * count as u64;
         if count == 0 {
             return;
         }
-        let Some(parcel) = self.boxes.staging.take(&self.device, "boxes", size) else { return };
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        let new = || empty(&self.device, "bounds", size, usage);
-        let buffer = self.boxes.buffer.get_or_insert_with(new).clone();
+        let (buffer, size) = (self.boxes.rows(&self.device, count), STRIDE * count as u64);
+        let Some(parcel) = self.boxes.staging.take(&self.device, "boxes", buffer.size()) else { return };
         self.boxes.known.resize(count, None);
-        encoder.clear_buffer(&buffer, 0, None);
+        encoder.clear_buffer(&buffer, 0, Some(size));
         let mut pass = begin(encoder, "bounds");
         let what = Form::Apart(Pass::Bounds);
         for cloth in 0..count {
-            let place = || Span { buffer: buffer.clone(), offset: STRIDE * cloth as u64, size: BYTES };
-            self.cloths[cloth].others.entry(Slot::Bounds).or_insert_with(place);
+            // Cloths that have come and gone may have left it another row.
+            let row = Span { buffer: buffer.clone(), offset: STRIDE * cloth as u64, size: BYTES };
+            self.cloths[cloth].replace(Slot::Bounds, row);
             self.run(&world.scene.cloths[cloth], &mut pass, cloth, (&what, 0));
         }
         drop(pass);
         encoder.copy_buffer_to_buffer(&buffer, 0, &parcel.staging, 0, size);
         let (time, step) = (world.control.clock.time, world.control.clock.dt_old);
-        self.boxes.under_way.push_back(Measured { parcel, holds: vec![true; count], time, step });
+        self.boxes.under_way.push_back(Measured { parcel, cloths: (0..count).map(Some).collect(), time, step });
     }
 
-    /// The last box of a cloth that has arrived.
+    /// The last box of a cloth that has arrived; none on a device that is lost.
     pub fn bounds(&self, world: &World, cloth: usize) -> Option<Bounds> {
-        let (bounds, time) = (*self.boxes.known.get(cloth)?)?;
+        let (bounds, time) = self.boxes.known.get(cloth).copied().flatten().filter(|_| self.failure.is_none())?;
         Some(Bounds { age: (world.control.clock.time - time).max(0.0), ..bounds })
     }
 
     /// Drops the boxes of a cloth, as it is somewhere else.
     pub fn forget_bounds(&mut self, cloth: usize) {
-        self.boxes.known.get_mut(cloth).into_iter().for_each(|known| *known = None);
-        let under_way = self.boxes.under_way.iter_mut();
-        under_way.filter_map(|m| m.holds.get_mut(cloth)).for_each(|holds| *holds = false);
+        self.boxes.forget(cloth);
     }
 }

@@ -102,7 +102,7 @@ impl ClothBuffers {
 
     /// Uploads its grids, where they are not those of the steps now.
     pub(super) fn follow_grids(&mut self, device: &wgpu::Device, world: &World, index: usize) {
-        if let Some(grids) = Grids::follow(&mut self.grids, device, world, &[index]) {
+        if let Some(grids) = Grids::follow(&mut self.grids, device, world, [(index, 0, 0)].into_iter()) {
             self.others.insert(Slot::Grids, grids.into());
             self.forget(Slot::Grids);
         }
@@ -211,11 +211,11 @@ impl ClothBuffers {
         self.other(Slot::Strain).map(|b| (b, 0))
     }
 
-    /// From here on these are the colliders.
-    pub(super) fn meet(&mut self, solids: Span) {
-        if self.others.get(&Slot::Solids) != Some(&solids) {
-            self.others.insert(Slot::Solids, solids);
-            self.forget(Slot::Solids);
+    /// From here on a slot is this part of a buffer.
+    pub(super) fn replace(&mut self, slot: Slot, span: Span) {
+        if self.others.get(&slot) != Some(&span) {
+            self.others.insert(slot, span);
+            self.forget(slot);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use bytemuck::{Pod, cast_slice};
+use bytemuck::{Pod, Zeroable, cast_slice};
 use wgpu::{Buffer, BufferUsages};
 
 use super::upload::upload;
@@ -49,7 +49,7 @@ impl Contents {
             ring: count(self, Slot::Starts, 4),
             rings: cloth.ring_count() as u32,
             row: row as u32,
-            ..bytemuck::Zeroable::zeroed()
+            ..Zeroable::zeroed()
         });
         for slot in Slot::ALL {
             if let Some((each, mut bytes)) = slot.texels(cloth, held, first) {
@@ -103,18 +103,27 @@ pub(super) struct Grids {
 }
 
 impl Grids {
-    /// New grids, where steps have other bounds of diagonals than those that were uploaded last. Recorded frames that use the last
-    /// ones may not have been submitted yet, so the last ones stay as they are.
-    pub fn follow(last: &mut Option<Grids>, device: &wgpu::Device, world: &World, cloths: &[usize]) -> Option<Buffer> {
+    /// New grids, where steps have other bounds of diagonals than those that were uploaded last, or cloths have left. Recorded
+    /// frames that use the last ones may not have been submitted yet, so the last ones stay as they are. `places` has index, first
+    /// particle and first grid of each cloth.
+    pub fn follow(
+        last: &mut Option<Grids>,
+        device: &wgpu::Device,
+        world: &World,
+        places: impl Iterator<Item = (usize, u32, u32)> + Clone,
+    ) -> Option<Buffer> {
         let dt = world.control.clock.dt;
-        let softs = || cloths.iter().map(|c| soft_row(&world.scene.cloths[*c], dt));
+        let softs = || places.clone().map(|(c, ..)| soft_row(&world.scene.cloths[c], dt));
         if last.as_ref().is_some_and(|l| softs().eq(l.softs.iter().copied())) {
             return None;
         }
         let softs: Vec<_> = softs().collect();
-        let each = cloths.iter().zip(firsts(world, cloths)).zip(&softs);
-        let rows: Vec<_> =
-            each.flat_map(|((c, first), soft)| grid_rows(&world.scene.cloths[*c], first, *soft)).collect();
+        let mut rows: Vec<GridRow> = Vec::new();
+        for ((cloth, first, grid), soft) in places.zip(&softs) {
+            // No cloth reads the rows of one that has left.
+            rows.resize(grid as usize, GridRow::zeroed());
+            rows.extend(grid_rows(&world.scene.cloths[cloth], first, *soft));
+        }
         *last = Some(Grids { softs });
         Some(upload(device, "grids", &rows, BufferUsages::empty()))
     }

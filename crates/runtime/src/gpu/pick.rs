@@ -5,6 +5,7 @@ use bytemuck::cast_slice;
 use super::read_back::MAPPED;
 use super::upload::empty;
 use super::{Gpu, begin};
+use crate::handle::ClothHandle;
 use crate::passes::Pass;
 use crate::shaders::{Slot, source};
 use crate::world::World;
@@ -18,6 +19,8 @@ pub struct Pending {
     pub staging: wgpu::Buffer,
     /// First particle and width of each grid of each cloth.
     pub grids: Vec<Vec<(u32, u32)>>,
+    /// The handle of each cloth.
+    pub handles: Vec<ClothHandle>,
 }
 
 impl Gpu {
@@ -55,6 +58,6 @@ impl Gpu {
         }
         let grids = world.scene.cloths.iter();
         let grids = grids.map(|c| c.grids().iter().map(|g| (g.first, g.width)).collect()).collect();
-        Pending { staging, grids }
+        Pending { staging, grids, handles: world.handles.clone() }
     }
 }

@@ -68,17 +68,38 @@ impl Pipelines {
 
     /// The pipeline of a form.
     pub fn get(&mut self, form: &Form) -> &Pipeline {
+        self.find(form, |_| None)
+    }
+
+    /// A pipeline that does what that of a form does: where that is not compiled, one with room for larger cloths if there is any, so
+    /// that the cloths of a frame change without a compilation.
+    pub fn fitting(&mut self, form: &Form) -> &Pipeline {
+        let Form::Whole(small) = form else { return self.get(form) };
+        let room = |other: &Form| match other {
+            Form::Whole(f) if small.fits(f) => Some((f.threads, f.places)),
+            _ => None,
+        };
+        self.find(form, |made| {
+            let rooms = made.iter().filter_map(|(other, pipeline)| Some((room(other)?, pipeline)));
+            rooms.min_by_key(|(room, _)| *room).map(|(_, pipeline)| pipeline.clone())
+        })
+    }
+
+    /// The pipeline of a form, or what takes its place where it is not compiled.
+    fn find(&mut self, form: &Form, instead: impl Fn(&ByForm) -> Option<Arc<Pipeline>>) -> &Pipeline {
         let Pipelines { device, shared, used, compiled } = self;
         if !used.contains_key(form) {
             let mut made = shared.lock().unwrap_or_else(PoisonError::into_inner);
-            let compile = || {
+            let known = made.get(form).cloned().or_else(|| instead(&made));
+            let pipeline = known.unwrap_or_else(|| {
                 let start = Instant::now();
                 let pipeline = Arc::new(make(device, source(form)));
                 compiled.pipelines += 1;
                 compiled.ms += start.elapsed().as_secs_f64() * 1e3;
+                made.insert(form.clone(), pipeline.clone());
                 pipeline
-            };
-            used.insert(form.clone(), made.entry(form.clone()).or_insert_with(compile).clone());
+            });
+            used.insert(form.clone(), pipeline);
         }
         &used[form]
     }

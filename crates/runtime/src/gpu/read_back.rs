@@ -5,6 +5,7 @@ use std::sync::mpsc::channel;
 use wgpu::BufferUsages;
 
 use super::Span;
+use super::lost::{guard, is_lost, poll};
 use super::upload::empty;
 use crate::error::{Error, Result};
 
@@ -12,22 +13,25 @@ use crate::error::{Error, Result};
 pub(super) const MAPPED: BufferUsages = BufferUsages::MAP_READ.union(BufferUsages::COPY_DST);
 
 /// The vectors in a part of a buffer such as those of [`crate::ClothBuffers`]. Submits a copy and waits for everything submitted
-/// before it: a game should not call this.
+/// before it: a game should not call this. Errors on a device that is lost ([`Error::DeviceLost`]).
 pub fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> Result<Vec<[f32; 4]>> {
-    read_bytes(device, &copied(device, queue, span), bytemuck::pod_collect_to_vec)
+    guard(device, || read_bytes(device, &copied(device, queue, span)?, bytemuck::pod_collect_to_vec))
 }
 
 /// The same for whole numbers, such as [`crate::ClothBuffers::holes`].
 pub fn read_back_u32(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> Result<Vec<u32>> {
-    read_bytes(device, &copied(device, queue, span), bytemuck::pod_collect_to_vec)
+    guard(device, || read_bytes(device, &copied(device, queue, span)?, bytemuck::pod_collect_to_vec))
 }
 
-fn copied(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> wgpu::Buffer {
+fn copied(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> Result<wgpu::Buffer> {
+    if is_lost(device) {
+        return Err(Error::DeviceLost);
+    }
     let staging = empty(device, "read back", span.size, MAPPED);
     let mut encoder = device.create_command_encoder(&Default::default());
     encoder.copy_buffer_to_buffer(&span.buffer, span.offset, &staging, 0, span.size);
     queue.submit([encoder.finish()]);
-    staging
+    Ok(staging)
 }
 
 /// Maps a buffer that the host may read, waits for it, and hands its bytes over.
@@ -38,7 +42,7 @@ pub(crate) fn read_bytes<A>(device: &wgpu::Device, staging: &wgpu::Buffer, take:
         // The receiver waits below.
         let _ = send.send(result);
     });
-    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
+    poll(device, wgpu::PollType::wait_indefinitely())?;
     receive.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
     let view = staging.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
     let taken = take(&view);

@@ -1,10 +1,10 @@
 //! The lists of a cloth's state on the device: copied out and in, in the order of the encoder.
 
 use bytemuck::cast_slice;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
 use super::span::Span;
+use super::upload::filled;
 use super::{Gpu, begin};
 use crate::passes::{Pass, has_levels};
 use crate::shaders::{Slot, source};
@@ -106,7 +106,9 @@ impl Gpu {
         let targets = world.runs[cloth].targets(&world.scene.cloths[cloth]);
         let buffer = self.upload_once(cast_slice(&targets));
         let own = self.cloths[cloth].others.get(&Slot::Targets).cloned();
-        let shared = self.arenas.iter().find_map(|arena| arena.vectors(cloth, Slot::Targets));
+        let mut arenas = world.arenas.iter().zip(&self.arenas);
+        let member = |list: &[usize]| list.iter().position(|c| *c == cloth);
+        let shared = arenas.find_map(|(list, arena)| arena.vectors(member(list)?, Slot::Targets));
         for span in own.into_iter().chain(shared) {
             encoder.copy_buffer_to_buffer(&buffer, 0, &span.buffer, span.offset, 16 * targets.len() as u64);
         }
@@ -114,7 +116,6 @@ impl Gpu {
 
     /// A buffer to be copied from.
     fn upload_once(&self, contents: &[u8]) -> Buffer {
-        let (label, usage) = (Some("state"), BufferUsages::COPY_SRC);
-        self.device.create_buffer_init(&BufferInitDescriptor { label, contents, usage })
+        filled(&self.device, "state", contents, BufferUsages::COPY_SRC)
     }
 }

@@ -12,13 +12,18 @@ const MOST: u32 = 4;
 /// Buffers of one size, made when they are first needed.
 #[derive(Default)]
 pub(super) struct Staging {
+    size: u64,
     free: Vec<wgpu::Buffer>,
     made: u32,
 }
 
 impl Staging {
-    /// A buffer to be copied to; none where as many as there may be are in flight.
+    /// A buffer to be copied to; none where as many as there may be are in flight. With another size than before, the buffers of
+    /// before are dropped when they have arrived.
     pub fn take(&mut self, device: &wgpu::Device, label: &str, size: u64) -> Option<Parcel> {
+        if self.size != size {
+            *self = Staging { size, ..Staging::default() };
+        }
         let new = || {
             self.made += u32::from(self.made <= MOST);
             (self.made <= MOST).then(|| empty(device, label, size, MAPPED))
@@ -29,7 +34,9 @@ impl Staging {
 
     /// Keeps the buffer of a parcel that has arrived.
     pub fn put_back(&mut self, parcel: Parcel) {
-        self.free.push(parcel.staging);
+        if parcel.staging.size() == self.size {
+            self.free.push(parcel.staging);
+        }
     }
 }
 
@@ -67,11 +74,6 @@ impl Parcel {
         self.staging.unmap();
         Ok(Some(taken))
     }
-}
-
-/// Lets the device report what has arrived, without waiting.
-pub(super) fn poll(device: &wgpu::Device) -> Result<()> {
-    device.poll(wgpu::PollType::Poll).map(|_| ()).map_err(|e| failed(&e))
 }
 
 fn failed(e: &dyn std::fmt::Display) -> Error {

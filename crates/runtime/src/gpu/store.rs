@@ -15,8 +15,6 @@ use crate::world::World;
 
 /// Positions, normals, faults and good frames of cloths. A cloth that shares nothing is a store of one.
 pub(super) struct Store {
-    /// Index of every cloth, its first particle and their number.
-    cloths: Vec<(usize, usize, usize)>,
     state: State<Buffer>,
 }
 
@@ -30,13 +28,21 @@ pub(super) struct State<B> {
 }
 
 impl Store {
-    /// Uploads the cloths of an index list as they begin. `draw_only`: without what only steps need.
-    pub fn new(device: &wgpu::Device, world: &World, starts: &[Start<f32>], cloths: &[usize], draw_only: bool) -> Self {
+    /// Uploads the cloths of an index list as they begin, and returns where each of them lies. `draw_only`: without what only
+    /// steps need.
+    pub fn new(
+        device: &wgpu::Device,
+        world: &World,
+        cloths: &[usize],
+        draw_only: bool,
+    ) -> (Self, Vec<(usize, State<Span>)>) {
         let at: Vec<_> = firsts(world, cloths);
-        let cloths: Vec<_> = cloths.iter().zip(at).map(|(c, at)| (*c, at as usize, starts[*c].now.len())).collect();
+        let count = |cloth: usize| world.scene.cloths[cloth].len();
+        let cloths: Vec<_> = cloths.iter().zip(at).map(|(c, at)| (*c, at as usize, count(*c))).collect();
         let mut lists: [Vec<[f32; 4]>; 3] = Default::default();
         for (cloth, first, _) in &cloths {
-            let start = &starts[*cloth];
+            let dt = world.control.clock.dt_old;
+            let start = Start::<f32>::new(&world.scene.cloths[*cloth], &world.control.options, dt);
             for (list, data) in lists.iter_mut().zip([&start.now, &start.before, &start.normals]) {
                 // Between cloths there are no particles.
                 list.resize(*first, [0.0, 0.0, 0.0, -1.0]);
@@ -56,17 +62,14 @@ impl Store {
         }
         let [now, before, normals] = [("now", now), ("before", before), ("normals", normals)]
             .map(|(name, list)| upload(device, name, &list, DRAWN));
-        Store { cloths, state: State { now, before, normals, others } }
+        let state = State { now, before, normals, others };
+        let spans = state.spans(&cloths);
+        (Store { state }, spans)
     }
 
     /// Numbers in each of its lists, four a particle.
     pub fn numbers(&self) -> usize {
         self.state.now.size() as usize / 4
-    }
-
-    /// Index of every cloth.
-    pub fn cloths(&self) -> impl Iterator<Item = usize> {
-        self.cloths.iter().map(|c| c.0)
     }
 
     /// The whole buffer of a slot.
@@ -78,10 +81,12 @@ impl Store {
             other => self.state.others.get(&other),
         }
     }
+}
 
-    /// Where each of its cloths lies.
-    pub fn spans(&self) -> impl Iterator<Item = (usize, State<Span>)> {
-        self.cloths.iter().enumerate().map(|(row, (cloth, first, count))| {
+impl State<Buffer> {
+    /// Where each of some cloths lies: index, first particle and their number.
+    fn spans(&self, cloths: &[(usize, usize, usize)]) -> Vec<(usize, State<Span>)> {
+        let each = cloths.iter().enumerate().map(|(row, (cloth, first, count))| {
             let span = |buffer: &Buffer, offset: usize, size: usize| Span {
                 buffer: buffer.clone(),
                 offset: offset as u64,
@@ -92,9 +97,10 @@ impl Store {
                 Slot::Faults => (*slot, span(buffer, 4 * FAULT_STRIDE as usize * row, FAULT_BYTES)),
                 _ => (*slot, list(buffer)),
             };
-            let State { now, before, normals, others } = &self.state;
+            let State { now, before, normals, others } = self;
             let others = others.iter().map(other).collect();
             (*cloth, State { now: list(now), before: list(before), normals: list(normals), others })
-        })
+        });
+        each.collect()
     }
 }

@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 
 use super::Gpu;
-use super::staging::{Parcel, Staging, poll};
+use super::lost::poll;
+use super::staging::{Parcel, Staging};
 use crate::error::Result;
 use crate::passes::Pass;
 use crate::world::World;
@@ -60,7 +61,7 @@ impl Gpu {
         let (probes, boxes) = (self.watches.iter_mut().flat_map(|w| &mut w.under_way), &mut self.boxes);
         probes.for_each(|probe| probe.parcel.ask());
         boxes.ask();
-        poll(&self.device)?;
+        poll(&self.device, wgpu::PollType::Poll)?;
         boxes.settle()?;
         for (index, watch) in self.watches.iter_mut().enumerate() {
             while let Some(probe) = watch.under_way.front() {

@@ -1,8 +1,8 @@
 //! The search on the GPU, whose answer comes later.
 
 use super::{Hit, place};
-use crate::error::Result;
-use crate::gpu::{Pending, read_bytes};
+use crate::error::{Error, Result};
+use crate::gpu::{Pending, guard, is_lost, read_bytes};
 
 /// The answer to [`crate::Stepper::record_pick`].
 pub struct PickTicket(pub(crate) Answer);
@@ -35,7 +35,8 @@ impl PickTicket {
             let [distance, code, v, w] = found[0];
             let hit = place(grids, code, f32::from_bits(distance), [v, w].map(f32::from_bits));
             let corner = |n: usize| [0, 1, 2].map(|c| f32::from_bits(found[n + 1][c]));
-            Hit { cloth, particles: [found[1][3], found[2][3], found[3][3]], corners: [0, 1, 2].map(corner), ..hit }
+            let particles = [found[1][3], found[2][3], found[3][3]];
+            Hit { cloth, handle: pending.handles.get(cloth).copied(), particles, corners: [0, 1, 2].map(corner), ..hit }
         });
         hits.reduce(|a, b| if b.distance < a.distance { b } else { a })
     }
@@ -44,7 +45,10 @@ impl PickTicket {
     pub fn wait(&self, device: &wgpu::Device) -> Result<Option<Hit>> {
         match &self.0 {
             Answer::Known(hit) => Ok(*hit),
-            Answer::Pending(pending) => read_bytes(device, &pending.staging, |bytes| self.decode(bytes)),
+            Answer::Pending(_) if is_lost(device) => Err(Error::DeviceLost),
+            Answer::Pending(pending) => {
+                guard(device, || read_bytes(device, &pending.staging, |bytes| self.decode(bytes)))
+            }
         }
     }
 }

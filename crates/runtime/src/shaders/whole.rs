@@ -14,7 +14,7 @@ pub fn is_whole(schedule: &Schedule) -> bool {
 }
 
 fn all(schedule: &Schedule) -> impl Iterator<Item = &Pass> {
-    schedule.step.iter().chain(&schedule.relax).chain(&schedule.frame)
+    schedule.air.iter().chain(&schedule.step).chain(&schedule.relax).chain(&schedule.frame)
 }
 
 /// The rules of all passes and a loop for each, called in their order.
@@ -46,8 +46,9 @@ pub fn whole(fused: &Fused) -> Source {
     let parts = held(fused, parts.files(&declared)).files(&[pass!("fused")]);
     let step = |pass: &Pass, colour: &str| line(pass, colour, true);
     let program = format!(
-        "\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
+        "\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
          fn frame_program(job: Job, local: u32) {{\n{}}}\n",
+        calls(&schedule.air, step),
         calls(&schedule.step, step),
         calls(&schedule.relax, step),
         calls(&schedule.frame, |pass, colour| line(pass, colour, false)),

@@ -3,6 +3,7 @@
 use super::Stepper;
 use crate::cloth::Cloth;
 use crate::error::{Result, check};
+use crate::handle::ClothRef;
 use crate::scene::Pose;
 use crate::world::Action;
 
@@ -30,6 +31,17 @@ impl Stepper {
         for x in [eye, a, b].as_flattened() {
             check("a corner of a cut [m]", f64::from(*x), "finite", |_| true)?;
         }
+        self.guarded(|stepper| {
+            stepper.open();
+            Ok(())
+        })?;
+        self.changed();
+        self.world.host.actions.push(Action::Cut { corners: [eye, a, b], spared: Vec::new() });
+        Ok(())
+    }
+
+    /// Makes room for cuts.
+    fn open(&mut self) {
         self.world.scene.cloths.iter_mut().for_each(Cloth::open);
         if let Some((bodies, _)) = &mut self.cpu {
             let cloths = self.world.scene.cloths.iter().zip(&self.world.runs);
@@ -39,9 +51,6 @@ impl Stepper {
             gpu.open(&self.world);
             (0..self.world.runs.len()).for_each(|cloth| gpu.forget_indices(cloth));
         }
-        self.changed();
-        self.world.host.actions.push(Action::Cut { corners: [eye, a, b], spared: Vec::new() });
-        Ok(())
     }
 
     /// Moves particles of a cloth, and their seam duplicates, by a matrix of four columns (of which the last is the
@@ -49,12 +58,13 @@ impl Stepper {
     /// turn with them and pinned particles stay at rest. Four bytes of upload a particle and one dispatch. Wakes the
     /// cloth. Errors if the cloth has no particle of an index, on a number that is not finite, and on a last row that is not
     /// 0, 0, 0, 1.
-    pub fn transform(&mut self, cloth: usize, particles: &[usize], matrix: [[f32; 4]; 4]) -> Result<()> {
+    pub fn transform(&mut self, cloth: impl Into<ClothRef>, particles: &[usize], matrix: [[f32; 4]; 4]) -> Result<()> {
         for (column, last) in matrix.iter().zip([0.0, 0.0, 0.0, 1.0]) {
             column.iter().try_for_each(|x| check("an element of a matrix", f64::from(*x), "finite", |_| true))?;
             check("the last row of a matrix", column[3].into(), "0, 0, 0, 1", |x| x == last)?;
         }
-        let of = self.world.cloth(cloth)?;
+        let cloth = self.world.find(cloth.into())?;
+        let of = &self.world.scene.cloths[cloth];
         let index = |k: &usize| u32::try_from(*k).unwrap_or(u32::MAX);
         let chosen = of.with_duplicates(&particles.iter().map(index).collect::<Vec<_>>())?;
         let chosen: Vec<u32> = chosen.into_iter().map(|[k, _]| k).collect();
@@ -87,8 +97,9 @@ impl Stepper {
     /// assert!(stepper.positions(0).unwrap_or_default()[0][0] > 9.0);
     /// # Ok::<(), gimage_runtime::Error>(())
     /// ```
-    pub fn teleport(&mut self, cloth: usize, by: &Pose) -> Result<()> {
-        let of = self.world.cloth(cloth)?;
+    pub fn teleport(&mut self, cloth: impl Into<ClothRef>, by: &Pose) -> Result<()> {
+        let cloth = self.world.find(cloth.into())?;
+        let of = &self.world.scene.cloths[cloth];
         let by = by.checked()?;
         let chosen: Vec<u32> = (0..of.len() as u32).filter(|k| of.particles()[*k as usize].exists()).collect();
         let limited = of.limits.is_some();

@@ -5,16 +5,18 @@ use crate::bounds::Bounds;
 use crate::cpu::bounds;
 #[cfg(feature = "gpu")]
 use crate::error::{Error, Result};
+use crate::handle::ClothRef;
 
 impl Stepper {
     /// The box around a cloth. On the CPU backend as it is now, from one pass over the particles. On the GPU backend the last one that has
     /// arrived ([`Stepper::record_bounds`]), with its age: [`Bounds::grown`] allows for what has happened since. `None` for a
-    /// cloth that does not exist or has no particle, and on the GPU backend before the first box has arrived, or after the cloth was
-    /// teleported or put into another state.
-    pub fn bounds(&self, cloth: usize) -> Option<Bounds> {
+    /// cloth that does not exist or has no particle, and on the GPU backend before the first box has arrived, after the cloth was
+    /// teleported or put into another state, and after the device was lost. Boxes follow their cloths where other cloths come and go.
+    pub fn bounds(&self, cloth: impl Into<ClothRef>) -> Option<Bounds> {
+        let cloth = self.world.find(cloth.into()).ok()?;
         match (&self.cpu, &self.gpu) {
             (Some((bodies, _)), _) => {
-                let body = bodies.get(cloth)?;
+                let body = &bodies[cloth];
                 let extent = bounds::run(body.now(), body.before())?;
                 Some(Bounds::new(&extent, self.world.control.clock.dt_old))
             }
@@ -28,17 +30,19 @@ impl Stepper {
     /// frames later, for [`Stepper::bounds`]. Teleports and states that wait for the next frame are recorded first.
     ///
     /// One dispatch per cloth, of 32 bytes read per particle, and a copy of 256 bytes per cloth. A call is skipped while four
-    /// are under way. Does nothing on the CPU backend. Errors without a device.
+    /// are under way. Does nothing on the CPU backend. Errors without a device, and if it is lost or has no memory left.
     #[cfg(feature = "gpu")]
     pub fn record_bounds(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<()> {
-        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_bounds"))?;
-        if self.cpu.is_none() {
-            if !self.world.host.actions.is_empty() {
-                gpu.act(&mut self.world, encoder);
+        self.guarded(|stepper| {
+            let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_bounds"))?;
+            if stepper.cpu.is_none() {
+                if !stepper.world.host.actions.is_empty() {
+                    gpu.act(&mut stepper.world, encoder);
+                }
+                gpu.record_bounds(&stepper.world, encoder);
             }
-            gpu.record_bounds(&self.world, encoder);
-        }
-        Ok(())
+            Ok(())
+        })
     }
 
     /// Drops the boxes of a cloth, as it is somewhere else.

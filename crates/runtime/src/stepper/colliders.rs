@@ -3,6 +3,7 @@
 use super::Stepper;
 use crate::collider::Collider;
 use crate::error::{Error, Result};
+use crate::handle::ClothRef;
 use crate::scene::Pose;
 
 impl Stepper {
@@ -11,12 +12,14 @@ impl Stepper {
     /// [`Stepper::move_collider`] has set since the last frame do not count any more.
     pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
         colliders.iter().try_for_each(Collider::check)?;
-        self.world.driven.forget();
-        let met = self.met();
-        self.world.scene.colliders = colliders;
-        self.meet(&met);
-        self.recoat();
-        Ok(())
+        self.guarded(|stepper| {
+            stepper.world.driven.forget();
+            let met = stepper.met();
+            stepper.world.scene.colliders = colliders;
+            stepper.meet(&met);
+            stepper.recoat();
+            Ok(())
+        })
     }
 
     /// Moves a collider to a pose, where it is at the end of the next frame. Its velocity \[m/s\] and spin \[rad/s\] are those
@@ -61,17 +64,19 @@ impl Stepper {
 
     /// Changes the groups of colliders that a cloth meets ([`crate::Cloth::collision_groups`]), from the next frame on. Costs
     /// as [`Stepper::set_colliders`]; wakes the cloth. Errors if there is no such cloth.
-    pub fn set_collision_groups(&mut self, cloth: usize, groups: u32) -> Result<()> {
-        self.world.cloth(cloth)?;
-        let met = self.met();
-        self.world.scene.cloths[cloth].collision_groups = groups;
-        self.meet(&met);
-        self.world.wake(cloth);
-        self.world.reschedule();
-        if let Some(gpu) = &mut self.gpu {
-            gpu.set_colliders(&self.world);
-        }
-        Ok(())
+    pub fn set_collision_groups(&mut self, cloth: impl Into<ClothRef>, groups: u32) -> Result<()> {
+        let cloth = self.world.find(cloth.into())?;
+        self.guarded(|stepper| {
+            let met = stepper.met();
+            stepper.world.scene.cloths[cloth].collision_groups = groups;
+            stepper.meet(&met);
+            stepper.world.wake(cloth);
+            stepper.world.reschedule();
+            if let Some(gpu) = &mut stepper.gpu {
+                gpu.set_colliders(&stepper.world);
+            }
+            Ok(())
+        })
     }
 
     /// Tells the device what colliders are like now.

@@ -6,7 +6,8 @@ use crate::clock::Progress;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
 use crate::fused::Room;
-use crate::gpu::{ClothBuffers, Compiled, Gpu, Pipelines};
+use crate::gpu::{ClothBuffers, Compiled, Gpu, Pipelines, guard};
+use crate::handle::ClothRef;
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
 use crate::world::World;
@@ -14,7 +15,7 @@ use crate::world::World;
 impl Stepper {
     /// Makes a stepper for a scene. `gpu` is the host's device and queue, if it has them: then positions and normals lie in
     /// buffers on either backend ([`Stepper::buffers`]). Errors on settings out of range, on [`Backend::Gpu`] without a
-    /// device, and where a cloth does not fit the device.
+    /// device, where a cloth does not fit the device, and on a device that is lost or has no memory left.
     ///
     /// The first stepper on a device runs its [`crate::self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. [`Backend::Auto`]
     /// does not use a device that fails, [`Backend::Gpu`] does; [`Stepper::warnings`] has the reason.
@@ -45,7 +46,7 @@ impl Stepper {
             warning = found;
         }
         let mut stepper = Stepper::unchecked(scene, options, gpu, pipelines)?;
-        stepper.world.host.warnings.splice(..0, warning);
+        stepper.world.host.adapter = warning;
         Ok(stepper)
     }
 
@@ -69,7 +70,7 @@ impl Stepper {
         }
         let make = |handles: (&wgpu::Device, &wgpu::Queue)| {
             let pipelines = pipelines.unwrap_or_else(|| Pipelines::new(handles.0));
-            Gpu::new(&world, handles, pipelines, on_cpu)
+            guard(handles.0, || Gpu::new(&world, handles, pipelines, on_cpu))
         };
         let gpu = gpu.map(make).transpose()?;
         Ok(Stepper { world, cpu, gpu })
@@ -77,7 +78,15 @@ impl Stepper {
 
     /// Records a frame of `dt` \[s\] of the host's time: as many steps as are due, then normals. On the CPU backend the
     /// steps are made at once, and the result is written to the buffers by the queue. Needs a device.
+    ///
+    /// [`Error::DeviceLost`] if the device is lost: nothing is recorded and no time passes until [`Stepper::recover`] gives the
+    /// stepper another one. [`Error::OutOfMemory`] if a buffer that this frame is the first to need could not be made: drop the
+    /// encoder, and recover with the same device.
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
+        self.guarded(|stepper| stepper.record_frame(encoder, dt))
+    }
+
+    fn record_frame(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
         if self.world.drive(dt) {
             gpu.set_colliders(&self.world);
@@ -103,9 +112,10 @@ impl Stepper {
         Ok(progress)
     }
 
-    /// The buffers that a vertex shader reads. `None` without a device and for a cloth that does not exist.
-    pub fn buffers(&self, cloth: usize) -> Option<&ClothBuffers> {
-        self.gpu.as_ref()?.buffers(cloth)
+    /// The buffers that a vertex shader reads. They stay where they are until the cloth is removed; its holes come with the first
+    /// cut. `None` without a device and for a cloth that does not exist.
+    pub fn buffers(&self, cloth: impl Into<ClothRef>) -> Option<&ClothBuffers> {
+        self.gpu.as_ref()?.buffers(self.world.find(cloth.into()).ok()?)
     }
 
     /// The pipelines that this stepper has compiled, and how long that took. [`Stepper::new`] compiles all that a frame

@@ -13,7 +13,7 @@ impl Stepper {
         for (index, cloth) in self.world.scene.cloths.iter().enumerate() {
             let positions = self.positions(index).ok_or(Error::GpuOnly("Stepper::pick"))?;
             let hit = pick(cloth, positions, self.holes(index), origin, direction)?;
-            let hit = hit.map(|h| Hit { cloth: index, ..h });
+            let hit = hit.map(|h| Hit { cloth: index, handle: Some(self.world.handles[index]), ..h });
             best = best.into_iter().chain(hit).reduce(|a, b| if b.distance < a.distance { b } else { a });
         }
         Ok(best)
@@ -33,7 +33,9 @@ impl Stepper {
             return Ok(PickTicket(Answer::Known(self.pick(origin, direction)?)));
         }
         let direction = unit(origin, direction)?;
-        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_pick"))?;
-        Ok(PickTicket(Answer::Pending(gpu.pick(&self.world, encoder, origin, direction))))
+        self.guarded(|stepper| {
+            let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_pick"))?;
+            Ok(PickTicket(Answer::Pending(gpu.pick(&stepper.world, encoder, origin, direction))))
+        })
     }
 }

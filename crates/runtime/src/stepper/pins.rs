@@ -4,6 +4,7 @@ use super::Stepper;
 use crate::cpu::place::Placed;
 use crate::cpu::start::inverse_masses;
 use crate::error::{Error, Result};
+use crate::handle::ClothRef;
 use crate::options::Solver;
 
 /// Fewest particles for which the inverse masses of the whole cloth are worked out at once.
@@ -39,8 +40,9 @@ impl Stepper {
     /// assert!((stepper.positions(0).unwrap_or_default()[0][1] - start[0][1] - 0.6).abs() < 1e-6);
     /// # Ok::<(), gimage_runtime::Error>(())
     /// ```
-    pub fn set_pins(&mut self, cloth: usize, particles: &[u32], at: &[[f32; 3]]) -> Result<()> {
-        let of = self.world.cloth(cloth)?;
+    pub fn set_pins(&mut self, cloth: impl Into<ClothRef>, particles: &[u32], at: &[[f32; 3]]) -> Result<()> {
+        let cloth = self.world.find(cloth.into())?;
+        let of = &self.world.scene.cloths[cloth];
         if at.len() != particles.len() {
             let (found, expected) = (at.len(), particles.len());
             return Err(Error::Length { cloth: of.name().into(), what: "positions", found, expected });
@@ -60,35 +62,38 @@ impl Stepper {
     /// Pins particles where they are, and their seam duplicates, at the start of the next frame. Tethers stay those of the
     /// initial pins. The same cost as [`Stepper::set_pins`], whose upload it shares. Wakes the cloth. Errors if there is no such
     /// cloth or particle; then nothing has changed.
-    pub fn pin(&mut self, cloth: usize, particles: &[u32]) -> Result<()> {
-        self.hold(cloth, particles, true)
+    pub fn pin(&mut self, cloth: impl Into<ClothRef>, particles: &[u32]) -> Result<()> {
+        self.hold(cloth.into(), particles, true)
     }
 
     /// Frees particles, as [`Stepper::pin`] pins them. A released pin holds nothing until it is pinned again.
-    pub fn unpin(&mut self, cloth: usize, particles: &[u32]) -> Result<()> {
-        self.hold(cloth, particles, false)
+    pub fn unpin(&mut self, cloth: impl Into<ClothRef>, particles: &[u32]) -> Result<()> {
+        self.hold(cloth.into(), particles, false)
     }
 
     /// Pins one particle where it is, or frees it: [`Stepper::pin`] or [`Stepper::unpin`].
-    pub fn set_pinned(&mut self, cloth: usize, particle: usize, pinned: bool) -> Result<()> {
-        let particle = self.index(cloth, particle)?;
-        self.hold(cloth, &[particle], pinned)
+    pub fn set_pinned(&mut self, cloth: impl Into<ClothRef>, particle: usize, pinned: bool) -> Result<()> {
+        let (cloth, particle) = self.particle(cloth.into(), particle)?;
+        self.hold(cloth.into(), &[particle], pinned)
     }
 
     /// Puts one particle at `at` \[m\] and at rest: [`Stepper::set_pins`].
-    pub fn set_position(&mut self, cloth: usize, particle: usize, at: [f32; 3]) -> Result<()> {
-        let particle = self.index(cloth, particle)?;
+    pub fn set_position(&mut self, cloth: impl Into<ClothRef>, particle: usize, at: [f32; 3]) -> Result<()> {
+        let (cloth, particle) = self.particle(cloth.into(), particle)?;
         self.set_pins(cloth, &[particle], &[at])
     }
 
-    /// A particle's index as lists of pins have it.
-    fn index(&self, cloth: usize, index: usize) -> Result<u32> {
-        let count = self.world.cloth(cloth)?.len();
-        u32::try_from(index).map_err(|_| Error::NoSuch { what: "particle", index, count })
+    /// The index of a cloth, and that of a particle as lists of pins have it.
+    fn particle(&self, cloth: ClothRef, index: usize) -> Result<(usize, u32)> {
+        let cloth = self.world.find(cloth)?;
+        let count = self.world.scene.cloths[cloth].len();
+        let particle = u32::try_from(index).map_err(|_| Error::NoSuch { what: "particle", index, count })?;
+        Ok((cloth, particle))
     }
 
-    fn hold(&mut self, cloth: usize, particles: &[u32], pinned: bool) -> Result<()> {
-        let all = self.world.cloth(cloth)?.with_duplicates(particles)?;
+    fn hold(&mut self, cloth: ClothRef, particles: &[u32], pinned: bool) -> Result<()> {
+        let cloth = self.world.find(cloth)?;
+        let all = self.world.scene.cloths[cloth].with_duplicates(particles)?;
         self.world.scene.cloths[cloth].hold_all(all.iter().map(|[k, _]| *k), pinned);
         let (of, solver) = (&self.world.scene.cloths[cloth], self.world.control.options.solver);
         let every = if all.len() < MIN_FOR_ALL { Vec::new() } else { inverse_masses(of, solver) };

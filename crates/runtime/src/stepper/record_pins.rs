@@ -5,6 +5,7 @@ use wgpu::{BufferUsages, CommandEncoder};
 use super::Stepper;
 use crate::error::{Error, Result};
 use crate::gpu::Span;
+use crate::handle::ClothRef;
 
 impl Stepper {
     /// Records that particles, and their seam duplicates, are put at positions that lie in a buffer of the host, and at rest:
@@ -18,11 +19,12 @@ impl Stepper {
     pub fn record_pins(
         &mut self,
         encoder: &mut CommandEncoder,
-        cloth: usize,
+        cloth: impl Into<ClothRef>,
         particles: &[u32],
         positions: &Span,
     ) -> Result<()> {
-        let all = self.world.cloth(cloth)?.with_duplicates(particles)?;
+        let cloth = self.world.find(cloth.into())?;
+        let all = self.world.scene.cloths[cloth].with_duplicates(particles)?;
         self.refuse_cpu("Stepper::record_pins", "Stepper::set_pins")?;
         let need = Span { size: positions.size.min(16 * particles.len() as u64), ..positions.clone() };
         if need.size < 16 * particles.len() as u64 || !need.offset.is_multiple_of(256) {
@@ -41,10 +43,12 @@ impl Stepper {
             return Ok(());
         }
         self.world.wake(cloth);
-        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_pins"))?;
-        gpu.act(&mut self.world, encoder);
-        gpu.place_from(encoder, cloth, &all, &need);
-        self.world.host.touched = true;
-        Ok(())
+        self.guarded(|stepper| {
+            let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_pins"))?;
+            gpu.act(&mut stepper.world, encoder);
+            gpu.place_from(encoder, cloth, &all, &need);
+            stepper.world.host.touched = true;
+            Ok(())
+        })
     }
 }

@@ -6,6 +6,7 @@ use wgpu::{BufferUsages, CommandEncoder};
 use super::Stepper;
 use crate::error::{Error, Result, StateProblem};
 use crate::gpu::{Span, read_bytes};
+use crate::handle::ClothRef;
 use crate::state::{ClothState, Head, Layout};
 
 /// The state of a cloth in a buffer of the host, as [`Stepper::record_state`] has recorded it.
@@ -35,8 +36,8 @@ impl SavedState {
 impl Stepper {
     /// Bytes that the state of a cloth takes in a buffer now: 48 per particle, 64 of a material. After the first cut 20 more,
     /// and 8 per tether.
-    pub fn state_bytes(&self, cloth: usize) -> Result<u64> {
-        self.world.cloth(cloth)?;
+    pub fn state_bytes(&self, cloth: impl Into<ClothRef>) -> Result<u64> {
+        let cloth = self.world.find(cloth.into())?;
         Ok(4 * self.world.head(cloth).layout.words() as u64)
     }
 
@@ -50,16 +51,21 @@ impl Stepper {
     pub fn record_state(
         &mut self,
         encoder: &mut CommandEncoder,
-        cloth: usize,
+        cloth: impl Into<ClothRef>,
         buffer: &wgpu::Buffer,
         offset: u64,
     ) -> Result<SavedState> {
+        let cloth = self.world.find(cloth.into())?;
         let bytes = self.state_bytes(cloth)?;
         let place = Span { buffer: buffer.clone(), offset, size: bytes };
         self.refuse_cpu("Stepper::record_state", "Stepper::state")?;
         self.fits(cloth, &place, (BufferUsages::COPY_DST, "COPY_DST"), "its state")?;
+        self.guarded(|stepper| {
+            let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_state"))?;
+            gpu.act(&mut stepper.world, encoder);
+            Ok(())
+        })?;
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_state"))?;
-        gpu.act(&mut self.world, encoder);
         let head = self.world.head(cloth);
         gpu.save(encoder, cloth, &head.layout, (buffer, offset));
         let particles = self.world.scene.cloths[cloth].particles();
@@ -72,8 +78,14 @@ impl Stepper {
     ///
     /// Errors as [`Stepper::record_state`] (the usage is `COPY_SRC`), if the state does not fit the cloth, and if steps have
     /// another length than when it was saved, as nothing scales velocities here ([`StateProblem::Step`]).
-    pub fn record_set_state(&mut self, encoder: &mut CommandEncoder, cloth: usize, saved: &SavedState) -> Result<()> {
-        let of = self.world.cloth(cloth)?;
+    pub fn record_set_state(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        cloth: impl Into<ClothRef>,
+        saved: &SavedState,
+    ) -> Result<()> {
+        let cloth = self.world.find(cloth.into())?;
+        let of = &self.world.scene.cloths[cloth];
         saved.head.check(of, &self.world.runs[cloth].tethers)?;
         let refuse = |problem| Err(Error::State { cloth: of.name().into(), problem });
         let Layout { good, lost, .. } =
@@ -87,11 +99,13 @@ impl Stepper {
         }
         self.refuse_cpu("Stepper::record_set_state", "Stepper::set_state")?;
         self.fits(cloth, &saved.place, (BufferUsages::COPY_SRC, "COPY_SRC"), "its state")?;
-        self.prepare(&[(cloth, &saved.head, saved.pinned.clone())]);
-        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_set_state"))?;
-        let place = (&saved.place.buffer, saved.place.offset);
-        gpu.load(&self.world, encoder, cloth, &saved.head.layout, place);
-        Ok(())
+        self.guarded(|stepper| {
+            stepper.prepare(&[(cloth, &saved.head, saved.pinned.clone())]);
+            let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_set_state"))?;
+            let place = (&saved.place.buffer, saved.place.offset);
+            gpu.load(&stepper.world, encoder, cloth, &saved.head.layout, place);
+            Ok(())
+        })
     }
 
     /// The states of some cloths, by one copy and one wait.

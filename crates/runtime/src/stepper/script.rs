@@ -1,20 +1,27 @@
 //! What a script does to a stepper, frame by frame.
 
 use super::Stepper;
+use crate::collider::Collider;
 use crate::error::Result;
 use crate::scene::Script;
 
 impl Script {
+    /// Colliders at the end of the frame from `time` to `time + dt` \[s\], with the velocity that takes them there.
+    pub fn moved(&self, colliders: &[Collider], time: f64, dt: f64) -> Vec<Collider> {
+        let mut colliders = colliders.to_vec();
+        for (collider, motion) in colliders.iter_mut().zip(&self.colliders) {
+            let Some(motion) = motion else { continue };
+            *collider = collider.moved(&motion.at(time), &motion.at(time + dt), dt);
+        }
+        colliders
+    }
+
     /// Does what happens from `time` to `time + dt` \[s\]; to be called before the stepper's frame of `dt`. Colliders go
     /// to where they are at its end, with the velocity that takes them there. Nothing is uploaded, and no cloth is
     /// woken, where nothing changes.
     pub fn frame(&self, stepper: &mut Stepper, time: f64, dt: f64) -> Result<()> {
         let end = time + dt;
-        let mut colliders = stepper.scene().colliders.clone();
-        for (collider, motion) in colliders.iter_mut().zip(&self.colliders) {
-            let Some(motion) = motion else { continue };
-            *collider = collider.moved(&motion.at(time), &motion.at(end), dt);
-        }
+        let colliders = self.moved(&stepper.scene().colliders, time, dt);
         if colliders != stepper.scene().colliders {
             stepper.set_colliders(colliders)?;
         }

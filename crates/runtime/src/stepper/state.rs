@@ -3,6 +3,7 @@
 use super::Stepper;
 use crate::cpu::start::inverse_masses;
 use crate::error::{Error, Result, StateProblem};
+use crate::handle::ClothRef;
 use crate::state::{ClothState, Head, Layout, Snapshot};
 use crate::world::Action;
 
@@ -13,11 +14,13 @@ impl Stepper {
     /// On the CPU a copy. On the GPU it submits a copy and waits for everything submitted before: a game uses
     /// [`Stepper::record_state`] there. Submit what was recorded before the call. Errors if there is no such cloth, and if
     /// reading back fails.
-    pub fn state(&mut self, cloth: usize) -> Result<ClothState> {
-        self.world.cloth(cloth)?;
-        let mut states = self.states(&[cloth])?;
+    pub fn state(&mut self, cloth: impl Into<ClothRef>) -> Result<ClothState> {
+        let cloth = self.world.find(cloth.into())?;
+        let mut states = self.guarded(|stepper| stepper.states(&[cloth]))?;
         let count = self.world.scene.cloths.len();
-        states.pop().ok_or(Error::NoSuch { what: "cloth", index: cloth, count })
+        let state = states.pop().ok_or(Error::NoSuch { what: "cloth", index: cloth, count })?;
+        self.keep(cloth, &state);
+        Ok(state)
     }
 
     /// Puts a cloth into a state that [`Stepper::state`] returned, or that the host has changed
@@ -32,10 +35,15 @@ impl Stepper {
     ///
     /// Errors if there is no such cloth, if the state does not fit it ([`Error::State`]), and on a number that is not finite;
     /// then nothing has changed.
-    pub fn set_state(&mut self, cloth: usize, state: &ClothState) -> Result<()> {
-        state.check(self.world.cloth(cloth)?, &self.world.runs[cloth].tethers)?;
-        self.prepare(&[(cloth, &state.head, state.pinned())]);
-        self.put(cloth, state);
+    pub fn set_state(&mut self, cloth: impl Into<ClothRef>, state: &ClothState) -> Result<()> {
+        let cloth = self.world.find(cloth.into())?;
+        state.check(&self.world.scene.cloths[cloth], &self.world.runs[cloth].tethers)?;
+        self.guarded(|stepper| {
+            stepper.prepare(&[(cloth, &state.head, state.pinned())]);
+            stepper.put(cloth, state);
+            Ok(())
+        })?;
+        self.keep(cloth, state);
         Ok(())
     }
 
@@ -43,8 +51,10 @@ impl Stepper {
     /// Colliders, wind, gravity and settings are the host's, and are not in it.
     pub fn snapshot(&mut self) -> Result<Snapshot> {
         let all: Vec<usize> = (0..self.world.scene.cloths.len()).collect();
-        let cloths = self.states(&all)?;
-        Ok(Snapshot { control: self.world.save_control(), cloths })
+        let cloths = self.guarded(|stepper| stepper.states(&all))?;
+        let snapshot = Snapshot { control: self.world.save_control(), cloths };
+        self.keep_all(&snapshot);
+        Ok(snapshot)
     }
 
     /// Puts all cloths, the clock and what chooses substeps into the state of a snapshot, as [`Stepper::set_state`]. Numbers of
@@ -59,13 +69,29 @@ impl Stepper {
         for ((state, cloth), run) in snapshot.cloths.iter().zip(&self.world.scene.cloths).zip(&self.world.runs) {
             state.check(cloth, &run.tethers)?;
         }
-        let heads = snapshot.cloths.iter().enumerate().map(|(cloth, state)| (cloth, &state.head, state.pinned()));
-        self.prepare(&heads.collect::<Vec<_>>());
-        self.world.resume_control(&snapshot.control);
-        for (cloth, state) in snapshot.cloths.iter().enumerate() {
-            self.put(cloth, state);
-        }
+        self.guarded(|stepper| {
+            let heads = snapshot.cloths.iter().enumerate().map(|(cloth, state)| (cloth, &state.head, state.pinned()));
+            stepper.prepare(&heads.collect::<Vec<_>>());
+            stepper.world.resume_control(&snapshot.control);
+            for (cloth, state) in snapshot.cloths.iter().enumerate() {
+                stepper.put(cloth, state);
+            }
+            Ok(())
+        })?;
+        self.keep_all(snapshot);
         Ok(())
+    }
+
+    /// Keeps what a cloth continues from if the device is lost; the lists are shared with the state.
+    fn keep(&mut self, cloth: usize, state: &ClothState) {
+        if self.cpu.is_none() {
+            self.world.runs[cloth].kept = Some(state.clone());
+        }
+    }
+
+    fn keep_all(&mut self, snapshot: &Snapshot) {
+        snapshot.cloths.iter().enumerate().for_each(|(cloth, state)| self.keep(cloth, state));
+        self.world.kept = Some(snapshot.control);
     }
 
     /// The states of some cloths.
@@ -110,7 +136,7 @@ impl Stepper {
     }
 
     /// Hands the lists of a state over to what steps.
-    fn put(&mut self, cloth: usize, state: &ClothState) {
+    pub(super) fn put(&mut self, cloth: usize, state: &ClothState) {
         let (of, run, settings) =
             (&self.world.scene.cloths[cloth], &self.world.runs[cloth], &self.world.control.options);
         let layout = Layout::of(of, &run.tethers, settings.solver);

@@ -7,6 +7,7 @@ use crate::cpu::tangents;
 use crate::error::{Error, Result};
 #[cfg(feature = "gpu")]
 use crate::gpu::Span;
+use crate::handle::ClothRef;
 
 impl Stepper {
     /// Unit tangents of a cloth, across its normals: the direction in which u of [`crate::Cloth::uv`] grows. The fourth component
@@ -14,9 +15,10 @@ impl Stepper {
     /// not along u. Duplicates of a seam point may differ, as texture coordinates do. CPU backend only: `None` on the GPU backend
     /// and for a cloth that does not exist. Made by each call, in one pass over the particles; the first call
     /// looks at the texture coordinates too.
-    pub fn tangents(&self, cloth: usize) -> Option<Vec<[f32; 4]>> {
+    pub fn tangents(&self, cloth: impl Into<ClothRef>) -> Option<Vec<[f32; 4]>> {
+        let cloth = self.world.find(cloth.into()).ok()?;
         let (bodies, threads) = self.cpu.as_ref()?;
-        let (body, of) = (bodies.get(cloth)?, &self.world.scene.cloths[cloth]);
+        let (body, of) = (&bodies[cloth], &self.world.scene.cloths[cloth]);
         let (normals, charts) = (body.normals(threads), self.world.runs[cloth].charts(of));
         let mut all = vec![[0.0; 4]; of.len()];
         for g in of.grids() {
@@ -33,15 +35,17 @@ impl Stepper {
     ///
     /// One dispatch, 48 bytes read and 16 written per particle. The first call makes two buffers of 16 bytes per particle.
     /// A frame without a call has no cost. On the CPU backend they are made at once and uploaded. Errors without a
-    /// device and if there is no such cloth.
+    /// device, if it is lost or has no memory left, and if there is no such cloth.
     #[cfg(feature = "gpu")]
-    pub fn record_tangents(&mut self, encoder: &mut wgpu::CommandEncoder, cloth: usize) -> Result<Span> {
-        self.world.cloth(cloth)?;
-        let made = self.tangents(cloth);
-        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_tangents"))?;
-        Ok(match made {
-            Some(made) => gpu.upload_tangents(cloth, &made),
-            None => gpu.record_tangents(&self.world, encoder, cloth),
+    pub fn record_tangents(&mut self, encoder: &mut wgpu::CommandEncoder, cloth: impl Into<ClothRef>) -> Result<Span> {
+        let cloth = self.world.find(cloth.into())?;
+        self.guarded(|stepper| {
+            let made = stepper.tangents(cloth);
+            let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_tangents"))?;
+            Ok(match made {
+                Some(made) => gpu.upload_tangents(cloth, &made),
+                None => gpu.record_tangents(&stepper.world, encoder, cloth),
+            })
         })
     }
 }

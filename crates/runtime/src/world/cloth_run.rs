@@ -5,9 +5,11 @@ use std::sync::OnceLock;
 use super::sleep::Calm;
 use crate::cloth::{Anchor, Cloth, Tethers};
 use crate::form::Fused;
+use crate::limits::Warning;
 use crate::number::real::with_w;
 use crate::passes::Schedule;
 use crate::scene::Pose;
+use crate::state::ClothState;
 use crate::tile::Order;
 
 /// What a world holds of one cloth beside the cloth itself.
@@ -23,6 +25,8 @@ pub struct ClothRun {
     pub fused: Option<Fused>,
     /// How passes run together where it does not, found when it is first asked for.
     pub order: OnceLock<Option<Order>>,
+    /// Largest area of its particles over their mass \[m^2/kg\], found when air first acts on it.
+    pub exposed: OnceLock<f64>,
     pub asleep: bool,
     /// Where teleports have moved its start.
     pub home: Pose,
@@ -30,6 +34,10 @@ pub struct ClothRun {
     pub calm: Calm,
     /// How texture coordinates run along its rows and columns, found when tangents are first asked for.
     charts: OnceLock<Vec<[f32; 4]>>,
+    /// What was changed of it because the solver cannot do it.
+    pub warnings: Vec<Warning>,
+    /// Its last state in the host's memory, from which it continues if the device is lost.
+    pub kept: Option<ClothState>,
 }
 
 impl ClothRun {

@@ -1,6 +1,6 @@
 //! The settings that are in force, and how they change from frame to frame.
 
-use crate::choose::{Choice, Follow, Settings};
+use crate::choose::{Choice, Follow, Settings, Wish};
 use crate::clock::Clock;
 use crate::options::Options;
 use crate::quality::{Chooser, Levers, Mix, Quality};
@@ -8,11 +8,14 @@ use crate::scene::Scene;
 use crate::state::ControlState;
 
 /// Settings, and what decides them.
+#[derive(Clone)]
 pub struct Control {
     /// With all decided that the host left open.
     pub options: Settings,
     /// Why so.
     pub choice: Choice,
+    /// What each cloth asks for, as of the last decision.
+    wishes: Vec<Wish>,
     /// Keeps substeps up with the speed of colliders.
     pub follow: Follow,
     pub clock: Clock,
@@ -26,7 +29,8 @@ impl Control {
     pub fn new(options: Options, scene: &Scene) -> Self {
         let (options, choice) = Settings::new(options, scene);
         let (clock, follow) = (Clock::new(&options), Follow::new(&options, scene));
-        Control { options, choice, follow, clock, chooser: Chooser::default(), round: None }
+        let wishes = Wish::of(&options, scene);
+        Control { options, choice, wishes, follow, clock, chooser: Chooser::default(), round: None }
     }
 
     /// Starts the clock again, before anything has moved.
@@ -36,7 +40,7 @@ impl Control {
 
     /// Takes other settings from the next step on.
     pub fn set(&mut self, (settings, choice): (Settings, Choice), scene: &Scene) {
-        self.follow = Follow::new(&settings, scene);
+        (self.follow, self.wishes) = (Follow::new(&settings, scene), Wish::of(&settings, scene));
         (self.options, self.choice) = (settings, choice);
         self.clock.change(&self.options);
     }
@@ -63,6 +67,54 @@ impl Control {
         settings.slack = std::mem::take(&mut self.options.slack);
         self.set((settings, choice), scene);
         polish != self.options.polish
+    }
+
+    /// Takes in that a cloth comes, which is the only one of a scene among the same colliders; whether the rounds of polish change.
+    /// Numbers that the host left open rise to those that it asks for. The first cloth decides them.
+    pub fn join(&mut self, alone: &Scene) -> bool {
+        let polish = self.options.polish;
+        let (settings, choice) = Settings::new(self.options.given().clone(), alone);
+        if self.wishes.is_empty() {
+            self.set((settings, choice), alone);
+            self.chooser = Chooser::default();
+            // No cloth has made a step of another length.
+            self.clock.dt_old = self.clock.dt;
+            return polish != self.options.polish;
+        }
+        let wishes = Wish::of(&settings, alone);
+        let lasting = wishes.iter().map(|w| w.substeps).max().unwrap_or(0);
+        let fast = Some(Follow::new(&settings, alone)).filter(|_| choice.substeps > lasting);
+        self.follow.join(lasting, fast.as_ref());
+        self.options.slack.extend(&settings.slack);
+        self.wishes.extend(wishes);
+        let more_steps = self.options.quality == Quality::Fixed && choice.substeps > self.options.substeps;
+        let more_rounds = self.round.is_none() && choice.polish > self.options.polish;
+        if more_steps {
+            self.set_substeps(choice.substeps);
+        }
+        if more_rounds {
+            self.options.polish = choice.polish;
+        }
+        if more_steps || more_rounds {
+            self.choice = Choice { substeps: self.options.substeps, polish: self.options.polish, ..choice };
+        }
+        more_rounds
+    }
+
+    /// Takes in that a cloth leaves; whether the rounds of polish change. Numbers that it alone asked for fall to what the others
+    /// ask for: substeps gradually. After the last one nothing changes.
+    pub fn leave(&mut self, cloth: usize) -> bool {
+        let gone = self.wishes.remove(cloth);
+        self.options.slack.remove(cloth);
+        let most = |number: fn(&Wish) -> u32| self.wishes.iter().map(number).max();
+        let (Some(substeps), Some(rounds)) = (most(|w| w.substeps), most(|w| w.polish)) else { return false };
+        self.follow.leave(gone.substeps, substeps);
+        let chosen = self.choice.given == [false; 2] && self.round.is_none() && self.options.polish == gone.polish;
+        let falls = chosen && rounds < gone.polish;
+        if falls {
+            self.options.polish = rounds;
+        }
+        falls
     }
 
     /// Chooses how many substeps and rounds of polish the next frames have; whether the rounds change.

@@ -4,6 +4,7 @@ use super::World;
 use crate::cpu::body::Body;
 use crate::cpu::place::Placed;
 use crate::cpu::rows::Threads;
+use crate::handle::follow;
 use crate::limits::Warning;
 use crate::number::real::{Real, cast};
 use crate::state::Layout;
@@ -39,7 +40,7 @@ impl Action {
 /// A frame that was taken back: particles were NaN, or more than 1e8 m away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// Index of the cloth.
+    /// Index of the cloth when the host asks. Faults of a removed cloth are dropped.
     pub cloth: usize,
     /// The last of the particles at fault.
     pub particle: usize,
@@ -59,8 +60,8 @@ pub struct Host {
     pub actions: Vec<Action>,
     /// Whether cloths have changed since the last frame although no action waits: they were saved or loaded.
     pub touched: bool,
-    /// What was changed because the solver cannot do it.
-    pub warnings: Vec<Warning>,
+    /// What is to be said about the device.
+    pub adapter: Option<Warning>,
     /// The same of steps that were too long.
     pub raised: Option<Warning>,
     /// What has been contained since anybody asked.
@@ -95,6 +96,30 @@ impl Host {
                 spared.push(cloth);
             }
         }
+    }
+
+    /// Takes in that a cloth comes: what waits is not for it.
+    pub fn join(&mut self, index: usize) {
+        for action in &mut self.actions {
+            if let Action::Cut { spared, .. } = action {
+                spared.push(index);
+            }
+        }
+    }
+
+    /// Takes a cloth out of what waits, as it leaves; the indices of those after it fall.
+    pub fn leave(&mut self, index: usize) {
+        self.actions.retain_mut(|action| match action {
+            Action::Cut { spared, .. } => {
+                spared.retain_mut(|cloth| follow(cloth, index));
+                true
+            }
+            Action::Transform { cloth, .. }
+            | Action::Place { cloth, .. }
+            | Action::Aim { cloth }
+            | Action::Load { cloth, .. } => follow(cloth, index),
+        });
+        self.faults.retain_mut(|fault| follow(&mut fault.cloth, index));
     }
 
     /// Keeps a fault until the host asks.
@@ -149,5 +174,23 @@ mod tests {
             matches!(&host.actions[..], [Action::Place { cloth: 1, .. }, Action::Cut { spared, .. }] if spared == &[0])
         );
         assert!(host.is_pending());
+    }
+
+    #[test]
+    fn what_waits_follows_cloths_that_come_and_go() {
+        let mut host = Host::default();
+        (0..4).for_each(|cloth| host.place(cloth, [row(cloth as u32)]));
+        host.actions.push(Action::Cut { corners: [[0.0; 3]; 3], spared: vec![1, 3] });
+        let fault = |cloth| Fault { cloth, particle: 0, particles: 1, time: 0.0 };
+        (0..4).for_each(|cloth| host.report(fault(cloth)));
+        host.join(4);
+        host.leave(1);
+        let places = host.actions[..3].iter().map(|a| match a {
+            Action::Place { cloth, rows } => (*cloth, rows[0].particle),
+            other => panic!("{other:?}"),
+        });
+        assert_eq!(places.collect::<Vec<_>>(), [(0, 0), (1, 2), (2, 3)]);
+        assert!(matches!(&host.actions[3..], [Action::Cut { spared, .. }] if spared == &[2, 3]));
+        assert_eq!(host.faults, [0, 1, 2].map(fault));
     }
 }

@@ -28,7 +28,7 @@ impl World {
             if risky {
                 watchdog.cross(&sight, &prior, seconds);
             }
-            if due {
+            if due && watchdog.knows(index, sight.time) {
                 watchdog.examine(&sight);
             }
             if let Some((particles, particle)) = body.faulty.take() {

@@ -2,7 +2,6 @@
 
 use super::World;
 use crate::choose::stiff;
-use crate::cloth::Cloth;
 use crate::options::Solver;
 use crate::passes::{Air, Pass, Schedule, Soft};
 
@@ -43,22 +42,22 @@ impl World {
             let mut settings = options.clone();
             settings.polish = polish;
             let each = self.scene.cloths.iter().enumerate();
-            let cost = |(c, cloth): (usize, &Cloth)| {
-                cloth.len() as f64 * self.of_step(&self.schedule(c, &settings), self.solid_count(c))
-            };
-            each.map(cost).sum::<f64>()
+            each.map(|(c, cloth)| cloth.len() as f64 * self.of_step(c, &self.schedule(c, &settings))).sum::<f64>()
         };
         // The last tethers of a step without polish are part of the first round.
         let round = with(2) - with(1);
         Some(round / (with(1) - round))
     }
 
-    /// Time of a step per particle of cloth that meets a number of colliders.
-    fn of_step(&self, schedule: &Schedule, colliders: usize) -> f64 {
-        let options = &self.control.options;
+    /// Time of a step per particle.
+    fn of_step(&self, cloth: usize, schedule: &Schedule) -> f64 {
+        let (options, colliders) = (&self.control.options, self.solid_count(cloth));
         let sum = |passes: &[Pass]| passes.iter().map(|p| of_pass(p, colliders)).sum::<f64>();
         let coarse = if options.pyramid > 0 { sum(&schedule.coarse) / f64::from(options.pyramid) } else { 0.0 };
-        sum(&schedule.step) + coarse + f64::from(options.iterations) * sum(&schedule.relax)
+        sum(&schedule.air) / f64::from(self.hold(cloth))
+            + sum(&schedule.step)
+            + coarse
+            + f64::from(options.iterations) * sum(&schedule.relax)
     }
 }
 

@@ -16,7 +16,12 @@ impl Rig {
     }
 
     pub fn gpu(scene: Scene, options: &Options, device: &(wgpu::Device, wgpu::Queue)) -> Self {
-        let options = Options { backend: Backend::Gpu, ..options.clone() };
+        Rig::on(Backend::Gpu, scene, options, device)
+    }
+
+    /// A backend with buffers of a device.
+    pub fn on(backend: Backend, scene: Scene, options: &Options, device: &(wgpu::Device, wgpu::Queue)) -> Self {
+        let options = Options { backend, ..options.clone() };
         let stepper = Stepper::new(scene, options, Some((&device.0, &device.1))).unwrap();
         Rig { stepper, device: Some(device.clone()) }
     }
@@ -25,6 +30,23 @@ impl Rig {
     pub fn both(scene: &Scene, options: &Options) -> Vec<Rig> {
         let gpu = super::device().map(|d| Rig::gpu(scene.clone(), options, &d));
         [Some(Rig::cpu(scene.clone(), options)), gpu].into_iter().flatten().collect()
+    }
+
+    /// Another stepper with the same options, on the same device, which compiles nothing that this one has.
+    pub fn another(&self, scene: &Scene) -> Self {
+        let stepper = self.stepper.another(scene.clone(), self.stepper.options().clone()).unwrap();
+        Rig { stepper, device: self.device.clone() }
+    }
+
+    /// Goes on with another device.
+    pub fn recover(&mut self, device: &(wgpu::Device, wgpu::Queue)) {
+        self.stepper.recover(&device.0, &device.1).unwrap();
+        self.device = Some(device.clone());
+    }
+
+    /// The device that it runs on, if it does.
+    pub fn device(&self) -> Option<&(wgpu::Device, wgpu::Queue)> {
+        self.device.as_ref()
     }
 
     pub fn name(&self) -> &'static str {

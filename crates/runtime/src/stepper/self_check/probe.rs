@@ -1,14 +1,11 @@
 //! The cloth that a device is tried on, and the comparison with the CPU.
 
-use std::pin::pin;
-use std::task::{Context, Poll, Waker};
-
 use super::super::Stepper;
 use super::Mismatch;
 use crate::cloth::{Cloth, Grid, Mass, Particle, Parts, Rest};
 use crate::collider::{Collider, Shape};
-use crate::error::Result;
-use crate::gpu::read_back;
+use crate::error::{Error, Result};
+use crate::gpu::{guard, read_back};
 use crate::options::{Backend, Options, Solver};
 use crate::scene::Scene;
 
@@ -24,29 +21,12 @@ const NAMES: [&str; 3] = ["positions", "previous positions", "normals"];
 
 /// Runs the probe. Errors of the device are mismatches.
 pub fn run(device: &wgpu::Device, queue: &wgpu::Queue) -> Vec<Mismatch> {
-    let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation];
-    let mut scopes = scopes.map(|filter| device.push_error_scope(filter));
-    scopes.reverse();
-    let scene = scene();
-    let found = scene.and_then(|scene| compare(device, queue, &scene, &scene));
-    let raised: Vec<_> = scopes.into_iter().filter_map(|scope| ready(scope.pop())).map(|e| e.to_string()).collect();
-    match found {
-        _ if !raised.is_empty() => raised.into_iter().map(|e| Mismatch::Failed(one_line(&e))).collect(),
-        Ok(found) => found,
-        Err(error) => vec![Mismatch::Failed(one_line(&error.to_string()))],
-    }
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-/// The error of a scope; outside the web it is there at once.
-fn ready(error: impl Future<Output = Option<wgpu::Error>>) -> Option<wgpu::Error> {
-    match pin!(error).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(error) => error,
-        Poll::Pending => None,
-    }
+    let found = guard(device, || {
+        let scene = scene()?;
+        compare(device, queue, &scene, &scene)
+    });
+    let failed = |error: Error| error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    found.unwrap_or_else(|error| vec![Mismatch::Failed(failed(error))])
 }
 
 /// Steps one scene on the device and another, which is the same but in tests, on the CPU.

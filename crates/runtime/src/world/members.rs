@@ -1,0 +1,122 @@
+//! Cloths that come and go while others keep moving.
+
+use super::{ClothRun, World};
+use crate::choose::Settings;
+use crate::cloth::Cloth;
+use crate::collider::Collider;
+use crate::cpu::body::Body;
+use crate::error::{Error, Result};
+use crate::fused::arenas;
+use crate::handle::{ClothHandle, ClothRef, follow};
+use crate::limits::{self, Warning};
+use crate::number::real::Real;
+use crate::passes::has_levels;
+use crate::quality::Quality;
+use crate::scene::Scene;
+
+/// What a cloth has left behind for the device.
+pub struct Left {
+    pub cloth: Cloth,
+    /// Its arena and its place there, by index; the arena is gone if it is empty now.
+    pub place: Option<(usize, usize)>,
+    /// Whether the list of coats is another one now.
+    pub recoated: bool,
+}
+
+/// Prepares a cloth for the solver; `slack` is the length of its tethers over the way along the surface.
+pub(super) fn prepare(cloth: &mut Cloth, options: &Settings, slack: f32, colliders: &[Collider]) -> Result<ClothRun> {
+    let mut warnings = Vec::new();
+    // It may come from a stepper that has cut it.
+    cloth.close();
+    let most = limits::prepare(cloth, options, &mut warnings)?;
+    let meets = colliders.iter().any(|c| c.is_met(cloth.collision_groups));
+    let lies = options.pyramid > 0 && meets && has_levels(cloth, options);
+    let lies = lies && !cloth.particles().iter().any(|p| p.is_pinned());
+    warnings.extend(lies.then(|| Warning::PyramidOnColliders { cloth: cloth.name().into() }));
+    let mut run = ClothRun::new(cloth, most, slack);
+    run.warnings = warnings;
+    Ok(run)
+}
+
+impl World {
+    /// The index of the cloth that a call is about.
+    pub fn find(&self, cloth: ClothRef) -> Result<usize> {
+        let count = self.handles.len();
+        match cloth {
+            ClothRef::Index(index) if index < count => Ok(index),
+            ClothRef::Index(index) => Err(Error::NoSuch { what: "cloth", index, count }),
+            ClothRef::Handle(handle) => self.handles.binary_search(&handle).map_err(|_| Error::NoCloth(handle)),
+        }
+    }
+
+    /// Takes in a cloth, behind all others, which it leaves as they are; whether the list of coats is another one now. Errors
+    /// change nothing.
+    pub fn join(&mut self, cloth: Cloth) -> Result<bool> {
+        cloth.check()?;
+        let before = self.control.clone();
+        let (colliders, gravity) = (self.scene.colliders.clone(), self.scene.gravity);
+        let mut alone = Scene { colliders, gravity, ..Scene::new("") };
+        alone.cloths.push(cloth);
+        let rounds_change = self.control.join(&alone);
+        let slack = self.control.options.slack.last().copied().unwrap_or(1.0);
+        let run = match prepare(&mut alone.cloths[0], &self.control.options, slack, &self.scene.colliders) {
+            Ok(run) => run,
+            Err(error) => {
+                self.control = before;
+                return Err(error);
+            }
+        };
+        let index = self.runs.len();
+        if let Some(room) = &self.room {
+            let found = arenas(&alone.cloths, |_| run.tethers.per_particle, &self.control.options, room);
+            self.arenas.extend(found.iter().map(|_| vec![index]));
+        }
+        self.scene.cloths.append(&mut alone.cloths);
+        self.runs.push(run);
+        self.handles.push(ClothHandle::fresh());
+        self.host.join(index);
+        self.watchdog.join(self.control.clock.time);
+        self.raise();
+        let recoated = self.recoat();
+        if rounds_change {
+            self.reschedule();
+        } else {
+            self.runs[index].schedule = self.schedule(index, &self.control.options);
+            self.control.round = self.cost_of_round();
+            self.fuse();
+        }
+        Ok(recoated)
+    }
+
+    /// Lets a cloth go; the indices of those behind it fall by one.
+    pub fn leave(&mut self, index: usize) -> Left {
+        let mut arenas = self.arenas.iter().enumerate();
+        let place = arenas.find_map(|(arena, list)| Some((arena, list.iter().position(|c| *c == index)?)));
+        self.arenas.iter_mut().for_each(|list| list.retain_mut(|cloth| follow(cloth, index)));
+        self.arenas.retain(|list| !list.is_empty());
+        let cloth = self.scene.cloths.remove(index);
+        self.runs.remove(index);
+        self.handles.remove(index);
+        self.host.leave(index);
+        self.watchdog.leave(index);
+        let rounds_change = self.control.leave(index);
+        let (asked, quality) = (self.control.options.given().substeps, self.control.options.quality);
+        if let (Some(_), Some(asked), Quality::Fixed) = (self.host.raised.take(), asked, quality) {
+            self.control.set_substeps(asked);
+        }
+        self.raise();
+        let recoated = self.recoat();
+        if rounds_change {
+            self.reschedule();
+        } else {
+            self.control.round = self.cost_of_round();
+        }
+        Left { cloth, place, recoated }
+    }
+
+    /// A cloth at its start on the CPU.
+    pub fn body<T: Real>(&self, index: usize) -> Body<T> {
+        let (cloth, run) = (&self.scene.cloths[index], &self.runs[index]);
+        Body::new(cloth, &run.tethers, &self.control.options, self.control.clock.dt_old)
+    }
+}
