@@ -135,7 +135,7 @@ fn scene(piece: &Piece) -> Scene {
 }
 
 fn fabric(name: &str) -> Result<Material, Failure> {
-    Material::named(name).ok_or_else(|| format!("there is no fabric {name}").into())
+    Material::named(name).ok_or_else(|| format!("no fabric has the name {name}").into())
 }
 
 /// Every fabric that is asked for by name (all if none is), grid and start, under the defaults and by the twin or with a number

@@ -19,7 +19,7 @@ fn shown(error: f64) -> f64 {
     error.clamp(FLOOR, CEILING)
 }
 
-/// What differs between points, each once, in their order.
+/// The different values of a property of points, in the order in which they first occur.
 fn distinct<'a, K: PartialEq>(points: impl Iterator<Item = &'a Point>, of: impl Fn(&Point) -> K) -> Vec<K> {
     let mut out: Vec<K> = Vec::new();
     for value in points.map(of) {

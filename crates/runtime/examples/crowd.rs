@@ -23,7 +23,7 @@ struct Actor {
     shawl: ClothHandle,
 }
 
-/// What a file would hold.
+/// The contents of a save file.
 struct Save {
     frame: u32,
     entered: Vec<u32>,

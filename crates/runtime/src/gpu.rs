@@ -67,7 +67,7 @@ enum Failure {
 /// Everything on the device.
 pub struct Gpu {
     pulse: Pulse,
-    /// What has ended its work, until it is made again.
+    /// The failure after which nothing runs on this device; none while it works.
     failure: Option<Failure>,
     device: wgpu::Device,
     queue: wgpu::Queue,

@@ -48,7 +48,7 @@ impl Plan {
         Plan { passes }
     }
 
-    /// What runs in a frame of a cloth.
+    /// The forms of the passes in the frame of a cloth.
     #[cfg(feature = "gpu")]
     pub(crate) fn forms(world: &World, cloth: usize) -> Vec<Form> {
         match &world.runs[cloth].fused {
@@ -72,7 +72,7 @@ impl Plan {
     }
 }
 
-/// What runs in a frame of a cloth that shares no dispatch, and how often.
+/// The forms of the passes in the frame of a cloth that shares no dispatch, and their dispatches.
 fn apart(world: &World, cloth: usize) -> Vec<(Form, u32)> {
     let (steps, rounds) = (world.control.options.substeps, world.control.options.iterations);
     let Schedule { air, step, coarse, relax, frame } = &world.runs[cloth].schedule;

@@ -70,6 +70,39 @@ fn where_positions_are_held_changes_nothing() {
     assert!(many.frames(10).bits(15) == apart.frames(10).bits(0));
 }
 
+/// Two sheets in gusts on triangles, the second so light that forces of air stand for fewer steps.
+fn windy(n: u32) -> Scene {
+    let cloths = [0.2, 0.02].map(|mass| {
+        let mut cloth = Flat { mass, ..Flat::square("sheet", n) }.cloth().unwrap();
+        cloth.set_pinned(0, true).unwrap();
+        cloth
+    });
+    Scene { cloths: cloths.into(), wind: Some(support::wind(true)), ..Scene::new("windy") }
+}
+
+#[test]
+fn forces_of_air_stand_as_long_in_every_form_and_on_both_backends() {
+    let Some(device) = roomy() else { return };
+    let with = |fused| Options { substeps: Some(32), ..options(fused) };
+    let scene = windy(17);
+    let apart = Run::new(&scene, &with(false), &device);
+    let blows = |p: &&PlannedPass| matches!(p.form, Form::Apart(Pass::Wind { .. }));
+    let counts: Vec<u32> = apart.stepper.plan().passes.iter().filter(blows).map(|p| p.dispatches).collect();
+    assert_eq!(counts, [8, 32], "once in 4 steps of the heavy one, in every step of the light one");
+    let one = Run::new(&scene, &with(true), &device);
+    assert_eq!(one.stepper.plan().dispatches(), 1);
+    let (one, apart) = (one.frames(6), apart.frames(6));
+    let mut cpu = Stepper::on_cpu(scene, Options { backend: Backend::Cpu, ..with(true) }).unwrap();
+    (0..6).for_each(|_| assert!(cpu.advance(FRAME).is_ok()));
+    for cloth in 0..2 {
+        assert!(one.bits(cloth) == apart.bits(cloth), "{cloth}");
+        let here = one.bits(cloth)[0].iter().map(|p| p.map(f32::from_bits)).collect::<Vec<_>>();
+        let off = here.iter().zip(cpu.positions(cloth).unwrap());
+        let off = off.map(|(a, b)| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max)).fold(0.0, f32::max);
+        assert!(off < 1e-4, "{cloth}: {off}");
+    }
+}
+
 /// Cloths of many sizes, seamed and not, soft and not, pinned and free, each with its own damping.
 fn wardrobe() -> Scene {
     let mut all = scene::builtin("s1", 9).unwrap();

@@ -1,4 +1,4 @@
-//! What the plot shows of a table.
+//! The points that the plot draws from a table.
 
 use std::collections::BTreeMap;
 

@@ -18,7 +18,8 @@ use crate::world::{Batch, World};
 pub(super) struct Arena {
     store: Store,
     buffers: HashMap<Slot, Buffer>,
-    /// What is where, without numbers of a step, for each cloth of the world's arena. A place that a cloth has left stays empty.
+    /// Where each cloth of the world's arena lies in the buffers, without numbers of a step. The room of a removed cloth stays
+    /// unused.
     jobs: Vec<JobRow>,
     grids: Option<Grids>,
     ready: HashMap<Fused, Ready>,

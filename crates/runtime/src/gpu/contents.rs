@@ -18,7 +18,7 @@ use crate::world::World;
 #[derive(Default)]
 pub(super) struct Contents {
     lists: HashMap<Slot, Vec<u8>>,
-    /// What is where, without numbers of a step.
+    /// Where each cloth lies in the buffers, without numbers of a step.
     pub jobs: Vec<JobRow>,
 }
 

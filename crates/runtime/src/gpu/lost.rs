@@ -65,7 +65,7 @@ pub(crate) fn guard<T>(device: &wgpu::Device, run: impl FnOnce() -> Result<T>) -
     let raised: Vec<_> = scopes.into_iter().filter_map(|scope| ready(scope.pop())).collect();
     match result {
         Ok(done) if raised.is_empty() => Ok(done),
-        // What follows from a loss is told as many errors.
+        // One loss raises many errors.
         _ if is_lost(device) => Err(Error::DeviceLost),
         result => raised.into_iter().map(typed).reduce(worse).map_or(result, Err),
     }

@@ -13,7 +13,7 @@ use crate::passes::Pass;
 use crate::plan::Plan;
 use crate::world::{Left, World};
 
-/// What a cloth that comes has on the device.
+/// The buffers of a cloth that is being added.
 pub struct Coming {
     buffers: Vec<ClothBuffers>,
     arena: Option<Arena>,

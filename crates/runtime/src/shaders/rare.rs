@@ -57,7 +57,7 @@ pub(super) fn place(over: Over) -> Rule {
     own!("place", over, chosen())
 }
 
-/// What an action on a list of particles needs.
+/// The parts of an action on a list of particles.
 fn chosen() -> Parts {
     Parts::new(&[part!("action"), part!("chosen")], &[Action, Slot::Chosen], &[Now, Slot::Before])
 }

@@ -60,7 +60,7 @@ impl Stepper {
     /// ([`crate::scene::Script`]) names cloths by their index at the start.
     ///
     /// Its buffers are freed when the host has dropped its copies and the device is done with them; cloths that shared them
-    /// at the start are freed together. No wait, no upload. Errors if there is no such cloth.
+    /// at the start are freed together. Does not wait and uploads nothing. Errors if the stepper has no such cloth.
     pub fn remove_cloth(&mut self, cloth: impl Into<ClothRef>) -> Result<Cloth> {
         let index = self.world.find(cloth.into())?;
         let left = self.world.leave(index);

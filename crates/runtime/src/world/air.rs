@@ -41,9 +41,10 @@ fn speed(wind: &Wind) -> f64 {
     wind.velocity.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The largest area of a particle over its mass \[m^2/kg\].
+/// The largest area of a particle over its mass \[m^2/kg\], pinned particles included: they may be freed.
 fn exposed(cloth: &Cloth) -> f64 {
-    let texel = |k: usize| with_w(cloth.positions()[k], cloth.inverse_mass(k));
+    let weight = |k: usize| if cloth.particles()[k].exists() { 1.0 / cloth.mass(k) } else { -1.0 };
+    let texel = |k: usize| with_w(cloth.positions()[k], weight(k));
     let now: Vec<[f32; 4]> = (0..cloth.len()).map(texel).collect();
     let mut most = 0.0f64;
     for grid in cloth.grids() {
@@ -90,7 +91,7 @@ mod tests {
 
     #[test]
     fn exposure_is_area_by_mass() {
-        let cloth = &builtin("s1", 9).unwrap().cloths[0];
+        let mut cloth = builtin("s1", 9).unwrap().cloths.remove(0);
         let at = |k: usize| cloth.positions()[k];
         let side = |a: usize, b: usize| {
             let d = sub(at(b), at(a));
@@ -98,6 +99,9 @@ mod tests {
         };
         // In the middle a third of six triangles, each half a cell; all masses are the same.
         let expected = side(40, 41) * side(40, 49) / f64::from(cloth.mass(40));
-        assert!((exposed(cloth) / expected - 1.0).abs() < 1e-5, "{} {expected}", exposed(cloth));
+        assert!((exposed(&cloth) / expected - 1.0).abs() < 1e-5, "{} {expected}", exposed(&cloth));
+        let free = exposed(&cloth);
+        (0..81).for_each(|k| cloth.set_pinned(k, true).unwrap());
+        assert_eq!(exposed(&cloth), free);
     }
 }
