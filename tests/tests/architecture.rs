@@ -48,6 +48,18 @@ fn every_path_in_the_pages_exists() {
 
 /// Comments of shaders and of sources name files from the root.
 #[test]
+fn the_version_of_wgpu_is_stated_where_readers_begin() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let manifest = std::fs::read_to_string(root.join("Cargo.toml")).unwrap();
+    let line = manifest.lines().find(|line| line.starts_with("wgpu = ")).unwrap();
+    let version = line.split('"').nth(1).and_then(|v| v.split('.').next()).unwrap();
+    for page in ["README.md", "docs/screen.md", "crates/runtime/src/lib.rs"] {
+        let text = std::fs::read_to_string(root.join(page)).unwrap();
+        assert!(text.contains(&format!("wgpu {version}")), "{page} does not name wgpu {version}");
+    }
+}
+
+#[test]
 fn every_path_in_comments_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let mut checked = 0;

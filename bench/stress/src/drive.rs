@@ -121,6 +121,7 @@ fn word(warning: &Warning) -> &'static str {
         Warning::Substeps { .. } => "substeps",
         Warning::Turns { .. } => "turns",
         Warning::Soft { .. } => "soft",
+        Warning::Limp { .. } => "limp",
         Warning::Pyramid { .. } => "pyramid",
         _ => "other",
     }

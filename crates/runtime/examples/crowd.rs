@@ -6,7 +6,9 @@
 use std::collections::VecDeque;
 use std::error::Error;
 
-use gimage_runtime::{Cloth, ClothHandle, Collider, Flat, Options, Scene, Shape, Snapshot, Stepper, read_back, wgpu};
+use gimage_runtime::{
+    Cloth, ClothHandle, Collider, Flat, Options, Scene, Shape, Snapshot, Stepper, device_limits, read_back, wgpu,
+};
 
 const DT: f64 = 1.0 / 60.0;
 /// Actors that are there at once, and frames from one entrance to the next.
@@ -72,7 +74,11 @@ pub fn run(frames: u32) -> Outcome<()> {
 
 fn request() -> Outcome<Option<Device>> {
     let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default())).ok();
-    Ok(adapter.map(|a| pollster::block_on(a.request_device(&Default::default()))).transpose()?)
+    let device = |adapter: wgpu::Adapter| {
+        let required_limits = device_limits(&adapter);
+        pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor { required_limits, ..Default::default() }))
+    };
+    Ok(adapter.map(device).transpose()?)
 }
 
 impl Game {

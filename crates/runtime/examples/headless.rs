@@ -4,13 +4,17 @@
 
 use std::error::Error;
 
-use gimage_runtime::{Collider, Flat, Options, Scene, Shape, Stepper, read_back, wgpu};
+use gimage_runtime::{Collider, Flat, Options, Scene, Shape, Stepper, device_limits, read_back, wgpu};
 
 /// Prints where the cloth's middle came to rest.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let instance = wgpu::Instance::default();
     let adapter = pollster::block_on(instance.request_adapter(&Default::default())).ok();
-    let gpu = adapter.map(|a| pollster::block_on(a.request_device(&Default::default()))).transpose()?;
+    let device = |adapter: wgpu::Adapter| {
+        let required_limits = device_limits(&adapter);
+        pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor { required_limits, ..Default::default() }))
+    };
+    let gpu = adapter.map(device).transpose()?;
 
     let mut scene = Scene::new("square on a ball");
     scene.cloths.push(Flat { origin: [-0.5, 0.4, -0.5], ..Flat::square("square", 33) }.cloth()?);

@@ -8,7 +8,7 @@ use std::error::Error;
 
 use gimage_runtime::draw::{Camera, Draw, Look, Software, Target, View};
 use gimage_runtime::scene::{Key, Motion, Pose, Script};
-use gimage_runtime::{Collider, Flat, Options, Scene, Shape, Stepper, wgpu};
+use gimage_runtime::{Collider, Flat, Options, Scene, Shape, Stepper, device_limits, wgpu};
 
 const SIZE: u32 = 128;
 const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -58,7 +58,8 @@ struct Engine {
 
 impl Engine {
     fn new(adapter: &wgpu::Adapter, scene: Scene) -> Result<Self, Box<dyn Error>> {
-        let (device, queue) = pollster::block_on(adapter.request_device(&Default::default()))?;
+        let wanted = wgpu::DeviceDescriptor { required_limits: device_limits(adapter), ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&wanted))?;
         let texture = |format, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: None,

@@ -1,6 +1,6 @@
 //! Chooses the substeps and polishing rounds that the host leaves open, from what the scene is.
 
-mod bend;
+pub(crate) mod bend;
 
 use std::fmt;
 use std::ops::Deref;

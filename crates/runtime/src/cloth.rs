@@ -235,6 +235,17 @@ impl Cloth {
         &self.parts.positions
     }
 
+    /// The box around all particles at the start \[m\], its low and its high corner; `None` for cloth without particles.
+    pub fn bounds(&self) -> Option<([f32; 3], [f32; 3])> {
+        let all = self.positions().iter().zip(self.particles());
+        let mut there = all.filter(|(_, particle)| particle.exists()).map(|(at, _)| *at);
+        let first = there.next()?;
+        let take = |(low, high): ([f32; 3], [f32; 3]), p: [f32; 3]| {
+            ([0, 1, 2].map(|c| low[c].min(p[c])), [0, 1, 2].map(|c| high[c].max(p[c])))
+        };
+        Some(there.fold((first, first), take))
+    }
+
     /// The state of each particle.
     pub fn particles(&self) -> &[Particle] {
         &self.parts.particles

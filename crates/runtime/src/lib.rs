@@ -20,6 +20,9 @@
 //! # Ok::<(), gimage_runtime::Error>(())
 //! ```
 //!
+//! The crate uses wgpu 30 and re-exports it as `wgpu`. A guide leads from a bundle to the screen:
+//! [docs/screen.md](https://github.com/gimage/gimage/blob/main/docs/screen.md).
+//!
 //! Without the feature `gpu` (on by default) the crate does not compile wgpu: [`Stepper::on_cpu`] and the CPU backend remain.
 
 // Plans of dispatches and the table of shaders have no reader in a build without `gpu`.

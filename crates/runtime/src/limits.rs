@@ -6,7 +6,7 @@ mod masses;
 pub use lengths::MOST_LENGTHS;
 pub use masses::MOST_RATIO;
 
-use crate::choose::Settings;
+use crate::choose::{Settings, bend};
 use crate::cloth::{Cloth, Compliance, Rest, shear};
 use crate::error::Result;
 use crate::options::Solver;
@@ -22,6 +22,8 @@ const SHORT: f64 = 1e-3;
 const COARSE: f64 = 2e-3;
 /// Tethers of a particle where springs alone will not do.
 const GIVEN: u32 = 2;
+/// Cloth that bends more easily than its material by this factor hangs differently.
+const LIMP: f64 = 2.0;
 
 /// A setting beyond the limits of the solver, which the stepper adjusted, or keeps but handles poorly.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -81,6 +83,21 @@ pub enum Warning {
         /// The step \[s\].
         dt: f64,
         /// Substeps of a 16th of that period.
+        enough: u32,
+    },
+    /// Steps so long for a material on its cells that bending is bounded, and the cloth hangs softer than the material says.
+    #[error(
+        "cloth {cloth}: steps of {dt:.6} s are too long for its bending stiffness on cells of this size: it bends up to {softer:.1} \
+         times as easily as its material says; use {enough} substeps, or a coarser grid"
+    )]
+    Limp {
+        /// The cloth by name.
+        cloth: String,
+        /// The step \[s\].
+        dt: f64,
+        /// The stiffness of the material over that of the cloth.
+        softer: f64,
+        /// Substeps in which nine tenths of the cloth bend as stiffly as the material says.
         enough: u32,
     },
     /// Lengths are limited on coarser grids in every step, and nothing damps the cloth: the limits feed its motion.
@@ -158,6 +175,7 @@ pub fn prepare(cloth: &mut Cloth, options: &Settings, warnings: &mut Vec<Warning
     let masses = if let Some(Warning::Masses { ratio, .. }) = uneven { ratio } else { 1.0 };
     warnings.extend(uneven);
     warnings.extend(soft(cloth, options));
+    warnings.extend(limp(cloth, options));
     warnings.extend(turns(cloth));
     let fed = options.pyramid == 1 && cloth.damping <= 0.0 && has_levels(cloth, options);
     warnings.extend(fed.then(|| Warning::Pyramid { cloth: cloth.name().into() }));
@@ -190,6 +208,14 @@ fn soft(cloth: &Cloth, options: &Settings) -> Option<Warning> {
     let name = || cloth.name().to_owned();
     // Measured: the motion falls with the square of the step, and is 1 mm/s at about this one.
     (period > 24.0 * dt).then(|| Warning::Soft { cloth: name(), period, dt, enough })
+}
+
+/// Whether steps are so long that a material bends more easily than it should.
+fn limp(cloth: &Cloth, options: &Settings) -> Option<Warning> {
+    let (dt, longest) = (options.step / f64::from(options.substeps), bend::longest(cloth));
+    let softer = (dt / longest).powi(2);
+    let enough = (options.step / longest).ceil() as u32;
+    (softer > LIMP).then(|| Warning::Limp { cloth: cloth.name().into(), dt, softer, enough })
 }
 
 /// Whether the cloth hangs from one point: its pins lie closer than a thousandth of its longer side at rest.

@@ -220,3 +220,19 @@ fn cloth_that_does_not_come_to_rest_is_told_of() {
     let fastest = speed(&mut rig);
     assert!(fastest < 1e-3, "{fastest} m/s");
 }
+
+#[test]
+fn steps_too_long_for_a_fabric_are_named() {
+    let said = |substeps| {
+        let mut felt = Flat::square("felt", 65).cloth().unwrap();
+        felt.set_material(&Material::named("felt").unwrap()).unwrap();
+        felt.set_pinned(0, true).unwrap();
+        Rig::cpu(scene(felt), &Options { substeps, ..options(1, 2) }).stepper.warnings().to_vec()
+    };
+    let limp = |warning: &Warning| matches!(warning, Warning::Limp { .. });
+    assert!(!said(None).iter().any(limp), "chosen substeps are enough");
+    let warnings = said(Some(4));
+    let Some(Warning::Limp { softer, enough, .. }) = warnings.iter().find(|w| limp(w)) else { panic!("{warnings:?}") };
+    assert!((softer / (f64::from(*enough) / 4.0).powi(2) - 1.0).abs() < 0.2 && *enough > 8, "{softer} {enough}");
+    assert!(!said(Some(*enough)).iter().any(limp));
+}
