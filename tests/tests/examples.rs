@@ -8,31 +8,13 @@ mod bundle_to_screen;
 mod on_cpu;
 
 use gimage_bundle::dir::write_dir;
-use gimage_runtime::{Span, read_back, wgpu};
 use gimage_tests::{asset, build, pinned};
 
 const FRAMES: u32 = 5;
-const SIDE: u32 = 256;
 
 /// The share of pixels that are not background.
 fn drawn(pixels: &[[u8; 4]]) -> f64 {
     pixels.iter().filter(|p| p[..3] != [255; 3]).count() as f64 / pixels.len() as f64
-}
-
-fn pixels(device: &wgpu::Device, queue: &wgpu::Queue, screen: &wgpu::Texture) -> Vec<[u8; 4]> {
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: u64::from(SIDE * SIDE * 4),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-        mapped_at_creation: false,
-    });
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(SIDE * 4), rows_per_image: None };
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-    encoder.copy_texture_to_buffer(screen.as_image_copy(), to, screen.size());
-    queue.submit([encoder.finish()]);
-    let floats = read_back(device, queue, &Span::from(buffer)).unwrap();
-    floats.into_iter().flatten().map(f32::to_ne_bytes).collect()
 }
 
 #[test]
@@ -43,14 +25,15 @@ fn a_bundle_comes_to_the_screen_on_the_gpu_and_on_the_cpu() {
     write_dir(&built.bundle, &path, false).unwrap();
     let cpu = on_cpu::run(&path, FRAMES).unwrap();
     assert!((0.15..0.85).contains(&drawn(&cpu)), "{} of the picture is drawn", drawn(&cpu));
+    assert!(on_cpu::main().is_err(), "no bundle is given");
     assert!(on_cpu::run(&folder.path().join("none.gim"), 1).is_err());
     if adapter::device().is_none() {
         return;
     }
-    let (device, queue, screen) = bundle_to_screen::run(&path, FRAMES).unwrap();
-    let gpu = pixels(&device, &queue, &screen);
+    assert!(bundle_to_screen::main().is_err(), "no bundle is given");
+    let gpu = bundle_to_screen::run(&path, FRAMES).unwrap();
     // Edges may lie in the next pixel.
     let other = gpu.iter().zip(&cpu).filter(|(a, b)| (0..3).any(|c| a[c].abs_diff(b[c]) > 8)).count();
-    let share = other as f64 / f64::from(SIDE * SIDE);
+    let share = other as f64 / cpu.len() as f64;
     assert!(share < 0.01, "{share} of the pixels differ");
 }

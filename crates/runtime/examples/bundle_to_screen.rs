@@ -1,19 +1,24 @@
 //! From a bundle to the screen: docs/screen.md. The screen is a texture here; in a window it is that of the surface.
-use std::{env, error::Error, path::Path};
+use std::{env, error::Error, fs, path::Path};
 
 use gimage_runtime::draw::{Camera, Draw, Target, View};
-use gimage_runtime::{Cloth, Options, Scene, Stepper, device_limits, wgpu};
+use gimage_runtime::{Cloth, Options, Scene, Stepper, device_limits, read_back_picture, wgpu};
 
 const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let path = env::args_os().nth(1).ok_or("usage: bundle_to_screen BUNDLE")?;
-    run(Path::new(&path), 60).map(drop)
+/// Reads a bundle and writes a picture; both paths are arguments.
+pub fn main() -> Result<(), Box<dyn Error>> {
+    let mut args = env::args_os().skip(1);
+    let (Some(bundle), Some(picture)) = (args.next(), args.next()) else {
+        return Err("usage: bundle_to_screen BUNDLE PICTURE.ppm".into());
+    };
+    let rgb = run(Path::new(&bundle), 60)?.into_iter().flat_map(|p| [p[0], p[1], p[2]]);
+    Ok(fs::write(picture, b"P6 256 256 255\n".iter().copied().chain(rgb).collect::<Vec<_>>())?)
 }
 
-/// Draws some frames of a garment, and returns the screen and its device.
-pub fn run(bundle: &Path, frames: u32) -> Result<(wgpu::Device, wgpu::Queue, wgpu::Texture), Box<dyn Error>> {
+/// Draws some frames of a garment, and returns the last: 256 x 256 pixels.
+pub fn run(bundle: &Path, frames: u32) -> Result<Vec<[u8; 4]>, Box<dyn Error>> {
     let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()))?;
     let wanted = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
     let (device, queue) = pollster::block_on(adapter.request_device(&wanted))?;
@@ -55,5 +60,5 @@ pub fn run(bundle: &Path, frames: u32) -> Result<(wgpu::Device, wgpu::Queue, wgp
         queue.submit([encoder.finish()]);
         stepper.settle()?;
     }
-    Ok((device, queue, screen))
+    Ok(read_back_picture(&device, &queue, &screen)?)
 }

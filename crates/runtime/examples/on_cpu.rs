@@ -1,12 +1,17 @@
 //! A garment on the CPU alone, drawn without a device: `--no-default-features --features threads` leaves wgpu out.
-use std::{env, error::Error, path::Path};
+use std::{env, error::Error, fs, path::Path};
 
 use gimage_runtime::draw::{Camera, Software, View};
 use gimage_runtime::{Cloth, Options, Scene, Stepper};
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let path = env::args_os().nth(1).ok_or("usage: on_cpu BUNDLE")?;
-    run(Path::new(&path), 60).map(drop)
+/// Reads a bundle and writes a picture; both paths are arguments.
+pub fn main() -> Result<(), Box<dyn Error>> {
+    let mut args = env::args_os().skip(1);
+    let (Some(bundle), Some(picture)) = (args.next(), args.next()) else {
+        return Err("usage: on_cpu BUNDLE PICTURE.ppm".into());
+    };
+    let rgb = run(Path::new(&bundle), 60)?.into_iter().flat_map(|p| [p[0], p[1], p[2]]);
+    Ok(fs::write(picture, b"P6 256 256 255\n".iter().copied().chain(rgb).collect::<Vec<_>>())?)
 }
 
 /// Steps a garment for some frames, and returns a picture: 256 x 256 pixels, row by row from the top, RGBA.

@@ -8,7 +8,7 @@ use std::error::Error;
 
 use gimage_runtime::draw::{Camera, Draw, Look, Software, Target, View};
 use gimage_runtime::scene::{Key, Motion, Pose, Script};
-use gimage_runtime::{Collider, Flat, Options, Scene, Shape, Stepper, device_limits, wgpu};
+use gimage_runtime::{Collider, Flat, Options, Scene, Shape, Stepper, device_limits, read_back_picture, wgpu};
 
 const SIZE: u32 = 128;
 const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -113,24 +113,8 @@ impl Engine {
             drop(pass);
             self.queue.submit([encoder.finish()]);
         }
-        self.pixels()
-    }
-
-    /// Only to see that there is a picture; an engine presents it.
-    fn pixels(&self) -> Result<Vec<[u8; 4]>, Box<dyn Error>> {
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(SIZE * SIZE * 4),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(SIZE * 4), rows_per_image: None };
-        let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-        let mut encoder = self.device.create_command_encoder(&Default::default());
-        encoder.copy_texture_to_buffer(self.color.as_image_copy(), to, self.color.size());
-        self.queue.submit([encoder.finish()]);
-        let floats = gimage_runtime::read_back(&self.device, &self.queue, &buffer.into())?;
-        Ok(floats.into_iter().flatten().map(f32::to_ne_bytes).collect())
+        // Only to see that there is a picture; an engine presents it.
+        Ok(read_back_picture(&self.device, &self.queue, &self.color)?)
     }
 }
 

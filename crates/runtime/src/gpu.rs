@@ -30,7 +30,7 @@ pub use buffers::ClothBuffers;
 pub(crate) use lost::{guard, is_lost};
 pub(crate) use pick::Pending;
 pub(crate) use read_back::read_bytes;
-pub use read_back::{read_back, read_back_u32};
+pub use read_back::{read_back, read_back_picture, read_back_u32};
 pub(crate) use ring::Ring;
 pub use span::Span;
 pub(crate) use upload::filled;

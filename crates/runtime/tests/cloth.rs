@@ -2,6 +2,7 @@
 
 mod support;
 
+use gimage_runtime::*;
 use support::tube;
 
 #[test]
@@ -13,4 +14,24 @@ fn pins_go_round_the_ring() {
     cloth.set_pinned(0, false).unwrap();
     assert!((0..4).all(|k| cloth.inverse_mass(k) > 0.0));
     assert!(cloth.set_pinned(999, true).is_err());
+}
+
+#[test]
+fn bounds_hold_all_particles_and_no_texel_beside_them() {
+    let (corner, side) = ([1.0, 2.0, 3.0], [0.0, 0.0, -0.5]);
+    let square =
+        Flat { origin: corner, right: [0.25, 0.0, 0.0], down: side, ..Flat::square("square", 3) }.cloth().unwrap();
+    assert_eq!(square.bounds(), Some(([1.0, 2.0, 2.5], [1.25, 2.0, 3.0])));
+    // Three texels without a particle.
+    let mut particles = square.particles().to_vec();
+    [2, 5, 8].into_iter().for_each(|k| particles[k] = Particle::None);
+    let parts = Parts {
+        name: "cut off".into(),
+        grids: square.grids().to_vec(),
+        positions: square.positions().to_vec(),
+        particles,
+        rest: square.rest().clone(),
+        mass: Mass::Constant(1e-3),
+    };
+    assert_eq!(Cloth::new(parts).unwrap().bounds(), Some(([1.0, 2.0, 2.5], [1.125, 2.0, 3.0])));
 }

@@ -105,14 +105,8 @@ fn on_gpu(cut: bool, device: &wgpu::Device, queue: &wgpu::Queue) -> Vec<[u8; 4]>
     });
     draw.record(&mut pass, &stepper, &view, 0.5).unwrap();
     drop(pass);
-    let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-    let size = u64::from(SIZE * SIZE * 4);
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(SIZE * 4), rows_per_image: None };
-    let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-    encoder.copy_texture_to_buffer(picture.as_image_copy(), to, picture.size());
     queue.submit([encoder.finish()]);
-    read_back(device, queue, &buffer.into()).unwrap().into_iter().flatten().map(f32::to_ne_bytes).collect()
+    read_back_picture(device, queue, &picture).unwrap()
 }
 
 fn differences(a: &[[u8; 4]], b: &[[u8; 4]]) -> (f64, f64) {

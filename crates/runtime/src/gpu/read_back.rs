@@ -1,4 +1,4 @@
-//! Reading a buffer back, for tools and tests. No stepper calls it.
+//! Reading buffers and pictures back, for tools and tests. No stepper calls it.
 
 use std::sync::mpsc::channel;
 
@@ -21,6 +21,33 @@ pub fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> Res
 /// The same for whole numbers, such as [`crate::ClothBuffers::holes`].
 pub fn read_back_u32(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> Result<Vec<u32>> {
     guard(device, || read_bytes(device, &copied(device, queue, span)?, bytemuck::pod_collect_to_vec))
+}
+
+/// The pixels of a texture of four bytes per pixel, row by row from the top, as they lie in it. The texture needs `COPY_SRC`. Submits a
+/// copy and waits for everything submitted before it. Errors on other formats and on a device that is lost.
+pub fn read_back_picture(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<Vec<[u8; 4]>> {
+    let format = texture.format();
+    if format.block_copy_size(None) != Some(4) {
+        return Err(Error::ReadBack(format!("a pixel of {format:?} does not have four bytes")));
+    }
+    guard(device, || {
+        if is_lost(device) {
+            return Err(Error::DeviceLost);
+        }
+        let row = 4 * texture.width();
+        let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let staging = empty(device, "picture", u64::from(stride) * u64::from(texture.height()), MAPPED);
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(stride), rows_per_image: None };
+        let to = wgpu::TexelCopyBufferInfo { buffer: &staging, layout };
+        let size = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(texture.as_image_copy(), to, size);
+        queue.submit([encoder.finish()]);
+        let pixels = |row: &[u8]| row.as_chunks::<4>().0.to_vec();
+        read_bytes(device, &staging, |bytes| {
+            bytes.chunks_exact(stride as usize).flat_map(|line| pixels(&line[..row as usize])).collect()
+        })
+    })
 }
 
 fn copied(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> Result<wgpu::Buffer> {

@@ -1,8 +1,7 @@
 //! Pictures from the GPU: a texture instead of a window, read back when it is done.
 
-use gimage_runtime::Stepper;
 use gimage_runtime::draw::{Draw, Target, View};
-use gimage_runtime::wgpu;
+use gimage_runtime::{Stepper, read_back_picture, wgpu};
 
 use crate::exit::Failure;
 
@@ -10,18 +9,14 @@ const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 const SAMPLES: u32 = 4;
 
-/// Textures of one size, and a buffer to read them from.
+/// Textures of one size.
 pub struct Offscreen {
     pub draw: Draw,
     device: wgpu::Device,
     queue: wgpu::Queue,
-    size: wgpu::Extent3d,
     samples: wgpu::TextureView,
     depth: wgpu::TextureView,
     picture: wgpu::Texture,
-    staging: wgpu::Buffer,
-    /// Bytes from row to row in the buffer.
-    stride: u32,
 }
 
 impl Offscreen {
@@ -51,23 +46,14 @@ impl Offscreen {
         };
         let target = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let view = |texture: wgpu::Texture| texture.create_view(&Default::default());
-        let staging = wgpu::BufferDescriptor {
-            label: Some("picture"),
-            size: bytes,
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        };
         let less = wgpu::CompareFunction::Less;
         Ok(Offscreen {
             draw: Draw::new(device, queue, Target { color: COLOR, depth: Some((DEPTH, less)), samples: SAMPLES }),
             device: device.clone(),
             queue: queue.clone(),
-            size,
             samples: view(texture(COLOR, SAMPLES, target)),
             depth: view(texture(DEPTH, SAMPLES, target)),
             picture: texture(COLOR, 1, target | wgpu::TextureUsages::COPY_SRC),
-            staging: device.create_buffer(&staging),
-            stride,
         })
     }
 
@@ -95,30 +81,9 @@ impl Offscreen {
         });
         self.draw.record(&mut pass, stepper, view, fraction)?;
         drop(pass);
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.stride), rows_per_image: None };
-        let to = wgpu::TexelCopyBufferInfo { buffer: &self.staging, layout };
-        encoder.copy_texture_to_buffer(self.picture.as_image_copy(), to, self.size);
         self.queue.submit([encoder.finish()]);
-        self.read()
-    }
-
-    fn read(&self) -> Result<Vec<[u8; 4]>, Failure> {
-        let failed = |e: &dyn std::fmt::Display| Failure::refused(format!("reading the picture back failed: {e}"));
-        let (send, receive) = std::sync::mpsc::channel();
-        self.staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            // The receiver waits below.
-            let _ = send.send(result);
-        });
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
-        receive.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
-        let view = self.staging.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
-        let mut pixels = Vec::with_capacity((self.size.width * self.size.height) as usize);
-        for row in view.chunks_exact(self.stride as usize) {
-            let (texels, _) = row[..self.size.width as usize * 4].as_chunks::<4>();
-            pixels.extend(texels.iter().map(|[r, g, b, _]| [*r, *g, *b, 255]));
-        }
-        drop(view);
-        self.staging.unmap();
+        let mut pixels = read_back_picture(&self.device, &self.queue, &self.picture)?;
+        pixels.iter_mut().for_each(|p| p[3] = 255);
         Ok(pixels)
     }
 }
