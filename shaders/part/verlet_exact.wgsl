@@ -12,8 +12,9 @@ fn moved_on(k: u32, p: vec4<f32>, was: vec3<f32>) -> vec4<f32> {
   // A jump, as out of a collider, must not become a velocity.
   let on = select(step.keep, 0.0, dot(moved, moved) > step.longest);
   let left = lost[k].xyz;
-  // After a fault it may be NaN, for which the comparison is false.
-  let by = moved * on + a * step.scale + select(vec3<f32>(0.0), left, abs(left) <= vec3<f32>(1.0));
+  // After a fault it may be NaN, whose bits are greater than those of 1.
+  let small = (bitcast<vec3<u32>>(left) & vec3<u32>(0x7fffffffu)) <= vec3<u32>(bitcast<u32>(1.0f));
+  let by = moved * on + a * step.scale + select(vec3<f32>(0.0), left, small);
   let to = kept(p.xyz + by);
   lose(k, vec4<f32>(by - kept(to - p.xyz), 0.0));
   return vec4<f32>(to, p.w);

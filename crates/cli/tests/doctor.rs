@@ -36,6 +36,12 @@ fn auto_runs_what_doctor_says() {
     let doctor = place.run("doctor --json").expect(&[0, 1]).json();
     let run = place.run("simulate s1 --n 9 --frames 2 --json").expect(&[0]).json();
     assert_eq!(run["backend"], doctor["auto"]["backend"]);
-    let gpu = place.run("simulate s1 --n 9 --frames 2 --backend gpu --json");
+    let gpu = place.run("simulate s1 --n 9 --frames 3 --backend gpu --json");
     assert_eq!(gpu.code, if doctor["gpu"].is_null() { 2 } else { 0 }, "{}", gpu.stderr);
+    if gpu.code == 0 {
+        let json = gpu.json();
+        // Frames that are timed pass by pass count as frames. Not every device can.
+        assert_eq!(json["frames"].as_u64(), Some(3));
+        assert!(json["gpu_passes"].as_array().unwrap().iter().all(|p| p["ms_median"].as_f64().unwrap() >= 0.0));
+    }
 }

@@ -15,6 +15,7 @@ mod pick;
 mod pipelines;
 mod place;
 mod read_back;
+mod recording;
 mod ring;
 mod save;
 mod solids;
@@ -22,6 +23,7 @@ mod span;
 mod staging;
 mod store;
 mod tangents;
+mod timing;
 mod turns;
 mod upload;
 mod watch;
@@ -52,8 +54,11 @@ use bounds::Boxes;
 use lost::Pulse;
 pub use pipelines::Compiled;
 pub(crate) use pipelines::Pipelines;
+use recording::Recording;
 use solids::Solids;
 use store::Store;
+use timing::Timing;
+pub use timing::{PassTime, device_features};
 use watch::Watch;
 
 /// Why nothing more runs on a device.
@@ -77,8 +82,9 @@ pub struct Gpu {
     arenas: Vec<Arena>,
     frames: Option<Ring>,
     solids: Solids,
-    watches: Vec<Watch>,
+    watch: Watch,
     boxes: Boxes,
+    timing: Timing,
 }
 
 impl Gpu {
@@ -113,8 +119,9 @@ impl Gpu {
             arenas,
             device: device.clone(),
             queue: queue.clone(),
-            watches: world.scene.cloths.iter().map(|_| Watch::default()).collect(),
+            watch: Watch::new(world.scene.cloths.len()),
             boxes: Boxes::default(),
+            timing: Timing::default(),
         };
         gpu.meet(world);
         if !draw_only {
@@ -178,31 +185,34 @@ impl Gpu {
         for (strain, at) in alone.iter().filter_map(|c| self.cloths[*c].strain(false)) {
             encoder.clear_buffer(strain, at, Some(4));
         }
-        let mut pass = begin(encoder, "cloth");
-        self.record_fused(world, &mut pass, steps);
+        let budget = world.control.options.quality.budget().is_some() && steps > 0;
+        let mut timing = std::mem::take(&mut self.timing);
+        let mut passes = timing.begin(&self.device, encoder, budget);
+        self.record_fused(world, &mut passes, steps);
         let mut last = Vec::new();
         for &index in &alone {
             self.cloths[index].separate(&self.device, world, index);
-            last.push(self.record_steps(world, &mut pass, index, steps));
+            last.push(self.record_steps(world, &mut passes, index, steps));
         }
         if alone.iter().any(|c| self.cloths[*c].turned.contains(&true)) {
-            drop(pass);
-            alone.iter().for_each(|c| self.cloths[*c].turn_back(encoder));
-            pass = begin(encoder, "cloth");
+            let between = passes.between();
+            alone.iter().for_each(|c| self.cloths[*c].turn_back(between));
         }
         for (index, offset) in alone.into_iter().zip(last) {
             let cloth = &world.scene.cloths[index];
             let frame = world.runs[index].schedule.frame.iter();
-            frame.for_each(|what| self.run(cloth, &mut pass, index, (&Form::Apart(*what), offset)));
+            frame.for_each(|what| self.run_in(cloth, &mut passes, index, (&Form::Apart(*what), offset)));
         }
-        drop(pass);
+        let spans = passes.end();
+        timing.copy(&self.device, encoder, spans, steps);
+        self.timing = timing;
         self.watch(world, encoder, steps);
         world.host.touched = false;
         world.control.tick(steps);
     }
 
     /// Records the steps of a cloth; returns where the numbers of the last one lie.
-    fn record_steps(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, steps: u32) -> u32 {
+    fn record_steps(&mut self, world: &World, passes: &mut Recording, index: usize, steps: u32) -> u32 {
         let (cloth, order, frame) = (&world.scene.cloths[index], world.order(index), world.frame(index, steps));
         let alone = || frame.schedule.relax.iter().map(|p| Form::Apart(*p)).collect();
         let relax: Vec<Form> = order.map_or_else(alone, |o| o.relax.clone());
@@ -214,7 +224,7 @@ impl Gpu {
             offset = self.cloths[index].step_offset(&self.queue, row);
             let coarse = frame.coarse(n);
             let rounds = |count| (0..count).flat_map(|_| &relax);
-            let mut run = |what: &Form| self.run(cloth, pass, index, (what, offset));
+            let mut run = |what: &Form| self.run_in(cloth, passes, index, (what, offset));
             frame.air(n).iter().for_each(|p| run(&Form::Apart(*p)));
             match order.filter(|_| coarse.is_empty()) {
                 Some(order) => order.first.iter().chain(rounds(frame.rounds - 1)).for_each(&mut run),
@@ -225,6 +235,12 @@ impl Gpu {
             }
         }
         offset
+    }
+
+    /// Records one pass of a cloth in a frame, with the numbers that lie at an offset.
+    fn run_in(&mut self, cloth: &Cloth, passes: &mut Recording, index: usize, what: (&Form, u32)) {
+        let shader = if passes.each { self.pipelines.get(what.0).source.stem } else { "" };
+        self.run(cloth, passes.pass(shader), index, what);
     }
 
     /// Records one pass of a cloth, with the numbers that lie at an offset.
@@ -241,7 +257,7 @@ impl Gpu {
     }
 
     /// Records the frames of all cloths that share dispatches.
-    fn record_fused(&mut self, world: &World, pass: &mut wgpu::ComputePass, steps: u32) {
+    fn record_fused(&mut self, world: &World, passes: &mut Recording, steps: u32) {
         let Some(frames) = &mut self.frames else { return };
         for batch in world.batches(steps) {
             let pipeline = self.pipelines.fitting(&Form::Whole(batch.fused.clone()));
@@ -251,6 +267,7 @@ impl Gpu {
             let offset = frames.offset(&self.queue, &numbers);
             let buffers = (&self.solids.buffer, &frames.buffer);
             let group = arena.group(&self.device, world, &batch, pipeline, buffers);
+            let pass = passes.pass(pipeline.source.stem);
             pass.set_pipeline(&pipeline.pipeline);
             pass.set_bind_group(0, group, &[offset]);
             pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);

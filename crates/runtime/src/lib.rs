@@ -82,7 +82,9 @@ pub use error::{Error, Result, StateProblem};
 pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
 pub use form::{Form, Fused, Hold, Tile, TileShape};
 #[cfg(feature = "gpu")]
-pub use gpu::{ClothBuffers, Compiled, Span, device_limits, read_back, read_back_picture, read_back_u32};
+pub use gpu::{
+    ClothBuffers, Compiled, PassTime, Span, device_features, device_limits, read_back, read_back_picture, read_back_u32,
+};
 pub use handle::{ClothHandle, ClothRef};
 pub use health::{Health, Stretch};
 pub use limits::{LONGEST, LONGEST_FREE, MOST_LENGTHS, MOST_RATIO, Warning};

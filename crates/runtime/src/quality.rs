@@ -49,8 +49,9 @@ pub enum Quality {
     #[default]
     Fixed,
     /// As many substeps as take at most this time \[ms\] in [`crate::Options::step`], from the times that the host reports
-    /// ([`crate::Stepper::took`]); unchanged until it does. Above 0. A frame is modelled as a fixed part plus a part per
-    /// step, so that normals and other work once per frame do not count as steps. Results then depend on the host's clock.
+    /// ([`crate::Stepper::took`]), or from timestamps of the GPU where it has them ([`crate::device_features`]) and the host settles
+    /// ([`crate::Stepper::settle`]); unchanged until a time is known. Above 0. A frame is modelled as a fixed part plus a part per
+    /// step, so that normals and other work once per frame do not count as steps. Results then depend on a clock.
     Budget(f64),
     /// The cheapest numbers of substeps and of rounds of polish, at most 256 and 32, that keep the error at or below this value;
     /// 1e-4 to 1, 0.01 is 1 %. The error is the largest stretch of a spring to the right or down (length / rest length - 1, not below 0) at the end of a frame,

@@ -24,6 +24,8 @@ mod self_check;
 mod settings;
 mod state;
 mod tangents;
+#[cfg(feature = "gpu")]
+mod times;
 
 pub use drag::Drag;
 #[cfg(feature = "gpu")]
@@ -211,11 +213,14 @@ impl Stepper {
         Ok(())
     }
 
-    /// Reports the time of a frame \[ms\], for [`crate::Quality::Budget`]: `steps` as in [`Progress::steps`], the time from the
-    /// host's clock or from timestamps of the GPU. It may come late. Frames without a step and times not above 0 do not
-    /// count. The median of the last 15 times per step is used, from the fifth time on.
+    /// Reports the time of a frame \[ms\], for [`crate::Quality::Budget`]: `steps` as in [`Progress::steps`]. It may come late. Frames
+    /// without a step and times not above 0 do not count. The median of the last 15 times per step is used, from the fifth time
+    /// on. A GPU with timestamp queries times its frames by itself ([`Stepper::settle`]): from the first of these times on, those
+    /// of the host do not count.
     pub fn took(&mut self, steps: u32, ms: f64) {
-        self.world.control.chooser.took(steps, ms);
+        if !self.gpu.as_ref().is_some_and(Gpu::times_frames) {
+            self.world.control.chooser.took(steps, ms);
+        }
     }
 
     /// The largest stretch in the last measured frame, for [`crate::Quality::Error`]; `None` before the first measurement.
@@ -238,7 +243,7 @@ impl Stepper {
 
     /// Lets cloths fall asleep on the GPU backend if [`crate::Options::sleep`] is set, and substeps be chosen by
     /// [`crate::Quality::Error`]: call it once a frame, after everything that was recorded has been submitted. It takes in
-    /// what has come back, eight bytes per cloth some frames late, and never waits. Without it no cloth falls asleep and
+    /// what has come back, eight bytes per cloth some frames late, and never waits. Boxes and times of the device come with it. Without it no cloth falls asleep and
     /// no error is known there. The CPU backend needs no call.
     pub fn settle(&mut self) -> Result<()> {
         self.guarded(|stepper| stepper.gpu.as_mut().map_or(Ok(()), |gpu| gpu.settle(&mut stepper.world)))

@@ -9,6 +9,7 @@ mod support;
 use std::collections::BTreeSet;
 
 use gimage_runtime::*;
+use support::rig::Rig;
 use support::{FRAME, compared, device, scene};
 
 const SOLVERS: [Solver; 2] = [Solver::Classic, Solver::Xpbd];
@@ -278,4 +279,60 @@ fn another_stepper_compiles_nothing_that_the_first_has() {
     again.record(&mut encoder, 1.0 / 60.0).unwrap();
     queue.submit([encoder.finish()]);
     assert_eq!(again.compiled().unwrap().pipelines, 0);
+}
+
+/// A device with all that the runtime can use, timestamp queries among it.
+fn device_with_times() -> Option<(wgpu::Device, wgpu::Queue)> {
+    let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()));
+    let Ok(adapter) = adapter else { return support::lacking("no GPU adapter") };
+    let required_features = device_features(&adapter);
+    if required_features.is_empty() {
+        return support::lacking("the adapter has no timestamp queries");
+    }
+    let wish = wgpu::DeviceDescriptor { required_features, ..Default::default() };
+    pollster::block_on(adapter.request_device(&wish)).map_or_else(|e| support::lacking(&e.to_string()), Some)
+}
+
+#[test]
+fn each_pass_is_timed_and_results_stay_the_same() {
+    let Some(gpu) = device_with_times() else { return };
+    for fused in [true, false] {
+        let options = Options { fused, ..Options::default() };
+        let scene = scene(support::tube(9, 20, 4));
+        let [mut timed, mut plain] = [(); 2].map(|()| Rig::gpu(scene.clone(), &options, &gpu));
+        assert!(timed.stepper.time_passes(true));
+        for rig in [&mut timed, &mut plain] {
+            (0..8).for_each(|_| rig.frame_to_its_end(FRAME));
+        }
+        assert_eq!(timed.positions(0), plain.positions(0));
+        assert!(plain.stepper.pass_times().is_empty());
+        // Of each shader as many dispatches as the plan has, and time for some.
+        let mut planned = std::collections::BTreeMap::new();
+        timed.stepper.plan().passes.iter().for_each(|p| *planned.entry(p.shader).or_insert(0) += p.dispatches);
+        let times = timed.stepper.pass_times().to_vec();
+        let found: std::collections::BTreeMap<_, _> = times.iter().map(|t| (t.shader, t.dispatches)).collect();
+        assert_eq!((found, times.len()), (planned.clone(), planned.len()));
+        let all: f64 = times.iter().map(|t| t.ms).sum();
+        assert!(times.iter().all(|t| t.ms >= 0.0) && all > 0.0 && all < 10_000.0, "{times:?}");
+        assert!(timed.stepper.time_passes(false));
+    }
+    // The CPU, and a device without timestamps.
+    let scene = scene(support::tube(9, 4, 4));
+    let mut cpu = Rig::on(Backend::Cpu, scene.clone(), &Options::default(), &gpu);
+    assert!(!cpu.stepper.time_passes(true));
+    let Some(plain) = device() else { return };
+    assert!(!Rig::gpu(scene, &Options::default(), &plain).stepper.time_passes(true));
+}
+
+#[test]
+fn a_gpu_with_timestamps_keeps_to_a_budget_by_itself() {
+    let Some(gpu) = device_with_times() else { return };
+    let options = Options { substeps: Some(8), quality: Quality::Budget(1e-6), ..Options::default() };
+    let mut rig = Rig::gpu(scene(support::tube(9, 20, 4)), &options, &gpu);
+    for _ in 0..60 {
+        rig.frame_to_its_end(FRAME);
+        // The clock of the host has no say.
+        rig.stepper.took(8, 1e-9);
+    }
+    assert_eq!(rig.stepper.substeps(), 1);
 }

@@ -1,7 +1,7 @@
 //! The device of this machine that the cloth may run on.
 
 use gimage_runtime::wgpu;
-use gimage_runtime::{SelfCheck, device_limits, self_check};
+use gimage_runtime::{SelfCheck, device_features, device_limits, self_check};
 
 /// A device, and the adapter that it is from.
 pub struct Device {
@@ -21,7 +21,8 @@ impl Device {
 
     /// That of an adapter.
     pub fn of(adapter: &wgpu::Adapter) -> Result<Self, String> {
-        let wish = wgpu::DeviceDescriptor { required_limits: device_limits(adapter), ..Default::default() };
+        let (required_limits, required_features) = (device_limits(adapter), device_features(adapter));
+        let wish = wgpu::DeviceDescriptor { required_limits, required_features, ..Default::default() };
         let found = pollster::block_on(adapter.request_device(&wish));
         let (device, queue) = found.map_err(|e| format!("no GPU: {e}"))?;
         Ok(Device { info: adapter.get_info(), device, queue })

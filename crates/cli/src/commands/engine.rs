@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use gimage_runtime::scene::Script;
 use gimage_runtime::wgpu;
-use gimage_runtime::{Backend, Health, Options, Progress, Scene, Stepper, read_back, read_back_u32};
+use gimage_runtime::{Backend, Health, Options, PassTime, Progress, Scene, Stepper, read_back, read_back_u32};
 
 use crate::commands::device::Device;
 use crate::exit::Failure;
@@ -53,6 +53,18 @@ impl Engine {
         each.iter().for_each(|warning| out.remark(Tone::Warning, "warning", &warning.to_string()));
     }
 
+    /// The same as [`Engine::frame`], with a time for each shader; these are empty on a device without timestamps and on the CPU. The frame
+    /// takes longer than others.
+    pub fn timed_frame(&mut self, dt: f64) -> Result<Vec<PassTime>, Failure> {
+        let times = self.stepper.time_passes(true);
+        self.frame(dt)?;
+        if !times {
+            return Ok(Vec::new());
+        }
+        self.stepper.time_passes(false);
+        Ok(self.stepper.pass_times().to_vec())
+    }
+
     /// Does what the script has for the next `dt` seconds, steps through them and waits.
     pub fn frame(&mut self, dt: f64) -> Result<Progress, Failure> {
         self.script.frame(&mut self.stepper, self.time, dt)?;
@@ -79,9 +91,7 @@ impl Engine {
         queue.submit([encoder.finish()]);
         let wait = device.poll(wgpu::PollType::wait_indefinitely());
         wait.map_err(|e| Failure::refused(format!("the GPU stopped: {e}")))?;
-        if self.stepper.options().quality.target().is_some() {
-            self.stepper.settle()?;
-        }
+        self.stepper.settle()?;
         Ok(progress)
     }
 

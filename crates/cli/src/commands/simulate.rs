@@ -1,6 +1,7 @@
 //! `gimage simulate`: steps a scene, times it, and dumps positions.
 
 mod dump;
+mod passes;
 
 use std::time::Instant;
 
@@ -15,6 +16,7 @@ use crate::exit::{Exit, Failure};
 use crate::output::Output;
 use crate::table::{NOTHING, Table};
 use dump::Dump;
+use passes::PassTimes;
 
 /// Runs it.
 pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
@@ -27,11 +29,16 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
     let dump = args.dump.as_deref().map(|dir| Dump::new(dir, &engine.stepper, args.force, out)).transpose()?;
     let (mut times, mut counts, mut rounds) = (Vec::new(), Vec::new(), Vec::new());
     let mut faults = Faults::default();
+    let mut passes = PassTimes::default();
     for frame in 0..=frames {
         if frame > 0 {
             let start = Instant::now();
-            engine.frame(step)?;
-            times.push(start.elapsed().as_secs_f64() * 1e3);
+            if out.json && PassTimes::is_due(frame) && engine.gpu().is_some() {
+                passes.take(engine.timed_frame(step)?);
+            } else {
+                engine.frame(step)?;
+                times.push(start.elapsed().as_secs_f64() * 1e3);
+            }
             counts.push(engine.stepper.substeps());
             rounds.push(engine.stepper.polish());
             faults.after_frame(&mut engine);
@@ -42,17 +49,18 @@ pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
         }
     }
     faults.at_end(&mut engine)?;
-    faults.warn(out, &engine, times.len());
-    report(args, out, &engine, &faults, (times, [counts, rounds]))
+    faults.warn(out, &engine, counts.len());
+    report(args, out, &engine, (&faults, &passes), (times, [counts, rounds]))
 }
 
 fn report(
     args: &SimulateArgs,
     out: &Output,
     engine: &Engine,
-    faults: &Faults,
+    (faults, pass_times): (&Faults, &PassTimes),
     (mut times, mut counts): (Vec<f64>, [Vec<u32>; 2]),
 ) -> Result<Exit, Failure> {
+    let frames = counts[0].len();
     times.sort_by(f64::total_cmp);
     let [substeps, rounds] = counts.each_mut().map(|list| {
         list.sort_unstable();
@@ -65,7 +73,7 @@ fn report(
     let backend = if engine.stepper.backend() == Backend::Cpu { "cpu" } else { "gpu" };
     if !out.json {
         let ms = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.4}"));
-        let (name, frames) = (&args.scene.scene, times.len());
+        let name = &args.scene.scene;
         let line = format!("{name}: {frames} frames on the {backend} ({})", engine.adapter);
         let line = format!("{line}, ms per frame: least {}, median {}\n", ms(least), ms(median));
         let chosen = chosen(options.quality, [substeps, rounds], error);
@@ -107,11 +115,12 @@ fn report(
         "choice": choice.to_string(),
         "thickness": options.thickness,
         "particles": engine.stepper.scene().cloths.iter().map(Cloth::len).sum::<usize>(),
-        "frames": times.len(),
+        "frames": frames,
         "ms_frame_min": least,
         "ms_frame_median": median,
         "dispatches_per_frame": plan.dispatches(),
         "plan": passes.collect::<Vec<_>>(),
+        "gpu_passes": pass_times.json(),
         "cloths": cloths.collect::<Vec<_>>(),
         "findings": faults.findings(),
         "faults": faults.json(),

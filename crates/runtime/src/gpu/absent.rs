@@ -38,6 +38,10 @@ impl Gpu {
         match *self {}
     }
 
+    pub fn times_frames(&self) -> bool {
+        match *self {}
+    }
+
     pub fn settle(&mut self, _: &mut World) -> Result<()> {
         match *self {}
     }

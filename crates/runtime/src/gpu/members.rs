@@ -5,7 +5,6 @@ use super::buffers::ClothBuffers;
 use super::ring::Ring;
 use super::solids::Solids;
 use super::store::Store;
-use super::watch::Watch;
 use super::{Gpu, fits, frames};
 use crate::error::Result;
 use crate::form::Form;
@@ -53,7 +52,7 @@ impl Gpu {
     pub fn join(&mut self, world: &World, coming: Coming) {
         let Coming { buffers, arena, frames, solids } = coming;
         self.cloths.extend(buffers);
-        self.watches.push(Watch::default());
+        self.watch.join();
         self.arenas.extend(arena);
         self.frames = self.frames.take().or(frames);
         // Frames that have been recorded with the last lists of colliders may not have been submitted yet, so these stay as they are.
@@ -66,7 +65,7 @@ impl Gpu {
     /// Drops the buffers of a cloth that has left.
     pub fn leave(&mut self, world: &World, index: usize, left: &Left) {
         self.cloths.remove(index);
-        self.watches.remove(index);
+        self.watch.leave(index);
         self.boxes.leave(index);
         if let Some((arena, member)) = left.place
             && self.arenas[arena].leave(member)

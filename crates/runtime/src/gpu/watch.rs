@@ -1,32 +1,124 @@
-//! Bringing speeds and stretch back without waiting.
+//! Bringing speeds and stretch of all cloths back by one small buffer per frame, without waiting.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
+
+use wgpu::Buffer;
 
 use super::Gpu;
 use super::lost::poll;
 use super::staging::{Parcel, Staging};
 use crate::error::Result;
+use crate::handle::follow;
 use crate::passes::Pass;
 use crate::world::World;
 
-/// Measurements of one cloth on their way to the host.
+/// Measurements on their way to the host.
 #[derive(Default)]
 pub(super) struct Watch {
     staging: Staging,
     /// In the order of recording; a frame for which there is no buffer is measured with the next.
-    under_way: VecDeque<Probe>,
-    /// Time stepped since the last one \[s\].
-    seconds: f64,
+    under_way: VecDeque<Measured>,
+    /// Time stepped since the last measurement of each cloth \[s\].
+    seconds: Vec<f64>,
 }
 
-struct Probe {
+/// What was measured in a frame.
+struct Measured {
     parcel: Parcel,
-    /// What counts as calm; none where no cloth falls asleep.
-    limit: Option<f64>,
-    /// In the frame, where stretch was measured.
-    substeps: Option<u32>,
+    probes: Vec<Probe>,
+}
+
+/// What was measured of a cloth.
+struct Probe {
+    /// Its index now; none if it has left.
+    cloth: Option<usize>,
+    /// Where in the parcel the speed lies, and what counts as calm; none where no cloth falls asleep.
+    fastest: Option<(usize, f64)>,
+    /// Where the stretch lies and the substeps of the frame, where it was measured.
+    strain: Option<(usize, u32)>,
     seconds: f64,
     changes: u64,
+}
+
+/// Parts of buffers that are copied one after the other: those of cloths that share a buffer as one.
+#[derive(Default)]
+struct Parts<'a> {
+    list: Vec<(&'a Buffer, u64, u64)>,
+    places: HashMap<&'a Buffer, usize>,
+}
+
+impl<'a> Parts<'a> {
+    /// Takes in four bytes; returns the part that they are in.
+    fn add(&mut self, (buffer, at): (&'a Buffer, u64)) -> usize {
+        let place = *self.places.entry(buffer).or_insert(self.list.len());
+        match self.list.get_mut(place) {
+            Some((_, from, to)) => (*from, *to) = ((*from).min(at), (*to).max(at + 4)),
+            None => self.list.push((buffer, at, at + 4)),
+        }
+        place
+    }
+
+    /// Where each begins in the copy, and the end of the last.
+    fn starts(&self) -> (Vec<u64>, u64) {
+        let mut end = 0;
+        let start = |(_, from, to): &(&Buffer, u64, u64)| {
+            let start = end;
+            end += to - from;
+            start
+        };
+        (self.list.iter().map(start).collect(), end)
+    }
+}
+
+impl Watch {
+    /// For a number of cloths.
+    pub fn new(cloths: usize) -> Self {
+        Watch { seconds: vec![0.0; cloths], ..Watch::default() }
+    }
+
+    /// Takes in that a cloth comes.
+    pub fn join(&mut self) {
+        self.seconds.push(0.0);
+    }
+
+    /// Lets a cloth go. The measurements of those behind it follow their cloths.
+    pub fn leave(&mut self, cloth: usize) {
+        self.seconds.remove(cloth);
+        for probe in self.under_way.iter_mut().flat_map(|m| &mut m.probes) {
+            if !probe.cloth.as_mut().is_some_and(|index| follow(index, cloth)) {
+                probe.cloth = None;
+            }
+        }
+    }
+
+    /// Takes in what has arrived, in order.
+    fn settle(&mut self, world: &mut World) -> Result<()> {
+        while let Some(measured) = self.under_way.front() {
+            let number = |bytes: &[u8], at: usize| f64::from(bytemuck::pod_read_unaligned::<f32>(&bytes[at..at + 4]));
+            let read = |bytes: &[u8]| -> Vec<[Option<f64>; 2]> {
+                let of = |p: &Probe| [p.fastest.map(|f| f.0), p.strain.map(|s| s.0)].map(|at| Some(number(bytes, at?)));
+                measured.probes.iter().map(of).collect()
+            };
+            let Some(numbers) = measured.parcel.open(read)? else { break };
+            let Some(measured) = self.under_way.pop_front() else { break };
+            for (probe, [fastest, strain]) in measured.probes.iter().zip(numbers) {
+                let Some(cloth) = probe.cloth else { continue };
+                if let (Some(fastest), Some((_, limit))) = (fastest, probe.fastest)
+                    && probe.changes == world.runs[cloth].calm.changes
+                {
+                    world.note(cloth, fastest <= limit, probe.seconds);
+                }
+                // With another number of substeps it was another question.
+                if let (Some(strain), Some((_, substeps))) = (strain, probe.strain)
+                    && substeps == world.control.options.substeps
+                {
+                    world.control.chooser.measured(strain);
+                }
+            }
+            self.staging.put_back(measured.parcel);
+        }
+        Ok(())
+    }
 }
 
 impl Gpu {
@@ -36,50 +128,49 @@ impl Gpu {
         if limit.is_none() && world.control.options.quality.target().is_none() {
             return;
         }
+        let (mut parts, mut probes) = (Parts::default(), Vec::new());
         for index in (0..self.cloths.len()).filter(|c| !world.runs[*c].asleep) {
-            let (watch, cloth) = (&mut self.watches[index], &self.cloths[index]);
+            let cloth = &self.cloths[index];
             let fused = world.is_fused(index, steps);
             let fastest = limit.and_then(|_| cloth.fastest(fused));
             let measured = world.runs[index].schedule.frame.iter().any(|p| matches!(p, Pass::Strain { .. }));
             let strain = if measured { cloth.strain(fused) } else { None };
-            if fastest.is_none() && strain.is_none() {
-                continue;
+            if fastest.is_some() || strain.is_some() {
+                self.watch.seconds[index] += f64::from(steps) * world.control.clock.dt;
+                probes.push((index, [fastest, strain].map(|from| Some((parts.add(from?), from?.1)))));
             }
-            watch.seconds += f64::from(steps) * world.control.clock.dt;
-            let Some(parcel) = watch.staging.take(&self.device, "measured", 8) else { continue };
-            for ((from, at), to) in fastest.map(|f| (f, 0)).into_iter().chain(strain.map(|s| (s, 4))) {
-                encoder.copy_buffer_to_buffer(from, at, &parcel.staging, to, 4);
-            }
-            let (seconds, changes) = (std::mem::take(&mut watch.seconds), world.runs[index].calm.changes);
-            let (limit, substeps) = (fastest.and(limit), strain.map(|_| world.control.options.substeps));
-            watch.under_way.push_back(Probe { parcel, limit, substeps, seconds, changes });
         }
+        let (starts, size) = parts.starts();
+        if probes.is_empty() {
+            return;
+        }
+        // Cloths that fall asleep one by one need no other buffers.
+        let Some(parcel) = self.watch.staging.take(&self.device, "measured", size.next_power_of_two()) else { return };
+        for ((buffer, from, to), start) in parts.list.iter().zip(&starts) {
+            encoder.copy_buffer_to_buffer(buffer, *from, &parcel.staging, *start, to - from);
+        }
+        let place = |(part, at): (usize, u64)| (starts[part] + at - parts.list[part].1) as usize;
+        let seconds = &mut self.watch.seconds;
+        let probe = |(index, [fastest, strain]): (usize, [Option<(usize, u64)>; 2])| Probe {
+            cloth: Some(index),
+            fastest: fastest.map(place).zip(limit),
+            strain: strain.map(|from| (place(from), world.control.options.substeps)),
+            seconds: std::mem::take(&mut seconds[index]),
+            changes: world.runs[index].calm.changes,
+        };
+        let probes = probes.into_iter().map(probe).collect();
+        self.watch.under_way.push_back(Measured { parcel, probes });
     }
 
     /// Takes in what has arrived, in order, and asks for the rest. Does not wait.
     pub fn settle(&mut self, world: &mut World) -> Result<()> {
-        let (probes, boxes) = (self.watches.iter_mut().flat_map(|w| &mut w.under_way), &mut self.boxes);
-        probes.for_each(|probe| probe.parcel.ask());
-        boxes.ask();
+        self.watch.under_way.iter_mut().for_each(|measured| measured.parcel.ask());
+        self.boxes.ask();
+        self.timing.ask();
         poll(&self.device, wgpu::PollType::Poll)?;
-        boxes.settle()?;
-        for (index, watch) in self.watches.iter_mut().enumerate() {
-            while let Some(probe) = watch.under_way.front() {
-                let Some(measured) = probe.parcel.open(|bytes| bytemuck::pod_read_unaligned(&bytes[..8]))? else {
-                    break;
-                };
-                let [fastest, strain]: [f32; 2] = measured;
-                let Some(probe) = watch.under_way.pop_front() else { break };
-                if let Some(limit) = probe.limit.filter(|_| probe.changes == world.runs[index].calm.changes) {
-                    world.note(index, f64::from(fastest) <= limit, probe.seconds);
-                }
-                // With another number of substeps it was another question.
-                if probe.substeps == Some(world.control.options.substeps) {
-                    world.control.chooser.measured(f64::from(strain));
-                }
-                watch.staging.put_back(probe.parcel);
-            }
-        }
-        Ok(())
+        self.boxes.settle()?;
+        let chooser = &mut world.control.chooser;
+        self.timing.settle(self.queue.get_timestamp_period(), |steps, ms| chooser.took(steps, ms))?;
+        self.watch.settle(world)
     }
 }

@@ -1,7 +1,7 @@
 //! What of a sheet colliders can touch within a step.
 
 use super::super::sheet::{Sheet, planes_ref};
-use crate::collider::solid::Solid;
+use crate::collider::solid::{CAPSULE, Solid};
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::{Real, V3, dot, sub};
 
@@ -11,6 +11,16 @@ pub struct Reach<T> {
     /// Squared radius; none for a half-space.
     radius: Option<T>,
     normal: V3<T>,
+    /// Of a capsule, which is much smaller than the ball around it.
+    line: Option<Line<T>>,
+}
+
+/// A line and the distance from it within which a solid can touch.
+struct Line<T> {
+    /// A unit vector.
+    axis: V3<T>,
+    half: T,
+    radius: T,
 }
 
 impl<T: Real> Reach<T> {
@@ -18,13 +28,18 @@ impl<T: Real> Reach<T> {
         let around = solid.around();
         let v = solid.velocity;
         let moves = dot(v, v).sqrt() * dt;
-        let radius = around.map(|r| {
-            let s = solid.spin;
-            let turns = dot(s, s).sqrt() * dt * r;
-            r + moves + turns
-        });
+        let s = solid.spin;
+        let farther = |r: T| moves + dot(s, s).sqrt() * dt * r;
+        let radius = around.map(|r| r + farther(r));
         let normal = solid.up();
-        Reach { center: solid.center, radius, normal }
+        let line = around.filter(|_| solid.kind == CAPSULE).map(|r| {
+            let [thick, half, _] = solid.size;
+            let size = |v: V3<T>| v[0].abs() + v[1].abs() + v[2].abs();
+            // Above all rounding, as in `may`.
+            let slack = T::of(1e-5) * (size(solid.center) + r);
+            Line { axis: normal, half, radius: (thick + farther(r)) * T::of(1.001) + slack }
+        });
+        Reach { center: solid.center, radius, normal, line }
     }
 
     pub fn box_near(&self, lowest: V3<T>, highest: V3<T>) -> bool {
@@ -77,6 +92,10 @@ impl<T: Real> Reach<T> {
         let d = between(p, [k.splat(x), k.splat(y), k.splat(z)]);
         match self.radius {
             Some(r) => {
+                let (d, r) = match &self.line {
+                    Some(line) => (line.across(k, d), line.radius),
+                    None => (d, r),
+                };
                 let (way2, far2) = (k.squares(between(p, load(was))), k.squares(d));
                 // The square of a sum is at most twice that of the squares: most that are far are told without a root.
                 let most = k.mul(k.splat(T::of(2.001)), k.add(k.splat(r * r), way2));
@@ -94,6 +113,21 @@ impl<T: Real> Reach<T> {
                 k.any(k.above(k.splat(T::of(0.0)), above))
             }
         }
+    }
+}
+
+impl<T: Real> Line<T> {
+    /// From the nearest point of the line; `d` is from its middle.
+    #[inline(always)]
+    fn across<K: Machine<T>>(&self, k: K, d: [K::V; 3]) -> [K::V; 3] {
+        let [x, y, z] = self.axis;
+        // Written out: what a closure does with vectors is not inlined here.
+        let axis = [k.splat(x), k.splat(y), k.splat(z)];
+        let along = k.add(k.add(k.mul(d[0], axis[0]), k.mul(d[1], axis[1])), k.mul(d[2], axis[2]));
+        let (low, high) = (k.splat(-self.half), k.splat(self.half));
+        let along = k.choose(k.above(along, low), along, low);
+        let along = k.choose(k.above(high, along), along, high);
+        [k.sub(d[0], k.mul(axis[0], along)), k.sub(d[1], k.mul(axis[1], along)), k.sub(d[2], k.mul(axis[2], along))]
     }
 }
 

@@ -83,14 +83,18 @@ fn alone<T: Real>(sheet: &mut Sheet<T>, solids: &[Solid<T>], dt: T) -> usize {
 
 /// Both ways, by bits; how many particles meet something.
 fn compare<T: Real + std::fmt::Debug>(solids: &[Solid<T>], way: f64, seed: usize, threads: &Threads) -> usize {
+    compare_sheet(&sheet::<T>(way, seed), solids, threads)
+}
+
+fn compare_sheet<T: Real + std::fmt::Debug>(start: &Sheet<T>, solids: &[Solid<T>], threads: &Threads) -> usize {
     let dt = T::of(1.0 / 480.0);
-    let (mut together, mut apart) = (sheet::<T>(way, seed), sheet::<T>(way, seed));
+    let (mut together, mut apart) = (start.clone(), start.clone());
     run(threads, &mut together, solids, dt);
     let moved = alone(&mut apart, solids, dt);
     for k in 0..together.width * together.height {
         let (a, b) = (together.at(together.triple(k)), apart.at(apart.triple(k)));
         let (a, b) = (bytemuck::bytes_of(&a), bytemuck::bytes_of(&b));
-        assert!(a == b, "particle {k}, way {way} m: {solids:?}");
+        assert!(a == b, "particle {k}: {solids:?}");
     }
     moved
 }
@@ -109,6 +113,38 @@ fn vectors_of_particles_meet_as_each_does_alone() {
                 compare(&[Solid::<f64>::new(&collider)], way, seed * 8 + s, &threads);
             }
         }
+    }
+}
+
+/// Rows of particles that lie on a solid, all of a row as far above or below its surface, and come by a way \[m\] from there.
+fn rows_on<T: Real>(solid: &Solid<T>, way: f64, seed: usize) -> Sheet<T> {
+    let depths = [-1e-2, -1e-3, -1e-5, -1e-6, -1e-7, 0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+    let mut sheet = sheet::<T>(0.0, seed);
+    for k in 0..sheet.width * sheet.height {
+        let inside = [0, 1, 2].map(|c| solid.center[c] + T::of(0.1 * noise(k + 1000 * seed, c)));
+        let Some((at, normal)) = solid.exit(inside) else { continue };
+        let p = add(at, scale(normal, T::of(depths[k / sheet.width % depths.len()])));
+        let place = sheet.triple(k);
+        sheet.put(place, p);
+        for (c, x) in p.into_iter().enumerate() {
+            sheet.before[place + 2 * c * sheet.half] = x + T::of(way * noise(k, 7 + c));
+        }
+    }
+    sheet
+}
+
+#[test]
+fn vectors_at_the_very_surface_of_a_capsule_are_not_taken_for_far() {
+    let threads = Threads::one();
+    for seed in 0..36 {
+        let capsule = collider(shapes()[2], seed);
+        let (solid, wide) = (Solid::<f32>::new(&capsule), Solid::<f64>::new(&capsule));
+        let mut moved = 0;
+        for way in [0.0, 1e-6, 1e-3, 0.05] {
+            moved += compare_sheet(&rows_on(&solid, way, seed), &[solid], &threads);
+            compare_sheet(&rows_on(&wide, way, seed), &[wide], &threads);
+        }
+        assert!(moved > 100, "{moved}");
     }
 }
 
