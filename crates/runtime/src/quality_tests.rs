@@ -106,6 +106,17 @@ fn a_budget_is_kept_by_the_clock_of_the_host() {
 }
 
 #[test]
+fn a_slow_start_and_busy_moments_do_not_lower_a_budget_for_long() {
+    // A first frame that takes twice as long, and moments in which all frames do; 4 ms have room for 9 steps of 0.4 ms.
+    let busy = |frame: u32| frame == 0 || frame % 240 >= 230;
+    let all = timed(Quality::Budget(4.0), 8, 1200, |frame| if busy(frame) { 0.8 } else { 0.4 });
+    assert!(all[1..200].iter().all(|n| *n >= 6), "{:?}", &all[..40]);
+    for end in [225, 465, 705, 945, 1185] {
+        assert!((8..=9).contains(&all[end]), "{end}: {:?}", &all[end - 40..end]);
+    }
+}
+
+#[test]
 fn the_budget_wins_and_fixed_is_fixed() {
     // The stretch of 100 % never ends.
     let both = Quality::ErrorWithin { stretch: 0.01, ms: 4.0 };

@@ -257,7 +257,8 @@ impl Chooser {
     /// Not up and down with every frame.
     fn for_budget(&self, room: u32, n: u32) -> u32 {
         let more = (n / 8).max(1);
-        if room >= n + more && self.waited >= self.patience { n + more } else { n.min(room) }
+        // One slow frame, as the first often is, says little: falls are gradual.
+        if room >= n + more && self.waited >= self.patience { n + more } else { n.min(room).max(n - n.div_ceil(4)) }
     }
 }
 

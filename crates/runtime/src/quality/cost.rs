@@ -44,8 +44,10 @@ impl Costs {
         if work <= 0.0 || !ms.is_finite() || ms <= 0.0 {
             return;
         }
+        // Times from before other work do not count: a busy moment of the machine may have been the reason for the change.
+        let again = self.of.last().is_some_and(|t| t.work == work);
         let known = self.of.iter().position(|t| t.work == work).map(|at| self.of.remove(at));
-        let mut times = known.unwrap_or_else(|| Times { work, ms: VecDeque::new(), age: 0.0 });
+        let mut times = known.filter(|_| again).unwrap_or_else(|| Times { work, ms: VecDeque::new(), age: 0.0 });
         times.age = 0.0;
         times.ms.push_back(ms);
         times.ms.drain(..times.ms.len().saturating_sub(TIMES[0]));
@@ -106,6 +108,16 @@ mod tests {
         // At 90 % of the budget nothing is tried.
         assert_eq!(room(&costs(&[(1, 5.4)]), 1, 6.0), Some(1));
         assert_eq!(room(&Costs::default(), 8, 6.0), None);
+    }
+
+    #[test]
+    fn what_was_slow_is_measured_anew_when_it_is_tried_again() {
+        // A busy moment at 8 steps, which led to 6.
+        let mut known = costs(&[(8, 9.0), (6, 3.0)]);
+        known.add(8.0, 4.0);
+        assert!(room(&known, 8, 6.0).is_some_and(|n| n >= 8));
+        (1..TIMES[1]).for_each(|_| known.add(8.0, 4.0));
+        assert!(room(&known, 8, 6.0).is_some_and(|n| n > 8));
     }
 
     #[test]
