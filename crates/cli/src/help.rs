@@ -89,7 +89,8 @@ pub const SIMULATE: &str = concat!(
     "and why. The table is of the end of the run: extension of the structural springs, its largest 99th percentile so far, RMS ",
     "speed, depth in colliders. -v lists the passes. --error measures the largest stretch of each frame, learns from ",
     "changes what steps and rounds of polish do against it, and uses the cheapest numbers that suffice; --polish fixes the ",
-    "rounds, and a GPU keeps those of the start. --budget models a frame as a fixed part plus a part per step. --dump writes ",
+    "rounds, and a GPU keeps those of the start. --budget models a frame as a fixed part plus a part per step. On a GPU with ",
+    "timestamps, --json times the passes of every 16th frame (gpu_passes); that frame does not count among ms_frame. --dump writes ",
     "frame_NNNNN.<piece>.position.exr, where frame 0 is the start; it refuses a directory with frames of an older run unless ",
     "--force is given, which removes them. Settings beyond the limits of the solver are adjusted, with a warning.",
     exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
