@@ -74,7 +74,9 @@ impl Costs {
             let trial = if took <= SPARE * ms { trial } else { 0.0 };
             return Some((work * ms / took).max(trial));
         }
-        let per_work = ((took - far.1) / (work - far.0)).clamp(MIN_SHARE * took / work, took / work);
+        let (rise, all) = ((took - far.1) / (work - far.0), took / work);
+        // Less work that took as long is a busy moment, which says nothing of the fixed part: then the work takes everything.
+        let per_work = if rise < MIN_SHARE * all { all } else { rise.min(all) };
         Some((work + (ms - took) / per_work).max(0.0))
     }
 }
@@ -118,6 +120,14 @@ mod tests {
         assert!(room(&known, 8, 6.0).is_some_and(|n| n >= 8));
         (1..TIMES[1]).for_each(|_| known.add(8.0, 4.0));
         assert!(room(&known, 8, 6.0).is_some_and(|n| n > 8));
+    }
+
+    #[test]
+    fn a_busy_moment_does_not_make_steps_free() {
+        // 3 steps took longer than 4 did: of steps without cost a little too much would leave none.
+        assert_eq!(room(&costs(&[(4, 5.7), (3, 6.2)]), 3, 6.0), Some(2));
+        assert_eq!(room(&costs(&[(4, 6.2), (3, 6.2)]), 3, 6.0), Some(2));
+        assert_eq!(room(&costs(&[(3, 6.2), (4, 5.7)]), 4, 6.0), Some(4));
     }
 
     #[test]
