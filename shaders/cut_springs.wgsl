@@ -3,19 +3,6 @@
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> rest: array<vec4<f32>>;
 
-// What is cut away of a quad; the one triangle of a quad of three particles counts as both.
-fn cut_away(grid: Grid, i: i32, j: i32) -> u32 {
-  if (i < 0 || j < 0) {
-    return 0u;
-  }
-  let q = quad(grid, u32(i), u32(j));
-  if (q.count == 0u) {
-    return 0u;
-  }
-  let bits = removed(grid.first + u32(j) * grid.width + u32(i));
-  return select(bits, 3u, q.count == 1u && bits != 0u);
-}
-
 @compute @workgroup_size(16, 4)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
   let grid = grids[id.z];
@@ -24,9 +11,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
   }
   let i = i32(id.x);
   let j = i32(id.y);
-  let here = cut_away(grid, i, j);
-  let left = cut_away(grid, i - 1, j);
-  let above = cut_away(grid, i, j - 1);
+  let here = sides(grid, i, j).y;
+  let left = sides(grid, i - 1, j).y;
+  let above = sides(grid, i, j - 1).y;
   let cut = vec4<bool>(
     ((here & 2u) | (above & 1u)) != 0u,
     ((here & 1u) | (left & 2u)) != 0u,

@@ -238,3 +238,21 @@ fn tangents_do_not_reach_across_a_cut() {
         }
     }
 }
+
+#[test]
+fn tangents_do_not_reach_across_a_cut_at_a_ragged_border() {
+    // Without particle 7 the quad of particles 2 and 3 has one triangle. It is cut away, and particle 3 is moved along it.
+    let device = support::device();
+    let mut rigs = vec![(Rig::cpu(scene(gappy(&[7])), &options()), None)];
+    rigs.extend(device.iter().map(|device| (Rig::gpu(scene(gappy(&[7])), &options(), device), Some(device))));
+    for (mut rig, device) in rigs {
+        rig.stepper.cut([0.8, 3.0, 0.05], [0.8, -3.0, -0.5], [0.8, -3.0, 0.2]).unwrap();
+        let shift = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 5.0, 1.0]];
+        rig.stepper.transform(0, &[3], shift).unwrap();
+        rig.frame(0.0);
+        let holes = rig.holes(0).unwrap();
+        assert!((0..16).all(|k| (holes[k] != 0) == (k == 2)), "{holes:?}");
+        let t = tangents(&mut rig, device)[2];
+        assert!((t[0] - 1.0).abs() < 1e-5 && t[2].abs() < 1e-5, "{}: {t:?}", rig.name());
+    }
+}

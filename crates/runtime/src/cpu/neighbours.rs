@@ -70,6 +70,18 @@ impl<T: Real> View<'_, T> {
         self.holes.get(k).copied().unwrap_or(0)
     }
 
+    /// The triangles of a quad that are left and that are cut away, as shaders/part/sides.wgsl has them. There is none outside.
+    #[inline]
+    pub fn sides(&self, i: Option<usize>, j: Option<usize>) -> [u32; 2] {
+        let (Some(i), Some(j)) = (i, j) else { return [0; 2] };
+        let away = match (self.quad(i, j).0, self.removed(j * self.width + i)) {
+            (0, _) => return [0; 2],
+            (1, bits) if bits != 0 => 3,
+            (_, bits) => bits,
+        };
+        [3 & !away, away]
+    }
+
     /// Position of a particle.
     #[inline]
     pub fn at(&self, k: usize) -> V3<T> {

@@ -45,13 +45,10 @@ fn along<T: Real>(view: View<T>, k: usize, by: usize, back: bool, on: bool) -> V
     scale(sub(view.at(to), view.at(from)), T::of(if behind && ahead { 0.5 } else { 1.0 }))
 }
 
-/// Whether the edges of a texel to the right and down are gone: those whose triangles are all cut away.
+/// Whether the edges of a texel to the right and down are gone: those at no triangle that is left.
 fn gone<T: Real>(view: View<T>, i: usize, j: usize) -> [bool; 2] {
-    let (w, height) = (view.width, view.now.len() / view.width);
-    let k = j * w + i;
-    let bits = view.removed(k);
-    let above = j == 0 || view.removed(k - w) & 1 != 0;
-    let left = i == 0 || view.removed(k - 1) & 2 != 0;
-    let (below, right) = (j + 1 == height || bits & 2 != 0, i + 1 == w || bits & 1 != 0);
-    [above && below, left && right]
+    let here = view.sides(Some(i), Some(j))[0];
+    let left = view.sides(i.checked_sub(1), Some(j))[0];
+    let above = view.sides(Some(i), j.checked_sub(1))[0];
+    [here & 2 | above & 1, here & 1 | left & 2].map(|left| left == 0)
 }

@@ -61,6 +61,7 @@ fn declared(bound: &Bound) -> &'static [&'static str] {
         (Slot::Field, true) => &[part!("field")],
         (Slot::Field, false) => &[part!("field_read")],
         (Slot::Lost, _) => &[part!("lost")],
+        (Slot::Normals, false) => &[part!("normals_read")],
         (Slot::Sums, _) => &[part!("sums")],
         (Slot::Solids, _) => &[part!("solids_all")],
         (Slot::Tethers, _) => &[part!("anchor_placed")],

@@ -32,7 +32,7 @@ pub(super) fn cut(over: Over) -> Rule {
 }
 
 pub(super) fn cut_springs(over: Over) -> Rule {
-    own!("cut_springs", over, open(true, Parts::new(&[part!("quad")], &[Grids, Now], &[Rest])))
+    own!("cut_springs", over, open(true, Parts::new(&[part!("quad"), part!("sides")], &[Grids, Now], &[Rest])))
 }
 
 pub(super) fn cut_tethers(over: Over, slots: u32, seams: bool) -> Rule {
@@ -77,10 +77,12 @@ pub(super) fn bounds(over: Over) -> Rule {
 }
 
 pub(super) fn indices(over: Over, holes: bool) -> Rule {
-    own!("indices", over, open(holes, Parts::new(&[part!("quad")], &[Grids, Now], &[Slot::Indices])))
+    let parts = open(holes, Parts::new(&[part!("quad")], &[Grids, Now], &[Slot::Indices]));
+    Rule { call: "index", ..own!("indices", over, parts) }
 }
 
 pub(super) fn tangents(over: Over, holes: bool) -> Rule {
-    let parts = Parts::new(&[part!("unit")], &[Grids, Now, Slot::Normals, Slot::Charts], &[Slot::Tangents]);
-    own!("tangents", over, open(holes, parts))
+    let files = [part!("quad"), part!("sides"), part!("unit")];
+    let parts = Parts::new(&files, &[Grids, Now, Slot::Normals, Slot::Charts], &[Slot::Tangents]);
+    Rule { call: "tangent", ..own!("tangents", over, open(holes, parts)) }
 }

@@ -86,7 +86,8 @@ pub fn over(pass: Pass) -> Over {
         Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
         Pass::CutLevels => Over::Own(Threads::Grids),
         Pass::Strain { .. } | Pass::Cut | Pass::CutSprings | Pass::CutTethers { .. } => Over::Own(Threads::Texels),
-        Pass::Pick { .. } | Pass::Indices { .. } | Pass::Tangents { .. } => Over::Own(Threads::Texels),
+        Pass::Pick { .. } => Over::Own(Threads::Texels),
+        Pass::Indices { .. } | Pass::Tangents { .. } => Over::Texels,
     }
 }
 
