@@ -1,4 +1,4 @@
-//! What a cloth is to colliders: which of them it meets, how far it keeps from them, and how much of their friction holds it.
+//! How a cloth meets colliders: the colliders that it meets, its distance from their surfaces, and its share of their friction.
 //!
 //! Colliders are chosen by the groups of a cloth, made larger by its thickness, and rougher or smoother by its friction,
 //! before a frame begins: cloths of one coat share them, and no step knows of it.
@@ -9,7 +9,7 @@ use crate::number::real::Real;
 use crate::options::Options;
 use crate::scene::Scene;
 
-/// What colliders are chosen and changed by.
+/// The properties of a cloth that select and change colliders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Coat {
     /// \[m\]

@@ -201,7 +201,7 @@ pub struct Kinds {
 const MANY: usize = 2;
 
 impl Kinds {
-    /// What some colliders need; `None` if there are none.
+    /// The kinds of some colliders; `None` without colliders.
     pub fn of<'a>(colliders: impl IntoIterator<Item = &'a Collider>) -> Option<Self> {
         let (mut kinds, mut count) = (Kinds::default(), 0);
         for c in colliders {

@@ -242,9 +242,10 @@ impl Stepper {
     }
 
     /// Lets cloths fall asleep on the GPU backend if [`crate::Options::sleep`] is set, and substeps be chosen by
-    /// [`crate::Quality::Error`]: call it once a frame, after everything that was recorded has been submitted. It takes in
-    /// what has come back, eight bytes per cloth some frames late, and never waits. Boxes and times of the device come with it. Without it no cloth falls asleep and
-    /// no error is known there. The CPU backend needs no call.
+    /// [`crate::Quality::Error`]: call it once a frame, after everything that was recorded has been submitted. It reads the
+    /// measurements that have arrived, eight bytes per cloth some frames late, and never waits. Boxes (`record_bounds`) and
+    /// pass times arrive by the same call. Without it no cloth falls asleep and no error is known there. The CPU backend
+    /// needs no call.
     pub fn settle(&mut self) -> Result<()> {
         self.guarded(|stepper| stepper.gpu.as_mut().map_or(Ok(()), |gpu| gpu.settle(&mut stepper.world)))
     }

@@ -3,7 +3,7 @@
 use super::guard::FARTHEST;
 use crate::number::real::{Real, V3, dot, sub, xyz};
 
-/// What particles fill, now and one step before.
+/// The box around particles, now and one step before, and their largest displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent<T> {
     /// The corner of the smallest coordinates \[m\].

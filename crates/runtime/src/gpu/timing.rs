@@ -8,23 +8,23 @@ use super::staging::{Parcel, Staging};
 use super::upload::empty;
 use crate::error::Result;
 
-/// What all dispatches of one shader took in a frame.
+/// The time of all dispatches of one shader in a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassTime {
     /// The shader file's stem, as in [`crate::PlannedPass::shader`].
     pub shader: &'static str,
-    /// How many there were.
+    /// The number of dispatches.
     pub dispatches: u32,
     /// From the beginning of the first of a run of them to the end of the last, over all runs \[ms\].
     pub ms: f64,
 }
 
-/// Most compute passes of a frame that are timed, each by two queries: a set has at most 4,096.
-const MOST_EACH: u32 = 2048;
-/// The same where only whole frames are.
-const MOST_WHOLE: u32 = 4;
+/// Largest number of compute passes per frame that are timed, by two queries each: a query set has at most 4,096.
+const MAX_PASSES: u32 = 2048;
+/// The same if only whole frames are timed.
+const MAX_PASSES_WHOLE: u32 = 4;
 
-/// What is timed, and what has arrived.
+/// The timestamps of frames: those under way, and the times that have arrived.
 #[derive(Default)]
 pub(super) struct Timing {
     /// Whether each pass is timed, not only the frame as a whole.
@@ -71,7 +71,7 @@ impl Timing {
 
     /// The queries for a frame that is to be timed.
     fn queries(&mut self, device: &wgpu::Device) -> (&wgpu::QuerySet, u32) {
-        let most = if self.each { MOST_EACH } else { MOST_WHOLE };
+        let most = if self.each { MAX_PASSES } else { MAX_PASSES_WHOLE };
         let last = self.queries.take().filter(|q| q.most == most);
         let new = || {
             let (ty, count) = (wgpu::QueryType::Timestamp, 2 * most);

@@ -16,19 +16,19 @@ use crate::world::World;
 #[derive(Default)]
 pub(super) struct Watch {
     staging: Staging,
-    /// In the order of recording; a frame for which there is no buffer is measured with the next.
+    /// In the order of recording. If no buffer is free, a frame is measured together with the next one.
     under_way: VecDeque<Measured>,
     /// Time stepped since the last measurement of each cloth \[s\].
     seconds: Vec<f64>,
 }
 
-/// What was measured in a frame.
+/// The measurements of one frame.
 struct Measured {
     parcel: Parcel,
     probes: Vec<Probe>,
 }
 
-/// What was measured of a cloth.
+/// The measurements of one cloth.
 struct Probe {
     /// Its index now; none if it has left.
     cloth: Option<usize>,

@@ -30,7 +30,7 @@ impl Stepper {
     /// Of a body that turns by more than half a turn per frame, give the pose in more frames. The same result, by bits, as
     /// [`Stepper::set_colliders`] with [`Collider::moved`]; cheaper, as nothing but the numbers changes. Costs an upload as
     /// [`Stepper::set_colliders`] in each frame in which any collider moves, or comes to rest. Wakes the cloths that meet it.
-    /// Errors if there is no such collider, and on poses that [`Collider::check`] refuses.
+    /// Errors if the collider does not exist, and if [`Collider::check`] refuses the pose.
     ///
     /// ```
     /// use gimage_runtime::scene::Pose;

@@ -121,7 +121,7 @@ impl<T: Real> Line<T> {
     #[inline(always)]
     fn across<K: Machine<T>>(&self, k: K, d: [K::V; 3]) -> [K::V; 3] {
         let [x, y, z] = self.axis;
-        // Written out: what a closure does with vectors is not inlined here.
+        // Three lines instead of a closure: the compiler does not inline closures over vectors here.
         let axis = [k.splat(x), k.splat(y), k.splat(z)];
         let along = k.add(k.add(k.mul(d[0], axis[0]), k.mul(d[1], axis[1])), k.mul(d[2], axis[2]));
         let (low, high) = (k.splat(-self.half), k.splat(self.half));
