@@ -2,6 +2,7 @@
 
 use super::gust::air;
 use super::rows::Threads;
+use crate::number::noise::LastCell;
 use crate::number::real::{Real, V3, add, dot, scale, sub, with_w, xyz};
 use crate::step::Step;
 
@@ -21,7 +22,10 @@ pub enum Air<'a, A> {
 pub fn run<T: Real>(threads: &Threads, step: &Step<T>, now: &mut [[T; 4]], before: &mut [[T; 4]], air: Air<[T; 4]>) {
     threads.chunks2(now, before, (CHUNK, CHUNK), |chunk, now, before| match air {
         Air::None => all(step, now, before, |_, _, _| step.gravity),
-        Air::Push => all(step, now, before, |_, p, moved| add(step.gravity, push(step, p, moved))),
+        Air::Push => {
+            let mut last = LastCell::default();
+            all(step, now, before, |_, p, moved| add(step.gravity, push(step, &mut last, p, moved)));
+        }
         Air::Field(field) => {
             let field = &field[chunk * CHUNK..];
             all(step, now, before, |k, _, _| add(step.gravity, xyz(field[k])));
@@ -30,8 +34,8 @@ pub fn run<T: Real>(threads: &Threads, step: &Step<T>, now: &mut [[T; 4]], befor
 }
 
 #[inline]
-pub fn push<T: Real>(step: &Step<T>, p: V3<T>, moved: V3<T>) -> V3<T> {
-    scale(sub(air(step, p), scale(moved, step.rate)), step.response)
+fn push<T: Real>(step: &Step<T>, last: &mut LastCell<T>, p: V3<T>, moved: V3<T>) -> V3<T> {
+    scale(sub(air(step, last, p), scale(moved, step.rate)), step.response)
 }
 
 #[inline]
@@ -39,7 +43,7 @@ fn all<T: Real>(
     step: &Step<T>,
     now: &mut [[T; 4]],
     before: &mut [[T; 4]],
-    acceleration: impl Fn(usize, V3<T>, V3<T>) -> V3<T>,
+    mut acceleration: impl FnMut(usize, V3<T>, V3<T>) -> V3<T>,
 ) {
     for (k, (p, b)) in now.iter_mut().zip(before).enumerate() {
         if p[3] <= T::of(0.0) {

@@ -6,7 +6,7 @@ use super::rows::Threads;
 use super::sheet::{Sheet, columns, planes};
 use crate::number::aligned::Aligned;
 use crate::number::lanes::{Machine, Work, widest};
-use crate::number::noise::Around;
+use crate::number::noise::LastCell;
 use crate::number::real::Real;
 use crate::step::Step;
 
@@ -85,7 +85,7 @@ impl<T: Real> Rows<'_, '_, T> {
         let (keep, longest, scale) = (k.splat(step.keep), k.splat(step.longest), k.splat(step.scale));
         let [gx, gy, gz] = step.gravity;
         let gravity = [k.splat(gx), k.splat(gy), k.splat(gz)];
-        let mut around = Around::default();
+        let mut last = LastCell::default();
         for (n, (now, before)) in self.now.chunks_exact_mut(row).zip(self.before.chunks_exact_mut(row)).enumerate() {
             let j = self.first + n;
             let (now, before) = (planes(now, half), planes(before, half));
@@ -96,7 +96,7 @@ impl<T: Real> Rows<'_, '_, T> {
                 let b = [k.load(before[0], at), k.load(before[1], at), k.load(before[2], at)];
                 let moved = [k.sub(p[0], b[0]), k.sub(p[1], b[1]), k.sub(p[2], b[2])];
                 let on = k.choose(k.above(k.squares(moved), longest), zero, keep);
-                let a = if STILL { gravity } else { bent(k, step, (&air, &mut around), [p, moved], (j, half, at)) };
+                let a = if STILL { gravity } else { bent(k, step, (&air, &mut last), [p, moved], (j, half, at)) };
                 for c in 0..3 {
                     let to = if let Some(lost) = &mut lost {
                         let by = k.add(k.add(k.mul(moved[c], on), k.mul(a[c], scale)), k.load(lost[c], at));
@@ -119,7 +119,7 @@ impl<T: Real> Rows<'_, '_, T> {
 fn bent<T: Real, K: Machine<T>>(
     k: K,
     step: &Step<T>,
-    (air, around): (&Air<T>, &mut Around<T>),
+    (air, last): (&Air<T>, &mut LastCell<T>),
     [p, moved]: [[K::V; 3]; 2],
     (j, half, at): (usize, usize, usize),
 ) -> [K::V; 3] {
@@ -127,7 +127,7 @@ fn bent<T: Real, K: Machine<T>>(
     match air {
         Air::None => gravity,
         Air::Push => {
-            let flow = k.minus(airs(k, step, around, p), k.times(moved, k.splat(step.rate)));
+            let flow = k.minus(airs(k, step, last, p), k.times(moved, k.splat(step.rate)));
             k.plus(gravity, k.times(flow, k.splat(step.response)))
         }
         Air::Field(field) => {

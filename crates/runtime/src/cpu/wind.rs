@@ -6,26 +6,26 @@ use super::neighbours::View;
 use super::rows::Threads;
 use super::sheet::Sheet;
 use crate::number::lanes::Machine;
-use crate::number::noise::Around;
+use crate::number::noise::LastCell;
 use crate::number::real::{Real, V3, add, cross, dot, scale, sub, with_w, xyz};
 use crate::step::Step;
 
 /// Writes the acceleration of each particle by a third of the force on each of its triangles.
 pub fn run<T: Real>(threads: &Threads, step: &Step<T>, view: View<T>, before: &[[T; 4]], field: &mut [[T; 4]]) {
     let alone = |i, j| alone(step, view, before, (i, j));
-    facets::run(threads, Forces { step, around: Around::default() }, Texels { view, before, alone }, field);
+    facets::run(threads, Forces { step, last: LastCell::default() }, Texels { view, before, alone }, field);
 }
 
 /// The same for a sheet without gaps and holes; the field lies as [`Sheet::now`].
 pub fn of_sheet<T: Real>(threads: &Threads, step: &Step<T>, sheet: &Sheet<T>, field: &mut [T]) {
-    facets::run(threads, Forces { step, around: Around::default() }, Planes(sheet), field);
+    facets::run(threads, Forces { step, last: LastCell::default() }, Planes(sheet), field);
 }
 
 /// Forces \[N\] on triangles.
 #[derive(Clone, Copy)]
 struct Forces<'a, T> {
     step: &'a Step<T>,
-    around: Around<T>,
+    last: LastCell<T>,
 }
 
 impl<T: Real> Facets<T> for Forces<'_, T> {
@@ -36,7 +36,7 @@ impl<T: Real> Facets<T> for Forces<'_, T> {
         let middle = k.times(k.plus(k.plus(p, q), r), third);
         let earlier = k.times(k.plus(k.plus(e, f), g), third);
         let moves = k.times(k.minus(middle, earlier), k.splat(self.step.rate));
-        forces(k, self.step, area, k.minus(airs(k, self.step, &mut self.around, middle), moves))
+        forces(k, self.step, area, k.minus(airs(k, self.step, &mut self.last, middle), moves))
     }
 
     #[inline(always)]
@@ -51,13 +51,13 @@ fn alone<T: Real>(step: &Step<T>, view: View<T>, before: &[[T; 4]], (i, j): (usi
     let (k, zero) = (j * view.width + i, T::of(0.0));
     let mut sum = [zero; 3];
     if view.now[k][3] > zero {
-        let (at, was) = (view.at(k), xyz(before[k]));
+        let (at, was, mut last) = (view.at(k), xyz(before[k]), LastCell::default());
         view.triangles(i, j, |a, b| {
             let (pa, pb) = (view.at(a), view.at(b));
             let area = scale(cross(sub(pa, at), sub(pb, at)), T::of(0.5));
             let middle = scale(add(add(at, pa), pb), T::of(1.0 / 3.0));
             let earlier = scale(add(add(was, xyz(before[a])), xyz(before[b])), T::of(1.0 / 3.0));
-            let flow = sub(air(step, middle), scale(sub(middle, earlier), step.rate));
+            let flow = sub(air(step, &mut last, middle), scale(sub(middle, earlier), step.rate));
             sum = add(sum, force(step, area, flow));
         });
     }

@@ -4,12 +4,14 @@ use super::lanes::{LANES, Machine};
 use super::real::{Real, V3};
 
 /// Noise between -1 and 1 that changes smoothly from lattice point to lattice point.
-pub fn noise<T: Real>(q: V3<T>) -> T {
+#[inline]
+pub fn noise<T: Real>(last: &mut LastCell<T>, q: V3<T>) -> T {
     let base = q.map(T::floor);
-    within(&corners(base), q, base)
+    within(last.of(base), q, base)
 }
 
 /// Noise at a point of a cell, given the lattice around it.
+#[inline]
 fn within<T: Real>(at: &[T; 8], q: V3<T>, base: V3<T>) -> T {
     let f = [0, 1, 2].map(|c| q[c] - base[c]);
     let u = f.map(|x| x * x * (T::of(3.0) - T::of(2.0) * x));
@@ -20,22 +22,22 @@ fn within<T: Real>(at: &[T; 8], q: V3<T>, base: V3<T>) -> T {
 
 /// The lattice around the cell that was looked at last: cloth is finer than gusts.
 #[derive(Clone, Copy)]
-pub struct Around<T> {
+pub struct LastCell<T> {
     cell: Option<V3<T>>,
     at: [T; 8],
 }
 
-impl<T: Real> Default for Around<T> {
+impl<T: Real> Default for LastCell<T> {
     fn default() -> Self {
-        Around { cell: None, at: [T::of(0.0); 8] }
+        LastCell { cell: None, at: [T::of(0.0); 8] }
     }
 }
 
-impl<T: Real> Around<T> {
+impl<T: Real> LastCell<T> {
     #[inline(always)]
     fn of(&mut self, cell: V3<T>) -> &[T; 8] {
         if self.cell != Some(cell) {
-            *self = Around { cell: Some(cell), at: corners(cell) };
+            *self = LastCell { cell: Some(cell), at: corners(cell) };
         }
         &self.at
     }
@@ -46,7 +48,7 @@ impl<T: Real> Around<T> {
 /// Cell by cell, and nearly always all points are in one. Code for lattice points in vectors would be a tenth of this crate's
 /// compile time.
 #[inline(always)]
-pub fn noises<T: Real, K: Machine<T>>(k: K, around: &mut Around<T>, q: [K::V; 3]) -> K::V {
+pub fn noises<T: Real, K: Machine<T>>(k: K, last: &mut LastCell<T>, q: [K::V; 3]) -> K::V {
     let (zero, one) = (k.splat(T::of(0.0)), k.splat(T::of(1.0)));
     let base = [k.floor(q[0]), k.floor(q[1]), k.floor(q[2])];
     let f = k.minus(q, base);
@@ -65,7 +67,7 @@ pub fn noises<T: Real, K: Machine<T>>(k: K, around: &mut Around<T>, q: [K::V; 3]
             elsewhere = k.choose(k.above(base[c], here[c]), one, elsewhere);
             elsewhere = k.choose(k.above(here[c], base[c]), one, elsewhere);
         }
-        let at = around.of(cell);
+        let at = last.of(cell);
         let mut along = [zero; 4];
         for n in 0..4 {
             along[n] = mix(k, k.splat(at[2 * n]), k.splat(at[2 * n + 1]), u[0]);
@@ -122,7 +124,7 @@ mod tests {
 
     impl<T: Real> Work<T> for Compare<'_, T> {
         fn run<K: Machine<T>>(self, k: K) {
-            let mut around = Around::default();
+            let mut last = LastCell::default();
             for n in 0..400 {
                 let far = |m: usize, c: usize| ((n * LANES + m) * (7919 + 12 * c)) as f64 % 60_000.0 * 0.037 - 900.0;
                 // Every other vector is within a cell.
@@ -130,7 +132,7 @@ mod tests {
                 let at = |m, c| if n % 2 == 0 { far(m, c) } else { near(m, c) };
                 let list = |c: usize| -> Vec<T> { (0..LANES).map(|m| T::of(at(m, c))).collect() };
                 let lists = [list(0), list(1), list(2)];
-                let all = noises(k, &mut around, [0, 1, 2].map(|c| k.load(&lists[c], 0)));
+                let all = noises(k, &mut last, [0, 1, 2].map(|c| k.load(&lists[c], 0)));
                 let mut out = vec![T::of(0.0); LANES];
                 k.store(&mut out, 0, all);
                 self.0.extend((0..K::WIDE).map(|m| (lists.each_ref().map(|l| l[m]), out[m])));
@@ -142,8 +144,9 @@ mod tests {
         let mut all = Vec::new();
         widest(Compare::<T>(&mut all));
         assert!(all.len() >= 800);
+        let single = |q| noise(&mut LastCell::default(), q);
         for (q, found) in &all {
-            assert!(*found == noise(*q), "{q:?}: {found:?}, {:?}", noise(*q));
+            assert!(*found == single(*q), "{q:?}: {found:?}, {:?}", single(*q));
         }
         let (low, high) = all.iter().fold((0.0f64, 0.0f64), |(a, b), (_, x)| (a.min(x.get()), b.max(x.get())));
         assert!(low < -0.5 && high > 0.5 && low >= -1.0 && high <= 1.0, "{low} to {high}");
