@@ -127,6 +127,10 @@ impl Gpu {
         if !draw_only {
             // All that a frame runs, so that the first one does not wait for a compiler.
             Plan::new(world).passes.iter().for_each(|p| _ = gpu.pipelines.get(&p.form));
+            if world.calm_below().is_some() {
+                // Nor the first that falls asleep among colliders.
+                gpu.pipelines.get(&Pass::Bounds.into());
+            }
             let pinned = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
             if world.scene.cloths.iter().any(pinned) {
                 // Nor the first frame in which they move.
@@ -209,6 +213,7 @@ impl Gpu {
         self.watch(world, encoder, steps);
         world.host.touched = false;
         world.control.tick(steps);
+        self.record_bounds(world, encoder, &world.without_rest());
     }
 
     /// Records the steps of a cloth; returns where the numbers of the last one lie.

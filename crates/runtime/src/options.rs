@@ -98,7 +98,9 @@ pub struct Options {
     pub sleep: Option<Sleep>,
 }
 
-/// Conditions for a cloth to fall asleep. It wakes on any change; in wind it never falls asleep.
+/// Conditions for a cloth to fall asleep. It wakes on any change that concerns it: of colliders, if one may touch it on its way. In
+/// wind it never falls asleep. On the GPU backend a cloth among colliders costs one more dispatch as it falls asleep, for the box
+/// around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sleep {
     /// Largest speed \[m/s\] of a particle at rest. Default 0.005; above 0; larger lets cloth sleep sooner, and freezes slow

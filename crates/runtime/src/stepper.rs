@@ -76,6 +76,7 @@ impl Stepper {
     /// Makes the steps that are due after `dt` \[s\] of the host's time, without a device. CPU backend only.
     pub fn advance(&mut self, dt: f64) -> Result<Progress> {
         let (bodies, threads) = self.cpu.as_mut().ok_or(Error::GpuOnly("Stepper::advance"))?;
+        self.world.look(bodies);
         if self.world.drive(dt)
             && let Some(gpu) = &mut self.gpu
         {

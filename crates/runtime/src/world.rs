@@ -9,7 +9,8 @@ mod host;
 mod members;
 mod run;
 mod save;
-mod sleep;
+pub(crate) mod sleep;
+mod stir;
 mod work;
 
 pub use cloth_run::ClothRun;
@@ -42,6 +43,7 @@ use crate::tile::{Order, order};
 use control::Control;
 use drive::Drive;
 use host::Host;
+use stir::Stirs;
 
 /// A scene, what is to be run for it, and when.
 pub struct World {
@@ -50,6 +52,8 @@ pub struct World {
     pub host: Host,
     /// Where the host moves colliders.
     pub driven: Drive,
+    /// Changes of colliders that measurements of rest may not know of.
+    pub stirs: Stirs,
     /// How each cloth runs.
     pub runs: Vec<ClothRun>,
     /// The handle of each cloth, in ascending order.
@@ -79,9 +83,9 @@ impl World {
         let (handles, host) = (runs.iter().map(|_| ClothHandle::fresh()).collect(), Host::default());
         let watchdog = Watchdog::new(scene.cloths.len());
         let (coats, room, arenas) = (Coats::default(), None, Vec::new());
-        let driven = Drive::default();
+        let (driven, stirs) = (Drive::default(), Stirs::default());
         let mut world =
-            World { scene, control, host, driven, runs, handles, coats, room, arenas, watchdog, kept: None };
+            World { scene, control, host, driven, stirs, runs, handles, coats, room, arenas, watchdog, kept: None };
         world.raise();
         // Nothing has moved yet: the first step is like those after it.
         world.control.start();

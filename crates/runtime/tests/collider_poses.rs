@@ -208,16 +208,17 @@ fn groups_cost_only_cloth_that_meets_a_collider() {
     let options = Options { fused: false, sleep: Some(Sleep { speed: 1e-3, after: 10.0 }), ..options() };
     let mut stepper = Stepper::on_cpu(grouped(5, &[2, 4]), options).unwrap();
     assert_eq!([0, 1].map(|c| contact(&stepper, c)), [true, false]);
-    // A body of another group wakes no cloth.
-    let to = Pose { position: [0.1, 0.0, 0.0], ..Pose::default() };
-    let asleep = |stepper: &mut Stepper, k: usize| {
+    // A body of another group wakes no cloth, and neither does one that stays below it.
+    let asleep = |stepper: &mut Stepper, k: usize, height: f32| {
         [0, 1].into_iter().for_each(|c| stepper.set_asleep(c, true).unwrap());
+        let to = Pose { position: [0.1, height, 0.0], ..Pose::default() };
         stepper.move_collider(k, &to).unwrap();
         stepper.advance(FRAME).unwrap();
         [0, 1].map(|c| stepper.is_asleep(c))
     };
-    assert_eq!(asleep(&mut stepper, 0), [true, true]);
-    assert_eq!(asleep(&mut stepper, 1), [false, true]);
+    assert_eq!(asleep(&mut stepper, 0, 0.4), [true, true]);
+    assert_eq!(asleep(&mut stepper, 1, 0.0), [true, true]);
+    assert_eq!(asleep(&mut stepper, 1, 0.4), [false, true]);
     stepper.set_asleep(0, true).unwrap();
     stepper.set_collision_groups(1, 1).unwrap();
     assert_eq!([0, 1].map(|c| stepper.is_asleep(c)), [true, false]);

@@ -159,3 +159,83 @@ fn a_frame_before_the_host_submits_is_not_lost() {
     }
     assert!(stepper.is_asleep(0));
 }
+
+/// The first curtain of [`two`] with a ball far from it, and one for the hand of a host.
+fn still_among_balls() -> Scene {
+    let ball = |at| Collider::new(Shape::Sphere { radius: 0.1 }, at);
+    Scene { cloths: two().cloths[..1].to_vec(), colliders: vec![ball([3.0, 0.0, 0.0]), ball([0.0, 4.0, 0.0])], ..two() }
+}
+
+/// Somewhere on a circle of 1 m around the second ball's start, whose lowest point is 2 m above the curtain.
+fn circling(frame: u32) -> scene::Pose {
+    let (sin, cos) = (0.1 * frame as f32).sin_cos();
+    scene::Pose { position: [cos, 4.0 + sin, 0.0], ..scene::Pose::default() }
+}
+
+#[test]
+fn cloth_falls_asleep_among_colliders_that_move_elsewhere_and_sleeps_on() {
+    for mut rig in Rig::both(&still_among_balls(), &sleepy()) {
+        let asleep = (0..600).find(|frame| {
+            rig.stepper.move_collider(1, &circling(*frame)).unwrap();
+            rig.frame(FRAME);
+            rig.stepper.is_asleep(0)
+        });
+        let from = asleep.unwrap_or_else(|| panic!("{}: it stays awake", rig.name()));
+        let at = rig.positions(0);
+        for frame in from..from + 60 {
+            rig.stepper.move_collider(1, &circling(frame)).unwrap();
+            rig.frame(FRAME);
+            assert!(rig.stepper.is_asleep(0), "{}: frame {frame}", rig.name());
+        }
+        // The same by a list of all colliders, with one more, and without any.
+        let mut list = rig.stepper.scene().colliders.clone();
+        for frame in 0..30 {
+            list[1].center = circling(frame).position;
+            rig.stepper.set_colliders(list.clone()).unwrap();
+            rig.frame(FRAME);
+        }
+        list.push(Collider::new(Shape::Box { half: [0.5; 3] }, [0.0, -9.0, 0.0]));
+        rig.stepper.set_colliders(list).unwrap();
+        rig.frame(FRAME);
+        rig.stepper.set_colliders(vec![]).unwrap();
+        rig.frame(FRAME);
+        assert!(rig.stepper.is_asleep(0) && rig.positions(0) == at, "{}", rig.name());
+    }
+}
+
+#[test]
+fn colliders_that_come_close_wake_and_so_does_one_that_passes_within_a_frame() {
+    let ends: [[f32; 3]; 2] = [[0.5, -0.5, 0.05], [0.5, -4.0, 0.0]];
+    for to in ends {
+        for mut rig in Rig::both(&still_among_balls(), &sleepy()) {
+            until_asleep(&mut rig).unwrap();
+            let above = scene::Pose { position: [0.5, 4.0, 0.0], ..scene::Pose::default() };
+            rig.stepper.move_collider(1, &above).unwrap();
+            rig.frame(FRAME);
+            assert!(rig.stepper.is_asleep(0), "{} {to:?}", rig.name());
+            let at = rig.positions(0);
+            rig.stepper.move_collider(1, &scene::Pose { position: to, ..above }).unwrap();
+            rig.frame(FRAME);
+            assert!(!rig.stepper.is_asleep(0), "{} {to:?}", rig.name());
+            assert_ne!(rig.positions(0), at, "{} {to:?}", rig.name());
+        }
+    }
+}
+
+#[test]
+fn cloth_wakes_where_its_support_leaves_it() {
+    let mut cloth = Flat::square("towel", 9).cloth().unwrap();
+    cloth.place(cloth.positions().iter().map(|p| [p[0], 0.001, p[2]]).collect()).unwrap();
+    (cloth.damping, cloth.thickness) = (8.0, Some(0.004));
+    let mut scene = scene(cloth);
+    scene.colliders =
+        vec![Collider { friction: 1.0, ..Collider::new(Shape::Box { half: [2.0, 0.5, 2.0] }, [0.0, -0.5, 0.0]) }];
+    for mut rig in Rig::both(&scene, &sleepy()) {
+        until_asleep(&mut rig).unwrap_or_else(|| panic!("{}", rig.name()));
+        let lowest = |rig: &Rig| rig.positions(0).iter().map(|p| p[1]).fold(f32::INFINITY, f32::min);
+        let before = lowest(&rig);
+        rig.stepper.move_collider(0, &scene::Pose { position: [0.0, -2.5, 0.0], ..scene::Pose::default() }).unwrap();
+        rig.frames(30);
+        assert!(lowest(&rig) < before - 0.3, "{}: {before} {}", rig.name(), lowest(&rig));
+    }
+}

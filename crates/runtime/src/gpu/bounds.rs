@@ -14,6 +14,7 @@ use crate::handle::follow;
 use crate::passes::Pass;
 use crate::shaders::Slot;
 use crate::world::World;
+use crate::world::sleep::corners;
 
 /// Bytes from the box of a cloth to the next, where a binding may begin.
 const STRIDE: u64 = 256;
@@ -37,6 +38,8 @@ struct Measured {
     parcel: Parcel,
     /// By row: the index of its cloth now. None if the cloth has left, or was moved to somewhere else.
     cloths: Vec<Option<usize>>,
+    /// By row: how the rest of its cloth was marked.
+    marks: Vec<[u64; 2]>,
     /// Time of the scene \[s\].
     time: f64,
     /// Length of the last step \[s\].
@@ -50,7 +53,7 @@ impl Boxes {
     }
 
     /// Takes in what has arrived.
-    pub fn settle(&mut self) -> Result<()> {
+    pub fn settle(&mut self, world: &mut World) -> Result<()> {
         while let Some(measured) = self.under_way.front() {
             let words = |bytes: &[u8]| -> Vec<[u32; 7]> {
                 let of = |one: &[u8]| bytemuck::pod_read_unaligned(&one[..28]);
@@ -59,9 +62,11 @@ impl Boxes {
             let Some(words) = measured.parcel.open(words)? else { break };
             let Some(measured) = self.under_way.pop_front() else { break };
             let box_of = |extent| (Bounds::new(&extent, measured.step), measured.time);
-            for (words, cloth) in words.into_iter().zip(&measured.cloths) {
+            for ((words, cloth), mark) in words.into_iter().zip(&measured.cloths).zip(&measured.marks) {
                 if let Some(cloth) = *cloth {
-                    self.known[cloth] = bounds::read(words).map(box_of);
+                    let extent = bounds::read(words);
+                    self.known[cloth] = extent.map(box_of);
+                    world.rest(cloth, *mark, corners(extent));
                 }
             }
             self.staging.put_back(measured.parcel);
@@ -102,28 +107,33 @@ impl Boxes {
 }
 
 impl Gpu {
-    /// Records the measurement of all boxes.
-    pub fn record_bounds(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder) {
-        let count = self.cloths.len();
+    /// Records the measurement of the boxes of some cloths.
+    pub fn record_bounds(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder, cloths: &[usize]) {
+        let count = cloths.len();
         if count == 0 {
             return;
         }
         let (buffer, size) = (self.boxes.rows(&self.device, count), STRIDE * count as u64);
         let Some(parcel) = self.boxes.staging.take(&self.device, "boxes", buffer.size()) else { return };
-        self.boxes.known.resize(count, None);
+        self.boxes.known.resize(self.cloths.len(), None);
         encoder.clear_buffer(&buffer, 0, Some(size));
         let mut pass = begin(encoder, "bounds");
         let what = Form::Apart(Pass::Bounds);
-        for cloth in 0..count {
-            // Cloths that have come and gone may have left it another row.
-            let row = Span { buffer: buffer.clone(), offset: STRIDE * cloth as u64, size: BYTES };
+        for (n, &cloth) in cloths.iter().enumerate() {
+            let row = Span { buffer: buffer.clone(), offset: STRIDE * n as u64, size: BYTES };
             self.cloths[cloth].replace(Slot::Bounds, row);
             self.run(&world.scene.cloths[cloth], &mut pass, cloth, (&what, 0));
         }
         drop(pass);
         encoder.copy_buffer_to_buffer(&buffer, 0, &parcel.staging, 0, size);
         let (time, step) = (world.control.clock.time, world.control.clock.dt_old);
-        self.boxes.under_way.push_back(Measured { parcel, cloths: (0..count).map(Some).collect(), time, step });
+        let mark = |cloth: &usize| {
+            let calm = &mut world.runs[*cloth].calm;
+            calm.asked = true;
+            calm.mark()
+        };
+        let (marks, cloths) = (cloths.iter().map(mark).collect(), cloths.iter().copied().map(Some).collect());
+        self.boxes.under_way.push_back(Measured { parcel, cloths, marks, time, step });
     }
 
     /// The last box of a cloth that has arrived; none on a device that is lost.

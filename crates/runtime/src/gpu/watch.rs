@@ -26,6 +26,8 @@ pub(super) struct Watch {
 struct Measured {
     parcel: Parcel,
     probes: Vec<Probe>,
+    /// How many changes of colliders it knows of.
+    known: u64,
 }
 
 /// The measurements of one cloth.
@@ -106,7 +108,7 @@ impl Watch {
                 if let (Some(fastest), Some((_, limit))) = (fastest, probe.fastest)
                     && probe.changes == world.runs[cloth].calm.changes
                 {
-                    world.note(cloth, fastest <= limit, probe.seconds);
+                    world.note(cloth, fastest <= limit, (probe.seconds, measured.known), || None);
                 }
                 // With another number of substeps it was another question.
                 if let (Some(strain), Some((_, substeps))) = (strain, probe.strain)
@@ -117,6 +119,7 @@ impl Watch {
             }
             self.staging.put_back(measured.parcel);
         }
+        world.forget_stirs(self.under_way.front().map_or(world.stirs.count, |measured| measured.known));
         Ok(())
     }
 }
@@ -159,7 +162,7 @@ impl Gpu {
             changes: world.runs[index].calm.changes,
         };
         let probes = probes.into_iter().map(probe).collect();
-        self.watch.under_way.push_back(Measured { parcel, probes });
+        self.watch.under_way.push_back(Measured { parcel, probes, known: world.stirs.count });
     }
 
     /// Takes in what has arrived, in order, and asks for the rest. Does not wait.
@@ -168,7 +171,7 @@ impl Gpu {
         self.boxes.ask();
         self.timing.ask();
         poll(&self.device, wgpu::PollType::Poll)?;
-        self.boxes.settle()?;
+        self.boxes.settle(world)?;
         let chooser = &mut world.control.chooser;
         self.timing.settle(self.queue.get_timestamp_period(), |steps, ms| chooser.took(steps, ms))?;
         self.watch.settle(world)

@@ -39,7 +39,8 @@ impl Stepper {
                 if !stepper.world.host.actions.is_empty() {
                     gpu.act(&mut stepper.world, encoder);
                 }
-                gpu.record_bounds(&stepper.world, encoder);
+                let all: Vec<_> = (0..stepper.world.runs.len()).collect();
+                gpu.record_bounds(&mut stepper.world, encoder, &all);
             }
             Ok(())
         })

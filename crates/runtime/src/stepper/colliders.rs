@@ -8,16 +8,22 @@ use crate::scene::Pose;
 
 impl Stepper {
     /// Replaces all colliders. Costs one upload of 80 bytes per collider, for each combination of thickness, friction and
-    /// groups of the cloths, and new bindings if their number changes. Wakes every cloth. Poses that
+    /// groups of the cloths, and new bindings if their number changes. Wakes the cloths that a collider may touch where it was, is
+    /// now, or in between. Poses that
     /// [`Stepper::move_collider`] has set since the last frame do not count any more.
     pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
         colliders.iter().try_for_each(Collider::check)?;
         self.guarded(|stepper| {
             stepper.world.driven.forget();
-            let met = stepper.met();
-            stepper.world.scene.colliders = colliders;
+            let (met, world) = (stepper.met(), &mut stepper.world);
+            let alike = world.take_colliders(colliders);
             stepper.meet(&met);
-            stepper.recoat();
+            if !alike {
+                stepper.world.reschedule();
+            }
+            if let Some(gpu) = &mut stepper.gpu {
+                gpu.set_colliders(&stepper.world);
+            }
             Ok(())
         })
     }
@@ -29,8 +35,8 @@ impl Stepper {
     ///
     /// Of a body that turns by more than half a turn per frame, give the pose in more frames. The same result, by bits, as
     /// [`Stepper::set_colliders`] with [`Collider::moved`]; cheaper, as nothing but the numbers changes. Costs an upload as
-    /// [`Stepper::set_colliders`] in each frame in which any collider moves, or comes to rest. Wakes the cloths that meet it.
-    /// Errors if the collider does not exist, and if [`Collider::check`] refuses the pose.
+    /// [`Stepper::set_colliders`] in each frame in which any collider moves, or comes to rest. Wakes the cloths that it may touch
+    /// on its way. Errors if the collider does not exist, and if [`Collider::check`] refuses the pose.
     ///
     /// ```
     /// use gimage_runtime::scene::Pose;

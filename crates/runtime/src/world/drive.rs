@@ -54,24 +54,23 @@ impl Drive {
 }
 
 impl World {
-    /// Moves colliders at the start of a frame of `dt` \[s\] of the host's time, and wakes the cloths that meet them. Whether
+    /// Moves colliders at the start of a frame of `dt` \[s\] of the host's time, and wakes the cloths that they may touch. Whether
     /// any has changed. Passes and their order are those of before: they depend on shapes and groups alone.
     pub fn drive(&mut self, dt: f64) -> bool {
         let driven = &mut self.driven;
         driven.waited += if dt.is_finite() { dt.max(0.0) } else { 0.0 };
-        let (mut changed, mut woken) = (false, 0);
-        for m in &driven.moves {
+        let mut changed = false;
+        for n in 0..self.driven.moves.len() {
+            let (m, waited) = (&self.driven.moves[n], self.driven.waited);
             let Some(collider) = self.scene.colliders.get_mut(m.collider) else { continue };
-            let now = collider.moved(&m.from, &m.to, driven.waited - m.since);
-            if now.pose() != collider.pose() {
-                woken |= now.collision_groups;
+            let now = collider.moved(&m.from, &m.to, waited - m.since);
+            let before = std::mem::replace(collider, now);
+            changed |= now != before;
+            if now.pose() != before.pose() {
+                // Its velocity is that of this way.
+                self.stir(&before, &now, 0.0);
             }
-            changed |= now != *collider;
-            *collider = now;
         }
-        let wakes = |cloth: &usize| self.scene.cloths[*cloth].collision_groups & woken != 0;
-        let wakes: Vec<_> = (0..self.runs.len()).filter(wakes).collect();
-        wakes.into_iter().for_each(|cloth| self.wake(cloth));
         changed
     }
 }

@@ -1,5 +1,6 @@
 //! A frame on the CPU.
 
+use super::sleep::around;
 use super::{Fault, World};
 use crate::cpu::body::Body;
 use crate::cpu::fused;
@@ -39,13 +40,15 @@ impl World {
                 self.control.chooser.measured(error.get());
             }
             if let Some(limit) = self.calm_below() {
-                self.note(index, body.fastest.get() <= limit, seconds);
+                let known = self.stirs.count;
+                self.note(index, body.fastest.get() <= limit, (seconds, known), || Some(around(body)));
             }
         }
         if due {
             watchdog.done(self.control.clock.time + seconds);
         }
         self.watchdog = watchdog;
+        self.forget_stirs(self.stirs.count);
         self.host.touched = false;
         self.control.tick(steps);
     }

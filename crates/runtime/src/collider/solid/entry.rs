@@ -49,7 +49,13 @@ impl<T: Real> Solid<T> {
 
     /// Its y axis in the world: the normal of a half-space.
     pub fn up(&self) -> V3<T> {
-        turn(self.rotation, [T::of(0.0), T::of(1.0), T::of(0.0)])
+        self.axes()[1]
+    }
+
+    /// Its axes in the world.
+    pub fn axes(&self) -> [V3<T>; 3] {
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        [[one, zero, zero], [zero, one, zero], [zero, zero, one]].map(|axis| turn(self.rotation, axis))
     }
 }
 

@@ -1,0 +1,139 @@
+//! The room that a collider passes through on its way from one pose to another.
+
+use super::solid::Solid;
+use super::{Collider, Shape};
+use crate::number::real::V3;
+
+/// An axis-aligned box: its corners of the smallest and of the largest coordinates \[m\].
+pub type Corners = [V3<f64>; 2];
+
+/// Whether a collider comes within `margin` \[m\] of a box on its way from one pose, or shape, to another. True wherever it
+/// does, and also where the boxes around it at both ends, together, come as close: up to its own size too early.
+pub fn passes(from: &Collider, to: &Collider, [low, high]: Corners, margin: f64) -> bool {
+    let (Some(a), Some(b)) = (extent(from), extent(to)) else {
+        return planes(from, to, [low, high], margin);
+    };
+    // Points leave the straight line between both ends by the height of their arcs; a quarter more where they do not go
+    // along it evenly.
+    let cos = from.rotation.iter().zip(&to.rotation).map(|(x, y)| f64::from(x * y)).sum::<f64>().abs().min(1.0);
+    let by = margin + 1.5 * arm(from).max(arm(to)) * (1.0 - cos);
+    (0..3).all(|c| {
+        let (lowest, highest) = (a[0][c].min(b[0][c]), a[1][c].max(b[1][c]));
+        lowest - by <= high[c] && highest + by >= low[c]
+    })
+}
+
+/// Half-spaces that keep their direction are told by it; others count as close.
+fn planes(from: &Collider, to: &Collider, [low, high]: Corners, margin: f64) -> bool {
+    let both = [from, to].iter().all(|c| c.shape == Shape::HalfSpace);
+    if !both || from.rotation != to.rotation {
+        return true;
+    }
+    let up = Solid::<f64>::new(from).up();
+    let height = |c: usize, x: f64, center: f32| up[c] * (x - f64::from(center));
+    [from, to].iter().any(|plane| {
+        let lowest = |c: usize| height(c, if up[c] > 0.0 { low[c] } else { high[c] }, plane.center[c]);
+        (0..3).map(lowest).sum::<f64>() <= margin
+    })
+}
+
+/// The box around a collider; none around a half-space.
+fn extent(collider: &Collider) -> Option<Corners> {
+    let axes = Solid::<f64>::new(collider).axes();
+    let along = |c: usize, by: V3<f64>| [0, 1, 2].map(|n| axes[n][c] * by[n]);
+    let half = |c: usize| match collider.shape {
+        Shape::HalfSpace => f64::INFINITY,
+        Shape::Sphere { radius } => f64::from(radius),
+        Shape::Capsule { half_height, radius } => f64::from(half_height) * axes[1][c].abs() + f64::from(radius),
+        Shape::Box { half } => along(c, half.map(f64::from)).iter().map(|x| x.abs()).sum(),
+        Shape::Ellipsoid { radii, .. } => along(c, radii.map(f64::from)).iter().map(|x| x * x).sum::<f64>().sqrt(),
+    };
+    let center = collider.center.map(f64::from);
+    let [low, high] = [-1.0, 1.0].map(|side| [0, 1, 2].map(|c| center[c] + side * half(c)));
+    (collider.shape != Shape::HalfSpace).then_some([low, high])
+}
+
+/// The distance \[m\] of a collider's farthest point from its centre; 0 of a half-space.
+pub fn arm(collider: &Collider) -> f64 {
+    Solid::<f64>::new(collider).around().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use parry3d_f64::math::{Pose, Rotation, Vector};
+    use parry3d_f64::query::PointQuery;
+    use parry3d_f64::shape::{Ball, Capsule, Cuboid};
+
+    use super::*;
+
+    /// Numbers of a fixed sequence between -1 and 1.
+    fn number(k: usize, of: usize) -> f64 {
+        let prime = [2u32, 3, 5, 7, 11, 13, 17, 19, 23, 29][of];
+        2.0 * ((k + 1) as f64 * f64::from(prime).sqrt()).fract() - 1.0
+    }
+
+    fn pose(k: usize) -> ([f32; 3], [f32; 4]) {
+        let q = [3, 4, 5, 6].map(|c| number(k, c));
+        let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-3);
+        ([0, 1, 2].map(|c| number(k, c) as f32), q.map(|x| (x / norm) as f32))
+    }
+
+    /// From one rotation to another, the shorter way round, evenly.
+    fn between(a: [f32; 4], b: [f32; 4], t: f64) -> Rotation {
+        let [a, b] =
+            [a, b].map(|q| Rotation::from_xyzw(q[0].into(), q[1].into(), q[2].into(), q[3].into()).normalize());
+        a.slerp(b, t)
+    }
+
+    #[test]
+    fn no_point_that_is_met_on_the_way_counts_as_far() {
+        let capsule = Capsule::new(Vector::new(0.0, -0.4, 0.0), Vector::new(0.0, 0.4, 0.0), 0.05);
+        let cases: [(Shape, &dyn PointQuery); 3] = [
+            (Shape::Sphere { radius: 0.2 }, &Ball::new(0.2)),
+            (Shape::Capsule { half_height: 0.4, radius: 0.05 }, &capsule),
+            (Shape::Box { half: [0.3, 0.05, 0.1] }, &Cuboid::new(Vector::new(0.3, 0.05, 0.1))),
+        ];
+        for (shape, judge) in cases {
+            let (mut met, mut far) = (0, 0);
+            for k in 0..400 {
+                let ((p, q), (r, s)) = (pose(2 * k), pose(2 * k + 1));
+                let from = Collider { rotation: q, ..Collider::new(shape, p) };
+                let to = Collider { rotation: s, ..Collider::new(shape, r) };
+                for n in 0..120 {
+                    let at = [7, 8, 9].map(|c| 1.4 * number(k + 977 * n, c));
+                    let near = (0..=24).map(|t| f64::from(t) / 24.0).any(|t| {
+                        let center = [0, 1, 2].map(|c| f64::from(p[c]) + t * f64::from(r[c] - p[c]));
+                        let pose = Pose::from_parts(Vector::from_array(center), between(q, s, t));
+                        judge.distance_to_point(&pose, Vector::from_array(at), true) <= 0.01
+                    });
+                    let told = passes(&from, &to, [at, at], 0.01);
+                    assert!(told || !near, "{shape:?} from {p:?} {q:?} to {r:?} {s:?} at {at:?}");
+                    met += u32::from(near);
+                    far += u32::from(!told);
+                }
+            }
+            assert!(met > 100 && far > 1000, "{shape:?}: {met} met, {far} far");
+        }
+    }
+
+    #[test]
+    fn planes_and_ellipsoids_are_told_by_their_surface() {
+        let (h, plane) = (0.5f32.sqrt(), Collider::new(Shape::HalfSpace, [0.0; 3]));
+        let tilted = |y: f32| Collider {
+            rotation: [0.0, 0.0, 0.125f32.sqrt(), 0.875f32.sqrt()],
+            ..Collider::new(Shape::HalfSpace, [0.0, y, 0.0])
+        };
+        let bounds = [[5.0, 0.1, -3.0], [6.0, 0.2, 3.0]];
+        assert!(!passes(&plane, &plane, bounds, 0.05) && passes(&plane, &plane, bounds, 0.15));
+        let risen = Collider { center: [0.0, 0.2, 0.0], ..plane };
+        assert!(passes(&plane, &risen, bounds, 0.0) && passes(&risen, &plane, bounds, 0.0));
+        assert!(passes(&plane, &tilted(-50.0), bounds, 0.0) && !passes(&tilted(-50.0), &tilted(-50.0), bounds, 0.0));
+        // A long ellipsoid that is turned by a quarter about z reaches along x.
+        let egg = Shape::Ellipsoid { radii: [0.1, 1.0, 0.1], closest: true };
+        let (up, lying) =
+            (Collider::new(egg, [0.0; 3]), Collider { rotation: [0.0, 0.0, h, h], ..Collider::new(egg, [0.0; 3]) });
+        let beside = [[0.5, -0.05, 0.0], [0.6, 0.05, 0.0]];
+        assert!(!passes(&up, &up, beside, 0.01) && passes(&lying, &lying, beside, 0.01));
+        assert!(passes(&plane, &up, beside, 0.0));
+    }
+}
