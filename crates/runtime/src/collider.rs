@@ -1,7 +1,7 @@
 //! Colliders: solids that cloth does not enter.
 
+pub(crate) mod path;
 pub(crate) mod solid;
-pub(crate) mod way;
 
 use crate::error::{Result, check};
 

@@ -127,8 +127,8 @@ impl Gpu {
         if !draw_only {
             // All that a frame runs, so that the first one does not wait for a compiler.
             Plan::new(world).passes.iter().for_each(|p| _ = gpu.pipelines.get(&p.form));
-            if world.calm_below().is_some() {
-                // Nor the first that falls asleep among colliders.
+            if world.calm_below().is_some() && !world.scene.colliders.is_empty() {
+                // Nor the frame in which a cloth among colliders first comes to rest.
                 gpu.pipelines.get(&Pass::Bounds.into());
             }
             let pinned = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
@@ -213,7 +213,7 @@ impl Gpu {
         self.watch(world, encoder, steps);
         world.host.touched = false;
         world.control.tick(steps);
-        self.record_bounds(world, encoder, &world.without_rest());
+        self.record_bounds(world, encoder, &world.without_rest_box());
     }
 
     /// Records the steps of a cloth; returns where the numbers of the last one lie.

@@ -98,9 +98,9 @@ pub struct Options {
     pub sleep: Option<Sleep>,
 }
 
-/// Conditions for a cloth to fall asleep. It wakes on any change that concerns it: of colliders, if one may touch it on its way. In
-/// wind it never falls asleep. On the GPU backend a cloth among colliders costs one more dispatch as it falls asleep, for the box
-/// around it.
+/// Conditions for a cloth to fall asleep. It wakes when it is changed, when gravity or wind changes, and when a collider may touch
+/// it on its path; such a collider also starts the time of rest anew. In wind it never falls asleep. On the GPU backend a cloth
+/// among colliders costs two more dispatches each time it comes to rest, for the box around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sleep {
     /// Largest speed \[m/s\] of a particle at rest. Default 0.005; above 0; larger lets cloth sleep sooner, and freezes slow

@@ -148,7 +148,7 @@ pub enum Pass {
     },
     /// The nearest candidate of all.
     PickNearest,
-    /// The box around the cloth. For hosts that ask.
+    /// The box around the cloth. For hosts that ask, and as cloth among colliders comes to rest.
     Bounds,
     /// The triangles that are left, as an index buffer has them. After a cut, where a host has asked for it.
     Indices {

@@ -76,7 +76,7 @@ impl Stepper {
     /// Makes the steps that are due after `dt` \[s\] of the host's time, without a device. CPU backend only.
     pub fn advance(&mut self, dt: f64) -> Result<Progress> {
         let (bodies, threads) = self.cpu.as_mut().ok_or(Error::GpuOnly("Stepper::advance"))?;
-        self.world.look(bodies);
+        self.world.measure_sleepers(bodies);
         if self.world.drive(dt)
             && let Some(gpu) = &mut self.gpu
         {
@@ -229,11 +229,15 @@ impl Stepper {
         self.world.control.chooser.error
     }
 
-    /// Lets a cloth sleep where it is, at no per-frame cost, or wakes it. Any change wakes it too.
+    /// Lets a cloth sleep where it is, at no per-frame cost, or wakes it. Any change of the cloth wakes it too, and so does a collider
+    /// that may touch it on its path. On the GPU backend any collider that changes does until the box around the cloth has arrived, one to
+    /// three frames later, by [`Stepper::settle`].
     pub fn set_asleep(&mut self, cloth: impl Into<ClothRef>, asleep: bool) -> Result<()> {
         let cloth = self.world.find(cloth.into())?;
-        self.world.wake(cloth);
-        self.world.runs[cloth].asleep = asleep;
+        if !(asleep && self.world.runs[cloth].asleep) {
+            self.world.wake(cloth);
+            self.world.runs[cloth].asleep = asleep;
+        }
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 mod air;
 mod cloth_run;
 mod control;
+mod disturb;
 mod drive;
 mod fuse;
 mod host;
@@ -10,7 +11,6 @@ mod members;
 mod run;
 mod save;
 pub(crate) mod sleep;
-mod stir;
 mod work;
 
 pub use cloth_run::ClothRun;
@@ -41,9 +41,9 @@ use crate::state::ControlState;
 use crate::step::{Step, StepInput};
 use crate::tile::{Order, order};
 use control::Control;
+use disturb::PathLog;
 use drive::Drive;
 use host::Host;
-use stir::Stirs;
 
 /// A scene, what is to be run for it, and when.
 pub struct World {
@@ -52,8 +52,8 @@ pub struct World {
     pub host: Host,
     /// Where the host moves colliders.
     pub driven: Drive,
-    /// Changes of colliders that measurements of rest may not know of.
-    pub stirs: Stirs,
+    /// Paths of colliders that boxes on their way may not know of.
+    pub paths: PathLog,
     /// How each cloth runs.
     pub runs: Vec<ClothRun>,
     /// The handle of each cloth, in ascending order.
@@ -83,9 +83,9 @@ impl World {
         let (handles, host) = (runs.iter().map(|_| ClothHandle::fresh()).collect(), Host::default());
         let watchdog = Watchdog::new(scene.cloths.len());
         let (coats, room, arenas) = (Coats::default(), None, Vec::new());
-        let (driven, stirs) = (Drive::default(), Stirs::default());
+        let (driven, paths) = (Drive::default(), PathLog::default());
         let mut world =
-            World { scene, control, host, driven, stirs, runs, handles, coats, room, arenas, watchdog, kept: None };
+            World { scene, control, host, driven, paths, runs, handles, coats, room, arenas, watchdog, kept: None };
         world.raise();
         // Nothing has moved yet: the first step is like those after it.
         world.control.start();

@@ -1,4 +1,4 @@
-//! Cloth falls asleep when it is at rest, costs nothing then, and wakes on any change.
+//! Cloth falls asleep when it is at rest, costs nothing then, and wakes when it is changed or a collider comes close.
 
 // Also, or only, on the GPU.
 #![cfg(feature = "gpu")]
@@ -237,5 +237,38 @@ fn cloth_wakes_where_its_support_leaves_it() {
         rig.stepper.move_collider(0, &scene::Pose { position: [0.0, -2.5, 0.0], ..scene::Pose::default() }).unwrap();
         rig.frames(30);
         assert!(lowest(&rig) < before - 0.3, "{}: {before} {}", rig.name(), lowest(&rig));
+    }
+}
+
+#[test]
+fn a_collider_that_is_teleported_and_then_moved_sweeps_from_where_it_was_put() {
+    for mut rig in Rig::both(&still_among_balls(), &sleepy()) {
+        until_asleep(&mut rig).unwrap();
+        let at = |y| scene::Pose { position: [0.5, y, 0.0], ..scene::Pose::default() };
+        rig.stepper.teleport_collider(1, &at(4.0)).unwrap();
+        rig.frame(FRAME);
+        assert!(rig.stepper.is_asleep(0), "{}", rig.name());
+        // It ends where it was, and on its way it goes through the curtain.
+        rig.stepper.teleport_collider(1, &at(-5.0)).unwrap();
+        rig.stepper.move_collider(1, &at(4.0)).unwrap();
+        rig.frame(FRAME);
+        assert!(!rig.stepper.is_asleep(0), "{}", rig.name());
+    }
+}
+
+#[test]
+fn restored_cloth_sleeps_on_among_colliders_that_move_elsewhere() {
+    for mut rig in Rig::both(&still_among_balls(), &sleepy()) {
+        until_asleep(&mut rig).unwrap();
+        let snapshot = rig.stepper.snapshot().unwrap();
+        for near in [false, true] {
+            rig.stepper.set_asleep(0, false).unwrap();
+            rig.stepper.restore(&snapshot).unwrap();
+            assert!(rig.stepper.is_asleep(0), "{}", rig.name());
+            let to = if near { scene::Pose { position: [0.5, -0.5, 0.0], ..circling(0) } } else { circling(3) };
+            rig.stepper.move_collider(1, &to).unwrap();
+            rig.frame(FRAME);
+            assert_eq!(rig.stepper.is_asleep(0), !near, "{}", rig.name());
+        }
     }
 }

@@ -14,7 +14,7 @@ use crate::handle::follow;
 use crate::passes::Pass;
 use crate::shaders::Slot;
 use crate::world::World;
-use crate::world::sleep::corners;
+use crate::world::sleep::{Sought, corners};
 
 /// Bytes from the box of a cloth to the next, where a binding may begin.
 const STRIDE: u64 = 256;
@@ -24,7 +24,7 @@ const BYTES: u64 = 32;
 /// The boxes of all cloths.
 #[derive(Default)]
 pub(super) struct Boxes {
-    /// Where shaders leave them, a row each in the order of the cloths.
+    /// Where shaders leave them, a row each.
     buffer: Option<wgpu::Buffer>,
     staging: Staging,
     /// In the order of recording.
@@ -38,8 +38,8 @@ struct Measured {
     parcel: Parcel,
     /// By row: the index of its cloth now. None if the cloth has left, or was moved to somewhere else.
     cloths: Vec<Option<usize>>,
-    /// By row: how the rest of its cloth was marked.
-    marks: Vec<[u64; 2]>,
+    /// By row: what was the case when it was recorded.
+    sought: Vec<Sought>,
     /// Time of the scene \[s\].
     time: f64,
     /// Length of the last step \[s\].
@@ -62,11 +62,11 @@ impl Boxes {
             let Some(words) = measured.parcel.open(words)? else { break };
             let Some(measured) = self.under_way.pop_front() else { break };
             let box_of = |extent| (Bounds::new(&extent, measured.step), measured.time);
-            for ((words, cloth), mark) in words.into_iter().zip(&measured.cloths).zip(&measured.marks) {
+            for ((words, cloth), sought) in words.into_iter().zip(&measured.cloths).zip(&measured.sought) {
                 if let Some(cloth) = *cloth {
                     let extent = bounds::read(words);
                     self.known[cloth] = extent.map(box_of);
-                    world.rest(cloth, *mark, corners(extent));
+                    world.found(cloth, sought, corners(extent));
                 }
             }
             self.staging.put_back(measured.parcel);
@@ -127,13 +127,9 @@ impl Gpu {
         drop(pass);
         encoder.copy_buffer_to_buffer(&buffer, 0, &parcel.staging, 0, size);
         let (time, step) = (world.control.clock.time, world.control.clock.dt_old);
-        let mark = |cloth: &usize| {
-            let calm = &mut world.runs[*cloth].calm;
-            calm.asked = true;
-            calm.mark()
-        };
-        let (marks, cloths) = (cloths.iter().map(mark).collect(), cloths.iter().copied().map(Some).collect());
-        self.boxes.under_way.push_back(Measured { parcel, cloths, marks, time, step });
+        let sought = cloths.iter().map(|cloth| world.seek(*cloth)).collect();
+        let cloths = cloths.iter().copied().map(Some).collect();
+        self.boxes.under_way.push_back(Measured { parcel, cloths, sought, time, step });
     }
 
     /// The last box of a cloth that has arrived; none on a device that is lost.

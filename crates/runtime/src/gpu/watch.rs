@@ -26,8 +26,6 @@ pub(super) struct Watch {
 struct Measured {
     parcel: Parcel,
     probes: Vec<Probe>,
-    /// How many changes of colliders it knows of.
-    known: u64,
 }
 
 /// The measurements of one cloth.
@@ -108,7 +106,7 @@ impl Watch {
                 if let (Some(fastest), Some((_, limit))) = (fastest, probe.fastest)
                     && probe.changes == world.runs[cloth].calm.changes
                 {
-                    world.note(cloth, fastest <= limit, (probe.seconds, measured.known), || None);
+                    world.note(cloth, fastest <= limit, probe.seconds, || None);
                 }
                 // With another number of substeps it was another question.
                 if let (Some(strain), Some((_, substeps))) = (strain, probe.strain)
@@ -119,7 +117,6 @@ impl Watch {
             }
             self.staging.put_back(measured.parcel);
         }
-        world.forget_stirs(self.under_way.front().map_or(world.stirs.count, |measured| measured.known));
         Ok(())
     }
 }
@@ -128,7 +125,7 @@ impl Gpu {
     /// Copies the speeds and the stretch of cloths that are awake to where the host may read them.
     pub(super) fn watch(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
         let limit = world.calm_below();
-        if limit.is_none() && world.control.options.quality.target().is_none() {
+        if steps == 0 || limit.is_none() && world.control.options.quality.target().is_none() {
             return;
         }
         let (mut parts, mut probes) = (Parts::default(), Vec::new());
@@ -162,7 +159,7 @@ impl Gpu {
             changes: world.runs[index].calm.changes,
         };
         let probes = probes.into_iter().map(probe).collect();
-        self.watch.under_way.push_back(Measured { parcel, probes, known: world.stirs.count });
+        self.watch.under_way.push_back(Measured { parcel, probes });
     }
 
     /// Takes in what has arrived, in order, and asks for the rest. Does not wait.
@@ -174,6 +171,8 @@ impl Gpu {
         self.boxes.settle(world)?;
         let chooser = &mut world.control.chooser;
         self.timing.settle(self.queue.get_timestamp_period(), |steps, ms| chooser.took(steps, ms))?;
-        self.watch.settle(world)
+        self.watch.settle(world)?;
+        world.forget_paths();
+        Ok(())
     }
 }

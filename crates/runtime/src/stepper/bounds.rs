@@ -30,7 +30,7 @@ impl Stepper {
     /// frames later, for [`Stepper::bounds`]. Teleports and states that wait for the next frame are recorded first.
     ///
     /// One dispatch per cloth, of 32 bytes read per particle, and a copy of 256 bytes per cloth. A call is skipped while four
-    /// are under way. Does nothing on the CPU backend. Errors without a device, and if it is lost or has no memory left.
+    /// measurements are under way. Does nothing on the CPU backend. Errors without a device, and if it is lost or has no memory left.
     #[cfg(feature = "gpu")]
     pub fn record_bounds(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<()> {
         self.guarded(|stepper| {

@@ -8,9 +8,9 @@ use crate::scene::Pose;
 
 impl Stepper {
     /// Replaces all colliders. Costs one upload of 80 bytes per collider, for each combination of thickness, friction and
-    /// groups of the cloths, and new bindings if their number changes. Wakes the cloths that a collider may touch where it was, is
-    /// now, or in between. Poses that
-    /// [`Stepper::move_collider`] has set since the last frame do not count any more.
+    /// groups of the cloths, and new bindings if their number changes. Wakes the cloths that a changed collider may touch
+    /// where it was, where it is, or in between. Poses that [`Stepper::move_collider`] has set since the last frame do not count any
+    /// more.
     pub fn set_colliders(&mut self, colliders: Vec<Collider>) -> Result<()> {
         colliders.iter().try_for_each(Collider::check)?;
         self.guarded(|stepper| {

@@ -89,7 +89,7 @@ impl Stepper {
     fn record_frame(&mut self, encoder: &mut wgpu::CommandEncoder, dt: f64) -> Result<Progress> {
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record"))?;
         if let Some((bodies, _)) = &self.cpu {
-            self.world.look(bodies);
+            self.world.measure_sleepers(bodies);
         }
         if self.world.drive(dt) {
             gpu.set_colliders(&self.world);

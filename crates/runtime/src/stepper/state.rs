@@ -1,11 +1,13 @@
 //! States out and in: save games, rollback, level switches.
 
 use super::Stepper;
+use crate::cpu::bounds;
 use crate::cpu::start::inverse_masses;
 use crate::error::{Error, Result, StateProblem};
 use crate::handle::ClothRef;
 use crate::state::{ClothState, Head, Layout, Snapshot};
 use crate::world::Action;
+use crate::world::sleep::corners;
 
 impl Stepper {
     /// The state of a cloth after all calls so far: pins, cuts and transforms that wait for the next frame are done first.
@@ -137,6 +139,10 @@ impl Stepper {
 
     /// Hands the lists of a state over to what steps.
     pub(super) fn put(&mut self, cloth: usize, state: &ClothState) {
+        if self.world.runs[cloth].asleep {
+            let sought = self.world.seek(cloth);
+            self.world.found(cloth, &sought, corners(bounds::run(state.positions(), state.previous())));
+        }
         let (of, run, settings) =
             (&self.world.scene.cloths[cloth], &self.world.runs[cloth], &self.world.control.options);
         let layout = Layout::of(of, &run.tethers, settings.solver);

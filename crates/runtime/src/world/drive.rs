@@ -1,6 +1,7 @@
 //! Colliders that the host moves by poses: their velocities, from the pose before and the time in between.
 
 use super::World;
+use crate::collider::Collider;
 use crate::scene::Pose;
 
 /// Where the host moves colliders, and since when they were where they are.
@@ -62,13 +63,20 @@ impl World {
         let mut changed = false;
         for n in 0..self.driven.moves.len() {
             let (m, waited) = (&self.driven.moves[n], self.driven.waited);
+            let from = m.from;
             let Some(collider) = self.scene.colliders.get_mut(m.collider) else { continue };
             let now = collider.moved(&m.from, &m.to, waited - m.since);
             let before = std::mem::replace(collider, now);
             changed |= now != before;
-            if now.pose() != before.pose() {
-                // Its velocity is that of this way.
-                self.stir(&before, &now, 0.0);
+            let start = Collider { center: from.position, rotation: from.rotation, ..before };
+            let moves = [now.velocity, now.spin] != [[0.0; 3]; 2];
+            if now != before && (moves || now.pose() != before.pose()) {
+                if from != before.pose() {
+                    self.disturb(&before, &start, 0.0);
+                }
+                // Its velocity is that of this way; a frame may last a step longer than the host's time.
+                let step = self.control.clock.dt;
+                self.disturb(&start, &now, step);
             }
         }
         changed

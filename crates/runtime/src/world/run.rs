@@ -39,16 +39,14 @@ impl World {
             if let Some(error) = body.strain.take() {
                 self.control.chooser.measured(error.get());
             }
-            if let Some(limit) = self.calm_below() {
-                let known = self.stirs.count;
-                self.note(index, body.fastest.get() <= limit, (seconds, known), || Some(around(body)));
+            if let Some(limit) = self.calm_below().filter(|_| steps > 0) {
+                self.note(index, body.fastest.get() <= limit, seconds, || around(body));
             }
         }
         if due {
             watchdog.done(self.control.clock.time + seconds);
         }
         self.watchdog = watchdog;
-        self.forget_stirs(self.stirs.count);
         self.host.touched = false;
         self.control.tick(steps);
     }

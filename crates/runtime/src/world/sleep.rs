@@ -1,14 +1,14 @@
 //! When cloth falls asleep, and when it wakes.
 //!
 //! Asleep is a state of the host, so that a cloth at rest costs no dispatch, no binding and no recording at all.
-//! Dispatches whose size a shader sets to 0 would need no word from the host, but each is still recorded, bound and, by
+//! Dispatches whose size a shader sets to 0 would need no read-back, but each is still recorded, bound and, by
 //! wgpu, checked by a dispatch of its own. The price is that on the GPU four bytes per cloth have to come back: they are
 //! copied with the frame, and [`crate::Stepper::settle`] takes what has arrived, without waiting.
 //!
-//! Among colliders a cloth falls asleep once the box around it is known, so that only those that come close wake it.
+//! Among colliders a cloth falls asleep only if the box around it is known, so that only colliders that come close wake it.
 
 use super::{ClothRun, World};
-use crate::collider::way::Corners;
+use crate::collider::path::Corners;
 use crate::cpu::body::Body;
 use crate::cpu::bounds::{self, Extent};
 use crate::number::real::{Real, cast};
@@ -18,14 +18,25 @@ use crate::number::real::{Real, cast};
 pub struct Calm {
     /// For how long \[s\].
     seconds: f64,
-    /// Changes so far: what was measured before one counts no more.
+    /// Changes so far: measurements from before one do not count.
     pub changes: u64,
-    /// The box around its particles at rest, where it is known.
-    pub rest: Option<Corners>,
+    /// The box around its particles where it is known, and how far \[m\] they may have drifted out of it.
+    pub rest_box: Option<(Corners, f64)>,
     /// Whether a box is being measured, or known.
     pub asked: bool,
-    /// How often it began to move: a box that was measured before counts no more.
+    /// How often it began to move: boxes from before do not count.
     starts: u64,
+    /// The number of the last path of a collider when it came to rest.
+    known: u64,
+}
+
+/// What was the case when the measurement of a box was recorded.
+#[derive(Clone, Copy, Debug)]
+pub struct Sought {
+    changes: [u64; 2],
+    asleep: bool,
+    /// The number of the last path of a collider that it allows for.
+    known: u64,
 }
 
 impl Calm {
@@ -34,9 +45,9 @@ impl Calm {
         self.seconds
     }
 
-    /// What a box is to be compared with when it arrives.
-    pub fn mark(&self) -> [u64; 2] {
-        [self.changes, self.starts]
+    /// Whether it is at rest for some time, and the box around it is not known yet.
+    pub fn awaits_box(&self) -> bool {
+        self.seconds > 0.0 && self.rest_box.is_none()
     }
 }
 
@@ -47,58 +58,83 @@ impl World {
         Some((sleep.speed * self.control.clock.dt).powi(2))
     }
 
-    /// Takes in a frame of `seconds`, measured after the first `known` changes of colliders. `look` finds the box around a
-    /// cloth where it can be found at once.
-    pub fn note(
-        &mut self,
-        cloth: usize,
-        calm: bool,
-        (seconds, known): (f64, u64),
-        look: impl FnOnce() -> Option<Corners>,
-    ) {
-        let run = &mut self.runs[cloth].calm;
+    /// How far a calm cloth may drift before it falls asleep \[m\].
+    fn drift(&self) -> f64 {
+        self.control.options.sleep.map_or(0.0, |sleep| sleep.speed * sleep.after)
+    }
+
+    /// Takes in a frame of `seconds`. `measure` finds the box around a cloth where that needs no wait.
+    pub fn note(&mut self, cloth: usize, calm: bool, seconds: f64, measure: impl Fn() -> Option<Corners>) {
+        let (drift, sleep) = (self.drift(), self.control.options.sleep);
+        let meets = self.scene.meets(self.scene.cloths[cloth].collision_groups);
+        let run = &mut self.runs[cloth];
+        let rest = &mut run.calm;
         if !calm {
-            *run = Calm { changes: run.changes, starts: run.starts + 1, ..Calm::default() };
+            *rest = Calm { changes: rest.changes, starts: rest.starts + 1, ..Calm::default() };
             return;
         }
-        run.seconds += seconds;
-        if self.control.options.sleep.is_none_or(|s| run.seconds < s.after) {
-            return;
+        if rest.seconds == 0.0 {
+            rest.known = self.paths.count();
         }
-        if !self.scene.meets(self.scene.cloths[cloth].collision_groups) {
-            self.runs[cloth].asleep = true;
-            return;
+        rest.seconds += seconds;
+        if meets && rest.rest_box.is_none() {
+            rest.rest_box = measure().map(|found| (found, drift));
+            rest.asked |= rest.rest_box.is_some();
         }
-        run.rest = run.rest.or_else(look);
-        let rest = run.rest;
-        match rest {
-            Some(rest) if self.is_stirred(cloth, known, rest) => self.wake(cloth),
-            Some(_) => self.runs[cloth].asleep = true,
-            None => {}
+        let ripe = sleep.is_some_and(|s| rest.seconds >= s.after);
+        if ripe && (!meets || rest.rest_box.is_some()) {
+            run.asleep = true;
+            // Where it lies now.
+            let exact = measure().filter(|_| meets).map(|found| (found, 0.0));
+            rest.asked = exact.is_some();
+            rest.rest_box = exact.or(rest.rest_box);
         }
     }
 
-    /// The cloths among colliders whose boxes are not known although they sleep, or soon will.
-    pub fn without_rest(&self) -> Vec<usize> {
-        let sleep = self.control.options.sleep.filter(|_| self.calm_below().is_some());
-        let soon = |calm: &Calm| sleep.is_some_and(|s| calm.seconds > 0.0 && calm.seconds >= 0.5 * s.after);
-        let wants = |run: &ClothRun| !run.calm.asked && (run.asleep || soon(&run.calm));
+    /// The cloths among colliders that are at rest, and whose boxes are not known.
+    pub fn without_rest_box(&self) -> Vec<usize> {
+        let wants = |run: &ClothRun| !run.calm.asked && (run.asleep || run.calm.seconds > 0.0);
         let meets = |cloth: &usize| self.scene.meets(self.scene.cloths[*cloth].collision_groups);
         (0..self.runs.len()).filter(|cloth| wants(&self.runs[*cloth])).filter(meets).collect()
     }
 
-    /// Takes in the box around a cloth, asked for at `mark`.
-    pub fn rest(&mut self, cloth: usize, mark: [u64; 2], rest: Corners) {
+    /// Takes in that the box of a cloth is being measured.
+    pub fn seek(&mut self, cloth: usize) -> Sought {
+        let run = &mut self.runs[cloth];
+        run.calm.asked = true;
+        let known = if run.asleep { self.paths.count() } else { run.calm.known };
+        Sought { changes: [run.calm.changes, run.calm.starts], asleep: run.asleep, known }
+    }
+
+    /// Takes in the box around a cloth; none if no particle was found.
+    pub fn found(&mut self, cloth: usize, sought: &Sought, corners: Option<Corners>) {
+        let drift = if sought.asleep { 0.0 } else { self.drift() };
         let calm = &mut self.runs[cloth].calm;
-        if calm.mark() == mark {
-            (calm.rest, calm.asked) = (Some(rest), true);
+        if [calm.changes, calm.starts] != sought.changes {
+            return;
+        }
+        calm.asked = corners.is_some();
+        let Some(rest) = corners.map(|found| (found, drift)) else { return };
+        calm.rest_box = Some(rest);
+        if self.is_disturbed(cloth, sought.known, rest) {
+            self.wake(cloth);
         }
     }
 
-    /// Finds the boxes of cloths that sleep.
-    pub fn look<T: Real>(&mut self, bodies: &[Body<T>]) {
-        for cloth in self.without_rest().into_iter().filter(|c| self.runs[*c].asleep).collect::<Vec<_>>() {
-            self.rest(cloth, self.runs[cloth].calm.mark(), around(&bodies[cloth]));
+    /// Drops the paths that no box to come has to be compared with.
+    pub fn forget_paths(&mut self) {
+        let waits = self.runs.iter().filter(|run| !run.asleep && run.calm.awaits_box());
+        self.paths.forget(waits.map(|run| run.calm.known).min().unwrap_or(self.paths.count()));
+    }
+
+    /// Measures the boxes of cloths that sleep, on the CPU.
+    pub fn measure_sleepers<T: Real>(&mut self, bodies: &[Body<T>]) {
+        // Actions that wait may still move them.
+        if self.host.actions.is_empty() {
+            for cloth in self.without_rest_box().into_iter().filter(|c| self.runs[*c].asleep).collect::<Vec<_>>() {
+                let sought = self.seek(cloth);
+                self.found(cloth, &sought, around(&bodies[cloth]));
+            }
         }
     }
 
@@ -122,12 +158,12 @@ impl World {
     }
 }
 
-/// The box of an extent. Nothing touches that of no particles.
-pub fn corners<T: Real>(extent: Option<Extent<T>>) -> Corners {
-    extent.map_or([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |e| [cast(e.low), cast(e.high)])
+/// The box of an extent.
+pub fn corners<T: Real>(extent: Option<Extent<T>>) -> Option<Corners> {
+    extent.map(|e| [cast(e.low), cast(e.high)])
 }
 
 /// The box around a cloth, now and one step before.
-pub fn around<T: Real>(body: &Body<T>) -> Corners {
+pub fn around<T: Real>(body: &Body<T>) -> Option<Corners> {
     corners(bounds::run(body.now(), body.before()))
 }

@@ -1,4 +1,4 @@
-//! The room that a collider passes through on its way from one pose to another.
+//! The space through which a collider moves from one pose to another.
 
 use super::solid::Solid;
 use super::{Collider, Shape};
@@ -7,34 +7,51 @@ use crate::number::real::V3;
 /// An axis-aligned box: its corners of the smallest and of the largest coordinates \[m\].
 pub type Corners = [V3<f64>; 2];
 
-/// Whether a collider comes within `margin` \[m\] of a box on its way from one pose, or shape, to another. True wherever it
-/// does, and also where the boxes around it at both ends, together, come as close: up to its own size too early.
-pub fn passes(from: &Collider, to: &Collider, [low, high]: Corners, margin: f64) -> bool {
-    let (Some(a), Some(b)) = (extent(from), extent(to)) else {
-        return planes(from, to, [low, high], margin);
-    };
-    // Points leave the straight line between both ends by the height of their arcs; a quarter more where they do not go
-    // along it evenly.
-    let cos = from.rotation.iter().zip(&to.rotation).map(|(x, y)| f64::from(x * y)).sum::<f64>().abs().min(1.0);
-    let by = margin + 1.5 * arm(from).max(arm(to)) * (1.0 - cos);
-    (0..3).all(|c| {
-        let (lowest, highest) = (a[0][c].min(b[0][c]), a[1][c].max(b[1][c]));
-        lowest - by <= high[c] && highest + by >= low[c]
-    })
+/// The space through which a collider moves, enlarged where that is simpler.
+#[derive(Clone, Debug)]
+pub enum Path {
+    /// Inside a box.
+    Box(Corners),
+    /// Below the higher of two parallel planes: their normal, and their heights along it.
+    Planes(V3<f64>, [f64; 2]),
+    /// Unknown.
+    Everywhere,
 }
 
-/// Half-spaces that keep their direction are told by it; others count as close.
-fn planes(from: &Collider, to: &Collider, [low, high]: Corners, margin: f64) -> bool {
-    let both = [from, to].iter().all(|c| c.shape == Shape::HalfSpace);
-    if !both || from.rotation != to.rotation {
-        return true;
+impl Path {
+    /// The path from one pose, or shape, to another, also of the last `seconds` of a motion by the velocity and the spin at its end.
+    pub fn new(from: &Collider, to: &Collider, seconds: f64) -> Self {
+        let size = |v: [f32; 3]| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+        let swept = seconds * (size(to.velocity) + size(to.spin) * arm(to));
+        let (Some(a), Some(b)) = (extent(from), extent(to)) else {
+            let turned = from.rotation != to.rotation || to.spin != [0.0; 3];
+            if from.shape != to.shape || turned {
+                return Path::Everywhere;
+            }
+            let up = Solid::<f64>::new(from).up();
+            let height = |c: &Collider| (0..3).map(|n| up[n] * f64::from(c.center[n])).sum::<f64>() + swept;
+            return Path::Planes(up, [height(from), height(to)]);
+        };
+        // A point on an arc leaves the straight line between its ends by the height of the arc. Half as much again where the
+        // collider moves as it turns.
+        let cos = from.rotation.iter().zip(&to.rotation).map(|(x, y)| f64::from(x * y)).sum::<f64>().abs().min(1.0);
+        let by = swept + 1.5 * arm(from).max(arm(to)) * (1.0 - cos);
+        Path::Box([[0, 1, 2].map(|c| a[0][c].min(b[0][c]) - by), [0, 1, 2].map(|c| a[1][c].max(b[1][c]) + by)])
     }
-    let up = Solid::<f64>::new(from).up();
-    let height = |c: usize, x: f64, center: f32| up[c] * (x - f64::from(center));
-    [from, to].iter().any(|plane| {
-        let lowest = |c: usize| height(c, if up[c] > 0.0 { low[c] } else { high[c] }, plane.center[c]);
-        (0..3).map(lowest).sum::<f64>() <= margin
-    })
+
+    /// Whether the path comes within `margin` \[m\] of a box. Never false if it does.
+    pub fn reaches(&self, [low, high]: Corners, margin: f64) -> bool {
+        match self {
+            Path::Box([lowest, highest]) => {
+                (0..3).all(|c| lowest[c] - margin <= high[c] && highest[c] + margin >= low[c])
+            }
+            Path::Planes(up, heights) => {
+                let least = |c: usize| up[c] * if up[c] > 0.0 { low[c] } else { high[c] };
+                (0..3).map(least).sum::<f64>() <= heights[0].max(heights[1]) + margin
+            }
+            Path::Everywhere => true,
+        }
+    }
 }
 
 /// The box around a collider; none around a half-space.
@@ -54,7 +71,7 @@ fn extent(collider: &Collider) -> Option<Corners> {
 }
 
 /// The distance \[m\] of a collider's farthest point from its centre; 0 of a half-space.
-pub fn arm(collider: &Collider) -> f64 {
+fn arm(collider: &Collider) -> f64 {
     Solid::<f64>::new(collider).around().unwrap_or(0.0)
 }
 
@@ -106,7 +123,7 @@ mod tests {
                         let pose = Pose::from_parts(Vector::from_array(center), between(q, s, t));
                         judge.distance_to_point(&pose, Vector::from_array(at), true) <= 0.01
                     });
-                    let told = passes(&from, &to, [at, at], 0.01);
+                    let told = Path::new(&from, &to, 0.0).reaches([at, at], 0.01);
                     assert!(told || !near, "{shape:?} from {p:?} {q:?} to {r:?} {s:?} at {at:?}");
                     met += u32::from(near);
                     far += u32::from(!told);
@@ -117,23 +134,37 @@ mod tests {
     }
 
     #[test]
-    fn planes_and_ellipsoids_are_told_by_their_surface() {
+    fn planes_and_ellipsoids_reach_as_far_as_their_surface() {
+        let reaches = |from: &Collider, to: &Collider, bounds, by| Path::new(from, to, 0.0).reaches(bounds, by);
         let (h, plane) = (0.5f32.sqrt(), Collider::new(Shape::HalfSpace, [0.0; 3]));
-        let tilted = |y: f32| Collider {
-            rotation: [0.0, 0.0, 0.125f32.sqrt(), 0.875f32.sqrt()],
-            ..Collider::new(Shape::HalfSpace, [0.0, y, 0.0])
-        };
+        let rotation = [0.0, 0.0, 0.125f32.sqrt(), 0.875f32.sqrt()];
+        let tilted = Collider { rotation, ..Collider::new(Shape::HalfSpace, [0.0, -50.0, 0.0]) };
         let bounds = [[5.0, 0.1, -3.0], [6.0, 0.2, 3.0]];
-        assert!(!passes(&plane, &plane, bounds, 0.05) && passes(&plane, &plane, bounds, 0.15));
+        assert!(!reaches(&plane, &plane, bounds, 0.05) && reaches(&plane, &plane, bounds, 0.15));
         let risen = Collider { center: [0.0, 0.2, 0.0], ..plane };
-        assert!(passes(&plane, &risen, bounds, 0.0) && passes(&risen, &plane, bounds, 0.0));
-        assert!(passes(&plane, &tilted(-50.0), bounds, 0.0) && !passes(&tilted(-50.0), &tilted(-50.0), bounds, 0.0));
-        // A long ellipsoid that is turned by a quarter about z reaches along x.
-        let egg = Shape::Ellipsoid { radii: [0.1, 1.0, 0.1], closest: true };
-        let (up, lying) =
-            (Collider::new(egg, [0.0; 3]), Collider { rotation: [0.0, 0.0, h, h], ..Collider::new(egg, [0.0; 3]) });
+        assert!(reaches(&plane, &risen, bounds, 0.0) && reaches(&risen, &plane, bounds, 0.0));
+        assert!(reaches(&plane, &tilted, bounds, 0.0) && !reaches(&tilted, &tilted, bounds, 0.0));
+        // A long ellipsoid reaches along x after a quarter turn about z.
+        let egg = Collider::new(Shape::Ellipsoid { radii: [0.1, 1.0, 0.1], closest: true }, [0.0; 3]);
+        let lying = Collider { rotation: [0.0, 0.0, h, h], ..egg };
         let beside = [[0.5, -0.05, 0.0], [0.6, 0.05, 0.0]];
-        assert!(!passes(&up, &up, beside, 0.01) && passes(&lying, &lying, beside, 0.01));
-        assert!(passes(&plane, &up, beside, 0.0));
+        assert!(!reaches(&egg, &egg, beside, 0.01) && reaches(&lying, &lying, beside, 0.01));
+        assert!(reaches(&plane, &egg, beside, 0.0));
+    }
+
+    #[test]
+    fn the_velocity_extends_the_path() {
+        let ball = Collider::new(Shape::Sphere { radius: 0.1 }, [0.0; 3]);
+        let fast = Collider { velocity: [0.0, 50.0, 0.0], ..ball };
+        let below = [[0.0, -3.0, 0.0], [0.1, -2.0, 0.1]];
+        assert!(
+            !Path::new(&ball, &fast, 0.02).reaches(below, 0.0) && Path::new(&ball, &fast, 0.05).reaches(below, 0.0)
+        );
+        let plane = Collider::new(Shape::HalfSpace, [0.0, -4.0, 0.0]);
+        let rising = Collider { velocity: [0.0, 50.0, 0.0], ..plane };
+        assert!(
+            !Path::new(&plane, &rising, 0.01).reaches(below, 0.0)
+                && Path::new(&plane, &rising, 0.05).reaches(below, 0.0)
+        );
     }
 }
