@@ -99,7 +99,7 @@ pub struct Options {
 }
 
 /// Conditions for a cloth to fall asleep. It wakes when it is changed, when gravity or wind changes, and when a collider may touch
-/// it on its path; such a collider also starts the time of rest anew. In wind it never falls asleep. On the GPU backend a cloth
+/// it on its path; such a collider also starts the time of rest again. In wind it never falls asleep. On the GPU backend a cloth
 /// among colliders costs two more dispatches each time it comes to rest, for the box around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sleep {
