@@ -237,6 +237,9 @@ impl Stepper {
         if !(asleep && self.world.runs[cloth].asleep) {
             self.world.wake(cloth);
             self.world.runs[cloth].asleep = asleep;
+            if let Some((bodies, _)) = &self.cpu {
+                self.world.measure_sleepers(bodies);
+            }
         }
         Ok(())
     }

@@ -117,6 +117,14 @@ impl World {
 
     /// Takes other options from the next step on.
     pub fn set_options(&mut self, options: Options) {
+        if options.sleep != self.control.options.sleep {
+            // Boxes were measured for another kind of rest.
+            (0..self.runs.len())
+                .filter(|c| !self.runs[*c].asleep)
+                .collect::<Vec<_>>()
+                .into_iter()
+                .for_each(|c| self.wake(c));
+        }
         self.control.set(Settings::new(options, &self.scene), &self.scene);
         self.host.raised = None;
         self.raise();

@@ -12,30 +12,39 @@ pub type Corners = [V3<f64>; 2];
 pub enum Path {
     /// Inside a box.
     Box(Corners),
-    /// Below the higher of two parallel planes: their normal, and their heights along it.
-    Planes(V3<f64>, [f64; 2]),
+    /// Near or below one of two planes.
+    Planes(Planes),
     /// Unknown.
     Everywhere,
+}
+
+/// A half-space at both ends of its path.
+#[derive(Clone, Debug)]
+pub struct Planes {
+    /// Normals, and points on the planes \[m\].
+    ends: [(V3<f64>, V3<f64>); 2],
+    /// What other planes in between may be nearer \[m\], and by how much more per metre from the points.
+    nearer: [f64; 2],
 }
 
 impl Path {
     /// The path from one pose, or shape, to another, also of the last `seconds` of a motion by the velocity and the spin at its end.
     pub fn new(from: &Collider, to: &Collider, seconds: f64) -> Self {
-        let size = |v: [f32; 3]| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+        let size = |v: [f32; 3]| length(v.map(f64::from));
         let swept = seconds * (size(to.velocity) + size(to.spin) * arm(to));
         let (Some(a), Some(b)) = (extent(from), extent(to)) else {
-            let turned = from.rotation != to.rotation || to.spin != [0.0; 3];
-            if from.shape != to.shape || turned {
+            if from.shape != to.shape {
                 return Path::Everywhere;
             }
-            let up = Solid::<f64>::new(from).up();
-            let height = |c: &Collider| (0..3).map(|n| up[n] * f64::from(c.center[n])).sum::<f64>() + swept;
-            return Path::Planes(up, [height(from), height(to)]);
+            let ends = [from, to].map(|c| (Solid::<f64>::new(c).up(), c.center.map(f64::from)));
+            // A point above two planes is above those whose normals are mixtures of theirs, but for the way between the centres.
+            // Normals that turn otherwise leave the mixtures by the height of their arc.
+            let between = [0, 1, 2].map(|n| ends[0].1[n] - ends[1].1[n]);
+            let way = if ends[0].0 == ends[1].0 { 0.0 } else { length(between) };
+            return Path::Planes(Planes { ends, nearer: [swept + way, arc(from, to) + seconds * size(to.spin)] });
         };
-        // A point on an arc leaves the straight line between its ends by the height of the arc. Half as much again where the
-        // collider moves as it turns.
-        let cos = from.rotation.iter().zip(&to.rotation).map(|(x, y)| f64::from(x * y)).sum::<f64>().abs().min(1.0);
-        let by = swept + 1.5 * arm(from).max(arm(to)) * (1.0 - cos);
+        // A point on an arc leaves the straight line between its ends by the height of the arc.
+        let by = swept + arm(from).max(arm(to)) * arc(from, to);
         Path::Box([[0, 1, 2].map(|c| a[0][c].min(b[0][c]) - by), [0, 1, 2].map(|c| a[1][c].max(b[1][c]) + by)])
     }
 
@@ -45,10 +54,13 @@ impl Path {
             Path::Box([lowest, highest]) => {
                 (0..3).all(|c| lowest[c] - margin <= high[c] && highest[c] + margin >= low[c])
             }
-            Path::Planes(up, heights) => {
-                let least = |c: usize| up[c] * if up[c] > 0.0 { low[c] } else { high[c] };
-                (0..3).map(least).sum::<f64>() <= heights[0].max(heights[1]) + margin
-            }
+            Path::Planes(Planes { ends, nearer }) => ends.iter().any(|(up, at)| {
+                let far = [0, 1, 2].map(|c| (low[c] - at[c]).abs().max((high[c] - at[c]).abs()));
+                let least = |c: usize| up[c] * (if up[c] > 0.0 { low[c] } else { high[c] } - at[c]);
+                let height = (0..3).map(least).sum::<f64>();
+                // Not the other way round: NaN is near.
+                !(height > margin + nearer[0] + length(far) * nearer[1])
+            }),
             Path::Everywhere => true,
         }
     }
@@ -70,6 +82,17 @@ fn extent(collider: &Collider) -> Option<Corners> {
     (collider.shape != Shape::HalfSpace).then_some([low, high])
 }
 
+fn length(v: V3<f64>) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The height of the arc of a point at 1 m, from one rotation to another. Half as much again, as a collider may move while it
+/// turns.
+fn arc(from: &Collider, to: &Collider) -> f64 {
+    let [a, b] = [from, to].map(|c| Solid::<f64>::new(c).rotation);
+    1.5 * (1.0 - a.iter().zip(&b).map(|(x, y)| x * y).sum::<f64>().abs().min(1.0))
+}
+
 /// The distance \[m\] of a collider's farthest point from its centre; 0 of a half-space.
 fn arm(collider: &Collider) -> f64 {
     Solid::<f64>::new(collider).around().unwrap_or(0.0)
@@ -79,7 +102,7 @@ fn arm(collider: &Collider) -> f64 {
 mod tests {
     use parry3d_f64::math::{Pose, Rotation, Vector};
     use parry3d_f64::query::PointQuery;
-    use parry3d_f64::shape::{Ball, Capsule, Cuboid};
+    use parry3d_f64::shape::{Ball, Capsule, Cuboid, HalfSpace};
 
     use super::*;
 
@@ -131,6 +154,30 @@ mod tests {
             }
             assert!(met > 100 && far > 1000, "{shape:?}: {met} met, {far} far");
         }
+    }
+
+    #[test]
+    fn planes_that_tilt_reach_what_they_pass() {
+        let (mut met, mut far) = (0, 0);
+        for k in 0..2000 {
+            let ((p, q), turn) = (pose(k), pose(k + 5000));
+            let rotation = between(q, turn.1, 0.03).to_array().map(|x| x as f32);
+            let center = [0, 1, 2].map(|c| p[c] + 0.05 * turn.0[c]);
+            let from = Collider { rotation: q, ..Collider::new(Shape::HalfSpace, p) };
+            let to = Collider { rotation, ..Collider::new(Shape::HalfSpace, center) };
+            let plane = HalfSpace::new(Vector::new(0.0, 1.0, 0.0));
+            let at = [7, 8, 9].map(|c| 1.4 * number(k, c));
+            let near = (0..=24).map(|t| f64::from(t) / 24.0).any(|t| {
+                let center = [0, 1, 2].map(|c| f64::from(p[c]) + t * f64::from(center[c] - p[c]));
+                let pose = Pose::from_parts(Vector::from_array(center), between(q, rotation, t));
+                plane.distance_to_point(&pose, Vector::from_array(at), true) <= 0.01
+            });
+            let told = Path::new(&from, &to, 0.0).reaches([at, at], 0.01);
+            assert!(told || !near, "from {p:?} {q:?} to {center:?} {rotation:?} at {at:?}");
+            met += u32::from(near);
+            far += u32::from(!told);
+        }
+        assert!(met > 500 && far > 500, "{met} met, {far} far");
     }
 
     #[test]

@@ -139,7 +139,7 @@ impl Stepper {
 
     /// Hands the lists of a state over to what steps.
     pub(super) fn put(&mut self, cloth: usize, state: &ClothState) {
-        if self.world.runs[cloth].asleep {
+        if self.world.runs[cloth].asleep || self.world.runs[cloth].calm.seconds() > 0.0 {
             let sought = self.world.seek(cloth);
             self.world.found(cloth, &sought, corners(bounds::run(state.positions(), state.previous())));
         }

@@ -78,12 +78,21 @@ impl World {
         let (old, new) = (before.len(), self.scene.colliders.len());
         let alike = old == new && before.iter().zip(&self.scene.colliders).all(|(a, b)| is_alike(a, b));
         let seconds = self.control.options.step * f64::from(self.control.options.max_catch_up);
-        for n in 0..old.max(new) {
-            let (a, b) = (before.get(n).copied(), self.scene.colliders.get(n).copied());
-            if let (Some(from), Some(to)) = (a.or(b), b.or(a))
-                && a != b
-            {
-                self.disturb(&from, &to, seconds);
+        // Colliders that come and go leave those before and behind them as they are.
+        let same = |(a, b): &(&Collider, &Collider)| a == b;
+        let front = before.iter().zip(&self.scene.colliders).take_while(same).count();
+        let back =
+            before[front..].iter().rev().zip(self.scene.colliders[front..].iter().rev()).take_while(same).count();
+        for n in front..(old - back).max(new - back) {
+            let a = before.get(n).filter(|_| n < old - back).copied();
+            let b = self.scene.colliders.get(n).filter(|_| n < new - back).copied();
+            match (a, b) {
+                (Some(from), Some(to)) if std::mem::discriminant(&from.shape) == std::mem::discriminant(&to.shape) => {
+                    if from != to {
+                        self.disturb(&from, &to, seconds);
+                    }
+                }
+                _ => a.into_iter().chain(b).for_each(|one| self.disturb(&one, &one, seconds)),
             }
         }
         alike

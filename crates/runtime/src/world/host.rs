@@ -69,6 +69,11 @@ pub struct Host {
 }
 
 impl Host {
+    /// Whether an action that waits may change a cloth.
+    pub fn awaits(&self, cloth: usize) -> bool {
+        self.actions.iter().any(|action| action.cloth().is_none_or(|c| c == cloth))
+    }
+
     /// Whether the next frame has anything to do even without a step.
     pub fn is_pending(&self) -> bool {
         self.touched || !self.actions.is_empty()

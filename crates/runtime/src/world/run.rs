@@ -47,6 +47,7 @@ impl World {
             watchdog.done(self.control.clock.time + seconds);
         }
         self.watchdog = watchdog;
+        self.forget_paths();
         self.host.touched = false;
         self.control.tick(steps);
     }

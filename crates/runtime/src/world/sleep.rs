@@ -67,6 +67,13 @@ impl World {
     pub fn note(&mut self, cloth: usize, calm: bool, seconds: f64, measure: impl Fn() -> Option<Corners>) {
         let (drift, sleep) = (self.drift(), self.control.options.sleep);
         let meets = self.scene.meets(self.scene.cloths[cloth].collision_groups);
+        if self.runs[cloth].asleep {
+            // Measured before it fell asleep.
+            if !calm {
+                self.wake(cloth);
+            }
+            return;
+        }
         let run = &mut self.runs[cloth];
         let rest = &mut run.calm;
         if !calm {
@@ -80,7 +87,14 @@ impl World {
         if meets && rest.rest_box.is_none() {
             rest.rest_box = measure().map(|found| (found, drift));
             rest.asked |= rest.rest_box.is_some();
+            let (known, rest_box) = (rest.known, rest.rest_box);
+            if rest_box.is_some_and(|rest_box| self.is_disturbed(cloth, known, rest_box)) {
+                self.wake(cloth);
+                return;
+            }
         }
+        let run = &mut self.runs[cloth];
+        let rest = &mut run.calm;
         let ripe = sleep.is_some_and(|s| rest.seconds >= s.after);
         if ripe && (!meets || rest.rest_box.is_some()) {
             run.asleep = true;
@@ -102,7 +116,7 @@ impl World {
     pub fn seek(&mut self, cloth: usize) -> Sought {
         let run = &mut self.runs[cloth];
         run.calm.asked = true;
-        let known = if run.asleep { self.paths.count() } else { run.calm.known };
+        let known = if run.asleep || run.calm.seconds == 0.0 { self.paths.count() } else { run.calm.known };
         Sought { changes: [run.calm.changes, run.calm.starts], asleep: run.asleep, known }
     }
 
@@ -123,15 +137,17 @@ impl World {
 
     /// Drops the paths that no box to come has to be compared with.
     pub fn forget_paths(&mut self) {
-        let waits = self.runs.iter().filter(|run| !run.asleep && run.calm.awaits_box());
-        self.paths.forget(waits.map(|run| run.calm.known).min().unwrap_or(self.paths.count()));
+        let meets = |cloth: &usize| self.scene.meets(self.scene.cloths[*cloth].collision_groups);
+        let waits = |cloth: &usize| !self.runs[*cloth].asleep && self.runs[*cloth].calm.awaits_box();
+        let known = (0..self.runs.len()).filter(waits).filter(meets).map(|cloth| self.runs[cloth].calm.known).min();
+        self.paths.forget(known.unwrap_or(self.paths.count()));
     }
 
     /// Measures the boxes of cloths that sleep, on the CPU.
     pub fn measure_sleepers<T: Real>(&mut self, bodies: &[Body<T>]) {
-        // Actions that wait may still move them.
-        if self.host.actions.is_empty() {
-            for cloth in self.without_rest_box().into_iter().filter(|c| self.runs[*c].asleep).collect::<Vec<_>>() {
+        for cloth in self.without_rest_box() {
+            // Actions that wait may still move it.
+            if self.runs[cloth].asleep && !self.host.awaits(cloth) {
                 let sought = self.seek(cloth);
                 self.found(cloth, &sought, around(&bodies[cloth]));
             }
@@ -148,8 +164,9 @@ impl World {
     /// Lets a cloth sleep or be awake as it was when it had been calm for `seconds`.
     pub fn resume_sleep(&mut self, cloth: usize, asleep: bool, seconds: f64) {
         self.wake(cloth);
+        let known = self.paths.count();
         let run = &mut self.runs[cloth];
-        (run.asleep, run.calm.seconds) = (asleep, seconds);
+        (run.asleep, run.calm.seconds, run.calm.known) = (asleep, seconds, known);
     }
 
     /// Wakes every cloth.
