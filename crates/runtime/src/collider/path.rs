@@ -58,8 +58,7 @@ impl Path {
                 let far = [0, 1, 2].map(|c| (low[c] - at[c]).abs().max((high[c] - at[c]).abs()));
                 let least = |c: usize| up[c] * (if up[c] > 0.0 { low[c] } else { high[c] } - at[c]);
                 let height = (0..3).map(least).sum::<f64>();
-                // Not the other way round: NaN is near.
-                !(height > margin + nearer[0] + length(far) * nearer[1])
+                height <= margin + nearer[0] + length(far) * nearer[1] || height.is_nan()
             }),
             Path::Everywhere => true,
         }
