@@ -23,7 +23,7 @@ pub enum Path {
 pub struct Planes {
     /// Normals, and points on the planes \[m\].
     ends: [(V3<f64>, V3<f64>); 2],
-    /// What other planes in between may be nearer \[m\], and by how much more per metre from the points.
+    /// Largest distance \[m\] by which planes in between are nearer, and its increase per metre from the points.
     nearer: [f64; 2],
 }
 

@@ -38,7 +38,7 @@ struct Measured {
     parcel: Parcel,
     /// By row: the index of its cloth now. None if the cloth has left, or was moved to somewhere else.
     cloths: Vec<Option<usize>>,
-    /// By row: what was the case when it was recorded.
+    /// By row: the state of its cloth at the time of recording.
     sought: Vec<Sought>,
     /// Time of the scene \[s\].
     time: f64,

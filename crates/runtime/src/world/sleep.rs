@@ -30,7 +30,7 @@ pub struct Calm {
     known: u64,
 }
 
-/// What was the case when the measurement of a box was recorded.
+/// The state of a cloth when the measurement of its box was recorded.
 #[derive(Clone, Copy, Debug)]
 pub struct Sought {
     changes: [u64; 2],
