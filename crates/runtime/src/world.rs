@@ -115,15 +115,20 @@ impl World {
         self.raise();
     }
 
+    /// Whether a cloth meets any collider.
+    pub fn meets(&self, cloth: usize) -> bool {
+        self.scene.meets(self.scene.cloths[cloth].collision_groups)
+    }
+
     /// Takes other options from the next step on.
     pub fn set_options(&mut self, options: Options) {
         if options.sleep != self.control.options.sleep {
             // Boxes were measured for another kind of rest.
-            (0..self.runs.len())
-                .filter(|c| !self.runs[*c].asleep)
-                .collect::<Vec<_>>()
-                .into_iter()
-                .for_each(|c| self.wake(c));
+            for cloth in 0..self.runs.len() {
+                if !self.runs[cloth].asleep {
+                    self.wake(cloth);
+                }
+            }
         }
         self.control.set(Settings::new(options, &self.scene), &self.scene);
         self.host.raised = None;

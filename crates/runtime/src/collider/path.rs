@@ -2,7 +2,7 @@
 
 use super::solid::Solid;
 use super::{Collider, Shape};
-use crate::number::real::V3;
+use crate::number::real::{V3, dot, sub};
 
 /// An axis-aligned box: its corners of the smallest and of the largest coordinates \[m\].
 pub type Corners = [V3<f64>; 2];
@@ -39,8 +39,7 @@ impl Path {
             let ends = [from, to].map(|c| (Solid::<f64>::new(c).up(), c.center.map(f64::from)));
             // A point above two planes is above those whose normals are mixtures of theirs, but for the way between the centres.
             // Normals that turn otherwise leave the mixtures by the height of their arc.
-            let between = [0, 1, 2].map(|n| ends[0].1[n] - ends[1].1[n]);
-            let way = if ends[0].0 == ends[1].0 { 0.0 } else { length(between) };
+            let way = if ends[0].0 == ends[1].0 { 0.0 } else { length(sub(ends[0].1, ends[1].1)) };
             return Path::Planes(Planes { ends, nearer: [swept + way, arc(from, to) + seconds * size(to.spin)] });
         };
         // A point on an arc leaves the straight line between its ends by the height of the arc.
@@ -56,8 +55,8 @@ impl Path {
             }
             Path::Planes(Planes { ends, nearer }) => ends.iter().any(|(up, at)| {
                 let far = [0, 1, 2].map(|c| (low[c] - at[c]).abs().max((high[c] - at[c]).abs()));
-                let least = |c: usize| up[c] * (if up[c] > 0.0 { low[c] } else { high[c] } - at[c]);
-                let height = (0..3).map(least).sum::<f64>();
+                let lowest = [0, 1, 2].map(|c| if up[c] > 0.0 { low[c] } else { high[c] });
+                let height = dot(*up, sub(lowest, *at));
                 height <= margin + nearer[0] + length(far) * nearer[1] || height.is_nan()
             }),
             Path::Everywhere => true,
@@ -82,7 +81,7 @@ fn extent(collider: &Collider) -> Option<Corners> {
 }
 
 fn length(v: V3<f64>) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+    dot(v, v).sqrt()
 }
 
 /// The height of the arc of a point at 1 m, from one rotation to another. Half as much again, as a collider may move while it
@@ -124,6 +123,18 @@ mod tests {
         a.slerp(b, t)
     }
 
+    /// Whether a point is met in 25 poses on the way, and whether the path reaches it, which it must where it is met.
+    fn met_and_told(judge: &dyn PointQuery, [from, to]: [&Collider; 2], at: [f64; 3]) -> [bool; 2] {
+        let near = (0..=24).map(|t| f64::from(t) / 24.0).any(|t| {
+            let center = [0, 1, 2].map(|c| f64::from(from.center[c]) + t * f64::from(to.center[c] - from.center[c]));
+            let pose = Pose::from_parts(Vector::from_array(center), between(from.rotation, to.rotation, t));
+            judge.distance_to_point(&pose, Vector::from_array(at), true) <= 0.01
+        });
+        let told = Path::new(from, to, 0.0).reaches([at, at], 0.01);
+        assert!(told || !near, "from {from:?} to {to:?} at {at:?}");
+        [near, told]
+    }
+
     #[test]
     fn no_point_that_is_met_on_the_way_counts_as_far() {
         let capsule = Capsule::new(Vector::new(0.0, -0.4, 0.0), Vector::new(0.0, 0.4, 0.0), 0.05);
@@ -140,13 +151,7 @@ mod tests {
                 let to = Collider { rotation: s, ..Collider::new(shape, r) };
                 for n in 0..120 {
                     let at = [7, 8, 9].map(|c| 1.4 * number(k + 977 * n, c));
-                    let near = (0..=24).map(|t| f64::from(t) / 24.0).any(|t| {
-                        let center = [0, 1, 2].map(|c| f64::from(p[c]) + t * f64::from(r[c] - p[c]));
-                        let pose = Pose::from_parts(Vector::from_array(center), between(q, s, t));
-                        judge.distance_to_point(&pose, Vector::from_array(at), true) <= 0.01
-                    });
-                    let told = Path::new(&from, &to, 0.0).reaches([at, at], 0.01);
-                    assert!(told || !near, "{shape:?} from {p:?} {q:?} to {r:?} {s:?} at {at:?}");
+                    let [near, told] = met_and_told(judge, [&from, &to], at);
                     met += u32::from(near);
                     far += u32::from(!told);
                 }
@@ -166,13 +171,7 @@ mod tests {
             let to = Collider { rotation, ..Collider::new(Shape::HalfSpace, center) };
             let plane = HalfSpace::new(Vector::new(0.0, 1.0, 0.0));
             let at = [7, 8, 9].map(|c| 1.4 * number(k, c));
-            let near = (0..=24).map(|t| f64::from(t) / 24.0).any(|t| {
-                let center = [0, 1, 2].map(|c| f64::from(p[c]) + t * f64::from(center[c] - p[c]));
-                let pose = Pose::from_parts(Vector::from_array(center), between(q, rotation, t));
-                plane.distance_to_point(&pose, Vector::from_array(at), true) <= 0.01
-            });
-            let told = Path::new(&from, &to, 0.0).reaches([at, at], 0.01);
-            assert!(told || !near, "from {p:?} {q:?} to {center:?} {rotation:?} at {at:?}");
+            let [near, told] = met_and_told(&plane, [&from, &to], at);
             met += u32::from(near);
             far += u32::from(!told);
         }

@@ -21,9 +21,7 @@ impl Stepper {
             if !alike {
                 stepper.world.reschedule();
             }
-            if let Some(gpu) = &mut stepper.gpu {
-                gpu.set_colliders(&stepper.world);
-            }
+            stepper.upload_colliders();
             Ok(())
         })
     }
@@ -78,9 +76,7 @@ impl Stepper {
             stepper.meet(&met);
             stepper.world.wake(cloth);
             stepper.world.reschedule();
-            if let Some(gpu) = &mut stepper.gpu {
-                gpu.set_colliders(&stepper.world);
-            }
+            stepper.upload_colliders();
             Ok(())
         })
     }
@@ -88,6 +84,10 @@ impl Stepper {
     /// Tells the device what colliders are like now.
     pub(super) fn recoat(&mut self) {
         self.changed();
+        self.upload_colliders();
+    }
+
+    fn upload_colliders(&mut self) {
         if let Some(gpu) = &mut self.gpu {
             gpu.set_colliders(&self.world);
         }
@@ -103,8 +103,7 @@ impl Stepper {
 
     /// Whether each cloth meets any collider.
     fn met(&self) -> Vec<bool> {
-        let scene = &self.world.scene;
-        scene.cloths.iter().map(|cloth| scene.meets(cloth.collision_groups)).collect()
+        (0..self.world.runs.len()).map(|cloth| self.world.meets(cloth)).collect()
     }
 
     /// Decides again what the host left open where a cloth that met no collider meets one now.

@@ -33,7 +33,8 @@ pub struct Calm {
 /// The state of a cloth when the measurement of its box was recorded.
 #[derive(Clone, Copy, Debug)]
 pub struct Sought {
-    changes: [u64; 2],
+    /// A box counts only if this is still the same.
+    mark: [u64; 2],
     asleep: bool,
     /// The number of the last path of a collider that it allows for.
     known: u64,
@@ -43,6 +44,10 @@ impl Calm {
     /// For how long it has been calm \[s\].
     pub fn seconds(&self) -> f64 {
         self.seconds
+    }
+
+    fn mark(&self) -> [u64; 2] {
+        [self.changes, self.starts]
     }
 
     /// Whether it is at rest for some time, and the box around it is not known yet.
@@ -66,7 +71,7 @@ impl World {
     /// Takes in a frame of `seconds`. `measure` finds the box around a cloth where that needs no wait.
     pub fn note(&mut self, cloth: usize, calm: bool, seconds: f64, measure: impl Fn() -> Option<Corners>) {
         let (drift, sleep) = (self.drift(), self.control.options.sleep);
-        let meets = self.scene.meets(self.scene.cloths[cloth].collision_groups);
+        let meets = self.meets(cloth);
         if self.runs[cloth].asleep {
             // Measured before it fell asleep.
             if !calm {
@@ -108,8 +113,7 @@ impl World {
     /// The cloths among colliders that are at rest, and whose boxes are not known.
     pub fn without_rest_box(&self) -> Vec<usize> {
         let wants = |run: &ClothRun| !run.calm.asked && (run.asleep || run.calm.seconds > 0.0);
-        let meets = |cloth: &usize| self.scene.meets(self.scene.cloths[*cloth].collision_groups);
-        (0..self.runs.len()).filter(|cloth| wants(&self.runs[*cloth])).filter(meets).collect()
+        (0..self.runs.len()).filter(|cloth| wants(&self.runs[*cloth]) && self.meets(*cloth)).collect()
     }
 
     /// Takes in that the box of a cloth is being measured.
@@ -117,14 +121,14 @@ impl World {
         let run = &mut self.runs[cloth];
         run.calm.asked = true;
         let known = if run.asleep || run.calm.seconds == 0.0 { self.paths.count() } else { run.calm.known };
-        Sought { changes: [run.calm.changes, run.calm.starts], asleep: run.asleep, known }
+        Sought { mark: run.calm.mark(), asleep: run.asleep, known }
     }
 
     /// Takes in the box around a cloth; none if no particle was found.
     pub fn found(&mut self, cloth: usize, sought: &Sought, corners: Option<Corners>) {
         let drift = if sought.asleep { 0.0 } else { self.drift() };
         let calm = &mut self.runs[cloth].calm;
-        if [calm.changes, calm.starts] != sought.changes {
+        if calm.mark() != sought.mark {
             return;
         }
         calm.asked = corners.is_some();
@@ -137,9 +141,9 @@ impl World {
 
     /// Drops the paths that no box to come has to be compared with.
     pub fn forget_paths(&mut self) {
-        let meets = |cloth: &usize| self.scene.meets(self.scene.cloths[*cloth].collision_groups);
-        let waits = |cloth: &usize| !self.runs[*cloth].asleep && self.runs[*cloth].calm.awaits_box();
-        let known = (0..self.runs.len()).filter(waits).filter(meets).map(|cloth| self.runs[cloth].calm.known).min();
+        let waits = |run: &ClothRun| !run.asleep && run.calm.awaits_box();
+        let waiting = (0..self.runs.len()).filter(|cloth| waits(&self.runs[*cloth]) && self.meets(*cloth));
+        let known = waiting.map(|cloth| self.runs[cloth].calm.known).min();
         self.paths.forget(known.unwrap_or(self.paths.count()));
     }
 
