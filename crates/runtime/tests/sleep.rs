@@ -272,3 +272,17 @@ fn restored_cloth_sleeps_on_among_colliders_that_move_elsewhere() {
         }
     }
 }
+
+#[test]
+fn cloth_that_is_put_to_sleep_sleeps_while_another_is_moved_by_its_pins() {
+    let mut scene = still_among_balls();
+    scene.cloths.push(curtain(8));
+    let mut rig = Rig::cpu(scene, &sleepy());
+    rig.stepper.set_asleep(0, true).unwrap();
+    for frame in 0..5 {
+        rig.stepper.set_position(1, 0, [0.0, 0.01 * frame as f32, 0.0]).unwrap();
+        rig.stepper.move_collider(1, &circling(frame)).unwrap();
+        rig.frame(FRAME);
+        assert!(rig.stepper.is_asleep(0), "{frame}");
+    }
+}

@@ -224,6 +224,44 @@ mod tests {
     }
 
     #[test]
+    fn measurements_from_before_it_fell_asleep_count() {
+        let mut world = world();
+        world.note(0, true, 1.0, || Some(REST));
+        assert!(world.runs[0].asleep);
+        world.note(0, true, 0.1, || None);
+        assert!(world.runs[0].asleep && world.runs[0].calm.rest_box == Some((REST, 0.0)));
+        world.note(0, false, 0.1, || None);
+        assert!(!world.runs[0].asleep);
+    }
+
+    #[test]
+    fn colliders_that_come_and_go_leave_the_others_of_the_list_as_they_are() {
+        let floor = Collider::new(Shape::HalfSpace, [0.0, -1.0, 0.0]);
+        let among = |list: Vec<Collider>| {
+            let mut world = world();
+            world.take_colliders([ball(5.0), vec![floor]].concat());
+            world.note(0, true, 1.0, || Some(REST));
+            assert!(world.runs[0].asleep);
+            world.take_colliders(list);
+            world.runs[0].asleep
+        };
+        assert!(among(vec![floor]));
+        assert!(among([ball(5.0), ball(6.0), vec![floor]].concat()));
+        assert!(!among([ball(5.0), ball(-0.5), vec![floor]].concat()));
+        assert!(!among(ball(5.0)));
+        assert!(!among(vec![]));
+    }
+
+    #[test]
+    fn other_conditions_of_sleep_start_the_rest_again() {
+        let mut world = world();
+        world.note(0, true, 0.4, || Some(REST));
+        let sleep = Some(Sleep { speed: 0.02, after: 0.5 });
+        world.set_options(Options { sleep, ..world.control.options.given().clone() });
+        assert_eq!((world.runs[0].calm.seconds(), world.runs[0].calm.rest_box), (0.0, None));
+    }
+
+    #[test]
     fn the_log_is_bounded_and_what_it_dropped_counts_as_close() {
         let mut world = world();
         world.note(0, true, 1.0, || None);
