@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use gimage::options::{BuildOptions, ImageSize, PieceOptions, Sample};
+use gimage::repair::RepairOptions;
 
 /// Builds many meshes, each in a child process, and reports what came out.
 ///
@@ -24,6 +25,7 @@ const EXAMPLES: &str = "Examples:
   sweep --hard --count 1000 --shard 2/5             the second fifth of 1,000 generated hard meshes
   sweep --hard --filter 'lace-*' --write-meshes out lace only; the meshes are kept as OBJ files
   sweep --damaged --count 3000 --csv damaged.csv    sample garments, each damaged on purpose
+  sweep --large 200000 --weld 0.0001                a dirty pleated skirt of 200,000 triangles
   sweep --budgets 36 --filter '*dress*'             36 texel budgets from 1,000 to 40,000";
 
 /// Parts that run on their own.
@@ -45,6 +47,9 @@ pub struct SweepArgs {
     /// Build sample garments damaged on purpose.
     #[arg(long)]
     pub damaged: bool,
+    /// Build a dirty pleated skirt of N triangles in 960 panels; needs `--weld 0.0001`.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8_000..=4_000_000))]
+    pub large: Option<u32>,
     /// Build each mesh at N texel budgets from 1,000 to 40,000; without a mesh, the clean garments.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=1000))]
     pub budgets: Option<u32>,
@@ -57,6 +62,9 @@ pub struct SweepArgs {
     /// Texel budget of a build.
     #[arg(long, default_value_t = 16_384, value_name = "N", value_parser = clap::value_parser!(u32).range(9..=16_777_214))]
     pub texels: u32,
+    /// Joins vertices within this distance \[m\].
+    #[arg(long, value_name = "M")]
+    pub weld: Option<f64>,
     /// Where texels go.
     #[arg(long, value_delimiter = ',', default_value = "fit")]
     pub sample: Vec<SampleArg>,
@@ -103,6 +111,9 @@ pub struct OneArgs {
     /// Where texels go.
     #[arg(long)]
     pub sample: SampleArg,
+    /// Joins vertices within this distance \[m\].
+    #[arg(long)]
+    pub weld: Option<f64>,
     /// CPU seconds the process may take.
     #[arg(long)]
     pub limit_seconds: u64,
@@ -141,7 +152,8 @@ impl OneArgs {
             SampleArg::Fit => Sample::Fit,
         };
         let image = PieceOptions { size: ImageSize::Texels(self.texels), sample, ..PieceOptions::default() };
-        BuildOptions { image, ..BuildOptions::default() }
+        let repair = RepairOptions { weld: self.weld, ..RepairOptions::default() };
+        BuildOptions { image, repair, ..BuildOptions::default() }
     }
 }
 

@@ -33,19 +33,19 @@ pub fn run(args: &OneArgs) -> Result<(), Failure> {
             let folder = args.mesh.parent().map_or(String::new(), |p| format!("{}/", p.display()));
             let message = if folder.len() > 1 { e.to_string().replace(&folder, "") } else { e.to_string() };
             record.status = Status::Refused { kind: kind(&e), message };
-            record.triangles = Source::read(&args.mesh).map_or(0, |s| s.mesh.triangles.len());
+            record.triangles = Source::read(&args.mesh, &args.options().repair).map_or(0, |s| s.mesh.triangles.len());
             if matches!(e, Error::Poor { .. }) {
                 // The figures of what the gate refused are worth having.
                 let mut options = args.options();
                 options.gate.accept_poor = true;
                 if let Ok(built) = build(&args.mesh, &options, &Quiet) {
-                    describe(&built, &args.mesh, &mut record)?;
+                    describe(&built, args, &mut record)?;
                 }
             }
         }
         Ok(built) => {
             record.status = Status::Built;
-            describe(&built, &args.mesh, &mut record)?;
+            describe(&built, args, &mut record)?;
         }
     }
     std::fs::write(&args.out, serde_json::to_vec(&record)?)?;
@@ -76,11 +76,11 @@ fn kind(error: &Error) -> String {
 }
 
 /// What came out, by the build's own word and by the probe's.
-fn describe(built: &Built, path: &Path, record: &mut Record) -> Result<(), Failure> {
+fn describe(built: &Built, args: &OneArgs, record: &mut Record) -> Result<(), Failure> {
     let manifest = serde_json::to_value(&built.bundle.manifest)?;
     let report = serde_json::to_value(&built.report)?;
     record.findings = serde_json::from_value(report["findings"].clone()).unwrap_or_default();
-    let source = Source::read(path)?;
+    let source = Source::read(&args.mesh, &args.options().repair)?;
     record.triangles = source.mesh.triangles.len();
     let areas: Vec<f64> = list(&manifest["accessories"]).iter().filter_map(|a| a["area"].as_f64()).collect();
     record.accessories = areas.len();
@@ -136,8 +136,8 @@ struct Source {
 }
 
 impl Source {
-    fn read(path: &Path) -> Result<Self, Failure> {
-        let mesh = repair(import(path, &ImportOptions::default())?.mesh, &RepairOptions::default())?.mesh;
+    fn read(path: &Path, options: &RepairOptions) -> Result<Self, Failure> {
+        let mesh = repair(import(path, &ImportOptions::default())?.mesh, options)?.mesh;
         let parts = split(&mesh, &ComponentOptions::default());
         let pieces = parts.pieces.into_iter().chain(parts.accessories).map(|c| (c.name.clone(), c)).collect();
         Ok(Self { mesh, pieces })

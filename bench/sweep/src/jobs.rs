@@ -18,6 +18,7 @@ use crate::{budgets, damage, garments, hard, launch, table};
 enum Origin {
     File(usize),
     Hard(usize),
+    Large(u32),
     Damaged(usize),
 }
 
@@ -43,7 +44,7 @@ pub fn run(args: &SweepArgs) -> Result<bool, Failure> {
     let jobs = jobs(&mut sources)?;
     if jobs.is_empty() {
         return Err(
-            "no mesh to build; give a folder with .obj, .glb or .gltf files, --hard, --damaged or --budgets N".into()
+            "no mesh to build; give a folder with .obj, .glb or .gltf files, --hard, --damaged, --large N or --budgets N".into()
         );
     }
     if let Some(folder) = &args.write_meshes {
@@ -73,7 +74,7 @@ fn jobs(sources: &mut Sources<'_>) -> Result<Vec<Job>, Failure> {
             sources.files.push(file);
         }
     }
-    if args.budgets.is_some() && args.paths.is_empty() && !args.hard && !args.damaged {
+    if args.budgets.is_some() && args.paths.is_empty() && !args.hard && !args.damaged && args.large.is_none() {
         for file in gimage_bench_meshes::clean() {
             let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
             meshes.push((Origin::File(sources.files.len()), name));
@@ -84,6 +85,7 @@ fn jobs(sources: &mut Sources<'_>) -> Result<Vec<Job>, Failure> {
         sources.hard = args.count.unwrap_or(1000);
         meshes.extend((0..sources.hard).map(|k| (Origin::Hard(k), hard::name(k))));
     }
+    meshes.extend(args.large.map(|n| (Origin::Large(n), hard::skirt::NAME.to_owned())));
     if args.damaged {
         sources.parts = garments::parts()?;
         let parts = &sources.parts;
@@ -110,6 +112,7 @@ impl Sources<'_> {
         let shape = match job.origin {
             Origin::File(k) => return Ok(self.files[k].clone()),
             Origin::Hard(k) => hard::mesh(self.args.seed, k, self.hard).1,
+            Origin::Large(triangles) => hard::skirt::skirt(self.args.seed, triangles as usize),
             Origin::Damaged(k) => damage::mesh(self.args.seed, k, &self.parts).1,
         };
         let path = self.args.write_meshes.as_deref().unwrap_or(folder).join(format!("{}.obj", job.name));

@@ -34,6 +34,7 @@ pub fn run(
         .arg(mesh)
         .args(["--texels", &texels.to_string(), "--sample", sample.name()])
         .args(["--limit-seconds", &args.limit_seconds.to_string(), "--limit-mib", &args.limit_mib.to_string()])
+        .args(args.weld.iter().flat_map(|w| ["--weld".to_owned(), w.to_string()]))
         .arg("--out")
         .arg(&out)
         .env("RAYON_NUM_THREADS", args.threads.max(1).to_string())

@@ -4,6 +4,7 @@ mod block;
 mod broken;
 mod flat;
 mod round;
+pub mod skirt;
 
 use crate::random::Random;
 use crate::shape::Shape;

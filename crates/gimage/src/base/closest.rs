@@ -3,7 +3,7 @@
 //! The tree and its traversal are parry's. The distance to one triangle is computed here, as the best of its face and
 //! its three sides: a region test on a needle can name the wrong side, the least of four points on it cannot.
 
-use crate::base::frame::{Frame, usable_corners, used_positions};
+use crate::base::frame::{Frame, usable_corners, usable_of, used_positions};
 use crate::base::vec3::{add, cross, dot, norm, normalize, scale, sub};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
@@ -51,6 +51,17 @@ impl Closest {
     pub fn new(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
         let frame = Frame::around(used_positions(positions, triangles));
         let (corners, ids) = usable_corners(&frame, positions, triangles);
+        Self::build(frame, corners, ids)
+    }
+
+    /// Of triangles corner by corner.
+    pub(crate) fn of(triangles: &[[[f64; 3]; 3]]) -> Self {
+        let frame = Frame::around(triangles.iter().flatten().copied());
+        let (corners, ids) = usable_of(&frame, triangles.iter().map(|t| t.map(Some)));
+        Self::build(frame, corners, ids)
+    }
+
+    fn build(frame: Frame, corners: Vec<[[f64; 3]; 3]>, ids: Vec<u32>) -> Self {
         let vector = |p: [f64; 3]| Vector::new(p[0], p[1], p[2]);
         let boxes = corners.iter().map(|c| {
             let (a, b, c) = (vector(c[0]), vector(c[1]), vector(c[2]));

@@ -50,11 +50,20 @@ pub(crate) fn usable_corners(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
 ) -> (Vec<[[f64; 3]; 3]>, Vec<u32>) {
-    let usable = |v: u32| positions.get(v as usize).copied().filter(|&p| is_usable(p)).map(|p| frame.inward(p));
+    let at = |v: u32| positions.get(v as usize).copied();
+    usable_of(frame, triangles.iter().map(|t| t.map(at)))
+}
+
+/// As [`usable_corners`], of triangles corner by corner; `None` where there is no corner.
+pub(crate) fn usable_of(
+    frame: &Frame,
+    triangles: impl ExactSizeIterator<Item = [Option<[f64; 3]>; 3]>,
+) -> (Vec<[[f64; 3]; 3]>, Vec<u32>) {
+    let usable = |p: Option<[f64; 3]>| p.filter(|&p| is_usable(p)).map(|p| frame.inward(p));
     let mut corners = Vec::with_capacity(triangles.len());
     let mut ids = Vec::with_capacity(triangles.len());
-    for (id, &[a, b, c]) in triangles.iter().enumerate() {
-        if let (Some(a), Some(b), Some(c)) = (usable(a), usable(b), usable(c)) {
+    for (id, triangle) in triangles.enumerate() {
+        if let [Some(a), Some(b), Some(c)] = triangle.map(usable) {
             corners.push([a, b, c]);
             ids.push(id as u32);
         }

@@ -24,13 +24,17 @@ pub(crate) struct EdgeGraph {
 impl EdgeGraph {
     /// Builds the graph of an edge-manifold mesh. O(n log n).
     pub(crate) fn new(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
-        let (mut ends, mut halves) = (Vec::new(), Vec::new());
         let mut of_half = vec![0u32; 3 * triangles.len()];
-        for run in sorted_edges(triangles).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+        let sorted = sorted_edges(triangles);
+        let edges = || sorted.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1));
+        let many = edges().count();
+        let (mut ends, mut halves) = (Vec::with_capacity(many), Vec::with_capacity(many));
+        for run in edges() {
             run.iter().for_each(|x| of_half[x.2 as usize] = ends.len() as u32);
             ends.push([run[0].0, run[0].1]);
             halves.push([run[0].2, run.get(1).map_or(BOUNDARY, |x| x.2)]);
         }
+        drop(sorted);
         let length = ends.iter().map(|e| distance(positions[e[0] as usize], positions[e[1] as usize])).collect();
         let mut first = vec![0u32; positions.len() + 1];
         ends.iter().flatten().for_each(|&v| first[v as usize + 1] += 1);

@@ -1,5 +1,7 @@
 //! What becomes of each component: an image, images of its parts, or an accessory.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use super::budget::{self, Made};
@@ -77,18 +79,19 @@ pub(super) fn images(
     progress: &dyn Progress,
 ) -> Result<(Vec<Outcome>, Option<Finding>)> {
     let total: f64 = components.iter().map(|p| p.area).sum();
-    let one = |component: &Component, share| {
+    let one = |component: &Component, share, known: Option<&Surface>| {
         if progress.cancelled() {
             return Err(Error::Cancelled);
         }
-        make(mesh, component, total, share, options)
+        let surface = || known.map_or_else(|| Cow::Owned(extract(mesh, component)), Cow::Borrowed);
+        make(mesh, component, surface, total, share, options)
     };
     let shares = shares(components, options)?;
     let made: Vec<Result<Outcome>> = components
         .par_iter()
         .zip(&shares)
         .map(|(component, &share)| {
-            let out = one(component, share);
+            let out = one(component, share, None);
             progress.step(Stage::Image);
             out
         })
@@ -141,7 +144,14 @@ fn shares(components: &[Component], options: &BuildOptions) -> Result<Vec<Share>
     }
 }
 
-fn make(mesh: &Mesh, component: &Component, total: f64, share: Share, options: &BuildOptions) -> Result<Outcome> {
+fn make<'a>(
+    mesh: &Mesh,
+    component: &Component,
+    surface: impl FnOnce() -> Cow<'a, Surface>,
+    total: f64,
+    share: Share,
+    options: &BuildOptions,
+) -> Result<Outcome> {
     let texels = match share {
         Share::Exact => None,
         Share::Texels(n) => Some(n),
@@ -150,7 +160,7 @@ fn make(mesh: &Mesh, component: &Component, total: f64, share: Share, options: &
             return Ok(Outcome::Accessory(format!("its share of the texels is under {least}, too small for a grid")));
         }
     };
-    let surface = extract(mesh, component);
+    let surface = surface();
     let seam = uv_seams(mesh, &surface);
     let image_options = ImageOptions::new(options, texels);
     let mut image = image(&component.name, &surface, seam.as_deref(), &image_options);
@@ -188,7 +198,7 @@ fn make(mesh: &Mesh, component: &Component, total: f64, share: Share, options: &
             image.width, image.height
         )));
     }
-    Ok(Outcome::Piece(surface, Box::new(image)))
+    Ok(Outcome::Piece(surface.into_owned(), Box::new(image)))
 }
 
 /// Makes images again, smaller, until all together have no more texels than asked for; a warning where that fails.
@@ -197,7 +207,7 @@ fn keep_budget(
     shares: &[Share],
     outcomes: &mut [Outcome],
     texels: u32,
-    one: &(dyn Fn(&Component, Share) -> Result<Outcome> + Sync),
+    one: &(dyn Fn(&Component, Share, Option<&Surface>) -> Result<Outcome> + Sync),
 ) -> Result<Option<Finding>> {
     let total: f64 = components.iter().map(|c| c.area).sum();
     let size = |o: &Outcome| match o {
@@ -218,8 +228,11 @@ fn keep_budget(
         if again.is_empty() {
             break;
         }
-        let smaller: Vec<Result<Outcome>> =
-            again.par_iter().map(|&(m, asked)| one(&components[pieces[m]], Share::Texels(asked))).collect();
+        let known = |k: usize| if let Outcome::Piece(surface, _) = &outcomes[k] { Some(surface) } else { None };
+        let smaller: Vec<Result<Outcome>> = again
+            .par_iter()
+            .map(|&(m, asked)| one(&components[pieces[m]], Share::Texels(asked), known(pieces[m])))
+            .collect();
         for ((m, asked), outcome) in again.into_iter().zip(smaller) {
             let outcome = match outcome {
                 Err(Error::Cancelled) => return Err(Error::Cancelled),

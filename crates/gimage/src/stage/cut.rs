@@ -5,6 +5,7 @@
 //! between two far points, and extra terminals are reached by shortest paths (Gu, Gortler, Hoppe 2002). Orientability
 //! is not needed: what is counted is homology over Z/2.
 
+pub mod corners;
 pub mod disk;
 pub mod grow;
 pub(crate) mod symmetry;

@@ -165,14 +165,13 @@ impl Side {
         if corners.is_empty() {
             return None;
         }
-        // Corner by corner: the tree then numbers its triangles as `corners` does.
-        let flat: Vec<[f64; 3]> = corners.iter().flatten().copied().collect();
-        let indices: Vec<[u32; 3]> = (0..corners.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
         let normals = corners.iter().map(|&[a, b, c]| unit_normal(a, b, c)).collect();
-        let closest = Closest::new(&flat, &indices);
-        let mut vertices = flat;
+        // The tree numbers its triangles as `corners` does.
+        let closest = Closest::of(&corners);
+        let mut vertices: Vec<[f64; 3]> = corners.iter().flatten().copied().collect();
         vertices.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
         vertices.dedup();
+        vertices.shrink_to_fit();
         Some(Self { corners, normals, vertices, closest })
     }
 

@@ -31,10 +31,11 @@ pub(crate) fn places(image: &PieceImage, surface: &Surface) -> Vec<(usize, [f64;
         .map(|s| {
             let t = s.triangle as usize;
             let face = disk.face[t] as usize;
+            let corners = disk.corners.of(t);
             let mut bary = [0.0; 3];
             for k in 0..3 {
                 for c in 0..3 {
-                    bary[surface.source_corner(face, c)] += s.bary[k] * disk.corners[t][k][c];
+                    bary[surface.source_corner(face, c)] += s.bary[k] * corners[k][c];
                 }
             }
             (surface.source_triangle[face] as usize, bary)

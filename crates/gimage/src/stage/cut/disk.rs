@@ -4,6 +4,7 @@ use gimage_bundle::DisjointSets;
 
 use crate::base::halfedge::{self, BOUNDARY, next, origin, target};
 use crate::base::vec3::{distance, lerp};
+use crate::stage::cut::corners::Corners;
 use crate::stage::cut::{Cut, Cutter};
 use crate::stage::parameterize::Shape;
 
@@ -22,7 +23,7 @@ pub struct Disk {
     /// For each triangle, the surface triangle it lies in.
     pub face: Vec<u32>,
     /// Barycentric coordinates of its corners in that triangle.
-    pub corners: Vec<[[f64; 3]; 3]>,
+    pub corners: Corners,
     /// The length a unit of length counts for at each vertex: more where texels are wanted denser.
     pub wanted: Vec<f64>,
     /// The boundary loop, counter-clockwise.
@@ -30,8 +31,6 @@ pub struct Disk {
     /// For each boundary edge (from `boundary[i]` to the next), whether it lies on the cut.
     pub on_cut: Vec<bool>,
 }
-
-const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Why a cut did not give a disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +45,7 @@ pub(crate) struct NotADisk {
 pub(crate) fn open(cutter: &Cutter<'_>, cut: &Cut) -> Result<Disk, NotADisk> {
     let (surface, graph) = (cutter.surface, &cutter.graph);
     let mut triangles = surface.triangles.clone();
-    let mut corners = vec![IDENTITY; triangles.len()];
+    let mut corners = Corners::whole(triangles.len());
     let uncut = |h: u32| {
         let e = graph.of_half[h as usize] as usize;
         let [a, b] = graph.halves[e];
@@ -91,7 +90,7 @@ pub(crate) fn open(cutter: &Cutter<'_>, cut: &Cut) -> Result<Disk, NotADisk> {
         *tri = [0, 1, 2].map(|k| vertex[sets.find(3 * t as u32 + k) as usize]);
         if turned[t] == Some(true) {
             tri.swap(1, 2);
-            corners[t].swap(1, 2);
+            corners.turn(t);
         }
     }
     let positions = origins.iter().map(|&v| surface.positions[v as usize]).collect();
@@ -140,6 +139,16 @@ impl Disk {
         Ok(())
     }
 
+    /// Room for what is to be added and no more: a list that doubles would hold as much again for as long as the disk lives.
+    fn reserve(&mut self, vertices: usize, triangles: usize) {
+        self.positions.reserve_exact(vertices);
+        self.origin.reserve_exact(vertices);
+        self.wanted.reserve_exact(vertices);
+        self.triangles.reserve_exact(triangles);
+        self.corners.reserve(triangles);
+        self.face.reserve_exact(triangles);
+    }
+
     /// Adds a vertex at `t` from `a` to `b` on the edge that `faces` share, splitting them; the part that keeps `b` is
     /// appended.
     fn split_edge(&mut self, a: u32, b: u32, t: f64, faces: &[u32]) -> u32 {
@@ -158,17 +167,17 @@ impl Disk {
             };
             let (i, j) = (k, (k + 1) % 3);
             let s = if tri[i] == a { t } else { 1.0 - t };
-            let middle = lerp(self.corners[f][i], self.corners[f][j], s);
+            let corners = self.corners.of(f);
+            let middle = lerp(corners[i], corners[j], s);
             let (mut first, mut second) = (tri, tri);
-            let (mut first_corners, mut second_corners) = (self.corners[f], self.corners[f]);
+            let (mut first_corners, mut second_corners) = (corners, corners);
             first[j] = new;
             first_corners[j] = middle;
             second[i] = new;
             second_corners[i] = middle;
             self.triangles[f] = first;
-            self.corners[f] = first_corners;
             self.triangles.push(second);
-            self.corners.push(second_corners);
+            self.corners.split(f, first_corners, second_corners);
             self.face.push(self.face[f]);
         }
         new
@@ -182,6 +191,7 @@ impl Disk {
         }
         let mut at = at.to_vec();
         at.sort_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
+        self.reserve(at.len(), at.len());
         let mut face_of = std::collections::HashMap::new();
         let n = self.boundary.len();
         for (i, _) in &at {
@@ -236,6 +246,7 @@ impl Disk {
             }
         }
         let many = chords.len();
+        self.reserve(many, 2 * many);
         // A split changes its two triangles, and another chord may be in the parts split off: follow the parts.
         let mut parts: std::collections::HashMap<u32, Vec<u32>> = std::collections::HashMap::new();
         for (a, b, faces) in chords {
@@ -317,9 +328,9 @@ mod tests {
         for (t, tri) in d.triangles.iter().enumerate() {
             let source = s.corners(d.face[t] as usize);
             for (k, &v) in tri.iter().enumerate() {
-                let p = [0, 1, 2].map(|c| (0..3).map(|m| d.corners[t][k][m] * source[m][c]).sum::<f64>());
+                let p = [0, 1, 2].map(|c| (0..3).map(|m| d.corners.of(t)[k][m] * source[m][c]).sum::<f64>());
                 assert!(distance(p, d.positions[v as usize]) < 1e-12);
-                assert!((d.corners[t][k].iter().sum::<f64>() - 1.0).abs() < 1e-12);
+                assert!((d.corners.of(t)[k].iter().sum::<f64>() - 1.0).abs() < 1e-12);
             }
         }
         for (p, &o) in d.positions.iter().zip(&d.origin) {

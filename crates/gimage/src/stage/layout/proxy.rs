@@ -6,6 +6,7 @@ use super::Layout;
 use super::search::SearchOptions;
 use crate::base::decimate::decimate;
 use crate::stage::border::{Border, on_rectangle};
+use crate::stage::cut::corners::Corners;
 use crate::stage::cut::disk::Disk;
 use crate::stage::parameterize::{NewtonOptions, Shape, Start, System, solve};
 
@@ -59,7 +60,7 @@ impl<'a> Proxy<'a> {
         let mut small = Disk {
             positions: coarse.vertex.iter().map(|&v| disk.positions[v as usize]).collect(),
             face: vec![0; coarse.triangles.len()],
-            corners: vec![[[0.0; 3]; 3]; coarse.triangles.len()],
+            corners: Corners::whole(coarse.triangles.len()),
             origin: coarse.vertex.clone(),
             wanted: coarse.vertex.iter().map(|&v| disk.wanted[v as usize]).collect(),
             triangles: coarse.triangles,

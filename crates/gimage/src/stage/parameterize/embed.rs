@@ -12,7 +12,7 @@ use super::distortion::{Rest, energy, flips, planar, rest_shape, rest_shapes, si
 use super::local::{beside, room, settle, spread, turns, valid};
 use super::newton::{self, NewtonOptions, NewtonRecord};
 use super::system::System;
-use super::{ParameterizeRecord, Shape, Way, distortion};
+use super::{ParameterizeRecord, Shape, Way, distortion, tiles};
 use crate::base::decimate::to_one;
 
 /// Newton steps of a vertex that comes back.
@@ -24,7 +24,7 @@ const SPREAD: (f64, usize) = (1e4, 50);
 /// Turns of all vertices at a level that is too fine for Newton steps.
 const TURNS: usize = 2;
 /// Largest energy of a disk of many triangles, in units of that of the finest level that took Newton steps: above it the whole
-/// takes Newton steps too, of this much work in steps times triangles.
+/// takes Newton steps too, tile by tile, of this much work in steps times triangles.
 const WORSE: (f64, usize) = (1.05, 4_000_000);
 
 /// As [`super::parameterize`], from one inner vertex on. Levels above 2 `enough` triangles take turns of single vertices
@@ -80,9 +80,8 @@ pub(super) fn embed(
     let rest = rest_shapes(positions, triangles, wanted, Scales::new(plane, shape, triangles).length);
     let mut newton = relax(triangles, &rest, fixed, uv, options, enough);
     if newton.steps == 0 && newton.end > WORSE.0 * last {
-        let most = NewtonOptions { steps: (WORSE.1 / triangles.len()).min(options.steps), further: 0, ..*options };
         let start = newton.start;
-        newton = newton::minimise(&mut System::new(triangles, fixed), &rest, triangles, uv, &most);
+        newton = tiles::minimise(triangles, &rest, fixed, uv, 2 * enough, WORSE.1);
         newton.start = start;
     }
     let log_distortion = distortion::log_distortion(&rest, triangles, uv);

@@ -11,6 +11,7 @@ mod refine;
 mod sparse;
 mod start;
 mod system;
+mod tiles;
 mod whole;
 
 pub use map::{Map, Source, map};

@@ -115,6 +115,7 @@ fn compact(work: &mut Work) {
         next += 1;
     }
     work.mesh.positions.truncate(next as usize);
+    work.mesh.positions.shrink_to_fit();
     work.rename(|v| to[v as usize]);
 }
 

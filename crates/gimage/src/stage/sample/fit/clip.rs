@@ -1,7 +1,10 @@
 //! The mesh clipped against the triangles of texels: what falls on which, and how much of it.
 
-use super::facet::Facet;
+use std::ops::Range;
+
+use super::facet::{Facet, Placed};
 use super::patch::{Fragment, Patch};
+use crate::base::vec3::sub;
 use crate::stage::cut::disk::Disk;
 use crate::stage::parameterize::distortion::{planar, signed_area2};
 
@@ -39,6 +42,9 @@ fn along(polygon: &[[f64; 2]], n: [f64; 2], d: f64, mut each: impl FnMut([f64; 2
     }
 }
 
+/// Cell rows a slice of a band, which are clipped at a time: what is made of them is sorted before it is kept.
+const SLICE: usize = 4;
+
 /// Cell rows a band: bands are worked on in parallel and summed in order, so that nothing depends on the threads.
 pub(super) const BAND: usize = 16;
 
@@ -57,21 +63,22 @@ pub(super) fn bands(disk: &Disk, uv: &[[f64; 2]], cell_rows: usize) -> Vec<Vec<u
     out
 }
 
-/// The patches of a band of cell rows, with their fragments in the order of the patches.
+/// The patches of some cell rows, with their fragments in the order of the patches and the facets that these lie on.
 #[derive(Default)]
 pub(super) struct Patches {
     pub patches: Vec<Patch>,
     pub fragments: Vec<Fragment>,
+    pub facets: Vec<Facet>,
 }
 
 impl Patches {
-    /// Each patch with its fragments.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (&Patch, &[Fragment])> {
+    /// Each patch with its fragments, and the facets of all.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&Patch, (&[Fragment], &[Facet]))> {
         let mut from = 0;
         self.patches.iter().map(move |p| {
             let fragments = self.fragments.get(from..p.end as usize).unwrap_or_default();
             from = p.end as usize;
-            (p, fragments)
+            (p, (fragments, &self.facets[..]))
         })
     }
 }
@@ -83,6 +90,8 @@ pub(super) struct Cells<'a> {
     pub columns: usize,
     /// Texel positions, which tell the shorter diagonal of every quad.
     pub points: &'a [[f64; 3]],
+    /// Cells down.
+    pub rows: usize,
 }
 
 impl Cells<'_> {
@@ -93,15 +102,37 @@ impl Cells<'_> {
     }
 }
 
-/// Clips `triangles` of the disk against the texel triangles of the cell rows `rows`.
-pub(super) fn clipped(
-    disk: &Disk,
-    uv: &[[f64; 2]],
-    facets: &[Option<Facet>],
-    triangles: &[u32],
-    cells: Cells<'_>,
-    rows: &std::ops::Range<usize>,
-) -> Patches {
+/// A map of which every triangle is an affine map of the plane.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub disk: &'a Disk,
+    pub uv: &'a [[f64; 2]],
+    /// Where positions are counted from.
+    pub centre: [f64; 3],
+    /// Side of a mean texel \[m\].
+    pub texel: f64,
+}
+
+impl Source<'_> {
+    fn place(&self, f: usize) -> [[f64; 2]; 3] {
+        planar(self.uv, self.disk.triangles[f])
+    }
+
+    /// A triangle as a facet, if it has an area.
+    pub(super) fn facet(&self, f: usize) -> Option<Placed> {
+        let corners = self.disk.triangles[f].map(|v| sub(self.disk.positions[v as usize], self.centre));
+        Placed::new(corners, self.place(f), self.texel)
+    }
+}
+
+/// Clips `triangles` against the texel triangles of a band: its slices in order.
+pub(super) fn clipped(source: Source<'_>, triangles: &[u32], cells: Cells<'_>, band: usize) -> Vec<Patches> {
+    let rows = band * BAND..((band + 1) * BAND).min(cells.rows);
+    let slices = rows.clone().step_by(SLICE).map(|j| j..(j + SLICE).min(rows.end));
+    slices.map(|rows| slice(source, triangles, cells, &rows)).collect()
+}
+
+fn slice(source: Source<'_>, triangles: &[u32], cells: Cells<'_>, rows: &Range<usize>) -> Patches {
     let across = cells.columns - 1;
     let mut patches: Vec<Patch> = Vec::with_capacity(2 * rows.len() * across);
     for j in rows.clone() {
@@ -112,13 +143,15 @@ pub(super) fn clipped(
         }
     }
     // About two fall on a texel triangle where the mesh is as fine as the texels, one where it is coarser.
-    let mut made: Vec<(u32, Fragment)> = Vec::with_capacity(2 * patches.len());
+    let mut made: Vec<(u32, Fragment)> = Vec::with_capacity(2 * patches.len() + triangles.len());
+    let mut facets = Vec::new();
     let (mut row, mut cell, mut next, mut parts) = (Vec::new(), Vec::new(), Vec::new(), [Vec::new(), Vec::new()]);
     for &f in triangles {
-        let Some(facet) = &facets[f as usize] else { continue };
-        let p = planar(uv, disk.triangles[f as usize]);
+        let p = source.place(f as usize);
         let (j0, j1) = span(&p, 1);
-        for j in j0.max(rows.start)..j1.min(rows.end) {
+        let met = j0.max(rows.start)..j1.min(rows.end);
+        let Some(placed) = (!met.is_empty()).then(|| source.facet(f as usize)).flatten() else { continue };
+        for j in met {
             let v = j as f64;
             clip(&p, [0.0, -1.0], -v, &mut next);
             clip(&next, [0.0, 1.0], v + 1.0, &mut row);
@@ -138,14 +171,16 @@ pub(super) fn clipped(
                 for (which, part) in parts.iter().enumerate() {
                     if part.len() >= 3 {
                         let patch = &mut patches[2 * k + which];
-                        let mass = integrate(part, facet.density, [u, v], patch.half);
-                        patch.add(mass, facet, [u, v]);
-                        made.push((2 * k as u32 + which as u32, Fragment::new(f, mass)));
+                        let mass = integrate(part, placed.density, [u, v], patch.half);
+                        patch.add(mass, &placed, [u, v]);
+                        made.push((2 * k as u32 + which as u32, Fragment::new(facets.len() as u32, mass)));
                     }
                 }
             }
         }
+        facets.push(placed.facet);
     }
+    facets.shrink_to_fit();
     // Dealt out to the patches; within one they stay in the order of the mesh.
     let mut start = vec![0u32; patches.len() + 1];
     made.iter().for_each(|(key, _)| start[*key as usize + 1] += 1);
@@ -158,7 +193,7 @@ pub(super) fn clipped(
     }
     // After the dealing each start is the end.
     patches.iter_mut().zip(&start).for_each(|(p, end)| p.end = *end);
-    Patches { patches, fragments }
+    Patches { patches, fragments, facets }
 }
 
 /// The first cell that a polygon meets along a coordinate, and the one past the last.

@@ -3,24 +3,29 @@
 use crate::base::vec3::{cross, dot, norm, scale, sub};
 use crate::stage::parameterize::distortion::signed_area2;
 
-/// P(u, v) = o + u du + v dv.
+/// P(u, v) = o + u du + v dv, as the rounds of the fit need it.
 pub(super) struct Facet {
-    o: [f64; 3],
     pub du: [f64; 3],
     pub dv: [f64; 3],
     pub normal: [f64; 3],
     /// Its plane is `normal . x = height`.
     pub height: f64,
-    /// Surface per area of the plane.
-    pub density: f64,
     /// The map crushes it so far that its gradient says nothing of the surface around it.
     pub extreme: bool,
+}
+
+/// A facet in its place, as the clipping needs it.
+pub(super) struct Placed {
+    pub facet: Facet,
+    o: [f64; 3],
+    /// Surface per area of the plane.
+    pub density: f64,
 }
 
 /// A facet is extreme where a texel spans this many times the mean texel's side on it.
 const EXTREME: f64 = 30.0;
 
-impl Facet {
+impl Placed {
     /// `None` for a triangle without area on the surface or in the plane. `texel` is the side of a mean texel \[m\].
     pub(super) fn new(x: [[f64; 3]; 3], p: [[f64; 2]; 3], texel: f64) -> Option<Self> {
         let area2 = signed_area2(p);
@@ -35,10 +40,12 @@ impl Facet {
         let o = [0, 1, 2].map(|c| x[0][c] - p[0][0] * du[c] - p[0][1] * dv[c]);
         let normal = scale(n, 1.0 / norm(n));
         let extreme = norm(du).max(norm(dv)) > EXTREME * texel;
-        Some(Self { o, du, dv, normal, height: dot(normal, x[0]), density: norm(n) / area2, extreme })
+        let facet = Facet { du, dv, normal, height: dot(normal, x[0]), extreme };
+        Some(Self { facet, o, density: norm(n) / area2 })
     }
 
     pub(super) fn at(&self, q: [f64; 2]) -> [f64; 3] {
-        [0, 1, 2].map(|c| self.o[c] + q[0] * self.du[c] + q[1] * self.dv[c])
+        let Facet { du, dv, .. } = &self.facet;
+        [0, 1, 2].map(|c| self.o[c] + q[0] * du[c] + q[1] * dv[c])
     }
 }

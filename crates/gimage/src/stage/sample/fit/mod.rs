@@ -20,9 +20,7 @@ use rayon::prelude::*;
 use crate::base::least_squares::{Normal, Part};
 use crate::base::vec3::{cross, norm, sub};
 use crate::stage::cut::disk::Disk;
-use crate::stage::parameterize::distortion::planar;
-use clip::{BAND, Cells, Patches, bands, clipped};
-use facet::Facet;
+use clip::{BAND, Cells, Patches, Source, bands, clipped};
 
 pub(crate) use clip::clip;
 pub(crate) use restrain::restrain;
@@ -87,20 +85,17 @@ pub(crate) fn fit(
     let corners = |t: [u32; 3]| t.map(|v| sub(disk.positions[v as usize], centre));
     let area: f64 = disk.triangles.iter().map(|&t| triangle_area(corners(t))).sum();
     let texel = (area / ((columns - 1) * (rows - 1)) as f64).sqrt();
-    let facets: Vec<Option<Facet>> =
-        disk.triangles.iter().map(|&t| Facet::new(corners(t), planar(uv, t), texel)).collect();
-    let bands = bands(disk, uv, rows - 1);
-    let cells = |band: usize| band * BAND..((band + 1) * BAND).min(rows - 1);
+    let source = Source { disk, uv, centre, texel };
     // Texels move little, and with them the diagonals: one clipping serves all rounds.
-    let image = Cells { columns, points: &local };
-    let bands: Vec<Patches> = bands
+    let image = Cells { columns, rows: rows - 1, points: &local };
+    let bands: Vec<Vec<Patches>> = bands(disk, uv, rows - 1)
         .par_iter()
         .enumerate()
-        .map(|(band, triangles)| clipped(disk, uv, &facets, triangles, image, &cells(band)))
+        .map(|(band, triangles)| clipped(source, triangles, image, band))
         .collect();
     let (mut all, mut over) = (0.0, 0.0);
-    for (patch, fragments) in bands.iter().flat_map(Patches::iter) {
-        let (area, turned) = patch.turned(fragments, &facets, &local, columns);
+    for (patch, parts) in bands.iter().flatten().flat_map(Patches::iter) {
+        let (area, turned) = patch.turned(parts, &local, columns);
         (all, over) = (all + area, over + turned);
     }
     let hold = over <= MOST_TURNED * all;
@@ -115,14 +110,7 @@ pub(crate) fn fit(
         }
         normal.clear();
         normal.parts().zip(&bands).for_each(|(part, band)| {
-            pulp::Arch::new().dispatch(Round {
-                part,
-                band,
-                facets: &facets,
-                points: &local,
-                rim,
-                options: (options, hold),
-            });
+            pulp::Arch::new().dispatch(Round { part, band, points: &local, rim, options: (options, hold) });
         });
         normal.join();
         normal.hold(rim, &sampled, RIM);
@@ -143,8 +131,7 @@ fn triangle_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
 /// The equations of a band in the widest vectors at hand. The products and sums are the same in all: nothing is fused.
 struct Round<'a> {
     part: Part<'a>,
-    band: &'a Patches,
-    facets: &'a [Option<Facet>],
+    band: &'a [Patches],
     points: &'a [[f64; 3]],
     rim: &'a [bool],
     options: (&'a FitOptions, bool),
@@ -155,8 +142,8 @@ impl pulp::NullaryFnOnce for Round<'_> {
 
     #[inline(always)]
     fn call(mut self) {
-        for (patch, fragments) in self.band.iter() {
-            patch.equations(&mut self.part, (fragments, self.facets), self.points, self.rim, self.options);
+        for (patch, parts) in self.band.iter().flat_map(Patches::iter) {
+            patch.equations(&mut self.part, parts, self.points, self.rim, self.options);
         }
     }
 }

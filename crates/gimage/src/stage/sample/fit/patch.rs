@@ -5,7 +5,7 @@
 //! the height of the texels above the facet's plane is needed for each fragment. The rest is summed once.
 
 use super::FitOptions;
-use super::facet::Facet;
+use super::facet::{Facet, Placed};
 use crate::base::least_squares::Part;
 use crate::base::vec3::{cross, dot};
 
@@ -65,7 +65,7 @@ impl Patch {
     }
 
     /// Counts a fragment of these integrals, `at` the place of the quad.
-    pub(super) fn add(&mut self, mass: [f64; 6], facet: &Facet, at: [f64; 2]) {
+    pub(super) fn add(&mut self, mass: [f64; 6], facet: &Placed, at: [f64; 2]) {
         // As the fragment will have it.
         let m = mass.map(|m| f64::from(m as f32));
         self.mass.iter_mut().zip(m).for_each(|(s, m)| *s += m);
@@ -83,8 +83,7 @@ impl Patch {
     /// The area of the fragments, and of those that texels at `points` turn over by more than a right angle.
     pub(super) fn turned(
         &self,
-        fragments: &[Fragment],
-        facets: &[Option<Facet>],
+        (fragments, facets): (&[Fragment], &[Facet]),
         points: &[[f64; 3]],
         columns: usize,
     ) -> (f64, f64) {
@@ -94,8 +93,7 @@ impl Patch {
         for f in fragments {
             let area = f.mass().1;
             all += area;
-            let facet = facets.get(f.facet as usize).and_then(Option::as_ref);
-            over += if facet.is_some_and(|x| dot(normal, x.normal) < 0.0) { area } else { 0.0 };
+            over += if dot(normal, facets[f.facet as usize].normal) < 0.0 { area } else { 0.0 };
         }
         (all, over)
     }
@@ -105,7 +103,7 @@ impl Patch {
     pub(super) fn equations(
         &self,
         part: &mut Part<'_>,
-        (fragments, facets): (&[Fragment], &[Option<Facet>]),
+        (fragments, facets): (&[Fragment], &[Facet]),
         points: &[[f64; 3]],
         rim: &[bool],
         (options, turned): (&FitOptions, bool),
@@ -128,7 +126,7 @@ impl Patch {
         let [mut u, mut v] = [[0.0; 3]; 2];
         let mut rise = [[0.0; 3]; 3];
         for f in fragments {
-            let Some(facet) = facets.get(f.facet as usize).and_then(Option::as_ref) else { continue };
+            let facet = &facets[f.facet as usize];
             let (m, area) = f.mass();
             let n = facet.normal;
             let cos = dot(facing, n);

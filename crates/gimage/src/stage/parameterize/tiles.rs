@@ -1,0 +1,131 @@
+//! Newton steps on one part of a large map after another: the memory is that of a part, not of the whole.
+//!
+//! The free vertices of a tile of the plane move while all others stay, so that every step lowers the energy of the whole and
+//! none flips a triangle (a multiplicative Schwarz method). Tiles are cut elsewhere in every round: what a border of one round
+//! held back moves in the next. What is left to do must be short-range, as after the turns of a map that came from a coarse one.
+
+use super::distortion::{Rest, energy};
+use super::newton::{self, NewtonOptions, NewtonRecord};
+use super::system::System;
+
+/// Newton steps of a tile in a round: what is left after them is held back by its border.
+const STEPS: usize = 3;
+/// Most rounds, if the work allows as many.
+const ROUNDS: usize = 6;
+/// A round that lowers the energy by less than this share of what it is above an isometry's is the last.
+const FALLING: f64 = 0.01;
+
+/// Lowers the energy of `uv` by rounds of Newton steps on tiles of up to `part` triangles, of at most about `work` steps times
+/// triangles in all. The steps recorded are, for each round, those of the tile that took most.
+pub(super) fn minimise(
+    triangles: &[[u32; 3]],
+    rest: &[Rest],
+    fixed: &[bool],
+    uv: &mut [[f64; 2]],
+    part: usize,
+    work: usize,
+) -> NewtonRecord {
+    let mut now = energy(rest, triangles, uv);
+    let least: f64 = 4.0 * rest.iter().map(|r| r.weight).sum::<f64>();
+    let mut record = NewtonRecord { steps: 0, start: now, end: now, converged: false, capped: false };
+    let mut free: Vec<u32> = (0..fixed.len() as u32).filter(|&v| !fixed[v as usize]).collect();
+    let tiles = triangles.len().div_ceil(part.max(1)).next_power_of_two();
+    let rounds = (work / (STEPS * triangles.len()).max(1)).clamp(1, ROUNDS);
+    let mut tile_of = vec![0u32; fixed.len()];
+    for round in 0..rounds {
+        share(&mut free, uv, tiles, round, &mut tile_of);
+        record.steps += (1..=tiles as u32).map(|tile| one(triangles, rest, &tile_of, tile, uv)).max().unwrap_or(0);
+        record.end = energy(rest, triangles, uv);
+        record.converged = now - record.end < FALLING * (now - least).max(1e-14 * now);
+        if record.converged {
+            return record;
+        }
+        now = record.end;
+    }
+    record.capped = true;
+    record
+}
+
+/// Shares free vertices out to tiles 1, 2, ... by their places: halves of halves, across the longer side of each. In odd rounds
+/// the first two cuts are at thirds.
+fn share(free: &mut [u32], uv: &[[f64; 2]], tiles: usize, round: usize, tile_of: &mut [u32]) {
+    let mut next = 1;
+    cut(free, uv, tiles, if round % 2 == 1 { 2 } else { 0 }, &mut next, tile_of);
+}
+
+fn cut(part: &mut [u32], uv: &[[f64; 2]], tiles: usize, thirds: usize, next: &mut u32, tile_of: &mut [u32]) {
+    if tiles <= 1 || part.len() < 2 {
+        part.iter().for_each(|&v| tile_of[v as usize] = *next);
+        *next += 1;
+        return;
+    }
+    let side = |c: usize| {
+        let at = part.iter().map(|&v| uv[v as usize][c]);
+        at.clone().fold(f64::NEG_INFINITY, f64::max) - at.fold(f64::INFINITY, f64::min)
+    };
+    let c = usize::from(side(1) > side(0));
+    let middle = if thirds > 0 { part.len() / 3 } else { part.len() / 2 };
+    part.select_nth_unstable_by(middle, |&a, &b| uv[a as usize][c].total_cmp(&uv[b as usize][c]).then(a.cmp(&b)));
+    let (low, high) = part.split_at_mut(middle);
+    let thirds = thirds.saturating_sub(1);
+    cut(low, uv, tiles / 2, thirds, next, tile_of);
+    cut(high, uv, tiles / 2, thirds, next, tile_of);
+}
+
+/// Newton steps of one tile, as a mesh of its own; how many there were.
+fn one(triangles: &[[u32; 3]], rest: &[Rest], tile_of: &[u32], tile: u32, uv: &mut [[f64; 2]]) -> usize {
+    let within = |t: &[u32; 3]| t.iter().any(|&v| tile_of[v as usize] == tile);
+    let chosen: Vec<usize> = (0..triangles.len()).filter(|&t| within(&triangles[t])).collect();
+    let mut vertex: Vec<u32> = chosen.iter().flat_map(|&t| triangles[t]).collect();
+    vertex.sort_unstable();
+    vertex.dedup();
+    let number = |v: u32| vertex.binary_search(&v).unwrap_or_default() as u32;
+    let own: Vec<[u32; 3]> = chosen.iter().map(|&t| triangles[t].map(number)).collect();
+    let own_rest: Vec<Rest> = chosen.iter().map(|&t| rest[t]).collect();
+    let held: Vec<bool> = vertex.iter().map(|&v| tile_of[v as usize] != tile).collect();
+    let mut own_uv: Vec<[f64; 2]> = vertex.iter().map(|&v| uv[v as usize]).collect();
+    let options = NewtonOptions { steps: STEPS, further: 0, tolerance: FALLING };
+    let record = newton::minimise(&mut System::new(&own, &held), &own_rest, &own, &mut own_uv, &options);
+    vertex.iter().zip(&own_uv).for_each(|(&v, p)| uv[v as usize] = *p);
+    record.steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::distortion::{flips, rest_shapes};
+    use super::*;
+    use crate::base::shapes;
+
+    #[test]
+    fn tiles_end_near_the_whole_and_flip_nothing() {
+        // A sheet that is shrunk along one side, and a boundary that does not follow.
+        let s =
+            shapes::sheet(48, 48, shapes::Join::Open, shapes::Join::Open, |u, v| [u * (1.0 - 0.6 * v), v, 0.2 * u * v]);
+        let fixed = shapes::rim(&s);
+        let n = fixed.len();
+        // The last column is the n-th of 49: places on the grid itself, without a flip.
+        let start: Vec<[f64; 2]> = (0..n).map(|k| [(k % 49) as f64 / 48.0, (k / 49) as f64 / 48.0]).collect();
+        let rest = rest_shapes(&s.positions, &s.triangles, &vec![1.0; n], 1.0);
+        assert_eq!(flips(&s.triangles, &start), 0);
+        let (mut whole, mut parts, mut again) = (start.clone(), start.clone(), start.clone());
+        let options = NewtonOptions::default();
+        let best = newton::minimise(&mut System::new(&s.triangles, &fixed), &rest, &s.triangles, &mut whole, &options);
+        let record = minimise(&s.triangles, &rest, &fixed, &mut parts, 700, 10_000_000);
+        assert_eq!(flips(&s.triangles, &parts), 0);
+        assert!((0..n).all(|v| !fixed[v] || parts[v] == start[v]), "the boundary moved");
+        assert!(best.start > 1.02 * best.end && record.start == best.start, "{best:?}");
+        let left = (record.end - best.end) / (best.start - best.end);
+        assert!(left < 0.1, "{left} of the fall is left: {record:?} {best:?}");
+        minimise(&s.triangles, &rest, &fixed, &mut again, 700, 10_000_000);
+        assert!(parts == again, "not the same bits twice");
+        // Each vertex is in one tile of at most its share, at the first cut as at the shifted one.
+        for round in 0..2 {
+            let mut free: Vec<u32> = (0..n as u32).filter(|&v| !fixed[v as usize]).collect();
+            let mut tile_of = vec![0; n];
+            share(&mut free, &start, 8, round, &mut tile_of);
+            let count = |tile| tile_of.iter().filter(|&&t| t == tile).count();
+            assert_eq!(count(0), n - free.len());
+            assert!((1..=8).all(|tile| (free.len() / 20..=free.len() / 4).contains(&count(tile))), "round {round}");
+        }
+    }
+}
