@@ -152,7 +152,7 @@ impl OneArgs {
             SampleArg::Fit => Sample::Fit,
         };
         let image = PieceOptions { size: ImageSize::Texels(self.texels), sample, ..PieceOptions::default() };
-        let repair = RepairOptions { weld: self.weld, ..RepairOptions::default() };
+        let repair = RepairOptions { weld: self.weld };
         BuildOptions { image, repair, ..BuildOptions::default() }
     }
 }

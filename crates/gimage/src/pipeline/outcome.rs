@@ -201,13 +201,16 @@ fn make<'a>(
     Ok(Outcome::Piece(surface.into_owned(), Box::new(image)))
 }
 
+/// Makes the image of a component, of its surface where that is known.
+type One<'a> = dyn Fn(&Component, Share, Option<&Surface>) -> Result<Outcome> + Sync + 'a;
+
 /// Makes images again, smaller, until all together have no more texels than asked for; a warning where that fails.
 fn keep_budget(
     components: &[Component],
     shares: &[Share],
     outcomes: &mut [Outcome],
     texels: u32,
-    one: &(dyn Fn(&Component, Share, Option<&Surface>) -> Result<Outcome> + Sync),
+    one: &One<'_>,
 ) -> Result<Option<Finding>> {
     let total: f64 = components.iter().map(|c| c.area).sum();
     let size = |o: &Outcome| match o {

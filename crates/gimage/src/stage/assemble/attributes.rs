@@ -33,9 +33,9 @@ pub(crate) fn places(image: &PieceImage, surface: &Surface) -> Vec<(usize, [f64;
             let face = disk.face[t] as usize;
             let corners = disk.corners.of(t);
             let mut bary = [0.0; 3];
-            for k in 0..3 {
+            for (weight, corner) in s.bary.iter().zip(corners) {
                 for c in 0..3 {
-                    bary[surface.source_corner(face, c)] += s.bary[k] * corners[k][c];
+                    bary[surface.source_corner(face, c)] += weight * corner[c];
                 }
             }
             (surface.source_triangle[face] as usize, bary)
