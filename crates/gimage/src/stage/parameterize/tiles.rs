@@ -98,13 +98,13 @@ mod tests {
 
     #[test]
     fn tiles_end_near_the_whole_and_flip_nothing() {
-        // A sheet that is shrunk along one side, and a boundary that does not follow.
-        let s =
-            shapes::sheet(48, 48, shapes::Join::Open, shapes::Join::Open, |u, v| [u * (1.0 - 0.6 * v), v, 0.2 * u * v]);
+        let s = shapes::sheet(48, 48, shapes::Join::Open, shapes::Join::Open, |u, v| [u, v, 0.2 * u * v]);
         let fixed = shapes::rim(&s);
         let n = fixed.len();
-        // The last column is the n-th of 49: places on the grid itself, without a flip.
-        let start: Vec<[f64; 2]> = (0..n).map(|k| [(k % 49) as f64 / 48.0, (k / 49) as f64 / 48.0]).collect();
+        // Waves that are shorter than a tile and bend the map without a flip.
+        let wave = |x: f64| (6.0 * std::f64::consts::PI * x).sin();
+        let start: Vec<[f64; 2]> =
+            s.positions.iter().map(|&[u, v, _]| [u + 0.03 * wave(u) * wave(v), v - 0.03 * wave(u) * wave(v)]).collect();
         let rest = rest_shapes(&s.positions, &s.triangles, &vec![1.0; n], 1.0);
         assert_eq!(flips(&s.triangles, &start), 0);
         let (mut whole, mut parts, mut again) = (start.clone(), start.clone(), start.clone());
@@ -113,9 +113,9 @@ mod tests {
         let record = minimise(&s.triangles, &rest, &fixed, &mut parts, 700, 10_000_000);
         assert_eq!(flips(&s.triangles, &parts), 0);
         assert!((0..n).all(|v| !fixed[v] || parts[v] == start[v]), "the boundary moved");
-        assert!(best.start > 1.02 * best.end && record.start == best.start, "{best:?}");
+        assert!(best.start > 1.1 * best.end && record.start == best.start, "{best:?}");
         let left = (record.end - best.end) / (best.start - best.end);
-        assert!(left < 0.1, "{left} of the fall is left: {record:?} {best:?}");
+        assert!(left < 0.02, "{left} of the fall is left: {record:?} {best:?}");
         minimise(&s.triangles, &rest, &fixed, &mut again, 700, 10_000_000);
         assert!(parts == again, "not the same bits twice");
         // Each vertex is in one tile of at most its share, at the first cut as at the shifted one.
