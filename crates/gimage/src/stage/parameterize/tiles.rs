@@ -1,14 +1,14 @@
 //! Newton steps on one part of a large map after another: the memory is that of a part, not of the whole.
 //!
 //! The free vertices of a tile of the plane move while all others stay, so that every step lowers the energy of the whole and
-//! none flips a triangle (a multiplicative Schwarz method). Tiles are cut elsewhere in every round: what a border of one round
-//! held back moves in the next. What is left to do must be short-range, as after the turns of a map that came from a coarse one.
+//! none flips a triangle (a multiplicative Schwarz method). Borders of tiles lie elsewhere in every round, so that a vertex held
+//! back by one moves in the next. Errors must be short-range, as they are after the turns of a map that came from a coarse one.
 
 use super::distortion::{Rest, energy};
 use super::newton::{self, NewtonOptions, NewtonRecord};
 use super::system::System;
 
-/// Newton steps of a tile in a round: what is left after them is held back by its border.
+/// Newton steps of a tile in a round: its border stops further ones.
 const STEPS: usize = 3;
 /// Most rounds, if the work allows as many.
 const ROUNDS: usize = 6;
