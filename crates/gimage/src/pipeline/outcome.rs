@@ -169,7 +169,11 @@ fn make<'a>(
     // Stretch alone does not count: parts of a needle are needles.
     let good = |i: &PieceImage, b: u32| fits(i, b) && is_sound(&i.verdict);
     if let Some(b) = texels.filter(|&b| image.as_ref().map_or(true, |i| !good(i, b))) {
-        let parts = image_parts(&component.name, &surface, seam.as_deref(), &image_options, b).ok();
+        let parts = match image_parts(&component.name, &surface, seam.as_deref(), &image_options, b) {
+            // It says more than that the border of one image does not fit.
+            Err(e @ Error::TooLarge { .. }) if image.is_err() => return Err(e),
+            parts => parts.ok(),
+        };
         let verdict = parts.as_ref().map(|p| p.verdict(&surface));
         let tried = |kept: bool| Tried { rung: Rung::Split, psnr: verdict.map(|v| v.0.psnr()), kept };
         let better = |i: &PieceImage| {

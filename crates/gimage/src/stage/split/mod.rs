@@ -28,6 +28,7 @@ use crate::stage::cut::{CutRecord, SEAM_DISCOUNT};
 use crate::stage::image::judge::{Verdict, bounds, outside};
 use crate::stage::image::ladder::{WORTH, badness, passes};
 use crate::stage::image::{ImageOptions, PieceImage};
+use crate::stage::layout::LONGEST_ASPECT;
 use crate::stage::parameterize::bend;
 use crate::stage::sample::seal::{Expected, Sheet, seal};
 
@@ -60,6 +61,13 @@ const MAX_ATTEMPTS: usize = 8;
 
 /// How far below its budget an attempt aims that follows one above it.
 const BELOW: f64 = 0.995;
+
+/// Texels of the smallest image over the square of its border steps: one of the longest aspect.
+const LEAST_PER_STEP2: f64 = 0.25 * LONGEST_ASPECT / ((1.0 + LONGEST_ASPECT) * (1.0 + LONGEST_ASPECT));
+
+/// Texels over the budget, and as a share of those of the attempt before, above which smaller shares do not help: the borders
+/// do not get shorter.
+const STUCK: (f64, f64) = (2.0, 0.9);
 
 /// Triangles times attempts after which there is no further attempt, and the attempts that any surface has.
 const WORK: usize = 2_000_000;
@@ -143,7 +151,8 @@ struct Splitter<'a> {
 /// together, and makes these. `uv_seam` tells the half-edges on UV seams, if the surface has any. The same
 /// surface and options give the same bits whatever the number of threads.
 ///
-/// Parts that have no image, or a poor one, are split further for some rounds. Errors: that of a part without an image; [`Error::Piece`] where the
+/// Parts that have no image, or a poor one, are split further for some rounds. Errors: that of a part without an image;
+/// [`Error::TooLarge`] where no layout of [`MAX_PARTS`] parts is within the budget; [`Error::Piece`] where the
 /// budget does not hold the parts, or their images do not weld to the surface. O(n log n) for each doubling of the parts,
 /// besides the images.
 pub(crate) fn image_parts(
@@ -183,6 +192,11 @@ fn image_at_least(
     let mut attempts = LEAST_ATTEMPTS.max(WORK / surface.triangles.len().max(1));
     for _ in 0..MAX_ROUNDS {
         let opened = splitter.relieve(&mut sets, f64::from(budget))?;
+        let need = splitter.least_texels(&opened);
+        if sets.len() >= MAX_PARTS && need > f64::from(budget) {
+            error = Some(splitter.too_large(need, budget));
+            break;
+        }
         let poor = match splitter.try_shares(&opened, f64::from(budget), &mut attempts) {
             Ok(parts) => {
                 let poor = |p: &PartImage| !passes(&p.image.verdict, p.image.distortion.linf);
@@ -256,6 +270,23 @@ impl<'a> Splitter<'a> {
 
     fn fail(&self, stage: &'static str, problem: &str, hint: &str) -> Error {
         Error::Piece { piece: self.name.to_owned(), stage, problem: problem.into(), hint: hint.into() }
+    }
+
+    fn too_large(&self, need: f64, budget: u32) -> Error {
+        let Expected { euler, loops } = self.expected;
+        let shape = format!("Euler number {euler}, {loops} boundary loops, {MAX_PARTS} parts");
+        Error::TooLarge {
+            what: format!("the cut of piece {} ({shape})", self.name),
+            need: format!("at least {need:.0} texels"),
+            limit: format!("{budget} texels"),
+            hint: "delete what is inside, or remesh it: the surface of a garment has few handles and holes".into(),
+        }
+    }
+
+    /// Fewest texels that images of these parts can have, whatever their shares.
+    fn least_texels(&self, opened: &[Opened]) -> f64 {
+        let least = |b: &Bordered| LEAST_PER_STEP2 * f64::from(b.border.least_steps()).powi(2);
+        self.join(opened, 0.0).iter().map(least).sum()
     }
 
     fn weight_of(&self, triangles: &[u32]) -> f64 {
@@ -372,15 +403,20 @@ impl<'a> Splitter<'a> {
         let loops = Loops { rim: &self.rim, lengths: &self.loop_lengths };
         let whole = |error| Box::new(Failure { parts: Vec::new(), error });
         let (mut last, mut scale, mut share, mut shares) = (None, 1.0, 1.0, SHARES.into_iter());
+        let mut reached = f64::INFINITY;
         for _ in 0..MAX_ATTEMPTS.min(*attempts) {
             *attempts -= 1;
             let joined = self.join(opened, budget * share * scale);
             let (made, rings) = images(self.name, joined, &loops, self.options)?;
             let (closed, parts) = self.sealed(made, rings);
             let texels = parts.texels() as f64;
+            let before = std::mem::replace(&mut reached, texels);
             if texels > budget {
                 let problem = format!("its parts need {texels:.0} texels, its share is {budget:.0}");
                 last = Some(whole(self.fail("split", &problem, "give it more texels")));
+                if texels > STUCK.0 * budget && texels > STUCK.1 * before {
+                    break;
+                }
                 scale *= BELOW * (budget / texels).max(0.5);
             } else if closed {
                 return Ok(parts);
