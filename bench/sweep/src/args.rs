@@ -48,7 +48,7 @@ pub struct SweepArgs {
     #[arg(long)]
     pub damaged: bool,
     /// Build a dirty pleated skirt of N triangles in 960 panels; needs `--weld 0.0001`.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8_000..=4_000_000))]
+    #[arg(long, value_name = "N", requires = "weld", value_parser = clap::value_parser!(u32).range(8_000..=4_000_000))]
     pub large: Option<u32>,
     /// Build each mesh at N texel budgets from 1,000 to 40,000; without a mesh, the clean garments.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=1000))]

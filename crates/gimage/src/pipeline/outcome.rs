@@ -170,8 +170,10 @@ fn make<'a>(
     let good = |i: &PieceImage, b: u32| fits(i, b) && is_sound(&i.verdict);
     if let Some(b) = texels.filter(|&b| image.as_ref().map_or(true, |i| !good(i, b))) {
         let parts = match image_parts(&component.name, &surface, seam.as_deref(), &image_options, b) {
-            // It says more than that the border of one image does not fit.
-            Err(e @ Error::TooLarge { .. }) if image.is_err() => return Err(e),
+            // It says how many texels the border needs that does not fit one image.
+            Err(e @ Error::TooLarge { .. }) if matches!(image, Err(Error::Piece { stage: "layout", .. })) => {
+                return Err(e);
+            }
             parts => parts.ok(),
         };
         let verdict = parts.as_ref().map(|p| p.verdict(&surface));

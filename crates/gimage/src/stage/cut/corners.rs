@@ -57,7 +57,7 @@ impl Corners {
         (WHOLE.len() + self.parts.len() - 1) as u32
     }
 
-    /// Room for triangles to be added and no more.
+    /// Room for triangles to be added.
     pub(crate) fn reserve(&mut self, triangles: usize) {
         self.which.reserve_exact(triangles);
     }

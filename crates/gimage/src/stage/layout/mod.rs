@@ -9,8 +9,8 @@ use crate::stage::cut::OpenSurface;
 use crate::stage::parameterize::distortion;
 
 pub(crate) use proxy::Proxy;
+pub(crate) use search::Found;
 pub use search::SearchOptions;
-pub(crate) use search::{Found, LONGEST_ASPECT};
 
 /// How large the image of a piece may be.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -71,8 +71,6 @@ const WORSE_TRIAL: Bound = Bound { factor: 1.15, extra: 0.005 };
 
 /// Width : height ratios tried, in steps from square.
 const ASPECTS: [f64; 9] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4];
-/// The last of them.
-pub(crate) const LONGEST_ASPECT: f64 = ASPECTS[ASPECTS.len() - 1];
 
 /// Index of the aspect at which starts are compared: 1.6, from which the refinement walks both ways.
 const FIRST_ASPECT: usize = 2;

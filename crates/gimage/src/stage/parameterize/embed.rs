@@ -79,9 +79,9 @@ pub(super) fn embed(
     drop(now);
     let rest = rest_shapes(positions, triangles, wanted, Scales::new(plane, shape, triangles).length);
     let mut newton = relax(triangles, &rest, fixed, uv, options, enough);
-    if newton.steps == 0 && newton.end > WORSE.0 * last {
+    if triangles.len() / 2 > enough && newton.end > WORSE.0 * last {
         let start = newton.start;
-        newton = tiles::minimise(triangles, &rest, fixed, uv, 2 * enough, WORSE.1);
+        newton = tiles::minimise(triangles, &rest, fixed, uv, (2 * enough, WORSE.1), options);
         newton.start = start;
     }
     let log_distortion = distortion::log_distortion(&rest, triangles, uv);

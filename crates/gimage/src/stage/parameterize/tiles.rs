@@ -8,6 +8,8 @@ use super::distortion::{Rest, energy};
 use super::newton::{self, NewtonOptions, NewtonRecord};
 use super::system::System;
 
+/// Tile of a vertex that no tile moves.
+const HELD: u32 = u32::MAX;
 /// Newton steps of a tile in a round: its border stops further ones.
 const STEPS: usize = 3;
 /// Most rounds, if the work allows as many.
@@ -15,29 +17,38 @@ const ROUNDS: usize = 6;
 /// A round that lowers the energy by less than this share of what it is above an isometry's is the last.
 const FALLING: f64 = 0.01;
 
-/// Lowers the energy of `uv` by rounds of Newton steps on tiles of up to `part` triangles, of at most about `work` steps times
-/// triangles in all. The steps recorded are, for each round, those of the tile that took most.
+/// Lowers the energy of `uv` by rounds of Newton steps on tiles of about `part` triangles, of at most about `work` steps times
+/// triangles in all but of one round at least. Of `options` the number of steps counts. The steps recorded are, for each round,
+/// those of the tile that took most. O(triangles) a round and the steps.
 pub(super) fn minimise(
     triangles: &[[u32; 3]],
     rest: &[Rest],
     fixed: &[bool],
     uv: &mut [[f64; 2]],
-    part: usize,
-    work: usize,
+    (part, work): (usize, usize),
+    options: &NewtonOptions,
 ) -> NewtonRecord {
     let mut now = energy(rest, triangles, uv);
-    let least: f64 = 4.0 * rest.iter().map(|r| r.weight).sum::<f64>();
     let mut record = NewtonRecord { steps: 0, start: now, end: now, converged: false, capped: false };
+    if !now.is_finite() || options.steps == 0 {
+        return record;
+    }
+    let options = NewtonOptions { steps: STEPS.min(options.steps), further: 0, tolerance: FALLING };
+    let least: f64 = 4.0 * rest.iter().map(|r| r.weight).sum::<f64>();
     let mut free: Vec<u32> = (0..fixed.len() as u32).filter(|&v| !fixed[v as usize]).collect();
     let tiles = triangles.len().div_ceil(part.max(1)).next_power_of_two();
     let rounds = (work / (STEPS * triangles.len()).max(1)).clamp(1, ROUNDS);
-    let mut tile_of = vec![0u32; fixed.len()];
+    let mut tile_of = vec![HELD; fixed.len()];
     for round in 0..rounds {
         share(&mut free, uv, tiles, round, &mut tile_of);
-        record.steps += (1..=tiles as u32).map(|tile| one(triangles, rest, &tile_of, tile, uv)).max().unwrap_or(0);
+        let mut most = 0;
+        for (tile, chosen) in members(triangles, &tile_of, tiles).into_iter().enumerate() {
+            most = most.max(one((triangles, rest), &chosen, |v| tile_of[v as usize] == tile as u32, uv, &options));
+        }
+        record.steps += most;
         record.end = energy(rest, triangles, uv);
-        record.converged = now - record.end < FALLING * (now - least).max(1e-14 * now);
-        if record.converged {
+        if now - record.end < FALLING * (now - least).max(1e-14 * now) {
+            record.converged = record.steps > 0;
             return record;
         }
         now = record.end;
@@ -46,10 +57,25 @@ pub(super) fn minimise(
     record
 }
 
-/// Shares free vertices out to tiles 1, 2, ... by their places: halves of halves, across the longer side of each. In odd rounds
-/// the first two cuts are at thirds.
+/// The triangles with a free vertex in each tile, ascending.
+fn members(triangles: &[[u32; 3]], tile_of: &[u32], tiles: usize) -> Vec<Vec<u32>> {
+    let mut out = vec![Vec::new(); tiles];
+    for (t, &corners) in triangles.iter().enumerate() {
+        let [a, b, c] = corners.map(|v| tile_of[v as usize]);
+        for (k, tile) in [a, b, c].into_iter().enumerate() {
+            let new = tile != HELD && (k < 1 || tile != a) && (k < 2 || tile != b);
+            if new {
+                out[tile as usize].push(t as u32);
+            }
+        }
+    }
+    out
+}
+
+/// Shares free vertices out to tiles 0, 1, ... by their places: halves of halves, across the longer side of each. In odd rounds
+/// the first two cuts are at thirds, so that a tile has up to 16/9 of a share.
 fn share(free: &mut [u32], uv: &[[f64; 2]], tiles: usize, round: usize, tile_of: &mut [u32]) {
-    let mut next = 1;
+    let mut next = 0;
     cut(free, uv, tiles, if round % 2 == 1 { 2 } else { 0 }, &mut next, tile_of);
 }
 
@@ -72,20 +98,23 @@ fn cut(part: &mut [u32], uv: &[[f64; 2]], tiles: usize, thirds: usize, next: &mu
     cut(high, uv, tiles / 2, thirds, next, tile_of);
 }
 
-/// Newton steps of one tile, as a mesh of its own; how many there were.
-fn one(triangles: &[[u32; 3]], rest: &[Rest], tile_of: &[u32], tile: u32, uv: &mut [[f64; 2]]) -> usize {
-    let within = |t: &[u32; 3]| t.iter().any(|&v| tile_of[v as usize] == tile);
-    let chosen: Vec<usize> = (0..triangles.len()).filter(|&t| within(&triangles[t])).collect();
-    let mut vertex: Vec<u32> = chosen.iter().flat_map(|&t| triangles[t]).collect();
+/// Newton steps of one tile, the `chosen` triangles, as a mesh of its own; how many there were.
+fn one(
+    (triangles, rest): (&[[u32; 3]], &[Rest]),
+    chosen: &[u32],
+    free: impl Fn(u32) -> bool,
+    uv: &mut [[f64; 2]],
+    options: &NewtonOptions,
+) -> usize {
+    let mut vertex: Vec<u32> = chosen.iter().flat_map(|&t| triangles[t as usize]).collect();
     vertex.sort_unstable();
     vertex.dedup();
     let number = |v: u32| vertex.binary_search(&v).unwrap_or_default() as u32;
-    let own: Vec<[u32; 3]> = chosen.iter().map(|&t| triangles[t].map(number)).collect();
-    let own_rest: Vec<Rest> = chosen.iter().map(|&t| rest[t]).collect();
-    let held: Vec<bool> = vertex.iter().map(|&v| tile_of[v as usize] != tile).collect();
+    let own: Vec<[u32; 3]> = chosen.iter().map(|&t| triangles[t as usize].map(number)).collect();
+    let own_rest: Vec<Rest> = chosen.iter().map(|&t| rest[t as usize]).collect();
+    let held: Vec<bool> = vertex.iter().map(|&v| !free(v)).collect();
     let mut own_uv: Vec<[f64; 2]> = vertex.iter().map(|&v| uv[v as usize]).collect();
-    let options = NewtonOptions { steps: STEPS, further: 0, tolerance: FALLING };
-    let record = newton::minimise(&mut System::new(&own, &held), &own_rest, &own, &mut own_uv, &options);
+    let record = newton::minimise(&mut System::new(&own, &held), &own_rest, &own, &mut own_uv, options);
     vertex.iter().zip(&own_uv).for_each(|(&v, p)| uv[v as usize] = *p);
     record.steps
 }
@@ -110,22 +139,43 @@ mod tests {
         let (mut whole, mut parts, mut again) = (start.clone(), start.clone(), start.clone());
         let options = NewtonOptions::default();
         let best = newton::minimise(&mut System::new(&s.triangles, &fixed), &rest, &s.triangles, &mut whole, &options);
-        let record = minimise(&s.triangles, &rest, &fixed, &mut parts, 700, 10_000_000);
+        let record = minimise(&s.triangles, &rest, &fixed, &mut parts, (700, 10_000_000), &options);
         assert_eq!(flips(&s.triangles, &parts), 0);
         assert!((0..n).all(|v| !fixed[v] || parts[v] == start[v]), "the boundary moved");
         assert!(best.start > 1.1 * best.end && record.start == best.start, "{best:?}");
         let left = (record.end - best.end) / (best.start - best.end);
         assert!(left < 0.02, "{left} of the fall is left: {record:?} {best:?}");
-        minimise(&s.triangles, &rest, &fixed, &mut again, 700, 10_000_000);
+        minimise(&s.triangles, &rest, &fixed, &mut again, (700, 10_000_000), &options);
         assert!(parts == again, "not the same bits twice");
-        // Each vertex is in one tile of at most its share, at the first cut as at the shifted one.
-        for round in 0..2 {
+        // Each free vertex is in one tile, of at most 16/9 of a share where cuts are at thirds.
+        for (round, most) in [(0, 8), (1, 4)] {
             let mut free: Vec<u32> = (0..n as u32).filter(|&v| !fixed[v as usize]).collect();
-            let mut tile_of = vec![0; n];
+            let mut tile_of = vec![HELD; n];
             share(&mut free, &start, 8, round, &mut tile_of);
             let count = |tile| tile_of.iter().filter(|&&t| t == tile).count();
-            assert_eq!(count(0), n - free.len());
-            assert!((1..=8).all(|tile| (free.len() / 20..=free.len() / 4).contains(&count(tile))), "round {round}");
+            assert_eq!(count(HELD), n - free.len());
+            let fair = free.len() / 20..=free.len().div_ceil(most);
+            assert!((0..8).all(|tile| fair.contains(&count(tile))), "round {round}");
+            let members = members(&s.triangles, &tile_of, 8);
+            let inside = |t: &u32, tile: u32| s.triangles[*t as usize].iter().any(|&v| tile_of[v as usize] == tile);
+            for (tile, list) in (0..).zip(&members) {
+                assert!(list.windows(2).all(|w| w[0] < w[1]) && list.iter().all(|t| inside(t, tile)));
+                assert_eq!(list.len(), (0..s.triangles.len() as u32).filter(|t| inside(t, tile)).count());
+            }
         }
+    }
+
+    #[test]
+    fn without_a_free_vertex_or_a_step_nothing_moves_and_nothing_converges() {
+        let s = shapes::rectangle(2, 1, 1.0, 1.0);
+        let rest = rest_shapes(&s.positions, &s.triangles, &vec![1.0; s.positions.len()], 2.0);
+        let start: Vec<[f64; 2]> = s.positions.iter().map(|p| [p[0], p[1]]).collect();
+        let (fixed, mut uv) = (vec![true; start.len()], start.clone());
+        let record = minimise(&s.triangles, &rest, &fixed, &mut uv, (1, 100), &NewtonOptions::default());
+        assert!(uv == start && record.steps == 0 && !record.converged && !record.capped, "{record:?}");
+        let none = NewtonOptions { steps: 0, ..NewtonOptions::default() };
+        let free = vec![false; start.len()];
+        assert_eq!(minimise(&s.triangles, &rest, &free, &mut uv, (1, 100), &none).steps, 0);
+        assert!(uv == start);
     }
 }

@@ -28,7 +28,6 @@ use crate::stage::cut::{CutRecord, SEAM_DISCOUNT};
 use crate::stage::image::judge::{Verdict, bounds, outside};
 use crate::stage::image::ladder::{WORTH, badness, passes};
 use crate::stage::image::{ImageOptions, PieceImage};
-use crate::stage::layout::LONGEST_ASPECT;
 use crate::stage::parameterize::bend;
 use crate::stage::sample::seal::{Expected, Sheet, seal};
 
@@ -62,8 +61,8 @@ const MAX_ATTEMPTS: usize = 8;
 /// How far below its budget an attempt aims that follows one above it.
 const BELOW: f64 = 0.995;
 
-/// Texels of the smallest image over the square of its border steps: one of the longest aspect.
-const LEAST_PER_STEP2: f64 = 0.25 * LONGEST_ASPECT / ((1.0 + LONGEST_ASPECT) * (1.0 + LONGEST_ASPECT));
+/// Border texels of all parts over the budget above which no images are tried: their counts are rounded, but not by as much.
+const HOPELESS: f64 = 1.5;
 
 /// Texels over the budget, and as a share of those of the attempt before, above which smaller shares do not help: the borders
 /// do not get shorter.
@@ -152,7 +151,7 @@ struct Splitter<'a> {
 /// surface and options give the same bits whatever the number of threads.
 ///
 /// Parts that have no image, or a poor one, are split further for some rounds. Errors: that of a part without an image;
-/// [`Error::TooLarge`] where no layout of [`MAX_PARTS`] parts is within the budget; [`Error::Piece`] where the
+/// [`Error::TooLarge`] where the borders alone of [`MAX_PARTS`] parts have far more texels than the budget; [`Error::Piece`] where the
 /// budget does not hold the parts, or their images do not weld to the surface. O(n log n) for each doubling of the parts,
 /// besides the images.
 pub(crate) fn image_parts(
@@ -192,10 +191,12 @@ fn image_at_least(
     let mut attempts = LEAST_ATTEMPTS.max(WORK / surface.triangles.len().max(1));
     for _ in 0..MAX_ROUNDS {
         let opened = splitter.relieve(&mut sets, f64::from(budget))?;
-        let need = splitter.least_texels(&opened);
-        if sets.len() >= MAX_PARTS && need > f64::from(budget) {
-            error = Some(splitter.too_large(need, budget));
-            break;
+        if sets.len() >= MAX_PARTS {
+            let need = splitter.border_texels(&opened);
+            if need as f64 > HOPELESS * f64::from(budget) {
+                error = Some(splitter.too_large(need, budget));
+                break;
+            }
         }
         let poor = match splitter.try_shares(&opened, f64::from(budget), &mut attempts) {
             Ok(parts) => {
@@ -272,21 +273,21 @@ impl<'a> Splitter<'a> {
         Error::Piece { piece: self.name.to_owned(), stage, problem: problem.into(), hint: hint.into() }
     }
 
-    fn too_large(&self, need: f64, budget: u32) -> Error {
+    fn too_large(&self, need: u64, budget: u32) -> Error {
         let Expected { euler, loops } = self.expected;
         let shape = format!("Euler number {euler}, {loops} boundary loops, {MAX_PARTS} parts");
         Error::TooLarge {
             what: format!("the cut of piece {} ({shape})", self.name),
-            need: format!("at least {need:.0} texels"),
-            limit: format!("{budget} texels"),
-            hint: "delete what is inside, or remesh it: the surface of a garment has few handles and holes".into(),
+            need: format!("at least {need} texels for its border alone"),
+            limit: format!("its share of {budget} texels"),
+            hint: "give it many more texels, or delete what is inside of it: a garment has few handles and holes"
+                .into(),
         }
     }
 
-    /// Fewest texels that images of these parts can have, whatever their shares.
-    fn least_texels(&self, opened: &[Opened]) -> f64 {
-        let least = |b: &Bordered| LEAST_PER_STEP2 * f64::from(b.border.least_steps()).powi(2);
-        self.join(opened, 0.0).iter().map(least).sum()
+    /// Texels on the borders of the images of these parts where they have the fewest, whatever the shape of the images.
+    fn border_texels(&self, opened: &[Opened]) -> u64 {
+        self.join(opened, 0.0).iter().map(|b| u64::from(b.border.least_steps())).sum()
     }
 
     fn weight_of(&self, triangles: &[u32]) -> f64 {
