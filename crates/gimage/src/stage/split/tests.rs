@@ -50,12 +50,12 @@ fn check(name: &str, s: &Surface, parts: &Parts) {
 
 #[test]
 fn a_surface_of_more_holes_than_the_budget_holds_is_refused_before_any_image() {
-    let sheet = shapes::rectangle(60, 60, 1.0, 1.0);
-    let net = shapes::without(&sheet, |t| (t / 2 % 60) % 2 == 1 && (t / 120) % 2 == 1);
-    assert_eq!(topology(&net), (1 - 841, 842));
+    let sheet = shapes::rectangle(120, 120, 1.0, 1.0);
+    let net = shapes::without(&sheet, |t| (t / 2 % 120) % 2 == 1 && (t / 240) % 2 == 1);
+    assert_eq!(topology(&net), (1 - 3481, 3482));
     let Err(e) = image_parts("net", &net, None, &options(), 5000) else { panic!("it was built") };
     assert!(matches!(e, Error::TooLarge { .. }), "{e}");
-    assert!(e.to_string().contains("Euler number -840, 842 boundary loops"), "{e}");
+    assert!(e.to_string().contains("Euler number -3480, 3482 boundary loops"), "{e}");
 }
 
 #[test]
