@@ -54,7 +54,7 @@ impl Closest {
         Self::build(frame, corners, ids)
     }
 
-    /// Of triangles corner by corner.
+    /// As [`Closest::new`], for triangles given by the positions of their corners.
     pub(crate) fn of(triangles: &[[[f64; 3]; 3]]) -> Self {
         let frame = Frame::around(triangles.iter().flatten().copied());
         let (corners, ids) = usable_of(&frame, triangles.iter().map(|t| t.map(Some)));

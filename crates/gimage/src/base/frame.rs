@@ -54,7 +54,7 @@ pub(crate) fn usable_corners(
     usable_of(frame, triangles.iter().map(|t| t.map(at)))
 }
 
-/// As [`usable_corners`], of triangles corner by corner; `None` where there is no corner.
+/// As [`usable_corners`], for triangles given by the positions of their corners; `None` for a vertex that does not exist.
 pub(crate) fn usable_of(
     frame: &Frame,
     triangles: impl ExactSizeIterator<Item = [Option<[f64; 3]>; 3]>,
