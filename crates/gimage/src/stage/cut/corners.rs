@@ -27,16 +27,6 @@ impl Corners {
         WHOLE.get(k).copied().unwrap_or_else(|| self.parts[k - WHOLE.len()])
     }
 
-    /// How many triangles there are.
-    pub fn len(&self) -> usize {
-        self.which.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.which.is_empty()
-    }
-
     /// Turns a whole triangle over.
     pub(crate) fn turn(&mut self, t: usize) {
         self.which[t] = 1;
@@ -76,7 +66,7 @@ mod tests {
         c.split(1, part(0.3), part(0.4));
         c.split(3, part(0.5), part(0.6));
         let expected = [WHOLE[0], part(0.3), WHOLE[0], part(0.5), part(0.4), part(0.6)];
-        assert_eq!((0..c.len()).map(|t| c.of(t)).collect::<Vec<_>>(), expected);
+        assert_eq!((0..6).map(|t| c.of(t)).collect::<Vec<_>>(), expected);
         assert_eq!(c.parts.len(), 4);
     }
 }

@@ -1,8 +1,6 @@
 //! The mesh clipped against the triangles of texels: what falls on which, and how much of it.
 
-use std::ops::Range;
-
-use super::facet::{Facet, Placed};
+use super::facet::{Affine, Facet};
 use super::patch::{Fragment, Patch};
 use crate::base::vec3::sub;
 use crate::stage::cut::disk::Disk;
@@ -42,22 +40,22 @@ fn along(polygon: &[[f64; 2]], n: [f64; 2], d: f64, mut each: impl FnMut([f64; 2
     }
 }
 
-/// Cell rows a slice of a band, which are clipped at a time: what is made of them is sorted before it is kept.
-const SLICE: usize = 4;
+/// Cell rows of a slice, whose triangles are clipped one after another.
+pub(super) const SLICE: usize = 4;
 
-/// Cell rows a band: bands are worked on in parallel and summed in order, so that nothing depends on the threads.
-pub(super) const BAND: usize = 16;
+/// Slices of a band. Bands are summed apart and in order, so that nothing depends on the threads.
+pub(super) const SLICES: usize = 4;
 
-/// The triangles whose image meets each band of cell rows, in order.
-pub(super) fn bands(disk: &Disk, uv: &[[f64; 2]], cell_rows: usize) -> Vec<Vec<u32>> {
-    let mut out = vec![Vec::new(); cell_rows.div_ceil(BAND)];
+/// The triangles whose image meets each slice of cell rows, in order.
+pub(super) fn slices(disk: &Disk, uv: &[[f64; 2]], cell_rows: usize) -> Vec<Vec<u32>> {
+    let mut out = vec![Vec::new(); cell_rows.div_ceil(SLICE)];
     for (f, &t) in disk.triangles.iter().enumerate() {
         let v = planar(uv, t).map(|p| p[1]);
         let lo = v.into_iter().fold(f64::INFINITY, f64::min).max(0.0) as usize;
         let hi = v.into_iter().fold(f64::NEG_INFINITY, f64::max).max(0.0) as usize;
         let last = out.len() - 1;
-        for band in &mut out[(lo / BAND).min(last)..=(hi / BAND).min(last)] {
-            band.push(f as u32);
+        for slice in &mut out[(lo / SLICE).min(last)..=(hi / SLICE).min(last)] {
+            slice.push(f as u32);
         }
     }
     out
@@ -102,9 +100,9 @@ impl Cells<'_> {
     }
 }
 
-/// A map of which every triangle is an affine map of the plane.
+/// A disk and its map, each triangle an affine map of the plane.
 #[derive(Clone, Copy)]
-pub(super) struct Source<'a> {
+pub(super) struct MappedDisk<'a> {
     pub disk: &'a Disk,
     pub uv: &'a [[f64; 2]],
     /// Where positions are counted from.
@@ -113,26 +111,21 @@ pub(super) struct Source<'a> {
     pub texel: f64,
 }
 
-impl Source<'_> {
+impl MappedDisk<'_> {
     fn place(&self, f: usize) -> [[f64; 2]; 3] {
         planar(self.uv, self.disk.triangles[f])
     }
 
     /// A triangle as a facet, if it has an area.
-    pub(super) fn facet(&self, f: usize) -> Option<Placed> {
+    pub(super) fn facet(&self, f: usize) -> Option<Affine> {
         let corners = self.disk.triangles[f].map(|v| sub(self.disk.positions[v as usize], self.centre));
-        Placed::new(corners, self.place(f), self.texel)
+        Affine::new(corners, self.place(f), self.texel)
     }
 }
 
-/// Clips `triangles` against the texel triangles of a band: its slices in order.
-pub(super) fn clipped(source: Source<'_>, triangles: &[u32], cells: Cells<'_>, band: usize) -> Vec<Patches> {
-    let rows = band * BAND..((band + 1) * BAND).min(cells.rows);
-    let slices = rows.clone().step_by(SLICE).map(|j| j..(j + SLICE).min(rows.end));
-    slices.map(|rows| slice(source, triangles, cells, &rows)).collect()
-}
-
-fn slice(source: Source<'_>, triangles: &[u32], cells: Cells<'_>, rows: &Range<usize>) -> Patches {
+/// Clips `triangles` against the texel triangles of a slice.
+pub(super) fn clipped(disk: MappedDisk<'_>, triangles: &[u32], cells: Cells<'_>, slice: usize) -> Patches {
+    let rows = slice * SLICE..((slice + 1) * SLICE).min(cells.rows);
     let across = cells.columns - 1;
     let mut patches: Vec<Patch> = Vec::with_capacity(2 * rows.len() * across);
     for j in rows.clone() {
@@ -147,10 +140,10 @@ fn slice(source: Source<'_>, triangles: &[u32], cells: Cells<'_>, rows: &Range<u
     let mut facets = Vec::new();
     let (mut row, mut cell, mut next, mut parts) = (Vec::new(), Vec::new(), Vec::new(), [Vec::new(), Vec::new()]);
     for &f in triangles {
-        let p = source.place(f as usize);
+        let p = disk.place(f as usize);
         let (j0, j1) = span(&p, 1);
         let met = j0.max(rows.start)..j1.min(rows.end);
-        let Some(placed) = (!met.is_empty()).then(|| source.facet(f as usize)).flatten() else { continue };
+        let Some(affine) = (!met.is_empty()).then(|| disk.facet(f as usize)).flatten() else { continue };
         for j in met {
             let v = j as f64;
             clip(&p, [0.0, -1.0], -v, &mut next);
@@ -171,14 +164,14 @@ fn slice(source: Source<'_>, triangles: &[u32], cells: Cells<'_>, rows: &Range<u
                 for (which, part) in parts.iter().enumerate() {
                     if part.len() >= 3 {
                         let patch = &mut patches[2 * k + which];
-                        let mass = integrate(part, placed.density, [u, v], patch.half);
-                        patch.add(mass, &placed, [u, v]);
+                        let mass = integrate(part, affine.density, [u, v], patch.half);
+                        patch.add(mass, &affine, [u, v]);
                         made.push((2 * k as u32 + which as u32, Fragment::new(facets.len() as u32, mass)));
                     }
                 }
             }
         }
-        facets.push(placed.facet);
+        facets.push(affine.facet);
     }
     facets.shrink_to_fit();
     // Dealt out to the patches; within one they stay in the order of the mesh.

@@ -14,8 +14,8 @@ pub(super) struct Facet {
     pub extreme: bool,
 }
 
-/// A facet in its place, as the clipping needs it.
-pub(super) struct Placed {
+/// A facet with what only the clipping needs of it.
+pub(super) struct Affine {
     pub facet: Facet,
     o: [f64; 3],
     /// Surface per area of the plane.
@@ -25,7 +25,7 @@ pub(super) struct Placed {
 /// A facet is extreme where a texel spans this many times the mean texel's side on it.
 const EXTREME: f64 = 30.0;
 
-impl Placed {
+impl Affine {
     /// `None` for a triangle without area on the surface or in the plane. `texel` is the side of a mean texel \[m\].
     pub(super) fn new(x: [[f64; 3]; 3], p: [[f64; 2]; 3], texel: f64) -> Option<Self> {
         let area2 = signed_area2(p);

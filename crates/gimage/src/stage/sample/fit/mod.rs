@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use crate::base::least_squares::{Normal, Part};
 use crate::base::vec3::{cross, norm, sub};
 use crate::stage::cut::disk::Disk;
-use clip::{BAND, Cells, Patches, Source, bands, clipped};
+use clip::{Cells, MappedDisk, Patches, SLICE, SLICES, clipped, slices};
 
 pub(crate) use clip::clip;
 pub(crate) use restrain::restrain;
@@ -85,23 +85,23 @@ pub(crate) fn fit(
     let corners = |t: [u32; 3]| t.map(|v| sub(disk.positions[v as usize], centre));
     let area: f64 = disk.triangles.iter().map(|&t| triangle_area(corners(t))).sum();
     let texel = (area / ((columns - 1) * (rows - 1)) as f64).sqrt();
-    let source = Source { disk, uv, centre, texel };
+    let mapped = MappedDisk { disk, uv, centre, texel };
     // Texels move little, and with them the diagonals: one clipping serves all rounds.
     let image = Cells { columns, rows: rows - 1, points: &local };
-    let bands: Vec<Vec<Patches>> = bands(disk, uv, rows - 1)
+    let patches: Vec<Patches> = slices(disk, uv, rows - 1)
         .par_iter()
         .enumerate()
-        .map(|(band, triangles)| clipped(source, triangles, image, band))
+        .map(|(slice, triangles)| clipped(mapped, triangles, image, slice))
         .collect();
     let (mut all, mut over) = (0.0, 0.0);
-    for (patch, parts) in bands.iter().flatten().flat_map(Patches::iter) {
+    for (patch, parts) in patches.iter().flat_map(Patches::iter) {
         let (area, turned) = patch.turned(parts, &local, columns);
         (all, over) = (all + area, over + turned);
     }
     let hold = over <= MOST_TURNED * all;
     let sampled = local.clone();
     let mut before = local.clone();
-    let mut normal = Normal::new(columns, rows, BAND);
+    let mut normal = Normal::new(columns, rows, SLICE * SLICES);
     for _ in 0..options.rounds {
         for (x, b) in local.iter_mut().zip(&mut before) {
             let last = *x;
@@ -109,7 +109,7 @@ pub(crate) fn fit(
             *b = last;
         }
         normal.clear();
-        normal.parts().zip(&bands).for_each(|(part, band)| {
+        normal.parts().zip(patches.par_chunks(SLICES)).for_each(|(part, band)| {
             pulp::Arch::new().dispatch(Round { part, band, points: &local, rim, options: (options, hold) });
         });
         normal.join();

@@ -5,7 +5,7 @@
 //! the height of the texels above the facet's plane is needed for each fragment. The rest is summed once.
 
 use super::FitOptions;
-use super::facet::{Facet, Placed};
+use super::facet::{Affine, Facet};
 use crate::base::least_squares::Part;
 use crate::base::vec3::{cross, dot};
 
@@ -65,7 +65,7 @@ impl Patch {
     }
 
     /// Counts a fragment of these integrals, `at` the place of the quad.
-    pub(super) fn add(&mut self, mass: [f64; 6], facet: &Placed, at: [f64; 2]) {
+    pub(super) fn add(&mut self, mass: [f64; 6], facet: &Affine, at: [f64; 2]) {
         // As the fragment will have it.
         let m = mass.map(|m| f64::from(m as f32));
         self.mass.iter_mut().zip(m).for_each(|(s, m)| *s += m);
