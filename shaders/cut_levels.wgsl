@@ -1,6 +1,5 @@
 // After a cut the coarser grids are rebuilt from the springs that are left: limits, which nodes everything follows, and
 // the masses of nodes. One workgroup a grid, from the finest level to the coarsest.
-@group(0) @binding(4) var<storage, read> rest: array<vec4<f32>>;
 @group(0) @binding(21) var<storage, read_write> nodes: array<vec4<f32>>;
 @group(0) @binding(22) var<storage, read_write> limits: array<vec4<f32>>;
 // As in part/links.wgsl.

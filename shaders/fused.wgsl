@@ -1,6 +1,7 @@
 // The whole frame of a cloth by one workgroup: every step, from the integration to the contact, then what ends a frame.
 // A workgroup a cloth. `air_program`, `step_program`, `round_program` and `frame_program` are made from the schedule: the rules of
-// the separate passes, in the same order, with a barrier after each.
+// the separate passes, in the same order, with a barrier after each. `find_lists` and the places of lists, `NAME_from`, are made
+// by crates/runtime/src/shaders/lists.rs.
 // Laid out as `FrameRow` in crates/runtime/src/layout.rs. Rows: the first step, then one for each group of steps.
 struct Frame {
   steps: u32,
@@ -10,6 +11,8 @@ struct Frame {
   rows: array<Step, 129>,
 }
 @group(0) @binding(31) var<uniform> frame: Frame;
+// Where the jobs of the dispatch begin, as x.
+@group(0) @binding(52) var<uniform> batch: vec4<u32>;
 
 // Which part of the buffers is a cloth's, and its own numbers of the first and of the other steps. Laid out as `JobRow`.
 struct Job {
@@ -25,8 +28,27 @@ struct Job {
   longest: vec2<f32>,
   // Steps from one with the forces of air to the next.
   hold: u32,
+  unused1: u32,
+  unused2: u32,
+  unused3: u32,
 }
-@group(0) @binding(32) var<storage, read> jobs: array<Job>;
+// What cloths that share a dispatch only read: first where each list begins and how many particles there is room for, then the lists.
+@group(0) @binding(49) var<storage, read> lists: array<vec4<u32>>;
+
+fn jobs_at(n: u32) -> Job {
+  let k = jobs_from + 4u * n;
+  let a = lists[k];
+  let b = lists[k + 1u];
+  let c = bitcast<vec4<f32>>(lists[k + 2u]);
+  let d = lists[k + 3u];
+  return Job(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.xy, c.zw, d.x, 0u, 0u, 0u);
+}
+
+fn grids_at(g: u32) -> Grid {
+  let k = grids_from + 2u * g;
+  let a = lists[k];
+  return Grid(a.x, a.y, a.z, bitcast<f32>(a.w), bitcast<vec4<f32>>(lists[k + 1u]));
+}
 
 override threads: u32 = 64u;
 
@@ -49,7 +71,8 @@ fn begin(n: u32, job: Job) {
 
 @compute @workgroup_size(threads)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-  let job = jobs[workgroup.x];
+  find_lists();
+  let job = jobs_at(batch.x + workgroup.x);
   base = job.first;
   row = job.row;
   first_solid = job.solid;

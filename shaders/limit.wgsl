@@ -1,10 +1,8 @@
 // A particle is no farther from its target than its limit: a hard motion constraint, as NvCloth and Chaos have it.
-// For each particle the target, and as w the limit in metres; below 0 there is none.
-@group(0) @binding(44) var<storage, read> targets: array<vec4<f32>>;
-
+// `targets` are for each particle the target, and as w the limit in metres; below 0 there is none.
 fn limit(k: u32) {
   let p = place(k);
-  let to = targets[k];
+  let to = targets_at(k);
   if (p.w <= 0.0 || to.w < 0.0) {
     return;
   }

@@ -1,9 +1,7 @@
 // The cell of a membrane with its upper left corner at (i, j): two triangles, each of which resists to stretch along weft
 // and warp, and to shear between them.
-// Inverses of the triangles' rest shapes by columns, two a texel; 0 means no triangle.
-@group(0) @binding(29) var<storage, read> cells: array<vec4<f32>>;
-// One over the stiffness along the weft, along the warp, and in shear.
-@group(0) @binding(30) var<storage, read> yielding: array<vec4<f32>>;
+// `cells` are inverses of the triangles' rest shapes by columns, two a texel; 0 means no triangle. `yielding` is one over the stiffness
+// along the weft, along the warp, and in shear.
 
 // Moves three corners.
 fn relax_triangle(corners: vec3<u32>, q: vec4<f32>, det: f32, yields: vec3<f32>) {
@@ -46,10 +44,10 @@ fn relax_triangle(corners: vec3<u32>, q: vec4<f32>, det: f32, yields: vec3<f32>)
 }
 
 fn relax_cell(grid: Grid, i: u32, j: u32) {
-  let yields = yielding[row].xyz;
+  let yields = yielding_at(row).xyz;
   let k = grid.first + j * grid.width + i;
-  var first = cells[2u * k];
-  var second = cells[2u * k + 1u];
+  var first = cells_at(2u * k);
+  var second = cells_at(2u * k + 1u);
   var det = vec2<f32>(first.x * first.w - first.y * first.z, second.x * second.w - second.y * second.z);
   // The sign says which diagonal divides the cell: down-right, or up-right where it is negative.
   let up = det.x + det.y < 0.0;

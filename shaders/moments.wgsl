@@ -1,9 +1,8 @@
 // The multiplier of bending at a texel: the Laplacian of position over what a step of this length makes of its compliance,
 // or over the bound with which no step goes too far. w is 1 where there is one.
-@group(0) @binding(26) var<storage, read> bends: array<vec2<f32>>;
 
 fn moment_at(grid: Grid, cell: vec2<u32>, k: u32) -> vec4<f32> {
-  let bend = bends[k];
+  let bend = bends_at(k);
   var whole = bend.x > 0.0;
   var sum = vec3<f32>(0.0);
   if (whole) {
@@ -21,5 +20,5 @@ fn moment_at(grid: Grid, cell: vec2<u32>, k: u32) -> vec4<f32> {
 }
 
 fn moment(g: u32, cell: vec2<u32>, k: u32) {
-  moments[k] = moment_at(grids[g], cell, k);
+  set_moments(k, moment_at(grids_at(g), cell, k));
 }

@@ -17,5 +17,5 @@ fn normal_at(grid: Grid, i: u32, j: u32, k: u32) -> vec4<f32> {
 }
 
 fn normal(g: u32, cell: vec2<u32>, k: u32) {
-  normals[k] = normal_at(grids[g], cell.x, cell.y, k);
+  normals[k] = normal_at(grids_at(g), cell.x, cell.y, k);
 }

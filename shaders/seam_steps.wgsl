@@ -1,21 +1,21 @@
 // The duplicates of a seam point take their mean, or the position of the first pinned one, in positions and in previous
 // positions: coarser grids move both.
 fn close_steps(ring: u32) {
-  let first = starts[ring];
-  let end = starts[ring + 1u];
+  let first = starts_at(ring);
+  let end = starts_at(ring + 1u);
   var at = vec3<f32>(0.0);
   var was = vec3<f32>(0.0);
   var pinned = false;
   for (var m = first; m < end && !pinned; m++) {
-    let p = now[members[m]];
-    let b = before[members[m]].xyz;
+    let p = now[members_at(m)];
+    let b = before[members_at(m)].xyz;
     pinned = p.w == 0.0;
     at = select(at + p.xyz, p.xyz, pinned);
     was = select(was + b, b, pinned);
   }
   let share = select(1.0 / f32(end - first), 1.0, pinned);
   for (var m = first; m < end; m++) {
-    let k = members[m];
+    let k = members_at(m);
     now[k] = vec4<f32>(at * share, now[k].w);
     before[k] = vec4<f32>(was * share, before[k].w);
   }

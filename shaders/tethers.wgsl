@@ -1,13 +1,12 @@
 // No particle is farther from its anchors than along the surface: hard, one anchor after the other.
-// For each particle `slots` pairs of the anchor's index, all ones for none, and the bits of its distance.
-@group(0) @binding(19) var<storage, read> tethers: array<vec2<u32>>;
+// `tethers` are for each particle `slots` pairs of the anchor's index, all ones for none, and the bits of its distance.
 
 override slots: u32 = 1u;
 
 fn held_back(k: u32, p: vec3<f32>) -> vec3<f32> {
   var at = p;
   for (var s = 0u; s < slots; s++) {
-    let pair = tethers[k * slots + s];
+    let pair = tethers_at(k * slots + s);
     if (pair.x == 0xffffffffu) {
       continue;
     }

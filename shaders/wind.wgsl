@@ -18,7 +18,7 @@ fn on_triangle(k: u32, a: i32, b: i32) -> vec3<f32> {
 }
 
 fn blow(g: u32, cell: vec2<u32>, k: u32) {
-  let grid = grids[g];
+  let grid = grids_at(g);
   let w = max(place(k).w, 0.0);
   var sum = vec3<f32>(0.0);
   if (w > 0.0) {
@@ -32,5 +32,5 @@ fn blow(g: u32, cell: vec2<u32>, k: u32) {
       }
     }
   }
-  field[k] = vec4<f32>(sum * (w * (1.0 / 3.0)), 0.0);
+  set_field(k, vec4<f32>(sum * (w * (1.0 / 3.0)), 0.0));
 }

@@ -1,7 +1,7 @@
 // A rule of cells in a whole frame: those of every other column and row.
 fn each_all(job: Job, local: u32, column: u32, line: u32) {
   for (var g = job.grid; g < job.grid + job.grids; g++) {
-    let grid = grids[g];
+    let grid = grids_at(g);
     let columns = grid.width / 2u;
     let stride = by_rows(threads, columns);
     var cell = by_rows(local, columns);

@@ -6,4 +6,3 @@ struct Grid {
   soft: f32,
   rest: vec4<f32>,
 }
-@group(0) @binding(1) var<storage, read> grids: array<Grid>;

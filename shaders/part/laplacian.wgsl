@@ -1,6 +1,5 @@
 // The eight springs around a texel with their weights in the Laplacian: right, left, down, up, down-right, up-left,
 // up-right, down-left. A weight is stored as its spring's rest length is.
-@group(0) @binding(25) var<storage, read> weights: array<vec4<f32>>;
 
 struct Edge {
   other: u32,
@@ -23,5 +22,5 @@ fn edge(grid: Grid, cell: vec2<u32>, n: u32) -> Edge {
   }
   let other = grid.first + u32(to.y) * grid.width + u32(to.x);
   let stored = select(k, other, back);
-  return Edge(other, stored, direction, weights[stored][direction]);
+  return Edge(other, stored, direction, weights_at(stored)[direction]);
 }

@@ -17,7 +17,7 @@ fn pull_of(grid: u32, ends: Ends, direction: u32) -> Pull {
   var d = b.xyz - a.xyz;
   var far = max(sqrt(dot(d, d)), 1e-9);
   if (direction == 0u && far < rest * SHORT) {
-    d += way(ends.k - grids[grid].first) * (rest * ASIDE);
+    d += way(ends.k - grids_at(grid).first) * (rest * ASIDE);
     far = max(sqrt(dot(d, d)), 1e-9);
   }
   return Pull(a, b, d, far, rest, rest > 0.0 && min(a.w, b.w) >= 0.0);

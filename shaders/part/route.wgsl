@@ -1,7 +1,5 @@
 // The shortest way to what holds a particle, by way of the particles around it. A tether is the anchor's index, all ones
 // for none, and the bits of its distance; beside it lie the group of its anchor and what supports it.
-@group(0) @binding(4) var<storage, read> rest: array<vec4<f32>>;
-@group(0) @binding(19) var<storage, read> tethers: array<vec2<u32>>;
 @group(0) @binding(38) var<storage, read_write> supports: array<u32>;
 
 override slots: u32 = 1u;

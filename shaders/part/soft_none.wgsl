@@ -5,7 +5,7 @@
 fn multiplier(grid: u32, k: u32, direction: u32, far: f32, rest: f32, w: f32) -> f32 {
   var over = far - rest;
   if (direction >= 2u) {
-    let bound = rest * grids[grid].soft;
+    let bound = rest * grids_at(grid).soft;
     over = clamp(over, -bound, max(bound, over - rest * TORN));
   }
   return over / max(far * w, 1e-30);

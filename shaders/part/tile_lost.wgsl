@@ -1,5 +1,4 @@
 // What positions are too coarse for, of each particle; a tile writes that of its own elsewhere.
-@group(0) @binding(28) var<storage, read> lost: array<vec4<f32>>;
 @group(0) @binding(36) var<storage, read_write> losing: array<vec4<f32>>;
 
 fn lose(k: u32, what: vec4<f32>) {
@@ -10,5 +9,5 @@ fn lose(k: u32, what: vec4<f32>) {
 
 // Of a particle that does not move.
 fn stay_lost(k: u32) {
-  lose(k, lost[k]);
+  lose(k, lost_at(k));
 }

@@ -1,5 +1,4 @@
 // Several relaxations per step: multipliers are summed, in memory too; a tile writes those of its own elsewhere.
-@group(0) @binding(18) var<storage, read> sums: array<vec4<f32>>;
 @group(0) @binding(37) var<storage, read_write> summing: array<vec4<f32>>;
 
 // Whether the multipliers of the last step end with it.
@@ -11,7 +10,7 @@ fn take_sums(k: u32, at: u32) {
   if (forgets) {
     held_sums[at] = vec4<f32>(0.0);
   } else {
-    held_sums[at] = sums[k];
+    held_sums[at] = sums_at(k);
   }
 }
 

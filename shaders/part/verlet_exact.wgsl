@@ -11,7 +11,7 @@ fn moved_on(k: u32, p: vec4<f32>, was: vec3<f32>) -> vec4<f32> {
   let a = acceleration(k, p.xyz, moved);
   // A jump, as out of a collider, must not become a velocity.
   let on = select(step.keep, 0.0, dot(moved, moved) > step.longest);
-  let left = lost[k].xyz;
+  let left = lost_at(k).xyz;
   // After a fault it may be NaN, whose bits are greater than those of 1.
   let small = (bitcast<vec3<u32>>(left) & vec3<u32>(0x7fffffffu)) <= vec3<u32>(bitcast<u32>(1.0f));
   let by = moved * on + a * step.scale + select(vec3<f32>(0.0), left, small);

@@ -2,7 +2,7 @@
 fn strain_all(job: Job, local: u32) {
   var far = 0.0;
   for (var g = job.grid; g < job.grid + job.grids; g++) {
-    let grid = grids[g];
+    let grid = grids_at(g);
     for (var n = local; n < grid.width * grid.height; n += threads) {
       let k = grid.first + n;
       if (n % grid.width + 1u < grid.width) {

@@ -9,8 +9,8 @@ use std::sync::Arc;
 use crate::cloth::{Cloth, Rest};
 use crate::form::{Fused, Hold};
 use crate::options::{Options, Solver};
-use crate::passes::{Pass, Schedule, soft_of};
-use crate::shaders::{self, Slot};
+use crate::passes::{Pass, Schedule, Soft, soft_of};
+use crate::shaders::{self, Slot, listed};
 
 /// What a device has room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +80,8 @@ impl Fused {
     /// Storage buffers that the frame of a schedule binds; `None` if one of its passes cannot be part of a whole frame.
     pub(crate) fn buffers(schedule: &Arc<Schedule>) -> Option<usize> {
         let fused = Fused { schedule: schedule.clone(), full: false, hold: Hold::Stored, places: 0, threads: LEAST };
-        let bound = |fused| shaders::whole(fused).bindings.iter().filter(|b| b.slot != Slot::Frame).count();
+        let uniform = |slot| matches!(slot, Slot::Frame | Slot::Batch);
+        let bound = |fused| shaders::whole(fused).bindings.iter().filter(|b| !uniform(b.slot)).count();
         shaders::is_whole(schedule).then(|| bound(&fused))
     }
 
@@ -114,9 +115,13 @@ pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Option
         let soft = soft_of(cloth);
         let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some());
         let kind = (image, rings, soft, slots(index), fabric);
-        // No other buffer has more bytes per particle.
-        let wide = if cloth.membrane().is_some() { 4 } else { 2 };
-        let bytes = room_of(cloth.len()) as u64 * 8 * (slots(index) as u64).max(wide);
+        // Those of lists that are only read, or of scratch: forces of air, multipliers of springs, and of bending.
+        let vectors = 1 + usize::from(soft != Soft::None) + usize::from(cloth.bending().is_some());
+        let places = room_of(cloth.len());
+        let bytes = listed(cloth, slots(index), places).max(16 * places * vectors.max(2)) as u64;
+        if bytes > room.bytes {
+            continue;
+        }
         let fits = |a: &&mut (_, u64, Vec<usize>)| a.0 == kind && a.1 + bytes <= room.bytes;
         match arenas.iter_mut().find(fits) {
             Some(arena) => {

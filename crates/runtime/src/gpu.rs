@@ -264,14 +264,22 @@ impl Gpu {
     /// Records the frames of all cloths that share dispatches.
     fn record_fused(&mut self, world: &World, passes: &mut Recording, steps: u32) {
         let Some(frames) = &mut self.frames else { return };
-        for batch in world.batches(steps) {
+        let batches = world.batches(steps);
+        for (index, (arena, cloths)) in self.arenas.iter_mut().zip(&world.arenas).enumerate() {
+            arena.follow(&self.device, world, cloths, batches.iter().filter(|b| b.arena == index), passes);
+        }
+        let (mut arena, mut first_job) = (0, 0);
+        for batch in batches {
+            if batch.arena != arena {
+                (arena, first_job) = (batch.arena, 0);
+            }
             let pipeline = self.pipelines.fitting(&Form::Whole(batch.fused.clone()));
-            let arena = &mut self.arenas[batch.arena];
             let any = world.arenas[batch.arena][batch.members[0]];
             let numbers = frames::numbers(&world.frame(any, steps), batch.solids);
             let offset = frames.offset(&self.queue, &numbers);
             let buffers = (&self.solids.buffer, &frames.buffer);
-            let group = arena.group(&self.device, world, &batch, pipeline, buffers);
+            let group = self.arenas[batch.arena].group(&self.device, (&batch, first_job), pipeline, buffers);
+            first_job += batch.members.len() as u32;
             let pass = passes.pass(pipeline.source.stem);
             pass.set_pipeline(&pipeline.pipeline);
             pass.set_bind_group(0, group, &[offset]);

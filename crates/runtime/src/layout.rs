@@ -81,7 +81,7 @@ pub struct JobRow {
     pub keep: [f32; 2],
     pub longest: [f32; 2],
     pub hold: u32,
-    pub unused: u32,
+    pub unused: [u32; 3],
 }
 
 /// `Link` of shaders/part/links.wgsl.

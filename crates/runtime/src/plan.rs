@@ -98,7 +98,8 @@ fn planned(world: &World, cloth: usize, form: Form, dispatches: u32) -> PlannedP
     let source = source(&form);
     let of = &world.scene.cloths[cloth];
     let slots = source.bindings.iter().map(|b| b.slot);
-    let bytes = |slot: Slot| slot.bytes(of, world.runs[cloth].tethers.per_particle, world.solid_count(cloth));
+    let one = |slot: Slot| slot.bytes(of, world.runs[cloth].tethers.per_particle, world.solid_count(cloth));
+    let bytes = |slot: Slot| one(slot) * if slot == Slot::Scratch { source.scratch as u64 } else { 1 };
     PlannedPass {
         cloth,
         form,

@@ -38,6 +38,8 @@ pub struct Source {
     pub bindings: Vec<Bound>,
     pub constants: Vec<(&'static str, f64)>,
     pub threads: Threads,
+    /// Lists that lie in [`Slot::Scratch`].
+    pub scratch: usize,
 }
 
 macro_rules! part {
@@ -59,6 +61,7 @@ macro_rules! turn {
 // Below the macros, which they use.
 mod apart;
 mod constants;
+mod lists;
 mod parts;
 mod program;
 mod rare;
@@ -67,9 +70,10 @@ mod slot;
 mod tile;
 mod whole;
 
+pub use lists::{HEAD, LASTING};
 pub use parts::Bound;
 pub use rule::{Over, over};
-pub use slot::Slot;
+pub use slot::{LISTED, Slot, listed};
 pub use tile::{Stages, stages, tile};
 pub use whole::{is_whole, whole};
 

@@ -43,7 +43,7 @@ impl Variant {
             Variant::Cloth { holes, uv } => {
                 let holes = if holes { part!("drawn_holes") } else { part!("drawn_whole") };
                 let uv = if uv { part!("drawn_uv") } else { part!("drawn_plain") };
-                vec![view, part!("grid"), holes, uv, part!("drawn_cloth"), draw]
+                vec![view, part!("grid"), part!("grids"), holes, uv, part!("drawn_cloth"), draw]
             }
         }
     }

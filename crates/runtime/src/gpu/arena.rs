@@ -2,13 +2,15 @@
 
 use std::collections::HashMap;
 
-use wgpu::{Buffer, BufferUsages};
+use bytemuck::{Pod, cast_slice};
+use wgpu::{Buffer, BufferUsages, CommandEncoder};
 
 use super::contents::{Contents, Grids};
 use super::pipelines::Pipeline;
+use super::recording::Recording;
 use super::span::Span;
 use super::store::Store;
-use super::upload::upload;
+use super::upload::{empty, filled, upload};
 use crate::form::Fused;
 use crate::layout::{FrameRow, JobRow, StepRow};
 use crate::shaders::Slot;
@@ -17,19 +19,27 @@ use crate::world::{Batch, World};
 /// Cloths that share a dispatch: their state, the lists that are only read, and scratch.
 pub(super) struct Arena {
     store: Store,
-    buffers: HashMap<Slot, Buffer>,
+    /// [`Slot::Lists`], and where each of them begins \[bytes\].
+    lists: Buffer,
+    places: HashMap<Slot, u64>,
+    /// [`Slot::Scratch`], with room for as many lists as any frame so far has there.
+    scratch: Option<Buffer>,
     /// Where each cloth of the world's arena lies in the buffers, without numbers of a step. The room of a removed cloth stays
     /// unused.
     jobs: Vec<JobRow>,
     grids: Option<Grids>,
-    ready: HashMap<Fused, Ready>,
+    /// The jobs that were written last.
+    written: Vec<JobRow>,
+    /// By shader and by the number of colliders.
+    ready: HashMap<(Fused, usize), Ready>,
 }
 
-/// A batch as it was dispatched last.
+/// Bindings, and what they depend on.
 struct Ready {
-    rows: Vec<JobRow>,
+    first_job: u32,
     solids: Buffer,
     frames: Buffer,
+    scratch: Option<Buffer>,
     group: wgpu::BindGroup,
 }
 
@@ -37,8 +47,10 @@ impl Arena {
     /// Uploads what is only read of the cloths of a store.
     pub fn new(device: &wgpu::Device, world: &World, store: Store, cloths: &[usize]) -> Self {
         let contents = Contents::new(world, cloths);
-        let buffers = contents.upload(device);
-        Arena { store, buffers, jobs: contents.jobs, grids: None, ready: HashMap::new() }
+        let (bytes, places) = contents.joined();
+        let lists = upload(device, "lists", &bytes, BufferUsages::empty());
+        let (jobs, written) = (contents.jobs, Vec::new());
+        Arena { store, lists, places, scratch: None, jobs, grids: None, written, ready: HashMap::new() }
     }
 
     /// Lets one of its cloths go; whether it was the last.
@@ -47,49 +59,77 @@ impl Arena {
         self.jobs.is_empty()
     }
 
-    /// Where a list of vectors, one a particle, lies for one of its cloths.
+    /// Where a list that is only read, of vectors, one a particle, lies for one of its cloths.
     pub fn vectors(&self, member: usize, slot: Slot) -> Option<Span> {
         let job = self.jobs.get(member)?;
-        let (offset, size) = (16 * u64::from(job.first), 16 * u64::from(job.count));
-        Some(Span { buffer: self.buffers.get(&slot)?.clone(), offset, size })
+        let (offset, size) = (self.places.get(&slot)? + 16 * u64::from(job.first), 16 * u64::from(job.count));
+        Some(Span { buffer: self.lists.clone(), offset, size })
     }
 
-    /// The bindings of a batch, made again only where cloths fell asleep or woke, or numbers changed.
-    pub fn group(
+    /// Records what has changed of its grids and of the jobs of its batches, whose jobs lie in their order; in the order of the
+    /// encoder, as frames that were recorded before may not have been submitted yet. To be called before any of the batches is
+    /// dispatched.
+    pub fn follow<'a>(
         &mut self,
         device: &wgpu::Device,
         world: &World,
-        batch: &Batch,
+        cloths: &[usize],
+        batches: impl Iterator<Item = &'a Batch>,
+        passes: &mut Recording,
+    ) {
+        let places = cloths.iter().zip(&self.jobs).map(|(cloth, job)| (*cloth, job.first, job.grid));
+        if let Some(grids) = Grids::follow(&mut self.grids, world, places) {
+            self.write(device, passes.between(), Slot::Grids, &grids);
+        }
+        let members = batches.flat_map(|batch| &batch.members);
+        let jobs: Vec<_> = members.map(|m| self.job(world, cloths[*m], *m)).collect();
+        if self.written != jobs {
+            self.write(device, passes.between(), Slot::Jobs, &jobs);
+            self.written = jobs;
+        }
+    }
+
+    /// Records new rows of a list.
+    fn write<T: Pod>(&self, device: &wgpu::Device, encoder: &mut CommandEncoder, slot: Slot, rows: &[T]) {
+        let bytes: &[u8] = cast_slice(rows);
+        if let (Some(at), false) = (self.places.get(&slot), bytes.is_empty()) {
+            let from = filled(device, slot.name(), bytes, BufferUsages::COPY_SRC);
+            encoder.copy_buffer_to_buffer(&from, 0, &self.lists, *at, bytes.len() as u64);
+        }
+    }
+
+    /// The bindings of a batch whose jobs begin at `first_job`, made again only where that or a buffer is another.
+    pub fn group(
+        &mut self,
+        device: &wgpu::Device,
+        (batch, first_job): (&Batch, u32),
         pipeline: &Pipeline,
         (solids, frames): (&Buffer, &Buffer),
     ) -> &wgpu::BindGroup {
-        let cloths = &world.arenas[batch.arena];
-        let places = cloths.iter().zip(&self.jobs).map(|(cloth, job)| (*cloth, job.first, job.grid));
-        if let Some(grids) = Grids::follow(&mut self.grids, device, world, places) {
-            self.buffers.insert(Slot::Grids, grids);
-            self.ready.clear();
+        let need = (16 * self.store.room() * pipeline.source.scratch) as u64;
+        if self.scratch.as_ref().map_or(0, Buffer::size) < need {
+            self.scratch = Some(empty(device, "scratch", need, BufferUsages::STORAGE));
         }
-        let rows: Vec<_> = batch.members.iter().map(|m| self.job(world, cloths[*m], *m)).collect();
-        let same = |r: &Ready| r.rows == rows && r.solids == *solids && r.frames == *frames;
-        if !self.ready.get(&batch.fused).is_some_and(same) {
-            let scratch = |b: &&crate::shaders::Bound| matches!(b.slot, Slot::Sums | Slot::Moments | Slot::Field);
-            for slot in pipeline.source.bindings.iter().filter(scratch).map(|b| b.slot) {
-                let new = || upload(device, slot.name(), &vec![0f32; self.store.numbers()], BufferUsages::empty());
-                self.buffers.entry(slot).or_insert_with(new);
-            }
-            let jobs = upload(device, "jobs", &rows, BufferUsages::empty());
+        let scratch = self.scratch.as_ref().filter(|_| need > 0);
+        let same =
+            |r: &Ready| (&r.solids, &r.frames, r.scratch.as_ref(), r.first_job) == (solids, frames, scratch, first_job);
+        let key = (batch.fused.clone(), batch.solids);
+        if !self.ready.get(&key).is_some_and(same) {
+            let first = filled(device, "batch", cast_slice(&[first_job, 0, 0, 0]), BufferUsages::UNIFORM);
             let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
             let row = std::num::NonZeroU64::new(size_of::<FrameRow>() as u64);
             let group = pipeline.bind(device, |slot| match slot {
-                Slot::Jobs => Some(whole(&jobs)),
+                Slot::Batch => Some(whole(&first)),
+                Slot::Lists => Some(whole(&self.lists)),
+                Slot::Scratch => scratch.map(whole),
                 Slot::Solids => Some(whole(solids)),
                 Slot::Frame => Some(wgpu::BufferBinding { size: row, ..whole(frames) }),
-                other => self.store.get(other).or_else(|| self.buffers.get(&other)).map(whole),
+                other => self.store.get(other).map(whole),
             });
-            let ready = Ready { rows, solids: solids.clone(), frames: frames.clone(), group };
-            self.ready.insert(batch.fused.clone(), ready);
+            let (solids, frames, scratch) = (solids.clone(), frames.clone(), scratch.cloned());
+            self.ready.insert(key.clone(), Ready { first_job, solids, frames, scratch, group });
         }
-        &self.ready[&batch.fused].group
+        &self.ready[&key].group
     }
 
     /// What a workgroup does for a cloth, with the numbers that are the cloth's own.

@@ -102,8 +102,8 @@ impl ClothBuffers {
 
     /// Uploads its grids, where they are not those of the steps now.
     pub(super) fn follow_grids(&mut self, device: &wgpu::Device, world: &World, index: usize) {
-        if let Some(grids) = Grids::follow(&mut self.grids, device, world, [(index, 0, 0)].into_iter()) {
-            self.others.insert(Slot::Grids, grids.into());
+        if let Some(rows) = Grids::follow(&mut self.grids, world, [(index, 0, 0)].into_iter()) {
+            self.others.insert(Slot::Grids, upload(device, "grids", &rows, BufferUsages::empty()).into());
             self.forget(Slot::Grids);
         }
     }

@@ -11,7 +11,7 @@ use crate::cpu::stretch::UNBOUNDED;
 use crate::fused::room_of;
 use crate::layout::{GridRow, JobRow};
 use crate::passes::{Soft, soft_of};
-use crate::shaders::Slot;
+use crate::shaders::{HEAD, LISTED, Slot};
 use crate::world::World;
 
 /// Lists as shaders lay them out, but for [`Grids`], and where each cloth lies in them.
@@ -52,11 +52,12 @@ impl Contents {
             ..Zeroable::zeroed()
         });
         for slot in Slot::ALL {
-            if let Some((each, mut bytes)) = slot.texels(cloth, held, first) {
-                if *slot == Slot::Targets {
+            if let Some(each) = slot.row(cloth, held.per_particle) {
+                let bytes = match slot {
                     // Teleports may have moved them.
-                    bytes = cast_slice(&world.runs[index].targets(cloth)).to_vec();
-                }
+                    Slot::Targets => cast_slice(&world.runs[index].targets(cloth)).to_vec(),
+                    other => other.texels(cloth, held, first),
+                };
                 // What lies between cloths is not read.
                 let list = self.lists.entry(*slot).or_default();
                 list.resize(first as usize * each, 0);
@@ -87,6 +88,27 @@ impl Contents {
             |(slot, bytes): (&Slot, &Vec<u8>)| (*slot, upload(device, slot.name(), bytes, BufferUsages::COPY_SRC));
         self.lists.iter().filter(|(_, bytes)| !bytes.is_empty()).map(buffer).collect()
     }
+
+    /// All of them one after the other as [`Slot::Lists`] has them, with room for grids and jobs, and where each begins \[bytes\].
+    pub fn joined(&self) -> (Vec<u8>, HashMap<Slot, u64>) {
+        let (mut bytes, mut places) = (vec![0; 4 * HEAD], HashMap::new());
+        let mut head = [0u32; HEAD];
+        let grids = self.jobs.iter().map(|job| job.grids as usize).sum::<usize>();
+        for ((slot, _), begins) in LISTED.iter().zip(&mut head) {
+            *begins = (bytes.len() / 16) as u32;
+            places.insert(*slot, bytes.len() as u64);
+            match slot {
+                Slot::Jobs => bytes.resize(bytes.len() + self.jobs.len() * size_of::<JobRow>(), 0),
+                Slot::Grids => bytes.resize(bytes.len() + grids * size_of::<GridRow>(), 0),
+                _ => bytes.extend(self.lists.get(slot).into_iter().flatten()),
+            }
+            bytes.resize(bytes.len().next_multiple_of(16), 0);
+        }
+        let end = self.jobs.last().map_or(0, |job| job.first + job.count);
+        head[HEAD - 1] = room_of(end as usize) as u32;
+        bytes[..4 * HEAD].copy_from_slice(cast_slice(&head));
+        (bytes, places)
+    }
 }
 
 /// Where the particles of cloths begin that lie one after the other.
@@ -104,14 +126,13 @@ pub(super) struct Grids {
 
 impl Grids {
     /// New grids, where steps have other bounds of diagonals than those that were uploaded last, or cloths have left. Recorded
-    /// frames that use the last ones may not have been submitted yet, so the last ones stay as they are. `places` has index, first
-    /// particle and first grid of each cloth.
+    /// frames that use the last ones may not have been submitted yet. `places` has index, first particle and first grid of each
+    /// cloth.
     pub fn follow(
         last: &mut Option<Grids>,
-        device: &wgpu::Device,
         world: &World,
         places: impl Iterator<Item = (usize, u32, u32)> + Clone,
-    ) -> Option<Buffer> {
+    ) -> Option<Vec<GridRow>> {
         let dt = world.control.clock.dt;
         let softs = || places.clone().map(|(c, ..)| soft_row(&world.scene.cloths[c], dt));
         if last.as_ref().is_some_and(|l| softs().eq(l.softs.iter().copied())) {
@@ -125,7 +146,7 @@ impl Grids {
             rows.extend(grid_rows(&world.scene.cloths[cloth], first, *soft));
         }
         *last = Some(Grids { softs });
-        Some(upload(device, "grids", &rows, BufferUsages::empty()))
+        Some(rows)
     }
 }
 

@@ -137,6 +137,7 @@ fn entry(bound: &Bound) -> wgpu::BindGroupLayoutEntry {
     let size = match bound.slot {
         Slot::Step => size_of::<StepRow>(),
         Slot::Frame => size_of::<FrameRow>(),
+        Slot::Batch => 16,
         _ => 0,
     };
     let uniform = size > 0;
@@ -146,7 +147,7 @@ fn entry(bound: &Bound) -> wgpu::BindGroupLayoutEntry {
         visibility: wgpu::ShaderStages::COMPUTE,
         ty: wgpu::BindingType::Buffer {
             ty: if uniform { wgpu::BufferBindingType::Uniform } else { wgpu::BufferBindingType::Storage { read_only } },
-            has_dynamic_offset: uniform,
+            has_dynamic_offset: uniform && bound.slot != Slot::Batch,
             min_binding_size: std::num::NonZeroU64::new(size as u64),
         },
         count: None,

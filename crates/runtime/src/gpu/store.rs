@@ -8,9 +8,10 @@ use super::contents::firsts;
 use super::span::Span;
 use super::upload::{DRAWN, upload};
 use crate::cpu::start::Start;
+use crate::fused::room_of;
 use crate::layout::{FAULT_BYTES, FAULT_STRIDE};
 use crate::options::Solver;
-use crate::shaders::Slot;
+use crate::shaders::{LASTING, Slot};
 use crate::world::World;
 
 /// Positions, normals, faults and good frames of cloths. A cloth that shares nothing is a store of one.
@@ -55,10 +56,11 @@ impl Store {
         if world.control.options.solver == Solver::Xpbd && !draw_only {
             let faults = vec![0u32; FAULT_STRIDE as usize * cloths.len()];
             others.insert(Slot::Faults, upload(device, "faults", &faults, BufferUsages::COPY_SRC));
-            others.insert(Slot::Good, upload(device, "good", &now, none));
-            if cloths.iter().any(|(c, ..)| world.scene.cloths[*c].is_exact()) {
-                others.insert(Slot::Lost, upload(device, "lost", &vec![[0f32; 4]; now.len()], none));
-            }
+            let exact = cloths.iter().any(|(c, ..)| world.scene.cloths[*c].is_exact());
+            let room = room_of(now.len());
+            let mut lasting = now.clone();
+            lasting.resize(if exact { 2 * room } else { now.len() }, [0.0; 4]);
+            others.insert(Slot::Lasting, upload(device, "lasting", &lasting, none));
         }
         let [now, before, normals] = [("now", now), ("before", before), ("normals", normals)]
             .map(|(name, list)| upload(device, name, &list, DRAWN));
@@ -67,9 +69,9 @@ impl Store {
         (Store { state }, spans)
     }
 
-    /// Numbers in each of its lists, four a particle.
-    pub fn numbers(&self) -> usize {
-        self.state.now.size() as usize / 4
+    /// Particles that there is room for.
+    pub fn room(&self) -> usize {
+        room_of(self.state.now.size() as usize / 16)
     }
 
     /// The whole buffer of a slot.
@@ -93,12 +95,18 @@ impl State<Buffer> {
                 size: size as u64,
             };
             let list = |buffer: &Buffer| span(buffer, 16 * first, 16 * count);
-            let other = |(slot, buffer): (&Slot, &Buffer)| match slot {
-                Slot::Faults => (*slot, span(buffer, 4 * FAULT_STRIDE as usize * row, FAULT_BYTES)),
-                _ => (*slot, list(buffer)),
-            };
             let State { now, before, normals, others } = self;
-            let others = others.iter().map(other).collect();
+            let mut own = HashMap::new();
+            if let Some(faults) = others.get(&Slot::Faults) {
+                own.insert(Slot::Faults, span(faults, 4 * FAULT_STRIDE as usize * row, FAULT_BYTES));
+            }
+            if let Some(lasting) = others.get(&Slot::Lasting) {
+                let room = room_of(now.size() as usize / 16);
+                let begins = LASTING.iter().enumerate().map(|(n, slot)| (*slot, n * room + first));
+                let there = begins.filter(|(_, begins)| ((16 * begins) as u64) < lasting.size());
+                own.extend(there.map(|(slot, begins)| (slot, span(lasting, 16 * begins, 16 * count))));
+            }
+            let others = own;
             (*cloth, State { now: list(now), before: list(before), normals: list(normals), others })
         });
         each.collect()

@@ -1,5 +1,6 @@
 //! The shader of a pass alone.
 
+use super::lists;
 use super::parts::Bound;
 use super::rule::{Over, Rule, rule};
 use super::{Slot, Source, Threads};
@@ -39,14 +40,15 @@ pub(super) fn apart(pass: Pass) -> Source {
     let parts = parts.files(&files).files(&[text]);
     let loops = turn.map(|turn| (turn, call)).into_iter().collect();
     let (files, bindings, constants) = (parts.files, parts.bindings, parts.constants);
-    Source { stem, files, loops, program: String::new(), bindings, constants, threads }
+    let program = format!("\n{}", lists::own(&bindings));
+    Source { stem, files, loops, program, bindings, constants, threads, scratch: 0 }
 }
 
 /// Declarations that are the same for all passes of one dispatch each.
 fn common(bound: &Bound) -> &'static [&'static str] {
     match bound.slot {
         Slot::Step => &[part!("step"), part!("step_bound")],
-        Slot::Grids => &[part!("grid")],
+        Slot::Grids => &[part!("grid"), part!("grids")],
         _ => &[],
     }
 }
@@ -58,22 +60,18 @@ fn declared(bound: &Bound) -> &'static [&'static str] {
         (Slot::Now, false) => &[part!("now_read")],
         (Slot::Before, true) => &[part!("befores"), part!("was_stored")],
         (Slot::Before, false) => &[part!("before")],
-        (Slot::Field, true) => &[part!("field")],
-        (Slot::Field, false) => &[part!("field_read")],
         (Slot::Lost, _) => &[part!("lost")],
         (Slot::Normals, false) => &[part!("normals_read")],
         (Slot::Sums, _) => &[part!("sums")],
         (Slot::Solids, _) => &[part!("solids_all")],
         (Slot::Tethers, _) => &[part!("anchor_placed")],
-        (slot, _) => lists(slot),
+        (slot, _) => declared_alike(slot),
     }
 }
 
 /// Declarations that are the same in all forms.
-pub(super) fn lists(slot: Slot) -> &'static [&'static str] {
+pub(super) fn declared_alike(slot: Slot) -> &'static [&'static str] {
     match slot {
-        Slot::Starts | Slot::Members => &[part!("rings")],
-        Slot::Moments => &[part!("moments")],
         Slot::Normals => &[part!("normals")],
         Slot::Faults => &[part!("faults")],
         _ => &[],

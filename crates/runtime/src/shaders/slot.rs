@@ -3,7 +3,7 @@
 use bytemuck::cast_slice;
 
 use crate::cloth::{Cloth, Compliance, Rest, Tethers};
-use crate::layout::{FAULT_BYTES, FrameRow, JobRow, LinkRow};
+use crate::layout::{FAULT_BYTES, FrameRow, GridRow, JobRow, LinkRow};
 
 macro_rules! slots {
     ($($slot:ident $name:literal,)*) => {
@@ -72,45 +72,76 @@ slots! {
     Indices "indices",
     Tangents "tangents",
     Charts "charts",
+    Lists "lists",
+    Lasting "lasting",
+    Scratch "scratch",
+    Batch "batch",
 }
 
+/// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
+/// in [`Slot::Lists`], whose first numbers, in this order, say where each begins.
+pub const LISTED: [(Slot, Option<&str>); 12] = [
+    (Slot::Jobs, None),
+    (Slot::Grids, None),
+    (Slot::Starts, Some("u32")),
+    (Slot::Members, Some("u32")),
+    (Slot::Rest, Some("vec4<f32>")),
+    (Slot::Soft, Some("vec4<f32>")),
+    (Slot::Tethers, Some("vec2<u32>")),
+    (Slot::Weights, Some("vec4<f32>")),
+    (Slot::Bends, Some("vec2<f32>")),
+    (Slot::Cells, Some("vec4<f32>")),
+    (Slot::Yielding, Some("vec4<f32>")),
+    (Slot::Targets, Some("vec4<f32>")),
+];
+
 impl Slot {
-    /// The entries that each texel of a cloth has in a list that shaders only read: their number, their bytes together, and the list,
-    /// whose texels begin at `first`. None for other slots, and where the cloth has no such list.
-    pub fn texels(self, cloth: &Cloth, held: &Tethers, first: u32) -> Option<(usize, Vec<u8>)> {
+    /// Bytes of the entries that each texel of a cloth has in a list that shaders only read, if a particle has a number of tethers. None
+    /// for other slots, and where the cloth has no such list.
+    pub fn row(self, cloth: &Cloth, tethers: usize) -> Option<usize> {
+        let there = |yes: bool, bytes: usize| yes.then_some(bytes);
+        match self {
+            Slot::Rest => there(matches!(cloth.rest(), Rest::Image(_)), 16),
+            Slot::Soft => there(matches!(cloth.compliance, Compliance::Image(_)), 16),
+            Slot::Cells => there(cloth.membrane().is_some(), 32),
+            Slot::Weights => there(cloth.bending().is_some(), 16),
+            Slot::Bends => there(cloth.bending().is_some(), 8),
+            Slot::Tethers => there(tethers > 0, 8 * tethers),
+            Slot::Targets => there(cloth.limits.is_some(), 16),
+            _ => None,
+        }
+    }
+
+    /// The entries of all texels in such a list, of a cloth whose texels begin at `first`; without targets, which calls of a host move.
+    pub fn texels(self, cloth: &Cloth, held: &Tethers, first: u32) -> Vec<u8> {
         let list = |data: &[[f32; 4]]| cast_slice(data).to_vec();
         match self {
             Slot::Rest => {
                 if let Rest::Image(rest) = cloth.rest() {
-                    Some((16, list(rest)))
+                    list(rest)
                 } else {
-                    None
+                    Vec::new()
                 }
             }
             Slot::Soft => {
                 if let Compliance::Image(soft) = &cloth.compliance {
-                    Some((16, list(soft)))
+                    list(soft)
                 } else {
-                    None
+                    Vec::new()
                 }
             }
-            Slot::Cells => cloth.membrane().map(|m| (32, list(&m.cells))),
-            Slot::Weights => cloth.bending().map(|b| (16, list(&b.weights))),
-            Slot::Bends => cloth.bending().map(|b| {
-                let rows: Vec<_> = b.compliance.iter().zip(b.bounds(cloth)).map(|(c, bound)| [*c, bound]).collect();
-                (8, cast_slice(&rows).to_vec())
-            }),
-            Slot::Tethers if held.per_particle > 0 => {
+            Slot::Cells => cloth.membrane().map(|m| list(&m.cells)).unwrap_or_default(),
+            Slot::Weights => cloth.bending().map(|b| list(&b.weights)).unwrap_or_default(),
+            Slot::Bends => {
+                let rows = cloth.bending().into_iter().flat_map(|b| b.compliance.iter().copied().zip(b.bounds(cloth)));
+                cast_slice(&rows.map(|(compliance, bound)| [compliance, bound]).collect::<Vec<_>>()).to_vec()
+            }
+            Slot::Tethers => {
                 let end = |a: &crate::Anchor| if a.exists() { a.particle + first } else { u32::MAX };
                 let rows: Vec<_> = held.anchors.iter().map(|a| [end(a), a.distance.to_bits()]).collect();
-                Some((8 * held.per_particle, cast_slice(&rows).to_vec()))
+                cast_slice(&rows).to_vec()
             }
-            Slot::Targets => cloth.limits.as_ref().map(|limits| {
-                let rows: Vec<_> =
-                    cloth.positions().iter().zip(limits).map(|([x, y, z], l)| [*x, *y, *z, *l]).collect();
-                (16, list(&rows))
-            }),
-            _ => None,
+            _ => Vec::new(),
         }
     }
 
@@ -119,6 +150,7 @@ impl Slot {
         let (starts, members) = cloth.rings();
         let bytes = match self {
             Slot::Step => 64 + 16,
+            Slot::Batch => 16,
             Slot::Grids => cloth.grids().len() * 32,
             Slot::Now | Slot::Before | Slot::Rest | Slot::Normals | Slot::Field | Slot::Soft | Slot::Sums => {
                 cloth.len() * 16
@@ -132,6 +164,8 @@ impl Slot {
             Slot::Faults => FAULT_BYTES,
             Slot::Frame => size_of::<FrameRow>(),
             Slot::Jobs => size_of::<JobRow>(),
+            Slot::Lists => listed(cloth, tethers, cloth.len()),
+            Slot::Lasting => cloth.len() * 16 * (1 + usize::from(cloth.is_exact())),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
             Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => cloth.len() * 16,
             Slot::Targets => cloth.len() * 16,
@@ -146,10 +180,21 @@ impl Slot {
             Slot::Partial => cloth.len().div_ceil(64) * 4,
             Slot::Fastest | Slot::Strain => 4,
             // Made when they are asked for; no frame binds them.
+            // As many lists as the shader has there, see `Source::scratch`.
+            Slot::Scratch => cloth.len() * 16,
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
             Slot::Bounds | Slot::Indices | Slot::Tangents | Slot::Charts => 0,
             Slot::Supports | Slot::Holding | Slot::Changes | Slot::Mates => 0,
         };
         bytes as u64
     }
+}
+
+/// Bytes of the lists that whole frames of a cloth read, its job included, with room for `places` particles of which each has a number
+/// of tethers.
+pub fn listed(cloth: &Cloth, tethers: usize, places: usize) -> usize {
+    let (starts, members) = cloth.rings();
+    let each: usize = LISTED.iter().filter_map(|(slot, _)| slot.row(cloth, tethers)).sum();
+    let rings = if cloth.ring_count() > 0 { 4 * (starts.len() + members.len()) } else { 0 };
+    size_of::<JobRow>() + cloth.grids().len() * size_of::<GridRow>() + rings + places * each
 }

@@ -1,6 +1,7 @@
 //! The shader of several passes by tiles.
 
-use super::apart::lists;
+use super::apart::declared_alike;
+use super::lists;
 use super::parts::{Parts, reads, writes};
 use super::program::calls;
 use super::rule::{Over, Rule, over, rule};
@@ -31,7 +32,7 @@ pub fn stages(passes: &[Pass]) -> Stages<'_> {
 /// owns.
 pub fn tile(tile: &Tile) -> Source {
     let Stages { arrive, middle, leave } = stages(&tile.passes);
-    let mut parts = Parts::new(&[part!("grid"), part!("by_rows")], &[Slot::Grids], &[Slot::Next]);
+    let mut parts = Parts::new(&[part!("grid"), part!("grids"), part!("by_rows")], &[Slot::Grids], &[Slot::Next]);
     for pass in &tile.passes {
         let Rule { text, over, parts: own, .. } = rule(*pass);
         parts = parts.and(own).files(&[text]);
@@ -69,7 +70,8 @@ pub fn tile(tile: &Tile) -> Source {
     let numbers = numbers.into_iter().chain(inner).chain(around).chain(lacks);
     let parts = numbers.fold(parts, |parts, (name, n)| parts.constant(name, n));
     let (files, bindings, constants) = (parts.files, parts.bindings, parts.constants);
-    Source { stem: "tile", files, loops, program, bindings, constants, threads: Threads::Tiles(shape) }
+    let program = format!("\n{}{program}", lists::own(&bindings));
+    Source { stem: "tile", files, loops, program, bindings, constants, threads: Threads::Tiles(shape), scratch: 0 }
 }
 
 /// What a tile changes it writes elsewhere, as its neighbours read what is around theirs.
@@ -100,8 +102,7 @@ fn apart_from_others(tile: &Tile, mut parts: Parts) -> Parts {
 fn declared(slot: Slot) -> &'static [&'static str] {
     match slot {
         Slot::Step => &[part!("step"), part!("step_bound")],
-        Slot::Field => &[part!("field_read")],
         Slot::Solids => &[part!("solids_all")],
-        other => lists(other),
+        other => declared_alike(other),
     }
 }

@@ -1,6 +1,7 @@
 //! The shader of whole frames.
 
-use super::apart::lists;
+use super::apart::declared_alike;
+use super::lists;
 use super::parts::Parts;
 use super::program::calls;
 use super::rule::{Over, Rule, Whole, rule};
@@ -21,8 +22,11 @@ fn all(schedule: &Schedule) -> impl Iterator<Item = &Pass> {
 pub fn whole(fused: &Fused) -> Source {
     let schedule = &*fused.schedule;
     let files = [part!("step"), part!("grid"), part!("now"), part!("befores"), part!("by_rows"), part!("faults")];
-    let mut parts =
-        Parts::new(&files, &[Slot::Frame, Slot::Jobs, Slot::Grids], &[Slot::Now, Slot::Before, Slot::Faults]);
+    let mut parts = Parts::new(
+        &files,
+        &[Slot::Frame, Slot::Batch, Slot::Jobs, Slot::Grids],
+        &[Slot::Now, Slot::Before, Slot::Faults],
+    );
     let mut loops: Vec<(&str, &str)> = Vec::new();
     for pass in all(schedule) {
         let Rule { text, call, over, whole, parts: own, .. } = rule(*pass);
@@ -45,8 +49,9 @@ pub fn whole(fused: &Fused) -> Source {
     let declared: Vec<_> = parts.bindings.iter().flat_map(|b| declared(b.slot)).copied().collect();
     let parts = held(fused, parts.files(&declared)).files(&[pass!("fused")]);
     let step = |pass: &Pass, colour: &str| line(pass, colour, true);
+    let (parts, declared, scratch) = lists::shared(parts);
     let program = format!(
-        "\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
+        "\n{declared}\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
          fn frame_program(job: Job, local: u32) {{\n{}}}\n",
         calls(&schedule.air, step),
         calls(&schedule.step, step),
@@ -54,7 +59,7 @@ pub fn whole(fused: &Fused) -> Source {
         calls(&schedule.frame, |pass, colour| line(pass, colour, false)),
     );
     let (files, bindings, constants) = (parts.files, parts.bindings, parts.constants);
-    Source { stem: "fused", files, loops, program, bindings, constants, threads: Threads::Cloth }
+    Source { stem: "fused", files, loops, program, bindings, constants, threads: Threads::Cloth, scratch }
 }
 
 /// The call of a pass, and the barrier behind it: of what positions lie in during the steps, else of buffers.
@@ -103,11 +108,10 @@ fn held(fused: &Fused, parts: Parts) -> Parts {
 /// Declarations of what rules name but do not declare, as it lies in buffers that cloths share.
 fn declared(slot: Slot) -> &'static [&'static str] {
     match slot {
-        Slot::Field => &[part!("field")],
         Slot::Lost => &[part!("lost")],
         Slot::Sums => &[part!("sums")],
         Slot::Solids => &[part!("solids_own")],
         Slot::Tethers => &[part!("anchor_placed")],
-        other => lists(other),
+        other => declared_alike(other),
     }
 }

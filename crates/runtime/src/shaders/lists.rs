@@ -1,0 +1,111 @@
+//! Lists that rules read as `NAME_at(n)`: each a buffer of its own, or, in whole frames, parts of buffers that they share.
+//!
+//! A whole frame binds eight storage buffers, what WebGPU promises, whatever the scene: positions now and before, normals, faults,
+//! colliders, and three that lists share. Vectors of four, as they are loaded by one instruction.
+
+use std::fmt::Write;
+
+use super::parts::{Bound, Parts, reads, writes};
+use super::slot::{LISTED, Slot};
+
+/// The first numbers of [`Slot::Lists`]: where the lists begin, and, as the last one, how many particles there is room for.
+pub const HEAD: usize = 16;
+
+const _: () = assert!(LISTED.len() < HEAD);
+
+/// Vectors of four, one a particle, that a frame leaves to the next. In whole frames they lie in [`Slot::Lasting`].
+pub const LASTING: [Slot; 2] = [Slot::Good, Slot::Lost];
+
+/// Vectors of four, one a particle, that end with a frame. In whole frames they lie in [`Slot::Scratch`].
+pub const SCRATCH: [Slot; 3] = [Slot::Field, Slot::Sums, Slot::Moments];
+
+/// Declarations of the lists that a shader binds, a buffer each.
+pub fn own(bindings: &[Bound]) -> String {
+    let mut text = String::new();
+    for Bound { slot, writes } in bindings {
+        let (name, number) = (slot.name(), *slot as u32);
+        let vectors = LASTING.contains(slot) || SCRATCH.contains(slot);
+        let element = LISTED.iter().find(|(s, _)| s == slot).and_then(|(_, element)| *element);
+        let Some(element) = element.filter(|_| !writes).or(vectors.then_some("vec4<f32>")) else { continue };
+        let access = if *writes { "read_write" } else { "read" };
+        _ = write!(
+            text,
+            "@group(0) @binding({number}) var<storage, {access}> {name}: array<{element}>;\n\n\
+             fn {name}_at(n: u32) -> {element} {{\n  return {name}[n];\n}}\n\n"
+        );
+        if *writes {
+            text += &setters(name, &format!("{name}[n]"));
+        }
+    }
+    text
+}
+
+fn setters(name: &str, place: &str) -> String {
+    format!(
+        "fn set_{name}(n: u32, x: vec4<f32>) {{\n  {place} = x;\n}}\n\n\
+         fn put_{name}(n: u32, part: u32, x: f32) {{\n  {place}[part] = x;\n}}\n\n"
+    )
+}
+
+/// What a shader of whole frames binds in place of lists of their own, the declarations of the lists in it, and how many of them
+/// are scratch.
+pub fn shared(parts: Parts) -> (Parts, String, usize) {
+    let (mut text, mut find, mut scratch) = (String::new(), String::new(), 0);
+    let mut bindings: Vec<Bound> = Vec::new();
+    for bound in &parts.bindings {
+        let name = bound.slot.name();
+        let (buffer, from) = if let Some(n) = LISTED.iter().position(|(s, _)| *s == bound.slot) {
+            text += &read(name, LISTED[n].1);
+            (reads(Slot::Lists), head(n))
+        } else if let Some(n) = LASTING.iter().position(|s| *s == bound.slot) {
+            text += &written(name, "lasting");
+            (writes(Slot::Lasting), format!("{n}u * {}", head(HEAD - 1)))
+        } else if SCRATCH.contains(&bound.slot) {
+            text += &written(name, "scratch");
+            scratch += 1;
+            (writes(Slot::Scratch), format!("{}u * {}", scratch - 1, head(HEAD - 1)))
+        } else {
+            bindings.push(*bound);
+            continue;
+        };
+        _ = write!(text, "var<private> {name}_from: u32;\n\n");
+        _ = writeln!(find, "  {name}_from = {from};");
+        if !bindings.contains(&buffer) {
+            bindings.push(buffer);
+        }
+    }
+    for slot in [Slot::Lasting, Slot::Scratch] {
+        if bindings.contains(&writes(slot)) {
+            let (name, number) = (slot.name(), slot as u32);
+            _ = write!(text, "@group(0) @binding({number}) var<storage, read_write> {name}: array<vec4<f32>>;\n\n");
+        }
+    }
+    _ = write!(text, "fn find_lists() {{\n{find}}}\n");
+    (Parts { bindings, ..parts }, text, scratch)
+}
+
+/// A number that [`Slot::Lists`] begins with.
+fn head(n: usize) -> String {
+    format!("lists[{}].{}", n / 4, ["x", "y", "z", "w"][n % 4])
+}
+
+/// An element of a list that is only read. shaders/fused.wgsl has those that are structs.
+fn read(name: &str, element: Option<&str>) -> String {
+    let Some(element) = element else { return String::new() };
+    let (each, value) = match element {
+        "u32" => (4, "four[n % 4u]"),
+        "vec2<u32>" => (2, "select(four.zw, four.xy, n % 2u == 0u)"),
+        "vec2<f32>" => (2, "bitcast<vec2<f32>>(select(four.zw, four.xy, n % 2u == 0u))"),
+        _ => (1, "bitcast<vec4<f32>>(four)"),
+    };
+    let place = if each == 1 { "n".to_string() } else { format!("n / {each}u") };
+    format!(
+        "fn {name}_at(n: u32) -> {element} {{\n  let four = lists[{name}_from + {place}];\n  return {value};\n}}\n\n"
+    )
+}
+
+/// Access to a list that frames write.
+fn written(name: &str, buffer: &str) -> String {
+    let place = format!("{buffer}[{name}_from + n]");
+    format!("fn {name}_at(n: u32) -> vec4<f32> {{\n  return {place};\n}}\n\n") + &setters(name, &place)
+}
