@@ -48,7 +48,7 @@ use crate::layout::{POSES, StepRow};
 use crate::passes::Pass;
 use crate::plan::Plan;
 use crate::shaders::Slot;
-use crate::world::{ClothRun, World};
+use crate::world::{Batch, ClothRun, World};
 use arena::Arena;
 use bounds::Boxes;
 use lost::Pulse;
@@ -81,6 +81,10 @@ pub struct Gpu {
     /// In the order of the world's.
     arenas: Vec<Arena>,
     frames: Option<Ring>,
+    /// Those of the last frame, whose memory the next one uses again.
+    batches: Vec<Batch>,
+    /// Likewise the numbers of the last dispatch.
+    numbers: Vec<u8>,
     solids: Solids,
     watch: Watch,
     boxes: Boxes,
@@ -116,6 +120,8 @@ impl Gpu {
             pipelines,
             cloths: states.into_iter().map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect(),
             frames: (!arenas.is_empty()).then(|| frames::ring(device)),
+            batches: Vec::new(),
+            numbers: Vec::new(),
             arenas,
             device: device.clone(),
             queue: queue.clone(),
@@ -219,8 +225,6 @@ impl Gpu {
     /// Records the steps of a cloth; returns where the numbers of the last one lie.
     fn record_steps(&mut self, world: &World, passes: &mut Recording, index: usize, steps: u32) -> u32 {
         let (cloth, order, frame) = (&world.scene.cloths[index], world.order(index), world.frame(index, steps));
-        let alone = || frame.schedule.relax.iter().map(|p| Form::Apart(*p)).collect();
-        let relax: Vec<Form> = order.map_or_else(alone, |o| o.relax.clone());
         // Moving colliders have a new pose once in this number of steps.
         let group = steps.div_ceil(POSES);
         let mut offset = 0;
@@ -228,14 +232,17 @@ impl Gpu {
             let row = StepRow::from(&frame.step(n, n / group * group));
             offset = self.cloths[index].step_offset(&self.queue, row);
             let coarse = frame.coarse(n);
-            let rounds = |count| (0..count).flat_map(|_| &relax);
             let mut run = |what: &Form| self.run_in(cloth, passes, index, (what, offset));
             frame.air(n).iter().for_each(|p| run(&Form::Apart(*p)));
-            match order.filter(|_| coarse.is_empty()) {
-                Some(order) => order.first.iter().chain(rounds(frame.rounds - 1)).for_each(&mut run),
-                None => {
-                    frame.schedule.step.iter().chain(coarse).for_each(|p| run(&Form::Apart(*p)));
-                    rounds(frame.rounds).for_each(&mut run);
+            let whole = order.filter(|_| coarse.is_empty());
+            match whole {
+                Some(order) => order.first.iter().for_each(&mut run),
+                None => frame.schedule.step.iter().chain(coarse).for_each(|p| run(&Form::Apart(*p))),
+            }
+            for _ in u32::from(whole.is_some())..frame.rounds {
+                match order {
+                    Some(order) => order.relax.iter().for_each(&mut run),
+                    None => frame.schedule.relax.iter().for_each(|p| run(&Form::Apart(*p))),
                 }
             }
         }
@@ -264,27 +271,29 @@ impl Gpu {
     /// Records the frames of all cloths that share dispatches.
     fn record_fused(&mut self, world: &World, passes: &mut Recording, steps: u32) {
         let Some(frames) = &mut self.frames else { return };
-        let batches = world.batches(steps);
+        let mut batches = std::mem::take(&mut self.batches);
+        world.batch(steps, &mut batches);
         for (index, (arena, cloths)) in self.arenas.iter_mut().zip(&world.arenas).enumerate() {
             arena.follow(&self.device, world, cloths, batches.iter().filter(|b| b.arena == index), passes);
         }
         let (mut arena, mut first_job) = (0, 0);
-        for batch in batches {
+        for batch in &batches {
             if batch.arena != arena {
                 (arena, first_job) = (batch.arena, 0);
             }
             let pipeline = self.pipelines.fitting(&Form::Whole(batch.fused.clone()));
             let any = world.arenas[batch.arena][batch.members[0]];
-            let numbers = frames::numbers(&world.frame(any, steps), batch.solids);
-            let offset = frames.offset(&self.queue, &numbers);
+            frames::numbers(&world.frame(any, steps), batch.solids, &mut self.numbers);
+            let offset = frames.offset(&self.queue, &self.numbers);
             let buffers = (&self.solids.buffer, &frames.buffer);
-            let group = self.arenas[batch.arena].group(&self.device, (&batch, first_job), pipeline, buffers);
+            let group = self.arenas[batch.arena].group(&self.device, (batch, first_job), pipeline, buffers);
             first_job += batch.members.len() as u32;
             let pass = passes.pass(pipeline.source.stem);
             pass.set_pipeline(&pipeline.pipeline);
             pass.set_bind_group(0, group, &[offset]);
             pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);
         }
+        self.batches = batches;
     }
 
     /// Writes what the CPU made of cloths that are awake into the buffers for drawing.
@@ -307,8 +316,9 @@ impl Gpu {
 
     /// Uploads the colliders; new bindings only if their number, or which cloth has which coat, has changed.
     pub fn set_colliders(&mut self, world: &World) {
-        self.solids.write(&self.device, &self.queue, world);
-        self.meet(world);
+        if self.solids.write(&self.device, &self.queue, world) {
+            self.meet(world);
+        }
     }
 
     fn meet(&mut self, world: &World) {

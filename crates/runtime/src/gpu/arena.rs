@@ -74,16 +74,16 @@ impl Arena {
         device: &wgpu::Device,
         world: &World,
         cloths: &[usize],
-        batches: impl Iterator<Item = &'a Batch>,
+        batches: impl Iterator<Item = &'a Batch> + Clone,
         passes: &mut Recording,
     ) {
         let places = cloths.iter().zip(&self.jobs).map(|(cloth, job)| (*cloth, job.first, job.grid));
         if let Some(grids) = Grids::follow(&mut self.grids, world, places) {
             self.write(device, passes.between(), Slot::Grids, &grids);
         }
-        let members = batches.flat_map(|batch| &batch.members);
-        let jobs: Vec<_> = members.map(|m| self.job(world, cloths[*m], *m)).collect();
-        if self.written != jobs {
+        let jobs = batches.flat_map(|batch| &batch.members).map(|m| self.job(world, cloths[*m], *m));
+        if !jobs.clone().eq(self.written.iter().copied()) {
+            let jobs: Vec<_> = jobs.collect();
             self.write(device, passes.between(), Slot::Jobs, &jobs);
             self.written = jobs;
         }

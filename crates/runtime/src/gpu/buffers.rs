@@ -53,7 +53,8 @@ pub struct ClothBuffers {
     grids: Option<Grids>,
     /// All else that is bound.
     pub(super) others: HashMap<Slot, Span>,
-    groups: HashMap<(Vec<Bound>, [bool; 4]), wgpu::BindGroup>,
+    /// By what they bind, and by `turned`.
+    groups: HashMap<Vec<Bound>, Vec<([bool; 4], wgpu::BindGroup)>>,
     /// Which of [`turns::TURNS`] lie in the other buffers, as they do after an odd number of tiles.
     pub(super) turned: [bool; 4],
 }
@@ -116,12 +117,15 @@ impl ClothBuffers {
     /// The bindings of a shader, made once.
     pub(super) fn group(&mut self, device: &wgpu::Device, pipeline: &Pipeline) -> &wgpu::BindGroup {
         self.make_scratch(device, &pipeline.source);
-        let key = (pipeline.source.bindings.clone(), self.turned);
-        if !self.groups.contains_key(&key) {
+        let (bindings, turned) = (&pipeline.source.bindings, self.turned);
+        let at = |groups: &Vec<([bool; 4], wgpu::BindGroup)>| groups.iter().position(|(t, _)| *t == turned);
+        let at = self.groups.get(bindings).and_then(at).unwrap_or_else(|| {
             let group = self.bind(device, pipeline, &[]);
-            self.groups.insert(key.clone(), group);
-        }
-        &self.groups[&key]
+            let groups = self.groups.entry(bindings.clone()).or_default();
+            groups.push((turned, group));
+            groups.len() - 1
+        });
+        &self.groups[bindings][at].1
     }
 
     /// Buffers that only some scenes need: air that acts on triangles, multipliers of several relaxations,
@@ -221,6 +225,6 @@ impl ClothBuffers {
 
     /// Drops the bindings that name the old buffer of a slot.
     pub(super) fn forget(&mut self, slot: Slot) {
-        self.groups.retain(|(bindings, _), _| bindings.iter().all(|b| b.slot != slot));
+        self.groups.retain(|bindings, _| bindings.iter().all(|b| b.slot != slot));
     }
 }

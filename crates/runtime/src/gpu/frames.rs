@@ -1,6 +1,6 @@
 //! The numbers of whole frames.
 
-use bytemuck::cast_slice;
+use bytemuck::{bytes_of, cast_slice};
 
 use super::ring::Ring;
 use crate::frame::Frame;
@@ -14,16 +14,16 @@ pub(super) fn ring(device: &wgpu::Device) -> Ring {
     Ring::new(device, "frame", size_of::<FrameRow>(), FRAMES)
 }
 
-/// The numbers of a frame among a number of colliders. Those of a single cloth are not among them, so the frame of any cloth
+/// Puts the numbers of a frame among a number of colliders in the place of others. Those of a single cloth are not among them, so the frame of any cloth
 /// will do.
-pub(super) fn numbers(frame: &Frame, solids: usize) -> Vec<u8> {
+pub(super) fn numbers(frame: &Frame, solids: usize, bytes: &mut Vec<u8>) {
     let together = frame.steps.div_ceil(POSES).max(1);
     let moves = frame.swept > 0.0;
     let groups = if moves { frame.steps.div_ceil(together).max(1) } else { 1 };
-    let mut rows = vec![StepRow::from(&frame.step(0, 0))];
-    rows.extend((0..groups).map(|g| StepRow::from(&frame.step(1, g * together))));
+    let first = std::iter::once(StepRow::from(&frame.step(0, 0)));
+    let rows = first.chain((0..groups).map(|g| StepRow::from(&frame.step(1, g * together))));
     let together = if moves { together } else { frame.steps.max(1) };
-    let mut bytes = cast_slice(&[frame.steps, frame.rounds, together, solids as u32]).to_vec();
-    bytes.extend_from_slice(cast_slice(&rows));
-    bytes
+    bytes.clear();
+    bytes.extend_from_slice(cast_slice(&[frame.steps, frame.rounds, together, solids as u32]));
+    rows.for_each(|row| bytes.extend_from_slice(bytes_of(&row)));
 }

@@ -12,23 +12,32 @@ use crate::world::World;
 pub(super) struct Solids {
     pub buffer: Buffer,
     rows: usize,
+    /// The list of each cloth: its first collider, and their number.
+    met: Vec<(usize, usize)>,
 }
 
 impl Solids {
     /// Uploads the colliders of a scene.
     pub fn new(device: &wgpu::Device, world: &World) -> Self {
         let rows = rows(world);
-        Solids { buffer: upload(device, "solids", &rows, BufferUsages::empty()), rows: rows.len() }
+        let buffer = upload(device, "solids", &rows, BufferUsages::empty());
+        Solids { buffer, rows: rows.len(), met: places(world).collect() }
     }
 
-    /// Writes them again, to another buffer only if their number has changed.
-    pub fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, world: &World) {
+    /// Writes them again, to another buffer only if their number has changed; whether any cloth has to look elsewhere for those that
+    /// it meets.
+    pub fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, world: &World) -> bool {
         let rows = rows(world);
-        if rows.len() == self.rows {
-            queue.write_buffer(&self.buffer, 0, cast_slice(&rows));
-        } else {
+        if rows.len() != self.rows {
             *self = Solids::new(device, world);
+            return true;
         }
+        queue.write_buffer(&self.buffer, 0, cast_slice(&rows));
+        let met = !places(world).eq(self.met.iter().copied());
+        if met {
+            self.met = places(world).collect();
+        }
+        met
     }
 
     /// Those that a cloth meets.
@@ -37,6 +46,11 @@ impl Solids {
         let (first, count) = (world.first_solid(cloth), world.solid_count(cloth).max(1));
         Span { buffer: self.buffer.clone(), offset: (first * row) as u64, size: (count * row) as u64 }
     }
+}
+
+/// The list of each cloth.
+fn places(world: &World) -> impl Iterator<Item = (usize, usize)> {
+    (0..world.runs.len()).map(|cloth| (world.first_solid(cloth), world.solid_count(cloth)))
 }
 
 /// The lists; an unused row where the last one is empty.

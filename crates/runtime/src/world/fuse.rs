@@ -63,9 +63,16 @@ impl World {
 
     /// The dispatches of a frame of `steps` steps, for the cloths that are awake.
     pub fn batches(&self, steps: u32) -> Vec<Batch> {
-        let mut batches: Vec<Batch> = Vec::new();
+        let mut batches = Vec::new();
+        self.batch(steps, &mut batches);
+        batches
+    }
+
+    /// The same in place of those of another frame, whose memory is used again.
+    pub fn batch(&self, steps: u32, batches: &mut Vec<Batch>) {
+        let mut count = 0;
         for (arena, cloths) in self.arenas.iter().enumerate() {
-            let first = batches.len();
+            let first = count;
             for (member, cloth) in cloths.iter().enumerate() {
                 let run = &self.runs[*cloth];
                 let Some(fused) = run.fused.as_ref().filter(|_| !run.asleep && self.is_fused(*cloth, steps)) else {
@@ -74,15 +81,26 @@ impl World {
                 let solids = self.solid_count(*cloth);
                 let fits =
                     |b: &&mut Batch| b.solids == solids && b.fused.kind() == fused.kind() && b.members.len() < MOST;
-                match batches[first..].iter_mut().find(fits) {
+                match batches[first..count].iter_mut().find(fits) {
                     Some(batch) => {
                         batch.fused = batch.fused.with(fused);
                         batch.members.push(member);
                     }
-                    None => batches.push(Batch { arena, fused: fused.clone(), solids, members: vec![member] }),
+                    None => {
+                        let mut members =
+                            batches.get_mut(count).map(|b| std::mem::take(&mut b.members)).unwrap_or_default();
+                        members.clear();
+                        members.push(member);
+                        let batch = Batch { arena, fused: fused.clone(), solids, members };
+                        match batches.get_mut(count) {
+                            Some(place) => *place = batch,
+                            None => batches.push(batch),
+                        }
+                        count += 1;
+                    }
                 }
             }
         }
-        batches
+        batches.truncate(count);
     }
 }

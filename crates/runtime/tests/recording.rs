@@ -1,0 +1,146 @@
+//! What recording a frame asks of the host's allocator: what wgpu itself does for the same commands, however many cloths there are.
+
+// Only on the GPU.
+#![cfg(feature = "gpu")]
+
+mod support;
+
+use allocation_counter::measure;
+use gimage_runtime::scene::Pose;
+use gimage_runtime::*;
+use support::run::Device;
+use support::{device_with, scene};
+
+fn options() -> Options {
+    Options { backend: Backend::Gpu, substeps: Some(8), ..Options::default() }
+}
+
+/// Cloths of two kinds among capsules.
+fn crowd(count: usize) -> Scene {
+    let mut all = scene(support::curtain(12));
+    let more = (1..count).map(|k| if k % 2 == 0 { support::curtain(12) } else { support::two_charts(9) });
+    all.cloths.extend(more);
+    let shape = Shape::Capsule { radius: 0.1, half_height: 0.2 };
+    all.colliders = (0..8).map(|k| Collider::new(shape, [0.3 * k as f32, -0.4, 0.3])).collect();
+    all
+}
+
+/// Allocations of recording a frame, `before` being done before it, in each of three frames after the first five. Without those of a
+/// call in which no step is due, which asks the device whether it is lost, and for its errors.
+fn allocations(stepper: &mut Stepper, (device, queue): &Device, before: impl Fn(&mut Stepper, u32)) -> [u64; 3] {
+    let mut counts = [0; 3];
+    for frame in 0..8 {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let count = measure(|| {
+            before(stepper, frame);
+            assert!(stepper.record(&mut encoder, 1.0 / 60.0).is_ok());
+        });
+        let idle = measure(|| assert!(stepper.record(&mut encoder, 0.0).is_ok_and(|progress| progress.steps == 0)));
+        queue.submit([encoder.finish()]);
+        if frame >= 5 {
+            counts[frame as usize - 5] = count.count_total - idle.count_total;
+        }
+    }
+    counts
+}
+
+/// Those of wgpu: a compute pass with a number of dispatches in turn of two pipelines, each with a dynamic offset.
+fn bare((device, queue): &Device, dispatches: u32) -> u64 {
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(
+            "@group(0) @binding(0) var<uniform> x: vec4<u32>;\n\
+             @group(0) @binding(1) var<storage, read_write> y: array<vec4<u32>>;\n\
+             @compute @workgroup_size(1) fn main() { y[0] = x; }"
+                .into(),
+        ),
+    });
+    let entry = |binding, ty, has_dynamic_offset| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None },
+        count: None,
+    };
+    let storage = wgpu::BufferBindingType::Storage { read_only: false };
+    let entries = [entry(0, wgpu::BufferBindingType::Uniform, true), entry(1, storage, false)];
+    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
+    let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE;
+    let [x, y] = [0, 1].map(|_| {
+        device.create_buffer(&wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false })
+    });
+    let [x, y] = [(0, &x), (1, &y)]
+        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &[x, y] });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &[Some(&layout)],
+        ..Default::default()
+    });
+    let pipelines = [0, 1].map(|_| {
+        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: Default::default(),
+            cache: None,
+        })
+    });
+    let mut last = 0;
+    for _ in 0..3 {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let count = measure(|| {
+            let mut pass = encoder
+                .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None });
+            for n in 0..dispatches {
+                pass.set_pipeline(&pipelines[n as usize % 2]);
+                pass.set_bind_group(0, &group, &[0]);
+                pass.dispatch_workgroups(1, 1, 1);
+            }
+        });
+        queue.submit([encoder.finish()]);
+        last = count.count_total;
+    }
+    last
+}
+
+#[test]
+fn frames_are_recorded_without_allocations_of_our_own() {
+    let Some(device) = device_with(device_limits) else { return };
+    for count in [1, 2, 100, 1000] {
+        let mut stepper = Stepper::new(crowd(count), options(), Some((&device.0, &device.1))).unwrap();
+        let dispatches = stepper.plan().dispatches();
+        assert_eq!(dispatches, count.min(2) as u32);
+        let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, dispatches));
+        assert_eq!(ours, [wgpu; 3], "{count} cloths");
+    }
+}
+
+#[test]
+fn tiles_are_recorded_without_allocations_of_our_own() {
+    let Some(device) = device_with(device_limits) else { return };
+    let large = scene(support::curtain(150));
+    let mut stepper = Stepper::new(large, options(), Some((&device.0, &device.1))).unwrap();
+    let dispatches = stepper.plan().dispatches();
+    assert!(dispatches > 8, "{}", stepper.plan());
+    let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, dispatches));
+    assert_eq!(ours, [wgpu; 3]);
+}
+
+#[test]
+fn allocations_for_moving_colliders_do_not_grow_with_the_cloths() {
+    let Some(device) = device_with(device_limits) else { return };
+    let moved = |stepper: &mut Stepper, frame: u32| {
+        for collider in 0..8 {
+            let to = Pose { position: [0.3 * collider as f32, -0.4, 0.3 + 0.01 * frame as f32], ..Pose::default() };
+            assert!(stepper.move_collider(collider, &to).is_ok());
+        }
+    };
+    let of = |count| {
+        let mut stepper = Stepper::new(crowd(count), options(), Some((&device.0, &device.1))).unwrap();
+        allocations(&mut stepper, &device, moved)
+    };
+    let (few, many) = (of(2).into_iter().max(), of(1000).into_iter().max());
+    // wgpu's own lists grow now and then.
+    assert!(many <= few.map(|few| few + 2), "{few:?} {many:?}");
+}
