@@ -368,3 +368,21 @@ fn a_crowd_of_colliders_acts_as_on_the_twin_and_repeats() {
     let [one, apart] = [true, false].map(|fused| Run::new(&flat, &options(fused), &device).frames(20).bits(0));
     assert!(one == apart);
 }
+
+#[test]
+fn a_frame_that_is_never_submitted_costs_its_own_steps_alone() {
+    let Some(device) = roomy() else { return };
+    let run = |dropped: &[u32]| {
+        let mut run = Run::new(&wardrobe(), &options(true), &device);
+        for frame in 0..6 {
+            if dropped.contains(&frame) {
+                // As a host does that has no surface to draw to.
+                let mut encoder = device.0.create_command_encoder(&Default::default());
+                run.stepper.record(&mut encoder, FRAME).unwrap();
+            }
+            run = run.frames(1);
+        }
+        (0..wardrobe().cloths.len()).map(|c| run.bits(c)).collect::<Vec<_>>()
+    };
+    assert!(run(&[]) == run(&[0, 3]));
+}

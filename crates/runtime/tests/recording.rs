@@ -44,8 +44,8 @@ fn allocations(stepper: &mut Stepper, (device, queue): &Device, before: impl Fn(
     counts
 }
 
-/// Those of wgpu: a compute pass with a number of dispatches in turn of two pipelines, each with a dynamic offset.
-fn bare((device, queue): &Device, dispatches: u32) -> u64 {
+/// Those of wgpu: a number of copies, and a compute pass with a number of dispatches in turn of two pipelines, each with a dynamic offset.
+fn bare((device, queue): &Device, copies: u32, dispatches: u32) -> u64 {
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
         source: wgpu::ShaderSource::Wgsl(
@@ -86,10 +86,15 @@ fn bare((device, queue): &Device, dispatches: u32) -> u64 {
             cache: None,
         })
     });
+    let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+    let [a, b] = [0, 1].map(|_| {
+        device.create_buffer(&wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false })
+    });
     let mut last = 0;
     for _ in 0..3 {
         let mut encoder = device.create_command_encoder(&Default::default());
         let count = measure(|| {
+            (0..copies).for_each(|_| encoder.copy_buffer_to_buffer(&a, 0, &b, 0, 16));
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None });
             for n in 0..dispatches {
@@ -111,7 +116,7 @@ fn frames_are_recorded_without_allocations_of_our_own() {
         let mut stepper = Stepper::new(crowd(count), options(), Some((&device.0, &device.1))).unwrap();
         let dispatches = stepper.plan().dispatches();
         assert_eq!(dispatches, count.min(2) as u32);
-        let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, dispatches));
+        let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, dispatches, dispatches));
         assert_eq!(ours, [wgpu; 3], "{count} cloths");
     }
 }
@@ -123,7 +128,7 @@ fn tiles_are_recorded_without_allocations_of_our_own() {
     let mut stepper = Stepper::new(large, options(), Some((&device.0, &device.1))).unwrap();
     let dispatches = stepper.plan().dispatches();
     assert!(dispatches > 8, "{}", stepper.plan());
-    let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, dispatches));
+    let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, 0, dispatches));
     assert_eq!(ours, [wgpu; 3]);
 }
 

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use bytemuck::{Pod, cast_slice};
-use wgpu::{Buffer, BufferUsages, CommandEncoder};
+use bytemuck::cast_slice;
+use wgpu::{Buffer, BufferUsages};
 
 use super::contents::{Contents, Grids};
 use super::pipelines::Pipeline;
@@ -12,7 +12,7 @@ use super::span::Span;
 use super::store::Store;
 use super::upload::{empty, filled, upload};
 use crate::form::Fused;
-use crate::layout::{FrameRow, JobRow, StepRow};
+use crate::layout::{FrameRow, GridRow, JobRow, StepRow};
 use crate::shaders::Slot;
 use crate::world::{Batch, World};
 
@@ -28,8 +28,11 @@ pub(super) struct Arena {
     /// unused.
     jobs: Vec<JobRow>,
     grids: Option<Grids>,
-    /// The jobs that were written last.
-    written: Vec<JobRow>,
+    grid_rows: Vec<GridRow>,
+    /// The jobs of the last batches.
+    batched: Vec<JobRow>,
+    /// Both as they lie in the lists, to be copied there.
+    table: Option<Buffer>,
     /// By shader and by the number of colliders.
     ready: HashMap<(Fused, usize), Ready>,
 }
@@ -49,8 +52,9 @@ impl Arena {
         let contents = Contents::new(world, cloths);
         let (bytes, places) = contents.joined();
         let lists = upload(device, "lists", &bytes, BufferUsages::empty());
-        let (jobs, written) = (contents.jobs, Vec::new());
-        Arena { store, lists, places, scratch: None, jobs, grids: None, written, ready: HashMap::new() }
+        let (grid_rows, batched, ready) = (Vec::new(), Vec::new(), HashMap::new());
+        let (scratch, grids, table) = (None, None, None);
+        Arena { store, lists, places, scratch, jobs: contents.jobs, grids, grid_rows, batched, table, ready }
     }
 
     /// Lets one of its cloths go; whether it was the last.
@@ -66,9 +70,8 @@ impl Arena {
         Some(Span { buffer: self.lists.clone(), offset, size })
     }
 
-    /// Records what has changed of its grids and of the jobs of its batches, whose jobs lie in their order; in the order of the
-    /// encoder, as frames that were recorded before may not have been submitted yet. To be called before any of the batches is
-    /// dispatched.
+    /// Records that its grids and the jobs of its batches, in the order of these, lie in its lists; to be called before any of the batches
+    /// is dispatched. Recorded in every frame: one that was recorded before may not have been submitted yet, or never be.
     pub fn follow<'a>(
         &mut self,
         device: &wgpu::Device,
@@ -77,24 +80,23 @@ impl Arena {
         batches: impl Iterator<Item = &'a Batch> + Clone,
         passes: &mut Recording,
     ) {
+        let (Some(begin), Some(grids)) = (self.places.get(&Slot::Jobs), self.places.get(&Slot::Grids)) else { return };
+        if batches.clone().next().is_none() {
+            return;
+        }
         let places = cloths.iter().zip(&self.jobs).map(|(cloth, job)| (*cloth, job.first, job.grid));
-        if let Some(grids) = Grids::follow(&mut self.grids, world, places) {
-            self.write(device, passes.between(), Slot::Grids, &grids);
-        }
+        let other = Grids::follow(&mut self.grids, world, places);
         let jobs = batches.flat_map(|batch| &batch.members).map(|m| self.job(world, cloths[*m], *m));
-        if !jobs.clone().eq(self.written.iter().copied()) {
-            let jobs: Vec<_> = jobs.collect();
-            self.write(device, passes.between(), Slot::Jobs, &jobs);
-            self.written = jobs;
+        if self.table.is_none() || other.is_some() || !jobs.clone().eq(self.batched.iter().copied()) {
+            self.batched = jobs.collect();
+            self.grid_rows = other.unwrap_or(std::mem::take(&mut self.grid_rows));
+            let mut bytes = cast_slice::<_, u8>(&self.batched).to_vec();
+            bytes.resize((grids - begin) as usize, 0);
+            bytes.extend_from_slice(cast_slice(&self.grid_rows));
+            self.table = Some(filled(device, "table", &bytes, BufferUsages::COPY_SRC));
         }
-    }
-
-    /// Records new rows of a list.
-    fn write<T: Pod>(&self, device: &wgpu::Device, encoder: &mut CommandEncoder, slot: Slot, rows: &[T]) {
-        let bytes: &[u8] = cast_slice(rows);
-        if let (Some(at), false) = (self.places.get(&slot), bytes.is_empty()) {
-            let from = filled(device, slot.name(), bytes, BufferUsages::COPY_SRC);
-            encoder.copy_buffer_to_buffer(&from, 0, &self.lists, *at, bytes.len() as u64);
+        if let Some(table) = &self.table {
+            passes.between().copy_buffer_to_buffer(table, 0, &self.lists, *begin, table.size());
         }
     }
 
