@@ -10,7 +10,7 @@ use crate::cloth::{Cloth, Rest};
 use crate::form::{Fused, Hold};
 use crate::options::{Options, Solver};
 use crate::passes::{Pass, Schedule, Soft, soft_of};
-use crate::shaders::{self, Slot, listed};
+use crate::shaders::{self, HEAD, LISTED, Slot, listed};
 
 /// What a device has room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,13 +113,13 @@ pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Option
         }
         let (image, rings) = (matches!(cloth.rest(), Rest::Image(_)), cloth.ring_count() > 0);
         let soft = soft_of(cloth);
-        let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some());
+        let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some(), cloth.limits.is_some());
         let kind = (image, rings, soft, slots(index), fabric);
-        // Those of lists that are only read, or of scratch: forces of air, multipliers of springs, and of bending.
+        // Those of lists that are only read, of what lasts, or of scratch: forces of air, multipliers of springs, and of bending.
         let vectors = 1 + usize::from(soft != Soft::None) + usize::from(cloth.bending().is_some());
         let places = room_of(cloth.len());
         let bytes = listed(cloth, slots(index), places).max(16 * places * vectors.max(2)) as u64;
-        if bytes > room.bytes {
+        if bytes + HEADS > room.bytes {
             continue;
         }
         let fits = |a: &&mut (_, u64, Vec<usize>)| a.0 == kind && a.1 + bytes <= room.bytes;
@@ -128,11 +128,14 @@ pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Option
                 arena.1 += bytes;
                 arena.2.push(index);
             }
-            None => arenas.push((kind, bytes, vec![index])),
+            None => arenas.push((kind, bytes + HEADS, vec![index])),
         }
     }
     arenas.into_iter().map(|a| a.2).collect()
 }
+
+/// Bytes of the shared lists of an arena beside their contents: where they begin, and what each is rounded up by.
+const HEADS: u64 = 4 * HEAD as u64 + 16 * LISTED.len() as u64;
 
 /// Entries that a cloth takes up in the buffers of an arena: each begins where a binding may begin.
 pub const fn room_of(particles: usize) -> usize {

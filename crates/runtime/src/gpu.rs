@@ -85,6 +85,8 @@ pub struct Gpu {
     batches: Vec<Batch>,
     /// Likewise the numbers of the last dispatch.
     numbers: Vec<u8>,
+    /// Likewise the cloths that share no dispatch, and where the numbers of their last steps lie.
+    apart: (Vec<usize>, Vec<u32>),
     solids: Solids,
     watch: Watch,
     boxes: Boxes,
@@ -122,6 +124,7 @@ impl Gpu {
             frames: (!arenas.is_empty()).then(|| frames::ring(device)),
             batches: Vec::new(),
             numbers: Vec::new(),
+            apart: Default::default(),
             arenas,
             device: device.clone(),
             queue: queue.clone(),
@@ -188,7 +191,10 @@ impl Gpu {
 
     /// Records `steps` steps of every cloth that is awake and has any, then its normals.
     pub fn record(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
-        let alone: Vec<usize> = (0..self.cloths.len()).filter(|c| world.is_apart(*c, steps)).collect();
+        let (mut alone, mut last) = std::mem::take(&mut self.apart);
+        alone.clear();
+        last.clear();
+        alone.extend((0..self.cloths.len()).filter(|c| world.is_apart(*c, steps)));
         for faults in alone.iter().filter_map(|c| self.cloths[*c].faults.as_ref()) {
             encoder.clear_buffer(&faults.buffer, faults.offset, Some(4));
         }
@@ -199,7 +205,6 @@ impl Gpu {
         let mut timing = std::mem::take(&mut self.timing);
         let mut passes = timing.begin(&self.device, encoder, budget);
         self.record_fused(world, &mut passes, steps);
-        let mut last = Vec::new();
         for &index in &alone {
             self.cloths[index].separate(&self.device, world, index);
             last.push(self.record_steps(world, &mut passes, index, steps));
@@ -208,11 +213,12 @@ impl Gpu {
             let between = passes.between();
             alone.iter().for_each(|c| self.cloths[*c].turn_back(between));
         }
-        for (index, offset) in alone.into_iter().zip(last) {
+        for (&index, &offset) in alone.iter().zip(&last) {
             let cloth = &world.scene.cloths[index];
             let frame = world.runs[index].schedule.frame.iter();
             frame.for_each(|what| self.run_in(cloth, &mut passes, index, (&Form::Apart(*what), offset)));
         }
+        self.apart = (alone, last);
         let spans = passes.end();
         timing.copy(&self.device, encoder, spans, steps);
         self.timing = timing;
@@ -273,8 +279,9 @@ impl Gpu {
         let Some(frames) = &mut self.frames else { return };
         let mut batches = std::mem::take(&mut self.batches);
         world.batch(steps, &mut batches);
-        for (index, (arena, cloths)) in self.arenas.iter_mut().zip(&world.arenas).enumerate() {
-            arena.follow(&self.device, world, cloths, batches.iter().filter(|b| b.arena == index), passes);
+        for batches in batches.chunk_by(|a, b| a.arena == b.arena) {
+            let arena = batches[0].arena;
+            self.arenas[arena].follow(&self.device, world, &world.arenas[arena], batches, passes);
         }
         let (mut arena, mut first_job) = (0, 0);
         for batch in &batches {
@@ -332,7 +339,8 @@ fn fits(limits: &wgpu::Limits, cloth: &Cloth, held: &Tethers) -> Result<()> {
     let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     // No other buffer of a cloth has more bytes per particle.
     let cells = if cloth.membrane().is_some() { 32 } else { 0 };
-    for (buffer, bytes) in [("positions", 16), ("tethers", 8 * held.per_particle as u64), ("cells", cells)] {
+    let lasting = if cloth.is_exact() { 32 } else { 16 };
+    for (buffer, bytes) in [("positions", lasting), ("tethers", 8 * held.per_particle as u64), ("cells", cells)] {
         let need = cloth.len() as u64 * bytes;
         if need > limit {
             return Err(Error::Limit { cloth: cloth.name().into(), buffer, need, limit });

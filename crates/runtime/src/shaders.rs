@@ -70,7 +70,7 @@ mod slot;
 mod tile;
 mod whole;
 
-pub use lists::{HEAD, LASTING};
+pub use lists::{HEAD, LASTING, SCRATCH};
 pub use parts::Bound;
 pub use rule::{Over, over};
 pub use slot::{LISTED, Slot, listed};

@@ -44,8 +44,9 @@ fn allocations(stepper: &mut Stepper, (device, queue): &Device, before: impl Fn(
     counts
 }
 
-/// Those of wgpu: a number of copies, and a compute pass with a number of dispatches in turn of two pipelines, each with a dynamic offset.
-fn bare((device, queue): &Device, copies: u32, dispatches: u32) -> u64 {
+/// Those of wgpu: a number of copies, and a compute pass with a list of dispatches, each a pipeline by number, and whether it has a dynamic
+/// offset.
+fn bare((device, queue): &Device, copies: usize, dispatches: &[(usize, bool)]) -> u64 {
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
         source: wgpu::ShaderSource::Wgsl(
@@ -55,41 +56,44 @@ fn bare((device, queue): &Device, copies: u32, dispatches: u32) -> u64 {
                 .into(),
         ),
     });
+    let buffer = |usage| {
+        device.create_buffer(&wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false })
+    };
+    let (x, y) = (buffer(wgpu::BufferUsages::UNIFORM), buffer(wgpu::BufferUsages::STORAGE));
     let entry = |binding, ty, has_dynamic_offset| wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
         ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None },
         count: None,
     };
-    let storage = wgpu::BufferBindingType::Storage { read_only: false };
-    let entries = [entry(0, wgpu::BufferBindingType::Uniform, true), entry(1, storage, false)];
-    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
-    let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE;
-    let [x, y] = [0, 1].map(|_| {
-        device.create_buffer(&wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false })
-    });
-    let [x, y] = [(0, &x), (1, &y)]
-        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &[x, y] });
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: None,
-        bind_group_layouts: &[Some(&layout)],
-        ..Default::default()
-    });
-    let pipelines = [0, 1].map(|_| {
-        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+    let make = |offset| {
+        let storage = wgpu::BufferBindingType::Storage { read_only: false };
+        let entries = [entry(0, wgpu::BufferBindingType::Uniform, offset), entry(1, storage, false)];
+        let layout =
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
+        let entries = [(0, &x), (1, &y)]
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+        let group =
+            device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &[Some(&layout)],
+            ..Default::default()
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: None,
             layout: Some(&layout),
             module: &module,
             entry_point: Some("main"),
             compilation_options: Default::default(),
             cache: None,
-        })
-    });
-    let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-    let [a, b] = [0, 1].map(|_| {
-        device.create_buffer(&wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false })
-    });
+        });
+        (pipeline, group)
+    };
+    let count = dispatches.iter().map(|(pipeline, _)| pipeline + 1).max().unwrap_or(0);
+    let made: Vec<_> = (0..count).map(|_| [make(false), make(true)]).collect();
+    let copied = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+    let [a, b] = [copied; 2].map(buffer);
     let mut last = 0;
     for _ in 0..3 {
         let mut encoder = device.create_command_encoder(&Default::default());
@@ -97,9 +101,10 @@ fn bare((device, queue): &Device, copies: u32, dispatches: u32) -> u64 {
             (0..copies).for_each(|_| encoder.copy_buffer_to_buffer(&a, 0, &b, 0, 16));
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("cloth"), timestamp_writes: None });
-            for n in 0..dispatches {
-                pass.set_pipeline(&pipelines[n as usize % 2]);
-                pass.set_bind_group(0, &group, &[0]);
+            for &(n, offset) in dispatches {
+                let (pipeline, group) = &made[n][usize::from(offset)];
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, group, if offset { &[0] } else { &[] });
                 pass.dispatch_workgroups(1, 1, 1);
             }
         });
@@ -114,9 +119,10 @@ fn frames_are_recorded_without_allocations_of_our_own() {
     let Some(device) = device_with(device_limits) else { return };
     for count in [1, 2, 100, 1000] {
         let mut stepper = Stepper::new(crowd(count), options(), Some((&device.0, &device.1))).unwrap();
-        let dispatches = stepper.plan().dispatches();
-        assert_eq!(dispatches, count.min(2) as u32);
-        let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, dispatches, dispatches));
+        let kinds = count.min(2);
+        assert_eq!(stepper.plan().dispatches(), kinds as u32);
+        let dispatches: Vec<_> = (0..kinds).map(|kind| (kind, true)).collect();
+        let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, kinds, &dispatches));
         assert_eq!(ours, [wgpu; 3], "{count} cloths");
     }
 }
@@ -126,9 +132,14 @@ fn tiles_are_recorded_without_allocations_of_our_own() {
     let Some(device) = device_with(device_limits) else { return };
     let large = scene(support::curtain(150));
     let mut stepper = Stepper::new(large, options(), Some((&device.0, &device.1))).unwrap();
-    let dispatches = stepper.plan().dispatches();
-    assert!(dispatches > 8, "{}", stepper.plan());
-    let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, 0, dispatches));
+    // One tile a step, in turn of no others, and what ends a frame.
+    let mut dispatches = Vec::new();
+    for (n, pass) in stepper.plan().passes.iter().enumerate() {
+        let offset = pass.bindings.iter().any(|b| b.0 == "step");
+        dispatches.extend((0..pass.dispatches).map(|_| (n, offset)));
+    }
+    assert_eq!(dispatches[..9], [[(0, true); 8].as_slice(), &[(1, false)]].concat(), "{}", stepper.plan());
+    let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, 0, &dispatches));
     assert_eq!(ours, [wgpu; 3]);
 }
 

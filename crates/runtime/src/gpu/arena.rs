@@ -72,21 +72,18 @@ impl Arena {
 
     /// Records that its grids and the jobs of its batches, in the order of these, lie in its lists; to be called before any of the batches
     /// is dispatched. Recorded in every frame: one that was recorded before may not have been submitted yet, or never be.
-    pub fn follow<'a>(
+    pub fn follow(
         &mut self,
         device: &wgpu::Device,
         world: &World,
         cloths: &[usize],
-        batches: impl Iterator<Item = &'a Batch> + Clone,
+        batches: &[Batch],
         passes: &mut Recording,
     ) {
         let (Some(begin), Some(grids)) = (self.places.get(&Slot::Jobs), self.places.get(&Slot::Grids)) else { return };
-        if batches.clone().next().is_none() {
-            return;
-        }
         let places = cloths.iter().zip(&self.jobs).map(|(cloth, job)| (*cloth, job.first, job.grid));
         let other = Grids::follow(&mut self.grids, world, places);
-        let jobs = batches.flat_map(|batch| &batch.members).map(|m| self.job(world, cloths[*m], *m));
+        let jobs = batches.iter().flat_map(|batch| &batch.members).map(|m| self.job(world, cloths[*m], *m));
         if self.table.is_none() || other.is_some() || !jobs.clone().eq(self.batched.iter().copied()) {
             self.batched = jobs.collect();
             self.grid_rows = other.unwrap_or(std::mem::take(&mut self.grid_rows));
@@ -128,6 +125,7 @@ impl Arena {
                 Slot::Frame => Some(wgpu::BufferBinding { size: row, ..whole(frames) }),
                 other => self.store.get(other).map(whole),
             });
+            self.ready.retain(|_, r| r.solids == *solids && r.frames == *frames);
             let (solids, frames, scratch) = (solids.clone(), frames.clone(), scratch.cloned());
             self.ready.insert(key.clone(), Ready { first_job, solids, frames, scratch, group });
         }

@@ -19,7 +19,7 @@ use crate::gpu::upload::{empty, upload};
 use crate::layout::{FaultRow, StepRow};
 use crate::options::Options;
 use crate::passes::has_levels;
-use crate::shaders::{Bound, Slot, Source};
+use crate::shaders::{Bound, SCRATCH, Slot, Source};
 use crate::world::World;
 
 /// A frame takes up to two, or [`crate::layout::POSES`] where colliders move; this number can be recorded before the first submission.
@@ -134,7 +134,7 @@ impl ClothBuffers {
         let particles = self.now.size / 16;
         for slot in source.bindings.iter().map(|b| b.slot) {
             let size = match slot {
-                Slot::Field | Slot::Sums | Slot::Moments => particles * 16,
+                slot if SCRATCH.contains(&slot) => particles * 16,
                 Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => particles * 16,
                 Slot::Partial => particles.div_ceil(64) * 4,
                 Slot::Fastest | Slot::Strain => 4,

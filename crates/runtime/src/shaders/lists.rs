@@ -1,6 +1,6 @@
 //! Lists that rules read as `NAME_at(n)`: each a buffer of its own, or, in whole frames, parts of buffers that they share.
 //!
-//! A whole frame binds eight storage buffers, what WebGPU promises, whatever the scene: positions now and before, normals, faults,
+//! A whole frame binds at most eight storage buffers, what WebGPU promises, whatever the scene: positions now and before, normals, faults,
 //! colliders, and three that lists share. Vectors of four, as they are loaded by one instruction.
 
 use std::fmt::Write;
@@ -11,7 +11,7 @@ use super::slot::{LISTED, Slot};
 /// The first numbers of [`Slot::Lists`]: where the lists begin, and, as the last one, how many particles there is room for.
 pub const HEAD: usize = 16;
 
-const _: () = assert!(LISTED.len() < HEAD);
+const _: () = assert!(LISTED.len() < HEAD && matches!(LISTED[0].0, Slot::Jobs));
 
 /// Vectors of four, one a particle, that a frame leaves to the next. In whole frames they lie in [`Slot::Lasting`].
 pub const LASTING: [Slot; 2] = [Slot::Good, Slot::Lost];
@@ -54,6 +54,12 @@ pub fn shared(parts: Parts) -> (Parts, String, usize) {
     let mut bindings: Vec<Bound> = Vec::new();
     for bound in &parts.bindings {
         let name = bound.slot.name();
+        if bound.slot == Slot::Jobs {
+            // The first list, whose place is known: what is read through a variable counts as different from thread to thread, and no
+            // barrier may depend on it.
+            _ = write!(text, "const jobs_from: u32 = {}u;\n\n", HEAD / 4);
+            continue;
+        }
         let (buffer, from) = if let Some(n) = LISTED.iter().position(|(s, _)| *s == bound.slot) {
             text += &read(name, LISTED[n].1);
             (reads(Slot::Lists), head(n))

@@ -179,9 +179,9 @@ impl Slot {
             Slot::Ties => crate::levels::ties::rows(&crate::levels::ties::ties(cloth), |_, _| 0).len() * 16,
             Slot::Partial => cloth.len().div_ceil(64) * 4,
             Slot::Fastest | Slot::Strain => 4,
-            // Made when they are asked for; no frame binds them.
             // As many lists as the shader has there, see `Source::scratch`.
             Slot::Scratch => cloth.len() * 16,
+            // Made when they are asked for; no frame binds them.
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
             Slot::Bounds | Slot::Indices | Slot::Tangents | Slot::Charts => 0,
             Slot::Supports | Slot::Holding | Slot::Changes | Slot::Mates => 0,
