@@ -70,7 +70,9 @@ mod slot;
 mod tile;
 mod whole;
 
-pub use lists::{HEAD, LASTING, SCRATCH};
+pub use lists::HEAD;
+#[cfg(feature = "gpu")]
+pub use lists::{LASTING, SCRATCH};
 pub use parts::Bound;
 pub use rule::{Over, over};
 pub use slot::{LISTED, Slot, listed};
