@@ -32,7 +32,8 @@ struct Job {
   unused2: u32,
   unused3: u32,
 }
-// What cloths that share a dispatch only read: first where each list begins and how many particles there is room for, then the lists.
+// The lists that frames only read, of all cloths that lie in the same buffers. The head has the place of each list, and the number of
+// particles that there is room for.
 @group(0) @binding(49) var<storage, read> lists: array<vec4<u32>>;
 
 fn jobs_at(n: u32) -> Job {

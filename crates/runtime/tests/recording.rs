@@ -1,4 +1,4 @@
-//! What recording a frame asks of the host's allocator: what wgpu itself does for the same commands, however many cloths there are.
+//! Recording a frame makes no allocation beside those that wgpu makes for the same commands, whatever the number of cloths.
 
 // Only on the GPU.
 #![cfg(feature = "gpu")]

@@ -1,7 +1,7 @@
 //! Lists that rules read as `NAME_at(n)`: each a buffer of its own, or, in whole frames, parts of buffers that they share.
 //!
-//! A whole frame binds at most eight storage buffers, what WebGPU promises, whatever the scene: positions now and before, normals, faults,
-//! colliders, and three that lists share. Vectors of four, as they are loaded by one instruction.
+//! A whole frame of any scene binds at most eight storage buffers, as many as WebGPU promises: positions now and before, normals,
+//! faults, colliders, and three that lists share. These are arrays of vectors of four, since one instruction loads a whole vector.
 
 use std::fmt::Write;
 
@@ -16,7 +16,8 @@ const _: () = assert!(LISTED.len() < HEAD && matches!(LISTED[0].0, Slot::Jobs));
 /// Vectors of four, one a particle, that a frame leaves to the next. In whole frames they lie in [`Slot::Lasting`].
 pub const LASTING: [Slot; 2] = [Slot::Good, Slot::Lost];
 
-/// Vectors of four, one a particle, that end with a frame. In whole frames they lie in [`Slot::Scratch`].
+/// Vectors of four, one a particle, that end with a frame: what air does, as an acceleration; sums of multipliers; multipliers of
+/// bending, of which w is 1 where there is one. In whole frames they lie in [`Slot::Scratch`].
 pub const SCRATCH: [Slot; 3] = [Slot::Field, Slot::Sums, Slot::Moments];
 
 /// Declarations of the lists that a shader binds, a buffer each.
@@ -47,16 +48,16 @@ fn setters(name: &str, place: &str) -> String {
     )
 }
 
-/// What a shader of whole frames binds in place of lists of their own, the declarations of the lists in it, and how many of them
-/// are scratch.
+/// Replaces the lists in the bindings of a whole frame by the buffers that they share. Returns the parts, the declarations of the
+/// lists, and the number of lists in [`Slot::Scratch`].
 pub fn shared(parts: Parts) -> (Parts, String, usize) {
     let (mut text, mut find, mut scratch) = (String::new(), String::new(), 0);
     let mut bindings: Vec<Bound> = Vec::new();
     for bound in &parts.bindings {
         let name = bound.slot.name();
         if bound.slot == Slot::Jobs {
-            // The first list, whose place is known: what is read through a variable counts as different from thread to thread, and no
-            // barrier may depend on it.
+            // Jobs come first, so their place is a constant. Browsers refuse a barrier that depends on a private variable, as threads
+            // may differ in it.
             _ = write!(text, "const jobs_from: u32 = {}u;\n\n", HEAD / 4);
             continue;
         }
@@ -90,7 +91,7 @@ pub fn shared(parts: Parts) -> (Parts, String, usize) {
     (Parts { bindings, ..parts }, text, scratch)
 }
 
-/// A number that [`Slot::Lists`] begins with.
+/// The expression of a number in the head of [`Slot::Lists`].
 fn head(n: usize) -> String {
     format!("lists[{}].{}", n / 4, ["x", "y", "z", "w"][n % 4])
 }

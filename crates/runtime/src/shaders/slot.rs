@@ -83,6 +83,7 @@ slots! {
 pub const LISTED: [(Slot, Option<&str>); 12] = [
     (Slot::Jobs, None),
     (Slot::Grids, None),
+    // Seam rings: ring r is members[starts[r]] up to, not including, members[starts[r + 1]].
     (Slot::Starts, Some("u32")),
     (Slot::Members, Some("u32")),
     (Slot::Rest, Some("vec4<f32>")),
