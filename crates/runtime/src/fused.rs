@@ -135,7 +135,7 @@ pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Option
 }
 
 /// Bytes of the shared lists of an arena beside their contents: where they begin, and what each is rounded up by.
-const HEADS: u64 = 4 * HEAD as u64 + 16 * LISTED.len() as u64;
+pub const HEADS: u64 = 4 * HEAD as u64 + 16 * LISTED.len() as u64;
 
 /// Entries that a cloth takes up in the buffers of an arena: each begins where a binding may begin.
 pub const fn room_of(particles: usize) -> usize {

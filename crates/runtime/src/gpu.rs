@@ -44,6 +44,7 @@ use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
 use crate::form::Form;
+use crate::fused;
 use crate::layout::{POSES, StepRow};
 use crate::passes::Pass;
 use crate::plan::Plan;
@@ -279,9 +280,9 @@ impl Gpu {
         let Some(frames) = &mut self.frames else { return };
         let mut batches = std::mem::take(&mut self.batches);
         world.batch(steps, &mut batches);
-        for batches in batches.chunk_by(|a, b| a.arena == b.arena) {
-            let arena = batches[0].arena;
-            self.arenas[arena].follow(&self.device, world, &world.arenas[arena], batches, passes);
+        for of_arena in batches.chunk_by(|a, b| a.arena == b.arena) {
+            let arena = of_arena[0].arena;
+            self.arenas[arena].follow(&self.device, world, &world.arenas[arena], of_arena, passes);
         }
         let (mut arena, mut first_job) = (0, 0);
         for batch in &batches {
@@ -336,12 +337,21 @@ impl Gpu {
 
 /// Errors where a buffer of a cloth is larger than the device allows.
 fn fits(limits: &wgpu::Limits, cloth: &Cloth, held: &Tethers) -> Result<()> {
-    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let (buffer, bound) = (limits.max_buffer_size, limits.max_storage_buffer_binding_size);
+    let limit = bound.min(buffer);
+    let len = cloth.len() as u64;
+    // Passes bind a part of what lasts from frame to frame, but it is one buffer.
+    let lasting = if cloth.is_exact() { 32 * fused::room_of(cloth.len()) as u64 } else { 0 };
+    let cells = if cloth.membrane().is_some() { 32 * len } else { 0 };
+    let tethers = 8 * held.per_particle as u64 * len;
     // No other buffer of a cloth has more bytes per particle.
-    let cells = if cloth.membrane().is_some() { 32 } else { 0 };
-    let lasting = if cloth.is_exact() { 32 } else { 16 };
-    for (buffer, bytes) in [("positions", lasting), ("tethers", 8 * held.per_particle as u64), ("cells", cells)] {
-        let need = cloth.len() as u64 * bytes;
+    let buffers = [
+        ("positions", 16 * len, limit),
+        ("tethers", tethers, limit),
+        ("cells", cells, limit),
+        ("positions of the last good frame", lasting, buffer),
+    ];
+    for (buffer, need, limit) in buffers {
         if need > limit {
             return Err(Error::Limit { cloth: cloth.name().into(), buffer, need, limit });
         }

@@ -84,7 +84,7 @@ impl Arena {
         let places = cloths.iter().zip(&self.jobs).map(|(cloth, job)| (*cloth, job.first, job.grid));
         let other = Grids::follow(&mut self.grids, world, places);
         let jobs = batches.iter().flat_map(|batch| &batch.members).map(|m| self.job(world, cloths[*m], *m));
-        if self.table.is_none() || other.is_some() || !jobs.clone().eq(self.batched.iter().copied()) {
+        if other.is_some() || !jobs.clone().eq(self.batched.iter().copied()) {
             self.batched = jobs.collect();
             self.grid_rows = other.unwrap_or(std::mem::take(&mut self.grid_rows));
             let mut bytes = cast_slice::<_, u8>(&self.batched).to_vec();

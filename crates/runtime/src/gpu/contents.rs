@@ -172,3 +172,35 @@ fn grid_rows(cloth: &Cloth, first: u32, soft: f32) -> Vec<GridRow> {
     };
     cloth.grids().iter().enumerate().map(row).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fused::HEADS;
+    use crate::options::Options;
+    use crate::shaders::listed;
+
+    #[test]
+    fn joined_lists_take_no_more_than_is_counted() {
+        let mut scene = crate::scene::builtin("s1", 9).unwrap();
+        scene.cloths.extend(crate::scene::builtin("s1k", 12).unwrap().cloths);
+        let mut limited = crate::Flat::square("limited", 7).cloth().unwrap();
+        limited.limits = Some(vec![0.1; limited.len()]);
+        let mut made = crate::Flat::square("made", 10).cloth().unwrap();
+        made.set_material(&crate::Material::default()).unwrap();
+        scene.cloths.extend([limited, made]);
+        let world = World::new(scene, Options::default()).unwrap();
+        for cloths in [&[0, 0, 0][..], &[1, 1], &[2, 2], &[3, 3, 3]] {
+            let counted = |c: &usize| {
+                let cloth = &world.scene.cloths[*c];
+                listed(cloth, world.runs[*c].tethers.per_particle, room_of(cloth.len())) as u64
+            };
+            let (bytes, places) = Contents::new(&world, cloths).joined();
+            assert!(bytes.len() as u64 <= HEADS + cloths.iter().map(counted).sum::<u64>(), "{cloths:?}");
+            let head: &[u32] = cast_slice(&bytes[..4 * HEAD]);
+            for (n, (slot, _)) in LISTED.iter().enumerate() {
+                assert_eq!(16 * u64::from(head[n]), places[slot], "{slot:?}");
+            }
+        }
+    }
+}

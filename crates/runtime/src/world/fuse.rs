@@ -87,14 +87,14 @@ impl World {
                         batch.members.push(member);
                     }
                     None => {
-                        let mut members =
-                            batches.get_mut(count).map(|b| std::mem::take(&mut b.members)).unwrap_or_default();
+                        let mut members = batches.get_mut(count).map_or(Vec::new(), |b| std::mem::take(&mut b.members));
                         members.clear();
                         members.push(member);
                         let batch = Batch { arena, fused: fused.clone(), solids, members };
-                        match batches.get_mut(count) {
-                            Some(place) => *place = batch,
-                            None => batches.push(batch),
+                        if count < batches.len() {
+                            batches[count] = batch;
+                        } else {
+                            batches.push(batch);
                         }
                         count += 1;
                     }
