@@ -1,21 +1,37 @@
-//! A cloth in motion under the XPBD solver: sheets, and what holds them.
+//! A cloth in motion under the XPBD solver: sheets, what holds them, and the passes that step them.
 
+mod bend;
+mod cut_levels;
+mod forget;
+mod integrate_rows;
+mod laplacian;
+mod limit;
+mod membrane;
+mod moments;
+pub(crate) mod polish;
+mod pyramid;
+mod refine;
+mod seam_moments;
+mod seam_steps;
+pub(crate) mod stretch;
+mod sweep;
+mod tethers;
+
+use self::laplacian::Weights;
+use self::limit::Limit;
+use self::membrane::Cells;
+use self::moments::Plate;
+use self::pyramid::Pyramid;
+use self::seam_steps::Member;
+use self::stretch::Springs;
+use self::sweep::Stage;
+use self::tethers::Tethers;
 use super::body::Body;
-use super::contact;
 use super::integrate::Air;
-use super::laplacian::Weights;
-use super::limit::{self, Limit};
-use super::membrane::{self, Cells};
-use super::moments::{self, Plate};
 use super::neighbours::View;
-use super::pyramid::{self, Pyramid};
 use super::rows::Threads;
-use super::seam_steps::Member;
 use super::sheet::{Sheet, Values};
-use super::stretch::{self, Springs};
-use super::sweep::{self, Stage};
-use super::tethers::{self, Tethers};
-use super::{bend, cut_levels, forget, integrate_rows, polish, refine, seam_moments, seam_steps, wind};
+use super::{contact, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
 use crate::collider::solid::Solid;
 use crate::levels::ties::{Ties, ties};

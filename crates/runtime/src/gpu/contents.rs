@@ -7,7 +7,7 @@ use wgpu::{Buffer, BufferUsages};
 
 use super::upload::upload;
 use crate::cloth::{Cloth, Grid, Rest};
-use crate::cpu::stretch::UNBOUNDED;
+use crate::cpu::fabric::stretch::UNBOUNDED;
 use crate::fused::room_of;
 use crate::layout::{GridRow, JobRow};
 use crate::passes::{Soft, soft_of};

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::mem::offset_of;
 use std::sync::LazyLock;
 
-use crate::cpu::{aside, guard, pick, place, polish, route, stretch};
+use crate::cpu::fabric::{polish, stretch};
+use crate::cpu::{aside, guard, pick, place, route};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.

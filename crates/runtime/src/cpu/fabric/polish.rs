@@ -1,8 +1,8 @@
 //! Twin of shaders/polish.wgsl: a round of polish, springs that move farther than their lengths ask.
 
-use super::rows::Threads;
-use super::sheet::Sheet;
 use super::stretch::{self, Springs};
+use crate::cpu::rows::Threads;
+use crate::cpu::sheet::Sheet;
 use crate::number::real::Real;
 
 /// How many times as far as their lengths ask springs move their ends in a round of polish.

@@ -1,7 +1,7 @@
 //! Twin of shaders/membrane.wgsl: cells that resist to stretch along weft and warp, and to shear.
 
-use super::rows::Threads;
-use super::sheet::{Sheet, planes};
+use crate::cpu::rows::Threads;
+use crate::cpu::sheet::{Sheet, planes};
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
 

@@ -5,10 +5,10 @@
 //! as short as it likes. A node has the mass of the particles that it moves, so that free cloth keeps its momentum.
 //! Nodes of both sides of a seam take one displacement ([`crate::levels::ties`]) before the next level goes on from there.
 
-use super::interpolate::{Field, Parted, add, interpolate};
-use super::rows::Threads;
-use super::sheet::{Sheet, Values};
 use super::stretch::{self, Springs};
+use crate::cpu::interpolate::{Field, Parted, add, interpolate};
+use crate::cpu::rows::Threads;
+use crate::cpu::sheet::{Sheet, Values};
 use crate::levels::LevelGrid;
 use crate::levels::ties::Ties;
 use crate::number::aligned::Aligned;

@@ -3,7 +3,7 @@
 //! Coarser grids move both. With previous positions left apart, duplicates would fly apart by the next step, the farther
 //! the more they had been drawn together: cloth would gain energy at its seams.
 
-use super::sheet::Sheet;
+use crate::cpu::sheet::Sheet;
 use crate::number::aligned::Aligned;
 use crate::number::real::{Real, add, scale};
 

@@ -1,9 +1,9 @@
 //! The rule of integrate.rs on sheets; the results are the same bits. Where exact, with shaders/part/verlet_exact.wgsl.
 
-use super::gust::airs;
-use super::integrate::Air;
-use super::rows::Threads;
-use super::sheet::{Sheet, columns, planes};
+use crate::cpu::gust::airs;
+use crate::cpu::integrate::Air;
+use crate::cpu::rows::Threads;
+use crate::cpu::sheet::{Sheet, columns, planes};
 use crate::number::aligned::Aligned;
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::noise::LastCell;

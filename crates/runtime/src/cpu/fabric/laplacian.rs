@@ -1,6 +1,6 @@
 //! Twin of shaders/part/laplacian.wgsl: weighted differences to the eight texels around, summed in the shader's order.
 
-use super::sheet::{Sheet, planes_ref};
+use crate::cpu::sheet::{Sheet, planes_ref};
 use crate::number::lanes::Machine;
 use crate::number::real::Real;
 

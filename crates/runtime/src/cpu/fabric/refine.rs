@@ -1,8 +1,8 @@
 //! Twin of shaders/refine.wgsl: particles follow the nodes of the finest level.
 
-use super::interpolate::{add, interpolate};
 use super::pyramid::Pyramid;
-use super::sheet::Sheet;
+use crate::cpu::interpolate::{add, interpolate};
+use crate::cpu::sheet::Sheet;
 use crate::number::real::Real;
 
 /// Moves particles, and their previous positions by a share of that, `carried`.

@@ -5,8 +5,8 @@ mod relax;
 pub use relax::TORN;
 
 use super::polish::OVER;
-use super::rows::Threads;
-use super::sheet::{Sheet, Values, planes};
+use crate::cpu::rows::Threads;
+use crate::cpu::sheet::{Sheet, Values, planes};
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
 

@@ -1,8 +1,8 @@
 //! Twin of shaders/limit.wgsl: no particle is farther from its target than its limit.
 
-use super::rows::Threads;
-use super::sheet::{Sheet, planes, planes_ref};
 use super::tethers::hold_within;
+use crate::cpu::rows::Threads;
+use crate::cpu::sheet::{Sheet, planes, planes_ref};
 use crate::number::aligned::Aligned;
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;

@@ -1,8 +1,8 @@
 //! Twin of shaders/bend.wgsl: particles follow the multipliers of bending.
 
 use super::moments::Plate;
-use super::rows::Threads;
-use super::sheet::{Sheet, planes};
+use crate::cpu::rows::Threads;
+use crate::cpu::sheet::{Sheet, planes};
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
 

@@ -5,9 +5,9 @@
 //! every row sees the same passes in the same order, and so do the rows beside it.
 
 use super::integrate_rows;
-use super::sheet::Sheet;
 use super::stretch::{Spring, Springs};
 use super::tethers::{self, Tethers};
+use crate::cpu::sheet::Sheet;
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::{Real, V3};
 use crate::step::Step;
@@ -116,11 +116,11 @@ impl<'a, T: Real> Stage<'a, T> {
 mod tests {
     use super::*;
     use crate::cloth::Grid;
+    use crate::cpu::fabric::stretch;
+    use crate::cpu::fabric::tethers::Slot;
     use crate::cpu::integrate::Air;
     use crate::cpu::rows::Threads;
     use crate::cpu::sheet::Values;
-    use crate::cpu::stretch;
-    use crate::cpu::tethers::Slot;
 
     fn sheet(width: u32, height: u32) -> Sheet<f32> {
         let mut sheet = Sheet::new(&Grid { name: String::new(), first: 0, width, height });

@@ -1,7 +1,7 @@
 //! Twin of shaders/tethers.wgsl: no particle is farther from its anchors than along the surface.
 
-use super::rows::Threads;
-use super::sheet::{Sheet, planes};
+use crate::cpu::rows::Threads;
+use crate::cpu::sheet::{Sheet, planes};
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::{Real, V3};
 
