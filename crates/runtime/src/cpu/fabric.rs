@@ -17,7 +17,6 @@ pub(crate) mod stretch;
 mod sweep;
 mod tethers;
 
-use self::laplacian::Weights;
 use self::limit::Limit;
 use self::membrane::Cells;
 use self::moments::Plate;
@@ -81,7 +80,7 @@ impl<T: Real> Fabric<T> {
         let masses = if grids.is_empty() { Vec::new() } else { masses(cloth) };
         let pyramids: Vec<Pyramid<T>> =
             grids.map(|g| Pyramid::new(&levels(cloth, g, &masses), sheets[g].width)).collect();
-        let (cells, plates) = (cells(cloth, &sheets), plates(cloth, &sheets));
+        let (cells, plates) = (membrane::cells(cloth, &sheets), moments::plates(cloth, &sheets));
         let mut fabric = Fabric {
             springs,
             ties: if pyramids.is_empty() { Vec::new() } else { ties(cloth) },
@@ -89,7 +88,7 @@ impl<T: Real> Fabric<T> {
             masses,
             cells,
             plates,
-            limits: limits(cloth, &sheets),
+            limits: limit::limits(cloth, &sheets),
             sheets,
             whole: cloth.grids().iter().map(|g| cloth.particles()[g.range()].iter().all(|p| p.exists())).collect(),
             tethers: Vec::new(),
@@ -446,42 +445,6 @@ impl<T: Real> Fabric<T> {
 /// From a place of x in `now` to the place in `w`.
 fn single(triple: usize, half: usize) -> usize {
     triple / (6 * half) * 2 * half + triple % (6 * half)
-}
-
-/// The membrane of each sheet; empty for cloth of springs.
-fn cells<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Cells<T>> {
-    let Some(membrane) = cloth.membrane() else { return Vec::new() };
-    let of = |(sheet, grid): (&Sheet<T>, &cloth::Grid)| {
-        let entry = |k: usize, n: usize| membrane.cells[2 * (grid.first as usize + k) + n / 4][n % 4];
-        let list = |n: usize| sheet.list(T::of(0.0), |k| T::of(entry(k, n).into()));
-        Cells { inverse: [0, 1, 2, 3, 4, 5, 6, 7].map(list), soft: membrane.soft.map(|s| T::of(s.into())) }
-    };
-    sheets.iter().zip(cloth.grids()).map(of).collect()
-}
-
-/// How far particles may be from where they begin; empty for cloth without limits.
-fn limits<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Limit<T>> {
-    let Some(limits) = &cloth.limits else { return Vec::new() };
-    let of = |(sheet, grid): (&Sheet<T>, &cloth::Grid)| {
-        Limit::new(sheet, |k| (cloth.positions()[grid.first as usize + k], limits[grid.first as usize + k]))
-    };
-    sheets.iter().zip(cloth.grids()).map(of).collect()
-}
-
-/// How the sheets bend; empty for cloth that does so freely.
-fn plates<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Plate<T>> {
-    let Some(bending) = cloth.bending() else { return Vec::new() };
-    let bounds = bending.bounds(cloth);
-    let plate = |(sheet, grid): (&Sheet<T>, &cloth::Grid)| {
-        let (first, zero) = (grid.first as usize, T::of(0.0));
-        Plate {
-            weights: Weights::new(sheet, |k| bending.weights[first + k]),
-            compliance: sheet.list(zero, |k| T::of(bending.compliance[first + k].into())),
-            bound: sheet.list(zero, |k| T::of(bounds[first + k].into())),
-            moments: vec![zero; sheet.now.len()],
-        }
-    };
-    sheets.iter().zip(cloth.grids()).map(plate).collect()
 }
 
 fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>) -> [Springs<T>; 4] {

@@ -37,8 +37,8 @@ pub trait Place<T: Real>: Copy + Send + Sync {
     fn mend(&self, _j: usize, _to: &mut [Self::Item]) {}
 }
 
-/// Rows that are done in one go.
-const TOGETHER: usize = 8;
+/// Rows that are done in one go: each chunk has its own lists, and computes the rows of triangles at both of its ends again.
+const TOGETHER: usize = 32;
 
 /// Writes the result of every particle.
 pub fn run<T: Real, P: Place<T>>(threads: &Threads, facets: impl Facets<T>, place: P, results: &mut [P::Item]) {

@@ -1,6 +1,7 @@
 //! Twin of shaders/limit.wgsl: no particle is farther from its target than its limit.
 
 use super::tethers::hold_within;
+use crate::cloth::{Cloth, Grid};
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::{Sheet, planes, planes_ref};
 use crate::number::aligned::Aligned;
@@ -27,6 +28,15 @@ impl<T: Real> Limit<T> {
         let most = |k: usize| if of(k).1 < 0.0 { none } else { f64::from(of(k).1) };
         Limit { targets, most: sheet.list(T::of(none), |k| T::of(most(k))) }
     }
+}
+
+/// How far particles may be from where they begin; empty for cloth without limits.
+pub fn limits<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Limit<T>> {
+    let Some(limits) = &cloth.limits else { return Vec::new() };
+    let of = |(sheet, grid): (&Sheet<T>, &Grid)| {
+        Limit::new(sheet, |k| (cloth.positions()[grid.first as usize + k], limits[grid.first as usize + k]))
+    };
+    sheets.iter().zip(cloth.grids()).map(of).collect()
 }
 
 /// Rows that are done in one go.

@@ -1,5 +1,6 @@
 //! Twin of shaders/membrane.wgsl: cells that resist to stretch along weft and warp, and to shear.
 
+use crate::cloth::{Cloth, Grid};
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::{Sheet, planes};
 use crate::number::lanes::{Machine, Work, widest};
@@ -12,6 +13,17 @@ pub struct Cells<T> {
     pub inverse: [Vec<T>; 8],
     /// One over the stiffness along the weft, along the warp, and in shear \[m/N\].
     pub soft: [T; 3],
+}
+
+/// The membrane of each sheet; empty for cloth of springs.
+pub fn cells<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Cells<T>> {
+    let Some(membrane) = cloth.membrane() else { return Vec::new() };
+    let of = |(sheet, grid): (&Sheet<T>, &Grid)| {
+        let entry = |k: usize, n: usize| membrane.cells[2 * (grid.first as usize + k) + n / 4][n % 4];
+        let list = |n: usize| sheet.list(T::of(0.0), |k| T::of(entry(k, n).into()));
+        Cells { inverse: [0, 1, 2, 3, 4, 5, 6, 7].map(list), soft: membrane.soft.map(|s| T::of(s.into())) }
+    };
+    sheets.iter().zip(cloth.grids()).map(of).collect()
 }
 
 /// Cells of every other column and row from (`column`, `row`) on, which share no particle, in a step of `dt` \[s\].

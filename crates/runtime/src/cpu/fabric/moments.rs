@@ -1,6 +1,7 @@
 //! Twin of shaders/moments.wgsl: the multipliers of bending.
 
 use super::laplacian::Weights;
+use crate::cloth::{Cloth, Grid};
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::{Sheet, planes};
 use crate::number::lanes::{Machine, Work, widest};
@@ -18,6 +19,22 @@ pub struct Plate<T> {
     pub bound: Vec<T>,
     /// Multipliers, in the layout of [`Sheet::now`].
     pub moments: Vec<T>,
+}
+
+/// How the sheets bend; empty for cloth that does so freely.
+pub fn plates<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Plate<T>> {
+    let Some(bending) = cloth.bending() else { return Vec::new() };
+    let bounds = bending.bounds(cloth);
+    let plate = |(sheet, grid): (&Sheet<T>, &Grid)| {
+        let (first, zero) = (grid.first as usize, T::of(0.0));
+        Plate {
+            weights: Weights::new(sheet, |k| bending.weights[first + k]),
+            compliance: sheet.list(zero, |k| T::of(bending.compliance[first + k].into())),
+            bound: sheet.list(zero, |k| T::of(bounds[first + k].into())),
+            moments: vec![zero; sheet.now.len()],
+        }
+    };
+    sheets.iter().zip(cloth.grids()).map(plate).collect()
 }
 
 /// Multipliers of a step of `dt` \[s\]: the Laplacian of position, over compliance / dt^2 or, in longer steps, over what
