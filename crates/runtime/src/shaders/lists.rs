@@ -16,8 +16,8 @@ const _: () = assert!(LISTED.len() < HEAD && matches!(LISTED[0].0, Slot::Jobs));
 /// Vectors of four, one a particle, that a frame leaves to the next. In whole frames they lie in [`Slot::Lasting`].
 pub const LASTING: [Slot; 2] = [Slot::Good, Slot::Lost];
 
-/// Vectors of four, one a particle, that end with a frame: what air does, as an acceleration; sums of multipliers; multipliers of
-/// bending, of which w is 1 where there is one. In whole frames they lie in [`Slot::Scratch`].
+/// Lists of a frame, with a vector of four per particle: the acceleration by air, the sum of multipliers, and the multiplier of bending,
+/// whose w is 1 if the particle has one. In whole frames they lie in [`Slot::Scratch`].
 pub const SCRATCH: [Slot; 3] = [Slot::Field, Slot::Sums, Slot::Moments];
 
 /// Declarations of the lists that a shader binds, a buffer each.
