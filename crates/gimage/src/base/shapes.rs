@@ -214,7 +214,10 @@ pub(crate) fn blob(seed: u64, cells: usize, holes: usize) -> Surface {
         }
     }
     let s = voxels(&filled);
-    let gone: BTreeSet<usize> = (0..holes).map(|_| draw(s.triangles.len())).collect();
+    let mut gone: BTreeSet<usize> = (0..holes).map(|_| draw(s.triangles.len())).collect();
+    if gone.len() == s.triangles.len() {
+        gone.pop_first();
+    }
     without(&s, |t| gone.contains(&t))
 }
 

@@ -111,6 +111,14 @@ fn a_poor_map_of_the_simpler_disk_is_not_refined() {
     }
 }
 
+/// Thirty holes in a cube of twelve triangles: every triangle is drawn for one, and a surface must be left.
+#[test]
+fn a_blob_of_holes_alone_is_a_surface() {
+    let s = shapes::blob(7331261079989045743, 1, 30);
+    assert_eq!(s.triangles.len(), 1);
+    mapped(&s, 8, 8192);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
