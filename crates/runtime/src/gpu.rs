@@ -10,6 +10,7 @@ mod frames;
 mod indices;
 mod levels;
 mod lost;
+mod mapped;
 mod members;
 mod pick;
 mod pipelines;
@@ -26,16 +27,20 @@ mod tangents;
 mod timing;
 mod turns;
 mod upload;
+#[cfg(not(target_family = "wasm"))]
+mod wait;
 mod watch;
 
 pub use buffers::ClothBuffers;
-pub(crate) use lost::{guard, is_lost};
+pub(crate) use lost::{guard, guard_async, is_lost};
+pub(crate) use mapped::{block_on, bytes};
 pub(crate) use pick::Pending;
-pub(crate) use read_back::read_bytes;
-pub use read_back::{read_back, read_back_picture, read_back_u32};
+pub use read_back::{read_back_async, read_back_picture_async, read_back_u32_async};
 pub(crate) use ring::Ring;
 pub use span::Span;
 pub(crate) use upload::filled;
+#[cfg(not(target_family = "wasm"))]
+pub use wait::{read_back, read_back_picture, read_back_u32};
 
 use bytemuck::cast_slice;
 

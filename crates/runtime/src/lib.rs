@@ -83,8 +83,11 @@ pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
 pub use form::{Form, Fused, Hold, Tile, TileShape};
 #[cfg(feature = "gpu")]
 pub use gpu::{
-    ClothBuffers, Compiled, PassTime, Span, device_features, device_limits, read_back, read_back_picture, read_back_u32,
+    ClothBuffers, Compiled, PassTime, Span, device_features, device_limits, read_back_async, read_back_picture_async,
+    read_back_u32_async,
 };
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub use gpu::{read_back, read_back_picture, read_back_u32};
 pub use handle::{ClothHandle, ClothRef};
 pub use health::{Health, Stretch};
 pub use limits::{LONGEST, LONGEST_FREE, MOST_LENGTHS, MOST_RATIO, Warning};
@@ -102,9 +105,11 @@ pub use quality::Quality;
 pub use reference::Reference;
 pub use scene::Scene;
 pub use state::{ClothState, Snapshot};
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub use stepper::self_check;
 pub use stepper::{Drag, Stepper};
 #[cfg(feature = "gpu")]
-pub use stepper::{Mismatch, SavedState, SelfCheck, self_check};
+pub use stepper::{Mismatch, SavedState, SelfCheck, self_check_async};
 #[cfg(feature = "gpu")]
 pub use wgpu;
 pub use wind::{Wind, WindForce};

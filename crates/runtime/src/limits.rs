@@ -133,6 +133,12 @@ pub enum Warning {
         /// The longest step \[s\].
         longest: f64,
     },
+    /// The host's device was not checked: in a browser the host awaits the check before it makes a stepper.
+    #[error("the GPU {name} runs without a self-check: await self_check_async before the stepper is made")]
+    Unchecked {
+        /// The adapter, its interface and its driver.
+        name: String,
+    },
     /// The host's device failed its self-check ([`crate::self_check`]).
     #[error(
         "the GPU {name} failed its self-check ({found}): {}",

@@ -30,8 +30,10 @@ mod times;
 pub use drag::Drag;
 #[cfg(feature = "gpu")]
 pub use saved::SavedState;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub use self_check::self_check;
 #[cfg(feature = "gpu")]
-pub use self_check::{Mismatch, SelfCheck, self_check};
+pub use self_check::{Mismatch, SelfCheck, self_check_async};
 
 use crate::choose::Choice;
 use crate::clock::Progress;

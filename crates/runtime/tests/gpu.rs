@@ -7,6 +7,7 @@
 mod support;
 
 use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use gimage_runtime::*;
 use support::rig::Rig;
@@ -77,6 +78,67 @@ fn the_adapter_passes_its_self_check_once() {
     assert_eq!(self_check(&device, &queue), check);
     let stepper = Stepper::new(scene::builtin("s1", 9).unwrap(), Options::default(), Some((&device, &queue))).unwrap();
     assert_eq!((stepper.backend(), stepper.warnings()), (Backend::Gpu, Vec::new()));
+}
+
+/// Completes a future while another thread waits for the device, as a host does in its loop.
+fn awaited<A>(device: &wgpu::Device, future: impl Future<Output = A>) -> A {
+    let done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !done.load(Ordering::Relaxed) {
+                device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+                std::thread::yield_now();
+            }
+        });
+        let value = pollster::block_on(future);
+        done.store(true, Ordering::Relaxed);
+        value
+    })
+}
+
+#[test]
+fn what_is_awaited_is_what_waiting_returns() {
+    // Other limits than in other tests: this device has not been checked.
+    let fewer =
+        |adapter: &wgpu::Adapter| wgpu::Limits { max_storage_buffers_per_shader_stage: 9, ..device_limits(adapter) };
+    let Some((device, queue)) = support::device_with(fewer) else { return };
+    let check = awaited(&device, self_check_async(&device, &queue));
+    assert!(check.passed(), "{}", check.found());
+    assert_eq!(self_check(&device, &queue), check, "the result is kept");
+    assert_eq!(awaited(&device, self_check_async(&device, &queue)), check);
+
+    let mut stepper =
+        Stepper::new(scene::builtin("s2", 9).unwrap(), Options::default(), Some((&device, &queue))).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    stepper.record(&mut encoder, FRAME).unwrap();
+    let ticket = stepper.record_pick(&mut encoder, [0.1, 10.0, 0.2], [0.0, -1.0, 0.0]).unwrap();
+    queue.submit([encoder.finish()]);
+    let buffers = stepper.buffers(0).unwrap();
+    let now = awaited(&device, read_back_async(&device, &queue, &buffers.now)).unwrap();
+    assert_eq!(now, read_back(&device, &queue, &buffers.now).unwrap());
+    assert!(now.iter().flatten().all(|x| x.is_finite()));
+    let faults = buffers.faults.as_ref().unwrap();
+    let words = awaited(&device, read_back_u32_async(&device, &queue, faults)).unwrap();
+    assert_eq!(words, read_back_u32(&device, &queue, faults).unwrap());
+    let hit = awaited(&device, ticket.answer(&device)).unwrap().unwrap();
+    assert!((hit.point()[0] - 0.1).abs() < 1e-3, "{hit:?}");
+
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: 3, height: 2, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let pixels: Vec<u8> = (0..24).collect();
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(12), rows_per_image: None };
+    queue.write_texture(texture.as_image_copy(), &pixels, layout, texture.size());
+    let picture = awaited(&device, read_back_picture_async(&device, &queue, &texture)).unwrap();
+    assert_eq!(picture.as_flattened(), pixels);
+    assert_eq!(picture, read_back_picture(&device, &queue, &texture).unwrap());
 }
 
 #[test]

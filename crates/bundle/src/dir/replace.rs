@@ -9,6 +9,8 @@ use super::scratch::Scratch;
 /// Whether the system swapped two paths in one step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Swap {
+    // Elsewhere no system can.
+    #[cfg_attr(not(any(target_os = "linux", target_os = "android", target_vendor = "apple")), allow(dead_code))]
     Done,
     /// The system or the file system cannot.
     Unsupported,

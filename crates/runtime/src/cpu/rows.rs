@@ -17,10 +17,10 @@ pub struct Threads {
 }
 
 impl Threads {
-    /// 1 starts none; 0 starts one for each core. Without the feature `threads` there is only the caller's.
+    /// 1 starts none; 0 starts one for each core. Without the feature `threads`, and in a browser, there is only the caller's.
     #[cfg(feature = "threads")]
     pub fn new(count: usize) -> Result<Self> {
-        if count == 1 {
+        if count == 1 || (count == 0 && cfg!(target_family = "wasm")) {
             return Ok(Threads { pool: None });
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();

@@ -57,12 +57,28 @@ pub(crate) fn is_lost(device: &wgpu::Device) -> bool {
 /// Runs what makes objects on a device. Errors of the device are its result and do not reach the host's handler, whose default
 /// is to panic.
 pub(crate) fn guard<T>(device: &wgpu::Device, run: impl FnOnce() -> Result<T>) -> Result<T> {
-    let filters = [ErrorFilter::OutOfMemory, ErrorFilter::Internal, ErrorFilter::Validation];
-    let mut scopes = filters.map(|filter| device.push_error_scope(filter));
+    let scopes = FILTERS.map(|filter| device.push_error_scope(filter));
     let result = run();
     // The last that was pushed is the first to be popped.
-    scopes.reverse();
-    let raised: Vec<_> = scopes.into_iter().filter_map(|scope| ready(scope.pop())).collect();
+    let raised = scopes.into_iter().rev().filter_map(|scope| ready(scope.pop())).collect();
+    outcome(device, result, raised)
+}
+
+/// The same where errors are told later, as in a browser. `run` is called at once.
+pub(crate) async fn guard_async<T>(device: &wgpu::Device, run: impl FnOnce() -> Result<T>) -> Result<T> {
+    let scopes = FILTERS.map(|filter| device.push_error_scope(filter));
+    let result = run();
+    let popped: Vec<_> = scopes.into_iter().rev().map(|scope| scope.pop()).collect();
+    let mut raised = Vec::new();
+    for error in popped {
+        raised.extend(error.await);
+    }
+    outcome(device, result, raised)
+}
+
+const FILTERS: [ErrorFilter; 3] = [ErrorFilter::OutOfMemory, ErrorFilter::Internal, ErrorFilter::Validation];
+
+fn outcome<T>(device: &wgpu::Device, result: Result<T>, raised: Vec<wgpu::Error>) -> Result<T> {
     match result {
         Ok(done) if raised.is_empty() => Ok(done),
         // One loss raises many errors.

@@ -2,7 +2,9 @@
 
 use super::{Hit, place};
 use crate::error::{Error, Result};
-use crate::gpu::{Pending, guard, is_lost, read_bytes};
+use crate::gpu::{Pending, bytes, is_lost};
+#[cfg(not(target_family = "wasm"))]
+use crate::gpu::{block_on, guard};
 
 /// The answer to [`crate::Stepper::record_pick`].
 pub struct PickTicket(pub(crate) Answer);
@@ -41,14 +43,19 @@ impl PickTicket {
         hits.reduce(|a, b| if b.distance < a.distance { b } else { a })
     }
 
-    /// Waits for the answer. The encoder must have been submitted; a game should rather map [`PickTicket::buffer`].
+    /// Waits for the answer. The encoder must have been submitted; a game should rather map [`PickTicket::buffer`], and a page in a
+    /// browser awaits [`PickTicket::answer`].
+    #[cfg(not(target_family = "wasm"))]
     pub fn wait(&self, device: &wgpu::Device) -> Result<Option<Hit>> {
+        guard(device, || block_on(device, self.answer(device)))
+    }
+
+    /// The answer without waiting, as [`crate::read_back_async`]. The encoder must have been submitted.
+    pub async fn answer(&self, device: &wgpu::Device) -> Result<Option<Hit>> {
         match &self.0 {
             Answer::Known(hit) => Ok(*hit),
             Answer::Pending(_) if is_lost(device) => Err(Error::DeviceLost),
-            Answer::Pending(pending) => {
-                guard(device, || read_bytes(device, &pending.staging, |bytes| self.decode(bytes)))
-            }
+            Answer::Pending(pending) => bytes(&pending.staging, |bytes| self.decode(bytes)).await,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a stepper does with the host's device.
 
 use super::Stepper;
-use super::self_check::{decide, self_check};
+use super::self_check::consider;
 use crate::clock::Progress;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
@@ -41,7 +41,7 @@ impl Stepper {
         let mut warning = None;
         let mut options = options;
         if let Some((device, queue)) = gpu.filter(|_| options.backend != Backend::Cpu) {
-            let (on_cpu, found) = decide(options.backend, Some(&self_check(device, queue)))?;
+            let (on_cpu, found) = consider(options.backend, device, queue)?;
             options.backend = if on_cpu { Backend::Cpu } else { options.backend };
             warning = found;
         }

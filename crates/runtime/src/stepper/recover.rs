@@ -1,7 +1,7 @@
 //! Devices that are lost, and what goes on after them.
 
 use super::Stepper;
-use super::self_check::{decide, self_check};
+use super::self_check::consider;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
 use crate::fused::Room;
@@ -32,7 +32,7 @@ impl Stepper {
         if self.cpu.is_some() {
             return self.draw_with(handles);
         }
-        let (on_cpu, warning) = decide(self.options().backend, Some(&self_check(device, queue)))?;
+        let (on_cpu, warning) = consider(self.options().backend, device, queue)?;
         let cpu = if on_cpu { Some(Threads::new(self.options().threads)?) } else { None };
         self.world.start_again((!on_cpu).then(|| Room::of(device)));
         self.gpu = Some(guard(device, || Gpu::new(&self.world, handles, Pipelines::new(device), on_cpu))?);

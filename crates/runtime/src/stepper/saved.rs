@@ -5,7 +5,7 @@ use wgpu::{BufferUsages, CommandEncoder};
 
 use super::Stepper;
 use crate::error::{Error, Result, StateProblem};
-use crate::gpu::{Span, read_bytes};
+use crate::gpu::{Span, block_on, bytes};
 use crate::handle::ClothRef;
 use crate::state::{ClothState, Head, Layout};
 
@@ -128,7 +128,7 @@ impl Stepper {
             offset += size(head);
         }
         queue.submit([encoder.finish()]);
-        let words: Vec<u32> = read_bytes(&device, &staging, pod_collect_to_vec)?;
+        let words: Vec<u32> = block_on(&device, bytes(&staging, pod_collect_to_vec))?;
         let mut rest = &words[..];
         let mut states = Vec::new();
         for head in heads {

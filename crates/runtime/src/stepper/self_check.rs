@@ -6,9 +6,12 @@
 mod probe;
 
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+
+use web_time::Instant;
 
 use crate::error::{Error, Result};
+#[cfg(not(target_family = "wasm"))]
+use crate::gpu::block_on;
 use crate::gpu::is_lost;
 use crate::limits::Warning;
 use crate::options::Backend;
@@ -25,6 +28,10 @@ pub struct SelfCheck {
 }
 
 impl SelfCheck {
+    fn new(device: &wgpu::Device, start: Instant, mismatches: Vec<Mismatch>) -> Self {
+        SelfCheck { adapter: name(&device.adapter_info()), ms: start.elapsed().as_secs_f64() * 1e3, mismatches }
+    }
+
     /// Whether all results were right.
     pub fn passed(&self) -> bool {
         self.mismatches.is_empty()
@@ -67,26 +74,55 @@ pub enum Mismatch {
     Failed(String),
 }
 
+type Known = Vec<((wgpu::AdapterInfo, wgpu::Limits), SelfCheck)>;
+
+/// The checks so far in this process.
+static CHECKED: Mutex<Known> = Mutex::new(Vec::new());
+
 /// Checks a device against the CPU backend, once per adapter and limits in a process; later calls return the first result.
 ///
 /// Two small seamed cloths with a collider make two steps, as whole frames in one dispatch and pass by pass. Positions must
 /// be within 1e-5 m of the CPU's, normals within 2e-3, inverse masses and the two sides of seams bit for bit. Submits to
 /// the queue and waits: milliseconds, and up to a second where a software adapter compiles the shaders. Errors of the device
-/// are results of the check. On the web, where nothing can wait, every device passes unchecked.
+/// are results of the check. A page in a browser cannot wait, and awaits [`self_check_async`].
+#[cfg(not(target_family = "wasm"))]
 pub fn self_check(device: &wgpu::Device, queue: &wgpu::Queue) -> SelfCheck {
-    static CHECKED: Mutex<Vec<((wgpu::AdapterInfo, wgpu::Limits), SelfCheck)>> = Mutex::new(Vec::new());
-    let key = (device.adapter_info(), device.limits());
     // Held throughout, so that threads that ask at the same time wait for one check.
     let mut checked = CHECKED.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, known)) = checked.iter().find(|(k, _)| *k == key) {
-        return known.clone();
+    if let Some(known) = find(&checked, device) {
+        return known;
     }
     let start = Instant::now();
-    let mismatches = if cfg!(target_family = "wasm") { Vec::new() } else { probe::run(device, queue) };
-    let check = SelfCheck { adapter: name(&key.0), ms: start.elapsed().as_secs_f64() * 1e3, mismatches };
-    // A loss says nothing of the device that is made next.
+    let found = block_on(device, async { Ok(probe::run(device, queue).await) });
+    let mismatches = found.unwrap_or_else(|error| vec![Mismatch::Failed(error.to_string())]);
+    keep(&mut checked, device, SelfCheck::new(device, start, mismatches))
+}
+
+/// [`self_check`] without waiting. In a browser it has to have ended before [`crate::Stepper::new`], which else has a warning
+/// ([`Warning::Unchecked`]). Elsewhere the host polls the device meanwhile ([`wgpu::Device::poll`]).
+pub async fn self_check_async(device: &wgpu::Device, queue: &wgpu::Queue) -> SelfCheck {
+    if let Some(known) = known(device) {
+        return known;
+    }
+    let start = Instant::now();
+    let mismatches = probe::run(device, queue).await;
+    let check = SelfCheck::new(device, start, mismatches);
+    keep(&mut CHECKED.lock().unwrap_or_else(PoisonError::into_inner), device, check)
+}
+
+fn known(device: &wgpu::Device) -> Option<SelfCheck> {
+    find(&CHECKED.lock().unwrap_or_else(PoisonError::into_inner), device)
+}
+
+fn find(checked: &Known, device: &wgpu::Device) -> Option<SelfCheck> {
+    let key = (device.adapter_info(), device.limits());
+    checked.iter().find(|(k, _)| *k == key).map(|(_, known)| known.clone())
+}
+
+/// Keeps a check for later calls. A loss says nothing of the device that is made next.
+fn keep(checked: &mut Known, device: &wgpu::Device, check: SelfCheck) -> SelfCheck {
     if !is_lost(device) {
-        checked.push((key, check.clone()));
+        checked.push(((device.adapter_info(), device.limits()), check.clone()));
     }
     check
 }
@@ -95,11 +131,32 @@ pub fn self_check(device: &wgpu::Device, queue: &wgpu::Queue) -> SelfCheck {
 fn name(info: &wgpu::AdapterInfo) -> String {
     let driver = [info.driver.trim(), info.driver_info.trim()].join(" ");
     let driver = if driver.trim().is_empty() { String::new() } else { format!(", {}", driver.trim()) };
-    format!("{} ({}{driver})", info.name, info.backend)
+    // Browsers may keep the name to themselves.
+    let name = if info.name.trim().is_empty() { "of no name" } else { info.name.trim() };
+    format!("{name} ({}{driver})", info.backend)
+}
+
+/// [`decide`] of a device, which is checked now if it was not before.
+#[cfg(not(target_family = "wasm"))]
+pub(super) fn consider(
+    backend: Backend,
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+) -> Result<(bool, Option<Warning>)> {
+    decide(backend, Some(&self_check(device, queue)))
+}
+
+/// [`decide`] of a device that the host has checked, or has not.
+#[cfg(target_family = "wasm")]
+pub(super) fn consider(backend: Backend, device: &wgpu::Device, _: &wgpu::Queue) -> Result<(bool, Option<Warning>)> {
+    match known(device) {
+        Some(check) => decide(backend, Some(&check)),
+        None => Ok((false, Some(Warning::Unchecked { name: name(&device.adapter_info()) }))),
+    }
 }
 
 /// Whether the CPU steps, and what there is to say about the device. `check` is that of the host's device, if it gave one.
-pub(super) fn decide(backend: Backend, check: Option<&SelfCheck>) -> Result<(bool, Option<Warning>)> {
+fn decide(backend: Backend, check: Option<&SelfCheck>) -> Result<(bool, Option<Warning>)> {
     let Some(check) = check.filter(|_| backend != Backend::Cpu) else {
         return if backend == Backend::Gpu { Err(Error::NoGpu("Backend::Gpu")) } else { Ok((true, None)) };
     };

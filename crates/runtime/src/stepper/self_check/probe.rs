@@ -5,7 +5,7 @@ use super::Mismatch;
 use crate::cloth::{Cloth, Grid, Mass, Particle, Parts, Rest};
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
-use crate::gpu::{guard, read_back};
+use crate::gpu::{guard_async, read_back_async};
 use crate::options::{Backend, Options, Solver};
 use crate::scene::Scene;
 
@@ -20,21 +20,21 @@ type Lists = [Vec<[f32; 4]>; 3];
 const NAMES: [&str; 3] = ["positions", "previous positions", "normals"];
 
 /// Runs the probe. Errors of the device are mismatches.
-pub fn run(device: &wgpu::Device, queue: &wgpu::Queue) -> Vec<Mismatch> {
-    let found = guard(device, || {
-        let scene = scene()?;
-        compare(device, queue, &scene, &scene)
-    });
+pub async fn run(device: &wgpu::Device, queue: &wgpu::Queue) -> Vec<Mismatch> {
+    let found = match scene() {
+        Ok(scene) => compare(device, queue, &scene, &scene).await,
+        Err(error) => Err(error),
+    };
     let failed = |error: Error| error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
     found.unwrap_or_else(|error| vec![Mismatch::Failed(failed(error))])
 }
 
 /// Steps one scene on the device and another, which is the same but in tests, on the CPU.
-fn compare(device: &wgpu::Device, queue: &wgpu::Queue, there: &Scene, here: &Scene) -> Result<Vec<Mismatch>> {
+async fn compare(device: &wgpu::Device, queue: &wgpu::Queue, there: &Scene, here: &Scene) -> Result<Vec<Mismatch>> {
     let expected = on_cpu(here)?;
     let mut found = Vec::new();
     for (run, fused) in [("whole frames", true), ("pass by pass", false)] {
-        let computed = on_device(device, queue, there, fused)?;
+        let computed = on_device(device, queue, there, fused).await?;
         for ((cloth, computed), expected) in here.cloths.iter().zip(&computed).zip(&expected) {
             found.extend(differences(run, computed, expected));
             found.extend(open_seams(run, cloth, computed));
@@ -112,15 +112,19 @@ fn on_cpu(scene: &Scene) -> Result<Vec<Lists>> {
     Ok((0..scene.cloths.len()).map(lists).collect())
 }
 
-fn on_device(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene, fused: bool) -> Result<Vec<Lists>> {
-    let mut stepper = Stepper::unchecked(scene.clone(), options(Backend::Gpu, fused), Some((device, queue)), None)?;
-    let mut encoder = device.create_command_encoder(&Default::default());
-    stepper.record(&mut encoder, FRAME)?;
-    queue.submit([encoder.finish()]);
+async fn on_device(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene, fused: bool) -> Result<Vec<Lists>> {
+    let run = || {
+        let mut stepper = Stepper::unchecked(scene.clone(), options(Backend::Gpu, fused), Some((device, queue)), None)?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        stepper.record(&mut encoder, FRAME)?;
+        queue.submit([encoder.finish()]);
+        Ok(stepper)
+    };
+    let stepper = guard_async(device, run).await?;
     let mut all = Vec::new();
     for cloth in (0..scene.cloths.len()).filter_map(|c| stepper.buffers(c)) {
-        let read = |span| read_back(device, queue, span);
-        all.push([read(&cloth.now)?, read(&cloth.before)?, read(&cloth.normals)?]);
+        let read = |span| read_back_async(device, queue, span);
+        all.push([read(&cloth.now).await?, read(&cloth.before).await?, read(&cloth.normals).await?]);
     }
     Ok(all)
 }
