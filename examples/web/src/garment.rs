@@ -61,14 +61,14 @@ impl Garment {
         self.stepper.settle().map_err(told)
     }
 
-    /// Positions \[m\] of all particles now, four numbers each; the fourth is 1/mass.
+    /// Positions \[m\] of all particles now, four numbers per particle; the fourth is 1/mass.
     pub async fn positions(&self) -> Result<Vec<f32>, JsError> {
         let buffers = self.stepper.buffers(0).ok_or_else(|| JsError::new("the garment has no buffers"))?;
         let positions = read_back_async(&self.device, &self.queue, &buffers.now).await.map_err(told)?;
         Ok(positions.into_flattened())
     }
 
-    /// The last picture, four bytes a pixel, row by row from the top. Only without a canvas.
+    /// The last picture, four bytes per pixel, row by row from the top. Only without a canvas.
     pub async fn picture(&self) -> Result<Vec<u8>, JsError> {
         Ok(self.screen.picture(&self.device, &self.queue).await.map_err(told)?.into_flattened())
     }

@@ -23,11 +23,6 @@ pub struct Check {
     picture: Option<PathBuf>,
 }
 
-/// Its end.
-pub struct Verdict {
-    pub passed: bool,
-}
-
 impl Check {
     /// Steps the scene here, and starts the browser.
     pub fn start(args: &Args, frames: u32, url: &str) -> Result<Self, Error> {
@@ -62,8 +57,8 @@ impl Check {
         Ok(self.end.checked_duration_since(Instant::now()).ok_or("the page has not answered in time")?)
     }
 
-    /// Takes in what the page has sent; the verdict, once the positions are there.
-    pub fn take(&mut self, path: &str, body: &[u8]) -> Result<Option<Verdict>, Error> {
+    /// Takes in what the page has sent; once the positions are there, whether it has passed.
+    pub fn take(&mut self, path: &str, body: &[u8]) -> Result<Option<bool>, Error> {
         match path {
             "about" => eprintln!("{}", String::from_utf8_lossy(body)),
             "picture" => {
@@ -79,7 +74,7 @@ impl Check {
         Ok(None)
     }
 
-    fn compare(&self, body: &[u8]) -> Verdict {
+    fn compare(&self, body: &[u8]) -> bool {
         let numbers: Vec<f32> = body.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
         let particles = numbers.as_chunks::<4>().0;
         let apart = |(a, b): (&[f32; 4], &[f32; 4])| {
@@ -98,7 +93,7 @@ impl Check {
             self.expected.len(),
             if masses { "equal" } else { "differ" },
         );
-        Verdict { passed }
+        passed
     }
 }
 

@@ -7,7 +7,7 @@ mod files;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use check::{Check, Verdict};
+use check::Check;
 use clap::Parser;
 use files::Files;
 use tiny_http::{Method, Response, Server};
@@ -75,7 +75,7 @@ fn run(args: &Args) -> Result<bool, Error> {
         request.as_reader().read_to_end(&mut body)?;
         let path = request.url().trim_start_matches('/').to_string();
         request.respond(Response::empty(200))?;
-        if let Some(Verdict { passed }) = check.as_mut().map(|c| c.take(&path, &body)).transpose()?.flatten() {
+        if let Some(passed) = check.as_mut().map(|c| c.take(&path, &body)).transpose()?.flatten() {
             return Ok(passed);
         }
     }
