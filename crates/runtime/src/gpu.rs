@@ -1,6 +1,7 @@
 //! The GPU backend: buffers, pipelines and the recording of a frame.
 
 mod actions;
+mod ahead;
 mod arena;
 mod bounds;
 mod buffers;
@@ -31,6 +32,7 @@ mod upload;
 mod wait;
 mod watch;
 
+pub use ahead::{Ahead, Preparation};
 pub use buffers::ClothBuffers;
 pub(crate) use lost::{guard, guard_async, is_lost};
 pub(crate) use mapped::{block_on, bytes};
@@ -51,8 +53,6 @@ use crate::error::{Error, Result};
 use crate::form::Form;
 use crate::fused;
 use crate::layout::{POSES, StepRow};
-use crate::passes::Pass;
-use crate::plan::Plan;
 use crate::shaders::Slot;
 use crate::world::{Batch, ClothRun, World};
 use arena::Arena;
@@ -140,17 +140,7 @@ impl Gpu {
         };
         gpu.meet(world);
         if !draw_only {
-            // All that a frame runs, so that the first one does not wait for a compiler.
-            Plan::new(world).passes.iter().for_each(|p| _ = gpu.pipelines.get(&p.form));
-            if world.calm_below().is_some() && !world.scene.colliders.is_empty() {
-                // Nor the frame in which a cloth among colliders first comes to rest.
-                gpu.pipelines.get(&Pass::Bounds.into());
-            }
-            let pinned = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
-            if world.scene.cloths.iter().any(pinned) {
-                // Nor the first frame in which they move.
-                gpu.pipelines.get(&Pass::Place.into());
-            }
+            ahead::frames(world).iter().for_each(|form| _ = gpu.pipelines.get(form));
         }
         Ok(gpu)
     }
@@ -184,6 +174,11 @@ impl Gpu {
     /// Its pipelines, for another stepper.
     pub fn share_pipelines(&self) -> Pipelines {
         self.pipelines.share()
+    }
+
+    /// A list of pipelines of a world that are not compiled yet.
+    pub fn prepare_for(&self, world: World, ahead: &[Ahead]) -> Preparation {
+        Preparation::new(Some((self.pipelines.shared(), world, ahead)))
     }
 
     /// What has been compiled.

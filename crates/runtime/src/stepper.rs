@@ -13,6 +13,8 @@ mod members;
 mod pick;
 mod pins;
 #[cfg(feature = "gpu")]
+mod prepare;
+#[cfg(feature = "gpu")]
 mod record_pins;
 #[cfg(feature = "gpu")]
 mod recover;

@@ -4,10 +4,18 @@ use bytemuck::cast_slice;
 
 use super::upload::filled;
 use super::{Gpu, begin};
-use crate::cloth::Rest;
+use crate::choose::Settings;
+use crate::cloth::{Cloth, Rest};
 use crate::passes::{Pass, has_levels};
 use crate::shaders::{Slot, list, source};
 use crate::world::{Action, World};
+
+/// The passes that cut a cloth, but for those of its tethers.
+pub(super) fn cuts(cloth: &Cloth, options: &Settings) -> impl Iterator<Item = Pass> + use<> {
+    let springs = (!matches!(cloth.rest(), Rest::None)).then_some(Pass::CutSprings);
+    let levels = has_levels(cloth, options).then_some(Pass::CutLevels);
+    [Some(Pass::Cut), springs, levels].into_iter().flatten()
+}
 
 impl Gpu {
     /// Makes room for cuts.
@@ -30,10 +38,7 @@ impl Gpu {
                     let cloths = world.scene.cloths.iter().enumerate();
                     for (index, cloth) in cloths.filter(|(index, _)| !spared.contains(index)) {
                         self.before_cut(world, &mut pass, index);
-                        let springs = !matches!(cloth.rest(), Rest::None);
-                        let levels = has_levels(cloth, &world.control.options).then_some(Pass::CutLevels);
-                        let passes = [Some(Pass::Cut), springs.then_some(Pass::CutSprings), levels];
-                        for what in passes.into_iter().flatten() {
+                        for what in cuts(cloth, &world.control.options) {
                             let groups = source(&what.into()).workgroups(cloth);
                             self.once(world, &mut pass, index, what, &[(Slot::Action, &numbers)], groups);
                         }

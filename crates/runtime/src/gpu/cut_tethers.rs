@@ -36,6 +36,12 @@ fn follows(cloth: &Cloth, tethers: &Tethers) -> bool {
     tethers.per_particle > 0 && !matches!(cloth.rest(), Rest::None)
 }
 
+/// The pass that leads the tethers of a cloth around a cut.
+pub(super) fn cut_tethers(cloth: &Cloth, tethers: &Tethers) -> Option<Pass> {
+    let pass = Pass::CutTethers { slots: tethers.per_particle as u32, seams: cloth.ring_count() > 0 };
+    follows(cloth, tethers).then_some(pass)
+}
+
 /// Rounds of a phase, a whole number of turns there and back. A way that a cut has changed leads by at most that many
 /// particles, or its tether ends: twice along the longer side, of two grids where there are several.
 fn rounds(cloth: &Cloth) -> u32 {
@@ -75,10 +81,7 @@ impl Gpu {
 
     fn rounds(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, rounds: &[Round]) {
         let (cloth, tethers) = (&world.scene.cloths[index], &world.runs[index].tethers);
-        if !follows(cloth, tethers) {
-            return;
-        }
-        let what = Pass::CutTethers { slots: tethers.per_particle as u32, seams: cloth.ring_count() > 0 };
+        let Some(what) = cut_tethers(cloth, tethers) else { return };
         self.cloths[index].separate(&self.device, world, index);
         let numbers = |r: &Round| {
             let flags = [r.phase as f32, r.turn as f32, u8::from(r.first).into(), u8::from(r.last).into()];

@@ -47,7 +47,7 @@ fn followed(
     let mut world = World::new(scene, Options { solver: Solver::Xpbd, tethers: 2, ..Options::default() }).unwrap();
     let mut bodies = world.bodies::<f32>();
     let mut there =
-        gpu.map(|(device, queue)| Gpu::new(&world, (device, queue), Pipelines::new(device), false).unwrap());
+        gpu.map(|(device, queue)| Gpu::new(&world, (device, queue), Pipelines::new(device, None), false).unwrap());
     world.scene.cloths.iter_mut().for_each(Cloth::open);
     world.reschedule();
     let mut all = Vec::new();

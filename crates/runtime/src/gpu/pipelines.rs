@@ -1,7 +1,7 @@
 //! Pipelines, compiled once and shared by steppers that are made from one another.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use web_time::Instant;
 
@@ -42,71 +42,110 @@ pub struct Compiled {
     pub ms: f64,
 }
 
-/// By form, constants and parts included.
-type ByForm = HashMap<Form, Arc<Pipeline>>;
+/// By form, constants and parts included. A pipeline that is being compiled has its place already.
+type ByForm = HashMap<Form, Arc<OnceLock<Arc<Pipeline>>>>;
+
+/// The pipelines of steppers that are made from one another. Others compile meanwhile: the list is locked while a place is looked up,
+/// and a place while its own pipeline is compiled.
+#[derive(Clone)]
+pub struct Shared {
+    device: wgpu::Device,
+    cache: Option<wgpu::PipelineCache>,
+    made: Arc<Mutex<ByForm>>,
+}
+
+impl Shared {
+    /// Whether there is a pipeline of a form.
+    pub fn has(&self, form: &Form) -> bool {
+        self.lock().get(form).is_some_and(|place| place.get().is_some())
+    }
+
+    /// The pipeline of a form, compiled now if there is none, which `compiled` counts.
+    pub fn make(&self, form: &Form, compiled: &mut Compiled) -> Arc<Pipeline> {
+        let place = self.lock().entry(form.clone()).or_default().clone();
+        let compile = || {
+            let start = Instant::now();
+            let pipeline = Arc::new(make(&self.device, self.cache.as_ref(), source(form)));
+            compiled.pipelines += 1;
+            compiled.ms += start.elapsed().as_secs_f64() * 1e3;
+            pipeline
+        };
+        place.get_or_init(compile).clone()
+    }
+
+    /// Of the pipelines that there are, what `choose` returns the least key for.
+    fn least<K: Ord>(&self, choose: impl Fn(&Form) -> Option<K>) -> Option<Arc<Pipeline>> {
+        let made = self.lock();
+        let chosen = made.iter().filter_map(|(form, place)| Some((choose(form)?, place.get()?)));
+        chosen.min_by(|a, b| a.0.cmp(&b.0)).map(|(_, pipeline)| pipeline.clone())
+    }
+
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    fn lock(&self) -> MutexGuard<'_, ByForm> {
+        self.made.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 /// The pipelines of a stepper. Steppers made from one another share what they compile. A device alone does not tell whose
 /// pipelines fit: those of different wgpu instances may be equal.
 pub struct Pipelines {
-    device: wgpu::Device,
-    shared: Arc<Mutex<ByForm>>,
+    shared: Shared,
     /// Those that this stepper has used, without a lock.
-    used: ByForm,
+    used: HashMap<Form, Arc<Pipeline>>,
     pub compiled: Compiled,
 }
 
 impl Pipelines {
-    /// None yet.
-    pub fn new(device: &wgpu::Device) -> Self {
-        let (shared, used) = (Arc::default(), ByForm::new());
-        Pipelines { device: device.clone(), shared, used, compiled: Compiled::default() }
+    /// None yet. Those that the driver has in a cache need no compilation.
+    pub fn new(device: &wgpu::Device, cache: Option<&wgpu::PipelineCache>) -> Self {
+        let shared = Shared { device: device.clone(), cache: cache.cloned(), made: Arc::default() };
+        Pipelines::of(&shared)
     }
 
     /// For another stepper on the same device.
     pub fn share(&self) -> Self {
-        Pipelines { shared: self.shared.clone(), ..Pipelines::new(&self.device) }
+        Pipelines::of(&self.shared)
+    }
+
+    fn of(shared: &Shared) -> Self {
+        Pipelines { shared: shared.clone(), used: HashMap::new(), compiled: Compiled::default() }
+    }
+
+    /// Those of all steppers.
+    pub fn shared(&self) -> &Shared {
+        &self.shared
     }
 
     /// The pipeline of a form.
     pub fn get(&mut self, form: &Form) -> &Pipeline {
-        self.find(form, |_| None)
+        if !self.used.contains_key(form) {
+            let pipeline = self.shared.make(form, &mut self.compiled);
+            self.used.insert(form.clone(), pipeline);
+        }
+        &self.used[form]
     }
 
     /// A pipeline that does what that of a form does: where that is not compiled, one with room for larger cloths if there is any, so
     /// that the cloths of a frame change without a compilation.
     pub fn fitting(&mut self, form: &Form) -> &Pipeline {
         let Form::Whole(small) = form else { return self.get(form) };
-        let room = |other: &Form| match other {
-            Form::Whole(f) if small.fits(f) => Some((f.threads, f.places)),
-            _ => None,
-        };
-        self.find(form, |made| {
-            let rooms = made.iter().filter_map(|(other, pipeline)| Some((room(other)?, pipeline)));
-            rooms.min_by_key(|(room, _)| *room).map(|(_, pipeline)| pipeline.clone())
-        })
-    }
-
-    /// The pipeline of a form, or what takes its place where it is not compiled.
-    fn find(&mut self, form: &Form, instead: impl Fn(&ByForm) -> Option<Arc<Pipeline>>) -> &Pipeline {
-        let Pipelines { device, shared, used, compiled } = self;
-        if !used.contains_key(form) {
-            let mut made = shared.lock().unwrap_or_else(PoisonError::into_inner);
-            let known = made.get(form).cloned().or_else(|| instead(&made));
-            let pipeline = known.unwrap_or_else(|| {
-                let start = Instant::now();
-                let pipeline = Arc::new(make(device, source(form)));
-                compiled.pipelines += 1;
-                compiled.ms += start.elapsed().as_secs_f64() * 1e3;
-                made.insert(form.clone(), pipeline.clone());
-                pipeline
-            });
-            used.insert(form.clone(), pipeline);
+        if !self.used.contains_key(form) && !self.shared.has(form) {
+            let room = |other: &Form| match other {
+                Form::Whole(f) if small.fits(f) => Some((f.threads, f.places)),
+                _ => None,
+            };
+            if let Some(pipeline) = self.shared.least(room) {
+                self.used.insert(form.clone(), pipeline);
+            }
         }
-        &used[form]
+        self.get(form)
     }
 }
 
-fn make(device: &wgpu::Device, source: Source) -> Pipeline {
+fn make(device: &wgpu::Device, cache: Option<&wgpu::PipelineCache>, source: Source) -> Pipeline {
     let entries: Vec<_> = source.bindings.iter().map(entry).collect();
     let label = Some(source.stem);
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
@@ -129,7 +168,7 @@ fn make(device: &wgpu::Device, source: Source) -> Pipeline {
             constants: &source.constants,
             zero_initialize_workgroup_memory: false,
         },
-        cache: None,
+        cache,
     });
     Pipeline { pipeline, layout, source }
 }

@@ -25,6 +25,19 @@ impl Stepper {
         Stepper::checked(scene, options, gpu, None)
     }
 
+    /// [`Stepper::new`] with the host's pipeline cache: pipelines that the driver finds there need no compilation, and those that are compiled
+    /// go into it. The host makes the cache on the same device, from what [`wgpu::PipelineCache::get_data`] returned in an earlier run,
+    /// and keeps that. The device needs the feature `PIPELINE_CACHE`, which wgpu has on Vulkan. Steppers made from this one share
+    /// the cache.
+    pub fn with_cache(
+        scene: Scene,
+        options: Options,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        cache: &wgpu::PipelineCache,
+    ) -> Result<Self> {
+        Stepper::checked(scene, options, Some((device, queue)), Some(Pipelines::new(device, Some(cache))))
+    }
+
     /// Makes a stepper for another scene on the same device, as [`Stepper::new`]. The two share their pipelines: each is
     /// compiled once, by the one that first needs it.
     pub fn another(&self, scene: Scene, options: Options) -> Result<Self> {
@@ -69,7 +82,7 @@ impl Stepper {
             world.make_room(Room::of(device));
         }
         let make = |handles: (&wgpu::Device, &wgpu::Queue)| {
-            let pipelines = pipelines.unwrap_or_else(|| Pipelines::new(handles.0));
+            let pipelines = pipelines.unwrap_or_else(|| Pipelines::new(handles.0, None));
             guard(handles.0, || Gpu::new(&world, handles, pipelines, on_cpu))
         };
         let gpu = gpu.map(make).transpose()?;

@@ -35,7 +35,7 @@ impl Stepper {
         let (on_cpu, warning) = consider(self.options().backend, device, queue)?;
         let cpu = if on_cpu { Some(Threads::new(self.options().threads)?) } else { None };
         self.world.start_again((!on_cpu).then(|| Room::of(device)));
-        self.gpu = Some(guard(device, || Gpu::new(&self.world, handles, Pipelines::new(device), on_cpu))?);
+        self.gpu = Some(guard(device, || Gpu::new(&self.world, handles, Pipelines::new(device, None), on_cpu))?);
         self.cpu = cpu.map(|threads| (self.world.bodies(), threads));
         self.world.host.adapter = warning;
         guard(device, || {
@@ -50,7 +50,7 @@ impl Stepper {
         let Some((bodies, threads)) = &self.cpu else { return Ok(()) };
         let world = &self.world;
         let made = guard(handles.0, || {
-            let mut gpu = Gpu::new(world, handles, Pipelines::new(handles.0), true)?;
+            let mut gpu = Gpu::new(world, handles, Pipelines::new(handles.0, None), true)?;
             for (cloth, body) in bodies.iter().enumerate() {
                 gpu.renew(world, cloth);
                 gpu.upload_one(cloth, body, threads);
@@ -66,7 +66,7 @@ impl Stepper {
         let kept = self.world.runs.iter().enumerate();
         let kept: Vec<(usize, ClothState)> = kept.filter_map(|(c, run)| Some((c, run.kept.clone()?))).collect();
         let heads: Vec<(usize, &Head, Vec<u32>)> = kept.iter().map(|(c, s)| (*c, &s.head, s.pinned())).collect();
-        self.prepare(&heads);
+        self.make_ready(&heads);
         if let Some(control) = self.world.kept {
             self.world.resume_control(&control);
         }

@@ -100,7 +100,7 @@ impl Stepper {
         self.refuse_cpu("Stepper::record_set_state", "Stepper::set_state")?;
         self.fits(cloth, &saved.place, (BufferUsages::COPY_SRC, "COPY_SRC"), "its state")?;
         self.guarded(|stepper| {
-            stepper.prepare(&[(cloth, &saved.head, saved.pinned.clone())]);
+            stepper.make_ready(&[(cloth, &saved.head, saved.pinned.clone())]);
             let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_set_state"))?;
             let place = (&saved.place.buffer, saved.place.offset);
             gpu.load(&stepper.world, encoder, cloth, &saved.head.layout, place);

@@ -41,7 +41,7 @@ impl Stepper {
         let cloth = self.world.find(cloth.into())?;
         state.check(&self.world.scene.cloths[cloth], &self.world.runs[cloth].tethers)?;
         self.guarded(|stepper| {
-            stepper.prepare(&[(cloth, &state.head, state.pinned())]);
+            stepper.make_ready(&[(cloth, &state.head, state.pinned())]);
             stepper.put(cloth, state);
             Ok(())
         })?;
@@ -73,7 +73,7 @@ impl Stepper {
         }
         self.guarded(|stepper| {
             let heads = snapshot.cloths.iter().enumerate().map(|(cloth, state)| (cloth, &state.head, state.pinned()));
-            stepper.prepare(&heads.collect::<Vec<_>>());
+            stepper.make_ready(&heads.collect::<Vec<_>>());
             stepper.world.resume_control(&snapshot.control);
             for (cloth, state) in snapshot.cloths.iter().enumerate() {
                 stepper.put(cloth, state);
@@ -114,7 +114,7 @@ impl Stepper {
     }
 
     /// Makes cloths ready for the lists of their states; `heads` has their pins too.
-    pub(super) fn prepare(&mut self, heads: &[(usize, &Head, Vec<u32>)]) {
+    pub(super) fn make_ready(&mut self, heads: &[(usize, &Head, Vec<u32>)]) {
         let cut: Vec<usize> = heads.iter().map(|h| h.0).filter(|c| self.world.scene.cloths[*c].is_cut()).collect();
         let is_cut = |(cloth, head, _): &&(usize, &Head, _)| head.layout.cut || cut.contains(cloth);
         let renewed: Vec<usize> = heads.iter().filter(is_cut).map(|h| h.0).collect();

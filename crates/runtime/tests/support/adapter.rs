@@ -11,13 +11,15 @@ pub fn device() -> Option<(wgpu::Device, wgpu::Queue)> {
     device_with(|_| wgpu::Limits::default())
 }
 
-/// The same with other limits.
+/// Any adapter.
+pub fn any() -> Option<wgpu::Adapter> {
+    let found = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()));
+    found.map_or_else(|error| lacking(&format!("no GPU adapter: {error}")), Some)
+}
+
+/// A device with other limits.
 pub fn device_with(limits: impl Fn(&wgpu::Adapter) -> wgpu::Limits) -> Option<(wgpu::Device, wgpu::Queue)> {
-    let instance = wgpu::Instance::default();
-    let adapter = match pollster::block_on(instance.request_adapter(&Default::default())) {
-        Ok(adapter) => adapter,
-        Err(error) => return lacking(&format!("no GPU adapter: {error}")),
-    };
+    let adapter = any()?;
     let wish = wgpu::DeviceDescriptor { required_limits: limits(&adapter), ..Default::default() };
     let found = pollster::block_on(adapter.request_device(&wish));
     let name = adapter.get_info().name;
