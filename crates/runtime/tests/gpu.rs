@@ -8,6 +8,7 @@ mod support;
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::{Context, Waker};
 
 use gimage_runtime::*;
 use support::rig::Rig;
@@ -120,6 +121,11 @@ fn what_is_awaited_is_what_waiting_returns() {
     let faults = buffers.faults.as_ref().unwrap();
     let words = awaited(&device, read_back_u32_async(&device, &queue, faults)).unwrap();
     assert_eq!(words, read_back_u32(&device, &queue, faults).unwrap());
+    // A future that is dropped leaves nothing behind: before it is polled, and while it waits.
+    drop(ticket.answer(&device));
+    let mut dropped = Box::pin(ticket.answer(&device));
+    _ = dropped.as_mut().poll(&mut Context::from_waker(Waker::noop()));
+    drop(dropped);
     let hit = awaited(&device, ticket.answer(&device)).unwrap().unwrap();
     assert!((hit.point()[0] - 0.1).abs() < 1e-3, "{hit:?}");
 

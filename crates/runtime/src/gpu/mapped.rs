@@ -10,6 +10,15 @@ use crate::error::{Error, Result};
 
 type Mapped = std::result::Result<(), wgpu::BufferAsyncError>;
 
+/// A buffer that is mapped, or is to be. Ends that when it is dropped, as a future may be before it is ready.
+struct Mapping<'a>(&'a wgpu::Buffer);
+
+impl Drop for Mapping<'_> {
+    fn drop(&mut self) {
+        self.0.unmap();
+    }
+}
+
 /// Asks for the contents of a buffer that the host may read, and hands its bytes over when they are there. To be called when the copy
 /// into the buffer has been submitted. The request is made at once, the future may be awaited later.
 pub(crate) fn bytes<A>(staging: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> A) -> impl Future<Output = Result<A>> {
@@ -30,13 +39,18 @@ pub(crate) fn bytes<A>(staging: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> A) ->
         shared.1 = Some(context.waker().clone());
         Poll::Pending
     });
+    let mapping = Mapping(staging);
     async move {
         let failed = |e: &dyn std::fmt::Display| Error::ReadBack(e.to_string());
-        arrived.await.map_err(|e| failed(&e))?;
+        if let Err(e) = arrived.await {
+            // There is nothing to end.
+            std::mem::forget(mapping);
+            return Err(failed(&e));
+        }
         let view = staging.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
         let taken = take(&view);
         drop(view);
-        staging.unmap();
+        drop(mapping);
         Ok(taken)
     }
 }

@@ -23,7 +23,7 @@ impl World {
             body.bound_diagonals(T::of(cloth.bound(self.control.clock.dt).into()));
             let met = &solids[self.runs[index].coat];
             let risky = !met.is_empty() && is_risky(body.now(), body.before(), met, self.control.clock.dt, seconds);
-            let prior: Vec<_> = body.now().iter().filter(|_| risky).map(|p| xyz(*p)).collect();
+            let prior = if risky { body.now().iter().map(|p| xyz(*p)).collect() } else { Vec::new() };
             fused::run(body, &frame, threads, met);
             let sight = self.sight(index, (body.now(), body.before()), met, seconds);
             if risky {
