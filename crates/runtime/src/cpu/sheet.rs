@@ -181,8 +181,7 @@ fn gather<T: Real>(planes: &[T], width: usize, half: usize, texels: &mut [[T; 4]
         let odd = x.1.iter().zip(y.1).zip(z.1);
         let (pairs, last) = texels.as_chunks_mut::<2>();
         for (pair, (((a, b), c), ((d, e), f))) in pairs.iter_mut().zip(even.zip(odd)) {
-            (pair[0][0], pair[0][1], pair[0][2]) = (*a, *b, *c);
-            (pair[1][0], pair[1][1], pair[1][2]) = (*d, *e, *f);
+            *pair = [[*a, *b, *c, pair[0][3]], [*d, *e, *f, pair[1][3]]];
         }
         let end = width / 2;
         for texel in last {
