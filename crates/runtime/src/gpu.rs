@@ -162,7 +162,8 @@ impl Gpu {
         match error {
             Error::DeviceLost => self.failure = Some(Failure::Lost),
             Error::OutOfMemory => self.failure = Some(Failure::Full),
-            _ => (),
+            // What was compiled in that call may not work.
+            _ => self.pipelines.forget(),
         }
     }
 
@@ -176,9 +177,9 @@ impl Gpu {
         self.pipelines.share()
     }
 
-    /// A list of pipelines of a world that are not compiled yet.
-    pub fn prepare_for(&self, world: World, ahead: &[Ahead]) -> Preparation {
-        Preparation::new(Some((self.pipelines.shared(), world, ahead)))
+    /// The pipelines that are not compiled yet of a world with some rounds of polish, as [`Preparation::new`].
+    pub fn prepare_for(&self, later: (World, Vec<u32>), ahead: &[Ahead], cut: bool) -> Preparation {
+        Preparation::new(self.pipelines.shared(), later, ahead, cut)
     }
 
     /// What has been compiled.

@@ -48,11 +48,11 @@ impl Plan {
         Plan { passes }
     }
 
-    /// The forms of the passes in the frame of a cloth.
+    /// The forms of the passes of a cloth in a frame of `steps` steps.
     #[cfg(feature = "gpu")]
-    pub(crate) fn forms(world: &World, cloth: usize) -> Vec<Form> {
+    pub(crate) fn forms(world: &World, cloth: usize, steps: u32) -> Vec<Form> {
         match &world.runs[cloth].fused {
-            Some(fused) if world.is_fused(cloth, world.control.options.substeps) => vec![Form::Whole(fused.clone())],
+            Some(fused) if world.is_fused(cloth, steps) => vec![Form::Whole(fused.clone())],
             _ => apart(world, cloth).into_iter().map(|(form, _)| form).collect(),
         }
     }

@@ -1,5 +1,7 @@
 //! The state that both backends share: the scene, its schedules and the clock.
 
+#[cfg(feature = "gpu")]
+mod ahead;
 mod air;
 mod cloth_run;
 mod control;

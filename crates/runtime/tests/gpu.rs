@@ -97,6 +97,32 @@ fn awaited<A>(device: &wgpu::Device, future: impl Future<Output = A>) -> A {
     })
 }
 
+/// Hosts await on threads of their own.
+#[test]
+fn futures_and_preparations_may_go_to_another_thread() {
+    fn send<T: Send>(_: &T) {}
+    let Some((device, queue)) = support::device() else { return };
+    let mut stepper =
+        Stepper::new(scene::builtin("s2", 9).unwrap(), Options::default(), Some((&device, &queue))).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let ticket = stepper.record_pick(&mut encoder, [0.1, 10.0, 0.2], [0.0, -1.0, 0.0]).unwrap();
+    send(&ticket.answer(&device));
+    send(&self_check_async(&device, &queue));
+    send(&read_back_async(&device, &queue, &stepper.buffers(0).unwrap().now));
+    send(&stepper.prepare(stepper.scene(), stepper.options(), Ahead::ALL).unwrap());
+}
+
+#[test]
+fn an_asynchronous_copy_that_the_device_refuses_is_an_error() {
+    let Some((device, queue)) = support::device() else { return };
+    // A buffer that nothing may be copied from.
+    let (usage, size) = (wgpu::BufferUsages::STORAGE, 16);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
+    let span = Span::from(buffer);
+    let refused = awaited(&device, read_back_async(&device, &queue, &span));
+    assert!(matches!(refused, Err(Error::Device(_))), "{refused:?}");
+}
+
 #[test]
 fn what_is_awaited_is_what_waiting_returns() {
     // Other limits than in other tests: this device has not been checked.
@@ -126,6 +152,12 @@ fn what_is_awaited_is_what_waiting_returns() {
     let mut dropped = Box::pin(ticket.answer(&device));
     _ = dropped.as_mut().poll(&mut Context::from_waker(Waker::noop()));
     drop(dropped);
+    // While one is under way, another is refused, and a refused one that is dropped ends nothing.
+    let mut first = Box::pin(ticket.answer(&device));
+    assert!(first.as_mut().poll(&mut Context::from_waker(Waker::noop())).is_pending());
+    let second = awaited(&device, ticket.answer(&device));
+    assert!(second.is_err(), "{second:?}");
+    assert!(awaited(&device, first).unwrap().is_some());
     let hit = awaited(&device, ticket.answer(&device)).unwrap().unwrap();
     assert!((hit.point()[0] - 0.1).abs() < 1e-3, "{hit:?}");
 

@@ -59,7 +59,7 @@ fn nothing_is_compiled_in_a_game_that_was_prepared() {
     let Some(device) = support::device_with(device_limits) else { return };
     let mut rig = Rig::gpu(wardrobe(), &options(), &device);
     let fresh = rig.stepper.compiled().unwrap();
-    let preparation = |rig: &Rig, scene| rig.stepper.prepare(&scene, &options(), &Ahead::ALL).unwrap();
+    let preparation = |rig: &Rig, scene| rig.stepper.prepare(&scene, &options(), Ahead::ALL).unwrap();
     let calm = preparation(&rig, wardrobe());
     let left = calm.left();
     assert!(left > 20, "{left}");
@@ -84,7 +84,7 @@ fn what_was_not_prepared_is_compiled_when_it_is_needed() {
     let Some(device) = support::device_with(device_limits) else { return };
     let mut rig = Rig::gpu(wardrobe(), &options(), &device);
     let fresh = rig.stepper.compiled().unwrap();
-    let mut all = rig.stepper.prepare(&windy(), &options(), &Ahead::ALL).unwrap();
+    let mut all = rig.stepper.prepare(&windy(), &options(), Ahead::ALL).unwrap();
     let left = all.left();
     // One by one, as in a loading screen.
     assert_eq!((all.run_one().unwrap().pipelines, all.left()), (1, left - 1));
@@ -109,10 +109,121 @@ fn a_cloth_that_was_prepared_joins_without_a_compilation() {
     assert_eq!(rig.stepper.compiled(), before);
 }
 
+/// Runs the preparation of the scene as it is now for some calls, and checks that they, and two frames after them, compile nothing more.
+#[track_caller]
+fn prepared(scene: Scene, options: &Options, ahead: &[Ahead], before: fn(&mut Rig), call: fn(&mut Rig)) {
+    let Some(device) = support::device_with(device_limits) else { return };
+    let mut rig = Rig::gpu(scene, options, &device);
+    before(&mut rig);
+    let asked = rig.stepper.prepare(rig.stepper.scene(), rig.stepper.options(), ahead).unwrap();
+    let left = asked.left();
+    asked.run().unwrap();
+    let compiled = rig.stepper.compiled();
+    call(&mut rig);
+    rig.frames(2);
+    assert_eq!(rig.stepper.compiled(), compiled, "{left} were prepared");
+}
+
+/// A curtain over a ball, with the numbers that are chosen.
+fn hung() -> Scene {
+    Scene { cloths: vec![curtain(14)], ..wardrobe() }
+}
+
+#[test]
+fn the_frames_after_the_last_pin_is_freed_are_prepared_with_pins() {
+    let call = |rig: &mut Rig| {
+        let of = &rig.stepper.scene().cloths[0];
+        let pins: Vec<u32> = (0..of.len() as u32).filter(|k| of.particles()[*k as usize].is_pinned()).collect();
+        let before = rig.stepper.polish();
+        rig.stepper.unpin(0, &pins).unwrap();
+        assert_ne!(rig.stepper.polish(), before, "other rounds are chosen");
+    };
+    prepared(hung(), &Options::default(), &[Ahead::Pins], |_| {}, call);
+}
+
+#[test]
+fn frames_too_long_for_one_dispatch_are_prepared() {
+    let options = Options { max_catch_up: 64, ..Options::default() };
+    let call = |rig: &mut Rig| rig.frame(1.0);
+    prepared(hung(), &options, &[], |_| {}, call);
+}
+
+#[test]
+fn cloths_keep_their_tethers_and_their_precision_in_a_preparation() {
+    // Tethers stay where the pins were that they were made for; positions are exact in short steps only if the first were short.
+    let before = |rig: &mut Rig| {
+        rig.stepper.unpin(0, &[0]).unwrap();
+        rig.stepper.pin(0, &[100]).unwrap();
+        let shorter = Options { substeps: Some(40), ..rig.stepper.options().clone() };
+        rig.stepper.set_options(shorter).unwrap();
+        rig.frames(1);
+    };
+    let call = |rig: &mut Rig| rig.stepper.set_wind(Some(support::wind(true))).unwrap();
+    let Some(device) = support::device_with(device_limits) else { return };
+    let options = Options { substeps: Some(4), ..Options::default() };
+    let mut rig = Rig::gpu(hung(), &options, &device);
+    before(&mut rig);
+    let mut later = rig.stepper.scene().clone();
+    later.wind = Some(support::wind(true));
+    rig.stepper.prepare(&later, rig.stepper.options(), &[]).unwrap().run().unwrap();
+    let compiled = rig.stepper.compiled();
+    call(&mut rig);
+    rig.frames(2);
+    assert_eq!(rig.stepper.compiled(), compiled);
+}
+
+#[test]
+fn states_of_cloth_that_is_asleep_are_prepared() {
+    let call = |rig: &mut Rig| {
+        rig.stepper.set_asleep(0, true).unwrap();
+        let state = rig.stepper.state(0).unwrap();
+        rig.stepper.set_state(0, &state).unwrap();
+        assert!(rig.stepper.is_asleep(0));
+    };
+    let scene = Scene { colliders: Vec::new(), ..hung() };
+    prepared(scene, &Options::default(), &[Ahead::States], |_| {}, call);
+}
+
+#[test]
+fn cloth_that_is_cut_already_is_prepared_as_such() {
+    let before = |rig: &mut Rig| {
+        rig.stepper.cut([0.6, -0.45, 3.0], [0.3, -0.45, -2.0], [5.0, -0.45, -2.0]).unwrap();
+        rig.frames(1);
+    };
+    let call = |rig: &mut Rig| _ = rig.pick([0.5, 4.0, 0.1], [0.0, -1.0, 0.02]);
+    prepared(hung(), &Options::default(), &[Ahead::Picks], before, call);
+}
+
+#[test]
+fn many_large_cloths_that_come_are_prepared_as_each_runs() {
+    let Some(device) = support::device_with(device_limits) else { return };
+    // Sixteen of them at the start would share a dispatch.
+    let mut rig = Rig::gpu(support::scene(curtain(14)), &Options::default(), &device);
+    let mut later = rig.stepper.scene().clone();
+    later.cloths.extend((0..16).map(|_| curtain(70)));
+    rig.stepper.prepare(&later, rig.stepper.options(), &[]).unwrap().run().unwrap();
+    let compiled = rig.stepper.compiled();
+    rig.stepper.add_cloth(curtain(70)).unwrap();
+    rig.frames(2);
+    assert_eq!(rig.stepper.compiled(), compiled);
+}
+
+#[test]
+fn a_preparation_on_a_lost_device_says_so_and_keeps_what_is_left() {
+    let Some(device) = support::device_with(device_limits) else { return };
+    let rig = Rig::gpu(wardrobe(), &options(), &device);
+    let mut all = rig.stepper.prepare(&windy(), &options(), Ahead::ALL).unwrap();
+    let left = all.left();
+    device.0.destroy();
+    _ = device.0.poll(wgpu::PollType::wait_indefinitely());
+    assert!(matches!(all.run_one(), Err(Error::DeviceLost)));
+    assert_eq!(all.left(), left);
+}
+
 #[test]
 fn nothing_is_left_to_prepare_on_the_cpu() {
     let stepper = Stepper::on_cpu(wardrobe(), options()).unwrap();
-    let mut none = stepper.prepare(&windy(), &options(), &Ahead::ALL).unwrap();
+    let mut none = stepper.prepare(&windy(), &options(), Ahead::ALL).unwrap();
     assert_eq!((none.left(), none.run_one().unwrap()), (0, Compiled::default()));
 }
 

@@ -2,10 +2,10 @@
 
 use super::actions::cuts;
 use super::cut_tethers::cut_tethers;
-use super::lost::guard;
+use super::lost::{guard, is_lost};
 use super::pipelines::{Compiled, Shared};
 use crate::cloth::Cloth;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::form::Form;
 use crate::passes::Pass;
 use crate::plan::Plan;
@@ -19,11 +19,13 @@ pub enum Ahead {
     Cuts,
     /// [`crate::Stepper::record_pick`].
     Picks,
-    /// Pins that are set, moved or freed.
+    /// Pins that are set, moved or freed, and the frames after the last one is freed.
     Pins,
     /// [`crate::Stepper::transform`].
     Transforms,
-    /// [`crate::Stepper::record_bounds`].
+    /// [`crate::Stepper::set_state`] and [`crate::Stepper::restore`]; for states of cut cloth beside [`Ahead::Cuts`].
+    States,
+    /// [`crate::Stepper::record_bounds`], and boxes around cloth that the host lets sleep ([`crate::Stepper::set_asleep`]).
     Bounds,
     /// [`crate::Stepper::index_buffer`].
     Indices,
@@ -33,8 +35,16 @@ pub enum Ahead {
 
 impl Ahead {
     /// All of them.
-    pub const ALL: [Ahead; 7] =
-        [Ahead::Cuts, Ahead::Picks, Ahead::Pins, Ahead::Transforms, Ahead::Bounds, Ahead::Indices, Ahead::Tangents];
+    pub const ALL: &'static [Ahead] = &[
+        Ahead::Cuts,
+        Ahead::Picks,
+        Ahead::Pins,
+        Ahead::Transforms,
+        Ahead::States,
+        Ahead::Bounds,
+        Ahead::Indices,
+        Ahead::Tangents,
+    ];
 }
 
 /// What the frames of a world run, so that none waits for a compiler.
@@ -52,32 +62,52 @@ pub(super) fn frames(world: &World) -> Vec<Form> {
     forms
 }
 
-/// What else runs where the host asks for it. Cuts change the world: its cloths are cut from then on.
-fn asked(world: &mut World, ahead: &[Ahead]) -> Vec<Form> {
+/// The same with all rounds of polish that may be in force, and with frames so long that passes run apart.
+fn all_frames(world: &mut World, rounds: &[u32]) -> Vec<Form> {
+    let mut forms = Vec::new();
+    for rounds in rounds {
+        world.polish(*rounds);
+        forms.extend(frames(world));
+        let most = world.most_steps();
+        let long = (0..world.runs.len()).filter(|c| world.is_fused(*c, 1) && !world.is_fused(*c, most));
+        forms.extend(long.flat_map(|c| Plan::forms(world, c, most)));
+    }
+    forms
+}
+
+/// What a host asks of cloths that have holes or none.
+fn asked(world: &World, ahead: &[Ahead], holes: bool) -> Vec<Pass> {
     let mut passes = Vec::new();
-    let cut = ahead.contains(&Ahead::Cuts);
-    for holes in [Some(false), cut.then_some(true)].into_iter().flatten() {
-        for what in ahead {
-            match what {
-                Ahead::Cuts => {}
-                Ahead::Picks => passes.extend([Pass::Pick { holes }, Pass::PickNearest]),
-                Ahead::Pins => passes.push(Pass::Place),
-                Ahead::Transforms => passes.push(Pass::Transform),
-                Ahead::Bounds => passes.push(Pass::Bounds),
-                Ahead::Indices => passes.push(Pass::Indices { holes }),
-                Ahead::Tangents => passes.push(Pass::Tangents { holes }),
+    for what in ahead {
+        match what {
+            Ahead::Cuts => {}
+            Ahead::Picks => passes.extend([Pass::Pick { holes }, Pass::PickNearest]),
+            Ahead::Pins => passes.push(Pass::Place),
+            Ahead::Transforms => passes.push(Pass::Transform),
+            Ahead::States => {
+                let drawn = |p: &&Pass| matches!(p, Pass::Normals { .. } | Pass::SeamNormals);
+                passes.extend(world.runs.iter().flat_map(|run| run.schedule.frame.iter().filter(drawn)));
             }
+            Ahead::Bounds => passes.push(Pass::Bounds),
+            Ahead::Indices => passes.push(Pass::Indices { holes }),
+            Ahead::Tangents => passes.push(Pass::Tangents { holes }),
         }
     }
-    let mut forms = Vec::new();
+    passes
+}
+
+/// All that runs in a world with some rounds of polish; `cut` where its cloths are cut, or will be.
+fn all(world: &mut World, rounds: &[u32], ahead: &[Ahead], cut: bool) -> Vec<Form> {
+    let mut forms = all_frames(world, rounds);
+    let mut passes = asked(world, ahead, false);
     if cut {
         for (cloth, run) in world.scene.cloths.iter().zip(&world.runs) {
             passes.extend(cuts(cloth, &world.control.options));
             passes.extend(cut_tethers(cloth, &run.tethers));
         }
         world.scene.cloths.iter_mut().for_each(Cloth::open);
-        world.reschedule();
-        forms = frames(world);
+        forms.extend(all_frames(world, rounds));
+        passes.extend(asked(world, ahead, true));
     }
     forms.extend(passes.into_iter().map(Form::from));
     forms
@@ -85,6 +115,7 @@ fn asked(world: &mut World, ahead: &[Ahead]) -> Vec<Form> {
 
 /// Pipelines that are still to be compiled, by [`crate::Stepper::prepare`]. It may go to another thread: frames that are recorded meanwhile
 /// wait only if they need the very pipeline that is being compiled.
+#[must_use = "nothing is compiled before it runs"]
 pub struct Preparation {
     /// None where nothing is compiled.
     shared: Option<Shared>,
@@ -93,12 +124,15 @@ pub struct Preparation {
 }
 
 impl Preparation {
-    /// Of a world that is made for this, or none.
-    pub(crate) fn new(of: Option<(&Shared, World, &[Ahead])>) -> Self {
-        let Some((shared, mut world, ahead)) = of else { return Preparation { shared: None, forms: Vec::new() } };
+    /// Without any pipeline.
+    pub(crate) fn none() -> Self {
+        Preparation { shared: None, forms: Vec::new() }
+    }
+
+    /// Of a world that is made for this, and the rounds of polish that it may have; `cut` where its cloths are cut already.
+    pub(super) fn new(shared: &Shared, (mut world, rounds): (World, Vec<u32>), ahead: &[Ahead], cut: bool) -> Self {
         let mut forms: Vec<Form> = Vec::new();
-        let all = frames(&world).into_iter().chain(asked(&mut world, ahead));
-        for form in all {
+        for form in all(&mut world, &rounds, ahead, cut || ahead.contains(&Ahead::Cuts)) {
             if !forms.contains(&form) && !shared.has(&form) {
                 forms.push(form);
             }
@@ -113,14 +147,20 @@ impl Preparation {
     }
 
     /// Compiles the next one, as a loading screen may do in each frame. Nothing is compiled if none is left, or another thread was faster.
-    /// Errors on a device that is lost or has no memory left.
+    /// Errors on a device that is lost or has no memory left: then the pipeline is still left.
     pub fn run_one(&mut self) -> Result<Compiled> {
         let mut compiled = Compiled::default();
-        if let (Some(shared), Some(form)) = (&self.shared, self.forms.pop()) {
-            guard(shared.device(), || {
-                shared.make(&form, &mut compiled);
-                Ok(())
-            })?;
+        if let (Some(shared), Some(form)) = (&self.shared, self.forms.last()) {
+            let made = guard(shared.device(), || {
+                shared.make(form, &mut compiled);
+                // A lost device compiles nothing, and raises no error.
+                if is_lost(shared.device()) { Err(Error::DeviceLost) } else { Ok(()) }
+            });
+            if let Err(error) = made {
+                shared.forget(form);
+                return Err(error);
+            }
+            self.forms.pop();
         }
         Ok(compiled)
     }

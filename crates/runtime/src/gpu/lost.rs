@@ -55,8 +55,11 @@ pub(crate) fn is_lost(device: &wgpu::Device) -> bool {
 }
 
 /// Runs what makes objects on a device. Errors of the device are its result and do not reach the host's handler, whose default
-/// is to panic.
+/// is to panic. In a browser, where they are told later, they do reach it.
 pub(crate) fn guard<T>(device: &wgpu::Device, run: impl FnOnce() -> Result<T>) -> Result<T> {
+    if cfg!(target_family = "wasm") {
+        return run();
+    }
     let scopes = FILTERS.map(|filter| device.push_error_scope(filter));
     let result = run();
     // The last that was pushed is the first to be popped.
@@ -64,7 +67,7 @@ pub(crate) fn guard<T>(device: &wgpu::Device, run: impl FnOnce() -> Result<T>) -
     outcome(device, result, raised)
 }
 
-/// The same where errors are told later, as in a browser. `run` is called at once.
+/// The same where errors may be told later, as in a browser. `run` is called when the future is first polled.
 pub(crate) async fn guard_async<T>(device: &wgpu::Device, run: impl FnOnce() -> Result<T>) -> Result<T> {
     let scopes = FILTERS.map(|filter| device.push_error_scope(filter));
     let result = run();

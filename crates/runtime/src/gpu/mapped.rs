@@ -2,57 +2,77 @@
 
 use std::future::poll_fn;
 use std::pin::pin;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll, Waker};
 
-use super::lost::poll;
+use super::lost::{guard, poll};
 use crate::error::{Error, Result};
 
-type Mapped = std::result::Result<(), wgpu::BufferAsyncError>;
+/// The answer to a request, and who waits for it.
+#[derive(Default)]
+struct Answer {
+    mapped: Option<std::result::Result<(), wgpu::BufferAsyncError>>,
+    waker: Option<Waker>,
+}
 
 /// A buffer that is mapped, or is to be. Ends that when it is dropped, as a future may be before it is ready.
-struct Mapping<'a>(&'a wgpu::Buffer);
+struct Mapping<'a> {
+    buffer: &'a wgpu::Buffer,
+    answer: Arc<Mutex<Answer>>,
+}
+
+impl Mapping<'_> {
+    fn answer(&self) -> MutexGuard<'_, Answer> {
+        self.answer.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 impl Drop for Mapping<'_> {
     fn drop(&mut self) {
-        self.0.unmap();
+        // After a refusal there is nothing to end.
+        let refused = matches!(self.answer().mapped, Some(Err(_)));
+        if !refused {
+            self.buffer.unmap();
+        }
     }
 }
 
 /// Asks for the contents of a buffer that the host may read, and hands its bytes over when they are there. To be called when the copy
-/// into the buffer has been submitted. The request is made at once, the future may be awaited later.
-pub(crate) fn bytes<A>(staging: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> A) -> impl Future<Output = Result<A>> {
-    let shared: Arc<Mutex<(Option<Mapped>, Option<Waker>)>> = Arc::default();
-    let answer = shared.clone();
-    staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-        let mut answer = answer.lock().unwrap_or_else(PoisonError::into_inner);
-        answer.0 = Some(result);
-        if let Some(waker) = answer.1.take() {
-            waker.wake();
-        }
-    });
-    let arrived = poll_fn(move |context| {
-        let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(result) = shared.0.take() {
+/// into the buffer has been submitted. An error on a buffer that is mapped, or is being mapped, already.
+pub(crate) async fn bytes<A>(
+    device: &wgpu::Device,
+    staging: &wgpu::Buffer,
+    take: impl FnOnce(&[u8]) -> A,
+) -> Result<A> {
+    let answer: Arc<Mutex<Answer>> = Arc::default();
+    let told = answer.clone();
+    guard(device, || {
+        staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+            let waker = {
+                let mut answer = told.lock().unwrap_or_else(PoisonError::into_inner);
+                answer.mapped = Some(result);
+                answer.waker.take()
+            };
+            // Outside of the lock, as the future may be polled at once.
+            waker.into_iter().for_each(Waker::wake);
+        });
+        Ok(())
+    })?;
+    let mapping = Mapping { buffer: staging, answer };
+    let arrived = poll_fn(|context| {
+        let mut answer = mapping.answer();
+        if let Some(result) = answer.mapped.clone() {
             return Poll::Ready(result);
         }
-        shared.1 = Some(context.waker().clone());
+        answer.waker = Some(context.waker().clone());
         Poll::Pending
     });
-    let mapping = Mapping(staging);
-    async move {
-        let failed = |e: &dyn std::fmt::Display| Error::ReadBack(e.to_string());
-        if let Err(e) = arrived.await {
-            // There is nothing to end.
-            std::mem::forget(mapping);
-            return Err(failed(&e));
-        }
-        let view = staging.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
-        let taken = take(&view);
-        drop(view);
-        drop(mapping);
-        Ok(taken)
-    }
+    let failed = |e: &dyn std::fmt::Display| Error::ReadBack(e.to_string());
+    arrived.await.map_err(|e| failed(&e))?;
+    let view = staging.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
+    let taken = take(&view);
+    drop(view);
+    Ok(taken)
 }
 
 /// Runs a future that waits for nothing but a device. A page in a browser cannot: there the device completes no future before the caller

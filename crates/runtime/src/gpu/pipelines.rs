@@ -73,6 +73,11 @@ impl Shared {
         place.get_or_init(compile).clone()
     }
 
+    /// Drops the pipeline of a form, which has failed or may have.
+    pub fn forget(&self, form: &Form) {
+        self.lock().remove(form);
+    }
+
     /// Of the pipelines that there are, what `choose` returns the least key for.
     fn least<K: Ord>(&self, choose: impl Fn(&Form) -> Option<K>) -> Option<Arc<Pipeline>> {
         let made = self.lock();
@@ -112,6 +117,17 @@ impl Pipelines {
 
     fn of(shared: &Shared) -> Self {
         Pipelines { shared: shared.clone(), used: HashMap::new(), compiled: Compiled::default() }
+    }
+
+    /// The host's cache of them.
+    #[cfg(not(target_family = "wasm"))]
+    pub fn cache(&self) -> Option<&wgpu::PipelineCache> {
+        self.shared.cache.as_ref()
+    }
+
+    /// Drops all that this stepper has used.
+    pub fn forget(&mut self) {
+        self.used.drain().for_each(|(form, _)| self.shared.forget(&form));
     }
 
     /// Those of all steppers.

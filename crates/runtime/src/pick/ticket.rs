@@ -50,12 +50,13 @@ impl PickTicket {
         guard(device, || block_on(device, self.answer(device)))
     }
 
-    /// The answer without waiting, as [`crate::read_back_async`]. The encoder must have been submitted.
+    /// The answer without waiting, as [`crate::read_back_async`]. The encoder must have been submitted. An error while another answer of the
+    /// same ticket is under way.
     pub async fn answer(&self, device: &wgpu::Device) -> Result<Option<Hit>> {
         match &self.0 {
             Answer::Known(hit) => Ok(*hit),
             Answer::Pending(_) if is_lost(device) => Err(Error::DeviceLost),
-            Answer::Pending(pending) => bytes(&pending.staging, |bytes| self.decode(bytes)).await,
+            Answer::Pending(pending) => bytes(device, &pending.staging, |bytes| self.decode(bytes)).await,
         }
     }
 }

@@ -53,8 +53,8 @@ impl Stepper {
     ) -> Result<Self> {
         let mut warning = None;
         let mut options = options;
-        if let Some((device, queue)) = gpu.filter(|_| options.backend != Backend::Cpu) {
-            let (on_cpu, found) = consider(options.backend, device, queue)?;
+        if let Some(handles) = gpu.filter(|_| options.backend != Backend::Cpu) {
+            let (on_cpu, found) = consider(options.backend, handles, pipelines.as_ref())?;
             options.backend = if on_cpu { Backend::Cpu } else { options.backend };
             warning = found;
         }

@@ -1,22 +1,22 @@
 //! Compiling pipelines before a game needs them.
 
 use super::Stepper;
+use crate::cloth::Cloth;
 use crate::error::Result;
-use crate::fused::Room;
 use crate::gpu::{Ahead, Preparation};
 use crate::options::Options;
 use crate::scene::Scene;
-use crate::world::World;
 
 impl Stepper {
     /// The pipelines that frames of a scene run on this stepper's device under some settings, and those of calls that are to come, as far as
-    /// they are not compiled. [`Stepper::new`] compiles what the frames of its own scene run; the rest is compiled by the first call
+    /// they are not compiled. The scene is what this stepper's may become, whose cloths are known by their names and where they began, or that of
+    /// another stepper ([`Stepper::another`]). [`Stepper::new`] compiles what the frames of its own scene run; the rest is compiled by the first call
     /// or frame that needs it, some milliseconds each, unless it was prepared.
     ///
-    /// `prepare(stepper.scene(), stepper.options(), &Ahead::ALL)` is all that this scene can come to need but for other wind, colliders,
+    /// `prepare(stepper.scene(), stepper.options(), Ahead::ALL)` is all that this scene can come to need but for other wind, colliders,
     /// settings or cloths: those are put into a copy of the scene or of the options. Compiles nothing itself:
-    /// [`Preparation::run`] does, on any thread. None are left where the CPU steps. Costs as much as [`Stepper::on_cpu`] of that scene, and
-    /// errors as it does.
+    /// [`Preparation::run`] does, on any thread. None are left where the CPU steps. Costs as much as [`Stepper::on_cpu`] of that scene.
+    /// Errors on a scene or settings that a stepper refuses.
     ///
     /// ```no_run
     /// # use gimage_runtime::{Ahead, Stepper, Wind, WindForce};
@@ -30,9 +30,9 @@ impl Stepper {
     /// # }
     /// ```
     pub fn prepare(&self, scene: &Scene, options: &Options, ahead: &[Ahead]) -> Result<Preparation> {
-        let Some(gpu) = self.gpu.as_ref().filter(|_| self.cpu.is_none()) else { return Ok(Preparation::new(None)) };
-        let mut world = World::new(scene.clone(), options.clone())?;
-        world.make_room(Room::of(gpu.handles().0));
-        Ok(gpu.prepare_for(world, ahead))
+        let Some(gpu) = self.gpu.as_ref().filter(|_| self.cpu.is_none()) else { return Ok(Preparation::none()) };
+        let later = self.world.ahead(scene, options, ahead.contains(&Ahead::Pins))?;
+        let cut = self.world.scene.cloths.iter().any(Cloth::is_cut);
+        Ok(gpu.prepare_for(later, ahead, cut))
     }
 }

@@ -32,7 +32,7 @@ impl Stepper {
         if self.cpu.is_some() {
             return self.draw_with(handles);
         }
-        let (on_cpu, warning) = consider(self.options().backend, device, queue)?;
+        let (on_cpu, warning) = consider(self.options().backend, handles, None)?;
         let cpu = if on_cpu { Some(Threads::new(self.options().threads)?) } else { None };
         self.world.start_again((!on_cpu).then(|| Room::of(device)));
         self.gpu = Some(guard(device, || Gpu::new(&self.world, handles, Pipelines::new(device, None), on_cpu))?);

@@ -128,7 +128,7 @@ impl Stepper {
             offset += size(head);
         }
         queue.submit([encoder.finish()]);
-        let words: Vec<u32> = block_on(&device, bytes(&staging, pod_collect_to_vec))?;
+        let words: Vec<u32> = block_on(&device, bytes(&device, &staging, pod_collect_to_vec))?;
         let mut rest = &words[..];
         let mut states = Vec::new();
         for head in heads {

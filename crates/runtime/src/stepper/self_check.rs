@@ -12,7 +12,7 @@ use web_time::Instant;
 use crate::error::{Error, Result};
 #[cfg(not(target_family = "wasm"))]
 use crate::gpu::block_on;
-use crate::gpu::is_lost;
+use crate::gpu::{Pipelines, is_lost};
 use crate::limits::Warning;
 use crate::options::Backend;
 
@@ -87,13 +87,20 @@ static CHECKED: Mutex<Known> = Mutex::new(Vec::new());
 /// are results of the check. A page in a browser cannot wait, and awaits [`self_check_async`].
 #[cfg(not(target_family = "wasm"))]
 pub fn self_check(device: &wgpu::Device, queue: &wgpu::Queue) -> SelfCheck {
+    check_with((device, queue), None)
+}
+
+/// The same with the host's cache of pipelines.
+#[cfg(not(target_family = "wasm"))]
+fn check_with(handles: (&wgpu::Device, &wgpu::Queue), cache: Option<&wgpu::PipelineCache>) -> SelfCheck {
+    let device = handles.0;
     // Held throughout, so that threads that ask at the same time wait for one check.
     let mut checked = CHECKED.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(known) = find(&checked, device) {
         return known;
     }
     let start = Instant::now();
-    let found = block_on(device, async { Ok(probe::run(device, queue).await) });
+    let found = block_on(device, async { Ok(probe::run(probe::On { handles, cache }).await) });
     let mismatches = found.unwrap_or_else(|error| vec![Mismatch::Failed(error.to_string())]);
     keep(&mut checked, device, SelfCheck::new(device, start, mismatches))
 }
@@ -105,7 +112,7 @@ pub async fn self_check_async(device: &wgpu::Device, queue: &wgpu::Queue) -> Sel
         return known;
     }
     let start = Instant::now();
-    let mismatches = probe::run(device, queue).await;
+    let mismatches = probe::run(probe::On { handles: (device, queue), cache: None }).await;
     let check = SelfCheck::new(device, start, mismatches);
     keep(&mut CHECKED.lock().unwrap_or_else(PoisonError::into_inner), device, check)
 }
@@ -119,8 +126,11 @@ fn find(checked: &Known, device: &wgpu::Device) -> Option<SelfCheck> {
     checked.iter().find(|(k, _)| *k == key).map(|(_, known)| known.clone())
 }
 
-/// Keeps a check for later calls. A loss says nothing of the device that is made next.
+/// Keeps a check for later calls, the first of those that were made at the same time. A loss says nothing of the device that is made next.
 fn keep(checked: &mut Known, device: &wgpu::Device, check: SelfCheck) -> SelfCheck {
+    if let Some(known) = find(checked, device) {
+        return known;
+    }
     if !is_lost(device) {
         checked.push(((device.adapter_info(), device.limits()), check.clone()));
     }
@@ -140,15 +150,19 @@ fn name(info: &wgpu::AdapterInfo) -> String {
 #[cfg(not(target_family = "wasm"))]
 pub(super) fn consider(
     backend: Backend,
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
+    handles: (&wgpu::Device, &wgpu::Queue),
+    pipelines: Option<&Pipelines>,
 ) -> Result<(bool, Option<Warning>)> {
-    decide(backend, Some(&self_check(device, queue)))
+    decide(backend, Some(&check_with(handles, pipelines.and_then(Pipelines::cache))))
 }
 
 /// [`decide`] of a device that the host has checked, or has not.
 #[cfg(target_family = "wasm")]
-pub(super) fn consider(backend: Backend, device: &wgpu::Device, _: &wgpu::Queue) -> Result<(bool, Option<Warning>)> {
+pub(super) fn consider(
+    backend: Backend,
+    (device, _): (&wgpu::Device, &wgpu::Queue),
+    _: Option<&Pipelines>,
+) -> Result<(bool, Option<Warning>)> {
     match known(device) {
         Some(check) => decide(backend, Some(&check)),
         None => Ok((false, Some(Warning::Unchecked { name: name(&device.adapter_info()) }))),

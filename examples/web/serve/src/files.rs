@@ -39,7 +39,7 @@ impl Files {
             None => (self.made.path(), if url.is_empty() { "index.html" } else { &url }),
         };
         // Names of files alone: no other folder is served.
-        let plain = Path::new(name).file_name().is_some_and(|n| n == name);
+        let file = Some(folder.join(name)).filter(|_| Path::new(name).file_name().is_some_and(|n| n == name));
         let kind = match Path::new(name).extension().and_then(|e| e.to_str()) {
             Some("html") => "text/html; charset=utf-8",
             Some("js") => "text/javascript",
@@ -48,7 +48,7 @@ impl Files {
             _ => "application/octet-stream",
         };
         let kind = Header::from_bytes("Content-Type", kind).map_err(|()| "a header")?;
-        match fs::read(folder.join(name)).ok().filter(|_| plain) {
+        match file.filter(|f| f.is_file()).and_then(|f| fs::read(f).ok()) {
             Some(bytes) => request.respond(Response::from_data(bytes).with_header(kind))?,
             None => request.respond(Response::from_string("no such file").with_status_code(404))?,
         }

@@ -28,7 +28,7 @@ struct Args {
     port: u16,
     /// Steps this many frames in a browser without a window and compares the positions with those of this machine's CPU. Exit status 1 if
     /// they differ by more than 1e-5 m.
-    #[arg(long, value_name = "FRAMES")]
+    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..))]
     check: Option<u32>,
     /// The browser of the check, Chromium or one with its flags.
     #[arg(long, default_value = "chromium", requires = "check")]

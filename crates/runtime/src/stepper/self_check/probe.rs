@@ -5,7 +5,7 @@ use super::Mismatch;
 use crate::cloth::{Cloth, Grid, Mass, Particle, Parts, Rest};
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
-use crate::gpu::{guard_async, read_back_async};
+use crate::gpu::{Pipelines, Span, guard_async, read_back_async};
 use crate::options::{Backend, Options, Solver};
 use crate::scene::Scene;
 
@@ -16,13 +16,20 @@ const FRAME: f64 = 1.0 / 120.0;
 const POSITION: f64 = 1e-5;
 const NORMAL: f64 = 2e-3;
 
+/// A device and its queue, and the host's cache of pipelines.
+#[derive(Clone, Copy)]
+pub struct On<'a> {
+    pub handles: (&'a wgpu::Device, &'a wgpu::Queue),
+    pub cache: Option<&'a wgpu::PipelineCache>,
+}
+
 type Lists = [Vec<[f32; 4]>; 3];
 const NAMES: [&str; 3] = ["positions", "previous positions", "normals"];
 
 /// Runs the probe. Errors of the device are mismatches.
-pub async fn run(device: &wgpu::Device, queue: &wgpu::Queue) -> Vec<Mismatch> {
+pub async fn run(on: On<'_>) -> Vec<Mismatch> {
     let found = match scene() {
-        Ok(scene) => compare(device, queue, &scene, &scene).await,
+        Ok(scene) => compare(on, [&scene; 2]).await,
         Err(error) => Err(error),
     };
     let failed = |error: Error| error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
@@ -30,11 +37,11 @@ pub async fn run(device: &wgpu::Device, queue: &wgpu::Queue) -> Vec<Mismatch> {
 }
 
 /// Steps one scene on the device and another, which is the same but in tests, on the CPU.
-async fn compare(device: &wgpu::Device, queue: &wgpu::Queue, there: &Scene, here: &Scene) -> Result<Vec<Mismatch>> {
+async fn compare(on: On<'_>, [there, here]: [&Scene; 2]) -> Result<Vec<Mismatch>> {
     let expected = on_cpu(here)?;
     let mut found = Vec::new();
     for (run, fused) in [("whole frames", true), ("pass by pass", false)] {
-        let computed = on_device(device, queue, there, fused).await?;
+        let computed = on_device(on, there, fused).await?;
         for ((cloth, computed), expected) in here.cloths.iter().zip(&computed).zip(&expected) {
             found.extend(differences(run, computed, expected));
             found.extend(open_seams(run, cloth, computed));
@@ -112,19 +119,25 @@ fn on_cpu(scene: &Scene) -> Result<Vec<Lists>> {
     Ok((0..scene.cloths.len()).map(lists).collect())
 }
 
-async fn on_device(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene, fused: bool) -> Result<Vec<Lists>> {
+async fn on_device(on: On<'_>, scene: &Scene, fused: bool) -> Result<Vec<Lists>> {
+    let (device, queue) = on.handles;
     let run = || {
-        let mut stepper = Stepper::unchecked(scene.clone(), options(Backend::Gpu, fused), Some((device, queue)), None)?;
+        let (options, pipelines) = (options(Backend::Gpu, fused), Pipelines::new(device, on.cache));
+        let mut stepper = Stepper::unchecked(scene.clone(), options, Some((device, queue)), Some(pipelines))?;
         let mut encoder = device.create_command_encoder(&Default::default());
         stepper.record(&mut encoder, FRAME)?;
         queue.submit([encoder.finish()]);
         Ok(stepper)
     };
     let stepper = guard_async(device, run).await?;
+    let cloths = (0..scene.cloths.len()).filter_map(|c| stepper.buffers(c));
+    // No reference to a stepper is held while the device is awaited, so that hosts may do so on any thread.
+    let spans: Vec<[Span; 3]> = cloths.map(|b| [&b.now, &b.before, &b.normals].map(Span::clone)).collect();
+    drop(stepper);
     let mut all = Vec::new();
-    for cloth in (0..scene.cloths.len()).filter_map(|c| stepper.buffers(c)) {
+    for [now, before, normals] in &spans {
         let read = |span| read_back_async(device, queue, span);
-        all.push([read(&cloth.now).await?, read(&cloth.before).await?, read(&cloth.normals).await?]);
+        all.push([read(now).await?, read(before).await?, read(normals).await?]);
     }
     Ok(all)
 }

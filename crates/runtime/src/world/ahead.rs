@@ -1,0 +1,105 @@
+//! The worlds that one may become by calls of the host, whose pipelines are compiled ahead.
+
+use super::World;
+use crate::choose::{Settings, Wish, most_substeps};
+use crate::cloth::Cloth;
+use crate::error::Result;
+use crate::fused::{Room, arenas};
+use crate::options::Options;
+use crate::scene::Scene;
+
+impl World {
+    /// The world of a scene that this one may become, and the rounds of polish that may be in force then, `freed` where the host may free
+    /// pins. A cloth of both, known by its name and its start, keeps what was made with it. A scene without such a cloth is that of
+    /// another stepper.
+    pub fn ahead(&self, scene: &Scene, options: &Options, freed: bool) -> Result<(World, Vec<u32>)> {
+        let mut later = World::new(scene.clone(), options.clone())?;
+        let kept = self.kept_in(&later);
+        let any = kept.iter().any(Option::is_some);
+        if let Some(room) = self.room {
+            later.make_room(room);
+            if any {
+                later.arenas = self.arenas_in(&later, &kept, &room);
+            }
+        }
+        for (index, own) in kept.iter().enumerate() {
+            let Some(own) = *own else { continue };
+            later.scene.cloths[index].exact = self.scene.cloths[own].exact;
+            later.runs[index].tethers = self.runs[own].tethers.clone();
+        }
+        let mut rounds = later.chosen_rounds(freed);
+        if any && options == self.control.options.given() {
+            let now = self.control.options.polish;
+            rounds.push(now);
+            let wishes = Wish::of(&later.control.options, &later.scene);
+            let joins = kept.iter().zip(wishes).filter(|(own, _)| own.is_none());
+            rounds.extend(joins.map(|(_, wish)| wish.polish.max(now)));
+        }
+        rounds.sort_unstable();
+        rounds.dedup();
+        later.reschedule();
+        Ok((later, rounds))
+    }
+
+    /// Takes other rounds of polish.
+    pub fn polish(&mut self, rounds: u32) {
+        self.control.options.polish = rounds;
+        self.reschedule();
+    }
+
+    /// Most steps of a frame.
+    pub fn most_steps(&self) -> u32 {
+        most_substeps(&self.control.options).saturating_mul(self.control.options.max_catch_up)
+    }
+
+    /// For each cloth of another world its index in this one.
+    fn kept_in(&self, later: &World) -> Vec<Option<usize>> {
+        let mut next = 0;
+        let find = |cloth: &Cloth| {
+            let same = |own: &usize| {
+                let own = &self.scene.cloths[*own];
+                own.name() == cloth.name() && own.grids() == cloth.grids() && own.positions() == cloth.positions()
+            };
+            let own = (next..self.scene.cloths.len()).find(same);
+            next = own.map_or(next, |own| own + 1);
+            own
+        };
+        later.scene.cloths.iter().map(find).collect()
+    }
+
+    /// The arenas of a world in which some cloths of this one are: each that comes has its own.
+    fn arenas_in(&self, later: &World, kept: &[Option<usize>], room: &Room) -> Vec<Vec<usize>> {
+        let place = |own: &usize| kept.iter().position(|k| *k == Some(*own));
+        let stay = self.arenas.iter().map(|list| list.iter().filter_map(place).collect::<Vec<_>>());
+        let come = kept.iter().enumerate().filter(|(_, own)| own.is_none()).flat_map(|(index, _)| {
+            let alone = std::slice::from_ref(&later.scene.cloths[index]);
+            let slots = later.runs[index].tethers.per_particle;
+            arenas(alone, |_| slots, &later.control.options, room).into_iter().map(move |_| vec![index])
+        });
+        stay.chain(come).filter(|list| !list.is_empty()).collect()
+    }
+
+    /// The rounds that are chosen for the scene, and for the same without the pins of one cloth, and of all.
+    fn chosen_rounds(&self, freed: bool) -> Vec<u32> {
+        let mut scene = self.scene.clone();
+        let chosen = |scene: &Scene| Settings::new(self.control.options.given().clone(), scene).1.polish;
+        let mut rounds = vec![self.control.choice.polish];
+        let pinned = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
+        let free = |c: &mut Cloth| {
+            let all: Vec<u32> = (0..c.len() as u32).filter(|k| c.particles()[*k as usize].is_pinned()).collect();
+            c.hold_all(all.into_iter(), false);
+        };
+        for index in (0..scene.cloths.len()).filter(|_| freed) {
+            if pinned(&scene.cloths[index]) {
+                free(&mut scene.cloths[index]);
+                rounds.push(chosen(&scene));
+                scene.cloths[index] = self.scene.cloths[index].clone();
+            }
+        }
+        if freed {
+            scene.cloths.iter_mut().for_each(free);
+            rounds.push(chosen(&scene));
+        }
+        rounds
+    }
+}
