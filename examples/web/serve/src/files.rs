@@ -38,8 +38,7 @@ impl Files {
             Some(name) => (self.bundle.as_path(), name),
             None => (self.made.path(), if url.is_empty() { "index.html" } else { &url }),
         };
-        // Names of files alone: no other folder is served.
-        let file = Some(folder.join(name)).filter(|_| Path::new(name).file_name().is_some_and(|n| n == name));
+        let file = inside(folder, name);
         let kind = match Path::new(name).extension().and_then(|e| e.to_str()) {
             Some("html") => "text/html; charset=utf-8",
             Some("js") => "text/javascript",
@@ -48,10 +47,35 @@ impl Files {
             _ => "application/octet-stream",
         };
         let kind = Header::from_bytes("Content-Type", kind).map_err(|()| "a header")?;
-        match file.filter(|f| f.is_file()).and_then(|f| fs::read(f).ok()) {
+        match file.and_then(|f| fs::read(f).ok()) {
             Some(bytes) => request.respond(Response::from_data(bytes).with_header(kind))?,
             None => request.respond(Response::from_string("no such file").with_status_code(404))?,
         }
         Ok(())
+    }
+}
+
+/// A file in a folder by its plain name: no other folder is served, and no device.
+fn inside(folder: &Path, name: &str) -> Option<PathBuf> {
+    let plain = Path::new(name).file_name().is_some_and(|n| n == name);
+    Some(folder.join(name)).filter(|file| plain && file.is_file())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_other_folder_is_served() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("in")).unwrap();
+        fs::write(folder.path().join("in/a.exr"), []).unwrap();
+        fs::write(folder.path().join("secret"), []).unwrap();
+        let secret = folder.path().join("secret");
+        let served = |name: &str| inside(&folder.path().join("in"), name).is_some();
+        assert!(served("a.exr"));
+        for name in ["", ".", "..", "../secret", "x/../../secret", "/dev/zero", secret.to_str().unwrap(), "b.exr"] {
+            assert!(!served(name), "{name}");
+        }
     }
 }
