@@ -1,13 +1,19 @@
 // The whole frame of a cloth by one workgroup: every step, from the integration to the contact, then what ends a frame.
-// A workgroup a cloth. `air_program`, `step_program`, `round_program` and `frame_program` are made from the schedule: the rules of
-// the separate passes, in the same order, with a barrier after each. `find_lists` and the places of lists, `NAME_from`, are made
-// by crates/runtime/src/shaders/lists.rs.
+// A workgroup a cloth. A frame with much work is several dispatches, each of which makes some of its steps. `air_program`,
+// `step_program`, `round_program` and `frame_program` are made from the schedule: the rules of the separate passes, in the same
+// order, with a barrier after each. `find_lists` and the places of lists, `NAME_from`, are made by
+// crates/runtime/src/shaders/lists.rs.
 // Laid out as `FrameRow` in crates/runtime/src/layout.rs. Rows: the first step, then one for each group of steps.
 struct Frame {
   steps: u32,
   rounds: u32,
   together: u32,
   solids: u32,
+  // The steps of this dispatch, up to, not with, the second.
+  first: u32,
+  end: u32,
+  unused1: u32,
+  unused2: u32,
   rows: array<Step, 129>,
 }
 @group(0) @binding(31) var<uniform> frame: Frame;
@@ -81,14 +87,14 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     take(k);
     take_was(k);
   }
-  if (local == 0u) {
+  if (local == 0u && frame.first == 0u) {
     atomicStore(&faults[fault(FAULT_PARTICLES)], 0u);
     atomicStore(&faults[fault(FAULT_SPEED)], 0u);
     atomicStore(&faults[fault(FAULT_STRAIN)], 0u);
   }
   storageBarrier();
   sync();
-  for (var n = 0u; n < frame.steps; n++) {
+  for (var n = frame.first; n < frame.end; n++) {
     begin(n, job);
     if (n % job.hold == 0u) {
       air_program(job, local);
@@ -104,5 +110,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     give_was(k, p.w);
   }
   storageBarrier();
-  frame_program(job, local);
+  if (frame.end == frame.steps) {
+    frame_program(job, local);
+  }
 }

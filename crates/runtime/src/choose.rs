@@ -9,8 +9,6 @@ use crate::cloth::{Cloth, Compliance};
 use crate::collider::solid::Solid;
 use crate::number::real::dot;
 use crate::options::{Options, Solver};
-#[cfg(feature = "gpu")]
-use crate::quality::Quality;
 use crate::scene::Scene;
 
 /// How a cloth is held, which decides how many substeps it needs.
@@ -135,6 +133,11 @@ impl Deref for Settings {
 }
 
 impl Settings {
+    /// Relaxations of a step, rounds of polish included.
+    pub fn relaxations(&self) -> u32 {
+        self.iterations.saturating_mul(self.polish + 1)
+    }
+
     /// Decides what `given` leaves open.
     pub fn new(given: Options, scene: &Scene) -> (Self, Choice) {
         let choice = choose(&given, scene);
@@ -265,16 +268,6 @@ pub(crate) fn stiff(cloth: &Cloth) -> bool {
 fn side(cloth: &Cloth) -> f64 {
     let longest = cloth.grids().iter().map(|g| g.width.max(g.height)).max().unwrap_or(0);
     (cloth.len() as f64).sqrt().max(0.5 * f64::from(longest))
-}
-
-/// Most steps per [`Options::step`] that are chosen, or the number that the host gave.
-#[cfg(feature = "gpu")]
-pub fn most_substeps(settings: &Settings) -> u32 {
-    match (settings.quality, settings.given.substeps) {
-        (Quality::Fixed, Some(_)) => settings.substeps,
-        (Quality::Fixed, None) => in_step(MAX_SUBSTEPS, settings.step).max(settings.substeps),
-        _ => crate::quality::MAX_SUBSTEPS.max(settings.substeps),
-    }
 }
 
 /// As many steps in `step` \[s\] as `n` in a frame.

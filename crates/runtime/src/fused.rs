@@ -21,6 +21,8 @@ pub struct Room {
     pub(crate) threads: u32,
     /// Storage buffers that a shader may bind.
     pub(crate) buffers: u32,
+    /// Iterations that all loops of a thread may make in a dispatch.
+    pub(crate) loops: u32,
     /// Workgroups that keep it busy.
     pub(crate) busy: u32,
     /// Bytes of one of them.
@@ -46,6 +48,8 @@ impl Room {
         Room {
             memory: limits.max_compute_workgroup_storage_size,
             threads: if software { LEAST } else { most.max(LEAST) },
+            // llvmpipe ends all loops of a thread after that many in total, without an error.
+            loops: if software { 65_535 } else { u32::MAX },
             buffers: limits.max_storage_buffers_per_shader_stage,
             busy: if software { 8 } else { 256 },
             bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),

@@ -196,7 +196,7 @@ impl Gpu {
         let (mut alone, mut last) = std::mem::take(&mut self.apart);
         alone.clear();
         last.clear();
-        alone.extend((0..self.cloths.len()).filter(|c| world.is_apart(*c, steps)));
+        alone.extend((0..self.cloths.len()).filter(|c| world.is_apart(*c)));
         for faults in alone.iter().filter_map(|c| self.cloths[*c].faults.as_ref()) {
             encoder.clear_buffer(&faults.buffer, faults.offset, Some(4));
         }
@@ -280,7 +280,9 @@ impl Gpu {
     fn record_fused(&mut self, world: &World, passes: &mut Recording, steps: u32) {
         let Some(frames) = &mut self.frames else { return };
         let mut batches = std::mem::take(&mut self.batches);
-        world.batch(steps, &mut batches);
+        world.batch(&mut batches);
+        let dispatches: usize = batches.iter().map(|batch| batch.parts(steps).count()).sum();
+        frames::make_room(frames, &self.device, dispatches as u32);
         for of_arena in batches.chunk_by(|a, b| a.arena == b.arena) {
             let arena = of_arena[0].arena;
             self.arenas[arena].follow(&self.device, world, &world.arenas[arena], of_arena, passes);
@@ -292,15 +294,18 @@ impl Gpu {
             }
             let pipeline = self.pipelines.fitting(&Form::Whole(batch.fused.clone()));
             let any = world.arenas[batch.arena][batch.members[0]];
-            frames::numbers(&world.frame(any, steps), batch.solids, &mut self.numbers);
-            let offset = frames.offset(&self.queue, &self.numbers);
             let buffers = (&self.solids.buffer, &frames.buffer);
             let group = self.arenas[batch.arena].group(&self.device, (batch, first_job), pipeline, buffers);
             first_job += batch.members.len() as u32;
             let pass = passes.pass(pipeline.source.stem);
             pass.set_pipeline(&pipeline.pipeline);
-            pass.set_bind_group(0, group, &[offset]);
-            pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);
+            let frame = world.frame(any, steps);
+            for part in batch.parts(steps) {
+                frames::numbers(&frame, &part, batch.solids, &mut self.numbers);
+                let offset = frames.offset(&self.queue, &self.numbers);
+                pass.set_bind_group(0, group, &[offset]);
+                pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);
+            }
         }
         self.batches = batches;
     }

@@ -63,6 +63,11 @@ pub struct FrameRow {
     pub rounds: u32,
     pub together: u32,
     pub solids: u32,
+    /// The steps that a dispatch makes: from the first to, not with, the second.
+    pub first: u32,
+    pub end: u32,
+    pub unused1: u32,
+    pub unused2: u32,
     pub rows: [StepRow; POSES as usize + 1],
 }
 

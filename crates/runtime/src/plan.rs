@@ -35,24 +35,26 @@ impl Plan {
     pub(crate) fn new(world: &World) -> Self {
         let steps = world.control.options.substeps;
         let mut passes = Vec::new();
-        for batch in world.batches(steps) {
+        for batch in world.batches() {
+            let parts = batch.parts(steps).count() as u32;
             let cloths = batch.members.iter().map(|m| world.arenas[batch.arena][*m]);
-            let fused =
-                cloths.enumerate().map(|(k, c)| planned(world, c, Form::Whole(batch.fused.clone()), u32::from(k == 0)));
+            let fused = cloths
+                .enumerate()
+                .map(|(k, c)| planned(world, c, Form::Whole(batch.fused.clone()), if k == 0 { parts } else { 0 }));
             passes.extend(fused);
         }
-        for cloth in (0..world.runs.len()).filter(|c| world.is_apart(*c, steps)) {
+        for cloth in (0..world.runs.len()).filter(|c| world.is_apart(*c)) {
             let forms = apart(world, cloth).into_iter();
             passes.extend(forms.map(|(form, dispatches)| planned(world, cloth, form, dispatches)));
         }
         Plan { passes }
     }
 
-    /// The forms of the passes of a cloth in a frame of `steps` steps.
+    /// The forms of the passes of a cloth in a frame.
     #[cfg(feature = "gpu")]
-    pub(crate) fn forms(world: &World, cloth: usize, steps: u32) -> Vec<Form> {
+    pub(crate) fn forms(world: &World, cloth: usize) -> Vec<Form> {
         match &world.runs[cloth].fused {
-            Some(fused) if world.is_fused(cloth, steps) => vec![Form::Whole(fused.clone())],
+            Some(fused) => vec![Form::Whole(fused.clone())],
             _ => apart(world, cloth).into_iter().map(|(form, _)| form).collect(),
         }
     }

@@ -7,8 +7,6 @@ mod reach;
 mod saved;
 
 pub use chooser::Chooser;
-#[cfg(feature = "gpu")]
-pub use reach::MAX_SUBSTEPS;
 pub use saved::{NUMBERS, Numbers};
 
 use crate::error::{Result, check};

@@ -247,13 +247,57 @@ fn colliders_that_move_are_where_they_are_in_every_step() {
         ..Collider::new(shape, [0.5, -0.5, 0.1])
     }];
     // Above 128 steps per frame some share their place.
-    let longest = Run::new(&hit, &Options { substeps: Some(300), iterations: 2, ..options(true) }, &device);
-    assert_eq!(longest.holds(), [], "a dispatch that does not end is taken for lost");
-    for substeps in [1, 7, 300] {
-        let with = |fused| Options { substeps: Some(substeps), ..options(fused) };
+    for (substeps, iterations) in [(1, 1), (7, 1), (300, 1), (300, 16)] {
+        let with = |fused| Options { substeps: Some(substeps), iterations, ..options(fused) };
+        let dispatches = Run::new(&hit, &with(true), &device).stepper.plan().dispatches();
+        assert_eq!(dispatches > 1, iterations > 1, "{substeps} steps: {dispatches}");
         let [one, apart] = [true, false].map(|fused| Run::new(&hit, &with(fused), &device).frames(3).bits(0));
         assert!(one == apart, "{substeps} steps");
     }
+}
+
+/// A dispatch that does not end is taken for lost.
+#[test]
+fn a_frame_with_much_work_is_several_dispatches_with_the_same_bits() {
+    let Some(device) = roomy() else { return };
+    let seams = [("tube", scene(support::hung_tube(3))), ("charts", scene(support::two_charts(17)))];
+    for (name, scene) in [seams.to_vec(), vec![("windy", windy(17))], support::soft()].concat() {
+        let with = |fused| Options { substeps: Some(150), iterations: 30, ..options(fused) };
+        let one = Run::new(&scene, &with(true), &device);
+        let dispatches = one.stepper.plan().dispatches();
+        assert!(dispatches >= 2 * one.holds().len() as u32 / scene.cloths.len() as u32, "{name}: {dispatches}");
+        let (one, apart) = (one.frames(2), Run::new(&scene, &with(false), &device).frames(2));
+        assert!((0..scene.cloths.len()).all(|c| one.bits(c) == apart.bits(c)), "{name}");
+    }
+}
+
+/// As many as a frame has dispatches, and more than lie ready.
+#[test]
+fn numbers_of_all_dispatches_of_a_frame_have_room() {
+    let Some(device) = roomy() else { return };
+    let mut all = scene(support::curtain(5));
+    let ball = |group: u32| {
+        let shape = Shape::Sphere { radius: 0.2 + 0.05 * group as f32 };
+        Collider { collision_groups: group, ..Collider::new(shape, [0.5, -0.4, 0.2]) }
+    };
+    all.colliders = vec![ball(1), ball(2), ball(4)];
+    let mut run = Run::new(&all, &options(true), &device);
+    // Each has a dispatch of its own, and meets another number of colliders than the one before.
+    let cloth = |n: u32| {
+        let mut cloth = support::curtain(5);
+        cloth.collision_groups = [1, 3, 7][n as usize % 3];
+        cloth
+    };
+    (0..100).for_each(|n| _ = run.stepper.add_cloth(cloth(n)).unwrap());
+    assert_eq!(run.stepper.plan().dispatches(), 101);
+    let run = run.frames(4);
+    let alone = [0, 1, 2].map(|n| {
+        let scene = Scene { cloths: vec![cloth(n)], ..all.clone() };
+        Run::new(&scene, &options(false), &device).frames(4).bits(0)
+    });
+    assert!(alone[0] != alone[1] && alone[1] != alone[2], "the other colliders matter");
+    let wrong: Vec<u32> = (0..100).filter(|n| run.bits(1 + *n as usize) != alone[(n % 3) as usize]).collect();
+    assert_eq!(wrong, [0; 0]);
 }
 
 #[test]

@@ -142,7 +142,7 @@ fn the_frames_after_the_last_pin_is_freed_are_prepared_with_pins() {
 }
 
 #[test]
-fn frames_too_long_for_one_dispatch_are_prepared() {
+fn frames_too_long_for_one_dispatch_compile_nothing_more() {
     let options = Options { max_catch_up: 64, ..Options::default() };
     let call = |rig: &mut Rig| rig.frame(1.0);
     prepared(hung(), &options, &[], |_| {}, call);

@@ -62,15 +62,12 @@ pub(super) fn frames(world: &World) -> Vec<Form> {
     forms
 }
 
-/// The same with all rounds of polish that may be in force, and with frames so long that passes run apart.
+/// The same with all rounds of polish that may be in force.
 fn all_frames(world: &mut World, rounds: &[u32]) -> Vec<Form> {
     let mut forms = Vec::new();
     for rounds in rounds {
         world.polish(*rounds);
         forms.extend(frames(world));
-        let most = world.most_steps();
-        let long = (0..world.runs.len()).filter(|c| world.is_fused(*c, 1) && !world.is_fused(*c, most));
-        forms.extend(long.flat_map(|c| Plan::forms(world, c, most)));
     }
     forms
 }

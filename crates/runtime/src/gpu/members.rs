@@ -33,7 +33,7 @@ impl Gpu {
         let (store, states) = Store::new(&self.device, world, &[index], draw_only);
         let shares = world.arenas.last().is_some_and(|cloths| cloths == &[index]);
         if !draw_only {
-            for form in Plan::forms(world, index, world.control.options.substeps) {
+            for form in Plan::forms(world, index) {
                 self.pipelines.fitting(&form);
             }
             if world.scene.cloths[index].particles().iter().any(|p| p.is_pinned()) {

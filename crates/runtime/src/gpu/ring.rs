@@ -23,6 +23,11 @@ impl Ring {
         Ring { buffer, stride, rows, cursor: 0, last: Vec::new() }
     }
 
+    /// Rows that there is room for.
+    pub fn rows(&self) -> u32 {
+        self.rows
+    }
+
     /// Where a row lies; it is written only if it differs from the last one.
     pub fn offset(&mut self, queue: &wgpu::Queue, row: &[u8]) -> u32 {
         if self.last != row {

@@ -131,7 +131,7 @@ impl Gpu {
         let (mut parts, mut probes) = (Parts::default(), Vec::new());
         for index in (0..self.cloths.len()).filter(|c| !world.runs[*c].asleep) {
             let cloth = &self.cloths[index];
-            let fused = world.is_fused(index, steps);
+            let fused = world.is_fused(index);
             let fastest = limit.and_then(|_| cloth.fastest(fused));
             let measured = world.runs[index].schedule.frame.iter().any(|p| matches!(p, Pass::Strain { .. }));
             let strain = if measured { cloth.strain(fused) } else { None };

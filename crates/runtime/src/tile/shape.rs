@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn tiles_are_as_large_as_pays() {
-        let room = Room { memory: 49_152, threads: 256, buffers: 8, busy: 256, bytes: 1 << 27 };
+        let room = Room { memory: 49_152, threads: 256, buffers: 8, loops: u32::MAX, busy: 256, bytes: 1 << 27 };
         let passes = [Pass::Integrate(Air::None)].into_iter().chain(COLOURS.map(|(direction, parity)| Pass::Stretch {
             direction,
             parity,

@@ -1,7 +1,7 @@
 //! The worlds that one may become by calls of the host, whose pipelines are compiled ahead.
 
 use super::World;
-use crate::choose::{Settings, Wish, most_substeps};
+use crate::choose::{Settings, Wish};
 use crate::cloth::Cloth;
 use crate::error::Result;
 use crate::fused::{Room, arenas};
@@ -45,11 +45,6 @@ impl World {
     pub fn polish(&mut self, rounds: u32) {
         self.control.options.polish = rounds;
         self.reschedule();
-    }
-
-    /// Most steps of a frame.
-    pub fn most_steps(&self) -> u32 {
-        most_substeps(&self.control.options).saturating_mul(self.control.options.max_catch_up)
     }
 
     /// For each cloth of another world its index in this one.

@@ -23,6 +23,8 @@ pub struct ClothRun {
     pub schedule: Schedule,
     /// Its whole frame in one dispatch, where it runs so.
     pub fused: Option<Fused>,
+    /// Most steps of it in one dispatch.
+    pub most: u32,
     /// How passes run together where it does not, found when it is first asked for.
     pub order: OnceLock<Option<Order>>,
     /// Largest area of its particles over their mass \[m^2/kg\], found when air first acts on it.

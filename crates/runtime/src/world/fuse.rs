@@ -1,13 +1,13 @@
 //! Which cloths share a dispatch.
 
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use super::World;
+use super::dispatch::most_steps;
 use crate::form::Fused;
 use crate::passes::Schedule;
 
-/// Relaxations of a frame: longer ones run in separate passes, as a device may take a dispatch that does not end for lost.
-const LONGEST: u32 = 512;
 /// Workgroups of a dispatch in a row.
 const MOST: usize = 65_535;
 
@@ -20,8 +20,19 @@ pub struct Batch {
     pub fused: Fused,
     /// Colliders that each of its cloths meets.
     pub solids: usize,
+    /// Most steps in one dispatch.
+    pub most: u32,
     /// Places in the arena's list of cloths.
     pub members: Vec<usize>,
+}
+
+impl Batch {
+    /// The steps of each of its dispatches in a frame of `steps` steps. A frame without a step has one: it makes normals.
+    pub fn parts(&self, steps: u32) -> impl Iterator<Item = Range<u32>> + use<> {
+        let most = self.most.max(1);
+        let count = steps.div_ceil(most).max(1);
+        (0..count).map(move |n| n * most..(n + 1).saturating_mul(most).min(steps))
+    }
 }
 
 impl World {
@@ -32,6 +43,7 @@ impl World {
         // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.
         let mut frames: Vec<(Arc<Schedule>, bool)> = Vec::new();
         for index in self.arenas.iter().flatten() {
+            let solids = self.solid_count(*index);
             let (cloth, run) = (&self.scene.cloths[*index], &mut self.runs[*index]);
             // Rest lengths and tethers that a cut has changed are the cloth's own.
             if cloth.is_cut() {
@@ -45,37 +57,37 @@ impl World {
                 frames.len() - 1
             });
             let (frame, fits) = &frames[at];
-            run.fused = fits.then(|| Fused::of(cloth, frame, &room));
+            let fused = fits.then(|| Fused::of(cloth, frame, &room));
+            run.most = fused.as_ref().map_or(0, |f| most_steps(cloth, solids, f, &self.control.options, &room));
+            run.fused = fused.filter(|_| run.most > 0);
         }
     }
 
-    /// Whether a cloth runs fused in a frame of `steps` steps.
-    pub fn is_fused(&self, cloth: usize, steps: u32) -> bool {
-        let (iterations, polish) = (self.control.options.iterations, self.control.options.polish);
-        let short = steps.saturating_mul(iterations).saturating_mul(polish + 1) <= LONGEST;
-        short && self.runs.get(cloth).is_some_and(|run| run.fused.is_some())
+    /// Whether a cloth runs fused.
+    pub fn is_fused(&self, cloth: usize) -> bool {
+        self.runs.get(cloth).is_some_and(|run| run.fused.is_some())
     }
 
-    /// Whether the passes of a cloth that is awake have dispatches of their own in a frame of `steps` steps.
-    pub fn is_apart(&self, cloth: usize, steps: u32) -> bool {
-        !self.runs[cloth].asleep && !self.is_fused(cloth, steps)
+    /// Whether the passes of a cloth that is awake have dispatches of their own.
+    pub fn is_apart(&self, cloth: usize) -> bool {
+        !self.runs[cloth].asleep && !self.is_fused(cloth)
     }
 
-    /// The dispatches of a frame of `steps` steps, for the cloths that are awake.
-    pub fn batches(&self, steps: u32) -> Vec<Batch> {
+    /// The batches of a frame, of the cloths that are awake.
+    pub fn batches(&self) -> Vec<Batch> {
         let mut batches = Vec::new();
-        self.batch(steps, &mut batches);
+        self.batch(&mut batches);
         batches
     }
 
     /// The same in place of those of another frame, whose memory is used again.
-    pub fn batch(&self, steps: u32, batches: &mut Vec<Batch>) {
+    pub fn batch(&self, batches: &mut Vec<Batch>) {
         let mut count = 0;
         for (arena, cloths) in self.arenas.iter().enumerate() {
             let first = count;
             for (member, cloth) in cloths.iter().enumerate() {
                 let run = &self.runs[*cloth];
-                let Some(fused) = run.fused.as_ref().filter(|_| !run.asleep && self.is_fused(*cloth, steps)) else {
+                let Some(fused) = run.fused.as_ref().filter(|_| !run.asleep) else {
                     continue;
                 };
                 let solids = self.solid_count(*cloth);
@@ -84,13 +96,14 @@ impl World {
                 match batches[first..count].iter_mut().find(fits) {
                     Some(batch) => {
                         batch.fused = batch.fused.with(fused);
+                        batch.most = batch.most.min(run.most);
                         batch.members.push(member);
                     }
                     None => {
                         let mut members = batches.get_mut(count).map_or(Vec::new(), |b| std::mem::take(&mut b.members));
                         members.clear();
                         members.push(member);
-                        let batch = Batch { arena, fused: fused.clone(), solids, members };
+                        let batch = Batch { arena, fused: fused.clone(), solids, most: run.most, members };
                         if count < batches.len() {
                             batches[count] = batch;
                         } else {
