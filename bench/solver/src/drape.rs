@@ -45,6 +45,14 @@ pub struct Rest {
     rest_mm_s: f64,
 }
 
+/// How a piece was draped.
+struct Run {
+    solver: &'static str,
+    substeps: u32,
+    /// Which start, as they differ by little.
+    start: u32,
+}
+
 impl Rest {
     /// Its line of the table.
     pub fn line(&self) -> String {
@@ -52,13 +60,8 @@ impl Rest {
         format!("{fabric},{around},{along},{solver},{substeps},{start},{drape:.4},{folds},{hem_mm:.2},{rest_mm_s:.3}")
     }
 
-    fn new(
-        fabric: &str,
-        piece: &Piece,
-        (solver, substeps, start): (&'static str, u32, u32),
-        ends: [&[[f64; 4]]; 2],
-    ) -> Self {
-        let [now, before] = ends;
+    fn new(fabric: &str, piece: &Piece, run: Run, ends: [&[[f64; 4]]; 2]) -> Self {
+        let (Run { solver, substeps, start }, [now, before]) = (run, ends);
         let free = Shadow::of(piece, &piece.flat()).area();
         let rim = piece.rim(now);
         let speed = |a: &[f64; 4], b: &[f64; 4]| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>();
@@ -113,7 +116,7 @@ fn settle(name: &str, (along, substeps): (u32, Option<u32>), start: u32) -> Resu
     };
     let (now, before) = (wide(stepper.positions(0)), wide(stepper.previous(0)));
     let solver = if substeps.is_some() { "given" } else { "default" };
-    Ok(Rest::new(name, &piece, (solver, stepper.substeps(), start), [&now, &before]))
+    Ok(Rest::new(name, &piece, Run { solver, substeps: stepper.substeps(), start }, [&now, &before]))
 }
 
 /// The same in f64 and in many steps.
@@ -125,7 +128,7 @@ fn truth(name: &str, along: u32, start: u32) -> Result<Rest, Failure> {
     let mut reference = Reference::new(scene(&piece), options)?;
     (0..FRAMES).for_each(|_| reference.step(TRUTH));
     let (now, before) = reference.positions(0)?;
-    Ok(Rest::new(name, &piece, ("truth-f64", TRUTH, start), [now, before]))
+    Ok(Rest::new(name, &piece, Run { solver: "truth-f64", substeps: TRUTH, start }, [now, before]))
 }
 
 fn scene(piece: &Piece) -> Scene {

@@ -87,7 +87,8 @@ pub fn lines(
         for run in 0..runs {
             let truth = truths.map(|folder| truth::read(folder, name, texels, run)).transpose()?.flatten();
             for setting in SETTINGS {
-                lines.push(line((name, texels, run), &file, setting, truth.as_deref(), gpu)?);
+                let line = line(&file, run, setting, truth.as_deref(), gpu)?;
+                lines.push(format!("{name},{texels},{line}"));
             }
             eprintln!("{name}: run {run}");
         }
@@ -95,9 +96,10 @@ pub fn lines(
     Ok(lines)
 }
 
+/// All of a line but the scene and its texels.
 fn line(
-    (name, texels, run): (&str, u32, u32),
     file: &SceneFile,
+    run: u32,
     setting: Option<(u32, u32)>,
     truth: Option<&[[f64; 3]]>,
     gpu: Option<&Gpu>,
@@ -123,7 +125,7 @@ fn line(
     let median = times.get(times.len() / 2).copied().unwrap_or(f64::NAN);
     let off = truth.map(|truth| Ok::<_, Failure>(truth::apart(truth, &wide(&host.now()?)))).transpose()?;
     Ok(format!(
-        "{name},{texels},{},{},{},{run},{frames},{least:.4},{median:.4},{},{},{}",
+        "{},{},{},{run},{frames},{least:.4},{median:.4},{},{},{}",
         choice.substeps,
         choice.polish,
         u8::from(setting.is_some()),

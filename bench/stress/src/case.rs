@@ -2,9 +2,21 @@
 
 use gimage_runtime::{Cloth, Compliance, Flat, Options, Result, Scene, Solver, Stepper};
 
-/// The solvers that are tried, and whether they have tethers.
-pub const SOLVERS: [(&str, Solver, u32); 3] =
-    [("classic", Solver::Classic, 0), ("xpbd", Solver::Xpbd, 0), ("xpbd+tethers", Solver::Xpbd, 2)];
+/// A solver that is tried.
+#[derive(Clone, Copy)]
+pub struct Tried {
+    pub name: &'static str,
+    pub solver: Solver,
+    /// Tethers per particle.
+    pub tethers: u32,
+}
+
+/// All of them.
+pub const SOLVERS: [Tried; 3] = [
+    Tried { name: "classic", solver: Solver::Classic, tethers: 0 },
+    Tried { name: "xpbd", solver: Solver::Xpbd, tethers: 0 },
+    Tried { name: "xpbd+tethers", solver: Solver::Xpbd, tethers: 2 },
+];
 
 /// For which solvers stretch is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +104,8 @@ impl Case {
     }
 
     /// The settings under a solver.
-    pub fn options(&self, (_, solver, tethers): (&str, Solver, u32)) -> Options {
+    pub fn options(&self, tried: Tried) -> Options {
+        let Tried { solver, tethers, .. } = tried;
         Options {
             solver,
             tethers,
@@ -105,7 +118,8 @@ impl Case {
     }
 
     /// Whether a solver has anything of its own to show: compliance is for XPBD, tethers are for pinned cloth.
-    pub fn tries(&self, (_, solver, tethers): (&str, Solver, u32)) -> bool {
+    pub fn tries(&self, tried: Tried) -> bool {
+        let Tried { solver, tethers, .. } = tried;
         let soft = self.scene.cloths.iter().any(|c| c.compliance != Compliance::None);
         let pinned = self.scene.cloths.iter().any(|c| c.particles().iter().any(|p| p.is_pinned()));
         !(soft && solver == Solver::Classic || tethers > 0 && !pinned)

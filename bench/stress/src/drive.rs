@@ -1,9 +1,9 @@
 //! Runs a case under a solver, and judges.
 
 use gimage_bench_host::{Gpu, Host};
-use gimage_runtime::{Result, Solver, Warning};
+use gimage_runtime::{Result, Warning};
 
-use crate::case::{Case, Stretch};
+use crate::case::{Case, Stretch, Tried};
 use crate::figures::{Gauge, V3, distance, norm};
 
 /// What came of it.
@@ -35,7 +35,7 @@ pub struct Outcome {
 const RECOVERY: [f64; 2] = [2.0, 0.25];
 
 /// Runs it.
-pub fn drive(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>) -> Outcome {
+pub fn drive(case: &Case, solver: Tried, gpu: Option<&Gpu>) -> Outcome {
     let mut out = Outcome::default();
     if let Err(error) = run(case, solver, gpu, &mut out) {
         out.failures.push(format!("refused: {error}"));
@@ -43,7 +43,7 @@ pub fn drive(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>) -> Out
     out
 }
 
-fn run(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>, out: &mut Outcome) -> Result<()> {
+fn run(case: &Case, solver: Tried, gpu: Option<&Gpu>, out: &mut Outcome) -> Result<()> {
     let options = case.options(solver);
     let mut host = Host::new(case.scene.clone(), options, gpu)?;
     let stepper = &host.stepper;
@@ -105,7 +105,7 @@ fn run(case: &Case, solver: (&str, Solver, u32), gpu: Option<&Gpu>, out: &mut Ou
     [out.rest, out.rest_before] = speeds.map(|s| 1e3 * (s.iter().sum::<f64>() / s.len() as f64).sqrt());
     out.drift = 1e3 * kept.iter().zip(&last).map(|(a, b)| distance(*a, *b)).fold(0.0, worse);
     out.momentum = if changed == 0.0 { 0.0 } else { changed / bustle };
-    judge(case, solver.2 > 0, out);
+    judge(case, solver.tethers > 0, out);
     Ok(())
 }
 

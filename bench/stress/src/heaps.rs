@@ -27,9 +27,10 @@ fn heap(k: usize) -> Result<Case> {
 /// than 5 % after 2 s, and how many are not at rest after 15.
 #[allow(clippy::print_stdout)]
 pub fn run(count: usize, substeps: &[u32], threads: usize) {
-    let solvers: Vec<_> = SOLVERS.into_iter().filter(|s| s.1 == Solver::Xpbd).collect();
-    let each =
-        |words: [&str; 2]| words.map(|w| solvers.iter().map(|s| format!("{} {w}", s.0)).collect::<Vec<_>>()).concat();
+    let solvers: Vec<_> = SOLVERS.into_iter().filter(|s| s.solver == Solver::Xpbd).collect();
+    let each = |words: [&str; 2]| {
+        words.map(|w| solvers.iter().map(|s| format!("{} {w}", s.name)).collect::<Vec<_>>()).concat()
+    };
     println!("substeps,heaps,{}", each(["stretched", "restless"]).join(","));
     for &substeps in substeps {
         let mut failed = [vec![0; solvers.len()], vec![0; solvers.len()]];

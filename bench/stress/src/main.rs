@@ -60,8 +60,8 @@ struct Args {
 #[allow(clippy::print_stdout)]
 fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let args = Args::parse();
-    if let Some(name) = args.solvers.iter().find(|name| SOLVERS.iter().all(|s| s.0 != **name)) {
-        return Err(format!("there is no solver {name}; there are {}", SOLVERS.map(|s| s.0).join(", ")).into());
+    if let Some(name) = args.solvers.iter().find(|name| SOLVERS.iter().all(|s| s.name != **name)) {
+        return Err(format!("there is no solver {name}; there are {}", SOLVERS.map(|s| s.name).join(", ")).into());
     }
     let threads = args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into));
     if let Some(count) = args.scenes {
@@ -83,7 +83,7 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let work = |cases: &gimage_runtime::Result<Vec<Case>>, n: usize| {
         let case = &cases.as_ref().ok()?[chosen[n / SOLVERS.len()]];
         let solver = SOLVERS[n % SOLVERS.len()];
-        let outcome = (wanted(solver.0) && case.tries(solver) && !(args.gpu && case.cpu_only))
+        let outcome = (wanted(solver.name) && case.tries(solver) && !(args.gpu && case.cpu_only))
             .then(|| drive(case, solver, gpu.as_ref()));
         let Case { name, step, substeps, asked, .. } = case;
         Some((

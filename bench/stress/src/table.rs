@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::case::{Asked, SOLVERS, Stretch};
+use crate::case::{Asked, SOLVERS, Stretch, Tried};
 use crate::drive::Outcome;
 
 /// A case under all solvers; none where it was not tried.
@@ -42,7 +42,7 @@ pub fn sum(entries: &[Entry]) -> String {
         let of = |e: &&Entry| e.outcomes[s].as_ref().is_some_and(|o| !ok || o.failures.is_empty());
         entries.iter().filter(of).count()
     };
-    let each = |s: usize| format!("{} {} of {}", SOLVERS[s].0, count(s, true), count(s, false));
+    let each = |s: usize| format!("{} {} of {}", SOLVERS[s].name, count(s, true), count(s, false));
     format!("survived: {}", [0, 1, 2].map(each).join(", "))
 }
 
@@ -52,7 +52,7 @@ pub fn csv(entries: &[Entry]) -> String {
                    energy_gain,first_lost_frame,particles_lost,limited\n"
         .to_owned();
     for e in entries {
-        for (outcome, (solver, _, tethers)) in e.outcomes.iter().zip(SOLVERS) {
+        for (outcome, Tried { name: solver, tethers, .. }) in e.outcomes.iter().zip(SOLVERS) {
             let Some(o) = outcome else { continue };
             let (verdict, failures) = (if o.failures.is_empty() { "ok" } else { "failed" }, o.failures.join("; "));
             let judged = match e.asked.stretch {

@@ -96,7 +96,11 @@ impl<T: Real> Rows<'_, '_, T> {
                 let b = [k.load(before[0], at), k.load(before[1], at), k.load(before[2], at)];
                 let moved = [k.sub(p[0], b[0]), k.sub(p[1], b[1]), k.sub(p[2], b[2])];
                 let on = k.choose(k.above(k.squares(moved), longest), zero, keep);
-                let a = if STILL { gravity } else { bent(k, step, (&air, &mut last), [p, moved], (j, half, at)) };
+                let a = if STILL {
+                    gravity
+                } else {
+                    bent(k, step, (&air, &mut last), [p, moved], Place { row: j, half, at })
+                };
                 for c in 0..3 {
                     let to = if let Some(lost) = &mut lost {
                         let by = k.add(k.add(k.mul(moved[c], on), k.mul(a[c], scale)), k.load(lost[c], at));
@@ -114,14 +118,22 @@ impl<T: Real> Rows<'_, '_, T> {
     }
 }
 
-/// Accelerations by gravity and air of the particles at `at` in the row `j`, given where they are and how they moved.
+/// Particles `at` in a row of two halves.
+#[derive(Clone, Copy)]
+struct Place {
+    row: usize,
+    half: usize,
+    at: usize,
+}
+
+/// Accelerations by gravity and air of some particles, given where they are and how they moved.
 #[inline(always)]
 fn bent<T: Real, K: Machine<T>>(
     k: K,
     step: &Step<T>,
     (air, last): (&Air<T>, &mut LastCell<T>),
     [p, moved]: [[K::V; 3]; 2],
-    (j, half, at): (usize, usize, usize),
+    at: Place,
 ) -> [K::V; 3] {
     let gravity = k.splats(step.gravity);
     match air {
@@ -131,7 +143,8 @@ fn bent<T: Real, K: Machine<T>>(
             k.plus(gravity, k.times(flow, k.splat(step.response)))
         }
         Air::Field(field) => {
-            let first = j * 6 * half + at;
+            let Place { row, half, at } = at;
+            let first = row * 6 * half + at;
             let there = [k.load(field, first), k.load(field, first + 2 * half), k.load(field, first + 4 * half)];
             k.plus(gravity, there)
         }
