@@ -282,7 +282,9 @@ impl Gpu {
         let mut batches = std::mem::take(&mut self.batches);
         world.batch(&mut batches);
         let dispatches: usize = batches.iter().map(|batch| batch.parts(steps).count()).sum();
-        frames::make_room(frames, &self.device, dispatches as u32);
+        let most =
+            batches.iter().map(|b| frames::bytes(&world.frame(world.arenas[b.arena][b.members[0]], steps))).max();
+        frames::make_room(frames, &self.device, dispatches, most.unwrap_or(0));
         for of_arena in batches.chunk_by(|a, b| a.arena == b.arena) {
             let arena = of_arena[0].arena;
             self.arenas[arena].follow(&self.device, world, &world.arenas[arena], of_arena, passes);

@@ -27,7 +27,7 @@ fn one_dispatch_gives_the_bits_of_separate_passes() {
         for (iterations, polish) in [(1, 0), (2, 0), (1, 1), (2, 2)] {
             let with = |fused| Options { iterations, polish: Some(polish), ..options(fused) };
             let one = Run::new(&scene, &with(true), &device);
-            assert_eq!((one.stepper.plan().dispatches(), one.holds().len()), (1, 1), "{name}");
+            assert_eq!((one.stepper.plan().passes.len(), one.holds().len()), (1, 1), "{name}");
             let apart = Run::new(&scene, &with(false), &device);
             assert_eq!(apart.holds(), [], "{name}");
             assert!(one.frames(30).bits(0) == apart.frames(30).bits(0), "{name}");

@@ -7,7 +7,10 @@ use super::World;
 use super::dispatch::most_steps;
 use crate::form::Fused;
 use crate::passes::Schedule;
+use crate::quality::MAX_SUBSTEPS;
 
+/// Dispatches of the whole frames of a cloth, at most; longer frames run in separate passes.
+const MAX_PARTS: u32 = 1024;
 /// Workgroups of a dispatch in a row.
 const MOST: usize = 65_535;
 
@@ -40,6 +43,8 @@ impl World {
     pub fn fuse(&mut self) {
         self.runs.iter_mut().for_each(|run| (run.fused, run.order) = (None, OnceLock::new()));
         let Some(room) = self.room.filter(|_| self.control.options.fused) else { return };
+        let options = &self.control.options;
+        let longest = options.substeps.max(MAX_SUBSTEPS).saturating_mul(options.max_catch_up);
         // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.
         let mut frames: Vec<(Arc<Schedule>, bool)> = Vec::new();
         for index in self.arenas.iter().flatten() {
@@ -59,7 +64,8 @@ impl World {
             let (frame, fits) = &frames[at];
             let fused = fits.then(|| Fused::of(cloth, frame, &room));
             run.most = fused.as_ref().map_or(0, |f| most_steps(cloth, solids, f, &self.control.options, &room));
-            run.fused = fused.filter(|_| run.most > 0);
+            let parts = longest.div_ceil(run.most.max(1));
+            run.fused = fused.filter(|_| run.most > 0 && parts <= MAX_PARTS);
         }
     }
 
