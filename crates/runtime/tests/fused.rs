@@ -250,7 +250,7 @@ fn colliders_that_move_are_where_they_are_in_every_step() {
     for (substeps, iterations) in [(1, 1), (7, 1), (300, 1), (300, 16)] {
         let with = |fused| Options { substeps: Some(substeps), iterations, ..options(fused) };
         let dispatches = Run::new(&hit, &with(true), &device).stepper.plan().dispatches();
-        assert_eq!(dispatches > 1, iterations > 1, "{substeps} steps: {dispatches}");
+        assert!(dispatches > 1 || iterations == 1, "{substeps} steps: {dispatches}");
         let [one, apart] = [true, false].map(|fused| Run::new(&hit, &with(fused), &device).frames(3).bits(0));
         assert!(one == apart, "{substeps} steps");
     }
