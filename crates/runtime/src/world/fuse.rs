@@ -9,7 +9,7 @@ use crate::form::Fused;
 use crate::passes::Schedule;
 use crate::quality::MAX_SUBSTEPS;
 
-/// Dispatches of the whole frames of a cloth, at most; longer frames run in separate passes.
+/// Dispatches of the longest frame that a cloth may have, at most; else it has no whole frames.
 const MAX_PARTS: u32 = 1024;
 /// Workgroups of a dispatch in a row.
 const MOST: usize = 65_535;
