@@ -9,16 +9,18 @@ struct Frame {
   rounds: u32,
   together: u32,
   solids: u32,
-  // The steps of this dispatch, up to, not with, the second.
-  first: u32,
-  end: u32,
+  // Steps of a dispatch, but for the last.
+  most: u32,
   unused1: u32,
   unused2: u32,
+  unused3: u32,
   rows: array<Step, 129>,
 }
 @group(0) @binding(31) var<uniform> frame: Frame;
 // Where the jobs of the dispatch begin, as x.
 @group(0) @binding(52) var<uniform> batch: vec4<u32>;
+// Which of the frame's dispatches it is, as x.
+@group(0) @binding(53) var<uniform> part: vec4<u32>;
 
 // Which part of the buffers is a cloth's, and its own numbers of the first and of the other steps. Laid out as `JobRow`.
 struct Job {
@@ -83,18 +85,20 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   base = job.first;
   row = job.row;
   first_solid = job.solid;
+  let first_step = part.x * frame.most;
+  let end_step = min(first_step + frame.most, frame.steps);
   for (var k = job.first + local; k < job.first + job.count; k += threads) {
     take(k);
     take_was(k);
   }
-  if (local == 0u && frame.first == 0u) {
+  if (local == 0u && first_step == 0u) {
     atomicStore(&faults[fault(FAULT_PARTICLES)], 0u);
     atomicStore(&faults[fault(FAULT_SPEED)], 0u);
     atomicStore(&faults[fault(FAULT_STRAIN)], 0u);
   }
   storageBarrier();
   sync();
-  for (var n = frame.first; n < frame.end; n++) {
+  for (var n = first_step; n < end_step; n++) {
     begin(n, job);
     if (n % job.hold == 0u) {
       air_program(job, local);
@@ -110,7 +114,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     give_was(k, p.w);
   }
   storageBarrier();
-  if (frame.end == frame.steps) {
+  if (end_step == frame.steps) {
     frame_program(job, local);
   }
 }

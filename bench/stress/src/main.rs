@@ -61,7 +61,7 @@ struct Args {
 fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let args = Args::parse();
     if let Some(name) = args.solvers.iter().find(|name| SOLVERS.iter().all(|s| s.name != **name)) {
-        return Err(format!("there is no solver {name}; there are {}", SOLVERS.map(|s| s.name).join(", ")).into());
+        return Err(format!("there is no solver {name}; the solvers are {}", SOLVERS.map(|s| s.name).join(", ")).into());
     }
     let threads = args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into));
     if let Some(count) = args.scenes {

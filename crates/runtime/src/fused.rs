@@ -85,7 +85,7 @@ impl Fused {
     /// Storage buffers that the frame of a schedule binds; `None` if one of its passes cannot be part of a whole frame.
     pub(crate) fn buffers(schedule: &Arc<Schedule>) -> Option<usize> {
         let fused = Fused { schedule: schedule.clone(), full: false, hold: Hold::Stored, places: 0, threads: LEAST };
-        let uniform = |slot| matches!(slot, Slot::Frame | Slot::Batch);
+        let uniform = |slot| matches!(slot, Slot::Frame | Slot::Batch | Slot::Part);
         let bound = |fused| shaders::whole(fused).bindings.iter().filter(|b| !uniform(b.slot)).count();
         shaders::is_whole(schedule).then(|| bound(&fused))
     }

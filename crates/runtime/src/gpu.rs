@@ -1,6 +1,9 @@
 //! The GPU backend: buffers, pipelines and the recording of a frame.
 
 mod actions;
+#[cfg(test)]
+#[path = "../tests/support/adapter.rs"]
+mod adapter;
 mod ahead;
 mod arena;
 mod bounds;
@@ -57,6 +60,7 @@ use crate::shaders::Slot;
 use crate::world::{Batch, ClothRun, World};
 use arena::Arena;
 use bounds::Boxes;
+use frames::Frames;
 use lost::Pulse;
 pub use pipelines::Compiled;
 pub(crate) use pipelines::Pipelines;
@@ -86,7 +90,7 @@ pub struct Gpu {
     cloths: Vec<ClothBuffers>,
     /// In the order of the world's.
     arenas: Vec<Arena>,
-    frames: Option<Ring>,
+    frames: Option<Frames>,
     /// Those of the last frame, whose memory the next one uses again.
     batches: Vec<Batch>,
     /// Likewise the numbers of the last dispatch.
@@ -127,7 +131,7 @@ impl Gpu {
             solids: Solids::new(device, world),
             pipelines,
             cloths: states.into_iter().map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect(),
-            frames: (!arenas.is_empty()).then(|| frames::ring(device)),
+            frames: (!arenas.is_empty()).then(|| Frames::new(device)),
             batches: Vec::new(),
             numbers: Vec::new(),
             apart: Default::default(),
@@ -159,12 +163,22 @@ impl Gpu {
 
     /// Takes in that a call has failed on the device half-way.
     pub fn fail(&mut self, error: &Error) {
+        self.refused();
         match error {
             Error::DeviceLost => self.failure = Some(Failure::Lost),
             Error::OutOfMemory => self.failure = Some(Failure::Full),
-            // What was compiled in that call may not work.
-            _ => self.pipelines.forget(),
+            _ => {}
         }
+    }
+
+    /// Takes in that a call has failed that changed nothing. Pipelines that it compiled may not work, so they are compiled again.
+    pub fn refused(&mut self) {
+        self.pipelines.forget();
+    }
+
+    /// Takes in that a call has ended without an error.
+    pub fn succeeded(&mut self) {
+        self.pipelines.keep();
     }
 
     /// The device and its queue.
@@ -281,10 +295,9 @@ impl Gpu {
         let Some(frames) = &mut self.frames else { return };
         let mut batches = std::mem::take(&mut self.batches);
         world.batch(&mut batches);
-        let dispatches: usize = batches.iter().map(|batch| batch.parts(steps).count()).sum();
-        let most =
-            batches.iter().map(|b| frames::bytes(&world.frame(world.arenas[b.arena][b.members[0]], steps))).max();
-        frames::make_room(frames, &self.device, dispatches, most.unwrap_or(0));
+        let one = batches.iter().map(|b| frames::bytes(&world.frame(world.arenas[b.arena][b.members[0]], steps))).max();
+        let most = batches.iter().map(|b| b.parts(steps)).max();
+        frames.make_room(&self.device, batches.len(), one.unwrap_or(0), most.unwrap_or(0));
         for of_arena in batches.chunk_by(|a, b| a.arena == b.arena) {
             let arena = of_arena[0].arena;
             self.arenas[arena].follow(&self.device, world, &world.arenas[arena], of_arena, passes);
@@ -296,16 +309,15 @@ impl Gpu {
             }
             let pipeline = self.pipelines.fitting(&Form::Whole(batch.fused.clone()));
             let any = world.arenas[batch.arena][batch.members[0]];
-            let buffers = (&self.solids.buffer, &frames.buffer);
+            let buffers = (&self.solids.buffer, &*frames);
             let group = self.arenas[batch.arena].group(&self.device, (batch, first_job), pipeline, buffers);
             first_job += batch.members.len() as u32;
             let pass = passes.pass(pipeline.source.stem);
             pass.set_pipeline(&pipeline.pipeline);
-            let frame = world.frame(any, steps);
-            for part in batch.parts(steps) {
-                frames::numbers(&frame, &part, batch.solids, &mut self.numbers);
-                let offset = frames.offset(&self.queue, &self.numbers);
-                pass.set_bind_group(0, group, &[offset]);
+            frames::numbers(&world.frame(any, steps), batch.most, batch.solids, &mut self.numbers);
+            let offset = frames.ring.offset(&self.queue, &self.numbers);
+            for part in 0..batch.parts(steps) {
+                pass.set_bind_group(0, group, &[offset, frames.part(part)]);
                 pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);
             }
         }

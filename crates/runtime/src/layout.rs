@@ -63,11 +63,9 @@ pub struct FrameRow {
     pub rounds: u32,
     pub together: u32,
     pub solids: u32,
-    /// The steps that a dispatch makes: from the first to, not with, the second.
-    pub first: u32,
-    pub end: u32,
-    pub unused1: u32,
-    pub unused2: u32,
+    /// Steps of a dispatch, but for the last.
+    pub most: u32,
+    pub unused: [u32; 3],
     pub rows: [StepRow; POSES as usize + 1],
 }
 

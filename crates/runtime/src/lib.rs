@@ -53,6 +53,7 @@ mod layout;
 mod levels;
 mod limits;
 mod look;
+mod loops;
 mod material;
 mod measure;
 mod mesh;

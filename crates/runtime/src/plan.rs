@@ -36,7 +36,7 @@ impl Plan {
         let steps = world.control.options.substeps;
         let mut passes = Vec::new();
         for batch in world.batches() {
-            let parts = batch.parts(steps).count() as u32;
+            let parts = batch.parts(steps);
             let cloths = batch.members.iter().map(|m| world.arenas[batch.arena][*m]);
             let fused = cloths
                 .enumerate()

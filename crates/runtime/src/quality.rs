@@ -7,7 +7,6 @@ mod reach;
 mod saved;
 
 pub use chooser::Chooser;
-pub use reach::MAX_SUBSTEPS;
 pub use saved::{NUMBERS, Numbers};
 
 use crate::error::{Result, check};

@@ -35,6 +35,7 @@ use crate::frame::Frame;
 use crate::fused::{Room, arenas};
 use crate::handle::ClothHandle;
 use crate::limits::{self, Warning};
+use crate::loops;
 use crate::number::real::Real;
 use crate::options::{Options, Solver};
 use crate::passes::{Kinds, Pass, Schedule, schedule};
@@ -249,7 +250,8 @@ impl World {
     pub fn order(&self, cloth: usize) -> Option<&Order> {
         let find = || {
             let tiled = self.control.options.fused && self.control.options.solver == Solver::Xpbd;
-            order(&self.scene.cloths[cloth], &self.runs[cloth].schedule, self.room.as_ref().filter(|_| tiled)?)
+            let among = (&self.scene.cloths[cloth], self.solid_loops(cloth));
+            order(among, &self.runs[cloth].schedule, self.room.as_ref().filter(|_| tiled)?)
         };
         self.runs.get(cloth)?.order.get_or_init(find).as_ref()
     }
@@ -272,6 +274,11 @@ impl World {
     /// The number of colliders that a cloth meets.
     pub fn solid_count(&self, cloth: usize) -> usize {
         self.coats.count(self.runs[cloth].coat)
+    }
+
+    /// Iterations of loops for each particle of a cloth, for the colliders that it meets.
+    fn solid_loops(&self, cloth: usize) -> u64 {
+        loops::of_solids(self.scene.met(self.scene.cloths[cloth].collision_groups))
     }
 
     /// A cloth as the watchdog sees it, `seconds` after the last step that was counted.

@@ -142,9 +142,31 @@ fn the_frames_after_the_last_pin_is_freed_are_prepared_with_pins() {
 }
 
 #[test]
+fn the_frames_after_some_cloths_are_freed_are_prepared_with_pins() {
+    let mut scene = scene::builtin("s1", 14).unwrap();
+    scene.cloths = vec![scene.cloths[0].clone(); 3];
+    // Two that whip about, and one that does not.
+    [0.1, 0.1, 1.0].into_iter().zip(&mut scene.cloths).for_each(|(damping, cloth)| cloth.damping = damping);
+    let call = |rig: &mut Rig| {
+        let before = rig.stepper.polish();
+        for cloth in 0..2 {
+            let of = &rig.stepper.scene().cloths[cloth];
+            let pins: Vec<u32> = (0..of.len() as u32).filter(|k| of.particles()[*k as usize].is_pinned()).collect();
+            rig.stepper.unpin(cloth, &pins).unwrap();
+        }
+        let after = rig.stepper.polish();
+        assert!(0 < after && after < before, "{before} {after}");
+    };
+    prepared(scene, &Options::default(), &[Ahead::Pins], |_| {}, call);
+}
+
+#[test]
 fn frames_too_long_for_one_dispatch_compile_nothing_more() {
-    let options = Options { max_catch_up: 64, ..Options::default() };
-    let call = |rig: &mut Rig| rig.frame(1.0);
+    let options = Options { substeps: Some(160), iterations: 60, ..Options::default() };
+    let call = |rig: &mut Rig| {
+        assert!(rig.stepper.plan().dispatches() > 1, "{}", rig.stepper.plan());
+        rig.frame(0.05);
+    };
     prepared(hung(), &options, &[], |_| {}, call);
 }
 

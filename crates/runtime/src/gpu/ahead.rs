@@ -72,7 +72,7 @@ fn all_frames(world: &mut World, rounds: &[u32]) -> Vec<Form> {
     forms
 }
 
-/// What a host asks of cloths that have holes or none.
+/// The passes that calls of a host run on cloths that have holes or none.
 fn asked(world: &World, ahead: &[Ahead], holes: bool) -> Vec<Pass> {
     let mut passes = Vec::new();
     for what in ahead {

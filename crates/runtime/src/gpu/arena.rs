@@ -6,6 +6,7 @@ use bytemuck::cast_slice;
 use wgpu::{Buffer, BufferUsages};
 
 use super::contents::{Contents, Grids};
+use super::frames::Frames;
 use super::pipelines::Pipeline;
 use super::recording::Recording;
 use super::span::Span;
@@ -41,7 +42,7 @@ pub(super) struct Arena {
 struct Ready {
     first_job: u32,
     solids: Buffer,
-    frames: Buffer,
+    frames: [Buffer; 2],
     scratch: Option<Buffer>,
     group: wgpu::BindGroup,
 }
@@ -103,30 +104,33 @@ impl Arena {
         device: &wgpu::Device,
         (batch, first_job): (&Batch, u32),
         pipeline: &Pipeline,
-        (solids, frames): (&Buffer, &Buffer),
+        (solids, frames): (&Buffer, &Frames),
     ) -> &wgpu::BindGroup {
         let need = (16 * self.store.room() * pipeline.source.scratch) as u64;
         if self.scratch.as_ref().map_or(0, Buffer::size) < need {
             self.scratch = Some(empty(device, "scratch", need, BufferUsages::STORAGE));
         }
         let scratch = self.scratch.as_ref().filter(|_| need > 0);
-        let same =
-            |r: &Ready| (&r.solids, &r.frames, r.scratch.as_ref(), r.first_job) == (solids, frames, scratch, first_job);
+        let numbers = [&frames.ring.buffer, &frames.parts];
+        let of = |r: &Ready| r.solids == *solids && r.frames.iter().eq(numbers);
+        let same = |r: &Ready| of(r) && r.scratch.as_ref() == scratch && r.first_job == first_job;
         let key = (batch.fused.clone(), batch.solids);
         if !self.ready.get(&key).is_some_and(same) {
             let first = filled(device, "batch", cast_slice(&[first_job, 0, 0, 0]), BufferUsages::UNIFORM);
             let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
             let row = std::num::NonZeroU64::new(size_of::<FrameRow>() as u64);
+            let part = std::num::NonZeroU64::new(16);
             let group = pipeline.bind(device, |slot| match slot {
                 Slot::Batch => Some(whole(&first)),
                 Slot::Lists => Some(whole(&self.lists)),
                 Slot::Scratch => scratch.map(whole),
                 Slot::Solids => Some(whole(solids)),
-                Slot::Frame => Some(wgpu::BufferBinding { size: row, ..whole(frames) }),
+                Slot::Frame => Some(wgpu::BufferBinding { size: row, ..whole(numbers[0]) }),
+                Slot::Part => Some(wgpu::BufferBinding { size: part, ..whole(numbers[1]) }),
                 other => self.store.get(other).map(whole),
             });
-            self.ready.retain(|_, r| r.solids == *solids && r.frames == *frames);
-            let (solids, frames, scratch) = (solids.clone(), frames.clone(), scratch.cloned());
+            self.ready.retain(|_, r| of(r));
+            let (solids, frames, scratch) = (solids.clone(), numbers.map(Buffer::clone), scratch.cloned());
             self.ready.insert(key.clone(), Ready { first_job, solids, frames, scratch, group });
         }
         &self.ready[&key].group

@@ -1,8 +1,4 @@
-#[path = "../../tests/support/adapter.rs"]
-mod adapter;
-
-use adapter::device;
-
+use super::super::adapter::device;
 use super::*;
 use crate::cloth::{Flat, Particle, Parts};
 use crate::cpu::rows::Threads;

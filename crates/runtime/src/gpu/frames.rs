@@ -1,56 +1,89 @@
 //! The numbers of whole frames.
 
 use std::mem::offset_of;
-use std::ops::Range;
 
 use bytemuck::{bytes_of, cast_slice};
+use wgpu::{Buffer, BufferUsages};
 
 use super::ring::{Ring, room_of};
+use super::upload::filled;
 use crate::frame::Frame;
 use crate::layout::{FrameRow, POSES, StepRow};
 
-/// Frames with new numbers that can be recorded before the first submission.
+/// Frames with new numbers that can be recorded before the first submission, at the start, and as soon as they need more room.
 const FRAMES: u32 = 64;
+const AHEAD: u64 = 8;
+/// Distance of two rows of [`Frames::parts`] \[bytes\].
+const PART: u32 = room_of(16);
 
-/// Room for the numbers of frames.
-pub(super) fn ring(device: &wgpu::Device) -> Ring {
-    Ring::new(device, "frame", size_of::<FrameRow>(), FRAMES)
+/// The numbers of whole frames on the device.
+pub(super) struct Frames {
+    /// Those of the frames of batches.
+    pub ring: Ring,
+    /// Row n has the number n: which of its dispatches in a frame a batch is at.
+    pub parts: Buffer,
 }
 
-/// Frames of which there is room for the numbers.
-const AHEAD: u64 = 8;
+impl Frames {
+    pub fn new(device: &wgpu::Device) -> Self {
+        let ring = Ring::new(device, "frame", size_of::<FrameRow>(), FRAMES);
+        Frames { ring, parts: parts(device, 16) }
+    }
 
-/// Makes room for the numbers of all dispatches of a frame, each as long as `one` at most \[bytes\].
-pub(super) fn make_room(ring: &mut Ring, device: &wgpu::Device, dispatches: usize, one: usize) {
-    let largest = size_of::<FrameRow>() as u64;
-    let need = largest + AHEAD * dispatches as u64 * u64::from(room_of(one));
-    if need > ring.size() {
-        let rows = need.div_ceil(largest).next_power_of_two();
-        *ring = Ring::new(device, "frame", size_of::<FrameRow>(), rows as u32);
+    /// Makes room for a frame of `batches` batches, the numbers of each of which are `one` bytes at most, and which have `most` dispatches
+    /// at most.
+    pub fn make_room(&mut self, device: &wgpu::Device, batches: usize, one: usize, most: u32) {
+        let (largest, row) = (size_of::<FrameRow>() as u64, u64::from(room_of(one)));
+        let need = |frames: u64| largest + frames * batches as u64 * row;
+        if need(AHEAD) > self.ring.size() {
+            // As far ahead as a buffer may be long.
+            let ahead = (1..=AHEAD).rev().find(|n| need(*n) <= device.limits().max_buffer_size);
+            let rows = need(ahead.unwrap_or(1)).div_ceil(largest);
+            if rows * largest > self.ring.size() {
+                self.ring = Ring::new(device, "frame", size_of::<FrameRow>(), rows as u32);
+            }
+        }
+        if u64::from(most) * u64::from(PART) > self.parts.size() {
+            self.parts = parts(device, most.next_power_of_two());
+        }
+    }
+
+    /// Where the number of a dispatch lies.
+    pub fn part(&self, n: u32) -> u32 {
+        n * PART
     }
 }
 
-/// Bytes of the numbers of a frame of a number of steps.
+fn parts(device: &wgpu::Device, count: u32) -> Buffer {
+    let row = |n: u32| std::iter::once(n).chain(std::iter::repeat_n(0, PART as usize / 4 - 1));
+    let rows: Vec<u32> = (0..count).flat_map(row).collect();
+    filled(device, "parts", cast_slice(&rows), BufferUsages::UNIFORM)
+}
+
+/// Bytes of the numbers of a frame.
 pub(super) fn bytes(frame: &Frame) -> usize {
     offset_of!(FrameRow, rows) + (1 + groups(frame) as usize) * size_of::<StepRow>()
 }
 
-/// Groups of steps after which colliders are elsewhere.
-fn groups(frame: &Frame) -> u32 {
-    let together = frame.steps.div_ceil(POSES).max(1);
-    if frame.swept > 0.0 { frame.steps.div_ceil(together).max(1) } else { 1 }
+/// Steps for which colliders stay where they are.
+fn together(frame: &Frame) -> u32 {
+    if frame.swept > 0.0 { frame.steps.div_ceil(POSES).max(1) } else { frame.steps.max(1) }
 }
 
-/// Puts the numbers of some steps of a frame among a number of colliders in the place of others. Those of a single cloth are not among them, so the frame of any cloth
-/// will do.
-pub(super) fn numbers(frame: &Frame, part: &Range<u32>, solids: usize, bytes: &mut Vec<u8>) {
-    let together = frame.steps.div_ceil(POSES).max(1);
-    let moves = frame.swept > 0.0;
+/// Groups of such steps.
+fn groups(frame: &Frame) -> u32 {
+    frame.steps.div_ceil(together(frame)).max(1)
+}
+
+/// Puts the numbers of a frame among a number of colliders, with `most` steps in a dispatch, in the place of others. Those of a single cloth
+/// are not among them, so the frame of any cloth will do.
+pub(super) fn numbers(frame: &Frame, most: u32, solids: usize, bytes: &mut Vec<u8>) {
+    let together = together(frame);
+    // Batches whose frames are one dispatch have the same numbers, which are written once.
+    let most = most.min(frame.steps).max(1);
     let first = std::iter::once(StepRow::from(&frame.step(0, 0)));
     let rows = first.chain((0..groups(frame)).map(|g| StepRow::from(&frame.step(1, g * together))));
-    let together = if moves { together } else { frame.steps.max(1) };
     bytes.clear();
-    bytes.extend_from_slice(cast_slice(&[frame.steps, frame.rounds, together, solids as u32]));
-    bytes.extend_from_slice(cast_slice(&[part.start, part.end, 0, 0]));
+    bytes.extend_from_slice(cast_slice(&[frame.steps, frame.rounds, together, solids as u32, most, 0, 0, 0]));
     rows.for_each(|row| bytes.extend_from_slice(bytes_of(&row)));
 }

@@ -2,10 +2,10 @@
 
 use super::arena::Arena;
 use super::buffers::ClothBuffers;
-use super::ring::Ring;
+use super::frames::Frames;
 use super::solids::Solids;
 use super::store::Store;
-use super::{Gpu, fits, frames};
+use super::{Gpu, fits};
 use crate::error::Result;
 use crate::form::Form;
 use crate::passes::Pass;
@@ -16,7 +16,7 @@ use crate::world::{Left, World};
 pub struct Coming {
     buffers: Vec<ClothBuffers>,
     arena: Option<Arena>,
-    frames: Option<Ring>,
+    frames: Option<Frames>,
     solids: Option<Solids>,
 }
 
@@ -43,7 +43,7 @@ impl Gpu {
         Coming {
             buffers: states.into_iter().map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect(),
             arena: shares.then(|| Arena::new(&self.device, world, store, &[index])),
-            frames: (shares && self.frames.is_none()).then(|| frames::ring(&self.device)),
+            frames: (shares && self.frames.is_none()).then(|| Frames::new(&self.device)),
             solids: recoated.then(|| Solids::new(&self.device, world)),
         }
     }

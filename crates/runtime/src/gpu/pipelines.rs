@@ -1,6 +1,7 @@
 //! Pipelines, compiled once and shared by steppers that are made from one another.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use web_time::Instant;
@@ -14,6 +15,8 @@ pub struct Pipeline {
     pub pipeline: wgpu::ComputePipeline,
     pub layout: wgpu::BindGroupLayout,
     pub source: Source,
+    /// Whether a device has raised an error in a call that compiled it: then it may not work.
+    failed: AtomicBool,
 }
 
 impl Pipeline {
@@ -73,9 +76,12 @@ impl Shared {
         place.get_or_init(compile).clone()
     }
 
-    /// Drops the pipeline of a form, which has failed or may have.
+    /// Drops the pipeline of a form, which may have failed, also where other steppers use it.
     pub fn forget(&self, form: &Form) {
-        self.lock().remove(form);
+        let place = self.lock().remove(form);
+        if let Some(pipeline) = place.as_ref().and_then(|place| place.get()) {
+            pipeline.failed.store(true, Ordering::Relaxed);
+        }
     }
 
     /// Of the pipelines that there are, what `choose` returns the least key for.
@@ -100,6 +106,8 @@ pub struct Pipelines {
     shared: Shared,
     /// Those that this stepper has used, without a lock.
     used: HashMap<Form, Arc<Pipeline>>,
+    /// Those that it has compiled in a call that has not ended.
+    fresh: Vec<Form>,
     pub compiled: Compiled,
 }
 
@@ -116,7 +124,7 @@ impl Pipelines {
     }
 
     fn of(shared: &Shared) -> Self {
-        Pipelines { shared: shared.clone(), used: HashMap::new(), compiled: Compiled::default() }
+        Pipelines { shared: shared.clone(), used: HashMap::new(), fresh: Vec::new(), compiled: Compiled::default() }
     }
 
     /// The host's cache of them.
@@ -125,9 +133,14 @@ impl Pipelines {
         self.shared.cache.as_ref()
     }
 
-    /// Drops all that this stepper has used.
+    /// Keeps what was compiled in a call that has ended without an error.
+    pub fn keep(&mut self) {
+        self.fresh.clear();
+    }
+
+    /// Drops what was compiled in a call that has failed.
     pub fn forget(&mut self) {
-        self.used.drain().for_each(|(form, _)| self.shared.forget(&form));
+        self.fresh.drain(..).for_each(|form| self.shared.forget(&form));
     }
 
     /// Those of all steppers.
@@ -137,8 +150,12 @@ impl Pipelines {
 
     /// The pipeline of a form.
     pub fn get(&mut self, form: &Form) -> &Pipeline {
-        if !self.used.contains_key(form) {
+        if self.used.get(form).is_none_or(|pipeline| pipeline.failed.load(Ordering::Relaxed)) {
+            let before = self.compiled.pipelines;
             let pipeline = self.shared.make(form, &mut self.compiled);
+            if self.compiled.pipelines > before {
+                self.fresh.push(form.clone());
+            }
             self.used.insert(form.clone(), pipeline);
         }
         &self.used[form]
@@ -158,6 +175,13 @@ impl Pipelines {
             }
         }
         self.get(form)
+    }
+}
+
+/// A stepper that is dropped in the call that makes it has failed.
+impl Drop for Pipelines {
+    fn drop(&mut self) {
+        self.forget();
     }
 }
 
@@ -186,14 +210,14 @@ fn make(device: &wgpu::Device, cache: Option<&wgpu::PipelineCache>, source: Sour
         },
         cache,
     });
-    Pipeline { pipeline, layout, source }
+    Pipeline { pipeline, layout, source, failed: AtomicBool::new(false) }
 }
 
 fn entry(bound: &Bound) -> wgpu::BindGroupLayoutEntry {
     let size = match bound.slot {
         Slot::Step => size_of::<StepRow>(),
         Slot::Frame => size_of::<FrameRow>(),
-        Slot::Batch => 16,
+        Slot::Batch | Slot::Part => 16,
         _ => 0,
     };
     let uniform = size > 0;
@@ -209,3 +233,7 @@ fn entry(bound: &Bound) -> wgpu::BindGroupLayoutEntry {
         count: None,
     }
 }
+
+#[cfg(test)]
+#[path = "pipelines_tests.rs"]
+mod tests;

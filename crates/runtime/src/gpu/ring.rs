@@ -43,7 +43,7 @@ impl Ring {
     }
 }
 
-/// What a row takes up: each begins where any device may bind.
-pub(super) fn room_of(bytes: usize) -> u32 {
+/// Bytes from the start of a row to that of the next one: a multiple of the alignment that every device accepts.
+pub(super) const fn room_of(bytes: usize) -> u32 {
     (bytes as u32).next_multiple_of(256)
 }

@@ -76,6 +76,7 @@ slots! {
     Lasting "lasting",
     Scratch "scratch",
     Batch "batch",
+    Part "part",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
@@ -151,7 +152,7 @@ impl Slot {
         let (starts, members) = cloth.rings();
         let bytes = match self {
             Slot::Step => 64 + 16,
-            Slot::Batch => 16,
+            Slot::Batch | Slot::Part => 16,
             Slot::Grids => cloth.grids().len() * 32,
             Slot::Now | Slot::Before | Slot::Rest | Slot::Normals | Slot::Field | Slot::Soft | Slot::Sums => {
                 cloth.len() * 16

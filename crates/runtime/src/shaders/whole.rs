@@ -24,7 +24,7 @@ pub fn whole(fused: &Fused) -> Source {
     let files = [part!("step"), part!("grid"), part!("now"), part!("befores"), part!("by_rows"), part!("faults")];
     let mut parts = Parts::new(
         &files,
-        &[Slot::Frame, Slot::Batch, Slot::Jobs, Slot::Grids],
+        &[Slot::Frame, Slot::Batch, Slot::Part, Slot::Jobs, Slot::Grids],
         &[Slot::Now, Slot::Before, Slot::Faults],
     );
     let mut loops: Vec<(&str, &str)> = Vec::new();

@@ -85,7 +85,8 @@ impl Stepper {
             let pipelines = pipelines.unwrap_or_else(|| Pipelines::new(handles.0, None));
             guard(handles.0, || Gpu::new(&world, handles, pipelines, on_cpu))
         };
-        let gpu = gpu.map(make).transpose()?;
+        let mut gpu = gpu.map(make).transpose()?;
+        gpu.iter_mut().for_each(Gpu::succeeded);
         Ok(Stepper { world, cpu, gpu })
     }
 

@@ -99,7 +99,8 @@ impl Stepper {
         let Some(gpu) = &mut self.gpu else { return Ok(()) };
         gpu.refuse(world)?;
         let device = gpu.handles().0.clone();
-        let coming = guard(&device, || Ok(gpu.prepare(world, draw_only, recoated)))?;
+        let coming = guard(&device, || Ok(gpu.prepare(world, draw_only, recoated))).inspect_err(|_| gpu.refused())?;
+        gpu.succeeded();
         gpu.join(world, coming);
         Ok(())
     }

@@ -81,8 +81,11 @@ impl Stepper {
         gpu.check()?;
         let device = gpu.handles().0.clone();
         let result = guard(&device, || run(self));
-        if let (Err(error), Some(gpu)) = (&result, &mut self.gpu) {
-            gpu.fail(error);
+        if let Some(gpu) = &mut self.gpu {
+            match &result {
+                Ok(_) => gpu.succeeded(),
+                Err(error) => gpu.fail(error),
+            }
         }
         result
     }

@@ -1,11 +1,11 @@
 //! The worlds that one may become by calls of the host, whose pipelines are compiled ahead.
 
 use super::World;
-use crate::choose::{Settings, Wish};
+use crate::choose::Wish;
 use crate::cloth::Cloth;
 use crate::error::Result;
 use crate::fused::{Room, arenas};
-use crate::options::Options;
+use crate::options::{Options, Solver};
 use crate::scene::Scene;
 
 impl World {
@@ -74,26 +74,18 @@ impl World {
         stay.chain(come).filter(|list| !list.is_empty()).collect()
     }
 
-    /// The rounds that are chosen for the scene, and for the same without the pins of one cloth, and of all.
+    /// The rounds that are chosen for the scene, and for the same without the pins of some cloths: always those of one of its cloths.
     fn chosen_rounds(&self, freed: bool) -> Vec<u32> {
-        let mut scene = self.scene.clone();
-        let chosen = |scene: &Scene| Settings::new(self.control.options.given().clone(), scene).1.polish;
+        let given = self.control.options.given();
         let mut rounds = vec![self.control.choice.polish];
-        let pinned = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
-        let free = |c: &mut Cloth| {
-            let all: Vec<u32> = (0..c.len() as u32).filter(|k| c.particles()[*k as usize].is_pinned()).collect();
-            c.hold_all(all.into_iter(), false);
-        };
-        for index in (0..scene.cloths.len()).filter(|_| freed) {
-            if pinned(&scene.cloths[index]) {
-                free(&mut scene.cloths[index]);
-                rounds.push(chosen(&scene));
-                scene.cloths[index] = self.scene.cloths[index].clone();
+        if freed && given.polish.is_none() && given.substeps.is_none() && given.solver == Solver::Xpbd {
+            let mut free = self.scene.clone();
+            for cloth in &mut free.cloths {
+                let all = (0..cloth.len() as u32).filter(|k| cloth.particles()[*k as usize].is_pinned());
+                cloth.hold_all(all.collect::<Vec<_>>().into_iter(), false);
             }
-        }
-        if freed {
-            scene.cloths.iter_mut().for_each(free);
-            rounds.push(chosen(&scene));
+            let wishes = [&self.scene, &free].map(|scene| Wish::of(given, scene));
+            rounds.extend(wishes.iter().flatten().map(|wish| wish.polish));
         }
         rounds
     }

@@ -1,16 +1,12 @@
 //! Which cloths share a dispatch.
 
-use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use super::World;
-use super::dispatch::most_steps;
+use super::dispatch::{by_loops, by_work};
 use crate::form::Fused;
 use crate::passes::Schedule;
-use crate::quality::MAX_SUBSTEPS;
 
-/// Dispatches of the longest frame that a cloth may have, at most; else it has no whole frames.
-const MAX_PARTS: u32 = 1024;
 /// Workgroups of a dispatch in a row.
 const MOST: usize = 65_535;
 
@@ -30,11 +26,9 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// The steps of each of its dispatches in a frame of `steps` steps. A frame without a step has one: it makes normals.
-    pub fn parts(&self, steps: u32) -> impl Iterator<Item = Range<u32>> + use<> {
-        let most = self.most.max(1);
-        let count = steps.div_ceil(most).max(1);
-        (0..count).map(move |n| n * most..(n + 1).saturating_mul(most).min(steps))
+    /// Its dispatches in a frame of `steps` steps. A frame without a step has one: it makes normals.
+    pub fn parts(&self, steps: u32) -> u32 {
+        steps.div_ceil(self.most.max(1)).max(1)
     }
 }
 
@@ -43,12 +37,11 @@ impl World {
     pub fn fuse(&mut self) {
         self.runs.iter_mut().for_each(|run| (run.fused, run.order) = (None, OnceLock::new()));
         let Some(room) = self.room.filter(|_| self.control.options.fused) else { return };
-        let options = &self.control.options;
-        let longest = options.substeps.max(MAX_SUBSTEPS).saturating_mul(options.max_catch_up);
+        let (iterations, relaxations) = (self.control.options.iterations, self.control.options.relaxations());
         // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.
         let mut frames: Vec<(Arc<Schedule>, bool)> = Vec::new();
         for index in self.arenas.iter().flatten() {
-            let solids = self.solid_count(*index);
+            let solids = self.solid_loops(*index);
             let (cloth, run) = (&self.scene.cloths[*index], &mut self.runs[*index]);
             // Rest lengths and tethers that a cut has changed are the cloth's own.
             if cloth.is_cut() {
@@ -63,9 +56,8 @@ impl World {
             });
             let (frame, fits) = &frames[at];
             let fused = fits.then(|| Fused::of(cloth, frame, &room));
-            run.most = fused.as_ref().map_or(0, |f| most_steps(cloth, solids, f, &self.control.options, &room));
-            let parts = longest.div_ceil(run.most.max(1));
-            run.fused = fused.filter(|_| run.most > 0 && parts <= MAX_PARTS);
+            run.most = fused.as_ref().map_or(0, |f| by_loops((cloth, solids), f, iterations, &room));
+            run.fused = fused.filter(|f| run.most > 0 && by_work(relaxations, f.places, 1, &room) > 0);
         }
     }
 
@@ -121,5 +113,11 @@ impl World {
             }
         }
         batches.truncate(count);
+        let relaxations = self.control.options.relaxations();
+        for batch in batches {
+            let room = self.room.as_ref();
+            let most = room.map(|room| by_work(relaxations, batch.fused.places, batch.members.len(), room));
+            batch.most = batch.most.min(most.unwrap_or(u32::MAX));
+        }
     }
 }

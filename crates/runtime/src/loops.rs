@@ -1,0 +1,106 @@
+//! Iterations that the loops of a thread make in a dispatch, at most: some software adapters end all loops of a thread after a number of
+//! them.
+//!
+//! Counted from the shaders: a collider that a particle meets is 8 (the search for it, its posing, the axes of a box), the nearest point of
+//! an ellipsoid 24 for each of the four times that it may be asked for. Compilers make loops of what is none in a shader, so a device's
+//! number has a margin ([`crate::fused::Room::of`]).
+
+use crate::cloth::Cloth;
+use crate::collider::{Collider, Shape};
+use crate::form::{Fused, Tile};
+use crate::passes::{Air, Pass};
+use crate::shaders::{Over, over};
+
+/// Iterations of noise, for a collider, and for an ellipsoid.
+const GUST: u64 = 16;
+const SOLID: u64 = 8;
+const ELLIPSOID: u64 = 110;
+
+/// Those of a particle for the colliders that its cloth meets.
+pub fn of_solids<'a>(colliders: impl IntoIterator<Item = &'a Collider>) -> u64 {
+    let one = |c: &Collider| if matches!(c.shape, Shape::Ellipsoid { closest: true, .. }) { ELLIPSOID } else { SOLID };
+    colliders.into_iter().map(one).sum()
+}
+
+/// Those of a step of a whole frame, and those beside all steps, of a cloth and [`of_solids`] of its colliders.
+pub fn of_whole(fused: &Fused, (cloth, solids): (&Cloth, u64), iterations: u32) -> [u64; 2] {
+    let (each, schedule) = (each(fused.places, fused.threads), &fused.schedule);
+    let of = |pass: &Pass| match over(*pass) {
+        Over::Rings => rings(cloth, fused.threads),
+        _ => each * within(pass, solids) + 3 * cloth.grids().len() as u64 + 1,
+    };
+    let all = |list: &[Pass]| list.iter().map(of).sum::<u64>();
+    let step = 1 + all(&schedule.air) + all(&schedule.step) + u64::from(iterations) * (1 + all(&schedule.relax));
+    [step, 4 * each + all(&schedule.frame)]
+}
+
+/// Those of a tile of a cloth, and [`of_solids`] of its colliders.
+pub fn of_tile(tile: &Tile, (cloth, solids): (&Cloth, u64)) -> u64 {
+    let each = each(tile.shape.room[0] * tile.shape.room[1], tile.threads) + 1;
+    let of = |pass: &Pass| match over(*pass) {
+        Over::Rings => rings(cloth, tile.threads),
+        _ => each * within(pass, solids) + 1,
+    };
+    2 * each + tile.passes.iter().map(of).sum::<u64>()
+}
+
+/// Of a thread over all particles.
+fn each(places: u32, threads: u32) -> u64 {
+    u64::from(places.div_ceil(threads.max(1)))
+}
+
+/// Of a particle, or of a spring, a texel or a cell.
+fn within(pass: &Pass, solids: u64) -> u64 {
+    match pass {
+        Pass::Contact(_) => 2 + solids,
+        Pass::Tethers { slots } => 2 + u64::from(*slots),
+        Pass::Wind { .. } => 4 * (1 + GUST),
+        Pass::Integrate(Air::Push) | Pass::IntegrateExact(Air::Push) => 1 + GUST,
+        _ if over(*pass) == Over::Texels => 12,
+        _ => 1,
+    }
+}
+
+/// Of a pass over seam rings, whose duplicates are gone through twice.
+fn rings(cloth: &Cloth, threads: u32) -> u64 {
+    let (starts, _) = cloth.rings();
+    let longest = starts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(0);
+    each(cloth.ring_count() as u32, threads) * u64::from(3 + 2 * longest) + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloth::Flat;
+    use crate::form::Form;
+    use crate::fused::Room;
+    use crate::options::Options;
+    use crate::scene::Scene;
+    use crate::world::World;
+
+    #[test]
+    fn tiles_end_before_contact_with_more_colliders_than_their_loops_have_room_for() {
+        let room = Room { memory: 65_536, threads: 64, buffers: 8, loops: 16_384, busy: 8, bytes: 1 << 27 };
+        let contact = |shape: Shape, count: usize| {
+            let mut scene = Scene::new("many");
+            scene.cloths.push(Flat::square("sheet", 150).cloth().unwrap());
+            scene.colliders = (0..count).map(|k| Collider::new(shape, [k as f32, -1.0, 0.0])).collect();
+            let mut world = World::new(scene, Options::default()).unwrap();
+            world.make_room(room);
+            let first = world.order(0).map(|order| order.first.clone()).unwrap();
+            let contact = |p: &Pass| matches!(p, Pass::Contact(_));
+            let tiles: Vec<bool> =
+                first.iter().map(|f| matches!(f, Form::Tile(t) if t.passes.iter().any(contact))).collect();
+            assert_eq!(
+                first.iter().filter(|f| matches!(f, Form::Apart(p) if contact(p))).count(),
+                usize::from(!tiles.contains(&true))
+            );
+            assert!(first.iter().any(|f| matches!(f, Form::Tile(_))), "springs still run by tiles");
+            tiles.contains(&true)
+        };
+        let ball = || Shape::Sphere { radius: 0.3 };
+        let egg = || Shape::Ellipsoid { radii: [0.3, 0.2, 0.1], closest: true };
+        assert_eq!([contact(ball(), 8), contact(ball(), 1000)], [true, false]);
+        assert_eq!([contact(egg(), 1), contact(egg(), 40)], [true, false]);
+    }
+}
