@@ -65,9 +65,12 @@ fn nothing_is_compiled_in_a_game_that_was_prepared() {
     assert!(left > 20, "{left}");
     // In the background, while frames are recorded.
     let worker = std::thread::spawn(move || calm.run().unwrap());
-    rig.frames(3);
-    assert_eq!(rig.stepper.compiled(), Some(fresh), "the frames of its own scene need nothing more");
+    // wgpu lets no other thread wait for OpenGL longer than a second.
+    let alone = device.0.adapter_info().backend == wgpu::Backend::Gl;
+    let early = (!alone).then(|| rig.frames(3));
     let made = worker.join().unwrap();
+    early.unwrap_or_else(|| rig.frames(3));
+    assert_eq!(rig.stepper.compiled(), Some(fresh), "the frames of its own scene need nothing more");
     assert_eq!(made.pipelines as usize, left);
     assert!(made.ms > 0.0);
     let windy = preparation(&rig, windy());

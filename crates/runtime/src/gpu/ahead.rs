@@ -111,7 +111,8 @@ fn all(world: &mut World, rounds: &[u32], ahead: &[Ahead], cut: bool) -> Vec<For
 }
 
 /// Pipelines that are still to be compiled, by [`crate::Stepper::prepare`]. It may go to another thread: frames that are recorded meanwhile
-/// wait only if they need the very pipeline that is being compiled.
+/// wait only if they need the very pipeline that is being compiled. With OpenGL, where one thread at a time uses a device, all of them wait,
+/// and wgpu panics after a second: there, compile on the thread that records.
 #[must_use = "nothing is compiled before it runs"]
 pub struct Preparation {
     /// None where nothing is compiled.
