@@ -22,7 +22,7 @@ use self::membrane::Cells;
 use self::moments::Plate;
 use self::pyramid::Pyramid;
 use self::seam_steps::Member;
-use self::stretch::Springs;
+use self::stretch::{Rests, Springs};
 use self::sweep::Stage;
 use self::tethers::Tethers;
 use super::body::Body;
@@ -161,7 +161,7 @@ impl<T: Real> Fabric<T> {
                     let other = other_end(sheet.width, sheet.height, k, d)?;
                     (there(first + k) && there(first + other)).then_some(image[first + k][d])
                 };
-                of.rest = Values::List(sheet.list(T::of(0.0), |k| length(k).unwrap_or(T::of(0.0))));
+                of.rest = Rests::List(sheet.list(T::of(0.0), |k| length(k).unwrap_or(T::of(0.0))));
             }
         }
     }
@@ -453,9 +453,9 @@ fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>) -> [Springs<T>; 4
     [0, 1, 2, 3].map(|d| {
         let zero = T::of(0.0);
         let rest = match cloth.rest() {
-            Rest::None => Values::Constant(zero),
-            Rest::Constant(r) if !holes => Values::Constant(T::of(r[g][d].into())),
-            _ => Values::List(sheet.list(zero, |k| T::of(cloth.spring(g, k, d).into()))),
+            Rest::None => Rests::constant(sheet, zero),
+            Rest::Constant(r) if !holes => Rests::constant(sheet, T::of(r[g][d].into())),
+            _ => Rests::List(sheet.list(zero, |k| T::of(cloth.spring(g, k, d).into()))),
         };
         let soft = match &cloth.compliance {
             Compliance::None => Values::Constant(zero),

@@ -10,10 +10,34 @@ use crate::cpu::sheet::{Sheet, Values, planes};
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
 
+/// Rest lengths \[m\]; 0 means no spring, as everywhere past the last column.
+pub enum Rests<T> {
+    /// One for all: as many times as a row has pairs at most, and as many zeros.
+    Constant(Vec<T>),
+    /// In the layout of [`Sheet::w`].
+    List(Vec<T>),
+}
+
+impl<T: Real> Rests<T> {
+    /// The same for all springs of a sheet.
+    pub fn constant(sheet: &Sheet<T>, rest: T) -> Self {
+        Rests::Constant([rest, T::of(0.0)].iter().flat_map(|r| vec![*r; sheet.half]).collect())
+    }
+
+    /// Those of `count` springs, the first of which is stored at `stored`, and zeros up to `long`.
+    #[inline(always)]
+    fn of(&self, stored: usize, count: usize, long: usize) -> &[T] {
+        match self {
+            Rests::Constant(row) => &row[row.len() / 2 - count..][..long],
+            Rests::List(list) => &list[stored..][..long],
+        }
+    }
+}
+
 /// The springs of one direction.
 pub struct Springs<T> {
-    /// Rest lengths \[m\]; 0 means no spring.
-    pub rest: Values<T>,
+    /// Rest lengths.
+    pub rest: Rests<T>,
     /// Compliance \[m/N\].
     pub soft: Values<T>,
     /// Sums of multipliers of this step; empty until there is more than one relaxation and any compliance.
@@ -119,7 +143,7 @@ const TOGETHER: usize = 32;
 
 /// The springs of a direction.
 pub struct Spring<'a, T> {
-    rest: &'a Values<T>,
+    rest: &'a Rests<T>,
     soft: &'a Values<T>,
     half: usize,
     /// As [`Sheet::alike`].
@@ -268,9 +292,9 @@ impl<'a, T: Real> Spring<'a, T> {
         sums: &mut [T],
     ) {
         let half = self.half;
-        let w = &w[j * 2 * half..][..2 * half];
-        let [x, y, z] = planes(row, half).map(|p| p.split_at_mut(half));
-        let (we, wo) = w.split_at(half);
+        let [x, y, z] = planes(row, half);
+        let (x, y, z) = (x.split_at_mut(half), y.split_at_mut(half), z.split_at_mut(half));
+        let (we, wo) = if weighs(KIND) { w[j * 2 * half..][..2 * half].split_at(half) } else { (&[][..], &[][..]) };
         let stored = j * 2 * half + parity * half;
         let sums = sums.get_mut(parity * half..).unwrap_or(&mut []);
         let e = [x.0, y.0, z.0];
@@ -281,7 +305,7 @@ impl<'a, T: Real> Spring<'a, T> {
             self.relax::<K, KIND, RIGHT>(
                 k,
                 End { at: o, w: wo },
-                End { at: e.map(|p| &mut p[1..]), w: &we[1..] },
+                End { at: after_first(e), w: we.get(1..).unwrap_or(&[]) },
                 stored,
                 count,
                 sums,
@@ -305,7 +329,8 @@ impl<'a, T: Real> Spring<'a, T> {
             let other = if WAY == DOWN { side } else { 1 - side };
             let skip = if WAY == DOWN { 0 } else { side };
             let (halves, from) = if up { ([other, side], [skip, 0]) } else { ([side, other], [0, skip]) };
-            let (upper, lower) = ends(rows, w, j, self.half, halves, from);
+            let w = if weighs(KIND) { &w[j * 2 * self.half..] } else { &[] };
+            let (upper, lower) = ends(rows, w, self.half, halves, from);
             let (a, b) = if up { (lower, upper) } else { (upper, lower) };
             let at = (2 * usize::from(up) + side) * self.half;
             let sums = sums.get_mut(at..).unwrap_or(&mut []);
@@ -314,19 +339,35 @@ impl<'a, T: Real> Spring<'a, T> {
     }
 }
 
-/// The halves `side` of two rows, each from `from` on.
+/// Whether springs of a kind ask for the masses of their ends.
+const fn weighs(kind: u8) -> bool {
+    kind != ALIKE && kind != ALIKE_BOUND
+}
+
+#[inline(always)]
+fn after_first<T>([x, y, z]: [&mut [T]; 3]) -> [&mut [T]; 3] {
+    [&mut x[1..], &mut y[1..], &mut z[1..]]
+}
+
+/// The halves `side` of two rows, each from `from` on; `w` are the inverse masses of these rows, or none.
 #[inline(always)]
 fn ends<'a, T>(
     rows: &'a mut [T],
     w: &'a [T],
-    j: usize,
     half: usize,
     side: [usize; 2],
     from: [usize; 2],
 ) -> (End<'a, T>, End<'a, T>) {
     let (upper, lower) = rows.split_at_mut(6 * half);
-    let cut =
-        |row: &'a mut [T], n: usize| planes(row, half).map(|p| &mut p[side[n] * half + from[n]..(side[n] + 1) * half]);
-    let weights = |n: usize| &w[((j + n) * 2 + side[n]) * half + from[n]..((j + n) * 2 + side[n] + 1) * half];
-    (End { at: cut(upper, 0), w: weights(0) }, End { at: cut(lower, 1), w: weights(1) })
+    let weights = |n: usize| w.get((2 * n + side[n]) * half + from[n]..).unwrap_or(&[]);
+    let [upper, lower] = [cut(upper, half, side[0], from[0]), cut(lower, half, side[1], from[1])];
+    (End { at: upper, w: weights(0) }, End { at: lower, w: weights(1) })
+}
+
+/// The coordinates of half a row, from `from` on.
+#[inline(always)]
+fn cut<T>(row: &mut [T], half: usize, side: usize, from: usize) -> [&mut [T]; 3] {
+    let [x, y, z] = planes(row, half);
+    let range = side * half + from..(side + 1) * half;
+    [&mut x[range.clone()], &mut y[range.clone()], &mut z[range]]
 }

@@ -116,7 +116,7 @@ impl<'a, T: Real> Stage<'a, T> {
 mod tests {
     use super::*;
     use crate::cloth::Grid;
-    use crate::cpu::fabric::stretch;
+    use crate::cpu::fabric::stretch::{self, Rests};
     use crate::cpu::fabric::tethers::Slot;
     use crate::cpu::integrate::Air;
     use crate::cpu::rows::Threads;
@@ -152,8 +152,9 @@ mod tests {
         let bounds = [[0.0; 4], [0.01; 4], [0.0, 0.0, 0.01, 0.0]];
         for ((width, height), bounds) in sizes.into_iter().flat_map(|s| bounds.map(|b| (s, b))) {
             let (mut together, mut apart) = (sheet(width, height), sheet(width, height));
-            let list = Values::List(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32));
-            let rest = [Values::Constant(0.9f32), list, Values::Constant(1.3), Values::Constant(1.3)];
+            let list = Rests::List(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32));
+            let [right, diagonal] = [0.9f32, 1.3].map(|rest| move |sheet| Rests::constant(sheet, rest));
+            let rest = [right(&together), list, diagonal(&together), diagonal(&together)];
             let mut bounds = bounds.into_iter();
             let mut springs = rest.map(|rest| stretch::Springs {
                 rest,

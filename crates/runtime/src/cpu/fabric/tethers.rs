@@ -115,11 +115,22 @@ fn list<T: Real, K: Machine<T>>(
     let long = count.next_multiple_of(LANES);
     let (x, y, z, w, most) =
         (&mut x[..long], &mut y[..long], &mut z[..long], &w[..long], &slot.most[first..first + long]);
+    if let (true, Some(anchor)) = (slot.one != MIXED, anchors.get(slot.one as usize)) {
+        let anchor = k.splats(*anchor);
+        for at in (0..long).step_by(K::WIDE) {
+            hold_within(k, [x, y, z], at, anchor, (k.load(w, at), k.load(most, at)));
+        }
+        return;
+    }
     for at in (0..long).step_by(K::WIDE) {
         let anchor = to(k, slot, first + at, anchors);
         hold_within(k, [x, y, z], at, anchor, (k.load(w, at), k.load(most, at)));
     }
 }
+
+/// Vectors of which no particle is beyond this share of its distance are left as they are, without roots and divisions. The margin
+/// is wider than what rounding of squares may amount to.
+const SURE: f64 = 1.0 - 1e-5;
 
 /// Draws the free particles of a vector, at `at`, to within `most` \[m\] of `to`; `w` are their inverse masses.
 #[inline(always)]
@@ -134,7 +145,11 @@ pub fn hold_within<T: Real, K: Machine<T>>(
     let none = k.splat(T::of(f64::from(f32::MAX)));
     let p = [k.load(x, at), k.load(y, at), k.load(z, at)];
     let d = [k.sub(p[0], to[0]), k.sub(p[1], to[1]), k.sub(p[2], to[2])];
-    let far = k.sqrt(k.squares(d));
+    let (squares, sure) = (k.squares(d), k.mul(most, k.splat(T::of(SURE))));
+    if !k.any(k.above(squares, k.mul(sure, sure))) {
+        return;
+    }
+    let far = k.sqrt(squares);
     let most = k.choose(k.above(w, zero), most, none);
     let keep = k.div(most, k.most(far, least));
     let beyond = k.above(far, most);
@@ -146,7 +161,7 @@ pub fn hold_within<T: Real, K: Machine<T>>(
 #[inline(always)]
 fn to<T: Real, K: Machine<T>>(k: K, slot: &Slot<T>, place: usize, anchors: &[V3<T>]) -> [K::V; 3] {
     let of = |index: u32| anchors.get(index as usize).copied().unwrap_or([T::of(0.0); 3]);
-    let one = if slot.one == MIXED { slot.block[place / LANES] } else { slot.one };
+    let one = slot.block[place / LANES];
     if one != MIXED {
         let [x, y, z] = of(one);
         return [k.splat(x), k.splat(y), k.splat(z)];

@@ -27,8 +27,8 @@ impl<T: Real> Spring<'_, T> {
         sums: &mut [T],
     ) {
         match KIND {
-            ALIKE => self.equals::<K, false, WAY>(k, a, b, stored, count),
-            ALIKE_BOUND => self.equals::<K, true, WAY>(k, a, b, stored, count),
+            ALIKE => self.equals::<K, false, WAY>(k, [a.at, b.at], stored, count),
+            ALIKE_BOUND => self.equals::<K, true, WAY>(k, [a.at, b.at], stored, count),
             HARD => self.list::<K, HARD, WAY>(k, a, b, stored, count, sums),
             HARD_BOUND => self.list::<K, HARD_BOUND, WAY>(k, a, b, stored, count, sums),
             LIMIT => self.list::<K, LIMIT, WAY>(k, a, b, stored, count, sums),
@@ -53,16 +53,12 @@ impl<T: Real> Spring<'_, T> {
         let long = count.next_multiple_of(K::WIDE);
         let [ax, ay, az] = a.at.map(|p| &mut p[..long]);
         let [bx, by, bz] = b.at.map(|p| &mut p[..long]);
-        let (was, wbs, rests) = (&a.w[..long], &b.w[..long], self.rests(k, stored, long));
+        let (was, wbs, rests) = (&a.w[..long], &b.w[..long], self.rest.of(stored, count, long));
         for at in (0..long).step_by(K::WIDE) {
             let p = [k.load(ax, at), k.load(ay, at), k.load(az, at)];
             let q = [k.load(bx, at), k.load(by, at), k.load(bz, at)];
             let (wa, wb) = (k.load(was, at), k.load(wbs, at));
-            let mut rest = rests.of(k, at);
-            if at + K::WIDE > count {
-                // Past the last column there is no spring.
-                rest = k.first(rest, count - at);
-            }
+            let rest = k.load(rests, at);
             let mut d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
             let mut far = k.most(k.sqrt(k.squares(d)), closest);
             if WAY == RIGHT && KIND != LIMIT && k.any(k.above(k.mul(rest, short), far)) {
@@ -101,60 +97,30 @@ impl<T: Real> Spring<'_, T> {
     }
 }
 
-/// Rest lengths of a run of springs: one for all, or each.
-#[derive(Clone, Copy)]
-enum Rests<'a, T, V> {
-    One(V),
-    Each(&'a [T]),
-}
-
-impl<T: Real, V: Copy> Rests<'_, T, V> {
-    #[inline(always)]
-    fn of<K: Machine<T, V = V>>(self, k: K, at: usize) -> V {
-        match self {
-            Rests::One(rest) => rest,
-            Rests::Each(list) => k.load(list, at),
-        }
-    }
-}
-
 impl<T: Real> Spring<'_, T> {
-    /// Rest lengths of springs from `stored` on.
-    #[inline(always)]
-    fn rests<K: Machine<T>>(&self, k: K, stored: usize, long: usize) -> Rests<'_, T, K::V> {
-        match self.rest {
-            Values::Constant(x) => Rests::One(k.splat(*x)),
-            Values::List(list) => Rests::Each(&list[stored..stored + long]),
-        }
-    }
-
     /// Hard springs between particles of one mass: each end takes half of the error, whatever the mass is. Neither roots nor
     /// divisions are needed.
     #[inline(always)]
     fn equals<K: Machine<T>, const BOUND: bool, const WAY: u8>(
         &self,
         k: K,
-        a: End<T>,
-        b: End<T>,
+        [a, b]: [[&mut [T]; 3]; 2],
         stored: usize,
         count: usize,
     ) {
         let (zero, half, closest) = (k.splat(T::of(0.0)), k.splat(T::of(0.5)), k.splat(T::of(1e-9)));
         let (short, times) = (k.splat(T::of(aside::SHORT)), k.splat(self.times));
         let long = count.next_multiple_of(K::WIDE);
-        let [ax, ay, az] = a.at.map(|p| &mut p[..long]);
-        let [bx, by, bz] = b.at.map(|p| &mut p[..long]);
-        let rests = self.rests(k, stored, long);
+        let ([ax, ay, az], [bx, by, bz]) = (a, b);
+        let (ax, ay, az) = (&mut ax[..long], &mut ay[..long], &mut az[..long]);
+        let (bx, by, bz) = (&mut bx[..long], &mut by[..long], &mut bz[..long]);
+        let rests = self.rest.of(stored, count, long);
         for at in (0..long).step_by(K::WIDE) {
             let p = [k.load(ax, at), k.load(ay, at), k.load(az, at)];
             let q = [k.load(bx, at), k.load(by, at), k.load(bz, at)];
             let mut d = [k.sub(q[0], p[0]), k.sub(q[1], p[1]), k.sub(q[2], p[2])];
             let mut far = k.most(k.sqrt(k.squares(d)), closest);
-            let mut rest = rests.of(k, at);
-            if at + K::WIDE > count {
-                // Past the last column there is no spring.
-                rest = k.first(rest, count - at);
-            }
+            let rest = k.load(rests, at);
             if WAY == RIGHT && k.any(k.above(k.mul(rest, short), far)) {
                 (d, far) = self.turned(k, d, rest, far, stored + at);
             }
@@ -183,8 +149,7 @@ impl<T: Real> Spring<'_, T> {
         let bound = k.mul(whole, k.splat(self.bound));
         let most = k.most(k.sub(error, k.mul(whole, k.splat(T::of(TORN)))), bound);
         let least = k.sub(k.splat(T::of(0.0)), bound);
-        let error = k.choose(k.above(error, most), most, error);
-        k.choose(k.above(least, error), least, error)
+        k.most(least, k.least(most, error))
     }
 
     /// Vectors and lengths of springs to the right, some of which have almost no length, as [`aside`] has them.
