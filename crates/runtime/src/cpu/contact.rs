@@ -77,11 +77,15 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
             let w = &self.w[j * 2 * half..(j + 1) * 2 * half];
             let mut now = planes(now, half);
             for at in (0..2 * half).step_by(K::WIDE) {
+                let b = [k.load(was[0], at), k.load(was[1], at), k.load(was[2], at)];
+                let mut p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
+                let mut way2 = k.squares(k.minus(p, b));
                 for (solid, reach) in self.near {
-                    if reach.any_near(k, [&*now[0], &*now[1], &*now[2]], was, at) {
-                        let lines = wide::Lines { now: &mut now, was, w: &w[at..] };
-                        wide::meet(k, solid, reach, lines, at, self.dt);
-                    }
+                    let Some(near) = reach.near(k, p, way2) else { continue };
+                    let lines = wide::Lines { now: &mut now, was, w: &w[at..] };
+                    wide::meet(k, (solid, reach), lines, (at, near), self.dt);
+                    p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
+                    way2 = k.squares(k.minus(p, b));
                 }
             }
         }

@@ -82,37 +82,30 @@ impl<T: Real> Reach<T> {
         !far
     }
 
-    /// Whether any particle from `at` on comes near on its way: the ball around the way meets that of the solid.
+    /// The particles at `p` that come near on their way, given its squared length: the ball around the way meets that of the solid.
+    /// None if none does; what is left out would not have moved.
     #[inline(always)]
-    pub fn any_near<K: Machine<T>>(&self, k: K, now: [&[T]; 3], was: [&[T]; 3], at: usize) -> bool {
-        let load = |list: [&[T]; 3]| [k.load(list[0], at), k.load(list[1], at), k.load(list[2], at)];
-        let between = |a: [K::V; 3], b: [K::V; 3]| [k.sub(a[0], b[0]), k.sub(a[1], b[1]), k.sub(a[2], b[2])];
-        let p = load(now);
-        let [x, y, z] = self.center;
-        let d = between(p, [k.splat(x), k.splat(y), k.splat(z)]);
-        match self.radius {
+    pub fn near<K: Machine<T>>(&self, k: K, p: [K::V; 3], way2: K::V) -> Option<K::M> {
+        let d = k.minus(p, k.splats(self.center));
+        let near = match self.radius {
             Some(r) => {
                 let (d, r) = match &self.line {
                     Some(line) => (line.across(k, d), line.radius),
                     None => (d, r),
                 };
-                let (way2, far2) = (k.squares(between(p, load(was))), k.squares(d));
+                let far2 = k.squares(d);
                 // The square of a sum is at most twice that of the squares: most that are far are told without a root.
                 let most = k.mul(k.splat(T::of(2.001)), k.add(k.splat(r * r), way2));
                 if !k.any(k.above(k.add(most, k.splat(T::of(1e-30))), far2)) {
-                    return false;
+                    return None;
                 }
                 let (way, far) = (k.sqrt(way2), k.sqrt(far2));
-                let reach = k.add(k.splat(r), way);
                 // Written so that NaN is not near: nothing can be done for it.
-                k.any(k.above(reach, far))
+                k.above(k.add(k.splat(r), way), far)
             }
-            None => {
-                let n = self.normal.map(|x| k.splat(x));
-                let above = k.add(k.add(k.mul(d[0], n[0]), k.mul(d[1], n[1])), k.mul(d[2], n[2]));
-                k.any(k.above(k.splat(T::of(0.0)), above))
-            }
-        }
+            None => k.above(k.splat(T::of(0.0)), k.dot(d, k.splats(self.normal))),
+        };
+        k.any(near).then_some(near)
     }
 }
 
@@ -125,8 +118,7 @@ impl<T: Real> Line<T> {
         let axis = [k.splat(x), k.splat(y), k.splat(z)];
         let along = k.add(k.add(k.mul(d[0], axis[0]), k.mul(d[1], axis[1])), k.mul(d[2], axis[2]));
         let (low, high) = (k.splat(-self.half), k.splat(self.half));
-        let along = k.choose(k.above(along, low), along, low);
-        let along = k.choose(k.above(high, along), along, high);
+        let along = k.least(k.most(along, low), high);
         [k.sub(d[0], k.mul(axis[0], along)), k.sub(d[1], k.mul(axis[1], along)), k.sub(d[2], k.mul(axis[2], along))]
     }
 }

@@ -14,14 +14,13 @@ pub struct Lines<'a, 'b, T> {
     pub w: &'a [T],
 }
 
-/// The particles from `at` on. Those whose way is short leave together, the others one by one.
+/// The particles from `at` on. Those whose way is short leave together, the others that are near one by one.
 #[inline(always)]
 pub fn meet<T: Real, K: Machine<T>>(
     k: K,
-    solid: &Solid<T>,
-    reach: &Reach<T>,
+    (solid, reach): (&Solid<T>, &Reach<T>),
     Lines { now, was, w }: Lines<T>,
-    at: usize,
+    (at, near): (usize, K::M),
     dt: T,
 ) {
     let p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
@@ -34,8 +33,7 @@ pub fn meet<T: Real, K: Machine<T>>(
     let brief = k.both(free, k.above(k.splat(short(solid)), dot(k, path, path)));
     let Exits { at: out, normal, outside } = solid.exits(k, p);
     let inside = k.without(brief, outside);
-    // NaN is among the others.
-    let others = k.without(free, brief);
+    let others = k.both(near, k.without(free, brief));
     if k.any(others) {
         let mut alone = [T::of(0.0); LANES];
         k.store(&mut alone, 0, k.choose(others, k.splat(T::of(1.0)), k.splat(T::of(0.0))));
