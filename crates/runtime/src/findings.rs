@@ -7,7 +7,7 @@
 use std::fmt;
 
 use crate::cloth::Cloth;
-use crate::collider::solid::Solid;
+use crate::collider::solid::{CAPSULE, Solid};
 use crate::handle::follow;
 use crate::health::{self, Health};
 use crate::number::real::{Real, V3, add, cast, cross, dot, scale, sub, xyz};
@@ -202,13 +202,17 @@ impl Watchdog {
     pub fn cross<T: Real>(&mut self, sight: &Sight<T>, prior: &[V3<T>], frame: f64) {
         for (collider, solid) in sight.solids.iter().enumerate() {
             let core = solid.coated(solid.thickness() * T::of(-CORE));
+            let Some(hull) = Hull::new(&core) else { continue };
             let through = |(p, was): (&[T; 4], &V3<T>)| {
                 let now = xyz(*p);
                 let from = carried(solid, *was, frame);
-                p[3].get() > 0.0 && core.exit(from).is_none() && core.entry(from, sub(now, from)).is_some()
+                p[3].get() > 0.0
+                    && hull.may_meet(from, now)
+                    && core.exit(from).is_none()
+                    && core.entry(from, sub(now, from)).is_some()
             };
             let all = || sight.now.iter().zip(prior).enumerate().filter(|(_, pair)| through(*pair));
-            if let Some((particle, _)) = all().next().filter(|_| solid.around().is_some()) {
+            if let Some((particle, _)) = all().next() {
                 let particles = all().count();
                 self.find(sight, Fate::Tunnelled { particles, particle, collider });
             }
@@ -274,6 +278,34 @@ fn gone<T: Real>(sight: &Sight<T>, touched: &[bool]) -> Option<Fate> {
     match touches {
         true => (top < floor).then_some(Fate::Left),
         false => (top < floor.min(lowest(&mut start.into_iter()) - 1.0)).then_some(Fate::Falls),
+    }
+}
+
+/// A capsule around a solid, or a ball.
+struct Hull<T> {
+    center: V3<T>,
+    axis: V3<T>,
+    half: T,
+    radius: T,
+}
+
+impl<T: Real> Hull<T> {
+    /// None around a half-space.
+    fn new(solid: &Solid<T>) -> Option<Self> {
+        let around = solid.around()?;
+        let (half, radius) = if solid.kind == CAPSULE { (solid.size[1], solid.size[0]) } else { (T::of(0.0), around) };
+        Some(Hull { center: solid.center, axis: solid.up(), half, radius })
+    }
+
+    /// Whether the ball around the way from `a` to `b` comes near; true wherever rounding may decide.
+    fn may_meet(&self, a: V3<T>, b: V3<T>) -> bool {
+        let (way, d) = (scale(sub(b, a), T::of(0.5)), sub(scale(add(a, b), T::of(0.5)), self.center));
+        let along = dot(d, self.axis).max(-self.half).min(self.half);
+        let d = sub(d, scale(self.axis, along));
+        let size = self.center.iter().fold(T::of(0.0), |sum, x| sum + x.abs());
+        let reach = (self.radius + dot(way, way).sqrt()) * T::of(1.01) + size * T::of(1e-6);
+        // NaN is far.
+        dot(d, d) <= reach * reach
     }
 }
 
