@@ -1,6 +1,7 @@
 //! Chooses the substeps and polishing rounds that the host leaves open, from what the scene is.
 
 pub(crate) mod bend;
+mod give;
 
 use std::fmt;
 use std::ops::Deref;
@@ -51,7 +52,9 @@ pub enum Support {
 /// The choice is made again when a cloth loses its last pin, and when the first collider comes. A cloth that is added raises the
 /// numbers if it asks for more ([`crate::Stepper::add_cloth`]). Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
 /// colliders change: the number rises at once, and falls gradually one second after the need ends. Cloth with a compliance
-/// or a material is not polished, as its stretch is wanted. Cloth of a material has at least the substeps in which it bends as
+/// or a material is not polished, as its stretch is wanted. Cloth on pins whose compliance is seen has up to 128 relaxations per
+/// frame (64 substeps and a round), so that it stretches by its compliance and not by the solver's error; its tethers are longer by
+/// what springs at the pins give. Cloth of a material has at least the substeps in which it bends as
 /// stiffly as it should: the finer the grid and the stiffer the fabric, the more. At most 64 substeps are chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
@@ -142,7 +145,9 @@ impl Settings {
     pub fn new(given: Options, scene: &Scene) -> (Self, Choice) {
         let choice = choose(&given, scene);
         let row = |c| choice.given == [false; 2] && need(c, &given, scene).support == Support::TetheredRow;
-        let slack = scene.cloths.iter().map(|c| if row(c) { ROW_SLACK } else { 1.0 }).collect();
+        // A tether is as long as the path along the surface when that gives.
+        let give = |c: &Cloth| 1.0 + give::at_pins(c, scene.gravity) as f32;
+        let slack = scene.cloths.iter().map(|c| if row(c) { ROW_SLACK } else { 1.0 } * give(c)).collect();
         (Settings { substeps: choice.substeps, polish: choice.polish, slack, given }, choice)
     }
 
@@ -246,8 +251,11 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
     };
     // Compliance, tension and bending are exact in short steps only.
     let bends = (FRAME_S / bend::longest(cloth)).ceil().min(MAX_SUBSTEPS.into()) as u32;
-    let (substeps, polish) =
-        if stiff(cloth) { (substeps, polish) } else { (substeps.max(FREE_SUBSTEPS).max(bends), 0) };
+    let (substeps, polish) = match give::relaxed(n, give::at_pins(cloth, scene.gravity)) {
+        _ if stiff(cloth) => (substeps, polish),
+        Some((all, rounds)) => (substeps.max(all), rounds),
+        None => (substeps.max(FREE_SUBSTEPS).max(bends), 0),
+    };
     Need { substeps, polish, support }
 }
 

@@ -109,10 +109,10 @@ pub enum Warning {
         /// The cloth by name.
         cloth: String,
     },
-    /// Lengths are limited on coarser grids, which ignore contact: they pull the cloth through colliders.
+    /// Lengths are not limited on coarser grids, which ignore contact and would pull the cloth through colliders.
     #[error(
-        "cloth {cloth}: a pyramid pulls cloth that lies on colliders through them, and no pin holds this one: leave the pyramid \
-         out, and use 8 or more rounds of polish"
+        "cloth {cloth}: the pyramid is not used, because it ignores contact and the cloth meets colliders: leave the pyramid out, \
+         and use 8 or more rounds of polish"
     )]
     PyramidOnColliders {
         /// The cloth by name.

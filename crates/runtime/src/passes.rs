@@ -278,7 +278,8 @@ pub fn schedule(
             // Before the springs tethers take the large errors, after them what springs have left at the pins.
             let tethers = (slots > 0).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
-            s.coarse = coarse(cloth, options);
+            // It ignores contact: it would pull cloth through what it lies on.
+            s.coarse = if colliders.is_none() { coarse(cloth, options) } else { Vec::new() };
             if cloth.membrane().is_none() {
                 let again = options.iterations * (options.polish + 1) > 1 && soft_of(cloth) != Soft::None;
                 s.step.extend(again.then_some(Pass::Forget));
@@ -364,14 +365,15 @@ fn stretch(cloth: &Cloth, again: bool) -> impl Iterator<Item = Pass> {
     of(1).chain(of(0))
 }
 
-/// A round of polish: the springs to the right and down, those without compliance over-relaxed until the last round.
+/// A round of polish: the springs to the right and down, over-relaxed until the last round. Of springs with compliance all, as they
+/// are: their multipliers come nearer to those of elastic cloth, which diagonals have a share in.
 fn polish(cloth: &Cloth, again: bool, last: bool) -> impl Iterator<Item = Pass> {
     stretch(cloth, again).filter_map(move |pass| match pass {
         Pass::Stretch { direction, parity, image, soft: Soft::None, .. } if direction < 2 && !last => {
             Some(Pass::Polish { direction, parity, image })
         }
-        Pass::Stretch { direction: 0 | 1, .. } => Some(pass),
-        _ => None,
+        Pass::Stretch { soft: Soft::None, direction: 2.., .. } => None,
+        _ => Some(pass),
     })
 }
 

@@ -39,6 +39,16 @@ fn soft_springs_stretch_as_far_as_their_compliance_says() {
 }
 
 #[test]
+fn tethers_do_not_hide_the_compliance_of_springs() {
+    // The truth of springs of 1000 N/m: 1.6987 %, the lowest particle at -1.0022003 m.
+    let end = run(scene::builtin("s1k", 32).unwrap(), Options { substeps: None, ..options(1) }, 600);
+    let m = measured(&end);
+    assert!((m.stretch_max / 0.016987 - 1.0).abs() < 0.05, "{m:?}");
+    let hem = end.positions(0).unwrap().iter().map(|p| p[1]).fold(0.0, f32::min);
+    assert!((f64::from(hem) / -1.002_200_3 - 1.0).abs() < 1e-3, "{hem}");
+}
+
+#[test]
 fn polishing_takes_stretch_out_of_fine_cloth() {
     let of =
         |polish| measured(&run(scene::builtin("s1", 64).unwrap(), Options { polish: Some(polish), ..options(2) }, 600));

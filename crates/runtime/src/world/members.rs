@@ -30,9 +30,8 @@ pub(super) fn prepare(cloth: &mut Cloth, options: &Settings, slack: f32, collide
     cloth.close();
     let most = limits::prepare(cloth, options, &mut warnings)?;
     let meets = colliders.iter().any(|c| c.is_met(cloth.collision_groups));
-    let lies = options.pyramid > 0 && meets && has_levels(cloth, options);
-    let lies = lies && !cloth.particles().iter().any(|p| p.is_pinned());
-    warnings.extend(lies.then(|| Warning::PyramidOnColliders { cloth: cloth.name().into() }));
+    let left_out = meets && has_levels(cloth, options);
+    warnings.extend(left_out.then(|| Warning::PyramidOnColliders { cloth: cloth.name().into() }));
     let mut run = ClothRun::new(cloth, most, slack);
     run.warnings = warnings;
     Ok(run)
