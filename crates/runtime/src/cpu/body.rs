@@ -143,6 +143,7 @@ impl<T: Real> Body<T> {
             }
             self.edited = false;
         }
+        self.fabric.iter_mut().for_each(|fabric| fabric.begin());
     }
 
     /// To be called after the steps of a frame, before its normals.

@@ -3,6 +3,7 @@
 //! The rule is [`meet`], for one particle. Most particles go a way that is short beside the collider, where the rule is the
 //! way out alone: `wide` does that for a vector of them at a time, with the same bits.
 
+pub mod clear;
 mod reach;
 mod wide;
 
@@ -12,22 +13,32 @@ use super::sheet::{Sheet, planes, planes_ref};
 use crate::collider::solid::Solid;
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::{Real, V3, add, cross, dot, scale, sub};
+use clear::Clear;
 use reach::{Reach, bounds};
 
 /// Rows that are done in one go.
 const TOGETHER: usize = 8;
 
 /// Particles inside a collider, or on its other side, go to its surface. Colliders out of reach of the sheet cost one
-/// comparison, those out of reach of a block of particles another.
-pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, solids: &[Solid<T>], dt: T) {
-    let near = in_reach(bounds(sheet), solids, dt);
+/// comparison, those out of reach of a block of particles another, and those that were far in an earlier step of the frame none.
+pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, clear: &mut Clear<T>, solids: &[Solid<T>], dt: T) {
+    let (lowest, highest) = bounds(sheet);
+    let near = in_reach((lowest, highest), solids, dt);
     if near.is_empty() {
+        clear.forget();
         return;
     }
+    clear.prepare(sheet.w.len(), near.iter().map(|(index, ..)| *index));
+    let size = |p: V3<T>| p[0].abs().max(p[1].abs()).max(p[2].abs());
+    let largest = near.iter().fold(size(lowest).max(size(highest)), |most, (_, _, reach)| most.max(reach.size()));
+    let moves = near.iter().map(|(_, _, reach)| reach.moves()).fold(T::of(0.0), T::max);
+    // Above all rounding of a distance and of what is taken off it.
+    let slack = largest * T::of(1e-5);
     let (half, row) = (sheet.half, sheet.row());
     let (w, before) = (&sheet.w[..], &sheet.before[..]);
-    threads.chunks(&mut sheet.now, TOGETHER * row, |chunk, rows| {
-        widest(Rows { rows, row, half, w, before, first: chunk * TOGETHER, near: &near, dt });
+    let size = (TOGETHER * row, TOGETHER * 2 * half);
+    threads.chunks2(&mut sheet.now, &mut clear.least, size, |chunk, rows, least| {
+        widest(Rows { rows, least, row, half, w, before, first: chunk * TOGETHER, near: &near, dt, moves, slack });
     });
 }
 
@@ -36,8 +47,8 @@ fn in_reach<T: Real>(
     (mut lowest, mut highest): (V3<T>, V3<T>),
     solids: &[Solid<T>],
     dt: T,
-) -> Vec<(&Solid<T>, Reach<T>)> {
-    let mut all: Vec<_> = solids.iter().map(|s| (s, Reach::new(s, dt), false)).collect();
+) -> Vec<(usize, &Solid<T>, Reach<T>)> {
+    let mut all: Vec<_> = solids.iter().enumerate().map(|(k, s)| ((k, s), Reach::new(s, dt), false)).collect();
     loop {
         let mut more = false;
         let (low, high) = (lowest, highest);
@@ -50,7 +61,7 @@ fn in_reach<T: Real>(
             }
         }
         if !more {
-            return all.into_iter().filter(|x| x.2).map(|(solid, reach, _)| (solid, reach)).collect();
+            return all.into_iter().filter(|x| x.2).map(|((k, solid), reach, _)| (k, solid, reach)).collect();
         }
     }
 }
@@ -58,20 +69,29 @@ fn in_reach<T: Real>(
 /// Rows of a sheet from the row `first` on, and what they can touch.
 struct Rows<'a, 'b, T> {
     rows: &'b mut [T],
+    /// As [`Clear::least`] of these rows.
+    least: &'b mut [T],
     row: usize,
     half: usize,
     w: &'a [T],
     before: &'a [T],
     first: usize,
-    near: &'a [(&'a Solid<T>, Reach<T>)],
+    near: &'a [(usize, &'a Solid<T>, Reach<T>)],
     dt: T,
+    /// How far \[m\] a point of a collider moves in a step, and what is above all rounding.
+    moves: T,
+    slack: T,
 }
 
 impl<T: Real> Work<T> for Rows<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
         let Rows { row, half, .. } = self;
-        for (n, now) in self.rows.chunks_exact_mut(row).enumerate() {
+        let (more, moves, slack) = (k.splat(T::of(1.001)), k.splat(self.moves), k.splat(self.slack));
+        let (zero, none) = (k.splat(T::of(0.0)), k.splat(T::of(f64::from(f32::MAX))));
+        for (n, (now, least)) in
+            self.rows.chunks_exact_mut(row).zip(self.least.chunks_exact_mut(2 * half)).enumerate()
+        {
             let j = self.first + n;
             let was = planes_ref(&self.before[j * row..(j + 1) * row], half);
             let w = &self.w[j * 2 * half..(j + 1) * 2 * half];
@@ -80,13 +100,28 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                 let b = [k.load(was[0], at), k.load(was[1], at), k.load(was[2], at)];
                 let mut p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
                 let mut way2 = k.squares(k.minus(p, b));
-                for (solid, reach) in self.near {
-                    let Some(near) = reach.near(k, p, way2) else { continue };
+                let way = k.mul(k.sqrt(way2), more);
+                let left = k.sub(k.sub(k.load(least, at), way), moves);
+                // A way of NaN, or a distance of it, is looked at. What cannot move is not.
+                let free = k.above(k.load(w, at), zero);
+                if !k.any(k.without(free, k.above(left, k.add(way, slack)))) {
+                    k.store(least, at, left);
+                    continue;
+                }
+                let (mut left, mut moved) = (none, false);
+                for (_, solid, reach) in self.near {
+                    let (apart, near) = reach.near(k, p, way2);
+                    left = k.least(apart, left);
+                    if !k.any(k.both(near, free)) {
+                        continue;
+                    }
                     let lines = wide::Lines { now: &mut now, was, w: &w[at..] };
                     wide::meet(k, (solid, reach), lines, (at, near), self.dt);
                     p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
                     way2 = k.squares(k.minus(p, b));
+                    moved = true;
                 }
+                k.store(least, at, if moved { zero } else { left });
             }
         }
     }

@@ -30,6 +30,7 @@ use super::integrate::Air;
 use super::neighbours::View;
 use super::rows::Threads;
 use super::sheet::{Sheet, Values};
+use super::contact::clear::Clear;
 use super::{contact, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
 use crate::collider::solid::Solid;
@@ -64,6 +65,8 @@ pub struct Fabric<T: Real> {
     firsts: Vec<usize>,
     /// Whether all texels of a sheet are particles.
     whole: Vec<bool>,
+    /// One a sheet.
+    clear: Vec<Clear<T>>,
     /// Accelerations by air, by texels, and of each sheet as its positions lie.
     field: Vec<[T; 4]>,
     fields: Vec<Aligned<T>>,
@@ -96,6 +99,7 @@ impl<T: Real> Fabric<T> {
             members: Vec::new(),
             starts: starts.to_vec(),
             firsts,
+            clear: cloth.grids().iter().map(|_| Clear::default()).collect(),
             field: Vec::new(),
             fields: Vec::new(),
         };
@@ -244,6 +248,11 @@ impl<T: Real> Fabric<T> {
         });
     }
 
+    /// Forgets what holds within a frame only.
+    pub fn begin(&mut self) {
+        self.clear.iter_mut().for_each(Clear::forget);
+    }
+
     /// Runs the passes of a step, those that can in one walk down each sheet.
     pub fn step<'a>(
         &mut self,
@@ -253,7 +262,7 @@ impl<T: Real> Fabric<T> {
         solids: &[Solid<T>],
         body: &mut Body<T>,
     ) {
-        let mut together = Vec::new();
+        let (mut together, mut met) = (Vec::new(), false);
         for pass in passes {
             if self.walks(*pass, threads) {
                 together.push(*pass);
@@ -261,6 +270,10 @@ impl<T: Real> Fabric<T> {
             }
             self.walk(&together, step);
             together.clear();
+            if matches!(pass, Pass::Contact(_)) && std::mem::replace(&mut met, true) {
+                // Particles moved again in this step.
+                self.begin();
+            }
             self.run(*pass, threads, step, solids, body);
         }
         self.walk(&together, step);
@@ -377,7 +390,8 @@ impl<T: Real> Fabric<T> {
             Pass::SeamSteps => seam_steps::run(&mut self.sheets, &self.starts, &self.members),
             Pass::Contact(_) => {
                 let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();
-                self.sheets.iter_mut().for_each(|s| contact::run(threads, s, &posed, step.dt));
+                let each = self.sheets.iter_mut().zip(&mut self.clear);
+                each.for_each(|(sheet, clear)| contact::run(threads, sheet, clear, &posed, step.dt));
             }
             // Passes of the classic solver, of a frame and of actions, which are made from texels.
             Pass::Springs { .. }

@@ -13,6 +13,8 @@ pub struct Reach<T> {
     normal: V3<T>,
     /// Of a capsule, which is much smaller than the ball around it.
     line: Option<Line<T>>,
+    /// How far its surface can move in a step \[m\]; infinite for a half-space that turns.
+    moves: T,
 }
 
 /// A line and the distance from it within which a solid can touch.
@@ -39,7 +41,9 @@ impl<T: Real> Reach<T> {
             let slack = T::of(1e-5) * (size(solid.center) + r);
             Line { axis: normal, half, radius: (thick + farther(r)) * T::of(1.001) + slack }
         });
-        Reach { center: solid.center, radius, normal, line }
+        let turns = if around.is_none() && dot(s, s) > T::of(0.0) { T::of(f64::INFINITY) } else { T::of(0.0) };
+        let moves = around.map_or(moves + turns, farther) * T::of(1.01);
+        Reach { center: solid.center, radius, normal, line, moves }
     }
 
     pub fn box_near(&self, lowest: V3<T>, highest: V3<T>) -> bool {
@@ -82,30 +86,37 @@ impl<T: Real> Reach<T> {
         !far
     }
 
-    /// The particles at `p` that come near on their way, given its squared length: the ball around the way meets that of the solid.
-    /// None if none does; what is left out would not have moved.
+    /// How far its surface can move in a step \[m\].
+    pub fn moves(&self) -> T {
+        self.moves
+    }
+
+    /// The largest coordinate that its distances are computed from.
+    pub fn size(&self) -> T {
+        let [x, y, z] = self.center.map(T::abs);
+        x.max(y).max(z) + self.radius.unwrap_or(T::of(0.0))
+    }
+
+    /// How far the particles at `p` are from what it can touch, and those that come near on their way, given its squared length: the
+    /// ball around the way meets that of the solid. What is left out would not have moved.
     #[inline(always)]
-    pub fn near<K: Machine<T>>(&self, k: K, p: [K::V; 3], way2: K::V) -> Option<K::M> {
+    pub fn near<K: Machine<T>>(&self, k: K, p: [K::V; 3], way2: K::V) -> (K::V, K::M) {
         let d = k.minus(p, k.splats(self.center));
-        let near = match self.radius {
+        match self.radius {
             Some(r) => {
                 let (d, r) = match &self.line {
                     Some(line) => (line.across(k, d), line.radius),
                     None => (d, r),
                 };
-                let far2 = k.squares(d);
-                // The square of a sum is at most twice that of the squares: most that are far are told without a root.
-                let most = k.mul(k.splat(T::of(2.001)), k.add(k.splat(r * r), way2));
-                if !k.any(k.above(k.add(most, k.splat(T::of(1e-30))), far2)) {
-                    return None;
-                }
-                let (way, far) = (k.sqrt(way2), k.sqrt(far2));
+                let (way, far, r) = (k.sqrt(way2), k.sqrt(k.squares(d)), k.splat(r));
                 // Written so that NaN is not near: nothing can be done for it.
-                k.above(k.add(k.splat(r), way), far)
+                (k.sub(far, r), k.above(k.add(r, way), far))
             }
-            None => k.above(k.splat(T::of(0.0)), k.dot(d, k.splats(self.normal))),
-        };
-        k.any(near).then_some(near)
+            None => {
+                let above = k.dot(d, k.splats(self.normal));
+                (above, k.above(k.splat(T::of(0.0)), above))
+            }
+        }
     }
 }
 
