@@ -150,18 +150,7 @@ fn a_ball_at_30_metres_a_second_does_not_go_through_cloth() {
 }
 
 #[test]
-fn a_pyramid_keeps_cloth_together_that_no_pin_holds() {
-    let stretch = |pyramid| {
-        let scene = scene::builtin("s2f", 65).unwrap();
-        let mut stepper = run(scene, Options { pyramid, ..options(16) }, 0);
-        let worst = (0..12).map(|_| {
-            stepper.advance(FRAME).unwrap();
-            measured(&stepper).stretch_max
-        });
-        worst.fold(0.0, f64::max)
-    };
-    let (with, without) = (stretch(2), stretch(0));
-    assert!(with < 1.5 && without > 4.0 * with, "{with} {without}");
+fn a_pyramid_keeps_cloth_together_that_no_tether_holds() {
     // Hung cloth is drawn together, and ends at rest.
     let m = measured(&run(scene::builtin("s1", 64).unwrap(), Options { tethers: 0, pyramid: 4, ..options(8) }, 600));
     let plain = measured(&run(scene::builtin("s1", 64).unwrap(), Options { tethers: 0, ..options(8) }, 600));

@@ -102,7 +102,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                 let mut way2 = k.squares(k.minus(p, b));
                 let way = k.mul(k.sqrt(way2), more);
                 let left = k.sub(k.sub(k.load(least, at), way), moves);
-                // A way of NaN, or a distance of it, is looked at. What cannot move is not.
+                // A way of NaN, or a distance of it, is looked at. Particles that cannot move are not.
                 let free = k.above(k.load(w, at), zero);
                 if !k.any(k.without(free, k.above(left, k.add(way, slack)))) {
                     k.store(least, at, left);

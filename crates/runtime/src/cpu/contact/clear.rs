@@ -1,8 +1,8 @@
 //! How far particles of a sheet are from all that they can touch, carried from step to step of a frame.
 //!
 //! Most particles are near no collider for a whole frame. Their distances are taken once; afterwards each step takes off how far the
-//! particle and the colliders moved, and colliders are looked at again only where nothing is left. What is left out would not have
-//! moved, so results are the same bits.
+//! particle and the colliders moved, and colliders are looked at again only where nothing is left. Particles that are left out would
+//! not have moved, so results are the same bits.
 
 use crate::number::aligned::Aligned;
 use crate::number::real::Real;

@@ -98,7 +98,7 @@ impl<T: Real> Reach<T> {
     }
 
     /// How far the particles at `p` are from what it can touch, and those that come near on their way, given its squared length: the
-    /// ball around the way meets that of the solid. What is left out would not have moved.
+    /// ball around the way meets that of the solid. The others would not have moved.
     #[inline(always)]
     pub fn near<K: Machine<T>>(&self, k: K, p: [K::V; 3], way2: K::V) -> (K::V, K::M) {
         let d = k.minus(p, k.splats(self.center));
