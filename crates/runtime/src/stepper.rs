@@ -84,7 +84,7 @@ impl Stepper {
         if self.world.drive(dt)
             && let Some(gpu) = &mut self.gpu
         {
-            gpu.set_colliders(&self.world);
+            gpu.set_colliders(&self.world, true);
         }
         let progress = self.world.begin(dt);
         if self.world.act(bodies, threads) || progress.steps > 0 {

@@ -2,7 +2,7 @@
 
 use bytemuck::cast_slice;
 
-use super::upload::filled;
+use super::span::Span;
 use super::{Gpu, begin};
 use crate::choose::Settings;
 use crate::cloth::{Cloth, Rest};
@@ -34,7 +34,7 @@ impl Gpu {
             match action {
                 Action::Cut { corners, spared } => {
                     let mut pass = begin(encoder, "cut");
-                    let numbers = self.numbers("cut", cast_slice(&corners.map(|[x, y, z]| [x, y, z, 0.0])));
+                    let numbers = self.list("cut", cast_slice(&corners.map(|[x, y, z]| [x, y, z, 0.0])));
                     let cloths = world.scene.cloths.iter().enumerate();
                     for (index, cloth) in cloths.filter(|(index, _)| !spared.contains(index)) {
                         self.before_cut(world, &mut pass, index);
@@ -47,8 +47,8 @@ impl Gpu {
                 }
                 Action::Transform { cloth, chosen, matrix } => {
                     let mut pass = begin(encoder, "transform");
-                    let numbers = self.numbers("matrix", cast_slice(matrix));
-                    let chosen_buffer = self.numbers("chosen", cast_slice(chosen));
+                    let numbers = self.list("matrix", cast_slice(matrix));
+                    let chosen_buffer = self.list("chosen", cast_slice(chosen));
                     let more = [(Slot::Action, &numbers), (Slot::Chosen, &chosen_buffer)];
                     self.once(world, &mut pass, *cloth, Pass::Transform, &more, list(chosen.len()));
                 }
@@ -60,12 +60,6 @@ impl Gpu {
         self.reindex(world, encoder);
     }
 
-    /// A buffer for one action.
-    pub(super) fn numbers(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
-        let usage = wgpu::BufferUsages::STORAGE;
-        filled(&self.device, label, contents, usage)
-    }
-
     /// Records a pass whose bindings are not kept.
     pub(super) fn once(
         &mut self,
@@ -73,7 +67,7 @@ impl Gpu {
         pass: &mut wgpu::ComputePass,
         cloth: usize,
         what: Pass,
-        more: &[(Slot, &wgpu::Buffer)],
+        more: &[(Slot, &Span)],
         [x, y, z]: [u32; 3],
     ) {
         let pipeline = self.pipelines.get(&what.into());

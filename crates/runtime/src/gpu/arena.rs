@@ -9,9 +9,11 @@ use super::contents::{Contents, Grids};
 use super::frames::Frames;
 use super::pipelines::Pipeline;
 use super::recording::Recording;
+use super::ring::room_of;
 use super::span::Span;
 use super::store::Store;
 use super::upload::{empty, filled, upload};
+use super::uploads::Uploads;
 use crate::form::Fused;
 use crate::layout::{FrameRow, GridRow, JobRow, StepRow};
 use crate::shaders::Slot;
@@ -33,7 +35,7 @@ pub(super) struct Arena {
     /// The jobs of the last batches.
     batched: Vec<JobRow>,
     /// Both as they lie in the lists, to be copied there.
-    table: Option<Buffer>,
+    table: Vec<u8>,
     /// By shader and by the number of colliders.
     ready: HashMap<(Fused, usize), Ready>,
 }
@@ -54,8 +56,15 @@ impl Arena {
         let (bytes, places) = contents.joined();
         let lists = upload(device, "lists", &bytes, BufferUsages::empty());
         let (grid_rows, batched, ready) = (Vec::new(), Vec::new(), HashMap::new());
-        let (scratch, grids, table) = (None, None, None);
+        let (scratch, grids, table) = (None, None, Vec::new());
         Arena { store, lists, places, scratch, jobs: contents.jobs, grids, grid_rows, batched, table, ready }
+    }
+
+    /// Bytes of the table that a frame uploads.
+    pub fn need(&self) -> u64 {
+        let grids = self.jobs.iter().map(|job| job.grid + job.grids).max().unwrap_or(0) as usize;
+        let lists = self.places.get(&Slot::Jobs).zip(self.places.get(&Slot::Grids));
+        u64::from(room_of(lists.map_or(0, |(jobs, grids)| (grids - jobs) as usize) + grids * size_of::<GridRow>()))
     }
 
     /// Lets one of its cloths go; whether it was the last.
@@ -75,11 +84,10 @@ impl Arena {
     /// is dispatched. Recorded in every frame: one that was recorded before may not have been submitted yet, or never be.
     pub fn follow(
         &mut self,
-        device: &wgpu::Device,
         world: &World,
         cloths: &[usize],
         batches: &[Batch],
-        passes: &mut Recording,
+        (uploads, passes): (&mut Uploads, &mut Recording),
     ) {
         let (Some(begin), Some(grids)) = (self.places.get(&Slot::Jobs), self.places.get(&Slot::Grids)) else { return };
         let places = cloths.iter().zip(&self.jobs).map(|(cloth, job)| (*cloth, job.first, job.grid));
@@ -88,14 +96,13 @@ impl Arena {
         if other.is_some() || !jobs.clone().eq(self.batched.iter().copied()) {
             self.batched = jobs.collect();
             self.grid_rows = other.unwrap_or(std::mem::take(&mut self.grid_rows));
-            let mut bytes = cast_slice::<_, u8>(&self.batched).to_vec();
-            bytes.resize((grids - begin) as usize, 0);
-            bytes.extend_from_slice(cast_slice(&self.grid_rows));
-            self.table = Some(filled(device, "table", &bytes, BufferUsages::COPY_SRC));
+            self.table.clear();
+            self.table.extend_from_slice(cast_slice(&self.batched));
+            self.table.resize((grids - begin) as usize, 0);
+            self.table.extend_from_slice(cast_slice(&self.grid_rows));
         }
-        if let Some(table) = &self.table {
-            passes.between().copy_buffer_to_buffer(table, 0, &self.lists, *begin, table.size());
-        }
+        let (at, size) = (uploads.place(&self.table).into(), self.table.len() as u64);
+        passes.between().copy_buffer_to_buffer(&uploads.buffer, at, &self.lists, *begin, size);
     }
 
     /// The bindings of a batch whose jobs begin at `first_job`, made again only where that or a buffer is another.

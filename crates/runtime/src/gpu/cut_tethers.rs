@@ -6,7 +6,8 @@ use bytemuck::cast_slice;
 use wgpu::{Buffer, BufferUsages};
 
 use super::Gpu;
-use super::upload::upload;
+use super::span::Span;
+use super::upload::{filled, upload};
 use crate::cloth::{Cloth, Rest, Tethers, groups, mates};
 use crate::cpu::route::UNSUPPORTED;
 use crate::passes::Pass;
@@ -85,7 +86,7 @@ impl Gpu {
         self.cloths[index].separate(&self.device, world, index);
         let numbers = |r: &Round| {
             let flags = [r.phase as f32, r.turn as f32, u8::from(r.first).into(), u8::from(r.last).into()];
-            self.numbers("round", cast_slice(&flags))
+            filled(&self.device, "round", cast_slice(&flags), BufferUsages::STORAGE).into()
         };
         let mut each = HashMap::new();
         for round in rounds {
@@ -93,8 +94,10 @@ impl Gpu {
         }
         let pipeline = self.pipelines.get(&what.into());
         let buffers = &self.cloths[index];
-        let [Some(there), Some(back)] = [Slot::Tethers, Slot::Holding].map(|slot| buffers.other(slot)) else { return };
-        let group = |(round, numbers): (&Round, &Buffer)| {
+        let [Some(there), Some(back)] = [Slot::Tethers, Slot::Holding].map(|slot| buffers.others.get(&slot)) else {
+            return;
+        };
+        let group = |(round, numbers): (&Round, &Span)| {
             let [from, to] = if round.back { [back, there] } else { [there, back] };
             let more = [(Slot::Action, numbers), (Slot::Tethers, from), (Slot::Holding, to)];
             (*round, buffers.bind(&self.device, pipeline, &more))

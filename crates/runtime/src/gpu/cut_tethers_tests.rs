@@ -53,7 +53,7 @@ fn followed(
             for cut in cuts {
                 world.host.actions.push(Action::Cut { corners: *cut, spared: Vec::new() });
                 let mut encoder = device.create_command_encoder(&Default::default());
-                there.act(&mut world, &mut encoder);
+                there.act_now(&mut world, &mut encoder);
                 queue.submit([encoder.finish()]);
                 for buffers in &there.cloths {
                     let tethers = buffers.other(Slot::Tethers).unwrap().clone().into();
