@@ -159,6 +159,36 @@ fn every_shader_is_valid_without_any_capability() {
 }
 
 #[test]
+fn threads_hand_lists_of_a_frame_over_behind_storage_barriers() {
+    let mut checked = 0;
+    for fused in fused().iter().filter(|f| f.schedule.step.contains(&Pass::Forget)) {
+        // A barrier of workgroup memory, which `sync` is for most, does not order accesses of buffers.
+        let text = whole(fused).program;
+        let alone = "  storageBarrier();\n  forget_all(job, local);\n  sync();\n  storageBarrier();\n";
+        assert!(text.contains(alone), "{text}");
+        checked += 1;
+    }
+    assert!(checked > 20);
+}
+
+#[test]
+fn a_workgroup_of_a_whole_frame_has_one_atomic_per_maximum() {
+    let mut checked = 0;
+    for fused in fused() {
+        let module = module(&Form::Whole(fused));
+        let named = |f: &naga::Function| f.name.as_deref().is_some_and(|n| ["speed_all", "strain_all"].contains(&n));
+        for (_, function) in module.functions.iter().filter(|(_, f)| named(f)) {
+            let atomic = |s: &naga::Statement| matches!(s, naga::Statement::Atomic { .. });
+            let first =
+                |s: &naga::Statement| matches!(s, naga::Statement::If { accept, .. } if accept.iter().any(atomic));
+            assert!(!function.body.iter().any(atomic) && function.body.iter().any(first), "{:?}", function.name);
+            checked += 1;
+        }
+    }
+    assert!(checked > 50, "{checked}");
+}
+
+#[test]
 fn the_table_names_just_what_shaders_bind() {
     for form in &variants() {
         let module = module(form);
