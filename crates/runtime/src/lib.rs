@@ -71,6 +71,7 @@ mod state;
 mod step;
 mod stepper;
 mod tile;
+mod tuning;
 mod wind;
 mod world;
 
@@ -111,6 +112,7 @@ pub use stepper::self_check;
 pub use stepper::{Drag, Stepper};
 #[cfg(feature = "gpu")]
 pub use stepper::{Mismatch, SavedState, SelfCheck, self_check_async};
+pub use tuning::Tuning;
 #[cfg(feature = "gpu")]
 pub use wgpu;
 pub use wind::{Wind, WindForce};

@@ -2,6 +2,7 @@
 
 use crate::error::{Result, check};
 use crate::quality::Quality;
+use crate::tuning::Tuning;
 
 /// Where the passes run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -97,6 +98,9 @@ pub struct Options {
     pub fused: bool,
     /// When cloth falls asleep automatically. Default none, at no cost.
     pub sleep: Option<Sleep>,
+    /// Sizes of workgroups and of tiles on the GPU, as [`crate::Stepper::tune`] measures them. Default `None`: from the limits of the
+    /// device. Results do not depend on them.
+    pub tuning: Option<Tuning>,
 }
 
 /// Conditions for a cloth to fall asleep. It wakes when it is changed, when gravity or wind changes, and when a collider may touch
@@ -136,6 +140,7 @@ impl Default for Options {
             threads: 0,
             fused: true,
             sleep: None,
+            tuning: None,
         }
     }
 }

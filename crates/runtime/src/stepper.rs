@@ -28,6 +28,8 @@ mod state;
 mod tangents;
 #[cfg(feature = "gpu")]
 mod times;
+#[cfg(feature = "gpu")]
+mod tune;
 
 pub use drag::Drag;
 #[cfg(feature = "gpu")]

@@ -79,7 +79,8 @@ impl Stepper {
         };
         let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.control.options.threads)?)) } else { None };
         if let (false, Some((device, _))) = (on_cpu, gpu) {
-            world.make_room(Room::of(device));
+            let tuning = world.control.options.tuning;
+            world.make_room(Room::of(device).tuned(tuning));
         }
         let make = |handles: (&wgpu::Device, &wgpu::Queue)| {
             let pipelines = pipelines.unwrap_or_else(|| Pipelines::new(handles.0, None));
