@@ -52,7 +52,9 @@ fn passes() -> Vec<Pass> {
         all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
     }
     all.extend([Pass::Forget, Pass::Limit, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
-    all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams }));
+    for walks in [false, true] {
+        all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams, walks }));
+    }
     all
 }
 

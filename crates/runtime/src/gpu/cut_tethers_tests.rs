@@ -78,6 +78,18 @@ fn followed(
 }
 
 #[test]
+fn a_cut_takes_few_dispatches_whatever_the_size_of_the_cloth() {
+    for (n, most) in [(16, 6), (64, 8), (256, 48), (1000, 68)] {
+        let cloth = hung(n, &[0, n as usize - 1]);
+        let run = crate::world::ClothRun::new(&cloth, 2, 1.0);
+        // A device, and one that ends loops early.
+        let walks = [u32::MAX, 65_535 / 4].map(|loops| Walk::new(&cloth, &run.tethers, loops).dispatches());
+        let counts = walks.map(|list| list.len());
+        assert!(counts[0] == 6 && counts[1] <= most, "{n}: {counts:?}");
+    }
+}
+
+#[test]
 fn tethers_after_cuts_are_those_of_the_twin() {
     let Some(gpu) = device() else { return };
     let cloths = [
