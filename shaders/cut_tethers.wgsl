@@ -1,5 +1,5 @@
 // After a cut tethers stay where they are still true, grow where the way to the pin has become longer, and end where
-// there is none. What it does is in `action`: a stage, or where it walks a phase.
+// there is none. `action` has the numbers of a dispatch: the stage, or, for a walk, the phase and its limits.
 //
 // Stage 0, before the cut, finds the support of each tether. Phase 1: a tether ends that has lost its support, and with it
 // those that it supports; where rounds were too few to end all of them, all are taken for ended. Phase 2: those that ended
@@ -49,7 +49,7 @@ fn ended(tether: vec2<u32>) -> vec2<u32> {
   return vec2<u32>(tether.x, bitcast<u32>(FAR));
 }
 
-// What becomes of a tether of a texel in a round.
+// A tether of a texel after a round.
 fn changed(phase: u32, k: u32, t: u32) -> vec2<u32> {
   let was = tethers[t];
   let group = supports[2u * t];
@@ -76,7 +76,7 @@ fn find(phase: u32, k: u32, place: u32) {
   }
 }
 
-// Takes what was found, and puts the texels beside a change into a list.
+// Takes the tethers that were found, and puts the texels beside a change into a list.
 fn settle(phase: u32, k: u32, place: u32, list: u32, round: u32) {
   var any_changed = false;
   for (var s = 0u; s < slots; s++) {
@@ -115,8 +115,8 @@ fn listed(list: u32, place: u32) -> u32 {
   return atomicLoad(&changes[STAMPS + (1u + list) * texels() + place]);
 }
 
-// Rounds until nothing changes, as many as there may be, and as many texels of a thread. What is left of the last walk of
-// phase 1 ends all tethers.
+// Makes rounds until nothing changes, within the limits on rounds and on texels per thread. If the last walk of phase 1 does not
+// come to its end, all tethers end.
 fn walk(local: u32) {
   let phase = u32(action[0].x);
   let rounds = u32(action[0].y);

@@ -107,16 +107,18 @@ fn fused() -> Vec<Fused> {
     for (k, n) in (0..128u32).flat_map(|k| (0..SOFTS.len()).map(move |n| (k, n))) {
         let on = |bit: u32| k >> bit & 1 == 1;
         let (image, soft, again) = (on(3), SOFTS[n], on(4) && SOFTS[n] != Soft::None);
+        // Of cloth that is cut.
+        let holes = image && on(6);
         let air = [Air::None, Air::Push, Air::Field][(k as usize + n) % 3];
         let (seams, tethers) = (on(6).then_some(Pass::Seams), on(5).then_some(Pass::Tethers { slots: 2 }));
         let mut s = Schedule::default();
-        s.air.extend((air == Air::Field).then_some(Pass::Wind { holes: false }));
+        s.air.extend((air == Air::Field).then_some(Pass::Wind { holes }));
         s.step.push(if on(1) { Pass::IntegrateExact(air) } else { Pass::Integrate(air) });
         if on(3) {
-            s.step.extend([Pass::Moments { holes: false }, Pass::Bend]);
+            s.step.extend([Pass::Moments { holes }, Pass::Bend]);
             s.step.extend(seams.map(|_| Pass::SeamMoments));
         }
-        s.step.extend(on(2).then_some(Pass::Membrane { column: 1, row: 0, holes: false }));
+        s.step.extend(on(2).then_some(Pass::Membrane { column: 1, row: 0, holes }));
         s.step.extend(again.then_some(Pass::Forget));
         s.relax.extend(tethers);
         s.relax.extend(springs(image, soft, again, 2 * u32::from(on(4)), tethers));
@@ -126,7 +128,7 @@ fn fused() -> Vec<Fused> {
         s.relax.extend(on(4).then_some(Pass::Contact(kinds)));
         s.frame.extend([Pass::Guard, Pass::Restore]);
         s.frame.extend(on(5).then_some(Pass::Strain { image, soft }));
-        s.frame.extend(on(1).then_some(Pass::Normals { holes: false }));
+        s.frame.extend(on(1).then_some(Pass::Normals { holes }));
         s.frame.extend(seams.filter(|_| on(1)).map(|_| Pass::SeamNormals));
         s.frame.extend(on(0).then_some([Pass::Speed, Pass::Fastest]).into_iter().flatten());
         let hold = holds[(n + k as usize) % 4];

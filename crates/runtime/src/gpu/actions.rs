@@ -24,6 +24,30 @@ impl Gpu {
         for (buffers, (cloth, run)) in self.cloths.iter_mut().zip(cloths) {
             buffers.open(&self.device, cloth, &run.tethers, &world.control.options);
         }
+        self.open_arenas(world);
+    }
+
+    /// Makes room for cuts in the lists of arenas with cut cloth.
+    pub(super) fn open_arenas(&mut self, world: &World) {
+        for (n, (arena, cloths)) in self.arenas.iter_mut().zip(&world.arenas).enumerate() {
+            if world.opens(n) && cloths.iter().any(|c| world.scene.cloths[*c].is_cut()) {
+                arena.open(&self.device, world, cloths);
+            }
+        }
+    }
+
+    /// Records copies of the lists that cuts have changed into the lists that whole frames read.
+    pub(super) fn mirror(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder) {
+        for (arena, cloths) in self.arenas.iter().zip(&world.arenas) {
+            for (member, &index) in cloths.iter().enumerate() {
+                let own = &mut self.cloths[index];
+                if own.stale && world.is_fused(index) {
+                    let cloth = (&world.scene.cloths[index], world.runs[index].tethers.per_particle);
+                    arena.mirror(encoder, cloth, member, own);
+                    own.stale = false;
+                }
+            }
+        }
     }
 
     /// Records what is to be done.
@@ -43,6 +67,7 @@ impl Gpu {
                             self.once(world, &mut pass, index, what, &[(Slot::Action, &numbers)], groups);
                         }
                         self.after_cut(world, &mut pass, index);
+                        self.cloths[index].stale = true;
                     }
                 }
                 Action::Transform { cloth, chosen, matrix } => {
@@ -57,6 +82,7 @@ impl Gpu {
                 Action::Load { cloth, layout, words } => self.load_words(world, encoder, *cloth, (layout, words)),
             }
         }
+        self.mirror(world, encoder);
         self.reindex(world, encoder);
     }
 

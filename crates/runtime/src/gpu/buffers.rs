@@ -45,6 +45,8 @@ pub struct ClothBuffers {
     stepping: bool,
     /// Whether it has what only passes of its own need.
     separate: bool,
+    /// Whether lists that cuts change differ from those that whole frames read.
+    pub(super) stale: bool,
     /// Of the grids in `others`.
     grids: Option<Grids>,
     /// All else that is bound.
@@ -70,6 +72,7 @@ impl ClothBuffers {
             faults: others.remove(&Slot::Faults),
             stepping,
             separate: false,
+            stale: false,
             grids: None,
             others,
             groups: HashMap::new(),
@@ -87,7 +90,8 @@ impl ClothBuffers {
         if std::mem::replace(&mut self.separate, true) {
             return;
         }
-        for (slot, buffer) in Contents::new(world, &[index]).upload(device) {
+        let lists = Contents::new(world, &[index]).upload(device);
+        for (slot, buffer) in lists.into_iter().filter(|(slot, _)| *slot != Slot::Holes) {
             // Rest lengths may be there already, and be cut.
             self.others.entry(slot).or_insert(buffer.into());
         }
@@ -154,6 +158,7 @@ impl ClothBuffers {
 
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.
     pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth, held: &Tethers, options: &Options) {
+        self.stale = true;
         if self.holes.is_none() {
             if self.stepping {
                 self.take(cut_tethers::room(device, cloth, held));

@@ -35,33 +35,33 @@ fn follows(cloth: &Cloth, tethers: &Tethers) -> bool {
     tethers.per_particle > 0 && !matches!(cloth.rest(), Rest::None)
 }
 
-/// The passes that lead the tethers of a cloth around a cut: for all texels, and from texel to texel.
+/// The passes that update the tethers of a cloth after a cut: for all texels, and in a walk.
 pub(super) fn cut_tethers(cloth: &Cloth, tethers: &Tethers) -> Option<[Pass; 2]> {
     let (slots, seams) = (tethers.per_particle as u32, cloth.ring_count() > 0);
     follows(cloth, tethers).then_some([false, true].map(|walks| Pass::CutTethers { slots, seams, walks }))
 }
 
-/// Threads of a workgroup that walks.
+/// Threads of the workgroup that walks.
 const GROUP: u64 = 256;
 /// Most dispatches that walk in a phase.
 const MAX_WALKS: u64 = 32;
-/// Most texels of a thread in one of them.
+/// Most texels per thread in one of them.
 const MAX_TEXELS: u64 = 1 << 20;
 
-/// How one workgroup walks through the texels beside changes, in each of the two phases.
+/// The limits of the walk through the texels beside changes, in each of the two phases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Walk {
     /// Rounds of a phase. A way that a cut has changed leads by at most that many particles, or its tether ends: twice along the longer
     /// side, of two grids if there are several.
     rounds: u64,
-    /// Texels of a thread in a dispatch.
+    /// Texels per thread and dispatch.
     texels: u64,
-    /// Dispatches: one, but on a device that ends loops early.
+    /// Dispatches: one, or more on a device that ends loops early.
     dispatches: u64,
 }
 
 impl Walk {
-    /// On a device whose threads make a number of iterations of loops in a dispatch.
+    /// Limits for a device on which a thread makes at most `loops` iterations of loops per dispatch.
     fn new(cloth: &Cloth, tethers: &Tethers, loops: u32) -> Self {
         let (longest, grids) = (cloth.grids().iter().map(|g| g.width.max(g.height)).max(), cloth.grids().len() as u64);
         let longest = u64::from(longest.unwrap_or(0));
@@ -69,11 +69,11 @@ impl Walk {
         let ring = u64::from(starts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(1));
         // Iterations for a texel: what is around each duplicate, for each slot, and the texels beside it that go into a list.
         let texel = slots * (2 + ring * (8 * (2 + slots + grids) + 20)) + 8 * (1 + ring) + 4;
-        // If a phase does not end, all tethers do.
+        // The loop that ends all tethers.
         let ends = (slots * cloth.len() as u64).div_ceil(GROUP);
         let rounds = 2 * longest * grids.min(2);
         let texels = (u64::from(loops).saturating_sub(ends + rounds) / texel).clamp(1, MAX_TEXELS);
-        // A front along both sides of a cut, and what is beside it.
+        // The front of changes is about as long as both sides of a cut, with the texels beside them.
         let need = rounds * (4 * longest).div_ceil(GROUP);
         Walk { rounds, texels, dispatches: need.div_ceil(texels).clamp(1, MAX_WALKS) }
     }
