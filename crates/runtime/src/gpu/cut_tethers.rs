@@ -44,7 +44,7 @@ pub(super) fn cut_tethers(cloth: &Cloth, tethers: &Tethers) -> Option<[Pass; 2]>
 /// Threads of the workgroup that walks.
 const GROUP: u64 = 256;
 /// Most dispatches that walk in a phase.
-const MAX_WALKS: u64 = 32;
+const MAX_WALKS: u64 = 64;
 /// Most texels per thread in one of them.
 const MAX_TEXELS: u64 = 1 << 20;
 
@@ -73,8 +73,8 @@ impl Walk {
         let ends = (slots * cloth.len() as u64).div_ceil(GROUP);
         let rounds = 2 * longest * grids.min(2);
         let texels = (u64::from(loops).saturating_sub(ends + rounds) / texel).clamp(1, MAX_TEXELS);
-        // The front of changes is about as long as both sides of a cut, with the texels beside them.
-        let need = rounds * (4 * longest).div_ceil(GROUP);
+        // The front of changes is about as long as both sides of a cut, with the texels beside them; twice that for fronts that cross.
+        let need = 2 * rounds * (4 * longest).div_ceil(GROUP);
         Walk { rounds, texels, dispatches: need.div_ceil(texels).clamp(1, MAX_WALKS) }
     }
 

@@ -22,7 +22,7 @@ impl Stepper {
     /// start count: a released pin holds nothing, and a new pin holds by springs alone.
     ///
     /// On the GPU it takes two dispatches per cloth, and a third where lengths are limited on coarser grids
-    /// ([`crate::Options::pyramid`]), without a read-back, and seven for tethers, or up to 69 on a software adapter, which ends
+    /// ([`crate::Options::pyramid`]), without a read-back, and seven for tethers, or up to 133 on a software adapter, which ends
     /// loops early. Tethers follow ways of up to twice as many particles as the longer side has (four times for several grids); longer
     /// ways end. Both backends look at what is behind the cut alone. A cut counts for every cloth, also one that it misses. The first cut gives every cloth a list of holes and, where rest lengths
     /// were constants, an image of them: 20 bytes per texel; and 16 bytes a tether (12 on the CPU), 4 more a texel, with seams 8;
