@@ -1,5 +1,5 @@
 // No particle is farther from its anchors than along the surface: hard, one anchor after the other.
-// `tethers` are for each particle `slots` pairs of the anchor's index, all ones for none, and the bits of its distance.
+// `tethers` are for each particle `slots` pairs of the anchor's index in the cloth, all ones for none, and the bits of its distance.
 
 override slots: u32 = 1u;
 

@@ -1,6 +1,4 @@
 // Triangles that are cut away, by texel: bit 0 is that of corners 0, 1, 2 of the quad, bit 1 that of 0, 2, 3.
-@group(0) @binding(10) var<storage, read> holes: array<u32>;
-
 fn removed(k: u32) -> u32 {
-  return holes[k];
+  return holes_at(k);
 }

@@ -8,5 +8,8 @@ fn speed_all(job: Job, local: u32) {
       far = larger(far, dot(d, d));
     }
   }
-  atomicMax(&faults[FAULT_STRIDE * row + FAULT_SPEED], bitcast<u32>(far));
+  far = most_of_all(far, local);
+  if (local == 0u) {
+    atomicMax(&faults[FAULT_STRIDE * row + FAULT_SPEED], bitcast<u32>(far));
+  }
 }

@@ -13,5 +13,8 @@ fn strain_all(job: Job, local: u32) {
       }
     }
   }
-  atomicMax(&faults[FAULT_STRIDE * row + FAULT_STRAIN], bitcast<u32>(far));
+  far = most_of_all(far, local);
+  if (local == 0u) {
+    atomicMax(&faults[FAULT_STRIDE * row + FAULT_STRAIN], bitcast<u32>(far));
+  }
 }

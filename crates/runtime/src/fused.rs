@@ -11,6 +11,7 @@ use crate::form::{Fused, Hold};
 use crate::options::{Options, Solver};
 use crate::passes::{Pass, Schedule, Soft, soft_of};
 use crate::shaders::{self, HEAD, LISTED, Slot, listed};
+use crate::tuning::{MIN_THREADS as LEAST, Tuning};
 
 /// What a device has room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,12 +28,12 @@ pub struct Room {
     pub(crate) busy: u32,
     /// Bytes of one of them.
     pub(crate) bytes: u64,
+    /// Sizes that the host has measured.
+    pub(crate) tuning: Tuning,
 }
 
 /// Bytes of a workgroup's memory that shaders/part/notes.wgsl takes.
 pub(crate) const NOTES: u32 = 152;
-/// Threads of a workgroup, at least.
-const LEAST: u32 = 64;
 /// From this number of cloths on, those that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
 /// device idle.
 const MANY: usize = 16;
@@ -54,7 +55,14 @@ impl Room {
             buffers: limits.max_storage_buffers_per_shader_stage,
             busy: if software { 8 } else { 256 },
             bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+            tuning: Tuning::NONE,
         }
+    }
+
+    /// The same with sizes that the host gives.
+    #[cfg(feature = "gpu")]
+    pub fn tuned(self, tuning: Option<Tuning>) -> Self {
+        Room { tuning: tuning.unwrap_or_default(), ..self }
     }
 
     /// Where a cloth is held if `beside` bytes of the memory serve other purposes.
@@ -78,7 +86,7 @@ impl Fused {
             full: many && room.hold(cloth.len(), NOTES) != hold,
             hold,
             places: (cloth.len() as u32).next_multiple_of(64),
-            threads: (cloth.len() as u32 / 4).next_power_of_two().clamp(LEAST, room.threads),
+            threads: (cloth.len() as u32 / 4).next_power_of_two().clamp(LEAST, room.tuning.for_whole(room.threads)),
         }
     }
 

@@ -31,6 +31,7 @@ mod tangents;
 mod timing;
 mod turns;
 mod upload;
+mod uploads;
 #[cfg(not(target_family = "wasm"))]
 mod wait;
 mod watch;
@@ -44,10 +45,11 @@ pub use read_back::{read_back_async, read_back_picture_async, read_back_u32_asyn
 pub(crate) use ring::Ring;
 pub use span::Span;
 pub(crate) use upload::filled;
+pub use uploads::UploadCount;
 #[cfg(not(target_family = "wasm"))]
 pub use wait::{read_back, read_back_picture, read_back_u32};
 
-use bytemuck::cast_slice;
+use bytemuck::{bytes_of, cast_slice};
 
 use crate::cloth::{Cloth, Tethers};
 use crate::cpu::body::Body;
@@ -69,6 +71,7 @@ use solids::Solids;
 use store::Store;
 use timing::Timing;
 pub use timing::{PassTime, device_features};
+use uploads::Writer;
 use watch::Watch;
 
 /// Why nothing more runs on a device.
@@ -85,13 +88,13 @@ pub struct Gpu {
     /// The failure after which nothing runs on this device; none while it works.
     failure: Option<Failure>,
     device: wgpu::Device,
-    queue: wgpu::Queue,
+    writer: Writer,
     pipelines: Pipelines,
     cloths: Vec<ClothBuffers>,
     /// In the order of the world's.
     arenas: Vec<Arena>,
-    frames: Option<Frames>,
-    /// Those of the last frame, whose memory the next one uses again.
+    frames: Frames,
+    /// Those of this frame, or of the last one, whose memory the next one uses again.
     batches: Vec<Batch>,
     /// Likewise the numbers of the last dispatch.
     numbers: Vec<u8>,
@@ -131,13 +134,13 @@ impl Gpu {
             solids: Solids::new(device, world),
             pipelines,
             cloths: states.into_iter().map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect(),
-            frames: (!arenas.is_empty()).then(|| Frames::new(device)),
+            frames: Frames::new(device),
             batches: Vec::new(),
             numbers: Vec::new(),
             apart: Default::default(),
             arenas,
             device: device.clone(),
-            queue: queue.clone(),
+            writer: Writer { queue: queue.clone(), count: Default::default() },
             watch: Watch::new(world.scene.cloths.len()),
             boxes: Boxes::default(),
             timing: Timing::default(),
@@ -174,6 +177,7 @@ impl Gpu {
     /// Takes in that a call has failed that changed nothing. Pipelines that it compiled may not work, so they are compiled again.
     pub fn refused(&mut self) {
         self.pipelines.forget();
+        self.frames.ring.forget();
     }
 
     /// Takes in that a call has ended without an error.
@@ -183,7 +187,7 @@ impl Gpu {
 
     /// The device and its queue.
     pub fn handles(&self) -> (&wgpu::Device, &wgpu::Queue) {
-        (&self.device, &self.queue)
+        (&self.device, &self.writer.queue)
     }
 
     /// Its pipelines, for another stepper.
@@ -205,7 +209,7 @@ impl Gpu {
         self.cloths.get(cloth)
     }
 
-    /// Records `steps` steps of every cloth that is awake and has any, then its normals.
+    /// Records `steps` steps of every cloth that is awake and has any, then its normals; after [`Gpu::begin`].
     pub fn record(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
         let (mut alone, mut last) = std::mem::take(&mut self.apart);
         alone.clear();
@@ -217,6 +221,7 @@ impl Gpu {
         for (strain, at) in alone.iter().filter_map(|c| self.cloths[*c].strain(false)) {
             encoder.clear_buffer(strain, at, Some(4));
         }
+        self.solids.follow(&mut self.frames.ring, encoder);
         let budget = world.control.options.quality.budget().is_some() && steps > 0;
         let mut timing = std::mem::take(&mut self.timing);
         let mut passes = timing.begin(&self.device, encoder, budget);
@@ -250,9 +255,11 @@ impl Gpu {
         // Moving colliders have a new pose once in this number of steps.
         let group = steps.div_ceil(POSES);
         let mut offset = 0;
+        self.frames.ring.group();
+        let rows = Span { buffer: self.frames.ring.buffer.clone(), offset: 0, size: size_of::<StepRow>() as u64 };
+        self.cloths[index].replace(Slot::Step, rows);
         for n in 0..steps {
-            let row = StepRow::from(&frame.step(n, n / group * group));
-            offset = self.cloths[index].step_offset(&self.queue, row);
+            offset = self.frames.ring.place(bytes_of(&StepRow::from(&frame.step(n, n / group * group))));
             let coarse = frame.coarse(n);
             let mut run = |what: &Form| self.run_in(cloth, passes, index, (what, offset));
             frame.air(n).iter().for_each(|p| run(&Form::Apart(*p)));
@@ -292,15 +299,12 @@ impl Gpu {
 
     /// Records the frames of all cloths that share dispatches.
     fn record_fused(&mut self, world: &World, passes: &mut Recording, steps: u32) {
-        let Some(frames) = &mut self.frames else { return };
-        let mut batches = std::mem::take(&mut self.batches);
-        world.batch(&mut batches);
-        let one = batches.iter().map(|b| frames::bytes(&world.frame(world.arenas[b.arena][b.members[0]], steps))).max();
+        let (frames, batches) = (&mut self.frames, std::mem::take(&mut self.batches));
         let most = batches.iter().map(|b| b.parts(steps)).max();
-        frames.make_room(&self.device, batches.len(), one.unwrap_or(0), most.unwrap_or(0));
+        frames.make_room(&self.device, most.unwrap_or(0));
         for of_arena in batches.chunk_by(|a, b| a.arena == b.arena) {
             let arena = of_arena[0].arena;
-            self.arenas[arena].follow(&self.device, world, &world.arenas[arena], of_arena, passes);
+            self.arenas[arena].follow(world, &world.arenas[arena], of_arena, (&mut frames.ring, passes));
         }
         let (mut arena, mut first_job) = (0, 0);
         for batch in &batches {
@@ -315,7 +319,7 @@ impl Gpu {
             let pass = passes.pass(pipeline.source.stem);
             pass.set_pipeline(&pipeline.pipeline);
             frames::numbers(&world.frame(any, steps), batch.most, batch.solids, &mut self.numbers);
-            let offset = frames.ring.offset(&self.queue, &self.numbers);
+            let offset = frames.ring.place(&self.numbers);
             for part in 0..batch.parts(steps) {
                 pass.set_bind_group(0, group, &[offset, frames.part(part)]);
                 pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);
@@ -325,14 +329,14 @@ impl Gpu {
     }
 
     /// Writes what the CPU made of cloths that are awake into the buffers for drawing.
-    pub fn upload(&self, bodies: &[Body<f32>], threads: &Threads, runs: &[ClothRun]) {
+    pub fn upload(&mut self, bodies: &[Body<f32>], threads: &Threads, runs: &[ClothRun]) {
         let all = bodies.iter().zip(runs).enumerate().filter(|(_, (_, run))| !run.asleep);
         all.for_each(|(cloth, (body, _))| self.upload_one(cloth, body, threads));
     }
 
     /// The same for one cloth.
-    pub fn upload_one(&self, cloth: usize, body: &Body<f32>, threads: &Threads) {
-        let write = |span: &Span, bytes: &[u8]| self.queue.write_buffer(&span.buffer, span.offset, bytes);
+    pub fn upload_one(&mut self, cloth: usize, body: &Body<f32>, threads: &Threads) {
+        let mut write = |span: &Span, bytes: &[u8]| self.writer.write(&span.buffer, span.offset, bytes);
         let buffers = &self.cloths[cloth];
         write(&buffers.now, cast_slice(body.now()));
         write(&buffers.before, cast_slice(body.before()));
@@ -342,9 +346,10 @@ impl Gpu {
         }
     }
 
-    /// Uploads the colliders; new bindings only if their number, or which cloth has which coat, has changed.
-    pub fn set_colliders(&mut self, world: &World) {
-        if self.solids.write(&self.device, &self.queue, world) {
+    /// Takes in the colliders, which the next frame uploads; new bindings only if their number, or which cloth has which coat, has
+    /// changed. `alike`: neither has.
+    pub fn set_colliders(&mut self, world: &World, alike: bool) {
+        if self.solids.write(&self.device, world, alike) {
             self.meet(world);
         }
     }

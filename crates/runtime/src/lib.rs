@@ -71,6 +71,7 @@ mod state;
 mod step;
 mod stepper;
 mod tile;
+mod tuning;
 mod wind;
 mod world;
 
@@ -84,8 +85,8 @@ pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
 pub use form::{Form, Fused, Hold, Tile, TileShape};
 #[cfg(feature = "gpu")]
 pub use gpu::{
-    Ahead, ClothBuffers, Compiled, PassTime, Preparation, Span, device_features, device_limits, read_back_async,
-    read_back_picture_async, read_back_u32_async,
+    Ahead, ClothBuffers, Compiled, PassTime, Preparation, Span, UploadCount, device_features, device_limits,
+    read_back_async, read_back_picture_async, read_back_u32_async,
 };
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub use gpu::{read_back, read_back_picture, read_back_u32};
@@ -111,6 +112,7 @@ pub use stepper::self_check;
 pub use stepper::{Drag, Stepper};
 #[cfg(feature = "gpu")]
 pub use stepper::{Mismatch, SavedState, SelfCheck, self_check_async};
+pub use tuning::Tuning;
 #[cfg(feature = "gpu")]
 pub use wgpu;
 pub use wind::{Wind, WindForce};

@@ -76,11 +76,20 @@ mod tests {
     use crate::fused::Room;
     use crate::options::Options;
     use crate::scene::Scene;
+    use crate::tuning::Tuning;
     use crate::world::World;
 
     #[test]
     fn tiles_end_before_contact_with_more_colliders_than_their_loops_have_room_for() {
-        let room = Room { memory: 65_536, threads: 64, buffers: 8, loops: 16_384, busy: 8, bytes: 1 << 27 };
+        let room = Room {
+            memory: 65_536,
+            threads: 64,
+            buffers: 8,
+            loops: 16_384,
+            busy: 8,
+            bytes: 1 << 27,
+            tuning: Tuning::NONE,
+        };
         let contact = |shape: Shape, count: usize| {
             let mut scene = Scene::new("many");
             scene.cloths.push(Flat::square("sheet", 150).cloth().unwrap());

@@ -2,6 +2,7 @@
 
 use crate::error::{Result, check};
 use crate::quality::Quality;
+use crate::tuning::Tuning;
 
 /// Where the passes run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,7 +88,7 @@ pub struct Options {
     /// share the rows of large cloths, of springs under [`Solver::Xpbd`] from some 300 x 300 particles on.
     pub threads: usize,
     /// Whether, on the GPU, cloths run their whole frame in one dispatch where they can: with [`Solver::Xpbd`], a size that
-    /// fits the memory of a workgroup (or of any size, from 16 such cloths on), no cut and no
+    /// fits the memory of a workgroup (or of any size, from 16 such cloths on), and no
     /// pyramid. A frame with much work is more than one dispatch: 2^21 relaxations of a particle each, rounds of polishing included, or
     /// fewer on a software adapter; a cloth of which one step is more has no whole frames. Other cloth of that solver runs as many
     /// consecutive passes of a step in one dispatch as wait for nothing but their neighbours, by tiles (see [`crate::Tile`]):
@@ -97,6 +98,9 @@ pub struct Options {
     pub fused: bool,
     /// When cloth falls asleep automatically. Default none, at no cost.
     pub sleep: Option<Sleep>,
+    /// Sizes of workgroups and of tiles on the GPU, as [`crate::Stepper::tune`] measures them. Default `None`: from the limits of the
+    /// device. Results do not depend on them.
+    pub tuning: Option<Tuning>,
 }
 
 /// Conditions for a cloth to fall asleep. It wakes when it is changed, when gravity or wind changes, and when a collider may touch
@@ -136,6 +140,7 @@ impl Default for Options {
             threads: 0,
             fused: true,
             sleep: None,
+            tuning: None,
         }
     }
 }

@@ -134,6 +134,8 @@ pub enum Pass {
         slots: u32,
         /// Whether there are seams.
         seams: bool,
+        /// Whether one workgroup goes from texel to texel, round by round, not each thread one round for its texel.
+        walks: bool,
     },
     /// Coarser grids are rebuilt from the rest lengths that are left.
     CutLevels,

@@ -52,7 +52,9 @@ fn passes() -> Vec<Pass> {
         all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
     }
     all.extend([Pass::Forget, Pass::Limit, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
-    all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams }));
+    for walks in [false, true] {
+        all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams, walks }));
+    }
     all
 }
 
@@ -105,16 +107,18 @@ fn fused() -> Vec<Fused> {
     for (k, n) in (0..128u32).flat_map(|k| (0..SOFTS.len()).map(move |n| (k, n))) {
         let on = |bit: u32| k >> bit & 1 == 1;
         let (image, soft, again) = (on(3), SOFTS[n], on(4) && SOFTS[n] != Soft::None);
+        // Of cloth that is cut.
+        let holes = image && on(6);
         let air = [Air::None, Air::Push, Air::Field][(k as usize + n) % 3];
         let (seams, tethers) = (on(6).then_some(Pass::Seams), on(5).then_some(Pass::Tethers { slots: 2 }));
         let mut s = Schedule::default();
-        s.air.extend((air == Air::Field).then_some(Pass::Wind { holes: false }));
+        s.air.extend((air == Air::Field).then_some(Pass::Wind { holes }));
         s.step.push(if on(1) { Pass::IntegrateExact(air) } else { Pass::Integrate(air) });
         if on(3) {
-            s.step.extend([Pass::Moments { holes: false }, Pass::Bend]);
+            s.step.extend([Pass::Moments { holes }, Pass::Bend]);
             s.step.extend(seams.map(|_| Pass::SeamMoments));
         }
-        s.step.extend(on(2).then_some(Pass::Membrane { column: 1, row: 0, holes: false }));
+        s.step.extend(on(2).then_some(Pass::Membrane { column: 1, row: 0, holes }));
         s.step.extend(again.then_some(Pass::Forget));
         s.relax.extend(tethers);
         s.relax.extend(springs(image, soft, again, 2 * u32::from(on(4)), tethers));
@@ -124,7 +128,7 @@ fn fused() -> Vec<Fused> {
         s.relax.extend(on(4).then_some(Pass::Contact(kinds)));
         s.frame.extend([Pass::Guard, Pass::Restore]);
         s.frame.extend(on(5).then_some(Pass::Strain { image, soft }));
-        s.frame.extend(on(1).then_some(Pass::Normals { holes: false }));
+        s.frame.extend(on(1).then_some(Pass::Normals { holes }));
         s.frame.extend(seams.filter(|_| on(1)).map(|_| Pass::SeamNormals));
         s.frame.extend(on(0).then_some([Pass::Speed, Pass::Fastest]).into_iter().flatten());
         let hold = holds[(n + k as usize) % 4];
@@ -156,6 +160,36 @@ fn every_shader_is_valid_without_any_capability() {
         let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
         info.unwrap_or_else(|e| panic!("{form:?}: {}", e.emit_to_string(&source(form).text())));
     }
+}
+
+#[test]
+fn threads_hand_lists_of_a_frame_over_behind_storage_barriers() {
+    let mut checked = 0;
+    for fused in fused().iter().filter(|f| f.schedule.step.contains(&Pass::Forget)) {
+        // A barrier of workgroup memory, which `sync` is for most, does not order accesses of buffers.
+        let text = whole(fused).program;
+        let alone = "  storageBarrier();\n  forget_all(job, local);\n  sync();\n  storageBarrier();\n";
+        assert!(text.contains(alone), "{text}");
+        checked += 1;
+    }
+    assert!(checked > 20);
+}
+
+#[test]
+fn a_workgroup_of_a_whole_frame_has_one_atomic_per_maximum() {
+    let mut checked = 0;
+    for fused in fused() {
+        let module = module(&Form::Whole(fused));
+        let named = |f: &naga::Function| f.name.as_deref().is_some_and(|n| ["speed_all", "strain_all"].contains(&n));
+        for (_, function) in module.functions.iter().filter(|(_, f)| named(f)) {
+            let atomic = |s: &naga::Statement| matches!(s, naga::Statement::Atomic { .. });
+            let first =
+                |s: &naga::Statement| matches!(s, naga::Statement::If { accept, .. } if accept.iter().any(atomic));
+            assert!(!function.body.iter().any(atomic) && function.body.iter().any(first), "{:?}", function.name);
+            checked += 1;
+        }
+    }
+    assert!(checked > 50, "{checked}");
 }
 
 #[test]

@@ -28,6 +28,8 @@ mod state;
 mod tangents;
 #[cfg(feature = "gpu")]
 mod times;
+#[cfg(feature = "gpu")]
+mod tune;
 
 pub use drag::Drag;
 #[cfg(feature = "gpu")]
@@ -84,7 +86,7 @@ impl Stepper {
         if self.world.drive(dt)
             && let Some(gpu) = &mut self.gpu
         {
-            gpu.set_colliders(&self.world);
+            gpu.set_colliders(&self.world, true);
         }
         let progress = self.world.begin(dt);
         if self.world.act(bodies, threads) || progress.steps > 0 {

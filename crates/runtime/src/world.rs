@@ -58,6 +58,8 @@ pub struct World {
     pub driven: Drive,
     /// Paths of colliders that boxes on their way may not know of.
     pub paths: PathLog,
+    /// Cloths at rest, as found last: memory that is used again.
+    resting: Vec<usize>,
     /// How each cloth runs.
     pub runs: Vec<ClothRun>,
     /// The handle of each cloth, in ascending order.
@@ -87,9 +89,22 @@ impl World {
         let (handles, host) = (runs.iter().map(|_| ClothHandle::fresh()).collect(), Host::default());
         let watchdog = Watchdog::new(scene.cloths.len());
         let (coats, room, arenas) = (Coats::default(), None, Vec::new());
-        let (driven, paths) = (Drive::default(), PathLog::default());
-        let mut world =
-            World { scene, control, host, driven, paths, runs, handles, coats, room, arenas, watchdog, kept: None };
+        let (driven, paths, resting) = (Drive::default(), PathLog::default(), Vec::new());
+        let mut world = World {
+            scene,
+            control,
+            host,
+            driven,
+            paths,
+            resting,
+            runs,
+            handles,
+            coats,
+            room,
+            arenas,
+            watchdog,
+            kept: None,
+        };
         world.raise();
         // Nothing has moved yet: the first step is like those after it.
         world.control.start();

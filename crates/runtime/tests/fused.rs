@@ -8,6 +8,7 @@ mod support;
 use std::collections::HashSet;
 
 use gimage_runtime::*;
+use support::alike::{rounding, tolerates};
 use support::rig::FRAME;
 use support::run::{Device, Run};
 use support::{device_with, scene};
@@ -91,7 +92,7 @@ fn forces_of_air_stand_as_long_in_every_form_and_on_both_backends() {
     assert_eq!(counts, [8, 32], "once in 4 steps of the heavy one, in every step of the light one");
     let one = Run::new(&scene, &with(true), &device);
     assert_eq!(one.stepper.plan().dispatches(), 1);
-    let (one, apart) = (one.frames(6), apart.frames(6));
+    let (one, apart) = (one.whole_frames(6), apart.whole_frames(6));
     let mut cpu = Stepper::on_cpu(scene, Options { backend: Backend::Cpu, ..with(true) }).unwrap();
     (0..6).for_each(|_| assert!(cpu.advance(FRAME).is_ok()));
     for cloth in 0..2 {
@@ -217,7 +218,7 @@ fn what_is_done_to_one_cloth_is_done_to_it_alone() {
         run.stepper.set_asleep(1, false).unwrap();
         run.stepper.set_wind(Some(support::wind(false))).unwrap();
         let mut run = run.frames(3);
-        // Wind on triangles, and a cut, are made by passes of their own.
+        // A cut is made by passes of its own.
         run.stepper.set_wind(Some(support::wind(true))).unwrap();
         let mut run = run.frames(3);
         run.stepper.set_wind(None).unwrap();
@@ -229,7 +230,13 @@ fn what_is_done_to_one_cloth_is_done_to_it_alone() {
         ((0..wardrobe().cloths.len()).map(|c| run.bits(c)).collect::<Vec<_>>(), hit)
     };
     let ((one, hit), (apart, hit_apart)) = (run(true), run(false));
-    assert_eq!(Hit { handle: hit_apart.handle, ..hit }, hit_apart);
+    // Steppers name their cloths differently.
+    let hit = Hit { handle: hit_apart.handle, ..hit };
+    if tolerates(&device) {
+        assert_eq!((hit.cloth, hit.particles), (hit_apart.cloth, hit_apart.particles));
+    } else {
+        assert_eq!(hit, hit_apart);
+    }
     for (cloth, (a, b)) in one.iter().zip(&apart).enumerate() {
         assert!(a == b, "cloth {cloth}");
     }
@@ -300,10 +307,10 @@ fn numbers_of_all_dispatches_of_a_frame_have_room() {
     };
     (0..100).for_each(|n| _ = run.stepper.add_cloth(cloth(n)).unwrap());
     assert_eq!(run.stepper.plan().dispatches(), 101);
-    let run = run.frames(4);
+    let run = run.whole_frames(4);
     let alone = [0, 1, 2].map(|n| {
         let scene = Scene { cloths: vec![cloth(n)], ..all.clone() };
-        Run::new(&scene, &with(false), &device).frames(4).bits(0)
+        Run::new(&scene, &with(false), &device).whole_frames(4).bits(0)
     });
     assert!(alone[0] != alone[1] && alone[1] != alone[2], "the other colliders matter");
     let wrong: Vec<u32> = (0..100).filter(|n| run.bits(1 + *n as usize) != alone[(n % 3) as usize]).collect();
@@ -345,7 +352,7 @@ fn calm_cloth_falls_asleep_out_of_a_batch() {
     (two.cloths[1].velocity, two.cloths[1].damping) = ([0.0, 2.0, 0.0], 0.0);
     let with = |fused| Options { sleep: Some(Sleep { speed: 0.01, after: 0.1 }), ..options(fused) };
     for fused in [true, false] {
-        let run = Run::new(&two, &with(fused), &device).frames(30);
+        let run = Run::new(&two, &with(fused), &device).whole_frames(30);
         let asleep = [0, 1].map(|c| run.stepper.is_asleep(c));
         assert_eq!(asleep, [true, false], "{fused}");
         assert_eq!(run.stepper.plan().passes.iter().filter(|p| p.cloth == 0).count(), 0);
@@ -409,13 +416,13 @@ fn a_crowd_of_colliders_acts_as_on_the_twin_and_repeats() {
     flat.colliders = crowd(200);
     for fused in [true, false] {
         let once = Options { substeps: Some(1), step: FRAME / 4.0, max_catch_up: 1, ..options(fused) };
-        let [there, ..] = Run::new(&flat, &once, &device).frames(1).bits(0);
+        let there = Run::new(&flat, &once, &device).frames(1).bits(0)[0].clone();
         let here = Options { backend: Backend::Cpu, ..once };
         let mut here = Stepper::new(flat.clone(), here, None).unwrap();
         here.advance(FRAME).unwrap();
         let apart = there.iter().zip(here.positions(0).unwrap());
         let apart = apart.flat_map(|(a, b)| (0..3).map(|c| (f32::from_bits(a[c]) - b[c]).abs())).fold(0.0, f32::max);
-        assert!(apart <= 1e-6, "{fused}: {apart:e} m");
+        assert!(apart <= rounding(&device, 1e-6), "{fused}: {apart:e} m");
         let run = || Run::new(&flat, &options(fused), &device).frames(20).bits(0);
         assert!(run() == run());
     }

@@ -37,6 +37,9 @@ fn allocations(stepper: &mut Stepper, (device, queue): &Device, before: impl Fn(
         });
         let idle = measure(|| assert!(stepper.record(&mut encoder, 0.0).is_ok_and(|progress| progress.steps == 0)));
         queue.submit([encoder.finish()]);
+        // Measurements under way arrive before the next frame.
+        assert!(stepper.settle().is_ok() && device.poll(wgpu::PollType::wait_indefinitely()).is_ok());
+        assert!(stepper.settle().is_ok());
         if frame >= 5 {
             counts[frame as usize - 5] = count.count_total - idle.count_total;
         }
@@ -124,6 +127,25 @@ fn frames_are_recorded_without_allocations_of_our_own() {
         let dispatches: Vec<_> = (0..kinds).map(|kind| (kind, true)).collect();
         let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, kinds, &dispatches));
         assert_eq!(ours, [wgpu; 3], "{count} cloths");
+    }
+}
+
+#[test]
+fn cloth_whose_rest_or_stretch_is_watched_is_recorded_without_allocations_of_our_own() {
+    let Some(device) = device_with(device_limits) else { return };
+    // No cloth is as calm as that, and no stretch as large.
+    let sleep = Options { sleep: Some(Sleep { speed: 1e-12, after: 1e3 }), ..options() };
+    let stretch = Options { substeps: None, quality: Quality::Error(0.9), ..options() };
+    for (options, name) in [(sleep, "sleep"), (stretch, "stretch")] {
+        for count in [1, 2, 200] {
+            let mut stepper = Stepper::new(crowd(count), options.clone(), Some((&device.0, &device.1))).unwrap();
+            let kinds = count.min(2);
+            assert_eq!(stepper.plan().dispatches(), kinds as u32);
+            let dispatches: Vec<_> = (0..kinds).map(|kind| (kind, true)).collect();
+            // Speeds and stretch of a kind of cloths lie in one buffer.
+            let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, 2 * kinds, &dispatches));
+            assert_eq!(ours, [wgpu; 3], "{name}, {count} cloths");
+        }
     }
 }
 

@@ -14,7 +14,7 @@ impl Gpu {
         match *self {}
     }
 
-    pub fn set_colliders(&mut self, _: &World) {
+    pub fn set_colliders(&mut self, _: &World, _: bool) {
         match *self {}
     }
 
@@ -22,7 +22,7 @@ impl Gpu {
         match *self {}
     }
 
-    pub fn upload_one(&self, _: usize, _: &Body<f32>, _: &Threads) {
+    pub fn upload_one(&mut self, _: usize, _: &Body<f32>, _: &Threads) {
         match *self {}
     }
 

@@ -2,7 +2,7 @@
 
 use bytemuck::cast_slice;
 
-use super::upload::filled;
+use super::span::Span;
 use super::{Gpu, begin};
 use crate::choose::Settings;
 use crate::cloth::{Cloth, Rest};
@@ -24,6 +24,30 @@ impl Gpu {
         for (buffers, (cloth, run)) in self.cloths.iter_mut().zip(cloths) {
             buffers.open(&self.device, cloth, &run.tethers, &world.control.options);
         }
+        self.open_arenas(world);
+    }
+
+    /// Makes room for cuts in the lists of arenas with cut cloth.
+    pub(super) fn open_arenas(&mut self, world: &World) {
+        for (n, (arena, cloths)) in self.arenas.iter_mut().zip(&world.arenas).enumerate() {
+            if world.opens(n) && cloths.iter().any(|c| world.scene.cloths[*c].is_cut()) {
+                arena.open(&self.device, world, cloths);
+            }
+        }
+    }
+
+    /// Records copies of the lists that cuts have changed into the lists that whole frames read.
+    pub(super) fn mirror(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder) {
+        for (arena, cloths) in self.arenas.iter().zip(&world.arenas) {
+            for (member, &index) in cloths.iter().enumerate() {
+                let own = &mut self.cloths[index];
+                if own.stale && world.is_fused(index) {
+                    let cloth = (&world.scene.cloths[index], world.runs[index].tethers.per_particle);
+                    arena.mirror(encoder, cloth, member, own);
+                    own.stale = false;
+                }
+            }
+        }
     }
 
     /// Records what is to be done.
@@ -34,7 +58,7 @@ impl Gpu {
             match action {
                 Action::Cut { corners, spared } => {
                     let mut pass = begin(encoder, "cut");
-                    let numbers = self.numbers("cut", cast_slice(&corners.map(|[x, y, z]| [x, y, z, 0.0])));
+                    let numbers = self.list("cut", cast_slice(&corners.map(|[x, y, z]| [x, y, z, 0.0])));
                     let cloths = world.scene.cloths.iter().enumerate();
                     for (index, cloth) in cloths.filter(|(index, _)| !spared.contains(index)) {
                         self.before_cut(world, &mut pass, index);
@@ -43,12 +67,13 @@ impl Gpu {
                             self.once(world, &mut pass, index, what, &[(Slot::Action, &numbers)], groups);
                         }
                         self.after_cut(world, &mut pass, index);
+                        self.cloths[index].stale = true;
                     }
                 }
                 Action::Transform { cloth, chosen, matrix } => {
                     let mut pass = begin(encoder, "transform");
-                    let numbers = self.numbers("matrix", cast_slice(matrix));
-                    let chosen_buffer = self.numbers("chosen", cast_slice(chosen));
+                    let numbers = self.list("matrix", cast_slice(matrix));
+                    let chosen_buffer = self.list("chosen", cast_slice(chosen));
                     let more = [(Slot::Action, &numbers), (Slot::Chosen, &chosen_buffer)];
                     self.once(world, &mut pass, *cloth, Pass::Transform, &more, list(chosen.len()));
                 }
@@ -57,13 +82,8 @@ impl Gpu {
                 Action::Load { cloth, layout, words } => self.load_words(world, encoder, *cloth, (layout, words)),
             }
         }
+        self.mirror(world, encoder);
         self.reindex(world, encoder);
-    }
-
-    /// A buffer for one action.
-    pub(super) fn numbers(&self, label: &str, contents: &[u8]) -> wgpu::Buffer {
-        let usage = wgpu::BufferUsages::STORAGE;
-        filled(&self.device, label, contents, usage)
     }
 
     /// Records a pass whose bindings are not kept.
@@ -73,7 +93,7 @@ impl Gpu {
         pass: &mut wgpu::ComputePass,
         cloth: usize,
         what: Pass,
-        more: &[(Slot, &wgpu::Buffer)],
+        more: &[(Slot, &Span)],
         [x, y, z]: [u32; 3],
     ) {
         let pipeline = self.pipelines.get(&what.into());

@@ -100,7 +100,7 @@ fn all(world: &mut World, rounds: &[u32], ahead: &[Ahead], cut: bool) -> Vec<For
     if cut {
         for (cloth, run) in world.scene.cloths.iter().zip(&world.runs) {
             passes.extend(cuts(cloth, &world.control.options));
-            passes.extend(cut_tethers(cloth, &run.tethers));
+            passes.extend(cut_tethers(cloth, &run.tethers).into_iter().flatten());
         }
         world.scene.cloths.iter_mut().for_each(Cloth::open);
         forms.extend(all_frames(world, rounds));

@@ -5,13 +5,17 @@ use std::collections::HashMap;
 use bytemuck::cast_slice;
 use wgpu::{Buffer, BufferUsages};
 
+use super::buffers::ClothBuffers;
 use super::contents::{Contents, Grids};
 use super::frames::Frames;
 use super::pipelines::Pipeline;
 use super::recording::Recording;
+use super::ring::room_of;
 use super::span::Span;
 use super::store::Store;
 use super::upload::{empty, filled, upload};
+use super::uploads::Uploads;
+use crate::cloth::Cloth;
 use crate::form::Fused;
 use crate::layout::{FrameRow, GridRow, JobRow, StepRow};
 use crate::shaders::Slot;
@@ -33,7 +37,9 @@ pub(super) struct Arena {
     /// The jobs of the last batches.
     batched: Vec<JobRow>,
     /// Both as they lie in the lists, to be copied there.
-    table: Option<Buffer>,
+    table: Vec<u8>,
+    /// Whether the lists have room for those that cuts change.
+    opened: bool,
     /// By shader and by the number of colliders.
     ready: HashMap<(Fused, usize), Ready>,
 }
@@ -51,11 +57,56 @@ impl Arena {
     /// Uploads what is only read of the cloths of a store.
     pub fn new(device: &wgpu::Device, world: &World, store: Store, cloths: &[usize]) -> Self {
         let contents = Contents::new(world, cloths);
-        let (bytes, places) = contents.joined();
+        let (bytes, places) = contents.joined(store.room());
         let lists = upload(device, "lists", &bytes, BufferUsages::empty());
         let (grid_rows, batched, ready) = (Vec::new(), Vec::new(), HashMap::new());
-        let (scratch, grids, table) = (None, None, None);
-        Arena { store, lists, places, scratch, jobs: contents.jobs, grids, grid_rows, batched, table, ready }
+        let (scratch, grids, table) = (None, None, Vec::new());
+        let opened = false;
+        Arena { store, lists, places, scratch, jobs: contents.jobs, grids, grid_rows, batched, table, opened, ready }
+    }
+
+    /// Bytes of the table that a frame uploads.
+    pub fn need(&self) -> u64 {
+        let grids = self.jobs.iter().map(|job| job.grid + job.grids).max().unwrap_or(0) as usize;
+        let lists = self.places.get(&Slot::Jobs).zip(self.places.get(&Slot::Grids));
+        u64::from(room_of(lists.map_or(0, |(jobs, grids)| (grids - jobs) as usize) + grids * size_of::<GridRow>()))
+    }
+
+    /// Rebuilds the lists with room for those that cuts change: rest lengths and holes.
+    pub fn open(&mut self, device: &wgpu::Device, world: &World, cloths: &[usize]) {
+        if self.opened {
+            return;
+        }
+        let places = cloths.iter().zip(&self.jobs).map(|(cloth, job)| (*cloth, job.row, job.first));
+        let contents = Contents::placed(world, places);
+        let (bytes, places) = contents.joined(self.store.room());
+        self.lists = upload(device, "lists", &bytes, BufferUsages::empty());
+        (self.places, self.jobs, self.opened) = (places, contents.jobs, true);
+        // Both refer to the old lists.
+        (self.grids, self.ready) = (None, HashMap::new());
+    }
+
+    /// Has the next frame upload the grids again: they hold constant rest lengths, which cut cloth does not have.
+    pub fn renew(&mut self) {
+        self.grids = None;
+    }
+
+    /// Records copies of the lists that cuts change, from the cloth's own buffers.
+    pub fn mirror(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        (cloth, slots): (&Cloth, usize),
+        member: usize,
+        own: &ClothBuffers,
+    ) {
+        let Some(job) = self.jobs.get(member).filter(|_| self.opened) else { return };
+        for slot in [Slot::Rest, Slot::Tethers, Slot::Holes] {
+            let from = if slot == Slot::Holes { own.holes.as_ref() } else { own.others.get(&slot) };
+            if let (Some(from), Some(begin), Some(each)) = (from, self.places.get(&slot), slot.row(cloth, slots)) {
+                let at = begin + each as u64 * u64::from(job.first);
+                encoder.copy_buffer_to_buffer(&from.buffer, from.offset, &self.lists, at, from.size);
+            }
+        }
     }
 
     /// Lets one of its cloths go; whether it was the last.
@@ -75,11 +126,10 @@ impl Arena {
     /// is dispatched. Recorded in every frame: one that was recorded before may not have been submitted yet, or never be.
     pub fn follow(
         &mut self,
-        device: &wgpu::Device,
         world: &World,
         cloths: &[usize],
         batches: &[Batch],
-        passes: &mut Recording,
+        (uploads, passes): (&mut Uploads, &mut Recording),
     ) {
         let (Some(begin), Some(grids)) = (self.places.get(&Slot::Jobs), self.places.get(&Slot::Grids)) else { return };
         let places = cloths.iter().zip(&self.jobs).map(|(cloth, job)| (*cloth, job.first, job.grid));
@@ -88,14 +138,13 @@ impl Arena {
         if other.is_some() || !jobs.clone().eq(self.batched.iter().copied()) {
             self.batched = jobs.collect();
             self.grid_rows = other.unwrap_or(std::mem::take(&mut self.grid_rows));
-            let mut bytes = cast_slice::<_, u8>(&self.batched).to_vec();
-            bytes.resize((grids - begin) as usize, 0);
-            bytes.extend_from_slice(cast_slice(&self.grid_rows));
-            self.table = Some(filled(device, "table", &bytes, BufferUsages::COPY_SRC));
+            self.table.clear();
+            self.table.extend_from_slice(cast_slice(&self.batched));
+            self.table.resize((grids - begin) as usize, 0);
+            self.table.extend_from_slice(cast_slice(&self.grid_rows));
         }
-        if let Some(table) = &self.table {
-            passes.between().copy_buffer_to_buffer(table, 0, &self.lists, *begin, table.size());
-        }
+        let (at, size) = (uploads.place(&self.table).into(), self.table.len() as u64);
+        passes.between().copy_buffer_to_buffer(&uploads.buffer, at, &self.lists, *begin, size);
     }
 
     /// The bindings of a batch whose jobs begin at `first_job`, made again only where that or a buffer is another.

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::mem::offset_of;
 
-use bytemuck::bytes_of;
 use wgpu::{Buffer, BufferUsages};
 
 use crate::cloth::{Cloth, Rest, Tethers};
@@ -11,19 +10,15 @@ use crate::gpu::contents::{Contents, Grids};
 use crate::gpu::cut_tethers;
 use crate::gpu::levels;
 use crate::gpu::pipelines::Pipeline;
-use crate::gpu::ring::Ring;
 use crate::gpu::span::Span;
 use crate::gpu::store::State;
 use crate::gpu::turns;
 use crate::gpu::upload::{empty, upload};
-use crate::layout::{FaultRow, StepRow};
+use crate::layout::FaultRow;
 use crate::options::Options;
 use crate::passes::has_levels;
 use crate::shaders::{Bound, SCRATCH, Slot, Source};
 use crate::world::World;
-
-/// A frame takes up to two, or [`crate::layout::POSES`] where colliders move; this number can be recorded before the first submission.
-const STEPS: u32 = 1024;
 
 /// The buffers of a cloth for a vertex shader: arrays of `vec4<f32>`, one per particle, in buffers for storage and vertices
 /// that cloths may share.
@@ -48,7 +43,10 @@ pub struct ClothBuffers {
     /// Unit tangents, once [`crate::Stepper::record_tangents`] has asked for them: those of the positions at its last call.
     pub tangents: Option<Span>,
     stepping: bool,
-    steps: Option<Ring>,
+    /// Whether it has what only passes of its own need.
+    separate: bool,
+    /// Whether lists that cuts change differ from those that whole frames read.
+    pub(super) stale: bool,
     /// Of the grids in `others`.
     grids: Option<Grids>,
     /// All else that is bound.
@@ -73,7 +71,8 @@ impl ClothBuffers {
             tangents: None,
             faults: others.remove(&Slot::Faults),
             stepping,
-            steps: None,
+            separate: false,
+            stale: false,
             grids: None,
             others,
             groups: HashMap::new(),
@@ -88,11 +87,11 @@ impl ClothBuffers {
             return;
         }
         self.follow_grids(device, world, index);
-        if self.steps.is_some() {
+        if std::mem::replace(&mut self.separate, true) {
             return;
         }
-        self.steps = Some(Ring::new(device, "step", size_of::<StepRow>(), STEPS));
-        for (slot, buffer) in Contents::new(world, &[index]).upload(device) {
+        let lists = Contents::new(world, &[index]).upload(device);
+        for (slot, buffer) in lists.into_iter().filter(|(slot, _)| *slot != Slot::Holes) {
             // Rest lengths may be there already, and be cut.
             self.others.entry(slot).or_insert(buffer.into());
         }
@@ -107,11 +106,6 @@ impl ClothBuffers {
             self.others.insert(Slot::Grids, upload(device, "grids", &rows, BufferUsages::empty()).into());
             self.forget(Slot::Grids);
         }
-    }
-
-    /// Where the numbers of a step lie.
-    pub(super) fn step_offset(&mut self, queue: &wgpu::Queue, row: StepRow) -> u32 {
-        self.steps.as_mut().map_or(0, |steps| steps.offset(queue, bytes_of(&row)))
     }
 
     /// The bindings of a shader, made once.
@@ -146,9 +140,7 @@ impl ClothBuffers {
     }
 
     /// Bindings of a shader, `more` being what is not the cloth's own.
-    pub(super) fn bind(&self, device: &wgpu::Device, pipeline: &Pipeline, more: &[(Slot, &Buffer)]) -> wgpu::BindGroup {
-        let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
-        let row = std::num::NonZeroU64::new(size_of::<StepRow>() as u64);
+    pub(super) fn bind(&self, device: &wgpu::Device, pipeline: &Pipeline, more: &[(Slot, &Span)]) -> wgpu::BindGroup {
         pipeline.bind(device, |slot| match turns::lies(self.turned, slot) {
             Slot::Now => Some(self.now.binding()),
             Slot::Before => Some(self.before.binding()),
@@ -157,9 +149,8 @@ impl ClothBuffers {
             Slot::Indices => self.indices.as_ref().map(Span::binding),
             Slot::Tangents => self.tangents.as_ref().map(Span::binding),
             Slot::Faults => self.faults.as_ref().map(Span::binding),
-            Slot::Step => self.steps.as_ref().map(|ring| wgpu::BufferBinding { size: row, ..whole(&ring.buffer) }),
             other => match more.iter().find(|m| m.0 == other) {
-                Some((_, buffer)) => Some(whole(buffer)),
+                Some((_, span)) => Some(span.binding()),
                 None => self.others.get(&other).map(Span::binding),
             },
         })
@@ -167,6 +158,7 @@ impl ClothBuffers {
 
     /// Makes room for cuts: no triangle is missing yet, and rest lengths are an image.
     pub(super) fn open(&mut self, device: &wgpu::Device, cloth: &Cloth, held: &Tethers, options: &Options) {
+        self.stale = true;
         if self.holes.is_none() {
             if self.stepping {
                 self.take(cut_tethers::room(device, cloth, held));
@@ -185,7 +177,7 @@ impl ClothBuffers {
 
     /// Drops what cuts have changed, and what is made beside it: both are made again when they are needed.
     pub(super) fn mend(&mut self) {
-        (self.holes, self.steps, self.grids) = (None, None, None);
+        (self.holes, self.separate, self.grids) = (None, false, None);
         self.others.retain(|slot, _| [Slot::Good, Slot::Lost, Slot::Solids, Slot::Bounds, Slot::Charts].contains(slot));
         self.groups.clear();
     }

@@ -25,8 +25,14 @@ pub(super) struct Contents {
 impl Contents {
     /// Those of an index list of cloths.
     pub fn new(world: &World, cloths: &[usize]) -> Self {
+        let places = cloths.iter().zip(firsts(world, cloths)).enumerate();
+        Contents::placed(world, places.map(|(row, (&index, first))| (index, row as u32, first)))
+    }
+
+    /// Those of cloths whose rows of faults and first particles are given beside their indices.
+    pub fn placed(world: &World, places: impl Iterator<Item = (usize, u32, u32)>) -> Self {
         let mut all = Contents::default();
-        for (row, (&index, first)) in cloths.iter().zip(firsts(world, cloths)).enumerate() {
+        for (index, row, first) in places {
             all.add(world, index, (row, first));
         }
         if let Some(last) = all.jobs.last() {
@@ -38,7 +44,7 @@ impl Contents {
         all
     }
 
-    fn add(&mut self, world: &World, index: usize, (row, first): (usize, u32)) {
+    fn add(&mut self, world: &World, index: usize, (row, first): (u32, u32)) {
         let (cloth, held) = (&world.scene.cloths[index], &world.runs[index].tethers);
         let count = |list: &Self, slot, size: usize| list.lists.get(&slot).map_or(0, |l| l.len() / size) as u32;
         self.jobs.push(JobRow {
@@ -48,7 +54,7 @@ impl Contents {
             grids: cloth.grids().len() as u32,
             ring: count(self, Slot::Starts, 4),
             rings: cloth.ring_count() as u32,
-            row: row as u32,
+            row,
             ..Zeroable::zeroed()
         });
         for slot in Slot::ALL {
@@ -56,7 +62,7 @@ impl Contents {
                 let bytes = match slot {
                     // Teleports may have moved them.
                     Slot::Targets => cast_slice(&world.runs[index].targets(cloth)).to_vec(),
-                    other => other.texels(cloth, held, first),
+                    other => other.texels(cloth, held),
                 };
                 // What lies between cloths is not read.
                 let list = self.lists.entry(*slot).or_default();
@@ -66,6 +72,8 @@ impl Contents {
         }
         if let Some(membrane) = cloth.membrane() {
             let [weft, warp, shear] = membrane.soft;
+            // By rows, some of which may belong to cloths that have left.
+            self.lists.entry(Slot::Yielding).or_default().resize(16 * row as usize, 0);
             self.add_rows(Slot::Yielding, &[[weft, warp, shear, 0.0]]);
         }
         if cloth.ring_count() > 0 {
@@ -89,8 +97,9 @@ impl Contents {
         self.lists.iter().filter(|(_, bytes)| !bytes.is_empty()).map(buffer).collect()
     }
 
-    /// All of them one after the other as [`Slot::Lists`] has them, with room for grids and jobs, and where each begins \[bytes\].
-    pub fn joined(&self) -> (Vec<u8>, HashMap<Slot, u64>) {
+    /// All of them one after the other as [`Slot::Lists`] has them, for buffers with room for a number of particles, with room for grids
+    /// and jobs; and where each begins \[bytes\].
+    pub fn joined(&self, room: usize) -> (Vec<u8>, HashMap<Slot, u64>) {
         let (mut bytes, mut places) = (vec![0; 4 * HEAD], HashMap::new());
         let mut head = [0u32; HEAD];
         let grids = self.jobs.iter().map(|job| job.grids as usize).sum::<usize>();
@@ -104,8 +113,7 @@ impl Contents {
             }
             bytes.resize(bytes.len().next_multiple_of(16), 0);
         }
-        let end = self.jobs.last().map_or(0, |job| job.first + job.count);
-        head[HEAD - 1] = room_of(end as usize) as u32;
+        head[HEAD - 1] = room as u32;
         bytes[..4 * HEAD].copy_from_slice(cast_slice(&head));
         (bytes, places)
     }
@@ -195,7 +203,7 @@ mod tests {
                 let cloth = &world.scene.cloths[*c];
                 listed(cloth, world.runs[*c].tethers.per_particle, room_of(cloth.len())) as u64
             };
-            let (bytes, places) = Contents::new(&world, cloths).joined();
+            let (bytes, places) = Contents::new(&world, cloths).joined(0);
             assert!(bytes.len() as u64 <= HEADS + cloths.iter().map(counted).sum::<u64>(), "{cloths:?}");
             let head: &[u32] = cast_slice(&bytes[..4 * HEAD]);
             for (n, (slot, _)) in LISTED.iter().enumerate() {

@@ -1,12 +1,11 @@
-//! The rounds by which tethers follow a cut on the GPU.
-
-use std::collections::HashMap;
+//! The dispatches by which tethers follow a cut on the GPU.
 
 use bytemuck::cast_slice;
 use wgpu::{Buffer, BufferUsages};
 
 use super::Gpu;
-use super::upload::upload;
+use super::span::Span;
+use super::upload::{filled, upload};
 use crate::cloth::{Cloth, Rest, Tethers, groups, mates};
 use crate::cpu::route::UNSUPPORTED;
 use crate::passes::Pass;
@@ -23,7 +22,7 @@ pub(super) fn room(device: &wgpu::Device, cloth: &Cloth, tethers: &Tethers) -> V
     let mut room = vec![
         (Slot::Supports, upload(device, "supports", &supports, none)),
         (Slot::Holding, upload(device, "holding", &vec![[0u32; 2]; supports.len()], none)),
-        (Slot::Changes, upload(device, "changes", &vec![0u32; 4 + cloth.len()], none)),
+        (Slot::Changes, upload(device, "changes", &vec![0u32; 4 + 3 * cloth.len()], none)),
     ];
     if cloth.ring_count() > 0 {
         room.push((Slot::Mates, upload(device, "mates", &mates(cloth), none)));
@@ -36,74 +35,97 @@ fn follows(cloth: &Cloth, tethers: &Tethers) -> bool {
     tethers.per_particle > 0 && !matches!(cloth.rest(), Rest::None)
 }
 
-/// The pass that leads the tethers of a cloth around a cut.
-pub(super) fn cut_tethers(cloth: &Cloth, tethers: &Tethers) -> Option<Pass> {
-    let pass = Pass::CutTethers { slots: tethers.per_particle as u32, seams: cloth.ring_count() > 0 };
-    follows(cloth, tethers).then_some(pass)
+/// The passes that update the tethers of a cloth after a cut: for all texels, and in a walk.
+pub(super) fn cut_tethers(cloth: &Cloth, tethers: &Tethers) -> Option<[Pass; 2]> {
+    let (slots, seams) = (tethers.per_particle as u32, cloth.ring_count() > 0);
+    follows(cloth, tethers).then_some([false, true].map(|walks| Pass::CutTethers { slots, seams, walks }))
 }
 
-/// Rounds of a phase, a whole number of turns there and back. A way that a cut has changed leads by at most that many
-/// particles, or its tether ends: twice along the longer side, of two grids where there are several.
-fn rounds(cloth: &Cloth) -> u32 {
-    let longest = cloth.grids().iter().map(|g| g.width.max(g.height)).max().unwrap_or(0);
-    (2 * longest * (cloth.grids().len() as u32).min(2)).next_multiple_of(6)
+/// Threads of the workgroup that walks.
+const GROUP: u64 = 256;
+/// Most dispatches that walk in a phase.
+const MAX_WALKS: u64 = 64;
+/// Most texels per thread in one of them.
+const MAX_TEXELS: u64 = 1 << 20;
+
+/// The limits of the walk through the texels beside changes, in each of the two phases.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Walk {
+    /// Rounds of a phase. A way that a cut has changed leads by at most that many particles, or its tether ends: twice along the longer
+    /// side, of two grids if there are several.
+    rounds: u64,
+    /// Texels per thread and dispatch.
+    texels: u64,
+    /// Dispatches: one, or more on a device that ends loops early.
+    dispatches: u64,
 }
 
-/// Dispatches for a cut, beside those that cut.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Round {
-    phase: u32,
-    turn: u32,
-    first: bool,
-    last: bool,
-    /// Whether tethers lie in the other buffer.
-    back: bool,
-}
+impl Walk {
+    /// Limits for a device on which a thread makes at most `loops` iterations of loops per dispatch.
+    fn new(cloth: &Cloth, tethers: &Tethers, loops: u32) -> Self {
+        let (longest, grids) = (cloth.grids().iter().map(|g| g.width.max(g.height)).max(), cloth.grids().len() as u64);
+        let longest = u64::from(longest.unwrap_or(0));
+        let (slots, (starts, _)) = (tethers.per_particle as u64, cloth.rings());
+        let ring = u64::from(starts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(1));
+        // Iterations for a texel: what is around each duplicate, for each slot, and the texels beside it that go into a list.
+        let texel = slots * (2 + ring * (8 * (2 + slots + grids) + 20)) + 8 * (1 + ring) + 4;
+        // The loop that ends all tethers.
+        let ends = (slots * cloth.len() as u64).div_ceil(GROUP);
+        let rounds = 2 * longest * grids.min(2);
+        let texels = (u64::from(loops).saturating_sub(ends + rounds) / texel).clamp(1, MAX_TEXELS);
+        // The front of changes is about as long as both sides of a cut, with the texels beside them; twice that for fronts that cross.
+        let need = 2 * rounds * (4 * longest).div_ceil(GROUP);
+        Walk { rounds, texels, dispatches: need.div_ceil(texels).clamp(1, MAX_WALKS) }
+    }
 
-impl Round {
-    fn number(phase: u32, n: u32, count: u32) -> Self {
-        Round { phase, turn: n % 3, first: n == 0, last: n + 1 == count, back: n % 2 == 1 }
+    /// The dispatches after a cut, in order: whether one walks, and its numbers.
+    fn dispatches(&self) -> Vec<(bool, [f32; 4])> {
+        let mut all = Vec::new();
+        for phase in [1, 2] {
+            all.extend([2 * phase - 1, 2 * phase].map(|stage| (false, [stage as f32, 0.0, 0.0, 0.0])));
+            let walk = |n| {
+                [phase as f32, self.rounds as f32, self.texels as f32, f32::from(u8::from(n + 1 == self.dispatches))]
+            };
+            all.extend((0..self.dispatches).map(|n| (true, walk(n))));
+        }
+        all
     }
 }
 
 impl Gpu {
-    /// Records what is to be known of tethers before a cut.
+    /// Records the search for what supports tethers, before a cut.
     pub(super) fn before_cut(&mut self, world: &World, pass: &mut wgpu::ComputePass, cloth: usize) {
-        self.rounds(world, pass, cloth, &[Round::number(0, 0, 1)]);
+        self.follow_cut(world, pass, cloth, &[(false, [0.0; 4])]);
     }
 
-    /// Records what becomes of them after it.
+    /// Records the change of tethers after a cut.
     pub(super) fn after_cut(&mut self, world: &World, pass: &mut wgpu::ComputePass, cloth: usize) {
-        let count = rounds(&world.scene.cloths[cloth]);
-        let all: Vec<_> = [1, 2].iter().flat_map(|p| (0..count).map(|n| Round::number(*p, n, count))).collect();
-        self.rounds(world, pass, cloth, &all);
+        let loops = world.room.as_ref().map_or(u32::MAX, |room| room.loops);
+        let walk = Walk::new(&world.scene.cloths[cloth], &world.runs[cloth].tethers, loops);
+        self.follow_cut(world, pass, cloth, &walk.dispatches());
     }
 
-    fn rounds(&mut self, world: &World, pass: &mut wgpu::ComputePass, index: usize, rounds: &[Round]) {
+    fn follow_cut(
+        &mut self,
+        world: &World,
+        pass: &mut wgpu::ComputePass,
+        index: usize,
+        dispatches: &[(bool, [f32; 4])],
+    ) {
         let (cloth, tethers) = (&world.scene.cloths[index], &world.runs[index].tethers);
-        let Some(what) = cut_tethers(cloth, tethers) else { return };
+        let Some(passes) = cut_tethers(cloth, tethers) else { return };
         self.cloths[index].separate(&self.device, world, index);
-        let numbers = |r: &Round| {
-            let flags = [r.phase as f32, r.turn as f32, u8::from(r.first).into(), u8::from(r.last).into()];
-            self.numbers("round", cast_slice(&flags))
-        };
-        let mut each = HashMap::new();
-        for round in rounds {
-            each.entry(*round).or_insert_with(|| numbers(round));
-        }
-        let pipeline = self.pipelines.get(&what.into());
-        let buffers = &self.cloths[index];
-        let [Some(there), Some(back)] = [Slot::Tethers, Slot::Holding].map(|slot| buffers.other(slot)) else { return };
-        let group = |(round, numbers): (&Round, &Buffer)| {
-            let [from, to] = if round.back { [back, there] } else { [there, back] };
-            let more = [(Slot::Action, numbers), (Slot::Tethers, from), (Slot::Holding, to)];
-            (*round, buffers.bind(&self.device, pipeline, &more))
-        };
-        let groups: HashMap<_, _> = each.iter().map(group).collect();
-        let [x, y, z] = pipeline.source.workgroups(cloth);
-        pass.set_pipeline(&pipeline.pipeline);
-        for round in rounds {
-            pass.set_bind_group(0, &groups[round], &[]);
+        // Where a binding may begin.
+        let mut rows = vec![[0.0f32; 4]; 16 * dispatches.len()];
+        dispatches.iter().enumerate().for_each(|(n, (_, numbers))| rows[16 * n] = *numbers);
+        let rows = filled(&self.device, "stages", cast_slice(&rows), BufferUsages::STORAGE);
+        for (n, (walks, _)) in dispatches.iter().enumerate() {
+            let pipeline = self.pipelines.get(&passes[usize::from(*walks)].into());
+            let numbers = Span { buffer: rows.clone(), offset: 256 * n as u64, size: 16 };
+            let group = self.cloths[index].bind(&self.device, pipeline, &[(Slot::Action, &numbers)]);
+            let [x, y, z] = pipeline.source.workgroups(cloth);
+            pass.set_pipeline(&pipeline.pipeline);
+            pass.set_bind_group(0, &group, &[]);
             pass.dispatch_workgroups(x, y, z);
         }
     }

@@ -5,44 +5,30 @@ use std::mem::offset_of;
 use bytemuck::{bytes_of, cast_slice};
 use wgpu::{Buffer, BufferUsages};
 
-use super::ring::{Ring, room_of};
+use super::ring::room_of;
 use super::upload::filled;
+use super::uploads::Uploads;
 use crate::frame::Frame;
 use crate::layout::{FrameRow, POSES, StepRow};
 
-/// Frames with new numbers that can be recorded before the first submission, at the start, and as soon as they need more room.
-const FRAMES: u32 = 64;
-const AHEAD: u64 = 8;
 /// Distance of two rows of [`Frames::parts`] \[bytes\].
 const PART: u32 = room_of(16);
 
 /// The numbers of whole frames on the device.
 pub(super) struct Frames {
-    /// Those of the frames of batches.
-    pub ring: Ring,
+    /// Those of the frames of batches, and all else that a frame uploads.
+    pub ring: Uploads,
     /// Row n has the number n: which of its dispatches in a frame a batch is at.
     pub parts: Buffer,
 }
 
 impl Frames {
     pub fn new(device: &wgpu::Device) -> Self {
-        let ring = Ring::new(device, "frame", size_of::<FrameRow>(), FRAMES);
-        Frames { ring, parts: parts(device, 16) }
+        Frames { ring: Uploads::new(device), parts: parts(device, 16) }
     }
 
-    /// Makes room for a frame of `batches` batches, the numbers of each of which are `one` bytes at most, and which have `most` dispatches
-    /// at most.
-    pub fn make_room(&mut self, device: &wgpu::Device, batches: usize, one: usize, most: u32) {
-        let (largest, row) = (size_of::<FrameRow>() as u64, u64::from(room_of(one)));
-        let need = |frames: u64| largest + frames * batches as u64 * row;
-        if need(AHEAD) > self.ring.size() {
-            // As far ahead as a buffer may be long.
-            let ahead = (1..=AHEAD).rev().find(|n| need(*n) <= device.limits().max_buffer_size);
-            let rows = need(ahead.unwrap_or(1)).div_ceil(largest);
-            if rows * largest > self.ring.size() {
-                self.ring = Ring::new(device, "frame", size_of::<FrameRow>(), rows as u32);
-            }
-        }
+    /// Makes room for a frame of batches that have `most` dispatches at most.
+    pub fn make_room(&mut self, device: &wgpu::Device, most: u32) {
         if u64::from(most) * u64::from(PART) > self.parts.size() {
             self.parts = parts(device, most.next_power_of_two());
         }

@@ -53,7 +53,7 @@ impl Gpu {
         let buffers = &mut self.cloths[cloth];
         let Some(span) = buffers.indices.as_ref().filter(|_| buffers.reindex) else { return };
         let indices = world.scene.cloths[cloth].all_indices(&body.holes);
-        self.queue.write_buffer(&span.buffer, span.offset, cast_slice(&indices));
+        self.writer.write(&span.buffer, span.offset, cast_slice(&indices));
         buffers.reindex = false;
     }
 }

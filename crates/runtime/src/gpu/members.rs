@@ -2,7 +2,6 @@
 
 use super::arena::Arena;
 use super::buffers::ClothBuffers;
-use super::frames::Frames;
 use super::solids::Solids;
 use super::store::Store;
 use super::{Gpu, fits};
@@ -16,7 +15,6 @@ use crate::world::{Left, World};
 pub struct Coming {
     buffers: Vec<ClothBuffers>,
     arena: Option<Arena>,
-    frames: Option<Frames>,
     solids: Option<Solids>,
 }
 
@@ -43,18 +41,16 @@ impl Gpu {
         Coming {
             buffers: states.into_iter().map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect(),
             arena: shares.then(|| Arena::new(&self.device, world, store, &[index])),
-            frames: (shares && self.frames.is_none()).then(|| Frames::new(&self.device)),
             solids: recoated.then(|| Solids::new(&self.device, world)),
         }
     }
 
     /// Takes them in.
     pub fn join(&mut self, world: &World, coming: Coming) {
-        let Coming { buffers, arena, frames, solids } = coming;
+        let Coming { buffers, arena, solids } = coming;
         self.cloths.extend(buffers);
         self.watch.join();
         self.arenas.extend(arena);
-        self.frames = self.frames.take().or(frames);
         // Frames that have been recorded with the last lists of colliders may not have been submitted yet, so these stay as they are.
         if let Some(solids) = solids {
             self.solids = solids;

@@ -3,7 +3,8 @@
 use bytemuck::cast_slice;
 
 use super::read_back::MAPPED;
-use super::upload::empty;
+use super::span::Span;
+use super::upload::{empty, filled};
 use super::{Gpu, begin};
 use crate::handle::ClothHandle;
 use crate::passes::Pass;
@@ -44,10 +45,11 @@ impl Gpu {
             })
             .collect();
         let ray = [origin, direction].map(|[x, y, z]| [x, y, z, 0.0]);
-        let ray = self.numbers("ray", cast_slice(&ray));
+        let ray = filled(&self.device, "ray", cast_slice(&ray), storage).into();
         let mut pass = begin(encoder, "pick");
         for (index, (candidates, found, groups)) in found.iter().enumerate() {
-            let more = [(Slot::Action, &ray), (Slot::Candidates, candidates), (Slot::Found, found)];
+            let lists = [candidates, found].map(|buffer| Span::from(buffer.clone()));
+            let more = [(Slot::Action, &ray), (Slot::Candidates, &lists[0]), (Slot::Found, &lists[1])];
             let holes = world.scene.cloths[index].is_cut();
             self.once(world, &mut pass, index, Pass::Pick { holes }, &more, *groups);
             self.once(world, &mut pass, index, Pass::PickNearest, &more, [1; 3]);

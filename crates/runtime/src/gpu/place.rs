@@ -1,16 +1,17 @@
 //! Putting particles in their places on the GPU: pins, from the host's memory or from a buffer on the device.
 
 use bytemuck::cast_slice;
-use wgpu::BufferBinding;
+use wgpu::{BufferBinding, BufferUsages};
 
 use super::span::Span;
+use super::upload::filled;
 use super::{Gpu, begin};
 use crate::cpu::place::{PLACE_MOVES, PLACE_WEIGHS, Placed, merged};
 use crate::passes::Pass;
 use crate::shaders::{Slot, list};
 
 impl Gpu {
-    /// Records that particles are put in their places: two uploads and a dispatch.
+    /// Records that particles are put in their places: two lists, and a dispatch.
     pub(super) fn place(&mut self, pass: &mut wgpu::ComputePass, cloth: usize, rows: &[Placed]) {
         let rows = merged(rows);
         let flags = |row: &Placed| {
@@ -23,8 +24,9 @@ impl Gpu {
             [x, y, z, row.inverse_mass.unwrap_or_default()]
         };
         let at: Vec<_> = rows.iter().map(vector).collect();
-        let at = Span::from(self.numbers("places", cast_slice(&at)));
-        self.scatter(pass, cloth, &chosen, at.binding());
+        let at = self.list("places", cast_slice(&at));
+        let list = self.list("chosen", cast_slice(&chosen));
+        self.scatter(pass, cloth, (&list, chosen.len()), at.binding());
     }
 
     /// Records that particles are put at positions that lie in a buffer; for each particle the place in it.
@@ -37,21 +39,27 @@ impl Gpu {
     ) {
         let chosen: Vec<_> = particles.iter().map(|[k, n]| [k | PLACE_MOVES, *n]).collect();
         let mut pass = begin(encoder, "pins");
-        self.scatter(&mut pass, cloth, &chosen, positions.binding());
+        let list = filled(&self.device, "chosen", cast_slice(&chosen), BufferUsages::STORAGE).into();
+        self.scatter(&mut pass, cloth, (&list, chosen.len()), positions.binding());
     }
 
-    fn scatter(&mut self, pass: &mut wgpu::ComputePass, cloth: usize, chosen: &[[u32; 2]], places: BufferBinding) {
-        let chosen_buffer = self.numbers("chosen", cast_slice(chosen));
+    fn scatter(
+        &mut self,
+        pass: &mut wgpu::ComputePass,
+        cloth: usize,
+        (chosen, count): (&Span, usize),
+        places: BufferBinding,
+    ) {
         let pipeline = self.pipelines.get(&Pass::Place.into());
         let buffers = &self.cloths[cloth];
         let group = pipeline.bind(&self.device, |slot| match slot {
             Slot::Now => Some(buffers.now.binding()),
             Slot::Before => Some(buffers.before.binding()),
             Slot::Action => Some(places.clone()),
-            Slot::Chosen => Some(chosen_buffer.as_entire_buffer_binding()),
+            Slot::Chosen => Some(chosen.binding()),
             _ => None,
         });
-        let [x, y, z] = list(chosen.len());
+        let [x, y, z] = list(count);
         pass.set_pipeline(&pipeline.pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.dispatch_workgroups(x, y, z);

@@ -1,4 +1,4 @@
-//! Rows of numbers that change from step to step, or from frame to frame.
+//! Rows of numbers that change from picture to picture.
 
 use wgpu::{Buffer, BufferUsages};
 

@@ -3,6 +3,7 @@
 use bytemuck::cast_slice;
 use wgpu::{Buffer, BufferUsages};
 
+use super::arena::Arena;
 use super::span::Span;
 use super::upload::filled;
 use super::{Gpu, begin};
@@ -61,6 +62,7 @@ impl Gpu {
             encoder.copy_buffer_to_buffer(buffer, offset + at, &span.buffer, span.offset, size);
         }
         let (of, run) = (&world.scene.cloths[cloth], &world.runs[cloth]);
+        self.cloths[cloth].stale = true;
         let levels = layout.rest && has_levels(of, &world.control.options);
         // No frame makes the normals of cloth that is asleep.
         let drawn = |p: &&Pass| run.asleep && matches!(p, Pass::Normals { .. } | Pass::SeamNormals);
@@ -69,6 +71,7 @@ impl Gpu {
             .into_iter()
             .chain(run.schedule.frame.iter().filter(drawn).copied())
             .collect();
+        self.mirror(world, encoder);
         if !passes.is_empty() {
             let mut pass = begin(encoder, "state");
             for what in passes {
@@ -97,8 +100,12 @@ impl Gpu {
         buffers.mend();
         if of.is_cut() {
             buffers.open(&self.device, of, &run.tethers, &world.control.options);
-            buffers.separate(&self.device, world, cloth);
         }
+        // The lists that whole frames read may still be those of the cut.
+        buffers.stale = true;
+        buffers.separate(&self.device, world, cloth);
+        self.arenas.iter_mut().for_each(Arena::renew);
+        self.open_arenas(world);
     }
 
     /// Records that the targets of a cloth's limits follow its start.

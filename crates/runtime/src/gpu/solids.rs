@@ -3,15 +3,20 @@
 use bytemuck::{Zeroable, cast_slice};
 use wgpu::{Buffer, BufferUsages};
 
+use super::ring::room_of;
 use super::span::Span;
 use super::upload::upload;
+use super::uploads::Uploads;
 use crate::layout::SolidRow;
 use crate::world::World;
 
 /// All lists in one buffer.
 pub(super) struct Solids {
     pub buffer: Buffer,
-    rows: usize,
+    rows: Vec<SolidRow>,
+    /// Whether the rows are others than the buffer had at first: then every frame copies them, as one that was recorded before may
+    /// not have been submitted yet, or never be.
+    changed: bool,
     /// The list of each cloth: its first collider, and their number.
     met: Vec<(usize, usize)>,
 }
@@ -21,23 +26,39 @@ impl Solids {
     pub fn new(device: &wgpu::Device, world: &World) -> Self {
         let rows = rows(world);
         let buffer = upload(device, "solids", &rows, BufferUsages::empty());
-        Solids { buffer, rows: rows.len(), met: places(world).collect() }
+        Solids { buffer, rows, changed: false, met: places(world).collect() }
     }
 
-    /// Writes them again, to another buffer only if their number has changed; whether any cloth has to look elsewhere for those that
-    /// it meets.
-    pub fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, world: &World) -> bool {
+    /// Takes them in again, to another buffer only if their number has changed; whether any cloth has to look elsewhere for those that
+    /// it meets. `alike`: none has.
+    pub fn write(&mut self, device: &wgpu::Device, world: &World, alike: bool) -> bool {
         let rows = rows(world);
-        if rows.len() != self.rows {
+        if rows.len() != self.rows.len() {
             *self = Solids::new(device, world);
             return true;
         }
-        queue.write_buffer(&self.buffer, 0, cast_slice(&rows));
+        (self.rows, self.changed) = (rows, true);
+        if alike {
+            return false;
+        }
         let met = !places(world).eq(self.met.iter().copied());
         if met {
             self.met = places(world).collect();
         }
         met
+    }
+
+    /// Bytes that a frame uploads.
+    pub fn need(&self) -> u64 {
+        if self.changed { u64::from(room_of(size_of_val(&self.rows[..]))) } else { 0 }
+    }
+
+    /// Records that the rows of now are copied to where shaders read them.
+    pub fn follow(&self, uploads: &mut Uploads, encoder: &mut wgpu::CommandEncoder) {
+        if self.changed {
+            let at = uploads.place(cast_slice(&self.rows));
+            encoder.copy_buffer_to_buffer(&uploads.buffer, at.into(), &self.buffer, 0, self.buffer.size());
+        }
     }
 
     /// Those that a cloth meets.

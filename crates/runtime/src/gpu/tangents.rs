@@ -28,7 +28,7 @@ impl Gpu {
     /// Uploads the tangents of a cloth that the CPU steps.
     pub fn upload_tangents(&mut self, cloth: usize, made: &[[f32; 4]]) -> Span {
         let span = self.tangents(cloth);
-        self.queue.write_buffer(&span.buffer, span.offset, cast_slice(made));
+        self.writer.write(&span.buffer, span.offset, cast_slice(made));
         span
     }
 

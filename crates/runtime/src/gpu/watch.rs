@@ -20,7 +20,14 @@ pub(super) struct Watch {
     under_way: VecDeque<Measured>,
     /// Time stepped since the last measurement of each cloth \[s\].
     seconds: Vec<f64>,
+    /// Memory of frames that have been recorded, or have arrived, which the next ones use again.
+    parts: Parts,
+    found: Vec<Found>,
+    spare: Vec<Vec<Probe>>,
 }
+
+/// A cloth that is measured, and where its speed and its stretch lie: the part, and the place in the part's buffer.
+type Found = (usize, [Option<(usize, u64)>; 2]);
 
 /// The measurements of one frame.
 struct Measured {
@@ -42,31 +49,53 @@ struct Probe {
 
 /// Parts of buffers that are copied one after the other: those of cloths that share a buffer as one.
 #[derive(Default)]
-struct Parts<'a> {
-    list: Vec<(&'a Buffer, u64, u64)>,
-    places: HashMap<&'a Buffer, usize>,
+struct Parts {
+    list: Vec<Part>,
+    places: HashMap<Buffer, usize>,
 }
 
-impl<'a> Parts<'a> {
+/// From a place of a buffer to another \[bytes\], and where it begins in the copy.
+struct Part {
+    buffer: Buffer,
+    from: u64,
+    to: u64,
+    start: u64,
+}
+
+impl Parts {
     /// Takes in four bytes; returns the part that they are in.
-    fn add(&mut self, (buffer, at): (&'a Buffer, u64)) -> usize {
-        let place = *self.places.entry(buffer).or_insert(self.list.len());
-        match self.list.get_mut(place) {
-            Some((_, from, to)) => (*from, *to) = ((*from).min(at), (*to).max(at + 4)),
-            None => self.list.push((buffer, at, at + 4)),
+    fn add(&mut self, (buffer, at): (&Buffer, u64)) -> usize {
+        let last = self.list.len().checked_sub(1).filter(|n| self.list[*n].buffer == *buffer);
+        let known = last.or_else(|| self.places.get(buffer).copied());
+        if let Some(place) = known {
+            let part = &mut self.list[place];
+            (part.from, part.to) = (part.from.min(at), part.to.max(at + 4));
+            return place;
         }
-        place
+        self.places.insert(buffer.clone(), self.list.len());
+        self.list.push(Part { buffer: buffer.clone(), from: at, to: at + 4, start: 0 });
+        self.list.len() - 1
     }
 
-    /// Where each begins in the copy, and the end of the last.
-    fn starts(&self) -> (Vec<u64>, u64) {
+    /// Puts one behind the other; the end of the last.
+    fn join(&mut self) -> u64 {
         let mut end = 0;
-        let start = |(_, from, to): &(&Buffer, u64, u64)| {
-            let start = end;
-            end += to - from;
-            start
-        };
-        (self.list.iter().map(start).collect(), end)
+        for part in &mut self.list {
+            part.start = end;
+            end += part.to - part.from;
+        }
+        end
+    }
+
+    /// Where in the copy a place of a part lies.
+    fn place(&self, (part, at): (usize, u64)) -> usize {
+        let Part { start, from, .. } = &self.list[part];
+        (start + at - from) as usize
+    }
+
+    fn clear(&mut self) {
+        self.list.clear();
+        self.places.clear();
     }
 }
 
@@ -116,6 +145,7 @@ impl Watch {
                 }
             }
             self.staging.put_back(measured.parcel);
+            self.spare.push(measured.probes);
         }
         Ok(())
     }
@@ -128,7 +158,7 @@ impl Gpu {
         if steps == 0 || limit.is_none() && world.control.options.quality.target().is_none() {
             return;
         }
-        let (mut parts, mut probes) = (Parts::default(), Vec::new());
+        let (mut parts, mut found) = (std::mem::take(&mut self.watch.parts), std::mem::take(&mut self.watch.found));
         for index in (0..self.cloths.len()).filter(|c| !world.runs[*c].asleep) {
             let cloth = &self.cloths[index];
             let fused = world.is_fused(index);
@@ -137,28 +167,37 @@ impl Gpu {
             let strain = if measured { cloth.strain(fused) } else { None };
             if fastest.is_some() || strain.is_some() {
                 self.watch.seconds[index] += f64::from(steps) * world.control.clock.dt;
-                probes.push((index, [fastest, strain].map(|from| Some((parts.add(from?), from?.1)))));
+                found.push((index, [fastest, strain].map(|from| Some((parts.add(from?), from?.1)))));
             }
         }
-        let (starts, size) = parts.starts();
-        if probes.is_empty() {
+        self.measure(world, encoder, (&mut parts, &found));
+        parts.clear();
+        found.clear();
+        (self.watch.parts, self.watch.found) = (parts, found);
+    }
+
+    /// Copies what was found to where the host may read it, if a buffer is free.
+    fn measure(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, (parts, found): (&mut Parts, &[Found])) {
+        let size = parts.join();
+        if found.is_empty() {
             return;
         }
         // Cloths that fall asleep one by one need no other buffers.
         let Some(parcel) = self.watch.staging.take(&self.device, "measured", size.next_power_of_two()) else { return };
-        for ((buffer, from, to), start) in parts.list.iter().zip(&starts) {
+        for Part { buffer, from, to, start } in &parts.list {
             encoder.copy_buffer_to_buffer(buffer, *from, &parcel.staging, *start, to - from);
         }
-        let place = |(part, at): (usize, u64)| (starts[part] + at - parts.list[part].1) as usize;
-        let seconds = &mut self.watch.seconds;
-        let probe = |(index, [fastest, strain]): (usize, [Option<(usize, u64)>; 2])| Probe {
+        let (seconds, limit) = (&mut self.watch.seconds, world.calm_below());
+        let probe = |&(index, [fastest, strain]): &Found| Probe {
             cloth: Some(index),
-            fastest: fastest.map(place).zip(limit),
-            strain: strain.map(|from| (place(from), world.control.options.substeps)),
+            fastest: fastest.map(|at| parts.place(at)).zip(limit),
+            strain: strain.map(|at| (parts.place(at), world.control.options.substeps)),
             seconds: std::mem::take(&mut seconds[index]),
             changes: world.runs[index].calm.changes,
         };
-        let probes = probes.into_iter().map(probe).collect();
+        let mut probes = self.watch.spare.pop().unwrap_or_default();
+        probes.clear();
+        probes.extend(found.iter().map(probe));
         self.watch.under_way.push_back(Measured { parcel, probes });
     }
 
@@ -170,7 +209,7 @@ impl Gpu {
         poll(&self.device, wgpu::PollType::Poll)?;
         self.boxes.settle(world)?;
         let chooser = &mut world.control.chooser;
-        self.timing.settle(self.queue.get_timestamp_period(), |steps, ms| chooser.took(steps, ms))?;
+        self.timing.settle(self.writer.queue.get_timestamp_period(), |steps, ms| chooser.took(steps, ms))?;
         self.watch.settle(world)?;
         world.forget_paths();
         Ok(())

@@ -81,7 +81,7 @@ slots! {
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
 /// in [`Slot::Lists`], whose first numbers, in this order, say where each begins.
-pub const LISTED: [(Slot, Option<&str>); 12] = [
+pub const LISTED: [(Slot, Option<&str>); 13] = [
     (Slot::Jobs, None),
     (Slot::Grids, None),
     // Seam rings: ring r is members[starts[r]] up to, not including, members[starts[r + 1]].
@@ -95,6 +95,7 @@ pub const LISTED: [(Slot, Option<&str>); 12] = [
     (Slot::Cells, Some("vec4<f32>")),
     (Slot::Yielding, Some("vec4<f32>")),
     (Slot::Targets, Some("vec4<f32>")),
+    (Slot::Holes, Some("u32")),
 ];
 
 impl Slot {
@@ -110,12 +111,13 @@ impl Slot {
             Slot::Bends => there(cloth.bending().is_some(), 8),
             Slot::Tethers => there(tethers > 0, 8 * tethers),
             Slot::Targets => there(cloth.limits.is_some(), 16),
+            Slot::Holes => there(cloth.is_cut(), 4),
             _ => None,
         }
     }
 
-    /// The entries of all texels in such a list, of a cloth whose texels begin at `first`; without targets, which calls of a host move.
-    pub fn texels(self, cloth: &Cloth, held: &Tethers, first: u32) -> Vec<u8> {
+    /// The entries of all texels in such a list, before any cut; without targets, which calls of a host move.
+    pub fn texels(self, cloth: &Cloth, held: &Tethers) -> Vec<u8> {
         let list = |data: &[[f32; 4]]| cast_slice(data).to_vec();
         match self {
             Slot::Rest => {
@@ -139,10 +141,10 @@ impl Slot {
                 cast_slice(&rows.map(|(compliance, bound)| [compliance, bound]).collect::<Vec<_>>()).to_vec()
             }
             Slot::Tethers => {
-                let end = |a: &crate::Anchor| if a.exists() { a.particle + first } else { u32::MAX };
-                let rows: Vec<_> = held.anchors.iter().map(|a| [end(a), a.distance.to_bits()]).collect();
+                let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
                 cast_slice(&rows).to_vec()
             }
+            Slot::Holes => vec![0; 4 * cloth.len()],
             _ => Vec::new(),
         }
     }

@@ -1,7 +1,7 @@
 //! The shader of whole frames.
 
 use super::apart::declared_alike;
-use super::lists;
+use super::lists::{self, SCRATCH};
 use super::parts::Parts;
 use super::program::calls;
 use super::rule::{Over, Rule, Whole, rule};
@@ -32,7 +32,14 @@ pub fn whole(fused: &Fused) -> Source {
         let Rule { text, call, over, whole, parts: own, .. } = rule(*pass);
         match whole {
             Whole::No | Whole::Done => {}
-            Whole::Call(_, own) => parts = parts.and(own),
+            Whole::Call(_, own) => {
+                let spare = match fused.hold {
+                    Hold::Both | Hold::Wide => part!("spare_held"),
+                    Hold::Narrow => part!("spare_narrow"),
+                    Hold::Stored => part!("spare_stored"),
+                };
+                parts = parts.and(own).files(&[spare, part!("whole_most")]);
+            }
             Whole::Loop => {
                 parts = parts.and(own).files(&[text]);
                 let turn = turn(over).map(|turn| (turn, call));
@@ -70,12 +77,22 @@ fn line(pass: &Pass, colour: &str, steps: bool) -> String {
         Whole::Call(name, _) => format!("  {name}_all(job, local);\n"),
         Whole::Loop => {
             let moves = steps && parts.bound(Slot::Now).is_some_and(|b| b.writes);
-            let after = if moves { "sync" } else { "storageBarrier" };
+            let after = if moves { "  sync();\n" } else { "" };
+            let shared = hands_over(over, &parts);
             // Previous positions of neighbours may lie in a buffer.
-            let before = if over == Over::Texels && parts.binds(Slot::Before) { "  storageBarrier();\n" } else { "" };
-            format!("{before}  {call}_all(job, local{colour});\n  {after}();\n")
+            let reads = over == Over::Texels && parts.binds(Slot::Before);
+            let barrier = |there| if there { "  storageBarrier();\n" } else { "" };
+            let (first, last) = (barrier(reads || shared), barrier(!moves || shared));
+            format!("{first}  {call}_all(job, local{colour});\n{after}{last}")
         }
     }
+}
+
+/// Whether a pass writes lists of a frame, which lie in a buffer, that other threads read or write in other passes. The sums of a spring
+/// are its own thread's in all its passes.
+fn hands_over(over: Over, parts: &Parts) -> bool {
+    let written = |slot: &Slot| parts.bound(*slot).is_some_and(|b| b.writes);
+    !matches!(over, Over::Springs { .. }) && SCRATCH.iter().any(written)
 }
 
 fn turn(over: Over) -> Option<&'static str> {

@@ -22,9 +22,9 @@ impl Stepper {
     /// start count: a released pin holds nothing, and a new pin holds by springs alone.
     ///
     /// On the GPU it takes two dispatches per cloth, and a third where lengths are limited on coarser grids
-    /// ([`crate::Options::pyramid`]), without a read-back, and for tethers about four for every texel of the longer
-    /// side and one (twice that for several grids), most of which find nothing left to do; ways longer than that end. The
-    /// CPU looks at what is behind the cut alone. A cut counts for every cloth, also one that it misses. The first cut gives every cloth a list of holes and, where rest lengths
+    /// ([`crate::Options::pyramid`]), without a read-back, and seven for tethers, or up to 133 on a software adapter, which ends
+    /// loops early. Tethers follow ways of up to twice as many particles as the longer side has (four times for several grids); longer
+    /// ways end. Both backends look at what is behind the cut alone. A cut counts for every cloth, also one that it misses. The first cut gives every cloth a list of holes and, where rest lengths
     /// were constants, an image of them: 20 bytes per texel; and 16 bytes a tether (12 on the CPU), 4 more a texel, with seams 8;
     /// 11 more with coarser grids. Wakes every cloth. Errors on a number that is not finite.
     pub fn cut(&mut self, eye: [f32; 3], a: [f32; 3], b: [f32; 3]) -> Result<()> {

@@ -37,7 +37,7 @@ impl Stepper {
             let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_bounds"))?;
             if stepper.cpu.is_none() {
                 if !stepper.world.host.actions.is_empty() {
-                    gpu.act(&mut stepper.world, encoder);
+                    gpu.act_now(&mut stepper.world, encoder);
                 }
                 let all: Vec<_> = (0..stepper.world.runs.len()).collect();
                 gpu.record_bounds(&mut stepper.world, encoder, &all);

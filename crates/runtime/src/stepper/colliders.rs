@@ -7,7 +7,7 @@ use crate::handle::ClothRef;
 use crate::scene::Pose;
 
 impl Stepper {
-    /// Replaces all colliders. Costs one upload of 80 bytes per collider, for each combination of thickness, friction and
+    /// Replaces all colliders. Costs 80 bytes per collider in the upload of the next frame, for each combination of thickness, friction and
     /// groups of the cloths, and new bindings if their number changes. Wakes the cloths that a changed collider may touch
     /// where it was, where it is, or in between. Poses that [`Stepper::move_collider`] has set since the last frame do not count any
     /// more.
@@ -15,13 +15,15 @@ impl Stepper {
         colliders.iter().try_for_each(Collider::check)?;
         self.guarded(|stepper| {
             stepper.world.driven.forget();
-            let (met, world) = (stepper.met(), &mut stepper.world);
-            let alike = world.take_colliders(colliders);
-            stepper.meet(&met);
+            // Those that are alike are met by the same cloths.
+            let alike = stepper.world.is_like(&colliders);
+            let met = if alike { Vec::new() } else { stepper.met() };
+            stepper.world.take_colliders(colliders);
             if !alike {
+                stepper.meet(&met);
                 stepper.world.reschedule();
             }
-            stepper.upload_colliders();
+            stepper.upload_colliders(alike);
             Ok(())
         })
     }
@@ -76,7 +78,7 @@ impl Stepper {
             stepper.meet(&met);
             stepper.world.wake(cloth);
             stepper.world.reschedule();
-            stepper.upload_colliders();
+            stepper.upload_colliders(false);
             Ok(())
         })
     }
@@ -84,12 +86,12 @@ impl Stepper {
     /// Tells the device what colliders are like now.
     pub(super) fn recoat(&mut self) {
         self.changed();
-        self.upload_colliders();
+        self.upload_colliders(false);
     }
 
-    fn upload_colliders(&mut self) {
+    fn upload_colliders(&mut self, alike: bool) {
         if let Some(gpu) = &mut self.gpu {
-            gpu.set_colliders(&self.world);
+            gpu.set_colliders(&self.world, alike);
         }
     }
 

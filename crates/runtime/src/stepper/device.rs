@@ -6,7 +6,7 @@ use crate::clock::Progress;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
 use crate::fused::Room;
-use crate::gpu::{ClothBuffers, Compiled, Gpu, Pipelines, guard};
+use crate::gpu::{ClothBuffers, Compiled, Gpu, Pipelines, UploadCount, guard};
 use crate::handle::ClothRef;
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
@@ -79,7 +79,8 @@ impl Stepper {
         };
         let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.control.options.threads)?)) } else { None };
         if let (false, Some((device, _))) = (on_cpu, gpu) {
-            world.make_room(Room::of(device));
+            let tuning = world.control.options.tuning;
+            world.make_room(Room::of(device).tuned(tuning));
         }
         let make = |handles: (&wgpu::Device, &wgpu::Queue)| {
             let pipelines = pipelines.unwrap_or_else(|| Pipelines::new(handles.0, None));
@@ -106,7 +107,7 @@ impl Stepper {
             self.world.measure_sleepers(bodies);
         }
         if self.world.drive(dt) {
-            gpu.set_colliders(&self.world);
+            gpu.set_colliders(&self.world, true);
         }
         let progress = self.world.begin(dt);
         if progress.steps == 0 && !self.world.host.is_pending() {
@@ -122,8 +123,10 @@ impl Stepper {
                 }
             }
             None => {
+                gpu.begin(&self.world, progress.steps);
                 gpu.act(&mut self.world, encoder);
                 gpu.record(&mut self.world, encoder, progress.steps);
+                gpu.flush();
             }
         }
         Ok(progress)
@@ -133,6 +136,13 @@ impl Stepper {
     /// cut. `None` without a device and for a cloth that does not exist.
     pub fn buffers(&self, cloth: impl Into<ClothRef>) -> Option<&ClothBuffers> {
         self.gpu.as_ref()?.buffers(self.world.find(cloth.into()).ok()?)
+    }
+
+    /// What this stepper has written by the host's queue. On the GPU backend a frame makes one write at most: numbers of steps, colliders,
+    /// pins and lists of actions of up to 64 KiB go together, and none is made where nothing has changed. On the CPU backend a frame
+    /// makes three writes per cloth that is awake. `None` without a device.
+    pub fn uploads(&self) -> Option<UploadCount> {
+        self.gpu.as_ref().map(Gpu::uploads)
     }
 
     /// The pipelines that this stepper has compiled, and how long that took. [`Stepper::new`] compiles all that a frame

@@ -15,7 +15,7 @@ impl Stepper {
     /// start of the next frame. Meant for pinned particles: a free one moves on from there. Positions do not change within a
     /// frame, so a pin moves by steps of a frame. Of several positions for one particle the last counts. Wakes the cloth.
     ///
-    /// On the GPU two uploads, together 24 bytes per particle, and one dispatch, however many particles there are; calls for one cloth that
+    /// On the GPU 24 bytes per particle in the upload of the frame, and one dispatch, however many particles there are; calls for one cloth that
     /// follow one another share them. On the CPU about 20 ns per particle.
     ///
     /// Errors if there is no such cloth or particle, if the lists differ in length, and on a position that is not finite;

@@ -45,7 +45,7 @@ impl Stepper {
         self.world.wake(cloth);
         self.guarded(|stepper| {
             let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_pins"))?;
-            gpu.act(&mut stepper.world, encoder);
+            gpu.act_now(&mut stepper.world, encoder);
             gpu.place_from(encoder, cloth, &all, &need);
             stepper.world.host.touched = true;
             Ok(())

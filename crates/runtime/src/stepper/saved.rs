@@ -62,7 +62,7 @@ impl Stepper {
         self.fits(cloth, &place, (BufferUsages::COPY_DST, "COPY_DST"), "its state")?;
         self.guarded(|stepper| {
             let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_state"))?;
-            gpu.act(&mut stepper.world, encoder);
+            gpu.act_now(&mut stepper.world, encoder);
             Ok(())
         })?;
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_state"))?;
@@ -113,7 +113,7 @@ impl Stepper {
         let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::state"))?;
         let (device, queue) = (gpu.handles().0.clone(), gpu.handles().1.clone());
         let mut encoder = device.create_command_encoder(&Default::default());
-        gpu.act(&mut self.world, &mut encoder);
+        gpu.act_now(&mut self.world, &mut encoder);
         let heads: Vec<Head> = cloths.iter().map(|cloth| self.world.head(*cloth)).collect();
         let size = |head: &Head| 4 * head.layout.words() as u64;
         let staging = device.create_buffer(&wgpu::BufferDescriptor {

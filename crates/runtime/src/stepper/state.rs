@@ -151,7 +151,7 @@ impl Stepper {
             Some((bodies, threads)) => {
                 bodies[cloth].load((of, &run.tethers), settings, &layout, &words);
                 // Cloth that is asleep is not uploaded with the next frame.
-                if let Some(gpu) = self.gpu.as_ref().filter(|_| run.asleep) {
+                if let Some(gpu) = self.gpu.as_mut().filter(|_| run.asleep) {
                     gpu.upload_one(cloth, &bodies[cloth], threads);
                 }
             }

@@ -24,10 +24,15 @@ impl Tile {
         let near = self.passes.iter().any(|p| matches!(over(*p), Over::Near));
         let sums = self.passes.iter().any(|p| matches!(p, Pass::Stretch { again: true, .. }));
         let beside = if near { NOTES } else { 0 };
-        let most = (room.memory.saturating_sub(beside) / if sums { 2 * BYTES } else { BYTES }).min(LARGE);
+        let most = (room.memory.saturating_sub(beside) / if sums { 2 * BYTES } else { BYTES })
+            .min(if room.tuning.particles().is_some() { u32::MAX } else { LARGE });
         let shape = |places: u32| best(TileShape { around, lacks, ..TileShape::default() }, grids, places);
-        // Large ones only where there are enough of them to keep a device busy.
-        let large = shape(most).filter(|s| count(s, grids) >= room.busy || most <= USUAL);
+        // Large ones only where there are enough of them to keep a device busy, unless the host has measured what suits it.
+        let measured = room.tuning.particles().map(|n| n.min(most));
+        let large = measured
+            .or(Some(most))
+            .and_then(shape)
+            .filter(|s| measured.is_some() || count(s, grids) >= room.busy || most <= USUAL);
         let shape = large.or_else(|| shape(most.min(USUAL)))?;
         let particles: u64 = grids.iter().map(|g| u64::from(g.width) * u64::from(g.height)).sum();
         let rounds = colours.iter().filter(|c| Some(*c) == colours.last()).count();
@@ -35,7 +40,9 @@ impl Tile {
             return None;
         }
         // As many as a colour has springs.
-        let threads = (shape.room[0] * shape.room[1] / 2).next_power_of_two().clamp(64, room.threads.min(512));
+        let threads = (shape.room[0] * shape.room[1] / 2)
+            .next_power_of_two()
+            .clamp(64, room.tuning.for_tile(room.threads, 512.min(room.threads)));
         Some(Tile { shape, threads, ..self })
     }
 }
@@ -88,6 +95,7 @@ fn best(like: TileShape, grids: &[Grid], places: u32) -> Option<TileShape> {
 mod tests {
     use super::*;
     use crate::passes::{Air, Kinds, Soft};
+    use crate::tuning::Tuning;
 
     const COLOURS: [(u32, u32); 8] = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
 
@@ -116,7 +124,15 @@ mod tests {
 
     #[test]
     fn tiles_are_as_large_as_pays() {
-        let room = Room { memory: 49_152, threads: 256, buffers: 8, loops: u32::MAX, busy: 256, bytes: 1 << 27 };
+        let room = Room {
+            memory: 49_152,
+            threads: 256,
+            buffers: 8,
+            loops: u32::MAX,
+            busy: 256,
+            bytes: 1 << 27,
+            tuning: Tuning::NONE,
+        };
         let passes = [Pass::Integrate(Air::None)].into_iter().chain(COLOURS.map(|(direction, parity)| Pass::Stretch {
             direction,
             parity,

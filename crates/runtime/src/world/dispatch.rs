@@ -32,9 +32,18 @@ mod tests {
     use crate::cloth::Flat;
     use crate::options::Options;
     use crate::scene::Scene;
+    use crate::tuning::Tuning;
     use crate::world::World;
 
-    const ROOM: Room = Room { memory: 65_536, threads: 64, buffers: 8, loops: u32::MAX, busy: 8, bytes: 1 << 27 };
+    const ROOM: Room = Room {
+        memory: 65_536,
+        threads: 64,
+        buffers: 8,
+        loops: u32::MAX,
+        busy: 8,
+        bytes: 1 << 27,
+        tuning: Tuning::NONE,
+    };
 
     fn most(n: u32, options: Options, room: Room) -> u32 {
         let mut scene = Scene::new("one");

@@ -40,6 +40,9 @@ impl PathLog {
     }
 }
 
+/// Cloths at rest, by index, in order.
+pub(super) type Resting = Vec<usize>;
+
 /// Largest number of paths in the log: a host that never calls `settle` does not fill the memory.
 const MAX_LOGGED: usize = 4096;
 /// Distance \[m\] at which a collider may touch cloth, beside the cloth's thickness: rounding, and how deep a cloth may lie.
@@ -48,13 +51,23 @@ const NEAR_M: f64 = 0.01;
 const CORNER_COAT: f64 = 1.75;
 
 impl World {
-    /// Wakes the sleeping cloths that a collider may touch on its path, and lets the others that it may touch rest again before
+    /// Finds the cloths at rest, before colliders change: a look at each cloth.
+    pub(super) fn find_resting(&mut self) -> Resting {
+        let mut resting = std::mem::take(&mut self.resting);
+        resting.clear();
+        let runs = self.runs.iter().enumerate();
+        resting.extend(runs.filter(|(_, run)| run.asleep || run.calm.seconds() > 0.0).map(|(cloth, _)| cloth));
+        resting
+    }
+
+    /// Wakes the cloths at rest that a collider may touch on its path if they are asleep, and lets the others rest again before
     /// they fall asleep. Contact sweeps the collider over the `seconds` before its new pose too. One comparison of boxes per cloth at rest.
-    pub fn disturb(&mut self, from: &Collider, to: &Collider, seconds: f64) {
+    pub(super) fn disturb(&mut self, from: &Collider, to: &Collider, seconds: f64, resting: &Resting) {
         let groups = from.collision_groups | to.collision_groups;
         let (mut path, mut awaited) = (None, false);
-        for cloth in 0..self.runs.len() {
+        for &cloth in resting {
             let run = &self.runs[cloth];
+            // It may have been woken since.
             let rests = run.asleep || run.calm.seconds() > 0.0;
             if !rests || self.scene.cloths[cloth].collision_groups & groups == 0 {
                 continue;
@@ -71,12 +84,17 @@ impl World {
         }
     }
 
-    /// Puts other colliders in the place of the present ones, and disturbs cloths; whether passes and their order stay as they
-    /// are.
-    pub fn take_colliders(&mut self, colliders: Vec<Collider>) -> bool {
+    /// Whether colliders can take the place of the present ones without a change of passes and of the cloths that they meet.
+    pub fn is_like(&self, colliders: &[Collider]) -> bool {
+        let before = &self.scene.colliders;
+        before.len() == colliders.len() && before.iter().zip(colliders).all(|(a, b)| is_alike(a, b))
+    }
+
+    /// Puts other colliders in the place of the present ones, and disturbs cloths.
+    pub fn take_colliders(&mut self, colliders: Vec<Collider>) {
         let before = std::mem::replace(&mut self.scene.colliders, colliders);
+        let resting = self.find_resting();
         let (old, new) = (before.len(), self.scene.colliders.len());
-        let alike = old == new && before.iter().zip(&self.scene.colliders).all(|(a, b)| is_alike(a, b));
         let seconds = self.control.options.step * f64::from(self.control.options.max_catch_up);
         // Colliders that come and go leave those before and behind them as they are.
         let same = |(a, b): &(&Collider, &Collider)| a == b;
@@ -89,13 +107,13 @@ impl World {
             match (a, b) {
                 (Some(from), Some(to)) if std::mem::discriminant(&from.shape) == std::mem::discriminant(&to.shape) => {
                     if from != to {
-                        self.disturb(&from, &to, seconds);
+                        self.disturb(&from, &to, seconds, &resting);
                     }
                 }
-                _ => a.into_iter().chain(b).for_each(|one| self.disturb(&one, &one, seconds)),
+                _ => a.into_iter().chain(b).for_each(|one| self.disturb(&one, &one, seconds, &resting)),
             }
         }
-        alike
+        self.resting = resting;
     }
 
     /// Whether a collider that changed after the path of number `known` may touch a cloth.
@@ -154,7 +172,8 @@ mod tests {
             let mut world = world();
             world.note(0, true, 0.3, || None);
             let sought = late.then(|| ask(&mut world));
-            assert!(world.take_colliders(ball(y)));
+            assert!(world.is_like(&ball(y)));
+            world.take_colliders(ball(y));
             let sought = sought.unwrap_or_else(|| ask(&mut world));
             world.forget_paths();
             assert_eq!(world.paths.list.len(), 1);

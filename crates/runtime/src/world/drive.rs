@@ -60,6 +60,10 @@ impl World {
     pub fn drive(&mut self, dt: f64) -> bool {
         let driven = &mut self.driven;
         driven.waited += if dt.is_finite() { dt.max(0.0) } else { 0.0 };
+        if driven.moves.is_empty() {
+            return false;
+        }
+        let resting = self.find_resting();
         let mut changed = false;
         for n in 0..self.driven.moves.len() {
             let (m, waited) = (&self.driven.moves[n], self.driven.waited);
@@ -72,13 +76,14 @@ impl World {
             let moves = [now.velocity, now.spin] != [[0.0; 3]; 2];
             if now != before && (moves || now.pose() != before.pose()) {
                 if from != before.pose() {
-                    self.disturb(&before, &start, 0.0);
+                    self.disturb(&before, &start, 0.0, &resting);
                 }
                 // Its velocity is that of this way; a frame may last a step longer than the host's time.
                 let step = self.control.clock.dt;
-                self.disturb(&start, &now, step);
+                self.disturb(&start, &now, step, &resting);
             }
         }
+        self.resting = resting;
         changed
     }
 }

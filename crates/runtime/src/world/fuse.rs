@@ -5,7 +5,9 @@ use std::sync::{Arc, OnceLock};
 use super::World;
 use super::dispatch::{by_loops, by_work};
 use crate::form::Fused;
+use crate::fused::{HEADS, room_of};
 use crate::passes::Schedule;
+use crate::shaders::listed;
 
 /// Workgroups of a dispatch in a row.
 const MOST: usize = 65_535;
@@ -40,11 +42,12 @@ impl World {
         let (iterations, relaxations) = (self.control.options.iterations, self.control.options.relaxations());
         // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.
         let mut frames: Vec<(Arc<Schedule>, bool)> = Vec::new();
-        for index in self.arenas.iter().flatten() {
+        let opens: Vec<bool> = (0..self.arenas.len()).map(|arena| self.opens(arena)).collect();
+        let members = self.arenas.iter().zip(opens).flat_map(|(cloths, opens)| cloths.iter().map(move |c| (c, opens)));
+        for (index, opens) in members {
             let solids = self.solid_loops(*index);
             let (cloth, run) = (&self.scene.cloths[*index], &mut self.runs[*index]);
-            // Rest lengths and tethers that a cut has changed are the cloth's own.
-            if cloth.is_cut() {
+            if cloth.is_cut() && !opens {
                 continue;
             }
             let known = frames.iter().position(|(frame, _)| **frame == run.schedule);
@@ -59,6 +62,16 @@ impl World {
             run.most = fused.as_ref().map_or(0, |f| by_loops((cloth, solids), f, iterations, &room));
             run.fused = fused.filter(|f| run.most > 0 && by_work(relaxations, f.places, 1, &room) > 0);
         }
+    }
+
+    /// Whether the shared lists of an arena fit a buffer with those that cuts change.
+    pub fn opens(&self, arena: usize) -> bool {
+        let bytes = |index: &usize| {
+            let (cloth, slots) = (&self.scene.cloths[*index], self.runs[*index].tethers.per_particle);
+            listed(cloth, slots, room_of(cloth.len())) as u64
+        };
+        let lists = HEADS + self.arenas[arena].iter().map(bytes).sum::<u64>();
+        self.room.is_some_and(|room| lists <= room.bytes)
     }
 
     /// Whether a cloth runs fused.
@@ -118,6 +131,35 @@ impl World {
             let room = self.room.as_ref();
             let most = room.map(|room| by_work(relaxations, batch.fused.places, batch.members.len(), room));
             batch.most = batch.most.min(most.unwrap_or(u32::MAX));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloth::{Cloth, Flat};
+    use crate::fused::Room;
+    use crate::options::Options;
+    use crate::scene::Scene;
+    use crate::tuning::Tuning;
+
+    #[test]
+    fn cut_cloth_runs_apart_if_the_shared_lists_would_be_too_long() {
+        let mut sheet = Flat::square("sheet", 16).cloth().unwrap();
+        [0, 15].into_iter().for_each(|k| sheet.set_pinned(k, true).unwrap());
+        let mut scene = Scene::new("two");
+        scene.cloths = vec![sheet.clone(), sheet];
+        // Two vectors of state per particle; lists of cut cloth take 36 bytes.
+        let uncut = HEADS + 2 * 32 * 256;
+        for (bytes, fused) in [(uncut, false), (2 * uncut, true)] {
+            let mut world = World::new(scene.clone(), Options::default()).unwrap();
+            let (memory, loops, tuning) = (65_536, u32::MAX, Tuning::NONE);
+            world.make_room(Room { memory, threads: 64, buffers: 8, loops, busy: 8, bytes, tuning });
+            assert_eq!((world.arenas.len(), world.is_fused(0)), (1, true), "{bytes}");
+            world.scene.cloths.iter_mut().for_each(Cloth::open);
+            world.reschedule();
+            assert_eq!([world.is_fused(0), world.is_fused(1)], [fused; 2], "{bytes}");
         }
     }
 }

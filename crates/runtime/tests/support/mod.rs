@@ -5,6 +5,8 @@
 #[cfg(feature = "gpu")]
 pub mod adapter;
 #[cfg(feature = "gpu")]
+pub mod alike;
+#[cfg(feature = "gpu")]
 pub mod rig;
 #[cfg(feature = "gpu")]
 pub mod run;

@@ -1,0 +1,65 @@
+//! Sizes of workgroups and of tiles that a host measures.
+
+// Only on the GPU.
+#![cfg(feature = "gpu")]
+
+mod support;
+
+use gimage_runtime::*;
+use support::run::Run;
+use support::{curtain, device_with, scene};
+
+fn options(tuning: Option<Tuning>) -> Options {
+    Options { backend: Backend::Gpu, substeps: Some(5), tuning, ..Options::default() }
+}
+
+/// A cloth that runs whole frames and one that runs by tiles.
+fn two() -> Scene {
+    let mut two = scene(curtain(24));
+    two.cloths.push(curtain(90));
+    two.colliders.push(Collider::new(Shape::Sphere { radius: 0.2 }, [0.5, -0.5, 0.1]));
+    two
+}
+
+fn of(size: u32) -> Option<Tuning> {
+    Some(Tuning { whole_threads: Some(size), tile_threads: Some(size), tile_particles: Some(4 * size) })
+}
+
+#[test]
+fn sizes_change_what_runs_and_leave_results_as_they_are() {
+    let Some(device) = device_with(device_limits) else { return };
+    let limits = device.0.limits();
+    let usual = Run::new(&two(), &options(None), &device);
+    let shapes: Vec<Tile> = usual.tiles().into_iter().map(|t| t.0).collect();
+    let usual = usual.frames(4);
+    for size in [0, 64, 100, 256, u32::MAX / 8] {
+        let tuned = Run::new(&two(), &options(of(size)), &device);
+        let tiles: Vec<Tile> = tuned.tiles().into_iter().map(|t| t.0).collect();
+        for tile in &tiles {
+            let [x, y] = tile.shape.room;
+            assert!(x * y <= (4 * size).max(256) && 16 * x * y <= limits.max_compute_workgroup_storage_size, "{size}");
+            assert!((64..=limits.max_compute_invocations_per_workgroup).contains(&tile.threads), "{size}");
+        }
+        assert!(!tiles.is_empty() && (size > 100 || tiles != shapes), "{size}");
+        let tuned = tuned.frames(4);
+        assert!((0..2).all(|cloth| tuned.bits(cloth) == usual.bits(cloth)), "{size}");
+    }
+    let mut stepper = usual.stepper;
+    let other = Options { tuning: of(64), ..stepper.options().clone() };
+    assert!(matches!(stepper.set_options(other), Err(Error::FixedOption { option: "tuning" })));
+}
+
+#[test]
+fn a_device_is_measured_in_some_seconds() {
+    let Some(device) = device_with(device_limits) else { return };
+    let start = std::time::Instant::now();
+    let tuning = Stepper::tune(&device.0, &device.1).unwrap();
+    eprintln!("{tuning:?} in {:.1} s", start.elapsed().as_secs_f64());
+    let limits = device.0.limits();
+    for threads in [tuning.whole_threads, tuning.tile_threads].into_iter().flatten() {
+        assert!((64..=limits.max_compute_invocations_per_workgroup).contains(&threads));
+    }
+    assert!(tuning.tile_particles.is_none_or(|n| 16 * n <= limits.max_compute_workgroup_storage_size));
+    let run = Run::new(&two(), &options(Some(tuning)), &device);
+    assert!(!run.tiles().is_empty());
+}
