@@ -1,4 +1,4 @@
-// Anchors lie where all particles do.
+// Anchors lie where all particles of the cloth do.
 fn anchor(k: u32) -> vec4<f32> {
-  return place(k);
+  return place(base + k);
 }

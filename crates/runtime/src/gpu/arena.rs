@@ -58,6 +58,11 @@ impl Arena {
         Arena { store, lists, places, scratch, jobs: contents.jobs, grids, grid_rows, batched, table, ready }
     }
 
+    /// The buffer of what is only read.
+    pub fn lists(&self) -> &Buffer {
+        &self.lists
+    }
+
     /// Lets one of its cloths go; whether it was the last.
     pub fn leave(&mut self, member: usize) -> bool {
         self.jobs.remove(member);

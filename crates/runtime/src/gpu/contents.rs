@@ -26,8 +26,13 @@ impl Contents {
     /// Those of an index list of cloths.
     pub fn new(world: &World, cloths: &[usize]) -> Self {
         let mut all = Contents::default();
+        let mut end = 0;
         for (row, (&index, first)) in cloths.iter().zip(firsts(world, cloths)).enumerate() {
-            all.add(world, index, (row, first));
+            // Instances of a cloth share the images of the first.
+            let same = |(_, other): &(usize, &usize)| world.runs[**other].is_instance_of(&world.runs[index]);
+            let known = cloths[..row].iter().enumerate().find(same).map(|(other, _)| all.jobs[other].image);
+            all.add(world, index, (row, first), (known.unwrap_or(end), known.is_none()));
+            end += if known.is_none() { room_of(world.scene.cloths[index].len()) as u32 } else { 0 };
         }
         if let Some(last) = all.jobs.last() {
             let end = all.lists.get(&Slot::Members).map_or(0, |m| m.len() as u32 / 4);
@@ -38,7 +43,7 @@ impl Contents {
         all
     }
 
-    fn add(&mut self, world: &World, index: usize, (row, first): (usize, u32)) {
+    fn add(&mut self, world: &World, index: usize, (row, first): (usize, u32), (image, is_new): (u32, bool)) {
         let (cloth, held) = (&world.scene.cloths[index], &world.runs[index].tethers);
         let count = |list: &Self, slot, size: usize| list.lists.get(&slot).map_or(0, |l| l.len() / size) as u32;
         self.jobs.push(JobRow {
@@ -49,18 +54,20 @@ impl Contents {
             ring: count(self, Slot::Starts, 4),
             rings: cloth.ring_count() as u32,
             row: row as u32,
+            image,
             ..Zeroable::zeroed()
         });
         for slot in Slot::ALL {
             if let Some(each) = slot.row(cloth, held.per_particle) {
-                let bytes = match slot {
+                let (begin, bytes) = match slot {
                     // Teleports may have moved them.
-                    Slot::Targets => cast_slice(&world.runs[index].targets(cloth)).to_vec(),
-                    other => other.texels(cloth, held, first),
+                    Slot::Targets => (first, cast_slice(&world.runs[index].targets(cloth)).to_vec()),
+                    other if is_new => (image, other.texels(cloth, held)),
+                    _ => continue,
                 };
                 // What lies between cloths is not read.
                 let list = self.lists.entry(*slot).or_default();
-                list.resize(first as usize * each, 0);
+                list.resize(begin as usize * each, 0);
                 list.extend(bytes);
             }
         }
@@ -185,7 +192,7 @@ mod tests {
         let mut scene = crate::scene::builtin("s1", 9).unwrap();
         scene.cloths.extend(crate::scene::builtin("s1k", 12).unwrap().cloths);
         let mut limited = crate::Flat::square("limited", 7).cloth().unwrap();
-        limited.limits = Some(vec![0.1; limited.len()]);
+        limited.limits = Some(vec![0.1; limited.len()].into());
         let mut made = crate::Flat::square("made", 10).cloth().unwrap();
         made.set_material(&crate::Material::default()).unwrap();
         scene.cloths.extend([limited, made]);

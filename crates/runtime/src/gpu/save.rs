@@ -35,6 +35,14 @@ impl Gpu {
         lists.collect::<Vec<_>>().into_iter().filter_map(place)
     }
 
+    /// Writes the lists of a cloth whose buffers are new.
+    pub fn fill(&self, cloth: usize, layout: &Layout, words: &[u32]) {
+        for (span, at, size) in self.parts(cloth, layout) {
+            let (from, count) = (at as usize / 4, size as usize / 4);
+            self.queue.write_buffer(&span.buffer, span.offset, cast_slice(&words[from..from + count]));
+        }
+    }
+
     /// Records copies of the lists into a buffer.
     pub fn save(
         &self,

@@ -114,8 +114,8 @@ impl Slot {
         }
     }
 
-    /// The entries of all texels in such a list, of a cloth whose texels begin at `first`; without targets, which calls of a host move.
-    pub fn texels(self, cloth: &Cloth, held: &Tethers, first: u32) -> Vec<u8> {
+    /// The entries of all texels in such a list; without targets, which calls of a host move.
+    pub fn texels(self, cloth: &Cloth, held: &Tethers) -> Vec<u8> {
         let list = |data: &[[f32; 4]]| cast_slice(data).to_vec();
         match self {
             Slot::Rest => {
@@ -139,11 +139,22 @@ impl Slot {
                 cast_slice(&rows.map(|(compliance, bound)| [compliance, bound]).collect::<Vec<_>>()).to_vec()
             }
             Slot::Tethers => {
-                let end = |a: &crate::Anchor| if a.exists() { a.particle + first } else { u32::MAX };
+                let end = |a: &crate::Anchor| if a.exists() { a.particle } else { u32::MAX };
                 let rows: Vec<_> = held.anchors.iter().map(|a| [end(a), a.distance.to_bits()]).collect();
                 cast_slice(&rows).to_vec()
             }
             _ => Vec::new(),
+        }
+    }
+
+    /// Vectors of four that 64 texels have in a list that instances of a cloth share, as an expression of WGSL; none for other lists.
+    pub fn shared_by_64(self) -> Option<&'static str> {
+        match self {
+            Slot::Rest | Slot::Soft | Slot::Weights => Some("64u"),
+            Slot::Cells => Some("128u"),
+            Slot::Bends => Some("32u"),
+            Slot::Tethers => Some("32u * slots"),
+            _ => None,
         }
     }
 
