@@ -102,7 +102,7 @@ impl Cloth {
         let parts = Parts {
             name: self.name().into(),
             positions: map.take(self.positions()),
-            rest: lengths::rest(self, &grids, &at, |k| particles[k].exists()),
+            rest: lengths::rest(self, &grids, (&at, &map.take(&self.points())), |k| particles[k].exists()),
             mass: self.share_masses(&map, &particles),
             grids,
             particles,

@@ -67,24 +67,43 @@ impl<'a> Thinning<'a> {
         // A point with a duplicate inside of a grid stays, so that the duplicates stay together.
         let mut stays = vec![false; cloth.len()];
         points.iter().zip(on_border).filter(|(_, on)| !on).for_each(|(point, _)| stays[*point as usize] = true);
-        Thinning { grids, left_out: vec![false; cloth.len()], points, places, stays }
+        let mut thinning = Thinning { grids, left_out: vec![false; cloth.len()], points, places, stays };
+        thinning.keep_ends(cloth);
+        thinning
+    }
+
+    /// Keeps the ends of seams, and the points where several meet: openings keep their size, and no seam comes apart.
+    fn keep_ends(&mut self, cloth: &Cloth) {
+        let mut duplicates = vec![1; cloth.len()];
+        for ring in 0..cloth.ring_count() {
+            cloth.ring(ring).iter().for_each(|k| duplicates[*k as usize] = cloth.ring(ring).len());
+        }
+        for (&point, places) in &self.places {
+            let mut beside = places.iter().flat_map(|&(g, side, place)| {
+                let grid = &self.grids[g];
+                let next = [place.checked_sub(1), Some(place + 1).filter(|p| *p < length(grid, side))];
+                next.into_iter().flatten().map(move |p| particle(grid, side, p))
+            });
+            self.stays[point as usize] |= beside.any(|k| duplicates[k] < duplicates[point as usize]);
+        }
     }
 
     fn is_out(&self, k: usize) -> bool {
         self.left_out[self.points[k] as usize]
     }
 
-    /// Whether a point may be left out: it is not a corner, and its neighbours on all sides are kept.
+    /// Whether a point may be left out: it is not a corner nor the end of a seam, and its neighbours on all sides are kept.
     fn may_go(&self, point: u32) -> bool {
         let Some(places) = self.places.get(&point).filter(|_| !self.stays[point as usize]) else { return false };
         places.iter().all(|&(g, side, place)| {
             let grid = &self.grids[g];
-            let inner = place > 0 && place + 1 < length(grid, side);
-            inner
-                && [place - 1, place + 1].iter().all(|next| {
-                    let next = self.points[particle(grid, side, *next)];
-                    next != point && !self.left_out[next as usize]
-                })
+            if place == 0 || place + 1 == length(grid, side) {
+                return false;
+            }
+            let [a, b] = [place - 1, place + 1].map(|next| self.points[particle(grid, side, next)]);
+            // A seam that folds keeps its fold, or two duplicates would be neighbours.
+            let apart = a != b && a != point && b != point;
+            apart && !self.left_out[a as usize] && !self.left_out[b as usize]
         })
     }
 

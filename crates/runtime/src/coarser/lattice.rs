@@ -3,7 +3,7 @@
 use super::border::Sides;
 use crate::cloth::{Cloth, Grid};
 
-/// Up to three particles of the coarse image, and how much each counts. What does not count repeats the first particle.
+/// Up to three particles of the coarse image, and how much each counts. Unused entries repeat the first particle with a weight of 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stencil {
     pub of: [u32; 3],

@@ -82,8 +82,8 @@ impl Springs<'_> {
 }
 
 /// Rest lengths of coarse grids whose texels lie at some texels of a cloth; the same for a whole grid where they are. `there` tells which
-/// coarse particles exist.
-pub fn rest(cloth: &Cloth, grids: &[Grid], at: &[[u32; 2]], there: impl Fn(usize) -> bool) -> Rest {
+/// coarse particles exist, `points` the first duplicate of the fine particle of each. Duplicates have no spring between them.
+pub fn rest(cloth: &Cloth, grids: &[Grid], (at, points): (&[[u32; 2]], &[u32]), there: impl Fn(usize) -> bool) -> Rest {
     if matches!(cloth.rest(), Rest::None) {
         return Rest::None;
     }
@@ -97,7 +97,9 @@ pub fn rest(cloth: &Cloth, grids: &[Grid], at: &[[u32; 2]], there: impl Fn(usize
         let mut seen = [false; 4];
         for (local, d) in (0..grid.texels()).flat_map(|k| (0..4).map(move |d| (k, d))) {
             let Some(other) = other_end(grid.width as usize, grid.height as usize, local, d) else { continue };
-            if !(directions[d] && there(first + local) && there(first + other)) {
+            let joined = points[first + local] == points[first + other];
+            is_constant &= !joined;
+            if joined || !(directions[d] && there(first + local) && there(first + other)) {
                 continue;
             }
             let length = springs.between(at[first + local], at[first + other]);

@@ -85,6 +85,16 @@ fn seams_close_wherever_they_begin() {
             assert!(stencils.iter().all(|s| *s == stencils[0]), "{n} {sum}");
         }
         assert!((cloth.total_mass() - fine.total_mass()).abs() < 1e-5 * fine.total_mass(), "{n} {sum}");
+        // Openings keep their size: the first and the last seam point of the fine image stay.
+        let fine_rings = fine.rings().1;
+        for end in [*fine_rings.iter().min().unwrap(), *fine_rings.iter().max().unwrap()] {
+            assert!(coarser.samples().contains(&end), "{n} {sum}: {end}");
+        }
+        let points = cloth.points();
+        for (k, d) in (0..cloth.len()).flat_map(|k| (0..4).map(move |d| (k, d))) {
+            let joined = cloth.neighbour(0, k, d).is_some_and(|other| points[k] == points[other]);
+            assert!(!joined || cloth.spring(0, k, d) == 0.0, "{n} {sum}: a spring between duplicates");
+        }
     }
 }
 
