@@ -80,7 +80,7 @@ fn a_switch_moves_the_surface_by_less_than_a_share_of_a_cell() {
             let up = jump(&drawn(&rig.stepper, &rig.positions(0)), &before) / CELL;
             let fine = velocities(&mut rig);
             let faster = slow.iter().zip(&samples).map(|(v, k)| of(v, &fine[*k as usize])).fold(0.0, f32::max);
-            println!("{name} {strength}: down {down:.4}, up {up:.7} of a cell; velocities {slower} and {faster} m/s");
+            eprintln!("{name} {strength}: down {down:.4}, up {up:.7} of a cell; velocities {slower} and {faster} m/s");
             assert!(down < most, "{name} {strength}: to the coarse image the surface jumps {down:.4} of a cell");
             assert!(up < 1e-5, "{name} {strength}: to the fine image the surface jumps {up:.7} of a cell");
             assert!(slower.max(faster) < 2e-3, "{name} {strength}: velocities change by {slower} and {faster} m/s");
@@ -112,7 +112,7 @@ fn motion_goes_on_as_fast_as_before() {
                 rig.stepper.set_level(0, level).unwrap();
                 last = drawn(&rig.stepper, &rig.positions(0));
                 let after = fastest(&mut rig, &mut last);
-                println!("{name} {strength}: level {level}: {before:.4} m per frame before, {after:.4} m after");
+                eprintln!("{name} {strength}: level {level}: {before:.4} m per frame before, {after:.4} m after");
                 assert!(
                     after < 1.5 * before + 0.004,
                     "{name} {strength}: level {level}: {before} m per frame, then {after}"
