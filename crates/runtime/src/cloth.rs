@@ -157,6 +157,8 @@ pub struct Cloth {
     pub(crate) exact: bool,
     /// What hard diagonals may do, over the square of a step \[1/s^2\]; 0 is anything.
     pub(crate) shear: f64,
+    /// Whether it is a coarser image of a cloth, whose cells may be so uneven that ways along them come out too short.
+    pub(crate) coarse: bool,
     /// Texture coordinates along the fabric.
     grain: Option<Arc<Vec<[f32; 2]>>>,
 }
@@ -187,6 +189,7 @@ impl Cloth {
             bending: None,
             exact: false,
             shear: 0.0,
+            coarse: false,
             grain: None,
         })
     }

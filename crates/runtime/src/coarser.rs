@@ -84,6 +84,10 @@ impl Cloth {
             texels.into_iter().map(move |[x, y]| fine.first + y * fine.width + x)
         };
         let samples: Vec<u32> = self.grids().iter().zip(&grids).flat_map(fine_of).collect();
+        let mut known = vec![false; self.len()];
+        if samples.iter().any(|k| std::mem::replace(&mut known[*k as usize], true)) {
+            return refuse("its seams would leave cells without an area; build it with more texels");
+        }
         let Some(mut particles) = self.linked(&samples) else {
             return refuse("a seam inside of a grid has duplicates that a coarser image does not share");
         };
@@ -174,6 +178,7 @@ impl Cloth {
     /// The coarse cloth of its parts, with all else that this cloth has.
     fn finish(&self, parts: Parts, map: Map) -> Result<Coarser> {
         let mut cloth = Cloth::new(parts)?;
+        cloth.coarse = true;
         cloth.keep_grain(self.grain().map(|uv| map.take(uv)));
         if let Some(membrane) = self.membrane() {
             let Woven { stiffness: [warp, weft, shear], bend, density } = membrane.woven;

@@ -2,6 +2,7 @@
 
 use super::border::Sides;
 use crate::cloth::{Cloth, Grid};
+use crate::number::real::dot;
 
 /// Up to three particles of the coarse image, and how much each counts. Unused entries repeat the first particle with a weight of 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +19,30 @@ impl Stencil {
     /// The particles that count, with their weights.
     pub fn parts(&self) -> impl Iterator<Item = (usize, f32)> {
         self.of.into_iter().zip(self.weight).filter(|(_, w)| *w > 0.0).map(|(k, w)| (k as usize, w))
+    }
+
+    /// The same particles with weights of the point of their triangle, or of their edge, that is nearest to `p` \[m\]: springs of a fine
+    /// image differ in length, and texels halfway between two others lie anywhere between them.
+    fn at_place(self, p: [f32; 3], place: impl Fn(usize) -> [f32; 3]) -> Self {
+        let parts: Vec<_> = self.parts().collect();
+        let from = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|c| f64::from(b[c]) - f64::from(a[c]));
+        let a = place(parts.first().map_or(0, |part| part.0));
+        let to = |n: usize| from(a, parts.get(n).map_or(a, |part| place(part.0)));
+        let (e, f, d) = (to(1), to(2), from(a, p));
+        let (ee, ef, ff, de, df) = (dot(e, e), dot(e, f), dot(f, f), dot(d, e), dot(d, f));
+        let det = ee * ff - ef * ef;
+        let weights = match parts.len() {
+            2 if ee > 0.0 => [1.0 - de / ee, de / ee, 0.0],
+            3 if det > 1e-6 * ee * ff => {
+                let (u, v) = ((ff * de - ef * df) / det, (ee * df - ef * de) / det);
+                [1.0 - u - v, u, v]
+            }
+            _ => return self,
+        };
+        let weights = weights.map(|w| w.max(0.0));
+        let sum: f64 = weights.iter().sum();
+        let moved = parts.iter().zip(weights).map(|((k, _), w)| (*k as u32, (w / sum) as f32));
+        if sum.is_finite() { weighted(moved).unwrap_or(self) } else { self }
     }
 
     /// The value there of one that the coarse particles have.
@@ -116,6 +141,10 @@ pub fn complete(
             let nearest = coarse.range().filter(|c| there(*c as u32)).min_by_key(far);
             all[k] = nearest.map(|c| Stencil::one(c as u32));
         }
+    }
+    let place = |c: usize| cloth.positions()[samples[c] as usize];
+    for (stencil, p) in all.iter_mut().zip(cloth.positions()) {
+        *stencil = stencil.map(|s| s.at_place(*p, place));
     }
     let (starts, members) = cloth.rings();
     for ring in starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]) {

@@ -1,6 +1,7 @@
 //! Rest lengths of a coarser image, measured along the springs of the image that it is made of.
 
 use crate::cloth::{Cloth, Compliance, Grid, Rest, other_end};
+use crate::number::real::{dot, sub};
 
 /// The springs of a grid.
 pub struct Springs<'a> {
@@ -34,31 +35,46 @@ impl Springs<'_> {
     }
 
     /// Length \[m\] from one texel to another nearby at rest; 0 where no springs lead there. Along rows, columns and diagonals the sum of
-    /// the springs; else a straight line in the plane of the cells between the two, and at most the way along springs.
+    /// the springs; else a straight line in the plane of the cells between the two, at most the way along springs.
     pub fn between(&self, a: [u32; 2], b: [u32; 2]) -> f32 {
         let [x, y] = a.map(i64::from);
         let (dx, dy) = (i64::from(b[0]) - x, i64::from(b[1]) - y);
-        let Some(path) = self.path(x, y, dx, dy) else { return 0.0 };
+        let Some([path, start]) = self.path(x, y, dx, dy) else { return 0.0 };
         let straight = dx == 0 || dy == 0 || dx.abs() == dy.abs();
         let line = if straight { None } else { self.line(x, y, dx, dy) };
-        line.map_or(path, |line| line.min(path)) as f32
+        // No shorter than straight through space, as springs are at rest: else ways along the surface, and tethers, come out too short.
+        let least = if start > 0.0 { self.apart([x, y], [x + dx, y + dy]) * (path / start) } else { path };
+        line.map_or(path, |line| line.max(least).min(path)) as f32
     }
 
-    /// The shortest way by springs that turns back in neither direction.
-    fn path(&self, x: i64, y: i64, dx: i64, dy: i64) -> Option<f64> {
+    /// Distance \[m\] of two texels at the start.
+    fn apart(&self, a: [i64; 2], b: [i64; 2]) -> f64 {
+        let grid = &self.cloth.grids()[self.grid];
+        let place = |[x, y]: [i64; 2]| {
+            let k = grid.first as usize + (y * i64::from(grid.width) + x) as usize;
+            self.cloth.positions()[k].map(f64::from)
+        };
+        let way = sub(place(a), place(b));
+        dot(way, way).sqrt()
+    }
+
+    /// The shortest way by springs that turns back in neither direction: its length \[m\] at rest, and at the start.
+    fn path(&self, x: i64, y: i64, dx: i64, dy: i64) -> Option<[f64; 2]> {
         let (right, down) = (dx.signum(), dy.signum());
         let columns = dx.unsigned_abs() as usize + 1;
-        let mut far: Vec<Option<f64>> = Vec::new();
+        let mut far: Vec<Option<[f64; 2]>> = Vec::new();
         for n in 0..columns * (dy.unsigned_abs() as usize + 1) {
             let (i, j) = (n % columns, n / columns);
             let at = (x + right * i as i64, y + down * j as i64);
             let from = [(i > 0, j > 0, 1 + columns), (i > 0, true, 1), (true, j > 0, columns)];
             let ways = from.iter().zip([(right, down), (right, 0), (0, down)]).filter_map(|((a, b, back), step)| {
                 let before = far.get(n.checked_sub(*back).filter(|_| *a && *b)?).copied().flatten()?;
-                Some(before + self.step(at.0 - step.0, at.1 - step.1, step)?)
+                let (from, to) = ([at.0 - step.0, at.1 - step.1], [at.0, at.1]);
+                let [rest, start]: [f64; 2] = before;
+                Some([rest + self.step(from[0], from[1], step)?, start + self.apart(from, to)])
             });
-            let best = ways.min_by(f64::total_cmp);
-            far.push(if n == 0 { Some(0.0) } else { best });
+            let best = ways.min_by(|a, b| a[0].total_cmp(&b[0]));
+            far.push(if n == 0 { Some([0.0; 2]) } else { best });
         }
         far.last().copied().flatten()
     }

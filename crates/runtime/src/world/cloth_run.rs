@@ -8,7 +8,7 @@ use super::sleep::Calm;
 use crate::cloth::{Anchor, Cloth, Tethers};
 use crate::form::Fused;
 use crate::limits::Warning;
-use crate::number::real::with_w;
+use crate::number::real::{dot, sub, with_w};
 use crate::passes::Schedule;
 use crate::scene::Pose;
 use crate::state::ClothState;
@@ -95,6 +95,14 @@ pub fn hang(cloth: &Cloth, most: u32, slack: f32) -> Tethers {
             anchors.extend(ends.iter().map(of));
         } else {
             anchors.extend(&found.of(k)[..used]);
+        }
+    }
+    if cloth.coarse {
+        // No shorter than straight through space at the start, or the first step would jerk the cloth.
+        let place = |k: usize| cloth.positions()[k].map(f64::from);
+        for (n, a) in anchors.iter_mut().enumerate().filter(|(_, a)| a.exists()) {
+            let way = sub(place(n / used), place(a.particle as usize));
+            a.distance = a.distance.max(dot(way, way).sqrt() as f32);
         }
     }
     anchors.iter_mut().for_each(|a| a.distance *= slack);
