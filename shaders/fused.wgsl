@@ -36,9 +36,10 @@ struct Job {
   longest: vec2<f32>,
   // Steps from one with the forces of air to the next.
   hold: u32,
+  // Where its images begin in lists by texels, which instances of a cloth share.
+  image: u32,
   unused1: u32,
   unused2: u32,
-  unused3: u32,
 }
 // The lists that frames only read, of all cloths that lie in the same buffers. The head has the place of each list, and the number of
 // particles that there is room for.
@@ -50,7 +51,7 @@ fn jobs_at(n: u32) -> Job {
   let b = lists[k + 1u];
   let c = bitcast<vec4<f32>>(lists[k + 2u]);
   let d = lists[k + 3u];
-  return Job(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.xy, c.zw, d.x, 0u, 0u, 0u);
+  return Job(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.xy, c.zw, d.x, d.y, 0u, 0u);
 }
 
 fn grids_at(g: u32) -> Grid {
@@ -80,8 +81,8 @@ fn begin(n: u32, job: Job) {
 
 @compute @workgroup_size(threads)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-  find_lists();
   let job = jobs_at(batch.x + workgroup.x);
+  find_lists(job);
   base = job.first;
   row = job.row;
   first_solid = job.solid;

@@ -11,6 +11,9 @@ mod readme {}
 #[doc = include_str!("../../docs/runtime.md")]
 mod runtime_page {}
 #[cfg(doctest)]
+#[doc = include_str!("../../docs/crowds.md")]
+mod crowds_page {}
+#[cfg(doctest)]
 #[doc = include_str!("../../docs/screen.md")]
 mod screen_page {}
 #[cfg(doctest)]

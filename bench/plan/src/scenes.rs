@@ -131,7 +131,7 @@ fn xpbd(n: u32) -> Result<Vec<Case>> {
     let rough: Vec<_> = all.into_iter().map(|c| Collider { friction: 0.3, ..c }).collect();
     let moving = Collider { velocity: [0.0, 0.1, 0.0], ..touching };
     let one = Compliance::Constant(1e-3);
-    let image = Compliance::Image(vec![[1e-3; 4]; (n * n) as usize]);
+    let image = Compliance::Image(vec![[1e-3; 4]; (n * n) as usize].into());
     let many = || -> Result<Scene> { Ok(Scene { cloths: vec![square(n)?; 64], ..plain()? }) };
     let apart = |name, scene| case(name, scene).with(|o| o.fused = false);
     Ok(vec![

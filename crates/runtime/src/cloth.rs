@@ -8,6 +8,7 @@ mod groups;
 mod loops;
 mod pin;
 mod select;
+mod share;
 pub(crate) mod shear;
 mod sheet;
 mod tether;
@@ -19,7 +20,9 @@ pub(crate) use gimage_bundle::other_end;
 pub use gimage_bundle::{Anchor, Particle, Tethers};
 pub(crate) use groups::{groups, mates, ring};
 pub use select::Select;
-pub(crate) use sheet::{Bending, Membrane};
+pub(crate) use sheet::{Bending, Membrane, Woven};
+
+use std::sync::Arc;
 
 use crate::error::{Result, check as range};
 
@@ -69,7 +72,7 @@ pub enum Compliance {
     /// The same for every spring.
     Constant(f32),
     /// One entry a particle, as rest lengths.
-    Image(Vec<[f32; 4]>),
+    Image(Arc<[[f32; 4]]>),
 }
 
 /// Masses \[kg\]. Each duplicate of a seam point holds the mass of the whole point.
@@ -98,18 +101,30 @@ pub struct Parts {
     pub mass: Mass,
 }
 
-/// A checked cloth. Making one costs time and memory linear in its particles; stepping does not change it.
+/// The parts of a checked cloth, which its copies share.
+#[derive(Clone, Debug, PartialEq)]
+struct Lists {
+    name: String,
+    grids: Arc<Vec<Grid>>,
+    positions: Arc<Vec<[f32; 3]>>,
+    particles: Arc<Vec<Particle>>,
+    rest: Arc<Rest>,
+    mass: Arc<Mass>,
+}
+
+/// A checked cloth. Making one costs time and memory linear in its particles; stepping does not change it. Copies share all lists
+/// until one of them changes a list, so a copy costs less than a kilobyte.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cloth {
-    parts: Parts,
+    parts: Lists,
     /// Offsets into `ring_members`, one more than there are rings.
-    ring_starts: Vec<u32>,
-    ring_members: Vec<u32>,
+    ring_starts: Arc<Vec<u32>>,
+    ring_members: Arc<Vec<u32>>,
     cut: bool,
     /// The rest lengths before the first cut, where cuts need an image of them.
-    uncut: Option<Rest>,
+    uncut: Option<Arc<Rest>>,
     /// Tethers that came with the cloth, as long as its pins are those they were made for.
-    stored_tethers: Option<Tethers>,
+    stored_tethers: Option<Arc<Tethers>>,
     /// Velocity \[m/s\] of all free particles at the start. Default 0.
     pub velocity: [f32; 3],
     /// Damping rate of the velocity \[1/s\]: after t seconds `exp(-damping t)` of it remains, whatever the step. At least 0,
@@ -133,17 +148,19 @@ pub struct Cloth {
     /// Largest distance \[m\] of each particle from its initial position, for [`crate::Solver::Xpbd`]: a motion constraint.
     /// 0 holds a free particle there, below 0 means none. Default none, at no cost; else one pass per step, of 36 bytes per
     /// particle. The same for all duplicates of a seam particle.
-    pub limits: Option<Vec<f32>>,
+    pub limits: Option<Arc<[f32]>>,
     /// What carries tension in place of springs; [`Cloth::set_material`] makes it.
-    pub(crate) membrane: Option<Membrane>,
+    pub(crate) membrane: Option<Arc<Membrane>>,
     /// How stiff the cloth is against bending; [`Cloth::set_material`] makes it.
-    pub(crate) bending: Option<Bending>,
+    pub(crate) bending: Option<Arc<Bending>>,
     /// Whether steps are so short that rounding of positions matters; so for cloth of a material.
     pub(crate) exact: bool,
     /// What hard diagonals may do, over the square of a step \[1/s^2\]; 0 is anything.
     pub(crate) shear: f64,
+    /// Whether it is a coarser image of a cloth, whose cells may be so uneven that ways along them come out too short.
+    pub(crate) coarse: bool,
     /// Texture coordinates along the fabric.
-    grain: Option<Vec<[f32; 2]>>,
+    grain: Option<Arc<Vec<[f32; 2]>>>,
 }
 
 impl Cloth {
@@ -151,10 +168,12 @@ impl Cloth {
     /// not above 0, negative rest lengths and seam links that do not close.
     pub fn new(parts: Parts) -> Result<Self> {
         let (ring_starts, ring_members) = check::rings(&parts)?;
+        let Parts { name, grids, positions, particles, rest, mass } = parts;
+        let (grids, positions, particles) = (Arc::new(grids), Arc::new(positions), Arc::new(particles));
         Ok(Cloth {
-            parts,
-            ring_starts,
-            ring_members,
+            parts: Lists { name, grids, positions, particles, rest: Arc::new(rest), mass: Arc::new(mass) },
+            ring_starts: Arc::new(ring_starts),
+            ring_members: Arc::new(ring_members),
             cut: false,
             uncut: None,
             stored_tethers: None,
@@ -170,6 +189,7 @@ impl Cloth {
             bending: None,
             exact: false,
             shear: 0.0,
+            coarse: false,
             grain: None,
         })
     }
@@ -258,7 +278,7 @@ impl Cloth {
 
     /// Mass \[kg\] of a particle; 0 past the end.
     pub fn mass(&self, index: usize) -> f32 {
-        match &self.parts.mass {
+        match &*self.parts.mass {
             Mass::Constant(m) if index < self.len() => *m,
             Mass::Constant(_) => 0.0,
             Mass::Image(m) => m.get(index).copied().unwrap_or(0.0),
@@ -288,7 +308,7 @@ impl Cloth {
     /// Which of the four spring directions (right, down, down-right, up-right) have any spring.
     pub fn directions(&self) -> [bool; 4] {
         let any = |lengths: &[[f32; 4]]| [0, 1, 2, 3].map(|d| lengths.iter().any(|l| l[d] > 0.0));
-        match &self.parts.rest {
+        match &*self.parts.rest {
             Rest::None => [false; 4],
             Rest::Constant(lengths) | Rest::Image(lengths) => any(lengths),
         }
@@ -296,17 +316,25 @@ impl Cloth {
 
     /// Sets the initial positions \[m\]; rest lengths stay. Errors as [`Cloth::new`].
     pub fn place(&mut self, positions: Vec<[f32; 3]>) -> Result<()> {
-        let parts = Parts { positions, ..self.parts.clone() };
-        check::rings(&parts)?;
-        self.parts = parts;
+        check::positions(self.name(), &positions, self.particles())?;
+        self.parts.positions = Arc::new(positions);
         Ok(())
+    }
+
+    /// Puts particles elsewhere at the start; positions are those of another image of the same cloth.
+    pub(crate) fn put(&mut self, positions: Vec<[f32; 3]>) {
+        self.parts.positions = Arc::new(positions);
+    }
+
+    pub(crate) fn rename(&mut self, name: &str) {
+        self.parts.name = name.into();
     }
 
     /// Rest length \[m\] of the spring at texel `k` of a grid in a direction; 0 where an end is not a particle.
     pub(crate) fn spring(&self, grid: usize, k: usize, direction: usize) -> f32 {
         let Grid { first, width, height, .. } = self.parts.grids[grid];
         let there = |k: usize| self.parts.particles[first as usize + k].exists();
-        match (&self.parts.rest, other_end(width as usize, height as usize, k, direction)) {
+        match (&*self.parts.rest, other_end(width as usize, height as usize, k, direction)) {
             (Rest::Constant(r), Some(other)) if there(k) && there(other) => r[grid][direction],
             (Rest::Image(r), Some(other)) if there(k) && there(other) => r[first as usize + k][direction],
             _ => 0.0,
@@ -352,11 +380,11 @@ impl Cloth {
 
     /// Texture coordinates along the fabric, if it has any.
     pub(crate) fn grain(&self) -> Option<&[[f32; 2]]> {
-        self.grain.as_deref()
+        self.grain.as_ref().map(|uv| &uv[..])
     }
 
     pub(crate) fn keep_grain(&mut self, uv: Option<Vec<[f32; 2]>>) {
-        self.grain = uv;
+        self.grain = uv.map(Arc::new);
     }
 
     /// Whether a cut has been made, so that triangles may be missing.
@@ -367,10 +395,10 @@ impl Cloth {
     /// From here on triangles may be missing, and springs end one by one: constant rest lengths become an image.
     pub(crate) fn open(&mut self) {
         self.cut = true;
-        if let Rest::Constant(lengths) = &self.parts.rest {
+        if let Rest::Constant(lengths) = &*self.parts.rest {
             let each = self.parts.grids.iter().zip(lengths);
             let image = Rest::Image(each.flat_map(|(g, l)| std::iter::repeat_n(*l, g.texels())).collect());
-            self.uncut = Some(std::mem::replace(&mut self.parts.rest, image));
+            self.uncut = Some(std::mem::replace(&mut self.parts.rest, Arc::new(image)));
         }
     }
 

@@ -106,6 +106,14 @@ pub enum Error {
         /// The names of its pieces.
         pieces: String,
     },
+    /// A cloth has no coarser image.
+    #[error("cloth {cloth} has no coarser image: {problem}")]
+    Coarser {
+        /// The cloth by name.
+        cloth: String,
+        /// The reason, and what to do.
+        problem: &'static str,
+    },
     /// A number of a particle is NaN or infinite.
     #[error("cloth {cloth}: the {what} of particle {index} is not finite; pass finite numbers")]
     NotFinite {

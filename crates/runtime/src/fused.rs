@@ -4,6 +4,7 @@
 //! between the first step and the last nothing but its previous positions leaves the workgroup. Cloths whose frames need
 //! the same code are steps of one dispatch, however many and however different in size and material they are.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::cloth::{Cloth, Rest};
@@ -116,8 +117,15 @@ impl Fused {
 }
 
 /// Cloths that lie in the same buffers, by index; in order.
-pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Options, room: &Room) -> Vec<Vec<usize>> {
-    let mut arenas: Vec<(_, u64, Vec<usize>)> = Vec::new();
+///
+/// `held` has the number of tethers of a particle, and a number that instances of a cloth share.
+pub fn arenas(
+    cloths: &[Cloth],
+    held: impl Fn(usize) -> (usize, usize),
+    options: &Options,
+    room: &Room,
+) -> Vec<Vec<usize>> {
+    let mut arenas: Vec<Arena<_>> = Vec::new();
     let small = |c: &Cloth| room.hold(c.len(), 0) != Hold::Stored;
     let large = cloths.iter().filter(|c| !small(c)).count();
     for (index, cloth) in cloths.iter().enumerate() {
@@ -127,24 +135,50 @@ pub fn arenas(cloths: &[Cloth], slots: impl Fn(usize) -> usize, options: &Option
         let (image, rings) = (matches!(cloth.rest(), Rest::Image(_)), cloth.ring_count() > 0);
         let soft = soft_of(cloth);
         let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some(), cloth.limits.is_some());
-        let kind = (image, rings, soft, slots(index), fabric);
+        let (slots, instance) = held(index);
+        let kind = (image, rings, soft, slots, fabric);
         // Those of lists that are only read, of what lasts, or of scratch: forces of air, multipliers of springs, and of bending.
         let vectors = 1 + usize::from(soft != Soft::None) + usize::from(cloth.bending().is_some());
         let places = room_of(cloth.len());
-        let bytes = listed(cloth, slots(index), places).max(16 * places * vectors.max(2)) as u64;
-        if bytes + HEADS > room.bytes {
+        let own = 16 * places as u64 * u64::from(cloth.limits.is_some());
+        let images = listed(cloth, slots, places) as u64 - listed(cloth, slots, 0) as u64 - own;
+        let lists = listed(cloth, slots, 0) as u64 + own;
+        let vectors = (16 * places * vectors.max(2)) as u64;
+        if (lists + images + HEADS).max(vectors) > room.bytes {
             continue;
         }
-        let fits = |a: &&mut (_, u64, Vec<usize>)| a.0 == kind && a.1 + bytes <= room.bytes;
+        let more = |a: &Arena<_>| lists + if a.instances.contains(&instance) { 0 } else { images };
+        let fits =
+            |a: &&mut Arena<_>| a.kind == kind && a.lists + more(a) <= room.bytes && a.vectors + vectors <= room.bytes;
         match arenas.iter_mut().find(fits) {
             Some(arena) => {
-                arena.1 += bytes;
-                arena.2.push(index);
+                arena.lists += more(arena);
+                arena.vectors += vectors;
+                arena.instances.insert(instance);
+                arena.cloths.push(index);
             }
-            None => arenas.push((kind, bytes + HEADS, vec![index])),
+            None => arenas.push(Arena {
+                kind,
+                lists: lists + images + HEADS,
+                vectors,
+                instances: BTreeSet::from([instance]),
+                cloths: vec![index],
+            }),
         }
     }
-    arenas.into_iter().map(|a| a.2).collect()
+    arenas.into_iter().map(|a| a.cloths).collect()
+}
+
+/// Cloths that lie in the same buffers.
+struct Arena<K> {
+    /// What they have in common.
+    kind: K,
+    /// Bytes of their lists that are only read, and of the largest other buffer.
+    lists: u64,
+    vectors: u64,
+    /// Whose images are there.
+    instances: BTreeSet<usize>,
+    cloths: Vec<usize>,
 }
 
 /// Bytes of the shared lists of an arena beside their contents: where they begin, and what each is rounded up by.

@@ -84,7 +84,9 @@ pub struct JobRow {
     pub keep: [f32; 2],
     pub longest: [f32; 2],
     pub hold: u32,
-    pub unused: [u32; 3],
+    /// Where its images begin in lists by texels, which instances of a cloth share; a multiple of 64, as `first`.
+    pub image: u32,
+    pub unused: [u32; 2],
 }
 
 /// `Link` of shaders/part/links.wgsl.

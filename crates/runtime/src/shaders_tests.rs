@@ -235,7 +235,7 @@ fn structs_lie_as_in_rust() {
     let grid = rust!(GridRow: first, width, height, soft, rest);
     let solid = rust!(SolidRow: center, kind, size, friction, rotation, velocity, spin);
     let frame = rust!(FrameRow: steps, rounds, together, solids, most, rows);
-    let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest, hold);
+    let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest, hold, image);
     let link = rust!(LinkRow: follows, mass);
     let mut seen = BTreeSet::new();
     for form in &variants() {

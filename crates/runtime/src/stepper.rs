@@ -9,6 +9,7 @@ mod drag;
 #[cfg(feature = "gpu")]
 mod host_buffer;
 mod indices;
+mod levels;
 mod members;
 mod pick;
 mod pins;
@@ -32,6 +33,7 @@ mod times;
 mod tune;
 
 pub use drag::Drag;
+pub use levels::level_at;
 #[cfg(feature = "gpu")]
 pub use saved::SavedState;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
@@ -48,6 +50,7 @@ use crate::findings::{Finding, Watchdog};
 use crate::gpu::Gpu;
 use crate::handle::ClothRef;
 use crate::health::Health;
+use crate::memory::{Memory, Tally};
 use crate::options::{Backend, Options};
 use crate::plan::Plan;
 use crate::scene::Scene;
@@ -98,6 +101,17 @@ impl Stepper {
     /// The passes and bindings of a frame of [`Options::step`].
     pub fn plan(&self) -> Plan {
         Plan::new(&self.world)
+    }
+
+    /// Bytes of the cloths and of their states, without pyramids and passing buffers. Takes time linear in the number of cloths.
+    pub fn memory(&self) -> Memory {
+        let mut tally = Tally::default();
+        for (cloth, run) in self.world.scene.cloths.iter().zip(&self.world.runs) {
+            cloth.tally(&mut tally);
+            tally.image(&run.tethers.anchors);
+        }
+        self.cpu.iter().flat_map(|(bodies, _)| bodies).for_each(|body| body.tally(&mut tally));
+        tally.with_device(self.gpu.as_ref().map_or([0; 2], Gpu::bytes))
     }
 
     /// The scene, with colliders, wind and pins as they are now and cloths as they were at the start.

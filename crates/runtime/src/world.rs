@@ -10,6 +10,8 @@ mod disturb;
 mod drive;
 mod fuse;
 mod host;
+pub(crate) mod images;
+mod levels;
 mod members;
 mod run;
 mod save;
@@ -82,9 +84,11 @@ impl World {
         scene.check()?;
         let control = Control::new(options, &scene);
         let options = &control.options;
-        let mut runs = Vec::new();
+        let mut runs: Vec<ClothRun> = Vec::new();
         for (cloth, slack) in scene.cloths.iter_mut().zip(&options.slack) {
-            runs.push(members::prepare(cloth, options, *slack, &scene.colliders)?);
+            let known = runs.iter().filter_map(|run| run.images.as_ref());
+            let run = members::prepare(cloth, options, *slack, (&scene.colliders, known))?;
+            runs.push(run);
         }
         let (handles, host) = (runs.iter().map(|_| ClothHandle::fresh()).collect(), Host::default());
         let watchdog = Watchdog::new(scene.cloths.len());
@@ -157,8 +161,8 @@ impl World {
 
     /// What the device that will step has room for.
     pub fn make_room(&mut self, room: Room) {
-        let slots = |cloth: usize| self.runs[cloth].tethers.per_particle;
-        self.arenas = arenas(&self.scene.cloths, slots, &self.control.options, &room);
+        let held = |cloth: usize| self.runs[cloth].instance();
+        self.arenas = arenas(&self.scene.cloths, held, &self.control.options, &room);
         self.room = Some(room);
         self.reschedule();
     }
@@ -273,7 +277,12 @@ impl World {
 
     /// Bodies of all cloths at the start.
     pub fn bodies<T: Real>(&self) -> Vec<Body<T>> {
-        (0..self.runs.len()).map(|index| self.body(index)).collect()
+        let mut bodies = Vec::with_capacity(self.runs.len());
+        for index in 0..self.runs.len() {
+            let body = self.body_beside(index, &bodies);
+            bodies.push(body);
+        }
+        bodies
     }
 
     /// The colliders as cloths meet them, a list for each of [`World::coats`].

@@ -168,7 +168,7 @@ fn every_garment_runs_whole_frames_at_the_limits_of_webgpu() {
     assert_eq!(default.0.limits().max_storage_buffers_per_shader_stage, 8, "the default of WebGPU");
     let mut all = wardrobe();
     for cloth in all.cloths.iter_mut().step_by(2) {
-        cloth.limits = Some(vec![0.3; cloth.len()]);
+        cloth.limits = Some(vec![0.3; cloth.len()].into());
     }
     let shape = Shape::Capsule { radius: 0.1, half_height: 0.2 };
     all.colliders.push(Collider { friction: 0.5, ..Collider::new(shape, [0.4, -0.2, 0.4]) });

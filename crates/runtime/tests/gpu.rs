@@ -188,7 +188,7 @@ fn one_step_is_that_of_the_twin() {
     fast.cloths[0].velocity = [1.0, -40.0, 2.0];
     let fast = (Solver::Xpbd, "all colliders, fast", fast);
     let mut limited = scene(support::hung_tube(2));
-    limited.cloths[0].limits = Some(vec![1e-3; limited.cloths[0].len()]);
+    limited.cloths[0].limits = Some(vec![1e-3; limited.cloths[0].len()].into());
     let limited = (Solver::Xpbd, "limits", limited);
     let mut seen = BTreeSet::new();
     for (solver, name, scene) in solved().into_iter().chain(touching).chain([fast, limited]) {

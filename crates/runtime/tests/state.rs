@@ -351,7 +351,7 @@ fn a_state_goes_through_a_buffer_without_a_wait() {
 fn a_teleport_stirs_nothing() {
     let by = Pose { position: [0.25, 0.5, -0.125], rotation: scene::about([0.0, 1.0, 0.0], 1.0) };
     let mut limited = curtain(14);
-    limited.limits = Some(vec![0.05; 196]);
+    limited.limits = Some(vec![0.05; 196].into());
     let mut swings = made_of(curtain(14));
     swings.velocity = [0.0, 0.0, 1.0];
     let mut charts = two_charts(9);

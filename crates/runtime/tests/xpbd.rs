@@ -309,10 +309,10 @@ fn numbers_out_of_range_are_refused() {
         let mut scene = scene::builtin("s1k", 8).unwrap();
         scene.cloths[0].compliance = Compliance::Constant(wrong);
         assert!(Stepper::on_cpu(scene.clone(), options(1)).is_err(), "{wrong}");
-        scene.cloths[0].compliance = Compliance::Image(vec![[0.0, wrong, 0.0, 0.0]; 64]);
+        scene.cloths[0].compliance = Compliance::Image(vec![[0.0, wrong, 0.0, 0.0]; 64].into());
         assert!(Stepper::on_cpu(scene.clone(), options(1)).is_err(), "{wrong}");
     }
     let mut scene = scene::builtin("s1k", 8).unwrap();
-    scene.cloths[0].compliance = Compliance::Image(vec![[0.0; 4]; 63]);
+    scene.cloths[0].compliance = Compliance::Image(vec![[0.0; 4]; 63].into());
     assert!(Stepper::on_cpu(scene, options(1)).is_err());
 }

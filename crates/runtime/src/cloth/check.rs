@@ -2,7 +2,7 @@
 
 use gimage_bundle::{MAX_PARTICLES, find_rings};
 
-use super::{Mass, Parts, Rest};
+use super::{Mass, Particle, Parts, Rest};
 use crate::error::{Error, Result};
 
 /// Checks everything and returns the seam rings: offsets and members.
@@ -55,8 +55,8 @@ fn lengths(parts: &Parts) -> Result<()> {
         }
         Err(Error::Length { cloth: parts.name.clone(), what, found, expected })
     };
-    same("positions", parts.positions.len(), expected)?;
     same("particle kinds", parts.particles.len(), expected)?;
+    same("positions", parts.positions.len(), expected)?;
     match &parts.rest {
         Rest::None => {}
         Rest::Constant(r) => same("constant rest lengths", r.len(), parts.grids.len())?,
@@ -70,11 +70,7 @@ fn lengths(parts: &Parts) -> Result<()> {
 
 fn values(parts: &Parts) -> Result<()> {
     let bad = |index, problem| Err(Error::Particle { cloth: parts.name.clone(), index, problem });
-    let exists = |k: usize| parts.particles[k].exists();
-    let position = |p: &[f32; 3]| p.iter().all(|x| x.is_finite());
-    if let Some(k) = (0..parts.positions.len()).find(|&k| exists(k) && !position(&parts.positions[k])) {
-        return bad(k, "its position is not finite");
-    }
+    positions(&parts.name, &parts.positions, &parts.particles)?;
     let length = |l: &[f32; 4]| l.iter().all(|x| x.is_finite() && *x >= 0.0);
     match &parts.rest {
         Rest::None => {}
@@ -89,11 +85,29 @@ fn values(parts: &Parts) -> Result<()> {
             }
         }
     }
+    masses(&parts.name, &parts.mass, &parts.particles)
+}
+
+/// Checks the positions of a cloth by name.
+pub fn positions(name: &str, positions: &[[f32; 3]], particles: &[Particle]) -> Result<()> {
+    if positions.len() != particles.len() {
+        let (cloth, found, expected) = (name.into(), positions.len(), particles.len());
+        return Err(Error::Length { cloth, what: "positions", found, expected });
+    }
+    let wrong = |(p, particle): (&[f32; 3], &Particle)| particle.exists() && !p.iter().all(|x| x.is_finite());
+    let index = positions.iter().zip(particles).position(wrong);
+    let problem = "its position is not finite";
+    index.map_or(Ok(()), |index| Err(Error::Particle { cloth: name.into(), index, problem }))
+}
+
+/// The same of its masses, of the right number.
+pub fn masses(name: &str, mass: &Mass, particles: &[Particle]) -> Result<()> {
     // The solver works with 1/mass, which has to be a number too.
-    let mass = |m: f32| m > 0.0 && m.is_finite() && (1.0 / m).is_finite();
-    let wrong = match &parts.mass {
-        Mass::Constant(m) => (!mass(*m)).then_some(0),
-        Mass::Image(m) => (0..m.len()).find(|&k| exists(k) && !mass(m[k])),
+    let fits = |m: f32| m > 0.0 && m.is_finite() && (1.0 / m).is_finite();
+    let wrong = match mass {
+        Mass::Constant(m) => (!fits(*m)).then_some(0),
+        Mass::Image(m) => m.iter().zip(particles).position(|(m, p)| p.exists() && !fits(*m)),
     };
-    wrong.map_or(Ok(()), |k| bad(k, "its mass is not above 0, or too small for its inverse"))
+    let problem = "its mass is not above 0, or too small for its inverse";
+    wrong.map_or(Ok(()), |index| Err(Error::Particle { cloth: name.into(), index, problem }))
 }

@@ -34,7 +34,7 @@ impl Cloth {
         };
         let mut cloth = Cloth::new(parts)?;
         cloth.keep_tethers(bundle.stored_tethers());
-        cloth.limits = bundle.limits();
+        cloth.limits = bundle.limits().map(Into::into);
         cloth.keep_grain(grain(bundle, cloth.grids()));
         Ok(cloth)
     }

@@ -1,5 +1,7 @@
 //! Pinning particles and finding the duplicates of seam particles.
 
+use std::sync::Arc;
+
 use super::Cloth;
 use crate::error::{Error, Result};
 use gimage_bundle::Particle;
@@ -36,8 +38,9 @@ impl Cloth {
 
     /// The same for particles that exist, all duplicates among them.
     pub(crate) fn hold_all(&mut self, particles: impl Iterator<Item = u32>, pinned: bool) {
+        let list = Arc::make_mut(&mut self.parts.particles);
         for k in particles {
-            let particle = &mut self.parts.particles[k as usize];
+            let particle = &mut list[k as usize];
             if particle.is_pinned() != pinned {
                 self.stored_tethers = None;
             }

@@ -13,6 +13,19 @@ pub struct Membrane {
     pub cells: Vec<[f32; 4]>,
     /// One over the stiffness along the weft, along the warp, and in shear \[m/N\].
     pub soft: [f32; 3],
+    /// The numbers that it was made of.
+    pub woven: Woven,
+}
+
+/// The numbers of a material that depend on the grid once they are applied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Woven {
+    /// Along the warp, along the weft, and in shear \[N/m\].
+    pub stiffness: [f64; 3],
+    /// \[N m\].
+    pub bend: f64,
+    /// \[kg/m^2\].
+    pub density: f64,
 }
 
 /// Bending of a cloth: at each particle the moment `m = sum of weight (x_other - x)` over the eight springs around it,
@@ -62,10 +75,10 @@ impl Bending {
 
 impl Cloth {
     pub(crate) fn membrane(&self) -> Option<&Membrane> {
-        self.membrane.as_ref()
+        self.membrane.as_deref()
     }
 
     pub(crate) fn bending(&self) -> Option<&Bending> {
-        self.bending.as_ref()
+        self.bending.as_deref()
     }
 }

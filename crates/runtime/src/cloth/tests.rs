@@ -3,7 +3,10 @@ use gimage_bundle::{Bundle, Image, MapKind};
 use super::*;
 
 fn parts() -> Parts {
-    Flat::square("flat", 3).cloth().unwrap().parts
+    let cloth = Flat::square("flat", 3).cloth().unwrap();
+    let (grids, positions) = (cloth.grids().to_vec(), cloth.positions().to_vec());
+    let (particles, rest, mass) = (cloth.particles().to_vec(), cloth.rest().clone(), Mass::Constant(0.2 / 9.0));
+    Parts { name: "flat".into(), grids, positions, particles, rest, mass }
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! What holds each particle and how far away it is along the cloth.
 
+use std::sync::Arc;
+
 use gimage_bundle::{RestLengths, SpringGrid, Tethers, tethers};
 
 use super::{Cloth, Rest};
@@ -14,7 +16,7 @@ impl Cloth {
             let slots = stored.anchors.chunks_exact(stored.per_particle.max(1));
             return Tethers { per_particle: most, anchors: slots.flat_map(|s| &s[..most]).copied().collect() };
         }
-        let rest = |(index, grid): (usize, &super::Grid)| match &self.parts.rest {
+        let rest = |(index, grid): (usize, &super::Grid)| match &*self.parts.rest {
             Rest::None => RestLengths::Constant([0.0; 4]),
             Rest::Constant(lengths) => RestLengths::Constant(lengths[index]),
             Rest::Image(lengths) => RestLengths::Image(&lengths[grid.range()]),
@@ -27,19 +29,20 @@ impl Cloth {
 
     /// The tethers that came with the bundle, one a particle; none where it had none or pins have changed since.
     pub fn stored_tethers(&self) -> Option<&Tethers> {
-        self.stored_tethers.as_ref()
+        self.stored_tethers.as_deref()
     }
 
     /// Takes the tethers of a bundle over, unless they are not of this cloth: one a particle, all to pinned particles.
-    pub(super) fn keep_tethers(&mut self, stored: Option<Tethers>) {
+    pub(crate) fn keep_tethers(&mut self, stored: Option<Tethers>) {
         let pinned = |k: u32| self.parts.particles.get(k as usize).is_some_and(|p| p.is_pinned());
         // Duplicates of a seam point hang on the same anchors.
         let points = self.points();
-        self.stored_tethers = stored.filter(|t| {
+        let fits = |t: &Tethers| {
             t.anchors.len() == self.len() * t.per_particle
                 && t.anchors.iter().all(|a| !a.exists() || pinned(a.particle))
                 && points.iter().enumerate().all(|(k, p)| t.of(k) == t.of(*p as usize))
-        });
+        };
+        self.stored_tethers = stored.filter(fits).map(Arc::new);
     }
 }
 

@@ -1,5 +1,7 @@
 //! The mass of a whole cloth.
 
+use std::sync::Arc;
+
 use super::{Cloth, Mass};
 use crate::error::{Result, check};
 
@@ -19,7 +21,7 @@ impl Cloth {
         check("the mass of a cloth [kg]", kilograms, "above 0", |m| m > 0.0)?;
         let by = kilograms / self.total_mass();
         let scaled = |m: f32| (f64::from(m) * by) as f32;
-        let mass = match &self.parts.mass {
+        let mass = match &*self.parts.mass {
             Mass::Constant(m) => Mass::Constant(scaled(*m)),
             Mass::Image(m) => Mass::Image(m.iter().map(|m| scaled(*m)).collect()),
         };
@@ -32,9 +34,8 @@ impl Cloth {
     }
 
     fn weigh(&mut self, mass: Mass) -> Result<()> {
-        let parts = super::Parts { mass, ..self.parts.clone() };
-        super::check::rings(&parts)?;
-        self.parts = parts;
+        super::check::masses(self.name(), &mass, self.particles())?;
+        self.parts.mass = Arc::new(mass);
         Ok(())
     }
 }

@@ -1,5 +1,7 @@
 //! What users do to a cloth on the CPU.
 
+use std::sync::Arc;
+
 use super::body::{Body, view};
 use super::place::{self, Placed};
 use super::route::far;
@@ -15,7 +17,11 @@ impl<T: Real> Body<T> {
         for g in &self.grids {
             cut::run(threads, view(&self.now, &[], g), corners, &mut self.holes[g.range()]);
             if !self.image.is_empty() {
-                cut_springs::run(threads, view(&self.now, &self.holes, g), &mut self.image[g.range()]);
+                cut_springs::run(
+                    threads,
+                    view(&self.now, &self.holes, g),
+                    &mut Arc::make_mut(&mut self.image)[g.range()],
+                );
             }
         }
         if let (Some(held), Some(old)) = (&mut self.held, old) {

@@ -1,5 +1,7 @@
 //! A cloth in motion on the CPU.
 
+use std::sync::Arc;
+
 use super::fabric::Fabric;
 use super::fastest::larger;
 use super::integrate::Air;
@@ -15,6 +17,7 @@ use super::{
 use crate::choose::Settings;
 use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
 use crate::collider::solid::Solid;
+use crate::memory::Tally;
 use crate::number::real::{Real, cast};
 use crate::options::Solver;
 use crate::passes::{self, Pass, Soft};
@@ -40,12 +43,12 @@ pub struct Body<T: Real> {
     field: Vec<[T; 4]>,
     pub(super) grids: Vec<Grid>,
     constant: Vec<[T; 4]>,
-    pub(super) image: Vec<[T; 4]>,
+    pub(super) image: Arc<Vec<[T; 4]>>,
     /// Compliance of all springs, or of each.
     soft: T,
-    softs: Vec<[T; 4]>,
-    starts: Vec<u32>,
-    members: Vec<u32>,
+    softs: Arc<Vec<[T; 4]>>,
+    starts: Arc<Vec<u32>>,
+    members: Arc<Vec<u32>>,
     pub(super) fabric: Option<Box<Fabric<T>>>,
     /// What holds it, from the first cut on.
     pub(crate) held: Option<Held<T>>,
@@ -65,7 +68,7 @@ impl<T: Real> Body<T> {
             Rest::Constant(r) => (list(r), Vec::new()),
             Rest::Image(r) => (Vec::new(), list(r)),
         };
-        let (starts, members) = cloth.rings();
+        let (starts, members) = cloth.ring_lists();
         Body {
             good: if options.solver == Solver::Xpbd { now.clone() } else { Vec::new() },
             now,
@@ -79,16 +82,47 @@ impl<T: Real> Body<T> {
             field: Vec::new(),
             grids: cloth.grids().to_vec(),
             constant,
-            image,
+            image: Arc::new(image),
             soft: T::of(cloth.softness().into()),
-            softs: if let Compliance::Image(soft) = &cloth.compliance { list(soft) } else { Vec::new() },
-            starts: starts.to_vec(),
-            members: members.to_vec(),
+            softs: Arc::new(if let Compliance::Image(soft) = &cloth.compliance { list(soft) } else { Vec::new() }),
+            starts,
+            members,
             fabric: (options.solver == Solver::Xpbd).then(|| Box::new(Fabric::new(cloth, tethers, options))),
             held: None,
             edited: true,
             cut: false,
         }
+    }
+
+    /// Takes the lists that are only read from another instance of the same cloth, neither of which is cut.
+    pub fn share(&mut self, other: &Self) {
+        (self.image, self.softs) = (other.image.clone(), other.softs.clone());
+        (self.starts, self.members) = (other.starts.clone(), other.members.clone());
+        if let (Some(own), Some(others)) = (&mut self.fabric, &other.fabric) {
+            own.share(others);
+        }
+    }
+
+    /// Counts its lists. Seams are those of the description.
+    pub fn tally(&self, tally: &mut Tally) {
+        tally.image(&self.image);
+        tally.image(&self.softs);
+        [&self.now, &self.before, &self.good, &self.field].into_iter().for_each(|list| tally.state(list));
+        tally.state(&self.holes);
+        tally.state(&self.partial);
+        // Normals, once they are asked for.
+        tally.state(self.normals.known());
+        self.fabric.iter().for_each(|fabric| fabric.tally(tally));
+    }
+
+    /// Number of its particles.
+    pub fn count(&self) -> usize {
+        self.now.len()
+    }
+
+    /// Whether there is room for cuts.
+    pub fn is_cut(&self) -> bool {
+        !self.holes.is_empty()
     }
 
     /// Positions.
@@ -239,7 +273,7 @@ impl<T: Real> Body<T> {
         if self.holes.is_empty() {
             self.holes = vec![0; self.now.len()];
             if let (true, Rest::Image(lengths)) = (self.image.is_empty(), cloth.rest()) {
-                self.image = lengths.iter().map(|l| cast(*l)).collect();
+                self.image = Arc::new(lengths.iter().map(|l| cast(*l)).collect());
             }
             let held = tethers.per_particle > 0 && !self.image.is_empty();
             self.held = held.then(|| Held::new(cloth, tethers));

@@ -89,8 +89,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
         let Rows { row, half, .. } = self;
         let (more, moves, slack) = (k.splat(T::of(1.001)), k.splat(self.moves), k.splat(self.slack));
         let (zero, none) = (k.splat(T::of(0.0)), k.splat(T::of(f64::from(f32::MAX))));
-        for (n, (now, least)) in
-            self.rows.chunks_exact_mut(row).zip(self.least.chunks_exact_mut(2 * half)).enumerate()
+        for (n, (now, least)) in self.rows.chunks_exact_mut(row).zip(self.least.chunks_exact_mut(2 * half)).enumerate()
         {
             let j = self.first + n;
             let was = planes_ref(&self.before[j * row..(j + 1) * row], half);

@@ -13,9 +13,12 @@ mod pyramid;
 mod refine;
 mod seam_moments;
 mod seam_steps;
+mod share;
 pub(crate) mod stretch;
 mod sweep;
 mod tethers;
+
+use std::sync::Arc;
 
 use self::limit::Limit;
 use self::membrane::Cells;
@@ -26,11 +29,11 @@ use self::stretch::{Rests, Springs};
 use self::sweep::Stage;
 use self::tethers::Tethers;
 use super::body::Body;
+use super::contact::clear::Clear;
 use super::integrate::Air;
 use super::neighbours::View;
 use super::rows::Threads;
 use super::sheet::{Sheet, Values};
-use super::contact::clear::Clear;
 use super::{contact, wind};
 use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
 use crate::collider::solid::Solid;
@@ -49,19 +52,19 @@ pub struct Fabric<T: Real> {
     pyramids: Vec<Pyramid<T>>,
     ties: Vec<Ties>,
     /// As [`masses`], where there are pyramids.
-    masses: Vec<f64>,
+    masses: Arc<Vec<f64>>,
     /// One a sheet, of cloth of a material.
-    cells: Vec<Cells<T>>,
+    cells: Arc<Vec<Cells<T>>>,
     /// One a sheet, of cloth that bends.
     plates: Vec<Plate<T>>,
-    tethers: Vec<Tethers<T>>,
+    tethers: Arc<Vec<Tethers<T>>>,
     /// One a sheet, of cloth that has any.
     limits: Vec<Limit<T>>,
     /// Sheet and place of every anchor.
-    anchors: Vec<(u32, u32)>,
+    anchors: Arc<Vec<(u32, u32)>>,
     /// Those of every ring.
-    members: Vec<Member>,
-    starts: Vec<u32>,
+    members: Arc<Vec<Member>>,
+    starts: Arc<Vec<u32>>,
     firsts: Vec<usize>,
     /// Whether all texels of a sheet are particles.
     whole: Vec<bool>,
@@ -77,7 +80,7 @@ impl<T: Real> Fabric<T> {
     pub fn new(cloth: &Cloth, held: &cloth::Tethers, options: &Options) -> Self {
         let sheets: Vec<Sheet<T>> = cloth.grids().iter().map(Sheet::new).collect();
         let firsts = cloth.grids().iter().map(|g| g.first as usize).collect();
-        let (starts, members) = cloth.rings();
+        let (starts, members) = cloth.ring_lists();
         let springs = sheets.iter().enumerate().map(|(g, sheet)| springs(cloth, g, sheet)).collect();
         let grids = if options.pyramid > 0 { 0..sheets.len() } else { 0..0 };
         let masses = if grids.is_empty() { Vec::new() } else { masses(cloth) };
@@ -88,16 +91,16 @@ impl<T: Real> Fabric<T> {
             springs,
             ties: if pyramids.is_empty() { Vec::new() } else { ties(cloth) },
             pyramids,
-            masses,
-            cells,
+            masses: Arc::new(masses),
+            cells: Arc::new(cells),
             plates,
             limits: limit::limits(cloth, &sheets),
             sheets,
             whole: cloth.grids().iter().map(|g| cloth.particles()[g.range()].iter().all(|p| p.exists())).collect(),
-            tethers: Vec::new(),
-            anchors: Vec::new(),
-            members: Vec::new(),
-            starts: starts.to_vec(),
+            tethers: Default::default(),
+            anchors: Default::default(),
+            members: Default::default(),
+            starts,
             firsts,
             clear: cloth.grids().iter().map(|_| Clear::default()).collect(),
             field: Vec::new(),
@@ -107,7 +110,7 @@ impl<T: Real> Fabric<T> {
             let (sheet, at) = fabric.place(*k as usize);
             Member { sheet, at, single: single(at as usize, fabric.sheets[sheet as usize].half) as u32 }
         };
-        fabric.members = members.iter().map(member).collect();
+        fabric.members = Arc::new(members.iter().map(member).collect());
         let of = |t: usize| held.anchors.get(t).filter(|a| a.exists());
         fabric.hold(held.per_particle, |t| of(t).map(|a| (a.particle, T::of(f64::from(a.distance)))));
         fabric
@@ -124,8 +127,8 @@ impl<T: Real> Fabric<T> {
         let mut order: Vec<u32> = (0..count * slots).filter_map(|t| Some(held(t)?.0)).collect();
         order.sort_unstable();
         order.dedup();
-        self.anchors = order.iter().map(|k| self.place(*k as usize)).collect();
-        self.tethers.clear();
+        self.anchors = Arc::new(order.iter().map(|k| self.place(*k as usize)).collect());
+        let mut tethers = Vec::with_capacity(self.sheets.len());
         for (g, sheet) in self.sheets.iter().enumerate() {
             let each = (0..slots).map(|slot| {
                 tethers::Slot::new(sheet, |k| {
@@ -133,8 +136,9 @@ impl<T: Real> Fabric<T> {
                     Some((order.binary_search(&anchor).ok()? as u32, most))
                 })
             });
-            self.tethers.push(Tethers { slots: each.collect() });
+            tethers.push(Tethers { slots: each.collect() });
         }
+        self.tethers = Arc::new(tethers);
     }
 
     /// Positions and inverse masses from texels.
@@ -165,7 +169,7 @@ impl<T: Real> Fabric<T> {
                     let other = other_end(sheet.width, sheet.height, k, d)?;
                     (there(first + k) && there(first + other)).then_some(image[first + k][d])
                 };
-                of.rest = Rests::List(sheet.list(T::of(0.0), |k| length(k).unwrap_or(T::of(0.0))));
+                of.rest = Rests::List(Arc::new(sheet.list(T::of(0.0), |k| length(k).unwrap_or(T::of(0.0)))));
             }
         }
     }
@@ -192,7 +196,8 @@ impl<T: Real> Fabric<T> {
                 for (d, rest) in image[first + k].iter().enumerate() {
                     let broken = *rest <= T::of(0.0) && plate.weights.of(sheet.single(k), d) != T::of(0.0);
                     if let (true, Some(other)) = (broken, other_end(sheet.width, sheet.height, k, d)) {
-                        [k, other].iter().for_each(|k| plate.compliance[sheet.single(*k)] = T::of(0.0));
+                        let compliance = Arc::make_mut(&mut plate.compliance);
+                        [k, other].iter().for_each(|k| compliance[sheet.single(*k)] = T::of(0.0));
                     }
                 }
             }
@@ -201,7 +206,7 @@ impl<T: Real> Fabric<T> {
 
     /// Triangles that are cut away leave the membrane; they are known by texels. Both of a cell that is divided otherwise.
     pub fn cut_cells(&mut self, holes: &[u32]) {
-        for ((sheet, cells), first) in self.sheets.iter().zip(&mut self.cells).zip(&self.firsts) {
+        for ((sheet, cells), first) in self.sheets.iter().zip(Arc::make_mut(&mut self.cells)).zip(&self.firsts) {
             for k in (0..sheet.width * sheet.height).filter(|k| holes[first + k] != 0) {
                 let place = sheet.single(k);
                 let [p, q, r, s, e, f, g, h] = cells.inverse.each_ref().map(|list| list[place]);
@@ -341,7 +346,7 @@ impl<T: Real> Fabric<T> {
             }
             Pass::Membrane { column, row, .. } => {
                 let at = (column as usize, row as usize);
-                let each = self.sheets.iter_mut().zip(&self.cells);
+                let each = self.sheets.iter_mut().zip(&*self.cells);
                 each.for_each(|(sheet, cells)| membrane::run(threads, sheet, cells, at, step.dt));
             }
             Pass::Moments { .. } => {
@@ -371,7 +376,7 @@ impl<T: Real> Fabric<T> {
             }
             Pass::Tethers { .. } => {
                 let anchors = self.anchors();
-                for (sheet, held) in self.sheets.iter_mut().zip(&self.tethers) {
+                for (sheet, held) in self.sheets.iter_mut().zip(&*self.tethers) {
                     tethers::run(threads, sheet, held, &anchors);
                 }
             }
@@ -469,12 +474,12 @@ fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>) -> [Springs<T>; 4
         let rest = match cloth.rest() {
             Rest::None => Rests::constant(sheet, zero),
             Rest::Constant(r) if !holes => Rests::constant(sheet, T::of(r[g][d].into())),
-            _ => Rests::List(sheet.list(zero, |k| T::of(cloth.spring(g, k, d).into()))),
+            _ => Rests::List(Arc::new(sheet.list(zero, |k| T::of(cloth.spring(g, k, d).into())))),
         };
         let soft = match &cloth.compliance {
             Compliance::None => Values::Constant(zero),
             Compliance::Constant(c) => Values::Constant(T::of(f64::from(*c))),
-            Compliance::Image(c) => Values::List(sheet.list(zero, |k| T::of(c[first + k][d].into()))),
+            Compliance::Image(c) => Values::List(Arc::new(sheet.list(zero, |k| T::of(c[first + k][d].into())))),
         };
         Springs { rest, soft, sums: Vec::new(), bound: zero }
     })

@@ -14,6 +14,11 @@ impl<A> Lazy<A> {
         Lazy { list: OnceLock::from(list), spare: Mutex::new(Vec::new()) }
     }
 
+    /// The list, empty where it has to be made again.
+    pub fn known(&self) -> &[A] {
+        self.list.get().map_or(&[], |list| &list[..])
+    }
+
     /// The list has to be made again.
     pub fn forget(&mut self) {
         if let Some(list) = self.list.take() {

@@ -1,4 +1,4 @@
-//! Sharing out rows among threads, so that the result does not depend on their number.
+//! Sharing out cloths and rows among threads, so that the result does not depend on their number.
 
 use crate::error::{Error, Result};
 
@@ -9,6 +9,10 @@ const WORTH_SHARING: usize = 1 << 18;
 /// as long pass by pass at 256 x 256 particles, and three times as long at 128 x 128.
 #[cfg(feature = "threads")]
 const WORTH_PARTING: usize = 1 << 20;
+
+/// Steps of a particle from which on cloths are shared out: some 50 microseconds.
+#[cfg(feature = "threads")]
+const WORTH_STEPS: usize = 1 << 12;
 
 /// The threads that a stepper may use.
 pub struct Threads {
@@ -50,6 +54,16 @@ impl Threads {
         return self.pool.is_none() || size_of_val(_list) < WORTH_PARTING;
         #[cfg(not(feature = "threads"))]
         true
+    }
+
+    /// Calls `work` with each of some cloths, which have this many particles and steps in all.
+    pub fn each<A: Send>(&self, cloths: &mut [A], _steps: usize, work: impl Fn(&mut A) + Sync + Send) {
+        #[cfg(feature = "threads")]
+        if let Some(pool) = self.pool.as_ref().filter(|_| cloths.len() > 1 && _steps >= WORTH_STEPS) {
+            use rayon::prelude::*;
+            return pool.install(|| cloths.par_iter_mut().with_max_len(1).for_each(work));
+        }
+        cloths.iter_mut().for_each(work);
     }
 
     /// Calls `work` with the number and the elements of each chunk of `size`; the last may be shorter.

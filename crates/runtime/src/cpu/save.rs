@@ -1,5 +1,7 @@
 //! The lists of a cloth's state on the CPU, out and in.
 
+use std::sync::Arc;
+
 use bytemuck::cast_slice;
 
 use super::body::Body;
@@ -55,7 +57,7 @@ impl Body<f32> {
             self.open(cloth, tethers);
             self.holes.copy_from_slice(&words[layout.range(Part::Holes)]);
             if layout.rest {
-                self.image.copy_from_slice(vectors(Part::Rest));
+                Arc::make_mut(&mut self.image).copy_from_slice(vectors(Part::Rest));
             }
             self.hold(cast_slice(&words[layout.range(Part::Tethers)]));
             self.cut = !matches!(cloth.rest(), Rest::None);

@@ -4,6 +4,8 @@
 //! join two contiguous lists: right-even is even with odd, right-odd is odd with even from the second on, and so on.
 //! Columns past the end are particles that cannot move.
 
+use std::sync::Arc;
+
 use crate::cloth::Grid;
 use crate::number::aligned::Aligned;
 use crate::number::lanes::LANES;
@@ -15,7 +17,14 @@ pub enum Values<T> {
     /// The same everywhere.
     Constant(T),
     /// In the layout of [`Sheet::w`].
-    List(Vec<T>),
+    List(Arc<Vec<T>>),
+}
+
+impl<T> Values<T> {
+    /// The numbers, where they are not the same.
+    pub fn list(&self) -> &[T] {
+        if let Values::List(list) = self { list } else { &[] }
+    }
 }
 
 /// A grid of particles.

@@ -38,6 +38,10 @@ impl Gpu {
         match *self {}
     }
 
+    pub fn bytes(&self) -> [u64; 2] {
+        match *self {}
+    }
+
     pub fn times_frames(&self) -> bool {
         match *self {}
     }

@@ -109,6 +109,11 @@ impl Arena {
         }
     }
 
+    /// The buffer of what is only read.
+    pub fn lists(&self) -> &Buffer {
+        &self.lists
+    }
+
     /// Lets one of its cloths go; whether it was the last.
     pub fn leave(&mut self, member: usize) -> bool {
         self.jobs.remove(member);

@@ -83,7 +83,7 @@ impl Boxes {
     }
 
     /// Drops the boxes of a cloth, as it is somewhere else.
-    fn forget(&mut self, cloth: usize) {
+    pub(super) fn forget(&mut self, cloth: usize) {
         self.known.get_mut(cloth).into_iter().for_each(|known| *known = None);
         self.keep(|index| *index != cloth);
     }

@@ -23,28 +23,38 @@ pub(super) struct Contents {
 }
 
 impl Contents {
-    /// Those of an index list of cloths.
+    /// Those of an index list of cloths; instances of a cloth share the images of the first.
     pub fn new(world: &World, cloths: &[usize]) -> Self {
-        let places = cloths.iter().zip(firsts(world, cloths)).enumerate();
-        Contents::placed(world, places.map(|(row, (&index, first))| (index, row as u32, first)))
+        let (mut all, mut end) = (Contents::default(), 0);
+        for (row, (&index, first)) in cloths.iter().zip(firsts(world, cloths)).enumerate() {
+            let same = |(_, other): &(usize, &usize)| world.runs[**other].is_instance_of(&world.runs[index]);
+            let known = cloths[..row].iter().enumerate().find(same).map(|(other, _)| all.jobs[other].image);
+            all.add(world, index, (row as u32, first), (known.unwrap_or(end), known.is_none()));
+            end += if known.is_none() { room_of(world.scene.cloths[index].len()) as u32 } else { 0 };
+        }
+        all.close()
     }
 
-    /// Those of cloths whose rows of faults and first particles are given beside their indices.
+    /// Those of cloths whose rows of faults and first particles are given beside their indices. Each has images of its own, which cuts
+    /// may change.
     pub fn placed(world: &World, places: impl Iterator<Item = (usize, u32, u32)>) -> Self {
         let mut all = Contents::default();
-        for (index, row, first) in places {
-            all.add(world, index, (row, first));
-        }
-        if let Some(last) = all.jobs.last() {
-            let end = all.lists.get(&Slot::Members).map_or(0, |m| m.len() as u32 / 4);
-            if last.ring + last.rings > 0 {
-                all.add_rows(Slot::Starts, &[end]);
-            }
-        }
-        all
+        places.for_each(|(index, row, first)| all.add(world, index, (row, first), (first, true)));
+        all.close()
     }
 
-    fn add(&mut self, world: &World, index: usize, (row, first): (u32, u32)) {
+    /// Adds what lies behind the last cloth.
+    fn close(mut self) -> Self {
+        if let Some(last) = self.jobs.last() {
+            let end = self.lists.get(&Slot::Members).map_or(0, |m| m.len() as u32 / 4);
+            if last.ring + last.rings > 0 {
+                self.add_rows(Slot::Starts, &[end]);
+            }
+        }
+        self
+    }
+
+    fn add(&mut self, world: &World, index: usize, (row, first): (u32, u32), (image, is_new): (u32, bool)) {
         let (cloth, held) = (&world.scene.cloths[index], &world.runs[index].tethers);
         let count = |list: &Self, slot, size: usize| list.lists.get(&slot).map_or(0, |l| l.len() / size) as u32;
         self.jobs.push(JobRow {
@@ -55,18 +65,20 @@ impl Contents {
             ring: count(self, Slot::Starts, 4),
             rings: cloth.ring_count() as u32,
             row,
+            image,
             ..Zeroable::zeroed()
         });
         for slot in Slot::ALL {
             if let Some(each) = slot.row(cloth, held.per_particle) {
-                let bytes = match slot {
+                let (begin, bytes) = match slot {
                     // Teleports may have moved them.
-                    Slot::Targets => cast_slice(&world.runs[index].targets(cloth)).to_vec(),
-                    other => other.texels(cloth, held),
+                    Slot::Targets => (first, cast_slice(&world.runs[index].targets(cloth)).to_vec()),
+                    other if is_new => (image, other.texels(cloth, held)),
+                    _ => continue,
                 };
                 // What lies between cloths is not read.
                 let list = self.lists.entry(*slot).or_default();
-                list.resize(first as usize * each, 0);
+                list.resize(begin as usize * each, 0);
                 list.extend(bytes);
             }
         }
@@ -193,7 +205,7 @@ mod tests {
         let mut scene = crate::scene::builtin("s1", 9).unwrap();
         scene.cloths.extend(crate::scene::builtin("s1k", 12).unwrap().cloths);
         let mut limited = crate::Flat::square("limited", 7).cloth().unwrap();
-        limited.limits = Some(vec![0.1; limited.len()]);
+        limited.limits = Some(vec![0.1; limited.len()].into());
         let mut made = crate::Flat::square("made", 10).cloth().unwrap();
         made.set_material(&crate::Material::default()).unwrap();
         scene.cloths.extend([limited, made]);

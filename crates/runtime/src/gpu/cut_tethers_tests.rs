@@ -5,7 +5,8 @@ use crate::cpu::rows::Threads;
 use crate::gpu::Pipelines;
 use crate::options::{Options, Solver};
 use crate::scene::Scene;
-use crate::world::Action;
+use crate::world::images::Images;
+use crate::world::{Action, ClothRun};
 
 /// A tube whose first and last column are one, and whose first row is pinned here and there.
 fn tube(n: u32, rows: u32, pins: &[u32]) -> Cloth {
@@ -83,7 +84,8 @@ fn followed(
 fn a_cut_takes_few_dispatches_whatever_the_size_of_the_cloth() {
     for (n, most) in [(16, 6), (64, 10), (256, 84), (1000, 132)] {
         let cloth = hung(n, &[0, n as usize - 1]);
-        let run = crate::world::ClothRun::new(&cloth, 2, 1.0);
+        let images = Images::of(&mut cloth.clone(), cloth.clone(), (2, 1.0), [].into_iter());
+        let run = ClothRun::new(images);
         // A device, and one that ends loops early.
         let walks = [u32::MAX, 65_535 / 4].map(|loops| Walk::new(&cloth, &run.tethers, loops).dispatches());
         let counts = walks.map(|list| list.len());

@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::form::Form;
 use crate::passes::Pass;
 use crate::plan::Plan;
+use crate::shaders::{LISTED, Slot};
 use crate::world::{Left, World};
 
 /// The buffers of a cloth that is being added.
@@ -31,12 +32,7 @@ impl Gpu {
         let (store, states) = Store::new(&self.device, world, &[index], draw_only);
         let shares = world.arenas.last().is_some_and(|cloths| cloths == &[index]);
         if !draw_only {
-            for form in Plan::forms(world, index) {
-                self.pipelines.fitting(&form);
-            }
-            if world.scene.cloths[index].particles().iter().any(|p| p.is_pinned()) {
-                self.pipelines.get(&Form::from(Pass::Place));
-            }
+            self.compile(world, index);
         }
         Coming {
             buffers: states.into_iter().map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect(),
@@ -56,6 +52,64 @@ impl Gpu {
             self.solids = solids;
         }
         self.meet(world);
+    }
+
+    /// Makes the buffers of cloths whose image is another one now. `left` has what their last images left behind; arenas of the new
+    /// ones are the last of the world's.
+    pub fn replace(&mut self, world: &World, left: &[Left], draw_only: bool) {
+        for (arena, member) in left.iter().filter_map(|l| l.place) {
+            if self.arenas[arena].leave(member) {
+                self.arenas.remove(arena);
+            }
+        }
+        let mut states = Vec::new();
+        for cloths in &world.arenas[self.arenas.len()..] {
+            let (store, spans) = Store::new(&self.device, world, cloths, draw_only);
+            states.extend(spans);
+            self.arenas.push(Arena::new(&self.device, world, store, cloths));
+        }
+        let shared: Vec<usize> = states.iter().map(|(cloth, _)| *cloth).collect();
+        let alone = left.iter().map(|l| l.index).filter(|cloth| !shared.contains(cloth));
+        states.extend(alone.flat_map(|cloth| Store::new(&self.device, world, &[cloth], draw_only).1));
+        for (cloth, state) in states {
+            self.cloths[cloth] = ClothBuffers::new(state, !draw_only);
+            self.boxes.forget(cloth);
+            if !draw_only {
+                self.compile(world, cloth);
+            }
+        }
+        self.meet(world);
+    }
+
+    /// Compiles the passes of a cloth's frames, and those of its pins.
+    fn compile(&mut self, world: &World, cloth: usize) {
+        for form in Plan::forms(world, cloth) {
+            self.pipelines.fitting(&form);
+        }
+        if world.scene.cloths[cloth].particles().iter().any(|p| p.is_pinned()) {
+            self.pipelines.get(&Form::from(Pass::Place));
+        }
+    }
+
+    /// Bytes of the lists that are only read, and of what changes.
+    pub fn bytes(&self) -> [u64; 2] {
+        let mut all: Vec<(bool, &wgpu::Buffer)> = self.arenas.iter().map(|arena| (true, arena.lists())).collect();
+        for buffers in &self.cloths {
+            all.extend([&buffers.now, &buffers.before, &buffers.normals].map(|span| (false, &span.buffer)));
+            let others = buffers.others.iter().filter(|(slot, _)| **slot != Slot::Solids);
+            let read = |slot: &Slot| LISTED.iter().any(|(listed, _)| listed == slot);
+            all.extend(others.map(|(slot, span)| (read(slot), &span.buffer)));
+        }
+        let mut seen: Vec<&wgpu::Buffer> = Vec::new();
+        let [mut images, mut states] = [0; 2];
+        for (read, buffer) in all {
+            // Cloths that share a buffer mostly follow one another.
+            if !seen.iter().rev().any(|known| *known == buffer) {
+                *(if read { &mut images } else { &mut states }) += buffer.size();
+                seen.push(buffer);
+            }
+        }
+        [images, states]
     }
 
     /// Drops the buffers of a cloth that has left.

@@ -1,10 +1,12 @@
 //! From a material to the numbers of a cloth.
 
+use std::sync::Arc;
+
 use super::Material;
 use super::cell::{Cell, P2, cells, cross, sub};
 use super::membrane::triangles;
 use super::plate::Plate;
-use crate::cloth::{Cloth, Membrane};
+use crate::cloth::{Cloth, Membrane, Woven};
 use crate::error::{Result, check};
 
 /// A particle is no lighter than this share of the mean: one without an area would have no finite inverse mass.
@@ -36,12 +38,14 @@ impl Cloth {
         }
         self.set_masses(masses(&plate, self, &same, material.density)?)?;
         let soft = [material.weft, material.warp, material.shear].map(|k| (1.0 / k) as f32);
-        self.membrane = Some(Membrane { cells: membrane, soft });
+        let Material { warp, weft, shear, bend, density, .. } = *material;
+        let woven = Woven { stiffness: [warp, weft, shear], bend, density };
+        self.membrane = Some(Arc::new(Membrane { cells: membrane, soft, woven }));
         self.damping = material.damping as f32;
         self.thickness = material.thickness.map(|t| t as f32).or(self.thickness);
         self.friction = material.friction as f32;
         self.exact = true;
-        self.bending = (material.bend > 0.0).then(|| plate.bending(&same, material.bend));
+        self.bending = (material.bend > 0.0).then(|| Arc::new(plate.bending(&same, material.bend)));
         Ok(())
     }
 

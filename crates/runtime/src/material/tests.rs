@@ -40,7 +40,7 @@ fn area(cloth: &Cloth) -> f64 {
 
 /// Energy of the membrane where positions are moved by `to`.
 fn tension(cloth: &Cloth, to: impl Fn([f32; 3]) -> [f64; 3]) -> f64 {
-    let Membrane { cells, soft } = cloth.membrane().unwrap();
+    let Membrane { cells, soft, .. } = cloth.membrane().unwrap();
     let width = cloth.grids()[0].width as usize;
     let at: Vec<[f64; 3]> = cloth.positions().iter().map(|p| to(*p)).collect();
     let mut sum = 0.0;

@@ -63,7 +63,9 @@ pub fn shared(parts: Parts) -> (Parts, String, usize) {
         }
         let (buffer, from) = if let Some(n) = LISTED.iter().position(|(s, _)| *s == bound.slot) {
             text += &read(name, LISTED[n].1);
-            (reads(Slot::Lists), head(n))
+            // Indices are those of particles; the images of a cloth lie where those of its first instance do.
+            let shift = |each| format!(" + {each} * (job.image / 64u) - {each} * (job.first / 64u)");
+            (reads(Slot::Lists), head(n) + &bound.slot.shared_by_64().map(shift).unwrap_or_default())
         } else if let Some(n) = LASTING.iter().position(|s| *s == bound.slot) {
             text += &written(name, "lasting");
             (writes(Slot::Lasting), format!("{n}u * {}", head(HEAD - 1)))
@@ -87,7 +89,7 @@ pub fn shared(parts: Parts) -> (Parts, String, usize) {
             _ = write!(text, "@group(0) @binding({number}) var<storage, read_write> {name}: array<vec4<f32>>;\n\n");
         }
     }
-    _ = write!(text, "fn find_lists() {{\n{find}}}\n");
+    _ = write!(text, "fn find_lists(job: Job) {{\n{find}}}\n");
     (Parts { bindings, ..parts }, text, scratch)
 }
 

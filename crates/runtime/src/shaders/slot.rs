@@ -141,11 +141,23 @@ impl Slot {
                 cast_slice(&rows.map(|(compliance, bound)| [compliance, bound]).collect::<Vec<_>>()).to_vec()
             }
             Slot::Tethers => {
-                let rows: Vec<_> = held.anchors.iter().map(|a| [a.particle, a.distance.to_bits()]).collect();
+                let end = |a: &crate::Anchor| if a.exists() { a.particle } else { u32::MAX };
+                let rows: Vec<_> = held.anchors.iter().map(|a| [end(a), a.distance.to_bits()]).collect();
                 cast_slice(&rows).to_vec()
             }
             Slot::Holes => vec![0; 4 * cloth.len()],
             _ => Vec::new(),
+        }
+    }
+
+    /// Vectors of four that 64 texels have in a list that instances of a cloth share, as an expression of WGSL; none for other lists.
+    pub fn shared_by_64(self) -> Option<&'static str> {
+        match self {
+            Slot::Rest | Slot::Soft | Slot::Weights => Some("64u"),
+            Slot::Cells => Some("128u"),
+            Slot::Bends => Some("32u"),
+            Slot::Tethers => Some("32u * slots"),
+            _ => None,
         }
     }
 

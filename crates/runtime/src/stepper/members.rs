@@ -49,12 +49,13 @@ impl Stepper {
             return Err(error);
         }
         if let Some((bodies, _)) = &mut self.cpu {
-            bodies.push(self.world.body(index));
+            let body = self.world.body_beside(index, bodies);
+            bodies.push(body);
         }
         Ok(self.world.handles[index])
     }
 
-    /// Removes a cloth and returns its description, with the pins that it had. The other cloths go on with the same bits;
+    /// Removes a cloth and returns its description on its present level, with the pins that it had. The other cloths go on with the same bits;
     /// numbers of substeps and rounds of polish that this cloth alone asked for fall to what the others ask for. Indices of the cloths
     /// behind it fall by one, also in findings and faults; its own are dropped, with its warnings. A script
     /// ([`crate::scene::Script`]) names cloths by their index at the start.

@@ -85,7 +85,7 @@ impl Stepper {
     }
 
     /// Keeps what a cloth continues from if the device is lost; the lists are shared with the state.
-    fn keep(&mut self, cloth: usize, state: &ClothState) {
+    pub(super) fn keep(&mut self, cloth: usize, state: &ClothState) {
         if self.cpu.is_none() {
             self.world.runs[cloth].kept = Some(state.clone());
         }
@@ -97,7 +97,7 @@ impl Stepper {
     }
 
     /// The states of some cloths.
-    fn states(&mut self, cloths: &[usize]) -> Result<Vec<ClothState>> {
+    pub(super) fn states(&mut self, cloths: &[usize]) -> Result<Vec<ClothState>> {
         let Some((bodies, threads)) = &mut self.cpu else { return self.read_states(cloths) };
         self.world.act(bodies, threads);
         let save = |cloth: &usize| {

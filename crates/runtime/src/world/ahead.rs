@@ -68,8 +68,8 @@ impl World {
         let stay = self.arenas.iter().map(|list| list.iter().filter_map(place).collect::<Vec<_>>());
         let come = kept.iter().enumerate().filter(|(_, own)| own.is_none()).flat_map(|(index, _)| {
             let alone = std::slice::from_ref(&later.scene.cloths[index]);
-            let slots = later.runs[index].tethers.per_particle;
-            arenas(alone, |_| slots, &later.control.options, room).into_iter().map(move |_| vec![index])
+            let held = later.runs[index].instance();
+            arenas(alone, |_| held, &later.control.options, room).into_iter().map(move |_| vec![index])
         });
         stay.chain(come).filter(|list| !list.is_empty()).collect()
     }

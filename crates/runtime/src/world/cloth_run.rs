@@ -1,12 +1,14 @@
 //! How a cloth runs.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
+use super::images::Images;
+use super::levels::Finer;
 use super::sleep::Calm;
 use crate::cloth::{Anchor, Cloth, Tethers};
 use crate::form::Fused;
 use crate::limits::Warning;
-use crate::number::real::with_w;
+use crate::number::real::{dot, sub, with_w};
 use crate::passes::Schedule;
 use crate::scene::Pose;
 use crate::state::ClothState;
@@ -16,7 +18,11 @@ use crate::tile::Order;
 #[derive(Default)]
 pub struct ClothRun {
     /// What it hangs on; without slots where that is nothing.
-    pub tethers: Tethers,
+    pub tethers: Arc<Tethers>,
+    /// What it shares with other cloths of the same images.
+    pub images: Option<Arc<Images>>,
+    /// The finer images that it goes back to, the finest first.
+    pub finer: Vec<Finer>,
     /// Its place among the [`crate::coat::Coats`].
     pub coat: usize,
     /// Its passes.
@@ -43,9 +49,20 @@ pub struct ClothRun {
 }
 
 impl ClothRun {
-    /// A cloth that may have `most` tethers per particle, longer by a factor than the way along the surface.
-    pub fn new(cloth: &Cloth, most: u32, slack: f32) -> Self {
-        ClothRun { tethers: hang(cloth, most, slack), ..ClothRun::default() }
+    /// A cloth with these images.
+    pub fn new(images: Arc<Images>) -> Self {
+        ClothRun { tethers: images.tethers().clone(), images: Some(images), ..ClothRun::default() }
+    }
+
+    /// Tethers per particle, and a number that only instances of the same cloth share.
+    pub fn instance(&self) -> (usize, usize) {
+        let images = self.images.as_ref().map_or(std::ptr::null(), Arc::as_ptr);
+        (self.tethers.per_particle, images as usize)
+    }
+
+    /// Whether another cloth has the same images, and neither shares less than it did at the start.
+    pub fn is_instance_of(&self, other: &ClothRun) -> bool {
+        self.images.as_ref().zip(other.images.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
     }
 
     /// As [`Cloth::charts`].
@@ -55,13 +72,13 @@ impl ClothRun {
 
     /// The targets \[m\] of a cloth's limits where it is now, and the limits; empty if it has none.
     pub fn targets(&self, cloth: &Cloth) -> Vec<[f32; 4]> {
-        let each = cloth.positions().iter().zip(cloth.limits.iter().flatten());
+        let each = cloth.positions().iter().zip(cloth.limits.as_deref().unwrap_or(&[]));
         each.map(|(p, limit)| with_w(self.home.apply(*p), *limit)).collect()
     }
 }
 
 /// The tethers of a cloth, in as many slots as are used, where it may have `most` a particle, longer by a factor.
-fn hang(cloth: &Cloth, most: u32, slack: f32) -> Tethers {
+pub fn hang(cloth: &Cloth, most: u32, slack: f32) -> Tethers {
     if most == 0 || !cloth.particles().iter().any(|p| p.is_pinned()) {
         return Tethers::default();
     }
@@ -78,6 +95,14 @@ fn hang(cloth: &Cloth, most: u32, slack: f32) -> Tethers {
             anchors.extend(ends.iter().map(of));
         } else {
             anchors.extend(&found.of(k)[..used]);
+        }
+    }
+    if cloth.coarse {
+        // No shorter than straight through space at the start, or the first step would jerk the cloth.
+        let place = |k: usize| cloth.positions()[k].map(f64::from);
+        for (n, a) in anchors.iter_mut().enumerate().filter(|(_, a)| a.exists()) {
+            let way = sub(place(n / used), place(a.particle as usize));
+            a.distance = a.distance.max(dot(way, way).sqrt() as f32);
         }
     }
     anchors.iter_mut().for_each(|a| a.distance *= slack);

@@ -1,5 +1,8 @@
 //! Cloths that come and go while others keep moving.
 
+use std::sync::Arc;
+
+use super::images::Images;
 use super::{ClothRun, World};
 use crate::choose::Settings;
 use crate::cloth::Cloth;
@@ -16,6 +19,8 @@ use crate::scene::Scene;
 
 /// What a cloth has left behind for the device.
 pub struct Left {
+    /// Its index.
+    pub index: usize,
     pub cloth: Cloth,
     /// Its arena and its place there, by index; the arena is gone if it is empty now.
     pub place: Option<(usize, usize)>,
@@ -24,15 +29,22 @@ pub struct Left {
 }
 
 /// Prepares a cloth for the solver; `slack` is the length of its tethers over the way along the surface.
-pub(super) fn prepare(cloth: &mut Cloth, options: &Settings, slack: f32, colliders: &[Collider]) -> Result<ClothRun> {
+/// Images that are known are shared.
+pub(super) fn prepare<'a>(
+    cloth: &mut Cloth,
+    options: &Settings,
+    slack: f32,
+    (colliders, known): (&[Collider], impl Iterator<Item = &'a Arc<Images>>),
+) -> Result<ClothRun> {
     let mut warnings = Vec::new();
     // It may come from a stepper that has cut it.
     cloth.close();
+    let given = cloth.clone();
     let most = limits::prepare(cloth, options, &mut warnings)?;
     let meets = colliders.iter().any(|c| c.is_met(cloth.collision_groups));
     let left_out = meets && has_levels(cloth, options);
     warnings.extend(left_out.then(|| Warning::PyramidOnColliders { cloth: cloth.name().into() }));
-    let mut run = ClothRun::new(cloth, most, slack);
+    let mut run = ClothRun::new(Images::of(cloth, given, (most, slack), known));
     run.warnings = warnings;
     Ok(run)
 }
@@ -58,7 +70,8 @@ impl World {
         alone.cloths.push(cloth);
         let rounds_change = self.control.join(&alone);
         let slack = self.control.options.slack.last().copied().unwrap_or(1.0);
-        let run = match prepare(&mut alone.cloths[0], &self.control.options, slack, &self.scene.colliders) {
+        let known = self.runs.iter().filter_map(|run| run.images.as_ref());
+        let run = match prepare(&mut alone.cloths[0], &self.control.options, slack, (&self.scene.colliders, known)) {
             Ok(run) => run,
             Err(error) => {
                 self.control = before;
@@ -67,7 +80,7 @@ impl World {
         };
         let index = self.runs.len();
         if let Some(room) = &self.room {
-            let found = arenas(&alone.cloths, |_| run.tethers.per_particle, &self.control.options, room);
+            let found = arenas(&alone.cloths, |_| run.instance(), &self.control.options, room);
             self.arenas.extend(found.iter().map(|_| vec![index]));
         }
         self.scene.cloths.append(&mut alone.cloths);
@@ -89,10 +102,8 @@ impl World {
 
     /// Lets a cloth go; the indices of those behind it fall by one.
     pub fn leave(&mut self, index: usize) -> Left {
-        let mut arenas = self.arenas.iter().enumerate();
-        let place = arenas.find_map(|(arena, list)| Some((arena, list.iter().position(|c| *c == index)?)));
-        self.arenas.iter_mut().for_each(|list| list.retain_mut(|cloth| follow(cloth, index)));
-        self.arenas.retain(|list| !list.is_empty());
+        let place = self.leave_arena(index);
+        self.arenas.iter_mut().flatten().for_each(|cloth| _ = follow(cloth, index));
         let cloth = self.scene.cloths.remove(index);
         self.runs.remove(index);
         self.handles.remove(index);
@@ -110,12 +121,34 @@ impl World {
         } else {
             self.control.round = self.cost_of_round();
         }
-        Left { cloth, place, recoated }
+        Left { index, cloth, place, recoated }
+    }
+
+    /// Takes a cloth out of its arena, and the arena away if it is empty then. Returns the arena and the place of the cloth there.
+    pub(super) fn leave_arena(&mut self, index: usize) -> Option<(usize, usize)> {
+        let mut arenas = self.arenas.iter().enumerate();
+        let place = arenas.find_map(|(arena, list)| Some((arena, list.iter().position(|c| *c == index)?)));
+        self.arenas.iter_mut().for_each(|list| list.retain(|cloth| *cloth != index));
+        self.arenas.retain(|list| !list.is_empty());
+        place
     }
 
     /// A cloth at its start on the CPU.
     pub fn body<T: Real>(&self, index: usize) -> Body<T> {
         let (cloth, run) = (&self.scene.cloths[index], &self.runs[index]);
         Body::new(cloth, &run.tethers, &self.control.options, self.control.clock.dt_old)
+    }
+
+    /// The same, with the images of the first of the other `bodies` that is an instance of the same cloth.
+    pub fn body_beside<T: Real>(&self, index: usize, bodies: &[Body<T>]) -> Body<T> {
+        let mut body = self.body(index);
+        let mut others = bodies.iter().zip(&self.runs).enumerate().filter(|(other, _)| *other != index);
+        let instance = |(_, (b, run)): &(usize, (&Body<T>, &ClothRun))| {
+            b.count() == body.count() && !b.is_cut() && run.is_instance_of(&self.runs[index])
+        };
+        if let Some((_, (other, _))) = others.find(instance) {
+            body.share(other);
+        }
+        body
     }
 }

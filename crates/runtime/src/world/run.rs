@@ -6,27 +6,41 @@ use crate::cpu::body::Body;
 use crate::cpu::fused;
 use crate::cpu::rows::Threads;
 use crate::findings::{Watchdog, is_risky};
-use crate::number::real::{Real, xyz};
+use crate::number::real::{Real, V3, xyz};
+
+/// A cloth that is awake in a frame.
+struct Move<'a, T: Real> {
+    index: usize,
+    body: &'a mut Body<T>,
+    /// Positions before the frame, where the cloth may pass through a collider in it.
+    prior: Option<Vec<V3<T>>>,
+}
 
 impl World {
-    /// Runs a frame of `steps` steps on the CPU.
+    /// Runs a frame of `steps` steps on the CPU. Threads share the cloths, and the rows of large ones; each cloth gets the same bits.
     pub fn run<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
         let solids = self.solids::<T>();
         let seconds = f64::from(steps) * self.control.clock.dt;
         let mut watchdog = std::mem::replace(&mut self.watchdog, Watchdog::new(0));
         let due = watchdog.is_due(self.control.clock.time + seconds);
-        for (index, body) in bodies.iter_mut().enumerate() {
-            if self.runs[index].asleep {
-                continue;
-            }
-            let (cloth, frame) = (&self.scene.cloths[index], self.frame(index, steps));
+        let mut moves: Vec<Move<T>> = Vec::new();
+        let awake = bodies.iter_mut().enumerate().filter(|(index, _)| !self.runs[*index].asleep);
+        moves.extend(awake.map(|(index, body)| Move { index, body, prior: None }));
+        let particles = moves.iter().map(|m| m.body.now().len()).sum::<usize>();
+        threads.each(&mut moves, particles * steps as usize, |of| {
+            let Move { index, body, prior } = of;
+            let (cloth, frame) = (&self.scene.cloths[*index], self.frame(*index, steps));
             body.bound_diagonals(T::of(cloth.bound(self.control.clock.dt).into()));
-            let met = &solids[self.runs[index].coat];
+            let met = &solids[self.runs[*index].coat];
             let risky = !met.is_empty() && is_risky(body.now(), body.before(), met, self.control.clock.dt, seconds);
-            let prior = if risky { body.now().iter().map(|p| xyz(*p)).collect() } else { Vec::new() };
+            *prior = risky.then(|| body.now().iter().map(|p| xyz(*p)).collect());
             fused::run(body, &frame, threads, met);
+        });
+        // In the order of the cloths, whichever was done first.
+        for Move { index, body, prior } in moves {
+            let met = &solids[self.runs[index].coat];
             let sight = self.sight(index, (body.now(), body.before()), met, seconds);
-            if risky {
+            if let Some(prior) = prior {
                 watchdog.cross(&sight, &prior, seconds);
             }
             if due && watchdog.knows(index, sight.time) {

@@ -31,6 +31,11 @@ impl<T: Real> Weights<T> {
         Weights { lists: [0, 1, 2, 3].map(list), half: sheet.half, width: sheet.width, none }
     }
 
+    /// The lists of the four directions.
+    pub fn lists(&self) -> &[Vec<T>; 4] {
+        &self.lists
+    }
+
     /// A weight by its place in a list.
     pub fn of(&self, single: usize, direction: usize) -> T {
         self.lists[direction][single]

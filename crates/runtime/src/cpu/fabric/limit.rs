@@ -13,7 +13,7 @@ pub struct Limit<T: Real> {
     /// Target positions \[m\]; in the layout of [`Sheet::now`].
     targets: Aligned<T>,
     /// Largest distance \[m\], `f32::MAX` for no limit; in the layout of [`Sheet::w`].
-    most: Vec<T>,
+    pub most: Vec<T>,
 }
 
 impl<T: Real> Limit<T> {

@@ -7,6 +7,7 @@ use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
 
 /// The cells of a sheet.
+#[derive(Clone)]
 pub struct Cells<T> {
     /// Inverses of the rest shapes of two triangles by columns, in the layout of [`Sheet::w`]; 0 means no triangle. The sign
     /// of their determinants says which diagonal divides the cell: down-right, or up-right where it is negative.

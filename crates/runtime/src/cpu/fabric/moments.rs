@@ -1,5 +1,7 @@
 //! Twin of shaders/moments.wgsl: the multipliers of bending.
 
+use std::sync::Arc;
+
 use super::laplacian::Weights;
 use crate::cloth::{Cloth, Grid};
 use crate::cpu::rows::Threads;
@@ -12,11 +14,11 @@ const TOGETHER: usize = 32;
 
 /// How a sheet bends.
 pub struct Plate<T> {
-    pub weights: Weights<T>,
+    pub weights: Arc<Weights<T>>,
     /// Compliance \[m/N\], in the layout of [`Sheet::w`]; 0 where there is no moment.
-    pub compliance: Vec<T>,
+    pub compliance: Arc<Vec<T>>,
     /// Least compliance over the square of the step \[1/kg\].
-    pub bound: Vec<T>,
+    pub bound: Arc<Vec<T>>,
     /// Multipliers, in the layout of [`Sheet::now`].
     pub moments: Vec<T>,
 }
@@ -28,9 +30,9 @@ pub fn plates<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Plate<T>> {
     let plate = |(sheet, grid): (&Sheet<T>, &Grid)| {
         let (first, zero) = (grid.first as usize, T::of(0.0));
         Plate {
-            weights: Weights::new(sheet, |k| bending.weights[first + k]),
-            compliance: sheet.list(zero, |k| T::of(bending.compliance[first + k].into())),
-            bound: sheet.list(zero, |k| T::of(bounds[first + k].into())),
+            weights: Arc::new(Weights::new(sheet, |k| bending.weights[first + k])),
+            compliance: Arc::new(sheet.list(zero, |k| T::of(bending.compliance[first + k].into()))),
+            bound: Arc::new(sheet.list(zero, |k| T::of(bounds[first + k].into()))),
             moments: vec![zero; sheet.now.len()],
         }
     };
@@ -42,7 +44,7 @@ pub fn plates<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Plate<T>> {
 pub fn run<T: Real>(threads: &Threads, sheet: &Sheet<T>, plate: &mut Plate<T>, dt: T) {
     let row = sheet.row();
     let Plate { weights, compliance, bound, moments } = plate;
-    let (weights, compliance, bound) = (&*weights, &compliance[..], &bound[..]);
+    let (weights, compliance, bound) = (&**weights, &compliance[..], &bound[..]);
     threads.chunks(moments, TOGETHER * row, |chunk, rows| {
         widest(Rows { rows, first: chunk * TOGETHER, sheet, weights, compliance, bound, span: dt * dt });
     });

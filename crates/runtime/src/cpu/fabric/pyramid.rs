@@ -5,6 +5,8 @@
 //! as short as it likes. A node has the mass of the particles that it moves, so that free cloth keeps its momentum.
 //! Nodes of both sides of a seam take one displacement ([`crate::levels::ties`]) before the next level goes on from there.
 
+use std::sync::Arc;
+
 use super::stretch::{self, Rests, Springs};
 use crate::cpu::interpolate::{Field, Parted, add, interpolate};
 use crate::cpu::rows::Threads;
@@ -38,7 +40,7 @@ impl<T: Real> Pyramid<T> {
             let sheet = Sheet::new(&g.grid());
             let zero = T::of(0.0);
             let springs = [0, 1, 2, 3].map(|d| Springs {
-                rest: Rests::List(sheet.list(zero, |k| T::of(g.limits[k][d].get()))),
+                rest: Rests::List(Arc::new(sheet.list(zero, |k| T::of(g.limits[k][d].get())))),
                 soft: Values::Constant(zero),
                 sums: Vec::new(),
                 bound: zero,

@@ -4,6 +4,8 @@ mod relax;
 
 pub use relax::TORN;
 
+use std::sync::Arc;
+
 use super::polish::OVER;
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::{Sheet, Values, planes};
@@ -11,17 +13,26 @@ use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
 
 /// Rest lengths \[m\]; 0 means no spring, as everywhere past the last column.
+#[derive(Clone)]
 pub enum Rests<T> {
     /// One for all: as many times as a row has pairs at most, and as many zeros.
     Constant(Vec<T>),
     /// In the layout of [`Sheet::w`].
-    List(Vec<T>),
+    List(Arc<Vec<T>>),
 }
 
 impl<T: Real> Rests<T> {
     /// The same for all springs of a sheet.
     pub fn constant(sheet: &Sheet<T>, rest: T) -> Self {
         Rests::Constant([rest, T::of(0.0)].iter().flat_map(|r| vec![*r; sheet.half]).collect())
+    }
+
+    /// The numbers.
+    pub fn list(&self) -> &[T] {
+        match self {
+            Rests::Constant(row) => row,
+            Rests::List(list) => list,
+        }
     }
 
     /// Those of `count` springs, the first of which is stored at `stored`, and zeros up to `long`.

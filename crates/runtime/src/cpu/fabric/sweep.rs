@@ -120,6 +120,8 @@ mod tests {
     use crate::cpu::fabric::tethers::Slot;
     use crate::cpu::integrate::Air;
     use crate::cpu::rows::Threads;
+    use std::sync::Arc;
+
     use crate::cpu::sheet::Values;
 
     fn sheet(width: u32, height: u32) -> Sheet<f32> {
@@ -152,7 +154,7 @@ mod tests {
         let bounds = [[0.0; 4], [0.01; 4], [0.0, 0.0, 0.01, 0.0]];
         for ((width, height), bounds) in sizes.into_iter().flat_map(|s| bounds.map(|b| (s, b))) {
             let (mut together, mut apart) = (sheet(width, height), sheet(width, height));
-            let list = Rests::List(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32));
+            let list = Rests::List(Arc::new(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32)));
             let [right, diagonal] = [0.9f32, 1.3].map(|rest| move |sheet| Rests::constant(sheet, rest));
             let rest = [right(&together), list, diagonal(&together), diagonal(&together)];
             let mut bounds = bounds.into_iter();

@@ -1,0 +1,104 @@
+//! Times crowds: 1 to 1,000 garments that share the images of one. CSV to stdout.
+
+mod garment;
+
+use std::time::Instant;
+
+use clap::Parser;
+use gimage_bench_host::{FRAME, Gpu, Host};
+use gimage_runtime::{Backend, Options};
+
+/// Frames before the clock starts: pipelines are made, and buffers first touched.
+const WARM_UP: u32 = 3;
+
+/// The cost of a crowd: milliseconds per frame and per garment, and bytes, on the CPU backend and on the GPU. CSV to stdout, the
+/// adapter to stderr.
+#[derive(Parser)]
+#[command(after_help = "Example:\n  crowd --particles 32 --garments 1,100 --threads 1,0 > crowd.csv")]
+struct Args {
+    /// Particles along each side of a garment, separated by commas.
+    #[arg(long, value_delimiter = ',', default_value = "32,64")]
+    particles: Vec<u32>,
+    /// Numbers of garments, separated by commas.
+    #[arg(long, value_delimiter = ',', default_value = "1,10,100,1000")]
+    garments: Vec<u32>,
+    /// Levels of detail, separated by commas: 0 is the whole image.
+    #[arg(long, value_delimiter = ',', default_value = "0,1")]
+    levels: Vec<u32>,
+    /// Threads of the CPU backend, separated by commas; 0 is one for each core.
+    #[arg(long, value_delimiter = ',', default_value = "1,0")]
+    threads: Vec<usize>,
+    /// Frames of 1/60 s that are timed, at most.
+    #[arg(long, default_value_t = 40)]
+    frames: u32,
+    /// Seconds after which no more frames of a row are timed, from the third on.
+    #[arg(long, default_value_t = 10.0)]
+    seconds: f64,
+    /// Steps per frame.
+    #[arg(long, default_value_t = 8)]
+    substeps: u32,
+    /// Only the CPU backend.
+    #[arg(long, conflicts_with = "gpu")]
+    cpu: bool,
+    /// Only the GPU backend.
+    #[arg(long)]
+    gpu: bool,
+}
+
+#[allow(clippy::print_stdout)]
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let args = Args::parse();
+    let gpu = if args.cpu { Err("not asked for".into()) } else { Gpu::new() };
+    match &gpu {
+        Ok(Gpu { info, .. }) => {
+            eprintln!("adapter: {} ({:?}), driver {} {}", info.name, info.device_type, info.driver, info.driver_info)
+        }
+        Err(error) => eprintln!("no adapter, CPU backend only: {error}"),
+    }
+    let gpu = gpu.ok();
+    let cpu = args.threads.iter().map(|threads| (None, *threads)).filter(|_| !args.gpu);
+    let backends: Vec<_> = cpu.chain(gpu.iter().map(|gpu| (Some(gpu), 1))).collect();
+    println!(
+        "particles,level,garments,backend,threads,dispatches,frames,ms_min,ms_median,ms_per_garment,\
+         images,images_unshared,states,device_images,device_states"
+    );
+    for (&n, &level) in args.particles.iter().flat_map(|n| args.levels.iter().map(move |level| (n, level))) {
+        for &(gpu, threads) in &backends {
+            for &garments in &args.garments {
+                let backend = if gpu.is_some() { Backend::Gpu } else { Backend::Cpu };
+                let options = Options { backend, threads, substeps: Some(args.substeps), ..Options::default() };
+                let mut host = Host::new(garment::crowd(n, garments)?, options, gpu)?;
+                let all: Vec<_> = (0..garments as usize).map(|cloth| (cloth.into(), level)).collect();
+                host.stepper.set_levels(&all)?;
+                let mut times = times(&mut host, &args)?;
+                times.sort_by(f64::total_cmp);
+                let (least, median) = (times[0], times[times.len() / 2]);
+                let each = median / f64::from(garments);
+                let (memory, dispatches) = (host.stepper.memory(), host.stepper.plan().dispatches());
+                let name = if gpu.is_some() { "gpu" } else { "cpu" };
+                println!(
+                    "{n},{level},{garments},{name},{threads},{dispatches},{},{least:.3},{median:.3},{each:.4},{},{},{},{},{}",
+                    times.len(),
+                    memory.images,
+                    memory.images_unshared,
+                    memory.states,
+                    memory.device_images,
+                    memory.device_states,
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Milliseconds of each frame, from recording to the end of the work.
+fn times(host: &mut Host, args: &Args) -> gimage_runtime::Result<Vec<f64>> {
+    let start = Instant::now();
+    (0..WARM_UP).try_for_each(|_| host.timed(FRAME).map(drop))?;
+    let mut times = Vec::new();
+    while times.len() < args.frames.max(1) as usize && (times.len() < 3 || start.elapsed().as_secs_f64() < args.seconds)
+    {
+        times.push(host.timed(FRAME)?);
+    }
+    Ok(times)
+}

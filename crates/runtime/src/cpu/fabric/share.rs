@@ -1,0 +1,51 @@
+//! Lists that instances of a cloth share, and what they take.
+
+use super::Fabric;
+use crate::memory::Tally;
+use crate::number::real::Real;
+
+impl<T: Real> Fabric<T> {
+    /// Takes the lists that are only read from that of another instance of the same cloth, in place of its own.
+    pub fn share(&mut self, other: &Self) {
+        for (own, others) in self.springs.iter_mut().flatten().zip(other.springs.iter().flatten()) {
+            (own.rest, own.soft) = (others.rest.clone(), others.soft.clone());
+        }
+        for (own, others) in self.plates.iter_mut().zip(&other.plates) {
+            (own.weights, own.compliance) = (others.weights.clone(), others.compliance.clone());
+            own.bound = others.bound.clone();
+        }
+        (self.cells, self.masses) = (other.cells.clone(), other.masses.clone());
+        (self.tethers, self.anchors) = (other.tethers.clone(), other.anchors.clone());
+        (self.members, self.starts) = (other.members.clone(), other.starts.clone());
+    }
+
+    /// Counts its lists.
+    pub fn tally(&self, tally: &mut Tally) {
+        for springs in self.springs.iter().flatten() {
+            tally.image(springs.rest.list());
+            tally.image(springs.soft.list());
+            tally.state(&springs.sums);
+        }
+        for plate in &self.plates {
+            plate.weights.lists().iter().for_each(|list| tally.image(list));
+            tally.image(&plate.compliance);
+            tally.image(&plate.bound);
+            tally.state(&plate.moments);
+        }
+        self.cells.iter().flat_map(|cells| &cells.inverse).for_each(|list| tally.image(list));
+        for slot in self.tethers.iter().flat_map(|held| &held.slots) {
+            tally.image(&slot.most);
+            tally.image(&slot.anchor);
+            tally.image(&slot.block);
+        }
+        tally.image(&self.anchors);
+        tally.image(&self.members);
+        tally.image(&self.masses);
+        for sheet in &self.sheets {
+            [&sheet.now, &sheet.before, &sheet.lost, &sheet.w].into_iter().for_each(|list| tally.state(list));
+            tally.state(&sheet.alike);
+        }
+        self.limits.iter().for_each(|limit| tally.state(&limit.most));
+        self.fields.iter().for_each(|field| tally.state(field));
+    }
+}
