@@ -114,6 +114,9 @@ const FAST_POLISH: u32 = 8;
 /// Slack of tethers to a row of pins: more than springs yield there, so that tethers hold only what tears.
 const ROW_SLACK: f32 = 1.03;
 
+/// Extension of cloth with a compliance beyond which tethers alone hold it: such springs do not come to rest.
+const MAX_GIVE: f64 = 1.0;
+
 /// The options, with all that they leave open decided.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -145,8 +148,9 @@ impl Settings {
     pub fn new(given: Options, scene: &Scene) -> (Self, Choice) {
         let choice = choose(&given, scene);
         let row = |c| choice.given == [false; 2] && need(c, &given, scene).support == Support::TetheredRow;
-        // A tether is as long as the path along the surface when that gives.
-        let give = |c: &Cloth| 1.0 + give::at_pins(c, scene.gravity) as f32;
+        // A tether is as long as the path along the surface when that gives. Cloth that is too soft to hold itself is held by tethers.
+        let give =
+            |c: &Cloth| 1.0 + Some(give::at_pins(c, scene.gravity)).filter(|g| *g <= MAX_GIVE).unwrap_or(0.0) as f32;
         let slack = scene.cloths.iter().map(|c| if row(c) { ROW_SLACK } else { 1.0 } * give(c)).collect();
         (Settings { substeps: choice.substeps, polish: choice.polish, slack, given }, choice)
     }
