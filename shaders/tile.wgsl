@@ -88,15 +88,14 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   let inner = vec2<u32>(inner_x, inner_y);
   let around = vec2<u32>(around_x, around_y);
   let lacks = vec2<u32>(lacks_x, lacks_y);
-  grid = workgroup.z;
-  size = vec2<u32>(grids[grid].width, grids[grid].height);
+  size = take_grid(workgroup.z, all(workgroup.xy == vec2<u32>(0u)) && local == 0u);
   own_low = min(max(workgroup.xy * inner, lacks) - lacks, size);
   own_high = min((workgroup.xy + 1u) * inner - lacks, size);
   low = max(own_low, around) - around;
   // Cloth may have grids that end before the tile begins.
   high = select(low, min(own_high + around, size), all(own_low < own_high));
   corner = low;
-  start = grids[grid].first + low.y * size.x + low.x;
+  start = grids_at(grid).first + low.y * size.x + low.x;
 
   let columns = max(high.x - low.x, 1u);
   let by = by_rows(threads, columns);

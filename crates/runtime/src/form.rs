@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::cloth::Grid;
 use crate::passes::{Pass, Schedule};
 
 /// The form in which passes run on the GPU. It describes a shader completely.
@@ -11,7 +10,9 @@ use crate::passes::{Pass, Schedule};
 pub enum Form {
     /// A pass alone.
     Apart(Pass),
-    /// Consecutive passes of a step, by tiles of the cloth.
+    /// A pass alone, over several cloths.
+    Together(Pass),
+    /// Consecutive passes of a step, by tiles of a cloth or of several.
     Tile(Tile),
     /// Whole frames of whole cloths.
     Whole(Fused),
@@ -26,7 +27,7 @@ impl From<Pass> for Form {
 impl Form {
     /// The pass, if it runs alone.
     pub fn pass(&self) -> Option<Pass> {
-        if let Form::Apart(pass) = self { Some(*pass) } else { None }
+        if let Form::Apart(pass) | Form::Together(pass) = self { Some(*pass) } else { None }
     }
 }
 
@@ -39,6 +40,8 @@ pub struct Tile {
     pub shape: TileShape,
     /// Threads of a workgroup.
     pub threads: u32,
+    /// Whether several cloths may share the dispatch.
+    pub shared: bool,
 }
 
 impl Tile {
@@ -63,8 +66,8 @@ pub struct TileShape {
 
 impl TileShape {
     /// Tiles along the sides of a grid.
-    pub(crate) fn tiles(&self, grid: &Grid) -> [u32; 2] {
-        [0, 1].map(|d| ([grid.width, grid.height][d] + self.lacks[d]).div_ceil(self.inner[d]))
+    pub(crate) fn tiles(&self, sides: [u32; 2]) -> [u32; 2] {
+        [0, 1].map(|d| (sides[d] + self.lacks[d]).div_ceil(self.inner[d]))
     }
 }
 
@@ -92,6 +95,4 @@ pub enum Hold {
     Wide,
     /// In its memory, alone: 12 bytes per particle.
     Narrow,
-    /// In storage. For cloths that are too large, where there are many of them.
-    Stored,
 }

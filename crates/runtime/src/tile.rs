@@ -15,7 +15,7 @@ mod order;
 mod reach;
 mod shape;
 
-pub use order::{Order, order};
+pub use order::{Among, Order, Sequence, order, sequence};
 
 use crate::form::{Tile, TileShape};
 use crate::passes::Pass;
@@ -23,8 +23,8 @@ use crate::shaders::{Over, Stages, over, stages};
 
 impl Tile {
     /// What makes just these passes, but for sizes; `None` where nothing does.
-    fn of(passes: &[Pass]) -> Option<Self> {
-        let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0 };
+    fn of(passes: &[Pass], shared: bool) -> Option<Self> {
+        let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0, shared };
         let Stages { arrive, middle, leave } = stages(passes);
         let moves = |p: &Pass| matches!(p, Pass::Integrate(_) | Pass::IntegrateExact(_));
         let within = |p: &Pass| matches!(over(*p), Over::Particles | Over::Springs { .. }) && !moves(p);

@@ -17,8 +17,7 @@ pub(crate) mod sleep;
 mod work;
 
 pub use cloth_run::ClothRun;
-#[cfg(feature = "gpu")]
-pub use fuse::Batch;
+pub use fuse::{Batch, Share};
 pub use host::{Action, Fault};
 pub use members::Left;
 
@@ -32,7 +31,7 @@ use crate::cpu::body::Body;
 use crate::error::Result;
 use crate::findings::{Sight, Watchdog};
 use crate::frame::Frame;
-use crate::fused::{Room, arenas};
+use crate::fused::{Room, Roster, arenas};
 use crate::handle::ClothHandle;
 use crate::limits::{self, Warning};
 use crate::loops;
@@ -66,8 +65,8 @@ pub struct World {
     pub coats: Coats,
     /// What the device that steps has room for.
     pub room: Option<Room>,
-    /// Cloths that lie in the same buffers, by index.
-    pub arenas: Vec<Vec<usize>>,
+    /// Cloths that lie in the same buffers.
+    pub arenas: Vec<Roster>,
     /// What goes wrong while cloths move.
     pub watchdog: Watchdog,
     /// The last state of the clock in the host's memory, as [`ClothRun::kept`].

@@ -227,11 +227,11 @@ fn what_tiles_do_not_make_runs_between_them() {
         agree("wind", &flies, |o| o, &device);
     }
     agree("pyramid", &flies, |o| Options { pyramid: 2, ..o }, &device);
-    // Steps so short that rounding is kept; with wind on triangles, of more buffers than this device binds at a time.
+    // Steps so short that rounding is kept.
     for (substeps, pyramid, triangles) in [(24, 0, true), (23, 0, false), (25, 2, false)] {
         flies.wind = Some(wind(triangles));
         let tiles = agree("short steps", &flies, |o| Options { substeps: Some(substeps), pyramid, ..o }, &device);
-        assert_eq!(has(&tiles, |p| matches!(p, Pass::IntegrateExact(_))), !triangles, "{tiles:?}");
+        assert!(has(&tiles, |p| matches!(p, Pass::IntegrateExact(_))), "{tiles:?}");
     }
     agree(
         "measured",

@@ -31,7 +31,7 @@ impl Gpu {
     pub fn prepare(&mut self, world: &World, draw_only: bool, recoated: bool) -> Coming {
         let index = world.runs.len() - 1;
         let (store, states) = Store::new(&self.device, world, &[index], draw_only);
-        let shares = world.arenas.last().is_some_and(|cloths| cloths == &[index]);
+        let shares = world.arenas.last().is_some_and(|roster| roster.cloths == [index]);
         if !draw_only {
             for form in Plan::forms(world, index) {
                 self.pipelines.fitting(&form);

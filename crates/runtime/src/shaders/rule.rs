@@ -231,12 +231,17 @@ fn integrate(air: Air, exact: bool) -> Parts {
 
 /// The largest stretch, a number for a workgroup.
 fn strain(over: Over, image: bool, soft: Soft) -> Rule {
-    let share = if soft == Soft::None { part!("share_all") } else { part!("share_soft") };
-    let common = Parts::new(&[part!("larger"), part!("residual"), share], &[Slot::Grids, Slot::Now], &[]);
-    let common = common.and(rest(image)).and(compliance(soft));
+    let common = residuals(image, soft);
     let whole = Whole::Call("strain", common.clone().files(&[part!("whole_strain")]));
     let parts = common.files(&[part!("most")]).bind(&[writes(Slot::Strain)]);
     Rule { whole, ..rule!("strain", "", over, parts) }
+}
+
+/// What is left of springs to be relaxed.
+pub(super) fn residuals(image: bool, soft: Soft) -> Parts {
+    let share = if soft == Soft::None { part!("share_all") } else { part!("share_soft") };
+    let parts = Parts::new(&[part!("larger"), part!("residual"), share], &[Slot::Grids, Slot::Now], &[]);
+    parts.and(rest(image)).and(compliance(soft))
 }
 
 /// Where rest lengths come from.

@@ -5,6 +5,7 @@ use super::lists;
 use super::parts::{Parts, reads, writes};
 use super::program::calls;
 use super::rule::{Over, Rule, over, rule};
+use super::together::{clears, several};
 use super::{Slot, Source, Threads};
 use crate::form::Tile;
 use crate::passes::Pass;
@@ -32,7 +33,7 @@ pub fn stages(passes: &[Pass]) -> Stages<'_> {
 /// owns.
 pub fn tile(tile: &Tile) -> Source {
     let Stages { arrive, middle, leave } = stages(&tile.passes);
-    let mut parts = Parts::new(&[part!("grid"), part!("grids"), part!("by_rows")], &[Slot::Grids], &[Slot::Next]);
+    let mut parts = Parts::new(&[part!("grid"), part!("by_rows")], &[Slot::Grids], &[Slot::Next]);
     for pass in &tile.passes {
         let Rule { text, over, parts: own, .. } = rule(*pass);
         parts = parts.and(own).files(&[text]);
@@ -62,6 +63,7 @@ pub fn tile(tile: &Tile) -> Source {
         calls(leave, |pass, _| format!("  {}_own(local);\n", call(pass))),
     );
     let shape = tile.shape;
+    let parts = if tile.shared { several(parts, false) } else { parts.files(&[part!("grids"), part!("tile_alone")]) };
     let parts = apart_from_others(tile, parts).files(&[pass!("tile")]).constant("threads", tile.threads);
     let numbers = [("places", shape.room[0] * shape.room[1]), ("stride", shape.room[0])];
     let inner = [("inner_x", shape.inner[0]), ("inner_y", shape.inner[1])];
@@ -69,8 +71,15 @@ pub fn tile(tile: &Tile) -> Source {
     let lacks = [("lacks_x", shape.lacks[0]), ("lacks_y", shape.lacks[1])];
     let numbers = numbers.into_iter().chain(inner).chain(around).chain(lacks);
     let parts = numbers.fold(parts, |parts, (name, n)| parts.constant(name, n));
+    let (parts, declared) = if tile.shared {
+        let (parts, declared, _) = lists::shared(clears(parts.files(&[part!("tile_member")]), true), false);
+        (parts, declared)
+    } else {
+        let declared = lists::own(&parts.bindings);
+        (parts, declared)
+    };
     let (files, bindings, constants) = (parts.files, parts.bindings, parts.constants);
-    let program = format!("\n{}{program}", lists::own(&bindings));
+    let program = format!("\n{declared}{program}");
     Source { stem: "tile", files, loops, program, bindings, constants, threads: Threads::Tiles(shape), scratch: 0 }
 }
 
@@ -78,7 +87,7 @@ pub fn tile(tile: &Tile) -> Source {
 fn apart_from_others(tile: &Tile, mut parts: Parts) -> Parts {
     let moves = parts.bound(Slot::Before).is_some_and(|b| b.writes);
     let (exact, sums) = (parts.binds(Slot::Lost), parts.binds(Slot::Sums));
-    let files: Vec<_> = parts.bindings.iter().flat_map(|b| declared(b.slot)).copied().collect();
+    let files: Vec<_> = parts.bindings.iter().flat_map(|b| declared(b.slot, tile.shared)).copied().collect();
     let changed = [Slot::Now, Slot::Before, Slot::Lost, Slot::Sums];
     parts.bindings.iter_mut().filter(|b| changed.contains(&b.slot)).for_each(|b| b.writes = false);
     let parts = parts.files(&files).bind(&[reads(Slot::Now)]);
@@ -99,9 +108,10 @@ fn apart_from_others(tile: &Tile, mut parts: Parts) -> Parts {
 }
 
 /// Declarations of what rules name but do not declare.
-fn declared(slot: Slot) -> &'static [&'static str] {
+fn declared(slot: Slot, shared: bool) -> &'static [&'static str] {
     match slot {
         Slot::Step => &[part!("step"), part!("step_bound")],
+        Slot::Solids if shared => &[part!("solids_member")],
         Slot::Solids => &[part!("solids_all")],
         other => declared_alike(other),
     }

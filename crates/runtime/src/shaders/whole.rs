@@ -21,7 +21,15 @@ fn all(schedule: &Schedule) -> impl Iterator<Item = &Pass> {
 /// The rules of all passes and a loop for each, called in their order.
 pub fn whole(fused: &Fused) -> Source {
     let schedule = &*fused.schedule;
-    let files = [part!("step"), part!("grid"), part!("now"), part!("befores"), part!("by_rows"), part!("faults")];
+    let files = [
+        part!("step"),
+        part!("grid"),
+        part!("now"),
+        part!("befores"),
+        part!("by_rows"),
+        part!("faults"),
+        part!("jobs"),
+    ];
     let mut parts = Parts::new(
         &files,
         &[Slot::Frame, Slot::Batch, Slot::Part, Slot::Jobs, Slot::Grids],
@@ -49,7 +57,7 @@ pub fn whole(fused: &Fused) -> Source {
     let declared: Vec<_> = parts.bindings.iter().flat_map(|b| declared(b.slot)).copied().collect();
     let parts = held(fused, parts.files(&declared)).files(&[pass!("fused")]);
     let step = |pass: &Pass, colour: &str| line(pass, colour, true);
-    let (parts, declared, scratch) = lists::shared(parts);
+    let (parts, declared, scratch) = lists::shared(parts, true);
     let program = format!(
         "\n{declared}\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
          fn frame_program(job: Job, local: u32) {{\n{}}}\n",
@@ -96,9 +104,8 @@ fn held(fused: &Fused, parts: Parts) -> Parts {
     let parts = match fused.hold {
         Hold::Both | Hold::Wide => parts.files(&[part!("held")]),
         Hold::Narrow => parts.files(&[part!("held_narrow")]).constant("numbers", 3 * fused.places),
-        Hold::Stored => parts.files(&[part!("held_stored")]),
     };
-    let parts = if fused.hold == Hold::Stored { parts } else { parts.constant("places", fused.places) };
+    let parts = parts.constant("places", fused.places);
     if fused.hold == Hold::Both {
         return parts.files(&[part!("was_held")]).constant("befores", 3 * fused.places);
     }

@@ -16,29 +16,85 @@ pub struct Order {
     pub relax: Vec<Form>,
 }
 
+/// The dispatches of a frame of cloths that share them, in order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sequence {
+    /// In steps with forces of air, before all others.
+    pub air: Vec<Form>,
+    /// Once a step, up to the first relaxation and with it.
+    pub first: Vec<Form>,
+    /// For each relaxation after it.
+    pub relax: Vec<Form>,
+    /// After the last step.
+    pub last: Vec<Form>,
+}
+
+impl Sequence {
+    /// The dispatches of a frame of `steps` steps of `rounds` relaxations, and how often each is made, if forces of air act in every
+    /// `hold`-th step.
+    pub fn forms(&self, steps: u32, rounds: u32, hold: u32) -> Vec<(Form, u32)> {
+        let blows = steps.div_ceil(hold.max(1));
+        let lists = [(&self.air, blows), (&self.first, steps), (&self.relax, steps * (rounds - 1)), (&self.last, 1)];
+        let made = lists.into_iter().filter(|(_, count)| *count > 0);
+        made.flat_map(|(list, count)| list.iter().map(move |form| (form.clone(), count))).collect()
+    }
+}
+
+/// What the sizes of dispatches depend on beside their passes: those that they are made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Among<'a> {
+    /// Columns and rows of grids.
+    pub sides: &'a [[u32; 2]],
+    /// [`loops::of_solids`] of the colliders that a cloth meets.
+    pub solids: u64,
+    /// [`loops::of_ring`] of its seams.
+    pub ring: u64,
+    /// Whether several cloths share the dispatches.
+    pub shared: bool,
+}
+
 /// The order of the schedule of a cloth, and [`loops::of_solids`] of its colliders, if any of its passes can run together.
-pub fn order(among: (&Cloth, u64), schedule: &Schedule, room: &Room) -> Option<Order> {
+pub fn order((cloth, solids): (&Cloth, u64), schedule: &Schedule, room: &Room) -> Option<Order> {
+    let sides: Vec<_> = cloth.grids().iter().map(|g| [g.width, g.height]).collect();
+    let among = Among { sides: &sides, solids, ring: loops::of_ring(cloth), shared: false };
     let whole = [&schedule.step[..], &schedule.relax].concat();
-    let together = |passes: &[Pass]| together(passes, among, room);
-    let order = Order { first: together(&whole), relax: together(&schedule.relax) };
+    let order = Order { first: together(&whole, &among, room), relax: together(&schedule.relax, &among, room) };
     order.first.iter().chain(&order.relax).any(|f| matches!(f, Form::Tile(_))).then_some(order)
 }
 
+/// The dispatches of a schedule without passes on coarser grids, by cloths that share them.
+pub fn sequence(among: &Among, schedule: &Schedule, room: &Room) -> Sequence {
+    let whole = [&schedule.step[..], &schedule.relax].concat();
+    // Speeds are measured for each cloth at once.
+    let last = schedule.frame.iter().filter(|p| **p != Pass::Fastest);
+    let alone = |pass: &Pass| Form::Together(*pass);
+    Sequence {
+        air: schedule.air.iter().map(alone).collect(),
+        first: together(&whole, among, room),
+        relax: together(&schedule.relax, among, room),
+        last: last.map(alone).collect(),
+    }
+}
+
 /// As many passes at a time as one dispatch can make, from the first on.
-fn together(passes: &[Pass], among: (&Cloth, u64), room: &Room) -> Vec<Form> {
+fn together(passes: &[Pass], among: &Among, room: &Room) -> Vec<Form> {
     let mut list = Vec::new();
     let mut left = passes;
     while let Some(first) = left.first() {
-        let tile = |n: usize| {
-            let tile = Tile::of(&left[..n])?.fit(among.0.grids(), room)?;
-            let bindings = shaders::tile(&tile).bindings;
-            let bound = bindings.iter().filter(|b| b.slot != Slot::Step).count();
-            let ends = loops::of_tile(&tile, among) <= u64::from(room.loops);
-            (ends && bound <= room.buffers as usize).then_some((Form::Tile(tile), n))
-        };
-        let (form, n) = (2..=left.len()).rev().find_map(tile).unwrap_or((Form::Apart(*first), 1));
+        let tile = |n: usize| Some((Form::Tile(tile(&left[..n], among, room)?), n));
+        let alone = || if among.shared { Form::Together(*first) } else { Form::Apart(*first) };
+        let (form, n) = (2..=left.len()).rev().find_map(tile).unwrap_or_else(|| (alone(), 1));
         list.push(form);
         left = &left[n..];
     }
     list
+}
+
+/// A tile that makes just these passes, if there is one that a device has room for.
+fn tile(passes: &[Pass], among: &Among, room: &Room) -> Option<Tile> {
+    let tile = Tile::of(passes, among.shared)?.fit(among.sides, room)?;
+    let uniform = |slot| matches!(slot, Slot::Step | Slot::Frame | Slot::Batch | Slot::Part);
+    let bound = shaders::tile(&tile).bindings.iter().filter(|b| !uniform(b.slot)).count();
+    let ends = loops::of_tile(&tile, [among.solids, among.ring]) <= u64::from(room.loops);
+    (ends && bound <= room.buffers as usize).then_some(tile)
 }

@@ -3,72 +3,182 @@
 use std::sync::{Arc, OnceLock};
 
 use super::World;
-use super::dispatch::{by_loops, by_work};
+use super::dispatch::{by_loops, by_work, most_at_once};
 use crate::form::Fused;
+use crate::fused::Room;
+use crate::loops;
 use crate::passes::Schedule;
+use crate::shaders::Extent;
+use crate::tile::{Among, Sequence, sequence};
 
-/// Workgroups of a dispatch in a row.
-const MOST: usize = 65_535;
+/// Workgroups of a dispatch along one axis.
+const MAX_WORKGROUPS: usize = 65_535;
 
-/// Cloths that share a dispatch.
+/// Cloths that share dispatches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
     /// Index of the arena.
     pub arena: usize,
     /// What runs.
-    pub fused: Fused,
-    /// Colliders that each of its cloths meets.
-    pub solids: usize,
-    /// Most steps in one dispatch.
-    pub most: u32,
+    pub share: Share,
     /// Places in the arena's list of cloths.
     pub members: Vec<usize>,
 }
 
+/// What cloths run in the dispatches that they share.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Share {
+    /// Whole frames, a workgroup a cloth.
+    Whole {
+        fused: Fused,
+        /// Colliders that each cloth meets.
+        solids: usize,
+        /// Most steps in one dispatch.
+        most: u32,
+    },
+    /// Step by step, in tiles and passes of their own.
+    Steps {
+        sequence: Arc<Sequence>,
+        /// The largest of the cloths.
+        extent: Extent,
+        /// Forces of air act on some cloth in every step that is a multiple of it.
+        hold: u32,
+        /// Relaxations of all particles in a dispatch, at most.
+        work: u64,
+    },
+}
+
 impl Batch {
-    /// Its dispatches in a frame of `steps` steps. A frame without a step has one: it makes normals.
+    /// Its dispatches in a frame of `steps` steps where these are whole frames. A frame without a step has one: it makes normals.
     pub fn parts(&self, steps: u32) -> u32 {
-        steps.div_ceil(self.most.max(1)).max(1)
+        let most = if let Share::Whole { most, .. } = &self.share { *most } else { 1 };
+        steps.div_ceil(most.max(1)).max(1)
+    }
+
+    /// Takes in one more cloth if it can share the dispatches; `most` is the work of a dispatch.
+    fn take(&mut self, member: usize, other: &Share, most: u64) -> bool {
+        let next = self.members.len() + 1;
+        let joined = match (&mut self.share, other) {
+            (Share::Whole { fused, solids, most }, Share::Whole { fused: of, solids: met, most: one }) => {
+                let fits = *solids == *met && fused.kind() == of.kind() && next <= MAX_WORKGROUPS;
+                if fits {
+                    *fused = fused.with(of);
+                    *most = (*most).min(*one);
+                }
+                fits
+            }
+            (
+                Share::Steps { sequence, extent, hold, work },
+                Share::Steps { sequence: of, extent: size, hold: time, work: more },
+            ) => {
+                let both = extent.with(*size);
+                let fits = Arc::ptr_eq(sequence, of) && next * both.grids.max(1) as usize <= MAX_WORKGROUPS;
+                let fits = fits && *work + more <= most;
+                if fits {
+                    (*extent, *hold, *work) = (both, common(*hold, *time), *work + more);
+                }
+                fits
+            }
+            _ => false,
+        };
+        if joined {
+            self.members.push(member);
+        }
+        joined
     }
 }
 
+/// The greatest common divisor.
+fn common(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { common(b, a % b) }
+}
+
 impl World {
-    /// Which cloths run fused; to be called when schedules have changed.
+    /// Decides which cloths share dispatches; to be called when schedules have changed.
     pub fn fuse(&mut self) {
-        self.runs.iter_mut().for_each(|run| (run.fused, run.order) = (None, OnceLock::new()));
+        self.runs.iter_mut().for_each(|run| (run.fused, run.sequence, run.order) = (None, None, OnceLock::new()));
         let Some(room) = self.room.filter(|_| self.control.options.fused) else { return };
         let (iterations, relaxations) = (self.control.options.iterations, self.control.options.relaxations());
         // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.
         let mut frames: Vec<(Arc<Schedule>, bool)> = Vec::new();
-        for index in self.arenas.iter().flatten() {
-            let solids = self.solid_loops(*index);
-            let (cloth, run) = (&self.scene.cloths[*index], &mut self.runs[*index]);
-            // Rest lengths and tethers that a cut has changed are the cloth's own.
-            if cloth.is_cut() {
-                continue;
+        for arena in 0..self.arenas.len() {
+            let mut sequences = Vec::new();
+            for member in 0..self.arenas[arena].cloths.len() {
+                let index = self.arenas[arena].cloths[member];
+                let solids = self.solid_loops(index);
+                let (cloth, run) = (&self.scene.cloths[index], &mut self.runs[index]);
+                // Rest lengths and tethers that a cut has changed are the cloth's own.
+                if cloth.is_cut() {
+                    continue;
+                }
+                let known = frames.iter().position(|(frame, _)| **frame == run.schedule);
+                let at = known.unwrap_or_else(|| {
+                    let frame = Arc::new(run.schedule.clone());
+                    let fits = Fused::buffers(&frame).is_some_and(|count| count <= room.buffers as usize);
+                    frames.push((frame, fits));
+                    frames.len() - 1
+                });
+                let (frame, fits) = &frames[at];
+                let fused = if *fits { Fused::of(cloth, frame, &room) } else { None };
+                run.most = fused.as_ref().map_or(0, |f| by_loops((cloth, solids), f, iterations, &room));
+                run.fused = fused.filter(|f| run.most > 0 && by_work(relaxations, f.places, 1, &room) > 0);
+                // Nodes of coarser grids are the cloth's own too.
+                if run.fused.is_none() && run.schedule.coarse.is_empty() {
+                    self.runs[index].sequence = Some(self.sequence_of((arena, index), (at, &mut sequences), &room));
+                }
             }
-            let known = frames.iter().position(|(frame, _)| **frame == run.schedule);
-            let at = known.unwrap_or_else(|| {
-                let frame = Arc::new(run.schedule.clone());
-                let fits = Fused::buffers(&frame).is_some_and(|count| count <= room.buffers as usize);
-                frames.push((frame, fits));
-                frames.len() - 1
-            });
-            let (frame, fits) = &frames[at];
-            let fused = fits.then(|| Fused::of(cloth, frame, &room));
-            run.most = fused.as_ref().map_or(0, |f| by_loops((cloth, solids), f, iterations, &room));
-            run.fused = fused.filter(|f| run.most > 0 && by_work(relaxations, f.places, 1, &room) > 0);
         }
     }
 
-    /// Whether a cloth runs fused.
+    /// The dispatches of a cloth of an arena, whose schedule has a number. Cloths with the same share them.
+    fn sequence_of(
+        &self,
+        (arena, index): (usize, usize),
+        (schedule, known): (usize, &mut Vec<([u64; 3], Arc<Sequence>)>),
+        room: &Room,
+    ) -> Arc<Sequence> {
+        let cloth = &self.scene.cloths[index];
+        // Sizes depend on these only where loops are bounded.
+        let bounded = |count: u64| if room.loops == u32::MAX { 0 } else { count };
+        let [solids, ring] = [bounded(self.solid_loops(index)), bounded(loops::of_ring(cloth))];
+        let key = [schedule as u64, solids, ring];
+        if let Some((_, sequence)) = known.iter().find(|(k, _)| *k == key) {
+            return sequence.clone();
+        }
+        let among = Among { sides: &self.arenas[arena].sides, solids, ring, shared: true };
+        let sequence = Arc::new(sequence(&among, &self.runs[index].schedule, room));
+        known.push((key, sequence.clone()));
+        sequence
+    }
+
+    /// Whether a cloth runs whole frames.
     pub fn is_fused(&self, cloth: usize) -> bool {
         self.runs.get(cloth).is_some_and(|run| run.fused.is_some())
     }
 
+    /// Whether a cloth may share its dispatches with others.
+    pub fn is_shared(&self, cloth: usize) -> bool {
+        self.is_fused(cloth) || self.runs.get(cloth).is_some_and(|run| run.sequence.is_some())
+    }
+
     /// Whether the passes of a cloth that is awake have dispatches of their own.
     pub fn is_apart(&self, cloth: usize) -> bool {
-        !self.runs[cloth].asleep && !self.is_fused(cloth)
+        !self.runs[cloth].asleep && !self.is_shared(cloth)
+    }
+
+    /// What a cloth runs in the dispatches that it shares.
+    fn share(&self, index: usize) -> Option<Share> {
+        let run = &self.runs[index];
+        let whole =
+            |fused: &Fused| Share::Whole { fused: fused.clone(), solids: self.solid_count(index), most: run.most };
+        let steps = |sequence: &Arc<Sequence>| {
+            let cloth = &self.scene.cloths[index];
+            let options = &self.control.options;
+            // Those of one of the step's rounds.
+            let work = u64::from(options.relaxations() / options.iterations.max(1)) * cloth.len() as u64;
+            Share::Steps { sequence: sequence.clone(), extent: Extent::of(cloth), hold: self.hold(index), work }
+        };
+        run.fused.as_ref().map(whole).or_else(|| run.sequence.as_ref().map(steps))
     }
 
     /// The batches of a frame, of the cloths that are awake.
@@ -81,43 +191,32 @@ impl World {
     /// The same in place of those of another frame, whose memory is used again.
     pub fn batch(&self, batches: &mut Vec<Batch>) {
         let mut count = 0;
-        for (arena, cloths) in self.arenas.iter().enumerate() {
+        let work = self.room.as_ref().map_or(u64::MAX, most_at_once);
+        for (arena, roster) in self.arenas.iter().enumerate() {
             let first = count;
-            for (member, cloth) in cloths.iter().enumerate() {
-                let run = &self.runs[*cloth];
-                let Some(fused) = run.fused.as_ref().filter(|_| !run.asleep) else {
+            for (member, cloth) in roster.cloths.iter().enumerate().filter(|(_, c)| !self.runs[**c].asleep) {
+                let Some(share) = self.share(*cloth) else { continue };
+                if batches[first..count].iter_mut().any(|batch| batch.take(member, &share, work)) {
                     continue;
-                };
-                let solids = self.solid_count(*cloth);
-                let fits =
-                    |b: &&mut Batch| b.solids == solids && b.fused.kind() == fused.kind() && b.members.len() < MOST;
-                match batches[first..count].iter_mut().find(fits) {
-                    Some(batch) => {
-                        batch.fused = batch.fused.with(fused);
-                        batch.most = batch.most.min(run.most);
-                        batch.members.push(member);
-                    }
-                    None => {
-                        let mut members = batches.get_mut(count).map_or(Vec::new(), |b| std::mem::take(&mut b.members));
-                        members.clear();
-                        members.push(member);
-                        let batch = Batch { arena, fused: fused.clone(), solids, most: run.most, members };
-                        if count < batches.len() {
-                            batches[count] = batch;
-                        } else {
-                            batches.push(batch);
-                        }
-                        count += 1;
-                    }
                 }
+                let mut members = batches.get_mut(count).map_or(Vec::new(), |b| std::mem::take(&mut b.members));
+                members.clear();
+                members.push(member);
+                let batch = Batch { arena, share, members };
+                if count < batches.len() {
+                    batches[count] = batch;
+                } else {
+                    batches.push(batch);
+                }
+                count += 1;
             }
         }
         batches.truncate(count);
-        let relaxations = self.control.options.relaxations();
+        let (relaxations, room) = (self.control.options.relaxations(), self.room.as_ref());
         for batch in batches {
-            let room = self.room.as_ref();
-            let most = room.map(|room| by_work(relaxations, batch.fused.places, batch.members.len(), room));
-            batch.most = batch.most.min(most.unwrap_or(u32::MAX));
+            if let (Share::Whole { fused, most, .. }, Some(room)) = (&mut batch.share, room) {
+                *most = (*most).min(by_work(relaxations, fused.places, batch.members.len(), room));
+            }
         }
     }
 }
