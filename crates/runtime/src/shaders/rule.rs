@@ -179,7 +179,8 @@ pub fn rule(pass: Pass) -> Rule {
 /// Swept contact.
 fn contact(over: Over, kinds: Kinds) -> Rule {
     let near: &[_] = if kinds.many { &[part!("near")] } else { &[part!("near_all")] };
-    let files = [&[part!("solid"), part!("friction"), part!("entry"), part!("touch")], near].concat();
+    let own = [part!("solid"), part!("friction"), part!("entry"), part!("touch"), part!("sane")];
+    let files = [&own, near].concat();
     let parts = Parts::new(&files, &[Slot::Step, Slot::Before, Slot::Solids], &[Slot::Now]);
     rule!("contact", "clear", over, shapes(kinds, parts))
 }
