@@ -49,11 +49,6 @@ fn put(k: u32, p: vec4<f32>) {
   held[place_of(k)] = p;
 }
 
-// Pinned particles stay in place.
-fn anchor(k: u32) -> vec4<f32> {
-  return now[k];
-}
-
 // What the tile owns.
 fn own_columns() -> u32 {
   return max(select(0u, own_high.x - own_low.x, all(own_low < own_high)), 1u);
@@ -101,12 +96,12 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   let by = by_rows(threads, columns);
   var cell = by_rows(local, columns);
   arriving = true;
+  end_last_step(local);
   while (cell.y < high.y - low.y) {
     let at = low + cell;
     let k = here(at);
-    let p = now[k];
+    let p = taken(k);
     own = all(at >= own_low) && all(at < own_high);
-    put(k, p);
     take_sums(k, stored(at));
     if (p.w <= 0.0) {
       stay(k);

@@ -15,8 +15,8 @@ struct Frame {
 @group(0) @binding(31) var<uniform> frame: Frame;
 // Where the jobs of the dispatch begin, as x, and how many grids each has at most, as y.
 @group(0) @binding(52) var<uniform> batch: vec4<u32>;
-// Of a whole frame which of its dispatches it is, as x. Else the step, as x, one more than the step whose last passes are still due, as y, and
-// whether it is the first dispatch of the frame, as z.
+// In whole frames, x is the number of the dispatch in the frame. Else x is the step, y is one more than the step whose last passes this
+// dispatch makes first, 0 for none, and z is 1 in the first dispatch of the frame.
 @group(0) @binding(53) var<uniform> part: vec4<u32>;
 
 // Which part of the buffers is a cloth's, and its own numbers of the first and of the other steps. Laid out as `JobRow`.

@@ -19,7 +19,7 @@ fn member(n: u32) {
   begin(part.x, cloth);
 }
 
-// The grid of a workgroup that works for the n-th of all cloths' grids, and whether there is one: cloths with fewer grids leave some out.
+// The grid of layer n. A cloth has as many layers as the cloth with the most grids: has_grid() tells whether the layer has a grid.
 fn member_grid(n: u32) -> u32 {
   member(n / batch.y);
   return cloth.grid + min(n % batch.y, max(cloth.grids, 1u) - 1u);

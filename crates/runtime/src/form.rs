@@ -12,6 +12,8 @@ pub enum Form {
     Apart(Pass),
     /// A pass alone, over several cloths.
     Together(Pass),
+    /// Seams of several cloths, and passes of particles that follow them.
+    Chain(Chain),
     /// Consecutive passes of a step, by tiles of a cloth or of several.
     Tile(Tile),
     /// Whole frames of whole cloths.
@@ -29,6 +31,13 @@ impl Form {
     pub fn pass(&self) -> Option<Pass> {
         if let Form::Apart(pass) | Form::Together(pass) = self { Some(*pass) } else { None }
     }
+}
+
+/// Seams and passes of particles that follow them in one dispatch, in place.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Chain {
+    /// The passes, in order.
+    pub passes: Vec<Pass>,
 }
 
 /// Consecutive passes of a step in one dispatch, described by what is compiled into its shader.

@@ -7,7 +7,7 @@
 
 use crate::cloth::Cloth;
 use crate::collider::{Collider, Shape};
-use crate::form::{Fused, Tile};
+use crate::form::{Chain, Fused, Tile};
 use crate::passes::{Air, Pass};
 use crate::shaders::{Over, over};
 
@@ -42,6 +42,11 @@ pub fn of_tile(tile: &Tile, [solids, ring]: [u64; 2]) -> u64 {
         _ => each * within(pass, solids) + 1,
     };
     2 * each + tile.passes.iter().map(of).sum::<u64>()
+}
+
+/// Those of a chain, as [`of_tile`]: a thread goes through all duplicates of a seam point.
+pub fn of_chain(chain: &Chain, [solids, ring]: [u64; 2]) -> u64 {
+    ring * chain.passes.iter().map(|pass| within(pass, solids) + 1).sum::<u64>() + ring
 }
 
 /// Of a thread over all particles.

@@ -60,6 +60,7 @@ macro_rules! turn {
 
 // Below the macros, which they use.
 mod apart;
+mod chain;
 mod constants;
 mod lists;
 mod parts;
@@ -71,6 +72,7 @@ mod tile;
 mod together;
 mod whole;
 
+pub use chain::{chain, tail};
 pub use lists::HEAD;
 #[cfg(feature = "gpu")]
 pub use lists::{LASTING, SCRATCH};
@@ -85,6 +87,7 @@ pub fn source(form: &Form) -> Source {
     match form {
         Form::Apart(pass) => apart::apart(*pass),
         Form::Together(pass) => together::together(*pass),
+        Form::Chain(of) => chain(of),
         Form::Tile(of) => tile(of),
         Form::Whole(of) => whole(of),
     }

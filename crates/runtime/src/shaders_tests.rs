@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 
 use super::*;
-use crate::form::{Fused, Hold, Tile};
+use crate::form::{Chain, Fused, Hold, Tile};
 use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
 use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
 
@@ -14,6 +14,7 @@ use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
 pub(super) fn variants() -> Vec<Form> {
     let apart = passes().into_iter().map(Form::Apart);
     let apart = apart.chain(passes().into_iter().filter(is_shared).map(Form::Together));
+    let apart = apart.chain(chains().into_iter().map(Form::Chain));
     apart.chain(fused().into_iter().map(Form::Whole)).chain(tiles().into_iter().map(Form::Tile)).collect()
 }
 
@@ -85,6 +86,23 @@ fn springs(image: bool, soft: Soft, again: bool, rounds: u32, tethers: Option<Pa
     colours.into_iter().chain((1..=rounds).flat_map(|n| round(n == rounds))).collect()
 }
 
+/// Seams, and passes that follow them by the bits of a number.
+fn tail(k: u32, slots: u32) -> Vec<Pass> {
+    let on = |bit: u32| k >> bit & 1 == 1;
+    let mut passes = vec![Pass::Seams];
+    passes.extend(on(0).then_some(Pass::Tethers { slots }));
+    passes.extend(on(1).then_some(Pass::Limit));
+    passes.extend(on(3).then_some(Pass::Contact(Kinds { shapes: [true; 6], friction: on(2), many: on(5) })));
+    passes
+}
+
+/// Seams with all that can follow them in place.
+fn chains() -> Vec<Chain> {
+    let ends = [None, Some(Pass::Guard), Some(Pass::Integrate(Air::Push)), Some(Pass::IntegrateExact(Air::Field))];
+    let all = (0..64).flat_map(|k| ends.map(|end| [tail(k, 2), end.into_iter().collect()].concat()));
+    all.map(|passes| Chain { passes }).collect()
+}
+
 /// Every part of tiles, alone and with all others.
 fn tiles() -> Vec<Tile> {
     let airs = [None, Some(Air::None), Some(Air::Push), Some(Air::Field)];
@@ -107,6 +125,11 @@ fn tiles() -> Vec<Tile> {
         passes.extend((on(1) && on(4)).then_some(Pass::Limit));
         passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 6], friction: on(2), many: on(5) })));
         let shape = TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] };
+        // After seams, and what follows them in the last step.
+        if !matches!(passes.last(), Some(Pass::Contact(_))) {
+            let passes = [tail(k, 2 + (n as u32) % 2), passes.clone()].concat();
+            all.push(Tile { passes, shape, threads: 256, shared: true });
+        }
         all.extend([false, true].map(|shared| Tile { passes: passes.clone(), shape, threads: 256, shared }));
     }
     all

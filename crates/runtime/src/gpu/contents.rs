@@ -41,12 +41,13 @@ impl Contents {
     fn add(&mut self, world: &World, index: usize, (row, first): (usize, u32)) {
         let (cloth, held) = (&world.scene.cloths[index], &world.runs[index].tethers);
         let count = |list: &Self, slot, size: usize| list.lists.get(&slot).map_or(0, |l| l.len() / size) as u32;
+        let ring = count(self, Slot::Starts, 4);
         self.jobs.push(JobRow {
             first,
             count: cloth.len() as u32,
             grid: self.jobs.last().map_or(0, |last| last.grid + last.grids),
             grids: cloth.grids().len() as u32,
-            ring: count(self, Slot::Starts, 4),
+            ring,
             rings: cloth.ring_count() as u32,
             row: row as u32,
             ..Zeroable::zeroed()
@@ -56,6 +57,7 @@ impl Contents {
                 let bytes = match slot {
                     // Teleports may have moved them.
                     Slot::Targets => cast_slice(&world.runs[index].targets(cloth)).to_vec(),
+                    Slot::Rings => cast_slice(&rings(cloth, ring)).to_vec(),
                     other => other.texels(cloth, held, first),
                 };
                 // What lies between cloths is not read.
@@ -109,6 +111,16 @@ impl Contents {
         bytes[..4 * HEAD].copy_from_slice(cast_slice(&head));
         (bytes, places)
     }
+}
+
+/// The seam ring of each particle, `u32::MAX` where there is none; the cloth's first one has the number `first`.
+fn rings(cloth: &Cloth, first: u32) -> Vec<u32> {
+    let (starts, members) = cloth.rings();
+    let mut rings = vec![u32::MAX; cloth.len()];
+    for (ends, ring) in starts.windows(2).zip(first..) {
+        members[ends[0] as usize..ends[1] as usize].iter().for_each(|k| rings[*k as usize] = ring);
+    }
+    rings
 }
 
 /// Where the particles of cloths begin that lie one after the other.

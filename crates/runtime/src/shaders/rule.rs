@@ -107,7 +107,10 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Limit => rule!("limit", "limit", over, parts(&[], &[Slot::Targets], &[Now])),
         Pass::Contact(kinds) => contact(over, kinds),
         Pass::Colliders(kinds) => colliders(over, kinds),
-        Pass::Seams => rule!("seams", "close", over, parts(&[], &[Starts, Members], &[Now])),
+        Pass::Seams => {
+            let files = [part!("meeting"), part!("loose")];
+            rule!("seams", "close", over, parts(&files, &[Starts, Members], &[Now]))
+        }
         Pass::SeamSteps => {
             rule!("seam_steps", "close_steps", over, parts(&[], &[Starts, Members], &[Now, Before]))
         }

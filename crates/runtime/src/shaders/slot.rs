@@ -77,11 +77,12 @@ slots! {
     Scratch "scratch",
     Batch "batch",
     Part "part",
+    Rings "rings",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
 /// in [`Slot::Lists`], whose first numbers, in this order, say where each begins.
-pub const LISTED: [(Slot, Option<&str>); 12] = [
+pub const LISTED: [(Slot, Option<&str>); 13] = [
     (Slot::Jobs, None),
     (Slot::Grids, None),
     // Seam rings: ring r is members[starts[r]] up to, not including, members[starts[r + 1]].
@@ -95,6 +96,8 @@ pub const LISTED: [(Slot, Option<&str>); 12] = [
     (Slot::Cells, Some("vec4<f32>")),
     (Slot::Yielding, Some("vec4<f32>")),
     (Slot::Targets, Some("vec4<f32>")),
+    // The seam ring of each particle, all ones for none.
+    (Slot::Rings, Some("u32")),
 ];
 
 impl Slot {
@@ -110,11 +113,13 @@ impl Slot {
             Slot::Bends => there(cloth.bending().is_some(), 8),
             Slot::Tethers => there(tethers > 0, 8 * tethers),
             Slot::Targets => there(cloth.limits.is_some(), 16),
+            Slot::Rings => there(cloth.ring_count() > 0, 4),
             _ => None,
         }
     }
 
-    /// The entries of all texels in such a list, of a cloth whose texels begin at `first`; without targets, which calls of a host move.
+    /// The entries of all texels in such a list, of a cloth whose texels begin at `first`; without targets, which calls of a host move,
+    /// and without rings, whose numbers are those of all cloths.
     pub fn texels(self, cloth: &Cloth, held: &Tethers, first: u32) -> Vec<u8> {
         let list = |data: &[[f32; 4]]| cast_slice(data).to_vec();
         match self {
@@ -158,7 +163,7 @@ impl Slot {
                 cloth.len() * 16
             }
             Slot::Tethers => cloth.len() * tethers * 8,
-            Slot::Holes => cloth.len() * 4,
+            Slot::Holes | Slot::Rings => cloth.len() * 4,
             Slot::Starts => starts.len() * 4,
             Slot::Members => members.len() * 4,
             Slot::Solids => colliders * 80,

@@ -1,6 +1,7 @@
 //! The shader of several passes by tiles.
 
 use super::apart::declared_alike;
+use super::chain::{sewn, tail, tails};
 use super::lists;
 use super::parts::{Parts, reads, writes};
 use super::program::calls;
@@ -12,6 +13,8 @@ use crate::passes::Pass;
 
 /// Where in a tile's work its passes are.
 pub struct Stages<'a> {
+    /// The seams that it begins with, and what follows them in the same step.
+    pub tail: &'a [Pass],
     /// While particles are taken in: the integration, and what acts on each particle alone.
     pub arrive: &'a [Pass],
     /// Up to the last springs.
@@ -22,19 +25,20 @@ pub struct Stages<'a> {
 
 /// The passes of a tile by where they are.
 pub fn stages(passes: &[Pass]) -> Stages<'_> {
+    let (tail, rest) = passes.split_at(tail(passes));
     let springs = |p: &Pass| matches!(over(*p), Over::Springs { .. });
     let early = |p: &Pass| springs(p) || matches!(p, Pass::Contact(_));
-    let first = passes.iter().position(early).unwrap_or(passes.len());
-    let last = passes.iter().rposition(springs).map_or(first, |n| n + 1);
-    Stages { arrive: &passes[..first], middle: &passes[first..last], leave: &passes[last..] }
+    let first = rest.iter().position(early).unwrap_or(rest.len());
+    let last = rest.iter().rposition(springs).map_or(first, |n| n + 1);
+    Stages { tail, arrive: &rest[..first], middle: &rest[first..last], leave: &rest[last..] }
 }
 
 /// The rules of all passes, called in their order: on particles as they are taken in, on all that the tile has, on what it
 /// owns.
 pub fn tile(tile: &Tile) -> Source {
-    let Stages { arrive, middle, leave } = stages(&tile.passes);
+    let Stages { tail, arrive, middle, leave } = stages(&tile.passes);
     let mut parts = Parts::new(&[part!("grid"), part!("by_rows")], &[Slot::Grids], &[Slot::Next]);
-    for pass in &tile.passes {
+    for pass in tile.passes.iter().filter(|p| **p != Pass::Seams) {
         let Rule { text, over, parts: own, .. } = rule(*pass);
         parts = parts.and(own).files(&[text]);
         match over {
@@ -43,6 +47,10 @@ pub fn tile(tile: &Tile) -> Source {
             Over::Particles | Over::Rings | Over::Texels | Over::Cells { .. } | Over::Own(_) => {}
         }
     }
+    let parts = match tail {
+        [] => parts.files(&[part!("tile_plain")]),
+        _ => sewn(parts, tail, [part!("tile_sewn"), part!("tile_all_near"), part!("tile_all_far")]),
+    };
     let mut loops: Vec<(&str, &str)> = Vec::new();
     for pass in middle.iter().chain(leave) {
         let Rule { call, over, .. } = rule(*pass);
@@ -62,6 +70,7 @@ pub fn tile(tile: &Tile) -> Source {
         calls(middle, |pass, colour| format!("  {}_all(local{colour});\n  workgroupBarrier();\n", call(pass))),
         calls(leave, |pass, _| format!("  {}_own(local);\n", call(pass))),
     );
+    let program = tails(tail) + &program;
     let shape = tile.shape;
     let parts = if tile.shared { several(parts, false) } else { parts.files(&[part!("grids"), part!("tile_alone")]) };
     let parts = apart_from_others(tile, parts).files(&[pass!("tile")]).constant("threads", tile.threads);

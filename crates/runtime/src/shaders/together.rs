@@ -77,7 +77,7 @@ fn is_early(pass: Pass) -> bool {
 }
 
 /// Declarations of what rules name but do not declare, as it lies in buffers that cloths share.
-fn declared(bound: &Bound) -> &'static [&'static str] {
+pub(super) fn declared(bound: &Bound) -> &'static [&'static str] {
     match bound.slot {
         Slot::Solids => &[part!("solids_member")],
         _ => apart::declared(bound),

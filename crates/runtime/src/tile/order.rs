@@ -1,11 +1,11 @@
 //! A step whose passes run together where they can.
 
 use crate::cloth::Cloth;
-use crate::form::{Form, Tile};
+use crate::form::{Chain, Form, Tile};
 use crate::fused::Room;
 use crate::loops;
 use crate::passes::{Pass, Schedule};
-use crate::shaders::{self, Slot};
+use crate::shaders::{self, Slot, Source};
 
 /// The passes of a step of one cloth, in order.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +21,8 @@ pub struct Order {
 pub struct Sequence {
     /// In steps with forces of air, before all others.
     pub air: Vec<Form>,
-    /// Once a step, up to the first relaxation and with it.
+    /// Once a step, up to the first relaxation and with it. The last seams of a relaxation, and the passes after them, may be part of the next
+    /// dispatch: that of the next step, of the next relaxation, or after the last step.
     pub first: Vec<Form>,
     /// For each relaxation after it.
     pub relax: Vec<Form>,
@@ -64,15 +65,37 @@ pub fn order((cloth, solids): (&Cloth, u64), schedule: &Schedule, room: &Room) -
 
 /// The dispatches of a schedule without passes on coarser grids, by cloths that share them.
 pub fn sequence(among: &Among, schedule: &Schedule, room: &Room) -> Sequence {
+    let alone = |pass: &Pass| Form::Together(*pass);
+    let air = schedule.air.iter().map(alone).collect();
     let whole = [&schedule.step[..], &schedule.relax].concat();
     // Speeds are measured for each cloth at once.
-    let last = schedule.frame.iter().filter(|p| **p != Pass::Fastest);
-    let alone = |pass: &Pass| Form::Together(*pass);
-    Sequence {
-        air: schedule.air.iter().map(alone).collect(),
-        first: together(&whole, among, room),
-        relax: together(&schedule.relax, among, room),
-        last: last.map(alone).collect(),
+    let last: Vec<_> = schedule.frame.iter().copied().filter(|p| *p != Pass::Fastest).collect();
+    let put_off = |tail: &[Pass]| {
+        let end = |passes: &[Pass]| {
+            let forms = together(&[tail, passes].concat(), among, room);
+            forms.first().is_some_and(|form| length(form) >= tail.len()).then_some(forms)
+        };
+        let head = |passes: &[Pass]| end(&passes[..passes.len() - tail.len()]);
+        let mut ends = end(last.get(..1)?)?;
+        ends.extend(last[1..].iter().map(alone));
+        Some([head(&whole)?, head(&schedule.relax)?, ends])
+    };
+    let rings = schedule.relax.iter().rposition(|p| *p == Pass::Seams);
+    // Forces of air on triangles begin a step, and read neighbours.
+    let put_off = rings.filter(|_| schedule.air.is_empty()).and_then(|n| put_off(&schedule.relax[n..]));
+    let [first, relax, last] = put_off.unwrap_or_else(|| {
+        let of = |passes: &[Pass]| together(passes, among, room);
+        [of(&whole), of(&schedule.relax), last.iter().map(alone).collect()]
+    });
+    Sequence { air, first, relax, last }
+}
+
+/// How many passes a dispatch makes.
+fn length(form: &Form) -> usize {
+    match form {
+        Form::Tile(tile) => tile.passes.len(),
+        Form::Chain(chain) => chain.passes.len(),
+        Form::Apart(_) | Form::Together(_) | Form::Whole(_) => 1,
     }
 }
 
@@ -81,9 +104,13 @@ fn together(passes: &[Pass], among: &Among, room: &Room) -> Vec<Form> {
     let mut list = Vec::new();
     let mut left = passes;
     while let Some(first) = left.first() {
-        let tile = |n: usize| Some((Form::Tile(tile(&left[..n], among, room)?), n));
+        let joined = |n: usize| {
+            let chain = || Some(Form::Chain(chain(&left[..n], among, room)?));
+            let tile = || Some(Form::Tile(tile(&left[..n], among, room)?));
+            Some((chain().or_else(tile)?, n))
+        };
         let alone = || if among.shared { Form::Together(*first) } else { Form::Apart(*first) };
-        let (form, n) = (2..=left.len()).rev().find_map(tile).unwrap_or_else(|| (alone(), 1));
+        let (form, n) = (2..=left.len()).rev().find_map(joined).unwrap_or_else(|| (alone(), 1));
         list.push(form);
         left = &left[n..];
     }
@@ -93,8 +120,19 @@ fn together(passes: &[Pass], among: &Among, room: &Room) -> Vec<Form> {
 /// A tile that makes just these passes, if there is one that a device has room for.
 fn tile(passes: &[Pass], among: &Among, room: &Room) -> Option<Tile> {
     let tile = Tile::of(passes, among.shared)?.fit(among.sides, room)?;
-    let uniform = |slot| matches!(slot, Slot::Step | Slot::Frame | Slot::Batch | Slot::Part);
-    let bound = shaders::tile(&tile).bindings.iter().filter(|b| !uniform(b.slot)).count();
     let ends = loops::of_tile(&tile, [among.solids, among.ring]) <= u64::from(room.loops);
-    (ends && bound <= room.buffers as usize).then_some(tile)
+    (ends && fits(&shaders::tile(&tile), room)).then_some(tile)
+}
+
+/// The same in place, of passes that have no springs and begin with seams.
+fn chain(passes: &[Pass], among: &Among, room: &Room) -> Option<Chain> {
+    let chain = Chain::of(passes).filter(|_| among.shared)?;
+    let ends = loops::of_chain(&chain, [among.solids, among.ring]) <= u64::from(room.loops);
+    (ends && fits(&shaders::chain(&chain), room)).then_some(chain)
+}
+
+/// Whether a device can bind what a shader does.
+fn fits(source: &Source, room: &Room) -> bool {
+    let uniform = |slot| matches!(slot, Slot::Step | Slot::Frame | Slot::Batch | Slot::Part);
+    source.bindings.iter().filter(|b| !uniform(b.slot)).count() <= room.buffers as usize
 }

@@ -24,9 +24,10 @@ pub(super) fn by_loops(among: (&Cloth, u64), fused: &Fused, iterations: u32, roo
     (u64::from(room.loops).saturating_sub(beside) / step).min(u64::from(u32::MAX)) as u32
 }
 
-/// Relaxations of all workgroups in one dispatch of a step: as many as all that a device runs at a time may make of whole frames.
-pub(super) fn most_at_once(room: &Room) -> u64 {
-    MAX_WORK * u64::from(room.busy.max(1))
+/// Particles in one dispatch of a step that makes a number of relaxations: as many as all workgroups that a device runs at a time may make of whole
+/// frames.
+pub(super) fn most_at_once(relaxations: u32, room: &Room) -> u64 {
+    MAX_WORK * u64::from(room.busy.max(1)) / u64::from(relaxations.max(1))
 }
 
 #[cfg(test)]

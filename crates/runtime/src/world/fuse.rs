@@ -14,6 +14,10 @@ use crate::tile::{Among, Sequence, sequence};
 /// Workgroups of a dispatch along one axis.
 const MAX_WORKGROUPS: usize = 65_535;
 
+/// Particles that the workgroups of a dispatch have room for, at most, for each particle of its cloths. Every grid has as many workgroups as the
+/// largest grid, and empty workgroups cost time too.
+const MAX_ROOM: u64 = 8;
+
 /// Cloths that share dispatches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
@@ -43,8 +47,8 @@ pub enum Share {
         extent: Extent,
         /// Forces of air act on some cloth in every step that is a multiple of it.
         hold: u32,
-        /// Relaxations of all particles in a dispatch, at most.
-        work: u64,
+        /// Those of all cloths.
+        particles: u64,
     },
 }
 
@@ -55,7 +59,7 @@ impl Batch {
         steps.div_ceil(most.max(1)).max(1)
     }
 
-    /// Takes in one more cloth if it can share the dispatches; `most` is the work of a dispatch.
+    /// Takes in one more cloth if it can share the dispatches; `most` is the number of particles in a dispatch.
     fn take(&mut self, member: usize, other: &Share, most: u64) -> bool {
         let next = self.members.len() + 1;
         let joined = match (&mut self.share, other) {
@@ -68,14 +72,15 @@ impl Batch {
                 fits
             }
             (
-                Share::Steps { sequence, extent, hold, work },
-                Share::Steps { sequence: of, extent: size, hold: time, work: more },
+                Share::Steps { sequence, extent, hold, particles },
+                Share::Steps { sequence: of, extent: size, hold: time, particles: more },
             ) => {
-                let both = extent.with(*size);
-                let fits = Arc::ptr_eq(sequence, of) && next * both.grids.max(1) as usize <= MAX_WORKGROUPS;
-                let fits = fits && *work + more <= most;
+                let (both, all) = (extent.with(*size), *particles + more);
+                let layers = next as u64 * u64::from(both.grids);
+                let fits = Arc::ptr_eq(sequence, of) && all <= most && layers <= MAX_WORKGROUPS as u64;
+                let fits = fits && layers * u64::from(both.sides[0]) * u64::from(both.sides[1]) <= MAX_ROOM * all;
                 if fits {
-                    (*extent, *hold, *work) = (both, common(*hold, *time), *work + more);
+                    (*extent, *hold, *particles) = (both, common(*hold, *time), all);
                 }
                 fits
             }
@@ -93,6 +98,9 @@ fn common(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { common(b, a % b) }
 }
 
+/// Sequences by the number of a schedule, what their loops depend on, and an arena with the grids that they are made for.
+type Known = Vec<(usize, [u64; 2], usize, Arc<Sequence>)>;
+
 impl World {
     /// Decides which cloths share dispatches; to be called when schedules have changed.
     pub fn fuse(&mut self) {
@@ -101,8 +109,8 @@ impl World {
         let (iterations, relaxations) = (self.control.options.iterations, self.control.options.relaxations());
         // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.
         let mut frames: Vec<(Arc<Schedule>, bool)> = Vec::new();
+        let mut sequences = Known::new();
         for arena in 0..self.arenas.len() {
-            let mut sequences = Vec::new();
             for member in 0..self.arenas[arena].cloths.len() {
                 let index = self.arenas[arena].cloths[member];
                 let solids = self.solid_loops(index);
@@ -134,20 +142,23 @@ impl World {
     fn sequence_of(
         &self,
         (arena, index): (usize, usize),
-        (schedule, known): (usize, &mut Vec<([u64; 3], Arc<Sequence>)>),
+        (schedule, known): (usize, &mut Known),
         room: &Room,
     ) -> Arc<Sequence> {
         let cloth = &self.scene.cloths[index];
         // Sizes depend on these only where loops are bounded.
         let bounded = |count: u64| if room.loops == u32::MAX { 0 } else { count };
         let [solids, ring] = [bounded(self.solid_loops(index)), bounded(loops::of_ring(cloth))];
-        let key = [schedule as u64, solids, ring];
-        if let Some((_, sequence)) = known.iter().find(|(k, _)| *k == key) {
+        let sides = &self.arenas[arena].sides;
+        let same = |k: &&(usize, [u64; 2], usize, _)| {
+            (k.0, k.1) == (schedule, [solids, ring]) && self.arenas[k.2].sides == *sides
+        };
+        if let Some((.., sequence)) = known.iter().find(same) {
             return sequence.clone();
         }
-        let among = Among { sides: &self.arenas[arena].sides, solids, ring, shared: true };
+        let among = Among { sides, solids, ring, shared: true };
         let sequence = Arc::new(sequence(&among, &self.runs[index].schedule, room));
-        known.push((key, sequence.clone()));
+        known.push((schedule, [solids, ring], arena, sequence.clone()));
         sequence
     }
 
@@ -173,10 +184,8 @@ impl World {
             |fused: &Fused| Share::Whole { fused: fused.clone(), solids: self.solid_count(index), most: run.most };
         let steps = |sequence: &Arc<Sequence>| {
             let cloth = &self.scene.cloths[index];
-            let options = &self.control.options;
-            // Those of one of the step's rounds.
-            let work = u64::from(options.relaxations() / options.iterations.max(1)) * cloth.len() as u64;
-            Share::Steps { sequence: sequence.clone(), extent: Extent::of(cloth), hold: self.hold(index), work }
+            let particles = cloth.len() as u64;
+            Share::Steps { sequence: sequence.clone(), extent: Extent::of(cloth), hold: self.hold(index), particles }
         };
         run.fused.as_ref().map(whole).or_else(|| run.sequence.as_ref().map(steps))
     }
@@ -191,12 +200,15 @@ impl World {
     /// The same in place of those of another frame, whose memory is used again.
     pub fn batch(&self, batches: &mut Vec<Batch>) {
         let mut count = 0;
-        let work = self.room.as_ref().map_or(u64::MAX, most_at_once);
+        let options = &self.control.options;
+        // A dispatch makes one of a step's rounds.
+        let relaxations = options.relaxations() / options.iterations.max(1);
+        let most = self.room.as_ref().map_or(u64::MAX, |room| most_at_once(relaxations, room));
         for (arena, roster) in self.arenas.iter().enumerate() {
             let first = count;
             for (member, cloth) in roster.cloths.iter().enumerate().filter(|(_, c)| !self.runs[**c].asleep) {
                 let Some(share) = self.share(*cloth) else { continue };
-                if batches[first..count].iter_mut().any(|batch| batch.take(member, &share, work)) {
+                if batches[first..count].iter_mut().any(|batch| batch.take(member, &share, most)) {
                     continue;
                 }
                 let mut members = batches.get_mut(count).map_or(Vec::new(), |b| std::mem::take(&mut b.members));
