@@ -17,7 +17,9 @@ pub(crate) mod sleep;
 mod work;
 
 pub use cloth_run::ClothRun;
-pub use fuse::{Batch, Share};
+#[cfg(feature = "gpu")]
+pub use fuse::Batch;
+pub use fuse::Share;
 pub use host::{Action, Fault};
 pub use members::Left;
 

@@ -121,6 +121,32 @@ fn cloths_of_all_sizes_move_as_each_alone() {
     move_as_alone(&all, |fused| Options { iterations: 2, ..of(3, 0)(fused) }, &device);
 }
 
+#[test]
+fn cloths_that_sleep_wake_and_leave_compile_nothing_and_cuts_are_prepared() {
+    let Some(device) = support::device() else { return };
+    let cloths = vec![two_charts(45), two_charts(30), two_charts(38), curtain(70), curtain(40)];
+    let all = Scene { cloths, colliders: capsules(), ..Scene::new("all") };
+    let mut run = Run::new(&all, &options(true), &device).frames(1);
+    // Cloth that a host lets sleep among colliders has a box.
+    run.stepper.prepare(&all, run.stepper.options(), &[Ahead::Cuts, Ahead::Bounds]).unwrap().run().unwrap();
+    let compiled = |run: &Run| run.stepper.compiled().unwrap().pipelines;
+    let first = compiled(&run);
+    // The largest of each kind.
+    for cloth in [0, 3] {
+        run.stepper.set_asleep(cloth, true).unwrap();
+    }
+    let mut run = run.frames(1);
+    run.stepper.set_asleep(0, false).unwrap();
+    run.stepper.remove_cloth(3).unwrap();
+    let mut run = run.frames(1);
+    run.stepper.remove_cloth(0).unwrap();
+    let run = run.frames(1);
+    assert_eq!(compiled(&run), first, "{}", run.stepper.plan());
+    let mut run = run;
+    run.stepper.cut([0.5, 0.5, 3.0], [-4.0, -0.1, -2.0], [5.0, -0.1, -2.0]).unwrap();
+    assert_eq!(compiled(&run.frames(2)), first);
+}
+
 /// Steps so short that rounding is kept, with multipliers summed over relaxations: a tile binds as many buffers as there may be.
 #[test]
 fn garments_with_all_lists_move_as_each_alone() {
