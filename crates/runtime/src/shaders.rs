@@ -80,6 +80,7 @@ pub use parts::Bound;
 pub use rule::{Over, over};
 pub use slot::{LISTED, Slot, listed};
 pub use tile::{Stages, stages, tile};
+pub use together::is_shared;
 pub use whole::{is_whole, whole};
 
 /// The shader of a form.

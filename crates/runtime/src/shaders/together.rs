@@ -2,13 +2,22 @@
 
 use super::lists;
 use super::parts::{Bound, Parts, writes};
-use super::rule::{Over, Rule, residuals, rule};
+use super::rule::{Over, Rule, over, residuals, rule};
 use super::slot::LISTED;
+use super::whole::{all, is_whole};
 use super::{Slot, Source, Threads, apart};
-use crate::passes::Pass;
+use crate::passes::{Pass, Schedule};
 
 /// Storage buffers that WebGPU promises on every device.
 const BUFFERS: usize = 8;
+
+/// Whether cloths can share the dispatches of all passes of a schedule: a pass with a loop of its own has a second one for several cloths, and
+/// none binds a list that only a cloth alone has.
+pub fn is_shared(schedule: &Schedule) -> bool {
+    let looped =
+        |p: &Pass| !matches!(over(*p), Over::Own(_)) || matches!(p, Pass::Speed | Pass::Fastest | Pass::Strain { .. });
+    is_whole(schedule) && all(schedule).all(looped)
+}
 
 /// The rule, and a loop over the elements of all cloths.
 pub(super) fn together(pass: Pass) -> Source {

@@ -14,7 +14,7 @@ pub fn is_whole(schedule: &Schedule) -> bool {
     schedule.coarse.is_empty() && all(schedule).all(|p| !matches!(rule(*p).whole, Whole::No))
 }
 
-fn all(schedule: &Schedule) -> impl Iterator<Item = &Pass> {
+pub(super) fn all(schedule: &Schedule) -> impl Iterator<Item = &Pass> {
     schedule.air.iter().chain(&schedule.step).chain(&schedule.relax).chain(&schedule.frame)
 }
 

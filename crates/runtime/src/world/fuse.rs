@@ -8,7 +8,7 @@ use crate::form::Fused;
 use crate::fused::Room;
 use crate::loops;
 use crate::passes::Schedule;
-use crate::shaders::Extent;
+use crate::shaders::{Extent, is_shared};
 use crate::tile::{Among, Sequence, sequence};
 
 /// Workgroups of a dispatch along one axis.
@@ -130,8 +130,7 @@ impl World {
                 let fused = if *fits { Fused::of(cloth, frame, &room) } else { None };
                 run.most = fused.as_ref().map_or(0, |f| by_loops((cloth, solids), f, iterations, &room));
                 run.fused = fused.filter(|f| run.most > 0 && by_work(relaxations, f.places, 1, &room) > 0);
-                // Nodes of coarser grids are the cloth's own too.
-                if run.fused.is_none() && run.schedule.coarse.is_empty() {
+                if run.fused.is_none() && is_shared(&run.schedule) {
                     self.runs[index].sequence = Some(self.sequence_of((arena, index), (at, &mut sequences), &room));
                 }
             }
