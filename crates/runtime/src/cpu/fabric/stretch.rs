@@ -16,7 +16,7 @@ use crate::number::real::Real;
 #[derive(Clone)]
 pub enum Rests<T> {
     /// One for all: as many times as a row has pairs at most, and as many zeros.
-    Constant(Vec<T>),
+    Constant(Arc<Vec<T>>),
     /// In the layout of [`Sheet::w`].
     List(Arc<Vec<T>>),
 }
@@ -24,7 +24,7 @@ pub enum Rests<T> {
 impl<T: Real> Rests<T> {
     /// The same for all springs of a sheet.
     pub fn constant(sheet: &Sheet<T>, rest: T) -> Self {
-        Rests::Constant([rest, T::of(0.0)].iter().flat_map(|r| vec![*r; sheet.half]).collect())
+        Rests::Constant(Arc::new([rest, T::of(0.0)].iter().flat_map(|r| vec![*r; sheet.half]).collect()))
     }
 
     /// The numbers.
