@@ -50,6 +50,21 @@ fn many_large_cloths_take_as_many_dispatches_as_one() {
 }
 
 #[test]
+fn instances_of_a_large_garment_share_its_images() {
+    let Some(device) = support::device() else { return };
+    let memory = |count: usize| {
+        let all = Scene { cloths: many(&garment(), count), ..Scene::new("many") };
+        Run::new(&all, &Options { tethers: 2, ..options(true) }, &device).stepper.memory()
+    };
+    let (one, all) = (memory(1), memory(10));
+    // Jobs, grids and seams are each cloth's own.
+    let cloth = garment();
+    let seams = 4 * (cloth.rings().0.len() + cloth.rings().1.len()) as u64;
+    assert!(all.device_images <= one.device_images + 10 * (64 + 64 + seams), "{one:?}, {all:?}");
+    assert!(all.device_states > 9 * one.device_states, "{one:?}, {all:?}");
+}
+
+#[test]
 fn the_longest_dispatch_is_bounded_by_work() {
     let Some(device) = support::device() else { return };
     let run = |polish| {
