@@ -49,11 +49,6 @@ fn put(k: u32, p: vec4<f32>) {
   held[place_of(k)] = p;
 }
 
-// Pinned particles stay in place.
-fn anchor(k: u32) -> vec4<f32> {
-  return now[k];
-}
-
 // What the tile owns.
 fn own_columns() -> u32 {
   return max(select(0u, own_high.x - own_low.x, all(own_low < own_high)), 1u);
@@ -88,26 +83,25 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   let inner = vec2<u32>(inner_x, inner_y);
   let around = vec2<u32>(around_x, around_y);
   let lacks = vec2<u32>(lacks_x, lacks_y);
-  grid = workgroup.z;
-  size = vec2<u32>(grids[grid].width, grids[grid].height);
+  size = take_grid(workgroup.z, all(workgroup.xy == vec2<u32>(0u)) && local == 0u);
   own_low = min(max(workgroup.xy * inner, lacks) - lacks, size);
   own_high = min((workgroup.xy + 1u) * inner - lacks, size);
   low = max(own_low, around) - around;
   // Cloth may have grids that end before the tile begins.
   high = select(low, min(own_high + around, size), all(own_low < own_high));
   corner = low;
-  start = grids[grid].first + low.y * size.x + low.x;
+  start = grids_at(grid).first + low.y * size.x + low.x;
 
   let columns = max(high.x - low.x, 1u);
   let by = by_rows(threads, columns);
   var cell = by_rows(local, columns);
   arriving = true;
+  end_last_step(local);
   while (cell.y < high.y - low.y) {
     let at = low + cell;
     let k = here(at);
-    let p = now[k];
+    let p = taken(k);
     own = all(at >= own_low) && all(at < own_high);
-    put(k, p);
     take_sums(k, stored(at));
     if (p.w <= 0.0) {
       stay(k);

@@ -15,7 +15,7 @@ fn each_all(local: u32, direction: u32, parity: u32) {
   var cell = by_rows(local, columns);
   while (cell.y < rows) {
     let at = cell + vec2<u32>(x.x, y.x);
-    let ends = spring_ends(at, grids[grid].first, size, direction, parity);
+    let ends = spring_ends(at, grids_at(grid).first, size, direction, parity);
     to_row(select(2u * at.y + parity, at.y, direction == 0u));
     each(grid, ends, direction);
     cell = on_by_rows(cell, by, columns);

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::cloth::Grid;
 use crate::passes::{Pass, Schedule};
 
 /// The form in which passes run on the GPU. It describes a shader completely.
@@ -11,7 +10,11 @@ use crate::passes::{Pass, Schedule};
 pub enum Form {
     /// A pass alone.
     Apart(Pass),
-    /// Consecutive passes of a step, by tiles of the cloth.
+    /// A pass alone, over several cloths.
+    Together(Pass),
+    /// Seams of several cloths, and passes of particles that follow them.
+    Chain(Chain),
+    /// Consecutive passes of a step, by tiles of a cloth or of several.
     Tile(Tile),
     /// Whole frames of whole cloths.
     Whole(Fused),
@@ -26,8 +29,15 @@ impl From<Pass> for Form {
 impl Form {
     /// The pass, if it runs alone.
     pub fn pass(&self) -> Option<Pass> {
-        if let Form::Apart(pass) = self { Some(*pass) } else { None }
+        if let Form::Apart(pass) | Form::Together(pass) = self { Some(*pass) } else { None }
     }
+}
+
+/// Seams and passes of particles that follow them in one dispatch, in place.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Chain {
+    /// The passes, in order.
+    pub passes: Vec<Pass>,
 }
 
 /// Consecutive passes of a step in one dispatch, described by what is compiled into its shader.
@@ -39,6 +49,8 @@ pub struct Tile {
     pub shape: TileShape,
     /// Threads of a workgroup.
     pub threads: u32,
+    /// Whether several cloths may share the dispatch.
+    pub shared: bool,
 }
 
 impl Tile {
@@ -63,8 +75,8 @@ pub struct TileShape {
 
 impl TileShape {
     /// Tiles along the sides of a grid.
-    pub(crate) fn tiles(&self, grid: &Grid) -> [u32; 2] {
-        [0, 1].map(|d| ([grid.width, grid.height][d] + self.lacks[d]).div_ceil(self.inner[d]))
+    pub(crate) fn tiles(&self, sides: [u32; 2]) -> [u32; 2] {
+        [0, 1].map(|d| (sides[d] + self.lacks[d]).div_ceil(self.inner[d]))
     }
 }
 
@@ -92,6 +104,4 @@ pub enum Hold {
     Wide,
     /// In its memory, alone: 12 bytes per particle.
     Narrow,
-    /// In storage. For cloths that are too large, where there are many of them.
-    Stored,
 }

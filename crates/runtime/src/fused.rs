@@ -1,4 +1,5 @@
-//! Which cloths run their whole frame in one dispatch, a workgroup a cloth, and which of them share it.
+//! Which cloths lie in the same buffers, so that they can share dispatches, and which of them run their whole frame in one, a workgroup
+//! a cloth.
 //!
 //! A cloth whose positions fit the memory of a workgroup needs no dispatch a colour: barriers part the colours, and
 //! between the first step and the last nothing but its previous positions leaves the workgroup. Cloths whose frames need
@@ -35,9 +36,6 @@ pub struct Room {
 
 /// Bytes of a workgroup's memory that shaders/part/notes.wgsl takes.
 pub(crate) const NOTES: u32 = 152;
-/// From this number of cloths on, those that are too large for the memory of a workgroup run a workgroup each; fewer would leave most of a
-/// device idle.
-const MANY: usize = 16;
 
 impl Room {
     /// That of a device.
@@ -66,34 +64,40 @@ impl Room {
         Room { tuning: tuning.unwrap_or_default(), ..self }
     }
 
-    /// Where a cloth is held if `beside` bytes of the memory serve other purposes.
-    fn hold(&self, particles: usize, beside: u32) -> Hold {
+    /// Whether the positions of a cloth fit the memory of a workgroup.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn holds(&self, cloth: &Cloth) -> bool {
+        self.hold(cloth.len(), 0).is_some()
+    }
+
+    /// Where a cloth is held if `beside` bytes of the memory serve other purposes; `None` where it does not fit.
+    fn hold(&self, particles: usize, beside: u32) -> Option<Hold> {
         match self.memory.saturating_sub(beside) as usize / particles.next_multiple_of(64) {
-            28.. => Hold::Both,
-            16.. => Hold::Wide,
-            12.. => Hold::Narrow,
-            _ => Hold::Stored,
+            28.. => Some(Hold::Both),
+            16.. => Some(Hold::Wide),
+            12.. => Some(Hold::Narrow),
+            _ => None,
         }
     }
 }
 
 impl Fused {
-    /// The whole frame of a schedule.
-    pub(crate) fn of(cloth: &Cloth, schedule: &Arc<Schedule>, room: &Room) -> Self {
-        let hold = room.hold(cloth.len(), 0);
+    /// The whole frame of a schedule; `None` if the cloth does not fit the memory of a workgroup.
+    pub(crate) fn of(cloth: &Cloth, schedule: &Arc<Schedule>, room: &Room) -> Option<Self> {
+        let hold = room.hold(cloth.len(), 0)?;
         let many = schedule.relax.iter().any(|p| matches!(p, Pass::Contact(kinds) if kinds.many));
-        Fused {
+        Some(Fused {
             schedule: schedule.clone(),
-            full: many && room.hold(cloth.len(), NOTES) != hold,
+            full: many && room.hold(cloth.len(), NOTES) != Some(hold),
             hold,
             places: (cloth.len() as u32).next_multiple_of(64),
             threads: (cloth.len() as u32 / 4).next_power_of_two().clamp(LEAST, room.tuning.for_whole(room.threads)),
-        }
+        })
     }
 
     /// Storage buffers that the frame of a schedule binds; `None` if one of its passes cannot be part of a whole frame.
     pub(crate) fn buffers(schedule: &Arc<Schedule>) -> Option<usize> {
-        let fused = Fused { schedule: schedule.clone(), full: false, hold: Hold::Stored, places: 0, threads: LEAST };
+        let fused = Fused { schedule: schedule.clone(), full: false, hold: Hold::Narrow, places: 64, threads: LEAST };
         let uniform = |slot| matches!(slot, Slot::Frame | Slot::Batch | Slot::Part);
         let bound = |fused| shaders::whole(fused).bindings.iter().filter(|b| !uniform(b.slot)).count();
         shaders::is_whole(schedule).then(|| bound(&fused))
@@ -116,20 +120,34 @@ impl Fused {
     }
 }
 
-/// Cloths that lie in the same buffers, by index; in order.
+/// Cloths that lie in the same buffers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Roster {
+    /// Their indices, in order.
+    pub cloths: Vec<usize>,
+    /// Columns and rows of the grids that tiles are made for: those of the cloths that do not fit a workgroup, of all if they do. They stay as
+    /// cloths leave, so that no tile is compiled again.
+    pub sides: Vec<[u32; 2]>,
+}
+
+impl Roster {
+    /// That of a cloth that lies alone.
+    pub fn alone(index: usize, cloth: &Cloth) -> Self {
+        Roster { cloths: vec![index], sides: sides(cloth).collect() }
+    }
+}
+
+fn sides(cloth: &Cloth) -> impl Iterator<Item = [u32; 2]> {
+    cloth.grids().iter().map(|g| [g.width, g.height])
+}
+
+/// Cloths that lie in the same buffers.
 ///
 /// `held` has the number of tethers of a particle, and a number that instances of a cloth share.
-pub fn arenas(
-    cloths: &[Cloth],
-    held: impl Fn(usize) -> (usize, usize),
-    options: &Options,
-    room: &Room,
-) -> Vec<Vec<usize>> {
+pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options: &Options, room: &Room) -> Vec<Roster> {
     let mut arenas: Vec<Arena<_>> = Vec::new();
-    let small = |c: &Cloth| room.hold(c.len(), 0) != Hold::Stored;
-    let large = cloths.iter().filter(|c| !small(c)).count();
     for (index, cloth) in cloths.iter().enumerate() {
-        if options.solver != Solver::Xpbd || !options.fused || (!small(cloth) && large < MANY) {
+        if options.solver != Solver::Xpbd || !options.fused {
             continue;
         }
         let (image, rings) = (matches!(cloth.rest(), Rest::Image(_)), cloth.ring_count() > 0);
@@ -166,7 +184,15 @@ pub fn arenas(
             }),
         }
     }
-    arenas.into_iter().map(|a| a.cloths).collect()
+    let roster = |indices: Vec<usize>| {
+        let of = |large: bool| {
+            let chosen = indices.iter().map(|c| &cloths[*c]).filter(move |c| !large || room.hold(c.len(), 0).is_none());
+            chosen.flat_map(sides).collect::<Vec<_>>()
+        };
+        let large = of(true);
+        Roster { sides: if large.is_empty() { of(false) } else { large }, cloths: indices }
+    };
+    arenas.into_iter().map(|a| roster(a.cloths)).collect()
 }
 
 /// Cloths that lie in the same buffers.

@@ -23,6 +23,7 @@ mod read_back;
 mod recording;
 mod ring;
 mod save;
+mod shared;
 mod solids;
 mod span;
 mod staging;
@@ -60,7 +61,7 @@ use crate::fused;
 use crate::layout::{POSES, StepRow};
 use crate::shaders::Slot;
 use crate::world::{Batch, ClothRun, World};
-use arena::Arena;
+use arena::{Arena, Underway};
 use bounds::Boxes;
 use frames::Frames;
 use lost::Pulse;
@@ -96,6 +97,8 @@ pub struct Gpu {
     frames: Frames,
     /// Those of this frame, or of the last one, whose memory the next one uses again.
     batches: Vec<Batch>,
+    /// Likewise where these are in the frame.
+    underway: Vec<Underway>,
     /// Likewise the numbers of the last dispatch.
     numbers: Vec<u8>,
     /// Likewise the cloths that share no dispatch, and where the numbers of their last steps lie.
@@ -119,7 +122,7 @@ impl Gpu {
         }
         let (mut states, mut arenas) = (Vec::new(), Vec::new());
         let mut shared = vec![false; world.runs.len()];
-        for cloths in &world.arenas {
+        for cloths in world.arenas.iter().map(|roster| &roster.cloths) {
             let (store, spans) = Store::new(device, world, cloths, draw_only);
             states.extend(spans);
             arenas.push(Arena::new(device, world, store, cloths));
@@ -136,6 +139,7 @@ impl Gpu {
             cloths: states.into_iter().map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect(),
             frames: Frames::new(device),
             batches: Vec::new(),
+            underway: Vec::new(),
             numbers: Vec::new(),
             apart: Default::default(),
             arenas,
@@ -225,7 +229,7 @@ impl Gpu {
         let budget = world.control.options.quality.budget().is_some() && steps > 0;
         let mut timing = std::mem::take(&mut self.timing);
         let mut passes = timing.begin(&self.device, encoder, budget);
-        self.record_fused(world, &mut passes, steps);
+        self.record_shared(world, &mut passes, steps);
         for &index in &alone {
             self.cloths[index].separate(&self.device, world, index);
             last.push(self.record_steps(world, &mut passes, index, steps));
@@ -234,6 +238,7 @@ impl Gpu {
             let between = passes.between();
             alone.iter().for_each(|c| self.cloths[*c].turn_back(between));
         }
+        self.end_shared(&mut passes, steps);
         for (&index, &offset) in alone.iter().zip(&last) {
             let cloth = &world.scene.cloths[index];
             let frame = world.runs[index].schedule.frame.iter();
@@ -295,37 +300,6 @@ impl Gpu {
         pass.set_bind_group(0, group, offsets);
         pass.dispatch_workgroups(x, y, z);
         buffers.turn(&pipeline.source);
-    }
-
-    /// Records the frames of all cloths that share dispatches.
-    fn record_fused(&mut self, world: &World, passes: &mut Recording, steps: u32) {
-        let (frames, batches) = (&mut self.frames, std::mem::take(&mut self.batches));
-        let most = batches.iter().map(|b| b.parts(steps)).max();
-        frames.make_room(&self.device, most.unwrap_or(0));
-        for of_arena in batches.chunk_by(|a, b| a.arena == b.arena) {
-            let arena = of_arena[0].arena;
-            self.arenas[arena].follow(world, &world.arenas[arena], of_arena, (&mut frames.ring, passes));
-        }
-        let (mut arena, mut first_job) = (0, 0);
-        for batch in &batches {
-            if batch.arena != arena {
-                (arena, first_job) = (batch.arena, 0);
-            }
-            let pipeline = self.pipelines.fitting(&Form::Whole(batch.fused.clone()));
-            let any = world.arenas[batch.arena][batch.members[0]];
-            let buffers = (&self.solids.buffer, &*frames);
-            let group = self.arenas[batch.arena].group(&self.device, (batch, first_job), pipeline, buffers);
-            first_job += batch.members.len() as u32;
-            let pass = passes.pass(pipeline.source.stem);
-            pass.set_pipeline(&pipeline.pipeline);
-            frames::numbers(&world.frame(any, steps), batch.most, batch.solids, &mut self.numbers);
-            let offset = frames.ring.place(&self.numbers);
-            for part in 0..batch.parts(steps) {
-                pass.set_bind_group(0, group, &[offset, frames.part(part)]);
-                pass.dispatch_workgroups(batch.members.len() as u32, 1, 1);
-            }
-        }
-        self.batches = batches;
     }
 
     /// Writes what the CPU made of cloths that are awake into the buffers for drawing.

@@ -55,7 +55,7 @@ pub struct SolidRow {
 /// Groups of steps that moving colliders tell apart in a frame.
 pub const POSES: u32 = 128;
 
-/// `Frame` of shaders/fused.wgsl.
+/// `Frame` of shaders/part/jobs.wgsl.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct FrameRow {
@@ -69,7 +69,7 @@ pub struct FrameRow {
     pub rows: [StepRow; POSES as usize + 1],
 }
 
-/// `Job` of shaders/fused.wgsl.
+/// `Job` of shaders/part/jobs.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct JobRow {
@@ -86,7 +86,9 @@ pub struct JobRow {
     pub hold: u32,
     /// Where its images begin in lists by texels, which instances of a cloth share; a multiple of 64, as `first`.
     pub image: u32,
-    pub unused: [u32; 2],
+    /// Colliders that it meets.
+    pub solids: u32,
+    pub unused: u32,
 }
 
 /// `Link` of shaders/part/links.wgsl.

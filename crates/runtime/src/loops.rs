@@ -7,7 +7,7 @@
 
 use crate::cloth::Cloth;
 use crate::collider::{Collider, Shape};
-use crate::form::{Fused, Tile};
+use crate::form::{Chain, Fused, Tile};
 use crate::passes::{Air, Pass};
 use crate::shaders::{Over, over};
 
@@ -34,14 +34,19 @@ pub fn of_whole(fused: &Fused, (cloth, solids): (&Cloth, u64), iterations: u32) 
     [step, 4 * each + all(&schedule.frame)]
 }
 
-/// Those of a tile of a cloth, and [`of_solids`] of its colliders.
-pub fn of_tile(tile: &Tile, (cloth, solids): (&Cloth, u64)) -> u64 {
+/// Those of a tile of cloths, from [`of_solids`] of their colliders and [`of_ring`] of their seams.
+pub fn of_tile(tile: &Tile, [solids, ring]: [u64; 2]) -> u64 {
     let each = each(tile.shape.room[0] * tile.shape.room[1], tile.threads) + 1;
     let of = |pass: &Pass| match over(*pass) {
-        Over::Rings => rings(cloth, tile.threads),
+        Over::Rings => each * ring,
         _ => each * within(pass, solids) + 1,
     };
     2 * each + tile.passes.iter().map(of).sum::<u64>()
+}
+
+/// Those of a chain, as [`of_tile`]: a thread goes through all duplicates of a seam point.
+pub fn of_chain(chain: &Chain, [solids, ring]: [u64; 2]) -> u64 {
+    ring * chain.passes.iter().map(|pass| within(pass, solids) + 1).sum::<u64>() + ring
 }
 
 /// Of a thread over all particles.
@@ -63,9 +68,13 @@ fn within(pass: &Pass, solids: u64) -> u64 {
 
 /// Of a pass over seam rings, whose duplicates are gone through twice.
 fn rings(cloth: &Cloth, threads: u32) -> u64 {
+    each(cloth.ring_count() as u32, threads) * of_ring(cloth) + 1
+}
+
+/// Those of a thread for the longest seam ring of a cloth.
+pub fn of_ring(cloth: &Cloth) -> u64 {
     let (starts, _) = cloth.rings();
-    let longest = starts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(0);
-    each(cloth.ring_count() as u32, threads) * u64::from(3 + 2 * longest) + 1
+    u64::from(3 + 2 * starts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(0))
 }
 
 #[cfg(test)]
@@ -96,12 +105,12 @@ mod tests {
             scene.colliders = (0..count).map(|k| Collider::new(shape, [k as f32, -1.0, 0.0])).collect();
             let mut world = World::new(scene, Options::default()).unwrap();
             world.make_room(room);
-            let first = world.order(0).map(|order| order.first.clone()).unwrap();
+            let first = world.runs[0].sequence.clone().unwrap().first.clone();
             let contact = |p: &Pass| matches!(p, Pass::Contact(_));
             let tiles: Vec<bool> =
                 first.iter().map(|f| matches!(f, Form::Tile(t) if t.passes.iter().any(contact))).collect();
             assert_eq!(
-                first.iter().filter(|f| matches!(f, Form::Apart(p) if contact(p))).count(),
+                first.iter().filter(|f| matches!(f, Form::Together(p) if contact(p))).count(),
                 usize::from(!tiles.contains(&true))
             );
             assert!(first.iter().any(|f| matches!(f, Form::Tile(_))), "springs still run by tiles");

@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use crate::form::{Form, Fused, Hold, Tile};
+use crate::form::{Form, Fused, Tile};
 use crate::passes::{Pass, Schedule};
 use crate::shaders::{Slot, source};
-use crate::world::World;
+use crate::world::{Share, World};
 
 /// One pass of one cloth.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,12 +36,15 @@ impl Plan {
         let steps = world.control.options.substeps;
         let mut passes = Vec::new();
         for batch in world.batches() {
-            let parts = batch.parts(steps);
-            let cloths = batch.members.iter().map(|m| world.arenas[batch.arena][*m]);
-            let fused = cloths
-                .enumerate()
-                .map(|(k, c)| planned(world, c, Form::Whole(batch.fused.clone()), if k == 0 { parts } else { 0 }));
-            passes.extend(fused);
+            let forms = match &batch.share {
+                Share::Whole { fused, .. } => vec![(Form::Whole(fused.clone()), batch.parts(steps))],
+                Share::Steps { sequence, hold, .. } => sequence.forms(steps, world.control.options.iterations, *hold),
+            };
+            let cloths = batch.members.iter().map(|m| world.arenas[batch.arena].cloths[*m]);
+            for (k, cloth) in cloths.enumerate() {
+                let own = |count: u32| if k == 0 { count } else { 0 };
+                passes.extend(forms.iter().map(|(form, count)| planned(world, cloth, form.clone(), own(*count))));
+            }
         }
         for cloth in (0..world.runs.len()).filter(|c| world.is_apart(*c)) {
             let forms = apart(world, cloth).into_iter();
@@ -53,10 +56,14 @@ impl Plan {
     /// The forms of the passes of a cloth in a frame.
     #[cfg(feature = "gpu")]
     pub(crate) fn forms(world: &World, cloth: usize) -> Vec<Form> {
-        match &world.runs[cloth].fused {
-            Some(fused) => vec![Form::Whole(fused.clone())],
-            _ => apart(world, cloth).into_iter().map(|(form, _)| form).collect(),
-        }
+        let (steps, rounds) = (world.control.options.substeps, world.control.options.iterations);
+        let run = &world.runs[cloth];
+        let counted = match (&run.fused, &run.sequence) {
+            (Some(fused), _) => return vec![Form::Whole(fused.clone())],
+            (None, Some(sequence)) => sequence.forms(steps, rounds, 1),
+            (None, None) => apart(world, cloth),
+        };
+        counted.into_iter().map(|(form, _)| form).collect()
     }
 
     /// Dispatches per frame.
@@ -121,13 +128,7 @@ impl fmt::Display for Plan {
                 Form::Apart(Pass::Springs { direction, parity, .. }) => {
                     format!(" {} {}", ["right", "down", "down-right", "up-right"][*direction as usize & 3], parity)
                 }
-                Form::Whole(Fused { hold, threads, .. }) => {
-                    let held = match hold {
-                        Hold::Both | Hold::Wide | Hold::Narrow => "workgroup memory",
-                        Hold::Stored => "storage",
-                    };
-                    format!(" in {held}, {threads} threads")
-                }
+                Form::Whole(Fused { threads, .. }) => format!(" in workgroup memory, {threads} threads"),
                 Form::Tile(Tile { shape, threads, .. }) => {
                     let [[x, y], [wide, high]] = [shape.inner, shape.room];
                     format!(" of {x} x {y} in {wide} x {high}, {threads} threads")

@@ -60,6 +60,7 @@ macro_rules! turn {
 
 // Below the macros, which they use.
 mod apart;
+mod chain;
 mod constants;
 mod lists;
 mod parts;
@@ -68,8 +69,10 @@ mod rare;
 mod rule;
 mod slot;
 mod tile;
+mod together;
 mod whole;
 
+pub use chain::{chain, tail};
 pub use lists::HEAD;
 #[cfg(feature = "gpu")]
 pub use lists::{LASTING, SCRATCH};
@@ -77,12 +80,15 @@ pub use parts::Bound;
 pub use rule::{Over, over};
 pub use slot::{LISTED, Slot, listed};
 pub use tile::{Stages, stages, tile};
+pub use together::is_shared;
 pub use whole::{is_whole, whole};
 
 /// The shader of a form.
 pub fn source(form: &Form) -> Source {
     match form {
         Form::Apart(pass) => apart::apart(*pass),
+        Form::Together(pass) => together::together(*pass),
+        Form::Chain(of) => chain(of),
         Form::Tile(of) => tile(of),
         Form::Whole(of) => whole(of),
     }
@@ -111,24 +117,62 @@ impl Source {
 
     /// Workgroups to dispatch for a cloth.
     pub fn workgroups(&self, cloth: &Cloth) -> [u32; 3] {
+        self.workgroups_of(&Extent::of(cloth), 1)
+    }
+
+    /// The same for several cloths, none of which is larger than an extent.
+    pub fn workgroups_of(&self, most: &Extent, cloths: u32) -> [u32; 3] {
         let sides = |half_x: bool, half_y: bool| {
-            let most = |side: fn(&crate::cloth::Grid) -> u32| cloth.grids().iter().map(side).max().unwrap_or(0);
-            let (w, h) = (most(|g| g.width), most(|g| g.height));
+            let [w, h] = most.sides;
             let (w, h) = (if half_x { w.div_ceil(2) } else { w }, if half_y { h.div_ceil(2) } else { h });
-            [w.div_ceil(16), h.div_ceil(4), cloth.grids().len() as u32]
+            [w.div_ceil(16), h.div_ceil(4), cloths * most.grids]
+        };
+        let list = |count: usize| {
+            let [x, y, _] = list(count);
+            [x, y, cloths]
         };
         match self.threads {
-            Threads::Particles => list(cloth.len()),
-            Threads::Rings => list(cloth.ring_count()),
+            Threads::Particles => list(most.particles),
+            Threads::Rings => list(most.rings),
             Threads::Texels => sides(false, false),
             Threads::Quarter => sides(true, true),
-            Threads::One | Threads::Cloth => [1; 3],
-            Threads::Grids => [1, 1, cloth.grids().len() as u32],
+            Threads::One => [1; 3],
+            Threads::Cloth => [cloths, 1, 1],
+            Threads::Grids => [1, 1, cloths * most.grids],
             Threads::Half(columns) => sides(columns, !columns),
             Threads::Tiles(shape) => {
-                let [x, y] = [0, 1].map(|d| cloth.grids().iter().map(|g| shape.tiles(g)[d]).max().unwrap_or(0));
-                [x, y, cloth.grids().len() as u32]
+                let [x, y] = shape.tiles(most.sides);
+                [x, y, cloths * most.grids]
             }
+        }
+    }
+}
+
+/// The sizes of a cloth that dispatches depend on, or the largest of several cloths.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extent {
+    pub particles: usize,
+    pub rings: usize,
+    pub grids: u32,
+    /// The most columns and the most rows of a grid.
+    pub sides: [u32; 2],
+}
+
+impl Extent {
+    /// That of a cloth.
+    pub fn of(cloth: &Cloth) -> Self {
+        let each = cloth.grids().iter().map(|g| [g.width, g.height]);
+        let sides = each.fold([0; 2], |most, side| [most[0].max(side[0]), most[1].max(side[1])]);
+        Extent { particles: cloth.len(), rings: cloth.ring_count(), grids: cloth.grids().len() as u32, sides }
+    }
+
+    /// Room for both.
+    pub fn with(self, other: Extent) -> Self {
+        Extent {
+            particles: self.particles.max(other.particles),
+            rings: self.rings.max(other.rings),
+            grids: self.grids.max(other.grids),
+            sides: [0, 1].map(|d| self.sides[d].max(other.sides[d])),
         }
     }
 }

@@ -6,13 +6,15 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 
 use super::*;
-use crate::form::{Fused, Hold, Tile};
+use crate::form::{Chain, Fused, Hold, Tile};
 use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
 use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
 
 /// Every form that a frame or an action can have, up to constants.
 pub(super) fn variants() -> Vec<Form> {
     let apart = passes().into_iter().map(Form::Apart);
+    let apart = apart.chain(passes().into_iter().filter(is_shared).map(Form::Together));
+    let apart = apart.chain(chains().into_iter().map(Form::Chain));
     apart.chain(fused().into_iter().map(Form::Whole)).chain(tiles().into_iter().map(Form::Tile)).collect()
 }
 
@@ -58,6 +60,19 @@ fn passes() -> Vec<Pass> {
     all
 }
 
+/// Whether a pass runs in frames of cloths that share dispatches.
+fn is_shared(pass: &Pass) -> bool {
+    match pass {
+        Pass::Speed | Pass::Strain { .. } => true,
+        Pass::Wind { holes } | Pass::Moments { holes } | Pass::Membrane { holes, .. } | Pass::Normals { holes } => {
+            !holes
+        }
+        Pass::SeamSteps | Pass::Refine { .. } | Pass::Indices { .. } | Pass::Tangents { .. } => false,
+        Pass::Springs { .. } | Pass::Colliders(_) => false,
+        _ => !matches!(over(*pass), Over::Own(_)),
+    }
+}
+
 const SOFTS: [Soft; 3] = [Soft::None, Soft::Constant, Soft::Image];
 
 /// All colours of springs, and rounds of those to the right and down, with tethers between them.
@@ -71,6 +86,23 @@ fn springs(image: bool, soft: Soft, again: bool, rounds: u32, tethers: Option<Pa
     // All rounds but the last go too far.
     let round = |last| tethers.into_iter().chain(colours[4..].iter().map(move |p| if last { *p } else { over(*p) }));
     colours.into_iter().chain((1..=rounds).flat_map(|n| round(n == rounds))).collect()
+}
+
+/// Seams, and passes that follow them by the bits of a number.
+fn tail(k: u32, slots: u32) -> Vec<Pass> {
+    let on = |bit: u32| k >> bit & 1 == 1;
+    let mut passes = vec![Pass::Seams];
+    passes.extend(on(0).then_some(Pass::Tethers { slots }));
+    passes.extend(on(1).then_some(Pass::Limit));
+    passes.extend(on(3).then_some(Pass::Contact(Kinds { shapes: [true; 6], friction: on(2), many: on(5) })));
+    passes
+}
+
+/// Seams with all that can follow them in place.
+fn chains() -> Vec<Chain> {
+    let ends = [None, Some(Pass::Guard), Some(Pass::Integrate(Air::Push)), Some(Pass::IntegrateExact(Air::Field))];
+    let all = (0..64).flat_map(|k| ends.map(|end| [tail(k, 2), end.into_iter().collect()].concat()));
+    all.map(|passes| Chain { passes }).collect()
 }
 
 /// Every part of tiles, alone and with all others.
@@ -95,14 +127,19 @@ fn tiles() -> Vec<Tile> {
         passes.extend((on(1) && on(4)).then_some(Pass::Limit));
         passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 6], friction: on(2), many: on(5) })));
         let shape = TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] };
-        all.push(Tile { passes, shape, threads: 256 });
+        // After seams, and what follows them in the last step.
+        if !matches!(passes.last(), Some(Pass::Contact(_))) {
+            let passes = [tail(k, 2 + (n as u32) % 2), passes.clone()].concat();
+            all.push(Tile { passes, shape, threads: 256, shared: true });
+        }
+        all.extend([false, true].map(|shared| Tile { passes: passes.clone(), shape, threads: 256, shared }));
     }
     all
 }
 
 /// Every part of whole frames, alone and with all others.
 fn fused() -> Vec<Fused> {
-    let holds = [Hold::Both, Hold::Wide, Hold::Narrow, Hold::Stored];
+    let holds = [Hold::Both, Hold::Wide, Hold::Narrow];
     let mut all = Vec::new();
     for (k, n) in (0..128u32).flat_map(|k| (0..SOFTS.len()).map(move |n| (k, n))) {
         let on = |bit: u32| k >> bit & 1 == 1;
@@ -131,7 +168,7 @@ fn fused() -> Vec<Fused> {
         s.frame.extend(on(1).then_some(Pass::Normals { holes }));
         s.frame.extend(seams.filter(|_| on(1)).map(|_| Pass::SeamNormals));
         s.frame.extend(on(0).then_some([Pass::Speed, Pass::Fastest]).into_iter().flatten());
-        let hold = holds[(n + k as usize) % 4];
+        let hold = holds[(n + k as usize) % 3];
         all.push(Fused { schedule: s.into(), full: on(5), hold, places: 1024, threads: 256 });
     }
     all
@@ -235,7 +272,7 @@ fn structs_lie_as_in_rust() {
     let grid = rust!(GridRow: first, width, height, soft, rest);
     let solid = rust!(SolidRow: center, kind, size, friction, rotation, velocity, spin);
     let frame = rust!(FrameRow: steps, rounds, together, solids, most, rows);
-    let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest, hold, image);
+    let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest, hold, image, solids);
     let link = rust!(LinkRow: follows, mass);
     let mut seen = BTreeSet::new();
     for form in &variants() {

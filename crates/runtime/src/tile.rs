@@ -15,29 +15,34 @@ mod order;
 mod reach;
 mod shape;
 
-pub use order::{Order, order};
+pub use order::{Among, Order, Sequence, order, sequence};
 
-use crate::form::{Tile, TileShape};
+use crate::form::{Chain, Tile, TileShape};
 use crate::passes::Pass;
-use crate::shaders::{Over, Stages, over, stages};
+use crate::shaders::{Over, Stages, over, stages, tail};
 
 impl Tile {
     /// What makes just these passes, but for sizes; `None` where nothing does.
-    fn of(passes: &[Pass]) -> Option<Self> {
-        let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0 };
-        let Stages { arrive, middle, leave } = stages(passes);
+    fn of(passes: &[Pass], shared: bool) -> Option<Self> {
+        let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0, shared };
+        let Stages { tail, arrive, middle, leave } = stages(passes);
         let moves = |p: &Pass| matches!(p, Pass::Integrate(_) | Pass::IntegrateExact(_));
         let within = |p: &Pass| matches!(over(*p), Over::Particles | Over::Springs { .. }) && !moves(p);
         let alone = |p: &Pass| matches!(over(*p), Over::Particles);
+        // They read what other particles have come to.
+        let ends = |p: &Pass| matches!(p, Pass::Guard | Pass::Restore);
         // Sums are a matter of springs.
         let forgets = tile.forgets();
         let sums = passes.iter().any(|p| matches!(p, Pass::Stretch { again: true, .. }));
-        let good = arrive.iter().skip(1).all(|p| alone(p) && !moves(p))
+        let good = !passes.iter().any(ends)
+            && arrive.iter().skip(1).all(|p| alone(p) && !moves(p))
             && arrive.first().is_none_or(alone)
             && middle.iter().all(|p| within(p) && *p != Pass::Forget)
             && leave.iter().all(|p| matches!(over(*p), Over::Particles | Over::Near) && !moves(p))
             && leave.iter().rev().skip(1).all(|p| !matches!(p, Pass::Contact(_)))
-            && (sums || !forgets);
+            && (sums || !forgets)
+            && (tail.is_empty()
+                || shared && Chain::follows(tail) && !leave.iter().any(|p| matches!(p, Pass::Contact(_))));
         good.then_some(tile)
     }
 
@@ -47,5 +52,23 @@ impl Tile {
             Over::Springs { direction, parity } => Some((direction, parity)),
             _ => None,
         })
+    }
+}
+
+impl Chain {
+    /// What makes just these passes; `None` where nothing does.
+    fn of(passes: &[Pass]) -> Option<Self> {
+        let rest = &passes[tail(passes)..];
+        let alone = |p: &Pass| over(*p) == Over::Particles && !matches!(p, Pass::Restore | Pass::Contact(_));
+        let good = Chain::follows(&passes[..tail(passes)]) && rest.iter().all(alone);
+        good.then(|| Chain { passes: passes.to_vec() })
+    }
+
+    /// Whether passes are seams and what can follow them in the same dispatch: rules of particles, contact as the last of them.
+    fn follows(tail: &[Pass]) -> bool {
+        let contact = |p: &Pass| matches!(p, Pass::Contact(_));
+        let alone = |p: &Pass| matches!(over(*p), Over::Particles | Over::Near) && *p != Pass::Restore;
+        let last = tail.iter().position(contact).is_none_or(|n| n + 1 == tail.len());
+        tail.first() == Some(&Pass::Seams) && tail[1..].iter().all(alone) && last
     }
 }

@@ -21,6 +21,7 @@ mod work;
 pub use cloth_run::ClothRun;
 #[cfg(feature = "gpu")]
 pub use fuse::Batch;
+pub use fuse::Share;
 pub use host::{Action, Fault};
 pub use members::Left;
 
@@ -34,7 +35,7 @@ use crate::cpu::body::Body;
 use crate::error::Result;
 use crate::findings::{Sight, Watchdog};
 use crate::frame::Frame;
-use crate::fused::{Room, arenas};
+use crate::fused::{Room, Roster, arenas};
 use crate::handle::ClothHandle;
 use crate::limits::{self, Warning};
 use crate::loops;
@@ -70,8 +71,8 @@ pub struct World {
     pub coats: Coats,
     /// What the device that steps has room for.
     pub room: Option<Room>,
-    /// Cloths that lie in the same buffers, by index.
-    pub arenas: Vec<Vec<usize>>,
+    /// Cloths that lie in the same buffers.
+    pub arenas: Vec<Roster>,
     /// What goes wrong while cloths move.
     pub watchdog: Watchdog,
     /// The last state of the clock in the host's memory, as [`ClothRun::kept`].

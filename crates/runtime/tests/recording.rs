@@ -47,8 +47,8 @@ fn allocations(stepper: &mut Stepper, (device, queue): &Device, before: impl Fn(
     counts
 }
 
-/// Those of wgpu: a number of copies, and a compute pass with a list of dispatches, each a pipeline by number, and whether it has a dynamic
-/// offset.
+/// Those of wgpu: a number of copies, and a compute pass with a list of dispatches, each a pipeline by number, and whether it has dynamic
+/// offsets, two of them.
 fn bare((device, queue): &Device, copies: usize, dispatches: &[(usize, bool)]) -> u64 {
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
@@ -71,10 +71,11 @@ fn bare((device, queue): &Device, copies: usize, dispatches: &[(usize, bool)]) -
     };
     let make = |offset| {
         let storage = wgpu::BufferBindingType::Storage { read_only: false };
-        let entries = [entry(0, wgpu::BufferBindingType::Uniform, offset), entry(1, storage, false)];
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let entries = [entry(0, uniform, offset), entry(1, storage, false), entry(2, uniform, offset)];
         let layout =
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
-        let entries = [(0, &x), (1, &y)]
+        let entries = [(0, &x), (1, &y), (2, &x)]
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
         let group =
             device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries });
@@ -107,7 +108,7 @@ fn bare((device, queue): &Device, copies: usize, dispatches: &[(usize, bool)]) -
             for &(n, offset) in dispatches {
                 let (pipeline, group) = &made[n][usize::from(offset)];
                 pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, group, if offset { &[0] } else { &[] });
+                pass.set_bind_group(0, group, if offset { &[0, 0] } else { &[] });
                 pass.dispatch_workgroups(1, 1, 1);
             }
         });
@@ -152,16 +153,18 @@ fn cloth_whose_rest_or_stretch_is_watched_is_recorded_without_allocations_of_our
 #[test]
 fn tiles_are_recorded_without_allocations_of_our_own() {
     let Some(device) = device_with(device_limits) else { return };
-    let large = scene(support::curtain(150));
+    let mut large = scene(support::curtain(150));
+    large.cloths.push(support::curtain(130));
     let mut stepper = Stepper::new(large, options(), Some((&device.0, &device.1))).unwrap();
     // One tile a step, in turn of no others, and what ends a frame.
     let mut dispatches = Vec::new();
     for (n, pass) in stepper.plan().passes.iter().enumerate() {
-        let offset = pass.bindings.iter().any(|b| b.0 == "step");
+        let offset = pass.bindings.iter().any(|b| b.0 == "frame");
         dispatches.extend((0..pass.dispatches).map(|_| (n, offset)));
     }
-    assert_eq!(dispatches[..9], [[(0, true); 8].as_slice(), &[(1, false)]].concat(), "{}", stepper.plan());
-    let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, 0, &dispatches));
+    assert_eq!(dispatches[..9], [[(0, true); 8].as_slice(), &[(1, true)]].concat(), "{}", stepper.plan());
+    // Jobs and grids are copied to their place.
+    let (ours, wgpu) = (allocations(&mut stepper, &device, |_, _| ()), bare(&device, 1, &dispatches));
     assert_eq!(ours, [wgpu; 3]);
 }
 

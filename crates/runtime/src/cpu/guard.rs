@@ -5,6 +5,12 @@ use crate::number::real::Real;
 /// Coordinates \[m\] beyond this are taken for a fault: squares of distances must stay numbers.
 pub const FARTHEST: f64 = 1e8;
 
+/// Whether a position is a number and within all bounds.
+pub fn is_sane<T: Real>(p: [T; 3]) -> bool {
+    // Comparisons with NaN are false.
+    p.iter().all(|x| x.abs() <= T::of(FARTHEST))
+}
+
 /// How many there are, and the last of them.
 pub fn run<T: Real>(now: &[[T; 4]]) -> Option<(usize, usize)> {
     let most = T::of(FARTHEST);

@@ -27,19 +27,20 @@ impl Gpu {
         self.open_arenas(world);
     }
 
-    /// Makes room for cuts in the lists of arenas with cut cloth.
+    /// Makes room for cuts in the lists of arenas with cut cloth that may run whole frames.
     pub(super) fn open_arenas(&mut self, world: &World) {
-        for (n, (arena, cloths)) in self.arenas.iter_mut().zip(&world.arenas).enumerate() {
-            if world.opens(n) && cloths.iter().any(|c| world.scene.cloths[*c].is_cut()) {
-                arena.open(&self.device, world, cloths);
+        let whole = |c: &Cloth| c.is_cut() && world.room.is_some_and(|room| room.holds(c));
+        for (n, (arena, roster)) in self.arenas.iter_mut().zip(&world.arenas).enumerate() {
+            if world.opens(n) && roster.cloths.iter().any(|c| whole(&world.scene.cloths[*c])) {
+                arena.open(&self.device, world, &roster.cloths);
             }
         }
     }
 
     /// Records copies of the lists that cuts have changed into the lists that whole frames read.
     pub(super) fn mirror(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder) {
-        for (arena, cloths) in self.arenas.iter().zip(&world.arenas) {
-            for (member, &index) in cloths.iter().enumerate() {
+        for (arena, roster) in self.arenas.iter().zip(&world.arenas) {
+            for (member, &index) in roster.cloths.iter().enumerate() {
                 let own = &mut self.cloths[index];
                 if own.stale && world.is_fused(index) {
                     let cloth = (&world.scene.cloths[index], world.runs[index].tethers.per_particle);

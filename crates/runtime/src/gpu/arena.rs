@@ -1,6 +1,7 @@
 //! Cloths that lie in the same buffers, and the dispatch that they share.
 
 use std::collections::HashMap;
+use std::mem::offset_of;
 
 use bytemuck::cast_slice;
 use wgpu::{Buffer, BufferUsages};
@@ -10,15 +11,17 @@ use super::contents::{Contents, Grids};
 use super::frames::Frames;
 use super::pipelines::Pipeline;
 use super::recording::Recording;
-use super::ring::room_of;
+use super::ring;
 use super::span::Span;
 use super::store::Store;
+use super::turns::{TURNS, lies};
 use super::upload::{empty, filled, upload};
 use super::uploads::Uploads;
 use crate::cloth::Cloth;
 use crate::form::Fused;
-use crate::layout::{FrameRow, GridRow, JobRow, StepRow};
-use crate::shaders::Slot;
+use crate::fused::room_of;
+use crate::layout::{FAULT_STRIDE, FaultRow, FrameRow, GridRow, JobRow, StepRow};
+use crate::shaders::{Bound, LASTING, SCRATCH, Slot};
 use crate::world::{Batch, World};
 
 /// Cloths that share a dispatch: their state, the lists that are only read, and scratch.
@@ -40,8 +43,12 @@ pub(super) struct Arena {
     table: Vec<u8>,
     /// Whether the lists have room for those that cuts change.
     opened: bool,
+    /// What steps need beside: where tiles write, forces of air, multipliers.
+    others: HashMap<Slot, Buffer>,
     /// By shader and by the number of colliders.
     ready: HashMap<(Fused, usize), Ready>,
+    /// Of steps.
+    groups: Vec<Group>,
 }
 
 /// Bindings, and what they depend on.
@@ -53,23 +60,60 @@ struct Ready {
     group: wgpu::BindGroup,
 }
 
+/// Bindings of steps: those that a place in the order of batches and a turn have, and what they depend on.
+struct Group {
+    place: usize,
+    turned: [bool; 4],
+    bindings: Vec<Bound>,
+    jobs: [u32; 2],
+    solids: Buffer,
+    frames: [Buffer; 2],
+    group: wgpu::BindGroup,
+}
+
+/// A batch in a frame that is being recorded.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Underway {
+    /// Its place among the batches of the frame.
+    pub place: usize,
+    /// Its first job, and the most grids of a cloth.
+    pub jobs: [u32; 2],
+    /// Where the numbers of its frame lie.
+    pub offset: u32,
+    /// As in [`super::ClothBuffers`].
+    pub turned: [bool; 4],
+}
+
 impl Arena {
     /// Uploads what is only read of the cloths of a store.
     pub fn new(device: &wgpu::Device, world: &World, store: Store, cloths: &[usize]) -> Self {
         let contents = Contents::new(world, cloths);
         let (bytes, places) = contents.joined(store.room());
         let lists = upload(device, "lists", &bytes, BufferUsages::empty());
-        let (grid_rows, batched, ready) = (Vec::new(), Vec::new(), HashMap::new());
-        let (scratch, grids, table) = (None, None, Vec::new());
-        let opened = false;
-        Arena { store, lists, places, scratch, jobs: contents.jobs, grids, grid_rows, batched, table, opened, ready }
+        Arena {
+            store,
+            lists,
+            places,
+            scratch: None,
+            jobs: contents.jobs,
+            grids: None,
+            grid_rows: Vec::new(),
+            batched: Vec::new(),
+            table: Vec::new(),
+            opened: false,
+            others: HashMap::new(),
+            ready: HashMap::new(),
+            groups: Vec::new(),
+        }
     }
 
     /// Bytes of the table that a frame uploads.
     pub fn need(&self) -> u64 {
         let grids = self.jobs.iter().map(|job| job.grid + job.grids).max().unwrap_or(0) as usize;
         let lists = self.places.get(&Slot::Jobs).zip(self.places.get(&Slot::Grids));
-        u64::from(room_of(lists.map_or(0, |(jobs, grids)| (grids - jobs) as usize) + grids * size_of::<GridRow>()))
+        u64::from(ring::room_of(
+            lists.map_or(0, |(jobs, grids)| (grids - jobs) as usize) + grids * size_of::<GridRow>(),
+        ))
     }
 
     /// Rebuilds the lists with room for those that cuts change: rest lengths and holes.
@@ -82,8 +126,8 @@ impl Arena {
         let (bytes, places) = contents.joined(self.store.room());
         self.lists = upload(device, "lists", &bytes, BufferUsages::empty());
         (self.places, self.jobs, self.opened) = (places, contents.jobs, true);
-        // Both refer to the old lists.
-        (self.grids, self.ready) = (None, HashMap::new());
+        // All refer to the old lists.
+        (self.grids, self.ready, self.groups) = (None, HashMap::new(), Vec::new());
     }
 
     /// Has the next frame upload the grids again: they hold constant rest lengths, which cut cloth does not have.
@@ -156,7 +200,7 @@ impl Arena {
     pub fn group(
         &mut self,
         device: &wgpu::Device,
-        (batch, first_job): (&Batch, u32),
+        (fused, met, first_job): (&Fused, usize, u32),
         pipeline: &Pipeline,
         (solids, frames): (&Buffer, &Frames),
     ) -> &wgpu::BindGroup {
@@ -168,7 +212,7 @@ impl Arena {
         let numbers = [&frames.ring.buffer, &frames.parts];
         let of = |r: &Ready| r.solids == *solids && r.frames.iter().eq(numbers);
         let same = |r: &Ready| of(r) && r.scratch.as_ref() == scratch && r.first_job == first_job;
-        let key = (batch.fused.clone(), batch.solids);
+        let key = (fused.clone(), met);
         if !self.ready.get(&key).is_some_and(same) {
             let first = filled(device, "batch", cast_slice(&[first_job, 0, 0, 0]), BufferUsages::UNIFORM);
             let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
@@ -190,11 +234,114 @@ impl Arena {
         &self.ready[&key].group
     }
 
+    /// The bindings of a dispatch of a batch, made again only where a job or a buffer is another.
+    pub fn step_group(
+        &mut self,
+        device: &wgpu::Device,
+        of: &Underway,
+        pipeline: &Pipeline,
+        (solids, frames): (&Buffer, &Frames),
+    ) -> &wgpu::BindGroup {
+        let (bindings, numbers) = (&pipeline.source.bindings, [&frames.ring.buffer, &frames.parts]);
+        let here = |g: &Group| g.place == of.place && g.turned == of.turned && g.bindings == *bindings;
+        let fresh = |g: &Group| g.jobs == of.jobs && g.solids == *solids && g.frames.iter().eq(numbers);
+        let at = self.groups.iter().position(here);
+        let at = match at.filter(|at| fresh(&self.groups[*at])) {
+            Some(at) => at,
+            None => {
+                let group = self.bind_step(device, of, pipeline, (solids, numbers));
+                let (solids, frames) = (solids.clone(), numbers.map(Buffer::clone));
+                let (place, turned, jobs, bindings) = (of.place, of.turned, of.jobs, bindings.clone());
+                let group = Group { place, turned, bindings, jobs, solids, frames, group };
+                match at {
+                    Some(at) => self.groups[at] = group,
+                    None => self.groups.push(group),
+                }
+                at.unwrap_or(self.groups.len() - 1)
+            }
+        };
+        &self.groups[at].group
+    }
+
+    fn bind_step(
+        &mut self,
+        device: &wgpu::Device,
+        of: &Underway,
+        pipeline: &Pipeline,
+        (solids, numbers): (&Buffer, [&Buffer; 2]),
+    ) -> wgpu::BindGroup {
+        let size = 16 * self.store.room() as u64;
+        let own = |slot: &Slot| SCRATCH.contains(slot) || TURNS.iter().any(|(_, other)| other == slot);
+        for slot in pipeline.source.bindings.iter().map(|b| b.slot).filter(own) {
+            let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+            self.others.entry(slot).or_insert_with(|| empty(device, slot.name(), size, usage));
+        }
+        let [first_job, grids] = of.jobs;
+        let first = filled(device, "batch", cast_slice(&[first_job, grids, 0, 0]), BufferUsages::UNIFORM);
+        let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
+        let row = std::num::NonZeroU64::new(size_of::<FrameRow>() as u64);
+        let part = std::num::NonZeroU64::new(16);
+        pipeline.bind(device, |slot| match lies(of.turned, slot) {
+            Slot::Batch => Some(whole(&first)),
+            Slot::Lists => Some(whole(&self.lists)),
+            Slot::Solids => Some(whole(solids)),
+            Slot::Frame => Some(wgpu::BufferBinding { size: row, ..whole(numbers[0]) }),
+            Slot::Part => Some(wgpu::BufferBinding { size: part, ..whole(numbers[1]) }),
+            slot if LASTING.contains(&slot) => self.lasting(slot).map(|(buffer, offset, size)| {
+                let size = std::num::NonZeroU64::new(size);
+                wgpu::BufferBinding { buffer, offset, size }
+            }),
+            other => self.others.get(&other).or_else(|| self.store.get(other)).map(whole),
+        })
+    }
+
+    /// Where a list lies that lasts from frame to frame: its buffer, where it begins there, and how long it is \[bytes\].
+    fn lasting(&self, slot: Slot) -> Option<(&Buffer, u64, u64)> {
+        let (buffer, room) = (self.store.get(Slot::Lasting)?, 16 * self.store.room() as u64);
+        let begins = LASTING.iter().position(|s| *s == slot)? as u64 * room;
+        Some((buffer, begins, room.min(buffer.size().checked_sub(begins)?)))
+    }
+
+    /// Brings what tiles have left in other buffers back to where hosts look for it, for the cloths of a batch.
+    pub fn turn_back(&self, members: &[usize], turned: [bool; 4], encoder: &mut wgpu::CommandEncoder) {
+        let lost = self.lasting(Slot::Lost).map(|(buffer, begins, _)| (buffer, begins));
+        let own = |slot| self.store.get(slot).map(|buffer| (buffer, 0));
+        let places = [own(Slot::Now), own(Slot::Before), lost];
+        for ((to, (_, from)), _) in places.into_iter().zip(TURNS).zip(turned).filter(|(_, turned)| *turned) {
+            let (Some((to, begins)), Some(from)) = (to, self.others.get(&from)) else { continue };
+            // Cloths that lie one after the other are copied at once; nothing reads what is between them.
+            let mut run: Option<(u32, u32)> = None;
+            let mut copy = |(first, end): (u32, u32)| {
+                let (at, size) = (16 * u64::from(first), 16 * u64::from(end - first));
+                encoder.copy_buffer_to_buffer(from, at, to, begins + at, size);
+            };
+            for job in members.iter().map(|m| &self.jobs[*m]) {
+                let end = job.first + job.count;
+                match &mut run {
+                    Some((_, last)) if room_of(*last as usize) as u32 == job.first => *last = end,
+                    _ => run.replace((job.first, end)).into_iter().for_each(&mut copy),
+                }
+            }
+            run.into_iter().for_each(copy);
+        }
+    }
+
+    /// Clears the counters of the frame of some cloths, which no dispatch does.
+    pub fn clear_faults(&self, members: &[usize], encoder: &mut wgpu::CommandEncoder) {
+        let Some(faults) = self.store.get(Slot::Faults) else { return };
+        for job in members.iter().map(|m| &self.jobs[*m]) {
+            let row = 4 * u64::from(FAULT_STRIDE * job.row);
+            encoder.clear_buffer(faults, row + offset_of!(FaultRow, particles) as u64, Some(4));
+            encoder.clear_buffer(faults, row + offset_of!(FaultRow, speed) as u64, Some(8));
+        }
+    }
+
     /// What a workgroup does for a cloth, with the numbers that are the cloth's own.
     fn job(&self, world: &World, index: usize, member: usize) -> JobRow {
         let (cloth, solid) = (&world.scene.cloths[index], world.first_solid(index) as u32);
         let steps = world.numbers(cloth).map(|step| StepRow::from(&step));
         let (keep, longest) = (steps.map(|s| s.keep), steps.map(|s| s.longest));
-        JobRow { solid, keep, longest, hold: world.hold(index), ..self.jobs[member] }
+        let (hold, solids) = (world.hold(index), world.solid_count(index) as u32);
+        JobRow { solid, keep, longest, hold, solids, ..self.jobs[member] }
     }
 }

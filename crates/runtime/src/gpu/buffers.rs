@@ -192,16 +192,16 @@ impl ClothBuffers {
     }
 
     /// The largest squared displacement of the last frame, where cloth may fall asleep.
-    pub(super) fn fastest(&self, fused: bool) -> Option<(&Buffer, u64)> {
-        if fused {
+    pub(super) fn fastest(&self, shared: bool) -> Option<(&Buffer, u64)> {
+        if shared {
             return self.faults.as_ref().map(|f| (&f.buffer, f.offset + offset_of!(FaultRow, speed) as u64));
         }
         self.other(Slot::Fastest).map(|b| (b, 0))
     }
 
     /// The largest residual of springs in the last frame, where that is measured.
-    pub(super) fn strain(&self, fused: bool) -> Option<(&Buffer, u64)> {
-        if fused {
+    pub(super) fn strain(&self, shared: bool) -> Option<(&Buffer, u64)> {
+        if shared {
             return self.faults.as_ref().map(|f| (&f.buffer, f.offset + offset_of!(FaultRow, strain) as u64));
         }
         self.other(Slot::Strain).map(|b| (b, 0))

@@ -18,7 +18,7 @@ const PART: u32 = room_of(16);
 pub(super) struct Frames {
     /// Those of the frames of batches, and all else that a frame uploads.
     pub ring: Uploads,
-    /// Row n has the number n: which of its dispatches in a frame a batch is at.
+    /// Which dispatch of its frame a batch is at: [`Frames::whole`], [`Frames::begins`], [`Frames::within`], [`Frames::IDLE`].
     pub parts: Buffer,
 }
 
@@ -27,22 +27,37 @@ impl Frames {
         Frames { ring: Uploads::new(device), parts: parts(device, 16) }
     }
 
-    /// Makes room for a frame of batches that have `most` dispatches at most.
+    /// Makes room for a frame of batches that have `most` dispatches of whole frames, or steps, at most.
     pub fn make_room(&mut self, device: &wgpu::Device, most: u32) {
-        if u64::from(most) * u64::from(PART) > self.parts.size() {
+        if (1 + 2 * u64::from(most)) * u64::from(PART) > self.parts.size() {
             self.parts = parts(device, most.next_power_of_two());
         }
     }
 
-    /// Where the number of a dispatch lies.
-    pub fn part(&self, n: u32) -> u32 {
-        n * PART
+    /// Where the numbers of a frame without steps lie.
+    pub const IDLE: u32 = 0;
+
+    /// Where those of the n-th dispatch of whole frames lie.
+    pub fn whole(n: u32) -> u32 {
+        Frames::begins(n)
+    }
+
+    /// Where those of the dispatch that begins step n lie: the last passes of the step before may still be due.
+    pub fn begins(n: u32) -> u32 {
+        (1 + 2 * n) * PART
+    }
+
+    /// Where those of another dispatch of step n lie, or of one that follows the last step.
+    pub fn within(n: u32) -> u32 {
+        (2 + 2 * n) * PART
     }
 }
 
+/// The rows of `count` steps, as shaders/part/jobs.wgsl reads them.
 fn parts(device: &wgpu::Device, count: u32) -> Buffer {
-    let row = |n: u32| std::iter::once(n).chain(std::iter::repeat_n(0, PART as usize / 4 - 1));
-    let rows: Vec<u32> = (0..count).flat_map(row).collect();
+    let steps = (0..count).flat_map(|n| [[n, n, u32::from(n == 0)], [n, n + 1, 0]]);
+    let row = |row: [u32; 3]| row.into_iter().chain(std::iter::repeat_n(0, PART as usize / 4 - 3));
+    let rows: Vec<u32> = std::iter::once([0; 3]).chain(steps).flat_map(row).collect();
     filled(device, "parts", cast_slice(&rows), BufferUsages::UNIFORM)
 }
 

@@ -30,7 +30,7 @@ impl Gpu {
     pub fn prepare(&mut self, world: &World, draw_only: bool, recoated: bool) -> Coming {
         let index = world.runs.len() - 1;
         let (store, states) = Store::new(&self.device, world, &[index], draw_only);
-        let shares = world.arenas.last().is_some_and(|cloths| cloths == &[index]);
+        let shares = world.arenas.last().is_some_and(|roster| roster.cloths == [index]);
         if !draw_only {
             self.compile(world, index);
         }
@@ -63,7 +63,7 @@ impl Gpu {
             }
         }
         let mut states = Vec::new();
-        for cloths in &world.arenas[self.arenas.len()..] {
+        for cloths in world.arenas[self.arenas.len()..].iter().map(|roster| &roster.cloths) {
             let (store, spans) = Store::new(&self.device, world, cloths, draw_only);
             states.extend(spans);
             self.arenas.push(Arena::new(&self.device, world, store, cloths));

@@ -125,7 +125,7 @@ impl Gpu {
         let own = self.cloths[cloth].others.get(&Slot::Targets).cloned();
         let mut arenas = world.arenas.iter().zip(&self.arenas);
         let member = |list: &[usize]| list.iter().position(|c| *c == cloth);
-        let shared = arenas.find_map(|(list, arena)| arena.vectors(member(list)?, Slot::Targets));
+        let shared = arenas.find_map(|(list, arena)| arena.vectors(member(&list.cloths)?, Slot::Targets));
         for span in own.into_iter().chain(shared) {
             encoder.copy_buffer_to_buffer(&buffer, 0, &span.buffer, span.offset, 16 * targets.len() as u64);
         }

@@ -13,10 +13,15 @@ pub(super) fn lies(turned: [bool; 4], slot: Slot) -> Slot {
     turn.map_or(slot, |((a, b), _)| if *a == slot { *b } else { *a })
 }
 
+/// Which of them lie in the other buffers after a dispatch.
+pub(super) fn turned(before: [bool; 4], source: &Source) -> [bool; 4] {
+    std::array::from_fn(|n| before[n] != source.binds(TURNS[n].1))
+}
+
 impl ClothBuffers {
     /// What a tile has written lies where the last ones were not.
     pub(super) fn turn(&mut self, source: &Source) {
-        self.turned = std::array::from_fn(|n| self.turned[n] != source.binds(TURNS[n].1));
+        self.turned = turned(self.turned, source);
     }
 
     /// Brings positions back to where hosts look for them. Nothing goes on from the multipliers of a frame.

@@ -164,7 +164,8 @@ impl Gpu {
     /// Begins a frame of `steps` steps: finds the cloths that share dispatches, and makes room for what it uploads.
     pub fn begin(&mut self, world: &World, steps: u32) {
         world.batch(&mut self.batches);
-        let one = |b: &crate::world::Batch| frames::bytes(&world.frame(world.arenas[b.arena][b.members[0]], steps));
+        let one =
+            |b: &crate::world::Batch| frames::bytes(&world.frame(world.arenas[b.arena].cloths[b.members[0]], steps));
         let batches: u64 = self.batches.iter().map(|b| u64::from(room_of(one(b)))).sum();
         let shared: u64 = self.arenas.iter().map(super::Arena::need).sum();
         let apart = separate_rows(world, steps) * u64::from(room_of(size_of::<StepRow>()));

@@ -161,10 +161,10 @@ impl Gpu {
         let (mut parts, mut found) = (std::mem::take(&mut self.watch.parts), std::mem::take(&mut self.watch.found));
         for index in (0..self.cloths.len()).filter(|c| !world.runs[*c].asleep) {
             let cloth = &self.cloths[index];
-            let fused = world.is_fused(index);
-            let fastest = limit.and_then(|_| cloth.fastest(fused));
+            let shared = world.is_shared(index);
+            let fastest = limit.and_then(|_| cloth.fastest(shared));
             let measured = world.runs[index].schedule.frame.iter().any(|p| matches!(p, Pass::Strain { .. }));
-            let strain = if measured { cloth.strain(fused) } else { None };
+            let strain = if measured { cloth.strain(shared) } else { None };
             if fastest.is_some() || strain.is_some() {
                 self.watch.seconds[index] += f64::from(steps) * world.control.clock.dt;
                 found.push((index, [fastest, strain].map(|from| Some((parts.add(from?), from?.1)))));

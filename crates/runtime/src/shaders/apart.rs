@@ -54,7 +54,7 @@ fn common(bound: &Bound) -> &'static [&'static str] {
 }
 
 /// Declarations of what rules name but do not declare, as it lies in buffers of a cloth.
-fn declared(bound: &Bound) -> &'static [&'static str] {
+pub(super) fn declared(bound: &Bound) -> &'static [&'static str] {
     match (bound.slot, bound.writes) {
         (Slot::Now, true) => &[part!("now"), part!("stored")],
         (Slot::Now, false) => &[part!("now_read")],

@@ -48,9 +48,9 @@ fn setters(name: &str, place: &str) -> String {
     )
 }
 
-/// Replaces the lists in the bindings of a whole frame by the buffers that they share. Returns the parts, the declarations of the
-/// lists, and the number of lists in [`Slot::Scratch`].
-pub fn shared(parts: Parts) -> (Parts, String, usize) {
+/// Replaces the lists in the bindings of several cloths by the buffers that they share. Returns the parts, the declarations of the
+/// lists, and the number of lists in [`Slot::Scratch`]. `whole`: of whole frames, in which also lists that frames write share buffers.
+pub fn shared(parts: Parts, whole: bool) -> (Parts, String, usize) {
     let (mut text, mut find, mut scratch) = (String::new(), String::new(), 0);
     let mut bindings: Vec<Bound> = Vec::new();
     for bound in &parts.bindings {
@@ -66,10 +66,10 @@ pub fn shared(parts: Parts) -> (Parts, String, usize) {
             // Indices are those of particles; the images of a cloth lie where those of its first instance do.
             let shift = |each| format!(" + {each} * (job.image / 64u) - {each} * (job.first / 64u)");
             (reads(Slot::Lists), head(n) + &bound.slot.shared_by_64().map(shift).unwrap_or_default())
-        } else if let Some(n) = LASTING.iter().position(|s| *s == bound.slot) {
+        } else if let Some(n) = LASTING.iter().position(|s| *s == bound.slot && whole) {
             text += &written(name, "lasting");
             (writes(Slot::Lasting), format!("{n}u * {}", head(HEAD - 1)))
-        } else if SCRATCH.contains(&bound.slot) {
+        } else if whole && SCRATCH.contains(&bound.slot) {
             text += &written(name, "scratch");
             scratch += 1;
             (writes(Slot::Scratch), format!("{}u * {}", scratch - 1, head(HEAD - 1)))
@@ -90,6 +90,9 @@ pub fn shared(parts: Parts) -> (Parts, String, usize) {
         }
     }
     _ = write!(text, "fn find_lists(job: Job) {{\n{find}}}\n");
+    if !whole {
+        text += &own(&bindings);
+    }
     (Parts { bindings, ..parts }, text, scratch)
 }
 
@@ -98,7 +101,7 @@ fn head(n: usize) -> String {
     format!("lists[{}].{}", n / 4, ["x", "y", "z", "w"][n % 4])
 }
 
-/// An element of a list that is only read. shaders/fused.wgsl has those that are structs.
+/// An element of a list that is only read. shaders/part/jobs.wgsl has those that are structs.
 fn read(name: &str, element: Option<&str>) -> String {
     let Some(element) = element else { return String::new() };
     let (each, value) = match element {

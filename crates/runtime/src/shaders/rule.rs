@@ -108,7 +108,10 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Limit => rule!("limit", "limit", over, parts(&[], &[Slot::Targets], &[Now])),
         Pass::Contact(kinds) => contact(over, kinds),
         Pass::Colliders(kinds) => colliders(over, kinds),
-        Pass::Seams => rule!("seams", "close", over, parts(&[], &[Starts, Members], &[Now])),
+        Pass::Seams => {
+            let files = [part!("meeting"), part!("loose")];
+            rule!("seams", "close", over, parts(&files, &[Starts, Members], &[Now]))
+        }
         Pass::SeamSteps => {
             rule!("seam_steps", "close_steps", over, parts(&[], &[Starts, Members], &[Now, Before]))
         }
@@ -180,7 +183,8 @@ pub fn rule(pass: Pass) -> Rule {
 /// Swept contact.
 fn contact(over: Over, kinds: Kinds) -> Rule {
     let near: &[_] = if kinds.many { &[part!("near")] } else { &[part!("near_all")] };
-    let files = [&[part!("solid"), part!("friction"), part!("entry"), part!("touch")], near].concat();
+    let own = [part!("solid"), part!("friction"), part!("entry"), part!("touch"), part!("sane")];
+    let files = [&own, near].concat();
     let parts = Parts::new(&files, &[Slot::Step, Slot::Before, Slot::Solids], &[Slot::Now]);
     rule!("contact", "clear", over, shapes(kinds, parts))
 }
@@ -232,12 +236,17 @@ fn integrate(air: Air, exact: bool) -> Parts {
 
 /// The largest stretch, a number for a workgroup.
 fn strain(over: Over, image: bool, soft: Soft) -> Rule {
-    let share = if soft == Soft::None { part!("share_all") } else { part!("share_soft") };
-    let common = Parts::new(&[part!("larger"), part!("residual"), share], &[Slot::Grids, Slot::Now], &[]);
-    let common = common.and(rest(image)).and(compliance(soft));
+    let common = residuals(image, soft);
     let whole = Whole::Call("strain", common.clone().files(&[part!("whole_strain")]));
     let parts = common.files(&[part!("most")]).bind(&[writes(Slot::Strain)]);
     Rule { whole, ..rule!("strain", "", over, parts) }
+}
+
+/// What is left of springs to be relaxed.
+pub(super) fn residuals(image: bool, soft: Soft) -> Parts {
+    let share = if soft == Soft::None { part!("share_all") } else { part!("share_soft") };
+    let parts = Parts::new(&[part!("larger"), part!("residual"), share], &[Slot::Grids, Slot::Now], &[]);
+    parts.and(rest(image)).and(compliance(soft))
 }
 
 /// Where rest lengths come from.

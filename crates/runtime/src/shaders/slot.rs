@@ -77,11 +77,12 @@ slots! {
     Scratch "scratch",
     Batch "batch",
     Part "part",
+    Rings "rings",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
 /// in [`Slot::Lists`], whose first numbers, in this order, say where each begins.
-pub const LISTED: [(Slot, Option<&str>); 13] = [
+pub const LISTED: [(Slot, Option<&str>); 14] = [
     (Slot::Jobs, None),
     (Slot::Grids, None),
     // Seam rings: ring r is members[starts[r]] up to, not including, members[starts[r + 1]].
@@ -96,6 +97,8 @@ pub const LISTED: [(Slot, Option<&str>); 13] = [
     (Slot::Yielding, Some("vec4<f32>")),
     (Slot::Targets, Some("vec4<f32>")),
     (Slot::Holes, Some("u32")),
+    // The seam ring of each particle, by its number in the cloth, all ones for none.
+    (Slot::Rings, Some("u32")),
 ];
 
 impl Slot {
@@ -112,6 +115,7 @@ impl Slot {
             Slot::Tethers => there(tethers > 0, 8 * tethers),
             Slot::Targets => there(cloth.limits.is_some(), 16),
             Slot::Holes => there(cloth.is_cut(), 4),
+            Slot::Rings => there(cloth.ring_count() > 0, 4),
             _ => None,
         }
     }
@@ -146,6 +150,7 @@ impl Slot {
                 cast_slice(&rows).to_vec()
             }
             Slot::Holes => vec![0; 4 * cloth.len()],
+            Slot::Rings => cast_slice(&rings(cloth)).to_vec(),
             _ => Vec::new(),
         }
     }
@@ -156,6 +161,7 @@ impl Slot {
             Slot::Rest | Slot::Soft | Slot::Weights => Some("64u"),
             Slot::Cells => Some("128u"),
             Slot::Bends => Some("32u"),
+            Slot::Rings => Some("16u"),
             Slot::Tethers => Some("32u * slots"),
             _ => None,
         }
@@ -172,7 +178,7 @@ impl Slot {
                 cloth.len() * 16
             }
             Slot::Tethers => cloth.len() * tethers * 8,
-            Slot::Holes => cloth.len() * 4,
+            Slot::Holes | Slot::Rings => cloth.len() * 4,
             Slot::Starts => starts.len() * 4,
             Slot::Members => members.len() * 4,
             Slot::Solids => colliders * 80,
@@ -204,6 +210,16 @@ impl Slot {
         };
         bytes as u64
     }
+}
+
+/// The seam ring of each particle, `u32::MAX` where there is none.
+fn rings(cloth: &Cloth) -> Vec<u32> {
+    let (starts, members) = cloth.rings();
+    let mut rings = vec![u32::MAX; cloth.len()];
+    for (ends, ring) in starts.windows(2).zip(0..) {
+        members[ends[0] as usize..ends[1] as usize].iter().for_each(|k| rings[*k as usize] = ring);
+    }
+    rings
 }
 
 /// Bytes of the lists that whole frames of a cloth read, its job included, with room for `places` particles of which each has a number

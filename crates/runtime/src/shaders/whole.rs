@@ -14,14 +14,22 @@ pub fn is_whole(schedule: &Schedule) -> bool {
     schedule.coarse.is_empty() && all(schedule).all(|p| !matches!(rule(*p).whole, Whole::No))
 }
 
-fn all(schedule: &Schedule) -> impl Iterator<Item = &Pass> {
+pub(super) fn all(schedule: &Schedule) -> impl Iterator<Item = &Pass> {
     schedule.air.iter().chain(&schedule.step).chain(&schedule.relax).chain(&schedule.frame)
 }
 
 /// The rules of all passes and a loop for each, called in their order.
 pub fn whole(fused: &Fused) -> Source {
     let schedule = &*fused.schedule;
-    let files = [part!("step"), part!("grid"), part!("now"), part!("befores"), part!("by_rows"), part!("faults")];
+    let files = [
+        part!("step"),
+        part!("grid"),
+        part!("now"),
+        part!("befores"),
+        part!("by_rows"),
+        part!("faults"),
+        part!("jobs"),
+    ];
     let mut parts = Parts::new(
         &files,
         &[Slot::Frame, Slot::Batch, Slot::Part, Slot::Jobs, Slot::Grids],
@@ -36,7 +44,6 @@ pub fn whole(fused: &Fused) -> Source {
                 let spare = match fused.hold {
                     Hold::Both | Hold::Wide => part!("spare_held"),
                     Hold::Narrow => part!("spare_narrow"),
-                    Hold::Stored => part!("spare_stored"),
                 };
                 parts = parts.and(own).files(&[spare, part!("whole_most")]);
             }
@@ -56,7 +63,7 @@ pub fn whole(fused: &Fused) -> Source {
     let declared: Vec<_> = parts.bindings.iter().flat_map(|b| declared(b.slot)).copied().collect();
     let parts = held(fused, parts.files(&declared)).files(&[pass!("fused")]);
     let step = |pass: &Pass, colour: &str| line(pass, colour, true);
-    let (parts, declared, scratch) = lists::shared(parts);
+    let (parts, declared, scratch) = lists::shared(parts, true);
     let program = format!(
         "\n{declared}\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
          fn frame_program(job: Job, local: u32) {{\n{}}}\n",
@@ -113,9 +120,8 @@ fn held(fused: &Fused, parts: Parts) -> Parts {
     let parts = match fused.hold {
         Hold::Both | Hold::Wide => parts.files(&[part!("held")]),
         Hold::Narrow => parts.files(&[part!("held_narrow")]).constant("numbers", 3 * fused.places),
-        Hold::Stored => parts.files(&[part!("held_stored")]),
     };
-    let parts = if fused.hold == Hold::Stored { parts } else { parts.constant("places", fused.places) };
+    let parts = parts.constant("places", fused.places);
     if fused.hold == Hold::Both {
         return parts.files(&[part!("was_held")]).constant("befores", 3 * fused.places);
     }

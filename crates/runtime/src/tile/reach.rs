@@ -55,7 +55,6 @@ pub fn around(colours: &[(u32, u32)]) -> ([u32; 2], [u32; 2]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cloth::Grid;
     use crate::form::TileShape;
 
     const ALL: [(u32, u32); 8] = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
@@ -94,8 +93,8 @@ mod tests {
             colours.iter().for_each(|c| relax(&mut expected, width as usize, whole, *c));
             let (around, lacks) = around(colours);
             for inner in [[2u32, 2], [4, 10], [12, 6], [40, 40]] {
-                let grid = Grid { name: String::new(), first: 0, width: width as u32, height: height as u32 };
-                let [columns, rows] = TileShape { inner, lacks, ..TileShape::default() }.tiles(&grid);
+                let shape = TileShape { inner, lacks, ..TileShape::default() };
+                let [columns, rows] = shape.tiles([width as u32, height as u32]);
                 let mut seen = 0;
                 for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
                     let size = [width as i64, height as i64];

@@ -1,7 +1,6 @@
 //! The sizes of tiles.
 
 use super::reach::around;
-use crate::cloth::Grid;
 use crate::form::{Tile, TileShape};
 use crate::fused::{NOTES, Room};
 use crate::passes::Pass;
@@ -18,7 +17,7 @@ const DEAR: u64 = 4;
 
 impl Tile {
     /// With sizes, if a device has room for it.
-    pub(super) fn fit(self, grids: &[Grid], room: &Room) -> Option<Self> {
+    pub(super) fn fit(self, grids: &[[u32; 2]], room: &Room) -> Option<Self> {
         let colours: Vec<_> = self.colours().collect();
         let (around, lacks) = around(&colours);
         let near = self.passes.iter().any(|p| matches!(over(*p), Over::Near));
@@ -34,7 +33,7 @@ impl Tile {
             .and_then(shape)
             .filter(|s| measured.is_some() || count(s, grids) >= room.busy || most <= USUAL);
         let shape = large.or_else(|| shape(most.min(USUAL)))?;
-        let particles: u64 = grids.iter().map(|g| u64::from(g.width) * u64::from(g.height)).sum();
+        let particles: u64 = grids.iter().map(|[w, h]| u64::from(*w) * u64::from(*h)).sum();
         let rounds = colours.iter().filter(|c| Some(*c) == colours.last()).count();
         if rounds > 1 && loads(&shape, grids) > DEAR * particles {
             return None;
@@ -48,13 +47,13 @@ impl Tile {
 }
 
 /// Tiles of all grids.
-fn count(shape: &TileShape, grids: &[Grid]) -> u32 {
-    grids.iter().map(|g| shape.tiles(g)).map(|[x, y]| x * y).sum()
+fn count(shape: &TileShape, grids: &[[u32; 2]]) -> u32 {
+    grids.iter().map(|g| shape.tiles(*g)).map(|[x, y]| x * y).sum()
 }
 
 /// Particles that all tiles read.
-fn loads(shape: &TileShape, grids: &[Grid]) -> u64 {
-    let along = |g: &Grid, d: usize| shape.extents([g.width, g.height][d], d).map(u64::from).sum::<u64>();
+fn loads(shape: &TileShape, grids: &[[u32; 2]]) -> u64 {
+    let along = |g: &[u32; 2], d: usize| shape.extents(g[d], d).map(u64::from).sum::<u64>();
     grids.iter().map(|g| along(g, 0) * along(g, 1)).sum()
 }
 
@@ -70,8 +69,8 @@ impl TileShape {
 }
 
 /// The shape that loads least, of all that `places` particles are enough for.
-fn best(like: TileShape, grids: &[Grid], places: u32) -> Option<TileShape> {
-    let sides = [|g: &Grid| g.width, |g: &Grid| g.height].map(|s| grids.iter().map(s).max().unwrap_or(0));
+fn best(like: TileShape, grids: &[[u32; 2]], places: u32) -> Option<TileShape> {
+    let sides = [0, 1].map(|d| grids.iter().map(|g| g[d]).max().unwrap_or(0));
     let whole = |d: usize| (sides[d] + like.lacks[d]).next_multiple_of(2);
     let widest = |shape: &TileShape, d: usize| shape.extents(sides[d], d).max().unwrap_or(0);
     let shapes = (2..=whole(0)).step_by(2).filter_map(|x| {
@@ -99,16 +98,12 @@ mod tests {
 
     const COLOURS: [(u32, u32); 8] = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
 
-    fn grid(width: u32, height: u32) -> Grid {
-        Grid { name: String::new(), first: 0, width, height }
-    }
-
     #[test]
     fn tiles_fit_the_memory_and_cover_the_grid() {
         for (width, height) in [(2, 2), (2, 1000), (70, 70), (129, 65), (512, 512), (3, 17)] {
             for (places, n) in [(1024, 5), (992, 7), (2304, 5), (1024, 0)] {
                 let like = TileShape { around: [n; 2], lacks: [n & 1; 2], ..TileShape::default() };
-                let grids = [grid(width, height)];
+                let grids = [[width, height]];
                 let shape = best(like, &grids, places).unwrap();
                 assert!(shape.room[0] * shape.room[1] <= places, "{shape:?}");
                 assert!(shape.inner.iter().all(|s| s % 2 == 0 && *s > 0), "{shape:?}");
@@ -119,7 +114,7 @@ mod tests {
         }
         // What fits is one tile.
         let like = TileShape { around: [5; 2], lacks: [1; 2], ..TileShape::default() };
-        assert_eq!(count(&best(like, &[grid(2, 500)], 1024).unwrap(), &[grid(2, 500)]), 1);
+        assert_eq!(count(&best(like, &[[2, 500]], 1024).unwrap(), &[[2, 500]]), 1);
     }
 
     #[test]
@@ -143,7 +138,7 @@ mod tests {
         let passes: Vec<_> = passes.chain([Pass::Contact(Kinds { many: true, ..Kinds::default() })]).collect();
         // Bytes of a particle in a step, and places.
         let of = |n: u32, room: &Room| {
-            let (tile, grids) = (Tile::of(&passes).unwrap(), [grid(n, n)]);
+            let (tile, grids) = (Tile::of(&passes, true).unwrap(), [[n, n]]);
             let tile = tile.fit(&grids, room).unwrap();
             let bytes = 32.0 * loads(&tile.shape, &grids) as f64 / f64::from(n * n) + 32.0;
             (bytes, tile.shape.room[0] * tile.shape.room[1])
@@ -154,6 +149,6 @@ mod tests {
         // What colliders are near is noted beside.
         let least = of(256, &Room { memory: 16_384, ..room });
         assert!(least.1 * BYTES + NOTES <= 16_384, "{least:?}");
-        assert_eq!(Tile::of(&passes).unwrap().fit(&[grid(64, 64)], &Room { memory: 1024, ..room }), None);
+        assert_eq!(Tile::of(&passes, true).unwrap().fit(&[[64, 64]], &Room { memory: 1024, ..room }), None);
     }
 }

@@ -4,7 +4,7 @@ use super::World;
 use crate::choose::Wish;
 use crate::cloth::Cloth;
 use crate::error::Result;
-use crate::fused::{Room, arenas};
+use crate::fused::{Room, Roster, arenas};
 use crate::options::{Options, Solver};
 use crate::scene::Scene;
 
@@ -63,15 +63,20 @@ impl World {
     }
 
     /// The arenas of a world in which some cloths of this one are: each that comes has its own.
-    fn arenas_in(&self, later: &World, kept: &[Option<usize>], room: &Room) -> Vec<Vec<usize>> {
+    fn arenas_in(&self, later: &World, kept: &[Option<usize>], room: &Room) -> Vec<Roster> {
         let place = |own: &usize| kept.iter().position(|k| *k == Some(*own));
-        let stay = self.arenas.iter().map(|list| list.iter().filter_map(place).collect::<Vec<_>>());
+        let stay = self.arenas.iter().map(|list| {
+            let (cloths, sides) = (list.cloths.iter().filter_map(place).collect(), list.sides.clone());
+            Roster { cloths, sides }
+        });
         let come = kept.iter().enumerate().filter(|(_, own)| own.is_none()).flat_map(|(index, _)| {
             let alone = std::slice::from_ref(&later.scene.cloths[index]);
             let held = later.runs[index].instance();
-            arenas(alone, |_| held, &later.control.options, room).into_iter().map(move |_| vec![index])
+            arenas(alone, |_| held, &later.control.options, room)
+                .into_iter()
+                .map(move |_| Roster::alone(index, &alone[0]))
         });
-        stay.chain(come).filter(|list| !list.is_empty()).collect()
+        stay.chain(come).filter(|list| !list.cloths.is_empty()).collect()
     }
 
     /// The rounds that are chosen for the scene, and for the same without the pins of some cloths: always those of one of its cloths.

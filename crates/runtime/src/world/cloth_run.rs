@@ -12,7 +12,7 @@ use crate::number::real::{dot, sub, with_w};
 use crate::passes::Schedule;
 use crate::scene::Pose;
 use crate::state::ClothState;
-use crate::tile::Order;
+use crate::tile::{Order, Sequence};
 
 /// What a world holds of one cloth beside the cloth itself.
 #[derive(Default)]
@@ -31,7 +31,9 @@ pub struct ClothRun {
     pub fused: Option<Fused>,
     /// Most steps of it in one dispatch.
     pub most: u32,
-    /// How passes run together where it does not, found when it is first asked for.
+    /// Its dispatches where it shares them with other cloths step by step.
+    pub sequence: Option<Arc<Sequence>>,
+    /// How passes run together where it shares none, found when it is first asked for.
     pub order: OnceLock<Option<Order>>,
     /// Largest area of its particles over their mass \[m^2/kg\], found when air first acts on it.
     pub exposed: OnceLock<f64>,

@@ -24,6 +24,12 @@ pub(super) fn by_loops(among: (&Cloth, u64), fused: &Fused, iterations: u32, roo
     (u64::from(room.loops).saturating_sub(beside) / step).min(u64::from(u32::MAX)) as u32
 }
 
+/// Particles in one dispatch of a step that makes a number of relaxations: as many as all workgroups that a device runs at a time may make of whole
+/// frames.
+pub(super) fn most_at_once(relaxations: u32, room: &Room) -> u64 {
+    MAX_WORK * u64::from(room.busy.max(1)) / u64::from(relaxations.max(1))
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -50,7 +56,7 @@ mod tests {
         scene.cloths.push(Flat::square("sheet", n).cloth().unwrap());
         let world = World::new(scene, options).unwrap();
         let cloth = &world.scene.cloths[0];
-        let fused = Fused::of(cloth, &Arc::new(world.runs[0].schedule.clone()), &room);
+        let fused = Fused::of(cloth, &Arc::new(world.runs[0].schedule.clone()), &room).unwrap();
         let options = &world.control.options;
         by_work(options.relaxations(), fused.places, 1, &room).min(by_loops(
             (cloth, 0),

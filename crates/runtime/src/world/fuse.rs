@@ -3,64 +3,138 @@
 use std::sync::{Arc, OnceLock};
 
 use super::World;
-use super::dispatch::{by_loops, by_work};
+use super::dispatch::{by_loops, by_work, most_at_once};
 use crate::form::Fused;
-use crate::fused::{HEADS, room_of};
+use crate::fused::{HEADS, Room, room_of};
+use crate::loops;
 use crate::passes::Schedule;
-use crate::shaders::listed;
+use crate::shaders::{Extent, is_shared, listed};
+use crate::tile::{Among, Sequence, sequence};
 
-/// Workgroups of a dispatch in a row.
-const MOST: usize = 65_535;
+/// Workgroups of a dispatch along one axis.
+const MAX_WORKGROUPS: usize = 65_535;
 
-/// Cloths that share a dispatch.
+/// Particles that the workgroups of a dispatch have room for, at most, for each particle of its cloths. Every grid has as many workgroups as the
+/// largest grid, and empty workgroups cost time too.
+const MAX_ROOM: u64 = 8;
+
+/// Cloths that share dispatches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
     /// Index of the arena.
     pub arena: usize,
     /// What runs.
-    pub fused: Fused,
-    /// Colliders that each of its cloths meets.
-    pub solids: usize,
-    /// Most steps in one dispatch.
-    pub most: u32,
+    pub share: Share,
     /// Places in the arena's list of cloths.
     pub members: Vec<usize>,
 }
 
+/// What cloths run in the dispatches that they share.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Share {
+    /// Whole frames, a workgroup a cloth.
+    Whole {
+        fused: Fused,
+        /// Colliders that each cloth meets.
+        solids: usize,
+        /// Most steps in one dispatch.
+        most: u32,
+    },
+    /// Step by step, in tiles and passes of their own.
+    Steps {
+        sequence: Arc<Sequence>,
+        /// The largest of the cloths.
+        extent: Extent,
+        /// Forces of air act on some cloth in every step that is a multiple of it.
+        hold: u32,
+        /// Those of all cloths.
+        particles: u64,
+    },
+}
+
 impl Batch {
-    /// Its dispatches in a frame of `steps` steps. A frame without a step has one: it makes normals.
+    /// Its dispatches in a frame of `steps` steps where these are whole frames. A frame without a step has one: it makes normals.
     pub fn parts(&self, steps: u32) -> u32 {
-        steps.div_ceil(self.most.max(1)).max(1)
+        let most = if let Share::Whole { most, .. } = &self.share { *most } else { 1 };
+        steps.div_ceil(most.max(1)).max(1)
+    }
+
+    /// Takes in one more cloth if it can share the dispatches; `most` is the number of particles in a dispatch.
+    fn take(&mut self, member: usize, other: &Share, most: u64) -> bool {
+        let next = self.members.len() + 1;
+        let joined = match (&mut self.share, other) {
+            (Share::Whole { fused, solids, most }, Share::Whole { fused: of, solids: met, most: one }) => {
+                let fits = *solids == *met && fused.kind() == of.kind() && next <= MAX_WORKGROUPS;
+                if fits {
+                    *fused = fused.with(of);
+                    *most = (*most).min(*one);
+                }
+                fits
+            }
+            (
+                Share::Steps { sequence, extent, hold, particles },
+                Share::Steps { sequence: of, extent: size, hold: time, particles: more },
+            ) => {
+                let (both, all) = (extent.with(*size), *particles + more);
+                let layers = next as u64 * u64::from(both.grids);
+                let fits = Arc::ptr_eq(sequence, of) && all <= most && layers <= MAX_WORKGROUPS as u64;
+                let fits = fits && layers * u64::from(both.sides[0]) * u64::from(both.sides[1]) <= MAX_ROOM * all;
+                if fits {
+                    (*extent, *hold, *particles) = (both, common(*hold, *time), all);
+                }
+                fits
+            }
+            _ => false,
+        };
+        if joined {
+            self.members.push(member);
+        }
+        joined
     }
 }
 
+/// The greatest common divisor.
+fn common(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { common(b, a % b) }
+}
+
+/// Sequences by the number of a schedule, what their loops depend on, and an arena with the grids that they are made for.
+type Known = Vec<(usize, [u64; 2], usize, Arc<Sequence>)>;
+
 impl World {
-    /// Which cloths run fused; to be called when schedules have changed.
+    /// Decides which cloths share dispatches; to be called when schedules have changed.
     pub fn fuse(&mut self) {
-        self.runs.iter_mut().for_each(|run| (run.fused, run.order) = (None, OnceLock::new()));
+        self.runs.iter_mut().for_each(|run| (run.fused, run.sequence, run.order) = (None, None, OnceLock::new()));
         let Some(room) = self.room.filter(|_| self.control.options.fused) else { return };
         let (iterations, relaxations) = (self.control.options.iterations, self.control.options.relaxations());
         // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.
         let mut frames: Vec<(Arc<Schedule>, bool)> = Vec::new();
-        let opens: Vec<bool> = (0..self.arenas.len()).map(|arena| self.opens(arena)).collect();
-        let members = self.arenas.iter().zip(opens).flat_map(|(cloths, opens)| cloths.iter().map(move |c| (c, opens)));
-        for (index, opens) in members {
-            let solids = self.solid_loops(*index);
-            let (cloth, run) = (&self.scene.cloths[*index], &mut self.runs[*index]);
-            if cloth.is_cut() && !opens {
-                continue;
+        let mut sequences = Known::new();
+        for arena in 0..self.arenas.len() {
+            let opens = self.opens(arena);
+            for member in 0..self.arenas[arena].cloths.len() {
+                let index = self.arenas[arena].cloths[member];
+                let solids = self.solid_loops(index);
+                let (cloth, run) = (&self.scene.cloths[index], &mut self.runs[index]);
+                if cloth.is_cut() && !opens {
+                    continue;
+                }
+                let known = frames.iter().position(|(frame, _)| **frame == run.schedule);
+                let at = known.unwrap_or_else(|| {
+                    let frame = Arc::new(run.schedule.clone());
+                    let fits = Fused::buffers(&frame).is_some_and(|count| count <= room.buffers as usize);
+                    frames.push((frame, fits));
+                    frames.len() - 1
+                });
+                let (frame, fits) = &frames[at];
+                let fused = if *fits { Fused::of(cloth, frame, &room) } else { None };
+                run.most = fused.as_ref().map_or(0, |f| by_loops((cloth, solids), f, iterations, &room));
+                run.fused = fused.filter(|f| run.most > 0 && by_work(relaxations, f.places, 1, &room) > 0);
+                // Only whole frames read what a cut has changed in the lists that cloths share.
+                if run.fused.is_none() && !cloth.is_cut() && is_shared(&run.schedule) {
+                    self.runs[index].sequence = Some(self.sequence_of((arena, index), (at, &mut sequences), &room));
+                }
             }
-            let known = frames.iter().position(|(frame, _)| **frame == run.schedule);
-            let at = known.unwrap_or_else(|| {
-                let frame = Arc::new(run.schedule.clone());
-                let fits = Fused::buffers(&frame).is_some_and(|count| count <= room.buffers as usize);
-                frames.push((frame, fits));
-                frames.len() - 1
-            });
-            let (frame, fits) = &frames[at];
-            let fused = fits.then(|| Fused::of(cloth, frame, &room));
-            run.most = fused.as_ref().map_or(0, |f| by_loops((cloth, solids), f, iterations, &room));
-            run.fused = fused.filter(|f| run.most > 0 && by_work(relaxations, f.places, 1, &room) > 0);
         }
     }
 
@@ -70,18 +144,60 @@ impl World {
             let (cloth, slots) = (&self.scene.cloths[*index], self.runs[*index].tethers.per_particle);
             listed(cloth, slots, room_of(cloth.len())) as u64
         };
-        let lists = HEADS + self.arenas[arena].iter().map(bytes).sum::<u64>();
+        let lists = HEADS + self.arenas[arena].cloths.iter().map(bytes).sum::<u64>();
         self.room.is_some_and(|room| lists <= room.bytes)
     }
 
-    /// Whether a cloth runs fused.
+    /// The dispatches of a cloth of an arena, whose schedule has a number. Cloths with the same share them.
+    fn sequence_of(
+        &self,
+        (arena, index): (usize, usize),
+        (schedule, known): (usize, &mut Known),
+        room: &Room,
+    ) -> Arc<Sequence> {
+        let cloth = &self.scene.cloths[index];
+        // Sizes depend on these only where loops are bounded.
+        let bounded = |count: u64| if room.loops == u32::MAX { 0 } else { count };
+        let [solids, ring] = [bounded(self.solid_loops(index)), bounded(loops::of_ring(cloth))];
+        let sides = &self.arenas[arena].sides;
+        let same = |k: &&(usize, [u64; 2], usize, _)| {
+            (k.0, k.1) == (schedule, [solids, ring]) && self.arenas[k.2].sides == *sides
+        };
+        if let Some((.., sequence)) = known.iter().find(same) {
+            return sequence.clone();
+        }
+        let among = Among { sides, solids, ring, shared: true };
+        let sequence = Arc::new(sequence(&among, &self.runs[index].schedule, room));
+        known.push((schedule, [solids, ring], arena, sequence.clone()));
+        sequence
+    }
+
+    /// Whether a cloth runs whole frames.
     pub fn is_fused(&self, cloth: usize) -> bool {
         self.runs.get(cloth).is_some_and(|run| run.fused.is_some())
     }
 
+    /// Whether a cloth may share its dispatches with others.
+    pub fn is_shared(&self, cloth: usize) -> bool {
+        self.is_fused(cloth) || self.runs.get(cloth).is_some_and(|run| run.sequence.is_some())
+    }
+
     /// Whether the passes of a cloth that is awake have dispatches of their own.
     pub fn is_apart(&self, cloth: usize) -> bool {
-        !self.runs[cloth].asleep && !self.is_fused(cloth)
+        !self.runs[cloth].asleep && !self.is_shared(cloth)
+    }
+
+    /// What a cloth runs in the dispatches that it shares.
+    fn share(&self, index: usize) -> Option<Share> {
+        let run = &self.runs[index];
+        let whole =
+            |fused: &Fused| Share::Whole { fused: fused.clone(), solids: self.solid_count(index), most: run.most };
+        let steps = |sequence: &Arc<Sequence>| {
+            let cloth = &self.scene.cloths[index];
+            let particles = cloth.len() as u64;
+            Share::Steps { sequence: sequence.clone(), extent: Extent::of(cloth), hold: self.hold(index), particles }
+        };
+        run.fused.as_ref().map(whole).or_else(|| run.sequence.as_ref().map(steps))
     }
 
     /// The batches of a frame, of the cloths that are awake.
@@ -94,43 +210,35 @@ impl World {
     /// The same in place of those of another frame, whose memory is used again.
     pub fn batch(&self, batches: &mut Vec<Batch>) {
         let mut count = 0;
-        for (arena, cloths) in self.arenas.iter().enumerate() {
+        let options = &self.control.options;
+        // A dispatch makes one of a step's rounds.
+        let relaxations = options.relaxations() / options.iterations.max(1);
+        let most = self.room.as_ref().map_or(u64::MAX, |room| most_at_once(relaxations, room));
+        for (arena, roster) in self.arenas.iter().enumerate() {
             let first = count;
-            for (member, cloth) in cloths.iter().enumerate() {
-                let run = &self.runs[*cloth];
-                let Some(fused) = run.fused.as_ref().filter(|_| !run.asleep) else {
+            for (member, cloth) in roster.cloths.iter().enumerate().filter(|(_, c)| !self.runs[**c].asleep) {
+                let Some(share) = self.share(*cloth) else { continue };
+                if batches[first..count].iter_mut().any(|batch| batch.take(member, &share, most)) {
                     continue;
-                };
-                let solids = self.solid_count(*cloth);
-                let fits =
-                    |b: &&mut Batch| b.solids == solids && b.fused.kind() == fused.kind() && b.members.len() < MOST;
-                match batches[first..count].iter_mut().find(fits) {
-                    Some(batch) => {
-                        batch.fused = batch.fused.with(fused);
-                        batch.most = batch.most.min(run.most);
-                        batch.members.push(member);
-                    }
-                    None => {
-                        let mut members = batches.get_mut(count).map_or(Vec::new(), |b| std::mem::take(&mut b.members));
-                        members.clear();
-                        members.push(member);
-                        let batch = Batch { arena, fused: fused.clone(), solids, most: run.most, members };
-                        if count < batches.len() {
-                            batches[count] = batch;
-                        } else {
-                            batches.push(batch);
-                        }
-                        count += 1;
-                    }
                 }
+                let mut members = batches.get_mut(count).map_or(Vec::new(), |b| std::mem::take(&mut b.members));
+                members.clear();
+                members.push(member);
+                let batch = Batch { arena, share, members };
+                if count < batches.len() {
+                    batches[count] = batch;
+                } else {
+                    batches.push(batch);
+                }
+                count += 1;
             }
         }
         batches.truncate(count);
-        let relaxations = self.control.options.relaxations();
+        let (relaxations, room) = (self.control.options.relaxations(), self.room.as_ref());
         for batch in batches {
-            let room = self.room.as_ref();
-            let most = room.map(|room| by_work(relaxations, batch.fused.places, batch.members.len(), room));
-            batch.most = batch.most.min(most.unwrap_or(u32::MAX));
+            if let (Share::Whole { fused, most, .. }, Some(room)) = (&mut batch.share, room) {
+                *most = (*most).min(by_work(relaxations, fused.places, batch.members.len(), room));
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ use super::{ClothRun, Left, World};
 use crate::cloth::Cloth;
 use crate::coarser::{Beside, Coarser, Motion, settle};
 use crate::error::Result;
-use crate::fused::arenas;
+use crate::fused::{Roster, arenas};
 use crate::limits::Warning;
 
 /// The finer image that a cloth goes back to.
@@ -96,7 +96,10 @@ impl World {
             let cloths: Vec<Cloth> = motions.iter().map(|(index, _)| self.scene.cloths[*index].clone()).collect();
             let held = |n: usize| self.runs[motions[n].0].instance();
             let found = arenas(&cloths, held, &self.control.options, room);
-            let places = found.into_iter().map(|list| list.into_iter().map(|n| motions[n].0).collect());
+            let places = found.into_iter().map(|list| {
+                let cloths = list.cloths.into_iter().map(|n| motions[n].0).collect();
+                Roster { cloths, sides: list.sides }
+            });
             self.arenas.extend(places.collect::<Vec<_>>());
         }
         for (index, _) in &motions {

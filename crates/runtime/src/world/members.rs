@@ -9,7 +9,7 @@ use crate::cloth::Cloth;
 use crate::collider::Collider;
 use crate::cpu::body::Body;
 use crate::error::{Error, Result};
-use crate::fused::arenas;
+use crate::fused::{Roster, arenas};
 use crate::handle::{ClothHandle, ClothRef, follow};
 use crate::limits::{self, Warning};
 use crate::number::real::Real;
@@ -81,7 +81,7 @@ impl World {
         let index = self.runs.len();
         if let Some(room) = &self.room {
             let found = arenas(&alone.cloths, |_| run.instance(), &self.control.options, room);
-            self.arenas.extend(found.iter().map(|_| vec![index]));
+            self.arenas.extend(found.iter().map(|_| Roster::alone(index, &alone.cloths[0])));
         }
         self.scene.cloths.append(&mut alone.cloths);
         self.runs.push(run);
@@ -103,7 +103,7 @@ impl World {
     /// Lets a cloth go; the indices of those behind it fall by one.
     pub fn leave(&mut self, index: usize) -> Left {
         let place = self.leave_arena(index);
-        self.arenas.iter_mut().flatten().for_each(|cloth| _ = follow(cloth, index));
+        self.arenas.iter_mut().flat_map(|list| &mut list.cloths).for_each(|cloth| _ = follow(cloth, index));
         let cloth = self.scene.cloths.remove(index);
         self.runs.remove(index);
         self.handles.remove(index);
@@ -127,9 +127,9 @@ impl World {
     /// Takes a cloth out of its arena, and the arena away if it is empty then. Returns the arena and the place of the cloth there.
     pub(super) fn leave_arena(&mut self, index: usize) -> Option<(usize, usize)> {
         let mut arenas = self.arenas.iter().enumerate();
-        let place = arenas.find_map(|(arena, list)| Some((arena, list.iter().position(|c| *c == index)?)));
-        self.arenas.iter_mut().for_each(|list| list.retain(|cloth| *cloth != index));
-        self.arenas.retain(|list| !list.is_empty());
+        let place = arenas.find_map(|(arena, list)| Some((arena, list.cloths.iter().position(|c| *c == index)?)));
+        self.arenas.iter_mut().for_each(|list| list.cloths.retain(|cloth| *cloth != index));
+        self.arenas.retain(|list| !list.cloths.is_empty());
         place
     }
 

@@ -4,6 +4,7 @@ use super::reach::Reach;
 use super::short;
 use crate::collider::solid::Solid;
 use crate::collider::solid::wide::{Exits, Wide, add, choose, cross, dot, scale, splat, sub};
+use crate::cpu::guard::is_sane;
 use crate::number::lanes::{LANES, Machine};
 use crate::number::real::Real;
 
@@ -60,7 +61,7 @@ fn one_by_one<T: Real>(
 ) {
     for n in (0..marked.len()).filter(|n| marked[*n] > T::of(0.0)).map(|n| at + n) {
         let (p, b) = ([now[0][n], now[1][n], now[2][n]], [was[0][n], was[1][n], was[2][n]]);
-        if !reach.may(p, b) {
+        if !is_sane(p) || !reach.may(p, b) {
             continue;
         }
         if let Some(out) = super::meet(solid, p, b, dt) {

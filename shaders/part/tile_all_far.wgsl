@@ -1,0 +1,2 @@
+// No list of the colliders that are near.
+fn find_near(local: u32) {}
