@@ -197,7 +197,7 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
 
 /// Cloths that lie in the same buffers.
 struct Arena<K> {
-    /// What they have in common.
+    /// The properties that they share.
     kind: K,
     /// Bytes of their lists that are only read, and of the largest other buffer.
     lists: u64,

@@ -1,4 +1,4 @@
-//! What a scene takes of memory, and what instances of a cloth share of it.
+//! The memory of a scene, and the share of it that instances of a cloth have in common.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! What frames upload: rows of one buffer, written once per frame.
+//! The uploads of frames: rows of one buffer, written once per frame.
 
 use std::ops::Range;
 
