@@ -15,6 +15,7 @@ use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::{Real, V3, add, cross, dot, scale, sub};
 use clear::Clear;
 use reach::{Reach, bounds};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Rows that are done in one go.
 const TOGETHER: usize = 8;
@@ -37,8 +38,11 @@ pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, clear: &mut Clear<T
     let (half, row) = (sheet.half, sheet.row());
     let (w, before) = (&sheet.w[..], &sheet.before[..]);
     let size = (TOGETHER * row, TOGETHER * 2 * half);
-    threads.chunks2(&mut sheet.now, &mut clear.least, size, |chunk, rows, least| {
-        widest(Rows { rows, least, row, half, w, before, first: chunk * TOGETHER, near: &near, dt, moves, slack });
+    let takes = clear.pays();
+    let (least, spared) = clear.parts();
+    threads.chunks2(&mut sheet.now, least, size, |chunk, rows, least| {
+        let least = Left { least, takes, spared, moves, slack };
+        widest(Rows { rows, left: least, row, half, w, before, first: chunk * TOGETHER, near: &near, dt });
     });
 }
 
@@ -69,8 +73,7 @@ fn in_reach<T: Real>(
 /// Rows of a sheet from the row `first` on, and what they can touch.
 struct Rows<'a, 'b, T> {
     rows: &'b mut [T],
-    /// As [`Clear::least`] of these rows.
-    least: &'b mut [T],
+    left: Left<'b, T>,
     row: usize,
     half: usize,
     w: &'a [T],
@@ -78,6 +81,15 @@ struct Rows<'a, 'b, T> {
     first: usize,
     near: &'a [(usize, &'a Solid<T>, Reach<T>)],
     dt: T,
+}
+
+/// The distances of [`Clear`] of some rows.
+struct Left<'a, T> {
+    least: &'a mut [T],
+    /// Whether they are taken; none is read or written otherwise.
+    takes: bool,
+    /// Particles that they spared.
+    spared: &'a AtomicUsize,
     /// How far \[m\] a point of a collider moves in a step, and what is above all rounding.
     moves: T,
     slack: T,
@@ -86,11 +98,11 @@ struct Rows<'a, 'b, T> {
 impl<T: Real> Work<T> for Rows<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        let Rows { row, half, .. } = self;
-        let (more, moves, slack) = (k.splat(T::of(1.001)), k.splat(self.moves), k.splat(self.slack));
+        let Rows { row, half, left: Left { least, takes, spared, moves, slack }, .. } = self;
+        let (more, moves, slack) = (k.splat(T::of(1.001)), k.splat(moves), k.splat(slack));
         let (zero, none) = (k.splat(T::of(0.0)), k.splat(T::of(f64::from(f32::MAX))));
-        for (n, (now, least)) in self.rows.chunks_exact_mut(row).zip(self.least.chunks_exact_mut(2 * half)).enumerate()
-        {
+        let mut far = 0;
+        for (n, (now, least)) in self.rows.chunks_exact_mut(row).zip(least.chunks_exact_mut(2 * half)).enumerate() {
             let j = self.first + n;
             let was = planes_ref(&self.before[j * row..(j + 1) * row], half);
             let w = &self.w[j * 2 * half..(j + 1) * 2 * half];
@@ -99,16 +111,22 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                 let b = [k.load(was[0], at), k.load(was[1], at), k.load(was[2], at)];
                 let mut p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
                 let mut way2 = k.squares(k.minus(p, b));
-                let way = k.mul(k.sqrt(way2), more);
-                let left = k.sub(k.sub(k.load(least, at), way), moves);
-                // A way of NaN, or a distance of it, is looked at. Particles that cannot move are not.
                 let free = k.above(k.load(w, at), zero);
-                if !k.any(k.without(free, k.above(left, k.add(way, slack)))) {
-                    k.store(least, at, left);
-                    continue;
+                if takes {
+                    let way = k.mul(k.sqrt(way2), more);
+                    let left = k.sub(k.sub(k.load(least, at), way), moves);
+                    // A way of NaN, or a distance of it, is looked at. Particles that cannot move are not.
+                    if !k.any(k.without(free, k.above(left, k.add(way, slack)))) {
+                        k.store(least, at, left);
+                        far += K::WIDE;
+                        continue;
+                    }
                 }
                 let (mut left, mut moved) = (none, false);
                 for (_, solid, reach) in self.near {
+                    if !takes && !k.any(k.both(reach.may_be_near(k, p, way2), free)) {
+                        continue;
+                    }
                     let (apart, near) = reach.near(k, p, way2);
                     left = k.least(apart, left);
                     if !k.any(k.both(near, free)) {
@@ -120,9 +138,12 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                     way2 = k.squares(k.minus(p, b));
                     moved = true;
                 }
-                k.store(least, at, if moved { zero } else { left });
+                if takes {
+                    k.store(least, at, if moved { zero } else { left });
+                }
             }
         }
+        spared.fetch_add(far, Ordering::Relaxed);
     }
 }
 

@@ -255,7 +255,7 @@ impl<T: Real> Fabric<T> {
 
     /// Forgets what holds within a frame only.
     pub fn begin(&mut self) {
-        self.clear.iter_mut().for_each(Clear::forget);
+        self.clear.iter_mut().for_each(Clear::begin);
     }
 
     /// Runs the passes of a step, those that can in one walk down each sheet.
@@ -277,7 +277,7 @@ impl<T: Real> Fabric<T> {
             together.clear();
             if matches!(pass, Pass::Contact(_)) && std::mem::replace(&mut met, true) {
                 // Particles moved again in this step.
-                self.begin();
+                self.clear.iter_mut().for_each(Clear::forget);
             }
             self.run(*pass, threads, step, solids, body);
         }

@@ -196,11 +196,13 @@ impl Arena {
         passes.between().copy_buffer_to_buffer(&uploads.buffer, at, &self.lists, *begin, size);
     }
 
-    /// The bindings of a batch whose jobs begin at `first_job`, made again only where that or a buffer is another.
+    /// The bindings of a batch of whole frames that meets `met` colliders and whose jobs begin at `first_job`, made again only where the
+    /// place or a buffer is another.
     pub fn group(
         &mut self,
         device: &wgpu::Device,
-        (fused, met, first_job): (&Fused, usize, u32),
+        (fused, met): (&Fused, usize),
+        first_job: u32,
         pipeline: &Pipeline,
         (solids, frames): (&Buffer, &Frames),
     ) -> &wgpu::BindGroup {

@@ -58,7 +58,7 @@ impl Gpu {
         let Share::Whole { fused, solids, .. } = &batch.share else { return };
         let (pipeline, of) = (self.pipelines.fitting(&Form::Whole(fused.clone())), &self.underway[n]);
         let buffers = (&self.solids.buffer, &self.frames);
-        let group = self.arenas[batch.arena].group(&self.device, (fused, *solids, of.jobs[0]), pipeline, buffers);
+        let group = self.arenas[batch.arena].group(&self.device, (fused, *solids), of.jobs[0], pipeline, buffers);
         let pass = passes.pass(pipeline.source.stem);
         pass.set_pipeline(&pipeline.pipeline);
         for part in 0..batch.parts(steps) {

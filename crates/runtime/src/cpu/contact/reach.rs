@@ -101,21 +101,34 @@ impl<T: Real> Reach<T> {
     /// ball around the way meets that of the solid. The others would not have moved.
     #[inline(always)]
     pub fn near<K: Machine<T>>(&self, k: K, p: [K::V; 3], way2: K::V) -> (K::V, K::M) {
-        let d = k.minus(p, k.splats(self.center));
-        match self.radius {
-            Some(r) => {
-                let (d, r) = match &self.line {
-                    Some(line) => (line.across(k, d), line.radius),
-                    None => (d, r),
-                };
-                let (way, far, r) = (k.sqrt(way2), k.sqrt(k.squares(d)), k.splat(r));
+        match self.apart_by(k, p) {
+            Ok((far2, r)) => {
+                let (way, far, r) = (k.sqrt(way2), k.sqrt(far2), k.splat(r));
                 // Written so that NaN is not near: nothing can be done for it.
                 (k.sub(far, r), k.above(k.add(r, way), far))
             }
-            None => {
-                let above = k.dot(d, k.splats(self.normal));
-                (above, k.above(k.splat(T::of(0.0)), above))
-            }
+            Err(above) => (above, k.above(k.splat(T::of(0.0)), above)),
+        }
+    }
+
+    /// The particles that are near by [`Reach::near`], and some more: without a root.
+    #[inline(always)]
+    pub fn may_be_near<K: Machine<T>>(&self, k: K, p: [K::V; 3], way2: K::V) -> K::M {
+        match self.apart_by(k, p) {
+            // (r + way)^2 is at most 2 (r^2 + way^2).
+            Ok((far2, r)) => k.above(k.mul(k.splat(T::of(2.001)), k.add(k.splat(r * r), way2)), far2),
+            Err(above) => k.above(k.splat(T::of(0.0)), above),
+        }
+    }
+
+    /// Squared distances from the center or the line, and the distance within which it can touch; of a half-space the heights above it.
+    #[inline(always)]
+    fn apart_by<K: Machine<T>>(&self, k: K, p: [K::V; 3]) -> Result<(K::V, T), K::V> {
+        let d = k.minus(p, k.splats(self.center));
+        match (self.radius, &self.line) {
+            (None, _) => Err(k.dot(d, k.splats(self.normal))),
+            (Some(r), None) => Ok((k.squares(d), r)),
+            (Some(_), Some(line)) => Ok((k.squares(line.across(k, d)), line.radius)),
         }
     }
 }
