@@ -118,7 +118,8 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                     // A way of NaN, or a distance of it, is looked at. Particles that cannot move are not.
                     if !k.any(k.without(free, k.above(left, k.add(way, slack)))) {
                         k.store(least, at, left);
-                        far += K::WIDE;
+                        // Padding is far from everything.
+                        far += if k.any(free) { K::WIDE } else { 0 };
                         continue;
                     }
                 }

@@ -20,7 +20,9 @@ pub struct Clear<T: Real> {
     of: Vec<usize>,
     /// Whether particles moved only as a step moves them once since the distances were taken.
     holds: bool,
-    /// Particles that the distances spared in the last step.
+    /// Whether the last step used distances of the step before.
+    used: bool,
+    /// Particles that they spared in it.
     spared: AtomicUsize,
     /// Whether they are taken in this frame still.
     pays: bool,
@@ -28,7 +30,8 @@ pub struct Clear<T: Real> {
 
 impl<T: Real> Default for Clear<T> {
     fn default() -> Self {
-        Clear { least: Aligned::default(), of: Vec::new(), holds: false, spared: AtomicUsize::new(0), pays: true }
+        let (least, of, spared) = (Aligned::default(), Vec::new(), AtomicUsize::new(0));
+        Clear { least, of, holds: false, used: false, spared, pays: true }
     }
 }
 
@@ -56,12 +59,15 @@ impl<T: Real> Clear<T> {
     /// To be called before the distances are used for a sheet of `len` inverse masses and these colliders, in order.
     pub fn prepare(&mut self, len: usize, of: impl Iterator<Item = usize> + Clone) {
         let spared = std::mem::take(self.spared.get_mut());
+        if std::mem::take(&mut self.used) && self.holds {
+            self.pays &= spared * PAYS >= len;
+        }
         if self.least.len() != len {
             self.least = Aligned::zeros(len);
         } else if !self.holds || !self.of.iter().copied().eq(of.clone()) {
             self.least.fill(T::of(0.0));
         } else {
-            self.pays &= spared * PAYS >= len;
+            self.used = true;
         }
         self.of.clear();
         self.of.extend(of);

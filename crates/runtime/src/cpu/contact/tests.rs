@@ -201,7 +201,7 @@ fn wide_sheet() -> Sheet<f32> {
 #[test]
 fn distances_that_are_carried_from_step_to_step_leave_nothing_out() {
     let (threads, dt) = (Threads::one(), 1.0f32 / 480.0);
-    let mut skipped = 0;
+    let (mut skipped, mut given_up) = (0, 0);
     for (seed, shape) in (0..24).flat_map(|seed| shapes().map(|shape| (seed, shape))) {
         // Steps of a frame, in which cloth and colliders go some way, and a collider may come from outside of the sheet's reach.
         let mut colliders = [collider(shape, seed), collider(Shape::Sphere { radius: 0.2 }, seed + 1)];
@@ -214,7 +214,8 @@ fn distances_that_are_carried_from_step_to_step_leave_nothing_out() {
             let posed = solids.each_ref().map(|s| s.posed((23 - n) as f32 * dt));
             for sheet in [&mut carried, &mut fresh] {
                 for k in 0..sheet.width * sheet.height {
-                    let (place, pace) = (sheet.triple(k), 0.012 * noise(seed, 5) as f32);
+                    let (place, most) = (sheet.triple(k), if seed % 3 == 0 { 0.5 } else { 0.012 });
+                    let pace = most * noise(seed, 5) as f32;
                     let at = sheet.at(place);
                     if sheet.w[sheet.single(k)] > 0.0 {
                         let step = [0, 1, 2].map(|c| pace * noise(k + n, 7 + c) as f32);
@@ -224,10 +225,14 @@ fn distances_that_are_carried_from_step_to_step_leave_nothing_out() {
                 }
             }
             run(&threads, &mut carried, &mut clear, &posed, dt);
-            skipped += clear.least.iter().filter(|left| **left > 0.0).count();
+            if clear.pays() {
+                skipped += clear.parts().0.iter().filter(|left| **left > 0.0).count();
+            } else {
+                given_up += 1;
+            }
             run(&threads, &mut fresh, &mut Clear::default(), &posed, dt);
             assert!(carried.now[..] == fresh.now[..], "{shape:?} {seed}, step {n}");
         }
     }
-    assert!(skipped > 100_000, "{skipped}");
+    assert!(skipped > 100_000 && given_up > 100, "{skipped}, {given_up}");
 }
