@@ -36,7 +36,7 @@ impl<T: Real> Default for Clear<T> {
 }
 
 impl<T: Real> Clear<T> {
-    /// Begins a frame: distances are taken anew.
+    /// Begins a frame: distances are taken again.
     pub fn begin(&mut self) {
         (self.holds, self.pays) = (false, true);
     }
