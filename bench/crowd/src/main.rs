@@ -1,5 +1,6 @@
 //! Times crowds: 1 to 1,000 garments that share the images of one. CSV to stdout.
 
+mod counts;
 mod garment;
 
 use std::time::Instant;
@@ -14,7 +15,7 @@ const WARM_UP: u32 = 3;
 /// The cost of a crowd: milliseconds per frame and per garment, and bytes, on the CPU backend and on the GPU. CSV to stdout, the
 /// adapter to stderr.
 #[derive(Parser)]
-#[command(after_help = "Example:\n  crowd --particles 32 --garments 1,100 --threads 1,0 > crowd.csv")]
+#[command(after_help = "Example:\n  crowd --particles 32 --garments 1,100 --threads 1,0 > crowd.csv\n  crowd --counts")]
 struct Args {
     /// Particles along each side of a garment, separated by commas.
     #[arg(long, value_delimiter = ',', default_value = "32,64")]
@@ -43,11 +44,18 @@ struct Args {
     /// Only the GPU backend.
     #[arg(long)]
     gpu: bool,
+    /// Instead of times: dispatches, queue writes, host time and bytes of scenes with many cloths, on a device with WebGPU's
+    /// default limits.
+    #[arg(long, conflicts_with = "cpu")]
+    counts: bool,
 }
 
 #[allow(clippy::print_stdout)]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args = Args::parse();
+    if args.counts {
+        return Ok(counts::print(&Gpu::of_the_web()?, args.substeps)?);
+    }
     let gpu = if args.cpu { Err("not asked for".into()) } else { Gpu::new() };
     match &gpu {
         Ok(Gpu { info, .. }) => {

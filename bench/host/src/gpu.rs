@@ -15,10 +15,19 @@ pub struct Gpu {
 impl Gpu {
     /// The fastest adapter, with what it offers of what the runtime can use.
     pub fn new() -> Result<Self, Box<dyn std::error::Error>> {
+        Self::with(device_limits)
+    }
+
+    /// The fastest adapter, with the limits that every device of WebGPU has.
+    pub fn of_the_web() -> Result<Self, Box<dyn std::error::Error>> {
+        Self::with(|_| wgpu::Limits::default())
+    }
+
+    fn with(limits: impl Fn(&wgpu::Adapter) -> wgpu::Limits) -> Result<Self, Box<dyn std::error::Error>> {
         let power_preference = wgpu::PowerPreference::HighPerformance;
         let wish = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
         let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&wish))?;
-        let wish = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
+        let wish = wgpu::DeviceDescriptor { required_limits: limits(&adapter), ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&wish))?;
         Ok(Gpu { device, queue, info: adapter.get_info() })
     }
