@@ -138,9 +138,9 @@ impl Stepper {
         self.gpu.as_ref()?.buffers(self.world.find(cloth.into()).ok()?)
     }
 
-    /// Writes of this stepper by the host's queue so far. On the GPU backend a frame makes one write at most: numbers of steps, colliders,
-    /// pins and lists of actions of up to 64 KiB go together, and none is made where nothing has changed. On the CPU backend a frame
-    /// makes three writes per cloth that is awake. `None` without a device.
+    /// Writes of this stepper by the host's queue so far. On the GPU backend a frame makes one write at most: numbers
+    /// of steps, colliders, pins and lists of actions of up to 64 KiB go together, and none is made where nothing has
+    /// changed. On the CPU backend a frame makes three writes per cloth that is awake. `None` without a device.
     pub fn uploads(&self) -> Option<UploadCount> {
         self.gpu.as_ref().map(Gpu::uploads)
     }

@@ -14,7 +14,7 @@ use crate::scene::Pose;
 use crate::state::ClothState;
 use crate::tile::{Order, Sequence};
 
-/// Data of a world about one cloth beside the cloth itself.
+/// Data that a world holds of one cloth beside the cloth itself.
 #[derive(Default)]
 pub struct ClothRun {
     /// Its tethers; without slots where it has none.
