@@ -26,7 +26,7 @@ var<private> grid: u32;
 var<private> size: vec2<u32>;
 var<private> corner: vec2<u32>;
 var<private> start: u32;
-// What the tile owns, and what of its memory is right so far: from the low end up to, not with, the high one.
+// Particles that the tile owns, and those of its memory that are right so far: from low up to, not with, high.
 var<private> own_low: vec2<u32>;
 var<private> own_high: vec2<u32>;
 var<private> low: vec2<u32>;
@@ -49,7 +49,7 @@ fn put(k: u32, p: vec4<f32>) {
   held[place_of(k)] = p;
 }
 
-// What the tile owns.
+// Columns (at least 1) and rows that the tile owns.
 fn own_columns() -> u32 {
   return max(select(0u, own_high.x - own_low.x, all(own_low < own_high)), 1u);
 }

@@ -1,4 +1,4 @@
-// What air does to the triangles around each particle, as an acceleration: a third of each triangle's force.
+// Effect of air on the triangles around each particle, as an acceleration: a third of each triangle's force.
 // Drag along the flow, lift across it in the plane of flow and normal, both as the area that faces the wind.
 fn force(area: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
   let speed = max(sqrt(dot(v, v)), 1e-9);

@@ -1,4 +1,4 @@
-// What a cut has left of the coarser grids: which of the four nodes around it each particle follows, and the mass that it
+// Links to coarser grids after a cut: which of the four nodes around it each particle follows, and the mass that it
 // adds to them; after the particles the same for the nodes of all levels. Laid out as `LinkRow` in
 // crates/runtime/src/layout.rs.
 struct Link {

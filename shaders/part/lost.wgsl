@@ -1,4 +1,4 @@
-// What positions are too coarse for, of each particle, where it lies.
+// Remainders too small for positions, of each particle, where they lie.
 fn lose(k: u32, what: vec4<f32>) {
   set_lost(k, what);
 }

@@ -1,4 +1,4 @@
-// What a workgroup finds out, in its memory.
+// Notes of a workgroup, in its memory.
 var<workgroup> notes: array<atomic<u32>, 38>;
 
 fn noted(n: u32) -> u32 {

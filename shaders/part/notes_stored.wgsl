@@ -1,4 +1,4 @@
-// What a workgroup finds out, beside its cloth's faults: its memory is full of positions.
+// Notes of a workgroup, beside its cloth's faults: its memory is full of positions.
 fn noted(n: u32) -> u32 {
   return atomicLoad(&faults[FAULT_STRIDE * row + FAULT_NOTES + n]);
 }

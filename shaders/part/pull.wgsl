@@ -1,4 +1,4 @@
-// What a spring finds at its ends, and how it moves them.
+// The ends of a spring, and how it moves them.
 struct Pull {
   a: vec4<f32>,
   b: vec4<f32>,

@@ -1,4 +1,4 @@
-// What is left of a spring to be relaxed: its stretch, less what its compliance accounts for. 0 where there is no spring, or
+// Residual of a spring: its stretch, less what its compliance accounts for. 0 where there is no spring, or
 // none that can move.
 fn residual(grid: u32, k: u32, other: u32, direction: u32) -> f32 {
   let a = now[k];

@@ -15,7 +15,7 @@ const CORNERS: array<vec4<u32>, 12> = array<vec4<u32>, 12>(
   vec4<u32>(3u, 4u, 4u, 1u), vec4<u32>(2u, 4u, 4u, 2u), vec4<u32>(4u, 5u, 5u, 1u), vec4<u32>(5u, 6u, 5u, 0u),
   vec4<u32>(4u, 6u, 4u, 3u), vec4<u32>(6u, 7u, 6u, 0u), vec4<u32>(7u, 0u, 7u, 1u), vec4<u32>(6u, 0u, 6u, 2u));
 
-// What is around a texel: the texel, the spring to it (0 for none), and how far it is from which pin of a group.
+// The surroundings of a texel: each texel, the spring to it (0 for none), and how far it is from which pin of a group.
 var<private> texel: array<u32, 8>;
 var<private> long: array<f32, 8>;
 var<private> away: array<f32, 8>;
@@ -108,7 +108,7 @@ fn through(e: vec4<u32>) -> f32 {
   return unfold(away[e.x], away[e.y], ab, long[e.x], long[e.y]);
 }
 
-// What a tether rests on. 0: particles nearer to its pin that hang on that pin too, by way of which it is no longer than
+// Support of a tether. 0: particles nearer to its pin that hang on that pin too, by way of which it is no longer than
 // the tether, along a spring or through a triangle; a share of 1e-4 is rounding. Else, beside pins that share the cloth,
 // ways may lead between particles that hang on others: UNSUPPORTED less what there is of springs, triangles and nearer
 // particles around it; UNSUPPORTED if no particle is nearer.

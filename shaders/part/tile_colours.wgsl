@@ -3,8 +3,8 @@ fn pairs(begin: u32, end: u32, parity: u32) -> vec2<u32> {
   return vec2<u32>((begin + 1u - parity) / 2u, (max(end, parity) - parity) / 2u);
 }
 
-// What is still right of a row: its ends are not where their other ends are missing. Where a tile has nothing, that ends no
-// later than it begins, but never before 0, so that loops over it have nothing to do.
+// The part of a row that is still right: its ends are not where their other ends are missing. Where a tile has nothing,
+// that ends no later than it begins, but never before 0, so that loops over it have nothing to do.
 fn within(begin: u32, end: u32, whole: u32, parity: u32) -> vec2<u32> {
   let less = select(0u, (begin ^ parity) & 1u, begin > 0u);
   let more = select(0u, (end ^ parity) & 1u, end < whole);

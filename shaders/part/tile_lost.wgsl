@@ -1,4 +1,4 @@
-// What positions are too coarse for, of each particle; a tile writes that of its own elsewhere.
+// Remainders too small for positions, of each particle; a tile writes those of its own elsewhere.
 @group(0) @binding(36) var<storage, read_write> losing: array<vec4<f32>>;
 
 fn lose(k: u32, what: vec4<f32>) {

@@ -1,4 +1,4 @@
-// What a picture is drawn with. Laid out as `ViewRow` in crates/runtime/src/draw/rows.rs. Colours are linear.
+// Parameters of a picture. Laid out as `ViewRow` in crates/runtime/src/draw/rows.rs. Colours are linear.
 struct View {
   clip: mat4x4<f32>,
   eye: vec3<f32>,

@@ -46,7 +46,7 @@ fn scene() -> Result<(Scene, Script), gimage_runtime::Error> {
     Ok((scene, Script { colliders: vec![Some(swing)], ..Script::default() }))
 }
 
-/// What an engine has anyway.
+/// State that an engine has anyway.
 struct Engine {
     device: wgpu::Device,
     queue: wgpu::Queue,

@@ -149,13 +149,13 @@ pub struct Cloth {
     /// 0 holds a free particle there, below 0 means none. Default none, at no cost; else one pass per step, of 36 bytes per
     /// particle. The same for all duplicates of a seam particle.
     pub limits: Option<Arc<[f32]>>,
-    /// What carries tension in place of springs; [`Cloth::set_material`] makes it.
+    /// The membrane that carries tension in place of springs; [`Cloth::set_material`] makes it.
     pub(crate) membrane: Option<Arc<Membrane>>,
     /// How stiff the cloth is against bending; [`Cloth::set_material`] makes it.
     pub(crate) bending: Option<Arc<Bending>>,
     /// Whether steps are so short that rounding of positions matters; so for cloth of a material.
     pub(crate) exact: bool,
-    /// What hard diagonals may do, over the square of a step \[1/s^2\]; 0 is anything.
+    /// Bound on the correction by hard diagonals, over the square of a step \[1/s^2\]; 0 for none.
     pub(crate) shear: f64,
     /// Whether it is a coarser image of a cloth, whose cells may be so uneven that ways along them come out too short.
     pub(crate) coarse: bool,

@@ -203,7 +203,7 @@ fn hold(particles: &mut [Particle], pinned: &[bool]) {
 }
 
 impl Map {
-    /// What the samples have in a list of the fine image.
+    /// Values of the samples in a list of the fine image.
     fn take<T: Copy>(&self, fine: &[T]) -> Vec<T> {
         self.samples.iter().map(|k| fine[*k as usize]).collect()
     }

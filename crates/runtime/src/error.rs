@@ -22,7 +22,7 @@ pub enum Error {
     Length {
         /// The cloth by name.
         cloth: String,
-        /// What is counted.
+        /// The kind of thing that is counted.
         what: &'static str,
         /// How many there are.
         found: usize,
@@ -40,7 +40,7 @@ pub enum Error {
         width: u32,
         /// Rows.
         height: u32,
-        /// What is wrong.
+        /// The problem.
         problem: &'static str,
     },
     /// A value of a particle makes no sense.
@@ -50,7 +50,7 @@ pub enum Error {
         cloth: String,
         /// Index of the particle.
         index: usize,
-        /// What is wrong.
+        /// The problem.
         problem: &'static str,
     },
     /// A seam link does not close a ring.
@@ -60,7 +60,7 @@ pub enum Error {
         cloth: String,
         /// Index of the particle.
         index: u32,
-        /// What is wrong with its link.
+        /// The fault of its link.
         fault: LinkFault,
     },
     /// A setting is outside its range.
@@ -68,9 +68,9 @@ pub enum Error {
     Setting {
         /// The setting.
         what: &'static str,
-        /// What was given.
+        /// The value that was given.
         value: f64,
-        /// What is allowed.
+        /// The range that is allowed.
         range: &'static str,
     },
     /// No such cloth, particle or collider.

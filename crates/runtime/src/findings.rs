@@ -1,4 +1,4 @@
-//! What goes wrong in a run: found while it steps, so that nothing fails in silence.
+//! Failures in a run: found while it steps, so that nothing fails in silence.
 //!
 //! Figures are taken 0.2 s after a cloth's start and then twice per second: at most 20 ns per particle each time, 0.7 ns per frame.
 //! Tunnelling shows only from frame to frame. It is looked for in frames in which a particle or a collider moves by half of
@@ -13,7 +13,7 @@ use crate::health::{self, Health};
 use crate::number::real::{Real, V3, add, cast, cross, dot, scale, sub, xyz};
 use crate::scene::Pose;
 
-/// What went wrong with a cloth.
+/// A failure of a cloth during a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Fate {
@@ -41,7 +41,7 @@ pub enum Fate {
     },
 }
 
-/// What went wrong, where and when; one of each kind per cloth, with the worst figures.
+/// A failure, where and when it was found; one of each kind per cloth, with the worst figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The cloth by its index now. Findings of a removed cloth are dropped.
@@ -50,7 +50,7 @@ pub struct Finding {
     pub name: String,
     /// When it was first found \[s\], in the time of the scene.
     pub time: f64,
-    /// What it is.
+    /// The failure.
     pub fate: Fate,
     /// Substeps at that time.
     pub substeps: u32,
@@ -102,7 +102,7 @@ const CORE: f64 = 0.5;
 /// Particles that are looked at together first.
 const GROUP: usize = 16;
 
-/// What is known of one cloth.
+/// Figures of one cloth so far.
 #[derive(Clone, Debug, Default)]
 struct Record {
     /// When the cloth came \[s\].

@@ -1,4 +1,4 @@
-//! What one dispatch runs: a pass apart, several passes of a step by tiles, or a whole frame.
+//! Work of one dispatch: a pass apart, several passes of a step by tiles, or a whole frame.
 
 use std::sync::Arc;
 
@@ -63,7 +63,7 @@ impl Tile {
 /// Sizes of tiles, in columns and rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct TileShape {
-    /// What a tile owns; both even.
+    /// Columns and rows that a tile owns; both even.
     pub inner: [u32; 2],
     /// How many it has on every side beside these, where the grid has any.
     pub around: [u32; 2],

@@ -15,7 +15,7 @@ use crate::passes::{Pass, Schedule, Soft, soft_of};
 use crate::shaders::{self, HEAD, LISTED, Slot, listed};
 use crate::tuning::{MIN_THREADS as LEAST, Tuning};
 
-/// What a device has room for.
+/// Capacity of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
     /// Bytes of a workgroup's memory.

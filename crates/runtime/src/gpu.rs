@@ -204,7 +204,7 @@ impl Gpu {
         Preparation::new(self.pipelines.shared(), later, ahead, cut)
     }
 
-    /// What has been compiled.
+    /// The pipelines compiled so far, and how long that took.
     pub fn compiled(&self) -> Compiled {
         self.pipelines.compiled
     }

@@ -70,7 +70,7 @@ pub fn levels(cloth: &Cloth, index: usize, mass: &[f64]) -> Vec<LevelGrid<f32>> 
     Below { width: grid.width, height: grid.height, limits: limits.collect(), mass }.levels(false)
 }
 
-/// What each particle adds to the mass \[kg\] of nodes: nothing where there is none, its share of a seam point, else its own.
+/// Mass \[kg\] that each particle adds to nodes: 0 if it does not exist, its share of a seam point, else its own.
 pub fn masses(cloth: &Cloth) -> Vec<f64> {
     let there = |k: usize| cloth.particles()[k].exists();
     let of = |k: usize| if there(k) { f64::from(cloth.mass(k)) } else { 0.0 };

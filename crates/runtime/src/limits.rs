@@ -165,7 +165,7 @@ pub fn fewest(options: &Settings, free: bool) -> (u32, f64) {
         return (1, f64::INFINITY);
     }
     let longest = if free { LONGEST_FREE } else { LONGEST };
-    // What rounding has put just above a whole number is that number.
+    // A quotient that rounding has put just above a whole number counts as that number.
     let steps = (options.step / longest - 1e-6).ceil();
     (steps.max(1.0) as u32, longest)
 }

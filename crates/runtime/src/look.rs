@@ -35,7 +35,7 @@ impl Look {
         Look { front, back, uv: None, checker: [0.0; 2] }
     }
 
-    /// What the cloth of an index looks like unless told otherwise.
+    /// Default look of the cloth of an index.
     pub fn of(index: usize) -> Self {
         Look::plain(COLORS[index % COLORS.len()])
     }

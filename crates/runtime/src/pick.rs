@@ -1,4 +1,4 @@
-//! What a ray meets first.
+//! The first cloth that a ray meets.
 
 #[cfg(feature = "gpu")]
 mod ticket;

@@ -12,7 +12,7 @@ use crate::world::{Share, World};
 pub struct PlannedPass {
     /// Index of the cloth.
     pub cloth: usize,
-    /// What runs.
+    /// The form in which the pass runs.
     pub form: Form,
     /// The shader file's stem.
     pub shader: &'static str,

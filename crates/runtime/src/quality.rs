@@ -30,12 +30,12 @@ pub struct Levers {
 }
 
 impl Levers {
-    /// What a substep with `rounds` rounds costs.
+    /// Cost of a substep with `rounds` rounds.
     fn of_substep(&self, rounds: u32) -> f64 {
         1.0 + self.round.unwrap_or(0.0) * f64::from(rounds)
     }
 
-    /// What a frame costs.
+    /// Cost of a frame.
     fn cost(&self, mix: Mix) -> f64 {
         f64::from(mix.substeps) * self.of_substep(mix.rounds)
     }
@@ -77,7 +77,7 @@ pub enum Quality {
 }
 
 impl Quality {
-    /// What keeps the largest stretch at or below `stretch` and frames within `ms`, where these are given.
+    /// The quality that keeps the largest stretch at or below `stretch` and frames within `ms`, where these are given.
     pub fn of(stretch: Option<f64>, ms: Option<f64>) -> Self {
         match (stretch, ms) {
             (None, None) => Quality::Fixed,

@@ -275,7 +275,7 @@ fn a_chooser_with_the_numbers_of_another_goes_on_as_that_one() {
     for frame in 300..900 {
         assert_eq!(step(&mut first, &mut mix, frame), step(&mut second, &mut other, frame), "{frame}");
     }
-    // What no chooser has is not taken over.
+    // Numbers that no chooser has are not taken over.
     for n in 0..NUMBERS {
         let mut spoilt = numbers;
         spoilt[n] = f64::NEG_INFINITY;

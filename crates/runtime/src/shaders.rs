@@ -33,7 +33,7 @@ pub struct Source {
     pub files: Vec<&'static str>,
     /// Loops, in which `each` stands for the rule named beside.
     pub loops: Vec<(&'static str, &'static str)>,
-    /// What is made from the schedule.
+    /// Code that is made from the schedule.
     pub program: String,
     pub bindings: Vec<Bound>,
     pub constants: Vec<(&'static str, f64)>,

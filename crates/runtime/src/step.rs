@@ -36,7 +36,7 @@ pub struct Step<T> {
     pub left: T,
 }
 
-/// What one step of a cloth depends on.
+/// Inputs of one step of a cloth.
 pub struct StepInput<'a> {
     /// Acceleration \[m/s^2\].
     pub gravity: [f32; 3],

@@ -175,7 +175,7 @@ impl Stepper {
         std::mem::take(&mut self.world.host.faults)
     }
 
-    /// What went wrong so far, one finding of each kind per cloth: cloth out of shape, off its body, falling, or through a
+    /// Failures so far, one finding of each kind per cloth: cloth out of shape, off its body, falling, or through a
     /// collider. The CPU backend looks by itself; on the GPU backend the host reads positions back, say once per second, and
     /// hands them to [`Stepper::examine`], which finds all but tunnelling.
     pub fn findings(&self) -> &[Finding] {

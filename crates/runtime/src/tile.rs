@@ -22,7 +22,7 @@ use crate::passes::Pass;
 use crate::shaders::{Over, Stages, over, stages, tail};
 
 impl Tile {
-    /// What makes just these passes, but for sizes; `None` where nothing does.
+    /// The tile that makes just these passes, but for sizes; `None` if no tile can.
     fn of(passes: &[Pass], shared: bool) -> Option<Self> {
         let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0, shared };
         let Stages { tail, arrive, middle, leave } = stages(passes);
@@ -56,7 +56,7 @@ impl Tile {
 }
 
 impl Chain {
-    /// What makes just these passes; `None` where nothing does.
+    /// The chain that makes just these passes; `None` if no chain can.
     fn of(passes: &[Pass]) -> Option<Self> {
         let rest = &passes[tail(passes)..];
         let alone = |p: &Pass| over(*p) == Over::Particles && !matches!(p, Pass::Restore | Pass::Contact(_));

@@ -69,11 +69,11 @@ pub struct World {
     pub handles: Vec<ClothHandle>,
     /// How colliders meet cloths.
     pub coats: Coats,
-    /// What the device that steps has room for.
+    /// Capacity of the device that steps.
     pub room: Option<Room>,
     /// Cloths that lie in the same buffers.
     pub arenas: Vec<Roster>,
-    /// What goes wrong while cloths move.
+    /// Finds failures while cloths move.
     pub watchdog: Watchdog,
     /// The last state of the clock in the host's memory, as [`ClothRun::kept`].
     pub kept: Option<ControlState>,
@@ -160,7 +160,7 @@ impl World {
         self.reschedule();
     }
 
-    /// What the device that will step has room for.
+    /// Takes the capacity of the device that will step.
     pub fn make_room(&mut self, room: Room) {
         let held = |cloth: usize| self.runs[cloth].instance();
         self.arenas = arenas(&self.scene.cloths, held, &self.control.options, &room);

@@ -130,7 +130,7 @@ fn what_is_dragged_is_held_and_then_let_go() {
         let free = hit.particles.iter().filter(|k| gone[**k as usize][3] > 0.0).count();
         assert_eq!(free, 3, "{}", rig.name());
         assert!(gone[hit.particles[0] as usize][1] < there[hit.particles[0] as usize][1] - 0.01, "{}", rig.name());
-        // What was pinned before stays so.
+        // Particles that were pinned before stay so.
         let pinned = rig.pick([0.01, -0.4, 2.0], [0.0, 0.0, -1.0]).unwrap();
         let drag = rig.stepper.grab(&pinned).unwrap();
         rig.stepper.release(drag).unwrap();

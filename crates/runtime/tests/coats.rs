@@ -73,7 +73,7 @@ fn coats_follow_options_and_colliders_on_the_way() {
         rig.frames(20);
         assert!((0..3).all(|c| (above(&rig, c) - 0.01).abs() < 2e-5), "{}", rig.name());
         rig.stepper.set_options(Options { thickness: 0.02, ..rig.stepper.options().clone() }).unwrap();
-        // What is thicker at once is thrown up, and falls.
+        // Cloth that gets thicker at once is thrown up, and falls.
         rig.frames(50);
         let found = [0, 1, 2].map(|c| above(&rig, c));
         assert!((found[0] - 0.02).abs() < 2e-5 && (found[2] - 0.02).abs() < 2e-5, "{}: {found:?}", rig.name());

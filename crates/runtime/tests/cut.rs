@@ -98,7 +98,7 @@ fn charts_cut_along_their_seam_or_beside_it_come_apart() {
             rig.frame(0.0);
             let gone = |chart: usize, i: usize| rig.holes(0).unwrap()[121 * chart + i] == 3;
             assert_eq!((gone(0, 9), gone(1, 0)), (x <= 0.5, x >= 0.5), "{} {name}", rig.name());
-            // What is left of the second chart: from column 1 where its first quads are gone.
+            // The rest of the second chart: from column 1 where its first quads are gone.
             let falls = |k: usize| k >= 121 && (x <= 0.5 || !k.is_multiple_of(11));
             let error = from_free_fall(&mut rig, falls);
             eprintln!("{} {name}: {:.2} % from free fall", rig.name(), 100.0 * error);

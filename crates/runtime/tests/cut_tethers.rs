@@ -32,7 +32,7 @@ fn stretch(rig: &Rig, n: usize, chosen: impl Fn(usize) -> bool) -> f64 {
 #[test]
 fn a_sheet_that_lost_a_corner_is_as_true_as_before() {
     const N: usize = 64;
-    // What is left has column and row add up to less than the stroke does.
+    // Particles are left where column and row add up to less than those of the stroke.
     let left = |k: usize| k % N + k / N < 96;
     let run = |tethers, cuts: bool| {
         let mut rig = Rig::cpu(scene::builtin("s1", N as u32).unwrap(), &Options { tethers, ..options(8) });

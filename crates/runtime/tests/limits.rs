@@ -1,4 +1,4 @@
-//! What one relaxation a step in f32 cannot do, and what is made of it instead.
+//! Cases that one relaxation per step in f32 cannot handle, and the changes made instead.
 
 // Also, or only, on the GPU.
 #![cfg(feature = "gpu")]

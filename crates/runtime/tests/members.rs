@@ -80,7 +80,7 @@ fn those_that_stay_move_as_if_no_other_had_been_there() {
         });
         assert!(found == expected, "{}", rig.name());
         assert_eq!((guests.len(), rig.stepper.handles().len()), (4, 7));
-        // What came has moved, and a cut spares what comes after it.
+        // Added cloths have moved, and a cut spares those added after it.
         for (cloth, cut) in guests.iter().zip([true, true, false, false]) {
             let index = rig.stepper.index(*cloth).unwrap();
             let start = rig.stepper.scene().cloths[index].positions().to_vec();

@@ -1,4 +1,4 @@
-//! What renderers of meshes need beside positions: indices, texture coordinates and tangents.
+//! Data that renderers of meshes need beside positions: indices, texture coordinates and tangents.
 
 // Also, or only, on the GPU.
 #![cfg(feature = "gpu")]

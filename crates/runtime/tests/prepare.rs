@@ -94,7 +94,7 @@ fn what_was_not_prepared_is_compiled_when_it_is_needed() {
     ask(&mut rig);
     let asked = rig.stepper.compiled().unwrap();
     assert!(asked.pipelines > fresh.pipelines + 10, "{asked:?} {fresh:?}");
-    // What the frames have compiled meanwhile is left out.
+    // Pipelines that the frames have compiled meanwhile are left out.
     assert!((all.run().unwrap().pipelines as usize) < left - 10);
 }
 

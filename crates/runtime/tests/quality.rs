@@ -245,7 +245,7 @@ fn what_cloth_yields_is_no_error() {
 
 #[test]
 fn soft_cloth_is_measured_alike_on_both_backends() {
-    // What falls is not stretched yet.
+    // Falling cloth is not stretched yet.
     for (name, scene) in support::soft().into_iter().filter(|s| !s.0.contains("collider")) {
         for fused in [false, true] {
             let with = Options { fused, ..options(Solver::Xpbd, Quality::Error(1e-4)) };

@@ -51,7 +51,7 @@ fn another_device_goes_on_from_the_last_state_on_the_host() {
     let added = rig.stepper.add_cloth(curtain(9)).unwrap();
     rig.frames(3);
     let saved = rig.stepper.snapshot().unwrap();
-    // What comes after it is lost, with a pin that waits.
+    // Changes after it are lost, with a pin that waits.
     rig.frames(2);
     rig.stepper.remove_cloth(handles[0]).unwrap();
     rig.stepper.pin(handles[1], &[20]).unwrap();

@@ -149,7 +149,7 @@ fn a_frame_before_the_host_submits_is_not_lost() {
         queue.submit([encoder.finish()]);
     }
     assert!(!stepper.is_asleep(0));
-    // What the first frames measured comes in order, then what came since.
+    // Measurements of the first frames come in order, then those since.
     for _ in 0..40 {
         stepper.settle().unwrap();
         let mut encoder = device.create_command_encoder(&Default::default());

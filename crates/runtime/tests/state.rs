@@ -322,7 +322,7 @@ fn a_state_goes_through_a_buffer_without_a_wait() {
         }
         rig.frames(20);
         assert!(bits(&rig) == expected, "{options:?}");
-        // What cannot be done is refused before anything is recorded.
+        // Impossible requests are refused before anything is recorded.
         let size = rig.stepper.state_bytes(0).unwrap();
         let mut encoder = device.create_command_encoder(&Default::default());
         for (place, offset, words) in [

@@ -1,4 +1,4 @@
-//! What a cloth must be before a solver may trust it.
+//! Conditions that a cloth must meet before a solver may trust it.
 
 use gimage_bundle::{MAX_PARTICLES, find_rings};
 

@@ -1,4 +1,4 @@
-//! What a diagonal spring may do in a step, so that crumpled cloth unfolds.
+//! Bound on the correction by a diagonal spring in a step, so that crumpled cloth unfolds.
 
 use super::{Cloth, Rest};
 
@@ -10,7 +10,7 @@ const MOST: f64 = 0.25;
 /// such a row. Cloth that hangs asks for less, however it is held.
 const EACH: f64 = 20.0 * 9.81;
 
-/// What diagonals may do, as a share of their rest length over the square of a step \[1/s^2\]; 0 where nothing bounds them.
+/// Bound on corrections by diagonals, as a share of their rest length over the square of a step \[1/s^2\]; 0 for none.
 pub fn strength(cloth: &Cloth) -> f64 {
     let springs = match cloth.rest() {
         Rest::None => return 0.0,

@@ -1,4 +1,4 @@
-//! What holds each particle and how far away it is along the cloth.
+//! Pins that hold each particle, and their distances along the cloth.
 
 use std::sync::Arc;
 
@@ -71,7 +71,7 @@ mod tests {
         let mut bundle = bundle();
         bundle.images.get_mut(&(0, MapKind::Tether)).unwrap().data[3 * 24] = 7.5;
         let mut cloth = Cloth::from_bundle("p", &bundle).unwrap();
-        // What is stored is used, not made again, unless more is asked for than is stored.
+        // Stored tethers are used, not made again, unless more are asked for than are stored.
         assert_eq!((cloth.tethers(1).of(24)[0].distance, cloth.tethers(1).of(24)[0].particle), (7.5, 0));
         assert!((cloth.tethers(2).of(24)[0].distance - 32f32.sqrt()).abs() < 1e-6);
         assert_eq!(cloth.tethers(0).anchors, []);

@@ -163,7 +163,7 @@ impl<'a> Thinning<'a> {
     }
 }
 
-/// What a point adds to the excess when it is put back.
+/// Change of the excess when a point is put back.
 type Own = Vec<((usize, usize), i64)>;
 
 /// The point, or the two points, that leave the least excess when they are put back, and how much that is.

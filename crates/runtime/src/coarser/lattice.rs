@@ -71,8 +71,8 @@ pub fn texels(grid: &Grid, sides: &Sides, first: u32) -> (Grid, Vec<[u32; 2]>) {
     (Grid { name: grid.name.clone(), first, width, height }, all)
 }
 
-/// What each texel of a fine grid is in terms of the coarse one: a point of the triangle that is drawn there. `there` tells which coarse
-/// particles exist. `None` beside holes.
+/// Each texel of a fine grid in terms of the coarse one: a point of the triangle that is drawn there. `there` tells
+/// which coarse particles exist. `None` beside holes.
 pub fn stencils(fine: &Grid, coarse: &Grid, texels: &[[u32; 2]], there: impl Fn(u32) -> bool) -> Vec<Option<Stencil>> {
     let mut all: Vec<Option<Stencil>> = vec![None; fine.texels()];
     let place = |[x, y]: [u32; 2]| (y * fine.width + x) as usize;

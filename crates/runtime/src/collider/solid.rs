@@ -177,7 +177,7 @@ fn closest<T: Real>(p: V3<T>, radii: V3<T>) -> Exit<T> {
         let a = r[c] * rz[c] / (t + (r[c] - one));
         if p[c] < T::of(0.0) { -a } else { a }
     });
-    // What is left of the root's error goes off along the ray.
+    // The remaining error of the root goes off along the ray.
     let n = normalize(on);
     let q = [0, 1, 2].map(|c| n[c] * radii[c]);
     Some((q, normalize([0, 1, 2].map(|c| n[c] / radii[c]))))

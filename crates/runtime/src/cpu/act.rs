@@ -1,4 +1,4 @@
-//! What users do to a cloth on the CPU.
+//! Actions of users on a cloth on the CPU.
 
 use std::sync::Arc;
 

@@ -50,7 +50,7 @@ pub struct Body<T: Real> {
     starts: Arc<Vec<u32>>,
     members: Arc<Vec<u32>>,
     pub(super) fabric: Option<Box<Fabric<T>>>,
-    /// What holds it, from the first cut on.
+    /// Pins and tethers that hold it, from the first cut on.
     pub(crate) held: Option<Held<T>>,
     /// Whether texels were changed from outside since the last frame.
     pub(super) edited: bool,

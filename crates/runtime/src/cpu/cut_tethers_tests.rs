@@ -101,7 +101,7 @@ fn truth(cloth: &Cloth, body: &Body<f32>, pin: usize) -> (Vec<f64>, Vec<f64>) {
     (exact, points.iter().map(|p| far[*p as usize]).collect())
 }
 
-/// What must hold of every tether, whatever was cut: it is no shorter than the way to its pin, no longer than the
+/// Conditions on every tether, whatever was cut: it is no shorter than the way to its pin, no longer than the
 /// shortest way to any of its group along springs, there if there is one, and the same for duplicates.
 fn is_true(cloth: &Cloth, body: &Body<f32>, name: &str) -> usize {
     let held = held(body);

@@ -13,7 +13,7 @@ use super::rows::Threads;
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::Real;
 
-/// What is summed.
+/// A quantity that is summed over triangles.
 pub trait Facets<T: Real>: Copy + Send + Sync {
     /// The value of a triangle, from its corners now and one step before, counter-clockwise seen from the front.
     fn facet<K: Machine<T>>(&mut self, k: K, now: [[K::V; 3]; 3], before: [[K::V; 3]; 3]) -> [K::V; 3];

@@ -8,7 +8,7 @@ use crate::step::Step;
 
 const CHUNK: usize = 1024;
 
-/// What air adds to gravity; fields lie as the particles do.
+/// Acceleration that air adds to gravity; fields lie as the particles do.
 #[derive(Clone, Copy)]
 pub enum Air<'a, A> {
     None,

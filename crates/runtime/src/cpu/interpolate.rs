@@ -10,7 +10,7 @@ pub struct Field<'a, T> {
     pub moved: [Vec<T>; 3],
     /// Nodes in a row.
     pub nodes: usize,
-    /// What does not follow them all.
+    /// Particles that do not follow all nodes around them.
     pub parted: &'a Parted,
 }
 

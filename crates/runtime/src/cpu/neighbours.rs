@@ -53,7 +53,7 @@ impl<T: Real> View<'_, T> {
         }
     }
 
-    /// What is cut away of the quad in a quadrant of a particle.
+    /// Triangles that are cut away of the quad in a quadrant of a particle.
     #[inline]
     fn removed_around(&self, i: usize, j: usize, quadrant: usize) -> u32 {
         if self.holes.is_empty() {
@@ -64,7 +64,7 @@ impl<T: Real> View<'_, T> {
         if i < left || j < up { 0 } else { self.removed((j - up) * self.width + i - left) }
     }
 
-    /// What is cut away of the quad with its upper left particle at a texel.
+    /// Triangles that are cut away of the quad with its upper left particle at a texel.
     #[inline]
     pub fn removed(&self, k: usize) -> u32 {
         self.holes.get(k).copied().unwrap_or(0)

@@ -3,7 +3,7 @@
 use crate::cloth::{Cloth, Grid, Tethers, groups, mates, ring};
 use crate::number::real::Real;
 
-/// What holds each particle of a cloth that is cut, in slots, by texels.
+/// Pins that hold each particle of a cloth that is cut, in slots, by texels.
 pub struct Held<T> {
     grids: Vec<Grid>,
     /// The next duplicate of every texel.
@@ -61,7 +61,7 @@ struct Near<T> {
 }
 
 impl<T: Real> Held<T> {
-    /// What holds a cloth that is to be cut.
+    /// From the tethers of a cloth that is to be cut.
     pub fn new(cloth: &Cloth, tethers: &Tethers) -> Self {
         let each = || tethers.anchors.iter();
         let most = |a: &crate::Anchor| if a.exists() { T::of(f64::from(a.distance)) } else { far() };
@@ -100,7 +100,7 @@ impl<T: Real> Held<T> {
         })
     }
 
-    /// What is around a texel, as far as it knows of a group.
+    /// The texels around a texel, with their springs and their distances from pins of a group.
     fn look(&self, rest: &[[T; 4]], most: &[T], m: usize, group: u32) -> [Near<T>; 8] {
         self.circle(m).map(|at| {
             let Some((texel, stored, place)) = at else {
@@ -113,7 +113,7 @@ impl<T: Real> Held<T> {
         })
     }
 
-    /// What tether `t` of texel `k` rests on. 0: particles nearer to its pin that hang on that pin too, by way of which
+    /// Support of tether `t` of texel `k`. 0: particles nearer to its pin that hang on that pin too, by way of which
     /// it is no longer than the tether, along a spring or through a triangle. Else, beside pins that share the cloth, ways
     /// may lead between particles that hang on others: [`UNSUPPORTED`] less what there is of springs, triangles and nearer
     /// particles around it; [`UNSUPPORTED`] if no particle is nearer.

@@ -36,7 +36,7 @@ pub struct Sheet<T: Real> {
     pub half: usize,
     pub now: Aligned<T>,
     pub before: Aligned<T>,
-    /// What was too small for the positions to take up; as `now` where that is kept, else empty.
+    /// Remainders too small for the positions to take up; as `now` where they are kept, else empty.
     pub lost: Aligned<T>,
     /// Inverse mass \[1/kg\], 0 for what does not move. Rows of `[even, odd]`.
     pub w: Aligned<T>,

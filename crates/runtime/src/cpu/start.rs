@@ -30,7 +30,7 @@ impl<T: Real> Start<T> {
         let before = (0..cloth.len()).map(|k| place(k, dt)).collect();
         let mut all = vec![[T::of(0.0); 4]; cloth.len()];
         if options.normals {
-            // What is drawn before the first frame has a front and a back too.
+            // Cloth that is drawn before the first frame has a front and a back too.
             let threads = Threads::one();
             for g in cloth.grids() {
                 normals::run(&threads, view(&now, &[], g), &mut all[g.range()]);

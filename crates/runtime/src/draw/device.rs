@@ -19,7 +19,7 @@ use crate::look::Looks;
 use crate::shaders::Slot;
 use crate::stepper::Stepper;
 
-/// What a render pass draws into.
+/// The target that a render pass draws into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Target {
     /// Format of the colour attachment. One that is not sRGB gets sRGB from the shader.

@@ -2,7 +2,7 @@
 
 use crate::shaders::Slot;
 
-/// What triangles come from.
+/// Source of triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Variant {
     /// A cloth, with what it has.

@@ -1,4 +1,4 @@
-//! What users do to cloths on the GPU: a few dispatches, recorded before the steps.
+//! Actions of users on cloths on the GPU: a few dispatches, recorded before the steps.
 
 use bytemuck::cast_slice;
 

@@ -11,7 +11,7 @@ use crate::passes::Pass;
 use crate::plan::Plan;
 use crate::world::World;
 
-/// What a host may ask of its cloths later.
+/// A request that a host may make of its cloths later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Ahead {
@@ -47,7 +47,7 @@ impl Ahead {
     ];
 }
 
-/// What the frames of a world run, so that none waits for a compiler.
+/// Forms that the frames of a world run, so that none waits for a compiler.
 pub(super) fn frames(world: &World) -> Vec<Form> {
     let mut forms: Vec<Form> = Plan::new(world).passes.into_iter().map(|p| p.form).collect();
     if world.calm_below().is_some() && !world.scene.colliders.is_empty() {

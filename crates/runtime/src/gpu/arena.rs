@@ -43,7 +43,7 @@ pub(super) struct Arena {
     table: Vec<u8>,
     /// Whether the lists have room for those that cuts change.
     opened: bool,
-    /// What steps need beside: where tiles write, forces of air, multipliers.
+    /// Other buffers of steps: where tiles write, forces of air, multipliers.
     others: HashMap<Slot, Buffer>,
     /// By shader and by the number of colliders.
     ready: HashMap<(Fused, usize), Ready>,
@@ -338,7 +338,7 @@ impl Arena {
         }
     }
 
-    /// What a workgroup does for a cloth, with the numbers that are the cloth's own.
+    /// The job of a workgroup for a cloth, with the numbers that are the cloth's own.
     fn job(&self, world: &World, index: usize, member: usize) -> JobRow {
         let (cloth, solid) = (&world.scene.cloths[index], world.first_solid(index) as u32);
         let steps = world.numbers(cloth).map(|step| StepRow::from(&step));

@@ -1,4 +1,4 @@
-//! What shaders only read of cloths, for one cloth or several that lie one after the other.
+//! Data of cloths that shaders only read, for one cloth or several that lie one after the other.
 
 use std::collections::HashMap;
 
@@ -76,7 +76,7 @@ impl Contents {
                     other if is_new => (image, other.texels(cloth, held)),
                     _ => continue,
                 };
-                // What lies between cloths is not read.
+                // Gaps between cloths are not read.
                 let list = self.lists.entry(*slot).or_default();
                 list.resize(begin as usize * each, 0);
                 list.extend(bytes);
@@ -103,7 +103,7 @@ impl Contents {
 
     /// Their buffers.
     pub fn upload(&self, device: &wgpu::Device) -> HashMap<Slot, Buffer> {
-        // What a cut changes is copied.
+        // Lists that a cut changes are copied.
         let buffer =
             |(slot, bytes): (&Slot, &Vec<u8>)| (*slot, upload(device, slot.name(), bytes, BufferUsages::COPY_SRC));
         self.lists.iter().filter(|(_, bytes)| !bytes.is_empty()).map(buffer).collect()

@@ -12,7 +12,7 @@ use crate::passes::Pass;
 use crate::shaders::Slot;
 use crate::world::World;
 
-/// What rounds read and write beside rest lengths and tethers.
+/// Buffers that rounds read and write beside rest lengths and tethers.
 pub(super) fn room(device: &wgpu::Device, cloth: &Cloth, tethers: &Tethers) -> Vec<(Slot, Buffer)> {
     if !follows(cloth, tethers) {
         return Vec::new();

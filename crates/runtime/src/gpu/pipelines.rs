@@ -203,7 +203,7 @@ fn make(device: &wgpu::Device, cache: Option<&wgpu::PipelineCache>, source: Sour
         layout: Some(&pipeline_layout),
         module: &module,
         entry_point: Some("main"),
-        // What a workgroup has in its memory, a shader writes before it reads.
+        // Shaders write the memory of a workgroup before they read it.
         compilation_options: wgpu::PipelineCompilationOptions {
             constants: &source.constants,
             zero_initialize_workgroup_memory: false,

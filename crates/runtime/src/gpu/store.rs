@@ -1,4 +1,4 @@
-//! What changes of cloths: in the buffers of one cloth, or of several that lie one after the other.
+//! Data of cloths that changes: in the buffers of one cloth, or of several that lie one after the other.
 
 use std::collections::HashMap;
 
@@ -19,12 +19,12 @@ pub(super) struct Store {
     state: State<Buffer>,
 }
 
-/// What changes in a frame.
+/// Data that changes in a frame.
 pub(super) struct State<B> {
     pub now: B,
     pub before: B,
     pub normals: B,
-    /// What only steps need: counters of faults, the last good frame, and what positions are too coarse for.
+    /// Data that only steps need: counters of faults, the last good frame, and remainders too small for positions.
     pub others: HashMap<Slot, B>,
 }
 

@@ -3,7 +3,7 @@
 use super::buffers::ClothBuffers;
 use crate::shaders::{Slot, Source};
 
-/// What tiles read, and where they write it to.
+/// Slots that tiles read, and the slots they write instead.
 pub(super) const TURNS: [(Slot, Slot); 4] =
     [(Slot::Now, Slot::Next), (Slot::Before, Slot::Passed), (Slot::Lost, Slot::Losing), (Slot::Sums, Slot::Summing)];
 
@@ -19,7 +19,7 @@ pub(super) fn turned(before: [bool; 4], source: &Source) -> [bool; 4] {
 }
 
 impl ClothBuffers {
-    /// What a tile has written lies where the last ones were not.
+    /// Notes which buffers have changed places after a dispatch of tiles.
     pub(super) fn turn(&mut self, source: &Source) {
         self.turned = turned(self.turned, source);
     }

@@ -53,14 +53,14 @@ pub struct View {
     pub clip: [[f32; 4]; 4],
     /// Where the eye is \[m\].
     pub eye: [f32; 3],
-    /// What it looks at \[m\]; floors fade away from here.
+    /// The point that it looks at \[m\]; floors fade away from here.
     pub target: [f32; 3],
-    /// What floors fade into: sRGB, 0 to 1.
+    /// The colour that floors fade into: sRGB, 0 to 1.
     pub background: [f32; 3],
 }
 
 impl View {
-    /// What a camera sees in a picture of `aspect` = width / height, from 1/50 of the distance to its target up to 200
+    /// View of a camera in a picture of `aspect` = width / height, from 1/50 of the distance to its target up to 200
     /// times as far, on a white background.
     pub fn new(camera: &Camera, aspect: f32) -> Self {
         let Camera { eye, target, fov } = *camera;

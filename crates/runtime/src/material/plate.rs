@@ -3,7 +3,7 @@
 use super::cell::{Cell, P2, cross, sub};
 use crate::cloth::Bending;
 
-/// What cells add to.
+/// Sums to which cells add.
 pub struct Plate {
     weights: Vec<[f64; 4]>,
     /// By the first of the duplicates \[m^2\].

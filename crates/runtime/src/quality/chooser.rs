@@ -28,7 +28,7 @@ const TRIAL_WAITS: [f64; 2] = [1.0, 64.0];
 pub struct Chooser {
     /// Largest stretch of the last frame that was measured.
     pub error: Option<f64>,
-    /// What has been measured since the last choice.
+    /// The largest stretch measured since the last choice.
     fresh: Option<f64>,
     /// The largest since the numbers were changed, or smaller ones were thought of.
     worst: Option<f64>,
@@ -38,7 +38,7 @@ pub struct Chooser {
     /// Stepped since the last choice \[s\].
     seconds: f64,
     law: Law,
-    /// What frames took.
+    /// Times of frames.
     costs: Costs,
     /// Cost of a substep of the last mix.
     of_substep: f64,
@@ -86,7 +86,7 @@ impl Default for Chooser {
 }
 
 impl Chooser {
-    /// What it goes by beside the times of frames, which are the machine's.
+    /// Its numbers beside the times of frames, which are the machine's.
     pub fn numbers(&self) -> [f64; NUMBERS] {
         let mut list = Vec::with_capacity(NUMBERS);
         self.clone().each(&mut Numbers::To(&mut list));
@@ -225,7 +225,7 @@ impl Chooser {
             (Some(error), Some(_)) if error > target && self.waited >= SOON => aim(error, true),
             (_, Some(worst)) if self.waited >= self.patience => {
                 self.start_anew();
-                // What meets the target is good enough.
+                // An error that meets the target is good enough.
                 aim(worst.min(AIM * target), false)
             }
             _ => return (now, false),

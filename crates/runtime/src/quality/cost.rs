@@ -1,4 +1,4 @@
-//! What a frame costs: a fixed part and a part per unit of work, from the times of frames of different work. The unit is a
+//! Cost of a frame: a fixed part and a part per unit of work, from the times of frames of different work. The unit is a
 //! step without polish.
 
 use std::collections::VecDeque;

@@ -51,7 +51,7 @@ impl Level {
     }
 }
 
-/// What is known of the exponents.
+/// Estimates of the exponents.
 #[derive(Clone, Debug)]
 pub struct Law {
     /// Of the substeps, and of the rounds plus 1.

@@ -13,7 +13,7 @@ const FEW: f64 = 8.0;
 /// Fewest substeps that are given up for rounds.
 const MIN_TRADED: u32 = 4;
 
-/// What a change has to achieve.
+/// Goal of a change.
 pub struct Aim {
     /// The error over the error that is aimed at.
     pub excess: f64,
@@ -33,7 +33,7 @@ pub struct Reach<'a> {
     pub levers: &'a Levers,
     pub now: Mix,
     pub aim: &'a Aim,
-    /// What has just turned out to be too little.
+    /// A mix that has just turned out to be too little.
     pub failed: Option<Mix>,
 }
 

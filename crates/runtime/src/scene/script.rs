@@ -11,7 +11,7 @@ pub struct PinnedSet {
     pub particles: Vec<(usize, [f32; 3])>,
     /// How they move together: turned about `pivot`, then moved by the position. `None` stays.
     pub motion: Option<Motion>,
-    /// What they turn about \[m\].
+    /// The point that they turn about \[m\].
     pub pivot: [f32; 3],
     /// When \[s\] they are let go.
     pub release: Option<f64>,

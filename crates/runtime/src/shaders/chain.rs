@@ -22,7 +22,8 @@ pub fn tail(passes: &[Pass]) -> usize {
     before.iter().position(|p| matches!(p, Pass::Contact(_))).map_or(before.len(), |n| n + 1)
 }
 
-/// What seams at the start of a dispatch need: the file that closes them, and one of two, whether or not the colliders that are near are listed.
+/// Parts for seams at the start of a dispatch: the file that closes them, and one of two, whether or not the colliders
+/// that are near are listed.
 pub(super) fn sewn(parts: Parts, tail: &[Pass], [own, near, far]: [&'static str; 3]) -> Parts {
     let lists = tail.iter().any(|p| over(*p) == Over::Near);
     let files = [part!("meeting"), part!("sewn"), part!("anchor_sewn"), own, if lists { near } else { far }];

@@ -14,7 +14,7 @@ use naga::{AddressSpace, Block, Expression, Function, Handle, Module, Statement}
 
 use super::tests::{module, variants};
 
-/// What a statement does first.
+/// The first effect of a statement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum First {
     Nothing,

@@ -17,7 +17,7 @@ pub const fn writes(slot: Slot) -> Bound {
     Bound { slot, writes: true }
 }
 
-/// What a rule or a shader is made of.
+/// Components of a rule or a shader.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     pub files: Vec<&'static str>,

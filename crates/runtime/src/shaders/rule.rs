@@ -1,10 +1,10 @@
-//! What each pass does, for all forms in which it can run: its rule, what that is run for, and what it reads and writes.
+//! The work of each pass, for all forms in which it can run: its rule, the elements it is run for, and its bindings.
 
 use super::parts::{Parts, reads, writes};
 use super::{Slot, Threads, rare};
 use crate::passes::{Air, Kinds, Pass, Soft};
 
-/// What a rule is run for, one call each.
+/// Elements that a rule is run for, one call each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Over {
     /// Particles, each by itself: `fn(k)`.
@@ -45,7 +45,7 @@ pub struct Rule {
     pub text: &'static str,
     /// The function in it that is called.
     pub call: &'static str,
-    /// What for.
+    /// The elements it is run for.
     pub over: Over,
     /// How it is part of a whole frame.
     pub whole: Whole,
@@ -59,7 +59,7 @@ macro_rules! rule {
     };
 }
 
-/// What the rule of a pass is run for.
+/// Elements that the rule of a pass is run for.
 pub fn over(pass: Pass) -> Over {
     match pass {
         Pass::Integrate(_) | Pass::IntegrateExact(_) | Pass::Forget | Pass::Tethers { .. } | Pass::Limit => {
@@ -216,7 +216,7 @@ fn stretch(over: Over, image: bool, soft: Soft, again: bool) -> Rule {
     rule!("stretch", "stretch", over, parts)
 }
 
-/// What springs of sheets share.
+/// Parts that springs of sheets share.
 fn pull(image: bool) -> Parts {
     let files = [part!("ends"), part!("aside"), part!("pull")];
     Parts::new(&files, &[Slot::Grids], &[Slot::Now]).and(rest(image))
@@ -242,7 +242,7 @@ fn strain(over: Over, image: bool, soft: Soft) -> Rule {
     Rule { whole, ..rule!("strain", "", over, parts) }
 }
 
-/// What is left of springs to be relaxed.
+/// Parts for the stretch of springs that is left to be relaxed.
 pub(super) fn residuals(image: bool, soft: Soft) -> Parts {
     let share = if soft == Soft::None { part!("share_all") } else { part!("share_soft") };
     let parts = Parts::new(&[part!("larger"), part!("residual"), share], &[Slot::Grids, Slot::Now], &[]);

@@ -1,4 +1,4 @@
-//! What shaders bind.
+//! Bindings of shaders.
 
 use bytemuck::cast_slice;
 
@@ -7,7 +7,7 @@ use crate::layout::{FAULT_BYTES, FrameRow, GridRow, JobRow, LinkRow};
 
 macro_rules! slots {
     ($($slot:ident $name:literal,)*) => {
-        /// What can be bound. The number is the binding in every shader.
+        /// A resource that can be bound. The number is the binding in every shader.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Slot { $($slot,)* }
 

@@ -96,7 +96,7 @@ pub fn tile(tile: &Tile) -> Source {
     Source { stem: "tile", files, loops, program, bindings, constants, threads: Threads::Tiles(shape), scratch: 0 }
 }
 
-/// What a tile changes it writes elsewhere, as its neighbours read what is around theirs.
+/// A tile writes its changes elsewhere, as its neighbours read the particles around their own.
 fn apart_from_others(tile: &Tile, mut parts: Parts) -> Parts {
     let moves = parts.bound(Slot::Before).is_some_and(|b| b.writes);
     let (exact, sums) = (parts.binds(Slot::Lost), parts.binds(Slot::Sums));

@@ -1,4 +1,4 @@
-//! What a stepper does with the host's device.
+//! Work of a stepper on the host's device.
 
 use super::Stepper;
 use super::self_check::consider;
@@ -138,9 +138,9 @@ impl Stepper {
         self.gpu.as_ref()?.buffers(self.world.find(cloth.into()).ok()?)
     }
 
-    /// What this stepper has written by the host's queue. On the GPU backend a frame makes one write at most: numbers of steps, colliders,
-    /// pins and lists of actions of up to 64 KiB go together, and none is made where nothing has changed. On the CPU backend a frame
-    /// makes three writes per cloth that is awake. `None` without a device.
+    /// Writes of this stepper by the host's queue so far. On the GPU backend a frame makes one write at most: numbers
+    /// of steps, colliders, pins and lists of actions of up to 64 KiB go together, and none is made where nothing has
+    /// changed. On the CPU backend a frame makes three writes per cloth that is awake. `None` without a device.
     pub fn uploads(&self) -> Option<UploadCount> {
         self.gpu.as_ref().map(Gpu::uploads)
     }

@@ -1,4 +1,4 @@
-//! What a script does to a stepper, frame by frame.
+//! Effect of a script on a stepper, frame by frame.
 
 use super::Stepper;
 use crate::collider::Collider;

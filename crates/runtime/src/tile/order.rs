@@ -41,7 +41,7 @@ impl Sequence {
     }
 }
 
-/// What the sizes of dispatches depend on beside their passes: those that they are made for.
+/// Properties of cloths on which the sizes of their dispatches depend, beside passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Among<'a> {
     /// Columns and rows of grids.

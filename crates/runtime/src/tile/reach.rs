@@ -1,7 +1,7 @@
 //! Twin of shaders/tile.wgsl: how far a colour of springs reaches, which is what a tile has to have around it. The rules
 //! of particles and springs are those of the separate passes.
 
-/// What a colour joins along one side of a grid.
+/// Columns or rows that a colour joins along one side of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reach {
     /// Nothing.
@@ -21,8 +21,8 @@ fn reach((direction, parity): (u32, u32)) -> [Reach; 2] {
     }
 }
 
-/// What is still right, after a colour, of the columns or rows from the first of a range up to, not with, the last, of a
-/// grid with `size` of them: springs that join them to others were left out.
+/// Columns or rows that are still right after a colour, of those from the first of a range up to, not with, the last,
+/// of a grid with `size` of them: springs that join them to others were left out.
 fn within([from, to]: [i64; 2], size: i64, reach: Reach) -> [i64; 2] {
     let odd = |at: i64, parity: u32| (at - i64::from(parity)).rem_euclid(2);
     let (less, more) = match reach {
@@ -122,7 +122,7 @@ mod tests {
         }
     }
 
-    /// What the shader has of `within`, in its unsigned numbers; arithmetic out of their range is `None`.
+    /// `within` as the shader has it, in unsigned numbers; arithmetic out of their range is `None`.
     fn within_unsigned([from, to]: [u32; 2], size: u32, reach: Reach) -> Option<[u32; 2]> {
         let (less, more) = match reach {
             Reach::None => (0, 0),

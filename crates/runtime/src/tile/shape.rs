@@ -112,7 +112,7 @@ mod tests {
                 }
             }
         }
-        // What fits is one tile.
+        // A grid that fits is one tile.
         let like = TileShape { around: [5; 2], lacks: [1; 2], ..TileShape::default() };
         assert_eq!(count(&best(like, &[[2, 500]], 1024).unwrap(), &[[2, 500]]), 1);
     }
@@ -146,7 +146,7 @@ mod tests {
         let (few, many) = (of(256, &room), of(1024, &room));
         assert!(few.0 < 103.0 && few.1 <= USUAL, "{few:?}");
         assert!(many.0 < 87.0 && many.1 > USUAL, "{many:?}");
-        // What colliders are near is noted beside.
+        // The memory also holds notes of the colliders that are near.
         let least = of(256, &Room { memory: 16_384, ..room });
         assert!(least.1 * BYTES + NOTES <= 16_384, "{least:?}");
         assert_eq!(Tile::of(&passes, true).unwrap().fit(&[[64, 64]], &Room { memory: 1024, ..room }), None);

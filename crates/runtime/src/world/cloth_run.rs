@@ -14,12 +14,12 @@ use crate::scene::Pose;
 use crate::state::ClothState;
 use crate::tile::{Order, Sequence};
 
-/// What a world holds of one cloth beside the cloth itself.
+/// Data that a world holds of one cloth beside the cloth itself.
 #[derive(Default)]
 pub struct ClothRun {
-    /// What it hangs on; without slots where that is nothing.
+    /// Its tethers; without slots where it has none.
     pub tethers: Arc<Tethers>,
-    /// What it shares with other cloths of the same images.
+    /// Data that it shares with other cloths of the same images.
     pub images: Option<Arc<Images>>,
     /// The finer images that it goes back to, the finest first.
     pub finer: Vec<Finer>,
@@ -44,7 +44,7 @@ pub struct ClothRun {
     pub calm: Calm,
     /// How texture coordinates run along its rows and columns, found when tangents are first asked for.
     charts: OnceLock<Vec<[f32; 4]>>,
-    /// What was changed of it because the solver cannot do it.
+    /// Values of it that were changed because the solver cannot handle them.
     pub warnings: Vec<Warning>,
     /// Its last state in the host's memory, from which it continues if the device is lost.
     pub kept: Option<ClothState>,

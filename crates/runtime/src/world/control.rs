@@ -14,7 +14,7 @@ pub struct Control {
     pub options: Settings,
     /// Why so.
     pub choice: Choice,
-    /// What each cloth asks for, as of the last decision.
+    /// Wishes of each cloth, as of the last decision.
     wishes: Vec<Wish>,
     /// Keeps substeps up with the speed of colliders.
     pub follow: Follow,
@@ -133,7 +133,7 @@ impl Control {
         next.rounds != now.rounds
     }
 
-    /// What a continuation with the same bits needs.
+    /// State that a continuation with the same bits needs.
     pub fn save(&self, due: f64) -> ControlState {
         let (clock, chooser, follow) = (self.clock.numbers(), self.chooser.numbers(), self.follow.numbers());
         ControlState { clock, chooser, follow, due, substeps: self.options.substeps, polish: self.options.polish }

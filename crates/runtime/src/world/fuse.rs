@@ -23,13 +23,13 @@ const MAX_ROOM: u64 = 8;
 pub struct Batch {
     /// Index of the arena.
     pub arena: usize,
-    /// What runs.
+    /// The work that runs.
     pub share: Share,
     /// Places in the arena's list of cloths.
     pub members: Vec<usize>,
 }
 
-/// What cloths run in the dispatches that they share.
+/// Work of cloths in the dispatches that they share.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Share {
     /// Whole frames, a workgroup a cloth.
@@ -187,7 +187,7 @@ impl World {
         !self.runs[cloth].asleep && !self.is_shared(cloth)
     }
 
-    /// What a cloth runs in the dispatches that it shares.
+    /// Work of a cloth in the dispatches that it shares.
     fn share(&self, index: usize) -> Option<Share> {
         let run = &self.runs[index];
         let whole =

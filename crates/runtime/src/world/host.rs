@@ -1,4 +1,4 @@
-//! What the host asks for, and what it is told.
+//! Requests of the host, and reports to it.
 
 use super::World;
 use crate::cpu::body::Body;
@@ -9,7 +9,7 @@ use crate::limits::Warning;
 use crate::number::real::{Real, cast};
 use crate::state::Layout;
 
-/// What is to be done before the next step, in the order of the calls.
+/// An action before the next step; actions run in the order of the calls.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// A cut by the triangle with these corners, through all cloths but some: those whose state was set since.
@@ -53,18 +53,18 @@ pub struct Fault {
 /// Most faults kept; older ones are dropped.
 const MOST_FAULTS: usize = 64;
 
-/// What waits for the next frame, or for the host to ask.
+/// Actions that wait for the next frame, and reports that wait for the host to ask.
 #[derive(Default)]
 pub struct Host {
-    /// What users have done since the last frame.
+    /// Actions of users since the last frame.
     pub actions: Vec<Action>,
     /// Whether cloths have changed since the last frame although no action waits: they were saved or loaded.
     pub touched: bool,
-    /// What is to be said about the device.
+    /// A warning about the device, to be reported.
     pub adapter: Option<Warning>,
     /// The same of steps that were too long.
     pub raised: Option<Warning>,
-    /// What has been contained since anybody asked.
+    /// Faults contained since anybody asked.
     pub faults: Vec<Fault>,
 }
 

@@ -6,7 +6,7 @@ use crate::cloth::{Cloth, Tethers};
 use crate::coarser::Coarser;
 use crate::error::Result;
 
-/// What instances of a cloth share once it is prepared for the solver.
+/// Data that instances of a cloth share once it is prepared for the solver.
 pub struct Images {
     /// The cloth as the host gave it.
     given: Cloth,
@@ -46,7 +46,7 @@ impl Images {
         Ok(self.coarser.get_or_init(|| coarser).clone())
     }
 
-    /// What instances of the coarser image share.
+    /// Images that instances of the coarser image share.
     pub fn below(&self) -> Option<&Arc<Images>> {
         self.below.get()
     }
@@ -56,7 +56,7 @@ impl Images {
         images.into_iter().for_each(|images| _ = self.below.get_or_init(|| images.clone()));
     }
 
-    /// What instances hang on.
+    /// Tethers of the instances.
     pub fn tethers(&self) -> &Arc<Tethers> {
         &self.tethers
     }

@@ -17,7 +17,7 @@ use crate::passes::has_levels;
 use crate::quality::Quality;
 use crate::scene::Scene;
 
-/// What a cloth has left behind for the device.
+/// A cloth that has left, and its places on the device.
 pub struct Left {
     /// Its index.
     pub index: usize,

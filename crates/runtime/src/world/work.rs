@@ -1,4 +1,4 @@
-//! What a round of polish costs against a substep, from the passes of both.
+//! Cost of a round of polish against a substep, from the passes of both.
 
 use super::World;
 use crate::choose::stiff;

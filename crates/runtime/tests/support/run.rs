@@ -55,13 +55,13 @@ impl<'a> Run<'a> {
         Bits::new([&buffers.now, &buffers.before, &buffers.normals].map(list), self.device)
     }
 
-    /// What runs whole frames in one dispatch.
+    /// Holds of the passes that run whole frames in one dispatch.
     pub fn holds(&self) -> Vec<Hold> {
         let of = |p: &PlannedPass| if let Form::Whole(f) = &p.form { Some(f.hold) } else { None };
         self.stepper.plan().passes.iter().filter_map(of).collect()
     }
 
-    /// What runs by tiles, and how often a frame.
+    /// Tiles that run, and how often per frame.
     pub fn tiles(&self) -> Vec<(Tile, u32)> {
         let of = |p: &PlannedPass| if let Form::Tile(t) = &p.form { Some((t.clone(), p.dispatches)) } else { None };
         self.stepper.plan().passes.iter().filter_map(of).collect()

@@ -79,7 +79,7 @@ impl<T: Real> Solid<T> {
         let Exits { at, normal, outside } = match self.kind {
             HALF_SPACE => {
                 let (at, normal) = ([local[0], zero, local[2]], [zero, k.splat(T::of(1.0)), zero]);
-                // What is not below is outside.
+                // A point that is not below is outside.
                 let all = k.at_least(zero, zero);
                 Exits { at, normal, outside: k.without(all, k.above(zero, local[1])) }
             }

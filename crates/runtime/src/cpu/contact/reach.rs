@@ -1,4 +1,4 @@
-//! What of a sheet colliders can touch within a step.
+//! The part of a sheet that colliders can touch within a step.
 
 use super::super::sheet::{Sheet, planes_ref};
 use crate::collider::solid::{CAPSULE, Solid};

@@ -62,7 +62,7 @@ fn sheet<T: Real>(way: f64, seed: usize) -> Sheet<T> {
     sheet
 }
 
-/// What the rule makes of every particle alone.
+/// Applies the rule to every particle alone; returns how often one moved.
 fn alone<T: Real>(sheet: &mut Sheet<T>, solids: &[Solid<T>], dt: T) -> usize {
     let (half, mut moved) = (sheet.half, 0);
     for k in 0..sheet.width * sheet.height {

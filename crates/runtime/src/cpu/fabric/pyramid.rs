@@ -28,7 +28,7 @@ struct Level<T: Real> {
     origin: Aligned<T>,
     /// Inverse mass \[1/kg\] of nodes that are not pinned, as `sheet.w`.
     weight: Vec<T>,
-    /// What of the grid below does not follow all nodes around it.
+    /// Particles or nodes of the grid below that do not follow all nodes around it.
     parted: Parted,
 }
 

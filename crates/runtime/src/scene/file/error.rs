@@ -3,7 +3,7 @@
 /// The result of reading a scene file.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What is wrong, and in which field.
+/// An error in a scene file, and its field.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -12,7 +12,7 @@ pub enum Error {
     Syntax {
         /// Path of the field, as `cloths[0].pins[1].box.low`.
         field: String,
-        /// What the parser said, with line and column.
+        /// Message of the parser, with line and column.
         problem: String,
     },
     /// A scene of another version, or no scene.
@@ -20,9 +20,9 @@ pub enum Error {
     Version {
         /// `format` or `version`.
         field: &'static str,
-        /// What the file says.
+        /// The value in the file.
         found: String,
-        /// What is known.
+        /// The value that is known.
         known: String,
     },
     /// A value outside its range, or parts that do not fit.
@@ -30,7 +30,7 @@ pub enum Error {
     Value {
         /// Path of the field.
         field: String,
-        /// What is wrong with it.
+        /// The error of its value.
         source: Box<crate::Error>,
     },
     /// A bundle or garment could not be had.
@@ -38,7 +38,7 @@ pub enum Error {
     Source {
         /// Path of the field.
         field: String,
-        /// What the host said.
+        /// Message of the host.
         problem: String,
     },
     /// A name or a choice that leads nowhere.
@@ -46,7 +46,7 @@ pub enum Error {
     Choice {
         /// Path of the field.
         field: String,
-        /// What is wrong, and what there is.
+        /// The problem, and the choices that exist.
         problem: String,
     },
 }

@@ -172,7 +172,7 @@ fn cloth(
     Ok((cloth, look))
 }
 
-/// What is not given is that of the fabric, or as in the default.
+/// A field that is not given is that of the fabric, or as in the default.
 fn material(fields: &json::Material, place: &str) -> Result<Material> {
     let json::Material { fabric, warp, weft, shear, bend, density, damping, thickness, friction } = fields;
     let mut material = match fabric {

@@ -79,7 +79,7 @@ fn a_material_sets_masses_and_damping() {
     assert!(cloth.bending().is_none());
     assert_eq!((cloth.thickness, cloth.friction), (None, 0.25));
     assert_eq!(cloth.membrane().unwrap().soft, [1.0 / 400.0, 1.0 / 800.0, 1.0 / 40.0]);
-    // What stands beside it is stronger.
+    // Fields beside the material override it.
     value["cloths"][0]["mass"] = json!(0.5);
     value["cloths"][0]["damping"] = json!(1);
     value["cloths"][0]["friction"] = json!(0.75);

@@ -1,4 +1,4 @@
-//! What a spring does to its ends, for as many of them at once as the machine has lanes.
+//! Effect of a spring on its ends, for as many springs at once as the machine has lanes.
 
 use super::{ALIKE, ALIKE_BOUND, DIAGONAL, End, HARD, HARD_BOUND, LIMIT, RIGHT, SOFT, Spring};
 use crate::cpu::aside;
