@@ -130,10 +130,12 @@ impl Crossings {
 /// Finds the crossings of all triangles of `cloths`, and lists the `worst` deepest pairs.
 ///
 /// Errors if a list of positions or holes does not have one entry per particle, if all cloths have 2^31 particles or more, and if the lists of
-/// triangles and boxes, about 100 bytes per triangle, do not fit in memory. The list of pairs has at most `worst` entries per 256 leaves of the
-/// tree while the search runs.
+/// triangles and boxes, about 120 bytes per triangle, do not fit in memory. While the search runs, lists of pairs have at most `worst` entries per 256
+/// leaves of the tree, which hold 2 to 4 triangles each, and at most the larger of 1,024 and twice `worst` per thread.
 ///
-/// Takes O(n log n) time for n triangles, plus the pairs whose boxes meet.
+/// Takes O(n log n) time for n triangles, plus the pairs whose boxes meet: 33 ms for a wavy sheet of 128 x 128 particles (32,258 triangles), 30 ms for
+/// a T-shirt of 16,384 texels (32,092 triangles), each on one core. Cloth in one plane takes longer, because signs are 0 there: 71 ms for the
+/// same sheet in a plane of two axes, about 0.3 s in any other plane. With the feature `threads`, pairs are shared out among the threads of rayon.
 pub fn find(cloths: &[Drawn], worst: usize) -> Result<Crossings> {
     let mesh = Mesh::new(cloths)?;
     let tree = Tree::new(&mesh)?;
