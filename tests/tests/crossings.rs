@@ -15,7 +15,6 @@ fn sample_garments_have_few_crossings_at_rest() {
         let cloth = Cloth::from_bundle(name, &built.bundle).unwrap();
         let found = crossings::find(&[Drawn::new(&cloth)], 64).unwrap();
         let pairs: Vec<_> = found.worst.iter().map(|c| (c.first.texel, c.second.texel, c.depth)).collect();
-        println!("{name}: {} pairs, {:.3} mm, {} touch: {pairs:?}", found.within, 1e3 * found.deepest, found.touching);
         assert!(found.within <= most && found.deepest < 2e-3, "{name}: {} pairs: {pairs:?}", found.within);
         assert!(found.triangles > 7_000 && found.not_finite == 0, "{name}: {found:?}");
         // Across a seam, neighbours are far apart in the image.
