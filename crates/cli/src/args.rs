@@ -50,6 +50,9 @@ pub enum Command {
     /// Simulate a scene and draw it: a PNG, or a GIF of many pictures.
     #[command(after_help = help::RENDER)]
     Render(RenderArgs),
+    /// Count triangles of cloth that cross, in dumped frames and in bundles at rest.
+    #[command(after_help = help::CHECK_CROSSINGS)]
+    CheckCrossings(CheckCrossingsArgs),
     /// List the GPU adapters of this machine, check their results, and show which one would run.
     #[command(after_help = help::DOCTOR)]
     Doctor(DoctorArgs),
@@ -261,6 +264,24 @@ pub struct RenderArgs {
     pub json: bool,
 }
 
+/// `gimage check-crossings`.
+#[derive(Debug, Args)]
+pub struct CheckCrossingsArgs {
+    /// Directories of `gimage simulate --dump`, and bundles.
+    #[arg(required = true, value_name = "DUMP_OR_BUNDLE")]
+    pub inputs: Vec<PathBuf>,
+    /// The scene whose frames were dumped: the name of a built-in scene, a scene file (.json), or a bundle. Needed for cloth of
+    /// several pieces.
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Option<String>,
+    /// Particles per side of a built-in scene.
+    #[arg(long, value_name = "N", default_value_t = 32, requires = "scene", value_parser = clap::value_parser!(u32).range(2..=4095), allow_negative_numbers = true)]
+    pub n: u32,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// `gimage doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorArgs {
@@ -294,6 +315,7 @@ impl Cli {
             Command::Inspect(args) | Command::Validate(args) => args.json,
             Command::Simulate(args) => args.json,
             Command::Render(args) => args.json,
+            Command::CheckCrossings(args) => args.json,
             Command::Doctor(args) => args.json,
             Command::Reconstruct(_) => false,
         }

@@ -19,6 +19,7 @@ pub const TOP: &str = concat!(
     "  gimage reconstruct shirt.gim -o back.obj\n",
     "  gimage simulate s1 --frames 600\n",
     "  gimage render shirt.gim -o shirt.png\n",
+    "  gimage check-crossings shirt.gim\n",
     "  gimage doctor\n\n",
     "Results go to stdout, messages to stderr. NO_COLOR turns colours off.",
     exit_codes!("done, with findings (repairs, accessories, warnings; broken rules)")
@@ -106,6 +107,22 @@ pub const RENDER: &str = concat!(
     "software one. 4 samples per pixel. Without a camera, every picture shows all cloths and colliders. A still picture of a ",
     "bundle without pins, which would fall out of sight, shows its rest pose (default --time 0).",
     exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
+);
+
+/// Of `gimage check-crossings`.
+pub const CHECK_CROSSINGS: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage check-crossings shirt.gim\n",
+    "  gimage check-crossings frames\n",
+    "  gimage check-crossings frames --scene shirt.gim -v\n",
+    "  gimage check-crossings frames --scene s2 --n 64 --json | jq '.inputs[].frames[].within'\n\n",
+    "Two triangles cross if their interiors share a point; every decision is exact. Columns: pairs that cross within a cloth and ",
+    "between cloths, pairs that touch without crossing, and the largest depth, the shortest move of one triangle after which ",
+    "the pair no longer crosses. -v lists the deepest pairs by piece and texel. Duplicates of a seam point are one point. Without ",
+    "--scene, each image of a frame is a cloth of its own. A dump does not record cuts: triangles that a cut has taken away count ",
+    "too.",
+    "\n\nEXIT CODES:\n  0  no triangles cross\n  1  triangles cross, or positions are not finite\n",
+    "  2  refused: invalid input or option\n  3  internal error: please report it"
 );
 
 /// Of `gimage doctor`.

@@ -38,6 +38,7 @@ fn main() -> ExitCode {
         Command::Reconstruct(args) => commands::reconstruct::run(args, &out),
         Command::Simulate(args) => commands::simulate::run(args, &out),
         Command::Render(args) => commands::render::run(args, &out),
+        Command::CheckCrossings(args) => commands::check_crossings::run(args, &out),
         Command::Doctor(args) => commands::doctor::run(args, &out),
     });
     let exit = result.unwrap_or_else(|failure| out.failure(&failure));

@@ -6,7 +6,9 @@ use common::Place;
 #[test]
 fn help_has_examples_and_exit_codes() {
     let place = Place::new();
-    for command in ["", "build", "inspect", "validate", "reconstruct", "simulate", "render", "doctor"] {
+    for command in
+        ["", "build", "inspect", "validate", "reconstruct", "simulate", "render", "check-crossings", "doctor"]
+    {
         for flag in ["--help", "-h"] {
             let run = place.run(&format!("{command} {flag}")).expect(&[0]);
             assert!(
@@ -39,6 +41,8 @@ fn bad_flags_exit_2_with_words_on_stderr_only() {
         "build tube.obj -o a.gim --density -1",
         "inspect",
         "reconstruct a.gim",
+        "check-crossings",
+        "check-crossings a.gim --n 9",
         "reconstruct a.gim -o mesh.stl",
     ] {
         let before = place.list();
@@ -52,7 +56,9 @@ fn bad_flags_exit_2_with_words_on_stderr_only() {
 #[test]
 fn a_missing_file_is_named() {
     let place = Place::new();
-    for args in ["build no/such.obj -o a.gim", "inspect no/such.gim", "validate no/such.gim"] {
+    for args in
+        ["build no/such.obj -o a.gim", "inspect no/such.gim", "validate no/such.gim", "check-crossings no/such.gim"]
+    {
         let run = place.run(args).expect(&[2]);
         let name = args.split_whitespace().nth(1).unwrap();
         assert!(run.stderr.starts_with("error: ") && run.stderr.contains(name), "{}", run.stderr);

@@ -194,6 +194,14 @@ pub enum Error {
     /// The device refused a call, which is a fault of this crate or of the driver.
     #[error("the GPU device refused a call: {0}; update the driver, or use the CPU backend")]
     Device(String),
+    /// The host has no memory left for a list.
+    #[error("no memory for {need} bytes of {what}; check fewer cloths at a time")]
+    Memory {
+        /// The contents of the list.
+        what: &'static str,
+        /// Bytes needed.
+        need: u64,
+    },
     /// Threads could not be started.
     #[error("no threads: {0}; ask for 1 thread")]
     Threads(String),

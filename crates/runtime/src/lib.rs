@@ -36,6 +36,7 @@ mod coarser;
 mod coat;
 mod collider;
 mod cpu;
+pub mod crossings;
 pub mod draw;
 mod error;
 mod findings;

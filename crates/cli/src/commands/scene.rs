@@ -17,20 +17,7 @@ use crate::exit::Failure;
 
 /// Loads what the arguments name, with the solver settings that they give.
 pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
-    let path = Path::new(&args.scene);
-    let mut file = if BUILTIN.contains(&args.scene.as_str()) {
-        plain(builtin(&args.scene, args.n)?)
-    } else if !path.exists() {
-        let hint = format!("give a scene file, a bundle, or one of the built-in scenes {}", BUILTIN.join(", "));
-        return Err(Failure::refused(format!("{}: no such file or directory; {hint}", args.scene)));
-    } else if path.is_dir() {
-        let bundle = read_dir(path).map_err(|e| Failure::bundle(path, &e))?;
-        let mut scene = Scene::new(&args.scene);
-        scene.cloths.push(Cloth::from_bundle(&args.scene, &bundle)?);
-        plain(scene)
-    } else {
-        read(path)?
-    };
+    let mut file = open(&args.scene, args.n)?;
     file.options.backend = match args.backend {
         BackendArg::Auto => Backend::Auto,
         BackendArg::Gpu => Backend::Gpu,
@@ -56,6 +43,24 @@ pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
     file.options.iterations = args.iterations.unwrap_or(file.options.iterations);
     file.options.threads = args.threads.into();
     Ok(file)
+}
+
+/// Opens the built-in scene of this name with `n` particles per side, the scene file, or the bundle.
+pub fn open(name: &str, n: u32) -> Result<SceneFile, Failure> {
+    let path = Path::new(name);
+    if BUILTIN.contains(&name) {
+        Ok(plain(builtin(name, n)?))
+    } else if !path.exists() {
+        let hint = format!("give a scene file, a bundle, or one of the built-in scenes {}", BUILTIN.join(", "));
+        Err(Failure::refused(format!("{name}: no such file or directory; {hint}")))
+    } else if path.is_dir() {
+        let bundle = read_dir(path).map_err(|e| Failure::bundle(path, &e))?;
+        let mut scene = Scene::new(name);
+        scene.cloths.push(Cloth::from_bundle(name, &bundle)?);
+        Ok(plain(scene))
+    } else {
+        read(path)
+    }
 }
 
 fn plain(scene: Scene) -> SceneFile {

@@ -1,6 +1,6 @@
 //! `gimage simulate`: steps a scene, times it, and dumps positions.
 
-mod dump;
+pub mod dump;
 mod passes;
 
 use std::time::Instant;

@@ -67,25 +67,42 @@ impl Dump {
     }
 }
 
-/// The frames in a directory, in the order of their names.
+/// The files of frames in a directory, in the order of their names.
 fn frames(dir: &Path) -> Result<Vec<PathBuf>, Failure> {
+    Ok(files(dir)?.into_iter().map(|file| file.path).collect())
+}
+
+/// A file of one frame and one grid.
+pub struct FrameFile {
+    /// Number of the frame.
+    pub frame: u32,
+    /// The stem of the grid's name.
+    pub stem: String,
+    /// Where it is.
+    pub path: PathBuf,
+}
+
+/// The files in a directory that [`Dump::write`] has written, in the order of their names.
+pub fn files(dir: &Path) -> Result<Vec<FrameFile>, Failure> {
     let failed = |e: std::io::Error| Failure::io(dir, &e);
     let mut found = Vec::new();
     for entry in fs::read_dir(dir).map_err(failed)? {
         let entry = entry.map_err(failed)?;
-        if entry.file_name().to_str().is_some_and(is_frame) {
-            found.push(entry.path());
+        let name = entry.file_name();
+        if let Some((frame, stem)) = name.to_str().and_then(parts) {
+            found.push(FrameFile { frame, stem: stem.into(), path: entry.path() });
         }
     }
-    found.sort();
+    found.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(found)
 }
 
-/// Whether a file is named as [`Dump::write`] names them.
-fn is_frame(name: &str) -> bool {
+/// Frame and stem of a file that is named as [`Dump::write`] names files.
+fn parts(name: &str) -> Option<(u32, &str)> {
     let rest = name.strip_prefix("frame_").and_then(|n| n.strip_suffix(".position.exr"));
     let digits = |n: &str| n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit());
-    rest.and_then(|n| n.split_once('.')).is_some_and(|(number, stem)| digits(number) && !stem.is_empty())
+    let (number, stem) = rest?.split_once('.').filter(|(number, stem)| digits(number) && !stem.is_empty())?;
+    Some((number.parse().ok()?, stem))
 }
 
 #[cfg(test)]
@@ -94,11 +111,16 @@ mod tests {
 
     #[test]
     fn only_frames_count_as_frames() {
-        assert!(is_frame("frame_00012.shirt.position.exr") && is_frame("frame_123456.a.b.position.exr"));
-        for name in
-            ["frame_12.shirt.position.exr", "frame_00012.position.exr", "my_frame_00012.a.position.exr", "x.exr"]
-        {
-            assert!(!is_frame(name), "{name}");
+        assert_eq!(parts("frame_00012.shirt.position.exr"), Some((12, "shirt")));
+        assert_eq!(parts("frame_123456.a.b.position.exr"), Some((123_456, "a.b")));
+        for name in [
+            "frame_12.shirt.position.exr",
+            "frame_00012.position.exr",
+            "frame_99999999999.a.position.exr",
+            "my_frame_00012.a.position.exr",
+            "x.exr",
+        ] {
+            assert_eq!(parts(name), None, "{name}");
         }
     }
 }

@@ -1,0 +1,91 @@
+//! `gimage check-crossings`.
+
+mod common;
+
+use common::Place;
+
+#[test]
+fn a_bundle_at_rest_has_none() {
+    let place = Place::new();
+    place.built("");
+    let run = place.run("check-crossings tube.gim").expect(&[0]);
+    assert!(
+        run.stdout.contains("rest") && run.stderr.contains("no crossings at rest"),
+        "{} {}",
+        run.stdout,
+        run.stderr
+    );
+    let json = place.run("check-crossings tube.gim --json").expect(&[0]).json();
+    let rest = &json["inputs"][0]["frames"][0];
+    assert!(rest["frame"].is_null() && rest["triangles"].as_u64() > Some(500), "{json}");
+    assert_eq!(
+        (rest["within"].as_u64(), rest["touching"].as_u64(), json["exit"].as_u64()),
+        (Some(0), Some(0), Some(0))
+    );
+}
+
+#[test]
+fn dumped_frames_are_checked_with_and_without_the_scene() {
+    let place = Place::new();
+    place.built("");
+    place.run("simulate tube.gim --frames 4 --backend cpu --dump frames --every 2").expect(&[0, 1]);
+    let check = |more: &str| place.run(&format!("check-crossings frames {more} --json")).expect(&[0]).json();
+    let (alone, known) = (check(""), check("--scene tube.gim"));
+    assert_eq!(alone["inputs"][0]["frames"], known["inputs"][0]["frames"]);
+    let frames = alone["inputs"][0]["frames"].as_array().unwrap();
+    let numbers: Vec<_> = frames.iter().map(|f| f["frame"].as_u64().unwrap()).collect();
+    assert_eq!(numbers, [0, 2, 4]);
+    let run = place.run("check-crossings frames tube.gim").expect(&[0]);
+    assert!(run.stdout.contains("frame") && run.stderr.contains("no crossings in 3 frames"), "{}", run.stderr);
+}
+
+/// Two sheets, of which the wind takes one through the other.
+const SHEETS: &str = r#"{
+  "format": "gimage-scene", "version": 1, "name": "sheets", "duration": 0.2,
+  "cloths": [
+    { "name": "low", "from": { "flat": { "width": 9, "height": 9, "origin": [0, 0, 0], "right": [1, 0, 0], "down": [0, 0, 1] } },
+      "pins": [{ "select": { "texels": { "from": [0, 0], "to": [8, 8] } } }] },
+    { "name": "high", "from": { "flat": { "width": 6, "height": 6, "origin": [0.2, 0.1, 0.2], "right": [0.5, 0.2, 0], "down": [0, 0, 0.5] } } }
+  ]
+}"#;
+
+#[test]
+fn a_sheet_that_falls_through_another_crosses_it() {
+    let place = Place::new();
+    place.write("sheets.json", SHEETS);
+    place.run("simulate sheets.json --frames 12 --backend cpu --dump frames --every 12").expect(&[0, 1]);
+    for more in ["", "--scene sheets.json"] {
+        let run = place.run(&format!("check-crossings frames {more} --json")).expect(&[1]);
+        assert!(run.stderr.contains("crossings in 1 of 2 frames"), "{}", run.stderr);
+        let json = run.json();
+        let [first, last] = [0, 1].map(|k| &json["inputs"][0]["frames"][k]);
+        assert_eq!((first["between"].as_u64(), first["within"].as_u64()), (Some(0), Some(0)), "{json}");
+        assert!(last["between"].as_u64() > Some(5) && last["within"].as_u64() == Some(0), "{json}");
+        let worst = &last["worst"][0];
+        assert!(worst["depth_m"].as_f64() == last["deepest_m"].as_f64() && worst["depth_m"].as_f64() > Some(0.001));
+        let mut pieces = ["first", "second"].map(|k| worst[k]["piece"].as_str().unwrap());
+        pieces.sort_unstable();
+        assert_eq!(pieces, ["high", "low"]);
+    }
+    let run = place.run("check-crossings frames -v").expect(&[1]);
+    assert!(run.stdout.contains("frame 12: high (") && run.stdout.contains(" and low ("), "{}", run.stdout);
+}
+
+#[test]
+fn other_scenes_and_folders_are_refused() {
+    let place = Place::new();
+    place.built("");
+    std::fs::create_dir(place.path("empty")).unwrap();
+    place.run("simulate s1 --n 9 --frames 1 --backend cpu --dump frames").expect(&[0, 1]);
+    for (args, words) in [
+        ("check-crossings empty", "neither frames nor a manifest.json"),
+        ("check-crossings tube.obj", "not a directory"),
+        ("check-crossings frames --scene s1 --n 8", "--scene"),
+        ("check-crossings frames --scene tube.gim", "not a piece of the scene"),
+        ("check-crossings frames --scene s9", "s2f"),
+    ] {
+        let run = place.run(args).expect(&[2]);
+        assert!(run.stderr.contains(words) && run.stdout.is_empty(), "{args}: {}", run.stderr);
+    }
+    place.run("check-crossings frames --scene s1 --n 9").expect(&[0]);
+}
