@@ -1,4 +1,4 @@
-//! What the tests across the crates share: where files are, meshes made by rule, and what every build must keep.
+//! Helpers of the tests across the crates: where files are, meshes made by rule, and what every build must keep.
 
 pub mod shapes;
 pub mod skip;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Folders that a page may leave out of a path, as a table's heading names them.
 const FOLDERS: [&str; 4] = ["", "crates/gimage/src", "crates/runtime/src", "crates/bundle/src"];
-/// What a path from the root of the repository begins with.
+/// Beginnings of a path from the root of the repository.
 const ROOTS: [&str; 6] = ["crates/", "tests/", "assets", "docs/", "shaders", "bench"];
 
 /// All pages of the root, of `docs` and of `bench`.
@@ -109,7 +109,7 @@ fn modules_named(source: &Path) -> BTreeMap<String, BTreeSet<String>> {
     named
 }
 
-/// What follows `crate::` in a program: one name, or those of a list in braces without what is nested in it.
+/// Names that follow `crate::` in a program: one name, or those of a list in braces without what is nested in it.
 fn names_after_crate(code: &str) -> Vec<String> {
     let mut names = Vec::new();
     for path in code.split("crate::").skip(1) {

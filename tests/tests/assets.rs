@@ -53,7 +53,7 @@ fn the_tshirt_hangs_on_its_tethers() {
     assert!(bundle.manifest.pieces[0].maps.contains_key("tether"));
     assert_eq!(validate(&bundle), []);
     let stored = bundle.stored_tethers().unwrap();
-    // What is read back is what the rest lengths give, for every texel of a garment in one piece.
+    // The stored tethers are those that the rest lengths give, for every texel of a garment in one piece.
     assert_eq!(stored, bundle.compute_tethers(1).unwrap());
     let particles = bundle.particles().unwrap();
     let (w, rest) = (bundle.manifest.pieces[0].width as usize, bundle.image(0, &MapKind::Rest).unwrap());

@@ -12,7 +12,7 @@ use gimage::topology::Topology;
 use gimage::{Error, Result};
 use gimage_tests::{build, check, garments_or_skip, surface, texels, topology};
 
-/// What a file must come to.
+/// The outcome that a file must come to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Is {
     /// A bundle, and nothing to say.

@@ -38,7 +38,7 @@ fn turned(shape: Shape) -> Shape {
     })
 }
 
-/// What is wrong with the image of a rectangle.
+/// Flaws of the image of a rectangle.
 fn not_flat(built: &Built, sides: [f64; 2]) -> Vec<String> {
     let mut wrong = Vec::new();
     let piece = &built.bundle.manifest.pieces[0];

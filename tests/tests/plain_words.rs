@@ -79,7 +79,7 @@ fn words(text: &str, page: bool) -> Vec<Word<'_>> {
 }
 
 /// Finds phrases from the word `at` on: the phrase and the plain wording.
-fn found(words: &[Word], at: usize, page: bool) -> Option<(String, String)> {
+fn found(words: &[Word], at: usize) -> Option<(String, String)> {
     let follows = |k: usize| words.get(at + k).filter(|_| (0..k).all(|j| words[at + j].goes_on()));
     let plain = |k: usize| follows(k).map_or("", |w| w.plain.as_str());
     let before = if at > 0 { &words[at - 1] } else { &words[at] };
@@ -97,9 +97,9 @@ fn found(words: &[Word], at: usize, page: bool) -> Option<(String, String)> {
     if second == "a" && is_one_of(COUNTED, first) && is_one_of(PER, third) {
         return Some((format!("{first} a {third}"), format!("{first} per {third}")));
     }
-    let sentence = before.ends_sentence() || (page && (at == 0 || before.raw.is_empty()));
-    if words[at].raw == "What" && sentence && !is_question(&words[at..]) {
-        return Some(("What ... as a subject".into(), "name the thing".into()));
+    let starts = at == 0 || before.raw.is_empty() || before.raw == "//" || before.ends_sentence();
+    if words[at].raw == "What" && starts && !is_question(&words[at..]) {
+        return Some(("What ... as a subject".into(), "name the thing: subject first".into()));
     }
     None
 }
@@ -141,7 +141,7 @@ fn pages_comments_and_messages_use_plain_words() {
         let page = path.extension().is_some_and(|e| e == "md");
         let words = words(&text, page);
         for (at, word) in words.iter().enumerate() {
-            if let Some((phrase, instead)) = found(&words, at, page) {
+            if let Some((phrase, instead)) = found(&words, at) {
                 let place = path.strip_prefix(root).unwrap().display();
                 writeln!(report, "{place}:{}: `{phrase}`: write: {instead}", word.line).unwrap();
             }
@@ -154,16 +154,26 @@ fn pages_comments_and_messages_use_plain_words() {
 fn the_search_finds_phrases_across_lines_and_leaves_plain_ones() {
     let hits = |text: &str, page| {
         let words = words(text, page);
-        (0..words.len()).filter_map(|at| found(&words, at, page)).map(|f| f.0).collect::<Vec<_>>()
+        (0..words.len()).filter_map(|at| found(&words, at)).map(|f| f.0).collect::<Vec<_>>()
     };
     assert_eq!(hits("/// Made\n/// anew.\nfn f() {}", false), ["anew"]);
     assert_eq!(hits("// It is no\n// number, so many times.", false), ["is no number", "so many"]);
     assert_eq!(hits("16 bytes a particle", true), ["bytes a particle"]);
     assert_eq!(hits("/// A pass. What it costs is little.", false), ["What ... as a subject"]);
     assert_eq!(hits("What it costs is little.", true), ["What ... as a subject"]);
-    for fine in
-        ["/// What it costs.", "// There is no time.", "// It is no longer there.", "// This is: no.", "// So. Many."]
+    for bad in
+        ["/// What it costs.", "//! What it\n//! costs.", "fn f() {}\n// What it costs.", "f(x); // What it costs."]
     {
+        assert_eq!(hits(bad, false), ["What ... as a subject"], "{bad}");
+    }
+    for fine in [
+        "/// What does it cost?",
+        "/// # What it costs",
+        "// There is no time.",
+        "// It is no longer there.",
+        "// This is: no.",
+        "// So. Many.",
+    ] {
         assert!(hits(fine, false).is_empty(), "{fine}");
     }
     for fine in ["# What it costs", "What does it cost?", "| What it costs | 1 |"] {

@@ -26,7 +26,7 @@ fn hole(y: f64) -> Vec<V2> {
 pub fn sew_on(g: &mut Garment, panel: usize) {
     let ring = |k: usize| g.panels[panel].holes[k].iter().map(|&i| g.particle[panel][i]).collect::<Vec<_>>();
     let (top, low) = (ring(0), ring(1));
-    // What is above at the upper hole is below at the lower one.
+    // Points at the top of the upper hole meet points at the bottom of the lower one.
     let bottom: Vec<usize> = [5, 4, 3, 2, 1, 0].iter().map(|&k| low[k]).collect();
     let x = |i: usize| g.x[i];
     let out = unit(cross(sub(x(top[2]), x(low[0])), sub(x(top[0]), x(low[2]))));

@@ -7,7 +7,7 @@ use crate::sew::{Garment, Spring};
 
 /// How to drape.
 pub struct Drape<'a> {
-    /// What the cloth must stay outside of.
+    /// The body that the cloth must stay outside of.
     pub body: &'a Body,
     /// Particles held where they are.
     pub pins: &'a [usize],

@@ -25,7 +25,7 @@ pub struct Skin {
     pub weights: Vec<[f32; 4]>,
 }
 
-/// What goes into the file besides the triangles.
+/// Contents of the file besides the triangles.
 pub struct Scene<'a> {
     /// The name of mesh and node.
     pub name: &'a str,

@@ -8,7 +8,7 @@ use crate::math::{V2, V3, cross2, dist2, noise};
 /// One edge of an outline. Two edges of the same name, in one panel or in two, are sewn to each other.
 #[derive(Clone, Debug)]
 pub struct Edge {
-    /// What the edge is sewn by; a name used once is a free edge.
+    /// The name that the edge is sewn by; a name used once is a free edge.
     pub name: String,
     /// The edge as a fine polyline, in the order of the outline.
     pub curve: Vec<V2>,

@@ -15,7 +15,7 @@ pub struct Garment {
     pub x: Vec<V3>,
 }
 
-/// What keeps two particles apart: an edge, or the far corners of two triangles at an edge.
+/// A spring that keeps two particles apart: an edge, or the far corners of two triangles at an edge.
 pub struct Spring {
     /// The two particles.
     pub ends: [usize; 2],

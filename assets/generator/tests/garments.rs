@@ -1,4 +1,4 @@
-//! What every sample garment promises: topology, shape, texture coordinates, and the bytes in the repository.
+//! Promises of every sample garment: topology, shape, texture coordinates, and the bytes in the repository.
 
 mod glb;
 

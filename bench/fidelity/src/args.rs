@@ -28,7 +28,7 @@ pub enum Command {
     Plot(PlotArgs),
 }
 
-/// What to measure.
+/// The measurement to run.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
     /// Meshes; without any, the sample garments and the clean ones of the shared garments.
@@ -134,13 +134,13 @@ pub enum SeamsArg {
 pub enum EffortArg {
     /// One rough search.
     Fast,
-    /// What `gimage build` does unasked.
+    /// The default effort of `gimage build`.
     Default,
     /// Several times as long.
     Best,
 }
 
-/// What `gimage build` does unasked.
+/// The default detail of `gimage build`.
 pub const DETAIL: &str = "0.6";
 
 /// A peer by name.

@@ -14,7 +14,7 @@ use crate::row::{Row, csv};
 use crate::source::{Reference, stem};
 use crate::{machine, peer, plot};
 
-/// What every step needs.
+/// Inputs that every step needs.
 struct Bench<'a> {
     args: &'a BenchArgs,
     meshes: Vec<PathBuf>,

@@ -6,7 +6,7 @@ use std::time::Instant;
 use gimage::progress::{Progress, Stage};
 use serde::{Deserialize, Serialize};
 
-/// What a stage took.
+/// The cost of a stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
     /// The stage by name.

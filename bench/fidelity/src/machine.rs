@@ -1,4 +1,4 @@
-//! What the run ran on. Nothing here names the machine or a folder on it.
+//! Description of the machine of a run. Nothing here names the machine or a folder on it.
 
 use std::process::Command;
 

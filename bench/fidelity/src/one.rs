@@ -12,7 +12,7 @@ use crate::Failure;
 use crate::args::OneArgs;
 use crate::clock::{Cost, StageClock, cpu_seconds};
 
-/// What a build took.
+/// The cost of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// Stages in order.

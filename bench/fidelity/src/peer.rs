@@ -16,7 +16,7 @@ use crate::measured::{least, median};
 use crate::row::Values;
 use crate::source::Reference;
 
-/// What a peer's program prints.
+/// The report that a peer's program prints.
 #[derive(Debug, Deserialize)]
 pub struct Report {
     cut_cpu_s: Option<f64>,

@@ -18,13 +18,13 @@ pub fn run(args: &PlotArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a row shows: CPU time and error, where both are known.
+/// The point of a row: CPU time and error, where both are known.
 fn point(row: &Row) -> Option<[f64; 2]> {
     let at = |name: &str| row.values.get(name).copied().filter(|x| *x > 0.0 && x.is_finite());
     Some([at("cpu_s_median")?, at("rms_rel")?])
 }
 
-/// What differs between rows, each once, in the order of the table.
+/// Distinct values of the rows, in the order of the table.
 fn distinct(rows: &[Row], of: impl Fn(&Row) -> String) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for value in rows.iter().filter(|r| point(r).is_some()).map(of) {

@@ -11,7 +11,7 @@ use crate::Failure;
 use crate::job::output;
 use crate::row::Values;
 
-/// What the manifest of a measured bundle says, and the sizes of its images.
+/// Quality figures in the manifest of a measured bundle, and the sizes of its images.
 pub fn of_bundle(bundle: &Path) -> Result<(Values, String), Failure> {
     let manifest = Manifest::from_bytes(&std::fs::read(bundle.join(MANIFEST_FILE))?)?;
     Ok((of_manifest(&manifest), sizes(&manifest)))

@@ -82,12 +82,12 @@ pub struct Row {
     pub sizes: String,
     /// The numbers.
     pub values: Values,
-    /// What went wrong, if the row has no numbers.
+    /// The failure, if the row has no numbers.
     pub error: String,
 }
 
 impl Row {
-    /// What the plot and the legend call rows of this kind.
+    /// Name of rows of this kind in the plot and the legend.
     pub fn family(&self) -> String {
         match self.sample.as_str() {
             "" => self.method.clone(),

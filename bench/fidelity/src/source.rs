@@ -9,7 +9,7 @@ use gimage::repair::{RepairOptions, repair};
 
 use crate::Failure;
 
-/// What stands for a mesh in the table: its name without folders and extension.
+/// The name of a mesh in the table: its file's name without folders and extension.
 pub fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().replace([',', '"', '\n'], "_")
 }

@@ -5,7 +5,7 @@ use gimage_runtime::{
     Sleep, Solver, Wind, WindForce,
 };
 
-/// What is done to a scene before it is timed.
+/// Change made to a scene before it is timed.
 #[derive(Clone, Copy)]
 pub enum Action {
     /// Nothing.
@@ -22,7 +22,7 @@ pub struct Case {
     pub name: &'static str,
     /// It.
     pub scene: Scene,
-    /// What is done to it.
+    /// Change made to it.
     pub action: Action,
     /// Its settings, but for those of the run: backend and substeps.
     pub options: Options,
@@ -62,7 +62,7 @@ fn plain(n: u32) -> Result<Scene> {
     Ok(Scene { cloths: vec![square(n)?], ..Scene::new("plain") })
 }
 
-/// What both solvers have; names begin with `of`, where that is not empty.
+/// Cases that both solvers have; names begin with `of`, where that is not empty.
 fn shared(n: u32, solver: Solver, of: &str) -> Result<Vec<Case>> {
     let name = |words: &'static str| -> &'static str {
         match (of, words) {
@@ -107,7 +107,7 @@ fn shared(n: u32, solver: Solver, of: &str) -> Result<Vec<Case>> {
     Ok(cases)
 }
 
-/// What the solver XPBD has of its own.
+/// Cases that only the solver XPBD has.
 fn xpbd(n: u32) -> Result<Vec<Case>> {
     let case = |name, scene| case(name, Solver::Xpbd, scene);
     let plain = || plain(n);

@@ -1,4 +1,4 @@
-//! What the solver is meant to reach: settings, the bars beside them, and whether they hold.
+//! Goals of the solver: settings, the bars beside them, and whether they hold.
 
 use crate::row::Row;
 

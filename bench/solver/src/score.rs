@@ -4,7 +4,7 @@ use gimage_runtime::Cloth;
 
 use crate::chain;
 
-/// What was measured; what a scene does not ask for is none.
+/// The measured figures; a figure that a scene does not ask for is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Figures {
     /// Whether a position is not finite.

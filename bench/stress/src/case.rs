@@ -31,7 +31,7 @@ pub enum Stretch {
     Open,
 }
 
-/// What is asked for, beyond that every position is a number throughout.
+/// Requirements of a case, beyond that every position is finite throughout.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
     /// The structural springs are within 5 % of their lengths 2 s after the disturbance.
@@ -92,7 +92,7 @@ impl Case {
         Case { storm: seconds, during: Box::new(during), ..self }
     }
 
-    /// What ends the disturbance.
+    /// Sets the end of the disturbance.
     pub fn after(self, after: impl Fn(&mut Stepper) -> Result<()> + 'static) -> Self {
         Case { after: Box::new(after), ..self }
     }

@@ -6,7 +6,7 @@ use gimage_runtime::{Result, Warning};
 use crate::case::{Case, Stretch, Tried};
 use crate::figures::{Gauge, V3, distance, norm};
 
-/// What came of it.
+/// The outcome of a case.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
     /// Frame after which positions were not finite, and how many were not.
@@ -25,9 +25,9 @@ pub struct Outcome {
     pub momentum: f64,
     /// Largest gain of energy, in units of the case.
     pub energy: f64,
-    /// What the solver changed because it is beyond its limits.
+    /// Settings that the solver changed because they are beyond its limits.
     pub limited: Vec<&'static str>,
-    /// What was asked and is not so.
+    /// Requirements that do not hold.
     pub failures: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What is measured of a cloth, in f64.
+//! Figures measured of a cloth, in f64.
 
 use gimage_runtime::{Cloth, Compliance, Rest};
 

@@ -1,4 +1,4 @@
-//! What came of all cases, for people and as CSV.
+//! Results of all cases, for people and as CSV.
 
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// What was tried.
+    /// The outcomes of the solvers tried.
     pub fn tried(&self) -> impl Iterator<Item = &Outcome> {
         self.outcomes.iter().flatten()
     }

@@ -75,7 +75,7 @@ fn kind(error: &Error) -> String {
     }
 }
 
-/// What came out, by the build's own word and by the probe's.
+/// Describes the result, by the build's own word and by the probe's.
 fn describe(built: &Built, args: &OneArgs, record: &mut Record) -> Result<(), Failure> {
     let manifest = serde_json::to_value(&built.bundle.manifest)?;
     let report = serde_json::to_value(&built.report)?;

@@ -1,4 +1,4 @@
-//! What a child may take: CPU time and address space.
+//! Limits of a child: CPU time and address space.
 
 use crate::Failure;
 

@@ -136,7 +136,7 @@ pub fn short(x: f64) -> String {
     if x == 0.0 || (1e-3..1e5).contains(&x.abs()) { format!("{x:.3}") } else { format!("{x:.2e}") }
 }
 
-/// What is asked, and how many builds violate it.
+/// The requirements, and how many builds violate each.
 fn requirements(records: &[Record], limit_seconds: f64) -> (String, bool) {
     let mut out = String::from("requirements\n");
     let all: Vec<_> = records.iter().map(|r| violations(r, limit_seconds)).collect();

@@ -118,7 +118,7 @@ fn force_keeps_an_image_of_the_user_in_a_bundle() {
     assert!(staged.commit().is_err());
     assert_eq!(names(scratch.path()), ["a.gim"]);
     fs::remove_file(path.join("painted.exr")).unwrap();
-    // What the manifest of an unknown version lists is replaced.
+    // Files that the manifest of an unknown version lists are replaced.
     let newer =
         r#"{"format": "gimage-bundle", "version": 9, "files": {"new.exr": 1}, "pieces": [{"maps": {"a": "b.exr"}}]}"#;
     fs::remove_dir_all(&path).unwrap();
@@ -176,7 +176,7 @@ fn a_bundle_that_cannot_be_replaced_stays() {
     let path = place.path().join("a.gim");
     write_dir(&sample(), &path, false).unwrap();
     let staged = Staged::write(&sample().encode().unwrap(), &path, true).unwrap();
-    // What should take its place is not there.
+    // The folder that should take its place is not there.
     let missing = place.path().join("nothing");
     for swap in [Ok(Swap::Unsupported), Err(ErrorKind::PermissionDenied)] {
         assert!(replace_by(|_, _| swap.map_err(Into::into), &staged.scratch, &missing, &path).is_err());

@@ -14,7 +14,7 @@ pub enum Error {
     Io {
         /// The file or directory.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The target of a write exists already.
@@ -42,27 +42,27 @@ pub enum Error {
     FileName {
         /// The name as it stands in the manifest.
         name: String,
-        /// What is wrong with it.
+        /// The problem of the name.
         problem: &'static str,
     },
     /// Something is larger than the format allows.
     #[error("{what}: {need}, but at most {limit} allowed; {hint}")]
     TooLarge {
-        /// What is too large.
+        /// The thing that is too large.
         what: String,
         /// How large it is.
         need: u64,
         /// The limit, in the same unit.
         limit: u64,
-        /// What to do.
+        /// The remedy.
         hint: &'static str,
     },
     /// The manifest cannot be understood, or contradicts itself.
     #[error("manifest.json: {problem}; {hint}")]
     Manifest {
-        /// What is wrong.
+        /// The problem of the manifest.
         problem: String,
-        /// What to do.
+        /// The remedy.
         hint: &'static str,
     },
     /// The manifest is of a version this reader does not know.
@@ -84,9 +84,9 @@ pub enum Error {
     Exr {
         /// The file.
         file: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
-        /// What to do.
+        /// The remedy.
         hint: &'static str,
     },
     /// An image has another size, or other channels, than the manifest says.
@@ -112,9 +112,9 @@ pub enum Error {
         piece: String,
         /// The map by name.
         map: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
-        /// What to do.
+        /// The remedy.
         hint: &'static str,
     },
     /// A texel holds no legal particle code.
@@ -126,7 +126,7 @@ pub enum Error {
         i: u32,
         /// Row of the texel.
         j: u32,
-        /// What is wrong with the code.
+        /// The problem of the code.
         source: CodeError,
     },
 }

@@ -7,7 +7,7 @@ use crate::map::MapKind;
 use crate::particle::Particle;
 use crate::rings::Rings;
 
-/// What welding some pieces gives.
+/// The result of welding some pieces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Welded {
     /// Vertices - edges + triangles.

@@ -28,7 +28,7 @@ impl Exit {
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct Failure {
-    /// What to tell: one sentence with the place and the way out.
+    /// The message to print: one sentence with the place and the remedy.
     pub message: String,
     /// How to end.
     pub exit: Exit,
@@ -40,7 +40,7 @@ impl Failure {
         Failure { message: message.into(), exit: Exit::Refused }
     }
 
-    /// What the system said about a file.
+    /// A system's error about a file.
     pub fn io(path: &Path, source: &std::io::Error) -> Self {
         Self::refused(format!("{}: {source}", path.display()))
     }

@@ -23,7 +23,7 @@ fn section(out: &Output, heading: &str, body: &str) -> String {
     if body.is_empty() { String::new() } else { format!("\n{}\n{body}", out.heading(heading)) }
 }
 
-/// What both `build` and `inspect` print: the pieces and their quality.
+/// The text that both `build` and `inspect` print: the pieces and their quality.
 pub fn overview(out: &Output, path: &str, summary: &Summary) -> String {
     let pieces = summary.pieces.len();
     let mut text = format!(
@@ -53,7 +53,7 @@ fn ratings(summary: &Summary) -> Table {
     table
 }
 
-/// What was tried for the pieces whose first image did not pass.
+/// The rungs tried for the pieces whose first image did not pass.
 fn ladders(summary: &Summary) -> Table {
     let mut table = Table::new(&["<piece", "<tried", "PSNR at least", "<"]);
     for p in &summary.pieces {
@@ -66,7 +66,7 @@ fn ladders(summary: &Summary) -> Table {
     table
 }
 
-/// What `inspect` adds.
+/// The text that `inspect` adds.
 pub fn details(out: &Output, summary: &Summary) -> String {
     let mut text = section(out, "Maps", &maps(summary).render());
     text += &section(out, "Ladder", &ladders(summary).render());
@@ -173,7 +173,7 @@ fn qualities(summary: &Summary) -> impl Iterator<Item = (String, &Quality)> {
     summary.pieces.iter().map(|p| (p.name.clone(), &p.quality)).chain(all)
 }
 
-/// What a longer cut did to the distortion of the stand-in.
+/// Distortion of the stand-in with the shortest cut and with the longer one.
 fn bought(cut: &Cut) -> String {
     match (cut.distortion_shortest, cut.distortion) {
         (Some(shortest), Some(now)) if shortest != now => format!("{shortest:.3} -> {now:.3}"),

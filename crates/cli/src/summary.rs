@@ -1,4 +1,4 @@
-//! What is in a bundle, as one value: the JSON of `build` and `inspect`, and the source of their tables.
+//! Contents of a bundle as one value: the JSON of `build` and `inspect`, and the source of their tables.
 
 use std::collections::BTreeMap;
 
@@ -39,9 +39,9 @@ pub struct Summary {
     pub quality: Quality,
     /// Largest distance between duplicates \[m\], from the images.
     pub seam_gap: f64,
-    /// What was changed or met in the making.
+    /// Repairs and findings of the build.
     pub repairs: Vec<Repair>,
-    /// What the manifest says and the images do not; one sentence each.
+    /// Contradictions between the manifest and the images; one sentence each.
     pub disagreements: Vec<String>,
 }
 
@@ -130,7 +130,7 @@ pub struct Piece {
     /// The figures that speak against it, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<String>,
-    /// What was tried where the first image did not pass.
+    /// The rungs tried where the first image did not pass.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ladder: Vec<RungEntry>,
 }
@@ -138,7 +138,7 @@ pub struct Piece {
 /// A file of a piece.
 #[derive(Clone, Debug, Serialize)]
 pub struct Map {
-    /// What it holds.
+    /// The kind of map it holds.
     pub map: String,
     /// Its name.
     pub file: String,

@@ -9,7 +9,7 @@ pub struct Table {
     rows: Vec<Vec<String>>,
 }
 
-/// What stands in a cell without a value.
+/// The text of a cell without a value.
 pub const NOTHING: &str = "-";
 
 impl Table {

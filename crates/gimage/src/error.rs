@@ -14,7 +14,7 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A file is not what its name says, or is damaged.
@@ -24,9 +24,9 @@ pub enum Error {
         path: PathBuf,
         /// The mesh, primitive, accessor, line, ...
         element: String,
-        /// What is wrong with it.
+        /// The problem of the element.
         problem: String,
-        /// What to do.
+        /// The remedy.
         hint: String,
     },
     /// A file is sound but needs something this library does not do.
@@ -36,7 +36,7 @@ pub enum Error {
         path: PathBuf,
         /// The extension or feature by name.
         feature: String,
-        /// What to do, as a command where there is one.
+        /// The remedy, as a command where there is one.
         hint: String,
     },
     /// There is nothing to work on.
@@ -44,21 +44,21 @@ pub enum Error {
     Empty {
         /// The file.
         path: PathBuf,
-        /// What is missing.
+        /// The missing thing.
         problem: String,
-        /// What to do.
+        /// The remedy.
         hint: String,
     },
     /// Something would take more memory, or more texels, than is allowed.
     #[error("{what}: needs {need}, at most {limit} allowed; {hint}")]
     TooLarge {
-        /// What is too large.
+        /// The thing that is too large.
         what: String,
         /// How much it needs.
         need: String,
         /// The limit.
         limit: String,
-        /// What to do.
+        /// The remedy.
         hint: String,
     },
     /// The image asked for has too few texels on its border for the cut.
@@ -84,9 +84,9 @@ pub enum Error {
         piece: String,
         /// The stage by name.
         stage: &'static str,
-        /// What stopped it.
+        /// The problem that stopped it.
         problem: String,
-        /// What to do.
+        /// The remedy.
         hint: String,
     },
     /// An image came out that does not stand for its surface, or not as well as asked for.
@@ -96,7 +96,7 @@ pub enum Error {
         piece: String,
         /// Its figures.
         problem: String,
-        /// What to do.
+        /// The remedy.
         hint: String,
     },
     /// An option has a value it cannot have.
@@ -104,9 +104,9 @@ pub enum Error {
     Option {
         /// The option by name.
         option: String,
-        /// What is wrong.
+        /// The problem of the value.
         problem: String,
-        /// What to do.
+        /// The remedy.
         hint: String,
     },
     /// The caller cancelled the run.

@@ -67,7 +67,7 @@ pub enum Effort {
     Best,
 }
 
-/// What rest lengths measure.
+/// The distance that rest lengths measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RestLength {
     /// The straight distance between the two texels.

@@ -139,7 +139,7 @@ fn corners_agree_with_tobj() {
     }
 }
 
-/// What became of a file.
+/// The outcome of a file.
 fn outcome(result: &Result<gimage::import::Imported>) -> String {
     match result {
         Ok(got) => {

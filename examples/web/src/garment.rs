@@ -1,4 +1,4 @@
-//! What the page calls.
+//! Functions that the page calls.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What physics keeps: momentum of a free cloth, energy of an undamped one.
+//! Conserved quantities: momentum of a free cloth, energy of an undamped one.
 
 use gimage_runtime::{Cloth, Collider, Compliance, Flat, Mass, Result, Scene, Shape};
 

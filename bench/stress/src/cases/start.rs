@@ -76,7 +76,7 @@ fn fast() -> Result<Vec<Case>> {
     for (words, velocity) in
         [("along itself", [0.0, 0.0, 1e4]), ("across itself", [0.0, -1e4, 0.0]), ("askew", [6e3, 6e3, -6e3])]
     {
-        // What springs do not stop, damping of 2 /s does not within 2 s: 180 m/s are left.
+        // Damping of 2 /s does not stop within 2 s a motion that springs do not stop: 180 m/s are left.
         let cloth = tuned(flag()?, |c| (c.velocity, c.damping) = (velocity, 8.0));
         out.push(Case::new(format!("1e4 m/s {words}, held, damped at 8 /s"), scene(cloth)));
     }

@@ -1,4 +1,4 @@
-//! What happens around a cloth: colliders, pins, wind, gravity, users.
+//! Surroundings of a cloth: colliders, pins, wind, gravity, users.
 
 use gimage_runtime::{Collider, Result, Scene, Shape, Stepper, Wind, WindForce};
 

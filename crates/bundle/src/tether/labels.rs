@@ -1,4 +1,4 @@
-//! What each point of the surface knows of the pins nearest to it.
+//! Labels of each point of the surface: its records of the pins nearest to it.
 
 use super::Anchor;
 
@@ -35,7 +35,7 @@ impl Labels {
         Labels { groups, pins, labels: vec![EMPTY; points * groups * pins] }
     }
 
-    /// What a point knows of a pin; infinitely far if nothing.
+    /// The label of a pin at a point; infinitely far if there is none.
     pub fn of(&self, point: u32, pin: u32) -> Label {
         let (start, slots) = self.range(point);
         self.labels[start..start + slots].iter().find(|l| l.pin == pin).copied().unwrap_or(EMPTY)

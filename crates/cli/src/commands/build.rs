@@ -24,7 +24,7 @@ use crate::summary::Summary;
 use crate::timings::{self, Stage, Timings};
 use crate::units::times;
 
-/// What became of one input.
+/// The outcome of one input.
 #[derive(Serialize)]
 pub struct Outcome {
     input: String,

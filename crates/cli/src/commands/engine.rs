@@ -13,7 +13,7 @@ use crate::output::{Output, Tone};
 /// A stepper and, on the GPU, what it runs on.
 pub struct Engine {
     pub stepper: Stepper,
-    /// What computes, in words.
+    /// Name of the device that computes, in words.
     pub adapter: String,
     gpu: Option<(wgpu::Device, wgpu::Queue)>,
     script: Script,

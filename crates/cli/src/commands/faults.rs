@@ -12,7 +12,7 @@ use crate::output::{Output, Tone};
 /// Coordinates \[m\] beyond this count as an overflow, as in the runtime.
 const FARTHEST: f32 = 1e8;
 
-/// What happened to one cloth.
+/// Failures of one cloth.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Fault {
     /// Frames that the solver took back.

@@ -31,7 +31,7 @@ const FOV: f32 = 35.0;
 /// Longest time of a picture \[s\], that of the longest scene.
 const LONGEST_S: f64 = 86_400.0;
 
-/// What is written.
+/// The kind of file to write.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Png,

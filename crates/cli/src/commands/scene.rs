@@ -1,4 +1,4 @@
-//! What a command steps: a built-in scene, a scene file, or a bundle.
+//! The scene that a command steps: a built-in scene, a scene file, or a bundle.
 
 use std::fs;
 use std::path::Path;

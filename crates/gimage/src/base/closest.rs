@@ -36,7 +36,7 @@ pub struct Closest {
     sliver: Vec<bool>,
 }
 
-/// What a triangle without an area adds to its distance, in units of the mesh's size, to lose ties against neighbours
+/// Distance added for a triangle without an area, in units of the mesh's size: it loses ties against neighbours
 /// that have a normal.
 const SLIVER_COST: f64 = 1e-12;
 

@@ -22,7 +22,7 @@ pub(crate) struct Normal {
     work: Work,
 }
 
-/// What the solve works on, kept from one to the next.
+/// Buffers of the solve, kept from one to the next.
 #[derive(Default)]
 struct Work {
     unknown: Vec<bool>,
@@ -68,7 +68,7 @@ impl Normal {
         })
     }
 
-    /// What parts have added to the row past their own goes there.
+    /// Adds the row past each part's own rows to the first row of the next part.
     pub(crate) fn join(&mut self) {
         for (k, (stencil, rhs)) in self.past.0.iter().zip(&self.past.1).enumerate() {
             let at = (k / self.columns + 1) * self.part + k % self.columns;

@@ -36,7 +36,7 @@ pub struct Part {
     pub material: String,
 }
 
-/// What a [`Channel`] holds.
+/// The meaning of the values of a [`Channel`].
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Semantic {
     /// Unit normal, width 3, in the space of the positions.
@@ -56,7 +56,7 @@ pub enum Semantic {
 /// One attribute, given at the corners of triangles by index, so that values shared by corners are stored once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What it is.
+    /// The meaning of the values.
     pub semantic: Semantic,
     /// Floats for each value, 1..=4 (custom attributes up to 16).
     pub width: usize,

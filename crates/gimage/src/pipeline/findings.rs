@@ -1,4 +1,4 @@
-//! What the pipeline itself has to say of a build.
+//! Findings of the pipeline itself about a build.
 
 use std::path::Path;
 
@@ -92,7 +92,7 @@ pub(super) fn set_apart(riders: &[Rider<'_>]) -> Option<Finding> {
     })
 }
 
-/// What the image stage has to say about a piece.
+/// Findings of the image stage about a piece.
 pub(super) fn remarks(name: &str, image: &PieceImage) -> Vec<Finding> {
     let one = |severity, kind, count: usize, message: &str| Finding {
         severity,

@@ -1,4 +1,4 @@
-//! What becomes of each component: an image, images of its parts, or an accessory.
+//! Outcome of each component: an image, images of its parts, or an accessory.
 
 use std::borrow::Cow;
 
@@ -23,7 +23,7 @@ use crate::stage::split::{PartImage, Parts, image_parts};
 /// How much larger than its share the image of a small piece may get to hold its border.
 const STRETCH: u32 = 4;
 
-/// What became of a component.
+/// The outcome of a component.
 pub(super) enum Outcome {
     Piece(Surface, Box<PieceImage>),
     Parts(Parts),
@@ -104,7 +104,7 @@ pub(super) fn images(
     Ok((made, finding))
 }
 
-/// What a component may have of the texels.
+/// The size that a component's image may have, or that it gets none.
 #[derive(Clone, Copy)]
 enum Share {
     /// An exact size, whatever the area.

@@ -265,7 +265,7 @@ fn make(
     Ok(Made { maps, findings, pinned, met, limits, limits_met, rest, mass })
 }
 
-/// What is known of a map without measuring distances.
+/// Quality of a map as far as it is known without measuring distances.
 fn map_quality(image: &PieceImage, rest: &RestLengths, mass: &Masses) -> ManifestQuality {
     let d = &image.distortion;
     let mut quality = ManifestQuality {

@@ -47,7 +47,7 @@ impl Cut {
     }
 }
 
-/// What the cut was and cost.
+/// Size, kind and gain of a cut.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CutRecord {
     /// Length of the cut paths \[m\].
@@ -69,11 +69,11 @@ pub struct OpenSurface {
     pub disk: Disk,
     /// The paths of its boundary.
     pub border: Border,
-    /// What the cut was and cost.
+    /// Size, kind and gain of the cut.
     pub cut: CutRecord,
 }
 
-/// What an image of a surface must weld back to: its boundary loops and its Euler number.
+/// Boundary loops and Euler number that an image of a surface must weld back to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loops {
     /// For each vertex the boundary loop it lies on, longest first, or [`disk::NONE`].

@@ -49,9 +49,9 @@ pub struct PieceImage {
     pub distortion: Distortion,
     /// How the map was made.
     pub parameterize: ParameterizeRecord,
-    /// What the cut was and cost.
+    /// Size, kind and gain of the cut.
     pub cut: CutRecord,
-    /// What became of the fit, if one was asked for.
+    /// Outcome of the fit, if one was asked for.
     pub fit: Option<FitRecord>,
     /// How close the image comes.
     pub verdict: Verdict,

@@ -41,7 +41,7 @@ const PILOT: usize = 256;
 /// Samples that are taken whatever they cost.
 const LEAST_SAMPLES: usize = 500;
 
-/// What [`measure`] finds. "Relative" is in units of the source's bounding-box diagonal.
+/// The result of [`measure`]. "Relative" is in units of the source's bounding-box diagonal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Quality {
     /// Bounding-box diagonal of the source \[m\].
@@ -175,7 +175,7 @@ impl Side {
         Some(Self { corners, normals, vertices, closest })
     }
 
-    /// What a query of a sample costs in the mean, in boxes and triangles of the other side.
+    /// Mean cost of a query of a sample, in boxes and triangles of the other side.
     fn cost(&self, other: &Side, n: usize, seed: u64) -> f64 {
         let (sampler, pilot) = (Sampler::new(&self.corners, n, seed), PILOT.min(n.div_ceil(64)));
         let visits: Vec<u32> =

@@ -1,4 +1,4 @@
-//! What the page loads.
+//! Files that the page loads.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -20,7 +20,7 @@ use tiny_http::{Method, Response, Server};
 struct Args {
     /// A bundle.
     bundle: PathBuf,
-    /// What `cargo build -p gimage-web --release --target wasm32-unknown-unknown` has made.
+    /// Module built by `cargo build -p gimage-web --release --target wasm32-unknown-unknown`.
     #[arg(long, default_value = "target/wasm32-unknown-unknown/release/gimage_web.wasm")]
     wasm: PathBuf,
     /// Port on this machine; 0 for any that is free.

@@ -19,7 +19,7 @@ pub struct Pictures {
     counts: Counts,
 }
 
-/// What differs from the picture before: left, top, width and height, and its pixels.
+/// The part that differs from the picture before: left, top, width and height, and its pixels.
 struct Part {
     place: [u16; 4],
     pixels: Vec<Rgb>,
@@ -105,7 +105,7 @@ fn write(gif: &mut Encoder<Vec<u8>>, palette: &mut Palette, part: Part, fps: u32
         width,
         height,
         buffer: part.pixels.iter().map(|&p| palette.index(p)).collect::<Vec<u8>>().into(),
-        // What lies beside the part stays as it was.
+        // Pixels beside the part stay as they were.
         dispose: DisposalMethod::Keep,
         // Hundredths of a second.
         delay: (100.0 / f64::from(fps.max(1))).round().clamp(1.0, 65_535.0) as u16,

@@ -26,7 +26,7 @@ impl Counts {
 /// At most 256 colours.
 pub struct Palette {
     colors: Vec<Rgb>,
-    /// What was looked up already.
+    /// Colours looked up already.
     shown: HashMap<Rgb, u8>,
 }
 

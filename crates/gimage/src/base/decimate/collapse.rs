@@ -42,7 +42,7 @@ pub(super) struct Collapser<'a> {
     version: Vec<u32>,
     pub(super) into: Vec<u32>,
     centre: [f64; 3],
-    /// What makes costs free of units.
+    /// Factor that makes costs free of units.
     unit: f64,
     /// Vertices seen in the count at work carry its number.
     seen: Vec<u32>,

@@ -91,7 +91,7 @@ pub(crate) fn decimate(
     Coarse { vertex, triangles, patch }
 }
 
-/// What is left of a mesh of `n` vertices: these, triangles over them, and the place of each vertex among them.
+/// The rest of a mesh of `n` vertices: these, triangles over them, and the place of each vertex among them.
 fn left(triangles: &[[u32; 3]], alive: &[bool], n: usize) -> (Vec<u32>, Vec<[u32; 3]>, Vec<u32>) {
     let (mut vertex, mut index, mut out) = (Vec::new(), vec![u32::MAX; n], Vec::new());
     for (t, _) in triangles.iter().zip(alive).filter(|x| *x.1) {

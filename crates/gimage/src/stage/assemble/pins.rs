@@ -121,7 +121,7 @@ pub(crate) fn unmet(
     })
 }
 
-/// What attribute pins may name, with the range of the values: `attr:_PIN (0 to 1)`, `color:r (0.2 to 1)`, ...
+/// Attributes that pins may name, with the range of the values: `attr:_PIN (0 to 1)`, `color:r (0.2 to 1)`, ...
 fn attributes(mesh: &Mesh) -> Vec<String> {
     let range = |values: &mut dyn Iterator<Item = f32>| {
         let (lo, hi) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));

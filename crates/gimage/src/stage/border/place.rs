@@ -22,7 +22,7 @@ pub enum Key {
 /// One texel on the border of the image.
 #[derive(Clone, Copy, Debug)]
 pub struct BorderTexel {
-    /// What it is.
+    /// Identity of the texel's surface point.
     pub key: Key,
     /// Where it is \[m\]; bit-identical for equal keys.
     pub position: [f64; 3],

@@ -281,7 +281,7 @@ impl Disk {
         mask
     }
 
-    /// What is to be mapped, with these vertices in their places.
+    /// The shape to map, with these vertices in their places.
     pub(crate) fn shape<'a>(&'a self, fixed: &'a [bool]) -> Shape<'a> {
         Shape { positions: &self.positions, triangles: &self.triangles, wanted: &self.wanted, fixed }
     }

@@ -40,7 +40,7 @@ const MIDDLE: f64 = 0.25;
 /// Cost of an edge in the middle, as a share of its length.
 const MIDDLE_COST: f64 = 0.5;
 
-/// What an edge costs more that faces straight outwards, as a share of its length.
+/// Extra cost of an edge that faces straight outwards, as a share of its length.
 const OUTWARD_COST: f64 = 0.05;
 
 /// Least mean of ln(density / 4) of the solved map at which limbs are looked for in the plain one. A map nearer to an
@@ -205,7 +205,7 @@ pub(crate) fn grow(fine: &Cutter<'_>, options: &GrowOptions) -> Option<Grown> {
         let Some((t, v)) = best else { break };
         terminals.push(v);
         now = Some(t);
-        // What is alike on both sides is cut alike, unless that is worse.
+        // Places alike on both sides are cut alike, unless that is worse.
         let room = terminals.len() < options.points;
         if let Some(mate) = mates.as_ref().map(|m| m[v as usize]).filter(|m| room && !terminals.contains(m)) {
             terminals.push(mate);

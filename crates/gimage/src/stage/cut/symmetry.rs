@@ -48,7 +48,7 @@ impl Mirror {
         let closest = Closest::new(&surface.positions, &surface.triangles);
         let mut best: Option<(f64, Self)> = None;
         for (axis, &wide) in eigen.eigenvectors.column_iter().zip(&eigen.eigenvalues) {
-            // What is flat is its own mirror image in its own plane, and has no two sides.
+            // A flat surface is its own mirror image in its own plane, and has no two sides.
             if wide < 1e-6 * spread.trace() {
                 continue;
             }

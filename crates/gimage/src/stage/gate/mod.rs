@@ -150,7 +150,7 @@ impl<'a> Rated<'a> {
         format!("piece {}: {}", self.name, self.words.join(", "))
     }
 
-    /// What to do, by the figure that speaks loudest.
+    /// The remedy, by the figure that speaks loudest.
     fn hint(&self) -> &'static str {
         let f = &self.figures;
         let over = |x: Option<f64>, limit: f64| x.is_some_and(|x| x > limit);

@@ -58,7 +58,7 @@ pub struct Tried {
 /// How much better an image must be to displace an earlier one that is no less sound.
 pub(crate) const WORTH: f64 = 0.8;
 
-/// What a stretch over the gate's limit counts for, as a factor of the distance: a few crushed triangles are worse than
+/// Weight of a stretch over the gate's limit, as a factor of the distance: a few crushed triangles are worse than
 /// none, but not than a surface half as close.
 const STRETCHED: f64 = 2.0;
 

@@ -84,7 +84,7 @@ impl<'a> Maker<'a> {
         Ok(Cuts { candidates, grown })
     }
 
-    /// What it costs to cut each edge.
+    /// Cost of cutting each edge.
     pub(super) fn costs(&self, grown: Option<&Grown>, along_uv: bool) -> Vec<f64> {
         let mut cost = hidden_costs(&self.cutter, grown.and_then(|g| g.mirror.as_ref()));
         if let Some(seam) = self.uv_seam.filter(|_| along_uv) {

@@ -18,7 +18,7 @@ const OTHER_BUDGETS: [f64; 2] = [0.96, 0.91];
 /// Triangles times rungs after which no further rung is tried: the ladder's share of the time stays bounded.
 const MAX_WORK: usize = 4_000_000;
 
-/// What mapping a mesh whole costs, in rungs.
+/// Cost of mapping a mesh whole, in rungs.
 const WHOLE_MESH_RUNGS: usize = 20;
 
 /// Points a cut is grown to where its image came out poor.

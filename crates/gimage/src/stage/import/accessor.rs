@@ -73,7 +73,7 @@ impl Accessors<'_> {
         Ok((accessor, Layout { component, normalized: accessor.normalized, rows, columns, column_bytes }))
     }
 
-    /// What an integer of the accessor must be divided by, if its integers are normalised; 0 if not.
+    /// Divisor of the accessor's integers, if they are normalised; 0 if not.
     pub fn normalizer(&self, index: usize) -> Result<f32> {
         let (_, layout) = self.get(index)?;
         Ok(if layout.normalized { largest(layout.component) } else { 0.0 })

@@ -64,13 +64,13 @@ impl<'a> Document<'a> {
         Ok(Self { path, root, locals, materials, animations })
     }
 
-    /// What to call a node.
+    /// Name of a node, or its number.
     pub fn node_name(&self, index: usize) -> String {
         let name = self.root.nodes.get(index).and_then(|n| n.name.clone());
         name.unwrap_or_else(|| format!("node {index}"))
     }
 
-    /// What to call a mesh.
+    /// Name of a mesh, or its number.
     pub fn mesh_name(&self, index: usize) -> String {
         let name = self.root.meshes.get(index).and_then(|m| m.name.clone());
         name.unwrap_or_else(|| format!("mesh {index}"))

@@ -46,7 +46,7 @@ pub(crate) fn determinant(m: &Matrix) -> f64 {
     crate::base::vec3::dot(a, crate::base::vec3::cross(b, c))
 }
 
-/// What normals are multiplied with, up to a positive factor, as columns: the inverse transpose, written as cofactors so that
+/// The matrix for normals, up to a positive factor, as columns: the inverse transpose, written as cofactors so that
 /// a transform that flattens still has one.
 pub(crate) fn normal_columns(m: &Matrix) -> [[f64; 3]; 3] {
     let [a, b, c] = columns(m);

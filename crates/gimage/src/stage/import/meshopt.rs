@@ -5,7 +5,7 @@ use meshopt::{
     decode_index_sequence, decode_vertex_buffer,
 };
 
-/// What the extension says about a view.
+/// Properties of a view that the extension states.
 pub(crate) struct Header<'a> {
     pub mode: &'a str,
     pub filter: &'a str,

@@ -13,7 +13,7 @@ use crate::record::Severity;
 
 /// A primitive as its file has it; every index is below the number of vertices.
 pub(crate) struct Raw {
-    /// What to call it in messages.
+    /// Its name in messages.
     pub element: String,
     /// Three floats a vertex, in the mesh's space.
     pub positions: Vec<f32>,

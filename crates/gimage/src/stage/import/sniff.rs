@@ -13,7 +13,7 @@ pub(crate) enum Format {
 }
 
 impl Format {
-    /// What the name promises and the content does not keep, if so.
+    /// The contradiction between a file's name and its content, if there is one.
     pub fn contradicts(self, name: &Path) -> Option<String> {
         let ext = extension(name);
         let want = match self {

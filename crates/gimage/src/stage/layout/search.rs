@@ -87,7 +87,7 @@ const REFINED_START: f64 = 0.25;
 /// Rounds of refinement; each halves the step.
 const REFINEMENTS: usize = 2;
 
-/// What a search found.
+/// The result of a search.
 #[derive(Debug)]
 pub(crate) struct Found {
     pub layout: Layout,

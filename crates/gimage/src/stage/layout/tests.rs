@@ -66,7 +66,7 @@ fn a_search_that_starts_worse_than_another_is_given_up_and_no_other() {
     assert!(first > 0.01 && second > 0.01 && free.layout.score < 1.01 * second, "{free:?}");
     assert!(found(Some([0.9 * first, f64::INFINITY])).is_none());
     assert!(found(Some([f64::INFINITY, 0.9 * second])).is_none());
-    // What is good enough is the same search.
+    // A search that starts well enough is the same search.
     assert_eq!(found(Some([first, second])).unwrap().layout, free.layout);
 }
 

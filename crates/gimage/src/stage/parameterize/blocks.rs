@@ -69,7 +69,7 @@ impl Entry for f64 {
 /// In a factor blocks stand column by column: two columns of a product are then one wide operation.
 impl Entry for [f64; 4] {
     const ZERO: Self = [0.0; 4];
-    /// What the two columns of the other factor are multiplied by.
+    /// Factors of the two columns of the other factor.
     type Second = [[f64; 4]; 2];
     #[inline(always)]
     fn as_second(self) -> Self::Second {

@@ -36,7 +36,7 @@ pub enum Way {
     Embedded,
 }
 
-/// What the solve did, for the report.
+/// Record of the solve, for the report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterizeRecord {
     /// How the map was made.

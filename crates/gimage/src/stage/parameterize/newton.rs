@@ -27,7 +27,7 @@ impl Default for NewtonOptions {
     }
 }
 
-/// What the minimiser did. Energies are NaN where no step was asked for.
+/// Record of the minimiser's work. Energies are NaN where no step was asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonRecord {
     /// Steps taken.
@@ -148,7 +148,7 @@ pub(crate) fn minimise(
         return NewtonRecord { steps: 0, start: f64::NAN, end: f64::NAN, converged: false, capped: false };
     }
     let mut now = energy(rest, triangles, uv);
-    // What an isometry would have: a flat piece must get there, not only near it.
+    // The energy of an isometry: a flat piece must get there, not only near it.
     let least: f64 = 4.0 * rest.iter().map(|r| r.weight).sum::<f64>();
     let mut record = NewtonRecord { steps: 0, start: now, end: now, converged: false, capped: false };
     if !now.is_finite() || system.unknowns() == 0 {

@@ -37,7 +37,7 @@ fn mean_value_weights(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &[[
     weights.iter().map(|w| if w.is_finite() { w.clamp(1e-4 * median, 1e4 * median) } else { median }).collect()
 }
 
-/// What a solve starts from.
+/// The map that a solve starts from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Start {
     /// The map that `uv` holds, which has no flips.
@@ -63,7 +63,7 @@ impl Start {
     }
 }
 
-/// What the start was made of.
+/// How the start was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StartRecord {
     /// Reweighting passes made.

@@ -27,7 +27,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Rounds of joining and splitting before what is left is dropped.
 const ROUNDS: usize = 16;
 
-/// What a triangle is.
+/// The shape of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape {
     Sound,

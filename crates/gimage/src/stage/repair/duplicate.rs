@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use super::work::Work;
 
-/// What was dropped.
+/// Counts and examples of the dropped triangles.
 #[derive(Default)]
 pub(super) struct Duplicates {
     pub same: usize,

@@ -11,11 +11,11 @@ use super::work::Work;
 use crate::base::halfedge::{BOUNDARY, next, origin, prev, sorted_edges, target};
 use crate::base::vec3::{cross, dot, normalize, scale, sub};
 
-/// What a pair that runs the same way along the edge loses against one that runs opposite ways, on the scale of the
+/// Loss of a pair that runs the same way along the edge against one that runs opposite ways, on the scale of the
 /// cosine of the angle between them (-1 is flat).
 const SAME_WAY: f64 = 0.5;
 
-/// What a pair with a triangle that had a reversed copy loses: more than any angle is worth.
+/// Loss of a pair with a triangle that had a reversed copy: more than any angle is worth.
 const DOUBLED: f64 = 4.0;
 
 /// Up to this many triangles on an edge all pairs are weighed.

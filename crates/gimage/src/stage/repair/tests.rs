@@ -12,7 +12,7 @@ fn area(mesh: &Mesh) -> f64 {
     (0..mesh.triangles.len()).map(|t| mesh.triangle_area(t)).sum()
 }
 
-/// What [`Repaired`] promises; `one_sided` says that pieces that are not orientable may be there.
+/// Checks the guarantees of [`Repaired`]; `one_sided` says that pieces that are not orientable may be there.
 fn check(mesh: &Mesh, one_sided: bool) {
     let tri = &mesh.triangles;
     assert_eq!(mesh.triangle_part.len(), tri.len());

@@ -95,7 +95,7 @@ fn components(work: &Work) -> usize {
     (0..used.len() as u32).filter(|&v| used[v as usize] && sets.find(v) == v).count()
 }
 
-/// What a weld asks about a mesh.
+/// Surroundings of the vertices of a mesh, for a weld.
 struct Surroundings {
     /// Vertices that an edge connects to each vertex, at `first[v]..first[v + 1]`.
     first: Vec<u32>,

@@ -25,7 +25,7 @@ pub enum Sampling {
     Fit(FitOptions),
 }
 
-/// What became of the least-squares fit.
+/// Outcome of the least-squares fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FitRecord {
     /// It came closer than point sampling; this many texels went back to where they were sampled.

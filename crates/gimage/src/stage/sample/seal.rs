@@ -12,7 +12,7 @@ use crate::base::topology::Topology;
 use crate::stage::cut::disk::Disk;
 use crate::stage::sample::resample::Sample;
 
-/// What the image of a surface must weld to.
+/// Topology that the image of a surface must weld to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Expected {
     /// Vertices - edges + triangles.
@@ -81,8 +81,9 @@ impl Welded {
         Self { representative, first, triangles, quads }
     }
 
-    /// What would part the diagonals that meet on an over-full welded edge: its inner ends further in, so that they are
-    /// longer, and the inner ends of the quads' other diagonals towards their border ends, so that those are shorter.
+    /// Moves that would part the diagonals that meet on an over-full welded edge: its inner ends further in, so that
+    /// they are longer, and the inner ends of the quads' other diagonals towards their border ends, so that those are
+    /// shorter.
     fn moves(&self, sheets: &[Sheet<'_>]) -> Vec<Move> {
         let inner = |sheet: usize, x: usize| {
             let grid = &sheets[sheet].grid;

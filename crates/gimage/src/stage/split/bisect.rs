@@ -27,7 +27,7 @@ pub(super) struct Dual {
     /// For each triangle its up to three neighbours with the length of the edge between.
     around: Vec<[(u32, f64); 3]>,
     centre: Vec<[f64; 3]>,
-    /// What each triangle counts for in the balance.
+    /// Weight of each triangle in the balance.
     pub weight: Vec<f64>,
 }
 

@@ -55,7 +55,7 @@ fn perimeter(texels: f64) -> u32 {
     (2 * (2.0 * (texels.sqrt() - 1.0)).floor().max(0.0) as u32).max(8)
 }
 
-/// What the network knows of the whole surface.
+/// Properties of the whole surface that the network uses.
 pub(super) struct Whole<'a> {
     pub graph: &'a EdgeGraph,
     /// Whether each vertex lies on the surface's own boundary.

@@ -54,7 +54,7 @@ const MOST_TURNED: f64 = 0.005;
 /// boundary there is no surface that would hold it.
 const RIM: f64 = 1.0;
 
-/// What the image is to the fit.
+/// Structure of the image that the fit keeps.
 pub(crate) struct Image<'a> {
     pub columns: usize,
     pub rows: usize,

@@ -130,7 +130,7 @@ impl Patch {
             let (m, area) = f.mass();
             let n = facet.normal;
             let cos = dot(facing, n);
-            // What points away is held all the harder: left to itself it stays turned over.
+            // A facet that points away is held all the harder: left to itself it stays turned over.
             let w = if facet.extreme {
                 0.0
             } else if turned && cos < 0.0 {
