@@ -6,7 +6,7 @@ use common::Place;
 #[test]
 fn help_has_examples_and_exit_codes() {
     let place = Place::new();
-    for command in ["", "build", "inspect", "validate", "reconstruct", "simulate", "render", "doctor"] {
+    for command in ["", "build", "list", "inspect", "validate", "reconstruct", "simulate", "render", "doctor"] {
         for flag in ["--help", "-h"] {
             let run = place.run(&format!("{command} {flag}")).expect(&[0]);
             assert!(
@@ -37,6 +37,10 @@ fn bad_flags_exit_2_with_words_on_stderr_only() {
         "build tube.obj -o a.gim --unit 0",
         "build tube.obj -o a.gim --pin sideways:1",
         "build tube.obj -o a.gim --density -1",
+        "build tube.obj -o a.gim --cloth skirt",
+        "build tube.obj -o a.gim --body ,",
+        "list",
+        "list tube.obj --cloth skirt",
         "inspect",
         "reconstruct a.gim",
         "reconstruct a.gim -o mesh.stl",
@@ -52,7 +56,7 @@ fn bad_flags_exit_2_with_words_on_stderr_only() {
 #[test]
 fn a_missing_file_is_named() {
     let place = Place::new();
-    for args in ["build no/such.obj -o a.gim", "inspect no/such.gim", "validate no/such.gim"] {
+    for args in ["build no/such.obj -o a.gim", "list no/such.obj", "inspect no/such.gim", "validate no/such.gim"] {
         let run = place.run(args).expect(&[2]);
         let name = args.split_whitespace().nth(1).unwrap();
         assert!(run.stderr.starts_with("error: ") && run.stderr.contains(name), "{}", run.stderr);
