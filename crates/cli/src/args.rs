@@ -10,6 +10,7 @@ use gimage::limits::Limit;
 use gimage::options::help as help_of;
 use gimage::options::{BuildOptions, Choice, Effort, ImageSize, RestLength, Sample, Seams, range};
 use gimage::pins::Pin;
+use gimage::select::{Pattern, SelectOptions};
 use gimage_runtime::Material;
 
 use crate::help;
@@ -35,6 +36,9 @@ pub enum Command {
     /// Build a bundle of geometry images from each garment file.
     #[command(after_help = help::BUILD)]
     Build(Box<BuildArgs>),
+    /// List what is in a garment file: parts, components, boundary loops, skins, animations.
+    #[command(after_help = help::LIST)]
+    List(ListArgs),
     /// Show the contents and the quality of a bundle.
     #[command(after_help = help::INSPECT)]
     Inspect(BundleArgs),
@@ -83,6 +87,8 @@ pub struct BuildArgs {
     pub effort: Option<Effort>,
     #[arg(long, help = help_of("piece"), value_name = "NAME")]
     pub piece: Vec<String>,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
     #[arg(long, help = help_of("pin"), value_name = "EXPR")]
     pub pin: Vec<Pin>,
     #[arg(long, help = help_of("limit"), value_name = "EXPR=METRES")]
@@ -119,6 +125,38 @@ pub struct BuildArgs {
     /// Replace an existing bundle.
     #[arg(long)]
     pub force: bool,
+}
+
+/// The parts of a file that become cloth: `gimage build` and `gimage list`.
+#[derive(Debug, Args)]
+pub struct ChoiceArgs {
+    #[arg(long, help = help_of("cloth"), value_name = "NAME,...", value_delimiter = ',')]
+    pub cloth: Vec<Pattern>,
+    #[arg(long, help = help_of("body"), value_name = "NAME,...", value_delimiter = ',')]
+    pub body: Vec<Pattern>,
+    #[arg(long, help = help_of("rigid"), value_name = "NAME,...", value_delimiter = ',')]
+    pub rigid: Vec<Pattern>,
+}
+
+/// `gimage list`.
+#[derive(Debug, Args)]
+pub struct ListArgs {
+    /// Garment file: .glb, .gltf or .obj.
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    #[command(flatten)]
+    pub choice: ChoiceArgs,
+    #[arg(long, help = help_of("unit"), value_name = "METRES", value_parser = number("unit"), allow_negative_numbers = true)]
+    pub unit: Option<f64>,
+    #[arg(long, help = help_of("up"), value_name = "AXIS", allow_hyphen_values = true)]
+    pub up: Option<Up>,
+    #[arg(long, help = help_of("center"))]
+    pub center: bool,
+    #[arg(long, help = help_of("weld"), value_name = "METRES", value_parser = number("weld"), allow_negative_numbers = true)]
+    pub weld: Option<f64>,
+    /// Print one JSON object instead of tables.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// `gimage inspect` and `gimage validate`.
@@ -312,6 +350,7 @@ impl Cli {
     pub fn json(&self) -> bool {
         match &self.command {
             Command::Build(args) => args.json,
+            Command::List(args) => args.json,
             Command::Inspect(args) | Command::Validate(args) => args.json,
             Command::Simulate(args) => args.json,
             Command::Render(args) => args.json,
@@ -334,6 +373,7 @@ impl BuildArgs {
         set(&mut options.import.up, self.up);
         options.import.center = self.center;
         options.import.pieces.clone_from(&self.piece);
+        options.select = self.choice.options();
         options.repair.weld = self.weld.or(options.repair.weld);
         set(&mut options.component.accessory_area, self.accessory_area);
         set(&mut options.mass.density, self.density);
@@ -346,6 +386,25 @@ impl BuildArgs {
         set(&mut options.image.seams, self.seams);
         set(&mut options.image.detail, self.detail);
         set(&mut options.image.effort, self.effort);
+        options
+    }
+}
+
+impl ChoiceArgs {
+    fn options(&self) -> SelectOptions {
+        SelectOptions { cloth: self.cloth.clone(), body: self.body.clone(), rigid: self.rigid.clone() }
+    }
+}
+
+impl ListArgs {
+    /// The options of a build that reads the file in this way.
+    pub fn options(&self) -> BuildOptions {
+        let mut options = BuildOptions::default();
+        set(&mut options.import.unit, self.unit);
+        set(&mut options.import.up, self.up);
+        options.import.center = self.center;
+        options.select = self.choice.options();
+        options.repair.weld = self.weld.or(options.repair.weld);
         options
     }
 }

@@ -21,10 +21,12 @@ fn nothing_said_is_the_default() {
 fn every_flag_reaches_the_options() {
     let flags = "--size 64x32 --sample point --seams uv --piece a --piece b --pin above:-1.5 --pin loop:0 --limit below:1=0.05 --unit 0.01 --up -Z --center \
                  --weld 1e-4 --accessory-area 0.05 --rest arc --density 0.3 --detail 0.25 --effort best \
-                 --no-metrics";
+                 --no-metrics --cloth a*,b --cloth c --body head --rigid staff";
     let o = build(&flags.split_whitespace().collect::<Vec<_>>()).unwrap();
     assert_eq!((o.image.size, o.image.sample, o.image.seams), (ImageSize::Exact(64, 32), Sample::Point, Seams::Uv));
     assert_eq!((o.import.pieces, o.import.unit), (vec!["a".to_owned(), "b".to_owned()], 0.01));
+    let names = |list: &[Pattern]| list.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+    assert_eq!([&o.select.cloth, &o.select.body, &o.select.rigid].map(|l| names(l)), ["a* b c", "head", "staff"]);
     assert_eq!((o.import.up, o.import.center), (Up::MinusZ, true));
     assert_eq!(o.assemble.pins, [Pin::Above(-1.5), Pin::Loop(0)]);
     assert_eq!(o.assemble.limits, [Limit { particles: Pin::Below(1.0), distance: 0.05 }]);

@@ -45,6 +45,15 @@ impl Failure {
         Self::refused(format!("{}: {source}", path.display()))
     }
 
+    /// An error of the library with the name of the input, which an error of a later stage does not know.
+    pub fn of_input(input: &Path, error: gimage::Error) -> Self {
+        let (mut failure, name) = (Self::from(error), input.display().to_string());
+        if !failure.message.contains(&name) {
+            failure.message = format!("{name}: {}", failure.message);
+        }
+        failure
+    }
+
     /// An error of reading the bundle at `path`, which most such errors do not know.
     pub fn bundle(path: &Path, error: &gimage_bundle::Error) -> Self {
         match error {

@@ -14,6 +14,7 @@ macro_rules! exit_codes {
 pub const TOP: &str = concat!(
     "EXAMPLES:\n",
     "  gimage build shirt.glb -o shirt.gim\n",
+    "  gimage list shirt.glb\n",
     "  gimage inspect shirt.gim\n",
     "  gimage validate shirt.gim\n",
     "  gimage reconstruct shirt.gim -o back.obj\n",
@@ -33,6 +34,7 @@ pub const BUILD: &str = concat!(
     "  gimage build flag.obj -o flag.gim --size 64x48 --pin loop:0 --force\n",
     "  gimage build shirt.glb -o shirt.gim --pin above:1.4 --limit above:1.2=0.03\n",
     "  gimage build coat.glb -o coat.gim --up Z --center --pin above:0.9\n",
+    "  gimage build mage.glb -o mage.gim --cloth 'Mage_Cape,*Skirt*' --body Mage_Head\n",
     "  gimage build *.glb -o bundles --json --threads 4\n\n",
     "The same input and options give the same bytes. With several inputs, a failed build does not stop the others, and the ",
     "exit code is the highest one. A failed build writes nothing, and neither does one whose report cannot be written to ",
@@ -40,6 +42,19 @@ pub const BUILD: &str = concat!(
     "directory with files that its manifest does not list. Hints (a file that looks like centimetres, or like Z up) do not ",
     "change the exit code.",
     exit_codes!("done, with findings: repairs, accessories, or low quality")
+);
+
+/// Of `gimage list`.
+pub const LIST: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage list mage.glb\n",
+    "  gimage list mage.glb --cloth '*Cape*'\n",
+    "  gimage list shirt.obj --unit 0.01 --json | jq '.components[].kind'\n\n",
+    "Parts are the primitives of glTF, and the objects, groups and materials of OBJ; `build` is what gimage build does with ",
+    "them under the same flags. Components are connected triangles after repair. A thin shell has two sheets that face each ",
+    "other; its thickness is an estimate. A crumb is too small to be cloth, such as a button. Crumbs, and rows beyond the first ",
+    "24 of a table, are shown with -v. Lengths are in metres after --unit and --up.",
+    "\n\nEXIT CODES:\n  0  done\n  2  refused: invalid input or option\n  3  internal error: please report it"
 );
 
 /// Of `gimage inspect`.

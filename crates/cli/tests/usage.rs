@@ -7,7 +7,7 @@ use common::Place;
 fn help_has_examples_and_exit_codes() {
     let place = Place::new();
     for command in
-        ["", "build", "inspect", "validate", "reconstruct", "simulate", "render", "check-crossings", "doctor"]
+        ["", "build", "list", "inspect", "validate", "reconstruct", "simulate", "render", "check-crossings", "doctor"]
     {
         for flag in ["--help", "-h"] {
             let run = place.run(&format!("{command} {flag}")).expect(&[0]);
@@ -39,6 +39,10 @@ fn bad_flags_exit_2_with_words_on_stderr_only() {
         "build tube.obj -o a.gim --unit 0",
         "build tube.obj -o a.gim --pin sideways:1",
         "build tube.obj -o a.gim --density -1",
+        "build tube.obj -o a.gim --cloth skirt",
+        "build tube.obj -o a.gim --body ,",
+        "list",
+        "list tube.obj --cloth skirt",
         "inspect",
         "reconstruct a.gim",
         "check-crossings",
@@ -56,9 +60,13 @@ fn bad_flags_exit_2_with_words_on_stderr_only() {
 #[test]
 fn a_missing_file_is_named() {
     let place = Place::new();
-    for args in
-        ["build no/such.obj -o a.gim", "inspect no/such.gim", "validate no/such.gim", "check-crossings no/such.gim"]
-    {
+    for args in [
+        "build no/such.obj -o a.gim",
+        "list no/such.obj",
+        "inspect no/such.gim",
+        "validate no/such.gim",
+        "check-crossings no/such.gim",
+    ] {
         let run = place.run(args).expect(&[2]);
         let name = args.split_whitespace().nth(1).unwrap();
         assert!(run.stderr.starts_with("error: ") && run.stderr.contains(name), "{}", run.stderr);

@@ -18,6 +18,7 @@ use crate::stage::component::ComponentOptions;
 use crate::stage::gate::GateOptions;
 use crate::stage::import::ImportOptions;
 use crate::stage::repair::RepairOptions;
+use crate::stage::select::SelectOptions;
 
 pub use field::Choice;
 pub(crate) use field::{Field, stage_options};
@@ -157,6 +158,8 @@ stage_options! {
 pub struct BuildOptions {
     /// Options of the import.
     pub import: ImportOptions,
+    /// Options that choose the parts that become cloth.
+    pub select: SelectOptions,
     /// Options of the repair.
     pub repair: RepairOptions,
     /// Options that separate pieces from accessories.
@@ -176,6 +179,7 @@ impl BuildOptions {
     pub fn settings(&self) -> Vec<Setting> {
         [
             self.import.settings(),
+            self.select.settings(),
             self.repair.settings(),
             self.component.settings(),
             self.image.settings(),
@@ -280,6 +284,8 @@ mod tests {
             assert_eq!(record.len(), rest.len() + 1);
             options.assemble.limits = vec!["above:1=0.5".parse().unwrap()];
             assert_eq!(options.record()["limit"], json!(["above:1=0.5"]));
+            options.select.cloth = vec!["Mage_*".parse().unwrap()];
+            assert_eq!(options.record()["cloth"], json!(["Mage_*"]));
         }
     }
 

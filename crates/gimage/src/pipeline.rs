@@ -25,6 +25,7 @@ use crate::stage::gate;
 use crate::stage::image::PieceImage;
 use crate::stage::import::import;
 use crate::stage::repair::repair;
+use crate::stage::select::select;
 
 /// A finished build, not yet written.
 #[derive(Clone, Debug)]
@@ -69,7 +70,9 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
     })?;
     let (mesh, source) = (imported.mesh, imported.source);
     let mesh = run.stage(Stage::Repair, 1, |report| {
-        let repaired = repair(mesh, &options.repair)?;
+        let selected = select(mesh, &options.select)?;
+        report.findings.extend(selected.findings);
+        let repaired = repair(selected.mesh, &options.repair)?;
         report.findings.extend(repaired.findings);
         Ok(repaired.mesh)
     })?;

@@ -98,7 +98,9 @@ impl Job<'_> {
         }
         let built = {
             let bar = Bar::new(self.out.bars(), &input.file_name().unwrap_or_default().to_string_lossy());
-            self.pool.install(|| pipeline::build(input, &self.options, &bar)).map_err(|e| of_input(input, e))?
+            self.pool
+                .install(|| pipeline::build(input, &self.options, &bar))
+                .map_err(|e| Failure::of_input(input, e))?
         };
         let mut stages: Vec<Stage> = built.report.stages.iter().map(Stage::from).collect();
         let encoding = Instant::now();
@@ -146,8 +148,9 @@ impl Job<'_> {
     pub fn told(&self, outcome: &Outcome) -> Exit {
         for finding in &outcome.findings {
             let (tone, label) = match finding.severity {
-                // A note that asks to look again is for everyone.
+                // A note that asks to look again is for everyone, and so is one about parts that are not in the bundle.
                 Severity::Note if finding.kind.starts_with("hint-") => (Tone::Note, "hint"),
+                Severity::Note if finding.kind == "left-out" => (Tone::Note, "note"),
                 Severity::Note if !self.out.verbose => continue,
                 Severity::Note => (Tone::Note, "note"),
                 Severity::Repair => (Tone::Warning, "repair"),
@@ -162,15 +165,6 @@ impl Job<'_> {
         self.out.say(&format!("wrote {}", outcome.output));
         if outcome.exit == 0 { Exit::Done } else { Exit::Findings }
     }
-}
-
-/// The failure with the input's name, which an error of a later stage does not know.
-fn of_input(input: &Path, error: gimage::Error) -> Failure {
-    let (mut failure, name) = (Failure::from(error), input.display().to_string());
-    if !failure.message.contains(&name) {
-        failure.message = format!("{name}: {}", failure.message);
-    }
-    failure
 }
 
 const ENCODE: &str = "encode";

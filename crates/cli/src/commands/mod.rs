@@ -8,6 +8,7 @@ pub mod doctor;
 mod engine;
 mod faults;
 pub mod inspect;
+pub mod list;
 pub mod reconstruct;
 pub mod render;
 mod scene;

@@ -8,7 +8,7 @@ use crate::base::vec3::{add, cross, dot, norm, normalize, scale, sub};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
-use parry3d_f64::query::PointQuery;
+use parry3d_f64::query::{PointQuery, Ray};
 use rayon::prelude::*;
 use std::cell::Cell;
 
@@ -125,6 +125,29 @@ impl Closest {
         (near, visits.get())
     }
 
+    /// Distance \[m\] from `p` along the unit vector `direction` to the first triangle that `is_hit` accepts, at most `most`
+    /// \[m\], and that triangle. `is_hit` gets a triangle and its unit normal, zero for a sliver.
+    pub(crate) fn along(
+        &self,
+        p: [f64; 3],
+        direction: [f64; 3],
+        most: f64,
+        is_hit: impl Fn(u32, [f64; 3]) -> bool,
+    ) -> Option<(f64, u32)> {
+        if !p.iter().chain(&direction).all(|x| x.is_finite()) {
+            return None;
+        }
+        let q = self.frame.inward(p);
+        let vector = |p: [f64; 3]| Vector::new(p[0], p[1], p[2]);
+        let ray = Ray::new(vector(q), vector(direction));
+        let hit = self.tree.cast_ray(&ray, most / self.frame.size, |leaf, _| {
+            let k = leaf as usize;
+            let at = ray_on_triangle(q, direction, &self.corners[k])?;
+            is_hit(self.ids[k], self.normals[k]).then_some(at)
+        });
+        hit.map(|(leaf, at)| (at * self.frame.size, self.ids[leaf as usize])).filter(|hit| hit.0 <= most)
+    }
+
     /// [`Closest::project`] for many points, in their order whatever the number of threads.
     pub fn project_all(&self, points: &[[f64; 3]]) -> Vec<Option<Nearest>> {
         points.par_iter().map(|&p| self.project(p)).collect()
@@ -133,6 +156,21 @@ impl Closest {
 
 fn blend(corners: &[[f64; 3]; 3], w: [f64; 3]) -> [f64; 3] {
     add(add(scale(corners[0], w[0]), scale(corners[1], w[1])), scale(corners[2], w[2]))
+}
+
+/// Where a ray from `p` meets a triangle, in lengths of `d` (Moeller and Trumbore, 1997); `None` behind `p`, beside the
+/// triangle, and within its plane.
+fn ray_on_triangle(p: [f64; 3], d: [f64; 3], t: &[[f64; 3]; 3]) -> Option<f64> {
+    let (ab, ac, ap) = (sub(t[1], t[0]), sub(t[2], t[0]), sub(p, t[0]));
+    let across = cross(d, ac);
+    let det = dot(ab, across);
+    if det == 0.0 {
+        return None;
+    }
+    let v = dot(ap, across) / det;
+    let along = cross(ap, ab);
+    let (w, at) = (dot(d, along) / det, dot(ac, along) / det);
+    (v >= 0.0 && w >= 0.0 && v + w <= 1.0 && at >= 0.0 && at.is_finite()).then_some(at)
 }
 
 /// Weights of the nearest point of a triangle, and its distance.
@@ -258,6 +296,17 @@ mod tests {
                 assert!(visits > 0);
             }
         }
+    }
+
+    #[test]
+    fn a_ray_finds_the_first_triangle_that_is_accepted() {
+        let p = [[0., 0., 0.], [3., 0., 0.], [0., 3., 0.], [0., 0., 2.], [3., 0., 2.], [0., 3., 2.]];
+        let c = Closest::new(&p, &[[3, 4, 5], [0, 1, 2]]);
+        let up = |most, skip| c.along([1.0, 1.0, -1.0], [0.0, 0.0, 1.0], most, |t, n| n[2] > 0.9 && t != skip);
+        assert_eq!(up(9.0, 9).map(|h| h.1), Some(1));
+        assert!((up(9.0, 1).unwrap().0 - 3.0).abs() < 1e-12);
+        assert_eq!((up(2.5, 1), up(0.5, 9)), (None, None));
+        assert!(c.along([1.0, 1.0, 1.0], [0.0, 0.0, 1.0], 9.0, |t, _| t == 1).is_none());
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::Setting;
 use crate::stage::assemble::limits::Limit;
 use crate::stage::assemble::pins::Pin;
 use crate::stage::import::Up;
+use crate::stage::select::Pattern;
 
 /// An option whose value is one of a few words.
 pub trait Choice: Copy + PartialEq + Sized + 'static {
@@ -73,6 +74,13 @@ impl Field for Vec<String> {
 impl Field for Vec<Pin> {
     fn settings(&self, about: Setting) -> Vec<Setting> {
         with(about, texts(self))
+    }
+}
+
+impl Field for Vec<Pattern> {
+    fn settings(&self, about: Setting) -> Vec<Setting> {
+        // As for limits.
+        if self.is_empty() { vec![about] } else { with(about, texts(self)) }
     }
 }
 

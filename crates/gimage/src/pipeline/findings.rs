@@ -10,7 +10,7 @@ use crate::options::BuildOptions;
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 use crate::stage::assemble::Family;
 use crate::stage::assemble::accessory::Rider;
-use crate::stage::component::Component;
+use crate::stage::component::{Component, no_area};
 use crate::stage::image::PieceImage;
 use crate::stage::sample::FitRecord;
 
@@ -22,11 +22,7 @@ pub(super) fn nothing_left(path: &Path, mesh: &Mesh, parts: &[Component], option
     let largest = parts.iter().map(|c| c.area).fold(0.0, f64::max);
     let all: f64 = parts.iter().map(|c| c.area).sum();
     if mesh.triangles.is_empty() || all <= 0.0 {
-        return Error::Empty {
-            path: path.to_path_buf(),
-            problem: "no triangle with an area is left after repair".into(),
-            hint: "export the garment's mesh again".into(),
-        };
+        return no_area(path);
     }
     Error::Empty {
         path: path.to_path_buf(),

@@ -4,11 +4,13 @@ mod names;
 mod topology;
 
 use std::cmp::Ordering;
+use std::path::Path;
 
 use crate::base::mesh::Mesh;
 use crate::base::order;
 use crate::base::surface::Surface;
 use crate::base::words;
+use crate::error::Error;
 use crate::options::{Range, stage_options};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 
@@ -98,6 +100,15 @@ pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
         out.findings.push(finding(Severity::Repair, "accessories", count, examples, message));
     }
     out
+}
+
+/// The error for a file of which repair leaves nothing that has an area.
+pub(crate) fn no_area(path: &Path) -> Error {
+    Error::Empty {
+        path: path.to_path_buf(),
+        problem: "no triangle with an area is left after repair".into(),
+        hint: "export the garment's mesh again".into(),
+    }
 }
 
 fn finding(severity: Severity, kind: &'static str, count: usize, examples: Vec<String>, message: String) -> Finding {

@@ -4,9 +4,13 @@
 
 pub mod import;
 
+pub mod select;
+
 pub mod repair;
 
 pub mod component;
+
+pub mod contents;
 
 // Each connected component: a surface.
 

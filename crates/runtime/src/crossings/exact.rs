@@ -12,7 +12,7 @@ pub type Point = [f64; 3];
 pub struct Facet {
     /// Its corners.
     pub corners: [Point; 3],
-    /// What its corners are called: equal numbers are one corner.
+    /// Names of its corners: equal numbers are one corner.
     pub names: [u32; 3],
 }
 

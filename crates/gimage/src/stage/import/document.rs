@@ -10,6 +10,7 @@ use gltf::json;
 use serde_json::Value;
 
 use super::matrix::{self, Matrix};
+use super::scene::{self, Animation};
 use super::source::Source;
 use super::{EXPORT_AGAIN, extension, glb, malformed};
 use crate::error::{Error, Result};
@@ -22,8 +23,8 @@ pub(crate) struct Document<'a> {
     pub locals: Vec<Matrix>,
     /// Name of each material.
     pub materials: Vec<String>,
-    /// How many animations there are.
-    pub animations: usize,
+    /// The animations; their key frames are not read.
+    pub animations: Vec<Animation>,
 }
 
 impl<'a> Document<'a> {
@@ -43,10 +44,11 @@ impl<'a> Document<'a> {
         for unused in ["textures", "images", "samplers", "cameras"] {
             section(unused);
         }
-        let animations = section("animations").len();
+        let animations = section("animations");
         let name = |(i, m): (usize, &Value)| m["name"].as_str().map_or(format!("material {i}"), String::from);
         let materials = section("materials").iter().enumerate().map(name).collect();
         object.remove("extensions");
+        let animations = scene::animations(&animations, object.get("accessors"));
         check_version(path, object.get("asset"))?;
         source.extras = credits(object.get("asset"));
         let nodes = object.get("nodes").and_then(Value::as_array).map_or(&[][..], |n| n);

@@ -13,6 +13,7 @@ use super::matrix::Matrix;
 use super::nodes::{Forest, Placed};
 use super::pieces::Selector;
 use super::primitive::{self, Raw};
+use super::scene::{self, Scene};
 use super::skin::Bones;
 use super::source::Source;
 use super::{ImportOptions, Resolver, instancing, matrix};
@@ -29,7 +30,7 @@ pub(crate) fn load(
     options: &ImportOptions,
     source: &mut Source,
     findings: &mut Findings,
-) -> Result<Mesh> {
+) -> Result<(Mesh, Scene)> {
     let doc = Document::parse(path, json, source)?;
     let buffers = Buffers::new(&doc, bin, resolver, options.max_bytes);
     let max_count = options.max_vertices.max(options.max_triangles.saturating_mul(3));
@@ -98,7 +99,7 @@ pub(crate) fn load(
     if mesh.channels.iter().any(|c| matches!(c.semantic, Semantic::Joints(_))) {
         mesh.skeleton = bones.finish();
     }
-    Ok(mesh)
+    Ok((mesh, scene::scene(&doc)))
 }
 
 /// The transforms by which a node places its mesh, in its own space.
@@ -138,7 +139,7 @@ fn note_what_is_left(doc: &Document, placed: &[Placed], findings: &mut Findings)
         findings.add(Severity::Note, "no-scene", 1, message, || "file".into());
     }
     let message = "Animations are not kept; the scene is read in its rest pose.";
-    findings.add(Severity::Note, "animations", doc.animations, message, || "file".into());
+    findings.add(Severity::Note, "animations", doc.animations.len(), message, || "file".into());
 }
 
 /// Why there is nothing, from what was left out.

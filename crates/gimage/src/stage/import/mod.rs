@@ -27,6 +27,7 @@ mod pieces;
 mod place;
 mod polygon;
 mod primitive;
+mod scene;
 mod skin;
 mod sniff;
 mod source;
@@ -36,6 +37,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 pub use place::Up;
+pub use scene::{Animation, Scene, Skin};
 pub use source::{OutsideFile, Source};
 
 use crate::base::mesh::Mesh;
@@ -72,6 +74,8 @@ pub struct Imported {
     pub mesh: Mesh,
     /// The file.
     pub source: Source,
+    /// Skins and animations, which the mesh does not have.
+    pub scene: Scene,
     /// Elements that were left out or repaired.
     pub findings: Vec<Finding>,
 }
@@ -111,8 +115,8 @@ fn dispatch(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOpti
         let message = "The file extension does not match the content; the file was read by its content.";
         findings.add(Severity::Note, "wrong-extension", 1, message, || said);
     }
-    let mut mesh = match format {
-        sniff::Format::Obj => obj::load(name, bytes, options, &mut source, &mut findings)?,
+    let (mut mesh, scene) = match format {
+        sniff::Format::Obj => (obj::load(name, bytes, options, &mut source, &mut findings)?, Scene::default()),
         sniff::Format::Glb => {
             let chunks = glb::split(name, bytes)?;
             gltf::load(name, chunks.json, chunks.bin, resolver, options, &mut source, &mut findings)?
@@ -120,7 +124,7 @@ fn dispatch(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOpti
         sniff::Format::Gltf => gltf::load(name, bytes, None, resolver, options, &mut source, &mut findings)?,
     };
     place::place(&mut mesh, options, &mut findings);
-    Ok(Imported { mesh, source, findings: findings.into_vec() })
+    Ok(Imported { mesh, source, scene, findings: findings.into_vec() })
 }
 
 /// Short for [`Error::Malformed`].

@@ -1,0 +1,158 @@
+//! Chooses the parts of a file that become cloth, by the names that the user gives or by a rule.
+
+mod facts;
+mod keep;
+mod pattern;
+mod report;
+mod rule;
+mod words;
+
+use serde::Serialize;
+
+use crate::base::mesh::Mesh;
+use crate::error::{Error, Result};
+use crate::options::{Range, stage_options};
+use crate::record::Finding;
+
+pub(crate) use facts::{Following, following};
+pub(crate) use keep::apart;
+pub use pattern::Pattern;
+use report::{label, names};
+
+stage_options! {
+    /// Options of [`select`].
+    pub struct SelectOptions of "select" {
+        /// Build only the parts whose node, mesh or material has one of these names, separated by commas; * stands for any text,
+        /// letter case is ignored. Other parts are left out and reported. Without --cloth, --body and --rigid, a rule leaves
+        /// out bodies and props of skinned files and reports them; all parts of other files are cloth.
+        pub cloth: Vec<Pattern> = Vec::new() => "cloth" [""] Range::Any;
+        /// Leave out these parts, which are a body; names as for --cloth. Without --cloth, all other parts are cloth.
+        pub body: Vec<Pattern> = Vec::new() => "body" [""] Range::Any;
+        /// Leave out these parts, which move rigidly, such as armour; names as for --cloth. Without --cloth, all other parts
+        /// are cloth.
+        pub rigid: Vec<Pattern> = Vec::new() => "rigid" [""] Range::Any;
+    }
+}
+
+/// How a part of a file is used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// Becomes images.
+    Cloth,
+    /// A body or a part of one: left out.
+    Body,
+    /// Moves rigidly, such as armour or a staff: left out.
+    Rigid,
+    /// Not named by --cloth: left out.
+    Other,
+}
+
+impl Role {
+    /// Its name, in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Role::Cloth => "cloth",
+            Role::Body => "body",
+            Role::Rigid => "rigid",
+            Role::Other => "other",
+        }
+    }
+}
+
+/// The role of a part, and why it has that role.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Verdict {
+    /// The role.
+    pub role: Role,
+    /// The role that it looks like; another than `role` only where nothing in a skinned file looks like cloth.
+    pub looks_like: Role,
+    /// The reason in a few words, such as `name has "cape"`; empty if there is no choice to explain.
+    pub reason: String,
+}
+
+impl Verdict {
+    fn new(role: Role, reason: impl Into<String>) -> Self {
+        Self { role, looks_like: role, reason: reason.into() }
+    }
+}
+
+/// The parts of a mesh that become cloth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selected {
+    /// The mesh without the other parts; the same mesh if all parts are cloth.
+    pub mesh: Mesh,
+    /// The parts left out, as findings.
+    pub findings: Vec<Finding>,
+}
+
+/// The role of each part of an imported mesh, in the order of [`Mesh::parts`]. O(triangles + parts x patterns).
+///
+/// Errors: [`Error::Option`] if a pattern matches no part (it lists the names that exist), if two flags choose one part, or if
+/// nothing is left as cloth.
+pub fn roles(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
+    let chosen = [
+        ("cloth", &options.cloth, Role::Cloth),
+        ("body", &options.body, Role::Body),
+        ("rigid", &options.rigid, Role::Rigid),
+    ];
+    if chosen.iter().all(|(_, patterns, _)| patterns.is_empty()) {
+        let all = Verdict::new(Role::Cloth, "");
+        return Ok(rule::verdicts(mesh).unwrap_or_else(|| vec![all; mesh.parts.len()]));
+    }
+    for (option, patterns, _) in chosen {
+        if let Some(unmet) = patterns.iter().find(|p| !mesh.parts.iter().any(|part| p.matches_part(part))) {
+            let problem = format!("no node, mesh or material matches `{unmet}`");
+            return Err(Error::Option { option: option.into(), problem, hint: names(&mesh.parts) });
+        }
+    }
+    let rest = if options.cloth.is_empty() { Role::Cloth } else { Role::Other };
+    let mut verdicts = Vec::with_capacity(mesh.parts.len());
+    for part in &mesh.parts {
+        let mut verdict: Option<(&str, Verdict)> = None;
+        for (option, patterns, role) in chosen {
+            let Some(pattern) = patterns.iter().find(|p| p.matches_part(part)) else { continue };
+            if let Some((first, _)) = verdict {
+                return Err(Error::Option {
+                    option: option.into(),
+                    problem: format!("`{pattern}` matches {}, which --{first} chooses too", label(part)),
+                    hint: "give patterns that share no part".into(),
+                });
+            }
+            verdict = Some((option, Verdict::new(role, format!("--{option} {pattern}"))));
+        }
+        let other = || Verdict::new(rest, "");
+        verdicts.push(verdict.map_or_else(other, |(_, verdict)| verdict));
+    }
+    if !mesh.triangle_part.iter().any(|&p| verdicts[p as usize].role == Role::Cloth) {
+        let problem = "no part is left that is cloth".to_owned();
+        let hint = format!("name the cloth with --cloth: {}", names(&mesh.parts));
+        return Err(Error::Option { option: "cloth".into(), problem, hint });
+    }
+    Ok(verdicts)
+}
+
+/// Leaves out the parts that are not cloth, and reports them. Errors: those of [`roles`].
+pub fn select(mesh: Mesh, options: &SelectOptions) -> Result<Selected> {
+    let verdicts = roles(&mesh, options)?;
+    let findings = findings(&mesh, &verdicts, options);
+    let keep: Vec<bool> = verdicts.iter().map(|v| v.role == Role::Cloth).collect();
+    let mesh = if keep.iter().all(|k| *k) { mesh } else { keep::keeping(mesh, &keep) };
+    Ok(Selected { mesh, findings })
+}
+
+/// The finding about a choice; none if all parts are cloth and look like it.
+pub(crate) fn findings(mesh: &Mesh, verdicts: &[Verdict], options: &SelectOptions) -> Vec<Finding> {
+    let asked = !(options.cloth.is_empty() && options.body.is_empty() && options.rigid.is_empty());
+    let of = |p: &u32| &verdicts[*p as usize];
+    if mesh.triangle_part.iter().any(|p| of(p).role != Role::Cloth) {
+        vec![report::left_out(mesh, verdicts, asked)]
+    } else if mesh.triangle_part.iter().any(|p| of(p).looks_like != Role::Cloth) {
+        vec![report::no_cloth(mesh, verdicts)]
+    } else {
+        Vec::new()
+    }
+}
+
+#[cfg(test)]
+mod tests;

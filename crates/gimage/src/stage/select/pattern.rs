@@ -1,0 +1,99 @@
+//! Names with `*`, as the flags --cloth, --body and --rigid take them.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::base::mesh::Part;
+use crate::error::{Error, Result};
+
+/// A name of a node, mesh or material; `*` stands for any text. Letter case is ignored.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pattern(String);
+
+impl Pattern {
+    /// Whether a name matches. O(length of the pattern x length of the name).
+    pub fn matches(&self, name: &str) -> bool {
+        let (pattern, name): (Vec<char>, Vec<char>) = (lower(&self.0), lower(name));
+        let (mut p, mut n) = (0, 0);
+        // The last `*`, and the first character of the name that it does not take.
+        let mut star: Option<(usize, usize)> = None;
+        while n < name.len() {
+            match pattern.get(p) {
+                Some('*') => {
+                    star = Some((p, n));
+                    p += 1;
+                }
+                Some(c) if *c == name[n] => (p, n) = (p + 1, n + 1),
+                _ => match star {
+                    Some((at, taken)) => {
+                        star = Some((at, taken + 1));
+                        (p, n) = (at + 1, taken + 1);
+                    }
+                    None => return false,
+                },
+            }
+        }
+        pattern[p..].iter().all(|c| *c == '*')
+    }
+
+    /// Whether the node, the mesh or the material of a part matches.
+    pub fn matches_part(&self, part: &Part) -> bool {
+        [&part.node, &part.mesh, &part.material].iter().any(|name| self.matches(name))
+    }
+}
+
+fn lower(text: &str) -> Vec<char> {
+    text.chars().flat_map(char::to_lowercase).collect()
+}
+
+impl fmt::Display for Pattern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl FromStr for Pattern {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        if text.is_empty() {
+            return Err(Error::Option {
+                option: "cloth, body or rigid".into(),
+                problem: "a name is empty".into(),
+                hint: "give a name of a node, mesh or material, or a pattern such as Mage_*".into(),
+            });
+        }
+        Ok(Self(text.into()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stars_stand_for_any_text() {
+        let matches = |pattern: &str, name: &str| pattern.parse::<Pattern>().unwrap().matches(name);
+        for (pattern, name) in [
+            ("Mage_Cape", "Mage_Cape"),
+            ("mage_cape", "Mage_Cape"),
+            ("*", ""),
+            ("*", "anything"),
+            ("*Cape", "Mage_Cape"),
+            ("Mage*", "Mage_Cape"),
+            ("*ag*ap*", "Mage_Cape"),
+            ("a*b*c", "aXbXbXc"),
+            ("**", "x"),
+            ("ÜBER*", "überrock"),
+        ] {
+            assert!(matches(pattern, name), "{pattern} {name}");
+        }
+        for (pattern, name) in
+            [("Cape", "Mage_Cape"), ("*Cap", "Mage_Cape"), ("Mage?", "Mages"), ("a*b", "abc"), ("x*", "")]
+        {
+            assert!(!matches(pattern, name), "{pattern} {name}");
+        }
+        assert!("".parse::<Pattern>().is_err());
+        assert_eq!("Mage_*".parse::<Pattern>().unwrap().to_string(), "Mage_*");
+    }
+}

@@ -1,0 +1,137 @@
+use super::*;
+use crate::base::mesh::{Channel, Joint, Part, Semantic, Skeleton};
+use crate::record::Severity;
+
+/// One triangle per part, each named as told; weights of two joints per part, or none.
+fn mesh(parts: &[(&str, &str, Option<[f32; 4]>)]) -> Mesh {
+    let n = parts.len() as u32;
+    let corners = |k: u32| [[0., 0.], [1., 0.], [0., 1.]].map(|[x, y]| [x + 2.0 * f64::from(k), y, 0.0]);
+    let joint = Joint { name: String::new(), parent: None, inverse_bind: [0.0; 16], world: [0.0; 16] };
+    let values = |semantic, f: &dyn Fn(usize) -> [f32; 4]| Channel {
+        semantic,
+        width: 4,
+        values: (0..parts.len()).flat_map(f).collect(),
+        corners: (0..3 * n).map(|c| parts[c as usize / 3].2.map_or(crate::base::mesh::NONE, |_| c / 3)).collect(),
+    };
+    let part = |&(node, material, _): &(&str, &str, Option<[f32; 4]>)| Part {
+        node: node.into(),
+        material: material.into(),
+        ..Part::default()
+    };
+    let mut channels = vec![
+        values(Semantic::Joints(0), &|_| [0.0, 1.0, 2.0, 3.0]),
+        values(Semantic::Weights(0), &|k| parts[k].2.unwrap_or_default()),
+    ];
+    channels.retain(|c| c.corners.iter().any(|&k| k != crate::base::mesh::NONE));
+    Mesh {
+        positions: (0..n).flat_map(corners).collect(),
+        triangles: (0..n).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
+        triangle_part: (0..n).collect(),
+        parts: parts.iter().map(part).collect(),
+        skeleton: Skeleton { joints: vec![joint; if channels.is_empty() { 0 } else { 7 }] },
+        channels,
+    }
+}
+
+const ONE: Option<[f32; 4]> = Some([1.0, 0.0, 0.0, 0.0]);
+const TWO: Option<[f32; 4]> = Some([0.5, 0.5, 0.0, 0.0]);
+const THREE: Option<[f32; 4]> = Some([0.4, 0.3, 0.3, 0.0]);
+const FOUR: Option<[f32; 4]> = Some([0.25; 4]);
+
+fn patterns(list: &[&str]) -> Vec<Pattern> {
+    list.iter().map(|p| p.parse().unwrap()).collect()
+}
+
+fn of(cloth: &[&str], body: &[&str], rigid: &[&str]) -> SelectOptions {
+    SelectOptions { cloth: patterns(cloth), body: patterns(body), rigid: patterns(rigid) }
+}
+
+#[test]
+fn the_rule_reads_names_then_joints() {
+    let mesh = mesh(&[
+        ("Mage_Cape", "atlas", None),
+        ("Mage_Head", "atlas", TWO),
+        ("Object_1", "Shirt", ONE),
+        ("Object_2", "", ONE),
+        ("Object_3", "", THREE),
+        ("Object_4", "", FOUR),
+        ("Object_5", "", None),
+    ]);
+    let roles: Vec<Role> = roles(&mesh, &SelectOptions::default()).unwrap().iter().map(|v| v.role).collect();
+    use Role::*;
+    assert_eq!(roles, [Cloth, Body, Cloth, Rigid, Cloth, Body, Rigid]);
+}
+
+#[test]
+fn files_without_a_skin_stay_as_they_are() {
+    let plain = mesh(&[("Head", "", None), ("Staff", "", None)]);
+    let selected = select(plain.clone(), &SelectOptions::default()).unwrap();
+    assert_eq!((selected.mesh, selected.findings), (plain, Vec::new()));
+    let single = mesh(&[("Head", "", TWO)]);
+    let selected = select(single.clone(), &SelectOptions::default()).unwrap();
+    assert_eq!((selected.mesh, selected.findings), (single, Vec::new()));
+}
+
+#[test]
+fn a_skinned_file_without_cloth_is_built_whole_with_a_warning() {
+    let all = mesh(&[("Head", "", TWO), ("Staff", "", ONE)]);
+    let selected = select(all.clone(), &SelectOptions::default()).unwrap();
+    assert_eq!(selected.mesh, all);
+    let finding = &selected.findings[0];
+    assert_eq!((finding.kind, finding.count, finding.severity), ("no-cloth", 2, Severity::Warning));
+    assert_eq!(finding.examples[1], "Staff looks like rigid (name has \"staff\")");
+}
+
+#[test]
+fn flags_choose_by_node_and_material_and_the_rest_is_reported() {
+    let all = mesh(&[("Cape", "red", None), ("Head", "skin", TWO), ("Staff", "wood", ONE)]);
+    let names = |options: &SelectOptions| {
+        let selected = select(all.clone(), options).unwrap();
+        let names = selected.mesh.parts.iter().map(|p| p.node.clone()).collect::<Vec<_>>().join(" ");
+        (names, selected.findings.iter().map(|f| f.message.clone()).collect::<Vec<_>>().join(" "))
+    };
+    assert_eq!(
+        names(&of(&["c*"], &["SKIN"], &[])),
+        ("Cape".into(), "2 parts (2 triangles) left out; cloth: Cape; body: Head; other: Staff.".into())
+    );
+    let (kept, said) = names(&of(&[], &[], &["Staff"]));
+    assert_eq!(
+        (kept.as_str(), said.as_str()),
+        ("Cape Head", "1 part (1 triangle) left out; cloth: Cape, Head; rigid: Staff.")
+    );
+    assert_eq!(names(&of(&["*"], &[], &[])), ("Cape Head Staff".into(), String::new()));
+    let (kept, said) = names(&SelectOptions::default());
+    assert!(kept == "Cape" && said.contains("body: Head; rigid: Staff") && said.contains("--cloth"), "{said}");
+}
+
+#[test]
+fn the_kept_mesh_has_its_own_vertices_and_values() {
+    let all = mesh(&[("Head", "", ONE), ("Cape", "", TWO), ("Staff", "", None)]);
+    let kept = select(all.clone(), &of(&["Cape"], &[], &[])).unwrap().mesh;
+    assert_eq!((kept.triangles.clone(), kept.triangle_part.clone(), kept.parts.len()), (vec![[0, 1, 2]], vec![0], 1));
+    assert_eq!(kept.positions, all.positions[3..6]);
+    let weights = kept.channel(&Semantic::Weights(0)).unwrap();
+    assert_eq!((weights.at(0, 2), weights.corners.len()), (Some(&[0.5, 0.5, 0.0, 0.0][..]), 3));
+    let bare = select(all, &of(&["Staff"], &[], &[])).unwrap().mesh;
+    assert!(bare.channels.is_empty());
+}
+
+#[test]
+fn impossible_choices_are_typed_errors_that_help() {
+    let all = mesh(&[("Cape", "red", None), ("Head", "skin", TWO)]);
+    let error = |options: &SelectOptions| {
+        let error = select(all.clone(), options).unwrap_err();
+        assert!(matches!(error, Error::Option { .. }));
+        error.to_string()
+    };
+    assert_eq!(
+        error(&of(&["Cape"], &["Hed*"], &[])),
+        "option body: no node, mesh or material matches `Hed*`; choose from `Cape`, `red`, `Head`, `skin`"
+    );
+    assert!(error(&of(&["Cape"], &[], &["red"])).contains("`red` matches Cape, which --cloth chooses too"));
+    assert!(error(&of(&[], &["*"], &[])).contains("no part is left that is cloth"));
+    let many: Vec<String> = (0..40).map(|k| format!("n{k}")).collect();
+    let parts: Vec<_> = many.iter().map(|n| (n.as_str(), "", None)).collect();
+    let text = select(mesh(&parts), &of(&["x"], &[], &[])).unwrap_err().to_string();
+    assert!(text.contains("`n29`, ...") && !text.contains("`n30`"), "{text}");
+}
