@@ -88,19 +88,11 @@ pub struct BuildArgs {
     #[arg(long, help = help_of("piece"), value_name = "NAME")]
     pub piece: Vec<String>,
     #[command(flatten)]
-    pub choice: ChoiceArgs,
+    pub read: ReadArgs,
     #[arg(long, help = help_of("pin"), value_name = "EXPR")]
     pub pin: Vec<Pin>,
     #[arg(long, help = help_of("limit"), value_name = "EXPR=METRES")]
     pub limit: Vec<Limit>,
-    #[arg(long, help = help_of("unit"), value_name = "METRES", value_parser = number("unit"), allow_negative_numbers = true)]
-    pub unit: Option<f64>,
-    #[arg(long, help = help_of("up"), value_name = "AXIS", allow_hyphen_values = true)]
-    pub up: Option<Up>,
-    #[arg(long, help = help_of("center"))]
-    pub center: bool,
-    #[arg(long, help = help_of("weld"), value_name = "METRES", value_parser = number("weld"), allow_negative_numbers = true)]
-    pub weld: Option<f64>,
     #[arg(long, help = help_of("accessory-area"), value_name = "SHARE", allow_negative_numbers = true)]
     pub accessory_area: Option<f64>,
     #[arg(long, help = help_of("rest"), value_parser = choice::<RestLength>())]
@@ -127,15 +119,23 @@ pub struct BuildArgs {
     pub force: bool,
 }
 
-/// The parts of a file that become cloth: `gimage build` and `gimage list`.
+/// How a file is read, and its parts that become cloth: `gimage build` and `gimage list`.
 #[derive(Debug, Args)]
-pub struct ChoiceArgs {
+pub struct ReadArgs {
     #[arg(long, help = help_of("cloth"), value_name = "NAME,...", value_delimiter = ',')]
     pub cloth: Vec<Pattern>,
     #[arg(long, help = help_of("body"), value_name = "NAME,...", value_delimiter = ',')]
     pub body: Vec<Pattern>,
     #[arg(long, help = help_of("rigid"), value_name = "NAME,...", value_delimiter = ',')]
     pub rigid: Vec<Pattern>,
+    #[arg(long, help = help_of("unit"), value_name = "METRES", value_parser = number("unit"), allow_negative_numbers = true)]
+    pub unit: Option<f64>,
+    #[arg(long, help = help_of("up"), value_name = "AXIS", allow_hyphen_values = true)]
+    pub up: Option<Up>,
+    #[arg(long, help = help_of("center"))]
+    pub center: bool,
+    #[arg(long, help = help_of("weld"), value_name = "METRES", value_parser = number("weld"), allow_negative_numbers = true)]
+    pub weld: Option<f64>,
 }
 
 /// `gimage list`.
@@ -145,15 +145,7 @@ pub struct ListArgs {
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     #[command(flatten)]
-    pub choice: ChoiceArgs,
-    #[arg(long, help = help_of("unit"), value_name = "METRES", value_parser = number("unit"), allow_negative_numbers = true)]
-    pub unit: Option<f64>,
-    #[arg(long, help = help_of("up"), value_name = "AXIS", allow_hyphen_values = true)]
-    pub up: Option<Up>,
-    #[arg(long, help = help_of("center"))]
-    pub center: bool,
-    #[arg(long, help = help_of("weld"), value_name = "METRES", value_parser = number("weld"), allow_negative_numbers = true)]
-    pub weld: Option<f64>,
+    pub read: ReadArgs,
     /// Print one JSON object instead of tables.
     #[arg(long)]
     pub json: bool,
@@ -364,17 +356,12 @@ impl Cli {
 impl BuildArgs {
     /// The options of the library; omitted ones keep their defaults. The library checks the ranges.
     pub fn options(&self) -> BuildOptions {
-        let mut options = BuildOptions::default();
+        let mut options = self.read.options();
         let size = (self.size.map(|(w, h)| ImageSize::Exact(w, h)))
             .or(self.spacing.map(ImageSize::Spacing))
             .or(self.texels.map(ImageSize::Texels));
         set(&mut options.image.size, size);
-        set(&mut options.import.unit, self.unit);
-        set(&mut options.import.up, self.up);
-        options.import.center = self.center;
         options.import.pieces.clone_from(&self.piece);
-        options.select = self.choice.options();
-        options.repair.weld = self.weld.or(options.repair.weld);
         set(&mut options.component.accessory_area, self.accessory_area);
         set(&mut options.mass.density, self.density);
         options.assemble.pins.clone_from(&self.pin);
@@ -390,22 +377,23 @@ impl BuildArgs {
     }
 }
 
-impl ChoiceArgs {
-    fn options(&self) -> SelectOptions {
-        SelectOptions { cloth: self.cloth.clone(), body: self.body.clone(), rigid: self.rigid.clone() }
+impl ReadArgs {
+    fn options(&self) -> BuildOptions {
+        let mut options = BuildOptions::default();
+        set(&mut options.import.unit, self.unit);
+        set(&mut options.import.up, self.up);
+        options.import.center = self.center;
+        options.select =
+            SelectOptions { cloth: self.cloth.clone(), body: self.body.clone(), rigid: self.rigid.clone() };
+        options.repair.weld = self.weld.or(options.repair.weld);
+        options
     }
 }
 
 impl ListArgs {
     /// The options of a build that reads the file in this way.
     pub fn options(&self) -> BuildOptions {
-        let mut options = BuildOptions::default();
-        set(&mut options.import.unit, self.unit);
-        set(&mut options.import.up, self.up);
-        options.import.center = self.center;
-        options.select = self.choice.options();
-        options.repair.weld = self.weld.or(options.repair.weld);
-        options
+        self.read.options()
     }
 }
 
