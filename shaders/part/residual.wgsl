@@ -1,5 +1,5 @@
-// Residual of a spring: its stretch, less what its compliance accounts for. 0 where there is no spring, or
-// none that can move.
+// Residual of a spring: its stretch minus the share of its compliance. 0 where no spring exists, or where it
+// cannot move.
 fn residual(grid: u32, k: u32, other: u32, direction: u32) -> f32 {
   let a = now[k];
   let b = now[other];

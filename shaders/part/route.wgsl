@@ -108,9 +108,9 @@ fn through(e: vec4<u32>) -> f32 {
   return unfold(away[e.x], away[e.y], ab, long[e.x], long[e.y]);
 }
 
-// Support of a tether. 0: particles nearer to its pin that hang on that pin too, by way of which it is no longer than
-// the tether, along a spring or through a triangle; a share of 1e-4 is rounding. Else, beside pins that share the cloth,
-// ways may lead between particles that hang on others: UNSUPPORTED less what there is of springs, triangles and nearer
+// Support of a tether. 0: particles nearer to its pin hang on that pin too, and the path through them, along a spring or
+// across a triangle, is at most as long as the tether; a share of 1e-4 is rounding. Else, beside pins that share the cloth,
+// paths may lead between particles that hang on others: UNSUPPORTED minus the number of springs, triangles and nearer
 // particles around it; UNSUPPORTED if no particle is nearer.
 fn support(k: u32, tether: vec2<u32>, group: u32) -> u32 {
   let own = bitcast<f32>(tether.y);

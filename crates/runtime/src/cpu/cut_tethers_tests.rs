@@ -101,8 +101,8 @@ fn truth(cloth: &Cloth, body: &Body<f32>, pin: usize) -> (Vec<f64>, Vec<f64>) {
     (exact, points.iter().map(|p| far[*p as usize]).collect())
 }
 
-/// Conditions on every tether, whatever was cut: it is no shorter than the way to its pin, no longer than the
-/// shortest way to any of its group along springs, there if there is one, and the same for duplicates.
+/// Conditions on every tether after any cut: its length is at least that of the path to its pin and at most that of the shortest
+/// path along springs to any pin of its group; it exists if such a path does; duplicates have equal tethers.
 fn is_true(cloth: &Cloth, body: &Body<f32>, name: &str) -> usize {
     let held = held(body);
     let mut pins: Vec<(u32, u32)> = held.anchors.iter().copied().zip(held.groups.iter().copied()).collect();

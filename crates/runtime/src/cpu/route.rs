@@ -113,9 +113,9 @@ impl<T: Real> Held<T> {
         })
     }
 
-    /// Support of tether `t` of texel `k`. 0: particles nearer to its pin that hang on that pin too, by way of which
-    /// it is no longer than the tether, along a spring or through a triangle. Else, beside pins that share the cloth, ways
-    /// may lead between particles that hang on others: [`UNSUPPORTED`] less what there is of springs, triangles and nearer
+    /// Support of tether `t` of texel `k`. 0: particles nearer to its pin hang on that pin too, and the path through them,
+    /// along a spring or across a triangle, is at most as long as the tether. Else, beside pins that share the cloth, paths
+    /// may lead between particles that hang on others: [`UNSUPPORTED`] minus the number of springs, triangles and nearer
     /// particles around it; [`UNSUPPORTED`] if no particle is nearer.
     pub fn support(&self, rest: &[[T; 4]], most: &[T], k: usize, t: usize) -> u32 {
         let (anchor, own) = (self.anchors[t], most[t]);

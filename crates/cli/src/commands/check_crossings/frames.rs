@@ -70,7 +70,8 @@ impl Frames {
         for cloth in &self.cloths {
             let mut positions = Vec::with_capacity(cloth.len());
             for (grid, stem) in cloth.grids().iter().zip(&mut stems) {
-                let path = files.get(stem).ok_or_else(|| refused(format!("there is no image of piece {stem}")))?;
+                let path =
+                    files.get(stem).ok_or_else(|| refused(format!("the frame lacks an image of piece {stem}")))?;
                 let name = path.display().to_string();
                 let image = decode_exr_sized(&name, &bytes(path)?, grid.width, grid.height, &[4]);
                 let texels = texels(&image.map_err(|e| refused(e.to_string()))?);

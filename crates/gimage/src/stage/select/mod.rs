@@ -67,7 +67,7 @@ pub struct Verdict {
     pub role: Role,
     /// The role that it looks like; another than `role` only where nothing in a skinned file looks like cloth.
     pub looks_like: Role,
-    /// The reason in a few words, such as `name has "cape"`; empty if there is no choice to explain.
+    /// The reason in a few words, such as `name has "cape"`; empty where all parts are cloth without a choice.
     pub reason: String,
 }
 
