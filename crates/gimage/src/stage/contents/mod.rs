@@ -159,18 +159,22 @@ pub fn contents(path: &Path, imported: Imported, options: &BuildOptions) -> Resu
     })
 }
 
-/// The parts in the order in which their names occur first.
+/// The parts in the order in which they occur first; parts of one name, material and role are one.
 fn part_entries(names: &[Part], verdicts: Vec<Verdict>, sizes: &[Bounded], following: &[Following]) -> Vec<PartEntry> {
     let mut out: Vec<PartEntry> = Vec::new();
-    let mut at: BTreeMap<(&str, &str, u32), usize> = BTreeMap::new();
+    let mut whole: Vec<Bounded> = Vec::new();
+    let mut at: BTreeMap<(&str, &str, &str, u32, Role), usize> = BTreeMap::new();
     for (k, (part, verdict)) in names.iter().zip(verdicts).enumerate() {
-        let index = *at.entry((&part.node, &part.mesh, part.primitive)).or_insert(out.len());
+        let name = (&*part.node, &*part.mesh, &*part.material, part.primitive, verdict.role);
+        let index = *at.entry(name).or_insert(out.len());
         if let Some(entry) = out.get_mut(index) {
             entry.copies += 1;
-            entry.size = Bounded(Some(entry.size)).joined(sizes[k]).finish();
+            whole[index] = whole[index].joined(sizes[k]);
+            entry.size = whole[index].finish();
             entry.joints = entry.joints.max(following[k].joints);
             continue;
         }
+        whole.push(sizes[k]);
         out.push(PartEntry {
             node: part.node.clone(),
             mesh: part.mesh.clone(),

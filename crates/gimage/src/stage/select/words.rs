@@ -16,13 +16,22 @@ const RIGID: &str = "amulet armor armour arrow axe backpack badge bag bandolier 
     lantern mask mug necklace pauldron pauldrons pendant pistol pouch pumpkin quiver rifle ring sandal sandals satchel \
     scabbard sheath shield shoe shoes sneakers socket spear spellbook staff stick sword wand weapon zip zipper";
 
-/// Shortest word that is also found at the end of a longer one, as `book` in `spellbook`.
+/// Shortest word for cloth that is also found at the end of a longer one, as `dress` in `nightdress`.
 const SHORTEST_ENDING: usize = 4;
 
+/// Words for rigid parts that are also found there. Others end ordinary words, as `ring` in `drawstring` and `tail` in `detail`.
+const RIGID_ENDINGS: &str = "armor armour book boots gloves shoes sword";
+
 /// The role that the last word of a name with a known meaning tells, and that word. Words end at digits, marks and
-/// capital letters: `Wolf3D_OutfitTop` is wolf, d, outfit, top. The last one counts, as in `Body_Armor`.
+/// capital letters: `Wolf3D_OutfitTop` is wolf, d, outfit, top. The last one counts, as in `Body_Armor`, but a word for cloth
+/// before one for a body, as in `Shirt_Body`: the garment's part that covers it.
 pub(super) fn role(name: &str) -> Option<(Role, String)> {
-    words(name).into_iter().rev().find_map(|word| meaning(&word).map(|role| (role, word)))
+    let mut told = words(name).into_iter().rev().filter_map(|word| meaning(&word).map(|role| (role, word)));
+    let last = told.next()?;
+    match last.0 {
+        Role::Body => Some(told.find(|(role, _)| *role == Role::Cloth).unwrap_or(last)),
+        _ => Some(last),
+    }
 }
 
 fn meaning(word: &str) -> Option<Role> {
@@ -30,8 +39,9 @@ fn meaning(word: &str) -> Option<Role> {
     let exact = lists.iter().find(|(list, _)| list.split_whitespace().any(|known| known == word));
     // The longest ending: `nightdress` ends in `dress`.
     let ending = || {
-        let known = lists.iter().flat_map(|(list, role)| list.split_whitespace().map(move |known| (known, *role)));
-        let ends = known.filter(|(known, _)| known.len() >= SHORTEST_ENDING && word.ends_with(known));
+        let cloth = CLOTH.split_whitespace().filter(|known| known.len() >= SHORTEST_ENDING).map(|w| (w, Role::Cloth));
+        let known = cloth.chain(RIGID_ENDINGS.split_whitespace().map(|w| (w, Role::Rigid)));
+        let ends = known.filter(|(known, _)| word.ends_with(known));
         ends.max_by_key(|(known, _)| known.len()).map(|(_, role)| role)
     };
     exact.map(|(_, role)| *role).or_else(ending)
@@ -78,6 +88,14 @@ mod tests {
             ("mage_texture", None),
             ("default001_A_0", None),
             ("charm", None),
+            ("nightdress", Some(Role::Cloth)),
+            ("Coat_Detail", Some(Role::Cloth)),
+            ("Cape_Surface", Some(Role::Cloth)),
+            ("Dress_String", Some(Role::Cloth)),
+            ("Hood_Drawstring", None),
+            ("Chair", None),
+            ("Shirt_Body", Some(Role::Cloth)),
+            ("Shirt_Button", Some(Role::Rigid)),
             ("", None),
         ] {
             assert_eq!(role(name).map(|r| r.0), is, "{name}");
