@@ -99,8 +99,11 @@ impl Checked {
         let crossed = self.frames.iter().filter(|(_, found)| found.total() > 0).count();
         let most = self.frames.iter().map(|(_, found)| found.total()).max().unwrap_or(0);
         let deepest = self.frames.iter().map(|(_, found)| found.deepest).fold(0.0, f64::max);
+        let lost = self.frames.iter().map(|(_, found)| found.not_finite).max().unwrap_or(0);
+        let lost =
+            if lost > 0 { format!("; up to {lost} particles are not finite and not checked") } else { String::new() };
         let path = &self.path;
-        match (self.frames.as_slice(), crossed) {
+        let crossings = match (self.frames.as_slice(), crossed) {
             ([(None, _)], 0) => format!("{path}: no crossings at rest"),
             ([(None, _)], _) => format!("{path}: {most} pairs cross at rest, {:.3} mm deep", 1e3 * deepest),
             (frames, 0) => format!("{path}: no crossings in {} frames", frames.len()),
@@ -109,7 +112,8 @@ impl Checked {
                 frames.len(),
                 1e3 * deepest
             ),
-        }
+        };
+        crossings + &lost
     }
 
     fn words(&self, place: &Place) -> String {

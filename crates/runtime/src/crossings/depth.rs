@@ -1,14 +1,15 @@
 //! The shortest translation that separates two triangles.
 
 use super::exact::Point;
+use crate::number::real::{cross, dot, sub};
 
 /// The length \[m\] of the shortest translation of one of two triangles after which their interiors share no point; 0 for triangles in one plane
 /// and triangles that do not meet. By separating axes: the normals of both and the cross products of their edges. In f64, with rounding.
 pub fn depth(a: &[Point; 3], b: &[Point; 3]) -> f64 {
     // Differences of coordinates round less than products of coordinates far from the origin.
     let origin = a[0];
-    let [a, b] = [a, b].map(|t| t.map(|p| minus(p, origin)));
-    let edges = |t: &[Point; 3]| [0, 1, 2].map(|k| minus(t[(k + 1) % 3], t[k]));
+    let [a, b] = [a, b].map(|t| t.map(|p| sub(p, origin)));
+    let edges = |t: &[Point; 3]| [0, 1, 2].map(|k| sub(t[(k + 1) % 3], t[k]));
     let (of_a, of_b) = (edges(&a), edges(&b));
     let mut least = f64::INFINITY;
     let mut along = |axis: Point, scale: f64| {
@@ -34,16 +35,4 @@ pub fn depth(a: &[Point; 3], b: &[Point; 3]) -> f64 {
 fn extent(t: &[Point; 3], axis: Point) -> [f64; 2] {
     let along = t.map(|p| dot(p, axis));
     [along.iter().copied().fold(f64::INFINITY, f64::min), along.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
-}
-
-fn minus(a: Point, b: Point) -> Point {
-    [0, 1, 2].map(|c| a[c] - b[c])
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [0, 1, 2].map(|c| a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3])
 }
