@@ -26,8 +26,10 @@ pub enum Support {
     TetheredOnColliders,
     /// It hangs from pins by its springs alone.
     Springs,
-    /// No pin holds it: it falls on colliders, or lies on them.
+    /// No pin holds it: it lies on colliders.
     OnColliders,
+    /// No pin holds it: it falls on colliders, and meets them at this speed \[m/s\].
+    Falls(f64),
     /// It meets a collider at this speed \[m/s\].
     Fast(f64),
 }
@@ -47,7 +49,8 @@ pub enum Support {
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
 /// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
 /// | colliders, no pins | 12 sqrt(N / 64), of a material 48 | 8 | a T-shirt on moving arms: p99 4 % at N = 64, 5 % at 128 |
-/// | colliders at speed v \[m/s\] | in a step, v moves at most a twentieth of the thinnest collider's radius | 8 | scene s2f |
+/// | the same, falling on them at more than 1 m/s | 25 sqrt(N / 64) | 3 | scene s2: see `docs/solvers.md` |
+/// | colliders at speed v \[m/s\] | in a step, v moves at most a tenth of the thinnest collider's radius | 8 | scene s2f |
 ///
 /// The choice is made again when a cloth loses its last pin, and when the first collider comes. A cloth that is added raises the
 /// numbers if it asks for more ([`crate::Stepper::add_cloth`]). Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
@@ -88,6 +91,7 @@ impl fmt::Display for Choice {
             Support::TetheredOnColliders => "hangs from pins among colliders".to_owned(),
             Support::Springs => "hangs from pins by its springs alone".to_owned(),
             Support::OnColliders => "lies on colliders and no pin holds it".to_owned(),
+            Support::Falls(speed) => format!("falls on colliders at {speed:.1} m/s"),
             Support::Fast(speed) => format!("meets a collider at {speed:.1} m/s"),
         };
         write!(f, ": {chosen}, as cloth '{name}' {because}")
@@ -107,9 +111,14 @@ const MAX_SUBSTEPS: u32 = 64;
 /// Substeps of cloth that asks for nothing.
 const FREE_SUBSTEPS: u32 = 8;
 /// Largest share of a collider's radius that fast cloth moves in a step.
-const FAST_SHARE: f64 = 0.05;
+const FAST_SHARE: f64 = 0.1;
 /// Rounds of polish of cloth that meets a collider fast.
 const FAST_POLISH: u32 = 8;
+/// Speed \[m/s\] from which a fall on colliders counts, its substeps at N = 64, and its rounds. A slap presses cells together where
+/// steps are long, and further rounds press them more.
+const FALLS: f64 = 1.0;
+const FALL_SUBSTEPS: f64 = 25.0;
+const FALL_POLISH: u32 = 3;
 
 /// Slack of tethers to a row of pins: more than springs yield there, so that tethers hold only what tears.
 const ROW_SLACK: f32 = 1.03;
@@ -250,6 +259,9 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
         }
         (true, true, true) => (scaled(if sheet { 16.0 } else { 12.0 }), 4, Support::TetheredOnColliders),
         (true, false, _) => (scaled(16.0), 4, Support::Springs),
+        (false, _, true) if !sheet && fall(cloth, scene) > FALLS => {
+            (scaled(FALL_SUBSTEPS), FALL_POLISH, Support::Falls(fall(cloth, scene)))
+        }
         (false, _, true) => (scaled(if sheet { 48.0 } else { 12.0 }), 8, Support::OnColliders),
         (false, _, false) => (FREE_SUBSTEPS, 0, Support::Free),
     };
