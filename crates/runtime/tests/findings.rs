@@ -105,7 +105,7 @@ fn a_first_collider_and_a_lost_pin_are_reasons_to_choose_again() {
     stepper.set_colliders(vec![ball(0.2, [0.0; 3])]).unwrap();
     assert_eq!(chosen(&stepper), (9, 4, Support::TetheredOnColliders));
     stepper.set_pinned(0, 0, false).unwrap();
-    assert_eq!(chosen(&stepper), (9, 8, Support::OnColliders));
+    assert!(matches!(chosen(&stepper), (18, 3, Support::Falls(v)) if v > 1.0), "{:?}", chosen(&stepper));
     (0..60).for_each(|_| assert!(stepper.advance(FRAME).is_ok()));
     assert!(stepper.health(0).unwrap().0.stretch.unwrap().p99 < 0.05);
     // Numbers by hand stay.
