@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use gimage::colliders::{ColliderOptions, Kind};
 use gimage::gate::GateOptions;
 use gimage::import::Up;
 use gimage::limits::Limit;
@@ -54,6 +55,9 @@ pub enum Command {
     /// Simulate a scene and draw it: a PNG, or a GIF of many pictures.
     #[command(after_help = help::RENDER)]
     Render(RenderArgs),
+    /// Fit capsules, boxes and ellipsoids to the body of a character, for cloth to collide with.
+    #[command(after_help = help::FIT_COLLIDERS)]
+    FitColliders(FitCollidersArgs),
     /// Count triangles of cloth that cross, in dumped frames and in bundles at rest.
     #[command(after_help = help::CHECK_CROSSINGS)]
     CheckCrossings(CheckCrossingsArgs),
@@ -147,6 +151,34 @@ pub struct ListArgs {
     #[command(flatten)]
     pub read: ReadArgs,
     /// Print one JSON object instead of tables.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `gimage fit-colliders`.
+#[derive(Debug, Args)]
+pub struct FitCollidersArgs {
+    /// Character file: .glb, .gltf or .obj.
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// A scene file to write, with the colliders alone.
+    #[arg(short, long, value_name = "SCENE")]
+    pub output: Option<PathBuf>,
+    /// Distance that at most 5 % of the body may have from the colliders; they are divided until then.
+    #[arg(long, value_name = "METRES", default_value_t = 0.006, allow_negative_numbers = true)]
+    pub error: f64,
+    /// Largest number of colliders, beyond one per joint; 1 to 512.
+    #[arg(long, value_name = "N", default_value_t = 64, allow_negative_numbers = true)]
+    pub max: usize,
+    /// Shapes to choose from, separated by commas: sphere, capsule, box, ellipsoid [default: all].
+    #[arg(long, value_name = "SHAPE,...", value_delimiter = ',', value_parser = shape())]
+    pub shapes: Vec<Kind>,
+    #[command(flatten)]
+    pub read: ReadArgs,
+    /// Replace an existing file.
+    #[arg(long)]
+    pub force: bool,
+    /// Print one JSON object instead of a table.
     #[arg(long)]
     pub json: bool,
 }
@@ -343,6 +375,7 @@ impl Cli {
         match &self.command {
             Command::Build(args) => args.json,
             Command::List(args) => args.json,
+            Command::FitColliders(args) => args.json,
             Command::Inspect(args) | Command::Validate(args) => args.json,
             Command::Simulate(args) => args.json,
             Command::Render(args) => args.json,
@@ -378,7 +411,8 @@ impl BuildArgs {
 }
 
 impl ReadArgs {
-    fn options(&self) -> BuildOptions {
+    /// The options of a build that reads a file in this way.
+    pub fn options(&self) -> BuildOptions {
         let mut options = BuildOptions::default();
         set(&mut options.import.unit, self.unit);
         set(&mut options.import.up, self.up);
@@ -394,6 +428,17 @@ impl ListArgs {
     /// The options of a build that reads the file in this way.
     pub fn options(&self) -> BuildOptions {
         self.read.options()
+    }
+}
+
+impl FitCollidersArgs {
+    /// The options of the fit.
+    pub fn options(&self) -> ColliderOptions {
+        let mut kinds = self.shapes.clone();
+        kinds.sort_unstable();
+        kinds.dedup();
+        let kinds = if kinds.is_empty() { Kind::ALL.to_vec() } else { kinds };
+        ColliderOptions { error: self.error, count: self.max, kinds }
     }
 }
 
@@ -416,6 +461,12 @@ fn number(name: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
 fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
     let words = PossibleValuesParser::new(T::ALL.iter().map(|(name, _)| *name));
     words.try_map(|word| T::ALL.iter().find(|(name, _)| *name == word).map(|(_, value)| *value).ok_or("not a choice"))
+}
+
+/// Reads the name of a shape.
+fn shape() -> impl TypedValueParser<Value = Kind> {
+    let words = PossibleValuesParser::new(Kind::ALL.map(Kind::name));
+    words.try_map(|word| Kind::ALL.into_iter().find(|k| k.name() == word).ok_or("not a shape"))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

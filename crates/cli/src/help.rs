@@ -20,6 +20,7 @@ pub const TOP: &str = concat!(
     "  gimage reconstruct shirt.gim -o back.obj\n",
     "  gimage simulate s1 --frames 600\n",
     "  gimage render shirt.gim -o shirt.png\n",
+    "  gimage fit-colliders character.glb -o body.json\n",
     "  gimage check-crossings shirt.gim\n",
     "  gimage doctor\n\n",
     "Results go to stdout, messages to stderr. NO_COLOR turns colours off.",
@@ -122,6 +123,19 @@ pub const RENDER: &str = concat!(
     "software one. 4 samples per pixel. Without a camera, every picture shows all cloths and colliders. A still picture of a ",
     "bundle without pins, which would fall out of sight, shows its rest pose (default --time 0).",
     exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
+);
+
+/// Of `gimage fit-colliders`.
+pub const FIT_COLLIDERS: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage fit-colliders character.glb\n",
+    "  gimage fit-colliders character.glb -o body.json --shapes capsule --max 24\n",
+    "  gimage fit-colliders character.glb --body Body,Head --error 0.01 --json | jq .error\n\n",
+    "Parts that look like a body are fitted, see `gimage list`; --body chooses them by name. Colliders follow one joint each and ",
+    "are in the pose in which the file binds the mesh to its skeleton. Columns: the distance between the part of the body that a ",
+    "collider stands for and the surface of all colliders. The file of --output is a scene without cloth: `gimage render` draws ",
+    "it, and its colliders can be copied to other scenes.",
+    exit_codes!("done, but 5 % of the body are farther away than --error")
 );
 
 /// Of `gimage check-crossings`.

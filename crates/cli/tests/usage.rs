@@ -6,9 +6,19 @@ use common::Place;
 #[test]
 fn help_has_examples_and_exit_codes() {
     let place = Place::new();
-    for command in
-        ["", "build", "list", "inspect", "validate", "reconstruct", "simulate", "render", "check-crossings", "doctor"]
-    {
+    for command in [
+        "",
+        "build",
+        "list",
+        "inspect",
+        "validate",
+        "reconstruct",
+        "simulate",
+        "render",
+        "fit-colliders",
+        "check-crossings",
+        "doctor",
+    ] {
         for flag in ["--help", "-h"] {
             let run = place.run(&format!("{command} {flag}")).expect(&[0]);
             assert!(
@@ -43,6 +53,11 @@ fn bad_flags_exit_2_with_words_on_stderr_only() {
         "build tube.obj -o a.gim --body ,",
         "list",
         "list tube.obj --cloth skirt",
+        "fit-colliders",
+        "fit-colliders tube.obj --error 0",
+        "fit-colliders tube.obj --max 0",
+        "fit-colliders tube.obj --shapes cone",
+        "fit-colliders tube.obj --body nobody",
         "inspect",
         "reconstruct a.gim",
         "check-crossings",
@@ -63,6 +78,7 @@ fn a_missing_file_is_named() {
     for args in [
         "build no/such.obj -o a.gim",
         "list no/such.obj",
+        "fit-colliders no/such.obj",
         "inspect no/such.gim",
         "validate no/such.gim",
         "check-crossings no/such.gim",

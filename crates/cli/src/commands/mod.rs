@@ -7,6 +7,7 @@ mod device;
 pub mod doctor;
 mod engine;
 mod faults;
+pub mod fit_colliders;
 pub mod inspect;
 pub mod list;
 pub mod reconstruct;

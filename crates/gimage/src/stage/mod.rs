@@ -12,6 +12,8 @@ pub mod component;
 
 pub mod contents;
 
+pub mod colliders;
+
 // Each connected component: a surface.
 
 pub mod cut;

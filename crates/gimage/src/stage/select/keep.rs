@@ -27,7 +27,7 @@ pub(crate) fn apart(mesh: Mesh, verdicts: &[Verdict]) -> Vec<Group> {
 }
 
 /// The mesh with some of its parts only. Vertices, triangles and parts keep their order. O(n).
-pub(super) fn keeping(mut mesh: Mesh, keep: &[bool]) -> Mesh {
+pub(crate) fn keeping(mut mesh: Mesh, keep: &[bool]) -> Mesh {
     let kept: Vec<bool> = mesh.triangle_part.iter().map(|&p| keep[p as usize]).collect();
     let mut flags = kept.iter();
     mesh.triangles.retain(|_| flags.next().copied().unwrap_or(false));

@@ -15,7 +15,7 @@ use crate::options::{Range, stage_options};
 use crate::record::Finding;
 
 pub(crate) use facts::{Following, following};
-pub(crate) use keep::apart;
+pub(crate) use keep::{apart, keeping};
 pub use pattern::Pattern;
 use report::{label, names};
 
@@ -137,7 +137,7 @@ pub fn select(mesh: Mesh, options: &SelectOptions) -> Result<Selected> {
     let verdicts = roles(&mesh, options)?;
     let findings = findings(&mesh, &verdicts, options);
     let keep: Vec<bool> = verdicts.iter().map(|v| v.role == Role::Cloth).collect();
-    let mesh = if keep.iter().all(|k| *k) { mesh } else { keep::keeping(mesh, &keep) };
+    let mesh = if keep.iter().all(|k| *k) { mesh } else { keeping(mesh, &keep) };
     Ok(Selected { mesh, findings })
 }
 

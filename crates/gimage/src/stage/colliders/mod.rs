@@ -1,0 +1,189 @@
+//! Fits solids (spheres, capsules, boxes, ellipsoids) to a body, so that cloth can collide with it.
+//!
+//! The body is sampled where it can be touched; each sample follows the joint with the largest weight. Each joint gets one solid,
+//! and those that are farthest from the body are divided until the surface of all of them is near enough. Solids follow one joint each.
+//! They are fitted in the pose in which the mesh is bound to its skeleton, and then put where their joints are in the file.
+
+mod fit;
+mod judge;
+mod refine;
+mod samples;
+mod shape;
+mod solid;
+mod winding;
+
+use std::path::Path;
+
+use super::import::{Imported, import};
+use super::select::{Role, keeping, roles};
+use crate::base::mesh::Mesh;
+use crate::error::{Error, Result};
+use crate::options::BuildOptions;
+use crate::record::{Finding, Severity};
+use fit::Limits;
+use samples::{guards, join_small, samples};
+use winding::Winding;
+
+pub use judge::{Error as FitError, Figures};
+pub use shape::Kind;
+pub use solid::{Form, Solid};
+
+/// Solids, at most.
+pub const MAX_COUNT: usize = 512;
+/// Pairs of samples and triangles that the search for covered samples looks at, at most: more triangles, fewer samples.
+const MAX_PAIRS: usize = 400_000_000;
+const SAMPLES: [usize; 2] = [1_500, 2_500];
+
+/// Options of [`fit_colliders`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColliderOptions {
+    /// Distance \[m\] from the body that at most 5 % of its points may exceed, above 0. Solids are divided until then.
+    pub error: f64,
+    /// Largest number of solids, 1 to [`MAX_COUNT`]; a skeleton with more joints that move some of the body has one per joint.
+    pub count: usize,
+    /// The kinds of solids, at least one.
+    pub kinds: Vec<Kind>,
+}
+
+impl Default for ColliderOptions {
+    fn default() -> Self {
+        ColliderOptions { error: 0.006, count: 64, kinds: Kind::ALL.to_vec() }
+    }
+}
+
+/// A solid of a fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collider {
+    /// The joint that it follows; none of a body without a skin.
+    pub joint: Option<String>,
+    /// The solid, where the character stands as its file has it.
+    pub solid: Solid,
+}
+
+/// Solids in place of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// Name of the file without folders.
+    pub file: String,
+    /// The parts of the file that are the body, by name.
+    pub parts: Vec<String>,
+    /// The solids, by joint in the order of the skeleton.
+    pub colliders: Vec<Collider>,
+    /// How far they are from the body.
+    pub figures: Figures,
+    /// Findings of the import and of the fit.
+    pub findings: Vec<Finding>,
+}
+
+/// Fits solids to the body of a character. Parts named by `--body` ([`crate::select::SelectOptions::body`]) are the body;
+/// otherwise those that look like one, or all parts of a file without a skin.
+///
+/// Deterministic. O(samples x (triangles + solids)): a character of 10,000 triangles takes some seconds.
+///
+/// Errors: those of the import; [`Error::Option`] for values out of range and for patterns that match nothing; [`Error::Empty`] if
+/// no part looks like a body, or if it has no area.
+pub fn fit_colliders(path: &Path, read: &BuildOptions, options: &ColliderOptions) -> Result<Fit> {
+    read.check()?;
+    options.check()?;
+    let Imported { mesh, source, mut findings, .. } = import(path, &read.import)?;
+    let body = body(&mesh, read)?;
+    if !body.contains(&true) {
+        let problem = "no part looks like a body".into();
+        let hint = "choose parts with --body; `gimage list` shows their names".into();
+        return Err(Error::Empty { path: path.into(), problem, hint });
+    }
+    let mut parts: Vec<String> =
+        mesh.parts.iter().zip(&body).filter(|(_, b)| **b).map(|(p, _)| p.node.clone()).collect();
+    parts.dedup();
+    let mesh = if body.contains(&false) { keeping(mesh, &body) } else { mesh };
+    let (colliders, figures) = fit_mesh(&mesh, options).ok_or_else(|| Error::Empty {
+        path: path.into(),
+        problem: "the body has no area that can be touched".into(),
+        hint: "check that its triangles face outwards".into(),
+    })?;
+    findings.extend(missed(&figures, &colliders, options));
+    Ok(Fit { file: source.file_name, parts, colliders, figures, findings })
+}
+
+impl ColliderOptions {
+    fn check(&self) -> Result<()> {
+        let wrong = |option: &str, problem: String, hint: &str| {
+            Err(Error::Option { option: option.into(), problem, hint: hint.into() })
+        };
+        if !(self.error.is_finite() && self.error > 0.0) {
+            return wrong("error", format!("{} is not a distance above 0", self.error), "give metres, such as 0.006");
+        }
+        if !(1..=MAX_COUNT).contains(&self.count) {
+            return wrong("count", format!("{} is not in 1 to {MAX_COUNT}", self.count), "give fewer solids");
+        }
+        if self.kinds.is_empty() {
+            return wrong("shapes", "no shape is left".into(), "give at least one, such as capsule");
+        }
+        Ok(())
+    }
+}
+
+/// For each part whether it belongs to the body.
+fn body(mesh: &Mesh, read: &BuildOptions) -> Result<Vec<bool>> {
+    let patterns = &read.select.body;
+    if let Some(unmet) = patterns.iter().find(|p| !mesh.parts.iter().any(|part| p.matches_part(part))) {
+        let problem = format!("no node, mesh or material matches `{unmet}`");
+        let hint = "`gimage list` shows the names".into();
+        return Err(Error::Option { option: "body".into(), problem, hint });
+    }
+    if !patterns.is_empty() {
+        return Ok(mesh.parts.iter().map(|part| patterns.iter().any(|p| p.matches_part(part))).collect());
+    }
+    let verdicts = roles(mesh, &read.select)?;
+    let is_body: Vec<bool> = verdicts.iter().map(|v| v.looks_like == Role::Body).collect();
+    let plain = mesh.skeleton.joints.is_empty() && read.select.cloth.is_empty() && read.select.rigid.is_empty();
+    Ok(if plain && !is_body.contains(&true) { vec![true; is_body.len()] } else { is_body })
+}
+
+/// The solids of a mesh, all of which is the body; none if it has no area that can be touched.
+fn fit_mesh(mesh: &Mesh, options: &ColliderOptions) -> Option<(Vec<Collider>, Figures)> {
+    let winding = Winding::new(mesh);
+    let count = (MAX_PAIRS / mesh.triangles.len().max(1)).clamp(SAMPLES[0], SAMPLES[1]);
+    let parents: Vec<Option<u32>> = mesh.skeleton.joints.iter().map(|j| j.parent).collect();
+    let mut all = samples(mesh, &winding, count, 1);
+    join_small(&mut all, &parents);
+    let guards = guards(mesh, &winding, &all);
+    all.extend(guards);
+    let limits = Limits { kinds: &options.kinds, target: options.error, count: options.count };
+    let placed = fit::fit(&all, &limits);
+    if placed.is_empty() {
+        return None;
+    }
+    // Other samples than those of the fit.
+    let mut others = samples(mesh, &winding, count, 2);
+    join_small(&mut others, &parents);
+    let figures = judge::judge(mesh, &winding, &placed, &others);
+    let collider = |p: &fit::Placed| match p.joint.map(|j| &mesh.skeleton.joints[j as usize]) {
+        Some(joint) => Collider { joint: Some(joint.name.clone()), solid: p.solid.posed(joint) },
+        None => Collider { joint: None, solid: p.solid },
+    };
+    Some((placed.iter().map(collider).collect(), figures))
+}
+
+/// A warning if the body is not within reach of the target.
+fn missed(figures: &Figures, colliders: &[Collider], options: &ColliderOptions) -> Option<Finding> {
+    let mm = |x: f64| format!("{:.1} mm", 1e3 * x);
+    let message = format!(
+        "5 % of the body are more than {} from the {} colliders ({} asked for). Try a larger --max, or other --shapes.",
+        mm(figures.body.p95),
+        colliders.len(),
+        mm(options.error)
+    );
+    // Other samples than those of the fit decide, which differ by some percent.
+    (figures.body.p95 > 1.1 * options.error).then(|| Finding {
+        severity: Severity::Warning,
+        stage: "colliders",
+        kind: "loose-fit",
+        count: 1,
+        examples: Vec::new(),
+        message,
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,148 @@
+//! The solids that stand in for a part of a body, and how far a point is from their surface.
+
+use nalgebra::{Matrix4, Rotation3, UnitQuaternion, Vector3};
+use serde::Serialize;
+
+use crate::base::mesh::Joint;
+
+/// The form of a solid, in its own frame \[m\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Form {
+    /// A ball around the origin.
+    Sphere {
+        /// Its radius.
+        radius: f64,
+    },
+    /// All points nearer than `radius` to a segment of the y axis.
+    Capsule {
+        /// Half the length of the segment.
+        half_height: f64,
+        /// Its radius.
+        radius: f64,
+    },
+    /// A box around the origin.
+    Box {
+        /// Half its sides.
+        half: [f64; 3],
+    },
+    /// An ellipsoid around the origin.
+    Ellipsoid {
+        /// Its radii.
+        radii: [f64; 3],
+    },
+}
+
+/// A solid at its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solid {
+    /// Its form.
+    pub form: Form,
+    /// The origin of its frame \[m\].
+    pub center: [f64; 3],
+    /// The rotation of its frame, a quaternion (x, y, z, w).
+    pub rotation: [f64; 4],
+}
+
+impl Solid {
+    pub(super) fn new(form: Form, center: Vector3<f64>, turn: &Rotation3<f64>) -> Self {
+        let q = UnitQuaternion::from_rotation_matrix(turn);
+        Solid { form, center: center.into(), rotation: q.coords.into() }
+    }
+
+    /// The rotation of its frame.
+    pub(super) fn turn(&self) -> Rotation3<f64> {
+        let [x, y, z, w] = self.rotation;
+        UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z)).to_rotation_matrix()
+    }
+
+    /// The solid moved from the pose in which the mesh is bound to where the joint is in the file. Sizes stay as they are.
+    pub(super) fn posed(&self, joint: &Joint) -> Self {
+        let to_world = Matrix4::from_column_slice(&joint.world) * Matrix4::from_column_slice(&joint.inverse_bind);
+        let turn = Rotation3::from_matrix(&to_world.fixed_view::<3, 3>(0, 0).into_owned());
+        let center = to_world.transform_point(&Vector3::from(self.center).into()).coords;
+        if !center.iter().chain(turn.matrix().iter()).all(|x| x.is_finite()) {
+            return *self;
+        }
+        Solid::new(self.form, center, &(turn * self.turn()))
+    }
+
+    /// Distance \[m\] of a point from the surface, negative inside. That of an ellipsoid is exact to 1e-7 of its size.
+    pub fn distance(&self, p: [f64; 3]) -> f64 {
+        let local = self.turn().inverse_transform_vector(&(Vector3::from(p) - Vector3::from(self.center)));
+        self.form.distance(local)
+    }
+}
+
+impl Form {
+    /// As [`Solid::distance`], of a point of its own frame.
+    pub(super) fn distance(&self, p: Vector3<f64>) -> f64 {
+        match *self {
+            Form::Sphere { radius } => p.norm() - radius,
+            Form::Capsule { half_height, radius } => {
+                let y = p.y - p.y.clamp(-half_height, half_height);
+                Vector3::new(p.x, y, p.z).norm() - radius
+            }
+            Form::Box { half } => {
+                let out = Vector3::from_fn(|k, _| p[k].abs() - half[k]);
+                out.map(|x| x.max(0.0)).norm() + out.max().min(0.0)
+            }
+            Form::Ellipsoid { radii } => to_ellipsoid(p, radii),
+        }
+    }
+
+    /// A cheap distance that is exact to first order near the surface, for fits.
+    pub(super) fn near_distance(&self, p: Vector3<f64>) -> f64 {
+        let Form::Ellipsoid { radii } = *self else { return self.distance(p) };
+        let scaled = Vector3::from_fn(|k, _| p[k] / radii[k]);
+        let slope = Vector3::from_fn(|k, _| scaled[k] / radii[k]).norm();
+        let size = scaled.norm();
+        if slope > 0.0 { size * (size - 1.0) / slope } else { -radii.into_iter().fold(f64::INFINITY, f64::min) }
+    }
+
+    /// Half the sides of the box around it, in its own frame.
+    pub(super) fn half_extents(&self) -> [f64; 3] {
+        match *self {
+            Form::Sphere { radius } => [radius; 3],
+            Form::Capsule { half_height, radius } => [radius, half_height + radius, radius],
+            Form::Box { half } => half,
+            Form::Ellipsoid { radii } => radii,
+        }
+    }
+
+    /// Its volume \[m3\].
+    pub fn volume(&self) -> f64 {
+        use std::f64::consts::PI;
+        match *self {
+            Form::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
+            Form::Capsule { half_height, radius } => PI * radius * radius * (2.0 * half_height + 4.0 / 3.0 * radius),
+            Form::Box { half } => 8.0 * half.iter().product::<f64>(),
+            Form::Ellipsoid { radii } => 4.0 / 3.0 * PI * radii.iter().product::<f64>(),
+        }
+    }
+}
+
+/// Signed distance to an ellipsoid: the nearest point is `r^2 p / (t + r^2)` with the root t of a decreasing function (Eberly,
+/// "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid"), found by bisection.
+fn to_ellipsoid(p: Vector3<f64>, radii: [f64; 3]) -> f64 {
+    let p = p.abs();
+    let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
+    let inside = (0..3).map(|k| (p[k] / radii[k]).powi(2)).sum::<f64>() < 1.0;
+    // A point on the plane of symmetry across the shortest axis would have no root; a small shift gives it one.
+    let tiny = 1e-7 * least;
+    let p = Vector3::from_fn(|k, _| p[k].max(tiny));
+    let sum = |t: f64| (0..3).map(|k| (radii[k] * p[k] / (t + radii[k] * radii[k])).powi(2)).sum::<f64>() - 1.0;
+    let shortest = (0..3).min_by(|a, b| radii[*a].total_cmp(&radii[*b])).unwrap_or(0);
+    let (mut low, mut high) = (-least * least + least * p[shortest], 0.0f64);
+    if !inside {
+        (low, high) = (0.0, radii.iter().copied().fold(0.0, f64::max) * p.norm());
+    }
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        (low, high) = if sum(middle) > 0.0 { (middle, high) } else { (low, middle) };
+    }
+    let t = 0.5 * (low + high);
+    let nearest = Vector3::from_fn(|k, _| radii[k] * radii[k] * p[k] / (t + radii[k] * radii[k]));
+    let distance = (p - nearest).norm();
+    if inside { -distance } else { distance }
+}

@@ -1,0 +1,179 @@
+use nalgebra::{Rotation3, Vector3};
+use parry3d_f64::math::Vector;
+use parry3d_f64::shape::{Ball, Capsule, Cuboid};
+
+use super::*;
+use crate::base::mesh::{Channel, Joint, Part, Semantic, Skeleton};
+
+/// A sphere of unit radius, `n` rings of `2 n` triangles, moved by `at`.
+fn ball(n: u32, at: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
+    let mut mesh = Mesh { parts: vec![Part::default()], ..Mesh::default() };
+    for i in 0..=n {
+        for j in 0..2 * n {
+            let (a, b) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+            let ((s, c), (sin, cos)) = ((a * std::f64::consts::PI).sin_cos(), (b * std::f64::consts::PI).sin_cos());
+            mesh.positions.push(at([s * cos, c, s * sin]));
+        }
+    }
+    let at = |i: u32, j: u32| i * 2 * n + j % (2 * n);
+    for (i, j) in (0..n).flat_map(|i| (0..2 * n).map(move |j| (i, j))) {
+        mesh.triangles.push([at(i, j), at(i, j + 1), at(i + 1, j)]);
+        mesh.triangles.push([at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]);
+    }
+    mesh.triangle_part = vec![0; mesh.triangles.len()];
+    mesh
+}
+
+/// A capsule along x as a mesh: a ball whose halves are pulled apart.
+fn limb(n: u32, half: f64, radius: f64) -> Mesh {
+    ball(n, |p| [radius * p[1] + half * (8.0 * p[1]).clamp(-1.0, 1.0), radius * p[0], -radius * p[2]])
+}
+
+/// Gives each corner joint 0 for x < 0, else joint 1.
+fn skinned(mut mesh: Mesh, parents: [Option<u32>; 2]) -> Mesh {
+    let at = |v: u32| if mesh.positions[v as usize][0] < 0.0 { 0.0 } else { 1.0 };
+    let corners: Vec<u32> = (0..3 * mesh.triangles.len() as u32).collect();
+    let joints = mesh.triangles.iter().flatten().flat_map(|v| [at(*v), 0.0, 0.0, 0.0]).collect();
+    let weights = corners.iter().flat_map(|_| [1.0, 0.0, 0.0, 0.0]).collect();
+    let channel = |semantic, values| Channel { semantic, width: 4, values, corners: corners.clone() };
+    mesh.channels = vec![channel(Semantic::Joints(0), joints), channel(Semantic::Weights(0), weights)];
+    let joint = |(k, parent)| Joint {
+        name: format!("bone {k}"),
+        parent,
+        inverse_bind: std::array::from_fn(|k| f64::from(k % 5 == 0)),
+        world: std::array::from_fn(|k| f64::from(k % 5 == 0)),
+    };
+    mesh.skeleton = Skeleton { joints: parents.into_iter().enumerate().map(joint).collect() };
+    mesh
+}
+
+#[test]
+fn distances_are_those_of_parry() {
+    let turn = Rotation3::new(Vector3::new(0.3, -0.7, 1.1));
+    let center = Vector3::new(0.2, -0.1, 0.4);
+    let vector = |p: Vector3<f64>| Vector::new(p.x, p.y, p.z);
+    let cases: [(Form, Box<dyn parry3d_f64::shape::Shape>); 3] = [
+        (Form::Sphere { radius: 0.3 }, Box::new(Ball::new(0.3))),
+        (Form::Capsule { half_height: 0.4, radius: 0.2 }, Box::new(Capsule::new_y(0.4, 0.2))),
+        (Form::Box { half: [0.1, 0.3, 0.2] }, Box::new(Cuboid::new(Vector::new(0.1, 0.3, 0.2)))),
+    ];
+    for (form, shape) in cases {
+        let solid = Solid::new(form, center, &turn);
+        for k in 0..400u32 {
+            let at = |n: f64| ((f64::from(k) + 1.0) * n).fract() * 1.6 - 0.8;
+            let local = Vector3::new(at(0.618_034), at(0.754_878), at(0.569_84));
+            let truth = shape.as_ref().distance_to_local_point(vector(local), false);
+            let found = solid.distance((turn * local + center).into());
+            assert!((truth - found).abs() < 1e-9, "{form:?} {local:?}: {truth} {found}");
+        }
+        assert!((form.volume() / shape.mass_properties(1.0).mass() - 1.0).abs() < 1e-9, "{form:?}");
+    }
+}
+
+#[test]
+fn the_distance_to_an_ellipsoid_is_that_to_its_nearest_point() {
+    let radii = [0.1, 0.5, 0.25];
+    let form = Form::Ellipsoid { radii };
+    let mesh = ball(160, |p| [0, 1, 2].map(|k| p[k] * radii[k]));
+    let closest = crate::closest::Closest::new(&mesh.positions, &mesh.triangles);
+    for k in 0..300u32 {
+        let at = |n: f64| (f64::from(k) * n).fract() * 1.2 - 0.6;
+        let p = [at(0.618_034), at(0.754_878), at(0.569_84)];
+        let inside = (0..3).map(|k| (p[k] / radii[k]).powi(2)).sum::<f64>() < 1.0;
+        let truth = closest.project(p).unwrap().distance * if inside { -1.0 } else { 1.0 };
+        let found = form.distance(p.into());
+        assert!((truth - found).abs() < 2e-4, "{p:?}: {truth} {found}");
+    }
+    // The centre, the axes and the plane across the shortest axis.
+    assert!((form.distance(Vector3::zeros()) + 0.1).abs() < 1e-6);
+    assert!((form.distance(Vector3::new(0.0, 0.9, 0.0)) - 0.4).abs() < 1e-9);
+    assert!((form.distance(Vector3::new(0.0, 0.1, 0.0)) + 0.097_98).abs() < 1e-3);
+}
+
+#[test]
+fn a_capsule_is_found_again_wherever_it_lies() {
+    let turn = Rotation3::new(Vector3::new(0.5, 1.2, -0.4));
+    let mut mesh = limb(24, 0.3, 0.07);
+    mesh.positions.iter_mut().for_each(|p| *p = (turn * Vector3::from(*p) + Vector3::new(3.0, 1.0, -2.0)).into());
+    let (colliders, figures) = fit_mesh(&mesh, &ColliderOptions::default()).unwrap();
+    assert_eq!((colliders.len(), &colliders[0].joint), (1, &None));
+    let Form::Capsule { half_height, radius } = colliders[0].solid.form else { panic!("{colliders:?}") };
+    // The mesh is a polyhedron inside the capsule.
+    assert!((half_height - 0.3).abs() < 2e-3 && (radius - 0.07).abs() < 1e-3, "{half_height} {radius}");
+    let center = Vector3::from(colliders[0].solid.center);
+    assert!((center - Vector3::new(3.0, 1.0, -2.0)).norm() < 1e-3, "{center}");
+    assert!(figures.body.max < 2e-3 && figures.outside < 2e-2 * colliders[0].solid.form.volume(), "{figures:?}");
+}
+
+#[test]
+fn each_joint_has_its_own_solids_and_a_small_one_goes_to_its_parent() {
+    let options = ColliderOptions::default();
+    let (colliders, _) = fit_mesh(&skinned(limb(24, 0.3, 0.07), [None, Some(0)]), &options).unwrap();
+    let names: Vec<_> = colliders.iter().filter_map(|c| c.joint.clone()).collect();
+    assert_eq!(names, ["bone 0", "bone 1"]);
+    assert!(colliders[0].solid.center[0] < -0.05 && colliders[1].solid.center[0] > 0.05, "{colliders:?}");
+    // A file whose pose is another than the one of the binding: the second bone is turned about y and lifted.
+    let mut posed = skinned(limb(24, 0.3, 0.07), [None, Some(0)]);
+    posed.skeleton.joints[1].world = [0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 1.0];
+    let (moved, _) = fit_mesh(&posed, &options).unwrap();
+    let [x, y, z] = colliders[1].solid.center;
+    let found = moved[1].solid.center;
+    assert!((found[0] - z).abs() + (found[1] - y - 0.5).abs() + (found[2] + x).abs() < 1e-9, "{found:?}");
+    assert!(moved[1].solid.distance([0.0, 0.5, -0.37]).abs() < 5e-3 && moved[0] == colliders[0]);
+    // A joint that moves a tip of some triangles.
+    let mut tip = limb(24, 0.3, 0.07);
+    tip.positions.iter_mut().for_each(|p| p[0] -= 0.369);
+    let (colliders, _) = fit_mesh(&skinned(tip, [None, Some(0)]), &options).unwrap();
+    assert_eq!(colliders.iter().filter_map(|c| c.joint.as_deref()).collect::<Vec<_>>(), ["bone 0"]);
+}
+
+#[test]
+fn more_solids_come_nearer_and_the_number_is_a_limit() {
+    // A bent tube that no single solid fits.
+    let bent = ball(32, |p| {
+        let angle = 1.5 * p[1];
+        let across = 1.0 + 0.15 * p[0];
+        [across * angle.sin(), across * angle.cos(), -0.15 * p[2]]
+    });
+    let fit = |count| fit_mesh(&bent, &ColliderOptions { count, error: 0.004, ..Default::default() }).unwrap();
+    let (one, few, many) = (fit(1), fit(3), fit(12));
+    assert_eq!((one.0.len(), few.0.len()), (1, 3));
+    assert!(many.0.len() > 3 && many.0.len() <= 12, "{}", many.0.len());
+    let p95 = [one.1.body.p95, few.1.body.p95, many.1.body.p95];
+    assert!(p95[0] > 1.5 * p95[1] && p95[1] > 1.5 * p95[2], "{p95:?}");
+    assert!(missed(&one.1, &one.0, &ColliderOptions::default()).is_some());
+    // The same on any number of threads.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(pool.install(|| fit(3)), few);
+}
+
+#[test]
+fn surfaces_inside_the_body_are_left_out() {
+    let mut mesh = limb(24, 0.3, 0.1);
+    let inner = ball(12, |p| [0.02 * p[0], 0.02 * p[1], 0.02 * p[2]]);
+    let base = mesh.positions.len() as u32;
+    mesh.positions.extend(&inner.positions);
+    mesh.triangles.extend(inner.triangles.iter().map(|t| t.map(|v| v + base)));
+    mesh.triangle_part.resize(mesh.triangles.len(), 0);
+    let winding = Winding::new(&mesh);
+    assert!(samples(&mesh, &winding, 2000, 1).iter().all(|s| s.point.iter().any(|x| x.abs() > 0.05)));
+    let (colliders, figures) = fit_mesh(&mesh, &ColliderOptions::default()).unwrap();
+    assert!(colliders.len() == 1 && figures.body.max < 3e-3, "{figures:?}");
+    // Nothing can be touched of a body that is inside out.
+    mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    let wrong = fit_mesh(&Mesh::default(), &ColliderOptions::default());
+    assert!(wrong.is_none());
+}
+
+#[test]
+fn options_out_of_range_are_refused() {
+    for (options, name) in [
+        (ColliderOptions { error: 0.0, ..Default::default() }, "error"),
+        (ColliderOptions { error: f64::NAN, ..Default::default() }, "error"),
+        (ColliderOptions { count: 0, ..Default::default() }, "count"),
+        (ColliderOptions { kinds: Vec::new(), ..Default::default() }, "shapes"),
+    ] {
+        let found = options.check().unwrap_err().to_string();
+        assert!(found.contains(name), "{found}");
+    }
+}
