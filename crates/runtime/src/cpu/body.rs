@@ -12,10 +12,10 @@ use super::rows::Threads;
 use super::start::Start;
 use super::strain::Springs;
 use super::{
-    colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, strain, wind,
+    colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, skin, speed, springs, strain, wind,
 };
 use crate::choose::Settings;
-use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
+use crate::cloth::{Cloth, Compliance, Grid, Rest, Rows, Tethers};
 use crate::collider::solid::Solid;
 use crate::memory::Tally;
 use crate::number::real::{Real, cast};
@@ -162,6 +162,20 @@ impl<T: Real> Body<T> {
         if let Some(fabric) = &mut self.fabric {
             fabric.aim(targets);
         }
+    }
+
+    /// Takes in which particles follow joints while they are pinned, in ascending order.
+    pub fn join(&mut self, joined: &[u32]) {
+        if let Some(fabric) = &mut self.fabric {
+            fabric.join(joined);
+        }
+    }
+
+    /// The joints have moved from where the frame begins, if that is given, to where it ends; `rate` \[1/s\] is one over its length.
+    pub fn lead(&mut self, cloth: &Cloth, joined: &[u32], ways: (Option<&[Rows]>, &[Rows]), rate: T) {
+        let (Some(fabric), Some(skin)) = (&mut self.fabric, cloth.skin()) else { return };
+        let all: Vec<u32> = if cloth.limits.is_some() { (0..cloth.len() as u32).collect() } else { Vec::new() };
+        fabric.lead(&skin::run(skin, joined, ways, rate), &skin::run(skin, &all, ways, rate));
     }
 
     /// To be called before the steps of a frame.
