@@ -297,15 +297,18 @@ fn every_form_follows_alike() {
             let plan = rig.stepper.plan();
             let holds = plan.passes.iter().filter(|p| matches!(p.form, Form::Whole(_))).count();
             let tiles = plan.passes.iter().filter(|p| matches!(p.form, Form::Tile(_))).count();
-            (1..4).for_each(|n| frame(&mut rig, n));
-            (holds, tiles, rig.positions(0), rig.previous(0))
+            frame(&mut rig, 1);
+            let first = rig.positions(0);
+            (2..4).for_each(|n| frame(&mut rig, n));
+            (holds, tiles, rig.positions(0), rig.previous(0), first)
         };
         let (fused, apart) = (run(true), run(false));
         assert_eq!((fused.0 > 0, fused.1 > 0, apart.0 + apart.1), (whole, !whole, 0));
         let mut cpu = Rig::cpu(scene.clone(), &Options::default());
-        (1..4).for_each(|n| frame(&mut cpu, n));
-        let far = largest(&cpu.positions(0), &fused.2);
-        assert!(far < 1e-4, "{far}");
+        // One frame: what rounding leaves doubles every few steps where a sheet buckles.
+        frame(&mut cpu, 1);
+        let far = largest(&cpu.positions(0), &fused.4);
+        assert!(far < 1e-5, "{far}");
         let far = largest(&apart.2, &fused.2);
         if support::alike::tolerates(&device) {
             assert!(far < 1e-4, "{far}");
