@@ -22,8 +22,8 @@ pub use gimage_bundle::{Anchor, Particle, Tethers};
 pub(crate) use groups::{groups, mates, ring};
 pub use select::Select;
 pub(crate) use sheet::{Bending, Membrane, Woven};
-pub(crate) use skin::{Rows, skinned};
 pub use skin::{Influence, Skin, SkinJoint};
+pub(crate) use skin::{Rows, skinned};
 
 use std::sync::Arc;
 

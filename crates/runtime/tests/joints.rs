@@ -35,7 +35,8 @@ fn pose(time: f64) -> Vec<Matrix> {
 }
 
 fn columns(matrices: &[Matrix]) -> Vec<[f32; 16]> {
-    let one = |m: &Matrix| std::array::from_fn(|n| if n % 4 == 3 { f32::from(n == 15) } else { m[n % 4][n / 4] as f32 });
+    let one =
+        |m: &Matrix| std::array::from_fn(|n| if n % 4 == 3 { f32::from(n == 15) } else { m[n % 4][n / 4] as f32 });
     matrices.iter().map(one).collect()
 }
 
@@ -197,7 +198,12 @@ fn a_teleport_moves_the_joints_and_joints_can_be_put_elsewhere() {
         let (after, was) = (rig.positions(0), rig.previous(0));
         for k in 0..17 {
             let to = by.apply([before[k][0], before[k][1], before[k][2]]);
-            assert!((0..3).all(|c| (after[k][c] - to[c]).abs() < 4e-6), "{} {k}: {:?}, not {to:?}", rig.name(), after[k]);
+            assert!(
+                (0..3).all(|c| (after[k][c] - to[c]).abs() < 4e-6),
+                "{} {k}: {:?}, not {to:?}",
+                rig.name(),
+                after[k]
+            );
             assert!((0..3).all(|c| (after[k][c] - was[k][c]).abs() < 4e-6), "{} {k}", rig.name());
         }
         // Put: there at once, at rest.
@@ -281,15 +287,13 @@ fn every_form_follows_alike() {
         cloth.limits = Some((0..cloth.len()).map(|k| if k % 3 == 0 { 0.05 } else { -1.0 }).collect());
         // Duplicates have one limit.
         let (starts, members) = cloth.rings();
-        let rings: Vec<Vec<u32>> =
-            starts.windows(2).map(|r| members[r[0] as usize..r[1] as usize].to_vec()).collect();
+        let rings: Vec<Vec<u32>> = starts.windows(2).map(|r| members[r[0] as usize..r[1] as usize].to_vec()).collect();
         let mut limits = cloth.limits.as_deref().unwrap().to_vec();
         rings.iter().for_each(|ring| ring.iter().for_each(|k| limits[*k as usize] = limits[ring[0] as usize]));
         cloth.limits = Some(limits.into());
         cloth
     };
-    for (cloth, whole) in
-        [(sleeve(), true), (limited(sleeve()), true), (sheet(70), false), (limited(sheet(70)), false)]
+    for (cloth, whole) in [(sleeve(), true), (limited(sleeve()), true), (sheet(70), false), (limited(sheet(70)), false)]
     {
         let scene = scene(cloth);
         let run = |fused| {

@@ -250,7 +250,8 @@ impl<T: Real> Fabric<T> {
     /// From here on these particles, which are in ascending order and whose number in the list `joined` has, follow joints while they are
     /// pinned.
     pub fn join(&mut self, joined: &[u32]) {
-        self.follows = self.sheets.iter().map(|_| Follow { places: Vec::new(), to: Vec::new(), drift: Vec::new() }).collect();
+        self.follows =
+            self.sheets.iter().map(|_| Follow { places: Vec::new(), to: Vec::new(), drift: Vec::new() }).collect();
         for k in joined {
             let (sheet, triple) = self.place(*k as usize);
             let zero = [T::of(0.0); 3];

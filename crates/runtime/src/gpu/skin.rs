@@ -60,8 +60,7 @@ impl Gpu {
         let others = world.scene.cloths.iter().enumerate().filter(same);
         let known = others.filter_map(|(c, _)| self.cloths.get(c)?.others.get(&Slot::Influences).cloned()).next();
         let none = BufferUsages::empty();
-        let influences =
-            known.unwrap_or_else(|| upload(&self.device, "influences", &influences(skin), none).into());
+        let influences = known.unwrap_or_else(|| upload(&self.device, "influences", &influences(skin), none).into());
         let (run, of) = (&world.runs[cloth], &world.scene.cloths[cloth]);
         let rows = [run.targets(of), run.drifts(of)].concat();
         let skinned = upload(&self.device, "skinned", &rows, BufferUsages::COPY_SRC).into();

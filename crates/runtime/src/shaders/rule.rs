@@ -78,9 +78,7 @@ pub fn over(pass: Pass) -> Over {
             Over::Texels
         }
         // Particles of other tiles read their anchors where these are now, so a tile ends before it.
-        Pass::Follow => {
-            Over::Texels
-        }
+        Pass::Follow => Over::Texels,
         Pass::Membrane { column, row, .. } => Over::Cells { column, row },
         Pass::Springs { direction, parity, .. }
         | Pass::Stretch { direction, parity, .. }

@@ -4,9 +4,9 @@ use super::tethers::hold_within;
 use crate::cloth::{Cloth, Grid};
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::{Sheet, planes, planes_ref};
+use crate::memory::Tally;
 use crate::number::aligned::Aligned;
 use crate::number::lanes::{Machine, Work, widest};
-use crate::memory::Tally;
 use crate::number::real::{Real, V3};
 
 /// The limits of a sheet.
