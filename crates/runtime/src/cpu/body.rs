@@ -171,11 +171,13 @@ impl<T: Real> Body<T> {
         }
     }
 
-    /// The joints have moved from where the frame begins, if that is given, to where it ends; `rate` \[1/s\] is one over its length.
-    pub fn lead(&mut self, cloth: &Cloth, joined: &[u32], ways: (Option<&[Rows]>, &[Rows]), rate: T) {
+    /// The joints have moved; `rate` \[1/s\] is one over the length of the frame in which particles go from where the last call put them
+    /// to where this one does, 0 if they are there at once.
+    pub fn lead(&mut self, cloth: &Cloth, joined: &[u32], matrices: &[Rows], rate: T) {
         let (Some(fabric), Some(skin)) = (&mut self.fabric, cloth.skin()) else { return };
-        let all: Vec<u32> = if cloth.limits.is_some() { (0..cloth.len() as u32).collect() } else { Vec::new() };
-        fabric.lead(&skin::run(skin, joined, ways, rate), &skin::run(skin, &all, ways, rate));
+        let all = if cloth.limits.is_some() { 0..cloth.len() as u32 } else { 0..0 };
+        let ends = skin::run(skin, joined.iter().copied(), matrices);
+        fabric.lead(&ends, &skin::run(skin, all, matrices), rate);
     }
 
     /// To be called before the steps of a frame.

@@ -42,7 +42,7 @@ use crate::collider::solid::Solid;
 use crate::levels::ties::{Ties, ties};
 use crate::levels::{carried, levels, masses};
 use crate::number::aligned::Aligned;
-use crate::number::real::{Real, V3};
+use crate::number::real::{Real, V3, scale, sub};
 use crate::options::Options;
 use crate::passes::{self, Pass};
 use crate::step::Step;
@@ -262,19 +262,21 @@ impl<T: Real> Fabric<T> {
         }
     }
 
-    /// Where those particles are at the end of the frame \[m\] and how fast they get there \[m/s\], in the order of [`Fabric::join`]; then
-    /// the same of the targets of limits, by texels, if the cloth has any.
-    pub fn lead(&mut self, ways: &[[V3<T>; 2]], targets: &[[V3<T>; 2]]) {
-        let mut ways = ways.iter();
+    /// Where those particles are at the end of the frame \[m\], in the order of [`Fabric::join`]; then the targets of limits, by texels, if
+    /// the cloth has any. Each goes there at `rate` \[1/s\] from where the last call put it.
+    pub fn lead(&mut self, ends: &[V3<T>], targets: &[V3<T>], rate: T) {
+        let mut ends = ends.iter();
         for follow in &mut self.follows {
-            let each = follow.to.iter_mut().zip(&mut follow.drift).zip(&mut ways);
-            each.for_each(|((to, drift), way)| [*to, *drift] = *way);
+            for ((to, drift), end) in follow.to.iter_mut().zip(&mut follow.drift).zip(&mut ends) {
+                *drift = scale(sub(*end, *to), rate);
+                *to = *end;
+            }
         }
         let each = self.limits.iter_mut().zip(&self.sheets).zip(&self.firsts);
         each.for_each(|((limit, sheet), first)| {
             let range = *first..first + sheet.width * sheet.height;
             if let Some(targets) = targets.get(range) {
-                limit.lead(sheet, targets);
+                limit.lead(sheet, targets, rate);
             }
         });
     }

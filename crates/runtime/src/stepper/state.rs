@@ -152,7 +152,7 @@ impl Stepper {
                 bodies[cloth].load((of, &run.tethers), settings, &layout, &words);
                 if let Some(joints) = &run.joints {
                     bodies[cloth].join(&joints.joined);
-                    bodies[cloth].lead(of, &joints.joined, (None, joints.now()), 0.0);
+                    bodies[cloth].lead(of, &joints.joined, joints.now(), 0.0);
                 }
                 // Cloth that is asleep is not uploaded with the next frame.
                 if let Some(gpu) = self.gpu.as_mut().filter(|_| run.asleep) {

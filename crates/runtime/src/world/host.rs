@@ -158,14 +158,12 @@ impl World {
                 Action::Aim { cloth } => match &self.runs[*cloth].joints {
                     None => bodies[*cloth].aim(&self.runs[*cloth].targets(&self.scene.cloths[*cloth])),
                     Some(joints) => {
-                        let ways = (None, joints.now());
-                        bodies[*cloth].lead(&self.scene.cloths[*cloth], &joints.joined, ways, T::of(0.0));
+                        bodies[*cloth].lead(&self.scene.cloths[*cloth], &joints.joined, joints.now(), T::of(0.0));
                     }
                 },
-                Action::Skin { cloth, from, to, rate } => {
+                Action::Skin { cloth, to, rate, .. } => {
                     let Some(joints) = &self.runs[*cloth].joints else { continue };
-                    let ways = (from.as_deref(), &to[..]);
-                    bodies[*cloth].lead(&self.scene.cloths[*cloth], &joints.joined, ways, T::of(f64::from(*rate)));
+                    bodies[*cloth].lead(&self.scene.cloths[*cloth], &joints.joined, to, T::of(f64::from(*rate)));
                 }
                 // The CPU takes states at once.
                 Action::Load { .. } => {}

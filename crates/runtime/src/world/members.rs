@@ -141,7 +141,7 @@ impl World {
         let mut body = Body::new(cloth, &run.tethers, &self.control.options, self.control.clock.dt_old);
         if let Some(joints) = &run.joints {
             body.join(&joints.joined);
-            body.lead(cloth, &joints.joined, (None, joints.now()), T::of(0.0));
+            body.lead(cloth, &joints.joined, joints.now(), T::of(0.0));
         }
         body
     }

@@ -32,15 +32,17 @@ impl<T: Real> Limit<T> {
         Limit { targets, drifts: Aligned::default(), most: sheet.list(T::of(none), |k| T::of(most(k))) }
     }
 
-    /// Other targets \[m\], and how fast each gets there \[m/s\], by texels.
-    pub fn lead(&mut self, sheet: &Sheet<T>, ways: &[[V3<T>; 2]]) {
+    /// Other targets \[m\], by texels, each on its way there at `rate` \[1/s\].
+    pub fn lead(&mut self, sheet: &Sheet<T>, ends: &[V3<T>], rate: T) {
         if self.drifts.len() != self.targets.len() {
             self.drifts = Aligned::zeros(self.targets.len());
         }
-        for (k, [to, drift]) in ways.iter().enumerate() {
+        for (k, end) in ends.iter().enumerate() {
             let place = sheet.triple(k);
             for c in 0..3 {
-                (self.targets[place + 2 * c * sheet.half], self.drifts[place + 2 * c * sheet.half]) = (to[c], drift[c]);
+                let at = place + 2 * c * sheet.half;
+                self.drifts[at] = (end[c] - self.targets[at]) * rate;
+                self.targets[at] = end[c];
             }
         }
     }
