@@ -31,7 +31,7 @@ pub struct Skin {
 pub struct Clip {
     /// Its name.
     pub name: &'static str,
-    /// What moves.
+    /// The tracks of its joints.
     pub tracks: Vec<Track>,
 }
 

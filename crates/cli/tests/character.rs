@@ -28,7 +28,7 @@ fn an_animation_moves_the_cloth_of_its_file() {
     assert_eq!(moving["frames"].as_u64(), Some(30));
     assert!(shaders(&moving).contains(&"follow"));
     assert!(!shaders(&run("--frames 2")).contains(&"follow"), "a skin alone costs nothing");
-    // An animation that is no loop plays once.
+    // An animation that does not end in its first pose plays once.
     let once = place.run("simulate sleeve.gim --backend cpu --animation pull").expect(&[0, 1]);
     assert!(once.stdout.contains("60 frames") && once.stderr.contains("plays once"), "{}{}", once.stdout, once.stderr);
     place.run("render sleeve.gim --backend cpu --animation swing --time 0.5 --size 64x48 -o s.gif").expect(&[0]);

@@ -120,7 +120,7 @@ pub enum Error {
     Unfollowed {
         /// The cloth by name.
         cloth: String,
-        /// What to do.
+        /// The reason, and the remedy.
         problem: &'static str,
     },
     /// A particle is where the joints put it.
