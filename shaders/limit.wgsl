@@ -1,8 +1,8 @@
 // A particle is no farther from its target than its limit: a hard motion constraint, as NvCloth and Chaos have it.
-// `targets` are for each particle the target, and as w the limit in metres; below 0 there is none.
+// The limit in metres is the w of the target; below 0 there is none.
 fn limit(k: u32) {
   let p = place(k);
-  let to = targets_at(k);
+  let to = aim(k);
   if (p.w <= 0.0 || to.w < 0.0) {
     return;
   }

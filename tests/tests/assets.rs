@@ -231,3 +231,23 @@ fn a_pin_that_meets_nothing_is_told() {
     assert!(built.report.findings.iter().any(|f| f.kind == "nothing-pinned"));
     assert_eq!(built.bundle.manifest.pieces[0].counts.pinned, 0);
 }
+
+#[test]
+fn expressions_name_joints_and_heights_and_combine() {
+    let waist = made("skirt.glb", &["loop:top"]);
+    let (held, free) = pinned(&waist);
+    let highest = free.iter().map(|p| p[1]).fold(f32::MIN, f32::max);
+    assert!(held.iter().all(|p| p[1] > highest - 0.03), "the waist is above all else");
+    let hem = made("skirt.glb", &["loop:bottom"]);
+    assert!(pinned(&hem).0.iter().all(|p| p[1] < 0.75));
+    // The upper half of the cuff, by a joint; the other half of the rim is left free.
+    let cuff = made("sleeve.glb", &["joint:wrist<0.09 and not below:1.4"]);
+    let near = |p: &[f32; 3]| (p[0] - 0.7).powi(2) + (p[1] - 1.4).powi(2) + p[2].powi(2) <= 0.0901f32.powi(2);
+    let (held, free) = pinned(&cuff);
+    assert!(held.iter().all(|p| near(p) && p[1] >= 1.4 - 1e-6), "{held:?}");
+    assert!(free.iter().any(|p| near(p)) && held.len() > 4);
+    // A joint that is not there is named with those that are.
+    let absent = build(&asset("sleeve.glb"), &gimage_tests::pinned(1024, &["joint:hand<1"])).unwrap();
+    let finding = absent.report.findings.iter().find(|f| f.kind == "nothing-pinned").unwrap();
+    assert!(finding.message.contains("shoulder, elbow, wrist"), "{}", finding.message);
+}

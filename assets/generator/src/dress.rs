@@ -28,7 +28,7 @@ pub fn dress() -> Vec<u8> {
         parent: None,
         pin: None,
         colours: Some(colours),
-        skin: Some(Skin { joints: skeleton(), indices, weights }),
+        skin: Some(Skin { joints: skeleton(), indices, weights, clips: vec![] }),
     };
     write(&s, &scene)
 }

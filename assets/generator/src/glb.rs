@@ -23,6 +23,41 @@ pub struct Skin {
     pub indices: Vec<[u8; 4]>,
     /// Their weights, of sum one.
     pub weights: Vec<[f32; 4]>,
+    /// Animations of the joints.
+    pub clips: Vec<Clip>,
+}
+
+/// An animation.
+pub struct Clip {
+    /// Its name.
+    pub name: &'static str,
+    /// The tracks of its joints.
+    pub tracks: Vec<Track>,
+}
+
+/// Key frames of one property of a joint.
+pub struct Track {
+    /// Index of the joint.
+    pub joint: usize,
+    /// `translation`, `rotation` or `scale`.
+    pub path: &'static str,
+    /// The way from key to key.
+    pub between: Between,
+    /// Seconds.
+    pub times: Vec<f32>,
+    /// Three or four numbers per key, three times as many for a spline.
+    pub values: Vec<f32>,
+}
+
+/// Interpolations of glTF.
+#[derive(Clone, Copy)]
+pub enum Between {
+    /// `STEP`
+    Step,
+    /// `LINEAR`
+    Linear,
+    /// `CUBICSPLINE`
+    Cubic,
 }
 
 /// Contents of the file besides the triangles.
@@ -63,14 +98,16 @@ pub fn write(s: &Surface, scene: &Scene) -> Vec<u8> {
     }
     let mut nodes = vec![json!({"mesh": 0, "name": scene.name})];
     let mut roots = vec![0];
-    let mut skins = Vec::new();
+    let (mut skins, mut animations) = (Vec::new(), Vec::new());
     if let Some(skin) = &scene.skin {
         let bytes = skin.indices.as_flattened();
         attributes["JOINTS_0"] = json!(b.push(bytes, vertices, skin.indices.len(), "VEC4", Component::U8, json!({})));
         attributes["WEIGHTS_0"] = json!(b.floats(&skin.weights, json!({})));
         nodes[0]["skin"] = json!(0);
-        roots.push(nodes.len());
+        let first = nodes.len();
+        roots.push(first);
         skins.push(add_skeleton(&mut b, &mut nodes, skin));
+        animations.extend(skin.clips.iter().map(|clip| animation(&mut b, clip, first)));
     }
     if let Some((name, rotation, scale)) = scene.parent {
         roots = vec![nodes.len()];
@@ -106,6 +143,9 @@ pub fn write(s: &Surface, scene: &Scene) -> Vec<u8> {
     if !skins.is_empty() {
         doc["skins"] = json!(skins);
     }
+    if !animations.is_empty() {
+        doc["animations"] = json!(animations);
+    }
     b.file(doc).expect("a garment is far below 4 GiB")
 }
 
@@ -131,4 +171,25 @@ fn add_skeleton(b: &mut BinaryChunk, nodes: &mut Vec<Value>, skin: &Skin) -> Val
     let joints: Vec<usize> = (first..first + skin.joints.len()).collect();
     let matrices = b.push(&inverse, None, joints.len(), "MAT4", Component::F32, json!({}));
     json!({"inverseBindMatrices": matrices, "joints": joints, "name": "skeleton", "skeleton": first})
+}
+
+/// An animation of joints that are nodes from `first` on.
+fn animation(b: &mut BinaryChunk, clip: &Clip, first: usize) -> Value {
+    let (mut channels, mut samplers) = (Vec::new(), Vec::new());
+    for (n, track) in clip.tracks.iter().enumerate() {
+        let bytes = |list: &[f32]| list.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+        let (kind, width) = if track.path == "rotation" { ("VEC4", 4) } else { ("VEC3", 3) };
+        let ends = json!({"max": [track.times.last()], "min": [track.times.first()]});
+        let input = b.push(&bytes(&track.times), None, track.times.len(), "SCALAR", Component::F32, ends);
+        let count = track.values.len() / width;
+        let output = b.push(&bytes(&track.values), None, count, kind, Component::F32, json!({}));
+        let between = match track.between {
+            Between::Step => "STEP",
+            Between::Linear => "LINEAR",
+            Between::Cubic => "CUBICSPLINE",
+        };
+        samplers.push(json!({"input": input, "output": output, "interpolation": between}));
+        channels.push(json!({"sampler": n, "target": {"node": first + track.joint, "path": track.path}}));
+    }
+    json!({"channels": channels, "name": clip.name, "samplers": samplers})
 }

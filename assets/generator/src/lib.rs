@@ -17,12 +17,14 @@ mod belt_loop;
 mod cape;
 mod dress;
 mod skirt;
+mod sleeve;
 mod trousers;
 mod tshirt;
 
 pub use cape::cape;
 pub use dress::dress;
 pub use skirt::skirt;
+pub use sleeve::sleeve;
 pub use trousers::trousers;
 pub use tshirt::tshirt;
 
@@ -31,12 +33,13 @@ type Maker = fn() -> Vec<u8>;
 
 /// Every garment: the name of its file, and the bytes.
 pub fn all() -> Vec<(&'static str, Vec<u8>)> {
-    let makers: [(&str, Maker); 5] = [
+    let makers: [(&str, Maker); 6] = [
         ("tshirt.glb", tshirt),
         ("skirt.glb", skirt),
         ("trousers.glb", trousers),
         ("cape.glb", cape),
         ("dress.glb", dress),
+        ("sleeve.glb", sleeve),
     ];
     // Draping takes seconds and the garments do not depend on each other.
     std::thread::scope(|scope| {

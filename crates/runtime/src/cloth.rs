@@ -11,6 +11,7 @@ mod select;
 mod share;
 pub(crate) mod shear;
 mod sheet;
+mod skin;
 mod tether;
 mod texture;
 mod weigh;
@@ -21,6 +22,8 @@ pub use gimage_bundle::{Anchor, Particle, Tethers};
 pub(crate) use groups::{groups, mates, ring};
 pub use select::Select;
 pub(crate) use sheet::{Bending, Membrane, Woven};
+pub use skin::{Influence, Skin, SkinJoint};
+pub(crate) use skin::{Rows, skinned};
 
 use std::sync::Arc;
 
@@ -145,7 +148,7 @@ pub struct Cloth {
     pub collision_groups: u32,
     /// Compliance of the springs. Default none. Cloth of a material has a membrane instead of springs.
     pub compliance: Compliance,
-    /// Largest distance \[m\] of each particle from its initial position, for [`crate::Solver::Xpbd`]: a motion constraint.
+    /// Largest distance \[m\] of each particle from its initial position, or from the skin of cloth that follows joints, for [`crate::Solver::Xpbd`]: a motion constraint.
     /// 0 holds a free particle there, below 0 means none. Default none, at no cost; else one pass per step, of 36 bytes per
     /// particle. The same for all duplicates of a seam particle.
     pub limits: Option<Arc<[f32]>>,
@@ -161,6 +164,10 @@ pub struct Cloth {
     pub(crate) coarse: bool,
     /// Texture coordinates along the fabric.
     grain: Option<Arc<Vec<[f32; 2]>>>,
+    /// The joints that it can follow.
+    skin: Option<Arc<Skin>>,
+    /// The matrices of these joints at the start, where it follows them.
+    joints: Option<Arc<[Rows]>>,
 }
 
 impl Cloth {
@@ -191,6 +198,8 @@ impl Cloth {
             shear: 0.0,
             coarse: false,
             grain: None,
+            skin: None,
+            joints: None,
         })
     }
 

@@ -189,6 +189,7 @@ impl Cloth {
         cloth.take_settings(self);
         cloth.compliance = lengths::compliance(self, &map.samples);
         cloth.limits = self.limits.as_ref().map(|limits| map.take(limits).into());
+        cloth.take_skin(self, &map.samples);
         cloth.keep_tethers(self.stored_tethers().and_then(|held| map.tethers(held)));
         Ok(Coarser { cloth, map: Arc::new(map) })
     }

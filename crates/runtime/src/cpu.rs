@@ -36,6 +36,7 @@ pub(crate) mod save;
 pub(crate) mod seam_normals;
 pub(crate) mod seams;
 pub(crate) mod sheet;
+mod skin;
 pub(crate) mod speed;
 pub(crate) mod springs;
 pub(crate) mod start;

@@ -106,6 +106,47 @@ pub enum Error {
         /// The names of its pieces.
         pieces: String,
     },
+    /// A cloth has no joints to follow.
+    #[error(
+        "cloth {cloth} has no joints: build it from a skinned file, so that every piece has maps `joints` and `weights`, or give it \
+         some by Cloth::set_skin"
+    )]
+    NoSkin {
+        /// The cloth by name.
+        cloth: String,
+    },
+    /// A cloth does not follow joints.
+    #[error("cloth {cloth} does not follow joints: {problem}")]
+    Unfollowed {
+        /// The cloth by name.
+        cloth: String,
+        /// The reason, and the remedy.
+        problem: &'static str,
+    },
+    /// A particle is where the joints put it.
+    #[error("cloth {cloth}: pinned particle {particle} follows joints; unpin it first, or move the joints")]
+    Follows {
+        /// The cloth by name.
+        cloth: String,
+        /// Index of the particle.
+        particle: u32,
+    },
+    /// A list of joint matrices has another length than the skin.
+    #[error("{found} joint matrices for {expected} joints; give one for each of Skin::joints")]
+    Joints {
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// A joint matrix is NaN or infinite.
+    #[error("the matrix of joint {index} ({joint}) is not finite; pass finite numbers")]
+    JointNotFinite {
+        /// Name of the joint.
+        joint: String,
+        /// Its index.
+        index: usize,
+    },
     /// A cloth has no coarser image.
     #[error("cloth {cloth} has no coarser image: {problem}")]
     Coarser {

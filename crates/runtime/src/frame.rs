@@ -17,7 +17,7 @@ pub struct Frame<'a> {
     pub pyramid: u32,
     /// The numbers of the first step and of the others; [`Frame::step`] adds where colliders are.
     pub numbers: [Step<f64>; 2],
-    /// Length of a step \[s\] where contact is swept and a collider moves, else 0.
+    /// Length of a step \[s\] where colliders that contact is swept with, or the joints of a cloth, move; else 0.
     pub swept: f64,
 }
 

@@ -24,6 +24,7 @@ mod recording;
 mod ring;
 mod save;
 mod shared;
+mod skin;
 mod solids;
 mod span;
 mod staging;
@@ -59,6 +60,7 @@ use crate::error::{Error, Result};
 use crate::form::Form;
 use crate::fused;
 use crate::layout::{POSES, StepRow};
+use crate::passes::Pass;
 use crate::shaders::Slot;
 use crate::world::{Batch, ClothRun, World};
 use arena::{Arena, Underway};
@@ -152,6 +154,8 @@ impl Gpu {
         gpu.meet(world);
         if !draw_only {
             ahead::frames(world).iter().for_each(|form| _ = gpu.pipelines.get(form));
+            let skins = world.scene.cloths.iter().filter(|c| c.follows_joints()).filter_map(Cloth::skin);
+            skins.for_each(|skin| _ = gpu.pipelines.get(&Pass::Skin { sets: skin.sets as u32 }.into()));
         }
         Ok(gpu)
     }

@@ -81,7 +81,9 @@ mod world;
 pub use bounds::Bounds;
 pub use choose::{Choice, Support};
 pub use clock::Progress;
-pub use cloth::{Anchor, Cloth, Compliance, Flat, Grid, Mass, Particle, Parts, Rest, Select, Tethers};
+pub use cloth::{
+    Anchor, Cloth, Compliance, Flat, Grid, Influence, Mass, Particle, Parts, Rest, Select, Skin, SkinJoint, Tethers,
+};
 pub use coarser::Coarser;
 pub use collider::{Collider, Shape};
 pub use error::{Error, Result, StateProblem};

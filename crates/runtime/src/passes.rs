@@ -76,8 +76,13 @@ pub enum Pass {
         /// Anchors per particle.
         slots: u32,
     },
+    /// Pinned particles of cloth that follows joints are where the skin is at the end of the step.
+    Follow,
     /// No particle is farther from its position at rest than its limit.
-    Limit,
+    Limit {
+        /// Whether it is a distance from the skin, which moves.
+        moves: bool,
+    },
     /// Lengths are limited on coarser grids of the cloth.
     Pyramid {
         /// Which spring directions there are.
@@ -143,6 +148,11 @@ pub enum Pass {
     Transform,
     /// A set of particles is put at given positions, or pinned, or freed.
     Place,
+    /// Joints have moved: where they put all particles.
+    Skin {
+        /// Sets of four joints per particle.
+        sets: u32,
+    },
     /// The nearest triangle on a ray, one candidate a workgroup.
     Pick {
         /// Whether any triangle is cut away.
@@ -257,6 +267,8 @@ pub fn schedule(
     // Reads neighbours, so it cannot be part of the step that moves them.
     s.air.extend((air == Air::Field).then_some(Pass::Wind { holes: cloth.is_cut() }));
     let exact = cloth.is_exact() && options.solver == Solver::Xpbd;
+    // Before all others, so that tethers and springs find their ends where these are in this step.
+    s.step.extend((cloth.follows_joints() && options.solver == Solver::Xpbd).then_some(Pass::Follow));
     s.step.push(if exact { Pass::IntegrateExact(air) } else { Pass::Integrate(air) });
     let seams = cloth.ring_count() > 0;
     // Colliders are last, so that a frame ends outside of them. Duplicates are equal there and stay so.
@@ -297,7 +309,7 @@ pub fn schedule(
             let last = options.polish == 0 || cloth.membrane().is_some();
             s.relax.extend(tethers.filter(|_| last));
             // Contact has the last word: a limit may lead into a collider.
-            s.relax.extend(cloth.limits.is_some().then_some(Pass::Limit));
+            s.relax.extend(cloth.limits.is_some().then_some(Pass::Limit { moves: cloth.follows_joints() }));
             s.relax.extend(colliders.map(Pass::Contact));
             s.frame.extend([Pass::Guard, Pass::Restore]);
         }

@@ -53,7 +53,9 @@ fn passes() -> Vec<Pass> {
         all.extend([false, true].map(|seams| Pass::Pyramid { directions, seams, cut }));
         all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
     }
-    all.extend([Pass::Forget, Pass::Limit, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
+    all.extend([Pass::Follow, Pass::Skin { sets: 1 }, Pass::Skin { sets: 2 }]);
+    all.extend([false, true].map(|moves| Pass::Limit { moves }));
+    all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     for walks in [false, true] {
         all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams, walks }));
     }
@@ -93,7 +95,7 @@ fn tail(k: u32, slots: u32) -> Vec<Pass> {
     let on = |bit: u32| k >> bit & 1 == 1;
     let mut passes = vec![Pass::Seams];
     passes.extend(on(0).then_some(Pass::Tethers { slots }));
-    passes.extend(on(1).then_some(Pass::Limit));
+    passes.extend(on(1).then_some(Pass::Limit { moves: on(4) }));
     passes.extend(on(3).then_some(Pass::Contact(Kinds { shapes: [true; 6], friction: on(2), many: on(5) })));
     passes
 }
@@ -124,7 +126,7 @@ fn tiles() -> Vec<Tile> {
             passes.extend(springs(on(3), soft, again, 2 * u32::from(on(0)), tethers));
         }
         passes.extend(tethers.filter(|_| on(1)));
-        passes.extend((on(1) && on(4)).then_some(Pass::Limit));
+        passes.extend((on(1) && on(4)).then_some(Pass::Limit { moves: on(2) }));
         passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 6], friction: on(2), many: on(5) })));
         let shape = TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] };
         // After seams, and what follows them in the last step.
@@ -160,7 +162,7 @@ fn fused() -> Vec<Fused> {
         s.relax.extend(tethers);
         s.relax.extend(springs(image, soft, again, 2 * u32::from(on(4)), tethers));
         s.relax.extend(seams);
-        s.relax.extend(on(0).then_some(Pass::Limit));
+        s.relax.extend(on(0).then_some(Pass::Limit { moves: on(1) }));
         let kinds = Kinds { shapes: [true; 6], friction: on(2), many: on(3) };
         s.relax.extend(on(4).then_some(Pass::Contact(kinds)));
         s.frame.extend([Pass::Guard, Pass::Restore]);

@@ -32,7 +32,7 @@ pub struct Step<T> {
     pub drag: T,
     /// Half the air's density times the lift coefficient \[kg/m^3\].
     pub lift: T,
-    /// From the end of this step to that of the frame \[s\]: so far back moving colliders are.
+    /// From the end of this step to that of the frame \[s\]: so far back moving colliders are, and joints.
     pub left: T,
 }
 

@@ -9,6 +9,7 @@ mod drag;
 #[cfg(feature = "gpu")]
 mod host_buffer;
 mod indices;
+mod joints;
 mod levels;
 mod members;
 mod pick;

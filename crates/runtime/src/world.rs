@@ -8,6 +8,7 @@ mod control;
 mod dispatch;
 mod disturb;
 mod drive;
+mod follow;
 mod fuse;
 mod host;
 pub(crate) mod images;
@@ -196,6 +197,7 @@ impl World {
         self.choose();
         let progress = self.control.clock.frame(dt);
         self.driven.stepped(progress.steps);
+        self.lead(progress.steps);
         progress
     }
 
@@ -254,7 +256,7 @@ impl World {
     pub fn frame(&self, cloth: usize, steps: u32) -> Frame<'_> {
         let options = &self.control.options;
         let moves = |c: &Collider| [c.velocity, c.spin].as_flattened().iter().any(|x| *x != 0.0);
-        let swept = options.solver == Solver::Xpbd && self.scene.colliders.iter().any(moves);
+        let swept = options.solver == Solver::Xpbd && (self.scene.colliders.iter().any(moves) || self.leads());
         Frame {
             schedule: &self.runs[cloth].schedule,
             steps,

@@ -1,12 +1,15 @@
 //! The host of a stepper: it owns the device, submits and waits.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use gimage_runtime::scene::Script;
 use gimage_runtime::wgpu;
 use gimage_runtime::{Backend, Health, Options, PassTime, Progress, Scene, Stepper, read_back, read_back_u32};
 
+use crate::commands::character::Animated;
 use crate::commands::device::Device;
+use crate::commands::scene::Loaded;
 use crate::exit::Failure;
 use crate::output::{Output, Tone};
 
@@ -17,6 +20,7 @@ pub struct Engine {
     pub adapter: String,
     gpu: Option<(wgpu::Device, wgpu::Queue)>,
     script: Script,
+    animated: Option<Arc<Animated>>,
     /// Of the host \[s\] since the start.
     time: f64,
 }
@@ -44,13 +48,21 @@ impl Engine {
         let found = found.filter(|_| stepper.backend() == Backend::Gpu);
         let adapter = found.as_ref().map_or_else(|| "this machine's cores".to_owned(), |d| d.info.name.clone());
         let gpu = found.map(|d| (d.device, d.queue));
-        Ok(Engine { stepper, adapter, gpu, script, time: 0.0 })
+        Ok(Engine { stepper, adapter, gpu, script, animated: None, time: 0.0 })
+    }
+
+    /// The engine of a scene, with what moves its joints.
+    pub fn of(loaded: &Loaded) -> Result<Self, Failure> {
+        let file = &loaded.file;
+        let engine = Engine::new(file.scene.clone(), file.script.clone(), file.options.clone())?;
+        Ok(Engine { animated: loaded.animated.clone(), ..engine })
     }
 
     /// Says which settings were beyond the solver's limits, and were changed, and whether the GPU failed its self-check.
     pub fn warn(&self, out: &Output) {
         let each = self.stepper.warnings();
         each.iter().for_each(|warning| out.remark(Tone::Warning, "warning", &warning.to_string()));
+        self.animated.iter().for_each(|animated| animated.remark(out));
     }
 
     /// The same as [`Engine::frame`], with a time for each shader; these are empty on a device without timestamps and on the CPU. The frame
@@ -68,6 +80,9 @@ impl Engine {
     /// Does what the script has for the next `dt` seconds, steps through them and waits.
     pub fn frame(&mut self, dt: f64) -> Result<Progress, Failure> {
         self.script.frame(&mut self.stepper, self.time, dt)?;
+        if let Some(animated) = &self.animated {
+            animated.frame(&mut self.stepper, self.time + dt)?;
+        }
         self.time += dt;
         let start = Instant::now();
         let progress = self.step(dt)?;

@@ -2,6 +2,7 @@
 
 pub mod batch;
 pub mod build;
+pub mod character;
 pub mod check_crossings;
 mod device;
 pub mod doctor;

@@ -8,14 +8,13 @@ mod palette;
 use std::path::Path;
 
 use gimage_runtime::draw::{Camera, View, bounds};
-use gimage_runtime::scene::file::SceneFile;
 use gimage_runtime::{Backend, Cloth};
 use serde_json::json;
 
 use crate::args::RenderArgs;
 use crate::commands::engine::Engine;
 use crate::commands::faults::Faults;
-use crate::commands::scene;
+use crate::commands::scene::{self, Loaded};
 use crate::exit::{Exit, Failure};
 use crate::files::{Pending, check_file_target};
 use crate::output::{Output, Tone};
@@ -43,18 +42,19 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
     let kind = kind(&args.output)?;
     painter::check_size(args.size)?;
     check_file_target(&args.output, args.force)?;
-    let file = scene::load(&args.scene)?;
-    let rests = args.time.is_none() && kind == Kind::Png && is_loose_bundle(args, &file);
+    let loaded = scene::load(&args.scene)?;
+    let file = &loaded.file;
+    let rests = args.time.is_none() && kind == Kind::Png && is_loose_bundle(args, &loaded);
     if rests {
         let text = "nothing is pinned: the picture shows the rest pose; give --time for a later one";
         out.remark(Tone::Note, "note", text);
     }
     let end = args.time.unwrap_or(if rests { 0.0 } else { f64::from(file.scene.frames) * file.options.step });
     let times = times(args, kind, end)?;
-    let camera = camera(args, &file, &times)?;
-    let mut engine = Engine::new(file.scene.clone(), file.script.clone(), file.options.clone())?;
+    let camera = camera(args, &loaded, &times)?;
+    let mut engine = Engine::of(&loaded)?;
     engine.warn(out);
-    let mut painter = Painter::new(&engine, args.size, &file)?;
+    let mut painter = Painter::new(&engine, args.size, file)?;
     let (width, height) = args.size;
     let view = View {
         background: args.background.or(file.background).unwrap_or(BACKGROUND),
@@ -95,9 +95,10 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
 }
 
 /// Whether a bundle is drawn that nothing holds: stepped, it only falls.
-fn is_loose_bundle(args: &RenderArgs, file: &SceneFile) -> bool {
+fn is_loose_bundle(args: &RenderArgs, loaded: &Loaded) -> bool {
     let pinned = |cloth: &Cloth| cloth.particles().iter().any(|p| p.is_pinned());
-    Path::new(&args.scene.scene).is_dir() && !file.scene.cloths.iter().any(pinned)
+    let bundle = loaded.animated.is_none() && Path::new(&args.scene.scene).is_dir();
+    bundle && !loaded.file.scene.cloths.iter().any(pinned)
 }
 
 fn kind(output: &Path) -> Result<Kind, Failure> {
@@ -141,14 +142,14 @@ fn go_to(engine: &mut Engine, time: f64, faults: &mut Faults) -> Result<f32, Fai
 }
 
 /// The camera of the arguments, else of the scene, else one that has everything in every picture.
-fn camera(args: &RenderArgs, file: &SceneFile, times: &[f64]) -> Result<Camera, Failure> {
+fn camera(args: &RenderArgs, loaded: &Loaded, times: &[f64]) -> Result<Camera, Failure> {
     let fov = args.fov.map(f32::to_radians);
     let given = args.camera.map(|[a, b, c, d, e, f]| Camera {
         eye: [a, b, c],
         target: [d, e, f],
         fov: fov.unwrap_or(FOV.to_radians()),
     });
-    let of_file = file.camera.map(|c| Camera { fov: fov.unwrap_or(c.fov), ..c });
+    let of_file = loaded.file.camera.map(|c| Camera { fov: fov.unwrap_or(c.fov), ..c });
     if let Some(camera) = given.or(of_file) {
         camera.check()?;
         return Ok(camera);
@@ -156,7 +157,7 @@ fn camera(args: &RenderArgs, file: &SceneFile, times: &[f64]) -> Result<Camera, 
     let fov = fov.unwrap_or(FOV.to_radians());
     Camera { eye: FROM, target: [0.0; 3], fov }.check()?;
     // The pictures are not known before the scene has run: it runs twice.
-    let mut engine = Engine::new(file.scene.clone(), file.script.clone(), file.options.clone())?;
+    let mut engine = Engine::of(loaded)?;
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for time in times {
         go_to(&mut engine, *time, &mut Faults::default())?;

@@ -2,7 +2,9 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
+use gimage::import::ImportOptions;
 use gimage::options::{BuildOptions, ImageSize};
 use gimage::pipeline;
 use gimage::progress::Quiet;
@@ -13,11 +15,18 @@ use gimage_runtime::scene::{BUILTIN, Script, builtin};
 use gimage_runtime::{Backend, Cloth, Options, Quality, Scene, Solver};
 
 use crate::args::{BackendArg, SceneArgs, SolverArg};
+use crate::commands::character::{self, Animated};
 use crate::exit::Failure;
 
-/// Loads what the arguments name, with the solver settings that they give.
-pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
-    let mut file = open(&args.scene, args.n)?;
+/// A scene, and what moves its joints, if anything does.
+pub struct Loaded {
+    pub file: SceneFile,
+    pub animated: Option<Arc<Animated>>,
+}
+
+/// Loads what the arguments name, with the solver settings and the animation that they give.
+pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
+    let Opened { mut file, import, source } = open_with(&args.scene, args.n)?;
     file.options.backend = match args.backend {
         BackendArg::Auto => Backend::Auto,
         BackendArg::Gpu => Backend::Gpu,
@@ -42,14 +51,45 @@ pub fn load(args: &SceneArgs) -> Result<SceneFile, Failure> {
     file.options.tethers = args.tethers.unwrap_or(file.options.tethers);
     file.options.iterations = args.iterations.unwrap_or(file.options.iterations);
     file.options.threads = args.threads.into();
-    Ok(file)
+    let scene = Path::new(&args.scene);
+    let named =
+        file.character.as_ref().map(|c| (scene.parent().unwrap_or(Path::new("")).join(&c.file), c.animation.clone()));
+    let (path, animation) = match (&args.animation, named) {
+        (None, None) if args.character.is_some() => {
+            return Err(Failure::refused("--character needs --animation NAME; `gimage list` has the names"));
+        }
+        (None, None) => return Ok(Loaded { file, animated: None }),
+        (animation, Some((path, own))) => (args.character.clone().unwrap_or(path), animation.clone().unwrap_or(own)),
+        (Some(animation), None) => (character::beside(scene, args.character.as_deref(), &source)?, animation.clone()),
+    };
+    let animated = Animated::new((&path, &animation), &import, &mut file)?;
+    Ok(Loaded { file, animated: Some(Arc::new(animated)) })
 }
 
 /// Opens the built-in scene of this name with `n` particles per side, the scene file, or the bundle.
 pub fn open(name: &str, n: u32) -> Result<SceneFile, Failure> {
+    Ok(open_with(name, n)?.file)
+}
+
+/// A scene without its animation.
+struct Opened {
+    file: SceneFile,
+    /// How the first bundle with joints was read from its file.
+    import: ImportOptions,
+    /// The file that the bundle was built from, if the scene is a bundle.
+    source: String,
+}
+
+impl Opened {
+    fn new(file: SceneFile) -> Self {
+        Opened { file, import: ImportOptions::default(), source: String::new() }
+    }
+}
+
+fn open_with(name: &str, n: u32) -> Result<Opened, Failure> {
     let path = Path::new(name);
     if BUILTIN.contains(&name) {
-        Ok(plain(builtin(name, n)?))
+        Ok(Opened::new(plain(builtin(name, n)?)))
     } else if !path.exists() {
         let hint = format!("give a scene file, a bundle, or one of the built-in scenes {}", BUILTIN.join(", "));
         Err(Failure::refused(format!("{name}: no such file or directory; {hint}")))
@@ -57,7 +97,8 @@ pub fn open(name: &str, n: u32) -> Result<SceneFile, Failure> {
         let bundle = read_dir(path).map_err(|e| Failure::bundle(path, &e))?;
         let mut scene = Scene::new(name);
         scene.cloths.push(Cloth::from_bundle(name, &bundle)?);
-        Ok(plain(scene))
+        let (import, source) = (character::import_options(&bundle.manifest), bundle.manifest.source.file.clone());
+        Ok(Opened { file: plain(scene), import, source })
     } else {
         read(path)
     }
@@ -66,10 +107,11 @@ pub fn open(name: &str, n: u32) -> Result<SceneFile, Failure> {
 fn plain(scene: Scene) -> SceneFile {
     let looks = (0..scene.cloths.len()).map(Look::of).collect();
     let (script, options, solid_look) = (Script::default(), Options::default(), SolidLook::default());
-    SceneFile { scene, script, options, camera: None, background: None, looks, solid_look }
+    let (character, joints) = (None, Vec::new());
+    SceneFile { scene, script, options, camera: None, background: None, looks, solid_look, character, joints }
 }
 
-fn read(path: &Path) -> Result<SceneFile, Failure> {
+fn read(path: &Path) -> Result<Opened, Failure> {
     let meta = fs::metadata(path).map_err(|e| Failure::io(path, &e))?;
     let json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     // A pipe would be waited for, and a device read without end.
@@ -79,8 +121,16 @@ fn read(path: &Path) -> Result<SceneFile, Failure> {
     }
     let bytes = fs::read(path).map_err(|e| Failure::io(path, &e))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let file = SceneFile::parse(&bytes, |source| find(folder, source));
-    file.map_err(|e| Failure::refused(format!("{}: {e}", path.display())))
+    let mut import = None;
+    let file = SceneFile::parse(&bytes, |source| {
+        let bundle = find(folder, source)?;
+        if bundle.manifest.skeleton.is_some() && import.is_none() {
+            import = Some(character::import_options(&bundle.manifest));
+        }
+        Ok(bundle)
+    });
+    let file = file.map_err(|e| Failure::refused(format!("{}: {e}", path.display())))?;
+    Ok(Opened { import: import.unwrap_or_default(), ..Opened::new(file) })
 }
 
 /// Reads a bundle, or builds a garment in memory.

@@ -20,11 +20,10 @@ use passes::PassTimes;
 
 /// Runs it.
 pub fn run(args: &SimulateArgs, out: &Output) -> Result<Exit, Failure> {
-    let file = scene::load(&args.scene)?;
-    let frames = args.frames.unwrap_or(file.scene.frames);
-    let options = file.options;
-    let step = options.step;
-    let mut engine = Engine::new(file.scene, file.script, options)?;
+    let loaded = scene::load(&args.scene)?;
+    let frames = args.frames.unwrap_or(loaded.file.scene.frames);
+    let step = loaded.file.options.step;
+    let mut engine = Engine::of(&loaded)?;
     engine.warn(out);
     let dump = args.dump.as_deref().map(|dir| Dump::new(dir, &engine.stepper, args.force, out)).transpose()?;
     let (mut times, mut counts, mut rounds) = (Vec::new(), Vec::new(), Vec::new());

@@ -42,8 +42,9 @@ stage_options! {
         /// Rest lengths: straight distance (chord), or distance along the surface (arc).
         pub rest: RestLength = RestLength::Chord => "rest" [""] Range::Any;
         /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), loop:K (boundary loop, longest
-        /// first), attr:_NAME>T or color:r>T. The bundle then stores tethers: the distance of each particle to the nearest
-        /// pin.
+        /// first), loop:top, loop:bottom (by mean height), joint:NAME<D (within D metres of a joint), attr:_NAME>T or
+        /// color:r>T; combined by not, and, or and parentheses. The bundle then stores tethers: the distance of each
+        /// particle to the nearest pin.
         pub pins: Vec<Pin> = Vec::new() => "pin" [""] Range::Any;
         /// Keep particles within this distance of their positions at rest, may be repeated; EXPR as for --pin. The smallest
         /// distance counts, also of those in an attribute _LIMIT of the file.
@@ -92,11 +93,12 @@ pub fn assemble(
     check_range(pieces)?;
     let loops = loop_order(pieces);
     let owner = parts::owners(pieces.len(), families);
+    let heights = by_height(pieces, &owner, &loops);
     let made: Vec<Result<Made>> = pieces
         .par_iter()
         .enumerate()
         .map(|(k, piece)| {
-            let out = make(mesh, owner[k], piece, &loops, options);
+            let out = make(mesh, owner[k], piece, [&loops, &heights], options);
             step();
             out
         })
@@ -232,11 +234,26 @@ fn loop_order(pieces: &[Piece<'_>]) -> Vec<(usize, u32)> {
     all.into_iter().map(|x| (x.1, x.2)).collect()
 }
 
+/// The same loops, the highest first, by the mean height of their texels. `owner` has the piece that names the loops of each piece.
+fn by_height(pieces: &[Piece<'_>], owner: &[usize], loops: &[(usize, u32)]) -> Vec<(usize, u32)> {
+    let mut sums: std::collections::BTreeMap<(usize, u32), (f64, u32)> = Default::default();
+    for (Piece { image, .. }, owner) in pieces.iter().zip(owner) {
+        for (of, p) in image.loop_of.iter().zip(&image.grid.positions) {
+            let sum = sums.entry((*owner, *of)).or_default();
+            (sum.0, sum.1) = (sum.0 + p[1], sum.1 + 1);
+        }
+    }
+    let height = |l: &(usize, u32)| sums.get(l).map_or(f64::NEG_INFINITY, |(sum, n)| sum / f64::from(*n));
+    let mut order: Vec<_> = loops.iter().filter(|l| sums.contains_key(l)).copied().collect();
+    order.sort_by(|a, b| height(b).total_cmp(&height(a)).then(a.cmp(b)));
+    order
+}
+
 fn make(
     mesh: &Mesh,
     k: usize,
     Piece { component, surface, image }: &Piece<'_>,
-    loops: &[(usize, u32)],
+    [loops, heights]: [&[(usize, u32)]; 2],
     options: &BuildOptions,
 ) -> Result<Made> {
     let places = places(image, surface);
@@ -259,7 +276,7 @@ fn make(
         }
         other => other,
     })?;
-    let texels = Texels { mesh, piece: k, image, places: &places, loops };
+    let texels = Texels { mesh, piece: k, image, places: &places, loops, heights };
     let (pinned, met) = pinned(&texels, &options.assemble.pins);
     let (limits, limits_met) = limits::limits(&texels, &options.assemble.limits, options.import.unit);
     Ok(Made { maps, findings, pinned, met, limits, limits_met, rest, mass })

@@ -163,3 +163,37 @@ fn required_extensions() {
         other => panic!("{other:?}"),
     }
 }
+
+#[test]
+fn a_mesh_without_a_skin_follows_the_node_that_moves_it() {
+    let mut glb = square();
+    let times = glb.floats("SCALAR", &[0.0, 1.0]);
+    let turns = glb.floats("VEC4", &[0., 0., 0., 1., 0., 0., 1., 0.]);
+    glb.json["nodes"] = json!([
+        {"mesh": 0, "name": "cape", "translation": [1, 0, 0]},
+        {"name": "chest", "translation": [0, 2, 0], "children": [2]},
+        {"name": "hook", "translation": [0, 0, 3], "children": [0]},
+        {"mesh": 0, "name": "floor"}
+    ]);
+    glb.json["scenes"] = json!([{"nodes": [1, 3]}]);
+    // Without an animation or a skin nothing moves.
+    let mut still = square();
+    still.json["nodes"] = glb.json["nodes"].clone();
+    still.json["scenes"] = glb.json["scenes"].clone();
+    assert!(load(still).unwrap().mesh.skeleton.joints.is_empty());
+    glb.json["animations"] = json!([{
+        "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}],
+        "samplers": [{"input": times, "output": turns}]
+    }]);
+    let mesh = load(glb).unwrap().mesh;
+    let [joint] = &mesh.skeleton.joints[..] else { panic!("{:?}", mesh.skeleton) };
+    assert_eq!((joint.name.as_str(), joint.parent), ("chest", None));
+    // From the world to the chest, as it stands in the file.
+    assert_eq!(joint.inverse_bind[12..15], [0.0, -2.0, 0.0]);
+    let (joints, weights) = (mesh.channel(&Semantic::Joints(0)).unwrap(), mesh.channel(&Semantic::Weights(0)).unwrap());
+    for (t, part) in mesh.triangle_part.iter().enumerate() {
+        let follows = mesh.parts[*part as usize].node == "cape";
+        assert_eq!(joints.at(t, 0), follows.then_some(&[0.0; 4][..]));
+        assert_eq!(weights.at(t, 0), follows.then_some(&[1.0, 0.0, 0.0, 0.0][..]));
+    }
+}

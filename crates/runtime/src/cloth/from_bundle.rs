@@ -11,7 +11,8 @@ const DEFAULT_MASS: f32 = 1e-3;
 impl Cloth {
     /// All pieces of a bundle as one cloth; particle indices are those of the bundle. Where every piece with springs has
     /// constant rest lengths (or masses), no image is made for them; a bundle without rest lengths has no springs.
-    /// Tethers of the bundle are kept until pins change, and its first texture coordinates for materials. Errors as [`Cloth::new`].
+    /// Tethers of the bundle are kept until pins change, its first texture coordinates for materials, and its
+    /// joints if every piece has some ([`Cloth::follow_joints`]). Errors as [`Cloth::new`].
     pub fn from_bundle(name: &str, bundle: &Bundle) -> Result<Self> {
         let pieces = &bundle.manifest.pieces;
         let grids: Vec<Grid> = pieces
@@ -36,6 +37,7 @@ impl Cloth {
         cloth.keep_tethers(bundle.stored_tethers());
         cloth.limits = bundle.limits().map(Into::into);
         cloth.keep_grain(grain(bundle, cloth.grids()));
+        cloth.keep_skin(bundle)?;
         Ok(cloth)
     }
 

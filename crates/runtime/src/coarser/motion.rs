@@ -32,6 +32,7 @@ impl Coarser {
             cloth.limits = limits.map(Into::into);
         }
         cloth.take_settings(fine);
+        cloth.start_with(fine);
         cloth
     }
 

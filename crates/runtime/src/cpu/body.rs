@@ -12,10 +12,10 @@ use super::rows::Threads;
 use super::start::Start;
 use super::strain::Springs;
 use super::{
-    colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, speed, springs, strain, wind,
+    colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, skin, speed, springs, strain, wind,
 };
 use crate::choose::Settings;
-use crate::cloth::{Cloth, Compliance, Grid, Rest, Tethers};
+use crate::cloth::{Cloth, Compliance, Grid, Rest, Rows, Tethers};
 use crate::collider::solid::Solid;
 use crate::memory::Tally;
 use crate::number::real::{Real, cast};
@@ -162,6 +162,22 @@ impl<T: Real> Body<T> {
         if let Some(fabric) = &mut self.fabric {
             fabric.aim(targets);
         }
+    }
+
+    /// Takes in which particles follow joints while they are pinned, in ascending order.
+    pub fn join(&mut self, joined: &[u32]) {
+        if let Some(fabric) = &mut self.fabric {
+            fabric.join(joined);
+        }
+    }
+
+    /// The joints have moved; `rate` \[1/s\] is one over the length of the frame in which particles go from where the last call put them
+    /// to where this one does, 0 if they are there at once.
+    pub fn lead(&mut self, cloth: &Cloth, joined: &[u32], matrices: &[Rows], rate: T) {
+        let (Some(fabric), Some(skin)) = (&mut self.fabric, cloth.skin()) else { return };
+        let all = if cloth.limits.is_some() { 0..cloth.len() as u32 } else { 0..0 };
+        let ends = skin::run(skin, joined.iter().copied(), matrices);
+        fabric.lead(&ends, &skin::run(skin, all, matrices), rate);
     }
 
     /// To be called before the steps of a frame.

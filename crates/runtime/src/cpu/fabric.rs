@@ -2,6 +2,7 @@
 
 mod bend;
 mod cut_levels;
+mod follow;
 mod forget;
 mod integrate_rows;
 mod laplacian;
@@ -20,6 +21,7 @@ mod tethers;
 
 use std::sync::Arc;
 
+use self::follow::Follow;
 use self::limit::Limit;
 use self::membrane::Cells;
 use self::moments::Plate;
@@ -40,7 +42,7 @@ use crate::collider::solid::Solid;
 use crate::levels::ties::{Ties, ties};
 use crate::levels::{carried, levels, masses};
 use crate::number::aligned::Aligned;
-use crate::number::real::{Real, V3};
+use crate::number::real::{Real, V3, scale, sub};
 use crate::options::Options;
 use crate::passes::{self, Pass};
 use crate::step::Step;
@@ -60,6 +62,8 @@ pub struct Fabric<T: Real> {
     tethers: Arc<Vec<Tethers<T>>>,
     /// One a sheet, of cloth that has any.
     limits: Vec<Limit<T>>,
+    /// One a sheet, of cloth that follows joints.
+    follows: Vec<Follow<T>>,
     /// Sheet and place of every anchor.
     anchors: Arc<Vec<(u32, u32)>>,
     /// Those of every ring.
@@ -95,6 +99,7 @@ impl<T: Real> Fabric<T> {
             cells: Arc::new(cells),
             plates,
             limits: limit::limits(cloth, &sheets),
+            follows: Vec::new(),
             sheets,
             whole: cloth.grids().iter().map(|g| cloth.particles()[g.range()].iter().all(|p| p.exists())).collect(),
             tethers: Default::default(),
@@ -242,6 +247,40 @@ impl<T: Real> Fabric<T> {
         }
     }
 
+    /// From here on these particles, which are in ascending order and whose number in the list `joined` has, follow joints while they are
+    /// pinned.
+    pub fn join(&mut self, joined: &[u32]) {
+        self.follows =
+            self.sheets.iter().map(|_| Follow { places: Vec::new(), to: Vec::new(), drift: Vec::new() }).collect();
+        for k in joined {
+            let (sheet, triple) = self.place(*k as usize);
+            let zero = [T::of(0.0); 3];
+            let (half, follow) = (self.sheets[sheet as usize].half, &mut self.follows[sheet as usize]);
+            follow.places.push([single(triple as usize, half) as u32, triple]);
+            follow.to.push(zero);
+            follow.drift.push(zero);
+        }
+    }
+
+    /// Where those particles are at the end of the frame \[m\], in the order of [`Fabric::join`]; then the targets of limits, by texels, if
+    /// the cloth has any. Each goes there at `rate` \[1/s\] from where the last call put it.
+    pub fn lead(&mut self, ends: &[V3<T>], targets: &[V3<T>], rate: T) {
+        let mut ends = ends.iter();
+        for follow in &mut self.follows {
+            for ((to, drift), end) in follow.to.iter_mut().zip(&mut follow.drift).zip(&mut ends) {
+                *drift = scale(sub(*end, *to), rate);
+                *to = *end;
+            }
+        }
+        let each = self.limits.iter_mut().zip(&self.sheets).zip(&self.firsts);
+        each.for_each(|((limit, sheet), first)| {
+            let range = *first..first + sheet.width * sheet.height;
+            if let Some(targets) = targets.get(range) {
+                limit.lead(sheet, targets, rate);
+            }
+        });
+    }
+
     /// From here on these are the targets \[m\] of the limits, and the limits, by texels.
     pub fn aim(&mut self, targets: &[[f32; 4]]) {
         let each = self.limits.iter_mut().zip(&self.sheets).zip(&self.firsts);
@@ -380,9 +419,13 @@ impl<T: Real> Fabric<T> {
                     tethers::run(threads, sheet, held, &anchors);
                 }
             }
-            Pass::Limit => {
+            Pass::Follow => {
+                let each = self.sheets.iter_mut().zip(&self.follows);
+                each.for_each(|(sheet, follow)| follow::run(sheet, follow, step.left));
+            }
+            Pass::Limit { .. } => {
                 let each = self.sheets.iter_mut().zip(&self.limits);
-                each.for_each(|(sheet, limit)| limit::run(threads, sheet, limit));
+                each.for_each(|(sheet, limit)| limit::run(threads, sheet, limit, step.left));
             }
             Pass::Pyramid { directions, cut, .. } => {
                 pyramid::run(&mut self.pyramids, &self.sheets, threads, (&directions, cut), &self.ties);
@@ -414,6 +457,7 @@ impl<T: Real> Fabric<T> {
             | Pass::CutLevels
             | Pass::Transform
             | Pass::Place
+            | Pass::Skin { .. }
             | Pass::Pick { .. }
             | Pass::PickNearest
             | Pass::Bounds

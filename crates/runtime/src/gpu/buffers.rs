@@ -57,6 +57,10 @@ pub struct ClothBuffers {
     pub(super) turned: [bool; 4],
 }
 
+/// Buffers that no cut changes.
+const KEPT: [Slot; 7] =
+    [Slot::Good, Slot::Lost, Slot::Solids, Slot::Bounds, Slot::Charts, Slot::Influences, Slot::Skinned];
+
 impl ClothBuffers {
     /// Those of a cloth whose state lies in a store.
     pub(super) fn new(state: State<Span>, stepping: bool) -> Self {
@@ -178,7 +182,7 @@ impl ClothBuffers {
     /// Drops what cuts have changed, and what is made beside it: both are made again when they are needed.
     pub(super) fn mend(&mut self) {
         (self.holes, self.separate, self.grids) = (None, false, None);
-        self.others.retain(|slot, _| [Slot::Good, Slot::Lost, Slot::Solids, Slot::Bounds, Slot::Charts].contains(slot));
+        self.others.retain(|slot, _| KEPT.contains(slot));
         self.groups.clear();
     }
 

@@ -71,8 +71,9 @@ impl Contents {
         for slot in Slot::ALL {
             if let Some(each) = slot.row(cloth, held.per_particle) {
                 let (begin, bytes) = match slot {
-                    // Teleports may have moved them.
+                    // Teleports and joints may have moved them.
                     Slot::Targets => (first, cast_slice(&world.runs[index].targets(cloth)).to_vec()),
+                    Slot::Drifts => (first, cast_slice(&world.runs[index].drifts(cloth)).to_vec()),
                     other if is_new => (image, other.texels(cloth, held)),
                     _ => continue,
                 };

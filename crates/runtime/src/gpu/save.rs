@@ -118,15 +118,20 @@ impl Gpu {
         self.open_arenas(world);
     }
 
+    /// Where the vectors of a cloth lie that calls of a host change: among its own buffers, and in the lists of its arena.
+    pub(super) fn vectors(&self, world: &World, cloth: usize, slot: Slot) -> Vec<Span> {
+        let own = self.cloths[cloth].others.get(&slot).cloned();
+        let mut arenas = world.arenas.iter().zip(&self.arenas);
+        let member = |list: &[usize]| list.iter().position(|c| *c == cloth);
+        let shared = arenas.find_map(|(list, arena)| arena.vectors(member(&list.cloths)?, slot));
+        own.into_iter().chain(shared).collect()
+    }
+
     /// Records that the targets of a cloth's limits follow its start.
     pub(super) fn aim(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, cloth: usize) {
         let targets = world.runs[cloth].targets(&world.scene.cloths[cloth]);
         let buffer = self.upload_once(cast_slice(&targets));
-        let own = self.cloths[cloth].others.get(&Slot::Targets).cloned();
-        let mut arenas = world.arenas.iter().zip(&self.arenas);
-        let member = |list: &[usize]| list.iter().position(|c| *c == cloth);
-        let shared = arenas.find_map(|(list, arena)| arena.vectors(member(&list.cloths)?, Slot::Targets));
-        for span in own.into_iter().chain(shared) {
+        for span in self.vectors(world, cloth, Slot::Targets) {
             encoder.copy_buffer_to_buffer(&buffer, 0, &span.buffer, span.offset, 16 * targets.len() as u64);
         }
     }

@@ -7,6 +7,7 @@ use wgpu::{Buffer, BufferUsages};
 use super::Gpu;
 use super::frames;
 use super::ring::room_of;
+use super::skin;
 use super::span::Span;
 use super::upload::{empty, filled};
 use crate::layout::{FrameRow, POSES, StepRow};
@@ -220,6 +221,7 @@ fn actions(list: &[Action]) -> u64 {
         Action::Cut { .. } => room(48),
         Action::Transform { chosen, .. } => room(64) + room(4 * chosen.len()),
         Action::Place { rows, .. } => room(16 * rows.len()) + room(8 * rows.len()),
+        Action::Skin { to, .. } => room(skin::bytes(to.len())),
         Action::Aim { .. } | Action::Load { .. } => 0,
     };
     list.iter().map(one).sum()

@@ -33,6 +33,20 @@ pub struct SceneFile {
     pub looks: Vec<Look>,
     /// How colliders are drawn.
     pub solid_look: SolidLook,
+    /// The character whose animation moves joints, if the file has one. The host reads its file: cloths with a skin follow it
+    /// ([`crate::Cloth::follow_joints`]), and so do colliders with a joint.
+    pub character: Option<CharacterFile>,
+    /// The joint that each collider moves with, `None` for one that moves with none; its pose is that in the pose of the character's file.
+    pub joints: Vec<Option<String>>,
+}
+
+/// A character and an animation of it, by their names.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct CharacterFile {
+    /// Path of the file, relative to the scene file.
+    pub file: String,
+    /// Name of the animation.
+    pub animation: String,
 }
 
 /// The answer of a host if a scene names a bundle or a garment.

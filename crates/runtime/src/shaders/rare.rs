@@ -59,6 +59,11 @@ pub(super) fn place(over: Over) -> Rule {
     own!("place", over, chosen())
 }
 
+pub(super) fn skin(over: Over, sets: u32) -> Rule {
+    let parts = Parts::new(&[part!("action")], &[Action, Slot::Influences], &[Slot::Skinned]);
+    own!("skin", over, parts.constant("sets", sets))
+}
+
 /// The parts of an action on a list of particles.
 fn chosen() -> Parts {
     Parts::new(&[part!("action"), part!("chosen")], &[Action, Slot::Chosen], &[Now, Slot::Before])

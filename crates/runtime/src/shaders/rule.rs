@@ -62,7 +62,7 @@ macro_rules! rule {
 /// Elements that the rule of a pass is run for.
 pub fn over(pass: Pass) -> Over {
     match pass {
-        Pass::Integrate(_) | Pass::IntegrateExact(_) | Pass::Forget | Pass::Tethers { .. } | Pass::Limit => {
+        Pass::Integrate(_) | Pass::IntegrateExact(_) | Pass::Forget | Pass::Tethers { .. } | Pass::Limit { .. } => {
             Over::Particles
         }
         Pass::Guard | Pass::Restore | Pass::Colliders(_) => Over::Particles,
@@ -77,11 +77,13 @@ pub fn over(pass: Pass) -> Over {
         Pass::Wind { .. } | Pass::Moments { .. } | Pass::Bend | Pass::Normals { .. } | Pass::Refine { .. } => {
             Over::Texels
         }
+        // Particles of other tiles read their anchors where these are now, so a tile ends before it.
+        Pass::Follow => Over::Texels,
         Pass::Membrane { column, row, .. } => Over::Cells { column, row },
         Pass::Springs { direction, parity, .. }
         | Pass::Stretch { direction, parity, .. }
         | Pass::Polish { direction, parity, .. } => Over::Springs { direction, parity },
-        Pass::Speed | Pass::Transform | Pass::Place | Pass::Bounds => Over::Own(Threads::Particles),
+        Pass::Speed | Pass::Transform | Pass::Place | Pass::Skin { .. } | Pass::Bounds => Over::Own(Threads::Particles),
         Pass::Fastest | Pass::PickNearest => Over::Own(Threads::One),
         Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
         Pass::CutLevels => Over::Own(Threads::Grids),
@@ -105,7 +107,8 @@ pub fn rule(pass: Pass) -> Rule {
             let parts = parts(&[], &[Slot::Tethers], &[Now]).constant("slots", slots);
             rule!("tethers", "tether", over, parts)
         }
-        Pass::Limit => rule!("limit", "limit", over, parts(&[], &[Slot::Targets], &[Now])),
+        Pass::Limit { moves } => rule!("limit", "limit", over, aim(moves).bind(&[writes(Now)])),
+        Pass::Follow => rule!("follow", "follow", over, aim(true).bind(&[reads(Grids), writes(Now), writes(Before)])),
         Pass::Contact(kinds) => contact(over, kinds),
         Pass::Colliders(kinds) => colliders(over, kinds),
         Pass::Seams => {
@@ -172,12 +175,22 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::CutLevels => rare::cut_levels(over),
         Pass::Transform => rare::transform(over),
         Pass::Place => rare::place(over),
+        Pass::Skin { sets } => rare::skin(over, sets),
         Pass::Pick { holes } => rare::pick(over, holes),
         Pass::PickNearest => rare::pick_nearest(over),
         Pass::Bounds => rare::bounds(over),
         Pass::Indices { holes } => rare::indices(over, holes),
         Pass::Tangents { holes } => rare::tangents(over, holes),
     }
+}
+
+/// The targets of limits and of pinned particles, which move with the joints of a cloth or not at all.
+fn aim(moves: bool) -> Parts {
+    let (file, read): (_, &[_]) = match moves {
+        false => (part!("aim_still"), &[Slot::Targets]),
+        true => (part!("aim_moving"), &[Slot::Step, Slot::Targets, Slot::Drifts]),
+    };
+    Parts::new(&[file], read, &[])
 }
 
 /// Swept contact.

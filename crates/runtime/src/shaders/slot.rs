@@ -78,11 +78,14 @@ slots! {
     Batch "batch",
     Part "part",
     Rings "rings",
+    Drifts "drifts",
+    Influences "influences",
+    Skinned "skinned",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
 /// in [`Slot::Lists`], whose first numbers, in this order, say where each begins.
-pub const LISTED: [(Slot, Option<&str>); 14] = [
+pub const LISTED: [(Slot, Option<&str>); 15] = [
     (Slot::Jobs, None),
     (Slot::Grids, None),
     // Seam rings: ring r is members[starts[r]] up to, not including, members[starts[r + 1]].
@@ -99,6 +102,8 @@ pub const LISTED: [(Slot, Option<&str>); 14] = [
     (Slot::Holes, Some("u32")),
     // The seam ring of each particle, by its number in the cloth, all ones for none.
     (Slot::Rings, Some("u32")),
+    // How fast each target moves, and 1 for a particle that follows joints while it is pinned, else 0.
+    (Slot::Drifts, Some("vec4<f32>")),
 ];
 
 impl Slot {
@@ -113,14 +118,15 @@ impl Slot {
             Slot::Weights => there(cloth.bending().is_some(), 16),
             Slot::Bends => there(cloth.bending().is_some(), 8),
             Slot::Tethers => there(tethers > 0, 8 * tethers),
-            Slot::Targets => there(cloth.limits.is_some(), 16),
+            Slot::Targets => there(cloth.is_aimed(), 16),
+            Slot::Drifts => there(cloth.follows_joints(), 16),
             Slot::Holes => there(cloth.is_cut(), 4),
             Slot::Rings => there(cloth.ring_count() > 0, 4),
             _ => None,
         }
     }
 
-    /// The entries of all texels in such a list, before any cut; without targets, which calls of a host move.
+    /// The entries of all texels in such a list, before any cut; without targets and their speeds, which calls of a host change.
     pub fn texels(self, cloth: &Cloth, held: &Tethers) -> Vec<u8> {
         let list = |data: &[[f32; 4]]| cast_slice(data).to_vec();
         match self {
@@ -190,7 +196,9 @@ impl Slot {
             Slot::Lasting => cloth.len() * 16 * (1 + usize::from(cloth.is_exact())),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
             Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => cloth.len() * 16,
-            Slot::Targets => cloth.len() * 16,
+            Slot::Targets | Slot::Drifts => cloth.len() * 16,
+            Slot::Skinned => cloth.len() * 32,
+            Slot::Influences => cloth.skin().map_or(0, |skin| cloth.len() * 16 * (1 + 2 * skin.sets)),
             Slot::Bends => cloth.len() * 8,
             Slot::Cells => cloth.len() * 32,
             Slot::Yielding => 16,

@@ -77,7 +77,8 @@ impl Stepper {
 
     /// Moves a whole cloth by a rigid transform, a turn about the origin and then a shift, at the start of the next frame, without
     /// stirring it: previous positions move alike, so that velocities turn with the cloth, springs keep their lengths to
-    /// rounding, and what was at rest stays so. Pins move too, and the targets of [`Cloth::limits`]. Colliders do not: move them with
+    /// rounding, and what was at rest stays so. Pins move too, the targets of [`Cloth::limits`], and the
+    /// joints that the cloth follows, until [`Stepper::set_joints`] moves them on. Colliders do not: move them with
     /// [`Stepper::teleport_collider`]. Positions are f32, so velocities far from the origin are coarse: 1e-3 m/s at
     /// 30 m in steps of 2 ms.
     ///
@@ -102,12 +103,13 @@ impl Stepper {
         let of = &self.world.scene.cloths[cloth];
         let by = by.checked()?;
         let chosen: Vec<u32> = (0..of.len() as u32).filter(|k| of.particles()[*k as usize].exists()).collect();
-        let limited = of.limits.is_some();
+        let limited = of.limits.is_some() && !of.follows_joints();
         self.forget_bounds(cloth);
         self.world.wake(cloth);
         let run = &mut self.world.runs[cloth];
         run.home = by.after(&run.home);
         self.world.host.actions.push(Action::Transform { cloth, chosen, matrix: by.columns() });
+        self.world.teleport_joints(cloth, &by.columns());
         if limited {
             self.world.host.actions.push(Action::Aim { cloth });
         }

@@ -27,6 +27,7 @@ impl Stepper {
             (k, pinned, [0, 1, 2].map(|c| hit.corners[n][c] - point[c]))
         };
         let drag = Drag { cloth: self.world.handles[index], held: [0, 1, 2].map(hold) };
+        self.refuse_joined(index, hit.particles)?;
         self.pin(drag.cloth, &hit.particles)?;
         self.drag(&drag, point)?;
         Ok(drag)

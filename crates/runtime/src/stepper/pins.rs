@@ -18,7 +18,8 @@ impl Stepper {
     /// On the GPU 24 bytes per particle in the upload of the frame, and one dispatch, however many particles there are; calls for one cloth that
     /// follow one another share them. On the CPU about 20 ns per particle.
     ///
-    /// Errors if there is no such cloth or particle, if the lists differ in length, and on a position that is not finite;
+    /// Errors if there is no such cloth or particle, if the lists differ in length, on a position that is not finite, and on a pinned
+    /// particle that follows joints ([`Stepper::set_joints`]);
     /// then nothing has changed.
     ///
     /// ```
@@ -52,6 +53,7 @@ impl Stepper {
             let index = particles[n] as usize;
             return Err(Error::NotFinite { cloth: of.name().into(), what: "position", index });
         }
+        self.refuse_joined(cloth, all.iter().map(|[k, _]| *k))?;
         self.place(
             cloth,
             all.into_iter().map(|[particle, n]| Placed { particle, at: Some(at[n as usize]), inverse_mass: None }),
@@ -60,7 +62,7 @@ impl Stepper {
     }
 
     /// Pins particles where they are, and their seam duplicates, at the start of the next frame. Tethers stay those of the
-    /// initial pins. The same cost as [`Stepper::set_pins`], whose upload it shares. Wakes the cloth. Errors if there is no such
+    /// initial pins. A particle that was pinned as cloth that follows joints came is on the skin again. The same cost as [`Stepper::set_pins`], whose upload it shares. Wakes the cloth. Errors if there is no such
     /// cloth or particle; then nothing has changed.
     pub fn pin(&mut self, cloth: impl Into<ClothRef>, particles: &[u32]) -> Result<()> {
         self.hold(cloth.into(), particles, true)

@@ -39,6 +39,7 @@ impl Stepper {
             ));
         }
         self.fits(cloth, &need, (BufferUsages::STORAGE, "STORAGE"), "positions of pins")?;
+        self.refuse_joined(cloth, all.iter().map(|[k, _]| *k))?;
         if all.is_empty() {
             return Ok(());
         }

@@ -121,7 +121,7 @@ impl Stepper {
         for (cloth, head, pinned) in heads {
             self.forget_bounds(*cloth);
             self.world.take(*cloth, head, pinned);
-            if self.world.scene.cloths[*cloth].limits.is_some() {
+            if self.world.scene.cloths[*cloth].is_aimed() {
                 self.world.host.actions.push(Action::Aim { cloth: *cloth });
             }
         }
@@ -150,6 +150,10 @@ impl Stepper {
         match &mut self.cpu {
             Some((bodies, threads)) => {
                 bodies[cloth].load((of, &run.tethers), settings, &layout, &words);
+                if let Some(joints) = &run.joints {
+                    bodies[cloth].join(&joints.joined);
+                    bodies[cloth].lead(of, &joints.joined, joints.now(), 0.0);
+                }
                 // Cloth that is asleep is not uploaded with the next frame.
                 if let Some(gpu) = self.gpu.as_mut().filter(|_| run.asleep) {
                     gpu.upload_one(cloth, &bodies[cloth], threads);

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::follow::Joints;
 use super::images::Images;
 use super::levels::Finer;
 use super::sleep::Calm;
@@ -40,6 +41,8 @@ pub struct ClothRun {
     pub asleep: bool,
     /// Where teleports have moved its start.
     pub home: Pose,
+    /// The joints that it follows, if it does.
+    pub joints: Option<Joints>,
     /// How long it has been calm.
     pub calm: Calm,
     /// How texture coordinates run along its rows and columns, found when tangents are first asked for.
@@ -72,10 +75,27 @@ impl ClothRun {
         self.charts.get_or_init(|| cloth.charts())
     }
 
-    /// The targets \[m\] of a cloth's limits where it is now, and the limits; empty if it has none.
+    /// The targets \[m\] of a cloth's particles where it is now, or where its joints are, and its limits, -1 for none; empty if it has
+    /// neither limits nor joints.
     pub fn targets(&self, cloth: &Cloth) -> Vec<[f32; 4]> {
-        let each = cloth.positions().iter().zip(cloth.limits.as_deref().unwrap_or(&[]));
-        each.map(|(p, limit)| with_w(self.home.apply(*p), *limit)).collect()
+        if !cloth.is_aimed() {
+            return Vec::new();
+        }
+        let skin = self.joints.as_ref().zip(cloth.skin());
+        let at = |(k, p): (usize, &[f32; 3])| match skin {
+            Some((joints, skin)) if cloth.particles()[k].exists() => skin.at(joints.now(), k),
+            _ => self.home.apply(*p),
+        };
+        let limit = |k: usize| cloth.limits.as_ref().map_or(-1.0, |limits| limits[k]);
+        cloth.positions().iter().enumerate().map(|(k, p)| with_w(at((k, p)), limit(k))).collect()
+    }
+
+    /// The speeds \[m/s\] of targets that rest, and as w 1 for the particles that follow joints, else 0; empty if none does.
+    pub fn drifts(&self, cloth: &Cloth) -> Vec<[f32; 4]> {
+        let Some(joints) = &self.joints else { return Vec::new() };
+        let mut drifts = vec![[0.0; 4]; cloth.len()];
+        joints.joined.iter().for_each(|k| drifts[*k as usize][3] = 1.0);
+        drifts
     }
 }
 

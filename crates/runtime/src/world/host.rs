@@ -1,6 +1,9 @@
 //! Requests of the host, and reports to it.
 
+use std::sync::Arc;
+
 use super::World;
+use crate::cloth::Rows;
 use crate::cpu::body::Body;
 use crate::cpu::place::Placed;
 use crate::cpu::rows::Threads;
@@ -18,8 +21,11 @@ pub enum Action {
     Transform { cloth: usize, chosen: Vec<u32>, matrix: [[f32; 4]; 4] },
     /// Particles of a cloth, all duplicates among them, are put in their places, pinned or freed.
     Place { cloth: usize, rows: Vec<Placed> },
-    /// The targets of a cloth's limits follow its start, which a teleport has moved.
+    /// The targets of a cloth's limits follow its start, which a teleport has moved; those of cloth that follows joints are on the skin.
     Aim { cloth: usize },
+    /// The joints of a cloth move from where the frame begins, if that is given, to where it ends; `rate` \[1/s\] is one over its length,
+    /// or 0.
+    Skin { cloth: usize, from: Option<Arc<[Rows]>>, to: Arc<[Rows]>, rate: f32 },
     /// The lists of a state take the place of those on the device.
     Load { cloth: usize, layout: Layout, words: Vec<u32> },
 }
@@ -32,6 +38,7 @@ impl Action {
             Action::Transform { cloth, .. }
             | Action::Place { cloth, .. }
             | Action::Aim { cloth }
+            | Action::Skin { cloth, .. }
             | Action::Load { cloth, .. } => Some(*cloth),
         }
     }
@@ -122,6 +129,7 @@ impl Host {
             Action::Transform { cloth, .. }
             | Action::Place { cloth, .. }
             | Action::Aim { cloth }
+            | Action::Skin { cloth, .. }
             | Action::Load { cloth, .. } => follow(cloth, index),
         });
         self.faults.retain_mut(|fault| follow(&mut fault.cloth, index));
@@ -147,7 +155,16 @@ impl World {
                 }
                 Action::Transform { cloth, chosen, matrix } => bodies[*cloth].transform(chosen, matrix.map(cast)),
                 Action::Place { cloth, rows } => bodies[*cloth].place(rows),
-                Action::Aim { cloth } => bodies[*cloth].aim(&self.runs[*cloth].targets(&self.scene.cloths[*cloth])),
+                Action::Aim { cloth } => match &self.runs[*cloth].joints {
+                    None => bodies[*cloth].aim(&self.runs[*cloth].targets(&self.scene.cloths[*cloth])),
+                    Some(joints) => {
+                        bodies[*cloth].lead(&self.scene.cloths[*cloth], &joints.joined, joints.now(), T::of(0.0));
+                    }
+                },
+                Action::Skin { cloth, to, rate, .. } => {
+                    let Some(joints) = &self.runs[*cloth].joints else { continue };
+                    bodies[*cloth].lead(&self.scene.cloths[*cloth], &joints.joined, to, T::of(f64::from(*rate)));
+                }
                 // The CPU takes states at once.
                 Action::Load { .. } => {}
             }

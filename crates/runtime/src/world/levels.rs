@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use super::follow::Joints;
 use super::images::Images;
-use super::{ClothRun, Left, World};
+use super::{Action, ClothRun, Left, World};
 use crate::cloth::Cloth;
 use crate::coarser::{Beside, Coarser, Motion, settle};
 use crate::error::Result;
@@ -56,6 +57,10 @@ impl World {
         }
         let run = &mut switch.run;
         (run.coat, run.home, run.calm) = (now.coat, now.home, now.calm);
+        run.joints = Joints::of(&switch.cloth);
+        if let (Some(joints), Some(before)) = (&mut run.joints, &now.joints) {
+            joints.go_on(before);
+        }
         Ok(switch)
     }
 
@@ -90,6 +95,9 @@ impl World {
             self.host.touched = true;
             self.wake(index);
             left.push(Left { index, cloth, place, recoated: false });
+            if self.runs[index].joints.is_some() {
+                self.host.actions.push(Action::Aim { cloth: index });
+            }
             motions.push((index, motion));
         }
         if let Some(room) = &self.room {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::follow::Joints;
 use super::images::Images;
 use super::{ClothRun, World};
 use crate::choose::Settings;
@@ -46,6 +47,7 @@ pub(super) fn prepare<'a>(
     warnings.extend(left_out.then(|| Warning::PyramidOnColliders { cloth: cloth.name().into() }));
     let mut run = ClothRun::new(Images::of(cloth, given, (most, slack), known));
     run.warnings = warnings;
+    run.joints = Joints::of(cloth);
     Ok(run)
 }
 
@@ -136,7 +138,12 @@ impl World {
     /// A cloth at its start on the CPU.
     pub fn body<T: Real>(&self, index: usize) -> Body<T> {
         let (cloth, run) = (&self.scene.cloths[index], &self.runs[index]);
-        Body::new(cloth, &run.tethers, &self.control.options, self.control.clock.dt_old)
+        let mut body = Body::new(cloth, &run.tethers, &self.control.options, self.control.clock.dt_old);
+        if let Some(joints) = &run.joints {
+            body.join(&joints.joined);
+            body.lead(cloth, &joints.joined, joints.now(), T::of(0.0));
+        }
+        body
     }
 
     /// The same, with the images of the first of the other `bodies` that is an instance of the same cloth.

@@ -1,5 +1,7 @@
 //! Pin conditions: the expressions of `--pin` and `--limit`.
 
+mod parse;
+
 use std::fmt;
 use std::str::FromStr;
 
@@ -8,7 +10,7 @@ use crate::base::words;
 use crate::error::Error;
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 
-/// One condition on a particle. Positions are in metres, after `--unit`.
+/// A condition on a particle. Positions are in metres, after `--unit`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pin {
     /// y above this.
@@ -19,11 +21,26 @@ pub enum Pin {
     Box([f64; 3], [f64; 3]),
     /// On the `K`-th boundary loop of the garment, the longest being 0.
     Loop(usize),
+    /// On the boundary loop of the garment whose mean height is the largest.
+    LoopTop,
+    /// On the one whose mean height is the smallest.
+    LoopBottom,
+    /// Within a distance \[m\] of a joint, by name, where the file has it.
+    Joint(String, f64),
     /// A custom attribute (by name, first component) above a value.
     Attribute(String, f64),
     /// A component (0..=3 for r, g, b, a) of the first colour above a value.
     Color(usize, f64),
+    /// Not this one.
+    Not(Box<Pin>),
+    /// Both.
+    And(Box<Pin>, Box<Pin>),
+    /// At least one of both.
+    Or(Box<Pin>, Box<Pin>),
 }
+
+/// Most joints that a message lists.
+const MAX_JOINTS: usize = 40;
 
 const COLORS: [&str; 4] = ["r", "g", "b", "a"];
 
@@ -34,6 +51,12 @@ impl fmt::Display for Pin {
             Pin::Below(y) => write!(f, "below:{y}"),
             Pin::Box(a, b) => write!(f, "box:{},{},{},{},{},{}", a[0], a[1], a[2], b[0], b[1], b[2]),
             Pin::Loop(k) => write!(f, "loop:{k}"),
+            Pin::LoopTop => f.write_str("loop:top"),
+            Pin::LoopBottom => f.write_str("loop:bottom"),
+            Pin::Joint(name, distance) => write!(f, "joint:{name}<{distance}"),
+            Pin::Not(a) => write!(f, "not ({a})"),
+            Pin::And(a, b) => write!(f, "({a}) and ({b})"),
+            Pin::Or(a, b) => write!(f, "({a}) or ({b})"),
             Pin::Attribute(name, t) => write!(f, "attr:{name}>{t}"),
             Pin::Color(c, t) => write!(f, "color:{}>{t}", COLORS[*c % 4]),
         }
@@ -44,40 +67,7 @@ impl FromStr for Pin {
     type Err = Error;
 
     fn from_str(s: &str) -> Result<Self, Error> {
-        let bad = |problem: &str| Error::Option {
-            option: "pin".into(),
-            problem: format!("`{s}`: {problem}"),
-            hint: "use above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1, loop:K, attr:_NAME>T or color:r>T".into(),
-        };
-        let number = |t: &str| {
-            t.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| bad(&format!("`{t}` is not a number")))
-        };
-        let (kind, rest) = s.split_once(':').ok_or_else(|| bad("`:` is missing"))?;
-        let compare = |rest: &str| -> Result<(String, f64), Error> {
-            let (name, t) = rest.split_once('>').ok_or_else(|| bad("`>` is missing"))?;
-            Ok((name.trim().to_owned(), number(t)?))
-        };
-        match kind {
-            "above" => Ok(Pin::Above(number(rest)?)),
-            "below" => Ok(Pin::Below(number(rest)?)),
-            "box" => {
-                let n = rest.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
-                let &[a, b, c, d, e, f] = n.as_slice() else { return Err(bad("six numbers are required")) };
-                Ok(Pin::Box([a.min(d), b.min(e), c.min(f)], [a.max(d), b.max(e), c.max(f)]))
-            }
-            "loop" => Ok(Pin::Loop(rest.trim().parse().map_err(|_| bad("the loop is not a whole number"))?)),
-            "attr" => {
-                let (name, t) = compare(rest)?;
-                Ok(Pin::Attribute(name, t))
-            }
-            "color" => {
-                let (name, t) = compare(rest)?;
-                let c =
-                    COLORS.iter().position(|c| *c == name).ok_or_else(|| bad("the component is not r, g, b or a"))?;
-                Ok(Pin::Color(c, t))
-            }
-            _ => Err(bad("unknown kind")),
-        }
+        parse::parse(s)
     }
 }
 
@@ -109,6 +99,12 @@ pub(crate) fn unmet(
         message += &match attributes.is_empty() {
             true => format!("; it has no attributes that a {option} can use."),
             false => format!("; its attributes are {}.", attributes.join(", ")),
+        };
+        let joints: Vec<&str> = mesh.skeleton.joints.iter().map(|j| j.name.as_str()).take(MAX_JOINTS + 1).collect();
+        message += &match joints.len() {
+            0 => String::new(),
+            n if n > MAX_JOINTS => format!(" Its joints are {}, ...", joints[..MAX_JOINTS].join(", ")),
+            _ => format!(" Its joints are {}.", joints.join(", ")),
         };
     }
     Some(Finding {
@@ -176,11 +172,38 @@ mod tests {
         for s in ["above:1.25", "below:-3", "box:0,0,0,1,2,3", "loop:2", "attr:_PIN>0.5", "color:g>0.25"] {
             assert_eq!(s.parse::<Pin>().unwrap().to_string(), s);
         }
+        for s in ["loop:top", "loop:bottom", "joint:upper arm.L<0.25", "not (loop:top)", "(above:1) and (below:2)"] {
+            assert_eq!(s.parse::<Pin>().unwrap().to_string(), s);
+        }
+    }
+
+    #[test]
+    fn not_binds_closer_than_and_which_binds_closer_than_or() {
+        let pin = |s: &str| s.parse::<Pin>().unwrap();
+        assert_eq!(pin("above:1 or not loop:top and below:2"), pin("(above:1) or ((not (loop:top)) and (below:2))"));
+        assert_eq!(pin("(above:1 or loop:top) and below:2").to_string(), "((above:1) or (loop:top)) and (below:2)");
+        assert_eq!(pin("not(above:1)and(below:2)").to_string(), "(not (above:1)) and (below:2)");
+        let deep = format!("{}above:1{}", "(".repeat(40), ")".repeat(40));
+        assert_eq!(pin(&deep), Pin::Above(1.0));
+        for s in ["above:1 and", "or above:1", "(above:1", "above:1)", "not", &"(".repeat(9999), &"not ".repeat(9999)] {
+            assert!(s.parse::<Pin>().is_err(), "{s}");
+        }
     }
 
     #[test]
     fn bad_expressions_say_why() {
-        for s in ["", "above", "above:x", "above:nan", "box:1,2,3", "loop:-1", "attr:_PIN", "color:q>1", "left:3"] {
+        for s in [
+            "",
+            "above",
+            "above:x",
+            "above:nan",
+            "box:1,2,3",
+            "loop:-1",
+            "attr:_PIN",
+            "color:q>1",
+            "left:3",
+            "joint:chest",
+        ] {
             let e = s.parse::<Pin>().unwrap_err().to_string();
             assert!(e.starts_with("option pin: ") && e.contains(s), "{e}");
         }

@@ -1,6 +1,7 @@
 //! The texels of a piece that an expression of `--pin` or `--limit` selects.
 
 use crate::base::mesh::{Channel, Mesh, Semantic};
+use crate::base::vec3::distance as distance_of;
 use crate::stage::assemble::pins::Pin;
 use crate::stage::image::PieceImage;
 
@@ -17,6 +18,8 @@ pub(super) struct Texels<'a> {
     pub places: &'a [(usize, [f64; 3])],
     /// The boundary loops of the garment as (piece, loop of the piece), longest first.
     pub loops: &'a [(usize, u32)],
+    /// The same, highest first.
+    pub heights: &'a [(usize, u32)],
 }
 
 impl<'a> Texels<'a> {
@@ -45,6 +48,16 @@ impl<'a> Texels<'a> {
             Pin::Below(y) => p[1] < *y,
             Pin::Box(lo, hi) => (0..3).all(|c| lo[c] <= p[c] && p[c] <= hi[c]),
             Pin::Loop(l) => self.loops.get(*l) == Some(&(self.piece, self.image.loop_of[at])),
+            Pin::LoopTop => self.heights.first() == Some(&(self.piece, self.image.loop_of[at])),
+            Pin::LoopBottom => self.heights.last() == Some(&(self.piece, self.image.loop_of[at])),
+            Pin::Joint(name, distance) => {
+                let joints = self.mesh.skeleton.joints.iter().filter(|j| j.name == *name);
+                let mut far = joints.map(|j| distance_of(p, [j.world[12], j.world[13], j.world[14]]));
+                far.any(|d| d <= *distance)
+            }
+            Pin::Not(a) => !self.meets(a, at),
+            Pin::And(a, b) => self.meets(a, at) && self.meets(b, at),
+            Pin::Or(a, b) => self.meets(a, at) || self.meets(b, at),
             Pin::Attribute(name, t) => self.value(&Semantic::Custom(name.clone()), 0, at).is_some_and(|x| x > *t),
             Pin::Color(c, t) => self.value(&Semantic::Color(0), *c, at).is_some_and(|x| x > *t),
         }

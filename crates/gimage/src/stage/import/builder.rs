@@ -12,6 +12,17 @@ use crate::base::mesh::{Channel, Mesh, NONE, Part, Semantic};
 use crate::error::{Error, Result};
 use crate::record::Severity;
 
+/// The joints that a primitive follows.
+#[derive(Clone, Copy)]
+pub(crate) enum Follows<'a> {
+    /// None.
+    Nothing,
+    /// Those of its skin; the list takes their indices to those of the skeleton.
+    Skin(&'a [u32]),
+    /// One joint of the skeleton, rigidly.
+    Joint(u32),
+}
+
 /// A mesh under construction.
 pub(crate) struct Builder<'a> {
     path: &'a Path,
@@ -26,13 +37,13 @@ impl<'a> Builder<'a> {
         Self { path, options, mesh: Mesh::default(), visited: 0 }
     }
 
-    /// Adds a primitive, placed by `world`; `joints` takes joint indices of its skin to those of the skeleton.
+    /// Adds a primitive, placed by `world`.
     pub fn place(
         &mut self,
         raw: &Raw,
         world: &Matrix,
         part: Part,
-        joints: Option<&[u32]>,
+        follows: Follows,
         findings: &mut Findings,
     ) -> Result<()> {
         // Vertices that come to nothing, placed again and again, take time too.
@@ -57,7 +68,13 @@ impl<'a> Builder<'a> {
         check_size(self.path, self.options, first + used.len(), self.mesh.triangles.len() + triangles.len())?;
         let positions: Vec<[f64; 3]> = used.iter().map(|&v| placed[v as usize]).collect();
         let mut attributes: Vec<Attribute> = raw.attributes.iter().map(|a| gather(a, &used)).collect();
-        weights::settle(&mut attributes, joints, &positions, &raw.element, findings);
+        let map = if let Follows::Skin(map) = follows { Some(map) } else { None };
+        weights::settle(&mut attributes, map, &positions, &raw.element, findings);
+        if let Follows::Joint(joint) = follows {
+            let list = |x: f32| (0..positions.len()).flat_map(|_| [x, 0.0, 0.0, 0.0]).collect();
+            attributes.push(Attribute { semantic: Semantic::Joints(0), width: 4, values: list(joint as f32) });
+            attributes.push(Attribute { semantic: Semantic::Weights(0), width: 4, values: list(1.0) });
+        }
         for a in &mut attributes {
             if a.semantic == Semantic::Normal {
                 turn_normals(world, &mut a.values);

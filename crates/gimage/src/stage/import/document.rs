@@ -25,6 +25,8 @@ pub(crate) struct Document<'a> {
     pub materials: Vec<String>,
     /// The animations; their key frames are not read.
     pub animations: Vec<Animation>,
+    /// Channels and samplers of each, as the file has them.
+    pub clips: Vec<Value>,
 }
 
 impl<'a> Document<'a> {
@@ -44,11 +46,11 @@ impl<'a> Document<'a> {
         for unused in ["textures", "images", "samplers", "cameras"] {
             section(unused);
         }
-        let animations = section("animations");
+        let clips = section("animations");
         let name = |(i, m): (usize, &Value)| m["name"].as_str().map_or(format!("material {i}"), String::from);
         let materials = section("materials").iter().enumerate().map(name).collect();
         object.remove("extensions");
-        let animations = scene::animations(&animations, object.get("accessors"));
+        let animations = scene::animations(&clips, object.get("accessors"));
         check_version(path, object.get("asset"))?;
         source.extras = credits(object.get("asset"));
         let nodes = object.get("nodes").and_then(Value::as_array).map_or(&[][..], |n| n);
@@ -63,7 +65,7 @@ impl<'a> Document<'a> {
             malformed(path, "JSON", what, EXPORT_AGAIN)
         })?;
         extension::check_required(path, &root.extensions_required)?;
-        Ok(Self { path, root, locals, materials, animations })
+        Ok(Self { path, root, locals, materials, animations, clips })
     }
 
     /// Name of a node, or its number.

@@ -6,10 +6,11 @@ use std::rc::Rc;
 
 use super::accessor::Accessors;
 use super::buffers::Buffers;
-use super::builder::Builder;
+use super::builder::{Builder, Follows};
 use super::document::Document;
 use super::findings::Findings;
 use super::matrix::Matrix;
+use super::moving::Moving;
 use super::nodes::{Forest, Placed};
 use super::pieces::Selector;
 use super::primitive::{self, Raw};
@@ -42,6 +43,7 @@ pub(crate) fn load(
     let mut selector = Selector::new(&options.pieces);
     let mut bones = Bones::new(&accessors, &forest, options.unit);
     let mut builder = Builder::new(path, options);
+    let moving = Moving::new(&doc);
     // A mesh is read once, however many nodes place it; it is forgotten after its last.
     let mut uses: HashMap<usize, usize> = HashMap::new();
     placed.iter().for_each(|p| *uses.entry(p.mesh).or_default() += 1);
@@ -85,8 +87,15 @@ pub(crate) fn load(
                 }
                 _ => None,
             };
+            let holder = if p.skin.is_none() { p.node.and_then(|n| moving.holder(&forest, n)) } else { None };
+            let held = holder.map_or(Ok(None), |node| bones.hold(node))?;
+            let follows = match (&joints, held) {
+                (Some(map), _) => Follows::Skin(map),
+                (None, Some(joint)) => Follows::Joint(joint),
+                (None, None) => Follows::Nothing,
+            };
             for (raw, part) in &kept {
-                builder.place(raw, &world, part.clone(), joints.as_deref(), findings)?;
+                builder.place(raw, &world, part.clone(), follows, findings)?;
             }
         }
     }

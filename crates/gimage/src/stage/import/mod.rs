@@ -8,9 +8,11 @@
 //! before they are used, and node graphs before they are walked.
 
 mod accessor;
+mod animation;
 mod attributes;
 mod buffers;
 mod builder;
+mod character;
 mod document;
 mod draco;
 mod extension;
@@ -20,6 +22,7 @@ mod gltf;
 mod instancing;
 mod matrix;
 mod meshopt;
+mod moving;
 mod nodes;
 mod obj;
 mod obj_parse;
@@ -36,6 +39,7 @@ mod weights;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+pub use character::Character;
 pub use place::Up;
 pub use scene::{Animation, Scene, Skin};
 pub use source::{OutsideFile, Source};

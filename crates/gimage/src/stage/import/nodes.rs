@@ -59,6 +59,17 @@ impl Forest {
         Ok(Self { parent, world, children })
     }
 
+    /// All nodes, parents before their children.
+    pub fn order(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.parent.len()).filter(|n| self.parent[*n].is_none()).collect();
+        let mut at = 0;
+        while at < order.len() {
+            order.extend(&self.children[order[at]]);
+            at += 1;
+        }
+        order
+    }
+
     /// The meshes of the scene, in depth-first order: of the default scene, else of all scenes, else of all nodes. A scene
     /// without nodes is passed over, and reported.
     pub fn placed(&self, doc: &Document, findings: &mut Findings) -> Result<Vec<Placed>> {

@@ -107,6 +107,12 @@ fn turn(mesh: &mut Mesh, up: Up) {
     for channel in mesh.channels.iter_mut().filter(|c| c.semantic == Semantic::Normal && c.width == 3) {
         channel.values.as_chunks_mut::<3>().0.iter_mut().for_each(|n| *n = up.turn(n.map(f64::from)).map(|c| c as f32));
     }
+    let (go, back) = axes(up);
+    move_joints(mesh, &go, &back);
+}
+
+/// The rotation that turns an axis to y, and the one back.
+pub(crate) fn axes(up: Up) -> (Matrix, Matrix) {
     let rows = up.rows();
     let (mut go, mut back) = (matrix::IDENTITY, matrix::IDENTITY);
     for i in 0..3 {
@@ -115,7 +121,7 @@ fn turn(mesh: &mut Mesh, up: Up) {
             back[4 * i + j] = rows[i][j];
         }
     }
-    move_joints(mesh, &go, &back);
+    (go, back)
 }
 
 fn move_joints(mesh: &mut Mesh, go: &Matrix, back: &Matrix) {

@@ -1,9 +1,10 @@
-//! The skeleton: the union of the skins of all kept nodes.
+//! The skeleton: the union of the skins of all kept nodes, and the nodes that move meshes rigidly.
 //!
 //! glTF places a vertex p of a skinned mesh at J B p, where J is the joint's world transform and B its inverse bind matrix,
 //! and ignores the transform W of the mesh's node. The importer stores W p, so the stored inverse bind matrix is B W^-1. All
 //! of it is in metres: with S the scale by the unit of the file, positions are S W p, worlds S J S^-1 and inverse binds
-//! S B W^-1 S^-1, so that world * inverse_bind * position is S J B p, the glTF result in metres.
+//! S B W^-1 S^-1, so that world * inverse_bind * position is S J B p, the glTF result in metres. A mesh without a skin follows the node that
+//! moves it: with H the transform of that node, its inverse bind matrix is S H^-1 S^-1.
 
 use std::collections::HashMap;
 
@@ -44,33 +45,43 @@ impl<'a> Bones<'a> {
             let binds = self.inverse_binds(skin)?;
             self.binds.insert(skin, binds);
         }
-        let binds = &self.binds[&skin];
+        let binds = self.binds[&skin].clone();
         let mut map = Vec::with_capacity(binds.len());
-        for (joint, bind) in doc.root.skins[skin].joints.iter().zip(binds) {
-            let node = joint.value();
-            let bind = matrix::in_unit(&matrix::mul(bind, &back), self.unit);
-            let twins = self.of_node.entry(node).or_default();
-            let known = twins.iter().find(|&&k| same(&self.joints[k as usize].inverse_bind, &bind));
-            if let Some(&k) = known {
-                map.push(k);
-                continue;
-            }
-            let k = self.joints.len() as u32;
-            twins.push(k);
-            map.push(k);
-            self.nodes.push(node);
-            let world = matrix::in_unit(&self.forest.world[node], self.unit);
-            self.joints.push(Joint { name: doc.node_name(node), parent: None, inverse_bind: bind, world });
-            if self.joints.len() > MAX_JOINTS {
-                return Err(Error::TooLarge {
-                    what: format!("{}: the skeleton", doc.path.display()),
-                    need: format!("more than {MAX_JOINTS} joints"),
-                    limit: MAX_JOINTS.to_string(),
-                    hint: "import fewer pieces".into(),
-                });
-            }
+        for (joint, bind) in doc.root.skins[skin].joints.iter().zip(&binds) {
+            map.push(self.joint(joint.value(), matrix::in_unit(&matrix::mul(bind, &back), self.unit))?);
         }
         Ok(Some(map))
+    }
+
+    /// The skeleton's joint for a mesh that a node moves rigidly, placed where the node is in the file's pose. `None` if the transform of
+    /// the node has no inverse.
+    pub fn hold(&mut self, node: usize) -> Result<Option<u32>> {
+        let Some(back) = matrix::inverse(&self.forest.world[node]) else { return Ok(None) };
+        self.joint(node, matrix::in_unit(&back, self.unit)).map(Some)
+    }
+
+    /// The joint of a node with an inverse bind matrix, known or new.
+    fn joint(&mut self, node: usize, bind: Matrix) -> Result<u32> {
+        let doc = self.accessors.doc;
+        let twins = self.of_node.entry(node).or_default();
+        let known = twins.iter().find(|&&k| same(&self.joints[k as usize].inverse_bind, &bind));
+        if let Some(&k) = known {
+            return Ok(k);
+        }
+        let k = self.joints.len() as u32;
+        twins.push(k);
+        self.nodes.push(node);
+        let world = matrix::in_unit(&self.forest.world[node], self.unit);
+        self.joints.push(Joint { name: doc.node_name(node), parent: None, inverse_bind: bind, world });
+        if self.joints.len() > MAX_JOINTS {
+            return Err(Error::TooLarge {
+                what: format!("{}: the skeleton", doc.path.display()),
+                need: format!("more than {MAX_JOINTS} joints"),
+                limit: MAX_JOINTS.to_string(),
+                hint: "import fewer pieces".into(),
+            });
+        }
+        Ok(k)
     }
 
     fn inverse_binds(&self, skin: usize) -> Result<Vec<Matrix>> {

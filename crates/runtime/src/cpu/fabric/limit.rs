@@ -4,16 +4,19 @@ use super::tethers::hold_within;
 use crate::cloth::{Cloth, Grid};
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::{Sheet, planes, planes_ref};
+use crate::memory::Tally;
 use crate::number::aligned::Aligned;
 use crate::number::lanes::{Machine, Work, widest};
-use crate::number::real::Real;
+use crate::number::real::{Real, V3};
 
 /// The limits of a sheet.
 pub struct Limit<T: Real> {
     /// Target positions \[m\]; in the layout of [`Sheet::now`].
     targets: Aligned<T>,
+    /// How fast each gets there \[m/s\], as `targets`; empty if none moves.
+    drifts: Aligned<T>,
     /// Largest distance \[m\], `f32::MAX` for no limit; in the layout of [`Sheet::w`].
-    pub most: Vec<T>,
+    most: Vec<T>,
 }
 
 impl<T: Real> Limit<T> {
@@ -26,7 +29,28 @@ impl<T: Real> Limit<T> {
         }
         let none = f64::from(f32::MAX);
         let most = |k: usize| if of(k).1 < 0.0 { none } else { f64::from(of(k).1) };
-        Limit { targets, most: sheet.list(T::of(none), |k| T::of(most(k))) }
+        Limit { targets, drifts: Aligned::default(), most: sheet.list(T::of(none), |k| T::of(most(k))) }
+    }
+
+    /// Other targets \[m\], by texels, each on its way there at `rate` \[1/s\].
+    pub fn lead(&mut self, sheet: &Sheet<T>, ends: &[V3<T>], rate: T) {
+        if self.drifts.len() != self.targets.len() {
+            self.drifts = Aligned::zeros(self.targets.len());
+        }
+        for (k, end) in ends.iter().enumerate() {
+            let place = sheet.triple(k);
+            for c in 0..3 {
+                let at = place + 2 * c * sheet.half;
+                self.drifts[at] = (end[c] - self.targets[at]) * rate;
+                self.targets[at] = end[c];
+            }
+        }
+    }
+
+    /// Numbers that it takes.
+    pub fn tally(&self, tally: &mut Tally) {
+        [&self.targets, &self.drifts].into_iter().for_each(|list| tally.state(list));
+        tally.state(&self.most);
     }
 }
 
@@ -42,12 +66,12 @@ pub fn limits<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Limit<T>> {
 /// Rows that are done in one go.
 const TOGETHER: usize = 32;
 
-/// Draws every particle beyond its limit back to it.
-pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, limit: &Limit<T>) {
+/// Draws every particle beyond its limit back to it, with `left` \[s\] of the frame to go after the step.
+pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, limit: &Limit<T>, left: T) {
     let (half, row) = (sheet.half, sheet.row());
     let w = &sheet.w[..];
     threads.chunks(&mut sheet.now, TOGETHER * row, |chunk, rows| {
-        widest(Rows { rows, first: chunk * TOGETHER, half, w, limit });
+        widest(Rows { rows, first: chunk * TOGETHER, half, w, limit, left });
     });
 }
 
@@ -57,20 +81,26 @@ struct Rows<'a, 'b, T: Real> {
     half: usize,
     w: &'a [T],
     limit: &'a Limit<T>,
+    left: T,
 }
 
-impl<T: Real> Work<T> for Rows<'_, '_, T> {
+impl<'a, T: Real> Work<T> for Rows<'a, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        let wide = 2 * self.half;
+        let (wide, left) = (2 * self.half, k.splat(self.left));
         for (n, row) in self.rows.chunks_exact_mut(3 * wide).enumerate() {
             let j = self.first + n;
             let (w, most) = (&self.w[j * wide..(j + 1) * wide], &self.limit.most[j * wide..(j + 1) * wide]);
-            let to = planes_ref(&self.limit.targets[j * 3 * wide..(j + 1) * 3 * wide], self.half);
+            let of_row = |list: &'a Aligned<T>| planes_ref(&list[j * 3 * wide..(j + 1) * 3 * wide], self.half);
+            let to = of_row(&self.limit.targets);
+            let drifts = (!self.limit.drifts.is_empty()).then(|| of_row(&self.limit.drifts));
             let [x, y, z] = planes(row, self.half);
             for at in (0..wide).step_by(K::WIDE) {
-                let to = [k.load(to[0], at), k.load(to[1], at), k.load(to[2], at)];
-                hold_within(k, [x, y, z], at, to, (k.load(w, at), k.load(most, at)));
+                let mut to = to.map(|list| k.load(list, at));
+                if let Some(drifts) = drifts {
+                    to = k.minus(to, k.times(drifts.map(|list| k.load(list, at)), left));
+                }
+                hold_within(k, [&mut *x, &mut *y, &mut *z], at, to, (k.load(w, at), k.load(most, at)));
             }
         }
     }

@@ -45,7 +45,11 @@ impl<T: Real> Fabric<T> {
             [&sheet.now, &sheet.before, &sheet.lost, &sheet.w].into_iter().for_each(|list| tally.state(list));
             tally.state(&sheet.alike);
         }
-        self.limits.iter().for_each(|limit| tally.state(&limit.most));
+        self.limits.iter().for_each(|limit| limit.tally(tally));
+        for follow in &self.follows {
+            tally.state(&follow.places);
+            [&follow.to, &follow.drift].into_iter().for_each(|list| tally.state(list));
+        }
         self.fields.iter().for_each(|field| tally.state(field));
     }
 }

@@ -32,6 +32,7 @@ pub struct File {
     pub colliders: Vec<Collider>,
     #[serde(default)]
     pub cuts: Vec<Cut>,
+    pub character: Option<Character>,
     pub camera: Option<Camera>,
     pub background: Option<V3>,
     pub collider_color: Option<V3>,
@@ -78,6 +79,13 @@ pub struct Solver {
     pub tethers: Option<u32>,
     pub pyramid: Option<u32>,
     pub polish: Option<u32>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Character {
+    pub file: String,
+    pub animation: String,
 }
 
 #[derive(Deserialize)]
@@ -214,6 +222,7 @@ pub struct Collider {
     #[serde(default)]
     pub friction: f32,
     pub collision_groups: Option<Vec<u32>>,
+    pub joint: Option<String>,
     #[serde(default)]
     pub motion: Vec<ColliderKey>,
 }

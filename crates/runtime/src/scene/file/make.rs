@@ -2,7 +2,7 @@
 
 use super::error::{Error, Result};
 use super::json::{self, From};
-use super::{Found, SceneFile, Source};
+use super::{CharacterFile, Found, SceneFile, Source};
 use crate::cloth::{Cloth, Compliance, Flat, Select};
 use crate::collider::{Collider, Shape};
 use crate::look::{Camera, Look, SolidLook, uv_of};
@@ -29,12 +29,23 @@ pub fn scene(file: json::File, find: &mut dyn FnMut(&Source) -> Found) -> Result
     for (index, fields) in file.cloths.into_iter().enumerate() {
         let place = format!("cloths[{index}]");
         let (cloth, look) = cloth(&fields, index, &place, find, &mut script)?;
+        if file.character.is_some() && cloth.skin().is_some() {
+            refuse_placed(&fields, &place)?;
+        }
         cloth.check().map_err(Error::value(place))?;
         scene.cloths.push(cloth);
         looks.push(look);
     }
-    for (index, fields) in file.colliders.into_iter().enumerate() {
-        let (collider, motion) = collider(fields, &format!("colliders[{index}]"))?;
+    let mut joints = Vec::new();
+    for (index, mut fields) in file.colliders.into_iter().enumerate() {
+        let place = format!("colliders[{index}]");
+        let joint = fields.joint.take();
+        if joint.is_some() && (file.character.is_none() || !fields.motion.is_empty()) {
+            let problem = "a collider moves with a joint of the scene's `character`, and has no `motion` then";
+            return Err(Error::choice(format!("{place}.joint"), problem));
+        }
+        joints.push(joint);
+        let (collider, motion) = collider(fields, &place)?;
         scene.colliders.push(collider);
         script.colliders.push(motion);
     }
@@ -46,7 +57,8 @@ pub fn scene(file: json::File, find: &mut dyn FnMut(&Source) -> Found) -> Result
     let mut solid_look = SolidLook::default();
     solid_look.color = color("collider_color", file.collider_color)?.unwrap_or(solid_look.color);
     let background = color("background", file.background)?;
-    Ok(SceneFile { scene, script, options, camera, background, looks, solid_look })
+    let character = file.character.map(|json::Character { file, animation }| CharacterFile { file, animation });
+    Ok(SceneFile { scene, script, options, camera, background, looks, solid_look, character, joints })
 }
 
 fn options(fields: &json::Solver) -> Result<Options> {
@@ -170,6 +182,17 @@ fn cloth(
         None => look.uv = None,
     }
     Ok((cloth, look))
+}
+
+/// Refuses to put cloth that follows a character elsewhere, whole or by its pins.
+fn refuse_placed(fields: &json::Cloth, place: &str) -> Result<()> {
+    let moved = fields.position != [0.0; 3] || fields.rotation.degrees != 0.0;
+    if moved || fields.pins.iter().any(|pins| !pins.motion.is_empty()) {
+        let problem =
+            "the `character` of the scene places this cloth and its pins; leave out position, rotation and motion";
+        return Err(Error::choice(place, problem));
+    }
+    Ok(())
 }
 
 /// A field that is not given is that of the fabric, or as in the default.

@@ -97,6 +97,21 @@ fn a_material_sets_masses_and_damping() {
 }
 
 #[test]
+fn a_character_and_the_joints_of_colliders_are_the_hosts_to_play() {
+    let mut value = full();
+    value["character"] = json!({"file": "mage.glb", "animation": "run"});
+    value["colliders"][2]["joint"] = json!("spine");
+    let file = parse(&value).unwrap();
+    assert_eq!(file.character, Some(CharacterFile { file: "mage.glb".into(), animation: "run".into() }));
+    assert_eq!(file.joints, [None, None, Some("spine".to_string()), None, None]);
+    value["colliders"][1]["joint"] = json!("spine");
+    assert!(parse(&value).unwrap_err().to_string().starts_with("colliders[1].joint"));
+    let mut alone = full();
+    alone["colliders"][2]["joint"] = json!("spine");
+    assert!(parse(&alone).unwrap_err().to_string().starts_with("colliders[2].joint"));
+}
+
+#[test]
 fn the_script_moves_and_lets_go() {
     let mut value = full();
     value["cloths"][0]["pins"].as_array_mut().unwrap().truncate(1);

@@ -1,0 +1,85 @@
+//! `--animation` and `--character`: cloth and colliders that follow a character.
+
+mod common;
+
+use std::path::Path;
+
+use common::Place;
+
+/// A place with the sleeve of the assets, and a bundle of it that is pinned at both ends.
+fn place() -> Place {
+    let place = Place::new();
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
+    std::fs::copy(assets.join("sleeve.glb"), place.path("sleeve.glb")).unwrap();
+    let pins = "--pin box:0.1,1,-1,0.205,2,1 --pin box:0.695,1,-1,0.8,2,1";
+    place.run(&format!("build sleeve.glb -o sleeve.gim --texels 600 {pins}")).expect(&[0, 1]);
+    place
+}
+
+fn shaders(json: &serde_json::Value) -> Vec<&str> {
+    json["plan"].as_array().unwrap().iter().filter_map(|p| p["shader"].as_str()).collect()
+}
+
+#[test]
+fn an_animation_moves_the_cloth_of_its_file() {
+    let place = place();
+    let run = |more: &str| place.run(&format!("simulate sleeve.gim --backend cpu --json {more}")).expect(&[0]).json();
+    let moving = run("--animation swing --frames 30");
+    assert_eq!(moving["frames"].as_u64(), Some(30));
+    assert!(shaders(&moving).contains(&"follow"));
+    assert!(!shaders(&run("--frames 2")).contains(&"follow"), "a skin alone costs nothing");
+    // An animation that does not end in its first pose plays once.
+    let once = place.run("simulate sleeve.gim --backend cpu --animation pull").expect(&[0, 1]);
+    assert!(once.stdout.contains("60 frames") && once.stderr.contains("plays once"), "{}{}", once.stdout, once.stderr);
+    place.run("render sleeve.gim --backend cpu --animation swing --time 0.5 --size 64x48 -o s.gif").expect(&[0]);
+    assert!(place.path("s.gif").is_file());
+}
+
+#[test]
+fn a_collider_moves_with_a_joint() {
+    let place = place();
+    let scene = |collider: &str, more: &str| {
+        place.write(
+            "scene.json",
+            &format!(
+                r#"{{"format": "gimage-scene", "version": 1, "duration": 0.5,
+                    "character": {{"file": "sleeve.glb", "animation": "swing"}},
+                    "cloths": [{{"from": {{"bundle": "sleeve.gim"}}{more}}}],
+                    "colliders": [{{"shape": {{"capsule": {{"half_height": 0.1, "radius": 0.05}}}}, "position": [0.32, 1.4, 0],
+                                    "rotation": {{"axis": [0, 0, 1], "degrees": 90}}, {collider}}}]}}"#
+            ),
+        );
+        place.run("simulate scene.json --backend cpu --json")
+    };
+    let run = scene(r#""joint": "shoulder""#, "").expect(&[0, 1]).json();
+    assert!(shaders(&run).contains(&"follow") && shaders(&run).contains(&"contact"));
+    // The upper arm inside of the sleeve goes with it: without its joint it would stay, and the sleeve would be pulled over it.
+    let depth = |json: &serde_json::Value| json["cloths"][0]["contact_depth_m"].as_f64().unwrap();
+    assert!(depth(&run) < 1e-3, "{}", depth(&run));
+    for (collider, more, words) in [
+        (r#""joint": "hand""#, "", "`hand`"),
+        (r#""joint": "elbow", "motion": [{"time": 0, "position": [0, 0, 0]}]"#, "", "colliders[0].joint"),
+        (r#""friction": 0"#, r#", "position": [0, 1, 0]"#, "cloths[0]"),
+    ] {
+        let run = scene(collider, more).expect(&[2]);
+        assert!(run.stderr.contains(words), "{words}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn what_cannot_be_played_is_said() {
+    let place = place();
+    for (args, words) in [
+        ("simulate sleeve.gim --animation run", "\"swing\", \"pull\""),
+        ("simulate sleeve.gim --character sleeve.glb", "--animation"),
+        ("simulate sleeve.gim --animation swing --solver classic", "xpbd"),
+        ("simulate sleeve.gim --animation swing --character tube.obj", "tube.obj"),
+        ("simulate s1 --animation swing --character sleeve.glb", "nothing of the scene follows"),
+    ] {
+        let run = place.run(&format!("{args} --backend cpu")).expect(&[2]);
+        assert!(run.stderr.contains(words), "{words}: {}", run.stderr);
+    }
+    std::fs::remove_file(place.path("sleeve.glb")).unwrap();
+    let run = place.run("simulate sleeve.gim --animation swing --backend cpu").expect(&[2]);
+    assert!(run.stderr.contains("--character FILE"), "{}", run.stderr);
+}

@@ -1,0 +1,215 @@
+//! A character file and one of its animations: where its nodes are over time.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::accessor::Accessors;
+use super::animation::{Channel, Clip, Target};
+use super::buffers::Buffers;
+use super::document::Document;
+use super::matrix::{self, Matrix};
+use super::nodes::Forest;
+use super::place::axes;
+use super::scene::Animation;
+use super::source::Source;
+use super::{EXPORT_AGAIN, ImportOptions, glb, malformed, sniff, source};
+use crate::error::{Error, Result};
+
+/// How far \[m\] or, of directions, as a share of 1, the last pose of an animation may be from its first one if it loops.
+const SAME_POSE: f64 = 0.01;
+
+/// The nodes of a glTF file, and one of its animations.
+#[derive(Clone, Debug)]
+pub struct Character {
+    file: String,
+    names: Vec<String>,
+    parents: Vec<Option<usize>>,
+    /// Parents before their children.
+    order: Vec<usize>,
+    rest: Vec<Local>,
+    clip: Clip,
+    name: String,
+    loops: bool,
+    unit: f64,
+    /// Turns the up axis of the file to y.
+    turn: Matrix,
+}
+
+/// The transform of a node to its parent's space.
+#[derive(Clone, Copy, Debug)]
+enum Local {
+    Matrix(Matrix),
+    Parts { translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3] },
+}
+
+impl Character {
+    /// Reads a `.glb` or `.gltf` file and the animation of this name. `options` are those of the import that made the bundle: unit and axis.
+    /// Errors if the file has no such animation, on damaged key frames, and on `center`, which moves a garment by its box.
+    pub fn read(path: &Path, animation: &str, options: &ImportOptions) -> Result<Self> {
+        options.check()?;
+        // As for an import: should a decoder panic on a damaged file, its caller gets an error.
+        catch_unwind(AssertUnwindSafe(|| Character::open(path, animation, options))).unwrap_or_else(|_| {
+            Err(malformed(path, "file", "it is damaged in a way that stopped the reader", EXPORT_AGAIN))
+        })
+    }
+
+    fn open(path: &Path, animation: &str, options: &ImportOptions) -> Result<Self> {
+        if options.center {
+            return Err(Error::Option {
+                option: "center".into(),
+                problem: "an animation moves the character where the file has it".into(),
+                hint: "build the bundle without --center".into(),
+            });
+        }
+        let bytes = source::read_capped(path, options.max_bytes)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let resolver = |name: &str| source::read_beside(&folder, name, options.max_bytes);
+        let mut source = Source::new(path, &bytes);
+        let (json, bin) = match sniff::sniff(path, &bytes)? {
+            sniff::Format::Glb => {
+                let chunks = glb::split(path, &bytes)?;
+                (chunks.json, chunks.bin)
+            }
+            sniff::Format::Gltf => (&bytes[..], None),
+            sniff::Format::Obj => return Err(no_animation(path, animation, &[])),
+        };
+        let doc = Document::parse(path, json, &mut source)?;
+        let buffers = Buffers::new(&doc, bin, &resolver, options.max_bytes);
+        let accessors = Accessors { doc: &doc, buffers: &buffers, max_count: options.max_vertices };
+        let found = doc.animations.iter().position(|a| a.name == animation);
+        let index = found.ok_or_else(|| no_animation(path, animation, &doc.animations))?;
+        let clip = Clip::read(&accessors, index)?;
+        let forest = Forest::new(&doc)?;
+        let rest = locals(&doc);
+        let placed = |c: &Channel| matches!(rest[c.node], Local::Matrix(_));
+        if let Some(c) = clip.channels.iter().find(|c| placed(c)) {
+            let element = format!("node {} `{}`", c.node, doc.node_name(c.node));
+            return Err(doc.bad(element, "it is animated, and placed by a matrix"));
+        }
+        let mut character = Character {
+            file: source.file_name.clone(),
+            names: (0..rest.len()).map(|n| doc.node_name(n)).collect(),
+            order: forest.order(),
+            parents: forest.parent,
+            rest,
+            clip,
+            name: animation.into(),
+            loops: false,
+            unit: options.unit,
+            turn: axes(options.up).0,
+        };
+        character.loops = character.ends_alike();
+        Ok(character)
+    }
+
+    /// The name of the file without folders.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// The name of the animation.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Time of the last key frame \[s\].
+    pub fn seconds(&self) -> f64 {
+        self.clip.seconds()
+    }
+
+    /// Whether the last pose is the first one again, to 1 cm and 0.6 degrees for each node: then the animation repeats, else it ends in its
+    /// last pose.
+    pub fn loops(&self) -> bool {
+        self.loops
+    }
+
+    /// Channels of the animation that move no node, such as the weights of morph targets.
+    pub fn skipped(&self) -> usize {
+        self.clip.skipped
+    }
+
+    /// The node of a name: among several the first.
+    pub fn node(&self, name: &str) -> Result<usize> {
+        self.names.iter().position(|n| n == name).ok_or_else(|| Error::Malformed {
+            path: self.file.clone().into(),
+            element: format!("node `{name}`"),
+            problem: "the file has no node of this name, which a joint of the bundle or of the scene has".into(),
+            hint: "give the file that the bundle was built from".into(),
+        })
+    }
+
+    /// The transforms of all nodes to world space at `time` \[s\] since the start, column-major, in metres and Y up, as bundles are.
+    pub fn worlds(&self, time: f64) -> Vec<[f64; 16]> {
+        let seconds = self.seconds();
+        self.pose(if self.loops && seconds > 0.0 { time.rem_euclid(seconds) } else { time })
+    }
+
+    /// The same at a time of the animation, without repeats.
+    fn pose(&self, time: f64) -> Vec<Matrix> {
+        let mut locals = self.rest.clone();
+        for channel in &self.clip.channels {
+            let [x, y, z, w] = channel.at(time);
+            if let Local::Parts { translation, rotation, scale } = &mut locals[channel.node] {
+                match channel.target {
+                    Target::Translation => *translation = [x, y, z],
+                    Target::Rotation => *rotation = [x, y, z, w],
+                    Target::Scale => *scale = [x, y, z],
+                }
+            }
+        }
+        self.place(&locals)
+    }
+
+    /// World transforms from those to parents.
+    fn place(&self, locals: &[Local]) -> Vec<Matrix> {
+        let mut worlds = vec![matrix::IDENTITY; locals.len()];
+        for &n in &self.order {
+            let own = match locals[n] {
+                Local::Matrix(matrix) => matrix,
+                Local::Parts { translation, rotation, scale } => matrix::from_trs(translation, rotation, scale),
+            };
+            worlds[n] = self.parents[n].map_or(own, |p| matrix::mul(&worlds[p], &own));
+        }
+        worlds.iter().map(|m| matrix::mul(&self.turn, &matrix::in_unit(m, self.unit))).collect()
+    }
+
+    /// The same in the pose of the file, without the animation.
+    pub fn rest_worlds(&self) -> Vec<[f64; 16]> {
+        self.place(&self.rest)
+    }
+
+    fn ends_alike(&self) -> bool {
+        let (first, last) = (self.pose(0.0), self.pose(self.seconds()));
+        let near = |(a, b): (&Matrix, &Matrix)| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_POSE);
+        self.seconds() > 0.0 && first.iter().zip(&last).all(near)
+    }
+}
+
+/// Translation, rotation and scale of each node, or its matrix.
+fn locals(doc: &Document) -> Vec<Local> {
+    let local = |(node, own): (&gltf::json::Node, &Matrix)| match node.matrix {
+        Some(_) => Local::Matrix(*own),
+        None => Local::Parts {
+            translation: node.translation.unwrap_or_default().map(f64::from),
+            rotation: node.rotation.map_or([0.0, 0.0, 0.0, 1.0], |q| q.0.map(f64::from)),
+            scale: node.scale.unwrap_or([1.0; 3]).map(f64::from),
+        },
+    };
+    doc.root.nodes.iter().zip(&doc.locals).map(local).collect()
+}
+
+fn no_animation(path: &Path, name: &str, all: &[Animation]) -> Error {
+    let names: Vec<String> = all.iter().map(|a| Value::from(a.name.as_str()).to_string()).collect();
+    let has = if names.is_empty() { "it has none".into() } else { format!("it has {}", names.join(", ")) };
+    Error::Option {
+        option: "animation".into(),
+        problem: format!("{} has no animation `{name}`", path.display()),
+        hint: has,
+    }
+}
+
+#[cfg(test)]
+#[path = "character_tests.rs"]
+mod tests;

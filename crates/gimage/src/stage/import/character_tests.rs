@@ -1,0 +1,101 @@
+use base64::Engine;
+use serde_json::json;
+
+use super::*;
+
+/// A file of three nodes in a chain (`hip`, `knee` 1 below it, `foot` 1 below that, all under a node that doubles) whose animation `go` has a
+/// channel of each kind.
+fn file(folder: &Path) -> std::path::PathBuf {
+    let (h, mut bytes, mut views, mut accessors) = (0.5f32.sqrt(), Vec::new(), Vec::new(), Vec::new());
+    let mut add = |kind: &str, values: &[f32], width: usize| {
+        views.push(json!({"buffer": 0, "byteOffset": bytes.len(), "byteLength": 4 * values.len()}));
+        accessors.push(
+            json!({"bufferView": views.len() - 1, "componentType": 5126, "count": values.len() / width, "type": kind}),
+        );
+        bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
+        accessors.len() - 1
+    };
+    let two = add("SCALAR", &[0.0, 2.0], 1);
+    let shift = add("VEC3", &[0.0, 0.0, 0.0, 3.0, 0.0, 0.0], 3);
+    let turn = add("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, h, h], 4);
+    let grow = add("VEC3", &[[0.0; 3], [1.0; 3], [0.0; 3], [0.0; 3], [3.0; 3], [0.0; 3]].concat(), 3);
+    let channel =
+        |sampler: usize, node: usize, path: &str| json!({"sampler": sampler, "target": {"node": node, "path": path}});
+    let uri = base64::engine::general_purpose::STANDARD.encode(&bytes);
+    let chain = |name: &str, child: usize| json!({"name": name, "translation": [0, -1, 0], "children": [child]});
+    let text = json!({
+        "asset": {"version": "2.0"},
+        "nodes": [
+            {"name": "double", "scale": [2, 2, 2], "children": [1]},
+            chain("hip", 2), chain("knee", 3), {"name": "foot", "translation": [0, -1, 0]},
+            {"name": "boot", "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1]},
+        ],
+        "animations": [
+            {"name": "stand", "channels": [], "samplers": []},
+            {"name": "go",
+             "channels": [channel(0, 1, "translation"), channel(1, 2, "rotation"), channel(2, 3, "scale"), channel(2, 3, "weights")],
+             "samplers": [{"input": two, "output": shift, "interpolation": "STEP"}, {"input": two, "output": turn},
+                          {"input": two, "output": grow, "interpolation": "CUBICSPLINE"}]},
+            {"name": "boots", "channels": [channel(0, 4, "translation")], "samplers": [{"input": two, "output": shift}]},
+            {"name": "gone", "channels": [channel(0, 9, "translation")], "samplers": [{"input": two, "output": shift}]},
+        ],
+        "accessors": accessors, "bufferViews": views,
+        "buffers": [{"byteLength": bytes.len(), "uri": format!("data:application/octet-stream;base64,{uri}")}],
+    });
+    let path = folder.join("chain.gltf");
+    std::fs::write(&path, text.to_string()).unwrap();
+    path
+}
+
+fn near(m: &[f64; 16], columns: [[f64; 3]; 4]) -> bool {
+    columns.iter().enumerate().all(|(j, column)| (0..3).all(|i| (m[4 * j + i] - column[i]).abs() < 1e-6))
+}
+
+#[test]
+fn nodes_follow_their_channels_and_their_parents() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(folder.path());
+    let go = Character::read(&path, "go", &ImportOptions::default()).unwrap();
+    assert_eq!((go.file(), go.name(), go.seconds(), go.loops(), go.skipped()), ("chain.gltf", "go", 2.0, false, 1));
+    let [hip, knee, foot] = ["hip", "knee", "foot"].map(|name| go.node(name).unwrap());
+    assert!(go.node("hand").unwrap_err().to_string().contains("`hand`"));
+    // At 1 s, by hand. The hip steps: still at its first key. The knee is turned by 45 degrees about z. The foot has grown to the value in the
+    // middle of 1 and 3 without tangents, 2; everything is doubled.
+    let worlds = go.worlds(1.0);
+    let h = 2.0 * 0.5f64.sqrt();
+    assert!(near(&worlds[hip], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0], [0.0; 3]]));
+    assert!(near(&worlds[knee], [[h, h, 0.0], [-h, h, 0.0], [0.0, 0.0, 2.0], [0.0, -2.0, 0.0]]));
+    let (x, y) = (h, -2.0 - h);
+    assert!(near(&worlds[foot], [[2.0 * h, 2.0 * h, 0.0], [-2.0 * h, 2.0 * h, 0.0], [0.0, 0.0, 4.0], [x, y, 0.0]]));
+    // Past the end it stays in the last pose: moved by 3, a quarter turn, three times as large.
+    let worlds = go.worlds(7.0);
+    assert!(near(&worlds[foot], [[0.0, 6.0, 0.0], [-6.0, 0.0, 0.0], [0.0, 0.0, 6.0], [8.0, -2.0, 0.0]]));
+    // The pose of the file has hip, knee and foot one below the other.
+    assert!(near(&go.rest_worlds()[foot], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0], [0.0, -6.0, 0.0]]));
+}
+
+#[test]
+fn unit_and_axis_are_those_of_the_import() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ImportOptions { unit: 0.01, up: super::super::Up::Z, ..ImportOptions::default() };
+    let go = Character::read(&file(folder.path()), "go", &options).unwrap();
+    // (8, -2, 0) in centimetres; z up becomes y up, and y becomes -z.
+    let foot = go.worlds(2.0)[go.node("foot").unwrap()];
+    assert!((0..3).all(|c| (foot[12 + c] - [0.08, 0.0, 0.02][c]).abs() < 1e-9), "{foot:?}");
+}
+
+#[test]
+fn animations_that_are_absent_or_make_no_sense_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(folder.path());
+    let fails = |name: &str| Character::read(&path, name, &ImportOptions::default()).unwrap_err().to_string();
+    let absent = fails("run");
+    assert!(absent.contains("no animation `run`") && absent.contains("\"stand\", \"go\""), "{absent}");
+    assert!(fails("boots").contains("placed by a matrix"));
+    assert!(fails("gone").contains("node 9 does not exist"));
+    let center = ImportOptions { center: true, ..ImportOptions::default() };
+    assert!(Character::read(&path, "go", &center).unwrap_err().to_string().contains("--center"));
+    // An animation without channels is a pose.
+    let stand = Character::read(&path, "stand", &ImportOptions::default()).unwrap();
+    assert_eq!((stand.seconds(), stand.worlds(3.0)), (0.0, stand.rest_worlds()));
+}

@@ -1,0 +1,81 @@
+//! Joints that move on the GPU: one dispatch over the particles of a cloth, copied to the lists that steps read.
+
+use bytemuck::cast_slice;
+use wgpu::BufferUsages;
+
+use super::upload::upload;
+use super::{Gpu, begin};
+use crate::cloth::{Cloth, Rows, Skin};
+use crate::passes::Pass;
+use crate::shaders::{Slot, list};
+use crate::world::World;
+
+/// Bytes of the upload for a number of joints.
+pub(super) fn bytes(joints: usize) -> usize {
+    2 * joints * size_of::<Rows>() + 16
+}
+
+/// The influences of all particles as shaders/skin.wgsl reads them.
+fn influences(skin: &Skin) -> Vec<[u32; 4]> {
+    let mut rows = Vec::with_capacity(skin.rest.len() * (1 + 2 * skin.sets));
+    for (k, rest) in skin.rest.iter().enumerate() {
+        let [x, y, z] = rest.map(f32::to_bits);
+        rows.push([x, y, z, 0]);
+        let own = &skin.influences[k * skin.sets..(k + 1) * skin.sets];
+        rows.extend(own.iter().flat_map(|i| [i.joints, i.weights.map(f32::to_bits)]));
+    }
+    rows
+}
+
+impl Gpu {
+    /// Records that the joints of a cloth move from where the frame begins, if that is given, to where it ends.
+    pub(super) fn skin(
+        &mut self,
+        world: &World,
+        encoder: &mut wgpu::CommandEncoder,
+        cloth: usize,
+        (from, to): (Option<&[Rows]>, &[Rows]),
+        rate: f32,
+    ) {
+        let of = &world.scene.cloths[cloth];
+        let Some(skin) = of.skin() else { return };
+        self.make_skin(world, cloth, skin);
+        let mut numbers: Vec<f32> = cast_slice(to).to_vec();
+        numbers.extend_from_slice(cast_slice(from.unwrap_or(to)));
+        numbers.extend([rate, 0.0, 0.0, 0.0]);
+        let numbers = self.list("joints", cast_slice(&numbers));
+        let what = Pass::Skin { sets: skin.sets as u32 };
+        let mut pass = begin(encoder, "joints");
+        self.once(world, &mut pass, cloth, what, &[(Slot::Action, &numbers)], list(of.len()));
+        drop(pass);
+        self.copy_skin(world, encoder, cloth, of);
+    }
+
+    /// Its buffers, once. Instances of a cloth share the influences.
+    fn make_skin(&mut self, world: &World, cloth: usize, skin: &Skin) {
+        if self.cloths[cloth].others.contains_key(&Slot::Skinned) {
+            return;
+        }
+        let same = |(_, other): &(usize, &Cloth)| other.skin().is_some_and(|s| std::ptr::eq(s, skin));
+        let others = world.scene.cloths.iter().enumerate().filter(same);
+        let known = others.filter_map(|(c, _)| self.cloths.get(c)?.others.get(&Slot::Influences).cloned()).next();
+        let none = BufferUsages::empty();
+        let influences = known.unwrap_or_else(|| upload(&self.device, "influences", &influences(skin), none).into());
+        let (run, of) = (&world.runs[cloth], &world.scene.cloths[cloth]);
+        let rows = [run.targets(of), run.drifts(of)].concat();
+        let skinned = upload(&self.device, "skinned", &rows, BufferUsages::COPY_SRC).into();
+        self.cloths[cloth].others.extend([(Slot::Influences, influences), (Slot::Skinned, skinned)]);
+    }
+
+    /// Records copies of the targets and of their speeds to the lists of the cloth, its own and those of its arena.
+    fn copy_skin(&self, world: &World, encoder: &mut wgpu::CommandEncoder, cloth: usize, of: &Cloth) {
+        let Some(skinned) = self.cloths[cloth].others.get(&Slot::Skinned) else { return };
+        let bytes = 16 * of.len() as u64;
+        for (n, slot) in [Slot::Targets, Slot::Drifts].into_iter().enumerate() {
+            for span in self.vectors(world, cloth, slot) {
+                let from = skinned.offset + n as u64 * bytes;
+                encoder.copy_buffer_to_buffer(&skinned.buffer, from, &span.buffer, span.offset, bytes);
+            }
+        }
+    }
+}
