@@ -3,6 +3,7 @@
 //! Every map is ordered and every struct has a fixed order of fields, so that equal manifests are equal bytes. Unknown
 //! fields are ignored on reading. Everything optional is left out where there is nothing to say, never `null`.
 
+mod collider;
 mod piece;
 mod quality;
 mod text;
@@ -12,6 +13,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+pub use collider::{ColliderEntry, ColliderShape};
 pub use piece::{ComponentEntry, Constants, Counts, Cut, PieceEntry, RungEntry, Surface};
 pub use quality::Quality;
 pub(crate) use text::{unreadable, within_cap};
@@ -50,9 +52,9 @@ pub struct Manifest {
     /// Components that are too small to be cloth, which ride on a piece.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub accessories: Vec<Accessory>,
-    /// Reserved: collision shapes.
+    /// Solids in place of the body that the cloth is worn on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub colliders: Vec<Value>,
+    pub colliders: Vec<ColliderEntry>,
     /// The skeleton that joint indices refer to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skeleton: Option<Skeleton>,

@@ -55,6 +55,9 @@ pub enum Command {
     /// Simulate a scene and draw it: a PNG, or a GIF of many pictures.
     #[command(after_help = help::RENDER)]
     Render(RenderArgs),
+    /// Build the cloth of a character, with colliders in place of its body.
+    #[command(after_help = help::DRESS)]
+    Dress(Box<DressArgs>),
     /// Fit capsules, boxes and ellipsoids to the body of a character, for cloth to collide with.
     #[command(after_help = help::FIT_COLLIDERS)]
     FitColliders(FitCollidersArgs),
@@ -155,6 +158,29 @@ pub struct ListArgs {
     pub json: bool,
 }
 
+/// How colliders are fitted to a body.
+#[derive(Debug, Args)]
+pub struct FitArgs {
+    /// Distance that at most 5 % of the body may have from the colliders; they are divided until then.
+    #[arg(long, value_name = "METRES", default_value_t = 0.006, allow_negative_numbers = true)]
+    pub collider_error: f64,
+    /// Largest number of colliders, beyond one per joint; 1 to 512.
+    #[arg(long, value_name = "N", default_value_t = 48, allow_negative_numbers = true)]
+    pub max_colliders: usize,
+    /// Shapes to choose from, separated by commas [default: sphere,capsule].
+    #[arg(long, value_name = "SHAPE,...", value_delimiter = ',', value_parser = shape())]
+    pub collider_shapes: Vec<Kind>,
+}
+
+/// `gimage dress`.
+#[derive(Debug, Args)]
+pub struct DressArgs {
+    #[command(flatten)]
+    pub build: BuildArgs,
+    #[command(flatten)]
+    pub fit: FitArgs,
+}
+
 /// `gimage fit-colliders`.
 #[derive(Debug, Args)]
 pub struct FitCollidersArgs {
@@ -164,15 +190,8 @@ pub struct FitCollidersArgs {
     /// A scene file to write, with the colliders alone.
     #[arg(short, long, value_name = "SCENE")]
     pub output: Option<PathBuf>,
-    /// Distance that at most 5 % of the body may have from the colliders; they are divided until then.
-    #[arg(long, value_name = "METRES", default_value_t = 0.006, allow_negative_numbers = true)]
-    pub error: f64,
-    /// Largest number of colliders, beyond one per joint; 1 to 512.
-    #[arg(long, value_name = "N", default_value_t = 64, allow_negative_numbers = true)]
-    pub max: usize,
-    /// Shapes to choose from, separated by commas: sphere, capsule, box, ellipsoid [default: all].
-    #[arg(long, value_name = "SHAPE,...", value_delimiter = ',', value_parser = shape())]
-    pub shapes: Vec<Kind>,
+    #[command(flatten)]
+    pub fit: FitArgs,
     #[command(flatten)]
     pub read: ReadArgs,
     /// Replace an existing file.
@@ -381,6 +400,7 @@ impl Cli {
     pub fn json(&self) -> bool {
         match &self.command {
             Command::Build(args) => args.json,
+            Command::Dress(args) => args.build.json,
             Command::List(args) => args.json,
             Command::FitColliders(args) => args.json,
             Command::Inspect(args) | Command::Validate(args) => args.json,
@@ -438,14 +458,14 @@ impl ListArgs {
     }
 }
 
-impl FitCollidersArgs {
+impl FitArgs {
     /// The options of the fit.
     pub fn options(&self) -> ColliderOptions {
-        let mut kinds = self.shapes.clone();
+        let mut kinds = self.collider_shapes.clone();
         kinds.sort_unstable();
         kinds.dedup();
-        let kinds = if kinds.is_empty() { Kind::ALL.to_vec() } else { kinds };
-        ColliderOptions { error: self.error, count: self.max, kinds }
+        let kinds = if kinds.is_empty() { ColliderOptions::default().kinds } else { kinds };
+        ColliderOptions { error: self.collider_error, count: self.max_colliders, kinds }
     }
 }
 

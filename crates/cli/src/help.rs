@@ -20,6 +20,7 @@ pub const TOP: &str = concat!(
     "  gimage reconstruct shirt.gim -o back.obj\n",
     "  gimage simulate s1 --frames 600\n",
     "  gimage render shirt.gim -o shirt.png\n",
+    "  gimage dress mage.glb -o mage.gim\n",
     "  gimage fit-colliders character.glb -o body.json\n",
     "  gimage check-crossings shirt.gim\n",
     "  gimage doctor\n\n",
@@ -125,17 +126,28 @@ pub const RENDER: &str = concat!(
     exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
 );
 
+/// Of `gimage dress`.
+pub const DRESS: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage dress mage.glb -o mage.gim\n",
+    "  gimage render mage.gim --animation Walking -o mage.gif\n",
+    "  gimage dress character.glb -o outfit.gim --cloth Top,Bottom --body Body --pin top:0.1\n\n",
+    "As `gimage build`, with the colliders of `gimage fit-colliders` in the manifest; `simulate` and `render` then use them, and ",
+    "move them with the joints of --animation. Without --pin, the top 6 % of each garment are pinned and follow the joints.",
+    exit_codes!("done, with findings (repairs, accessories, warnings)")
+);
+
 /// Of `gimage fit-colliders`.
 pub const FIT_COLLIDERS: &str = concat!(
     "EXAMPLES:\n",
     "  gimage fit-colliders character.glb\n",
-    "  gimage fit-colliders character.glb -o body.json --shapes capsule --max 24\n",
-    "  gimage fit-colliders character.glb --body Body,Head --error 0.01 --json | jq .error\n\n",
+    "  gimage fit-colliders character.glb -o body.json --collider-shapes capsule --max-colliders 24\n",
+    "  gimage fit-colliders character.glb --body Body,Head --collider-error 0.01 --json | jq .error\n\n",
     "Parts that look like a body are fitted, see `gimage list`; --body chooses them by name. Colliders follow one joint each and ",
     "are in the pose in which the file binds the mesh to its skeleton. Columns: the distance between the part of the body that a ",
     "collider stands for and the surface of all colliders. The file of --output is a scene without cloth: `gimage render` draws ",
     "it, and its colliders can be copied to other scenes.",
-    exit_codes!("done, but 5 % of the body are farther away than --error")
+    exit_codes!("done, but 5 % of the body are farther away than --collider-error")
 );
 
 /// Of `gimage check-crossings`.

@@ -33,6 +33,7 @@ fn main() -> ExitCode {
     let out = Output::new(cli.quiet, cli.verbose, cli.json());
     let result = exit::guard(|| match &cli.command {
         Command::Build(args) => commands::build::run(args, &out),
+        Command::Dress(args) => commands::build::dress(args, &out),
         Command::List(args) => commands::list::run(args, &out),
         Command::Inspect(args) => commands::inspect::run(args, &out),
         Command::Validate(args) => commands::validate::run(args, &out),

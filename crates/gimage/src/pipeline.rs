@@ -1,6 +1,7 @@
 //! Runs all stages of a build, from a file to a bundle.
 
 mod budget;
+mod dress;
 mod entries;
 mod findings;
 mod outcome;
@@ -11,6 +12,7 @@ use std::time::Instant;
 use gimage_bundle::Bundle;
 use rayon::prelude::*;
 
+pub use self::dress::{PINNED_TOP, dress};
 use self::findings::{merged, nothing_left, remarks, resolution, set_apart, split_up};
 use self::outcome::Gathered;
 use crate::error::{Error, Result};

@@ -1,7 +1,10 @@
 //! Colliders: solids that cloth does not enter.
 
+mod from_bundle;
 pub(crate) mod path;
 pub(crate) mod solid;
+
+pub use from_bundle::BodyCollider;
 
 use crate::error::{Result, check};
 

@@ -85,7 +85,7 @@ pub use cloth::{
     Anchor, Cloth, Compliance, Flat, Grid, Influence, Mass, Particle, Parts, Rest, Select, Skin, SkinJoint, Tethers,
 };
 pub use coarser::Coarser;
-pub use collider::{Collider, Shape};
+pub use collider::{BodyCollider, Collider, Shape};
 pub use error::{Error, Result, StateProblem};
 pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
 pub use form::{Chain, Form, Fused, Hold, Tile, TileShape};

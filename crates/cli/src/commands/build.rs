@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use gimage::colliders::ColliderOptions;
 use gimage::options::BuildOptions;
 use gimage::pipeline;
 use gimage::record::{Finding, Severity};
@@ -13,7 +14,7 @@ use gimage_bundle::{Bundle, Manifest};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
-use crate::args::BuildArgs;
+use crate::args::{BuildArgs, DressArgs};
 use crate::commands::batch;
 use crate::exit::{Exit, Failure};
 use crate::files::{Pending, check_parent};
@@ -45,18 +46,29 @@ pub struct Outcome {
 pub struct Job<'a> {
     pub args: &'a BuildArgs,
     options: BuildOptions,
+    /// How solids are fitted to the body; none for a plain build.
+    solids: Option<ColliderOptions>,
     pool: ThreadPool,
     pub out: &'a Output,
 }
 
 /// Runs it.
 pub fn run(args: &BuildArgs, out: &Output) -> Result<Exit, Failure> {
+    work(args, None, out)
+}
+
+/// Runs `gimage dress`.
+pub fn dress(args: &DressArgs, out: &Output) -> Result<Exit, Failure> {
+    work(&args.build, Some(args.fit.options()), out)
+}
+
+fn work(args: &BuildArgs, solids: Option<ColliderOptions>, out: &Output) -> Result<Exit, Failure> {
     let options = args.options();
     options.check()?;
     // The main thread's stack is larger than a pool's by default; deep recursion in a decoder should not notice.
     let pool = ThreadPoolBuilder::new().num_threads(args.threads.into()).stack_size(8 << 20);
     let pool = pool.build().map_err(|e| Failure::refused(format!("option threads: {e}; request fewer")))?;
-    let job = Job { args, options, pool, out };
+    let job = Job { args, options, solids, pool, out };
     match args.inputs.as_slice() {
         [input] => {
             let (outcome, written) = job.build(input, &args.output)?;
@@ -99,7 +111,10 @@ impl Job<'_> {
         let built = {
             let bar = Bar::new(self.out.bars(), &input.file_name().unwrap_or_default().to_string_lossy());
             self.pool
-                .install(|| pipeline::build(input, &self.options, &bar))
+                .install(|| match &self.solids {
+                    Some(solids) => pipeline::dress(input, &self.options, solids, &bar),
+                    None => pipeline::build(input, &self.options, &bar),
+                })
                 .map_err(|e| Failure::of_input(input, e))?
         };
         let mut stages: Vec<Stage> = built.report.stages.iter().map(Stage::from).collect();

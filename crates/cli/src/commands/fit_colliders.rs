@@ -15,7 +15,7 @@ pub fn run(args: &FitCollidersArgs, out: &Output) -> Result<Exit, Failure> {
     if let Some(path) = &args.output {
         check_file_target(path, args.force)?;
     }
-    let found = fit_colliders(&args.input, &args.read.options(), &args.options())
+    let found = fit_colliders(&args.input, &args.read.options(), &args.fit.options())
         .map_err(|e| Failure::of_input(&args.input, e))?;
     if out.json {
         out.json(&report(&found))?;

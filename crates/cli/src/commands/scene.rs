@@ -12,7 +12,7 @@ use gimage_bundle::dir::read_dir;
 use gimage_runtime::draw::{Look, SolidLook};
 use gimage_runtime::scene::file::{Found, MAX_BYTES, SceneFile, Source};
 use gimage_runtime::scene::{BUILTIN, Script, builtin};
-use gimage_runtime::{Backend, Cloth, Options, Quality, Scene, Solver};
+use gimage_runtime::{Backend, BodyCollider, Cloth, Options, Quality, Scene, Solver};
 
 use crate::args::{BackendArg, SceneArgs, SolverArg};
 use crate::commands::character::{self, Animated};
@@ -97,8 +97,11 @@ fn open_with(name: &str, n: u32) -> Result<Opened, Failure> {
         let bundle = read_dir(path).map_err(|e| Failure::bundle(path, &e))?;
         let mut scene = Scene::new(name);
         scene.cloths.push(Cloth::from_bundle(name, &bundle)?);
+        let body = BodyCollider::of_bundle(&bundle);
+        let joints = body.iter().map(|b| b.joint.clone()).collect();
+        scene.colliders = body.into_iter().map(|b| b.collider).collect();
         let (import, source) = (character::import_options(&bundle.manifest), bundle.manifest.source.file.clone());
-        Ok(Opened { file: plain(scene), import, source })
+        Ok(Opened { file: SceneFile { joints, ..plain(scene) }, import, source })
     } else {
         read(path)
     }

@@ -35,7 +35,7 @@ fn skeleton(mesh: &Mesh, bundle: &Bundle) -> Option<Skeleton> {
     })
 }
 
-fn repair_entry(f: &Finding) -> Repair {
+pub(super) fn repair_entry(f: &Finding) -> Repair {
     Repair {
         severity: match f.severity {
             Severity::Note => "note",

@@ -41,8 +41,8 @@ stage_options! {
     pub struct AssembleOptions of "assemble" {
         /// Rest lengths: straight distance (chord), or distance along the surface (arc).
         pub rest: RestLength = RestLength::Chord => "rest" [""] Range::Any;
-        /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), loop:K (boundary loop, longest
-        /// first), loop:top, loop:bottom (by mean height), joint:NAME<D (within D metres of a joint), attr:_NAME>T or
+        /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), top:SHARE (of the height of each
+        /// garment), loop:K (boundary loop, longest first), loop:top, loop:bottom (by mean height), joint:NAME<D (within D metres of a joint), attr:_NAME>T or
         /// color:r>T; combined by not, and, or and parentheses. The bundle then stores tethers: the distance of each
         /// particle to the nearest pin.
         pub pins: Vec<Pin> = Vec::new() => "pin" [""] Range::Any;
@@ -94,11 +94,13 @@ pub fn assemble(
     let loops = loop_order(pieces);
     let owner = parts::owners(pieces.len(), families);
     let heights = by_height(pieces, &owner, &loops);
+    let spans = spans(pieces, &owner);
     let made: Vec<Result<Made>> = pieces
         .par_iter()
         .enumerate()
         .map(|(k, piece)| {
-            let out = make(mesh, owner[k], piece, [&loops, &heights], options);
+            let family = Kin { owner: owner[k], span: spans[k], loops: &loops, heights: &heights };
+            let out = make(mesh, &family, piece, options);
             step();
             out
         })
@@ -249,11 +251,32 @@ fn by_height(pieces: &[Piece<'_>], owner: &[usize], loops: &[(usize, u32)]) -> V
     order
 }
 
+/// For each piece the lowest and the highest point of its family \[m\].
+fn spans(pieces: &[Piece<'_>], owner: &[usize]) -> Vec<[f64; 2]> {
+    let mut spans = vec![[f64::INFINITY, f64::NEG_INFINITY]; pieces.len()];
+    for (Piece { image, .. }, owner) in pieces.iter().zip(owner) {
+        let span = &mut spans[*owner];
+        *span = image.grid.positions.iter().fold(*span, |[low, high], p| [low.min(p[1]), high.max(p[1])]);
+    }
+    owner.iter().map(|k| spans[*k]).collect()
+}
+
+/// The garment around a piece, as far as expressions refer to it.
+struct Kin<'a> {
+    /// As [`Texels::piece`].
+    owner: usize,
+    /// As [`Texels::span`].
+    span: [f64; 2],
+    /// As [`Texels::loops`].
+    loops: &'a [(usize, u32)],
+    /// As [`Texels::heights`].
+    heights: &'a [(usize, u32)],
+}
+
 fn make(
     mesh: &Mesh,
-    k: usize,
+    kin: &Kin<'_>,
     Piece { component, surface, image }: &Piece<'_>,
-    [loops, heights]: [&[(usize, u32)]; 2],
     options: &BuildOptions,
 ) -> Result<Made> {
     let places = places(image, surface);
@@ -276,7 +299,8 @@ fn make(
         }
         other => other,
     })?;
-    let texels = Texels { mesh, piece: k, image, places: &places, loops, heights };
+    let Kin { owner: piece, span, loops, heights } = *kin;
+    let texels = Texels { mesh, piece, span, image, places: &places, loops, heights };
     let (pinned, met) = pinned(&texels, &options.assemble.pins);
     let (limits, limits_met) = limits::limits(&texels, &options.assemble.limits, options.import.unit);
     Ok(Made { maps, findings, pinned, met, limits, limits_met, rest, mass })

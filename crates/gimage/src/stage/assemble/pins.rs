@@ -17,6 +17,8 @@ pub enum Pin {
     Above(f64),
     /// y below this.
     Below(f64),
+    /// Within this share of the height of a garment below its highest point, each component for itself.
+    Top(f64),
     /// Inside the box from the first to the second corner.
     Box([f64; 3], [f64; 3]),
     /// On the `K`-th boundary loop of the garment, the longest being 0.
@@ -49,6 +51,7 @@ impl fmt::Display for Pin {
         match self {
             Pin::Above(y) => write!(f, "above:{y}"),
             Pin::Below(y) => write!(f, "below:{y}"),
+            Pin::Top(share) => write!(f, "top:{share}"),
             Pin::Box(a, b) => write!(f, "box:{},{},{},{},{},{}", a[0], a[1], a[2], b[0], b[1], b[2]),
             Pin::Loop(k) => write!(f, "loop:{k}"),
             Pin::LoopTop => f.write_str("loop:top"),
@@ -169,7 +172,7 @@ mod tests {
 
     #[test]
     fn expressions_read_back_as_written() {
-        for s in ["above:1.25", "below:-3", "box:0,0,0,1,2,3", "loop:2", "attr:_PIN>0.5", "color:g>0.25"] {
+        for s in ["above:1.25", "below:-3", "top:0.06", "box:0,0,0,1,2,3", "loop:2", "attr:_PIN>0.5", "color:g>0.25"] {
             assert_eq!(s.parse::<Pin>().unwrap().to_string(), s);
         }
         for s in ["loop:top", "loop:bottom", "joint:upper arm.L<0.25", "not (loop:top)", "(above:1) and (below:2)"] {
@@ -197,6 +200,8 @@ mod tests {
             "above",
             "above:x",
             "above:nan",
+            "top:1.5",
+            "top:-0.1",
             "box:1,2,3",
             "loop:-1",
             "attr:_PIN",

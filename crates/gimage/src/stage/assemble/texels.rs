@@ -12,6 +12,8 @@ pub(super) struct Texels<'a> {
     pub mesh: &'a Mesh,
     /// The first piece of the family, which boundary loops name.
     pub piece: usize,
+    /// The lowest and the highest point of the family \[m\].
+    pub span: [f64; 2],
     /// The image.
     pub image: &'a PieceImage,
     /// The triangle of the mesh and the barycentric coordinates of each texel.
@@ -46,6 +48,7 @@ impl<'a> Texels<'a> {
         match expression {
             Pin::Above(y) => p[1] > *y,
             Pin::Below(y) => p[1] < *y,
+            Pin::Top(share) => p[1] >= self.span[1] - share * (self.span[1] - self.span[0]),
             Pin::Box(lo, hi) => (0..3).all(|c| lo[c] <= p[c] && p[c] <= hi[c]),
             Pin::Loop(l) => self.loops.get(*l) == Some(&(self.piece, self.image.loop_of[at])),
             Pin::LoopTop => self.heights.first() == Some(&(self.piece, self.image.loop_of[at])),

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::refine::{best, error, refined};
 use super::samples::Sample;
 use super::shape::{Kind, Shape, guess};
-use super::solid::Solid;
+use super::solid::{Form, Solid};
 use crate::base::vec3::{dot, sub};
 
 /// Depth below which a surface sample of another solid counts, as a share of the target.
@@ -18,6 +18,8 @@ const STEPS: usize = 4;
 /// Fewest samples of the surface of a solid that is divided, and of one that stays.
 const DIVISIBLE: usize = 40;
 const USED: usize = 6;
+/// Largest share of its thickness by which a solid gets thinner on each side to leave the garments outside.
+const CLEARED: f64 = 0.25;
 /// A point outside counts for solids that come so near \[targets\] to the distance that they must keep.
 const NEAR: f64 = 20.0;
 
@@ -35,6 +37,8 @@ pub(super) struct Limits<'a> {
     pub target: f64,
     /// Largest number of solids.
     pub count: usize,
+    /// Smallest thickness \[m\] of the solids of a division: cloth passes through thin ones.
+    pub thin: f64,
 }
 
 /// Solids whose common surface lies near the samples: one per joint, then more where it is farthest, until 95 % of the samples of the
@@ -60,7 +64,8 @@ pub(super) fn fit(samples: &[Sample], limits: &Limits) -> Vec<Placed> {
         }
         let open = |k: &usize| !given_up.contains(&placed[*k].solid);
         let Some(worst) = state.worst(samples, limits.target, open) else { break };
-        match divided(&state.list(samples, worst, limits.target), limits.kinds) {
+        let halves = divided(&state.list(samples, worst, limits.target), limits.kinds);
+        match halves.filter(|halves| halves.iter().all(|s| s.form.thickness() >= limits.thin)) {
             Some([one, other]) => {
                 placed[worst].solid = one;
                 placed.insert(worst + 1, Placed { solid: other, ..placed[worst] });
@@ -73,7 +78,15 @@ pub(super) fn fit(samples: &[Sample], limits: &Limits) -> Vec<Placed> {
     let counts = State::new(&placed, samples).counts(samples);
     let mut counts = counts.iter();
     placed.retain(|_| counts.next().is_some_and(|c| *c >= USED));
+    placed.iter_mut().for_each(|p| p.solid.form = clear(&p.solid, samples));
     placed
+}
+
+/// The form of a solid, made thinner so that no point that must stay outside is in it, by at most [`CLEARED`] of its thickness.
+fn clear(solid: &Solid, samples: &[Sample]) -> Form {
+    let outside = samples.iter().filter(|s| s.is_outside());
+    let depth = outside.map(|s| -solid.distance(s.point)).fold(0.0, f64::max);
+    solid.form.shrunk(depth.min(CLEARED * solid.form.thickness()))
 }
 
 /// Refines each solid on the samples that it is responsible for; with `any`, another kind may take its place.

@@ -2,6 +2,7 @@
 //!
 //! The body is sampled where it can be touched; each sample follows the joint with the largest weight. Each joint gets one solid,
 //! and those that are farthest from the body are divided until the surface of all of them is near enough. Solids follow one joint each.
+//! Garments at rest stay outside of them, so that nothing is pushed at the start.
 //! They are fitted in the pose in which the mesh is bound to its skeleton, and then put where their joints are in the file.
 
 mod fit;
@@ -21,7 +22,7 @@ use crate::error::{Error, Result};
 use crate::options::BuildOptions;
 use crate::record::{Finding, Severity};
 use fit::Limits;
-use samples::{guards, join_small, samples};
+use samples::{guards, join_small, samples, worn};
 use winding::Winding;
 
 pub use judge::{Error as FitError, Figures};
@@ -32,6 +33,8 @@ pub use solid::{Form, Solid};
 pub const MAX_COUNT: usize = 512;
 /// Pairs of samples and triangles that the search for covered samples looks at, at most: more triangles, fewer samples.
 const MAX_PAIRS: usize = 400_000_000;
+/// Smallest thickness of a solid of a division, as a share of the diagonal: 2 cm of a person.
+const THIN: f64 = 0.01;
 const SAMPLES: [usize; 2] = [1_500, 2_500];
 
 /// Options of [`fit_colliders`].
@@ -47,7 +50,7 @@ pub struct ColliderOptions {
 
 impl Default for ColliderOptions {
     fn default() -> Self {
-        ColliderOptions { error: 0.006, count: 64, kinds: Kind::ALL.to_vec() }
+        ColliderOptions { error: 0.006, count: 48, kinds: vec![Kind::Sphere, Kind::Capsule] }
     }
 }
 
@@ -95,8 +98,13 @@ pub fn fit_colliders(path: &Path, read: &BuildOptions, options: &ColliderOptions
     let mut parts: Vec<String> =
         mesh.parts.iter().zip(&body).filter(|(_, b)| **b).map(|(p, _)| p.node.clone()).collect();
     parts.dedup();
+    let garments: Vec<bool> = match roles(&mesh, &read.select) {
+        Ok(verdicts) => verdicts.iter().zip(&body).map(|(v, body)| v.role == Role::Cloth && !body).collect(),
+        Err(_) => vec![false; body.len()],
+    };
+    let cloth = if garments.contains(&true) { keeping(mesh.clone(), &garments) } else { Mesh::default() };
     let mesh = if body.contains(&false) { keeping(mesh, &body) } else { mesh };
-    let (colliders, figures) = fit_mesh(&mesh, options).ok_or_else(|| Error::Empty {
+    let (colliders, figures) = fit_mesh(&mesh, &cloth, options).ok_or_else(|| Error::Empty {
         path: path.into(),
         problem: "the body has no area that can be touched".into(),
         hint: "check that its triangles face outwards".into(),
@@ -111,13 +119,17 @@ impl ColliderOptions {
             Err(Error::Option { option: option.into(), problem, hint: hint.into() })
         };
         if !(self.error.is_finite() && self.error > 0.0) {
-            return wrong("error", format!("{} is not a distance above 0", self.error), "give metres, such as 0.006");
+            return wrong(
+                "collider-error",
+                format!("{} is not a distance above 0", self.error),
+                "give metres, such as 0.006",
+            );
         }
         if !(1..=MAX_COUNT).contains(&self.count) {
-            return wrong("count", format!("{} is not in 1 to {MAX_COUNT}", self.count), "give fewer solids");
+            return wrong("max-colliders", format!("{} is not in 1 to {MAX_COUNT}", self.count), "give fewer solids");
         }
         if self.kinds.is_empty() {
-            return wrong("shapes", "no shape is left".into(), "give at least one, such as capsule");
+            return wrong("collider-shapes", "no shape is left".into(), "give at least one, such as capsule");
         }
         Ok(())
     }
@@ -140,8 +152,9 @@ fn body(mesh: &Mesh, read: &BuildOptions) -> Result<Vec<bool>> {
     Ok(if plain && !is_body.contains(&true) { vec![true; is_body.len()] } else { is_body })
 }
 
-/// The solids of a mesh, all of which is the body; none if it has no area that can be touched.
-fn fit_mesh(mesh: &Mesh, options: &ColliderOptions) -> Option<(Vec<Collider>, Figures)> {
+/// The solids of a mesh, all of which is the body, that leave the garments of another mesh outside; none if it has no area that can be
+/// touched.
+fn fit_mesh(mesh: &Mesh, cloth: &Mesh, options: &ColliderOptions) -> Option<(Vec<Collider>, Figures)> {
     let winding = Winding::new(mesh);
     let count = (MAX_PAIRS / mesh.triangles.len().max(1)).clamp(SAMPLES[0], SAMPLES[1]);
     let parents: Vec<Option<u32>> = mesh.skeleton.joints.iter().map(|j| j.parent).collect();
@@ -149,7 +162,9 @@ fn fit_mesh(mesh: &Mesh, options: &ColliderOptions) -> Option<(Vec<Collider>, Fi
     join_small(&mut all, &parents);
     let guards = guards(mesh, &winding, &all);
     all.extend(guards);
-    let limits = Limits { kinds: &options.kinds, target: options.error, count: options.count };
+    all.extend(worn(cloth, &winding, count));
+    let thin = THIN * mesh.diagonal();
+    let limits = Limits { kinds: &options.kinds, target: options.error, count: options.count, thin };
     let placed = fit::fit(&all, &limits);
     if placed.is_empty() {
         return None;
@@ -169,7 +184,7 @@ fn fit_mesh(mesh: &Mesh, options: &ColliderOptions) -> Option<(Vec<Collider>, Fi
 fn missed(figures: &Figures, colliders: &[Collider], options: &ColliderOptions) -> Option<Finding> {
     let mm = |x: f64| format!("{:.1} mm", 1e3 * x);
     let message = format!(
-        "5 % of the body are more than {} from the {} colliders ({} asked for). Try a larger --max, or other --shapes.",
+        "5 % of the body are more than {} from the {} colliders ({} asked for). Try a larger --max-colliders, or other --collider-shapes.",
         mm(figures.body.p95),
         colliders.len(),
         mm(options.error)

@@ -18,6 +18,10 @@ const SMALL: f64 = 1.0 / 150.0;
 const HEIGHTS: [f64; 3] = [0.01, 0.04, 0.15];
 /// Depths of points inside, as shares of the way to the other side.
 const DEPTHS: [f64; 2] = [0.25, 0.5];
+/// Share of the height of a garment, from its top, that is held to lie on the body.
+const HELD: f64 = 0.12;
+/// Weight of an error outwards, beside one inwards.
+const OUT: f64 = 1.5;
 /// One surface sample in this number has points outside and inside.
 const EVERY: usize = 2;
 
@@ -49,7 +53,8 @@ impl Sample {
 
     /// How far a distance is from those that are right.
     pub fn error(&self, distance: f64) -> f64 {
-        (distance - self.high).max(0.0) + (distance - self.low).min(0.0)
+        // A solid that stands out lifts the cloth; one that stays behind is seen less.
+        (distance - self.high).max(0.0) + OUT * (distance - self.low).min(0.0)
     }
 }
 
@@ -66,6 +71,28 @@ pub(super) fn samples(mesh: &Mesh, winding: &Winding, count: usize, seed: u64) -
         let normal = normal(corners[t]);
         let covered = winding.number(add(point, scale(normal, above))) > INSIDE;
         (!covered).then(|| Sample::on(point, strongest(mesh, t, point)))
+    };
+    (0..count).into_par_iter().filter_map(sample).collect()
+}
+
+/// Points of the garments, which no solid may contain. Those inside the body count only near the top of their part, where garments are
+/// pinned: cloth between pins inside of a solid and its surface is torn.
+pub(super) fn worn(mesh: &Mesh, winding: &Winding, count: usize) -> Vec<Sample> {
+    let corners: Vec<_> = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
+    let sampler = Sampler::new(&corners, count, 3);
+    if sampler.area() <= 0.0 {
+        return Vec::new();
+    }
+    let mut spans = vec![[f64::INFINITY, f64::NEG_INFINITY]; mesh.parts.len()];
+    for (corners, part) in corners.iter().zip(&mesh.triangle_part) {
+        let span = &mut spans[*part as usize];
+        *span = corners.iter().fold(*span, |[low, high], p| [low.min(p[1]), high.max(p[1])]);
+    }
+    let sample = |i| {
+        let (point, t) = sampler.at(i);
+        let [low, high] = spans[mesh.triangle_part[t] as usize];
+        let counts = point[1] >= high - HELD * (high - low) || winding.number(point) < INSIDE;
+        counts.then_some(Sample { point, joint: None, low: 0.0, high: f64::INFINITY })
     };
     (0..count).into_par_iter().filter_map(sample).collect()
 }

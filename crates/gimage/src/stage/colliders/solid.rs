@@ -110,6 +110,26 @@ impl Form {
         }
     }
 
+    /// The smallest distance through its middle.
+    pub(super) fn thickness(&self) -> f64 {
+        2.0 * match *self {
+            Form::Sphere { radius } | Form::Capsule { radius, .. } => radius,
+            Form::Box { half: sizes } | Form::Ellipsoid { radii: sizes } => {
+                sizes.into_iter().fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
+    /// With a surface that lies deeper by `depth`, less than half the thickness.
+    pub(super) fn shrunk(self, depth: f64) -> Self {
+        match self {
+            Form::Sphere { radius } => Form::Sphere { radius: radius - depth },
+            Form::Capsule { half_height, radius } => Form::Capsule { half_height, radius: radius - depth },
+            Form::Box { half } => Form::Box { half: half.map(|h| h - depth) },
+            Form::Ellipsoid { radii } => Form::Ellipsoid { radii: radii.map(|r| r - depth) },
+        }
+    }
+
     /// Its volume \[m3\].
     pub fn volume(&self) -> f64 {
         use std::f64::consts::PI;

@@ -95,7 +95,7 @@ fn a_capsule_is_found_again_wherever_it_lies() {
     let turn = Rotation3::new(Vector3::new(0.5, 1.2, -0.4));
     let mut mesh = limb(24, 0.3, 0.07);
     mesh.positions.iter_mut().for_each(|p| *p = (turn * Vector3::from(*p) + Vector3::new(3.0, 1.0, -2.0)).into());
-    let (colliders, figures) = fit_mesh(&mesh, &ColliderOptions::default()).unwrap();
+    let (colliders, figures) = fit_mesh(&mesh, &Mesh::default(), &ColliderOptions::default()).unwrap();
     assert_eq!((colliders.len(), &colliders[0].joint), (1, &None));
     let Form::Capsule { half_height, radius } = colliders[0].solid.form else { panic!("{colliders:?}") };
     // The mesh is a polyhedron inside the capsule.
@@ -108,14 +108,14 @@ fn a_capsule_is_found_again_wherever_it_lies() {
 #[test]
 fn each_joint_has_its_own_solids_and_a_small_one_goes_to_its_parent() {
     let options = ColliderOptions::default();
-    let (colliders, _) = fit_mesh(&skinned(limb(24, 0.3, 0.07), [None, Some(0)]), &options).unwrap();
+    let (colliders, _) = fit_mesh(&skinned(limb(24, 0.3, 0.07), [None, Some(0)]), &Mesh::default(), &options).unwrap();
     let names: Vec<_> = colliders.iter().filter_map(|c| c.joint.clone()).collect();
     assert_eq!(names, ["bone 0", "bone 1"]);
     assert!(colliders[0].solid.center[0] < -0.05 && colliders[1].solid.center[0] > 0.05, "{colliders:?}");
     // A file whose pose is another than the one of the binding: the second bone is turned about y and lifted.
     let mut posed = skinned(limb(24, 0.3, 0.07), [None, Some(0)]);
     posed.skeleton.joints[1].world = [0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 1.0];
-    let (moved, _) = fit_mesh(&posed, &options).unwrap();
+    let (moved, _) = fit_mesh(&posed, &Mesh::default(), &options).unwrap();
     let [x, y, z] = colliders[1].solid.center;
     let found = moved[1].solid.center;
     assert!((found[0] - z).abs() + (found[1] - y - 0.5).abs() + (found[2] + x).abs() < 1e-9, "{found:?}");
@@ -123,7 +123,7 @@ fn each_joint_has_its_own_solids_and_a_small_one_goes_to_its_parent() {
     // A joint that moves a tip of some triangles.
     let mut tip = limb(24, 0.3, 0.07);
     tip.positions.iter_mut().for_each(|p| p[0] -= 0.369);
-    let (colliders, _) = fit_mesh(&skinned(tip, [None, Some(0)]), &options).unwrap();
+    let (colliders, _) = fit_mesh(&skinned(tip, [None, Some(0)]), &Mesh::default(), &options).unwrap();
     assert_eq!(colliders.iter().filter_map(|c| c.joint.as_deref()).collect::<Vec<_>>(), ["bone 0"]);
 }
 
@@ -135,7 +135,9 @@ fn more_solids_come_nearer_and_the_number_is_a_limit() {
         let across = 1.0 + 0.15 * p[0];
         [across * angle.sin(), across * angle.cos(), -0.15 * p[2]]
     });
-    let fit = |count| fit_mesh(&bent, &ColliderOptions { count, error: 0.004, ..Default::default() }).unwrap();
+    let fit = |count| {
+        fit_mesh(&bent, &Mesh::default(), &ColliderOptions { count, error: 0.004, ..Default::default() }).unwrap()
+    };
     let (one, few, many) = (fit(1), fit(3), fit(12));
     assert_eq!((one.0.len(), few.0.len()), (1, 3));
     assert!(many.0.len() > 3 && many.0.len() <= 12, "{}", many.0.len());
@@ -157,21 +159,21 @@ fn surfaces_inside_the_body_are_left_out() {
     mesh.triangle_part.resize(mesh.triangles.len(), 0);
     let winding = Winding::new(&mesh);
     assert!(samples(&mesh, &winding, 2000, 1).iter().all(|s| s.point.iter().any(|x| x.abs() > 0.05)));
-    let (colliders, figures) = fit_mesh(&mesh, &ColliderOptions::default()).unwrap();
+    let (colliders, figures) = fit_mesh(&mesh, &Mesh::default(), &ColliderOptions::default()).unwrap();
     assert!(colliders.len() == 1 && figures.body.max < 3e-3, "{figures:?}");
     // Nothing can be touched of a body that is inside out.
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    let wrong = fit_mesh(&Mesh::default(), &ColliderOptions::default());
+    let wrong = fit_mesh(&Mesh::default(), &Mesh::default(), &ColliderOptions::default());
     assert!(wrong.is_none());
 }
 
 #[test]
 fn options_out_of_range_are_refused() {
     for (options, name) in [
-        (ColliderOptions { error: 0.0, ..Default::default() }, "error"),
-        (ColliderOptions { error: f64::NAN, ..Default::default() }, "error"),
-        (ColliderOptions { count: 0, ..Default::default() }, "count"),
-        (ColliderOptions { kinds: Vec::new(), ..Default::default() }, "shapes"),
+        (ColliderOptions { error: 0.0, ..Default::default() }, "collider-error"),
+        (ColliderOptions { error: f64::NAN, ..Default::default() }, "collider-error"),
+        (ColliderOptions { count: 0, ..Default::default() }, "max-colliders"),
+        (ColliderOptions { kinds: Vec::new(), ..Default::default() }, "collider-shapes"),
     ] {
         let found = options.check().unwrap_err().to_string();
         assert!(found.contains(name), "{found}");

@@ -31,7 +31,7 @@ impl<'a> Parser<'a> {
         Error::Option {
             option: "pin".into(),
             problem: format!("`{}`: {problem}", self.text),
-            hint: "use above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1, loop:K, loop:top, loop:bottom, joint:NAME<D, attr:_NAME>T or color:r>T, \
+            hint: "use above:Y, below:Y, top:SHARE, box:X0,Y0,Z0,X1,Y1,Z1, loop:K, loop:top, loop:bottom, joint:NAME<D, attr:_NAME>T or color:r>T, \
                    combined by not, and, or and parentheses"
                 .into(),
         }
@@ -107,6 +107,10 @@ impl<'a> Parser<'a> {
         match kind {
             "above" => Ok(Pin::Above(number(rest)?)),
             "below" => Ok(Pin::Below(number(rest)?)),
+            "top" => match number(rest)? {
+                share if (0.0..=1.0).contains(&share) => Ok(Pin::Top(share)),
+                _ => Err(bad("the share is not in 0 to 1")),
+            },
             "box" => {
                 let n = rest.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
                 let &[a, b, c, d, e, f] = n.as_slice() else { return Err(bad("six numbers are required")) };

@@ -1,0 +1,70 @@
+//! A build of the cloth of a character, with solids in place of its body.
+
+use std::path::Path;
+
+use gimage_bundle::manifest::{ColliderEntry, ColliderShape};
+use serde_json::json;
+
+use super::entries::repair_entry;
+use super::{Built, build};
+use crate::colliders::{Collider, ColliderOptions, Fit, Form, fit_colliders};
+use crate::error::{Error, Result};
+use crate::options::BuildOptions;
+use crate::progress::Progress;
+use crate::record::{Finding, Severity};
+use crate::stage::assemble::pins::Pin;
+
+/// Share of the height of each garment that [`dress`] pins without other pins: a collar, a waistband.
+pub const PINNED_TOP: f64 = 0.06;
+
+/// Builds a bundle as [`build`] does, and adds solids that stand for the body ([`fit_colliders`]) to its manifest. Without
+/// pins, the top of each garment is pinned ([`PINNED_TOP`]), and a finding says so. A file without a body has no solids, with a
+/// warning.
+///
+/// Errors: those of both.
+pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, progress: &dyn Progress) -> Result<Built> {
+    let mut options = options.clone();
+    let mut findings = Vec::new();
+    if options.assemble.pins.is_empty() {
+        options.assemble.pins.push(Pin::Top(PINNED_TOP));
+        let message = format!("Without --pin, the top {} % of each garment are pinned.", 100.0 * PINNED_TOP);
+        findings.push(finding(Severity::Note, "hint-pins", message));
+    }
+    // The shorter work first, so that it fails first.
+    let fit = match fit_colliders(path, &options, solids) {
+        Ok(fit) => Some(fit),
+        Err(Error::Empty { problem, hint, .. }) => {
+            findings.push(finding(Severity::Warning, "no-body", format!("There are no colliders: {problem}; {hint}.")));
+            None
+        }
+        Err(error) => return Err(error),
+    };
+    let mut built = build(path, &options, progress)?;
+    let manifest = &mut built.bundle.manifest;
+    if let Some(Fit { colliders, findings: found, .. }) = fit {
+        manifest.colliders = colliders.iter().map(entry).collect();
+        findings.extend(found.into_iter().filter(|f| f.stage == "colliders"));
+    }
+    let kinds: Vec<&str> = solids.kinds.iter().map(|k| k.name()).collect();
+    manifest.options.insert("collider-error".into(), json!(solids.error));
+    manifest.options.insert("max-colliders".into(), json!(solids.count));
+    manifest.options.insert("collider-shapes".into(), json!(kinds));
+    manifest.repairs.extend(findings.iter().map(repair_entry));
+    built.report.findings.extend(findings);
+    Ok(built)
+}
+
+fn finding(severity: Severity, kind: &'static str, message: String) -> Finding {
+    Finding { severity, stage: "dress", kind, count: 1, examples: Vec::new(), message }
+}
+
+fn entry(collider: &Collider) -> ColliderEntry {
+    let shape = match collider.solid.form {
+        Form::Sphere { radius } => ColliderShape::Sphere { radius },
+        Form::Capsule { half_height, radius } => ColliderShape::Capsule { half_height, radius },
+        Form::Box { half } => ColliderShape::Box { half },
+        Form::Ellipsoid { radii } => ColliderShape::Ellipsoid { radii },
+    };
+    let Collider { joint, solid } = collider.clone();
+    ColliderEntry { joint, shape, position: solid.center, rotation: solid.rotation }
+}
