@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use piece::{ComponentEntry, Constants, Counts, Cut, PieceEntry, RungEntry, Surface};
+pub use piece::{ComponentEntry, Constants, Counts, Cut, PieceEntry, RungEntry, ShellEntry, Surface};
 pub use quality::Quality;
 pub(crate) use text::{unreadable, within_cap};
 

@@ -1,12 +1,14 @@
 //! The record of a build in the manifest, beside its pieces.
 
 use gimage_bundle::Bundle;
-use gimage_bundle::manifest::{Joint, Repair, Skeleton, Source as SourceEntry};
+use gimage_bundle::manifest::{Joint, Repair, ShellEntry, Skeleton, Source as SourceEntry};
 
 use crate::base::mesh::Mesh;
-use crate::options::BuildOptions;
+use crate::options::{BuildOptions, Choice};
 use crate::record::{Finding, Severity};
+use crate::stage::assemble::Piece;
 use crate::stage::import::Source;
+use crate::stage::shell::Thinned;
 
 /// Writes source, options, skeleton and findings into the manifest.
 pub(super) fn describe(
@@ -21,6 +23,24 @@ pub(super) fn describe(
     bundle.manifest.options = options.record();
     bundle.manifest.skeleton = skeleton(mesh, bundle);
     bundle.manifest.repairs = findings.iter().map(repair_entry).collect();
+}
+
+/// Writes the shell of each piece that was one. What is bound is counted once, with the first of the pieces of a shell.
+pub(super) fn shells(bundle: &mut Bundle, pieces: &[Piece<'_>], thinned: &Thinned) {
+    let mut counted = vec![false; thinned.shells.len()];
+    for (entry, piece) in bundle.manifest.pieces.iter_mut().zip(pieces) {
+        let Some(k) = thinned.shell_index(piece.component) else { continue };
+        let (shell, is_first) = (&thinned.shells[k], !std::mem::replace(&mut counted[k], true));
+        let (bound_triangles, bound_area) = if is_first { (shell.bound_triangles, shell.bound_area) } else { (0, 0.0) };
+        entry.shell = Some(ShellEntry {
+            layer: shell.layer.name().into(),
+            thickness: shell.thickness,
+            thickness_range: shell.range,
+            share: shell.share,
+            bound_triangles: bound_triangles as u32,
+            bound_area,
+        });
+    }
 }
 
 fn skeleton(mesh: &Mesh, bundle: &Bundle) -> Option<Skeleton> {

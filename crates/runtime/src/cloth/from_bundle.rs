@@ -11,7 +11,8 @@ const DEFAULT_MASS: f32 = 1e-3;
 impl Cloth {
     /// All pieces of a bundle as one cloth; particle indices are those of the bundle. Where every piece with springs has
     /// constant rest lengths (or masses), no image is made for them; a bundle without rest lengths has no springs.
-    /// Tethers of the bundle are kept until pins change, and its first texture coordinates for materials. Errors as [`Cloth::new`].
+    /// Tethers of the bundle are kept until pins change, and its first texture coordinates for materials. A piece made from fabric
+    /// with a thickness sets [`Cloth::thickness`]: of several the largest, so that none enters a collider. Errors as [`Cloth::new`].
     pub fn from_bundle(name: &str, bundle: &Bundle) -> Result<Self> {
         let pieces = &bundle.manifest.pieces;
         let grids: Vec<Grid> = pieces
@@ -36,6 +37,8 @@ impl Cloth {
         cloth.keep_tethers(bundle.stored_tethers());
         cloth.limits = bundle.limits().map(Into::into);
         cloth.keep_grain(grain(bundle, cloth.grids()));
+        let clearances = pieces.iter().filter_map(|p| Some(p.shell.as_ref()?.clearance() as f32));
+        cloth.thickness = clearances.filter(|c| (0.0..=1.0).contains(c)).reduce(f32::max);
         Ok(cloth)
     }
 
