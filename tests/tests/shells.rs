@@ -94,7 +94,8 @@ fn a_solid_shirt_builds_as_the_shirt_it_was_made_from() {
     // Every vertex of the image lies halfway, but for the error of the image.
     let outer = Closest::new(&shirt.positions, &shirt.triangles);
     let image = surface(&built.bundle);
-    let mut depths: Vec<f64> = outer.project_all(&image.positions).into_iter().map(|n| n.unwrap().distance).collect();
+    let depth = |p: &[f32; 3]| outer.project(p.map(f64::from)).unwrap().distance;
+    let mut depths: Vec<f64> = image.positions.iter().map(depth).collect();
     depths.sort_by(f64::total_cmp);
     let median = depths[depths.len() / 2];
     assert!((median - 0.5 * thickness).abs() < 0.1 * thickness, "{median}");

@@ -11,7 +11,7 @@ use std::time::Instant;
 use gimage_bundle::Bundle;
 use rayon::prelude::*;
 
-use self::findings::{merged, nothing_left, remarks, resolution, set_apart, split_up};
+use self::findings::{closed, merged, nothing_left, remarks, resolution, set_apart, split_up};
 use self::outcome::Gathered;
 use crate::error::{Error, Result};
 use crate::options::BuildOptions;
@@ -88,6 +88,7 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
             return Err(nothing_left(path, mesh, &parts.accessories, options));
         }
         report.findings.extend(resolution(mesh));
+        report.findings.extend(closed(&parts.pieces));
         Ok(parts)
     })?;
     let total: f64 = parts.pieces.iter().map(|p| p.area).sum();
@@ -120,11 +121,11 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
             Ok(())
         })?;
     }
-    entries::shells(&mut bundle, &pieces, &thinned);
     gate::scale_parts(&mut bundle.manifest.pieces, &pieces);
     run.report.findings.extend(gate::check(&bundle.manifest.pieces, &pieces, &options.gate)?);
-    let images: Vec<PieceImage> = pieces.into_iter().map(|p| p.image).collect();
+    let images: Vec<&PieceImage> = pieces.iter().map(|p| &p.image).collect();
     bundle.manifest.accessories = anchor(mesh, &riders, &images);
+    entries::shells(&mut bundle, &pieces, &riders, &thinned);
     entries::describe(&mut bundle, mesh, &source, options, &run.report.findings);
     run.stage(Stage::Encode, 1, |_| {
         bundle.count()?;

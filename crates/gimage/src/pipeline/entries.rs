@@ -7,6 +7,7 @@ use crate::base::mesh::Mesh;
 use crate::options::{BuildOptions, Choice};
 use crate::record::{Finding, Severity};
 use crate::stage::assemble::Piece;
+use crate::stage::assemble::accessory::Rider;
 use crate::stage::import::Source;
 use crate::stage::shell::Thinned;
 
@@ -25,21 +26,29 @@ pub(super) fn describe(
     bundle.manifest.repairs = findings.iter().map(repair_entry).collect();
 }
 
-/// Writes the shell of each piece that was one. What is bound is counted once, with the first of the pieces of a shell.
-pub(super) fn shells(bundle: &mut Bundle, pieces: &[Piece<'_>], thinned: &Thinned) {
+/// Writes the shell of each piece that was one. Bound triangles are counted once, with the first piece of a shell, or with an
+/// accessory if none of it is a piece.
+pub(super) fn shells(bundle: &mut Bundle, pieces: &[Piece<'_>], riders: &[Rider<'_>], thinned: &Thinned) {
     let mut counted = vec![false; thinned.shells.len()];
-    for (entry, piece) in bundle.manifest.pieces.iter_mut().zip(pieces) {
-        let Some(k) = thinned.shell_index(piece.component) else { continue };
+    let mut bound = |component| {
+        let k = thinned.shell_index(component)?;
         let (shell, is_first) = (&thinned.shells[k], !std::mem::replace(&mut counted[k], true));
-        let (bound_triangles, bound_area) = if is_first { (shell.bound_triangles, shell.bound_area) } else { (0, 0.0) };
-        entry.shell = Some(ShellEntry {
+        Some((shell, if is_first { (shell.bound_triangles as u32, shell.bound_area) } else { (0, 0.0) }))
+    };
+    for (entry, piece) in bundle.manifest.pieces.iter_mut().zip(pieces) {
+        entry.shell = bound(piece.component).map(|(shell, (bound_triangles, bound_area))| ShellEntry {
             layer: shell.layer.name().into(),
             thickness: shell.thickness,
             thickness_range: shell.range,
             share: shell.share,
-            bound_triangles: bound_triangles as u32,
+            bound_triangles,
             bound_area,
         });
+    }
+    for (entry, rider) in bundle.manifest.accessories.iter_mut().zip(riders) {
+        let Some((_, (triangles, area))) = bound(rider.component) else { continue };
+        entry.triangles += triangles;
+        entry.area += area;
     }
 }
 

@@ -70,7 +70,7 @@ pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
 pub(crate) fn split_counting(mesh: &Mesh, options: &ComponentOptions, beside: &dyn Fn(&Component) -> f64) -> Split {
     let mut found = topology::components(mesh);
     let counted = |c: &Component| c.area + beside(c);
-    found.sort_by(|a, b| counted(b).total_cmp(&counted(a)).then(a.triangles[0].cmp(&b.triangles[0])));
+    found.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.triangles[0].cmp(&b.triangles[0])));
     let total: f64 = found.iter().map(counted).sum();
     let mut out = Split::default();
     if total <= 0.0 || !total.is_finite() {
@@ -82,9 +82,7 @@ pub(crate) fn split_counting(mesh: &Mesh, options: &ComponentOptions, beside: &d
     names::assign(mesh, &mut found);
     let share = |c: &Component| counted(c) / total;
     let least = options.accessory_area.min(ALWAYS_PIECE);
-    let pieces = found.partition_point(|c| counted(c) >= least * total);
-    out.accessories = found.split_off(pieces);
-    out.pieces = found;
+    (out.pieces, out.accessories) = found.into_iter().partition(|c| counted(c) >= least * total);
 
     let example = |c: &Component| {
         format!("{}: {}, {:.2} % of the area", c.name, words::triangles(c.triangles.len()), 100.0 * share(c))

@@ -65,7 +65,7 @@ pub(super) fn layers(zone: &Zone, sides: &Sides, positions: &[[f64; 3]]) -> Vec<
     let mut core =
         |t: u32| faced(t) && of_island[islands.find(t) as usize] >= CORE * whole[sides.group[t as usize] as usize];
     let mut out: Vec<Option<Layer>> = (0..n as u32).map(|t| core(t).then(|| label(t))).collect();
-    // What touches both sheets joins them.
+    // A triangle that touches both sheets is a part of the rim.
     let mut touched = vec![0u8; positions.len()];
     for (layer, triangle) in out.iter().zip(&zone.triangles) {
         let bit = layer.map_or(0, Layer::bit);

@@ -4,7 +4,7 @@ use crate::base::closest::Closest;
 use crate::base::halfedge::sorted_edges;
 use crate::base::vec3::{add, cross, dot, norm, normalize, scale, sub};
 
-/// Distances beyond this multiple of the median are no thickness: the other sheet has a hole there.
+/// Largest distance over the median; beyond it, the other sheet has a hole.
 const FARTHEST: f64 = 3.0;
 /// Cosine between the way to the other sheet and the normal, below which that way leads past a border.
 const STEEP: f64 = 0.6;

@@ -64,8 +64,10 @@ pub struct Shell {
     pub layer: Layer,
     /// Triangles that are left.
     pub triangles: usize,
-    /// Their area before they moved \[m2\].
+    /// Their area \[m2\].
     pub area: f64,
+    /// Area of both sheets and the rim \[m2\].
+    pub source_area: f64,
     /// Triangles of the inner sheet and the rim, which get no image.
     pub bound_triangles: usize,
     /// Their area \[m2\].
@@ -99,7 +101,7 @@ impl Thinned {
 
     /// The components of the mesh, of which shells count with both sheets.
     pub fn split(&self, options: &ComponentOptions) -> Split {
-        let beside = |c: &Component| self.shell(c).map_or(0.0, |s| s.bound_area * c.area / s.area);
+        let beside = |c: &Component| self.shell(c).map_or(0.0, |s| (s.source_area / s.area - 1.0) * c.area);
         split_counting(&self.mesh, options, &beside)
     }
 }
@@ -137,12 +139,15 @@ pub fn thin(mesh: Mesh, options: &ShellOptions, parts: &ComponentOptions) -> Thi
     }
     // Components come by size.
     found.sort_by_key(|f| f.components.clone());
-    let shells: Vec<Shell> = found.iter().map(|f| entry(f, &zone, &components, options.shell)).collect();
+    let mut shells: Vec<Shell> = found.iter().map(|f| entry(f, &zone, &components, options.shell)).collect();
     let findings = report::findings(&shells, &doubts, &components);
     if found.is_empty() {
         return Thinned { findings, ..same(mesh) };
     }
     let (mesh, shell_of) = apply(mesh, &zone, &found, options.shell);
+    for (t, k) in shell_of.iter().enumerate().filter(|x| *x.1 != NONE) {
+        shells[*k as usize].area += mesh.triangle_area(t);
+    }
     Thinned { mesh, shells, shell_of, findings }
 }
 
@@ -157,7 +162,7 @@ fn candidates(mesh: &Mesh, parts: &ComponentOptions) -> Vec<Component> {
 
 fn entry(found: &Found, zone: &Zone, components: &[Component], layer: Layer) -> Shell {
     let [thickness, low, high] = found.thickness;
-    let area = |list: &[u32]| list.iter().map(|&t| zone.area[t as usize]).sum();
+    let area = |list: &[u32]| list.iter().map(|&t| zone.area[t as usize]).sum::<f64>();
     Shell {
         name: components[found.components[0] as usize].name.clone(),
         thickness,
@@ -166,7 +171,8 @@ fn entry(found: &Found, zone: &Zone, components: &[Component], layer: Layer) -> 
         layer,
         triangles: found.kept.len(),
         bound_triangles: found.dropped.len(),
-        area: area(&found.kept),
+        area: 0.0,
+        source_area: area(&found.kept) + area(&found.dropped),
         bound_area: area(&found.dropped),
     }
 }

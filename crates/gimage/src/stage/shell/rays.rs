@@ -1,5 +1,7 @@
 //! Finds with a few rays per component whether a second sheet faces it at a small distance, and estimates that distance.
 
+use std::collections::BTreeMap;
+
 use crate::base::closest::Closest;
 use crate::base::mesh::Mesh;
 use crate::base::vec3::{add, cross, dot, norm, normalize, scale, sub};
@@ -25,6 +27,16 @@ pub(crate) struct Opposite {
     pub share: f64,
     /// The side that it lies on: 1 where the normals point, -1 behind them.
     pub side: f64,
+}
+
+/// The end of a ray.
+struct Hit {
+    /// Its length \[m\].
+    gap: f64,
+    /// The share of the component's area that it stands for.
+    weight: f64,
+    /// The component that it meets.
+    component: u32,
 }
 
 /// A mesh prepared for rays.
@@ -53,16 +65,16 @@ impl<'a> Sheets<'a> {
         let starts = self.starts(component);
         let total: f64 = starts.iter().map(|s| s.1).sum();
         let side = |side: f64| {
-            let mut hits: Vec<(f64, u32, f64)> = Vec::new();
+            let mut hits: Vec<Hit> = Vec::new();
             for &(t, weight) in &starts {
                 let points = subcentres(&self.mesh.corners(t as usize), weight);
-                let each = weight / points.len() as f64;
+                let weight = weight / points.len() as f64;
                 let found = points.iter().filter_map(|&p| self.hit(t, p, side, reach));
-                hits.extend(found.map(|(gap, other)| (gap, self.owner[other as usize], each)));
+                hits.extend(found.map(|(gap, t)| Hit { gap, weight, component: self.owner[t as usize] }));
             }
-            hits.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let share = hits.iter().map(|h| h.2).sum::<f64>() / total;
-            let thickness = median(&hits.iter().map(|h| (h.0, h.2)).collect::<Vec<_>>())?;
+            hits.sort_by(|a, b| a.gap.total_cmp(&b.gap).then(a.component.cmp(&b.component)));
+            let share = hits.iter().map(|h| h.weight).sum::<f64>() / total;
+            let thickness = median(&hits.iter().map(|h| (h.gap, h.weight)).collect::<Vec<_>>())?;
             Some(Opposite { thickness, component: most(&hits)?, share, side })
         };
         // Inside first: the normals of a closed component point out of it.
@@ -104,10 +116,10 @@ pub(super) fn reach(area: f64) -> f64 {
     THIN * (0.5 * area).sqrt()
 }
 
-/// The component with the largest weight among hits of (distance, component, weight); the first of equals.
-fn most(hits: &[(f64, u32, f64)]) -> Option<u32> {
-    let mut weights: std::collections::BTreeMap<u32, f64> = Default::default();
-    hits.iter().for_each(|h| *weights.entry(h.1).or_default() += h.2);
+/// The component with the largest weight among hits; the first of equals.
+fn most(hits: &[Hit]) -> Option<u32> {
+    let mut weights: BTreeMap<u32, f64> = BTreeMap::new();
+    hits.iter().for_each(|h| *weights.entry(h.component).or_default() += h.weight);
     weights.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a }).map(|x| x.0)
 }
 

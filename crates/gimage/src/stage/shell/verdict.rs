@@ -58,7 +58,7 @@ pub(super) struct Found {
     pub share: f64,
 }
 
-/// What a verdict is made from.
+/// The inputs of a verdict.
 pub(super) struct Evidence<'a> {
     pub zone: &'a Zone,
     pub sides: &'a Sides,
