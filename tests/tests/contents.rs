@@ -8,6 +8,7 @@ use gimage::Error;
 use gimage::contents::{Contents, Kind, list};
 use gimage::options::BuildOptions;
 use gimage::select::Role;
+use gimage::shell::Layer;
 use gimage_tests::{asset, build, garments_or_skip, texels};
 
 fn contents(path: &Path) -> Contents {
@@ -92,7 +93,12 @@ fn garments_look_like_what_they_are() {
     assert!((1.5e-4..2.5e-4).contains(&thickness), "{thickness}");
     let jacket = contents(&folder.join("jacket_fleece.glb"));
     assert_eq!(kinds(&jacket, Kind::ThinShell), 10);
+    // Its panels are pairs of sheets, which a build makes one layer each.
     let polo = contents(&folder.join("compressed/polo_draco.glb"));
+    assert!(polo.components[0].kind == Kind::ThinShell && polo.components[0].other_sheet.is_none());
+    let mut keep = BuildOptions::default();
+    keep.shell.shell = Layer::Keep;
+    let polo = list(&folder.join("compressed/polo_draco.glb"), &keep).unwrap();
     assert_eq!(polo.components[0].other_sheet.as_deref(), Some(&*polo.components[1].name));
     // Instances of one node are one part.
     assert!(contents(&folder.join("compressed/shorts_meshopt.glb")).parts.len() < 20);

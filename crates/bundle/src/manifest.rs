@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub use collider::{ColliderEntry, ColliderShape};
-pub use piece::{ComponentEntry, Constants, Counts, Cut, PieceEntry, RungEntry, Surface};
+pub use piece::{ComponentEntry, Constants, Counts, Cut, PieceEntry, RungEntry, ShellEntry, Surface};
 pub use quality::Quality;
 pub(crate) use text::{unreadable, within_cap};
 

@@ -12,6 +12,7 @@ use gimage::options::help as help_of;
 use gimage::options::{BuildOptions, Choice, Effort, ImageSize, RestLength, Sample, Seams, range};
 use gimage::pins::Pin;
 use gimage::select::{Pattern, SelectOptions};
+use gimage::shell::Layer;
 use gimage_runtime::Material;
 
 use crate::help;
@@ -143,6 +144,8 @@ pub struct ReadArgs {
     pub center: bool,
     #[arg(long, help = help_of("weld"), value_name = "METRES", value_parser = number("weld"), allow_negative_numbers = true)]
     pub weld: Option<f64>,
+    #[arg(long, help = help_of("shell"), value_parser = choice::<Layer>())]
+    pub shell: Option<Layer>,
 }
 
 /// `gimage list`.
@@ -447,6 +450,7 @@ impl ReadArgs {
         options.select =
             SelectOptions { cloth: self.cloth.clone(), body: self.body.clone(), rigid: self.rigid.clone() };
         options.repair.weld = self.weld.or(options.repair.weld);
+        set(&mut options.shell.shell, self.shell);
         options
     }
 }

@@ -90,17 +90,19 @@ fn a_dressed_character_has_colliders_that_move_with_its_joints() {
     // The file has no body: the sleeve is built, with a warning.
     let bare = place.run("dress sleeve.glb -o bare.gim --texels 600").expect(&[1]);
     assert!(bare.stderr.contains("no-body") && bare.stderr.contains("hint-pins"), "{}", bare.stderr);
-    assert!(!place.read("bare.gim/manifest.json").contains("\"colliders\""));
+    assert!(!std::fs::read_to_string(place.path("bare.gim/manifest.json")).unwrap().contains("\"colliders\""));
     // Here its own surface stands for the body.
     let fitted = place.run("fit-colliders sleeve.glb --body * -o body.json --json").expect(&[0, 1]).json();
     let colliders = fitted["colliders"].as_array().unwrap();
     assert!(!colliders.is_empty() && colliders.iter().all(|c| c["joint"].is_string()), "{fitted}");
     assert!(fitted["error"]["p95"].as_f64().unwrap() < 0.03, "{fitted}");
-    let scene: serde_json::Value = serde_json::from_str(&place.read("body.json")).unwrap();
+    let scene: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(place.path("body.json")).unwrap()).unwrap();
     assert_eq!(scene["colliders"].as_array().unwrap().len(), colliders.len());
     // A bundle with these in its manifest.
     place.run("dress sleeve.glb -o arm.gim --texels 600 --pin loop:0").expect(&[1]);
-    let mut manifest: serde_json::Value = serde_json::from_str(&place.read("arm.gim/manifest.json")).unwrap();
+    let mut manifest: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(place.path("arm.gim/manifest.json")).unwrap()).unwrap();
     manifest["colliders"] = serde_json::json!([{"joint": "shoulder", "shape": {"capsule": {"half_height": 0.1, "radius": 0.05}},
         "position": [0.32, 1.4, 0], "rotation": [0, 0, 0.5f64.sqrt(), 0.5f64.sqrt()]}]);
     place.write("arm.gim/manifest.json", &manifest.to_string());

@@ -19,6 +19,7 @@ use crate::stage::gate::GateOptions;
 use crate::stage::import::ImportOptions;
 use crate::stage::repair::RepairOptions;
 use crate::stage::select::SelectOptions;
+use crate::stage::shell::ShellOptions;
 
 pub use field::Choice;
 pub(crate) use field::{Field, stage_options};
@@ -162,6 +163,8 @@ pub struct BuildOptions {
     pub select: SelectOptions,
     /// Options of the repair.
     pub repair: RepairOptions,
+    /// Options of thin shells.
+    pub shell: ShellOptions,
     /// Options that separate pieces from accessories.
     pub component: ComponentOptions,
     /// Options of the image of each piece.
@@ -181,6 +184,7 @@ impl BuildOptions {
             self.import.settings(),
             self.select.settings(),
             self.repair.settings(),
+            self.shell.settings(),
             self.component.settings(),
             self.image.settings(),
             self.mass.settings(),
@@ -267,6 +271,7 @@ mod tests {
             "rest",
             "sample",
             "seams",
+            "shell",
             "unit",
             "up",
             "weld",

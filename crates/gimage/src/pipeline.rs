@@ -13,7 +13,7 @@ use gimage_bundle::Bundle;
 use rayon::prelude::*;
 
 pub use self::dress::{PINNED_TOP, dress};
-use self::findings::{merged, nothing_left, remarks, resolution, set_apart, split_up};
+use self::findings::{closed, merged, nothing_left, remarks, resolution, set_apart, split_up};
 use self::outcome::Gathered;
 use crate::error::{Error, Result};
 use crate::options::BuildOptions;
@@ -22,12 +22,12 @@ use crate::report::{Report, StageTime, peak_memory};
 use crate::stage::assemble::accessory::{Rider, anchor};
 use crate::stage::assemble::mass::check_mean;
 use crate::stage::assemble::{Piece, assemble, measure_piece, summary};
-use crate::stage::component::split;
 use crate::stage::gate;
 use crate::stage::image::PieceImage;
 use crate::stage::import::import;
 use crate::stage::repair::repair;
 use crate::stage::select::select;
+use crate::stage::shell::thin;
 
 /// A finished build, not yet written.
 #[derive(Clone, Debug)]
@@ -78,25 +78,32 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
         report.findings.extend(repaired.findings);
         Ok(repaired.mesh)
     })?;
+    let thinned = run.stage(Stage::Shell, 1, |report| {
+        let thinned = thin(mesh, &options.shell, &options.component);
+        report.findings.extend(thinned.findings.iter().cloned());
+        Ok(thinned)
+    })?;
+    let mesh = &thinned.mesh;
     let parts = run.stage(Stage::Component, 1, |report| {
-        let parts = split(&mesh, &options.component);
+        let parts = thinned.split(&options.component);
         if parts.pieces.is_empty() {
-            return Err(nothing_left(path, &mesh, &parts.accessories, options));
+            return Err(nothing_left(path, mesh, &parts.accessories, options));
         }
-        report.findings.extend(resolution(&mesh));
+        report.findings.extend(resolution(mesh));
+        report.findings.extend(closed(&parts.pieces));
         Ok(parts)
     })?;
     let total: f64 = parts.pieces.iter().map(|p| p.area).sum();
     check_mean(total, &options.mass)?;
     let made = run.stage(Stage::Image, parts.pieces.len(), |report| {
-        let (made, finding) = outcome::images(&mesh, &parts.pieces, options, progress)?;
+        let (made, finding) = outcome::images(mesh, &parts.pieces, options, progress)?;
         report.findings.extend(finding);
         Ok(made)
     })?;
     let named = outcome::name_parts(&parts.pieces, &parts.accessories, &made);
     let Gathered { pieces, mut riders, families } = outcome::gather(&parts.pieces, made, &named);
     if pieces.is_empty() {
-        return Err(nothing_left(path, &mesh, &parts.pieces, options));
+        return Err(nothing_left(path, mesh, &parts.pieces, options));
     }
     let small = format!("area under {} % of the whole", 100.0 * options.component.accessory_area);
     riders.extend(parts.accessories.iter().map(|component| Rider { component, reason: small.clone() }));
@@ -106,7 +113,7 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
 
     let mut bundle = run.stage(Stage::Maps, pieces.len(), |report| {
         let mut bundle = Bundle::new(concat!("gimage ", env!("CARGO_PKG_VERSION")));
-        let findings = assemble(&mut bundle, &mesh, &pieces, &families, options, &|| progress.step(Stage::Maps))?;
+        let findings = assemble(&mut bundle, mesh, &pieces, &families, options, &|| progress.step(Stage::Maps))?;
         report.findings.extend(findings);
         Ok(bundle)
     })?;
@@ -118,9 +125,10 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
     }
     gate::scale_parts(&mut bundle.manifest.pieces, &pieces);
     run.report.findings.extend(gate::check(&bundle.manifest.pieces, &pieces, &options.gate)?);
-    let images: Vec<PieceImage> = pieces.into_iter().map(|p| p.image).collect();
-    bundle.manifest.accessories = anchor(&mesh, &riders, &images);
-    entries::describe(&mut bundle, &mesh, &source, options, &run.report.findings);
+    let images: Vec<&PieceImage> = pieces.iter().map(|p| &p.image).collect();
+    bundle.manifest.accessories = anchor(mesh, &riders, &images);
+    entries::shells(&mut bundle, &pieces, &riders, &thinned);
+    entries::describe(&mut bundle, mesh, &source, options, &run.report.findings);
     run.stage(Stage::Encode, 1, |_| {
         bundle.count()?;
         sound(&bundle)

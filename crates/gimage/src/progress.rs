@@ -8,6 +8,8 @@ pub enum Stage {
     Import,
     /// Repairing the mesh to a manifold.
     Repair,
+    /// Making one layer of each thin shell.
+    Shell,
     /// Separating pieces from accessories.
     Component,
     /// Cutting, laying out, parameterising and resampling; one step a piece.
@@ -26,6 +28,7 @@ impl Stage {
         match self {
             Stage::Import => "import",
             Stage::Repair => "repair",
+            Stage::Shell => "shell",
             Stage::Component => "component",
             Stage::Image => "image",
             Stage::Maps => "maps",

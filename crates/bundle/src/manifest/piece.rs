@@ -34,12 +34,41 @@ pub struct PieceEntry {
     /// The surface before it was cut.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<Surface>,
+    /// The thin shell that the surface is the layer of, if it was modelled with a thickness.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shell: Option<ShellEntry>,
     /// All attempts in order, if the first image did not pass; else empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ladder: Vec<RungEntry>,
     /// Index of the component that it is a part of, if one was split into several pieces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub part_of: Option<u32>,
+}
+
+/// A thin shell: fabric modelled as two facing sheets, of which one layer is the piece.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ShellEntry {
+    /// `mid`: halfway between both sheets; `outer`: the outer sheet.
+    pub layer: String,
+    /// Median distance of the two sheets \[m\].
+    pub thickness: f64,
+    /// Distances \[m\] that 5 % and 95 % of the area lie below.
+    pub thickness_range: [f64; 2],
+    /// Share of the area that has an opposite sheet.
+    pub share: f64,
+    /// Triangles of the other sheet and the rim, which no image has; 0 if another piece of the same shell counts them.
+    pub bound_triangles: u32,
+    /// Their area \[m^2\].
+    pub bound_area: f64,
+}
+
+impl ShellEntry {
+    /// Distance \[m\] that the layer keeps from other surfaces, so that the fabric does not enter them: half of its thickness, or
+    /// all of it for the outer sheet.
+    pub fn clearance(&self) -> f64 {
+        if self.layer == "outer" { self.thickness } else { 0.5 * self.thickness }
+    }
 }
 
 /// One attempt to make the image of a piece, and its result.

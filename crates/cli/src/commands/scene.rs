@@ -38,6 +38,10 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
             SolverArg::Xpbd => Solver::Xpbd,
         };
     }
+    if args.thickness.is_some() && Path::new(&args.scene).is_dir() {
+        // The thickness that a bundle has is a default.
+        file.scene.cloths.iter_mut().for_each(|cloth| cloth.thickness = None);
+    }
     if let Some(material) = &args.material {
         file.scene.cloths.iter_mut().try_for_each(|cloth| cloth.set_material(material))?;
     }

@@ -55,6 +55,21 @@ pub(super) fn resolution(mesh: &Mesh) -> Option<Finding> {
     })
 }
 
+/// A hint about pieces that are closed around a volume, as hats and tops are whose openings have caps.
+pub(super) fn closed(pieces: &[Component]) -> Option<Finding> {
+    let closed: Vec<&Component> = pieces.iter().filter(|c| c.loops == 0).collect();
+    (!closed.is_empty()).then(|| Finding {
+        severity: Severity::Note,
+        stage: "component",
+        kind: "hint-closed",
+        count: closed.len() as u64,
+        examples: closed.iter().take(MAX_EXAMPLES).map(|c| c.name.clone()).collect(),
+        message: "Closed around a volume, without any opening: caps across openings of a garment become cloth too, delete them in the \
+                  file."
+            .into(),
+    })
+}
+
 /// Which components were split.
 pub(super) fn split_up(families: &[Family<'_>]) -> Option<Finding> {
     (!families.is_empty()).then(|| Finding {

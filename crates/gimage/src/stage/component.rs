@@ -62,9 +62,16 @@ pub struct Split {
 
 /// Splits a repaired mesh into its components. O(n log n).
 pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
+    split_counting(mesh, options, &|_| 0.0)
+}
+
+/// As [`split`], but each component counts for more than its own area, by `beside` \[m2\]: a thin shell for both of its sheets, so
+/// that the choice of pieces does not depend on how many of them are left.
+pub(crate) fn split_counting(mesh: &Mesh, options: &ComponentOptions, beside: &dyn Fn(&Component) -> f64) -> Split {
     let mut found = topology::components(mesh);
+    let counted = |c: &Component| c.area + beside(c);
     found.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.triangles[0].cmp(&b.triangles[0])));
-    let total: f64 = found.iter().map(|c| c.area).sum();
+    let total: f64 = found.iter().map(counted).sum();
     let mut out = Split::default();
     if total <= 0.0 || !total.is_finite() {
         let (components, triangles) = (words::components(found.len()), words::triangles(mesh.triangles.len()));
@@ -73,11 +80,9 @@ pub fn split(mesh: &Mesh, options: &ComponentOptions) -> Split {
         return out;
     }
     names::assign(mesh, &mut found);
-    let share = |c: &Component| c.area / total;
+    let share = |c: &Component| counted(c) / total;
     let least = options.accessory_area.min(ALWAYS_PIECE);
-    let pieces = found.partition_point(|c| c.area >= least * total);
-    out.accessories = found.split_off(pieces);
-    out.pieces = found;
+    (out.pieces, out.accessories) = found.into_iter().partition(|c| counted(c) >= least * total);
 
     let example = |c: &Component| {
         format!("{}: {}, {:.2} % of the area", c.name, words::triangles(c.triangles.len()), 100.0 * share(c))

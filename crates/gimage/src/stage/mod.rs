@@ -8,6 +8,8 @@ pub mod select;
 
 pub mod repair;
 
+pub mod shell;
+
 pub mod component;
 
 pub mod contents;

@@ -1,3 +1,4 @@
+use gimage_bundle::manifest::ShellEntry;
 use gimage_bundle::{Bundle, Image, MapKind};
 
 use super::*;
@@ -63,6 +64,16 @@ fn a_bundle_of_two_pieces_is_one_cloth() {
     let cloth = Cloth::from_bundle("two", &bundle).unwrap();
     let Rest::Image(rest) = cloth.rest() else { panic!("an image is needed") };
     assert_eq!((rest[5], rest[6], cloth.mass(5), cloth.mass(6)), ([1.0; 4], [3.0; 4], 1e-3, 2.0));
+    // The thickest piece decides, which keeps half of its thickness away from colliders.
+    assert_eq!(cloth.thickness, None);
+    for (piece, thickness) in [(0, 0.001), (1, 0.004)] {
+        let shell = ShellEntry { layer: "mid".into(), thickness, ..ShellEntry::default() };
+        bundle.manifest.pieces[piece].shell = Some(shell);
+    }
+    assert_eq!(Cloth::from_bundle("two", &bundle).unwrap().thickness, Some(0.002));
+    bundle.manifest.pieces[0].shell.as_mut().unwrap().layer = "outer".into();
+    bundle.manifest.pieces[1].shell.as_mut().unwrap().thickness = f64::MAX;
+    assert_eq!(Cloth::from_bundle("two", &bundle).unwrap().thickness, Some(0.001));
     // A map of the second piece alone selects no particle of the first.
     let values = Cloth::map_values(&bundle, &MapKind::Mass, 0);
     assert_eq!(cloth.select(&Select::Map { values: &values, above: 1.0 }).unwrap(), [6, 7, 8, 9, 10, 11]);

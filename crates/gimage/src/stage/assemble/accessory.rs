@@ -15,7 +15,7 @@ pub(crate) struct Rider<'a> {
 }
 
 /// Anchors every rider on the pieces. O((riders + triangles) log triangles).
-pub(crate) fn anchor(mesh: &Mesh, riders: &[Rider<'_>], pieces: &[PieceImage]) -> Vec<Accessory> {
+pub(crate) fn anchor(mesh: &Mesh, riders: &[Rider<'_>], pieces: &[&PieceImage]) -> Vec<Accessory> {
     if riders.is_empty() {
         return Vec::new();
     }
@@ -50,7 +50,7 @@ pub(crate) fn anchor(mesh: &Mesh, riders: &[Rider<'_>], pieces: &[PieceImage]) -
             };
             if let Some(near) = surface.project(centre) {
                 let (k, t) = owner[near.triangle as usize];
-                let piece = &pieces[k];
+                let piece = pieces[k];
                 let tri = piece.disk.triangles[t];
                 let [p, q, r] = tri.map(|v| piece.disk.positions[v as usize]);
                 let normal = normalize(cross(sub(q, p), sub(r, p)));

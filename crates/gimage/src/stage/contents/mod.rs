@@ -1,7 +1,6 @@
 //! The contents of a garment file: its parts, and the components and boundary loops that a build makes of them.
 
 mod loops;
-mod sheets;
 mod size;
 
 use std::collections::BTreeMap;
@@ -9,15 +8,15 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::component::{Component, Split, no_area, split};
+use super::component::{Component, Split, no_area};
 use super::import::{Animation, Imported, Skin, import};
 use super::repair::repair;
 use super::select::{self, Following, Role, Verdict, apart, following, roles};
+use super::shell::{Layer, Sheets, Shell, ShellOptions, Thinned, thin};
 use crate::base::mesh::{Mesh, Part};
 use crate::error::Result;
 use crate::options::BuildOptions;
 use crate::record::Finding;
-use sheets::Sheets;
 use size::{Bounded, bounded};
 
 pub use loops::BoundaryLoop;
@@ -135,7 +134,11 @@ pub fn contents(path: &Path, imported: Imported, options: &BuildOptions) -> Resu
         let triangles = (0..mesh.triangles.len() as u32).collect::<Vec<_>>();
         whole = whole.joined(bounded(&mesh, &triangles));
         measure_parts(&mesh, &group.parts, &mut sizes);
-        let mut parts = split(&mesh, &options.component);
+        let shell = if group.is_cloth { options.shell } else { ShellOptions { shell: Layer::Keep } };
+        let thinned = thin(mesh, &shell, &options.component);
+        findings.extend(thinned.findings.iter().cloned());
+        let mesh = &thinned.mesh;
+        let mut parts = thinned.split(&options.component);
         if parts.pieces.is_empty() && parts.accessories.is_empty() {
             if group.is_cloth {
                 return Err(no_area(path));
@@ -146,7 +149,7 @@ pub fn contents(path: &Path, imported: Imported, options: &BuildOptions) -> Resu
             true => Role::Cloth,
             false => verdicts[group.parts[mesh.triangle_part[c.triangles[0] as usize] as usize]].role,
         };
-        components.extend(entries(&mesh, &mut parts, group.is_cloth, role));
+        components.extend(entries(&thinned, &mut parts, group.is_cloth, role));
     }
     Ok(Contents {
         file: source.file_name,
@@ -190,15 +193,23 @@ fn part_entries(names: &[Part], verdicts: Vec<Verdict>, sizes: &[Bounded], follo
 }
 
 /// The components of a repaired mesh: pieces, then accessories.
-fn entries(mesh: &Mesh, parts: &mut Split, built: bool, role: impl Fn(&Component) -> Role) -> Vec<ComponentEntry> {
+fn entries(
+    thinned: &Thinned,
+    parts: &mut Split,
+    built: bool,
+    role: impl Fn(&Component) -> Role,
+) -> Vec<ComponentEntry> {
+    let mesh = &thinned.mesh;
     let pieces = parts.pieces.len();
     let all: Vec<Component> = parts.pieces.drain(..).chain(parts.accessories.drain(..)).collect();
     let mut owner = vec![0; mesh.triangles.len()];
     all.iter().enumerate().for_each(|(k, c)| c.triangles.iter().for_each(|&t| owner[t as usize] = k as u32));
     let sheets = Sheets::new(mesh, &owner);
     let entry = |(k, c): (usize, &Component)| {
-        let opposite = if k < pieces { sheets.opposite(c) } else { None };
-        let kind = match (k < pieces, opposite, c.loops) {
+        let shell: Option<&Shell> = thinned.shell(c);
+        let opposite = if k < pieces && shell.is_none() { sheets.opposite(c) } else { None };
+        let thickness = shell.map(|s| s.thickness).or(opposite.map(|o| o.thickness));
+        let kind = match (k < pieces, thickness, c.loops) {
             (false, ..) => Kind::Crumb,
             (_, Some(_), _) => Kind::ThinShell,
             (_, None, 0) => Kind::ClosedShell,
@@ -209,7 +220,7 @@ fn entries(mesh: &Mesh, parts: &mut Split, built: bool, role: impl Fn(&Component
             name: c.name.clone(),
             role: role(c),
             kind,
-            thickness: opposite.map(|o| o.thickness),
+            thickness,
             other_sheet: other.map(|o| all[o].name.clone()),
             size: bounded(mesh, &c.triangles).finish(),
             loops: loops::loops(mesh, c),

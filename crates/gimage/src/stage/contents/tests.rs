@@ -9,6 +9,15 @@ use crate::stage::import::Scene;
 
 /// Surfaces as parts of one mesh, each moved along x.
 fn list_of(surfaces: &[(&str, Surface, f64)]) -> Contents {
+    list_as(surfaces, &BuildOptions::default())
+}
+
+/// The same with both sheets of thin shells.
+fn list_kept(surfaces: &[(&str, Surface, f64)]) -> Contents {
+    list_as(surfaces, &BuildOptions { shell: ShellOptions { shell: Layer::Keep }, ..BuildOptions::default() })
+}
+
+fn list_as(surfaces: &[(&str, Surface, f64)], options: &BuildOptions) -> Contents {
     let mut mesh = Mesh::default();
     for (name, surface, x) in surfaces {
         let first = mesh.positions.len() as u32;
@@ -18,15 +27,21 @@ fn list_of(surfaces: &[(&str, Surface, f64)]) -> Contents {
         mesh.parts.push(Part { node: (*name).into(), ..Part::default() });
     }
     let imported = Imported { mesh, source: Default::default(), scene: Scene::default(), findings: Vec::new() };
-    contents(Path::new("test.obj"), imported, &BuildOptions::default()).unwrap()
+    contents(Path::new("test.obj"), imported, options).unwrap()
 }
 
 /// A box around the origin, `cells` cells per side of its faces.
 fn cuboid(cells: u32, size: [f64; 3]) -> Surface {
+    banded(cells, cells, size)
+}
+
+/// A box with `bands` cells along z.
+fn banded(cells: u32, bands: u32, size: [f64; 3]) -> Surface {
     let mut all = Surface::default();
     for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0)] {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        let face = shapes::sheet(cells, cells, Join::Open, Join::Open, |u, v| {
+        let count = |k: usize| if k == 2 { bands } else { cells };
+        let face = shapes::sheet(count(i), count(j), Join::Open, Join::Open, |u, v| {
             let mut p = [0.0; 3];
             p[axis] = 0.5 * sign * size[axis];
             p[i] = (u - 0.5) * size[i];
@@ -77,18 +92,27 @@ fn a_sphere_and_a_tube_are_no_thin_shells() {
 #[test]
 fn a_box_of_a_millimetre_is_a_thin_shell() {
     for cells in [1, 3, 12] {
-        let out = list_of(&[("panel", cuboid(cells, [0.4, 0.3, 0.001]), 0.0)]);
-        assert_eq!(kinds(&out), [("panel", Kind::ThinShell)], "{cells} cells");
-        let c = &out.components[0];
-        assert!((c.thickness.unwrap() - 0.001).abs() < 1e-9 && c.other_sheet.is_none() && c.loops.is_empty(), "{c:?}");
+        let panel = [("panel", cuboid(cells, [0.4, 0.3, 0.001]), 0.0)];
+        for (out, loops) in [(list_kept(&panel), 0), (list_of(&panel), 1)] {
+            assert_eq!(kinds(&out), [("panel", Kind::ThinShell)], "{cells} cells");
+            let c = &out.components[0];
+            assert!((c.thickness.unwrap() - 0.001).abs() < 1e-9 && c.other_sheet.is_none(), "{c:?}");
+            assert_eq!(c.loops.len(), loops);
+        }
     }
+    // Its rim has most of the triangles, and 8 % of the area.
+    let out = list_kept(&[("panel", banded(3, 50, [0.4, 0.3, 0.015]), 0.0)]);
+    assert_eq!(kinds(&out), [("panel", Kind::ThinShell)]);
     assert_eq!(kinds(&list_of(&[("box", cuboid(4, [0.4, 0.3, 0.2]), 0.0)])), [("box", Kind::ClosedShell)]);
 }
 
 #[test]
 fn two_facing_sheets_are_a_thin_shell() {
     let outer = shapes::rectangle(9, 9, 0.5, 0.5);
-    let out = list_of(&[("outer", outer.clone(), 0.0), ("lining", flipped(outer.clone(), -0.002), 0.0)]);
+    let sheets = [("outer", outer.clone(), 0.0), ("lining", flipped(outer.clone(), -0.002), 0.0)];
+    // A build makes one layer of them.
+    assert_eq!(kinds(&list_of(&sheets)), [("outer", Kind::ThinShell)]);
+    let out = list_kept(&sheets);
     assert_eq!(kinds(&out), [("outer", Kind::ThinShell), ("lining", Kind::ThinShell)]);
     assert!(out.components.iter().all(|c| (c.thickness.unwrap() - 0.002).abs() < 1e-9));
     assert_eq!(out.components[0].other_sheet.as_deref(), Some("lining"));
