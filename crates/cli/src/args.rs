@@ -15,6 +15,7 @@ use gimage::select::{Pattern, SelectOptions};
 use gimage::shell::Layer;
 use gimage_runtime::Material;
 
+use crate::commands::character::MotionArgs;
 use crate::help;
 
 /// Turn garment meshes into geometry images.
@@ -277,13 +278,8 @@ pub struct SceneArgs {
     /// omitted thickness stays as it is. xpbd only [default: that of the scene, or springs].
     #[arg(long, value_name = "FABRIC,NAME=NUMBER,...", value_parser = material)]
     pub material: Option<Material>,
-    /// Animation that moves the joints of the cloth, by its name in the character file (gimage list); one that ends in its first pose
-    /// repeats. Needs a bundle of a skinned file; xpbd only.
-    #[arg(long, value_name = "NAME")]
-    pub animation: Option<String>,
-    /// The character: .glb or .gltf [default: that of the scene, or the file that the bundle was built from, beside the bundle].
-    #[arg(long, value_name = "FILE")]
-    pub character: Option<PathBuf>,
+    #[command(flatten)]
+    pub motion: MotionArgs,
     /// Particles per side of a built-in scene.
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(2..=4095), allow_negative_numbers = true)]
     pub n: u32,

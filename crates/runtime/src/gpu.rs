@@ -347,11 +347,13 @@ fn fits(limits: &wgpu::Limits, cloth: &Cloth, held: &Tethers) -> Result<()> {
     let lasting = if cloth.is_exact() { 32 * fused::room_of(cloth.len()) as u64 } else { 0 };
     let cells = if cloth.membrane().is_some() { 32 * len } else { 0 };
     let tethers = 8 * held.per_particle as u64 * len;
+    let sets = cloth.skin().filter(|_| cloth.follows_joints()).map_or(0, |skin| 1 + 2 * skin.sets as u64);
     // No other buffer of a cloth has more bytes per particle.
     let buffers = [
         ("positions", 16 * len, limit),
         ("tethers", tethers, limit),
         ("cells", cells, limit),
+        ("influences of joints", 16 * sets * len, limit),
         ("positions of the last good frame", lasting, buffer),
     ];
     for (buffer, need, limit) in buffers {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use gimage::import::{Character, ImportOptions, Up};
 use gimage_bundle::Manifest;
 use gimage_runtime::scene::Pose;
@@ -10,6 +11,17 @@ use gimage_runtime::{Cloth, Scene, Solver, Stepper};
 
 use crate::exit::Failure;
 use crate::output::{Output, Tone};
+
+/// The animation of a scene: `gimage simulate` and `gimage render`.
+#[derive(Debug, Args)]
+pub struct MotionArgs {
+    /// Animation of the character file that moves the joints of the cloth (gimage list has the names); xpbd only.
+    #[arg(long, value_name = "NAME")]
+    pub animation: Option<String>,
+    /// The character: .glb or .gltf [default: that of the scene, or the file that the bundle was built from, beside the bundle].
+    #[arg(long, value_name = "FILE")]
+    pub character: Option<PathBuf>,
+}
 
 /// A character, and those cloths and colliders of a scene that move with it.
 pub struct Animated {

@@ -58,13 +58,17 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
     let scene = Path::new(&args.scene);
     let named =
         file.character.as_ref().map(|c| (scene.parent().unwrap_or(Path::new("")).join(&c.file), c.animation.clone()));
-    let (path, animation) = match (&args.animation, named) {
-        (None, None) if args.character.is_some() => {
+    let (path, animation) = match (&args.motion.animation, named) {
+        (None, None) if args.motion.character.is_some() => {
             return Err(Failure::refused("--character needs --animation NAME; `gimage list` has the names"));
         }
         (None, None) => return Ok(Loaded { file, animated: None }),
-        (animation, Some((path, own))) => (args.character.clone().unwrap_or(path), animation.clone().unwrap_or(own)),
-        (Some(animation), None) => (character::beside(scene, args.character.as_deref(), &source)?, animation.clone()),
+        (animation, Some((path, own))) => {
+            (args.motion.character.clone().unwrap_or(path), animation.clone().unwrap_or(own))
+        }
+        (Some(animation), None) => {
+            (character::beside(scene, args.motion.character.as_deref(), &source)?, animation.clone())
+        }
     };
     let animated = Animated::new((&path, &animation), &import, &mut file)?;
     Ok(Loaded { file, animated: Some(Arc::new(animated)) })

@@ -42,7 +42,7 @@ use crate::collider::solid::Solid;
 use crate::levels::ties::{Ties, ties};
 use crate::levels::{carried, levels, masses};
 use crate::number::aligned::Aligned;
-use crate::number::real::{Real, V3, scale, sub};
+use crate::number::real::{Real, V3};
 use crate::options::Options;
 use crate::passes::{self, Pass};
 use crate::step::Step;
@@ -245,51 +245,6 @@ impl<T: Real> Fabric<T> {
         for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
             sheet.load_lost(&texels[*first..*first + sheet.width * sheet.height]);
         }
-    }
-
-    /// From here on these particles, which are in ascending order and whose number in the list `joined` has, follow joints while they are
-    /// pinned.
-    pub fn join(&mut self, joined: &[u32]) {
-        self.follows =
-            self.sheets.iter().map(|_| Follow { places: Vec::new(), to: Vec::new(), drift: Vec::new() }).collect();
-        for k in joined {
-            let (sheet, triple) = self.place(*k as usize);
-            let zero = [T::of(0.0); 3];
-            let (half, follow) = (self.sheets[sheet as usize].half, &mut self.follows[sheet as usize]);
-            follow.places.push([single(triple as usize, half) as u32, triple]);
-            follow.to.push(zero);
-            follow.drift.push(zero);
-        }
-    }
-
-    /// Where those particles are at the end of the frame \[m\], in the order of [`Fabric::join`]; then the targets of limits, by texels, if
-    /// the cloth has any. Each goes there at `rate` \[1/s\] from where the last call put it.
-    pub fn lead(&mut self, ends: &[V3<T>], targets: &[V3<T>], rate: T) {
-        let mut ends = ends.iter();
-        for follow in &mut self.follows {
-            for ((to, drift), end) in follow.to.iter_mut().zip(&mut follow.drift).zip(&mut ends) {
-                *drift = scale(sub(*end, *to), rate);
-                *to = *end;
-            }
-        }
-        let each = self.limits.iter_mut().zip(&self.sheets).zip(&self.firsts);
-        each.for_each(|((limit, sheet), first)| {
-            let range = *first..first + sheet.width * sheet.height;
-            if let Some(targets) = targets.get(range) {
-                limit.lead(sheet, targets, rate);
-            }
-        });
-    }
-
-    /// From here on these are the targets \[m\] of the limits, and the limits, by texels.
-    pub fn aim(&mut self, targets: &[[f32; 4]]) {
-        let each = self.limits.iter_mut().zip(&self.sheets).zip(&self.firsts);
-        each.for_each(|((limit, sheet), first)| {
-            *limit = Limit::new(sheet, |k| {
-                let [x, y, z, most] = targets[first + k];
-                ([x, y, z], most)
-            });
-        });
     }
 
     /// Forgets what holds within a frame only.

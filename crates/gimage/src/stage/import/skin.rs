@@ -18,6 +18,8 @@ use crate::error::{Error, Result};
 const MAX_JOINTS: usize = 1 << 14;
 /// Inverse bind matrices closer than this, relative to their largest entry, are the same.
 const SAME: f64 = 1e-6;
+/// The same for a mesh that a node moves: the inverse of its transform differs from a stored matrix by the rounding of both.
+const NEARLY: f64 = 1e-5;
 
 /// A skeleton under construction.
 pub(crate) struct Bones<'a> {
@@ -48,7 +50,7 @@ impl<'a> Bones<'a> {
         let binds = self.binds[&skin].clone();
         let mut map = Vec::with_capacity(binds.len());
         for (joint, bind) in doc.root.skins[skin].joints.iter().zip(&binds) {
-            map.push(self.joint(joint.value(), matrix::in_unit(&matrix::mul(bind, &back), self.unit))?);
+            map.push(self.joint(joint.value(), matrix::in_unit(&matrix::mul(bind, &back), self.unit), SAME)?);
         }
         Ok(Some(map))
     }
@@ -57,14 +59,14 @@ impl<'a> Bones<'a> {
     /// the node has no inverse.
     pub fn hold(&mut self, node: usize) -> Result<Option<u32>> {
         let Some(back) = matrix::inverse(&self.forest.world[node]) else { return Ok(None) };
-        self.joint(node, matrix::in_unit(&back, self.unit)).map(Some)
+        self.joint(node, matrix::in_unit(&back, self.unit), NEARLY).map(Some)
     }
 
-    /// The joint of a node with an inverse bind matrix, known or new.
-    fn joint(&mut self, node: usize, bind: Matrix) -> Result<u32> {
+    /// The joint of a node with an inverse bind matrix, known to within a share of its largest entry, or new.
+    fn joint(&mut self, node: usize, bind: Matrix, within: f64) -> Result<u32> {
         let doc = self.accessors.doc;
         let twins = self.of_node.entry(node).or_default();
-        let known = twins.iter().find(|&&k| same(&self.joints[k as usize].inverse_bind, &bind));
+        let known = twins.iter().find(|&&k| same(&self.joints[k as usize].inverse_bind, &bind, within));
         if let Some(&k) = known {
             return Ok(k);
         }
@@ -121,7 +123,7 @@ impl<'a> Bones<'a> {
     }
 }
 
-fn same(a: &Matrix, b: &Matrix) -> bool {
+fn same(a: &Matrix, b: &Matrix, within: f64) -> bool {
     let size = a.iter().fold(1.0f64, |s, x| s.max(x.abs()));
-    a.iter().zip(b).all(|(x, y)| (x - y).abs() <= SAME * size)
+    a.iter().zip(b).all(|(x, y)| (x - y).abs() <= within * size)
 }

@@ -39,10 +39,10 @@ impl<T: Real> Limit<T> {
         }
         for (k, end) in ends.iter().enumerate() {
             let place = sheet.triple(k);
-            for c in 0..3 {
+            for (c, x) in end.iter().enumerate() {
                 let at = place + 2 * c * sheet.half;
-                self.drifts[at] = (end[c] - self.targets[at]) * rate;
-                self.targets[at] = end[c];
+                self.drifts[at] = (*x - self.targets[at]) * rate;
+                self.targets[at] = *x;
             }
         }
     }
