@@ -8,6 +8,7 @@ mod ahead;
 mod arena;
 mod bounds;
 mod buffers;
+mod carry;
 mod contents;
 mod cut_tethers;
 mod frames;
@@ -39,6 +40,7 @@ mod watch;
 
 pub use ahead::{Ahead, Preparation};
 pub use buffers::ClothBuffers;
+pub(crate) use carry::Carried;
 pub(crate) use lost::{guard, guard_async, is_lost};
 pub(crate) use mapped::{block_on, bytes};
 pub(crate) use pick::Pending;
@@ -63,6 +65,7 @@ use crate::shaders::Slot;
 use crate::world::{Batch, ClothRun, World};
 use arena::{Arena, Underway};
 use bounds::Boxes;
+use carry::Tables;
 use frames::Frames;
 use lost::Pulse;
 pub use pipelines::Compiled;
@@ -107,6 +110,8 @@ pub struct Gpu {
     watch: Watch,
     boxes: Boxes,
     timing: Timing,
+    /// Numbers by which motion is carried between the images of cloths.
+    tables: Tables,
 }
 
 impl Gpu {
@@ -148,6 +153,7 @@ impl Gpu {
             watch: Watch::new(world.scene.cloths.len()),
             boxes: Boxes::default(),
             timing: Timing::default(),
+            tables: Tables::default(),
         };
         gpu.meet(world);
         if !draw_only {

@@ -143,6 +143,10 @@ pub enum Pass {
     Transform,
     /// A set of particles is put at given positions, or pinned, or freed.
     Place,
+    /// A coarser image of the cloth goes on from the motion of the finer one.
+    Restrict,
+    /// A finer image of the cloth goes on from the motion of the coarser one.
+    Prolong,
     /// The nearest triangle on a ray, one candidate a workgroup.
     Pick {
         /// Whether any triangle is cut away.

@@ -22,6 +22,7 @@ pub(super) fn variants() -> Vec<Form> {
 fn passes() -> Vec<Pass> {
     let mut all = vec![Pass::Seams, Pass::SeamSteps, Pass::SeamNormals, Pass::Speed, Pass::Fastest];
     all.extend([Pass::Cut, Pass::CutSprings, Pass::CutLevels, Pass::Transform, Pass::Place, Pass::PickNearest]);
+    all.extend([Pass::Restrict, Pass::Prolong]);
     for holes in [false, true] {
         all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }, Pass::Indices { holes }]);
         all.push(Pass::Tangents { holes });

@@ -11,6 +11,8 @@ mod drive;
 mod fuse;
 mod host;
 pub(crate) mod images;
+#[cfg(feature = "gpu")]
+mod kept;
 mod levels;
 mod members;
 mod run;
@@ -18,11 +20,13 @@ mod save;
 pub(crate) mod sleep;
 mod work;
 
-pub use cloth_run::ClothRun;
+pub use cloth_run::{ClothRun, Kept};
 #[cfg(feature = "gpu")]
 pub use fuse::Batch;
 pub use fuse::Share;
 pub use host::{Action, Fault};
+#[cfg(feature = "gpu")]
+pub use levels::Leg;
 pub use members::Left;
 
 use crate::choose::Settings;

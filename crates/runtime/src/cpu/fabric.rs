@@ -414,6 +414,8 @@ impl<T: Real> Fabric<T> {
             | Pass::CutLevels
             | Pass::Transform
             | Pass::Place
+            | Pass::Restrict
+            | Pass::Prolong
             | Pass::Pick { .. }
             | Pass::PickNearest
             | Pass::Bounds

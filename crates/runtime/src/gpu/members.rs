@@ -72,7 +72,9 @@ impl Gpu {
         let alone = left.iter().map(|l| l.index).filter(|cloth| !shared.contains(cloth));
         states.extend(alone.flat_map(|cloth| Store::new(&self.device, world, &[cloth], draw_only).1));
         for (cloth, state) in states {
+            let beside = std::mem::take(&mut self.cloths[cloth].beside);
             self.cloths[cloth] = ClothBuffers::new(state, !draw_only);
+            self.cloths[cloth].beside = beside;
             self.boxes.forget(cloth);
             if !draw_only {
                 self.compile(world, cloth);
@@ -109,7 +111,7 @@ impl Gpu {
                 seen.push(buffer);
             }
         }
-        [images, states]
+        [images + self.tables.bytes(), states]
     }
 
     /// Drops the buffers of a cloth that has left.

@@ -1,7 +1,8 @@
-//! Rules of passes that have loops of their own: those on coarser grids, of actions, and for hosts that ask.
+//! Rules of passes that have loops of their own: those on coarser grids, between images, of actions, and for hosts
+//! that ask.
 
 use super::Slot;
-use super::parts::Parts;
+use super::parts::{Parts, reads, writes};
 use super::rule::{Over, Rule, Whole, open, parted};
 use Slot::{Action, Candidates, Grids, Holes, Now, Rest};
 
@@ -57,6 +58,20 @@ pub(super) fn transform(over: Over) -> Rule {
 
 pub(super) fn place(over: Over) -> Rule {
     own!("place", over, chosen())
+}
+
+pub(super) fn restrict(over: Over) -> Rule {
+    own!("restrict", over, between().bind(&[writes(Slot::Spare), writes(Slot::Beside)]))
+}
+
+pub(super) fn prolong(over: Over) -> Rule {
+    own!("prolong", over, between().bind(&[reads(Slot::Beside)]))
+}
+
+/// The parts of what carries motion from one image of a cloth to another.
+fn between() -> Parts {
+    let read = [Slot::Table, Slot::Origin, Slot::OriginBefore];
+    Parts::new(&[part!("table")], &read, &[Now, Slot::Before])
 }
 
 /// The parts of an action on a list of particles.

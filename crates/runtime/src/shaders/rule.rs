@@ -81,8 +81,8 @@ pub fn over(pass: Pass) -> Over {
         Pass::Springs { direction, parity, .. }
         | Pass::Stretch { direction, parity, .. }
         | Pass::Polish { direction, parity, .. } => Over::Springs { direction, parity },
-        Pass::Speed | Pass::Transform | Pass::Place | Pass::Bounds => Over::Own(Threads::Particles),
-        Pass::Fastest | Pass::PickNearest => Over::Own(Threads::One),
+        Pass::Speed | Pass::Transform | Pass::Place | Pass::Prolong | Pass::Bounds => Over::Own(Threads::Particles),
+        Pass::Fastest | Pass::PickNearest | Pass::Restrict => Over::Own(Threads::One),
         Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
         Pass::CutLevels => Over::Own(Threads::Grids),
         Pass::CutTethers { walks: true, .. } => Over::Own(Threads::One),
@@ -172,6 +172,8 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::CutLevels => rare::cut_levels(over),
         Pass::Transform => rare::transform(over),
         Pass::Place => rare::place(over),
+        Pass::Restrict => rare::restrict(over),
+        Pass::Prolong => rare::prolong(over),
         Pass::Pick { holes } => rare::pick(over, holes),
         Pass::PickNearest => rare::pick_nearest(over),
         Pass::Bounds => rare::bounds(over),
