@@ -51,7 +51,8 @@ fn passes() -> Vec<Pass> {
     all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));
     let directions = [true, true, false, true];
     for cut in [false, true] {
-        all.extend([false, true].map(|seams| Pass::Pyramid { directions, seams, cut }));
+        all.extend([false, true].map(|seams| Pass::Pyramid { directions, seams, cut, finest: 2 }));
+        all.extend([Pass::CoarseLevel { level: 1, directions, cut }, Pass::CoarseTies { level: 1, cut }]);
         all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
     }
     all.extend([Pass::Forget, Pass::Limit, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
@@ -288,7 +289,7 @@ fn structs_lie_as_in_rust() {
                 Some("Job") => &job,
                 Some("Link") => &link,
                 // Lives in registers only.
-                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below") => continue,
+                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below" | "Window") => continue,
                 // A row of four numbers.
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),

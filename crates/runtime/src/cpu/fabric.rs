@@ -1,6 +1,8 @@
 //! A cloth in motion under the XPBD solver: sheets, what holds them, and the passes that step them.
 
 mod bend;
+mod coarse_level;
+mod coarse_ties;
 mod cut_levels;
 mod forget;
 mod integrate_rows;
@@ -384,8 +386,15 @@ impl<T: Real> Fabric<T> {
                 let each = self.sheets.iter_mut().zip(&self.limits);
                 each.for_each(|(sheet, limit)| limit::run(threads, sheet, limit));
             }
-            Pass::Pyramid { directions, cut, .. } => {
-                pyramid::run(&mut self.pyramids, &self.sheets, threads, (&directions, cut), &self.ties);
+            Pass::Pyramid { directions, cut, finest, .. } => {
+                let what = (&directions, cut, finest as usize);
+                pyramid::run(&mut self.pyramids, &self.sheets, threads, what, &self.ties);
+            }
+            Pass::CoarseLevel { level, directions, .. } => {
+                coarse_level::run(&mut self.pyramids, threads, &directions, level as usize);
+            }
+            Pass::CoarseTies { level, cut } => {
+                coarse_ties::run(&mut self.pyramids, level as usize, cut, &self.ties);
             }
             Pass::Refine { seams, .. } => {
                 let each = self.pyramids.iter().zip(&mut self.sheets);

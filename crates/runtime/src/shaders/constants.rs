@@ -8,6 +8,7 @@ use crate::coarser::{FITS, ROUNDS};
 use crate::cpu::fabric::{polish, stretch};
 use crate::cpu::{aside, guard, pick, place, route};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
+use crate::levels::NODE_TILE;
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
 const FLOATS: [(&str, f64); 6] = [
@@ -20,7 +21,7 @@ const FLOATS: [(&str, f64); 6] = [
 ];
 
 /// u32 constants. `FAULT_...` are indices into the counters of a cloth.
-const NUMBERS: [(&str, usize); 12] = [
+const NUMBERS: [(&str, usize); 13] = [
     ("UNSUPPORTED", route::UNSUPPORTED as usize),
     ("PLACE_MOVES", place::PLACE_MOVES as usize),
     ("PLACE_WEIGHS", place::PLACE_WEIGHS as usize),
@@ -33,6 +34,7 @@ const NUMBERS: [(&str, usize); 12] = [
     ("FAULT_STRIDE", FAULT_STRIDE as usize),
     ("FITS", FITS),
     ("ROUNDS", ROUNDS),
+    ("NODE_TILE", NODE_TILE),
 ];
 
 // The notes begin behind the counters.
