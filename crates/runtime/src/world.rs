@@ -18,6 +18,7 @@ mod members;
 mod run;
 mod save;
 pub(crate) mod sleep;
+mod spare;
 mod work;
 
 pub use cloth_run::{ClothRun, Kept};
@@ -28,6 +29,8 @@ pub use host::{Action, Fault};
 #[cfg(feature = "gpu")]
 pub use levels::Leg;
 pub use members::Left;
+
+use std::sync::Arc;
 
 use crate::choose::Settings;
 use crate::clock::Progress;
@@ -55,6 +58,7 @@ use control::Control;
 use disturb::PathLog;
 use drive::Drive;
 use host::Host;
+use images::Images;
 
 /// A scene, what is to be run for it, and when.
 pub struct World {
@@ -79,6 +83,8 @@ pub struct World {
     pub arenas: Vec<Roster>,
     /// Finds failures while cloths move.
     pub watchdog: Watchdog,
+    /// The images of cloths that may take places which others have left.
+    spare_images: Vec<Arc<Images>>,
     /// The last state of the clock in the host's memory, as [`ClothRun::kept`].
     pub kept: Option<ControlState>,
 }
@@ -112,6 +118,7 @@ impl World {
             room,
             arenas,
             watchdog,
+            spare_images: Vec::new(),
             kept: None,
         };
         world.raise();
@@ -180,7 +187,7 @@ impl World {
         self.runs.iter_mut().for_each(|run| run.home = Default::default());
         self.wake_all();
         (self.host.actions, self.host.touched) = (Vec::new(), true);
-        (self.room, self.arenas) = (None, Vec::new());
+        (self.room, self.arenas, self.spare_images) = (None, Vec::new(), Vec::new());
         match room {
             Some(room) => self.make_room(room),
             None => self.reschedule(),

@@ -132,10 +132,9 @@ impl World {
             let cloths: Vec<Cloth> = indices.iter().map(|index| self.scene.cloths[*index].clone()).collect();
             let held = |n: usize| self.runs[indices[n]].instance();
             let found = arenas(&cloths, held, &self.control.options, room);
-            let places = found.into_iter().map(|list| {
-                let cloths = list.cloths.into_iter().map(|n| indices[n]).collect();
-                Roster { cloths, sides: list.sides }
-            });
+            let places = found
+                .into_iter()
+                .map(|list| Roster::new(list.cloths.into_iter().map(|n| indices[n]).collect(), list.sides));
             self.arenas.extend(places.collect::<Vec<_>>());
         }
         for index in &indices {
