@@ -51,7 +51,6 @@ fn follow(coarse: &mut Motion, start: &[[f32; 4]], point: impl Fn(usize) -> usiz
 
 /// Moves points apart until springs are no shorter than they are at rest.
 fn settle(table: &Table, start: &[[f32; 4]], coarse: &mut Motion) {
-    let count = coarse.now.len();
     for round in 0..ROUNDS {
         for n in 0..table.colours() {
             let colour = if round % 2 == 0 { n } else { table.colours() - 1 - n };
@@ -59,17 +58,16 @@ fn settle(table: &Table, start: &[[f32; 4]], coarse: &mut Motion) {
                 part(table, &mut coarse.now, ends, rest);
             }
         }
-        for k in 0..count {
-            let (p, from) = (coarse.now[k], xyz(start[k]));
-            let way = sub(xyz(p), from);
+        for (k, (now, start)) in coarse.now.iter_mut().zip(start).enumerate() {
+            let (from, way) = (xyz(*start), sub(xyz(*now), xyz(*start)));
             let (far, most) = (dot(way, way).sqrt(), table.most(k));
             if far > most {
-                coarse.now[k] = with_w(add(from, scale(way, most / far)), p[3]);
+                *now = with_w(add(from, scale(way, most / far)), now[3]);
             }
         }
     }
     follow(coarse, start, |k| table.point(k));
-    for k in 0..count {
+    for k in 0..coarse.now.len() {
         coarse.now[k] = with_w(xyz(coarse.now[table.point(k)]), coarse.now[k][3]);
     }
 }

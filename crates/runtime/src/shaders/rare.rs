@@ -31,7 +31,7 @@ pub(super) fn coarse_ties(over: Over, level: u32, cut: bool) -> Rule {
     own!("coarse_ties", over, parts.constant("level", level))
 }
 
-/// What ties nodes at seams.
+/// Files that tie nodes at seams.
 fn ties(seams: bool, cut: bool) -> &'static [&'static str] {
     match (seams, cut) {
         (false, _) => &[part!("ties_none")],
