@@ -5,6 +5,9 @@
 // crates/runtime/src/shaders/lists.rs.
 override threads: u32 = 64u;
 
+// The particle at hand among those of the thread, which has the same in every pass: every `threads`-th one.
+var<private> mine: u32;
+
 @compute @workgroup_size(threads)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) local: u32) {
   let job = jobs_at(batch.x + workgroup.x);
@@ -14,9 +17,13 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   first_solid = job.solid;
   let first_step = part.x * frame.most;
   let end_step = min(first_step + frame.most, frame.steps);
-  for (var k = job.first + local; k < job.first + job.count; k += threads) {
-    take(k);
-    take_was(k);
+  for (mine = 0u; has_more(job.count); mine++) {
+    let k = job.first + local + mine * threads;
+    if (k < job.first + job.count) {
+      take(k);
+      take_was(k);
+      take_own(k);
+    }
   }
   if (local == 0u && first_step == 0u) {
     atomicStore(&faults[fault(FAULT_PARTICLES)], 0u);
@@ -35,10 +42,13 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
       round_program(job, local);
     }
   }
-  for (var k = job.first + local; k < job.first + job.count; k += threads) {
-    let p = place(k);
-    now[k] = p;
-    give_was(k, p.w);
+  for (mine = 0u; has_more(job.count); mine++) {
+    let k = job.first + local + mine * threads;
+    if (k < job.first + job.count) {
+      let p = place(k);
+      now[k] = p;
+      give_was(k, p.w);
+    }
   }
   storageBarrier();
   if (end_step == frame.steps) {

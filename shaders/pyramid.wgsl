@@ -1,5 +1,5 @@
-// Lengths are limited on coarser grids of the cloth, from the coarsest to the finest. One workgroup a grid, or
-// for all grids of a cloth with seams.
+// Lengths are limited on coarser grids of the cloth, from the coarsest to the finest that one workgroup has. One workgroup a grid, or
+// for all grids of a cloth with seams. Levels with more nodes follow in shaders/coarse_level.wgsl.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(21) var<storage, read_write> nodes: array<vec4<f32>>;
 // Longest distances to the nodes right, down, down-right and up-right; 0 means no limit.
@@ -9,6 +9,8 @@ override right: bool = true;
 override down: bool = true;
 override down_right: bool = true;
 override up_right: bool = true;
+// The finest level that is limited here, from 1 on.
+override finest: u32 = 1u;
 
 const GROUP: u32 = 256u;
 
@@ -64,7 +66,7 @@ fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) l
   for (var g = mine.x; g < mine.y; g++) {
     most = max(most, levels[g].width);
   }
-  for (var n = most; n > 0u; n--) {
+  for (var n = most; n >= finest; n--) {
     for (var g = mine.x; g < mine.y; g++) {
       let head = levels[g];
       if (n <= head.width) {

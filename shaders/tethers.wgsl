@@ -6,7 +6,7 @@ override slots: u32 = 1u;
 fn held_back(k: u32, p: vec3<f32>) -> vec3<f32> {
   var at = p;
   for (var s = 0u; s < slots; s++) {
-    let pair = tethers_at(k * slots + s);
+    let pair = tether_pair(k, s);
     if (pair.x == 0xffffffffu) {
       continue;
     }

@@ -2,16 +2,22 @@
 fn each_all(job: Job, local: u32) {
   var low = vec3<f32>(3e38);
   var high = vec3<f32>(-3e38);
-  for (var k = job.first + local; k < job.first + job.count; k += threads) {
-    let p = place(k);
-    if (p.w > 0.0) {
-      let earlier = was(k);
-      low = min(low, min(p.xyz, earlier));
-      high = max(high, max(p.xyz, earlier));
+  for (mine = 0u; has_more(job.count); mine++) {
+    let k = job.first + local + mine * threads;
+    if (k < job.first + job.count) {
+      let p = place(k);
+      if (p.w > 0.0) {
+        let earlier = was(k);
+        low = min(low, min(p.xyz, earlier));
+        high = max(high, max(p.xyz, earlier));
+      }
     }
   }
   gather(low, high, local, threads);
-  for (var k = job.first + local; k < job.first + job.count; k += threads) {
-    each(k);
+  for (mine = 0u; has_more(job.count); mine++) {
+    let k = job.first + local + mine * threads;
+    if (k < job.first + job.count) {
+      each(k);
+    }
   }
 }

@@ -1,6 +1,9 @@
 // A rule of particles in a whole frame.
 fn each_all(job: Job, local: u32) {
-  for (var k = job.first + local; k < job.first + job.count; k += threads) {
-    each(k);
+  for (mine = 0u; has_more(job.count); mine++) {
+    let k = job.first + local + mine * threads;
+    if (k < job.first + job.count) {
+      each(k);
+    }
   }
 }

@@ -13,6 +13,7 @@ mod lattice;
 mod lengths;
 mod motion;
 mod settle;
+mod table;
 
 use std::sync::Arc;
 
@@ -20,8 +21,11 @@ use crate::cloth::{Anchor, Cloth, Grid, Mass, Particle, Parts, Tethers, Woven};
 use crate::error::{Error, Result};
 use crate::material::Material;
 use lattice::Stencil;
-pub(crate) use motion::{Beside, Motion};
-pub(crate) use settle::settle;
+pub(crate) use motion::{Beside, FITS, Motion};
+#[cfg(all(test, feature = "gpu"))]
+pub(crate) use settle::lengths;
+pub(crate) use settle::{ROUNDS, settle};
+pub(crate) use table::Table;
 
 /// A coarser image of a cloth, and how the particles of the two correspond. [`Cloth::coarser`] makes it; copies share it.
 #[derive(Clone, Debug)]

@@ -98,7 +98,7 @@ pub struct Fused {
 /// Where a workgroup stores the positions of its cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Hold {
-    /// In its memory, with inverse masses and previous positions: 28 bytes per particle.
+    /// In its memory, with inverse masses and, unless registers have them, previous positions: 28 bytes per particle.
     Both,
     /// In its memory, with inverse masses: 16 bytes per particle.
     Wide,

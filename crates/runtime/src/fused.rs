@@ -123,17 +123,44 @@ impl Fused {
 /// Cloths that lie in the same buffers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Roster {
-    /// Their indices, in order.
+    /// Their indices, in the order of their slots.
     pub cloths: Vec<usize>,
+    /// The place of each in the buffers, in ascending order.
+    pub slots: Vec<u32>,
     /// Columns and rows of the grids that tiles are made for: those of the cloths that do not fit a workgroup, of all if they do. They stay as
     /// cloths leave, so that no tile is compiled again.
     pub sides: Vec<[u32; 2]>,
+    /// Places that no cloth has.
+    pub spare: Vec<Spare>,
+    /// Whether a cut has changed its lists. Then no cloth takes a place there.
+    pub opened: bool,
+}
+
+/// A place in the buffers of an arena that a cloth may take which comes later.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spare {
+    pub slot: u32,
+    pub like: Like,
+}
+
+/// The properties that a cloth has to have for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Like {
+    /// Tethers of a particle, and a number that instances of a cloth share.
+    pub instance: (usize, usize),
+    pub exact: bool,
+    pub limited: bool,
 }
 
 impl Roster {
+    /// That of cloths which have the first places.
+    pub fn new(cloths: Vec<usize>, sides: Vec<[u32; 2]>) -> Self {
+        Roster { slots: (0..cloths.len() as u32).collect(), cloths, sides, ..Roster::default() }
+    }
+
     /// That of a cloth that lies alone.
     pub fn alone(index: usize, cloth: &Cloth) -> Self {
-        Roster { cloths: vec![index], sides: sides(cloth).collect() }
+        Roster::new(vec![index], sides(cloth).collect())
     }
 }
 
@@ -191,7 +218,8 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
             chosen.flat_map(sides).collect::<Vec<_>>()
         };
         let large = of(true);
-        Roster { sides: if large.is_empty() { of(false) } else { large }, cloths: indices }
+        let sides = if large.is_empty() { of(false) } else { large };
+        Roster::new(indices, sides)
     };
     arenas.into_iter().map(|a| roster(a.cloths)).collect()
 }

@@ -8,6 +8,7 @@ mod ahead;
 mod arena;
 mod bounds;
 mod buffers;
+mod carry;
 mod contents;
 mod cut_tethers;
 mod frames;
@@ -40,6 +41,7 @@ mod watch;
 
 pub use ahead::{Ahead, Preparation};
 pub use buffers::ClothBuffers;
+pub(crate) use carry::Carried;
 pub(crate) use lost::{guard, guard_async, is_lost};
 pub(crate) use mapped::{block_on, bytes};
 pub(crate) use pick::Pending;
@@ -65,6 +67,7 @@ use crate::shaders::Slot;
 use crate::world::{Batch, ClothRun, World};
 use arena::{Arena, Underway};
 use bounds::Boxes;
+use carry::Tables;
 use frames::Frames;
 use lost::Pulse;
 pub use pipelines::Compiled;
@@ -109,6 +112,8 @@ pub struct Gpu {
     watch: Watch,
     boxes: Boxes,
     timing: Timing,
+    /// Numbers by which motion is carried between the images of cloths.
+    tables: Tables,
 }
 
 impl Gpu {
@@ -150,6 +155,7 @@ impl Gpu {
             watch: Watch::new(world.scene.cloths.len()),
             boxes: Boxes::default(),
             timing: Timing::default(),
+            tables: Tables::default(),
         };
         gpu.meet(world);
         if !draw_only {

@@ -62,6 +62,26 @@ pub fn nodes(size: u32) -> u32 {
     size / 2 + 1
 }
 
+/// Most nodes of a level that one workgroup limits: those of its grids together where seams tie them.
+pub const MOST_OF_ONE: u32 = 1024;
+/// Columns and rows of nodes that a tile of a larger level owns.
+pub const NODE_TILE: usize = 22;
+
+/// The finest level, from 1 on, that one workgroup limits, and all coarser ones.
+pub fn finest_of_one(cloth: &Cloth) -> u32 {
+    let mut sizes: Vec<[u32; 2]> = cloth.grids().iter().map(|g| [g.width, g.height]).collect();
+    for level in 1.. {
+        // A grid of two nodes on the longer side has no level above.
+        sizes.retain(|size| size.iter().any(|n| *n > 2));
+        sizes.iter_mut().flatten().for_each(|n| *n = nodes(*n));
+        let counts = sizes.iter().map(|[w, h]| w * h);
+        if (if cloth.ring_count() > 0 { counts.sum() } else { counts.max().unwrap_or(0) }) <= MOST_OF_ONE {
+            return level;
+        }
+    }
+    1
+}
+
 /// The levels of a grid that was never cut, finest first, down to two nodes on the longer side; `mass` as [`masses`].
 pub fn levels(cloth: &Cloth, index: usize, mass: &[f64]) -> Vec<LevelGrid<f32>> {
     let grid = &cloth.grids()[index];

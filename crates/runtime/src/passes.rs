@@ -91,6 +91,24 @@ pub enum Pass {
         seams: bool,
         /// Whether any spring is cut.
         cut: bool,
+        /// The finest level that one workgroup has, 1 for all: those below are passes of their own.
+        finest: u32,
+    },
+    /// Lengths are limited on one coarser grid with too many nodes for one workgroup.
+    CoarseLevel {
+        /// The level, from 1 for the finest.
+        level: u32,
+        /// Which spring directions there are.
+        directions: [bool; 4],
+        /// Whether any spring is cut.
+        cut: bool,
+    },
+    /// Nodes of such a grid at a seam move as those on its other side.
+    CoarseTies {
+        /// The level, from 1 for the finest.
+        level: u32,
+        /// Whether any spring is cut.
+        cut: bool,
     },
     /// Particles follow the coarser grids.
     Refine {
@@ -153,6 +171,10 @@ pub enum Pass {
         /// Sets of four joints per particle.
         sets: u32,
     },
+    /// A coarser image of the cloth goes on from the motion of the finer one.
+    Restrict,
+    /// A finer image of the cloth goes on from the motion of the coarser one.
+    Prolong,
     /// The nearest triangle on a ray, one candidate a workgroup.
     Pick {
         /// Whether any triangle is cut away.
@@ -334,9 +356,16 @@ fn coarse(cloth: &Cloth, options: &Options) -> Vec<Pass> {
     if !has_levels(cloth, options) {
         return Vec::new();
     }
-    let (seams, cut) = (cloth.ring_count() > 0, cloth.is_cut());
-    let pyramid = Pass::Pyramid { directions: cloth.directions(), seams, cut };
-    [pyramid, Pass::Refine { seams, cut }].into_iter().chain(seams.then_some(Pass::SeamSteps)).collect()
+    let (seams, cut, directions) = (cloth.ring_count() > 0, cloth.is_cut(), cloth.directions());
+    let finest = crate::levels::finest_of_one(cloth);
+    let mut passes = vec![Pass::Pyramid { directions, seams, cut, finest }];
+    for level in (1..finest).rev() {
+        passes.push(Pass::CoarseLevel { level, directions, cut });
+        passes.extend(seams.then_some(Pass::CoarseTies { level, cut }));
+    }
+    passes.push(Pass::Refine { seams, cut });
+    passes.extend(seams.then_some(Pass::SeamSteps));
+    passes
 }
 
 /// Whether lengths are limited on coarser grids.

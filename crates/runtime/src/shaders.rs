@@ -25,6 +25,8 @@ pub enum Threads {
     Cloth,
     /// A workgroup a tile of a grid.
     Tiles(TileShape),
+    /// A workgroup a tile of the nodes of a level, from 1 for the finest.
+    Nodes(u32),
 }
 
 /// A shader.
@@ -140,6 +142,11 @@ impl Source {
             Threads::Cloth => [cloths, 1, 1],
             Threads::Grids => [1, 1, cloths * most.grids],
             Threads::Half(columns) => sides(columns, !columns),
+            Threads::Nodes(level) => {
+                let nodes = |side| (0..level).fold(side, |side, _| crate::levels::nodes(side));
+                let [x, y] = most.sides.map(|side| (nodes(side) + 1).div_ceil(crate::levels::NODE_TILE as u32));
+                [x, y, cloths * most.grids]
+            }
             Threads::Tiles(shape) => {
                 let [x, y] = shape.tiles(most.sides);
                 [x, y, cloths * most.grids]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 
+use super::rule::rule;
 use super::*;
 use crate::form::{Chain, Fused, Hold, Tile};
 use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
@@ -22,6 +23,7 @@ pub(super) fn variants() -> Vec<Form> {
 fn passes() -> Vec<Pass> {
     let mut all = vec![Pass::Seams, Pass::SeamSteps, Pass::SeamNormals, Pass::Speed, Pass::Fastest];
     all.extend([Pass::Cut, Pass::CutSprings, Pass::CutLevels, Pass::Transform, Pass::Place, Pass::PickNearest]);
+    all.extend([Pass::Restrict, Pass::Prolong]);
     for holes in [false, true] {
         all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }, Pass::Indices { holes }]);
         all.push(Pass::Tangents { holes });
@@ -50,7 +52,8 @@ fn passes() -> Vec<Pass> {
     all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));
     let directions = [true, true, false, true];
     for cut in [false, true] {
-        all.extend([false, true].map(|seams| Pass::Pyramid { directions, seams, cut }));
+        all.extend([false, true].map(|seams| Pass::Pyramid { directions, seams, cut, finest: 2 }));
+        all.extend([Pass::CoarseLevel { level: 1, directions, cut }, Pass::CoarseTies { level: 1, cut }]);
         all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
     }
     all.extend([Pass::Follow, Pass::Skin { sets: 1 }, Pass::Skin { sets: 2 }]);
@@ -171,7 +174,9 @@ fn fused() -> Vec<Fused> {
         s.frame.extend(seams.filter(|_| on(1)).map(|_| Pass::SeamNormals));
         s.frame.extend(on(0).then_some([Pass::Speed, Pass::Fastest]).into_iter().flatten());
         let hold = holds[(n + k as usize) % 3];
-        all.push(Fused { schedule: s.into(), full: on(5), hold, places: 1024, threads: 256 });
+        // Of which a thread has four particles, or eight.
+        let threads = if n == 0 { 128 } else { 256 };
+        all.push(Fused { schedule: s.into(), full: on(5), hold, places: 1024, threads });
     }
     all
 }
@@ -199,6 +204,24 @@ fn every_shader_is_valid_without_any_capability() {
         let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
         info.unwrap_or_else(|e| panic!("{form:?}: {}", e.emit_to_string(&source(form).text())));
     }
+}
+
+#[test]
+fn previous_positions_in_registers_are_asked_for_by_their_own_threads() {
+    let (mut own, mut others) = (0, 0);
+    for fused in fused() {
+        let steps = fused.schedule.air.iter().chain(&fused.schedule.step).chain(&fused.schedule.relax);
+        let alone = |pass: &Pass| matches!(over(*pass), Over::Particles | Over::Near);
+        let asks = steps.filter(|pass| !alone(pass)).any(|pass| rule(*pass).parts.binds(Slot::Before));
+        let few = fused.places <= 4 * fused.threads;
+        let text = source(&Form::Whole(fused.clone())).text();
+        let there = |part: &str| text.contains(part);
+        let registers = few && !asks;
+        assert_eq!(there("own_before[mine]"), registers, "{:?}", fused.schedule);
+        assert_eq!(there("own_tethers[mine"), registers && there("fn tether("), "{:?}", fused.schedule);
+        (own, others) = (own + u32::from(registers), others + u32::from(!registers));
+    }
+    assert!(own > 100 && others > 100, "{own} {others}");
 }
 
 #[test]
@@ -289,7 +312,7 @@ fn structs_lie_as_in_rust() {
                 Some("Job") => &job,
                 Some("Link") => &link,
                 // Lives in registers only.
-                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below") => continue,
+                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below" | "Window") => continue,
                 // A row of four numbers.
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),

@@ -12,19 +12,26 @@ mod follow;
 mod fuse;
 mod host;
 pub(crate) mod images;
+#[cfg(feature = "gpu")]
+mod kept;
 mod levels;
 mod members;
 mod run;
 mod save;
 pub(crate) mod sleep;
+mod spare;
 mod work;
 
-pub use cloth_run::ClothRun;
+pub use cloth_run::{ClothRun, Kept};
 #[cfg(feature = "gpu")]
 pub use fuse::Batch;
 pub use fuse::Share;
 pub use host::{Action, Fault};
+#[cfg(feature = "gpu")]
+pub use levels::Leg;
 pub use members::Left;
+
+use std::sync::Arc;
 
 use crate::choose::Settings;
 use crate::clock::Progress;
@@ -52,6 +59,7 @@ use control::Control;
 use disturb::PathLog;
 use drive::Drive;
 use host::Host;
+use images::Images;
 
 /// A scene, what is to be run for it, and when.
 pub struct World {
@@ -76,6 +84,8 @@ pub struct World {
     pub arenas: Vec<Roster>,
     /// Finds failures while cloths move.
     pub watchdog: Watchdog,
+    /// The images of cloths that may take places which others have left.
+    spare_images: Vec<Arc<Images>>,
     /// The last state of the clock in the host's memory, as [`ClothRun::kept`].
     pub kept: Option<ControlState>,
 }
@@ -109,6 +119,7 @@ impl World {
             room,
             arenas,
             watchdog,
+            spare_images: Vec::new(),
             kept: None,
         };
         world.raise();
@@ -177,7 +188,7 @@ impl World {
         self.runs.iter_mut().for_each(|run| run.home = Default::default());
         self.wake_all();
         (self.host.actions, self.host.touched) = (Vec::new(), true);
-        (self.room, self.arenas) = (None, Vec::new());
+        (self.room, self.arenas, self.spare_images) = (None, Vec::new(), Vec::new());
         match room {
             Some(room) => self.make_room(room),
             None => self.reschedule(),

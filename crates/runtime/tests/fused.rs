@@ -41,7 +41,8 @@ fn where_positions_are_held_changes_nothing() {
     // Memory for 585 particles at 28 bytes, 1024 at 16, 1365 at 12.
     let Some(default) = support::device() else { return };
     let memory = default.0.limits().max_compute_workgroup_storage_size;
-    for (n, hold) in [(24, Hold::Both), (32, Hold::Wide), (36, Hold::Narrow)] {
+    // Of 16 x 16 particles a thread of the smallest workgroup has four, which is few enough for registers.
+    for (n, hold) in [(16, Hold::Both), (24, Hold::Both), (32, Hold::Wide), (36, Hold::Narrow)] {
         assert_eq!(memory, 16_384, "the default of WebGPU");
         let scene = scene::builtin("s1", n).unwrap();
         let one = Run::new(&scene, &options(true), &default);
@@ -300,18 +301,22 @@ fn numbers_of_all_dispatches_of_a_frame_have_room() {
     // Each has a dispatch of its own, and meets another number of colliders than the one before.
     let cloth = |n: u32| {
         let mut cloth = support::curtain(5);
+        // Powers of two change no bit of its motion; cloths of one kind would share dispatches.
+        cloth.set_total_mass(cloth.total_mass() * 2f64.powi(n as i32 / 3 - 17)).unwrap();
         cloth.collision_groups = [1, 3, 7][n as usize % 3];
         cloth
     };
     (0..100).for_each(|n| _ = run.stepper.add_cloth(cloth(n)).unwrap());
     assert_eq!(run.stepper.plan().dispatches(), 101);
     let run = run.whole_frames(4);
+    // Without inverse masses.
+    let places = |run: &Run, cloth: usize| run.bits(cloth)[0].iter().map(|p| [p[0], p[1], p[2]]).collect::<Vec<_>>();
     let alone = [0, 1, 2].map(|n| {
         let scene = Scene { cloths: vec![cloth(n)], ..all.clone() };
-        Run::new(&scene, &with(false), &device).whole_frames(4).bits(0)
+        places(&Run::new(&scene, &with(false), &device).whole_frames(4), 0)
     });
     assert!(alone[0] != alone[1] && alone[1] != alone[2], "the other colliders matter");
-    let wrong: Vec<u32> = (0..100).filter(|n| run.bits(1 + *n as usize) != alone[(n % 3) as usize]).collect();
+    let wrong: Vec<u32> = (0..100).filter(|n| places(&run, 1 + *n as usize) != alone[(n % 3) as usize]).collect();
     assert_eq!(wrong, [0; 0]);
 }
 

@@ -3,7 +3,7 @@
 mod support;
 
 use gimage_runtime::*;
-use support::rig::Rig;
+use support::rig::{Rig, largest};
 use support::{FRAME, all_colliders, curtain, hung_tube, made_of, scene, two_charts, wind};
 
 /// A curtain in a wind of this strength, beside a tube with a seam.
@@ -242,16 +242,25 @@ fn materials_go_on_among_colliders() {
 #[test]
 fn a_lost_device_continues_on_the_level_of_the_switch() {
     let Some(device) = support::device() else { return };
-    let mut rig = Rig::gpu(moving(17, 1.0), &Options::default(), &device);
-    rig.frames(5);
-    rig.stepper.set_level(0, 1).unwrap();
-    let switched = rig.positions(0);
-    rig.frames(5);
-    let other = support::device().unwrap();
-    rig.recover(&other);
-    rig.frame(0.0);
-    assert_eq!((rig.stepper.level(0).unwrap(), rig.positions(0)), (1, switched));
-    rig.stepper.set_level(0, 0).unwrap();
+    let mut of = moving(17, 1.0);
+    // A pin between coarse texels.
+    of.cloths[0].pin(&[8 * 17 + 7]).unwrap();
+    let mut rig = Rig::gpu(of, &Options::default(), &device);
+    // The last state on the host is of the level before the switch.
+    for (from, to) in [(0, 1), (1, 0), (0, 2), (2, 0)] {
+        rig.stepper.set_level(0, from).unwrap();
+        rig.frames(5);
+        rig.stepper.state(0).unwrap();
+        rig.stepper.set_level(0, to).unwrap();
+        let switched = rig.positions(0);
+        rig.frames(5);
+        let other = support::device().unwrap();
+        rig.recover(&other);
+        rig.frame(0.0);
+        assert_eq!(rig.stepper.level(0).unwrap(), to);
+        let far = largest(&rig.positions(0), &switched);
+        assert!(far < 1e-5, "from level {from} to {to}: {far} m");
+    }
     rig.frames(3);
     assert!(rig.positions(0).iter().flatten().all(|x| x.is_finite()));
 }

@@ -144,6 +144,87 @@ fn buffers_stay_and_nothing_is_compiled_again() {
     assert_eq!(rig.stepper.compiled(), compiled);
 }
 
+/// A curtain that hangs somewhere, moves at some speed, and may meet a limit.
+fn guest(n: u32, limited: bool) -> Cloth {
+    let mut cloth = curtain(12);
+    cloth.place(cloth.positions().iter().map(|p| [p[0] + 2.0 * n as f32, p[1], p[2]]).collect()).unwrap();
+    (cloth.velocity, cloth.damping) = ([0.1 * n as f32, 0.0, 0.3], 0.2);
+    cloth.limits = limited.then(|| vec![0.05 + 0.01 * n as f32; cloth.len()].into());
+    cloth
+}
+
+#[test]
+fn added_cloths_share_dispatches_and_take_places_that_others_leave() {
+    let Some(device) = support::device_with(device_limits) else { return };
+    for limited in [false, true] {
+        let scene = |guests: &[u32]| {
+            let mut scene = lasting();
+            scene.cloths.extend(guests.iter().map(|n| guest(*n, limited)));
+            scene
+        };
+        let mut rig = Rig::gpu(lasting(), &options(), &device);
+        let own = rig.stepper.plan().dispatches();
+        let more = |rig: &Rig| rig.stepper.plan().dispatches() - own;
+        let mut added: Vec<_> = (0..20).map(|n| rig.stepper.add_cloth(guest(n, limited)).unwrap()).collect();
+        // In buffers of one, one, two, four, eight and sixteen.
+        assert_eq!(more(&rig), 6);
+        rig.frames(3);
+        let buffers = |rig: &Rig, cloth: ClothHandle| rig.stepper.buffers(cloth).unwrap().now.clone();
+        let compiled = rig.stepper.compiled();
+        // Two go, of which one was the last to come, and others come in their places, one of them moved before it has made a step.
+        let places = [7, 19].map(|n| buffers(&rig, added[n]));
+        for n in [19, 7] {
+            rig.stepper.remove_cloth(added.remove(n)).unwrap();
+        }
+        let late = [31, 32].map(|n| rig.stepper.add_cloth(guest(n, limited)).unwrap());
+        let pose = scene::Pose { position: [0.0, 0.5, 0.0], ..Default::default() };
+        rig.stepper.teleport(late[1], &pose).unwrap();
+        let found = late.map(|cloth| buffers(&rig, cloth));
+        assert!(found[0] == places[0] && found[1].buffer == places[1].buffer, "{places:?} {found:?}");
+        assert_eq!((more(&rig), rig.stepper.compiled()), (6, compiled));
+
+        // As in a scene that has them from the start.
+        let mut fresh = rig.another(&scene(&[31, 32]));
+        fresh.stepper.teleport(4, &pose).unwrap();
+        for frame in 0..6 {
+            rig.frame(FRAME);
+            fresh.frame(FRAME);
+            for (n, cloth) in late.iter().enumerate() {
+                let expected = bits(&fresh, fresh.stepper.handle(3 + n).unwrap());
+                assert!(bits(&rig, *cloth) == expected, "limited {limited}, frame {frame}, guest {n}");
+            }
+        }
+        assert!(rig.stepper.take_faults().is_empty());
+
+        // No cloth comes beside a cut one.
+        rig.stepper.cut([0.6, -0.45, 3.0], [0.3, -0.45, -2.0], [5.0, -0.45, -2.0]).unwrap();
+        rig.stepper.remove_cloth(late[0]).unwrap();
+        let last = rig.stepper.add_cloth(guest(33, limited)).unwrap();
+        assert!(buffers(&rig, last).buffer != found[0].buffer);
+        rig.frames(2);
+        assert!(rig.positions(rig.stepper.index(last).unwrap()).iter().flatten().all(|x| x.is_finite()));
+    }
+}
+
+#[test]
+fn a_game_that_adds_and_removes_garments_needs_no_more_dispatches_or_memory() {
+    let Some(device) = support::device_with(device_limits) else { return };
+    let mut scene = support::scene(curtain(12));
+    scene.cloths = (0..8).map(|n| guest(n, false)).collect();
+    let mut rig = Rig::gpu(scene, &options(), &device);
+    rig.frames(2);
+    let (dispatches, memory) = (rig.stepper.plan().dispatches(), rig.stepper.memory().device_states);
+    for n in 0..30 {
+        let first = rig.stepper.handles()[n as usize % 8];
+        rig.stepper.remove_cloth(first).unwrap();
+        rig.stepper.add_cloth(guest(n, false)).unwrap();
+        rig.frame(FRAME);
+        assert_eq!((rig.stepper.plan().dispatches(), rig.stepper.memory().device_states), (dispatches, memory), "{n}");
+    }
+    let of = |rig: &Rig, c: usize| rig.positions(c);
+    assert!((0..8).all(|c| of(&rig, c).iter().flatten().all(|x| x.is_finite())));
+}
+
 #[test]
 fn a_handle_is_of_one_cloth_alone() {
     for mut rig in Rig::both(&lasting(), &options()) {

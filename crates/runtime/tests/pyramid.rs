@@ -147,13 +147,55 @@ fn a_cut_pyramid_is_that_of_the_twin() {
         ("charts", scene(two_charts(12))),
         ("free", flying(21)),
     ];
+    as_the_twin(&device, &scenes, 40);
+}
+
+#[test]
+fn levels_with_many_nodes_are_those_of_the_twin() {
+    let Some(device) = support::device() else { return };
+    // Two levels by tiles, of one grid and of two of different sizes; and with seams, which tie the nodes of all grids.
+    let mut sizes = scene(curtain(133));
+    sizes.cloths.push(curtain(70));
+    let scenes =
+        [("flat", sizes), ("free", flying(70)), ("charts", scene(two_charts(90))), ("a seam", scene(tube(97, 80, 2)))];
+    for (name, scene) in &scenes {
+        let stepper = Stepper::on_cpu(scene.clone(), options(1)).unwrap();
+        let tiled = |p: &&PlannedPass| matches!(p.form.pass(), Some(Pass::CoarseLevel { .. }));
+        assert!(stepper.plan().passes.iter().any(|p| tiled(&p)), "{name}");
+    }
+    as_the_twin(&device, &scenes, 8);
+}
+
+#[test]
+fn levels_with_many_nodes_have_many_workgroups() {
+    let groups = |cloth: Cloth| -> Vec<(&'static str, [u32; 3], u32)> {
+        let stepper = Stepper::on_cpu(scene(cloth), options(4)).unwrap();
+        let coarse = |p: &PlannedPass| p.bindings.iter().any(|b| b.0 == "nodes");
+        stepper.plan().passes.into_iter().filter(coarse).map(|p| (p.shader, p.workgroups, p.dispatches)).collect()
+    };
+    // 33 x 33 nodes are too many for one workgroup, 32 x 32 are not.
+    let one = |n: u32| vec![("pyramid", [1, 1, 1], 2), ("refine", [n.div_ceil(16), n.div_ceil(4), 1], 2)];
+    assert_eq!(groups(curtain(62)), one(62));
+    let tiles = |n: u32| ("coarse_level", [n, n, 1], 2);
+    assert_eq!(groups(curtain(64)), [one(64)[0], tiles(2), one(64)[1]]);
+    // Of 256 x 256 particles the finest levels have 129 x 129, 65 x 65 and 33 x 33 nodes.
+    let [first, last] = [0, 1].map(|n| one(256)[n]);
+    assert_eq!(groups(curtain(256)), [first, tiles(2), tiles(3), tiles(6), last]);
+    // With seams ties follow each level.
+    let names: Vec<_> = groups(two_charts(90)).into_iter().map(|g| g.0).collect();
+    assert_eq!(names, ["pyramid", "coarse_level", "coarse_ties", "coarse_level", "coarse_ties", "refine"]);
+}
+
+/// Compares a step on the GPU with one on the CPU, of cloth that is cut twice, and the steps after it; two runs of the GPU bit for bit.
+fn as_the_twin(device: &(wgpu::Device, wgpu::Queue), scenes: &[(&str, Scene)], steps: u32) {
     let once = Options { substeps: Some(1), iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..options(1) };
     // Tethers that a cut has changed are as long on both to a part in 1e5.
     for ((name, scene), (tethers, most)) in scenes.iter().flat_map(|s| [(s, (0, 2e-6)), (s, (2, 2e-5))]) {
         let once = Options { tethers, ..once.clone() };
-        let mut rigs = [Rig::cpu(scene.clone(), &once), Rig::gpu(scene.clone(), &once, &device)];
+        let mut rigs = [Rig::cpu(scene.clone(), &once), Rig::gpu(scene.clone(), &once, device)];
+        let mut again = rigs[1].another(scene);
         for strokes in 0..3 {
-            for rig in &mut rigs {
+            for rig in rigs.iter_mut().chain([&mut again]) {
                 match strokes {
                     0 => {}
                     1 => rig.stepper.cut([0.3, 0.2, 2.0], [-1.0, -1.3, -1.5], [1.6, -0.2, -1.2]).unwrap(),
@@ -170,12 +212,13 @@ fn a_cut_pyramid_is_that_of_the_twin() {
                 assert!(previous <= most, "{name}, {tethers} tethers, {strokes} strokes: {previous:e} m before");
             }
         }
-        for rig in &mut rigs {
-            (0..40).for_each(|_| rig.frame(FRAME / 8.0));
+        for rig in rigs.iter_mut().chain([&mut again]) {
+            (0..steps).for_each(|_| rig.frame(FRAME / 8.0));
         }
         let [here, there] = &rigs;
         let difference = largest(&here.positions(0), &there.positions(0));
-        eprintln!("{name}: {difference:e} m after 40 steps");
+        eprintln!("{name}: {difference:e} m after {steps} steps");
+        assert_eq!(there.positions(0), again.positions(0), "{name}: bit for bit");
         assert!(difference <= 1e-3, "{name}: {difference:e} m");
     }
 }

@@ -3,8 +3,8 @@
 use super::Coarser;
 use crate::cloth::Cloth;
 
-/// Rounds of the fit.
-const FITS: usize = 4;
+/// Rounds of the fit; even, as two lists take turns.
+pub(crate) const FITS: usize = 4;
 
 /// Positions \[m\] of a cloth now and one step before; fourth components have no meaning.
 #[derive(Clone, Debug)]

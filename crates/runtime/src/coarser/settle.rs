@@ -5,9 +5,9 @@ use crate::cloth::{Cloth, other_end};
 use crate::number::real::{dot, sub};
 
 /// Rounds over all springs, forward and backward by turns.
-const ROUNDS: usize = 8;
+pub const ROUNDS: usize = 8;
 /// Share of the shortest spring at a particle by which it moves at most.
-const MOST: f64 = 0.25;
+pub const MOST: f64 = 0.25;
 
 fn len(way: [f64; 3]) -> f64 {
     dot(way, way).sqrt()
@@ -68,18 +68,27 @@ pub fn settle(cloth: &Cloth, motion: &mut Motion) {
 fn springs(cloth: &Cloth, points: &[usize]) -> (Vec<Spring>, Vec<f64>) {
     let mut springs = Vec::new();
     let mut most = vec![f64::INFINITY; cloth.len()];
-    for (g, grid) in cloth.grids().iter().enumerate() {
-        let (w, h) = (grid.width as usize, grid.height as usize);
-        for (k, d) in (0..grid.texels()).flat_map(|k| (0..4).map(move |d| (k, d))) {
-            let (rest, Some(other)) = (f64::from(cloth.spring(g, k, d)), other_end(w, h, k, d)) else { continue };
-            let ends = [k, other].map(|k| points[grid.first as usize + k]);
-            let weight = ends.map(|k| f64::from(cloth.inverse_mass(k)).max(0.0));
-            let sum = weight[0] + weight[1];
-            if rest > 0.0 && sum > 0.0 && ends[0] != ends[1] {
-                ends.iter().for_each(|k| most[*k] = most[*k].min(MOST * rest));
-                springs.push(Spring { ends, rest, share: weight.map(|w| w / sum) });
-            }
+    for (ends, rest) in lengths(cloth, points) {
+        let weight = ends.map(|k| f64::from(cloth.inverse_mass(k)).max(0.0));
+        let sum = weight[0] + weight[1];
+        if sum > 0.0 {
+            ends.iter().for_each(|k| most[*k] = most[*k].min(MOST * rest));
+            springs.push(Spring { ends, rest, share: weight.map(|w| w / sum) });
         }
     }
     (springs, most)
+}
+
+/// The points that each spring joins, and its rest length \[m\].
+pub fn lengths(cloth: &Cloth, points: &[usize]) -> impl Iterator<Item = ([usize; 2], f64)> {
+    cloth.grids().iter().enumerate().flat_map(move |(g, grid)| {
+        let (w, h) = (grid.width as usize, grid.height as usize);
+        let all = (0..grid.texels()).flat_map(|k| (0..4).map(move |d| (k, d)));
+        all.filter_map(move |(k, d)| {
+            let (rest, other) = (f64::from(cloth.spring(g, k, d)), other_end(w, h, k, d)?);
+            // Duplicates of one point may be neighbours.
+            let ends = [k, other].map(|k| points[grid.first as usize + k]);
+            (rest > 0.0 && ends[0] != ends[1]).then_some((ends, rest))
+        })
+    })
 }

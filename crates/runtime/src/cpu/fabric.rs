@@ -1,6 +1,8 @@
 //! A cloth in motion under the XPBD solver: sheets, what holds them, and the passes that step them.
 
 mod bend;
+mod coarse_level;
+mod coarse_ties;
 mod cut_levels;
 mod follow;
 mod forget;
@@ -35,9 +37,9 @@ use super::contact::clear::Clear;
 use super::integrate::Air;
 use super::neighbours::View;
 use super::rows::Threads;
-use super::sheet::{Sheet, Values};
+use super::sheet::Sheet;
 use super::{contact, wind};
-use crate::cloth::{self, Cloth, Compliance, Rest, other_end};
+use crate::cloth::{self, Cloth, other_end};
 use crate::collider::solid::Solid;
 use crate::levels::ties::{Ties, ties};
 use crate::levels::{carried, levels, masses};
@@ -85,7 +87,7 @@ impl<T: Real> Fabric<T> {
         let sheets: Vec<Sheet<T>> = cloth.grids().iter().map(Sheet::new).collect();
         let firsts = cloth.grids().iter().map(|g| g.first as usize).collect();
         let (starts, members) = cloth.ring_lists();
-        let springs = sheets.iter().enumerate().map(|(g, sheet)| springs(cloth, g, sheet)).collect();
+        let springs = sheets.iter().enumerate().map(|(g, sheet)| stretch::springs(cloth, g, sheet)).collect();
         let grids = if options.pyramid > 0 { 0..sheets.len() } else { 0..0 };
         let masses = if grids.is_empty() { Vec::new() } else { masses(cloth) };
         let pyramids: Vec<Pyramid<T>> =
@@ -382,8 +384,15 @@ impl<T: Real> Fabric<T> {
                 let each = self.sheets.iter_mut().zip(&self.limits);
                 each.for_each(|(sheet, limit)| limit::run(threads, sheet, limit, step.left));
             }
-            Pass::Pyramid { directions, cut, .. } => {
-                pyramid::run(&mut self.pyramids, &self.sheets, threads, (&directions, cut), &self.ties);
+            Pass::Pyramid { directions, cut, finest, .. } => {
+                let what = (&directions, cut, finest as usize);
+                pyramid::run(&mut self.pyramids, &self.sheets, threads, what, &self.ties);
+            }
+            Pass::CoarseLevel { level, directions, .. } => {
+                coarse_level::run(&mut self.pyramids, threads, &directions, level as usize);
+            }
+            Pass::CoarseTies { level, cut } => {
+                coarse_ties::run(&mut self.pyramids, level as usize, cut, &self.ties);
             }
             Pass::Refine { seams, .. } => {
                 let each = self.pyramids.iter().zip(&mut self.sheets);
@@ -413,6 +422,8 @@ impl<T: Real> Fabric<T> {
             | Pass::Transform
             | Pass::Place
             | Pass::Skin { .. }
+            | Pass::Restrict
+            | Pass::Prolong
             | Pass::Pick { .. }
             | Pass::PickNearest
             | Pass::Bounds
@@ -463,23 +474,4 @@ impl<T: Real> Fabric<T> {
 /// From a place of x in `now` to the place in `w`.
 fn single(triple: usize, half: usize) -> usize {
     triple / (6 * half) * 2 * half + triple % (6 * half)
-}
-
-fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>) -> [Springs<T>; 4] {
-    let first = cloth.grids()[g].first as usize;
-    let holes = (0..sheet.width * sheet.height).any(|k| !cloth.particles()[first + k].exists());
-    [0, 1, 2, 3].map(|d| {
-        let zero = T::of(0.0);
-        let rest = match cloth.rest() {
-            Rest::None => Rests::constant(sheet, zero),
-            Rest::Constant(r) if !holes => Rests::constant(sheet, T::of(r[g][d].into())),
-            _ => Rests::List(Arc::new(sheet.list(zero, |k| T::of(cloth.spring(g, k, d).into())))),
-        };
-        let soft = match &cloth.compliance {
-            Compliance::None => Values::Constant(zero),
-            Compliance::Constant(c) => Values::Constant(T::of(f64::from(*c))),
-            Compliance::Image(c) => Values::List(Arc::new(sheet.list(zero, |k| T::of(c[first + k][d].into())))),
-        };
-        Springs { rest, soft, sums: Vec::new(), bound: zero }
-    })
 }

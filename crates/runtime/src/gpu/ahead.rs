@@ -31,6 +31,9 @@ pub enum Ahead {
     Indices,
     /// [`crate::Stepper::record_tangents`].
     Tangents,
+    /// [`crate::Stepper::set_levels`]: the passes that carry motion. Those of a frame on a level are compiled by the first switch to it,
+    /// unless cloths of other sizes have them.
+    Levels,
 }
 
 impl Ahead {
@@ -44,6 +47,7 @@ impl Ahead {
         Ahead::Bounds,
         Ahead::Indices,
         Ahead::Tangents,
+        Ahead::Levels,
     ];
 }
 
@@ -88,6 +92,7 @@ fn asked(world: &World, ahead: &[Ahead], holes: bool) -> Vec<Pass> {
             Ahead::Bounds => passes.push(Pass::Bounds),
             Ahead::Indices => passes.push(Pass::Indices { holes }),
             Ahead::Tangents => passes.push(Pass::Tangents { holes }),
+            Ahead::Levels => passes.extend([Pass::Restrict, Pass::Prolong]),
         }
     }
     passes

@@ -13,7 +13,7 @@ use super::pipelines::Pipeline;
 use super::recording::Recording;
 use super::ring;
 use super::span::Span;
-use super::store::Store;
+use super::store::{State, Store};
 use super::turns::{TURNS, lies};
 use super::upload::{empty, filled, upload};
 use super::uploads::Uploads;
@@ -32,9 +32,10 @@ pub(super) struct Arena {
     places: HashMap<Slot, u64>,
     /// [`Slot::Scratch`], with room for as many lists as any frame so far has there.
     scratch: Option<Buffer>,
-    /// Where each cloth of the world's arena lies in the buffers, without numbers of a step. The room of a removed cloth stays
-    /// unused.
+    /// Where each cloth of the world's arena lies in the buffers, without numbers of a step; rows are slots.
     jobs: Vec<JobRow>,
+    /// Places that no cloth has.
+    spare: Vec<JobRow>,
     grids: Option<Grids>,
     grid_rows: Vec<GridRow>,
     /// The jobs of the last batches.
@@ -96,6 +97,7 @@ impl Arena {
             places,
             scratch: None,
             jobs: contents.jobs,
+            spare: Vec::new(),
             grids: None,
             grid_rows: Vec::new(),
             batched: Vec::new(),
@@ -160,8 +162,22 @@ impl Arena {
 
     /// Lets one of its cloths go; whether it was the last.
     pub fn leave(&mut self, member: usize) -> bool {
-        self.jobs.remove(member);
+        self.spare.push(self.jobs.remove(member));
         self.jobs.is_empty()
+    }
+
+    /// Leaves only the first of its places to cloths.
+    pub fn keep_first(&mut self) {
+        self.spare = self.jobs.split_off(1);
+    }
+
+    /// Lets a cloth have a place; where its state lies. None if another cloth has it.
+    pub fn take(&mut self, slot: u32) -> Option<State<Span>> {
+        let job = self.spare.swap_remove(self.spare.iter().position(|job| job.row == slot)?);
+        self.jobs.insert(self.jobs.partition_point(|j| j.row < slot), job);
+        // Its rows may not be there.
+        self.grids = None;
+        Some(self.store.span(job.row as usize, job.first as usize, job.count as usize))
     }
 
     /// Where a list that is only read, of vectors, one a particle, lies for one of its cloths.

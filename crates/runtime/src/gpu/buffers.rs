@@ -53,6 +53,8 @@ pub struct ClothBuffers {
     pub(super) others: HashMap<Slot, Span>,
     /// By what they bind, and by `turned`.
     groups: HashMap<Vec<Bound>, Vec<([bool; 4], wgpu::BindGroup)>>,
+    /// Pins between coarse texels and where they lie beside them, for each level that is finer than the present one.
+    pub(super) beside: Vec<Span>,
     /// Which of [`turns::TURNS`] lie in the other buffers, as they do after an odd number of tiles.
     pub(super) turned: [bool; 4],
 }
@@ -80,6 +82,7 @@ impl ClothBuffers {
             grids: None,
             others,
             groups: HashMap::new(),
+            beside: Vec::new(),
             turned: [false; 4],
         }
     }

@@ -44,3 +44,7 @@ pub(super) fn links(device: &wgpu::Device, cloth: &Cloth) -> Buffer {
     let nodes = std::iter::repeat_n(LinkRow { follows, mass: 0.0 }, rows(cloth).1);
     upload(device, "links", &particles.chain(nodes).collect::<Vec<_>>(), BufferUsages::empty())
 }
+
+#[cfg(test)]
+#[path = "levels_tests.rs"]
+mod tests;

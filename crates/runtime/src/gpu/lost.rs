@@ -112,10 +112,18 @@ fn ready(error: impl Future<Output = Option<wgpu::Error>>) -> Option<wgpu::Error
 
 /// [`wgpu::Device::poll`], which panics where the driver tells of a loss there first.
 pub(super) fn poll(device: &wgpu::Device, how: wgpu::PollType) -> Result<()> {
+    #[cfg(test)]
+    WAITS.set(WAITS.get() + u32::from(!matches!(how, wgpu::PollType::Poll)));
     match catch_unwind(AssertUnwindSafe(|| device.poll(how))) {
         Ok(polled) => polled.map(|_| ()).map_err(|e| Error::ReadBack(e.to_string())),
         Err(_) => Err(Error::DeviceLost),
     }
+}
+
+#[cfg(test)]
+thread_local! {
+    /// How often this thread has waited for a device.
+    pub(super) static WAITS: std::cell::Cell<u32> = const { std::cell::Cell::new(0) };
 }
 
 #[cfg(test)]

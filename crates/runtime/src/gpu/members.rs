@@ -1,10 +1,13 @@
 //! Buffers of cloths that come and go. Those of the other cloths stay where they are, and nothing of them is copied.
 
+use bytemuck::cast_slice;
+
 use super::arena::Arena;
 use super::buffers::ClothBuffers;
 use super::solids::Solids;
 use super::store::Store;
 use super::{Gpu, fits};
+use crate::cpu::start::Start;
 use crate::error::Result;
 use crate::form::Form;
 use crate::passes::Pass;
@@ -16,6 +19,8 @@ use crate::world::{Left, World};
 pub struct Coming {
     buffers: Vec<ClothBuffers>,
     arena: Option<Arena>,
+    /// The arena in which it takes a place, and which.
+    place: Option<(usize, u32)>,
     solids: Option<Solids>,
 }
 
@@ -29,21 +34,43 @@ impl Gpu {
     /// Makes the buffers of the last cloth of a world, which is to come, and compiles the passes of its frames.
     pub fn prepare(&mut self, world: &World, draw_only: bool, recoated: bool) -> Coming {
         let index = world.runs.len() - 1;
-        let (store, states) = Store::new(&self.device, world, &[index], draw_only);
-        let shares = world.arenas.last().is_some_and(|roster| roster.cloths == [index]);
+        let solids = recoated.then(|| Solids::new(&self.device, world));
         if !draw_only {
             self.compile(world, index);
         }
-        Coming {
-            buffers: states.into_iter().map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect(),
-            arena: shares.then(|| Arena::new(&self.device, world, store, &[index])),
-            solids: recoated.then(|| Solids::new(&self.device, world)),
+        let roster = world.arenas.iter().zip(0..).find(|(roster, _)| roster.cloths.contains(&index));
+        if let Some((roster, arena)) = roster.filter(|(_, arena)| *arena < self.arenas.len()) {
+            let member = roster.cloths.iter().position(|cloth| *cloth == index);
+            let place = member.map(|member| (arena, roster.slots[member]));
+            return Coming { buffers: Vec::new(), arena: None, place, solids };
         }
+        let copies = vec![index; 1 + roster.map_or(0, |(roster, _)| roster.spare.len())];
+        let (store, states) = Store::new(&self.device, world, &copies, draw_only);
+        let arena = roster.map(|_| {
+            let mut arena = Arena::new(&self.device, world, store, &copies);
+            arena.keep_first();
+            arena
+        });
+        let states = states.into_iter().take(1);
+        let buffers = states.map(|(_, state)| ClothBuffers::new(state, !draw_only)).collect();
+        Coming { buffers, arena, place: None, solids }
     }
 
-    /// Takes them in.
-    pub fn join(&mut self, world: &World, coming: Coming) {
-        let Coming { buffers, arena, solids } = coming;
+    /// Takes them in. Whether the cloth has taken a place that another has left: then its state is still to be loaded, in the order of frames
+    /// that are recorded; what is drawn before is written at once.
+    pub fn join(&mut self, world: &World, coming: Coming) -> bool {
+        let Coming { buffers, arena, place, solids } = coming;
+        let taken = place.and_then(|(arena, slot)| self.arenas.get_mut(arena)?.take(slot));
+        let takes = taken.is_some();
+        if let (Some(state), Some(cloth)) = (taken, world.scene.cloths.last()) {
+            let start = Start::<f32>::new(cloth, &world.control.options, world.control.clock.dt_old);
+            let lists = [(&state.now, &start.now), (&state.before, &start.before), (&state.normals, &start.normals)];
+            lists.iter().for_each(|(span, list)| self.writer.write(&span.buffer, span.offset, cast_slice(list)));
+            if let Some(faults) = state.others.get(&Slot::Faults) {
+                self.writer.write(&faults.buffer, faults.offset, &vec![0; faults.size as usize]);
+            }
+            self.cloths.push(ClothBuffers::new(state, true));
+        }
         self.cloths.extend(buffers);
         self.watch.join();
         self.arenas.extend(arena);
@@ -52,6 +79,7 @@ impl Gpu {
             self.solids = solids;
         }
         self.meet(world);
+        takes
     }
 
     /// Makes the buffers of cloths whose image is another one now. `left` has what their last images left behind; arenas of the new
@@ -72,7 +100,9 @@ impl Gpu {
         let alone = left.iter().map(|l| l.index).filter(|cloth| !shared.contains(cloth));
         states.extend(alone.flat_map(|cloth| Store::new(&self.device, world, &[cloth], draw_only).1));
         for (cloth, state) in states {
+            let beside = std::mem::take(&mut self.cloths[cloth].beside);
             self.cloths[cloth] = ClothBuffers::new(state, !draw_only);
+            self.cloths[cloth].beside = beside;
             self.boxes.forget(cloth);
             if !draw_only {
                 self.compile(world, cloth);
@@ -109,7 +139,7 @@ impl Gpu {
                 seen.push(buffer);
             }
         }
-        [images, states]
+        [images + self.tables.bytes(), states]
     }
 
     /// Drops the buffers of a cloth that has left.

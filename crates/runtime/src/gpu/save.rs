@@ -14,7 +14,7 @@ use crate::world::World;
 
 impl Gpu {
     /// Where a list lies.
-    fn part(&self, cloth: usize, part: Part) -> Option<&Span> {
+    pub(super) fn part(&self, cloth: usize, part: Part) -> Option<&Span> {
         let of = &self.cloths[cloth];
         match part {
             Part::Now => Some(&of.now),
@@ -34,16 +34,6 @@ impl Gpu {
             Some((self.part(cloth, part)?, 4 * range.start as u64, 4 * range.len() as u64))
         };
         lists.collect::<Vec<_>>().into_iter().filter_map(place)
-    }
-
-    /// Writes the lists of a cloth whose buffers are new.
-    pub fn fill(&mut self, cloth: usize, layout: &Layout, words: &[u32]) {
-        let parts: Vec<(Span, u64, u64)> =
-            self.parts(cloth, layout).map(|(s, at, size)| (s.clone(), at, size)).collect();
-        for (span, at, size) in parts {
-            let (from, count) = (at as usize / 4, size as usize / 4);
-            self.writer.write(&span.buffer, span.offset, cast_slice(&words[from..from + count]));
-        }
     }
 
     /// Records copies of the lists into a buffer.

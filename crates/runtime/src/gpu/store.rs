@@ -69,6 +69,11 @@ impl Store {
         (Store { state }, spans)
     }
 
+    /// Where a cloth lies by its row, first particle and number of particles.
+    pub fn span(&self, row: usize, first: usize, count: usize) -> State<Span> {
+        self.state.span(row, first, count)
+    }
+
     /// Particles that there is room for.
     pub fn room(&self) -> usize {
         room_of(self.state.now.size() as usize / 16)
@@ -88,27 +93,29 @@ impl Store {
 impl State<Buffer> {
     /// Where each of some cloths lies: index, first particle and their number.
     fn spans(&self, cloths: &[(usize, usize, usize)]) -> Vec<(usize, State<Span>)> {
-        let each = cloths.iter().enumerate().map(|(row, (cloth, first, count))| {
-            let span = |buffer: &Buffer, offset: usize, size: usize| Span {
-                buffer: buffer.clone(),
-                offset: offset as u64,
-                size: size as u64,
-            };
-            let list = |buffer: &Buffer| span(buffer, 16 * first, 16 * count);
-            let State { now, before, normals, others } = self;
-            let mut own = HashMap::new();
-            if let Some(faults) = others.get(&Slot::Faults) {
-                own.insert(Slot::Faults, span(faults, 4 * FAULT_STRIDE as usize * row, FAULT_BYTES));
-            }
-            if let Some(lasting) = others.get(&Slot::Lasting) {
-                let room = room_of(now.size() as usize / 16);
-                let begins = LASTING.iter().enumerate().map(|(n, slot)| (*slot, n * room + first));
-                let there = begins.filter(|(_, begins)| ((16 * begins) as u64) < lasting.size());
-                own.extend(there.map(|(slot, begins)| (slot, span(lasting, 16 * begins, 16 * count))));
-            }
-            let others = own;
-            (*cloth, State { now: list(now), before: list(before), normals: list(normals), others })
-        });
-        each.collect()
+        let each = cloths.iter().enumerate();
+        each.map(|(row, (cloth, first, count))| (*cloth, self.span(row, *first, *count))).collect()
+    }
+
+    /// Where a cloth lies.
+    fn span(&self, row: usize, first: usize, count: usize) -> State<Span> {
+        let span = |buffer: &Buffer, offset: usize, size: usize| Span {
+            buffer: buffer.clone(),
+            offset: offset as u64,
+            size: size as u64,
+        };
+        let list = |buffer: &Buffer| span(buffer, 16 * first, 16 * count);
+        let State { now, before, normals, others } = self;
+        let mut own = HashMap::new();
+        if let Some(faults) = others.get(&Slot::Faults) {
+            own.insert(Slot::Faults, span(faults, 4 * FAULT_STRIDE as usize * row, FAULT_BYTES));
+        }
+        if let Some(lasting) = others.get(&Slot::Lasting) {
+            let room = room_of(now.size() as usize / 16);
+            let begins = LASTING.iter().enumerate().map(|(n, slot)| (*slot, n * room + first));
+            let there = begins.filter(|(_, begins)| ((16 * begins) as u64) < lasting.size());
+            own.extend(there.map(|(slot, begins)| (slot, span(lasting, 16 * begins, 16 * count))));
+        }
+        State { now: list(now), before: list(before), normals: list(normals), others: own }
     }
 }

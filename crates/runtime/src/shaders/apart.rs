@@ -64,7 +64,7 @@ pub(super) fn declared(bound: &Bound) -> &'static [&'static str] {
         (Slot::Normals, false) => &[part!("normals_read")],
         (Slot::Sums, _) => &[part!("sums")],
         (Slot::Solids, _) => &[part!("solids_all")],
-        (Slot::Tethers, _) => &[part!("anchor_placed")],
+        (Slot::Tethers, _) => &[part!("anchor_placed"), part!("tether_stored")],
         (slot, _) => declared_alike(slot),
     }
 }
@@ -74,6 +74,7 @@ pub(super) fn declared_alike(slot: Slot) -> &'static [&'static str] {
     match slot {
         Slot::Normals => &[part!("normals")],
         Slot::Faults => &[part!("faults")],
+        Slot::Tethers => &[part!("tether_stored")],
         _ => &[],
     }
 }

@@ -60,6 +60,8 @@ pub fn chain(chain: &Chain) -> Source {
     // Anchors lie with the seams.
     let own = parts.bindings.iter().filter(|b| b.slot != Slot::Tethers);
     let files: Vec<_> = own.flat_map(declared).copied().collect();
+    let tethers: &[_] = if parts.binds(Slot::Tethers) { &[part!("tether_stored")] } else { &[] };
+    let parts = parts.files(tethers);
     let early = !chain.passes.contains(&Pass::Guard);
     let (parts, lists, _) = lists::shared(clears(parts.files(&files), early), false);
     let rest: Vec<_> = rest.iter().collect();

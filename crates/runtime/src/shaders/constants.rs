@@ -4,9 +4,11 @@ use std::fmt::Write as _;
 use std::mem::offset_of;
 use std::sync::LazyLock;
 
+use crate::coarser::{FITS, ROUNDS};
 use crate::cpu::fabric::{polish, stretch};
 use crate::cpu::{aside, guard, pick, place, route};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
+use crate::levels::NODE_TILE;
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
 const FLOATS: [(&str, f64); 6] = [
@@ -19,7 +21,7 @@ const FLOATS: [(&str, f64); 6] = [
 ];
 
 /// u32 constants. `FAULT_...` are indices into the counters of a cloth.
-const NUMBERS: [(&str, usize); 10] = [
+const NUMBERS: [(&str, usize); 13] = [
     ("UNSUPPORTED", route::UNSUPPORTED as usize),
     ("PLACE_MOVES", place::PLACE_MOVES as usize),
     ("PLACE_WEIGHS", place::PLACE_WEIGHS as usize),
@@ -30,6 +32,9 @@ const NUMBERS: [(&str, usize); 10] = [
     ("FAULT_STRAIN", offset_of!(FaultRow, strain) / 4),
     ("FAULT_NOTES", FAULT_NOTES as usize),
     ("FAULT_STRIDE", FAULT_STRIDE as usize),
+    ("FITS", FITS),
+    ("ROUNDS", ROUNDS),
+    ("NODE_TILE", NODE_TILE),
 ];
 
 // The notes begin behind the counters.

@@ -1,7 +1,8 @@
-//! Rules of passes that have loops of their own: those on coarser grids, of actions, and for hosts that ask.
+//! Rules of passes that have loops of their own: those on coarser grids, between images, of actions, and for hosts
+//! that ask.
 
 use super::Slot;
-use super::parts::Parts;
+use super::parts::{Parts, reads, writes};
 use super::rule::{Over, Rule, Whole, open, parted};
 use Slot::{Action, Candidates, Grids, Holes, Now, Rest};
 
@@ -11,19 +12,38 @@ macro_rules! own {
     };
 }
 
-pub(super) fn pyramid(over: Over, directions: [bool; 4], seams: bool, cut: bool) -> Rule {
+pub(super) fn pyramid(over: Over, directions: [bool; 4], (seams, cut): (bool, bool), finest: u32) -> Rule {
     let mut read = vec![Slot::Levels, Now, Slot::Limits, Grids];
     read.extend(seams.then_some(Slot::Ties));
-    let ties: &[_] = match (seams, cut) {
+    let files = [&[part!("ends"), part!("level")], ties(seams, cut)].concat();
+    let parts = parted(cut, Parts::new(&files, &read, &[Slot::Nodes]));
+    own!("pyramid", over, along(directions, parts).constant("finest", finest))
+}
+
+pub(super) fn coarse_level(over: Over, level: u32, directions: [bool; 4], cut: bool) -> Rule {
+    let read = [Slot::Levels, Now, Slot::Limits, Grids];
+    let parts = parted(cut, Parts::new(&[part!("level")], &read, &[Slot::Nodes]));
+    own!("coarse_level", over, along(directions, parts).constant("level", level))
+}
+
+pub(super) fn coarse_ties(over: Over, level: u32, cut: bool) -> Rule {
+    let parts = Parts::new(ties(true, cut), &[Grids, Slot::Ties], &[Slot::Nodes]);
+    own!("coarse_ties", over, parts.constant("level", level))
+}
+
+/// Files that tie nodes at seams.
+fn ties(seams: bool, cut: bool) -> &'static [&'static str] {
+    match (seams, cut) {
         (false, _) => &[part!("ties_none")],
         (true, false) => &[part!("ties"), part!("ties_near")],
         (true, true) => &[part!("ties"), part!("ties_exact")],
-    };
-    let files = [&[part!("ends"), part!("level")], ties].concat();
-    let parts = parted(cut, Parts::new(&files, &read, &[Slot::Nodes]));
+    }
+}
+
+/// Which spring directions there are.
+fn along(directions: [bool; 4], parts: Parts) -> Parts {
     let names = ["right", "down", "down_right", "up_right"].into_iter().zip(directions);
-    let parts = names.fold(parts, |parts, (name, on)| parts.constant(name, u32::from(on)));
-    own!("pyramid", over, parts)
+    names.fold(parts, |parts, (name, on)| parts.constant(name, u32::from(on)))
 }
 
 pub(super) fn cut(over: Over) -> Rule {
@@ -62,6 +82,20 @@ pub(super) fn place(over: Over) -> Rule {
 pub(super) fn skin(over: Over, sets: u32) -> Rule {
     let parts = Parts::new(&[part!("action")], &[Action, Slot::Influences], &[Slot::Skinned]);
     own!("skin", over, parts.constant("sets", sets))
+}
+
+pub(super) fn restrict(over: Over) -> Rule {
+    own!("restrict", over, between().bind(&[writes(Slot::Spare), writes(Slot::Beside)]))
+}
+
+pub(super) fn prolong(over: Over) -> Rule {
+    own!("prolong", over, between().bind(&[reads(Slot::Beside)]))
+}
+
+/// The parts of what carries motion from one image of a cloth to another.
+fn between() -> Parts {
+    let read = [Slot::Table, Slot::Origin, Slot::OriginBefore];
+    Parts::new(&[part!("table")], &read, &[Now, Slot::Before])
 }
 
 /// The parts of an action on a list of particles.

@@ -83,9 +83,12 @@ pub fn over(pass: Pass) -> Over {
         Pass::Springs { direction, parity, .. }
         | Pass::Stretch { direction, parity, .. }
         | Pass::Polish { direction, parity, .. } => Over::Springs { direction, parity },
-        Pass::Speed | Pass::Transform | Pass::Place | Pass::Skin { .. } | Pass::Bounds => Over::Own(Threads::Particles),
-        Pass::Fastest | Pass::PickNearest => Over::Own(Threads::One),
+        Pass::Speed | Pass::Transform | Pass::Place | Pass::Skin { .. } | Pass::Prolong | Pass::Bounds => {
+            Over::Own(Threads::Particles)
+        }
+        Pass::Fastest | Pass::PickNearest | Pass::Restrict | Pass::CoarseTies { .. } => Over::Own(Threads::One),
         Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
+        Pass::CoarseLevel { level, .. } => Over::Own(Threads::Nodes(level)),
         Pass::CutLevels => Over::Own(Threads::Grids),
         Pass::CutTethers { walks: true, .. } => Over::Own(Threads::One),
         Pass::Strain { .. } | Pass::Cut | Pass::CutSprings | Pass::CutTethers { .. } => Over::Own(Threads::Texels),
@@ -168,7 +171,9 @@ pub fn rule(pass: Pass) -> Rule {
             Rule { whole: Whole::Done, ..rule!("fastest", "", over, parts) }
         }
         Pass::Strain { image, soft } => strain(over, image, soft),
-        Pass::Pyramid { directions, seams, cut } => rare::pyramid(over, directions, seams, cut),
+        Pass::Pyramid { directions, seams, cut, finest } => rare::pyramid(over, directions, (seams, cut), finest),
+        Pass::CoarseLevel { level, directions, cut } => rare::coarse_level(over, level, directions, cut),
+        Pass::CoarseTies { level, cut } => rare::coarse_ties(over, level, cut),
         Pass::Cut => rare::cut(over),
         Pass::CutSprings => rare::cut_springs(over),
         Pass::CutTethers { slots, seams, walks } => rare::cut_tethers(over, slots, seams, walks),
@@ -176,6 +181,8 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Transform => rare::transform(over),
         Pass::Place => rare::place(over),
         Pass::Skin { sets } => rare::skin(over, sets),
+        Pass::Restrict => rare::restrict(over),
+        Pass::Prolong => rare::prolong(over),
         Pass::Pick { holes } => rare::pick(over, holes),
         Pass::PickNearest => rare::pick_nearest(over),
         Pass::Bounds => rare::bounds(over),

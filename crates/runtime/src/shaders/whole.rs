@@ -61,12 +61,19 @@ pub fn whole(fused: &Fused) -> Source {
     // A workgroup reads its step from the numbers of the frame.
     parts.bindings.retain(|b| b.slot != Slot::Step);
     let declared: Vec<_> = parts.bindings.iter().flat_map(|b| declared(b.slot)).copied().collect();
-    let parts = held(fused, parts.files(&declared)).files(&[pass!("fused")]);
+    let slots = slots(schedule);
+    let own: &[_] = match (slots, in_registers(fused)) {
+        (0, _) => &[part!("own_none")],
+        (_, true) => &[part!("anchor_own")],
+        (_, false) => &[part!("anchor_placed"), part!("tether_stored"), part!("own_none")],
+    };
+    let parts = held(fused, parts.files(&declared).files(own)).files(&[pass!("fused")]);
     let step = |pass: &Pass, colour: &str| line(pass, colour, true);
     let (parts, declared, scratch) = lists::shared(parts, true);
     let program = format!(
-        "\n{declared}\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
+        "\nconst PER_THREAD: u32 = {}u;\n\nconst SLOTS: u32 = {slots}u;\n\n{declared}\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
          fn frame_program(job: Job, local: u32) {{\n{}}}\n",
+        per_thread(fused),
         calls(&schedule.air, step),
         calls(&schedule.step, step),
         calls(&schedule.relax, step),
@@ -114,6 +121,31 @@ fn turn(over: Over) -> Option<&'static str> {
     }
 }
 
+/// Most particles of a thread whose previous positions and tethers are in registers: compilers make the code of every pass as often.
+const MOST_OWN: u32 = 4;
+
+/// Particles of a thread, at most.
+fn per_thread(fused: &Fused) -> u32 {
+    fused.places.div_ceil(fused.threads.max(1))
+}
+
+/// Tethers of a particle.
+fn slots(schedule: &Schedule) -> u32 {
+    let slots = |pass: &Pass| if let Pass::Tethers { slots } = pass { Some(*slots) } else { None };
+    all(schedule).find_map(slots).unwrap_or(0)
+}
+
+/// Whether a frame asks for the previous position of a particle only where it runs for that particle. Forces of air on triangles read those
+/// of neighbours.
+fn keeps_own(schedule: &Schedule) -> bool {
+    schedule.air.is_empty()
+}
+
+/// Whether registers have what is a particle's own.
+fn in_registers(fused: &Fused) -> bool {
+    per_thread(fused) <= MOST_OWN && keeps_own(&fused.schedule)
+}
+
 /// Where positions are during the frame.
 fn held(fused: &Fused, parts: Parts) -> Parts {
     let parts = parts.constant("threads", fused.threads);
@@ -122,6 +154,10 @@ fn held(fused: &Fused, parts: Parts) -> Parts {
         Hold::Narrow => parts.files(&[part!("held_narrow")]).constant("numbers", 3 * fused.places),
     };
     let parts = parts.constant("places", fused.places);
+    if in_registers(fused) {
+        return parts.files(&[part!("was_own")]);
+    }
+    let parts = parts.files(&[part!("was_many")]);
     if fused.hold == Hold::Both {
         return parts.files(&[part!("was_held")]).constant("befores", 3 * fused.places);
     }
@@ -134,7 +170,8 @@ fn declared(slot: Slot) -> &'static [&'static str] {
         Slot::Lost => &[part!("lost")],
         Slot::Sums => &[part!("sums")],
         Slot::Solids => &[part!("solids_own")],
-        Slot::Tethers => &[part!("anchor_placed")],
+        // Beside what is in registers.
+        Slot::Tethers => &[],
         other => declared_alike(other),
     }
 }

@@ -3,7 +3,11 @@
 use super::Stepper;
 use crate::coarser::Motion;
 use crate::cpu::start::inverse_masses;
+#[cfg(feature = "gpu")]
+use crate::error::Error;
 use crate::error::Result;
+#[cfg(feature = "gpu")]
+use crate::gpu::Carried;
 use crate::handle::ClothRef;
 use crate::state::{ClothState, Layout};
 
@@ -33,12 +37,18 @@ impl Stepper {
     /// has. A state is loaded on the level on which it was saved.
     ///
     /// The first switch of the first instance of a cloth makes the coarser image, about a microsecond per particle; instances share it.
-    /// On the GPU the call submits a copy and waits, as [`Stepper::state`]; cloths that change in one call share buffers and a
-    /// dispatch as cloths of one scene do, so a crowd changes levels together, some frames apart. Memory of level 0 that is shared with
+    /// On the GPU nothing waits and nothing is read back: the call submits passes that carry positions and velocities, one dispatch per
+    /// cloth and level, so submit what was recorded before the call. Their first use compiles them, unless they are prepared
+    /// ([`crate::Ahead`]). Springs of a coarser image are moved apart in another order there than on the CPU, so its first positions differ between
+    /// the two by a part of how far they move. Cloths that change in one call share buffers and
+    /// dispatches of frames as cloths of one scene do, so a crowd changes levels together, some frames apart. Memory of level 0 that is shared with
     /// other cloths is freed with the last of them.
     ///
-    /// Errors if there is no such cloth, if it has no coarser image or is cut ([`crate::Error::Coarser`]), and on the device as
-    /// [`Stepper::state`]; then nothing has changed.
+    /// After the loss of the device the cloth goes on from the last state that the host has seen ([`Stepper::recover`]), on its level
+    /// now.
+    ///
+    /// Errors if there is no such cloth, and if it has no coarser image or is cut ([`crate::Error::Coarser`]); then nothing has changed. Errors
+    /// on a device that is lost, or has no memory left for the new buffers: then recover.
     ///
     /// ```
     /// use gimage_runtime::{Error, Flat, Options, Scene, Stepper};
@@ -65,9 +75,8 @@ impl Stepper {
             return Ok(());
         }
         wanted.keys().try_for_each(|cloth| self.world.scene.cloths[*cloth].refuse_cut())?;
-        let new = self.guarded(|stepper| stepper.switch(&wanted.into_iter().collect::<Vec<_>>()))?;
-        new.iter().for_each(|(cloth, state)| self.keep(*cloth, state));
-        Ok(())
+        let wanted: Vec<_> = wanted.into_iter().collect();
+        self.guarded(|stepper| if stepper.cpu.is_some() { stepper.switch(&wanted) } else { stepper.carry(&wanted) })
     }
 
     /// The particle of level 0 that each particle of a cloth on its present level is. Errors if there is no such cloth.
@@ -75,20 +84,24 @@ impl Stepper {
         Ok(self.world.samples(self.world.find(cloth.into())?))
     }
 
-    fn switch(&mut self, wanted: &[(usize, u32)]) -> Result<Vec<(usize, ClothState)>> {
+    /// Switches cloths that the CPU steps.
+    fn switch(&mut self, wanted: &[(usize, u32)]) -> Result<()> {
         let states = self.states(&wanted.iter().map(|(cloth, _)| *cloth).collect::<Vec<_>>())?;
         let mut switches = Vec::new();
         for ((cloth, level), state) in wanted.iter().zip(&states) {
             let motion = Motion { now: state.positions().to_vec(), before: state.previous().to_vec() };
-            switches.push(self.world.switch(*cloth, *level, motion)?);
+            switches.push(self.world.switch(*cloth, *level, Some(motion))?);
         }
-        let (left, motions) = self.world.replace(switches);
-        self.replace_on_device(&left);
-        Ok(motions.into_iter().map(|(cloth, motion)| (cloth, self.begin_with(cloth, motion))).collect())
+        let motions: Vec<_> = switches.iter_mut().filter_map(|s| Some((s.index, s.motion.take()?))).collect();
+        let left = self.world.replace(switches);
+        self.replace_drawn(&left);
+        motions.into_iter().for_each(|(cloth, motion)| self.begin_with(cloth, &motion));
+        Ok(())
     }
 
-    /// Lets the new image of a cloth begin with a motion. Returns its state.
-    fn begin_with(&mut self, cloth: usize, motion: Motion) -> ClothState {
+    /// Lets the new image of a cloth begin with a motion.
+    fn begin_with(&mut self, cloth: usize, motion: &Motion) {
+        let Some((bodies, threads)) = &mut self.cpu else { return };
         let (of, run, settings) =
             (&self.world.scene.cloths[cloth], &self.world.runs[cloth], &self.world.control.options);
         let layout = Layout::of(of, &run.tethers, settings.solver);
@@ -97,41 +110,52 @@ impl Stepper {
         let lists = [&motion.now, &motion.before].into_iter().flatten().flatten();
         let state = ClothState::new(head, lists.map(|x| x.to_bits()).collect());
         let words = state.fit(&layout, &inverse_masses(of, settings.solver), self.world.control.clock.dt_old);
-        match &mut self.cpu {
-            Some((bodies, threads)) => {
-                let mut body = self.world.body_beside(cloth, bodies);
-                body.aim(&run.targets(of));
-                body.load((of, &run.tethers), settings, &layout, &words);
-                if let Some(gpu) = &mut self.gpu {
-                    gpu.upload_one(cloth, &body, threads);
-                }
-                bodies[cloth] = body;
-            }
-            None => self.fill_on_device(cloth, &layout, &words),
+        let mut body = self.world.body_beside(cloth, bodies);
+        body.aim(&run.targets(of));
+        body.load((of, &run.tethers), settings, &layout, &words);
+        if let Some(gpu) = &mut self.gpu {
+            gpu.upload_one(cloth, &body, threads);
         }
-        ClothState::new(self.world.head(cloth), words)
+        bodies[cloth] = body;
     }
 }
 
 #[cfg(feature = "gpu")]
 impl Stepper {
-    fn replace_on_device(&mut self, left: &[crate::world::Left]) {
-        let draw_only = self.cpu.is_some();
+    /// Makes the buffers again for drawing what the CPU steps.
+    fn replace_drawn(&mut self, left: &[crate::world::Left]) {
         if let Some(gpu) = &mut self.gpu {
-            gpu.replace(&self.world, left, draw_only);
+            gpu.replace(&self.world, left, true);
         }
     }
 
-    fn fill_on_device(&mut self, cloth: usize, layout: &Layout, words: &[u32]) {
-        self.gpu.iter_mut().for_each(|gpu| gpu.fill(cloth, layout, words));
+    /// Switches cloths that the device steps: it carries their motion, and the host does not wait.
+    fn carry(&mut self, wanted: &[(usize, u32)]) -> Result<()> {
+        let gpu = self.gpu.as_mut().ok_or(Error::NoGpu("Stepper::set_levels"))?;
+        let switch = |(cloth, level): &(usize, u32)| self.world.switch(*cloth, *level, None);
+        let mut switches = wanted.iter().map(switch).collect::<Result<Vec<_>>>()?;
+        let (device, queue) = (gpu.handles().0.clone(), gpu.handles().1.clone());
+        let mut encoder = device.create_command_encoder(&Default::default());
+        gpu.act_now(&mut self.world, &mut encoder);
+        let carried: Vec<Carried> = switches
+            .iter_mut()
+            .map(|s| Carried { cloth: s.index, from: gpu.motion(s.index), legs: std::mem::take(&mut s.legs) })
+            .collect();
+        let left = self.world.replace(switches);
+        gpu.replace(&self.world, &left, false);
+        gpu.carry(&mut encoder, &carried);
+        queue.submit([encoder.finish()]);
+        Ok(())
     }
 }
 
 #[cfg(not(feature = "gpu"))]
 impl Stepper {
-    fn replace_on_device(&mut self, _: &[crate::world::Left]) {}
+    fn replace_drawn(&mut self, _: &[crate::world::Left]) {}
 
-    fn fill_on_device(&mut self, _: usize, _: &Layout, _: &[u32]) {}
+    fn carry(&mut self, _: &[(usize, u32)]) -> Result<()> {
+        Err(crate::error::Error::NoGpu("Stepper::set_levels"))
+    }
 }
 
 /// The level for a cloth at a distance, for [`Stepper::set_levels`]: level k is for distances from `ranges[k - 1]` to `ranges[k]`, in

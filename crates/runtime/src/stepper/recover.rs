@@ -15,7 +15,8 @@ impl Stepper {
     /// Each cloth continues from the last state that the stepper has seen in the host's memory: by [`Stepper::state`], [`Stepper::snapshot`],
     /// [`Stepper::set_state`] or [`Stepper::restore`]; clock and numbers of substeps from the last snapshot. The continuation has the same bits
     /// as after [`Stepper::set_state`] or [`Stepper::restore`] with them, on a device with the same results. A cloth without such a state
-    /// begins again where it began, uncut, with the pins that it has now. A state that was read otherwise, such as by
+    /// begins again where it began, uncut, with the pins that it has now. A state of another level ([`Stepper::set_levels`]) is carried to
+    /// the present one. A state that was read otherwise, such as by
     /// [`crate::SavedState::read`], is set after the call. Pins, cuts and transforms that wait for the next frame are dropped. On the CPU backend
     /// nothing is lost: only the buffers for drawing are made again.
     ///
@@ -64,8 +65,8 @@ impl Stepper {
 
     /// Puts cloths into their last states on the host.
     fn continue_from_kept(&mut self) {
-        let kept = self.world.runs.iter().enumerate();
-        let kept: Vec<(usize, ClothState)> = kept.filter_map(|(c, run)| Some((c, run.kept.clone()?))).collect();
+        let all = 0..self.world.runs.len();
+        let kept: Vec<(usize, ClothState)> = all.filter_map(|c| Some((c, self.world.kept_state(c)?))).collect();
         let heads: Vec<(usize, &Head, Vec<u32>)> = kept.iter().map(|(c, s)| (*c, &s.head, s.pinned())).collect();
         self.make_ready(&heads);
         if let Some(control) = self.world.kept {

@@ -6,8 +6,8 @@ use crate::cpu::start::inverse_masses;
 use crate::error::{Error, Result, StateProblem};
 use crate::handle::ClothRef;
 use crate::state::{ClothState, Head, Layout, Snapshot};
-use crate::world::Action;
 use crate::world::sleep::corners;
+use crate::world::{Action, Kept};
 
 impl Stepper {
     /// The state of a cloth after all calls so far: pins, cuts and transforms that wait for the next frame are done first.
@@ -87,7 +87,7 @@ impl Stepper {
     /// Keeps what a cloth continues from if the device is lost; the lists are shared with the state.
     pub(super) fn keep(&mut self, cloth: usize, state: &ClothState) {
         if self.cpu.is_none() {
-            self.world.runs[cloth].kept = Some(state.clone());
+            self.world.runs[cloth].kept = Some(Kept { level: self.world.level(cloth), state: state.clone() });
         }
     }
 

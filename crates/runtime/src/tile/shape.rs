@@ -151,4 +151,25 @@ mod tests {
         assert!(least.1 * BYTES + NOTES <= 16_384, "{least:?}");
         assert_eq!(Tile::of(&passes, true).unwrap().fit(&[[64, 64]], &Room { memory: 1024, ..room }), None);
     }
+
+    /// Two steps per dispatch would read and write less only where a tile is large, and relax much more than once what it owns.
+    #[test]
+    fn two_steps_in_a_tile_relax_more_than_they_save() {
+        // Bytes per particle and step of cloth without tethers, and particles that are relaxed for each.
+        let of = |n: u32, places: u32, steps: usize| {
+            let (around, lacks) = around(&COLOURS.repeat(steps));
+            let grids = [[n, n]];
+            let shape = best(TileShape { around, lacks, ..TileShape::default() }, &grids, places).unwrap();
+            let loads = loads(&shape, &grids) as f64 / f64::from(n * n);
+            ((32.0 * loads + 32.0) / steps as f64, loads)
+        };
+        for (n, places) in [(256, 1024), (256, 2048), (256, LARGE), (1024, 1024), (1024, LARGE)] {
+            let (one, two) = (of(n, places, 1), of(n, places, 2));
+            eprintln!("{n} x {n} in tiles of {places}: {one:?}, two steps {two:?}");
+            assert!(two.1 > 1.7 * one.1, "{n} {places}: {one:?} {two:?}");
+            assert!(two.0 > 0.7 * one.0, "{n} {places}: {one:?} {two:?}");
+        }
+        // On every device.
+        assert!(of(256, USUAL, 2).0 > of(256, USUAL, 1).0);
+    }
 }

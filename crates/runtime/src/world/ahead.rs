@@ -65,10 +65,10 @@ impl World {
     /// The arenas of a world in which some cloths of this one are: each that comes has its own.
     fn arenas_in(&self, later: &World, kept: &[Option<usize>], room: &Room) -> Vec<Roster> {
         let place = |own: &usize| kept.iter().position(|k| *k == Some(*own));
-        let stay = self.arenas.iter().map(|list| {
-            let (cloths, sides) = (list.cloths.iter().filter_map(place).collect(), list.sides.clone());
-            Roster { cloths, sides }
-        });
+        let stay = self
+            .arenas
+            .iter()
+            .map(|list| Roster::new(list.cloths.iter().filter_map(place).collect(), list.sides.clone()));
         let come = kept.iter().enumerate().filter(|(_, own)| own.is_none()).flat_map(|(index, _)| {
             let alone = std::slice::from_ref(&later.scene.cloths[index]);
             let held = later.runs[index].instance();

@@ -50,7 +50,13 @@ pub struct ClothRun {
     /// Values of it that were changed because the solver cannot handle them.
     pub warnings: Vec<Warning>,
     /// Its last state in the host's memory, from which it continues if the device is lost.
-    pub kept: Option<ClothState>,
+    pub kept: Option<Kept>,
+}
+
+/// A state of a cloth, and the level on which it had it.
+pub struct Kept {
+    pub level: u32,
+    pub state: ClothState,
 }
 
 impl ClothRun {

@@ -105,6 +105,7 @@ impl World {
     /// Decides which cloths share dispatches; to be called when schedules have changed.
     pub fn fuse(&mut self) {
         self.runs.iter_mut().for_each(|run| (run.fused, run.sequence, run.order) = (None, None, OnceLock::new()));
+        self.close_places();
         let Some(room) = self.room.filter(|_| self.control.options.fused) else { return };
         let (iterations, relaxations) = (self.control.options.iterations, self.control.options.relaxations());
         // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.

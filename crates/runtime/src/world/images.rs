@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::cloth::{Cloth, Tethers};
-use crate::coarser::Coarser;
+use crate::coarser::{Coarser, Table};
 use crate::error::Result;
 
 /// Data that instances of a cloth share once it is prepared for the solver.
@@ -18,6 +18,8 @@ pub struct Images {
     /// The coarser image, and what its instances share, once they are asked for.
     coarser: OnceLock<Coarser>,
     below: OnceLock<Arc<Images>>,
+    /// How motion is carried between the two on the device, once that is asked for.
+    table: OnceLock<Arc<Table>>,
 }
 
 impl Images {
@@ -34,7 +36,8 @@ impl Images {
             return images.clone();
         }
         let tethers = Arc::new(super::cloth_run::hang(cloth, held.0, held.1));
-        Arc::new(Images { given, made: cloth.clone(), held, tethers, coarser: OnceLock::new(), below: OnceLock::new() })
+        let (coarser, below, table) = Default::default();
+        Arc::new(Images { given, made: cloth.clone(), held, tethers, coarser, below, table })
     }
 
     /// The coarser image, made once. Errors as [`Cloth::coarser`].
@@ -54,6 +57,11 @@ impl Images {
     /// Keeps it for those that come later.
     pub fn keep_below(&self, images: Option<&Arc<Images>>) {
         images.into_iter().for_each(|images| _ = self.below.get_or_init(|| images.clone()));
+    }
+
+    /// How motion is carried to the coarser image, made once; the same for all instances.
+    pub fn table(&self, make: impl FnOnce() -> Table) -> Arc<Table> {
+        self.table.get_or_init(|| Arc::new(make())).clone()
     }
 
     /// Tethers of the instances.

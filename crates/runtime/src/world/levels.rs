@@ -6,18 +6,22 @@ use super::follow::Joints;
 use super::images::Images;
 use super::{Action, ClothRun, Left, World};
 use crate::cloth::Cloth;
-use crate::coarser::{Beside, Coarser, Motion, settle};
+use crate::coarser::{Beside, Coarser, Motion, Table, settle};
+use crate::cpu::start::inverse_masses;
 use crate::error::Result;
 use crate::fused::{Roster, arenas};
 use crate::limits::Warning;
+use crate::number::real::with_w;
+use crate::options::Solver;
+use crate::scene::Pose;
 
 /// The finer image that a cloth goes back to.
 #[derive(Clone)]
 pub struct Finer {
-    cloth: Cloth,
-    images: Arc<Images>,
+    pub(super) cloth: Cloth,
+    pub(super) images: Arc<Images>,
     warnings: Vec<Warning>,
-    coarser: Coarser,
+    pub(super) coarser: Coarser,
     beside: Beside,
 }
 
@@ -26,7 +30,21 @@ pub struct Switch {
     pub index: usize,
     cloth: Cloth,
     run: ClothRun,
-    motion: Motion,
+    /// Its motion on the new level, where the host has it.
+    pub motion: Option<Motion>,
+    /// How a device carries its motion; empty where the host has it.
+    pub legs: Vec<Leg>,
+}
+
+/// The way of a cloth's motion to the next level.
+pub struct Leg {
+    /// Whether that is a coarser one.
+    pub down: bool,
+    pub table: Arc<Table>,
+    /// Of the particles on that level.
+    pub inverse_masses: Vec<f32>,
+    /// Pins between coarse texels, with ways as they were at the start.
+    pub beside: Beside,
 }
 
 impl World {
@@ -42,21 +60,22 @@ impl World {
         finer.fold(all, |samples: Vec<u32>, f| samples.iter().map(|k| f.coarser.samples()[*k as usize]).collect())
     }
 
-    /// A cloth on another level, from its motion on the present one. Changes nothing.
-    pub fn switch(&self, index: usize, level: u32, motion: Motion) -> Result<Switch> {
+    /// A cloth on another level, from its motion on the present one, or with legs where none is given. Changes nothing.
+    pub fn switch(&self, index: usize, level: u32, motion: Option<Motion>) -> Result<Switch> {
         let (cloth, now) = (self.scene.cloths[index].clone(), &self.runs[index]);
         cloth.refuse_cut()?;
         let mut run = now.images.clone().map_or_else(ClothRun::default, ClothRun::new);
         (run.finer, run.warnings) = (now.finer.clone(), now.warnings.clone());
-        let mut switch = Switch { index, cloth, run, motion };
+        run.home = now.home;
+        let mut switch = Switch { index, cloth, run, motion, legs: Vec::new() };
         while (switch.run.finer.len() as u32) < level {
             self.coarsen(&mut switch)?;
         }
         while switch.run.finer.len() as u32 > level {
-            switch.refine();
+            switch.refine(self.control.options.solver);
         }
         let run = &mut switch.run;
-        (run.coat, run.home, run.calm) = (now.coat, now.home, now.calm);
+        (run.coat, run.calm) = (now.coat, now.calm);
         run.joints = Joints::of(&switch.cloth);
         if let (Some(joints), Some(before)) = (&mut run.joints, &now.joints) {
             joints.go_on(before);
@@ -67,15 +86,30 @@ impl World {
     fn coarsen(&self, switch: &mut Switch) -> Result<()> {
         let Some(images) = switch.run.images.clone() else { return Ok(()) };
         let coarser = images.coarser()?;
-        let beside = coarser.beside(&switch.cloth, &switch.motion);
+        let home = switch.run.home;
+        let beside = match &switch.motion {
+            Some(motion) => coarser.beside(&switch.cloth, motion),
+            None => coarser.beside(&switch.cloth, &at_start(&switch.cloth, &home)),
+        };
         let mut cloth = coarser.instance(&switch.cloth);
         let slack = self.control.options.slack.get(switch.index).copied().unwrap_or(1.0);
         let known = images.below().into_iter().chain(self.runs.iter().filter_map(|run| run.images.as_ref()));
         let mut run =
             super::members::prepare(&mut cloth, &self.control.options, slack, (&self.scene.colliders, known))?;
         images.keep_below(run.images.as_ref());
-        switch.motion = coarser.restrict(&cloth, &switch.motion);
-        settle(&cloth, &mut switch.motion);
+        match &mut switch.motion {
+            Some(motion) => {
+                *motion = coarser.restrict(&cloth, motion);
+                settle(&cloth, motion);
+            }
+            None => {
+                let solver = self.control.options.solver;
+                let table = images.table(|| coarser.table(&switch.cloth, &cloth, solver));
+                let (inverse_masses, beside) = (inverse_masses(&cloth, solver), beside.clone());
+                switch.legs.push(Leg { down: true, table, inverse_masses, beside });
+            }
+        }
+        run.home = home;
         let cloth = std::mem::replace(&mut switch.cloth, cloth);
         run.finer = std::mem::take(&mut switch.run.finer);
         let warnings = std::mem::take(&mut switch.run.warnings);
@@ -84,13 +118,15 @@ impl World {
         Ok(())
     }
 
-    /// Puts cloths on their new levels. `left` has what each has left behind for the device. The other cloths stay as they are.
-    pub fn replace(&mut self, switches: Vec<Switch>) -> (Vec<Left>, Vec<(usize, Motion)>) {
-        let (mut left, mut motions) = (Vec::new(), Vec::new());
-        for Switch { index, cloth, run, motion } in switches {
+    /// Puts cloths on their new levels. Returns what each has left behind for the device. The other cloths stay as they are.
+    pub fn replace(&mut self, switches: Vec<Switch>) -> Vec<Left> {
+        let (mut left, mut indices) = (Vec::new(), Vec::new());
+        for Switch { index, cloth, run, .. } in switches {
             let place = self.leave_arena(index);
             let cloth = std::mem::replace(&mut self.scene.cloths[index], cloth);
+            let kept = self.runs[index].kept.take();
             self.runs[index] = run;
+            self.runs[index].kept = kept;
             self.host.forget(index);
             self.host.touched = true;
             self.wake(index);
@@ -98,38 +134,52 @@ impl World {
             if self.runs[index].joints.is_some() {
                 self.host.actions.push(Action::Aim { cloth: index });
             }
-            motions.push((index, motion));
+            indices.push(index);
         }
         if let Some(room) = &self.room {
-            let cloths: Vec<Cloth> = motions.iter().map(|(index, _)| self.scene.cloths[*index].clone()).collect();
-            let held = |n: usize| self.runs[motions[n].0].instance();
+            let cloths: Vec<Cloth> = indices.iter().map(|index| self.scene.cloths[*index].clone()).collect();
+            let held = |n: usize| self.runs[indices[n]].instance();
             let found = arenas(&cloths, held, &self.control.options, room);
-            let places = found.into_iter().map(|list| {
-                let cloths = list.cloths.into_iter().map(|n| motions[n].0).collect();
-                Roster { cloths, sides: list.sides }
-            });
+            let places = found
+                .into_iter()
+                .map(|list| Roster::new(list.cloths.into_iter().map(|n| indices[n]).collect(), list.sides));
             self.arenas.extend(places.collect::<Vec<_>>());
         }
-        for (index, _) in &motions {
+        for index in &indices {
             self.runs[*index].schedule = self.schedule(*index, &self.control.options);
         }
         self.control.round = self.cost_of_round();
         self.fuse();
-        (left, motions)
+        left
     }
 }
 
 impl Switch {
-    fn refine(&mut self) {
+    fn refine(&mut self, solver: Solver) {
         let Some(Finer { mut cloth, images, warnings, coarser, beside }) = self.run.finer.pop() else { return };
-        let mut motion = coarser.prolong(&self.motion);
-        coarser.put_beside(&beside, &self.motion, &mut motion);
         coarser.carry_pins(&mut cloth, &self.cloth);
         cloth.take_settings(&self.cloth);
-        self.motion = motion;
+        match &mut self.motion {
+            Some(motion) => {
+                let mut fine = coarser.prolong(motion);
+                coarser.put_beside(&beside, motion, &mut fine);
+                *motion = fine;
+            }
+            None => {
+                let table = images.table(|| coarser.table(&cloth, &self.cloth, solver));
+                let inverse_masses = inverse_masses(&cloth, solver);
+                self.legs.push(Leg { down: false, table, inverse_masses, beside });
+            }
+        }
         self.cloth = cloth;
-        let finer = std::mem::take(&mut self.run.finer);
+        let (finer, home) = (std::mem::take(&mut self.run.finer), self.run.home);
         self.run = ClothRun::new(images);
-        (self.run.finer, self.run.warnings) = (finer, warnings);
+        (self.run.finer, self.run.warnings, self.run.home) = (finer, warnings, home);
     }
+}
+
+/// Where a cloth is at its start, moved by teleports.
+pub(super) fn at_start(cloth: &Cloth, home: &Pose) -> Motion {
+    let now: Vec<_> = cloth.positions().iter().map(|p| with_w(home.apply(*p), 0.0)).collect();
+    Motion { before: now.clone(), now }
 }

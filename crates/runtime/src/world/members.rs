@@ -10,7 +10,6 @@ use crate::cloth::Cloth;
 use crate::collider::Collider;
 use crate::cpu::body::Body;
 use crate::error::{Error, Result};
-use crate::fused::{Roster, arenas};
 use crate::handle::{ClothHandle, ClothRef, follow};
 use crate::limits::{self, Warning};
 use crate::number::real::Real;
@@ -72,7 +71,7 @@ impl World {
         alone.cloths.push(cloth);
         let rounds_change = self.control.join(&alone);
         let slack = self.control.options.slack.last().copied().unwrap_or(1.0);
-        let known = self.runs.iter().filter_map(|run| run.images.as_ref());
+        let known = self.runs.iter().filter_map(|run| run.images.as_ref()).chain(&self.spare_images);
         let run = match prepare(&mut alone.cloths[0], &self.control.options, slack, (&self.scene.colliders, known)) {
             Ok(run) => run,
             Err(error) => {
@@ -81,12 +80,9 @@ impl World {
             }
         };
         let index = self.runs.len();
-        if let Some(room) = &self.room {
-            let found = arenas(&alone.cloths, |_| run.instance(), &self.control.options, room);
-            self.arenas.extend(found.iter().map(|_| Roster::alone(index, &alone.cloths[0])));
-        }
         self.scene.cloths.append(&mut alone.cloths);
         self.runs.push(run);
+        self.find_place(index);
         self.handles.push(ClothHandle::fresh());
         self.host.join(index);
         self.watchdog.join(self.control.clock.time);
@@ -104,7 +100,7 @@ impl World {
 
     /// Lets a cloth go; the indices of those behind it fall by one.
     pub fn leave(&mut self, index: usize) -> Left {
-        let place = self.leave_arena(index);
+        let place = self.leave_place(index);
         self.arenas.iter_mut().flat_map(|list| &mut list.cloths).for_each(|cloth| _ = follow(cloth, index));
         let cloth = self.scene.cloths.remove(index);
         self.runs.remove(index);
@@ -130,7 +126,10 @@ impl World {
     pub(super) fn leave_arena(&mut self, index: usize) -> Option<(usize, usize)> {
         let mut arenas = self.arenas.iter().enumerate();
         let place = arenas.find_map(|(arena, list)| Some((arena, list.cloths.iter().position(|c| *c == index)?)));
-        self.arenas.iter_mut().for_each(|list| list.cloths.retain(|cloth| *cloth != index));
+        if let Some((arena, member)) = place {
+            self.arenas[arena].cloths.remove(member);
+            self.arenas[arena].slots.remove(member);
+        }
         self.arenas.retain(|list| !list.cloths.is_empty());
         place
     }

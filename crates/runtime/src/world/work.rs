@@ -23,6 +23,8 @@ fn of_pass(pass: &Pass, colliders: usize) -> f64 {
         Pass::Wind { .. } => 150.0,
         Pass::Contact(_) => 12.0 * colliders.min(MAX_COLLIDERS) as f64,
         Pass::Pyramid { .. } | Pass::Refine { .. } => 20.0,
+        // Counted with those above.
+        Pass::CoarseLevel { .. } | Pass::CoarseTies { .. } => 0.0,
         Pass::Membrane { .. } | Pass::Moments { .. } | Pass::Bend => 5.0,
         _ => 2.0,
     }

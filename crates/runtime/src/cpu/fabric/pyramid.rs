@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use super::stretch::{self, Rests, Springs};
+use super::{coarse_level, coarse_ties};
 use crate::cpu::interpolate::{Field, Parted, add, interpolate};
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::{Sheet, Values};
@@ -65,7 +66,7 @@ impl<T: Real> Pyramid<T> {
     }
 
     /// Moves level `n` (from 0 for the finest) with the one above, and limits its lengths.
-    fn limit(&mut self, threads: &Threads, present: &[bool; 4], n: usize) {
+    pub(super) fn limit(&mut self, threads: &Threads, present: &[bool; 4], n: usize) {
         let Some((here, above)) = self.levels.split_at_mut_checked(n + 1) else { return };
         let level = &mut here[n];
         if let Some(above) = above.first() {
@@ -83,27 +84,24 @@ impl<T: Real> Pyramid<T> {
     }
 }
 
-/// Limits lengths from the coarsest level to the finest; the displacement of that one is then in it. `cut`: only nodes
-/// that are duplicates are tied.
+/// Limits lengths from the coarsest level to level `finest`, 1 for the finest of all. `cut`: only nodes that are duplicates are tied.
 pub fn run<T: Real>(
     pyramids: &mut [Pyramid<T>],
     sheets: &[Sheet<T>],
     threads: &Threads,
-    (present, cut): (&[bool; 4], bool),
+    (present, cut, finest): (&[bool; 4], bool, usize),
     ties: &[Ties],
 ) {
     pyramids.iter_mut().zip(sheets).for_each(|(p, sheet)| p.gather(sheet));
     let most = pyramids.iter().map(|p| p.levels.len()).max().unwrap_or(0);
-    for n in (0..most).rev() {
-        pyramids.iter_mut().for_each(|p| p.limit(threads, present, n));
-        for tied in ties.get(n).into_iter().flat_map(|t| t.of(cut)) {
-            tie(pyramids, n, tied);
-        }
+    for level in (finest..=most).rev() {
+        coarse_level::run(pyramids, threads, present, level);
+        coarse_ties::run(pyramids, level, cut, ties);
     }
 }
 
 /// Nodes of a level, of any grid, take the mean of their displacements by mass, or stay where one is pinned.
-fn tie<T: Real>(pyramids: &mut [Pyramid<T>], n: usize, tied: &[(usize, usize)]) {
+pub(super) fn tie<T: Real>(pyramids: &mut [Pyramid<T>], n: usize, tied: &[(usize, usize)]) {
     let (mut sum, mut mass, mut pinned) = ([T::of(0.0); 3], T::of(0.0), false);
     for (grid, k) in tied {
         let Level { sheet, origin, .. } = &pyramids[*grid].levels[n];

@@ -7,6 +7,7 @@ pub use relax::TORN;
 use std::sync::Arc;
 
 use super::polish::OVER;
+use crate::cloth::{Cloth, Compliance, Rest};
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::{Sheet, Values, planes};
 use crate::number::lanes::{Machine, Work, widest};
@@ -381,4 +382,24 @@ fn cut<T>(row: &mut [T], half: usize, side: usize, from: usize) -> [&mut [T]; 3]
     let [x, y, z] = planes(row, half);
     let range = side * half + from..(side + 1) * half;
     [&mut x[range.clone()], &mut y[range.clone()], &mut z[range]]
+}
+
+/// The springs of a grid of a cloth, by direction.
+pub fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>) -> [Springs<T>; 4] {
+    let first = cloth.grids()[g].first as usize;
+    let holes = (0..sheet.width * sheet.height).any(|k| !cloth.particles()[first + k].exists());
+    [0, 1, 2, 3].map(|d| {
+        let zero = T::of(0.0);
+        let rest = match cloth.rest() {
+            Rest::None => Rests::constant(sheet, zero),
+            Rest::Constant(r) if !holes => Rests::constant(sheet, T::of(r[g][d].into())),
+            _ => Rests::List(Arc::new(sheet.list(zero, |k| T::of(cloth.spring(g, k, d).into())))),
+        };
+        let soft = match &cloth.compliance {
+            Compliance::None => Values::Constant(zero),
+            Compliance::Constant(c) => Values::Constant(T::of(f64::from(*c))),
+            Compliance::Image(c) => Values::List(Arc::new(sheet.list(zero, |k| T::of(c[first + k][d].into())))),
+        };
+        Springs { rest, soft, sums: Vec::new(), bound: zero }
+    })
 }
