@@ -1,3 +1,10 @@
+use gimage::import::Up;
+use gimage::limits::Limit;
+use gimage::options::{BuildOptions, Effort, ImageSize, RestLength, Sample, Seams};
+use gimage::pins::Pin;
+use gimage::select::Pattern;
+use gimage::shell::Layer;
+
 use super::*;
 use clap::CommandFactory;
 

@@ -385,8 +385,8 @@ impl<T: Real> Fabric<T> {
                 each.for_each(|(sheet, limit)| limit::run(threads, sheet, limit, step.left));
             }
             Pass::Pyramid { directions, cut, finest, .. } => {
-                let what = (&directions, cut, finest as usize);
-                pyramid::run(&mut self.pyramids, &self.sheets, threads, what, &self.ties);
+                let descent = pyramid::Descent { present: &directions, cut, finest: finest as usize };
+                pyramid::run(&mut self.pyramids, &self.sheets, threads, descent, &self.ties);
             }
             Pass::CoarseLevel { level, directions, .. } => {
                 coarse_level::run(&mut self.pyramids, threads, &directions, level as usize);

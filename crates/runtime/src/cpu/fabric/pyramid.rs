@@ -84,12 +84,23 @@ impl<T: Real> Pyramid<T> {
     }
 }
 
-/// Limits lengths from the coarsest level to level `finest`, 1 for the finest of all. `cut`: only nodes that are duplicates are tied.
+/// What a pass of the pyramid does.
+#[derive(Clone, Copy)]
+pub struct Descent<'a> {
+    /// The directions of springs that any grid has.
+    pub present: &'a [bool; 4],
+    /// Only nodes that are duplicates are tied.
+    pub cut: bool,
+    /// The last level, 1 for the finest of all.
+    pub finest: usize,
+}
+
+/// Limits lengths from the coarsest level to the last one.
 pub fn run<T: Real>(
     pyramids: &mut [Pyramid<T>],
     sheets: &[Sheet<T>],
     threads: &Threads,
-    (present, cut, finest): (&[bool; 4], bool, usize),
+    Descent { present, cut, finest }: Descent,
     ties: &[Ties],
 ) {
     pyramids.iter_mut().zip(sheets).for_each(|(p, sheet)| p.gather(sheet));
