@@ -144,7 +144,7 @@ pub const FIT_COLLIDERS: &str = concat!(
     "  gimage fit-colliders character.glb -o body.json --collider-shapes capsule --max-colliders 24\n",
     "  gimage fit-colliders character.glb --body Body,Head --collider-error 0.01 --json | jq .error\n\n",
     "Parts that look like a body are fitted, see `gimage list`; --body chooses them by name. Colliders follow one joint each and ",
-    "are in the pose in which the file binds the mesh to its skeleton. Columns: the distance between the part of the body that a ",
+    "are where the character stands as its file has it. Columns: the distance between the part of the body that a ",
     "collider stands for and the surface of all colliders. The file of --output is a scene without cloth: `gimage render` draws ",
     "it, and its colliders can be copied to other scenes.",
     exit_codes!("done, but 5 % of the body are farther away than --collider-error")

@@ -49,7 +49,7 @@ pub enum Support {
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
 /// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
 /// | colliders, no pins | 12 sqrt(N / 64), of a material 48 | 8 | a T-shirt on moving arms: p99 4 % at N = 64, 5 % at 128 |
-/// | the same, falling on them at more than 1 m/s | 25 sqrt(N / 64) | 3 | scene s2: see `docs/solvers.md` |
+/// | the same, starting high enough to fall on them at more than 1 m/s | 25 sqrt(N / 64) | 3 | scene s2: see `docs/solvers.md` |
 /// | colliders at speed v \[m/s\] | in a step, v moves at most a tenth of the thinnest collider's radius | 8 | scene s2f |
 ///
 /// The choice is made again when a cloth loses its last pin, and when the first collider comes. A cloth that is added raises the
@@ -114,9 +114,9 @@ const FREE_SUBSTEPS: u32 = 8;
 const FAST_SHARE: f64 = 0.1;
 /// Rounds of polish of cloth that meets a collider fast.
 const FAST_POLISH: u32 = 8;
-/// Speed \[m/s\] from which a fall on colliders counts, its substeps at N = 64, and its rounds. A slap presses cells together where
+/// Speed from which a fall on colliders counts, its substeps at N = 64, and its rounds. A slap presses cells together where
 /// steps are long, and further rounds press them more.
-const FALLS: f64 = 1.0;
+const MIN_FALL_M_S: f64 = 1.0;
 const FALL_SUBSTEPS: f64 = 25.0;
 const FALL_POLISH: u32 = 3;
 
@@ -259,7 +259,7 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
         }
         (true, true, true) => (scaled(if sheet { 16.0 } else { 12.0 }), 4, Support::TetheredOnColliders),
         (true, false, _) => (scaled(16.0), 4, Support::Springs),
-        (false, _, true) if !sheet && fall(cloth, scene) > FALLS => {
+        (false, _, true) if !sheet && fall(cloth, scene) > MIN_FALL_M_S => {
             (scaled(FALL_SUBSTEPS), FALL_POLISH, Support::Falls(fall(cloth, scene)))
         }
         (false, _, true) => (scaled(if sheet { 48.0 } else { 12.0 }), 8, Support::OnColliders),

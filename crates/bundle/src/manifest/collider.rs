@@ -1,6 +1,7 @@
 //! Solids in place of a body.
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// A solid that stands for a part of a body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,7 +17,7 @@ pub struct ColliderEntry {
     pub rotation: [f64; 4],
 }
 
-/// A shape in its own frame, around the origin. Sizes are in metres, at least 0.
+/// A shape in its own frame, around the origin. Sizes are in metres, above 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -43,7 +44,25 @@ pub enum ColliderShape {
         /// Its radii.
         radii: [f64; 3],
     },
-    /// A shape of a later version, as it is written.
+    /// A shape of a later version.
     #[serde(untagged)]
-    Unknown(serde_json::Value),
+    Unknown(UnknownShape),
+}
+
+/// A shape that this version does not know: an object with one field of another name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Value")]
+pub struct UnknownShape(Value);
+
+impl TryFrom<Value> for UnknownShape {
+    type Error = String;
+
+    fn try_from(value: Value) -> Result<Self, String> {
+        let names: Vec<&str> =
+            value.as_object().map_or(Vec::new(), |fields| fields.keys().map(String::as_str).collect());
+        match names[..] {
+            [name] if !["sphere", "capsule", "box", "ellipsoid"].contains(&name) => Ok(UnknownShape(value)),
+            _ => Err(format!("{value} is not the shape of a collider")),
+        }
+    }
 }

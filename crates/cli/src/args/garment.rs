@@ -112,7 +112,7 @@ pub struct FitArgs {
     /// Distance that at most 5 % of the body may have from the colliders; they are divided until then.
     #[arg(long, value_name = "METRES", default_value_t = 0.006, allow_negative_numbers = true)]
     pub collider_error: f64,
-    /// Largest number of colliders, beyond one per joint; 1 to 512.
+    /// Largest number of colliders, 1 to 512; a skeleton with more joints that move the body has one per joint.
     #[arg(long, value_name = "N", default_value_t = 48, allow_negative_numbers = true)]
     pub max_colliders: usize,
     /// Shapes to choose from, separated by commas [default: sphere,capsule].

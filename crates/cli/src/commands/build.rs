@@ -65,6 +65,7 @@ pub fn dress(args: &DressArgs, out: &Output) -> Result<Exit, Failure> {
 fn work(args: &BuildArgs, solids: Option<ColliderOptions>, out: &Output) -> Result<Exit, Failure> {
     let options = args.options();
     options.check()?;
+    solids.iter().try_for_each(ColliderOptions::check)?;
     // The main thread's stack is larger than a pool's by default; deep recursion in a decoder should not notice.
     let pool = ThreadPoolBuilder::new().num_threads(args.threads.into()).stack_size(8 << 20);
     let pool = pool.build().map_err(|e| Failure::refused(format!("option threads: {e}; request fewer")))?;

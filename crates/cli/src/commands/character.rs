@@ -68,6 +68,7 @@ impl Animated {
         }
         for (index, joint) in file.joints.iter().enumerate() {
             let (Some(joint), Some(collider)) = (joint, file.scene.colliders.get(index)) else { continue };
+            collider.check()?;
             colliders.push(Attached { index, node: node(joint)?, pose: collider.pose() });
         }
         if cloths.is_empty() && colliders.is_empty() {

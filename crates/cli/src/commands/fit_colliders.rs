@@ -26,7 +26,7 @@ pub fn run(args: &FitCollidersArgs, out: &Output) -> Result<Exit, Failure> {
     for finding in &found.findings {
         let tone = if finding.severity == Severity::Warning { Tone::Warning } else { Tone::Note };
         if finding.stage == "colliders" {
-            exit = Exit::Findings;
+            exit = if finding.severity == Severity::Warning { Exit::Findings } else { exit };
         } else if !out.verbose {
             continue;
         }

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::entries::repair_entry;
 use super::{Built, build};
-use crate::colliders::{Collider, ColliderOptions, Fit, Form, fit_colliders};
+use crate::colliders::{Collider, ColliderOptions, Fit, Form, fit_body};
 use crate::error::{Error, Result};
 use crate::options::BuildOptions;
 use crate::progress::Progress;
@@ -17,7 +17,7 @@ use crate::stage::assemble::pins::Pin;
 /// Share of the height of each garment that [`dress`] pins without other pins: a collar, a waistband.
 pub const PINNED_TOP: f64 = 0.06;
 
-/// Builds a bundle as [`build`] does, and adds solids that stand for the body ([`fit_colliders`]) to its manifest. Without
+/// Builds a bundle as [`build`] does, and adds solids that stand for the body ([`crate::colliders::fit_colliders`]) to its manifest. Without
 /// pins, the top of each garment is pinned ([`PINNED_TOP`]), and a finding says so. A file without a body has no solids, with a
 /// warning.
 ///
@@ -31,7 +31,7 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
         findings.push(finding(Severity::Note, "hint-pins", message));
     }
     // The shorter work first, so that it fails first.
-    let fit = match fit_colliders(path, &options, solids) {
+    let fit = match fit_body(path, &options, solids, true) {
         Ok(fit) => Some(fit),
         Err(Error::Empty { problem, hint, .. }) => {
             findings.push(finding(Severity::Warning, "no-body", format!("There are no colliders: {problem}; {hint}.")));
@@ -41,7 +41,11 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     };
     let mut built = build(path, &options, progress)?;
     let manifest = &mut built.bundle.manifest;
-    if let Some(Fit { colliders, findings: found, .. }) = fit {
+    if let Some(Fit { colliders, figures, findings: found, .. }) = fit {
+        let mm = [figures.body.mean, figures.body.p95, figures.body.max].map(|x| format!("{:.1}", 1e3 * x)).join(", ");
+        let message =
+            format!("{} colliders; mean, 95 % and largest distance of the body from them: {mm} mm.", colliders.len());
+        findings.push(finding(Severity::Note, "hint-colliders", message));
         manifest.colliders = colliders.iter().map(entry).collect();
         findings.extend(found.into_iter().filter(|f| f.stage == "colliders"));
     }

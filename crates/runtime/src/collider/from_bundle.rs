@@ -58,6 +58,11 @@ mod tests {
         let Collider { shape, center, rotation, friction, .. } = found[0].collider;
         assert_eq!(shape, Shape::Capsule { half_height: 0.2, radius: 0.1 });
         assert_eq!((center, rotation, friction), ([1.0, 2.0, 3.0], [0.0, 0.0, 0.6, 0.8], FRICTION));
+        // A known shape must be whole.
+        for shape in [r#"{"sphere": {"radius": "NaN"}}"#, r#"{"box": {"halves": [1, 1, 1]}}"#, "5"] {
+            let text = format!(r#"[{{"shape": {shape}, "position": [0, 0, 0], "rotation": [0, 0, 0, 1]}}]"#);
+            assert!(serde_json::from_str::<Vec<ColliderEntry>>(&text).is_err(), "{shape}");
+        }
         assert_eq!(found[1].collider.shape, Shape::Ellipsoid { radii: [1.0, 2.0, 3.0], closest: true });
     }
 }

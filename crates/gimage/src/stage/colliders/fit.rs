@@ -20,6 +20,8 @@ const DIVISIBLE: usize = 40;
 const USED: usize = 6;
 /// Largest share of its thickness by which a solid gets thinner on each side to leave the garments outside.
 const CLEARED: f64 = 0.25;
+/// Divisions that are tried per solid, at most.
+const ATTEMPTS: usize = 3;
 /// A point outside counts for solids that come so near \[targets\] to the distance that they must keep.
 const NEAR: f64 = 20.0;
 
@@ -57,7 +59,12 @@ pub(super) fn fit(samples: &[Sample], limits: &Limits) -> Vec<Placed> {
     let mut placed: Vec<Placed> = joints.par_iter().filter_map(of_joint).collect();
     (0..ROUNDS).for_each(|_| round(&mut placed, samples, limits, false));
     let mut given_up: Vec<Solid> = Vec::new();
-    while placed.len() < limits.count {
+    // Solids that were given up change with their neighbours, and are tried again.
+    let attempts = ATTEMPTS * limits.count;
+    for _ in 0..attempts {
+        if placed.len() >= limits.count {
+            break;
+        }
         let state = State::new(&placed, samples);
         if state.within(samples, limits.target) {
             break;

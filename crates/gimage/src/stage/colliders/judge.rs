@@ -9,12 +9,13 @@ use super::winding::Winding;
 use crate::base::closest::Closest;
 use crate::base::mesh::Mesh;
 
-/// Points along each axis of the box of a solid, for volumes.
-const CELLS: usize = 10;
+/// Points along each axis of the box of a solid, for volumes, and pairs of points and triangles that are looked at, at most.
+const CELLS: [f64; 2] = [4.0, 10.0];
+const MAX_PAIRS: f64 = 4e8;
 
 /// Distances between the common surface of solids and the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Error {
+pub struct FitError {
     /// Mean distance \[m\] of points of the body that can be touched.
     pub mean: f64,
     /// The distance that 95 % of them have at most.
@@ -23,13 +24,13 @@ pub struct Error {
     pub max: f64,
 }
 
-impl Error {
+impl FitError {
     /// Of absolute distances; 0 without any.
     pub(super) fn of(distances: impl Iterator<Item = f64>) -> Self {
         let mut all: Vec<f64> = distances.map(f64::abs).collect();
         all.sort_by(f64::total_cmp);
         let at = |share: f64| all.get(((all.len() as f64 * share).ceil() as usize).max(1) - 1).copied().unwrap_or(0.0);
-        Error { mean: all.iter().sum::<f64>() / all.len().max(1) as f64, p95: at(0.95), max: at(1.0) }
+        FitError { mean: all.iter().sum::<f64>() / all.len().max(1) as f64, p95: at(0.95), max: at(1.0) }
     }
 }
 
@@ -37,9 +38,9 @@ impl Error {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
     /// Points of the body to the common surface of all solids.
-    pub body: Error,
+    pub body: FitError,
     /// The same for the points of each solid's own share of the body.
-    pub of_each: Vec<Error>,
+    pub of_each: Vec<FitError>,
     /// Volume \[m3\] of the solids that lies outside the body, overlaps counted once.
     pub outside: f64,
     /// The largest distance \[m\] of a point of that volume from the body.
@@ -59,10 +60,10 @@ pub(super) fn judge(mesh: &Mesh, winding: &Winding, placed: &[Placed], samples: 
             Some((owner.or_else(any)?, union))
         })
         .collect();
-    let of = |k: usize| Error::of(nearest.iter().filter(|n| n.0 == k).map(|n| n.1));
+    let of = |k: usize| FitError::of(nearest.iter().filter(|n| n.0 == k).map(|n| n.1));
     let outside = outside(mesh, winding, placed);
     Figures {
-        body: Error::of(nearest.iter().map(|n| n.1)),
+        body: FitError::of(nearest.iter().map(|n| n.1)),
         of_each: (0..placed.len()).map(of).collect(),
         outside: outside.0,
         farthest: outside.1,
@@ -72,13 +73,15 @@ pub(super) fn judge(mesh: &Mesh, winding: &Winding, placed: &[Placed], samples: 
 /// The volume of the solids that lies outside the body, and its largest distance from it.
 fn outside(mesh: &Mesh, winding: &Winding, placed: &[Placed]) -> (f64, f64) {
     let closest = Closest::new(&mesh.positions, &mesh.triangles);
+    let pairs = (mesh.triangles.len() * placed.len()).max(1) as f64;
+    let cells = (MAX_PAIRS / pairs).cbrt().clamp(CELLS[0], CELLS[1]) as usize;
     let of = |k: usize| {
         let solid = placed[k].solid;
         let (half, turn) = (solid.form.half_extents(), solid.turn());
         let (mut count, mut far) = (0usize, 0.0f64);
-        for i in 0..CELLS.pow(3) {
-            let cell = [i % CELLS, i / CELLS % CELLS, i / (CELLS * CELLS)];
-            let local = [0, 1, 2].map(|k| (2.0 * (cell[k] as f64 + 0.5) / CELLS as f64 - 1.0) * half[k]);
+        for i in 0..cells.pow(3) {
+            let cell = [i % cells, i / cells % cells, i / (cells * cells)];
+            let local = [0, 1, 2].map(|k| (2.0 * (cell[k] as f64 + 0.5) / cells as f64 - 1.0) * half[k]);
             let p: [f64; 3] = (turn * nalgebra::Vector3::from(local) + nalgebra::Vector3::from(solid.center)).into();
             // The first solid that has a point counts it.
             if solid.form.distance(local.into()) > 0.0 || placed[..k].iter().any(|o| o.solid.distance(p) <= 0.0) {
@@ -89,7 +92,7 @@ fn outside(mesh: &Mesh, winding: &Winding, placed: &[Placed]) -> (f64, f64) {
                 far = far.max(closest.project(p).map_or(0.0, |n| n.distance));
             }
         }
-        let cell = 8.0 * half.iter().product::<f64>() / CELLS.pow(3) as f64;
+        let cell = 8.0 * half.iter().product::<f64>() / cells.pow(3) as f64;
         (count as f64 * cell, far)
     };
     let all: Vec<(f64, f64)> = (0..placed.len()).into_par_iter().map(of).collect();

@@ -16,8 +16,9 @@ mod winding;
 use std::path::Path;
 
 use super::import::{Imported, import};
-use super::select::{Role, keeping, roles};
-use crate::base::mesh::Mesh;
+use super::select::{Role, SelectOptions, keeping, roles};
+use crate::base::mesh::{Joint, Mesh};
+use crate::base::vec3::distance;
 use crate::error::{Error, Result};
 use crate::options::BuildOptions;
 use crate::record::{Finding, Severity};
@@ -25,7 +26,7 @@ use fit::Limits;
 use samples::{guards, join_small, samples, worn};
 use winding::Winding;
 
-pub use judge::{Error as FitError, Figures};
+pub use judge::{Figures, FitError};
 pub use shape::Kind;
 pub use solid::{Form, Solid};
 
@@ -34,7 +35,8 @@ pub const MAX_COUNT: usize = 512;
 /// Pairs of samples and triangles that the search for covered samples looks at, at most: more triangles, fewer samples.
 const MAX_PAIRS: usize = 400_000_000;
 /// Smallest thickness of a solid of a division, as a share of the diagonal: 2 cm of a person.
-const THIN: f64 = 0.01;
+const MIN_THICKNESS: f64 = 0.01;
+/// Fewest and most samples.
 const SAMPLES: [usize; 2] = [1_500, 2_500];
 
 /// Options of [`fit_colliders`].
@@ -81,15 +83,20 @@ pub struct Fit {
 /// Fits solids to the body of a character. Parts named by `--body` ([`crate::select::SelectOptions::body`]) are the body;
 /// otherwise those that look like one, or all parts of a file without a skin.
 ///
-/// Deterministic. O(samples x (triangles + solids)): a character of 10,000 triangles takes some seconds.
+/// Deterministic. O(samples x (triangles + solids x divisions)): a character of 10,000 triangles takes some seconds.
 ///
 /// Errors: those of the import; [`Error::Option`] for values out of range and for patterns that match nothing; [`Error::Empty`] if
 /// no part looks like a body, or if it has no area.
 pub fn fit_colliders(path: &Path, read: &BuildOptions, options: &ColliderOptions) -> Result<Fit> {
+    fit_body(path, read, options, false)
+}
+
+/// As [`fit_colliders`]; with `dressed`, no part that a build with these options makes cloth of is the body.
+pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptions, dressed: bool) -> Result<Fit> {
     read.check()?;
     options.check()?;
     let Imported { mesh, source, mut findings, .. } = import(path, &read.import)?;
-    let body = body(&mesh, read)?;
+    let body = body(&mesh, read, dressed)?;
     if !body.contains(&true) {
         let problem = "no part looks like a body".into();
         let hint = "choose parts with --body; `gimage list` shows their names".into();
@@ -110,11 +117,13 @@ pub fn fit_colliders(path: &Path, read: &BuildOptions, options: &ColliderOptions
         hint: "check that its triangles face outwards".into(),
     })?;
     findings.extend(missed(&figures, &colliders, options));
+    findings.extend(elsewhere(&mesh, options));
     Ok(Fit { file: source.file_name, parts, colliders, figures, findings })
 }
 
 impl ColliderOptions {
-    fn check(&self) -> Result<()> {
+    /// Errors with [`Error::Option`] for values out of range.
+    pub fn check(&self) -> Result<()> {
         let wrong = |option: &str, problem: String, hint: &str| {
             Err(Error::Option { option: option.into(), problem, hint: hint.into() })
         };
@@ -135,8 +144,8 @@ impl ColliderOptions {
     }
 }
 
-/// For each part whether it belongs to the body.
-fn body(mesh: &Mesh, read: &BuildOptions) -> Result<Vec<bool>> {
+/// For each part whether it belongs to the body; with `dressed`, none that becomes cloth does.
+fn body(mesh: &Mesh, read: &BuildOptions, dressed: bool) -> Result<Vec<bool>> {
     let patterns = &read.select.body;
     if let Some(unmet) = patterns.iter().find(|p| !mesh.parts.iter().any(|part| p.matches_part(part))) {
         let problem = format!("no node, mesh or material matches `{unmet}`");
@@ -146,9 +155,13 @@ fn body(mesh: &Mesh, read: &BuildOptions) -> Result<Vec<bool>> {
     if !patterns.is_empty() {
         return Ok(mesh.parts.iter().map(|part| patterns.iter().any(|p| p.matches_part(part))).collect());
     }
-    let verdicts = roles(mesh, &read.select)?;
-    let is_body: Vec<bool> = verdicts.iter().map(|v| v.looks_like == Role::Body).collect();
-    let plain = mesh.skeleton.joints.is_empty() && read.select.cloth.is_empty() && read.select.rigid.is_empty();
+    // The rule says what looks like a body, and names of other parts what is none.
+    let (looks, roles) = (roles(mesh, &SelectOptions::default())?, roles(mesh, &read.select)?);
+    let named = !read.select.cloth.is_empty() || !read.select.rigid.is_empty();
+    let other = |role: Role| (named && role == Role::Rigid) || ((named || dressed) && role == Role::Cloth);
+    let is_body: Vec<bool> =
+        looks.iter().zip(&roles).map(|(look, r)| look.looks_like == Role::Body && !other(r.role)).collect();
+    let plain = mesh.skeleton.joints.is_empty() && !named && !dressed;
     Ok(if plain && !is_body.contains(&true) { vec![true; is_body.len()] } else { is_body })
 }
 
@@ -163,7 +176,7 @@ fn fit_mesh(mesh: &Mesh, cloth: &Mesh, options: &ColliderOptions) -> Option<(Vec
     let guards = guards(mesh, &winding, &all);
     all.extend(guards);
     all.extend(worn(cloth, &winding, count));
-    let thin = THIN * mesh.diagonal();
+    let thin = MIN_THICKNESS * mesh.diagonal();
     let limits = Limits { kinds: &options.kinds, target: options.error, count: options.count, thin };
     let placed = fit::fit(&all, &limits);
     if placed.is_empty() {
@@ -178,6 +191,26 @@ fn fit_mesh(mesh: &Mesh, cloth: &Mesh, options: &ColliderOptions) -> Option<(Vec
         None => Collider { joint: None, solid: p.solid },
     };
     Some((placed.iter().map(collider).collect(), figures))
+}
+
+/// A note if the file poses its skeleton elsewhere than its meshes are bound, by more than the target.
+fn elsewhere(mesh: &Mesh, options: &ColliderOptions) -> Option<Finding> {
+    let (low, high) = mesh.bounds()?;
+    let center = std::array::from_fn(|k| 0.5 * (low[k] + high[k]));
+    let middle = Solid { form: Form::Sphere { radius: 1.0 }, center, rotation: [0.0, 0.0, 0.0, 1.0] };
+    let moves = |joint: &Joint| distance(middle.posed(joint).center, center) > options.error;
+    let count = mesh.skeleton.joints.iter().filter(|joint| moves(joint)).count();
+    let message = "The file poses its skeleton in another way than its meshes are bound: colliders fit the cloth when an animation \
+                   moves both (--animation), not before."
+        .into();
+    (count > 0).then(|| Finding {
+        severity: Severity::Note,
+        stage: "colliders",
+        kind: "hint-pose",
+        count: count as u64,
+        examples: Vec::new(),
+        message,
+    })
 }
 
 /// A warning if the body is not within reach of the target.

@@ -21,7 +21,7 @@ const DEPTHS: [f64; 2] = [0.25, 0.5];
 /// Share of the height of a garment, from its top, that is held to lie on the body.
 const HELD: f64 = 0.12;
 /// Weight of an error outwards, beside one inwards.
-const OUT: f64 = 1.5;
+const OUTWARD_WEIGHT: f64 = 1.5;
 /// One surface sample in this number has points outside and inside.
 const EVERY: usize = 2;
 
@@ -54,7 +54,7 @@ impl Sample {
     /// How far a distance is from those that are right.
     pub fn error(&self, distance: f64) -> f64 {
         // A solid that stands out lifts the cloth; one that stays behind is seen less.
-        (distance - self.high).max(0.0) + OUT * (distance - self.low).min(0.0)
+        (distance - self.high).max(0.0) + OUTWARD_WEIGHT * (distance - self.low).min(0.0)
     }
 }
 
@@ -171,7 +171,7 @@ pub(super) fn join_small(samples: &mut [Sample], parents: &[Option<u32>]) {
         chain.take(parents.len() + 1).count()
     };
     let mut order: Vec<usize> = (0..parents.len()).collect();
-    order.sort_by_key(|&j| std::cmp::Reverse(depth(j)));
+    order.sort_by_cached_key(|&j| std::cmp::Reverse(depth(j)));
     let few = (SMALL * samples.len() as f64) as usize;
     let mut counts = vec![0; parents.len()];
     samples.iter().filter_map(|s| s.joint).for_each(|j| counts[j as usize] += 1);

@@ -5,6 +5,9 @@ use serde::Serialize;
 
 use crate::base::mesh::Joint;
 
+/// Steps in which the rotation of a transform is sought, at most: one that is sheared strongly has none that is right.
+const MAX_TURNS: usize = 200;
+
 /// The form of a solid, in its own frame \[m\].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -56,15 +59,23 @@ impl Solid {
         UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z)).to_rotation_matrix()
     }
 
-    /// The solid moved from the pose in which the mesh is bound to where the joint is in the file. Sizes stay as they are.
+    /// The solid moved from the pose in which the mesh is bound to where the joint is in the file, with its scale; the same solid if the
+    /// transform of the joint is flat.
     pub(super) fn posed(&self, joint: &Joint) -> Self {
         let to_world = Matrix4::from_column_slice(&joint.world) * Matrix4::from_column_slice(&joint.inverse_bind);
-        let turn = Rotation3::from_matrix(&to_world.fixed_view::<3, 3>(0, 0).into_owned());
+        let linear = to_world.fixed_view::<3, 3>(0, 0).into_owned();
+        // Of a mirror this is the mirrored matrix with its signs changed: solids are symmetric about their centre.
+        let scale = linear.determinant().cbrt();
         let center = to_world.transform_point(&Vector3::from(self.center).into()).coords;
-        if !center.iter().chain(turn.matrix().iter()).all(|x| x.is_finite()) {
+        let turn = linear / scale;
+        if !center.iter().chain(turn.iter()).all(|x| x.is_finite()) {
             return *self;
         }
-        Solid::new(self.form, center, &(turn * self.turn()))
+        let turn = Rotation3::from_matrix_eps(&turn, 1e-10, MAX_TURNS, Rotation3::identity());
+        if !turn.matrix().iter().all(|x| x.is_finite()) {
+            return *self;
+        }
+        Solid::new(self.form.scaled(scale.abs()), center, &(turn * self.turn()))
     }
 
     /// Distance \[m\] of a point from the surface, negative inside. That of an ellipsoid is exact to 1e-7 of its size.
@@ -127,6 +138,18 @@ impl Form {
             Form::Capsule { half_height, radius } => Form::Capsule { half_height, radius: radius - depth },
             Form::Box { half } => Form::Box { half: half.map(|h| h - depth) },
             Form::Ellipsoid { radii } => Form::Ellipsoid { radii: radii.map(|r| r - depth) },
+        }
+    }
+
+    /// With sizes times `by`.
+    fn scaled(self, by: f64) -> Self {
+        match self {
+            Form::Sphere { radius } => Form::Sphere { radius: by * radius },
+            Form::Capsule { half_height, radius } => {
+                Form::Capsule { half_height: by * half_height, radius: by * radius }
+            }
+            Form::Box { half } => Form::Box { half: half.map(|h| by * h) },
+            Form::Ellipsoid { radii } => Form::Ellipsoid { radii: radii.map(|r| by * r) },
         }
     }
 

@@ -120,6 +120,15 @@ fn each_joint_has_its_own_solids_and_a_small_one_goes_to_its_parent() {
     let found = moved[1].solid.center;
     assert!((found[0] - z).abs() + (found[1] - y - 0.5).abs() + (found[2] + x).abs() < 1e-9, "{found:?}");
     assert!(moved[1].solid.distance([0.0, 0.5, -0.37]).abs() < 5e-3 && moved[0] == colliders[0]);
+    // Mirrored, much larger, flat: the search for the rotation ends.
+    for (linear, size) in [([-1.0, 1.0, 1.0], 1.0), ([100.0; 3], 100.0), ([1.0, 1.0, 0.0], 1.0), ([f64::NAN; 3], 1.0)] {
+        let mut joint = posed.skeleton.joints[0].clone();
+        (0..3).for_each(|k| joint.world[5 * k] = linear[k]);
+        let solid = colliders[1].solid.posed(&joint);
+        let scale = solid.form.thickness() / colliders[1].solid.form.thickness();
+        assert!((scale - size).abs() < 1e-9 * size, "{linear:?}: {scale}");
+        assert!(solid.center.iter().chain(&solid.rotation).all(|x| x.is_finite()), "{solid:?}");
+    }
     // A joint that moves a tip of some triangles.
     let mut tip = limb(24, 0.3, 0.07);
     tip.positions.iter_mut().for_each(|p| p[0] -= 0.369);
