@@ -150,6 +150,8 @@ pub struct Like {
     pub instance: (usize, usize),
     pub exact: bool,
     pub limited: bool,
+    /// Whether it follows joints, and so has targets of its own.
+    pub follows: bool,
 }
 
 impl Roster {

@@ -79,13 +79,7 @@ impl Gpu {
                     self.once(world, &mut pass, *cloth, Pass::Transform, &more, list(chosen.len()));
                 }
                 Action::Place { cloth, rows } => self.place(&mut begin(encoder, "pins"), *cloth, rows),
-                Action::Aim { cloth } => match &world.runs[*cloth].joints {
-                    None => self.aim(world, encoder, *cloth),
-                    Some(joints) => {
-                        let to = joints.now().to_vec();
-                        self.skin(world, encoder, *cloth, (None, &to), 0.0);
-                    }
-                },
+                Action::Aim { cloth } => self.aim(world, encoder, *cloth),
                 Action::Skin { cloth, from, to, rate } => {
                     self.skin(world, encoder, *cloth, (from.as_deref(), to), *rate);
                 }

@@ -136,9 +136,9 @@ fn slots(schedule: &Schedule) -> u32 {
 }
 
 /// Whether a frame asks for the previous position of a particle only where it runs for that particle. Forces of air on triangles read those
-/// of neighbours.
+/// of neighbours, and passes over texels give particles to threads in another order.
 fn keeps_own(schedule: &Schedule) -> bool {
-    schedule.air.is_empty()
+    schedule.air.is_empty() && !schedule.step.contains(&Pass::Follow)
 }
 
 /// Whether registers have what is a particle's own.

@@ -111,7 +111,8 @@ impl Stepper {
         self.world.host.actions.push(Action::Transform { cloth, chosen, matrix: by.columns() });
         self.world.teleport_joints(cloth, &by.columns());
         if limited {
-            self.world.host.actions.push(Action::Aim { cloth });
+            let aim = self.world.aim(cloth);
+            self.world.host.actions.push(aim);
         }
         Ok(())
     }

@@ -128,9 +128,9 @@ impl Stepper {
         let lists = [&start.now, &start.before].into_iter().flatten().flatten();
         let state = ClothState::new(head, lists.map(|x| x.to_bits()).collect());
         let words = state.fit(&layout, &inverse_masses(of, settings.solver), self.world.control.clock.dt_old);
-        let limited = of.limits.is_some();
+        let aim = of.is_aimed().then(|| self.world.aim(cloth));
         self.world.host.actions.push(Action::Load { cloth, layout, words });
-        self.world.host.actions.extend(limited.then_some(Action::Aim { cloth }));
+        self.world.host.actions.extend(aim);
     }
 
     /// Frees what the device has of a cloth.

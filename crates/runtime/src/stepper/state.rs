@@ -122,7 +122,8 @@ impl Stepper {
             self.forget_bounds(*cloth);
             self.world.take(*cloth, head, pinned);
             if self.world.scene.cloths[*cloth].is_aimed() {
-                self.world.host.actions.push(Action::Aim { cloth: *cloth });
+                let aim = self.world.aim(*cloth);
+                self.world.host.actions.push(aim);
             }
         }
         if renewed.is_empty() {

@@ -58,6 +58,14 @@ impl World {
         }
     }
 
+    /// The action after which the targets of a cloth are those of its start, or of where its joints are now.
+    pub fn aim(&self, cloth: usize) -> Action {
+        match &self.runs[cloth].joints {
+            Some(joints) => Action::Skin { cloth, from: None, to: joints.now.clone(), rate: 0.0 },
+            None => Action::Aim { cloth },
+        }
+    }
+
     /// Puts the joints of a cloth somewhere at the start of the next frame, as if they had been there.
     pub fn put_joints(&mut self, cloth: usize, rows: Arc<[Rows]>) {
         let Some(joints) = &mut self.runs[cloth].joints else { return };

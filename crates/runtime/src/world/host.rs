@@ -21,7 +21,7 @@ pub enum Action {
     Transform { cloth: usize, chosen: Vec<u32>, matrix: [[f32; 4]; 4] },
     /// Particles of a cloth, all duplicates among them, are put in their places, pinned or freed.
     Place { cloth: usize, rows: Vec<Placed> },
-    /// The targets of a cloth's limits follow its start, which a teleport has moved; those of cloth that follows joints are on the skin.
+    /// The targets of a cloth's limits follow its start, which a teleport has moved; not of cloth that follows joints.
     Aim { cloth: usize },
     /// The joints of a cloth move from where the frame begins, if that is given, to where it ends; `rate` \[1/s\] is one over its length,
     /// or 0.
@@ -155,12 +155,7 @@ impl World {
                 }
                 Action::Transform { cloth, chosen, matrix } => bodies[*cloth].transform(chosen, matrix.map(cast)),
                 Action::Place { cloth, rows } => bodies[*cloth].place(rows),
-                Action::Aim { cloth } => match &self.runs[*cloth].joints {
-                    None => bodies[*cloth].aim(&self.runs[*cloth].targets(&self.scene.cloths[*cloth])),
-                    Some(joints) => {
-                        bodies[*cloth].lead(&self.scene.cloths[*cloth], &joints.joined, joints.now(), T::of(0.0));
-                    }
-                },
+                Action::Aim { cloth } => bodies[*cloth].aim(&self.runs[*cloth].targets(&self.scene.cloths[*cloth])),
                 Action::Skin { cloth, to, rate, .. } => {
                     let Some(joints) = &self.runs[*cloth].joints else { continue };
                     bodies[*cloth].lead(&self.scene.cloths[*cloth], &joints.joined, to, T::of(f64::from(*rate)));

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::follow::Joints;
 use super::images::Images;
-use super::{Action, ClothRun, Left, World};
+use super::{ClothRun, Left, World};
 use crate::cloth::Cloth;
 use crate::coarser::{Beside, Coarser, Motion, Table, settle};
 use crate::cpu::start::inverse_masses;
@@ -132,7 +132,8 @@ impl World {
             self.wake(index);
             left.push(Left { index, cloth, place, recoated: false });
             if self.runs[index].joints.is_some() {
-                self.host.actions.push(Action::Aim { cloth: index });
+                let aim = self.aim(index);
+                self.host.actions.push(aim);
             }
             indices.push(index);
         }

@@ -14,7 +14,8 @@ impl World {
     /// The properties of a cloth that a place depends on.
     fn like(&self, index: usize) -> Like {
         let (cloth, run) = (&self.scene.cloths[index], &self.runs[index]);
-        Like { instance: run.instance(), exact: cloth.is_exact(), limited: cloth.limits.is_some() }
+        let (exact, limited, follows) = (cloth.is_exact(), cloth.limits.is_some(), cloth.follows_joints());
+        Like { instance: run.instance(), exact, limited, follows }
     }
 
     /// Finds a place for the last cloth: one that another has left, or in new buffers with room for as many more as there are of its kind.
