@@ -346,3 +346,55 @@ fn instances_share_a_dispatch_and_each_has_its_own_joints() {
         assert!(off(&cloth, &rest, &rig.positions(1), &pose(15.0 * FRAME)) < 1e-6, "{}", rig.name());
     }
 }
+
+#[test]
+fn a_follower_that_takes_the_place_of_another_cloth_begins_on_its_own_joints() {
+    let (cloth, rest) = (sleeve(), tube(17, 12, 1).positions().to_vec());
+    let mut scene = scene(cloth.clone());
+    scene.cloths.extend([cloth.clone(), cloth.clone()]);
+    // Cloths that have the skin and do not follow it.
+    let mut still = tube(17, 12, 1);
+    let ends: Vec<u32> = (0..204).filter(|k| k / 17 == 0 || k / 17 == 11).collect();
+    still.pin(&ends).unwrap();
+    scene.cloths.extend([still.clone(), still]);
+    for mut rig in Rig::both(&scene, &Options::default()) {
+        for n in 1..4 {
+            for c in 0..3 {
+                rig.stepper.set_joints(c, &columns(&pose(f64::from(n) * 0.3))).unwrap();
+            }
+            rig.frame(FRAME);
+        }
+        // One that moves leaves, and one that does not follow.
+        rig.stepper.remove_cloth(1).unwrap();
+        rig.stepper.remove_cloth(3).unwrap();
+        for _ in 0..2 {
+            rig.stepper.add_cloth(cloth.clone()).unwrap();
+        }
+        rig.frame(FRAME);
+        rig.frame(FRAME);
+        let last = rig.stepper.scene().cloths.len();
+        for c in last - 2..last {
+            let far = off(&cloth, &rest, &rig.positions(c), &pose(0.0));
+            assert!(far < 1e-6, "{} cloth {c}: {far}", rig.name());
+        }
+        assert!(off(&cloth, &rest, &rig.positions(0), &pose(0.9)) < 1e-6, "{}", rig.name());
+    }
+}
+
+#[test]
+fn joints_that_move_as_the_level_changes_move_over_the_whole_frame() {
+    let plain = Options { substeps: Some(8), ..Options::default() };
+    for mut rig in Rig::both(&scene(sheet(33)), &plain) {
+        frame(&mut rig, 1);
+        rig.stepper.set_level(0, 1).unwrap();
+        let start = rig.positions(0);
+        frame(&mut rig, 20);
+        let (end, before) = (rig.positions(0), rig.previous(0));
+        let moved = |k: usize| (0..3).map(|c| (end[k][c] - start[k][c]).abs()).fold(0.0, f32::max);
+        assert!((0..17).any(|k| moved(k) > 0.01), "{}", rig.name());
+        for (k, c) in (0..17).flat_map(|k| [(k, 0), (k, 1), (k, 2)]) {
+            let (way, step) = (end[k][c] - start[k][c], end[k][c] - before[k][c]);
+            assert!((step - way / 8.0).abs() < 1e-5, "{} {k}: {step} of {way}", rig.name());
+        }
+    }
+}
