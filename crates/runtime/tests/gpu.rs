@@ -190,8 +190,13 @@ fn one_step_is_that_of_the_twin() {
     let mut limited = scene(support::hung_tube(2));
     limited.cloths[0].limits = Some(vec![1e-3; limited.cloths[0].len()].into());
     let limited = (Solver::Xpbd, "limits", limited);
+    // Levels of a pyramid with more nodes than a workgroup, tied at a seam; and cloth that follows a joint.
+    let mut large = support::tube(75, 60, 1);
+    large.set_pinned(0, true).unwrap();
+    let large = (Solver::Xpbd, "large tube", scene(large));
+    let led = (Solver::Xpbd, "follower", scene(follower()));
     let mut seen = BTreeSet::new();
-    for (solver, name, scene) in solved().into_iter().chain(touching).chain([fast, limited]) {
+    for (solver, name, scene) in solved().into_iter().chain(touching).chain([fast, limited, large, led]) {
         let once =
             Options { substeps: Some(1), iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
         let options = Options { solver, pyramid: 1, polish: Some(2), ..once };
@@ -213,9 +218,22 @@ fn one_step_is_that_of_the_twin() {
     let table = &table[..table.find("\n}\n").unwrap()];
     let variant = |line: &&str| line.starts_with("    ") && line[4..].starts_with(char::is_uppercase);
     let rare = ["Cut", "CutSprings", "CutTethers", "CutLevels", "Transform", "Place", "Pick", "PickNearest"];
+    let carried = ["Skin", "Restrict", "Prolong"];
     let read = ["Speed", "Fastest", "Strain", "Bounds", "Indices", "Tangents"];
-    let all = table.lines().filter(variant).map(name_of).filter(|n| !rare.contains(&&**n) && !read.contains(&&**n));
+    let apart = [&rare[..], &read, &carried].concat();
+    let all = table.lines().filter(variant).map(name_of).filter(|n| !apart.contains(&&**n));
     assert_eq!(seen, all.collect());
+}
+
+/// A tube whose pinned rim follows a joint.
+fn follower() -> Cloth {
+    let mut cloth = support::tube(17, 12, 1);
+    cloth.pin(&(0..17).collect::<Vec<_>>()).unwrap();
+    let one = Influence { joints: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] };
+    cloth.set_skin(vec![SkinJoint { name: "hips".into(), ..SkinJoint::default() }], &vec![one; cloth.len()]).unwrap();
+    let still = std::array::from_fn(|k| if k % 5 == 0 { 1.0 } else { 0.0 });
+    cloth.follow_joints(&[still]).unwrap();
+    cloth
 }
 
 /// The name of a variant.
