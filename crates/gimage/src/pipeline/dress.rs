@@ -18,7 +18,7 @@ use crate::stage::assemble::pins::Pin;
 pub const PINNED_TOP: f64 = 0.06;
 
 /// Builds a bundle as [`build`] does, and adds solids that stand for the body ([`crate::colliders::fit_colliders`]) to its manifest. Without
-/// pins, the top of each garment is pinned ([`PINNED_TOP`]), and a finding says so. A file without a body has no solids, with a
+/// pins, the top of each garment is pinned ([`PINNED_TOP`]), which a finding reports. A file without a body has no solids, with a
 /// warning.
 ///
 /// Errors: those of both.

@@ -84,7 +84,7 @@ impl<T: Real> Pyramid<T> {
     }
 }
 
-/// What a pass of the pyramid does.
+/// The work of a pass of the pyramid.
 #[derive(Clone, Copy)]
 pub struct Descent<'a> {
     /// The directions of springs that any grid has.
