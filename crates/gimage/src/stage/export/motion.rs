@@ -108,6 +108,3 @@ impl Topology {
         self.triangles == surface.triangles && self.pieces == surface.pieces
     }
 }
-
-#[cfg(test)]
-mod tests;

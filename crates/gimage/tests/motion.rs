@@ -1,11 +1,27 @@
-use super::*;
-use crate::base::grid::samples::cylinder;
-use crate::stage::reconstruct::{PieceView, reconstruct, samples::encode};
+//! Surfaces in motion, written as glTF and USD and read back.
+
+use gimage::export::motion::{GltfMotion, MAX_TARGETS, MotionWriter, Part, Shown, UsdMotion};
+use gimage::reconstruct::{PieceView, ReconstructedPiece, Reconstruction, reconstruct};
+use gimage::{Error, Result};
+
+/// The position map of a tube along y, whose first and last columns are one seam.
+fn tube(width: u32, height: u32, first_particle: u32) -> Vec<[f32; 4]> {
+    let texel = |(j, i): (u32, u32)| {
+        let angle = std::f32::consts::TAU * (i % (width - 1)) as f32 / (width - 1) as f32;
+        let other = [(0, width - 1), (width - 1, 0)].into_iter().find(|(of, _)| *of == i);
+        let code = other.map_or(1, |(_, other)| first_particle + j * width + other + 2);
+        [0.1 * angle.cos(), j as f32 / height as f32, 0.1 * angle.sin(), code as f32]
+    };
+    (0..height).flat_map(|j| (0..width).map(move |i| (j, i))).map(texel).collect()
+}
+
+fn piece_triangles<'a>(surface: &'a Reconstruction, piece: &ReconstructedPiece) -> &'a [[u32; 3]] {
+    &surface.triangles[piece.triangles.clone()]
+}
 
 /// Two welded tubes, one with texture coordinates that have a seam.
 fn sample() -> Reconstruction {
-    let g = cylinder(9, 5, 0.1, 2.0);
-    let (position, second) = (encode(&g, 0), encode(&g, 45));
+    let (position, second) = (tube(9, 5, 0), tube(9, 5, 45));
     let uv: Vec<[f32; 2]> = (0..45).map(|k| [(k % 9) as f32 / 8.0, (k / 9) as f32 / 4.0]).collect();
     let (width, height) = (9, 5);
     reconstruct(&[
@@ -182,9 +198,9 @@ fn vertices_that_stay_are_not_in_targets() {
     assert!(text.contains("\"sparse\"") && text.contains("\"targetNames\":[\"0.033333335 s\"]"), "{text}");
     // Sparse indices of two and four bytes.
     for side in [20, 300] {
-        let g = cylinder(side, 300, 0.1, 2.0);
-        let position = encode(&g, 0);
-        let piece = PieceView { name: "a", width: side, height: 300, first_particle: 0, position: &position, uv: None };
+        let position = tube(side, 300, 0);
+        let (width, height) = (side as usize, 300);
+        let piece = PieceView { name: "a", width, height, first_particle: 0, position: &position, uv: None };
         let surface = reconstruct(&[piece]).unwrap();
         let mut moved = surface.clone();
         moved.positions.last_mut().unwrap()[0] += 1.0;
