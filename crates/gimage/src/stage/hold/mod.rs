@@ -90,7 +90,7 @@ fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
         rest = rest::top(sheet);
         pinned = spread::pinned(sheet, &rest);
     }
-    let limits = spread::limits(sheet, &pinned, rest.reach);
+    let limits = spread::limits(sheet, &pinned, rest.least, rest.reach);
     let limited: Vec<bool> = limits.iter().zip(&pinned).map(|(l, p)| l.is_finite() && !p).collect();
     let hold = Hold {
         name: name.to_owned(),

@@ -74,6 +74,8 @@ pub(super) struct Rest {
     pub core: usize,
     /// How far beyond them the garment is held \[m\].
     pub band: f64,
+    /// The smallest limit of what is not pinned \[m\].
+    pub least: f64,
     /// How far beyond that limits end \[m\].
     pub reach: f64,
 }
@@ -107,8 +109,14 @@ pub(super) fn rest(wearer: &Wearer, sheet: &Sheet) -> Rest {
     let near = |p: &[f64; 3]| if p[1] >= window { wearer.near(*p) } else { (f64::INFINITY, 0.0) };
     let near = sheet.positions.iter().map(near).collect();
     let worn = Worn { wearer, sheet, height, window, near };
-    let mut found =
-        Rest { rules: Vec::new(), points: worn.ring(), core: 0, band: BAND * height, reach: reach(height, high - low) };
+    let mut found = Rest {
+        rules: Vec::new(),
+        points: worn.ring(),
+        core: 0,
+        band: BAND * height,
+        least: NEAR * height,
+        reach: reach(height, high - low),
+    };
     if !found.points.is_empty() {
         found.rules.push(Rule::Ring);
         found.core = found.points.len();
@@ -122,7 +130,7 @@ pub(super) fn rest(wearer: &Wearer, sheet: &Sheet) -> Rest {
         found.points = worn.edge();
         found.rules = vec![Rule::Edge];
     }
-    if found.points.is_empty() { Rest { reach: found.reach, ..top(sheet) } } else { found }
+    if found.points.is_empty() { Rest { least: found.least, reach: found.reach, ..top(sheet) } } else { found }
 }
 
 /// The top of a garment.
@@ -130,7 +138,14 @@ pub(super) fn top(sheet: &Sheet) -> Rest {
     let [low, high] = sheet.span();
     let least = high - TOP * (high - low);
     let points = (0..sheet.positions.len() as u32).filter(|p| sheet.positions[*p as usize][1] >= least).collect();
-    Rest { rules: vec![Rule::Top], points, core: 0, band: 0.0, reach: REACH_OF_GARMENT * (high - low) }
+    Rest {
+        rules: vec![Rule::Top],
+        points,
+        core: 0,
+        band: 0.0,
+        least: NEAR * (high - low),
+        reach: REACH_OF_GARMENT * (high - low),
+    }
 }
 
 fn reach(height: f64, garment: f64) -> f64 {

@@ -15,12 +15,14 @@ pub(super) fn share(sheet: &Sheet, chosen: &[bool]) -> f64 {
     if total > 0.0 { part / total } else { 0.0 }
 }
 
-/// The limit \[m\] of each point, 0 for pinned ones and infinite beyond `reach` \[m\] from them.
+/// The limit \[m\] of each point, 0 for pinned ones, at least `least` \[m\] for others and infinite beyond `reach` \[m\] from them.
 ///
-/// At the distance g from the pins it is 2 g (g / reach)^2: flat where it begins, and 2 g where it ends. Cloth that does not stretch is
-/// never farther than 2 g from its place on the skin, so that nothing jumps where limits end.
-pub(super) fn limits(sheet: &Sheet, pinned: &[bool], reach: f64) -> Vec<f64> {
+/// At the distance g from the pins it is the larger one of `least` and 2 g (g / reach)^2, which is 2 g where limits end. Cloth that does not stretch is
+/// never farther than 2 g from its place on the skin, so that nothing jumps where limits begin and end. Solids in place of a body are some way off its surface: a smaller limit would draw cloth
+/// into them while contact pushes it out.
+pub(super) fn limits(sheet: &Sheet, pinned: &[bool], least: f64, reach: f64) -> Vec<f64> {
     let from = (0..pinned.len() as u32).filter(|&p| pinned[p as usize]);
     let far = sheet.distances(from, reach);
-    far.into_iter().map(|g| if g < reach { 2.0 * g * (g / reach).powi(2) } else { f64::INFINITY }).collect()
+    let limit = |g: f64| if g < reach { least.max(2.0 * g * (g / reach).powi(2)) } else { f64::INFINITY };
+    far.into_iter().zip(pinned).map(|(g, pinned)| if *pinned { 0.0 } else { limit(g) }).collect()
 }
