@@ -20,7 +20,7 @@ pub const PINNED_TOP: f64 = 0.06;
 pub(super) struct Plan {
     /// The options, with the pins of the file and the rule that applies.
     pub options: BuildOptions,
-    /// What is said about them.
+    /// The findings about them.
     pub findings: Vec<Finding>,
     wearer: Option<Wearer>,
 }
@@ -86,8 +86,8 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The pins and limits of each piece where garments rest on the body; none without the rule. Adds what is said about them to the
-    /// findings.
+    /// The pins and limits of each piece where garments rest on the body; none without the rule. Adds the
+    /// findings about them.
     pub fn hold(&self, pieces: &[Piece<'_>], families: &[Family<'_>], findings: &mut Vec<Finding>) -> Vec<Held> {
         let Some(wearer) = &self.wearer else { return Vec::new() };
         let holds = hold(wearer, pieces, families);

@@ -1,4 +1,4 @@
-//! What is said about garments that are held.
+//! Findings about garments that are held.
 
 use super::{Hold, Rule};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
