@@ -20,6 +20,7 @@ pub const TOP: &str = concat!(
     "  gimage reconstruct shirt.gim -o back.obj\n",
     "  gimage simulate s1 --frames 600\n",
     "  gimage render shirt.gim -o shirt.png\n",
+    "  gimage export shirt.gim -o shirt.glb\n",
     "  gimage dress mage.glb -o mage.gim\n",
     "  gimage fit-colliders character.glb -o body.json\n",
     "  gimage check-crossings shirt.gim\n",
@@ -125,6 +126,21 @@ pub const RENDER: &str = concat!(
     "Without a hardware GPU, cloth and picture are computed on the CPU; --backend gpu accepts any adapter, including a ",
     "software one. 4 samples per pixel. Without a camera, every picture shows all cloths and colliders. A still picture of a ",
     "bundle without pins, which would fall out of sight, shows its rest pose (default --time 0).",
+    exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
+);
+
+/// Of `gimage export`.
+pub const EXPORT: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage export shirt.gim -o shirt.glb --frames 120\n",
+    "  gimage export mage.gim --animation Walking -o mage.usda --fps 24\n",
+    "  gimage export assets/scenes/flag.json -o frames/flag.obj --every 4 --from 60 --json | jq .bytes\n\n",
+    "The surface is that of the drawn triangles: a mesh per piece, each point of a seam one vertex, with normals and texture ",
+    "coordinates; triangles that a cut has taken away are left out from then on. Metres, Y up. .glb: the first frame with a morph ",
+    "target per further frame, weights animated linearly; at most 4 GiB, and 65,536 frames times pieces. .usda: time samples of ",
+    "points, normals and extent, with the time codes 1, 2, 3, ... .obj: a file per frame, numbered likewise. With --fps, a frame ",
+    "between two steps has interpolated positions, and the normals of the later step. Files take their places at the end, ",
+    "together: a run that fails writes nothing.",
     exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
 );
 
