@@ -28,6 +28,7 @@ use crate::stage::import::import;
 use crate::stage::repair::repair;
 use crate::stage::select::select;
 use crate::stage::shell::thin;
+use crate::stage::stitch::stitch;
 
 /// A finished build, not yet written.
 #[derive(Clone, Debug)]
@@ -116,6 +117,10 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
         let findings = assemble(&mut bundle, mesh, &pieces, &families, options, &|| progress.step(Stage::Maps))?;
         report.findings.extend(findings);
         Ok(bundle)
+    })?;
+    run.stage(Stage::Stitch, 1, |report| {
+        report.findings.extend(stitch(&mut bundle, &pieces, &families, &options.stitch)?);
+        Ok(())
     })?;
     if options.gate.metrics {
         run.stage(Stage::Measure, pieces.len(), |_| {

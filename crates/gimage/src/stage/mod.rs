@@ -36,6 +36,8 @@ pub mod split;
 
 pub mod assemble;
 
+pub mod stitch;
+
 pub mod measure;
 
 pub mod gate;
