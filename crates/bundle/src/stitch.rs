@@ -132,9 +132,13 @@ mod tests {
 
     #[test]
     fn stitches_that_lead_nowhere_are_faults() {
-        for bad in [[1.0, 0.5, 0.5, 0.0], [-2.0, 0.5, 0.5, 0.0], [0.5; 4], [0.0, 1.1, 0.5, 0.0], [0.0, 0.5, 0.5, -1.0]] {
+        for bad in [[1.0, 0.5, 0.5, 0.0], [-2.0, 0.5, 0.5, 0.0], [0.5; 4], [0.0, 1.1, 0.5, 0.0], [0.0, 0.5, 0.5, -1.0]]
+        {
             let faults = validate(&with(bad));
-            assert!(faults.iter().any(|f| f.kind == FaultKind::Stitch && f.texel == Some((0, 0))), "{bad:?}: {faults:?}");
+            assert!(
+                faults.iter().any(|f| f.kind == FaultKind::Stitch && f.texel == Some((0, 0))),
+                "{bad:?}: {faults:?}"
+            );
         }
         assert!(validate(&with([0.0, f32::NAN, 0.0, 0.0])).iter().any(|f| f.kind == FaultKind::NotFinite));
     }

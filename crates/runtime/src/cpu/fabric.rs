@@ -123,8 +123,7 @@ impl<T: Real> Fabric<T> {
             let (sheet, at) = fabric.place(*k as usize);
             Member { sheet, at, single: single(at as usize, fabric.sheets[sheet as usize].half) as u32 }
         };
-        let (members, stitches) =
-            (members.iter().map(member).collect(), stitch::stitches(cloth, |k| member(&k)));
+        let (members, stitches) = (members.iter().map(member).collect(), stitch::stitches(cloth, |k| member(&k)));
         (fabric.members, fabric.stitches) = (Arc::new(members), stitches);
         let of = |t: usize| held.anchors.get(t).filter(|a| a.exists());
         fabric.hold(held.per_particle, |t| of(t).map(|a| (a.particle, T::of(f64::from(a.distance)))));

@@ -10,9 +10,11 @@ use crate::base::vec3::distance;
 /// A part of a border that lies on another panel is sewn to it from this number of points on,
 const LEAST_POINTS: usize = 3;
 /// and from this share of the length of its loop,
-const LEAST_OF_LOOP: f64 = 0.08;
-/// or from this share of the diagonal of the garment.
-const LEAST_OF_GARMENT: f64 = 0.03;
+const LEAST_OF_LOOP: f64 = 0.1;
+/// or from this share of the diagonal of the garment. A shorter part, such as the end of a strap,
+const LEAST_OF_GARMENT: f64 = 0.06;
+/// is sewn if its mean distance is at most this share of the largest: otherwise it merely passes.
+const CLOSE: f64 = 1.0 / 3.0;
 
 /// Sews borders to the panels that they lie on, those of the smallest panel first. Where two borders meet, one is sewn to the other.
 pub(super) fn borders(sewing: &mut Seamstress<'_>, most: f64, diagonal: f64) {
@@ -22,32 +24,34 @@ pub(super) fn borders(sewing: &mut Seamstress<'_>, most: f64, diagonal: f64) {
     for own in order {
         for points in &panels[own].loops {
             let near = nearest(panels, own, points, most);
-            for run in runs(points, &near, diagonal) {
+            for run in runs(points, &near, diagonal, most) {
                 sewing.seam(own, run.into_iter().map(|k| (points[k], near[k].map_or(own, |n| n.panel))));
             }
         }
     }
 }
 
-/// The parts of a loop that lie on one panel each, as indices of points in their order.
-fn runs(points: &[Point], near: &[Option<Near>], diagonal: f64) -> Vec<Vec<usize>> {
+/// The parts of a loop that lie on other panels, as indices of points in their order.
+fn runs(points: &[Point], near: &[Option<Near>], diagonal: f64, most: f64) -> Vec<Vec<usize>> {
     let n = points.len();
-    let on = |k: usize| near[k % n].map(|x| x.panel);
-    // Runs begin where the panel changes; a loop that lies on one panel all around begins anywhere.
+    let on = |k: usize| near[k % n].is_some();
+    // A loop that lies on panels all around begins anywhere.
     let start = (0..n).find(|k| on(*k) != on(k + n - 1)).unwrap_or(0);
     let mut found: Vec<Vec<usize>> = Vec::new();
     for k in start..start + n {
         let continues = k > start && on(k) == on(k - 1);
         match (on(k), found.last_mut()) {
-            (None, _) => {}
-            (Some(_), Some(run)) if continues => run.push(k % n),
-            (Some(_), _) => found.push(vec![k % n]),
+            (false, _) => {}
+            (true, Some(run)) if continues => run.push(k % n),
+            (true, _) => found.push(vec![k % n]),
         }
     }
     let whole: f64 = (0..n).map(|k| share(points, k)).sum();
     let counts = |run: &Vec<usize>| {
         let length: f64 = run.iter().map(|k| share(points, *k)).sum();
-        run.len() >= LEAST_POINTS.min(n) && (length >= LEAST_OF_LOOP * whole || length >= LEAST_OF_GARMENT * diagonal)
+        let far = run.iter().filter_map(|k| near[*k]).map(|near| near.distance).sum::<f64>() / run.len() as f64;
+        let is_long = length >= LEAST_OF_LOOP * whole || length >= LEAST_OF_GARMENT * diagonal;
+        run.len() >= LEAST_POINTS.min(n) && (is_long || far <= CLOSE * most)
     };
     found.retain(counts);
     found
@@ -121,16 +125,23 @@ mod tests {
 
     #[test]
     fn a_border_is_sewn_where_it_lies_on_a_panel_for_some_length() {
-        let near = |panel: usize| Some(Near { panel, distance: 0.0 });
+        let near = |panel: usize| Some(Near { panel, distance: 0.9 });
         let points = ring(40);
         let mut all = vec![None; 40];
-        // Across the first point, a graze, and one beside another panel.
+        // Across the first point, a graze, and one that two panels share.
         [38, 39, 0, 1, 2, 3].into_iter().for_each(|k: usize| all[k] = near(1));
         [20, 21].into_iter().for_each(|k: usize| all[k] = near(1));
-        (30..36).for_each(|k| all[k] = near(2));
-        assert_eq!(runs(&points, &all, 2.0), [vec![30, 31, 32, 33, 34, 35], vec![38, 39, 0, 1, 2, 3]]);
-        assert_eq!(runs(&points, &vec![near(1); 40], 2.0), [(0..40).collect::<Vec<_>>()]);
-        assert!(runs(&points, &vec![None; 40], 2.0).is_empty());
+        (30..36).for_each(|k| all[k] = near(1 + k % 2));
+        assert_eq!(runs(&points, &all, 2.0, 1.0), [vec![30, 31, 32, 33, 34, 35], vec![38, 39, 0, 1, 2, 3]]);
+        assert_eq!(runs(&points, &vec![near(1); 40], 2.0, 1.0), [(0..40).collect::<Vec<_>>()]);
+        assert!(runs(&points, &vec![None; 40], 2.0, 1.0).is_empty());
+        // The end of a strap: short, but right on the panel.
+        let end = |distance| {
+            let mut all = vec![None; 40];
+            (4..7).for_each(|k| all[k] = Some(Near { panel: 1, distance }));
+            runs(&points, &all, 2.0, 1.0).len()
+        };
+        assert_eq!([end(0.2), end(0.9)], [1, 0]);
     }
 
     #[test]
