@@ -1,4 +1,4 @@
-// What a stitch pulls with: the way to its length, over the sum of the inverse masses that it moves, each counted as often as stitches
+// The pull of a stitch: the way to its length, over the sum of the inverse masses that it moves, each counted as often as stitches
 // move it. So stitches that share a particle do not go too far together, and each moves its two sides by equal momentum.
 fn stitch(g: u32, cell: vec2<u32>, k: u32) {
   let head = stitches_at(3u * k);

@@ -83,7 +83,7 @@ pub enum Pass {
         /// Whether it is a distance from the skin, which moves.
         moves: bool,
     },
-    /// What each stitch between grids pulls with, of cloth that has any.
+    /// The pull of each stitch between grids, of cloth that has any.
     Stitch {
         /// Whether any triangle is cut away.
         holes: bool,

@@ -94,7 +94,7 @@ pub fn stitch(
     let mut sewing = Seamstress::new(&panels, sizes, all.texels());
     choose::borders(&mut sewing, most, diagonal);
     for own in 0..panels.len() {
-        // What no border ties to a panel that is held, such as a closed belt.
+        // A panel that no border ties to one that is held, such as a closed belt.
         if !is_held(&panels, &groups(panels.len(), &sewing.sewn))[own] {
             choose::all_over(&mut sewing, own, most);
         }
@@ -122,7 +122,7 @@ fn is_held(panels: &[Panel], groups: &[u32]) -> Vec<bool> {
     groups.iter().map(|group| (0..panels.len()).any(|k| groups[k] == *group && holds(k))).collect()
 }
 
-/// What [`Seamstress`] knows of the texels of a bundle.
+/// The texels of a bundle as [`Seamstress`] reads them.
 struct AllTexels {
     positions: Vec<[f64; 3]>,
     pinned: Vec<bool>,
@@ -170,7 +170,7 @@ fn write(bundle: &mut Bundle, sewn: &[Sewn]) -> Result<()> {
     Ok(())
 }
 
-/// What was sewn up to a distance \[m\], and what is loose.
+/// The findings of what was sewn up to a distance \[m\], and what is loose.
 fn findings(panels: &[Panel], sewn: &[Sewn], (most, estimated): (f64, bool)) -> Vec<Finding> {
     let joined = |k: usize| sewn.iter().any(|s| s.from == k || s.to == k);
     let tied: Vec<&Panel> = (0..panels.len()).filter(|k| joined(*k)).map(|k| &panels[k]).collect();

@@ -96,7 +96,7 @@ impl<'a> Seamstress<'a> {
     }
 }
 
-/// What is known of all texels of a bundle.
+/// All texels of a bundle.
 #[derive(Clone, Copy)]
 pub(super) struct Texels<'a> {
     /// [`Seamstress::positions`].

@@ -1,4 +1,4 @@
-//! Twin of shaders/stitch.wgsl: what each stitch pulls with.
+//! Twin of shaders/stitch.wgsl: the pull of each stitch.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ pub struct Stitches<T> {
     pub moved: Arc<Vec<Vec<Member>>>,
     /// Per moved point the ends that move it, as stitch and number of the end.
     pub entries: Arc<Vec<Vec<(u32, u32)>>>,
-    /// What each stitch pulls with; 0 where a cut has taken its quad away.
+    /// The pull of each stitch; 0 where a cut has taken its quad away.
     pub pulls: Vec<V3<T>>,
     /// Whether a stitch is left.
     pub holds: Vec<bool>,
@@ -66,7 +66,7 @@ pub fn stitches<T: Real>(cloth: &Cloth, member: impl Fn(u32) -> Member) -> Optio
     })
 }
 
-/// What each stitch pulls with: the way to its length, over the sum of the inverse masses that it moves, each counted as often as
+/// The pull of each stitch: the way to its length, over the sum of the inverse masses that it moves, each counted as often as
 /// stitches move it.
 pub fn run<T: Real>(sheets: &[Sheet<T>], stitches: &mut Stitches<T>) {
     let zero = T::of(0.0);
