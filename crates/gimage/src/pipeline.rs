@@ -31,6 +31,7 @@ use crate::stage::import::import;
 use crate::stage::repair::repair;
 use crate::stage::select::select;
 use crate::stage::shell::thin;
+use crate::stage::stitch::stitch;
 
 /// A finished build, not yet written.
 #[derive(Clone, Debug)]
@@ -132,6 +133,10 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
         let findings = assemble(&mut bundle, mesh, &pieces, &families, &held, options, &step)?;
         report.findings.extend(findings);
         Ok(bundle)
+    })?;
+    run.stage(Stage::Stitch, 1, |report| {
+        report.findings.extend(stitch(&mut bundle, &pieces, &families, &options.stitch)?);
+        Ok(())
     })?;
     if options.gate.metrics {
         run.stage(Stage::Measure, pieces.len(), |_| {

@@ -7,6 +7,7 @@ use crate::stage::assemble::limits::Limit;
 use crate::stage::assemble::pins::{Pin, PinRule};
 use crate::stage::import::Up;
 use crate::stage::select::Pattern;
+use crate::stage::stitch::Stitching;
 
 /// An option whose value is one of a few words.
 pub trait Choice: Copy + PartialEq + Sized + 'static {
@@ -62,6 +63,13 @@ impl<T: Choice> Field for T {
 impl Field for Up {
     fn settings(&self, about: Setting) -> Vec<Setting> {
         with(about, json!(self.to_string()))
+    }
+}
+
+impl Field for Stitching {
+    fn settings(&self, about: Setting) -> Vec<Setting> {
+        let numbers = if let Stitching::Within(distance) = self { vec![*distance] } else { Vec::new() };
+        with(Setting { numbers, ..about }, json!(self.to_string()))
     }
 }
 

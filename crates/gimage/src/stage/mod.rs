@@ -38,6 +38,8 @@ pub mod hold;
 
 pub mod assemble;
 
+pub mod stitch;
+
 pub mod measure;
 
 pub mod gate;
