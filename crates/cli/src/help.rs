@@ -37,6 +37,8 @@ pub const BUILD: &str = concat!(
     "  gimage build flag.obj -o flag.gim --size 64x48 --pin loop:0 --force\n",
     "  gimage build shirt.glb -o shirt.gim --pin above:1.4 --limit above:1.2=0.03\n",
     "  gimage build coat.glb -o coat.gim --up Z --center --pin above:0.9\n",
+    "  gimage build mage.glb -o mage.gim --pins auto\n",
+    "  gimage build coat.glb -o coat.gim --pin 'material:Collar* or loop:top'\n",
     "  gimage build mage.glb -o mage.gim --cloth 'Mage_Cape,*Skirt*' --body Mage_Head\n",
     "  gimage build *.glb -o bundles --json --threads 4\n\n",
     "The same input and options give the same bytes. With several inputs, a failed build does not stop the others, and the ",
@@ -149,7 +151,8 @@ pub const DRESS: &str = concat!(
     "  gimage render mage.gim --animation Walking -o mage.gif\n",
     "  gimage dress character.glb -o outfit.gim --cloth Top,Bottom --body Body --pin top:0.1\n\n",
     "As `gimage build`, with the colliders of `gimage fit-colliders` in the manifest; `simulate` and `render` then use them, and ",
-    "move them with the joints of --animation. Without --pin, the top 6 % of each garment are pinned and follow the joints.",
+    "move them with the joints of --animation. Without --pin and an attribute ",
+    "_PIN, garments are pinned where they rest on the body (--pins auto); pins follow the joints.",
     exit_codes!("done, with findings (repairs, accessories, warnings)")
 );
 

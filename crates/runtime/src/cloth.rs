@@ -6,24 +6,27 @@ mod flat;
 mod from_bundle;
 mod groups;
 mod loops;
+mod loose;
 mod pin;
 mod select;
 mod share;
 pub(crate) mod shear;
 mod sheet;
 mod skin;
+mod stitch;
 mod tether;
 mod texture;
 mod weigh;
 
 pub use flat::Flat;
 pub(crate) use gimage_bundle::other_end;
-pub use gimage_bundle::{Anchor, Particle, Tethers};
+pub use gimage_bundle::{Anchor, MAX_STITCHES_AT_POINT, Particle, Stitch, Tethers};
 pub(crate) use groups::{groups, mates, ring};
 pub use select::Select;
 pub(crate) use sheet::{Bending, Membrane, Woven};
 pub use skin::{Influence, Skin, SkinJoint};
 pub(crate) use skin::{Rows, skinned};
+pub(crate) use stitch::{ENDS, NO_STITCH, Sewing, Thread};
 
 use std::sync::Arc;
 
@@ -164,6 +167,8 @@ pub struct Cloth {
     pub(crate) coarse: bool,
     /// Texture coordinates along the fabric.
     grain: Option<Arc<Vec<[f32; 2]>>>,
+    /// The stitches that tie its grids to each other.
+    sewing: Option<Arc<Sewing>>,
     /// The joints that it can follow.
     skin: Option<Arc<Skin>>,
     /// The matrices of these joints at the start, where it follows them.
@@ -198,6 +203,7 @@ impl Cloth {
             shear: 0.0,
             coarse: false,
             grain: None,
+            sewing: None,
             skin: None,
             joints: None,
         })

@@ -86,11 +86,13 @@ slots! {
     OriginBefore "origin_before",
     Spare "spare",
     Beside "beside",
+    Stitches "stitches",
+    Pulls "pulls",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
 /// in [`Slot::Lists`], whose first numbers, in this order, say where each begins.
-pub const LISTED: [(Slot, Option<&str>); 15] = [
+pub const LISTED: [(Slot, Option<&str>); 16] = [
     (Slot::Jobs, None),
     (Slot::Grids, None),
     // Seam rings: ring r is members[starts[r]] up to, not including, members[starts[r + 1]].
@@ -109,6 +111,8 @@ pub const LISTED: [(Slot, Option<&str>); 15] = [
     (Slot::Rings, Some("u32")),
     // How fast each target moves, and 1 for a particle that follows joints while it is pinned, else 0.
     (Slot::Drifts, Some("vec4<f32>")),
+    // Three rows per particle, see shaders/part/stitched.wgsl.
+    (Slot::Stitches, Some("vec4<u32>")),
 ];
 
 impl Slot {
@@ -126,6 +130,7 @@ impl Slot {
             Slot::Targets => there(cloth.is_aimed(), 16),
             Slot::Drifts => there(cloth.follows_joints(), 16),
             Slot::Holes => there(cloth.is_cut(), 4),
+            Slot::Stitches => there(cloth.sewing().is_some(), 48),
             Slot::Rings => there(cloth.ring_count() > 0, 4),
             _ => None,
         }
@@ -162,6 +167,7 @@ impl Slot {
             }
             Slot::Holes => vec![0; 4 * cloth.len()],
             Slot::Rings => cast_slice(&rings(cloth)).to_vec(),
+            Slot::Stitches => cloth.sewing().map(|s| cast_slice(&s.rows()).to_vec()).unwrap_or_default(),
             _ => Vec::new(),
         }
     }
@@ -173,6 +179,7 @@ impl Slot {
             Slot::Cells => Some("128u"),
             Slot::Bends => Some("32u"),
             Slot::Rings => Some("16u"),
+            Slot::Stitches => Some("192u"),
             Slot::Tethers => Some("32u * slots"),
             _ => None,
         }
@@ -201,7 +208,8 @@ impl Slot {
             Slot::Lasting => cloth.len() * 16 * (1 + usize::from(cloth.is_exact())),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
             Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => cloth.len() * 16,
-            Slot::Targets | Slot::Drifts => cloth.len() * 16,
+            Slot::Targets | Slot::Drifts | Slot::Pulls => cloth.len() * 16,
+            Slot::Stitches => cloth.len() * 48,
             Slot::Skinned => cloth.len() * 32,
             Slot::Influences => cloth.skin().map_or(0, |skin| cloth.len() * 16 * (1 + 2 * skin.sets)),
             Slot::Bends => cloth.len() * 8,
