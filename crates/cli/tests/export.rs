@@ -108,7 +108,8 @@ fn usd_frames_are_those_of_the_dump() {
     };
     let indices = text.lines().find_map(|line| line.trim().strip_prefix("int[] faceVertexIndices = ")).map(numbers);
     let samples = text.split("point3f[] points.timeSamples = {\n").nth(1).unwrap();
-    let samples = samples.lines().take_while(|line| line.trim() != "}").map(|line| line.trim().split_once(": ").unwrap());
+    let samples =
+        samples.lines().take_while(|line| line.trim() != "}").map(|line| line.trim().split_once(": ").unwrap());
     let frame = |(code, (at, text)): (usize, (&str, &str))| {
         assert_eq!(at, (code + 1).to_string());
         let points = numbers(text);
@@ -163,9 +164,9 @@ fn the_rate_of_film_is_kept_between_steps() {
     json("--every 1", "d.glb");
     let (film, all) = (fs::read(place.path("c.glb")).unwrap(), fs::read(place.path("d.glb")).unwrap());
     let (film, all) = (glb_targets(&film), glb_targets(&all));
-    // 2 frames at 24 per second take as long as 5 at 60.
+    // 2 frames at 24 per second take as long as 5 at 60, and lie at most a step earlier: at 3 m/s.
     for k in 0..12 {
-        compare(&film[2 * k..=2 * k].to_vec(), &all[5 * k..=5 * k].to_vec(), 1e4);
+        compare(&film[2 * k..=2 * k].to_vec(), &all[5 * k..=5 * k].to_vec(), 1e5);
     }
     let y = |frame: &[[f32; 3]]| frame.iter().map(|p| p[1]).fold(f32::INFINITY, f32::min);
     assert!(y(&film[1]) < y(&all[2]) && y(&film[1]) > y(&all[3]), "{} {} {}", y(&film[1]), y(&all[2]), y(&all[3]));
@@ -175,8 +176,8 @@ fn the_rate_of_film_is_kept_between_steps() {
 fn a_cut_takes_triangles_away_from_its_frame_on() {
     let place = Place::new();
     let cloth = r#"{"from": {"flat": {"width": 9, "height": 9, "origin": [-0.5, 1, 0], "right": [1, 0, 0], "down": [0, -1, 0]}},
-                    "name": "curtain", "pins": [{"grid": [0, 0, 8, 0]}]}"#;
-    let cut = r#"{"time": 0.1, "eye": [0.02, 0.5, 2], "a": [0.02, 1.5, -2], "b": [0.02, -1.5, -2]}"#;
+                    "name": "curtain", "pins": [{"select": {"texels": {"from": [0, 0], "to": [8, 0]}}}]}"#;
+    let cut = r#"{"time": 0.09, "eye": [0.02, 0.5, 2], "a": [0.02, 1.5, -2], "b": [0.02, -1.5, -2]}"#;
     place.write(
         "cut.json",
         &format!(r#"{{"format": "gimage-scene", "version": 1, "cloths": [{cloth}], "cuts": [{cut}]}}"#),
@@ -193,7 +194,8 @@ fn a_cut_takes_triangles_away_from_its_frame_on() {
     assert!(counts[..2] == [128; 2] && counts[2] < 128 && counts[2..] == [counts[2]; 3], "{counts:?}");
     let text = fs::read_to_string(place.path("cut.usda")).unwrap();
     let samples = text.split("int[] faceVertexCounts.timeSamples = {\n").nth(1).unwrap();
-    let codes = samples.lines().take_while(|line| line.trim() != "}").map(|line| line.trim().split(':').next().unwrap());
+    let codes =
+        samples.lines().take_while(|line| line.trim() != "}").map(|line| line.trim().split(':').next().unwrap());
     assert_eq!(codes.collect::<Vec<_>>(), ["1", "3"]);
     let glb = gltf::Gltf::from_slice(&fs::read(place.path("cut.glb")).unwrap()).unwrap();
     let count = |mesh: gltf::Mesh| mesh.primitives().next().unwrap().indices().unwrap().count() / 3;
@@ -203,7 +205,8 @@ fn a_cut_takes_triangles_away_from_its_frame_on() {
 #[test]
 fn cloth_that_is_not_finite_leaves_no_file() {
     let place = Place::new();
-    let cloth = r#"{"from": {"flat": {"width": 9, "height": 9, "right": [1, 0, 0], "down": [0, 0, 1]}}, "name": "flag"}"#;
+    let cloth =
+        r#"{"from": {"flat": {"width": 9, "height": 9, "right": [1, 0, 0], "down": [0, 0, 1]}}, "name": "flag"}"#;
     let text = format!(
         r#"{{"format": "gimage-scene", "version": 1, "gravity": [0, -1e38, 0], "duration": 1, "cloths": [{cloth}]}}"#
     );
@@ -211,7 +214,7 @@ fn cloth_that_is_not_finite_leaves_no_file() {
     let before = place.list();
     for out in ["a.glb", "a.usda", "a.obj"] {
         let run = place.run(&format!("export storm.json --backend cpu --solver classic -o {out}")).expect(&[2]);
-        for words in ["piece flag", "not finite in frame", "xpbd"] {
+        for words in ["cloth 'flag': particle", "not finite or farther than 1e8 m", "xpbd"] {
             assert!(run.stderr.contains(words), "{words}: {}", run.stderr);
         }
         assert_eq!(place.list(), before);

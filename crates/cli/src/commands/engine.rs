@@ -95,15 +95,13 @@ impl Engine {
         Ok(progress)
     }
 
-    /// Steps to a time \[s\] in frames of [`Options::step`], and returns the fraction of a step that is left over.
+    /// Steps to a time \[s\] in frames of [`Options::step`], and returns the fraction of a step that is left over; 1 without a step.
     pub fn go_to(&mut self, time: f64, faults: &mut Faults) -> Result<f32, Failure> {
         let step = self.stepper.options().step;
         let mut fraction = 1.0;
         while time - self.time > step * 1e-6 {
             fraction = self.frame(step.min(time - self.time))?.fraction;
             faults.after_frame(self);
-            // Nothing left over: the last step is just what is seen.
-            fraction = if fraction == 0.0 { 1.0 } else { fraction };
         }
         Ok(fraction)
     }

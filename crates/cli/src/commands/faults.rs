@@ -12,6 +12,11 @@ use crate::output::{Output, Tone};
 /// Coordinates \[m\] beyond this count as an overflow, as in the runtime.
 const FARTHEST: f32 = 1e8;
 
+/// Whether a particle has a position that is not finite or too far away.
+pub fn is_lost(p: &[f32; 4]) -> bool {
+    p[3] >= 0.0 && !p[..3].iter().all(|x| x.abs() <= FARTHEST)
+}
+
 /// Failures of one cloth.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Fault {
@@ -56,9 +61,8 @@ impl Faults {
                 (entry.frames, entry.particle) = (frames, particle);
             }
             let positions = engine.positions(cloth)?;
-            let bad = |p: &[f32; 4]| p[3] >= 0.0 && !p[..3].iter().all(|x| x.abs() <= FARTHEST);
-            let lost = positions.iter().filter(|p| bad(p)).count();
-            if let Some(first) = positions.iter().position(bad) {
+            let lost = positions.iter().filter(|p| is_lost(p)).count();
+            if let Some(first) = positions.iter().position(is_lost) {
                 let entry = self.of.entry(cloth).or_default();
                 (entry.lost, entry.particle) = (lost, first);
             }

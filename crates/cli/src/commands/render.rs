@@ -63,7 +63,8 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
     let mut pictures = encode::Pictures::new(kind, args.size, args.fps);
     let mut faults = Faults::default();
     for time in &times {
-        let fraction = engine.go_to(*time, &mut faults)?;
+        // Nothing left over: the last step is just what is seen.
+        let fraction = Some(engine.go_to(*time, &mut faults)?).filter(|f| *f > 0.0).unwrap_or(1.0);
         pictures.add(painter.paint(&engine, &view, fraction)?)?;
     }
     faults.at_end(&mut engine)?;

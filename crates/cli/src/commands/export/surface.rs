@@ -4,6 +4,7 @@ use gimage::reconstruct::{ReconstructedPiece, Reconstruction};
 use gimage_runtime::{Cloth, Stepper};
 
 use crate::commands::engine::Engine;
+use crate::commands::faults::is_lost;
 use crate::exit::Failure;
 
 /// A particle that is no vertex.
@@ -64,7 +65,7 @@ impl Source {
         [pieces, self.surface.positions.len(), self.surface.triangles.len()]
     }
 
-    /// The surface as it is, at a fraction of the last step.
+    /// The surface as it is, at a fraction of the last step. Refuses positions that are not finite or too far away.
     pub fn read(&mut self, engine: &Engine, fraction: f32) -> Result<&Reconstruction, Failure> {
         let mut is_cut = false;
         (self.surface.positions, self.surface.normals) = Default::default();
@@ -74,6 +75,13 @@ impl Source {
                 (welded.holes, is_cut) = (holes, true);
             }
             let (now, normals) = (engine.positions(index)?, engine.normals(index)?);
+            if let Some(particle) = now.iter().position(is_lost) {
+                let (name, time) = (welded.cloth.name(), engine.time());
+                return Err(Failure::refused(format!(
+                    "cloth '{name}': particle {particle} is not finite or farther than 1e8 m away at {time:.3} s; no file is written; use \
+                     more --substeps, or smaller forces, speeds and stiffnesses, or --solver xpbd, which contains overflows"
+                )));
+            }
             let before = if fraction < 1.0 { Some(engine.previous(index)?) } else { None };
             let at = |k: &u32| {
                 let k = *k as usize;
