@@ -362,8 +362,8 @@ impl Cloth {
         Some(first as usize + other_end(width as usize, height as usize, k, direction)?)
     }
 
-    /// For every particle the first of its duplicates.
-    pub(crate) fn points(&self) -> Vec<u32> {
+    /// For every particle the first duplicate of its seam point, or itself: a mesh of these particles has one vertex per point of a seam.
+    pub fn points(&self) -> Vec<u32> {
         let mut same: Vec<u32> = (0..self.len() as u32).collect();
         for ring in self.ring_starts.windows(2) {
             let ring = &self.ring_members[ring[0] as usize..ring[1] as usize];

@@ -34,6 +34,8 @@ pub mod split;
 
 // All images.
 
+pub mod hold;
+
 pub mod assemble;
 
 pub mod stitch;
