@@ -108,7 +108,8 @@ fn usd_frames_are_those_of_the_dump() {
     };
     let indices = text.lines().find_map(|line| line.trim().strip_prefix("int[] faceVertexIndices = ")).map(numbers);
     let samples = text.split("point3f[] points.timeSamples = {\n").nth(1).unwrap();
-    let samples = samples.lines().take_while(|line| line.trim() != "}").map(|line| line.trim().split_once(": ").unwrap());
+    let samples =
+        samples.lines().take_while(|line| line.trim() != "}").map(|line| line.trim().split_once(": ").unwrap());
     let frame = |(code, (at, text)): (usize, (&str, &str))| {
         assert_eq!(at, (code + 1).to_string());
         let points = numbers(text);
@@ -193,7 +194,8 @@ fn a_cut_takes_triangles_away_from_its_frame_on() {
     assert!(counts[..2] == [128; 2] && counts[2] < 128 && counts[2..] == [counts[2]; 3], "{counts:?}");
     let text = fs::read_to_string(place.path("cut.usda")).unwrap();
     let samples = text.split("int[] faceVertexCounts.timeSamples = {\n").nth(1).unwrap();
-    let codes = samples.lines().take_while(|line| line.trim() != "}").map(|line| line.trim().split(':').next().unwrap());
+    let codes =
+        samples.lines().take_while(|line| line.trim() != "}").map(|line| line.trim().split(':').next().unwrap());
     assert_eq!(codes.collect::<Vec<_>>(), ["1", "3"]);
     let glb = gltf::Gltf::from_slice(&fs::read(place.path("cut.glb")).unwrap()).unwrap();
     let count = |mesh: gltf::Mesh| mesh.primitives().next().unwrap().indices().unwrap().count() / 3;
@@ -203,7 +205,8 @@ fn a_cut_takes_triangles_away_from_its_frame_on() {
 #[test]
 fn cloth_that_is_not_finite_leaves_no_file() {
     let place = Place::new();
-    let cloth = r#"{"from": {"flat": {"width": 9, "height": 9, "right": [1, 0, 0], "down": [0, 0, 1]}}, "name": "flag"}"#;
+    let cloth =
+        r#"{"from": {"flat": {"width": 9, "height": 9, "right": [1, 0, 0], "down": [0, 0, 1]}}, "name": "flag"}"#;
     let text = format!(
         r#"{{"format": "gimage-scene", "version": 1, "gravity": [0, -1e38, 0], "duration": 1, "cloths": [{cloth}]}}"#
     );

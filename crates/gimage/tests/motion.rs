@@ -110,7 +110,8 @@ impl Shape {
 fn shapes(bytes: &[u8]) -> Vec<Shape> {
     let file = gltf::Gltf::from_slice(bytes).unwrap();
     let (document, blob) = (file.document, file.blob.unwrap());
-    let floats = |accessor| gltf::accessor::Iter::<f32>::new(accessor, |_| Some(&blob[..])).unwrap().collect::<Vec<_>>();
+    let floats =
+        |accessor| gltf::accessor::Iter::<f32>::new(accessor, |_| Some(&blob[..])).unwrap().collect::<Vec<_>>();
     let mut shapes = Vec::new();
     let scene = document.default_scene().unwrap();
     let mut nodes: Vec<_> = scene.nodes().map(|node| (node, Vec::new())).collect();
@@ -224,9 +225,10 @@ fn motions_that_are_too_large_are_refused_at_the_first_frame() {
 
 #[test]
 fn bad_frames_are_errors() {
-    for writer in [|| Box::new(GltfMotion::new(Shown::Targets, 9)) as Box<dyn MotionWriter>, || {
-        Box::new(UsdMotion::new("a", 30.0))
-    }] {
+    for writer in [
+        || Box::new(GltfMotion::new(Shown::Targets, 9)) as Box<dyn MotionWriter>,
+        || Box::new(UsdMotion::new("a", 30.0)),
+    ] {
         let mut surface = sample();
         surface.positions[50][1] = f32::NAN;
         let error = writer().frame(&surface, 0.0).unwrap_err().to_string();
@@ -262,7 +264,10 @@ fn attribute(text: &str, mesh: &str, attribute: &str) -> Vec<(usize, Vec<f32>)> 
     let text = text.split(&format!("def Mesh \"{mesh}\"")).nth(1).unwrap();
     if let Some(samples) = text.split(&format!("{attribute}.timeSamples = {{\n")).nth(1) {
         let lines = samples.lines().take_while(|line| line.trim() != "}");
-        return lines.map(|line| line.trim().split_once(": ").unwrap()).map(|(k, v)| (k.parse().unwrap(), numbers(v))).collect();
+        return lines
+            .map(|line| line.trim().split_once(": ").unwrap())
+            .map(|(k, v)| (k.parse().unwrap(), numbers(v)))
+            .collect();
     }
     let line = text.lines().find_map(|line| line.trim().strip_prefix(attribute)?.strip_prefix(" = ")).unwrap();
     vec![(0, numbers(line))]
@@ -274,9 +279,15 @@ fn usd_frames_read_back_bit_equal() {
         let bytes = written(Box::new(UsdMotion::new("my scene", 24.0)), &frames).unwrap();
         assert_eq!(bytes, written(Box::new(UsdMotion::new("my scene", 24.0)), &frames).unwrap());
         let text = String::from_utf8(bytes).unwrap();
-        for line in ["#usda 1.0", "    defaultPrim = \"my_scene\"", "    metersPerUnit = 1", "    startTimeCode = 1",
-            "    timeCodesPerSecond = 24", "    upAxis = \"Y\"", "        displayName = \"a \\\"b\\\"\""]
-        {
+        for line in [
+            "#usda 1.0",
+            "    defaultPrim = \"my_scene\"",
+            "    metersPerUnit = 1",
+            "    startTimeCode = 1",
+            "    timeCodesPerSecond = 24",
+            "    upAxis = \"Y\"",
+            "        displayName = \"a \\\"b\\\"\"",
+        ] {
             assert!(text.lines().any(|l| l == line), "{line}: {text}");
         }
         assert!(text.contains(&format!("endTimeCode = {}\n", frames.len())));
@@ -286,7 +297,8 @@ fn usd_frames_read_back_bit_equal() {
             let (counts, extent) = (of("faceVertexCounts"), of("extent"));
             assert_eq!([points.len(), normals.len(), extent.len()], [frames.len(); 3]);
             for (k, surface) in frames.iter().enumerate() {
-                let held = |list: &[(usize, Vec<f32>)]| list.iter().rfind(|sample| sample.0 <= k + 1).unwrap().1.clone();
+                let held =
+                    |list: &[(usize, Vec<f32>)]| list.iter().rfind(|sample| sample.0 <= k + 1).unwrap().1.clone();
                 let triangles = piece_triangles(surface, &surface.pieces[piece]);
                 let (at, own) = (held(&indices), &points[k]);
                 assert_eq!((own.0, held(&counts)), (k + 1, vec![3.0; triangles.len()]));

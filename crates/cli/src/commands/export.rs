@@ -44,7 +44,8 @@ pub fn run(args: &ExportArgs, out: &Output) -> Result<Exit, Failure> {
     }
     let mut sink = Sink::new(kind, &args.output, &schedule)?;
     let mut faults = Faults::default();
-    schedule.run(&mut engine, &mut faults, |engine, time, fraction| sink.frame(source.read(engine, fraction)?, time))?;
+    schedule
+        .run(&mut engine, &mut faults, |engine, time, fraction| sink.frame(source.read(engine, fraction)?, time))?;
     faults.at_end(&mut engine)?;
     faults.warn(out, &engine, (engine.time() / engine.stepper.options().step).round() as usize);
     let written = sink.finish()?;

@@ -166,7 +166,8 @@ fn older(output: &Path) -> Result<Vec<String>, Failure> {
     let name = name_of(output)?;
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, "obj"));
     let is_frame = |name: &str| {
-        let number = name.strip_prefix(stem).and_then(|n| n.strip_prefix('_')?.strip_suffix(extension)?.strip_suffix('.'));
+        let number =
+            name.strip_prefix(stem).and_then(|n| n.strip_prefix('_')?.strip_suffix(extension)?.strip_suffix('.'));
         number.is_some_and(|n| n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit()))
     };
     let failed = |e: io::Error| Failure::io(folder, &e);
@@ -189,7 +190,8 @@ mod tests {
         let output = folder.path().join("my.flag.obj");
         assert_eq!(frame_name(&output, 7).unwrap(), "my.flag_00007.obj");
         assert_eq!(frame_name(&output, 123_456).unwrap(), "my.flag_123456.obj");
-        for name in ["my.flag_00001.obj", "my.flag_123456.obj", "my.flag_1.obj", "my.flag_0000x.obj", "flag_00001.obj"] {
+        for name in ["my.flag_00001.obj", "my.flag_123456.obj", "my.flag_1.obj", "my.flag_0000x.obj", "flag_00001.obj"]
+        {
             fs::write(folder.path().join(name), "").unwrap();
         }
         assert_eq!(older(&output).unwrap(), ["my.flag_00001.obj", "my.flag_123456.obj"]);

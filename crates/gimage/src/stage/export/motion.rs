@@ -80,7 +80,8 @@ pub fn check(surface: &Reconstruction, frame: usize) -> Result<()> {
             piece: piece.map_or("?", |piece| &piece.name).into(),
             stage: "export",
             problem: format!("the {what} of vertex {point} is not finite in frame {frame}"),
-            hint: "export fewer frames, or make the motion stable: more substeps, smaller forces, the solver xpbd".into(),
+            hint: "export fewer frames, or make the motion stable: more substeps, smaller forces, the solver xpbd"
+                .into(),
         });
     }
     Ok(())

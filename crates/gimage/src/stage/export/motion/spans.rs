@@ -96,7 +96,8 @@ impl Span {
                 });
             }
             let turned = deltas(&surface.normals, &self.normals);
-            let target = json!({"POSITION": target(&moved, bounds(&moved), chunk), "NORMAL": target(&turned, json!({}), chunk)});
+            let target =
+                json!({"POSITION": target(&moved, bounds(&moved), chunk), "NORMAL": target(&turned, json!({}), chunk)});
             let primitive = &mut mesh["primitives"][0];
             if primitive["targets"].is_null() {
                 primitive["targets"] = json!([]);
@@ -145,7 +146,9 @@ impl Span {
         let sampler = file.sampler(&times, &scales, "VEC3", "STEP");
         file.channels.push(json!({"sampler": sampler, "target": {"node": node, "path": "scale"}}));
         let scale = if hidden { 0.0 } else { 1.0 };
-        file.nodes.push(json!({"name": format!("from {} s", all[index]), "children": children, "scale": [scale, scale, scale]}));
+        file.nodes.push(
+            json!({"name": format!("from {} s", all[index]), "children": children, "scale": [scale, scale, scale]}),
+        );
         file.roots.push(node);
     }
 }

@@ -80,9 +80,7 @@ impl MotionWriter for UsdMotion {
         for mesh in &mut self.meshes {
             let extent = extent(mesh.points.iter().map(|p| surface.positions[*p as usize]));
             line(&mut mesh.extent, format_args!("            {}: {},\n", self.frames, array(&extent)));
-            for (list, ranges) in
-                [(&surface.positions, &mut mesh.positions), (&surface.normals, &mut mesh.normals)]
-            {
+            for (list, ranges) in [(&surface.positions, &mut mesh.positions), (&surface.normals, &mut mesh.normals)] {
                 let start = self.written + text.len() as u64;
                 line(&mut text, format_args!("            {}: ", self.frames));
                 push_array(&mut text, mesh.points.iter().map(|p| list[*p as usize]));
@@ -135,7 +133,10 @@ impl Mesh {
     }
 
     fn write(&self, name: &str, out: &mut Text) {
-        out.add(format_args!("    def Mesh \"{name}\" (\n        displayName = {}\n    )\n    {{\n", quoted(&self.name)));
+        out.add(format_args!(
+            "    def Mesh \"{name}\" (\n        displayName = {}\n    )\n    {{\n",
+            quoted(&self.name)
+        ));
         out.add(format_args!("        uniform bool doubleSided = 1\n        float3[] extent.timeSamples = {{\n"));
         out.add(format_args!("{}        }}\n", self.extent));
         self.write_faces("int[] faceVertexCounts", |faces| Some(&faces.counts), out);
@@ -201,9 +202,8 @@ fn line(out: &mut String, args: std::fmt::Arguments) {
 /// The box around points: its low and its high corner; at the origin without points.
 fn extent(mut points: impl Iterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
     let first = points.next().unwrap_or_default();
-    points.fold([first; 2], |[low, high], p| {
-        [[0, 1, 2].map(|c| low[c].min(p[c])), [0, 1, 2].map(|c| high[c].max(p[c]))]
-    })
+    points
+        .fold([first; 2], |[low, high], p| [[0, 1, 2].map(|c| low[c].min(p[c])), [0, 1, 2].map(|c| high[c].max(p[c]))])
 }
 
 fn array<const N: usize>(values: &[[f32; N]]) -> String {
