@@ -104,9 +104,8 @@ impl Cloth {
         if !there(stitch.particle) {
             return Err(self.no_stitch(stitch, "it has a stitch, but does not exist"));
         }
-        if !stitch.at.iter().all(|x| (0.0..=1.0).contains(x))
-            || !(stitch.distance >= 0.0 && stitch.distance.is_finite())
-        {
+        let is_inside = stitch.at.iter().all(|x| (0.0..=1.0).contains(x));
+        if !is_inside || !(0.0..f32::INFINITY).contains(&stitch.distance) {
             return Err(self.no_stitch(
                 stitch,
                 "its stitch has a point outside 0 to 1, or a length that is negative or not finite",

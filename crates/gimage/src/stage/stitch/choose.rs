@@ -61,6 +61,8 @@ fn runs(points: &[Point], near: &[Option<Near>], diagonal: f64, most: f64) -> Ve
 const SPARSE: f64 = 3.0;
 /// or this share of the diagonal of the panel.
 const SPARSE_SHARE: f64 = 0.06;
+/// They are sewn only if this share of all points lies on other panels: fewer merely touch.
+const LEAST_OF_POINTS: f64 = 0.05;
 
 /// Sews a panel to the panels that it lies on by a sparse set of its points.
 pub(super) fn all_over(sewing: &mut Seamstress<'_>, own: usize, most: f64) {
@@ -68,6 +70,9 @@ pub(super) fn all_over(sewing: &mut Seamstress<'_>, own: usize, most: f64) {
     let panel = &panels[own];
     let apart = (SPARSE * panel.spacing).max(SPARSE_SHARE * panel.diagonal());
     let near = nearest(panels, own, &panel.points, most);
+    if (near.iter().flatten().count() as f64) < LEAST_OF_POINTS * panel.points.len() as f64 {
+        return;
+    }
     let mut taken: Vec<[f64; 3]> = Vec::new();
     let mut chosen: Vec<(Point, usize)> = Vec::new();
     for (point, near) in panel.points.iter().zip(&near) {
