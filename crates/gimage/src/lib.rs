@@ -73,7 +73,9 @@ pub use base::{closest, grid, halfedge, mesh, surface, topology};
 pub use stage::assemble::{limits, mass, pins, springs};
 pub use stage::image::{judge, ladder};
 pub use stage::measure::stretch;
-pub use stage::{colliders, component, contents, export, gate, import, measure, reconstruct, repair, select, shell};
+pub use stage::{
+    colliders, component, contents, export, gate, import, measure, reconstruct, render, repair, select, shell,
+};
 
 pub use error::{Error, Result};
 pub use mesh::Mesh;

@@ -18,6 +18,8 @@ pub enum Stage {
     Maps,
     /// Measuring the result against the source.
     Measure,
+    /// Binding the mesh of the source to the pieces.
+    Render,
     /// Compressing and hashing.
     Encode,
 }
@@ -33,6 +35,7 @@ impl Stage {
             Stage::Image => "image",
             Stage::Maps => "maps",
             Stage::Measure => "measure",
+            Stage::Render => "render",
             Stage::Encode => "encode",
         }
     }

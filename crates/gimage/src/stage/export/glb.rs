@@ -119,7 +119,7 @@ fn sorted(value: Value) -> Value {
 }
 
 /// The GLB header and its chunks; an empty binary chunk is left out.
-fn container(mut text: Vec<u8>, binary: &[u8]) -> Result<Vec<u8>> {
+pub(crate) fn container(mut text: Vec<u8>, binary: &[u8]) -> Result<Vec<u8>> {
     text.resize(text.len().next_multiple_of(4), b' ');
     let chunks: &[(&[u8], &[u8; 4])] = &[(&text, b"JSON"), (binary, b"BIN\0")];
     let chunks = &chunks[..if binary.is_empty() { 1 } else { 2 }];
