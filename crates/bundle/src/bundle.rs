@@ -11,6 +11,7 @@ use crate::exr_header::max_file_bytes;
 use crate::exr_io::{decode_exr_sized, encode_exr};
 use crate::manifest::{FileRecord, MANIFEST_FILE, MAX_MANIFEST_BYTES, Manifest, PieceEntry};
 use crate::map::{Image, MapKind, check_size, file_stems};
+use crate::render::{MAX_RENDER_BYTES, RENDER_FILE};
 use crate::validate::Fault;
 
 /// A bundle in memory: a manifest and the images that it describes.
@@ -21,12 +22,15 @@ pub struct Bundle {
     pub manifest: Manifest,
     /// The images, by index of the piece and kind of map. Each has the size of its piece.
     pub images: BTreeMap<(usize, MapKind), Image>,
+    /// The bytes of `render.glb`, the mesh of the source bound to the pieces, if the bundle has one; the manifest then has
+    /// [`Manifest::render`].
+    pub render: Option<Vec<u8>>,
 }
 
 impl Bundle {
     /// A bundle without pieces. `generator` names the program and its version.
     pub fn new(generator: &str) -> Self {
-        Bundle { manifest: Manifest::new(generator), images: BTreeMap::new() }
+        Bundle { manifest: Manifest::new(generator), images: BTreeMap::new(), render: None }
     }
 
     /// Appends a piece of `width` x `height` texels after the indices already taken, and returns its index. Errors where
@@ -91,6 +95,11 @@ impl Bundle {
         for piece in &manifest.pieces {
             require_position(piece)?;
         }
+        if let Some(bytes) = &self.render {
+            let record = FileRecord { sha256: sha256(bytes), bytes: bytes.len() as u64 };
+            manifest.files.insert(RENDER_FILE.into(), record);
+            files.insert(RENDER_FILE.into(), bytes.clone());
+        }
         files.insert(MANIFEST_FILE.into(), manifest.to_bytes()?);
         Ok(files)
     }
@@ -145,7 +154,19 @@ impl Bundle {
                 }
             }
         }
-        Ok(Bundle { manifest, images })
+        let mut render = None;
+        if manifest.render.is_some() {
+            match read_render(&mut read, manifest.files.get(RENDER_FILE)) {
+                Ok((bytes, checksum)) => {
+                    if let Err(error) = checksum {
+                        trouble(error)?;
+                    }
+                    render = Some(bytes);
+                }
+                Err(error) => trouble(error)?,
+            }
+        }
+        Ok(Bundle { manifest, images, render })
     }
 
     fn check_image(&self, piece: usize, kind: &MapKind, image: &Image) -> Result<()> {
@@ -227,6 +248,16 @@ fn read_image(
         Ok(image) => Ok((image, checksum)),
         Err(error) => Err(error),
     }
+}
+
+/// The bytes of `render.glb`, and whether they are those that the manifest records.
+fn read_render(
+    read: &mut impl FnMut(&str, u64) -> Result<Vec<u8>>,
+    record: Option<&FileRecord>,
+) -> Result<(Vec<u8>, Result<()>)> {
+    let bytes = read(RENDER_FILE, record.map_or(MAX_RENDER_BYTES, |r| r.bytes.min(MAX_RENDER_BYTES)))?;
+    let sound = record.is_none_or(|r| r.bytes == bytes.len() as u64 && r.sha256 == sha256(&bytes));
+    Ok((bytes, if sound { Ok(()) } else { Err(Error::Checksum { file: RENDER_FILE.into() }) }))
 }
 
 #[cfg(test)]

@@ -117,6 +117,14 @@ pub enum Error {
         /// The remedy.
         hint: &'static str,
     },
+    /// The mesh of the source is damaged, or bound to nothing.
+    #[error("render.glb: {element}: {problem}; build the bundle again")]
+    Render {
+        /// The element of the file.
+        element: String,
+        /// The problem.
+        problem: String,
+    },
     /// A texel holds no legal particle code.
     #[error("piece {piece}: position: texel ({i}, {j}): {source}; build the bundle again")]
     Code {

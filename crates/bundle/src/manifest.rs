@@ -6,6 +6,7 @@
 mod collider;
 mod piece;
 mod quality;
+mod render;
 mod text;
 
 use std::collections::BTreeMap;
@@ -16,6 +17,7 @@ use serde_json::Value;
 pub use collider::{ColliderEntry, ColliderShape, MAX_COLLIDER_SIZE_M, UnknownShape};
 pub use piece::{ComponentEntry, Constants, Counts, Cut, PieceEntry, RungEntry, ShellEntry, Surface};
 pub use quality::Quality;
+pub use render::RenderEntry;
 pub(crate) use text::{unreadable, within_cap};
 
 /// The value of `format`.
@@ -58,6 +60,9 @@ pub struct Manifest {
     /// The skeleton that joint indices refer to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skeleton: Option<Skeleton>,
+    /// The mesh of the source, bound to the pieces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub render: Option<RenderEntry>,
     /// Changes to the source and other findings of the build.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repairs: Vec<Repair>,
@@ -168,6 +173,7 @@ impl Manifest {
             accessories: Vec::new(),
             colliders: Vec::new(),
             skeleton: None,
+            render: None,
             repairs: Vec::new(),
             quality: Quality::default(),
             files: BTreeMap::new(),

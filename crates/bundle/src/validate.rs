@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::manifest::{MANIFEST_FILE, PieceEntry};
 use crate::map::{Image, MapKind};
 use crate::particle::Particle;
+use crate::render::{RENDER_FILE, check_render};
 use crate::rings::{LinkFault, Rings, find_rings};
 use crate::stitch;
 use crate::welded::welded;
@@ -57,6 +58,8 @@ pub enum FaultKind {
     Count,
     /// The parts of a component do not weld to its surface.
     Topology,
+    /// The mesh of the source is damaged, or a vertex is not bound to a point of a piece.
+    Render,
 }
 
 /// One broken rule.
@@ -84,6 +87,7 @@ impl Fault {
             Error::Missing { file } | Error::Exr { file, .. } | Error::Size { file, .. } => {
                 (file.clone(), None, None, FaultKind::Unreadable)
             }
+            Error::Render { .. } => (RENDER_FILE.into(), None, None, FaultKind::Render),
             Error::Map { piece, .. } => (MANIFEST_FILE.into(), Some(piece.clone()), None, FaultKind::Unreadable),
             Error::Code { piece, i, j, .. } => {
                 (MANIFEST_FILE.into(), Some(piece.clone()), Some((*i, *j)), FaultKind::Code)
@@ -157,6 +161,7 @@ pub fn validate(bundle: &Bundle) -> Vec<Fault> {
     check_counts(&mut found, &particles, &rings);
     if found.listed.is_empty() {
         check_components(&mut found, &particles, &rings);
+        check_render(bundle, &particles).into_iter().for_each(|fault| found.push(fault));
     }
     found.finish()
 }
@@ -171,6 +176,11 @@ pub fn validate_files(read: impl FnMut(&str, u64) -> Result<Vec<u8>>) -> Result<
             let piece = Some(piece.name.clone());
             faults.push(Fault { file: file.clone(), piece, texel: None, kind: FaultKind::Unlisted, message });
         }
+    }
+    if bundle.manifest.render.is_some() && !bundle.manifest.files.contains_key(RENDER_FILE) {
+        let message = "the manifest records no SHA-256 for the file".into();
+        let file = RENDER_FILE.into();
+        faults.push(Fault { file, piece: None, texel: None, kind: FaultKind::Unlisted, message });
     }
     // Counts, links and positions of a bundle with holes would only repeat that there are holes.
     if faults.iter().all(|f| f.kind != FaultKind::Unreadable) {

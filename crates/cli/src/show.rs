@@ -41,7 +41,23 @@ pub fn overview(out: &Output, path: &str, summary: &Summary) -> String {
     text += &section(out, "Seams", &seams(summary).render());
     text += &section(out, "Distortion of the map", &distortion(summary).render());
     text += &section(out, "Distance from the source", &fidelity(summary).render());
+    text += &section(out, "Render mesh", &render_mesh(summary).render());
     text + &section(out, "Rating", &ratings(summary).render())
+}
+
+/// The mesh of the source.
+fn render_mesh(summary: &Summary) -> Table {
+    let mut table = Table::new(&["<file", "vertices", "bound", "largest offset", "size"]);
+    if let Some(r) = &summary.render {
+        table.row([
+            r.file.clone(),
+            grouped(r.vertices),
+            grouped(r.bound),
+            length(r.largest_offset),
+            or_dash(r.bytes, bytes),
+        ]);
+    }
+    table
 }
 
 /// Each piece in words, and why.

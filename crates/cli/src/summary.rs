@@ -6,7 +6,7 @@ use gimage::gate::{Figures, Rating};
 use gimage_bundle::manifest::{
     Accessory, Constants, Counts, Cut, PieceEntry, Quality, Repair, RungEntry, Source, Surface,
 };
-use gimage_bundle::{Bundle, Image, MapKind};
+use gimage_bundle::{Bundle, Image, MapKind, RENDER_FILE};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -33,6 +33,9 @@ pub struct Summary {
     pub image_bytes: u64,
     /// The pieces.
     pub pieces: Vec<Piece>,
+    /// The mesh of the source, if the bundle has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub render: Option<RenderMesh>,
     /// Parts that ride on pieces.
     pub accessories: Vec<Accessory>,
     /// Quality of the whole.
@@ -43,6 +46,22 @@ pub struct Summary {
     pub repairs: Vec<Repair>,
     /// Contradictions between the manifest and the images; one sentence each.
     pub disagreements: Vec<String>,
+}
+
+/// The mesh of the source, bound to the pieces.
+#[derive(Clone, Debug, Serialize)]
+pub struct RenderMesh {
+    /// Its file.
+    pub file: String,
+    /// The length of the file; none if the manifest does not record it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bytes: Option<u64>,
+    /// Vertices of primitives with a bound vertex.
+    pub vertices: u64,
+    /// Those of them that are bound.
+    pub bound: u64,
+    /// The largest distance of a bound vertex from its point on the surface \[m\].
+    pub largest_offset: f64,
 }
 
 /// An axis-aligned box \[m\].
@@ -179,7 +198,15 @@ impl Summary {
             bytes: manifest.files.get(file).map(|f| f.bytes),
         };
         let maps: Vec<Vec<Map>> = manifest.pieces.iter().map(|p| p.maps.iter().map(map).collect()).collect();
-        let image_bytes = manifest.files.values().map(|f| f.bytes).sum();
+        let is_image = |(name, _): &(&String, _)| *name != RENDER_FILE;
+        let image_bytes = manifest.files.iter().filter(is_image).map(|(_, f)| f.bytes).sum();
+        let render = manifest.render.as_ref().map(|r| RenderMesh {
+            file: r.file.clone(),
+            bytes: manifest.files.get(&r.file).map(|f| f.bytes),
+            vertices: r.vertices,
+            bound: r.bound,
+            largest_offset: r.largest_offset,
+        });
         let texels = manifest.texels();
         let pieces =
             manifest.pieces.into_iter().zip(maps).zip(boxes).zip(limits).map(|(((p, maps), bounds), limits)| {
@@ -211,6 +238,7 @@ impl Summary {
             bounds,
             image_bytes,
             pieces: pieces.collect(),
+            render,
             accessories: manifest.accessories,
             quality: manifest.quality,
             seam_gap,

@@ -17,6 +17,7 @@ use crate::stage::assemble::mass::MassOptions;
 use crate::stage::component::ComponentOptions;
 use crate::stage::gate::GateOptions;
 use crate::stage::import::ImportOptions;
+use crate::stage::render::RenderOptions;
 use crate::stage::repair::RepairOptions;
 use crate::stage::select::SelectOptions;
 use crate::stage::shell::ShellOptions;
@@ -178,6 +179,8 @@ pub struct BuildOptions {
     pub stitch: StitchOptions,
     /// Options of the measurement of quality, and of what follows from it.
     pub gate: GateOptions,
+    /// Options of the render mesh.
+    pub render: RenderOptions,
 }
 
 impl BuildOptions {
@@ -194,6 +197,7 @@ impl BuildOptions {
             self.assemble.settings(),
             self.stitch.settings(),
             self.gate.settings(),
+            self.render.settings(),
         ]
         .concat()
     }
@@ -272,6 +276,7 @@ mod tests {
             "effort",
             "piece",
             "pin",
+            "render_mesh",
             "rest",
             "sample",
             "seams",

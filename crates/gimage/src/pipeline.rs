@@ -28,6 +28,8 @@ use crate::stage::assemble::{Piece, assemble, measure_piece, summary};
 use crate::stage::gate;
 use crate::stage::image::PieceImage;
 use crate::stage::import::import;
+use crate::stage::render::trace::Trace;
+use crate::stage::render::{self, RenderMesh};
 use crate::stage::repair::repair;
 use crate::stage::select::select;
 use crate::stage::shell::thin;
@@ -80,11 +82,16 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
         report.findings.extend(imported.findings.iter().cloned());
         Ok(imported)
     })?;
-    let (mesh, source) = (imported.mesh, imported.source);
+    let (mut mesh, source) = (imported.mesh, imported.source);
     let body = worn_on(&mesh, options, dressed)?;
+    let plain = || imported.origins.is_empty().then(|| render::plain::document(&mesh));
+    let is_drawn = options.render.render_mesh == RenderMesh::On;
+    let plain = if is_drawn { plain() } else { None };
+    let mut trace = is_drawn.then(|| Trace::start(&mut mesh));
     let mesh = run.stage(Stage::Repair, 1, |report| {
         let selected = select(mesh, &options.select)?;
         report.findings.extend(selected.findings);
+        trace.iter_mut().for_each(|trace| trace.selected(&selected.mesh));
         let repaired = repair(selected.mesh, &options.repair)?;
         report.findings.extend(repaired.findings);
         Ok(repaired.mesh)
@@ -93,11 +100,12 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
     drop(body);
     run.report.findings.extend(plan.findings.iter().cloned());
     let options = &plan.options;
-    let thinned = run.stage(Stage::Shell, 1, |report| {
+    let mut thinned = run.stage(Stage::Shell, 1, |report| {
         let thinned = thin(mesh, &options.shell, &options.component);
         report.findings.extend(thinned.findings.iter().cloned());
         Ok(thinned)
     })?;
+    trace.iter_mut().for_each(|trace| trace.finish(&mut thinned.mesh));
     let mesh = &thinned.mesh;
     let parts = run.stage(Stage::Component, 1, |report| {
         let parts = thinned.split(&options.component);
@@ -149,6 +157,15 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
     let images: Vec<&PieceImage> = pieces.iter().map(|p| &p.image).collect();
     bundle.manifest.accessories = anchor(mesh, &riders, &images);
     entries::shells(&mut bundle, &pieces, &riders, &thinned);
+    if let Some(trace) = &trace {
+        let made = render::Made { trace, pieces: &pieces, families: &families, riders: &riders };
+        let (origins, transform) = (&imported.origins, imported.transform);
+        let imported = render::Imported { path, source: &source, origins, transform, plain };
+        run.stage(Stage::Render, 1, |report| {
+            report.findings.extend(render::add(&mut bundle, imported, &made, options)?);
+            Ok(())
+        })?;
+    }
     entries::describe(&mut bundle, mesh, &source, options, &run.report.findings);
     run.stage(Stage::Encode, 1, |_| {
         bundle.count()?;

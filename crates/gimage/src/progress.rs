@@ -20,6 +20,8 @@ pub enum Stage {
     Stitch,
     /// Measuring the result against the source.
     Measure,
+    /// Binding the mesh of the source to the pieces.
+    Render,
     /// Compressing and hashing.
     Encode,
 }
@@ -36,6 +38,7 @@ impl Stage {
             Stage::Maps => "maps",
             Stage::Stitch => "stitch",
             Stage::Measure => "measure",
+            Stage::Render => "render",
             Stage::Encode => "encode",
         }
     }

@@ -48,3 +48,4 @@ pub(crate) mod strain;
 pub(crate) mod tangents;
 pub(crate) mod transform;
 pub(crate) mod wind;
+pub(crate) mod wrap;

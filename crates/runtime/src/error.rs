@@ -96,6 +96,18 @@ pub enum Error {
         /// The field of [`crate::Options`].
         option: &'static str,
     },
+    /// A render mesh is bound to another cloth.
+    #[error(
+        "cloth {cloth}: the render mesh is bound to {expected} texels, the cloth has {found}; give the mesh of the bundle that the cloth was made from"
+    )]
+    RenderMesh {
+        /// The cloth by name.
+        cloth: String,
+        /// Texels of the bundle.
+        expected: usize,
+        /// Texels of the cloth.
+        found: usize,
+    },
     /// No piece of this name.
     #[error("cloth {cloth} has no piece {piece:?}; its pieces are {pieces}")]
     NoPiece {

@@ -38,6 +38,7 @@ mod uploads;
 #[cfg(not(target_family = "wasm"))]
 mod wait;
 mod watch;
+mod wrap;
 
 pub use ahead::{Ahead, Preparation};
 pub use buffers::ClothBuffers;

@@ -52,6 +52,34 @@ pub struct SolidRow {
     pub unused2: u32,
 }
 
+/// A vertex of a bound mesh, as shaders/wrap.wgsl reads it.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct BoundRow {
+    /// Particles of the cloth.
+    pub corners: [u32; 3],
+    /// Of the second and the third corner.
+    pub weights: [f32; 2],
+    /// In the frame \[m\]; the position of a vertex that is not bound.
+    pub offset: [f32; 3],
+    /// In the frame; in the space of the cloth for a vertex that is not bound.
+    pub normal: [f32; 4],
+    /// Likewise; w is the sign of the bitangent.
+    pub tangent: [f32; 4],
+}
+
+/// A vertex as it is drawn: 48 bytes, the same on the CPU and in the buffer of [`crate::Stepper::record_wrap`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct RenderVertex {
+    /// Position \[m\] in the space of the cloth; the fourth number is 1.
+    pub position: [f32; 4],
+    /// Unit normal; the fourth number is 0.
+    pub normal: [f32; 4],
+    /// Unit tangent, 0 if the file has none; the fourth number is the sign of the bitangent.
+    pub tangent: [f32; 4],
+}
+
 /// Groups of steps that moving colliders tell apart in a frame.
 pub const POSES: u32 = 128;
 

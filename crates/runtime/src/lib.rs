@@ -68,6 +68,7 @@ mod plan;
 mod quality;
 #[cfg(feature = "reference")]
 mod reference;
+mod render_mesh;
 pub mod scene;
 mod shaders;
 mod state;
@@ -113,6 +114,7 @@ pub use plan::{Plan, PlannedPass};
 pub use quality::Quality;
 #[cfg(feature = "reference")]
 pub use reference::Reference;
+pub use render_mesh::{RenderMesh, RenderPart, RenderVertex};
 pub use scene::Scene;
 pub use state::{ClothState, Snapshot};
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]

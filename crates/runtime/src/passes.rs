@@ -201,6 +201,8 @@ pub enum Pass {
         /// Whether any triangle is cut away.
         holes: bool,
     },
+    /// The vertices of a mesh that is bound to the cloth. For hosts that ask.
+    Wrap,
 }
 
 /// How air enters the integration.

@@ -47,7 +47,7 @@ fn passes() -> Vec<Pass> {
     for soft in SOFTS {
         all.extend([false, true].map(|image| Pass::Strain { image, soft }));
     }
-    all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend, Pass::Bounds]);
+    all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend, Pass::Bounds, Pass::Wrap]);
     all.extend([false, true].map(|holes| Pass::Moments { holes }));
     all.extend([Pass::Stitch { holes: false }, Pass::Stitch { holes: true }, Pass::Sew]);
     all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));

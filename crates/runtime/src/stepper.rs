@@ -32,6 +32,7 @@ mod tangents;
 mod times;
 #[cfg(feature = "gpu")]
 mod tune;
+mod wrap;
 
 pub use drag::Drag;
 pub use levels::level_at;

@@ -7,6 +7,7 @@ use super::{FORMAT, MAX_MANIFEST_BYTES, Manifest, VERSION};
 use crate::budget;
 use crate::error::{Error, Result};
 use crate::map::{check_file_name, check_size};
+use crate::render::RENDER_FILE;
 
 impl Manifest {
     /// The manifest as JSON text, ending in a newline. Errors where [`Manifest::check`] does and on numbers that are
@@ -60,6 +61,9 @@ impl Manifest {
             return Err(wrong(format!("units are {:?}, not \"metre\"", self.units)));
         }
         budget::check_lists(self)?;
+        if self.render.as_ref().is_some_and(|r| r.file != RENDER_FILE) {
+            return Err(wrong(format!("render.file is not {RENDER_FILE:?}")));
+        }
         let mut files = std::collections::BTreeSet::new();
         let mut next = 0_u64;
         for piece in &self.pieces {

@@ -124,7 +124,7 @@ impl Job<'_> {
         let manifest = files.get(MANIFEST_FILE).ok_or_else(|| gimage::Error::Internal("no manifest".into()))?;
         add_time(&mut stages, ENCODE, encoding);
         // The manifest as written also names the files.
-        let bundle = Bundle { manifest: Manifest::from_bytes(manifest)?, images: built.bundle.images };
+        let bundle = Bundle { manifest: Manifest::from_bytes(manifest)?, ..built.bundle };
         let summary = Summary::new(bundle)?;
         if let Some(disagreement) = summary.disagreements.first() {
             return Err(gimage::Error::Internal(disagreement.clone()).into());

@@ -44,6 +44,8 @@ pub mod measure;
 
 pub mod gate;
 
+pub mod render;
+
 // The way back, from a bundle.
 
 pub mod reconstruct;

@@ -444,7 +444,8 @@ impl<T: Real> Fabric<T> {
             | Pass::PickNearest
             | Pass::Bounds
             | Pass::Indices { .. }
-            | Pass::Tangents { .. } => return false,
+            | Pass::Tangents { .. }
+            | Pass::Wrap => return false,
         }
         true
     }

@@ -14,6 +14,7 @@ use crate::gpu::span::Span;
 use crate::gpu::store::State;
 use crate::gpu::turns;
 use crate::gpu::upload::{empty, upload};
+use crate::gpu::wrap::Wrapping;
 use crate::layout::FaultRow;
 use crate::options::Options;
 use crate::passes::has_levels;
@@ -42,6 +43,8 @@ pub struct ClothBuffers {
     pub(super) reindex: bool,
     /// Unit tangents, once [`crate::Stepper::record_tangents`] has asked for them: those of the positions at its last call.
     pub tangents: Option<Span>,
+    /// Of the mesh that is bound to it, once a host has asked for its vertices.
+    pub(super) wrapping: Option<Wrapping>,
     stepping: bool,
     /// Whether it has what only passes of its own need.
     separate: bool,
@@ -75,6 +78,7 @@ impl ClothBuffers {
             indices: None,
             reindex: false,
             tangents: None,
+            wrapping: None,
             faults: others.remove(&Slot::Faults),
             stepping,
             separate: false,
@@ -85,6 +89,11 @@ impl ClothBuffers {
             beside: Vec::new(),
             turned: [false; 4],
         }
+    }
+
+    /// Whether the device steps it.
+    pub(super) fn is_stepping(&self) -> bool {
+        self.stepping
     }
 
     /// Makes what only passes of the cloth's own need, once; its grids again where the bound of diagonals is another.

@@ -127,3 +127,8 @@ pub(super) fn tangents(over: Over, holes: bool) -> Rule {
     let parts = Parts::new(&files, &[Grids, Now, Slot::Normals, Slot::Charts], &[Slot::Tangents]);
     Rule { call: "tangent", ..own!("tangents", over, open(holes, parts)) }
 }
+
+pub(super) fn wrap(over: Over) -> Rule {
+    let read = [Action, Now, Slot::Before, Slot::Normals, Slot::BoundVertices];
+    own!("wrap", over, Parts::new(&[part!("action")], &read, &[Slot::Wrapped]))
+}

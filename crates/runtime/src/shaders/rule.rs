@@ -83,7 +83,7 @@ pub fn over(pass: Pass) -> Over {
         Pass::Springs { direction, parity, .. }
         | Pass::Stretch { direction, parity, .. }
         | Pass::Polish { direction, parity, .. } => Over::Springs { direction, parity },
-        Pass::Speed | Pass::Transform | Pass::Place | Pass::Skin { .. } | Pass::Prolong | Pass::Bounds => {
+        Pass::Speed | Pass::Transform | Pass::Place | Pass::Skin { .. } | Pass::Prolong | Pass::Bounds | Pass::Wrap => {
             Over::Own(Threads::Particles)
         }
         Pass::Fastest | Pass::PickNearest | Pass::Restrict | Pass::CoarseTies { .. } => Over::Own(Threads::One),
@@ -194,6 +194,7 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Pick { holes } => rare::pick(over, holes),
         Pass::PickNearest => rare::pick_nearest(over),
         Pass::Bounds => rare::bounds(over),
+        Pass::Wrap => rare::wrap(over),
         Pass::Indices { holes } => rare::indices(over, holes),
         Pass::Tangents { holes } => rare::tangents(over, holes),
     }

@@ -120,7 +120,7 @@ pub fn list(path: &Path, options: &BuildOptions) -> Result<Contents> {
 /// Lists an imported mesh. Parts that are cloth and parts that are not are repaired and split apart from each other, so
 /// that components and loops are those of a build. `path` is for messages. O(n log n), deterministic.
 pub fn contents(path: &Path, imported: Imported, options: &BuildOptions) -> Result<Contents> {
-    let Imported { mesh, source, scene, mut findings } = imported;
+    let Imported { mesh, source, scene, mut findings, .. } = imported;
     let verdicts = roles(&mesh, &options.select)?;
     findings.extend(select::findings(&mesh, &verdicts, &options.select));
     let following = following(&mesh);

@@ -5,7 +5,6 @@ use crate::base::mesh::Part;
 use crate::base::shapes::{self, Join};
 use crate::base::surface::Surface;
 use crate::error::Error;
-use crate::stage::import::Scene;
 
 /// Surfaces as parts of one mesh, each moved along x.
 fn list_of(surfaces: &[(&str, Surface, f64)]) -> Contents {
@@ -26,7 +25,8 @@ fn list_as(surfaces: &[(&str, Surface, f64)], options: &BuildOptions) -> Content
         mesh.triangle_part.resize(mesh.triangles.len(), mesh.parts.len() as u32);
         mesh.parts.push(Part { node: (*name).into(), ..Part::default() });
     }
-    let imported = Imported { mesh, source: Default::default(), scene: Scene::default(), findings: Vec::new() };
+    let (source, scene, origins, findings) = Default::default();
+    let imported = Imported { mesh, source, scene, origins, transform: [0.0; 16], findings };
     contents(Path::new("test.obj"), imported, options).unwrap()
 }
 

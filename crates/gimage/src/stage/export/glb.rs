@@ -171,6 +171,13 @@ fn sorted(value: Value) -> Value {
     }
 }
 
+/// The GLB header and its chunks; an empty binary chunk is left out. Errors if the file is too large for GLB.
+pub(crate) fn container(text: Vec<u8>, binary: &[u8]) -> Result<Vec<u8>> {
+    let mut out = head(text, binary.len())?;
+    out.extend_from_slice(binary);
+    Ok(out)
+}
+
 /// The GLB header, the chunk of JSON, and the header of a binary chunk of `binary` bytes; an empty one is left out.
 fn head(mut text: Vec<u8>, binary: usize) -> Result<Vec<u8>> {
     text.resize(text.len().next_multiple_of(4), b' ');

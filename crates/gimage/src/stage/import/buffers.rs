@@ -99,7 +99,8 @@ impl<'a> Buffers<'a> {
         })
     }
 
-    fn range(&self, buffer: usize, offset: u64, length: u64, element: &str) -> Result<&[u8]> {
+    /// A range of a buffer as the file has it.
+    pub fn range(&self, buffer: usize, offset: u64, length: u64, element: &str) -> Result<&[u8]> {
         let bytes = self.buffer(buffer)?;
         let end = offset.checked_add(length).filter(|&end| end <= bytes.len() as u64);
         let Some(end) = end else {
@@ -129,22 +130,27 @@ impl<'a> Buffers<'a> {
             let problem = "it names no file, and there is no binary chunk for it";
             return bin.map(Cow::Borrowed).ok_or_else(|| self.doc.bad(element, problem));
         };
+        self.file(uri, &element).map(Cow::Owned)
+    }
+
+    /// The bytes of a data URI, or of a file beside the document.
+    pub fn file(&self, uri: &str, element: &str) -> Result<Vec<u8>> {
         if let Some(rest) = uri.strip_prefix("data:") {
-            let bytes = data_uri(rest).map_err(|problem| self.doc.bad(&element, problem))?;
-            self.spend(bytes.len() as u64, &element)?;
-            return Ok(Cow::Owned(bytes));
+            let bytes = data_uri(rest).map_err(|problem| self.doc.bad(element, problem))?;
+            self.spend(bytes.len() as u64, element)?;
+            return Ok(bytes);
         }
         let name = relative_path(uri).map_err(|problem| {
             let hint = "put the file beside the glTF file and name it by a relative path";
-            malformed(self.doc.path, &element, format!("`{uri}` {problem}"), hint)
+            malformed(self.doc.path, element, format!("`{uri}` {problem}"), hint)
         })?;
         let bytes = (self.resolver)(&name).map_err(|source| {
             let path = self.doc.path.parent().unwrap_or(self.doc.path).join(&name);
-            Error::Io { path, source: std::io::Error::new(source.kind(), format!("buffer {index}: {source}")) }
+            Error::Io { path, source: std::io::Error::new(source.kind(), format!("{element}: {source}")) }
         })?;
-        self.spend(bytes.len() as u64, &element)?;
+        self.spend(bytes.len() as u64, element)?;
         self.outside.borrow_mut().push(OutsideFile { name, sha256: sha256(&bytes) });
-        Ok(Cow::Owned(bytes))
+        Ok(bytes)
     }
 
     /// Counts bytes against the cap before they are made.

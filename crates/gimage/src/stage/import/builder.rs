@@ -37,7 +37,8 @@ impl<'a> Builder<'a> {
         Self { path, options, mesh: Mesh::default(), visited: 0 }
     }
 
-    /// Adds a primitive, placed by `world`.
+    /// Adds a primitive, placed by `world`. Returns the vertices of the primitive that became vertices of the mesh, ascending; they are the last
+    /// of the mesh.
     pub fn place(
         &mut self,
         raw: &Raw,
@@ -45,7 +46,7 @@ impl<'a> Builder<'a> {
         part: Part,
         follows: Follows,
         findings: &mut Findings,
-    ) -> Result<()> {
+    ) -> Result<Vec<u32>> {
         // Vertices that come to nothing, placed again and again, take time too.
         self.visited += raw.positions.len() / 3;
         check_size(self.path, self.options, self.visited / 64, 0)?;
@@ -85,7 +86,7 @@ impl<'a> Builder<'a> {
         self.mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| v + first as u32)));
         self.mesh.triangle_part.resize(self.mesh.triangles.len(), self.mesh.parts.len() as u32);
         self.mesh.parts.push(part);
-        Ok(())
+        Ok(used)
     }
 
     fn add_channel(

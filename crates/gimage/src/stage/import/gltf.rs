@@ -12,6 +12,7 @@ use super::findings::Findings;
 use super::matrix::Matrix;
 use super::moving::Moving;
 use super::nodes::{Forest, Placed};
+use super::origin::Origin;
 use super::pieces::Selector;
 use super::primitive::{self, Raw};
 use super::scene::{self, Scene};
@@ -22,6 +23,14 @@ use crate::base::mesh::{Mesh, Part, Semantic};
 use crate::error::{Error, Result};
 use crate::record::Severity;
 
+/// The result of reading a file.
+pub(crate) struct Loaded {
+    pub mesh: Mesh,
+    pub scene: Scene,
+    /// Where each part of the mesh came from.
+    pub origins: Vec<Origin>,
+}
+
 /// The mesh of a glTF file, given its JSON and its binary chunk.
 pub(crate) fn load(
     path: &Path,
@@ -31,7 +40,7 @@ pub(crate) fn load(
     options: &ImportOptions,
     source: &mut Source,
     findings: &mut Findings,
-) -> Result<(Mesh, Scene)> {
+) -> Result<Loaded> {
     let doc = Document::parse(path, json, source)?;
     let buffers = Buffers::new(&doc, bin, resolver, options.max_bytes);
     let max_count = options.max_vertices.max(options.max_triangles.saturating_mul(3));
@@ -47,6 +56,7 @@ pub(crate) fn load(
     // A mesh is read once, however many nodes place it; it is forgotten after its last.
     let mut uses: HashMap<usize, usize> = HashMap::new();
     placed.iter().for_each(|p| *uses.entry(p.mesh).or_default() += 1);
+    let mut origins = Vec::new();
     let mut cache: HashMap<(usize, usize), Option<Rc<Raw>>> = HashMap::new();
     for p in &placed {
         let left = uses.entry(p.mesh).or_default();
@@ -74,7 +84,8 @@ pub(crate) fn load(
         if kept.is_empty() {
             continue;
         }
-        for instance in instances(&accessors, p, findings)? {
+        let (list, is_instanced) = instances(&accessors, p, findings)?;
+        for instance in list {
             let world = matrix::mul(&p.world, &instance);
             let weighted = |r: &Raw| r.attributes.iter().any(|a| matches!(a.semantic, Semantic::Weights(_)));
             let joints = match p.skin {
@@ -95,7 +106,10 @@ pub(crate) fn load(
                 (None, None) => Follows::Nothing,
             };
             for (raw, part) in &kept {
-                builder.place(raw, &world, part.clone(), follows, findings)?;
+                let vertices = builder.place(raw, &world, part.clone(), follows, findings)?;
+                let primitive = part.primitive as usize;
+                let instance = is_instanced.then_some(instance);
+                origins.push(Origin { node: p.node, mesh: p.mesh, primitive, instance, vertices });
             }
         }
     }
@@ -108,17 +122,17 @@ pub(crate) fn load(
     if mesh.channels.iter().any(|c| matches!(c.semantic, Semantic::Joints(_))) {
         mesh.skeleton = bones.finish();
     }
-    Ok((mesh, scene::scene(&doc)))
+    Ok(Loaded { mesh, scene: scene::scene(&doc), origins })
 }
 
-/// The transforms by which a node places its mesh, in its own space.
-fn instances(accessors: &Accessors<'_>, placed: &Placed, findings: &mut Findings) -> Result<Vec<Matrix>> {
+/// The transforms by which a node places its mesh, in its own space, and whether the file lists them.
+fn instances(accessors: &Accessors<'_>, placed: &Placed, findings: &mut Findings) -> Result<(Vec<Matrix>, bool)> {
     let Some(list) = placed.node.map_or(Ok(None), |n| instancing::instances(accessors, n))? else {
-        return Ok(vec![matrix::IDENTITY]);
+        return Ok((vec![matrix::IDENTITY], false));
     };
     let message = "Each instance of an instanced mesh became a copy.";
     findings.add(Severity::Note, "instances", list.len(), message, || part_name(accessors.doc, placed));
-    Ok(list)
+    Ok((list, true))
 }
 
 fn part(doc: &Document, placed: &Placed, primitive: usize) -> Part {

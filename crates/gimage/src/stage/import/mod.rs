@@ -15,6 +15,7 @@ mod builder;
 mod character;
 mod document;
 mod draco;
+mod embed;
 mod extension;
 mod findings;
 mod glb;
@@ -26,6 +27,7 @@ mod moving;
 mod nodes;
 mod obj;
 mod obj_parse;
+mod origin;
 mod pieces;
 mod place;
 mod polygon;
@@ -40,7 +42,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 pub use character::Character;
+pub(crate) use embed::embed;
 pub(crate) use matrix::inverse;
+pub use origin::Origin;
 pub use place::Up;
 pub use scene::{Animation, Scene, Skin};
 pub use source::{OutsideFile, Source};
@@ -81,6 +85,10 @@ pub struct Imported {
     pub source: Source,
     /// Skins and animations, which the mesh does not have.
     pub scene: Scene,
+    /// Where each part of the mesh came from; empty for OBJ.
+    pub origins: Vec<Origin>,
+    /// Takes a position in the world of the file to the space of the mesh, column by column: unit, up axis and centring.
+    pub transform: [f64; 16],
     /// Elements that were left out or repaired.
     pub findings: Vec<Finding>,
 }
@@ -120,16 +128,21 @@ fn dispatch(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOpti
         let message = "The file extension does not match the content; the file was read by its content.";
         findings.add(Severity::Note, "wrong-extension", 1, message, || said);
     }
-    let (mut mesh, scene) = match format {
-        sniff::Format::Obj => (obj::load(name, bytes, options, &mut source, &mut findings)?, Scene::default()),
+    let loaded = match format {
+        sniff::Format::Obj => gltf::Loaded {
+            mesh: obj::load(name, bytes, options, &mut source, &mut findings)?,
+            scene: Scene::default(),
+            origins: Vec::new(),
+        },
         sniff::Format::Glb => {
             let chunks = glb::split(name, bytes)?;
             gltf::load(name, chunks.json, chunks.bin, resolver, options, &mut source, &mut findings)?
         }
         sniff::Format::Gltf => gltf::load(name, bytes, None, resolver, options, &mut source, &mut findings)?,
     };
-    place::place(&mut mesh, options, &mut findings);
-    Ok(Imported { mesh, source, scene, findings: findings.into_vec() })
+    let gltf::Loaded { mut mesh, scene, origins } = loaded;
+    let transform = place::place(&mut mesh, options, &mut findings);
+    Ok(Imported { mesh, source, scene, origins, transform, findings: findings.into_vec() })
 }
 
 /// Short for [`Error::Malformed`].

@@ -77,8 +77,11 @@ impl std::str::FromStr for Up {
 }
 
 /// Turns the mesh so that `options.up` is y, then moves it as `options.center` asks, skeleton included: a joint's
-/// inverse bind matrix times a position stays what it was. Then says what looks wrong with size and axes.
-pub(crate) fn place(mesh: &mut Mesh, options: &ImportOptions, findings: &mut Findings) {
+/// inverse bind matrix times a position stays what it was. Then reports what looks wrong with size and axes. Returns the transform of
+/// positions from the world of the file, unit included.
+pub(crate) fn place(mesh: &mut Mesh, options: &ImportOptions, findings: &mut Findings) -> Matrix {
+    let mut all = axes(options.up).0;
+    all[..12].iter_mut().for_each(|x| *x *= options.unit);
     if options.up != Up::Y {
         turn(mesh, options.up);
     }
@@ -90,6 +93,7 @@ pub(crate) fn place(mesh: &mut Mesh, options: &ImportOptions, findings: &mut Fin
         mesh.positions.iter_mut().for_each(|p| *p = crate::base::vec3::add(*p, by));
         let mut go = matrix::IDENTITY;
         go[12..15].copy_from_slice(&by);
+        all = matrix::mul(&go, &all);
         let mut back = matrix::IDENTITY;
         back[12..15].copy_from_slice(&by.map(|x| -x));
         move_joints(mesh, &go, &back);
@@ -100,6 +104,7 @@ pub(crate) fn place(mesh: &mut Mesh, options: &ImportOptions, findings: &mut Fin
         });
     }
     hint(mesh, options, findings);
+    all
 }
 
 fn turn(mesh: &mut Mesh, up: Up) {

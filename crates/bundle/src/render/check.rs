@@ -1,0 +1,55 @@
+//! The rules of `render.glb`.
+
+use crate::bundle::Bundle;
+use crate::error::Result;
+use crate::particle::Particle;
+use crate::render::{COORD, OFFSET, RENDER_FILE, RenderFile, RenderPrimitive, damaged};
+use crate::surface::SurfacePoint;
+use crate::validate::{Fault, FaultKind};
+
+/// The broken rules of the file of a bundle, of each primitive the first.
+pub(crate) fn check_render(bundle: &Bundle, particles: &[Particle]) -> Vec<Fault> {
+    let fault = |kind, message| Fault { file: RENDER_FILE.into(), piece: None, texel: None, kind, message };
+    let (bytes, entry) = match (&bundle.render, &bundle.manifest.render) {
+        (None, None) => return Vec::new(),
+        (Some(bytes), Some(entry)) => (bytes, entry),
+        (Some(_), None) => return vec![fault(FaultKind::Manifest, "the manifest has no `render`".into())],
+        (None, Some(_)) => return vec![fault(FaultKind::Manifest, "the manifest has `render`, but no file".into())],
+    };
+    let primitives = match RenderFile::parse(bytes).and_then(|file| file.primitives()) {
+        Ok(primitives) => primitives,
+        Err(error) => return vec![fault(FaultKind::Render, error.to_string())],
+    };
+    let faulty = |p: &RenderPrimitive| check_primitive(bundle, particles, p).err();
+    let mut found: Vec<Fault> =
+        primitives.iter().filter_map(faulty).map(|e| fault(FaultKind::Render, e.to_string())).collect();
+    let bound = primitives.iter().flat_map(|p| &p.coords).filter(|c| c[0] >= 0.0).count() as u64;
+    if bound != entry.bound {
+        found.push(fault(FaultKind::Count, format!("render.bound is {}, but the file binds {bound}", entry.bound)));
+    }
+    found
+}
+
+fn check_primitive(bundle: &Bundle, particles: &[Particle], p: &RenderPrimitive) -> Result<()> {
+    for (v, (coord, offset)) in p.coords.iter().zip(&p.offsets).enumerate() {
+        let bad =
+            |problem: String| Err(damaged(format!("mesh {}, primitive {}, vertex {v}", p.mesh, p.index), problem));
+        if !coord.iter().chain(offset).all(|x| x.is_finite()) {
+            return bad(format!("{COORD} or {OFFSET} is not finite"));
+        }
+        let [piece, u, v] = *coord;
+        if piece == -1.0 {
+            continue;
+        }
+        let entry = Some(piece).filter(|p| *p >= 0.0 && p.fract() == 0.0);
+        let Some(entry) = entry.and_then(|p| bundle.manifest.pieces.get(p as usize)) else {
+            return bad(format!("{piece} is not the index of a piece"));
+        };
+        let first = entry.first_particle as usize;
+        let exists = |k: u32| particles.get(first + k as usize).is_some_and(|p| p.exists());
+        if SurfacePoint::at((entry.width, entry.height), exists, [u, v]).is_none() {
+            return bad(format!("({u}, {v}) is not on the surface of piece {}", entry.name));
+        }
+    }
+    Ok(())
+}

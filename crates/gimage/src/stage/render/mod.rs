@@ -1,0 +1,260 @@
+//! The render mesh: the file as it is, with every vertex of what is cloth bound to the pieces.
+//!
+//! A vertex belongs to the piece that its component became. Its point on the drawn surface is the one whose interpolated normal leads to
+//! the vertex (Kobbelt, Vorsatz, Seidel, "Multiresolution hierarchies on unstructured triangle meshes", 1999, call it normal
+//! displacement), else the nearest one; the rest is an offset in the frame there.
+
+mod attach;
+mod bind;
+mod classes;
+pub(crate) mod plain;
+mod surface;
+pub(crate) mod trace;
+
+use std::path::Path;
+
+use gimage_bundle::Bundle;
+use gimage_bundle::manifest::RenderEntry;
+use serde_json::Value;
+
+use self::attach::Attached;
+use self::bind::{Anchor, Binding, UNBOUND, bind_all};
+use self::classes::Classes;
+use self::surface::{Surface, Texels};
+use self::trace::Trace;
+use crate::base::mesh::NONE;
+use crate::base::vec3::{distance, norm};
+use crate::base::words;
+use crate::error::{Error, Result};
+use crate::options::{BuildOptions, Choice, Range, stage_options};
+use crate::record::{Finding, Severity};
+use crate::stage::assemble::accessory::Rider;
+use crate::stage::assemble::{Family, Piece};
+use crate::stage::import::{Origin, Source, embed};
+
+/// Whether a bundle has the mesh of the source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RenderMesh {
+    /// It has.
+    On,
+    /// It has not.
+    Off,
+}
+
+impl Choice for RenderMesh {
+    const ALL: &'static [(&'static str, Self)] = &[("on", Self::On), ("off", Self::Off)];
+}
+
+stage_options! {
+    /// Options of the render mesh.
+    #[derive(Copy)]
+    pub struct RenderOptions of "render" {
+        /// Put the mesh of the file, with its materials and textures, into the bundle as render.glb, its vertices bound to the
+        /// pieces (on), or leave it out (off).
+        pub render_mesh: RenderMesh = RenderMesh::On => "render-mesh" [""] Range::Any;
+    }
+}
+
+/// Share of the diagonal of the cloth above which a vertex is reported as far from its piece.
+const FAR: f64 = 0.05;
+/// Share of the diagonal of the cloth up to which an accessory is moved as one rigid body.
+const RIGID: f64 = 0.05;
+
+/// A document without references to other files.
+pub(crate) struct Document {
+    pub json: Value,
+    pub bin: Vec<u8>,
+    /// For each node the vertices of the imported mesh; empty for a glTF file, which has [`Origin`]s.
+    pub vertices: Vec<Vec<u32>>,
+}
+
+/// The file as it was imported.
+pub(crate) struct Imported<'a> {
+    pub path: &'a Path,
+    pub source: &'a Source,
+    pub origins: &'a [Origin],
+    pub transform: [f64; 16],
+    /// The document of a mesh whose file is not glTF.
+    pub plain: Option<Document>,
+}
+
+/// The results of the stages that the mesh went through.
+pub(crate) struct Made<'a> {
+    pub trace: &'a Trace,
+    pub pieces: &'a [Piece<'a>],
+    pub families: &'a [Family<'a>],
+    pub riders: &'a [Rider<'a>],
+}
+
+/// Binds the mesh of the source and puts it into the bundle, which has its images and accessories. A file that cannot be embedded is
+/// left out, with a warning.
+///
+/// O(n log n) in vertices and texels.
+pub(crate) fn add(
+    bundle: &mut Bundle,
+    imported: Imported<'_>,
+    made: &Made<'_>,
+    options: &BuildOptions,
+) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    let document = match (imported.plain, embed(imported.path, &options.import, imported.source)) {
+        (Some(plain), _) => plain,
+        (None, Ok(Some(embedded))) => {
+            if !embedded.lost_images.is_empty() {
+                let message = "Images that could not be read are white in the render mesh.";
+                findings.push(finding("lost-images", embedded.lost_images.len(), embedded.lost_images, message.into()));
+            }
+            Document { json: embedded.json, bin: embedded.bin, vertices: Vec::new() }
+        }
+        (None, Ok(None)) => return Ok(findings),
+        (None, Err(error)) => {
+            let message = format!("The bundle has no render mesh: {error}.");
+            findings.push(finding("no-render-mesh", 1, Vec::new(), message));
+            return Ok(findings);
+        }
+    };
+    let bindings = bind(bundle, made)?;
+    findings.extend(bindings.findings);
+    let bound = match document.vertices.is_empty() {
+        true => of_origins(imported.origins, &bindings.list),
+        false => of_nodes(&document.vertices, &bindings.list),
+    };
+    let attached = Attached::new(document.json, document.bin, &bound);
+    let (vertices, bound) = (attached.counts.vertices, attached.counts.bound);
+    match attached.into_bytes() {
+        Ok(bytes) if bytes.len() as u64 <= gimage_bundle::MAX_RENDER_BYTES => bundle.render = Some(bytes),
+        _ => {
+            let message = "The bundle has no render mesh: it is larger than 2 GiB; use smaller textures.";
+            findings.push(finding("no-render-mesh", 1, Vec::new(), message.into()));
+            return Ok(findings);
+        }
+    }
+    bundle.manifest.render = Some(RenderEntry {
+        file: gimage_bundle::RENDER_FILE.into(),
+        vertices,
+        bound,
+        largest_offset: bindings.largest,
+        transform: imported.transform,
+    });
+    Ok(findings)
+}
+
+/// The binding of each vertex of the imported mesh.
+struct Bindings {
+    list: Vec<Binding>,
+    /// The largest offset \[m\] of a vertex that is not on a rigid accessory.
+    largest: f64,
+    findings: Vec<Finding>,
+}
+
+fn bind(bundle: &Bundle, made: &Made<'_>) -> Result<Bindings> {
+    let Made { trace, pieces, families, riders } = made;
+    let texels = Texels::new(bundle).map_err(|e| Error::Internal(e.to_string()))?;
+    // The parts of one component are one surface.
+    let mut group: Vec<usize> = (0..pieces.len()).collect();
+    for family in *families {
+        (family.first..family.first + family.count).for_each(|p| group[p] = family.first);
+    }
+    let mut classes = Classes::new(trace);
+    let mut claim = |triangles: &[u32], owner: usize| {
+        for &t in triangles {
+            let corners = 3 * t as usize..3 * t as usize + 3;
+            let sources = trace.corners.get(corners).into_iter().flatten();
+            sources.filter(|&&v| v != NONE).for_each(|&v| classes.claim(v, owner as u32));
+        }
+    };
+    pieces.iter().zip(&group).for_each(|(piece, &owner)| claim(&piece.surface.source_triangle, owner));
+    riders.iter().enumerate().for_each(|(r, rider)| claim(&rider.component.triangles, pieces.len() + r));
+    classes.spread(&trace.triangles);
+
+    let diagonal = diagonal(&classes.positions);
+    let members = |owner: usize| group.iter().enumerate().filter(move |(_, g)| **g == owner).map(|(p, _)| p);
+    let surfaces: Vec<Option<Surface>> =
+        (0..pieces.len()).map(|p| (group[p] == p).then(|| Surface::new(&texels, members(p)))).collect();
+    // Accessories that are too long to be rigid, such as zips, run along several pieces: each of their vertices rides on the nearest.
+    let is_apart = |owner: &u32| *owner as usize >= pieces.len();
+    let whole = classes.owner.iter().any(is_apart).then(|| Surface::new(&texels, 0..pieces.len()));
+    let carrier = |r: usize| bundle.manifest.accessories.get(r).map_or(0, |a| group[a.piece as usize]);
+    let surface = |class: usize| match classes.owner[class] as usize {
+        owner if owner < pieces.len() => surfaces[owner].as_ref(),
+        _ => whole.as_ref(),
+    };
+    let entries = &bundle.manifest.pieces;
+    let mut bound = bind_all(entries, &texels, &classes.positions, surface);
+    let mut is_rigid = vec![false; bound.len()];
+    let anchors: Vec<Option<Anchor>> = (riders.iter().enumerate())
+        .map(|(r, rider)| {
+            let (lo, hi) = rider.component.bounds;
+            let centre = bundle.manifest.accessories.get(r).filter(|_| distance(lo, hi) <= RIGID * diagonal)?.center;
+            Anchor::new(entries, &texels, &surfaces[carrier(r)].as_ref()?.foot(centre)?)
+        })
+        .collect();
+    for (class, slot) in bound.iter_mut().enumerate() {
+        let rider = (classes.owner[class] as usize).checked_sub(pieces.len());
+        if let (Some(anchor), Some(slot)) = (rider.and_then(|r| anchors.get(r)?.as_ref()), slot) {
+            slot.binding = anchor.bind(classes.positions[class]);
+            slot.miss = anchor.miss(&slot.binding, classes.positions[class]);
+            is_rigid[class] = true;
+        }
+    }
+    let free = || bound.iter().zip(&is_rigid).zip(&classes.positions).filter(|((_, rigid), _)| !**rigid);
+    let far: Vec<([f64; 3], f64)> =
+        free().filter_map(|((b, _), p)| b.as_ref().map(|b| (*p, b.far))).filter(|b| b.1 > FAR * diagonal).collect();
+    let largest = free().filter_map(|((b, _), _)| b.as_ref()).map(|b| b.far).fold(0.0, f64::max);
+    let mut findings = Vec::new();
+    if !far.is_empty() {
+        let message = format!(
+            "{} of the render mesh, of {}, are farther than {} % of the diagonal from the piece that moves them.",
+            words::vertices(far.len()),
+            bound.len(),
+            100.0 * FAR
+        );
+        let example = |(p, d): &([f64; 3], f64)| format!("{} is {} m away", words::point(*p), words::number(*d));
+        let examples = far.iter().take(crate::record::MAX_EXAMPLES).map(example).collect();
+        findings.push(finding("far-from-cloth", far.len(), examples, message));
+    }
+    let of = |class: u32| bound.get(class as usize).and_then(|b| b.as_ref()).map_or(UNBOUND, |b| b.binding);
+    Ok(Bindings { list: classes.of.iter().map(|&class| of(class)).collect(), largest, findings })
+}
+
+fn diagonal(positions: &[[f64; 3]]) -> f64 {
+    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in positions {
+        (0..3).for_each(|k| (lo[k], hi[k]) = (lo[k].min(p[k]), hi[k].max(p[k])));
+    }
+    if positions.is_empty() { 0.0 } else { norm(crate::base::vec3::sub(hi, lo)) }
+}
+
+/// The bindings of the primitives of a glTF file.
+fn of_origins(origins: &[Origin], list: &[Binding]) -> Vec<attach::Bound> {
+    let mut first = 0;
+    let one = |origin: &Origin| {
+        let own = &list[first..first + origin.vertices.len()];
+        first += origin.vertices.len();
+        attach::Bound {
+            node: origin.node,
+            mesh: origin.mesh,
+            primitive: origin.primitive,
+            instance: origin.instance,
+            vertices: origin.vertices.iter().copied().zip(own.iter().copied()).collect(),
+        }
+    };
+    origins.iter().map(one).collect()
+}
+
+/// The bindings of a document with one node per mesh and one primitive per mesh.
+fn of_nodes(nodes: &[Vec<u32>], list: &[Binding]) -> Vec<attach::Bound> {
+    let vertices = |own: &Vec<u32>| (0..).zip(own.iter().map(|&v| list[v as usize])).collect();
+    let one = |(node, own): (usize, &Vec<u32>)| attach::Bound {
+        node: Some(node),
+        mesh: node,
+        primitive: 0,
+        instance: None,
+        vertices: vertices(own),
+    };
+    nodes.iter().enumerate().map(one).collect()
+}
+
+fn finding(kind: &'static str, count: usize, examples: Vec<String>, message: String) -> Finding {
+    Finding { severity: Severity::Warning, stage: "render", kind, count: count as u64, examples, message }
+}

@@ -1,0 +1,86 @@
+//! Follows the vertices of the imported mesh through the stages before the image.
+//!
+//! Every stage carries attributes of corners along. One more attribute, whose values are the vertices of the imported mesh, tells at
+//! the end where each corner came from. It is taken off before the maps are made.
+
+use crate::base::mesh::{Channel, Mesh, NONE, Semantic};
+
+/// The name of the attribute: no file has it, as names of custom attributes begin with an underscore.
+const NAME: &str = "imported vertex";
+
+/// The imported mesh, and which of its vertices are cloth.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Trace {
+    /// Positions \[m\] of the vertices.
+    pub positions: Vec<[f64; 3]>,
+    /// The triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// Whether a vertex belongs to a part that is cloth.
+    pub is_cloth: Vec<bool>,
+    /// For each corner of the mesh that became pieces the vertex that it was, or [`NONE`].
+    pub corners: Vec<u32>,
+}
+
+impl Trace {
+    /// Begins with the mesh as it was imported, and marks its corners.
+    pub fn start(mesh: &mut Mesh) -> Self {
+        let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
+        let values = vec![0.0; mesh.positions.len()];
+        mesh.channels.push(Channel { semantic: Semantic::Custom(NAME.into()), width: 1, values, corners });
+        Trace {
+            positions: mesh.positions.clone(),
+            triangles: mesh.triangles.clone(),
+            is_cloth: vec![false; mesh.positions.len()],
+            corners: Vec::new(),
+        }
+    }
+
+    /// The corners of a marked mesh, by the vertices that they were.
+    fn marks<'a>(&'a self, mesh: &'a Mesh) -> impl Iterator<Item = u32> + 'a {
+        let channel = mesh.channel(&Semantic::Custom(NAME.into()));
+        let known = |&v: &u32| if (v as usize) < self.positions.len() { v } else { NONE };
+        channel.into_iter().flat_map(|c| &c.corners).map(known)
+    }
+
+    /// Takes in which parts are cloth: those that the mesh still has.
+    pub fn selected(&mut self, mesh: &Mesh) {
+        let mut is_cloth = vec![false; self.positions.len()];
+        self.marks(mesh).filter(|&v| v != NONE).for_each(|v| is_cloth[v as usize] = true);
+        self.is_cloth = is_cloth;
+    }
+
+    /// Takes the marks off the mesh that becomes pieces.
+    pub fn finish(&mut self, mesh: &mut Mesh) {
+        self.corners = self.marks(mesh).collect();
+        mesh.channels.retain(|c| c.semantic != Semantic::Custom(NAME.into()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::repair::{RepairOptions, repair};
+
+    #[test]
+    fn corners_keep_their_vertices_through_a_repair() {
+        // Two triangles that share an edge by position only, one wound the other way, and one without area.
+        let mut mesh = Mesh {
+            positions: vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [1., 0., 0.], [0., 1., 0.], [1., 1., 0.]],
+            triangles: vec![[0, 1, 1], [0, 1, 2], [5, 3, 4]],
+            triangle_part: vec![0; 3],
+            parts: vec![crate::base::mesh::Part::default()],
+            ..Mesh::default()
+        };
+        let mut trace = Trace::start(&mut mesh);
+        trace.selected(&mesh);
+        assert!(trace.is_cloth.iter().all(|c| *c));
+        let mut repaired = repair(mesh, &RepairOptions::default()).unwrap().mesh;
+        trace.finish(&mut repaired);
+        assert!(repaired.channels.is_empty());
+        assert_eq!(trace.corners.len(), 6);
+        for (corner, &v) in trace.corners.iter().enumerate() {
+            let at = repaired.positions[repaired.triangles[corner / 3][corner % 3] as usize];
+            assert_eq!(at, trace.positions[v as usize]);
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! The render mesh of a bundle: bound where the source has it, moved with the cloth, without cracks.
+
+#![allow(clippy::print_stdout)]
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use gimage::options::BuildOptions;
+use gimage::render::RenderMesh as Choice;
+use gimage_bundle::{Bundle, RENDER_FILE, RenderFile, RenderPrimitive, surface_normals};
+use gimage_runtime::{Cloth, Options, RenderMesh, RenderVertex, Scene, Stepper};
+use gimage_tests::shapes::{Random, sheet};
+use gimage_tests::{asset, build, build_shape, check, garments_or_skip, pinned, reread, texels, texels_of};
+
+/// Where the source has each vertex \[m\], in the order of a [`RenderMesh`], and its unit normal.
+fn source(bundle: &Bundle) -> Vec<([f64; 3], [f64; 3])> {
+    let transform = bundle.manifest.render.as_ref().unwrap().transform;
+    let file = RenderFile::parse(bundle.render.as_ref().unwrap()).unwrap();
+    let apply = |m: &[f64; 16], p: [f64; 3], w: f64| -> [f64; 3] {
+        std::array::from_fn(|k| m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + w * m[12 + k])
+    };
+    let of = |p: &RenderPrimitive| -> Vec<_> {
+        let place = |v: usize| {
+            let at = apply(&transform, apply(&p.world, p.positions[v].map(f64::from), 1.0), 1.0);
+            // Transforms of the assets keep angles.
+            let n =
+                p.normals.get(v).map_or([0.0; 3], |n| apply(&transform, apply(&p.world, n.map(f64::from), 0.0), 0.0));
+            let length = n.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-30);
+            (at, n.map(|x| x / length))
+        };
+        (0..p.positions.len()).map(place).collect()
+    };
+    file.primitives().unwrap().iter().flat_map(of).collect()
+}
+
+fn distance(a: [f64; 3], b: &[f32]) -> f64 {
+    (0..3).map(|k| (a[k] - f64::from(b[k])).powi(2)).sum::<f64>().sqrt()
+}
+
+fn diagonal(points: impl Iterator<Item = [f64; 3]>) -> f64 {
+    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    points.for_each(|p| (0..3).for_each(|k| (lo[k], hi[k]) = (lo[k].min(p[k]), hi[k].max(p[k]))));
+    (0..3).map(|k| (hi[k] - lo[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// A stepper of the bundle alone, on one thread.
+fn stepper(bundle: &Bundle) -> Stepper {
+    let mut scene = Scene::new("bundle");
+    scene.cloths.push(Cloth::from_bundle("garment", bundle).unwrap());
+    Stepper::on_cpu(scene, Options { threads: 1, ..Options::default() }).unwrap()
+}
+
+/// The largest distance of a vertex at rest from its place in the source, as a share of the diagonal, and the largest error of a normal.
+fn rest_error(bundle: &Bundle) -> (f64, f64) {
+    let mesh = RenderMesh::from_bundle(bundle).unwrap().unwrap();
+    let (source, stepper) = (source(bundle), stepper(bundle));
+    let mut vertices = Vec::new();
+    stepper.wrap(0, &mesh, 1.0, &mut vertices).unwrap();
+    assert_eq!(source.len(), vertices.len());
+    let size = diagonal(source.iter().map(|s| s.0));
+    let mut worst = (0.0f64, 0.0f64);
+    for ((at, normal), vertex) in source.iter().zip(&vertices) {
+        worst.0 = worst.0.max(distance(*at, &vertex.position) / size);
+        if normal.iter().any(|x| *x != 0.0) {
+            worst.1 = worst.1.max(distance(*normal, &vertex.normal));
+        }
+    }
+    worst
+}
+
+/// Panics if vertices at one place in the source are not at one place, to the bit.
+fn no_crack(name: &str, source: &[([f64; 3], [f64; 3])], vertices: &[RenderVertex], mesh: &RenderMesh) {
+    let mut at: HashMap<[u64; 3], [u32; 4]> = HashMap::new();
+    let mut shared = 0;
+    for part in mesh.parts.iter().filter(|p| p.is_bound) {
+        for v in part.vertices.clone() {
+            let key = source[v].0.map(|x| (x + 0.0).to_bits());
+            let bits = vertices[v].position.map(f32::to_bits);
+            if let Some(first) = at.insert(key, bits) {
+                shared += 1;
+                assert_eq!(first, bits, "{name}: vertex {v}");
+            }
+        }
+    }
+    println!("{name}: {shared} vertices share their place with another one");
+}
+
+#[test]
+fn the_samples_are_where_their_files_have_them() {
+    for (name, pin) in [
+        ("tshirt.glb", "above:1.4"),
+        ("dress.glb", "above:1.2"),
+        ("skirt.glb", "loop:top"),
+        ("trousers.glb", "loop:top"),
+        ("cape.glb", "loop:top"),
+        ("sleeve.glb", "loop:top"),
+    ] {
+        let built = build(&asset(name), &pinned(2048, &[pin])).unwrap();
+        check(name, &built);
+        let bundle = reread(&built.bundle);
+        let entry = bundle.manifest.render.as_ref().unwrap();
+        assert_eq!((entry.vertices, entry.bound > 0), (entry.bound, true), "{name}: every vertex is bound");
+        let (position, normal) = rest_error(&bundle);
+        println!("{name}: {position:.1e} of the diagonal, normals {normal:.1e}");
+        assert!(position < 1e-6 && normal < 1e-4, "{name}: {position:e}, {normal:e}");
+        // A simulated second.
+        let mesh = RenderMesh::from_bundle(&bundle).unwrap().unwrap();
+        let mut stepper = stepper(&bundle);
+        (0..60).for_each(|_| _ = stepper.advance(1.0 / 60.0).unwrap());
+        let mut vertices = Vec::new();
+        stepper.wrap(0, &mesh, 1.0, &mut vertices).unwrap();
+        let source = source(&bundle);
+        no_crack(name, &source, &vertices, &mesh);
+        let moved = source.iter().zip(&vertices).filter(|(s, v)| distance(s.0, &v.position) > 1e-4).count();
+        assert!(10 * moved > source.len(), "{name}: {moved} of {} vertices moved", source.len());
+        assert!(vertices.iter().flat_map(|v| v.position).all(f32::is_finite));
+    }
+}
+
+#[test]
+fn a_turned_cloth_turns_its_mesh() {
+    let bundle = reread(&build(&asset("tshirt.glb"), &texels(2048)).unwrap().bundle);
+    let mesh = RenderMesh::from_bundle(&bundle).unwrap().unwrap();
+    let texels: Vec<[f32; 4]> = (0..bundle.manifest.pieces.len()).flat_map(|piece| texels_of(&bundle, piece)).collect();
+    let normals: Vec<[f32; 4]> = surface_normals(&bundle).unwrap().iter().map(|[x, y, z]| [*x, *y, *z, 0.0]).collect();
+    // Quarter turns are exact, so that only the mesh rounds.
+    let turn = |[x, y, z, w]: [f32; 4]| [z, x, y, w];
+    let (mut still, mut turned) = (Vec::new(), Vec::new());
+    mesh.deform(&texels, &normals, &mut still).unwrap();
+    let all = |list: &[[f32; 4]]| list.iter().map(|p| turn(*p)).collect::<Vec<_>>();
+    mesh.deform(&all(&texels), &all(&normals), &mut turned).unwrap();
+    for (a, b) in still.iter().zip(&turned) {
+        for (a, b) in [(a.position, b.position), (a.normal, b.normal), (a.tangent, b.tangent)] {
+            let gap = turn(a).iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(gap < 1e-6, "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn a_file_without_gltf_has_a_mesh_too_and_it_can_be_left_out() {
+    let shape = sheet(14, 9, &mut Random(7), |u, v| [u, v, 0.1 * (5.0 * u).sin()]);
+    let built = build_shape(&shape, &texels(1024)).unwrap();
+    let (position, _) = rest_error(&reread(&built.bundle));
+    assert!(position < 1e-6, "{position:e}");
+    let mut options: BuildOptions = texels(1024);
+    options.render.render_mesh = Choice::Off;
+    let without = build_shape(&shape, &options).unwrap().bundle;
+    assert!(without.render.is_none() && without.manifest.render.is_none());
+    assert!(!without.encode().unwrap().contains_key(RENDER_FILE));
+    assert_eq!(without.images, built.bundle.images);
+    assert!(RenderMesh::from_bundle(&without).unwrap().is_none());
+}
+
+/// Files of the shared folder.
+const GARMENTS: [&str; 12] = [
+    "dress_belted_202k.glb",
+    "skirt_evening.obj",
+    "tshirt_1900.obj",
+    "hat_fedora.obj",
+    "suit_male06.obj",
+    "jacket_fleece.glb",
+    "dress_summer.glb",
+    "outfit_skinned.glb",
+    "mage_skinned.glb",
+    "knight_skinned/scene.gltf",
+    "compressed/polo_draco.glb",
+    "compressed/shorts_meshopt.glb",
+];
+
+#[test]
+fn real_garments_are_where_their_files_have_them() {
+    let Some(folder) = garments_or_skip("real_garments_are_where_their_files_have_them") else { return };
+    let mut wrong = Vec::new();
+    for name in GARMENTS {
+        let path: &Path = &folder.join(name);
+        if !path.exists() {
+            println!("{name} is not here");
+            continue;
+        }
+        let mut options = texels(8192);
+        options.gate.metrics = false;
+        options.gate.accept_poor = true;
+        let built = build(path, &options).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let bundle = reread(&built.bundle);
+        let Some(entry) = &bundle.manifest.render else {
+            wrong.push(format!("{name}: no render mesh"));
+            continue;
+        };
+        let (position, normal) = rest_error(&bundle);
+        println!(
+            "{name}: {} of {} vertices bound, {position:.1e} of the diagonal, normals {normal:.1e}, largest offset {:.4} m",
+            entry.bound, entry.vertices, entry.largest_offset
+        );
+        if position >= 1e-6 {
+            wrong.push(format!("{name}: {position:e} of the diagonal"));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
