@@ -239,7 +239,7 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
         |at_64: f64| (at_64 * (n / 64.0).sqrt()).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into()) as u32;
     // Rounds of polish would take the place of its stiffness.
     let sheet = cloth.membrane().is_some();
-    let (substeps, polish, support) = match (is_pinned(cloth), given.tethers > 0, scene.meets(cloth.collision_groups)) {
+    let (substeps, polish, support) = match (is_pinned(cloth), given.tethers > 0, scene.meets(cloth.collision_groups) || cloth.contact.is_some()) {
         (true, true, false) if stiff(cloth) && pins(cloth) as f64 >= 0.5 * n => {
             let substeps = (16.0 * (n / 64.0).powf(0.75)).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into());
             (substeps as u32, 4, Support::TetheredRow)

@@ -59,6 +59,8 @@ fn passes() -> Vec<Pass> {
     all.extend([Pass::Follow, Pass::Skin { sets: 1 }, Pass::Skin { sets: 2 }]);
     all.extend([false, true].map(|moves| Pass::Limit { moves }));
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
+    all.extend([Pass::Leaves, Pass::Tree, Pass::Touch, Pass::Separate]);
+    all.extend([false, true].map(|seams| Pass::Partners { seams }));
     for walks in [false, true] {
         all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams, walks }));
     }
