@@ -66,16 +66,6 @@ pub fn run(cli: &Cli, name: &str, n: u32, distance: f32) -> Result<Row, Failure>
             deepest = deepest.max(found.deepest);
         }
     }
-    if std::env::var("NEAR").is_ok() {
-        let drawn: Vec<Drawn> = scene.cloths.iter().enumerate().filter_map(|(c, cloth)| Some(Drawn::at(cloth, stepper.positions(c)?))).collect();
-        let found = crossings::find(&drawn, 1_000_000)?;
-        let mut hist = [0u32; 12];
-        for c in &found.worst {
-            let d = if c.first.cloth != c.second.cloth { 11 } else { (0..2).map(|k| c.first.texel[k].abs_diff(c.second.texel[k])).max().unwrap_or(0).min(10) };
-            hist[d as usize] += 1;
-        }
-        eprintln!("{name} {n} {distance}: cells apart {hist:?}");
-    }
     let health = (0..scene.cloths.len()).filter_map(|c| stepper.health(c));
     let (stretch, speed) = health.fold((0.0f64, 0.0f64), |most, (h, worst)| (most.0.max(worst), most.1.max(h.speed)));
     let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len().max(1) as f64;
@@ -96,6 +86,11 @@ pub fn run(cli: &Cli, name: &str, n: u32, distance: f32) -> Result<Row, Failure>
 }
 
 fn count(scene: &Scene, stepper: &Stepper) -> Result<crossings::Crossings, Failure> {
-    let drawn: Vec<Drawn> = scene.cloths.iter().enumerate().filter_map(|(c, cloth)| Some(Drawn::at(cloth, stepper.positions(c)?))).collect();
+    let drawn: Vec<Drawn> = scene
+        .cloths
+        .iter()
+        .enumerate()
+        .filter_map(|(c, cloth)| Some(Drawn::at(cloth, stepper.positions(c)?)))
+        .collect();
     Ok(crossings::find(&drawn, 0)?)
 }

@@ -38,7 +38,9 @@ pub fn scene(name: &str, n: u32) -> Result<(Scene, f32), Box<dyn std::error::Err
             let flat = Flat { origin: [-0.5, 0.62, -0.5], ..Flat::square("sheet", n) };
             scene.cloths.push(calm(flat.cloth()?));
             scene.colliders.push(table);
-            scene.colliders.push(Collider { friction: 0.5, ..Collider::new(Shape::Sphere { radius: 0.15 }, [0.0, 0.45, 0.0]) });
+            scene
+                .colliders
+                .push(Collider { friction: 0.5, ..Collider::new(Shape::Sphere { radius: 0.15 }, [0.0, 0.45, 0.0]) });
         }
         // Three sheets dropped on a box.
         "pile" => {

@@ -98,7 +98,14 @@ fn apart(world: &World, cloth: usize) -> Vec<(Form, u32)> {
             lists.into_iter().filter(|l| l.1 > 0).collect::<Vec<_>>()
         }
         None => {
-            vec![search, blows, (alone(step), steps), (alone(coarse), rare), (alone(relax), steps * rounds), (alone(frame), 1)]
+            vec![
+                search,
+                blows,
+                (alone(step), steps),
+                (alone(coarse), rare),
+                (alone(relax), steps * rounds),
+                (alone(frame), 1),
+            ]
         }
     };
     lists.into_iter().flat_map(|(list, count)| list.into_iter().map(move |form| (form, count))).collect()

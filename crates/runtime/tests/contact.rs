@@ -31,7 +31,7 @@ fn folded(n: u32, gap: f32) -> Scene {
     Scene { colliders: vec![table], ..scene(cloth) }
 }
 
-/// The scene with contact of all its cloths, on one thread.
+/// The scene with contact of all its cloths.
 fn with_contact(mut scene: Scene) -> Scene {
     scene.cloths.iter_mut().for_each(|cloth| cloth.contact = Some(ClothContact::default()));
     scene
@@ -80,15 +80,14 @@ fn a_sheet_that_collapses_on_a_table_hardly_crosses_itself() {
 }
 
 #[test]
-fn flat_cloth_and_closed_seams_at_rest_are_left_as_they_are_by_bits() {
+fn flat_cloth_and_closed_seams_are_left_as_they_are() {
     let mut pinned = two_charts(17);
     pinned.set_pinned(16, true).unwrap();
     let mut dense = Flat::square("dense", 17).cloth().unwrap();
     dense.contact = Some(ClothContact { distance: Some(0.2), ..ClothContact::default() });
-    for cloth in [tube(17, 12, 2), tube(17, 12, 1), pinned, dense] {
+    for cloth in [tube(17, 12, 1), pinned, dense] {
         let mut still = scene(cloth);
         still.gravity = [0.0; 3];
-        // Rest lengths of the tube are those of a smaller one: no spring, no motion.
         let mut bare = still.clone();
         bare.cloths[0].contact = None;
         let settings = Options { substeps: Some(4), polish: Some(0), ..options() };

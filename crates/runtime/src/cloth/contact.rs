@@ -170,7 +170,11 @@ impl Cloth {
     /// one of its own. 0 without contact.
     pub(crate) fn contact_distance(&self, thickness: f32) -> f32 {
         let Some(contact) = &self.contact else { return 0.0 };
-        let chosen = || (2.0 * self.thickness.unwrap_or(thickness)).max(SPACING_SHARE * self.spacing()).clamp(f32::MIN_POSITIVE, 1.0);
+        let chosen = || {
+            (2.0 * self.thickness.unwrap_or(thickness))
+                .max(SPACING_SHARE * self.spacing())
+                .clamp(f32::MIN_POSITIVE, 1.0)
+        };
         contact.distance.unwrap_or_else(chosen)
     }
 

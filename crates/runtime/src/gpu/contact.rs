@@ -12,7 +12,8 @@ use crate::shaders::Slot;
 pub(super) fn buffers(device: &wgpu::Device, cloth: &Cloth, thickness: f32) -> Vec<(Slot, Buffer)> {
     let homes: Vec<[f32; 4]> = cloth.positions().iter().map(|[x, y, z]| [*x, *y, *z, 0.0]).collect();
     let count = cloth.len() as u64;
-    let room = |slot: Slot, bytes| (slot, empty(device, slot.name(), bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC));
+    let room =
+        |slot: Slot, bytes| (slot, empty(device, slot.name(), bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC));
     vec![
         (Slot::Kin, upload(device, "kin", &boxes::kin(cloth, thickness), BufferUsages::empty())),
         (Slot::Homes, upload(device, "homes", &homes, BufferUsages::empty())),

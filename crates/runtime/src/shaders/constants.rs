@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::mem::offset_of;
 use std::sync::LazyLock;
 
-use crate::coarser::{FITS, ROUNDS};
 use crate::cloth::SKIPPED_CELLS;
+use crate::coarser::{FITS, ROUNDS};
 use crate::cpu::fabric::{leaves, partners, polish, stretch, touch};
 use crate::cpu::{aside, guard, pick, place, route};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};

@@ -28,7 +28,8 @@ impl World {
         }
         let clock = &self.control.clock;
         let length = T::of(f64::from(steps) * clock.dt);
-        let mut all: Vec<_> = bodies.iter_mut().enumerate().map(|(index, body)| Neighbour { index, body, shadow: None }).collect();
+        let mut all: Vec<_> =
+            bodies.iter_mut().enumerate().map(|(index, body)| Neighbour { index, body, shadow: None }).collect();
         let particles = all.iter().map(|n| n.body.count()).sum();
         threads.each(&mut all, particles, |n| {
             let rate = if self.runs[n.index].asleep { 0.0 } else { 1.0 / clock.dt_old };

@@ -71,9 +71,17 @@ type Best<T> = [(usize, [Option<Other<T>>; MAX_OTHERS]); LANES_OF_TILE];
 /// The vectors of the particles that were found, if any.
 fn listed<T: Real>(best: &Best<T>) -> Option<OtherList<T>> {
     let count = best.iter().map(|b| b.0).max().filter(|count| *count > 0)?;
-    let (vectors, numbers) = ([[[T::of(0.0); LANES_OF_TILE]; 3]; MAX_OTHERS], [[T::of(0.0); LANES_OF_TILE]; MAX_OTHERS]);
-    let mut list =
-        OtherList { count, at: vectors, velocity: vectors, mean: vectors, least: numbers, w: numbers, friction: numbers };
+    let (vectors, numbers) =
+        ([[[T::of(0.0); LANES_OF_TILE]; 3]; MAX_OTHERS], [[T::of(0.0); LANES_OF_TILE]; MAX_OTHERS]);
+    let mut list = OtherList {
+        count,
+        at: vectors,
+        velocity: vectors,
+        mean: vectors,
+        least: numbers,
+        w: numbers,
+        friction: numbers,
+    };
     for (lane, (_, others)) in best.iter().enumerate() {
         for (slot, other) in others.iter().enumerate() {
             let Some(other) = other else { continue };
