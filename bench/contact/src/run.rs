@@ -8,10 +8,10 @@ use gimage_runtime::{ClothContact, Options, Scene, Stepper};
 
 use crate::{Cli, scenes};
 
-/// Whatever went wrong, in words.
+/// An error of the runtime, or an unknown scene.
 type Failure = Box<dyn std::error::Error>;
 
-/// What came out.
+/// The figures of a run.
 pub struct Row {
     scene: String,
     n: u32,

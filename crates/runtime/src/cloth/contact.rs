@@ -166,7 +166,7 @@ impl<'a> Walk<'a> {
 }
 
 impl Cloth {
-    /// The distance \[m\] that its particles keep from others that they are no neighbours of; `thickness` \[m\] is that of cloth without
+    /// The distance \[m\] that its particles keep from particles beyond their neighbours; `thickness` \[m\] is that of cloth without
     /// one of its own. 0 without contact.
     pub(crate) fn contact_distance(&self, thickness: f32) -> f32 {
         let Some(contact) = &self.contact else { return 0.0 };

@@ -48,7 +48,7 @@ impl World {
         }
     }
 
-    /// What contact of the scene's cloths leaves out on a backend, if anything.
+    /// A warning if contact between the scene's cloths is left out on a backend.
     pub fn contact_warning(&self, on_gpu: bool) -> Option<Warning> {
         let mut touching = self.scene.cloths.iter().filter(|cloth| cloth.contact.is_some());
         let cloth = touching.next()?.name().to_owned();

@@ -34,10 +34,8 @@ fn around<T: Real>(tiles: &Tiles<T>, tile: usize, distance: T) -> (T, Node<T>) {
         let p = Tiles::at(&tiles.now, place);
         let step = sub(p, Tiles::at(&tiles.was, place));
         fastest = fastest.max(dot(step, step));
-        for c in 0..3 {
-            node.low[c] = node.low[c].min(p[c]);
-            node.high[c] = node.high[c].max(p[c]);
-        }
+        let point = Node { low: p, high: p, ..Node::none() };
+        node = node.with(&point);
     }
     let ahead = fastest.sqrt() * T::of(STEPS_AHEAD);
     let reach = ahead.max(distance * T::of(MIN_REACH)).min(distance * T::of(MAX_REACH));

@@ -18,7 +18,7 @@ use crate::cpu::sheet::Sheet;
 use crate::memory::Tally;
 use crate::number::real::Real;
 
-/// What contact of a cloth with itself keeps.
+/// The lists of contact of a cloth.
 pub struct Meeting<T: Real> {
     pub tiles: Tiles<T>,
     pub tree: Tree<T>,

@@ -217,7 +217,7 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
                 for (lane, best) in best.iter_mut().enumerate() {
                     let place = tile * LANES_OF_TILE + lane;
                     // A particle that cannot move needs no partner; gaps cannot.
-                    if !(tiles.w[place] > T::of(0.0)) {
+                    if tiles.w[place] <= T::of(0.0) {
                         continue;
                     }
                     let own = k.splats(Tiles::at(&tiles.now, place));

@@ -117,7 +117,7 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
         let far = reach * reach;
         for (lane, best) in best.iter_mut().enumerate() {
             let mine = tile * LANES_OF_TILE + lane;
-            if !(shadow.w[mine] > T::of(0.0)) {
+            if shadow.w[mine] <= T::of(0.0) {
                 continue;
             }
             let own = k.splats(Tiles::at(&shadow.now, mine));
