@@ -3,11 +3,12 @@
 mod run;
 mod scenes;
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
 
-use run::{Row, run};
+use run::{Failure, Row, run};
 
 /// Steps scenes in which cloth meets cloth on one CPU core, and prints a CSV row per scene, size and setting.
 #[derive(Debug, Parser)]
@@ -33,21 +34,26 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    println!("{}", Row::HEAD);
+    match table(&Cli::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("error: {problem}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Writes the rows of all runs.
+fn table(cli: &Cli) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}", Row::HEAD)?;
     let names = if cli.scenes.is_empty() { scenes::NAMES.map(String::from).to_vec() } else { cli.scenes.clone() };
     for name in &names {
         for n in &cli.n {
             for distance in &cli.distance {
-                match run(&cli, name, *n, *distance) {
-                    Ok(row) => println!("{row}"),
-                    Err(problem) => {
-                        eprintln!("error: {name}, {n}: {problem}");
-                        return ExitCode::from(2);
-                    }
-                }
+                writeln!(out, "{}", run(cli, name, *n, *distance)?)?;
             }
         }
     }
-    ExitCode::SUCCESS
+    Ok(())
 }

@@ -9,7 +9,7 @@ use gimage_runtime::{ClothContact, Options, Scene, Stepper};
 use crate::{Cli, scenes};
 
 /// An error of the runtime, or an unknown scene.
-type Failure = Box<dyn std::error::Error>;
+pub type Failure = Box<dyn std::error::Error>;
 
 /// The figures of a run.
 pub struct Row {

@@ -83,7 +83,7 @@ fn folded(n: u32, layers: u32, gap: f32) -> Result<Cloth, Box<dyn std::error::Er
     let straight = (1.0 - (layers - 1) as f32 * bend) / layers as f32;
     let at = |x: f32| {
         let layer = (x / (straight + bend)).floor().min((layers - 1) as f32);
-        let (along, right) = (x - layer * (straight + bend), layer as u32 % 2 == 0);
+        let (along, right) = (x - layer * (straight + bend), (layer as u32).is_multiple_of(2));
         let y = gap * (layer + 1.0);
         let (far, up) = if along <= straight {
             (along, 0.0)
