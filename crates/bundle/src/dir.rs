@@ -6,6 +6,7 @@
 mod listed;
 mod replace;
 mod scratch;
+mod several;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,6 +19,7 @@ use crate::manifest::{MANIFEST_FILE, MAX_MANIFEST_BYTES};
 use crate::validate::{Fault, validate_files};
 use listed::Listed;
 use scratch::Scratch;
+pub use several::StagedFiles;
 
 /// Writes a bundle as the directory `path`, completely or not at all. Without `force` an existing `path` is refused; with it
 /// a bundle, or an empty directory, is replaced, and anything else still refused: a directory with a file that its manifest

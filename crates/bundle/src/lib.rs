@@ -39,6 +39,7 @@ mod map;
 mod particle;
 mod rings;
 mod springs;
+mod stitch;
 mod tether;
 mod validate;
 mod welded;
@@ -58,5 +59,6 @@ pub use map::{Image, MAX_SIDE, MapKind, check_file_name, check_size, file_stems}
 pub use particle::{MAX_PARTICLES, Particle};
 pub use rings::{LinkFault, Rings, find_rings, ring_gap};
 pub use springs::{SPRING_STEPS, other_end};
+pub use stitch::{MAX_STITCHES_AT_POINT, NO_STITCH, Place, Stitch};
 pub use tether::{Anchor, MAX_ANCHORS, RestLengths, SpringGrid, Tethers, groups, tethers};
 pub use validate::{Fault, FaultKind, MAX_LISTED, exit_code, validate, validate_files};

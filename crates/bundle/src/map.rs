@@ -103,6 +103,9 @@ pub enum MapKind {
     Tether,
     /// Largest distance \[m\] from the position at rest: 0 holds the particle there, a negative value means no limit. 1 channel.
     Limit,
+    /// Index of the piece that the particle is tied to (-1 = none), u and v of the point there, and its distance at rest \[m\]. 4
+    /// channels.
+    Stitch,
     /// Unit normal of the original surface. 3 channels.
     Normal,
     /// Texture coordinates u, v as in glTF (v down); the third channel is 0. 3 channels.
@@ -135,6 +138,7 @@ impl MapKind {
             "mass" => MapKind::Mass,
             "tether" => MapKind::Tether,
             "limit" => MapKind::Limit,
+            "stitch" => MapKind::Stitch,
             "normal" => MapKind::Normal,
             _ if name.len() > 1 && name.starts_with('_') => MapKind::Custom(name.into()),
             _ => {
@@ -156,6 +160,7 @@ impl MapKind {
             MapKind::Mass => "mass".into(),
             MapKind::Tether => "tether".into(),
             MapKind::Limit => "limit".into(),
+            MapKind::Stitch => "stitch".into(),
             MapKind::Normal => "normal".into(),
             MapKind::Uv(n) => set("uv", *n),
             MapKind::Color(n) => set("color", *n),
@@ -168,7 +173,7 @@ impl MapKind {
     /// The numbers of channels that the map may have.
     pub fn channels(&self) -> &'static [u32] {
         match self {
-            MapKind::Position | MapKind::Rest | MapKind::Joints(_) | MapKind::Weights(_) => &[4],
+            MapKind::Position | MapKind::Rest | MapKind::Stitch | MapKind::Joints(_) | MapKind::Weights(_) => &[4],
             MapKind::Mass | MapKind::Limit => &[1],
             MapKind::Tether | MapKind::Normal | MapKind::Uv(_) => &[3],
             MapKind::Color(_) => &[3, 4],
@@ -240,7 +245,7 @@ mod tests {
     fn names_round_trip() {
         use MapKind::*;
         let custom = Custom("_THICKNESS".into());
-        for kind in [Position, Rest, Mass, Tether, Limit, Normal, Uv(0), Uv(1), Color(12), Joints(0), custom] {
+        for kind in [Position, Rest, Mass, Tether, Limit, Stitch, Normal, Uv(0), Uv(1), Color(12), Joints(0), custom] {
             assert_eq!(MapKind::parse(&kind.name()), Some(kind));
         }
         for unknown in ["", "_", "uv0", "uv01", "uv+1", "uv256", "bend", "velocity", "colour", "Position"] {

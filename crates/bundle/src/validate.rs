@@ -12,6 +12,7 @@ use crate::manifest::{MANIFEST_FILE, PieceEntry};
 use crate::map::{Image, MapKind};
 use crate::particle::Particle;
 use crate::rings::{LinkFault, Rings, find_rings};
+use crate::stitch;
 use crate::welded::welded;
 
 /// Largest number of listed faults per kind; one more fault counts the rest.
@@ -46,6 +47,8 @@ pub enum FaultKind {
     Mass,
     /// A tether is negative, or its anchor is not a pinned particle.
     Tether,
+    /// A stitch leads to no point of a piece, or its length is negative.
+    Stitch,
     /// A joint index is not that of a joint.
     Joint,
     /// Weights are negative or do not sum to 1.
@@ -318,6 +321,7 @@ fn check_texel(kind: &MapKind, texel: &[f32], all: &[Particle], bundle: &Bundle)
             let sound = distance >= 0.0 && (anchor == -1.0 || pinned);
             (!sound).then(|| (FaultKind::Tether, format!("no tether of {distance} m to pinned particle {anchor}")))
         }
+        MapKind::Stitch => stitch::fault(texel, all, bundle).map(|message| (FaultKind::Stitch, message)),
         MapKind::Joints(_) => {
             let joints = bundle.manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
             let bad = texel.iter().find(|&&v| v < 0.0 || v.fract() != 0.0 || v as usize >= joints)?;

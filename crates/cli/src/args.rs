@@ -1,5 +1,6 @@
 //! The arguments of the command line. Parsing has no side effects: it touches no file, variable or thread.
 
+mod export;
 mod garment;
 mod values;
 
@@ -8,6 +9,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use gimage_runtime::Material;
 
+pub use export::{ExportArgs, ShownArg};
 pub use garment::{BuildArgs, DressArgs, FitCollidersArgs, ListArgs};
 use values::{camera, color, material, seconds, size};
 
@@ -53,6 +55,9 @@ pub enum Command {
     /// Simulate a scene and draw it: a PNG, or a GIF of many pictures.
     #[command(after_help = help::RENDER)]
     Render(RenderArgs),
+    /// Simulate a scene and write its motion for film and game tools: glTF, USD or OBJ.
+    #[command(after_help = help::EXPORT)]
+    Export(ExportArgs),
     /// Build the cloth of a character, with colliders in place of its body.
     #[command(after_help = help::DRESS)]
     Dress(Box<DressArgs>),
@@ -92,7 +97,7 @@ pub struct ReconstructArgs {
     pub force: bool,
 }
 
-/// The scene and its solver: `gimage simulate` and `gimage render`.
+/// The scene and its solver: `gimage simulate`, `gimage render` and `gimage export`.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
     /// The name of a built-in scene, a scene file (.json), or a bundle.
@@ -277,6 +282,7 @@ impl Cli {
             Command::Inspect(args) | Command::Validate(args) => args.json,
             Command::Simulate(args) => args.json,
             Command::Render(args) => args.json,
+            Command::Export(args) => args.json,
             Command::CheckCrossings(args) => args.json,
             Command::Doctor(args) => args.json,
             Command::Reconstruct(_) => false,

@@ -20,6 +20,7 @@ pub const TOP: &str = concat!(
     "  gimage reconstruct shirt.gim -o back.obj\n",
     "  gimage simulate s1 --frames 600\n",
     "  gimage render shirt.gim -o shirt.png\n",
+    "  gimage export shirt.gim -o shirt.glb\n",
     "  gimage dress mage.glb -o mage.gim\n",
     "  gimage fit-colliders character.glb -o body.json\n",
     "  gimage check-crossings shirt.gim\n",
@@ -36,6 +37,8 @@ pub const BUILD: &str = concat!(
     "  gimage build flag.obj -o flag.gim --size 64x48 --pin loop:0 --force\n",
     "  gimage build shirt.glb -o shirt.gim --pin above:1.4 --limit above:1.2=0.03\n",
     "  gimage build coat.glb -o coat.gim --up Z --center --pin above:0.9\n",
+    "  gimage build mage.glb -o mage.gim --pins auto\n",
+    "  gimage build coat.glb -o coat.gim --pin 'material:Collar* or loop:top'\n",
     "  gimage build mage.glb -o mage.gim --cloth 'Mage_Cape,*Skirt*' --body Mage_Head\n",
     "  gimage build *.glb -o bundles --json --threads 4\n\n",
     "The same input and options give the same bytes. With several inputs, a failed build does not stop the others, and the ",
@@ -126,6 +129,21 @@ pub const RENDER: &str = concat!(
     exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
 );
 
+/// Of `gimage export`.
+pub const EXPORT: &str = concat!(
+    "EXAMPLES:\n",
+    "  gimage export shirt.gim -o shirt.glb --frames 120\n",
+    "  gimage export mage.gim --animation Walking -o mage.usda --fps 24\n",
+    "  gimage export assets/scenes/flag.json -o frames/flag.obj --every 4 --from 60 --json | jq .bytes\n\n",
+    "The surface is that of the drawn triangles: a mesh per piece, each point of a seam one vertex, with normals and texture ",
+    "coordinates; triangles that a cut has taken away are left out from then on. Metres, Y up. .glb: the first frame with a morph ",
+    "target per further frame, weights animated linearly; at most 4 GiB, and 65,536 frames times pieces. .usda: time samples of ",
+    "points, normals and extent, with the time codes 1, 2, 3, ... .obj: a file per frame, numbered likewise. With --fps, a frame ",
+    "between two steps has interpolated positions, and the normals of the later step. Files take their places at the end, ",
+    "together: a run that fails writes nothing.",
+    exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
+);
+
 /// Of `gimage dress`.
 pub const DRESS: &str = concat!(
     "EXAMPLES:\n",
@@ -133,7 +151,8 @@ pub const DRESS: &str = concat!(
     "  gimage render mage.gim --animation Walking -o mage.gif\n",
     "  gimage dress character.glb -o outfit.gim --cloth Top,Bottom --body Body --pin top:0.1\n\n",
     "As `gimage build`, with the colliders of `gimage fit-colliders` in the manifest; `simulate` and `render` then use them, and ",
-    "move them with the joints of --animation. Without --pin, the top 6 % of each garment are pinned and follow the joints.",
+    "move them with the joints of --animation. Without --pin and an attribute ",
+    "_PIN, garments are pinned where they rest on the body (--pins auto); pins follow the joints.",
     exit_codes!("done, with findings (repairs, accessories, warnings)")
 );
 

@@ -40,6 +40,7 @@ fn main() -> ExitCode {
         Command::Reconstruct(args) => commands::reconstruct::run(args, &out),
         Command::Simulate(args) => commands::simulate::run(args, &out),
         Command::Render(args) => commands::render::run(args, &out),
+        Command::Export(args) => commands::export::run(args, &out),
         Command::FitColliders(args) => commands::fit_colliders::run(args, &out),
         Command::CheckCrossings(args) => commands::check_crossings::run(args, &out),
         Command::Doctor(args) => commands::doctor::run(args, &out),

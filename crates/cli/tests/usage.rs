@@ -15,6 +15,7 @@ fn help_has_examples_and_exit_codes() {
         "reconstruct",
         "simulate",
         "render",
+        "export",
         "dress",
         "fit-colliders",
         "check-crossings",
@@ -61,6 +62,19 @@ fn bad_flags_exit_2_with_words_on_stderr_only() {
         "fit-colliders tube.obj --body nobody",
         "inspect",
         "reconstruct a.gim",
+        "export",
+        "export s1",
+        "export s1 -o a.stl",
+        "export s1 -o a",
+        "export s1 -o a.usda --as meshes",
+        "export s1 -o a.glb --as points",
+        "export s1 -o a.glb --frames 0",
+        "export s1 -o a.glb --every 0",
+        "export s1 -o a.glb --fps 0",
+        "export s1 -o a.glb --fps 24 --every 2",
+        "export s1 -o a.glb --frames 4 --from 5",
+        "export s1 -o no/a.glb",
+        "export s1 -o tube.obj/a.obj",
         "check-crossings",
         "check-crossings a.gim --n 9",
         "reconstruct a.gim -o mesh.stl",
@@ -92,8 +106,10 @@ fn a_missing_file_is_named() {
         assert!(json["error"].as_str().unwrap().contains(name) && json["exit"] == 2, "{json}");
     }
     for name in ["nope.json", "no/such.gim"] {
-        let run = place.run(&format!("simulate {name}")).expect(&[2]);
-        assert!(run.stderr.starts_with(&format!("error: {name}: no such file")), "{}", run.stderr);
+        for command in [format!("simulate {name}"), format!("export {name} -o a.glb")] {
+            let run = place.run(&command).expect(&[2]);
+            assert!(run.stderr.starts_with(&format!("error: {name}: no such file")), "{}", run.stderr);
+        }
     }
     let run = place.run("reconstruct no/such.gim -o a.obj").expect(&[2]);
     assert!(run.stderr.contains("no/such.gim"), "{}", run.stderr);

@@ -53,7 +53,7 @@
 //!
 //! let mut bundle = gimage_bundle::Bundle::new("an example");
 //! let pieces = [Piece { component, surface, image }];
-//! assemble(&mut bundle, &mesh, &pieces, &[], &options, &|| ())?;
+//! assemble(&mut bundle, &mesh, &pieces, &[], &[], &options, &|| ())?;
 //! bundle.count()?;
 //! assert!(gimage_bundle::validate(&bundle).is_empty());
 //! # Ok(())
@@ -73,7 +73,9 @@ pub use base::{closest, grid, halfedge, mesh, surface, topology};
 pub use stage::assemble::{limits, mass, pins, springs};
 pub use stage::image::{judge, ladder};
 pub use stage::measure::stretch;
-pub use stage::{colliders, component, contents, export, gate, import, measure, reconstruct, repair, select, shell};
+pub use stage::{
+    colliders, component, contents, export, gate, hold, import, measure, reconstruct, repair, select, shell, stitch,
+};
 
 pub use error::{Error, Result};
 pub use mesh::Mesh;

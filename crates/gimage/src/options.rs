@@ -20,6 +20,7 @@ use crate::stage::import::ImportOptions;
 use crate::stage::repair::RepairOptions;
 use crate::stage::select::SelectOptions;
 use crate::stage::shell::ShellOptions;
+use crate::stage::stitch::StitchOptions;
 
 pub use field::Choice;
 pub(crate) use field::{Field, stage_options};
@@ -173,6 +174,8 @@ pub struct BuildOptions {
     pub mass: MassOptions,
     /// Options of the other maps.
     pub assemble: AssembleOptions,
+    /// Options of the stitches between pieces.
+    pub stitch: StitchOptions,
     /// Options of the measurement of quality, and of what follows from it.
     pub gate: GateOptions,
 }
@@ -189,6 +192,7 @@ impl BuildOptions {
             self.image.settings(),
             self.mass.settings(),
             self.assemble.settings(),
+            self.stitch.settings(),
             self.gate.settings(),
         ]
         .concat()
@@ -272,6 +276,7 @@ mod tests {
             "sample",
             "seams",
             "shell",
+            "stitch",
             "unit",
             "up",
             "weld",

@@ -5,6 +5,7 @@ mod dress;
 mod entries;
 mod findings;
 mod outcome;
+mod pins;
 
 use std::path::Path;
 use std::time::Instant;
@@ -12,9 +13,11 @@ use std::time::Instant;
 use gimage_bundle::Bundle;
 use rayon::prelude::*;
 
-pub use self::dress::{PINNED_TOP, dress};
+pub use self::dress::dress;
 use self::findings::{closed, merged, nothing_left, remarks, resolution, set_apart, split_up};
 use self::outcome::Gathered;
+pub use self::pins::PINNED_TOP;
+use self::pins::{Plan, worn_on};
 use crate::error::{Error, Result};
 use crate::options::BuildOptions;
 use crate::progress::{Progress, Stage};
@@ -28,6 +31,7 @@ use crate::stage::import::import;
 use crate::stage::repair::repair;
 use crate::stage::select::select;
 use crate::stage::shell::thin;
+use crate::stage::stitch::stitch;
 
 /// A finished build, not yet written.
 #[derive(Clone, Debug)]
@@ -61,8 +65,14 @@ impl Run<'_> {
 /// Builds a bundle from a garment file. The same file and options give the same bytes whatever the number of threads.
 ///
 /// Errors: those of the import; [`Error::Empty`] if no component is large enough to be a piece;
-/// [`Error::GridTooSmall`] if an exact size cannot hold the border of a piece; [`Error::Cancelled`].
+/// [`Error::GridTooSmall`] if an exact size cannot hold the border of a piece; [`Error::Option`] if `--pins auto` finds no body;
+/// [`Error::Cancelled`].
 pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Result<Built> {
+    build_as(path, options, false, progress)
+}
+
+/// As [`build`]; if `dressed`, with the defaults of [`dress`].
+fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn Progress) -> Result<Built> {
     options.check()?;
     let mut run = Run { progress, report: Report::default() };
     let imported = run.stage(Stage::Import, 1, |report| {
@@ -71,6 +81,7 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
         Ok(imported)
     })?;
     let (mesh, source) = (imported.mesh, imported.source);
+    let body = worn_on(&mesh, options, dressed)?;
     let mesh = run.stage(Stage::Repair, 1, |report| {
         let selected = select(mesh, &options.select)?;
         report.findings.extend(selected.findings);
@@ -78,6 +89,10 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
         report.findings.extend(repaired.findings);
         Ok(repaired.mesh)
     })?;
+    let plan = Plan::new(path, &mesh, body.as_ref(), options, dressed)?;
+    drop(body);
+    run.report.findings.extend(plan.findings.iter().cloned());
+    let options = &plan.options;
     let thinned = run.stage(Stage::Shell, 1, |report| {
         let thinned = thin(mesh, &options.shell, &options.component);
         report.findings.extend(thinned.findings.iter().cloned());
@@ -113,9 +128,15 @@ pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Re
 
     let mut bundle = run.stage(Stage::Maps, pieces.len(), |report| {
         let mut bundle = Bundle::new(concat!("gimage ", env!("CARGO_PKG_VERSION")));
-        let findings = assemble(&mut bundle, mesh, &pieces, &families, options, &|| progress.step(Stage::Maps))?;
+        let held = plan.hold(&pieces, &families, &mut report.findings);
+        let step = || progress.step(Stage::Maps);
+        let findings = assemble(&mut bundle, mesh, &pieces, &families, &held, options, &step)?;
         report.findings.extend(findings);
         Ok(bundle)
+    })?;
+    run.stage(Stage::Stitch, 1, |report| {
+        report.findings.extend(stitch(&mut bundle, &pieces, &families, &options.stitch)?);
+        Ok(())
     })?;
     if options.gate.metrics {
         run.stage(Stage::Measure, pieces.len(), |_| {

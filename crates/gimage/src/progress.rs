@@ -16,6 +16,8 @@ pub enum Stage {
     Image,
     /// Attributes, springs, masses, pins; one step a piece.
     Maps,
+    /// Tying pieces together.
+    Stitch,
     /// Measuring the result against the source.
     Measure,
     /// Compressing and hashing.
@@ -32,6 +34,7 @@ impl Stage {
             Stage::Component => "component",
             Stage::Image => "image",
             Stage::Maps => "maps",
+            Stage::Stitch => "stitch",
             Stage::Measure => "measure",
             Stage::Encode => "encode",
         }

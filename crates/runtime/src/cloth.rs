@@ -7,12 +7,14 @@ mod flat;
 mod from_bundle;
 mod groups;
 mod loops;
+mod loose;
 mod pin;
 mod select;
 mod share;
 pub(crate) mod shear;
 mod sheet;
 mod skin;
+mod stitch;
 mod tether;
 mod texture;
 mod weigh;
@@ -21,12 +23,13 @@ pub use contact::ClothContact;
 pub(crate) use contact::{Kin, SKIPPED_CELLS};
 pub use flat::Flat;
 pub(crate) use gimage_bundle::other_end;
-pub use gimage_bundle::{Anchor, Particle, Tethers};
+pub use gimage_bundle::{Anchor, MAX_STITCHES_AT_POINT, Particle, Stitch, Tethers};
 pub(crate) use groups::{groups, mates, ring};
 pub use select::Select;
 pub(crate) use sheet::{Bending, Membrane, Woven};
 pub use skin::{Influence, Skin, SkinJoint};
 pub(crate) use skin::{Rows, skinned};
+pub(crate) use stitch::{ENDS, NO_STITCH, Sewing, Thread};
 
 use std::sync::Arc;
 
@@ -169,6 +172,8 @@ pub struct Cloth {
     pub(crate) coarse: bool,
     /// Texture coordinates along the fabric.
     grain: Option<Arc<Vec<[f32; 2]>>>,
+    /// The stitches that tie its grids to each other.
+    sewing: Option<Arc<Sewing>>,
     /// The joints that it can follow.
     skin: Option<Arc<Skin>>,
     /// The matrices of these joints at the start, where it follows them.
@@ -204,6 +209,7 @@ impl Cloth {
             shear: 0.0,
             coarse: false,
             grain: None,
+            sewing: None,
             skin: None,
             joints: None,
         })
@@ -363,8 +369,8 @@ impl Cloth {
         Some(first as usize + other_end(width as usize, height as usize, k, direction)?)
     }
 
-    /// For every particle the first of its duplicates.
-    pub(crate) fn points(&self) -> Vec<u32> {
+    /// For every particle the first duplicate of its seam point, or itself: a mesh of these particles has one vertex per point of a seam.
+    pub fn points(&self) -> Vec<u32> {
         let mut same: Vec<u32> = (0..self.len() as u32).collect();
         for ring in self.ring_starts.windows(2) {
             let ring = &self.ring_members[ring[0] as usize..ring[1] as usize];

@@ -13,6 +13,7 @@ mod lattice;
 mod lengths;
 mod motion;
 mod settle;
+mod stitches;
 mod table;
 
 use std::sync::Arc;
@@ -194,6 +195,7 @@ impl Cloth {
         cloth.take_settings(self);
         cloth.compliance = lengths::compliance(self, &map.samples);
         cloth.limits = self.limits.as_ref().map(|limits| map.take(limits).into());
+        cloth.set_stitches_that_fit(map.stitches(self, &cloth));
         cloth.take_skin(self, &map.samples);
         cloth.keep_tethers(self.stored_tethers().and_then(|held| map.tethers(held)));
         Ok(Coarser { cloth, map: Arc::new(map) })

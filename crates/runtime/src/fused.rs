@@ -182,11 +182,13 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
         let (image, rings) = (matches!(cloth.rest(), Rest::Image(_)), cloth.ring_count() > 0);
         let soft = soft_of(cloth);
         let aimed = (cloth.limits.is_some(), cloth.follows_joints());
-        let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some(), aimed);
+        let sewn = cloth.sewing().is_some();
+        let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some(), aimed, sewn);
         let (slots, instance) = held(index);
         let kind = (image, rings, soft, slots, fabric);
-        // Those of lists that are only read, of what lasts, or of scratch: forces of air, multipliers of springs, and of bending.
-        let vectors = 1 + usize::from(soft != Soft::None) + usize::from(cloth.bending().is_some());
+        // Those of lists that are only read, of what lasts, or of scratch: forces of air, multipliers of springs and of bending, and
+        // pulls of stitches.
+        let vectors = 1 + usize::from(soft != Soft::None) + usize::from(cloth.bending().is_some()) + usize::from(sewn);
         let places = room_of(cloth.len());
         let own = 16 * places as u64 * (u64::from(cloth.is_aimed()) + u64::from(cloth.follows_joints()));
         let images = listed(cloth, slots, places) as u64 - listed(cloth, slots, 0) as u64 - own;

@@ -60,6 +60,19 @@ pub enum Warning {
         /// The largest rest length over that of the next spring in its row or column.
         lengths: f64,
     },
+    /// Grids that no pin holds, and no seam or stitch ties to one that is held.
+    #[error(
+        "cloth {cloth}: nothing holds {}{}: no pin, and no seam or stitch to a piece that is held: pin them, or build the bundle with a \
+         larger --stitch",
+        names.iter().take(4).cloned().collect::<Vec<_>>().join(", "),
+        if names.len() > 4 { format!(" and {} more pieces", names.len() - 4) } else { String::new() }
+    )]
+    Loose {
+        /// The cloth by name.
+        cloth: String,
+        /// The grids by name.
+        names: Vec<String>,
+    },
     /// All pins are at one point: nothing keeps the cloth from turning about it. The residual of sequential relaxations turns
     /// it, by some centimetres a second at 8 substeps in 1/60 s, and the less the shorter steps are.
     #[error(
@@ -200,6 +213,8 @@ pub fn prepare(cloth: &mut Cloth, options: &Settings, warnings: &mut Vec<Warning
     warnings.extend(soft(cloth, options));
     warnings.extend(limp(cloth, options));
     warnings.extend(turns(cloth));
+    let loose: Vec<String> = cloth.loose_grids().into_iter().map(|g| cloth.grids()[g].name.clone()).collect();
+    warnings.extend((!loose.is_empty()).then(|| Warning::Loose { cloth: cloth.name().into(), names: loose }));
     let fed = options.pyramid == 1 && cloth.damping <= 0.0 && has_levels(cloth, options);
     warnings.extend(fed.then(|| Warning::Pyramid { cloth: cloth.name().into() }));
     if options.tethers > 0 || cloth.membrane().is_some() || !cloth.particles().iter().any(|p| p.is_pinned()) {

@@ -61,6 +61,7 @@ fn within(pass: &Pass, solids: u64) -> u64 {
         Pass::Tethers { slots } => 2 + u64::from(*slots),
         Pass::Wind { .. } => 4 * (1 + GUST),
         Pass::Integrate(Air::Push) | Pass::IntegrateExact(Air::Push) => 1 + GUST,
+        Pass::Sew => 2 + u64::from(crate::cloth::MAX_STITCHES_AT_POINT),
         _ if over(*pass) == Over::Texels => 12,
         _ => 1,
     }

@@ -12,7 +12,13 @@ impl Cloth {
     /// Duplicates of a seam point are particles of their own, which move alike, so that the mesh closes and texture
     /// coordinates may differ on the two sides.
     pub fn indices(&self) -> Vec<u32> {
-        indices::triangles(&self.all_indices(&[]))
+        self.indices_left(&[])
+    }
+
+    /// As [`Cloth::indices`], without the triangles that a cut has taken away: `holes` as [`crate::Stepper::holes`], or read back from
+    /// [`crate::ClothBuffers::holes`], one per particle; empty for cloth that is whole.
+    pub fn indices_left(&self, holes: &[u32]) -> Vec<u32> {
+        indices::triangles(&self.all_indices(holes))
     }
 
     /// Six indices per texel, as shaders/indices.wgsl writes them; `holes` are the triangles that are cut away.

@@ -83,6 +83,13 @@ pub enum Pass {
         /// Whether it is a distance from the skin, which moves.
         moves: bool,
     },
+    /// The pull of each stitch between grids, of cloth that has any.
+    Stitch {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
+    /// Particles follow their stitches.
+    Sew,
     /// Lengths are limited on coarser grids of the cloth.
     Pyramid {
         /// Which spring directions there are.
@@ -349,6 +356,10 @@ pub fn schedule(
             // A further round has had them already, and ends with springs.
             let last = options.polish == 0 || cloth.membrane().is_some();
             s.relax.extend(tethers.filter(|_| last));
+            // Duplicates of a seam point are equal here, and stitches move them alike.
+            if cloth.sewing().is_some() {
+                s.relax.extend([Pass::Stitch { holes: cloth.is_cut() }, Pass::Sew]);
+            }
             // Contact has the last word: a limit may lead into a collider.
             s.relax.extend(cloth.limits.is_some().then_some(Pass::Limit { moves: cloth.follows_joints() }));
             if cloth.contact.is_some() {

@@ -49,6 +49,7 @@ fn passes() -> Vec<Pass> {
     }
     all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend, Pass::Bounds]);
     all.extend([false, true].map(|holes| Pass::Moments { holes }));
+    all.extend([Pass::Stitch { holes: false }, Pass::Stitch { holes: true }, Pass::Sew]);
     all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));
     let directions = [true, true, false, true];
     for cut in [false, true] {
@@ -74,6 +75,7 @@ fn is_shared(pass: &Pass) -> bool {
         Pass::Wind { holes } | Pass::Moments { holes } | Pass::Membrane { holes, .. } | Pass::Normals { holes } => {
             !holes
         }
+        Pass::Stitch { holes } => !holes,
         Pass::SeamSteps | Pass::Refine { .. } | Pass::Indices { .. } | Pass::Tangents { .. } => false,
         Pass::Springs { .. } | Pass::Colliders(_) => false,
         _ => !matches!(over(*pass), Over::Own(_)),
@@ -314,7 +316,7 @@ fn structs_lie_as_in_rust() {
                 Some("Job") => &job,
                 Some("Link") => &link,
                 // Lives in registers only.
-                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below" | "Window") => continue,
+                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below" | "Window" | "Seeker") => continue,
                 // A row of four numbers.
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),

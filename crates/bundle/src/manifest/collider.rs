@@ -69,7 +69,7 @@ impl ColliderEntry {
         if let Some(size) = sizes.iter().find(|size| !sound(size)) {
             return Some(format!("the size {size} m is not above 0 and at most {MAX_COLLIDER_SIZE_M} m"));
         }
-        if let Some(x) = self.position.iter().find(|x| !(x.abs() <= f64::from(f32::MAX))) {
+        if let Some(x) = self.position.iter().find(|x| x.is_nan() || x.abs() > f64::from(f32::MAX)) {
             return Some(format!("the position {x} m is not a finite number of 32 bits"));
         }
         let length = self.rotation.iter().map(|x| x * x).sum::<f64>().sqrt();

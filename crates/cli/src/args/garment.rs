@@ -9,9 +9,10 @@ use gimage::import::Up;
 use gimage::limits::Limit;
 use gimage::options::help as help_of;
 use gimage::options::{BuildOptions, Effort, ImageSize, RestLength, Sample, Seams};
-use gimage::pins::Pin;
+use gimage::pins::{Pin, PinRule};
 use gimage::select::{Pattern, SelectOptions};
 use gimage::shell::Layer;
+use gimage::stitch::Stitching;
 
 use super::values::{choice, number, shape, size};
 
@@ -44,8 +45,12 @@ pub struct BuildArgs {
     pub read: ReadArgs,
     #[arg(long, help = help_of("pin"), value_name = "EXPR")]
     pub pin: Vec<Pin>,
+    #[arg(long, help = help_of("pins"), value_parser = choice::<PinRule>())]
+    pub pins: Option<PinRule>,
     #[arg(long, help = help_of("limit"), value_name = "EXPR=METRES")]
     pub limit: Vec<Limit>,
+    #[arg(long, help = help_of("stitch"), value_name = "METRES", allow_negative_numbers = true)]
+    pub stitch: Option<Stitching>,
     #[arg(long, help = help_of("accessory-area"), value_name = "SHARE", allow_negative_numbers = true)]
     pub accessory_area: Option<f64>,
     #[arg(long, help = help_of("rest"), value_parser = choice::<RestLength>())]
@@ -162,8 +167,10 @@ impl BuildArgs {
         set(&mut options.component.accessory_area, self.accessory_area);
         set(&mut options.mass.density, self.density);
         options.assemble.pins.clone_from(&self.pin);
+        options.assemble.rule = self.pins;
         options.assemble.limits.clone_from(&self.limit);
         set(&mut options.assemble.rest, self.rest);
+        set(&mut options.stitch.stitch, self.stitch);
         options.gate =
             GateOptions { metrics: !self.no_metrics, accept_poor: self.accept_poor, min_psnr: self.min_psnr };
         set(&mut options.image.sample, self.sample);

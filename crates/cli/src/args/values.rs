@@ -32,6 +32,12 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     if number.is_finite() && number >= 0.0 { Ok(number) } else { Err("give at least 0 seconds, as in 0.5".into()) }
 }
 
+/// Reads a number of frames per second.
+pub fn rate(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().map_err(|_| format!("`{text}` is not a number"))?;
+    if number > 0.0 && number <= 1000.0 { Ok(number) } else { Err("give above 0 and at most 1000, as in 24".into()) }
+}
+
 /// Reads a material: a fabric, numbers, or both.
 pub fn material(text: &str) -> Result<Material, String> {
     let first = text.split(',').next().unwrap_or("").trim();

@@ -12,7 +12,7 @@ use gimage_runtime::{Cloth, Scene, Solver, Stepper};
 use crate::exit::Failure;
 use crate::output::{Output, Tone};
 
-/// The animation of a scene: `gimage simulate` and `gimage render`.
+/// The animation of a scene: `gimage simulate`, `gimage render` and `gimage export`.
 #[derive(Debug, Args)]
 pub struct MotionArgs {
     /// Animation of the character file that moves the joints of the cloth (gimage list has the names); xpbd only.

@@ -9,6 +9,7 @@ use gimage_runtime::{Backend, Health, Options, PassTime, Progress, Scene, Steppe
 
 use crate::commands::character::Animated;
 use crate::commands::device::Device;
+use crate::commands::faults::Faults;
 use crate::commands::scene::Loaded;
 use crate::exit::Failure;
 use crate::output::{Output, Tone};
@@ -94,6 +95,19 @@ impl Engine {
         Ok(progress)
     }
 
+    /// Steps to a time \[s\] in frames of [`Options::step`], and returns the fraction of a step that is left over.
+    pub fn go_to(&mut self, time: f64, faults: &mut Faults) -> Result<f32, Failure> {
+        let step = self.stepper.options().step;
+        let mut fraction = 1.0;
+        while time - self.time > step * 1e-6 {
+            fraction = self.frame(step.min(time - self.time))?.fraction;
+            faults.after_frame(self);
+            // Nothing left over: the last step is just what is seen.
+            fraction = if fraction == 0.0 { 1.0 } else { fraction };
+        }
+        Ok(fraction)
+    }
+
     fn step(&mut self, dt: f64) -> Result<Progress, Failure> {
         let Some((device, queue)) = &self.gpu else {
             let progress = self.stepper.advance(dt)?;
@@ -140,7 +154,7 @@ impl Engine {
     }
 
     /// Positions of a cloth one step before.
-    fn previous(&self, cloth: usize) -> Result<Vec<[f32; 4]>, Failure> {
+    pub fn previous(&self, cloth: usize) -> Result<Vec<[f32; 4]>, Failure> {
         match (&self.gpu, self.stepper.buffers(cloth)) {
             (Some((device, queue)), Some(buffers)) => Ok(read_back(device, queue, &buffers.before)?),
             _ => Ok(self.stepper.previous(cloth).unwrap_or_default().to_vec()),
@@ -152,6 +166,22 @@ impl Engine {
         match (&self.gpu, self.stepper.buffers(cloth)) {
             (Some((device, queue)), Some(buffers)) => Ok(read_back(device, queue, &buffers.now)?),
             _ => Ok(self.stepper.positions(cloth).unwrap_or_default().to_vec()),
+        }
+    }
+
+    /// Unit normals of a cloth at its positions; 0 where there is none.
+    pub fn normals(&self, cloth: usize) -> Result<Vec<[f32; 4]>, Failure> {
+        match (&self.gpu, self.stepper.buffers(cloth)) {
+            (Some((device, queue)), Some(buffers)) => Ok(read_back(device, queue, &buffers.normals)?),
+            _ => Ok(self.stepper.normals(cloth).unwrap_or_default().to_vec()),
+        }
+    }
+
+    /// Triangles of a cloth that cuts have taken away so far, as [`Stepper::holes`]; empty for cloth that is whole.
+    pub fn holes(&self, cloth: usize) -> Result<Vec<u32>, Failure> {
+        match (&self.gpu, self.stepper.buffers(cloth).and_then(|buffers| buffers.holes.as_ref())) {
+            (Some((device, queue)), Some(holes)) => Ok(read_back_u32(device, queue, holes)?),
+            _ => Ok(self.stepper.holes(cloth).unwrap_or_default().to_vec()),
         }
     }
 }

@@ -7,6 +7,7 @@ pub mod check_crossings;
 mod device;
 pub mod doctor;
 mod engine;
+pub mod export;
 mod faults;
 pub mod fit_colliders;
 pub mod inspect;

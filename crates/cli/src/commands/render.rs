@@ -63,7 +63,7 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
     let mut pictures = encode::Pictures::new(kind, args.size, args.fps);
     let mut faults = Faults::default();
     for time in &times {
-        let fraction = go_to(&mut engine, *time, &mut faults)?;
+        let fraction = engine.go_to(*time, &mut faults)?;
         pictures.add(painter.paint(&engine, &view, fraction)?)?;
     }
     faults.at_end(&mut engine)?;
@@ -128,19 +128,6 @@ fn times(args: &RenderArgs, kind: Kind, end: f64) -> Result<Vec<f64>, Failure> {
     Ok((0..count).map(time).collect())
 }
 
-/// Steps to a time, and returns the fraction of a step that is left over.
-fn go_to(engine: &mut Engine, time: f64, faults: &mut Faults) -> Result<f32, Failure> {
-    let step = engine.stepper.options().step;
-    let mut fraction = 1.0;
-    while time - engine.time() > step * 1e-6 {
-        fraction = engine.frame(step.min(time - engine.time()))?.fraction;
-        faults.after_frame(engine);
-        // Nothing left over: the last step is just what is seen.
-        fraction = if fraction == 0.0 { 1.0 } else { fraction };
-    }
-    Ok(fraction)
-}
-
 /// The camera of the arguments, else of the scene, else one that has everything in every picture.
 fn camera(args: &RenderArgs, loaded: &Loaded, times: &[f64]) -> Result<Camera, Failure> {
     let fov = args.fov.map(f32::to_radians);
@@ -160,7 +147,7 @@ fn camera(args: &RenderArgs, loaded: &Loaded, times: &[f64]) -> Result<Camera, F
     let mut engine = Engine::of(loaded)?;
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for time in times {
-        go_to(&mut engine, *time, &mut Faults::default())?;
+        engine.go_to(*time, &mut Faults::default())?;
         let scene = engine.stepper.scene();
         let lists = (0..scene.cloths.len()).map(|c| engine.positions(c)).collect::<Result<Vec<_>, _>>()?;
         let lists: Vec<_> = lists.iter().map(Vec::as_slice).collect();

@@ -4,9 +4,10 @@ use serde_json::{Value, json};
 
 use super::Setting;
 use crate::stage::assemble::limits::Limit;
-use crate::stage::assemble::pins::Pin;
+use crate::stage::assemble::pins::{Pin, PinRule};
 use crate::stage::import::Up;
 use crate::stage::select::Pattern;
+use crate::stage::stitch::Stitching;
 
 /// An option whose value is one of a few words.
 pub trait Choice: Copy + PartialEq + Sized + 'static {
@@ -65,6 +66,13 @@ impl Field for Up {
     }
 }
 
+impl Field for Stitching {
+    fn settings(&self, about: Setting) -> Vec<Setting> {
+        let numbers = if let Stitching::Within(distance) = self { vec![*distance] } else { Vec::new() };
+        with(Setting { numbers, ..about }, json!(self.to_string()))
+    }
+}
+
 impl Field for Vec<String> {
     fn settings(&self, about: Setting) -> Vec<Setting> {
         with(about, texts(self))
@@ -74,6 +82,14 @@ impl Field for Vec<String> {
 impl Field for Vec<Pin> {
     fn settings(&self, about: Setting) -> Vec<Setting> {
         with(about, texts(self))
+    }
+}
+
+impl Field for Option<PinRule> {
+    fn settings(&self, about: Setting) -> Vec<Setting> {
+        let choices = PinRule::ALL.iter().map(|(name, _)| *name).collect();
+        // As for limits.
+        vec![Setting { choices, value: self.map(|rule| json!(rule.name())), ..about }]
     }
 }
 

@@ -6,32 +6,22 @@ use gimage_bundle::manifest::{ColliderEntry, ColliderShape};
 use serde_json::json;
 
 use super::entries::repair_entry;
-use super::{Built, build};
+use super::{Built, build_as};
 use crate::colliders::{Collider, ColliderOptions, Fit, Form, fit_body};
 use crate::error::{Error, Result};
 use crate::options::BuildOptions;
 use crate::progress::Progress;
 use crate::record::{Finding, Severity};
-use crate::stage::assemble::pins::Pin;
 
-/// Share of the height of each garment that [`dress`] pins without other pins: a collar, a waistband.
-pub const PINNED_TOP: f64 = 0.06;
-
-/// Builds a bundle as [`build`] does, and adds solids that stand for the body ([`crate::colliders::fit_colliders`]) to its manifest. Without
-/// pins, the top of each garment is pinned ([`PINNED_TOP`]), which a finding reports. A file without a body has no solids, with a
-/// warning.
+/// Builds a bundle as [`super::build`] does, and adds solids that stand for the body ([`crate::colliders::fit_colliders`]) to its manifest. Without
+/// pins in the options and in the file, garments are pinned where they rest on the body ([`crate::hold`]), which a finding reports. A file without
+/// a body has no solids, with a warning, and the top of each garment is pinned ([`super::PINNED_TOP`]).
 ///
 /// Errors: those of both.
 pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, progress: &dyn Progress) -> Result<Built> {
-    let mut options = options.clone();
     let mut findings = Vec::new();
-    if options.assemble.pins.is_empty() {
-        options.assemble.pins.push(Pin::Top(PINNED_TOP));
-        let message = format!("Without --pin, the top {} % of each garment are pinned.", 100.0 * PINNED_TOP);
-        findings.push(finding(Severity::Note, "hint-pins", message));
-    }
     // The shorter work first, so that it fails first.
-    let fit = match fit_body(path, &options, solids, true) {
+    let fit = match fit_body(path, options, solids, true) {
         Ok(fit) => Some(fit),
         Err(Error::Empty { problem, hint, .. }) => {
             findings.push(finding(Severity::Warning, "no-body", format!("There are no colliders: {problem}; {hint}.")));
@@ -39,7 +29,7 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
         }
         Err(error) => return Err(error),
     };
-    let mut built = build(path, &options, progress)?;
+    let mut built = build_as(path, options, true, progress)?;
     let manifest = &mut built.bundle.manifest;
     if let Some(Fit { colliders, figures, findings: found, .. }) = fit {
         let mm = [figures.body.mean, figures.body.p95, figures.body.max].map(|x| format!("{:.1}", 1e3 * x)).join(", ");

@@ -23,12 +23,13 @@ use crate::record::Finding;
 use crate::stage::assemble::attributes::{attributes, places};
 use crate::stage::assemble::limits::{Limit, Stored};
 use crate::stage::assemble::mass::{Masses, mass};
-use crate::stage::assemble::pins::{Pin, unmet};
+use crate::stage::assemble::pins::{Pin, PinRule, unmet};
 use crate::stage::assemble::springs::{Rest, RestLengths, springs};
 use crate::stage::assemble::texels::{Texels, pinned};
 use crate::stage::component::Component;
 use crate::stage::cut::CutRecord;
 use crate::stage::cut::disk::NONE;
+use crate::stage::hold::Held;
 use crate::stage::image::PieceImage;
 use crate::stage::measure::stretch::spring_anisotropy;
 use crate::stage::measure::{MeasureOptions, Quality, measure};
@@ -42,12 +43,16 @@ stage_options! {
         /// Rest lengths: straight distance (chord), or distance along the surface (arc).
         pub rest: RestLength = RestLength::Chord => "rest" [""] Range::Any;
         /// Pin particles, may be repeated: above:Y, below:Y, box:X0,Y0,Z0,X1,Y1,Z1 (metres), top:SHARE (of the height of each
-        /// garment), loop:K (boundary loop, longest first), loop:top, loop:bottom (by mean height), joint:NAME<D (within D metres of a joint), attr:_NAME>T or
-        /// color:r>T; combined by not, and, or and parentheses. The bundle then stores tethers: the distance of each
+        /// garment), loop:K (boundary loop, longest first), loop:top, loop:bottom (by mean height), loop:any, material:NAME, node:NAME (* stands for any text), joint:NAME<D
+        /// (within D metres of a joint), attr:_NAME>T or color:r>T; combined by not, and, or and parentheses. The bundle then stores tethers: the distance of each
         /// particle to the nearest pin.
         pub pins: Vec<Pin> = Vec::new() => "pin" [""] Range::Any;
+        /// Pins beside those of --pin: none (flags); where an attribute _PIN of the file is above 0.5 (file, the default of gimage
+        /// build); also where garments rest on the body, with limits that grow from there (auto, the default of gimage dress
+        /// without --pin and _PIN).
+        pub rule: Option<PinRule> = None => "pins" [""] Range::Any;
         /// Keep particles within this distance of their positions at rest, may be repeated; EXPR as for --pin. The smallest
-        /// distance counts, also of those in an attribute _LIMIT of the file.
+        /// distance counts, also of those in an attribute _LIMIT or _MAX_DISTANCE of the file.
         pub limits: Vec<Limit> = Vec::new() => "limit" ["m"] Range::Any;
     }
 }
@@ -78,8 +83,20 @@ struct Made {
     mass: Masses,
 }
 
+impl Made {
+    /// With more pins and limits.
+    fn with(mut self, held: Option<&Held>) -> Self {
+        let Some(held) = held else { return self };
+        self.pinned.iter_mut().zip(&held.pinned).for_each(|(all, one)| *all |= one);
+        let mut limits = self.limits.take().unwrap_or_else(|| vec![f32::INFINITY; self.pinned.len()]);
+        limits.iter_mut().zip(&held.limits).for_each(|(all, one)| *all = all.min(*one));
+        self.limits = limits.iter().any(|x| x.is_finite()).then_some(limits);
+        self
+    }
+}
+
 /// Adds all pieces with their maps to an empty bundle, those of a family joined; returns what is worth saying about the maps.
-/// `step` is called from any thread after each piece.
+/// `held` has more pins and limits for each piece, or is empty; `step` is called from any thread after each piece.
 ///
 /// Errors: [`Error::TooLarge`] for a position that f32 cannot hold, and what the bundle finds wrong.
 pub fn assemble(
@@ -87,6 +104,7 @@ pub fn assemble(
     mesh: &Mesh,
     pieces: &[Piece<'_>],
     families: &[Family<'_>],
+    held: &[Held],
     options: &BuildOptions,
     step: &(dyn Fn() + Sync),
 ) -> Result<Vec<Finding>> {
@@ -100,7 +118,7 @@ pub fn assemble(
         .enumerate()
         .map(|(k, piece)| {
             let family = Kin { owner: owner[k], span: spans[k], loops: &loops, heights: &heights };
-            let out = make(mesh, &family, piece, options);
+            let out = make(mesh, &family, piece, options).map(|made| made.with(held.get(k)));
             step();
             out
         })

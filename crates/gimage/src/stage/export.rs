@@ -1,9 +1,12 @@
-//! A reconstruction as the text of an OBJ file or the bytes of a GLB file.
+//! A reconstruction as the text of an OBJ file or the bytes of a GLB file, and in motion.
 
 pub mod glb;
+pub mod motion;
+mod split;
 
 use crate::error::{Error, Result};
-use crate::stage::export::glb::{BinaryChunk, Component, Target};
+use crate::stage::export::glb::BinaryChunk;
+use crate::stage::export::split::Split;
 use crate::stage::reconstruct::{ReconstructedPiece, Reconstruction};
 use serde_json::json;
 use std::collections::HashMap;
@@ -52,36 +55,6 @@ fn piece_triangles<'a>(surface: &'a Reconstruction, piece: &ReconstructedPiece) 
     surface.triangles.get(piece.triangles.clone()).unwrap_or_default()
 }
 
-/// The vertices of one piece as glTF wants them: one for each pair of position and texture coordinate.
-#[derive(Default)]
-struct Primitive {
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    uv: Vec<[f32; 2]>,
-    indices: Vec<u32>,
-}
-
-impl Primitive {
-    fn new(surface: &Reconstruction, piece: &ReconstructedPiece) -> Self {
-        let mut out = Self::default();
-        let mut index: HashMap<(u32, [u32; 2]), u32> = HashMap::new();
-        for (t, corners) in piece_triangles(surface, piece).iter().enumerate() {
-            for (c, &v) in corners.iter().enumerate() {
-                let uv = piece.uv.as_ref().and_then(|uv| uv.get(t)).map(|uv| uv[c]);
-                let key = (v, uv.unwrap_or_default().map(f32::to_bits));
-                let k = *index.entry(key).or_insert_with(|| {
-                    out.positions.push(surface.positions[v as usize]);
-                    out.normals.push(surface.normals[v as usize]);
-                    out.uv.extend(uv);
-                    out.positions.len() as u32 - 1
-                });
-                out.indices.push(k);
-            }
-        }
-        out
-    }
-}
-
 /// A GLB file: a node and a mesh for each piece that has triangles.
 pub fn glb(surface: &Reconstruction) -> Result<Vec<u8>> {
     let vertices = surface.positions.len();
@@ -91,16 +64,16 @@ pub fn glb(surface: &Reconstruction) -> Result<Vec<u8>> {
     let mut chunk = BinaryChunk::default();
     let (mut nodes, mut meshes) = (Vec::new(), Vec::new());
     for piece in surface.pieces.iter().filter(|p| !piece_triangles(surface, p).is_empty()) {
-        let p = Primitive::new(surface, piece);
+        let split = Split::new(surface, piece);
+        let positions = split.of(&surface.positions);
         let mut attributes = json!({
-            "POSITION": chunk.floats(&p.positions, glb::bounds(&p.positions)),
-            "NORMAL": chunk.floats(&p.normals, json!({})),
+            "POSITION": chunk.floats(&positions, glb::bounds(&positions)),
+            "NORMAL": chunk.floats(&split.of(&surface.normals), json!({})),
         });
-        if p.uv.len() == p.positions.len() {
-            attributes["TEXCOORD_0"] = chunk.floats(&p.uv, json!({})).into();
+        if let Some(uv) = split.push_uv(&mut chunk) {
+            attributes["TEXCOORD_0"] = uv.into();
         }
-        let raw: &[u8] = bytemuck::cast_slice(&p.indices);
-        let indices = chunk.push(raw, Some(Target::Indices), p.indices.len(), "SCALAR", Component::U32, json!({}));
+        let indices = split.push_indices(&mut chunk);
         nodes.push(json!({"name": piece.name, "mesh": meshes.len()}));
         meshes.push(json!({"name": piece.name, "primitives": [{"attributes": attributes, "indices": indices}]}));
     }

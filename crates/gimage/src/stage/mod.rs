@@ -34,7 +34,11 @@ pub mod split;
 
 // All images.
 
+pub mod hold;
+
 pub mod assemble;
+
+pub mod stitch;
 
 pub mod measure;
 

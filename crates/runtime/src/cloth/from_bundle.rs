@@ -12,7 +12,7 @@ impl Cloth {
     /// All pieces of a bundle as one cloth; particle indices are those of the bundle. Where every piece with springs has
     /// constant rest lengths (or masses), no image is made for them; a bundle without rest lengths has no springs.
     /// Tethers of the bundle are kept until pins change, its first texture coordinates for materials, and its
-    /// joints if every piece has some ([`Cloth::follow_joints`]). A piece made from fabric with a thickness sets
+    /// joints if every piece has some ([`Cloth::follow_joints`]). Its stitches become [`Cloth::stitches`]. A piece made from fabric with a thickness sets
     /// [`Cloth::thickness`]: of several the largest, so that none enters a collider. Errors as [`Cloth::new`].
     pub fn from_bundle(name: &str, bundle: &Bundle) -> Result<Self> {
         let pieces = &bundle.manifest.pieces;
@@ -38,6 +38,7 @@ impl Cloth {
         cloth.keep_tethers(bundle.stored_tethers());
         cloth.limits = bundle.limits().map(Into::into);
         cloth.keep_grain(grain(bundle, cloth.grids()));
+        cloth.set_stitches(bundle.stitches())?;
         cloth.keep_skin(bundle)?;
         let clearances = pieces.iter().filter_map(|p| Some(p.shell.as_ref()?.clearance() as f32));
         cloth.thickness = clearances.filter(|c| (0.0..=1.0).contains(c)).reduce(f32::max);

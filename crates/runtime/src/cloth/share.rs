@@ -19,7 +19,7 @@ fn both<T: PartialEq + ?Sized>(a: &Option<Arc<T>>, b: &Option<Arc<T>>) -> bool {
 }
 
 impl Cloth {
-    /// Whether a cloth has the same images: grids, particle kinds, rest lengths, masses, tethers, compliance, membrane, bending and skin.
+    /// Whether a cloth has the same images: grids, particle kinds, rest lengths, masses, tethers, compliance, membrane, bending, stitches and skin.
     /// Positions, limits and settings may differ.
     pub(crate) fn has_images_of(&self, other: &Cloth) -> bool {
         let (own, others) = (&self.parts, &other.parts);
@@ -37,6 +37,7 @@ impl Cloth {
             && both(&self.stored_tethers, &other.stored_tethers)
             && both(&self.membrane, &other.membrane)
             && both(&self.bending, &other.bending)
+            && both(&self.sewing, &other.sewing)
             && both(&self.skin, &other.skin)
     }
 
@@ -57,6 +58,7 @@ impl Cloth {
         self.compliance = other.compliance.clone();
         self.stored_tethers = other.stored_tethers.clone();
         (self.membrane, self.bending) = (other.membrane.clone(), other.bending.clone());
+        self.sewing = other.sewing.clone();
         self.skin = other.skin.clone();
     }
 
@@ -83,6 +85,12 @@ impl Cloth {
         });
         self.grain().iter().for_each(|uv| tally.image(uv));
         self.limits.iter().for_each(|limits| tally.image(limits));
+        if let Some(sewing) = &self.sewing {
+            tally.image(&sewing.stitches);
+            tally.image(&sewing.threads);
+            tally.image(&sewing.entries);
+            tally.image(&sewing.moved);
+        }
         if let Some(skin) = &self.skin {
             tally.image(&skin.rest);
             tally.image(&skin.influences);

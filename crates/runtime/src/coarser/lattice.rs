@@ -23,7 +23,7 @@ impl Stencil {
 
     /// The same particles with weights of the point of their triangle, or of their edge, that is nearest to `p` \[m\]: springs of a fine
     /// image differ in length, and texels halfway between two others lie anywhere between them.
-    fn at_place(self, p: [f32; 3], place: impl Fn(usize) -> [f32; 3]) -> Self {
+    pub fn at_place(self, p: [f32; 3], place: impl Fn(usize) -> [f32; 3]) -> Self {
         let parts: Vec<_> = self.parts().collect();
         let from = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|c| f64::from(b[c]) - f64::from(a[c]));
         let a = place(parts.first().map_or(0, |part| part.0));

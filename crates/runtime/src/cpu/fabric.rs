@@ -20,7 +20,9 @@ mod refine;
 mod seam_moments;
 mod seam_steps;
 mod separate;
+mod sew;
 mod share;
+mod stitch;
 pub(crate) mod stretch;
 mod sweep;
 mod tethers;
@@ -37,6 +39,7 @@ use self::membrane::Cells;
 use self::moments::Plate;
 use self::pyramid::Pyramid;
 use self::seam_steps::Member;
+use self::stitch::Stitches;
 use self::stretch::{Rests, Springs};
 use self::sweep::Stage;
 use self::tethers::Tethers;
@@ -74,6 +77,8 @@ pub struct Fabric<T: Real> {
     limits: Vec<Limit<T>>,
     /// One a sheet, of cloth that follows joints.
     follows: Vec<Follow<T>>,
+    /// Of cloth that has any.
+    stitches: Option<Stitches<T>>,
     /// Sheet and place of every anchor.
     anchors: Arc<Vec<(u32, u32)>>,
     /// Those of every ring.
@@ -113,6 +118,7 @@ impl<T: Real> Fabric<T> {
             limits: limit::limits(cloth, &sheets),
             follows: Vec::new(),
             meeting: Meeting::of(cloth, &sheets, options.thickness),
+            stitches: None,
             sheets,
             whole: cloth.grids().iter().map(|g| cloth.particles()[g.range()].iter().all(|p| p.exists())).collect(),
             tethers: Default::default(),
@@ -128,7 +134,8 @@ impl<T: Real> Fabric<T> {
             let (sheet, at) = fabric.place(*k as usize);
             Member { sheet, at, single: single(at as usize, fabric.sheets[sheet as usize].half) as u32 }
         };
-        fabric.members = Arc::new(members.iter().map(member).collect());
+        let (members, stitches) = (members.iter().map(member).collect(), stitch::stitches(cloth, |k| member(&k)));
+        (fabric.members, fabric.stitches) = (Arc::new(members), stitches);
         let of = |t: usize| held.anchors.get(t).filter(|a| a.exists());
         fabric.hold(held.per_particle, |t| of(t).map(|a| (a.particle, T::of(f64::from(a.distance)))));
         fabric
@@ -223,8 +230,13 @@ impl<T: Real> Fabric<T> {
         }
     }
 
-    /// Triangles that are cut away leave the membrane; they are known by texels. Both of a cell that is divided otherwise.
+    /// Triangles that are cut away leave the membrane; they are known by texels. Both of a cell that is divided otherwise. Stitches to a
+    /// quad that lacks a triangle end.
     pub fn cut_cells(&mut self, holes: &[u32]) {
+        if let Some(stitches) = &mut self.stitches {
+            let each = stitches.holds.iter_mut().zip(&*stitches.threads);
+            each.for_each(|(holds, thread)| *holds = holes[thread.cell as usize] == 0);
+        }
         for ((sheet, cells), first) in self.sheets.iter().zip(Arc::make_mut(&mut self.cells)).zip(&self.firsts) {
             for k in (0..sheet.width * sheet.height).filter(|k| holes[first + k] != 0) {
                 let place = sheet.single(k);
@@ -414,6 +426,10 @@ impl<T: Real> Fabric<T> {
                 let each = self.sheets.iter_mut().zip(&self.limits);
                 each.for_each(|(sheet, limit)| limit::run(threads, sheet, limit, step.left));
             }
+            Pass::Stitch { .. } => {
+                self.stitches.iter_mut().for_each(|stitches| stitch::run(&self.sheets, stitches));
+            }
+            Pass::Sew => self.stitches.iter().for_each(|stitches| sew::run(&mut self.sheets, stitches)),
             Pass::Pyramid { directions, cut, finest, .. } => {
                 let descent = pyramid::Descent { present: &directions, cut, finest: finest as usize };
                 pyramid::run(&mut self.pyramids, &self.sheets, threads, descent, &self.ties);

@@ -9,16 +9,16 @@ use super::parts::{Bound, Parts, reads, writes};
 use super::slot::{LISTED, Slot};
 
 /// The first numbers of [`Slot::Lists`]: where the lists begin, and, as the last one, how many particles there is room for.
-pub const HEAD: usize = 16;
+pub const HEAD: usize = 20;
 
 const _: () = assert!(LISTED.len() < HEAD && matches!(LISTED[0].0, Slot::Jobs));
 
 /// Vectors of four, one a particle, that a frame leaves to the next. In whole frames they lie in [`Slot::Lasting`].
 pub const LASTING: [Slot; 2] = [Slot::Good, Slot::Lost];
 
-/// Lists of a frame, with a vector of four per particle: the acceleration by air, the sum of multipliers, and the multiplier of bending,
-/// whose w is 1 if the particle has one. In whole frames they lie in [`Slot::Scratch`].
-pub const SCRATCH: [Slot; 3] = [Slot::Field, Slot::Sums, Slot::Moments];
+/// Lists of a frame, with a vector of four per particle: the acceleration by air, the sum of multipliers, the multiplier of bending,
+/// whose w is 1 if the particle has one, and what the stitch of the particle pulls with. In whole frames they lie in [`Slot::Scratch`].
+pub const SCRATCH: [Slot; 4] = [Slot::Field, Slot::Sums, Slot::Moments, Slot::Pulls];
 
 /// Declarations of the lists that a shader binds, a buffer each.
 pub fn own(bindings: &[Bound]) -> String {
@@ -105,6 +105,7 @@ fn head(n: usize) -> String {
 fn read(name: &str, element: Option<&str>) -> String {
     let Some(element) = element else { return String::new() };
     let (each, value) = match element {
+        "vec4<u32>" => (1, "four"),
         "u32" => (4, "four[n % 4u]"),
         "vec2<u32>" => (2, "select(four.zw, four.xy, n % 2u == 0u)"),
         "vec2<f32>" => (2, "bitcast<vec2<f32>>(select(four.zw, four.xy, n % 2u == 0u))"),

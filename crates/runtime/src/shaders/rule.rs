@@ -78,7 +78,7 @@ pub fn over(pass: Pass) -> Over {
             Over::Texels
         }
         // Particles of other tiles read their anchors where these are now, so a tile ends before it.
-        Pass::Follow => Over::Texels,
+        Pass::Follow | Pass::Stitch { .. } | Pass::Sew => Over::Texels,
         Pass::Membrane { column, row, .. } => Over::Cells { column, row },
         Pass::Springs { direction, parity, .. }
         | Pass::Stretch { direction, parity, .. }
@@ -114,6 +114,14 @@ pub fn rule(pass: Pass) -> Rule {
             rule!("tethers", "tether", over, parts)
         }
         Pass::Limit { moves } => rule!("limit", "limit", over, aim(moves).bind(&[writes(Now)])),
+        Pass::Stitch { holes } => {
+            let parts = parts(&[part!("stitched")], &[Grids, Now, Slot::Stitches], &[Slot::Pulls]);
+            rule!("stitch", "stitch", over, open(holes, parts))
+        }
+        Pass::Sew => {
+            let parts = parts(&[part!("stitched")], &[Grids, Slot::Stitches], &[Now, Slot::Pulls]);
+            rule!("sew", "sew", over, parts)
+        }
         Pass::Follow => rule!("follow", "follow", over, aim(true).bind(&[reads(Grids), writes(Now), writes(Before)])),
         Pass::Contact(kinds) => contact(over, kinds),
         Pass::Colliders(kinds) => colliders(over, kinds),

@@ -87,6 +87,8 @@ slots! {
     OriginBefore "origin_before",
     Spare "spare",
     Beside "beside",
+    Stitches "stitches",
+    Pulls "pulls",
     Kin "kin",
     Homes "homes",
     Boxes "boxes",
@@ -96,7 +98,7 @@ slots! {
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
 /// in [`Slot::Lists`], whose first numbers, in this order, say where each begins.
-pub const LISTED: [(Slot, Option<&str>); 15] = [
+pub const LISTED: [(Slot, Option<&str>); 16] = [
     (Slot::Jobs, None),
     (Slot::Grids, None),
     // Seam rings: ring r is members[starts[r]] up to, not including, members[starts[r + 1]].
@@ -115,6 +117,8 @@ pub const LISTED: [(Slot, Option<&str>); 15] = [
     (Slot::Rings, Some("u32")),
     // How fast each target moves, and 1 for a particle that follows joints while it is pinned, else 0.
     (Slot::Drifts, Some("vec4<f32>")),
+    // Three rows per particle, see shaders/part/stitched.wgsl.
+    (Slot::Stitches, Some("vec4<u32>")),
 ];
 
 impl Slot {
@@ -132,6 +136,7 @@ impl Slot {
             Slot::Targets => there(cloth.is_aimed(), 16),
             Slot::Drifts => there(cloth.follows_joints(), 16),
             Slot::Holes => there(cloth.is_cut(), 4),
+            Slot::Stitches => there(cloth.sewing().is_some(), 48),
             Slot::Rings => there(cloth.ring_count() > 0, 4),
             _ => None,
         }
@@ -168,6 +173,7 @@ impl Slot {
             }
             Slot::Holes => vec![0; 4 * cloth.len()],
             Slot::Rings => cast_slice(&rings(cloth)).to_vec(),
+            Slot::Stitches => cloth.sewing().map(|s| cast_slice(&s.rows()).to_vec()).unwrap_or_default(),
             _ => Vec::new(),
         }
     }
@@ -179,6 +185,7 @@ impl Slot {
             Slot::Cells => Some("128u"),
             Slot::Bends => Some("32u"),
             Slot::Rings => Some("16u"),
+            Slot::Stitches => Some("192u"),
             Slot::Tethers => Some("32u * slots"),
             _ => None,
         }
@@ -207,7 +214,8 @@ impl Slot {
             Slot::Lasting => cloth.len() * 16 * (1 + usize::from(cloth.is_exact())),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
             Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => cloth.len() * 16,
-            Slot::Targets | Slot::Drifts => cloth.len() * 16,
+            Slot::Targets | Slot::Drifts | Slot::Pulls => cloth.len() * 16,
+            Slot::Stitches => cloth.len() * 48,
             Slot::Skinned => cloth.len() * 32,
             Slot::Influences => cloth.skin().map_or(0, |skin| cloth.len() * 16 * (1 + 2 * skin.sets)),
             Slot::Bends => cloth.len() * 8,

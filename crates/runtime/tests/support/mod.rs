@@ -200,6 +200,8 @@ pub fn soft() -> Vec<(&'static str, Scene)> {
         ("a material, seams", scene(made_of(hung_tube(3)))),
         ("a material, sewn charts", scene(made_of(two_charts(17)))),
         ("a material, on colliders", falls),
+        ("stitches across a seam", scene(patched_charts(17, true))),
+        ("a material, stitches", scene(made_of(patched_charts(13, true)))),
         ("soft", scene::builtin("s1k", 33).unwrap()),
         ("soft by an image", with(scene(ring), uneven)),
         ("soft, on colliders", with(falling(24), Compliance::Constant(1e-4))),
@@ -281,4 +283,33 @@ pub fn two_charts(n: u32) -> Cloth {
     let rest = Rest::Constant(vec![[dx, dy, diagonal, diagonal]; 2]);
     let grids = vec![grid(0), grid(1)];
     Cloth::new(Parts { name: "charts".into(), grids, positions, particles, rest, mass: Mass::Constant(1e-3) }).unwrap()
+}
+
+/// The charts of [`two_charts`] with a patch of 9 x 7 particles, 0.3 m wide and 0.24 m high, 1 cm in front of their seam. Its border is
+/// stitched to them if `tied`.
+pub fn patched_charts(n: u32, tied: bool) -> Cloth {
+    let charts = two_charts(n);
+    let (mut positions, mut particles) = (charts.positions().to_vec(), charts.particles().to_vec());
+    let (dx, dy, first) = (0.3 / 8.0, 0.04, 2 * n * n);
+    let mut stitches = Vec::new();
+    for (j, i) in (0..7).flat_map(|j| (0..9).map(move |i| (j, i))) {
+        let [x, y] = [0.37 + dx * i as f32, 0.5 + dy * j as f32];
+        positions.push([x, -y, 0.01]);
+        particles.push(Particle::Free { next: None });
+        if j % 6 == 0 || i % 8 == 0 {
+            let piece = u32::from(x > 0.5);
+            let at = [2.0 * (x - 0.5 * piece as f32), y];
+            stitches.push(Stitch { particle: first + 9 * j + i, piece, at, distance: 0.01 });
+        }
+    }
+    let mut grids = charts.grids().to_vec();
+    grids.push(Grid { name: "patch".into(), first, width: 9, height: 7 });
+    let Rest::Constant(mut lengths) = charts.rest().clone() else { panic!("charts have constant lengths") };
+    lengths.push([dx, dy, dx.hypot(dy), dx.hypot(dy)]);
+    let (rest, mass) = (Rest::Constant(lengths), Mass::Constant(1e-3));
+    let mut cloth = Cloth::new(Parts { name: "patched".into(), grids, positions, particles, rest, mass }).unwrap();
+    if tied {
+        cloth.set_stitches(stitches).unwrap();
+    }
+    cloth
 }

@@ -115,7 +115,8 @@ pub(crate) fn attributes(
     };
     let rings: Vec<Vec<u32>> = image.grid.rings().collect();
     // Limits have a map of their own.
-    let is_limit = |c: &&Channel| matches!(&c.semantic, Semantic::Custom(name) if name == limits::ATTRIBUTE);
+    let is_limit =
+        |c: &&Channel| matches!(&c.semantic, Semantic::Custom(name) if limits::ATTRIBUTES.contains(&&**name));
     for channel in mesh.channels.iter().filter(|c| !is_limit(c)) {
         let Some((kind, channels)) = map_of(&channel.semantic, channel.width) else {
             if let Semantic::Custom(name) = &channel.semantic {

@@ -1,4 +1,4 @@
-//! Limits: how far particles may move from their positions at rest, from the attribute `_LIMIT` and from `--limit`.
+//! Limits: how far particles may move from their positions at rest, from attributes of the source and from `--limit`.
 //!
 //! A limit is the motion constraint of NvCloth and Chaos. Several limits of one particle all hold: the smallest counts.
 
@@ -12,8 +12,8 @@ use crate::base::mesh::Semantic;
 use crate::error::Error;
 use crate::stage::assemble::pins::Pin;
 
-/// The attribute of the source that holds limits, in units of the file; negative means no limit.
-pub(super) const ATTRIBUTE: &str = "_LIMIT";
+/// The attributes of the source that hold limits, in units of the file; negative means no limit.
+pub const ATTRIBUTES: [&str; 2] = ["_LIMIT", "_MAX_DISTANCE"];
 
 /// A limit for the particles that meet an expression.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +53,11 @@ impl FromStr for Limit {
 /// The limit \[m\] of each texel, infinite for none, equal at all duplicates of a point; `None` if no texel has one. And
 /// which of `limits` a texel meets. `unit` is the length \[m\] of a unit of the file.
 pub(super) fn limits(texels: &Texels<'_>, limits: &[Limit], unit: f64) -> (Option<Vec<f32>>, Vec<bool>) {
-    let mut out = painted(texels, unit);
+    let mut out = vec![f32::INFINITY; texels.places.len()];
+    for name in ATTRIBUTES {
+        let painted = painted(texels, name, unit);
+        out.iter_mut().zip(painted.iter().flatten()).for_each(|(all, one)| *all = all.min(*one));
+    }
     let met = texels.select(limits.iter().map(|limit| &limit.particles), |limit, at| {
         out[at] = out[at].min(limits[limit].distance as f32);
     });
@@ -64,12 +68,10 @@ pub(super) fn limits(texels: &Texels<'_>, limits: &[Limit], unit: f64) -> (Optio
     (out.iter().any(|x| x.is_finite()).then_some(out), met)
 }
 
-/// The limits that the source has as an attribute: the mean over the corners around a texel that have a limit, where those
+/// The limits that the source has as an attribute, if it has that: the mean over the corners around a texel that have a limit, where those
 /// are at least half of it. A mean with the -1 of the others would be a length that nobody asked for.
-fn painted(texels: &Texels<'_>, unit: f64) -> Vec<f32> {
-    let Some(channel) = texels.mesh.channel(&Semantic::Custom(ATTRIBUTE.into())) else {
-        return vec![f32::INFINITY; texels.places.len()];
-    };
+fn painted(texels: &Texels<'_>, name: &str, unit: f64) -> Option<Vec<f32>> {
+    let channel = texels.mesh.channel(&Semantic::Custom(name.into()))?;
     let at = |at: usize| {
         let (mut sum, mut limited, mut total) = (0.0, 0.0, 0.0);
         for (b, value) in texels.corners(channel, at) {
@@ -86,7 +88,7 @@ fn painted(texels: &Texels<'_>, unit: f64) -> Vec<f32> {
             f32::INFINITY
         }
     };
-    (0..texels.places.len()).map(at).collect()
+    Some((0..texels.places.len()).map(at).collect())
 }
 
 /// Limits as a bundle stores them.

@@ -27,7 +27,8 @@ pub struct Family<'a> {
 }
 
 impl Family<'_> {
-    fn pieces(&self) -> std::ops::Range<usize> {
+    /// The indices of its pieces.
+    pub(crate) fn pieces(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.count
     }
 }

@@ -2,13 +2,37 @@
 
 mod parse;
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
-use crate::base::mesh::{Mesh, Semantic};
+use crate::base::mesh::{Mesh, Part, Semantic};
 use crate::base::words;
 use crate::error::Error;
+use crate::options::Choice;
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
+use crate::stage::select::Pattern;
+
+/// The attribute of the source that pins particles, where it is above [`PINS_ABOVE`].
+pub const ATTRIBUTE: &str = "_PIN";
+
+/// The value of [`ATTRIBUTE`] above which a particle is pinned.
+pub const PINS_ABOVE: f64 = 0.5;
+
+/// The pins of a build beside those of `--pin`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PinRule {
+    /// None.
+    Flags,
+    /// Those of the attribute `_PIN` of the source.
+    File,
+    /// Those too, and where garments rest on the body ([`crate::hold`]).
+    Auto,
+}
+
+impl Choice for PinRule {
+    const ALL: &'static [(&'static str, Self)] = &[("auto", Self::Auto), ("file", Self::File), ("flags", Self::Flags)];
+}
 
 /// A condition on a particle. Positions are in metres, after `--unit`.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,12 +47,18 @@ pub enum Pin {
     Box([f64; 3], [f64; 3]),
     /// On the `K`-th boundary loop of the garment, the longest being 0.
     Loop(usize),
+    /// On any boundary loop of the garment.
+    LoopAny,
     /// On the boundary loop of the garment whose mean height is the largest.
     LoopTop,
     /// On the one whose mean height is the smallest.
     LoopBottom,
     /// Within a distance \[m\] of a joint, by name, where the file has it.
     Joint(String, f64),
+    /// On a part of the file whose material has a name like this.
+    Material(Pattern),
+    /// On a part of the file whose node (OBJ: object) has a name like this.
+    Node(Pattern),
     /// A custom attribute (by name, first component) above a value.
     Attribute(String, f64),
     /// A component (0..=3 for r, g, b, a) of the first colour above a value.
@@ -54,8 +84,11 @@ impl fmt::Display for Pin {
             Pin::Top(share) => write!(f, "top:{share}"),
             Pin::Box(a, b) => write!(f, "box:{},{},{},{},{},{}", a[0], a[1], a[2], b[0], b[1], b[2]),
             Pin::Loop(k) => write!(f, "loop:{k}"),
+            Pin::LoopAny => f.write_str("loop:any"),
             Pin::LoopTop => f.write_str("loop:top"),
             Pin::LoopBottom => f.write_str("loop:bottom"),
+            Pin::Material(name) => write!(f, "material:{name}"),
+            Pin::Node(name) => write!(f, "node:{name}"),
             Pin::Joint(name, distance) => write!(f, "joint:{name}<{distance}"),
             Pin::Not(a) => write!(f, "not ({a})"),
             Pin::And(a, b) => write!(f, "({a}) and ({b})"),
@@ -103,6 +136,7 @@ pub(crate) fn unmet(
             true => format!("; it has no attributes that a {option} can use."),
             false => format!("; its attributes are {}.", attributes.join(", ")),
         };
+        message += &parts(mesh);
         let joints: Vec<&str> = mesh.skeleton.joints.iter().map(|j| j.name.as_str()).take(MAX_JOINTS + 1).collect();
         message += &match joints.len() {
             0 => String::new(),
@@ -118,6 +152,23 @@ pub(crate) fn unmet(
         examples: missed.iter().take(MAX_EXAMPLES).map(ToString::to_string).collect(),
         message,
     })
+}
+
+/// The nodes and materials that pins may name, where there are several parts.
+fn parts(mesh: &Mesh) -> String {
+    let names = |of: &dyn Fn(&Part) -> &str| {
+        let used = mesh.triangle_part.iter().map(|&p| p as usize).collect::<BTreeSet<_>>();
+        let mut names: Vec<&str> = used.into_iter().filter_map(|p| Some(of(mesh.parts.get(p)?))).collect();
+        names.retain(|name| !name.is_empty());
+        names.sort_unstable();
+        names.dedup();
+        let more = if names.len() > MAX_JOINTS { ", ..." } else { "" };
+        format!("{}{more}", names[..names.len().min(MAX_JOINTS)].join(", "))
+    };
+    if mesh.parts.len() < 2 {
+        return String::new();
+    }
+    format!(" Its nodes are {}; its materials are {}.", names(&|p| &p.node), names(&|p| &p.material))
 }
 
 /// Attributes that pins may name, with the range of the values: `attr:_PIN (0 to 1)`, `color:r (0.2 to 1)`, ...
@@ -175,7 +226,16 @@ mod tests {
         for s in ["above:1.25", "below:-3", "top:0.06", "box:0,0,0,1,2,3", "loop:2", "attr:_PIN>0.5", "color:g>0.25"] {
             assert_eq!(s.parse::<Pin>().unwrap().to_string(), s);
         }
-        for s in ["loop:top", "loop:bottom", "joint:upper arm.L<0.25", "not (loop:top)", "(above:1) and (below:2)"] {
+        for s in [
+            "loop:top",
+            "loop:bottom",
+            "loop:any",
+            "material:Cloth_*",
+            "node:Mage Cape",
+            "joint:upper arm.L<0.25",
+            "not (loop:top)",
+            "(above:1) and (below:2)",
+        ] {
             assert_eq!(s.parse::<Pin>().unwrap().to_string(), s);
         }
     }
@@ -208,6 +268,8 @@ mod tests {
             "color:q>1",
             "left:3",
             "joint:chest",
+            "material:",
+            "node: ",
         ] {
             let e = s.parse::<Pin>().unwrap_err().to_string();
             assert!(e.starts_with("option pin: ") && e.contains(s), "{e}");

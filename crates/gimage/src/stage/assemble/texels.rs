@@ -1,6 +1,6 @@
 //! The texels of a piece that an expression of `--pin` or `--limit` selects.
 
-use crate::base::mesh::{Channel, Mesh, Semantic};
+use crate::base::mesh::{Channel, Mesh, NONE, Part, Semantic};
 use crate::base::vec3::distance as distance_of;
 use crate::stage::assemble::pins::Pin;
 use crate::stage::image::PieceImage;
@@ -42,6 +42,11 @@ impl<'a> Texels<'a> {
         (total > 0.0).then(|| sum / total)
     }
 
+    /// The part of the file that texel `at` lies on.
+    fn part(&self, at: usize) -> Option<&Part> {
+        self.mesh.parts.get(*self.mesh.triangle_part.get(self.places[at].0)? as usize)
+    }
+
     /// Whether texel `at` meets an expression.
     fn meets(&self, expression: &Pin, at: usize) -> bool {
         let p = self.image.grid.positions[at];
@@ -51,6 +56,9 @@ impl<'a> Texels<'a> {
             Pin::Top(share) => p[1] >= self.span[1] - share * (self.span[1] - self.span[0]),
             Pin::Box(lo, hi) => (0..3).all(|c| lo[c] <= p[c] && p[c] <= hi[c]),
             Pin::Loop(l) => self.loops.get(*l) == Some(&(self.piece, self.image.loop_of[at])),
+            Pin::LoopAny => self.image.loop_of[at] != NONE,
+            Pin::Material(name) => self.part(at).is_some_and(|part| name.matches(&part.material)),
+            Pin::Node(name) => self.part(at).is_some_and(|part| name.matches(&part.node)),
             Pin::LoopTop => self.heights.first() == Some(&(self.piece, self.image.loop_of[at])),
             Pin::LoopBottom => self.heights.last() == Some(&(self.piece, self.image.loop_of[at])),
             Pin::Joint(name, distance) => {

@@ -145,7 +145,7 @@ impl ColliderOptions {
 }
 
 /// For each part whether it belongs to the body; with `dressed`, none that becomes cloth does.
-fn body(mesh: &Mesh, read: &BuildOptions, dressed: bool) -> Result<Vec<bool>> {
+pub(crate) fn body(mesh: &Mesh, read: &BuildOptions, dressed: bool) -> Result<Vec<bool>> {
     let patterns = &read.select.body;
     if let Some(unmet) = patterns.iter().find(|p| !mesh.parts.iter().any(|part| p.matches_part(part))) {
         let problem = format!("no node, mesh or material matches `{unmet}`");

@@ -45,6 +45,8 @@ pub enum Target {
 /// ```
 #[derive(Debug, Default)]
 pub struct BinaryChunk {
+    /// Bytes before `bytes`, taken by [`BinaryChunk::drain`]; a multiple of 4.
+    drained: usize,
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
@@ -62,15 +64,45 @@ impl BinaryChunk {
         component: Component,
         more: Value,
     ) -> usize {
+        let view = self.view(data, target);
+        let accessor = json!({"bufferView": view, "componentType": component as u32, "count": count, "type": kind});
+        self.accessor(accessor, more)
+    }
+
+    /// Appends an array of 32-bit floats in threes of which few are not 0: `values` at ascending `indices` of `count` elements. Returns its
+    /// accessor, which has at least one entry.
+    pub fn sparse(&mut self, (indices, values): (&[u32], &[[f32; 3]]), count: usize, more: Value) -> usize {
+        let (indices, values) = if indices.is_empty() { (&[0][..], &[[0.0; 3]][..]) } else { (indices, values) };
+        // The widths of indices that glTF has.
+        let largest = indices.last().copied().unwrap_or(0);
+        let (bytes, component) = match largest {
+            0..=0xff => (indices.iter().map(|k| *k as u8).collect(), Component::U8),
+            0x100..=0xffff => (indices.iter().flat_map(|k| (*k as u16).to_le_bytes()).collect(), Component::U16),
+            _ => (indices.iter().flat_map(|k| k.to_le_bytes()).collect::<Vec<u8>>(), Component::U32),
+        };
+        let at = self.view(&bytes, None);
+        let of = self.view(&little_endian(values), None);
+        let sparse = json!({
+            "count": values.len(),
+            "indices": {"bufferView": at, "componentType": component as u32},
+            "values": {"bufferView": of},
+        });
+        let kind = Component::F32 as u32;
+        self.accessor(json!({"componentType": kind, "count": count, "sparse": sparse, "type": "VEC3"}), more)
+    }
+
+    fn view(&mut self, data: &[u8], target: Option<Target>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let mut view = json!({"buffer": 0, "byteLength": data.len(), "byteOffset": self.bytes.len()});
+        let mut view = json!({"buffer": 0, "byteLength": data.len(), "byteOffset": self.drained + self.bytes.len()});
         if let Some(target) = target {
             view["target"] = json!(target as u32);
         }
         self.bytes.extend_from_slice(data);
         self.views.push(view);
-        let view = self.views.len() - 1;
-        let mut accessor = json!({"bufferView": view, "componentType": component as u32, "count": count, "type": kind});
+        self.views.len() - 1
+    }
+
+    fn accessor(&mut self, mut accessor: Value, more: Value) -> usize {
         for (name, value) in more.as_object().into_iter().flatten() {
             accessor[name] = value.clone();
         }
@@ -82,21 +114,42 @@ impl BinaryChunk {
     pub fn floats<const N: usize>(&mut self, data: &[[f32; N]], more: Value) -> usize {
         const { assert!(N >= 1 && N <= 4) };
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
-        let bytes: Vec<u8> = data.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-        self.push(&bytes, Some(Target::Vertices), data.len(), kind, Component::F32, more)
+        self.push(&little_endian(data), Some(Target::Vertices), data.len(), kind, Component::F32, more)
     }
 
-    /// The file: `root` with the buffer, its views and accessors, keys in order. Errors where it is too large for GLB.
-    pub fn file(mut self, mut root: Value) -> Result<Vec<u8>> {
+    /// Takes the bytes so far, for a caller that writes them elsewhere: they are those of the chunk after all bytes taken before.
+    pub fn drain(&mut self) -> Vec<u8> {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.drained += self.bytes.len();
+        std::mem::take(&mut self.bytes)
+    }
+
+    /// The file: `root` with the buffer, its views and accessors, keys in order. Errors where it is too large for GLB, and where bytes
+    /// were taken by [`BinaryChunk::drain`].
+    pub fn file(self, root: Value) -> Result<Vec<u8>> {
+        if self.drained > 0 {
+            return Err(Error::Internal("bytes of a GLB file that lie elsewhere".into()));
+        }
+        let (mut file, rest) = self.ends(root)?;
+        file.extend_from_slice(&rest);
+        Ok(file)
+    }
+
+    /// What stands before and after the bytes that [`BinaryChunk::drain`] has given. Errors as [`BinaryChunk::file`].
+    pub fn ends(mut self, mut root: Value) -> Result<(Vec<u8>, Vec<u8>)> {
+        let rest = self.drain();
         // glTF has no empty arrays.
-        if !self.bytes.is_empty() {
-            root["buffers"] = json!([{"byteLength": self.bytes.len()}]);
+        if self.drained > 0 {
+            root["buffers"] = json!([{"byteLength": self.drained}]);
             root["bufferViews"] = self.views.into();
             root["accessors"] = self.accessors.into();
         }
-        container(sorted(root).to_string().into_bytes(), &self.bytes)
+        Ok((head(sorted(root).to_string().into_bytes(), self.drained)?, rest))
     }
+}
+
+fn little_endian<const N: usize>(data: &[[f32; N]]) -> Vec<u8> {
+    data.iter().flatten().flat_map(|x| x.to_le_bytes()).collect()
 }
 
 /// The bounds of positions, for their accessor. Infinite without any.
@@ -118,26 +171,31 @@ fn sorted(value: Value) -> Value {
     }
 }
 
-/// The GLB header and its chunks; an empty binary chunk is left out.
-fn container(mut text: Vec<u8>, binary: &[u8]) -> Result<Vec<u8>> {
+/// The GLB header, the chunk of JSON, and the header of a binary chunk of `binary` bytes; an empty one is left out.
+fn head(mut text: Vec<u8>, binary: usize) -> Result<Vec<u8>> {
     text.resize(text.len().next_multiple_of(4), b' ');
-    let chunks: &[(&[u8], &[u8; 4])] = &[(&text, b"JSON"), (binary, b"BIN\0")];
-    let chunks = &chunks[..if binary.is_empty() { 1 } else { 2 }];
-    let total = 12 + chunks.iter().map(|(bytes, _)| 8 + bytes.len()).sum::<usize>();
-    let length = u32::try_from(total).map_err(|_| Error::TooLarge {
-        what: "the GLB file".into(),
-        need: format!("{total} bytes"),
-        limit: format!("{} bytes", u32::MAX),
-        hint: "write an OBJ file instead".into(),
-    })?;
-    let mut out = Vec::with_capacity(total);
+    let total = 20 + text.len() + if binary > 0 { 8 + binary } else { 0 };
+    let length = u32::try_from(total).map_err(|_| too_large(total as u64))?;
+    let mut out = Vec::with_capacity(28 + text.len());
     out.extend_from_slice(b"glTF");
     out.extend_from_slice(&2u32.to_le_bytes());
     out.extend_from_slice(&length.to_le_bytes());
-    for (bytes, kind) in chunks {
-        out.extend_from_slice(&(bytes.len() as u32).to_le_bytes());
-        out.extend_from_slice(*kind);
-        out.extend_from_slice(bytes);
+    out.extend_from_slice(&(text.len() as u32).to_le_bytes());
+    out.extend_from_slice(b"JSON");
+    out.extend_from_slice(&text);
+    if binary > 0 {
+        out.extend_from_slice(&(binary as u32).to_le_bytes());
+        out.extend_from_slice(b"BIN\0");
     }
     Ok(out)
+}
+
+/// The error of a file of `bytes`, which GLB has no room for.
+pub(super) fn too_large(bytes: u64) -> Error {
+    Error::TooLarge {
+        what: "the GLB file".into(),
+        need: format!("{bytes} bytes"),
+        limit: format!("{} bytes", u32::MAX),
+        hint: "write another kind of file, or less".into(),
+    }
 }

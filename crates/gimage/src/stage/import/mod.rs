@@ -40,6 +40,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 pub use character::Character;
+pub(crate) use matrix::inverse;
 pub use place::Up;
 pub use scene::{Animation, Scene, Skin};
 pub use source::{OutsideFile, Source};

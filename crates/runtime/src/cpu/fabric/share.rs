@@ -17,6 +17,10 @@ impl<T: Real> Fabric<T> {
         (self.cells, self.masses) = (other.cells.clone(), other.masses.clone());
         (self.tethers, self.anchors) = (other.tethers.clone(), other.anchors.clone());
         (self.members, self.starts) = (other.members.clone(), other.starts.clone());
+        if let (Some(own), Some(others)) = (&mut self.stitches, &other.stitches) {
+            own.threads = others.threads.clone();
+            (own.moved, own.entries) = (others.moved.clone(), others.entries.clone());
+        }
     }
 
     /// Counts its lists.
@@ -37,6 +41,13 @@ impl<T: Real> Fabric<T> {
             tally.image(&slot.most);
             tally.image(&slot.anchor);
             tally.image(&slot.block);
+        }
+        if let Some(stitches) = &self.stitches {
+            tally.image(&stitches.threads);
+            tally.image(&stitches.moved);
+            tally.image(&stitches.entries);
+            tally.state(&stitches.pulls);
+            tally.state(&stitches.holds);
         }
         tally.image(&self.anchors);
         tally.image(&self.members);

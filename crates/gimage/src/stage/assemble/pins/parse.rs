@@ -2,6 +2,7 @@
 
 use super::{COLORS, Pin};
 use crate::error::Error;
+use crate::stage::select::Pattern;
 
 /// Deepest nesting of parentheses and `not`.
 const MAX_DEPTH: usize = 64;
@@ -31,7 +32,7 @@ impl<'a> Parser<'a> {
         Error::Option {
             option: "pin".into(),
             problem: format!("`{}`: {problem}", self.text),
-            hint: "use above:Y, below:Y, top:SHARE, box:X0,Y0,Z0,X1,Y1,Z1, loop:K, loop:top, loop:bottom, joint:NAME<D, attr:_NAME>T or color:r>T, \
+            hint: "use above:Y, below:Y, top:SHARE, box:X0,Y0,Z0,X1,Y1,Z1, loop:K, loop:top, loop:bottom, loop:any, material:NAME, node:NAME, joint:NAME<D, attr:_NAME>T or color:r>T, \
                    combined by not, and, or and parentheses"
                 .into(),
         }
@@ -119,8 +120,13 @@ impl<'a> Parser<'a> {
             "loop" => match rest.trim() {
                 "top" => Ok(Pin::LoopTop),
                 "bottom" => Ok(Pin::LoopBottom),
-                k => Ok(Pin::Loop(k.parse().map_err(|_| bad("the loop is not a whole number, top or bottom"))?)),
+                "any" => Ok(Pin::LoopAny),
+                k => Ok(Pin::Loop(k.parse().map_err(|_| bad("the loop is not a whole number, top, bottom or any"))?)),
             },
+            "material" | "node" => {
+                let name = rest.trim().parse::<Pattern>().map_err(|_| bad("the name is missing"))?;
+                Ok(if kind == "node" { Pin::Node(name) } else { Pin::Material(name) })
+            }
             "joint" => {
                 let (name, distance) = compare(rest, '<')?;
                 Ok(Pin::Joint(name, distance))

@@ -1,0 +1,115 @@
+//! `gimage export`: the simulated motion as files that film and game tools read.
+
+mod schedule;
+mod sink;
+mod surface;
+
+use std::path::Path;
+
+use gimage::export::motion::Shown;
+use gimage_runtime::Backend;
+use serde_json::json;
+
+use crate::args::{ExportArgs, ShownArg};
+use crate::commands::engine::Engine;
+use crate::commands::faults::Faults;
+use crate::commands::scene;
+use crate::exit::{Exit, Failure};
+use crate::output::{Output, Tone};
+use crate::units::grouped;
+use schedule::Schedule;
+use sink::{Sink, Written};
+use surface::Source;
+
+/// The kind of file to write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Glb(Shown),
+    Usd,
+    Obj,
+}
+
+/// Runs it.
+pub fn run(args: &ExportArgs, out: &Output) -> Result<Exit, Failure> {
+    let kind = kind(&args.output, args.shown)?;
+    sink::check(kind, &args.output, args.force)?;
+    let loaded = scene::load(&args.scene)?;
+    let schedule = Schedule::new(args, loaded.file.scene.frames, loaded.file.options.step)?;
+    let mut engine = Engine::of(&loaded)?;
+    engine.warn(out);
+    let mut source = Source::new(&engine.stepper)?;
+    for name in source.empty() {
+        let text = format!("piece {name}: it has no triangles, and is not in the file");
+        out.remark(Tone::Warning, "warning", &text);
+    }
+    let mut sink = Sink::new(kind, &args.output, &schedule)?;
+    let mut faults = Faults::default();
+    schedule
+        .run(&mut engine, &mut faults, |engine, time, fraction| sink.frame(source.read(engine, fraction)?, time))?;
+    faults.at_end(&mut engine)?;
+    faults.warn(out, &engine, (engine.time() / engine.stepper.options().step).round() as usize);
+    let written = sink.finish()?;
+    report(args, out, (&engine, &faults), (&schedule, &source, &written))
+}
+
+fn kind(output: &Path, shown: Option<ShownArg>) -> Result<Kind, Failure> {
+    let extension = output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let kind = match extension.as_deref() {
+        Some("glb") => {
+            return Ok(Kind::Glb(match shown {
+                Some(ShownArg::Meshes) => Shown::Meshes,
+                Some(ShownArg::Targets) | None => Shown::Targets,
+            }));
+        }
+        Some("usda") => Kind::Usd,
+        Some("obj") => Kind::Obj,
+        _ => {
+            let hint = "end it in .glb, .usda or .obj";
+            return Err(Failure::refused(format!("{}: unknown kind of file; {hint}", output.display())));
+        }
+    };
+    match shown {
+        Some(_) => Err(Failure::refused(format!("{}: only a .glb has --as; leave it out", output.display()))),
+        None => Ok(kind),
+    }
+}
+
+fn report(
+    args: &ExportArgs,
+    out: &Output,
+    (engine, faults): (&Engine, &Faults),
+    (schedule, source, written): (&Schedule, &Source, &Written),
+) -> Result<Exit, Failure> {
+    let exit = if source.empty().next().is_some() { faults.exit().max(Exit::Findings) } else { faults.exit() };
+    let backend = if engine.stepper.backend() == Backend::Cpu { "cpu" } else { "gpu" };
+    let [pieces, vertices, triangles] = source.counts();
+    if out.json {
+        out.json(&json!({
+            "output": args.output.display().to_string(),
+            "files": written.files,
+            "frames": schedule.kept(),
+            "frames_per_second": schedule.rate(),
+            "seconds": schedule.seconds(),
+            "pieces": pieces,
+            "vertices": vertices,
+            "triangles": triangles,
+            "bytes": written.bytes,
+            "backend": backend,
+            "adapter": engine.adapter,
+            "findings": faults.findings(),
+            "faults": faults.json(),
+            "exit": exit.code(),
+        }))?;
+        return Ok(exit);
+    }
+    let name = match &written.files[..] {
+        [first, .., last] => format!("{first} to {last}"),
+        files => files.concat(),
+    };
+    let (frames, rate) = (schedule.kept(), schedule.rate());
+    let [pieces, vertices, triangles, bytes] =
+        [pieces as u64, vertices as u64, triangles as u64, written.bytes].map(grouped);
+    let of = format!("{pieces} pieces, {vertices} vertices, {triangles} triangles");
+    out.data(&format!("{name}: {frames} frames at {rate} per second on the {backend}: {of}, {bytes} bytes\n"))?;
+    Ok(exit)
+}

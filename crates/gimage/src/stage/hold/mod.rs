@@ -1,0 +1,109 @@
+//! Where garments rest on a body: particles that are pinned there, and limits that grow with the distance from them.
+//!
+//! Each garment is held by the first of these that it has: a ring around the body along its highest border (a collar, a waistband), with
+//! parts that lie on shoulders beside it; parts that lie on shoulders; its upper edge where that is near the body. A garment with none of
+//! them is held by its top. All lengths follow the height of the body.
+
+mod report;
+mod rest;
+mod sheet;
+mod spread;
+mod wearer;
+
+use rayon::prelude::*;
+
+use crate::record::Finding;
+use crate::stage::assemble::{Family, Piece};
+use sheet::Sheet;
+
+pub use rest::Rule;
+pub use wearer::Wearer;
+
+/// The pins and limits of a piece, by texels, equal at all duplicates of a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    /// Whether a texel is pinned.
+    pub pinned: Vec<bool>,
+    /// Largest distance \[m\] from its place on the skin, infinite for none.
+    pub limits: Vec<f32>,
+}
+
+/// How a garment is held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hold {
+    /// The component.
+    pub name: String,
+    /// The rules that hold it.
+    pub rules: Vec<Rule>,
+    /// Share of its area that is pinned, above 0 and below 1.
+    pub pinned: f64,
+    /// Share of its area that is not pinned and has a limit.
+    pub limited: f64,
+}
+
+/// Pins and limits of all garments.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Holds {
+    /// By pieces.
+    pub pieces: Vec<Held>,
+    /// By garments: a component, or the parts of one.
+    pub garments: Vec<Hold>,
+}
+
+impl Holds {
+    /// How each garment is held, for people.
+    pub fn findings(&self) -> Vec<Finding> {
+        report::findings(&self.garments)
+    }
+}
+
+/// Finds where garments rest on a body. `pieces` and `families` are those of [`crate::stage::assemble::assemble`]. Some particles of each garment are
+/// pinned, never all of them.
+///
+/// Deterministic. O(n log n) in the texels, with one search for the nearest triangle of the body per texel.
+pub fn hold(wearer: &Wearer, pieces: &[Piece<'_>], families: &[Family<'_>]) -> Holds {
+    let mut groups: Vec<(std::ops::Range<usize>, Option<&Family<'_>>)> =
+        families.iter().map(|f| (f.first..f.first + f.count, Some(f))).collect();
+    let alone = |k: &usize| !families.iter().any(|f| (f.first..f.first + f.count).contains(k));
+    groups.extend((0..pieces.len()).filter(alone).map(|k| (k..k + 1, None)));
+    groups.sort_by_key(|g| g.0.start);
+    let one = |(range, family): &(std::ops::Range<usize>, Option<&Family<'_>>)| {
+        let pieces = &pieces[range.clone()];
+        let sheet = Sheet::new(pieces, family.map_or(&[], |f| &f.rings));
+        let name = family.map_or(&pieces[0].component.name, |f| &f.whole.name);
+        garment(wearer, &sheet, name)
+    };
+    let made: Vec<(Vec<Held>, Hold)> = groups.par_iter().map(one).collect();
+    let (held, garments): (Vec<Vec<Held>>, Vec<Hold>) = made.into_iter().unzip();
+    Holds { pieces: held.into_iter().flatten().collect(), garments }
+}
+
+fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
+    let mut rest = rest::rest(wearer, sheet);
+    let mut pinned = spread::pinned(sheet, &rest);
+    if spread::share(sheet, &pinned) > rest::MOST {
+        // A collar or a belt that is narrower than the band.
+        rest.narrow();
+        pinned = spread::pinned(sheet, &rest);
+    }
+    if rest.points.is_empty() || spread::share(sheet, &pinned) > rest::MOST {
+        rest = rest::top(sheet);
+        pinned = spread::pinned(sheet, &rest);
+    }
+    let limits = spread::limits(sheet, &pinned, rest.least, rest.reach);
+    let limited: Vec<bool> = limits.iter().zip(&pinned).map(|(l, p)| l.is_finite() && !p).collect();
+    let hold = Hold {
+        name: name.to_owned(),
+        rules: rest.rules,
+        pinned: spread::share(sheet, &pinned),
+        limited: spread::share(sheet, &limited),
+    };
+    let held = |points: &[u32]| Held {
+        pinned: points.iter().map(|&p| pinned[p as usize]).collect(),
+        limits: points.iter().map(|&p| limits[p as usize] as f32).collect(),
+    };
+    (sheet.points.iter().map(|points| held(points)).collect(), hold)
+}
+
+#[cfg(test)]
+mod tests;

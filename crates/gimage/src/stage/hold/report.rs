@@ -1,0 +1,46 @@
+//! Findings about garments that are held.
+
+use super::{Hold, Rule};
+use crate::record::{Finding, MAX_EXAMPLES, Severity};
+
+/// A note about all garments, and a warning about those that do not rest on the body.
+pub(super) fn findings(garments: &[Hold]) -> Vec<Finding> {
+    let words = |hold: &Hold| {
+        let rules: Vec<&str> = hold.rules.iter().map(|r| r.words()).collect();
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        format!(
+            "{} ({} pinned, {} limited): {}",
+            hold.name,
+            percent(hold.pinned),
+            percent(hold.limited),
+            rules.join(" and ")
+        )
+    };
+    let list = |holds: &[&Hold]| {
+        let mut text = holds.iter().take(MAX_EXAMPLES).map(|h| words(h)).collect::<Vec<_>>().join("; ");
+        if holds.len() > MAX_EXAMPLES {
+            text += &format!("; and {} more", holds.len() - MAX_EXAMPLES);
+        }
+        text
+    };
+    let finding = |severity, kind, holds: &[&Hold], message| Finding {
+        severity,
+        stage: "hold",
+        kind,
+        count: holds.len() as u64,
+        examples: holds.iter().take(MAX_EXAMPLES).map(|h| h.name.clone()).collect(),
+        message,
+    };
+    let (loose, held): (Vec<&Hold>, Vec<&Hold>) = garments.iter().partition(|h| h.rules.contains(&Rule::Top));
+    let mut out = Vec::new();
+    if !held.is_empty() {
+        let message = format!("Pinned where garments rest on the body: {}. Choose otherwise with --pin.", list(&held));
+        out.push(finding(Severity::Note, "hint-pins", &held, message));
+    }
+    if !loose.is_empty() {
+        let message =
+            format!("These do not rest on the body, or all of them does: {}. Choose with --pin.", list(&loose));
+        out.push(finding(Severity::Warning, "rests-nowhere", &loose, message));
+    }
+    out
+}

@@ -1,0 +1,143 @@
+//! A torso with a neck, and garments on it.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use super::*;
+use crate::base::mesh::Mesh;
+use crate::options::{BuildOptions, ImageSize};
+use crate::stage::component::{Component, extract, split};
+use crate::stage::image::{ImageOptions, image};
+
+/// A surface of revolution about y, through (radius, height) \[m\]; its normals point away from the axis where heights fall.
+fn revolved(profile: &[(f64, f64)]) -> Mesh {
+    const AROUND: usize = 32;
+    let mut mesh = Mesh::default();
+    for &(r, y) in profile {
+        for k in 0..AROUND {
+            let (sin, cos) = (k as f64 / AROUND as f64 * TAU).sin_cos();
+            mesh.positions.push([r * cos, y, r * sin]);
+        }
+    }
+    for j in 0..profile.len() - 1 {
+        for k in 0..AROUND {
+            let [a, b] = [k, (k + 1) % AROUND].map(|k| (j * AROUND + k) as u32);
+            let [c, d] = [a, b].map(|x| x + AROUND as u32);
+            mesh.triangles.extend([[a, b, c], [c, b, d]]);
+        }
+    }
+    mesh
+}
+
+/// A half circle of shoulders about the height 1.35, at a distance from the body, from a radius at the neck down to the chest.
+fn shoulders(off: f64, neck: f64) -> Vec<(f64, f64)> {
+    let radius = 0.15 + off;
+    let first = (neck / radius).asin();
+    (0..=8)
+        .map(|k| first + (FRAC_PI_2 - first) * f64::from(k) / 8.0)
+        .map(|a| (radius * a.sin(), 1.35 + radius * a.cos()))
+        .collect()
+}
+
+/// 1.8 m tall: neck, shoulders, torso.
+fn body() -> Mesh {
+    let mut profile = vec![(0.01, 1.8), (0.05, 1.75)];
+    profile.extend(shoulders(0.0, 0.05));
+    profile.extend([(0.15, 0.0)]);
+    revolved(&profile)
+}
+
+fn sheet(at: impl Fn(f64, f64) -> [f64; 3]) -> Mesh {
+    let mut mesh = Mesh::default();
+    for k in 0..17 * 17 {
+        mesh.positions.push(at(f64::from(k % 17) / 16.0, f64::from(k / 17) / 16.0));
+    }
+    for k in (0..16 * 17).filter(|k| k % 17 < 16) {
+        mesh.triangles.extend([[k, k + 17, k + 1], [k + 1, k + 17, k + 18]]);
+    }
+    mesh
+}
+
+/// How a garment of one piece is held, with the position of each texel.
+fn held(mut garment: Mesh) -> (Hold, Held, Vec<[f64; 3]>) {
+    garment.triangle_part = vec![0; garment.triangles.len()];
+    garment.parts = vec![Default::default()];
+    let mut options = BuildOptions::default();
+    options.image.size = ImageSize::Texels(900);
+    let components = split(&garment, &options.component).pieces;
+    let component: &Component = &components[0];
+    let surface = extract(&garment, component);
+    let image = image(&component.name, &surface, None, &ImageOptions::new(&options, Some(900))).unwrap();
+    let positions = image.grid.positions.clone();
+    let wearer = Wearer::new(&body()).unwrap();
+    let Holds { mut pieces, mut garments } = hold(&wearer, &[Piece { component, surface, image }], &[]);
+    assert_eq!((pieces.len(), garments.len()), (1, 1));
+    (garments.remove(0), pieces.remove(0), positions)
+}
+
+/// Lowest and highest point that is pinned.
+fn span(held: &Held, positions: &[[f64; 3]]) -> [f64; 2] {
+    let pinned = positions.iter().zip(&held.pinned).filter(|x| *x.1).map(|x| x.0[1]);
+    pinned.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], y| [lo.min(y), hi.max(y)])
+}
+
+#[test]
+fn a_skirt_is_held_by_its_waistband() {
+    let profile: Vec<_> = (0..=10).map(|k| f64::from(k) / 10.0).map(|t| (0.16 + 0.15 * t, 0.95 - 0.5 * t)).collect();
+    let (hold, held, positions) = held(revolved(&profile));
+    assert_eq!(hold.rules, [Rule::Ring]);
+    let [low, high] = span(&held, &positions);
+    assert!(low > 0.91 && high > 0.949, "{low} {high}");
+    for ((p, pinned), limit) in positions.iter().zip(&held.pinned).zip(&held.limits) {
+        assert_eq!(*pinned, *limit == 0.0, "{p:?}");
+        assert!(p[1] < 0.949 || *pinned, "all of the waistband: {p:?}");
+        assert!(p[1] > 0.75 || limit.is_infinite(), "free below: {p:?} {limit}");
+        assert!(limit.is_infinite() || f64::from(*limit) < (2.5 * (0.95 - p[1])).max(0.046), "{p:?} {limit}");
+    }
+    assert!(hold.pinned > 0.01 && hold.pinned < 0.1 && hold.limited > hold.pinned, "{hold:?}");
+}
+
+#[test]
+fn a_shirt_is_held_by_collar_and_shoulders_not_where_it_lies_on_the_chest() {
+    let mut profile = shoulders(0.01, 0.07);
+    profile.extend((1..=8).map(|k| (0.16, 1.35 - 0.05 * f64::from(k))));
+    let (hold, held, positions) = held(revolved(&profile));
+    assert_eq!(hold.rules, [Rule::Ring, Rule::Shoulders]);
+    let [low, high] = span(&held, &positions);
+    assert!(low > 1.4 && high > 1.48, "{low} {high}");
+    assert!(hold.pinned < 0.3, "{hold:?}");
+}
+
+#[test]
+fn a_cape_is_held_by_its_upper_edge() {
+    let (hold, held, positions) = held(sheet(|u, v| [0.3 * u - 0.15, 1.3 - 0.8 * v, -0.17 - 0.2 * v]));
+    assert_eq!(hold.rules, [Rule::Edge]);
+    let [low, high] = span(&held, &positions);
+    assert!(low > 1.1 && high > 1.29, "{low} {high}");
+    assert!(hold.pinned < 0.2, "{hold:?}");
+}
+
+#[test]
+fn cloth_far_from_the_body_is_held_by_its_top_with_a_warning() {
+    let (hold, held, positions) = held(sheet(|u, v| [u - 3.0, 1.0 - v, 0.0]));
+    assert_eq!(hold.rules, [Rule::Top]);
+    let [low, high] = span(&held, &positions);
+    assert!(low >= 0.94 - 1e-9 && high > 0.99, "{low} {high}");
+    let findings = Holds { pieces: Vec::new(), garments: vec![hold] }.findings();
+    assert_eq!(findings.iter().map(|f| f.kind).collect::<Vec<_>>(), ["rests-nowhere"]);
+}
+
+#[test]
+fn a_narrow_belt_is_not_held_all_over() {
+    let (hold, held, _) = held(revolved(&[(0.16, 0.95), (0.16, 0.945), (0.16, 0.94), (0.16, 0.935)]));
+    assert_eq!(hold.rules, [Rule::Ring]);
+    assert!(held.pinned.contains(&true) && held.pinned.contains(&false), "{hold:?}");
+    assert!(hold.pinned > 0.0 && hold.pinned < 1.0, "{hold:?}");
+}
+
+#[test]
+fn without_triangles_there_is_no_body() {
+    assert!(Wearer::new(&Mesh::default()).is_none());
+    let mut flat = body();
+    flat.positions.iter_mut().for_each(|p| *p = [f64::NAN; 3]);
+    assert!(Wearer::new(&flat).is_none());
+}

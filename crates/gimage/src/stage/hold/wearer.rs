@@ -1,0 +1,59 @@
+//! The body that garments rest on.
+
+use crate::base::closest::Closest;
+use crate::base::mesh::{Joint, Mesh};
+use crate::base::vec3::{add, cross, distance, dot, normalize, scale, sub};
+use crate::stage::import::inverse;
+
+/// A body, ready for queries: its surface, and the bones of its skeleton, which stand for parts of the body that a file left out beneath
+/// clothes.
+pub struct Wearer {
+    closest: Closest,
+    /// How far each triangle faces up, -1 to 1.
+    up: Vec<f64>,
+    /// From each joint to its parent \[m\], as the mesh is bound.
+    bones: Vec<[[f64; 3]; 2]>,
+    /// Lowest and highest point \[m\].
+    pub(super) span: [f64; 2],
+}
+
+impl Wearer {
+    /// From the triangles and the skeleton of a body; `None` without a triangle. Y is up.
+    pub fn new(body: &Mesh) -> Option<Self> {
+        let (low, high) = body.bounds()?;
+        let closest = Closest::new(&body.positions, &body.triangles);
+        if closest.is_empty() {
+            return None;
+        }
+        let up = |t: usize| {
+            let [a, b, c] = body.corners(t);
+            normalize(cross(sub(b, a), sub(c, a)))[1]
+        };
+        let place = |joint: &Joint| inverse(&joint.inverse_bind).map(|m| [m[12], m[13], m[14]]);
+        let joints = &body.skeleton.joints;
+        let bone = |joint: &Joint| Some([place(joint)?, place(joints.get(joint.parent? as usize)?)?]);
+        let is_finite = |bone: &[[f64; 3]; 2]| bone.iter().flatten().all(|x| x.is_finite());
+        Some(Wearer {
+            up: (0..body.triangles.len()).map(up).collect(),
+            bones: joints.iter().filter_map(bone).filter(is_finite).collect(),
+            span: [low[1], high[1]],
+            closest,
+        })
+    }
+
+    /// Distance \[m\] of a point from the body, and how far the body faces up there, -1 to 1.
+    pub(super) fn near(&self, p: [f64; 3]) -> (f64, f64) {
+        self.closest.project(p).map_or((f64::INFINITY, 0.0), |n| (n.distance, self.up[n.triangle as usize]))
+    }
+
+    /// Distance \[m\] of a point from the nearest bone, infinite without one. With `below`, only of points of bones that are lower.
+    pub(super) fn to_bone(&self, p: [f64; 3], below: bool) -> f64 {
+        let far = |[a, b]: &[[f64; 3]; 2]| {
+            let along = sub(*b, *a);
+            let t = (dot(sub(p, *a), along) / dot(along, along).max(1e-300)).clamp(0.0, 1.0);
+            let q = add(*a, scale(along, t));
+            if below && q[1] > p[1] { f64::INFINITY } else { distance(p, q) }
+        };
+        self.bones.iter().map(far).fold(f64::INFINITY, f64::min)
+    }
+}

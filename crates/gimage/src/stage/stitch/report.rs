@@ -1,0 +1,44 @@
+//! Findings about stitches.
+
+use super::panel::Panel;
+use crate::base::words::{counted, number};
+use crate::record::{Finding, MAX_EXAMPLES, Severity};
+
+/// The stitches that were made: their number, the panels that they join, and how far apart points may be \[m\].
+pub(super) fn sewn(count: usize, joined: &[&Panel], distance: f64, estimated: bool) -> Finding {
+    let how = if estimated { "estimated from the borders" } else { "as given" };
+    Finding {
+        severity: Severity::Note,
+        stage: "stitch",
+        kind: "stitched",
+        count: count as u64,
+        examples: joined.iter().take(MAX_EXAMPLES).map(|p| p.name.clone()).collect(),
+        message: format!(
+            "{} tie {} that touch or overlap, up to {} mm apart ({how}); --stitch METRES sets the distance, --stitch none leaves \
+             pieces loose.",
+            counted(count, "stitch", "stitches"),
+            counted(joined.len(), "piece", "pieces"),
+            number(1e3 * distance)
+        ),
+    }
+}
+
+/// Panels that nothing holds while others are pinned, with the distance of each to the nearest other panel \[m\].
+pub(super) fn loose(panels: &[(&Panel, Option<f64>)]) -> Option<Finding> {
+    let words = |(panel, gap): &(&Panel, Option<f64>)| match gap {
+        Some(gap) => format!("{}: {} mm from the nearest piece", panel.name, number(1e3 * gap)),
+        None => panel.name.clone(),
+    };
+    (!panels.is_empty()).then(|| Finding {
+        severity: Severity::Warning,
+        stage: "stitch",
+        kind: "loose-piece",
+        count: panels.len() as u64,
+        examples: panels.iter().take(MAX_EXAMPLES).map(words).collect(),
+        message: format!(
+            "Nothing holds {}: no pin, and no stitch to a piece that is held. In motion they fall off. Pin them (--pin), tie them by a \
+             larger distance (--stitch METRES), or leave them out (--rigid).",
+            counted(panels.len(), "piece", "pieces")
+        ),
+    })
+}

@@ -1,0 +1,126 @@
+//! Pieces that share no vertex are tied: a panel with a pocket, two panels with a seam, and real garments.
+
+#![allow(clippy::print_stdout)]
+
+use gimage::options::BuildOptions;
+use gimage::pipeline::Built;
+use gimage::stitch::Stitching;
+use gimage_bundle::{Stitch, validate};
+use gimage_runtime::{Cloth, Options, Scene, Stepper};
+use gimage_tests::{Shape, build, build_shape, garments_or_skip, pinned, reread};
+
+/// Adds an upright sheet of `n` x `n` quads: its corner, its sides \[m\], and how far to the front it bulges.
+fn sheet(shape: &mut Shape, n: u32, corner: [f64; 3], sides: [f64; 2], bulge: f64) {
+    let first = shape.positions.len() as u32;
+    for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
+        let [u, v] = [i, j].map(|k| f64::from(k) / f64::from(n));
+        let z = corner[2] + bulge * (std::f64::consts::PI * u).sin() * (std::f64::consts::PI * v).sin();
+        shape.positions.push([corner[0] + u * sides[0], corner[1] + v * sides[1], z]);
+    }
+    for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
+        let k = first + j * (n + 1) + i;
+        shape.triangles.extend([[k, k + 1, k + n + 2], [k, k + n + 2, k + n + 1]]);
+    }
+}
+
+/// A panel of 1 m with a pocket 1 mm in front of it that bulges.
+fn pocket() -> Shape {
+    let mut shape = Shape::default();
+    sheet(&mut shape, 12, [0.0; 3], [1.0, 1.0], 0.0);
+    sheet(&mut shape, 7, [0.31, 0.22, 0.001], [0.36, 0.41], 0.03);
+    shape
+}
+
+fn options(n: u32, stitch: Stitching) -> BuildOptions {
+    let mut options = pinned(n, &["above:0.98"]);
+    options.stitch.stitch = stitch;
+    options
+}
+
+fn found<'a>(built: &'a Built, kind: &str) -> Option<&'a gimage::record::Finding> {
+    built.report.findings.iter().find(|f| f.kind == kind)
+}
+
+#[test]
+fn a_pocket_is_sewn_along_its_border_at_every_budget() {
+    for n in [600, 1500, 6000] {
+        let built = build_shape(&pocket(), &options(n, Stitching::Auto)).unwrap();
+        let bundle = reread(&built.bundle);
+        assert_eq!(validate(&bundle), []);
+        let stitches = bundle.stitches();
+        let pocket = &bundle.manifest.pieces[1];
+        // Its border is sewn, all around; nothing inside of it, and nothing of the panel.
+        for Stitch { particle, piece, distance, .. } in &stitches {
+            let k = particle - pocket.first_particle;
+            let (i, j) = (k % pocket.width, k / pocket.width);
+            assert!(i == 0 || j == 0 || i == pocket.width - 1 || j == pocket.height - 1, "{n}: texel ({i}, {j})");
+            assert_eq!(*piece, 0);
+            assert!((*distance - 1e-3).abs() < 1e-3, "{n}: {distance} m");
+        }
+        let border = 2 * (pocket.width + pocket.height) as usize - 4;
+        assert!(stitches.len() > border * 3 / 4, "{n}: {} of {border}", stitches.len());
+        let note = found(&built, "stitched").unwrap();
+        assert_eq!(note.count as usize, stitches.len());
+        assert!(found(&built, "loose-piece").is_none());
+    }
+}
+
+#[test]
+fn without_stitches_the_pocket_is_named_as_loose() {
+    let built = build_shape(&pocket(), &options(1000, Stitching::None)).unwrap();
+    assert!(built.bundle.stitches().is_empty() && found(&built, "stitched").is_none());
+    let finding = found(&built, "loose-piece").unwrap();
+    assert_eq!(finding.count, 1);
+    assert!(finding.examples[0].contains("1 mm from the nearest piece"), "{finding:?}");
+    // A pocket 5 cm away is not sewn by itself, but on request.
+    let mut far = pocket();
+    far.positions[169..].iter_mut().for_each(|p| p[2] += 0.05);
+    let auto = build_shape(&far, &options(1000, Stitching::Auto)).unwrap();
+    assert!(auto.bundle.stitches().is_empty() && found(&auto, "loose-piece").is_some());
+    let asked = build_shape(&far, &options(1000, Stitching::Within(0.06))).unwrap();
+    assert!(!asked.bundle.stitches().is_empty() && found(&asked, "loose-piece").is_none());
+}
+
+#[test]
+fn two_borders_that_meet_are_sewn_once() {
+    let mut shape = Shape::default();
+    sheet(&mut shape, 10, [0.0; 3], [1.0, 0.5], 0.0);
+    sheet(&mut shape, 13, [0.0, 0.5004, 0.0], [1.0, 0.52], 0.0);
+    let built = build_shape(&shape, &options(2000, Stitching::Auto)).unwrap();
+    let stitches = built.bundle.stitches();
+    let width = built.bundle.manifest.pieces[0].width as usize;
+    assert!((width * 3 / 4..width * 2).contains(&stitches.len()), "{} for {width}", stitches.len());
+    let from: std::collections::BTreeSet<u32> = stitches.iter().map(|s| s.piece).collect();
+    assert_eq!(from.len(), 1, "all from one side");
+}
+
+#[test]
+fn the_belted_dress_hangs_together() {
+    let Some(folder) = garments_or_skip("the_belted_dress_hangs_together") else { return };
+    let built = build(&folder.join("dress_belted_202k.glb"), &pinned(4096, &["above:1.3"])).unwrap();
+    assert!(found(&built, "loose-piece").is_none());
+    let bundle = reread(&built.bundle);
+    let mut cloth = Cloth::from_bundle("dress", &bundle).unwrap();
+    cloth.damping = 1.0;
+    let (start, stitches) = (cloth.positions().to_vec(), cloth.stitches().to_vec());
+    let grids = cloth.grids().to_vec();
+    let mut scene = Scene::new("dress");
+    scene.cloths.push(cloth);
+    let mut stepper = Stepper::on_cpu(scene, Options::default()).unwrap();
+    (0..120).for_each(|_| _ = stepper.advance(1.0 / 60.0).unwrap());
+    let now = stepper.positions(0).unwrap();
+    let low = |list: &mut dyn Iterator<Item = f32>| list.fold(f32::INFINITY, f32::min);
+    let (was, is) = (low(&mut start.iter().map(|p| p[1])), low(&mut now.iter().map(|p| p[1])));
+    println!("{} stitches; the lowest point was at {was} m and is at {is} m", stitches.len());
+    assert!(is > was - 0.15, "no piece falls out: {was} to {is}");
+    for s in &stitches {
+        let grid = &grids[s.piece as usize];
+        let place = gimage_bundle::Place::of(grid.width, grid.height, s.at);
+        let mut way = [0, 1, 2].map(|c: usize| -now[s.particle as usize][c]);
+        for (k, share) in place.corners(grid.width).into_iter().zip(place.shares()) {
+            (0..3).for_each(|c| way[c] += share * now[(grid.first + k) as usize][c]);
+        }
+        let far = way.iter().map(|x| x * x).sum::<f32>().sqrt();
+        assert!(far < s.distance + 5e-3, "{far} m of {} m", s.distance);
+    }
+}
