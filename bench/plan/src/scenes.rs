@@ -1,8 +1,8 @@
 //! One scene for each feature, beside the plain one without any.
 
 use gimage_runtime::{
-    Cloth, Collider, Compliance, Flat, Grid, Mass, Material, Options, Particle, Parts, Rest, Result, Scene, Shape,
-    Sleep, Solver, Wind, WindForce,
+    Cloth, ClothContact, Collider, Compliance, Flat, Grid, Mass, Material, Options, Particle, Parts, Rest, Result,
+    Scene, Shape, Sleep, Solver, Wind, WindForce,
 };
 
 /// Change made to a scene before it is timed.
@@ -149,6 +149,13 @@ fn xpbd(n: u32) -> Result<Vec<Case>> {
             Scene { cloths: vec![other(n, Rest::Constant(vec![lengths(n)?]), true)?], ..plain()? },
         )
         .with(|o| o.pyramid = 2),
+        case(
+            "xpbd with contact of cloth with cloth",
+            of(&|cloth| {
+                cloth.contact = Some(ClothContact::default());
+                Ok(())
+            })?,
+        ),
         case("xpbd with compliance", soft(one.clone())?),
         case("xpbd with an image of compliance", soft(image)?),
         case("xpbd with a material that does not bend", fabric(0.0)?),

@@ -144,6 +144,10 @@ pub struct SceneArgs {
     /// omitted thickness stays as it is. xpbd only [default: that of the scene, or springs].
     #[arg(long, value_name = "FABRIC,NAME=NUMBER,...", value_parser = material)]
     pub material: Option<Material>,
+    /// Contact of all cloth with itself and with other cloth: particles pushes particles apart that are nearer than the distance
+    /// of neighbours; xpbd only [default: that of the scene, or off].
+    #[arg(long, value_enum)]
+    pub contact: Option<ContactArg>,
     #[command(flatten)]
     pub motion: MotionArgs,
     /// Particles per side of a built-in scene.
@@ -251,6 +255,13 @@ pub enum BackendArg {
     Auto,
     Gpu,
     Cpu,
+}
+
+/// Contact of cloth with cloth.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum ContactArg {
+    Off,
+    Particles,
 }
 
 /// The solver of springs.

@@ -1,6 +1,6 @@
 //! The frame of a cloth as executors read it.
 
-use crate::passes::{Pass, Schedule};
+use crate::passes::{Pass, SEARCH_STEPS, Schedule};
 use crate::step::Step;
 
 /// Steps of one cloth, and the passes that end them.
@@ -22,7 +22,12 @@ pub struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// The passes that step `n` begins with.
+    /// The search for contact with cloth that step `n` begins with.
+    pub fn near(&self, n: u32) -> &'a [Pass] {
+        if n.is_multiple_of(SEARCH_STEPS) { &self.schedule.near } else { &[] }
+    }
+
+    /// The forces of air that step `n` begins with, after [`Frame::near`].
     pub fn air(&self, n: u32) -> &'a [Pass] {
         if n.is_multiple_of(self.hold) { &self.schedule.air } else { &[] }
     }

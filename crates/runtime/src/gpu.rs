@@ -9,6 +9,7 @@ mod arena;
 mod bounds;
 mod buffers;
 mod carry;
+mod contact;
 mod contents;
 mod cut_tethers;
 mod frames;
@@ -58,6 +59,7 @@ use bytemuck::{bytes_of, cast_slice};
 
 use crate::cloth::{Cloth, Tethers};
 use crate::cpu::body::Body;
+use crate::cpu::fabric::partners::MAX_PARTNERS;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
 use crate::form::Form;
@@ -278,7 +280,7 @@ impl Gpu {
             offset = self.frames.ring.place(bytes_of(&StepRow::from(&frame.step(n, n / group * group))));
             let coarse = frame.coarse(n);
             let mut run = |what: &Form| self.run_in(cloth, passes, index, (what, offset));
-            frame.air(n).iter().for_each(|p| run(&Form::Apart(*p)));
+            frame.near(n).iter().chain(frame.air(n)).for_each(|p| run(&Form::Apart(*p)));
             let whole = order.filter(|_| coarse.is_empty());
             match whole {
                 Some(order) => order.first.iter().for_each(&mut run),
@@ -355,11 +357,13 @@ fn fits(limits: &wgpu::Limits, cloth: &Cloth, held: &Tethers) -> Result<()> {
     let cells = if cloth.membrane().is_some() { 32 * len } else { 0 };
     let tethers = 8 * held.per_particle as u64 * len;
     let sets = cloth.skin().filter(|_| cloth.follows_joints()).map_or(0, |skin| 1 + 2 * skin.sets as u64);
+    let partners = if cloth.contact.is_some() { 8 * MAX_PARTNERS as u64 * len } else { 0 };
     // No other buffer of a cloth has more bytes per particle.
     let buffers = [
         ("positions", 16 * len, limit),
         ("tethers", tethers, limit),
         ("cells", cells, limit),
+        ("partners in contact", partners, limit),
         ("influences of joints", 16 * sets * len, limit),
         ("positions of the last good frame", lasting, buffer),
     ];

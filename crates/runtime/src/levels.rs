@@ -1,5 +1,6 @@
 //! Coarser grids of a cloth, as both backends read them.
 
+pub mod boxes;
 pub mod links;
 pub mod ties;
 

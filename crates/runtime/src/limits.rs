@@ -122,6 +122,23 @@ pub enum Warning {
         /// The cloth by name.
         cloth: String,
     },
+    /// The classic solver has no contact of cloth with cloth.
+    #[error("cloth {cloth}: the classic solver has no contact of cloth with cloth: use xpbd, or leave contact out")]
+    ContactClassic {
+        /// The cloth by name.
+        cloth: String,
+    },
+    /// The GPU backend has contact of a cloth with itself only.
+    #[error(
+        "cloths {cloth} and {other}: on the GPU a cloth touches itself only, and these pass through one another: use the CPU \
+         backend, or make them pieces of one cloth"
+    )]
+    ContactApart {
+        /// A cloth by name.
+        cloth: String,
+        /// Another one.
+        other: String,
+    },
     /// Lengths are not limited on coarser grids, which ignore contact and would pull the cloth through colliders.
     #[error(
         "cloth {cloth}: the pyramid is not used, because it ignores contact and the cloth meets colliders: leave the pyramid out, \

@@ -128,6 +128,19 @@ pub enum Pass {
     Seams,
     /// Duplicates of seam points take one position, and one previous position.
     SeamSteps,
+    /// Boxes around tiles of particles of cloth that has contact with cloth.
+    Leaves,
+    /// Boxes around these, level by level.
+    Tree,
+    /// The nearest particles that each may meet before the next search.
+    Partners {
+        /// Whether the cloth has seams.
+        seams: bool,
+    },
+    /// How far contact with cloth moves each particle.
+    Touch,
+    /// Particles go there.
+    Separate,
     /// Particles leave the colliders.
     Colliders(Kinds),
     /// Swept: particles leave moving colliders that they are in or went through.
@@ -265,10 +278,15 @@ impl Kinds {
     }
 }
 
+/// Steps for which partners in contact are searched, at most.
+pub const SEARCH_STEPS: u32 = 8;
+
 /// The passes of a cloth, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Schedule {
-    /// Before all others, once in as many steps as forces of air stand for.
+    /// Before all others, once in [`SEARCH_STEPS`] steps.
+    pub near: Vec<Pass>,
+    /// After these, once in as many steps as forces of air stand for.
     pub air: Vec<Pass>,
     /// Once a step.
     pub step: Vec<Pass>,
@@ -324,7 +342,8 @@ pub fn schedule(
             let tethers = (slots > 0).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
             // It ignores contact: it would pull cloth through what it lies on.
-            s.coarse = if colliders.is_none() { coarse(cloth, options) } else { Vec::new() };
+            let alone = colliders.is_none() && cloth.contact.is_none();
+            s.coarse = if alone { coarse(cloth, options) } else { Vec::new() };
             if cloth.membrane().is_none() {
                 let again = options.iterations * (options.polish + 1) > 1 && soft_of(cloth) != Soft::None;
                 s.step.extend(again.then_some(Pass::Forget));
@@ -345,6 +364,11 @@ pub fn schedule(
             }
             // Contact has the last word: a limit may lead into a collider.
             s.relax.extend(cloth.limits.is_some().then_some(Pass::Limit { moves: cloth.follows_joints() }));
+            if cloth.contact.is_some() {
+                s.near = vec![Pass::Leaves, Pass::Tree, Pass::Partners { seams }];
+                s.relax.extend([Pass::Touch, Pass::Separate]);
+                s.relax.extend(seams.then_some(Pass::Seams));
+            }
             s.relax.extend(colliders.map(Pass::Contact));
             s.frame.extend([Pass::Guard, Pass::Restore]);
         }

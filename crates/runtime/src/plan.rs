@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::form::{Form, Fused, Tile};
-use crate::passes::{Pass, Schedule};
+use crate::passes::{Pass, SEARCH_STEPS, Schedule};
 use crate::shaders::{Slot, source};
 use crate::world::{Share, World};
 
@@ -84,20 +84,28 @@ impl Plan {
 /// The forms of the passes in the frame of a cloth that shares no dispatch, and their dispatches.
 fn apart(world: &World, cloth: usize) -> Vec<(Form, u32)> {
     let (steps, rounds) = (world.control.options.substeps, world.control.options.iterations);
-    let Schedule { air, step, coarse, relax, frame } = &world.runs[cloth].schedule;
+    let Schedule { near, air, step, coarse, relax, frame } = &world.runs[cloth].schedule;
     let rare = steps.div_ceil(world.control.options.pyramid.max(1));
     let alone = |list: &[Pass]| list.iter().map(|pass| Form::Apart(*pass)).collect::<Vec<_>>();
+    let search = (alone(near), steps.div_ceil(SEARCH_STEPS));
     let blows = (alone(air), steps.div_ceil(world.hold(cloth)));
     let lists = match world.order(cloth) {
         Some(order) => {
             let rare = if coarse.is_empty() { 0 } else { rare };
             let relax = (order.relax.clone(), steps * (rounds - 1) + rare);
             let first = (order.first.clone(), steps - rare);
-            let lists = [blows, (alone(step), rare), (alone(coarse), rare), first, relax, (alone(frame), 1)];
+            let lists = [search, blows, (alone(step), rare), (alone(coarse), rare), first, relax, (alone(frame), 1)];
             lists.into_iter().filter(|l| l.1 > 0).collect::<Vec<_>>()
         }
         None => {
-            vec![blows, (alone(step), steps), (alone(coarse), rare), (alone(relax), steps * rounds), (alone(frame), 1)]
+            vec![
+                search,
+                blows,
+                (alone(step), steps),
+                (alone(coarse), rare),
+                (alone(relax), steps * rounds),
+                (alone(frame), 1),
+            ]
         }
     };
     lists.into_iter().flat_map(|(list, count)| list.into_iter().map(move |form| (form, count))).collect()

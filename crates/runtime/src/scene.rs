@@ -22,7 +22,7 @@ use crate::wind::Wind;
 pub struct Scene {
     /// Its name.
     pub name: String,
-    /// The cloths; they do not touch one another.
+    /// The cloths; two touch one another if both have [`Cloth::contact`].
     pub cloths: Vec<Cloth>,
     /// The colliders.
     pub colliders: Vec<Collider>,

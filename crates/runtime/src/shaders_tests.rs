@@ -60,6 +60,8 @@ fn passes() -> Vec<Pass> {
     all.extend([Pass::Follow, Pass::Skin { sets: 1 }, Pass::Skin { sets: 2 }]);
     all.extend([false, true].map(|moves| Pass::Limit { moves }));
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
+    all.extend([Pass::Leaves, Pass::Tree, Pass::Touch, Pass::Separate]);
+    all.extend([false, true].map(|seams| Pass::Partners { seams }));
     for walks in [false, true] {
         all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams, walks }));
     }
@@ -314,7 +316,7 @@ fn structs_lie_as_in_rust() {
                 Some("Job") => &job,
                 Some("Link") => &link,
                 // Lives in registers only.
-                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below" | "Window") => continue,
+                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below" | "Window" | "Seeker") => continue,
                 // A row of four numbers.
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),

@@ -214,7 +214,8 @@ impl Stepper {
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
         let World { host, runs, .. } = &self.world;
         let cloths = runs.iter().flat_map(|run| &run.warnings);
-        host.adapter.iter().chain(cloths).chain(&host.raised).cloned().collect()
+        let contact = self.world.contact_warning(self.cpu.is_none());
+        host.adapter.iter().chain(cloths).chain(&host.raised).cloned().chain(contact).collect()
     }
 
     /// Changes the wind, or ends it. Wakes every cloth.

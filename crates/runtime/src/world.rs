@@ -20,6 +20,7 @@ mod run;
 mod save;
 pub(crate) mod sleep;
 mod spare;
+mod touch;
 mod work;
 
 pub use cloth_run::{ClothRun, Kept};

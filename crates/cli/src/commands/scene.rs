@@ -12,9 +12,9 @@ use gimage_bundle::dir::read_dir;
 use gimage_runtime::draw::{Look, SolidLook};
 use gimage_runtime::scene::file::{Found, MAX_BYTES, SceneFile, Source};
 use gimage_runtime::scene::{BUILTIN, Script, builtin};
-use gimage_runtime::{Backend, BodyCollider, Cloth, Options, Quality, Scene, Solver};
+use gimage_runtime::{Backend, BodyCollider, Cloth, ClothContact, Options, Quality, Scene, Solver};
 
-use crate::args::{BackendArg, SceneArgs, SolverArg};
+use crate::args::{BackendArg, ContactArg, SceneArgs, SolverArg};
 use crate::commands::character::{self, Animated};
 use crate::exit::Failure;
 
@@ -44,6 +44,13 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
     }
     if let Some(material) = &args.material {
         file.scene.cloths.iter_mut().try_for_each(|cloth| cloth.set_material(material))?;
+    }
+    for cloth in &mut file.scene.cloths {
+        cloth.contact = match args.contact {
+            None => cloth.contact,
+            Some(ContactArg::Off) => None,
+            Some(ContactArg::Particles) => cloth.contact.or(Some(ClothContact::default())),
+        };
     }
     file.options.substeps = args.substeps.or(file.options.substeps);
     // Steps that are asked for by number are not chosen by the scene.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::fabric::Fabric;
+use super::fabric::meeting::shadow::{Dawn, Shadow};
 use super::fastest::larger;
 use super::integrate::Air;
 use super::lazy::Lazy;
@@ -178,6 +179,25 @@ impl<T: Real> Body<T> {
         let all = if cloth.limits.is_some() { 0..cloth.len() as u32 } else { 0..0 };
         let ends = skin::run(skin, joined.iter().copied(), matrices);
         fabric.lead(&ends, &skin::run(skin, all, matrices), rate);
+    }
+
+    /// The shadow of cloth that has contact, for other cloths in a frame of `length` \[s\]; `rate` \[1/s\] is one over the length of the last
+    /// step, or 0 for cloth that is asleep.
+    pub(crate) fn shadow(&mut self, rate: T, length: T) -> Option<Shadow<T>> {
+        let dawn = Dawn { now: &self.now, before: &self.before, rate, length };
+        self.fabric.as_mut()?.shadow(&dawn)
+    }
+
+    /// Takes in the shadows of all cloths, its own at `own`.
+    pub(crate) fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) {
+        self.fabric.iter_mut().for_each(|fabric| fabric.meet(shadows, own));
+    }
+
+    /// Takes back its shadow.
+    pub(crate) fn keep(&mut self, shadow: Shadow<T>) {
+        if let Some(fabric) = &mut self.fabric {
+            fabric.keep(shadow);
+        }
     }
 
     /// To be called before the steps of a frame.

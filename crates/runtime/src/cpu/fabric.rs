@@ -8,25 +8,33 @@ mod follow;
 mod forget;
 mod integrate_rows;
 mod laplacian;
+pub(crate) mod leaves;
 mod limit;
+pub(crate) mod meeting;
 mod membrane;
 mod moments;
+pub(crate) mod partners;
 pub(crate) mod polish;
 mod pyramid;
 mod refine;
 mod seam_moments;
 mod seam_steps;
+mod separate;
 mod sew;
 mod share;
 mod stitch;
 pub(crate) mod stretch;
 mod sweep;
 mod tethers;
+pub(crate) mod touch;
+mod tree;
 
 use std::sync::Arc;
 
 use self::follow::Follow;
 use self::limit::Limit;
+use self::meeting::Meeting;
+use self::meeting::shadow::{Dawn, Shadow};
 use self::membrane::Cells;
 use self::moments::Plate;
 use self::pyramid::Pyramid;
@@ -81,6 +89,8 @@ pub struct Fabric<T: Real> {
     whole: Vec<bool>,
     /// One a sheet.
     clear: Vec<Clear<T>>,
+    /// Of cloth that has contact with cloth.
+    meeting: Option<Meeting<T>>,
     /// Accelerations by air, by texels, and of each sheet as its positions lie.
     field: Vec<[T; 4]>,
     fields: Vec<Aligned<T>>,
@@ -107,6 +117,7 @@ impl<T: Real> Fabric<T> {
             plates,
             limits: limit::limits(cloth, &sheets),
             follows: Vec::new(),
+            meeting: Meeting::of(cloth, &sheets, options.thickness),
             stitches: None,
             sheets,
             whole: cloth.grids().iter().map(|g| cloth.particles()[g.range()].iter().all(|p| p.exists())).collect(),
@@ -157,6 +168,7 @@ impl<T: Real> Fabric<T> {
 
     /// Positions and inverse masses from texels.
     pub fn load(&mut self, now: &[[T; 4]], before: &[[T; 4]]) {
+        self.meeting.iter_mut().for_each(Meeting::forget);
         for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
             let range = *first..first + sheet.width * sheet.height;
             sheet.load(&now[range.clone()], &before[range]);
@@ -261,6 +273,23 @@ impl<T: Real> Fabric<T> {
         }
     }
 
+    /// The shadow of cloth that has contact, for other cloths in a frame.
+    pub fn shadow(&mut self, dawn: &Dawn<T>) -> Option<Shadow<T>> {
+        self.meeting.as_mut().map(|meeting| meeting.shadow(dawn))
+    }
+
+    /// Takes in the shadows of all cloths, its own at `own`.
+    pub fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) {
+        self.meeting.iter_mut().for_each(|meeting| meeting.meet(shadows, own));
+    }
+
+    /// Takes back its shadow.
+    pub fn keep(&mut self, shadow: Shadow<T>) {
+        if let Some(meeting) = &mut self.meeting {
+            meeting.keep(shadow);
+        }
+    }
+
     /// Forgets what holds within a frame only.
     pub fn begin(&mut self) {
         self.clear.iter_mut().for_each(Clear::begin);
@@ -275,6 +304,7 @@ impl<T: Real> Fabric<T> {
         solids: &[Solid<T>],
         body: &mut Body<T>,
     ) {
+        self.meeting.iter_mut().for_each(|m| m.elapsed = m.elapsed + step.dt);
         let (mut together, mut met) = (Vec::new(), false);
         for pass in passes {
             if self.walks(*pass, threads) {
@@ -416,6 +446,11 @@ impl<T: Real> Fabric<T> {
             }
             Pass::Seams => self.seams(),
             Pass::SeamSteps => seam_steps::run(&mut self.sheets, &self.starts, &self.members),
+            Pass::Leaves => self.meeting.iter_mut().for_each(|m| m.leaves(&self.sheets)),
+            Pass::Tree => self.meeting.iter_mut().for_each(Meeting::refit),
+            Pass::Partners { .. } => self.meeting.iter_mut().for_each(|m| m.search(threads)),
+            Pass::Touch => self.meeting.iter_mut().for_each(|m| m.touch(&self.sheets, threads, step.dt)),
+            Pass::Separate => self.meeting.iter().for_each(|m| m.separate(&mut self.sheets)),
             Pass::Contact(_) => {
                 let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();
                 let each = self.sheets.iter_mut().zip(&mut self.clear);

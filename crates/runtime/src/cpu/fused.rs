@@ -12,7 +12,7 @@ pub fn run<T: Real>(body: &mut Body<T>, frame: &Frame, threads: &Threads, solids
     body.begin();
     for n in 0..steps {
         let relax = (0..rounds).flat_map(|_| &schedule.relax);
-        let passes = frame.air(n).iter().chain(&schedule.step).chain(frame.coarse(n)).chain(relax);
+        let passes = frame.near(n).iter().chain(frame.air(n)).chain(&schedule.step).chain(frame.coarse(n)).chain(relax);
         body.step(passes, threads, &frame.step(n, n).cast(), solids);
     }
     body.end();

@@ -6,6 +6,7 @@ use std::mem::offset_of;
 use wgpu::{Buffer, BufferUsages};
 
 use crate::cloth::{Cloth, Rest, Tethers};
+use crate::gpu::contact;
 use crate::gpu::contents::{Contents, Grids};
 use crate::gpu::cut_tethers;
 use crate::gpu::levels;
@@ -113,6 +114,9 @@ impl ClothBuffers {
         }
         if has_levels(cloth, options) {
             self.take(levels::buffers(device, cloth));
+        }
+        if cloth.contact.is_some() {
+            self.take(contact::buffers(device, cloth, options.thickness));
         }
     }
 

@@ -4,24 +4,31 @@ use std::fmt::Write as _;
 use std::mem::offset_of;
 use std::sync::LazyLock;
 
+use crate::cloth::SKIPPED_CELLS;
 use crate::coarser::{FITS, ROUNDS};
-use crate::cpu::fabric::{polish, stretch};
+use crate::cpu::fabric::{leaves, partners, polish, stretch, touch};
 use crate::cpu::{aside, guard, pick, place, route};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 use crate::levels::NODE_TILE;
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 6] = [
+const FLOATS: [(&str, f64); 12] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
     ("TORN", stretch::TORN),
     ("OVER", polish::OVER),
     ("EDGE", pick::EDGE),
+    ("MIN_REACH", leaves::MIN_REACH),
+    ("MAX_REACH", leaves::MAX_REACH),
+    ("STEPS_AHEAD", leaves::STEPS_AHEAD),
+    ("REST_SHARE", partners::REST_SHARE),
+    ("TOUCH_SHARE", touch::TOUCH_SHARE),
+    ("MAX_PUSH", touch::MAX_PUSH),
 ];
 
 /// u32 constants. `FAULT_...` are indices into the counters of a cloth.
-const NUMBERS: [(&str, usize); 13] = [
+const NUMBERS: [(&str, usize); 15] = [
     ("UNSUPPORTED", route::UNSUPPORTED as usize),
     ("PLACE_MOVES", place::PLACE_MOVES as usize),
     ("PLACE_WEIGHS", place::PLACE_WEIGHS as usize),
@@ -35,6 +42,8 @@ const NUMBERS: [(&str, usize); 13] = [
     ("FITS", FITS),
     ("ROUNDS", ROUNDS),
     ("NODE_TILE", NODE_TILE),
+    ("MAX_PARTNERS", partners::MAX_PARTNERS),
+    ("SKIPPED_CELLS", SKIPPED_CELLS),
 ];
 
 // The notes begin behind the counters.

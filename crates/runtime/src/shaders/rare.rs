@@ -132,3 +132,26 @@ pub(super) fn wrap(over: Over) -> Rule {
     let read = [Action, Now, Slot::Before, Slot::Normals, Slot::BoundVertices];
     own!("wrap", over, Parts::new(&[part!("action")], &read, &[Slot::Wrapped]))
 }
+
+pub(super) fn leaves(over: Over) -> Rule {
+    let read = [Grids, Now, Slot::Before, Slot::Kin];
+    own!("leaves", over, Parts::new(&[], &read, &[Slot::Boxes]))
+}
+
+pub(super) fn tree(over: Over) -> Rule {
+    own!("tree", over, Parts::new(&[], &[Grids, Slot::Kin], &[Slot::Boxes]))
+}
+
+pub(super) fn partners(over: Over, seams: bool) -> Rule {
+    let kin = if seams { part!("kin") } else { part!("kin_none") };
+    let parts = Parts::new(&[kin], &[Grids, Now, Slot::Kin, Slot::Homes, Slot::Boxes], &[Slot::Partners]);
+    own!("partners", over, parts)
+}
+
+pub(super) fn touch(over: Over) -> Rule {
+    own!("touch", over, Parts::new(&[], &[Now, Slot::Before, Slot::Kin, Slot::Partners], &[Slot::Pushes]))
+}
+
+pub(super) fn separate(over: Over) -> Rule {
+    own!("separate", over, Parts::new(&[], &[Slot::Pushes], &[Now, Slot::Before]))
+}

@@ -94,6 +94,9 @@ pub fn over(pass: Pass) -> Over {
         Pass::Strain { .. } | Pass::Cut | Pass::CutSprings | Pass::CutTethers { .. } => Over::Own(Threads::Texels),
         Pass::Pick { .. } => Over::Own(Threads::Texels),
         Pass::Indices { .. } | Pass::Tangents { .. } => Over::Texels,
+        Pass::Leaves => Over::Own(Threads::Texels),
+        Pass::Tree => Over::Own(Threads::Cloth),
+        Pass::Partners { .. } | Pass::Touch | Pass::Separate => Over::Own(Threads::Particles),
     }
 }
 
@@ -197,6 +200,11 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Wrap => rare::wrap(over),
         Pass::Indices { holes } => rare::indices(over, holes),
         Pass::Tangents { holes } => rare::tangents(over, holes),
+        Pass::Leaves => rare::leaves(over),
+        Pass::Tree => rare::tree(over),
+        Pass::Partners { seams } => rare::partners(over, seams),
+        Pass::Touch => rare::touch(over),
+        Pass::Separate => rare::separate(over),
     }
 }
 

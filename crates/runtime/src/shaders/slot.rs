@@ -3,6 +3,7 @@
 use bytemuck::cast_slice;
 
 use crate::cloth::{Cloth, Compliance, Rest, Tethers};
+use crate::cpu::fabric::partners::MAX_PARTNERS;
 use crate::layout::{FAULT_BYTES, FrameRow, GridRow, JobRow, LinkRow};
 
 macro_rules! slots {
@@ -90,6 +91,11 @@ slots! {
     Pulls "pulls",
     BoundVertices "bound_vertices",
     Wrapped "wrapped",
+    Kin "kin",
+    Homes "homes",
+    Boxes "boxes",
+    Partners "partners",
+    Pushes "pushes",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
@@ -226,6 +232,11 @@ impl Slot {
             Slot::Fastest | Slot::Strain => 4,
             // As many lists as the shader has there, see `Source::scratch`.
             Slot::Scratch => cloth.len() * 16,
+            Slot::Homes => cloth.len() * 16,
+            Slot::Kin => crate::levels::boxes::kin(cloth, 0.0).len() * 4,
+            Slot::Boxes => crate::levels::boxes::count(cloth) * 32,
+            Slot::Partners => cloth.len() * MAX_PARTNERS * 8,
+            Slot::Pushes => cloth.len() * 32,
             // Made when they are asked for; no frame binds them.
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
             Slot::Bounds | Slot::Indices | Slot::Tangents | Slot::Charts => 0,

@@ -20,6 +20,7 @@ impl World {
     /// Runs a frame of `steps` steps on the CPU. Threads share the cloths, and the rows of large ones; each cloth gets the same bits.
     pub fn run<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
         let solids = self.solids::<T>();
+        self.meet_others(bodies, threads, steps);
         let seconds = f64::from(steps) * self.control.clock.dt;
         let mut watchdog = std::mem::replace(&mut self.watchdog, Watchdog::new(0));
         let due = watchdog.is_due(self.control.clock.time + seconds);

@@ -61,6 +61,7 @@ impl<T: Real> Fabric<T> {
             tally.state(&follow.places);
             [&follow.to, &follow.drift].into_iter().for_each(|list| tally.state(list));
         }
+        self.meeting.iter().for_each(|meeting| meeting.tally(tally));
         self.fields.iter().for_each(|field| tally.state(field));
     }
 }

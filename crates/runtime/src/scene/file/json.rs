@@ -105,6 +105,7 @@ pub struct Cloth {
     pub thickness: Option<f32>,
     pub friction: Option<f32>,
     pub collision_groups: Option<Vec<u32>>,
+    pub contact: Option<Contact>,
     pub compliance: Option<f32>,
     pub material: Option<Material>,
     #[serde(default)]
@@ -113,6 +114,13 @@ pub struct Cloth {
     pub front: Option<V3>,
     pub back: Option<V3>,
     pub checker: Option<[f32; 2]>,
+}
+
+/// Contact of cloth with cloth.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Contact {
+    Particles { distance: Option<f32>, friction: Option<f32> },
 }
 
 #[derive(Deserialize)]

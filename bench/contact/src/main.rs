@@ -1,0 +1,59 @@
+//! `contact`: steps scenes in which cloth meets cloth, with contact and without, and counts crossings and milliseconds.
+
+mod run;
+mod scenes;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use run::{Failure, Row, run};
+
+/// Steps scenes in which cloth meets cloth on one CPU core, and prints a CSV row per scene, size and setting.
+#[derive(Debug, Parser)]
+struct Cli {
+    /// Scenes; all by default.
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Particles per side.
+    #[arg(long, value_delimiter = ',', default_value = "64,128")]
+    n: Vec<u32>,
+    /// Frames of 1/60 s; that of each scene by default.
+    #[arg(long)]
+    frames: Option<u32>,
+    /// Count crossings in every K-th frame, 0 for never.
+    #[arg(long, default_value_t = 10)]
+    every: u32,
+    /// Contact distances as multiples of the mean distance of neighbours; 0 is off.
+    #[arg(long, value_delimiter = ',', default_value = "0,1")]
+    distance: Vec<f32>,
+    /// Steps per frame; chosen by default.
+    #[arg(long)]
+    substeps: Option<u32>,
+}
+
+fn main() -> ExitCode {
+    match table(&Cli::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("error: {problem}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Writes the rows of all runs.
+fn table(cli: &Cli) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}", Row::HEAD)?;
+    let names = if cli.scenes.is_empty() { scenes::NAMES.map(String::from).to_vec() } else { cli.scenes.clone() };
+    for name in &names {
+        for n in &cli.n {
+            for distance in &cli.distance {
+                writeln!(out, "{}", run(cli, name, *n, *distance)?)?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,102 @@
+//! Scenes in which cloth meets cloth.
+
+use gimage_runtime::{Cloth, Collider, Flat, Scene, Shape};
+
+/// All of them.
+pub const NAMES: [&str; 6] = ["fold", "drop", "hang", "ball", "pile", "drape"];
+
+/// A scene by its name, and the distance \[m\] of neighbouring particles.
+pub fn scene(name: &str, n: u32) -> Result<(Scene, f32), Box<dyn std::error::Error>> {
+    let spacing = 1.0 / (n - 1) as f32;
+    let mut scene = Scene::new(name);
+    scene.frames = 300;
+    let table = Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) };
+    match name {
+        // Folded to three layers, on a table.
+        "fold" => {
+            scene.cloths.push(folded(n, 3, 0.01)?);
+            scene.colliders.push(table);
+            scene.frames = 600;
+        }
+        // Upright, dropped on a table.
+        "drop" => {
+            let flat = Flat { origin: [0.0, 1.1, 0.0], down: [0.1, -1.0, 0.05], ..Flat::square("sheet", n) };
+            scene.cloths.push(calm(flat.cloth()?));
+            scene.colliders.push(table);
+        }
+        // By two neighbouring corners brought together.
+        "hang" => {
+            let flat = Flat { origin: [0.0, 1.0, 0.0], down: [0.0, -1.0, 0.0], ..Flat::square("sheet", n) };
+            let mut cloth = calm(flat.cloth()?);
+            let wave = |p: &[f32; 3]| [0.3 * p[0], p[1], 0.05 * (18.0 * p[0]).sin()];
+            cloth.place(cloth.positions().iter().map(wave).collect())?;
+            [0, n - 1].into_iter().try_for_each(|k| cloth.set_pinned(k as usize, true))?;
+            scene.cloths.push(cloth);
+        }
+        // Draped over a ball on a table.
+        "ball" => {
+            let flat = Flat { origin: [-0.5, 0.62, -0.5], ..Flat::square("sheet", n) };
+            scene.cloths.push(calm(flat.cloth()?));
+            scene.colliders.push(table);
+            scene
+                .colliders
+                .push(Collider { friction: 0.5, ..Collider::new(Shape::Sphere { radius: 0.15 }, [0.0, 0.45, 0.0]) });
+        }
+        // Three sheets dropped on a box.
+        "pile" => {
+            for layer in 0..3 {
+                let height = 0.36 + 0.05 * layer as f32;
+                let flat = Flat { origin: [-0.5, height, -0.5], ..Flat::square("sheet", n) };
+                scene.cloths.push(calm(flat.cloth()?));
+            }
+            scene.colliders.push(table);
+            let block = Shape::Box { half: [0.2, 0.15, 0.2] };
+            scene.colliders.push(Collider { friction: 0.5, ..Collider::new(block, [0.0, 0.15, 0.0]) });
+        }
+        // Five squares held by two corners each swing against a ball.
+        "drape" => {
+            for layer in 0..5 {
+                let z = 0.3 + 0.05 * layer as f32;
+                let flat = Flat { origin: [-0.5, 0.5, z], down: [0.0, 0.0, 1.0], ..Flat::square("sheet", n) };
+                let mut cloth = calm(flat.cloth()?);
+                [0, n - 1].into_iter().try_for_each(|k| cloth.set_pinned(k as usize, true))?;
+                scene.cloths.push(cloth);
+            }
+            let ball = Shape::Sphere { radius: 0.3 };
+            scene.colliders.push(Collider { friction: 0.3, ..Collider::new(ball, [0.0, -0.2, 0.0]) });
+            scene.frames = 120;
+        }
+        _ => return Err(format!("no scene of this name; there are {}", NAMES.join(", ")).into()),
+    }
+    Ok((scene, spacing))
+}
+
+fn calm(mut cloth: Cloth) -> Cloth {
+    cloth.damping = 0.5;
+    cloth
+}
+
+/// A square folded to some layers, `gap` \[m\] apart, the lowest `gap` above the table. Springs are those of the flat square.
+fn folded(n: u32, layers: u32, gap: f32) -> Result<Cloth, Box<dyn std::error::Error>> {
+    let mut cloth = calm(Flat::square("sheet", n).cloth()?);
+    let bend = std::f32::consts::PI * gap / 2.0;
+    let straight = (1.0 - (layers - 1) as f32 * bend) / layers as f32;
+    let at = |x: f32| {
+        let layer = (x / (straight + bend)).floor().min((layers - 1) as f32);
+        let (along, right) = (x - layer * (straight + bend), (layer as u32).is_multiple_of(2));
+        let y = gap * (layer + 1.0);
+        let (far, up) = if along <= straight {
+            (along, 0.0)
+        } else {
+            let angle = (along - straight) / gap * 2.0;
+            (straight + gap / 2.0 * angle.sin(), gap / 2.0 * (1.0 - angle.cos()))
+        };
+        [if right { far } else { straight - far }, y + up]
+    };
+    let place = |p: &[f32; 3]| {
+        let [x, y] = at(p[0]);
+        [x, y, p[2]]
+    };
+    cloth.place(cloth.positions().iter().map(place).collect())?;
+    Ok(cloth)
+}

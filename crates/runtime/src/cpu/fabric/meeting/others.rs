@@ -1,0 +1,175 @@
+//! Particles of other cloths that those of a cloth may meet in a frame. They go on as they moved when the frame began: each cloth steps by
+//! itself, and both sides of a pair take their share.
+
+use super::Meeting;
+use super::shadow::Shadow;
+use super::tiles::{LANES_OF_TILE, Tiles};
+use crate::cpu::fabric::partners::{REST_SHARE, between};
+use crate::number::lanes::{LANES, Machine, Work, widest};
+use crate::number::real::{Real, V3, add, dot, scale, sub};
+
+/// Particles of other cloths for each particle: the nearest ones.
+pub const MAX_OTHERS: usize = 4;
+
+/// The numbers of a particle of another cloth.
+#[derive(Clone, Copy)]
+struct Other<T> {
+    /// Square of the smallest distance \[m^2\] in the frame.
+    near: T,
+    at: V3<T>,
+    velocity: V3<T>,
+    /// The velocity \[m/s\] that both have after an inelastic impact.
+    mean: V3<T>,
+    least: T,
+    w: T,
+    friction: T,
+}
+
+/// Those that the particles of a tile may meet, a vector for each component.
+#[derive(Clone)]
+pub struct OtherList<T> {
+    /// The most of one particle.
+    pub count: usize,
+    pub at: [[[T; LANES_OF_TILE]; 3]; MAX_OTHERS],
+    pub velocity: [[[T; LANES_OF_TILE]; 3]; MAX_OTHERS],
+    pub mean: [[[T; LANES_OF_TILE]; 3]; MAX_OTHERS],
+    /// Distances \[m\] to keep, 0 for none.
+    pub least: [[T; LANES_OF_TILE]; MAX_OTHERS],
+    pub w: [[T; LANES_OF_TILE]; MAX_OTHERS],
+    pub friction: [[T; LANES_OF_TILE]; MAX_OTHERS],
+}
+
+/// Searches the shadows of other cloths for what the particles of a cloth, whose own shadow is at `own`, may meet.
+pub fn run<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own: usize) {
+    meeting.others.clear();
+    meeting.other_of.clear();
+    meeting.other_of.resize(meeting.tiles.count(), u32::MAX);
+    let Some(Some(shadow)) = shadows.get(own) else { return };
+    let mut pairs: Vec<[u32; 3]> = Vec::new();
+    for (n, other) in shadows.iter().enumerate().filter(|(n, _)| *n != own) {
+        let Some(other) = other else { continue };
+        pairs.extend(between(&shadow.tree, &other.tree).into_iter().map(|[a, b]| [a, n as u32, b]));
+    }
+    pairs.sort_unstable();
+    for pairs in pairs.chunk_by(|a, b| a[0] == b[0]) {
+        let tile = pairs[0][0] as usize;
+        let mut best = [(0, [None; MAX_OTHERS]); LANES_OF_TILE];
+        for [_, n, b] in pairs {
+            if let Some(other) = &shadows[*n as usize] {
+                widest(Search { best: &mut best, shadow, tile, other, from: *b as usize * LANES_OF_TILE });
+            }
+        }
+        if let Some(list) = listed(&best) {
+            meeting.other_of[tile] = meeting.others.len() as u32;
+            meeting.others.push(list);
+        }
+    }
+}
+
+type Best<T> = [(usize, [Option<Other<T>>; MAX_OTHERS]); LANES_OF_TILE];
+
+/// The vectors of the particles that were found, if any.
+fn listed<T: Real>(best: &Best<T>) -> Option<OtherList<T>> {
+    let count = best.iter().map(|b| b.0).max().filter(|count| *count > 0)?;
+    let (vectors, numbers) =
+        ([[[T::of(0.0); LANES_OF_TILE]; 3]; MAX_OTHERS], [[T::of(0.0); LANES_OF_TILE]; MAX_OTHERS]);
+    let mut list = OtherList {
+        count,
+        at: vectors,
+        velocity: vectors,
+        mean: vectors,
+        least: numbers,
+        w: numbers,
+        friction: numbers,
+    };
+    for (lane, (_, others)) in best.iter().enumerate() {
+        for (slot, other) in others.iter().enumerate() {
+            let Some(other) = other else { continue };
+            for c in 0..3 {
+                list.at[slot][c][lane] = other.at[c];
+                list.velocity[slot][c][lane] = other.velocity[c];
+                list.mean[slot][c][lane] = other.mean[c];
+            }
+            list.least[slot][lane] = other.least;
+            list.w[slot][lane] = other.w;
+            list.friction[slot][lane] = other.friction;
+        }
+    }
+    Some(list)
+}
+
+/// The comparison of two tiles.
+struct Search<'a, 'b, T: Real> {
+    best: &'b mut Best<T>,
+    shadow: &'a Shadow<T>,
+    tile: usize,
+    other: &'a Shadow<T>,
+    from: usize,
+}
+
+impl<T: Real> Work<T> for Search<'_, '_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let Search { best, shadow, tile, other, from } = self;
+        let zero = k.splat(T::of(0.0));
+        let (length, tiny) = (k.splat(shadow.length), k.splat(T::of(1e-20)));
+        let reach = (shadow.distance + other.distance) * T::of(0.75);
+        let far = reach * reach;
+        for (lane, best) in best.iter_mut().enumerate() {
+            let mine = tile * LANES_OF_TILE + lane;
+            if shadow.w[mine] <= T::of(0.0) {
+                continue;
+            }
+            let own = k.splats(Tiles::at(&shadow.now, mine));
+            let moves = k.splats(shadow.velocity_at(mine));
+            for at in (0..LANES_OF_TILE).step_by(K::WIDE) {
+                let (at, velocity, place) = (&other.now, &other.velocity, from + at);
+                let way = k.minus([k.load(&at[0], place), k.load(&at[1], place), k.load(&at[2], place)], own);
+                let [x, y, z] = velocity;
+                let speed = k.minus([k.load(x, place), k.load(y, place), k.load(z, place)], moves);
+                // When they are nearest, if they go on as they do.
+                let time = k.div(k.sub(zero, k.dot(way, speed)), k.most(k.squares(speed), tiny));
+                let time = k.least(k.most(time, zero), length);
+                let near = k.squares(k.plus(way, k.times(speed, time)));
+                let near = k.add(near, k.load(&other.out, place));
+                if !k.any(k.above(k.splat(far), near)) {
+                    continue;
+                }
+                let mut each = [T::of(0.0); LANES];
+                k.store(&mut each, 0, near);
+                for (n, near) in each[..K::WIDE].iter().enumerate() {
+                    if *near < far {
+                        take(best, (shadow, mine), (other, place + n), *near);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Takes in a particle if it is among the nearest; of those equally near the one that comes first.
+fn take<T: Real>(
+    (count, best): &mut (usize, [Option<Other<T>>; MAX_OTHERS]),
+    (shadow, place): (&Shadow<T>, usize),
+    (other, from): (&Shadow<T>, usize),
+    near: T,
+) {
+    let later = |o: &Option<Other<T>>| o.is_none_or(|o| o.near > near);
+    let Some(at) = best.iter().position(later) else { return };
+    let way = sub(Tiles::at(&other.rest, from), Tiles::at(&shadow.rest, place));
+    let distance = (shadow.distance + other.distance) * T::of(0.5);
+    let (own, velocity) = (shadow.velocity_at(place), other.velocity_at(from));
+    let (w, w_other) = (shadow.w[place], other.w[from]);
+    let mean = scale(add(scale(own, w_other), scale(velocity, w)), T::of(1.0) / (w + w_other));
+    best.copy_within(at..MAX_OTHERS - 1, at + 1);
+    best[at] = Some(Other {
+        near,
+        at: Tiles::at(&other.now, from),
+        velocity,
+        mean,
+        least: distance.min(dot(way, way).sqrt() * T::of(REST_SHARE)),
+        w: w_other,
+        friction: (shadow.friction + other.friction) * T::of(0.5),
+    });
+    *count = (*count + 1).min(MAX_OTHERS);
+}

@@ -1,0 +1,86 @@
+//! A cloth as other cloths see it in a frame: where its particles were as the frame began, and how they moved.
+
+use super::tiles::{LANES_OF_TILE, Tiles};
+use crate::cpu::fabric::tree::{self, Node, Tree};
+use crate::number::aligned::Aligned;
+use crate::number::real::{Real, V3, add, scale, sub, xyz};
+
+/// Room for pushes in a frame, as a share of the contact distance.
+const SLACK: f64 = 0.25;
+
+/// Places are those of [`Tiles`].
+pub struct Shadow<T: Real> {
+    pub tree: Tree<T>,
+    pub now: [Aligned<T>; 3],
+    /// \[m/s\]
+    pub velocity: [Aligned<T>; 3],
+    /// Inverse masses; 0 for cloth that is asleep.
+    pub w: Aligned<T>,
+    pub out: Aligned<T>,
+    pub rest: [Aligned<T>; 3],
+    /// \[m\]
+    pub distance: T,
+    pub friction: T,
+    /// Length of the frame \[s\].
+    pub length: T,
+}
+
+/// The beginning of a frame of a cloth.
+pub struct Dawn<'a, T> {
+    /// Positions and previous ones, by texels.
+    pub now: &'a [[T; 4]],
+    pub before: &'a [[T; 4]],
+    /// One over the length of the last step \[1/s\]; 0 for cloth that is asleep.
+    pub rate: T,
+    /// Length of the frame \[s\].
+    pub length: T,
+}
+
+impl<T: Real> Shadow<T> {
+    /// Of particles at rest.
+    pub fn new(tiles: &Tiles<T>, distance: T, friction: T) -> Self {
+        let list = || std::array::from_fn(|_| Aligned::zeros(tiles.texel.len()));
+        Shadow {
+            tree: Tree::new(tiles),
+            now: list(),
+            velocity: list(),
+            w: Aligned::zeros(tiles.texel.len()),
+            out: tiles.out.clone(),
+            rest: tiles.rest.clone(),
+            distance,
+            friction,
+            length: T::of(0.0),
+        }
+    }
+
+    /// Takes in where particles are, and makes boxes around all that they pass in the frame.
+    pub fn follow(&mut self, tiles: &Tiles<T>, dawn: &Dawn<T>) {
+        self.length = dawn.length;
+        let wide = self.distance * T::of(0.5 + SLACK);
+        for tile in 0..tiles.count() {
+            let mut node = Node::<T>::none();
+            for place in tile * LANES_OF_TILE..(tile + 1) * LANES_OF_TILE {
+                let Some(p) = dawn.now.get(tiles.texel[place] as usize) else { continue };
+                let (at, was) = (xyz(*p), xyz(dawn.before[tiles.texel[place] as usize]));
+                let velocity = scale(sub(at, was), dawn.rate);
+                let end = add(at, scale(velocity, dawn.length));
+                self.w[place] = if dawn.rate > T::of(0.0) { p[3].max(T::of(0.0)) } else { T::of(0.0) };
+                for c in 0..3 {
+                    (self.now[c][place], self.velocity[c][place]) = (at[c], velocity[c]);
+                    node.low[c] = node.low[c].min(at[c]).min(end[c]);
+                    node.high[c] = node.high[c].max(at[c]).max(end[c]);
+                }
+            }
+            for c in 0..3 {
+                (node.low[c], node.high[c]) = (node.low[c] - wide, node.high[c] + wide);
+            }
+            self.tree.nodes[tile] = node;
+        }
+        tree::run(&mut self.tree);
+    }
+
+    /// A velocity.
+    pub fn velocity_at(&self, place: usize) -> V3<T> {
+        Tiles::at(&self.velocity, place)
+    }
+}

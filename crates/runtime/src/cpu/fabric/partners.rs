@@ -1,0 +1,308 @@
+//! Twin of shaders/partners.wgsl: for each particle the nearest others that it may meet before the next search.
+//!
+//! Here pairs of tiles are found first, from the top of the tree down: a flat part of a sheet is left in one comparison. Then one vector of
+//! particles at a time is compared with each particle of the other tile.
+
+use super::meeting::Meeting;
+use super::meeting::tiles::{LANES_OF_TILE, Tiles};
+use super::tree::{Level, Tree, apart};
+use crate::cloth::SKIPPED_CELLS;
+use crate::cpu::rows::Threads;
+use crate::number::lanes::{LANES, Machine, Work, widest};
+use crate::number::real::{Real, dot, sub};
+
+/// Partners of a particle: the nearest ones.
+pub const MAX_PARTNERS: usize = 8;
+
+/// Share of their distance at rest that particles keep at least: cloth that is near itself at rest can be pressed a little.
+pub const REST_SHARE: f64 = 0.9;
+
+/// Cosine of the largest angle between normals of cloth that is taken for flat, where the contact distance is small beside
+/// [`SKIPPED_CELLS`].
+const FLAT_COSINE: f64 = 0.6;
+
+/// The partners of the particles of a tile, and where these go.
+#[derive(Clone, Copy)]
+pub struct TileList<T> {
+    /// The most partners of one of its particles.
+    pub count: u32,
+    /// Whether a particle of it is moved in this step.
+    pub moves: bool,
+    /// Places of partners, one vector after the other; a particle without a partner has itself.
+    pub partner: [u32; LANES_OF_TILE * MAX_PARTNERS],
+    /// Distances \[m\] that they keep, likewise; 0 without a partner.
+    pub least: [T; LANES_OF_TILE * MAX_PARTNERS],
+    /// How positions change, and previous ones: three vectors each.
+    pub change: [[T; LANES_OF_TILE]; 6],
+}
+
+impl<T: Real> TileList<T> {
+    fn none() -> Self {
+        let (partner, least) = ([0; LANES_OF_TILE * MAX_PARTNERS], [T::of(0.0); LANES_OF_TILE * MAX_PARTNERS]);
+        TileList { count: 0, moves: false, partner, least, change: [[T::of(0.0); LANES_OF_TILE]; 6] }
+    }
+}
+
+/// Searches the partners of all particles.
+pub fn run<T: Real>(meeting: &mut Meeting<T>, threads: &Threads) {
+    let count = meeting.tiles.count();
+    let mut lists = std::mem::take(&mut meeting.lists);
+    lists.resize_with(count, TileList::none);
+    let beside = Beside::new(meeting);
+    let near: &Meeting<T> = meeting;
+    threads.chunks(&mut lists, 16, |chunk, lists| {
+        widest(Search { lists, first: 16 * chunk, meeting: near, beside: &beside });
+    });
+    meeting.lists = lists;
+    meeting.find_active();
+}
+
+/// For each tile the tiles whose particles it may meet.
+struct Beside {
+    starts: Vec<u32>,
+    tiles: Vec<u32>,
+}
+
+impl Beside {
+    fn new<T: Real>(meeting: &Meeting<T>) -> Self {
+        let pairs = Pairs::of(meeting);
+        let mut starts = vec![0u32; meeting.tiles.count() + 1];
+        let both = |[a, b]: [u32; 2]| [Some((a, b)), (a != b).then_some((b, a))].into_iter().flatten();
+        pairs.iter().flat_map(|pair| both(*pair)).for_each(|(a, _)| starts[a as usize + 1] += 1);
+        (1..starts.len()).for_each(|n| starts[n] += starts[n - 1]);
+        let mut ends = starts.clone();
+        let mut tiles = vec![0; starts.last().map_or(0, |end| *end as usize)];
+        for (a, b) in pairs.iter().flat_map(|pair| both(*pair)) {
+            tiles[ends[a as usize] as usize] = b;
+            ends[a as usize] += 1;
+        }
+        Beside { starts, tiles }
+    }
+
+    fn of(&self, tile: usize) -> &[u32] {
+        &self.tiles[self.starts[tile] as usize..self.starts[tile + 1] as usize]
+    }
+}
+
+/// Goes down the tree, from pair to pair.
+struct Pairs<'a, T: Real> {
+    tree: &'a Tree<T>,
+    /// As [`FLAT_COSINE`]; above 1 nothing is flat.
+    cosine: T,
+    found: Vec<[u32; 2]>,
+}
+
+/// A box: the level of its sheet, its column and its row.
+#[derive(Clone, Copy, PartialEq)]
+struct Cell {
+    level: usize,
+    column: usize,
+    row: usize,
+}
+
+impl<T: Real> Pairs<'_, T> {
+    /// Pairs of tiles whose boxes meet.
+    fn of(meeting: &Meeting<T>) -> Vec<[u32; 2]> {
+        // Particles that are left out in flat cloth are farther away than the contact distance.
+        let share = meeting.distance.get() / ((SKIPPED_CELLS + 1) as f64 * meeting.spacing * 0.8);
+        let cosine = if share > 0.95 { 2.0 } else { share.max(FLAT_COSINE) };
+        let mut pairs = Pairs { tree: &meeting.tree, cosine: T::of(cosine), found: Vec::new() };
+        for (g, levels) in meeting.tree.sheets.iter().enumerate() {
+            pairs.within(levels, top(levels));
+            for others in &meeting.tree.sheets[g + 1..] {
+                cross([(pairs.tree, levels), (pairs.tree, others)], [top(levels), top(others)], &mut pairs.found);
+            }
+        }
+        pairs.found
+    }
+
+    /// Pairs in one part of a sheet.
+    fn within(&mut self, levels: &[Level], cell: Cell) {
+        let node = node(levels, cell);
+        if self.tree.nodes[node].is_flat(self.cosine) {
+            return;
+        }
+        if cell.level == 0 {
+            self.found.push([node as u32; 2]);
+            return;
+        }
+        let cells = below(levels, cell);
+        for (n, a) in cells.clone().enumerate() {
+            self.within(levels, a);
+            cells.clone().skip(n + 1).for_each(|b| self.beside(levels, a, b));
+        }
+    }
+
+    /// Pairs of two parts of a sheet on one level.
+    fn beside(&mut self, levels: &[Level], a: Cell, b: Cell) {
+        let (m, n) = (node(levels, a), node(levels, b));
+        let (one, other) = (&self.tree.nodes[m], &self.tree.nodes[n]);
+        let touch = a.column.abs_diff(b.column).max(a.row.abs_diff(b.row)) <= 1;
+        if !one.meets(other) || (touch && one.with(other).is_flat(self.cosine)) {
+            return;
+        }
+        if a.level == 0 {
+            self.found.push([m as u32, n as u32]);
+            return;
+        }
+        for c in below(levels, a) {
+            below(levels, b).for_each(|d| self.beside(levels, c, d));
+        }
+    }
+}
+
+/// The box of a whole sheet.
+fn top(levels: &[Level]) -> Cell {
+    Cell { level: levels.len() - 1, column: 0, row: 0 }
+}
+
+fn node(levels: &[Level], cell: Cell) -> usize {
+    let level = levels[cell.level];
+    level.first + cell.row * level.columns + cell.column
+}
+
+fn below(levels: &[Level], cell: Cell) -> impl Iterator<Item = Cell> + Clone {
+    let level = levels[cell.level - 1];
+    let (i, j) = (2 * cell.column, 2 * cell.row);
+    let columns = i..(i + 2).min(level.columns);
+    let cells = (j..(j + 2).min(level.rows)).flat_map(move |row| columns.clone().map(move |column| (column, row)));
+    cells.map(move |(column, row)| Cell { level: cell.level - 1, column, row })
+}
+
+/// Pairs of tiles of two cloths whose boxes meet.
+pub fn between<T: Real>(a: &Tree<T>, b: &Tree<T>) -> Vec<[u32; 2]> {
+    let mut found = Vec::new();
+    for (one, other) in a.sheets.iter().flat_map(|one| b.sheets.iter().map(move |other| (one, other))) {
+        cross([(a, one), (b, other)], [top(one), top(other)], &mut found);
+    }
+    found
+}
+
+/// Pairs of parts of two sheets; the larger one is divided first.
+fn cross<T: Real>(sheets: [(&Tree<T>, &[Level]); 2], [a, b]: [Cell; 2], found: &mut Vec<[u32; 2]>) {
+    let [(tree, levels), (other, others)] = sheets;
+    let (m, n) = (node(levels, a), node(others, b));
+    if !tree.nodes[m].meets(&other.nodes[n]) {
+        return;
+    }
+    if a.level == 0 && b.level == 0 {
+        found.push([m as u32, n as u32]);
+    } else if a.level >= b.level {
+        below(levels, a).for_each(|c| cross(sheets, [c, b], found));
+    } else {
+        below(others, b).for_each(|d| cross(sheets, [a, d], found));
+    }
+}
+
+/// The search for the particles of some tiles.
+struct Search<'a, 'b, T: Real> {
+    lists: &'b mut [TileList<T>],
+    first: usize,
+    meeting: &'a Meeting<T>,
+    beside: &'a Beside,
+}
+
+impl<T: Real> Work<T> for Search<'_, '_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let Search { lists, first, meeting: Meeting { tiles, tree, distance, .. }, beside, .. } = self;
+        for (n, list) in lists.iter_mut().enumerate() {
+            let tile = first + n;
+            let mut best = [Best::none(); LANES_OF_TILE];
+            for other in beside.of(tile) {
+                let from = *other as usize * LANES_OF_TILE;
+                let reach = tree.reach[tile] + tree.reach[*other as usize];
+                let far = (*distance + reach) * (*distance + reach);
+                let far_all = k.splat(far);
+                for (lane, best) in best.iter_mut().enumerate() {
+                    let place = tile * LANES_OF_TILE + lane;
+                    // A particle that cannot move needs no partner; gaps cannot.
+                    if tiles.w[place] <= T::of(0.0) {
+                        continue;
+                    }
+                    let own = k.splats(Tiles::at(&tiles.now, place));
+                    for at in (0..LANES_OF_TILE).step_by(K::WIDE) {
+                        let x = k.load(&tiles.now[0], from + at);
+                        let y = k.load(&tiles.now[1], from + at);
+                        let z = k.load(&tiles.now[2], from + at);
+                        let apart = k.squares(k.minus([x, y, z], own));
+                        let apart = k.add(apart, k.load(&tiles.out, from + at));
+                        if !k.any(k.above(far_all, apart)) {
+                            continue;
+                        }
+                        let mut each = [T::of(0.0); LANES];
+                        k.store(&mut each, 0, apart);
+                        for (n, apart) in each[..K::WIDE].iter().enumerate() {
+                            if *apart < far {
+                                best.consider(self.meeting, (place, from + at + n), (*apart, reach));
+                            }
+                        }
+                    }
+                }
+            }
+            write(list, &mut best, tile);
+        }
+    }
+}
+
+/// Partners of a particle so far, the nearest first; of those equally far the one with the lower place.
+#[derive(Clone, Copy)]
+struct Best<T> {
+    count: usize,
+    /// Square of the distance \[m^2\], place, and distance \[m\] to keep.
+    list: [(T, u32, T); MAX_PARTNERS],
+}
+
+impl<T: Real> Best<T> {
+    fn none() -> Self {
+        Best { count: 0, list: [(T::of(0.0), 0, T::of(0.0)); MAX_PARTNERS] }
+    }
+
+    /// Takes in a particle if it is among the nearest.
+    #[inline(never)]
+    fn consider(&mut self, meeting: &Meeting<T>, (place, other): (usize, usize), (apart2, reach): (T, T)) {
+        let new = (apart2, other as u32);
+        let later = |(apart, place, _): &(T, u32, T)| (*apart, *place) > new;
+        if self.count == MAX_PARTNERS && !later(&self.list[MAX_PARTNERS - 1]) {
+            return;
+        }
+        let Some(least) = kept(meeting, place, other) else { return };
+        if apart2.sqrt() >= least + reach {
+            return;
+        }
+        let at = self.list[..self.count].iter().position(later).unwrap_or(self.count);
+        self.count = (self.count + 1).min(MAX_PARTNERS);
+        self.list.copy_within(at..self.count - 1, at + 1);
+        self.list[at] = (apart2, other as u32, least);
+    }
+}
+
+/// The distance that two particles keep; none if they are near on the surface.
+fn kept<T: Real>(meeting: &Meeting<T>, place: usize, other: usize) -> Option<T> {
+    let tiles = &meeting.tiles;
+    let sheet = |place: usize| tiles.spots[place / LANES_OF_TILE].sheet;
+    if sheet(place) == sheet(other) && apart(tiles, place, other) <= SKIPPED_CELLS {
+        return None;
+    }
+    let kin = meeting.kin.of_particle(tiles.texel[place] as usize);
+    if kin.binary_search(&tiles.texel[other]).is_ok() {
+        return None;
+    }
+    let way = sub(Tiles::at(&tiles.rest, place), Tiles::at(&tiles.rest, other));
+    Some(meeting.distance.min(dot(way, way).sqrt() * T::of(REST_SHARE)))
+}
+
+/// Partners by place, so that their order does not depend on distances.
+fn write<T: Real>(list: &mut TileList<T>, best: &mut [Best<T>; LANES_OF_TILE], tile: usize) {
+    let count = best.iter().map(|b| b.count).max().unwrap_or(0);
+    (list.count, list.moves) = (count as u32, false);
+    for (lane, best) in best.iter_mut().enumerate() {
+        best.list[..best.count].sort_unstable_by_key(|p| p.1);
+        for n in 0..count {
+            let (_, place, least) = best.list[n];
+            let own = (tile * LANES_OF_TILE + lane) as u32;
+            let (place, least) = if n < best.count { (place, least) } else { (own, T::of(0.0)) };
+            (list.partner[n * LANES_OF_TILE + lane], list.least[n * LANES_OF_TILE + lane]) = (place, least);
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Contact between cloths: what each may touch in a frame, on the CPU.
+
+use super::World;
+use crate::cpu::body::Body;
+use crate::cpu::fabric::meeting::shadow::Shadow;
+use crate::cpu::rows::Threads;
+use crate::limits::Warning;
+use crate::number::real::Real;
+use crate::options::Solver;
+
+/// A cloth that other cloths may touch.
+struct Neighbour<'a, T: Real> {
+    index: usize,
+    body: &'a mut Body<T>,
+    shadow: Option<Shadow<T>>,
+}
+
+impl World {
+    /// Has cloths that have contact find those particles of other cloths that they may touch in a frame of `steps` steps.
+    pub(super) fn meet_others<T: Real>(&self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
+        let touches = self.scene.cloths.iter().filter(|cloth| cloth.contact.is_some()).count();
+        if touches == 0 || steps == 0 {
+            return;
+        }
+        if touches == 1 {
+            // Others may have left.
+            return bodies.iter_mut().enumerate().for_each(|(index, body)| body.meet(&[], index));
+        }
+        let clock = &self.control.clock;
+        let length = T::of(f64::from(steps) * clock.dt);
+        let mut all: Vec<_> =
+            bodies.iter_mut().enumerate().map(|(index, body)| Neighbour { index, body, shadow: None }).collect();
+        let particles = all.iter().map(|n| n.body.count()).sum();
+        threads.each(&mut all, particles, |n| {
+            let rate = if self.runs[n.index].asleep { 0.0 } else { 1.0 / clock.dt_old };
+            n.shadow = n.body.shadow(T::of(rate), length);
+        });
+        let shadows: Vec<Option<Shadow<T>>> = all.iter_mut().map(|n| n.shadow.take()).collect();
+        threads.each(&mut all, particles, |n| {
+            if !self.runs[n.index].asleep {
+                n.body.meet(&shadows, n.index);
+            }
+        });
+        for (n, shadow) in all.into_iter().zip(shadows) {
+            if let Some(shadow) = shadow {
+                n.body.keep(shadow);
+            }
+        }
+    }
+
+    /// A warning if contact between the scene's cloths is left out on a backend.
+    pub fn contact_warning(&self, on_gpu: bool) -> Option<Warning> {
+        let mut touching = self.scene.cloths.iter().filter(|cloth| cloth.contact.is_some());
+        let cloth = touching.next()?.name().to_owned();
+        if self.control.options.solver == Solver::Classic {
+            return Some(Warning::ContactClassic { cloth });
+        }
+        let other = touching.next()?.name().to_owned();
+        on_gpu.then_some(Warning::ContactApart { cloth, other })
+    }
+}

@@ -1,0 +1,161 @@
+//! Contact of cloth with itself.
+
+// Also, or only, on the GPU.
+#![cfg(feature = "gpu")]
+
+mod support;
+
+use gimage_runtime::crossings::{self, Drawn};
+use gimage_runtime::*;
+use support::rig::{Rig, largest};
+use support::{scene, tube, two_charts};
+
+const PASSES: [&str; 5] = ["leaves", "tree", "partners", "touch", "separate"];
+
+/// A square folded to three layers that are `gap` \[m\] apart, above a table.
+fn folded(n: u32, gap: f32) -> Scene {
+    let mut cloth = Flat::square("sheet", n).cloth().unwrap();
+    cloth.damping = 0.5;
+    let bend = std::f32::consts::PI * gap / 2.0;
+    let straight = (1.0 - 2.0 * bend) / 3.0;
+    let place = |p: &[f32; 3]| {
+        let layer = (p[0] / (straight + bend)).floor().min(2.0);
+        let along = p[0] - layer * (straight + bend);
+        let angle = 2.0 * (along - straight).max(0.0) / gap;
+        let far = along.min(straight) + gap / 2.0 * angle.sin();
+        let x = if layer == 1.0 { straight - far } else { far };
+        [x, gap * (layer + 1.0) + gap / 2.0 * (1.0 - angle.cos()), p[2]]
+    };
+    cloth.place(cloth.positions().iter().map(place).collect()).unwrap();
+    let table = Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) };
+    Scene { colliders: vec![table], ..scene(cloth) }
+}
+
+/// The scene with contact of all its cloths.
+fn with_contact(mut scene: Scene) -> Scene {
+    scene.cloths.iter_mut().for_each(|cloth| cloth.contact = Some(ClothContact::default()));
+    scene
+}
+
+fn options() -> Options {
+    Options { threads: 1, ..Options::default() }
+}
+
+/// Crossings of a scene's cloths where they are now.
+fn crossings_of(scene: &Scene, rig: &Rig) -> u64 {
+    let now: Vec<_> = (0..scene.cloths.len()).map(|c| rig.positions(c)).collect();
+    let drawn: Vec<Drawn> = scene.cloths.iter().zip(&now).map(|(cloth, now)| Drawn::at(cloth, now)).collect();
+    crossings::find(&drawn, 0).unwrap().total()
+}
+
+#[test]
+fn three_layers_stay_apart_on_a_table() {
+    let without = folded(33, 0.03);
+    let mut rig = Rig::cpu(without.clone(), &options());
+    rig.frames(60);
+    assert!(crossings_of(&without, &rig) > 1000, "the layers lie in one plane");
+    let with = with_contact(without);
+    for mut rig in Rig::both(&with, &options()) {
+        for tenth in 0..10 {
+            rig.frames(12);
+            assert_eq!(crossings_of(&with, &rig), 0, "{} after {tenth} tenths", rig.name());
+        }
+    }
+}
+
+#[test]
+fn a_sheet_that_collapses_on_a_table_hardly_crosses_itself() {
+    let upright = Flat { origin: [0.0, 1.05, 0.0], down: [0.1, -1.0, 0.05], ..Flat::square("sheet", 33) };
+    let mut cloth = upright.cloth().unwrap();
+    cloth.damping = 0.5;
+    let table = Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) };
+    let without = Scene { colliders: vec![table], ..scene(cloth) };
+    let count = |scene: Scene| {
+        let mut rig = Rig::cpu(scene.clone(), &options());
+        rig.frames(120);
+        crossings_of(&scene, &rig)
+    };
+    let (free, held) = (count(without.clone()), count(with_contact(without)));
+    assert!(free > 2000 && held < free / 50, "{held} crossings with contact, {free} without");
+}
+
+#[test]
+fn flat_cloth_and_closed_seams_are_left_as_they_are() {
+    let mut pinned = two_charts(17);
+    pinned.set_pinned(16, true).unwrap();
+    let mut dense = Flat::square("dense", 17).cloth().unwrap();
+    dense.contact = Some(ClothContact { distance: Some(0.2), ..ClothContact::default() });
+    for cloth in [tube(17, 12, 1), pinned, dense] {
+        let mut still = scene(cloth);
+        still.gravity = [0.0; 3];
+        let mut bare = still.clone();
+        bare.cloths[0].contact = None;
+        let settings = Options { substeps: Some(4), polish: Some(0), ..options() };
+        let given = still.cloths[0].contact.unwrap_or_default();
+        still.cloths[0].contact = Some(given);
+        for (mut a, mut b) in Rig::both(&still, &settings).into_iter().zip(Rig::both(&bare, &settings)) {
+            a.frames(3);
+            b.frames(3);
+            assert!(largest(&a.positions(0), &b.positions(0)) < 1e-6, "{}, {}", a.name(), still.cloths[0].name());
+        }
+    }
+}
+
+#[test]
+fn duplicates_of_a_crumpled_seam_stay_together() {
+    let mut cloth = tube(25, 20, 2);
+    cloth.damping = 0.5;
+    let table = Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0, -1.1, 0.0]) };
+    let with = with_contact(Scene { colliders: vec![table], ..scene(cloth) });
+    for mut rig in Rig::both(&with, &options()) {
+        rig.frames(60);
+        let (now, (starts, members)) = (rig.positions(0), with.cloths[0].rings());
+        for ring in starts.windows(2) {
+            let ring = &members[ring[0] as usize..ring[1] as usize];
+            let first = now[ring[0] as usize];
+            assert!(ring.iter().all(|k| now[*k as usize][..3] == first[..3]), "{}", rig.name());
+        }
+    }
+}
+
+#[test]
+fn both_backends_agree_and_repeat_by_bits() {
+    let with = with_contact(folded(21, 0.03));
+    let settings = Options { substeps: Some(6), polish: Some(0), ..options() };
+    let run = |rig: &mut Rig, frames| {
+        rig.frames(frames);
+        (rig.positions(0), rig.previous(0))
+    };
+    for (mut a, mut b) in Rig::both(&with, &settings).into_iter().zip(Rig::both(&with, &settings)) {
+        assert_eq!(run(&mut a, 20), run(&mut b, 20), "{}", a.name());
+    }
+    let mut shared = Rig::cpu(with.clone(), &Options { threads: 3, ..settings.clone() });
+    let mut rigs = Rig::both(&with, &settings);
+    let alone = run(&mut rigs[0], 12);
+    assert_eq!(run(&mut shared, 12), alone, "threads");
+    if let Some(gpu) = rigs.get_mut(1) {
+        let found = run(gpu, 12);
+        assert!(largest(&found.0, &alone.0) < 2e-3, "{} m", largest(&found.0, &alone.0));
+    }
+}
+
+#[test]
+fn contact_is_planned_only_where_it_is_asked_for() {
+    let names = |scene: Scene| {
+        let stepper = Stepper::on_cpu(scene, Options { substeps: Some(12), ..options() }).unwrap();
+        let plan = stepper.plan();
+        PASSES.map(|name| plan.passes.iter().filter(|p| p.shader == name).map(|p| p.dispatches).sum::<u32>())
+    };
+    assert_eq!(names(folded(9, 0.03)), [0; 5]);
+    assert_eq!(names(with_contact(folded(9, 0.03))), [2, 2, 2, 12, 12]);
+}
+
+#[test]
+fn wrong_settings_are_refused() {
+    for (distance, friction) in [(Some(0.0), 0.3), (Some(f32::NAN), 0.3), (Some(2.0), 0.3), (None, -1.0)] {
+        let mut scene = folded(9, 0.03);
+        scene.cloths[0].contact = Some(ClothContact { distance, friction });
+        let error = Stepper::on_cpu(scene, options()).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains("contact"), "{error}");
+    }
+}
