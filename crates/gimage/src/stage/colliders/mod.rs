@@ -63,6 +63,8 @@ pub struct Collider {
     pub joint: Option<String>,
     /// The solid, where the character stands as its file has it.
     pub solid: Solid,
+    /// The same where the body is bound to its skeleton, as the cloth of a bundle is.
+    pub bound: Solid,
 }
 
 /// Solids in place of a body.
@@ -187,8 +189,8 @@ fn fit_mesh(mesh: &Mesh, cloth: &Mesh, options: &ColliderOptions) -> Option<(Vec
     join_small(&mut others, &parents);
     let figures = judge::judge(mesh, &winding, &placed, &others);
     let collider = |p: &fit::Placed| match p.joint.map(|j| &mesh.skeleton.joints[j as usize]) {
-        Some(joint) => Collider { joint: Some(joint.name.clone()), solid: p.solid.posed(joint) },
-        None => Collider { joint: None, solid: p.solid },
+        Some(joint) => Collider { joint: Some(joint.name.clone()), solid: p.solid.posed(joint), bound: p.solid },
+        None => Collider { joint: None, solid: p.solid, bound: p.solid },
     };
     Some((placed.iter().map(collider).collect(), figures))
 }

@@ -62,20 +62,24 @@ impl BinaryChunk {
         component: Component,
         more: Value,
     ) -> usize {
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let mut view = json!({"buffer": 0, "byteLength": data.len(), "byteOffset": self.bytes.len()});
+        let view = self.view(data);
         if let Some(target) = target {
-            view["target"] = json!(target as u32);
+            self.views[view]["target"] = json!(target as u32);
         }
-        self.bytes.extend_from_slice(data);
-        self.views.push(view);
-        let view = self.views.len() - 1;
         let mut accessor = json!({"bufferView": view, "componentType": component as u32, "count": count, "type": kind});
         for (name, value) in more.as_object().into_iter().flatten() {
             accessor[name] = value.clone();
         }
         self.accessors.push(accessor);
         self.accessors.len() - 1
+    }
+
+    /// Appends bytes with a view of their own and no accessor, such as an image, and returns the view.
+    pub fn view(&mut self, data: &[u8]) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.views.push(json!({"buffer": 0, "byteLength": data.len(), "byteOffset": self.bytes.len()}));
+        self.bytes.extend_from_slice(data);
+        self.views.len() - 1
     }
 
     /// Appends an attribute of 1 to 4 floats per vertex, and returns its accessor.

@@ -13,6 +13,7 @@ mod attributes;
 mod buffers;
 mod builder;
 mod character;
+mod color;
 mod document;
 mod draco;
 mod extension;
@@ -40,6 +41,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 pub use character::Character;
+pub use color::{BaseColor, base_colors};
+pub use matrix::inverse;
 pub use place::Up;
 pub use scene::{Animation, Scene, Skin};
 pub use source::{OutsideFile, Source};
