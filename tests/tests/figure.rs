@@ -109,7 +109,7 @@ impl Skin {
     }
 }
 
-/// What a walk came to.
+/// The figures of a walk.
 struct Walk {
     /// Depths \[m\] of all free particles in all frames, and the share of frames in which any is deeper than 1 mm.
     depths: Vec<f64>,
@@ -225,7 +225,7 @@ fn the_default_rule_dresses_the_figure() {
     assert!(warnings.is_empty(), "{warnings:?}");
 }
 
-/// What holds for a walk on every backend.
+/// Checks a walk; the bounds hold on every backend.
 fn check(walk: &Walk) {
     let mm = |x: f64| 1e3 * x;
     let figures = format!(

@@ -33,7 +33,7 @@ pub use tshirt::tshirt;
 /// Makes the bytes of a garment.
 type Maker = fn() -> Vec<u8>;
 
-/// Every garment that is a file of its own: the name of the file, and the bytes. The [`figure`] is no garment.
+/// Every garment that is a file of its own: the name of the file, and the bytes. The [`figure`] has its own maker.
 pub fn all() -> Vec<(&'static str, Vec<u8>)> {
     let makers: [(&str, Maker); 6] = [
         ("tshirt.glb", tshirt),

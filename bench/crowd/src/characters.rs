@@ -16,7 +16,7 @@ type Error = Box<dyn std::error::Error + Send + Sync>;
 
 /// Seconds in which a character goes from the pose of its file into the animation.
 const LEAD: f64 = 1.0;
-/// What is turned off, by name.
+/// Names of the timed variants, and whether joints move and colliders are there.
 const VARIANTS: [(&str, [bool; 2]); 3] =
     [("whole", [true, true]), ("no contact", [true, false]), ("no joints", [false, true])];
 

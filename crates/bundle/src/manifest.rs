@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use collider::{ColliderEntry, ColliderShape, UnknownShape};
+pub use collider::{ColliderEntry, ColliderShape, MAX_COLLIDER_SIZE_M, UnknownShape};
 pub use piece::{ComponentEntry, Constants, Counts, Cut, PieceEntry, RungEntry, ShellEntry, Surface};
 pub use quality::Quality;
 pub(crate) use text::{unreadable, within_cap};

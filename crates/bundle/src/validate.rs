@@ -135,6 +135,7 @@ pub fn validate(bundle: &Bundle) -> Vec<Fault> {
     if !found.listed.is_empty() {
         return found.finish();
     }
+    check_colliders(&mut found);
     let particles = read_codes(&mut found);
     for (index, piece) in bundle.manifest.pieces.iter().enumerate() {
         check_piece(&mut found, index, piece, &particles);
@@ -221,6 +222,14 @@ impl Findings<'_> {
 }
 
 /// Sizes, channels and presence: what every later check relies on.
+fn check_colliders(found: &mut Findings) {
+    for (n, entry) in found.bundle.manifest.colliders.iter().enumerate() {
+        if let Some(fault) = entry.fault() {
+            found.manifest(FaultKind::Manifest, None, format!("collider {n}: {fault}"));
+        }
+    }
+}
+
 fn check_shapes(found: &mut Findings) {
     let bundle = found.bundle;
     for ((index, kind), image) in &bundle.images {

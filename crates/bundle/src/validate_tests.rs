@@ -151,3 +151,30 @@ fn files_that_cannot_be_read_are_exit_code_2_and_changed_ones_1() {
     assert_eq!(kinds, [FaultKind::Checksum, FaultKind::Seam]);
     assert_eq!(exit_code(&faults), 1);
 }
+
+#[test]
+fn sizes_places_and_rotations_of_colliders_are_checked() {
+    let solid = |shape: &str, x: f64, turn: f64| {
+        let text = format!(r#"{{"shape": {shape}, "position": [{x}, 0, 0], "rotation": [0, 0, 0, {turn}]}}"#);
+        serde_json::from_str(&text).unwrap()
+    };
+    let sphere = r#"{"sphere": {"radius": 0.1}}"#;
+    let cases = [
+        (sphere, 0.0, 1.0, 0),
+        (r#"{"sphere": {"radius": 0}}"#, 0.0, 1.0, 1),
+        (r#"{"capsule": {"half_height": 0.1, "radius": -0.1}}"#, 0.0, 1.0, 1),
+        (r#"{"box": {"half": [0.1, 0.1, 1e30]}}"#, 0.0, 1.0, 1),
+        (r#"{"ellipsoid": {"radii": [1e7, 0.1, 0.1]}}"#, 0.0, 1.0, 1),
+        (r#"{"cone": {"radius": -1}}"#, 0.0, 1.0, 0),
+        (sphere, 1e39, 1.0, 1),
+        (sphere, 0.0, 0.9, 1),
+    ];
+    for (shape, x, turn, count) in cases {
+        let mut bundle = sample();
+        bundle.manifest.colliders = vec![solid(sphere, 0.0, 1.0), solid(shape, x, turn)];
+        let faults = validate(&bundle);
+        let named = |f: &Fault| f.kind == FaultKind::Manifest && f.message.starts_with("collider 1: ");
+        assert_eq!((faults.len(), faults.iter().filter(|f| named(f)).count()), (count, count), "{shape}: {faults:?}");
+        assert_eq!(exit_code(&faults), u8::from(count > 0));
+    }
+}

@@ -6,9 +6,11 @@ pub(crate) mod solid;
 
 pub use from_bundle::BodyCollider;
 
+use gimage_bundle::manifest::MAX_COLLIDER_SIZE_M;
+
 use crate::error::{Result, check};
 
-/// The shape of a collider in its local frame. All lengths in metres, above 0.
+/// The shape of a collider in its local frame. All lengths in metres, above 0, at most 1e6.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// Everything at or below the plane through the centre with normal +y.
@@ -84,7 +86,8 @@ impl Collider {
             Shape::Ellipsoid { radii, .. } => radii,
         };
         for size in sizes {
-            check("the size of a collider [m]", f64::from(size), "above 0", |s| s > 0.0)?;
+            let ok = |s| s > 0.0 && s <= MAX_COLLIDER_SIZE_M;
+            check("the size of a collider [m]", f64::from(size), "above 0, at most 1e6", ok)?;
         }
         check("the friction of a collider", f64::from(self.friction), "at least 0", |f| f >= 0.0)?;
         for x in [self.center, self.velocity, self.spin].as_flattened() {

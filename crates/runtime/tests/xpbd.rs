@@ -316,3 +316,11 @@ fn numbers_out_of_range_are_refused() {
     scene.cloths[0].compliance = Compliance::Image(vec![[0.0; 4]; 63].into());
     assert!(Stepper::on_cpu(scene, options(1)).is_err());
 }
+
+#[test]
+fn sizes_of_colliders_out_of_range_are_refused() {
+    for (size, sound) in [(1e-3, true), (1e6, true), (1e30, false), (0.0, false), (-1.0, false), (f32::NAN, false)] {
+        let collider = Collider::new(Shape::Box { half: [1.0, size, 1.0] }, [0.0; 3]);
+        assert_eq!(collider.check().is_ok(), sound, "{size}");
+    }
+}

@@ -49,6 +49,35 @@ pub enum ColliderShape {
     Unknown(UnknownShape),
 }
 
+/// Largest size of a collider \[m\]: squares of it are far from the largest f32.
+pub const MAX_COLLIDER_SIZE_M: f64 = 1e6;
+
+/// Largest difference of the length of a rotation from 1.
+const MAX_ROTATION_ERROR: f64 = 1e-3;
+
+impl ColliderEntry {
+    /// The rule that the entry breaks, in words without its place; `None` for a sound entry and for shapes that are not known.
+    pub fn fault(&self) -> Option<String> {
+        let sizes = match &self.shape {
+            ColliderShape::Sphere { radius } => vec![*radius],
+            ColliderShape::Capsule { half_height, radius } => vec![*half_height, *radius],
+            ColliderShape::Box { half } => half.to_vec(),
+            ColliderShape::Ellipsoid { radii } => radii.to_vec(),
+            ColliderShape::Unknown(_) => Vec::new(),
+        };
+        let sound = |size: &f64| *size > 0.0 && *size <= MAX_COLLIDER_SIZE_M;
+        if let Some(size) = sizes.iter().find(|size| !sound(size)) {
+            return Some(format!("the size {size} m is not above 0 and at most {MAX_COLLIDER_SIZE_M} m"));
+        }
+        if let Some(x) = self.position.iter().find(|x| !(x.abs() <= f64::from(f32::MAX))) {
+            return Some(format!("the position {x} m is not a finite number of 32 bits"));
+        }
+        let length = self.rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let unit = (length - 1.0).abs() <= MAX_ROTATION_ERROR;
+        (!unit).then(|| format!("the rotation is a quaternion of length {length}, not 1"))
+    }
+}
+
 /// A shape that this version does not know: an object with one field of another name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value")]

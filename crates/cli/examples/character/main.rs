@@ -1,4 +1,4 @@
-//! A dressed character plays an animation: docs/characters.md. What a game has anyway, a screen, is in screen.rs.
+//! A dressed character plays an animation: docs/characters.md. Its screen, which a game has anyway, is in screen.rs.
 use std::{env, error::Error, fs, path::Path};
 
 use gimage::import::{Character, ImportOptions};

@@ -74,7 +74,7 @@ impl Engine {
         Ok(())
     }
 
-    /// What moves its joints.
+    /// The character that moves its joints.
     pub fn animated(&self) -> Option<&Animated> {
         self.animated.as_deref()
     }
