@@ -16,7 +16,8 @@ use gimage::mesh::{Mesh, Semantic};
 use gimage::pipeline::{Built, dress};
 use gimage::progress::Quiet;
 use gimage_bundle::dir::write_dir;
-use gimage_runtime::{BodyCollider, Cloth, Options, Scene, Stepper, wgpu};
+use gimage_runtime::draw::{Camera, Facet, Software, View};
+use gimage_runtime::{BodyCollider, Cloth, Collider, Flat, Options, Scene, Shape, Stepper, wgpu};
 use gimage_tests::{asset, texels};
 
 const FRAME: f64 = 1.0 / 60.0;
@@ -133,6 +134,7 @@ type Device = (wgpu::Device, wgpu::Queue);
 fn walk(seconds: f64, every: usize, device: Option<&Device>) -> Walk {
     let bundle = &BUILT.bundle;
     let mut cloth = Cloth::from_bundle("figure", bundle).unwrap();
+    assert_eq!(cloth.thickness, Some(0.003), "half the distance that colliders are fitted to");
     let motion = Motion::new(&cloth, "Walk");
     let skin = Skin::new(&motion.character);
     cloth.follow_joints(&motion.matrices(&cloth, -LEAD)).unwrap();
@@ -267,4 +269,28 @@ fn the_host_program_plays_the_figure() {
     assert!((0.1..0.8).contains(&drawn), "{drawn} of the picture is drawn");
     assert!(character::main().is_err(), "no bundle is given");
     assert!(character::run(&path, &asset("figure.glb"), "Swim", 1).is_err());
+}
+
+#[test]
+fn a_surface_is_drawn_in_place_of_a_cloth_and_a_collider() {
+    let mut scene = Scene::new("surface");
+    scene.cloths.push(Flat::square("sheet", 5).cloth().unwrap());
+    scene.colliders.push(Collider::new(Shape::Sphere { radius: 0.3 }, [0.0; 3]));
+    let stepper = Stepper::on_cpu(scene, Options::default()).unwrap();
+    let mut painter = Software::new(32, 32, 1).unwrap();
+    let camera = Camera { eye: [0.0, 0.0, 3.0], target: [0.0; 3], fov: 0.6 };
+    let view = View { background: [1.0; 3], ..View::new(&camera, 1.0) };
+    let drawn = |painter: &Software| painter.picture(&stepper, &view, 1.0).unwrap();
+    let before = drawn(&painter);
+    painter.hide_collider(0, true);
+    painter.hide_cloth(0, true);
+    assert!(drawn(&painter).iter().all(|p| *p == [255; 4]), "nothing is left to draw");
+    let corners = [[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.5, 0.0]];
+    painter.set_surface(vec![Facet { corners, normals: [[0.0, 0.0, 1.0]; 3], color: [0.9, 0.1, 0.1] }]);
+    let middle = drawn(&painter)[16 * 32 + 16];
+    assert!(middle[0] > 150 && middle[1] < 80 && middle[2] < 80, "{middle:?}");
+    painter.set_surface(Vec::new());
+    painter.hide_collider(0, false);
+    painter.hide_cloth(0, false);
+    assert_eq!(drawn(&painter), before);
 }
