@@ -12,7 +12,7 @@ use gimage_bench_host::FRAME;
 use gimage_runtime::{BodyCollider, Cloth, Options, Scene, Skin, Stepper};
 use rayon::prelude::*;
 
-type Error = Box<dyn std::error::Error + Send + Sync>;
+type Error = Box<dyn std::error::Error>;
 
 /// Seconds in which a character goes from the pose of its file into the animation.
 const LEAD: f64 = 1.0;

@@ -67,7 +67,7 @@ struct Args {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args = Args::parse();
     if !args.characters.is_empty() {
-        return Ok(characters::print(&args.file, &args.animation, &args.characters, args.frames)?);
+        return characters::print(&args.file, &args.animation, &args.characters, args.frames);
     }
     if args.counts {
         return Ok(counts::print(&Gpu::of_the_web()?, args.substeps)?);
