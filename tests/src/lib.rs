@@ -14,6 +14,9 @@ mod runtime_page {}
 #[doc = include_str!("../../docs/crowds.md")]
 mod crowds_page {}
 #[cfg(doctest)]
+#[doc = include_str!("../../docs/characters.md")]
+mod characters_page {}
+#[cfg(doctest)]
 #[doc = include_str!("../../docs/screen.md")]
 mod screen_page {}
 #[cfg(doctest)]

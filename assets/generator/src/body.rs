@@ -47,20 +47,74 @@ impl Body {
         body
     }
 
-    fn without_arms() -> Self {
-        let ellipsoid = |y: f64, z: f64, radii: V3| Part::Ellipsoid { centre: [0.0, y, z], radii };
-        let cone = |a: V3, b: V3, ra: f64, rb: f64| Part::Cone { a, b, ra, rb };
-        let mut parts = vec![
-            ellipsoid(0.93, -0.01, [0.175, 0.15, 0.125]),
-            ellipsoid(1.10, 0.0, [0.137, 0.20, 0.100]),
-            ellipsoid(1.28, 0.005, [0.162, 0.18, 0.118]),
-            cone([-0.135, 1.405, 0.0], [0.135, 1.405, 0.0], 0.058, 0.058),
-            cone([0.0, 1.40, -0.01], [0.0, 1.60, 0.015], 0.066, 0.056),
-        ];
-        for s in [-1.0, 1.0] {
-            parts.push(cone([s * 0.092, 0.88, 0.0], [s * 0.112, 0.48, 0.01], 0.082, 0.054));
-            parts.push(cone([s * 0.112, 0.48, 0.01], [s * 0.13, 0.05, -0.01], 0.054, 0.042));
+    /// A walking person in A-pose with a chest, calves, feet, hands and a head.
+    pub fn person() -> Self {
+        let mut body = Self::trunk();
+        for s in [1.0, -1.0] {
+            body.parts.extend(Self::leg(s).parts);
+            body.parts.extend(Self::arm(s).parts);
         }
+        body
+    }
+
+    /// The person without arms and legs.
+    pub fn trunk() -> Self {
+        let mut parts = trunk();
+        // A thinner neck, the skull, the jaw and the nose.
+        parts.pop();
+        parts.extend([
+            cone([0.0, 1.40, -0.012], [0.0, 1.58, 0.008], 0.060, 0.047),
+            ellipsoid([0.0, 1.655, 0.010], [0.081, 0.113, 0.100]),
+            cone([0.0, 1.612, 0.030], [0.0, 1.580, 0.062], 0.057, 0.031),
+            cone([0.0, 1.665, 0.098], [0.0, 1.632, 0.112], 0.010, 0.012),
+        ]);
+        for s in [1.0, -1.0] {
+            parts.push(ellipsoid([s * 0.072, 1.265, 0.072], [0.062, 0.066, 0.052]));
+            parts.push(ellipsoid([s * 0.078, 0.905, -0.072], [0.086, 0.095, 0.070]));
+        }
+        Self { parts }
+    }
+
+    /// An arm of the person with its hand, on the side of this sign of x.
+    pub fn arm(s: f64) -> Self {
+        let shoulder = [s * SHOULDER[0], SHOULDER[1], SHOULDER[2]];
+        let along = |t: f64, z: f64| add(shoulder, [s * ARM[0] * t, ARM[1] * t, z]);
+        let parts = vec![
+            cone(along(0.0, 0.0), along(0.28, 0.0), 0.056, 0.041),
+            cone(along(0.28, 0.0), along(0.36, 0.0), 0.042, 0.042),
+            cone(along(0.36, 0.0), along(0.52, 0.0), 0.042, 0.027),
+            // Palm, fingers and thumb.
+            cone(along(0.53, -0.007), along(0.61, -0.010), 0.029, 0.027),
+            cone(along(0.53, 0.007), along(0.61, 0.010), 0.029, 0.027),
+            cone(along(0.61, 0.0), along(0.685, 0.0), 0.028, 0.021),
+            cone(along(0.555, 0.018), along(0.600, 0.040), 0.021, 0.016),
+        ];
+        Self { parts }
+    }
+
+    /// A leg of the person with its foot, on the side of this sign of x.
+    pub fn leg(s: f64) -> Self {
+        let at = |x: f64, y: f64, z: f64| [s * x, y, z];
+        let mut parts = leg(s);
+        parts.extend([
+            cone(at(0.116, 0.40, -0.014), at(0.122, 0.26, -0.018), 0.052, 0.040),
+            // Heel, ball of the foot and toes.
+            cone(at(0.130, 0.048, -0.035), at(0.142, 0.042, 0.090), 0.043, 0.040),
+            cone(at(0.142, 0.040, 0.090), at(0.144, 0.032, 0.150), 0.038, 0.028),
+        ]);
+        Self { parts }
+    }
+
+    /// The person with a cone in place of a stride, over which a skirt is draped.
+    pub fn person_on_stand() -> Self {
+        let mut body = Self::person();
+        body.parts.push(Part::Cone { a: [0.0, 0.85, 0.0], b: [0.0, 0.35, 0.0], ra: 0.13, rb: 0.17 });
+        body
+    }
+
+    fn without_arms() -> Self {
+        let mut parts = trunk();
+        [-1.0, 1.0].into_iter().for_each(|s| parts.extend(leg(s)));
         Self { parts }
     }
 
@@ -86,6 +140,33 @@ impl Body {
             self.distance(add(p, step)) - self.distance(sub(p, step))
         }))
     }
+}
+
+fn ellipsoid(centre: V3, radii: V3) -> Part {
+    Part::Ellipsoid { centre, radii }
+}
+
+fn cone(a: V3, b: V3, ra: f64, rb: f64) -> Part {
+    Part::Cone { a, b, ra, rb }
+}
+
+/// Hips, waist, ribs, shoulders and neck.
+fn trunk() -> Vec<Part> {
+    vec![
+        ellipsoid([0.0, 0.93, -0.01], [0.175, 0.15, 0.125]),
+        ellipsoid([0.0, 1.10, 0.0], [0.137, 0.20, 0.100]),
+        ellipsoid([0.0, 1.28, 0.005], [0.162, 0.18, 0.118]),
+        cone([-0.135, 1.405, 0.0], [0.135, 1.405, 0.0], 0.058, 0.058),
+        cone([0.0, 1.40, -0.01], [0.0, 1.60, 0.015], 0.066, 0.056),
+    ]
+}
+
+/// Thigh and shin on the side of this sign of x.
+fn leg(s: f64) -> Vec<Part> {
+    vec![
+        cone([s * 0.092, 0.88, 0.0], [s * 0.112, 0.48, 0.01], 0.082, 0.054),
+        cone([s * 0.112, 0.48, 0.01], [s * 0.13, 0.05, -0.01], 0.054, 0.042),
+    ]
 }
 
 impl Part {

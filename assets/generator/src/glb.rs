@@ -150,7 +150,7 @@ pub fn write(s: &Surface, scene: &Scene) -> Vec<u8> {
 }
 
 /// Adds the joints as nodes and gives the skin. Joints only translate, so that the rest pose is the bind pose.
-fn add_skeleton(b: &mut BinaryChunk, nodes: &mut Vec<Value>, skin: &Skin) -> Value {
+pub(crate) fn add_skeleton(b: &mut BinaryChunk, nodes: &mut Vec<Value>, skin: &Skin) -> Value {
     let first = nodes.len();
     let mut inverse = Vec::new();
     for (i, j) in skin.joints.iter().enumerate() {
@@ -174,7 +174,7 @@ fn add_skeleton(b: &mut BinaryChunk, nodes: &mut Vec<Value>, skin: &Skin) -> Val
 }
 
 /// An animation of joints that are nodes from `first` on.
-fn animation(b: &mut BinaryChunk, clip: &Clip, first: usize) -> Value {
+pub(crate) fn animation(b: &mut BinaryChunk, clip: &Clip, first: usize) -> Value {
     let (mut channels, mut samplers) = (Vec::new(), Vec::new());
     for (n, track) in clip.tracks.iter().enumerate() {
         let bytes = |list: &[f32]| list.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();

@@ -16,6 +16,7 @@ pub mod surface;
 mod belt_loop;
 mod cape;
 mod dress;
+pub mod figure;
 mod skirt;
 mod sleeve;
 mod trousers;
@@ -23,6 +24,7 @@ mod tshirt;
 
 pub use cape::cape;
 pub use dress::dress;
+pub use figure::figure;
 pub use skirt::skirt;
 pub use sleeve::sleeve;
 pub use trousers::trousers;
@@ -31,7 +33,7 @@ pub use tshirt::tshirt;
 /// Makes the bytes of a garment.
 type Maker = fn() -> Vec<u8>;
 
-/// Every garment: the name of its file, and the bytes.
+/// Every garment that is a file of its own: the name of the file, and the bytes. The [`figure`] has its own maker.
 pub fn all() -> Vec<(&'static str, Vec<u8>)> {
     let makers: [(&str, Maker); 6] = [
         ("tshirt.glb", tshirt),

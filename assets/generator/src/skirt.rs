@@ -26,7 +26,7 @@ const SHAPE: Flare = Flare { half_angle: 0.72, inner: 0.281, outer: 0.851 };
 
 /// The file. Its mesh is in centimetres, Z up, under a node that turns and scales it.
 pub fn skirt() -> Vec<u8> {
-    let mut s = surface(&garment());
+    let mut s = surface(&garment(&Body::stand()));
     for p in &mut s.positions {
         *p = [p[0], -p[2], p[1]].map(|c| (f64::from(c) * 1e5).round() / 1e3).map(|c| c as f32);
     }
@@ -46,8 +46,8 @@ pub fn skirt() -> Vec<u8> {
     write(&s, &scene)
 }
 
-fn garment() -> Garment {
-    let body = Body::stand();
+/// The skirt, draped over a body on a stand.
+pub fn garment(body: &Body) -> Garment {
     let panel = |which: &'static str, side: f64| Panel {
         outline: sector(SHAPE, which),
         holes: vec![],
@@ -55,16 +55,8 @@ fn garment() -> Garment {
     };
     let mut g = sew(&[panel("f", 1.0), panel("b", -1.0)], 0.0225);
     let pins = g.on_edges("waist");
-    let how = Drape {
-        body: &body,
-        pins: &pins,
-        steps: 420,
-        bend: 0.45,
-        friction: 0.2,
-        layer: 0.018,
-        gap: 0.006,
-        limit: &|_, p| p,
-    };
+    let how =
+        Drape { body, pins: &pins, steps: 420, bend: 0.45, friction: 0.2, layer: 0.018, gap: 0.006, limit: &|_, p| p };
     drape(&mut g, &how);
     smooth(&mut g, 3, &pins);
     g

@@ -12,39 +12,32 @@ use crate::surface::surface;
 const NECK: V2 = [0.088, 1.505];
 const TIP: V2 = [0.215, 1.462];
 const UNDERARM: V2 = [0.262, 1.235];
-const HEM: f64 = 0.80;
+/// The side of a panel up to the underarm: the hem, and two control points.
+const SIDE: [V2; 3] = [[0.258, 0.80], [0.252, 0.95], [0.248, 1.1]];
 const SLEEVE_HALF: f64 = 0.185;
 
 /// The file.
 pub fn tshirt() -> Vec<u8> {
-    let s = surface(&garment());
+    let s = surface(&garment(&Body::figure(), SIDE));
     let material = ("heather cotton", [0.16, 0.34, 0.48]);
     let scene =
         Scene { name: "tshirt", material, short_indices: true, parent: None, pin: None, colours: None, skin: None };
     write(&s, &scene)
 }
 
-fn garment() -> Garment {
-    let body = Body::figure();
+/// A T-shirt draped over a body; `side` is the side of a panel from the hem to the last control point before the underarm.
+pub fn garment(body: &Body, side: [V2; 3]) -> Garment {
     let armhole = armhole("").length();
     let cap = cap_height(armhole);
     let panels = [
-        Panel { outline: torso(0.095, "f"), holes: vec![], place: Box::new(|p| on_torso(p, 1.0)) },
-        Panel { outline: torso(0.028, "b"), holes: vec![], place: Box::new(|p| on_torso(p, -1.0)) },
+        Panel { outline: torso(0.095, "f", side), holes: vec![], place: Box::new(|p| on_torso(p, 1.0)) },
+        Panel { outline: torso(0.028, "b", side), holes: vec![], place: Box::new(|p| on_torso(p, -1.0)) },
         Panel { outline: sleeve(cap, ["l-b", "l-f"]), holes: vec![], place: Box::new(move |p| on_arm(p, 1.0)) },
         Panel { outline: sleeve(cap, ["r-f", "r-b"]), holes: vec![], place: Box::new(move |p| on_arm(p, -1.0)) },
     ];
     let mut g = sew(&panels, 0.021);
-    let how = Drape {
-        body: &body,
-        pins: &[],
-        steps: 420,
-        bend: 0.1,
-        friction: 0.6,
-        layer: 0.018,
-        gap: 0.006,
-        limit: &|_, p| p,
-    };
+    let how =
+        Drape { body, pins: &[], steps: 420, bend: 0.1, friction: 0.6, layer: 0.018, gap: 0.006, limit: &|_, p| p };
     drape(&mut g, &how);
     smooth(&mut g, 2, &[]);
     g
@@ -56,23 +49,23 @@ fn armhole(name: &str) -> Edge {
 }
 
 /// The front or back outline; `which` is "f" or "b".
-fn torso(drop: f64, which: &str) -> Vec<Edge> {
+fn torso(drop: f64, which: &str, [hem, low, high]: [V2; 3]) -> Vec<Edge> {
     // Seen from behind, the wearer's left is on the left.
     let (right, left) = if which == "f" { ("l", "r") } else { ("r", "l") };
     let half = |side: &str| {
         vec![
-            bezier(&format!("side-{side}"), [[0.258, HEM], [0.252, 0.95], [0.248, 1.1], UNDERARM]),
+            bezier(&format!("side-{side}"), [hem, low, high, UNDERARM]),
             armhole(&format!("armhole-{side}-{which}")),
             line(&format!("shoulder-{side}"), TIP, NECK),
         ]
     };
-    let mut out =
-        vec![bezier(&format!("hem-{which}"), [[-0.258, HEM], [-0.1, HEM - 0.012], [0.1, HEM - 0.012], [0.258, HEM]])];
+    let dip = hem[1] - 0.012;
+    let mut out = vec![bezier(&format!("hem-{which}"), [[-hem[0], hem[1]], [-0.1, dip], [0.1, dip], hem])];
     out.extend(half(right));
-    let low = NECK[1] - drop;
+    let neck = NECK[1] - drop;
     out.push(bezier(
         &format!("neck-{which}"),
-        [NECK, [NECK[0] - 0.012, low - drop * 0.32], [0.012 - NECK[0], low - drop * 0.32], [-NECK[0], NECK[1]]],
+        [NECK, [NECK[0] - 0.012, neck - drop * 0.32], [0.012 - NECK[0], neck - drop * 0.32], [-NECK[0], NECK[1]]],
     ));
     out.extend(mirror(&half(left), str::to_string));
     out

@@ -23,14 +23,14 @@ struct Welded {
 fn weld(glb: &Glb) -> Welded {
     let (mut seen, mut points) = (BTreeMap::new(), Vec::new());
     let mut ids = Vec::new();
-    for p in glb.floats::<3>("POSITION") {
+    for p in glb.floats_of::<3>(0, "POSITION") {
         let id = *seen.entry(p.map(f32::to_bits)).or_insert_with(|| {
             points.push(p.map(f64::from));
             points.len() - 1
         });
         ids.push(id);
     }
-    let triangles = glb.triangles().iter().map(|t| t.map(|i| ids[i])).collect();
+    let triangles = glb.triangles_of(0).iter().map(|t| t.map(|i| ids[i])).collect();
     Welded { points, triangles }
 }
 
@@ -104,7 +104,7 @@ fn triangles_are_well_shaped() {
             assert!(side[2] * side[2] / (2.0 * area) < 6.0, "{name}: aspect of {side:?}");
             assert!(side[0] > 0.005 && side[2] < 0.045, "{name}: {side:?}");
         }
-        for n in glb.floats::<3>("NORMAL") {
+        for n in glb.floats_of::<3>(0, "NORMAL") {
             assert!((n.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() < 1e-4, "{name}: {n:?}");
         }
     }
@@ -114,13 +114,13 @@ fn triangles_are_well_shaped() {
 fn texture_coordinates_are_the_panels() {
     for (name, bytes) in ALL.iter() {
         let glb = Glb::read(bytes);
-        let uv = glb.floats::<2>("TEXCOORD_0");
+        let uv = glb.floats_of::<2>(0, "TEXCOORD_0");
         assert!(uv.iter().flatten().all(|c| (0.0..=1.0).contains(c)), "{name}");
         let metres = glb.doc["asset"]["extras"]["metresPerUv"].as_f64().expect("the scale of the panels");
         let unit = if *name == "skirt.glb" { 0.01 } else { 1.0 };
-        let p = glb.floats::<3>("POSITION");
+        let p = glb.floats_of::<3>(0, "POSITION");
         let mut stretch = Vec::new();
-        for t in glb.triangles() {
+        for t in glb.triangles_of(0) {
             let [a, b, c] = t.map(|i| uv[i].map(f64::from));
             // V points down, so what is counter-clockwise in a panel has a negative area here.
             let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -151,9 +151,9 @@ fn panels_do_not_overlap() {
     ];
     for (name, count) in islands {
         let glb = open(name);
-        let uv = glb.floats::<2>("TEXCOORD_0");
+        let uv = glb.floats_of::<2>(0, "TEXCOORD_0");
         let mut group: Vec<usize> = (0..uv.len()).collect();
-        let pairs = glb.triangles().into_iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2])]);
+        let pairs = glb.triangles_of(0).into_iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2])]);
         let all: Vec<usize> = (0..uv.len()).collect();
         assert_eq!(count_groups(&mut group, pairs, &all), count, "{name}");
         let root = |mut i: usize| {
@@ -190,7 +190,7 @@ fn is_skinned_in_its_rest_pose(glb: &Glb, count: usize) {
     let joints: Vec<usize> =
         skin["joints"].as_array().expect("joints").iter().map(|j| j.as_u64().expect("index") as usize).collect();
     assert_eq!(joints.len(), count);
-    for (w, j) in glb.floats::<4>("WEIGHTS_0").iter().zip(glb.bytes("JOINTS_0").as_chunks::<4>().0) {
+    for (w, j) in glb.floats_of::<4>(0, "WEIGHTS_0").iter().zip(glb.bytes_of(0, "JOINTS_0").as_chunks::<4>().0) {
         assert!((w.iter().sum::<f32>() - 1.0).abs() < 1e-6 && w.iter().all(|w| *w >= 0.0));
         assert!(j.iter().all(|&j| usize::from(j) < joints.len()));
     }
@@ -215,7 +215,7 @@ fn is_skinned_in_its_rest_pose(glb: &Glb, count: usize) {
 #[test]
 fn the_cape_is_pinned_at_the_collar() {
     let glb = open("cape.glb");
-    let pins = glb.floats::<1>("_PIN");
+    let pins = glb.floats_of::<1>(0, "_PIN");
     let pinned = pins.iter().filter(|p| p[0] == 1.0).count();
     assert!(pins.iter().all(|p| p[0] == 0.0 || p[0] == 1.0));
     assert!((10..60).contains(&pinned), "{pinned}");

@@ -1,8 +1,10 @@
 //! Times crowds: 1 to 1,000 garments that share the images of one. CSV to stdout.
 
+mod characters;
 mod counts;
 mod garment;
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Parser;
@@ -15,7 +17,9 @@ const WARM_UP: u32 = 3;
 /// The cost of a crowd: milliseconds per frame and per garment, and bytes, on the CPU backend and on the GPU. CSV to stdout, the
 /// adapter to stderr.
 #[derive(Parser)]
-#[command(after_help = "Example:\n  crowd --particles 32 --garments 1,100 --threads 1,0 > crowd.csv\n  crowd --counts")]
+#[command(
+    after_help = "Example:\n  crowd --particles 32 --garments 1,100 --threads 1,0 > crowd.csv\n  crowd --counts\n  crowd --characters 100"
+)]
 struct Args {
     /// Particles along each side of a garment, separated by commas.
     #[arg(long, value_delimiter = ',', default_value = "32,64")]
@@ -48,11 +52,23 @@ struct Args {
     /// default limits.
     #[arg(long, conflicts_with = "cpu")]
     counts: bool,
+    /// Instead of garments: dressed characters on the CPU, alone on one core and in these numbers on all cores, separated by commas.
+    #[arg(long, value_delimiter = ',', conflicts_with_all = ["gpu", "counts"])]
+    characters: Vec<u32>,
+    /// The character: a file with a body, clothes and an animation.
+    #[arg(long, default_value = "assets/figure.glb")]
+    file: PathBuf,
+    /// Its animation.
+    #[arg(long, default_value = "Walk")]
+    animation: String,
 }
 
 #[allow(clippy::print_stdout)]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args = Args::parse();
+    if !args.characters.is_empty() {
+        return characters::print(&args.file, &args.animation, &args.characters, args.frames);
+    }
     if args.counts {
         return Ok(counts::print(&Gpu::of_the_web()?, args.substeps)?);
     }

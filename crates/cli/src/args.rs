@@ -210,6 +210,9 @@ pub struct RenderArgs {
     /// Vertical field of view [default: that of the scene, or 35].
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub fov: Option<f32>,
+    /// Draw the colliders of a character in place of its body.
+    #[arg(long)]
+    pub colliders: bool,
     /// Background colour, sRGB, for example ffffff [default: that of the scene, or f4f4f2].
     #[arg(long, value_name = "RRGGBB", value_parser = color)]
     pub background: Option<[f32; 3]>,

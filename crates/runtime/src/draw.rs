@@ -11,11 +11,13 @@ mod raster;
 mod rows;
 mod shader;
 mod software;
+mod surface;
 
 pub use crate::look::{Camera, Look, SolidLook, View, uv_of};
 #[cfg(feature = "gpu")]
 pub use device::{Draw, Target};
 pub use software::Software;
+pub use surface::Facet;
 
 use crate::collider::Collider;
 use crate::number::real::{add, cross, scale, xyz};

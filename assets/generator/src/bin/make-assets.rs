@@ -8,7 +8,7 @@ fn main() -> ExitCode {
         eprintln!("usage: make-assets FOLDER");
         return ExitCode::from(2);
     };
-    for (name, bytes) in gimage_assets::all() {
+    for (name, bytes) in gimage_assets::all().into_iter().chain([("figure.glb", gimage_assets::figure())]) {
         if let Err(e) = std::fs::write(folder.join(name), &bytes) {
             eprintln!("cannot write {}: {e}", folder.join(name).display());
             return ExitCode::FAILURE;

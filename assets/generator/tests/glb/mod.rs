@@ -29,24 +29,24 @@ impl Glb {
         floats.as_chunks::<N>().0.to_vec()
     }
 
-    fn primitive(&self) -> &Value {
-        &self.doc["meshes"][0]["primitives"][0]
+    fn primitive(&self, mesh: usize) -> &Value {
+        &self.doc["meshes"][mesh]["primitives"][0]
     }
 
-    fn attribute(&self, name: &str) -> usize {
-        self.primitive()["attributes"][name].as_u64().expect(name) as usize
+    fn attribute(&self, mesh: usize, name: &str) -> usize {
+        self.primitive(mesh)["attributes"][name].as_u64().expect(name) as usize
     }
 
-    pub fn floats<const N: usize>(&self, name: &str) -> Vec<[f32; N]> {
-        self.accessor(self.attribute(name))
+    pub fn floats_of<const N: usize>(&self, mesh: usize, name: &str) -> Vec<[f32; N]> {
+        self.accessor(self.attribute(mesh, name))
     }
 
-    pub fn bytes(&self, name: &str) -> &[u8] {
-        self.raw(self.attribute(name))
+    pub fn bytes_of(&self, mesh: usize, name: &str) -> &[u8] {
+        self.raw(self.attribute(mesh, name))
     }
 
-    pub fn triangles(&self) -> Vec<[usize; 3]> {
-        let index = self.primitive()["indices"].as_u64().expect("indices") as usize;
+    pub fn triangles_of(&self, mesh: usize) -> Vec<[usize; 3]> {
+        let index = self.primitive(mesh)["indices"].as_u64().expect("indices") as usize;
         let raw = self.raw(index);
         let all: Vec<usize> = match self.doc["accessors"][index]["componentType"].as_u64() {
             Some(5123) => raw.as_chunks::<2>().0.iter().map(|b| usize::from(u16::from_le_bytes(*b))).collect(),

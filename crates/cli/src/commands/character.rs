@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use gimage::import::{Character, ImportOptions, Up};
+use gimage::select::{Pattern, SelectOptions};
 use gimage_bundle::Manifest;
 use gimage_runtime::scene::Pose;
 use gimage_runtime::scene::file::SceneFile;
@@ -21,11 +22,27 @@ pub struct MotionArgs {
     /// The character: .glb or .gltf [default: that of the scene, or the file that the bundle was built from, beside the bundle].
     #[arg(long, value_name = "FILE")]
     pub character: Option<PathBuf>,
+    /// Seconds before time 0 in which the character goes from the pose of its file into the animation, so that cloth starts as it was
+    /// modelled and settles [default: 1 of a bundle, 0 of a scene file].
+    #[arg(long, value_name = "SECONDS")]
+    pub lead: Option<f64>,
 }
+
+/// Longest time before an animation \[s\], and how long that of a bundle is by default.
+const LONGEST_LEAD_S: f64 = 60.0;
+const LEAD_S: f64 = 1.0;
+/// The share of that time in which the character gets into the animation; then the cloth settles.
+const GETS_IN: f64 = 0.7;
 
 /// A character, and those cloths and colliders of a scene that move with it.
 pub struct Animated {
+    /// Its file.
+    pub path: PathBuf,
+    /// How the bundle was read from it.
+    pub reading: Reading,
     character: Character,
+    /// Time before the animation \[s\].
+    lead: f64,
     /// Indices of cloths, and the nodes of their joints.
     cloths: Vec<(usize, Vec<usize>)>,
     colliders: Vec<Attached>,
@@ -35,12 +52,33 @@ pub struct Animated {
 struct Attached {
     index: usize,
     node: usize,
-    /// Its pose where the node is in the pose of the file.
+    /// Its pose where the transform of the node to world space is `from`.
     pose: Pose,
+    from: [f64; 16],
 }
 
-/// The options of the import that made a bundle, as far as they say where joints are.
-pub fn import_options(manifest: &Manifest) -> ImportOptions {
+/// How a bundle was read from the file of a character.
+#[derive(Clone, Default)]
+pub struct Reading {
+    /// Where joints are.
+    pub import: ImportOptions,
+    /// Which parts became cloth.
+    pub select: SelectOptions,
+}
+
+impl Reading {
+    /// That of the options in a manifest.
+    pub fn of(manifest: &Manifest) -> Self {
+        let patterns = |name: &str| -> Vec<Pattern> {
+            let list = manifest.options.get(name).and_then(|v| v.as_array());
+            list.into_iter().flatten().filter_map(|v| v.as_str()?.parse().ok()).collect()
+        };
+        let select = SelectOptions { cloth: patterns("cloth"), body: patterns("body"), rigid: patterns("rigid") };
+        Reading { import: import_options(manifest), select }
+    }
+}
+
+fn import_options(manifest: &Manifest) -> ImportOptions {
     let option = |name: &str| manifest.options.get(name);
     let default = ImportOptions::default();
     ImportOptions {
@@ -56,11 +94,17 @@ impl Animated {
     /// some, begin where it begins.
     pub fn new(
         (path, animation): (&Path, &str),
-        options: &ImportOptions,
+        reading: Reading,
+        (lead, in_bundle): (f64, bool),
         file: &mut SceneFile,
     ) -> Result<Self, Failure> {
-        let character = Character::read(path, animation, options).map_err(|e| Failure::refused(e.to_string()))?;
+        if !(0.0..=LONGEST_LEAD_S).contains(&lead) {
+            return Err(Failure::refused(format!("--lead {lead}: give 0 to {LONGEST_LEAD_S} s")));
+        }
+        let character =
+            Character::read(path, animation, &reading.import).map_err(|e| Failure::refused(e.to_string()))?;
         let node = |name: &str| character.node(name).map_err(|e| Failure::refused(e.to_string()));
+        let rest = character.rest_worlds();
         let (mut cloths, mut colliders) = (Vec::new(), Vec::new());
         for (index, cloth) in file.scene.cloths.iter().enumerate() {
             let Some(skin) = cloth.skin() else { continue };
@@ -69,7 +113,9 @@ impl Animated {
         for (index, joint) in file.joints.iter().enumerate() {
             let (Some(joint), Some(collider)) = (joint, file.scene.colliders.get(index)) else { continue };
             collider.check()?;
-            colliders.push(Attached { index, node: node(joint)?, pose: collider.pose() });
+            let (node, pose) = (node(joint)?, collider.pose());
+            let from = bound(&file.scene, joint).filter(|_| in_bundle).unwrap_or(rest[node]);
+            colliders.push(Attached { index, node, pose, from });
         }
         if cloths.is_empty() && colliders.is_empty() {
             let hint = "build the bundle from a file with a skin, or from parts that its skeleton moves";
@@ -81,7 +127,7 @@ impl Animated {
         if !cloths.is_empty() && file.options.solver == Solver::Classic {
             return Err(Failure::refused("the solver `classic` moves no joints; use --solver xpbd"));
         }
-        let animated = Animated { character, cloths, colliders };
+        let animated = Animated { path: path.into(), reading, character, lead, cloths, colliders };
         animated.start(&mut file.scene)?;
         if !animated.character.loops() && animated.character.seconds() > 0.0 {
             file.scene.frames = (animated.character.seconds() / file.options.step).ceil() as u32;
@@ -105,36 +151,64 @@ impl Animated {
     }
 
     fn start(&self, scene: &mut Scene) -> Result<(), Failure> {
-        let worlds = self.character.worlds(0.0);
+        let worlds = self.worlds(-self.lead);
         for (index, nodes) in &self.cloths {
             let matrices = matrices(&scene.cloths[*index], nodes, &worlds)?;
             scene.cloths[*index].follow_joints(&matrices)?;
         }
-        let rest = self.character.rest_worlds();
         for attached in &self.colliders {
-            let Pose { position, rotation } = attached.at(&rest, &worlds);
+            let Pose { position, rotation } = attached.at(&worlds);
             let collider = &mut scene.colliders[attached.index];
             (collider.center, collider.rotation) = (position, rotation);
         }
         Ok(())
     }
 
+    /// Time before the animation \[s\].
+    pub fn lead(&self) -> f64 {
+        self.lead
+    }
+
+    /// The character with its animation.
+    pub fn character(&self) -> &Character {
+        &self.character
+    }
+
+    /// The indices of the colliders that it moves.
+    pub fn colliders(&self) -> impl Iterator<Item = usize> {
+        self.colliders.iter().map(|attached| attached.index)
+    }
+
+    /// Where its nodes are at `time` \[s\]; before 0 they are on their way into the animation.
+    pub fn worlds(&self, time: f64) -> Vec<[f64; 16]> {
+        if time >= 0.0 || self.lead <= 0.0 {
+            return self.character.worlds(time.max(0.0));
+        }
+        let t = ((time + self.lead) / (GETS_IN * self.lead)).clamp(0.0, 1.0);
+        self.character.worlds_between(time, t * t * (3.0 - 2.0 * t))
+    }
+
     /// Moves everything to where it is at `time` \[s\], the end of the next frame.
     pub fn frame(&self, stepper: &mut Stepper, time: f64) -> Result<(), Failure> {
-        let worlds = self.character.worlds(time);
+        let worlds = self.worlds(time);
         for (index, nodes) in &self.cloths {
             let matrices = matrices(&stepper.scene().cloths[*index], nodes, &worlds)?;
             stepper.set_joints(*index, &matrices)?;
         }
-        let rest = if self.colliders.is_empty() { Vec::new() } else { self.character.rest_worlds() };
         for attached in &self.colliders {
-            let pose = attached.at(&rest, &worlds);
+            let pose = attached.at(&worlds);
             if stepper.scene().colliders[attached.index].pose() != pose {
                 stepper.move_collider(attached.index, &pose)?;
             }
         }
         Ok(())
     }
+}
+
+/// The transform of a joint to world space where the cloths of a scene are bound to it.
+fn bound(scene: &Scene, joint: &str) -> Option<[f64; 16]> {
+    let of = |cloth: &Cloth| cloth.skin()?.joints().iter().find(|j| j.name == joint).map(|j| j.inverse_bind);
+    gimage::import::inverse(&scene.cloths.iter().find_map(of)?.map(f64::from))
 }
 
 /// The joint matrices of a cloth.
@@ -144,9 +218,9 @@ fn matrices(cloth: &Cloth, nodes: &[usize], worlds: &[[f64; 16]]) -> Result<Vec<
 }
 
 impl Attached {
-    /// Its pose as the node goes from the pose of the file to another one. Scales of the node do not scale it.
-    fn at(&self, rest: &[[f64; 16]], now: &[[f64; 16]]) -> Pose {
-        let (from, to) = (Frame::of(&rest[self.node]), Frame::of(&now[self.node]));
+    /// Its pose as the node goes to where it is now. Scales of the node do not scale it.
+    fn at(&self, now: &[[f64; 16]]) -> Pose {
+        let (from, to) = (Frame::of(&self.from), Frame::of(&now[self.node]));
         let own = Frame::turned(self.pose.rotation.map(f64::from));
         let p = self.pose.position.map(f64::from);
         // Into the frame of the node, and out of it where that is now.
@@ -212,6 +286,11 @@ fn quaternion([a, b, c]: &[[f64; 3]; 3]) -> [f32; 4] {
     q.map(|x| (x / norm) as f32)
 }
 
+/// The time before an animation \[s\] that a scene has without `--lead`.
+pub fn default_lead(scene: &Path) -> f64 {
+    if scene.is_dir() { LEAD_S } else { 0.0 }
+}
+
 /// The character file of a bundle: the one given, else the file that the bundle was built from if it lies beside it.
 pub fn beside(bundle: &Path, given: Option<&Path>, source: &str) -> Result<PathBuf, Failure> {
     if let Some(path) = given {
@@ -245,12 +324,12 @@ mod tests {
         rest[13] = 1.0;
         let h = 0.5f64.sqrt();
         let pose = Pose { position: [0.5, 1.0, 0.0], rotation: [0.0, 0.0, h as f32, h as f32] };
-        let attached = Attached { index: 0, node: 0, pose };
-        let same = attached.at(&[rest], &[rest]);
+        let attached = Attached { index: 0, node: 0, pose, from: rest };
+        let same = attached.at(&[rest]);
         assert!(near(&same.position, &[0.5, 1.0, 0.0]) && near(&same.rotation, &[0.0, 0.0, h, h]));
         // Turned by a quarter about y, at (2, 1, 0), three times as large: x goes to -z, and sizes stay.
         let turned = [0.0, 0.0, -3.0, 0.0, 0.0, 3.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 2.0, 1.0, 0.0, 1.0];
-        let moved = attached.at(&[rest], &[turned]);
+        let moved = attached.at(&[turned]);
         assert!(near(&moved.position, &[2.0, 1.0, -0.5]), "{moved:?}");
         let y = moved.apply([0.0, 1.0, 0.0]);
         // The axis of a capsule, y, lay along -x.

@@ -14,6 +14,9 @@ use crate::commands::scene::Loaded;
 use crate::exit::Failure;
 use crate::output::{Output, Tone};
 
+/// A frame of the time before an animation \[s\].
+const LEAD_FRAME_S: f64 = 1.0 / 60.0;
+
 /// A stepper and, on the GPU, what it runs on.
 pub struct Engine {
     pub stepper: Stepper,
@@ -56,7 +59,25 @@ impl Engine {
     pub fn of(loaded: &Loaded) -> Result<Self, Failure> {
         let file = &loaded.file;
         let engine = Engine::new(file.scene.clone(), file.script.clone(), file.options.clone())?;
-        Ok(Engine { animated: loaded.animated.clone(), ..engine })
+        let mut engine = Engine { animated: loaded.animated.clone(), ..engine };
+        engine.lead()?;
+        Ok(engine)
+    }
+
+    /// Steps through the time before an animation; a script begins after it.
+    fn lead(&mut self) -> Result<(), Failure> {
+        let Some(animated) = self.animated.clone() else { return Ok(()) };
+        let frames = (animated.lead() / LEAD_FRAME_S).round() as u32;
+        for left in (0..frames).rev() {
+            animated.frame(&mut self.stepper, -f64::from(left) * LEAD_FRAME_S)?;
+            self.step(LEAD_FRAME_S)?;
+        }
+        Ok(())
+    }
+
+    /// The character that moves its joints.
+    pub fn animated(&self) -> Option<&Animated> {
+        self.animated.as_deref()
     }
 
     /// Says which settings were beyond the solver's limits, and were changed, and whether the GPU failed its self-check.
@@ -156,6 +177,14 @@ impl Engine {
         match (&self.gpu, self.stepper.buffers(cloth)) {
             (Some((device, queue)), Some(buffers)) => Ok(read_back(device, queue, &buffers.before)?),
             _ => Ok(self.stepper.previous(cloth).unwrap_or_default().to_vec()),
+        }
+    }
+
+    /// Normals of a cloth as it is now.
+    pub fn normals(&self, cloth: usize) -> Result<Vec<[f32; 4]>, Failure> {
+        match (&self.gpu, self.stepper.buffers(cloth)) {
+            (Some((device, queue)), Some(buffers)) => Ok(read_back(device, queue, &buffers.normals)?),
+            _ => Ok(self.stepper.normals(cloth).unwrap_or_default().to_vec()),
         }
     }
 

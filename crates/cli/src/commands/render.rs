@@ -1,5 +1,6 @@
 //! `gimage render`: pictures of a scene, headless.
 
+mod body;
 mod encode;
 mod offscreen;
 mod painter;
@@ -18,6 +19,7 @@ use crate::commands::scene::{self, Loaded};
 use crate::exit::{Exit, Failure};
 use crate::files::{Pending, check_file_target};
 use crate::output::{Output, Tone};
+use body::Body;
 use painter::Painter;
 
 /// sRGB of the background, unless told otherwise.
@@ -55,6 +57,11 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
     let mut engine = Engine::of(&loaded)?;
     engine.warn(out);
     let mut painter = Painter::new(&engine, args.size, file)?;
+    let body = body(args, &loaded)?;
+    if let (Some(body), Some(animated)) = (&body, &loaded.animated) {
+        animated.colliders().for_each(|index| painter.hide_collider(index));
+        painter.wear(body, loaded.file.scene.cloths.len());
+    }
     let (width, height) = args.size;
     let view = View {
         background: args.background.or(file.background).unwrap_or(BACKGROUND),
@@ -65,6 +72,13 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
     for time in &times {
         // Nothing left over: the last step is just what is seen.
         let fraction = Some(engine.go_to(*time, &mut faults)?).filter(|f| *f > 0.0).unwrap_or(1.0);
+        if let (Some(body), Some(animated)) = (&body, engine.animated()) {
+            let mut facets = body.facets(&animated.worlds(engine.time()));
+            for cloth in (0..loaded.file.scene.cloths.len()).filter(|cloth| body.wears(*cloth)) {
+                facets.extend(body.worn(cloth, &engine.positions(cloth)?, &engine.normals(cloth)?));
+            }
+            painter.set_surface(facets);
+        }
         pictures.add(painter.paint(&engine, &view, fraction)?)?;
     }
     faults.at_end(&mut engine)?;
@@ -93,6 +107,13 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
         out.data(&format!("{name}: {count} {plural} of {width} x {height} on the {backend}, {size} bytes\n"))?;
     }
     Ok(faults.exit())
+}
+
+/// The body of the character, which is drawn in place of its colliders.
+fn body(args: &RenderArgs, loaded: &Loaded) -> Result<Option<Body>, Failure> {
+    let Some(animated) = loaded.animated.as_ref().filter(|_| !args.colliders) else { return Ok(None) };
+    let reading = (&animated.reading.import, &animated.reading.select);
+    Body::read(&animated.path, reading, animated.character(), &loaded.file.scene.cloths)
 }
 
 /// Whether a bundle is drawn that nothing holds: stepped, it only falls.

@@ -4,7 +4,6 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use gimage::import::ImportOptions;
 use gimage::options::{BuildOptions, ImageSize};
 use gimage::pipeline;
 use gimage::progress::Quiet;
@@ -15,7 +14,7 @@ use gimage_runtime::scene::{BUILTIN, Script, builtin};
 use gimage_runtime::{Backend, BodyCollider, Cloth, ClothContact, Options, Quality, Scene, Solver};
 
 use crate::args::{BackendArg, ContactArg, SceneArgs, SolverArg};
-use crate::commands::character::{self, Animated};
+use crate::commands::character::{self, Animated, Reading};
 use crate::exit::Failure;
 
 /// A scene, and what moves its joints, if anything does.
@@ -26,7 +25,7 @@ pub struct Loaded {
 
 /// Loads what the arguments name, with the solver settings and the animation that they give.
 pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
-    let Opened { mut file, import, source } = open_with(&args.scene, args.n)?;
+    let Opened { mut file, reading, source } = open_with(&args.scene, args.n)?;
     file.options.backend = match args.backend {
         BackendArg::Auto => Backend::Auto,
         BackendArg::Gpu => Backend::Gpu,
@@ -77,7 +76,8 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
             (character::beside(scene, args.motion.character.as_deref(), &source)?, animation.clone())
         }
     };
-    let animated = Animated::new((&path, &animation), &import, &mut file)?;
+    let lead = args.motion.lead.unwrap_or_else(|| character::default_lead(scene));
+    let animated = Animated::new((&path, &animation), reading, (lead, scene.is_dir()), &mut file)?;
     Ok(Loaded { file, animated: Some(Arc::new(animated)) })
 }
 
@@ -90,14 +90,14 @@ pub fn open(name: &str, n: u32) -> Result<SceneFile, Failure> {
 struct Opened {
     file: SceneFile,
     /// How the first bundle with joints was read from its file.
-    import: ImportOptions,
+    reading: Reading,
     /// The file that the bundle was built from, if the scene is a bundle.
     source: String,
 }
 
 impl Opened {
     fn new(file: SceneFile) -> Self {
-        Opened { file, import: ImportOptions::default(), source: String::new() }
+        Opened { file, reading: Reading::default(), source: String::new() }
     }
 }
 
@@ -115,8 +115,8 @@ fn open_with(name: &str, n: u32) -> Result<Opened, Failure> {
         let body = BodyCollider::of_bundle(&bundle);
         let joints = body.iter().map(|b| b.joint.clone()).collect();
         scene.colliders = body.into_iter().map(|b| b.collider).collect();
-        let (import, source) = (character::import_options(&bundle.manifest), bundle.manifest.source.file.clone());
-        Ok(Opened { file: SceneFile { joints, ..plain(scene) }, import, source })
+        let (reading, source) = (Reading::of(&bundle.manifest), bundle.manifest.source.file.clone());
+        Ok(Opened { file: SceneFile { joints, ..plain(scene) }, reading, source })
     } else {
         read(path)
     }
@@ -139,16 +139,16 @@ fn read(path: &Path) -> Result<Opened, Failure> {
     }
     let bytes = fs::read(path).map_err(|e| Failure::io(path, &e))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut import = None;
+    let mut reading = None;
     let file = SceneFile::parse(&bytes, |source| {
         let bundle = find(folder, source)?;
-        if bundle.manifest.skeleton.is_some() && import.is_none() {
-            import = Some(character::import_options(&bundle.manifest));
+        if bundle.manifest.skeleton.is_some() && reading.is_none() {
+            reading = Some(Reading::of(&bundle.manifest));
         }
         Ok(bundle)
     });
     let file = file.map_err(|e| Failure::refused(format!("{}: {e}", path.display())))?;
-    Ok(Opened { import: import.unwrap_or_default(), ..Opened::new(file) })
+    Ok(Opened { reading: reading.unwrap_or_default(), ..Opened::new(file) })
 }
 
 /// Reads a bundle, or builds a garment in memory.

@@ -53,12 +53,12 @@ fn finding(severity: Severity, kind: &'static str, message: String) -> Finding {
 }
 
 fn entry(collider: &Collider) -> ColliderEntry {
-    let shape = match collider.solid.form {
+    let shape = match collider.bound.form {
         Form::Sphere { radius } => ColliderShape::Sphere { radius },
         Form::Capsule { half_height, radius } => ColliderShape::Capsule { half_height, radius },
         Form::Box { half } => ColliderShape::Box { half },
         Form::Ellipsoid { radii } => ColliderShape::Ellipsoid { radii },
     };
-    let Collider { joint, solid } = collider.clone();
-    ColliderEntry { joint, shape, position: solid.center, rotation: solid.rotation }
+    let Collider { joint, bound, .. } = collider.clone();
+    ColliderEntry { joint, shape, position: bound.center, rotation: bound.rotation }
 }

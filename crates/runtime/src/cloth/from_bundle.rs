@@ -13,7 +13,8 @@ impl Cloth {
     /// constant rest lengths (or masses), no image is made for them; a bundle without rest lengths has no springs.
     /// Tethers of the bundle are kept until pins change, its first texture coordinates for materials, and its
     /// joints if every piece has some ([`Cloth::follow_joints`]). Its stitches become [`Cloth::stitches`]. A piece made from fabric with a thickness sets
-    /// [`Cloth::thickness`]: of several the largest, so that none enters a collider. Errors as [`Cloth::new`].
+    /// [`Cloth::thickness`]: of several the largest, so that none enters a collider. Colliders in place of a body set it too: to half the
+    /// distance from the body that they were fitted to, so that cloth between them stays off the body. Errors as [`Cloth::new`].
     pub fn from_bundle(name: &str, bundle: &Bundle) -> Result<Self> {
         let pieces = &bundle.manifest.pieces;
         let grids: Vec<Grid> = pieces
@@ -41,7 +42,7 @@ impl Cloth {
         cloth.set_stitches(bundle.stitches())?;
         cloth.keep_skin(bundle)?;
         let clearances = pieces.iter().filter_map(|p| Some(p.shell.as_ref()?.clearance() as f32));
-        cloth.thickness = clearances.filter(|c| (0.0..=1.0).contains(c)).reduce(f32::max);
+        cloth.thickness = clearances.chain(fitted(bundle)).filter(|c| (0.0..=1.0).contains(c)).reduce(f32::max);
         Ok(cloth)
     }
 
@@ -56,6 +57,14 @@ impl Cloth {
         }
         values
     }
+}
+
+/// Half the distance \[m\] from the body that the colliders of a bundle were fitted to, if it has any. The whole distance stretches cloth between
+/// pins, which lie on the body, twice as much.
+fn fitted(bundle: &Bundle) -> Option<f32> {
+    let manifest = &bundle.manifest;
+    let error = manifest.options.get("collider-error").filter(|_| !manifest.colliders.is_empty())?;
+    error.as_f64().map(|error| 0.5 * error as f32)
 }
 
 /// The first texture coordinates, if every piece has them.

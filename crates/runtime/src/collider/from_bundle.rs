@@ -13,7 +13,7 @@ const FRICTION: f32 = 0.3;
 pub struct BodyCollider {
     /// The joint that it follows, by name; none for a body without joints.
     pub joint: Option<String>,
-    /// The collider, where the character stands as its file has it, with a friction of 0.3.
+    /// The collider where the body is bound to its skeleton, as the cloth of the bundle is, with a friction of 0.3.
     pub collider: Collider,
 }
 

@@ -1,6 +1,6 @@
 //! Drawing with the host's device, into the host's render pass.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::num::NonZeroU64;
 
 use bytemuck::{bytes_of, cast_slice};
@@ -8,7 +8,7 @@ use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 
 use super::rows::{BodyRow, ViewRow};
 use super::shader::{BODIES, MESH, UV, VIEW, Variant};
-use super::{Look, SolidLook, View, mesh};
+use super::{Facet, Look, SolidLook, View, mesh, surface};
 use crate::cloth::Cloth;
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
@@ -44,6 +44,9 @@ pub struct Draw {
     solid_look: SolidLook,
     cloths: HashMap<ClothHandle, DrawnCloth>,
     solids: Option<DrawnSolids>,
+    hidden: BTreeSet<usize>,
+    bare: BTreeSet<usize>,
+    surface: Option<DrawnSurface>,
 }
 
 /// A cloth's own buffers and bindings, good for as long as the stepper's buffers are the same.
@@ -53,6 +56,12 @@ struct DrawnCloth {
     variant: Variant,
     group: BindGroup,
     jump: f32,
+}
+
+struct DrawnSurface {
+    vertices: u32,
+    mesh: Buffer,
+    group: BindGroup,
 }
 
 struct DrawnSolids {
@@ -75,6 +84,9 @@ impl Draw {
             solid_look: SolidLook::default(),
             cloths: HashMap::new(),
             solids: None,
+            hidden: BTreeSet::new(),
+            bare: BTreeSet::new(),
+            surface: None,
         }
     }
 
@@ -91,6 +103,39 @@ impl Draw {
         self.solids = None;
     }
 
+    /// Whether the collider of an index is left out from now on, as a surface stands for it.
+    pub fn hide_collider(&mut self, index: usize, hidden: bool) {
+        if hidden {
+            self.hidden.insert(index)
+        } else {
+            self.hidden.remove(&index)
+        };
+    }
+
+    /// Whether the cloth of an index is left out from now on, as a surface stands for it.
+    pub fn hide_cloth(&mut self, index: usize, hidden: bool) {
+        if hidden {
+            self.bare.insert(index)
+        } else {
+            self.bare.remove(&index)
+        };
+    }
+
+    /// Draws these triangles from now on, in place of those of the last call: an upload of 144 bytes per triangle, and one draw per record.
+    pub fn set_surface(&mut self, facets: &[Facet]) {
+        let rows = surface::rows(facets);
+        let vertices = rows.len() as u32;
+        if let Some(drawn) = self.surface.as_ref().filter(|s| s.vertices == vertices) {
+            self.queue.write_buffer(&drawn.mesh, 0, cast_slice(&rows));
+            return;
+        }
+        self.surface = (vertices > 0).then(|| {
+            let mesh = self.upload("surface", cast_slice(&rows));
+            let group = self.group(Variant::Surface, vec![(MESH, mesh.as_entire_binding())]);
+            DrawnSurface { vertices, mesh, group }
+        });
+    }
+
     /// Draws every cloth, between its last two steps by `fraction` (see [`crate::Progress`]), and every collider. One
     /// draw a grid and one a collider; uploads 160 bytes per cloth and 48 bytes a collider. Up to 256 cloths and
     /// collider sets can be drawn before the encoder is submitted. Errors on a stepper without a device and on texture
@@ -100,6 +145,9 @@ impl Draw {
         self.looks.keep(handles);
         self.cloths.retain(|handle, _| handles.binary_search(handle).is_ok());
         for (index, (cloth, handle)) in stepper.scene().cloths.iter().zip(handles).enumerate() {
+            if self.bare.contains(&index) {
+                continue;
+            }
             let buffers = stepper.buffers(index).ok_or(Error::NoGpu("Draw::record"))?;
             let look = self.looks.of(index, *handle);
             let mut source = vec![buffers.now.clone(), buffers.before.clone(), buffers.normals.clone()];
@@ -119,6 +167,12 @@ impl Draw {
             }
         }
         self.record_solids(pass, &stepper.scene().colliders, view);
+        if let (Some(drawn), Some((pipeline, _))) = (&self.surface, self.pipelines.get(&Variant::Surface)) {
+            let offset = self.rows.offset(&self.queue, bytes_of(&ViewRow::solids(view)));
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &drawn.group, &[offset]);
+            pass.draw(0..drawn.vertices, 0..1);
+        }
         Ok(())
     }
 
@@ -138,7 +192,9 @@ impl Draw {
         pass.set_bind_group(0, &solids.group, &[offset]);
         let mut first = 0;
         for (c, end) in (0u32..).zip(&solids.ends) {
-            pass.draw(first..*end, c..c + 1);
+            if !self.hidden.contains(&(c as usize)) {
+                pass.draw(first..*end, c..c + 1);
+            }
             first = *end;
         }
     }

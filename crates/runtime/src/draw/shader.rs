@@ -9,6 +9,8 @@ pub enum Variant {
     Cloth { holes: bool, uv: bool },
     /// The meshes of colliders.
     Solids,
+    /// Triangles that the host moves.
+    Surface,
 }
 
 /// Bindings that only drawing has.
@@ -26,8 +28,9 @@ macro_rules! part {
 impl Variant {
     /// All there are.
     #[cfg(test)]
-    pub const ALL: [Variant; 5] = [
+    pub const ALL: [Variant; 6] = [
         Variant::Solids,
+        Variant::Surface,
         Variant::Cloth { holes: false, uv: false },
         Variant::Cloth { holes: false, uv: true },
         Variant::Cloth { holes: true, uv: false },
@@ -40,6 +43,7 @@ impl Variant {
         let draw = include_str!("../../../../shaders/draw.wgsl");
         match self {
             Variant::Solids => vec![view, part!("drawn_solid"), draw],
+            Variant::Surface => vec![view, part!("drawn_surface"), draw],
             Variant::Cloth { holes, uv } => {
                 let holes = if holes { part!("drawn_holes") } else { part!("drawn_whole") };
                 let uv = if uv { part!("drawn_uv") } else { part!("drawn_plain") };
@@ -52,6 +56,7 @@ impl Variant {
     pub fn storage(self) -> Vec<u32> {
         match self {
             Variant::Solids => vec![BODIES, MESH],
+            Variant::Surface => vec![MESH],
             Variant::Cloth { holes, uv } => {
                 let slots = [Slot::Grids, Slot::Now, Slot::Before, Slot::Normals].map(|s| s as u32);
                 let more = [(holes, Slot::Holes as u32), (uv, UV)];

@@ -1,8 +1,10 @@
 //! The same pictures on the CPU, for machines without an adapter. Four samples per pixel, each lit by itself.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::raster::{Corner, Drawn, decoded, encoded, fragment};
 use super::rows::{BodyRow, ViewRow};
-use super::{Look, SolidLook, View, mesh, turned};
+use super::{Facet, Look, SolidLook, View, mesh, turned};
 use crate::collider::Collider;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result, check};
@@ -24,6 +26,9 @@ pub struct Software {
     height: u32,
     threads: Threads,
     looks: Looks,
+    hidden: BTreeSet<usize>,
+    bare: BTreeSet<usize>,
+    facets: Vec<Facet>,
     /// How colliders are drawn.
     pub solid_look: SolidLook,
 }
@@ -53,7 +58,8 @@ impl Software {
             })?;
         }
         let (threads, solid_look) = (Threads::new(threads)?, SolidLook::default());
-        Ok(Software { width, height, threads, looks: Looks::default(), solid_look })
+        let (looks, hidden, bare, facets) = Default::default();
+        Ok(Software { width, height, threads, looks, hidden, bare, facets, solid_look })
     }
 
     /// How a cloth is drawn from now on; an index is that of the cloth when it is drawn.
@@ -61,12 +67,35 @@ impl Software {
         self.looks.set(cloth.into(), look);
     }
 
+    /// Whether the collider of an index is left out of pictures from now on, as a surface stands for it.
+    pub fn hide_collider(&mut self, index: usize, hidden: bool) {
+        if hidden {
+            self.hidden.insert(index)
+        } else {
+            self.hidden.remove(&index)
+        };
+    }
+
+    /// Whether the cloth of an index is left out of pictures from now on, as a surface stands for it.
+    pub fn hide_cloth(&mut self, index: usize, hidden: bool) {
+        if hidden {
+            self.bare.insert(index)
+        } else {
+            self.bare.remove(&index)
+        };
+    }
+
+    /// Draws these triangles from now on, in place of those of the last call.
+    pub fn set_surface(&mut self, facets: Vec<Facet>) {
+        self.facets = facets;
+    }
+
     /// The picture, a row after the other from the top, sRGB and opaque. Takes a stepper on the CPU backend; `fraction`
     /// as in [`crate::Progress`]. Errors on other steppers and on texture coordinates that do not fit their cloth. Time is
     /// linear in pixels and triangles; the result does not depend on the threads.
     pub fn picture(&self, stepper: &Stepper, view: &View, fraction: f32) -> Result<Vec<[u8; 4]>> {
         let (mut flats, mut paints) = (Vec::new(), Vec::new());
-        for (index, cloth) in stepper.scene().cloths.iter().enumerate() {
+        for (index, cloth) in stepper.scene().cloths.iter().enumerate().filter(|(c, _)| !self.bare.contains(c)) {
             let lists = (stepper.positions(index), stepper.previous(index), stepper.normals(index));
             let (Some(now), Some(before), Some(normals)) = lists else { return Err(Error::GpuOnly("Software")) };
             let look = self.looks.of(index, stepper.handles()[index]);
@@ -84,9 +113,9 @@ impl Software {
             let [front, back] = [row.front, row.back].map(xyz);
             paints.push(Paint { view: row, front, back, fade: 0.0 });
         }
-        for collider in &stepper.scene().colliders {
-            self.solid(collider, view, &mut flats, &mut paints);
-        }
+        let shown = stepper.scene().colliders.iter().enumerate().filter(|(c, _)| !self.hidden.contains(c));
+        shown.for_each(|(_, collider)| self.solid(collider, view, &mut flats, &mut paints));
+        self.surface(view, &mut flats, &mut paints);
         Ok(self.paint(&flats, &paints, view))
     }
 
@@ -103,6 +132,20 @@ impl Software {
         }
         let color = xyz(body.color);
         paints.push(Paint { view: row, front: color, back: color, fade: body.fade });
+    }
+
+    fn surface(&self, view: &View, flats: &mut Vec<Flat>, paints: &mut Vec<Paint>) {
+        let row = ViewRow::solids(view);
+        let mut known = BTreeMap::new();
+        for facet in &self.facets {
+            let paint = *known.entry(facet.color.map(f32::to_bits)).or_insert_with(|| {
+                let color = facet.color.map(decoded);
+                paints.push(Paint { view: row, front: color, back: color, fade: 0.0 });
+                paints.len() - 1
+            });
+            let corner = |c: usize| Corner { at: facet.corners[c], normal: facet.normals[c], uv: [0.0; 2] };
+            self.flatten([0, 1, 2].map(corner), &row, paint, flats);
+        }
     }
 
     /// Puts a triangle on the picture; what is nearer than the near plane is clipped away.

@@ -96,7 +96,7 @@ impl Stepper {
     }
 
     /// The pose of a collider, if it may have another one.
-    fn to_pose(&self, index: usize, pose: &Pose) -> Result<Pose> {
+    pub(super) fn to_pose(&self, index: usize, pose: &Pose) -> Result<Pose> {
         let list = &self.world.scene.colliders;
         let collider = list.get(index).ok_or(Error::NoSuch { what: "collider", index, count: list.len() })?;
         collider.moved(pose, pose, 0.0).check()?;

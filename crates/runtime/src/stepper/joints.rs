@@ -2,9 +2,11 @@
 
 use super::Stepper;
 use crate::cloth::Rows;
+use crate::collider::BodyCollider;
 use crate::error::{Error, Result};
 use crate::handle::ClothRef;
 use crate::options::Solver;
+use crate::scene::Pose;
 
 impl Stepper {
     /// Moves the joints of a cloth that follows them ([`crate::Cloth::follow_joints`]) to where they are at the end of the next frame that
@@ -55,6 +57,32 @@ impl Stepper {
         Ok(())
     }
 
+    /// Moves the colliders of a body to where joints are at the end of the next frame that makes a step: collider `first + k` of the scene is
+    /// `body[k]`, and `matrices` are those of [`Stepper::set_joints`] for a cloth with the same joints. Parts without a joint, and those whose
+    /// joint the cloth does not have, stay. Scales of joints do not scale colliders. 80 bytes per collider are uploaded.
+    ///
+    /// Errors if there is no such cloth, on another number of matrices than its joints, on a number that is not finite, and if the scene has
+    /// fewer colliders; then nothing has changed.
+    pub fn move_body(
+        &mut self,
+        cloth: impl Into<ClothRef>,
+        first: usize,
+        body: &[BodyCollider],
+        matrices: &[[f32; 16]],
+    ) -> Result<()> {
+        let (index, rows) = self.joints(cloth.into(), matrices)?;
+        let skin = self.world.scene.cloths[index].skin();
+        let joint = |name: &str| skin.and_then(|s| s.joints().iter().position(|j| j.name == name));
+        let mut poses = Vec::with_capacity(body.len());
+        for (k, part) in (first..).zip(body) {
+            let Some(joint) = part.joint.as_deref().and_then(joint) else { continue };
+            poses.push((k, carried(&rows[joint], part)));
+        }
+        // All are checked before any moves.
+        poses.iter().try_for_each(|(k, pose)| self.to_pose(*k, pose).map(drop))?;
+        poses.iter().try_for_each(|(k, pose)| self.move_collider(*k, pose))
+    }
+
     /// The index of a cloth that follows joints, and their matrices as rows.
     fn joints(&self, cloth: ClothRef, matrices: &[[f32; 16]]) -> Result<(usize, std::sync::Arc<[Rows]>)> {
         let index = self.world.find(cloth)?;
@@ -78,5 +106,47 @@ impl Stepper {
             Some(particle) => Err(Error::Follows { cloth: of.name().into(), particle }),
             None => Ok(()),
         }
+    }
+}
+
+/// The pose of a part of a body that a joint matrix carries: turned as the first two of its axes are.
+fn carried(rows: &Rows, part: &BodyCollider) -> Pose {
+    let at = |v: [f32; 3], w: f32| -> [f64; 3] {
+        rows.map(|row| (0..3).map(|c| f64::from(row[c]) * f64::from(v[c])).sum::<f64>() + f64::from(row[3] * w))
+    };
+    let axis = |n: usize| at([0, 1, 2].map(|c| if c == n { 1.0 } else { 0.0 }), 0.0);
+    let x = unit(axis(0));
+    let y = axis(1);
+    let along: f64 = (0..3).map(|c| x[c] * y[c]).sum();
+    let y = unit([0, 1, 2].map(|c| y[c] - along * x[c]));
+    let z = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
+    let turn = quaternion(&[x, y, z]);
+    let own = part.collider.rotation.map(f64::from);
+    let rotation = [
+        turn[3] * own[0] + turn[0] * own[3] + turn[1] * own[2] - turn[2] * own[1],
+        turn[3] * own[1] - turn[0] * own[2] + turn[1] * own[3] + turn[2] * own[0],
+        turn[3] * own[2] + turn[0] * own[1] - turn[1] * own[0] + turn[2] * own[3],
+        turn[3] * own[3] - turn[0] * own[0] - turn[1] * own[1] - turn[2] * own[2],
+    ];
+    let norm = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
+    Pose { position: at(part.collider.center, 1.0).map(|x| x as f32), rotation: rotation.map(|x| (x / norm) as f32) }
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if norm > 0.0 { v.map(|x| x / norm) } else { [1.0, 0.0, 0.0] }
+}
+
+/// The unit quaternion of three axes, from the largest of its components (S. W. Shepperd, 1978).
+fn quaternion([a, b, c]: &[[f64; 3]; 3]) -> [f64; 4] {
+    let squares =
+        [1.0 + a[0] - b[1] - c[2], 1.0 - a[0] + b[1] - c[2], 1.0 - a[0] - b[1] + c[2], 1.0 + a[0] + b[1] + c[2]];
+    let largest = (0..4).max_by(|i, j| squares[*i].total_cmp(&squares[*j])).unwrap_or(3);
+    let s = 2.0 * squares[largest].max(1e-12).sqrt();
+    match largest {
+        0 => [s / 4.0, (a[1] + b[0]) / s, (a[2] + c[0]) / s, (b[2] - c[1]) / s],
+        1 => [(a[1] + b[0]) / s, s / 4.0, (b[2] + c[1]) / s, (c[0] - a[2]) / s],
+        2 => [(a[2] + c[0]) / s, (b[2] + c[1]) / s, s / 4.0, (a[1] - b[0]) / s],
+        _ => [(b[2] - c[1]) / s, (c[0] - a[2]) / s, (a[1] - b[0]) / s, s / 4.0],
     }
 }

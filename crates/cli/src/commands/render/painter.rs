@@ -1,8 +1,9 @@
 //! Who makes the pictures: the GPU where the cloth is, else the CPU.
 
-use gimage_runtime::draw::{Software, View};
+use gimage_runtime::draw::{Facet, Software, View};
 use gimage_runtime::scene::file::SceneFile;
 
+use super::body::Body;
 use super::offscreen::Offscreen;
 use crate::commands::engine::Engine;
 use crate::exit::Failure;
@@ -38,6 +39,32 @@ impl Painter {
         software.solid_look = file.solid_look.clone();
         file.looks.iter().enumerate().for_each(|(c, look)| software.set_look(c, look.clone()));
         Ok(Painter::Cpu(software))
+    }
+
+    /// Leaves a collider out of pictures.
+    pub fn hide_collider(&mut self, index: usize) {
+        match self {
+            Painter::Gpu(offscreen) => offscreen.draw.hide_collider(index, true),
+            Painter::Cpu(software) => software.hide_collider(index, true),
+        }
+    }
+
+    /// Leaves out the cloths that a character wears in the colours of its file.
+    pub fn wear(&mut self, body: &Body, cloths: usize) {
+        for cloth in (0..cloths).filter(|cloth| body.wears(*cloth)) {
+            match self {
+                Painter::Gpu(offscreen) => offscreen.draw.hide_cloth(cloth, true),
+                Painter::Cpu(software) => software.hide_cloth(cloth, true),
+            }
+        }
+    }
+
+    /// Draws these triangles beside the scene.
+    pub fn set_surface(&mut self, facets: Vec<Facet>) {
+        match self {
+            Painter::Gpu(offscreen) => offscreen.draw.set_surface(&facets),
+            Painter::Cpu(software) => software.set_surface(facets),
+        }
     }
 
     /// A picture as rows of sRGB pixels from the top.

@@ -15,7 +15,7 @@ mod winding;
 
 use std::path::Path;
 
-use super::import::{Imported, import};
+use super::import::{Imported, import, inverse};
 use super::select::{Role, SelectOptions, keeping, roles};
 use crate::base::mesh::{Joint, Mesh};
 use crate::base::vec3::distance;
@@ -63,6 +63,8 @@ pub struct Collider {
     pub joint: Option<String>,
     /// The solid, where the character stands as its file has it.
     pub solid: Solid,
+    /// The same where the body is bound to its skeleton, as the cloth of a bundle is.
+    pub bound: Solid,
 }
 
 /// Solids in place of a body.
@@ -187,10 +189,22 @@ fn fit_mesh(mesh: &Mesh, cloth: &Mesh, options: &ColliderOptions) -> Option<(Vec
     join_small(&mut others, &parents);
     let figures = judge::judge(mesh, &winding, &placed, &others);
     let collider = |p: &fit::Placed| match p.joint.map(|j| &mesh.skeleton.joints[j as usize]) {
-        Some(joint) => Collider { joint: Some(joint.name.clone()), solid: p.solid.posed(joint) },
-        None => Collider { joint: None, solid: p.solid },
+        Some(joint) => {
+            let bound = bound(mesh, joint, p.solid);
+            Collider { joint: Some(joint.name.clone()), solid: p.solid.posed(joint), bound }
+        }
+        None => Collider { joint: None, solid: p.solid, bound: p.solid },
     };
     Some((placed.iter().map(collider).collect(), figures))
+}
+
+/// A solid of a joint where the first joint of its name is bound: meshes that are bound differently have joints of equal names.
+fn bound(mesh: &Mesh, joint: &Joint, solid: Solid) -> Solid {
+    let first = mesh.skeleton.joints.iter().find(|other| other.name == joint.name).unwrap_or(joint);
+    if first.inverse_bind == joint.inverse_bind {
+        return solid;
+    }
+    inverse(&first.inverse_bind).map_or(solid, |world| solid.posed(&Joint { world, ..joint.clone() }))
 }
 
 /// A note if the file poses its skeleton elsewhere than its meshes are bound, by more than the target.

@@ -91,7 +91,8 @@ impl BinaryChunk {
         self.accessor(json!({"componentType": kind, "count": count, "sparse": sparse, "type": "VEC3"}), more)
     }
 
-    fn view(&mut self, data: &[u8], target: Option<Target>) -> usize {
+    /// Appends an array as a view, and returns it.
+    pub fn view(&mut self, data: &[u8], target: Option<Target>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let mut view = json!({"buffer": 0, "byteLength": data.len(), "byteOffset": self.drained + self.bytes.len()});
         if let Some(target) = target {

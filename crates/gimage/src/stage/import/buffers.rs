@@ -179,7 +179,7 @@ impl<'a> Buffers<'a> {
 }
 
 /// The bytes of a data URI, given what follows `data:`.
-fn data_uri(rest: &str) -> std::result::Result<Vec<u8>, String> {
+pub(super) fn data_uri(rest: &str) -> std::result::Result<Vec<u8>, String> {
     let (kind, data) = rest.split_once(',').ok_or("its data URI has no comma")?;
     if !kind.ends_with(";base64") {
         return Ok(percent_decoded(data));
@@ -209,7 +209,7 @@ fn percent_decoded(text: &str) -> Vec<u8> {
 }
 
 /// A URI as a path that stays in the folder of the file: anything else could read what the user did not give.
-fn relative_path(uri: &str) -> std::result::Result<String, &'static str> {
+pub(super) fn relative_path(uri: &str) -> std::result::Result<String, &'static str> {
     let scheme = uri.split_once(':').map_or("", |(s, _)| s);
     if scheme.len() == 1 || uri.starts_with(['/', '\\']) {
         return Err("is an absolute path, which is not read");

@@ -44,6 +44,22 @@ enum Local {
     Parts { translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3] },
 }
 
+impl Local {
+    /// A transform between two, of which only the parts can differ.
+    fn towards(&self, other: &Local, share: f64) -> Local {
+        let (Local::Parts { translation, rotation, scale }, Local::Parts { translation: t, rotation: r, scale: s }) =
+            (*self, *other)
+        else {
+            return *other;
+        };
+        let mix = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * share);
+        let way = if (0..4).map(|c| rotation[c] * r[c]).sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
+        // The matrix is made of the quaternion at length 1.
+        let rotation = [0, 1, 2, 3].map(|c| rotation[c] + (way * r[c] - rotation[c]) * share);
+        Local::Parts { translation: mix(translation, t), rotation, scale: mix(scale, s) }
+    }
+}
+
 impl Character {
     /// Reads a `.glb` or `.gltf` file and the animation of this name. `options` are those of the import that made the bundle: unit and axis.
     /// Errors if the file has no such animation, on damaged key frames, and on `center`, which moves a garment by its box.
@@ -146,8 +162,20 @@ impl Character {
         self.pose(if self.loops && seconds > 0.0 { time.rem_euclid(seconds) } else { time })
     }
 
+    /// The same on the way from the pose of the file, which has a `share` of 0, to that of the animation, of share 1. Rotations take the
+    /// shorter way.
+    pub fn worlds_between(&self, time: f64, share: f64) -> Vec<[f64; 16]> {
+        let seconds = self.seconds();
+        let locals = self.locals(if self.loops && seconds > 0.0 { time.rem_euclid(seconds) } else { time });
+        self.place(&self.rest.iter().zip(&locals).map(|(a, b)| a.towards(b, share)).collect::<Vec<_>>())
+    }
+
     /// The same at a time of the animation, without repeats.
     fn pose(&self, time: f64) -> Vec<Matrix> {
+        self.place(&self.locals(time))
+    }
+
+    fn locals(&self, time: f64) -> Vec<Local> {
         let mut locals = self.rest.clone();
         for channel in &self.clip.channels {
             let [x, y, z, w] = channel.at(time);
@@ -159,7 +187,7 @@ impl Character {
                 }
             }
         }
-        self.place(&locals)
+        locals
     }
 
     /// World transforms from those to parents.

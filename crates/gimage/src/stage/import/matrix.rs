@@ -56,7 +56,7 @@ pub(crate) fn normal_columns(m: &Matrix) -> [[f64; 3]; 3] {
 }
 
 /// The inverse, if there is one.
-pub(crate) fn inverse(m: &Matrix) -> Option<Matrix> {
+pub fn inverse(m: &[f64; 16]) -> Option<[f64; 16]> {
     let inverse = Matrix4::from_column_slice(m).try_inverse()?;
     let out: Matrix = inverse.as_slice().try_into().ok()?;
     out.iter().all(|x| x.is_finite()).then_some(out)

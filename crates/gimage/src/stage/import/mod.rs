@@ -13,6 +13,7 @@ mod attributes;
 mod buffers;
 mod builder;
 mod character;
+mod color;
 mod document;
 mod draco;
 mod embed;
@@ -42,8 +43,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 pub use character::Character;
+pub use color::{BaseColor, base_colors};
 pub(crate) use embed::embed;
-pub(crate) use matrix::inverse;
+pub use matrix::inverse;
 pub use origin::Origin;
 pub use place::Up;
 pub use scene::{Animation, Scene, Skin};
