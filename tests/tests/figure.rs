@@ -139,7 +139,7 @@ fn walk(seconds: f64, every: usize, device: Option<&Device>) -> Walk {
     let skin = Skin::new(&motion.character);
     cloth.follow_joints(&motion.matrices(&cloth, -LEAD)).unwrap();
     let body = BodyCollider::of_bundle(bundle);
-    let colliders = body.iter().map(|part| part.collider.clone()).collect();
+    let colliders = body.iter().map(|part| part.collider).collect();
     let scene = Scene { cloths: vec![cloth.clone()], colliders, ..Scene::new("figure") };
     let mut stepper = match device {
         Some((device, queue)) => Stepper::new(scene, Options::default(), Some((device, queue))).unwrap(),

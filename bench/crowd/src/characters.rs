@@ -59,7 +59,7 @@ impl Model {
     fn actor(&self, ahead: f64, [joints, contact]: [bool; 2], threads: usize) -> gimage_runtime::Result<Actor<'_>> {
         let mut cloth = self.cloth.clone();
         cloth.follow_joints(&self.joints(-LEAD, ahead)?)?;
-        let colliders = if contact { self.body.iter().map(|part| part.collider.clone()).collect() } else { Vec::new() };
+        let colliders = if contact { self.body.iter().map(|part| part.collider).collect() } else { Vec::new() };
         let scene = Scene { cloths: vec![cloth], colliders, ..Scene::new("character") };
         let stepper = Stepper::on_cpu(scene, Options { threads, ..Options::default() })?;
         let mut actor = Actor { model: self, stepper, ahead, frame: 0, moves: true };

@@ -74,7 +74,8 @@ pub use stage::assemble::{limits, mass, pins, springs};
 pub use stage::image::{judge, ladder};
 pub use stage::measure::stretch;
 pub use stage::{
-    colliders, component, contents, export, gate, hold, import, measure, reconstruct, render, repair, select, shell, stitch,
+    colliders, component, contents, export, gate, hold, import, measure, reconstruct, render, repair, select, shell,
+    stitch,
 };
 
 pub use error::{Error, Result};

@@ -155,8 +155,8 @@ fn whirl(joints: &[Joint], t: f64) -> Pose {
     pose.turns[CHEST] = yaw(0.12 * speed);
     pose.turns[NECK] = yaw(0.10 * speed);
     pose.turns[HEAD] = yaw(0.12 * speed);
-    for k in 0..2 {
-        swing(&mut pose, k, 0.45 - 0.30 * speed, 0.05 + 0.12 * SIDES[k] * speed, 0.25);
+    for (k, side) in SIDES.iter().enumerate() {
+        swing(&mut pose, k, 0.45 - 0.30 * speed, 0.05 + 0.12 * side * speed, 0.25);
     }
     let at = ankles(joints);
     let foot = |k: usize| Foot { ankle: add(at[k], [0.0, 0.07 * lifts[k], 0.03 * lifts[k]]), pitch: 0.35 * lifts[k] };

@@ -37,7 +37,7 @@ pub fn run(bundle: &Path, file: &Path, animation: &str, frames: u32) -> Result<V
     cloth.follow_joints(&joints(0.0)?)?;
     let (low, high) = cloth.bounds().ok_or("no particles")?;
     let body = BodyCollider::of_bundle(&bundle);
-    let colliders = body.iter().map(|part| part.collider.clone()).collect();
+    let colliders = body.iter().map(|part| part.collider).collect();
     let scene = Scene { cloths: vec![cloth], colliders, ..Scene::new("character") };
     let mut stepper = Stepper::new(scene, Options::default(), Some((&device, &queue)))?;
     let mut screen = screen::Screen::new(&device, &queue);

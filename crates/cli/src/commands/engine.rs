@@ -180,14 +180,6 @@ impl Engine {
         }
     }
 
-    /// Normals of a cloth as it is now.
-    pub fn normals(&self, cloth: usize) -> Result<Vec<[f32; 4]>, Failure> {
-        match (&self.gpu, self.stepper.buffers(cloth)) {
-            (Some((device, queue)), Some(buffers)) => Ok(read_back(device, queue, &buffers.normals)?),
-            _ => Ok(self.stepper.normals(cloth).unwrap_or_default().to_vec()),
-        }
-    }
-
     /// Positions of a cloth as they are now.
     pub fn positions(&self, cloth: usize) -> Result<Vec<[f32; 4]>, Failure> {
         match (&self.gpu, self.stepper.buffers(cloth)) {

@@ -20,7 +20,14 @@ pub struct Body {
     /// The node of each joint, and its inverse bind matrix.
     joints: Vec<(usize, [f64; 16])>,
     /// For each cloth whose pieces are all parts of the file, its triangles in their colours.
-    clothes: Vec<Option<Vec<([u32; 3], [f32; 3])>>>,
+    clothes: Vec<Option<Vec<Painted>>>,
+}
+
+/// A triangle of a cloth.
+struct Painted {
+    particles: [u32; 3],
+    /// sRGB.
+    color: [f32; 3],
 }
 
 struct Triangle {
@@ -87,10 +94,10 @@ impl Body {
     /// The triangles of a cloth in the colours of the file, where its particles are; none if it is not drawn so.
     pub fn worn(&self, cloth: usize, positions: &[[f32; 4]], normals: &[[f32; 4]]) -> Vec<Facet> {
         let three = |list: &[[f32; 4]], k: u32| list.get(k as usize).map_or([0.0; 3], |p| [p[0], p[1], p[2]]);
-        let facet = |(t, color): &([u32; 3], [f32; 3])| Facet {
-            corners: t.map(|k| three(positions, k)),
-            normals: t.map(|k| three(normals, k)),
-            color: *color,
+        let facet = |t: &Painted| Facet {
+            corners: t.particles.map(|k| three(positions, k)),
+            normals: t.particles.map(|k| three(normals, k)),
+            color: t.color,
         };
         self.clothes[cloth].iter().flatten().map(facet).collect()
     }
@@ -162,7 +169,7 @@ impl Paints {
     }
 
     /// The triangles of a cloth in their colours; none unless each piece has the name of a part of the file.
-    fn cloth(&mut self, mesh: &Mesh, cloth: &Cloth) -> Option<Vec<([u32; 3], [f32; 3])>> {
+    fn cloth(&mut self, mesh: &Mesh, cloth: &Cloth) -> Option<Vec<Painted>> {
         let uv = cloth.uv();
         let mut out = Vec::new();
         let indices = cloth.indices();
@@ -179,7 +186,7 @@ impl Paints {
                 let far = [1, 2].iter().any(|c| (0..2).any(|k| (corners[*c][k] - corners[0][k]).abs() > 0.5));
                 let middle = [0, 1].map(|k| corners.iter().map(|uv| uv[k]).sum::<f64>() / 3.0);
                 let at = if far { corners[0] } else { middle };
-                out.push((*t, self.at(&material, |_| Some(at))));
+                out.push(Painted { particles: *t, color: self.at(&material, |_| Some(at)) });
             }
         }
         Some(out)
