@@ -14,7 +14,7 @@ use super::schedule::Schedule;
 use crate::exit::Failure;
 use crate::files::{check_file_target, check_parent};
 
-/// What an export has written.
+/// The result of an export.
 pub struct Written {
     /// The files, in order.
     pub files: Vec<String>,
@@ -47,11 +47,11 @@ pub fn check(kind: Kind, output: &Path, force: bool) -> Result<(), Failure> {
     match older.first() {
         Some(first) if !force => {
             let (folder, count) = (output.with_file_name(first), older.len());
-            return Err(Failure::refused(format!(
+            Err(Failure::refused(format!(
                 "{}: it is there already, with {} other frames of that name; choose another name, or give --force to replace them",
                 folder.display(),
                 count - 1
-            )));
+            )))
         }
         _ => Ok(check_beside(output)?),
     }
