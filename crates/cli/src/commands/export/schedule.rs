@@ -12,7 +12,7 @@ pub struct Schedule {
     step: f64,
     /// First and last frame of the run that may be kept.
     frames: [u32; 2],
-    /// Frames of the run per kept frame; `None` where the rate is no divisor of theirs.
+    /// Frames of the run per kept frame; `None` where the rate does not divide theirs.
     every: Option<u32>,
     rate: f64,
 }

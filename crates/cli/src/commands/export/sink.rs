@@ -14,7 +14,7 @@ use super::schedule::Schedule;
 use crate::exit::Failure;
 use crate::files::{check_file_target, check_parent};
 
-/// What an export has written.
+/// The result of an export.
 pub struct Written {
     /// The files, in order.
     pub files: Vec<String>,

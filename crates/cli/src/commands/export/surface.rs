@@ -7,7 +7,7 @@ use crate::commands::engine::Engine;
 use crate::commands::faults::is_lost;
 use crate::exit::Failure;
 
-/// A particle that is no vertex.
+/// The vertex of a particle without one.
 const NONE: u32 = u32::MAX;
 /// The normal of a vertex whose triangles have none, as `gimage reconstruct` has it.
 const NO_NORMAL: [f32; 3] = [0.0, 0.0, 1.0];

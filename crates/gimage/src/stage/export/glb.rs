@@ -136,7 +136,7 @@ impl BinaryChunk {
         Ok(file)
     }
 
-    /// What stands before and after the bytes that [`BinaryChunk::drain`] has given. Errors as [`BinaryChunk::file`].
+    /// The bytes before and after those that [`BinaryChunk::drain`] has given. Errors as [`BinaryChunk::file`].
     pub fn ends(mut self, mut root: Value) -> Result<(Vec<u8>, Vec<u8>)> {
         let rest = self.drain();
         // glTF has no empty arrays.

@@ -93,7 +93,7 @@ fn no_frames() -> Error {
     Error::Option { option, problem, hint: "export at least one frame".into() }
 }
 
-/// What stays the same as long as no triangle changes.
+/// The parts of a surface that stay the same as long as no triangle changes.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Topology {
     triangles: Vec<[u32; 3]>,

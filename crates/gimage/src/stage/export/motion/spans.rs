@@ -153,7 +153,7 @@ impl Span {
     }
 }
 
-/// What a file has so far beside its bytes.
+/// The contents of a file so far.
 #[derive(Default)]
 pub struct Contents {
     pub chunk: BinaryChunk,
