@@ -2,8 +2,8 @@
 // and that reach, and its high corner. One thread per texel; the first of each tile works.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> before: array<vec4<f32>>;
-@group(0) @binding(65) var<storage, read> kin: array<u32>;
-@group(0) @binding(67) var<storage, read_write> boxes: array<vec4<f32>>;
+@group(0) @binding(67) var<storage, read> kin: array<u32>;
+@group(0) @binding(69) var<storage, read_write> boxes: array<vec4<f32>>;
 
 @compute @workgroup_size(16, 4)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -1,10 +1,10 @@
 // For each particle the nearest others that it may meet before the next search, by index: MAX_PARTNERS pairs of an index, all ones for none,
 // and the distance to keep. One thread per particle goes down the boxes of all grids.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
-@group(0) @binding(65) var<storage, read> kin: array<u32>;
-@group(0) @binding(66) var<storage, read> homes: array<vec4<f32>>;
-@group(0) @binding(67) var<storage, read> boxes: array<vec4<f32>>;
-@group(0) @binding(68) var<storage, read_write> partners: array<vec2<u32>>;
+@group(0) @binding(67) var<storage, read> kin: array<u32>;
+@group(0) @binding(68) var<storage, read> homes: array<vec4<f32>>;
+@group(0) @binding(69) var<storage, read> boxes: array<vec4<f32>>;
+@group(0) @binding(70) var<storage, read_write> partners: array<vec2<u32>>;
 
 const NOBODY: u32 = 0xffffffffu;
 

@@ -1,7 +1,7 @@
 // Particles go where contact with cloth pushes them, and so do their previous positions.
 @group(0) @binding(2) var<storage, read_write> now: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> before: array<vec4<f32>>;
-@group(0) @binding(69) var<storage, read> pushes: array<vec4<f32>>;
+@group(0) @binding(71) var<storage, read> pushes: array<vec4<f32>>;
 
 @compute @workgroup_size(64)
 fn main(

@@ -2,9 +2,9 @@
 // their order does not matter. Contact is inelastic: previous positions follow a push as far as it would begin a flight.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> before: array<vec4<f32>>;
-@group(0) @binding(65) var<storage, read> kin: array<u32>;
-@group(0) @binding(68) var<storage, read> partners: array<vec2<u32>>;
-@group(0) @binding(69) var<storage, read_write> pushes: array<vec4<f32>>;
+@group(0) @binding(67) var<storage, read> kin: array<u32>;
+@group(0) @binding(70) var<storage, read> partners: array<vec2<u32>>;
+@group(0) @binding(71) var<storage, read_write> pushes: array<vec4<f32>>;
 
 // A vector that is shortened to a length.
 fn within(v: vec3<f32>, most: f32) -> vec3<f32> {

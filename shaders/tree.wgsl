@@ -1,6 +1,6 @@
 // Boxes around 2 x 2 boxes, level by level, from those of tiles up. One workgroup for all grids.
-@group(0) @binding(65) var<storage, read> kin: array<u32>;
-@group(0) @binding(67) var<storage, read_write> boxes: array<vec4<f32>>;
+@group(0) @binding(67) var<storage, read> kin: array<u32>;
+@group(0) @binding(69) var<storage, read_write> boxes: array<vec4<f32>>;
 
 const GROUP: u32 = 256u;
 

@@ -5,9 +5,9 @@
 @group(0) @binding(8) var<storage, read> normals: array<vec4<f32>>;
 // Four per vertex: the corners of its triangle, all ones for a vertex that is not bound, and the weight of the second; the weight of
 // the third, and the offset; the normal in the frame; the tangent in the frame, and the sign of the bitangent.
-@group(0) @binding(63) var<storage, read> bound_vertices: array<vec4<u32>>;
+@group(0) @binding(65) var<storage, read> bound_vertices: array<vec4<u32>>;
 // Three per vertex: position, normal, tangent.
-@group(0) @binding(64) var<storage, read_write> wrapped: array<vec4<f32>>;
+@group(0) @binding(66) var<storage, read_write> wrapped: array<vec4<f32>>;
 
 // The square of the length below which an interpolated normal has no direction, and the share of the square of an edge that has to be
 // across the normal.

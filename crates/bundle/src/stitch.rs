@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn stitches_that_lead_nowhere_are_faults() {
-        for bad in [[1.0, 0.5, 0.5, 0.0], [-2.0, 0.5, 0.5, 0.0], [0.5; 4], [0.0, 1.1, 0.5, 0.0], [0.0, 0.5, 0.5, -1.0]]
+        for bad in [[2.0, 0.5, 0.5, 0.0], [-2.0, 0.5, 0.5, 0.0], [0.5; 4], [0.0, 1.1, 0.5, 0.0], [0.0, 0.5, 0.5, -1.0]]
         {
             let faults = validate(&with(bad));
             assert!(
