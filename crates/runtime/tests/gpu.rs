@@ -195,8 +195,9 @@ fn one_step_is_that_of_the_twin() {
     large.set_pinned(0, true).unwrap();
     let large = (Solver::Xpbd, "large tube", scene(large));
     let led = (Solver::Xpbd, "follower", scene(follower()));
+    let pressed = (Solver::Xpbd, "pressed tube with contact", scene(pressed()));
     let mut seen = BTreeSet::new();
-    for (solver, name, scene) in solved().into_iter().chain(touching).chain([fast, limited, large, led]) {
+    for (solver, name, scene) in solved().into_iter().chain(touching).chain([fast, limited, large, led, pressed]) {
         let once =
             Options { substeps: Some(1), iterations: 2, step: FRAME / 8.0, max_catch_up: 1, ..Options::default() };
         let options = Options { solver, pyramid: 1, polish: Some(2), ..once };
@@ -223,6 +224,15 @@ fn one_step_is_that_of_the_twin() {
     let apart = [&rare[..], &read, &carried].concat();
     let all = table.lines().filter(variant).map(name_of).filter(|n| !apart.contains(&&**n));
     assert_eq!(seen, all.collect());
+}
+
+/// A tube with its sides pressed together, nearer than the distance of its contact.
+fn pressed() -> Cloth {
+    let mut cloth = support::tube(25, 20, 1);
+    let flat = cloth.positions().iter().map(|p| [p[0], p[1], 0.12 * p[2]]).collect();
+    cloth.place(flat).unwrap();
+    cloth.contact = Some(ClothContact::default());
+    cloth
 }
 
 /// A tube whose pinned rim follows a joint.
