@@ -227,7 +227,7 @@ fn the_dress_has_a_skin_and_is_pinned_by_its_colour() {
 
 #[test]
 fn a_pin_that_meets_nothing_is_told() {
-    let built = made("cape.glb", &["above:99"]);
+    let built = made("tshirt.glb", &["above:99"]);
     assert!(built.report.findings.iter().any(|f| f.kind == "nothing-pinned"));
     assert_eq!(built.bundle.manifest.pieces[0].counts.pinned, 0);
 }
