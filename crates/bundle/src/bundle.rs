@@ -112,9 +112,18 @@ impl Bundle {
         Self::decode_with(read, Err)
     }
 
-    /// As [`Bundle::decode`] from files in memory, by name.
+    /// As [`Bundle::decode`] from files in memory, by name. A host that does not draw the mesh of the source may leave `render.glb` out:
+    /// the bundle then has none.
     pub fn from_files(files: &BTreeMap<String, Vec<u8>>) -> Result<Self> {
-        Self::decode(|name, _| files.get(name).cloned().ok_or_else(|| Error::Missing { file: name.into() }))
+        let read = |name: &str, _| files.get(name).cloned().ok_or_else(|| Error::Missing { file: name.into() });
+        let mut bundle = Self::decode_with(read, |error| match error {
+            Error::Missing { file } if file == RENDER_FILE => Ok(()),
+            other => Err(other),
+        })?;
+        if bundle.render.is_none() {
+            bundle.manifest.render = None;
+        }
+        Ok(bundle)
     }
 
     /// As [`Bundle::decode`], but leaves out images that cannot be read, keeps those with a wrong checksum, and returns

@@ -88,8 +88,6 @@ fn a_bundle_with_a_file_comes_back() {
     let mut changed = files.clone();
     changed.get_mut(RENDER_FILE).unwrap()[30] ^= 1;
     assert!(Bundle::from_files(&changed).unwrap_err().to_string().contains("SHA-256"));
-    changed.remove(RENDER_FILE);
-    assert!(Bundle::from_files(&changed).unwrap_err().to_string().contains("missing"));
 }
 
 #[test]
@@ -121,4 +119,17 @@ fn damage_is_an_error() {
         // A cycle leaves no root, and so nothing in the scene.
         assert!(result.as_ref().map_or(true, Vec::is_empty), "{from} {to}: {result:?}");
     }
+}
+
+#[test]
+fn a_host_in_memory_may_leave_the_mesh_out() {
+    let mut files = flag(triangle([[0.0, 0.0, 0.0]; 3]), 3).encode().unwrap();
+    let whole = Bundle::from_files(&files).unwrap();
+    files.remove(RENDER_FILE).unwrap();
+    let bare = Bundle::from_files(&files).unwrap();
+    assert!(whole.render.is_some() && bare.render.is_none() && bare.manifest.render.is_none());
+    assert_eq!((&bare.images, validate(&bare)), (&whole.images, vec![]));
+    // A bundle on disk is whole or damaged.
+    let read = |name: &str, _| files.get(name).cloned().ok_or(crate::Error::Missing { file: name.into() });
+    assert!(matches!(Bundle::decode(read), Err(crate::Error::Missing { file }) if file == RENDER_FILE));
 }
