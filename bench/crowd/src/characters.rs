@@ -1,4 +1,4 @@
-//! Dressed characters: what a walk costs, alone and in numbers.
+//! Measures the time of dressed characters that walk, one alone and many together.
 
 use std::path::Path;
 use std::time::Instant;
@@ -112,7 +112,7 @@ pub fn print(file: &Path, animation: &str, counts: &[u32], frames: u32) -> Resul
             .map(|(_, parts)| model.actor(0.0, *parts, 1))
             .collect::<gimage_runtime::Result<Vec<_>>>()?;
         let mut times = vec![Vec::new(); alone.len()];
-        // One frame of each in turn: what else the machine does meets all alike.
+        // The variants take turns frame by frame, so that other programs slow all of them alike.
         for _ in 0..frames.max(1) {
             for (actor, times) in alone.iter_mut().zip(&mut times) {
                 let start = Instant::now();

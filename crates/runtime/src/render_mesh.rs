@@ -1,4 +1,4 @@
-//! The mesh of the source of a bundle, bound to its pieces: what a game draws in place of the grid.
+//! The mesh that a bundle was built from, bound to its pieces. A game draws it in place of the grid.
 
 mod load;
 
@@ -58,7 +58,7 @@ impl RenderMesh {
         self.rows.len()
     }
 
-    /// Whether there is no vertex.
+    /// Whether the mesh has no vertices.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }

@@ -62,7 +62,7 @@ impl<'a> Cloth<'a> {
         Ok(Cloth { bundle, particles: bundle.particles()?, positions, normals: surface_normals(bundle)? })
     }
 
-    /// The corners and the weights of the point at a coordinate; `None` if there is no surface.
+    /// The triangle corners and barycentric weights of a coordinate; `None` where the piece has no surface.
     fn point(&self, [piece, u, v]: [f32; 3]) -> Option<([u32; 3], [f32; 2])> {
         let piece = self.bundle.manifest.pieces.get(piece as usize).filter(|_| piece.fract() == 0.0)?;
         let base = piece.first_particle;

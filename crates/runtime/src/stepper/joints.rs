@@ -61,8 +61,8 @@ impl Stepper {
     /// `body[k]`, and `matrices` are those of [`Stepper::set_joints`] for a cloth with the same joints. Parts without a joint, and those whose
     /// joint the cloth does not have, stay. Scales of joints do not scale colliders. 80 bytes per collider are uploaded.
     ///
-    /// Errors if there is no such cloth, on another number of matrices than its joints, on a number that is not finite, and if the scene has
-    /// fewer colliders; then nothing has changed.
+    /// Errors, without any change, if the cloth does not exist, if the number of matrices is not that of its joints, if a number is not finite,
+    /// and if the scene has fewer colliders.
     pub fn move_body(
         &mut self,
         cloth: impl Into<ClothRef>,

@@ -13,7 +13,7 @@ impl Stepper {
     /// tangents are those now. CPU backend only: on the GPU backend [`Stepper::record_wrap`] has them on the device, and
     /// [`RenderMesh::deform`] makes them from positions that are read back. `out` gets one entry per vertex, and keeps its memory.
     ///
-    /// Errors on the GPU backend, if there is no such cloth, and if the mesh is that of another bundle.
+    /// Errors on the GPU backend, if the cloth does not exist, and if the mesh belongs to another bundle.
     pub fn wrap(
         &self,
         cloth: impl Into<ClothRef>,
@@ -36,8 +36,8 @@ impl Stepper {
     /// One dispatch for all vertices of the cloth. The first call makes two buffers, 112 bytes per vertex. A frame without a call has no
     /// cost, and a cloth without a call has no buffers. On the CPU backend they are made at once and uploaded.
     ///
-    /// Errors without a device, if it is lost or has no memory left, if there is no such cloth, and if the mesh is that of another bundle or
-    /// larger than a buffer of the device may be.
+    /// Errors without a device, if the device is lost or out of memory, if the cloth does not exist, and if the mesh belongs to another bundle
+    /// or exceeds the largest buffer of the device.
     #[cfg(feature = "gpu")]
     pub fn record_wrap(
         &mut self,

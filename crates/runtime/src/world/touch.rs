@@ -1,4 +1,4 @@
-//! Contact between cloths: what each may touch in a frame, on the CPU.
+//! Contact between cloths on the CPU: finds the particles of other cloths that each cloth may touch in a frame.
 
 use super::World;
 use crate::cpu::body::Body;

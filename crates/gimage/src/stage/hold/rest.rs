@@ -24,7 +24,7 @@ impl Rule {
             Rule::Ring => "its highest border around the body",
             Rule::Shoulders => "its parts on top of the body (shoulders, straps)",
             Rule::Edge => "its upper edge on the body",
-            Rule::Top => "its top, as none of it rests on the body",
+            Rule::Top => "its top, because no part of it rests on the body",
         }
     }
 }

@@ -88,7 +88,7 @@ impl<'a> Seamstress<'a> {
         target.chain([stitch.particle]).map(|k| self.points[k as usize]).collect()
     }
 
-    /// Whether a stitch moves anything, and none of its points has all the stitches that it may have.
+    /// Whether a stitch moves a particle that is not pinned, and each of its points has room for another stitch.
     fn is_useful(&self, stitch: &Stitch) -> bool {
         let touched = self.touched(stitch);
         let full = |k: &u32| self.counts.get(k).is_some_and(|n| *n >= MOST_AT_A_POINT);

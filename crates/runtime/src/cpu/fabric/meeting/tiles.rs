@@ -38,7 +38,7 @@ pub struct Tiles<T: Real> {
     /// Positions, and previous ones, as they were loaded last.
     pub now: [Aligned<T>; 3],
     pub was: [Aligned<T>; 3],
-    /// Inverse masses; 0 where there is no particle.
+    /// Inverse masses; 0 for texels without a particle.
     pub w: Aligned<T>,
     /// Positions at rest.
     pub rest: [Aligned<T>; 3],
