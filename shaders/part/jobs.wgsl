@@ -38,18 +38,23 @@ struct Job {
   // Colliders that the cloth meets.
   solids: u32,
   unused: u32,
+  // Acceleration and wind in the frame of reference of the cloth.
+  gravity: vec4<f32>,
+  wind: vec4<f32>,
 }
 // The lists that frames only read, of all cloths that lie in the same buffers. The head has the place of each list, and the number of
 // particles that there is room for.
 @group(0) @binding(49) var<storage, read> lists: array<vec4<u32>>;
 
 fn jobs_at(n: u32) -> Job {
-  let k = jobs_from + 4u * n;
+  let k = jobs_from + 6u * n;
   let a = lists[k];
   let b = lists[k + 1u];
   let c = bitcast<vec4<f32>>(lists[k + 2u]);
   let d = lists[k + 3u];
-  return Job(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.xy, c.zw, d.x, d.y, d.z, 0u);
+  let gravity = bitcast<vec4<f32>>(lists[k + 4u]);
+  let wind = bitcast<vec4<f32>>(lists[k + 5u]);
+  return Job(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.xy, c.zw, d.x, d.y, d.z, 0u, gravity, wind);
 }
 
 fn grids_at(g: u32) -> Grid {
@@ -73,4 +78,6 @@ fn begin(n: u32, job: Job) {
   step = frame.rows[select(1u + n / frame.together, 0u, n == 0u)];
   step.keep = job.keep[min(n, 1u)];
   step.longest = job.longest[min(n, 1u)];
+  step.gravity = job.gravity.xyz;
+  step.wind = job.wind.xyz;
 }

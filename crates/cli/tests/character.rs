@@ -67,6 +67,30 @@ fn a_collider_moves_with_a_joint() {
 }
 
 #[test]
+fn a_character_is_simulated_in_the_frame_of_a_joint() {
+    let place = place();
+    let run = |more: &str| {
+        let args = format!("simulate sleeve.gim --backend cpu --json --animation swing --frames 60 --lead 0 {more}");
+        place.run(&args).expect(&[0]).json()["cloths"][0]["stretch_max"].as_f64().unwrap()
+    };
+    let [world, local, calm] = [run(""), run("--local shoulder"), run("--local elbow --inertia 0,0.5,0")];
+    assert!([world, local, calm].iter().all(|s| *s < 0.3), "{world} {local} {calm}");
+    let scene = r#"{"format": "gimage-scene", "version": 1, "duration": 0.5, "cloths": [{"from": {"bundle": "sleeve.gim"}}],
+                    "character": {"file": "sleeve.glb", "animation": "swing"},
+                    "colliders": [{"shape": "half_space", "position": [0, 0, 0], "motion": [{"time": 0, "position": [0, 0, 0]}]}]}"#;
+    place.write("scripted.json", scene);
+    for (args, words) in [
+        ("sleeve.gim --local shoulder", "--animation"),
+        ("sleeve.gim --animation swing --local hips", "`hips`"),
+        ("sleeve.gim --animation swing --local elbow --inertia 2", "from 0 to 1"),
+        ("scripted.json --local elbow", "script"),
+    ] {
+        let run = place.run(&format!("simulate {args} --backend cpu")).expect(&[2]);
+        assert!(run.stderr.contains(words), "{words}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn what_cannot_be_played_is_said() {
     let place = place();
     for (args, words) in [

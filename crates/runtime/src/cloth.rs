@@ -34,6 +34,7 @@ pub(crate) use stitch::{ENDS, NO_STITCH, Sewing, Thread};
 use std::sync::Arc;
 
 use crate::error::{Result, check as range};
+use crate::moving_frame::Inertia;
 
 /// One grid of particles, a piece of a bundle. Texel (i, j) is particle `first + j * width + i`.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,6 +155,8 @@ pub struct Cloth {
     pub collision_groups: u32,
     /// Contact with itself and with other cloths that have contact, for [`crate::Solver::Xpbd`]. Default none, at no cost.
     pub contact: Option<ClothContact>,
+    /// Shares of the motion of its frame of reference that it feels ([`crate::Stepper::set_moving_frame`]). Default all.
+    pub inertia: Inertia,
     /// Compliance of the springs. Default none. Cloth of a material has a membrane instead of springs.
     pub compliance: Compliance,
     /// Largest distance \[m\] of each particle from its initial position, or from the skin of cloth that follows joints, for [`crate::Solver::Xpbd`]: a motion constraint.
@@ -201,6 +204,7 @@ impl Cloth {
             friction: 1.0,
             collision_groups: u32::MAX,
             contact: None,
+            inertia: Inertia::default(),
             compliance: Compliance::None,
             limits: None,
             membrane: None,
@@ -225,6 +229,7 @@ impl Cloth {
         range("the thickness of a cloth [m]", thickness, "0 to 1", |t| (0.0..=1.0).contains(&t))?;
         range("the friction of a cloth", f64::from(self.friction), "0 to 1e6", |f| (0.0..=1e6).contains(&f))?;
         self.contact.iter().try_for_each(ClothContact::check)?;
+        self.inertia.check()?;
         let soft: &[f32] = match &self.compliance {
             Compliance::None => &[],
             Compliance::Constant(c) => std::slice::from_ref(c),

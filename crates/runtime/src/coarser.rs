@@ -134,6 +134,7 @@ impl Cloth {
         self.friction = other.friction;
         self.collision_groups = other.collision_groups;
         self.contact = other.contact;
+        self.inertia = other.inertia;
     }
 
     /// The kinds of coarse particles, with seam links; pins are the fine ones of the samples. `None` where only some duplicates of a point

@@ -21,6 +21,7 @@ pub(crate) mod fused;
 pub(crate) mod guard;
 pub(crate) mod gust;
 pub(crate) mod indices;
+pub(crate) mod inertia;
 pub(crate) mod integrate;
 pub(crate) mod interpolate;
 pub(crate) mod lazy;

@@ -117,6 +117,9 @@ pub struct JobRow {
     /// Colliders that it meets.
     pub solids: u32,
     pub unused: u32,
+    /// Acceleration and wind in its frame of reference.
+    pub gravity: [f32; 4],
+    pub wind: [f32; 4],
 }
 
 /// `Link` of shaders/part/links.wgsl.

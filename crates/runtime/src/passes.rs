@@ -186,6 +186,8 @@ pub enum Pass {
     Transform,
     /// A set of particles is put at given positions, or pinned, or freed.
     Place,
+    /// The frame of reference has moved: what that makes of the velocities of free particles.
+    Inertia,
     /// Joints have moved: where they put all particles.
     Skin {
         /// Sets of four joints per particle.

@@ -22,7 +22,15 @@ pub(super) fn variants() -> Vec<Form> {
 /// Every variant of every pass.
 fn passes() -> Vec<Pass> {
     let mut all = vec![Pass::Seams, Pass::SeamSteps, Pass::SeamNormals, Pass::Speed, Pass::Fastest];
-    all.extend([Pass::Cut, Pass::CutSprings, Pass::CutLevels, Pass::Transform, Pass::Place, Pass::PickNearest]);
+    all.extend([
+        Pass::Cut,
+        Pass::CutSprings,
+        Pass::CutLevels,
+        Pass::Transform,
+        Pass::Inertia,
+        Pass::Place,
+        Pass::PickNearest,
+    ]);
     all.extend([Pass::Restrict, Pass::Prolong]);
     for holes in [false, true] {
         all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }, Pass::Indices { holes }]);
@@ -301,7 +309,7 @@ fn structs_lie_as_in_rust() {
     let grid = rust!(GridRow: first, width, height, soft, rest);
     let solid = rust!(SolidRow: center, kind, size, friction, rotation, velocity, spin);
     let frame = rust!(FrameRow: steps, rounds, together, solids, most, rows);
-    let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest, hold, image, solids);
+    let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest, hold, image, solids, gravity, wind);
     let link = rust!(LinkRow: follows, mass);
     let mut seen = BTreeSet::new();
     for form in &variants() {

@@ -12,6 +12,7 @@ mod indices;
 mod joints;
 mod levels;
 mod members;
+mod moving_frame;
 mod pick;
 mod pins;
 #[cfg(feature = "gpu")]

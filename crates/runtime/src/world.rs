@@ -16,6 +16,7 @@ pub(crate) mod images;
 mod kept;
 mod levels;
 mod members;
+mod moving;
 mod run;
 mod save;
 pub(crate) mod sleep;
@@ -210,6 +211,7 @@ impl World {
         let progress = self.control.clock.frame(dt);
         self.driven.stepped(progress.steps);
         self.lead(progress.steps);
+        self.move_frames(progress.steps);
         progress
     }
 
@@ -248,10 +250,11 @@ impl World {
     }
 
     /// The numbers of the first step of a frame and of the others, as far as they depend on the cloth.
-    pub fn numbers(&self, cloth: &Cloth) -> [Step<f64>; 2] {
-        let clock = &self.control.clock;
+    pub fn numbers(&self, index: usize) -> [Step<f64>; 2] {
+        let (clock, cloth) = (&self.control.clock, &self.scene.cloths[index]);
+        let [gravity, wind] = self.local(index);
         [clock.dt_old, clock.dt].map(|dt_old| {
-            Step::new(&StepInput {
+            let step = Step::new(&StepInput {
                 gravity: self.scene.gravity,
                 wind: self.scene.wind.as_ref(),
                 damping: cloth.damping,
@@ -260,7 +263,10 @@ impl World {
                 dt_old,
                 // The noise stands still within a frame, so that its steps share their numbers.
                 time: clock.time,
-            })
+            });
+            // Noise drifts as it does in the world: its cells do not turn with the frame.
+            let wind = if self.scene.wind.is_some() { wind } else { step.wind };
+            Step { gravity, wind, ..step }
         })
     }
 
@@ -275,7 +281,7 @@ impl World {
             rounds: options.iterations,
             hold: self.hold(cloth),
             pyramid: options.pyramid,
-            numbers: self.numbers(&self.scene.cloths[cloth]),
+            numbers: self.numbers(cloth),
             swept: if swept { self.control.clock.dt } else { 0.0 },
         }
     }
@@ -335,7 +341,7 @@ impl World {
             now,
             before,
             solids,
-            gravity: self.scene.gravity,
+            gravity: self.local(index)[0].map(|x| x as f32),
             time: self.control.clock.time + seconds,
             dt: self.control.clock.dt,
             substeps: self.control.options.substeps,

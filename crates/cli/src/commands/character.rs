@@ -1,5 +1,7 @@
 //! A character whose animation moves cloths and colliders.
 
+mod local;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -12,6 +14,7 @@ use gimage_runtime::{Cloth, Scene, Solver, Stepper};
 
 use crate::exit::Failure;
 use crate::output::{Output, Tone};
+use local::Local;
 
 /// The animation of a scene: `gimage simulate`, `gimage render` and `gimage export`.
 #[derive(Debug, Args)]
@@ -26,6 +29,12 @@ pub struct MotionArgs {
     /// modelled and settles [default: 1 of a bundle, 0 of a scene file].
     #[arg(long, value_name = "SECONDS")]
     pub lead: Option<f64>,
+    /// Simulates in the frame of reference of a joint (hips, root): pictures and dumps are in it too, so that the character stays in the middle.
+    #[arg(long, value_name = "JOINT")]
+    pub local: Option<String>,
+    /// Shares of the motion of --local that cloth feels, from 0 to 1: one, or linear,angular,centrifugal [default: 1].
+    #[arg(long, value_name = "SHARES", requires = "local")]
+    pub inertia: Option<String>,
 }
 
 /// Longest time before an animation \[s\], and how long that of a bundle is by default.
@@ -46,6 +55,8 @@ pub struct Animated {
     /// Indices of cloths, and the nodes of their joints.
     cloths: Vec<(usize, Vec<usize>)>,
     colliders: Vec<Attached>,
+    /// The frame of reference, if it is not the world.
+    local: Option<Local>,
 }
 
 /// A collider that a node moves.
@@ -96,6 +107,7 @@ impl Animated {
         (path, animation): (&Path, &str),
         reading: Reading,
         (lead, in_bundle): (f64, bool),
+        frame: Option<(&str, Option<&str>)>,
         file: &mut SceneFile,
     ) -> Result<Self, Failure> {
         if !(0.0..=LONGEST_LEAD_S).contains(&lead) {
@@ -127,7 +139,9 @@ impl Animated {
         if !cloths.is_empty() && file.options.solver == Solver::Classic {
             return Err(Failure::refused("the solver `classic` moves no joints; use --solver xpbd"));
         }
-        let animated = Animated { path: path.into(), reading, character, lead, cloths, colliders };
+        let moved: Vec<usize> = colliders.iter().map(|c: &Attached| c.index).collect();
+        let local = frame.map(|of| Local::new(of, &character, &moved, &mut file.scene)).transpose()?;
+        let animated = Animated { path: path.into(), reading, character, lead, cloths, colliders, local };
         animated.start(&mut file.scene)?;
         if !animated.character.loops() && animated.character.seconds() > 0.0 {
             file.scene.frames = (animated.character.seconds() / file.options.step).ceil() as u32;
@@ -161,6 +175,12 @@ impl Animated {
             let collider = &mut scene.colliders[attached.index];
             (collider.center, collider.rotation) = (position, rotation);
         }
+        if let Some(local) = &self.local {
+            for (index, Pose { position, rotation }) in local.fixed(&self.outside(-self.lead)) {
+                let collider = &mut scene.colliders[index];
+                (collider.center, collider.rotation) = (position, rotation);
+            }
+        }
         Ok(())
     }
 
@@ -179,8 +199,14 @@ impl Animated {
         self.colliders.iter().map(|attached| attached.index)
     }
 
-    /// Where its nodes are at `time` \[s\]; before 0 they are on their way into the animation.
+    /// Where its nodes are at `time` \[s\], in the frame of reference; before 0 they are on their way into the animation.
     pub fn worlds(&self, time: f64) -> Vec<[f64; 16]> {
+        let worlds = self.outside(time);
+        self.local.as_ref().map_or_else(|| worlds.clone(), |local| local.inside(&worlds))
+    }
+
+    /// The same in the world.
+    fn outside(&self, time: f64) -> Vec<[f64; 16]> {
         if time >= 0.0 || self.lead <= 0.0 {
             return self.character.worlds(time.max(0.0));
         }
@@ -191,6 +217,11 @@ impl Animated {
     /// Moves everything to where it is at `time` \[s\], the end of the next frame.
     pub fn frame(&self, stepper: &mut Stepper, time: f64) -> Result<(), Failure> {
         let worlds = self.worlds(time);
+        if let Some(local) = &self.local {
+            let outside = self.outside(time);
+            local.go(stepper, &outside, &self.outside(-self.lead))?;
+            local.fixed(&outside).try_for_each(|(index, pose)| stepper.move_collider(index, &pose))?;
+        }
         for (index, nodes) in &self.cloths {
             let matrices = matrices(&stepper.scene().cloths[*index], nodes, &worlds)?;
             stepper.set_joints(*index, &matrices)?;

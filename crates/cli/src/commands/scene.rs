@@ -68,6 +68,9 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
         (None, None) if args.motion.character.is_some() => {
             return Err(Failure::refused("--character needs --animation NAME; `gimage list` has the names"));
         }
+        (None, None) if args.motion.local.is_some() => {
+            return Err(Failure::refused("--local needs --animation NAME; `gimage list` has the names"));
+        }
         (None, None) => return Ok(Loaded { file, animated: None }),
         (animation, Some((path, own))) => {
             (args.motion.character.clone().unwrap_or(path), animation.clone().unwrap_or(own))
@@ -77,7 +80,13 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
         }
     };
     let lead = args.motion.lead.unwrap_or_else(|| character::default_lead(scene));
-    let animated = Animated::new((&path, &animation), reading, (lead, scene.is_dir()), &mut file)?;
+    let frame = args.motion.local.as_deref().map(|joint| (joint, args.motion.inertia.as_deref()));
+    if frame.is_some() && !file.script.is_empty() {
+        return Err(Failure::refused(
+            "--local: pins, colliders and cuts of the scene's script are in the world; remove one of both",
+        ));
+    }
+    let animated = Animated::new((&path, &animation), reading, (lead, scene.is_dir()), frame, &mut file)?;
     Ok(Loaded { file, animated: Some(Arc::new(animated)) })
 }
 

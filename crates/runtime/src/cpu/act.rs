@@ -6,7 +6,7 @@ use super::body::{Body, view};
 use super::place::{self, Placed};
 use super::route::far;
 use super::rows::Threads;
-use super::{cut, cut_springs, cut_tethers, transform};
+use super::{cut, cut_springs, cut_tethers, inertia, transform};
 use crate::number::real::{Real, V3};
 
 impl<T: Real> Body<T> {
@@ -36,6 +36,12 @@ impl<T: Real> Body<T> {
     pub fn place(&mut self, rows: &[Placed]) {
         self.edited = true;
         place::run(&mut self.now, &mut self.before, rows);
+    }
+
+    /// The frame of reference has moved: the numbers of an impulse.
+    pub fn push(&mut self, numbers: &[[T; 4]; 7]) {
+        self.edited = true;
+        inertia::run(&self.now, &mut self.before, numbers);
     }
 
     /// Moves particles by the matrix with these columns.

@@ -472,6 +472,7 @@ impl<T: Real> Fabric<T> {
             | Pass::CutLevels
             | Pass::Transform
             | Pass::Place
+            | Pass::Inertia
             | Pass::Skin { .. }
             | Pass::Restrict
             | Pass::Prolong

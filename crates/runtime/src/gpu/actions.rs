@@ -83,6 +83,12 @@ impl Gpu {
                 Action::Skin { cloth, from, to, rate } => {
                     self.skin(world, encoder, *cloth, (from.as_deref(), to), *rate);
                 }
+                Action::Inertia { cloth, numbers } => {
+                    let mut pass = begin(encoder, "inertia");
+                    let list = self.list("impulse", cast_slice(numbers));
+                    let groups = source(&Pass::Inertia.into()).workgroups(&world.scene.cloths[*cloth]);
+                    self.once(world, &mut pass, *cloth, Pass::Inertia, &[(Slot::Action, &list)], groups);
+                }
                 Action::Load { cloth, layout, words } => self.load_words(world, encoder, *cloth, (layout, words)),
             }
         }

@@ -34,6 +34,8 @@ pub enum Ahead {
     /// [`crate::Stepper::set_levels`]: the passes that carry motion. Those of a frame on a level are compiled by the first switch to it,
     /// unless cloths of other sizes have them.
     Levels,
+    /// [`crate::Stepper::set_moving_frame`].
+    MovingFrames,
 }
 
 impl Ahead {
@@ -48,6 +50,7 @@ impl Ahead {
         Ahead::Indices,
         Ahead::Tangents,
         Ahead::Levels,
+        Ahead::MovingFrames,
     ];
 }
 
@@ -92,6 +95,7 @@ fn asked(world: &World, ahead: &[Ahead], holes: bool) -> Vec<Pass> {
             Ahead::Bounds => passes.push(Pass::Bounds),
             Ahead::Indices => passes.push(Pass::Indices { holes }),
             Ahead::Tangents => passes.push(Pass::Tangents { holes }),
+            Ahead::MovingFrames => passes.push(Pass::Inertia),
             Ahead::Levels => passes.extend([Pass::Restrict, Pass::Prolong]),
         }
     }

@@ -356,10 +356,11 @@ impl Arena {
 
     /// The job of a workgroup for a cloth, with the numbers that are the cloth's own.
     fn job(&self, world: &World, index: usize, member: usize) -> JobRow {
-        let (cloth, solid) = (&world.scene.cloths[index], world.first_solid(index) as u32);
-        let steps = world.numbers(cloth).map(|step| StepRow::from(&step));
+        let solid = world.first_solid(index) as u32;
+        let steps = world.numbers(index).map(|step| StepRow::from(&step));
         let (keep, longest) = (steps.map(|s| s.keep), steps.map(|s| s.longest));
         let (hold, solids) = (world.hold(index), world.solid_count(index) as u32);
-        JobRow { solid, keep, longest, hold, solids, ..self.jobs[member] }
+        let [gravity, wind] = [steps[0].gravity, steps[0].wind].map(|[x, y, z]| [x, y, z, 0.0]);
+        JobRow { solid, keep, longest, hold, solids, gravity, wind, ..self.jobs[member] }
     }
 }

@@ -206,7 +206,8 @@ fn separate_rows(world: &World, steps: u32) -> u64 {
     let (mut last, mut count) = (None, 0);
     for cloth in (0..world.runs.len()).filter(|c| world.is_apart(*c)) {
         let of = &world.scene.cloths[cloth];
-        let own = Some((of.damping.to_bits(), of.speed_limit.to_bits()));
+        let local = world.local(cloth).map(|v| v.map(f64::to_bits));
+        let own = Some((of.damping.to_bits(), of.speed_limit.to_bits(), local));
         count += u64::from(own != last);
         last = own;
     }
@@ -222,6 +223,7 @@ fn actions(list: &[Action]) -> u64 {
         Action::Transform { chosen, .. } => room(64) + room(4 * chosen.len()),
         Action::Place { rows, .. } => room(16 * rows.len()) + room(8 * rows.len()),
         Action::Skin { to, .. } => room(skin::bytes(to.len())),
+        Action::Inertia { .. } => room(112),
         Action::Aim { .. } | Action::Load { .. } => 0,
     };
     list.iter().map(one).sum()

@@ -75,6 +75,10 @@ pub(super) fn transform(over: Over) -> Rule {
     own!("transform", over, chosen())
 }
 
+pub(super) fn inertia(over: Over) -> Rule {
+    own!("inertia", over, Parts::new(&[part!("action")], &[Action, Now], &[Slot::Before]))
+}
+
 pub(super) fn place(over: Over) -> Rule {
     own!("place", over, chosen())
 }

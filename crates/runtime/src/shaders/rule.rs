@@ -83,9 +83,14 @@ pub fn over(pass: Pass) -> Over {
         Pass::Springs { direction, parity, .. }
         | Pass::Stretch { direction, parity, .. }
         | Pass::Polish { direction, parity, .. } => Over::Springs { direction, parity },
-        Pass::Speed | Pass::Transform | Pass::Place | Pass::Skin { .. } | Pass::Prolong | Pass::Bounds | Pass::Wrap => {
-            Over::Own(Threads::Particles)
-        }
+        Pass::Speed
+        | Pass::Transform
+        | Pass::Place
+        | Pass::Inertia
+        | Pass::Skin { .. }
+        | Pass::Prolong
+        | Pass::Bounds
+        | Pass::Wrap => Over::Own(Threads::Particles),
         Pass::Fastest | Pass::PickNearest | Pass::Restrict | Pass::CoarseTies { .. } => Over::Own(Threads::One),
         Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
         Pass::CoarseLevel { level, .. } => Over::Own(Threads::Nodes(level)),
@@ -191,6 +196,7 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::CutLevels => rare::cut_levels(over),
         Pass::Transform => rare::transform(over),
         Pass::Place => rare::place(over),
+        Pass::Inertia => rare::inertia(over),
         Pass::Skin { sets } => rare::skin(over, sets),
         Pass::Restrict => rare::restrict(over),
         Pass::Prolong => rare::prolong(over),

@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::follow::Joints;
 use super::images::Images;
 use super::levels::Finer;
+use super::moving::Moving;
 use super::sleep::Calm;
 use crate::cloth::{Anchor, Cloth, Tethers};
 use crate::form::Fused;
@@ -41,6 +42,8 @@ pub struct ClothRun {
     pub asleep: bool,
     /// Where teleports have moved its start.
     pub home: Pose,
+    /// Its frame of reference, if it has one that moves.
+    pub moving: Option<Moving>,
     /// The joints that it follows, if it does.
     pub joints: Option<Joints>,
     /// How long it has been calm.

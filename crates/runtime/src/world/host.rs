@@ -26,6 +26,8 @@ pub enum Action {
     /// The joints of a cloth move from where the frame begins, if that is given, to where it ends; `rate` \[1/s\] is one over its length,
     /// or 0.
     Skin { cloth: usize, from: Option<Arc<[Rows]>>, to: Arc<[Rows]>, rate: f32 },
+    /// The frame of reference of a cloth has moved: the numbers of [`crate::moving_frame::Impulse`].
+    Inertia { cloth: usize, numbers: [[f32; 4]; 7] },
     /// The lists of a state take the place of those on the device.
     Load { cloth: usize, layout: Layout, words: Vec<u32> },
 }
@@ -39,6 +41,7 @@ impl Action {
             | Action::Place { cloth, .. }
             | Action::Aim { cloth }
             | Action::Skin { cloth, .. }
+            | Action::Inertia { cloth, .. }
             | Action::Load { cloth, .. } => Some(*cloth),
         }
     }
@@ -130,6 +133,7 @@ impl Host {
             | Action::Place { cloth, .. }
             | Action::Aim { cloth }
             | Action::Skin { cloth, .. }
+            | Action::Inertia { cloth, .. }
             | Action::Load { cloth, .. } => follow(cloth, index),
         });
         self.faults.retain_mut(|fault| follow(&mut fault.cloth, index));
@@ -160,6 +164,7 @@ impl World {
                     let Some(joints) = &self.runs[*cloth].joints else { continue };
                     bodies[*cloth].lead(&self.scene.cloths[*cloth], &joints.joined, to, T::of(f64::from(*rate)));
                 }
+                Action::Inertia { cloth, numbers } => bodies[*cloth].push(&numbers.map(cast)),
                 // The CPU takes states at once.
                 Action::Load { .. } => {}
             }

@@ -75,7 +75,7 @@ impl World {
             switch.refine(self.control.options.solver);
         }
         let run = &mut switch.run;
-        (run.coat, run.calm) = (now.coat, now.calm);
+        (run.coat, run.calm, run.moving) = (now.coat, now.calm, now.moving);
         run.joints = Joints::of(&switch.cloth);
         if let (Some(joints), Some(before)) = (&mut run.joints, &now.joints) {
             joints.go_on(before);

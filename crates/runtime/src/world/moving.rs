@@ -1,0 +1,58 @@
+//! Frames of reference that cloths are simulated in: where they are, and where they go in the next frame.
+
+use super::{Action, World};
+use crate::moving_frame::{FrameMotion, MovingFrame};
+use crate::number::real::cast;
+
+/// The frame of reference of a cloth.
+#[derive(Clone, Copy, Debug)]
+pub struct Moving {
+    /// Where it is, and how it moved in the last frame that made a step.
+    pub motion: FrameMotion,
+    /// Where it is at the end of the next one, if the host has moved it.
+    pub next: Option<MovingFrame>,
+}
+
+impl World {
+    /// Moves the frame of a cloth in the next frame that makes a step. The first call puts it there.
+    pub fn move_frame(&mut self, cloth: usize, to: MovingFrame) {
+        match &mut self.runs[cloth].moving {
+            Some(moving) => moving.next = Some(to),
+            None => self.put_frame(cloth, FrameMotion::still(to)),
+        }
+    }
+
+    /// Puts the frame of a cloth somewhere from the start of the next frame on, with a motion that is taken for its last one.
+    pub fn put_frame(&mut self, cloth: usize, motion: FrameMotion) {
+        self.runs[cloth].moving = Some(Moving { motion, next: None });
+        self.wake(cloth);
+    }
+
+    /// Begins a frame of a number of steps: frames of reference that the host has not moved rest.
+    pub fn move_frames(&mut self, steps: u32) {
+        if steps == 0 {
+            return;
+        }
+        let clock = &self.control.clock;
+        let (seconds, dt) = (f64::from(steps) * clock.dt, clock.dt_old);
+        for cloth in 0..self.runs.len() {
+            let inertia = self.scene.cloths[cloth].inertia;
+            let Some(moving) = &mut self.runs[cloth].moving else { continue };
+            let to = moving.next.take().unwrap_or(moving.motion.frame);
+            if let Some(impulse) = moving.motion.go(to, seconds, &inertia) {
+                self.host.actions.push(Action::Inertia { cloth, numbers: impulse.numbers(dt) });
+                self.wake(cloth);
+            }
+        }
+    }
+
+    /// Gravity \[m/s^2\] and wind \[m/s\] in the frame of a cloth.
+    pub fn local(&self, cloth: usize) -> [[f64; 3]; 2] {
+        let wind = self.scene.wind.as_ref().map_or([0.0; 3], |wind| cast(wind.velocity));
+        let gravity = cast(self.scene.gravity);
+        match &self.runs[cloth].moving {
+            Some(moving) => moving.motion.local(gravity, wind, &self.scene.cloths[cloth].inertia),
+            None => [gravity, wind],
+        }
+    }
+}
