@@ -219,7 +219,7 @@ fn one_step_is_that_of_the_twin() {
     let table = &table[..table.find("\n}\n").unwrap()];
     let variant = |line: &&str| line.starts_with("    ") && line[4..].starts_with(char::is_uppercase);
     let rare = ["Cut", "CutSprings", "CutTethers", "CutLevels", "Transform", "Place", "Pick", "PickNearest"];
-    let carried = ["Skin", "Restrict", "Prolong"];
+    let carried = ["Skin", "Restrict", "Prolong", "Inertia"];
     let read = ["Speed", "Fastest", "Strain", "Bounds", "Indices", "Tangents", "Wrap"];
     let apart = [&rare[..], &read, &carried].concat();
     let all = table.lines().filter(variant).map(name_of).filter(|n| !apart.contains(&&**n));

@@ -64,7 +64,7 @@ fn a_thousand_instances_have_one_copy_of_their_images() {
         // Jobs and grids, three numbers of a material, seams and targets are each cloth's own.
         let rings = 4 * (cloth.rings().0.len() + cloth.rings().1.len()) as u64;
         let targets = cloth.limits.as_ref().map_or(0, |l| 16 * l.len().next_multiple_of(64) as u64);
-        let own = 200 * (64 + 32 + 16 + rings + targets);
+        let own = 200 * (96 + 32 + 16 + rings + targets);
         assert!(many.device_images <= one.device_images + own, "{}: {one:?}, {many:?}", cloth.name());
         assert!(many.device_states > 190 * one.device_states, "{one:?} {many:?}");
     }
