@@ -305,7 +305,7 @@ impl<T: Real> Fabric<T> {
         body: &mut Body<T>,
     ) {
         self.meeting.iter_mut().for_each(|m| m.elapsed = m.elapsed + step.dt);
-        let (mut together, mut met) = (Vec::new(), false);
+        let mut together = Vec::new();
         for pass in passes {
             if self.walks(*pass, threads) {
                 together.push(*pass);
@@ -313,10 +313,6 @@ impl<T: Real> Fabric<T> {
             }
             self.walk(&together, step);
             together.clear();
-            if matches!(pass, Pass::Contact(_)) && std::mem::replace(&mut met, true) {
-                // Particles moved again in this step.
-                self.clear.iter_mut().for_each(Clear::forget);
-            }
             self.run(*pass, threads, step, solids, body);
         }
         self.walk(&together, step);
@@ -454,7 +450,7 @@ impl<T: Real> Fabric<T> {
             Pass::Contact(_) => {
                 let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();
                 let each = self.sheets.iter_mut().zip(&mut self.clear);
-                each.for_each(|(sheet, clear)| contact::run(threads, sheet, clear, &posed, step.dt));
+                each.for_each(|(sheet, clear)| contact::run(threads, sheet, clear, &posed, (step.dt, step.left)));
             }
             // Passes of the classic solver, of a frame and of actions, which are made from texels.
             Pass::Springs { .. }

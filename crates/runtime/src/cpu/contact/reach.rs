@@ -121,6 +121,18 @@ impl<T: Real> Reach<T> {
         }
     }
 
+    /// The particles that are near by [`Reach::near`], and those that are so by rounding; `way` is its length.
+    #[inline(always)]
+    pub fn is_near<K: Machine<T>>(&self, k: K, p: [K::V; 3], way: K::V) -> K::M {
+        match self.apart_by(k, p) {
+            Ok((far2, r)) => {
+                let reach = k.add(k.splat(r * T::of(1.00001)), way);
+                k.above(k.mul(reach, reach), far2)
+            }
+            Err(above) => k.above(k.splat(T::of(0.0)), above),
+        }
+    }
+
     /// Squared distances from the center or the line, and the distance within which it can touch; of a half-space the heights above it.
     #[inline(always)]
     fn apart_by<K: Machine<T>>(&self, k: K, p: [K::V; 3]) -> Result<(K::V, T), K::V> {

@@ -89,7 +89,7 @@ fn compare<T: Real + std::fmt::Debug>(solids: &[Solid<T>], way: f64, seed: usize
 fn compare_sheet<T: Real + std::fmt::Debug>(start: &Sheet<T>, solids: &[Solid<T>], threads: &Threads) -> usize {
     let dt = T::of(1.0 / 480.0);
     let (mut together, mut apart) = (start.clone(), start.clone());
-    run(threads, &mut together, &mut Clear::default(), solids, dt);
+    run(threads, &mut together, &mut Clear::default(), solids, (dt, T::of(0.0)));
     let moved = alone(&mut apart, solids, dt);
     for k in 0..together.width * together.height {
         let (a, b) = (together.at(together.triple(k)), apart.at(apart.triple(k)));
@@ -170,8 +170,8 @@ fn what_is_no_number_is_left_to_the_rule_and_spoils_no_other() {
         bad.into_iter().zip(numbers).for_each(|(at, x)| sheet.now[at] = x);
     }
     let start = with.clone();
-    run(&Threads::one(), &mut with, &mut Clear::default(), &[solid], 0.01);
-    run(&Threads::one(), &mut without, &mut Clear::default(), &[solid], 0.01);
+    run(&Threads::one(), &mut with, &mut Clear::default(), &[solid], (0.01, 0.0));
+    run(&Threads::one(), &mut without, &mut Clear::default(), &[solid], (0.01, 0.0));
     alone(&mut apart, &[solid], 0.01);
     let same =
         |a: V3<f32>, b: V3<f32>| (0..3).all(|c| a[c].to_bits() == b[c].to_bits() || (a[c].is_nan() && b[c].is_nan()));
@@ -211,7 +211,8 @@ fn distances_that_are_carried_from_step_to_step_leave_nothing_out() {
         let (mut carried, mut fresh) = (wide_sheet(), wide_sheet());
         let mut clear = Clear::default();
         for n in 0..24 {
-            let posed = solids.each_ref().map(|s| s.posed((23 - n) as f32 * dt));
+            let left = (23 - n) as f32 * dt;
+            let posed = solids.each_ref().map(|s| s.posed(left));
             for sheet in [&mut carried, &mut fresh] {
                 for k in 0..sheet.width * sheet.height {
                     let (place, most) = (sheet.triple(k), if seed % 3 == 0 { 0.5 } else { 0.012 });
@@ -224,15 +225,15 @@ fn distances_that_are_carried_from_step_to_step_leave_nothing_out() {
                     }
                 }
             }
-            run(&threads, &mut carried, &mut clear, &posed, dt);
+            run(&threads, &mut carried, &mut clear, &posed, (dt, left));
             if clear.pays() {
-                skipped += clear.parts().0.iter().filter(|left| **left > 0.0).count();
+                skipped += clear.parts().0.iter().filter(|block| block.listed == 0).count();
             } else {
                 given_up += 1;
             }
-            run(&threads, &mut fresh, &mut Clear::default(), &posed, dt);
+            run(&threads, &mut fresh, &mut Clear::default(), &posed, (dt, 0.0));
             assert!(carried.now[..] == fresh.now[..], "{shape:?} {seed}, step {n}");
         }
     }
-    assert!(skipped > 100_000 && given_up > 100, "{skipped}, {given_up}");
+    assert!(skipped > 10_000 && given_up > 100, "{skipped}, {given_up}");
 }
