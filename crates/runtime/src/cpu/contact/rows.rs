@@ -154,8 +154,8 @@ fn every<T: Real, K: Machine<T>>(mut of: Vector<T, K>, near: &[Near<T>]) {
         if !k.any(k.both(near.reach.may_be_near(k, p, way2), of.free)) {
             continue;
         }
-        let (_, close) = near.reach.near(k, p, way2);
-        if k.any(k.both(close, of.free)) {
+        let way = k.mul(k.sqrt(way2), k.splat(T::of(1.001)));
+        if let (close, true) = near.reach.touches(k, p, way, of.free) {
             p = of.meet(near, close);
             way2 = of.way2(p);
         }
@@ -176,8 +176,8 @@ fn listed<T: Real, K: Machine<T>>(
         let first = list.trailing_zeros() as usize * group;
         list &= list - 1;
         for near in &near[first..(first + group).min(near.len())] {
-            let close = near.reach.is_near(k, p, way);
-            if !k.any(k.both(close, of.free)) {
+            let (close, meets) = near.reach.touches(k, p, way, of.free);
+            if !meets {
                 continue;
             }
             let to = of.meet(near, close);

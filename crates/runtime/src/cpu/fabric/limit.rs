@@ -88,6 +88,7 @@ impl<'a, T: Real> Work<T> for Rows<'a, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
         let (wide, left) = (2 * self.half, k.splat(self.left));
+        let none = k.splat(T::of(f64::from(f32::MAX)));
         for (n, row) in self.rows.chunks_exact_mut(3 * wide).enumerate() {
             let j = self.first + n;
             let (w, most) = (&self.w[j * wide..(j + 1) * wide], &self.limit.most[j * wide..(j + 1) * wide]);
@@ -96,6 +97,9 @@ impl<'a, T: Real> Work<T> for Rows<'a, '_, T> {
             let drifts = (!self.limit.drifts.is_empty()).then(|| of_row(&self.limit.drifts));
             let [x, y, z] = planes(row, self.half);
             for at in (0..wide).step_by(K::WIDE) {
+                if !k.any(k.above(none, k.load(most, at))) {
+                    continue;
+                }
                 let mut to = to.map(|list| k.load(list, at));
                 if let Some(drifts) = drifts {
                     to = k.minus(to, k.times(drifts.map(|list| k.load(list, at)), left));
