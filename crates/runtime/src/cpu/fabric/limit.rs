@@ -17,6 +17,8 @@ pub struct Limit<T: Real> {
     drifts: Aligned<T>,
     /// Largest distance \[m\], `f32::MAX` for no limit; in the layout of [`Sheet::w`].
     most: Vec<T>,
+    /// The texels of the sheet that have a limit.
+    pub limited: Vec<u32>,
 }
 
 impl<T: Real> Limit<T> {
@@ -29,16 +31,17 @@ impl<T: Real> Limit<T> {
         }
         let none = f64::from(f32::MAX);
         let most = |k: usize| if of(k).1 < 0.0 { none } else { f64::from(of(k).1) };
-        Limit { targets, drifts: Aligned::default(), most: sheet.list(T::of(none), |k| T::of(most(k))) }
+        let limited = (0..sheet.width * sheet.height).filter(|k| of(*k).1 >= 0.0).map(|k| k as u32).collect();
+        Limit { targets, drifts: Aligned::default(), most: sheet.list(T::of(none), |k| T::of(most(k))), limited }
     }
 
-    /// Other targets \[m\], by texels, each on its way there at `rate` \[1/s\].
+    /// Other targets \[m\] of the texels that have a limit, in order, each on its way there at `rate` \[1/s\].
     pub fn lead(&mut self, sheet: &Sheet<T>, ends: &[V3<T>], rate: T) {
         if self.drifts.len() != self.targets.len() {
             self.drifts = Aligned::zeros(self.targets.len());
         }
-        for (k, end) in ends.iter().enumerate() {
-            let place = sheet.triple(k);
+        for (k, end) in self.limited.iter().zip(ends) {
+            let place = sheet.triple(*k as usize);
             for (c, x) in end.iter().enumerate() {
                 let at = place + 2 * c * sheet.half;
                 self.drifts[at] = (*x - self.targets[at]) * rate;
@@ -51,6 +54,7 @@ impl<T: Real> Limit<T> {
     pub fn tally(&self, tally: &mut Tally) {
         [&self.targets, &self.drifts].into_iter().for_each(|list| tally.state(list));
         tally.state(&self.most);
+        tally.state(&self.limited);
     }
 }
 

@@ -126,11 +126,10 @@ fn list<T: Real, K: Machine<T>>(
         }
         return;
     }
-    let (xs, ys, zs) = (&to[..long], &to[2 * half..2 * half + long], &to[4 * half..4 * half + long]);
     for at in (0..long).step_by(K::WIDE) {
         let one = slot.block[(first + at) / LANES];
         let anchor = if one == MIXED {
-            [k.load(xs, at), k.load(ys, at), k.load(zs, at)]
+            [k.load(to, at), k.load(to, 2 * half + at), k.load(to, 4 * half + at)]
         } else {
             k.splats(anchors.get(one as usize).copied().unwrap_or([T::of(0.0); 3]))
         };
