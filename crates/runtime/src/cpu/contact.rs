@@ -54,7 +54,7 @@ pub fn run<T: Real>(
     let size = |p: V3<T>| p[0].abs().max(p[1].abs()).max(p[2].abs());
     let largest = near.iter().fold(size(lowest).max(size(highest)), |most, near| most.max(near.reach.size()));
     // Above all rounding of a distance and of what is taken off it.
-    let slack = largest * T::of(1e-5);
+    let slack = largest * T::of(2e-5);
     // Steps in which a list should last at the present speed: one of few colliders is made as quickly as it is used.
     let steps = (left / dt).min(T::of(near.len() as f64) - T::of(1.0)) + T::of(2.0);
     let (half, row) = (sheet.half, sheet.row());

@@ -16,8 +16,8 @@ const PAYS: usize = 4;
 pub struct Block<T> {
     /// Where each particle was when the list was made \[m\].
     pub at: [[T; LANES]; 3],
-    /// At most its distance \[m\] from there to the reach of colliders without a bit; 0 where it is not known.
-    pub left: [T; LANES],
+    /// How far \[m\] it can move from there without touching a collider that has no bit; 0 where it is not known.
+    pub room: [T; LANES],
     /// A bit for each group of colliders that particles may touch.
     pub listed: u64,
 }
@@ -76,7 +76,7 @@ impl<T: Real> Clear<T> {
 
     /// To be called before the lists are used for a sheet of `len` inverse masses and these colliders, in order, in as many `groups`.
     pub fn prepare(&mut self, len: usize, groups: usize, of: impl Iterator<Item = usize> + Clone) {
-        let (none, len) = (Block { at: [[T::of(0.0); LANES]; 3], left: [T::of(0.0); LANES], listed: 0 }, len / LANES);
+        let (none, len) = (Block { at: [[T::of(0.0); LANES]; 3], room: [T::of(0.0); LANES], listed: 0 }, len / LANES);
         let spared = std::mem::take(self.spared.get_mut());
         if std::mem::take(&mut self.used) && self.holds {
             self.pays &= spared * PAYS >= len * groups;

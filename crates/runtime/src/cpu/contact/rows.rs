@@ -75,6 +75,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
         let Rows { row, half, near, dt, lists: Lists { blocks, takes, spared, slack, steps, group }, .. } = self;
         let (more, slack, steps) = (k.splat(T::of(1.001)), k.splat(slack), k.splat(steps));
         let (zero, none) = (k.splat(T::of(0.0)), k.splat(T::of(f64::from(f32::MAX))));
+        let twice = k.splat(T::of(2.01));
         let groups = near.len().div_ceil(group);
         let mut unlisted = 0;
         let each = self.rows.chunks_exact_mut(row).zip(blocks.chunks_exact_mut(2 * half / LANES));
@@ -96,28 +97,33 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                     continue;
                 }
                 let (start, block, lane) = (of.load(), &mut blocks[at / LANES], at % LANES);
-                let way = k.mul(k.sqrt(of.way2(start)), more);
-                let left = k.sub(k.load(&block.left, lane), k.add(way, slack));
-                let moved = k.mul(k.sqrt(k.squares(k.minus(start, block.at(k, lane)))), more);
-                // A way of NaN, or a distance of it, is looked at.
-                if !k.any(k.without(free, k.above(left, moved))) {
+                let (way2, room) = (of.way2(start), k.load(&block.room, lane));
+                let moved2 = k.squares(k.minus(start, block.at(k, lane)));
+                // Without roots: (moved + way)^2 is at most 2 (moved^2 + way^2). NaN has no room.
+                let used2 = k.mul(twice, k.add(moved2, way2));
+                if !k.any(k.without(free, k.above(k.mul(room, room), used2))) {
                     unlisted += groups - block.listed.count_ones() as usize;
                     if block.listed == 0 {
                         continue;
                     }
+                    let way = k.mul(k.sqrt(way2), more);
                     let pushed = listed(&mut of, near, (block.listed, group), (start, way));
-                    // Pushes can be towards a collider that is not in the list, and make the way longer.
-                    let moved = k.add(moved, k.add(pushed, pushed));
-                    if !k.any(k.without(free, k.above(left, moved))) {
+                    if !k.any(k.above(pushed, zero)) {
                         continue;
                     }
-                    for c in 0..3 {
-                        k.store(of.now[c], at, start[c]);
+                    // Pushes can be towards a collider that is not in the list, and make the way longer.
+                    let used = k.add(k.add(k.mul(k.sqrt(moved2), more), way), k.add(pushed, pushed));
+                    if !k.any(k.without(free, k.above(room, used))) {
+                        continue;
                     }
+                    k.store(of.now[0], at, start[0]);
+                    k.store(of.now[1], at, start[1]);
+                    k.store(of.now[2], at, start[2]);
                 }
                 // Vectors that are shorter than a block share its list.
                 let mut list = if K::WIDE == LANES { 0 } else { block.listed };
-                let (mut p, mut way2, mut pushed) = (start, of.way2(start), zero);
+                let (mut p, mut way2, mut pushed) = (start, way2, zero);
+                let way = k.mul(k.sqrt(way2), more);
                 let (margin, mut left) = (k.add(k.mul(way, steps), slack), none);
                 for (n, near) in near.iter().enumerate() {
                     let (apart, close) = near.reach.near(k, p, way2);
@@ -133,10 +139,10 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                         (p, way2) = (to, of.way2(to));
                     }
                 }
-                for c in 0..3 {
-                    k.store(&mut block.at[c], lane, start[c]);
-                }
-                k.store(&mut block.left, lane, k.sub(left, pushed));
+                k.store(&mut block.at[0], lane, start[0]);
+                k.store(&mut block.at[1], lane, start[1]);
+                k.store(&mut block.at[2], lane, start[2]);
+                k.store(&mut block.room, lane, k.most(k.sub(left, k.add(pushed, slack)), zero));
                 block.listed = list;
             }
         }
