@@ -2,7 +2,8 @@
 //!
 //! Figures are taken 0.2 s after a cloth's start and then twice per second: at most 20 ns per particle each time, 0.7 ns per frame.
 //! Tunnelling shows only from frame to frame. It is looked for in frames in which a particle or a collider moves by half of
-//! the thinnest collider's radius; finding out costs 1 ns per particle per frame in scenes with colliders.
+//! the thinnest collider's radius; finding out costs 1 ns per particle per frame in scenes with colliders, and the search ([`passing`]) some
+//! more.
 
 pub mod passing;
 

@@ -48,7 +48,7 @@ impl<T: Real> Fabric<T> {
             if holds { sheet.at(m.at as usize) } else { [T::of(f64::NAN); 3] }
         };
         let at: Vec<V3<T>> = self.anchors.iter().map(of).collect();
-        // By bits: NaN is no other place than NaN.
+        // By bits, so that NaN equals NaN.
         let (new, old) = (bytemuck::cast_slice::<_, u8>(&at), bytemuck::cast_slice::<_, u8>(&self.places.at));
         if self.places.planes.len() == self.tethers.len() && new == old {
             return;
