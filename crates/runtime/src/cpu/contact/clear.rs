@@ -1,8 +1,9 @@
 //! The colliders that particles of a sheet may touch in a frame, in lists that are carried from step to step.
 //!
-//! Each block of particles has a list, and each particle the distance that it may move before it can touch a collider that is not in
-//! the list. Distances allow for the way of each collider up to the end of the frame. A list is made again where a particle moved farther. Colliders that are left out would not have moved the particle, so results are the same bits.
-//! Lists cost more than they spare where they hold nearly all colliders: there they are not used for the rest of the frame.
+//! Each block of particles has a list, and each particle the distance that it can move before it touches a collider that is not in the
+//! list. Distances allow for the way of each collider up to the end of the frame. A list is rebuilt where a particle moved farther.
+//! Colliders that are left out would not have moved the particle, so results are the same bits. Lists cost more than they spare where
+//! they hold nearly all colliders: there they are not used for the rest of the frame.
 
 use crate::number::lanes::{LANES, Machine};
 use crate::number::real::Real;
