@@ -23,7 +23,7 @@ fn solids(count: usize, seed: usize) -> Vec<Solid<f32>> {
         let q = [x(3), x(4), x(5), x(6)];
         let norm = q.iter().map(|x| x * x).sum::<f32>().sqrt();
         c.rotation = q.map(|x| x / norm);
-        if n % 3 > 0 {
+        if !n.is_multiple_of(3) {
             (c.velocity, c.spin) = ([3.0 * x(7), x(8), x(9)], [8.0 * x(10), 5.0 * x(11), x(12)]);
         }
         Solid::new(&c)
