@@ -2,15 +2,19 @@
 //!
 //! Figures are taken 0.2 s after a cloth's start and then twice per second: at most 20 ns per particle each time, 0.7 ns per frame.
 //! Tunnelling shows only from frame to frame. It is looked for in frames in which a particle or a collider moves by half of
-//! the thinnest collider's radius; finding out costs 1 ns per particle per frame in scenes with colliders.
+//! the thinnest collider's radius; finding out costs 1 ns per particle per frame in scenes with colliders, and the search ([`passing`]) some
+//! more.
+
+pub mod passing;
 
 use std::fmt;
 
+use self::passing::Passing;
 use crate::cloth::Cloth;
-use crate::collider::solid::{CAPSULE, Solid};
+use crate::collider::solid::Solid;
 use crate::handle::follow;
 use crate::health::{self, Health};
-use crate::number::real::{Real, V3, add, cast, cross, dot, scale, sub, xyz};
+use crate::number::real::{Real, V3, cast, dot, scale, sub, xyz};
 use crate::scene::Pose;
 
 /// A failure of a cloth during a run.
@@ -99,8 +103,6 @@ const TOUCH_M: f64 = 0.01;
 /// Share of a collider's radius: a particle that moves less in a frame cannot pass it, and one that passes the core of
 /// this share went through.
 const CORE: f64 = 0.5;
-/// Particles that are looked at together first.
-const GROUP: usize = 16;
 
 /// Figures of one cloth so far.
 #[derive(Clone, Debug, Default)]
@@ -200,29 +202,10 @@ impl Watchdog {
         }
     }
 
-    /// Looks for particles that went through a collider since the frame before, in which they were at `prior`.
-    pub fn cross<T: Real>(&mut self, sight: &Sight<T>, prior: &[V3<T>], frame: f64) {
-        for (collider, solid) in sight.solids.iter().enumerate() {
-            let core = solid.coated(solid.thickness() * T::of(-CORE));
-            let Some(hull) = Hull::new(&core) else { continue };
-            let still = dot(solid.velocity, solid.velocity) + dot(solid.spin, solid.spin) == T::of(0.0);
-            let from = |was: V3<T>| if still { was } else { carried(solid, was, frame) };
-            let through = |(p, was): (&[T; 4], &V3<T>)| {
-                let (from, now) = (from(*was), xyz(*p));
-                p[3].get() > 0.0 && core.exit(from).is_none() && core.entry(from, sub(now, from)).is_some()
-            };
-            // Most particles are far: groups of them are left out without a branch for each.
-            let near = |now: &[[T; 4]], was: &[V3<T>]| {
-                now.iter().zip(was).fold(false, |any, (p, was)| any | hull.may_meet(from(*was), xyz(*p)))
-            };
-            let groups = || sight.now.chunks(GROUP).zip(prior.chunks(GROUP)).enumerate();
-            let left = || groups().filter(|(_, (now, was))| near(now, was));
-            let each = || left().flat_map(|(k, (now, was))| (k * GROUP..).zip(now.iter().zip(was)));
-            let all = || each().filter(|(_, pair)| through(*pair));
-            if let Some((particle, _)) = all().next() {
-                let particles = all().count();
-                self.find(sight, Fate::Tunnelled { particles, particle, collider });
-            }
+    /// Takes in which particles went through colliders in the frame.
+    pub fn cross<T: Real>(&mut self, sight: &Sight<T>, passings: &[Passing]) {
+        for Passing { collider, particles, particle } in passings.iter().copied() {
+            self.find(sight, Fate::Tunnelled { particles, particle, collider });
         }
     }
 
@@ -286,42 +269,6 @@ fn gone<T: Real>(sight: &Sight<T>, touched: &[bool]) -> Option<Fate> {
         true => (top < floor).then_some(Fate::Left),
         false => (top < floor.min(lowest(&mut start.into_iter()) - 1.0)).then_some(Fate::Falls),
     }
-}
-
-/// A capsule around a solid, or a ball.
-struct Hull<T> {
-    center: V3<T>,
-    axis: V3<T>,
-    half: T,
-    radius: T,
-}
-
-impl<T: Real> Hull<T> {
-    /// None around a half-space.
-    fn new(solid: &Solid<T>) -> Option<Self> {
-        let around = solid.around()?;
-        let (half, radius) = if solid.kind == CAPSULE { (solid.size[1], solid.size[0]) } else { (T::of(0.0), around) };
-        Some(Hull { center: solid.center, axis: solid.up(), half, radius })
-    }
-
-    /// Whether the ball around the way from `a` to `b` comes near; true wherever rounding may decide.
-    fn may_meet(&self, a: V3<T>, b: V3<T>) -> bool {
-        let (way, d) = (scale(sub(b, a), T::of(0.5)), sub(scale(add(a, b), T::of(0.5)), self.center));
-        let along = dot(d, self.axis).max(-self.half).min(self.half);
-        let d = sub(d, scale(self.axis, along));
-        let size = self.center.iter().fold(T::of(0.0), |sum, x| sum + x.abs());
-        let radius = self.radius + size * T::of(1e-6);
-        // Without a root: (radius + way)^2 is at most 2 (radius^2 + way^2). NaN is far.
-        dot(d, d) <= T::of(2.02) * (radius * radius + dot(way, way))
-    }
-}
-
-/// Where a point fixed to a collider is at the end of a frame of `frame` seconds.
-fn carried<T: Real>(solid: &Solid<T>, p: V3<T>, frame: f64) -> V3<T> {
-    let frame = T::of(frame);
-    let center = sub(solid.center, scale(solid.velocity, frame));
-    let arm = sub(p, center);
-    add(p, scale(add(solid.velocity, cross(solid.spin, arm)), frame))
 }
 
 /// Whether something moves so far in a frame of `frame` seconds that it may pass a collider.

@@ -176,9 +176,8 @@ impl<T: Real> Body<T> {
     /// to where this one does, 0 if they are there at once.
     pub fn lead(&mut self, cloth: &Cloth, joined: &[u32], matrices: &[Rows], rate: T) {
         let (Some(fabric), Some(skin)) = (&mut self.fabric, cloth.skin()) else { return };
-        let all = if cloth.limits.is_some() { 0..cloth.len() as u32 } else { 0..0 };
-        let ends = skin::run(skin, joined.iter().copied(), matrices);
-        fabric.lead(&ends, &skin::run(skin, all, matrices), rate);
+        let at = |particles: &[u32]| skin::run(skin, particles.iter().copied(), matrices);
+        fabric.lead(&at(joined), at, rate);
     }
 
     /// The shadow of cloth that has contact, for other cloths in a frame of `length` \[s\]; `rate` \[1/s\] is one over the length of the last

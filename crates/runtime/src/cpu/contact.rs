@@ -1,58 +1,82 @@
 //! Twin of shaders/contact.wgsl: swept collision with moving colliders, and friction.
 //!
 //! The rule is [`meet`], for one particle. Most particles go a way that is short beside the collider, where the rule is the
-//! way out alone: `wide` does that for a vector of them at a time, with the same bits.
+//! way out alone: `wide` does that for a vector of them at a time, with the same bits. `rows` finds the colliders that a vector meets.
 
 pub mod clear;
 mod reach;
+mod rows;
 mod wide;
 
 use super::colliders::rub;
 use super::rows::Threads;
-use super::sheet::{Sheet, planes, planes_ref};
+use super::sheet::Sheet;
 use crate::collider::solid::Solid;
-use crate::number::lanes::{Machine, Work, widest};
+use crate::number::lanes::{LANES, widest};
 use crate::number::real::{Real, V3, add, cross, dot, scale, sub};
 use clear::Clear;
 use reach::{Reach, bounds};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use rows::{Lists, Rows};
 
 /// Rows that are done in one go.
 const TOGETHER: usize = 8;
 
-/// Particles inside a collider, or on its other side, go to its surface. Colliders out of reach of the sheet cost one
-/// comparison, those out of reach of a block of particles another, and those that were far in an earlier step of the frame none.
-pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, clear: &mut Clear<T>, solids: &[Solid<T>], dt: T) {
+/// Groups of colliders that have a bit each in the lists of blocks.
+const GROUPS: usize = u64::BITS as usize;
+
+/// A collider that a sheet can touch.
+struct Near<'a, T> {
+    index: usize,
+    solid: &'a Solid<T>,
+    reach: Reach<T>,
+    /// How far \[m\] its surface can move in the rest of the frame.
+    ahead: T,
+}
+
+/// Particles inside a collider, or on its other side, go to its surface; `left` \[s\] of the frame are to go after the step of `dt` \[s\].
+/// Colliders out of reach of the sheet cost one comparison, those out of reach of a block of particles one per frame.
+pub fn run<T: Real>(
+    threads: &Threads,
+    sheet: &mut Sheet<T>,
+    clear: &mut Clear<T>,
+    solids: &[Solid<T>],
+    (dt, left): (T, T),
+) {
     let (lowest, highest) = bounds(sheet);
-    let near = in_reach((lowest, highest), solids, dt);
+    let near = in_reach((lowest, highest), solids, dt, left / dt);
     if near.is_empty() {
         clear.forget();
         return;
     }
-    clear.prepare(sheet.w.len(), near.iter().map(|(index, ..)| *index));
+    // Colliders of a group follow one another, so that groups in order are colliders in order.
+    let group = near.len().div_ceil(GROUPS);
+    clear.prepare(sheet.w.len(), near.len().div_ceil(group), near.iter().map(|near| near.index));
     let size = |p: V3<T>| p[0].abs().max(p[1].abs()).max(p[2].abs());
-    let largest = near.iter().fold(size(lowest).max(size(highest)), |most, (_, _, reach)| most.max(reach.size()));
-    let moves = near.iter().map(|(_, _, reach)| reach.moves()).fold(T::of(0.0), T::max);
+    let largest = near.iter().fold(size(lowest).max(size(highest)), |most, near| most.max(near.reach.size()));
     // Above all rounding of a distance and of what is taken off it.
-    let slack = largest * T::of(1e-5);
+    let slack = largest * T::of(2e-5);
+    // Steps in which a list should last at the present speed: one of few colliders is made as quickly as it is used.
+    let steps = (left / dt).min(T::of(near.len() as f64) - T::of(1.0)) + T::of(2.0);
     let (half, row) = (sheet.half, sheet.row());
     let (w, before) = (&sheet.w[..], &sheet.before[..]);
-    let size = (TOGETHER * row, TOGETHER * 2 * half);
+    let size = (TOGETHER * row, TOGETHER * 2 * half / LANES);
     let takes = clear.pays();
-    let (least, spared) = clear.parts();
-    threads.chunks2(&mut sheet.now, least, size, |chunk, rows, least| {
-        let least = Left { least, takes, spared, moves, slack };
-        widest(Rows { rows, left: least, row, half, w, before, first: chunk * TOGETHER, near: &near, dt });
+    let (blocks, spared) = clear.parts();
+    threads.chunks2(&mut sheet.now, blocks, size, |chunk, rows, blocks| {
+        let lists = Lists { blocks, takes, spared, slack, steps, group };
+        widest(Rows { rows, lists, row, half, w, before, first: chunk * TOGETHER, near: &near, dt });
     });
 }
 
-/// The colliders that particles in a box can touch, in their order: also those that another one can push them to.
+/// The colliders that particles in a box can touch, in their order: also those that another one can push them to. `steps` are to go in the
+/// frame.
 fn in_reach<T: Real>(
     (mut lowest, mut highest): (V3<T>, V3<T>),
     solids: &[Solid<T>],
     dt: T,
-) -> Vec<(usize, &Solid<T>, Reach<T>)> {
-    let mut all: Vec<_> = solids.iter().enumerate().map(|(k, s)| ((k, s), Reach::new(s, dt), false)).collect();
+    steps: T,
+) -> Vec<Near<'_, T>> {
+    let mut all: Vec<_> = solids.iter().map(|solid| (solid, Reach::new(solid, dt), false)).collect();
     loop {
         let mut more = false;
         let (low, high) = (lowest, highest);
@@ -65,87 +89,13 @@ fn in_reach<T: Real>(
             }
         }
         if !more {
-            return all.into_iter().filter(|x| x.2).map(|((k, solid), reach, _)| (k, solid, reach)).collect();
+            break;
         }
     }
-}
-
-/// Rows of a sheet from the row `first` on, and what they can touch.
-struct Rows<'a, 'b, T> {
-    rows: &'b mut [T],
-    left: Left<'b, T>,
-    row: usize,
-    half: usize,
-    w: &'a [T],
-    before: &'a [T],
-    first: usize,
-    near: &'a [(usize, &'a Solid<T>, Reach<T>)],
-    dt: T,
-}
-
-/// The distances of [`Clear`] of some rows.
-struct Left<'a, T> {
-    least: &'a mut [T],
-    /// Whether they are taken; none is read or written otherwise.
-    takes: bool,
-    /// Particles that they spared.
-    spared: &'a AtomicUsize,
-    /// How far \[m\] a point of a collider moves in a step, and what is above all rounding.
-    moves: T,
-    slack: T,
-}
-
-impl<T: Real> Work<T> for Rows<'_, '_, T> {
-    #[inline(always)]
-    fn run<K: Machine<T>>(self, k: K) {
-        let Rows { row, half, left: Left { least, takes, spared, moves, slack }, .. } = self;
-        let (more, moves, slack) = (k.splat(T::of(1.001)), k.splat(moves), k.splat(slack));
-        let (zero, none) = (k.splat(T::of(0.0)), k.splat(T::of(f64::from(f32::MAX))));
-        let mut far = 0;
-        for (n, (now, least)) in self.rows.chunks_exact_mut(row).zip(least.chunks_exact_mut(2 * half)).enumerate() {
-            let j = self.first + n;
-            let was = planes_ref(&self.before[j * row..(j + 1) * row], half);
-            let w = &self.w[j * 2 * half..(j + 1) * 2 * half];
-            let mut now = planes(now, half);
-            for at in (0..2 * half).step_by(K::WIDE) {
-                let b = [k.load(was[0], at), k.load(was[1], at), k.load(was[2], at)];
-                let mut p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
-                let mut way2 = k.squares(k.minus(p, b));
-                let free = k.above(k.load(w, at), zero);
-                if takes {
-                    let way = k.mul(k.sqrt(way2), more);
-                    let left = k.sub(k.sub(k.load(least, at), way), moves);
-                    // A way of NaN, or a distance of it, is looked at. Particles that cannot move are not.
-                    if !k.any(k.without(free, k.above(left, k.add(way, slack)))) {
-                        k.store(least, at, left);
-                        // Padding is far from everything.
-                        far += if k.any(free) { K::WIDE } else { 0 };
-                        continue;
-                    }
-                }
-                let (mut left, mut moved) = (none, false);
-                for (_, solid, reach) in self.near {
-                    if !takes && !k.any(k.both(reach.may_be_near(k, p, way2), free)) {
-                        continue;
-                    }
-                    let (apart, near) = reach.near(k, p, way2);
-                    left = k.least(apart, left);
-                    if !k.any(k.both(near, free)) {
-                        continue;
-                    }
-                    let lines = wide::Lines { now: &mut now, was, w: &w[at..] };
-                    wide::meet(k, (solid, reach), lines, (at, near), self.dt);
-                    p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
-                    way2 = k.squares(k.minus(p, b));
-                    moved = true;
-                }
-                if takes {
-                    k.store(least, at, if moved { zero } else { left });
-                }
-            }
-        }
-        spared.fetch_add(far, Ordering::Relaxed);
-    }
+    // No step after the last one: a half-space that turns moves infinitely far in each.
+    let ahead = |reach: &Reach<T>| if steps > T::of(0.0) { reach.moves() * steps } else { T::of(0.0) };
+    let near = all.into_iter().enumerate().filter(|(_, x)| x.2);
+    near.map(|(index, (solid, reach, _))| Near { index, solid, ahead: ahead(&reach), reach }).collect()
 }
 
 /// Where a particle that went from `was` to `at` in `dt` is put; none if it meets nothing.

@@ -1,5 +1,6 @@
 //! A cloth in motion under the XPBD solver: sheets, what holds them, and the passes that step them.
 
+mod anchors;
 mod bend;
 mod coarse_level;
 mod coarse_ties;
@@ -31,6 +32,7 @@ mod tree;
 
 use std::sync::Arc;
 
+use self::anchors::Places;
 use self::follow::Follow;
 use self::limit::Limit;
 use self::meeting::Meeting;
@@ -55,7 +57,7 @@ use crate::collider::solid::Solid;
 use crate::levels::ties::{Ties, ties};
 use crate::levels::{carried, levels, masses};
 use crate::number::aligned::Aligned;
-use crate::number::real::{Real, V3};
+use crate::number::real::Real;
 use crate::options::Options;
 use crate::passes::{self, Pass};
 use crate::step::Step;
@@ -79,8 +81,8 @@ pub struct Fabric<T: Real> {
     follows: Vec<Follow<T>>,
     /// Of cloth that has any.
     stitches: Option<Stitches<T>>,
-    /// Sheet and place of every anchor.
-    anchors: Arc<Vec<(u32, u32)>>,
+    anchors: Arc<Vec<Member>>,
+    places: Places<T>,
     /// Those of every ring.
     members: Arc<Vec<Member>>,
     starts: Arc<Vec<u32>>,
@@ -123,6 +125,7 @@ impl<T: Real> Fabric<T> {
             whole: cloth.grids().iter().map(|g| cloth.particles()[g.range()].iter().all(|p| p.exists())).collect(),
             tethers: Default::default(),
             anchors: Default::default(),
+            places: Places::default(),
             members: Default::default(),
             starts,
             firsts,
@@ -130,11 +133,8 @@ impl<T: Real> Fabric<T> {
             field: Vec::new(),
             fields: Vec::new(),
         };
-        let member = |k: &u32| {
-            let (sheet, at) = fabric.place(*k as usize);
-            Member { sheet, at, single: single(at as usize, fabric.sheets[sheet as usize].half) as u32 }
-        };
-        let (members, stitches) = (members.iter().map(member).collect(), stitch::stitches(cloth, |k| member(&k)));
+        let members = members.iter().map(|k| fabric.member(*k)).collect();
+        let stitches = stitch::stitches(cloth, |k| fabric.member(k));
         (fabric.members, fabric.stitches) = (Arc::new(members), stitches);
         let of = |t: usize| held.anchors.get(t).filter(|a| a.exists());
         fabric.hold(held.per_particle, |t| of(t).map(|a| (a.particle, T::of(f64::from(a.distance)))));
@@ -146,13 +146,19 @@ impl<T: Real> Fabric<T> {
         (g as u32, self.sheets[g].triple(k - self.firsts[g]) as u32)
     }
 
+    fn member(&self, k: u32) -> Member {
+        let (sheet, at) = self.place(k as usize);
+        Member { sheet, at, single: single(at as usize, self.sheets[sheet as usize].half) as u32 }
+    }
+
     /// Takes over the tethers, `slots` per particle: the pin and the distance \[m\] of each, by particle and slot.
     pub fn hold(&mut self, slots: usize, held: impl Fn(usize) -> Option<(u32, T)>) {
         let count: usize = self.sheets.iter().map(|s| s.width * s.height).sum();
         let mut order: Vec<u32> = (0..count * slots).filter_map(|t| Some(held(t)?.0)).collect();
         order.sort_unstable();
         order.dedup();
-        self.anchors = Arc::new(order.iter().map(|k| self.place(*k as usize)).collect());
+        self.anchors = Arc::new(order.iter().map(|k| self.member(*k)).collect());
+        self.places = Places::default();
         let mut tethers = Vec::with_capacity(self.sheets.len());
         for (g, sheet) in self.sheets.iter().enumerate() {
             let each = (0..slots).map(|slot| {
@@ -305,7 +311,7 @@ impl<T: Real> Fabric<T> {
         body: &mut Body<T>,
     ) {
         self.meeting.iter_mut().for_each(|m| m.elapsed = m.elapsed + step.dt);
-        let (mut together, mut met) = (Vec::new(), false);
+        let mut together = Vec::new();
         for pass in passes {
             if self.walks(*pass, threads) {
                 together.push(*pass);
@@ -313,10 +319,6 @@ impl<T: Real> Fabric<T> {
             }
             self.walk(&together, step);
             together.clear();
-            if matches!(pass, Pass::Contact(_)) && std::mem::replace(&mut met, true) {
-                // Particles moved again in this step.
-                self.clear.iter_mut().for_each(Clear::forget);
-            }
             self.run(*pass, threads, step, solids, body);
         }
         self.walk(&together, step);
@@ -333,7 +335,9 @@ impl<T: Real> Fabric<T> {
     }
 
     fn walk(&mut self, passes: &[Pass], step: &Step<T>) {
-        let anchors = if self.tethers.is_empty() { Vec::new() } else { self.anchors() };
+        if passes.iter().any(|pass| matches!(pass, Pass::Tethers { .. })) {
+            self.find_anchors();
+        }
         for (g, sheet) in self.sheets.iter_mut().enumerate().filter(|_| !passes.is_empty()) {
             let stage = |pass: &Pass| match *pass {
                 Pass::Stretch { direction, parity, .. } => {
@@ -342,22 +346,12 @@ impl<T: Real> Fabric<T> {
                 Pass::Polish { direction, parity, .. } => {
                     Stage::Springs(&self.springs[g][direction as usize & 3], (direction & 3, parity), true)
                 }
-                Pass::Tethers { .. } => Stage::Tethers(&self.tethers[g], &anchors),
+                Pass::Tethers { .. } => Stage::Tethers(&self.tethers[g], self.places.of(g)),
                 _ => Stage::Integrate(step),
             };
             let stages: Vec<_> = passes.iter().map(stage).collect();
             sweep::run(sheet, &stages);
         }
-    }
-
-    /// Where the anchors are. A particle that is no longer pinned holds nothing: its place is NaN, and no distance to NaN is too large.
-    fn anchors(&self) -> Vec<V3<T>> {
-        let of = |&(g, at): &(u32, u32)| {
-            let sheet = &self.sheets[g as usize];
-            let holds = sheet.w[single(at as usize, sheet.half)] == T::of(0.0);
-            if holds { sheet.at(at as usize) } else { [T::of(f64::NAN); 3] }
-        };
-        self.anchors.iter().map(of).collect()
     }
 
     /// Runs a pass of a step; false if it is not one, and nothing was done. Wind needs the texels of `body`.
@@ -413,9 +407,9 @@ impl<T: Real> Fabric<T> {
                 }
             }
             Pass::Tethers { .. } => {
-                let anchors = self.anchors();
-                for (sheet, held) in self.sheets.iter_mut().zip(&*self.tethers) {
-                    tethers::run(threads, sheet, held, &anchors);
+                self.find_anchors();
+                for (g, (sheet, held)) in self.sheets.iter_mut().zip(&*self.tethers).enumerate() {
+                    tethers::run(threads, sheet, held, &self.places.of(g));
                 }
             }
             Pass::Follow => {
@@ -454,7 +448,7 @@ impl<T: Real> Fabric<T> {
             Pass::Contact(_) => {
                 let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();
                 let each = self.sheets.iter_mut().zip(&mut self.clear);
-                each.for_each(|(sheet, clear)| contact::run(threads, sheet, clear, &posed, step.dt));
+                each.for_each(|(sheet, clear)| contact::run(threads, sheet, clear, &posed, (step.dt, step.left)));
             }
             // Passes of the classic solver, of a frame and of actions, which are made from texels.
             Pass::Springs { .. }

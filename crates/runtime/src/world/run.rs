@@ -5,15 +5,16 @@ use super::{Fault, World};
 use crate::cpu::body::Body;
 use crate::cpu::fused;
 use crate::cpu::rows::Threads;
+use crate::findings::passing::{Passing, search};
 use crate::findings::{Watchdog, is_risky};
-use crate::number::real::{Real, V3, xyz};
+use crate::number::real::Real;
 
 /// A cloth that is awake in a frame.
 struct Move<'a, T: Real> {
     index: usize,
     body: &'a mut Body<T>,
-    /// Positions before the frame, where the cloth may pass through a collider in it.
-    prior: Option<Vec<V3<T>>>,
+    /// Particles that went through colliders in it.
+    passings: Vec<Passing>,
 }
 
 impl World {
@@ -26,24 +27,23 @@ impl World {
         let due = watchdog.is_due(self.control.clock.time + seconds);
         let mut moves: Vec<Move<T>> = Vec::new();
         let awake = bodies.iter_mut().enumerate().filter(|(index, _)| !self.runs[*index].asleep);
-        moves.extend(awake.map(|(index, body)| Move { index, body, prior: None }));
+        moves.extend(awake.map(|(index, body)| Move { index, body, passings: Vec::new() }));
         let particles = moves.iter().map(|m| m.body.now().len()).sum::<usize>();
         threads.each(&mut moves, particles * steps as usize, |of| {
-            let Move { index, body, prior } = of;
+            let Move { index, body, passings } = of;
             let (cloth, frame) = (&self.scene.cloths[*index], self.frame(*index, steps));
             body.bound_diagonals(T::of(cloth.bound(self.control.clock.dt).into()));
             let met = &solids[self.runs[*index].coat];
             let risky = !met.is_empty() && is_risky(body.now(), body.before(), met, self.control.clock.dt, seconds);
-            *prior = risky.then(|| body.now().iter().map(|p| xyz(*p)).collect());
+            let prior = risky.then(|| body.now().to_vec());
             fused::run(body, &frame, threads, met);
+            *passings = prior.map_or_else(Vec::new, |prior| search(met, body.now(), &prior, seconds));
         });
         // In the order of the cloths, whichever was done first.
-        for Move { index, body, prior } in moves {
+        for Move { index, body, passings } in moves {
             let met = &solids[self.runs[index].coat];
             let sight = self.sight(index, (body.now(), body.before()), met, seconds);
-            if let Some(prior) = prior {
-                watchdog.cross(&sight, &prior, seconds);
-            }
+            watchdog.cross(&sight, &passings);
             if due && watchdog.knows(index, sight.time) {
                 watchdog.examine(&sight);
             }

@@ -15,6 +15,10 @@ pub struct Reach<T> {
     line: Option<Line<T>>,
     /// How far its surface can move in a step \[m\]; infinite for a half-space that turns.
     moves: T,
+    /// The square of a distance \[m^2\] within which all points inside are, from the center or the line.
+    inside2: T,
+    /// A particle that goes at most this far \[m\] goes a short way, if it is near.
+    calm: T,
 }
 
 /// A line and the distance from it within which a solid can touch.
@@ -34,16 +38,24 @@ impl<T: Real> Reach<T> {
         let farther = |r: T| moves + dot(s, s).sqrt() * dt * r;
         let radius = around.map(|r| r + farther(r));
         let normal = solid.up();
+        let size = |v: V3<T>| v[0].abs() + v[1].abs() + v[2].abs();
+        // Above all rounding, as in `may`.
+        let slack = |r: T| T::of(1e-5) * (size(solid.center) + r);
         let line = around.filter(|_| solid.kind == CAPSULE).map(|r| {
             let [thick, half, _] = solid.size;
-            let size = |v: V3<T>| v[0].abs() + v[1].abs() + v[2].abs();
-            // Above all rounding, as in `may`.
-            let slack = T::of(1e-5) * (size(solid.center) + r);
-            Line { axis: normal, half, radius: (thick + farther(r)) * T::of(1.001) + slack }
+            Line { axis: normal, half, radius: (thick + farther(r)) * T::of(1.001) + slack(r) }
+        });
+        let inside = around.map_or(T::of(0.0), |r| {
+            let own = if solid.kind == CAPSULE { solid.size[0] } else { r };
+            own * T::of(1.001) + slack(r)
         });
         let turns = if around.is_none() && dot(s, s) > T::of(0.0) { T::of(f64::INFINITY) } else { T::of(0.0) };
         let moves = around.map_or(moves + turns, farther) * T::of(1.01);
-        Reach { center: solid.center, radius, normal, line, moves }
+        // A near particle was at most its way and what the surface moves farther from the center than the surface.
+        let turn = T::of(1.0) + T::of(2.0) * dot(s, s).sqrt() * dt;
+        let calm = solid.thickness() * T::of(0.24) / turn - moves;
+        let calm = if calm > T::of(0.0) { calm } else { T::of(-1.0) };
+        Reach { center: solid.center, radius, normal, line, moves, inside2: inside * inside, calm }
     }
 
     pub fn box_near(&self, lowest: V3<T>, highest: V3<T>) -> bool {
@@ -118,6 +130,27 @@ impl<T: Real> Reach<T> {
             // (r + way)^2 is at most 2 (r^2 + way^2).
             Ok((far2, r)) => k.above(k.mul(k.splat(T::of(2.001)), k.add(k.splat(r * r), way2)), far2),
             Err(above) => k.above(k.splat(T::of(0.0)), above),
+        }
+    }
+
+    /// The particles that are near by [`Reach::near`], and those that are so by rounding; then whether any of the free ones may move. `way`
+    /// is at least its length. After a short way only particles inside move.
+    #[inline(always)]
+    pub fn touches<K: Machine<T>>(&self, k: K, p: [K::V; 3], way: K::V, free: K::M) -> (K::M, bool) {
+        match self.apart_by(k, p) {
+            Ok((far2, r)) => {
+                let reach = k.add(k.splat(r * T::of(1.00001)), way);
+                let near = k.both(free, k.above(k.mul(reach, reach), far2));
+                if !k.any(near) {
+                    return (near, false);
+                }
+                let long = k.both(near, k.above(way, k.splat(self.calm)));
+                (near, k.any(long) || k.any(k.both(near, k.above(k.splat(self.inside2), far2))))
+            }
+            Err(above) => {
+                let near = k.both(free, k.above(k.splat(T::of(0.0)), above));
+                (near, k.any(near))
+            }
         }
     }
 

@@ -44,9 +44,9 @@ impl<T: Real> Fabric<T> {
         }
     }
 
-    /// Where those particles are at the end of the frame \[m\], in the order of [`Fabric::join`]; then the targets of limits, by texels, if
-    /// the cloth has any. Each goes there at `rate` \[1/s\] from where the last call put it.
-    pub fn lead(&mut self, ends: &[V3<T>], targets: &[V3<T>], rate: T) {
+    /// The joined particles, in the order of [`Fabric::join`], are at `ends` \[m\] at the end of the frame, and targets of limits where `at`
+    /// puts particles. Each goes there at `rate` \[1/s\] from where the last call put it.
+    pub fn lead(&mut self, ends: &[V3<T>], at: impl Fn(&[u32]) -> Vec<V3<T>>, rate: T) {
         let mut ends = ends.iter();
         for follow in &mut self.follows {
             for ((to, drift), end) in follow.to.iter_mut().zip(&mut follow.drift).zip(&mut ends) {
@@ -56,10 +56,8 @@ impl<T: Real> Fabric<T> {
         }
         let each = self.limits.iter_mut().zip(&self.sheets).zip(&self.firsts);
         each.for_each(|((limit, sheet), first)| {
-            let range = *first..first + sheet.width * sheet.height;
-            if let Some(targets) = targets.get(range) {
-                limit.lead(sheet, targets, rate);
-            }
+            let particles: Vec<u32> = limit.limited.iter().map(|k| *first as u32 + k).collect();
+            limit.lead(sheet, &at(&particles), rate);
         });
     }
 

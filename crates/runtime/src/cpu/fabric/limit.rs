@@ -17,6 +17,8 @@ pub struct Limit<T: Real> {
     drifts: Aligned<T>,
     /// Largest distance \[m\], `f32::MAX` for no limit; in the layout of [`Sheet::w`].
     most: Vec<T>,
+    /// The texels of the sheet that have a limit.
+    pub limited: Vec<u32>,
 }
 
 impl<T: Real> Limit<T> {
@@ -29,16 +31,17 @@ impl<T: Real> Limit<T> {
         }
         let none = f64::from(f32::MAX);
         let most = |k: usize| if of(k).1 < 0.0 { none } else { f64::from(of(k).1) };
-        Limit { targets, drifts: Aligned::default(), most: sheet.list(T::of(none), |k| T::of(most(k))) }
+        let limited = (0..sheet.width * sheet.height).filter(|k| of(*k).1 >= 0.0).map(|k| k as u32).collect();
+        Limit { targets, drifts: Aligned::default(), most: sheet.list(T::of(none), |k| T::of(most(k))), limited }
     }
 
-    /// Other targets \[m\], by texels, each on its way there at `rate` \[1/s\].
+    /// Other targets \[m\] of the texels that have a limit, in order, each on its way there at `rate` \[1/s\].
     pub fn lead(&mut self, sheet: &Sheet<T>, ends: &[V3<T>], rate: T) {
         if self.drifts.len() != self.targets.len() {
             self.drifts = Aligned::zeros(self.targets.len());
         }
-        for (k, end) in ends.iter().enumerate() {
-            let place = sheet.triple(k);
+        for (k, end) in self.limited.iter().zip(ends) {
+            let place = sheet.triple(*k as usize);
             for (c, x) in end.iter().enumerate() {
                 let at = place + 2 * c * sheet.half;
                 self.drifts[at] = (*x - self.targets[at]) * rate;
@@ -51,6 +54,7 @@ impl<T: Real> Limit<T> {
     pub fn tally(&self, tally: &mut Tally) {
         [&self.targets, &self.drifts].into_iter().for_each(|list| tally.state(list));
         tally.state(&self.most);
+        tally.state(&self.limited);
     }
 }
 
@@ -88,6 +92,7 @@ impl<'a, T: Real> Work<T> for Rows<'a, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
         let (wide, left) = (2 * self.half, k.splat(self.left));
+        let none = k.splat(T::of(f64::from(f32::MAX)));
         for (n, row) in self.rows.chunks_exact_mut(3 * wide).enumerate() {
             let j = self.first + n;
             let (w, most) = (&self.w[j * wide..(j + 1) * wide], &self.limit.most[j * wide..(j + 1) * wide]);
@@ -96,6 +101,9 @@ impl<'a, T: Real> Work<T> for Rows<'a, '_, T> {
             let drifts = (!self.limit.drifts.is_empty()).then(|| of_row(&self.limit.drifts));
             let [x, y, z] = planes(row, self.half);
             for at in (0..wide).step_by(K::WIDE) {
+                if !k.any(k.above(none, k.load(most, at))) {
+                    continue;
+                }
                 let mut to = to.map(|list| k.load(list, at));
                 if let Some(drifts) = drifts {
                     to = k.minus(to, k.times(drifts.map(|list| k.load(list, at)), left));

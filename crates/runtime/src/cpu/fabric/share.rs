@@ -1,6 +1,7 @@
 //! Lists that instances of a cloth share, and what they take.
 
 use super::Fabric;
+use super::anchors::Places;
 use crate::memory::Tally;
 use crate::number::real::Real;
 
@@ -16,6 +17,7 @@ impl<T: Real> Fabric<T> {
         }
         (self.cells, self.masses) = (other.cells.clone(), other.masses.clone());
         (self.tethers, self.anchors) = (other.tethers.clone(), other.anchors.clone());
+        self.places = Places::default();
         (self.members, self.starts) = (other.members.clone(), other.starts.clone());
         if let (Some(own), Some(others)) = (&mut self.stitches, &other.stitches) {
             own.threads = others.threads.clone();
@@ -50,6 +52,7 @@ impl<T: Real> Fabric<T> {
             tally.state(&stitches.holds);
         }
         tally.image(&self.anchors);
+        self.places.planes.iter().flatten().for_each(|list| tally.state(list));
         tally.image(&self.members);
         tally.image(&self.masses);
         for sheet in &self.sheets {

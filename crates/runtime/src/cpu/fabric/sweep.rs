@@ -4,20 +4,21 @@
 //! is read from memory once for all passes, and not once for each. The results are those of pass after pass, bit for bit:
 //! every row sees the same passes in the same order, and so do the rows beside it.
 
+use super::anchors::Anchors;
 use super::integrate_rows;
 use super::stretch::{Spring, Springs};
 use super::tethers::{self, Tethers};
 use crate::cpu::sheet::Sheet;
 use crate::number::lanes::{Machine, Work, widest};
-use crate::number::real::{Real, V3};
+use crate::number::real::Real;
 use crate::step::Step;
 
 /// A pass of a sheet.
-pub enum Stage<'a, T> {
+pub enum Stage<'a, T: Real> {
     /// A step in still air.
     Integrate(&'a Step<T>),
     /// Tethers, and where their anchors are.
-    Tethers(&'a Tethers<T>, &'a [V3<T>]),
+    Tethers(&'a Tethers<T>, Anchors<'a, T>),
     /// Hard springs of a direction and parity, of a round of polish or not.
     Springs(&'a Springs<T>, (u32, u32), bool),
 }
@@ -120,6 +121,7 @@ mod tests {
     use crate::cpu::fabric::tethers::Slot;
     use crate::cpu::integrate::Air;
     use crate::cpu::rows::Threads;
+    use crate::number::aligned::Aligned;
     use std::sync::Arc;
 
     use crate::cpu::sheet::Values;
@@ -166,7 +168,8 @@ mod tests {
             });
             let far = |k: usize| Some((0, (k % width as usize) as f32 + (k / width as usize) as f32));
             let held = Tethers { slots: vec![Slot::new(&together, far)] };
-            let anchors = [together.at(0)];
+            let at = [together.at(0)];
+            let anchors = Anchors { at: &at, planes: &[Aligned::default()] };
             let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
             integrate_rows::run(&threads, &step, &mut apart, Air::None, false);
             tethers::run(&threads, &mut apart, &held, &anchors);
@@ -175,9 +178,9 @@ mod tests {
             }
             tethers::run(&threads, &mut apart, &held, &anchors);
             let all = colours.map(|colour| Stage::Springs(&springs[colour.0 as usize], colour, false));
-            let mut stages = vec![Stage::Integrate(&step), Stage::Tethers(&held, &anchors)];
+            let mut stages = vec![Stage::Integrate(&step), Stage::Tethers(&held, anchors)];
             stages.extend(all);
-            stages.push(Stage::Tethers(&held, &anchors));
+            stages.push(Stage::Tethers(&held, anchors));
             run(&mut together, &stages);
             assert!(together.now[..] == apart.now[..] && together.before[..] == apart.before[..], "{width} x {height}");
             assert!(together.now[..] != sheet(width, height).now[..]);

@@ -1,5 +1,6 @@
 //! Twin of shaders/tethers.wgsl: no particle is farther from its anchors than along the surface.
 
+use super::anchors::Anchors;
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::{Sheet, planes};
 use crate::number::lanes::{LANES, Machine, Work, widest};
@@ -48,10 +49,10 @@ impl<T: Real> Slot<T> {
 /// Rows that are done in one go.
 const TOGETHER: usize = 32;
 
-/// Draws every particle beyond its distance back, anchor by anchor. `anchors` are their positions now.
+/// Draws every particle beyond its distance back, anchor by anchor.
 ///
 /// After T. Kim, N. Chentanez, M. Mueller, "Long Range Attachments", SCA 2012: hard and one after the other.
-pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, tethers: &Tethers<T>, anchors: &[V3<T>]) {
+pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, tethers: &Tethers<T>, anchors: &Anchors<T>) {
     let (size, row) = ((sheet.width, sheet.half), sheet.row());
     let w = &sheet.w[..];
     threads.chunks(&mut sheet.now, TOGETHER * row, |chunk, rows| {
@@ -61,14 +62,14 @@ pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, tethers: &Tethers<T
 }
 
 /// Rows of a sheet, the first of them at `first` in `w`.
-struct Rows<'a, 'b, T> {
+struct Rows<'a, 'b, T: Real> {
     rows: &'b mut [T],
     /// Columns, and numbers in half a row.
     size: (usize, usize),
     w: &'a [T],
     first: usize,
     tethers: &'a Tethers<T>,
-    anchors: &'a [V3<T>],
+    anchors: &'a Anchors<'a, T>,
 }
 
 impl<T: Real> Work<T> for Rows<'_, '_, T> {
@@ -86,36 +87,39 @@ pub fn draw<T: Real, K: Machine<T>>(
     tethers: &Tethers<T>,
     (width, half): (usize, usize),
     (w, first): (&[T], usize),
-    anchors: &[V3<T>],
+    anchors: &Anchors<T>,
 ) {
     // Slot by slot: the other way round each particle would wait for the roots of all its slots.
-    for slot in &tethers.slots {
+    for (slot, places) in tethers.slots.iter().zip(anchors.planes) {
         for (n, row) in rows.chunks_exact_mut(6 * half).enumerate() {
             let first = first + n * 2 * half;
             let [x, y, z] = planes(row, half).map(|p| p.split_at_mut(half));
-            list(k, [x.0, y.0, z.0], width.div_ceil(2), slot, &w[first..first + half], first, anchors);
-            let first = first + half;
-            list(k, [x.1, y.1, z.1], width / 2, slot, &w[first..first + half], first, anchors);
+            // Empty where all have one anchor.
+            let to = places.get(3 * first..3 * first + 6 * half).unwrap_or(&[]);
+            list(k, [x.0, y.0, z.0], (width.div_ceil(2), half), slot, &w[first..first + half], first, (anchors.at, to));
+            let (first, to) = (first + half, to.get(half..).unwrap_or(&[]));
+            list(k, [x.1, y.1, z.1], (width / 2, half), slot, &w[first..first + half], first, (anchors.at, to));
         }
     }
 }
 
-/// A run of particles, in even columns or in odd ones.
+/// A run of `count` particles, in even columns or in odd ones. `to` is where their anchors are, as in a row of [`Anchors::planes`].
 #[inline(always)]
 fn list<T: Real, K: Machine<T>>(
     k: K,
     [x, y, z]: [&mut [T]; 3],
-    count: usize,
+    (count, half): (usize, usize),
     slot: &Slot<T>,
     w: &[T],
     first: usize,
-    anchors: &[V3<T>],
+    (anchors, to): (&[V3<T>], &[T]),
 ) {
     // All as long, so that this is checked once.
     let long = count.next_multiple_of(LANES);
     let (x, y, z, w, most) =
         (&mut x[..long], &mut y[..long], &mut z[..long], &w[..long], &slot.most[first..first + long]);
-    if let (true, Some(anchor)) = (slot.one != MIXED, anchors.get(slot.one as usize)) {
+    if slot.one != MIXED {
+        let Some(anchor) = anchors.get(slot.one as usize) else { return };
         let anchor = k.splats(*anchor);
         for at in (0..long).step_by(K::WIDE) {
             hold_within(k, [x, y, z], at, anchor, (k.load(w, at), k.load(most, at)));
@@ -123,7 +127,12 @@ fn list<T: Real, K: Machine<T>>(
         return;
     }
     for at in (0..long).step_by(K::WIDE) {
-        let anchor = to(k, slot, first + at, anchors);
+        let one = slot.block[(first + at) / LANES];
+        let anchor = if one == MIXED {
+            [k.load(to, at), k.load(to, 2 * half + at), k.load(to, 4 * half + at)]
+        } else {
+            k.splats(anchors.get(one as usize).copied().unwrap_or([T::of(0.0); 3]))
+        };
         hold_within(k, [x, y, z], at, anchor, (k.load(w, at), k.load(most, at)));
     }
 }
@@ -156,19 +165,4 @@ pub fn hold_within<T: Real, K: Machine<T>>(
     k.store(x, at, k.choose(beyond, k.add(to[0], k.mul(d[0], keep)), p[0]));
     k.store(y, at, k.choose(beyond, k.add(to[1], k.mul(d[1], keep)), p[1]));
     k.store(z, at, k.choose(beyond, k.add(to[2], k.mul(d[2], keep)), p[2]));
-}
-
-#[inline(always)]
-fn to<T: Real, K: Machine<T>>(k: K, slot: &Slot<T>, place: usize, anchors: &[V3<T>]) -> [K::V; 3] {
-    let of = |index: u32| anchors.get(index as usize).copied().unwrap_or([T::of(0.0); 3]);
-    let one = slot.block[place / LANES];
-    if one != MIXED {
-        let [x, y, z] = of(one);
-        return [k.splat(x), k.splat(y), k.splat(z)];
-    }
-    let [mut xs, mut ys, mut zs] = [[T::of(0.0); LANES]; 3];
-    for (n, anchor) in slot.anchor[place..place + K::WIDE].iter().enumerate() {
-        [xs[n], ys[n], zs[n]] = of(*anchor);
-    }
-    [k.load(&xs, 0), k.load(&ys, 0), k.load(&zs, 0)]
 }
