@@ -1,6 +1,7 @@
 //! `gimage render`: pictures of a scene, headless.
 
 mod body;
+mod covered;
 mod encode;
 mod offscreen;
 mod painter;
@@ -102,7 +103,7 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
             "backend": backend,
             "adapter": engine.adapter,
             "surface": if shown.has_mesh() { "render" } else { "grid" },
-            "ground": ground.is_some(),
+            "ground": ground.map(|g| json!({"height": g.height, "middle": g.middle, "radius": g.radius})),
             "camera": {"eye": camera.eye, "target": camera.target, "fov_degrees": camera.fov.to_degrees()},
             "findings": faults.findings(),
             "faults": faults.json(),

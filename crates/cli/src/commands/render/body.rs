@@ -9,11 +9,13 @@ use gimage::select::{Role, SelectOptions, roles};
 use gimage_runtime::Cloth;
 use gimage_runtime::draw::Facet;
 
+use super::covered;
 use super::paints::Paints;
 use crate::exit::Failure;
 
 /// Triangles of a character file, and the joints that they follow.
 pub struct Body {
+    /// Within the surface, where they are drawn.
     points: Vec<[f64; 3]>,
     triangles: Vec<Triangle>,
     /// For each point its joints and their weights, of sum 1; none stays where it is.
@@ -60,9 +62,12 @@ impl Body {
         let joints = mesh.skeleton.joints.iter().map(joint).collect::<Result<_, Failure>>()?;
         let (normal, color) = (mesh.channel(&Semantic::Normal), mesh.channel(&Semantic::Color(0)));
         let clothes = cloths.iter().map(|cloth| materials.cloth(&mesh, cloth)).collect();
-        let (points, triangles) = (mesh.positions.clone(), Vec::new());
+        let ((points, hidden), triangles) = (inset(&mesh, &is_drawn), Vec::new());
         let mut body = Body { points, triangles, follows: follows(&mesh), joints, clothes };
         for (t, part) in mesh.triangle_part.iter().enumerate().filter(|(_, part)| is_drawn[**part as usize]) {
+            if mesh.triangles[t].iter().all(|v| hidden[*v as usize]) {
+                continue;
+            }
             let face = face(mesh.corners(t));
             let own = |c: usize| Some(normal?.at(t, c)?.first_chunk::<3>()?.map(f64::from));
             let (paint, set) = materials.of(&mesh.parts[*part as usize].material);
@@ -90,7 +95,7 @@ impl Body {
         };
         let moves: Vec<[f64; 16]> = self.follows.iter().map(blend).collect();
         let facet = |t: &Triangle| Facet {
-            corners: [0, 1, 2].map(|c| inset(&moves[t.points[c]], self.points[t.points[c]], t.normals[c])),
+            corners: t.points.map(|p| apply(&moves[p], self.points[p], 1.0)),
             normals: [0, 1, 2].map(|c| apply(&moves[t.points[c]], t.normals[c], 0.0)),
             uv: t.uv,
             colors: t.colors,
@@ -128,12 +133,22 @@ fn apply(m: &[f64; 16], p: [f64; 3], w: f64) -> [f32; 3] {
     std::array::from_fn(|r| (m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r] * w) as f32)
 }
 
-/// How far \[m\] within its surface a body is drawn: cloth lies on colliders, which are that near to it at best.
-const INSET: f64 = 0.004;
-
-fn inset(m: &[f64; 16], p: [f64; 3], normal: [f64; 3]) -> [f32; 3] {
-    let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-12);
-    apply(m, [0, 1, 2].map(|c| p[c] - normal[c] * INSET / length), 1.0)
+/// The vertices of a mesh, moved into the body whose parts are drawn, and whether clothes hide them.
+fn inset(mesh: &Mesh, is_drawn: &[bool]) -> (Vec<[f64; 3]>, Vec<bool>) {
+    let of_body = |part: u32| is_drawn.get(part as usize).is_some_and(|drawn| *drawn);
+    let mut normals = vec![[0.0f64; 3]; mesh.positions.len()];
+    for (t, _) in mesh.triangle_part.iter().enumerate().filter(|(_, part)| of_body(**part)) {
+        let face = face(mesh.corners(t));
+        mesh.triangles[t].iter().for_each(|v| (0..3).for_each(|k| normals[*v as usize][k] += face[k]));
+    }
+    for normal in &mut normals {
+        let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-12);
+        *normal = normal.map(|x| x / length);
+    }
+    let depths = covered::depths(mesh, |part| !of_body(part), &normals);
+    let hidden = depths.iter().map(|depth| depth.is_infinite()).collect();
+    let all = mesh.positions.iter().zip(&normals).zip(depths);
+    (all.map(|((p, n), depth)| [0, 1, 2].map(|k| p[k] - n[k] * depth.min(covered::DEEP))).collect(), hidden)
 }
 
 fn face([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {

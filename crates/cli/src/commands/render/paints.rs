@@ -15,7 +15,7 @@ use crate::output::{Output, Tone};
 /// Most pixels on a side of a texture, and most bytes that decoding one may take.
 const MAX_SIDE: u32 = 16_384;
 const MAX_BYTES: u64 = 1 << 30;
-/// sRGB of what has no material.
+/// sRGB of what has no material, or a plain white one.
 const NO_MATERIAL: [f32; 3] = [0.75; 3];
 
 /// Paints by number.
@@ -79,6 +79,10 @@ impl<'a> Paints<'a> {
             (None, false) => Alpha::Opaque,
         };
         let texture = base.image.and_then(|(bytes, name)| self.texture(bytes, name));
+        // Light shows no form on plain white.
+        if base.image.is_none() && base.color == [1.0; 4] && alpha == Alpha::Opaque {
+            return 0;
+        }
         let paint = Paint { color: base.color, texture, alpha };
         let known = self.list.iter().zip(&self.transforms).position(|(p, t)| same(p, &paint) && *t == base.transform);
         known.unwrap_or_else(|| {
