@@ -24,6 +24,8 @@ pub struct RenderPart {
     pub indices: Range<usize>,
     /// Base colour, alpha and sides.
     pub material: RenderMaterial,
+    /// The index of that material in `render.glb`.
+    pub material_index: Option<usize>,
     /// Whether any vertex moves with the cloth.
     pub is_bound: bool,
 }

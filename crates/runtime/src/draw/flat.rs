@@ -91,7 +91,13 @@ fn level(kind: &Kind, corners: &[Corner; 3], area: f32) -> usize {
 }
 
 /// Colours the samples of rows from `top` that a triangle covers and is nearest to.
-pub fn cover(flat: &Flat, shades: &[Shade], shadow: Option<&Shadow>, (top, width): (usize, usize), all: &mut [Samples]) {
+pub fn cover(
+    flat: &Flat,
+    shades: &[Shade],
+    shadow: Option<&Shadow>,
+    (top, width): (usize, usize),
+    all: &mut [Samples],
+) {
     let [a, b, c] = flat.at;
     let shade = &shades[flat.shade];
     let range = |axis: usize, from: usize, count: usize| {

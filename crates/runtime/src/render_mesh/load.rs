@@ -41,6 +41,7 @@ pub(super) fn load(bundle: &Bundle) -> Result<Option<RenderMesh>> {
             vertices: first..first + count,
             indices: from..indices.len(),
             material,
+            material_index: primitive.material,
             is_bound: primitive.coords.iter().any(|c| c[0] >= 0.0),
         });
     }

@@ -36,7 +36,9 @@ pub fn depths(mesh: &Mesh, is_cloth: impl Fn(u32) -> bool, normals: &[Point]) ->
         let n = splits(a, b).max(splits(b, c)).max(splits(c, a));
         let weight = |k: usize| k as f64 / n as f64;
         let pairs = (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j)));
-        pairs.for_each(|(i, j)| points.add([0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * weight(i) + (c[k] - a[k]) * weight(j))));
+        pairs.for_each(|(i, j)| {
+            points.add([0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * weight(i) + (c[k] - a[k]) * weight(j)))
+        });
         for (p, q) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
             let (p, q) = (weld(p), weld(q));
             *sides.entry([p.min(q), p.max(q)]).or_default() += 1;
@@ -99,7 +101,13 @@ impl Cells {
     /// The distance of the nearest point that is no farther than the size of a cell.
     fn nearest(&self, p: &Point, counts: impl Fn(&Point) -> bool) -> Option<f64> {
         let cell = p.map(|x| (x / self.size).floor() as i64);
-        let around = (0..27).map(|n: i64| [cell[0].saturating_add(n % 3 - 1), cell[1].saturating_add(n / 3 % 3 - 1), cell[2].saturating_add(n / 9 - 1)]);
+        let around = (0..27).map(|n: i64| {
+            [
+                cell[0].saturating_add(n % 3 - 1),
+                cell[1].saturating_add(n / 3 % 3 - 1),
+                cell[2].saturating_add(n / 9 - 1),
+            ]
+        });
         let near = around.filter_map(|cell| self.cells.get(&cell)).flatten().filter(|q| counts(q));
         let least = near.map(|q| squared(p, q)).fold(f64::INFINITY, f64::min).sqrt();
         (least <= self.size).then_some(least)

@@ -79,9 +79,8 @@ impl Painter {
                 if engine.gpu().is_none() {
                     return Ok(software.picture(&engine.stepper, view, fraction)?);
                 }
-                let read = |c: usize| {
-                    Ok((engine.positions(c)?, engine.previous(c)?, engine.normals(c)?, engine.holes(c)?))
-                };
+                let read =
+                    |c: usize| Ok((engine.positions(c)?, engine.previous(c)?, engine.normals(c)?, engine.holes(c)?));
                 let count = engine.stepper.scene().cloths.len();
                 let lists = (0..count).map(read).collect::<Result<Vec<_>, Failure>>()?;
                 let sheets: Vec<_> = lists

@@ -47,7 +47,8 @@ impl<'a> Paints<'a> {
     pub fn of_mesh(&mut self, mesh: &RenderMesh) -> Vec<usize> {
         let add = |part: &gimage_runtime::RenderPart| {
             let m = &part.material;
-            let image = m.base_image.and_then(|i| Some((mesh.images.get(i)?.as_slice(), mesh.image_names.get(i)?.as_str())));
+            let image =
+                m.base_image.and_then(|i| Some((mesh.images.get(i)?.as_slice(), mesh.image_names.get(i)?.as_str())));
             let (color, transform, cutoff, blends) = (m.base_color, m.base_transform, m.cutoff, m.blends);
             self.add(&Base { color, image: image.filter(|i| !i.0.is_empty()), transform, cutoff, blends })
         };

@@ -111,7 +111,13 @@ impl<'a> Shown<'a> {
 }
 
 /// Adds the triangles of a part; those with a vertex that no cloth moves are left out of an animated character, whose body is drawn apart.
-fn add_part(of: &SourceMesh, part: &RenderPart, (paint, whole): (usize, bool), paints: &Paints, facets: &mut Vec<Facet>) {
+fn add_part(
+    of: &SourceMesh,
+    part: &RenderPart,
+    (paint, whole): (usize, bool),
+    paints: &Paints,
+    facets: &mut Vec<Facet>,
+) {
     if !part.is_bound && !whole {
         return;
     }
