@@ -74,7 +74,7 @@ fn a_ground_is_darker_below_an_object() {
     let eye = [0.0, 1.5, 2.5];
     let with = picture(Paint::plain([0.5; 3]), object, ground, eye);
     let without = picture(Paint::plain([0.5; 3]), Vec::new(), ground, eye);
-    let darker = with.iter().zip(&without).filter(|(a, b)| a[0] + 12 < b[0]).count();
+    let darker = with.iter().zip(&without).filter(|(a, b)| a[0].saturating_add(12) < b[0]).count();
     assert!(darker > 15, "{darker} pixels are darker");
     // The first row is far away, where the ground is background.
     assert_eq!(with[..SIDE as usize], without[..SIDE as usize]);

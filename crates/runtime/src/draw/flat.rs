@@ -122,7 +122,7 @@ pub fn cover(
                 let weights = [w[0] * a[3], w[1] * b[3], w[2] * c[3]];
                 let sum = 1.0 / (weights[0] + weights[1] + weights[2]);
                 let corner = mixed(&flat.corners, weights.map(|w| w * sum));
-                let threshold = f32::from(4 * DITHER[(top + row) % 4][column % 4] + s as u8) / 64.0;
+                let threshold = f32::from(DITHER[(top + row) % 4][column % 4] + 16 * s as u8) / 64.0;
                 if let Some(color) = shade.color(&corner, flat, shadow, threshold) {
                     *sample = (depth, color);
                 }
