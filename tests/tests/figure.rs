@@ -16,7 +16,7 @@ use gimage::mesh::{Mesh, Semantic};
 use gimage::pipeline::{Built, dress};
 use gimage::progress::Quiet;
 use gimage_bundle::dir::write_dir;
-use gimage_runtime::draw::{Camera, Facet, Software, View};
+use gimage_runtime::draw::{Camera, Facet, Hidden, Paint, Software, View};
 use gimage_runtime::{BodyCollider, Cloth, Collider, Flat, Options, Scene, Shape, Stepper, wgpu};
 use gimage_tests::{asset, texels};
 
@@ -282,15 +282,16 @@ fn a_surface_is_drawn_in_place_of_a_cloth_and_a_collider() {
     let view = View { background: [1.0; 3], ..View::new(&camera, 1.0) };
     let drawn = |painter: &Software| painter.picture(&stepper, &view, 1.0).unwrap();
     let before = drawn(&painter);
-    painter.hide_collider(0, true);
-    painter.hide_cloth(0, true);
+    painter.hidden.colliders.insert(0);
+    painter.hidden.cloths.insert(0);
     assert!(drawn(&painter).iter().all(|p| *p == [255; 4]), "nothing is left to draw");
     let corners = [[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.5, 0.0]];
-    painter.set_surface(vec![Facet { corners, normals: [[0.0, 0.0, 1.0]; 3], color: [0.9, 0.1, 0.1] }]);
+    painter.set_paints(vec![Paint::plain([0.9, 0.1, 0.1])]);
+    let (normals, uv, colors) = ([[0.0, 0.0, 1.0]; 3], [[0.0; 2]; 3], [[1.0; 4]; 3]);
+    painter.set_surface(vec![Facet { corners, normals, uv, colors, paint: 0 }]);
     let middle = drawn(&painter)[16 * 32 + 16];
     assert!(middle[0] > 150 && middle[1] < 80 && middle[2] < 80, "{middle:?}");
     painter.set_surface(Vec::new());
-    painter.hide_collider(0, false);
-    painter.hide_cloth(0, false);
+    painter.hidden = Hidden::default();
     assert_eq!(drawn(&painter), before);
 }

@@ -59,7 +59,9 @@ pub use limits::NO_LIMIT;
 pub use manifest::Manifest;
 pub use map::{Image, MAX_SIDE, MapKind, check_file_name, check_size, file_stems};
 pub use particle::{MAX_PARTICLES, Particle};
-pub use render::{COORD, MAX_RENDER_BYTES, OFFSET, RENDER_FILE, RenderFile, RenderMaterial, RenderPrimitive};
+pub use render::{
+    COORD, MAX_RENDER_BYTES, OFFSET, RENDER_FILE, RenderFile, RenderMaterial, RenderPrimitive, UvTransform,
+};
 pub use rings::{LinkFault, Rings, find_rings, ring_gap};
 pub use springs::{SPRING_STEPS, other_end};
 pub use stitch::{MAX_STITCHES_AT_POINT, NO_STITCH, Place, Stitch};

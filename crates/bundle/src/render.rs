@@ -8,6 +8,7 @@ mod glb;
 mod matrix;
 mod nodes;
 mod primitive;
+mod uv_transform;
 
 use serde_json::Value;
 
@@ -15,6 +16,7 @@ use crate::error::{Error, Result};
 
 pub(crate) use check::check_render;
 pub use primitive::RenderPrimitive;
+pub use uv_transform::UvTransform;
 
 /// The name of the file.
 pub const RENDER_FILE: &str = "render.glb";
@@ -42,6 +44,8 @@ pub struct RenderMaterial {
     pub base_image: Option<usize>,
     /// The set of texture coordinates of that image.
     pub base_set: usize,
+    /// From texture coordinates of the mesh to those of that image: [`UvTransform::IDENTITY`] without `KHR_texture_transform`.
+    pub base_transform: UvTransform,
     /// Alpha below which a pixel is not drawn, for the alpha mode `MASK`.
     pub cutoff: Option<f32>,
     /// Whether the alpha mode is `BLEND`.
@@ -57,6 +61,7 @@ impl Default for RenderMaterial {
             base_color: [1.0; 4],
             base_image: None,
             base_set: 0,
+            base_transform: UvTransform::IDENTITY,
             cutoff: None,
             blends: false,
             double_sided: false,
@@ -86,16 +91,25 @@ impl<'a> RenderFile<'a> {
         let texture = &base["baseColorTexture"];
         let factor = |k: usize| base["baseColorFactor"][k].as_f64().map_or(default.base_color[k], |x| x as f32);
         let mode = material["alphaMode"].as_str().unwrap_or("OPAQUE");
+        let moved = &texture["extensions"]["KHR_texture_transform"];
+        let set = &moved["texCoord"];
         let source = texture["index"].as_u64().and_then(|t| self.json["textures"].get(t as usize));
         RenderMaterial {
             name: material["name"].as_str().unwrap_or_default().into(),
             base_color: std::array::from_fn(factor),
             base_image: source.and_then(|t| t["source"].as_u64()).map(|i| i as usize),
-            base_set: texture["texCoord"].as_u64().unwrap_or(0) as usize,
+            base_set: set.as_u64().or(texture["texCoord"].as_u64()).unwrap_or(0) as usize,
+            base_transform: UvTransform::of(moved),
             cutoff: (mode == "MASK").then(|| material["alphaCutoff"].as_f64().unwrap_or(0.5) as f32),
             blends: mode == "BLEND",
             double_sided: material["doubleSided"].as_bool().unwrap_or(false),
         }
+    }
+
+    /// The name of an image, else its number.
+    pub fn image_name(&self, index: usize) -> String {
+        let name = self.json["images"][index]["name"].as_str().filter(|name| !name.is_empty());
+        name.map_or(format!("image {index}"), String::from)
     }
 
     /// The bytes of an image file in the file, PNG or JPEG; `None` where there is none.

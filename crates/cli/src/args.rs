@@ -14,6 +14,7 @@ pub use garment::{BuildArgs, DressArgs, FitCollidersArgs, ListArgs};
 use values::{camera, color, material, seconds, size};
 
 use crate::commands::character::MotionArgs;
+use crate::commands::surface::SurfaceArg;
 use crate::help;
 
 /// Turn garment meshes into geometry images.
@@ -210,6 +211,13 @@ pub struct RenderArgs {
     /// Vertical field of view [default: that of the scene, or 35].
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub fov: Option<f32>,
+    /// The surface of the cloth: render, the mesh of the source in the bundle (render.glb), with its textures; grid, the particles; auto,
+    /// render where there is one.
+    #[arg(long, value_enum, default_value_t = SurfaceArg::Auto)]
+    pub surface: SurfaceArg,
+    /// A ground with a soft shadow: auto, under a character that is animated.
+    #[arg(long, value_enum, default_value_t = GroundArg::Auto)]
+    pub ground: GroundArg,
     /// Draw the colliders of a character in place of its body.
     #[arg(long)]
     pub colliders: bool,
@@ -258,6 +266,14 @@ pub enum BackendArg {
     Auto,
     Gpu,
     Cpu,
+}
+
+/// Whether pictures have a ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum GroundArg {
+    Auto,
+    On,
+    Off,
 }
 
 /// Contact of cloth with cloth.

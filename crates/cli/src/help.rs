@@ -122,10 +122,13 @@ pub const RENDER: &str = concat!(
     "EXAMPLES:\n",
     "  gimage render shirt.gim -o shirt.png --time 0\n",
     "  gimage render assets/scenes/flag.json -o flag.gif --size 320x240 --fps 20\n",
+    "  gimage render mage.gim --animation Walking -o mage.gif\n",
+    "  gimage render mage.gim --surface grid --ground on -o grid.png\n",
     "  gimage render s2 --n 64 -o s2.png --time 0.8 --camera 1,0.8,1.6,0,0,0 --fov 40\n\n",
     "Without a hardware GPU, cloth and picture are computed on the CPU; --backend gpu accepts any adapter, including a ",
     "software one. 4 samples per pixel. Without a camera, every picture shows all cloths and colliders. A still picture of a ",
-    "bundle without pins, which would fall out of sight, shows its rest pose (default --time 0).",
+    "bundle without pins, which would fall out of sight, shows its rest pose (default --time 0). The mesh of the source has its base ",
+    "colour textures (PNG, JPEG) and alpha; textures and shadows are drawn on the CPU.",
     exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")
 );
 
@@ -134,8 +137,10 @@ pub const EXPORT: &str = concat!(
     "EXAMPLES:\n",
     "  gimage export shirt.gim -o shirt.glb --frames 120\n",
     "  gimage export mage.gim --animation Walking -o mage.usda --fps 24\n",
+    "  gimage export shirt.gim -o grid.glb --surface grid\n",
     "  gimage export assets/scenes/flag.json -o frames/flag.obj --every 4 --from 60 --json | jq .bytes\n\n",
-    "The surface is that of the drawn triangles: a mesh per piece, each point of a seam one vertex, with normals and texture ",
+    "By default a bundle is written as the mesh of its source (render.glb), moved with the cloth, in a .glb with its materials and ",
+    "textures. --surface grid writes the drawn triangles of the particles: a mesh per piece, each point of a seam one vertex, with normals and texture ",
     "coordinates; triangles that a cut has taken away are left out from then on. Metres, Y up. .glb: the first frame with a morph ",
     "target per further frame, weights animated linearly; at most 4 GiB, and 65,536 frames times pieces. .usda: time samples of ",
     "points, normals and extent, with the time codes 1, 2, 3, ... .obj: a file per frame, numbered likewise. With --fps, a frame ",

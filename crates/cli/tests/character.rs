@@ -103,8 +103,11 @@ fn what_cannot_be_played_is_said() {
         let run = place.run(&format!("{args} --backend cpu")).expect(&[2]);
         assert!(run.stderr.contains(words), "{words}: {}", run.stderr);
     }
+    // The bundle has all of the file, unless it was built without the mesh.
+    place.run("build sleeve.glb -o bare.gim --texels 600 --pin loop:0 --render-mesh off").expect(&[0, 1]);
     std::fs::remove_file(place.path("sleeve.glb")).unwrap();
-    let run = place.run("simulate sleeve.gim --animation swing --backend cpu").expect(&[2]);
+    place.run("simulate sleeve.gim --animation swing --backend cpu --frames 2").expect(&[0, 1]);
+    let run = place.run("simulate bare.gim --animation swing --backend cpu").expect(&[2]);
     assert!(run.stderr.contains("--character FILE"), "{}", run.stderr);
 }
 

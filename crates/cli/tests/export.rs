@@ -30,7 +30,7 @@ fn simulated() -> (Place, Frames) {
     (place, frames)
 }
 
-const FLAGS: &str = "--backend cpu --frames 12 --every 3 --from 3 --json";
+const FLAGS: &str = "--surface grid --backend cpu --frames 12 --every 3 --from 3 --json";
 
 /// Fails unless positions are the same to the rounding of `ulps` of a number of 1.
 #[track_caller]
@@ -272,4 +272,40 @@ fn an_animation_moves_the_surface() {
     let frames = glb_targets(&fs::read(place.path("a.glb")).unwrap());
     let far = frames[0].iter().zip(&frames[1]).map(|(a, b)| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max));
     assert!(far.fold(0.0, f32::max) > 0.05);
+}
+
+#[test]
+fn the_mesh_of_the_source_is_exported_as_the_wrap_moves_it() {
+    let place = Place::new();
+    let assets = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
+    fs::copy(assets.join("sleeve.glb"), place.path("sleeve.glb")).unwrap();
+    place.run("build sleeve.glb -o sleeve.gim --texels 600 --pin box:0.1,1,-1,0.205,2,1").expect(&[0, 1]);
+    let flags = "--backend cpu --frames 30 --every 30 --surface render --json";
+    let run = place.run(&format!("export sleeve.gim -o a.obj {flags}")).expect(&[0, 1]).json();
+    assert_eq!(run["surface"].as_str(), Some("render"));
+    let moved = |k: usize| obj_corners(&fs::read_to_string(place.path(&format!("a_{k:05}.obj"))).unwrap());
+    // At rest it is the source.
+    let bundle = gimage_bundle::dir::read_dir(&place.path("sleeve.gim")).unwrap();
+    let mesh = gimage_runtime::RenderMesh::from_bundle(&bundle).unwrap().unwrap();
+    let source = gimage_bundle::RenderFile::parse(bundle.render.as_ref().unwrap()).unwrap().primitives().unwrap();
+    let source: Vec<[f32; 3]> =
+        source.iter().flat_map(|p| p.indices.iter().map(|v| p.positions[*v as usize])).collect();
+    let far = |a: &[[f32; 3]], b: &[[f32; 3]]| {
+        assert_eq!(a.len(), b.len());
+        a.iter().zip(b).flat_map(|(a, b)| (0..3).map(move |c| (a[c] - b[c]).abs())).fold(0.0, f32::max)
+    };
+    let first = far(&moved(1), &source);
+    assert!(first < 1e-6, "{first}");
+    // Later it is the wrap of a stepper.
+    let mut scene = gimage_runtime::Scene::new("sleeve.gim");
+    scene.cloths.push(gimage_runtime::Cloth::from_bundle("sleeve.gim", &bundle).unwrap());
+    let mut stepper = gimage_runtime::Stepper::on_cpu(scene, gimage_runtime::Options::default()).unwrap();
+    (0..30).for_each(|_| _ = stepper.advance(1.0 / 60.0).unwrap());
+    let mut vertices = Vec::new();
+    stepper.wrap(0, &mesh, 1.0, &mut vertices).unwrap();
+    let at = |v: &u32| vertices[*v as usize].position.first_chunk().copied().unwrap();
+    let wrapped: Vec<[f32; 3]> = mesh.indices.iter().map(at).collect();
+    assert_eq!(far(&moved(2), &wrapped), 0.0);
+    let fell = far(&moved(2), &source);
+    assert!(fell > 1e-3, "{fell}");
 }

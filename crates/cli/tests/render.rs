@@ -144,3 +144,77 @@ fn what_cannot_be_drawn_is_said_and_leaves_nothing() {
     assert_eq!(place.list(), before);
     assert_eq!(std::fs::read(place.path("there.png")).unwrap(), b"not to be replaced");
 }
+
+/// A bundle of a square with a texture in halves of red and green, if `image` is none.
+fn textured(place: &Place, image: Option<&[u8]>) {
+    let mut png = std::io::Cursor::new(Vec::new());
+    let half = |x: u32, _| image::Rgb(if x < 8 { [250, 0, 0] } else { [0, 250, 0] });
+    RgbImage::from_fn(16, 16, half).write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let image = image.unwrap_or(png.get_ref());
+    let (mut bin, mut indices) = (Vec::new(), Vec::new());
+    let side = 9u16;
+    let unit = |k: u16| f32::from(k) / f32::from(side - 1);
+    let all: Vec<(f32, f32)> = (0..side * side).map(|k| (unit(k % side), unit(k / side))).collect();
+    all.iter().for_each(|(x, y)| [*x, *y, 0.0].iter().for_each(|v: &f32| bin.extend(v.to_le_bytes())));
+    all.iter().for_each(|(x, y)| [*x, 1.0 - *y].iter().for_each(|v: &f32| bin.extend(v.to_le_bytes())));
+    for k in (0..side * (side - 1)).filter(|k| k % side + 1 < side) {
+        indices.extend([k, k + 1, k + side + 1, k, k + side + 1, k + side]);
+    }
+    let from = bin.len();
+    indices.iter().for_each(|k: &u16| bin.extend(k.to_le_bytes()));
+    let picture = bin.len();
+    bin.extend(image);
+    let count = all.len();
+    let gltf = serde_json::json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": "flag", "mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+        "materials": [{"name": "cloth", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 1, 1, 1]}}],
+        "textures": [{"source": 0}], "images": [{"name": "halves", "bufferView": 3, "mimeType": "image/png"}],
+        "buffers": [{"byteLength": bin.len(), "uri": "flag.bin"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 12 * count}, {"buffer": 0, "byteOffset": 12 * count, "byteLength": 8 * count},
+            {"buffer": 0, "byteOffset": from, "byteLength": 2 * indices.len()}, {"buffer": 0, "byteOffset": picture, "byteLength": image.len()}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": count, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5126, "count": count, "type": "VEC2"},
+            {"bufferView": 2, "componentType": 5123, "count": indices.len(), "type": "SCALAR"}]
+    });
+    std::fs::write(place.path("flag.bin"), bin).unwrap();
+    place.write("flag.gltf", &gltf.to_string());
+    place.run("build flag.gltf -o flag.gim --texels 400 --force").expect(&[0, 1]);
+}
+
+const FLAG: &str = "--time 0 --size 64x64 --backend cpu --camera 0.5,0.5,2,0.5,0.5,0 --json --force";
+
+#[test]
+fn the_mesh_of_a_bundle_is_drawn_with_its_texture() {
+    let place = Place::new();
+    textured(&place, None);
+    let run = place.run(&format!("render flag.gim -o a.png {FLAG}")).expect(&[0]);
+    assert_eq!((run.json()["surface"].as_str(), run.json()["ground"].is_null()), (Some("render"), true));
+    let drawn = picture(&place.path("a.png"));
+    let (left, right) = (drawn.get_pixel(24, 32).0, drawn.get_pixel(40, 32).0);
+    assert!(left[0] > 150 && left[1] < 60 && right[1] > 150 && right[0] < 60, "{left:?} {right:?}");
+    let run = place.run(&format!("render flag.gim -o b.png --surface grid --ground on {FLAG}")).expect(&[0]);
+    assert_eq!(run.json()["surface"].as_str(), Some("grid"));
+    assert!(run.json()["ground"]["height"].is_number());
+}
+
+#[test]
+fn a_bundle_without_a_mesh_is_drawn_as_its_grid_and_says_so() {
+    let place = Place::new();
+    textured(&place, None);
+    place.run("build flag.gltf -o bare.gim --texels 400 --render-mesh off").expect(&[0, 1]);
+    let run = place.run(&format!("render bare.gim -o a.png {FLAG}")).expect(&[0]);
+    assert!(run.stderr.contains("no render.glb") && run.stderr.contains("the grid is shown"), "{}", run.stderr);
+    assert_eq!(run.json()["surface"].as_str(), Some("grid"));
+    let run = place.run(&format!("render bare.gim -o b.png --surface render {FLAG}")).expect(&[2]);
+    assert!(run.stderr.contains("--render-mesh on"), "{}", run.stderr);
+}
+
+#[test]
+fn a_broken_texture_is_named_and_the_rest_is_drawn() {
+    let place = Place::new();
+    textured(&place, Some(b"\x89PNG\r\n\x1a\nbroken"));
+    let run = place.run(&format!("render flag.gim -o a.png {FLAG}")).expect(&[0]);
+    assert!(run.stderr.contains("texture 'halves'"), "{}", run.stderr);
+    assert!(drawn(&picture(&place.path("a.png"))) > 0.1);
+}

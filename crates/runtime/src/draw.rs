@@ -6,18 +6,23 @@
 
 #[cfg(feature = "gpu")]
 mod device;
+mod flat;
+mod ground;
 mod mesh;
 mod raster;
 mod rows;
 mod shader;
 mod software;
 mod surface;
+mod texture;
 
 pub use crate::look::{Camera, Look, SolidLook, View, uv_of};
 #[cfg(feature = "gpu")]
 pub use device::{Draw, Target};
-pub use software::Software;
-pub use surface::Facet;
+pub use ground::Ground;
+pub use software::{SheetView, Software};
+pub use surface::{Alpha, Facet, Hidden, Paint};
+pub use texture::Texture;
 
 use crate::collider::Collider;
 use crate::number::real::{add, cross, scale, xyz};

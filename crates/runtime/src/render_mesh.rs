@@ -8,7 +8,7 @@ use std::sync::Arc;
 use gimage_bundle::{Bundle, RenderMaterial};
 
 use crate::cpu::rows::Threads;
-use crate::cpu::wrap::{self, Sheet};
+use crate::cpu::wrap::{self, Sheet, UNBOUND};
 use crate::error::{Error, Result};
 use crate::layout::BoundRow;
 pub use crate::layout::RenderVertex;
@@ -24,6 +24,8 @@ pub struct RenderPart {
     pub indices: Range<usize>,
     /// Base colour, alpha and sides.
     pub material: RenderMaterial,
+    /// The index of that material in `render.glb`.
+    pub material_index: Option<usize>,
     /// Whether any vertex moves with the cloth.
     pub is_bound: bool,
 }
@@ -38,10 +40,14 @@ pub struct RenderMesh {
     pub parts: Vec<RenderPart>,
     /// Texture coordinates of the base colour, one per vertex, as in glTF (v down); 0 where a part has none.
     pub uv: Vec<[f32; 2]>,
+    /// Linear colours of the vertices, which multiply the base colour; empty if no part has any.
+    pub colors: Vec<[f32; 4]>,
     /// Vertices of the triangles.
     pub indices: Vec<u32>,
     /// The bytes of the image files, PNG or JPEG, that [`RenderMaterial::base_image`] names; empty for an image that no material uses.
     pub images: Vec<Vec<u8>>,
+    /// The names of the images, else their numbers.
+    pub image_names: Vec<String>,
     pub(crate) rows: Arc<Vec<BoundRow>>,
     texels: usize,
 }
@@ -56,6 +62,11 @@ impl RenderMesh {
     /// Number of vertices.
     pub fn len(&self) -> usize {
         self.rows.len()
+    }
+
+    /// Whether a vertex moves with the cloth; false for one that does not exist.
+    pub fn is_bound(&self, vertex: usize) -> bool {
+        self.rows.get(vertex).is_some_and(|row| row.corners[0] != UNBOUND)
     }
 
     /// Whether the mesh has no vertices.

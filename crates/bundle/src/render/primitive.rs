@@ -28,6 +28,8 @@ pub struct RenderPrimitive {
     pub tangents: Vec<[f32; 4]>,
     /// Texture coordinates of the base colour.
     pub uv: Vec<[f32; 2]>,
+    /// Linear colours that multiply the base colour (`COLOR_0`); alpha is 1 where the file has three components.
+    pub colors: Vec<[f32; 4]>,
     /// Triangles, three vertices each; every index is below the number of vertices.
     pub indices: Vec<u32>,
     /// The piece, or -1 for a vertex that is not bound, and u and v. Empty if no vertex is bound.
@@ -90,6 +92,7 @@ fn load(
         normals: read3("NORMAL")?,
         tangents: vectors(file, &element, "TANGENT", accessor("TANGENT"), Some(count))?,
         uv: vectors(file, &element, &set, accessor(&set), Some(count))?,
+        colors: colors(file, &element, accessor("COLOR_0"), count)?,
         indices: triangles(mode, &order),
         coords,
         offsets,
@@ -118,6 +121,16 @@ fn vectors<const N: usize>(
         }
         _ => Ok(values),
     }
+}
+
+/// Colours of vertices, with three or four components.
+fn colors(file: &RenderFile, element: &str, accessor: Option<usize>, count: usize) -> Result<Vec<[f32; 4]>> {
+    let Some(index) = accessor else { return Ok(Vec::new()) };
+    if file.floats(index)?.width != 3 {
+        return vectors(file, element, "COLOR_0", accessor, Some(count));
+    }
+    let three = vectors::<3>(file, element, "COLOR_0", accessor, Some(count))?;
+    Ok(three.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect())
 }
 
 /// A list of triangles from a list, a strip or a fan.

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::SceneArgs;
 use super::values::rate;
+use crate::commands::surface::SurfaceArg;
 
 /// `gimage export`.
 #[derive(Debug, Args)]
@@ -15,6 +16,10 @@ pub struct ExportArgs {
     /// The file to write, .glb or .usda; .obj writes a file per frame, OUT_00001.obj and so on.
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
+    /// The surface to write: render, the mesh of the source in the bundle (render.glb), with its texture coordinates, and in a .glb its
+    /// materials and textures; grid, the particles; auto, render where there is one.
+    #[arg(long, value_enum, default_value_t = SurfaceArg::Auto)]
+    pub surface: SurfaceArg,
     /// Number of frames of 1/60 s to simulate [default: that of the scene, 600 for a bundle].
     #[arg(long, value_name = "F", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     pub frames: Option<u32>,

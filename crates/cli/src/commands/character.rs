@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use gimage::import::{Character, ImportOptions, Up};
 use gimage::select::{Pattern, SelectOptions};
-use gimage_bundle::Manifest;
+use gimage_bundle::{Manifest, RENDER_FILE};
 use gimage_runtime::scene::Pose;
 use gimage_runtime::scene::file::SceneFile;
 use gimage_runtime::{Cloth, Scene, Solver, Stepper};
@@ -22,7 +22,8 @@ pub struct MotionArgs {
     /// Animation of the character file that moves the joints of the cloth (gimage list has the names); xpbd only.
     #[arg(long, value_name = "NAME")]
     pub animation: Option<String>,
-    /// The character: .glb or .gltf [default: that of the scene, or the file that the bundle was built from, beside the bundle].
+    /// The character: .glb or .gltf [default: that of the scene, or the file that the bundle was built
+    /// from, beside the bundle, or render.glb in the bundle].
     #[arg(long, value_name = "FILE")]
     pub character: Option<PathBuf>,
     /// Seconds before time 0 in which the character goes from the pose of its file into the animation, so that cloth starts as it was
@@ -322,16 +323,21 @@ pub fn default_lead(scene: &Path) -> f64 {
     if scene.is_dir() { LEAD_S } else { 0.0 }
 }
 
-/// The character file of a bundle: the one given, else the file that the bundle was built from if it lies beside it.
+/// The character file of a bundle: the one given, else the file that the bundle was built from if it lies beside it, else the mesh in the
+/// bundle, which has all of that file.
 pub fn beside(bundle: &Path, given: Option<&Path>, source: &str) -> Result<PathBuf, Failure> {
     if let Some(path) = given {
         return Ok(path.into());
     }
     let path = bundle.parent().unwrap_or(Path::new("")).join(source);
+    let within = bundle.join(RENDER_FILE);
+    if (source.is_empty() || !path.is_file()) && within.is_file() {
+        return Ok(within);
+    }
     if source.is_empty() || !path.is_file() {
         let name = if source.is_empty() { "the file that the bundle was built from" } else { source };
         return Err(Failure::refused(format!(
-            "{}: {name} is not beside the bundle; name it by --character FILE",
+            "{}: {name} is not beside the bundle, which has no render.glb; name it by --character FILE",
             bundle.display()
         )));
     }

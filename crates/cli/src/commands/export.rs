@@ -1,8 +1,10 @@
 //! `gimage export`: the simulated motion as files that film and game tools read.
 
+mod grid;
+mod mesh;
 mod schedule;
 mod sink;
-mod surface;
+mod source;
 
 use std::path::Path;
 
@@ -19,7 +21,7 @@ use crate::output::{Output, Tone};
 use crate::units::grouped;
 use schedule::Schedule;
 use sink::{Sink, Written};
-use surface::Source;
+use source::Source;
 
 /// The kind of file to write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,12 +39,13 @@ pub fn run(args: &ExportArgs, out: &Output) -> Result<Exit, Failure> {
     let schedule = Schedule::new(args, loaded.file.scene.frames, loaded.file.options.step)?;
     let mut engine = Engine::of(&loaded)?;
     engine.warn(out);
-    let mut source = Source::new(&engine.stepper)?;
+    let mut source = Source::new(args, &engine, &loaded, out)?;
     for name in source.empty() {
         let text = format!("piece {name}: it has no triangles, and is not in the file");
         out.remark(Tone::Warning, "warning", &text);
     }
-    let mut sink = Sink::new(kind, &args.output, &schedule)?;
+    let dressing = if matches!(kind, Kind::Glb(_)) { source.dressing(&args.scene.scene)? } else { None };
+    let mut sink = Sink::new(kind, &args.output, &schedule, dressing)?;
     let mut faults = Faults::default();
     schedule
         .run(&mut engine, &mut faults, |engine, time, fraction| sink.frame(source.read(engine, fraction)?, time))?;
@@ -87,6 +90,7 @@ fn report(
         out.json(&json!({
             "output": args.output.display().to_string(),
             "files": written.files,
+            "surface": source.name(),
             "frames": schedule.kept(),
             "frames_per_second": schedule.rate(),
             "seconds": schedule.seconds(),

@@ -16,4 +16,5 @@ pub mod reconstruct;
 pub mod render;
 mod scene;
 pub mod simulate;
+pub mod surface;
 pub mod validate;

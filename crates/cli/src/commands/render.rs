@@ -1,10 +1,13 @@
 //! `gimage render`: pictures of a scene, headless.
 
 mod body;
+mod covered;
 mod encode;
 mod offscreen;
 mod painter;
+mod paints;
 mod palette;
+mod shown;
 
 use std::path::Path;
 
@@ -12,15 +15,15 @@ use gimage_runtime::draw::{Camera, View, bounds};
 use gimage_runtime::{Backend, Cloth};
 use serde_json::json;
 
-use crate::args::RenderArgs;
+use crate::args::{GroundArg, RenderArgs};
 use crate::commands::engine::Engine;
 use crate::commands::faults::Faults;
 use crate::commands::scene::{self, Loaded};
 use crate::exit::{Exit, Failure};
 use crate::files::{Pending, check_file_target};
 use crate::output::{Output, Tone};
-use body::Body;
 use painter::Painter;
+use shown::Shown;
 
 /// sRGB of the background, unless told otherwise.
 const BACKGROUND: [f32; 3] = [0.957, 0.957, 0.949];
@@ -53,14 +56,24 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
     }
     let end = args.time.unwrap_or(if rests { 0.0 } else { f64::from(file.scene.frames) * file.options.step });
     let times = times(args, kind, end)?;
-    let camera = camera(args, &loaded, &times)?;
+    let (camera, lowest) = camera(args, &loaded, &times)?;
     let mut engine = Engine::of(&loaded)?;
     engine.warn(out);
-    let mut painter = Painter::new(&engine, args.size, file)?;
-    let body = body(args, &loaded)?;
-    if let (Some(body), Some(animated)) = (&body, &loaded.animated) {
-        animated.colliders().for_each(|index| painter.hide_collider(index));
-        painter.wear(body, loaded.file.scene.cloths.len());
+    let mut shown = Shown::new(args, &loaded, out)?;
+    let has_ground = match args.ground {
+        GroundArg::Auto => loaded.animated.is_some(),
+        GroundArg::On => true,
+        GroundArg::Off => false,
+    };
+    let ground = if has_ground { shown.ground(&loaded, &times, lowest) } else { None };
+    let on_cpu = !shown.is_empty() || ground.is_some();
+    if on_cpu && engine.gpu().is_some() {
+        out.remark(Tone::Note, "note", "textures and shadows are drawn on the CPU; the cloth is on the GPU");
+    }
+    let mut painter = Painter::new(&engine, args.size, file, on_cpu)?;
+    painter.wear(&shown, &engine);
+    if let Painter::Cpu(software) = &mut painter {
+        software.ground = ground;
     }
     let (width, height) = args.size;
     let view = View {
@@ -72,14 +85,7 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
     for time in &times {
         // Nothing left over: the last step is just what is seen.
         let fraction = Some(engine.go_to(*time, &mut faults)?).filter(|f| *f > 0.0).unwrap_or(1.0);
-        if let (Some(body), Some(animated)) = (&body, engine.animated()) {
-            let mut facets = body.facets(&animated.worlds(engine.time()));
-            for cloth in (0..loaded.file.scene.cloths.len()).filter(|cloth| body.wears(*cloth)) {
-                facets.extend(body.worn(cloth, &engine.positions(cloth)?, &engine.normals(cloth)?));
-            }
-            painter.set_surface(facets);
-        }
-        pictures.add(painter.paint(&engine, &view, fraction)?)?;
+        pictures.add(painter.paint(&engine, &mut shown, &view, fraction)?)?;
     }
     faults.at_end(&mut engine)?;
     faults.warn(out, &engine, (engine.time() / engine.stepper.options().step).round() as usize);
@@ -96,6 +102,8 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
             "bytes": bytes.len(),
             "backend": backend,
             "adapter": engine.adapter,
+            "surface": if shown.has_mesh() { "render" } else { "grid" },
+            "ground": ground.map(|g| json!({"height": g.height, "middle": g.middle, "radius": g.radius})),
             "camera": {"eye": camera.eye, "target": camera.target, "fov_degrees": camera.fov.to_degrees()},
             "findings": faults.findings(),
             "faults": faults.json(),
@@ -107,13 +115,6 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
         out.data(&format!("{name}: {count} {plural} of {width} x {height} on the {backend}, {size} bytes\n"))?;
     }
     Ok(faults.exit())
-}
-
-/// The body of the character, which is drawn in place of its colliders.
-fn body(args: &RenderArgs, loaded: &Loaded) -> Result<Option<Body>, Failure> {
-    let Some(animated) = loaded.animated.as_ref().filter(|_| !args.colliders) else { return Ok(None) };
-    let reading = (&animated.reading.import, &animated.reading.select);
-    Body::read(&animated.path, reading, animated.character(), &loaded.file.scene.cloths)
 }
 
 /// Whether a bundle is drawn that nothing holds: stepped, it only falls.
@@ -150,8 +151,8 @@ fn times(args: &RenderArgs, kind: Kind, end: f64) -> Result<Vec<f64>, Failure> {
     Ok((0..count).map(time).collect())
 }
 
-/// The camera of the arguments, else of the scene, else one that has everything in every picture.
-fn camera(args: &RenderArgs, loaded: &Loaded, times: &[f64]) -> Result<Camera, Failure> {
+/// The camera of the arguments, else of the scene, else one that has everything in every picture, and the lowest y \[m\] of these.
+fn camera(args: &RenderArgs, loaded: &Loaded, times: &[f64]) -> Result<(Camera, Option<f32>), Failure> {
     let fov = args.fov.map(f32::to_radians);
     let given = args.camera.map(|[a, b, c, d, e, f]| Camera {
         eye: [a, b, c],
@@ -161,7 +162,7 @@ fn camera(args: &RenderArgs, loaded: &Loaded, times: &[f64]) -> Result<Camera, F
     let of_file = loaded.file.camera.map(|c| Camera { fov: fov.unwrap_or(c.fov), ..c });
     if let Some(camera) = given.or(of_file) {
         camera.check()?;
-        return Ok(camera);
+        return Ok((camera, None));
     }
     let fov = fov.unwrap_or(FOV.to_radians());
     Camera { eye: FROM, target: [0.0; 3], fov }.check()?;
@@ -183,5 +184,5 @@ fn camera(args: &RenderArgs, loaded: &Loaded, times: &[f64]) -> Result<Camera, F
     let aspect = args.size.0 as f32 / args.size.1 as f32;
     let camera = Camera::framing(low, high, FROM, fov, aspect);
     camera.check()?;
-    Ok(camera)
+    Ok((camera, Some(low[1])))
 }

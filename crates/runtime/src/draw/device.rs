@@ -1,6 +1,6 @@
 //! Drawing with the host's device, into the host's render pass.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::num::NonZeroU64;
 
 use bytemuck::{bytes_of, cast_slice};
@@ -8,7 +8,8 @@ use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 
 use super::rows::{BodyRow, ViewRow};
 use super::shader::{BODIES, MESH, UV, VIEW, Variant};
-use super::{Facet, Look, SolidLook, View, mesh, surface};
+use super::surface::{self, Facet, Hidden, Paint};
+use super::{Look, SolidLook, View, mesh};
 use crate::cloth::Cloth;
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
@@ -44,9 +45,10 @@ pub struct Draw {
     solid_look: SolidLook,
     cloths: HashMap<ClothHandle, DrawnCloth>,
     solids: Option<DrawnSolids>,
-    hidden: BTreeSet<usize>,
-    bare: BTreeSet<usize>,
     surface: Option<DrawnSurface>,
+    paints: Vec<Paint>,
+    /// Cloths and colliders that are left out.
+    pub hidden: Hidden,
 }
 
 /// A cloth's own buffers and bindings, good for as long as the stepper's buffers are the same.
@@ -84,9 +86,9 @@ impl Draw {
             solid_look: SolidLook::default(),
             cloths: HashMap::new(),
             solids: None,
-            hidden: BTreeSet::new(),
-            bare: BTreeSet::new(),
             surface: None,
+            paints: Vec::new(),
+            hidden: Hidden::default(),
         }
     }
 
@@ -103,27 +105,14 @@ impl Draw {
         self.solids = None;
     }
 
-    /// Whether the collider of an index is left out from now on, as a surface stands for it.
-    pub fn hide_collider(&mut self, index: usize, hidden: bool) {
-        if hidden {
-            self.hidden.insert(index)
-        } else {
-            self.hidden.remove(&index)
-        };
-    }
-
-    /// Whether the cloth of an index is left out from now on, as a surface stands for it.
-    pub fn hide_cloth(&mut self, index: usize, hidden: bool) {
-        if hidden {
-            self.bare.insert(index)
-        } else {
-            self.bare.remove(&index)
-        };
+    /// The paints of facets from the next [`Draw::set_surface`] on. Their colours are drawn; their textures and alpha are not.
+    pub fn set_paints(&mut self, paints: Vec<Paint>) {
+        self.paints = paints;
     }
 
     /// Draws these triangles from now on, in place of those of the last call: an upload of 144 bytes per triangle, and one draw per record.
     pub fn set_surface(&mut self, facets: &[Facet]) {
-        let rows = surface::rows(facets);
+        let rows = surface::rows(facets, &self.paints);
         let vertices = rows.len() as u32;
         if let Some(drawn) = self.surface.as_ref().filter(|s| s.vertices == vertices) {
             self.queue.write_buffer(&drawn.mesh, 0, cast_slice(&rows));
@@ -145,7 +134,7 @@ impl Draw {
         self.looks.keep(handles);
         self.cloths.retain(|handle, _| handles.binary_search(handle).is_ok());
         for (index, (cloth, handle)) in stepper.scene().cloths.iter().zip(handles).enumerate() {
-            if self.bare.contains(&index) {
+            if self.hidden.cloths.contains(&index) {
                 continue;
             }
             let buffers = stepper.buffers(index).ok_or(Error::NoGpu("Draw::record"))?;
@@ -192,7 +181,7 @@ impl Draw {
         pass.set_bind_group(0, &solids.group, &[offset]);
         let mut first = 0;
         for (c, end) in (0u32..).zip(&solids.ends) {
-            if !self.hidden.contains(&(c as usize)) {
+            if !self.hidden.colliders.contains(&(c as usize)) {
                 pass.draw(first..*end, c..c + 1);
             }
             first = *end;

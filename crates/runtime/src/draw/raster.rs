@@ -10,6 +10,8 @@ pub struct Corner {
     pub at: V3<f32>,
     pub normal: V3<f32>,
     pub uv: [f32; 2],
+    /// Linear red, green, blue and alpha; read for surfaces of the host only.
+    pub color: [f32; 4],
 }
 
 /// The particles and texels of a cloth that is drawn.
@@ -65,7 +67,7 @@ impl Drawn<'_> {
             uv[if far > view.jump { t[0] } else { k }]
         });
         let [x, y, z, _] = self.normals[k];
-        Corner { at: [0, 1, 2].map(mixed), normal: [x, y, z], uv }
+        Corner { at: [0, 1, 2].map(mixed), normal: [x, y, z], uv, color: [1.0; 4] }
     }
 }
 

@@ -1,7 +1,10 @@
 //! Surfaces that the host moves, such as the body of a character: triangles beside cloths and colliders.
 
-#[cfg(feature = "gpu")]
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
 use super::raster::decoded;
+use super::texture::Texture;
 
 /// A triangle that the host places, lit from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,14 +13,69 @@ pub struct Facet {
     pub corners: [[f32; 3]; 3],
     /// Normals of the corners, of any length.
     pub normals: [[f32; 3]; 3],
-    /// sRGB, 0 to 1.
-    pub color: [f32; 3],
+    /// Texture coordinates of the corners (v down).
+    pub uv: [[f32; 2]; 3],
+    /// Linear colours of the corners, which multiply the paint; red, green, blue and alpha.
+    pub colors: [[f32; 4]; 3],
+    /// Index of its paint; an index without a paint is drawn white.
+    pub paint: usize,
+}
+
+/// The colour of facets. A pixel is `color` times the texture times the colour of the corners.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paint {
+    /// Linear red, green, blue and alpha.
+    pub color: [f32; 4],
+    /// Sampled per pixel, bilinear, repeated in both directions. [`super::Software`] draws it; [`super::Draw`] does not.
+    pub texture: Option<Arc<Texture>>,
+    /// What alpha does; [`super::Draw`] draws all paints opaque.
+    pub alpha: Alpha,
+}
+
+/// What the alpha of a pixel does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Alpha {
+    /// Nothing.
+    Opaque,
+    /// Pixels with an alpha below this one are not drawn.
+    Mask(f32),
+    /// Alpha is the share of the samples that are drawn, by an ordered dither of 4 x 4 pixels with 4 samples each: no order of triangles is needed.
+    Blend,
+}
+
+impl Paint {
+    /// One opaque colour, sRGB, 0 to 1.
+    pub fn plain(color: [f32; 3]) -> Self {
+        let [r, g, b] = color.map(decoded);
+        Paint { color: [r, g, b, 1.0], texture: None, alpha: Alpha::Opaque }
+    }
+}
+
+impl Default for Paint {
+    fn default() -> Self {
+        Paint::plain([1.0; 3])
+    }
+}
+
+/// Parts of a scene that are left out of pictures, as a surface stands for them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Hidden {
+    /// Indices of colliders.
+    pub colliders: BTreeSet<usize>,
+    /// Indices of cloths.
+    pub cloths: BTreeSet<usize>,
 }
 
 /// Triangles as shaders/part/drawn_surface.wgsl reads them: position, normal and linear colour of each corner.
 #[cfg(feature = "gpu")]
-pub(super) fn rows(facets: &[Facet]) -> Vec<[[f32; 4]; 3]> {
+pub(super) fn rows(facets: &[Facet], paints: &[Paint]) -> Vec<[[f32; 4]; 3]> {
     let four = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
-    let row = |f: &Facet| [0, 1, 2].map(|c| [four(f.corners[c]), four(f.normals[c]), four(f.color.map(decoded))]);
+    let row = |f: &Facet| {
+        let paint = paints.get(f.paint).map_or([1.0; 4], |p| p.color);
+        [0, 1, 2].map(|c| {
+            let color = [0, 1, 2, 3].map(|k| paint[k] * f.colors[c][k]);
+            [four(f.corners[c]), four(f.normals[c]), color]
+        })
+    };
     facets.iter().flat_map(row).collect()
 }

@@ -17,7 +17,7 @@ pub(super) fn load(bundle: &Bundle) -> Result<Option<RenderMesh>> {
     let cloth = Cloth::new(bundle)?;
     let texels = cloth.positions.len();
     let (mut parts, mut uv, mut indices, mut rows) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut images: Vec<Vec<u8>> = Vec::new();
+    let (mut images, mut colors): (Vec<Vec<u8>>, Vec<[f32; 4]>) = Default::default();
     for primitive in file.primitives()? {
         let (first, count, from) = (rows.len(), primitive.positions.len(), indices.len());
         let material = file.material(primitive.material);
@@ -32,15 +32,24 @@ pub(super) fn load(bundle: &Bundle) -> Result<Option<RenderMesh>> {
         indices.extend(primitive.indices.iter().map(|&v| v + first as u32));
         uv.extend_from_slice(&primitive.uv);
         uv.resize(first + count, [0.0; 2]);
+        if !primitive.colors.is_empty() {
+            colors.resize(first, [1.0; 4]);
+            colors.extend_from_slice(&primitive.colors);
+        }
         parts.push(RenderPart {
             name: primitive.name,
             vertices: first..first + count,
             indices: from..indices.len(),
             material,
+            material_index: primitive.material,
             is_bound: primitive.coords.iter().any(|c| c[0] >= 0.0),
         });
     }
-    Ok(Some(RenderMesh { parts, uv, indices, images, rows: Arc::new(rows), texels }))
+    let image_names = (0..images.len()).map(|image| file.image_name(image)).collect();
+    if !colors.is_empty() {
+        colors.resize(rows.len(), [1.0; 4]);
+    }
+    Ok(Some(RenderMesh { parts, uv, colors, indices, images, image_names, rows: Arc::new(rows), texels }))
 }
 
 /// The texels of a bundle at rest.

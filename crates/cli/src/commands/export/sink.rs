@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use gimage::export::motion::{GltfMotion, MotionWriter, Part, UsdMotion, check as check_frame};
+use gimage::export::motion::{Dressing, GltfMotion, MotionWriter, Part, UsdMotion, check as check_frame};
 use gimage::export::obj;
 use gimage::reconstruct::Reconstruction;
 use gimage_bundle::dir::{StagedFiles, check_beside};
@@ -58,12 +58,18 @@ pub fn check(kind: Kind, output: &Path, force: bool) -> Result<(), Failure> {
 }
 
 impl Sink {
-    /// For the frames of a schedule.
-    pub fn new(kind: Kind, output: &Path, schedule: &Schedule) -> Result<Self, Failure> {
+    /// For the frames of a schedule; a .glb has the materials of `dressing`.
+    pub fn new(kind: Kind, output: &Path, schedule: &Schedule, dressing: Option<Dressing>) -> Result<Self, Failure> {
         let mut files = StagedFiles::beside(output)?;
         let stem = output.file_stem().unwrap_or_default().to_string_lossy();
         let writer: Option<Box<dyn MotionWriter>> = match kind {
-            Kind::Glb(shown) => Some(Box::new(GltfMotion::new(shown, schedule.kept()))),
+            Kind::Glb(shown) => {
+                let writer = GltfMotion::new(shown, schedule.kept());
+                Some(Box::new(match dressing {
+                    Some(dressing) => writer.dressed(dressing),
+                    None => writer,
+                }))
+            }
             Kind::Usd => Some(Box::new(UsdMotion::new(&stem, schedule.rate()))),
             Kind::Obj => None,
         };

@@ -1,10 +1,10 @@
-//! Who makes the pictures: the GPU where the cloth is, else the CPU.
+//! Who makes the pictures: the GPU where the cloth is, else the CPU, which also has textures, alpha and shadows.
 
-use gimage_runtime::draw::{Facet, Software, View};
+use gimage_runtime::draw::{SheetView, Software, View};
 use gimage_runtime::scene::file::SceneFile;
 
-use super::body::Body;
 use super::offscreen::Offscreen;
+use super::shown::Shown;
 use crate::commands::engine::Engine;
 use crate::exit::Failure;
 
@@ -14,7 +14,7 @@ const MOST: u64 = 8192 * 8192;
 /// One of the two.
 pub enum Painter {
     Gpu(Box<Offscreen>),
-    Cpu(Software),
+    Cpu(Box<Software>),
 }
 
 /// Refuses sizes that no painter takes, before anything is done.
@@ -27,9 +27,9 @@ pub fn check_size((width, height): (u32, u32)) -> Result<(), Failure> {
 }
 
 impl Painter {
-    /// The one that goes with the engine.
-    pub fn new(engine: &Engine, size: (u32, u32), file: &SceneFile) -> Result<Self, Failure> {
-        if let Some((device, queue)) = engine.gpu() {
+    /// The one that goes with the engine, or the one of the CPU.
+    pub fn new(engine: &Engine, size: (u32, u32), file: &SceneFile, on_cpu: bool) -> Result<Self, Failure> {
+        if let Some((device, queue)) = engine.gpu().filter(|_| !on_cpu) {
             let mut offscreen = Offscreen::new(device, queue, size)?;
             offscreen.draw.set_solid_look(file.solid_look.clone());
             file.looks.iter().enumerate().for_each(|(c, look)| offscreen.draw.set_look(c, look.clone()));
@@ -38,40 +38,60 @@ impl Painter {
         let mut software = Software::new(size.0, size.1, engine.stepper.options().threads)?;
         software.solid_look = file.solid_look.clone();
         file.looks.iter().enumerate().for_each(|(c, look)| software.set_look(c, look.clone()));
-        Ok(Painter::Cpu(software))
+        Ok(Painter::Cpu(Box::new(software)))
     }
 
-    /// Leaves a collider out of pictures.
-    pub fn hide_collider(&mut self, index: usize) {
+    /// Leaves out cloths and colliders that triangles stand for, and takes their paints.
+    pub fn wear(&mut self, shown: &Shown, engine: &Engine) {
+        let (hidden, scene) = (self.hidden(), engine.stepper.scene());
+        hidden.cloths.extend((0..scene.cloths.len()).filter(|cloth| shown.has_cloth(*cloth)));
+        let animated = engine.animated();
+        hidden.colliders.extend((0..scene.colliders.len()).filter(|index| shown.hides_collider(*index, animated)));
         match self {
-            Painter::Gpu(offscreen) => offscreen.draw.hide_collider(index, true),
-            Painter::Cpu(software) => software.hide_collider(index, true),
+            Painter::Gpu(offscreen) => offscreen.draw.set_paints(shown.paints.list()),
+            Painter::Cpu(software) => software.set_paints(shown.paints.list()),
         }
     }
 
-    /// Leaves out the cloths that a character wears in the colours of its file.
-    pub fn wear(&mut self, body: &Body, cloths: usize) {
-        for cloth in (0..cloths).filter(|cloth| body.wears(*cloth)) {
-            match self {
-                Painter::Gpu(offscreen) => offscreen.draw.hide_cloth(cloth, true),
-                Painter::Cpu(software) => software.hide_cloth(cloth, true),
+    fn hidden(&mut self) -> &mut gimage_runtime::draw::Hidden {
+        match self {
+            Painter::Gpu(offscreen) => &mut offscreen.draw.hidden,
+            Painter::Cpu(software) => &mut software.hidden,
+        }
+    }
+
+    /// A picture of the scene and these triangles, as rows of sRGB pixels from the top.
+    pub fn paint(
+        &mut self,
+        engine: &Engine,
+        shown: &mut Shown,
+        view: &View,
+        fraction: f32,
+    ) -> Result<Vec<[u8; 4]>, Failure> {
+        let facets = if shown.is_empty() { Vec::new() } else { shown.facets(engine, fraction)? };
+        match self {
+            Painter::Gpu(offscreen) => {
+                offscreen.draw.set_surface(&facets);
+                offscreen.paint(&engine.stepper, view, fraction)
             }
-        }
-    }
-
-    /// Draws these triangles beside the scene.
-    pub fn set_surface(&mut self, facets: Vec<Facet>) {
-        match self {
-            Painter::Gpu(offscreen) => offscreen.draw.set_surface(&facets),
-            Painter::Cpu(software) => software.set_surface(facets),
-        }
-    }
-
-    /// A picture as rows of sRGB pixels from the top.
-    pub fn paint(&mut self, engine: &Engine, view: &View, fraction: f32) -> Result<Vec<[u8; 4]>, Failure> {
-        match self {
-            Painter::Gpu(offscreen) => offscreen.paint(&engine.stepper, view, fraction),
-            Painter::Cpu(software) => Ok(software.picture(&engine.stepper, view, fraction)?),
+            Painter::Cpu(software) => {
+                software.set_surface(facets);
+                if engine.gpu().is_none() {
+                    return Ok(software.picture(&engine.stepper, view, fraction)?);
+                }
+                let read =
+                    |c: usize| Ok((engine.positions(c)?, engine.previous(c)?, engine.normals(c)?, engine.holes(c)?));
+                let count = engine.stepper.scene().cloths.len();
+                let lists = (0..count).map(read).collect::<Result<Vec<_>, Failure>>()?;
+                let sheets: Vec<_> = lists
+                    .iter()
+                    .map(|(now, before, normals, holes)| {
+                        let holes = Some(holes.as_slice()).filter(|holes| !holes.is_empty());
+                        SheetView { now, before, normals, holes }
+                    })
+                    .collect();
+                Ok(software.picture_of(&engine.stepper, &sheets, view, fraction)?)
+            }
         }
     }
 }

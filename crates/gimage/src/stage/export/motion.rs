@@ -30,6 +30,7 @@
 //!
 //! An OBJ file holds one frame: [`super::obj`] writes it.
 
+mod dressing;
 mod gltf;
 mod spans;
 mod usd;
@@ -37,6 +38,7 @@ mod usd_names;
 
 use std::ops::Range;
 
+pub use dressing::{Dressing, Worn};
 pub use gltf::{GltfMotion, MAX_TARGETS};
 pub use spans::Shown;
 pub use usd::UsdMotion;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use gimage_bundle::UvTransform;
 use serde_json::Value;
 
 use super::buffers::{data_uri, relative_path};
@@ -17,8 +18,16 @@ pub struct BaseColor {
     pub factor: [f64; 4],
     /// The texture: the bytes of a PNG, JPEG or other image file. None without one, and where it cannot be read.
     pub image: Option<Vec<u8>>,
+    /// The name of the texture's image, else its place in the file.
+    pub image_name: String,
     /// The set of texture coordinates.
     pub tex_coord: u32,
+    /// From those coordinates to the ones of the texture.
+    pub transform: UvTransform,
+    /// Alpha below which a pixel is not drawn, for the alpha mode `MASK`.
+    pub cutoff: Option<f32>,
+    /// Whether the alpha mode is `BLEND`.
+    pub blends: bool,
 }
 
 /// The base colours of all materials of a `.glb` or `.gltf` file, in its order; none of an OBJ file. O(bytes of the file and its images).
@@ -43,15 +52,30 @@ pub fn base_colors(path: &Path, options: &ImportOptions) -> Result<Vec<BaseColor
     let color = |(index, material): (usize, &Value)| {
         let pbr = &material["pbrMetallicRoughness"];
         let texture = &pbr["baseColorTexture"];
+        let moved = &texture["extensions"]["KHR_texture_transform"];
+        let mode = material["alphaMode"].as_str().unwrap_or("OPAQUE");
         let factor = [0, 1, 2, 3].map(|c| pbr["baseColorFactor"][c].as_f64().unwrap_or(1.0));
         BaseColor {
             material: material["name"].as_str().map_or(format!("material {index}"), String::from),
             factor,
             image: texture["index"].as_u64().and_then(|t| image(&root, t as usize, bin, &beside)),
-            tex_coord: texture["texCoord"].as_u64().unwrap_or(0) as u32,
+            image_name: image_name(&root, texture),
+            tex_coord: moved["texCoord"].as_u64().or(texture["texCoord"].as_u64()).unwrap_or(0) as u32,
+            transform: UvTransform::of(moved),
+            cutoff: (mode == "MASK").then(|| material["alphaCutoff"].as_f64().unwrap_or(0.5) as f32),
+            blends: mode == "BLEND",
         }
     };
     Ok(root["materials"].as_array().into_iter().flatten().enumerate().map(color).collect())
+}
+
+/// The name of the image of a texture, else its file, else its number; empty without one.
+fn image_name(root: &Value, texture: &Value) -> String {
+    let source = texture["index"].as_u64().and_then(|t| root["textures"][t as usize]["source"].as_u64());
+    let Some(index) = source else { return String::new() };
+    let image = &root["images"][index as usize];
+    let uri = image["uri"].as_str().filter(|uri| !uri.starts_with("data:"));
+    image["name"].as_str().filter(|name| !name.is_empty()).or(uri).map_or(format!("image {index}"), String::from)
 }
 
 /// The bytes of the image of a texture.

@@ -45,6 +45,7 @@ use std::path::Path;
 pub use character::Character;
 pub use color::{BaseColor, base_colors};
 pub(crate) use embed::embed;
+pub(crate) use glb::split as split_glb;
 pub use matrix::inverse;
 pub use origin::Origin;
 pub use place::Up;

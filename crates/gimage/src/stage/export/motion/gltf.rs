@@ -3,6 +3,7 @@
 use serde_json::json;
 
 use super::super::glb::too_large;
+use super::dressing::Dressing;
 use super::spans::{Contents, PieceOf, Shown, Span};
 use super::{MotionWriter, Part, Topology, check, no_frames};
 use crate::error::{Error, Result};
@@ -31,6 +32,7 @@ pub struct GltfMotion {
     pieces: Vec<PieceOf>,
     spans: Vec<Span>,
     file: Contents,
+    dressing: Option<Dressing>,
 }
 
 impl GltfMotion {
@@ -44,7 +46,13 @@ impl GltfMotion {
             pieces: Vec::new(),
             spans: Vec::new(),
             file: Contents::default(),
+            dressing: None,
         }
+    }
+
+    /// The same with the materials of a source in place of one of its own.
+    pub fn dressed(self, dressing: Dressing) -> Self {
+        GltfMotion { dressing: Some(dressing), ..self }
     }
 
     /// Refuses a motion that GLB has no room for, before it is there: as if no difference were 0.
@@ -61,6 +69,7 @@ impl GltfMotion {
         let vertices = self.pieces.iter().map(|piece| piece.vertices() as u64).sum::<u64>();
         let weights = if self.shown == Shown::Targets { frames.saturating_mul(4) } else { 0 };
         let bytes = frames.saturating_mul(24 * vertices + JSON_BYTES * pieces + weights);
+        let bytes = bytes.saturating_add(self.dressing.as_ref().map_or(0, Dressing::bytes));
         if bytes > u32::MAX.into() { Err(too_large(bytes)) } else { Ok(()) }
     }
 }
@@ -76,7 +85,7 @@ impl MotionWriter for GltfMotion {
         let changes = frame == 0 || !self.topology.is_of(surface);
         if changes {
             self.topology = Topology::of(surface);
-            self.pieces = PieceOf::all(surface, &mut self.file.chunk);
+            self.pieces = PieceOf::all(surface, self.dressing.as_ref(), &mut self.file.chunk);
             self.check_size()?;
         }
         match self.spans.last_mut() {
@@ -94,7 +103,7 @@ impl MotionWriter for GltfMotion {
     }
 
     fn finish(self: Box<Self>) -> Result<Vec<Part>> {
-        let GltfMotion { written, spans, mut file, .. } = *self;
+        let GltfMotion { written, spans, mut file, dressing, .. } = *self;
         if spans.is_empty() {
             return Err(no_frames());
         }
@@ -106,7 +115,12 @@ impl MotionWriter for GltfMotion {
         // glTF has no empty arrays: a surface without triangles is a file without a scene.
         if !file.meshes.is_empty() {
             let rough = json!({"baseColorFactor": COLOR, "metallicFactor": 0.0, "roughnessFactor": 0.9});
-            root["materials"] = json!([{"name": "cloth", "doubleSided": true, "pbrMetallicRoughness": rough}]);
+            match dressing {
+                Some(dressing) => dressing.place(&mut root, &mut file.chunk),
+                None => {
+                    root["materials"] = json!([{"name": "cloth", "doubleSided": true, "pbrMetallicRoughness": rough}]);
+                }
+            }
             root["scene"] = 0.into();
             root["scenes"] = json!([{"nodes": file.roots}]);
             root["nodes"] = file.nodes.into();

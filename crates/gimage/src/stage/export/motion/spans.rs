@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::super::glb::{BinaryChunk, Component, bounds};
 use super::super::split::Split;
+use super::dressing::Dressing;
 use crate::error::{Error, Result};
 use crate::stage::reconstruct::Reconstruction;
 
@@ -22,17 +23,21 @@ pub struct PieceOf {
     name: String,
     split: Split,
     uv: Option<usize>,
+    color: Option<usize>,
     indices: usize,
+    material: usize,
 }
 
 impl PieceOf {
     /// The pieces of a surface that have triangles.
-    pub fn all(surface: &Reconstruction, chunk: &mut BinaryChunk) -> Vec<Self> {
-        let there = surface.pieces.iter().filter(|piece| !piece.triangles.is_empty());
-        let of = there.map(|piece| {
+    pub fn all(surface: &Reconstruction, dressing: Option<&Dressing>, chunk: &mut BinaryChunk) -> Vec<Self> {
+        let there = surface.pieces.iter().enumerate().filter(|(_, piece)| !piece.triangles.is_empty());
+        let of = there.map(|(index, piece)| {
             let split = Split::new(surface, piece);
             let (uv, indices) = (split.push_uv(chunk), split.push_indices(chunk));
-            PieceOf { name: piece.name.clone(), split, uv, indices }
+            let color = dressing.and_then(|d| d.colors(&split.points)).map(|c| chunk.floats(&c, json!({})));
+            let material = dressing.map_or(0, |d| d.material(index));
+            PieceOf { name: piece.name.clone(), split, uv, color, indices, material }
         });
         of.collect()
     }
@@ -64,7 +69,10 @@ impl Span {
             if let Some(uv) = piece.uv {
                 attributes["TEXCOORD_0"] = uv.into();
             }
-            let primitive = json!({"attributes": attributes, "indices": piece.indices, "material": 0});
+            if let Some(color) = piece.color {
+                attributes["COLOR_0"] = color.into();
+            }
+            let primitive = json!({"attributes": attributes, "indices": piece.indices, "material": piece.material});
             json!({"name": piece.name, "primitives": [primitive]})
         };
         let meshes = pieces.iter().map(&mut mesh).collect();

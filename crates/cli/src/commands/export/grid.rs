@@ -10,10 +10,10 @@ use crate::exit::Failure;
 /// The vertex of a particle without one.
 const NONE: u32 = u32::MAX;
 /// The normal of a vertex whose triangles have none, as `gimage reconstruct` has it.
-const NO_NORMAL: [f32; 3] = [0.0, 0.0, 1.0];
+pub const NO_NORMAL: [f32; 3] = [0.0, 0.0, 1.0];
 
 /// The surface, and where its vertices come from.
-pub struct Source {
+pub struct GridSource {
     surface: Reconstruction,
     cloths: Vec<Welded>,
 }
@@ -32,13 +32,13 @@ struct Welded {
     holes: Vec<u32>,
 }
 
-impl Source {
+impl GridSource {
     /// The surface of the cloths at the start: a vertex for each point that has a triangle, so that cuts do not change vertices. Refuses
     /// cloths without triangles.
     pub fn new(stepper: &Stepper) -> Result<Self, Failure> {
         let mut count = 0;
         let cloths = stepper.scene().cloths.iter().map(|cloth| Welded::new(cloth, &mut count)).collect();
-        let mut source = Source { surface: Reconstruction::default(), cloths };
+        let mut source = GridSource { surface: Reconstruction::default(), cloths };
         source.gather();
         if source.surface.triangles.is_empty() {
             let name = &stepper.scene().name;
@@ -54,15 +54,9 @@ impl Source {
         self.cloths.iter().for_each(|welded| welded.gather(triangles, pieces));
     }
 
-    /// The names of pieces without triangles at the moment.
-    pub fn empty(&self) -> impl Iterator<Item = &str> {
-        self.surface.pieces.iter().filter(|piece| piece.triangles.is_empty()).map(|piece| piece.name.as_str())
-    }
-
-    /// Numbers of pieces with triangles, of vertices and of triangles.
-    pub fn counts(&self) -> [usize; 3] {
-        let pieces = self.surface.pieces.len() - self.empty().count();
-        [pieces, self.surface.positions.len(), self.surface.triangles.len()]
+    /// Triangles, pieces and the positions of the last frame.
+    pub fn surface(&self) -> &Reconstruction {
+        &self.surface
     }
 
     /// The surface as it is, at a fraction of the last step. Refuses positions that are not finite or too far away.
@@ -75,13 +69,7 @@ impl Source {
                 (welded.holes, is_cut) = (holes, true);
             }
             let (now, normals) = (engine.positions(index)?, engine.normals(index)?);
-            if let Some(particle) = now.iter().position(is_lost) {
-                let (name, time) = (welded.cloth.name(), engine.time());
-                return Err(Failure::refused(format!(
-                    "cloth '{name}': particle {particle} is not finite or farther than 1e8 m away at {time:.3} s; no file is written; use \
-                     more --substeps, or smaller forces, speeds and stiffnesses, or --solver xpbd, which contains overflows"
-                )));
-            }
+            refuse_lost(engine, index, &now)?;
             let before = if fraction < 1.0 { Some(engine.previous(index)?) } else { None };
             let at = |k: &u32| {
                 let k = *k as usize;
@@ -100,6 +88,16 @@ impl Source {
         }
         Ok(&self.surface)
     }
+}
+
+/// Refuses a cloth whose positions are not finite or too far away.
+pub fn refuse_lost(engine: &Engine, cloth: usize, now: &[[f32; 4]]) -> Result<(), Failure> {
+    let Some(particle) = now.iter().position(is_lost) else { return Ok(()) };
+    let (name, time) = (engine.stepper.scene().cloths[cloth].name(), engine.time());
+    Err(Failure::refused(format!(
+        "cloth '{name}': particle {particle} is not finite or farther than 1e8 m away at {time:.3} s; no file is written; use \
+         more --substeps, or smaller forces, speeds and stiffnesses, or --solver xpbd, which contains overflows"
+    )))
 }
 
 impl Welded {
