@@ -30,7 +30,7 @@ pub struct Shade<'a> {
     pub kind: Kind<'a>,
 }
 
-/// What is drawn.
+/// A drawable of some kind.
 pub enum Kind<'a> {
     /// A cloth or a collider.
     Plain,

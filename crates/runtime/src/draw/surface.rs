@@ -28,11 +28,11 @@ pub struct Paint {
     pub color: [f32; 4],
     /// Sampled per pixel, bilinear, repeated in both directions. [`super::Software`] draws it; [`super::Draw`] does not.
     pub texture: Option<Arc<Texture>>,
-    /// What alpha does; [`super::Draw`] draws all paints opaque.
+    /// The effect of alpha; [`super::Draw`] draws all paints opaque.
     pub alpha: Alpha,
 }
 
-/// What the alpha of a pixel does.
+/// The effect of a pixel's alpha.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alpha {
     /// Nothing.

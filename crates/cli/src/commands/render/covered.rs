@@ -15,7 +15,7 @@ pub const DEEP: f64 = 0.025;
 /// How near \[m\] a garment covers, and how far from its borders it hides the body.
 const NEAR: f64 = 0.05;
 const BORDER: f64 = 0.06;
-/// Points of a garment are that far apart \[m\] at most, and have at most so many in a triangle.
+/// Points of a garment are that far apart \[m\] at most, and a side of a triangle has at most `MAX_SPLITS`.
 const SPACING: f64 = 0.015;
 const MAX_SPLITS: usize = 64;
 
@@ -26,7 +26,7 @@ pub fn depths(mesh: &Mesh, is_cloth: impl Fn(u32) -> bool, normals: &[Point]) ->
     let worn: Vec<[u32; 3]> =
         mesh.triangles.iter().zip(&mesh.triangle_part).filter(|(_, part)| is_cloth(**part)).map(|(t, _)| *t).collect();
     let at = |v: u32| mesh.positions[v as usize];
-    // Vertices of one position are one: a seam of a texture is no border.
+    // Vertices of one position are one: a seam of a texture is not a border.
     let mut first: HashMap<[u64; 3], u32> = HashMap::new();
     let mut weld = |v: u32| *first.entry(at(v).map(f64::to_bits)).or_insert(v);
     let mut points = Cells::new(NEAR);

@@ -17,7 +17,7 @@ use crate::output::Output;
 /// Radius of a ground, and the least one, as shares of the height of a scene.
 const GROUND_RADIUS: f32 = 1.3;
 
-/// What the host of a picture places.
+/// An object that the host of a picture places.
 pub struct Shown<'a> {
     mesh: Option<SourceMesh>,
     /// The paint of each part of the mesh.
