@@ -37,8 +37,6 @@ pub struct Meeting<T: Real> {
     pub distance: T,
     /// Coefficient of friction.
     pub friction: T,
-    /// Mean distance \[m\] of neighbours.
-    pub spacing: f64,
     /// Whether partners have to be searched: the last search no longer holds.
     due: bool,
 }
@@ -47,8 +45,8 @@ impl<T: Real> Meeting<T> {
     /// That of a cloth with contact.
     pub fn of(cloth: &Cloth, sheets: &[Sheet<T>], thickness: f32) -> Option<Self> {
         let contact = cloth.contact.as_ref()?;
-        let (kin, tiles) = (Kin::of(cloth), Tiles::new(cloth, sheets));
-        let tiles = Tiles { out: tiles.outsiders(&kin), ..tiles };
+        let kin = Kin::of(cloth);
+        let tiles = Tiles::new(cloth, sheets, &kin);
         Some(Meeting {
             tree: Tree::new(&tiles),
             lists: Vec::new(),
@@ -60,7 +58,6 @@ impl<T: Real> Meeting<T> {
             shadow: None,
             distance: T::of(cloth.contact_distance(thickness).into()),
             friction: T::of(contact.friction.into()),
-            spacing: cloth.spacing().max(f32::MIN_POSITIVE).into(),
             due: true,
             tiles,
         })
