@@ -2,6 +2,8 @@
 
 pub mod others;
 pub mod shadow;
+#[cfg(test)]
+mod tests;
 pub mod tiles;
 
 use self::others::OtherList;
@@ -86,11 +88,13 @@ impl<T: Real> Meeting<T> {
         shadow
     }
 
-    /// Finds out which particles of other cloths it may meet in a frame; its own shadow is at `own`.
-    pub fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) {
-        others::run(self, shadows, own);
+    /// Finds out which particles of other cloths it may meet in a frame; its own shadow is at `own`. Returns the cloths that are asleep and
+    /// wake.
+    pub fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) -> Vec<usize> {
+        let struck = others::run(self, shadows, own);
         self.elapsed = T::of(0.0);
         self.find_active();
+        struck
     }
 
     /// Keeps the memory of its shadow.
