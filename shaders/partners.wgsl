@@ -1,5 +1,5 @@
-// For each particle the nearest others that it may meet before the next search, by index: MAX_PARTNERS pairs of an index, all ones for none,
-// and the distance to keep. One thread per particle goes down the boxes of all grids.
+// For each particle the nearest others that it may meet before the next search, the nearest first: MAX_PARTNERS pairs of an index, all ones
+// for none, and the distance to keep. One thread per particle goes down the boxes of all grids.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(67) var<storage, read> kin: array<u32>;
 @group(0) @binding(68) var<storage, read> homes: array<vec4<f32>>;
@@ -143,19 +143,6 @@ fn main(
     for (var g = 0u; g < arrayLength(&grids); g++) {
       search(own, g);
     }
-  }
-  // By index, so that the order of a sum does not depend on distances.
-  for (var n = 1u; n < count; n++) {
-    let other = who[n];
-    let least = keep[n];
-    var at = n;
-    while (at > 0u && who[at - 1u] > other) {
-      who[at] = who[at - 1u];
-      keep[at] = keep[at - 1u];
-      at -= 1u;
-    }
-    who[at] = other;
-    keep[at] = least;
   }
   for (var n = 0u; n < MAX_PARTNERS; n++) {
     let there = n < count;

@@ -159,3 +159,53 @@ fn wrong_settings_are_refused() {
         assert!(error.contains("contact"), "{error}");
     }
 }
+
+/// Two sheets above a table, one dropped on the other.
+fn stacked(heights: [f32; 2], n: u32) -> Scene {
+    let sheet = |height| {
+        let at = [-0.25, height, -0.25];
+        let flat = Flat { origin: at, right: [0.5, 0.0, 0.0], down: [0.0, 0.0, 0.5], ..Flat::square("sheet", n) };
+        let mut cloth = flat.cloth().unwrap();
+        cloth.damping = 4.0;
+        cloth
+    };
+    let table = Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) };
+    let mut stack = scene(sheet(heights[0]));
+    stack.cloths.push(sheet(heights[1]));
+    with_contact(Scene { colliders: vec![table], ..stack })
+}
+
+#[test]
+fn sleeping_cloth_wakes_where_fast_cloth_touches_it() {
+    let options = Options { sleep: Some(Sleep { speed: 0.1, after: 0.1 }), ..options() };
+    let mut rig = Rig::cpu(stacked([0.01, 0.6], 17), &options);
+    rig.frames(12);
+    assert!(rig.stepper.is_asleep(0), "it lies on the table");
+    let woke = (0..60).find(|_| {
+        rig.frames(1);
+        !rig.stepper.is_asleep(0)
+    });
+    let woke = woke.expect("the other sheet lands on it");
+    assert!(woke > 4, "only contact wakes it, not the cloth above it: {woke}");
+}
+
+#[test]
+fn a_state_saved_in_contact_continues_with_the_same_bits() {
+    for scene in [with_contact(folded(21, 0.03)), stacked([0.05, 0.1], 17)] {
+        for mut rig in Rig::both(&scene, &options()) {
+            let bits =
+                |rig: &Rig| (0..scene.cloths.len()).map(|c| (rig.positions(c), rig.previous(c))).collect::<Vec<_>>();
+            rig.frames(25);
+            let saved = rig.stepper.snapshot().unwrap();
+            rig.frames(31);
+            let there = bits(&rig);
+            rig.stepper.restore(&Snapshot::from_bytes(&saved.to_bytes()).unwrap()).unwrap();
+            rig.frames(31);
+            assert!(bits(&rig) == there, "{}", rig.name());
+            let mut other = rig.another(&scene);
+            other.stepper.restore(&saved).unwrap();
+            other.frames(31);
+            assert!(bits(&other) == there, "{}, in another stepper", rig.name());
+        }
+    }
+}

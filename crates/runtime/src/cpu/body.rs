@@ -181,15 +181,20 @@ impl<T: Real> Body<T> {
     }
 
     /// The shadow of cloth that has contact, for other cloths in a frame of `length` \[s\]; `rate` \[1/s\] is one over the length of the last
-    /// step, or 0 for cloth that is asleep.
-    pub(crate) fn shadow(&mut self, rate: T, length: T) -> Option<Shadow<T>> {
-        let dawn = Dawn { now: &self.now, before: &self.before, rate, length };
+    /// step, or 0 for cloth that is asleep, which contact at a speed above `wakes_at` \[m/s\] wakes.
+    pub(crate) fn shadow(&mut self, rate: T, length: T, wakes_at: T) -> Option<Shadow<T>> {
+        let dawn = Dawn { now: &self.now, before: &self.before, rate, length, wakes_at };
         self.fabric.as_mut()?.shadow(&dawn)
     }
 
-    /// Takes in the shadows of all cloths, its own at `own`.
-    pub(crate) fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) {
-        self.fabric.iter_mut().for_each(|fabric| fabric.meet(shadows, own));
+    /// Takes in the shadows of all cloths, its own at `own`. Returns the cloths that are asleep and wake.
+    pub(crate) fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) -> Vec<usize> {
+        self.fabric.as_mut().map_or(Vec::new(), |fabric| fabric.meet(shadows, own))
+    }
+
+    /// Searches contact afresh in the next step, as cloth does that a state was loaded into.
+    pub(crate) fn forget_contact(&mut self) {
+        self.fabric.iter_mut().for_each(|fabric| fabric.forget_contact());
     }
 
     /// Takes back its shadow.

@@ -174,7 +174,7 @@ impl<T: Real> Fabric<T> {
 
     /// Positions and inverse masses from texels.
     pub fn load(&mut self, now: &[[T; 4]], before: &[[T; 4]]) {
-        self.meeting.iter_mut().for_each(Meeting::forget);
+        self.forget_contact();
         for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
             let range = *first..first + sheet.width * sheet.height;
             sheet.load(&now[range.clone()], &before[range]);
@@ -284,9 +284,14 @@ impl<T: Real> Fabric<T> {
         self.meeting.as_mut().map(|meeting| meeting.shadow(dawn))
     }
 
-    /// Takes in the shadows of all cloths, its own at `own`.
-    pub fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) {
-        self.meeting.iter_mut().for_each(|meeting| meeting.meet(shadows, own));
+    /// Takes in the shadows of all cloths, its own at `own`. Returns the cloths that are asleep and wake.
+    pub fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) -> Vec<usize> {
+        self.meeting.as_mut().map_or(Vec::new(), |meeting| meeting.meet(shadows, own))
+    }
+
+    /// Searches contact afresh in the next step.
+    pub fn forget_contact(&mut self) {
+        self.meeting.iter_mut().for_each(Meeting::forget);
     }
 
     /// Takes back its shadow.

@@ -11,7 +11,8 @@ use crate::world::{Action, Kept};
 
 impl Stepper {
     /// The state of a cloth after all calls so far: pins, cuts and transforms that wait for the next frame are done first.
-    /// Saving does not change how the cloth moves on.
+    /// Saving does not change how the cloth moves on, but for [`crate::Cloth::contact`] on the CPU: the next step searches contact afresh, as the
+    /// cloth does that continues from the state. Which particles are found may differ where many are near or fast.
     ///
     /// On the CPU a copy. On the GPU it submits a copy and waits for everything submitted before: a game uses
     /// [`Stepper::record_state`] there. Submit what was recorded before the call. Errors if there is no such cloth, and if
@@ -102,6 +103,7 @@ impl Stepper {
         self.world.act(bodies, threads);
         let save = |cloth: &usize| {
             let head = self.world.head(*cloth);
+            bodies[*cloth].forget_contact();
             let words = bodies[*cloth].save(&head.layout);
             ClothState::new(head, words)
         };

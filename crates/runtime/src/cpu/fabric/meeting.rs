@@ -2,6 +2,8 @@
 
 pub mod others;
 pub mod shadow;
+#[cfg(test)]
+mod tests;
 pub mod tiles;
 
 use self::others::OtherList;
@@ -37,8 +39,6 @@ pub struct Meeting<T: Real> {
     pub distance: T,
     /// Coefficient of friction.
     pub friction: T,
-    /// Mean distance \[m\] of neighbours.
-    pub spacing: f64,
     /// Whether partners have to be searched: the last search no longer holds.
     due: bool,
 }
@@ -47,8 +47,8 @@ impl<T: Real> Meeting<T> {
     /// That of a cloth with contact.
     pub fn of(cloth: &Cloth, sheets: &[Sheet<T>], thickness: f32) -> Option<Self> {
         let contact = cloth.contact.as_ref()?;
-        let (kin, tiles) = (Kin::of(cloth), Tiles::new(cloth, sheets));
-        let tiles = Tiles { out: tiles.outsiders(&kin), ..tiles };
+        let kin = Kin::of(cloth);
+        let tiles = Tiles::new(cloth, sheets, &kin);
         Some(Meeting {
             tree: Tree::new(&tiles),
             lists: Vec::new(),
@@ -60,7 +60,6 @@ impl<T: Real> Meeting<T> {
             shadow: None,
             distance: T::of(cloth.contact_distance(thickness).into()),
             friction: T::of(contact.friction.into()),
-            spacing: cloth.spacing().max(f32::MIN_POSITIVE).into(),
             due: true,
             tiles,
         })
@@ -89,11 +88,13 @@ impl<T: Real> Meeting<T> {
         shadow
     }
 
-    /// Finds out which particles of other cloths it may meet in a frame; its own shadow is at `own`.
-    pub fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) {
-        others::run(self, shadows, own);
+    /// Finds out which particles of other cloths it may meet in a frame; its own shadow is at `own`. Returns the cloths that are asleep and
+    /// wake.
+    pub fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) -> Vec<usize> {
+        let struck = others::run(self, shadows, own);
         self.elapsed = T::of(0.0);
         self.find_active();
+        struck
     }
 
     /// Keeps the memory of its shadow.

@@ -1,12 +1,11 @@
 //! Twin of shaders/partners.wgsl: for each particle the nearest others that it may meet before the next search.
 //!
-//! Here pairs of tiles are found first, from the top of the tree down: a flat part of a sheet is left in one comparison. Then one vector of
-//! particles at a time is compared with each particle of the other tile.
+//! Here pairs of tiles are found first, from the top of the tree down. Then one vector of particles at a time is compared with each particle
+//! of the other tile.
 
 use super::meeting::Meeting;
-use super::meeting::tiles::{LANES_OF_TILE, Tiles};
-use super::tree::{Level, Tree, apart};
-use crate::cloth::SKIPPED_CELLS;
+use super::meeting::tiles::{Block, LANES_OF_TILE, Tiles};
+use super::tree::{Level, Node, Tree};
 use crate::cpu::rows::Threads;
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::{Real, dot, sub};
@@ -17,9 +16,8 @@ pub const MAX_PARTNERS: usize = 8;
 /// Share of their distance at rest that particles keep at least: cloth that is near itself at rest can be pressed a little.
 pub const REST_SHARE: f64 = 0.9;
 
-/// Cosine of the largest angle between normals of cloth that is taken for flat, where the contact distance is small beside
-/// [`SKIPPED_CELLS`].
-const FLAT_COSINE: f64 = 0.6;
+/// Farther \[m\] than anything.
+const FARTHEST: f64 = 1e15;
 
 /// The partners of the particles of a tile, and where these go.
 #[derive(Clone, Copy)]
@@ -28,10 +26,12 @@ pub struct TileList<T> {
     pub count: u32,
     /// Whether a particle of it is moved in this step.
     pub moves: bool,
-    /// Places of partners, one vector after the other; a particle without a partner has itself.
+    /// Places of partners, one vector after the other, the nearest first; a particle without a partner has itself.
     pub partner: [u32; LANES_OF_TILE * MAX_PARTNERS],
     /// Distances \[m\] that they keep, likewise; 0 without a partner.
     pub least: [T; LANES_OF_TILE * MAX_PARTNERS],
+    /// For each vector how much farther \[m\] than that all of its particles were from their partners in the search.
+    pub spare: [T; MAX_PARTNERS],
     /// How positions change, and previous ones: three vectors each.
     pub change: [[T; LANES_OF_TILE]; 6],
 }
@@ -39,7 +39,8 @@ pub struct TileList<T> {
 impl<T: Real> TileList<T> {
     fn none() -> Self {
         let (partner, least) = ([0; LANES_OF_TILE * MAX_PARTNERS], [T::of(0.0); LANES_OF_TILE * MAX_PARTNERS]);
-        TileList { count: 0, moves: false, partner, least, change: [[T::of(0.0); LANES_OF_TILE]; 6] }
+        let spare = [T::of(0.0); MAX_PARTNERS];
+        TileList { count: 0, moves: false, partner, least, spare, change: [[T::of(0.0); LANES_OF_TILE]; 6] }
     }
 }
 
@@ -87,8 +88,6 @@ impl Beside {
 /// Goes down the tree, from pair to pair.
 struct Pairs<'a, T: Real> {
     tree: &'a Tree<T>,
-    /// As [`FLAT_COSINE`]; above 1 nothing is flat.
-    cosine: T,
     found: Vec<[u32; 2]>,
 }
 
@@ -103,10 +102,7 @@ struct Cell {
 impl<T: Real> Pairs<'_, T> {
     /// Pairs of tiles whose boxes meet.
     fn of(meeting: &Meeting<T>) -> Vec<[u32; 2]> {
-        // Particles that are left out in flat cloth are farther away than the contact distance.
-        let share = meeting.distance.get() / ((SKIPPED_CELLS + 1) as f64 * meeting.spacing * 0.8);
-        let cosine = if share > 0.95 { 2.0 } else { share.max(FLAT_COSINE) };
-        let mut pairs = Pairs { tree: &meeting.tree, cosine: T::of(cosine), found: Vec::new() };
+        let mut pairs = Pairs { tree: &meeting.tree, found: Vec::new() };
         for (g, levels) in meeting.tree.sheets.iter().enumerate() {
             pairs.within(levels, top(levels));
             for others in &meeting.tree.sheets[g + 1..] {
@@ -118,12 +114,8 @@ impl<T: Real> Pairs<'_, T> {
 
     /// Pairs in one part of a sheet.
     fn within(&mut self, levels: &[Level], cell: Cell) {
-        let node = node(levels, cell);
-        if self.tree.nodes[node].is_flat(self.cosine) {
-            return;
-        }
         if cell.level == 0 {
-            self.found.push([node as u32; 2]);
+            self.found.push([node(levels, cell) as u32; 2]);
             return;
         }
         let cells = below(levels, cell);
@@ -136,9 +128,7 @@ impl<T: Real> Pairs<'_, T> {
     /// Pairs of two parts of a sheet on one level.
     fn beside(&mut self, levels: &[Level], a: Cell, b: Cell) {
         let (m, n) = (node(levels, a), node(levels, b));
-        let (one, other) = (&self.tree.nodes[m], &self.tree.nodes[n]);
-        let touch = a.column.abs_diff(b.column).max(a.row.abs_diff(b.row)) <= 1;
-        if !one.meets(other) || (touch && one.with(other).is_flat(self.cosine)) {
+        if !self.tree.nodes[m].meets(&self.tree.nodes[n]) {
             return;
         }
         if a.level == 0 {
@@ -206,6 +196,7 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
         let Search { lists, first, meeting: Meeting { tiles, tree, distance, .. }, beside, .. } = self;
+        let wide = *distance * T::of(0.5);
         for (n, list) in lists.iter_mut().enumerate() {
             let tile = first + n;
             let mut best = [Best::none(); LANES_OF_TILE];
@@ -214,19 +205,20 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
                 let reach = tree.reach[tile] + tree.reach[*other as usize];
                 let far = (*distance + reach) * (*distance + reach);
                 let far_all = k.splat(far);
-                for (lane, best) in best.iter_mut().enumerate() {
+                let close = tiles.close(tile, *other as usize);
+                let block = &tiles.blocks[*other as usize];
+                let inside = inside(k, &tiles.blocks[tile], &tree.nodes[*other as usize], wide + tree.reach[tile]);
+                for (lane, best) in best.iter_mut().enumerate().filter(|(lane, _)| inside[*lane] > T::of(0.0)) {
                     let place = tile * LANES_OF_TILE + lane;
-                    // A particle that cannot move needs no partner; gaps cannot.
-                    if tiles.w[place] <= T::of(0.0) {
-                        continue;
-                    }
-                    let own = k.splats(Tiles::at(&tiles.now, place));
+                    let own = k.splats(tiles.now(place));
                     for at in (0..LANES_OF_TILE).step_by(K::WIDE) {
-                        let x = k.load(&tiles.now[0], from + at);
-                        let y = k.load(&tiles.now[1], from + at);
-                        let z = k.load(&tiles.now[2], from + at);
-                        let apart = k.squares(k.minus([x, y, z], own));
-                        let apart = k.add(apart, k.load(&tiles.out, from + at));
+                        let [x, y, z] = &block.now;
+                        let there = [k.load(x, at), k.load(y, at), k.load(z, at)];
+                        let apart = k.squares(k.minus(there, own));
+                        let mut apart = k.add(apart, k.load(&tiles.out, from + at));
+                        if let Some(close) = close {
+                            apart = k.add(apart, k.load(&close[lane], at));
+                        }
                         if !k.any(k.above(far_all, apart)) {
                             continue;
                         }
@@ -240,9 +232,26 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
                     }
                 }
             }
-            write(list, &mut best, tile);
+            write(list, &best, tile);
         }
     }
+}
+
+/// For each particle of a tile its inverse mass, or 0 where it is farther than `wide` from a box. A particle that cannot move needs no
+/// partner; gaps cannot.
+#[inline(always)]
+fn inside<T: Real, K: Machine<T>>(k: K, block: &Block<T>, node: &Node<T>, wide: T) -> [T; LANES_OF_TILE] {
+    let (mut inside, wide) = (block.w, k.splat(wide));
+    for at in (0..LANES_OF_TILE).step_by(K::WIDE) {
+        for c in 0..3 {
+            let p = k.load(&block.now[c], at);
+            let (low, high) = (k.splat(node.low[c]), k.splat(node.high[c]));
+            let within = k.both(k.at_least(k.add(p, wide), low), k.at_least(high, k.sub(p, wide)));
+            let kept = k.choose(within, k.load(&inside, at), k.splat(T::of(0.0)));
+            k.store(&mut inside, at, kept);
+        }
+    }
+    inside
 }
 
 /// Partners of a particle so far, the nearest first; of those equally far the one with the lower place.
@@ -277,13 +286,9 @@ impl<T: Real> Best<T> {
     }
 }
 
-/// The distance that two particles keep; none if they are near on the surface.
+/// The distance that two particles keep; none if they are near on the surface, across a seam.
 fn kept<T: Real>(meeting: &Meeting<T>, place: usize, other: usize) -> Option<T> {
     let tiles = &meeting.tiles;
-    let sheet = |place: usize| tiles.spots[place / LANES_OF_TILE].sheet;
-    if sheet(place) == sheet(other) && apart(tiles, place, other) <= SKIPPED_CELLS {
-        return None;
-    }
     let kin = meeting.kin.of_particle(tiles.texel[place] as usize);
     if kin.binary_search(&tiles.texel[other]).is_ok() {
         return None;
@@ -292,16 +297,20 @@ fn kept<T: Real>(meeting: &Meeting<T>, place: usize, other: usize) -> Option<T> 
     Some(meeting.distance.min(dot(way, way).sqrt() * T::of(REST_SHARE)))
 }
 
-/// Partners by place, so that their order does not depend on distances.
-fn write<T: Real>(list: &mut TileList<T>, best: &mut [Best<T>; LANES_OF_TILE], tile: usize) {
+/// Partners in the order of their distances, so that the first ones of all particles are those that touch.
+fn write<T: Real>(list: &mut TileList<T>, best: &[Best<T>; LANES_OF_TILE], tile: usize) {
     let count = best.iter().map(|b| b.count).max().unwrap_or(0);
     (list.count, list.moves) = (count as u32, false);
-    for (lane, best) in best.iter_mut().enumerate() {
-        best.list[..best.count].sort_unstable_by_key(|p| p.1);
+    list.spare = [T::of(FARTHEST); MAX_PARTNERS];
+    for (lane, best) in best.iter().enumerate() {
         for n in 0..count {
-            let (_, place, least) = best.list[n];
+            let (apart2, place, least) = best.list[n];
             let own = (tile * LANES_OF_TILE + lane) as u32;
-            let (place, least) = if n < best.count { (place, least) } else { (own, T::of(0.0)) };
+            let there = n < best.count;
+            let (place, least) = if there { (place, least) } else { (own, T::of(0.0)) };
+            if there {
+                list.spare[n] = list.spare[n].min(apart2.sqrt() - least * T::of(1.0 + 1e-5));
+            }
             (list.partner[n * LANES_OF_TILE + lane], list.least[n * LANES_OF_TILE + lane]) = (place, least);
         }
     }

@@ -5,12 +5,12 @@
 
 use super::meeting::Meeting;
 use super::meeting::others::OtherList;
-use super::meeting::tiles::{LANES_OF_TILE, Tiles};
-use super::partners::TileList;
+use super::meeting::tiles::{Block, LANES_OF_TILE, Tiles};
+use super::partners::{MAX_PARTNERS, TileList};
+use super::tree::Tree;
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::Sheet;
-use crate::number::aligned::Aligned;
-use crate::number::lanes::{LANES, Machine, Work, widest};
+use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
 
 /// Share of what two particles are too near by which a step takes away: a particle may have several partners.
@@ -20,14 +20,15 @@ pub const MAX_PUSH: f64 = 0.25;
 
 /// Finds the pushes on all particles with partners.
 pub fn run<T: Real>(meeting: &mut Meeting<T>, sheets: &[Sheet<T>], threads: &Threads, dt: T) {
-    let Meeting { tiles, active, lists, distance, friction, others, other_of, elapsed, .. } = meeting;
-    active.iter().for_each(|tile| tiles.load(sheets, *tile as usize));
-    let tiles = &*tiles;
+    let Meeting { tiles, tree, active, lists, distance, friction, others, other_of, elapsed, .. } = meeting;
+    tiles.load(sheets, active);
+    tree.measure(tiles, active);
+    let (tiles, tree) = (&*tiles, &*tree);
     threads.chunks(lists, 16, |chunk, lists| {
         let others = |n: usize| others.get(*other_of.get(16 * chunk + n)? as usize);
         let others: Vec<_> = (0..lists.len()).map(others).collect();
         let [distance, friction, elapsed] = [*distance, *friction, *elapsed];
-        widest(Push { lists, first: 16 * chunk, tiles, others: &others, distance, friction, elapsed, dt });
+        widest(Push { lists, first: 16 * chunk, tiles, tree, others: &others, distance, friction, elapsed, dt });
     });
 }
 
@@ -35,6 +36,7 @@ struct Push<'a, 'b, T: Real> {
     lists: &'b mut [TileList<T>],
     first: usize,
     tiles: &'a Tiles<T>,
+    tree: &'a Tree<T>,
     /// One a list.
     others: &'a [Option<&'a OtherList<T>>],
     distance: T,
@@ -44,20 +46,20 @@ struct Push<'a, 'b, T: Real> {
     dt: T,
 }
 
-/// Numbers of some places.
-#[inline(always)]
-fn gather<T: Real, K: Machine<T>>(k: K, list: &[T], places: &[u32]) -> K::V {
-    let mut each = [T::of(0.0); LANES];
-    for (each, place) in each.iter_mut().zip(places) {
-        *each = list[*place as usize];
-    }
-    k.load(&each, 0)
-}
+/// Vectors of some places, one coordinate after the other.
+type Gathered<T> = [[T; LANES_OF_TILE]; 3];
 
-/// Vectors of some places.
+/// Positions of partners. They are gathered for all partners of a tile before they are read: a processor waits where a vector is read
+/// that single numbers have just been written to.
 #[inline(always)]
-fn gather3<T: Real, K: Machine<T>>(k: K, [x, y, z]: &[Aligned<T>; 3], places: &[u32]) -> [K::V; 3] {
-    [gather(k, x, places), gather(k, y, places), gather(k, z, places)]
+fn gather<T: Real, const WAS: bool>(blocks: &[Block<T>], places: &[u32], to: &mut Gathered<T>) {
+    for (lane, place) in places[..LANES_OF_TILE].iter().enumerate() {
+        let (block, from) = (&blocks[*place as usize / LANES_OF_TILE], *place as usize % LANES_OF_TILE);
+        let list = if WAS { &block.was } else { &block.now };
+        to[0][lane] = list[0][from];
+        to[1][lane] = list[1][from];
+        to[2][lane] = list[2][from];
+    }
 }
 
 /// The sum of what pairs ask of a vector of particles.
@@ -142,63 +144,81 @@ fn row<T: Real, K: Machine<T>>(k: K, list: &[[T; LANES_OF_TILE]; 3], at: usize) 
 
 impl<T: Real> Work<T> for Push<'_, '_, T> {
     #[inline(always)]
-    fn run<K: Machine<T>>(self, k: K) {
-        let Push { lists, first, tiles, others, distance, friction, elapsed, dt } = self;
+    fn run<K: Machine<T>>(mut self, k: K) {
+        let zeros = [T::of(0.0); LANES_OF_TILE];
+        let mut there = [[zeros; 3]; MAX_PARTNERS];
+        for n in 0..self.lists.len() {
+            self.lists[n].moves = false;
+            if self.lists[n].count > 0 || self.others[n].is_some() {
+                self.tile(k, n, &mut there);
+            }
+        }
+    }
+}
+
+impl<T: Real> Push<'_, '_, T> {
+    /// The pushes on the particles of one tile.
+    #[inline(always)]
+    fn tile<K: Machine<T>>(&mut self, k: K, n: usize, there: &mut [Gathered<T>; MAX_PARTNERS]) {
         let (zero, tiny) = (k.splat(T::of(0.0)), k.splat(T::of(1e-12)));
-        let (friction, elapsed, dt) = (k.splat(friction), k.splat(elapsed), k.splat(dt));
-        let longest = k.splat(distance * T::of(MAX_PUSH));
-        for (n, list) in lists.iter_mut().enumerate() {
-            list.moves = false;
-            let other = others[n];
-            let none = list.count == 0 && other.is_none();
-            for at in (0..LANES_OF_TILE).step_by(if none { LANES_OF_TILE } else { K::WIDE }) {
-                if none {
-                    break;
+        let (friction, elapsed, dt) = (k.splat(self.friction), k.splat(self.elapsed), k.splat(self.dt));
+        let (list, blocks, other) = (&mut self.lists[n], &self.tiles.blocks, self.others[n]);
+        let Some(own_block) = blocks.get(self.first + n) else { return };
+        let count = (list.count as usize).min(MAX_PARTNERS);
+        // Vectors of particles whose partners are all out of reach still.
+        let moved = self.tree.moved(self.first + n);
+        let count = list.spare[..count].iter().rposition(|spare| *spare <= moved).map_or(0, |last| last + 1);
+        for (slot, there) in there[..count].iter_mut().enumerate() {
+            gather::<T, false>(blocks, &list.partner[slot * LANES_OF_TILE..], there);
+        }
+        for at in (0..LANES_OF_TILE).step_by(K::WIDE) {
+            let (now, was) = (row(k, &own_block.now, at), row(k, &own_block.was, at));
+            let (w, step) = (k.load(&own_block.w, at), k.minus(now, was));
+            let (mut sum, mut moves) = (Sum::new(zero), false);
+            for (slot, there) in there[..count].iter().enumerate() {
+                let from = slot * LANES_OF_TILE;
+                let there = row(k, there, at);
+                let way = k.minus(now, there);
+                let (least, far2) = (k.load(&list.least, from + at), k.squares(way));
+                let near = k.both(k.above(k.mul(least, least), far2), k.above(far2, tiny));
+                if !k.any(near) {
+                    continue;
                 }
-                let place = (first + n) * LANES_OF_TILE + at;
-                let now = [k.load(&tiles.now[0], place), k.load(&tiles.now[1], place), k.load(&tiles.now[2], place)];
-                let was = [k.load(&tiles.was[0], place), k.load(&tiles.was[1], place), k.load(&tiles.was[2], place)];
-                let (w, step) = (k.load(&tiles.w, place), k.minus(now, was));
-                let (mut sum, mut moves) = (Sum::new(zero), false);
-                for slot in 0..list.count as usize {
-                    let from = slot * LANES_OF_TILE + at;
-                    let partners = &list.partner[from..from + K::WIDE];
-                    let there = gather3(k, &tiles.now, partners);
-                    let way = k.minus(now, there);
-                    let (least, far2) = (k.load(&list.least, from), k.squares(way));
+                moves = true;
+                let (mut was, mut weights) = ([[T::of(0.0); LANES_OF_TILE]; 3], [T::of(0.0); LANES_OF_TILE]);
+                gather::<T, true>(blocks, &list.partner[from..], &mut was);
+                for (lane, place) in list.partner[from..from + LANES_OF_TILE].iter().enumerate() {
+                    let (block, from) = (&blocks[*place as usize / LANES_OF_TILE], *place as usize % LANES_OF_TILE);
+                    weights[lane] = block.w[from];
+                }
+                let own = k.div(w, k.most(k.add(w, k.load(&weights, at)), tiny));
+                let slide = k.minus(step, k.minus(there, row(k, &was, at)));
+                sum.add(k, near, Pair { way, far2, slide, least, own, own_stop: own, friction });
+            }
+            if let Some(other) = other {
+                for slot in 0..other.count {
+                    let gone = k.times(row(k, &other.velocity[slot], at), elapsed);
+                    let way = k.minus(now, k.plus(row(k, &other.at[slot], at), gone));
+                    let (least, far2) = (k.load(&other.least[slot], at), k.squares(way));
                     let near = k.both(k.above(k.mul(least, least), far2), k.above(far2, tiny));
                     if !k.any(near) {
                         continue;
                     }
                     moves = true;
-                    let own = k.div(w, k.most(k.add(w, gather(k, &tiles.w, partners)), tiny));
-                    let slide = k.minus(step, k.minus(there, gather3(k, &tiles.was, partners)));
-                    sum.add(k, near, Pair { way, far2, slide, least, own, own_stop: own, friction });
+                    let own = k.div(w, k.most(k.add(w, k.load(&other.w[slot], at)), tiny));
+                    // The other cloth ends its part of the approach in its own steps.
+                    let slide = k.minus(step, k.times(row(k, &other.mean[slot], at), dt));
+                    let own_stop = k.choose(k.above(w, zero), k.splat(T::of(1.0)), zero);
+                    let friction = k.load(&other.friction[slot], at);
+                    sum.add(k, near, Pair { way, far2, slide, least, own, own_stop, friction });
                 }
-                if let Some(other) = other {
-                    for slot in 0..other.count {
-                        let gone = k.times(row(k, &other.velocity[slot], at), elapsed);
-                        let way = k.minus(now, k.plus(row(k, &other.at[slot], at), gone));
-                        let (least, far2) = (k.load(&other.least[slot], at), k.squares(way));
-                        let near = k.both(k.above(k.mul(least, least), far2), k.above(far2, tiny));
-                        if !k.any(near) {
-                            continue;
-                        }
-                        moves = true;
-                        let own = k.div(w, k.most(k.add(w, k.load(&other.w[slot], at)), tiny));
-                        // The other cloth ends its part of the approach in its own steps.
-                        let slide = k.minus(step, k.times(row(k, &other.mean[slot], at), dt));
-                        let own_stop = k.choose(k.above(w, zero), k.splat(T::of(1.0)), zero);
-                        let friction = k.load(&other.friction[slot], at);
-                        sum.add(k, near, Pair { way, far2, slide, least, own, own_stop, friction });
-                    }
-                }
-                list.moves |= moves;
-                let [now, was] = sum.changes(k, longest);
-                for c in 0..3 {
-                    k.store(&mut list.change[c], at, now[c]);
-                    k.store(&mut list.change[3 + c], at, was[c]);
-                }
+            }
+            list.moves |= moves;
+            let [now, was] =
+                if moves { sum.changes(k, k.splat(self.distance * T::of(MAX_PUSH))) } else { [[zero; 3]; 2] };
+            for c in 0..3 {
+                k.store(&mut list.change[c], at, now[c]);
+                k.store(&mut list.change[3 + c], at, was[c]);
             }
         }
     }

@@ -2,21 +2,18 @@
 //!
 //! They are the minima and maxima of the mip chain of the position image: refitted without a sort.
 
-use super::meeting::tiles::{LANES_OF_TILE, SIDE, Tiles, corner};
+use super::meeting::tiles::{LANES_OF_TILE, Tiles};
 use crate::memory::Tally;
-use crate::number::aligned::Aligned;
+use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::{Real, V3, dot, sub};
 use crate::passes::SEARCH_STEPS;
 
-/// Bounds of particles, and of normals.
+/// Bounds of particles.
 #[derive(Clone, Copy, Debug)]
 pub struct Node<T> {
     /// \[m\], with half the distance and the reach of each particle.
     pub low: V3<T>,
     pub high: V3<T>,
-    /// Of unit normals.
-    pub turn_low: V3<T>,
-    pub turn_high: V3<T>,
 }
 
 /// The boxes of one sheet on one level.
@@ -34,15 +31,18 @@ pub struct Tree<T: Real> {
     pub sheets: Vec<Vec<Level>>,
     /// How far \[m\] particles of a tile may move until the next search.
     pub reach: Vec<T>,
+    /// How far \[m\] particles of a tile have moved since the last search, at most, and the largest of all tiles.
+    way: Vec<T>,
+    longest: T,
     /// Where particles were at the last search.
-    pub at: [Aligned<T>; 3],
+    pub at: Vec<[[T; LANES_OF_TILE]; 3]>,
 }
 
 impl<T: Real> Node<T> {
     /// Around nothing.
     pub fn none() -> Self {
         let far = T::of(f64::from(f32::MAX));
-        Node { low: [far; 3], high: [-far; 3], turn_low: [far; 3], turn_high: [-far; 3] }
+        Node { low: [far; 3], high: [-far; 3] }
     }
 
     /// Around both.
@@ -50,31 +50,13 @@ impl<T: Real> Node<T> {
     pub fn with(&self, other: &Self) -> Self {
         let least = |a: V3<T>, b: V3<T>| [a[0].min(b[0]), a[1].min(b[1]), a[2].min(b[2])];
         let most = |a: V3<T>, b: V3<T>| [a[0].max(b[0]), a[1].max(b[1]), a[2].max(b[2])];
-        Node {
-            low: least(self.low, other.low),
-            high: most(self.high, other.high),
-            turn_low: least(self.turn_low, other.turn_low),
-            turn_high: most(self.turn_high, other.turn_high),
-        }
+        Node { low: least(self.low, other.low), high: most(self.high, other.high) }
     }
 
     /// Whether particles of both may meet.
     #[inline(always)]
     pub fn meets(&self, other: &Self) -> bool {
         (0..3).all(|c| self.low[c] <= other.high[c] && other.low[c] <= self.high[c])
-    }
-
-    /// Whether all normals are within the angle from the middle of their box whose cosine is given.
-    #[inline(always)]
-    pub fn is_flat(&self, cosine: T) -> bool {
-        let (mut square, mut spread) = (T::of(0.0), T::of(0.0));
-        for c in 0..3 {
-            let middle = (self.turn_low[c] + self.turn_high[c]) * T::of(0.5);
-            let half = (self.turn_high[c] - self.turn_low[c]) * T::of(0.5);
-            square = square + middle * middle;
-            spread = spread + middle.abs() * half;
-        }
-        square - spread >= cosine * square.sqrt() && square > T::of(0.0)
     }
 }
 
@@ -92,15 +74,34 @@ impl<T: Real> Tree<T> {
             }
             sheets.push(levels);
         }
-        let at = std::array::from_fn(|_| Aligned::zeros(tiles.texel.len()));
-        Tree { nodes: vec![Node::none(); end], sheets, reach: vec![T::of(-1.0); tiles.count()], at }
+        let at = vec![[[T::of(0.0); LANES_OF_TILE]; 3]; tiles.count()];
+        Tree {
+            nodes: vec![Node::none(); end],
+            sheets,
+            reach: vec![T::of(-1.0); tiles.count()],
+            way: vec![T::of(0.0); tiles.count()],
+            longest: T::of(0.0),
+            at,
+        }
     }
 
     /// Numbers that it takes.
     pub fn tally(&self, tally: &mut Tally) {
         tally.state(&self.nodes);
         tally.state(&self.reach);
-        self.at.iter().for_each(|list| tally.state(list));
+        tally.state(&self.way);
+        tally.state(&self.at);
+    }
+
+    /// Finds how far the particles of some tiles, which are all that touch others or are touched, have moved since the last search.
+    pub fn measure(&mut self, tiles: &Tiles<T>, active: &[u32]) {
+        widest(Measure { tree: self, tiles, active });
+    }
+
+    /// By how much \[m\] a particle of a tile can have come nearer to another since the last search, at most; with room for rounding.
+    #[inline(always)]
+    pub fn moved(&self, tile: usize) -> T {
+        (self.way[tile] + self.longest) * T::of(1.001)
     }
 
     /// Whether no particle leaves its reach in the next [`SEARCH_STEPS`] steps, if it goes on as in the last one.
@@ -108,12 +109,41 @@ impl<T: Real> Tree<T> {
         (0..tiles.count()).all(|tile| {
             let (mut far, mut ahead) = (T::of(0.0), T::of(0.0));
             for place in tile * LANES_OF_TILE..(tile + 1) * LANES_OF_TILE {
-                let p = Tiles::at(&tiles.now, place);
-                let (way, step) = (sub(p, Tiles::at(&self.at, place)), sub(p, Tiles::at(&tiles.was, place)));
+                let (p, lane) = (tiles.now(place), place % LANES_OF_TILE);
+                let (way, step) = (sub(p, self.at[tile].map(|list| list[lane])), sub(p, tiles.was(place)));
                 (far, ahead) = (far.max(dot(way, way)), ahead.max(dot(step, step)));
             }
             far.sqrt() + ahead.sqrt() * T::of(SEARCH_STEPS.into()) <= self.reach[tile]
         })
+    }
+}
+
+struct Measure<'a, T: Real> {
+    tree: &'a mut Tree<T>,
+    tiles: &'a Tiles<T>,
+    active: &'a [u32],
+}
+
+impl<T: Real> Work<T> for Measure<'_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let Measure { tree, tiles, active } = self;
+        let mut longest = T::of(0.0);
+        for tile in active {
+            let (at, now) = (&tree.at[*tile as usize], &tiles.blocks[*tile as usize].now);
+            let mut far = k.splat(T::of(0.0));
+            for n in (0..LANES_OF_TILE).step_by(K::WIDE) {
+                let there = [k.load(&now[0], n), k.load(&now[1], n), k.load(&now[2], n)];
+                let way = k.minus(there, [k.load(&at[0], n), k.load(&at[1], n), k.load(&at[2], n)]);
+                far = k.most(far, k.squares(way));
+            }
+            let mut each = [T::of(0.0); LANES];
+            k.store(&mut each, 0, far);
+            let far = each[..K::WIDE].iter().fold(T::of(0.0), |a, b| a.max(*b)).sqrt();
+            tree.way[*tile as usize] = far;
+            longest = longest.max(far);
+        }
+        tree.longest = longest;
     }
 }
 
@@ -134,15 +164,4 @@ pub fn run<T: Real>(tree: &mut Tree<T>) {
             }
         }
     }
-}
-
-/// Cells between two places of a sheet, the larger of columns and rows.
-#[inline(always)]
-pub fn apart<T: Real>(tiles: &Tiles<T>, a: usize, b: usize) -> usize {
-    let place = |n: usize| {
-        let (spot, [i, j]) = (tiles.spots[n / LANES_OF_TILE], corner(n % LANES_OF_TILE));
-        [spot.column as usize * SIDE + i, spot.row as usize * SIDE + j]
-    };
-    let (a, b) = (place(a), place(b));
-    a[0].abs_diff(b[0]).max(a[1].abs_diff(b[1]))
 }

@@ -39,12 +39,14 @@ pub struct OtherList<T> {
     pub friction: [[T; LANES_OF_TILE]; MAX_OTHERS],
 }
 
-/// Searches the shadows of other cloths for what the particles of a cloth, whose own shadow is at `own`, may meet.
-pub fn run<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own: usize) {
+/// Searches the shadows of other cloths for what the particles of a cloth, whose own shadow is at `own`, may meet. Returns the cloths that
+/// are asleep and wake.
+pub fn run<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own: usize) -> Vec<usize> {
     meeting.others.clear();
     meeting.other_of.clear();
     meeting.other_of.resize(meeting.tiles.count(), u32::MAX);
-    let Some(Some(shadow)) = shadows.get(own) else { return };
+    let Some(Some(shadow)) = shadows.get(own) else { return Vec::new() };
+    let mut struck = vec![false; shadows.len()];
     let mut pairs: Vec<[u32; 3]> = Vec::new();
     for (n, other) in shadows.iter().enumerate().filter(|(n, _)| *n != own) {
         let Some(other) = other else { continue };
@@ -56,7 +58,8 @@ pub fn run<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own
         let mut best = [(0, [None; MAX_OTHERS]); LANES_OF_TILE];
         for [_, n, b] in pairs {
             if let Some(other) = &shadows[*n as usize] {
-                widest(Search { best: &mut best, shadow, tile, other, from: *b as usize * LANES_OF_TILE });
+                let (from, struck) = (*b as usize * LANES_OF_TILE, &mut struck[*n as usize]);
+                widest(Search { best: &mut best, struck, shadow, tile, other, from });
             }
         }
         if let Some(list) = listed(&best) {
@@ -64,6 +67,7 @@ pub fn run<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own
             meeting.others.push(list);
         }
     }
+    (0..struck.len()).filter(|n| struck[*n]).collect()
 }
 
 type Best<T> = [(usize, [Option<Other<T>>; MAX_OTHERS]); LANES_OF_TILE];
@@ -101,6 +105,8 @@ fn listed<T: Real>(best: &Best<T>) -> Option<OtherList<T>> {
 /// The comparison of two tiles.
 struct Search<'a, 'b, T: Real> {
     best: &'b mut Best<T>,
+    /// Whether the other cloth, which is asleep, is woken.
+    struck: &'b mut bool,
     shadow: &'a Shadow<T>,
     tile: usize,
     other: &'a Shadow<T>,
@@ -110,7 +116,7 @@ struct Search<'a, 'b, T: Real> {
 impl<T: Real> Work<T> for Search<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        let Search { best, shadow, tile, other, from } = self;
+        let Search { best, struck, shadow, tile, other, from } = self;
         let zero = k.splat(T::of(0.0));
         let (length, tiny) = (k.splat(shadow.length), k.splat(T::of(1e-20)));
         let reach = (shadow.distance + other.distance) * T::of(0.75);
@@ -139,12 +145,25 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
                 k.store(&mut each, 0, near);
                 for (n, near) in each[..K::WIDE].iter().enumerate() {
                     if *near < far {
+                        *struck |= wakes((shadow, mine), (other, place + n), *near);
                         take(best, (shadow, mine), (other, place + n), *near);
                     }
                 }
             }
         }
     }
+}
+
+/// The distance \[m\] that two particles keep.
+fn least<T: Real>((shadow, place): (&Shadow<T>, usize), (other, from): (&Shadow<T>, usize)) -> T {
+    let way = sub(Tiles::at(&other.rest, from), Tiles::at(&shadow.rest, place));
+    ((shadow.distance + other.distance) * T::of(0.5)).min(dot(way, way).sqrt() * T::of(REST_SHARE))
+}
+
+/// Whether a particle touches cloth that is asleep, and moves so fast that this wakes.
+fn wakes<T: Real>(own: (&Shadow<T>, usize), (other, from): (&Shadow<T>, usize), near: T) -> bool {
+    let (velocity, least) = (own.0.velocity_at(own.1), least(own, (other, from)));
+    dot(velocity, velocity) > other.wakes_at * other.wakes_at && near < least * least
 }
 
 /// Takes in a particle if it is among the nearest; of those equally near the one that comes first.
@@ -156,8 +175,6 @@ fn take<T: Real>(
 ) {
     let later = |o: &Option<Other<T>>| o.is_none_or(|o| o.near > near);
     let Some(at) = best.iter().position(later) else { return };
-    let way = sub(Tiles::at(&other.rest, from), Tiles::at(&shadow.rest, place));
-    let distance = (shadow.distance + other.distance) * T::of(0.5);
     let (own, velocity) = (shadow.velocity_at(place), other.velocity_at(from));
     let (w, w_other) = (shadow.w[place], other.w[from]);
     let mean = scale(add(scale(own, w_other), scale(velocity, w)), T::of(1.0) / (w + w_other));
@@ -167,7 +184,7 @@ fn take<T: Real>(
         at: Tiles::at(&other.now, from),
         velocity,
         mean,
-        least: distance.min(dot(way, way).sqrt() * T::of(REST_SHARE)),
+        least: least((shadow, place), (other, from)),
         w: w_other,
         friction: (shadow.friction + other.friction) * T::of(0.5),
     });

@@ -23,6 +23,8 @@ pub struct Shadow<T: Real> {
     pub friction: T,
     /// Length of the frame \[s\].
     pub length: T,
+    /// Of cloth that is asleep: the speed \[m/s\] above which particles that come into contact wake it. Infinite for all others.
+    pub wakes_at: T,
 }
 
 /// The beginning of a frame of a cloth.
@@ -34,6 +36,8 @@ pub struct Dawn<'a, T> {
     pub rate: T,
     /// Length of the frame \[s\].
     pub length: T,
+    /// As [`Shadow::wakes_at`].
+    pub wakes_at: T,
 }
 
 impl<T: Real> Shadow<T> {
@@ -50,12 +54,13 @@ impl<T: Real> Shadow<T> {
             distance,
             friction,
             length: T::of(0.0),
+            wakes_at: T::of(f64::INFINITY),
         }
     }
 
     /// Takes in where particles are, and makes boxes around all that they pass in the frame.
     pub fn follow(&mut self, tiles: &Tiles<T>, dawn: &Dawn<T>) {
-        self.length = dawn.length;
+        (self.length, self.wakes_at) = (dawn.length, dawn.wakes_at);
         let wide = self.distance * T::of(0.5 + SLACK);
         for tile in 0..tiles.count() {
             let mut node = Node::<T>::none();

@@ -2,7 +2,7 @@
 //!
 //! A tile has one vector of numbers per coordinate. Its order follows the sheets: per row two even columns, then two odd ones.
 
-use crate::cloth::{Cloth, Kin};
+use crate::cloth::{Cloth, Kin, SKIPPED_CELLS};
 use crate::cpu::sheet::Sheet;
 use crate::memory::Tally;
 use crate::number::aligned::Aligned;
@@ -31,22 +31,35 @@ pub struct Spot {
     pub row: u32,
 }
 
+/// The particles of a tile, as they were loaded last.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub struct Block<T> {
+    /// Positions, and previous ones.
+    pub now: [[T; LANES_OF_TILE]; 3],
+    pub was: [[T; LANES_OF_TILE]; 3],
+    /// Inverse masses; 0 for texels without a particle.
+    pub w: [T; LANES_OF_TILE],
+}
+
 /// All tiles of a cloth. Lists have a place for each of [`LANES_OF_TILE`] particles of each tile.
 pub struct Tiles<T: Real> {
     pub grids: Vec<TileGrid>,
     pub spots: Vec<Spot>,
-    /// Positions, and previous ones, as they were loaded last.
-    pub now: [Aligned<T>; 3],
-    pub was: [Aligned<T>; 3],
-    /// Inverse masses; 0 for texels without a particle.
-    pub w: Aligned<T>,
+    /// One a tile.
+    pub blocks: Vec<Block<T>>,
     /// Positions at rest.
     pub rest: [Aligned<T>; 3],
     /// The particle of each place, `u32::MAX` for none.
     pub texel: Vec<u32>,
-    /// 0 for particles that others meet, else more than any distance squared.
+    /// 0 for particles that others meet, else [`FAR`].
     pub out: Aligned<T>,
+    /// For each direction to a neighbouring tile, or to itself, and each particle, those of the other: [`FAR`] where they are close.
+    close: Vec<[[T; LANES_OF_TILE]; LANES_OF_TILE]>,
 }
+
+/// More than any distance squared.
+const FAR: f64 = 1e30;
 
 /// The place of a column and a row in a tile.
 #[inline(always)]
@@ -62,7 +75,7 @@ pub fn corner(lane: usize) -> [usize; 2] {
 
 impl<T: Real> Tiles<T> {
     /// Those of a cloth; [`Tiles::load`] fills in where particles are.
-    pub fn new(cloth: &Cloth, sheets: &[Sheet<T>]) -> Self {
+    pub fn new(cloth: &Cloth, sheets: &[Sheet<T>], kin: &Kin) -> Self {
         let (mut grids, mut spots) = (Vec::new(), Vec::new());
         for (g, sheet) in sheets.iter().enumerate() {
             let (columns, rows) = (sheet.width.div_ceil(SIDE), sheet.height.div_ceil(SIDE));
@@ -83,19 +96,23 @@ impl<T: Real> Tiles<T> {
                 }
             }
         }
-        let list = || std::array::from_fn(|_| Aligned::zeros(places));
-        let (now, was, w, out) = (list(), list(), Aligned::zeros(places), Aligned::zeros(places));
-        Tiles { grids, spots, now, was, w, rest, texel, out }
+        let zeros = [T::of(0.0); LANES_OF_TILE];
+        let blocks = vec![Block { now: [zeros; 3], was: [zeros; 3], w: zeros }; spots.len()];
+        // Gaps, and all duplicates of a point but the first.
+        let mut out = Aligned::zeros(places);
+        for (out, k) in out.iter_mut().zip(&texel) {
+            let meets = kin.first.get(*k as usize) == Some(k);
+            *out = T::of(if meets { 0.0 } else { FAR });
+        }
+        Tiles { grids, spots, blocks, rest, texel, out, close: close() }
     }
 
-    /// [`Tiles::out`]: gaps, and all duplicates of a point but the first.
-    pub fn outsiders(&self, kin: &Kin) -> Aligned<T> {
-        let mut out = Aligned::zeros(self.texel.len());
-        for (out, k) in out.iter_mut().zip(&self.texel) {
-            let meets = kin.first.get(*k as usize) == Some(k);
-            *out = T::of(if meets { 0.0 } else { 1e30 });
-        }
-        out
+    /// For each particle of a tile those of another that are within [`SKIPPED_CELLS`] cells; none where no two are.
+    #[inline(always)]
+    pub fn close(&self, tile: usize, other: usize) -> Option<&[[T; LANES_OF_TILE]; LANES_OF_TILE]> {
+        let (a, b) = (self.spots[tile], self.spots[other]);
+        let [right, down] = [(b.column + 1).wrapping_sub(a.column), (b.row + 1).wrapping_sub(a.row)];
+        (a.sheet == b.sheet && right < 3 && down < 3).then(|| &self.close[(3 * down + right) as usize])
     }
 
     /// Number of tiles.
@@ -105,19 +122,18 @@ impl<T: Real> Tiles<T> {
 
     /// Numbers that it takes.
     pub fn tally(&self, tally: &mut Tally) {
-        let lists = self.now.iter().chain(&self.was).chain(&self.rest).chain([&self.w, &self.out]);
-        lists.for_each(|list| tally.state(list));
+        tally.state(&self.blocks);
+        self.rest.iter().chain([&self.out]).for_each(|list| tally.state(list));
         tally.state(&self.texel);
     }
 
     /// Positions and inverse masses of all particles.
     pub fn load_all(&mut self, sheets: &[Sheet<T>]) {
-        for tile in 0..self.count() {
-            self.load(sheets, tile);
-            let spot = self.spots[tile];
+        let all: Vec<u32> = (0..self.count() as u32).collect();
+        self.load(sheets, &all);
+        for (spot, block) in self.spots.iter().zip(&mut self.blocks) {
             let sheet = &sheets[spot.sheet as usize];
-            let w = &mut self.w[tile * LANES_OF_TILE..(tile + 1) * LANES_OF_TILE];
-            for (w, row) in w.chunks_exact_mut(SIDE).zip(rows(sheet, spot)) {
+            for (w, row) in block.w.chunks_exact_mut(SIDE).zip(rows(sheet, *spot)) {
                 let at = row * 2 * sheet.half + 2 * spot.column as usize;
                 w[..2].copy_from_slice(&sheet.w[at..at + 2]);
                 w[2..].copy_from_slice(&sheet.w[at + sheet.half..at + sheet.half + 2]);
@@ -125,21 +141,48 @@ impl<T: Real> Tiles<T> {
         }
     }
 
-    /// Positions of the particles of a tile, and previous ones.
-    #[inline]
-    pub fn load(&mut self, sheets: &[Sheet<T>], tile: usize) {
-        let spot = self.spots[tile];
-        let sheet = &sheets[spot.sheet as usize];
-        let places = tile * LANES_OF_TILE..(tile + 1) * LANES_OF_TILE;
-        for (from, to) in [(&sheet.now, &mut self.now), (&sheet.before, &mut self.was)] {
-            for (c, to) in to.iter_mut().enumerate() {
-                for (to, row) in to[places.clone()].chunks_exact_mut(SIDE).zip(rows(sheet, spot)) {
+    /// Positions of the particles of some tiles in ascending order, and previous ones.
+    pub fn load(&mut self, sheets: &[Sheet<T>], tiles: &[u32]) {
+        for run in self.runs(tiles) {
+            let spot = self.spots[run.start];
+            let sheet = &sheets[spot.sheet as usize];
+            let blocks = &mut self.blocks[run];
+            for (n, row) in rows(sheet, spot).enumerate() {
+                for c in 0..3 {
                     let at = row * sheet.row() + 2 * c * sheet.half + 2 * spot.column as usize;
-                    to[..2].copy_from_slice(&from[at..at + 2]);
-                    to[2..].copy_from_slice(&from[at + sheet.half..at + sheet.half + 2]);
+                    let [now, was] = [&sheet.now, &sheet.before].map(|list| {
+                        let even = list[at..at + 2 * blocks.len()].as_chunks::<2>().0;
+                        let odd = list[at + sheet.half..at + sheet.half + 2 * blocks.len()].as_chunks::<2>().0;
+                        even.iter().zip(odd)
+                    });
+                    for ((block, (a, b)), (d, e)) in blocks.iter_mut().zip(now).zip(was) {
+                        block.now[c][n * SIDE..][..SIDE].copy_from_slice(&[a[0], a[1], b[0], b[1]]);
+                        block.was[c][n * SIDE..][..SIDE].copy_from_slice(&[d[0], d[1], e[0], e[1]]);
+                    }
                 }
             }
         }
+    }
+
+    /// Tiles in ascending order as runs of neighbours in a row.
+    pub fn runs(&self, tiles: &[u32]) -> Vec<std::ops::Range<usize>> {
+        let row = |tile: u32| (self.spots[tile as usize].sheet, self.spots[tile as usize].row);
+        let runs = tiles.chunk_by(|a, b| a + 1 == *b && row(*a) == row(*b));
+        runs.map(|run| run[0] as usize..run[0] as usize + run.len()).collect()
+    }
+
+    /// The position of a place.
+    #[inline(always)]
+    pub fn now(&self, place: usize) -> V3<T> {
+        let (block, lane) = (&self.blocks[place / LANES_OF_TILE], place % LANES_OF_TILE);
+        [block.now[0][lane], block.now[1][lane], block.now[2][lane]]
+    }
+
+    /// Its previous position.
+    #[inline(always)]
+    pub fn was(&self, place: usize) -> V3<T> {
+        let (block, lane) = (&self.blocks[place / LANES_OF_TILE], place % LANES_OF_TILE);
+        [block.was[0][lane], block.was[1][lane], block.was[2][lane]]
     }
 
     /// A position.
@@ -147,6 +190,17 @@ impl<T: Real> Tiles<T> {
     pub fn at(list: &[Aligned<T>; 3], place: usize) -> V3<T> {
         [list[0][place], list[1][place], list[2][place]]
     }
+}
+
+/// [`Tiles::close`]
+fn close<T: Real>() -> Vec<[[T; LANES_OF_TILE]; LANES_OF_TILE]> {
+    let number = |right: usize, down: usize, a: usize, b: usize| {
+        let ([i, j], [m, n]) = (corner(a), corner(b));
+        let apart = (SIDE * right + m).abs_diff(SIDE + i).max((SIDE * down + n).abs_diff(SIDE + j));
+        T::of(if apart <= SKIPPED_CELLS { FAR } else { 0.0 })
+    };
+    let table = |n: usize| std::array::from_fn(|a| std::array::from_fn(|b| number(n % 3, n / 3, a, b)));
+    (0..9).map(table).collect()
 }
 
 /// The rows of a sheet that a tile has.

@@ -1,0 +1,107 @@
+use super::tiles::{SIDE, corner};
+use super::*;
+use crate::cloth::{Cloth, ClothContact, Flat, SKIPPED_CELLS};
+use crate::cpu::fabric::partners::{MAX_PARTNERS, REST_SHARE};
+use crate::number::real::{dot, sub};
+
+/// -1 to 1, the same for the same numbers.
+fn noise(k: usize, of: usize) -> f32 {
+    let mut x = (k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (of as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 31)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^= x >> 29;
+    ((x >> 11) as f64 / (1u64 << 52) as f64 - 1.0) as f32
+}
+
+fn cloth(n: u32) -> Cloth {
+    let mut cloth = Flat::square("sheet", n).cloth().unwrap();
+    cloth.contact = Some(ClothContact::default());
+    cloth.set_pinned(5, true).unwrap();
+    cloth
+}
+
+/// A square that is squeezed, waved and shaken, by a number; it has moved by up to `way` \[m\] in the last step.
+fn crumpled(cloth: &Cloth, seed: usize, way: f32) -> Vec<Sheet<f32>> {
+    let [squeeze, wave, shake] = [0, 1, 2].map(|of| 0.5 + 0.5 * noise(seed, of));
+    let mut sheets: Vec<Sheet<f32>> = cloth.grids().iter().map(Sheet::new).collect();
+    let at = |k: usize, p: &[f32; 3]| {
+        let around = 12.0 * p[0] * (1.0 - squeeze);
+        let bent = [squeeze * p[0] + 0.1 * around.sin(), p[1] * (1.0 - 0.9 * wave), 0.1 * around.cos()];
+        [0, 1, 2].map(|c| bent[c] + 0.03 * shake * noise(k, 3 + c))
+    };
+    let now: Vec<[f32; 4]> =
+        cloth.positions().iter().enumerate().map(|(k, p)| at(k, p)).map(|[x, y, z]| [x, y, z, 1.0]).collect();
+    let was = |(k, p): (usize, &[f32; 4])| [0, 1, 2, 3].map(|c| p[c] + way * noise(k, seed + c));
+    let before: Vec<_> = now.iter().enumerate().map(was).collect();
+    sheets[0].load(&now, &before);
+    sheets[0].weigh(|k| if cloth.particles()[k].is_pinned() { 0.0 } else { 1.0 });
+    sheets
+}
+
+fn searched(cloth: &Cloth, sheets: &[Sheet<f32>]) -> Meeting<f32> {
+    let mut meeting = Meeting::of(cloth, sheets, 0.0).unwrap();
+    meeting.leaves(sheets);
+    meeting.refit();
+    meeting.search(&Threads::one());
+    meeting
+}
+
+/// The partners of a particle by comparison with all others, the nearest first.
+fn partners_of(meeting: &Meeting<f32>, place: usize) -> Vec<u32> {
+    let (tiles, reach) = (&meeting.tiles, &meeting.tree.reach);
+    let cell = |place: usize| {
+        let (spot, [i, j]) = (tiles.spots[place / LANES_OF_TILE], corner(place % LANES_OF_TILE));
+        [spot.column as usize * SIDE + i, spot.row as usize * SIDE + j]
+    };
+    let mut found = Vec::new();
+    for other in (0..tiles.texel.len()).filter(|other| tiles.texel[*other] != u32::MAX) {
+        let (a, b) = (cell(place), cell(other));
+        let way = sub(tiles.now(other), tiles.now(place));
+        let rest = sub(Tiles::at(&tiles.rest, place), Tiles::at(&tiles.rest, other));
+        let least = meeting.distance.min(dot(rest, rest).sqrt() * REST_SHARE as f32);
+        let reach = reach[place / LANES_OF_TILE] + reach[other / LANES_OF_TILE];
+        let close = a[0].abs_diff(b[0]).max(a[1].abs_diff(b[1])) <= SKIPPED_CELLS;
+        if !close && dot(way, way).sqrt() < least + reach {
+            found.push((dot(way, way), other as u32));
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    found.into_iter().map(|(_, other)| other).take(MAX_PARTNERS).collect()
+}
+
+#[test]
+fn partners_are_those_of_a_comparison_of_all_with_all() {
+    for (seed, n) in (0..24).zip([5, 9, 14, 22].into_iter().cycle()) {
+        let cloth = cloth(n);
+        let meeting = searched(&cloth, &crumpled(&cloth, seed, 0.004));
+        let mut some = 0;
+        for place in (0..meeting.tiles.texel.len()).filter(|place| meeting.tiles.texel[*place] != u32::MAX) {
+            let (list, lane) = (&meeting.lists[place / LANES_OF_TILE], place % LANES_OF_TILE);
+            let slots = (0..list.count as usize).map(|slot| list.partner[slot * LANES_OF_TILE + lane]);
+            let found: Vec<u32> = slots.filter(|other| *other as usize != place).collect();
+            let pinned = meeting.tiles.blocks[place / LANES_OF_TILE].w[lane] == 0.0;
+            let expected = if pinned { Vec::new() } else { partners_of(&meeting, place) };
+            assert_eq!(found, expected, "crumpled {seed}, place {place}");
+            some += expected.len();
+        }
+        assert!(some > 0, "{seed}");
+    }
+}
+
+#[test]
+fn vectors_out_of_reach_are_skipped_without_a_change_of_bits() {
+    for seed in 0..12 {
+        let cloth = cloth(22);
+        let mut meeting = searched(&cloth, &crumpled(&cloth, seed, 0.0));
+        let mut moved = crumpled(&cloth, seed, 0.0);
+        moved[0].now.iter_mut().enumerate().for_each(|(k, x)| *x += 0.0005 * noise(k, 9));
+        let run = |meeting: &mut Meeting<f32>| {
+            meeting.touch(&moved, &Threads::one(), 0.002);
+            let pushed = meeting.lists.iter().filter(|list| list.moves);
+            pushed.flat_map(|list| list.change.as_flattened().iter().map(|x| x.to_bits())).collect::<Vec<_>>()
+        };
+        let skipped = run(&mut meeting);
+        meeting.lists.iter_mut().for_each(|list| list.spare = [-1.0; MAX_PARTNERS]);
+        assert!(!skipped.is_empty());
+        assert_eq!(run(&mut meeting), skipped, "{seed}");
+    }
+}
