@@ -50,7 +50,12 @@ pub fn run<T: Real>(
     }
     // Colliders of a group follow one another, so that groups in order are colliders in order.
     let group = near.len().div_ceil(GROUPS);
-    clear.prepare(sheet.w.len(), near.len().div_ceil(group), near.iter().map(|near| near.index));
+    let alone = near.len() == 1;
+    if alone {
+        clear.skip(sheet.w.len());
+    } else {
+        clear.prepare(sheet.w.len(), near.len().div_ceil(group), near.iter().map(|near| near.index));
+    }
     let size = |p: V3<T>| p[0].abs().max(p[1].abs()).max(p[2].abs());
     let largest = near.iter().fold(size(lowest).max(size(highest)), |most, near| most.max(near.reach.size()));
     // Above all rounding of a distance and of what is taken off it.
@@ -60,7 +65,7 @@ pub fn run<T: Real>(
     let (half, row) = (sheet.half, sheet.row());
     let (w, before) = (&sheet.w[..], &sheet.before[..]);
     let size = (TOGETHER * row, TOGETHER * 2 * half / LANES);
-    let takes = clear.pays();
+    let takes = !alone && clear.pays();
     let (blocks, spared) = clear.parts();
     threads.chunks2(&mut sheet.now, blocks, size, |chunk, rows, blocks| {
         let lists = Lists { blocks, takes, spared, slack, steps, group };

@@ -24,6 +24,11 @@ pub struct Block<T> {
 }
 
 impl<T: Real> Block<T> {
+    /// Without a list.
+    fn none() -> Self {
+        Block { at: [[T::of(0.0); LANES]; 3], room: [T::of(0.0); LANES], listed: 0 }
+    }
+
     /// Where particles from a lane on were.
     #[inline(always)]
     pub fn at<K: Machine<T>>(&self, k: K, lane: usize) -> [K::V; 3] {
@@ -60,9 +65,15 @@ impl<T: Real> Clear<T> {
         (self.holds, self.pays) = (false, true);
     }
 
-    /// Forgets all lists: in the last step no collider was in reach.
+    /// Forgets all lists: in the last step no collider was in reach, or one alone, which is as quickly tested as looked up.
     pub fn forget(&mut self) {
-        self.holds = false;
+        (self.holds, self.used) = (false, false);
+    }
+
+    /// Forgets the lists of a sheet of `len` inverse masses, but keeps their room.
+    pub fn skip(&mut self, len: usize) {
+        self.forget();
+        self.blocks.resize(len / LANES, Block::none());
     }
 
     /// Whether lists are used.
@@ -77,7 +88,7 @@ impl<T: Real> Clear<T> {
 
     /// To be called before the lists are used for a sheet of `len` inverse masses and these colliders, in order, in as many `groups`.
     pub fn prepare(&mut self, len: usize, groups: usize, of: impl Iterator<Item = usize> + Clone) {
-        let (none, len) = (Block { at: [[T::of(0.0); LANES]; 3], room: [T::of(0.0); LANES], listed: 0 }, len / LANES);
+        let (none, len) = (Block::none(), len / LANES);
         let spared = std::mem::take(self.spared.get_mut());
         if std::mem::take(&mut self.used) && self.holds {
             self.pays &= spared * PAYS >= len * groups;
