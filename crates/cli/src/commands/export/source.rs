@@ -15,14 +15,14 @@ use crate::output::Output;
 /// One of the two.
 pub enum Source {
     Grid(GridSource),
-    Mesh(MeshSource),
+    Mesh(Box<MeshSource>),
 }
 
 impl Source {
     /// The surface that the arguments ask for. Refuses scenes without triangles.
     pub fn new(args: &ExportArgs, engine: &Engine, loaded: &Loaded, out: &Output) -> Result<Self, Failure> {
         Ok(match SourceMesh::choose(args.surface, &args.scene.scene, loaded, out)? {
-            Some(mesh) => Source::Mesh(MeshSource::new(mesh, loaded.animated.is_some())),
+            Some(mesh) => Source::Mesh(Box::new(MeshSource::new(mesh, loaded.animated.is_some()))),
             None => Source::Grid(GridSource::new(&engine.stepper)?),
         })
     }

@@ -8,7 +8,7 @@ use crate::passes::SEARCH_STEPS;
 /// Share of the contact distance that a particle may move before partners are searched again: at least, so that cloth at rest
 /// keeps its lists, and at most, so that lists stay short.
 pub const MIN_REACH: f64 = 0.1;
-pub const MAX_REACH: f64 = 0.35;
+pub const MAX_REACH: f64 = 0.3;
 /// Steps of the present speed that a particle may go until the next search.
 pub const STEPS_AHEAD: f64 = 1.5 * SEARCH_STEPS as f64;
 
