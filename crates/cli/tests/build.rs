@@ -308,3 +308,12 @@ fn a_killed_build_leaves_the_old_or_the_new_bundle() {
     place.built("--no-metrics --force");
     assert_eq!(place.list(), ["tube.gim", "tube.obj"]);
 }
+
+/// Waves around cells like needles got shorter by ever less, and tethers took hours.
+#[test]
+fn tethers_are_found_where_cells_are_squeezed_to_needles() {
+    let place = Place::new();
+    place.write("arrow.obj", "v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nv -1 -1 0\nf 2 3 4 1\nf 1 5 2\n");
+    place.run("dress arrow.obj -o arrow.gim").expect(&[0, 1]);
+    place.run("validate arrow.gim").expect(&[0, 1]);
+}

@@ -90,6 +90,7 @@ impl<'a> Front<'a> {
             };
             label.spread = true;
             let label = *label;
+            self.labels.count(point);
             let mut texel = point;
             loop {
                 self.spread_from(texel as usize, label);

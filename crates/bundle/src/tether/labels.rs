@@ -9,6 +9,12 @@ pub(super) const PINS_OF_A_GROUP: usize = 3;
 /// A label that gets better by less than this share of its distance does not spread again.
 const GAIN: f64 = 1e-12;
 
+/// Waves that go on from one point until a gain must be larger; other surfaces keep their bits. Where cells are squeezed to needles, waves
+/// that run around one another get shorter by ever less, for ever. From there on the least gain doubles with every `PATIENCE` waves, so
+/// that it is the whole distance after 40 times as many; distances stay too long by less than the gain.
+const WAVES: u32 = 256;
+const PATIENCE: u32 = 8;
+
 /// How far one pin is from one point.
 #[derive(Clone, Copy)]
 pub(super) struct Label {
@@ -28,11 +34,13 @@ pub(super) struct Labels {
     groups: usize,
     pins: usize,
     labels: Vec<Label>,
+    /// How many waves have gone on from each point.
+    waves: Vec<u32>,
 }
 
 impl Labels {
     pub fn new(points: usize, groups: usize, pins: usize) -> Self {
-        Labels { groups, pins, labels: vec![EMPTY; points * groups * pins] }
+        Labels { groups, pins, labels: vec![EMPTY; points * groups * pins], waves: vec![0; points] }
     }
 
     /// The label of a pin at a point; infinitely far if there is none.
@@ -44,6 +52,17 @@ impl Labels {
     pub fn of_mut(&mut self, point: u32, pin: u32) -> Option<&mut Label> {
         let (start, slots) = self.range(point);
         self.labels[start..start + slots].iter_mut().find(|l| l.pin == pin)
+    }
+
+    /// Counts a wave that goes on from a point.
+    pub fn count(&mut self, point: u32) {
+        self.waves[point as usize] += 1;
+    }
+
+    /// The share of its distance by which a label at a point has to get better.
+    fn gain(&self, point: u32) -> f64 {
+        let more = self.waves[point as usize].saturating_sub(WAVES) / PATIENCE;
+        (GAIN * 2f64.powi(more.min(64) as i32)).min(1.0)
     }
 
     /// The nearest pin of each group kept, nearest first.
@@ -65,10 +84,13 @@ impl Labels {
     /// not matter.
     pub fn offer(&mut self, point: u32, new: Label) -> bool {
         let (start, slots) = self.range(point);
+        let gain = self.gain(point);
+        // Those in the place of others get better too.
+        let gains = |new: &Label, old: &Label| gain <= GAIN || new.distance < old.distance * (1.0 - gain);
         let labels = &mut self.labels[start..start + slots];
         let before = |a: &Label, b: &Label| (a.distance, a.pin) < (b.distance, b.pin);
         if let Some(old) = labels.iter_mut().find(|l| l.pin == new.pin) {
-            if new.distance >= old.distance * (1.0 - GAIN) {
+            if new.distance >= old.distance * (1.0 - gain) {
                 return false;
             }
             *old = new;
@@ -84,7 +106,7 @@ impl Labels {
                     worst = if worst.pin == u32::MAX || before(&worst, l) { *l } else { worst };
                 }
                 if count >= self.groups {
-                    if before(&worst, &new) {
+                    if before(&worst, &new) || !gains(&new, &worst) {
                         return false;
                     }
                     labels.iter_mut().filter(|l| l.group == worst.group).for_each(|l| *l = EMPTY);
@@ -92,7 +114,7 @@ impl Labels {
             } else if of_group >= self.pins {
                 let group = labels.iter_mut().filter(|l| l.group == new.group);
                 let Some(worst) = group.reduce(|a, b| if before(a, b) { b } else { a }) else { return false };
-                if !before(&new, worst) {
+                if !before(&new, worst) || !gains(&new, worst) {
                     return false;
                 }
                 *worst = EMPTY;
