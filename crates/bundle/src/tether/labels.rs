@@ -10,7 +10,7 @@ pub(super) const PINS_OF_A_GROUP: usize = 3;
 const GAIN: f64 = 1e-12;
 
 /// Waves that go on from one point until a gain must be larger; other surfaces keep their bits. Where cells are squeezed to needles, waves
-/// that run around one another get shorter by ever less, for ever. From there on the least gain doubles with every `PATIENCE` waves, so
+/// that run around one another get shorter by ever less, without end. From there on the least gain doubles with every `PATIENCE` waves, so
 /// that it is the whole distance after 40 times as many; distances stay too long by less than the gain.
 const WAVES: u32 = 256;
 const PATIENCE: u32 = 8;
