@@ -203,7 +203,10 @@ impl Animated {
     /// Where its nodes are at `time` \[s\], in the frame of reference; before 0 they are on their way into the animation.
     pub fn worlds(&self, time: f64) -> Vec<[f64; 16]> {
         let worlds = self.outside(time);
-        self.local.as_ref().map_or_else(|| worlds.clone(), |local| local.inside(&worlds))
+        match &self.local {
+            Some(local) => local.inside(&worlds),
+            None => worlds,
+        }
     }
 
     /// The same in the world.

@@ -3,6 +3,7 @@
 
 use crate::collider::Collider;
 use crate::error::{Result, check};
+use crate::moving_frame::product;
 
 /// Where something is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,15 +154,6 @@ fn slerp(a: [f32; 4], b: [f32; 4], s: f64) -> [f32; 4] {
     let sum = [0, 1, 2, 3].map(|c| wa * a[c] + wb * b[c]);
     let norm = sum.iter().map(|x| x * x).sum::<f64>().sqrt();
     sum.map(|x| (x / norm) as f32)
-}
-
-fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    [
-        a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
-        a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
-        a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3],
-        a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2],
-    ]
 }
 
 /// The unit quaternion of a turn about an axis, which need not be a unit vector; none about one of no length.
