@@ -1,4 +1,4 @@
-//! A moving frame of reference that a cloth is simulated in, and what of its motion the cloth feels.
+//! A moving frame of reference that a cloth is simulated in, and the shares of its motion that the cloth feels.
 //!
 //! Free particles go on through the world: in the frame they feel a linear acceleration, the Euler and the Coriolis force, and the
 //! centrifugal force. All are impulses between two frames of the host, taken from the Verlet step that a particle makes in the world, so that a

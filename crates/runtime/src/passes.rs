@@ -186,7 +186,7 @@ pub enum Pass {
     Transform,
     /// A set of particles is put at given positions, or pinned, or freed.
     Place,
-    /// The frame of reference has moved: what that makes of the velocities of free particles.
+    /// The frame of reference has moved: the velocities of free particles change.
     Inertia,
     /// Joints have moved: where they put all particles.
     Skin {

@@ -1,4 +1,4 @@
-//! Cloth that is simulated in a moving frame of reference: what it does in the world, the same on every backend and in every form.
+//! Cloth that is simulated in a moving frame of reference: its motion in the world, on all backends and in all forms.
 
 // Also, or only, on the GPU.
 #![cfg(feature = "gpu")]

@@ -1,4 +1,4 @@
-//! Twin of shaders/inertia.wgsl: what the motion of a frame of reference makes of the velocities of free particles.
+//! Twin of shaders/inertia.wgsl: the motion of a frame of reference changes the velocities of free particles.
 
 use crate::number::real::{Real, V3, add, scale, sub, with_w, xyz};
 

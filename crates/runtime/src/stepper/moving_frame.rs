@@ -71,7 +71,7 @@ impl Stepper {
         Ok(())
     }
 
-    /// Changes what a cloth feels of the motion of its frame, from the next frame on. Errors if there is no such cloth, and on shares that
+    /// Changes the shares of the motion of its frame that a cloth feels, from the next frame on. Errors if there is no such cloth, and on shares that
     /// are not from 0 to 1.
     pub fn set_inertia(&mut self, cloth: impl Into<ClothRef>, inertia: Inertia) -> Result<()> {
         let cloth = self.world.find(cloth.into())?;

@@ -98,7 +98,7 @@ impl Cells {
         self.cells.entry(p.map(|x| (x / self.size).floor() as i64)).or_default().push(p);
     }
 
-    /// The distance of the nearest point that is no farther than the size of a cell.
+    /// The distance to the nearest point within the size of a cell.
     fn nearest(&self, p: &Point, counts: impl Fn(&Point) -> bool) -> Option<f64> {
         let cell = p.map(|x| (x / self.size).floor() as i64);
         let around = (0..27).map(|n: i64| {
