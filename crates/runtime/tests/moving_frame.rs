@@ -245,22 +245,29 @@ fn backends_and_forms_agree_and_cloths_have_frames_of_their_own() {
     scene.cloths.push(hung_tube(1));
     scene.cloths.push(hung());
     scene.wind = Some(wind(false));
+    // How far roundings may lead: what a start with other roundings leads to, on the same backend.
+    let mut nudged = scene.clone();
+    for cloth in &mut nudged.cloths {
+        let moved = cloth.positions().iter().map(|p| p.map(|x| x + 1e-6 * (1e3 * x).sin())).collect();
+        cloth.place(moved).unwrap();
+    }
     for fused in [true, false] {
         let options = Options { fused, ..options() };
-        let mut rigs = [Rig::cpu(scene.clone(), &options), Rig::gpu(scene.clone(), &options, &device)];
-        for rig in &mut rigs {
-            for n in 0..=10 {
+        let cpu = |scene: &Scene| Rig::cpu(scene.clone(), &options);
+        let mut rigs = [cpu(&scene), Rig::gpu(scene.clone(), &options, &device), cpu(&nudged)];
+        for n in 0..=10 {
+            for rig in &mut rigs {
                 for (cloth, pace) in [(0, 1.0), (2, 0.5), (3, -1.0)] {
                     let to = tumbling(pace * f64::from(n) * FRAME, 10.0);
                     rig.stepper.set_moving_frame(cloth, &to).unwrap();
                 }
                 rig.frames(1);
             }
-        }
-        for cloth in 0..4 {
-            let [cpu, gpu] = [0, 1].map(|n: usize| rigs[n].positions(cloth));
-            let apart = largest(&cpu, &gpu);
-            assert!(apart < 2e-4, "fused {fused}, cloth {cloth}: {apart}");
+            for cloth in 0..4 {
+                let [cpu, gpu, nudged] = [0, 1, 2].map(|n: usize| rigs[n].positions(cloth));
+                let (apart, free) = (largest(&cpu, &gpu), largest(&cpu, &nudged));
+                assert!(apart < 4.0 * free, "fused {fused}, cloth {cloth}, frame {n}: {apart}, {free}");
+            }
         }
         let apart = largest(&rigs[1].positions(0), &rigs[1].positions(1));
         assert!(apart > 0.01, "the second stands still");

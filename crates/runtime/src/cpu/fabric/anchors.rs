@@ -42,23 +42,30 @@ impl<T: Real> Places<T> {
 impl<T: Real> Fabric<T> {
     /// Finds the anchors. A particle that is no longer pinned holds nothing: its place is NaN, and no distance to NaN is too large.
     pub fn find_anchors(&mut self) {
-        let of = |m: &Member| {
-            let sheet = &self.sheets[m.sheet as usize];
-            let holds = sheet.w[m.single as usize] == T::of(0.0);
-            if holds { sheet.at(m.at as usize) } else { [T::of(f64::NAN); 3] }
-        };
-        let at: Vec<V3<T>> = self.anchors.iter().map(of).collect();
-        // By bits, so that NaN equals NaN.
-        let (new, old) = (bytemuck::cast_slice::<_, u8>(&at), bytemuck::cast_slice::<_, u8>(&self.places.at));
-        if self.places.planes.len() == self.tethers.len() && new == old {
-            return;
+        let mut moved = self.places.planes.len() != self.tethers.len();
+        self.places.at.resize(self.anchors.len(), [T::of(0.0); 3]);
+        for (m, at) in self.anchors.iter().zip(&mut self.places.at) {
+            let Member { sheet, at: place, single } = *m;
+            let sheet = &self.sheets[sheet as usize];
+            let holds = sheet.w[single as usize] == T::of(0.0);
+            let new = if holds { sheet.at(place as usize) } else { [T::of(f64::NAN); 3] };
+            // By bits, so that NaN equals NaN.
+            moved |= bytemuck::bytes_of(&new) != bytemuck::bytes_of(at);
+            *at = new;
         }
-        self.places.planes.resize_with(self.tethers.len(), Vec::new);
-        for ((sheet, tethers), planes) in self.sheets.iter().zip(&*self.tethers).zip(&mut self.places.planes) {
+        if moved {
+            self.arrange_anchors();
+        }
+    }
+
+    /// Writes where the anchors of particles are whose neighbours have others.
+    fn arrange_anchors(&mut self) {
+        let Places { at, planes } = &mut self.places;
+        planes.resize_with(self.tethers.len(), Vec::new);
+        for ((sheet, tethers), planes) in self.sheets.iter().zip(&*self.tethers).zip(planes) {
             planes.resize_with(tethers.slots.len(), Aligned::default);
-            tethers.slots.iter().zip(planes).for_each(|(slot, planes)| arrange(sheet, slot, &at, planes));
+            tethers.slots.iter().zip(planes).for_each(|(slot, planes)| arrange(sheet, slot, at, planes));
         }
-        self.places.at = at;
     }
 }
 

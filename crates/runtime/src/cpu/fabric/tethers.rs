@@ -2,7 +2,7 @@
 
 use super::anchors::Anchors;
 use crate::cpu::rows::Threads;
-use crate::cpu::sheet::{Sheet, planes};
+use crate::cpu::sheet::{Sheet, columns, planes};
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::{Real, V3};
 
@@ -90,44 +90,49 @@ pub fn draw<T: Real, K: Machine<T>>(
     anchors: &Anchors<T>,
 ) {
     // Slot by slot: the other way round each particle would wait for the roots of all its slots.
-    for (slot, places) in tethers.slots.iter().zip(anchors.planes) {
+    for (slot, to) in tethers.slots.iter().zip(anchors.planes) {
+        let one = anchors.at.get(slot.one as usize).map(|anchor| k.splats(*anchor));
         for (n, row) in rows.chunks_exact_mut(6 * half).enumerate() {
             let first = first + n * 2 * half;
-            let [x, y, z] = planes(row, half).map(|p| p.split_at_mut(half));
-            // Empty where all have one anchor.
-            let to = places.get(3 * first..3 * first + 6 * half).unwrap_or(&[]);
-            list(k, [x.0, y.0, z.0], (width.div_ceil(2), half), slot, &w[first..first + half], first, (anchors.at, to));
-            let (first, to) = (first + half, to.get(half..).unwrap_or(&[]));
-            list(k, [x.1, y.1, z.1], (width / 2, half), slot, &w[first..first + half], first, (anchors.at, to));
+            let p = planes(row, half);
+            // All as long, so that this is checked once.
+            let limits = (&w[first..first + 2 * half], &slot.most[first..first + 2 * half]);
+            if let Some(anchor) = one {
+                to_one(k, p, limits, (width, half), anchor);
+            } else if slot.one == MIXED {
+                let to = &to[3 * first..3 * first + 6 * half];
+                to_several(k, p, limits, (width, half), &slot.block[first / LANES..], (anchors.at, to));
+            }
         }
     }
 }
 
-/// A run of `count` particles, in even columns or in odd ones. `to` is where their anchors are, as in a row of [`Anchors::planes`].
+/// A row whose particles have one anchor; `w` are their inverse masses and `most` their distances.
 #[inline(always)]
-fn list<T: Real, K: Machine<T>>(
+fn to_one<T: Real, K: Machine<T>>(
     k: K,
     [x, y, z]: [&mut [T]; 3],
-    (count, half): (usize, usize),
-    slot: &Slot<T>,
-    w: &[T],
-    first: usize,
+    (w, most): (&[T], &[T]),
+    (width, half): (usize, usize),
+    anchor: [K::V; 3],
+) {
+    for at in columns(width, half, K::WIDE) {
+        hold_within(k, [x, y, z], at, anchor, (k.load(w, at), k.load(most, at)));
+    }
+}
+
+/// A row whose particles have several. Those of a block are `to`, as in a row of [`Anchors::planes`], unless it has one.
+#[inline(always)]
+fn to_several<T: Real, K: Machine<T>>(
+    k: K,
+    [x, y, z]: [&mut [T]; 3],
+    (w, most): (&[T], &[T]),
+    (width, half): (usize, usize),
+    blocks: &[u32],
     (anchors, to): (&[V3<T>], &[T]),
 ) {
-    // All as long, so that this is checked once.
-    let long = count.next_multiple_of(LANES);
-    let (x, y, z, w, most) =
-        (&mut x[..long], &mut y[..long], &mut z[..long], &w[..long], &slot.most[first..first + long]);
-    if slot.one != MIXED {
-        let Some(anchor) = anchors.get(slot.one as usize) else { return };
-        let anchor = k.splats(*anchor);
-        for at in (0..long).step_by(K::WIDE) {
-            hold_within(k, [x, y, z], at, anchor, (k.load(w, at), k.load(most, at)));
-        }
-        return;
-    }
-    for at in (0..long).step_by(K::WIDE) {
-        let one = slot.block[(first + at) / LANES];
+    for at in columns(width, half, K::WIDE) {
+        let one = blocks[at / LANES];
         let anchor = if one == MIXED {
             [k.load(to, at), k.load(to, 2 * half + at), k.load(to, 4 * half + at)]
         } else {
