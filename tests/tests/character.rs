@@ -1,9 +1,12 @@
 //! A skinned garment follows an animation of its file, from the file to the cloth.
 
+use gimage::colliders::{ColliderOptions, ColliderSource, Form, fit_colliders};
 use gimage::import::{Character, ImportOptions};
+use gimage::options::BuildOptions;
 use gimage_bundle::{Bundle, MapKind, Particle};
 use gimage_runtime::{Backend, Cloth, Options, Scene, Stepper};
 use gimage_tests::{asset, build, check, pinned, reread};
+use serde_json::json;
 
 type Matrix = [[f64; 4]; 3];
 
@@ -117,4 +120,77 @@ fn a_step_jumps_and_a_scale_grows() {
         assert!((at[12] - x).abs() < 1e-6 && (at[13] - 1.4).abs() < 1e-6, "{time}: {at:?}, not {x}");
         assert!((at[0] - (1.0 + 0.2 * time.min(1.0))).abs() < 1e-6, "{at:?}");
     }
+}
+
+/// A binary glTF file with its JSON changed.
+fn changed(glb: &[u8], change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
+    let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap());
+    let (json, rest) = glb[20..].split_at(word(12) as usize);
+    let mut value = serde_json::from_slice(json).unwrap();
+    change(&mut value);
+    let mut text = value.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let all = (20 + text.len() + rest.len()) as u32;
+    let mut out = glb[..8].to_vec();
+    [all, text.len() as u32].iter().for_each(|n| out.extend(n.to_le_bytes()));
+    out.extend(b"JSON");
+    out.extend(text);
+    out.extend(rest);
+    out
+}
+
+#[test]
+fn colliders_of_a_file_are_where_its_nodes_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("arm.glb");
+    let glb = std::fs::read(asset("sleeve.glb")).unwrap();
+    let glb = changed(&glb, |file| {
+        file["nodes"][3]["children"] = json!([4]);
+        let rigid = json!({"KHR_physics_rigid_bodies": {"collider": {"geometry": {"shape": 0}}}});
+        let nodes = file["nodes"].as_array_mut().unwrap();
+        nodes.push(json!({"name": "hand", "translation": [0.1, 0, 0], "scale": [0.5, 0.5, 0.5], "extensions": rigid}));
+        file["extensions"] = json!({
+            "KHR_implicit_shapes": {"shapes": [{"type": "box", "box": {"size": [0.2, 0.1, 0.1]}}]},
+            "VRMC_springBone": {"colliders": [
+                {"node": 1, "shape": {"capsule": {"offset": [0, 0, 0], "tail": [0.25, 0, 0], "radius": 0.05}}},
+            ]},
+            "VRM": {"secondaryAnimation": {"colliderGroups": [
+                {"node": 2, "colliders": [{"offset": {"x": 0.1, "y": 0, "z": 0.02}, "radius": 0.04}]},
+            ]}},
+        });
+        file["extensionsUsed"] = json!(["KHR_implicit_shapes", "KHR_physics_rigid_bodies", "VRM", "VRMC_springBone"]);
+    });
+    std::fs::write(&path, glb).unwrap();
+    let mut read = BuildOptions::default();
+    read.select.body = vec!["sleeve".parse().unwrap()];
+    let options = ColliderOptions { source: ColliderSource::File, ..ColliderOptions::default() };
+    // In centimetres they are as near to the body.
+    for unit in [1.0, 0.01] {
+        read.import.unit = unit;
+        let fit = fit_colliders(&path, &read, &options).unwrap();
+        let found: Vec<_> = fit.colliders.iter().map(|c| (c.joint.as_deref(), c.solid.form, c.solid.center)).collect();
+        let expected = [
+            (Some("wrist"), Form::Box { half: [0.05, 0.025, 0.025] }, [0.8, 1.4, 0.0]),
+            (Some("shoulder"), Form::Capsule { half_height: 0.125, radius: 0.05 }, [0.325, 1.4, 0.0]),
+            (Some("elbow"), Form::Sphere { radius: 0.04 }, [0.55, 1.4, -0.02]),
+        ];
+        for ((joint, form, center), e) in found.iter().zip(&expected) {
+            let sizes = |form: &Form| match *form {
+                Form::Sphere { radius } => vec![radius],
+                Form::Capsule { half_height, radius } => vec![half_height, radius],
+                Form::Box { half } => half.to_vec(),
+                Form::Ellipsoid { radii } => radii.to_vec(),
+            };
+            assert_eq!((joint, std::mem::discriminant(form)), (&e.0, std::mem::discriminant(&e.1)));
+            let pairs = sizes(form).into_iter().zip(sizes(&e.1)).chain(center.iter().copied().zip(e.2));
+            pairs.for_each(|(is, should)| assert!((is - unit * should).abs() < 1e-6 * unit, "{found:?}"));
+        }
+        assert_eq!(found.len(), expected.len());
+        // The capsule lies along the arm.
+        let arm = &fit.colliders[1].solid;
+        assert!(arm.distance([0.575 * unit, 1.45 * unit, 0.0]) > 0.0);
+        assert!(arm.distance([0.45 * unit, 1.45 * unit, 0.0]).abs() < 1e-6);
+    }
+    let contents = gimage::contents::list(&path, &BuildOptions::default()).unwrap();
+    assert_eq!(contents.colliders.len(), 3);
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use gimage::colliders::{ColliderOptions, Kind};
+use gimage::colliders::{ColliderOptions, ColliderSource, Kind};
 use gimage::gate::GateOptions;
 use gimage::import::Up;
 use gimage::limits::Limit;
@@ -15,7 +15,7 @@ use gimage::select::{Pattern, SelectOptions};
 use gimage::shell::Layer;
 use gimage::stitch::Stitching;
 
-use super::values::{choice, number, shape, size};
+use super::values::{choice, collider_source, number, shape, size};
 
 /// `gimage build`.
 #[derive(Debug, Args)]
@@ -126,6 +126,10 @@ pub struct FitArgs {
     /// Shapes to choose from, separated by commas [default: sphere,capsule].
     #[arg(long, value_name = "SHAPE,...", value_delimiter = ',', value_parser = shape())]
     pub collider_shapes: Vec<Kind>,
+    /// Take the colliders that the file has (KHR_physics_rigid_bodies, VRM), fit others, or (auto) take those of the file if 95 % of the
+    /// body are within three times --collider-error of them.
+    #[arg(long, value_name = "SOURCE", value_parser = collider_source(), default_value = "auto")]
+    pub collider_source: ColliderSource,
 }
 
 /// `gimage dress`.
@@ -214,7 +218,7 @@ impl FitArgs {
         kinds.sort_unstable();
         kinds.dedup();
         let kinds = if kinds.is_empty() { ColliderOptions::default().kinds } else { kinds };
-        ColliderOptions { error: self.collider_error, count: self.max_colliders, kinds }
+        ColliderOptions { error: self.collider_error, count: self.max_colliders, kinds, source: self.collider_source }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Readers of the values of arguments.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use gimage::colliders::Kind;
+use gimage::colliders::{ColliderSource, Kind};
 use gimage::options::{Choice, range};
 use gimage_runtime::Material;
 
@@ -24,6 +24,12 @@ pub fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
 pub fn shape() -> impl TypedValueParser<Value = Kind> {
     let words = PossibleValuesParser::new(Kind::ALL.map(Kind::name));
     words.try_map(|word| Kind::ALL.into_iter().find(|k| k.name() == word).ok_or("not a shape"))
+}
+
+/// Reads where colliders come from.
+pub fn collider_source() -> impl TypedValueParser<Value = ColliderSource> {
+    let words = PossibleValuesParser::new(ColliderSource::ALL.map(ColliderSource::name));
+    words.try_map(|word| ColliderSource::ALL.into_iter().find(|s| s.name() == word).ok_or("not a source"))
 }
 
 /// Reads a number of seconds.

@@ -1,6 +1,7 @@
 //! `gimage list`: the contents of a garment file, before it is built.
 
 use gimage::contents::{ComponentEntry, Contents, Kind, Size, list};
+use gimage::import::FileShape;
 use gimage::record::Severity;
 use gimage::select::Role;
 
@@ -48,7 +49,8 @@ fn text(out: &Output, contents: &Contents) -> String {
     text += &section(out, "Components", components(out, contents));
     text += &section(out, "Boundary loops (pin: K of --pin loop:K)", loops(out, contents));
     text += &section(out, "Skins", skins(contents));
-    text + &section(out, "Animations", animations(out, contents))
+    text += &section(out, "Animations", animations(out, contents));
+    text + &section(out, "Colliders (--collider-source of dress and fit-colliders)", colliders(out, contents))
 }
 
 /// A heading and its table, with a line for the rows that are not shown; nothing without rows.
@@ -105,6 +107,21 @@ fn parts(out: &Output, contents: &Contents) -> (Table, Option<String>) {
             use_of(p.verdict.role).into(),
             why,
         ]);
+    }
+    (table, more)
+}
+
+fn colliders(out: &Output, contents: &Contents) -> (Table, Option<String>) {
+    let mut table = Table::new(&["<node", "<shape", "<from"]);
+    let (rows, more) = shown(out, contents.colliders.len(), "colliders");
+    for c in &contents.colliders[..rows] {
+        let shape = match c.shape {
+            FileShape::Sphere { .. } => "sphere",
+            FileShape::Capsule { .. } => "capsule",
+            FileShape::Cylinder { .. } => "cylinder",
+            FileShape::Box { .. } => "box",
+        };
+        table.row([plain(&c.node), shape.into(), c.source.into()]);
     }
     (table, more)
 }

@@ -43,6 +43,7 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     manifest.options.insert("collider-error".into(), json!(solids.error));
     manifest.options.insert("max-colliders".into(), json!(solids.count));
     manifest.options.insert("collider-shapes".into(), json!(kinds));
+    manifest.options.insert("collider-source".into(), json!(solids.source.name()));
     manifest.repairs.extend(findings.iter().map(repair_entry));
     built.report.findings.extend(findings);
     Ok(built)

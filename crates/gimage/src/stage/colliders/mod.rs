@@ -6,6 +6,7 @@
 //! They are fitted in the pose in which the mesh is bound to its skeleton, and then put where their joints are in the file.
 
 mod fit;
+mod given;
 mod judge;
 mod refine;
 mod samples;
@@ -23,9 +24,11 @@ use crate::error::{Error, Result};
 use crate::options::BuildOptions;
 use crate::record::{Finding, Severity};
 use fit::Limits;
+use given::Given;
 use samples::{guards, join_small, samples, worn};
 use winding::Winding;
 
+pub use given::ColliderSource;
 pub use judge::{Figures, FitError};
 pub use shape::Kind;
 pub use solid::{Form, Solid};
@@ -48,11 +51,18 @@ pub struct ColliderOptions {
     pub count: usize,
     /// The kinds of solids, at least one.
     pub kinds: Vec<Kind>,
+    /// Whether solids that the file has are used.
+    pub source: ColliderSource,
 }
 
 impl Default for ColliderOptions {
     fn default() -> Self {
-        ColliderOptions { error: 0.006, count: 48, kinds: vec![Kind::Sphere, Kind::Capsule] }
+        ColliderOptions {
+            error: 0.006,
+            count: 48,
+            kinds: vec![Kind::Sphere, Kind::Capsule],
+            source: ColliderSource::Auto,
+        }
     }
 }
 
@@ -74,7 +84,7 @@ pub struct Fit {
     pub file: String,
     /// The parts of the file that are the body, by name.
     pub parts: Vec<String>,
-    /// The solids, by joint in the order of the skeleton.
+    /// The solids, by joint in the order of the skeleton; those of a file in its order.
     pub colliders: Vec<Collider>,
     /// How far they are from the body.
     pub figures: Figures,
@@ -84,6 +94,9 @@ pub struct Fit {
 
 /// Fits solids to the body of a character. Parts named by `--body` ([`crate::select::SelectOptions::body`]) are the body;
 /// otherwise those that look like one, or all parts of a file without a skin.
+///
+/// Solids that the file has (`KHR_physics_rigid_bodies` with `KHR_implicit_shapes`, spring bones of VRM) are used instead of a fit as
+/// [`ColliderOptions::source`] says.
 ///
 /// Deterministic. O(samples x (triangles + solids x divisions)): a character of 10,000 triangles takes some seconds.
 ///
@@ -97,7 +110,7 @@ pub fn fit_colliders(path: &Path, read: &BuildOptions, options: &ColliderOptions
 pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptions, dressed: bool) -> Result<Fit> {
     read.check()?;
     options.check()?;
-    let Imported { mesh, source, mut findings, .. } = import(path, &read.import)?;
+    let Imported { mesh, source, scene, mut findings, .. } = import(path, &read.import)?;
     let body = body(&mesh, read, dressed)?;
     if !body.contains(&true) {
         let problem = "no part looks like a body".into();
@@ -113,12 +126,13 @@ pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptio
     };
     let cloth = if garments.contains(&true) { keeping(mesh.clone(), &garments) } else { Mesh::default() };
     let mesh = if body.contains(&false) { keeping(mesh, &body) } else { mesh };
-    let (colliders, figures) = fit_mesh(&mesh, &cloth, options).ok_or_else(|| Error::Empty {
+    let given = given::given(&scene.colliders, &mesh, options)?;
+    let (colliders, figures, found) = fit_mesh(&mesh, &cloth, given, options).ok_or_else(|| Error::Empty {
         path: path.into(),
         problem: "the body has no area that can be touched".into(),
         hint: "check that its triangles face outwards".into(),
     })?;
-    findings.extend(missed(&figures, &colliders, options));
+    findings.extend(found);
     findings.extend(elsewhere(&mesh, options));
     Ok(Fit { file: source.file_name, parts, colliders, figures, findings })
 }
@@ -167,35 +181,57 @@ pub(crate) fn body(mesh: &Mesh, read: &BuildOptions, dressed: bool) -> Result<Ve
     Ok(if plain && !is_body.contains(&true) { vec![true; is_body.len()] } else { is_body })
 }
 
-/// The solids of a mesh, all of which is the body, that leave the garments of another mesh outside; none if it has no area that can be
-/// touched.
-fn fit_mesh(mesh: &Mesh, cloth: &Mesh, options: &ColliderOptions) -> Option<(Vec<Collider>, Figures)> {
+/// The solids of a mesh, all of which is the body, that leave the garments of another mesh outside, or those given; none if it has no area
+/// that can be touched.
+fn fit_mesh(
+    mesh: &Mesh,
+    cloth: &Mesh,
+    given: Option<Given>,
+    options: &ColliderOptions,
+) -> Option<(Vec<Collider>, Figures, Vec<Finding>)> {
     let winding = Winding::new(mesh);
     let count = (MAX_PAIRS / mesh.triangles.len().max(1)).clamp(SAMPLES[0], SAMPLES[1]);
     let parents: Vec<Option<u32>> = mesh.skeleton.joints.iter().map(|j| j.parent).collect();
-    let mut all = samples(mesh, &winding, count, 1);
-    join_small(&mut all, &parents);
-    let guards = guards(mesh, &winding, &all);
-    all.extend(guards);
-    all.extend(worn(cloth, &winding, count));
+    // Other samples than those of a fit.
+    let mut others = samples(mesh, &winding, count, 2);
+    join_small(&mut others, &parents);
+    let all = |placed: &[fit::Placed]| placed.iter().map(|p| collider(mesh, p)).collect::<Vec<_>>();
+    let mut findings = Vec::new();
+    if let Some(given) = given.filter(|_| !others.is_empty()) {
+        let figures = judge::judge(mesh, &winding, &given.placed, &others);
+        let (is_used, said) = given::judged(&given, &figures, options);
+        findings.push(said);
+        if is_used {
+            findings.extend(given.findings);
+            return Some((all(&given.placed), figures, findings));
+        }
+    }
+    let mut fitted = samples(mesh, &winding, count, 1);
+    join_small(&mut fitted, &parents);
+    let guards = guards(mesh, &winding, &fitted);
+    fitted.extend(guards);
+    fitted.extend(worn(cloth, &winding, count));
     let thin = MIN_THICKNESS * mesh.diagonal();
     let limits = Limits { kinds: &options.kinds, target: options.error, count: options.count, thin };
-    let placed = fit::fit(&all, &limits);
+    let placed = fit::fit(&fitted, &limits);
     if placed.is_empty() {
         return None;
     }
-    // Other samples than those of the fit.
-    let mut others = samples(mesh, &winding, count, 2);
-    join_small(&mut others, &parents);
     let figures = judge::judge(mesh, &winding, &placed, &others);
-    let collider = |p: &fit::Placed| match p.joint.map(|j| &mesh.skeleton.joints[j as usize]) {
+    findings.extend(missed(&figures, placed.len(), options));
+    Some((all(&placed), figures, findings))
+}
+
+/// A solid in both poses.
+fn collider(mesh: &Mesh, placed: &fit::Placed) -> Collider {
+    let solid = placed.solid;
+    match placed.joint.map(|j| &mesh.skeleton.joints[j as usize]) {
         Some(joint) => {
-            let bound = bound(mesh, joint, p.solid);
-            Collider { joint: Some(joint.name.clone()), solid: p.solid.posed(joint), bound }
+            let bound = bound(mesh, joint, solid);
+            Collider { joint: Some(joint.name.clone()), solid: solid.posed(joint), bound }
         }
-        None => Collider { joint: None, solid: p.solid, bound: p.solid },
-    };
-    Some((placed.iter().map(collider).collect(), figures))
+        None => Collider { joint: None, solid, bound: solid },
+    }
 }
 
 /// A solid of a joint where the first joint of its name is bound: meshes that are bound differently have joints of equal names.
@@ -228,12 +264,12 @@ fn elsewhere(mesh: &Mesh, options: &ColliderOptions) -> Option<Finding> {
 }
 
 /// A warning if the body is not within reach of the target.
-fn missed(figures: &Figures, colliders: &[Collider], options: &ColliderOptions) -> Option<Finding> {
+fn missed(figures: &Figures, count: usize, options: &ColliderOptions) -> Option<Finding> {
     let mm = |x: f64| format!("{:.1} mm", 1e3 * x);
     let message = format!(
         "5 % of the body are more than {} from the {} colliders ({} asked for). Try a larger --max-colliders, or other --collider-shapes.",
         mm(figures.body.p95),
-        colliders.len(),
+        count,
         mm(options.error)
     );
     // Other samples than those of the fit decide, which differ by some percent.

@@ -4,6 +4,11 @@ use parry3d_f64::shape::{Ball, Capsule, Cuboid};
 
 use super::*;
 use crate::base::mesh::{Channel, Joint, Part, Semantic, Skeleton};
+use crate::import::{FileCollider, FileShape};
+
+fn fit(mesh: &Mesh, cloth: &Mesh, options: &ColliderOptions) -> Option<(Vec<Collider>, Figures)> {
+    fit_mesh(mesh, cloth, None, options).map(|(colliders, figures, _)| (colliders, figures))
+}
 
 /// A sphere of unit radius, `n` rings of `2 n` triangles, moved by `at`.
 fn ball(n: u32, at: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
@@ -95,7 +100,7 @@ fn a_capsule_is_found_again_wherever_it_lies() {
     let turn = Rotation3::new(Vector3::new(0.5, 1.2, -0.4));
     let mut mesh = limb(24, 0.3, 0.07);
     mesh.positions.iter_mut().for_each(|p| *p = (turn * Vector3::from(*p) + Vector3::new(3.0, 1.0, -2.0)).into());
-    let (colliders, figures) = fit_mesh(&mesh, &Mesh::default(), &ColliderOptions::default()).unwrap();
+    let (colliders, figures) = fit(&mesh, &Mesh::default(), &ColliderOptions::default()).unwrap();
     assert_eq!((colliders.len(), &colliders[0].joint), (1, &None));
     let Form::Capsule { half_height, radius } = colliders[0].solid.form else { panic!("{colliders:?}") };
     // The mesh is a polyhedron inside the capsule.
@@ -108,14 +113,14 @@ fn a_capsule_is_found_again_wherever_it_lies() {
 #[test]
 fn each_joint_has_its_own_solids_and_a_small_one_goes_to_its_parent() {
     let options = ColliderOptions::default();
-    let (colliders, _) = fit_mesh(&skinned(limb(24, 0.3, 0.07), [None, Some(0)]), &Mesh::default(), &options).unwrap();
+    let (colliders, _) = fit(&skinned(limb(24, 0.3, 0.07), [None, Some(0)]), &Mesh::default(), &options).unwrap();
     let names: Vec<_> = colliders.iter().filter_map(|c| c.joint.clone()).collect();
     assert_eq!(names, ["bone 0", "bone 1"]);
     assert!(colliders[0].solid.center[0] < -0.05 && colliders[1].solid.center[0] > 0.05, "{colliders:?}");
     // A file whose pose is another than the one of the binding: the second bone is turned about y and lifted.
     let mut posed = skinned(limb(24, 0.3, 0.07), [None, Some(0)]);
     posed.skeleton.joints[1].world = [0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 1.0];
-    let (moved, _) = fit_mesh(&posed, &Mesh::default(), &options).unwrap();
+    let (moved, _) = fit(&posed, &Mesh::default(), &options).unwrap();
     let [x, y, z] = colliders[1].solid.center;
     let found = moved[1].solid.center;
     assert!((found[0] - z).abs() + (found[1] - y - 0.5).abs() + (found[2] + x).abs() < 1e-9, "{found:?}");
@@ -132,7 +137,7 @@ fn each_joint_has_its_own_solids_and_a_small_one_goes_to_its_parent() {
     // A joint that moves a tip of some triangles.
     let mut tip = limb(24, 0.3, 0.07);
     tip.positions.iter_mut().for_each(|p| p[0] -= 0.369);
-    let (colliders, _) = fit_mesh(&skinned(tip, [None, Some(0)]), &Mesh::default(), &options).unwrap();
+    let (colliders, _) = fit(&skinned(tip, [None, Some(0)]), &Mesh::default(), &options).unwrap();
     assert_eq!(colliders.iter().filter_map(|c| c.joint.as_deref()).collect::<Vec<_>>(), ["bone 0"]);
 }
 
@@ -144,15 +149,14 @@ fn more_solids_come_nearer_and_the_number_is_a_limit() {
         let across = 1.0 + 0.15 * p[0];
         [across * angle.sin(), across * angle.cos(), -0.15 * p[2]]
     });
-    let fit = |count| {
-        fit_mesh(&bent, &Mesh::default(), &ColliderOptions { count, error: 0.004, ..Default::default() }).unwrap()
-    };
+    let fit =
+        |count| fit(&bent, &Mesh::default(), &ColliderOptions { count, error: 0.004, ..Default::default() }).unwrap();
     let (one, few, many) = (fit(1), fit(3), fit(12));
     assert_eq!((one.0.len(), few.0.len()), (1, 3));
     assert!(many.0.len() > 3 && many.0.len() <= 12, "{}", many.0.len());
     let p95 = [one.1.body.p95, few.1.body.p95, many.1.body.p95];
     assert!(p95[0] > 1.5 * p95[1] && p95[1] > 1.5 * p95[2], "{p95:?}");
-    assert!(missed(&one.1, &one.0, &ColliderOptions::default()).is_some());
+    assert!(missed(&one.1, one.0.len(), &ColliderOptions::default()).is_some());
     // The same on any number of threads.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     assert_eq!(pool.install(|| fit(3)), few);
@@ -168,11 +172,11 @@ fn surfaces_inside_the_body_are_left_out() {
     mesh.triangle_part.resize(mesh.triangles.len(), 0);
     let winding = Winding::new(&mesh);
     assert!(samples(&mesh, &winding, 2000, 1).iter().all(|s| s.point.iter().any(|x| x.abs() > 0.05)));
-    let (colliders, figures) = fit_mesh(&mesh, &Mesh::default(), &ColliderOptions::default()).unwrap();
+    let (colliders, figures) = fit(&mesh, &Mesh::default(), &ColliderOptions::default()).unwrap();
     assert!(colliders.len() == 1 && figures.body.max < 3e-3, "{figures:?}");
     // Nothing can be touched of a body that is inside out.
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    let wrong = fit_mesh(&Mesh::default(), &Mesh::default(), &ColliderOptions::default());
+    let wrong = fit(&Mesh::default(), &Mesh::default(), &ColliderOptions::default());
     assert!(wrong.is_none());
 }
 
@@ -187,4 +191,65 @@ fn options_out_of_range_are_refused() {
         let found = options.check().unwrap_err().to_string();
         assert!(found.contains(name), "{found}");
     }
+}
+
+/// A collider of a file that follows a joint, in a node at `world`.
+fn file_collider(shape: FileShape, joint: Option<u32>, world: [f64; 16]) -> FileCollider {
+    FileCollider { source: "VRM", node: "hand".into(), joint, shape, world }
+}
+
+#[test]
+fn colliders_of_a_file_are_used_where_they_fit() {
+    let mut mesh = skinned(limb(24, 0.3, 0.07), [None, Some(0)]);
+    // The file's pose is elsewhere than the mesh is bound: a quarter turn about z, and twice as large.
+    let world = [0.0, 2.0, 0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.5, 0.0, 0.0, 1.0];
+    mesh.skeleton.joints.iter_mut().for_each(|j| j.world = world);
+    let along = |half: f64| FileShape::Capsule { ends: [[half, 0.0, 0.0], [-half, 0.0, 0.0]], radii: [0.07; 2] };
+    let of = |shape, source| {
+        let options = ColliderOptions { source, ..Default::default() };
+        let given = given::given(&[file_collider(shape, Some(0), world)], &mesh, &options).unwrap();
+        fit_mesh(&mesh, &Mesh::default(), given, &options).unwrap()
+    };
+    let (colliders, figures, findings) = of(along(0.3), ColliderSource::Auto);
+    assert_eq!(colliders.len(), 1);
+    assert!(figures.body.p95 < 0.001, "{figures:?}");
+    assert_eq!((findings[0].severity, findings[0].kind), (Severity::Note, "file-colliders"));
+    let close = |a: [f64; 3], b: [f64; 3]| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-9);
+    assert!(close(colliders[0].bound.center, [0.0; 3]) && close(colliders[0].solid.center, [0.5, 0.0, 0.0]));
+    let Form::Capsule { half_height, radius } = colliders[0].solid.form else { panic!("{colliders:?}") };
+    assert!((half_height - 0.6).abs() < 1e-9 && (radius - 0.14).abs() < 1e-9, "it is as large as its node");
+    // It reaches along y of the world.
+    assert!(colliders[0].solid.distance([0.5, 0.74, 0.0]).abs() < 1e-9);
+    // Half as long, it does not fit: others are fitted, unless it is asked for.
+    let (fitted, _, findings) = of(along(0.1), ColliderSource::Auto);
+    assert!(fitted.len() > 1 && findings[0].message.contains("were fitted instead"), "{findings:?}");
+    let (kept, _, findings) = of(along(0.1), ColliderSource::File);
+    assert!(kept.len() == 1 && findings[0].severity == Severity::Warning, "{findings:?}");
+    let (others, _, findings) = of(along(0.3), ColliderSource::Fit);
+    assert!(others.len() > 1 && findings.is_empty(), "{findings:?}");
+    let none = given::given(&[], &mesh, &ColliderOptions { source: ColliderSource::File, ..Default::default() });
+    assert!(none.is_err());
+}
+
+#[test]
+fn shapes_of_files_become_solids() {
+    let options = ColliderOptions { source: ColliderSource::File, ..Default::default() };
+    let unit = std::array::from_fn(|k| f64::from(k % 5 == 0));
+    let turned = FileShape::Capsule { ends: [[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]], radii: [0.1, 0.3] };
+    let shapes = [
+        FileShape::Sphere { center: [0.0, 1.0, 0.0], radius: 0.5 },
+        turned,
+        FileShape::Capsule { ends: [[1.0; 3]; 2], radii: [0.1; 2] },
+        FileShape::Cylinder { half_height: 1.0, radii: [0.2; 2] },
+        FileShape::Box { half: [0.1, 0.2, 0.3] },
+    ];
+    let all: Vec<_> = shapes.into_iter().map(|s| file_collider(s, None, unit)).collect();
+    let given = given::given(&all, &Mesh::default(), &options).unwrap().unwrap();
+    let forms: Vec<_> = given.placed.iter().map(|p| p.solid.form).collect();
+    assert_eq!(forms[0], Form::Sphere { radius: 0.5 });
+    assert_eq!(forms[1], Form::Capsule { half_height: 1.0, radius: 0.2 });
+    assert_eq!(forms[2], Form::Sphere { radius: 0.1 });
+    assert_eq!(forms[3], Form::Capsule { half_height: 0.8, radius: 0.2 });
+    assert_eq!(forms[4], Form::Box { half: [0.1, 0.2, 0.3] });
+    assert_eq!((given.findings[0].kind, given.findings[0].count), ("rounded-collider", 2));
 }

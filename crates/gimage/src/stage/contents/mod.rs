@@ -9,7 +9,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::component::{Component, Split, no_area};
-use super::import::{Animation, Imported, Skin, import};
+use super::import::{Animation, FileCollider, Imported, Skin, import};
 use super::repair::repair;
 use super::select::{self, Following, Role, Verdict, apart, following, roles};
 use super::shell::{Layer, Sheets, Shell, ShellOptions, Thinned, thin};
@@ -38,6 +38,9 @@ pub struct Contents {
     pub skins: Vec<Skin>,
     /// The animations.
     pub animations: Vec<Animation>,
+    /// The colliders.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub colliders: Vec<FileCollider>,
     /// Findings of import, choice of parts and repair.
     pub findings: Vec<Finding>,
 }
@@ -158,6 +161,7 @@ pub fn contents(path: &Path, imported: Imported, options: &BuildOptions) -> Resu
         components,
         skins: scene.skins,
         animations: scene.animations,
+        colliders: scene.colliders,
         findings,
     })
 }

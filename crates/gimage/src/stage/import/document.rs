@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use super::matrix::{self, Matrix};
 use super::scene::{self, Animation};
+use super::shapes::{self, Given};
 use super::source::Source;
 use super::{EXPORT_AGAIN, extension, glb, malformed};
 use crate::error::{Error, Result};
@@ -27,6 +28,8 @@ pub(crate) struct Document<'a> {
     pub animations: Vec<Animation>,
     /// Channels and samplers of each, as the file has them.
     pub clips: Vec<Value>,
+    /// The colliders of its extensions.
+    pub colliders: Vec<Given>,
 }
 
 impl<'a> Document<'a> {
@@ -49,11 +52,12 @@ impl<'a> Document<'a> {
         let clips = section("animations");
         let name = |(i, m): (usize, &Value)| m["name"].as_str().map_or(format!("material {i}"), String::from);
         let materials = section("materials").iter().enumerate().map(name).collect();
-        object.remove("extensions");
+        let extensions = object.remove("extensions").unwrap_or_default();
         let animations = scene::animations(&clips, object.get("accessors"));
         check_version(path, object.get("asset"))?;
         source.extras = credits(object.get("asset"));
         let nodes = object.get("nodes").and_then(Value::as_array).map_or(&[][..], |n| n);
+        let colliders = shapes::given(&extensions, nodes);
         let locals = nodes.iter().enumerate().map(|(i, n)| local(path, i, n)).collect::<Result<_>>()?;
         fill_scenes(object);
         // As text again: gltf's own reader of text is compiled once, in its crate; one of values would be compiled here.
@@ -65,7 +69,7 @@ impl<'a> Document<'a> {
             malformed(path, "JSON", what, EXPORT_AGAIN)
         })?;
         extension::check_required(path, &root.extensions_required)?;
-        Ok(Self { path, root, locals, materials, animations, clips })
+        Ok(Self { path, root, locals, materials, animations, clips, colliders })
     }
 
     /// Name of a node, or its number.

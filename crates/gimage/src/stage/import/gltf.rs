@@ -115,6 +115,7 @@ pub(crate) fn load(
     }
     selector.finish()?;
     source.outside = buffers.outside();
+    let colliders = bones.colliders(findings);
     let mut mesh = builder.finish();
     if mesh.triangles.is_empty() {
         return Err(empty(path, &doc, findings));
@@ -122,7 +123,9 @@ pub(crate) fn load(
     if mesh.channels.iter().any(|c| matches!(c.semantic, Semantic::Joints(_))) {
         mesh.skeleton = bones.finish();
     }
-    Ok(Loaded { mesh, scene: scene::scene(&doc), origins })
+    let mut scene = scene::scene(&doc);
+    scene.colliders = colliders;
+    Ok(Loaded { mesh, scene, origins })
 }
 
 /// The transforms by which a node places its mesh, in its own space, and whether the file lists them.

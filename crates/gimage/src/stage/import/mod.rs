@@ -34,6 +34,7 @@ mod place;
 mod polygon;
 mod primitive;
 mod scene;
+mod shapes;
 mod skin;
 mod sniff;
 mod source;
@@ -50,6 +51,7 @@ pub use matrix::inverse;
 pub use origin::Origin;
 pub use place::Up;
 pub use scene::{Animation, Scene, Skin};
+pub use shapes::{FileCollider, FileShape};
 pub use source::{OutsideFile, Source};
 
 use crate::base::mesh::Mesh;
@@ -86,7 +88,7 @@ pub struct Imported {
     pub mesh: Mesh,
     /// The file.
     pub source: Source,
-    /// Skins and animations, which the mesh does not have.
+    /// Skins, animations and colliders, which the mesh does not have.
     pub scene: Scene,
     /// Where each part of the mesh came from; empty for OBJ.
     pub origins: Vec<Origin>,
@@ -143,8 +145,9 @@ fn dispatch(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOpti
         }
         sniff::Format::Gltf => gltf::load(name, bytes, None, resolver, options, &mut source, &mut findings)?,
     };
-    let gltf::Loaded { mut mesh, scene, origins } = loaded;
+    let gltf::Loaded { mut mesh, mut scene, origins } = loaded;
     let transform = place::place(&mut mesh, options, &mut findings);
+    scene.colliders.iter_mut().for_each(|c| c.world = matrix::mul(&transform, &c.world));
     Ok(Imported { mesh, source, scene, origins, transform, findings: findings.into_vec() })
 }
 

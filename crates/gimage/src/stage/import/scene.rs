@@ -1,17 +1,21 @@
-//! Skins and animations of a file, by name: an import does not keep them.
+//! Skins, animations and colliders of a file: the mesh of an import does not have them.
 
 use serde::Serialize;
 use serde_json::Value;
 
 use super::document::Document;
+use super::shapes::FileCollider;
 
-/// Skins and animations of a file; empty for OBJ.
+/// Skins, animations and colliders of a file; empty for OBJ.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Scene {
     /// The skins, in the order of the file.
     pub skins: Vec<Skin>,
     /// The animations, in the order of the file.
     pub animations: Vec<Animation>,
+    /// The colliders that are read, in the order of the file's extensions.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub colliders: Vec<FileCollider>,
 }
 
 /// A skin of a file.
@@ -38,7 +42,8 @@ pub(super) fn scene(doc: &Document) -> Scene {
         name: skin.name.clone().unwrap_or_else(|| format!("skin {k}")),
         joints: skin.joints.len(),
     };
-    Scene { skins: doc.root.skins.iter().enumerate().map(skin).collect(), animations: doc.animations.clone() }
+    let skins = doc.root.skins.iter().enumerate().map(skin).collect();
+    Scene { skins, animations: doc.animations.clone(), colliders: Vec::new() }
 }
 
 /// Names and durations. glTF demands the largest time of each accessor of times; nothing else of them is read.

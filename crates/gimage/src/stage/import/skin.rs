@@ -9,8 +9,10 @@
 use std::collections::HashMap;
 
 use super::accessor::Accessors;
+use super::findings::Findings;
 use super::matrix::{self, Matrix};
 use super::nodes::Forest;
+use super::shapes::{self, FileCollider, Given};
 use crate::base::mesh::{Joint, Skeleton};
 use crate::error::{Error, Result};
 
@@ -105,6 +107,20 @@ impl<'a> Bones<'a> {
             return bad("its inverse bind matrices have entries that are not finite".into());
         }
         Ok(all)
+    }
+
+    /// The colliders of the file, in its world.
+    pub fn colliders(&self, findings: &mut Findings) -> Vec<FileCollider> {
+        let doc = self.accessors.doc;
+        let there: Vec<&Given> = doc.colliders.iter().filter(|g| g.node < self.forest.world.len()).collect();
+        shapes::note_unread(&there, |n| doc.node_name(n), findings);
+        let read = there.iter().filter_map(|g| {
+            let ancestors = std::iter::successors(Some(g.node), |n| self.forest.parent[*n]);
+            let joint = ancestors.into_iter().find_map(|n| self.of_node.get(&n)?.first().copied());
+            let (node, world) = (doc.node_name(g.node), self.forest.world[g.node]);
+            Some(FileCollider { source: g.source, node, joint, shape: g.shape.ok()?, world })
+        });
+        read.collect()
     }
 
     /// The skeleton, with each joint's nearest ancestor among the joints.
