@@ -36,6 +36,8 @@ const HARMLESS: &[&str] = &[
     "EXT_instance_features",
     "AGI_",
     "VRM",
+    "KHR_implicit_shapes",
+    "KHR_physics_rigid_bodies",
 ];
 
 /// Refuses a file that requires what is neither read nor harmless.

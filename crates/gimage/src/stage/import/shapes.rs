@@ -84,7 +84,7 @@ pub(super) fn given(extensions: &Value, nodes: &[Value]) -> Vec<Given> {
         Some(Given { source: RIGID, node, shape })
     });
     let springs = list(&extensions[SPRINGS]["colliders"]).iter().filter_map(|c| {
-        // What an extension of the extension has, such as the inside of a ball, has a stand-in here, which is no body.
+        // A shape of an extension of the extension, such as the inside of a ball, has a substitute here that is not the shape.
         let shape = if c.get("extensions").is_some() { Err("an extended shape") } else { spring(&c["shape"]) };
         Some(Given { source: SPRINGS, node: index(&c["node"])?, shape })
     });
@@ -234,7 +234,7 @@ mod tests {
             (5, Ok(FileShape::Sphere { center: [0.1, 0.2, -0.3], radius: 0.4 })),
         ];
         assert_eq!(found, expected);
-        // Anything else is no collider, and no panic.
+        // Nothing else is a collider, and nothing panics.
         for odd in [json!(null), json!(3), json!({SPRINGS: {"colliders": 3}, VRM_0: [], SHAPES: "x"})] {
             assert!(given(&odd, &[json!(7), json!({"extensions": []})]).is_empty());
         }
