@@ -21,7 +21,9 @@ impl Format {
             Format::Gltf => "gltf",
             Format::Obj => "obj",
         };
-        (ext != want).then(|| format!("{} holds {want}", name.file_name().unwrap_or_default().to_string_lossy()))
+        // Avatars are binary glTF by another name.
+        let other = want == "glb" && ext == "vrm";
+        (ext != want && !other).then(|| format!("{} holds {want}", name.file_name().unwrap_or_default().to_string_lossy()))
     }
 }
 
