@@ -66,5 +66,5 @@ pub use rings::{LinkFault, Rings, find_rings, ring_gap};
 pub use springs::{SPRING_STEPS, other_end};
 pub use stitch::{MAX_STITCHES_AT_POINT, NO_STITCH, Place, Stitch};
 pub use surface::{Frame, SurfacePoint, surface_normals, triangles};
-pub use tether::{Anchor, MAX_ANCHORS, RestLengths, SpringGrid, Tethers, groups, tethers};
+pub use tether::{Anchor, Bridge, MAX_ANCHORS, RestLengths, SpringGrid, Tethers, bridges, groups, tethers};
 pub use validate::{Fault, FaultKind, MAX_LISTED, exit_code, validate, validate_files};

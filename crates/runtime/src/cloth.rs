@@ -24,7 +24,7 @@ pub(crate) use contact::{Kin, SKIPPED_CELLS};
 pub use flat::Flat;
 pub(crate) use gimage_bundle::other_end;
 pub use gimage_bundle::{Anchor, MAX_STITCHES_AT_POINT, Particle, Stitch, Tethers};
-pub(crate) use groups::{groups, mates, ring};
+pub(crate) use groups::{Bridges, groups, mates, ring};
 pub use select::Select;
 pub(crate) use sheet::{Bending, Membrane, Woven};
 pub use skin::{Influence, Skin, SkinJoint};
@@ -133,7 +133,7 @@ pub struct Cloth {
     cut: bool,
     /// The rest lengths before the first cut, where cuts need an image of them.
     uncut: Option<Arc<Rest>>,
-    /// Tethers that came with the cloth, as long as its pins are those they were made for.
+    /// Tethers that came with the cloth, as long as its pins and stitches are those they were made for.
     stored_tethers: Option<Arc<Tethers>>,
     /// Velocity \[m/s\] of all free particles at the start. Default 0.
     pub velocity: [f32; 3],

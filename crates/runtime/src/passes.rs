@@ -177,6 +177,8 @@ pub enum Pass {
         slots: u32,
         /// Whether there are seams.
         seams: bool,
+        /// Whether there are stitches.
+        sewn: bool,
         /// Whether one workgroup goes from texel to texel, round by round, not each thread one round for its texel.
         walks: bool,
     },

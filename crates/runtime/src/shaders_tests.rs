@@ -71,7 +71,8 @@ fn passes() -> Vec<Pass> {
     all.extend([Pass::Leaves, Pass::Tree, Pass::Touch, Pass::Separate]);
     all.extend([false, true].map(|seams| Pass::Partners { seams }));
     for walks in [false, true] {
-        all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams, walks }));
+        let kinds = [(false, false), (true, false), (true, true)];
+        all.extend(kinds.map(|(seams, sewn)| Pass::CutTethers { slots: 2, seams, sewn, walks }));
     }
     all
 }

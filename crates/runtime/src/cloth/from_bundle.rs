@@ -36,10 +36,10 @@ impl Cloth {
             grids,
         };
         let mut cloth = Cloth::new(parts)?;
-        cloth.keep_tethers(bundle.stored_tethers());
         cloth.limits = bundle.limits().map(Into::into);
         cloth.keep_grain(grain(bundle, cloth.grids()));
         cloth.set_stitches(bundle.stitches())?;
+        cloth.keep_tethers(bundle.stored_tethers());
         cloth.keep_skin(bundle)?;
         let clearances = pieces.iter().filter_map(|p| Some(p.shell.as_ref()?.clearance() as f32));
         cloth.thickness = clearances.chain(fitted(bundle)).filter(|c| (0.0..=1.0).contains(c)).reduce(f32::max);

@@ -192,7 +192,7 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::CoarseTies { level, cut } => rare::coarse_ties(over, level, cut),
         Pass::Cut => rare::cut(over),
         Pass::CutSprings => rare::cut_springs(over),
-        Pass::CutTethers { slots, seams, walks } => rare::cut_tethers(over, slots, seams, walks),
+        Pass::CutTethers { slots, seams, sewn, walks } => rare::cut_tethers(over, slots, [seams, sewn], walks),
         Pass::CutLevels => rare::cut_levels(over),
         Pass::Transform => rare::transform(over),
         Pass::Place => rare::place(over),
