@@ -1,5 +1,6 @@
 //! The description of a cloth before it is stepped: grids of particles, pins, rest lengths and masses.
 
+mod backstop;
 mod charts;
 mod check;
 mod contact;
@@ -19,6 +20,7 @@ mod tether;
 mod texture;
 mod weigh;
 
+pub use backstop::Backstop;
 pub use contact::ClothContact;
 pub(crate) use contact::{Kin, SKIPPED_CELLS};
 pub use flat::Flat;
@@ -163,6 +165,9 @@ pub struct Cloth {
     /// 0 holds a free particle there, below 0 means none. Default none, at no cost; else one pass per step, of 36 bytes per
     /// particle. The same for all duplicates of a seam particle.
     pub limits: Option<Arc<[f32]>>,
+    /// How far each particle may go behind its initial position, or behind the skin of cloth that follows joints, for [`crate::Solver::Xpbd`].
+    /// Default none, at no cost; else one pass per step, of 36 bytes per particle. The same for all duplicates of a seam particle.
+    pub backstops: Option<Arc<[Backstop]>>,
     /// The membrane that carries tension in place of springs; [`Cloth::set_material`] makes it.
     pub(crate) membrane: Option<Arc<Membrane>>,
     /// How stiff the cloth is against bending; [`Cloth::set_material`] makes it.
@@ -207,6 +212,7 @@ impl Cloth {
             inertia: Inertia::default(),
             compliance: Compliance::None,
             limits: None,
+            backstops: None,
             membrane: None,
             bending: None,
             exact: false,
@@ -250,6 +256,7 @@ impl Cloth {
         for limit in limits {
             range("a limit [m]", f64::from(*limit), "finite", |_| true)?;
         }
+        self.check_backstops()?;
         for c in soft {
             range("a compliance [m/N]", f64::from(*c), "at least 0", |c| c >= 0.0)?;
         }

@@ -2,7 +2,7 @@
 
 use gimage_bundle::{Bundle, MapKind};
 
-use super::{Cloth, Grid, Mass, Parts, Rest};
+use super::{Backstop, Cloth, Grid, Mass, Parts, Rest};
 use crate::error::Result;
 
 /// Mass \[kg\] of a particle where the bundle says nothing. Without other masses only wind depends on it.
@@ -37,6 +37,8 @@ impl Cloth {
         };
         let mut cloth = Cloth::new(parts)?;
         cloth.limits = bundle.limits().map(Into::into);
+        let backstop = |[distance, radius]: [f32; 2]| Backstop { distance, radius };
+        cloth.backstops = bundle.backstops().map(|all| all.into_iter().map(backstop).collect());
         cloth.keep_grain(grain(bundle, cloth.grids()));
         cloth.set_stitches(bundle.stitches())?;
         cloth.keep_tethers(bundle.stored_tethers());
