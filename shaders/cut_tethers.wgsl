@@ -95,19 +95,26 @@ fn settle(phase: u32, k: u32, place: u32, list: u32, round: u32) {
   }
 }
 
-// Texels around one, and their duplicates, each once per round. The duplicates of this one do the same.
+// Texels around one and at the other ends of its stitches, and their duplicates, each once per round. The duplicates of this one do the same.
 fn list_around(k: u32, list: u32, round: u32) {
   let grid = grid_of(k);
   for (var c = 0u; c < 8u; c++) {
-    let n = beside(grid, k, c);
-    var m = n;
-    for (var start = true; start || m != n; start = false) {
-      if (atomicMax(&changes[STAMPS + m], round) < round) {
-        let place = atomicAdd(&changes[list], 1u);
-        atomicStore(&changes[STAMPS + (1u + list) * texels() + place], m);
-      }
-      m = mate(m);
+    list_ring(beside(grid, k, c), list, round);
+  }
+  let last = bridges_from(k + 1u);
+  for (var e = bridges_from(k); e < last; e++) {
+    list_ring(bridge_to(e), list, round);
+  }
+}
+
+fn list_ring(n: u32, list: u32, round: u32) {
+  var m = n;
+  for (var start = true; start || m != n; start = false) {
+    if (atomicMax(&changes[STAMPS + m], round) < round) {
+      let place = atomicAdd(&changes[list], 1u);
+      atomicStore(&changes[STAMPS + (1u + list) * texels() + place], m);
     }
+    m = mate(m);
   }
 }
 

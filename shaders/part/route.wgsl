@@ -70,6 +70,20 @@ fn look(m: u32, group: u32) {
   }
 }
 
+// How far the texel at the other end of a stitch is from which pin of a group, as the bits of the distance and the pin.
+fn away_over(e: u32, group: u32) -> vec2<u32> {
+  let n = bridge_to(e);
+  var found = vec2<u32>(NONE, bitcast<u32>(FAR));
+  for (var s = 0u; s < slots; s++) {
+    let t = n * slots + s;
+    if (supports[2u * t] == group) {
+      found = tethers[t];
+      break;
+    }
+  }
+  return found;
+}
+
 // How far C is from a point that is `far_a` from A and `far_b` from B, straight through the side `ab`; FAR where the line
 // goes past that side.
 fn unfold(far_a: f32, far_b: f32, ab: f32, ac: f32, bc: f32) -> f32 {
@@ -108,10 +122,10 @@ fn through(e: vec4<u32>) -> f32 {
   return unfold(away[e.x], away[e.y], ab, long[e.x], long[e.y]);
 }
 
-// Support of a tether. 0: particles nearer to its pin hang on that pin too, and the path through them, along a spring or
-// across a triangle, is at most as long as the tether; a share of 1e-4 is rounding. Else, beside pins that share the cloth,
-// paths may lead between particles that hang on others: UNSUPPORTED minus the number of springs, triangles and nearer
-// particles around it; UNSUPPORTED if no particle is nearer.
+// Support of a tether. 0: particles nearer to its pin hang on that pin too, and the path through them, along a spring,
+// across a triangle or over a stitch, is at most as long as the tether; a share of 1e-4 is rounding. Else, beside pins that share the cloth,
+// paths may lead between particles that hang on others: UNSUPPORTED minus the number of springs, triangles, stitches and
+// nearer particles around it; UNSUPPORTED if no particle is nearer.
 fn support(k: u32, tether: vec2<u32>, group: u32) -> u32 {
   let own = bitcast<f32>(tether.y);
   var way = FAR;
@@ -133,6 +147,17 @@ fn support(k: u32, tether: vec2<u32>, group: u32) -> u32 {
       there += u32(side(e) > 0.0);
       if (max(away[e.x], away[e.y]) < own && end[e.x] == tether.x && end[e.y] == tether.x) {
         way = min(way, through(e));
+      }
+    }
+    let last = bridges_from(m + 1u);
+    for (var e = bridges_from(m); e < last; e++) {
+      let over = away_over(e, group);
+      let far = bitcast<f32>(over.y);
+      let by = bridge_length(e);
+      there += u32(by > 0.0);
+      nearer += u32(far < own);
+      if (by > 0.0 && far < own && over.x == tether.x) {
+        way = min(way, far + by);
       }
     }
     m = mate(m);
@@ -166,6 +191,14 @@ fn nearest(k: u32, group: u32) -> vec2<u32> {
       let e = corners[t];
       if (max(away[e.x], away[e.y]) < FAR && end[e.x] == end[e.y]) {
         best = shorter(best, vec2<u32>(end[e.x], bitcast<u32>(through(e))));
+      }
+    }
+    let last = bridges_from(m + 1u);
+    for (var e = bridges_from(m); e < last; e++) {
+      let over = away_over(e, group);
+      let by = bridge_length(e);
+      if (by > 0.0 && bitcast<f32>(over.y) < FAR) {
+        best = shorter(best, vec2<u32>(over.x, bitcast<u32>(bitcast<f32>(over.y) + by)));
       }
     }
     m = mate(m);

@@ -60,11 +60,11 @@ pub use manifest::Manifest;
 pub use map::{Image, MAX_SIDE, MapKind, check_file_name, check_size, file_stems};
 pub use particle::{MAX_PARTICLES, Particle};
 pub use render::{
-    COORD, MAX_RENDER_BYTES, OFFSET, RENDER_FILE, RenderFile, RenderMaterial, RenderPrimitive, UvTransform,
+    COORD, MAX_RENDER_BYTES, OFFSET, RENDER_FILE, RenderFile, RenderMaterial, RenderPrimitive, UvTransform, Wrap,
 };
 pub use rings::{LinkFault, Rings, find_rings, ring_gap};
 pub use springs::{SPRING_STEPS, other_end};
 pub use stitch::{MAX_STITCHES_AT_POINT, NO_STITCH, Place, Stitch};
 pub use surface::{Frame, SurfacePoint, surface_normals, triangles};
-pub use tether::{Anchor, MAX_ANCHORS, RestLengths, SpringGrid, Tethers, groups, tethers};
+pub use tether::{Anchor, Bridge, MAX_ANCHORS, RestLengths, SpringGrid, Tethers, bridges, groups, tethers};
 pub use validate::{Fault, FaultKind, MAX_LISTED, exit_code, validate, validate_files};

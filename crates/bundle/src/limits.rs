@@ -1,4 +1,4 @@
-//! Limits: how far particles may move from their positions at rest.
+//! Limits: how far particles may move from their positions at rest, and how far behind them.
 
 use crate::bundle::Bundle;
 use crate::map::MapKind;
@@ -33,6 +33,19 @@ impl Bundle {
             (0..piece.width as usize * piece.height as usize).map(move |k| self.limit(index, k))
         };
         Some((0..self.manifest.pieces.len()).flat_map(texels).collect())
+    }
+
+    /// How far every particle may go behind its position at rest \[m\], negative for no backstop, and the radius of the sphere that begins
+    /// there \[m\], by bundle-wide index, from `backstop` maps. `None` if no particle has a backstop.
+    pub fn backstops(&self) -> Option<Vec<[f32; 2]>> {
+        let images: Vec<_> = (0..self.manifest.pieces.len()).map(|k| self.image(k, &MapKind::Backstop)).collect();
+        let any = images.iter().flatten().any(|image| image.data.chunks_exact(3).any(|texel| texel[0] >= 0.0));
+        let texels = |(image, piece): (&Option<&crate::map::Image>, &crate::manifest::PieceEntry)| {
+            let at = |k: usize| image.and_then(|image| image.at(k).first_chunk().copied());
+            let texels = piece.width as usize * piece.height as usize;
+            (0..texels).map(|k| at(k).unwrap_or([NO_LIMIT, 0.0])).collect::<Vec<[f32; 2]>>()
+        };
+        any.then(|| images.iter().zip(&self.manifest.pieces).flat_map(texels).collect())
     }
 
     /// The limit of texel `k` of a piece: that of the map, else the constant, else [`NO_LIMIT`].

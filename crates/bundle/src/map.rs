@@ -103,6 +103,9 @@ pub enum MapKind {
     Tether,
     /// Largest distance \[m\] from the position at rest: 0 holds the particle there, a negative value means no limit. 1 channel.
     Limit,
+    /// How far the particle may go behind its position at rest \[m\], negative for no backstop, and the radius of the sphere that begins there
+    /// \[m\]; the third is 0. 3 channels.
+    Backstop,
     /// Index of the piece that the particle is tied to (-1 = none), u and v of the point there, and its distance at rest \[m\]. 4
     /// channels.
     Stitch,
@@ -138,6 +141,7 @@ impl MapKind {
             "mass" => MapKind::Mass,
             "tether" => MapKind::Tether,
             "limit" => MapKind::Limit,
+            "backstop" => MapKind::Backstop,
             "stitch" => MapKind::Stitch,
             "normal" => MapKind::Normal,
             _ if name.len() > 1 && name.starts_with('_') => MapKind::Custom(name.into()),
@@ -160,6 +164,7 @@ impl MapKind {
             MapKind::Mass => "mass".into(),
             MapKind::Tether => "tether".into(),
             MapKind::Limit => "limit".into(),
+            MapKind::Backstop => "backstop".into(),
             MapKind::Stitch => "stitch".into(),
             MapKind::Normal => "normal".into(),
             MapKind::Uv(n) => set("uv", *n),
@@ -175,7 +180,7 @@ impl MapKind {
         match self {
             MapKind::Position | MapKind::Rest | MapKind::Stitch | MapKind::Joints(_) | MapKind::Weights(_) => &[4],
             MapKind::Mass | MapKind::Limit => &[1],
-            MapKind::Tether | MapKind::Normal | MapKind::Uv(_) => &[3],
+            MapKind::Tether | MapKind::Backstop | MapKind::Normal | MapKind::Uv(_) => &[3],
             MapKind::Color(_) => &[3, 4],
             MapKind::Custom(_) => &[1, 3, 4],
         }
@@ -186,7 +191,7 @@ impl MapKind {
     /// lengths belong to springs, which each side has for itself.
     pub fn agrees_across_seams(&self) -> bool {
         use MapKind::*;
-        matches!(self, Position | Mass | Tether | Limit | Joints(_) | Weights(_))
+        matches!(self, Position | Mass | Tether | Limit | Backstop | Joints(_) | Weights(_))
     }
 }
 
@@ -245,7 +250,9 @@ mod tests {
     fn names_round_trip() {
         use MapKind::*;
         let custom = Custom("_THICKNESS".into());
-        for kind in [Position, Rest, Mass, Tether, Limit, Stitch, Normal, Uv(0), Uv(1), Color(12), Joints(0), custom] {
+        for kind in
+            [Position, Rest, Mass, Tether, Limit, Backstop, Stitch, Normal, Uv(0), Uv(1), Color(12), Joints(0), custom]
+        {
             assert_eq!(MapKind::parse(&kind.name()), Some(kind));
         }
         for unknown in ["", "_", "uv0", "uv01", "uv+1", "uv256", "bend", "velocity", "colour", "Position"] {

@@ -9,6 +9,7 @@ mod matrix;
 mod nodes;
 mod primitive;
 mod uv_transform;
+mod wrap;
 
 use serde_json::Value;
 
@@ -17,6 +18,7 @@ use crate::error::{Error, Result};
 pub(crate) use check::check_render;
 pub use primitive::RenderPrimitive;
 pub use uv_transform::UvTransform;
+pub use wrap::Wrap;
 
 /// The name of the file.
 pub const RENDER_FILE: &str = "render.glb";
@@ -44,6 +46,8 @@ pub struct RenderMaterial {
     pub base_image: Option<usize>,
     /// The set of texture coordinates of that image.
     pub base_set: usize,
+    /// How that image goes on along u and v.
+    pub base_wrap: [Wrap; 2],
     /// From texture coordinates of the mesh to those of that image: [`UvTransform::IDENTITY`] without `KHR_texture_transform`.
     pub base_transform: UvTransform,
     /// Alpha below which a pixel is not drawn, for the alpha mode `MASK`.
@@ -61,6 +65,7 @@ impl Default for RenderMaterial {
             base_color: [1.0; 4],
             base_image: None,
             base_set: 0,
+            base_wrap: [Wrap::Repeat; 2],
             base_transform: UvTransform::IDENTITY,
             cutoff: None,
             blends: false,
@@ -99,6 +104,7 @@ impl<'a> RenderFile<'a> {
             base_color: std::array::from_fn(factor),
             base_image: source.and_then(|t| t["source"].as_u64()).map(|i| i as usize),
             base_set: set.as_u64().or(texture["texCoord"].as_u64()).unwrap_or(0) as usize,
+            base_wrap: source.map_or([Wrap::Repeat; 2], |texture| Wrap::of(&self.json, texture)),
             base_transform: UvTransform::of(moved),
             cutoff: (mode == "MASK").then(|| material["alphaCutoff"].as_f64().unwrap_or(0.5) as f32),
             blends: mode == "BLEND",

@@ -68,7 +68,7 @@ impl Sheet {
 
     fn tethers(&self, most: usize) -> Tethers {
         let (width, height) = (self.width as u32, (self.positions.len() / self.width) as u32);
-        tethers(&[SpringGrid { width, height, rest: RestLengths::Image(&self.rest) }], &self.particles, most)
+        tethers(&[SpringGrid { width, height, rest: RestLengths::Image(&self.rest) }], &self.particles, &[], most)
     }
 
     /// Largest and smallest relative error of the nearest anchor against `truth`, over distances above 0.
@@ -104,7 +104,7 @@ fn stretched_texels_are_as_exact() {
 fn constant_lengths_are_the_same_as_an_image_of_them() {
     let sheet = Sheet::flat(17, 17).pin(&[3, 200]);
     let rest = RestLengths::Constant(sheet.rest[17]);
-    let found = tethers(&[SpringGrid { width: 17, height: 17, rest }], &sheet.particles, 2);
+    let found = tethers(&[SpringGrid { width: 17, height: 17, rest }], &sheet.particles, &[], 2);
     for (a, b) in found.anchors.iter().zip(&sheet.tethers(2).anchors) {
         assert!(a.particle == b.particle && (a.distance - b.distance).abs() <= 1e-6 * a.distance);
     }
@@ -122,6 +122,73 @@ fn halves(n: usize, tip: usize) -> Vec<Particle> {
 }
 
 #[test]
+fn paths_go_on_over_stitches() {
+    // Two squares of one plane; the second begins at x = 0.4, between the columns and rows of the first, and is sewn there.
+    for (n, thread) in [(33usize, 0.0f32), (65, 0.0), (33, 0.02)] {
+        let square = Sheet::flat(n, n);
+        let h = 1.0 / (n - 1) as f64;
+        let [left, top] = [0.4 + 0.3 * h, 0.4 * h];
+        let at = |k: usize| {
+            let (sheet, k) = ((k / (n * n)) as f64, k % (n * n));
+            [(k % n) as f64 * h + sheet * left, (k / n) as f64 * h + sheet * top]
+        };
+        let stitches: Vec<Stitch> = (0..n - 1)
+            .map(|j| Stitch {
+                particle: (n * n + j * n) as u32,
+                piece: 0,
+                at: at(n * n + j * n).map(|x| x as f32),
+                distance: thread,
+            })
+            .collect();
+        let grid = SpringGrid { width: n as u32, height: n as u32, rest: RestLengths::Image(&square.rest) };
+        // A pin on either side of the stitches; a path from the second sheet to the first leads through particles.
+        for (pin, to, slack) in
+            [(n * (n / 2) + 3, n * n..2 * n * n, 1e-2), (n * n + n * (n / 2) + n - 2, 0..n * n, 1.5 * h)]
+        {
+            let mut particles = vec![Particle::Free { next: None }; 2 * n * n];
+            particles[pin] = Particle::Pinned { next: None };
+            assert!(to.clone().all(|k| !tethers(&[grid, grid], &particles, &[], 1).of(k)[0].exists()));
+            let found = tethers(&[grid, grid], &particles, &stitches, 1);
+            let (mut hi, mut lo) = (0.0f64, 0.0f64);
+            for k in to {
+                let (p, q) = (at(pin), at(k));
+                // Where the straight way crosses the line of stitches; beyond its ends, and on the same side, it leads elsewhere.
+                let share = (left - p[0]) / (q[0] - p[0]);
+                let y = p[1] + share * (q[1] - p[1]);
+                if (0.0..=1.0).contains(&share) && (top..top + (n - 2) as f64 * h).contains(&y) {
+                    let truth = (p[0] - q[0]).hypot(p[1] - q[1]) + f64::from(thread);
+                    let error = f64::from(found.of(k)[0].distance) - truth;
+                    (hi, lo) = (hi.max(error), lo.min(error));
+                }
+            }
+            assert!(hi > 0.0 && hi < slack && lo > -1e-6, "{n} {thread} {pin}: {hi:e} of {slack:e}, {lo:e}");
+        }
+    }
+}
+
+#[test]
+fn stitches_to_quads_that_are_gone_lead_nowhere() {
+    let n = 9;
+    let square = Sheet::flat(n, n);
+    let mut particles = vec![Particle::Free { next: None }; 2 * n * n];
+    particles[0] = Particle::Pinned { next: None };
+    let stitch = |particle: usize, piece| Stitch { particle: particle as u32, piece, at: [0.55; 2], distance: 0.0 };
+    let reach = |particles: &[Particle], rest: &[[f32; 4]], stitch: Stitch| {
+        let grid = SpringGrid { width: n as u32, height: n as u32, rest: RestLengths::Image(rest) };
+        tethers(&[grid, grid], particles, &[stitch], 1).of(2 * n * n - 1)[0].exists()
+    };
+    assert!(reach(&particles, &square.rest, stitch(n * n, 0)));
+    // To a grid that there is not, from a particle that there is not, and to a quad without a spring or without a corner.
+    assert!(!reach(&particles, &square.rest, stitch(n * n, 2)));
+    assert!(!reach(&particles, &square.rest, stitch(9 * n * n, 0)));
+    let mut cut = square.rest.clone();
+    cut[4 * n + 4][2] = 0.0;
+    assert!(!reach(&particles, &cut, stitch(n * n, 0)));
+    particles[5 * n + 5] = Particle::None;
+    assert!(!reach(&particles, &square.rest, stitch(n * n, 0)));
+}
+
+#[test]
 fn paths_go_round_the_end_of_a_slit() {
     for n in [33, 65, 129] {
         let square = Sheet::flat(n, n);
@@ -129,7 +196,7 @@ fn paths_go_round_the_end_of_a_slit() {
         let mut particles = halves(n, tip);
         particles[pin] = Particle::Pinned { next: None };
         let grid = SpringGrid { width: n as u32, height: n as u32, rest: RestLengths::Image(&square.rest) };
-        let found = tethers(&[grid, grid], &particles, 1);
+        let found = tethers(&[grid, grid], &particles, &[], 1);
         let h = 1.0 / (n - 1) as f64;
         let at = |k: usize| [(k % n + k / (n * n) * (n - 1)) as f64 * h, (k % (n * n) / n) as f64 * h];
         let far = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
@@ -207,7 +274,7 @@ fn charts_joined_by_rings_are_one_surface() {
     particles[3 * w + 4] = Particle::Pinned { next: None };
     let rest = RestLengths::Constant(whole.rest[2 * w]);
     let grid = SpringGrid { width: w as u32, height: h as u32, rest };
-    let found = tethers(&[grid, grid], &particles, 1);
+    let found = tethers(&[grid, grid], &particles, &[], 1);
     for k in 0..2 * w * h {
         let (i, j) = (k % w + if k < w * h { 0 } else { w - 1 }, k % (w * h) / w);
         let truth = whole.chord(3 * (2 * w - 1) + 4, j * (2 * w - 1) + i);
@@ -290,8 +357,8 @@ fn what_cannot_be_reached_has_no_anchor() {
     assert_eq!(sheet.tethers(9).per_particle, MAX_ANCHORS);
     // Lists that are too short, and a pin without springs.
     let short = SpringGrid { width: 9, height: 9, rest: RestLengths::Image(&[]) };
-    assert_eq!(tethers(&[short], &[Particle::Pinned { next: None }; 3], 1).anchors.len(), 3);
-    assert_eq!(tethers(&[], &sheet.particles, 1).of(0), [Anchor { particle: 0, distance: 0.0 }]);
+    assert_eq!(tethers(&[short], &[Particle::Pinned { next: None }; 3], &[], 1).anchors.len(), 3);
+    assert_eq!(tethers(&[], &sheet.particles, &[], 1).of(0), [Anchor { particle: 0, distance: 0.0 }]);
 }
 
 /// A flat sheet whose inner points are moved by up to a fifth of a texel.

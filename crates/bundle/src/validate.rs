@@ -48,6 +48,8 @@ pub enum FaultKind {
     Mass,
     /// A tether is negative, or its anchor is not a pinned particle.
     Tether,
+    /// The radius of a backstop is not above 0.
+    Backstop,
     /// A stitch leads to no point of a piece, or its length is negative.
     Stitch,
     /// A joint index is not that of a joint.
@@ -324,6 +326,9 @@ fn check_piece(found: &mut Findings, index: usize, piece: &PieceEntry, all: &[Pa
 fn check_texel(kind: &MapKind, texel: &[f32], all: &[Particle], bundle: &Bundle) -> Option<(FaultKind, String)> {
     match kind {
         MapKind::Mass if texel[0] <= 0.0 => Some((FaultKind::Mass, format!("mass {} kg is not positive", texel[0]))),
+        MapKind::Backstop if texel[0] >= 0.0 && texel[1] <= 0.0 => {
+            Some((FaultKind::Backstop, format!("the radius of a backstop is {} m, not above 0", texel[1])))
+        }
         MapKind::Tether => {
             let (distance, anchor) = (texel[0], texel[1]);
             let whole = anchor >= 0.0 && anchor.fract() == 0.0 && anchor < crate::MAX_PARTICLES as f32;

@@ -70,7 +70,7 @@ pub mod report;
 pub mod stage;
 
 pub use base::{closest, grid, halfedge, mesh, surface, topology};
-pub use stage::assemble::{limits, mass, pins, springs};
+pub use stage::assemble::{backstops, limits, mass, pins, springs};
 pub use stage::image::{judge, ladder};
 pub use stage::measure::stretch;
 pub use stage::{

@@ -4,6 +4,8 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
+    /// Fitting solids to the body, of [`crate::pipeline::dress`] alone.
+    Colliders,
     /// Reading the file.
     Import,
     /// Repairing the mesh to a manifold.
@@ -30,6 +32,7 @@ impl Stage {
     /// Its name, in lower case.
     pub fn name(self) -> &'static str {
         match self {
+            Stage::Colliders => "colliders",
             Stage::Import => "import",
             Stage::Repair => "repair",
             Stage::Shell => "shell",

@@ -1,5 +1,6 @@
 //! The description of a cloth before it is stepped: grids of particles, pins, rest lengths and masses.
 
+mod backstop;
 mod charts;
 mod check;
 mod contact;
@@ -19,12 +20,13 @@ mod tether;
 mod texture;
 mod weigh;
 
+pub use backstop::Backstop;
 pub use contact::ClothContact;
 pub(crate) use contact::{Kin, SKIPPED_CELLS};
 pub use flat::Flat;
 pub(crate) use gimage_bundle::other_end;
 pub use gimage_bundle::{Anchor, MAX_STITCHES_AT_POINT, Particle, Stitch, Tethers};
-pub(crate) use groups::{groups, mates, ring};
+pub(crate) use groups::{Bridges, groups, mates, ring};
 pub use select::Select;
 pub(crate) use sheet::{Bending, Membrane, Woven};
 pub use skin::{Influence, Skin, SkinJoint};
@@ -133,7 +135,7 @@ pub struct Cloth {
     cut: bool,
     /// The rest lengths before the first cut, where cuts need an image of them.
     uncut: Option<Arc<Rest>>,
-    /// Tethers that came with the cloth, as long as its pins are those they were made for.
+    /// Tethers that came with the cloth, as long as its pins and stitches are those they were made for.
     stored_tethers: Option<Arc<Tethers>>,
     /// Velocity \[m/s\] of all free particles at the start. Default 0.
     pub velocity: [f32; 3],
@@ -163,6 +165,9 @@ pub struct Cloth {
     /// 0 holds a free particle there, below 0 means none. Default none, at no cost; else one pass per step, of 36 bytes per
     /// particle. The same for all duplicates of a seam particle.
     pub limits: Option<Arc<[f32]>>,
+    /// How far each particle may go behind its initial position, or behind the skin of cloth that follows joints, for [`crate::Solver::Xpbd`].
+    /// Default none, at no cost; else one pass per step, of 36 bytes per particle. The same for all duplicates of a seam particle.
+    pub backstops: Option<Arc<[Backstop]>>,
     /// The membrane that carries tension in place of springs; [`Cloth::set_material`] makes it.
     pub(crate) membrane: Option<Arc<Membrane>>,
     /// How stiff the cloth is against bending; [`Cloth::set_material`] makes it.
@@ -207,6 +212,7 @@ impl Cloth {
             inertia: Inertia::default(),
             compliance: Compliance::None,
             limits: None,
+            backstops: None,
             membrane: None,
             bending: None,
             exact: false,
@@ -250,6 +256,7 @@ impl Cloth {
         for limit in limits {
             range("a limit [m]", f64::from(*limit), "finite", |_| true)?;
         }
+        self.check_backstops()?;
         for c in soft {
             range("a compliance [m/N]", f64::from(*c), "at least 0", |c| c >= 0.0)?;
         }

@@ -196,6 +196,7 @@ impl Cloth {
         cloth.take_settings(self);
         cloth.compliance = lengths::compliance(self, &map.samples);
         cloth.limits = self.limits.as_ref().map(|limits| map.take(limits).into());
+        cloth.backstops = self.backstops.as_ref().map(|backstops| map.take(backstops).into());
         cloth.set_stitches_that_fit(map.stitches(self, &cloth));
         cloth.take_skin(self, &map.samples);
         cloth.keep_tethers(self.stored_tethers().and_then(|held| map.tethers(held)));

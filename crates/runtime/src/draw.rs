@@ -9,6 +9,8 @@ mod device;
 mod flat;
 mod ground;
 mod mesh;
+#[cfg(feature = "gpu")]
+mod paints;
 mod raster;
 mod rows;
 mod shader;
@@ -19,6 +21,7 @@ mod texture;
 pub use crate::look::{Camera, Look, SolidLook, View, uv_of};
 #[cfg(feature = "gpu")]
 pub use device::{Draw, Target};
+pub use gimage_bundle::Wrap;
 pub use ground::Ground;
 pub use software::{SheetView, Software};
 pub use surface::{Alpha, Facet, Hidden, Paint};

@@ -150,6 +150,7 @@ pub struct Like {
     pub instance: (usize, usize),
     pub exact: bool,
     pub limited: bool,
+    pub backed: bool,
     /// Whether it follows joints, and so has targets of its own.
     pub follows: bool,
 }
@@ -181,7 +182,7 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
         }
         let (image, rings) = (matches!(cloth.rest(), Rest::Image(_)), cloth.ring_count() > 0);
         let soft = soft_of(cloth);
-        let aimed = (cloth.limits.is_some(), cloth.follows_joints());
+        let aimed = (cloth.limits.is_some(), cloth.backstops.is_some(), cloth.follows_joints());
         let sewn = cloth.sewing().is_some();
         let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some(), aimed, sewn);
         let (slots, instance) = held(index);
@@ -190,7 +191,9 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
         // pulls of stitches.
         let vectors = 1 + usize::from(soft != Soft::None) + usize::from(cloth.bending().is_some()) + usize::from(sewn);
         let places = room_of(cloth.len());
-        let own = 16 * places as u64 * (u64::from(cloth.is_aimed()) + u64::from(cloth.follows_joints()));
+        let follows = u64::from(cloth.follows_joints());
+        let own = u64::from(cloth.is_aimed()) + follows + u64::from(cloth.backstops.is_some()) * (1 + follows);
+        let own = 16 * places as u64 * own;
         let images = listed(cloth, slots, places) as u64 - listed(cloth, slots, 0) as u64 - own;
         let lists = listed(cloth, slots, 0) as u64 + own;
         let vectors = (16 * places * vectors.max(2)) as u64;

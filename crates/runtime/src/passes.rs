@@ -83,6 +83,11 @@ pub enum Pass {
         /// Whether it is a distance from the skin, which moves.
         moves: bool,
     },
+    /// No particle is farther behind its position at rest, or behind the skin, than its backstop.
+    Backstop {
+        /// Whether it is behind the skin, which moves.
+        moves: bool,
+    },
     /// The pull of each stitch between grids, of cloth that has any.
     Stitch {
         /// Whether any triangle is cut away.
@@ -177,6 +182,8 @@ pub enum Pass {
         slots: u32,
         /// Whether there are seams.
         seams: bool,
+        /// Whether there are stitches.
+        sewn: bool,
         /// Whether one workgroup goes from texel to texel, round by round, not each thread one round for its texel.
         walks: bool,
     },
@@ -366,6 +373,8 @@ pub fn schedule(
             }
             // Contact has the last word: a limit may lead into a collider.
             s.relax.extend(cloth.limits.is_some().then_some(Pass::Limit { moves: cloth.follows_joints() }));
+            let backed = cloth.backstops.is_some();
+            s.relax.extend(backed.then_some(Pass::Backstop { moves: cloth.follows_joints() }));
             if cloth.contact.is_some() {
                 s.near = vec![Pass::Leaves, Pass::Tree, Pass::Partners { seams }];
                 s.relax.extend([Pass::Touch, Pass::Separate]);

@@ -67,11 +67,13 @@ fn passes() -> Vec<Pass> {
     }
     all.extend([Pass::Follow, Pass::Skin { sets: 1 }, Pass::Skin { sets: 2 }]);
     all.extend([false, true].map(|moves| Pass::Limit { moves }));
+    all.extend([false, true].map(|moves| Pass::Backstop { moves }));
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all.extend([Pass::Leaves, Pass::Tree, Pass::Touch, Pass::Separate]);
     all.extend([false, true].map(|seams| Pass::Partners { seams }));
     for walks in [false, true] {
-        all.extend([false, true].map(|seams| Pass::CutTethers { slots: 2, seams, walks }));
+        let kinds = [(false, false), (true, false), (true, true)];
+        all.extend(kinds.map(|(seams, sewn)| Pass::CutTethers { slots: 2, seams, sewn, walks }));
     }
     all
 }
@@ -348,12 +350,13 @@ fn every_shader_has_a_twin_and_every_file_is_used() {
     for folder in ["shaders", "shaders/part", "shaders/loop"] {
         assert_eq!(files(folder).difference(&used).collect::<Vec<_>>(), Vec::<&String>::new());
     }
-    let stems: BTreeSet<_> = sources.iter().map(|s| s.stem).chain(["draw"]).collect();
+    let stems: BTreeSet<_> = sources.iter().map(|s| s.stem).chain(["draw", "draw_surface"]).collect();
     assert_eq!(stems.len(), files("shaders").len());
     for stem in stems {
         assert!(root().join(format!("shaders/{stem}.wgsl")).is_file(), "{stem}");
         let twin = match stem {
             "draw" => "draw/raster",
+            "draw_surface" => "draw/flat",
             "tile" => "tile/reach",
             pass => &format!("cpu/{pass}"),
         };

@@ -1,4 +1,7 @@
-//! Textured triangles of a host, their alpha, and the shadow on a ground.
+//! Textured triangles of a host, their alpha, and the shadow on a ground; the GPU against the CPU.
+
+#[cfg(feature = "gpu")]
+mod support;
 
 use std::sync::Arc;
 
@@ -40,7 +43,7 @@ fn at(picture: &[[u8; 4]], x: usize, y: usize) -> [u8; 4] {
 
 #[test]
 fn a_texture_is_sampled_per_pixel() {
-    let paint = Paint { color: [1.0; 4], texture: four(), alpha: Alpha::Opaque };
+    let paint = Paint { texture: four(), ..Paint::default() };
     let drawn = picture(paint, square(), None, [0.0, 0.0, 2.0]);
     let (red, green, blue) = (at(&drawn, 9, 9), at(&drawn, 22, 9), at(&drawn, 9, 22));
     assert!(red[0] > 150 && red[1] < 60 && red[2] < 60, "{red:?}");
@@ -53,12 +56,12 @@ fn a_texture_is_sampled_per_pixel() {
 
 #[test]
 fn a_mask_leaves_a_hole_and_a_blend_lets_part_of_the_ground_through() {
-    let paint = |alpha| Paint { color: [1.0; 4], texture: four(), alpha };
+    let paint = |alpha| Paint { texture: four(), alpha, ..Paint::default() };
     let eye = [0.0, 0.0, 2.0];
     let masked = picture(paint(Alpha::Mask(0.5)), square(), None, eye);
     assert_eq!(at(&masked, 23, 23), [255; 4], "the hole");
     assert!(at(&masked, 9, 22)[0] < 60);
-    let half = Paint { color: [0.0, 0.0, 0.0, 0.5], texture: None, alpha: Alpha::Blend };
+    let half = Paint { color: [0.0, 0.0, 0.0, 0.5], alpha: Alpha::Blend, ..Paint::default() };
     let blended = picture(half, square(), None, eye);
     let inner = (12..20).flat_map(|y| (12..20).map(move |x| (x, y)));
     let mean = inner.map(|(x, y)| f64::from(at(&blended, x, y)[0])).sum::<f64>() / 64.0;
@@ -79,4 +82,162 @@ fn a_ground_is_darker_below_an_object() {
     // The first row is far away, where the ground is background.
     assert_eq!(with[..SIDE as usize], without[..SIDE as usize]);
     assert!(without.iter().any(|p| p[0] < 255), "the ground shows");
+}
+
+#[cfg(feature = "gpu")]
+mod devices {
+    use gimage_runtime::draw::{Draw, Target, Wrap};
+    use gimage_runtime::{Backend, read_back_picture, wgpu};
+
+    use super::*;
+
+    const SIDE: u32 = 96;
+    const BACKGROUND: [f32; 3] = [0.1, 0.2, 0.3];
+
+    fn view(eye: [f32; 3]) -> View {
+        View { background: BACKGROUND, ..View::new(&Camera { eye, target: [0.0; 3], fov: 0.6 }, 1.0) }
+    }
+
+    fn here(paints: &[Paint], facets: &[Facet], eye: [f32; 3]) -> Vec<[u8; 4]> {
+        let stepper = Stepper::on_cpu(Scene::new("surface"), Options::default()).unwrap();
+        let mut painter = Software::new(SIDE, SIDE, 1).unwrap();
+        painter.set_paints(paints.to_vec());
+        painter.set_surface(facets.to_vec());
+        painter.picture(&stepper, &view(eye), 1.0).unwrap()
+    }
+
+    fn there(
+        (device, queue): &(wgpu::Device, wgpu::Queue),
+        paints: &[Paint],
+        facets: &[Facet],
+        (eye, samples): ([f32; 3], u32),
+    ) -> Vec<[u8; 4]> {
+        let options = Options { backend: Backend::Gpu, ..Options::default() };
+        let stepper = Stepper::new(Scene::new("surface"), options, Some((device, queue))).unwrap();
+        let texture = |format, samples, usage| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: samples,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            })
+        };
+        let (color, depth) = (wgpu::TextureFormat::Rgba8UnormSrgb, wgpu::TextureFormat::Depth32Float);
+        let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let picture = texture(color, 1, attachment | wgpu::TextureUsages::COPY_SRC);
+        let resolved = picture.create_view(&Default::default());
+        let many = texture(color, samples, attachment).create_view(&Default::default());
+        let depths = texture(depth, samples, attachment).create_view(&Default::default());
+        let less = Some((depth, wgpu::CompareFunction::Less));
+        let mut draw = Draw::new(device, queue, Target { color, depth: less, samples });
+        draw.set_paints(paints.to_vec());
+        draw.set_surface(facets);
+        let linear = |c: f32| f64::from(((c + 0.055) / 1.055).powf(2.4));
+        let [r, g, b] = BACKGROUND.map(linear);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let clear = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: if samples > 1 { &many } else { &resolved },
+                depth_slice: None,
+                resolve_target: (samples > 1).then_some(&resolved),
+                ops: wgpu::Operations { load: clear, store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depths,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        draw.record(&mut pass, &stepper, &view(eye), 1.0).unwrap();
+        drop(pass);
+        queue.submit([encoder.finish()]);
+        read_back_picture(device, queue, &picture).unwrap()
+    }
+
+    /// Mean difference of the pictures, and the share of pixels that differ by more than 12 of 255.
+    fn differences(a: &[[u8; 4]], b: &[[u8; 4]]) -> (f64, f64) {
+        let far = |(a, b): (&[u8; 4], &[u8; 4])| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap();
+        let all: Vec<_> = a.iter().zip(b).map(far).collect();
+        let mean = all.iter().map(|d| f64::from(*d)).sum::<f64>() / all.len() as f64;
+        (mean, all.iter().filter(|d| **d > 12).count() as f64 / all.len() as f64)
+    }
+
+    /// A texture of 64 x 64 pixels: waves of colour, and alpha that falls to the right.
+    fn waves() -> Option<Arc<Texture>> {
+        let pixel = |k: u32| {
+            let (x, y) = (k % 64, k / 64);
+            let wave = |n: u32| (127.0 + 120.0 * (n as f32 * 0.4).sin()) as u8;
+            [wave(x), wave(y), wave(x + y), (255 - 4 * x.min(63)) as u8]
+        };
+        Some(Arc::new(Texture::new(64, 64, (0..64 * 64).map(pixel).collect()).unwrap()))
+    }
+
+    #[test]
+    fn the_gpu_draws_textures_alpha_and_wrapping_as_the_cpu_does() {
+        let Some(gpu) = support::device() else { return };
+        let wide = |from: f32, to: f32| {
+            let uv = move |[u, v]: [f32; 2]| [from + (to - from) * u, from + (to - from) * v];
+            square().into_iter().map(|f| Facet { uv: f.uv.map(uv), ..f }).collect::<Vec<_>>()
+        };
+        let tinted = |facets: Vec<Facet>| {
+            let colors = [[1.0, 0.2, 0.2, 1.0], [0.2, 1.0, 0.2, 0.8], [0.2, 0.2, 1.0, 0.3]];
+            facets.into_iter().map(|f| Facet { colors, ..f }).collect::<Vec<_>>()
+        };
+        let paint = |wrap, alpha| Paint { texture: waves(), wrap, alpha, ..Paint::default() };
+        let (repeat, clamp, mirror) = ([Wrap::Repeat; 2], [Wrap::Clamp; 2], [Wrap::Mirror; 2]);
+        let front = [0.0, 0.0, 2.0];
+        let cases = [
+            ("texture", paint(repeat, Alpha::Opaque), wide(0.0, 1.0), front),
+            ("repeats", paint(repeat, Alpha::Opaque), wide(-1.3, 1.9), front),
+            ("clamps", paint(clamp, Alpha::Opaque), wide(-1.3, 1.9), front),
+            ("mirrors", paint(mirror, Alpha::Opaque), wide(-1.3, 1.9), front),
+            ("mirrors and clamps", paint([Wrap::Mirror, Wrap::Clamp], Alpha::Opaque), wide(-0.7, 1.2), front),
+            ("small and oblique", paint(repeat, Alpha::Opaque), wide(0.0, 6.0), [1.6, 0.3, 1.0]),
+            ("behind", paint(repeat, Alpha::Opaque), wide(0.0, 1.0), [0.4, 0.0, -2.0]),
+            ("mask", paint(repeat, Alpha::Mask(0.5)), wide(0.0, 1.0), front),
+            ("blend", paint(repeat, Alpha::Blend), wide(0.0, 1.0), front),
+            ("colours of corners", paint(repeat, Alpha::Blend), tinted(wide(0.0, 1.0)), front),
+            (
+                "no texture",
+                Paint { color: [0.8, 0.3, 0.1, 0.5], alpha: Alpha::Blend, ..Paint::default() },
+                wide(0.0, 1.0),
+                front,
+            ),
+        ];
+        let mut pictures: Vec<Vec<[u8; 4]>> = Vec::new();
+        for (name, paint, facets, eye) in cases {
+            let paints = [Paint::plain([0.0; 3]), paint];
+            let facets: Vec<Facet> = facets.into_iter().map(|f| Facet { paint: 1, ..f }).collect();
+            let (a, b) = (here(&paints, &facets, eye), there(&gpu, &paints, &facets, (eye, 4)));
+            let (mean, large) = differences(&a, &b);
+            eprintln!("{name}: mean difference {mean:.3} of 255, {large:.4} of the pixels by more than 12");
+            // Edges are sampled at other points.
+            assert!(mean < 2.0 && large < 0.05, "{name}: {mean} {large}");
+            assert!(pictures.iter().all(|other| differences(other, &a).0 > 1.0), "{name} is drawn as another case");
+            pictures.push(a);
+        }
+    }
+
+    #[test]
+    fn one_sample_per_pixel_blends_too_and_facets_without_a_paint_are_white() {
+        let Some(gpu) = support::device() else { return };
+        let half = Paint { color: [0.0, 0.0, 0.0, 0.5], alpha: Alpha::Blend, ..Paint::default() };
+        let drawn = there(&gpu, &[half], &square(), ([0.0, 0.0, 2.0], 1));
+        let dark = |p: &[u8; 4]| p[2] < 60;
+        let inner = (40..56).flat_map(|y| (40..56).map(move |x| y * SIDE as usize + x));
+        assert_eq!(inner.filter(|k| dark(&drawn[*k])).count(), 128);
+        let lost: Vec<Facet> = square().into_iter().map(|f| Facet { paint: 9, ..f }).collect();
+        let drawn = there(&gpu, &[half_black()], &lost, ([0.0, 0.0, 2.0], 4));
+        assert!(drawn[48 * SIDE as usize + 48][..3].iter().all(|x| *x > 200), "{:?}", drawn[48 * SIDE as usize + 48]);
+    }
+
+    fn half_black() -> Paint {
+        Paint { color: [0.0, 0.0, 0.0, 0.5], ..Paint::default() }
+    }
 }

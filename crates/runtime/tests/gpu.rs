@@ -189,7 +189,9 @@ fn one_step_is_that_of_the_twin() {
     let fast = (Solver::Xpbd, "all colliders, fast", fast);
     let mut limited = scene(support::hung_tube(2));
     limited.cloths[0].limits = Some(vec![1e-3; limited.cloths[0].len()].into());
-    let limited = (Solver::Xpbd, "limits", limited);
+    let backstop = Backstop { distance: 1e-4, radius: 0.1 };
+    limited.cloths[0].backstops = Some(vec![backstop; limited.cloths[0].len()].into());
+    let limited = (Solver::Xpbd, "limits and backstops", limited);
     // Levels of a pyramid with more nodes than a workgroup, tied at a seam; and cloth that follows a joint.
     let mut large = support::tube(75, 60, 1);
     large.set_pinned(0, true).unwrap();

@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::bridge::{Bridge, PAIRS};
 use super::labels::{Label, Labels, PINS_OF_A_GROUP};
 use super::unfold::unfold;
 use super::{Anchor, RestLengths, SpringGrid};
@@ -49,6 +50,9 @@ pub(super) struct Front<'a> {
     point: Vec<u32>,
     /// The next duplicate of each texel, itself off the seams.
     next: Vec<u32>,
+    /// Ends of bridges at points, in the order of the points: 0 to 3 for a corner, 4 for the particle.
+    ends: Vec<(u32, u32, u8)>,
+    bridges: Vec<Bridge>,
     labels: Labels,
     /// Distance as ordered bits, point, pin.
     queue: BinaryHeap<Reverse<(u64, u32, u32)>>,
@@ -73,12 +77,27 @@ impl<'a> Front<'a> {
         let firsts = firsts.collect();
         let pins = if lone_pins(groups, &point) { 1 } else { PINS_OF_A_GROUP };
         let labels = Labels::new(particles.len(), kept, pins);
-        let mut front = Front { grids, firsts, particles, point, next, labels, queue: BinaryHeap::new() };
+        let (ends, bridges) = (Vec::new(), Vec::new());
+        let mut front =
+            Front { grids, firsts, particles, point, next, ends, bridges, labels, queue: BinaryHeap::new() };
         for (k, &group) in groups.iter().enumerate().filter(|(_, group)| **group != u32::MAX) {
             let pin = front.point[k];
             front.offer(pin, Label { distance: 0.0, pin, group, spread: false });
         }
         front
+    }
+
+    /// Takes bridges, to and from particles that exist.
+    pub fn with(mut self, bridges: &[Bridge]) -> Self {
+        let there = |k: &u32| self.particles.get(*k as usize).is_some_and(|p| p.exists());
+        let whole = |b: &&Bridge| b.corners.iter().chain([&b.particle]).all(there);
+        self.bridges = bridges.iter().filter(whole).copied().collect();
+        for (n, bridge) in self.bridges.iter().enumerate() {
+            let ends = bridge.corners.iter().chain([&bridge.particle]).zip(0..);
+            self.ends.extend(ends.map(|(k, end)| (self.point[*k as usize], n as u32, end)));
+        }
+        self.ends.sort_unstable();
+        self
     }
 
     /// Lets all waves run out.
@@ -97,6 +116,38 @@ impl<'a> Front<'a> {
                 texel = self.next[texel as usize];
                 if texel == point {
                     break;
+                }
+            }
+            self.spread_over(point, label);
+        }
+    }
+
+    /// Over the bridges of a point. A wave that passes between two corners comes to the point of the stitch straight.
+    fn spread_over(&mut self, point: u32, label: Label) {
+        let mut at = self.ends.partition_point(|(end, ..)| *end < point);
+        while let Some(&(_, n, end)) = self.ends.get(at).filter(|(end, ..)| *end == point) {
+            at += 1;
+            let bridge = self.bridges[n as usize];
+            let corners = bridge.corners.map(|k| self.point[k as usize]);
+            let end = usize::from(end);
+            if end == 4 {
+                for (corner, k) in corners.into_iter().enumerate() {
+                    self.offer(k, Label { distance: label.distance + bridge.length(corner), spread: false, ..label });
+                }
+                continue;
+            }
+            let to = self.point[bridge.particle as usize];
+            self.offer(to, Label { distance: label.distance + bridge.length(end), spread: false, ..label });
+            for (&side, (a, b)) in bridge.sides.iter().zip(PAIRS) {
+                let other = if a == end { b } else { a };
+                if side <= 0.0 || (a != end && b != end) {
+                    continue;
+                }
+                let beside = self.labels.of(corners[other], label.pin);
+                let (here, there) = (bridge.inner[end], bridge.inner[other]);
+                let straight = || unfold(label.distance, beside.distance, side, here, there);
+                if let Some(distance) = beside.spread.then(straight).flatten() {
+                    self.offer(to, Label { distance: distance + bridge.thread, spread: false, ..label });
                 }
             }
         }
@@ -195,7 +246,7 @@ fn lone_pins(groups: &[u32], point: &[u32]) -> bool {
 }
 
 /// A rest length \[m\], 0 where there is no spring.
-fn length(grid: &SpringGrid<'_>, texel: usize, kind: usize) -> f64 {
+pub(super) fn length(grid: &SpringGrid<'_>, texel: usize, kind: usize) -> f64 {
     let length = match grid.rest {
         RestLengths::Constant(all) => all[kind],
         RestLengths::Image(image) => image.get(texel).map_or(0.0, |l| l[kind]),

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use gimage::backstops::Backstop;
 use gimage::colliders::{ColliderOptions, ColliderSource, Kind};
 use gimage::gate::GateOptions;
 use gimage::import::Up;
@@ -50,6 +51,8 @@ pub struct BuildArgs {
     pub pins: Option<PinRule>,
     #[arg(long, help = help_of("limit"), value_name = "EXPR=METRES")]
     pub limit: Vec<Limit>,
+    #[arg(long, help = help_of("backstop"), value_name = "EXPR=METRES[,RADIUS]")]
+    pub backstop: Vec<Backstop>,
     #[arg(long, help = help_of("stitch"), value_name = "METRES", allow_negative_numbers = true)]
     pub stitch: Option<Stitching>,
     #[arg(long, help = help_of("accessory-area"), value_name = "SHARE", allow_negative_numbers = true)]
@@ -176,6 +179,7 @@ impl BuildArgs {
         options.assemble.pins.clone_from(&self.pin);
         options.assemble.rule = self.pins;
         options.assemble.limits.clone_from(&self.limit);
+        options.assemble.backstops.clone_from(&self.backstop);
         set(&mut options.assemble.rest, self.rest);
         set(&mut options.stitch.stitch, self.stitch);
         options.gate =

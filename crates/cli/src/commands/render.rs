@@ -66,9 +66,13 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
         GroundArg::Off => false,
     };
     let ground = if has_ground { shown.ground(&loaded, &times, lowest) } else { None };
-    let on_cpu = !shown.is_empty() || ground.is_some();
+    let on_cpu = ground.is_some();
     if on_cpu && engine.gpu().is_some() {
-        out.remark(Tone::Note, "note", "textures and shadows are drawn on the CPU; the cloth is on the GPU");
+        out.remark(
+            Tone::Note,
+            "note",
+            "a ground with its shadow is drawn on the CPU, with all else; the cloth is on the GPU",
+        );
     }
     let mut painter = Painter::new(&engine, args.size, file, on_cpu)?;
     painter.wear(&shown, &engine);

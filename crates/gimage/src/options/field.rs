@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::Setting;
+use crate::stage::assemble::backstops::Backstop;
 use crate::stage::assemble::limits::Limit;
 use crate::stage::assemble::pins::{Pin, PinRule};
 use crate::stage::import::Up;
@@ -103,6 +104,13 @@ impl Field for Vec<Pattern> {
 impl Field for Vec<Limit> {
     fn settings(&self, about: Setting) -> Vec<Setting> {
         // The manifest of a bundle without limits is that of an older build.
+        if self.is_empty() { vec![about] } else { with(about, texts(self)) }
+    }
+}
+
+impl Field for Vec<Backstop> {
+    fn settings(&self, about: Setting) -> Vec<Setting> {
+        // As for limits.
         if self.is_empty() { vec![about] } else { with(about, texts(self)) }
     }
 }

@@ -1,6 +1,7 @@
 //! A build of the cloth of a character, with solids in place of its body.
 
 use std::path::Path;
+use std::time::Instant;
 
 use gimage_bundle::manifest::{ColliderEntry, ColliderShape};
 use serde_json::json;
@@ -10,8 +11,9 @@ use super::{Built, build_as};
 use crate::colliders::{Collider, ColliderOptions, Fit, Form, fit_body};
 use crate::error::{Error, Result};
 use crate::options::BuildOptions;
-use crate::progress::Progress;
+use crate::progress::{Progress, Stage};
 use crate::record::{Finding, Severity};
+use crate::report::{StageTime, peak_memory};
 
 /// Builds a bundle as [`super::build`] does, and adds solids that stand for the body ([`crate::colliders::fit_colliders`]) to its manifest. Without
 /// pins in the options and in the file, garments are pinned where they rest on the body ([`crate::hold`]), which a finding reports. A file without
@@ -21,6 +23,8 @@ use crate::record::{Finding, Severity};
 pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, progress: &dyn Progress) -> Result<Built> {
     let mut findings = Vec::new();
     // The shorter work first, so that it fails first.
+    progress.begin(Stage::Colliders, 1);
+    let start = Instant::now();
     let fit = match fit_body(path, options, solids, true) {
         Ok(fit) => Some(fit),
         Err(Error::Empty { problem, hint, .. }) => {
@@ -29,7 +33,10 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
         }
         Err(error) => return Err(error),
     };
+    let fitting =
+        StageTime { stage: Stage::Colliders, seconds: start.elapsed().as_secs_f64(), peak_bytes: peak_memory() };
     let mut built = build_as(path, options, true, progress)?;
+    built.report.stages.insert(0, fitting);
     let manifest = &mut built.bundle.manifest;
     if let Some(Fit { colliders, figures, findings: found, .. }) = fit {
         let mm = [figures.body.mean, figures.body.p95, figures.body.max].map(|x| format!("{:.1}", 1e3 * x)).join(", ");

@@ -2,6 +2,7 @@
 
 pub(crate) mod accessory;
 pub(crate) mod attributes;
+pub mod backstops;
 pub mod limits;
 pub mod mass;
 mod parts;
@@ -21,6 +22,7 @@ use crate::error::{Error, Result};
 use crate::options::{BuildOptions, Range, RestLength, stage_options};
 use crate::record::Finding;
 use crate::stage::assemble::attributes::{attributes, places};
+use crate::stage::assemble::backstops::Backstop;
 use crate::stage::assemble::limits::{Limit, Stored};
 use crate::stage::assemble::mass::{Masses, mass};
 use crate::stage::assemble::pins::{Pin, PinRule, unmet};
@@ -54,6 +56,10 @@ stage_options! {
         /// Keep particles within this distance of their positions at rest, may be repeated; EXPR as for --pin. The smallest
         /// distance counts, also of those in an attribute _LIMIT or _MAX_DISTANCE of the file.
         pub limits: Vec<Limit> = Vec::new() => "limit" ["m"] Range::Any;
+        /// Keep particles out of a sphere behind them that begins this distance behind their positions at rest, with a radius of 0.1 m
+        /// or RADIUS, may be repeated; EXPR as for --pin. The smallest distance counts, also of those in an attribute _BACKSTOP of
+        /// the file.
+        pub backstops: Vec<Backstop> = Vec::new() => "backstop" ["m"] Range::Any;
     }
 }
 
@@ -79,6 +85,10 @@ struct Made {
     limits: Option<Vec<f32>>,
     /// For each option of limits whether a particle of the piece meets it.
     limits_met: Vec<bool>,
+    /// Distance and radius \[m\] of the backstop of each texel, an infinite distance for none; `None` if no texel has one.
+    backstops: Option<Vec<[f32; 2]>>,
+    /// For each option of backstops whether a particle of the piece meets it.
+    backstops_met: Vec<bool>,
     rest: RestLengths,
     mass: Masses,
 }
@@ -129,20 +139,26 @@ pub fn assemble(
     let mut findings = Vec::new();
     let (mut met, mut limits_met) =
         (vec![false; options.assemble.pins.len()], vec![false; options.assemble.limits.len()]);
+    let mut backstops_met = vec![false; options.assemble.backstops.len()];
+    let mut backstops = Vec::new();
     let mut is_pinned = false;
-    for ((piece, made), links) in pieces.iter().zip(made).zip(links) {
+    for ((piece, mut made), links) in pieces.iter().zip(made).zip(links) {
         is_pinned |= made.pinned.contains(&true);
         met.iter_mut().zip(&made.met).for_each(|(all, one)| *all |= one);
         limits_met.iter_mut().zip(&made.limits_met).for_each(|(all, one)| *all |= one);
+        backstops_met.iter_mut().zip(&made.backstops_met).for_each(|(all, one)| *all |= one);
+        backstops.push(made.backstops.take());
         findings.extend(add(bundle, piece, made, &links, options)?);
     }
     parts::declare(bundle, families);
+    backstops::write(bundle, backstops)?;
     if is_pinned {
         bundle.write_tethers()?;
     }
     let bounds = bounds(pieces);
     findings.extend(unmet("pin", &options.assemble.pins, &met, bounds, loops.len(), mesh));
     findings.extend(unmet("limit", &options.assemble.limits, &limits_met, bounds, loops.len(), mesh));
+    findings.extend(unmet("backstop", &options.assemble.backstops, &backstops_met, bounds, loops.len(), mesh));
     Ok(findings)
 }
 
@@ -321,7 +337,8 @@ fn make(
     let texels = Texels { mesh, piece, span, image, places: &places, loops, heights };
     let (pinned, met) = pinned(&texels, &options.assemble.pins);
     let (limits, limits_met) = limits::limits(&texels, &options.assemble.limits, options.import.unit);
-    Ok(Made { maps, findings, pinned, met, limits, limits_met, rest, mass })
+    let (backstops, backstops_met) = backstops::backstops(&texels, &options.assemble.backstops, options.import.unit);
+    Ok(Made { maps, findings, pinned, met, limits, limits_met, backstops, backstops_met, rest, mass })
 }
 
 /// Quality of a map as far as it is known without measuring distances.

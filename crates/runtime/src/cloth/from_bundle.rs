@@ -2,7 +2,7 @@
 
 use gimage_bundle::{Bundle, MapKind};
 
-use super::{Cloth, Grid, Mass, Parts, Rest};
+use super::{Backstop, Cloth, Grid, Mass, Parts, Rest};
 use crate::error::Result;
 
 /// Mass \[kg\] of a particle where the bundle says nothing. Without other masses only wind depends on it.
@@ -36,10 +36,12 @@ impl Cloth {
             grids,
         };
         let mut cloth = Cloth::new(parts)?;
-        cloth.keep_tethers(bundle.stored_tethers());
         cloth.limits = bundle.limits().map(Into::into);
+        let backstop = |[distance, radius]: [f32; 2]| Backstop { distance, radius };
+        cloth.backstops = bundle.backstops().map(|all| all.into_iter().map(backstop).collect());
         cloth.keep_grain(grain(bundle, cloth.grids()));
         cloth.set_stitches(bundle.stitches())?;
+        cloth.keep_tethers(bundle.stored_tethers());
         cloth.keep_skin(bundle)?;
         let clearances = pieces.iter().filter_map(|p| Some(p.shell.as_ref()?.clearance() as f32));
         cloth.thickness = clearances.chain(fitted(bundle)).filter(|c| (0.0..=1.0).contains(c)).reduce(f32::max);

@@ -30,6 +30,45 @@ pub(crate) fn mates(cloth: &Cloth) -> Vec<u32> {
     next
 }
 
+/// Ends of stitches by texels, as tethers lead over them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Bridges {
+    /// Offsets into `ends` per texel, one more than there are texels; empty without stitches.
+    pub starts: Vec<u32>,
+    /// The texel at the other end, the length of the path to it \[m\], and the first texel of the quad, without which the path is gone.
+    pub ends: Vec<(u32, f32, u32)>,
+}
+
+impl Bridges {
+    /// Those of a cloth, with lengths of its present rest lengths.
+    pub fn of(cloth: &Cloth) -> Self {
+        let mut all = Vec::new();
+        for bridge in cloth.bridges() {
+            for (n, corner) in bridge.corners.into_iter().enumerate() {
+                let (length, quad) = (bridge.length(n) as f32, bridge.corners[0]);
+                all.extend([(corner, (bridge.particle, length, quad)), (bridge.particle, (corner, length, quad))]);
+            }
+        }
+        if all.is_empty() {
+            return Bridges::default();
+        }
+        all.sort_by_key(|(k, end)| (*k, end.0, end.2));
+        let starts = (0..=cloth.len() as u32).map(|k| all.partition_point(|(at, _)| *at < k) as u32).collect();
+        Bridges { starts, ends: all.into_iter().map(|(_, end)| end).collect() }
+    }
+
+    /// The ends beside a texel.
+    pub fn at(&self, k: usize) -> &[(u32, f32, u32)] {
+        let range = self.starts.get(k).zip(self.starts.get(k + 1));
+        range.map_or(&[], |(start, end)| &self.ends[*start as usize..*end as usize])
+    }
+
+    /// Most ends beside one texel.
+    pub fn most(&self) -> u32 {
+        self.starts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0)
+    }
+}
+
 /// Calls `each` with all duplicates of a texel, itself first.
 pub(crate) fn ring(mates: &[u32], k: usize, mut each: impl FnMut(usize)) {
     let mut m = k;

@@ -54,6 +54,9 @@ impl Cloth {
         if self.limits == other.limits {
             self.limits = other.limits.clone();
         }
+        if self.backstops == other.backstops {
+            self.backstops = other.backstops.clone();
+        }
         (self.ring_starts, self.ring_members) = other.ring_lists();
         self.compliance = other.compliance.clone();
         self.stored_tethers = other.stored_tethers.clone();
@@ -85,6 +88,7 @@ impl Cloth {
         });
         self.grain().iter().for_each(|uv| tally.image(uv));
         self.limits.iter().for_each(|limits| tally.image(limits));
+        self.backstops.iter().for_each(|backstops| tally.image(backstops));
         if let Some(sewing) = &self.sewing {
             tally.image(&sewing.stitches);
             tally.image(&sewing.threads);

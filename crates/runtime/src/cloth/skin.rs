@@ -81,8 +81,12 @@ impl Skin {
 
     /// Where a particle is by these matrices \[m\].
     pub(crate) fn at(&self, matrices: &[Rows], k: usize) -> [f32; 3] {
-        let own = &self.influences[k * self.sets..(k + 1) * self.sets];
-        skinned(matrices, own, self.rest[k])
+        self.point_at(matrices, k, self.rest[k])
+    }
+
+    /// Where a point that moves as a particle is by these matrices \[m\], from where it is at rest.
+    pub(crate) fn point_at(&self, matrices: &[Rows], k: usize, rest: [f32; 3]) -> [f32; 3] {
+        skinned(matrices, &self.influences[k * self.sets..(k + 1) * self.sets], rest)
     }
 
     /// The skin of other particles, each with what `samples` names of this one.
@@ -172,6 +176,11 @@ impl Cloth {
     /// Whether its particles have targets: those of limits, or of joints.
     pub(crate) fn is_aimed(&self) -> bool {
         self.limits.is_some() || self.follows_joints()
+    }
+
+    /// Whether it has anything that joints or teleports move beside its particles: targets, or backstops.
+    pub(crate) fn has_aims(&self) -> bool {
+        self.is_aimed() || self.backstops.is_some()
     }
 
     /// The matrices that it starts with, where it follows joints.

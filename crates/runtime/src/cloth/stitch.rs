@@ -58,7 +58,7 @@ impl Cloth {
 
     /// Ties particles to points of grids ([`Stitch::piece`] is the index of a grid), in place of the stitches so far. Each keeps the distance
     /// of its particle from the point, and moves both by their masses; of [`crate::Solver::Xpbd`] only. Duplicates of a seam point move
-    /// together. No stitches cost nothing; otherwise two passes per step, with 48 bytes per particle.
+    /// together, and tethers go on over stitches, so tethers of a bundle are dropped if stitches change. No stitches cost nothing; otherwise two passes per step, with 48 bytes per particle.
     ///
     /// Errors on a particle or a grid that does not exist, a second stitch of a particle, a point outside 0 to 1 or beside a hole,
     /// a distance that is negative or not finite, and more than [`MAX_STITCHES_AT_POINT`] stitches at one point.
@@ -68,6 +68,9 @@ impl Cloth {
             return Err(self.no_stitch(&pair[0], "it has two stitches"));
         }
         let threads = stitches.iter().map(|s| self.thread(s)).collect::<Result<Vec<_>>>()?;
+        if stitches != self.stitches() {
+            self.stored_tethers = None;
+        }
         self.sewing = if threads.is_empty() { None } else { Some(Arc::new(self.sew(stitches, threads)?)) };
         Ok(())
     }

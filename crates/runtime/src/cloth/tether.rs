@@ -2,32 +2,40 @@
 
 use std::sync::Arc;
 
-use gimage_bundle::{RestLengths, SpringGrid, Tethers, tethers};
+use gimage_bundle::{Bridge, RestLengths, SpringGrid, Tethers, bridges, tethers};
 
 use super::{Cloth, Rest};
 
 impl Cloth {
     /// Up to `most` (at most [`gimage_bundle::MAX_ANCHORS`]) anchors of every particle: the nearest pins of the nearest
     /// groups of pins, with geodesic distances \[m\] at rest. Those of the bundle where they are enough and pins have not
-    /// changed since, else recomputed from the present pins and rest lengths as [`gimage_bundle::tethers`] does, which
+    /// changed since, else recomputed from the present pins, rest lengths and stitches as [`gimage_bundle::tethers`] does, which
     /// takes about 2 microseconds a particle and anchor.
     pub fn tethers(&self, most: usize) -> Tethers {
         if let Some(stored) = self.stored_tethers().filter(|t| most <= t.per_particle) {
             let slots = stored.anchors.chunks_exact(stored.per_particle.max(1));
             return Tethers { per_particle: most, anchors: slots.flat_map(|s| &s[..most]).copied().collect() };
         }
+        tethers(&self.spring_grids(), &self.parts.particles, self.stitches(), most)
+    }
+
+    /// Stitches as paths between particles, by the present rest lengths.
+    pub(crate) fn bridges(&self) -> Vec<Bridge> {
+        bridges(&self.spring_grids(), self.stitches())
+    }
+
+    fn spring_grids(&self) -> Vec<SpringGrid<'_>> {
         let rest = |(index, grid): (usize, &super::Grid)| match &*self.parts.rest {
             Rest::None => RestLengths::Constant([0.0; 4]),
             Rest::Constant(lengths) => RestLengths::Constant(lengths[index]),
             Rest::Image(lengths) => RestLengths::Image(&lengths[grid.range()]),
         };
-        let grids: Vec<SpringGrid> = (self.parts.grids.iter().enumerate())
+        (self.parts.grids.iter().enumerate())
             .map(|(index, grid)| SpringGrid { width: grid.width, height: grid.height, rest: rest((index, grid)) })
-            .collect();
-        tethers(&grids, &self.parts.particles, most)
+            .collect()
     }
 
-    /// The tethers that came with the bundle, one a particle; none where it had none or pins have changed since.
+    /// The tethers that came with the bundle, one a particle; none where it had none, or pins or stitches have changed since.
     pub fn stored_tethers(&self) -> Option<&Tethers> {
         self.stored_tethers.as_deref()
     }

@@ -31,6 +31,10 @@ impl Coarser {
         if limits.as_deref() != cloth.limits.as_deref() {
             cloth.limits = limits.map(Into::into);
         }
+        let backstops = fine.backstops.as_ref().map(|backstops| self.map.take(backstops));
+        if backstops.as_deref() != cloth.backstops.as_deref() {
+            cloth.backstops = backstops.map(Into::into);
+        }
         cloth.take_settings(fine);
         cloth.start_with(fine);
         cloth

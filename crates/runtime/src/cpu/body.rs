@@ -158,10 +158,10 @@ impl<T: Real> Body<T> {
         }
     }
 
-    /// From here on these are the targets \[m\] of the limits, and the limits.
-    pub fn aim(&mut self, targets: &[[f32; 4]]) {
+    /// From here on these are the targets \[m\] of the limits, and the limits, and the spheres of backstops.
+    pub fn aim(&mut self, targets: &[[f32; 4]], spheres: &[[f32; 4]]) {
         if let Some(fabric) = &mut self.fabric {
-            fabric.aim(targets);
+            fabric.aim(targets, spheres);
         }
     }
 
@@ -177,7 +177,8 @@ impl<T: Real> Body<T> {
     pub fn lead(&mut self, cloth: &Cloth, joined: &[u32], matrices: &[Rows], rate: T) {
         let (Some(fabric), Some(skin)) = (&mut self.fabric, cloth.skin()) else { return };
         let at = |particles: &[u32]| skin::run(skin, particles.iter().copied(), matrices);
-        fabric.lead(&at(joined), at, rate);
+        let behind = |points: &[(u32, [f32; 3])]| skin::points(skin, points, matrices);
+        fabric.lead(&at(joined), at, behind, rate);
     }
 
     /// The shadow of cloth that has contact, for other cloths in a frame of `length` \[s\]; `rate` \[1/s\] is one over the length of the last

@@ -1,11 +1,11 @@
 use super::*;
 use crate::choose::Settings;
-use crate::cloth::{Cloth, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
+use crate::cloth::{Bridges, Cloth, Flat, Grid, Mass, Particle, Parts, Rest, Tethers};
 use crate::cpu::body::Body;
 use crate::cpu::rows::Threads;
 use crate::options::Options;
 use crate::scene::Scene;
-use gimage_bundle::{RestLengths, SpringGrid};
+use gimage_bundle::{RestLengths, SpringGrid, Stitch};
 
 /// xorshift32.
 struct Noise(u32);
@@ -53,6 +53,28 @@ fn sewn(n: usize) -> Cloth {
     Cloth::new(Parts { name: "sewn".into(), grids, positions, particles, rest, mass: Mass::Constant(1e-3) }).unwrap()
 }
 
+/// A square of two sheets, the second half a texel over the first and sewn to it every `each` rows by threads of 1 mm.
+fn stitched(n: usize, each: usize) -> Cloth {
+    let d = 1.0 / (n - 1) as f32;
+    let (mut positions, mut stitches) = (Vec::new(), Vec::new());
+    let left = 1.0 - 1.5 * d;
+    for k in 0..2 * n * n {
+        let (sheet, i, j) = ((k / (n * n)) as f32, k % n, k % (n * n) / n);
+        let [x, z] = [0.5 * (i as f32 * d + sheet * left), j as f32 * d];
+        positions.push([x, 1e-3 * sheet, z]);
+        if sheet == 1.0 && i == 0 && j % each == 0 {
+            stitches.push(Stitch { particle: k as u32, piece: 0, at: [left, z], distance: 1e-3 });
+        }
+    }
+    let rest = Rest::Constant(vec![[0.5 * d, d, (0.5 * d).hypot(d), (0.5 * d).hypot(d)]; 2]);
+    let grid = |g: usize| Grid { name: g.to_string(), first: (g * n * n) as u32, width: n as u32, height: n as u32 };
+    let (particles, grids) = (vec![Particle::Free { next: None }; 2 * n * n], vec![grid(0), grid(1)]);
+    let parts = Parts { name: "stitched".into(), grids, positions, particles, rest, mass: Mass::Constant(1e-3) };
+    let mut cloth = Cloth::new(parts).unwrap();
+    cloth.set_stitches(stitches).unwrap();
+    cloth
+}
+
 fn opened(cloth: &Cloth, tethers: &Tethers) -> Body<f32> {
     let mut cloth = cloth.clone();
     let settings = Settings::new(Options::default(), &Scene::new("empty")).0;
@@ -74,7 +96,7 @@ fn truth(cloth: &Cloth, body: &Body<f32>, pin: usize) -> (Vec<f64>, Vec<f64>) {
     let rest = |g: &Grid| RestLengths::Image(&body.image[g.range()]);
     let grids: Vec<_> =
         cloth.grids().iter().map(|g| SpringGrid { width: g.width, height: g.height, rest: rest(g) }).collect();
-    let found = gimage_bundle::tethers(&grids, alone.particles(), 1);
+    let found = gimage_bundle::tethers(&grids, alone.particles(), cloth.stitches(), 1);
     let exact = found.anchors.iter().map(|a| if a.exists() { f64::from(a.distance) } else { f64::INFINITY }).collect();
     let (points, mut far) = (cloth.points(), vec![f64::INFINITY; cloth.len()]);
     far[points[pin] as usize] = 0.0;
@@ -87,6 +109,13 @@ fn truth(cloth: &Cloth, body: &Body<f32>, pin: usize) -> (Vec<f64>, Vec<f64>) {
                 springs.push((points[grid.first as usize + k] as usize, points[other] as usize, f64::from(length)));
             }
         }
+    }
+    let bridges = Bridges::of(cloth);
+    for k in 0..cloth.len() {
+        let whole = |quad: u32| body.image[quad as usize][2] > 0.0;
+        let there = bridges.at(k).iter().filter(|(.., quad)| whole(*quad));
+        springs
+            .extend(there.map(|(n, length, _)| (points[k] as usize, points[*n as usize] as usize, f64::from(*length))));
     }
     let mut changed = true;
     while std::mem::take(&mut changed) {
@@ -132,8 +161,10 @@ fn is_true(cloth: &Cloth, body: &Body<f32>, name: &str) -> usize {
             continue;
         }
         let own = group.clone().find(|((pin, _), _)| *pin == held.anchors[t]).unwrap().1;
-        // Behind the ends of cuts the exact way comes out up to 0.5 % long.
-        assert!(most >= own.0[k] * (1.0 - 5e-3), "{name}: {k} may be {most}, and is {} away", own.0[k]);
+        // Behind the ends of cuts the exact way comes out up to 0.5 % long; behind stitches with gaps, where waves through two of them are
+        // taken for one, the order of the waves makes more.
+        let slack = if cloth.stitches().is_empty() { 5e-3 } else { 3e-2 };
+        assert!(most >= own.0[k] * (1.0 - slack), "{name}: {k} may be {most}, and is {} away", own.0[k]);
         assert!(!all_groups || most <= along * (1.0 + 1e-5), "{name}: {k} may be {most}, along springs {along}");
     }
     ended
@@ -143,9 +174,11 @@ fn is_true(cloth: &Cloth, body: &Body<f32>, name: &str) -> usize {
 fn random_cuts_leave_tethers_true() {
     let mut noise = Noise(11);
     let (mut ended, mut grown, mut kept) = (0, 0, 0);
-    for case in 0..240 {
+    for case in 0..320 {
         let n = 4 + noise.below(10);
-        let mut cloth = if case % 3 == 2 {
+        let mut cloth = if case % 4 == 3 {
+            stitched(n, 1 + case % 3)
+        } else if case % 3 == 2 {
             sewn(n)
         } else {
             Flat { width: (4 + noise.below(12)) as u32, ..Flat::square("flat", n as u32) }.cloth().unwrap()
@@ -230,6 +263,28 @@ fn a_slit_under_a_pinned_row_hands_over_to_other_pins() {
     for (k, most) in held.most.iter().enumerate().filter(|(k, _)| *k % 33 < 5 || k / 33 < 8) {
         assert_eq!((held.anchors[k] as usize, *most), (k % 33, (k / 33) as f32 / 32.0), "{k}");
     }
+}
+
+#[test]
+fn a_piece_hangs_over_its_stitches_until_the_last_is_cut() {
+    let n = 17;
+    let mut cloth = stitched(n, 1);
+    cloth.set_pinned(0, true).unwrap();
+    let tethers = cloth.tethers(1);
+    let second = n * n..2 * n * n;
+    assert!(second.clone().all(|k| tethers.of(k)[0].exists()));
+    let mut body = opened(&cloth, &tethers);
+    let reach = |body: &Body<f32>| second.clone().filter(|k| held(body).most[*k] < f32::MAX).count();
+    // A corner far from the stitches changes no tether of the second piece; a cut beside them, above the last rows, makes paths longer.
+    body.cut(&Threads::one(), stroke([[0.1, 1.1], [-0.1, 0.9]]));
+    assert_eq!(reach(&body), n * n);
+    let before = held(&body).most[2 * n * n - n];
+    body.cut(&Threads::one(), stroke([[0.44, -0.1], [0.44, 0.8]]));
+    assert_eq!((is_true(&cloth, &body, "half"), reach(&body)), (1, n * n));
+    assert!(held(&body).most[n * n] > before, "{} {before}", held(&body).most[n * n]);
+    body.cut(&Threads::one(), stroke([[0.44, 0.7], [0.44, 1.1]]));
+    is_true(&cloth, &body, "right through");
+    assert_eq!(reach(&body), 0);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! A cloth in motion under the XPBD solver: sheets, what holds them, and the passes that step them.
 
 mod anchors;
+mod backstop;
 mod bend;
 mod coarse_level;
 mod coarse_ties;
@@ -33,6 +34,7 @@ mod tree;
 use std::sync::Arc;
 
 use self::anchors::Places;
+use self::backstop::Backstop;
 use self::follow::Follow;
 use self::limit::Limit;
 use self::meeting::Meeting;
@@ -77,6 +79,8 @@ pub struct Fabric<T: Real> {
     tethers: Arc<Vec<Tethers<T>>>,
     /// One a sheet, of cloth that has any.
     limits: Vec<Limit<T>>,
+    /// One a sheet, of cloth that has any.
+    backstops: Vec<Backstop<T>>,
     /// One a sheet, of cloth that follows joints.
     follows: Vec<Follow<T>>,
     /// Of cloth that has any.
@@ -118,6 +122,7 @@ impl<T: Real> Fabric<T> {
             cells: Arc::new(cells),
             plates,
             limits: limit::limits(cloth, &sheets),
+            backstops: backstop::backstops(cloth, &sheets),
             follows: Vec::new(),
             meeting: Meeting::of(cloth, &sheets, options.thickness),
             stitches: None,
@@ -424,6 +429,10 @@ impl<T: Real> Fabric<T> {
             Pass::Limit { .. } => {
                 let each = self.sheets.iter_mut().zip(&self.limits);
                 each.for_each(|(sheet, limit)| limit::run(threads, sheet, limit, step.left));
+            }
+            Pass::Backstop { .. } => {
+                let each = self.sheets.iter_mut().zip(&self.backstops);
+                each.for_each(|(sheet, backstop)| backstop::run(threads, sheet, backstop, step.left));
             }
             Pass::Stitch { .. } => {
                 self.stitches.iter_mut().for_each(|stitches| stitch::run(&self.sheets, stitches));

@@ -1,6 +1,6 @@
 //! The shortest way to what holds a particle, by way of the particles around it. Twin of shaders/part/route.wgsl.
 
-use crate::cloth::{Cloth, Grid, Tethers, groups, mates, ring};
+use crate::cloth::{Bridges, Cloth, Grid, Tethers, groups, mates, ring};
 use crate::number::real::Real;
 
 /// Pins that hold each particle of a cloth that is cut, in slots, by texels.
@@ -8,6 +8,7 @@ pub struct Held<T> {
     grids: Vec<Grid>,
     /// The next duplicate of every texel.
     mates: Vec<u32>,
+    bridges: Bridges,
     /// Tethers per particle.
     pub slots: usize,
     /// By particle and slot: a group of pins, any of which will do.
@@ -68,6 +69,7 @@ impl<T: Real> Held<T> {
         Held {
             grids: cloth.grids().to_vec(),
             mates: mates(cloth),
+            bridges: Bridges::of(cloth),
             slots: tethers.per_particle,
             groups: groups(cloth, tethers),
             anchors: each().map(|a| a.particle).collect(),
@@ -80,10 +82,12 @@ impl<T: Real> Held<T> {
         ring(&self.mates, k, each);
     }
 
-    /// Calls `each` with every texel around the duplicates of one, and the duplicates of those. One may come twice.
+    /// Calls `each` with every texel around the duplicates of one or at the other end of their stitches, and the duplicates of those. One may
+    /// come twice.
     pub fn beside(&self, k: usize, mut each: impl FnMut(usize)) {
         self.ring(k, |m| {
             self.circle(m).into_iter().flatten().for_each(|(n, _, _)| self.ring(n, &mut each));
+            self.bridges.at(m).iter().for_each(|(n, _, _)| self.ring(*n as usize, &mut each));
         });
     }
 
@@ -106,23 +110,43 @@ impl<T: Real> Held<T> {
             let Some((texel, stored, place)) = at else {
                 return Near { texel: m, length: T::of(0.0), far: far(), anchor: u32::MAX };
             };
-            let slots = texel * self.slots..(texel + 1) * self.slots;
-            let slot = slots.into_iter().find(|t| self.groups[*t] == group);
-            let (far, anchor) = slot.map_or((far(), u32::MAX), |t| (most[t], self.anchors[t]));
-            Near { texel, length: rest[stored][place], far, anchor }
+            self.near(most, texel, rest[stored][place], group)
+        })
+    }
+
+    /// A texel that is `length` away, with its distance from pins of a group.
+    fn near(&self, most: &[T], texel: usize, length: T, group: u32) -> Near<T> {
+        let mut slots = texel * self.slots..(texel + 1) * self.slots;
+        let slot = slots.find(|t| self.groups[*t] == group);
+        let (far, anchor) = slot.map_or((far(), u32::MAX), |t| (most[t], self.anchors[t]));
+        Near { texel, length, far, anchor }
+    }
+
+    /// The texels at the other ends of the stitches of a texel; a stitch whose quad has lost a triangle has the length 0.
+    fn over<'a>(
+        &'a self,
+        rest: &'a [[T; 4]],
+        most: &'a [T],
+        m: usize,
+        group: u32,
+    ) -> impl Iterator<Item = Near<T>> + 'a {
+        self.bridges.at(m).iter().map(move |(n, length, quad)| {
+            let whole = rest[*quad as usize][2] > T::of(0.0);
+            let length = if whole { T::of(f64::from(*length)) } else { T::of(0.0) };
+            self.near(most, *n as usize, length, group)
         })
     }
 
     /// Support of tether `t` of texel `k`. 0: particles nearer to its pin hang on that pin too, and the path through them,
-    /// along a spring or across a triangle, is at most as long as the tether. Else, beside pins that share the cloth, paths
-    /// may lead between particles that hang on others: [`UNSUPPORTED`] minus the number of springs, triangles and nearer
-    /// particles around it; [`UNSUPPORTED`] if no particle is nearer.
+    /// along a spring, across a triangle or over a stitch, is at most as long as the tether. Else, beside pins that share the cloth, paths
+    /// may lead between particles that hang on others: [`UNSUPPORTED`] minus the number of springs, triangles, stitches and
+    /// nearer particles around it; [`UNSUPPORTED`] if no particle is nearer.
     pub fn support(&self, rest: &[[T; 4]], most: &[T], k: usize, t: usize) -> u32 {
         let (anchor, own) = (self.anchors[t], most[t]);
         let (mut way, mut nearer, mut there) = (far::<T>(), 0, 0);
         self.ring(k, |m| {
             let near = self.look(rest, most, m, self.groups[t]);
-            for n in near {
+            for n in near.into_iter().chain(self.over(rest, most, m, self.groups[t])) {
                 let joined = n.length > T::of(0.0);
                 there += u32::from(joined);
                 nearer += u32::from(n.far < own);
@@ -152,7 +176,8 @@ impl<T: Real> Held<T> {
         let mut best = (far::<T>(), u32::MAX);
         self.ring(k, |m| {
             let near = self.look(rest, &self.most, m, group);
-            for n in near.iter().filter(|n| n.length > T::of(0.0) && n.far < far()) {
+            let over = self.over(rest, &self.most, m, group);
+            for n in near.into_iter().chain(over).filter(|n| n.length > T::of(0.0) && n.far < far()) {
                 let way = (n.far + n.length, n.anchor);
                 best = if way < best { way } else { best };
             }

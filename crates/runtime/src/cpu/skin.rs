@@ -10,3 +10,10 @@ pub fn run<T: Real>(skin: &Skin, particles: impl Iterator<Item = u32>, matrices:
     let at = |k: usize| skinned(&matrices, &skin.influences[k * skin.sets..(k + 1) * skin.sets], cast(skin.rest[k]));
     particles.map(|k| at(k as usize)).collect()
 }
+
+/// Where points \[m\] are that move as some particles, from where they are at rest.
+pub fn points<T: Real>(skin: &Skin, points: &[(u32, [f32; 3])], matrices: &[Rows]) -> Vec<V3<T>> {
+    let matrices: Vec<[[T; 4]; 3]> = matrices.iter().map(|r| r.map(cast)).collect();
+    let own = |k: usize| &skin.influences[k * skin.sets..(k + 1) * skin.sets];
+    points.iter().map(|(k, p)| skinned(&matrices, own(*k as usize), cast(*p))).collect()
+}

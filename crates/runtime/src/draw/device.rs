@@ -7,9 +7,9 @@ use bytemuck::{bytes_of, cast_slice};
 use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 
 use super::rows::{BodyRow, ViewRow};
-use super::shader::{BODIES, MESH, UV, VIEW, Variant};
+use super::shader::{BODIES, MESH, PAINTS, TEXELS, UV, VIEW, Variant};
 use super::surface::{self, Facet, Hidden, Paint};
-use super::{Look, SolidLook, View, mesh};
+use super::{Look, SolidLook, View, mesh, paints};
 use crate::cloth::Cloth;
 use crate::collider::{Collider, Shape};
 use crate::error::{Error, Result};
@@ -47,6 +47,8 @@ pub struct Draw {
     solids: Option<DrawnSolids>,
     surface: Option<DrawnSurface>,
     paints: Vec<Paint>,
+    /// The paints as shaders read them, made when they are first needed.
+    painted: Option<[Buffer; 2]>,
     /// Cloths and colliders that are left out.
     pub hidden: Hidden,
 }
@@ -88,6 +90,7 @@ impl Draw {
             solids: None,
             surface: None,
             paints: Vec::new(),
+            painted: None,
             hidden: Hidden::default(),
         }
     }
@@ -105,24 +108,40 @@ impl Draw {
         self.solids = None;
     }
 
-    /// The paints of facets from the next [`Draw::set_surface`] on. Their colours are drawn; their textures and alpha are not.
+    /// The paints of facets from the next [`Draw::set_surface`] on, which uploads them once: 48 bytes per paint and 16/3 bytes per pixel of their
+    /// textures. Textures that do not fit a storage buffer of the device together begin with a smaller level.
     pub fn set_paints(&mut self, paints: Vec<Paint>) {
         self.paints = paints;
+        (self.painted, self.surface) = (None, None);
     }
 
-    /// Draws these triangles from now on, in place of those of the last call: an upload of 144 bytes per triangle, and one draw per record.
+    /// Draws these triangles from now on, in place of those of the last call: an upload of 160 bytes per triangle, and one draw per record.
     pub fn set_surface(&mut self, facets: &[Facet]) {
-        let rows = surface::rows(facets, &self.paints);
-        let vertices = rows.len() as u32;
+        let rows = surface::rows(facets, self.paints.len());
+        let vertices = 3 * rows.len() as u32;
         if let Some(drawn) = self.surface.as_ref().filter(|s| s.vertices == vertices) {
             self.queue.write_buffer(&drawn.mesh, 0, cast_slice(&rows));
             return;
         }
         self.surface = (vertices > 0).then(|| {
             let mesh = self.upload("surface", cast_slice(&rows));
-            let group = self.group(Variant::Surface, vec![(MESH, mesh.as_entire_binding())]);
+            let [paints, texels] = self.painted();
+            let bound = [(MESH, &mesh), (PAINTS, &paints), (TEXELS, &texels)];
+            let bound = bound.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+            let group = self.group(Variant::Surface, bound.to_vec());
             DrawnSurface { vertices, mesh, group }
         });
+    }
+
+    fn painted(&mut self) -> [Buffer; 2] {
+        if let Some(known) = &self.painted {
+            return known.clone();
+        }
+        let limits = self.device.limits();
+        let most = u64::from(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size);
+        let (rows, texels) = paints::rows(&self.paints, most);
+        let made = [self.upload("paints", cast_slice(&rows)), self.upload("texels", cast_slice(&texels))];
+        self.painted.insert(made).clone()
     }
 
     /// Draws every cloth, between its last two steps by `fraction` (see [`crate::Progress`]), and every collider. One
@@ -255,7 +274,11 @@ fn pipeline(device: &wgpu::Device, target: &Target, variant: Variant) -> (wgpu::
     };
     let entry = |binding, ty, visibility| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
     let mut entries = vec![entry(VIEW, uniform, wgpu::ShaderStages::VERTEX_FRAGMENT)];
-    entries.extend(variant.storage().iter().map(|binding| entry(*binding, storage, wgpu::ShaderStages::VERTEX)));
+    let stage = |binding: &u32| match *binding {
+        PAINTS | TEXELS => wgpu::ShaderStages::FRAGMENT,
+        _ => wgpu::ShaderStages::VERTEX,
+    };
+    entries.extend(variant.storage().iter().map(|binding| entry(*binding, storage, stage(binding))));
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
     let source = wgpu::ShaderSource::Wgsl(variant.files().concat().into());
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
@@ -264,8 +287,10 @@ fn pipeline(device: &wgpu::Device, target: &Target, variant: Variant) -> (wgpu::
         bind_group_layouts: &[Some(&layout)],
         ..Default::default()
     });
-    let constants = [("encode", f64::from(u8::from(!target.color.is_srgb())))];
-    let fragment_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+    let constants = [("encode", f64::from(u8::from(!target.color.is_srgb()))), ("samples", f64::from(target.samples))];
+    // Only surfaces ask for the number of samples.
+    let constants = if variant == Variant::Surface { &constants[..] } else { &constants[..1] };
+    let fragment_options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label,
         layout: Some(&pipeline_layout),

@@ -1,4 +1,5 @@
-//! Triangles on a picture: clipping, coverage and colour. Twin of what a device does between the two stages of shaders/draw.wgsl.
+//! Triangles on a picture: clipping, coverage and colour. Twin of what a device does between the two stages of shaders/draw.wgsl, and of
+//! the paints of shaders/draw_surface.wgsl.
 
 use super::ground::{Ground, Shadow};
 use super::raster::{Corner, fragment};
@@ -143,7 +144,7 @@ impl Shade<'_> {
                 Some(scale(lit(self.front, self.back), light))
             }
             Kind::Painted(paint) => {
-                let texel = paint.texture.as_ref().map_or([1.0; 4], |t| t.at(p.uv, flat.level));
+                let texel = paint.texture.as_ref().map_or([1.0; 4], |t| t.at(p.uv, flat.level, paint.wrap));
                 let [r, g, b, a] = [0, 1, 2, 3].map(|c| paint.color[c] * texel[c] * p.color[c]);
                 let is_drawn = match paint.alpha {
                     Alpha::Opaque => true,

@@ -33,6 +33,22 @@ pub struct BodyRow {
     pub color: [f32; 4],
 }
 
+/// `Paint` of shaders/draw_surface.wgsl.
+#[cfg(any(test, feature = "gpu"))]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PaintRow {
+    pub color: [f32; 4],
+    pub alpha: u32,
+    pub cutoff: f32,
+    pub wrap: u32,
+    pub first: u32,
+    pub levels: u32,
+    pub pad_a: u32,
+    pub pad_b: u32,
+    pub pad_c: u32,
+}
+
 /// Towards the lamp in the camera's own frame: from the upper left, behind the eye.
 const LAMP: [f32; 3] = [-0.48, 0.6, 0.64];
 /// Tiles in a metre of a half-space's plane, and how much darker every other one is.

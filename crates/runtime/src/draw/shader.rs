@@ -18,6 +18,8 @@ pub const VIEW: u32 = 0;
 pub const BODIES: u32 = 1;
 pub const MESH: u32 = 2;
 pub const UV: u32 = 20;
+pub const PAINTS: u32 = 21;
+pub const TEXELS: u32 = 22;
 
 macro_rules! part {
     ($name:literal) => {
@@ -40,23 +42,23 @@ impl Variant {
     /// The shader's files, in order.
     pub fn files(self) -> Vec<&'static str> {
         let view = part!("view");
-        let draw = include_str!("../../../../shaders/draw.wgsl");
+        let (light, draw) = (part!("light"), include_str!("../../../../shaders/draw.wgsl"));
         match self {
-            Variant::Solids => vec![view, part!("drawn_solid"), draw],
-            Variant::Surface => vec![view, part!("drawn_surface"), draw],
+            Variant::Solids => vec![view, part!("drawn_solid"), light, draw],
+            Variant::Surface => vec![view, light, include_str!("../../../../shaders/draw_surface.wgsl")],
             Variant::Cloth { holes, uv } => {
                 let holes = if holes { part!("drawn_holes") } else { part!("drawn_whole") };
                 let uv = if uv { part!("drawn_uv") } else { part!("drawn_plain") };
-                vec![view, part!("grid"), part!("grids"), holes, uv, part!("drawn_cloth"), draw]
+                vec![view, part!("grid"), part!("grids"), holes, uv, part!("drawn_cloth"), light, draw]
             }
         }
     }
 
-    /// The storage buffers that it reads, by binding.
+    /// The storage buffers that it reads, by binding; those of paints in the fragment stage.
     pub fn storage(self) -> Vec<u32> {
         match self {
             Variant::Solids => vec![BODIES, MESH],
-            Variant::Surface => vec![MESH],
+            Variant::Surface => vec![MESH, PAINTS, TEXELS],
             Variant::Cloth { holes, uv } => {
                 let slots = [Slot::Grids, Slot::Now, Slot::Before, Slot::Normals].map(|s| s as u32);
                 let more = [(holes, Slot::Holes as u32), (uv, UV)];
@@ -75,7 +77,7 @@ mod tests {
     use naga::{AddressSpace, TypeInner};
 
     use super::*;
-    use crate::draw::rows::{BodyRow, ViewRow};
+    use crate::draw::rows::{BodyRow, PaintRow, ViewRow};
     use crate::layout::GridRow;
 
     macro_rules! rust {
@@ -88,6 +90,7 @@ mod tests {
     fn every_variant_is_valid_binds_what_it_says_and_lies_as_in_rust() {
         let view = rust!(ViewRow: clip, eye, fraction, middle, tiles, background, shade, light, jump, front, back);
         let body = rust!(BodyRow: rotation, center, fade, color);
+        let paint = rust!(PaintRow: color, alpha, cutoff, wrap, first, levels, pad_a, pad_b, pad_c);
         let grid = rust!(GridRow: first, width, height, soft, rest);
         for variant in Variant::ALL {
             let text = variant.files().concat();
@@ -108,7 +111,8 @@ mod tests {
                     Some("View") => &view,
                     Some("Body") => &body,
                     Some("Grid") => &grid,
-                    Some("Corner" | "Point") => continue,
+                    Some("Paint") => &paint,
+                    Some("Corner" | "Point" | "Drawn") => continue,
                     other => panic!("{other:?} has no counterpart"),
                 };
                 let wgsl: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset)).collect();

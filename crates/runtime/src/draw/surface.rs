@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use gimage_bundle::Wrap;
+
 use super::raster::decoded;
 use super::texture::Texture;
 
@@ -26,9 +28,11 @@ pub struct Facet {
 pub struct Paint {
     /// Linear red, green, blue and alpha.
     pub color: [f32; 4],
-    /// Sampled per pixel, bilinear, repeated in both directions. [`super::Software`] draws it; [`super::Draw`] does not.
+    /// Sampled per pixel, bilinear, in the level whose pixels are nearest to one per sample of the picture.
     pub texture: Option<Arc<Texture>>,
-    /// The effect of alpha; [`super::Draw`] draws all paints opaque.
+    /// How the texture goes on along u and v.
+    pub wrap: [Wrap; 2],
+    /// The effect of alpha.
     pub alpha: Alpha,
 }
 
@@ -37,7 +41,7 @@ pub struct Paint {
 pub enum Alpha {
     /// Nothing.
     Opaque,
-    /// Pixels with an alpha below this one are not drawn.
+    /// Samples with an alpha below this one are not drawn.
     Mask(f32),
     /// Alpha is the share of the samples that are drawn, by an ordered dither of 4 x 4 pixels with 4 samples each: no order of triangles is needed.
     Blend,
@@ -47,7 +51,7 @@ impl Paint {
     /// One opaque colour, sRGB, 0 to 1.
     pub fn plain(color: [f32; 3]) -> Self {
         let [r, g, b] = color.map(decoded);
-        Paint { color: [r, g, b, 1.0], texture: None, alpha: Alpha::Opaque }
+        Paint { color: [r, g, b, 1.0], texture: None, wrap: [Wrap::Repeat; 2], alpha: Alpha::Opaque }
     }
 }
 
@@ -66,16 +70,21 @@ pub struct Hidden {
     pub cloths: BTreeSet<usize>,
 }
 
-/// Triangles as shaders/part/drawn_surface.wgsl reads them: position, normal and linear colour of each corner.
+/// Triangles as shaders/draw_surface.wgsl reads them: position and u, normal and v, colour of each corner, and the paint, of which there are a
+/// number; a facet without one has the number after the last.
 #[cfg(feature = "gpu")]
-pub(super) fn rows(facets: &[Facet], paints: &[Paint]) -> Vec<[[f32; 4]; 3]> {
-    let four = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
+pub(super) fn rows(facets: &[Facet], paints: usize) -> Vec<[[f32; 4]; 10]> {
+    let four = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
     let row = |f: &Facet| {
-        let paint = paints.get(f.paint).map_or([1.0; 4], |p| p.color);
-        [0, 1, 2].map(|c| {
-            let color = [0, 1, 2, 3].map(|k| paint[k] * f.colors[c][k]);
-            [four(f.corners[c]), four(f.normals[c]), color]
-        })
+        let mut row = [[0.0; 4]; 10];
+        for c in 0..3 {
+            let [u, v] = f.uv[c];
+            row[3 * c] = four(f.corners[c], u);
+            row[3 * c + 1] = four(f.normals[c], v);
+            row[3 * c + 2] = f.colors[c];
+        }
+        row[9][0] = f.paint.min(paints) as f32;
+        row
     };
-    facets.iter().flat_map(row).collect()
+    facets.iter().map(row).collect()
 }

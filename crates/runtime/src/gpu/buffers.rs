@@ -64,8 +64,17 @@ pub struct ClothBuffers {
 }
 
 /// Buffers that no cut changes.
-const KEPT: [Slot; 7] =
-    [Slot::Good, Slot::Lost, Slot::Solids, Slot::Bounds, Slot::Charts, Slot::Influences, Slot::Skinned];
+const KEPT: [Slot; 9] = [
+    Slot::Good,
+    Slot::Lost,
+    Slot::Solids,
+    Slot::Bounds,
+    Slot::Charts,
+    Slot::Influences,
+    Slot::Skinned,
+    Slot::BackInfluences,
+    Slot::BackSkinned,
+];
 
 impl ClothBuffers {
     /// Those of a cloth whose state lies in a store.

@@ -74,6 +74,8 @@ impl Contents {
                     // Teleports and joints may have moved them.
                     Slot::Targets => (first, cast_slice(&world.runs[index].targets(cloth)).to_vec()),
                     Slot::Drifts => (first, cast_slice(&world.runs[index].drifts(cloth)).to_vec()),
+                    Slot::Backs => (first, cast_slice(&world.runs[index].spheres(cloth)).to_vec()),
+                    Slot::BackDrifts => (first, vec![0; 16 * cloth.len()]),
                     other if is_new => (image, other.texels(cloth, held)),
                     _ => continue,
                 };

@@ -6,7 +6,7 @@ use wgpu::{Buffer, BufferUsages};
 use super::Gpu;
 use super::span::Span;
 use super::upload::{filled, upload};
-use crate::cloth::{Cloth, Rest, Tethers, groups, mates};
+use crate::cloth::{Bridges, Cloth, Rest, Tethers, groups, mates};
 use crate::cpu::route::UNSUPPORTED;
 use crate::passes::Pass;
 use crate::shaders::Slot;
@@ -24,10 +24,31 @@ pub(super) fn room(device: &wgpu::Device, cloth: &Cloth, tethers: &Tethers) -> V
         (Slot::Holding, upload(device, "holding", &vec![[0u32; 2]; supports.len()], none)),
         (Slot::Changes, upload(device, "changes", &vec![0u32; 4 + 3 * cloth.len()], none)),
     ];
-    if cloth.ring_count() > 0 {
-        room.push((Slot::Mates, upload(device, "mates", &mates(cloth), none)));
+    let [seams, sewn] = joins(cloth);
+    if seams {
+        let mut links = mates(cloth);
+        if sewn {
+            links.extend(bridge_words(cloth));
+        }
+        room.push((Slot::Mates, upload(device, "mates", &links, none)));
     }
     room
+}
+
+/// Whether the passes read links of seams, and stitches behind them.
+fn joins(cloth: &Cloth) -> [bool; 2] {
+    let sewn = !cloth.stitches().is_empty();
+    [sewn || cloth.ring_count() > 0, sewn]
+}
+
+/// Stitches as shaders/part/bridges.wgsl reads them: where those of each texel begin, then three words for each end.
+fn bridge_words(cloth: &Cloth) -> Vec<u32> {
+    let mut bridges = Bridges::of(cloth);
+    if bridges.starts.is_empty() {
+        bridges.starts = vec![0; cloth.len() + 1];
+    }
+    let ends = bridges.ends.iter().flat_map(|(k, length, quad)| [*k, length.to_bits(), *quad]);
+    bridges.starts.iter().copied().chain(ends).collect()
 }
 
 /// Whether a cloth has tethers that a cut can reach.
@@ -37,8 +58,8 @@ fn follows(cloth: &Cloth, tethers: &Tethers) -> bool {
 
 /// The passes that update the tethers of a cloth after a cut: for all texels, and in a walk.
 pub(super) fn cut_tethers(cloth: &Cloth, tethers: &Tethers) -> Option<[Pass; 2]> {
-    let (slots, seams) = (tethers.per_particle as u32, cloth.ring_count() > 0);
-    follows(cloth, tethers).then_some([false, true].map(|walks| Pass::CutTethers { slots, seams, walks }))
+    let (slots, [seams, sewn]) = (tethers.per_particle as u32, joins(cloth));
+    follows(cloth, tethers).then_some([false, true].map(|walks| Pass::CutTethers { slots, seams, sewn, walks }))
 }
 
 /// Threads of the workgroup that walks.
@@ -52,7 +73,7 @@ const MAX_TEXELS: u64 = 1 << 20;
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Walk {
     /// Rounds of a phase. A way that a cut has changed leads by at most that many particles, or its tether ends: twice along the longer
-    /// side, of two grids if there are several.
+    /// side, of two grids if there are several, and of all if stitches tie them.
     rounds: u64,
     /// Texels per thread and dispatch.
     texels: u64,
@@ -68,10 +89,11 @@ impl Walk {
         let (slots, (starts, _)) = (tethers.per_particle as u64, cloth.rings());
         let ring = u64::from(starts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(1));
         // Iterations for a texel: what is around each duplicate, for each slot, and the texels beside it that go into a list.
-        let texel = slots * (2 + ring * (8 * (2 + slots + grids) + 20)) + 8 * (1 + ring) + 4;
+        let over = if cloth.stitches().is_empty() { 0 } else { u64::from(Bridges::of(cloth).most()) };
+        let texel = slots * (2 + ring * ((8 + over) * (2 + slots + grids) + 20)) + (8 + over) * (1 + ring) + 4;
         // The loop that ends all tethers.
         let ends = (slots * cloth.len() as u64).div_ceil(GROUP);
-        let rounds = 2 * longest * grids.min(2);
+        let rounds = 2 * longest * if cloth.stitches().is_empty() { grids.min(2) } else { grids };
         let texels = (u64::from(loops).saturating_sub(ends + rounds) / texel).clamp(1, MAX_TEXELS);
         // The front of changes is about as long as both sides of a cut, with the texels beside them; twice that for fronts that cross.
         let need = 2 * rounds * (4 * longest).div_ceil(GROUP);

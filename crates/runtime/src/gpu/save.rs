@@ -117,12 +117,15 @@ impl Gpu {
         own.into_iter().chain(shared).collect()
     }
 
-    /// Records that the targets of a cloth's limits follow its start.
+    /// Records that the targets of a cloth's limits, and the spheres of its backstops, follow its start.
     pub(super) fn aim(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, cloth: usize) {
-        let targets = world.runs[cloth].targets(&world.scene.cloths[cloth]);
-        let buffer = self.upload_once(cast_slice(&targets));
-        for span in self.vectors(world, cloth, Slot::Targets) {
-            encoder.copy_buffer_to_buffer(&buffer, 0, &span.buffer, span.offset, 16 * targets.len() as u64);
+        let (run, of) = (&world.runs[cloth], &world.scene.cloths[cloth]);
+        let lists = [(Slot::Targets, run.targets(of)), (Slot::Backs, run.spheres(of))];
+        for (slot, list) in lists.iter().filter(|(_, list)| !list.is_empty()) {
+            let buffer = self.upload_once(cast_slice(list));
+            for span in self.vectors(world, cloth, *slot) {
+                encoder.copy_buffer_to_buffer(&buffer, 0, &span.buffer, span.offset, 16 * list.len() as u64);
+            }
         }
     }
 

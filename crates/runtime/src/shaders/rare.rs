@@ -55,13 +55,15 @@ pub(super) fn cut_springs(over: Over) -> Rule {
     own!("cut_springs", over, open(true, Parts::new(&[part!("quad"), part!("sides")], &[Grids, Now], &[Rest])))
 }
 
-pub(super) fn cut_tethers(over: Over, slots: u32, seams: bool, walks: bool) -> Rule {
+pub(super) fn cut_tethers(over: Over, slots: u32, [seams, sewn]: [bool; 2], walks: bool) -> Rule {
     let mates = if seams { part!("mates") } else { part!("mates_none") };
+    let over_stitches = if sewn { part!("bridges") } else { part!("bridges_none") };
     let mut read = vec![Grids, Rest, Action];
     read.extend(seams.then_some(Slot::Mates));
     let write = [Slot::Tethers, Slot::Supports, Slot::Holding, Slot::Changes];
     let [x, y] = if walks { [256, 1] } else { [16, 4] };
-    let parts = Parts::new(&[part!("action"), mates, part!("route")], &read, &write).constant("slots", slots);
+    let parts =
+        Parts::new(&[part!("action"), mates, over_stitches, part!("route")], &read, &write).constant("slots", slots);
     let parts = parts.constant("walks", u32::from(walks)).constant("threads_x", x).constant("threads_y", y);
     own!("cut_tethers", over, parts)
 }

@@ -62,9 +62,8 @@ macro_rules! rule {
 /// Elements that the rule of a pass is run for.
 pub fn over(pass: Pass) -> Over {
     match pass {
-        Pass::Integrate(_) | Pass::IntegrateExact(_) | Pass::Forget | Pass::Tethers { .. } | Pass::Limit { .. } => {
-            Over::Particles
-        }
+        Pass::Integrate(_) | Pass::IntegrateExact(_) | Pass::Forget | Pass::Tethers { .. } => Over::Particles,
+        Pass::Limit { .. } | Pass::Backstop { .. } => Over::Particles,
         Pass::Guard | Pass::Restore | Pass::Colliders(_) => Over::Particles,
         Pass::Contact(kinds) => {
             if kinds.many {
@@ -119,6 +118,7 @@ pub fn rule(pass: Pass) -> Rule {
             rule!("tethers", "tether", over, parts)
         }
         Pass::Limit { moves } => rule!("limit", "limit", over, aim(moves).bind(&[writes(Now)])),
+        Pass::Backstop { moves } => rule!("backstop", "backstop", over, back(moves).bind(&[writes(Now)])),
         Pass::Stitch { holes } => {
             let parts = parts(&[part!("stitched")], &[Grids, Now, Slot::Stitches], &[Slot::Pulls]);
             rule!("stitch", "stitch", over, open(holes, parts))
@@ -192,7 +192,7 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::CoarseTies { level, cut } => rare::coarse_ties(over, level, cut),
         Pass::Cut => rare::cut(over),
         Pass::CutSprings => rare::cut_springs(over),
-        Pass::CutTethers { slots, seams, walks } => rare::cut_tethers(over, slots, seams, walks),
+        Pass::CutTethers { slots, seams, sewn, walks } => rare::cut_tethers(over, slots, [seams, sewn], walks),
         Pass::CutLevels => rare::cut_levels(over),
         Pass::Transform => rare::transform(over),
         Pass::Place => rare::place(over),
@@ -219,6 +219,15 @@ fn aim(moves: bool) -> Parts {
     let (file, read): (_, &[_]) = match moves {
         false => (part!("aim_still"), &[Slot::Targets]),
         true => (part!("aim_moving"), &[Slot::Step, Slot::Targets, Slot::Drifts]),
+    };
+    Parts::new(&[file], read, &[])
+}
+
+/// The spheres of backstops, which move with the joints of a cloth or not at all.
+fn back(moves: bool) -> Parts {
+    let (file, read): (_, &[_]) = match moves {
+        false => (part!("back_still"), &[Slot::Backs]),
+        true => (part!("back_moving"), &[Slot::Step, Slot::Backs, Slot::BackDrifts]),
     };
     Parts::new(&[file], read, &[])
 }

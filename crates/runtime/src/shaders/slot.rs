@@ -96,11 +96,15 @@ slots! {
     Boxes "boxes",
     Partners "partners",
     Pushes "pushes",
+    Backs "backs",
+    BackDrifts "back_drifts",
+    BackInfluences "back_influences",
+    BackSkinned "back_skinned",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
 /// in [`Slot::Lists`], whose first numbers, in this order, say where each begins.
-pub const LISTED: [(Slot, Option<&str>); 16] = [
+pub const LISTED: [(Slot, Option<&str>); 18] = [
     (Slot::Jobs, None),
     (Slot::Grids, None),
     // Seam rings: ring r is members[starts[r]] up to, not including, members[starts[r + 1]].
@@ -121,6 +125,9 @@ pub const LISTED: [(Slot, Option<&str>); 16] = [
     (Slot::Drifts, Some("vec4<f32>")),
     // Three rows per particle, see shaders/part/stitched.wgsl.
     (Slot::Stitches, Some("vec4<u32>")),
+    // The spheres of backstops, centre and radius, and how fast each moves.
+    (Slot::Backs, Some("vec4<f32>")),
+    (Slot::BackDrifts, Some("vec4<f32>")),
 ];
 
 impl Slot {
@@ -137,6 +144,8 @@ impl Slot {
             Slot::Tethers => there(tethers > 0, 8 * tethers),
             Slot::Targets => there(cloth.is_aimed(), 16),
             Slot::Drifts => there(cloth.follows_joints(), 16),
+            Slot::Backs => there(cloth.backstops.is_some(), 16),
+            Slot::BackDrifts => there(cloth.backstops.is_some() && cloth.follows_joints(), 16),
             Slot::Holes => there(cloth.is_cut(), 4),
             Slot::Stitches => there(cloth.sewing().is_some(), 48),
             Slot::Rings => there(cloth.ring_count() > 0, 4),
@@ -144,7 +153,7 @@ impl Slot {
         }
     }
 
-    /// The entries of all texels in such a list, before any cut; without targets and their speeds, which calls of a host change.
+    /// The entries of all texels in such a list, before any cut; without targets, spheres and their speeds, which calls of a host change.
     pub fn texels(self, cloth: &Cloth, held: &Tethers) -> Vec<u8> {
         let list = |data: &[[f32; 4]]| cast_slice(data).to_vec();
         match self {
@@ -216,10 +225,12 @@ impl Slot {
             Slot::Lasting => cloth.len() * 16 * (1 + usize::from(cloth.is_exact())),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
             Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => cloth.len() * 16,
-            Slot::Targets | Slot::Drifts | Slot::Pulls => cloth.len() * 16,
+            Slot::Targets | Slot::Drifts | Slot::Pulls | Slot::Backs | Slot::BackDrifts => cloth.len() * 16,
             Slot::Stitches => cloth.len() * 48,
-            Slot::Skinned => cloth.len() * 32,
-            Slot::Influences => cloth.skin().map_or(0, |skin| cloth.len() * 16 * (1 + 2 * skin.sets)),
+            Slot::Skinned | Slot::BackSkinned => cloth.len() * 32,
+            Slot::Influences | Slot::BackInfluences => {
+                cloth.skin().map_or(0, |skin| cloth.len() * 16 * (1 + 2 * skin.sets))
+            }
             Slot::Bends => cloth.len() * 8,
             Slot::Cells => cloth.len() * 32,
             Slot::Yielding => 16,

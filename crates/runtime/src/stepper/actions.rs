@@ -103,7 +103,7 @@ impl Stepper {
         let of = &self.world.scene.cloths[cloth];
         let by = by.checked()?;
         let chosen: Vec<u32> = (0..of.len() as u32).filter(|k| of.particles()[*k as usize].exists()).collect();
-        let limited = of.limits.is_some() && !of.follows_joints();
+        let limited = (of.limits.is_some() || of.backstops.is_some()) && !of.follows_joints();
         self.forget_bounds(cloth);
         self.world.wake(cloth);
         let run = &mut self.world.runs[cloth];

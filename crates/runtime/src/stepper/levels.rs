@@ -111,7 +111,7 @@ impl Stepper {
         let state = ClothState::new(head, lists.map(|x| x.to_bits()).collect());
         let words = state.fit(&layout, &inverse_masses(of, settings.solver), self.world.control.clock.dt_old);
         let mut body = self.world.body_beside(cloth, bodies);
-        body.aim(&run.targets(of));
+        body.aim(&run.targets(of), &run.spheres(of));
         body.load((of, &run.tethers), settings, &layout, &words);
         if let Some(gpu) = &mut self.gpu {
             gpu.upload_one(cloth, &body, threads);

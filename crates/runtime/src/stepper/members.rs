@@ -128,7 +128,7 @@ impl Stepper {
         let lists = [&start.now, &start.before].into_iter().flatten().flatten();
         let state = ClothState::new(head, lists.map(|x| x.to_bits()).collect());
         let words = state.fit(&layout, &inverse_masses(of, settings.solver), self.world.control.clock.dt_old);
-        let aim = of.is_aimed().then(|| self.world.aim(cloth));
+        let aim = of.has_aims().then(|| self.world.aim(cloth));
         self.world.host.actions.push(Action::Load { cloth, layout, words });
         self.world.host.actions.extend(aim);
     }

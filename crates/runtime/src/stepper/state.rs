@@ -123,7 +123,7 @@ impl Stepper {
         for (cloth, head, pinned) in heads {
             self.forget_bounds(*cloth);
             self.world.take(*cloth, head, pinned);
-            if self.world.scene.cloths[*cloth].is_aimed() {
+            if self.world.scene.cloths[*cloth].has_aims() {
                 let aim = self.world.aim(*cloth);
                 self.world.host.actions.push(aim);
             }

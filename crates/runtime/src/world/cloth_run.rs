@@ -99,6 +99,19 @@ impl ClothRun {
         cloth.positions().iter().enumerate().map(|(k, p)| with_w(at((k, p)), limit(k))).collect()
     }
 
+    /// The spheres of a cloth's backstops where it is now, or where its joints are: centre \[m\] and radius \[m\], -1 for none; empty if it
+    /// has no backstops.
+    pub fn spheres(&self, cloth: &Cloth) -> Vec<[f32; 4]> {
+        let skin = self.joints.as_ref().zip(cloth.skin());
+        let at = |(k, [x, y, z, radius]): (usize, [f32; 4])| match skin {
+            Some((joints, skin)) if cloth.particles()[k].exists() => {
+                with_w(skin.point_at(joints.now(), k, [x, y, z]), radius)
+            }
+            _ => with_w(self.home.apply([x, y, z]), radius),
+        };
+        cloth.spheres().into_iter().enumerate().map(at).collect()
+    }
+
     /// The speeds \[m/s\] of targets that rest, and as w 1 for the particles that follow joints, else 0; empty if none does.
     pub fn drifts(&self, cloth: &Cloth) -> Vec<[f32; 4]> {
         let Some(joints) = &self.joints else { return Vec::new() };

@@ -159,7 +159,10 @@ impl World {
                 }
                 Action::Transform { cloth, chosen, matrix } => bodies[*cloth].transform(chosen, matrix.map(cast)),
                 Action::Place { cloth, rows } => bodies[*cloth].place(rows),
-                Action::Aim { cloth } => bodies[*cloth].aim(&self.runs[*cloth].targets(&self.scene.cloths[*cloth])),
+                Action::Aim { cloth } => {
+                    let (run, of) = (&self.runs[*cloth], &self.scene.cloths[*cloth]);
+                    bodies[*cloth].aim(&run.targets(of), &run.spheres(of));
+                }
                 Action::Skin { cloth, to, rate, .. } => {
                     let Some(joints) = &self.runs[*cloth].joints else { continue };
                     bodies[*cloth].lead(&self.scene.cloths[*cloth], &joints.joined, to, T::of(f64::from(*rate)));

@@ -1,4 +1,4 @@
-//! Who makes the pictures: the GPU where the cloth is, else the CPU, which also has textures, alpha and shadows.
+//! Who makes the pictures: the GPU where the cloth is, else the CPU, which also has a ground with its shadow.
 
 use gimage_runtime::draw::{SheetView, Software, View};
 use gimage_runtime::scene::file::SceneFile;

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use gimage::import::BaseColor;
-use gimage_bundle::UvTransform;
+use gimage_bundle::{UvTransform, Wrap};
 use gimage_runtime::RenderMesh;
 use gimage_runtime::draw::{Alpha, Paint, Texture};
 use image::{ImageReader, Limits};
@@ -31,6 +31,7 @@ pub struct Paints<'a> {
 struct Base<'a> {
     color: [f32; 4],
     image: Option<(&'a [u8], &'a str)>,
+    wrap: [Wrap; 2],
     transform: UvTransform,
     cutoff: Option<f32>,
     blends: bool,
@@ -50,7 +51,8 @@ impl<'a> Paints<'a> {
             let image =
                 m.base_image.and_then(|i| Some((mesh.images.get(i)?.as_slice(), mesh.image_names.get(i)?.as_str())));
             let (color, transform, cutoff, blends) = (m.base_color, m.base_transform, m.cutoff, m.blends);
-            self.add(&Base { color, image: image.filter(|i| !i.0.is_empty()), transform, cutoff, blends })
+            let (image, wrap) = (image.filter(|i| !i.0.is_empty()), m.base_wrap);
+            self.add(&Base { color, image, wrap, transform, cutoff, blends })
         };
         mesh.parts.iter().map(add).collect()
     }
@@ -60,7 +62,7 @@ impl<'a> Paints<'a> {
         let image = c.image.as_deref().map(|bytes| (bytes, c.image_name.as_str()));
         let color = c.factor.map(|x| x as f32);
         let (transform, cutoff, blends) = (c.transform, c.cutoff, c.blends);
-        self.add(&Base { color, image, transform, cutoff, blends })
+        self.add(&Base { color, image, wrap: c.wrap, transform, cutoff, blends })
     }
 
     /// Texture coordinates of a mesh as those of the texture of a paint.
@@ -84,7 +86,7 @@ impl<'a> Paints<'a> {
         if base.image.is_none() && base.color == [1.0; 4] && alpha == Alpha::Opaque {
             return 0;
         }
-        let paint = Paint { color: base.color, texture, alpha };
+        let paint = Paint { color: base.color, texture, wrap: base.wrap, alpha };
         let known = self.list.iter().zip(&self.transforms).position(|(p, t)| same(p, &paint) && *t == base.transform);
         known.unwrap_or_else(|| {
             self.list.push(paint);
@@ -115,7 +117,7 @@ fn same(a: &Paint, b: &Paint) -> bool {
         (None, None) => true,
         _ => false,
     };
-    texture && a.color == b.color && a.alpha == b.alpha
+    texture && a.wrap == b.wrap && a.color == b.color && a.alpha == b.alpha
 }
 
 /// The texture of a PNG or JPEG file.

@@ -70,7 +70,7 @@ pub(super) fn limits(texels: &Texels<'_>, limits: &[Limit], unit: f64) -> (Optio
 
 /// The limits that the source has as an attribute, if it has that: the mean over the corners around a texel that have a limit, where those
 /// are at least half of it. A mean with the -1 of the others would be a length that nobody asked for.
-fn painted(texels: &Texels<'_>, name: &str, unit: f64) -> Option<Vec<f32>> {
+pub(super) fn painted(texels: &Texels<'_>, name: &str, unit: f64) -> Option<Vec<f32>> {
     let channel = texels.mesh.channel(&Semantic::Custom(name.into()))?;
     let at = |at: usize| {
         let (mut sum, mut limited, mut total) = (0.0, 0.0, 0.0);

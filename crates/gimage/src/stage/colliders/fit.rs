@@ -103,7 +103,8 @@ fn round(placed: &mut Vec<Placed>, samples: &[Sample], limits: &Limits, any: boo
         let list = state.list(samples, k, limits.target);
         let mut solid = refined(&placed[k].solid, &list, STEPS);
         let graded = |s: &Solid| Shape::of(s).kind.handicap() * error(s, &list);
-        if let Some(other) = best(limits.kinds, &list).filter(|o| any && graded(o) < 0.95 * graded(&solid)) {
+        let other = if any { best(limits.kinds, &list) } else { None };
+        if let Some(other) = other.filter(|o| graded(o) < 0.95 * graded(&solid)) {
             solid = other;
         }
         Placed { solid, ..placed[k] }

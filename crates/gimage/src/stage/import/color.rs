@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gimage_bundle::UvTransform;
+use gimage_bundle::{UvTransform, Wrap};
 use serde_json::Value;
 
 use super::buffers::{data_uri, relative_path};
@@ -22,6 +22,8 @@ pub struct BaseColor {
     pub image_name: String,
     /// The set of texture coordinates.
     pub tex_coord: u32,
+    /// How the texture goes on along u and v.
+    pub wrap: [Wrap; 2],
     /// From those coordinates to the ones of the texture.
     pub transform: UvTransform,
     /// Alpha below which a pixel is not drawn, for the alpha mode `MASK`.
@@ -61,6 +63,9 @@ pub fn base_colors(path: &Path, options: &ImportOptions) -> Result<Vec<BaseColor
             image: texture["index"].as_u64().and_then(|t| image(&root, t as usize, bin, &beside)),
             image_name: image_name(&root, texture),
             tex_coord: moved["texCoord"].as_u64().or(texture["texCoord"].as_u64()).unwrap_or(0) as u32,
+            wrap: texture["index"]
+                .as_u64()
+                .map_or([Wrap::Repeat; 2], |t| Wrap::of(&root, &root["textures"][t as usize])),
             transform: UvTransform::of(moved),
             cutoff: (mode == "MASK").then(|| material["alphaCutoff"].as_f64().unwrap_or(0.5) as f32),
             blends: mode == "BLEND",

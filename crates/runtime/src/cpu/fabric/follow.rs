@@ -45,8 +45,15 @@ impl<T: Real> Fabric<T> {
     }
 
     /// The joined particles, in the order of [`Fabric::join`], are at `ends` \[m\] at the end of the frame, and targets of limits where `at`
-    /// puts particles. Each goes there at `rate` \[1/s\] from where the last call put it.
-    pub fn lead(&mut self, ends: &[V3<T>], at: impl Fn(&[u32]) -> Vec<V3<T>>, rate: T) {
+    /// puts particles, and spheres behind them where `behind` puts points that move as particles. Each goes there at `rate` \[1/s\] from where
+    /// the last call put it.
+    pub fn lead(
+        &mut self,
+        ends: &[V3<T>],
+        at: impl Fn(&[u32]) -> Vec<V3<T>>,
+        behind: impl Fn(&[(u32, [f32; 3])]) -> Vec<V3<T>>,
+        rate: T,
+    ) {
         let mut ends = ends.iter();
         for follow in &mut self.follows {
             for ((to, drift), end) in follow.to.iter_mut().zip(&mut follow.drift).zip(&mut ends) {
@@ -59,10 +66,18 @@ impl<T: Real> Fabric<T> {
             let particles: Vec<u32> = limit.limited.iter().map(|k| *first as u32 + k).collect();
             limit.lead(sheet, &at(&particles), rate);
         });
+        let each = self.backstops.iter_mut().zip(&self.sheets).zip(&self.firsts);
+        each.for_each(|((backstop, sheet), first)| {
+            let particles = backstop.texels().iter().map(|k| *first as u32 + k);
+            let points: Vec<_> = particles.zip(backstop.rest.iter().copied()).collect();
+            backstop.lead(sheet, &behind(&points), rate);
+        });
     }
 
-    /// From here on these are the targets \[m\] of the limits, and the limits, by texels.
-    pub fn aim(&mut self, targets: &[[f32; 4]]) {
+    /// From here on these are the targets \[m\] of the limits, and the limits, and the spheres of backstops, by texels.
+    pub fn aim(&mut self, targets: &[[f32; 4]], spheres: &[[f32; 4]]) {
+        let each = self.backstops.iter_mut().zip(&self.sheets).zip(&self.firsts);
+        each.for_each(|((backstop, sheet), first)| backstop.aim(sheet, |k| spheres[first + k]));
         let each = self.limits.iter_mut().zip(&self.sheets).zip(&self.firsts);
         each.for_each(|((limit, sheet), first)| {
             *limit = Limit::new(sheet, |k| {

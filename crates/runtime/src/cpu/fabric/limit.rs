@@ -12,11 +12,11 @@ use crate::number::real::{Real, V3};
 /// The limits of a sheet.
 pub struct Limit<T: Real> {
     /// Target positions \[m\]; in the layout of [`Sheet::now`].
-    targets: Aligned<T>,
+    pub(super) targets: Aligned<T>,
     /// How fast each gets there \[m/s\], as `targets`; empty if none moves.
-    drifts: Aligned<T>,
+    pub(super) drifts: Aligned<T>,
     /// Largest distance \[m\], `f32::MAX` for no limit; in the layout of [`Sheet::w`].
-    most: Vec<T>,
+    pub(super) most: Vec<T>,
     /// The texels of the sheet that have a limit.
     pub limited: Vec<u32>,
 }

@@ -60,6 +60,7 @@ impl<T: Real> Fabric<T> {
             tally.state(&sheet.alike);
         }
         self.limits.iter().for_each(|limit| limit.tally(tally));
+        self.backstops.iter().for_each(|backstop| backstop.tally(tally));
         for follow in &self.follows {
             tally.state(&follow.places);
             [&follow.to, &follow.drift].into_iter().for_each(|list| tally.state(list));

@@ -107,6 +107,7 @@ pub struct Cloth {
     pub collision_groups: Option<Vec<u32>>,
     pub contact: Option<Contact>,
     pub compliance: Option<f32>,
+    pub backstop: Option<Backstop>,
     pub material: Option<Material>,
     #[serde(default)]
     pub velocity: V3,
@@ -114,6 +115,14 @@ pub struct Cloth {
     pub front: Option<V3>,
     pub back: Option<V3>,
     pub checker: Option<[f32; 2]>,
+}
+
+/// How far all particles of a cloth may go behind where they rest.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Backstop {
+    pub distance: f32,
+    pub radius: f32,
 }
 
 /// Contact of cloth with cloth.

@@ -3,7 +3,7 @@
 use super::error::{Error, Result};
 use super::json::{self, From};
 use super::{CharacterFile, Found, SceneFile, Source};
-use crate::cloth::{Cloth, ClothContact, Compliance, Flat, Select};
+use crate::cloth::{Backstop, Cloth, ClothContact, Compliance, Flat, Select};
 use crate::collider::{Collider, Shape};
 use crate::look::{Camera, Look, SolidLook, uv_of};
 use crate::material::Material;
@@ -160,6 +160,15 @@ fn cloth(
         ClothContact { distance: *distance, friction: friction.unwrap_or(other.friction) }
     });
     cloth.compliance = fields.compliance.map_or(Compliance::None, Compliance::Constant);
+    if let Some(json::Backstop { distance, radius }) = fields.backstop {
+        if !(distance >= 0.0 && distance.is_finite() && radius > 0.0 && radius.is_finite()) {
+            return Err(Error::choice(
+                format!("{place}.backstop"),
+                "give a distance of at least 0 and a radius above 0",
+            ));
+        }
+        cloth.backstops = Some(vec![Backstop { distance, radius }; cloth.len()].into());
+    }
     cloth.speed_limit = fields.speed_limit.unwrap_or(cloth.speed_limit);
     for (p, pins) in fields.pins.iter().enumerate() {
         let place = format!("{place}.pins[{p}]");
