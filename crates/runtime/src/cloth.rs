@@ -1,5 +1,6 @@
 //! The description of a cloth before it is stepped: grids of particles, pins, rest lengths and masses.
 
+mod body;
 mod charts;
 mod check;
 mod contact;
@@ -181,6 +182,8 @@ pub struct Cloth {
     skin: Option<Arc<Skin>>,
     /// The matrices of these joints at the start, where it follows them.
     joints: Option<Arc<[Rows]>>,
+    /// The surface of a body that it collides with.
+    worn_on: Option<body::WornOn>,
 }
 
 impl Cloth {
@@ -216,6 +219,7 @@ impl Cloth {
             sewing: None,
             skin: None,
             joints: None,
+            worn_on: None,
         })
     }
 

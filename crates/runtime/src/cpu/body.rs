@@ -178,6 +178,7 @@ impl<T: Real> Body<T> {
         let (Some(fabric), Some(skin)) = (&mut self.fabric, cloth.skin()) else { return };
         let at = |particles: &[u32]| skin::run(skin, particles.iter().copied(), matrices);
         fabric.lead(&at(joined), at, rate);
+        fabric.lead_surface(matrices, rate);
     }
 
     /// The shadow of cloth that has contact, for other cloths in a frame of `length` \[s\]; `rate` \[1/s\] is one over the length of the last
@@ -195,6 +196,11 @@ impl<T: Real> Body<T> {
     /// Searches contact afresh in the next step, as cloth does that a state was loaded into.
     pub(crate) fn forget_contact(&mut self) {
         self.fabric.iter_mut().for_each(|fabric| fabric.forget_contact());
+    }
+
+    /// Searches the nearest points of a body afresh in the next step, as particles may be anywhere.
+    pub(super) fn forget_surface(&mut self) {
+        self.fabric.iter_mut().for_each(|fabric| fabric.forget_surface());
     }
 
     /// Takes back its shadow.
@@ -267,7 +273,10 @@ impl<T: Real> Body<T> {
             Pass::Normals { .. } | Pass::SeamNormals => self.normals.forget(),
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
-                self.edited |= self.faulty.is_some();
+                if self.faulty.is_some() {
+                    self.edited = true;
+                    self.forget_surface();
+                }
                 restore::run(self.faulty.is_some(), &mut self.now, &mut self.before, &mut self.good);
             }
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),

@@ -11,6 +11,7 @@ mod refine;
 mod samples;
 mod shape;
 mod solid;
+mod surface;
 mod winding;
 
 use std::path::Path;
@@ -48,11 +49,13 @@ pub struct ColliderOptions {
     pub count: usize,
     /// The kinds of solids, at least one.
     pub kinds: Vec<Kind>,
+    /// Whether a dressed character gets the surface of its body too, which cloth on the CPU collides with in place of the solids.
+    pub surface: bool,
 }
 
 impl Default for ColliderOptions {
     fn default() -> Self {
-        ColliderOptions { error: 0.006, count: 48, kinds: vec![Kind::Sphere, Kind::Capsule] }
+        ColliderOptions { error: 0.006, count: 48, kinds: vec![Kind::Sphere, Kind::Capsule], surface: true }
     }
 }
 
@@ -78,6 +81,8 @@ pub struct Fit {
     pub colliders: Vec<Collider>,
     /// How far they are from the body.
     pub figures: Figures,
+    /// The surface of the body where it is bound to its skeleton, or why it is no collider.
+    pub surface: std::result::Result<gimage_bundle::Body, String>,
     /// Findings of the import and of the fit.
     pub findings: Vec<Finding>,
 }
@@ -120,7 +125,8 @@ pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptio
     })?;
     findings.extend(missed(&figures, &colliders, options));
     findings.extend(elsewhere(&mesh, options));
-    Ok(Fit { file: source.file_name, parts, colliders, figures, findings })
+    let surface = surface::surface(&mesh);
+    Ok(Fit { file: source.file_name, parts, colliders, figures, surface, findings })
 }
 
 impl ColliderOptions {
