@@ -25,10 +25,21 @@ use skinned::{Skinned, unit};
 
 /// A particle that much \[m\] farther than it moves in a frame meets nothing in it.
 const MARGIN_M: f64 = 0.006;
-/// Ways of the last frame that a particle may go in the next.
+/// Ways of the last frame that a particle, or the surface near it, may go in the next.
 const WAYS: f64 = 2.0;
+/// Frames for which a particle is left out, at most.
+const MAX_WAIT: f64 = 4.0;
 /// A particle deeper \[m\] inside than this is left there: no normal tells where it came from.
 const LOST_M: f64 = 0.04;
+/// A point that was found stays if the particle is not farther \[m\] beside it: on a limb of 5 cm that is 0.02 mm of height.
+const BESIDE_M: f64 = 0.0015;
+/// The same for each metre of height above that.
+const BESIDE_PER_HEIGHT: f64 = 0.1;
+/// Points of neighbours whose normals differ by less than this cosine are of the same side.
+const SAME_COSINE: f64 = 0.7;
+/// The farthest \[m\] that a second side of the surface may be, and the largest cosine between the normals of both.
+const SECOND_M: f64 = 0.05;
+const SECOND_COSINE: f64 = 0.3;
 /// Frames in which each particle tries the nearest patch once.
 const SEARCH_FRAMES: u32 = 32;
 /// Least clearance \[m\] of cloth that was modelled nearer to the body.
@@ -39,16 +50,39 @@ const ON_SURFACE_M: f64 = 1e-5;
 /// The last known nearest point of a particle.
 #[derive(Clone, Copy)]
 struct Hint<T> {
-    /// Where the particle was then \[m\].
-    at: V3<T>,
-    /// Where it was in the last frame.
+    /// Where the particle was in the last frame \[m\].
     last: V3<T>,
-    /// Its distance then \[m\], at least 0.
-    far: T,
-    /// [`Worn::travel`] then.
-    travel: T,
+    /// From the point that was found to the particle then, of a point that is not inside of its triangle.
+    way: V3<T>,
+    /// The normal there.
+    normal: V3<T>,
+    weights: V3<T>,
     /// [`NONE`] where it is not known.
     triangle: u32,
+    /// A point of another side of the surface; [`NONE`] where no other is near.
+    second: u32,
+    /// Frames for which it is left out.
+    wait: u8,
+    /// Where on the triangle the point is.
+    on: On,
+}
+
+/// A point of the surface, seen from a particle at the start of a frame.
+#[derive(Clone, Copy)]
+struct View<T> {
+    /// The distance of the particle \[m\], below 0 inside.
+    height: T,
+    /// How far \[m\] the particle is beside the normal there.
+    beside: T,
+    /// How far \[m\] the surface moves in the frame.
+    way: T,
+    plane: Plane<T>,
+    /// The normal at the start of the frame.
+    normal: V3<T>,
+    /// From the point to the particle then.
+    from: V3<T>,
+    /// Whether there is none: beside a border.
+    open: bool,
 }
 
 /// A duplicate of a seam point, and the one that finds its plane: sheet, place in [`Sheet::w`], place in [`Sheet::now`].
@@ -58,12 +92,11 @@ type Twin = [(usize, usize, usize); 2];
 pub struct Worn<T: Real> {
     surface: Arc<BodySurface>,
     skinned: Skinned<T>,
-    planes: Vec<Planes<T>>,
+    /// Of the nearest side, and of the second one.
+    planes: [Vec<Planes<T>>; 2],
     hints: Vec<Hint<T>>,
     /// The middles of patches at the start of the frame \[m\]; padded to whole blocks.
     middles: [Vec<T>; 3],
-    /// The largest ways of the surface in all frames \[m\].
-    travel: T,
     clearances: Vec<T>,
     /// The first duplicate of each particle.
     points: Vec<u32>,
@@ -90,15 +123,15 @@ impl<T: Real> Worn<T> {
         let twin = |k: &u32| points[*k as usize] != *k && cloth.particles()[*k as usize].exists();
         let twins = (0..cloth.len() as u32).filter(twin).map(|k| [place(k as usize), place(points[k as usize] as usize)]);
         let zero = [T::of(0.0); 3];
-        let hint = Hint { at: zero, last: zero, far: T::of(0.0), travel: T::of(0.0), triangle: NONE };
+        let on = On::Face;
+        let hint = Hint { last: zero, way: zero, normal: zero, weights: zero, triangle: NONE, second: NONE, wait: 0, on };
         let patches = surface.middles.len().next_multiple_of(LANES);
         let far = T::of(f64::from(f32::MAX.sqrt()));
         Some(Worn {
             skinned: Skinned::new(surface),
-            planes: sheets.iter().map(Planes::new).collect(),
+            planes: [0, 1].map(|_| sheets.iter().map(Planes::new).collect()),
             hints: vec![hint; cloth.len()],
             middles: [0, 1, 2].map(|_| vec![far; patches]),
-            travel: T::of(0.0),
             clearances: heights.iter().map(|h| T::of(f64::from(h.clamp(least, thickness)))).collect(),
             twins: twins.collect(),
             points,
@@ -121,8 +154,8 @@ impl<T: Real> Worn<T> {
 
     /// Searches all particles afresh in the next frame.
     pub fn forget(&mut self) {
-        self.hints.iter_mut().for_each(|hint| hint.triangle = NONE);
-        (self.frames, self.travel) = (0, T::of(0.0));
+        self.hints.iter_mut().for_each(|hint| (hint.triangle, hint.second, hint.wait) = (NONE, NONE, 0));
+        self.frames = 0;
     }
 
     /// Numbers that it takes.
@@ -139,144 +172,177 @@ impl<T: Real> Worn<T> {
             return;
         }
         self.skinned.begin();
-        let pace = self.move_middles();
-        self.travel = self.travel + pace;
+        self.move_middles();
         for (g, (sheet, first)) in sheets.iter().zip(firsts).enumerate() {
-            self.planes[g].clear();
+            self.planes.iter_mut().for_each(|planes| planes[g].clear());
+            let size = (sheet.width, sheet.height);
             for k in 0..sheet.width * sheet.height {
                 let (particle, single) = (first + k, sheet.single(k));
                 if sheet.w[single] <= T::of(0.0) || self.points[particle] as usize != particle {
                     continue;
                 }
+                if self.hints[particle].wait > 0 {
+                    self.hints[particle].wait -= 1;
+                    continue;
+                }
                 let triple = sheet.triple(k);
-                let p = sheet.at(triple);
-                let size = (sheet.width, sheet.height);
-                if let Some(plane) = self.plane(p, particle, beside(k, size, self.frames).map(|n| first + n), pace) {
-                    self.planes[g].put((single, triple), sheet.half, &plane);
+                let found = self.planes_of(sheet.at(triple), particle, beside(k, size, self.frames).map(|n| first + n));
+                for (planes, plane) in self.planes.iter_mut().zip(found) {
+                    plane.iter().for_each(|plane| planes[g].put((single, triple), sheet.half, plane));
                 }
             }
         }
         for [(g, single, triple), (from, first, at)] in &self.twins {
-            if let Some(plane) = self.planes[*from].get((*first, *at), sheets[*from].half) {
-                self.planes[*g].put((*single, *triple), sheets[*g].half, &plane);
+            for planes in &mut self.planes {
+                if let Some(plane) = planes[*from].get((*first, *at), sheets[*from].half) {
+                    planes[*g].put((*single, *triple), sheets[*g].half, &plane);
+                }
             }
         }
-        self.frames += 1;
+        self.frames = self.frames.wrapping_add(1);
     }
 
     /// Particles leave the surface; as [`planes::run`].
     pub fn run(&self, threads: &Threads, sheets: &mut [Sheet<T>], step: &Step<T>) {
-        for (sheet, planes) in sheets.iter_mut().zip(&self.planes) {
-            planes::run(threads, sheet, planes, self.friction, (step.dt, step.left));
+        for (g, sheet) in sheets.iter_mut().enumerate() {
+            for planes in &self.planes {
+                planes::run(threads, sheet, &planes[g], self.friction, (step.dt, step.left));
+            }
         }
     }
 
-    /// Moves the middles of patches to where they are at the start of the frame. Returns a bound on the way of the surface in it \[m\].
-    fn move_middles(&mut self) -> T {
-        let mut most = T::of(0.0);
+    /// Moves the middles of patches to where they are at the start of the frame.
+    fn move_middles(&mut self) {
         for (n, t) in self.surface.middles.iter().enumerate() {
-            let [from, to] = self.skinned.ends(&self.surface, self.surface.triangles[*t as usize][0]);
+            let from = self.skinned.start(self.surface.triangles[*t as usize][0]);
             (0..3).for_each(|c| self.middles[c][n] = from[c]);
-            let way = sub(to, from);
-            most = most.max(dot(way, way));
         }
-        // Points between the middles may go farther.
-        most.sqrt() * T::of(1.25)
     }
 
-    /// The plane that the particle at `p` meets in this frame, if it may meet any. `beside` is a neighbour of it, `pace` \[m\] the way of the surface.
+    /// The planes that the particle at `p` meets in this frame, if it may meet any. `beside` is a neighbour of it.
     #[inline]
-    fn plane(&mut self, p: V3<T>, particle: usize, beside: Option<usize>, pace: T) -> Option<Plane<T>> {
+    fn planes_of(&mut self, p: V3<T>, particle: usize, beside: Option<usize>) -> [Option<Plane<T>>; 2] {
         let hint = self.hints[particle];
         let clearance = self.clearances[particle];
-        let tries = (particle as u32).wrapping_add(self.frames) % SEARCH_FRAMES == 0;
-        let mut reach = clearance + T::of(MARGIN_M);
-        let mut spot = if hint.triangle == NONE {
-            let found = self.skinned.search(&self.surface, p);
-            if found == NONE {
-                return None;
-            }
-            walk(&self.surface, &mut self.skinned, found, p)
-        } else {
-            reach = reach + T::of(WAYS) * length(sub(p, hint.last));
-            self.hints[particle].last = p;
-            let spent = length(sub(p, hint.at)) + (self.travel - hint.travel);
-            if hint.far - spent > reach + pace && !tries {
-                return None;
-            }
-            walk(&self.surface, &mut self.skinned, hint.triangle, p)
-        };
-        if let Some(other) = beside.map(|n| self.hints[self.points[n] as usize].triangle).filter(|t| *t != NONE) {
-            // Within a patch the walk has been there.
-            if self.surface.patch[other as usize] != self.surface.patch[spot.triangle as usize] {
-                let found = walk(&self.surface, &mut self.skinned, other, p);
-                self.take(&mut spot, found, p);
+        let known = hint.triangle != NONE;
+        let goes = if known { T::of(WAYS) * length(sub(p, hint.last)) } else { T::of(0.0) };
+        let reach = clearance + T::of(MARGIN_M) + goes;
+        let (mut spot, mut view) = self.first(&hint, p, clearance);
+        let mut second = hint.second;
+        if let Some(n) = beside {
+            let other = &self.hints[self.points[n] as usize];
+            if other.triangle != NONE && dot(other.normal, view.normal) < T::of(SAME_COSINE) {
+                self.compare((&mut spot, &mut view, &mut second), other.triangle, p, clearance);
             }
         }
-        if tries && hint.triangle != NONE {
+        if known && (particle as u32).wrapping_add(self.frames).is_multiple_of(SEARCH_FRAMES) {
             let patch = nearest_of(&self.middles, p);
-            let start = self.surface.middles[patch];
             if self.surface.patch[spot.triangle as usize] as usize != patch {
-                let found = walk(&self.surface, &mut self.skinned, start, p);
-                self.take(&mut spot, found, p);
+                self.compare((&mut spot, &mut view, &mut second), self.surface.middles[patch], p, clearance);
             }
         }
-        let far = self.height(&spot, p).max(T::of(0.0));
-        self.hints[particle] = Hint { at: p, last: p, far, travel: self.travel, triangle: spot.triangle };
-        self.plane_at(&spot, p, clearance, reach)
-    }
-
-    /// Takes another point if it is nearer. A particle inside stays with the side that it came from.
-    fn take(&mut self, spot: &mut Spot<T>, other: Spot<T>, p: V3<T>) {
-        if other.distance2 < spot.distance2 {
-            let (own, others) = (self.height(spot, p), self.height(&other, p));
-            if !(own < T::of(0.0) && others >= T::of(0.0) && own > T::of(-LOST_M)) {
-                *spot = other;
-            }
+        let mut planes = [None, None];
+        planes[0] = Some(view.plane).filter(|_| is_met(&view, reach));
+        if second != NONE {
+            let other = walk(&self.surface, &mut self.skinned, second, p);
+            let side = self.view(&other, p, clearance);
+            second = if is_second(&view, &side) { other.triangle } else { NONE };
+            planes[1] = Some(side.plane).filter(|_| second != NONE && is_met(&side, reach));
         }
+        let most = goes + T::of(WAYS) * view.way + T::of(MARGIN_M);
+        let wait = ((view.height - reach) / most).min(T::of(MAX_WAIT)).max(T::of(0.0)).get() as u8;
+        let Spot { triangle, weights, on, .. } = spot;
+        let (way, normal) = (view.from, view.normal);
+        self.hints[particle] = Hint { last: p, way, normal, weights, triangle, second, wait, on };
+        planes
     }
 
-    /// The distance of `p` from the surface at its nearest point, below 0 inside.
-    fn height(&mut self, spot: &Spot<T>, p: V3<T>) -> T {
-        let [(corners, normals), _] = self.skinned.both(&self.surface, spot.triangle);
-        let d = sub(p, mix(&corners, spot.weights));
-        let up = if spot.on == On::Face { face(&corners) } else { mix(&normals, spot.weights) };
-        let far = spot.distance2.sqrt();
-        if dot(d, up) < T::of(0.0) { -far } else { far }
-    }
-
-    /// The plane at a point of the surface, if `p` is within reach of it.
-    fn plane_at(&mut self, spot: &Spot<T>, p: V3<T>, clearance: T, reach: T) -> Option<Plane<T>> {
-        let far = spot.distance2.sqrt();
-        let [(start, starts), (end, ends)] = self.skinned.both(&self.surface, spot.triangle);
-        let [from, to] = [mix(&start, spot.weights), mix(&end, spot.weights)];
-        let way = sub(to, from);
-        if far > reach + length(way) {
-            return None;
+    /// The nearest point from where the last one was.
+    fn first(&mut self, hint: &Hint<T>, p: V3<T>, clearance: T) -> (Spot<T>, View<T>) {
+        if hint.triangle == NONE {
+            let found = self.skinned.search(&self.surface, p);
+            let spot = walk(&self.surface, &mut self.skinned, found, p);
+            return (spot, self.view(&spot, p, clearance));
         }
-        let d = sub(p, from);
-        let [first, last] = match spot.on {
-            On::Face => [unit(face(&start)), unit(face(&end))],
-            _ => {
-                let [first, last] = [unit(mix(&starts, spot.weights)), unit(mix(&ends, spot.weights))];
-                let up = dot(d, first);
-                if self.is_border(spot) && up.abs() < T::of(0.7) * far {
-                    return None;
+        let Hint { triangle, weights, on, .. } = *hint;
+        let spot = Spot { triangle, weights, distance2: T::of(0.0), on };
+        let mut view = self.view(&spot, p, clearance);
+        if view.height > T::of(-BESIDE_M) && !view.open {
+            // Beside the way of the walk; without it a side or a corner would always be straight below.
+            let beside = if on == On::Face { view.beside } else { length(cross(hint.way, view.normal)) };
+            if beside < T::of(BESIDE_M) + T::of(BESIDE_PER_HEIGHT) * view.height.max(T::of(0.0)) {
+                if on != On::Face {
+                    view.from = hint.way;
                 }
+                return (Spot { distance2: view.height * view.height, ..spot }, view);
+            }
+        }
+        let spot = walk(&self.surface, &mut self.skinned, hint.triangle, p);
+        (spot, self.view(&spot, p, clearance))
+    }
+
+    /// Takes the point that a walk from another triangle finds if it is nearer; the farther one becomes the second, if it is of another side.
+    fn compare(
+        &mut self,
+        (spot, view, second): (&mut Spot<T>, &mut View<T>, &mut u32),
+        from: u32,
+        p: V3<T>,
+        clearance: T,
+    ) {
+        let other = walk(&self.surface, &mut self.skinned, from, p);
+        if other.triangle == spot.triangle {
+            return;
+        }
+        let side = self.view(&other, p, clearance);
+        let nearer = side.height.abs() < view.height.abs();
+        let farther = if nearer { spot.triangle } else { other.triangle };
+        if is_second(view, &side) {
+            *second = farther;
+        }
+        if nearer {
+            (*spot, *view) = (other, side);
+        }
+    }
+
+    /// A point of the surface, seen from `p`.
+    fn view(&mut self, spot: &Spot<T>, p: V3<T>, clearance: T) -> View<T> {
+        let [a, b, c] = self.skinned.vertices(&self.surface, spot.triangle);
+        let w = spot.weights;
+        let blend = |a: &V3<T>, b: &V3<T>, c: &V3<T>| add(add(scale(*a, w[0]), scale(*b, w[1])), scale(*c, w[2]));
+        let [from, to] = [0, 1].map(|end| blend(&a.at[end], &b.at[end], &c.at[end]));
+        let d = sub(p, from);
+        let far2 = dot(d, d);
+        let far = far2.sqrt();
+        let mut open = false;
+        let (first, last) = match spot.on {
+            On::Face => {
+                let [first, last] = [0, 1].map(|end| unit(cross(sub(b.at[end], a.at[end]), sub(c.at[end], a.at[end]))));
+                (first, last)
+            }
+            _ => {
+                let [first, last] = [0, 1].map(|end| unit(blend(&a.normal[end], &b.normal[end], &c.normal[end])));
+                let up = dot(d, first);
+                open = self.is_border(spot) && up.abs() < T::of(0.7) * far;
                 if up > T::of(0.0) && far > T::of(ON_SURFACE_M) {
                     let away = scale(d, T::of(1.0) / far);
-                    [away, unit(add(away, sub(last, first)))]
+                    (away, unit(add(away, sub(last, first))))
                 } else {
-                    [first, last]
+                    (first, last)
                 }
             }
         };
-        if dot(d, first) < T::of(-LOST_M) {
-            return None;
-        }
-        let rate = self.skinned.rate();
+        let up = dot(d, first);
+        let (way, rate) = (sub(to, from), self.skinned.rate());
         let (drift, turn) = (scale(way, rate), scale(sub(last, first), rate));
-        Some(Plane { at: to, normal: last, drift, turn, clearance })
+        View {
+            height: if up < T::of(0.0) { -far } else { far },
+            beside: (far2 - up * up).max(T::of(0.0)).sqrt(),
+            way: length(way),
+            plane: Plane { at: to, normal: last, drift, turn, clearance },
+            normal: first,
+            from: d,
+            open,
+        }
     }
 
     /// Whether a point is on the border of the surface.
@@ -290,16 +356,27 @@ impl<T: Real> Worn<T> {
     }
 }
 
+/// Whether a particle may meet a plane in a frame.
+fn is_met<T: Real>(view: &View<T>, reach: T) -> bool {
+    !view.open && view.height <= reach + view.way && view.height > T::of(-LOST_M)
+}
+
+/// Whether a point is of another side of the surface than the nearest one, and near enough to be met.
+fn is_second<T: Real>(nearest: &View<T>, other: &View<T>) -> bool {
+    other.height.abs() < T::of(SECOND_M) && dot(nearest.normal, other.normal) < T::of(SECOND_COSINE)
+}
+
 /// The heights \[m\] of points above a surface at rest, below 0 inside.
-pub fn heights(surface: &Arc<BodySurface>, points: impl Iterator<Item = [f32; 3]>) -> Vec<f32> {
+pub fn heights(surface: &BodySurface, points: impl Iterator<Item = [f32; 3]>) -> Vec<f32> {
     let mut skinned = Skinned::<f64>::new(surface);
     skinned.begin();
     let height = |p: [f32; 3]| {
         let p = cast(p);
         let found = skinned.search(surface, p);
         let spot = walk(surface, &mut skinned, found, p);
-        let [(corners, normals), _] = skinned.both(surface, spot.triangle);
-        let up = if spot.on == On::Face { face(&corners) } else { mix(&normals, spot.weights) };
+        let [a, b, c] = skinned.vertices(surface, spot.triangle);
+        let corners = [a.at[0], b.at[0], c.at[0]];
+        let up = if spot.on == On::Face { face(&corners) } else { mix(&[a.normal[0], b.normal[0], c.normal[0]], spot.weights) };
         let far = spot.distance2.sqrt();
         (if dot(sub(p, mix(&corners, spot.weights)), up) < 0.0 { -far } else { far }) as f32
     };
