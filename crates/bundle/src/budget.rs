@@ -9,6 +9,7 @@ use std::fmt;
 
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 
+use crate::body;
 use crate::error::{Error, Result};
 use crate::exr_header::read_header;
 use crate::manifest::{Manifest, unreadable, within_cap};
@@ -102,6 +103,9 @@ pub(crate) fn check_images(
             };
             need = need.saturating_add(texels * u64::from(channels) * 4);
         }
+    }
+    for file in manifest.body.iter().flat_map(body::files) {
+        need = need.saturating_add(u64::from(file.size.0) * u64::from(file.size.1) * 16);
     }
     if need <= MAX_IMAGE_BYTES {
         return Ok(());

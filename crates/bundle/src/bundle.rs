@@ -5,11 +5,12 @@ use std::fmt::Write;
 
 use sha2::{Digest, Sha256};
 
+use crate::body::{self, Body};
 use crate::budget;
 use crate::error::{Error, Result};
 use crate::exr_header::max_file_bytes;
 use crate::exr_io::{decode_exr_sized, encode_exr};
-use crate::manifest::{FileRecord, MANIFEST_FILE, MAX_MANIFEST_BYTES, Manifest, PieceEntry};
+use crate::manifest::{BodyEntry, FileRecord, MANIFEST_FILE, MAX_MANIFEST_BYTES, Manifest, PieceEntry};
 use crate::map::{Image, MapKind, check_size, file_stems};
 use crate::render::{MAX_RENDER_BYTES, RENDER_FILE};
 use crate::validate::Fault;
@@ -25,12 +26,15 @@ pub struct Bundle {
     /// The bytes of `render.glb`, the mesh of the source bound to the pieces, if the bundle has one; the manifest then has
     /// [`Manifest::render`].
     pub render: Option<Vec<u8>>,
+    /// The surface of the body that the cloth is worn on, if the bundle has one. [`Manifest::body`] is that of the last reading; encoding
+    /// rebuilds it.
+    pub body: Option<Body>,
 }
 
 impl Bundle {
     /// A bundle without pieces. `generator` names the program and its version.
     pub fn new(generator: &str) -> Self {
-        Bundle { manifest: Manifest::new(generator), images: BTreeMap::new(), render: None }
+        Bundle { manifest: Manifest::new(generator), images: BTreeMap::new(), render: None, body: None }
     }
 
     /// Appends a piece of `width` x `height` texels after the indices already taken, and returns its index. Errors where
@@ -94,6 +98,12 @@ impl Bundle {
         }
         for piece in &manifest.pieces {
             require_position(piece)?;
+        }
+        manifest.body = self.body.as_ref().map(Body::entry);
+        for (name, image) in self.body.iter().flat_map(Body::images) {
+            let bytes = encode_exr(&image)?;
+            manifest.files.insert(name.clone(), FileRecord { sha256: sha256(&bytes), bytes: bytes.len() as u64 });
+            files.insert(name, bytes);
         }
         if let Some(bytes) = &self.render {
             let record = FileRecord { sha256: sha256(bytes), bytes: bytes.len() as u64 };
@@ -175,7 +185,19 @@ impl Bundle {
                 Err(error) => trouble(error)?,
             }
         }
-        Ok(Bundle { manifest, images, render })
+        let mut body = None;
+        if let Some(entry) = &manifest.body {
+            match read_body(&mut read, entry, &manifest) {
+                Ok((found, checksum)) => {
+                    if let Err(error) = checksum {
+                        trouble(error)?;
+                    }
+                    body = Some(found);
+                }
+                Err(error) => trouble(error)?,
+            }
+        }
+        Ok(Bundle { manifest, images, render, body })
     }
 
     fn check_image(&self, piece: usize, kind: &MapKind, image: &Image) -> Result<()> {
@@ -257,6 +279,26 @@ fn read_image(
         Ok(image) => Ok((image, checksum)),
         Err(error) => Err(error),
     }
+}
+
+/// The surface of a body, and whether its files are those that the manifest records.
+fn read_body(
+    read: &mut impl FnMut(&str, u64) -> Result<Vec<u8>>,
+    entry: &BodyEntry,
+    manifest: &Manifest,
+) -> Result<(Body, Result<()>)> {
+    let (mut images, mut checksum) = (Vec::new(), Ok(()));
+    for file in body::files(entry) {
+        let (width, height) = file.size;
+        check_size(&file.name, width, height)?;
+        let bytes = read(&file.name, max_file_bytes(width, height, 4))?;
+        let record = manifest.files.get(&file.name);
+        if !record.is_none_or(|r| r.bytes == bytes.len() as u64 && r.sha256 == sha256(&bytes)) {
+            checksum = Err(Error::Checksum { file: file.name.clone() });
+        }
+        images.push(decode_exr_sized(&file.name, &bytes, width, height, &[4])?);
+    }
+    Ok((Body::from_images(entry, &images)?, checksum))
 }
 
 /// The bytes of `render.glb`, and whether they are those that the manifest records.

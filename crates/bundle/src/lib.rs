@@ -25,6 +25,7 @@
 //! # Ok::<(), gimage_bundle::Error>(())
 //! ```
 
+mod body;
 mod budget;
 mod bundle;
 mod counts;
@@ -46,6 +47,7 @@ mod tether;
 mod validate;
 mod welded;
 
+pub use body::{Body, MAX_BODY};
 pub use budget::{
     MAX_ACCESSORIES, MAX_COLLIDERS, MAX_IMAGE_BYTES, MAX_JOINTS, MAX_MANIFEST_OBJECTS, MAX_MANIFEST_VALUES, MAX_PIECES,
     MAX_REPAIRS,

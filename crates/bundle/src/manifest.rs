@@ -3,6 +3,7 @@
 //! Every map is ordered and every struct has a fixed order of fields, so that equal manifests are equal bytes. Unknown
 //! fields are ignored on reading. Everything optional is left out where there is nothing to say, never `null`.
 
+mod body;
 mod collider;
 mod piece;
 mod quality;
@@ -14,6 +15,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+pub use body::BodyEntry;
 pub use collider::{ColliderEntry, ColliderShape, MAX_COLLIDER_SIZE_M, UnknownShape};
 pub use piece::{ComponentEntry, Constants, Counts, Cut, PieceEntry, RungEntry, ShellEntry, Surface};
 pub use quality::Quality;
@@ -57,6 +59,9 @@ pub struct Manifest {
     /// Solids in place of the body that the cloth is worn on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub colliders: Vec<ColliderEntry>,
+    /// The surface of that body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body: Option<BodyEntry>,
     /// The skeleton that joint indices refer to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skeleton: Option<Skeleton>,
@@ -172,6 +177,7 @@ impl Manifest {
             components: Vec::new(),
             accessories: Vec::new(),
             colliders: Vec::new(),
+            body: None,
             skeleton: None,
             render: None,
             repairs: Vec::new(),

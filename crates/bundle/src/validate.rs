@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::body;
 use crate::bundle::Bundle;
 use crate::counts::{count_pieces, piece_particles, spring_fits};
 use crate::error::{Error, Result};
@@ -184,6 +185,12 @@ pub fn validate_files(read: impl FnMut(&str, u64) -> Result<Vec<u8>>) -> Result<
         let file = RENDER_FILE.into();
         faults.push(Fault { file, piece: None, texel: None, kind: FaultKind::Unlisted, message });
     }
+    for file in bundle.manifest.body.iter().flat_map(body::files) {
+        if !bundle.manifest.files.contains_key(&file.name) {
+            let message = "the manifest records no SHA-256 for the file".into();
+            faults.push(Fault { file: file.name, piece: None, texel: None, kind: FaultKind::Unlisted, message });
+        }
+    }
     // Counts, links and positions of a bundle with holes would only repeat that there are holes.
     if faults.iter().all(|f| f.kind != FaultKind::Unreadable) {
         faults.extend(validate(&bundle));
@@ -242,6 +249,10 @@ fn check_colliders(found: &mut Findings) {
         if let Some(fault) = entry.fault() {
             found.manifest(FaultKind::Manifest, None, format!("collider {n}: {fault}"));
         }
+    }
+    let joints = found.bundle.manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
+    if let Some(fault) = found.bundle.body.as_ref().and_then(|body| body.fault(joints)) {
+        found.manifest(FaultKind::Manifest, None, fault);
     }
 }
 

@@ -240,7 +240,7 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
     // Rounds of polish would take the place of its stiffness.
     let sheet = cloth.membrane().is_some();
     let (substeps, polish, support) =
-        match (is_pinned(cloth), given.tethers > 0, scene.meets(cloth.collision_groups) || cloth.contact.is_some()) {
+        match (is_pinned(cloth), given.tethers > 0, scene.meets(cloth.met_groups()) || cloth.body().is_some() || cloth.contact.is_some()) {
             (true, true, false) if stiff(cloth) && pins(cloth) as f64 >= 0.5 * n => {
                 let substeps = (16.0 * (n / 64.0).powf(0.75)).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into());
                 (substeps as u32, 4, Support::TetheredRow)
@@ -327,12 +327,12 @@ fn top_speed(scene: &Scene) -> f64 {
 fn fall(cloth: &Cloth, scene: &Scene) -> f64 {
     let g = scene.gravity.map(f64::from);
     let strength = length(g);
-    if strength <= 0.0 || !scene.meets(cloth.collision_groups) || is_pinned(cloth) {
+    if strength <= 0.0 || !scene.meets(cloth.met_groups()) || is_pinned(cloth) {
         return 0.0;
     }
     let height = |p: [f64; 3]| -dot(p, g) / strength;
     let sum: f64 = cloth.positions().iter().map(|p| height(p.map(f64::from))).sum();
-    let solids = scene.met(cloth.collision_groups).map(Solid::<f64>::new);
+    let solids = scene.met(cloth.met_groups()).map(Solid::<f64>::new);
     let tops = solids.map(|s| height(s.center) + s.around().unwrap_or(0.0));
     let drop = sum / f64::max(cloth.len() as f64, 1.0) - tops.fold(f64::NEG_INFINITY, f64::max);
     (2.0 * strength * drop.max(0.0)).sqrt()

@@ -1,6 +1,7 @@
 //! The description of a cloth before it is stepped: grids of particles, pins, rest lengths and masses.
 
 mod backstop;
+mod body;
 mod charts;
 mod check;
 mod contact;
@@ -186,6 +187,8 @@ pub struct Cloth {
     skin: Option<Arc<Skin>>,
     /// The matrices of these joints at the start, where it follows them.
     joints: Option<Arc<[Rows]>>,
+    /// The surface of a body that it collides with.
+    worn_on: Option<body::WornOn>,
 }
 
 impl Cloth {
@@ -222,6 +225,7 @@ impl Cloth {
             sewing: None,
             skin: None,
             joints: None,
+            worn_on: None,
         })
     }
 

@@ -199,6 +199,7 @@ impl Cloth {
         cloth.backstops = self.backstops.as_ref().map(|backstops| map.take(backstops).into());
         cloth.set_stitches_that_fit(map.stitches(self, &cloth));
         cloth.take_skin(self, &map.samples);
+        cloth.take_body(self, &map.samples);
         cloth.keep_tethers(self.stored_tethers().and_then(|held| map.tethers(held)));
         Ok(Coarser { cloth, map: Arc::new(map) })
     }

@@ -44,7 +44,7 @@ impl Coats {
         for cloth in &scene.cloths {
             // Of the two zeros one.
             let (thickness, friction) = (cloth.thickness.unwrap_or(options.thickness) + 0.0, cloth.friction + 0.0);
-            let collision_groups = cloth.collision_groups;
+            let collision_groups = cloth.met_groups();
             let kind = (thickness.to_bits(), friction.to_bits(), collision_groups);
             let place = *seen.entry(kind).or_insert(coats.list.len());
             if place == coats.list.len() {

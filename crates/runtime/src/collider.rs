@@ -3,8 +3,10 @@
 mod from_bundle;
 pub(crate) mod path;
 pub(crate) mod solid;
+pub(crate) mod surface;
 
 pub use from_bundle::BodyCollider;
+pub use surface::{BODY_GROUP, BodySurface};
 
 use gimage_bundle::manifest::MAX_COLLIDER_SIZE_M;
 

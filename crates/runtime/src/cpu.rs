@@ -46,6 +46,7 @@ pub(crate) mod speed;
 pub(crate) mod springs;
 pub(crate) mod start;
 pub(crate) mod strain;
+pub(crate) mod surface;
 pub(crate) mod tangents;
 pub(crate) mod transform;
 pub(crate) mod wind;

@@ -118,6 +118,14 @@ pub enum Error {
         /// The names of its pieces.
         pieces: String,
     },
+    /// The surface of a body breaks a rule.
+    #[error("the surface of a body, element {index}: {problem}")]
+    Surface {
+        /// The vertex, triangle or joint.
+        index: usize,
+        /// The rule.
+        problem: &'static str,
+    },
     /// A cloth has no joints to follow.
     #[error(
         "cloth {cloth} has no joints: build it from a skinned file, so that every piece has maps `joints` and `weights`, or give it \

@@ -88,7 +88,7 @@ pub use cloth::{
     Parts, Rest, Select, Skin, SkinJoint, Stitch, Tethers,
 };
 pub use coarser::Coarser;
-pub use collider::{BodyCollider, Collider, Shape};
+pub use collider::{BODY_GROUP, BodyCollider, BodySurface, Collider, Shape};
 pub use error::{Error, Result, StateProblem};
 pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
 pub use form::{Chain, Form, Fused, Hold, Tile, TileShape};

@@ -83,6 +83,15 @@ pub enum Warning {
         /// The cloth by name.
         cloth: String,
     },
+    /// Neither the GPU backend nor the classic solver has contact with the surface of a body.
+    #[error(
+        "cloth {cloth}: the GPU backend and the solver `classic` do not collide with the surface of a body: the cloth meets the solids of its body \
+         instead, if the scene has them; use the CPU backend and `xpbd` for the surface"
+    )]
+    BodyLeftOut {
+        /// The cloth by name.
+        cloth: String,
+    },
     /// Springs so soft that they do nothing against rounding, which moves the cloth by millimetres a second.
     #[error(
         "cloth {cloth}: its softest springs have a period of {period:.4} s, and steps of {dt:.6} s are too short for them: \

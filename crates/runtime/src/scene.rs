@@ -59,7 +59,7 @@ impl Scene {
 
     /// The groups of all cloths together.
     pub(crate) fn collision_groups(&self) -> u32 {
-        self.cloths.iter().fold(0, |all, cloth| all | cloth.collision_groups)
+        self.cloths.iter().fold(0, |all, cloth| all | cloth.met_groups())
     }
 
     /// Refuses numbers outside their ranges.

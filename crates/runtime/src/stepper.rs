@@ -54,7 +54,7 @@ use crate::gpu::Gpu;
 use crate::handle::ClothRef;
 use crate::health::Health;
 use crate::memory::{Memory, Tally};
-use crate::options::{Backend, Options};
+use crate::options::{Backend, Options, Solver};
 use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::wind::Wind;
@@ -75,7 +75,8 @@ impl Stepper {
         if options.backend == Backend::Gpu {
             return Err(Error::NoGpu("Backend::Gpu"));
         }
-        let world = World::new(scene, options)?;
+        let classic = options.solver == Solver::Classic;
+        let world = if classic { World::without_bodies(scene, options)? } else { World::new(scene, options)? };
         let threads = Threads::new(world.control.options.threads)?;
         Ok(Stepper { cpu: Some((world.bodies(), threads)), gpu: None, world })
     }

@@ -131,6 +131,22 @@ impl World {
         Ok(world)
     }
 
+    /// As [`World::new`] for a backend that does not collide with surfaces of bodies: its cloths have none, with a warning.
+    pub fn without_bodies(mut scene: Scene, options: Options) -> Result<Self> {
+        let left_out: Vec<bool> = scene.cloths.iter_mut().map(Cloth::leave_body).collect();
+        let mut world = World::new(scene, options)?;
+        for (cloth, _) in left_out.into_iter().enumerate().filter(|x| x.1) {
+            world.warn_of_body(cloth);
+        }
+        Ok(world)
+    }
+
+    /// Warns that a cloth does not collide with the surface of its body.
+    pub fn warn_of_body(&mut self, cloth: usize) {
+        let warning = Warning::BodyLeftOut { cloth: self.scene.cloths[cloth].name().into() };
+        self.runs[cloth].warnings.push(warning);
+    }
+
     /// More steps where they are too long for the solver. Steps that are chosen are as few as they are chosen to be.
     fn raise(&mut self) {
         let options = &self.control.options;
@@ -155,7 +171,8 @@ impl World {
 
     /// Whether a cloth meets any collider.
     pub fn meets(&self, cloth: usize) -> bool {
-        self.scene.meets(self.scene.cloths[cloth].collision_groups)
+        let of = &self.scene.cloths[cloth];
+        of.body().is_some() || self.scene.meets(of.met_groups())
     }
 
     /// Takes other options from the next step on.
@@ -220,7 +237,7 @@ impl World {
         let (cloth, wind) = (&self.scene.cloths[index], self.scene.wind.as_ref());
         // Only the classic solver has another pass without friction.
         let smooth = options.solver == Solver::Classic && cloth.friction <= 0.0;
-        let kinds = Kinds::of(self.scene.met(cloth.collision_groups));
+        let kinds = Kinds::of(self.scene.met(cloth.met_groups())).or(cloth.body().map(|_| Kinds::default()));
         let met = kinds.map(|k| Kinds { friction: k.friction && !smooth, ..k });
         let mut schedule = schedule((cloth, self.runs[index].tethers.per_particle as u32), met, wind, options);
         // Speeds are measured where cloth may fall asleep.
@@ -323,7 +340,7 @@ impl World {
 
     /// Iterations of loops for each particle of a cloth, for the colliders that it meets.
     fn solid_loops(&self, cloth: usize) -> u64 {
-        loops::of_solids(self.scene.met(self.scene.cloths[cloth].collision_groups))
+        loops::of_solids(self.scene.met(self.scene.cloths[cloth].met_groups()))
     }
 
     /// A cloth as the watchdog sees it, `seconds` after the last step that was counted.

@@ -142,6 +142,9 @@ pub struct DressArgs {
     pub build: BuildArgs,
     #[command(flatten)]
     pub fit: FitArgs,
+    /// What cloth on the CPU collides with: the surface of the body, or the fitted colliders, which the GPU uses in any case.
+    #[arg(long, value_name = "KIND", default_value = "surface", value_parser = ["surface", "capsules"])]
+    pub collider: String,
 }
 
 /// `gimage fit-colliders`.
@@ -222,7 +225,14 @@ impl FitArgs {
         kinds.sort_unstable();
         kinds.dedup();
         let kinds = if kinds.is_empty() { ColliderOptions::default().kinds } else { kinds };
-        ColliderOptions { error: self.collider_error, count: self.max_colliders, kinds, source: self.collider_source }
+        ColliderOptions { error: self.collider_error, count: self.max_colliders, kinds, source: self.collider_source, ..ColliderOptions::default() }
+    }
+}
+
+impl DressArgs {
+    /// The options of the fit, and of the surface.
+    pub fn colliders(&self) -> ColliderOptions {
+        ColliderOptions { surface: self.collider == "surface", ..self.fit.options() }
     }
 }
 

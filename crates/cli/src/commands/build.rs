@@ -59,7 +59,7 @@ pub fn run(args: &BuildArgs, out: &Output) -> Result<Exit, Failure> {
 
 /// Runs `gimage dress`.
 pub fn dress(args: &DressArgs, out: &Output) -> Result<Exit, Failure> {
-    work(&args.build, Some(args.fit.options()), out)
+    work(&args.build, Some(args.colliders()), out)
 }
 
 fn work(args: &BuildArgs, solids: Option<ColliderOptions>, out: &Output) -> Result<Exit, Failure> {

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use gimage_bundle::MapKind;
 use gimage_bundle::manifest::{ColliderEntry, ColliderShape};
 use serde_json::json;
 
@@ -38,15 +39,31 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     let mut built = build_as(path, options, true, progress)?;
     built.report.stages.insert(0, fitting);
     let manifest = &mut built.bundle.manifest;
-    if let Some(Fit { colliders, figures, findings: found, .. }) = fit {
+    if let Some(Fit { colliders, figures, surface, findings: found, .. }) = fit {
         let mm = [figures.body.mean, figures.body.p95, figures.body.max].map(|x| format!("{:.1}", 1e3 * x)).join(", ");
         let message =
             format!("{} colliders; mean, 95 % and largest distance of the body from them: {mm} mm.", colliders.len());
         findings.push(finding(Severity::Note, "hint-colliders", message));
         manifest.colliders = colliders.iter().map(entry).collect();
         findings.extend(found.into_iter().filter(|f| f.stage == "colliders"));
+        if solids.surface {
+            let joints = manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
+            let follows = (0..manifest.pieces.len()).all(|k| built.bundle.images.contains_key(&(k, MapKind::Joints(0))));
+            let found = surface.and_then(|body| match body.joints.is_empty() || (joints > 0 && follows) {
+                true => Ok(body),
+                false => Err("the cloth does not follow the joints of the body".into()),
+            });
+            let (severity, message) = match &found {
+                Ok(body) => (Severity::Note, format!("The body is a collider: {} triangles.", body.triangles.len())),
+                Err(why) => (Severity::Warning, format!("The surface of the body is no collider, its solids stand for it: {why}.")),
+            };
+            findings.push(finding(severity, "hint-surface", message));
+            built.bundle.body = found.ok();
+        }
     }
     let kinds: Vec<&str> = solids.kinds.iter().map(|k| k.name()).collect();
+    let manifest = &mut built.bundle.manifest;
+    manifest.options.insert("collider".into(), json!(if solids.surface { "surface" } else { "capsules" }));
     manifest.options.insert("collider-error".into(), json!(solids.error));
     manifest.options.insert("max-colliders".into(), json!(solids.count));
     manifest.options.insert("collider-shapes".into(), json!(kinds));

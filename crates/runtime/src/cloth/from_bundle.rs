@@ -43,6 +43,7 @@ impl Cloth {
         cloth.set_stitches(bundle.stitches())?;
         cloth.keep_tethers(bundle.stored_tethers());
         cloth.keep_skin(bundle)?;
+        cloth.keep_body(bundle)?;
         let clearances = pieces.iter().filter_map(|p| Some(p.shell.as_ref()?.clearance() as f32));
         cloth.thickness = clearances.chain(fitted(bundle)).filter(|c| (0.0..=1.0).contains(c)).reduce(f32::max);
         Ok(cloth)

@@ -35,6 +35,7 @@ impl<T: Real> Body<T> {
     /// Puts particles in their places; previous positions too, so that they are at rest.
     pub fn place(&mut self, rows: &[Placed]) {
         self.edited = true;
+        self.forget_surface();
         place::run(&mut self.now, &mut self.before, rows);
     }
 
@@ -47,6 +48,7 @@ impl<T: Real> Body<T> {
     /// Moves particles by the matrix with these columns.
     pub fn transform(&mut self, chosen: &[u32], matrix: [[T; 4]; 4]) {
         self.edited = true;
+        self.forget_surface();
         transform::run(&mut self.now, &mut self.before, chosen, matrix);
     }
 }

@@ -179,6 +179,7 @@ impl<T: Real> Body<T> {
         let at = |particles: &[u32]| skin::run(skin, particles.iter().copied(), matrices);
         let behind = |points: &[(u32, [f32; 3])]| skin::points(skin, points, matrices);
         fabric.lead(&at(joined), at, behind, rate);
+        fabric.lead_surface(matrices, rate);
     }
 
     /// The shadow of cloth that has contact, for other cloths in a frame of `length` \[s\]; `rate` \[1/s\] is one over the length of the last
@@ -196,6 +197,11 @@ impl<T: Real> Body<T> {
     /// Searches contact afresh in the next step, as cloth does that a state was loaded into.
     pub(crate) fn forget_contact(&mut self) {
         self.fabric.iter_mut().for_each(|fabric| fabric.forget_contact());
+    }
+
+    /// Searches the nearest points of a body afresh in the next step, as particles may be anywhere.
+    pub(super) fn forget_surface(&mut self) {
+        self.fabric.iter_mut().for_each(|fabric| fabric.forget_surface());
     }
 
     /// Takes back its shadow.
@@ -268,7 +274,10 @@ impl<T: Real> Body<T> {
             Pass::Normals { .. } | Pass::SeamNormals => self.normals.forget(),
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
-                self.edited |= self.faulty.is_some();
+                if self.faulty.is_some() {
+                    self.edited = true;
+                    self.forget_surface();
+                }
                 restore::run(self.faulty.is_some(), &mut self.now, &mut self.before, &mut self.good);
             }
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),

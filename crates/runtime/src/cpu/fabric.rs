@@ -53,6 +53,7 @@ use super::integrate::Air;
 use super::neighbours::View;
 use super::rows::Threads;
 use super::sheet::Sheet;
+use super::surface::Worn;
 use super::{contact, wind};
 use crate::cloth::{self, Cloth, other_end};
 use crate::collider::solid::Solid;
@@ -95,6 +96,8 @@ pub struct Fabric<T: Real> {
     whole: Vec<bool>,
     /// One a sheet.
     clear: Vec<Clear<T>>,
+    /// The surface of a body that the cloth is worn on.
+    worn: Option<Worn<T>>,
     /// Of cloth that has contact with cloth.
     meeting: Option<Meeting<T>>,
     /// Accelerations by air, by texels, and of each sheet as its positions lie.
@@ -124,6 +127,7 @@ impl<T: Real> Fabric<T> {
             limits: limit::limits(cloth, &sheets),
             backstops: backstop::backstops(cloth, &sheets),
             follows: Vec::new(),
+            worn: None,
             meeting: Meeting::of(cloth, &sheets, options.thickness),
             stitches: None,
             sheets,
@@ -138,6 +142,10 @@ impl<T: Real> Fabric<T> {
             field: Vec::new(),
             fields: Vec::new(),
         };
+        fabric.worn = Worn::of(cloth, &fabric.sheets, options.thickness, |k| {
+            let (sheet, at) = fabric.place(k);
+            (sheet as usize, single(at as usize, fabric.sheets[sheet as usize].half), at as usize)
+        });
         let members = members.iter().map(|k| fabric.member(*k)).collect();
         let stitches = stitch::stitches(cloth, |k| fabric.member(k));
         (fabric.members, fabric.stitches) = (Arc::new(members), stitches);
@@ -179,7 +187,7 @@ impl<T: Real> Fabric<T> {
 
     /// Positions and inverse masses from texels.
     pub fn load(&mut self, now: &[[T; 4]], before: &[[T; 4]]) {
-        self.forget_contact();
+        self.meeting.iter_mut().for_each(Meeting::forget);
         for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
             let range = *first..first + sheet.width * sheet.height;
             sheet.load(&now[range.clone()], &before[range]);
@@ -297,6 +305,12 @@ impl<T: Real> Fabric<T> {
     /// Searches contact afresh in the next step.
     pub fn forget_contact(&mut self) {
         self.meeting.iter_mut().for_each(Meeting::forget);
+        self.forget_surface();
+    }
+
+    /// Searches the nearest points of a body afresh in the next step, where particles may be anywhere.
+    pub fn forget_surface(&mut self) {
+        self.worn.iter_mut().for_each(Worn::forget);
     }
 
     /// Takes back its shadow.
@@ -309,6 +323,7 @@ impl<T: Real> Fabric<T> {
     /// Forgets what holds within a frame only.
     pub fn begin(&mut self) {
         self.clear.iter_mut().for_each(Clear::begin);
+        self.worn.iter_mut().for_each(Worn::begin);
     }
 
     /// Runs the passes of a step, those that can in one walk down each sheet.
@@ -321,6 +336,9 @@ impl<T: Real> Fabric<T> {
         body: &mut Body<T>,
     ) {
         self.meeting.iter_mut().for_each(|m| m.elapsed = m.elapsed + step.dt);
+        if let Some(worn) = &mut self.worn {
+            worn.search(&self.sheets, &self.firsts);
+        }
         let mut together = Vec::new();
         for pass in passes {
             if self.walks(*pass, threads) {
@@ -460,6 +478,7 @@ impl<T: Real> Fabric<T> {
             Pass::Touch => self.meeting.iter_mut().for_each(|m| m.touch(&self.sheets, threads, step.dt)),
             Pass::Separate => self.meeting.iter().for_each(|m| m.separate(&mut self.sheets)),
             Pass::Contact(_) => {
+                self.worn.iter().for_each(|worn| worn.run(threads, &mut self.sheets, step));
                 let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();
                 let each = self.sheets.iter_mut().zip(&mut self.clear);
                 each.for_each(|(sheet, clear)| contact::run(threads, sheet, clear, &posed, (step.dt, step.left)));

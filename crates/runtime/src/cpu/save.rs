@@ -63,6 +63,7 @@ impl Body<f32> {
             self.cut = !matches!(cloth.rest(), Rest::None);
         }
         self.edited = true;
+        self.forget_surface();
         self.begin();
         if let Some(fabric) = self.fabric.as_mut().filter(|_| layout.lost) {
             fabric.load_lost(vectors(Part::Lost));

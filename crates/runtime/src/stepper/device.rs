@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::fused::Room;
 use crate::gpu::{ClothBuffers, Compiled, Gpu, Pipelines, UploadCount, guard};
 use crate::handle::ClothRef;
-use crate::options::{Backend, Options};
+use crate::options::{Backend, Options, Solver};
 use crate::scene::Scene;
 use crate::world::World;
 
@@ -70,13 +70,13 @@ impl Stepper {
         gpu: Option<(&wgpu::Device, &wgpu::Queue)>,
         pipelines: Option<Pipelines>,
     ) -> Result<Self> {
-        let mut world = World::new(scene, options)?;
-        let on_cpu = match world.control.options.backend {
+        let on_cpu = match options.backend {
             Backend::Cpu => true,
             Backend::Auto => gpu.is_none(),
             Backend::Gpu if gpu.is_none() => return Err(Error::NoGpu("Backend::Gpu")),
             Backend::Gpu => false,
         };
+        let mut world = if on_cpu && options.solver == Solver::Xpbd { World::new(scene, options)? } else { World::without_bodies(scene, options)? };
         let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.control.options.threads)?)) } else { None };
         if let (false, Some((device, _))) = (on_cpu, gpu) {
             let tuning = world.control.options.tuning;

@@ -8,6 +8,7 @@ use crate::error::Result;
 #[cfg(feature = "gpu")]
 use crate::gpu::{Gpu, guard};
 use crate::handle::{ClothHandle, ClothRef};
+use crate::options::Solver;
 #[cfg(feature = "gpu")]
 use crate::state::{ClothState, Head, Layout};
 #[cfg(feature = "gpu")]
@@ -47,8 +48,10 @@ impl Stepper {
     /// assert!(matches!(stepper.set_asleep(first, true), Err(Error::NoCloth(_))));
     /// # Ok::<(), Error>(())
     /// ```
-    pub fn add_cloth(&mut self, cloth: Cloth) -> Result<ClothHandle> {
+    pub fn add_cloth(&mut self, mut cloth: Cloth) -> Result<ClothHandle> {
         self.check_device()?;
+        let solver = self.world.control.options.solver;
+        let left_out = (self.cpu.is_none() || solver == Solver::Classic) && cloth.leave_body();
         let before = self.world.control.clone();
         let recoated = self.world.join(cloth)?;
         let index = self.world.runs.len() - 1;
@@ -60,6 +63,9 @@ impl Stepper {
         if let Some((bodies, _)) = &mut self.cpu {
             let body = self.world.body_beside(index, bodies);
             bodies.push(body);
+        }
+        if left_out {
+            self.world.warn_of_body(index);
         }
         Ok(self.world.handles[index])
     }

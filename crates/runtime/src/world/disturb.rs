@@ -69,7 +69,7 @@ impl World {
             let run = &self.runs[cloth];
             // It may have been woken since.
             let rests = run.asleep || run.calm.seconds() > 0.0;
-            if !rests || self.scene.cloths[cloth].collision_groups & groups == 0 {
+            if !rests || self.scene.cloths[cloth].met_groups() & groups == 0 {
                 continue;
             }
             let path = path.get_or_insert_with(|| Path::new(from, to, seconds));
@@ -118,7 +118,7 @@ impl World {
 
     /// Whether a collider that changed after the path of number `known` may touch a cloth.
     pub(super) fn is_disturbed(&self, cloth: usize, known: u64, rest: (Corners, f64)) -> bool {
-        let groups = self.scene.cloths[cloth].collision_groups;
+        let groups = self.scene.cloths[cloth].met_groups();
         let later = self.paths.list.iter().rev().take_while(|(number, ..)| *number > known);
         let mut met = later.filter(|(_, of, _)| of & groups != 0);
         known < self.paths.dropped || met.any(|(.., path)| self.may_touch(cloth, path, rest))

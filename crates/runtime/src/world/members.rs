@@ -41,7 +41,7 @@ pub(super) fn prepare<'a>(
     cloth.close();
     let given = cloth.clone();
     let most = limits::prepare(cloth, options, &mut warnings)?;
-    let meets = colliders.iter().any(|c| c.is_met(cloth.collision_groups));
+    let meets = cloth.body().is_some() || colliders.iter().any(|c| c.is_met(cloth.met_groups()));
     let left_out = meets && has_levels(cloth, options);
     warnings.extend(left_out.then(|| Warning::PyramidOnColliders { cloth: cloth.name().into() }));
     let mut run = ClothRun::new(Images::of(cloth, given, (most, slack), known));

@@ -12,6 +12,7 @@ mod refine;
 mod samples;
 mod shape;
 mod solid;
+mod surface;
 mod winding;
 
 use std::path::Path;
@@ -53,6 +54,8 @@ pub struct ColliderOptions {
     pub kinds: Vec<Kind>,
     /// Whether solids that the file has are used.
     pub source: ColliderSource,
+    /// Whether a dressed character gets the surface of its body too, which cloth on the CPU collides with in place of the solids.
+    pub surface: bool,
 }
 
 impl Default for ColliderOptions {
@@ -62,6 +65,7 @@ impl Default for ColliderOptions {
             count: 48,
             kinds: vec![Kind::Sphere, Kind::Capsule],
             source: ColliderSource::Auto,
+            surface: true,
         }
     }
 }
@@ -88,6 +92,8 @@ pub struct Fit {
     pub colliders: Vec<Collider>,
     /// How far they are from the body.
     pub figures: Figures,
+    /// The surface of the body where it is bound to its skeleton, or why it is no collider.
+    pub surface: std::result::Result<gimage_bundle::Body, String>,
     /// Findings of the import and of the fit.
     pub findings: Vec<Finding>,
 }
@@ -134,7 +140,8 @@ pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptio
     })?;
     findings.extend(found);
     findings.extend(elsewhere(&mesh, options));
-    Ok(Fit { file: source.file_name, parts, colliders, figures, findings })
+    let surface = surface::surface(&mesh);
+    Ok(Fit { file: source.file_name, parts, colliders, figures, surface, findings })
 }
 
 impl ColliderOptions {

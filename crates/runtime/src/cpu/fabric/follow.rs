@@ -2,6 +2,7 @@
 
 use super::limit::Limit;
 use super::{Fabric, single};
+use crate::cloth::Rows;
 use crate::cpu::sheet::Sheet;
 use crate::number::real::{Real, V3, scale, sub};
 
@@ -42,6 +43,11 @@ impl<T: Real> Fabric<T> {
             follow.to.push(zero);
             follow.drift.push(zero);
         }
+    }
+
+    /// The surface that the cloth is worn on goes where these matrices put it, at `rate` \[1/s\] from where the last call put it.
+    pub fn lead_surface(&mut self, matrices: &[Rows], rate: T) {
+        self.worn.iter_mut().for_each(|worn| worn.lead(matrices, rate));
     }
 
     /// The joined particles, in the order of [`Fabric::join`], are at `ends` \[m\] at the end of the frame, and targets of limits where `at`

@@ -67,5 +67,6 @@ impl<T: Real> Fabric<T> {
         }
         self.meeting.iter().for_each(|meeting| meeting.tally(tally));
         self.fields.iter().for_each(|field| tally.state(field));
+        self.worn.iter().for_each(|worn| worn.tally(tally));
     }
 }

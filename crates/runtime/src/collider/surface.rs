@@ -1,0 +1,165 @@
+//! The surface of a body as a collider: triangles that joints move.
+
+mod sides;
+mod tree;
+
+use gimage_bundle::Bundle;
+
+use crate::cloth::Influence;
+use crate::error::{Error, Result};
+use crate::number::real::{V3, add, cast, cross, dot, scale, sub};
+
+pub(crate) use sides::NONE;
+pub(crate) use tree::Tree;
+
+/// Friction of skin or of a lining, as of [`super::BodyCollider`].
+pub(crate) const FRICTION: f32 = super::from_bundle::FRICTION;
+/// The group of colliders that stand for a body: cloth with a [`BodySurface`] does not meet them.
+///
+/// [`super::BodyCollider::of_bundle`] puts the solids of a bundle that has a surface in this group alone, so that a scene can have both.
+pub const BODY_GROUP: u32 = 1 << 31;
+/// Triangles in a patch, at most, and the share of all that may be one.
+const PATCH: usize = 48;
+const PATCHES: usize = 256;
+
+/// The surface of a body: triangles whose vertices follow the joints of the cloth that is worn on it ([`crate::Cloth::set_body`]).
+///
+/// Particles find the nearest point of it by walking from triangle to triangle. It need not be closed, nor one component, but triangles must be
+/// counter-clockwise as seen from outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodySurface {
+    /// Positions at rest \[m\].
+    pub(crate) rest: Vec<[f32; 3]>,
+    /// Unit normals there.
+    pub(crate) normals: Vec<[f32; 3]>,
+    /// Influences per vertex; 0 of a body that does not move.
+    pub(crate) sets: usize,
+    pub(crate) influences: Vec<Influence>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// For each triangle those beyond its sides, the first from corner 0 to corner 1; [`NONE`] at a border.
+    pub(crate) across: Vec<[u32; 3]>,
+    /// A bit for each side at which the surface is hollow.
+    pub(crate) hollow: Vec<u8>,
+    /// Whether a vertex is on a border.
+    pub(crate) border: Vec<bool>,
+    /// The patch of each triangle, and a triangle in the middle of each patch.
+    pub(crate) patch: Vec<u32>,
+    pub(crate) middles: Vec<u32>,
+    pub(crate) tree: Tree,
+}
+
+impl BodySurface {
+    /// A surface of `positions` \[m\] at rest and `triangles`. `influences` are the same number per vertex, and index the joints of the cloth that is
+    /// worn on it; without any the surface rests. Weights are divided by their sum. Triangles without an area are left out. O(n log n).
+    ///
+    /// Errors ([`Error::Surface`]) on positions that are not finite, vertices that do not exist, a number of influences that does not fit, weights
+    /// that are negative, not finite or all 0, and a surface without any area.
+    pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>, influences: Vec<Influence>) -> Result<Self> {
+        let count = positions.len();
+        let sets = influences.len() / count.max(1);
+        let bad = |index: usize, problem| Err(Error::Surface { index, problem });
+        if let Some(index) = positions.iter().position(|p| p.iter().any(|x| !(x.abs() < MAX_COORDINATE_M))) {
+            return bad(index, "a position is not finite");
+        }
+        if let Some(index) = triangles.iter().position(|t| t.iter().any(|v| *v as usize >= count)) {
+            return bad(index, "a corner of a triangle is no vertex");
+        }
+        if influences.len() != sets * count {
+            return bad(count, "the number of influences is no multiple of the number of vertices");
+        }
+        let mut surface = BodySurface { rest: positions, sets, ..Self::empty() };
+        for (index, own) in influences.chunks(sets.max(1)).enumerate() {
+            let weights = || own.iter().flat_map(|i| i.weights);
+            let sum: f64 = weights().map(f64::from).sum();
+            if weights().any(|w| !(w >= 0.0)) || !(sum > 0.0 && sum.is_finite()) {
+                return bad(index, "the weights of its joints are negative, not finite or all 0");
+            }
+            let share = |i: &Influence| {
+                let weights = i.weights.map(|w| (f64::from(w) / sum) as f32);
+                let joints = [0, 1, 2, 3].map(|k| if weights[k] > 0.0 { i.joints[k] } else { 0 });
+                Influence { joints, weights }
+            };
+            surface.influences.extend(own.iter().map(share));
+        }
+        let has_area = |t: &[u32; 3]| {
+            let n = normal(t.map(|v| cast(surface.rest[v as usize])));
+            dot(n, n) > 0.0
+        };
+        let kept: Vec<[u32; 3]> = triangles.into_iter().filter(has_area).collect();
+        if kept.is_empty() {
+            return bad(0, "it has no area");
+        }
+        surface.triangles = kept;
+        surface.normals = surface.vertex_normals();
+        surface.across = sides::across(&surface.triangles);
+        surface.hollow = sides::hollow(&surface);
+        surface.border = sides::border(&surface);
+        surface.tree = Tree::new(&surface.rest, &surface.triangles);
+        let most = (surface.triangles.len() / PATCHES).clamp(4, PATCH);
+        (surface.patch, surface.middles) = surface.tree.patches(&surface.rest, &surface.triangles, most);
+        Ok(surface)
+    }
+
+    /// That of a bundle; `None` if it has none. Its influences index the joints of the bundle, as those of its cloth do. Errors as
+    /// [`BodySurface::new`].
+    pub fn of_bundle(bundle: &Bundle) -> Result<Option<Self>> {
+        let Some(body) = &bundle.body else { return Ok(None) };
+        let influence = |(joints, weights): (&[u32; 4], &[f32; 4])| Influence { joints: *joints, weights: *weights };
+        let influences = body.joints.iter().zip(&body.weights).map(influence).collect();
+        BodySurface::new(body.positions.clone(), body.triangles.clone(), influences).map(Some)
+    }
+
+    /// Number of its vertices.
+    pub fn vertices(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// Its triangles: vertices, counter-clockwise as seen from outside.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// One more than the largest joint that it follows; 0 if it rests.
+    pub(crate) fn joints(&self) -> usize {
+        let of = |i: &Influence| i.joints.iter().zip(i.weights).filter(|x| x.1 > 0.0).map(|x| *x.0 as usize + 1).max();
+        self.influences.iter().filter_map(of).max().unwrap_or(0)
+    }
+
+    fn empty() -> Self {
+        BodySurface {
+            rest: Vec::new(),
+            normals: Vec::new(),
+            sets: 0,
+            influences: Vec::new(),
+            triangles: Vec::new(),
+            across: Vec::new(),
+            hollow: Vec::new(),
+            border: Vec::new(),
+            patch: Vec::new(),
+            middles: Vec::new(),
+            tree: Tree::default(),
+        }
+    }
+
+    /// Sums of the normals of triangles, weighed by area.
+    fn vertex_normals(&self) -> Vec<[f32; 3]> {
+        let mut sums = vec![[0.0f64; 3]; self.rest.len()];
+        for t in &self.triangles {
+            let n = normal(t.map(|v| cast(self.rest[v as usize])));
+            t.iter().for_each(|v| sums[*v as usize] = add(sums[*v as usize], n));
+        }
+        sums.into_iter().map(|n| cast(scale(n, 1.0 / dot(n, n).sqrt().max(1e-30)))).collect()
+    }
+}
+
+/// Positions are that far from the origin, at most.
+const MAX_COORDINATE_M: f32 = 1e6;
+
+/// Twice the area of a triangle, along its normal.
+pub(crate) fn normal([a, b, c]: [V3<f64>; 3]) -> V3<f64> {
+    cross(sub(b, a), sub(c, a))
+}
+
+#[cfg(test)]
+#[path = "surface/tests.rs"]
+mod tests;

@@ -1,0 +1,451 @@
+//! Contact with the surface of a body: a part of the pass of contact, on the CPU.
+//!
+//! At the start of a frame each particle finds the nearest point of the surface, from the triangle at which it was in the last frame, and gets the
+//! plane there. The plane moves with the surface over the substeps, which cost one dot product per particle each ([`planes`]). A walk can end where
+//! the surface is nearest only around there: so particles also try the triangles of their neighbours in the grid, and some of them per frame the
+//! nearest of all patches. Particles far from the body are left out until it or they may have come near.
+
+mod nearest;
+mod planes;
+mod skinned;
+
+use std::sync::Arc;
+
+use super::rows::Threads;
+use super::sheet::Sheet;
+use crate::cloth::{Cloth, Rows};
+use crate::collider::surface::{BodySurface, FRICTION, NONE};
+use crate::memory::Tally;
+use crate::number::lanes::{LANES, Machine, Work, widest};
+use crate::number::real::{Real, V3, add, cast, cross, dot, scale, sub};
+use crate::step::Step;
+use nearest::{On, Spot, walk};
+use planes::{Plane, Planes};
+use skinned::{Skinned, unit};
+
+/// A particle that much \[m\] farther than it moves in a frame meets nothing in it.
+const MARGIN_M: f64 = 0.006;
+/// Ways of the last frame that a particle, or the surface near it, may go in the next.
+const WAYS: f64 = 2.0;
+/// Frames for which a particle is left out, at most.
+const MAX_WAIT: f64 = 4.0;
+/// A particle deeper \[m\] inside than this is left there: no normal tells where it came from.
+const LOST_M: f64 = 0.04;
+/// A point that was found stays if the particle is not farther \[m\] beside it: on a limb of 5 cm that is 0.02 mm of height.
+const BESIDE_M: f64 = 0.0015;
+/// The same for each metre of height above that.
+const BESIDE_PER_HEIGHT: f64 = 0.1;
+/// Points of neighbours whose normals differ by less than this cosine are of the same side.
+const SAME_COSINE: f64 = 0.7;
+/// The farthest \[m\] that a second side of the surface may be, and the largest cosine between the normals of both.
+const SECOND_M: f64 = 0.05;
+const SECOND_COSINE: f64 = 0.3;
+/// Frames in which each particle tries the nearest patch once.
+const SEARCH_FRAMES: u32 = 32;
+/// Least clearance \[m\] of cloth that was modelled nearer to the body.
+const LEAST_CLEARANCE_M: f64 = 0.001;
+/// A point nearer \[m\] to the surface than this has no direction from it.
+const ON_SURFACE_M: f64 = 1e-5;
+
+/// The last known nearest point of a particle.
+#[derive(Clone, Copy)]
+struct Hint<T> {
+    /// Where the particle was in the last frame \[m\].
+    last: V3<T>,
+    /// From the point that was found to the particle then, of a point that is not inside of its triangle.
+    way: V3<T>,
+    /// The normal there.
+    normal: V3<T>,
+    weights: V3<T>,
+    /// [`NONE`] where it is not known.
+    triangle: u32,
+    /// A point of another side of the surface; [`NONE`] where no other is near.
+    second: u32,
+    /// Frames for which it is left out.
+    wait: u8,
+    /// Where on the triangle the point is.
+    on: On,
+}
+
+/// A point of the surface, seen from a particle at the start of a frame.
+#[derive(Clone, Copy)]
+struct View<T> {
+    /// The distance of the particle \[m\], below 0 inside.
+    height: T,
+    /// How far \[m\] the particle is beside the normal there.
+    beside: T,
+    /// How far \[m\] the surface moves in the frame.
+    way: T,
+    plane: Plane<T>,
+    /// The normal at the start of the frame.
+    normal: V3<T>,
+    /// From the point to the particle then.
+    from: V3<T>,
+    /// Whether there is none: beside a border.
+    open: bool,
+}
+
+/// A duplicate of a seam point, and the one that finds its plane: sheet, place in [`Sheet::w`], place in [`Sheet::now`].
+type Twin = [(usize, usize, usize); 2];
+
+/// The surface that a cloth is worn on, and what its particles know of it.
+pub struct Worn<T: Real> {
+    surface: Arc<BodySurface>,
+    skinned: Skinned<T>,
+    /// Of the nearest side, and of the second one.
+    planes: [Vec<Planes<T>>; 2],
+    hints: Vec<Hint<T>>,
+    /// The middles of patches at the start of the frame \[m\]; padded to whole blocks.
+    middles: [Vec<T>; 3],
+    clearances: Vec<T>,
+    /// The first duplicate of each particle.
+    points: Vec<u32>,
+    twins: Vec<Twin>,
+    friction: T,
+    /// Frames since all particles searched by the tree.
+    frames: u32,
+    /// Whether a frame has begun.
+    due: bool,
+}
+
+impl<T: Real> Worn<T> {
+    /// For a cloth that wears any; `place` has the sheet and the places of a particle, `thickness` \[m\] is that of cloth without its own.
+    pub fn of(
+        cloth: &Cloth,
+        sheets: &[Sheet<T>],
+        thickness: f32,
+        place: impl Fn(usize) -> (usize, usize, usize),
+    ) -> Option<Self> {
+        let (surface, heights) = cloth.worn_on()?;
+        let thickness = cloth.thickness.unwrap_or(thickness);
+        let least = thickness.min(LEAST_CLEARANCE_M as f32);
+        let points = cloth.points();
+        let twin = |k: &u32| points[*k as usize] != *k && cloth.particles()[*k as usize].exists();
+        let twins = (0..cloth.len() as u32).filter(twin).map(|k| [place(k as usize), place(points[k as usize] as usize)]);
+        let zero = [T::of(0.0); 3];
+        let on = On::Face;
+        let hint = Hint { last: zero, way: zero, normal: zero, weights: zero, triangle: NONE, second: NONE, wait: 0, on };
+        let patches = surface.middles.len().next_multiple_of(LANES);
+        let far = T::of(f64::from(f32::MAX.sqrt()));
+        Some(Worn {
+            skinned: Skinned::new(surface),
+            planes: [0, 1].map(|_| sheets.iter().map(Planes::new).collect()),
+            hints: vec![hint; cloth.len()],
+            middles: [0, 1, 2].map(|_| vec![far; patches]),
+            clearances: heights.iter().map(|h| T::of(f64::from(h.clamp(least, thickness)))).collect(),
+            twins: twins.collect(),
+            points,
+            friction: T::of(f64::from((FRICTION * cloth.friction).min(f32::MAX))),
+            frames: 0,
+            due: false,
+            surface: surface.clone(),
+        })
+    }
+
+    /// As [`Skinned::lead`].
+    pub fn lead(&mut self, matrices: &[Rows], rate: T) {
+        self.skinned.lead(matrices, rate);
+    }
+
+    /// A frame begins.
+    pub fn begin(&mut self) {
+        self.due = true;
+    }
+
+    /// Searches all particles afresh in the next frame.
+    pub fn forget(&mut self) {
+        self.hints.iter_mut().for_each(|hint| (hint.triangle, hint.second, hint.wait) = (NONE, NONE, 0));
+        self.frames = 0;
+    }
+
+    /// Numbers that it takes.
+    pub fn tally(&self, tally: &mut Tally) {
+        tally.state(&self.hints);
+        tally.state(&self.clearances);
+        tally.state(&self.points);
+        tally.state(&self.twins);
+    }
+
+    /// Finds the planes of all particles, once a frame.
+    pub fn search(&mut self, sheets: &[Sheet<T>], firsts: &[usize]) {
+        if !std::mem::take(&mut self.due) {
+            return;
+        }
+        self.skinned.begin();
+        self.move_middles();
+        for (g, (sheet, first)) in sheets.iter().zip(firsts).enumerate() {
+            self.planes.iter_mut().for_each(|planes| planes[g].clear());
+            let size = (sheet.width, sheet.height);
+            for k in 0..sheet.width * sheet.height {
+                let (particle, single) = (first + k, sheet.single(k));
+                if sheet.w[single] <= T::of(0.0) || self.points[particle] as usize != particle {
+                    continue;
+                }
+                if self.hints[particle].wait > 0 {
+                    self.hints[particle].wait -= 1;
+                    continue;
+                }
+                let triple = sheet.triple(k);
+                let found = self.planes_of(sheet.at(triple), particle, beside(k, size, self.frames).map(|n| first + n));
+                for (planes, plane) in self.planes.iter_mut().zip(found) {
+                    plane.iter().for_each(|plane| planes[g].put((single, triple), sheet.half, plane));
+                }
+            }
+        }
+        for [(g, single, triple), (from, first, at)] in &self.twins {
+            for planes in &mut self.planes {
+                if let Some(plane) = planes[*from].get((*first, *at), sheets[*from].half) {
+                    planes[*g].put((*single, *triple), sheets[*g].half, &plane);
+                }
+            }
+        }
+        self.frames = self.frames.wrapping_add(1);
+    }
+
+    /// Particles leave the surface; as [`planes::run`].
+    pub fn run(&self, threads: &Threads, sheets: &mut [Sheet<T>], step: &Step<T>) {
+        for (g, sheet) in sheets.iter_mut().enumerate() {
+            for planes in &self.planes {
+                planes::run(threads, sheet, &planes[g], self.friction, (step.dt, step.left));
+            }
+        }
+    }
+
+    /// Moves the middles of patches to where they are at the start of the frame.
+    fn move_middles(&mut self) {
+        for (n, t) in self.surface.middles.iter().enumerate() {
+            let from = self.skinned.start(self.surface.triangles[*t as usize][0]);
+            (0..3).for_each(|c| self.middles[c][n] = from[c]);
+        }
+    }
+
+    /// The planes that the particle at `p` meets in this frame, if it may meet any. `beside` is a neighbour of it.
+    #[inline]
+    fn planes_of(&mut self, p: V3<T>, particle: usize, beside: Option<usize>) -> [Option<Plane<T>>; 2] {
+        let hint = self.hints[particle];
+        let clearance = self.clearances[particle];
+        let known = hint.triangle != NONE;
+        let goes = if known { T::of(WAYS) * length(sub(p, hint.last)) } else { T::of(0.0) };
+        let reach = clearance + T::of(MARGIN_M) + goes;
+        let (mut spot, mut view) = self.first(&hint, p, clearance);
+        let mut second = hint.second;
+        if let Some(n) = beside {
+            let other = &self.hints[self.points[n] as usize];
+            if other.triangle != NONE && dot(other.normal, view.normal) < T::of(SAME_COSINE) {
+                self.compare((&mut spot, &mut view, &mut second), other.triangle, p, clearance);
+            }
+        }
+        if known && (particle as u32).wrapping_add(self.frames).is_multiple_of(SEARCH_FRAMES) {
+            let patch = nearest_of(&self.middles, p);
+            if self.surface.patch[spot.triangle as usize] as usize != patch {
+                self.compare((&mut spot, &mut view, &mut second), self.surface.middles[patch], p, clearance);
+            }
+        }
+        let mut planes = [None, None];
+        planes[0] = Some(view.plane).filter(|_| is_met(&view, reach));
+        if second != NONE {
+            let other = walk(&self.surface, &mut self.skinned, second, p);
+            let side = self.view(&other, p, clearance);
+            second = if is_second(&view, &side) { other.triangle } else { NONE };
+            planes[1] = Some(side.plane).filter(|_| second != NONE && is_met(&side, reach));
+        }
+        let most = goes + T::of(WAYS) * view.way + T::of(MARGIN_M);
+        let wait = ((view.height - reach) / most).min(T::of(MAX_WAIT)).max(T::of(0.0)).get() as u8;
+        let Spot { triangle, weights, on, .. } = spot;
+        let (way, normal) = (view.from, view.normal);
+        self.hints[particle] = Hint { last: p, way, normal, weights, triangle, second, wait, on };
+        planes
+    }
+
+    /// The nearest point from where the last one was.
+    fn first(&mut self, hint: &Hint<T>, p: V3<T>, clearance: T) -> (Spot<T>, View<T>) {
+        if hint.triangle == NONE {
+            let found = self.skinned.search(&self.surface, p);
+            let spot = walk(&self.surface, &mut self.skinned, found, p);
+            return (spot, self.view(&spot, p, clearance));
+        }
+        let Hint { triangle, weights, on, .. } = *hint;
+        let spot = Spot { triangle, weights, distance2: T::of(0.0), on };
+        let mut view = self.view(&spot, p, clearance);
+        if view.height > T::of(-BESIDE_M) && !view.open {
+            // Beside the way of the walk; without it a side or a corner would always be straight below.
+            let beside = if on == On::Face { view.beside } else { length(cross(hint.way, view.normal)) };
+            if beside < T::of(BESIDE_M) + T::of(BESIDE_PER_HEIGHT) * view.height.max(T::of(0.0)) {
+                if on != On::Face {
+                    view.from = hint.way;
+                }
+                return (Spot { distance2: view.height * view.height, ..spot }, view);
+            }
+        }
+        let spot = walk(&self.surface, &mut self.skinned, hint.triangle, p);
+        (spot, self.view(&spot, p, clearance))
+    }
+
+    /// Takes the point that a walk from another triangle finds if it is nearer; the farther one becomes the second, if it is of another side.
+    fn compare(
+        &mut self,
+        (spot, view, second): (&mut Spot<T>, &mut View<T>, &mut u32),
+        from: u32,
+        p: V3<T>,
+        clearance: T,
+    ) {
+        let other = walk(&self.surface, &mut self.skinned, from, p);
+        if other.triangle == spot.triangle {
+            return;
+        }
+        let side = self.view(&other, p, clearance);
+        let nearer = side.height.abs() < view.height.abs();
+        let farther = if nearer { spot.triangle } else { other.triangle };
+        if is_second(view, &side) {
+            *second = farther;
+        }
+        if nearer {
+            (*spot, *view) = (other, side);
+        }
+    }
+
+    /// A point of the surface, seen from `p`.
+    fn view(&mut self, spot: &Spot<T>, p: V3<T>, clearance: T) -> View<T> {
+        let [a, b, c] = self.skinned.vertices(&self.surface, spot.triangle);
+        let w = spot.weights;
+        let blend = |a: &V3<T>, b: &V3<T>, c: &V3<T>| add(add(scale(*a, w[0]), scale(*b, w[1])), scale(*c, w[2]));
+        let [from, to] = [0, 1].map(|end| blend(&a.at[end], &b.at[end], &c.at[end]));
+        let d = sub(p, from);
+        let far2 = dot(d, d);
+        let far = far2.sqrt();
+        let mut open = false;
+        let (first, last) = match spot.on {
+            On::Face => {
+                let [first, last] = [0, 1].map(|end| unit(cross(sub(b.at[end], a.at[end]), sub(c.at[end], a.at[end]))));
+                (first, last)
+            }
+            _ => {
+                let [first, last] = [0, 1].map(|end| unit(blend(&a.normal[end], &b.normal[end], &c.normal[end])));
+                let up = dot(d, first);
+                open = self.is_border(spot) && up.abs() < T::of(0.7) * far;
+                if up > T::of(0.0) && far > T::of(ON_SURFACE_M) {
+                    let away = scale(d, T::of(1.0) / far);
+                    (away, unit(add(away, sub(last, first))))
+                } else {
+                    (first, last)
+                }
+            }
+        };
+        let up = dot(d, first);
+        let (way, rate) = (sub(to, from), self.skinned.rate());
+        let (drift, turn) = (scale(way, rate), scale(sub(last, first), rate));
+        View {
+            height: if up < T::of(0.0) { -far } else { far },
+            beside: (far2 - up * up).max(T::of(0.0)).sqrt(),
+            way: length(way),
+            plane: Plane { at: to, normal: last, drift, turn, clearance },
+            normal: first,
+            from: d,
+            open,
+        }
+    }
+
+    /// Whether a point is on the border of the surface.
+    fn is_border(&self, spot: &Spot<T>) -> bool {
+        let across = &self.surface.across[spot.triangle as usize];
+        match spot.on {
+            On::Face => false,
+            On::Side(side) => across[side] == NONE,
+            On::Corner(corner) => self.surface.border[self.surface.triangles[spot.triangle as usize][corner] as usize],
+        }
+    }
+}
+
+/// Whether a particle may meet a plane in a frame.
+fn is_met<T: Real>(view: &View<T>, reach: T) -> bool {
+    !view.open && view.height <= reach + view.way && view.height > T::of(-LOST_M)
+}
+
+/// Whether a point is of another side of the surface than the nearest one, and near enough to be met.
+fn is_second<T: Real>(nearest: &View<T>, other: &View<T>) -> bool {
+    other.height.abs() < T::of(SECOND_M) && dot(nearest.normal, other.normal) < T::of(SECOND_COSINE)
+}
+
+/// The heights \[m\] of points above a surface at rest, below 0 inside.
+pub fn heights(surface: &BodySurface, points: impl Iterator<Item = [f32; 3]>) -> Vec<f32> {
+    let mut skinned = Skinned::<f64>::new(surface);
+    skinned.begin();
+    let height = |p: [f32; 3]| {
+        let p = cast(p);
+        let found = skinned.search(surface, p);
+        let spot = walk(surface, &mut skinned, found, p);
+        let [a, b, c] = skinned.vertices(surface, spot.triangle);
+        let corners = [a.at[0], b.at[0], c.at[0]];
+        let up = if spot.on == On::Face { face(&corners) } else { mix(&[a.normal[0], b.normal[0], c.normal[0]], spot.weights) };
+        let far = spot.distance2.sqrt();
+        (if dot(sub(p, mix(&corners, spot.weights)), up) < 0.0 { -far } else { far }) as f32
+    };
+    points.map(height).collect()
+}
+
+/// A neighbour of texel `k` in its grid, another one in each of four frames.
+fn beside(k: usize, (width, height): (usize, usize), frame: u32) -> Option<usize> {
+    let (i, j) = (k % width, k / width);
+    match frame & 3 {
+        0 => (i > 0).then(|| k - 1),
+        1 => (j > 0).then(|| k - width),
+        2 => (i + 1 < width).then_some(k + 1),
+        _ => (j + 1 < height).then_some(k + width),
+    }
+}
+
+/// Twice the area of a triangle, along its normal.
+#[inline]
+fn face<T: Real>([a, b, c]: &[V3<T>; 3]) -> V3<T> {
+    cross(sub(*b, *a), sub(*c, *a))
+}
+
+#[inline]
+fn mix<T: Real>([a, b, c]: &[V3<T>; 3], w: V3<T>) -> V3<T> {
+    add(add(scale(*a, w[0]), scale(*b, w[1])), scale(*c, w[2]))
+}
+
+#[inline]
+fn length<T: Real>(v: V3<T>) -> T {
+    dot(v, v).sqrt()
+}
+
+/// The first of the points nearest to `p`.
+fn nearest_of<T: Real>(points: &[Vec<T>; 3], p: V3<T>) -> usize {
+    let mut found = 0;
+    widest(NearestOf { points, p, found: &mut found });
+    found
+}
+
+struct NearestOf<'a, T> {
+    points: &'a [Vec<T>; 3],
+    p: V3<T>,
+    found: &'a mut usize,
+}
+
+impl<T: Real> Work<T> for NearestOf<'_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let p = k.splats(self.p);
+        let far = k.splat(T::of(f64::from(f32::MAX)));
+        let (mut least, mut block) = (far, far);
+        for at in (0..self.points[0].len()).step_by(K::WIDE) {
+            let d = k.squares(k.minus(k.loads(self.points, at), p));
+            let nearer = k.above(least, d);
+            least = k.choose(nearer, d, least);
+            block = k.choose(nearer, k.splat(T::of(at as f64)), block);
+        }
+        let mut lanes = [[T::of(0.0); LANES]; 2];
+        k.store(&mut lanes[0], 0, least);
+        k.store(&mut lanes[1], 0, block);
+        // The first of those that are equally far, whatever the width of vectors.
+        let mut best = (T::of(f64::from(f32::MAX)), T::of(0.0));
+        for lane in 0..K::WIDE {
+            let (d, at) = (lanes[0][lane], lanes[1][lane] + T::of(lane as f64));
+            if d < best.0 || (d == best.0 && at < best.1) {
+                best = (d, at);
+            }
+        }
+        *self.found = best.1.get() as usize;
+    }
+}

@@ -1,0 +1,168 @@
+//! The vertices of a surface where joints put them, at the start and at the end of a frame. Each is skinned when it is first asked for.
+
+use crate::cloth::Rows;
+use crate::collider::surface::{BodySurface, Tree};
+use crate::number::real::{Real, V3, cast, dot, scale};
+
+/// Matrices of joints as three rows.
+type Matrices<T> = Vec<[[T; 4]; 3]>;
+
+/// A vertex at the start and at the end of a frame.
+#[derive(Clone, Copy)]
+pub struct Vertex<T> {
+    pub at: [V3<T>; 2],
+    /// Of about length 1.
+    pub normal: [V3<T>; 2],
+    /// The frame of which it is.
+    frame: u32,
+}
+
+/// The vertices of a surface.
+pub struct Skinned<T: Real> {
+    list: Vec<Vertex<T>>,
+    frame: u32,
+    /// Positions and normals at rest.
+    rest: Vec<[V3<T>; 2]>,
+    /// Joints and weights above 0, and where those of each vertex begin.
+    shares: Vec<(u32, T)>,
+    starts: Vec<u32>,
+    /// Empty for a surface that rests.
+    ends: [Matrices<T>; 2],
+    /// One over the length of the frame \[1/s\] in which vertices go from the first place to the second; 0 if they are there at once.
+    rate: T,
+    /// Whether it has gone elsewhere at once since the last frame, and whether this frame begins where that ended.
+    jumps: bool,
+    follows: bool,
+    bounds: Vec<[V3<T>; 2]>,
+    /// The frame of which the boxes are.
+    fitted: u32,
+}
+
+impl<T: Real> Skinned<T> {
+    /// Of a surface at rest.
+    pub fn new(surface: &BodySurface) -> Self {
+        let zero = [[T::of(0.0); 3]; 2];
+        let list = vec![Vertex { at: zero, normal: zero, frame: 0 }; surface.rest.len()];
+        let rest = surface.rest.iter().zip(&surface.normals).map(|(p, n)| [cast(*p), cast(*n)]).collect();
+        let (mut shares, mut starts) = (Vec::new(), vec![0]);
+        for v in 0..surface.rest.len() {
+            let own = &surface.influences[v * surface.sets..(v + 1) * surface.sets];
+            let pairs = own.iter().flat_map(|i| i.joints.into_iter().zip(i.weights)).filter(|pair| pair.1 > 0.0);
+            shares.extend(pairs.map(|(joint, weight)| (joint, T::of(f64::from(weight)))));
+            starts.push(shares.len() as u32);
+        }
+        let (frame, fitted, rate, ends) = (0, 0, T::of(0.0), [Vec::new(), Vec::new()]);
+        Skinned { list, frame, rest, shares, starts, ends, rate, jumps: true, follows: false, bounds: Vec::new(), fitted }
+    }
+
+    /// Goes to where these matrices put it, from where the last ones did at `rate` \[1/s\], or at once if that is 0.
+    pub fn lead(&mut self, matrices: &[Rows], rate: T) {
+        let to: Matrices<T> = matrices.iter().map(|rows| rows.map(cast)).collect();
+        let last = std::mem::replace(&mut self.ends[1], to);
+        self.rate = if last.len() == self.ends[1].len() { rate } else { T::of(0.0) };
+        // A jump begins elsewhere than the last frame ended.
+        self.jumps |= !self.moves() && last != self.ends[1];
+        self.ends[0] = if self.moves() { last } else { self.ends[1].clone() };
+    }
+
+    /// Begins a frame.
+    pub fn begin(&mut self) {
+        self.frame += 1;
+        self.follows = !std::mem::take(&mut self.jumps);
+    }
+
+    /// Whether it moves in this frame.
+    pub fn moves(&self) -> bool {
+        self.rate > T::of(0.0)
+    }
+
+    /// One over the length of the frame \[1/s\], 0 if it does not move.
+    pub fn rate(&self) -> T {
+        self.rate
+    }
+
+    /// The corners of a triangle at the start of the frame.
+    #[inline]
+    pub fn corners(&mut self, surface: &BodySurface, triangle: u32) -> [V3<T>; 3] {
+        let [a, b, c] = surface.triangles[triangle as usize];
+        [self.vertex(a).at[0], self.vertex(b).at[0], self.vertex(c).at[0]]
+    }
+
+    /// The vertices of a triangle.
+    #[inline]
+    pub fn vertices(&mut self, surface: &BodySurface, triangle: u32) -> [&Vertex<T>; 3] {
+        let own = surface.triangles[triangle as usize];
+        own.iter().for_each(|v| self.make(*v));
+        own.map(|v| &self.list[v as usize])
+    }
+
+    /// Where a vertex is at the start of the frame.
+    pub fn start(&mut self, v: u32) -> V3<T> {
+        self.vertex(v).at[0]
+    }
+
+    #[inline]
+    fn vertex(&mut self, v: u32) -> &Vertex<T> {
+        self.make(v);
+        &self.list[v as usize]
+    }
+
+    #[inline]
+    fn make(&mut self, v: u32) {
+        if self.list[v as usize].frame != self.frame {
+            self.skin(v as usize);
+        }
+    }
+
+    #[inline(never)]
+    fn skin(&mut self, v: usize) {
+        let [rest, normal] = self.rest[v];
+        let shares = &self.shares[self.starts[v] as usize..self.starts[v + 1] as usize];
+        let place = |matrices: &Matrices<T>| {
+            if shares.is_empty() || matrices.is_empty() {
+                return (rest, normal);
+            }
+            let mut blend = [[T::of(0.0); 4]; 3];
+            for (joint, weight) in shares {
+                let matrix = &matrices[*joint as usize];
+                for r in 0..3 {
+                    for c in 0..4 {
+                        blend[r][c] = blend[r][c] + matrix[r][c] * *weight;
+                    }
+                }
+            }
+            let turned = [0, 1, 2].map(|r| blend[r][0] * normal[0] + blend[r][1] * normal[1] + blend[r][2] * normal[2]);
+            let at = [0, 1, 2].map(|r| blend[r][0] * rest[0] + blend[r][1] * rest[1] + blend[r][2] * rest[2] + blend[r][3]);
+            (at, turned)
+        };
+        let known = self.list[v];
+        let is_last = known.frame != 0 && known.frame + 1 == self.frame && self.follows;
+        let last = (known.at[1], known.normal[1]);
+        let (at, normal) = if is_last && !self.moves() { last } else { place(&self.ends[1]) };
+        let before = match self.moves() {
+            true if is_last => last,
+            true => place(&self.ends[0]),
+            false => (at, normal),
+        };
+        self.list[v] = Vertex { at: [before.0, at], normal: [before.1, normal], frame: self.frame };
+    }
+
+    /// The nearest point of all at the start of the frame, found by a tree: its triangle.
+    pub fn search(&mut self, surface: &BodySurface, p: V3<T>) -> u32 {
+        if self.fitted != self.frame {
+            (0..surface.rest.len() as u32).for_each(|v| _ = self.vertex(v));
+            let mut bounds = std::mem::take(&mut self.bounds);
+            let corners = |t: u32| surface.triangles[t as usize].map(|v| self.list[v as usize].at[0]);
+            surface.tree.fit(corners, &mut bounds);
+            (self.bounds, self.fitted) = (bounds, self.frame);
+        }
+        let corners = |t: u32| surface.triangles[t as usize].map(|v| self.list[v as usize].at[0]);
+        Tree::nearest(&surface.tree, &self.bounds, p, |t| super::nearest::on_triangle(p, t, corners(t)).distance2).0
+    }
+}
+
+/// A vector at length 1; itself where it has none.
+pub fn unit<T: Real>(v: V3<T>) -> V3<T> {
+    let length = dot(v, v).sqrt();
+    if length > T::of(1e-18) { scale(v, T::of(1.0) / length) } else { v }
+}
