@@ -19,7 +19,7 @@ mod tether;
 mod texture;
 mod weigh;
 
-pub use contact::ClothContact;
+pub use contact::{ClothContact, ContactTier};
 pub(crate) use contact::{Kin, SKIPPED_CELLS};
 pub use flat::Flat;
 pub(crate) use gimage_bundle::other_end;

@@ -48,5 +48,6 @@ pub(crate) mod start;
 pub(crate) mod strain;
 pub(crate) mod tangents;
 pub(crate) mod transform;
+pub(crate) mod truncation;
 pub(crate) mod wind;
 pub(crate) mod wrap;
