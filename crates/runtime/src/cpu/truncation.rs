@@ -13,12 +13,14 @@ mod closest;
 mod cut;
 mod flat;
 mod planes;
+mod spread;
 pub mod surface;
 #[cfg(test)]
 mod tests;
 
 use boxes::{Bound, Boxes, CellPair};
 use planes::{Planes, Points};
+use spread::Spread;
 use surface::Surface;
 
 use crate::memory::Tally;
@@ -26,7 +28,7 @@ use crate::number::real::{V3, add, dot, sub};
 
 /// The least and the largest reach of a point, as shares of the distance of neighbours.
 const MIN_REACH: f64 = 0.04;
-const MAX_REACH: f64 = 0.2;
+const MAX_REACH: f64 = 0.3;
 /// Steps of the present speed that a point may go until the next search.
 const STEPS_AHEAD: f64 = 6.0;
 /// Least gap of features, as a share of the distance of neighbours.
@@ -35,6 +37,9 @@ const FLOOR_SHARE: f64 = 0.01;
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 /// Searches in a step, at most: points go [`MAX_REACH`] in each.
 const MAX_SEARCHES: usize = 32;
+
+/// Steps that half-spaces hold at least, where no point has used up its reach: a point that they hold back waits for so long.
+const HELD_STEPS: u32 = 3;
 
 /// What became of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,6 +71,8 @@ pub struct Truncation {
     spacing: f64,
     floor: f64,
     due: bool,
+    /// Steps since the last search.
+    age: u32,
 }
 
 impl Truncation {
@@ -85,6 +92,7 @@ impl Truncation {
             spacing,
             floor: FLOOR_SHARE * spacing,
             due: true,
+            age: 0,
         }
     }
 
@@ -105,26 +113,25 @@ impl Truncation {
     /// Takes all points from where they are to where they want to be, as far as they may go.
     pub fn step(&mut self) -> Outcome {
         let mut outcome = Outcome::default();
-        let mut fresh = false;
+        self.age += 1;
         if self.due || self.pins_leave() {
             self.search(&mut outcome);
-            fresh = true;
         }
         loop {
             let cut = self.cut();
             (outcome.forced, outcome.slowed) = (cut.forced, cut.short);
-            if (cut.short == 0 && (cut.held == 0 || fresh)) || outcome.searches == MAX_SEARCHES {
+            let stale = cut.held > 0 && self.age >= HELD_STEPS;
+            if !(cut.short > 0 || stale) || outcome.searches == MAX_SEARCHES {
                 return outcome;
             }
             self.search(&mut outcome);
-            fresh = true;
         }
     }
 
     /// Finds what points may meet from where they are.
     fn search(&mut self, outcome: &mut Outcome) {
         outcome.searches += 1;
-        self.due = false;
+        (self.due, self.age) = (false, 0);
         self.at.clone_from(&self.last);
         let far = self.at.iter().flatten().filter(|x| x.is_finite()).fold(0.0f64, |far, x| far.max(x.abs()));
         self.floor = (FLOOR_SHARE * self.spacing).max(8.0 * ROUNDING * far);
@@ -180,6 +187,26 @@ impl Truncation {
                 }
             }
         }
+        for patch in &self.surface.patches {
+            let of = |cell: usize| {
+                let point = *self.surface.corners.get(cell)? as usize;
+                Some((*self.at.get(point)?, self.reach[point]))
+            };
+            for n in 0..patch.width * patch.height {
+                let (i, j, cell) = (n % patch.width, n / patch.width, patch.first + n);
+                // Past the last quads there is nothing to meet.
+                self.boxes.spreads[cell] = Spread::NONE;
+                if i + 1 < patch.width && j + 1 < patch.height {
+                    let corners = [cell, cell + 1, cell + patch.width, cell + patch.width + 1].map(of);
+                    let whole = self.surface.triangles(cell).len() == 2 && spread::is_even(patch, &self.even, i, j);
+                    self.boxes.spreads[cell] = match corners {
+                        [Some(a), Some(b), Some(c), Some(d)] if whole => Spread::of([a, b, c, d]),
+                        _ => Spread::WIDE,
+                    };
+                }
+            }
+        }
+        self.boxes.floor = self.floor as f32;
         self.boxes.refit();
     }
 }

@@ -1,7 +1,8 @@
 //! Boxes around cells with the reach of their points, level by level, and the pairs of cells whose boxes meet.
 
+use super::spread::Spread;
 use super::surface::Surface;
-use crate::number::real::V3;
+use crate::number::real::{V3, dot};
 
 /// Bounds \[m\].
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +19,13 @@ impl Bound {
         let (a, b) = (self, other);
         let low = [0, 1, 2].map(|c| a.low[c].min(b.low[c]));
         Bound { low, high: [0, 1, 2].map(|c| a.high[c].max(b.high[c])) }
+    }
+
+    /// The center, and the distance of corners from it.
+    #[inline]
+    pub fn ball(&self) -> (V3<f32>, f32) {
+        let half = [0, 1, 2].map(|c| 0.5 * (self.high[c] - self.low[c]));
+        ([0, 1, 2].map(|c| 0.5 * (self.low[c] + self.high[c])), dot(half, half).sqrt())
     }
 
     /// Whether both share a point.
@@ -44,6 +52,9 @@ struct Level {
 #[derive(Default)]
 pub struct Boxes {
     pub bounds: Vec<Bound>,
+    pub spreads: Vec<Spread>,
+    /// Least gap of features \[m\].
+    pub floor: f32,
     patches: Vec<Vec<Level>>,
 }
 
@@ -77,7 +88,8 @@ impl Boxes {
             }
             patches.push(levels);
         }
-        Boxes { bounds: vec![Bound::NONE; end], patches }
+        let (bounds, spreads) = (vec![Bound::NONE; end], vec![Spread::NONE; end]);
+        Boxes { bounds, spreads, floor: 0.0, patches }
     }
 
     /// Makes all boxes above those of cells.
@@ -87,19 +99,20 @@ impl Boxes {
                 let (below, level) = (pair[0], pair[1]);
                 for n in 0..level.columns * level.rows {
                     let (i, j) = (2 * (n % level.columns), 2 * (n / level.columns));
-                    let mut bound = Bound::NONE;
+                    let (mut bound, mut spread) = (Bound::NONE, Spread::NONE);
                     for row in j..(j + 2).min(below.rows) {
                         for column in i..(i + 2).min(below.columns) {
-                            bound = bound.with(&self.bounds[below.first + row * below.columns + column]);
+                            let from = below.first + row * below.columns + column;
+                            (bound, spread) = (bound.with(&self.bounds[from]), spread.with(&self.spreads[from]));
                         }
                     }
-                    self.bounds[level.first + n] = bound;
+                    (self.bounds[level.first + n], self.spreads[level.first + n]) = (bound, spread);
                 }
             }
         }
     }
 
-    /// Calls `each` with every pair of cells whose boxes meet, a cell with itself too, always in the same order.
+    /// Calls `each` with every pair of cells whose features may meet, a cell with itself too, always in the same order.
     pub fn pairs(&self, mut each: impl FnMut(CellPair)) {
         for (patch, levels) in self.patches.iter().enumerate() {
             self.within(self.top(patch), &mut each);
@@ -131,6 +144,9 @@ impl Boxes {
     }
 
     fn within(&self, node: Node, each: &mut impl FnMut(CellPair)) {
+        if self.spreads[self.index(node)].is_apart(self.floor) {
+            return;
+        }
         if node.level == 0 {
             self.found(node, node, each);
             return;
@@ -144,7 +160,13 @@ impl Boxes {
 
     /// Pairs of two boxes; the one on the higher level is divided first.
     fn across(&self, a: Node, b: Node, each: &mut impl FnMut(CellPair)) {
-        if !self.bounds[self.index(a)].meets(&self.bounds[self.index(b)]) {
+        let (m, n) = (self.index(a), self.index(b));
+        if !self.bounds[m].meets(&self.bounds[n]) {
+            return;
+        }
+        let beside =
+            a.patch == b.patch && a.level == b.level && a.column.abs_diff(b.column) <= 1 && a.row.abs_diff(b.row) <= 1;
+        if beside && self.spreads[m].with(&self.spreads[n]).is_apart(self.floor) {
             return;
         }
         if a.level == 0 && b.level == 0 {

@@ -1,13 +1,14 @@
 //! Where cloth is so even that no two of its features that are near on the surface can come into contact.
 //!
-//! The nine points of a block are compared with a plane grid of rectangles. Features of such a grid that share no point are at least
-//! 1 / sqrt 2 of its shorter side apart; each end of a way between two features is at most as far off as the farthest point is.
+//! The nine points of a block are compared with a plane grid of parallelograms, seen along the normal of that plane. Features of such a grid
+//! that share no point are at least as far apart as the least height of its triangles; each end of a way between two features is at most as
+//! far off as the farthest point is. Heights above the plane only add to distances.
 
 use super::surface::Patch;
-use crate::number::real::{V3, add, dot, scale, sub};
+use crate::number::real::{V3, add, cross, dot, scale, sub};
 
-/// Distance of features of a plane grid that share no point, over the shorter side of its cells; a little less, for rounding.
-const GRID_SHARE: f64 = 0.7;
+/// Of the least height of the triangles of a plane grid a little less, for rounding.
+const HEIGHT_SHARE: f64 = 0.999;
 
 /// Whether the features of the four cells around a texel that share no point are farther apart than twice `reach`, plus `floor` \[m\].
 /// `at` has the position and the reach of a cell's point, `None` for gaps.
@@ -21,19 +22,20 @@ pub fn is_even(patch: &Patch, [i, j]: [usize; 2], floor: f64, at: impl Fn(usize)
     }
     let center = block[4];
     let right = scale(sub(block[5], block[3]), 0.5);
-    let wide2 = dot(right, right);
-    let mut down = scale(sub(block[7], block[1]), 0.5);
-    down = sub(down, scale(right, dot(down, right) / wide2));
-    let high2 = dot(down, down);
+    let down = scale(sub(block[7], block[1]), 0.5);
+    let normal = cross(right, down);
+    let area2 = dot(normal, normal);
+    let diagonal = add(right, down);
+    let longest2 = dot(right, right).max(dot(down, down)).max(dot(diagonal, diagonal));
     // Comparisons with NaN are false.
     let mut off2 = 0.0f64;
     for (n, p) in block.iter().enumerate() {
         let (m, k) = (n as f64 % 3.0 - 1.0, (n / 3) as f64 - 1.0);
         let off = sub(sub(*p, center), add(scale(right, m), scale(down, k)));
-        let (x, y) = (dot(off, right), dot(off, down));
-        off2 = off2.max(x * x / wide2 + y * y / high2);
+        let above = dot(off, normal);
+        off2 = off2.max(dot(off, off) - above * above / area2);
     }
-    let room = GRID_SHARE * wide2.min(high2).sqrt() - 2.0 * reach - floor;
+    let room = HEIGHT_SHARE * (area2 / longest2).sqrt() - 2.0 * reach - floor;
     room > 0.0 && 4.0 * off2 < room * room
 }
 
