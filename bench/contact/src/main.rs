@@ -28,9 +28,19 @@ struct Cli {
     /// Contact distances as multiples of the mean distance of neighbours; 0 is off.
     #[arg(long, value_delimiter = ',', default_value = "0,1")]
     distance: Vec<f32>,
+    /// Tiers of contact.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "particles")]
+    tier: Vec<Tier>,
     /// Steps per frame; chosen by default.
     #[arg(long)]
     substeps: Option<u32>,
+}
+
+/// What contact promises.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Tier {
+    Particles,
+    Safe,
 }
 
 fn main() -> ExitCode {
@@ -51,7 +61,11 @@ fn table(cli: &Cli) -> Result<(), Failure> {
     for name in &names {
         for n in &cli.n {
             for distance in &cli.distance {
-                writeln!(out, "{}", run(cli, name, *n, *distance)?)?;
+                // Without contact there is no tier.
+                let tiers = if *distance > 0.0 { &cli.tier[..] } else { &cli.tier[..1] };
+                for tier in tiers {
+                    writeln!(out, "{}", run(cli, name, *n, (*distance, *tier))?)?;
+                }
             }
         }
     }

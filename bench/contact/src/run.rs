@@ -4,9 +4,9 @@ use std::fmt;
 use std::time::Instant;
 
 use gimage_runtime::crossings::{self, Drawn};
-use gimage_runtime::{ClothContact, Options, Scene, Stepper};
+use gimage_runtime::{ClothContact, ContactTier, Options, Scene, Stepper};
 
-use crate::{Cli, scenes};
+use crate::{Cli, Tier, scenes};
 
 /// An error of the runtime, or an unknown scene.
 pub type Failure = Box<dyn std::error::Error>;
@@ -17,6 +17,7 @@ pub struct Row {
     n: u32,
     /// Contact distance over the mean distance of neighbours, 0 for none.
     distance: f32,
+    tier: Tier,
     substeps: u32,
     frames: u32,
     /// Mean, largest and least time of a frame \[ms\].
@@ -29,43 +30,56 @@ pub struct Row {
     /// Largest 99th percentile of stretch, and the largest speed in the last second \[m/s\].
     stretch: f64,
     speed: f64,
+    /// Length of the way of the mean position of all particles, from frame to frame \[m\], and the height at which it ends.
+    way: f64,
+    height: f64,
+    /// Findings of the stepper.
+    findings: usize,
 }
 
 impl Row {
-    pub const HEAD: &'static str = "scene,n,distance,substeps,frames,ms_mean,ms_max,ms_min,counted,crossed,\
-        crossings_mean,crossings_max,crossings_last,deepest_mm,stretch_p99_worst,speed_rms_end";
+    pub const HEAD: &'static str = "scene,n,distance,tier,substeps,frames,ms_mean,ms_max,ms_min,counted,crossed,\
+        crossings_mean,crossings_max,crossings_last,deepest_mm,stretch_p99_worst,speed_rms_end,way_m,height_end_m,findings";
 }
 
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Row { scene, n, distance, substeps, frames, ms, counted, crossings, .. } = self;
-        write!(f, "{scene},{n},{distance},{substeps},{frames},{:.4},{:.4},{:.4},", ms[0], ms[1], ms[2])?;
+        let Row { scene, n, distance, tier, substeps, frames, ms, counted, crossings, .. } = self;
+        let tier = if *distance > 0.0 { format!("{tier:?}").to_lowercase() } else { "off".into() };
+        write!(f, "{scene},{n},{distance},{tier},{substeps},{frames},{:.4},{:.4},{:.4},", ms[0], ms[1], ms[2])?;
         write!(f, "{},{},{:.1},{},{},", counted[0], counted[1], crossings[0], crossings[1], crossings[2])?;
-        write!(f, "{:.2},{:.4},{:.4}", self.deepest_mm, self.stretch, self.speed)
+        write!(f, "{:.2},{:.4},{:.4},", self.deepest_mm, self.stretch, self.speed)?;
+        write!(f, "{:.4},{:.4},{}", self.way, self.height, self.findings)
     }
 }
 
 /// Steps a scene with a contact distance that is a multiple of the distance of neighbours.
-pub fn run(cli: &Cli, name: &str, n: u32, distance: f32) -> Result<Row, Failure> {
+pub fn run(cli: &Cli, name: &str, n: u32, (distance, tier): (f32, Tier)) -> Result<Row, Failure> {
     let (mut scene, spacing) = scenes::scene(name, n)?;
     for cloth in &mut scene.cloths {
-        let contact = ClothContact { distance: Some(distance * spacing), ..ClothContact::default() };
+        let of = if tier == Tier::Safe { ContactTier::Safe } else { ContactTier::Particles };
+        let contact = ClothContact { tier: of, distance: Some(distance * spacing), ..ClothContact::default() };
         cloth.contact = (distance > 0.0).then_some(contact);
     }
     let frames = cli.frames.unwrap_or(scene.frames);
     let options = Options { threads: 1, substeps: cli.substeps, normals: false, ..Options::default() };
     let mut stepper = Stepper::on_cpu(scene.clone(), options)?;
     let (mut times, mut counts, mut deepest) = (Vec::new(), Vec::new(), 0.0f64);
+    let (mut center, mut way) = (mean_position(&stepper), 0.0);
     for frame in 1..=frames {
         let start = Instant::now();
         stepper.advance(1.0 / 60.0)?;
         times.push(start.elapsed().as_secs_f64() * 1e3);
+        let now = mean_position(&stepper);
+        way += (0..3).map(|c| (now[c] - center[c]).powi(2)).sum::<f64>().sqrt();
+        center = now;
         if cli.every > 0 && frame.is_multiple_of(cli.every) {
             let found = count(&scene, &stepper)?;
             counts.push(found.total() as f64);
             deepest = deepest.max(found.deepest);
         }
     }
+    stepper.findings().iter().for_each(|finding| eprintln!("{name} {n}: {finding}"));
     let health = (0..scene.cloths.len()).filter_map(|c| stepper.health(c));
     let (stretch, speed) = health.fold((0.0f64, 0.0f64), |most, (h, worst)| (most.0.max(worst), most.1.max(h.speed)));
     let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len().max(1) as f64;
@@ -74,6 +88,7 @@ pub fn run(cli: &Cli, name: &str, n: u32, distance: f32) -> Result<Row, Failure>
         scene: name.into(),
         n,
         distance,
+        tier,
         substeps: stepper.substeps(),
         frames,
         ms: [mean(&times), largest(&times), times.iter().copied().fold(f64::INFINITY, f64::min)],
@@ -82,7 +97,18 @@ pub fn run(cli: &Cli, name: &str, n: u32, distance: f32) -> Result<Row, Failure>
         deepest_mm: 1e3 * deepest,
         stretch,
         speed,
+        way,
+        height: center[1],
+        findings: stepper.findings().len(),
     })
+}
+
+/// Mean position \[m\] of the particles of all cloths.
+fn mean_position(stepper: &Stepper) -> [f64; 3] {
+    let all = (0..stepper.scene().cloths.len()).filter_map(|c| stepper.positions(c)).flatten();
+    let (sum, count) =
+        all.fold(([0.0; 3], 0.0), |(sum, count), p| ([0, 1, 2].map(|c| sum[c] + f64::from(p[c])), count + 1.0));
+    sum.map(|x| x / count)
 }
 
 fn count(scene: &Scene, stepper: &Stepper) -> Result<crossings::Crossings, Failure> {

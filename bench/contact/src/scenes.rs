@@ -56,8 +56,9 @@ pub fn scene(name: &str, n: u32) -> Result<(Scene, f32), Box<dyn std::error::Err
         // Five squares held by two corners each swing against a ball.
         "drape" => {
             for layer in 0..5 {
-                let z = 0.3 + 0.05 * layer as f32;
-                let flat = Flat { origin: [-0.5, 0.5, z], down: [0.0, 0.0, 1.0], ..Flat::square("sheet", n) };
+                let away = 0.05 * layer as f32;
+                let flat =
+                    Flat { origin: [-0.5, 0.5 + away, 0.3 + away], down: [0.0, 0.0, 1.0], ..Flat::square("sheet", n) };
                 let mut cloth = calm(flat.cloth()?);
                 [0, n - 1].into_iter().try_for_each(|k| cloth.set_pinned(k as usize, true))?;
                 scene.cloths.push(cloth);

@@ -146,7 +146,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "FABRIC,NAME=NUMBER,...", value_parser = material)]
     pub material: Option<Material>,
     /// Contact of all cloth with itself and with other cloth: particles pushes particles apart that are nearer than the distance
-    /// of neighbours; xpbd only [default: that of the scene, or off].
+    /// of neighbours; safe also lets no triangle cross another one, on the CPU; xpbd only [default: that of the scene, or off].
     #[arg(long, value_enum)]
     pub contact: Option<ContactArg>,
     #[command(flatten)]
@@ -281,6 +281,7 @@ pub enum GroundArg {
 pub enum ContactArg {
     Off,
     Particles,
+    Safe,
 }
 
 /// The solver of springs.

@@ -22,7 +22,7 @@ mod texture;
 mod weigh;
 
 pub use backstop::Backstop;
-pub use contact::ClothContact;
+pub use contact::{ClothContact, ContactTier};
 pub(crate) use contact::{Kin, SKIPPED_CELLS};
 pub use flat::Flat;
 pub(crate) use gimage_bundle::other_end;

@@ -49,5 +49,6 @@ pub(crate) mod strain;
 pub(crate) mod surface;
 pub(crate) mod tangents;
 pub(crate) mod transform;
+pub(crate) mod truncation;
 pub(crate) mod wind;
 pub(crate) mod wrap;

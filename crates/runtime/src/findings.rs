@@ -43,6 +43,25 @@ pub enum Fate {
         /// The collider by index.
         collider: usize,
     },
+    /// Cloth whose contact is [`crate::ContactTier::Safe`] crosses cloth. Contact keeps crossings that are there.
+    Crossed {
+        /// Pairs of triangles that cross.
+        pairs: u64,
+        /// Pairs that touch, which contact cannot keep apart.
+        touching: u64,
+        /// Pins and joints that left cloth no room; 0 if cloth crosses where it starts, or where it was put.
+        forced: usize,
+    },
+    /// Contact of this tier held particles back because they are too fast for it.
+    Slowed {
+        /// Most particles in a step.
+        particles: usize,
+    },
+    /// Contact of this tier holds cloth inside colliders: between these there is no room for it.
+    Squeezed {
+        /// Largest depth \[m\].
+        depth: f64,
+    },
 }
 
 /// A failure, where and when it was found; one of each kind per cloth, with the worst figures.
@@ -82,6 +101,27 @@ impl fmt::Display for Finding {
                 f,
                 "{particles} particles went through collider {collider} in one frame, for example particle {particle}: use more \
                  substeps (now {substeps}), a thicker collider, or a lower speed"
+            ),
+            Fate::Crossed { pairs, touching, forced: 0 } => write!(
+                f,
+                "{pairs} pairs of triangles cross and {touching} touch where cloth starts or was put, and contact keeps them so: move \
+                 the layers apart (gimage check-crossings lists the pairs)"
+            ),
+            Fate::Crossed { pairs, touching, forced } => write!(
+                f,
+                "{forced} pins or joints left cloth no room, and {pairs} pairs of triangles cross and {touching} touch: pin fewer \
+                 particles there, move pins more slowly, or use more substeps (now {substeps})"
+            ),
+            Fate::Slowed { particles } => write!(
+                f,
+                "{particles} particles in one step are too fast for contact of the tier safe and were held back: use more substeps \
+                 (now {substeps}), or the tier particles"
+            ),
+            Fate::Squeezed { depth } => write!(
+                f,
+                "contact of the tier safe holds particles up to {:.1} mm inside a collider, as there is no room for all layers: leave more \
+                 room between colliders, move them more slowly, or use more substeps (now {substeps})",
+                1e3 * depth
             ),
         }
     }
@@ -209,7 +249,8 @@ impl Watchdog {
         }
     }
 
-    fn find<T: Real>(&mut self, sight: &Sight<T>, fate: Fate) {
+    /// Takes in a failure of a cloth.
+    pub fn find<T: Real>(&mut self, sight: &Sight<T>, fate: Fate) {
         let same = |f: &&mut Finding| {
             f.cloth == sight.index && std::mem::discriminant(&f.fate) == std::mem::discriminant(&fate)
         };
@@ -245,6 +286,9 @@ fn worse(a: &Fate, b: &Fate) -> bool {
     match (a, b) {
         (Fate::Stretched { p99: a, .. }, Fate::Stretched { p99: b, .. }) => a > b,
         (Fate::Tunnelled { particles: a, .. }, Fate::Tunnelled { particles: b, .. }) => a > b,
+        (Fate::Crossed { pairs: a, .. }, Fate::Crossed { pairs: b, .. }) => a > b,
+        (Fate::Slowed { particles: a }, Fate::Slowed { particles: b }) => a > b,
+        (Fate::Squeezed { depth: a }, Fate::Squeezed { depth: b }) => a > b,
         _ => false,
     }
 }

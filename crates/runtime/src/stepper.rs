@@ -115,6 +115,7 @@ impl Stepper {
             tally.image(&run.tethers.anchors);
         }
         self.cpu.iter().flat_map(|(bodies, _)| bodies).for_each(|body| body.tally(&mut tally));
+        self.world.safe.iter().for_each(|safe| safe.tally(&mut tally));
         tally.with_device(self.gpu.as_ref().map_or([0; 2], Gpu::bytes))
     }
 
@@ -216,7 +217,7 @@ impl Stepper {
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
         let World { host, runs, .. } = &self.world;
         let cloths = runs.iter().flat_map(|run| &run.warnings);
-        let contact = self.world.contact_warning(self.cpu.is_none());
+        let contact = self.world.contact_warnings(self.cpu.is_none());
         host.adapter.iter().chain(cloths).chain(&host.raised).cloned().chain(contact).collect()
     }
 

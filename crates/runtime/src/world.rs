@@ -22,6 +22,7 @@ mod save;
 pub(crate) mod sleep;
 mod spare;
 mod touch;
+mod truncate;
 mod work;
 
 pub use cloth_run::{ClothRun, Kept};
@@ -62,6 +63,7 @@ use disturb::PathLog;
 use drive::Drive;
 use host::Host;
 use images::Images;
+use truncate::Safe;
 
 /// A scene, what is to be run for it, and when.
 pub struct World {
@@ -86,6 +88,8 @@ pub struct World {
     pub arenas: Vec<Roster>,
     /// Finds failures while cloths move.
     pub watchdog: Watchdog,
+    /// Cloths whose contact is safe, on the CPU backend.
+    pub safe: Option<Box<Safe>>,
     /// The images of cloths that may take places which others have left.
     spare_images: Vec<Arc<Images>>,
     /// The last state of the clock in the host's memory, as [`ClothRun::kept`].
@@ -121,6 +125,7 @@ impl World {
             room,
             arenas,
             watchdog,
+            safe: None,
             spare_images: Vec::new(),
             kept: None,
         };

@@ -154,7 +154,7 @@ fn contact_is_planned_only_where_it_is_asked_for() {
 fn wrong_settings_are_refused() {
     for (distance, friction) in [(Some(0.0), 0.3), (Some(f32::NAN), 0.3), (Some(2.0), 0.3), (None, -1.0)] {
         let mut scene = folded(9, 0.03);
-        scene.cloths[0].contact = Some(ClothContact { distance, friction });
+        scene.cloths[0].contact = Some(ClothContact { distance, friction, ..ClothContact::default() });
         let error = Stepper::on_cpu(scene, options()).map(|_| ()).unwrap_err().to_string();
         assert!(error.contains("contact"), "{error}");
     }

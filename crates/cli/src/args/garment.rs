@@ -225,7 +225,13 @@ impl FitArgs {
         kinds.sort_unstable();
         kinds.dedup();
         let kinds = if kinds.is_empty() { ColliderOptions::default().kinds } else { kinds };
-        ColliderOptions { error: self.collider_error, count: self.max_colliders, kinds, source: self.collider_source, ..ColliderOptions::default() }
+        ColliderOptions {
+            error: self.collider_error,
+            count: self.max_colliders,
+            kinds,
+            source: self.collider_source,
+            ..ColliderOptions::default()
+        }
     }
 }
 

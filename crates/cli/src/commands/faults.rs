@@ -98,6 +98,9 @@ impl Faults {
                 Fate::Left => "left",
                 Fate::Falls => "falls",
                 Fate::Tunnelled { .. } => "tunnelled",
+                Fate::Crossed { .. } => "crossed",
+                Fate::Slowed { .. } => "slowed",
+                Fate::Squeezed { .. } => "squeezed",
                 _ => "other",
             };
             json!({"cloth": f.cloth, "time_s": f.time, "kind": kind, "text": f.to_string()})

@@ -11,7 +11,7 @@ use gimage_bundle::dir::read_dir;
 use gimage_runtime::draw::{Look, SolidLook};
 use gimage_runtime::scene::file::{Found, MAX_BYTES, SceneFile, Source};
 use gimage_runtime::scene::{BUILTIN, Script, builtin};
-use gimage_runtime::{Backend, BodyCollider, Cloth, ClothContact, Options, Quality, Scene, Solver};
+use gimage_runtime::{Backend, BodyCollider, Cloth, ClothContact, ContactTier, Options, Quality, Scene, Solver};
 
 use crate::args::{BackendArg, ContactArg, SceneArgs, SolverArg};
 use crate::commands::character::{self, Animated, Reading};
@@ -48,7 +48,12 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
         cloth.contact = match args.contact {
             None => cloth.contact,
             Some(ContactArg::Off) => None,
-            Some(ContactArg::Particles) => cloth.contact.or(Some(ClothContact::default())),
+            Some(ContactArg::Particles) => {
+                Some(ClothContact { tier: ContactTier::Particles, ..cloth.contact.unwrap_or_default() })
+            }
+            Some(ContactArg::Safe) => {
+                Some(ClothContact { tier: ContactTier::Safe, ..cloth.contact.unwrap_or_default() })
+            }
         };
     }
     file.options.substeps = args.substeps.or(file.options.substeps);

@@ -3,12 +3,26 @@
 use super::Cloth;
 use crate::error::{Result, check as range};
 
+/// What contact of cloth with cloth promises.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ContactTier {
+    /// Pushes between particles, and no promise: fast or strongly folded cloth can still pass through itself. `gimage check-crossings`
+    /// counts.
+    #[default]
+    Particles,
+    /// The same pushes, and each step ends with positions in which no drawn triangle crosses another one of cloth of this tier, if the start has
+    /// no crossing. CPU backend only; on the GPU the stepper warns ([`crate::Warning::ContactUnsafe`]) and has `Particles`. Pins and
+    /// joints that leave cloth no room are not held back: [`crate::Fate::Crossed`] reports crossings that follow.
+    Safe,
+}
+
 /// Contact of a cloth with itself and with other cloths that have contact: particles nearer than a distance are pushed apart.
 ///
-/// No promise: fast or strongly folded cloth can still pass through itself. `gimage check-crossings` counts. Cloth without
-/// contact has no pass and no buffer for it.
+/// What this promises depends on the tier. Cloth without contact has no pass and no buffer for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClothContact {
+    /// What contact promises. Default [`ContactTier::Particles`].
+    pub tier: ContactTier,
     /// Distance \[m\] that particles keep. Default none: 1.2 times the mean distance of neighbouring particles, below which triangles of
     /// nearly square cells, a little stretched, cannot pass between particles, or twice the thickness of the cloth if that is larger. Above 0, at most 1. Particles
     /// that are nearer at rest keep their distance at rest.
@@ -19,7 +33,7 @@ pub struct ClothContact {
 
 impl Default for ClothContact {
     fn default() -> Self {
-        ClothContact { distance: None, friction: 0.3 }
+        ClothContact { tier: ContactTier::Particles, distance: None, friction: 0.3 }
     }
 }
 

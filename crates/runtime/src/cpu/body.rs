@@ -204,6 +204,20 @@ impl<T: Real> Body<T> {
         self.fabric.iter_mut().for_each(|fabric| fabric.forget_surface());
     }
 
+    /// Positions so far, to texels, in the middle of a frame.
+    pub(crate) fn show(&mut self) {
+        self.end();
+    }
+
+    /// The state under the XPBD solver.
+    pub(crate) fn fabric(&self) -> Option<&Fabric<T>> {
+        self.fabric.as_deref()
+    }
+
+    pub(crate) fn fabric_mut(&mut self) -> Option<&mut Fabric<T>> {
+        self.fabric.as_deref_mut()
+    }
+
     /// Takes back its shadow.
     pub(crate) fn keep(&mut self, shadow: Shadow<T>) {
         if let Some(fabric) = &mut self.fabric {

@@ -20,7 +20,7 @@ pub(crate) mod polish;
 mod pyramid;
 mod refine;
 mod seam_moments;
-mod seam_steps;
+pub(crate) mod seam_steps;
 mod separate;
 mod sew;
 mod share;
@@ -60,7 +60,7 @@ use crate::collider::solid::Solid;
 use crate::levels::ties::{Ties, ties};
 use crate::levels::{carried, levels, masses};
 use crate::number::aligned::Aligned;
-use crate::number::real::Real;
+use crate::number::real::{Real, V3, add, dot, scale, sub};
 use crate::options::Options;
 use crate::passes::{self, Pass};
 use crate::step::Step;
@@ -159,7 +159,8 @@ impl<T: Real> Fabric<T> {
         (g as u32, self.sheets[g].triple(k - self.firsts[g]) as u32)
     }
 
-    fn member(&self, k: u32) -> Member {
+    /// Where a particle lies in the sheets.
+    pub fn member(&self, k: u32) -> Member {
         let (sheet, at) = self.place(k as usize);
         Member { sheet, at, single: single(at as usize, self.sheets[sheet as usize].half) as u32 }
     }
@@ -275,6 +276,36 @@ impl<T: Real> Fabric<T> {
         for (sheet, first) in self.sheets.iter().zip(&self.firsts) {
             let range = *first..first + sheet.width * sheet.height;
             sheet.store(&mut now[range.clone()], &mut before[range]);
+        }
+    }
+
+    /// The position of a particle.
+    #[inline]
+    pub fn at(&self, member: Member) -> V3<T> {
+        self.sheets[member.sheet as usize].at(member.at as usize)
+    }
+
+    /// Puts a particle at a position; the previous one is changed so that of the motion along the change only what led into it ends.
+    pub fn hold_back(&mut self, member: Member, to: V3<T>) {
+        let sheet = &mut self.sheets[member.sheet as usize];
+        let at = member.at as usize;
+        let change = sub(to, sheet.at(at));
+        let long = dot(change, change).sqrt();
+        if long <= T::of(0.0) {
+            return;
+        }
+        let was: V3<T> = [0, 1, 2].map(|c| sheet.before[at + 2 * c * sheet.half]);
+        let ahead = dot(sub(sheet.at(at), was), change) / long;
+        // Contact pushes and lets previous positions follow: a push that is held back must leave no speed the other way.
+        let follows = (ahead + long).min(long).max(T::of(0.0)) / long;
+        let was = add(was, scale(change, follows));
+        sheet.put(at, to);
+        for c in 0..3 {
+            let place = at + 2 * c * sheet.half;
+            sheet.before[place] = was[c];
+            if let Some(lost) = sheet.lost.get_mut(place) {
+                *lost = T::of(0.0);
+            }
         }
     }
 

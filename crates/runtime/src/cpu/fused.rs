@@ -8,15 +8,23 @@ use crate::number::real::Real;
 
 /// Every step, then what ends a frame.
 pub fn run<T: Real>(body: &mut Body<T>, frame: &Frame, threads: &Threads, solids: &[Solid<T>]) {
-    let Frame { schedule, steps, rounds, .. } = *frame;
     body.begin();
-    for n in 0..steps {
-        let relax = (0..rounds).flat_map(|_| &schedule.relax);
-        let passes = frame.near(n).iter().chain(frame.air(n)).chain(&schedule.step).chain(frame.coarse(n)).chain(relax);
-        body.step(passes, threads, &frame.step(n, n).cast(), solids);
-    }
+    (0..frame.steps).for_each(|n| step(body, frame, n, threads, solids));
+    end(body, frame, threads, solids);
+}
+
+/// One step, after [`Body::begin`].
+pub fn step<T: Real>(body: &mut Body<T>, frame: &Frame, n: u32, threads: &Threads, solids: &[Solid<T>]) {
+    let Frame { schedule, rounds, .. } = *frame;
+    let relax = (0..rounds).flat_map(|_| &schedule.relax);
+    let passes = frame.near(n).iter().chain(frame.air(n)).chain(&schedule.step).chain(frame.coarse(n)).chain(relax);
+    body.step(passes, threads, &frame.step(n, n).cast(), solids);
+}
+
+/// What ends a frame, after its steps.
+pub fn end<T: Real>(body: &mut Body<T>, frame: &Frame, threads: &Threads, solids: &[Solid<T>]) {
     body.end();
-    let last = steps.saturating_sub(1);
+    let last = frame.steps.saturating_sub(1);
     let last = frame.step(last, last).cast();
-    schedule.frame.iter().for_each(|pass| _ = body.run(*pass, threads, &last, solids));
+    frame.schedule.frame.iter().for_each(|pass| _ = body.run(*pass, threads, &last, solids));
 }

@@ -101,6 +101,7 @@ impl Stepper {
     pub(super) fn states(&mut self, cloths: &[usize]) -> Result<Vec<ClothState>> {
         let Some((bodies, threads)) = &mut self.cpu else { return self.read_states(cloths) };
         self.world.act(bodies, threads);
+        self.world.safe.iter_mut().for_each(|safe| safe.forget());
         let save = |cloth: &usize| {
             let head = self.world.head(*cloth);
             bodies[*cloth].forget_contact();

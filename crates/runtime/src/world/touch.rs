@@ -1,6 +1,7 @@
 //! Contact between cloths on the CPU: finds the particles of other cloths that each cloth may touch in a frame.
 
 use super::World;
+use super::truncate::is_safe;
 use crate::cpu::body::Body;
 use crate::cpu::fabric::meeting::shadow::Shadow;
 use crate::cpu::rows::Threads;
@@ -17,9 +18,20 @@ struct Neighbour<'a, T: Real> {
     struck: Vec<usize>,
 }
 
+/// Steps from one search for particles of other cloths to the next.
+const MEETING_STEPS: u32 = 2;
+
 impl World {
-    /// Has cloths that have contact find those particles of other cloths that they may touch in a frame of `steps` steps. Cloth that is asleep
-    /// wakes if particles touch it that move faster than [`crate::Sleep::speed`].
+    /// Whether each cloth makes every step together with others: cloths that touch one another, and cloth whose contact is safe.
+    pub(super) fn step_together(&self) -> Vec<bool> {
+        let cloths = &self.scene.cloths;
+        let many = cloths.iter().filter(|cloth| cloth.contact.is_some()).count() > 1;
+        let xpbd = self.control.options.solver == Solver::Xpbd;
+        cloths.iter().map(|cloth| xpbd && cloth.contact.is_some() && (many || is_safe(cloth))).collect()
+    }
+
+    /// Has cloths that have contact find those particles of other cloths that they may touch in the first steps of a frame of `steps` steps.
+    /// Cloth that is asleep wakes if particles touch it that move faster than [`crate::Sleep::speed`].
     pub(super) fn meet_others<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
         let touches = self.scene.cloths.iter().filter(|cloth| cloth.contact.is_some()).count();
         if touches == 0 || steps == 0 {
@@ -29,9 +41,9 @@ impl World {
             // Others may have left.
             return bodies.iter_mut().enumerate().for_each(|(index, body)| _ = body.meet(&[], index));
         }
-        // Cloth that wakes may wake more.
+        // Cloth that wakes may wake more. Boxes are those of a whole frame, so that it wakes in time.
         loop {
-            let struck = self.meet_once(bodies, threads, steps);
+            let struck = self.meet_once(bodies, threads, (steps, self.control.clock.dt_old));
             if struck.is_empty() {
                 return;
             }
@@ -39,8 +51,21 @@ impl World {
         }
     }
 
-    /// One search; returns the cloths that are asleep and wake.
-    fn meet_once<T: Real>(&self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) -> Vec<usize> {
+    /// The same before step `n`, from where the cloths are then.
+    pub(super) fn meet_again<T: Real>(&self, bodies: &mut [Body<T>], threads: &Threads, n: u32, steps: u32) {
+        let touches = self.scene.cloths.iter().filter(|cloth| cloth.contact.is_some()).count();
+        if n == 0 || touches < 2 || !n.is_multiple_of(MEETING_STEPS) {
+            return;
+        }
+        let awake = |(index, _): &(usize, &mut Body<T>)| {
+            !self.runs[*index].asleep && self.scene.cloths[*index].contact.is_some()
+        };
+        bodies.iter_mut().enumerate().filter(awake).for_each(|(_, body)| body.show());
+        self.meet_once(bodies, threads, (MEETING_STEPS.min(steps - n), self.control.clock.dt));
+    }
+
+    /// One search for `steps` steps, the last step being one of `dt` \[s\]; returns the cloths that are asleep and wake.
+    fn meet_once<T: Real>(&self, bodies: &mut [Body<T>], threads: &Threads, (steps, dt): (u32, f64)) -> Vec<usize> {
         let clock = &self.control.clock;
         let length = T::of(f64::from(steps) * clock.dt);
         let speed = self.control.options.sleep.map_or(f64::INFINITY, |sleep| sleep.speed);
@@ -49,8 +74,7 @@ impl World {
             each.map(|(index, body)| Neighbour { index, body, shadow: None, struck: Vec::new() }).collect();
         let particles = all.iter().map(|n| n.body.count()).sum();
         threads.each(&mut all, particles, |n| {
-            let (rate, wakes_at) =
-                if self.runs[n.index].asleep { (0.0, speed) } else { (1.0 / clock.dt_old, f64::INFINITY) };
+            let (rate, wakes_at) = if self.runs[n.index].asleep { (0.0, speed) } else { (1.0 / dt, f64::INFINITY) };
             n.shadow = n.body.shadow(T::of(rate), length, T::of(wakes_at));
         });
         let shadows: Vec<Option<Shadow<T>>> = all.iter_mut().map(|n| n.shadow.take()).collect();
@@ -69,14 +93,19 @@ impl World {
         struck
     }
 
-    /// A warning if contact between the scene's cloths is left out on a backend.
-    pub fn contact_warning(&self, on_gpu: bool) -> Option<Warning> {
+    /// Warnings where contact of the scene's cloths is left out on a backend, or promises less than it should.
+    pub fn contact_warnings(&self, on_gpu: bool) -> Vec<Warning> {
         let mut touching = self.scene.cloths.iter().filter(|cloth| cloth.contact.is_some());
-        let cloth = touching.next()?.name().to_owned();
+        let Some(cloth) = touching.next().map(|cloth| cloth.name().to_owned()) else { return Vec::new() };
         if self.control.options.solver == Solver::Classic {
-            return Some(Warning::ContactClassic { cloth });
+            return vec![Warning::ContactClassic { cloth }];
         }
-        let other = touching.next()?.name().to_owned();
-        on_gpu.then_some(Warning::ContactApart { cloth, other })
+        if !on_gpu {
+            return Vec::new();
+        }
+        let safe = self.scene.cloths.iter().find(|cloth| is_safe(cloth));
+        let less = safe.map(|cloth| Warning::ContactUnsafe { cloth: cloth.name().to_owned() });
+        let other = touching.next().map(|cloth| cloth.name().to_owned());
+        other.map(|other| Warning::ContactApart { cloth, other }).into_iter().chain(less).collect()
     }
 }

@@ -23,7 +23,8 @@ impl Format {
         };
         // Avatars are binary glTF by another name.
         let other = want == "glb" && ext == "vrm";
-        (ext != want && !other).then(|| format!("{} holds {want}", name.file_name().unwrap_or_default().to_string_lossy()))
+        (ext != want && !other)
+            .then(|| format!("{} holds {want}", name.file_name().unwrap_or_default().to_string_lossy()))
     }
 }
 

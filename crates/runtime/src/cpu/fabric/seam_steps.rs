@@ -8,7 +8,7 @@ use crate::number::aligned::Aligned;
 use crate::number::real::{Real, add, scale};
 
 /// A member of a ring: its sheet, where its x lies in [`Sheet::now`], and where its inverse mass lies in [`Sheet::w`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Member {
     pub sheet: u32,
     pub at: u32,

@@ -129,7 +129,16 @@ pub struct Backstop {
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Contact {
-    Particles { distance: Option<f32>, friction: Option<f32> },
+    Particles(Touch),
+    Safe(Touch),
+}
+
+/// The numbers of contact.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Touch {
+    pub distance: Option<f32>,
+    pub friction: Option<f32>,
 }
 
 #[derive(Deserialize)]

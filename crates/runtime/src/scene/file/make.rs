@@ -3,7 +3,7 @@
 use super::error::{Error, Result};
 use super::json::{self, From};
 use super::{CharacterFile, Found, SceneFile, Source};
-use crate::cloth::{Backstop, Cloth, ClothContact, Compliance, Flat, Select};
+use crate::cloth::{Backstop, Cloth, ClothContact, Compliance, ContactTier, Flat, Select};
 use crate::collider::{Collider, Shape};
 use crate::look::{Camera, Look, SolidLook, uv_of};
 use crate::material::Material;
@@ -155,9 +155,13 @@ fn cloth(
     (cloth.thickness, cloth.friction) =
         (fields.thickness.or(cloth.thickness), fields.friction.unwrap_or(cloth.friction));
     cloth.collision_groups = collision_groups(fields.collision_groups.as_deref(), place)?;
-    cloth.contact = fields.contact.as_ref().map(|json::Contact::Particles { distance, friction }| {
-        let other = ClothContact::default();
-        ClothContact { distance: *distance, friction: friction.unwrap_or(other.friction) }
+    cloth.contact = fields.contact.as_ref().map(|contact| {
+        let (tier, of) = match contact {
+            json::Contact::Particles(of) => (ContactTier::Particles, of),
+            json::Contact::Safe(of) => (ContactTier::Safe, of),
+        };
+        let friction = of.friction.unwrap_or(ClothContact::default().friction);
+        ClothContact { tier, distance: of.distance, friction }
     });
     cloth.compliance = fields.compliance.map_or(Compliance::None, Compliance::Constant);
     if let Some(json::Backstop { distance, radius }) = fields.backstop {

@@ -58,7 +58,7 @@ fn every_field_reaches_the_scene() {
     let cloth = &scene.cloths[0];
     assert!((cloth.total_mass() - 0.5).abs() < 1e-6);
     assert_eq!((cloth.thickness, cloth.friction, cloth.collision_groups), (Some(0.002), 0.5, 9));
-    assert_eq!(cloth.contact, Some(crate::ClothContact { distance: Some(0.004), friction: 0.2 }));
+    assert_eq!(cloth.contact, Some(crate::ClothContact { distance: Some(0.004), friction: 0.2, ..Default::default() }));
     assert_eq!([0, 1].map(|c: usize| scene.colliders[c].collision_groups), [1 << 31, u32::MAX]);
     assert!((0..20).all(|k| cloth.inverse_mass(k) == 0.0), "the box selects all");
     // A quarter turn about +y takes x to -z.

@@ -1,0 +1,119 @@
+//! Half-spaces that keep pairs of features apart (Planar-DAT, "divide and truncate", arXiv 2604.15513).
+//!
+//! Two features that are convex lie on both sides of a slab, whose normal is the shortest way between them. Each gets a half-space; while
+//! their points stay in these, and move in straight lines, the features do not meet. Differences from the paper: the sides are measured
+//! along the normal, so that rounding of the closest points does no harm, and a gap never falls below a floor.
+
+use crate::memory::Tally;
+use crate::number::real::{V3, dot, scale};
+
+/// Share of a gap that two features may use up until the next search.
+const GAP_SHARE: f64 = 0.8;
+
+/// `normal . x <= most` for a point.
+#[derive(Clone, Copy, Debug)]
+pub struct HalfSpace {
+    pub normal: V3<f64>,
+    pub most: f64,
+}
+
+/// The points as a search finds them.
+pub struct Points<'a> {
+    pub at: &'a [V3<f64>],
+    /// Where they are to go.
+    pub want: &'a [V3<f64>],
+    /// Whether truncation may hold a point back; pins go where they are told.
+    pub free: &'a [bool],
+    pub floor: f64,
+}
+
+/// All half-spaces, by points.
+#[derive(Default)]
+pub struct Planes {
+    found: Vec<(u32, HalfSpace)>,
+    starts: Vec<u32>,
+    list: Vec<HalfSpace>,
+}
+
+impl Planes {
+    /// The half-spaces of a point; none before the first search.
+    #[inline]
+    pub fn of(&self, point: usize) -> &[HalfSpace] {
+        &self.list[self.starts[point] as usize..self.starts[point + 1] as usize]
+    }
+
+    /// Counts its lists.
+    pub fn tally(&self, tally: &mut Tally) {
+        tally.state(&self.found);
+        tally.state(&self.list);
+        tally.state(&self.starts);
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.found.clear();
+    }
+
+    /// Orders the half-spaces by `count` points, those of a point as they were found.
+    pub fn arrange(&mut self, count: usize) {
+        self.starts.clear();
+        self.starts.resize(count + 1, 0);
+        self.found.iter().for_each(|(point, _)| self.starts[*point as usize + 1] += 1);
+        (1..=count).for_each(|n| self.starts[n] += self.starts[n - 1]);
+        let mut ends = self.starts.clone();
+        self.list.resize(self.found.len(), HalfSpace { normal: [0.0; 3], most: 0.0 });
+        for (point, plane) in &self.found {
+            let end = &mut ends[*point as usize];
+            self.list[*end as usize] = *plane;
+            *end += 1;
+        }
+    }
+
+    /// Keeps two features apart, whose shortest way \[m\] goes from `a` to `b`. Where rounding leaves no slab between them, points get a
+    /// smaller `reach` instead.
+    pub fn separate(&mut self, points: &Points, reach: &mut [f64], (a, b): (&[u32], &[u32]), way: V3<f64>) {
+        let of = |list: &[u32]| list.iter().map(|k| reach[*k as usize]).fold(0.0, f64::max);
+        let (far2, near) = (dot(way, way), of(a) + of(b) + points.floor);
+        // Features that touch have no slab between them. Comparisons with NaN are false.
+        if !(far2 > 0.0 && far2 < near * near) {
+            return;
+        }
+        let far = far2.sqrt();
+        let normal = scale(way, 1.0 / far);
+        let side = |k: &u32| dot(normal, points.at[*k as usize]);
+        let high = a.iter().map(side).fold(f64::NEG_INFINITY, f64::max);
+        let low = b.iter().map(side).fold(f64::INFINITY, f64::min);
+        let gap = low - high;
+        if gap < 0.5 * far {
+            let least = (far - points.floor).max(0.0) / 3.0;
+            a.iter().chain(b).for_each(|k| reach[*k as usize] = reach[*k as usize].min(least));
+            return;
+        }
+        let slack = gap - gap.min(points.floor.max((1.0 - GAP_SHARE) * gap));
+        // The side that moves towards the other gets more of it; a pin all that it needs.
+        let (mut moves, mut must) = ([0.0f64; 2], [0.0f64; 2]);
+        for (n, (list, sign)) in [(a, 1.0), (b, -1.0)].into_iter().enumerate() {
+            for k in list.iter().map(|k| *k as usize) {
+                let step = sign * (dot(normal, points.want[k]) - dot(normal, points.at[k]));
+                moves[n] = moves[n].max(step);
+                if !points.free[k] {
+                    // Another point of the feature may be the nearest one.
+                    let side = sign * dot(normal, points.want[k]) - if n == 0 { high } else { -low };
+                    must[n] = must[n].max(side);
+                }
+            }
+        }
+        let even = 0.05 * gap;
+        let share = slack * (moves[0] + even) / (moves[0] + moves[1] + 2.0 * even);
+        let share = share.max(must[0]).min((slack - must[1]).max(0.0)).min(slack);
+        for (list, sign, most) in [(a, 1.0, high + share), (b, -1.0, -(low - (slack - share)))] {
+            let normal = scale(normal, sign);
+            for k in list {
+                let p = *k as usize;
+                if dot(normal, points.at[p]) + reach[p] > most {
+                    self.found.push((*k, HalfSpace { normal, most }));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Contact that no triangle crosses, on the CPU: hands the cloths of a scene to [`Truncation`] and takes back where particles may go.
+
+use super::World;
+use crate::cloth::{Cloth, ContactTier};
+use crate::cpu::body::Body;
+use crate::cpu::fabric::seam_steps::Member;
+use crate::cpu::truncation::surface::{Source, Surface, Texel};
+use crate::cpu::truncation::{Outcome, Truncation};
+use crate::crossings::{self, Drawn};
+use crate::findings::Fate;
+use crate::handle::ClothHandle;
+use crate::memory::Tally;
+use crate::number::real::{Real, V3};
+use crate::options::Solver;
+
+/// What the surface is made of; another one is needed where this changes.
+type Key = Vec<(ClothHandle, usize, u32)>;
+
+/// The cloths of a scene whose contact is safe.
+pub struct Safe {
+    key: Key,
+    truncation: Truncation,
+    /// For each point and particle where it lies in its cloth.
+    members: Vec<Member>,
+    /// In this frame.
+    outcome: Outcome,
+    /// What was found when the frame began.
+    found: Vec<(usize, Fate)>,
+}
+
+impl Safe {
+    /// Counts its lists.
+    pub fn tally(&self, tally: &mut Tally) {
+        self.truncation.tally(tally);
+        tally.state(&self.members);
+    }
+
+    /// Searches afresh in the next step.
+    pub fn forget(&mut self) {
+        self.truncation.forget();
+    }
+}
+
+/// Whether no triangle of a cloth shall cross others.
+pub(super) fn is_safe(cloth: &Cloth) -> bool {
+    cloth.contact.is_some_and(|contact| contact.tier == ContactTier::Safe)
+}
+
+impl World {
+    /// Takes in where the cloths are as a frame begins. Crossings are looked for where particles were put from outside.
+    pub(super) fn begin_safe<T: Real>(&mut self, bodies: &[Body<T>]) {
+        let safe = |index: &usize| is_safe(&self.scene.cloths[*index]) && bodies[*index].fabric().is_some();
+        let cloths: Vec<usize> = (0..bodies.len()).filter(safe).collect();
+        if cloths.is_empty() || self.control.options.solver == Solver::Classic {
+            self.safe = None;
+            return;
+        }
+        let removed = |index: &usize| bodies[*index].holes.iter().map(|bits| bits.count_ones()).sum();
+        let key: Key = cloths.iter().map(|c| (self.handles[*c], bodies[*c].count(), removed(c))).collect();
+        let known = self.safe.take().filter(|safe| safe.key == key);
+        let renewed = known.is_none();
+        let mut safe = known.unwrap_or_else(|| self.new_safe(&cloths, bodies, key));
+        let put = safe.load(bodies, renewed, |cloth| !self.runs[cloth].asleep);
+        safe.outcome = Outcome::default();
+        safe.found.clear();
+        if put {
+            safe.found.extend(self.crossings_of(&cloths, bodies, 0));
+        }
+        self.safe = Some(safe);
+    }
+
+    fn new_safe<T: Real>(&self, cloths: &[usize], bodies: &[Body<T>], key: Key) -> Box<Safe> {
+        let of = |index: &usize| {
+            let (cloth, holes) = (&self.scene.cloths[*index], &*bodies[*index].holes);
+            Source { index: *index, cloth, holes }
+        };
+        let surface = Surface::new(&cloths.iter().map(of).collect::<Vec<_>>());
+        let spacing = |index: &usize| f64::from(self.scene.cloths[*index].spacing());
+        let spacing = cloths.iter().map(spacing).fold(f64::INFINITY, f64::min);
+        let member = |cloth: u32, particle: u32| {
+            bodies[cloth as usize].fabric().map_or(Member::default(), |fabric| fabric.member(particle))
+        };
+        let members = surface.texels.iter().map(|texel| member(texel.cloth, texel.particle)).collect();
+        let truncation = Truncation::new(surface, spacing);
+        Box::new(Safe { key, truncation, members, outcome: Outcome::default(), found: Vec::new() })
+    }
+
+    /// Holds particles back after a step of all cloths.
+    pub(super) fn step_safe<T: Real>(&mut self, bodies: &mut [Body<T>]) {
+        let Some(safe) = &mut self.safe else { return };
+        safe.read(bodies, |cloth| !self.runs[cloth].asleep);
+        let outcome = safe.truncation.step();
+        safe.outcome.forced = safe.outcome.forced.max(outcome.forced);
+        safe.outcome.slowed = safe.outcome.slowed.max(outcome.slowed);
+        safe.outcome.searches += outcome.searches;
+        safe.write(bodies);
+    }
+
+    /// What went wrong in a frame, with the cloth.
+    pub(super) fn end_safe<T: Real>(&mut self, bodies: &[Body<T>]) -> Vec<(usize, Fate)> {
+        let Some(safe) = &mut self.safe else { return Vec::new() };
+        let mut found = std::mem::take(&mut safe.found);
+        let Outcome { forced, slowed, .. } = safe.outcome;
+        let cloths: Vec<usize> = (0..bodies.len()).filter(|c| is_safe(&self.scene.cloths[*c])).collect();
+        if forced > 0 {
+            found.extend(self.crossings_of(&cloths, bodies, forced));
+        }
+        if let (true, Some(cloth)) = (slowed > 0, cloths.first()) {
+            found.push((*cloth, Fate::Slowed { particles: slowed }));
+        }
+        found
+    }
+
+    /// The crossings of some cloths, with one of these.
+    fn crossings_of<T: Real>(&self, cloths: &[usize], bodies: &[Body<T>], forced: usize) -> Option<(usize, Fate)> {
+        let single = |p: &[T; 4]| p.map(|x| x.get() as f32);
+        let now: Vec<Vec<[f32; 4]>> = cloths.iter().map(|c| bodies[*c].now().iter().map(single).collect()).collect();
+        let drawn = |(c, now): (&usize, &'_ Vec<[f32; 4]>)| {
+            let holes = &bodies[*c].holes;
+            (holes.len() == now.len()).then_some(&**holes)
+        };
+        let holes: Vec<Option<&[u32]>> = cloths.iter().zip(&now).map(drawn).collect();
+        let each = cloths.iter().zip(&now).zip(&holes);
+        let drawn: Vec<Drawn> = each
+            .map(|((c, now), holes)| Drawn { cloth: &self.scene.cloths[*c], positions: Some(now), holes: *holes })
+            .collect();
+        let found = crossings::find(&drawn, 1).ok()?;
+        let (pairs, touching) = (found.total(), found.touching);
+        let cloth = found.worst.first().map_or(0, |pair| pair.first.cloth);
+        (pairs + touching > 0).then(|| (cloths[cloth], Fate::Crossed { pairs, touching, forced }))
+    }
+}
+
+impl Safe {
+    /// Takes in all particles as a frame begins; true where some that are free are not where the last frame has left them.
+    fn load<T: Real>(&mut self, bodies: &[Body<T>], renewed: bool, awake: impl Fn(usize) -> bool) -> bool {
+        let Truncation { surface, last, want, free, .. } = &mut self.truncation;
+        let mut put = renewed;
+        for point in 0..surface.count() {
+            let texels = surface.of_point(point);
+            let of = |texel: &Texel| bodies[texel.cloth as usize].now()[texel.particle as usize];
+            want[point] = [0, 1, 2].map(|c| of(&texels[0])[c].get());
+            let moves = texels.iter().all(|texel| of(texel)[3] > T::of(0.0));
+            free[point] = moves && awake(texels[0].cloth as usize);
+            put |= want[point] != last[point] && moves;
+        }
+        if put {
+            last.clone_from(want);
+            self.truncation.forget();
+        }
+        put
+    }
+
+    /// Takes in where a step takes the particles of cloths that are awake.
+    fn read<T: Real>(&mut self, bodies: &[Body<T>], awake: impl Fn(usize) -> bool) {
+        let Truncation { surface, want, last, .. } = &mut self.truncation;
+        for (point, want) in want.iter_mut().enumerate() {
+            let at = surface.starts[point] as usize;
+            let cloth = surface.texels[at].cloth as usize;
+            *want = match bodies[cloth].fabric().filter(|_| awake(cloth)) {
+                Some(fabric) => fabric.at(self.members[at]).map(Real::get),
+                None => last[point],
+            };
+        }
+    }
+
+    /// Puts the particles that were held back.
+    fn write<T: Real>(&self, bodies: &mut [Body<T>]) {
+        let Truncation { surface, want, last, .. } = &self.truncation;
+        for (point, (want, last)) in want.iter().zip(last).enumerate() {
+            if want == last || !want.iter().all(|x| x.is_finite()) {
+                continue;
+            }
+            let to: V3<T> = last.map(T::of);
+            for at in surface.starts[point] as usize..surface.starts[point + 1] as usize {
+                let cloth = surface.texels[at].cloth as usize;
+                if let Some(fabric) = bodies[cloth].fabric_mut() {
+                    fabric.hold_back(self.members[at], to);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! Contact of the tier safe: no triangle crosses another one in any frame.
+
+use gimage_runtime::crossings::{self, Drawn};
+use gimage_runtime::*;
+
+const FRAME: f64 = 1.0 / 60.0;
+
+fn options() -> Options {
+    Options { threads: 1, normals: false, ..Options::default() }
+}
+
+fn sheet(flat: Flat) -> Cloth {
+    let mut cloth = flat.cloth().unwrap();
+    cloth.damping = 0.5;
+    cloth
+}
+
+fn table() -> Collider {
+    Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) }
+}
+
+/// A square folded to three layers that are 1 cm apart, above a table.
+fn folded(n: u32) -> Scene {
+    let gap = 0.01;
+    let mut cloth = sheet(Flat::square("sheet", n));
+    let bend = std::f32::consts::PI * gap / 2.0;
+    let straight = (1.0 - 2.0 * bend) / 3.0;
+    let place = |p: &[f32; 3]| {
+        let layer = (p[0] / (straight + bend)).floor().min(2.0);
+        let along = p[0] - layer * (straight + bend);
+        let angle = 2.0 * (along - straight).max(0.0) / gap;
+        let far = along.min(straight) + gap / 2.0 * angle.sin();
+        let x = if layer == 1.0 { straight - far } else { far };
+        [x, gap * (layer + 1.0) + gap / 2.0 * (1.0 - angle.cos()), p[2]]
+    };
+    cloth.place(cloth.positions().iter().map(place).collect()).unwrap();
+    let mut scene = Scene::new("fold");
+    scene.cloths.push(cloth);
+    scene.colliders.push(table());
+    scene
+}
+
+/// A square that collapses on a table.
+fn dropped(n: u32) -> Scene {
+    let mut scene = Scene::new("drop");
+    scene.cloths.push(sheet(Flat { origin: [0.0, 1.05, 0.0], down: [0.1, -1.0, 0.05], ..Flat::square("sheet", n) }));
+    scene.colliders.push(table());
+    scene
+}
+
+/// Three squares held by two corners each swing against a ball.
+fn draped(n: u32) -> Scene {
+    let mut scene = Scene::new("drape");
+    for layer in 0..3 {
+        let away = 0.05 * layer as f32;
+        let flat = Flat { origin: [-0.5, 0.5 + away, 0.3 + away], down: [0.0, 0.0, 1.0], ..Flat::square("sheet", n) };
+        let mut cloth = sheet(flat);
+        [0, n - 1].into_iter().for_each(|k| cloth.set_pinned(k as usize, true).unwrap());
+        scene.cloths.push(cloth);
+    }
+    scene.colliders.push(Collider::new(Shape::Sphere { radius: 0.3 }, [0.0, -0.2, 0.0]));
+    scene
+}
+
+/// The scene with contact of a tier, at a distance too small for particles to keep triangles apart.
+fn with(mut scene: Scene, tier: ContactTier, share: f32) -> Scene {
+    for cloth in &mut scene.cloths {
+        let spacing = 1.0 / (cloth.grids()[0].width - 1) as f32;
+        cloth.contact = Some(ClothContact { tier, distance: Some(share * spacing), friction: 0.3 });
+    }
+    scene
+}
+
+fn crossings_of(scene: &Scene, stepper: &Stepper) -> u64 {
+    let drawn: Vec<Drawn> = scene
+        .cloths
+        .iter()
+        .enumerate()
+        .map(|(c, cloth)| Drawn { cloth, positions: stepper.positions(c), holes: stepper.holes(c) })
+        .collect();
+    crossings::find(&drawn, 0).unwrap().total()
+}
+
+/// Steps some frames; returns frames with crossings, and the mean position of all particles.
+fn run(scene: &Scene, frames: u32) -> (u32, [f64; 3], Vec<Finding>) {
+    let mut stepper = Stepper::on_cpu(scene.clone(), options()).unwrap();
+    let mut crossed = 0;
+    for _ in 0..frames {
+        stepper.advance(FRAME).unwrap();
+        crossed += u32::from(crossings_of(scene, &stepper) > 0);
+    }
+    let all: Vec<_> = (0..scene.cloths.len()).flat_map(|c| stepper.positions(c).unwrap()).collect();
+    let mean = [0, 1, 2].map(|c| all.iter().map(|p| f64::from(p[c])).sum::<f64>() / all.len() as f64);
+    (crossed, mean, stepper.findings().to_vec())
+}
+
+#[test]
+fn no_frame_of_folding_dropping_or_draping_cloth_has_a_crossing() {
+    for (scene, share, frames) in [(folded(33), 1.2, 40), (dropped(21), 0.4, 90), (draped(17), 0.4, 60)] {
+        let name = scene.name.clone();
+        let (crossed, free, _) = run(&with(scene.clone(), ContactTier::Particles, share), frames);
+        assert!(crossed > 0, "{name} does not need this tier");
+        let (crossed, held, findings) = run(&with(scene, ContactTier::Safe, share), frames);
+        assert_eq!(crossed, 0, "{name}");
+        assert_eq!(findings, [], "{name}");
+        // It falls as far, and does not freeze in the air.
+        let off = (0..3).map(|c| (held[c] - free[c]).powi(2)).sum::<f64>().sqrt();
+        assert!(off < 0.06, "{name}: {held:?} with the tier safe, {free:?} without");
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_bit_and_a_state_goes_on_as_it_was() {
+    let scene = with(draped(13), ContactTier::Safe, 0.6);
+    let mut one = Stepper::on_cpu(scene.clone(), options()).unwrap();
+    let mut three = Stepper::on_cpu(scene.clone(), Options { threads: 3, ..options() }).unwrap();
+    let now = |stepper: &Stepper| {
+        let lists = (0..3).flat_map(|c| [stepper.positions(c).unwrap(), stepper.previous(c).unwrap()]);
+        lists.flatten().flatten().map(|x| x.to_bits()).collect::<Vec<u32>>()
+    };
+    for _ in 0..40 {
+        one.advance(FRAME).unwrap();
+        three.advance(FRAME).unwrap();
+    }
+    assert_eq!(now(&one), now(&three));
+    let saved = one.snapshot().unwrap();
+    let mut other = Stepper::on_cpu(scene, options()).unwrap();
+    other.restore(&saved).unwrap();
+    for frame in 0..20 {
+        one.advance(FRAME).unwrap();
+        other.advance(FRAME).unwrap();
+        assert_eq!(now(&one), now(&other), "frame {frame}");
+    }
+}
+
+#[test]
+fn cloth_that_starts_crossed_or_is_forced_to_cross_is_reported() {
+    let crossed = |stepper: &Stepper| {
+        stepper.findings().iter().find_map(|finding| match finding.fate {
+            Fate::Crossed { pairs, forced, .. } => Some((pairs > 0, forced > 0)),
+            _ => None,
+        })
+    };
+    let mut scene = Scene::new("crossed");
+    scene.gravity = [0.0; 3];
+    scene.cloths.push(sheet(Flat::square("flat", 9)));
+    let upright = Flat { origin: [0.03, 0.47, 0.51], down: [0.05, -1.0, 0.02], ..Flat::square("upright", 9) };
+    scene.cloths.push(sheet(upright));
+    let scene = with(scene, ContactTier::Safe, 0.5);
+    let mut stepper = Stepper::on_cpu(scene, options()).unwrap();
+    stepper.advance(FRAME).unwrap();
+    assert_eq!(crossed(&stepper), Some((true, false)));
+
+    // A corner of one square is dragged through another one, whose sides are pinned.
+    let mut scene = Scene::new("dragged");
+    scene.gravity = [0.0; 3];
+    for (height, name) in [(0.0, "lower"), (0.06, "upper")] {
+        scene.cloths.push(sheet(Flat { origin: [0.0, height, 0.0], ..Flat::square(name, 9) }));
+    }
+    (0..81).filter(|k| k % 9 == 0 || k % 9 == 8 || k / 9 == 0 || k / 9 == 8).for_each(|k| {
+        scene.cloths[0].set_pinned(k, true).unwrap();
+    });
+    scene.cloths[1].set_pinned(40, true).unwrap();
+    let mut stepper = Stepper::on_cpu(with(scene, ContactTier::Safe, 0.3), options()).unwrap();
+    let mut at = stepper.positions(1).unwrap()[40];
+    let mut found = None;
+    for _ in 0..60 {
+        at[1] -= 0.02;
+        stepper.set_pins(1, &[40], &[[at[0], at[1], at[2]]]).unwrap();
+        stepper.advance(FRAME).unwrap();
+        found = found.or(crossed(&stepper));
+    }
+    assert_eq!(found, Some((true, true)));
+}
