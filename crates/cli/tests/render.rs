@@ -199,6 +199,44 @@ fn the_mesh_of_a_bundle_is_drawn_with_its_texture() {
 }
 
 #[test]
+fn a_textured_mesh_is_drawn_alike_on_the_gpu_and_its_sampler_is_read() {
+    let place = Place::new();
+    textured(&place, None);
+    // The same flag, whose texture coordinates go on to 3, with a sampler.
+    let gltf = std::fs::read_to_string(place.path("flag.gltf")).unwrap();
+    let mut gltf: serde_json::Value = serde_json::from_str(&gltf).unwrap();
+    let transform = serde_json::json!({"KHR_texture_transform": {"scale": [3, 1]}});
+    gltf["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = transform;
+    gltf["extensionsUsed"] = serde_json::json!(["KHR_texture_transform"]);
+    gltf["textures"][0]["sampler"] = 0.into();
+    let mut pictures = Vec::new();
+    for wrap in [10_497, 33_071, 33_648] {
+        gltf["samplers"] = serde_json::json!([{"wrapS": wrap}]);
+        place.write("wrapped.gltf", &gltf.to_string());
+        place.run("build wrapped.gltf -o wrapped.gim --texels 400 --force").expect(&[0, 1]);
+        place.run(&format!("render wrapped.gim -o cpu.png {FLAG}")).expect(&[0]);
+        pictures.push(picture(&place.path("cpu.png")));
+        let gpu = place.run(&format!("render wrapped.gim -o gpu.png {}", FLAG.replace("backend cpu", "backend gpu")));
+        if gpu.code != 0 {
+            let required = std::env::var("GIMAGE_REQUIRE_GPU").is_ok_and(|v| v == "1");
+            assert!(!required && gpu.stderr.contains("install"), "{}", gpu.stderr);
+            skip::skip(gpu.stderr.trim());
+            continue;
+        }
+        let (a, b) = (pictures.last().unwrap(), picture(&place.path("gpu.png")));
+        let far = |(a, b): (&image::Rgb<u8>, &image::Rgb<u8>)| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap();
+        let mean = a.pixels().zip(b.pixels()).map(far).map(f64::from).sum::<f64>() / f64::from(64 * 64);
+        assert!(mean < 2.0, "{wrap}: {mean}");
+    }
+    let red = |k: usize, x: u32| pictures[k].get_pixel(x, 32).0[0] > 128;
+    // At 0.25, 0.75, 1.25, ..., 2.75 of the texture.
+    let at = |k: usize| [11, 19, 28, 36, 45, 53].map(|x| red(k, x));
+    assert_eq!(at(0), [true, false, true, false, true, false], "repeated");
+    assert_eq!(at(1), [true, false, false, false, false, false], "held");
+    assert_eq!(at(2), [true, false, false, true, true, false], "mirrored");
+}
+
+#[test]
 fn a_bundle_without_a_mesh_is_drawn_as_its_grid_and_says_so() {
     let place = Place::new();
     textured(&place, None);

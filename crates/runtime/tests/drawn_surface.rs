@@ -178,6 +178,19 @@ mod devices {
         Some(Arc::new(Texture::new(64, 64, (0..64 * 64).map(pixel).collect()).unwrap()))
     }
 
+    /// The square in `n` x `n` quads, whose texture coordinates run to `end`.
+    fn divided(n: usize, end: f32) -> Vec<Facet> {
+        let part = |k: usize| {
+            let by = 1.0 / n as f32;
+            let [x, y] = [k % n, k / n].map(|k| (k as f32 + 0.5) * by - 0.5);
+            square().into_iter().map(move |f| {
+                let corners = f.corners.map(|[a, b, c]| [x + by * a, y + by * b, c]);
+                Facet { corners, uv: corners.map(|[x, y, _]| [end * (x + 0.5), end * (0.5 - y)]), ..f }
+            })
+        };
+        (0..n * n).flat_map(part).collect()
+    }
+
     #[test]
     fn the_gpu_draws_textures_alpha_and_wrapping_as_the_cpu_does() {
         let Some(gpu) = support::device() else { return };
@@ -198,7 +211,7 @@ mod devices {
             ("clamps", paint(clamp, Alpha::Opaque), wide(-1.3, 1.9), front),
             ("mirrors", paint(mirror, Alpha::Opaque), wide(-1.3, 1.9), front),
             ("mirrors and clamps", paint([Wrap::Mirror, Wrap::Clamp], Alpha::Opaque), wide(-0.7, 1.2), front),
-            ("small and oblique", paint(repeat, Alpha::Opaque), wide(0.0, 6.0), [1.6, 0.3, 1.0]),
+            ("small and oblique", paint(repeat, Alpha::Opaque), divided(16, 6.0), [1.6, 0.3, 1.0]),
             ("behind", paint(repeat, Alpha::Opaque), wide(0.0, 1.0), [0.4, 0.0, -2.0]),
             ("mask", paint(repeat, Alpha::Mask(0.5)), wide(0.0, 1.0), front),
             ("blend", paint(repeat, Alpha::Blend), wide(0.0, 1.0), front),
@@ -217,8 +230,8 @@ mod devices {
             let (a, b) = (here(&paints, &facets, eye), there(&gpu, &paints, &facets, (eye, 4)));
             let (mean, large) = differences(&a, &b);
             eprintln!("{name}: mean difference {mean:.3} of 255, {large:.4} of the pixels by more than 12");
-            // Edges are sampled at other points.
-            assert!(mean < 2.0 && large < 0.05, "{name}: {mean} {large}");
+            // Edges are sampled at other points, and levels are those of triangles on the CPU and of pixels on the GPU.
+            assert!(mean < 3.0 && large < 0.08, "{name}: {mean} {large}");
             assert!(pictures.iter().all(|other| differences(other, &a).0 > 1.0), "{name} is drawn as another case");
             pictures.push(a);
         }

@@ -138,7 +138,7 @@ impl Draw {
             return known.clone();
         }
         let limits = self.device.limits();
-        let most = u64::from(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size);
+        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let (rows, texels) = paints::rows(&self.paints, most);
         let made = [self.upload("paints", cast_slice(&rows)), self.upload("texels", cast_slice(&texels))];
         self.painted.insert(made).clone()

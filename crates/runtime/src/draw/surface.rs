@@ -28,7 +28,8 @@ pub struct Facet {
 pub struct Paint {
     /// Linear red, green, blue and alpha.
     pub color: [f32; 4],
-    /// Sampled per pixel, bilinear, in the level whose pixels are nearest to one per sample of the picture.
+    /// Sampled per pixel, bilinear, in the level whose pixels are nearest to one per sample of the picture: [`super::Software`] takes one
+    /// level per triangle, [`super::Draw`] one per pixel.
     pub texture: Option<Arc<Texture>>,
     /// How the texture goes on along u and v.
     pub wrap: [Wrap; 2],

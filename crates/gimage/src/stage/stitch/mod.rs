@@ -71,7 +71,7 @@ stage_options! {
     }
 }
 
-/// Adds stitches between the pieces of a bundle that has their positions and pins, and its tethers anew, which go on over them. Returns what is worth reporting about them.
+/// Adds stitches between the pieces of a bundle that has their positions and pins, and recomputes its tethers, which lead over them. Returns what is worth reporting about them.
 /// Costs about 10 us per border point and piece nearby.
 pub fn stitch(
     bundle: &mut Bundle,
