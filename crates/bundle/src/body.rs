@@ -80,10 +80,8 @@ impl Body {
         let whole = |t: [u32; 4]| t.map(|v| v as f32);
         let corners = |t: &[u32; 3]| whole([t[0], t[1], t[2], 0]);
         let of_set = |n: usize| move |(k, _): &(usize, &[f32; 4])| k % entry.sets.max(1) as usize == n;
-        let mut lists = vec![
-            self.positions.iter().map(three).collect::<Vec<_>>(),
-            self.triangles.iter().map(corners).collect(),
-        ];
+        let mut lists =
+            vec![self.positions.iter().map(three).collect::<Vec<_>>(), self.triangles.iter().map(corners).collect()];
         let joints: Vec<[f32; 4]> = self.joints.iter().map(|j| whole(*j)).collect();
         for n in 0..entry.sets as usize {
             for list in [&joints, &self.weights] {
@@ -120,9 +118,11 @@ impl Body {
         let files = files(entry);
         let positions = list(0, entry.vertices).iter().map(|p| [p[0], p[1], p[2]]).collect();
         let triangles = wholes(&list(1, entry.triangles), &files[1].name)?;
-        let mut body = Body { positions, triangles: triangles.iter().map(|t| [t[0], t[1], t[2]]).collect(), ..Body::default() };
+        let mut body =
+            Body { positions, triangles: triangles.iter().map(|t| [t[0], t[1], t[2]]).collect(), ..Body::default() };
         let sets = entry.sets as usize;
-        (body.joints, body.weights) = (vec![[0; 4]; sets * entry.vertices as usize], vec![[0.0; 4]; sets * entry.vertices as usize]);
+        (body.joints, body.weights) =
+            (vec![[0; 4]; sets * entry.vertices as usize], vec![[0.0; 4]; sets * entry.vertices as usize]);
         for n in 0..sets {
             let joints = wholes(&list(2 + 2 * n, entry.vertices), &files[2 + 2 * n].name)?;
             for (v, (own, weights)) in joints.iter().zip(list(3 + 2 * n, entry.vertices)).enumerate() {

@@ -41,14 +41,18 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
         findings.extend(found.into_iter().filter(|f| f.stage == "colliders"));
         if solids.surface {
             let joints = manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
-            let follows = (0..manifest.pieces.len()).all(|k| built.bundle.images.contains_key(&(k, MapKind::Joints(0))));
+            let follows =
+                (0..manifest.pieces.len()).all(|k| built.bundle.images.contains_key(&(k, MapKind::Joints(0))));
             let found = surface.and_then(|body| match body.joints.is_empty() || (joints > 0 && follows) {
                 true => Ok(body),
                 false => Err("the cloth does not follow the joints of the body".into()),
             });
             let (severity, message) = match &found {
                 Ok(body) => (Severity::Note, format!("The body is a collider: {} triangles.", body.triangles.len())),
-                Err(why) => (Severity::Warning, format!("The surface of the body is no collider, its solids stand for it: {why}.")),
+                Err(why) => (
+                    Severity::Warning,
+                    format!("The surface of the body is no collider, its solids stand for it: {why}."),
+                ),
             };
             findings.push(finding(severity, "hint-surface", message));
             built.bundle.body = found.ok();

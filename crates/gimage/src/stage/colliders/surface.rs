@@ -88,7 +88,9 @@ fn check(body: &Body) -> Result<(), String> {
     let mut volumes: HashMap<u32, (f64, usize)> = HashMap::new();
     for t in &body.triangles {
         let [a, b, c] = t.map(at);
-        let volume = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+        let volume = a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0]);
         let part = volumes.entry(parts.find(t[0])).or_default();
         (part.0, part.1) = (part.0 + volume, part.1 + 1);
     }
@@ -119,7 +121,12 @@ mod tests {
         mesh.skeleton = Skeleton { joints: vec![Joint::default(); 2] };
         let corners = vec![0; 36];
         mesh.channels = vec![
-            Channel { semantic: Semantic::Joints(0), width: 4, values: vec![1.0, 0.0, 0.0, 7.0], corners: corners.clone() },
+            Channel {
+                semantic: Semantic::Joints(0),
+                width: 4,
+                values: vec![1.0, 0.0, 0.0, 7.0],
+                corners: corners.clone(),
+            },
             Channel { semantic: Semantic::Weights(0), width: 4, values: vec![1.0, 1.0, 0.0, 0.0], corners },
         ];
         mesh
