@@ -239,33 +239,36 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
         |at_64: f64| (at_64 * (n / 64.0).sqrt()).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into()) as u32;
     // Rounds of polish would take the place of its stiffness.
     let sheet = cloth.membrane().is_some();
-    let (substeps, polish, support) =
-        match (is_pinned(cloth), given.tethers > 0, scene.meets(cloth.met_groups()) || cloth.body().is_some() || cloth.contact.is_some()) {
-            (true, true, false) if stiff(cloth) && pins(cloth) as f64 >= 0.5 * n => {
-                let substeps = (16.0 * (n / 64.0).powf(0.75)).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into());
-                (substeps as u32, 4, Support::TetheredRow)
-            }
-            (true, true, false) => {
-                let (substeps, polish) = match n {
-                    n if n <= 36.0 => (4, 2),
-                    n if n <= 192.0 => (5, 3),
-                    n => ((n / 32.0).ceil().clamp(8.0, MAX_SUBSTEPS.into()) as u32, 3),
-                };
-                let (substeps, polish) = match () {
-                    () if own_speed(cloth) > THROWN => (scaled(THROWN_SUBSTEPS), WHIP_POLISH),
-                    () if cloth.damping < DAMPED => (substeps, WHIP_POLISH),
-                    () => (substeps, polish),
-                };
-                (substeps, polish, Support::Tethered)
-            }
-            (true, true, true) => (scaled(if sheet { 16.0 } else { 12.0 }), 4, Support::TetheredOnColliders),
-            (true, false, _) => (scaled(16.0), 4, Support::Springs),
-            (false, _, true) if !sheet && fall(cloth, scene) > MIN_FALL_M_S => {
-                (scaled(FALL_SUBSTEPS), FALL_POLISH, Support::Falls(fall(cloth, scene)))
-            }
-            (false, _, true) => (scaled(if sheet { 48.0 } else { 12.0 }), 8, Support::OnColliders),
-            (false, _, false) => (FREE_SUBSTEPS, 0, Support::Free),
-        };
+    let (substeps, polish, support) = match (
+        is_pinned(cloth),
+        given.tethers > 0,
+        scene.meets(cloth.met_groups()) || cloth.body().is_some() || cloth.contact.is_some(),
+    ) {
+        (true, true, false) if stiff(cloth) && pins(cloth) as f64 >= 0.5 * n => {
+            let substeps = (16.0 * (n / 64.0).powf(0.75)).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into());
+            (substeps as u32, 4, Support::TetheredRow)
+        }
+        (true, true, false) => {
+            let (substeps, polish) = match n {
+                n if n <= 36.0 => (4, 2),
+                n if n <= 192.0 => (5, 3),
+                n => ((n / 32.0).ceil().clamp(8.0, MAX_SUBSTEPS.into()) as u32, 3),
+            };
+            let (substeps, polish) = match () {
+                () if own_speed(cloth) > THROWN => (scaled(THROWN_SUBSTEPS), WHIP_POLISH),
+                () if cloth.damping < DAMPED => (substeps, WHIP_POLISH),
+                () => (substeps, polish),
+            };
+            (substeps, polish, Support::Tethered)
+        }
+        (true, true, true) => (scaled(if sheet { 16.0 } else { 12.0 }), 4, Support::TetheredOnColliders),
+        (true, false, _) => (scaled(16.0), 4, Support::Springs),
+        (false, _, true) if !sheet && fall(cloth, scene) > MIN_FALL_M_S => {
+            (scaled(FALL_SUBSTEPS), FALL_POLISH, Support::Falls(fall(cloth, scene)))
+        }
+        (false, _, true) => (scaled(if sheet { 48.0 } else { 12.0 }), 8, Support::OnColliders),
+        (false, _, false) => (FREE_SUBSTEPS, 0, Support::Free),
+    };
     // Compliance, tension and bending are exact in short steps only.
     let bends = (FRAME_S / bend::longest(cloth)).ceil().min(MAX_SUBSTEPS.into()) as u32;
     let (substeps, polish) = match give::relaxed(n, give::at_pins(cloth, scene.gravity)) {

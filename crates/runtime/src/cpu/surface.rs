@@ -19,6 +19,8 @@ use crate::memory::Tally;
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::{Real, V3, add, cast, cross, dot, scale, sub};
 use crate::step::Step;
+#[cfg(test)]
+use nearest::on_triangle;
 use nearest::{On, Spot, walk};
 use planes::{Plane, Planes};
 use skinned::{Skinned, unit};
@@ -27,8 +29,9 @@ use skinned::{Skinned, unit};
 const MARGIN_M: f64 = 0.006;
 /// Ways of the last frame that a particle, or the surface near it, may go in the next.
 const WAYS: f64 = 2.0;
-/// Frames for which a particle is left out, at most.
-const MAX_WAIT: f64 = 4.0;
+/// Frames for which a particle is left out, at most, and how much farther \[m\] the surface may come in each than it does now.
+const MAX_WAIT: f64 = 3.0;
+const FASTER_M: f64 = 0.008;
 /// A particle deeper \[m\] inside than this is left there: no normal tells where it came from.
 const LOST_M: f64 = 0.04;
 /// A point that was found stays if the particle is not farther \[m\] beside it: on a limb of 5 cm that is 0.02 mm of height.
@@ -40,10 +43,14 @@ const SAME_COSINE: f64 = 0.7;
 /// The farthest \[m\] that a second side of the surface may be, and the largest cosine between the normals of both.
 const SECOND_M: f64 = 0.05;
 const SECOND_COSINE: f64 = 0.3;
+/// Two sides with a smaller cosine than this face each other.
+const FACING_COSINE: f64 = -0.3;
 /// Frames in which each particle tries the nearest patch once.
 const SEARCH_FRAMES: u32 = 32;
 /// Least clearance \[m\] of cloth that was modelled nearer to the body.
-const LEAST_CLEARANCE_M: f64 = 0.001;
+const LEAST_CLEARANCE_M: f32 = 0.001;
+/// Cloth that was modelled deeper \[m\] inside the body than this may stay as deep: pins beside it are there too, and would tear it.
+const MODELLED_INSIDE_M: f32 = 0.005;
 /// A point nearer \[m\] to the surface than this has no direction from it.
 const ON_SURFACE_M: f64 = 1e-5;
 
@@ -61,8 +68,6 @@ struct Hint<T> {
     triangle: u32,
     /// A point of another side of the surface; [`NONE`] where no other is near.
     second: u32,
-    /// Frames for which it is left out.
-    wait: u8,
     /// Where on the triangle the point is.
     on: On,
 }
@@ -74,14 +79,16 @@ struct View<T> {
     height: T,
     /// How far \[m\] the particle is beside the normal there.
     beside: T,
-    /// How far \[m\] the surface moves in the frame.
+    /// How the surface moves in the frame \[m\], how far, and where it is at the end.
+    drift: V3<T>,
     way: T,
-    plane: Plane<T>,
-    /// The normal at the start of the frame.
+    to: V3<T>,
+    /// The normal, and whether it is the direction of the particle.
     normal: V3<T>,
-    /// From the point to the particle then.
+    straight: bool,
+    /// From the point to the particle.
     from: V3<T>,
-    /// Whether there is none: beside a border.
+    /// Whether there is no surface below the particle: beside a border.
     open: bool,
 }
 
@@ -95,6 +102,8 @@ pub struct Worn<T: Real> {
     /// Of the nearest side, and of the second one.
     planes: [Vec<Planes<T>>; 2],
     hints: Vec<Hint<T>>,
+    /// Frames for which each particle is left out.
+    waits: Vec<u8>,
     /// The middles of patches at the start of the frame \[m\]; padded to whole blocks.
     middles: [Vec<T>; 3],
     clearances: Vec<T>,
@@ -118,21 +127,24 @@ impl<T: Real> Worn<T> {
     ) -> Option<Self> {
         let (surface, heights) = cloth.worn_on()?;
         let thickness = cloth.thickness.unwrap_or(thickness);
-        let least = thickness.min(LEAST_CLEARANCE_M as f32);
+        let least = thickness.min(LEAST_CLEARANCE_M);
+        let clearance = |h: &f32| if *h < -MODELLED_INSIDE_M { *h } else { h.clamp(least, thickness) };
         let points = cloth.points();
         let twin = |k: &u32| points[*k as usize] != *k && cloth.particles()[*k as usize].exists();
-        let twins = (0..cloth.len() as u32).filter(twin).map(|k| [place(k as usize), place(points[k as usize] as usize)]);
+        let twins =
+            (0..cloth.len() as u32).filter(twin).map(|k| [place(k as usize), place(points[k as usize] as usize)]);
         let zero = [T::of(0.0); 3];
         let on = On::Face;
-        let hint = Hint { last: zero, way: zero, normal: zero, weights: zero, triangle: NONE, second: NONE, wait: 0, on };
+        let hint = Hint { last: zero, way: zero, normal: zero, weights: zero, triangle: NONE, second: NONE, on };
         let patches = surface.middles.len().next_multiple_of(LANES);
         let far = T::of(f64::from(f32::MAX.sqrt()));
         Some(Worn {
             skinned: Skinned::new(surface),
             planes: [0, 1].map(|_| sheets.iter().map(Planes::new).collect()),
             hints: vec![hint; cloth.len()],
+            waits: vec![0; cloth.len()],
             middles: [0, 1, 2].map(|_| vec![far; patches]),
-            clearances: heights.iter().map(|h| T::of(f64::from(h.clamp(least, thickness)))).collect(),
+            clearances: heights.iter().map(|h| T::of(f64::from(clearance(h)))).collect(),
             twins: twins.collect(),
             points,
             friction: T::of(f64::from((FRICTION * cloth.friction).min(f32::MAX))),
@@ -154,13 +166,15 @@ impl<T: Real> Worn<T> {
 
     /// Searches all particles afresh in the next frame.
     pub fn forget(&mut self) {
-        self.hints.iter_mut().for_each(|hint| (hint.triangle, hint.second, hint.wait) = (NONE, NONE, 0));
+        self.hints.iter_mut().for_each(|hint| (hint.triangle, hint.second) = (NONE, NONE));
+        self.waits.fill(0);
         self.frames = 0;
     }
 
     /// Numbers that it takes.
     pub fn tally(&self, tally: &mut Tally) {
         tally.state(&self.hints);
+        tally.state(&self.waits);
         tally.state(&self.clearances);
         tally.state(&self.points);
         tally.state(&self.twins);
@@ -181,8 +195,8 @@ impl<T: Real> Worn<T> {
                 if sheet.w[single] <= T::of(0.0) || self.points[particle] as usize != particle {
                     continue;
                 }
-                if self.hints[particle].wait > 0 {
-                    self.hints[particle].wait -= 1;
+                if self.waits[particle] > 0 {
+                    self.waits[particle] -= 1;
                     continue;
                 }
                 let triple = sheet.triple(k);
@@ -227,46 +241,59 @@ impl<T: Real> Worn<T> {
         let known = hint.triangle != NONE;
         let goes = if known { T::of(WAYS) * length(sub(p, hint.last)) } else { T::of(0.0) };
         let reach = clearance + T::of(MARGIN_M) + goes;
-        let (mut spot, mut view) = self.first(&hint, p, clearance);
+        let (mut spot, mut view) = self.first(&hint, p);
         let mut second = hint.second;
         if let Some(n) = beside {
             let other = &self.hints[self.points[n] as usize];
             if other.triangle != NONE && dot(other.normal, view.normal) < T::of(SAME_COSINE) {
-                self.compare((&mut spot, &mut view, &mut second), other.triangle, p, clearance);
+                self.compare((&mut spot, &mut view, &mut second), other.triangle, p);
             }
         }
         if known && (particle as u32).wrapping_add(self.frames).is_multiple_of(SEARCH_FRAMES) {
             let patch = nearest_of(&self.middles, p);
             if self.surface.patch[spot.triangle as usize] as usize != patch {
-                self.compare((&mut spot, &mut view, &mut second), self.surface.middles[patch], p, clearance);
+                self.compare((&mut spot, &mut view, &mut second), self.surface.middles[patch], p);
             }
         }
         let mut planes = [None, None];
-        planes[0] = Some(view.plane).filter(|_| is_met(&view, reach));
+        if is_met(&view, reach) {
+            planes[0] = Some(self.plane(&spot, &view, clearance));
+        }
         if second != NONE {
             let other = walk(&self.surface, &mut self.skinned, second, p);
-            let side = self.view(&other, p, clearance);
+            let side = self.view(&other, p);
             second = if is_second(&view, &side) { other.triangle } else { NONE };
-            planes[1] = Some(side.plane).filter(|_| second != NONE && is_met(&side, reach));
+            if second != NONE && is_met(&side, reach) {
+                planes[1] = Some(self.plane(&other, &side, clearance));
+            }
+            // Between two sides, such as an arm and a chest, there may be no room for both clearances.
+            if let ([Some(first), Some(last)], true) =
+                (&mut planes, dot(view.normal, side.normal) < T::of(FACING_COSINE))
+            {
+                let half = (T::of(0.5) * (view.height + side.height)).max(T::of(0.0)).min(clearance);
+                (first.clearance, last.clearance) = (half, half);
+            }
         }
-        let most = goes + T::of(WAYS) * view.way + T::of(MARGIN_M);
-        let wait = ((view.height - reach) / most).min(T::of(MAX_WAIT)).max(T::of(0.0)).get() as u8;
+        let nearer = length(sub(p, hint.last)) + view.way + T::of(FASTER_M);
+        let wait = (view.height - reach - view.way) / nearer;
+        let wait = if known { wait.min(T::of(MAX_WAIT)).max(T::of(0.0)).get() as u8 } else { 0 };
+        self.waits[particle] = wait;
         let Spot { triangle, weights, on, .. } = spot;
         let (way, normal) = (view.from, view.normal);
-        self.hints[particle] = Hint { last: p, way, normal, weights, triangle, second, wait, on };
+        self.hints[particle] = Hint { last: p, way, normal, weights, triangle, second, on };
         planes
     }
 
     /// The nearest point from where the last one was.
-    fn first(&mut self, hint: &Hint<T>, p: V3<T>, clearance: T) -> (Spot<T>, View<T>) {
+    fn first(&mut self, hint: &Hint<T>, p: V3<T>) -> (Spot<T>, View<T>) {
         if hint.triangle == NONE {
             let found = self.skinned.search(&self.surface, p);
             let spot = walk(&self.surface, &mut self.skinned, found, p);
-            return (spot, self.view(&spot, p, clearance));
+            return (spot, self.view(&spot, p));
         }
         let Hint { triangle, weights, on, .. } = *hint;
         let spot = Spot { triangle, weights, distance2: T::of(0.0), on };
-        let mut view = self.view(&spot, p, clearance);
+        let mut view = self.view(&spot, p);
         if view.height > T::of(-BESIDE_M) && !view.open {
             // Beside the way of the walk; without it a side or a corner would always be straight below.
             let beside = if on == On::Face { view.beside } else { length(cross(hint.way, view.normal)) };
@@ -278,22 +305,16 @@ impl<T: Real> Worn<T> {
             }
         }
         let spot = walk(&self.surface, &mut self.skinned, hint.triangle, p);
-        (spot, self.view(&spot, p, clearance))
+        (spot, self.view(&spot, p))
     }
 
     /// Takes the point that a walk from another triangle finds if it is nearer; the farther one becomes the second, if it is of another side.
-    fn compare(
-        &mut self,
-        (spot, view, second): (&mut Spot<T>, &mut View<T>, &mut u32),
-        from: u32,
-        p: V3<T>,
-        clearance: T,
-    ) {
+    fn compare(&mut self, (spot, view, second): (&mut Spot<T>, &mut View<T>, &mut u32), from: u32, p: V3<T>) {
         let other = walk(&self.surface, &mut self.skinned, from, p);
         if other.triangle == spot.triangle {
             return;
         }
-        let side = self.view(&other, p, clearance);
+        let side = self.view(&other, p);
         let nearer = side.height.abs() < view.height.abs();
         let farther = if nearer { spot.triangle } else { other.triangle };
         if is_second(view, &side) {
@@ -305,44 +326,46 @@ impl<T: Real> Worn<T> {
     }
 
     /// A point of the surface, seen from `p`.
-    fn view(&mut self, spot: &Spot<T>, p: V3<T>, clearance: T) -> View<T> {
+    fn view(&mut self, spot: &Spot<T>, p: V3<T>) -> View<T> {
         let [a, b, c] = self.skinned.vertices(&self.surface, spot.triangle);
         let w = spot.weights;
-        let blend = |a: &V3<T>, b: &V3<T>, c: &V3<T>| add(add(scale(*a, w[0]), scale(*b, w[1])), scale(*c, w[2]));
-        let [from, to] = [0, 1].map(|end| blend(&a.at[end], &b.at[end], &c.at[end]));
-        let d = sub(p, from);
-        let far2 = dot(d, d);
+        let [at, to] = [0, 1].map(|end| mix(&[a.at[end], b.at[end], c.at[end]], w));
+        let from = sub(p, at);
+        let far2 = dot(from, from);
         let far = far2.sqrt();
-        let mut open = false;
-        let (first, last) = match spot.on {
-            On::Face => {
-                let [first, last] = [0, 1].map(|end| unit(cross(sub(b.at[end], a.at[end]), sub(c.at[end], a.at[end]))));
-                (first, last)
-            }
+        let (mut open, mut straight) = (false, false);
+        let normal = match spot.on {
+            On::Face => unit(face(&[a.at[0], b.at[0], c.at[0]])),
             _ => {
-                let [first, last] = [0, 1].map(|end| unit(blend(&a.normal[end], &b.normal[end], &c.normal[end])));
-                let up = dot(d, first);
+                let smooth = unit(mix(&[a.normal[0], b.normal[0], c.normal[0]], w));
+                let up = dot(from, smooth);
                 open = self.is_border(spot) && up.abs() < T::of(0.7) * far;
-                if up > T::of(0.0) && far > T::of(ON_SURFACE_M) {
-                    let away = scale(d, T::of(1.0) / far);
-                    (away, unit(add(away, sub(last, first))))
-                } else {
-                    (first, last)
-                }
+                straight = up > T::of(0.0) && far > T::of(ON_SURFACE_M);
+                if straight { scale(from, T::of(1.0) / far) } else { smooth }
             }
         };
-        let up = dot(d, first);
-        let (way, rate) = (sub(to, from), self.skinned.rate());
-        let (drift, turn) = (scale(way, rate), scale(sub(last, first), rate));
-        View {
-            height: if up < T::of(0.0) { -far } else { far },
-            beside: (far2 - up * up).max(T::of(0.0)).sqrt(),
-            way: length(way),
-            plane: Plane { at: to, normal: last, drift, turn, clearance },
-            normal: first,
-            from: d,
-            open,
+        let up = dot(from, normal);
+        let height = if up < T::of(0.0) { -far } else { far };
+        let beside = (far2 - up * up).max(T::of(0.0)).sqrt();
+        let drift = sub(to, at);
+        View { height, beside, drift, way: length(drift), to, normal, straight, from, open }
+    }
+
+    /// The plane at a point of the surface.
+    fn plane(&mut self, spot: &Spot<T>, view: &View<T>, clearance: T) -> Plane<T> {
+        let rate = self.skinned.rate();
+        let mut last = view.normal;
+        if rate > T::of(0.0) {
+            let [a, b, c] = self.skinned.vertices(&self.surface, spot.triangle);
+            let smooth = |end: usize| unit(mix(&[a.normal[end], b.normal[end], c.normal[end]], spot.weights));
+            last = match (spot.on, view.straight) {
+                (On::Face, _) => unit(face(&[a.at[1], b.at[1], c.at[1]])),
+                (_, true) => unit(add(view.normal, sub(smooth(1), smooth(0)))),
+                (_, false) => smooth(1),
+            };
         }
+        let (drift, turn) = (scale(view.drift, rate), scale(sub(last, view.normal), rate));
+        Plane { at: view.to, normal: last, drift, turn, clearance }
     }
 
     /// Whether a point is on the border of the surface.
@@ -350,8 +373,10 @@ impl<T: Real> Worn<T> {
         let across = &self.surface.across[spot.triangle as usize];
         match spot.on {
             On::Face => false,
-            On::Side(side) => across[side] == NONE,
-            On::Corner(corner) => self.surface.border[self.surface.triangles[spot.triangle as usize][corner] as usize],
+            On::Side(side) => across[usize::from(side)] == NONE,
+            On::Corner(corner) => {
+                self.surface.border[self.surface.triangles[spot.triangle as usize][usize::from(corner)] as usize]
+            }
         }
     }
 }
@@ -376,7 +401,11 @@ pub fn heights(surface: &BodySurface, points: impl Iterator<Item = [f32; 3]>) ->
         let spot = walk(surface, &mut skinned, found, p);
         let [a, b, c] = skinned.vertices(surface, spot.triangle);
         let corners = [a.at[0], b.at[0], c.at[0]];
-        let up = if spot.on == On::Face { face(&corners) } else { mix(&[a.normal[0], b.normal[0], c.normal[0]], spot.weights) };
+        let up = if spot.on == On::Face {
+            face(&corners)
+        } else {
+            mix(&[a.normal[0], b.normal[0], c.normal[0]], spot.weights)
+        };
         let far = spot.distance2.sqrt();
         (if dot(sub(p, mix(&corners, spot.weights)), up) < 0.0 { -far } else { far }) as f32
     };
@@ -449,3 +478,7 @@ impl<T: Real> Work<T> for NearestOf<'_, T> {
         *self.found = best.1.get() as usize;
     }
 }
+
+#[cfg(test)]
+#[path = "surface/tests.rs"]
+mod tests;

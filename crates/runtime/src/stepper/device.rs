@@ -76,7 +76,11 @@ impl Stepper {
             Backend::Gpu if gpu.is_none() => return Err(Error::NoGpu("Backend::Gpu")),
             Backend::Gpu => false,
         };
-        let mut world = if on_cpu && options.solver == Solver::Xpbd { World::new(scene, options)? } else { World::without_bodies(scene, options)? };
+        let mut world = if on_cpu && options.solver == Solver::Xpbd {
+            World::new(scene, options)?
+        } else {
+            World::without_bodies(scene, options)?
+        };
         let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.control.options.threads)?)) } else { None };
         if let (false, Some((device, _))) = (on_cpu, gpu) {
             let tuning = world.control.options.tuning;

@@ -14,7 +14,8 @@ const RISE: f64 = 0.02;
 /// For each triangle those beyond its sides. A side that is not of exactly two triangles, in opposite directions, is a border.
 pub fn across(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut sides: HashMap<[u32; 2], (u32, u32)> = HashMap::new();
-    let each = || triangles.iter().enumerate().flat_map(|(t, v)| (0..3).map(move |c| (t as u32, [v[c], v[(c + 1) % 3]])));
+    let each =
+        || triangles.iter().enumerate().flat_map(|(t, v)| (0..3).map(move |c| (t as u32, [v[c], v[(c + 1) % 3]])));
     for (t, side) in each() {
         let entry = sides.entry(side).or_insert((t, 0));
         entry.1 += 1;

@@ -70,7 +70,8 @@ impl Tree {
             let own = &self.order[node.first as usize..end];
             own.iter().for_each(|t| of[*t as usize] = middles.len() as u32);
             let middle = |t: u32| -> V3<f64> {
-                [0, 1, 2].map(|c| triangles[t as usize].iter().map(|v| f64::from(rest[*v as usize][c])).sum::<f64>() / 3.0)
+                [0, 1, 2]
+                    .map(|c| triangles[t as usize].iter().map(|v| f64::from(rest[*v as usize][c])).sum::<f64>() / 3.0)
             };
             let center = [0, 1, 2].map(|c| own.iter().map(|t| middle(*t)[c]).sum::<f64>() / own.len() as f64);
             let far = |t: &u32| (0..3).map(|c| (middle(*t)[c] - center[c]).powi(2)).sum::<f64>();

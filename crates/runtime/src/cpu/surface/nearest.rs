@@ -13,8 +13,8 @@ const AROUND: usize = 24;
 pub enum On {
     Face,
     /// Between this corner and the next one.
-    Side(usize),
-    Corner(usize),
+    Side(u8),
+    Corner(u8),
 }
 
 /// A point of a triangle.
@@ -80,8 +80,8 @@ pub fn walk<T: Real>(surface: &BodySurface, skinned: &mut Skinned<T>, start: u32
     for _ in 0..STEPS {
         let next = match spot.on {
             On::Face => from_face(surface, skinned, &spot, p),
-            On::Side(side) => beyond(surface, skinned, &spot, side, p),
-            On::Corner(corner) => around(surface, skinned, &spot, corner, p),
+            On::Side(side) => beyond(surface, skinned, &spot, side.into(), p),
+            On::Corner(corner) => around(surface, skinned, &spot, corner.into(), p),
         };
         match next {
             Some(nearer) => spot = nearer,
@@ -108,12 +108,7 @@ fn beyond<T: Real>(
 }
 
 /// The nearest of those beyond the sides of a face that hides them: where the surface is hollow, and from behind.
-fn from_face<T: Real>(
-    surface: &BodySurface,
-    skinned: &mut Skinned<T>,
-    spot: &Spot<T>,
-    p: V3<T>,
-) -> Option<Spot<T>> {
+fn from_face<T: Real>(surface: &BodySurface, skinned: &mut Skinned<T>, spot: &Spot<T>, p: V3<T>) -> Option<Spot<T>> {
     let hollow = surface.hollow[spot.triangle as usize];
     let behind = hollow != 7 && {
         let corners = skinned.corners(surface, spot.triangle);

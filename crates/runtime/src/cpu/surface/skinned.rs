@@ -52,7 +52,19 @@ impl<T: Real> Skinned<T> {
             starts.push(shares.len() as u32);
         }
         let (frame, fitted, rate, ends) = (0, 0, T::of(0.0), [Vec::new(), Vec::new()]);
-        Skinned { list, frame, rest, shares, starts, ends, rate, jumps: true, follows: false, bounds: Vec::new(), fitted }
+        Skinned {
+            list,
+            frame,
+            rest,
+            shares,
+            starts,
+            ends,
+            rate,
+            jumps: true,
+            follows: false,
+            bounds: Vec::new(),
+            fitted,
+        }
     }
 
     /// Goes to where these matrices put it, from where the last ones did at `rate` \[1/s\], or at once if that is 0.
@@ -132,7 +144,8 @@ impl<T: Real> Skinned<T> {
                 }
             }
             let turned = [0, 1, 2].map(|r| blend[r][0] * normal[0] + blend[r][1] * normal[1] + blend[r][2] * normal[2]);
-            let at = [0, 1, 2].map(|r| blend[r][0] * rest[0] + blend[r][1] * rest[1] + blend[r][2] * rest[2] + blend[r][3]);
+            let at =
+                [0, 1, 2].map(|r| blend[r][0] * rest[0] + blend[r][1] * rest[1] + blend[r][2] * rest[2] + blend[r][3]);
             (at, turned)
         };
         let known = self.list[v];

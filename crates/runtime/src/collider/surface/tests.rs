@@ -1,0 +1,46 @@
+use super::*;
+
+/// A bowl: a part of a ball of 1 m, seen from inside, with a border.
+fn bowl(n: u32) -> BodySurface {
+    let at = |i: u32, j: u32| {
+        let [x, z] = [i, j].map(|k| 1.2 * k as f32 / (n - 1) as f32 - 0.6);
+        [x, -(1.0 - x * x - z * z).sqrt(), z]
+    };
+    let positions = (0..n * n).map(|k| at(k % n, k / n)).collect();
+    let cells = (0..(n - 1) * (n - 1)).map(|k| (k % (n - 1)) + k / (n - 1) * n);
+    let triangles = cells.flat_map(|k| [[k, k + n, k + 1], [k + 1, k + n, k + n + 1]]).collect();
+    BodySurface::new(positions, triangles, Vec::new()).unwrap()
+}
+
+#[test]
+fn sides_have_their_neighbours_and_a_bowl_is_hollow_everywhere() {
+    let n = 12;
+    let bowl = bowl(n);
+    for (t, across) in bowl.across.iter().enumerate() {
+        for (c, other) in across.iter().enumerate().filter(|x| *x.1 != NONE) {
+            let [a, b] = [bowl.triangles[t][c], bowl.triangles[t][(c + 1) % 3]];
+            let theirs = bowl.triangles[*other as usize];
+            assert!((0..3).any(|k| [theirs[(k + 1) % 3], theirs[k]] == [a, b]), "{t} {c}");
+            // Which way the two triangles of a cell fold is up to their diagonal.
+            let diagonal = a.abs_diff(b) == n - 1;
+            assert!(diagonal || bowl.hollow[t] >> c & 1 == 1, "{t} {c}");
+        }
+    }
+    assert_eq!(bowl.across.as_flattened().iter().filter(|t| **t == NONE).count() as u32, 4 * (n - 1));
+    assert_eq!(bowl.border.iter().filter(|b| **b).count() as u32, 4 * (n - 1));
+    assert!(bowl.normals.iter().all(|n| n[1] > 0.5), "they point inwards");
+    let turned = bowl.triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
+    let dome = BodySurface::new(bowl.rest.clone(), turned, Vec::new()).unwrap();
+    let hollow: u32 = dome.hollow.iter().map(|bits| bits.count_ones()).sum();
+    assert!(hollow <= 2 * (n - 1) * (n - 1), "only diagonals: {hollow}");
+}
+
+#[test]
+fn every_triangle_is_in_a_patch_that_has_its_middle() {
+    let bowl = bowl(40);
+    assert!((64..=1024).contains(&bowl.middles.len()), "{}", bowl.middles.len());
+    for (n, middle) in bowl.middles.iter().enumerate() {
+        assert_eq!(bowl.patch[*middle as usize], n as u32);
+    }
+    assert!(bowl.patch.iter().all(|p| (*p as usize) < bowl.middles.len()));
+}

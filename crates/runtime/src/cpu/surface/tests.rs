@@ -1,0 +1,169 @@
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::PointQuery;
+use parry3d_f64::shape::{TriMesh, Triangle};
+
+use super::*;
+use crate::cloth::{Flat, Influence, SkinJoint};
+
+/// Numbers of a fixed sequence between -1 and 1.
+fn noise(k: usize, of: usize) -> f64 {
+    let prime = [2u32, 3, 5, 7, 11, 13, 17, 19, 23, 29][of % 10];
+    2.0 * ((k + 1) as f64 * f64::from(prime).sqrt()).fract() - 1.0
+}
+
+/// A closed tube along y of 12 cm, with waves, in two joints.
+fn body() -> BodySurface {
+    let (around, rings) = (40u32, 80u32);
+    let (mut positions, mut triangles, mut influences) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..around * rings {
+        let (i, t) = (k % around, (k / around) as f32 / (rings - 1) as f32);
+        let a = std::f32::consts::TAU * i as f32 / around as f32;
+        let round = (1.0 - (2.0 * t - 1.0).powi(6)).max(0.01).sqrt();
+        let r = round * (0.12 + 0.015 * (3.0 * a).sin() + 0.02 * (12.0 * t).sin());
+        positions.push([r * a.cos(), 0.5 - t, r * a.sin()]);
+        let second = (4.0 * t - 1.5).clamp(0.0, 1.0);
+        influences.push(Influence { joints: [0, 1, 0, 0], weights: [1.0 - second, second, 0.0, 0.0] });
+    }
+    let at = |i: u32, j: u32| j * around + i % around;
+    for (i, j) in (0..rings - 1).flat_map(|j| (0..around).map(move |i| (i, j))) {
+        triangles.extend([[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]]);
+    }
+    for (j, y) in [(0, 0.5), (rings - 1, -0.5)] {
+        let middle = positions.len() as u32;
+        positions.push([0.0, y, 0.0]);
+        influences.push(Influence {
+            joints: [0, 1, 0, 0],
+            weights: if j == 0 { [1.0, 0.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0, 0.0] },
+        });
+        let cap = |i| if j == 0 { [middle, at(i + 1, j), at(i, j)] } else { [middle, at(i, j), at(i + 1, j)] };
+        triangles.extend((0..around).map(cap));
+    }
+    BodySurface::new(positions, triangles, influences).unwrap()
+}
+
+fn pose(frame: usize) -> Vec<Rows> {
+    let t = frame as f32 / 60.0;
+    let turn = |angle: f32| {
+        let (s, c) = angle.sin_cos();
+        [[c, -s, 0.0, 0.1 * (2.0 * t).sin()], [s, c, 0.0, 0.0], [0.0, 0.0, 1.0, 0.2 * (3.0 * t).sin()]]
+    };
+    vec![turn(0.4 * (3.0 * t).sin()), turn(0.4 * (3.0 * t).sin() + 0.8 * (4.0 * t).sin())]
+}
+
+/// Particles around the body, those of one row on one side of it.
+fn worn(n: u32) -> (Worn<f32>, Vec<Sheet<f32>>) {
+    let mut cloth = Flat::square("cloth", n).cloth().unwrap();
+    let own = vec![Influence { joints: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] }; cloth.len()];
+    cloth.set_skin(vec![SkinJoint::default(); 2], &own).unwrap();
+    cloth.set_body(Some(Arc::new(body()))).unwrap();
+    cloth.thickness = Some(0.003);
+    let mut sheet = Sheet::<f32>::new(&cloth.grids()[0]);
+    sheet.weigh(|_| 1.0);
+    let place = |k: usize| (0, sheet.single(k), sheet.triple(k));
+    let mut worn = Worn::of(&cloth, std::slice::from_ref(&sheet), 0.0, place).unwrap();
+    // A part of the square is inside of the body at rest, and might stay there.
+    assert!(worn.clearances.iter().any(|c| *c < 0.0) && worn.clearances.contains(&0.003));
+    worn.clearances.fill(0.003);
+    (worn, vec![sheet])
+}
+
+/// Where a particle is in a frame: it swings about the axis of the body.
+fn path(k: usize, n: usize, frame: usize) -> V3<f32> {
+    let t = frame as f64 / 60.0;
+    let around = 6.0 * (k % n) as f64 / n as f64 + 0.3 * (2.0 * t).sin();
+    let r = 0.17 + 0.05 * noise(k, 3) + 0.02 * (5.0 * t + k as f64).sin();
+    [(r * around.cos()) as f32, (0.8 * (k / n) as f64 / n as f64 - 0.4) as f32, (r * around.sin()) as f32]
+}
+
+#[test]
+fn particles_know_the_nearest_point_of_a_body_in_motion() {
+    let n = 24;
+    let (mut worn, mut sheets) = worn(n as u32);
+    let (mut errors, mut beyond) = (Vec::new(), 0);
+    for frame in 0..120 {
+        worn.lead(&pose(frame), if frame > 0 { 60.0 } else { 0.0 });
+        for k in 0..n * n {
+            let triple = sheets[0].triple(k);
+            sheets[0].put(triple, path(k, n, frame));
+        }
+        worn.begin();
+        worn.search(&sheets, &[0]);
+        let surface = worn.surface.clone();
+        let vertices: Vec<Vector> =
+            (0..surface.rest.len() as u32).map(|v| Vector::from_array(worn.skinned.start(v).map(f64::from))).collect();
+        let mesh = TriMesh::new(vertices, surface.triangles.clone()).unwrap();
+        for k in 0..n * n {
+            let p = path(k, n, frame).map(f64::from);
+            let exact = mesh.distance_to_point(&Pose::IDENTITY, Vector::from_array(p), false);
+            let near = exact < 0.01;
+            let place = (sheets[0].single(k), sheets[0].triple(k));
+            let plane = worn.planes[0][0].get(place, sheets[0].half);
+            let Some(plane) = plane else {
+                beyond += usize::from(near);
+                continue;
+            };
+            let at = |c: usize| f64::from(plane.at[c]) - f64::from(plane.drift[c]) / 60.0;
+            let found = (0..3).map(|c| (p[c] - at(c)).powi(2)).sum::<f64>().sqrt();
+            if near {
+                errors.push((found - exact).abs());
+            }
+        }
+    }
+    assert_eq!(beyond, 0, "of {}: a particle that is near has no plane", errors.len());
+    errors.sort_by(f64::total_cmp);
+    let at = |share: f64| errors[((errors.len() - 1) as f64 * share) as usize];
+    assert!(errors.len() > 3000 && at(0.99) < 6e-4 && at(1.0) < 5e-3, "{}: {:e} {:e}", errors.len(), at(0.99), at(1.0));
+}
+
+#[test]
+fn a_walk_from_any_triangle_ends_at_the_nearest_point_of_a_round_body() {
+    let surface = body();
+    let mut skinned = Skinned::<f64>::new(&surface);
+    skinned.begin();
+    let mut missed = 0;
+    for k in 0..2000 {
+        let (a, r) = (3.0 * noise(k, 0), 0.15 + 0.04 * noise(k, 1));
+        let p = [r * a.cos(), 0.45 * noise(k, 2), r * a.sin()];
+        let best = skinned.search(&surface, p);
+        let exact = walk(&surface, &mut skinned, best, p).distance2.sqrt();
+        // Not from the other side, but from nearby.
+        let start = surface.triangles.len() * (((k * 7919) % 1000) as f64 / 1000.0) as usize;
+        let near = surface.across[best as usize][k % 3];
+        let near = if near == NONE { best } else { surface.across[near as usize][(k + 1) % 3] };
+        let from = if near == NONE { start as u32 } else { near };
+        let found = walk(&surface, &mut skinned, from, p).distance2.sqrt();
+        assert!(found >= exact - 1e-12, "the search by the tree is exact");
+        missed += usize::from(found > exact + 1e-6);
+    }
+    assert!(missed < 20, "{missed} of 2000");
+}
+
+#[test]
+fn the_nearest_point_of_a_triangle_is_that_of_parry() {
+    let mut seen = std::collections::BTreeSet::new();
+    for k in 0..4000 {
+        let corner = |n: usize| [0, 1, 2].map(|c| noise(k + 7 * n, 3 * n + c));
+        let (corners, p) = ([corner(0), corner(1), corner(2)], [0, 1, 2].map(|c| 2.0 * noise(k, c + 6)));
+        let spot = on_triangle(p, 0, corners);
+        let v = |p: V3<f64>| Vector::from_array(p);
+        let judge = Triangle::new(v(corners[0]), v(corners[1]), v(corners[2]));
+        let exact = judge.distance_to_local_point(v(p), true);
+        assert!((spot.distance2.sqrt() - exact).abs() < 1e-9, "{k}");
+        assert!((spot.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12 && spot.weights.iter().all(|w| *w > -1e-12));
+        seen.insert(format!("{:?}", spot.on));
+    }
+    assert_eq!(seen.len(), 7, "{seen:?}");
+}
+
+#[test]
+fn the_first_of_the_nearest_points_is_found() {
+    for k in 0..200 {
+        let mut points = [0, 1, 2].map(|c| (0..48).map(|n| noise(n + k, c) as f32).collect::<Vec<f32>>());
+        // Two at one place.
+        points.iter_mut().for_each(|list| list[40] = list[3]);
+        let p = [0, 1, 2].map(|c| noise(k, c + 4) as f32);
+        let far = |n: usize| (0..3).map(|c| (points[c][n] - p[c]) * (points[c][n] - p[c])).fold(0.0, |a, b| a + b);
+        let want = (0..48).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap();
+        assert_eq!(nearest_of(&points, p), want);
+    }
+}

@@ -1,0 +1,270 @@
+//! Cloth on the surface of a body: it stays outside, at rest and in motion, with the same bits for any number of threads and from a saved state.
+
+// The support of tests needs it.
+#![cfg(feature = "gpu")]
+
+mod support;
+
+use std::sync::Arc;
+
+use gimage_runtime::*;
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::PointQuery;
+use parry3d_f64::shape::{TriMesh, TriMeshFlags};
+use support::rig::{FRAME, Rig};
+use support::{scene, tube};
+
+const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+const THICKNESS: f32 = 0.003;
+
+/// A closed tube along y from `top` down to `bottom`, with `around` vertices per ring and rounded ends.
+fn limb(radius: f32, [top, bottom]: [f32; 2], around: u32, rings: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for j in 0..rings {
+        let t = j as f32 / (rings - 1) as f32;
+        let r = radius * (1.0 - (2.0 * t - 1.0).powi(8)).max(0.04).sqrt();
+        for i in 0..around {
+            let a = std::f32::consts::TAU * i as f32 / around as f32;
+            positions.push([r * a.cos(), top + (bottom - top) * t, r * a.sin()]);
+        }
+    }
+    let at = |i: u32, j: u32| j * around + i % around;
+    for (i, j) in (0..rings - 1).flat_map(|j| (0..around).map(move |i| (i, j))) {
+        triangles.extend([[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]]);
+    }
+    for (j, y) in [(0, top), (rings - 1, bottom)] {
+        let middle = positions.len() as u32;
+        positions.push([0.0, y, 0.0]);
+        let cap = |i| if j == 0 { [middle, at(i + 1, j), at(i, j)] } else { [middle, at(i, j), at(i + 1, j)] };
+        triangles.extend((0..around).map(cap));
+    }
+    (positions, triangles)
+}
+
+/// The weights of two joints, which meet at an elbow.
+fn influence(p: &[f32; 3]) -> Influence {
+    let second = ((-0.15 - p[1]) / 0.1).clamp(0.0, 1.0);
+    Influence { joints: [0, 1, 0, 0], weights: [1.0 - second, second, 0.0, 0.0] }
+}
+
+/// The matrices of a shoulder that swings and an elbow that bends at a time.
+fn pose(time: f32) -> Vec<[f32; 16]> {
+    let turn = |angle: f32, height: f32, shift: f32| {
+        let (s, c) = angle.sin_cos();
+        [c, s, 0.0, 0.0, -s, c, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, s * height, height - c * height, shift, 1.0]
+    };
+    let times = |a: &[f32; 16], b: &[f32; 16]| -> [f32; 16] {
+        std::array::from_fn(|n| (0..4).map(|k| a[4 * k + n % 4] * b[n / 4 * 4 + k]).sum())
+    };
+    let shoulder = turn(0.5 * (4.0 * time).sin(), 0.1, 0.3 * (2.0 * time).sin());
+    vec![shoulder, times(&shoulder, &turn(0.9 * (5.0 * time).sin(), -0.2, 0.0))]
+}
+
+fn arm(radius: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    limb(radius, [0.15, -0.75], 24, 60)
+}
+
+/// A sleeve with a seam, pinned at its upper end, on an arm.
+fn sleeve(radius: f32) -> Cloth {
+    let mut cloth = tube(25, 20, 1);
+    cloth.pin(&(0..25).collect::<Vec<_>>()).unwrap();
+    let joint = |n: usize| SkinJoint { name: format!("joint {n}"), inverse_bind: IDENTITY, ..SkinJoint::default() };
+    let list: Vec<_> = cloth.positions().iter().map(influence).collect();
+    cloth.set_skin((0..2).map(joint).collect(), &list).unwrap();
+    let (positions, triangles) = arm(radius);
+    let influences = positions.iter().map(influence).collect();
+    cloth.set_body(Some(Arc::new(BodySurface::new(positions, triangles, influences).unwrap()))).unwrap();
+    cloth.thickness = Some(THICKNESS);
+    cloth.damping = 0.5;
+    cloth.follow_joints(&pose(0.0)).unwrap();
+    cloth
+}
+
+/// Half the distance between opposite vertices of the sleeve.
+fn girth() -> f32 {
+    let cloth = tube(25, 20, 1);
+    cloth.positions().iter().take(25).map(|p| (p[0] * p[0] + p[2] * p[2]).sqrt()).fold(f32::INFINITY, f32::min)
+}
+
+/// The arm as parry has it, where the joints put it.
+fn judge(radius: f32, matrices: &[[f32; 16]]) -> TriMesh {
+    let (positions, triangles) = arm(radius);
+    let moved = |p: &[f32; 3]| {
+        let own = influence(p);
+        let at = |r: usize| {
+            let by = |m: &[f32; 16]| m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
+            f64::from((0..2).map(|k| own.weights[k] * by(&matrices[k])).sum::<f32>())
+        };
+        Vector::new(at(0), at(1), at(2))
+    };
+    TriMesh::with_flags(positions.iter().map(moved).collect(), triangles, TriMeshFlags::ORIENTED).unwrap()
+}
+
+/// How deep \[m\] the deepest free particle is inside, and how far the nearest one is outside.
+fn depth(mesh: &TriMesh, cloth: &Cloth, positions: &[[f32; 4]]) -> [f64; 2] {
+    let mut out = [0.0, f64::INFINITY];
+    for p in positions.iter().zip(cloth.particles()).filter(|x| x.1.exists() && !x.1.is_pinned()).map(|x| x.0) {
+        let p = Vector::new(p[0].into(), p[1].into(), p[2].into());
+        let found = mesh.project_point(&Pose::IDENTITY, p, false);
+        let far = (found.point - p).length();
+        if found.is_inside { out[0] = f64::max(out[0], far) } else { out[1] = f64::min(out[1], far) }
+    }
+    out
+}
+
+#[test]
+fn a_sleeve_stays_outside_of_an_arm_that_swings_and_bends() {
+    let radius = 0.85 * girth();
+    let cloth = sleeve(radius);
+    let mut stepper = Stepper::on_cpu(scene(cloth.clone()), Options::default()).unwrap();
+    assert!(stepper.warnings().is_empty());
+    let (mut nearest, mut deepest) = (f64::INFINITY, Vec::new());
+    for frame in 1..=240 {
+        let matrices = pose(frame as f32 * FRAME as f32);
+        stepper.set_joints(0, &matrices).unwrap();
+        stepper.advance(FRAME).unwrap();
+        let now = stepper.positions(0).unwrap();
+        let [deep, near] = depth(&judge(radius, &matrices), &cloth, now);
+        (nearest, _) = (nearest.min(near), deepest.push(deep));
+        let (starts, members) = cloth.rings();
+        for ring in starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]) {
+            assert!(ring.iter().all(|k| now[*k as usize] == now[ring[0] as usize]), "a seam is open");
+        }
+    }
+    deepest.sort_by(f64::total_cmp);
+    // Between the facets of the arm and its smooth skin are 0.9 % of its radius.
+    assert!(deepest[228] < 1e-3 && deepest[239] < 3e-3, "{:?}", &deepest[220..]);
+    assert!(nearest < 0.004, "the sleeve lies on the arm: {nearest}");
+
+    // Without the surface it would not.
+    let mut bare = cloth.clone();
+    bare.set_body(None).unwrap();
+    let mut stepper = Stepper::on_cpu(scene(bare), Options::default()).unwrap();
+    let mut deep = 0.0f64;
+    for frame in 1..=60 {
+        let matrices = pose(frame as f32 * FRAME as f32);
+        stepper.set_joints(0, &matrices).unwrap();
+        stepper.advance(FRAME).unwrap();
+        deep = deep.max(depth(&judge(radius, &matrices), &cloth, stepper.positions(0).unwrap())[0]);
+    }
+    assert!(deep > 0.01, "{deep}");
+}
+
+#[test]
+fn cloth_that_falls_on_a_body_at_rest_lies_on_it_as_on_a_ball() {
+    let (positions, triangles) = limb(0.2, [0.2, -0.2], 64, 48);
+    let mesh = TriMesh::with_flags(
+        positions.iter().map(|p| Vector::from_array(p.map(f64::from))).collect(),
+        triangles.clone(),
+        TriMeshFlags::ORIENTED,
+    );
+    let mut cloth = Flat { origin: [-0.5, 0.3, -0.5], ..Flat::square("sheet", 33) }.cloth().unwrap();
+    cloth.thickness = Some(THICKNESS);
+    let plain = cloth.clone();
+    cloth.set_body(Some(Arc::new(BodySurface::new(positions, triangles, Vec::new()).unwrap()))).unwrap();
+    let mut stepper = Stepper::on_cpu(scene(cloth.clone()), Options::default()).unwrap();
+    (0..90).for_each(|_| _ = stepper.advance(FRAME).unwrap());
+    let [deep, near] = depth(&mesh.unwrap(), &cloth, stepper.positions(0).unwrap());
+    assert!(deep < 1e-3 && near < 0.004, "{deep}, {near}");
+
+    // Far from a body there is no trace of it: the same bits, but for the numbers of steps that colliders ask for.
+    let options = Options { substeps: Some(8), polish: Some(2), ..Options::default() };
+    let far = |mut cloth: Cloth| {
+        cloth.place(cloth.positions().iter().map(|p| [p[0], p[1] + 50.0, p[2]]).collect()).unwrap();
+        let mut stepper = Stepper::on_cpu(scene(cloth), options.clone()).unwrap();
+        (0..20).for_each(|_| _ = stepper.advance(FRAME).unwrap());
+        stepper.positions(0).unwrap().to_vec()
+    };
+    assert_eq!(far(cloth), far(plain));
+}
+
+#[test]
+fn any_number_of_threads_and_a_saved_state_give_the_same_bits() {
+    let cloth = sleeve(0.85 * girth());
+    let start = |threads| {
+        let mut two = scene(cloth.clone());
+        two.cloths.push(cloth.clone());
+        Stepper::on_cpu(two, Options { threads, ..Options::default() }).unwrap()
+    };
+    let go = |stepper: &mut Stepper, frames: std::ops::RangeInclusive<u32>| {
+        for frame in frames {
+            (0..2).for_each(|cloth| stepper.set_joints(cloth, &pose(frame as f32 * FRAME as f32)).unwrap());
+            stepper.advance(FRAME).unwrap();
+        }
+    };
+    let mut one = start(1);
+    go(&mut one, 1..=40);
+    let mut many = start(3);
+    go(&mut many, 1..=40);
+    assert_eq!(one.positions(1), many.positions(1));
+
+    let saved = one.snapshot().unwrap();
+    let mut other = start(1);
+    other.restore(&saved).unwrap();
+    (0..2).for_each(|cloth| other.teleport_joints(cloth, &pose(40.0 * FRAME as f32)).unwrap());
+    go(&mut one, 41..=80);
+    go(&mut other, 41..=80);
+    assert_eq!(one.positions(0), other.positions(0));
+    assert_ne!(one.positions(0), many.positions(0));
+}
+
+#[test]
+fn a_cloth_on_a_surface_meets_no_collider_that_stands_for_the_body() {
+    let cloth = sleeve(0.5 * girth());
+    let floor = |groups| Collider { collision_groups: groups, ..Collider::new(Shape::HalfSpace, [0.0, -0.3, 0.0]) };
+    let end = |cloth: Cloth, groups| {
+        let mut scene = scene(cloth);
+        scene.colliders.push(floor(groups));
+        let mut stepper = Stepper::on_cpu(scene, Options { substeps: Some(8), ..Options::default() }).unwrap();
+        (0..30).for_each(|_| _ = stepper.advance(FRAME).unwrap());
+        stepper.positions(0).unwrap().iter().fold(f32::INFINITY, |low, p| low.min(p[1]))
+    };
+    let mut bare = cloth.clone();
+    bare.set_body(None).unwrap();
+    assert!(end(cloth.clone(), BODY_GROUP) < -0.32, "the surface is met in place of it");
+    assert!(end(cloth, u32::MAX) > -0.31 && end(bare, BODY_GROUP) > -0.31, "others are met");
+}
+
+#[test]
+fn what_does_not_collide_with_surfaces_says_so() {
+    let cloth = sleeve(0.8 * girth());
+    let left_out = |stepper: &Stepper| {
+        let found = stepper.warnings().iter().any(|w| matches!(w, Warning::BodyLeftOut { .. }));
+        assert_eq!(found, stepper.scene().cloths[0].body().is_none());
+        found
+    };
+    assert!(!left_out(&Stepper::on_cpu(scene(cloth.clone()), Options::default()).unwrap()));
+    let mut still = cloth.clone();
+    still.set_skin(vec![SkinJoint::default(); 2], &vec![influence(&[0.0; 3]); cloth.len()]).unwrap();
+    let classic = Options { solver: Solver::Classic, ..Options::default() };
+    assert!(left_out(&Stepper::on_cpu(scene(still.clone()), classic).unwrap()));
+    let Some(device) = support::device() else { return };
+    let mut rig = Rig::gpu(scene(cloth.clone()), &Options::default(), &device);
+    assert!(left_out(&rig.stepper));
+    let added = rig.stepper.add_cloth(cloth).unwrap();
+    assert!(rig.stepper.scene().cloths[1].body().is_none());
+    assert_eq!(rig.stepper.warnings().len(), 2);
+    rig.stepper.remove_cloth(added).unwrap();
+}
+
+#[test]
+fn surfaces_that_break_a_rule_are_refused() {
+    let (positions, triangles) = limb(0.1, [0.2, -0.2], 8, 8);
+    let refused = |positions: &[[f32; 3]], triangles: &[[u32; 3]], influences: Vec<Influence>| {
+        let made = BodySurface::new(positions.to_vec(), triangles.to_vec(), influences);
+        assert!(matches!(made, Err(Error::Surface { .. })), "{made:?}");
+    };
+    let mut bad = positions.clone();
+    bad[3][1] = f32::NAN;
+    refused(&bad, &triangles, Vec::new());
+    refused(&positions, &[[0, 1, 9999]], Vec::new());
+    refused(&positions, &[[0, 0, 1]], Vec::new());
+    refused(&positions, &triangles, vec![Influence::default(); 3]);
+    refused(&positions, &triangles, vec![Influence::default(); positions.len()]);
+    let one = Influence { joints: [5, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] };
+    let surface = BodySurface::new(positions.clone(), triangles, vec![one; positions.len()]).unwrap();
+    assert_eq!((surface.vertices(), surface.triangles().len()), (66, 8 * 7 * 2 + 16));
+    let mut cloth = sleeve(0.5 * girth());
+    assert!(matches!(cloth.set_body(Some(Arc::new(surface))), Err(Error::Surface { index: 5, .. })));
+    assert!(cloth.body().is_some(), "it keeps what it had");
+}
