@@ -194,6 +194,11 @@ impl<T: Real> Body<T> {
         self.fabric.as_mut().map_or(Vec::new(), |fabric| fabric.meet(shadows, own))
     }
 
+    /// Takes in where the particles that it found in other cloths are now.
+    pub(crate) fn follow_others(&mut self, shadows: &[Option<Shadow<T>>], own: usize) {
+        self.fabric.iter_mut().for_each(|fabric| fabric.follow_others(shadows, own));
+    }
+
     /// Searches contact afresh in the next step, as cloth does that a state was loaded into.
     pub(crate) fn forget_contact(&mut self) {
         self.fabric.iter_mut().for_each(|fabric| fabric.forget_contact());

@@ -333,6 +333,11 @@ impl<T: Real> Fabric<T> {
         self.meeting.as_mut().map_or(Vec::new(), |meeting| meeting.meet(shadows, own))
     }
 
+    /// Takes in where particles of other cloths that it may meet are now.
+    pub fn follow_others(&mut self, shadows: &[Option<Shadow<T>>], own: usize) {
+        self.meeting.iter_mut().for_each(|meeting| meeting.follow(shadows, own));
+    }
+
     /// Searches contact afresh in the next step.
     pub fn forget_contact(&mut self) {
         self.meeting.iter_mut().for_each(Meeting::forget);

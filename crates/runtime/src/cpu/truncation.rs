@@ -1,9 +1,10 @@
 //! Contact that no triangle crosses: after each step points are held back on their way so that no two features of the surface meet.
 //!
-//! A search finds all features (vertex and triangle, edge and edge) that can meet while no point moves farther than its reach, and gives
-//! the points of each pair half-spaces that keep them apart ([`planes`]). A step ends where each point is in all of its half-spaces and
-//! within its reach; a point that has used up its reach makes a new search, from where all points are. In exact arithmetic and in f32 the
-//! result never crosses if the start does not: a position counts only after it has been rounded.
+//! A search expects each point to go on as in the last step, its drift. It finds all features (vertex and triangle, edge and edge) that can
+//! meet while no point is farther from where its drift takes it than its reach, and gives the points of each pair half-spaces that keep them
+//! apart ([`planes`]). A step ends where each point is in all of its half-spaces and within its reach; a point that cannot be there makes a
+//! new search, from where all points are. Features that are not among the pairs have at each time a distance of more than both reaches. In
+//! exact arithmetic and in f32 the result never crosses if the start does not: a position counts only after it has been rounded.
 //!
 //! Points do not wait for one another, so their order does not matter. A. Chen et al., "Offset Geometric Contact", 2025, bound steps by
 //! half the distance instead; half-spaces leave motion along the surface free (arXiv 2604.15513).
@@ -24,13 +25,16 @@ use spread::Spread;
 use surface::Surface;
 
 use crate::memory::Tally;
-use crate::number::real::{V3, add, dot, sub};
+use crate::number::real::{V3, add, dot, scale, sub};
 
 /// The least and the largest reach of a point, as shares of the distance of neighbours.
-const MIN_REACH: f64 = 0.04;
-const MAX_REACH: f64 = 0.3;
-/// Steps of the present speed that a point may go until the next search.
-const STEPS_AHEAD: f64 = 6.0;
+const MIN_REACH: f64 = 0.1;
+const MAX_REACH: f64 = 0.2;
+/// The fewest and the most steps that a search is made for, if points go on as they do: twice as many as the last search held.
+const MIN_AHEAD: u32 = 2;
+const MAX_AHEAD: u32 = 8;
+/// The most of cloth so slow that it goes no farther than [`MAX_REACH`] in them.
+const MAX_AHEAD_AT_REST: u32 = 64;
 /// Least gap of features, as a share of the distance of neighbours.
 const FLOOR_SHARE: f64 = 0.01;
 /// Rounding of a position, over its largest coordinate: some units in the last place of f32.
@@ -40,6 +44,8 @@ const MAX_SEARCHES: usize = 32;
 
 /// Steps that half-spaces hold at least, where no point has used up its reach: a point that they hold back waits for so long.
 const HELD_STEPS: u32 = 3;
+/// Searches in a step in which points that cannot go on as they do are let go on as they can, one after the other.
+const MAX_TRIES: usize = 3;
 
 /// What became of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,6 +54,8 @@ pub struct Outcome {
     pub forced: usize,
     /// Points that are slower than they should be, as they would have had to pass more than [`MAX_SEARCHES`] times their reach.
     pub slowed: usize,
+    /// Points that half-spaces held back.
+    pub held: usize,
     /// Searches.
     pub searches: usize,
 }
@@ -62,6 +70,12 @@ pub struct Truncation {
     pub want: Vec<V3<f64>>,
     /// Whether a point may be held back.
     pub free: Vec<bool>,
+    /// The way \[m\] of each point in the last step, and in each step from the last search on as that expects it.
+    pace: Vec<V3<f64>>,
+    drift: Vec<V3<f64>>,
+    /// Where the cut of a step puts points, and whether a point cannot go on as it did.
+    next: Vec<V3<f64>>,
+    stuck: Vec<bool>,
     /// Where points were in the last search, and how far they may be from there.
     at: Vec<V3<f64>>,
     reach: Vec<f64>,
@@ -71,8 +85,13 @@ pub struct Truncation {
     spacing: f64,
     floor: f64,
     due: bool,
-    /// Steps since the last search.
+    /// Steps from the last search on, and how many it holds at most.
     age: u32,
+    ahead: u32,
+    /// For each point, and for a gap.
+    ways: Vec<Way>,
+    /// For each cell how its points drift.
+    drifts: Vec<Drift>,
 }
 
 impl Truncation {
@@ -85,6 +104,10 @@ impl Truncation {
             last: vec![[0.0; 3]; count],
             want: vec![[0.0; 3]; count],
             free: vec![true; count],
+            pace: vec![[0.0; 3]; count],
+            drift: Vec::new(),
+            next: Vec::new(),
+            stuck: vec![false; count],
             at: Vec::new(),
             reach: Vec::new(),
             even: vec![false; surface.corners.len()],
@@ -92,54 +115,86 @@ impl Truncation {
             spacing,
             floor: FLOOR_SHARE * spacing,
             due: true,
-            age: 0,
+            age: MAX_AHEAD,
+            ahead: MAX_AHEAD,
+            ways: Vec::new(),
+            drifts: Vec::new(),
         }
     }
 
     /// Counts its lists.
     pub fn tally(&self, tally: &mut Tally) {
-        [&self.last, &self.want, &self.at].into_iter().for_each(|list| tally.state(list));
+        let lists = [&self.last, &self.want, &self.next, &self.at, &self.pace, &self.drift];
+        lists.into_iter().for_each(|list| tally.state(list));
         tally.state(&self.reach);
+        tally.state(&self.ways);
+        tally.state(&self.drifts);
+        tally.state(&self.boxes.spreads);
         tally.state(&self.boxes.bounds);
         self.surface.tally(tally);
         self.planes.tally(tally);
     }
 
-    /// The next step searches.
+    /// The next step searches, and knows of no step before.
     pub fn forget(&mut self) {
-        self.due = true;
+        (self.due, self.age) = (true, MAX_AHEAD);
+        self.pace.fill([0.0; 3]);
     }
 
     /// Takes all points from where they are to where they want to be, as far as they may go.
     pub fn step(&mut self) -> Outcome {
         let mut outcome = Outcome::default();
+        let start = self.last.clone();
+        self.advance(&mut outcome);
+        let each = self.pace.iter_mut().zip(&self.last).zip(&start);
+        each.for_each(|((pace, now), was)| *pace = sub(*now, *was));
+        outcome
+    }
+
+    fn advance(&mut self, outcome: &mut Outcome) {
         self.age += 1;
-        if self.due || self.pins_leave() {
-            self.search(&mut outcome);
+        self.stuck.fill(false);
+        let mut fresh = self.due || self.age > self.ahead || self.pins_leave();
+        if fresh {
+            self.search(outcome, true);
         }
         loop {
             let cut = self.cut();
-            (outcome.forced, outcome.slowed) = (cut.forced, cut.short);
-            let stale = cut.held > 0 && self.age >= HELD_STEPS;
-            if !(cut.short > 0 || stale) || outcome.searches == MAX_SEARCHES {
-                return outcome;
+            let stale = cut.held > 0 && self.age >= HELD_STEPS && !fresh;
+            if cut.stuck > 0 || ((cut.short > 0 || stale) && !fresh) {
+                // From where the step began, with the pace of points as it is now.
+                self.search(outcome, outcome.searches < MAX_TRIES);
+                fresh = true;
+                continue;
             }
-            self.search(&mut outcome);
+            std::mem::swap(&mut self.last, &mut self.next);
+            (outcome.forced, outcome.slowed) = (outcome.forced.max(cut.forced), cut.short);
+            outcome.held = cut.held;
+            if cut.short == 0 || outcome.searches >= MAX_SEARCHES {
+                return;
+            }
+            // On from here, as far as points go with a reach around where they are.
+            self.search(outcome, false);
         }
     }
 
-    /// Finds what points may meet from where they are.
-    fn search(&mut self, outcome: &mut Outcome) {
+    /// Finds what points may meet from where they are: if each goes on as in the last step, or else if they stay there.
+    fn search(&mut self, outcome: &mut Outcome, goes_on: bool) {
         outcome.searches += 1;
-        (self.due, self.age) = (false, 0);
+        // A step that goes on from a search of its own says nothing about how long one holds.
+        if goes_on {
+            let most = self.slow_steps().clamp(MAX_AHEAD, MAX_AHEAD_AT_REST);
+            self.ahead = (2 * self.age).saturating_sub(2).clamp(MIN_AHEAD, most);
+        }
+        (self.due, self.age) = (false, 1);
         self.at.clone_from(&self.last);
         let far = self.at.iter().flatten().filter(|x| x.is_finite()).fold(0.0f64, |far, x| far.max(x.abs()));
         self.floor = (FLOOR_SHARE * self.spacing).max(8.0 * ROUNDING * far);
-        self.find_reach();
+        self.find_reach(goes_on);
         self.bound();
         self.planes.clear();
-        let Truncation { surface, boxes, planes, want, free, at, reach, even, floor, .. } = self;
-        let points = Points { at, want, free, floor: *floor };
+        let Truncation { surface, boxes, planes, want, free, drift, drifts, at, reach, even, floor, ahead, .. } = self;
+        let points = Points { at, want, free, drift, reach, floor: *floor, ahead: f64::from(*ahead) };
         boxes.pairs(|pair| {
             let near = pair.apart.and_then(|apart| flat::shared(&surface.patches[pair.patch], pair.cells[0], apart));
             let skip = near.is_some_and(|[i, j]| {
@@ -147,144 +202,158 @@ impl Truncation {
                 even[patch.first + j * patch.width + i]
             });
             if !skip {
-                compare((surface, &boxes.bounds), planes, (&points, reach), &pair);
+                let near = points.floor + drifts[pair.cells[0]].near(&drifts[pair.cells[1]], points.ahead);
+                compare((surface, &boxes.bounds), planes, &points, &pair, near);
             }
         });
         self.planes.arrange(self.at.len());
     }
 
+    /// Steps in which no point goes farther than the largest reach, if all go on as they do.
+    fn slow_steps(&self) -> u32 {
+        let fastest = self.pace.iter().map(|pace| dot(*pace, *pace)).fold(0.0, f64::max).sqrt();
+        (MAX_REACH * self.spacing / fastest.max(f64::MIN_POSITIVE)).min(f64::from(MAX_AHEAD_AT_REST)) as u32
+    }
+
     /// How far points may go until the next search.
-    fn find_reach(&mut self) {
+    fn find_reach(&mut self, goes_on: bool) {
         let [least, most] = [MIN_REACH, MAX_REACH].map(|share| share * self.spacing);
-        let each = self.at.iter().zip(&self.want).zip(&self.free);
+        self.drift.clear();
+        let each = self.pace.iter().zip(&self.stuck);
+        self.drift.extend(each.map(|(pace, stuck)| {
+            let goes = goes_on && !stuck && pace.iter().all(|x| x.is_finite());
+            if goes { *pace } else { [0.0; 3] }
+        }));
+        let each = self.at.iter().zip(&self.want).zip(&self.free).zip(&self.drift);
         self.reach.clear();
-        self.reach.extend(each.map(|((at, want), free)| {
-            let way = sub(*want, *at);
+        self.reach.extend(each.map(|(((at, want), free), drift)| {
+            let way = sub(sub(*want, *at), *drift);
             let step = dot(way, way).sqrt();
             let step = if step.is_finite() { step } else { 0.0 };
-            let ahead = (STEPS_AHEAD * step).clamp(least, most);
+            let ahead = (f64::from(self.ahead) * step).clamp(least, most);
             if *free { ahead } else { ahead.max(1.01 * step) }
         }));
     }
 
     /// Makes the boxes of cells, and finds where cloth is even.
     fn bound(&mut self) {
-        for patch in &self.surface.patches {
-            let of = |cell: usize| {
-                let point = *self.surface.corners.get(cell)? as usize;
-                Some((*self.at.get(point)?, self.reach[point]))
-            };
-            for n in 0..patch.width * patch.height {
-                let (i, j, cell) = (n % patch.width, n / patch.width, patch.first + n);
-                self.boxes.bounds[cell] = Bound::NONE;
-                self.even[cell] = false;
-                if !self.surface.triangles(cell).is_empty() {
-                    let corners = [cell, cell + 1, cell + patch.width, cell + patch.width + 1];
-                    self.boxes.bounds[cell] = around(corners.into_iter().filter_map(of), self.floor);
+        let Truncation { surface, boxes, even, at, reach, drift, floor, ways, drifts, ahead, .. } = self;
+        let far = f64::from(*ahead);
+        ways.clear();
+        let each = at.iter().zip(&*drift).zip(&*reach);
+        ways.extend(each.map(|((p, drift), reach)| Way { from: *p, to: add(*p, scale(*drift, far)), reach: *reach }));
+        // Comparisons with NaN are false: nothing is even beside a gap.
+        ways.push(Way { from: [f64::NAN; 3], to: [f64::NAN; 3], reach: 0.0 });
+        let gap = at.len();
+        let of = |cell: usize| ways[(surface.corners[cell] as usize).min(gap)];
+        drifts.resize(surface.corners.len(), Drift::default());
+        for patch in &surface.patches {
+            let (width, height) = (patch.width, patch.height);
+            for j in 1..height.saturating_sub(1) {
+                for i in 1..width.saturating_sub(1) {
+                    even[patch.first + j * width + i] = flat::is_even(patch, [i, j], *floor, of);
                 }
-                if (1..patch.width - 1).contains(&i) && (1..patch.height - 1).contains(&j) {
-                    self.even[cell] = flat::is_even(patch, [i, j], self.floor, of);
+            }
+            for j in 0..height {
+                for i in 0..width {
+                    let cell = patch.first + j * width + i;
+                    // A cell without a triangle meets nothing.
+                    (boxes.bounds[cell], boxes.spreads[cell]) = (Bound::NONE, Spread::NONE);
+                    if i + 1 == width || j + 1 == height {
+                        continue;
+                    }
+                    let corners = [cell, cell + 1, cell + width, cell + width + 1].map(of);
+                    let triangles = surface.triangles(cell).len();
+                    let whole = triangles == 2 && spread::is_even(patch, even, i, j);
+                    // A way along edges must not cross a gap.
+                    boxes.spreads[cell] = if whole { Spread::of(corners) } else { Spread::WIDE };
+                    if triangles > 0 {
+                        boxes.bounds[cell] = around(corners.iter().filter(|way| way.from[0].is_finite()), *floor);
+                        drifts[cell] = Drift::of(corners, far);
+                    }
                 }
             }
         }
-        for patch in &self.surface.patches {
-            let of = |cell: usize| {
-                let point = *self.surface.corners.get(cell)? as usize;
-                Some((*self.at.get(point)?, self.reach[point]))
-            };
-            for n in 0..patch.width * patch.height {
-                let (i, j, cell) = (n % patch.width, n / patch.width, patch.first + n);
-                // Past the last quads there is nothing to meet.
-                self.boxes.spreads[cell] = Spread::NONE;
-                if i + 1 < patch.width && j + 1 < patch.height {
-                    let corners = [cell, cell + 1, cell + patch.width, cell + patch.width + 1].map(of);
-                    let whole = self.surface.triangles(cell).len() == 2 && spread::is_even(patch, &self.even, i, j);
-                    self.boxes.spreads[cell] = match corners {
-                        [Some(a), Some(b), Some(c), Some(d)] if whole => Spread::of([a, b, c, d]),
-                        _ => Spread::WIDE,
-                    };
-                }
-            }
-        }
-        self.boxes.floor = self.floor as f32;
-        self.boxes.refit();
+        boxes.floor = *floor as f32;
+        boxes.refit();
     }
 }
 
-/// The box around points with their reach and half of the least gap.
-fn around(points: impl Iterator<Item = (V3<f64>, f64)>, floor: f64) -> Bound {
+/// Where a point is, where its drift takes it until the next search, and how far it may be from there.
+#[derive(Clone, Copy)]
+struct Way {
+    from: V3<f64>,
+    to: V3<f64>,
+    reach: f64,
+}
+
+/// The drifts of a cell's points: a mean, how far they are off it, and the largest reach \[m\].
+#[derive(Clone, Copy, Default)]
+struct Drift {
+    mean: V3<f64>,
+    off: f64,
+    reach: f64,
+}
+
+impl Drift {
+    fn of(corners: [Way; 4], ahead: f64) -> Self {
+        let there = || corners.iter().filter(|way| way.from[0].is_finite());
+        let drift = |way: &Way| scale(sub(way.to, way.from), 1.0 / ahead);
+        let mean = scale(there().map(drift).fold([0.0; 3], add), 0.25);
+        let off = there().map(|way| sub(drift(way), mean)).map(|d| dot(d, d)).fold(0.0, f64::max).sqrt();
+        Drift { mean, off, reach: there().map(|way| way.reach).fold(0.0, f64::max) }
+    }
+
+    /// By how much features of two cells can come nearer until the next search, at most.
+    fn near(&self, other: &Self, ahead: f64) -> f64 {
+        let apart = sub(self.mean, other.mean);
+        // With room for rounding.
+        self.reach + other.reach + 1.000001 * ahead * (dot(apart, apart).sqrt() + self.off + other.off)
+    }
+}
+
+/// The box around the ways of points with their reach and half of the least gap.
+fn around<'a>(points: impl Iterator<Item = &'a Way>, floor: f64) -> Bound {
     let (mut bound, mut reach) = (Bound::NONE, 0.0f64);
-    for (p, own) in points {
-        reach = reach.max(own);
-        let p = p.map(|x| x as f32);
-        bound = bound.with(&Bound { low: p, high: p });
+    for way in points {
+        reach = reach.max(way.reach);
+        for p in [way.from, way.to] {
+            let p = p.map(|x| x as f32);
+            bound = bound.with(&Bound { low: p, high: p });
+        }
     }
     // Half of the floor would do; positions are f32, and the sum is rounded.
     let wide = (reach + floor) as f32;
     Bound { low: bound.low.map(|x| x - wide), high: bound.high.map(|x| x + wide) }
 }
 
-/// Finds the pairs of features of two cells.
-fn compare(
-    (surface, bounds): (&Surface, &[Bound]),
-    planes: &mut Planes,
-    (points, reach): (&Points, &mut [f64]),
-    pair: &CellPair,
-) {
+/// Finds the pairs of features of two cells, which are not farther apart than `near` \[m\].
+fn compare((surface, bounds): (&Surface, &[Bound]), planes: &mut Planes, points: &Points, pair: &CellPair, near: f64) {
     let [a, b] = pair.cells;
     let at = |k: u32| points.at[k as usize];
-    // A feature without its reach, which the box of the other cell has: that of a cell holds the reach of all its points.
-    let meets = |list: &[u32], cell: usize, reach: &[f64]| {
-        let own = list.iter().map(|k| (at(*k), reach[*k as usize]));
-        around(own, points.floor).meets(&bounds[cell])
-    };
     for (one, other) in [(a, b), (b, a)].into_iter().take(if a == b { 1 } else { 2 }) {
         for vertex in surface.vertices(one) {
-            if !meets(&[*vertex], other, reach) {
+            if !points.box_of(&[*vertex]).meets(&bounds[other]) {
                 continue;
             }
             for triangle in surface.triangles(other).iter().filter(|t| !t.contains(vertex)) {
-                if meets_feature(points, reach, &[*vertex], triangle) {
+                if points.may_meet(&[*vertex], triangle, near) {
                     let way = closest::to_triangle(at(*vertex), triangle.map(at));
-                    planes.separate(points, reach, (&[*vertex], triangle), way);
+                    planes.separate(points, (&[*vertex], triangle), way);
                 }
             }
         }
     }
     for (n, edge) in surface.edges(a).iter().enumerate() {
-        if a != b && !meets(edge, b, reach) {
+        if a != b && !points.box_of(edge).meets(&bounds[b]) {
             continue;
         }
         let others = if a == b { &surface.edges(b)[n + 1..] } else { surface.edges(b) };
         for other in others.iter().filter(|other| !other.contains(&edge[0]) && !other.contains(&edge[1])) {
-            if meets_feature(points, reach, edge, other) {
+            if points.may_meet(edge, other, near) {
                 let way = closest::to_edge(edge.map(at), other.map(at));
-                planes.separate(points, reach, (edge, other), way);
+                planes.separate(points, (edge, other), way);
             }
         }
     }
-}
-
-/// Whether the boxes of two features are near enough.
-#[inline]
-fn meets_feature(points: &Points, reach: &[f64], a: &[u32], b: &[u32]) -> bool {
-    let extent = |list: &[u32]| {
-        let (mut low, mut high, mut far) = ([f64::MAX; 3], [-f64::MAX; 3], 0.0f64);
-        for k in list {
-            let p = points.at[*k as usize];
-            far = far.max(reach[*k as usize]);
-            for c in 0..3 {
-                (low[c], high[c]) = (low[c].min(p[c]), high[c].max(p[c]));
-            }
-        }
-        (low, high, far)
-    };
-    let ((low, high, far), (lower, higher, further)) = (extent(a), extent(b));
-    let near = far + further + points.floor;
-    (0..3).all(|c| low[c] - higher[c] <= near && lower[c] - high[c] <= near)
-}
-
-/// A point on the way, 0 at its beginning.
-fn along(from: V3<f64>, to: V3<f64>, share: f64) -> V3<f64> {
-    add(from, sub(to, from).map(|x| x * share))
 }

@@ -89,6 +89,9 @@ impl World {
             let sight = self.sight(index, (body.now(), body.before()), met, seconds);
             watchdog.cross(&sight, &watch.passings);
             crossed.iter().filter(|(cloth, _)| *cloth == index).for_each(|(_, fate)| watchdog.find(&sight, *fate));
+            if let Some(fate) = self.squeezed(index, body.now(), met) {
+                watchdog.find(&sight, fate);
+            }
             if due && watchdog.knows(index, sight.time) {
                 watchdog.examine(&sight);
             }

@@ -8,6 +8,7 @@ use crate::cpu::rows::Threads;
 use crate::limits::Warning;
 use crate::number::real::Real;
 use crate::options::Solver;
+use crate::passes::SEARCH_STEPS;
 
 /// A cloth that other cloths may touch.
 struct Neighbour<'a, T: Real> {
@@ -18,8 +19,8 @@ struct Neighbour<'a, T: Real> {
     struck: Vec<usize>,
 }
 
-/// Steps from one search for particles of other cloths to the next.
-const MEETING_STEPS: u32 = 2;
+/// Steps after which cloths take in where particles of others are that they have found.
+const FOLLOW_STEPS: u32 = 2;
 
 impl World {
     /// Whether each cloth makes every step together with others: cloths that touch one another, and cloth whose contact is safe.
@@ -43,7 +44,7 @@ impl World {
         }
         // Cloth that wakes may wake more. Boxes are those of a whole frame, so that it wakes in time.
         loop {
-            let struck = self.meet_once(bodies, threads, (steps, self.control.clock.dt_old));
+            let struck = self.meet_once(bodies, threads, (steps, self.control.clock.dt_old), true);
             if struck.is_empty() {
                 return;
             }
@@ -54,18 +55,26 @@ impl World {
     /// The same before step `n`, from where the cloths are then.
     pub(super) fn meet_again<T: Real>(&self, bodies: &mut [Body<T>], threads: &Threads, n: u32, steps: u32) {
         let touches = self.scene.cloths.iter().filter(|cloth| cloth.contact.is_some()).count();
-        if n == 0 || touches < 2 || !n.is_multiple_of(MEETING_STEPS) {
+        if n == 0 || touches < 2 || !n.is_multiple_of(FOLLOW_STEPS) {
             return;
         }
         let awake = |(index, _): &(usize, &mut Body<T>)| {
             !self.runs[*index].asleep && self.scene.cloths[*index].contact.is_some()
         };
         bodies.iter_mut().enumerate().filter(awake).for_each(|(_, body)| body.show());
-        self.meet_once(bodies, threads, (MEETING_STEPS.min(steps - n), self.control.clock.dt));
+        let searches = n.is_multiple_of(SEARCH_STEPS);
+        let ahead = if searches { SEARCH_STEPS } else { FOLLOW_STEPS };
+        self.meet_once(bodies, threads, (ahead.min(steps - n), self.control.clock.dt), searches);
     }
 
-    /// One search for `steps` steps, the last step being one of `dt` \[s\]; returns the cloths that are asleep and wake.
-    fn meet_once<T: Real>(&self, bodies: &mut [Body<T>], threads: &Threads, (steps, dt): (u32, f64)) -> Vec<usize> {
+    /// One search for `steps` steps, or a look at what was found; the last step was one of `dt` \[s\]. Returns the cloths that are asleep and wake.
+    fn meet_once<T: Real>(
+        &self,
+        bodies: &mut [Body<T>],
+        threads: &Threads,
+        (steps, dt): (u32, f64),
+        searches: bool,
+    ) -> Vec<usize> {
         let clock = &self.control.clock;
         let length = T::of(f64::from(steps) * clock.dt);
         let speed = self.control.options.sleep.map_or(f64::INFINITY, |sleep| sleep.speed);
@@ -79,7 +88,12 @@ impl World {
         });
         let shadows: Vec<Option<Shadow<T>>> = all.iter_mut().map(|n| n.shadow.take()).collect();
         threads.each(&mut all, particles, |n| {
-            if !self.runs[n.index].asleep {
+            if self.runs[n.index].asleep {
+                return;
+            }
+            if !searches {
+                n.body.follow_others(&shadows, n.index);
+            } else {
                 n.struck = n.body.meet(&shadows, n.index);
             }
         });

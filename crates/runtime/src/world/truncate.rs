@@ -2,6 +2,7 @@
 
 use super::World;
 use crate::cloth::{Cloth, ContactTier};
+use crate::collider::solid::Solid;
 use crate::cpu::body::Body;
 use crate::cpu::fabric::seam_steps::Member;
 use crate::cpu::truncation::surface::{Source, Surface, Texel};
@@ -9,9 +10,13 @@ use crate::cpu::truncation::{Outcome, Truncation};
 use crate::crossings::{self, Drawn};
 use crate::findings::Fate;
 use crate::handle::ClothHandle;
+use crate::health::depths;
 use crate::memory::Tally;
 use crate::number::real::{Real, V3};
 use crate::options::Solver;
+
+/// Depth in colliders that is reported, as a share of the contact distance.
+const SQUEEZED_SHARE: f64 = 0.25;
 
 /// What the surface is made of; another one is needed where this changes.
 type Key = Vec<(ClothHandle, usize, u32)>;
@@ -92,6 +97,7 @@ impl World {
         let outcome = safe.truncation.step();
         safe.outcome.forced = safe.outcome.forced.max(outcome.forced);
         safe.outcome.slowed = safe.outcome.slowed.max(outcome.slowed);
+        safe.outcome.held = safe.outcome.held.max(outcome.held);
         safe.outcome.searches += outcome.searches;
         safe.write(bodies);
     }
@@ -109,6 +115,17 @@ impl World {
             found.push((*cloth, Fate::Slowed { particles: slowed }));
         }
         found
+    }
+
+    /// How deep \[m\] a cloth is inside its colliders, where contact has held particles back and this is more than a share of its contact distance.
+    pub(super) fn squeezed<T: Real>(&self, index: usize, now: &[[T; 4]], solids: &[Solid<T>]) -> Option<Fate> {
+        let cloth = &self.scene.cloths[index];
+        if !is_safe(cloth) || solids.is_empty() || self.safe.as_ref()?.outcome.held == 0 {
+            return None;
+        }
+        let allowed = SQUEEZED_SHARE * f64::from(cloth.contact_distance(self.control.options.thickness));
+        let depth = depths(now, solids, 0.0).into_iter().fold(0.0, f64::max);
+        (depth > allowed).then_some(Fate::Squeezed { depth })
     }
 
     /// The crossings of some cloths, with one of these.

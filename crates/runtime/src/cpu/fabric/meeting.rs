@@ -97,6 +97,12 @@ impl<T: Real> Meeting<T> {
         struck
     }
 
+    /// Takes in where those particles are now, in the middle of a frame.
+    pub fn follow(&mut self, shadows: &[Option<Shadow<T>>], own: usize) {
+        others::follow(self, shadows, own);
+        self.elapsed = T::of(0.0);
+    }
+
     /// Keeps the memory of its shadow.
     pub fn keep(&mut self, shadow: Shadow<T>) {
         self.shadow = Some(shadow);

@@ -1,8 +1,8 @@
 //! Holds points back: each ends in all of its half-spaces and within its reach, as near to where it wants to be as they let it.
 
 use super::planes::HalfSpace;
-use super::{ROUNDING, Truncation, along};
-use crate::number::real::{V3, dot, scale, sub};
+use super::{ROUNDING, Truncation};
+use crate::number::real::{V3, add, dot, scale, sub};
 
 /// Rounds of projection onto half-spaces, one after the other.
 const ROUNDS: usize = 4;
@@ -18,11 +18,14 @@ pub struct Cut {
     pub short: usize,
     /// Pins that left their half-spaces or their reach.
     pub forced: usize,
+    /// Points that can neither go on as they did nor stay.
+    pub stuck: usize,
 }
 
-/// The room of a point.
+/// The room of a point in a step.
 struct Room<'a> {
     planes: &'a [HalfSpace],
+    /// Where its drift has taken it.
     at: V3<f64>,
     reach: f64,
 }
@@ -52,7 +55,7 @@ impl Room<'_> {
             let way = sub(p, self.at);
             let far2 = dot(way, way);
             if far2 > self.reach * self.reach {
-                p = along(self.at, p, (self.reach - slop).max(0.0) / far2.sqrt());
+                p = toward(self.at, p, (self.reach - slop).max(0.0) / far2.sqrt());
                 moved = true;
             }
             if !moved {
@@ -62,48 +65,56 @@ impl Room<'_> {
         p
     }
 
-    /// The last position on the way from `from`, which the room has, that the room has too, as f32 has it.
-    fn clip(&self, from: V3<f64>, to: V3<f64>, slop: f64) -> V3<f64> {
+    /// The position nearest to `to` on the way from `from` that the room has, as f32 has it; none if it has no such position.
+    fn clip(&self, from: V3<f64>, to: V3<f64>, slop: f64) -> Option<V3<f64>> {
         let rounded = |p: V3<f64>| p.map(|x| f64::from(x as f32));
         if self.has(rounded(to)) {
-            return rounded(to);
+            return Some(rounded(to));
         }
         let mut share = 1.0f64;
         for plane in self.planes {
             let (begin, end) = (dot(plane.normal, from), dot(plane.normal, to));
-            if end > plane.most - slop {
+            if end > plane.most - slop && end > begin {
                 share = share.min(((plane.most - slop - begin) / (end - begin)).max(0.0));
             }
         }
         for _ in 0..HALVINGS {
-            let p = rounded(along(from, to, share));
+            let p = rounded(toward(from, to, share));
             if self.has(p) {
-                return p;
+                return Some(p);
             }
             share *= 0.5;
         }
-        from
+        self.has(from).then_some(from)
     }
 }
 
+/// A point on a way, 0 at its beginning.
+fn toward(from: V3<f64>, to: V3<f64>, share: f64) -> V3<f64> {
+    add(from, scale(sub(to, from), share))
+}
+
 impl Truncation {
-    /// Moves all points towards where they want to be.
+    /// Finds where all points can be that is nearest to where they want to be; `next` has that, unless one is stuck.
     pub(super) fn cut(&mut self) -> Cut {
         let mut cut = Cut::default();
+        self.next.clone_from(&self.want);
         for k in 0..self.last.len() {
             let (from, want) = (self.last[k], self.want[k]);
-            let room = Room { planes: self.planes.of(k), at: self.at[k], reach: self.reach[k] };
+            let room = self.room(k);
             if room.has(want) || !want.iter().all(|x| x.is_finite()) {
-                self.last[k] = want;
                 continue;
             }
             if !self.free[k] {
                 cut.forced += 1;
-                self.last[k] = want;
                 continue;
             }
             let slop = ROUNDING * from.iter().chain(&want).fold(0.0f64, |far, x| far.max(x.abs()));
-            let to = room.clip(from, room.project(want, slop), slop);
+            let Some(to) = room.clip(from, room.project(want, slop), slop) else {
+                cut.stuck += 1;
+                self.stuck[k] = true;
+                continue;
+            };
             if room.is_within_reach(want) {
                 cut.held += 1;
             } else {
@@ -115,16 +126,20 @@ impl Truncation {
                     .any(|plane| dot(plane.normal, to) > plane.most - 4.0 * slop && dot(plane.normal, rest) > 0.0);
                 if ahead { cut.held += 1 } else { cut.short += 1 }
             }
-            self.last[k] = to;
+            self.next[k] = to;
         }
         cut
     }
 
+    fn room(&self, k: usize) -> Room<'_> {
+        let drift = scale(self.drift[k], f64::from(self.age));
+        Room { planes: self.planes.of(k), at: add(self.at[k], drift), reach: self.reach[k] }
+    }
+
     /// Whether a pin goes where the last search does not allow it.
     pub(super) fn pins_leave(&self) -> bool {
-        (0..self.last.len()).filter(|k| !self.free[*k] && self.want[*k] != self.last[*k]).any(|k| {
-            let room = Room { planes: self.planes.of(k), at: self.at[k], reach: self.reach[k] };
-            !room.has(self.want[k])
-        })
+        (0..self.last.len())
+            .filter(|k| !self.free[*k] && self.want[*k] != self.last[*k])
+            .any(|k| !self.room(k).has(self.want[k]))
     }
 }

@@ -4,22 +4,28 @@
 //! that share no point are at least as far apart as the least height of its triangles; each end of a way between two features is at most as
 //! far off as the farthest point is. Heights above the plane only add to distances.
 
+use super::Way;
 use super::surface::Patch;
-use crate::number::real::{V3, add, cross, dot, scale, sub};
+use crate::number::real::{add, cross, dot, scale, sub};
 
 /// Of the least height of the triangles of a plane grid a little less, for rounding.
 const HEIGHT_SHARE: f64 = 0.999;
 
 /// Whether the features of the four cells around a texel that share no point are farther apart than twice `reach`, plus `floor` \[m\].
-/// `at` has the position and the reach of a cell's point, `None` for gaps.
-pub fn is_even(patch: &Patch, [i, j]: [usize; 2], floor: f64, at: impl Fn(usize) -> Option<(V3<f64>, f64)>) -> bool {
-    let mut block = [[0.0; 3]; 9];
+/// `at` has the way of a cell's point, NaN for gaps.
+pub fn is_even(patch: &Patch, [i, j]: [usize; 2], floor: f64, at: impl Fn(usize) -> Way) -> bool {
+    let (mut block, mut ways) = ([[0.0; 3]; 9], [[0.0; 3]; 9]);
     let mut reach = 0.0f64;
     for (n, to) in block.iter_mut().enumerate() {
         let cell = patch.first + (j + n / 3 - 1) * patch.width + i + n % 3 - 1;
-        let Some((p, own)) = at(cell) else { return false };
-        (*to, reach) = (p, reach.max(own));
+        let way = at(cell);
+        if !way.from[0].is_finite() {
+            return false;
+        }
+        (*to, ways[n], reach) = (way.from, sub(way.to, way.from), reach.max(way.reach));
     }
+    // What is left of drifts where all points go the way of the middle one.
+    let apart2 = ways.iter().map(|way| sub(*way, ways[4])).map(|way| dot(way, way)).fold(0.0f64, f64::max);
     let center = block[4];
     let right = scale(sub(block[5], block[3]), 0.5);
     let down = scale(sub(block[7], block[1]), 0.5);
@@ -35,7 +41,7 @@ pub fn is_even(patch: &Patch, [i, j]: [usize; 2], floor: f64, at: impl Fn(usize)
         let above = dot(off, normal);
         off2 = off2.max(dot(off, off) - above * above / area2);
     }
-    let room = HEIGHT_SHARE * (area2 / longest2).sqrt() - 2.0 * reach - floor;
+    let room = HEIGHT_SHARE * (area2 / longest2).sqrt() - 2.0 * (reach + apart2.sqrt()) - floor;
     room > 0.0 && 4.0 * off2 < room * room
 }
 

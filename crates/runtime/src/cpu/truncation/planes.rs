@@ -4,8 +4,9 @@
 //! their points stay in these, and move in straight lines, the features do not meet. Differences from the paper: the sides are measured
 //! along the normal, so that rounding of the closest points does no harm, and a gap never falls below a floor.
 
+use super::boxes::Bound;
 use crate::memory::Tally;
-use crate::number::real::{V3, dot, scale};
+use crate::number::real::{V3, add, dot, scale, sub};
 
 /// Share of a gap that two features may use up until the next search.
 const GAP_SHARE: f64 = 0.8;
@@ -24,7 +25,61 @@ pub struct Points<'a> {
     pub want: &'a [V3<f64>],
     /// Whether truncation may hold a point back; pins go where they are told.
     pub free: &'a [bool],
+    /// The way that each is expected to go per step, and how far it may be from there.
+    pub drift: &'a [V3<f64>],
+    pub reach: &'a [f64],
     pub floor: f64,
+    /// Steps until the next search.
+    pub ahead: f64,
+}
+
+impl Points<'_> {
+    /// The distance \[m\] from which on two features cannot meet until the next search.
+    #[inline]
+    fn near(&self, a: &[u32], b: &[u32]) -> f64 {
+        let of = |list: &[u32]| list.iter().map(|k| self.reach[*k as usize]).fold(0.0, f64::max);
+        let mut nearer2 = 0.0f64;
+        for p in a {
+            for q in b {
+                let way = sub(self.drift[*p as usize], self.drift[*q as usize]);
+                nearer2 = nearer2.max(dot(way, way));
+            }
+        }
+        of(a) + of(b) + self.floor + self.ahead * nearer2.sqrt()
+    }
+
+    /// The box around the points of a feature on their ways.
+    #[inline]
+    pub fn box_of(&self, list: &[u32]) -> Bound {
+        let mut bound = Bound::NONE;
+        for k in list.iter().map(|k| *k as usize) {
+            // Rounded; the floor is far more than that.
+            let wide = (self.reach[k] + self.floor) as f32;
+            for p in [self.at[k], add(self.at[k], scale(self.drift[k], self.ahead))] {
+                let p = p.map(|x| x as f32);
+                bound = bound.with(&Bound { low: p.map(|x| x - wide), high: p.map(|x| x + wide) });
+            }
+        }
+        bound
+    }
+
+    /// Whether the boxes of two features are no farther apart than `near`.
+    #[inline]
+    pub fn may_meet(&self, a: &[u32], b: &[u32], near: f64) -> bool {
+        let extent = |list: &[u32]| {
+            let first = self.at[list[0] as usize];
+            let (mut low, mut high) = (first, first);
+            for k in &list[1..] {
+                let p = self.at[*k as usize];
+                for c in 0..3 {
+                    (low[c], high[c]) = (low[c].min(p[c]), high[c].max(p[c]));
+                }
+            }
+            (low, high)
+        };
+        let ((low, high), (lower, higher)) = (extent(a), extent(b));
+        (0..3).all(|c| low[c] - higher[c] <= near && lower[c] - high[c] <= near)
+    }
 }
 
 /// All half-spaces, by points.
@@ -69,11 +124,9 @@ impl Planes {
         }
     }
 
-    /// Keeps two features apart, whose shortest way \[m\] goes from `a` to `b`. Where rounding leaves no slab between them, points get a
-    /// smaller `reach` instead.
-    pub fn separate(&mut self, points: &Points, reach: &mut [f64], (a, b): (&[u32], &[u32]), way: V3<f64>) {
-        let of = |list: &[u32]| list.iter().map(|k| reach[*k as usize]).fold(0.0, f64::max);
-        let (far2, near) = (dot(way, way), of(a) + of(b) + points.floor);
+    /// Keeps two features apart, whose shortest way \[m\] goes from `a` to `b`.
+    pub fn separate(&mut self, points: &Points, (a, b): (&[u32], &[u32]), way: V3<f64>) {
+        let (far2, near) = (dot(way, way), points.near(a, b));
         // Features that touch have no slab between them. Comparisons with NaN are false.
         if !(far2 > 0.0 && far2 < near * near) {
             return;
@@ -85,9 +138,7 @@ impl Planes {
         let low = b.iter().map(side).fold(f64::INFINITY, f64::min);
         let gap = low - high;
         if gap < 0.5 * far {
-            let least = (far - points.floor).max(0.0) / 3.0;
-            a.iter().chain(b).for_each(|k| reach[*k as usize] = reach[*k as usize].min(least));
-            return;
+            return self.close(points, (a, b), far);
         }
         let slack = gap - gap.min(points.floor.max((1.0 - GAP_SHARE) * gap));
         // The side that moves towards the other gets more of it; a pin all that it needs.
@@ -110,7 +161,25 @@ impl Planes {
             let normal = scale(normal, sign);
             for k in list {
                 let p = *k as usize;
-                if dot(normal, points.at[p]) + reach[p] > most {
+                let ahead = dot(normal, points.drift[p]).max(0.0) * points.ahead;
+                if dot(normal, points.at[p]) + ahead + points.reach[p] > most {
+                    self.found.push((*k, HalfSpace { normal, most }));
+                }
+            }
+        }
+    }
+
+    /// Keeps all points of two features that are `far` \[m\] apart in cubes around where they are: for edges that are nearly parallel and
+    /// cross, whose shortest way rounding may turn.
+    fn close(&mut self, points: &Points, (a, b): (&[u32], &[u32]), far: f64) {
+        // The half diagonal of a cube is less than twice its half side.
+        let half = 0.25 * (far - points.floor.min(0.5 * far));
+        for k in a.iter().chain(b) {
+            for c in 0..3 {
+                for sign in [1.0, -1.0] {
+                    let mut normal = [0.0; 3];
+                    normal[c] = sign;
+                    let most = sign * points.at[*k as usize][c] + half;
                     self.found.push((*k, HalfSpace { normal, most }));
                 }
             }

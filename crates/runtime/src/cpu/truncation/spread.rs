@@ -5,9 +5,10 @@
 //! that have no corner in common. Pairs of cells with a common corner are those of [`super::flat`]. A cone of normals would not do: a roll
 //! has a narrow cone along its axis.
 
+use super::Way;
 use super::boxes::Bound;
 use super::surface::Patch;
-use crate::number::real::{V3, dot, sub};
+use crate::number::real::{dot, sub};
 
 /// The edges of the cells of a part.
 #[derive(Clone, Copy, Debug)]
@@ -26,15 +27,15 @@ impl Spread {
     /// That of a cell that may meet others nearby.
     pub const WIDE: Spread = Spread { even: false, ..Spread::NONE };
 
-    /// That of a cell with these corners and reaches, upper row first.
-    pub fn of([a, b, c, d]: [(V3<f64>, f64); 4]) -> Self {
-        let edge = |from: V3<f64>, to: V3<f64>| {
-            let way = sub(to, from).map(|x| x as f32);
-            Bound { low: way, high: way }
+    /// That of a cell with these corners, upper row first, at both ends of their ways: in between edges are between theirs.
+    pub fn of([a, b, c, d]: [Way; 4]) -> Self {
+        let edge = |p: &Way, q: &Way| {
+            let [begin, end] = [sub(q.from, p.from), sub(q.to, p.to)].map(|way| way.map(|x| x as f32));
+            Bound { low: begin, high: begin }.with(&Bound { low: end, high: end })
         };
-        let reach = a.1.max(b.1).max(c.1).max(d.1) as f32;
-        let right = edge(a.0, b.0).with(&edge(c.0, d.0));
-        Spread { right, down: edge(a.0, c.0).with(&edge(b.0, d.0)), reach, even: true }
+        let reach = [a, b, c, d].iter().map(|way| way.reach).fold(0.0, f64::max) as f32;
+        let right = edge(&a, &b).with(&edge(&c, &d));
+        Spread { right, down: edge(&a, &c).with(&edge(&b, &d)), reach, even: true }
     }
 
     /// That of two parts.

@@ -119,18 +119,20 @@ fn a_search_leaves_out_no_pair_that_can_meet() {
         for (k, want) in truncation.want.iter_mut().enumerate() {
             *want = add(truncation.last[k], [0, 1, 2].map(|c| 0.01 * noise(k, seed + c)));
         }
-        truncation.search(&mut Outcome::default());
+        truncation.pace =
+            (0..truncation.last.len()).map(|k| [0, 1, 2].map(|c| 5e-4 * noise(k / 9, seed + 7 + c))).collect();
+        truncation.search(&mut Outcome::default(), true);
         let planes = std::mem::take(&mut truncation.planes);
         // The same with all pairs of cells.
-        let Truncation { surface, at, want, free, floor, boxes, .. } = &mut truncation;
+        let Truncation { surface, at, want, free, drift, reach, floor, ahead, boxes, .. } = &truncation;
         let cells = surface.corners.len();
-        let (mut compared, mut reach) = (Planes::default(), truncation.reach.clone());
-        let points = Points { at, want, free, floor: *floor };
+        let mut compared = Planes::default();
+        let points = Points { at, want, free, drift, reach, floor: *floor, ahead: f64::from(*ahead) };
         let wide = vec![Bound { low: [-9.0; 3], high: [9.0; 3] }; boxes.bounds.len()];
         for a in 0..cells {
             for b in a..cells {
                 let pair = CellPair { cells: [a, b], patch: 0, apart: None };
-                compare((surface, &wide), &mut compared, (&points, &mut reach), &pair);
+                compare((surface, &wide), &mut compared, &points, &pair, 9.0);
             }
         }
         compared.arrange(at.len());

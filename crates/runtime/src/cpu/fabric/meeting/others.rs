@@ -14,6 +14,8 @@ pub const MAX_OTHERS: usize = 4;
 /// The numbers of a particle of another cloth.
 #[derive(Clone, Copy)]
 struct Other<T> {
+    /// Its shadow among all, and its place there.
+    from: [u32; 2],
     /// Square of the smallest distance \[m^2\] in the frame.
     near: T,
     at: V3<T>,
@@ -30,6 +32,8 @@ struct Other<T> {
 pub struct OtherList<T> {
     /// The most of one particle.
     pub count: usize,
+    /// For each its shadow among all and its place there, `u32::MAX` for none.
+    from: [[[u32; 2]; LANES_OF_TILE]; MAX_OTHERS],
     pub at: [[[T; LANES_OF_TILE]; 3]; MAX_OTHERS],
     pub velocity: [[[T; LANES_OF_TILE]; 3]; MAX_OTHERS],
     pub mean: [[[T; LANES_OF_TILE]; 3]; MAX_OTHERS],
@@ -59,7 +63,7 @@ pub fn run<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own
         for [_, n, b] in pairs {
             if let Some(other) = &shadows[*n as usize] {
                 let (from, struck) = (*b as usize * LANES_OF_TILE, &mut struck[*n as usize]);
-                widest(Search { best: &mut best, struck, shadow, tile, other, from });
+                widest(Search { best: &mut best, struck, shadow, tile, other: (*n, other), from });
             }
         }
         if let Some(list) = listed(&best) {
@@ -68,6 +72,35 @@ pub fn run<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own
         }
     }
     (0..struck.len()).filter(|n| struck[*n]).collect()
+}
+
+/// Takes in where those that were found are now, and how they move.
+pub fn follow<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own: usize) {
+    let Some(Some(shadow)) = shadows.get(own) else { return };
+    for (tile, index) in meeting.other_of.iter().enumerate().filter(|(_, index)| **index != u32::MAX) {
+        let list = &mut meeting.others[*index as usize];
+        for slot in 0..list.count {
+            for lane in 0..LANES_OF_TILE {
+                let [n, from] = list.from[slot][lane];
+                let Some(Some(other)) = shadows.get(n as usize) else { continue };
+                let (place, from) = (tile * LANES_OF_TILE + lane, from as usize);
+                let (at, velocity) = (Tiles::at(&other.now, from), other.velocity_at(from));
+                let mean = mean((shadow, place), (other, from));
+                for c in 0..3 {
+                    list.at[slot][c][lane] = at[c];
+                    list.velocity[slot][c][lane] = velocity[c];
+                    list.mean[slot][c][lane] = mean[c];
+                }
+            }
+        }
+    }
+}
+
+/// The velocity \[m/s\] that two particles have after an inelastic impact.
+fn mean<T: Real>((shadow, place): (&Shadow<T>, usize), (other, from): (&Shadow<T>, usize)) -> V3<T> {
+    let (own, velocity) = (shadow.velocity_at(place), other.velocity_at(from));
+    let (w, w_other) = (shadow.w[place], other.w[from]);
+    scale(add(scale(own, w_other), scale(velocity, w)), T::of(1.0) / (w + w_other))
 }
 
 type Best<T> = [(usize, [Option<Other<T>>; MAX_OTHERS]); LANES_OF_TILE];
@@ -79,6 +112,7 @@ fn listed<T: Real>(best: &Best<T>) -> Option<OtherList<T>> {
         ([[[T::of(0.0); LANES_OF_TILE]; 3]; MAX_OTHERS], [[T::of(0.0); LANES_OF_TILE]; MAX_OTHERS]);
     let mut list = OtherList {
         count,
+        from: [[[u32::MAX; 2]; LANES_OF_TILE]; MAX_OTHERS],
         at: vectors,
         velocity: vectors,
         mean: vectors,
@@ -94,6 +128,7 @@ fn listed<T: Real>(best: &Best<T>) -> Option<OtherList<T>> {
                 list.velocity[slot][c][lane] = other.velocity[c];
                 list.mean[slot][c][lane] = other.mean[c];
             }
+            list.from[slot][lane] = other.from;
             list.least[slot][lane] = other.least;
             list.w[slot][lane] = other.w;
             list.friction[slot][lane] = other.friction;
@@ -109,14 +144,15 @@ struct Search<'a, 'b, T: Real> {
     struck: &'b mut bool,
     shadow: &'a Shadow<T>,
     tile: usize,
-    other: &'a Shadow<T>,
+    /// Its number among all, and the other shadow.
+    other: (u32, &'a Shadow<T>),
     from: usize,
 }
 
 impl<T: Real> Work<T> for Search<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        let Search { best, struck, shadow, tile, other, from } = self;
+        let Search { best, struck, shadow, tile, other: (number, other), from } = self;
         let zero = k.splat(T::of(0.0));
         let (length, tiny) = (k.splat(shadow.length), k.splat(T::of(1e-20)));
         let reach = (shadow.distance + other.distance) * T::of(0.75);
@@ -126,7 +162,14 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
             if shadow.w[mine] <= T::of(0.0) {
                 continue;
             }
-            let own = k.splats(Tiles::at(&shadow.now, mine));
+            let (at, way) = (Tiles::at(&shadow.now, mine), scale(shadow.velocity_at(mine), shadow.length));
+            let (end, wide, node) =
+                (add(at, way), shadow.distance * T::of(0.75), &other.tree.nodes[from / LANES_OF_TILE]);
+            let misses = |c: usize| at[c].max(end[c]) + wide < node.low[c] || at[c].min(end[c]) - wide > node.high[c];
+            if (0..3).any(misses) {
+                continue;
+            }
+            let own = k.splats(at);
             let moves = k.splats(shadow.velocity_at(mine));
             for at in (0..LANES_OF_TILE).step_by(K::WIDE) {
                 let (at, velocity, place) = (&other.now, &other.velocity, from + at);
@@ -146,7 +189,7 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
                 for (n, near) in each[..K::WIDE].iter().enumerate() {
                     if *near < far {
                         *struck |= wakes((shadow, mine), (other, place + n), *near);
-                        take(best, (shadow, mine), (other, place + n), *near);
+                        take(best, (shadow, mine), (number, other, place + n), *near);
                     }
                 }
             }
@@ -170,22 +213,20 @@ fn wakes<T: Real>(own: (&Shadow<T>, usize), (other, from): (&Shadow<T>, usize), 
 fn take<T: Real>(
     (count, best): &mut (usize, [Option<Other<T>>; MAX_OTHERS]),
     (shadow, place): (&Shadow<T>, usize),
-    (other, from): (&Shadow<T>, usize),
+    (number, other, from): (u32, &Shadow<T>, usize),
     near: T,
 ) {
     let later = |o: &Option<Other<T>>| o.is_none_or(|o| o.near > near);
     let Some(at) = best.iter().position(later) else { return };
-    let (own, velocity) = (shadow.velocity_at(place), other.velocity_at(from));
-    let (w, w_other) = (shadow.w[place], other.w[from]);
-    let mean = scale(add(scale(own, w_other), scale(velocity, w)), T::of(1.0) / (w + w_other));
     best.copy_within(at..MAX_OTHERS - 1, at + 1);
     best[at] = Some(Other {
         near,
+        from: [number, from as u32],
         at: Tiles::at(&other.now, from),
-        velocity,
-        mean,
+        velocity: other.velocity_at(from),
+        mean: mean((shadow, place), (other, from)),
         least: least((shadow, place), (other, from)),
-        w: w_other,
+        w: other.w[from],
         friction: (shadow.friction + other.friction) * T::of(0.5),
     });
     *count = (*count + 1).min(MAX_OTHERS);
