@@ -300,9 +300,9 @@ impl<T: Real> Fabric<T> {
         let follows = (ahead + long).min(long).max(T::of(0.0)) / long;
         let was = add(was, scale(change, follows));
         sheet.put(at, to);
-        for c in 0..3 {
+        for (c, was) in was.into_iter().enumerate() {
             let place = at + 2 * c * sheet.half;
-            sheet.before[place] = was[c];
+            sheet.before[place] = was;
             if let Some(lost) = sheet.lost.get_mut(place) {
                 *lost = T::of(0.0);
             }

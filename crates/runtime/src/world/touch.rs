@@ -1,14 +1,14 @@
 //! Contact between cloths on the CPU: finds the particles of other cloths that each cloth may touch in a frame.
 
-use super::World;
 use super::truncate::is_safe;
+use super::{ClothRun, World};
+use crate::cloth::Cloth;
 use crate::cpu::body::Body;
 use crate::cpu::fabric::meeting::shadow::Shadow;
 use crate::cpu::rows::Threads;
 use crate::limits::Warning;
 use crate::number::real::Real;
 use crate::options::Solver;
-use crate::passes::SEARCH_STEPS;
 
 /// A cloth that other cloths may touch.
 struct Neighbour<'a, T: Real> {
@@ -19,6 +19,8 @@ struct Neighbour<'a, T: Real> {
     struck: Vec<usize>,
 }
 
+/// Steps after which cloths search for particles of others that they may meet.
+const MEETING_STEPS: u32 = 4;
 /// Steps after which cloths take in where particles of others are that they have found.
 const FOLLOW_STEPS: u32 = 2;
 
@@ -42,9 +44,12 @@ impl World {
             // Others may have left.
             return bodies.iter_mut().enumerate().for_each(|(index, body)| _ = body.meet(&[], index));
         }
-        // Cloth that wakes may wake more. Boxes are those of a whole frame, so that it wakes in time.
+        // Cloth that wakes may wake more. Where some is asleep, boxes are those of a whole frame, so that it wakes in time.
         loop {
-            let struck = self.meet_once(bodies, threads, (steps, self.control.clock.dt_old), true);
+            let sleeps = |(cloth, run): (&Cloth, &ClothRun)| cloth.contact.is_some() && run.asleep;
+            let some = self.scene.cloths.iter().zip(&self.runs).any(sleeps);
+            let ahead = if some { steps } else { steps.min(MEETING_STEPS) };
+            let struck = self.meet_once(bodies, threads, (ahead, self.control.clock.dt_old), true);
             if struck.is_empty() {
                 return;
             }
@@ -62,8 +67,8 @@ impl World {
             !self.runs[*index].asleep && self.scene.cloths[*index].contact.is_some()
         };
         bodies.iter_mut().enumerate().filter(awake).for_each(|(_, body)| body.show());
-        let searches = n.is_multiple_of(SEARCH_STEPS);
-        let ahead = if searches { SEARCH_STEPS } else { FOLLOW_STEPS };
+        let searches = n.is_multiple_of(MEETING_STEPS);
+        let ahead = if searches { MEETING_STEPS } else { FOLLOW_STEPS };
         self.meet_once(bodies, threads, (ahead.min(steps - n), self.control.clock.dt), searches);
     }
 

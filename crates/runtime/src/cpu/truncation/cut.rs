@@ -9,6 +9,9 @@ const ROUNDS: usize = 4;
 /// Halvings of the way that rounding may take.
 const HALVINGS: usize = 6;
 
+/// Share of its reach that a point has used up that needs a further search.
+const SHORT_SHARE: f64 = 0.9;
+
 /// How points were held back.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cut {
@@ -115,16 +118,13 @@ impl Truncation {
                 self.stuck[k] = true;
                 continue;
             };
-            if room.is_within_reach(want) {
-                cut.held += 1;
+            // One that half-spaces hold well within its reach gets no farther by a further search.
+            let way = sub(to, room.at);
+            let edge = SHORT_SHARE * room.reach;
+            if !room.is_within_reach(want) && dot(way, way) > edge * edge {
+                cut.short += 1
             } else {
-                // It may be held by half-spaces too, and then more reach does not help.
-                let rest = sub(want, to);
-                let ahead = room
-                    .planes
-                    .iter()
-                    .any(|plane| dot(plane.normal, to) > plane.most - 4.0 * slop && dot(plane.normal, rest) > 0.0);
-                if ahead { cut.held += 1 } else { cut.short += 1 }
+                cut.held += 1
             }
             self.next[k] = to;
         }
