@@ -15,7 +15,8 @@ pub struct Health {
     pub stretch: Option<Stretch>,
     /// RMS speed of the particles \[m/s\] in the last step.
     pub speed: f64,
-    /// Largest depth \[m\] of a particle inside a collider, thickness of the cloth included; 0 outside of all.
+    /// Largest depth \[m\] of a particle inside a collider, thickness of the cloth included; 0 outside of all. The surface of a body
+    /// ([`crate::Cloth::set_body`]) does not count.
     pub depth: f64,
 }
 
