@@ -36,7 +36,7 @@ struct Cli {
     substeps: Option<u32>,
 }
 
-/// What contact promises.
+/// The promise of contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Tier {
     Particles,

@@ -3,7 +3,7 @@
 use super::Cloth;
 use crate::error::{Result, check as range};
 
-/// What contact of cloth with cloth promises.
+/// The promise of contact of cloth with cloth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ContactTier {
     /// Pushes between particles, and no promise: fast or strongly folded cloth can still pass through itself. `gimage check-crossings`
@@ -18,10 +18,10 @@ pub enum ContactTier {
 
 /// Contact of a cloth with itself and with other cloths that have contact: particles nearer than a distance are pushed apart.
 ///
-/// What this promises depends on the tier. Cloth without contact has no pass and no buffer for it.
+/// The tier decides which promise it makes. Cloth without contact has no pass and no buffer for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClothContact {
-    /// What contact promises. Default [`ContactTier::Particles`].
+    /// The promise of contact. Default [`ContactTier::Particles`].
     pub tier: ContactTier,
     /// Distance \[m\] that particles keep. Default none: 1.2 times the mean distance of neighbouring particles, below which triangles of
     /// nearly square cells, a little stretched, cannot pass between particles, or twice the thickness of the cloth if that is larger. Above 0, at most 1. Particles

@@ -21,7 +21,7 @@ pub fn step<T: Real>(body: &mut Body<T>, frame: &Frame, n: u32, threads: &Thread
     body.step(passes, threads, &frame.step(n, n).cast(), solids);
 }
 
-/// What ends a frame, after its steps.
+/// The end of a frame, after its steps.
 pub fn end<T: Real>(body: &mut Body<T>, frame: &Frame, threads: &Threads, solids: &[Solid<T>]) {
     body.end();
     let last = frame.steps.saturating_sub(1);

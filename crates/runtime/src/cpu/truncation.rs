@@ -47,7 +47,7 @@ const HELD_STEPS: u32 = 3;
 /// Searches in a step in which points that cannot go on as they do are let go on as they can, one after the other.
 const MAX_TRIES: usize = 3;
 
-/// What became of a step.
+/// The outcome of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
     /// Pins that went where cloth cannot give way: crossings may follow.

@@ -18,7 +18,7 @@ use crate::options::Solver;
 /// Depth in colliders that is reported, as a share of the contact distance.
 const SQUEEZED_SHARE: f64 = 0.25;
 
-/// What the surface is made of; another one is needed where this changes.
+/// The make-up of the surface; where it changes, another surface is needed.
 type Key = Vec<(ClothHandle, usize, u32)>;
 
 /// The cloths of a scene whose contact is safe.
@@ -29,7 +29,7 @@ pub struct Safe {
     members: Vec<Member>,
     /// In this frame.
     outcome: Outcome,
-    /// What was found when the frame began.
+    /// Failures found when the frame began.
     found: Vec<(usize, Fate)>,
 }
 
@@ -102,7 +102,7 @@ impl World {
         safe.write(bodies);
     }
 
-    /// What went wrong in a frame, with the cloth.
+    /// Failures of a frame, with the cloth of each.
     pub(super) fn end_safe<T: Real>(&mut self, bodies: &[Body<T>]) -> Vec<(usize, Fate)> {
         let Some(safe) = &mut self.safe else { return Vec::new() };
         let mut found = std::mem::take(&mut safe.found);

@@ -24,7 +24,7 @@ pub fn is_even(patch: &Patch, [i, j]: [usize; 2], floor: f64, at: impl Fn(usize)
         }
         (*to, ways[n], reach) = (way.from, sub(way.to, way.from), reach.max(way.reach));
     }
-    // What is left of drifts where all points go the way of the middle one.
+    // The rest of each drift beside that of the middle point.
     let apart2 = ways.iter().map(|way| sub(*way, ways[4])).map(|way| dot(way, way)).fold(0.0f64, f64::max);
     let center = block[4];
     let right = scale(sub(block[5], block[3]), 0.5);

@@ -32,7 +32,7 @@ pub struct Patch {
     pub height: usize,
 }
 
-/// What a cell has: ranges of the lists of a [`Surface`].
+/// The features of a cell: ranges of the lists of a [`Surface`].
 #[derive(Clone, Copy, Debug, Default)]
 struct Ends {
     vertex: u32,
