@@ -12,7 +12,7 @@ const MAX_BORDER: f64 = 0.05;
 /// Smallest sum of weights of a vertex that follows joints.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// The surface of a mesh, all of which is the body, or why it is no collider.
+/// The surface of a mesh, all of which is the body, or the reason why it cannot be a collider.
 pub(crate) fn surface(mesh: &Mesh) -> Result<Body, String> {
     let sets: Vec<_> = (0..)
         .map_while(|n| Some((mesh.channel(&Semantic::Joints(n))?, mesh.channel(&Semantic::Weights(n))?)))
