@@ -118,7 +118,8 @@ mod tests {
         }
         mesh.triangle_part = vec![0; 12];
         mesh.parts = vec![Default::default()];
-        mesh.skeleton = Skeleton { joints: vec![Joint::default(); 2] };
+        let joint = Joint { name: "bone".into(), parent: None, inverse_bind: [0.0; 16], world: [0.0; 16] };
+        mesh.skeleton = Skeleton { joints: vec![joint; 2] };
         let corners = vec![0; 36];
         mesh.channels = vec![
             Channel {
