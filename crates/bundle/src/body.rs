@@ -106,7 +106,7 @@ impl Body {
             };
             let bad = || Error::Exr {
                 file: file.into(),
-                problem: "an index is no whole number".into(),
+                problem: "an index is not a whole number".into(),
                 hint: "build the bundle again",
             };
             list.iter().map(each).collect::<Option<Vec<_>>>().ok_or_else(bad)

@@ -17,6 +17,7 @@ pub(crate) mod shear;
 mod sheet;
 mod skin;
 mod stitch;
+pub(crate) mod surface;
 mod tether;
 mod texture;
 mod weigh;
@@ -33,6 +34,7 @@ pub(crate) use sheet::{Bending, Membrane, Woven};
 pub use skin::{Influence, Skin, SkinJoint};
 pub(crate) use skin::{Rows, skinned};
 pub(crate) use stitch::{ENDS, NO_STITCH, Sewing, Thread};
+pub use surface::BodySurface;
 
 use std::sync::Arc;
 

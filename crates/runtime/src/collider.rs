@@ -3,14 +3,18 @@
 mod from_bundle;
 pub(crate) mod path;
 pub(crate) mod solid;
-pub(crate) mod surface;
 
 pub use from_bundle::BodyCollider;
-pub use surface::{BODY_GROUP, BodySurface};
+pub(crate) use from_bundle::FRICTION;
 
 use gimage_bundle::manifest::MAX_COLLIDER_SIZE_M;
 
 use crate::error::{Result, check};
+
+/// The group of colliders that stand for a body: cloth with a [`crate::BodySurface`] does not meet those that are in no other.
+///
+/// [`BodyCollider::of_bundle`] puts the solids of a bundle that has a surface in this group alone, so that a scene can have both.
+pub const BODY_GROUP: u32 = 1 << 31;
 
 /// The shape of a collider in its local frame. All lengths in metres, above 0, at most 1e6.
 #[derive(Clone, Copy, Debug, PartialEq)]

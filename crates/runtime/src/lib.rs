@@ -84,11 +84,11 @@ pub use bounds::Bounds;
 pub use choose::{Choice, Support};
 pub use clock::Progress;
 pub use cloth::{
-    Anchor, Backstop, Cloth, ClothContact, Compliance, ContactTier, Flat, Grid, Influence, MAX_STITCHES_AT_POINT, Mass,
-    Particle, Parts, Rest, Select, Skin, SkinJoint, Stitch, Tethers,
+    Anchor, Backstop, BodySurface, Cloth, ClothContact, Compliance, ContactTier, Flat, Grid, Influence,
+    MAX_STITCHES_AT_POINT, Mass, Particle, Parts, Rest, Select, Skin, SkinJoint, Stitch, Tethers,
 };
 pub use coarser::Coarser;
-pub use collider::{BODY_GROUP, BodyCollider, BodySurface, Collider, Shape};
+pub use collider::{BODY_GROUP, BodyCollider, Collider, Shape};
 pub use error::{Error, Result, StateProblem};
 pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
 pub use form::{Chain, Form, Fused, Hold, Tile, TileShape};

@@ -142,7 +142,7 @@ pub struct DressArgs {
     pub build: BuildArgs,
     #[command(flatten)]
     pub fit: FitArgs,
-    /// What cloth on the CPU collides with: the surface of the body, or the fitted colliders, which the GPU uses in any case.
+    /// The collider of cloth on the CPU: the surface of the body, or the fitted colliders. The GPU always uses the fitted ones.
     #[arg(long, value_name = "KIND", default_value = "surface", value_parser = ["surface", "capsules"])]
     pub collider: String,
 }

@@ -58,7 +58,7 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
                 Ok(body) => (Severity::Note, format!("The body is a collider: {} triangles.", body.triangles.len())),
                 Err(why) => (
                     Severity::Warning,
-                    format!("The surface of the body is no collider, its solids stand for it: {why}."),
+                    format!("The surface of the body cannot be a collider, its solids stand for it: {why}."),
                 ),
             };
             findings.push(finding(severity, "hint-surface", message));

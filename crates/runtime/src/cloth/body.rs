@@ -5,8 +5,8 @@ use std::sync::Arc;
 use gimage_bundle::Bundle;
 
 use super::Cloth;
-use crate::collider::surface::{BODY_GROUP, BodySurface};
-use crate::cpu::surface::heights;
+use super::surface::{BodySurface, heights};
+use crate::collider::BODY_GROUP;
 use crate::error::{Error, Result};
 
 /// A surface, and how high \[m\] each particle is above it at rest.

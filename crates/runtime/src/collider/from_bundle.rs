@@ -3,11 +3,10 @@
 use gimage_bundle::Bundle;
 use gimage_bundle::manifest::{ColliderEntry, ColliderShape};
 
-use super::surface::BODY_GROUP;
-use super::{Collider, Shape};
+use super::{BODY_GROUP, Collider, Shape};
 
 /// Friction of a body: that of skin or of a lining.
-pub(super) const FRICTION: f32 = 0.3;
+pub(crate) const FRICTION: f32 = 0.3;
 
 /// A collider that stands for a part of a body.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +19,7 @@ pub struct BodyCollider {
 
 impl BodyCollider {
     /// The solids that `gimage dress` stores in a bundle, in its order; shapes that this version does not know are left out. A scene checks
-    /// their sizes. Those of a bundle with a [`super::BodySurface`] are in [`BODY_GROUP`] alone, so that cloth that meets the surface does not meet them.
+    /// their sizes. Those of a bundle with a [`crate::BodySurface`] are in [`BODY_GROUP`] alone, so that cloth that meets the surface does not meet them.
     pub fn of_bundle(bundle: &Bundle) -> Vec<Self> {
         let mut all: Vec<Self> = bundle.manifest.colliders.iter().filter_map(Self::of).collect();
         if bundle.body.is_some() {

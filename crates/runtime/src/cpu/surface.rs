@@ -13,15 +13,14 @@ use std::sync::Arc;
 
 use super::rows::Threads;
 use super::sheet::Sheet;
+use crate::cloth::surface::{BodySurface, NONE, On, Spot};
 use crate::cloth::{Cloth, Rows};
-use crate::collider::surface::{BodySurface, FRICTION, NONE};
+use crate::collider::FRICTION;
 use crate::memory::Tally;
 use crate::number::lanes::{LANES, Machine, Work, widest};
-use crate::number::real::{Real, V3, add, cast, cross, dot, scale, sub};
+use crate::number::real::{Real, V3, add, cross, dot, scale, sub};
 use crate::step::Step;
-#[cfg(test)]
-use nearest::on_triangle;
-use nearest::{On, Spot, walk};
+use nearest::walk;
 use planes::{Plane, Planes};
 use skinned::{Skinned, unit};
 
@@ -266,7 +265,7 @@ impl<T: Real> Worn<T> {
             if second != NONE && is_met(&side, reach) {
                 planes[1] = Some(self.plane(&other, &side, clearance));
             }
-            // Between two sides, such as an arm and a chest, there may be no room for both clearances.
+            // Between two sides, such as an arm and a chest, both clearances may not fit.
             if let ([Some(first), Some(last)], true) =
                 (&mut planes, dot(view.normal, side.normal) < T::of(FACING_COSINE))
             {
@@ -389,27 +388,6 @@ fn is_met<T: Real>(view: &View<T>, reach: T) -> bool {
 /// Whether a point is of another side of the surface than the nearest one, and near enough to be met.
 fn is_second<T: Real>(nearest: &View<T>, other: &View<T>) -> bool {
     other.height.abs() < T::of(SECOND_M) && dot(nearest.normal, other.normal) < T::of(SECOND_COSINE)
-}
-
-/// The heights \[m\] of points above a surface at rest, below 0 inside.
-pub fn heights(surface: &BodySurface, points: impl Iterator<Item = [f32; 3]>) -> Vec<f32> {
-    let mut skinned = Skinned::<f64>::new(surface);
-    skinned.begin();
-    let height = |p: [f32; 3]| {
-        let p = cast(p);
-        let found = skinned.search(surface, p);
-        let spot = walk(surface, &mut skinned, found, p);
-        let [a, b, c] = skinned.vertices(surface, spot.triangle);
-        let corners = [a.at[0], b.at[0], c.at[0]];
-        let up = if spot.on == On::Face {
-            face(&corners)
-        } else {
-            mix(&[a.normal[0], b.normal[0], c.normal[0]], spot.weights)
-        };
-        let far = spot.distance2.sqrt();
-        (if dot(sub(p, mix(&corners, spot.weights)), up) < 0.0 { -far } else { far }) as f32
-    };
-    points.map(height).collect()
 }
 
 /// A neighbour of texel `k` in its grid, another one in each of four frames.

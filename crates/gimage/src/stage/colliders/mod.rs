@@ -92,7 +92,7 @@ pub struct Fit {
     pub colliders: Vec<Collider>,
     /// How far they are from the body.
     pub figures: Figures,
-    /// The surface of the body where it is bound to its skeleton, or why it is no collider.
+    /// The surface of the body where it is bound to its skeleton, or the reason why it cannot be a collider.
     pub surface: std::result::Result<gimage_bundle::Body, String>,
     /// Findings of the import and of the fit.
     pub findings: Vec<Finding>,

@@ -12,7 +12,7 @@ const MAX_BORDER: f64 = 0.05;
 /// Smallest sum of weights of a vertex that follows joints.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// The surface of a mesh, all of which is the body, or why it is no collider.
+/// The surface of a mesh, all of which is the body, or the reason why it cannot be a collider.
 pub(crate) fn surface(mesh: &Mesh) -> Result<Body, String> {
     let sets: Vec<_> = (0..)
         .map_while(|n| Some((mesh.channel(&Semantic::Joints(n))?, mesh.channel(&Semantic::Weights(n))?)))
@@ -118,7 +118,8 @@ mod tests {
         }
         mesh.triangle_part = vec![0; 12];
         mesh.parts = vec![Default::default()];
-        mesh.skeleton = Skeleton { joints: vec![Joint::default(); 2] };
+        let joint = Joint { name: "bone".into(), parent: None, inverse_bind: [0.0; 16], world: [0.0; 16] };
+        mesh.skeleton = Skeleton { joints: vec![joint; 2] };
         let corners = vec![0; 36];
         mesh.channels = vec![
             Channel {

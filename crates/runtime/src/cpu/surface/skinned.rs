@@ -1,7 +1,7 @@
 //! The vertices of a surface where joints put them, at the start and at the end of a frame. Each is skinned when it is first asked for.
 
 use crate::cloth::Rows;
-use crate::collider::surface::{BodySurface, Tree};
+use crate::cloth::surface::{BodySurface, Tree, on_triangle};
 use crate::number::real::{Real, V3, cast, dot, scale};
 
 /// Matrices of joints as three rows.
@@ -170,7 +170,7 @@ impl<T: Real> Skinned<T> {
             (self.bounds, self.fitted) = (bounds, self.frame);
         }
         let corners = |t: u32| surface.triangles[t as usize].map(|v| self.list[v as usize].at[0]);
-        Tree::nearest(&surface.tree, &self.bounds, p, |t| super::nearest::on_triangle(p, t, corners(t)).distance2).0
+        Tree::nearest(&surface.tree, &self.bounds, p, |t| on_triangle(p, t, corners(t)).distance2).0
     }
 }
 

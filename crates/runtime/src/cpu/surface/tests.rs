@@ -3,6 +3,7 @@ use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::{TriMesh, Triangle};
 
 use super::*;
+use crate::cloth::surface::on_triangle;
 use crate::cloth::{Flat, Influence, SkinJoint};
 
 /// Numbers of a fixed sequence between -1 and 1.

@@ -58,7 +58,7 @@ impl Tree {
         self.divide(middles, first + half, count - half);
     }
 
-    /// The largest parts of the tree with at most so many triangles: the part of each triangle, and of each part the triangle nearest to its middle.
+    /// The largest parts of the tree with at most `most` triangles: the part of each triangle, and of each part the triangle nearest to its middle.
     pub fn patches(&self, rest: &[[f32; 3]], triangles: &[[u32; 3]], most: usize) -> (Vec<u32>, Vec<u32>) {
         let (mut of, mut middles) = (vec![0; triangles.len()], Vec::new());
         let mut end = 0;

@@ -1,23 +1,21 @@
 //! The surface of a body as a collider: triangles that joints move.
 
+mod height;
+mod nearest;
 mod sides;
 mod tree;
 
 use gimage_bundle::Bundle;
 
-use crate::cloth::Influence;
+use super::Influence;
 use crate::error::{Error, Result};
 use crate::number::real::{V3, add, cast, cross, dot, scale, sub};
 
+pub(super) use height::heights;
+pub(crate) use nearest::{On, Spot, on_triangle};
 pub(crate) use sides::NONE;
 pub(crate) use tree::Tree;
 
-/// Friction of skin or of a lining, as of [`super::BodyCollider`].
-pub(crate) const FRICTION: f32 = super::from_bundle::FRICTION;
-/// The group of colliders that stand for a body: cloth with a [`BodySurface`] does not meet them.
-///
-/// [`super::BodyCollider::of_bundle`] puts the solids of a bundle that has a surface in this group alone, so that a scene can have both.
-pub const BODY_GROUP: u32 = 1 << 31;
 /// Triangles in a patch, at most, and the share of all that may be one.
 const PATCH: usize = 48;
 const PATCHES: usize = 256;
@@ -62,10 +60,10 @@ impl BodySurface {
             return bad(index, "a position is not finite");
         }
         if let Some(index) = triangles.iter().position(|t| t.iter().any(|v| *v as usize >= count)) {
-            return bad(index, "a corner of a triangle is no vertex");
+            return bad(index, "a corner of a triangle is not a vertex");
         }
         if influences.len() != sets * count {
-            return bad(count, "the number of influences is no multiple of the number of vertices");
+            return bad(count, "the number of influences is not a multiple of the number of vertices");
         }
         let mut surface = BodySurface { rest: positions, sets, ..Self::empty() };
         for (index, own) in influences.chunks(sets.max(1)).enumerate() {
