@@ -51,11 +51,11 @@ fn whatever_points_want_nothing_crosses() {
         let (mut free, mut moved) = (truncation.last.clone(), 0.0f64);
         for step in 0..60 {
             // Each pulls to where others are: through one another, crumpled, and then in a heap.
-            for k in 0..truncation.last.len() {
+            for (k, free) in free.iter_mut().enumerate() {
                 let p = truncation.last[k];
                 let pull = [0, 1, 2].map(|c| 0.02 * noise(k, 3 * step + c + 1000 * seed) - 0.02 * p[c]);
                 truncation.want[k] = rounded(add(p, pull));
-                free[k] = add(free[k], pull);
+                *free = add(*free, pull);
             }
             let before = truncation.last.clone();
             let outcome = truncation.step();
