@@ -133,7 +133,7 @@ fn a_sleeve_stays_outside_of_an_arm_that_swings_and_bends() {
         }
     }
     deepest.sort_by(f64::total_cmp);
-    // In a frame or two of four seconds a particle of this sleeve, which springs pull together to a sixth of its length, is deep inside.
+    // Springs pull this sleeve together to a sixth of its length, and one particle or two are deep inside in some frame.
     assert!(deepest[234] < 1e-3 && deepest[239] < 0.1, "{:?}", &deepest[220..]);
     assert!(nearest < 0.004, "the sleeve lies on the arm: {nearest}");
 
