@@ -56,7 +56,8 @@ impl BodySurface {
         let count = positions.len();
         let sets = influences.len() / count.max(1);
         let bad = |index: usize, problem| Err(Error::Surface { index, problem });
-        if let Some(index) = positions.iter().position(|p| p.iter().any(|x| !(x.abs() < MAX_COORDINATE_M))) {
+        if let Some(index) = positions.iter().position(|p| p.iter().any(|x| x.is_nan() || x.abs() >= MAX_COORDINATE_M))
+        {
             return bad(index, "a position is not finite");
         }
         if let Some(index) = triangles.iter().position(|t| t.iter().any(|v| *v as usize >= count)) {
@@ -69,7 +70,7 @@ impl BodySurface {
         for (index, own) in influences.chunks(sets.max(1)).enumerate() {
             let weights = || own.iter().flat_map(|i| i.weights);
             let sum: f64 = weights().map(f64::from).sum();
-            if weights().any(|w| !(w >= 0.0)) || !(sum > 0.0 && sum.is_finite()) {
+            if weights().any(|w| w.is_nan() || w < 0.0) || !(sum > 0.0 && sum.is_finite()) {
                 return bad(index, "the weights of its joints are negative, not finite or all 0");
             }
             let share = |i: &Influence| {

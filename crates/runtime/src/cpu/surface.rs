@@ -447,8 +447,8 @@ impl<T: Real> Work<T> for NearestOf<'_, T> {
         k.store(&mut lanes[1], 0, block);
         // The first of those that are equally far, whatever the width of vectors.
         let mut best = (T::of(f64::from(f32::MAX)), T::of(0.0));
-        for lane in 0..K::WIDE {
-            let (d, at) = (lanes[0][lane], lanes[1][lane] + T::of(lane as f64));
+        for (lane, (d, at)) in lanes[0].iter().zip(&lanes[1]).take(K::WIDE).enumerate() {
+            let (d, at) = (*d, *at + T::of(lane as f64));
             if d < best.0 || (d == best.0 && at < best.1) {
                 best = (d, at);
             }

@@ -51,7 +51,7 @@ fn normalize(body: &mut Body, sets: usize, joints: usize) -> Result<(), String> 
     let each = body.joints.chunks_mut(sets.max(1)).zip(body.weights.chunks_mut(sets.max(1)));
     for (joints_of, weights) in each {
         let sum: f32 = weights.iter().flatten().sum();
-        if !(sum > LEAST_WEIGHT) {
+        if sum.is_nan() || sum <= LEAST_WEIGHT {
             return Err("a part of it follows no joint".into());
         }
         for (joint, weight) in joints_of.iter_mut().flatten().zip(weights.iter_mut().flatten()) {
