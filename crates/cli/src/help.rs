@@ -154,9 +154,10 @@ pub const DRESS: &str = concat!(
     "EXAMPLES:\n",
     "  gimage dress mage.glb -o mage.gim\n",
     "  gimage render mage.gim --animation Walking -o mage.gif\n",
-    "  gimage dress character.glb -o outfit.gim --cloth Top,Bottom --body Body --pin top:0.1\n\n",
-    "As `gimage build`, with the surface of the body, and with the colliders of `gimage fit-colliders` in the manifest; `simulate` and `render` ",
-    "use the surface on the CPU and the colliders on the GPU, and move them with the joints of --animation. Without --pin and an attribute ",
+    "  gimage dress character.glb -o outfit.gim --cloth Top,Bottom --body Body --pin top:0.1\n",
+    "  gimage dress figure.glb -o figure.gim --collider surface\n\n",
+    "As `gimage build`, with the colliders of `gimage fit-colliders` in the manifest; `simulate` and `render` then use them, and ",
+    "move them with the joints of --animation. Without --pin and an attribute ",
     "_PIN, garments are pinned where they rest on the body (--pins auto); pins follow the joints.",
     exit_codes!("done, with findings (repairs, accessories, warnings)")
 );

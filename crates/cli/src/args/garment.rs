@@ -142,8 +142,9 @@ pub struct DressArgs {
     pub build: BuildArgs,
     #[command(flatten)]
     pub fit: FitArgs,
-    /// The collider of cloth on the CPU: the surface of the body, or the fitted colliders. The GPU always uses the fitted ones.
-    #[arg(long, value_name = "KIND", default_value = "surface", value_parser = ["surface", "capsules"])]
+    /// The collider of cloth on the CPU: the fitted colliders, or the surface of the body, nearer to it for clothes that start outside of it.
+    /// The GPU always uses the fitted ones.
+    #[arg(long, value_name = "KIND", default_value = "capsules", value_parser = ["surface", "capsules"])]
     pub collider: String,
 }
 

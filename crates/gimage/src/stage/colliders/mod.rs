@@ -65,7 +65,7 @@ impl Default for ColliderOptions {
             count: 48,
             kinds: vec![Kind::Sphere, Kind::Capsule],
             source: ColliderSource::Auto,
-            surface: true,
+            surface: false,
         }
     }
 }
