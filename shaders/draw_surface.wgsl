@@ -96,6 +96,20 @@ fn is_drawn(paint: Paint, alpha: f32, pixel: vec2<u32>, s: u32) -> bool {
   return paint.alpha == 0u || alpha > (place + 16.0 * f32(s)) / (16.0 * f32(samples));
 }
 
+// Whether all of a pixel is drawn, where a shader cannot say which samples are; `alpha` is the mean of its samples.
+fn is_whole(paint: Paint, mask: u32, alpha: f32, pixel: vec2<u32>) -> bool {
+  var dither = DITHER;
+  let place = f32(dither[pixel.y % 4u][pixel.x % 4u]);
+  let blended = alpha > place / 16.0;
+  return select(2u * countOneBits(mask) >= samples, blended, paint.alpha == 2u);
+}
+
+struct Shaded {
+  color: vec4<f32>,
+  mask: u32,
+  whole: bool,
+}
+
 struct Drawn {
   @location(0) color: vec4<f32>,
   @builtin(sample_mask) mask: u32,
@@ -103,6 +117,20 @@ struct Drawn {
 
 @fragment
 fn fragment(p: Point, @builtin(front_facing) front: bool) -> Drawn {
+  let shaded = shade(p, front);
+  return Drawn(shaded.color, shaded.mask);
+}
+
+@fragment
+fn fragment_whole(p: Point, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+  let shaded = shade(p, front);
+  if (!shaded.whole) {
+    discard;
+  }
+  return shaded.color;
+}
+
+fn shade(p: Point, front: bool) -> Shaded {
   let right = dpdx(p.uv);
   let down = dpdy(p.uv);
   let paint = paints[p.paint];
@@ -110,12 +138,14 @@ fn fragment(p: Point, @builtin(front_facing) front: bool) -> Drawn {
   // The texture and alpha at each sample, whatever the order in which the device has them.
   var sum = vec3<f32>(0.0);
   var mask = 0u;
+  var alpha = 0.0;
   for (var s = 0u; s < samples; s++) {
     let off = select(vec2<f32>(0.0), vec2<f32>(0.5 * f32(s % 2u) - 0.25, 0.5 * f32(s / 2u) - 0.25), samples > 1u);
     var color = paint.color * p.color;
     if (paint.levels > 0u) {
       color *= sampled(paint, p.uv + right * off.x + down * off.y, area);
     }
+    alpha += color.w / f32(samples);
     if (is_drawn(paint, color.w, vec2<u32>(p.clip.xy), s)) {
       sum += color.xyz;
       mask |= 1u << s;
@@ -128,5 +158,6 @@ fn fragment(p: Point, @builtin(front_facing) front: bool) -> Drawn {
   let side = select(-1.0, 1.0, front);
   let n = p.normal * (side / max(sqrt(dot(p.normal, p.normal)), 1e-9));
   let light = lit(base, n, p.at);
-  return Drawn(vec4<f32>(select(light, encoded(light), encode), 1.0), mask);
+  let whole = is_whole(paint, mask, alpha, vec2<u32>(p.clip.xy));
+  return Shaded(vec4<f32>(select(light, encoded(light), encode), 1.0), mask, whole);
 }

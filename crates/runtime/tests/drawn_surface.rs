@@ -168,6 +168,18 @@ mod devices {
         (mean, all.iter().filter(|d| **d > 12).count() as f64 / all.len() as f64)
     }
 
+    /// The means of the light of 4 x 4 pixels, the size of the dither, at each of them.
+    fn blurred(picture: &[[u8; 4]]) -> Vec<[u8; 4]> {
+        let side = SIDE as usize;
+        let block = |k: usize| {
+            let (x, y) = (k % side / 4 * 4, k / side / 4 * 4);
+            let light = |n: usize, c: usize| (f64::from(picture[(y + n / 4) * side + x + n % 4][c]) / 255.0).powf(2.2);
+            let mean = |c: usize| (0..16).map(|n| light(n, c)).sum::<f64>() / 16.0;
+            [0, 1, 2, 3].map(|c| (255.0 * mean(c).powf(1.0 / 2.2)) as u8)
+        };
+        (0..picture.len()).map(block).collect()
+    }
+
     /// A texture of 64 x 64 pixels: waves of colour, and alpha that falls to the right.
     fn waves() -> Option<Arc<Texture>> {
         let pixel = |k: u32| {
@@ -225,13 +237,17 @@ mod devices {
         ];
         let mut pictures: Vec<Vec<[u8; 4]>> = Vec::new();
         for (name, paint, facets, eye) in cases {
+            // Where whole pixels are drawn or not, alpha is that of 4 x 4 of them.
+            let is_coarse = gpu.0.adapter_info().backend == wgpu::Backend::Gl && matches!(paint.alpha, Alpha::Blend);
             let paints = [Paint::plain([0.0; 3]), paint];
             let facets: Vec<Facet> = facets.into_iter().map(|f| Facet { paint: 1, ..f }).collect();
             let (a, b) = (here(&paints, &facets, eye), there(&gpu, &paints, &facets, (eye, 4)));
-            let (mean, large) = differences(&a, &b);
+            let (mean, large) = if is_coarse { differences(&blurred(&a), &blurred(&b)) } else { differences(&a, &b) };
             eprintln!("{name}: mean difference {mean:.3} of 255, {large:.4} of the pixels by more than 12");
             // Edges are sampled at other points, and levels are those of triangles on the CPU and of pixels on the GPU.
-            assert!(mean < 3.0 && large < 0.08, "{name}: {mean} {large}");
+            // Whole pixels have 16 levels of alpha in place of 64.
+            let most = if is_coarse { 6.0 } else { 3.0 };
+            assert!(mean < most && large < 0.08, "{name}: {mean} {large}");
             assert!(pictures.iter().all(|other| differences(other, &a).0 > 1.0), "{name} is drawn as another case");
             pictures.push(a);
         }

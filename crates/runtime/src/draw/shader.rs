@@ -112,7 +112,7 @@ mod tests {
                     Some("Body") => &body,
                     Some("Grid") => &grid,
                     Some("Paint") => &paint,
-                    Some("Corner" | "Point" | "Drawn") => continue,
+                    Some("Corner" | "Point" | "Drawn" | "Shaded") => continue,
                     other => panic!("{other:?} has no counterpart"),
                 };
                 let wgsl: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset)).collect();
