@@ -133,8 +133,8 @@ fn a_sleeve_stays_outside_of_an_arm_that_swings_and_bends() {
         }
     }
     deepest.sort_by(f64::total_cmp);
-    // Springs pull this sleeve together to a sixth of its length, and one particle or two are deep inside in some frame.
-    assert!(deepest[234] < 1e-3 && deepest[239] < 0.1, "{:?}", &deepest[220..]);
+    // In the bend of the elbow cloth is squeezed between two sides.
+    assert!(deepest[234] < 1e-3 && deepest[239] < 0.01, "{:?}", &deepest[220..]);
     assert!(nearest < 0.004, "the sleeve lies on the arm: {nearest}");
 
     // Without the surface it would not.
@@ -168,7 +168,7 @@ fn cloth_that_falls_on_a_body_at_rest_lies_on_it_as_on_a_ball() {
     let [deep, near] = depth(&mesh.unwrap(), &cloth, stepper.positions(0).unwrap());
     assert!(deep < 1e-3 && near < 0.004, "{deep}, {near}");
 
-    // Far from a body there is no trace of it: the same bits, but for the numbers of steps that colliders ask for.
+    // Far from a body the bits are those without a body, given the same numbers of steps.
     let options = Options { substeps: Some(8), polish: Some(2), ..Options::default() };
     let far = |mut cloth: Cloth| {
         cloth.place(cloth.positions().iter().map(|p| [p[0], p[1] + 50.0, p[2]]).collect()).unwrap();

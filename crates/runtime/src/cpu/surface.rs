@@ -28,6 +28,8 @@ use skinned::{Skinned, unit};
 const MARGIN_M: f64 = 0.006;
 /// Ways of the last frame that a particle, or the surface near it, may go in the next.
 const WAYS: f64 = 2.0;
+/// The same for a particle whose motion in the last frame is not known: 6 m/s at 60 Hz.
+const UNKNOWN_WAY_M: f64 = 0.1;
 /// Frames for which a particle is left out, at most, and how much farther \[m\] the surface may come in each than it does now.
 const MAX_WAIT: f64 = 3.0;
 const FASTER_M: f64 = 0.008;
@@ -87,7 +89,7 @@ struct View<T> {
     straight: bool,
     /// From the point to the particle.
     from: V3<T>,
-    /// Whether there is no surface below the particle: beside a border.
+    /// Whether the particle is beside a border, with no surface below it.
     open: bool,
 }
 
@@ -238,7 +240,7 @@ impl<T: Real> Worn<T> {
         let hint = self.hints[particle];
         let clearance = self.clearances[particle];
         let known = hint.triangle != NONE;
-        let goes = if known { T::of(WAYS) * length(sub(p, hint.last)) } else { T::of(0.0) };
+        let goes = if known { T::of(WAYS) * length(sub(p, hint.last)) } else { T::of(UNKNOWN_WAY_M) };
         let reach = clearance + T::of(MARGIN_M) + goes;
         let (mut spot, mut view) = self.first(&hint, p);
         let mut second = hint.second;
