@@ -4,13 +4,12 @@
 //! sphere). Those take the normal of the animated mesh in each frame; here the centre is skinned by the joints of its particle, which is
 //! the same where these move alike, and one row per particle as for limits.
 
-use super::limit::Limit;
+use super::limit::{self, Hold, Limit};
 use crate::cloth::Cloth;
 use crate::cpu::rows::Threads;
-use crate::cpu::sheet::{Sheet, planes, planes_ref};
+use crate::cpu::sheet::Sheet;
 use crate::memory::Tally;
-use crate::number::aligned::Aligned;
-use crate::number::lanes::{Machine, Work, widest};
+use crate::number::lanes::Machine;
 use crate::number::real::{Real, V3};
 
 /// The backstops of a sheet.
@@ -64,50 +63,18 @@ pub fn backstops<T: Real>(cloth: &Cloth, sheets: &[Sheet<T>]) -> Vec<Backstop<T>
     sheets.iter().zip(firsts).map(|(sheet, first)| Backstop::new(sheet, |k| spheres[first + k])).collect()
 }
 
-/// Rows that are done in one go.
-const TOGETHER: usize = 32;
-
 /// Pushes every particle out of its sphere, with `left` \[s\] of the frame to go after the step.
 pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, backstop: &Backstop<T>, left: T) {
-    let (half, row) = (sheet.half, sheet.row());
-    let w = &sheet.w[..];
-    threads.chunks(&mut sheet.now, TOGETHER * row, |chunk, rows| {
-        widest(Rows { rows, first: chunk * TOGETHER, half, w, spheres: &backstop.spheres, left });
-    });
+    limit::run_with::<T, Outside>(threads, sheet, &backstop.spheres, left);
 }
 
-struct Rows<'a, 'b, T: Real> {
-    rows: &'b mut [T],
-    first: usize,
-    half: usize,
-    w: &'a [T],
-    spheres: &'a Limit<T>,
-    left: T,
-}
+/// At least the radius.
+struct Outside;
 
-impl<'a, T: Real> Work<T> for Rows<'a, '_, T> {
+impl Hold for Outside {
     #[inline(always)]
-    fn run<K: Machine<T>>(self, k: K) {
-        let (wide, left) = (2 * self.half, k.splat(self.left));
-        let none = k.splat(T::of(f64::from(f32::MAX)));
-        for (n, row) in self.rows.chunks_exact_mut(3 * wide).enumerate() {
-            let j = self.first + n;
-            let (w, radius) = (&self.w[j * wide..(j + 1) * wide], &self.spheres.most[j * wide..(j + 1) * wide]);
-            let of_row = |list: &'a Aligned<T>| planes_ref(&list[j * 3 * wide..(j + 1) * 3 * wide], self.half);
-            let to = of_row(&self.spheres.targets);
-            let drifts = (!self.spheres.drifts.is_empty()).then(|| of_row(&self.spheres.drifts));
-            let [x, y, z] = planes(row, self.half);
-            for at in (0..wide).step_by(K::WIDE) {
-                if !k.any(k.above(none, k.load(radius, at))) {
-                    continue;
-                }
-                let mut to = to.map(|list| k.load(list, at));
-                if let Some(drifts) = drifts {
-                    to = k.minus(to, k.times(drifts.map(|list| k.load(list, at)), left));
-                }
-                keep_out(k, [&mut *x, &mut *y, &mut *z], at, to, (k.load(w, at), k.load(radius, at)));
-            }
-        }
+    fn hold<T: Real, K: Machine<T>>(k: K, p: [&mut [T]; 3], at: usize, to: [K::V; 3], limits: (K::V, K::V)) {
+        keep_out(k, p, at, to, limits);
     }
 }
 

@@ -1,5 +1,7 @@
 //! Twin of shaders/limit.wgsl: no particle is farther from its target than its limit.
 
+use std::marker::PhantomData;
+
 use super::tethers::hold_within;
 use crate::cloth::{Cloth, Grid};
 use crate::cpu::rows::Threads;
@@ -72,23 +74,45 @@ const TOGETHER: usize = 32;
 
 /// Draws every particle beyond its limit back to it, with `left` \[s\] of the frame to go after the step.
 pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, limit: &Limit<T>, left: T) {
+    run_with::<T, Within>(threads, sheet, limit, left);
+}
+
+/// A rule that holds particles near their targets, or away from them.
+pub trait Hold {
+    /// Holds the free particles of a vector, at `at`, by a distance \[m\] from `to`, `f32::MAX` for no rule; `w` are their inverse masses.
+    fn hold<T: Real, K: Machine<T>>(k: K, p: [&mut [T]; 3], at: usize, to: [K::V; 3], limits: (K::V, K::V));
+}
+
+/// At most the distance.
+struct Within;
+
+impl Hold for Within {
+    #[inline(always)]
+    fn hold<T: Real, K: Machine<T>>(k: K, p: [&mut [T]; 3], at: usize, to: [K::V; 3], limits: (K::V, K::V)) {
+        hold_within(k, p, at, to, limits);
+    }
+}
+
+/// Applies a rule to every particle that has a target, as [`run`] does.
+pub fn run_with<T: Real, H: Hold>(threads: &Threads, sheet: &mut Sheet<T>, limit: &Limit<T>, left: T) {
     let (half, row) = (sheet.half, sheet.row());
     let w = &sheet.w[..];
     threads.chunks(&mut sheet.now, TOGETHER * row, |chunk, rows| {
-        widest(Rows { rows, first: chunk * TOGETHER, half, w, limit, left });
+        widest(Rows { rows, first: chunk * TOGETHER, half, w, limit, left, rule: PhantomData::<H> });
     });
 }
 
-struct Rows<'a, 'b, T: Real> {
+struct Rows<'a, 'b, T: Real, H> {
     rows: &'b mut [T],
     first: usize,
     half: usize,
     w: &'a [T],
     limit: &'a Limit<T>,
     left: T,
+    rule: PhantomData<H>,
 }
 
-impl<'a, T: Real> Work<T> for Rows<'a, '_, T> {
+impl<'a, T: Real, H: Hold> Work<T> for Rows<'a, '_, T, H> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
         let (wide, left) = (2 * self.half, k.splat(self.left));
@@ -108,7 +132,7 @@ impl<'a, T: Real> Work<T> for Rows<'a, '_, T> {
                 if let Some(drifts) = drifts {
                     to = k.minus(to, k.times(drifts.map(|list| k.load(list, at)), left));
                 }
-                hold_within(k, [&mut *x, &mut *y, &mut *z], at, to, (k.load(w, at), k.load(most, at)));
+                H::hold(k, [&mut *x, &mut *y, &mut *z], at, to, (k.load(w, at), k.load(most, at)));
             }
         }
     }
