@@ -1,0 +1,73 @@
+//! Contact of a cloth with other cloths, and with a body that it is worn on.
+
+use super::Fabric;
+use super::meeting::Meeting;
+use super::meeting::shadow::{Dawn, Shadow};
+use super::seam_steps::Member;
+use crate::cpu::surface::Worn;
+use crate::number::real::{Real, V3, add, dot, scale, sub};
+
+impl<T: Real> Fabric<T> {
+    /// The position of a particle.
+    #[inline]
+    pub fn at(&self, member: Member) -> V3<T> {
+        self.sheets[member.sheet as usize].at(member.at as usize)
+    }
+
+    /// Puts a particle at a position; the previous one is changed so that of the motion along the change only what led into it ends.
+    pub fn hold_back(&mut self, member: Member, to: V3<T>) {
+        let sheet = &mut self.sheets[member.sheet as usize];
+        let at = member.at as usize;
+        let change = sub(to, sheet.at(at));
+        let long = dot(change, change).sqrt();
+        if long <= T::of(0.0) {
+            return;
+        }
+        let was: V3<T> = [0, 1, 2].map(|c| sheet.before[at + 2 * c * sheet.half]);
+        let ahead = dot(sub(sheet.at(at), was), change) / long;
+        // Contact pushes and lets previous positions follow: a push that is held back must leave no speed the other way.
+        let follows = (ahead + long).min(long).max(T::of(0.0)) / long;
+        let was = add(was, scale(change, follows));
+        sheet.put(at, to);
+        for (c, was) in was.into_iter().enumerate() {
+            let place = at + 2 * c * sheet.half;
+            sheet.before[place] = was;
+            if let Some(lost) = sheet.lost.get_mut(place) {
+                *lost = T::of(0.0);
+            }
+        }
+    }
+
+    /// The shadow of cloth that has contact, for other cloths in a frame.
+    pub fn shadow(&mut self, dawn: &Dawn<T>) -> Option<Shadow<T>> {
+        self.meeting.as_mut().map(|meeting| meeting.shadow(dawn))
+    }
+
+    /// Takes in the shadows of all cloths, its own at `own`. Returns the cloths that are asleep and wake.
+    pub fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) -> Vec<usize> {
+        self.meeting.as_mut().map_or(Vec::new(), |meeting| meeting.meet(shadows, own))
+    }
+
+    /// Takes in where particles of other cloths that it may meet are now.
+    pub fn follow_others(&mut self, shadows: &[Option<Shadow<T>>], own: usize) {
+        self.meeting.iter_mut().for_each(|meeting| meeting.follow(shadows, own));
+    }
+
+    /// Searches contact afresh in the next step.
+    pub fn forget_contact(&mut self) {
+        self.meeting.iter_mut().for_each(Meeting::forget);
+        self.forget_surface();
+    }
+
+    /// Searches the nearest points of a body afresh in the next step, where particles may be anywhere.
+    pub fn forget_surface(&mut self) {
+        self.worn.iter_mut().for_each(Worn::forget);
+    }
+
+    /// Takes back its shadow.
+    pub fn keep(&mut self, shadow: Shadow<T>) {
+        if let Some(meeting) = &mut self.meeting {
+            meeting.keep(shadow);
+        }
+    }
+}
