@@ -24,6 +24,20 @@ pub struct Level {
     pub rows: usize,
 }
 
+impl Level {
+    /// This level and those above it, up to one box; the boxes above lie from `end` on, which goes on behind them.
+    pub fn up(self, end: &mut usize) -> Vec<Level> {
+        let mut levels = vec![self];
+        let mut level = self;
+        while level.columns.max(level.rows) > 1 {
+            level = Level { first: *end, columns: level.columns.div_ceil(2), rows: level.rows.div_ceil(2) };
+            *end += level.columns * level.rows;
+            levels.push(level);
+        }
+        levels
+    }
+}
+
 /// The boxes of all sheets; those of tiles come first, as the tiles do.
 pub struct Tree<T: Real> {
     pub nodes: Vec<Node<T>>,
@@ -65,14 +79,7 @@ impl<T: Real> Tree<T> {
     pub fn new(tiles: &Tiles<T>) -> Self {
         let (mut sheets, mut end) = (Vec::new(), tiles.count());
         for grid in &tiles.grids {
-            let mut level = Level { first: grid.first, columns: grid.columns, rows: grid.rows };
-            let mut levels = vec![level];
-            while level.columns.max(level.rows) > 1 {
-                level = Level { first: end, columns: level.columns.div_ceil(2), rows: level.rows.div_ceil(2) };
-                end += level.columns * level.rows;
-                levels.push(level);
-            }
-            sheets.push(levels);
+            sheets.push(Level { first: grid.first, columns: grid.columns, rows: grid.rows }.up(&mut end));
         }
         let at = vec![[[T::of(0.0); LANES_OF_TILE]; 3]; tiles.count()];
         Tree {

@@ -2,6 +2,7 @@
 
 use super::spread::Spread;
 use super::surface::Surface;
+use crate::cpu::fabric::tree::Level;
 use crate::number::real::{V3, dot};
 
 /// Bounds \[m\].
@@ -40,14 +41,6 @@ impl Bound {
     }
 }
 
-/// The boxes of one patch on one level.
-#[derive(Clone, Copy, Debug)]
-struct Level {
-    first: usize,
-    columns: usize,
-    rows: usize,
-}
-
 /// The boxes of all patches; those of cells come first, as the cells do.
 #[derive(Default)]
 pub struct Boxes {
@@ -79,14 +72,7 @@ impl Boxes {
     pub fn new(surface: &Surface) -> Self {
         let (mut patches, mut end) = (Vec::new(), surface.corners.len());
         for patch in &surface.patches {
-            let mut level = Level { first: patch.first, columns: patch.width, rows: patch.height };
-            let mut levels = vec![level];
-            while level.columns.max(level.rows) > 1 {
-                level = Level { first: end, columns: level.columns.div_ceil(2), rows: level.rows.div_ceil(2) };
-                end += level.columns * level.rows;
-                levels.push(level);
-            }
-            patches.push(levels);
+            patches.push(Level { first: patch.first, columns: patch.width, rows: patch.height }.up(&mut end));
         }
         let (bounds, spreads) = (vec![Bound::NONE; end], vec![Spread::NONE; end]);
         Boxes { bounds, spreads, floor: 0.0, patches }
