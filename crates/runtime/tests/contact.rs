@@ -8,28 +8,9 @@ mod support;
 use gimage_runtime::crossings::{self, Drawn};
 use gimage_runtime::*;
 use support::rig::{Rig, largest};
-use support::{scene, tube, two_charts};
+use support::{folded, scene, tube, two_charts};
 
 const PASSES: [&str; 5] = ["leaves", "tree", "partners", "touch", "separate"];
-
-/// A square folded to three layers that are `gap` \[m\] apart, above a table.
-fn folded(n: u32, gap: f32) -> Scene {
-    let mut cloth = Flat::square("sheet", n).cloth().unwrap();
-    cloth.damping = 0.5;
-    let bend = std::f32::consts::PI * gap / 2.0;
-    let straight = (1.0 - 2.0 * bend) / 3.0;
-    let place = |p: &[f32; 3]| {
-        let layer = (p[0] / (straight + bend)).floor().min(2.0);
-        let along = p[0] - layer * (straight + bend);
-        let angle = 2.0 * (along - straight).max(0.0) / gap;
-        let far = along.min(straight) + gap / 2.0 * angle.sin();
-        let x = if layer == 1.0 { straight - far } else { far };
-        [x, gap * (layer + 1.0) + gap / 2.0 * (1.0 - angle.cos()), p[2]]
-    };
-    cloth.place(cloth.positions().iter().map(place).collect()).unwrap();
-    let table = Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) };
-    Scene { colliders: vec![table], ..scene(cloth) }
-}
 
 /// The scene with contact of all its cloths.
 fn with_contact(mut scene: Scene) -> Scene {

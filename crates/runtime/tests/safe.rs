@@ -1,7 +1,10 @@
 //! Contact of the tier safe: no triangle crosses another one in any frame.
 
+mod support;
+
 use gimage_runtime::crossings::{self, Drawn};
 use gimage_runtime::*;
+use support::folded;
 
 const FRAME: f64 = 1.0 / 60.0;
 
@@ -17,27 +20,6 @@ fn sheet(flat: Flat) -> Cloth {
 
 fn table() -> Collider {
     Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) }
-}
-
-/// A square folded to three layers that are 1 cm apart, above a table.
-fn folded(n: u32) -> Scene {
-    let gap = 0.01;
-    let mut cloth = sheet(Flat::square("sheet", n));
-    let bend = std::f32::consts::PI * gap / 2.0;
-    let straight = (1.0 - 2.0 * bend) / 3.0;
-    let place = |p: &[f32; 3]| {
-        let layer = (p[0] / (straight + bend)).floor().min(2.0);
-        let along = p[0] - layer * (straight + bend);
-        let angle = 2.0 * (along - straight).max(0.0) / gap;
-        let far = along.min(straight) + gap / 2.0 * angle.sin();
-        let x = if layer == 1.0 { straight - far } else { far };
-        [x, gap * (layer + 1.0) + gap / 2.0 * (1.0 - angle.cos()), p[2]]
-    };
-    cloth.place(cloth.positions().iter().map(place).collect()).unwrap();
-    let mut scene = Scene::new("fold");
-    scene.cloths.push(cloth);
-    scene.colliders.push(table());
-    scene
 }
 
 /// A square that collapses on a table.
@@ -96,7 +78,7 @@ fn run(scene: &Scene, frames: u32) -> (u32, [f64; 3], Vec<Finding>) {
 
 #[test]
 fn no_frame_of_folding_dropping_or_draping_cloth_has_a_crossing() {
-    for (scene, share, frames) in [(folded(33), 1.2, 12), (dropped(17), 0.4, 70), (draped(13), 0.4, 50)] {
+    for (scene, share, frames) in [(folded(33, 0.01), 1.2, 12), (dropped(17), 0.4, 70), (draped(13), 0.4, 50)] {
         let name = scene.name.clone();
         let (crossed, free, _) = run(&with(scene.clone(), ContactTier::Particles, share), frames);
         assert!(crossed > 0, "{name} does not need this tier");
