@@ -7,9 +7,9 @@ override samples: u32 = 1u;
 // Ten vectors per triangle: position and u, normal and v, colour of each corner, then the paint.
 @group(0) @binding(2) var<storage, read> mesh: array<vec4<f32>>;
 
-// Laid out as `PaintRow` in crates/runtime/src/draw/rows.rs: what alpha does (0 nothing, 1 mask, 2 blend) and the alpha below which a mask
-// leaves out; how the texture goes on along u and, times 4, along v (0 repeats, 1 clamps, 2 mirrors); where its levels begin in `texels`, and
-// how many there are, 0 for no texture.
+// Laid out as `PaintRow` in crates/runtime/src/draw/rows.rs. `alpha`: the alpha mode (0 opaque, 1 mask, 2 blend). `cutoff`: a mask discards
+// alpha below it. `wrap`: the wrap mode along u, plus 4 times that along v (0 repeats, 1 clamps, 2 mirrors). `first`: the index in `texels`
+// of the first level. `levels`: the number of levels, 0 without a texture.
 struct Paint {
   color: vec4<f32>,
   alpha: u32,

@@ -61,7 +61,7 @@ fn table(cli: &Cli) -> Result<(), Failure> {
     for name in &names {
         for n in &cli.n {
             for distance in &cli.distance {
-                // Without contact there is no tier.
+                // The tier is empty for runs without contact.
                 let tiers = if *distance > 0.0 { &cli.tier[..] } else { &cli.tier[..1] };
                 for tier in tiers {
                     writeln!(out, "{}", run(cli, name, *n, (*distance, *tier))?)?;

@@ -57,7 +57,7 @@ pub enum Fate {
         /// Most particles in a step.
         particles: usize,
     },
-    /// Contact of this tier holds cloth inside colliders: between these there is no room for it.
+    /// Contact of the tier `safe` holds particles inside colliders, because the gap between the colliders is smaller than the layers of cloth.
     Squeezed {
         /// Largest depth \[m\].
         depth: f64,
@@ -119,8 +119,8 @@ impl fmt::Display for Finding {
             ),
             Fate::Squeezed { depth } => write!(
                 f,
-                "contact of the tier safe holds particles up to {:.1} mm inside a collider, as there is no room for all layers: leave more \
-                 room between colliders, move them more slowly, or use more substeps (now {substeps})",
+                "contact of the tier safe holds particles up to {:.1} mm inside a collider, because the layers of cloth do not fit into the gap: leave \
+                 more room between colliders, move them more slowly, or use more substeps (now {substeps})",
                 1e3 * depth
             ),
         }

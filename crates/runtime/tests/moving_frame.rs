@@ -245,7 +245,7 @@ fn backends_and_forms_agree_and_cloths_have_frames_of_their_own() {
     scene.cloths.push(hung_tube(1));
     scene.cloths.push(hung());
     scene.wind = Some(wind(false));
-    // How far roundings may lead: what a start with other roundings leads to, on the same backend.
+    // The bound is the distance that a start moved by 1e-6 m leads to on the CPU, so it grows as roundings do.
     let mut nudged = scene.clone();
     for cloth in &mut nudged.cloths {
         let moved = cloth.positions().iter().map(|p| p.map(|x| x + 1e-6 * (1e3 * x).sin())).collect();

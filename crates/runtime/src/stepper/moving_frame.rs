@@ -71,8 +71,8 @@ impl Stepper {
         Ok(())
     }
 
-    /// Changes the shares of the motion of its frame that a cloth feels, from the next frame on. Errors if there is no such cloth, and on shares that
-    /// are not from 0 to 1.
+    /// Sets the shares of its frame's motion that act on a cloth, from the next frame on. Errors for an unknown cloth, and for a share
+    /// outside 0 to 1.
     pub fn set_inertia(&mut self, cloth: impl Into<ClothRef>, inertia: Inertia) -> Result<()> {
         let cloth = self.world.find(cloth.into())?;
         inertia.check()?;
