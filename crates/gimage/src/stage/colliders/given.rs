@@ -7,7 +7,7 @@ use super::solid::{Form, Solid};
 use super::{ColliderOptions, Figures, MAX_COUNT};
 use crate::base::mesh::{Joint, Mesh};
 use crate::error::{Error, Result};
-use crate::import::{FileCollider, FileShape, inverse};
+use crate::import::{FileCollider, FileShape, IDENTITY, inverse};
 use crate::record::{Finding, Severity};
 
 /// Where colliders come from.
@@ -40,7 +40,6 @@ impl ColliderSource {
 const LOOSE: f64 = 3.0;
 /// Radii that differ by more than this share are told.
 const SAME_RADIUS: f64 = 0.01;
-const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// Solids of a file.
 pub(super) struct Given {

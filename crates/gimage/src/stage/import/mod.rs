@@ -47,6 +47,7 @@ pub use character::Character;
 pub use color::{BaseColor, base_colors};
 pub(crate) use embed::embed;
 pub(crate) use glb::split as split_glb;
+pub(crate) use matrix::IDENTITY;
 pub use matrix::inverse;
 pub use origin::Origin;
 pub use place::Up;
