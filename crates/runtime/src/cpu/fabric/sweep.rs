@@ -7,7 +7,7 @@
 use super::anchors::Anchors;
 use super::integrate_rows;
 use super::stretch::{Spring, Springs};
-use super::tethers::{self, Tethers};
+use super::tethers::{Rows, Tethers};
 use crate::cpu::sheet::Sheet;
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
@@ -70,14 +70,9 @@ impl<T: Real, const BOUND: bool> Work<T> for Walk<'_, '_, T, BOUND> {
                         *next = ready;
                     }
                     (Stage::Tethers(held, anchors), _) => {
-                        tethers::draw(
-                            k,
-                            &mut now[*next * row..ready * row],
-                            held,
-                            size,
-                            (w, *next * 2 * half),
-                            anchors,
-                        );
+                        // Not a part of this function: with the code of tethers in it, springs are slower.
+                        let rows = &mut now[*next * row..ready * row];
+                        widest(Rows { rows, size, w, first: *next * 2 * half, tethers: held, anchors });
                         *next = ready;
                     }
                     (Stage::Springs(_, (0, parity), _), Some(spring)) => {

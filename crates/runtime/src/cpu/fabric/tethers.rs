@@ -62,14 +62,14 @@ pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, tethers: &Tethers<T
 }
 
 /// Rows of a sheet, the first of them at `first` in `w`.
-struct Rows<'a, 'b, T: Real> {
-    rows: &'b mut [T],
+pub struct Rows<'a, 'b, T: Real> {
+    pub rows: &'b mut [T],
     /// Columns, and numbers in half a row.
-    size: (usize, usize),
-    w: &'a [T],
-    first: usize,
-    tethers: &'a Tethers<T>,
-    anchors: &'a Anchors<'a, T>,
+    pub size: (usize, usize),
+    pub w: &'a [T],
+    pub first: usize,
+    pub tethers: &'a Tethers<T>,
+    pub anchors: &'a Anchors<'a, T>,
 }
 
 impl<T: Real> Work<T> for Rows<'_, '_, T> {
