@@ -48,6 +48,7 @@ pub enum Support {
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
 /// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
+/// | the same, with [`Options::pyramid`], no colliders | 7 sqrt(N / 64) | 4 | scene s1 without tethers, N = 64, 128, 256: largest stretch 2.9, 3.3, 5.9 % |
 /// | colliders, no pins | 12 sqrt(N / 64), of a material 48 | 8 | a T-shirt on moving arms: p99 4 % at N = 64, 5 % at 128 |
 /// | the same, starting high enough to fall on them at more than 1 m/s | 25 sqrt(N / 64) | 3 | scene s2: see `docs/solvers.md` |
 /// | colliders at speed v \[m/s\] | in a step, v moves at most a tenth of the thinnest collider's radius | 8 | scene s2f |
@@ -119,6 +120,8 @@ const FAST_POLISH: u32 = 8;
 const MIN_FALL_M_S: f64 = 1.0;
 const FALL_SUBSTEPS: f64 = 25.0;
 const FALL_POLISH: u32 = 3;
+/// Substeps at N = 64 of cloth that hangs by its springs with a pyramid: the pyramid carries its weight.
+const PYRAMID_SUBSTEPS: f64 = 7.0;
 
 /// Slack of tethers to a row of pins: more than springs yield there, so that tethers hold only what tears.
 const ROW_SLACK: f32 = 1.03;
@@ -262,6 +265,7 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
             (substeps, polish, Support::Tethered)
         }
         (true, true, true) => (scaled(if sheet { 16.0 } else { 12.0 }), 4, Support::TetheredOnColliders),
+        (true, false, false) if given.pyramid > 0 => (scaled(PYRAMID_SUBSTEPS), 4, Support::Springs),
         (true, false, _) => (scaled(16.0), 4, Support::Springs),
         (false, _, true) if !sheet && fall(cloth, scene) > MIN_FALL_M_S => {
             (scaled(FALL_SUBSTEPS), FALL_POLISH, Support::Falls(fall(cloth, scene)))

@@ -88,3 +88,14 @@ fn the_finer_the_grid_and_the_stiffer_the_fabric_the_more_substeps() {
     let [coarse, half] = [96, 191].map(|n| f64::from(of("silk", n)));
     assert!(half > 2.0 * coarse && half <= 4.0 * coarse + 1.0, "{coarse} {half}");
 }
+
+#[test]
+fn a_pyramid_takes_the_place_of_substeps_where_springs_alone_hold_cloth() {
+    let scene = builtin("s1", 128).unwrap();
+    let of = |scene: &Scene, pyramid| chosen(scene, Options { tethers: 0, pyramid, ..Options::default() });
+    assert_eq!([of(&scene, 0), of(&scene, 3)].map(|c| (c.substeps, c.polish)), [(23, 4), (10, 4)]);
+    // Among colliders there is no pyramid.
+    let mut among = scene.clone();
+    among.colliders = vec![Collider::new(Shape::Sphere { radius: 0.1 }, [0.0, -5.0, 0.0])];
+    assert_eq!(of(&among, 3).substeps, of(&among, 0).substeps);
+}

@@ -69,7 +69,8 @@ pub struct Options {
     /// further substeps from some 100 particles per side on, as fine cloth crumples beside its pins.
     pub polish: Option<u32>,
     /// Number of steps from one pass of length limits on coarser grids to the next, for [`Solver::Xpbd`]; 0 means never. Default
-    /// 0; at most 4096. It keeps cloth together that no pin holds and that flies freely. Cloth that meets colliders has no such
+    /// 0; at most 4096. It keeps cloth together that no pin holds and that flies freely, and
+    /// cloth that hangs at rest from points without tethers. Cloth that meets colliders has no such
     /// pass, because the limits ignore contact ([`crate::Warning::PyramidOnColliders`]). Every other
     /// step is often enough: in every step, limits and springs work against one another, and cloth without damping takes up motion. No
     /// limit crosses a cut, and nothing is carried across one; both sides of a seam move alike on every grid; after a cut of

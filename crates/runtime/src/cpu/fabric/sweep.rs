@@ -113,7 +113,7 @@ mod tests {
     use super::*;
     use crate::cloth::Grid;
     use crate::cpu::fabric::stretch::{self, Rests};
-    use crate::cpu::fabric::tethers::Slot;
+    use crate::cpu::fabric::tethers::{self, Slot};
     use crate::cpu::integrate::Air;
     use crate::cpu::rows::Threads;
     use crate::number::aligned::Aligned;
