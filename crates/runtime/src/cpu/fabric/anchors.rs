@@ -15,11 +15,13 @@ pub struct Places<T: Real> {
     /// For every sheet and slot where the anchor of each particle is, in the layout of [`Sheet::now`], in blocks with several anchors; empty
     /// for a slot with one anchor.
     pub planes: Vec<Vec<Aligned<T>>>,
+    /// Whether they are there now: pinned particles move between steps, and where they follow joints.
+    pub found: bool,
 }
 
 impl<T: Real> Default for Places<T> {
     fn default() -> Self {
-        Places { at: Vec::new(), planes: Vec::new() }
+        Places { at: Vec::new(), planes: Vec::new(), found: false }
     }
 }
 
@@ -40,8 +42,11 @@ impl<T: Real> Places<T> {
 }
 
 impl<T: Real> Fabric<T> {
-    /// Finds the anchors. A particle that is no longer pinned holds nothing: its place is NaN, and no distance to NaN is too large.
+    /// Finds the anchors, if they may have moved since they were found. A particle that is no longer pinned holds nothing: its place is NaN, and no distance to NaN is too large.
     pub fn find_anchors(&mut self) {
+        if std::mem::replace(&mut self.places.found, true) {
+            return;
+        }
         let mut moved = self.places.planes.len() != self.tethers.len();
         self.places.at.resize(self.anchors.len(), [T::of(0.0); 3]);
         for (m, at) in self.anchors.iter().zip(&mut self.places.at) {
@@ -60,7 +65,7 @@ impl<T: Real> Fabric<T> {
 
     /// Writes where the anchors of particles are whose neighbours have others.
     fn arrange_anchors(&mut self) {
-        let Places { at, planes } = &mut self.places;
+        let Places { at, planes, .. } = &mut self.places;
         planes.resize_with(self.tethers.len(), Vec::new);
         for ((sheet, tethers), planes) in self.sheets.iter().zip(&*self.tethers).zip(planes) {
             planes.resize_with(tethers.slots.len(), Aligned::default);
@@ -81,9 +86,9 @@ pub fn arrange<T: Real>(sheet: &Sheet<T>, slot: &Slot<T>, at: &[V3<T>], planes: 
     let rows = planes.chunks_exact_mut(3 * wide).zip(slot.anchor.chunks_exact(wide));
     for ((row, anchors), blocks) in rows.zip(slot.block.chunks_exact(wide / LANES)) {
         for (b, anchors) in anchors.chunks_exact(LANES).enumerate().filter(|(b, _)| blocks[*b] == MIXED) {
-            for (n, anchor) in anchors.iter().enumerate() {
-                let p = at.get(*anchor as usize).copied().unwrap_or([T::of(0.0); 3]);
-                (0..3).for_each(|c| row[c * wide + b * LANES + n] = p[c]);
+            for (c, row) in row.chunks_exact_mut(wide).enumerate() {
+                let block = row[b * LANES..(b + 1) * LANES].iter_mut().zip(anchors);
+                block.for_each(|(to, anchor)| *to = at.get(*anchor as usize).map_or(T::of(0.0), |p| p[c]));
             }
         }
     }

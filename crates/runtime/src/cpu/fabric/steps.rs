@@ -33,6 +33,7 @@ impl<T: Real> Fabric<T> {
         solids: &[Solid<T>],
         body: &mut Body<T>,
     ) {
+        self.places.found = false;
         self.meeting.iter_mut().for_each(|m| m.elapsed = m.elapsed + step.dt);
         if let Some(worn) = &mut self.worn {
             worn.search(&self.sheets, &self.firsts);
@@ -141,6 +142,7 @@ impl<T: Real> Fabric<T> {
             Pass::Follow => {
                 let each = self.sheets.iter_mut().zip(&self.follows);
                 each.for_each(|(sheet, follow)| follow::run(sheet, follow, step.left));
+                self.places.found = false;
             }
             Pass::Limit { .. } => {
                 let each = self.sheets.iter_mut().zip(&self.limits);
