@@ -7,6 +7,7 @@
 mod attach;
 mod bind;
 mod classes;
+mod finite;
 pub(crate) mod plain;
 mod surface;
 pub(crate) mod trace;
@@ -97,7 +98,7 @@ pub(crate) fn add(
     options: &BuildOptions,
 ) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
-    let document = match (imported.plain, embed(imported.path, &options.import, imported.source)) {
+    let mut document = match (imported.plain, embed(imported.path, &options.import, imported.source)) {
         (Some(plain), _) => plain,
         (None, Ok(Some(embedded))) => {
             if !embedded.lost_images.is_empty() {
@@ -113,6 +114,12 @@ pub(crate) fn add(
             return Ok(findings);
         }
     };
+    let broken = finite::make_finite(&mut document.json, &mut document.bin);
+    if broken > 0 {
+        let message = "Vertices of the render mesh have no finite position: their triangles are collapsed to points.";
+        let finding = finding("non-finite-positions", broken, Vec::new(), message.into());
+        findings.push(Finding { severity: Severity::Repair, ..finding });
+    }
     let bindings = bind(bundle, made)?;
     findings.extend(bindings.findings);
     let bound = match document.vertices.is_empty() {
