@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 /// Where the halves meet \[m\].
 const MIDDLE: f32 = 0.450_01;
 
-/// `sleeve.glb` with a primitive of the material `arm` towards the shoulder and one of the material `sleeve` towards the wrist.
+/// `sleeve.glb` with a primitive of the material `upper` towards the shoulder and one of the material `lower` towards the wrist.
 fn two_halves() -> Vec<u8> {
     let bytes = std::fs::read(asset("sleeve.glb")).unwrap();
     let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
@@ -35,7 +35,7 @@ fn two_halves() -> Vec<u8> {
         let own = triangles.iter().filter(|t| t.iter().all(|v| x(*v) < MIDDLE) == arm);
         own.flatten().flat_map(|v| v.to_le_bytes()).collect()
     });
-    json["materials"] = json!([{"name": "arm"}, {"name": "sleeve"}]);
+    json["materials"] = json!([{"name": "upper"}, {"name": "lower"}]);
     let mut primitives = Vec::new();
     for (k, half) in halves.iter().enumerate() {
         let views = json["bufferViews"].as_array_mut().unwrap();
@@ -66,7 +66,7 @@ fn two_halves() -> Vec<u8> {
 
 fn options() -> BuildOptions {
     let mut options = texels(1000);
-    options.select.cloth = vec!["sleeve".parse().unwrap()];
+    options.select.cloth = vec!["lower".parse().unwrap()];
     options
 }
 
@@ -75,7 +75,7 @@ fn dressed(change: impl Fn(&mut BuildOptions)) -> Built {
     let path = folder.path().join("halves.glb");
     std::fs::write(&path, two_halves()).unwrap();
     let mut options = options();
-    options.select.body = vec!["arm".parse().unwrap()];
+    options.select.body = vec!["upper".parse().unwrap()];
     change(&mut options);
     dress(&path, &options, &ColliderOptions::default(), &Quiet).unwrap()
 }
