@@ -46,10 +46,10 @@ fn enter_capsule(o: vec3<f32>, d: vec3<f32>, radius: f32, half: f32) -> Entry {
 
 // The side, else one of the balls. See crates/runtime/src/collider/solid/taper.rs.
 fn enter_tapered(o: vec3<f32>, d: vec3<f32>, size: vec3<f32>) -> Entry {
-  let of = taper(size);
-  let square = of.across * of.across;
-  let to = of.middle - of.along * o.y;
-  let by = of.along * d.y;
+  let cone = taper(size);
+  let square = cone.across * cone.across;
+  let to = cone.middle - cone.along * o.y;
+  let by = cone.along * d.y;
   let a = square * (d.x * d.x + d.z * d.z) - by * by;
   let b = square * (o.x * d.x + o.z * d.z) + to * by;
   let c = square * (o.x * o.x + o.z * o.z) - to * to;
@@ -59,10 +59,10 @@ fn enter_tapered(o: vec3<f32>, d: vec3<f32>, size: vec3<f32>) -> Entry {
     let t = c / rest;
     let left = to - by * t;
     let at = o + d * t;
-    let y = at.y - of.along * left / square;
-    if (t >= 0.0 && left > 0.0 && abs(y) <= of.half) {
-      let beside = of.across / sqrt(at.x * at.x + at.z * at.z);
-      return Entry(t, normalized(vec3<f32>(at.x * beside, of.along, at.z * beside)));
+    let y = at.y - cone.along * left / square;
+    if (t >= 0.0 && left > 0.0 && abs(y) <= cone.half) {
+      let beside = cone.across / sqrt(at.x * at.x + at.z * at.z);
+      return Entry(t, normalized(vec3<f32>(at.x * beside, cone.along, at.z * beside)));
     }
   }
   let top = enter_ball(o, d, vec3<f32>(0.0, size.y, 0.0), size.z);

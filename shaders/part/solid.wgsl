@@ -68,17 +68,17 @@ fn taper(size: vec3<f32>) -> Taper {
 }
 
 fn leave_tapered(p: vec3<f32>, size: vec3<f32>) -> Exit {
-  let of = taper(size);
-  let y = clamp(p.y - sqrt(p.x * p.x + p.z * p.z) * of.slope, -of.half, of.half);
+  let cone = taper(size);
+  let y = clamp(p.y - sqrt(p.x * p.x + p.z * p.z) * cone.slope, -cone.half, cone.half);
   let center = vec3<f32>(0.0, y, 0.0);
-  let radius = of.middle + y * of.rate;
+  let radius = cone.middle + y * cone.rate;
   let d = p - center;
   let far2 = dot(d, d);
   if (far2 >= radius * radius) {
     return outside();
   }
   let far = sqrt(far2);
-  var n = vec3<f32>(of.across, of.along, 0.0);
+  var n = vec3<f32>(cone.across, cone.along, 0.0);
   if (far > 1e-12) {
     n = d * (1.0 / far);
   }

@@ -215,6 +215,11 @@ fn a_mesh_without_the_map_has_no_rows_and_bad_calls_are_refused() {
     assert!(error(mesh.blend(&[STILL], &mut vertices)).contains("1 joint matrices for 2"));
     assert!(error(mesh.blend(&[STILL, [f32::NAN; 16]], &mut vertices)).contains("not finite"));
     assert!(error(mesh.blend(&[STILL; 2], &mut vertices[1..])).contains("299 vertices for a render mesh of 300"));
+    // A share above 1.
+    let mut wrong = bundle.clone();
+    wrong.images.get_mut(&(0, MapKind::Blend)).unwrap().data[40] = 1.5;
+    let faults = gimage_bundle::validate(&wrong);
+    assert!(faults.len() == 1 && faults[0].kind == gimage_bundle::FaultKind::Blend, "{faults:?}");
     // A file whose vertices follow a joint that does not exist.
     let mut broken = bundle.clone();
     broken.manifest.skeleton.as_mut().unwrap().joints.pop();

@@ -180,7 +180,8 @@ fn paths_enter_a_tapered_capsule_where_they_first_meet_its_surface() {
 fn tapered_capsules_without_a_taper_are_capsules_and_balls_in_balls_are_refused() {
     let capsule = Solid::<f32>::new(&moved(Shape::Capsule { half_height: 0.4, radius: 0.3 }));
     let tapered = Solid::<f32>::new(&moved(Shape::TaperedCapsule { half_height: 0.4, radii: [0.3; 2] }));
-    for p in points(0.8).take(2000).map(cast::<3, f64, f32>) {
+    for p in points(0.8).take(2000) {
+        let p: [f32; 3] = cast(p);
         assert_eq!(capsule.exit(p).is_some(), tapered.exit(p).is_some());
         let (Some((a, _)), Some((b, _))) = (capsule.exit(p), tapered.exit(p)) else { continue };
         assert!(distance(cast(a), cast(b)) < 1e-6);

@@ -2,11 +2,12 @@
 
 use crate::cloth::{Influence, Rows};
 use crate::layout::{BlendRow, RenderVertex};
-use crate::render_mesh::Blended;
 
-/// Moves the vertices, which are on the cloth. Every joint must have a matrix, and every row a vertex.
-pub fn run(blended: &Blended, matrices: &[Rows], vertices: &mut [RenderVertex]) {
-    for (row, own) in blended.rows.iter().zip(blended.influences.chunks(blended.sets.max(1))) {
+/// Moves the vertices of some rows, which are on the cloth; each row has as many `influences`. Every joint must have a matrix, and every row
+/// a vertex.
+pub fn run(rows: &[BlendRow], influences: &[Influence], matrices: &[Rows], vertices: &mut [RenderVertex]) {
+    let sets = influences.len() / rows.len().max(1);
+    for (row, own) in rows.iter().zip(influences.chunks(sets.max(1))) {
         let vertex = &mut vertices[row.vertex as usize];
         *vertex = moved(row, own, matrices, vertex);
     }

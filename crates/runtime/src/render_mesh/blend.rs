@@ -70,7 +70,7 @@ impl RenderMesh {
         if vertices.len() != self.len() {
             return Err(Error::RenderVertices { expected: self.len(), found: vertices.len() });
         }
-        blend::run(blended, matrices, vertices);
+        blend::run(&blended.rows, &blended.influences, matrices, vertices);
         Ok(())
     }
 }
