@@ -50,7 +50,7 @@ fn scene_files_have_them() {
             r#"{{"format": "gimage-scene", "version": 1, "duration": 1, "cloths": [{{"from": {{"flat": {{"width": 5, "height": 5}}}}}}], "colliders": [
             {{"shape": {{"tapered_capsule": {{"half_height": 0.3, "radii": {radii}}}}}, "position": [0, -1, 0]}}]}}"#
         );
-        SceneFile::parse(text.as_bytes(), |_| Err("no such bundle".into()))
+        scene::file::SceneFile::parse(text.as_bytes(), |_| Err("no such bundle".into()))
     };
     let shape = read("[0.2, 0.08]").unwrap().scene.colliders[0].shape;
     assert_eq!(shape, Shape::TaperedCapsule { half_height: 0.3, radii: [0.2, 0.08] });
