@@ -47,7 +47,7 @@ fn cloth_lies_on_a_tapered_capsule_and_not_in_it() {
 fn scene_files_have_them() {
     let read = |radii: &str| {
         let text = format!(
-            r#"{{"format": "gimage-scene", "version": 1, "duration": 1, "cloths": [{{"from": {{"flat": {{"width": 5, "height": 5}}}}}}], "colliders": [
+            r#"{{"format": "gimage-scene", "version": 1, "duration": 1, "cloths": [{{"from": {{"flat": {{"width": 5, "height": 5, "right": [1, 0, 0], "down": [0, 0, 1]}}}}}}], "colliders": [
             {{"shape": {{"tapered_capsule": {{"half_height": 0.3, "radii": {radii}}}}}, "position": [0, -1, 0]}}]}}"#
         );
         scene::file::SceneFile::parse(text.as_bytes(), |_| Err("no such bundle".into()))
