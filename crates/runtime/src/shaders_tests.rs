@@ -327,7 +327,11 @@ fn structs_lie_as_in_rust() {
                 Some("Job") => &job,
                 Some("Link") => &link,
                 // Lives in registers only.
-                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below" | "Window" | "Seeker") => continue,
+                Some(
+                    "Ends" | "Pull" | "Exit" | "Entry" | "Taper" | "Quad" | "Edge" | "Below" | "Window" | "Seeker",
+                ) => {
+                    continue;
+                }
                 // A row of four numbers.
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),
