@@ -56,11 +56,11 @@ pub struct ColliderOptions {
     pub kinds: Vec<Kind>,
     /// Whether solids that the file has are used.
     pub source: ColliderSource,
-    /// What the cloth of a dressed character collides with on the CPU.
+    /// The collider of the cloth of a dressed character on the CPU.
     pub tier: Tier,
 }
 
-/// What the cloth of a dressed character collides with on the CPU. A bundle has the solids in any case, for the GPU.
+/// The collider of the cloth of a dressed character on the CPU. A bundle has the solids in any case, for the GPU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tier {
     /// The solids.
