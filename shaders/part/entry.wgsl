@@ -44,6 +44,35 @@ fn enter_capsule(o: vec3<f32>, d: vec3<f32>, radius: f32, half: f32) -> Entry {
   return bottom;
 }
 
+// The side, else one of the balls. See crates/runtime/src/collider/solid/taper.rs.
+fn enter_tapered(o: vec3<f32>, d: vec3<f32>, size: vec3<f32>) -> Entry {
+  let cone = taper(size);
+  let square = cone.across * cone.across;
+  let to = cone.middle - cone.along * o.y;
+  let by = cone.along * d.y;
+  let a = square * (d.x * d.x + d.z * d.z) - by * by;
+  let b = square * (o.x * d.x + o.z * d.z) + to * by;
+  let c = square * (o.x * o.x + o.z * o.z) - to * to;
+  let under = b * b - a * c;
+  let rest = sqrt(max(under, 0.0)) - b;
+  if (under >= 0.0 && rest != 0.0) {
+    let t = c / rest;
+    let left = to - by * t;
+    let at = o + d * t;
+    let y = at.y - cone.along * left / square;
+    if (t >= 0.0 && left > 0.0 && abs(y) <= cone.half) {
+      let beside = cone.across / sqrt(at.x * at.x + at.z * at.z);
+      return Entry(t, normalized(vec3<f32>(at.x * beside, cone.along, at.z * beside)));
+    }
+  }
+  let top = enter_ball(o, d, vec3<f32>(0.0, size.y, 0.0), size.z);
+  let bottom = enter_ball(o, d, vec3<f32>(0.0, -size.y, 0.0), size.x);
+  if (top.t < bottom.t) {
+    return top;
+  }
+  return bottom;
+}
+
 // By slabs.
 fn enter_box(o: vec3<f32>, d: vec3<f32>, half: vec3<f32>) -> Entry {
   var first = -1e30;
@@ -80,6 +109,8 @@ fn enter(solid: Solid, start: vec3<f32>, path: vec3<f32>) -> Entry {
     hit = enter_ball(o, d, vec3<f32>(0.0), solid.size.x);
   } else if (capsules && solid.kind == 2u) {
     hit = enter_capsule(o, d, solid.size.x, solid.size.y);
+  } else if (tapered_capsules && solid.kind == 6u) {
+    hit = enter_tapered(o, d, solid.size);
   } else if (boxes && solid.kind == 3u) {
     hit = enter_box(o, d, solid.size);
   } else if ((radial_ellipsoids || ellipsoids) && solid.kind >= 4u) {
@@ -96,6 +127,9 @@ fn thickness(solid: Solid) -> f32 {
   }
   if (solid.kind <= 2u) {
     return solid.size.x;
+  }
+  if (tapered_capsules && solid.kind == 6u) {
+    return min(solid.size.x, solid.size.z);
   }
   return min(solid.size.x, min(solid.size.y, solid.size.z));
 }

@@ -31,6 +31,8 @@ fn reaches(solid: Solid, low: vec3<f32>, high: vec3<f32>) -> bool {
     r = solid.size.x;
   } else if (solid.kind == 2u) {
     r = solid.size.x + solid.size.y;
+  } else if (tapered_capsules && solid.kind == 6u) {
+    r = solid.size.y + max(solid.size.x, solid.size.z);
   } else if (solid.kind >= 4u) {
     r = max(solid.size.x, max(solid.size.y, solid.size.z));
   }

@@ -18,6 +18,7 @@ override capsules: bool = true;
 override boxes: bool = true;
 override radial_ellipsoids: bool = true;
 override ellipsoids: bool = true;
+override tapered_capsules: bool = true;
 
 struct Exit {
   inside: bool,
@@ -43,6 +44,41 @@ fn leave_ball(p: vec3<f32>, center: vec3<f32>, radius: f32) -> Exit {
   }
   let far = sqrt(far2);
   var n = vec3<f32>(1.0, 0.0, 0.0);
+  if (far > 1e-12) {
+    n = d * (1.0 / far);
+  }
+  return Exit(true, center + n * radius, n);
+}
+
+// See crates/runtime/src/collider/solid/taper.rs.
+struct Taper {
+  half: f32,
+  middle: f32,
+  rate: f32,
+  slope: f32,
+  across: f32,
+  along: f32,
+}
+
+fn taper(size: vec3<f32>) -> Taper {
+  let length = size.y + size.y;
+  let drop = size.x - size.z;
+  let side = sqrt((length - drop) * (length + drop));
+  return Taper(size.y, 0.5 * (size.x + size.z), -(drop / length), drop / side, side / length, drop / length);
+}
+
+fn leave_tapered(p: vec3<f32>, size: vec3<f32>) -> Exit {
+  let cone = taper(size);
+  let y = clamp(p.y - sqrt(p.x * p.x + p.z * p.z) * cone.slope, -cone.half, cone.half);
+  let center = vec3<f32>(0.0, y, 0.0);
+  let radius = cone.middle + y * cone.rate;
+  let d = p - center;
+  let far2 = dot(d, d);
+  if (far2 >= radius * radius) {
+    return outside();
+  }
+  let far = sqrt(far2);
+  var n = vec3<f32>(cone.across, cone.along, 0.0);
   if (far > 1e-12) {
     n = d * (1.0 / far);
   }
@@ -114,6 +150,8 @@ fn leave(solid: Solid, p: vec3<f32>) -> Exit {
     out = leave_ball(q, vec3<f32>(0.0), solid.size.x);
   } else if (capsules && solid.kind == 2u) {
     out = leave_ball(q, vec3<f32>(0.0, clamp(q.y, -solid.size.y, solid.size.y), 0.0), solid.size.x);
+  } else if (tapered_capsules && solid.kind == 6u) {
+    out = leave_tapered(q, solid.size);
   } else if (boxes && solid.kind == 3u) {
     out = leave_box(q, solid.size);
   } else if (radial_ellipsoids && solid.kind == 4u) {

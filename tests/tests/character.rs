@@ -178,6 +178,7 @@ fn colliders_of_a_file_are_where_its_nodes_are() {
             let sizes = |form: &Form| match *form {
                 Form::Sphere { radius } => vec![radius],
                 Form::Capsule { half_height, radius } => vec![half_height, radius],
+                Form::TaperedCapsule { half_height, radii: [low, high] } => vec![half_height, low, high],
                 Form::Box { half } => half.to_vec(),
                 Form::Ellipsoid { radii } => radii.to_vec(),
             };

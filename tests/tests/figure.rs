@@ -10,7 +10,7 @@ mod character;
 use std::sync::LazyLock;
 
 use gimage::closest::Closest;
-use gimage::colliders::ColliderOptions;
+use gimage::colliders::{ColliderOptions, Tier};
 use gimage::import::{Character, ImportOptions, import};
 use gimage::mesh::{Mesh, Semantic};
 use gimage::pipeline::{Built, dress};
@@ -31,7 +31,7 @@ static BUILT: LazyLock<Built> = LazyLock::new(|| {
 
 /// The same with the surface of the body.
 static ON_SURFACE: LazyLock<Built> = LazyLock::new(|| {
-    let options = ColliderOptions { surface: true, ..ColliderOptions::default() };
+    let options = ColliderOptions { tier: Tier::Surface, ..ColliderOptions::default() };
     dress(&asset("figure.glb"), &texels(4096), &options, &Quiet).expect("the figure dresses")
 });
 

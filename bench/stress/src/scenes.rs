@@ -94,6 +94,10 @@ fn inside(c: &Collider, p: [f32; 3], share: f32) -> bool {
         Shape::Capsule { half_height, radius } => {
             norm([q[0], q[1] - q[1].clamp(-half_height, half_height), q[2]]) < (share * radius).powi(2)
         }
+        Shape::TaperedCapsule { half_height, radii: [low, high] } => (0..=64).any(|n| {
+            let t = n as f32 / 64.0;
+            norm([q[0], q[1] - (2.0 * t - 1.0) * half_height, q[2]]) < (share * (low + t * (high - low))).powi(2)
+        }),
         Shape::Box { half } => (0..3).all(|k| q[k].abs() < share * half[k]),
         Shape::Ellipsoid { radii, .. } => norm([0, 1, 2].map(|k| q[k] / radii[k])) < share * share,
     }

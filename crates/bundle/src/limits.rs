@@ -48,6 +48,18 @@ impl Bundle {
         any.then(|| images.iter().zip(&self.manifest.pieces).flat_map(texels).collect())
     }
 
+    /// Where the mesh of the source is drawn at every particle, by bundle-wide index, from `blend` maps: 0 on the skin, 1 on the cloth.
+    /// `None` if it is on the cloth everywhere.
+    pub fn blends(&self) -> Option<Vec<f32>> {
+        let images: Vec<_> = (0..self.manifest.pieces.len()).map(|k| self.image(k, &MapKind::Blend)).collect();
+        let texels = |(image, piece): (&Option<&crate::map::Image>, &crate::manifest::PieceEntry)| {
+            let at = |k: usize| image.and_then(|image| image.at(k).first().copied()).unwrap_or(1.0);
+            (0..piece.width as usize * piece.height as usize).map(at).collect::<Vec<f32>>()
+        };
+        let all: Vec<f32> = images.iter().zip(&self.manifest.pieces).flat_map(texels).collect();
+        all.iter().any(|share| *share < 1.0).then_some(all)
+    }
+
     /// The limit of texel `k` of a piece: that of the map, else the constant, else [`NO_LIMIT`].
     pub(crate) fn limit(&self, piece: usize, k: usize) -> f32 {
         let constant = self.manifest.pieces.get(piece).and_then(|p| p.constants.limit);

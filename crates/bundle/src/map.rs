@@ -106,6 +106,8 @@ pub enum MapKind {
     /// How far the particle may go behind its position at rest \[m\], negative for no backstop, and the radius of the sphere that begins there
     /// \[m\]; the third is 0. 3 channels.
     Backstop,
+    /// Where the mesh of the source is drawn: 0 on the skin, 1 on the cloth, between them in between. 1 channel.
+    Blend,
     /// Index of the piece that the particle is tied to (-1 = none), u and v of the point there, and its distance at rest \[m\]. 4
     /// channels.
     Stitch,
@@ -142,6 +144,7 @@ impl MapKind {
             "tether" => MapKind::Tether,
             "limit" => MapKind::Limit,
             "backstop" => MapKind::Backstop,
+            "blend" => MapKind::Blend,
             "stitch" => MapKind::Stitch,
             "normal" => MapKind::Normal,
             _ if name.len() > 1 && name.starts_with('_') => MapKind::Custom(name.into()),
@@ -165,6 +168,7 @@ impl MapKind {
             MapKind::Tether => "tether".into(),
             MapKind::Limit => "limit".into(),
             MapKind::Backstop => "backstop".into(),
+            MapKind::Blend => "blend".into(),
             MapKind::Stitch => "stitch".into(),
             MapKind::Normal => "normal".into(),
             MapKind::Uv(n) => set("uv", *n),
@@ -179,7 +183,7 @@ impl MapKind {
     pub fn channels(&self) -> &'static [u32] {
         match self {
             MapKind::Position | MapKind::Rest | MapKind::Stitch | MapKind::Joints(_) | MapKind::Weights(_) => &[4],
-            MapKind::Mass | MapKind::Limit => &[1],
+            MapKind::Mass | MapKind::Limit | MapKind::Blend => &[1],
             MapKind::Tether | MapKind::Backstop | MapKind::Normal | MapKind::Uv(_) => &[3],
             MapKind::Color(_) => &[3, 4],
             MapKind::Custom(_) => &[1, 3, 4],
@@ -191,7 +195,7 @@ impl MapKind {
     /// lengths belong to springs, which each side has for itself.
     pub fn agrees_across_seams(&self) -> bool {
         use MapKind::*;
-        matches!(self, Position | Mass | Tether | Limit | Backstop | Joints(_) | Weights(_))
+        matches!(self, Position | Mass | Tether | Limit | Backstop | Blend | Joints(_) | Weights(_))
     }
 }
 
@@ -250,9 +254,8 @@ mod tests {
     fn names_round_trip() {
         use MapKind::*;
         let custom = Custom("_THICKNESS".into());
-        for kind in
-            [Position, Rest, Mass, Tether, Limit, Backstop, Stitch, Normal, Uv(0), Uv(1), Color(12), Joints(0), custom]
-        {
+        let maps = [Position, Rest, Mass, Tether, Limit, Backstop, Blend, Stitch, Normal];
+        for kind in maps.into_iter().chain([Uv(0), Uv(1), Color(12), Joints(0), custom]) {
             assert_eq!(MapKind::parse(&kind.name()), Some(kind));
         }
         for unknown in ["", "_", "uv0", "uv01", "uv+1", "uv256", "bend", "velocity", "colour", "Position"] {

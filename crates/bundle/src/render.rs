@@ -16,7 +16,7 @@ use serde_json::Value;
 use crate::error::{Error, Result};
 
 pub(crate) use check::check_render;
-pub use primitive::RenderPrimitive;
+pub use primitive::{RenderPrimitive, numbered};
 pub use uv_transform::UvTransform;
 pub use wrap::Wrap;
 
@@ -26,6 +26,10 @@ pub const RENDER_FILE: &str = "render.glb";
 pub const COORD: &str = "_GIMAGE_COORD";
 /// The attribute of vertices with the offset from the surface.
 pub const OFFSET: &str = "_GIMAGE_OFFSET";
+/// The attribute of vertices with four joints of the skeleton of the bundle, as whole floats; further sets are numbered from 1.
+pub const JOINTS: &str = "_GIMAGE_JOINTS";
+/// The attribute of vertices with the weights of these joints.
+pub const WEIGHTS: &str = "_GIMAGE_WEIGHTS";
 /// Largest size of the file in bytes: 2 GiB.
 pub const MAX_RENDER_BYTES: u64 = 2 << 30;
 

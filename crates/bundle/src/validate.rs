@@ -51,6 +51,8 @@ pub enum FaultKind {
     Tether,
     /// The radius of a backstop is not above 0.
     Backstop,
+    /// A share of the blend from skin to cloth is not between 0 and 1.
+    Blend,
     /// A stitch leads to no point of a piece, or its length is negative.
     Stitch,
     /// A joint index is not that of a joint.
@@ -339,6 +341,9 @@ fn check_texel(kind: &MapKind, texel: &[f32], all: &[Particle], bundle: &Bundle)
         MapKind::Mass if texel[0] <= 0.0 => Some((FaultKind::Mass, format!("mass {} kg is not positive", texel[0]))),
         MapKind::Backstop if texel[0] >= 0.0 && texel[1] <= 0.0 => {
             Some((FaultKind::Backstop, format!("the radius of a backstop is {} m, not above 0", texel[1])))
+        }
+        MapKind::Blend if !(0.0..=1.0).contains(&texel[0]) => {
+            Some((FaultKind::Blend, format!("the blend {} is not between 0 and 1", texel[0])))
         }
         MapKind::Tether => {
             let (distance, anchor) = (texel[0], texel[1]);

@@ -70,12 +70,12 @@ pub mod report;
 pub mod stage;
 
 pub use base::{closest, grid, halfedge, mesh, surface, topology};
-pub use stage::assemble::{backstops, limits, mass, pins, springs};
+pub use stage::assemble::{backstops, blends, limits, mass, pins, springs};
 pub use stage::image::{judge, ladder};
 pub use stage::measure::stretch;
 pub use stage::{
-    colliders, component, contents, export, gate, hold, import, measure, reconstruct, render, repair, select, shell,
-    stitch,
+    blend, colliders, component, contents, export, gate, hold, import, measure, reconstruct, render, repair, select,
+    shell, stitch,
 };
 
 pub use error::{Error, Result};

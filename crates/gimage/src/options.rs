@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use crate::error::Result;
 use crate::stage::assemble::AssembleOptions;
 use crate::stage::assemble::mass::MassOptions;
+use crate::stage::blend::BlendOptions;
 use crate::stage::component::ComponentOptions;
 use crate::stage::gate::GateOptions;
 use crate::stage::import::ImportOptions;
@@ -177,6 +178,8 @@ pub struct BuildOptions {
     pub assemble: AssembleOptions,
     /// Options of the stitches between pieces.
     pub stitch: StitchOptions,
+    /// Options of the blend at borders with other parts.
+    pub blend: BlendOptions,
     /// Options of the measurement of quality, and of what follows from it.
     pub gate: GateOptions,
     /// Options of the render mesh.
@@ -196,6 +199,7 @@ impl BuildOptions {
             self.mass.settings(),
             self.assemble.settings(),
             self.stitch.settings(),
+            self.blend.settings(),
             self.gate.settings(),
             self.render.settings(),
         ]

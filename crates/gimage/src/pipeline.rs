@@ -18,20 +18,23 @@ use self::findings::{closed, merged, nothing_left, remarks, resolution, set_apar
 use self::outcome::Gathered;
 pub use self::pins::PINNED_TOP;
 use self::pins::{Plan, worn_on};
+use crate::base::mesh::Semantic;
 use crate::error::{Error, Result};
 use crate::options::BuildOptions;
 use crate::progress::{Progress, Stage};
 use crate::report::{Report, StageTime, peak_memory};
 use crate::stage::assemble::accessory::{Rider, anchor};
+use crate::stage::assemble::blends;
 use crate::stage::assemble::mass::check_mean;
 use crate::stage::assemble::{Piece, assemble, measure_piece, summary};
+use crate::stage::blend::{BlendWidth, WIDTH, blend, border};
 use crate::stage::gate;
 use crate::stage::image::PieceImage;
 use crate::stage::import::import;
 use crate::stage::render::trace::Trace;
 use crate::stage::render::{self, RenderMesh};
 use crate::stage::repair::repair;
-use crate::stage::select::select;
+use crate::stage::select::{demand_cloth, select};
 use crate::stage::shell::thin;
 use crate::stage::stitch::stitch;
 
@@ -83,11 +86,21 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
         Ok(imported)
     })?;
     let (mut mesh, source) = (imported.mesh, imported.source);
+    if dressed {
+        demand_cloth(&source.file_name, &mesh, &options.select)?;
+    }
     let body = worn_on(&mesh, options, dressed)?;
     let plain = || imported.origins.is_empty().then(|| render::plain::document(&mesh));
     let is_drawn = options.render.render_mesh == RenderMesh::On;
     let plain = if is_drawn { plain() } else { None };
-    let mut trace = is_drawn.then(|| Trace::start(&mut mesh));
+    let width = blend_width(options, dressed);
+    let edges = if width.is_some() { border(&mesh, &options.select)? } else { Vec::new() };
+    let is_painted = mesh.channel(&Semantic::Custom(blends::ATTRIBUTE.into())).is_some();
+    let may_blend = !edges.is_empty() || !options.assemble.blends.is_empty() || is_painted;
+    let mut trace = is_drawn.then(|| {
+        let trace = Trace::start(&mut mesh);
+        if may_blend { trace.with_joints(&mesh) } else { trace }
+    });
     let mesh = run.stage(Stage::Repair, 1, |report| {
         let selected = select(mesh, &options.select)?;
         report.findings.extend(selected.findings);
@@ -136,7 +149,11 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
 
     let mut bundle = run.stage(Stage::Maps, pieces.len(), |report| {
         let mut bundle = Bundle::new(concat!("gimage ", env!("CARGO_PKG_VERSION")));
-        let held = plan.hold(&pieces, &families, &mut report.findings);
+        let mut held = plan.hold(&pieces, &families, &mut report.findings);
+        if let Some(width) = width {
+            let found = blend(&mut held, &edges, &pieces, &families, width, plan.is_automatic());
+            report.findings.extend(found);
+        }
         let step = || progress.step(Stage::Maps);
         let findings = assemble(&mut bundle, mesh, &pieces, &families, &held, options, &step)?;
         report.findings.extend(findings);
@@ -172,6 +189,15 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
         sound(&bundle)
     })?;
     Ok(Built { bundle, report: run.report })
+}
+
+/// The width \[m\] of the blend at borders; `None` if they do not blend.
+fn blend_width(options: &BuildOptions, dressed: bool) -> Option<f64> {
+    match options.blend.width {
+        Some(BlendWidth::Within(width)) => Some(width),
+        Some(BlendWidth::None) => None,
+        None => dressed.then_some(WIDTH),
+    }
 }
 
 /// Checks a bundle against the rules of its format, before anyone sees it. Nothing that a file holds may lead here.

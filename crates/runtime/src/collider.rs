@@ -33,6 +33,13 @@ pub enum Shape {
         /// Distance from the segment.
         radius: f32,
     },
+    /// The convex hull of two balls at the ends of a segment from -y to +y: a cone between them that touches both.
+    TaperedCapsule {
+        /// Half the length of the segment.
+        half_height: f32,
+        /// Radii of the balls at -y and at +y; they differ by less than the length of the segment, as otherwise one ball holds the other.
+        radii: [f32; 2],
+    },
     /// A box; a particle leaves by the nearest face.
     Box {
         /// Half its sides along x, y, z.
@@ -88,12 +95,18 @@ impl Collider {
             Shape::HalfSpace => [1.0; 3],
             Shape::Sphere { radius } => [radius; 3],
             Shape::Capsule { half_height, radius } => [half_height, radius, radius],
+            Shape::TaperedCapsule { half_height, radii: [low, high] } => [half_height, low, high],
             Shape::Box { half } => half,
             Shape::Ellipsoid { radii, .. } => radii,
         };
         for size in sizes {
             let ok = |s| s > 0.0 && s <= MAX_COLLIDER_SIZE_M;
             check("the size of a collider [m]", f64::from(size), "above 0, at most 1e6", ok)?;
+        }
+        if let Shape::TaperedCapsule { half_height, radii: [low, high] } = self.shape {
+            let differ = f64::from((low - high).abs());
+            let what = "the difference of the radii of a tapered capsule [m]";
+            check(what, differ, "below its length; use a ball", |d| d < 2.0 * f64::from(half_height))?;
         }
         check("the friction of a collider", f64::from(self.friction), "at least 0", |f| f >= 0.0)?;
         for x in [self.center, self.velocity, self.spin].as_flattened() {

@@ -7,6 +7,7 @@
 mod act;
 
 pub(crate) mod aside;
+pub(crate) mod blend;
 pub(crate) mod body;
 pub(crate) mod bounds;
 pub(crate) mod colliders;

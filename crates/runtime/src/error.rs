@@ -108,6 +108,14 @@ pub enum Error {
         /// Texels of the cloth.
         found: usize,
     },
+    /// A list of vertices has another length than the render mesh.
+    #[error("{found} vertices for a render mesh of {expected}; pass the list of RenderMesh::deform")]
+    RenderVertices {
+        /// Vertices of the mesh.
+        expected: usize,
+        /// Vertices in the list.
+        found: usize,
+    },
     /// No piece of this name.
     #[error("cloth {cloth} has no piece {piece:?}; its pieces are {pieces}")]
     NoPiece {

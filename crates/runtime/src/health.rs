@@ -15,8 +15,8 @@ pub struct Health {
     pub stretch: Option<Stretch>,
     /// RMS speed of the particles \[m/s\] in the last step.
     pub speed: f64,
-    /// Largest depth \[m\] of a particle inside a collider, thickness of the cloth included; 0 outside of all. The surface of a body
-    /// ([`crate::Cloth::set_body`]) does not count.
+    /// Largest depth \[m\] of a particle inside a collider, thickness of the cloth included, and of a free particle inside the surface of a
+    /// body ([`crate::Cloth::set_body`]); 0 outside of all. That surface counts in what [`crate::Stepper::examine`] returns alone.
     pub depth: f64,
 }
 

@@ -68,6 +68,22 @@ pub struct BoundRow {
     pub tangent: [f32; 4],
 }
 
+/// A vertex of a bound mesh between the skin and the cloth, as shaders/blend.wgsl reads it before its joints.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct BlendRow {
+    /// Where it is at rest \[m\].
+    pub rest: [f32; 3],
+    /// 0 on the skin, below 1.
+    pub share: f32,
+    /// At rest.
+    pub normal: [f32; 3],
+    /// Its number in the mesh.
+    pub vertex: u32,
+    /// At rest; w is not used.
+    pub tangent: [f32; 4],
+}
+
 /// A vertex as it is drawn: 48 bytes, the same on the CPU and in the buffer of [`crate::Stepper::record_wrap`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]

@@ -225,6 +225,11 @@ pub enum Pass {
     },
     /// The vertices of a mesh that is bound to the cloth. For hosts that ask.
     Wrap,
+    /// The vertices of such a mesh that are on the skin, or between the skin and the cloth. For hosts that ask.
+    Blend {
+        /// Sets of four joints per vertex.
+        sets: u32,
+    },
 }
 
 /// How air enters the integration.
@@ -252,8 +257,8 @@ pub enum Soft {
 /// Which code a collider pass needs; what no collider needs is not compiled in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Kinds {
-    /// By the order of [`Shape`], with the two rules of ellipsoids apart.
-    pub shapes: [bool; 6],
+    /// By their kind, with the two rules of ellipsoids apart.
+    pub shapes: [bool; 7],
     /// Whether any collider has friction; only then are previous positions bound.
     pub friction: bool,
     /// Whether each workgroup skips colliders out of reach of its own particles; for
@@ -277,6 +282,7 @@ impl Kinds {
                 Shape::Box { .. } => 3,
                 Shape::Ellipsoid { closest: false, .. } => 4,
                 Shape::Ellipsoid { closest: true, .. } => 5,
+                Shape::TaperedCapsule { .. } => 6,
             };
             kinds.shapes[kind] = true;
             kinds.friction |= c.friction > 0.0;

@@ -41,7 +41,7 @@ fn passes() -> Vec<Pass> {
     let springs = (0..16).map(|k| Pass::Springs { direction: k / 4, parity: k / 2 % 2, image: k % 2 == 1 });
     all.extend(springs);
     for (friction, many) in [(false, false), (true, false), (false, true), (true, true)] {
-        let kinds = Kinds { shapes: [true; 6], friction, many };
+        let kinds = Kinds { shapes: [true; 7], friction, many };
         all.extend([Pass::Colliders(kinds), Pass::Contact(kinds)]);
     }
     for (direction, soft) in (0..4).flat_map(|d| SOFTS.map(|s| (d, s))) {
@@ -56,6 +56,7 @@ fn passes() -> Vec<Pass> {
         all.extend([false, true].map(|image| Pass::Strain { image, soft }));
     }
     all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend, Pass::Bounds, Pass::Wrap]);
+    all.extend([Pass::Blend { sets: 1 }, Pass::Blend { sets: 2 }]);
     all.extend([false, true].map(|holes| Pass::Moments { holes }));
     all.extend([Pass::Stitch { holes: false }, Pass::Stitch { holes: true }, Pass::Sew]);
     all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));
@@ -113,7 +114,7 @@ fn tail(k: u32, slots: u32) -> Vec<Pass> {
     let mut passes = vec![Pass::Seams];
     passes.extend(on(0).then_some(Pass::Tethers { slots }));
     passes.extend(on(1).then_some(Pass::Limit { moves: on(4) }));
-    passes.extend(on(3).then_some(Pass::Contact(Kinds { shapes: [true; 6], friction: on(2), many: on(5) })));
+    passes.extend(on(3).then_some(Pass::Contact(Kinds { shapes: [true; 7], friction: on(2), many: on(5) })));
     passes
 }
 
@@ -144,7 +145,7 @@ fn tiles() -> Vec<Tile> {
         }
         passes.extend(tethers.filter(|_| on(1)));
         passes.extend((on(1) && on(4)).then_some(Pass::Limit { moves: on(2) }));
-        passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 6], friction: on(2), many: on(5) })));
+        passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 7], friction: on(2), many: on(5) })));
         let shape = TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] };
         // After seams, and what follows them in the last step.
         if !matches!(passes.last(), Some(Pass::Contact(_))) {
@@ -180,7 +181,7 @@ fn fused() -> Vec<Fused> {
         s.relax.extend(springs(image, soft, again, 2 * u32::from(on(4)), tethers));
         s.relax.extend(seams);
         s.relax.extend(on(0).then_some(Pass::Limit { moves: on(1) }));
-        let kinds = Kinds { shapes: [true; 6], friction: on(2), many: on(3) };
+        let kinds = Kinds { shapes: [true; 7], friction: on(2), many: on(3) };
         s.relax.extend(on(4).then_some(Pass::Contact(kinds)));
         s.frame.extend([Pass::Guard, Pass::Restore]);
         s.frame.extend(on(5).then_some(Pass::Strain { image, soft }));
@@ -326,7 +327,11 @@ fn structs_lie_as_in_rust() {
                 Some("Job") => &job,
                 Some("Link") => &link,
                 // Lives in registers only.
-                Some("Ends" | "Pull" | "Exit" | "Entry" | "Quad" | "Edge" | "Below" | "Window" | "Seeker") => continue,
+                Some(
+                    "Ends" | "Pull" | "Exit" | "Entry" | "Taper" | "Quad" | "Edge" | "Below" | "Window" | "Seeker",
+                ) => {
+                    continue;
+                }
                 // A row of four numbers.
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),

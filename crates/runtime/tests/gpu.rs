@@ -222,7 +222,7 @@ fn one_step_is_that_of_the_twin() {
     let variant = |line: &&str| line.starts_with("    ") && line[4..].starts_with(char::is_uppercase);
     let rare = ["Cut", "CutSprings", "CutTethers", "CutLevels", "Transform", "Place", "Pick", "PickNearest"];
     let carried = ["Skin", "Restrict", "Prolong", "Inertia"];
-    let read = ["Speed", "Fastest", "Strain", "Bounds", "Indices", "Tangents", "Wrap"];
+    let read = ["Speed", "Fastest", "Strain", "Bounds", "Indices", "Tangents", "Wrap", "Blend"];
     let apart = [&rare[..], &read, &carried].concat();
     let all = table.lines().filter(variant).map(name_of).filter(|n| !apart.contains(&&**n));
     assert_eq!(seen, all.collect());

@@ -5,40 +5,9 @@ mod support;
 use gimage_bundle::manifest::RenderEntry;
 use gimage_bundle::{Bundle, COORD, Image, MapKind, OFFSET, RENDER_FILE};
 use gimage_runtime::*;
+use support::source_mesh;
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-
-/// A vertex of the file: position, normal, tangent, coordinate, offset.
-type Row = [Vec<f32>; 5];
-
-/// A `render.glb` of triangles between vertices in their order.
-fn file(rows: &[Row]) -> Vec<u8> {
-    let mut bin = Vec::new();
-    let (mut views, mut accessors) = (String::new(), String::new());
-    for (k, kind) in ["VEC3", "VEC3", "VEC4", "VEC3", "VEC3"].iter().enumerate() {
-        let start = bin.len();
-        bin.extend(rows.iter().flat_map(|row| &row[k]).flat_map(|x| x.to_le_bytes()));
-        let comma = if k == 0 { "" } else { "," };
-        views += &format!(r#"{comma}{{"buffer":0,"byteOffset":{start},"byteLength":{}}}"#, bin.len() - start);
-        accessors +=
-            &format!(r#"{comma}{{"bufferView":{k},"componentType":5126,"count":{},"type":"{kind}"}}"#, rows.len());
-    }
-    let mut text = format!(
-        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{}}}],"bufferViews":[{views}],"accessors":[{accessors}],
-        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1,"TANGENT":2,"{COORD}":3,"{OFFSET}":4}}}}]}}]}}"#,
-        bin.len()
-    )
-    .into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut out = b"glTF\x02\0\0\0".to_vec();
-    out.extend(((28 + text.len() + bin.len()) as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", &text), (b"BIN\0", &bin)] {
-        out.extend((chunk.len() as u32).to_le_bytes());
-        out.extend(kind);
-        out.extend(chunk);
-    }
-    out
-}
 
 /// A bundle of one piece with a mesh of `count` vertices, most of them bound to places that a rule spreads over the piece.
 fn bundle((w, h): (u32, u32), at: impl Fn(u32, u32) -> [f32; 4], count: usize) -> Bundle {
@@ -49,7 +18,7 @@ fn bundle((w, h): (u32, u32), at: impl Fn(u32, u32) -> [f32; 4], count: usize) -
     bundle.manifest.pieces[0].constants.rest = Some([0.0; 4]);
     bundle.count().unwrap();
     let share = |k: usize, by: f32| (k as f32 * by).fract();
-    let rows: Vec<Row> = (0..count)
+    let rows: Vec<[Vec<f32>; 5]> = (0..count)
         .map(|k| {
             let place = [0.0, share(k, 0.618_034), share(k, 0.754_877_7)];
             // The corners of the piece too, and vertices that are not bound.
@@ -63,7 +32,10 @@ fn bundle((w, h): (u32, u32), at: impl Fn(u32, u32) -> [f32; 4], count: usize) -
         })
         .collect();
     let bound = rows.iter().filter(|r| r[3][0] >= 0.0).count() as u64;
-    bundle.render = Some(file(&rows));
+    let kinds = [("POSITION", 3), ("NORMAL", 3), ("TANGENT", 4), (COORD, 3), (OFFSET, 3)];
+    let column = |k: usize| rows.iter().flat_map(|row| row[k].clone()).collect();
+    let attributes: Vec<_> = kinds.iter().enumerate().map(|(k, (name, width))| (*name, *width, column(k))).collect();
+    bundle.render = Some(source_mesh::file(&attributes));
     bundle.manifest.render = Some(RenderEntry {
         file: RENDER_FILE.into(),
         vertices: count as u64,

@@ -34,6 +34,13 @@ pub enum ColliderShape {
         /// Its radius.
         radius: f64,
     },
+    /// The convex hull of two balls at the ends of a segment of the y axis.
+    TaperedCapsule {
+        /// Half the length of the segment.
+        half_height: f64,
+        /// Radii of the balls at -y and at +y, which differ by less than the length of the segment.
+        radii: [f64; 2],
+    },
     /// A box.
     Box {
         /// Half its sides.
@@ -61,6 +68,7 @@ impl ColliderEntry {
         let sizes = match &self.shape {
             ColliderShape::Sphere { radius } => vec![*radius],
             ColliderShape::Capsule { half_height, radius } => vec![*half_height, *radius],
+            ColliderShape::TaperedCapsule { half_height, radii: [low, high] } => vec![*half_height, *low, *high],
             ColliderShape::Box { half } => half.to_vec(),
             ColliderShape::Ellipsoid { radii } => radii.to_vec(),
             ColliderShape::Unknown(_) => Vec::new(),
@@ -68,6 +76,14 @@ impl ColliderEntry {
         let sound = |size: &f64| *size > 0.0 && *size <= MAX_COLLIDER_SIZE_M;
         if let Some(size) = sizes.iter().find(|size| !sound(size)) {
             return Some(format!("the size {size} m is not above 0 and at most {MAX_COLLIDER_SIZE_M} m"));
+        }
+        if let ColliderShape::TaperedCapsule { half_height, radii: [low, high] } = &self.shape
+            && (low - high).abs() >= 2.0 * half_height
+        {
+            return Some(format!(
+                "the radii {low} m and {high} m differ by the length of {} m or more",
+                2.0 * half_height
+            ));
         }
         if let Some(x) = self.position.iter().find(|x| x.is_nan() || x.abs() > f64::from(f32::MAX)) {
             return Some(format!("the position {x} m is not a finite number of 32 bits"));
@@ -90,7 +106,9 @@ impl TryFrom<Value> for UnknownShape {
         let names: Vec<&str> =
             value.as_object().map_or(Vec::new(), |fields| fields.keys().map(String::as_str).collect());
         match names[..] {
-            [name] if !["sphere", "capsule", "box", "ellipsoid"].contains(&name) => Ok(UnknownShape(value)),
+            [name] if !["sphere", "capsule", "tapered_capsule", "box", "ellipsoid"].contains(&name) => {
+                Ok(UnknownShape(value))
+            }
             _ => Err(format!("{value} is not the shape of a collider")),
         }
     }

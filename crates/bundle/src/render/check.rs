@@ -3,7 +3,7 @@
 use crate::bundle::Bundle;
 use crate::error::Result;
 use crate::particle::Particle;
-use crate::render::{COORD, OFFSET, RENDER_FILE, RenderFile, RenderPrimitive, damaged};
+use crate::render::{COORD, JOINTS, OFFSET, RENDER_FILE, RenderFile, RenderPrimitive, WEIGHTS, damaged};
 use crate::surface::SurfacePoint;
 use crate::validate::{Fault, FaultKind};
 
@@ -49,6 +49,19 @@ fn check_primitive(bundle: &Bundle, particles: &[Particle], p: &RenderPrimitive)
         let exists = |k: u32| particles.get(first + k as usize).is_some_and(|p| p.exists());
         if SurfacePoint::at((entry.width, entry.height), exists, [u, v]).is_none() {
             return bad(format!("({u}, {v}) is not on the surface of piece {}", entry.name));
+        }
+    }
+    let joints = bundle.manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
+    for (v, own) in p.influences.chunks(p.sets.max(1)).enumerate() {
+        let bad =
+            |problem: String| Err(damaged(format!("mesh {}, primitive {}, vertex {v}", p.mesh, p.index), problem));
+        if own.iter().flat_map(|(j, _)| j).any(|j| *j as usize >= joints) {
+            return bad(format!("{JOINTS} has an index that is not that of one of the {joints} joints"));
+        }
+        let weights = || own.iter().flat_map(|(_, w)| w);
+        let sum: f64 = weights().map(|w| f64::from(*w)).sum();
+        if weights().any(|w| w.is_nan() || *w < 0.0) || (sum - 1.0).abs() > 1e-3 {
+            return bad(format!("{WEIGHTS} sum to {sum:.4}, or one is negative"));
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::matrix::Matrix;
 use super::nodes::Placed;
-use super::{COORD, OFFSET, RenderFile, damaged};
+use super::{COORD, JOINTS, OFFSET, RenderFile, WEIGHTS, damaged};
 use crate::error::Result;
 
 /// A primitive of a mesh as a node places it. Lists have an entry per vertex; those of attributes that are absent are empty.
@@ -36,6 +36,10 @@ pub struct RenderPrimitive {
     pub coords: Vec<[f32; 3]>,
     /// Offsets \[m\] in the frame of the surface.
     pub offsets: Vec<[f32; 3]>,
+    /// Four joints of the skeleton of the bundle and their weights, `sets` per vertex; empty where vertices do not blend to the skin.
+    pub influences: Vec<([u32; 4], [f32; 4])>,
+    /// Sets of four joints per vertex.
+    pub sets: usize,
     /// The material, for [`RenderFile::material`].
     pub material: Option<usize>,
 }
@@ -83,7 +87,18 @@ fn load(
     if coords.len() != offsets.len() {
         return Err(damaged(element, format!("it has only one of {COORD} and {OFFSET}")));
     }
+    let sets = (0..)
+        .map_while(|n| Some((accessor(&numbered(JOINTS, n))?, accessor(&numbered(WEIGHTS, n))?)))
+        .map(|(joints, weights)| {
+            let joints = vectors::<4>(file, &element, JOINTS, Some(joints), Some(count))?;
+            Ok((joints, vectors::<4>(file, &element, WEIGHTS, Some(weights), Some(count))?))
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let whole = |joints: [f32; 4]| joints.map(|j| if j >= 0.0 && j.fract() == 0.0 { j as u32 } else { u32::MAX });
+    let influence = |v: usize| sets.iter().map(move |(joints, weights)| (whole(joints[v]), weights[v]));
     Ok(Some(RenderPrimitive {
+        influences: (0..count).flat_map(influence).collect(),
+        sets: sets.len(),
         node: placed.node,
         mesh: placed.mesh,
         index,
@@ -99,6 +114,11 @@ fn load(
         material,
         positions,
     }))
+}
+
+/// The name of the attribute [`JOINTS`] or [`WEIGHTS`] of a set of four joints.
+pub fn numbered(name: &str, set: usize) -> String {
+    if set == 0 { name.into() } else { format!("{name}{set}") }
 }
 
 /// An attribute, empty if it is absent; `count` is the number of vertices, if it is known.

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use gimage::backstops::Backstop;
-use gimage::colliders::{ColliderOptions, ColliderSource, Kind};
+use gimage::blend::BlendWidth;
+use gimage::blends::Blend;
+use gimage::colliders::{ColliderOptions, ColliderSource, Kind, Tier};
 use gimage::gate::GateOptions;
 use gimage::import::Up;
 use gimage::limits::Limit;
@@ -53,6 +55,10 @@ pub struct BuildArgs {
     pub limit: Vec<Limit>,
     #[arg(long, help = help_of("backstop"), value_name = "EXPR=METRES[,RADIUS]")]
     pub backstop: Vec<Backstop>,
+    #[arg(long, help = help_of("blend"), value_name = "EXPR=SHARE")]
+    pub blend: Vec<Blend>,
+    #[arg(long, help = help_of("blend-width"), value_name = "METRES", allow_negative_numbers = true)]
+    pub blend_width: Option<BlendWidth>,
     #[arg(long, help = help_of("stitch"), value_name = "METRES", allow_negative_numbers = true)]
     pub stitch: Option<Stitching>,
     #[arg(long, help = help_of("accessory-area"), value_name = "SHARE", allow_negative_numbers = true)]
@@ -142,10 +148,10 @@ pub struct DressArgs {
     pub build: BuildArgs,
     #[command(flatten)]
     pub fit: FitArgs,
-    /// The collider of cloth on the CPU: the fitted colliders, or the surface of the body, nearer to it for clothes that start outside of it.
-    /// The GPU always uses the fitted ones.
-    #[arg(long, value_name = "KIND", default_value = "capsules", value_parser = ["surface", "capsules"])]
-    pub collider: String,
+    /// The collider of cloth on the CPU: the fitted colliders (capsules), the surface of the body, nearer to it for clothes that start outside of
+    /// it, or (auto) the surface if at most 1 % of the free particles start more than 5 mm inside of it. The GPU always uses the fitted ones.
+    #[arg(long, value_name = "KIND", default_value = "capsules", value_parser = choice::<Tier>())]
+    pub collider: Tier,
 }
 
 /// `gimage fit-colliders`.
@@ -184,6 +190,8 @@ impl BuildArgs {
         options.assemble.rule = self.pins;
         options.assemble.limits.clone_from(&self.limit);
         options.assemble.backstops.clone_from(&self.backstop);
+        options.assemble.blends.clone_from(&self.blend);
+        options.blend.width = self.blend_width;
         set(&mut options.assemble.rest, self.rest);
         set(&mut options.stitch.stitch, self.stitch);
         options.gate =
@@ -239,7 +247,7 @@ impl FitArgs {
 impl DressArgs {
     /// The options of the fit, and of the surface.
     pub fn colliders(&self) -> ColliderOptions {
-        ColliderOptions { surface: self.collider == "surface", ..self.fit.options() }
+        ColliderOptions { tier: self.collider, ..self.fit.options() }
     }
 }
 

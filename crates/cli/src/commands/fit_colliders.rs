@@ -48,6 +48,9 @@ fn text(out: &Output, fit: &Fit) -> String {
         let (name, sizes) = match collider.solid.form {
             Form::Sphere { radius } => ("sphere", vec![radius]),
             Form::Capsule { half_height, radius } => ("capsule", vec![half_height, radius]),
+            Form::TaperedCapsule { half_height, radii: [low, high] } => {
+                ("tapered_capsule", vec![half_height, low, high])
+            }
             Form::Box { half } => ("box", half.to_vec()),
             Form::Ellipsoid { radii } => ("ellipsoid", radii.to_vec()),
         };
@@ -104,6 +107,9 @@ fn collider_json(collider: &Collider) -> Map<String, Value> {
     let shape = match collider.solid.form {
         Form::Sphere { radius } => json!({"sphere": {"radius": radius}}),
         Form::Capsule { half_height, radius } => json!({"capsule": {"half_height": half_height, "radius": radius}}),
+        Form::TaperedCapsule { half_height, radii } => {
+            json!({"tapered_capsule": {"half_height": half_height, "radii": radii}})
+        }
         Form::Box { half } => json!({"box": {"half": half}}),
         Form::Ellipsoid { radii } => json!({"ellipsoid": {"radii": radii, "closest": true}}),
     };

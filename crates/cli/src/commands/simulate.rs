@@ -89,7 +89,7 @@ fn report(
         let worst = engine.stepper.health(index).map_or(0.0, |h| h.1);
         json!({"name": cloth.name(), "particles": cloth.len(), "stretch_mean": h.stretch.map(|s| s.mean),
                "stretch_p99": h.stretch.map(|s| s.p99), "stretch_max": h.stretch.map(|s| s.max),
-               "stretch_p99_worst": worst, "speed_rms_m_s": h.speed, "contact_depth_m": Some(h.depth).filter(|_| cloth.body().is_none())})
+               "stretch_p99_worst": worst, "speed_rms_m_s": h.speed, "contact_depth_m": h.depth})
     });
     out.json(&json!({
         "scene": args.scene.scene,

@@ -73,6 +73,7 @@ impl SourceMesh {
             }
         }
         self.mesh.deform(&now, &normals, &mut self.vertices)?;
+        engine.stepper.blend(0, &self.mesh, fraction, &mut self.vertices)?;
         Ok(&self.vertices)
     }
 }

@@ -4,8 +4,10 @@ use serde_json::{Value, json};
 
 use super::Setting;
 use crate::stage::assemble::backstops::Backstop;
+use crate::stage::assemble::blends::Blend;
 use crate::stage::assemble::limits::Limit;
 use crate::stage::assemble::pins::{Pin, PinRule};
+use crate::stage::blend::BlendWidth;
 use crate::stage::import::Up;
 use crate::stage::select::Pattern;
 use crate::stage::stitch::Stitching;
@@ -112,6 +114,21 @@ impl Field for Vec<Backstop> {
     fn settings(&self, about: Setting) -> Vec<Setting> {
         // As for limits.
         if self.is_empty() { vec![about] } else { with(about, texts(self)) }
+    }
+}
+
+impl Field for Vec<Blend> {
+    fn settings(&self, about: Setting) -> Vec<Setting> {
+        // As for limits.
+        if self.is_empty() { vec![about] } else { with(about, texts(self)) }
+    }
+}
+
+impl Field for Option<BlendWidth> {
+    fn settings(&self, about: Setting) -> Vec<Setting> {
+        let numbers = if let Some(BlendWidth::Within(width)) = self { vec![*width] } else { Vec::new() };
+        // As for limits.
+        vec![Setting { numbers, value: self.map(|width| json!(width.to_string())), ..about }]
     }
 }
 

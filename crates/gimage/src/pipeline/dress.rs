@@ -3,15 +3,15 @@
 use std::path::Path;
 use std::time::Instant;
 
-use gimage_bundle::MapKind;
 use gimage_bundle::manifest::{ColliderEntry, ColliderShape};
+use gimage_bundle::{Body, Bundle, MapKind};
 use serde_json::json;
 
 use super::entries::repair_entry;
 use super::{Built, build_as};
-use crate::colliders::{Collider, ColliderOptions, Fit, Form, fit_body};
+use crate::colliders::{Collider, ColliderOptions, Fit, Form, Start, Tier, fit_body};
 use crate::error::{Error, Result};
-use crate::options::BuildOptions;
+use crate::options::{BuildOptions, Choice};
 use crate::progress::{Progress, Stage};
 use crate::record::{Finding, Severity};
 use crate::report::{StageTime, peak_memory};
@@ -20,7 +20,7 @@ use crate::report::{StageTime, peak_memory};
 /// pins in the options and in the file, garments are pinned where they rest on the body ([`crate::hold`]), which a finding reports. A file without
 /// a body has no solids, with a warning, and the top of each garment is pinned ([`super::PINNED_TOP`]).
 ///
-/// Errors: those of both.
+/// Errors: those of both, and [`Error::Option`] for a skinned file of which no part looks like cloth, unless parts are chosen.
 pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, progress: &dyn Progress) -> Result<Built> {
     let mut findings = Vec::new();
     // The shorter work first, so that it fails first.
@@ -46,28 +46,15 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
         findings.push(finding(Severity::Note, "hint-colliders", message));
         manifest.colliders = colliders.iter().map(entry).collect();
         findings.extend(found.into_iter().filter(|f| f.stage == "colliders"));
-        if solids.surface {
-            let joints = manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
-            let follows =
-                (0..manifest.pieces.len()).all(|k| built.bundle.images.contains_key(&(k, MapKind::Joints(0))));
-            let found = surface.and_then(|body| match body.joints.is_empty() || (joints > 0 && follows) {
-                true => Ok(body),
-                false => Err("the cloth does not follow the joints of the body".into()),
-            });
-            let (severity, message) = match &found {
-                Ok(body) => (Severity::Note, format!("The body is a collider: {} triangles.", body.triangles.len())),
-                Err(why) => (
-                    Severity::Warning,
-                    format!("The surface of the body cannot be a collider, its solids stand for it: {why}."),
-                ),
-            };
-            findings.push(finding(severity, "hint-surface", message));
-            built.bundle.body = found.ok();
+        if solids.tier != Tier::Capsules {
+            let (body, said) = worn(&built.bundle, surface, solids.tier);
+            findings.push(said);
+            built.bundle.body = body;
         }
     }
     let kinds: Vec<&str> = solids.kinds.iter().map(|k| k.name()).collect();
     let manifest = &mut built.bundle.manifest;
-    manifest.options.insert("collider".into(), json!(if solids.surface { "surface" } else { "capsules" }));
+    manifest.options.insert("collider".into(), json!(solids.tier.name()));
     manifest.options.insert("collider-error".into(), json!(solids.error));
     manifest.options.insert("max-colliders".into(), json!(solids.count));
     manifest.options.insert("collider-shapes".into(), json!(kinds));
@@ -75,6 +62,44 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     manifest.repairs.extend(findings.iter().map(repair_entry));
     built.report.findings.extend(findings);
     Ok(built)
+}
+
+/// The surface of the body, if cloth is to collide with it, and what is to be said of it.
+fn worn(bundle: &Bundle, surface: std::result::Result<Body, String>, tier: Tier) -> (Option<Body>, Finding) {
+    let manifest = &bundle.manifest;
+    let joints = manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
+    let follows = (0..manifest.pieces.len()).all(|k| bundle.images.contains_key(&(k, MapKind::Joints(0))));
+    let body = surface.and_then(|body| match body.joints.is_empty() || (joints > 0 && follows) {
+        true => Ok(body),
+        false => Err("the cloth does not follow the joints of the body".into()),
+    });
+    let body = match body {
+        Ok(body) => body,
+        Err(why) => {
+            let message = format!("The surface of the body cannot be a collider, its solids stand for it: {why}.");
+            let severity = if tier == Tier::Auto { Severity::Note } else { Severity::Warning };
+            return (None, finding(severity, "hint-surface", message));
+        }
+    };
+    let triangles = body.triangles.len();
+    let used = format!("The body is a collider: {triangles} triangles");
+    if tier == Tier::Surface {
+        return (Some(body), finding(Severity::Note, "hint-surface", used + "."));
+    }
+    let start = Start::of(bundle, &body);
+    let measured = format!(
+        "{} of {} free particles start more than 5 mm inside of it, at most {:.1} mm",
+        start.inside,
+        start.free,
+        1e3 * start.deepest
+    );
+    if start.suits(&body) {
+        return (Some(body), finding(Severity::Note, "hint-surface", format!("{used}; {measured}.")));
+    }
+    let message = format!(
+        "The solids of the body are its colliders, not its {triangles} triangles: {measured}. --collider surface takes the triangles."
+    );
+    (None, finding(Severity::Note, "hint-surface", message))
 }
 
 fn finding(severity: Severity, kind: &'static str, message: String) -> Finding {
@@ -85,6 +110,7 @@ fn entry(collider: &Collider) -> ColliderEntry {
     let shape = match collider.bound.form {
         Form::Sphere { radius } => ColliderShape::Sphere { radius },
         Form::Capsule { half_height, radius } => ColliderShape::Capsule { half_height, radius },
+        Form::TaperedCapsule { half_height, radii } => ColliderShape::TaperedCapsule { half_height, radii },
         Form::Box { half } => ColliderShape::Box { half },
         Form::Ellipsoid { radii } => ColliderShape::Ellipsoid { radii },
     };

@@ -86,6 +86,11 @@ impl Plan {
         Ok(plan)
     }
 
+    /// Whether garments are pinned where they rest on the body.
+    pub fn is_automatic(&self) -> bool {
+        self.wearer.is_some()
+    }
+
     /// The pins and limits of each piece where garments rest on the body; none without the rule. Adds the
     /// findings about them.
     pub fn hold(&self, pieces: &[Piece<'_>], families: &[Family<'_>], findings: &mut Vec<Finding>) -> Vec<Held> {

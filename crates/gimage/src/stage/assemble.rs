@@ -3,6 +3,7 @@
 pub(crate) mod accessory;
 pub(crate) mod attributes;
 pub mod backstops;
+pub mod blends;
 pub mod limits;
 pub mod mass;
 mod parts;
@@ -23,6 +24,7 @@ use crate::options::{BuildOptions, Range, RestLength, stage_options};
 use crate::record::Finding;
 use crate::stage::assemble::attributes::{attributes, places};
 use crate::stage::assemble::backstops::Backstop;
+use crate::stage::assemble::blends::Blend;
 use crate::stage::assemble::limits::{Limit, Stored};
 use crate::stage::assemble::mass::{Masses, mass};
 use crate::stage::assemble::pins::{Pin, PinRule, unmet};
@@ -60,6 +62,9 @@ stage_options! {
         /// or RADIUS, may be repeated; EXPR as for --pin. The smallest distance counts, also of those in an attribute _BACKSTOP of
         /// the file.
         pub backstops: Vec<Backstop> = Vec::new() => "backstop" ["m"] Range::Any;
+        /// Draw the render mesh on the skin (0), on the cloth (1) or between them where particles meet an expression, may be
+        /// repeated; EXPR as for --pin. The last one counts, before those of an attribute _BLEND of the file and of --blend-width.
+        pub blends: Vec<Blend> = Vec::new() => "blend" [""] Range::Any;
     }
 }
 
@@ -89,6 +94,10 @@ struct Made {
     backstops: Option<Vec<[f32; 2]>>,
     /// For each option of backstops whether a particle of the piece meets it.
     backstops_met: Vec<bool>,
+    /// The blend of each texel; `None` if it is 1 everywhere.
+    blends: Option<Vec<f32>>,
+    /// For each option of blends whether a particle of the piece meets it.
+    blends_met: Vec<bool>,
     rest: RestLengths,
     mass: Masses,
 }
@@ -128,7 +137,8 @@ pub fn assemble(
         .enumerate()
         .map(|(k, piece)| {
             let family = Kin { owner: owner[k], span: spans[k], loops: &loops, heights: &heights };
-            let out = make(mesh, &family, piece, options).map(|made| made.with(held.get(k)));
+            let found = held.get(k).map_or(&[][..], |held| &held.blend);
+            let out = make(mesh, &family, piece, found, options).map(|made| made.with(held.get(k)));
             step();
             out
         })
@@ -141,6 +151,7 @@ pub fn assemble(
         (vec![false; options.assemble.pins.len()], vec![false; options.assemble.limits.len()]);
     let mut backstops_met = vec![false; options.assemble.backstops.len()];
     let mut backstops = Vec::new();
+    let (mut blends, mut blends_met) = (Vec::new(), vec![false; options.assemble.blends.len()]);
     let mut is_pinned = false;
     for ((piece, mut made), links) in pieces.iter().zip(made).zip(links) {
         is_pinned |= made.pinned.contains(&true);
@@ -148,10 +159,13 @@ pub fn assemble(
         limits_met.iter_mut().zip(&made.limits_met).for_each(|(all, one)| *all |= one);
         backstops_met.iter_mut().zip(&made.backstops_met).for_each(|(all, one)| *all |= one);
         backstops.push(made.backstops.take());
+        blends_met.iter_mut().zip(&made.blends_met).for_each(|(all, one)| *all |= one);
+        blends.push(made.blends.take());
         findings.extend(add(bundle, piece, made, &links, options)?);
     }
     parts::declare(bundle, families);
     backstops::write(bundle, backstops)?;
+    blends::write(bundle, blends)?;
     if is_pinned {
         bundle.write_tethers()?;
     }
@@ -159,6 +173,7 @@ pub fn assemble(
     findings.extend(unmet("pin", &options.assemble.pins, &met, bounds, loops.len(), mesh));
     findings.extend(unmet("limit", &options.assemble.limits, &limits_met, bounds, loops.len(), mesh));
     findings.extend(unmet("backstop", &options.assemble.backstops, &backstops_met, bounds, loops.len(), mesh));
+    findings.extend(unmet("blend", &options.assemble.blends, &blends_met, bounds, loops.len(), mesh));
     Ok(findings)
 }
 
@@ -311,6 +326,7 @@ fn make(
     mesh: &Mesh,
     kin: &Kin<'_>,
     Piece { component, surface, image }: &Piece<'_>,
+    found: &[f32],
     options: &BuildOptions,
 ) -> Result<Made> {
     let places = places(image, surface);
@@ -338,7 +354,21 @@ fn make(
     let (pinned, met) = pinned(&texels, &options.assemble.pins);
     let (limits, limits_met) = limits::limits(&texels, &options.assemble.limits, options.import.unit);
     let (backstops, backstops_met) = backstops::backstops(&texels, &options.assemble.backstops, options.import.unit);
-    Ok(Made { maps, findings, pinned, met, limits, limits_met, backstops, backstops_met, rest, mass })
+    let (blends, blends_met) = blends::blends(&texels, &options.assemble.blends, found);
+    Ok(Made {
+        maps,
+        findings,
+        pinned,
+        met,
+        limits,
+        limits_met,
+        backstops,
+        backstops_met,
+        blends,
+        blends_met,
+        rest,
+        mass,
+    })
 }
 
 /// Quality of a map as far as it is known without measuring distances.

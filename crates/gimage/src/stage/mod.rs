@@ -36,6 +36,8 @@ pub mod split;
 
 pub mod hold;
 
+pub mod blend;
+
 pub mod assemble;
 
 pub mod stitch;

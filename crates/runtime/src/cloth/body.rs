@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use gimage_bundle::Bundle;
 
-use super::Cloth;
-use super::surface::{BodySurface, heights};
+use super::surface::{BodySurface, Posed, heights};
+use super::{Cloth, Rows};
 use crate::collider::BODY_GROUP;
 use crate::error::{Error, Result};
+use crate::number::real::cast;
 
 /// A surface, and how high \[m\] each particle is above it at rest.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +55,15 @@ impl Cloth {
     /// The surface of a body, and the heights \[m\] of particles above it at rest.
     pub(crate) fn worn_on(&self) -> Option<(&Arc<BodySurface>, &[f32])> {
         self.worn_on.as_ref().map(|worn| (&worn.surface, &worn.heights[..]))
+    }
+
+    /// The largest depth \[m\] of a free particle at `now` \[m\] inside the surface that it is worn on, where these matrices put it; 0 outside,
+    /// and without a surface. Some microseconds per particle.
+    pub(crate) fn depth_in_body(&self, now: &[[f32; 4]], matrices: &[Rows]) -> f64 {
+        let Some((surface, _)) = self.worn_on() else { return 0.0 };
+        let posed = Posed::by_joints(surface, matrices);
+        let free = now.iter().filter(|p| p[3] > 0.0 && p.iter().all(|x| x.is_finite()));
+        free.map(|p| -posed.height(cast([p[0], p[1], p[2]]))).fold(0.0, f64::max)
     }
 
     /// The groups of colliders that it meets.

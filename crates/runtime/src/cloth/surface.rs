@@ -11,7 +11,7 @@ use super::Influence;
 use crate::error::{Error, Result};
 use crate::number::real::{V3, add, cast, cross, dot, scale, sub};
 
-pub(super) use height::heights;
+pub(super) use height::{Posed, heights};
 pub(crate) use nearest::{On, Spot, on_triangle};
 pub(crate) use sides::NONE;
 pub(crate) use tree::Tree;

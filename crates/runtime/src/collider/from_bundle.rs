@@ -35,6 +35,9 @@ impl BodyCollider {
             ColliderShape::Capsule { half_height, radius } => {
                 Shape::Capsule { half_height: half_height as f32, radius: radius as f32 }
             }
+            ColliderShape::TaperedCapsule { half_height, radii } => {
+                Shape::TaperedCapsule { half_height: half_height as f32, radii: radii.map(|r| r as f32) }
+            }
             ColliderShape::Box { half } => Shape::Box { half: float(half) },
             ColliderShape::Ellipsoid { radii } => Shape::Ellipsoid { radii: float(radii), closest: true },
             _ => return None,

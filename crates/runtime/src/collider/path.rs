@@ -72,6 +72,9 @@ fn extent(collider: &Collider) -> Option<Corners> {
         Shape::HalfSpace => f64::INFINITY,
         Shape::Sphere { radius } => f64::from(radius),
         Shape::Capsule { half_height, radius } => f64::from(half_height) * axes[1][c].abs() + f64::from(radius),
+        Shape::TaperedCapsule { half_height, radii: [low, high] } => {
+            f64::from(half_height) * axes[1][c].abs() + f64::from(low.max(high))
+        }
         Shape::Box { half } => along(c, half.map(f64::from)).iter().map(|x| x.abs()).sum(),
         Shape::Ellipsoid { radii, .. } => along(c, radii.map(f64::from)).iter().map(|x| x * x).sum::<f64>().sqrt(),
     };

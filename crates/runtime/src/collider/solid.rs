@@ -9,13 +9,14 @@ pub const CAPSULE: u32 = 2;
 pub const BOX: u32 = 3;
 pub const ELLIPSOID_RADIAL: u32 = 4;
 pub const ELLIPSOID: u32 = 5;
+pub const TAPERED: u32 = 6;
 
 /// The same fields as `Solid` in shaders/part/solid.wgsl.
 #[derive(Clone, Copy, Debug)]
 pub struct Solid<T> {
     pub center: V3<T>,
     pub kind: u32,
-    /// Radius, half height; half sides; radii.
+    /// Radius, half height; lower radius, half height, upper radius; half sides; radii.
     pub size: V3<T>,
     pub friction: T,
     pub rotation: [T; 4],
@@ -29,6 +30,7 @@ impl<T: Real> Solid<T> {
             Shape::HalfSpace => (HALF_SPACE, [0.0; 3]),
             Shape::Sphere { radius } => (SPHERE, [radius, 0.0, 0.0]),
             Shape::Capsule { half_height, radius } => (CAPSULE, [radius, half_height, 0.0]),
+            Shape::TaperedCapsule { half_height, radii: [low, high] } => (TAPERED, [low, half_height, high]),
             Shape::Box { half } => (BOX, half),
             Shape::Ellipsoid { radii, closest: false } => (ELLIPSOID_RADIAL, radii),
             Shape::Ellipsoid { radii, closest: true } => (ELLIPSOID, radii),
@@ -55,6 +57,7 @@ impl<T: Real> Solid<T> {
         match self.kind {
             HALF_SPACE => Solid { center: add(self.center, scale(self.up(), by)), ..*self },
             SPHERE | CAPSULE => Solid { size: [x + by, y, z], ..*self },
+            TAPERED => Solid { size: [x + by, y, z + by], ..*self },
             _ => Solid { size: [x + by, y + by, z + by], ..*self },
         }
     }
@@ -80,6 +83,7 @@ impl<T: Real> Solid<T> {
             CAPSULE => {
                 ball(local, [T::of(0.0), local[1].max(-self.size[1]).min(self.size[1]), T::of(0.0)], self.size[0])
             }
+            TAPERED => tapered(local, &Taper::new(self.size)),
             BOX => cuboid(local, self.size),
             ELLIPSOID_RADIAL => radial(local, self.size),
             _ => closest(local, self.size),
@@ -89,7 +93,10 @@ impl<T: Real> Solid<T> {
 }
 
 mod entry;
+mod taper;
 pub mod wide;
+
+use taper::{Taper, tapered};
 
 /// Rotates by a unit quaternion.
 #[inline]

@@ -74,6 +74,123 @@ fn parry_agrees_on_boxes() {
     agrees(Shape::Box { half }, &Cuboid::new(Vector::new(0.5, 0.3, 0.8)), 0.8);
 }
 
+/// The distance \[m\] of a point from the surface of the hull of two balls, negative inside: the least over all balls between them, a convex
+/// function of the ball, by trisection.
+fn to_hull(p: [f64; 3], half: f64, [low, high]: [f64; 2]) -> f64 {
+    let at = |t: f64| distance(p, [0.0, (2.0 * t - 1.0) * half, 0.0]) - (low + t * (high - low));
+    let (mut a, mut b) = (0.0, 1.0);
+    for _ in 0..100 {
+        let (c, d) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
+        (a, b) = if at(c) < at(d) { (a, d) } else { (c, b) };
+    }
+    at(0.5 * (a + b)).min(at(0.0)).min(at(1.0))
+}
+
+/// Tapered capsules of many proportions: half height, radii.
+const TAPERS: [(f32, [f32; 2]); 5] =
+    [(0.4, [0.1, 0.3]), (0.3, [0.25, 0.05]), (0.11, [0.3, 0.1]), (0.5, [0.2, 0.2]), (0.2, [0.1, 0.499])];
+
+#[test]
+fn the_hull_of_two_balls_agrees_on_tapered_capsules() {
+    for (half_height, radii) in TAPERS {
+        let collider = moved(Shape::TaperedCapsule { half_height, radii });
+        collider.check().unwrap();
+        let (f32s, f64s) = (Solid::<f32>::new(&collider), Solid::<f64>::new(&collider));
+        let [x, y, z, w] = f64s.rotation;
+        let hull = |p: [f64; 3]| {
+            to_hull(turn([-x, -y, -z, w], sub(p, f64s.center)), f64::from(half_height), radii.map(f64::from))
+        };
+        let mut inside = 0;
+        for p in points(1.2).step_by(4) {
+            let at: [f32; 3] = cast(p);
+            let exact: [f64; 3] = cast(at);
+            let depth = -hull(exact);
+            for (exit, close) in [(f32s.exit(at).map(|(q, n)| (cast(q), cast(n))), 2e-6), (f64s.exit(exact), 1e-9)] {
+                assert!(
+                    exit.is_some() == (depth > 0.0) || depth.abs() < close,
+                    "{collider:?} at {at:?}, depth {depth}"
+                );
+                let Some((q, n)) = exit else { continue };
+                inside += 1;
+                let q: [f64; 3] = q;
+                assert!(hull(q).abs() < close, "{collider:?} at {at:?}: {q:?} is {} m off the surface", hull(q));
+                assert!((distance(q, exact) - depth).abs() < close, "{collider:?} at {at:?}: {q:?} is not the nearest");
+                assert!(
+                    (dot(n, n) - 1.0).abs() < 1e-5 && dot(sub(q, exact), n) >= -1e-6,
+                    "{collider:?} at {at:?}: {n:?}"
+                );
+            }
+        }
+        assert!(inside > POINTS / 500, "{collider:?}: only {inside} points were inside");
+    }
+}
+
+#[test]
+fn paths_enter_a_tapered_capsule_where_they_first_meet_its_surface() {
+    for (half_height, radii) in TAPERS {
+        let collider = Collider::new(Shape::TaperedCapsule { half_height, radii }, [0.0; 3]);
+        let (f32s, f64s) = (Solid::<f32>::new(&collider), Solid::<f64>::new(&collider));
+        let hull = |p: [f64; 3]| to_hull(p, f64::from(half_height), radii.map(f64::from));
+        let all: Vec<[f64; 3]> = points(1.5).take(8000).collect();
+        let (mut met, mut missed) = (0, 0);
+        for pair in all.chunks(2).filter(|pair| hull(pair[0]) > 1e-3) {
+            let (from, path) = (pair[0], sub(pair[1], pair[0]));
+            let on = |t: f64| add(from, scale(path, t));
+            // The distance along the path is convex: its least value tells whether it enters, and bisection where.
+            let (mut a, mut b) = (0.0, 1.0);
+            for _ in 0..100 {
+                let (c, d) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
+                (a, b) = if hull(on(c)) < hull(on(d)) { (a, d) } else { (c, b) };
+            }
+            let deepest = 0.5 * (a + b);
+            let (least, size) = (hull(on(deepest)), dot(path, path).sqrt());
+            let single = f32s.entry(cast(from), cast(path)).map(|(q, n)| (cast(q), cast(n)));
+            for (entry, close) in [(f64s.entry(from, path), 1e-7), (single, 1e-3)] {
+                if least.abs() < close {
+                    continue;
+                }
+                assert_eq!(
+                    entry.is_some(),
+                    least < 0.0,
+                    "{collider:?} from {from:?} along {path:?}: {entry:?}, {least}"
+                );
+                let Some((q, n)) = entry else {
+                    missed += 1;
+                    continue;
+                };
+                let (mut low, mut high) = (0.0, deepest);
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if hull(on(middle)) > 0.0 { low = middle } else { high = middle }
+                }
+                // A path that grazes the surface has no sure place on it.
+                let graze = (least.abs() / size).sqrt().max(1e-3);
+                let q: [f64; 3] = q;
+                assert!(distance(q, on(low)) < close / graze, "{collider:?} from {from:?} along {path:?}: {q:?}");
+                let n: [f64; 3] = n;
+                assert!(hull(add(q, scale(n, 0.01))) > 0.0099 - close / graze, "{collider:?} at {q:?}: {n:?}");
+                met += 1;
+            }
+        }
+        assert!(met > 100 && missed > 100, "{collider:?}: {met} met, {missed} missed");
+    }
+}
+
+#[test]
+fn tapered_capsules_without_a_taper_are_capsules_and_balls_in_balls_are_refused() {
+    let capsule = Solid::<f32>::new(&moved(Shape::Capsule { half_height: 0.4, radius: 0.3 }));
+    let tapered = Solid::<f32>::new(&moved(Shape::TaperedCapsule { half_height: 0.4, radii: [0.3; 2] }));
+    for p in points(0.8).take(2000) {
+        let p: [f32; 3] = cast(p);
+        assert_eq!(capsule.exit(p).is_some(), tapered.exit(p).is_some());
+        let (Some((a, _)), Some((b, _))) = (capsule.exit(p), tapered.exit(p)) else { continue };
+        assert!(distance(cast(a), cast(b)) < 1e-6);
+    }
+    for (half_height, radii) in [(0.1, [0.3, 0.1]), (0.1, [0.1, 0.4]), (0.0, [0.1; 2]), (0.1, [f32::NAN, 0.1])] {
+        assert!(Collider::new(Shape::TaperedCapsule { half_height, radii }, [0.0; 3]).check().is_err());
+    }
+}
+
 /// The closest point of an ellipsoid by bisection of the same equation in f64, from `p` inside and in its frame.
 fn bracketed(p: [f64; 3], radii: [f64; 3]) -> [f64; 3] {
     let least = radii.iter().copied().fold(f64::INFINITY, f64::min);

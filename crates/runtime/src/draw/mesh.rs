@@ -24,6 +24,16 @@ pub fn of(shape: &Shape, inset: f32) -> Vec<Vertex> {
             let half = |y: f32| if y > 1e-6 { half_height } else { -half_height };
             round(move |n| [radius * n[0], radius * n[1] + half(n[1]), radius * n[2]], |n| n)
         }
+        Shape::TaperedCapsule { half_height, radii: [low, high] } => {
+            // The balls part where the normal of the cone points; the quads there make the cone.
+            let along = (low - high) / (2.0 * half_height);
+            let of = move |y: f32| if y > along + 1e-6 { (half_height, high) } else { (-half_height, low) };
+            let on = move |n: [f32; 3]| {
+                let (y, radius) = of(n[1]);
+                [radius * n[0], radius * n[1] + y, radius * n[2]]
+            };
+            round(on, |n| n)
+        }
         // Vertices on an edge have one normal of several, so its faces are moved by its sides.
         Shape::Box { half } => return cuboid(half.map(|h| (h - inset).max(0.0))),
         Shape::Ellipsoid { radii, .. } => {
@@ -87,6 +97,10 @@ pub fn half_extent(shape: &Shape) -> Option<[f32; 3]> {
         Shape::HalfSpace => None,
         Shape::Sphere { radius } => Some([radius; 3]),
         Shape::Capsule { half_height, radius } => Some([radius, radius + half_height, radius]),
+        Shape::TaperedCapsule { half_height, radii: [low, high] } => {
+            let radius = low.max(high);
+            Some([radius, radius + half_height, radius])
+        }
         Shape::Box { half } => Some(half),
         Shape::Ellipsoid { radii, .. } => Some(radii),
     }
@@ -109,6 +123,7 @@ mod tests {
             Shape::HalfSpace,
             Shape::Sphere { radius: 0.3 },
             Shape::Capsule { half_height: 0.4, radius: 0.1 },
+            Shape::TaperedCapsule { half_height: 0.3, radii: [0.05, 0.1] },
             Shape::Box { half: [0.1, 0.2, 0.3] },
             Shape::Ellipsoid { radii: [0.1, 0.3, 0.2], closest: true },
         ] {

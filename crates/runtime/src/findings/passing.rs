@@ -4,7 +4,7 @@
 //! balls, then the particles of a group with each collider that is left. Both comparisons leave out only what cannot have passed.
 
 use super::CORE;
-use crate::collider::solid::{CAPSULE, Solid};
+use crate::collider::solid::Solid;
 use crate::number::aligned::Aligned;
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::{Real, V3, add, cross, dot, scale, sub, xyz};
@@ -65,7 +65,7 @@ impl<T: Real> Core<T> {
     fn new(collider: usize, solid: &Solid<T>) -> Option<Self> {
         let core = solid.coated(solid.thickness() * T::of(-CORE));
         let around = core.around()?;
-        let (half, radius) = if core.kind == CAPSULE { (core.size[1], core.size[0]) } else { (T::of(0.0), around) };
+        let [half, radius] = core.line().unwrap_or([T::of(0.0), around]);
         let size = core.center.iter().fold(T::of(0.0), |sum, x| sum + x.abs());
         let still = dot(solid.velocity, solid.velocity) + dot(solid.spin, solid.spin) == T::of(0.0);
         Some(Core { collider, solid: core, still, axis: core.up(), half, radius: radius + size * T::of(1e-6) })

@@ -8,6 +8,7 @@ use wgpu::BufferUsages;
 use super::span::Span;
 use super::upload::{DRAWN, empty, filled, upload};
 use super::{Gpu, begin};
+use crate::cloth::Rows;
 use crate::error::{Error, Result};
 use crate::layout::BoundRow;
 use crate::passes::Pass;
@@ -21,6 +22,10 @@ pub(super) struct Wrapping {
     rows: Arc<Vec<BoundRow>>,
     /// None where the CPU steps.
     bound: Option<Span>,
+    /// The vertices that blend to the skin, as the pass reads them; made with the first of them.
+    blending: Option<Span>,
+    /// The last matrices of the joints for these, and the buffer that has them.
+    matrices: Option<(Vec<Rows>, Span)>,
     vertices: Span,
     /// The last fraction of a step, and the buffer that has it.
     fraction: Option<(f32, Span)>,
@@ -46,7 +51,8 @@ impl Gpu {
             .is_stepping()
             .then(|| upload(&self.device, "bound vertices", &mesh.rows, BufferUsages::empty()).into());
         let rows = mesh.rows.clone();
-        self.cloths[cloth].wrapping = Some(Wrapping { rows, bound, vertices: vertices.clone(), fraction: None });
+        self.cloths[cloth].wrapping =
+            Some(Wrapping { rows, bound, blending: None, matrices: None, vertices: vertices.clone(), fraction: None });
         Ok(vertices)
     }
 
@@ -64,6 +70,31 @@ impl Gpu {
         let (vertices, groups) = (wrapping.vertices.clone(), list(wrapping.rows.len()));
         let more = [(Slot::Action, &numbers), (Slot::BoundVertices, &bound), (Slot::Wrapped, &vertices)];
         self.once(world, &mut begin(encoder, "wrap"), cloth, Pass::Wrap, &more, groups);
+    }
+
+    /// Records the pass that moves the vertices of a mesh to the skin by these matrices of the joints, after [`Gpu::record_wrap`].
+    pub fn record_blend(
+        &mut self,
+        world: &World,
+        encoder: &mut wgpu::CommandEncoder,
+        cloth: usize,
+        mesh: &RenderMesh,
+        matrices: &[Rows],
+    ) {
+        let device = self.device.clone();
+        let (Some(blended), Some(wrapping)) = (&mesh.blended, &mut self.cloths[cloth].wrapping) else { return };
+        let vertices = wrapping.vertices.clone();
+        let made = || upload(&device, "blended vertices", &blended.list(), BufferUsages::empty()).into();
+        let blending = wrapping.blending.get_or_insert_with(made).clone();
+        // As for fractions.
+        if wrapping.matrices.as_ref().is_none_or(|known| known.0 != matrices) {
+            let numbers = filled(&device, "joints", cast_slice(matrices), BufferUsages::STORAGE);
+            wrapping.matrices = Some((matrices.to_vec(), numbers.into()));
+        }
+        let Some((_, numbers)) = wrapping.matrices.clone() else { return };
+        let more = [(Slot::Action, &numbers), (Slot::Blending, &blending), (Slot::Wrapped, &vertices)];
+        let pass = Pass::Blend { sets: blended.sets as u32 };
+        self.once(world, &mut begin(encoder, "blend"), cloth, pass, &more, list(blended.rows.len()));
     }
 
     /// Uploads the vertices of a cloth that the CPU steps.

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use gimage_bundle::{Bundle, Frame, MapKind, Particle, RenderFile, RenderPrimitive, SurfacePoint, surface_normals};
 
-use super::{RenderMesh, RenderPart};
+use super::{Blended, RenderMesh, RenderPart};
+use crate::cloth::Influence;
 use crate::cpu::wrap::UNBOUND;
 use crate::error::Result;
-use crate::layout::BoundRow;
+use crate::layout::{BlendRow, BoundRow};
 
 type Matrix = [f64; 16];
 
@@ -18,7 +19,13 @@ pub(super) fn load(bundle: &Bundle) -> Result<Option<RenderMesh>> {
     let texels = cloth.positions.len();
     let (mut parts, mut uv, mut indices, mut rows) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (mut images, mut colors): (Vec<Vec<u8>>, Vec<[f32; 4]>) = Default::default();
-    for primitive in file.primitives()? {
+    let primitives = file.primitives()?;
+    let mut blended = cloth.blends.is_some().then(|| Blended {
+        sets: primitives.iter().map(|p| p.sets).max().unwrap_or(0).max(1),
+        joints: bundle.manifest.skeleton.as_ref().map_or(0, |s| s.joints.len()).max(1),
+        ..Blended::default()
+    });
+    for primitive in primitives {
         let (first, count, from) = (rows.len(), primitive.positions.len(), indices.len());
         let material = file.material(primitive.material);
         let bytes = material.base_image.and_then(|image| Some((image, file.image(image)?)));
@@ -28,7 +35,7 @@ pub(super) fn load(bundle: &Bundle) -> Result<Option<RenderMesh>> {
                 images[image] = bytes.to_vec();
             }
         }
-        add(&cloth, &primitive, &entry.transform, &mut rows)?;
+        add(&cloth, &primitive, &entry.transform, &mut rows, blended.as_mut())?;
         indices.extend(primitive.indices.iter().map(|&v| v + first as u32));
         uv.extend_from_slice(&primitive.uv);
         uv.resize(first + count, [0.0; 2]);
@@ -49,7 +56,8 @@ pub(super) fn load(bundle: &Bundle) -> Result<Option<RenderMesh>> {
     if !colors.is_empty() {
         colors.resize(rows.len(), [1.0; 4]);
     }
-    Ok(Some(RenderMesh { parts, uv, colors, indices, images, image_names, rows: Arc::new(rows), texels }))
+    let blended = blended.filter(|b| !b.rows.is_empty()).map(Arc::new);
+    Ok(Some(RenderMesh { parts, uv, colors, indices, images, image_names, rows: Arc::new(rows), blended, texels }))
 }
 
 /// The texels of a bundle at rest.
@@ -58,6 +66,8 @@ struct Cloth<'a> {
     particles: Vec<Particle>,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
+    /// The map `blend`, if any texel is not on the cloth.
+    blends: Option<Vec<f32>>,
 }
 
 impl<'a> Cloth<'a> {
@@ -68,7 +78,13 @@ impl<'a> Cloth<'a> {
             let at = |k: usize| image.and_then(|i| i.at(k).first_chunk().copied()).unwrap_or_default();
             positions.extend((0..piece.width as usize * piece.height as usize).map(at));
         }
-        Ok(Cloth { bundle, particles: bundle.particles()?, positions, normals: surface_normals(bundle)? })
+        Ok(Cloth {
+            bundle,
+            particles: bundle.particles()?,
+            positions,
+            normals: surface_normals(bundle)?,
+            blends: bundle.blends(),
+        })
     }
 
     /// The triangle corners and barycentric weights of a coordinate; `None` where the piece has no surface.
@@ -79,10 +95,23 @@ impl<'a> Cloth<'a> {
         let point = SurfacePoint::at((piece.width, piece.height), exists, [u, v])?;
         Some((point.texels.map(|k| base + k), point.weights))
     }
+
+    /// The blend at a point of a triangle, 1 on the cloth.
+    fn blend(&self, corners: [u32; 3], [s, t]: [f32; 2]) -> f32 {
+        let Some(blends) = &self.blends else { return 1.0 };
+        let [a, b, c] = corners.map(|k| blends.get(k as usize).copied().unwrap_or(1.0));
+        (a + s * (b - a) + t * (c - a)).clamp(0.0, 1.0)
+    }
 }
 
 /// Adds the vertices of a primitive.
-fn add(cloth: &Cloth, primitive: &RenderPrimitive, transform: &Matrix, rows: &mut Vec<BoundRow>) -> Result<()> {
+fn add(
+    cloth: &Cloth,
+    primitive: &RenderPrimitive,
+    transform: &Matrix,
+    rows: &mut Vec<BoundRow>,
+    mut blended: Option<&mut Blended>,
+) -> Result<()> {
     let world = mul(transform, &primitive.world);
     let across = cofactors(&world);
     let normals = if primitive.normals.is_empty() { facets(primitive) } else { primitive.normals.clone() };
@@ -111,6 +140,18 @@ fn add(cloth: &Cloth, primitive: &RenderPrimitive, transform: &Matrix, rows: &mu
                     element: format!("mesh {}, primitive {}, vertex {v}", primitive.mesh, primitive.index),
                     problem: "it is not bound to a point of the surface".into(),
                 })?;
+                let share = cloth.blend(corners, weights);
+                if let Some(blended) = blended.as_deref_mut().filter(|_| share < 1.0) {
+                    let at = apply(&columns, p.map(f64::from));
+                    blended.rows.push(BlendRow {
+                        rest: std::array::from_fn(|k| (at[k] + world[12 + k]) as f32),
+                        share,
+                        normal: turned.map(|x| x as f32),
+                        vertex: rows.len() as u32,
+                        tangent: four(along, 0.0),
+                    });
+                    blended.follow(primitive, v)?;
+                }
                 let at = corners.map(|k| cloth.positions[k as usize]);
                 let frame = Frame::new(at, corners.map(|k| cloth.normals[k as usize]), weights);
                 let inward = |v: [f64; 3], w| four(frame.inward(v), w);
@@ -121,6 +162,23 @@ fn add(cloth: &Cloth, primitive: &RenderPrimitive, transform: &Matrix, rows: &mu
         rows.push(row);
     }
     Ok(())
+}
+
+impl Blended {
+    /// Adds the joints of a vertex. Errors on joints that the bundle does not have.
+    fn follow(&mut self, primitive: &RenderPrimitive, vertex: usize) -> Result<()> {
+        let own = &primitive.influences[vertex * primitive.sets..(vertex + 1) * primitive.sets];
+        for n in 0..self.sets {
+            let (joints, weights) = own.get(n).copied().unwrap_or_default();
+            if joints.iter().any(|j| *j as usize >= self.joints) {
+                let problem = format!("it follows a joint that the bundle does not have; it has {}", self.joints);
+                let element = format!("mesh {}, primitive {}, vertex {vertex}", primitive.mesh, primitive.index);
+                return Err(gimage_bundle::Error::Render { element, problem }.into());
+            }
+            self.influences.push(Influence { joints, weights });
+        }
+        Ok(())
+    }
 }
 
 /// Normals of a primitive that has none: the sum over the triangles of each vertex, weighed by area.

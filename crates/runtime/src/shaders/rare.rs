@@ -139,6 +139,11 @@ pub(super) fn wrap(over: Over) -> Rule {
     own!("wrap", over, Parts::new(&[part!("action")], &read, &[Slot::Wrapped]))
 }
 
+pub(super) fn blend(over: Over, sets: u32) -> Rule {
+    let parts = Parts::new(&[part!("action")], &[Action, Slot::Blending], &[Slot::Wrapped]);
+    own!("blend", over, parts.constant("sets", sets))
+}
+
 pub(super) fn leaves(over: Over) -> Rule {
     let read = [Grids, Now, Slot::Before, Slot::Kin];
     own!("leaves", over, Parts::new(&[], &read, &[Slot::Boxes]))

@@ -89,7 +89,8 @@ pub fn over(pass: Pass) -> Over {
         | Pass::Skin { .. }
         | Pass::Prolong
         | Pass::Bounds
-        | Pass::Wrap => Over::Own(Threads::Particles),
+        | Pass::Wrap
+        | Pass::Blend { .. } => Over::Own(Threads::Particles),
         Pass::Fastest | Pass::PickNearest | Pass::Restrict | Pass::CoarseTies { .. } => Over::Own(Threads::One),
         Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
         Pass::CoarseLevel { level, .. } => Over::Own(Threads::Nodes(level)),
@@ -204,6 +205,7 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::PickNearest => rare::pick_nearest(over),
         Pass::Bounds => rare::bounds(over),
         Pass::Wrap => rare::wrap(over),
+        Pass::Blend { sets } => rare::blend(over, sets),
         Pass::Indices { holes } => rare::indices(over, holes),
         Pass::Tangents { holes } => rare::tangents(over, holes),
         Pass::Leaves => rare::leaves(over),
@@ -330,7 +332,8 @@ pub(super) fn parted(cut: bool, parts: Parts) -> Parts {
 }
 
 fn shapes(kinds: Kinds, parts: Parts) -> Parts {
-    const NAMES: [&str; 6] = ["half_spaces", "spheres", "capsules", "boxes", "radial_ellipsoids", "ellipsoids"];
+    const NAMES: [&str; 7] =
+        ["half_spaces", "spheres", "capsules", "boxes", "radial_ellipsoids", "ellipsoids", "tapered_capsules"];
     let each = NAMES.iter().zip(kinds.shapes);
     each.fold(parts, |parts, (name, on)| parts.constant(name, u32::from(on)))
 }

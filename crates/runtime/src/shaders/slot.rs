@@ -100,6 +100,7 @@ slots! {
     BackDrifts "back_drifts",
     BackInfluences "back_influences",
     BackSkinned "back_skinned",
+    Blending "blending",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
@@ -251,7 +252,7 @@ impl Slot {
             // Made when they are asked for; no frame binds them.
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
             Slot::Bounds | Slot::Indices | Slot::Tangents | Slot::Charts => 0,
-            Slot::BoundVertices | Slot::Wrapped => 0,
+            Slot::BoundVertices | Slot::Wrapped | Slot::Blending => 0,
             Slot::Table | Slot::Origin | Slot::OriginBefore | Slot::Spare | Slot::Beside => 0,
             Slot::Supports | Slot::Holding | Slot::Changes | Slot::Mates => 0,
         };

@@ -13,6 +13,8 @@ pub struct Joints {
     next: Option<Arc<[Rows]>>,
     /// Whether they moved in the last frame that made a step.
     moves: bool,
+    /// Their matrices at the beginning of that frame and its steps, if they moved.
+    way: Option<(Arc<[Rows]>, u32)>,
     /// The particles that follow them while they are pinned, in ascending order: those that are pinned as the cloth comes.
     pub joined: Arc<[u32]>,
 }
@@ -23,7 +25,7 @@ impl Joints {
         let now = cloth.first_joints()?.clone();
         let pinned = |k: &u32| cloth.particles()[*k as usize].is_pinned();
         let joined = (0..cloth.len() as u32).filter(pinned).collect();
-        Some(Joints { now, next: None, moves: false, joined })
+        Some(Joints { now, next: None, moves: false, way: None, joined })
     }
 
     /// Their matrices at the end of the last frame that made a step.
@@ -31,9 +33,20 @@ impl Joints {
         &self.now
     }
 
+    /// Their matrices at a fraction of the last step: 0 where it began, 1 where it ended. Between them points move in straight lines.
+    pub fn at(&self, fraction: f32) -> Vec<Rows> {
+        let Some((from, steps)) = self.way.as_ref().filter(|_| fraction < 1.0) else { return self.now.to_vec() };
+        let back = (1.0 - fraction) / *steps as f32;
+        let one = |(now, from): (&Rows, &Rows)| -> Rows {
+            std::array::from_fn(|r| std::array::from_fn(|c| now[r][c] + (from[r][c] - now[r][c]) * back))
+        };
+        self.now.iter().zip(from.iter()).map(one).collect()
+    }
+
     /// Takes over where the joints of another image of the cloth are, and where they go.
     pub fn go_on(&mut self, other: &Joints) {
         (self.now, self.next, self.moves) = (other.now.clone(), other.next.clone(), other.moves);
+        self.way = other.way.clone();
     }
 
     /// The matrices, moved by a rigid transform whose columns are given.
@@ -69,7 +82,7 @@ impl World {
     /// Puts the joints of a cloth somewhere at the start of the next frame, as if they had been there.
     pub fn put_joints(&mut self, cloth: usize, rows: Arc<[Rows]>) {
         let Some(joints) = &mut self.runs[cloth].joints else { return };
-        (joints.now, joints.next, joints.moves) = (rows.clone(), None, false);
+        (joints.now, joints.next, joints.moves, joints.way) = (rows.clone(), None, false, None);
         self.host.actions.push(Action::Skin { cloth, from: None, to: rows, rate: 0.0 });
         self.wake(cloth);
     }
@@ -77,7 +90,7 @@ impl World {
     /// Moves the joints of a cloth as a teleport moves the cloth. Where they go in the next frame is the host's to say.
     pub fn teleport_joints(&mut self, cloth: usize, by: &[[f32; 4]; 4]) {
         let Some(joints) = &mut self.runs[cloth].joints else { return };
-        joints.now = joints.moved(by);
+        (joints.now, joints.way) = (joints.moved(by), None);
         let to = joints.now.clone();
         self.host.actions.push(Action::Skin { cloth, from: None, to, rate: 0.0 });
     }
@@ -91,8 +104,10 @@ impl World {
         for (cloth, run) in self.runs.iter_mut().enumerate() {
             let Some(joints) = &mut run.joints else { continue };
             let moved = std::mem::replace(&mut joints.moves, joints.next.is_some());
+            joints.way = None;
             if let Some(to) = joints.next.take() {
                 let from = Some(std::mem::replace(&mut joints.now, to.clone()));
+                joints.way = from.clone().map(|from| (from, steps));
                 self.host.actions.push(Action::Skin { cloth, from, to, rate: rate as f32 });
             } else if moved {
                 self.host.actions.push(Action::Skin { cloth, from: None, to: joints.now.clone(), rate: 0.0 });

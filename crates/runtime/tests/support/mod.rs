@@ -10,6 +10,7 @@ pub mod alike;
 pub mod rig;
 #[cfg(feature = "gpu")]
 pub mod run;
+pub mod source_mesh;
 
 #[cfg(feature = "gpu")]
 pub use adapter::*;
@@ -81,6 +82,7 @@ pub fn all_colliders() -> Vec<Collider> {
         (Shape::Box { half: [0.1, 0.05, 0.2] }, [0.3, -0.05, 0.75], rotation),
         (Shape::Ellipsoid { radii, closest: false }, [0.75, -0.08, 0.75], rotation),
         (Shape::Ellipsoid { radii, closest: true }, [0.5, -0.09, 0.5], rotation),
+        (Shape::TaperedCapsule { half_height: 0.15, radii: [0.1, 0.05] }, [0.15, -0.06, 0.55], rotation),
     ];
     let moving = |(shape, center, rotation)| {
         let (velocity, spin) = ([0.1, 0.0, 0.05], [0.0, 0.5, 0.1]);

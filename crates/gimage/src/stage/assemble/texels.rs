@@ -32,7 +32,7 @@ impl<'a> Texels<'a> {
     }
 
     /// One component of a channel at texel `at`.
-    fn value(&self, semantic: &Semantic, component: usize, at: usize) -> Option<f64> {
+    pub fn value(&self, semantic: &Semantic, component: usize, at: usize) -> Option<f64> {
         let channel = self.mesh.channel(semantic).filter(|c| component < c.width)?;
         let (mut sum, mut total) = (0.0, 0.0);
         for (b, v) in self.corners(channel, at) {

@@ -38,8 +38,6 @@ impl ColliderSource {
 
 /// Distance of the body from colliders of a file, over that asked for, from which they are fitted instead.
 const LOOSE: f64 = 3.0;
-/// Radii that differ by more than this share are told.
-const SAME_RADIUS: f64 = 0.01;
 
 /// Solids of a file.
 pub(super) struct Given {
@@ -74,7 +72,7 @@ pub(super) fn given(colliders: &[FileCollider], mesh: &Mesh, options: &ColliderO
     }
     let mut findings = Vec::new();
     if !changed.is_empty() {
-        let message = "The radii of a collider of the file differ, or it is a cylinder: it became a capsule of their mean radius.";
+        let message = "A collider of the file is a cylinder: it became a capsule of its mean radius.";
         findings.push(finding(Severity::Note, "rounded-collider", changed.len(), message.into(), changed));
     }
     if found.len() > MAX_COUNT {
@@ -140,15 +138,21 @@ fn solid(shape: &FileShape) -> (Solid, bool) {
         }
         FileShape::Capsule { ends, radii: [a, b] } => {
             let [p, q] = ends.map(Vector3::from);
-            let (way, radius) = (p - q, 0.5 * (a + b));
+            let (way, half_height) = (p - q, 0.5 * (p - q).norm());
+            if (a - b).abs() >= 2.0 * half_height {
+                // One ball holds the other.
+                let (center, radius) = if a >= b { (p, a) } else { (q, b) };
+                return (Solid::new(Form::Sphere { radius }, center, &still), true);
+            }
             // Two ends that are opposite have no shortest turn.
             let turn = Rotation3::rotation_between(&Vector3::y(), &way).unwrap_or_else(|| {
                 if way.y < 0.0 { Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI) } else { still }
             });
-            let is_exact = (a - b).abs() <= SAME_RADIUS * radius;
-            let half_height = 0.5 * way.norm();
-            let form = if half_height > 0.0 { Form::Capsule { half_height, radius } } else { Form::Sphere { radius } };
-            (Solid::new(form, 0.5 * (p + q), &turn), is_exact)
+            let form = match a == b {
+                true => Form::Capsule { half_height, radius: a },
+                false => Form::TaperedCapsule { half_height, radii: [b, a] },
+            };
+            (Solid::new(form, 0.5 * (p + q), &turn), true)
         }
     }
 }

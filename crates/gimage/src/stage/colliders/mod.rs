@@ -12,6 +12,7 @@ mod refine;
 mod samples;
 mod shape;
 mod solid;
+mod start;
 mod surface;
 mod winding;
 
@@ -22,7 +23,7 @@ use super::select::{Role, SelectOptions, keeping, roles};
 use crate::base::mesh::{Joint, Mesh};
 use crate::base::vec3::distance;
 use crate::error::{Error, Result};
-use crate::options::BuildOptions;
+use crate::options::{BuildOptions, Choice};
 use crate::record::{Finding, Severity};
 use fit::Limits;
 use given::Given;
@@ -33,6 +34,7 @@ pub use given::ColliderSource;
 pub use judge::{Figures, FitError};
 pub use shape::Kind;
 pub use solid::{Form, Solid};
+pub(crate) use start::Start;
 
 /// Solids, at most.
 pub const MAX_COUNT: usize = 512;
@@ -54,8 +56,26 @@ pub struct ColliderOptions {
     pub kinds: Vec<Kind>,
     /// Whether solids that the file has are used.
     pub source: ColliderSource,
-    /// Whether a dressed character gets the surface of its body too, which cloth on the CPU collides with in place of the solids.
-    pub surface: bool,
+    /// The collider of the cloth of a dressed character on the CPU.
+    pub tier: Tier,
+}
+
+/// The collider of the cloth of a dressed character on the CPU. A bundle has the solids in any case, for the GPU.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tier {
+    /// The solids.
+    #[default]
+    Capsules,
+    /// The surface of its body.
+    Surface,
+    /// The surface, if at most 1 % of the free particles start more than 5 mm inside of it, and if it has at most 200,000 triangles; else the
+    /// solids.
+    Auto,
+}
+
+impl Choice for Tier {
+    const ALL: &'static [(&'static str, Self)] =
+        &[("capsules", Self::Capsules), ("surface", Self::Surface), ("auto", Self::Auto)];
 }
 
 impl Default for ColliderOptions {
@@ -65,7 +85,7 @@ impl Default for ColliderOptions {
             count: 48,
             kinds: vec![Kind::Sphere, Kind::Capsule],
             source: ColliderSource::Auto,
-            surface: false,
+            tier: Tier::default(),
         }
     }
 }

@@ -12,6 +12,8 @@ pub enum Kind {
     Sphere,
     /// [`Form::Capsule`].
     Capsule,
+    /// [`Form::TaperedCapsule`].
+    TaperedCapsule,
     /// [`Form::Box`].
     Box,
     /// [`Form::Ellipsoid`].
@@ -20,13 +22,14 @@ pub enum Kind {
 
 impl Kind {
     /// All of them, the cheapest contact first.
-    pub const ALL: [Kind; 4] = [Kind::Sphere, Kind::Capsule, Kind::Box, Kind::Ellipsoid];
+    pub const ALL: [Kind; 5] = [Kind::Sphere, Kind::Capsule, Kind::TaperedCapsule, Kind::Box, Kind::Ellipsoid];
 
     /// Its name, as in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Sphere => "sphere",
             Kind::Capsule => "capsule",
+            Kind::TaperedCapsule => "tapered_capsule",
             Kind::Box => "box",
             Kind::Ellipsoid => "ellipsoid",
         }
@@ -36,11 +39,15 @@ impl Kind {
     pub(super) fn handicap(self) -> f64 {
         match self {
             Kind::Sphere | Kind::Capsule => 1.0,
+            Kind::TaperedCapsule => 1.05,
             Kind::Box => 1.1,
             Kind::Ellipsoid => 1.25,
         }
     }
 }
+
+/// Half the length of a tapered capsule, at least, over the difference of its radii.
+const LEAST_LENGTH: f64 = 0.51;
 
 /// A solid and the frame in which its numbers are small rotations.
 #[derive(Clone, Debug)]
@@ -56,6 +63,9 @@ impl Shape {
         let (kind, sizes) = match solid.form {
             Form::Sphere { radius } => (Kind::Sphere, vec![radius]),
             Form::Capsule { half_height, radius } => (Kind::Capsule, vec![half_height, radius]),
+            Form::TaperedCapsule { half_height, radii: [low, high] } => {
+                (Kind::TaperedCapsule, vec![half_height, low, high])
+            }
             Form::Box { half } => (Kind::Box, half.to_vec()),
             Form::Ellipsoid { radii } => (Kind::Ellipsoid, radii.to_vec()),
         };
@@ -82,6 +92,12 @@ impl Shape {
         match self.kind {
             Kind::Sphere => Form::Sphere { radius: size(0) },
             Kind::Capsule => Form::Capsule { half_height: size(0), radius: size(1) },
+            Kind::TaperedCapsule => {
+                let radii = [size(1), size(2)];
+                // One ball must not hold the other.
+                let half_height = size(0).max(LEAST_LENGTH * (radii[0] - radii[1]).abs());
+                Form::TaperedCapsule { half_height, radii }
+            }
             Kind::Box => Form::Box { half: [size(0), size(1), size(2)] },
             Kind::Ellipsoid => Form::Ellipsoid { radii: [size(0), size(1), size(2)] },
         }
@@ -122,8 +138,23 @@ pub(super) fn guess(kind: Kind, points: &[[f64; 3]]) -> Option<Solid> {
     let form = match kind {
         Kind::Sphere => Form::Sphere { radius: (half.x + half.y + half.z) / 3.0 },
         Kind::Capsule => Form::Capsule { half_height: (half.y - across).max(0.1 * half.y), radius: across },
+        Kind::TaperedCapsule => {
+            let radii =
+                radii(&local, 0.5 * (low.y + high.y)).map(|r| r.unwrap_or(across).clamp(0.2 * across, 5.0 * across));
+            let half_height = (half.y - 0.5 * (radii[0] + radii[1])).max(0.1 * half.y);
+            Form::TaperedCapsule { half_height: half_height.max(LEAST_LENGTH * (radii[0] - radii[1]).abs()), radii }
+        }
         Kind::Box => Form::Box { half: half.into() },
         Kind::Ellipsoid => Form::Ellipsoid { radii: half.into() },
     };
     Some(Solid::new(form, center, &turn))
+}
+
+/// The mean distances from the y axis of the points below and above a height; none without points.
+fn radii(points: &[Vector3<f64>], height: f64) -> [Option<f64>; 2] {
+    [false, true].map(|above| {
+        let own = points.iter().filter(|p| (p.y > height) == above).map(|p| p.x.hypot(p.z));
+        let (count, sum) = own.fold((0.0, 0.0), |(count, sum), r| (count + 1.0, sum + r));
+        (count > 0.0).then(|| sum / count)
+    })
 }

@@ -24,6 +24,13 @@ pub enum Form {
         /// Its radius.
         radius: f64,
     },
+    /// The convex hull of two balls at the ends of a segment of the y axis.
+    TaperedCapsule {
+        /// Half the length of the segment.
+        half_height: f64,
+        /// Radii of the balls at -y and at +y, which differ by less than the length of the segment.
+        radii: [f64; 2],
+    },
     /// A box around the origin.
     Box {
         /// Half its sides.
@@ -64,7 +71,7 @@ impl Solid {
     pub(super) fn posed(&self, joint: &Joint) -> Self {
         let to_world = Matrix4::from_column_slice(&joint.world) * Matrix4::from_column_slice(&joint.inverse_bind);
         let linear = to_world.fixed_view::<3, 3>(0, 0).into_owned();
-        // Of a mirror this is the mirrored matrix with its signs changed: solids are symmetric about their centre.
+        // Of a mirror this is the mirrored matrix with its signs changed, which also turns a solid about its centre.
         let scale = linear.determinant().cbrt();
         let center = to_world.transform_point(&Vector3::from(self.center).into()).coords;
         let turn = linear / scale;
@@ -75,7 +82,9 @@ impl Solid {
         if !turn.matrix().iter().all(|x| x.is_finite()) {
             return *self;
         }
-        Solid::new(self.form.scaled(scale.abs()), center, &(turn * self.turn()))
+        let form = self.form.scaled(scale.abs());
+        let form = if scale < 0.0 { form.mirrored() } else { form };
+        Solid::new(form, center, &(turn * self.turn()))
     }
 
     /// Distance \[m\] of a point from the surface, negative inside. That of an ellipsoid is exact to 1e-7 of its size.
@@ -93,6 +102,13 @@ impl Form {
             Form::Capsule { half_height, radius } => {
                 let y = p.y - p.y.clamp(-half_height, half_height);
                 Vector3::new(p.x, y, p.z).norm() - radius
+            }
+            Form::TaperedCapsule { half_height, radii: [low, high] } => {
+                // All balls between both belong to it; of the one on the way along the normal of the cone the surface is nearest.
+                let (length, drop) = (2.0 * half_height, low - high);
+                let slope = drop / ((length - drop) * (length + drop)).max(f64::MIN_POSITIVE).sqrt();
+                let y = (p.y - p.x.hypot(p.z) * slope).clamp(-half_height, half_height);
+                Vector3::new(p.x, p.y - y, p.z).norm() - (0.5 * (low + high) - y * drop / length)
             }
             Form::Box { half } => {
                 let out = Vector3::from_fn(|k, _| p[k].abs() - half[k]);
@@ -116,6 +132,10 @@ impl Form {
         match *self {
             Form::Sphere { radius } => [radius; 3],
             Form::Capsule { half_height, radius } => [radius, half_height + radius, radius],
+            Form::TaperedCapsule { half_height, radii: [low, high] } => {
+                let radius = low.max(high);
+                [radius, half_height + radius, radius]
+            }
             Form::Box { half } => half,
             Form::Ellipsoid { radii } => radii,
         }
@@ -125,6 +145,7 @@ impl Form {
     pub(super) fn thickness(&self) -> f64 {
         2.0 * match *self {
             Form::Sphere { radius } | Form::Capsule { radius, .. } => radius,
+            Form::TaperedCapsule { radii: [low, high], .. } => low.min(high),
             Form::Box { half: sizes } | Form::Ellipsoid { radii: sizes } => {
                 sizes.into_iter().fold(f64::INFINITY, f64::min)
             }
@@ -136,6 +157,9 @@ impl Form {
         match self {
             Form::Sphere { radius } => Form::Sphere { radius: radius - depth },
             Form::Capsule { half_height, radius } => Form::Capsule { half_height, radius: radius - depth },
+            Form::TaperedCapsule { half_height, radii } => {
+                Form::TaperedCapsule { half_height, radii: radii.map(|r| r - depth) }
+            }
             Form::Box { half } => Form::Box { half: half.map(|h| h - depth) },
             Form::Ellipsoid { radii } => Form::Ellipsoid { radii: radii.map(|r| r - depth) },
         }
@@ -148,8 +172,21 @@ impl Form {
             Form::Capsule { half_height, radius } => {
                 Form::Capsule { half_height: by * half_height, radius: by * radius }
             }
+            Form::TaperedCapsule { half_height, radii } => {
+                Form::TaperedCapsule { half_height: by * half_height, radii: radii.map(|r| by * r) }
+            }
             Form::Box { half } => Form::Box { half: half.map(|h| by * h) },
             Form::Ellipsoid { radii } => Form::Ellipsoid { radii: radii.map(|r| by * r) },
+        }
+    }
+
+    /// As a mirror in its middle shows it.
+    fn mirrored(self) -> Self {
+        match self {
+            Form::TaperedCapsule { half_height, radii: [low, high] } => {
+                Form::TaperedCapsule { half_height, radii: [high, low] }
+            }
+            other => other,
         }
     }
 
@@ -159,6 +196,16 @@ impl Form {
         match *self {
             Form::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
             Form::Capsule { half_height, radius } => PI * radius * radius * (2.0 * half_height + 4.0 / 3.0 * radius),
+            Form::TaperedCapsule { half_height, radii: [low, high] } => {
+                // A frustum between the circles where the cone touches the balls, and a cap of each.
+                let along = (low - high) / (2.0 * half_height);
+                let across = (1.0 - along * along).max(0.0).sqrt();
+                let (a, b) = (low * across, high * across);
+                let length = 2.0 * half_height + (high - low) * along;
+                let cap = |radius: f64, height: f64| PI * height * height * (3.0 * radius - height) / 3.0;
+                let frustum = PI * length * (a * a + a * b + b * b) / 3.0;
+                frustum + cap(low, low * (1.0 + along)) + cap(high, high * (1.0 - along))
+            }
             Form::Box { half } => 8.0 * half.iter().product::<f64>(),
             Form::Ellipsoid { radii } => 4.0 / 3.0 * PI * radii.iter().product::<f64>(),
         }

@@ -75,6 +75,82 @@ fn distances_are_those_of_parry() {
     }
 }
 
+/// The distance of a point from the surface of the hull of two balls: the least over all balls between them, which is a convex function.
+fn to_hull(p: Vector3<f64>, half: f64, [low, high]: [f64; 2]) -> f64 {
+    let at = |t: f64| (p - Vector3::new(0.0, (2.0 * t - 1.0) * half, 0.0)).norm() - (low + t * (high - low));
+    let (mut a, mut b) = (0.0, 1.0);
+    for _ in 0..200 {
+        let (c, d) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
+        if at(c) < at(d) { b = d } else { a = c }
+    }
+    at(0.5 * (a + b)).min(at(0.0)).min(at(1.0))
+}
+
+#[test]
+fn tapered_capsules_are_the_hull_of_two_balls() {
+    for (half_height, radii) in [(0.4, [0.1, 0.3]), (0.3, [0.25, 0.05]), (0.11, [0.3, 0.1]), (0.5, [0.2, 0.2])] {
+        let form = Form::TaperedCapsule { half_height, radii };
+        let turn = Rotation3::new(Vector3::new(0.3, -0.7, 1.1));
+        let center = Vector3::new(0.2, -0.1, 0.4);
+        let solid = Solid::new(form, center, &turn);
+        let (mut inside, count) = (0u32, 100_000u32);
+        let half = form.half_extents();
+        for k in 0..count {
+            let at = |n: f64, by: f64| (((f64::from(k) + 1.0) * n).fract() * 2.0 - 1.0) * by;
+            let local = Vector3::new(at(0.819_172_5, half[0]), at(0.671_043_6, half[1]), at(0.549_700_5, half[2]));
+            let truth = to_hull(local, half_height, radii);
+            inside += u32::from(truth < 0.0);
+            if k % 50 == 0 {
+                let found = solid.distance((turn * local + center).into());
+                assert!((truth - found).abs() < 1e-9, "{form:?} {local:?}: {truth} {found}");
+            }
+        }
+        let volume = 8.0 * half.iter().product::<f64>() * f64::from(inside) / f64::from(count);
+        assert!((form.volume() / volume - 1.0).abs() < 0.01, "{form:?}: {} {volume}", form.volume());
+    }
+}
+
+#[test]
+fn a_mirrored_joint_mirrors_a_tapered_capsule() {
+    let form = Form::TaperedCapsule { half_height: 0.4, radii: [0.1, 0.3] };
+    let solid = Solid::new(form, Vector3::new(0.1, 0.5, 0.0), &Rotation3::new(Vector3::new(0.2, 0.4, -0.3)));
+    let unit = |k: usize| f64::from(k % 5 == 0);
+    for mirror in 0..3 {
+        let world = std::array::from_fn(|k| if k == 5 * mirror { -1.0 } else { unit(k) });
+        let moved =
+            solid.posed(&Joint { name: String::new(), parent: None, inverse_bind: std::array::from_fn(unit), world });
+        for p in [[0.1, 0.9, 0.0], [0.3, 0.1, 0.2], [-0.4, 0.5, 0.7]] {
+            let mut there = p;
+            there[mirror] = -there[mirror];
+            assert!((solid.distance(p) - moved.distance(there)).abs() < 1e-9, "{mirror}: {p:?}");
+        }
+    }
+}
+
+#[test]
+fn a_cone_of_flesh_is_fitted_by_one_tapered_capsule() {
+    // The hull of two balls as a mesh: thick at x = -0.3.
+    let (half, [low, high]) = (0.3, [0.15, 0.06]);
+    let along = (low - high) / (2.0 * half);
+    let mesh = ball(40, |[x, y, z]| {
+        let (at, radius) = if y > along { (half, high) } else { (-half, low) };
+        [radius * y + at, radius * x, -radius * z]
+    });
+    let of = |kinds: &[Kind]| {
+        let options = ColliderOptions { kinds: kinds.to_vec(), count: 1, ..ColliderOptions::default() };
+        fit(&mesh, &Mesh::default(), &options).unwrap()
+    };
+    let (round, tapered) =
+        (of(&[Kind::Sphere, Kind::Capsule]), of(&[Kind::Sphere, Kind::Capsule, Kind::TaperedCapsule]));
+    let Form::TaperedCapsule { half_height, radii } = tapered.0[0].solid.form else { panic!("{tapered:?}") };
+    let sorted = [radii[0].max(radii[1]), radii[0].min(radii[1])];
+    assert!(
+        (half_height - half).abs() < 0.01 && (sorted[0] - low).abs() < 0.005 && (sorted[1] - high).abs() < 0.005,
+        "{tapered:?}"
+    );
+    assert!(tapered.1.body.p95 < 0.004 && tapered.1.body.p95 < 0.2 * round.1.body.p95, "{:?} {:?}", tapered.1, round.1);
+}
+
 #[test]
 fn the_distance_to_an_ellipsoid_is_that_to_its_nearest_point() {
     let radii = [0.1, 0.5, 0.25];
@@ -242,14 +318,20 @@ fn shapes_of_files_become_solids() {
         FileShape::Capsule { ends: [[1.0; 3]; 2], radii: [0.1; 2] },
         FileShape::Cylinder { half_height: 1.0, radii: [0.2; 2] },
         FileShape::Box { half: [0.1, 0.2, 0.3] },
+        FileShape::Capsule { ends: [[0.0, 1.0, 0.0], [0.0; 3]], radii: [0.5, 2.0] },
     ];
     let all: Vec<_> = shapes.into_iter().map(|s| file_collider(s, None, unit)).collect();
     let given = given::given(&all, &Mesh::default(), &options).unwrap().unwrap();
     let forms: Vec<_> = given.placed.iter().map(|p| p.solid.form).collect();
     assert_eq!(forms[0], Form::Sphere { radius: 0.5 });
-    assert_eq!(forms[1], Form::Capsule { half_height: 1.0, radius: 0.2 });
+    assert_eq!(forms[1], Form::TaperedCapsule { half_height: 1.0, radii: [0.3, 0.1] });
+    // The larger ball is at the upper end of the file.
+    assert!((given.placed[1].solid.distance([0.0, 1.5, 0.0]) - 0.2).abs() < 1e-12);
+    assert!((given.placed[1].solid.distance([0.0, -1.5, 0.0]) - 0.4).abs() < 1e-12);
     assert_eq!(forms[2], Form::Sphere { radius: 0.1 });
     assert_eq!(forms[3], Form::Capsule { half_height: 0.8, radius: 0.2 });
     assert_eq!(forms[4], Form::Box { half: [0.1, 0.2, 0.3] });
-    assert_eq!((given.findings[0].kind, given.findings[0].count), ("rounded-collider", 2));
+    // One ball of this capsule holds the other.
+    assert_eq!((forms[5], given.placed[5].solid.center), (Form::Sphere { radius: 2.0 }, [0.0; 3]));
+    assert_eq!((given.findings[0].kind, given.findings[0].count), ("rounded-collider", 1));
 }

@@ -6,7 +6,7 @@
 
 mod report;
 mod rest;
-mod sheet;
+pub(crate) mod sheet;
 mod spread;
 mod wearer;
 
@@ -26,6 +26,15 @@ pub struct Held {
     pub pinned: Vec<bool>,
     /// Largest distance \[m\] from its place on the skin, infinite for none.
     pub limits: Vec<f32>,
+    /// Where the mesh of the source is drawn, 0 on the skin and 1 on the cloth; empty if it is on the cloth everywhere.
+    pub blend: Vec<f32>,
+}
+
+impl Held {
+    /// A piece whose texels are free.
+    pub fn free(texels: usize) -> Self {
+        Held { pinned: vec![false; texels], limits: vec![f32::INFINITY; texels], blend: Vec::new() }
+    }
 }
 
 /// How a garment is held.
@@ -62,11 +71,7 @@ impl Holds {
 ///
 /// Deterministic. O(n log n) in the texels, with one search for the nearest triangle of the body per texel.
 pub fn hold(wearer: &Wearer, pieces: &[Piece<'_>], families: &[Family<'_>]) -> Holds {
-    let mut groups: Vec<(std::ops::Range<usize>, Option<&Family<'_>>)> =
-        families.iter().map(|f| (f.first..f.first + f.count, Some(f))).collect();
-    let alone = |k: &usize| !families.iter().any(|f| (f.first..f.first + f.count).contains(k));
-    groups.extend((0..pieces.len()).filter(alone).map(|k| (k..k + 1, None)));
-    groups.sort_by_key(|g| g.0.start);
+    let groups = garments(pieces.len(), families);
     let one = |(range, family): &(std::ops::Range<usize>, Option<&Family<'_>>)| {
         let pieces = &pieces[range.clone()];
         let sheet = Sheet::new(pieces, family.map_or(&[], |f| &f.rings));
@@ -76,6 +81,18 @@ pub fn hold(wearer: &Wearer, pieces: &[Piece<'_>], families: &[Family<'_>]) -> H
     let made: Vec<(Vec<Held>, Hold)> = groups.par_iter().map(one).collect();
     let (held, garments): (Vec<Vec<Held>>, Vec<Hold>) = made.into_iter().unzip();
     Holds { pieces: held.into_iter().flatten().collect(), garments }
+}
+
+/// The pieces of each garment, and its family if it has several.
+pub(crate) fn garments<'a, 'b>(
+    pieces: usize,
+    families: &'a [Family<'b>],
+) -> Vec<(std::ops::Range<usize>, Option<&'a Family<'b>>)> {
+    let mut groups: Vec<_> = families.iter().map(|f| (f.first..f.first + f.count, Some(f))).collect();
+    let alone = |k: &usize| !families.iter().any(|f| (f.first..f.first + f.count).contains(k));
+    groups.extend((0..pieces).filter(alone).map(|k| (k..k + 1, None)));
+    groups.sort_by_key(|g| g.0.start);
+    groups
 }
 
 fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
@@ -101,6 +118,7 @@ fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
     let held = |points: &[u32]| Held {
         pinned: points.iter().map(|&p| pinned[p as usize]).collect(),
         limits: points.iter().map(|&p| limits[p as usize] as f32).collect(),
+        blend: Vec::new(),
     };
     (sheet.points.iter().map(|points| held(points)).collect(), hold)
 }

@@ -11,7 +11,7 @@ use crate::stage::assemble::Piece;
 use crate::stage::split::PartTexel;
 
 /// Points of a garment, which its texels stand for.
-pub(super) struct Sheet {
+pub(crate) struct Sheet {
     /// The point of each texel, by pieces.
     pub points: Vec<Vec<u32>>,
     /// Positions \[m\].
@@ -106,6 +106,18 @@ impl Sheet {
         (0..self.positions.len()).for_each(|p| self.first[p + 1] += self.first[p]);
         let far = |a: u32, b: u32| distance(self.positions[a as usize], self.positions[b as usize]);
         self.around = both.iter().map(|&[a, b]| (b, far(a, b))).collect();
+    }
+
+    /// The points beside a point.
+    pub fn neighbours(&self, point: u32) -> impl Iterator<Item = u32> + '_ {
+        let [first, end] = [0, 1].map(|k| self.first[point as usize + k] as usize);
+        self.around[first..end].iter().map(|(p, _)| *p)
+    }
+
+    /// Distance \[m\] of a point from the nearest one beside it, 0 for a point without any.
+    pub fn spacing(&self, point: u32) -> f64 {
+        let [first, end] = [0, 1].map(|k| self.first[point as usize + k] as usize);
+        self.around[first..end].iter().map(|(_, far)| *far).reduce(f64::min).unwrap_or(0.0)
     }
 
     /// Lowest and highest point \[m\].

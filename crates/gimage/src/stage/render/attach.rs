@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use gimage_bundle::{COORD, OFFSET};
+use gimage_bundle::{COORD, JOINTS, OFFSET, WEIGHTS, numbered};
 use serde_json::{Value, json};
 
 use super::bind::{Binding, UNBOUND};
+use super::trace::{Influence, Trace};
+use crate::base::mesh::NONE;
 use crate::error::Result;
 use crate::stage::export::glb::container;
 
@@ -18,7 +20,19 @@ pub(super) struct Bound {
     pub instance: Option<[f64; 16]>,
     /// Vertices, ascending, with their bindings.
     pub vertices: Vec<(u32, Binding)>,
+    /// The vertex of the imported mesh that each of them became.
+    pub imported: Vec<u32>,
 }
+
+/// Where vertices have the joints of the skeleton as well, for the blend from the skin to the cloth.
+pub(super) struct Skin<'a> {
+    pub trace: &'a Trace,
+    /// The pieces that blend.
+    pub blending: &'a [usize],
+}
+
+/// The vertices of an accessor of positions: their bindings, and the vertices of the imported mesh.
+type Shared = Vec<(Binding, u32)>;
 
 /// The counts of an attached document.
 #[derive(Debug, Default)]
@@ -38,12 +52,12 @@ pub(super) struct Attached {
 
 impl Attached {
     /// Adds the attributes. Primitives of one node stand next to each other in `bound`; those of one instance do too.
-    pub fn new(json: Value, bin: Vec<u8>, bound: &[Bound]) -> Self {
+    pub fn new(json: Value, bin: Vec<u8>, bound: &[Bound], skin: &Skin) -> Self {
         let mut out = Attached { json, bin, counts: Counts::default() };
         for group in bound.chunk_by(|a, b| (a.node, a.mesh, a.instance) == (b.node, b.mesh, b.instance)) {
             if group.iter().any(|b| is_bound(&b.vertices)) {
                 let mesh = out.own_mesh(&group[0]);
-                out.attach(mesh, group);
+                out.attach(mesh, group, skin);
             }
         }
         out.drop_instancing();
@@ -86,48 +100,71 @@ impl Attached {
         mesh
     }
 
-    fn attach(&mut self, mesh: usize, group: &[Bound]) {
+    fn attach(&mut self, mesh: usize, group: &[Bound], skin: &Skin) {
         // Primitives that share their positions share their bindings.
-        let mut shared: BTreeMap<u64, Vec<Binding>> = BTreeMap::new();
+        let mut shared: BTreeMap<u64, Shared> = BTreeMap::new();
         let position = |json: &Value, b: &Bound| {
             json["meshes"][mesh]["primitives"][b.primitive]["attributes"]["POSITION"].as_u64().unwrap_or(u64::MAX)
         };
         for b in group.iter().filter(|b| is_bound(&b.vertices)) {
             let accessor = position(&self.json, b);
             let count = self.json["accessors"][accessor as usize]["count"].as_u64().unwrap_or(0) as usize;
-            let list = shared.entry(accessor).or_insert_with(|| vec![UNBOUND; count]);
-            for &(v, binding) in &b.vertices {
+            let list = shared.entry(accessor).or_insert_with(|| vec![(UNBOUND, NONE); count]);
+            for (&(v, binding), &imported) in b.vertices.iter().zip(&b.imported) {
                 if let Some(slot) = list.get_mut(v as usize).filter(|_| binding != UNBOUND) {
-                    *slot = binding;
+                    *slot = (binding, imported);
                 }
             }
         }
-        let mut written: BTreeMap<u64, [usize; 2]> = BTreeMap::new();
+        let mut written: BTreeMap<u64, Vec<(String, usize)>> = BTreeMap::new();
         for (&accessor, list) in &shared {
-            let coord = self.accessor(list.iter().map(|b| b.coord));
-            let offset = self.accessor(list.iter().map(|b| b.offset));
-            written.insert(accessor, [coord, offset]);
+            let coord = self.accessor(list.iter().map(|(b, _)| b.coord));
+            let offset = self.accessor(list.iter().map(|(b, _)| b.offset));
+            let mut names = vec![(COORD.into(), coord), (OFFSET.into(), offset)];
+            names.extend(self.joints(list, skin));
+            written.insert(accessor, names);
         }
         for b in group.iter().filter(|b| is_bound(&b.vertices)) {
             let accessor = position(&self.json, b);
-            let [coord, offset] = written[&accessor];
             let attributes = &mut self.json["meshes"][mesh]["primitives"][b.primitive]["attributes"];
-            attributes[COORD] = json!(coord);
-            attributes[OFFSET] = json!(offset);
+            for (name, values) in &written[&accessor] {
+                attributes[name] = json!(values);
+            }
             self.counts.vertices += shared[&accessor].len() as u64;
-            self.counts.bound += shared[&accessor].iter().filter(|b| b.coord[0] >= 0.0).count() as u64;
+            self.counts.bound += shared[&accessor].iter().filter(|(b, _)| b.coord[0] >= 0.0).count() as u64;
         }
     }
 
+    /// The joints of vertices and their weights, if any of them is on a piece that blends and has joints.
+    fn joints(&mut self, list: &Shared, skin: &Skin) -> Vec<(String, usize)> {
+        let blends = |b: &Binding| skin.blending.iter().any(|piece| b.coord[0] == *piece as f32);
+        if !list.iter().any(|(b, v)| blends(b) && skin.trace.joints(*v).is_some()) {
+            return Vec::new();
+        }
+        let nothing: Vec<Influence> =
+            (0..skin.trace.sets).map(|n| ([0.0; 4], [if n == 0 { 1.0 } else { 0.0 }, 0.0, 0.0, 0.0])).collect();
+        let of = |n: usize| {
+            let nothing = &nothing;
+            list.iter().map(move |(_, v)| skin.trace.joints(*v).unwrap_or(nothing)[n])
+        };
+        let mut names = Vec::new();
+        for n in 0..skin.trace.sets {
+            names.push((numbered(JOINTS, n), self.accessor(of(n).map(|(joints, _)| joints))));
+            names.push((numbered(WEIGHTS, n), self.accessor(of(n).map(|(_, weights)| weights))));
+        }
+        names
+    }
+
     /// Appends vectors with an accessor of their own.
-    fn accessor(&mut self, values: impl Iterator<Item = [f32; 3]>) -> usize {
+    fn accessor<const N: usize>(&mut self, values: impl Iterator<Item = [f32; N]>) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let start = self.bin.len();
         self.bin.extend(values.flatten().flat_map(f32::to_le_bytes));
         let length = self.bin.len() - start;
         let view = json!({"buffer": 0, "byteLength": length, "byteOffset": start, "target": 34962});
         let view = push(&mut self.json, "bufferViews", view);
-        let accessor = json!({"bufferView": view, "componentType": 5126, "count": length / 12, "type": "VEC3"});
+        let accessor =
+            json!({"bufferView": view, "componentType": 5126, "count": length / (4 * N), "type": format!("VEC{N}")});
         push(&mut self.json, "accessors", accessor)
     }
 

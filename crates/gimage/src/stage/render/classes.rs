@@ -93,7 +93,7 @@ mod tests {
             is_cloth: (0..8).map(|v| v != 7).collect(),
             triangles: vec![[0, 1, 2], [1, 2, 3], [6, 6, 6]],
             positions,
-            corners: Vec::new(),
+            ..Trace::default()
         };
         let mut classes = Classes::new(&trace);
         assert_eq!((classes.of[3], classes.of[0], classes.of[7]), (classes.of[4], classes.of[5], NONE));

@@ -14,11 +14,11 @@ pub(crate) mod trace;
 
 use std::path::Path;
 
-use gimage_bundle::Bundle;
 use gimage_bundle::manifest::RenderEntry;
+use gimage_bundle::{Bundle, MapKind};
 use serde_json::Value;
 
-use self::attach::Attached;
+use self::attach::{Attached, Skin};
 use self::bind::{Anchor, Binding, UNBOUND, bind_all};
 use self::classes::Classes;
 use self::surface::{Surface, Texels};
@@ -126,7 +126,10 @@ pub(crate) fn add(
         true => of_origins(imported.origins, &bindings.list),
         false => of_nodes(&document.vertices, &bindings.list),
     };
-    let attached = Attached::new(document.json, document.bin, &bound);
+    let blends = |k: &usize| bundle.image(*k, &MapKind::Blend).is_some();
+    let blending: Vec<usize> = (0..bundle.manifest.pieces.len()).filter(blends).collect();
+    let skin = Skin { trace: made.trace, blending: &blending };
+    let attached = Attached::new(document.json, document.bin, &bound, &skin);
     let (vertices, bound) = (attached.counts.vertices, attached.counts.bound);
     match attached.into_bytes() {
         Ok(bytes) if bytes.len() as u64 <= gimage_bundle::MAX_RENDER_BYTES => bundle.render = Some(bytes),
@@ -236,14 +239,15 @@ fn diagonal(positions: &[[f64; 3]]) -> f64 {
 fn of_origins(origins: &[Origin], list: &[Binding]) -> Vec<attach::Bound> {
     let mut first = 0;
     let one = |origin: &Origin| {
-        let own = &list[first..first + origin.vertices.len()];
-        first += origin.vertices.len();
+        let own = first..first + origin.vertices.len();
+        first = own.end;
         attach::Bound {
             node: origin.node,
             mesh: origin.mesh,
             primitive: origin.primitive,
             instance: origin.instance,
-            vertices: origin.vertices.iter().copied().zip(own.iter().copied()).collect(),
+            vertices: origin.vertices.iter().copied().zip(list[own.clone()].iter().copied()).collect(),
+            imported: (own.start as u32..own.end as u32).collect(),
         }
     };
     origins.iter().map(one).collect()
@@ -258,6 +262,7 @@ fn of_nodes(nodes: &[Vec<u32>], list: &[Binding]) -> Vec<attach::Bound> {
         primitive: 0,
         instance: None,
         vertices: vertices(own),
+        imported: own.clone(),
     };
     nodes.iter().enumerate().map(one).collect()
 }

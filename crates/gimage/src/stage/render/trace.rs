@@ -19,7 +19,14 @@ pub(crate) struct Trace {
     pub is_cloth: Vec<bool>,
     /// For each corner of the mesh that became pieces the vertex that it was, or [`NONE`].
     pub corners: Vec<u32>,
+    /// The joints of each vertex and their weights, `sets` per vertex; empty without joints, and where nobody asks.
+    pub influences: Vec<Influence>,
+    /// Sets of four joints per vertex.
+    pub sets: usize,
 }
+
+/// Four joints, as whole floats, and their weights.
+pub(crate) type Influence = ([f32; 4], [f32; 4]);
 
 impl Trace {
     /// Begins with the mesh as it was imported, and marks its corners.
@@ -32,7 +39,36 @@ impl Trace {
             triangles: mesh.triangles.clone(),
             is_cloth: vec![false; mesh.positions.len()],
             corners: Vec::new(),
+            influences: Vec::new(),
+            sets: 0,
         }
+    }
+
+    /// Keeps the joints of the vertices too. Vertices without any follow the first joint with a weight of 0.
+    pub fn with_joints(mut self, mesh: &Mesh) -> Self {
+        let sets: Vec<(&Channel, &Channel)> = (0..)
+            .map_while(|n| Some((mesh.channel(&Semantic::Joints(n))?, mesh.channel(&Semantic::Weights(n))?)))
+            .collect();
+        self.sets = sets.len();
+        self.influences = vec![Influence::default(); self.sets * self.positions.len()];
+        for (t, triangle) in mesh.triangles.iter().enumerate() {
+            for (c, &v) in triangle.iter().enumerate() {
+                let four = |channel: &Channel| channel.at(t, c)?.first_chunk::<4>().copied();
+                for (n, (joints, weights)) in sets.iter().enumerate() {
+                    if let (Some(joints), Some(weights)) = (four(joints), four(weights)) {
+                        self.influences[v as usize * self.sets + n] = (joints, weights);
+                    }
+                }
+            }
+        }
+        self
+    }
+
+    /// The joints of a vertex; none without any.
+    pub fn joints(&self, vertex: u32) -> Option<&[Influence]> {
+        let first = vertex as usize * self.sets;
+        let own = self.influences.get(first..first + self.sets)?;
+        own.iter().any(|(_, weights)| weights.iter().any(|w| *w > 0.0)).then_some(own)
     }
 
     /// The corners of a marked mesh, by the vertices that they were.

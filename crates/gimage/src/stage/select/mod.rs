@@ -141,6 +141,22 @@ pub fn select(mesh: Mesh, options: &SelectOptions) -> Result<Selected> {
     Ok(Selected { mesh, findings })
 }
 
+/// Refuses a skinned file of which no part looks like cloth, unless the options choose parts: all of it would become cloth.
+///
+/// Errors: [`Error::Option`], which lists the parts and what they look like.
+pub(crate) fn demand_cloth(file: &str, mesh: &Mesh, options: &SelectOptions) -> Result<()> {
+    if !(options.cloth.is_empty() && options.body.is_empty() && options.rigid.is_empty()) {
+        return Ok(());
+    }
+    let verdicts = roles(mesh, options)?;
+    if mesh.triangle_part.iter().any(|p| verdicts[*p as usize].looks_like == Role::Cloth) {
+        return Ok(());
+    }
+    let problem = format!("no part of {file} looks like cloth, and its armour or body would become cloth");
+    let hint = format!("name the cloth with --cloth (`*` takes all parts); {}", report::candidates(mesh, &verdicts));
+    Err(Error::Option { option: "cloth".into(), problem, hint })
+}
+
 /// The finding about a choice; none if all parts are cloth and look like it.
 pub(crate) fn findings(mesh: &Mesh, verdicts: &[Verdict], options: &SelectOptions) -> Vec<Finding> {
     let asked = !(options.cloth.is_empty() && options.body.is_empty() && options.rigid.is_empty());

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Role, Verdict};
+use super::{Role, Verdict, facts};
 use crate::base::mesh::{Mesh, Part};
 use crate::base::words::{counted, triangles};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
@@ -79,6 +79,23 @@ pub(super) fn left_out(mesh: &Mesh, verdicts: &[Verdict], asked: bool) -> Findin
         examples: out.iter().take(MAX_EXAMPLES).map(example).collect(),
         message,
     }
+}
+
+/// The parts and what they look like, as a hint: those that follow the most joints first, as cloth does.
+pub(super) fn candidates(mesh: &Mesh, verdicts: &[Verdict]) -> String {
+    let mut counts = vec![0usize; mesh.parts.len()];
+    mesh.triangle_part.iter().for_each(|&p| counts[p as usize] += 1);
+    let following = facts::following(mesh);
+    let mut parts: Vec<usize> = (0..counts.len()).filter(|&p| counts[p] > 0).collect();
+    parts.sort_by_key(|&p| (std::cmp::Reverse(following[p].joints), p));
+    let one = |&p: &usize| {
+        let Verdict { looks_like, reason, .. } = &verdicts[p];
+        let size = triangles(counts[p]);
+        format!("`{}` ({size}; looks like {}: {reason})", label(&mesh.parts[p]), looks_like.name())
+    };
+    let shown = parts.iter().take(NAMED).map(one).collect::<Vec<_>>().join(", ");
+    let more = if parts.len() > NAMED { ", ..." } else { "" };
+    format!("its parts are {shown}{more}; `gimage list` shows their sizes and loops")
 }
 
 /// The warning where nothing in a skinned file looks like cloth; all parts are built.

@@ -83,6 +83,20 @@ fn a_skinned_file_without_cloth_is_built_whole_with_a_warning() {
 }
 
 #[test]
+fn dressing_a_skinned_file_without_cloth_is_refused_with_its_parts() {
+    let all = mesh(&[("Head", "", TWO), ("Staff", "", ONE)]);
+    let error = demand_cloth("knight.glb", &all, &SelectOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("no part of knight.glb looks like cloth"), "{error}");
+    assert!(
+        error.contains("--cloth (`*` takes all parts)") && error.contains("looks like rigid: name has \"staff\""),
+        "{error}"
+    );
+    demand_cloth("knight.glb", &all, &of(&["*"], &[], &[])).unwrap();
+    demand_cloth("knight.glb", &mesh(&[("Head", "", TWO), ("Cape", "", ONE)]), &SelectOptions::default()).unwrap();
+    demand_cloth("knight.glb", &mesh(&[("Head", "", None)]), &SelectOptions::default()).unwrap();
+}
+
+#[test]
 fn flags_choose_by_node_and_material_and_the_rest_is_reported() {
     let all = mesh(&[("Cape", "red", None), ("Head", "skin", TWO), ("Staff", "wood", ONE)]);
     let names = |options: &SelectOptions| {

@@ -44,3 +44,27 @@ fn every_triangle_is_in_a_patch_that_has_its_middle() {
     }
     assert!(bowl.patch.iter().all(|p| (*p as usize) < bowl.middles.len()));
 }
+
+/// A closed box from -0.1 to 0.1 m that follows one joint.
+fn cube() -> BodySurface {
+    let at = |k: u32| [0, 1, 2].map(|c| if k >> c & 1 == 1 { 0.1 } else { -0.1 });
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let influence = Influence { joints: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] };
+    BodySurface::new((0..8).map(at).collect(), triangles, vec![influence; 8]).unwrap()
+}
+
+#[test]
+fn heights_above_a_moved_surface_are_those_above_it_at_rest() {
+    let cube = cube();
+    // A turn of 90 degrees about z, and a shift.
+    let rows = [[0.0, -1.0, 0.0, 0.5], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, -2.0]];
+    let (rest, moved) = (Posed::at_rest(&cube), Posed::by_joints(&cube, &[rows]));
+    for (p, want) in [([0.0, 0.05, 0.0], -0.05), ([0.3, 0.0, 0.0], 0.2), ([0.2, 0.2, 0.0], 0.02f64.sqrt())] {
+        let there = [0.5 - p[1], p[0], p[2] - 2.0];
+        for height in [rest.height(p), moved.height(there)] {
+            assert!((height - want).abs() < 1e-7, "{p:?}: {height}, not {want}");
+        }
+    }
+    assert_eq!(Posed::by_joints(&cube, &[]).height([0.3, 0.0, 0.0]), rest.height([0.3, 0.0, 0.0]));
+}

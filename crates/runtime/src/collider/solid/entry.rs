@@ -1,6 +1,6 @@
 //! Where a path enters a solid, and how far a solid reaches.
 
-use super::{BOX, CAPSULE, HALF_SPACE, SPHERE, Solid, add, dot, normalize, scale, sub, turn};
+use super::{BOX, CAPSULE, HALF_SPACE, SPHERE, Solid, TAPERED, add, dot, normalize, scale, sub, taper, turn};
 use crate::number::real::{Real, V3};
 
 impl<T: Real> Solid<T> {
@@ -15,6 +15,10 @@ impl<T: Real> Solid<T> {
             HALF_SPACE => (o[1] > zero && d[1] < zero).then(|| (o[1] / -d[1], [zero, T::of(1.0), zero])),
             SPHERE => sphere(o, d, [zero; 3], self.size[0]),
             CAPSULE => capsule(o, d, self.size[0], self.size[1]),
+            TAPERED => taper::side(o, d, self.size).or_else(|| {
+                let [low, half, high] = self.size;
+                first([(half, high), (-half, low)].map(|(y, radius)| sphere(o, d, [zero, y, zero], radius)))
+            }),
             BOX => cuboid(o, d, self.size),
             _ => {
                 let over = |v: V3<T>| [0, 1, 2].map(|c| v[c] / self.size[c]);
@@ -31,6 +35,7 @@ impl<T: Real> Solid<T> {
         match self.kind {
             HALF_SPACE => T::of(1e18),
             SPHERE | CAPSULE => s[0],
+            TAPERED => s[0].min(s[2]),
             _ => s[0].min(s[1]).min(s[2]),
         }
     }
@@ -42,8 +47,20 @@ impl<T: Real> Solid<T> {
             HALF_SPACE => None,
             SPHERE => Some(s[0]),
             CAPSULE => Some(s[0] + s[1]),
+            TAPERED => Some(s[0].max(s[2]) + s[1]),
             BOX => Some(dot(s, s).sqrt()),
             _ => Some(s[0].max(s[1]).max(s[2])),
+        }
+    }
+
+    /// Half the length of the segment along its y axis that all of it is near, and the largest distance \[m\] from that; none of shapes without
+    /// such a segment.
+    pub fn line(&self) -> Option<[T; 2]> {
+        let [x, y, z] = self.size;
+        match self.kind {
+            CAPSULE => Some([y, x]),
+            TAPERED => Some([y, x.max(z)]),
+            _ => None,
         }
     }
 
@@ -89,8 +106,12 @@ fn capsule<T: Real>(o: V3<T>, d: V3<T>, radius: T, half: T) -> Hit<T> {
             return Some((t, normalize([o[0] + d[0] * t, zero, o[2] + d[2] * t])));
         }
     }
-    let caps = [half, -half].map(|y| sphere(o, d, [zero, y, zero], radius));
-    match caps {
+    first([half, -half].map(|y| sphere(o, d, [zero, y, zero], radius)))
+}
+
+/// The one that is met first.
+fn first<T: Real>(hits: [Hit<T>; 2]) -> Hit<T> {
+    match hits {
         [Some(a), Some(b)] => Some(if a.0 < b.0 { a } else { b }),
         [a, b] => a.or(b),
     }

@@ -1,6 +1,6 @@
 //! The way out of a solid for a vector of particles: the operations of [`Solid::exit`], in their order.
 
-use super::{BOX, CAPSULE, ELLIPSOID_RADIAL, HALF_SPACE, SPHERE, STEPS, Solid};
+use super::{BOX, CAPSULE, ELLIPSOID_RADIAL, HALF_SPACE, SPHERE, STEPS, Solid, TAPERED, Taper};
 use crate::number::lanes::Machine;
 use crate::number::real::{Real, V3};
 
@@ -89,6 +89,7 @@ impl<T: Real> Solid<T> {
                 let up = k.choose(k.above(local[1], low), local[1], low);
                 ball(k, local, [zero, k.choose(k.above(high, up), up, high), zero], self.size[0])
             }
+            TAPERED => tapered(k, local, &Taper::new(self.size)),
             BOX => cuboid(k, local, self.size),
             ELLIPSOID_RADIAL => radial(k, local, self.size),
             _ => closest(k, local, self.size),
@@ -107,6 +108,25 @@ fn ball<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, center: Wide<T, K>, radius:
     let n = choose(k, away, scale(k, d, k.div(one, far)), [one, zero, zero]);
     let at = add(k, center, scale(k, n, k.splat(radius)));
     Exits { at, normal: n, outside: k.at_least(far2, k.splat(radius * radius)) }
+}
+
+#[inline(always)]
+fn tapered<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, taper: &Taper<T>) -> Exits<T, K> {
+    let (zero, one) = (k.splat(T::of(0.0)), k.splat(T::of(1.0)));
+    let (low, high) = (k.splat(-taper.half), k.splat(taper.half));
+    let beside = k.sqrt(k.add(k.mul(p[0], p[0]), k.mul(p[2], p[2])));
+    let y = k.sub(p[1], k.mul(beside, k.splat(taper.slope)));
+    let up = k.choose(k.above(y, low), y, low);
+    let y = k.choose(k.above(high, up), up, high);
+    let radius = k.add(k.splat(taper.middle), k.mul(y, k.splat(taper.rate)));
+    let center = [zero, y, zero];
+    let d = sub(k, p, center);
+    let far2 = dot(k, d, d);
+    let far = k.sqrt(far2);
+    let away = k.above(far, k.splat(T::of(1e-12)));
+    let normal = choose(k, away, scale(k, d, k.div(one, far)), [k.splat(taper.across), k.splat(taper.along), zero]);
+    let at = add(k, center, scale(k, normal, radius));
+    Exits { at, normal, outside: k.at_least(far2, k.mul(radius, radius)) }
 }
 
 #[inline(always)]

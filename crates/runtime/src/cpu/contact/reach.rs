@@ -1,7 +1,7 @@
 //! The part of a sheet that colliders can touch within a step.
 
 use super::super::sheet::{Sheet, planes_ref};
-use crate::collider::solid::{CAPSULE, Solid};
+use crate::collider::solid::Solid;
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::{Real, V3, dot, sub};
 
@@ -11,7 +11,7 @@ pub struct Reach<T> {
     /// Squared radius; none for a half-space.
     radius: Option<T>,
     normal: V3<T>,
-    /// Of a capsule, which is much smaller than the ball around it.
+    /// Of a capsule, tapered or not, which is much smaller than the ball around it.
     line: Option<Line<T>>,
     /// How far its surface can move in a step \[m\]; infinite for a half-space that turns.
     moves: T,
@@ -41,12 +41,13 @@ impl<T: Real> Reach<T> {
         let size = |v: V3<T>| v[0].abs() + v[1].abs() + v[2].abs();
         // Above all rounding, as in `may`.
         let slack = |r: T| T::of(1e-5) * (size(solid.center) + r);
-        let line = around.filter(|_| solid.kind == CAPSULE).map(|r| {
-            let [thick, half, _] = solid.size;
-            Line { axis: normal, half, radius: (thick + farther(r)) * T::of(1.001) + slack(r) }
+        let line = around.zip(solid.line()).map(|(r, [half, thick])| Line {
+            axis: normal,
+            half,
+            radius: (thick + farther(r)) * T::of(1.001) + slack(r),
         });
         let inside = around.map_or(T::of(0.0), |r| {
-            let own = if solid.kind == CAPSULE { solid.size[0] } else { r };
+            let own = solid.line().map_or(r, |[_, thick]| thick);
             own * T::of(1.001) + slack(r)
         });
         let turns = if around.is_none() && dot(s, s) > T::of(0.0) { T::of(f64::INFINITY) } else { T::of(0.0) };

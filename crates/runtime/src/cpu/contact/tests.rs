@@ -12,7 +12,7 @@ fn noise(k: usize, of: usize) -> f64 {
 
 const RADII: [f32; 3] = [0.3, 0.21, 0.25];
 
-fn shapes() -> [Shape; 8] {
+fn shapes() -> [Shape; 10] {
     [
         Shape::HalfSpace,
         Shape::Sphere { radius: 0.25 },
@@ -22,6 +22,8 @@ fn shapes() -> [Shape; 8] {
         Shape::Ellipsoid { radii: RADII, closest: true },
         Shape::Ellipsoid { radii: [0.2, 0.3, 0.2], closest: true },
         Shape::Box { half: [0.2; 3] },
+        Shape::TaperedCapsule { half_height: 0.2, radii: [0.1, 0.25] },
+        Shape::TaperedCapsule { half_height: 0.06, radii: [0.2, 0.12] },
     ]
 }
 
@@ -151,7 +153,7 @@ fn vectors_at_the_very_surface_of_a_capsule_are_not_taken_for_far() {
 #[test]
 fn they_meet_one_collider_after_the_other() {
     for seed in 0..6 {
-        let all: Vec<_> = (0..20).map(|n| collider(shapes()[n % 8], n + 20 * seed)).collect();
+        let all: Vec<_> = (0..20).map(|n| collider(shapes()[n % 10], n + 20 * seed)).collect();
         for way in [1e-3, 0.1] {
             let solids: Vec<Solid<f32>> = all.iter().map(Solid::new).collect();
             compare(&solids, way, seed, &Threads::one());

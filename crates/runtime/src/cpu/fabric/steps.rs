@@ -208,7 +208,8 @@ impl<T: Real> Fabric<T> {
             | Pass::Bounds
             | Pass::Indices { .. }
             | Pass::Tangents { .. }
-            | Pass::Wrap => return false,
+            | Pass::Wrap
+            | Pass::Blend { .. } => return false,
         }
         true
     }

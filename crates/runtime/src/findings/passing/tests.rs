@@ -16,10 +16,11 @@ fn solids(count: usize, seed: usize) -> Vec<Solid<f32>> {
         Shape::Box { half: [0.1, 0.05, 0.2] },
         Shape::HalfSpace,
         Shape::Ellipsoid { radii: [0.1, 0.2, 0.07], closest: true },
+        Shape::TaperedCapsule { half_height: 0.2, radii: [0.08, 0.04] },
     ];
     let of = |n: usize| {
         let x = |k: usize| noise(seed * 100_000 + n * 100 + k) as f32;
-        let mut c = Collider::new(shapes[n % 5], [x(0), x(1), x(2)]);
+        let mut c = Collider::new(shapes[n % 6], [x(0), x(1), x(2)]);
         let q = [x(3), x(4), x(5), x(6)];
         let norm = q.iter().map(|x| x * x).sum::<f32>().sqrt();
         c.rotation = q.map(|x| x / norm);

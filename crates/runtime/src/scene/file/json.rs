@@ -264,6 +264,10 @@ pub enum Shape {
         half_height: f32,
         radius: f32,
     },
+    TaperedCapsule {
+        half_height: f32,
+        radii: [f32; 2],
+    },
     Box {
         half: V3,
     },

@@ -290,6 +290,7 @@ fn collider(fields: json::Collider, place: &str) -> Result<(Collider, Option<Mot
         json::Shape::HalfSpace {} => Shape::HalfSpace,
         json::Shape::Sphere { radius } => Shape::Sphere { radius },
         json::Shape::Capsule { half_height, radius } => Shape::Capsule { half_height, radius },
+        json::Shape::TaperedCapsule { half_height, radii } => Shape::TaperedCapsule { half_height, radii },
         json::Shape::Box { half } => Shape::Box { half },
         json::Shape::Ellipsoid { radii, closest } => Shape::Ellipsoid { radii, closest },
     };
