@@ -50,5 +50,6 @@ pub(crate) mod surface;
 pub(crate) mod tangents;
 pub(crate) mod transform;
 pub(crate) mod truncation;
+pub(crate) mod untangle;
 pub(crate) mod wind;
 pub(crate) mod wrap;

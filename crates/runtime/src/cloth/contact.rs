@@ -29,11 +29,14 @@ pub struct ClothContact {
     pub distance: Option<f32>,
     /// Coefficient of friction. Default 0.3; 0 to 1e6; larger slides less.
     pub friction: f32,
+    /// Which side of other cloths it belongs on: cloth of a higher layer stays outside, in front of cloth of a lower one. Used where cloths cross,
+    /// on the CPU backend; cloths of one layer give way on the smaller side of a crossing. Default 0; any number.
+    pub layer: i32,
 }
 
 impl Default for ClothContact {
     fn default() -> Self {
-        ClothContact { tier: ContactTier::Particles, distance: None, friction: 0.3 }
+        ClothContact { tier: ContactTier::Particles, distance: None, friction: 0.3, layer: 0 }
     }
 }
 
