@@ -5,6 +5,7 @@ mod ahead;
 mod air;
 mod cloth_run;
 mod control;
+mod crossed;
 mod dispatch;
 mod disturb;
 mod drive;

@@ -131,6 +131,7 @@ impl Truncation {
         let lists = [&self.last, &self.want, &self.next, &self.at, &self.pace, &self.drift];
         lists.into_iter().for_each(|list| tally.state(list));
         tally.state(&self.reach);
+        tally.state(&self.loose);
         tally.state(&self.ways);
         tally.state(&self.drifts);
         tally.state(&self.boxes.spreads);

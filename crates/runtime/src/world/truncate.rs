@@ -1,6 +1,7 @@
 //! Contact that no triangle crosses, on the CPU: hands the cloths of a scene to [`Truncation`] and takes back where particles may go.
 
 use super::World;
+use super::crossed::is_crossed;
 use crate::cloth::{Cloth, ContactTier};
 use crate::collider::solid::Solid;
 use crate::cpu::body::Body;
@@ -8,7 +9,6 @@ use crate::cpu::fabric::seam_steps::Member;
 use crate::cpu::truncation::surface::{Source, Surface, Texel};
 use crate::cpu::truncation::{Outcome, Truncation};
 use crate::cpu::untangle::loose::Loose;
-use crate::crossings::{self, Crossings, Drawn};
 use crate::findings::Fate;
 use crate::handle::ClothHandle;
 use crate::health::depths;
@@ -63,11 +63,6 @@ impl Safe {
 /// Whether no triangle of a cloth shall cross others.
 pub(super) fn is_safe(cloth: &Cloth) -> bool {
     cloth.contact.is_some_and(|contact| contact.tier == ContactTier::Safe)
-}
-
-/// Whether triangles cross.
-fn is_crossed(found: &[(usize, Fate)]) -> bool {
-    found.iter().any(|(_, fate)| matches!(fate, Fate::Crossed { pairs, .. } if *pairs > 0))
 }
 
 impl World {
@@ -163,34 +158,6 @@ impl World {
         let allowed = SQUEEZED_SHARE * f64::from(cloth.contact_distance(self.control.options.thickness));
         let depth = depths(now, solids, 0.0).into_iter().fold(0.0, f64::max);
         (depth > allowed).then_some(Fate::Squeezed { depth })
-    }
-
-    /// The crossings of some cloths, with one of these.
-    fn crossings_of<T: Real>(&self, cloths: &[usize], bodies: &[Body<T>], forced: usize) -> Option<(usize, Fate)> {
-        let found = self.find_crossings(cloths, bodies)?;
-        let (pairs, touching) = (found.total(), found.touching);
-        let cloth = found.worst.first().map_or(0, |pair| pair.first.cloth);
-        (pairs + touching > 0).then(|| (cloths[cloth], Fate::Crossed { pairs, touching, forced }))
-    }
-
-    /// Pairs of triangles of some cloths that cross.
-    pub(super) fn pairs_of<T: Real>(&self, cloths: &[usize], bodies: &[Body<T>]) -> u64 {
-        self.find_crossings(cloths, bodies).map_or(0, |found| found.total())
-    }
-
-    fn find_crossings<T: Real>(&self, cloths: &[usize], bodies: &[Body<T>]) -> Option<Crossings> {
-        let single = |p: &[T; 4]| p.map(|x| x.get() as f32);
-        let now: Vec<Vec<[f32; 4]>> = cloths.iter().map(|c| bodies[*c].now().iter().map(single).collect()).collect();
-        let drawn = |(c, now): (&usize, &'_ Vec<[f32; 4]>)| {
-            let holes = &bodies[*c].holes;
-            (holes.len() == now.len()).then_some(&**holes)
-        };
-        let holes: Vec<Option<&[u32]>> = cloths.iter().zip(&now).map(drawn).collect();
-        let each = cloths.iter().zip(&now).zip(&holes);
-        let drawn: Vec<Drawn> = each
-            .map(|((c, now), holes)| Drawn { cloth: &self.scene.cloths[*c], positions: Some(now), holes: *holes })
-            .collect();
-        crossings::find(&drawn, 1).ok()
     }
 }
 

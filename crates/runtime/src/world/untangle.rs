@@ -59,7 +59,7 @@ impl Tangles {
 
 impl World {
     /// Looks for crossings as a frame begins: of cloths that are there for the first time, that were cut, or into which a state was loaded, and of
-    /// those that the tier safe knows to cross. `put` tells that particles of that tier were put elsewhere.
+    /// those that the tier safe knows to cross.
     pub(super) fn begin_tangles<T: Real>(&mut self, bodies: &mut [Body<T>]) {
         let touches = |index: &usize| self.scene.cloths[*index].contact.is_some() && bodies[*index].fabric().is_some();
         let cloths: Vec<usize> = (0..bodies.len()).filter(touches).collect();
