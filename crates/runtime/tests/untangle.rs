@@ -119,7 +119,7 @@ fn cloth_that_a_pin_has_pulled_through_cloth_comes_back() {
         cloth.contact = Some(ClothContact { tier: ContactTier::Safe, ..ClothContact::default() });
         scene.cloths.push(cloth);
     }
-    let rim = |k: &usize| k % 17 == 0 || k % 17 == 16 || k / 17 == 0 || k / 17 == 16;
+    let rim = |k: &usize| [k % 17, k / 17].into_iter().any(|line| line == 0 || line == 16);
     (0..289).filter(rim).for_each(|k| scene.cloths[0].set_pinned(k, true).unwrap());
     let middle = 144;
     scene.cloths[1].set_pinned(middle as usize, true).unwrap();
