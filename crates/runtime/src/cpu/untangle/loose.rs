@@ -5,8 +5,9 @@ use super::contour::Contour;
 use super::pierce::Hit;
 use super::side::Flood;
 
-/// Rings of points around a contour that are loose, of two cloths and of one: with more, cloth that contact does not push crosses itself.
-pub const RINGS: [usize; 2] = [2, 1];
+/// Rings of points around those of pierced faces and edges that are loose, of two cloths and of one: with more, cloth that contact does not push crosses
+/// itself.
+pub const RINGS: [usize; 2] = [2, 0];
 /// Rings around a contour at rest whose points keep the whole contact distance.
 pub const RINGS_AT_REST: [usize; 2] = [8, 0];
 
