@@ -86,6 +86,39 @@ fn the_higher_layer_comes_out_on_top_however_much_of_it_is_below() {
     }
 }
 
+/// A square that is folded over, and whose end comes down through it.
+fn folded_through(n: u32) -> Scene {
+    let mut cloth = tilted("sheet", n, [0.1, 0.1]);
+    let over = |p: &[f32; 3]| {
+        let along = p[0] + 0.5;
+        if along < 0.5 {
+            return *p;
+        }
+        // Up around a half circle of 0.1 m, then back and down.
+        let (angle, back) = (((along - 0.5) / 0.05).min(std::f32::consts::PI), (along - 0.5 - 0.157).max(0.0));
+        [0.05 * angle.sin() - 0.94 * back, 0.15 - 0.05 * angle.cos() - 0.342 * back, p[2] + 0.003]
+    };
+    cloth.place(cloth.positions().iter().map(over).collect()).unwrap();
+    cloth.contact = Some(ClothContact { tier: ContactTier::Safe, ..ClothContact::default() });
+    let mut scene = Scene::new("folded through");
+    scene.cloths.push(cloth);
+    scene.colliders.push(Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) });
+    scene
+}
+
+#[test]
+fn cloth_that_passes_through_itself_comes_apart() {
+    let scene = folded_through(40);
+    let mut stepper = Stepper::on_cpu(scene.clone(), options()).unwrap();
+    let start = crossings_of(&scene, &stepper);
+    assert!(start > 50, "{start} crossings at the start");
+    for frame in 1..=60 {
+        stepper.advance(FRAME).unwrap();
+        let left = if frame >= 30 { crossings_of(&scene, &stepper) } else { 0 };
+        assert_eq!(left, 0, "frame {frame}");
+    }
+}
+
 #[test]
 fn threads_and_saved_states_change_no_bit_while_cloth_is_taken_apart() {
     for tier in TIERS {
