@@ -13,7 +13,7 @@ use run::{Failure, Row, run};
 /// Steps scenes in which cloth meets cloth on one CPU core, and prints a CSV row per scene, size and setting.
 #[derive(Debug, Parser)]
 struct Cli {
-    /// Scenes; all by default.
+    /// Scenes, or directories of bundles; all scenes by default.
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
     /// Particles per side.
@@ -31,6 +31,15 @@ struct Cli {
     /// Tiers of contact.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "particles")]
     tier: Vec<Tier>,
+    /// Sheets of the scene `layers`.
+    #[arg(long, default_value_t = 10)]
+    layers: u32,
+    /// Give each cloth of a scene a layer of its own, the first one the lowest.
+    #[arg(long)]
+    layered: bool,
+    /// Print the crossings of every frame in which they are counted, to stderr.
+    #[arg(long)]
+    trace: bool,
     /// Steps per frame; chosen by default.
     #[arg(long)]
     substeps: Option<u32>,

@@ -6,7 +6,8 @@ use std::time::Instant;
 use gimage_runtime::crossings::{self, Drawn};
 use gimage_runtime::{ClothContact, ContactTier, Options, Scene, Stepper};
 
-use crate::{Cli, Tier, scenes};
+use crate::scenes::{self, Set};
+use crate::{Cli, Tier};
 
 /// An error of the runtime, or an unknown scene.
 pub type Failure = Box<dyn std::error::Error>;
@@ -55,18 +56,25 @@ impl fmt::Display for Row {
 
 /// Steps a scene with a contact distance that is a multiple of the distance of neighbours.
 pub fn run(cli: &Cli, name: &str, n: u32, (distance, tier): (f32, Tier)) -> Result<Row, Failure> {
-    let (mut scene, spacing) = scenes::scene(name, n)?;
-    for cloth in &mut scene.cloths {
+    let Set { mut scene, spacing, turns } = scenes::scene(name, n, cli.layers)?;
+    for (layer, cloth) in scene.cloths.iter_mut().enumerate() {
         let of = if tier == Tier::Safe { ContactTier::Safe } else { ContactTier::Particles };
-        let contact = ClothContact { tier: of, distance: Some(distance * spacing), ..ClothContact::default() };
+        let layer = if cli.layered { layer as i32 } else { 0 };
+        let contact = ClothContact { tier: of, distance: Some(distance * spacing), layer, ..ClothContact::default() };
         cloth.contact = (distance > 0.0).then_some(contact);
     }
     let frames = cli.frames.unwrap_or(scene.frames);
     let options = Options { threads: 1, substeps: cli.substeps, normals: false, ..Options::default() };
     let mut stepper = Stepper::on_cpu(scene.clone(), options)?;
-    let (mut times, mut counts, mut deepest) = (Vec::new(), Vec::new(), 0.0f64);
+    let (mut times, mut counts, mut deepest) = (Vec::<f64>::new(), Vec::new(), 0.0f64);
+    if cli.trace {
+        eprintln!("{name} {n}: at the start, {} crossings", count(&scene, &stepper)?.total());
+    }
     let (mut center, mut way) = (mean_position(&stepper), 0.0);
     for frame in 1..=frames {
+        for turn in &turns {
+            stepper.set_pins(0, &turn.pins, &turn.at(f64::from(frame) / 60.0))?;
+        }
         let start = Instant::now();
         stepper.advance(1.0 / 60.0)?;
         times.push(start.elapsed().as_secs_f64() * 1e3);
@@ -76,6 +84,10 @@ pub fn run(cli: &Cli, name: &str, n: u32, (distance, tier): (f32, Tier)) -> Resu
         if cli.every > 0 && frame.is_multiple_of(cli.every) {
             let found = count(&scene, &stepper)?;
             counts.push(found.total() as f64);
+            if cli.trace {
+                let ms = times.last().copied().unwrap_or(0.0);
+                eprintln!("{name} {n}: frame {frame}, {} crossings, {ms:.1} ms", found.total());
+            }
             deepest = deepest.max(found.deepest);
         }
     }

@@ -1,16 +1,41 @@
 //! Scenes in which cloth meets cloth.
 
+mod crossed;
+mod garment;
+mod many;
+mod tube;
+mod turned;
+
+use std::path::Path;
+
 use gimage_runtime::{Cloth, Collider, Flat, Scene, Shape};
 
-/// All of them.
-pub const NAMES: [&str; 6] = ["fold", "drop", "hang", "ball", "pile", "drape"];
+use crate::run::Failure;
+pub use turned::Turn;
 
-/// A scene by its name, and the distance \[m\] of neighbouring particles.
-pub fn scene(name: &str, n: u32) -> Result<(Scene, f32), Box<dyn std::error::Error>> {
-    let spacing = 1.0 / (n - 1) as f32;
+/// All of them.
+pub const NAMES: [&str; 13] =
+    ["fold", "drop", "hang", "ball", "pile", "drape", "layers", "cards", "twist", "tube", "overlap", "waves", "coat"];
+
+/// A scene, and what moves in it.
+pub struct Set {
+    pub scene: Scene,
+    /// The distance \[m\] of neighbouring particles.
+    pub spacing: f32,
+    pub turns: Vec<Turn>,
+}
+
+/// A scene by its name, or the bundle in this directory, with `n` particles per side; `layers` sheets where the scene has a pile of them.
+pub fn scene(name: &str, n: u32, layers: u32) -> Result<Set, Failure> {
+    let mut spacing = 1.0 / (n - 1) as f32;
+    let mut turns = Vec::new();
+    if Path::new(name).is_dir() {
+        let (scene, spacing) = garment::garment(name)?;
+        return Ok(Set { scene, spacing, turns });
+    }
     let mut scene = Scene::new(name);
     scene.frames = 300;
-    let table = Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) };
+    let table = table();
     match name {
         // Folded to three layers, on a table.
         "fold" => {
@@ -67,9 +92,29 @@ pub fn scene(name: &str, n: u32) -> Result<(Scene, f32), Box<dyn std::error::Err
             scene.colliders.push(Collider { friction: 0.3, ..Collider::new(ball, [0.0, -0.2, 0.0]) });
             scene.frames = 120;
         }
-        _ => return Err(format!("no scene of this name; there are {}", NAMES.join(", ")).into()),
+        "layers" => many::layers(&mut scene, n, layers)?,
+        "cards" => {
+            many::cards(&mut scene)?;
+            spacing = 0.015;
+        }
+        "twist" => turns = turned::twist(&mut scene, n)?,
+        "tube" => {
+            turns = turned::wrung(&mut scene, n)?;
+            spacing = std::f32::consts::TAU * 0.15 / (n - 1) as f32;
+        }
+        "overlap" => crossed::overlap(&mut scene, n)?,
+        "waves" => crossed::waves(&mut scene, n)?,
+        "coat" => {
+            crossed::coat(&mut scene, n)?;
+            spacing = std::f32::consts::TAU * 0.15 / (n - 1) as f32;
+        }
+        _ => return Err(format!("no scene of this name and no bundle; there are {}", NAMES.join(", ")).into()),
     }
-    Ok((scene, spacing))
+    Ok(Set { scene, spacing, turns })
+}
+
+fn table() -> Collider {
+    Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) }
 }
 
 fn calm(mut cloth: Cloth) -> Cloth {
@@ -78,7 +123,7 @@ fn calm(mut cloth: Cloth) -> Cloth {
 }
 
 /// A square folded to some layers, `gap` \[m\] apart, the lowest `gap` above the table. Springs are those of the flat square.
-fn folded(n: u32, layers: u32, gap: f32) -> Result<Cloth, Box<dyn std::error::Error>> {
+fn folded(n: u32, layers: u32, gap: f32) -> Result<Cloth, Failure> {
     let mut cloth = calm(Flat::square("sheet", n).cloth()?);
     let bend = std::f32::consts::PI * gap / 2.0;
     let straight = (1.0 - (layers - 1) as f32 * bend) / layers as f32;

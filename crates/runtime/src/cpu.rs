@@ -51,5 +51,6 @@ pub(crate) mod surface;
 pub(crate) mod tangents;
 pub(crate) mod transform;
 pub(crate) mod truncation;
+pub(crate) mod untangle;
 pub(crate) mod wind;
 pub(crate) mod wrap;

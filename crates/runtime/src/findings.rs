@@ -43,7 +43,7 @@ pub enum Fate {
         /// The collider by index.
         collider: usize,
     },
-    /// Cloth whose contact is [`crate::ContactTier::Safe`] crosses cloth. Contact keeps crossings that are there.
+    /// Cloth whose contact is [`crate::ContactTier::Safe`] crosses cloth. Contact takes it apart.
     Crossed {
         /// Pairs of triangles that cross.
         pairs: u64,
@@ -51,6 +51,11 @@ pub enum Fate {
         touching: u64,
         /// Pins and joints that left cloth no room; 0 if cloth crosses where it starts, or where it was put.
         forced: usize,
+    },
+    /// Cloth with contact that crosses has not been taken apart for 2 s: pins, joints, colliders or seams keep it so.
+    Tangled {
+        /// Pairs of triangles that cross.
+        pairs: u64,
     },
     /// Contact of this tier held particles back because they are too fast for it.
     Slowed {
@@ -104,13 +109,18 @@ impl fmt::Display for Finding {
             ),
             Fate::Crossed { pairs, touching, forced: 0 } => write!(
                 f,
-                "{pairs} pairs of triangles cross and {touching} touch where cloth starts or was put, and contact keeps them so: move \
-                 the layers apart (gimage check-crossings lists the pairs)"
+                "{pairs} pairs of triangles cross and {touching} touch where cloth starts or was put: contact takes crossing layers apart; \
+                 keep layers apart at the start where their motion from the first frame on matters (gimage check-crossings lists the pairs)"
             ),
             Fate::Crossed { pairs, touching, forced } => write!(
                 f,
                 "{forced} pins or joints left cloth no room, and {pairs} pairs of triangles cross and {touching} touch: pin fewer \
                  particles there, move pins more slowly, or use more substeps (now {substeps})"
+            ),
+            Fate::Tangled { pairs } => write!(
+                f,
+                "{pairs} pairs of triangles still cross 2 s after contact began to take them apart: pin fewer particles there, leave more room \
+                 between colliders, or give the cloths layers"
             ),
             Fate::Slowed { particles } => write!(
                 f,
@@ -287,6 +297,7 @@ fn worse(a: &Fate, b: &Fate) -> bool {
         (Fate::Stretched { p99: a, .. }, Fate::Stretched { p99: b, .. }) => a > b,
         (Fate::Tunnelled { particles: a, .. }, Fate::Tunnelled { particles: b, .. }) => a > b,
         (Fate::Crossed { pairs: a, .. }, Fate::Crossed { pairs: b, .. }) => a > b,
+        (Fate::Tangled { pairs: a }, Fate::Tangled { pairs: b }) => a > b,
         (Fate::Slowed { particles: a }, Fate::Slowed { particles: b }) => a > b,
         (Fate::Squeezed { depth: a }, Fate::Squeezed { depth: b }) => a > b,
         _ => false,

@@ -116,6 +116,7 @@ impl Stepper {
         }
         self.cpu.iter().flat_map(|(bodies, _)| bodies).for_each(|body| body.tally(&mut tally));
         self.world.safe.iter().for_each(|safe| safe.tally(&mut tally));
+        self.world.tangles.tally(&mut tally);
         tally.with_device(self.gpu.as_ref().map_or([0; 2], Gpu::bytes))
     }
 

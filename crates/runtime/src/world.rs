@@ -5,6 +5,7 @@ mod ahead;
 mod air;
 mod cloth_run;
 mod control;
+mod crossed;
 mod dispatch;
 mod disturb;
 mod drive;
@@ -23,6 +24,7 @@ pub(crate) mod sleep;
 mod spare;
 mod touch;
 mod truncate;
+mod untangle;
 mod work;
 
 pub use cloth_run::{ClothRun, Kept};
@@ -64,6 +66,7 @@ use drive::Drive;
 use host::Host;
 use images::Images;
 use truncate::Safe;
+use untangle::Tangles;
 
 /// A scene, what is to be run for it, and when.
 pub struct World {
@@ -90,6 +93,8 @@ pub struct World {
     pub watchdog: Watchdog,
     /// Cloths whose contact is safe, on the CPU backend.
     pub safe: Option<Box<Safe>>,
+    /// Cloths with contact that cross, on the CPU backend.
+    pub tangles: Tangles,
     /// The images of cloths that may take places which others have left.
     spare_images: Vec<Arc<Images>>,
     /// The last state of the clock in the host's memory, as [`ClothRun::kept`].
@@ -126,6 +131,7 @@ impl World {
             arenas,
             watchdog,
             safe: None,
+            tangles: Tangles::default(),
             spare_images: Vec::new(),
             kept: None,
         };

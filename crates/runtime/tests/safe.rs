@@ -48,7 +48,7 @@ fn draped(n: u32) -> Scene {
 fn with(mut scene: Scene, tier: ContactTier, share: f32) -> Scene {
     for cloth in &mut scene.cloths {
         let spacing = 1.0 / (cloth.grids()[0].width - 1) as f32;
-        cloth.contact = Some(ClothContact { tier, distance: Some(share * spacing), friction: 0.3 });
+        cloth.contact = Some(ClothContact { tier, distance: Some(share * spacing), friction: 0.3, layer: 0 });
     }
     scene
 }

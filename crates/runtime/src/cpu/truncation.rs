@@ -9,12 +9,12 @@
 //! Points do not wait for one another, so their order does not matter. A. Chen et al., "Offset Geometric Contact", 2025, bound steps by
 //! half the distance instead; half-spaces leave motion along the surface free (arXiv 2604.15513).
 
-mod boxes;
+pub mod boxes;
 mod closest;
 mod cut;
 mod flat;
 mod planes;
-mod spread;
+pub mod spread;
 pub mod surface;
 #[cfg(test)]
 mod tests;
@@ -24,6 +24,7 @@ use planes::{Planes, Points};
 use spread::Spread;
 use surface::Surface;
 
+use crate::cpu::untangle::loose::Loose;
 use crate::memory::Tally;
 use crate::number::real::{V3, add, dot, scale, sub};
 
@@ -70,6 +71,8 @@ pub struct Truncation {
     pub want: Vec<V3<f64>>,
     /// Whether a point may be held back.
     pub free: Vec<bool>,
+    /// The cloth of each point, and which points it may pass, as cloth crosses there; empty where none does.
+    loose: Vec<(u32, Loose)>,
     /// The way \[m\] of each point in the last step, and in each step from the last search on as that expects it.
     pace: Vec<V3<f64>>,
     drift: Vec<V3<f64>>,
@@ -104,6 +107,7 @@ impl Truncation {
             last: vec![[0.0; 3]; count],
             want: vec![[0.0; 3]; count],
             free: vec![true; count],
+            loose: Vec::new(),
             pace: vec![[0.0; 3]; count],
             drift: Vec::new(),
             next: Vec::new(),
@@ -127,6 +131,7 @@ impl Truncation {
         let lists = [&self.last, &self.want, &self.next, &self.at, &self.pace, &self.drift];
         lists.into_iter().for_each(|list| tally.state(list));
         tally.state(&self.reach);
+        tally.state(&self.loose);
         tally.state(&self.ways);
         tally.state(&self.drifts);
         tally.state(&self.boxes.spreads);
@@ -139,6 +144,13 @@ impl Truncation {
     pub fn forget(&mut self) {
         (self.due, self.age) = (true, MAX_AHEAD);
         self.pace.fill([0.0; 3]);
+    }
+
+    /// From the next step on features whose points are all loose alike may pass one another. A search follows where this lets others pass, or keeps
+    /// apart features that could pass before.
+    pub fn loosen(&mut self, loose: Vec<(u32, Loose)>) {
+        self.due |= self.loose != loose;
+        self.loose = loose;
     }
 
     /// Takes all points from where they are to where they want to be, as far as they may go.
@@ -193,8 +205,10 @@ impl Truncation {
         self.find_reach(goes_on);
         self.bound();
         self.planes.clear();
-        let Truncation { surface, boxes, planes, want, free, drift, drifts, at, reach, even, floor, ahead, .. } = self;
-        let points = Points { at, want, free, drift, reach, floor: *floor, ahead: f64::from(*ahead) };
+        let Truncation {
+            surface, boxes, planes, want, free, loose, drift, drifts, at, reach, even, floor, ahead, ..
+        } = self;
+        let points = Points { at, want, free, loose, drift, reach, floor: *floor, ahead: f64::from(*ahead) };
         boxes.pairs(|pair| {
             let near = pair.apart.and_then(|apart| flat::shared(&surface.patches[pair.patch], pair.cells[0], apart));
             let skip = near.is_some_and(|[i, j]| {

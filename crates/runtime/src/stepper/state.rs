@@ -102,6 +102,7 @@ impl Stepper {
         let Some((bodies, threads)) = &mut self.cpu else { return self.read_states(cloths) };
         self.world.act(bodies, threads);
         self.world.safe.iter_mut().for_each(|safe| safe.forget());
+        self.world.tangles.forget();
         let save = |cloth: &usize| {
             let head = self.world.head(*cloth);
             bodies[*cloth].forget_contact();
@@ -153,6 +154,7 @@ impl Stepper {
         let words = state.fit(&layout, &inverse_masses(of, settings.solver), self.world.control.clock.dt_old);
         match &mut self.cpu {
             Some((bodies, threads)) => {
+                self.world.tangles.forget();
                 bodies[cloth].load((of, &run.tethers), settings, &layout, &words);
                 if let Some(joints) = &run.joints {
                     bodies[cloth].join(&joints.joined);

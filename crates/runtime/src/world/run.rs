@@ -30,6 +30,7 @@ impl World {
     pub fn run<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads, steps: u32) {
         let solids = self.solids::<T>();
         self.begin_safe(bodies);
+        self.begin_tangles(bodies);
         self.meet_others(bodies, threads, steps);
         let together = self.step_together();
         let seconds = f64::from(steps) * self.control.clock.dt;
@@ -72,14 +73,17 @@ impl World {
                     let met = &solids[world.runs[of.index].coat];
                     fused::step(of.body, &world.frame(of.index, steps), n, threads, met);
                 });
+                self.move_tangles(bodies);
                 self.step_safe(bodies);
+                self.look_again(bodies, n, steps);
             }
             each(self, bodies, true, &|world, of| {
                 fused::end(of.body, &world.frame(of.index, steps), threads, &solids[world.runs[of.index].coat]);
                 finish(world, of);
             });
         }
-        let crossed = self.end_safe(bodies);
+        let mut crossed = self.end_safe(bodies);
+        crossed.extend(self.end_tangles(bodies, seconds));
         // In the order of the cloths, whichever was done first.
         for (index, (body, watch)) in bodies.iter_mut().zip(watches).enumerate() {
             if self.runs[index].asleep {

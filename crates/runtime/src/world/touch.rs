@@ -29,8 +29,9 @@ impl World {
     pub(super) fn step_together(&self) -> Vec<bool> {
         let cloths = &self.scene.cloths;
         let many = cloths.iter().filter(|cloth| cloth.contact.is_some()).count() > 1;
+        let tangled = self.tangles.some.is_some();
         let xpbd = self.control.options.solver == Solver::Xpbd;
-        cloths.iter().map(|cloth| xpbd && cloth.contact.is_some() && (many || is_safe(cloth))).collect()
+        cloths.iter().map(|cloth| xpbd && cloth.contact.is_some() && (many || tangled || is_safe(cloth))).collect()
     }
 
     /// Has cloths that have contact find those particles of other cloths that they may touch in the first steps of a frame of `steps` steps.

@@ -1,13 +1,14 @@
 //! Contact that no triangle crosses, on the CPU: hands the cloths of a scene to [`Truncation`] and takes back where particles may go.
 
 use super::World;
+use super::crossed::is_crossed;
 use crate::cloth::{Cloth, ContactTier};
 use crate::collider::solid::Solid;
 use crate::cpu::body::Body;
 use crate::cpu::fabric::seam_steps::Member;
 use crate::cpu::truncation::surface::{Source, Surface, Texel};
 use crate::cpu::truncation::{Outcome, Truncation};
-use crate::crossings::{self, Drawn};
+use crate::cpu::untangle::loose::Loose;
 use crate::findings::Fate;
 use crate::handle::ClothHandle;
 use crate::health::depths;
@@ -19,7 +20,7 @@ use crate::options::Solver;
 const SQUEEZED_SHARE: f64 = 0.25;
 
 /// The make-up of the surface; where it changes, another surface is needed.
-type Key = Vec<(ClothHandle, usize, u32)>;
+pub(super) type Key = Vec<(ClothHandle, usize, u32)>;
 
 /// The cloths of a scene whose contact is safe.
 pub struct Safe {
@@ -31,6 +32,10 @@ pub struct Safe {
     outcome: Outcome,
     /// Failures found when the frame began.
     found: Vec<(usize, Fate)>,
+    /// Whether crossings were looked for as this frame began.
+    pub(super) looked: bool,
+    /// Whether some were found then, or at the end of the last frame.
+    pub(super) crosses: bool,
 }
 
 impl Safe {
@@ -38,6 +43,15 @@ impl Safe {
     pub fn tally(&self, tally: &mut Tally) {
         self.truncation.tally(tally);
         tally.state(&self.members);
+    }
+
+    /// Lets particles that are loose pass one another, by cloth and particle.
+    pub(super) fn loosen(&mut self, loose: impl Fn(u32, u32) -> Loose) {
+        let surface = &self.truncation.surface;
+        let first = |point: usize| surface.of_point(point)[0];
+        let of = |texel: Texel| (texel.cloth, loose(texel.cloth, texel.particle));
+        let all: Vec<(u32, Loose)> = (0..surface.count()).map(first).map(of).collect();
+        self.truncation.loosen(if all.iter().any(|(_, loose)| loose.any()) { all } else { Vec::new() });
     }
 
     /// Searches afresh in the next step.
@@ -60,18 +74,25 @@ impl World {
             self.safe = None;
             return;
         }
-        let removed = |index: &usize| bodies[*index].holes.iter().map(|bits| bits.count_ones()).sum();
-        let key: Key = cloths.iter().map(|c| (self.handles[*c], bodies[*c].count(), removed(c))).collect();
+        let key = self.key(&cloths, bodies);
         let known = self.safe.take().filter(|safe| safe.key == key);
         let renewed = known.is_none();
         let mut safe = known.unwrap_or_else(|| self.new_safe(&cloths, bodies, key));
         let put = safe.load(bodies, renewed, |cloth| !self.runs[cloth].asleep);
         safe.outcome = Outcome::default();
         safe.found.clear();
+        safe.looked = put;
         if put {
             safe.found.extend(self.crossings_of(&cloths, bodies, 0));
+            safe.crosses = is_crossed(&safe.found);
         }
         self.safe = Some(safe);
+    }
+
+    /// The make-up of some cloths.
+    pub(super) fn key<T: Real>(&self, cloths: &[usize], bodies: &[Body<T>]) -> Key {
+        let removed = |index: &usize| bodies[*index].holes.iter().map(|bits| bits.count_ones()).sum();
+        cloths.iter().map(|c| (self.handles[*c], bodies[*c].count(), removed(c))).collect()
     }
 
     fn new_safe<T: Real>(&self, cloths: &[usize], bodies: &[Body<T>], key: Key) -> Box<Safe> {
@@ -87,7 +108,15 @@ impl World {
         };
         let members = surface.texels.iter().map(|texel| member(texel.cloth, texel.particle)).collect();
         let truncation = Truncation::new(surface, spacing);
-        Box::new(Safe { key, truncation, members, outcome: Outcome::default(), found: Vec::new() })
+        Box::new(Safe {
+            key,
+            truncation,
+            members,
+            outcome: Outcome::default(),
+            found: Vec::new(),
+            looked: false,
+            crosses: false,
+        })
     }
 
     /// Holds particles back after a step of all cloths.
@@ -109,7 +138,10 @@ impl World {
         let Outcome { forced, slowed, .. } = safe.outcome;
         let cloths: Vec<usize> = (0..bodies.len()).filter(|c| is_safe(&self.scene.cloths[*c])).collect();
         if forced > 0 {
-            found.extend(self.crossings_of(&cloths, bodies, forced));
+            let forced: Vec<_> = self.crossings_of(&cloths, bodies, forced).into_iter().collect();
+            let crosses = is_crossed(&forced);
+            self.safe.iter_mut().for_each(|safe| safe.crosses |= crosses);
+            found.extend(forced);
         }
         if let (true, Some(cloth)) = (slowed > 0, cloths.first()) {
             found.push((*cloth, Fate::Slowed { particles: slowed }));
@@ -126,25 +158,6 @@ impl World {
         let allowed = SQUEEZED_SHARE * f64::from(cloth.contact_distance(self.control.options.thickness));
         let depth = depths(now, solids, 0.0).into_iter().fold(0.0, f64::max);
         (depth > allowed).then_some(Fate::Squeezed { depth })
-    }
-
-    /// The crossings of some cloths, with one of these.
-    fn crossings_of<T: Real>(&self, cloths: &[usize], bodies: &[Body<T>], forced: usize) -> Option<(usize, Fate)> {
-        let single = |p: &[T; 4]| p.map(|x| x.get() as f32);
-        let now: Vec<Vec<[f32; 4]>> = cloths.iter().map(|c| bodies[*c].now().iter().map(single).collect()).collect();
-        let drawn = |(c, now): (&usize, &'_ Vec<[f32; 4]>)| {
-            let holes = &bodies[*c].holes;
-            (holes.len() == now.len()).then_some(&**holes)
-        };
-        let holes: Vec<Option<&[u32]>> = cloths.iter().zip(&now).map(drawn).collect();
-        let each = cloths.iter().zip(&now).zip(&holes);
-        let drawn: Vec<Drawn> = each
-            .map(|((c, now), holes)| Drawn { cloth: &self.scene.cloths[*c], positions: Some(now), holes: *holes })
-            .collect();
-        let found = crossings::find(&drawn, 1).ok()?;
-        let (pairs, touching) = (found.total(), found.touching);
-        let cloth = found.worst.first().map_or(0, |pair| pair.first.cloth);
-        (pairs + touching > 0).then(|| (cloths[cloth], Fate::Crossed { pairs, touching, forced }))
     }
 }
 

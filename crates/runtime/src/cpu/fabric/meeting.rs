@@ -1,11 +1,13 @@
 //! Contact of a cloth with itself, between its passes: tiles of particles, the boxes around them, and who may meet whom.
 
+mod loose;
 pub mod others;
 pub mod shadow;
 #[cfg(test)]
 mod tests;
 pub mod tiles;
 
+use self::loose::LooseTile;
 use self::others::OtherList;
 use self::shadow::{Dawn, Shadow};
 use self::tiles::{LANES_OF_TILE, Tiles};
@@ -35,6 +37,8 @@ pub struct Meeting<T: Real> {
     /// Time \[s\] from the beginning of the frame to the end of the step.
     pub elapsed: T,
     shadow: Option<Shadow<T>>,
+    /// Tiles with particles that contact does not push, as cloth crosses there, and which these are.
+    loose: Vec<LooseTile>,
     /// \[m\]
     pub distance: T,
     /// Coefficient of friction.
@@ -58,6 +62,7 @@ impl<T: Real> Meeting<T> {
             other_of: Vec::new(),
             elapsed: T::of(0.0),
             shadow: None,
+            loose: Vec::new(),
             distance: T::of(cloth.contact_distance(thickness).into()),
             friction: T::of(contact.friction.into()),
             due: true,
@@ -92,6 +97,7 @@ impl<T: Real> Meeting<T> {
     /// wake.
     pub fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) -> Vec<usize> {
         let struck = others::run(self, shadows, own);
+        self.spare_others();
         self.elapsed = T::of(0.0);
         self.find_active();
         struck
@@ -149,6 +155,7 @@ impl<T: Real> Meeting<T> {
     pub fn touch(&mut self, sheets: &[Sheet<T>], threads: &Threads, dt: T) {
         if !self.active.is_empty() {
             touch::run(self, sheets, threads, dt);
+            self.spare_own();
         }
     }
 

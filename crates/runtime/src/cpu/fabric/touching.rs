@@ -5,6 +5,7 @@ use super::meeting::Meeting;
 use super::meeting::shadow::{Dawn, Shadow};
 use super::seam_steps::Member;
 use crate::cpu::surface::Worn;
+use crate::cpu::untangle::loose::Loose;
 use crate::number::real::{Real, V3, add, dot, scale, sub};
 
 impl<T: Real> Fabric<T> {
@@ -36,6 +37,27 @@ impl<T: Real> Fabric<T> {
                 *lost = T::of(0.0);
             }
         }
+    }
+
+    /// Moves a particle without a change of its velocity.
+    pub fn shift(&mut self, member: Member, way: V3<T>) {
+        let sheet = &mut self.sheets[member.sheet as usize];
+        let at = member.at as usize;
+        sheet.put(at, add(sheet.at(at), way));
+        for (c, way) in way.into_iter().enumerate() {
+            let place = at + 2 * c * sheet.half;
+            sheet.before[place] = sheet.before[place] + way;
+        }
+    }
+
+    /// From the next step on contact with cloth does not push particles away from those that they may pass.
+    pub fn loosen(&mut self, loose: impl Fn(u32) -> Loose) {
+        self.meeting.iter_mut().for_each(|meeting| meeting.loosen(&loose));
+    }
+
+    /// Takes in which particles are near a line along which cloths cross at rest: these keep the whole distance.
+    pub fn cross_at_rest(&mut self, is_crossed: impl Fn(u32) -> bool) {
+        self.meeting.iter_mut().for_each(|meeting| meeting.cross_at_rest(&is_crossed));
     }
 
     /// The shadow of cloth that has contact, for other cloths in a frame.

@@ -5,6 +5,7 @@
 //! along the normal, so that rounding of the closest points does no harm, and a gap never falls below a floor.
 
 use super::boxes::Bound;
+use crate::cpu::untangle::loose::Loose;
 use crate::memory::Tally;
 use crate::number::real::{V3, add, dot, scale, sub};
 
@@ -25,6 +26,8 @@ pub struct Points<'a> {
     pub want: &'a [V3<f64>],
     /// Whether truncation may hold a point back; pins go where they are told.
     pub free: &'a [bool],
+    /// The cloth of each point, and which points it may pass; none if empty.
+    pub loose: &'a [(u32, Loose)],
     /// The way that each is expected to go per step, and how far it may be from there.
     pub drift: &'a [V3<f64>],
     pub reach: &'a [f64],
@@ -34,6 +37,13 @@ pub struct Points<'a> {
 }
 
 impl Points<'_> {
+    /// Whether two features may pass one another.
+    fn are_loose(&self, a: &[u32], b: &[u32]) -> bool {
+        let Some((cloth, _)) = self.loose.get(a[0] as usize) else { return false };
+        let within = b.iter().all(|k| self.loose[*k as usize].0 == *cloth);
+        a.iter().chain(b).map(|k| self.loose[*k as usize].1).all(|loose| if within { loose.own } else { loose.others })
+    }
+
     /// The distance \[m\] from which on two features cannot meet until the next search.
     #[inline]
     fn near(&self, a: &[u32], b: &[u32]) -> f64 {
@@ -126,6 +136,9 @@ impl Planes {
 
     /// Keeps two features apart, whose shortest way \[m\] goes from `a` to `b`.
     pub fn separate(&mut self, points: &Points, (a, b): (&[u32], &[u32]), way: V3<f64>) {
+        if points.are_loose(a, b) {
+            return;
+        }
         let (far2, near) = (dot(way, way), points.near(a, b));
         // Features that touch have no slab between them. Comparisons with NaN are false.
         if !(far2 > 0.0 && far2 < near * near) {

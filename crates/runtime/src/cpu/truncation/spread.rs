@@ -28,7 +28,7 @@ impl Spread {
     pub const WIDE: Spread = Spread { even: false, ..Spread::NONE };
 
     /// That of a cell with these corners, upper row first, at both ends of their ways: in between edges are between theirs.
-    pub fn of([a, b, c, d]: [Way; 4]) -> Self {
+    pub(super) fn of([a, b, c, d]: [Way; 4]) -> Self {
         let edge = |p: &Way, q: &Way| {
             let [begin, end] = [sub(q.from, p.from), sub(q.to, p.to)].map(|way| way.map(|x| x as f32));
             Bound { low: begin, high: begin }.with(&Bound { low: end, high: end })

@@ -126,10 +126,10 @@ fn a_search_leaves_out_no_pair_that_can_meet() {
         truncation.search(&mut Outcome::default(), true);
         let planes = std::mem::take(&mut truncation.planes);
         // The same with all pairs of cells.
-        let Truncation { surface, at, want, free, drift, reach, floor, ahead, boxes, .. } = &truncation;
+        let Truncation { surface, at, want, free, loose, drift, reach, floor, ahead, boxes, .. } = &truncation;
         let cells = surface.corners.len();
         let mut compared = Planes::default();
-        let points = Points { at, want, free, drift, reach, floor: *floor, ahead: f64::from(*ahead) };
+        let points = Points { at, want, free, loose, drift, reach, floor: *floor, ahead: f64::from(*ahead) };
         let wide = vec![Bound { low: [-9.0; 3], high: [9.0; 3] }; boxes.bounds.len()];
         for a in 0..cells {
             for b in a..cells {

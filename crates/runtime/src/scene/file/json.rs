@@ -139,6 +139,7 @@ pub enum Contact {
 pub struct Touch {
     pub distance: Option<f32>,
     pub friction: Option<f32>,
+    pub layer: Option<i32>,
 }
 
 #[derive(Deserialize)]

@@ -161,7 +161,7 @@ fn cloth(
             json::Contact::Safe(of) => (ContactTier::Safe, of),
         };
         let friction = of.friction.unwrap_or(ClothContact::default().friction);
-        ClothContact { tier, distance: of.distance, friction }
+        ClothContact { tier, distance: of.distance, friction, layer: of.layer.unwrap_or(0) }
     });
     cloth.compliance = fields.compliance.map_or(Compliance::None, Compliance::Constant);
     if let Some(json::Backstop { distance, radius }) = fields.backstop {

@@ -18,7 +18,7 @@ fn full() -> Value {
             "name": "flag", "from": {"flat": {"width": 5, "height": 4, "right": [1, 0, 0], "down": [0, 0, 1]}},
             "position": [0, 1, 0], "rotation": {"axis": [0, 1, 0], "degrees": 90}, "mass": 0.5, "damping": 1,
             "thickness": 0.002, "friction": 0.5, "collision_groups": [0, 3],
-            "contact": {"particles": {"distance": 0.004, "friction": 0.2}},
+            "contact": {"particles": {"distance": 0.004, "friction": 0.2, "layer": -2}},
             "velocity": [0, 0, 1], "speed_limit": 50, "front": [1, 0, 0], "back": [0, 0, 1], "checker": [8, 0.1],
             "pins": [
                 {"select": {"texels": {"from": [0, 0], "to": [4, 0]}},
@@ -58,7 +58,10 @@ fn every_field_reaches_the_scene() {
     let cloth = &scene.cloths[0];
     assert!((cloth.total_mass() - 0.5).abs() < 1e-6);
     assert_eq!((cloth.thickness, cloth.friction, cloth.collision_groups), (Some(0.002), 0.5, 9));
-    assert_eq!(cloth.contact, Some(crate::ClothContact { distance: Some(0.004), friction: 0.2, ..Default::default() }));
+    assert_eq!(
+        cloth.contact,
+        Some(crate::ClothContact { distance: Some(0.004), friction: 0.2, layer: -2, ..Default::default() })
+    );
     assert_eq!([0, 1].map(|c: usize| scene.colliders[c].collision_groups), [1 << 31, u32::MAX]);
     assert!((0..20).all(|k| cloth.inverse_mass(k) == 0.0), "the box selects all");
     // A quarter turn about +y takes x to -z.
@@ -191,6 +194,7 @@ fn mistakes_are_told_with_their_field() {
         ("/wind/force", json!({"push": {"response": 1, "drag": 2}}), "wind.force"),
         ("/cloths/0/contact", json!("off"), "cloths[0].contact"),
         ("/cloths/0/contact/particles/distance", json!(0), "cloths[0]: the contact distance"),
+        ("/cloths/0/contact/particles/layer", json!(0.5), "cloths[0].contact"),
         ("/solver/name", json!("best"), "solver.name"),
         ("/solver/substeps", json!(0), "solver"),
         ("/solver/error", json!(2), "solver"),

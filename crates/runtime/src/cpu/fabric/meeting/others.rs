@@ -199,8 +199,14 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
 
 /// The distance \[m\] that two particles keep.
 fn least<T: Real>((shadow, place): (&Shadow<T>, usize), (other, from): (&Shadow<T>, usize)) -> T {
+    let whole = (shadow.distance + other.distance) * T::of(0.5);
+    // Where cloths cross at rest, their distance there says nothing about the one to keep.
+    let crossed = |shadow: &Shadow<T>, place: usize| shadow.crossed.get(place).is_some_and(|crossed| *crossed);
+    if crossed(shadow, place) && crossed(other, from) {
+        return whole;
+    }
     let way = sub(Tiles::at(&other.rest, from), Tiles::at(&shadow.rest, place));
-    ((shadow.distance + other.distance) * T::of(0.5)).min(dot(way, way).sqrt() * T::of(REST_SHARE))
+    whole.min(dot(way, way).sqrt() * T::of(REST_SHARE))
 }
 
 /// Whether a particle touches cloth that is asleep, and moves so fast that this wakes.

@@ -18,6 +18,8 @@ pub struct Shadow<T: Real> {
     pub w: Aligned<T>,
     pub out: Aligned<T>,
     pub rest: [Aligned<T>; 3],
+    /// Particles near those of cloth that crosses theirs at rest.
+    pub crossed: Vec<bool>,
     /// \[m\]
     pub distance: T,
     pub friction: T,
@@ -51,6 +53,7 @@ impl<T: Real> Shadow<T> {
             w: Aligned::zeros(tiles.texel.len()),
             out: tiles.out.clone(),
             rest: tiles.rest.clone(),
+            crossed: tiles.crossed.clone(),
             distance,
             friction,
             length: T::of(0.0),

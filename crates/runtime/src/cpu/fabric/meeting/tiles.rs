@@ -50,6 +50,8 @@ pub struct Tiles<T: Real> {
     pub blocks: Vec<Block<T>>,
     /// Positions at rest.
     pub rest: [Aligned<T>; 3],
+    /// Whether the particle of a place is near a line along which cloths cross at rest; empty if there is none.
+    pub crossed: Vec<bool>,
     /// The particle of each place, `u32::MAX` for none.
     pub texel: Vec<u32>,
     /// 0 for particles that others meet, else [`FAR`].
@@ -104,7 +106,7 @@ impl<T: Real> Tiles<T> {
             let meets = kin.first.get(*k as usize) == Some(k);
             *out = T::of(if meets { 0.0 } else { FAR });
         }
-        Tiles { grids, spots, blocks, rest, texel, out, close: close() }
+        Tiles { grids, spots, blocks, rest, crossed: Vec::new(), texel, out, close: close() }
     }
 
     /// For each particle of a tile those of another that are within [`SKIPPED_CELLS`] cells; none where no two are.

@@ -1,0 +1,100 @@
+use super::*;
+use crate::cloth::{Cloth, Flat};
+use crate::cpu::truncation::surface::Source;
+use crate::crossings::{self, Drawn};
+
+/// Cloths as they start, in layers.
+fn tangled(cloths: &[Cloth], layers: &[i32]) -> Untangle {
+    let sources: Vec<_> = cloths.iter().enumerate().map(|(index, cloth)| Source { index, cloth, holes: &[] }).collect();
+    let spacing = f64::from(cloths[0].spacing());
+    let mut untangle = Untangle::new(Surface::new(&sources), spacing, |cloth| layers[cloth as usize]);
+    for point in 0..untangle.surface.count() {
+        let texel = untangle.surface.of_point(point)[0];
+        untangle.at[point] = cloths[texel.cloth as usize].positions()[texel.particle as usize].map(f64::from);
+    }
+    untangle
+}
+
+/// A square of 1 m, and one that it crosses along a line at a share of its length: beyond it the second one is above. Both have their front above.
+fn two(share: f32) -> Vec<Cloth> {
+    let flat = Flat { origin: [-0.011, 0.0, 0.993], down: [0.0, 0.0, -1.0], ..Flat::square("flat", 12) };
+    let mut tilted = Flat { origin: [0.0, 0.0, 1.0], down: [0.0, 0.0, -1.0], ..Flat::square("tilted", 12) };
+    (tilted.origin[1], tilted.right[1]) = (-0.2 * share, 0.2);
+    vec![flat.cloth().unwrap(), tilted.cloth().unwrap()]
+}
+
+fn verdicts(untangle: &mut Untangle) -> Vec<Option<side::Verdict>> {
+    let hits = untangle.finder.find(&untangle.surface, &untangle.net, &untangle.at);
+    let mut flood = side::Flood::new(untangle, &hits);
+    let contours = contour::contours(&untangle.net, &hits);
+    contours.iter().map(|contour| side::verdict(untangle, &mut flood, &hits, contour)).collect()
+}
+
+#[test]
+fn two_squares_cross_along_one_contour_whose_sheets_are_the_cloths() {
+    let mut untangle = tangled(&two(0.3), &[0, 0]);
+    let hits = untangle.finder.find(&untangle.surface, &untangle.net, &untangle.at);
+    let contours = contour::contours(&untangle.net, &hits);
+    assert_eq!(contours.len(), 1);
+    let mut firsts = Vec::new();
+    for on in &contours[0].hits {
+        let cloth = |n: &u32| untangle.cloth(untangle.net.edges[hits[*n as usize].edge as usize][0]);
+        let first = cloth(&on[0]);
+        assert!(on.len() >= 11 && on.iter().all(|n| cloth(n) == first));
+        firsts.push(first);
+    }
+    assert!(firsts.contains(&0) && firsts.contains(&1), "{firsts:?}");
+    untangle.finder.thorough = true;
+    assert_eq!(untangle.finder.find(&untangle.surface, &untangle.net, &untangle.at), hits);
+}
+
+#[test]
+fn moves_make_the_crossings_vanish() {
+    for (share, layers) in [(0.3, [0, 0]), (0.7, [0, 1]), (0.6, [0, 0])] {
+        let cloths = two(share);
+        let mut untangle = tangled(&cloths, &layers);
+        let mut looks = 0;
+        while untangle.look() > 0 {
+            assert!(looks < 600, "{share} {layers:?}");
+            for (at, way) in untangle.at.iter_mut().zip(&untangle.moves) {
+                *at = [0, 1, 2].map(|c| f64::from((at[c] + way[c]) as f32));
+            }
+            looks += 1;
+        }
+        let mut now: Vec<Vec<[f32; 4]>> = cloths.iter().map(|cloth| vec![[0.0; 4]; cloth.len()]).collect();
+        for (point, at) in untangle.at.iter().enumerate() {
+            let texel = untangle.surface.of_point(point)[0];
+            now[texel.cloth as usize][texel.particle as usize] = [at[0] as f32, at[1] as f32, at[2] as f32, 1.0];
+        }
+        let drawn: Vec<_> = cloths.iter().zip(&now).map(|(cloth, now)| Drawn::at(cloth, now)).collect();
+        assert_eq!(crossings::find(&drawn, 0).unwrap().total(), 0, "{share} {layers:?}");
+        assert!(untangle.loose.iter().all(|loose| !loose.any()) && looks > 0);
+    }
+}
+
+#[test]
+fn cloth_apart_is_left_alone() {
+    let mut cloths = two(0.3);
+    cloths[1] = Flat { origin: [0.0, 0.1, 0.0], ..Flat::square("above", 12) }.cloth().unwrap();
+    let mut untangle = tangled(&cloths, &[0, 1]);
+    assert_eq!(untangle.look(), 0);
+    assert!(untangle.moves.iter().all(|way| *way == [0.0; 3]) && untangle.loose.iter().all(|loose| !loose.any()));
+}
+
+#[test]
+fn the_smaller_part_without_pins_is_wrong_and_layers_decide_first() {
+    let mut untangle = tangled(&two(0.3), &[0, 0]);
+    let found = verdicts(&mut untangle);
+    // The part of the second sheet at its left, behind the first one, or that of the first sheet, in front of the second one.
+    let sheet_of = |cloth: usize, in_front: bool| Some(side::Verdict { sheet: cloth, in_front });
+    assert!(found == [sheet_of(0, true)] || found == [sheet_of(1, false)], "{found:?}");
+    // Pins in the left parts of both.
+    for point in 0..untangle.at.len() {
+        untangle.free[point] = untangle.at[point][0] > 0.1;
+    }
+    let found = verdicts(&mut untangle);
+    assert!(found == [sheet_of(0, false)] || found == [sheet_of(1, true)], "{found:?}");
+    let mut layered = tangled(&two(0.3), &[4, 2]);
+    let found = verdicts(&mut layered);
+    assert!(found[0].is_some_and(|verdict| !verdict.in_front), "{found:?}");
+}
