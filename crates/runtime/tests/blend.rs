@@ -56,7 +56,7 @@ fn flag(sets: usize, blend: bool) -> Bundle {
         (OFFSET, 3, column(&|_| vec![0.0, 0.0, 0.02])),
     ];
     let names = [[JOINTS.to_owned(), WEIGHTS.to_owned()], [format!("{JOINTS}1"), format!("{WEIGHTS}1")]];
-    for n in 0..sets {
+    for (n, [joints, weights_of]) in names.iter().enumerate().take(sets) {
         // The second joint is in the last set.
         let weights = |k: usize| {
             let w = place(k)[2];
@@ -66,8 +66,8 @@ fn flag(sets: usize, blend: bool) -> Bundle {
                 _ => vec![0.0, w, 0.0, 0.0],
             }
         };
-        attributes.push((&names[n][0], 4, column(&|_| vec![0.0, 1.0, 0.0, 0.0])));
-        attributes.push((&names[n][1], 4, column(&weights)));
+        attributes.push((joints, 4, column(&|_| vec![0.0, 1.0, 0.0, 0.0])));
+        attributes.push((weights_of, 4, column(&weights)));
     }
     bundle.render = Some(source_mesh::file(&attributes));
     bundle.manifest.render = Some(RenderEntry {

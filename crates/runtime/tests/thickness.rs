@@ -25,9 +25,9 @@ fn sand(shape: Shape, velocity: f32) -> Scene {
     let parts = Parts { name: "sand".into(), grids, positions, particles, rest: Rest::None, mass };
     let mut cloth = Cloth::new(parts).unwrap();
     cloth.velocity = [0.0, velocity, 0.0];
-    // On its side for the capsule, so that all fall on it.
+    // On its side for capsules, so that all fall on it.
     let rotation = [0.0, 0.0, 0.5f32.sqrt(), 0.5f32.sqrt()];
-    let turned = matches!(shape, Shape::Capsule { .. });
+    let turned = matches!(shape, Shape::Capsule { .. } | Shape::TaperedCapsule { .. });
     let solid = Collider { friction: 0.5, ..Collider::new(shape, [0.0; 3]) };
     let solid = if turned { Collider { rotation, ..solid } } else { solid };
     Scene { colliders: vec![solid], ..scene(cloth) }
@@ -41,6 +41,13 @@ fn above(shape: Shape, p: &[f32; 4]) -> f32 {
         Shape::Capsule { half_height, radius } => {
             let x = p[0] - p[0].clamp(-half_height, half_height);
             (x * x + p[1] * p[1] + p[2] * p[2]).sqrt() - radius
+        }
+        Shape::TaperedCapsule { half_height, radii: [low, high] } => {
+            let ball = |k: i16| {
+                let (t, x) = (f32::from(k) / 1000.0, p[0] + half_height * (f32::from(k) / 500.0 - 1.0));
+                (x * x + p[1] * p[1] + p[2] * p[2]).sqrt() - (low + t * (high - low))
+            };
+            (0..=1000).map(ball).fold(f32::MAX, f32::min)
         }
         Shape::Box { half } => p[1] - half[1],
         Shape::Ellipsoid { radii, .. } => p[1] - radii[1],

@@ -114,7 +114,7 @@ fn tapered_capsules_are_the_hull_of_two_balls() {
 fn a_mirrored_joint_mirrors_a_tapered_capsule() {
     let form = Form::TaperedCapsule { half_height: 0.4, radii: [0.1, 0.3] };
     let solid = Solid::new(form, Vector3::new(0.1, 0.5, 0.0), &Rotation3::new(Vector3::new(0.2, 0.4, -0.3)));
-    let unit = |k: usize| f64::from(k % 5 == 0);
+    let unit = |k: usize| f64::from(k.is_multiple_of(5));
     for mirror in 0..3 {
         let world = std::array::from_fn(|k| if k == 5 * mirror { -1.0 } else { unit(k) });
         let moved =
