@@ -72,7 +72,7 @@ impl World {
                     let met = &solids[world.runs[of.index].coat];
                     fused::step(of.body, &world.frame(of.index, steps), n, threads, met);
                 });
-                self.step_safe(bodies);
+                self.step_safe(bodies, threads);
             }
             each(self, bodies, true, &|world, of| {
                 fused::end(of.body, &world.frame(of.index, steps), threads, &solids[world.runs[of.index].coat]);
