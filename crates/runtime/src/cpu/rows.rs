@@ -48,6 +48,14 @@ impl Threads {
         }
     }
 
+    /// Number of threads.
+    pub fn count(&self) -> usize {
+        #[cfg(feature = "threads")]
+        return self.pool.as_ref().map_or(1, |pool| pool.current_num_threads());
+        #[cfg(not(feature = "threads"))]
+        1
+    }
+
     /// Whether all passes of a step over this list are the caller's alone.
     pub fn alone<A>(&self, _list: &[A]) -> bool {
         #[cfg(feature = "threads")]

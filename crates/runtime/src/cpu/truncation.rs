@@ -2,31 +2,41 @@
 //!
 //! A search expects each point to go on as in the last step, its drift. It finds all features (vertex and triangle, edge and edge) that can
 //! meet while no point is farther from where its drift takes it than its reach, and gives the points of each pair half-spaces that keep them
-//! apart ([`planes`]). A step ends where each point is in all of its half-spaces and within its reach; a point that cannot be there makes a
-//! new search, from where all points are. Features that are not among the pairs have at each time a distance of more than both reaches. In
+//! apart ([`planes`]). A step ends where each point is in all of its half-spaces and within its reach. Few points that cannot be there are
+//! renewed ([`renew`]); for many, a new search begins from where all points are. Features that are not among the pairs have at each time a distance of more than both reaches. In
 //! exact arithmetic and in f32 the result never crosses if the start does not: a position counts only after it has been rounded.
 //!
 //! Points do not wait for one another, so their order does not matter. A. Chen et al., "Offset Geometric Contact", 2025, bound steps by
 //! half the distance instead; half-spaces leave motion along the surface free (arXiv 2604.15513).
 
 pub mod boxes;
+mod cells;
 mod closest;
+mod compare;
 mod cut;
+mod drift;
 mod flat;
+mod pairs;
 mod planes;
+mod renew;
 pub mod spread;
 pub mod surface;
 #[cfg(test)]
 mod tests;
+mod tiles;
 
-use boxes::{Bound, Boxes, CellPair};
+use boxes::Boxes;
+use compare::{Compared, compare};
+use drift::Drift;
+use flat::Ways;
+use pairs::CellPair;
 use planes::{Planes, Points};
-use spread::Spread;
 use surface::Surface;
 
+use crate::cpu::rows::Threads;
 use crate::cpu::untangle::loose::Loose;
 use crate::memory::Tally;
-use crate::number::real::{V3, add, dot, scale, sub};
+use crate::number::real::{V3, dot, sub};
 
 /// The least and the largest reach of a point, as shares of the distance of neighbours.
 const MIN_REACH: f64 = 0.1;
@@ -57,7 +67,7 @@ pub struct Outcome {
     pub slowed: usize,
     /// Points that half-spaces held back.
     pub held: usize,
-    /// Searches.
+    /// Searches, and renewals of points that go on from where they are in the step.
     pub searches: usize,
 }
 
@@ -76,10 +86,18 @@ pub struct Truncation {
     /// The way \[m\] of each point in the last step, and in each step from the last search on as that expects it.
     pace: Vec<V3<f64>>,
     drift: Vec<V3<f64>>,
+    /// Where points were as the step began.
+    start: Vec<V3<f64>>,
     /// Where the cut of a step puts points, and whether a point cannot go on as it did.
     next: Vec<V3<f64>>,
     stuck: Vec<bool>,
-    /// Where points were in the last search, and how far they may be from there.
+    /// Points that have used up their reach in the step.
+    short: Vec<u32>,
+    /// Whether a point was renewed ([`renew`]) just now, and a cell has a corner at one.
+    fresh: Vec<bool>,
+    around: Vec<bool>,
+    /// Where points were in the last search, and how far they may be from where their drift takes them. Where a point would have been then, if
+    /// it is renewed.
     at: Vec<V3<f64>>,
     reach: Vec<f64>,
     /// For each texel whether the cells around it are even.
@@ -91,8 +109,8 @@ pub struct Truncation {
     /// Steps from the last search on, and how many it holds at most.
     age: u32,
     ahead: u32,
-    /// For each point, and for a gap.
-    ways: Vec<Way>,
+    /// The ways of the points of some texels, for [`flat`].
+    ways: Ways,
     /// For each cell how its points drift.
     drifts: Vec<Drift>,
 }
@@ -110,8 +128,12 @@ impl Truncation {
             loose: Vec::new(),
             pace: vec![[0.0; 3]; count],
             drift: Vec::new(),
+            start: Vec::new(),
             next: Vec::new(),
             stuck: vec![false; count],
+            short: Vec::new(),
+            fresh: vec![false; count],
+            around: vec![false; surface.corners.len()],
             at: Vec::new(),
             reach: Vec::new(),
             even: vec![false; surface.corners.len()],
@@ -121,21 +143,23 @@ impl Truncation {
             due: true,
             age: MAX_AHEAD,
             ahead: MAX_AHEAD,
-            ways: Vec::new(),
+            ways: Ways::default(),
             drifts: Vec::new(),
         }
     }
 
     /// Counts its lists.
     pub fn tally(&self, tally: &mut Tally) {
-        let lists = [&self.last, &self.want, &self.next, &self.at, &self.pace, &self.drift];
+        let lists = [&self.last, &self.want, &self.start, &self.next, &self.at, &self.pace, &self.drift];
         lists.into_iter().for_each(|list| tally.state(list));
         tally.state(&self.reach);
         tally.state(&self.loose);
-        tally.state(&self.ways);
+        self.ways.tally(tally);
         tally.state(&self.drifts);
         tally.state(&self.boxes.spreads);
         tally.state(&self.boxes.bounds);
+        tally.state(&self.boxes.tiles);
+        tally.state(&self.short);
         self.surface.tally(tally);
         self.planes.tally(tally);
     }
@@ -154,44 +178,57 @@ impl Truncation {
     }
 
     /// Takes all points from where they are to where they want to be, as far as they may go.
-    pub fn step(&mut self) -> Outcome {
+    pub fn step(&mut self, threads: &Threads) -> Outcome {
         let mut outcome = Outcome::default();
-        let start = self.last.clone();
-        self.advance(&mut outcome);
-        let each = self.pace.iter_mut().zip(&self.last).zip(&start);
-        each.for_each(|((pace, now), was)| *pace = sub(*now, *was));
+        self.start.clone_from(&self.last);
+        self.advance(threads, &mut outcome);
+        let each = self.pace.iter_mut().zip(&self.last).zip(&self.start);
+        each.for_each(|((pace, now), was)| {
+            *pace = sub(*now, *was);
+        });
         outcome
     }
 
-    fn advance(&mut self, outcome: &mut Outcome) {
+    fn advance(&mut self, threads: &Threads, outcome: &mut Outcome) {
         self.age += 1;
         self.stuck.fill(false);
         let mut fresh = self.due || self.age > self.ahead || self.pins_leave();
         if fresh {
-            self.search(outcome, true);
+            self.search(threads, outcome, true);
         }
         loop {
             let cut = self.cut();
             let stale = cut.held > 0 && self.age >= HELD_STEPS && !fresh;
+            if cut.stuck == 0 && cut.short > 0 && !stale && !fresh && self.few_are_short() {
+                self.renew(true);
+                continue;
+            }
             if cut.stuck > 0 || ((cut.short > 0 || stale) && !fresh) {
                 // From where the step began, with the pace of points as it is now.
-                self.search(outcome, outcome.searches < MAX_TRIES);
+                self.search(threads, outcome, outcome.searches < MAX_TRIES);
                 fresh = true;
                 continue;
             }
             std::mem::swap(&mut self.last, &mut self.next);
             (outcome.forced, outcome.slowed) = (outcome.forced.max(cut.forced), cut.short);
             outcome.held = cut.held;
+            // A search does not hold for a pin that has left its reach.
+            self.due |= cut.forced > 0;
             if cut.short == 0 || outcome.searches >= MAX_SEARCHES {
                 return;
             }
             // On from here, as far as points go with a reach around where they are.
-            self.search(outcome, false);
+            if self.few_are_short() {
+                outcome.searches += 1;
+                self.renew(false);
+            } else {
+                self.search(threads, outcome, false);
+            }
         }
     }
 
     /// Finds what points may meet from where they are: if each goes on as in the last step, or else if they stay there.
-    fn search(&mut self, outcome: &mut Outcome, goes_on: bool) {
+    fn search(&mut self, threads: &Threads, outcome: &mut Outcome, goes_on: bool) {
         outcome.searches += 1;
         // A step that goes on from a search of its own says nothing about how long one holds.
         if goes_on {
@@ -208,18 +245,25 @@ impl Truncation {
         let Truncation {
             surface, boxes, planes, want, free, loose, drift, drifts, at, reach, even, floor, ahead, ..
         } = self;
-        let points = Points { at, want, free, loose, drift, reach, floor: *floor, ahead: f64::from(*ahead) };
-        boxes.pairs(|pair| {
-            let near = pair.apart.and_then(|apart| flat::shared(&surface.patches[pair.patch], pair.cells[0], apart));
-            let skip = near.is_some_and(|[i, j]| {
-                let patch = &surface.patches[pair.patch];
-                even[patch.first + j * patch.width + i]
-            });
-            if !skip {
-                let near = points.floor + drifts[pair.cells[0]].near(&drifts[pair.cells[1]], points.ahead);
-                compare((surface, &boxes.bounds), planes, &points, &pair, near);
+        let points =
+            Points { at, want, free, loose, drift, reach, fresh: None, floor: *floor, ahead: f64::from(*ahead) };
+        let compared = |pair: &CellPair| {
+            let [a, b] = pair.cells.map(|cell| &drifts[cell]);
+            let near = points.floor + a.near(b, points.ahead);
+            if flat::is_apart(surface, even, pair) {
+                return None;
             }
-        });
+            a.way(b, 0.0, near).map(|axis| Compared { cells: pair.cells, near, axis })
+        };
+        if threads.count() == 1 {
+            let mut each =
+                |pair: CellPair| compared(&pair).iter().for_each(|pair| compare(surface, planes, &points, pair));
+            boxes.pairs(&mut each);
+        } else {
+            let mut pairs = Vec::new();
+            boxes.pairs(|pair| pairs.extend(compared(&pair)));
+            compare::share(threads, &pairs, planes, |planes, pair| compare(surface, planes, &points, pair));
+        }
         self.planes.arrange(self.at.len());
     }
 
@@ -247,127 +291,5 @@ impl Truncation {
             let ahead = (f64::from(self.ahead) * step).clamp(least, most);
             if *free { ahead } else { ahead.max(1.01 * step) }
         }));
-    }
-
-    /// Makes the boxes of cells, and finds where cloth is even.
-    fn bound(&mut self) {
-        let Truncation { surface, boxes, even, at, reach, drift, floor, ways, drifts, ahead, .. } = self;
-        let far = f64::from(*ahead);
-        ways.clear();
-        let each = at.iter().zip(&*drift).zip(&*reach);
-        ways.extend(each.map(|((p, drift), reach)| Way { from: *p, to: add(*p, scale(*drift, far)), reach: *reach }));
-        // Comparisons with NaN are false: nothing is even beside a gap.
-        ways.push(Way { from: [f64::NAN; 3], to: [f64::NAN; 3], reach: 0.0 });
-        let gap = at.len();
-        let of = |cell: usize| ways[(surface.corners[cell] as usize).min(gap)];
-        drifts.resize(surface.corners.len(), Drift::default());
-        for patch in &surface.patches {
-            let (width, height) = (patch.width, patch.height);
-            for j in 1..height.saturating_sub(1) {
-                for i in 1..width.saturating_sub(1) {
-                    even[patch.first + j * width + i] = flat::is_even(patch, [i, j], *floor, of);
-                }
-            }
-            for j in 0..height {
-                for i in 0..width {
-                    let cell = patch.first + j * width + i;
-                    // A cell without a triangle meets nothing.
-                    (boxes.bounds[cell], boxes.spreads[cell]) = (Bound::NONE, Spread::NONE);
-                    if i + 1 == width || j + 1 == height {
-                        continue;
-                    }
-                    let corners = [cell, cell + 1, cell + width, cell + width + 1].map(of);
-                    let triangles = surface.triangles(cell).len();
-                    let whole = triangles == 2 && spread::is_even(patch, even, i, j);
-                    // A way along edges must not cross a gap.
-                    boxes.spreads[cell] = if whole { Spread::of(corners) } else { Spread::WIDE };
-                    if triangles > 0 {
-                        boxes.bounds[cell] = around(corners.iter().filter(|way| way.from[0].is_finite()), *floor);
-                        drifts[cell] = Drift::of(corners, far);
-                    }
-                }
-            }
-        }
-        boxes.floor = *floor as f32;
-        boxes.refit();
-    }
-}
-
-/// Where a point is, where its drift takes it until the next search, and how far it may be from there.
-#[derive(Clone, Copy)]
-struct Way {
-    from: V3<f64>,
-    to: V3<f64>,
-    reach: f64,
-}
-
-/// The drifts of a cell's points: a mean, how far they are off it, and the largest reach \[m\].
-#[derive(Clone, Copy, Default)]
-struct Drift {
-    mean: V3<f64>,
-    off: f64,
-    reach: f64,
-}
-
-impl Drift {
-    fn of(corners: [Way; 4], ahead: f64) -> Self {
-        let there = || corners.iter().filter(|way| way.from[0].is_finite());
-        let drift = |way: &Way| scale(sub(way.to, way.from), 1.0 / ahead);
-        let mean = scale(there().map(drift).fold([0.0; 3], add), 0.25);
-        let off = there().map(|way| sub(drift(way), mean)).map(|d| dot(d, d)).fold(0.0, f64::max).sqrt();
-        Drift { mean, off, reach: there().map(|way| way.reach).fold(0.0, f64::max) }
-    }
-
-    /// By how much features of two cells can come nearer until the next search, at most.
-    fn near(&self, other: &Self, ahead: f64) -> f64 {
-        let apart = sub(self.mean, other.mean);
-        // With room for rounding.
-        self.reach + other.reach + 1.000001 * ahead * (dot(apart, apart).sqrt() + self.off + other.off)
-    }
-}
-
-/// The box around the ways of points with their reach and half of the least gap.
-fn around<'a>(points: impl Iterator<Item = &'a Way>, floor: f64) -> Bound {
-    let (mut bound, mut reach) = (Bound::NONE, 0.0f64);
-    for way in points {
-        reach = reach.max(way.reach);
-        for p in [way.from, way.to] {
-            let p = p.map(|x| x as f32);
-            bound = bound.with(&Bound { low: p, high: p });
-        }
-    }
-    // Half of the floor would do; positions are f32, and the sum is rounded.
-    let wide = (reach + floor) as f32;
-    Bound { low: bound.low.map(|x| x - wide), high: bound.high.map(|x| x + wide) }
-}
-
-/// Finds the pairs of features of two cells, which are not farther apart than `near` \[m\].
-fn compare((surface, bounds): (&Surface, &[Bound]), planes: &mut Planes, points: &Points, pair: &CellPair, near: f64) {
-    let [a, b] = pair.cells;
-    let at = |k: u32| points.at[k as usize];
-    for (one, other) in [(a, b), (b, a)].into_iter().take(if a == b { 1 } else { 2 }) {
-        for vertex in surface.vertices(one) {
-            if !points.box_of(&[*vertex]).meets(&bounds[other]) {
-                continue;
-            }
-            for triangle in surface.triangles(other).iter().filter(|t| !t.contains(vertex)) {
-                if points.may_meet(&[*vertex], triangle, near) {
-                    let way = closest::to_triangle(at(*vertex), triangle.map(at));
-                    planes.separate(points, (&[*vertex], triangle), way);
-                }
-            }
-        }
-    }
-    for (n, edge) in surface.edges(a).iter().enumerate() {
-        if a != b && !points.box_of(edge).meets(&bounds[b]) {
-            continue;
-        }
-        let others = if a == b { &surface.edges(b)[n + 1..] } else { surface.edges(b) };
-        for other in others.iter().filter(|other| !other.contains(&edge[0]) && !other.contains(&edge[1])) {
-            if points.may_meet(edge, other, near) {
-                let way = closest::to_edge(edge.map(at), other.map(at));
-                planes.separate(points, (edge, other), way);
-            }
-        }
     }
 }

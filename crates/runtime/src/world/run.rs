@@ -74,7 +74,7 @@ impl World {
                     fused::step(of.body, &world.frame(of.index, steps), n, threads, met);
                 });
                 self.move_tangles(bodies);
-                self.step_safe(bodies);
+                self.step_safe(bodies, threads);
                 self.look_again(bodies, n, steps);
             }
             each(self, bodies, true, &|world, of| {

@@ -6,6 +6,7 @@ use crate::cloth::{Cloth, ContactTier};
 use crate::collider::solid::Solid;
 use crate::cpu::body::Body;
 use crate::cpu::fabric::seam_steps::Member;
+use crate::cpu::rows::Threads;
 use crate::cpu::truncation::surface::{Source, Surface, Texel};
 use crate::cpu::truncation::{Outcome, Truncation};
 use crate::cpu::untangle::loose::Loose;
@@ -120,10 +121,10 @@ impl World {
     }
 
     /// Holds particles back after a step of all cloths.
-    pub(super) fn step_safe<T: Real>(&mut self, bodies: &mut [Body<T>]) {
+    pub(super) fn step_safe<T: Real>(&mut self, bodies: &mut [Body<T>], threads: &Threads) {
         let Some(safe) = &mut self.safe else { return };
         safe.read(bodies, |cloth| !self.runs[cloth].asleep);
-        let outcome = safe.truncation.step();
+        let outcome = safe.truncation.step(threads);
         safe.outcome.forced = safe.outcome.forced.max(outcome.forced);
         safe.outcome.slowed = safe.outcome.slowed.max(outcome.slowed);
         safe.outcome.held = safe.outcome.held.max(outcome.held);

@@ -1,8 +1,10 @@
-//! Boxes around cells with the reach of their points, level by level, and the pairs of cells whose boxes meet.
+//! Boxes around cells with the reach of their points, around tiles of 4 x 4 cells, and level by level above those.
 
 use super::spread::Spread;
-use super::surface::Surface;
+use super::surface::{Patch, Surface};
+use super::tiles::{SIDE, Tile};
 use crate::cpu::fabric::tree::Level;
+use crate::number::lanes::LANES;
 use crate::number::real::{V3, dot};
 
 /// Bounds \[m\].
@@ -48,77 +50,128 @@ pub struct Boxes {
     pub spreads: Vec<Spread>,
     /// Least gap of features \[m\].
     pub floor: f32,
-    patches: Vec<Vec<Level>>,
+    /// For each patch the boxes from tiles up; the tiles themselves lie one patch after the other.
+    pub levels: Vec<Vec<Level>>,
+    pub tiles: Vec<Tile>,
+    first_tiles: Vec<usize>,
+    pub patches: Vec<Patch>,
 }
 
 /// A box: its patch, its level, its column and its row.
 #[derive(Clone, Copy)]
-struct Node {
-    patch: usize,
-    level: usize,
-    column: usize,
-    row: usize,
-}
-
-/// Two cells, and how many columns and rows the second is from the first; `None` for cells of different patches.
-pub struct CellPair {
-    pub cells: [usize; 2],
+pub struct Node {
     pub patch: usize,
-    pub apart: Option<[isize; 2]>,
+    pub level: usize,
+    pub column: usize,
+    pub row: usize,
 }
 
 impl Boxes {
     /// Room for those of a surface.
     pub fn new(surface: &Surface) -> Self {
-        let (mut patches, mut end) = (Vec::new(), surface.corners.len());
+        let (mut levels, mut first_tiles, mut tiles) = (Vec::new(), Vec::new(), 0);
+        let mut end = surface.corners.len();
         for patch in &surface.patches {
-            patches.push(Level { first: patch.first, columns: patch.width, rows: patch.height }.up(&mut end));
+            let first = end;
+            let (columns, rows) = (patch.width.div_ceil(SIDE), patch.height.div_ceil(SIDE));
+            end += columns * rows;
+            levels.push(Level { first, columns, rows }.up(&mut end));
+            first_tiles.push(tiles);
+            tiles += columns * rows;
         }
-        let (bounds, spreads) = (vec![Bound::NONE; end], vec![Spread::NONE; end]);
-        Boxes { bounds, spreads, floor: 0.0, patches }
+        Boxes {
+            bounds: vec![Bound::NONE; end],
+            spreads: vec![Spread::NONE; end],
+            floor: 0.0,
+            levels,
+            tiles: vec![
+                [
+                    [f32::MAX; LANES],
+                    [f32::MAX; LANES],
+                    [f32::MAX; LANES],
+                    [-f32::MAX; LANES],
+                    [-f32::MAX; LANES],
+                    [-f32::MAX; LANES]
+                ];
+                tiles
+            ],
+            first_tiles,
+            patches: surface.patches.clone(),
+        }
     }
 
     /// Makes all boxes above those of cells.
     pub fn refit(&mut self) {
-        for levels in &self.patches {
-            for pair in levels.windows(2) {
-                let (below, level) = (pair[0], pair[1]);
-                for n in 0..level.columns * level.rows {
-                    let (i, j) = (2 * (n % level.columns), 2 * (n / level.columns));
-                    let (mut bound, mut spread) = (Bound::NONE, Spread::NONE);
-                    for row in j..(j + 2).min(below.rows) {
-                        for column in i..(i + 2).min(below.columns) {
-                            let from = below.first + row * below.columns + column;
-                            (bound, spread) = (bound.with(&self.bounds[from]), spread.with(&self.spreads[from]));
-                        }
-                    }
-                    (self.bounds[level.first + n], self.spreads[level.first + n]) = (bound, spread);
+        for patch in 0..self.levels.len() {
+            for level in 0..self.levels[patch].len() {
+                let Level { columns, rows, .. } = self.levels[patch][level];
+                for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+                    self.join(Node { patch, level, column, row });
                 }
             }
         }
     }
 
-    /// Calls `each` with every pair of cells whose features may meet, a cell with itself too, always in the same order.
-    pub fn pairs(&self, mut each: impl FnMut(CellPair)) {
-        for (patch, levels) in self.patches.iter().enumerate() {
-            self.within(self.top(patch), &mut each);
-            for other in patch + 1..self.patches.len() {
-                self.across(Node { level: levels.len() - 1, ..self.top(patch) }, self.top(other), &mut each);
+    /// The same for boxes above some cells: patches, rows and columns.
+    pub fn refit_above(&mut self, cells: &mut Vec<[usize; 3]>) {
+        let mut by = SIDE;
+        for level in 0.. {
+            cells.iter_mut().for_each(|[_, row, column]| (*row, *column) = (*row / by, *column / by));
+            cells.sort_unstable();
+            cells.dedup();
+            cells.retain(|[patch, ..]| level < self.levels[*patch].len());
+            if cells.is_empty() {
+                return;
             }
+            cells.iter().for_each(|[patch, row, column]| {
+                self.join(Node { patch: *patch, level, column: *column, row: *row });
+            });
+            by = 2;
         }
     }
 
-    fn top(&self, patch: usize) -> Node {
-        Node { patch, level: self.patches[patch].len() - 1, column: 0, row: 0 }
+    /// Makes a box from those below it.
+    fn join(&mut self, node: Node) {
+        let (mut bound, mut spread) = (Bound::NONE, Spread::NONE);
+        if node.level == 0 {
+            let patch = self.patches[node.patch];
+            let tile = self.tile(node);
+            for row in 0..SIDE.min(patch.height - SIDE * node.row) {
+                for column in 0..SIDE.min(patch.width - SIDE * node.column) {
+                    let cell = patch.first + (SIDE * node.row + row) * patch.width + SIDE * node.column + column;
+                    let of = &self.bounds[cell];
+                    (bound, spread) = (bound.with(of), spread.with(&self.spreads[cell]));
+                    for c in 0..3 {
+                        self.tiles[tile][c][SIDE * row + column] = of.low[c];
+                        self.tiles[tile][3 + c][SIDE * row + column] = of.high[c];
+                    }
+                }
+            }
+        } else {
+            let (nodes, count) = self.below(node);
+            for below in nodes[..count].iter().map(|below| self.index(*below)) {
+                (bound, spread) = (bound.with(&self.bounds[below]), spread.with(&self.spreads[below]));
+            }
+        }
+        let at = self.index(node);
+        (self.bounds[at], self.spreads[at]) = (bound, spread);
     }
 
-    fn index(&self, node: Node) -> usize {
-        let level = self.patches[node.patch][node.level];
+    pub fn top(&self, patch: usize) -> Node {
+        Node { patch, level: self.levels[patch].len() - 1, column: 0, row: 0 }
+    }
+
+    pub fn index(&self, node: Node) -> usize {
+        let level = self.levels[node.patch][node.level];
         level.first + node.row * level.columns + node.column
     }
 
-    fn below(&self, node: Node) -> ([Node; 4], usize) {
-        let level = self.patches[node.patch][node.level - 1];
+    pub fn tile(&self, node: Node) -> usize {
+        self.first_tiles[node.patch] + node.row * self.levels[node.patch][0].columns + node.column
+    }
+
+    pub fn below(&self, node: Node) -> ([Node; 4], usize) {
+        let level = self.levels[node.patch][node.level - 1];
         let (mut nodes, mut count) = ([node; 4], 0);
         for row in 2 * node.row..(2 * node.row + 2).min(level.rows) {
             for column in 2 * node.column..(2 * node.column + 2).min(level.columns) {
@@ -127,54 +180,5 @@ impl Boxes {
             }
         }
         (nodes, count)
-    }
-
-    fn within(&self, node: Node, each: &mut impl FnMut(CellPair)) {
-        if self.spreads[self.index(node)].is_apart(self.floor) {
-            return;
-        }
-        if node.level == 0 {
-            self.found(node, node, each);
-            return;
-        }
-        let (nodes, count) = self.below(node);
-        for n in 0..count {
-            self.within(nodes[n], each);
-            (n + 1..count).for_each(|m| self.across(nodes[n], nodes[m], each));
-        }
-    }
-
-    /// Pairs of two boxes; the one on the higher level is divided first.
-    fn across(&self, a: Node, b: Node, each: &mut impl FnMut(CellPair)) {
-        let (m, n) = (self.index(a), self.index(b));
-        if !self.bounds[m].meets(&self.bounds[n]) {
-            return;
-        }
-        let beside =
-            a.patch == b.patch && a.level == b.level && a.column.abs_diff(b.column) <= 1 && a.row.abs_diff(b.row) <= 1;
-        if beside && self.spreads[m].with(&self.spreads[n]).is_apart(self.floor) {
-            return;
-        }
-        if a.level == 0 && b.level == 0 {
-            return self.found(a, b, each);
-        }
-        if a.level == b.level {
-            let ((of_a, m), (of_b, n)) = (self.below(a), self.below(b));
-            for a in &of_a[..m] {
-                of_b[..n].iter().for_each(|b| self.across(*a, *b, each));
-            }
-        } else if a.level > b.level {
-            let (nodes, count) = self.below(a);
-            nodes[..count].iter().for_each(|a| self.across(*a, b, each));
-        } else {
-            let (nodes, count) = self.below(b);
-            nodes[..count].iter().for_each(|b| self.across(a, *b, each));
-        }
-    }
-
-    fn found(&self, a: Node, b: Node, each: &mut impl FnMut(CellPair)) {
-        let apart = [b.column as isize - a.column as isize, b.row as isize - a.row as isize];
-        let apart = (a.patch == b.patch).then_some(apart);
-        each(CellPair { cells: [self.index(a), self.index(b)], patch: a.patch, apart });
     }
 }

@@ -101,6 +101,7 @@ impl Truncation {
     /// Finds where all points can be that is nearest to where they want to be; `next` has that, unless one is stuck.
     pub(super) fn cut(&mut self) -> Cut {
         let mut cut = Cut::default();
+        self.short.clear();
         self.next.clone_from(&self.want);
         for k in 0..self.last.len() {
             let (from, want) = (self.last[k], self.want[k]);
@@ -122,7 +123,8 @@ impl Truncation {
             let way = sub(to, room.at);
             let edge = SHORT_SHARE * room.reach;
             if !room.is_within_reach(want) && dot(way, way) > edge * edge {
-                cut.short += 1
+                cut.short += 1;
+                self.short.push(k as u32);
             } else {
                 cut.held += 1
             }

@@ -4,10 +4,9 @@
 //! their points stay in these, and move in straight lines, the features do not meet. Differences from the paper: the sides are measured
 //! along the normal, so that rounding of the closest points does no harm, and a gap never falls below a floor.
 
-use super::boxes::Bound;
 use crate::cpu::untangle::loose::Loose;
 use crate::memory::Tally;
-use crate::number::real::{V3, add, dot, scale, sub};
+use crate::number::real::{V3, dot, scale, sub};
 
 /// Share of a gap that two features may use up until the next search.
 const GAP_SHARE: f64 = 0.8;
@@ -31,6 +30,8 @@ pub struct Points<'a> {
     /// The way that each is expected to go per step, and how far it may be from there.
     pub drift: &'a [V3<f64>],
     pub reach: &'a [f64],
+    /// For points that are renewed true; none in a search.
+    pub fresh: Option<&'a [bool]>,
     pub floor: f64,
     /// Steps until the next search.
     pub ahead: f64,
@@ -44,10 +45,23 @@ impl Points<'_> {
         a.iter().chain(b).map(|k| self.loose[*k as usize].1).all(|loose| if within { loose.own } else { loose.others })
     }
 
+    /// Whether a point of two features is renewed: pairs of others keep their half-spaces. In a search all are.
+    #[inline]
+    pub fn concerns(&self, a: &[u32], b: &[u32]) -> bool {
+        self.fresh.is_none_or(|fresh| a.iter().chain(b).any(|k| fresh[*k as usize]))
+    }
+
+    /// How far a point may be from where its drift takes it, seen from where it is now: one that is not renewed may already be off.
+    #[inline]
+    fn reach_of(&self, k: u32) -> f64 {
+        let whole = self.fresh.is_none_or(|fresh| fresh[k as usize]);
+        if whole { self.reach[k as usize] } else { 2.0 * self.reach[k as usize] }
+    }
+
     /// The distance \[m\] from which on two features cannot meet until the next search.
     #[inline]
     fn near(&self, a: &[u32], b: &[u32]) -> f64 {
-        let of = |list: &[u32]| list.iter().map(|k| self.reach[*k as usize]).fold(0.0, f64::max);
+        let of = |list: &[u32]| list.iter().map(|k| self.reach_of(*k)).fold(0.0, f64::max);
         let mut nearer2 = 0.0f64;
         for p in a {
             for q in b {
@@ -56,39 +70,6 @@ impl Points<'_> {
             }
         }
         of(a) + of(b) + self.floor + self.ahead * nearer2.sqrt()
-    }
-
-    /// The box around the points of a feature on their ways.
-    #[inline]
-    pub fn box_of(&self, list: &[u32]) -> Bound {
-        let mut bound = Bound::NONE;
-        for k in list.iter().map(|k| *k as usize) {
-            // Rounded; the floor is far more than that.
-            let wide = (self.reach[k] + self.floor) as f32;
-            for p in [self.at[k], add(self.at[k], scale(self.drift[k], self.ahead))] {
-                let p = p.map(|x| x as f32);
-                bound = bound.with(&Bound { low: p.map(|x| x - wide), high: p.map(|x| x + wide) });
-            }
-        }
-        bound
-    }
-
-    /// Whether the boxes of two features are no farther apart than `near`.
-    #[inline]
-    pub fn may_meet(&self, a: &[u32], b: &[u32], near: f64) -> bool {
-        let extent = |list: &[u32]| {
-            let first = self.at[list[0] as usize];
-            let (mut low, mut high) = (first, first);
-            for k in &list[1..] {
-                let p = self.at[*k as usize];
-                for c in 0..3 {
-                    (low[c], high[c]) = (low[c].min(p[c]), high[c].max(p[c]));
-                }
-            }
-            (low, high)
-        };
-        let ((low, high), (lower, higher)) = (extent(a), extent(b));
-        (0..3).all(|c| low[c] - higher[c] <= near && lower[c] - high[c] <= near)
     }
 }
 
@@ -134,6 +115,11 @@ impl Planes {
         }
     }
 
+    /// Appends the half-spaces of another list.
+    pub fn append(&mut self, other: &mut Planes) {
+        self.found.append(&mut other.found);
+    }
+
     /// Keeps two features apart, whose shortest way \[m\] goes from `a` to `b`.
     pub fn separate(&mut self, points: &Points, (a, b): (&[u32], &[u32]), way: V3<f64>) {
         if points.are_loose(a, b) {
@@ -175,7 +161,7 @@ impl Planes {
             for k in list {
                 let p = *k as usize;
                 let ahead = dot(normal, points.drift[p]).max(0.0) * points.ahead;
-                if dot(normal, points.at[p]) + ahead + points.reach[p] > most {
+                if dot(normal, points.at[p]) + ahead + points.reach_of(*k) > most {
                     self.found.push((*k, HalfSpace { normal, most }));
                 }
             }

@@ -5,8 +5,8 @@
 //! that have no corner in common. Pairs of cells with a common corner are those of [`super::flat`]. A cone of normals would not do: a roll
 //! has a narrow cone along its axis.
 
-use super::Way;
 use super::boxes::Bound;
+use super::drift::Way;
 use super::surface::Patch;
 use crate::number::real::{dot, sub};
 

@@ -26,10 +26,19 @@ pub struct Texel {
 /// The cells of one grid: one per texel, the quad right and below of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Patch {
+    /// Its number among all.
+    pub index: usize,
     /// The first cell.
     pub first: usize,
     pub width: usize,
     pub height: usize,
+}
+
+impl Patch {
+    /// The column and the row of one of its cells.
+    pub fn spot(&self, cell: usize) -> [usize; 2] {
+        [(cell - self.first) % self.width, (cell - self.first) / self.width]
+    }
 }
 
 /// The features of a cell: ranges of the lists of a [`Surface`].
@@ -50,6 +59,9 @@ pub struct Surface {
     pub patches: Vec<Patch>,
     /// The point of each cell's texel, `u32::MAX` for none.
     pub corners: Vec<u32>,
+    /// For each point the cells that have a corner there.
+    pub cells: Vec<u32>,
+    pub cell_starts: Vec<u32>,
     ends: Vec<Ends>,
     vertices: Vec<u32>,
     edges: Vec<[u32; 2]>,
@@ -63,13 +75,15 @@ impl Surface {
         for source in sources {
             surface.add(source);
         }
+        surface.find_cells();
         surface
     }
 
     /// Counts its lists.
     pub fn tally(&self, tally: &mut Tally) {
         tally.state(&self.texels);
-        [&self.starts, &self.corners, &self.vertices].into_iter().for_each(|list| tally.state(list));
+        let lists = [&self.starts, &self.corners, &self.vertices, &self.cells, &self.cell_starts];
+        lists.into_iter().for_each(|list| tally.state(list));
         tally.state(&self.ends);
         tally.state(&self.edges);
         tally.state(&self.triangles);
@@ -83,6 +97,16 @@ impl Surface {
     /// The particles of a point.
     pub fn of_point(&self, point: usize) -> &[Texel] {
         &self.texels[self.starts[point] as usize..self.starts[point + 1] as usize]
+    }
+
+    /// The patch that a cell belongs to.
+    pub fn patch_of(&self, cell: usize) -> Patch {
+        self.patches[self.patches.partition_point(|patch| patch.first <= cell) - 1]
+    }
+
+    /// The cells around a point: they have all features that the point belongs to.
+    pub fn cells_of(&self, point: usize) -> &[u32] {
+        &self.cells[self.cell_starts[point] as usize..self.cell_starts[point + 1] as usize]
     }
 
     pub fn vertices(&self, cell: usize) -> &[u32] {
@@ -104,7 +128,7 @@ impl Surface {
         let (mut known, mut drawn) = (HashSet::new(), HashSet::new());
         for grid in cloth.grids() {
             let (first, width, height) = (self.corners.len(), grid.width as usize, grid.height as usize);
-            self.patches.push(Patch { first, width, height });
+            self.patches.push(Patch { index: self.patches.len(), first, width, height });
             for k in grid.range() {
                 self.corners.push(points[k]);
                 for triangle in indices[6 * k..6 * k + 6].chunks_exact(3) {
@@ -123,6 +147,23 @@ impl Surface {
                 self.ends.push(Ends { vertex, edge, triangle });
             }
         }
+    }
+
+    fn find_cells(&mut self) {
+        let mut pairs = Vec::with_capacity(4 * self.corners.len());
+        for patch in &self.patches {
+            for (j, i) in (1..patch.height).flat_map(|j| (1..patch.width).map(move |i| (j - 1, i - 1))) {
+                let cell = patch.first + j * patch.width + i;
+                let corners = [cell, cell + 1, cell + patch.width, cell + patch.width + 1].map(|n| self.corners[n]);
+                pairs.extend(corners.iter().filter(|point| **point != u32::MAX).map(|point| [*point, cell as u32]));
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        self.cell_starts = vec![0; self.count() + 1];
+        pairs.iter().for_each(|[point, _]| self.cell_starts[*point as usize + 1] += 1);
+        (1..self.cell_starts.len()).for_each(|n| self.cell_starts[n] += self.cell_starts[n - 1]);
+        self.cells = pairs.into_iter().map(|[_, cell]| cell).collect();
     }
 
     /// Adds the points of a cloth; returns that of each particle, `u32::MAX` for none.

@@ -2,6 +2,7 @@ use super::surface::{Source, Surface};
 use super::*;
 use crate::cloth::{Cloth, Flat};
 use crate::crossings::{self, Drawn};
+use crate::number::real::{add, scale};
 
 /// -1 to 1, the same for the same numbers.
 fn noise(k: usize, of: usize) -> f64 {
@@ -58,7 +59,7 @@ fn whatever_points_want_nothing_crosses() {
                 *free = add(*free, pull);
             }
             let before = truncation.last.clone();
-            let outcome = truncation.step();
+            let outcome = truncation.step(&Threads::one());
             assert_eq!((outcome.forced, outcome.slowed), (0, 0), "step {step}");
             let ways = before.iter().zip(&truncation.last).map(|(a, b)| dot(sub(*b, *a), sub(*b, *a)).sqrt());
             moved += ways.sum::<f64>() / before.len() as f64;
@@ -80,7 +81,7 @@ fn a_sheet_lands_on_another_one_and_slides_on_it() {
             let step = if k < upper { [0.0; 3] } else { [0.002, -0.004, 0.0] };
             truncation.want[k] = rounded(add(truncation.last[k], step));
         }
-        truncation.step();
+        truncation.step(&Threads::one());
         assert_eq!(found(&cloths, &truncation), [0, 0]);
     }
     let slid = truncation.last[upper][0] - f64::from(cloths[1].positions()[0][0]);
@@ -99,7 +100,7 @@ fn a_pin_that_goes_through_cloth_is_reported_and_one_that_pushes_it_is_not() {
         for k in upper..truncation.last.len() {
             truncation.want[k] = rounded(add(truncation.last[k], [0.0, down, 0.0]));
         }
-        assert_eq!(truncation.step().forced > 0, forced, "{down} m");
+        assert_eq!(truncation.step(&Threads::one()).forced > 0, forced, "{down} m");
     }
 }
 
@@ -123,18 +124,26 @@ fn a_search_leaves_out_no_pair_that_can_meet() {
         let speed = if seed % 2 == 0 { 0.0 } else { 5e-4 };
         let pace = |k: usize| [0, 1, 2].map(|c| speed * noise(k / 9, seed + 7 + c));
         truncation.pace = (0..truncation.last.len()).map(pace).collect();
-        truncation.search(&mut Outcome::default(), true);
+        truncation.search(&Threads::one(), &mut Outcome::default(), true);
         let planes = std::mem::take(&mut truncation.planes);
         // The same with all pairs of cells.
-        let Truncation { surface, at, want, free, loose, drift, reach, floor, ahead, boxes, .. } = &truncation;
+        let Truncation { surface, at, want, free, loose, drift, reach, floor, ahead, even, .. } = &truncation;
         let cells = surface.corners.len();
         let mut compared = Planes::default();
-        let points = Points { at, want, free, loose, drift, reach, floor: *floor, ahead: f64::from(*ahead) };
-        let wide = vec![Bound { low: [-9.0; 3], high: [9.0; 3] }; boxes.bounds.len()];
+        let points =
+            Points { at, want, free, loose, drift, reach, fresh: None, floor: *floor, ahead: f64::from(*ahead) };
         for a in 0..cells {
             for b in a..cells {
-                let pair = CellPair { cells: [a, b], patch: 0, apart: None };
-                compare((surface, &wide), &mut compared, &points, &pair, 9.0);
+                let (one, other) = (surface.patch_of(a), surface.patch_of(b));
+                let ([i, j], [m, n]) = (one.spot(a), other.spot(b));
+                let apart = [m as isize - i as isize, n as isize - j as isize];
+                let apart = (one.index == other.index).then_some(apart);
+                // Features of even blocks stay apart, whatever their distance.
+                let pair = CellPair { cells: [a, b], patch: one.index, spot: [i, j], apart };
+                if flat::is_apart(surface, even, &pair) {
+                    continue;
+                }
+                compare(surface, &mut compared, &points, &Compared { cells: [a, b], near: 9.0, axis: [0.0; 3] });
             }
         }
         compared.arrange(at.len());
@@ -146,4 +155,43 @@ fn a_search_leaves_out_no_pair_that_can_meet() {
         }
         assert!(some > 20, "{some}");
     }
+}
+
+#[test]
+fn points_of_even_blocks_cross_nothing_within_their_reach() {
+    let cloth = Flat::square("block", 3).cloth().unwrap();
+    let (mut even, mut bent) = (0, 0);
+    for seed in 0..400 {
+        let source = Source { index: 0, cloth: &cloth, holes: &[] };
+        let mut truncation = Truncation::new(Surface::new(&[source]), 0.5);
+        let curl = 2.0 * noise(seed, 1).abs();
+        for (k, at) in truncation.last.iter_mut().enumerate() {
+            let [x, y, z] = cloth.positions()[k].map(f64::from);
+            let turned = [(curl * x).sin() / curl, y + (1.0 - (curl * x).cos()) / curl, z];
+            *at = rounded(add(turned, [0, 1, 2].map(|c| 0.08 * noise(k, seed + 1000 * (c + 1)))));
+        }
+        truncation.want.clone_from(&truncation.last);
+        // The block turns, and each point goes its own way a little.
+        let spin = 0.1 * noise(seed, 2);
+        let own = |k: usize, c: usize| 0.008 * noise(k, seed + 5000 * (c + 1));
+        let pace = |(k, p): (usize, &V3<f64>)| [spin * p[1] + own(k, 0), own(k, 1) - spin * p[0], own(k, 2)];
+        truncation.pace = truncation.last.iter().enumerate().map(pace).collect();
+        truncation.search(&Threads::one(), &mut Outcome::default(), true);
+        if !truncation.even[4] {
+            continue;
+        }
+        even += 1;
+        bent += usize::from(curl > 1.0);
+        for time in 0..20 {
+            let gone = f64::from(truncation.ahead) * noise(seed, 300 + time).abs();
+            for k in 0..truncation.last.len() {
+                let off = [0, 1, 2].map(|c| noise(k, seed + 31 * time + 7000 * (c + 1)));
+                let share = truncation.reach[k] / dot(off, off).sqrt();
+                let there = add(truncation.at[k], scale(truncation.drift[k], gone));
+                truncation.last[k] = rounded(add(there, scale(off, share)));
+            }
+            assert_eq!(found(std::slice::from_ref(&cloth), &truncation), [0, 0], "block {seed}");
+        }
+    }
+    assert!(even > 100 && bent > 20, "{even} even blocks, {bent} of them bent");
 }
