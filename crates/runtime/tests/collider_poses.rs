@@ -37,7 +37,7 @@ fn poses_are_velocities_by_bits() {
             let colliders = a.stepper.scene().colliders.iter().enumerate().map(moved).collect();
             a.stepper.set_colliders(colliders).unwrap();
             // A collider that is not moved rests.
-            for k in (0..6).filter(|_| frame < 5) {
+            for k in (0..start.colliders.len()).filter(|_| frame < 5) {
                 // The last pose counts.
                 b.stepper.move_collider(k, &Pose { position: [9.0; 3], ..Pose::default() }).unwrap();
                 b.stepper.move_collider(k, &pose(&start.colliders[k], frame + 1, k)).unwrap();
