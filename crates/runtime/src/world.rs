@@ -13,6 +13,7 @@ mod follow;
 mod fuse;
 mod host;
 pub(crate) mod images;
+mod joined;
 #[cfg(feature = "gpu")]
 mod kept;
 mod levels;

@@ -2,12 +2,13 @@
 
 use super::World;
 use super::crossed::is_crossed;
+use super::joined::Joined;
 use crate::cloth::{Cloth, ContactTier};
 use crate::collider::solid::Solid;
 use crate::cpu::body::Body;
 use crate::cpu::fabric::seam_steps::Member;
 use crate::cpu::rows::Threads;
-use crate::cpu::truncation::surface::{Source, Surface, Texel};
+use crate::cpu::truncation::surface::Texel;
 use crate::cpu::truncation::{Outcome, Truncation};
 use crate::cpu::untangle::loose::Loose;
 use crate::findings::Fate;
@@ -97,17 +98,7 @@ impl World {
     }
 
     fn new_safe<T: Real>(&self, cloths: &[usize], bodies: &[Body<T>], key: Key) -> Box<Safe> {
-        let of = |index: &usize| {
-            let (cloth, holes) = (&self.scene.cloths[*index], &*bodies[*index].holes);
-            Source { index: *index, cloth, holes }
-        };
-        let surface = Surface::new(&cloths.iter().map(of).collect::<Vec<_>>());
-        let spacing = |index: &usize| f64::from(self.scene.cloths[*index].spacing());
-        let spacing = cloths.iter().map(spacing).fold(f64::INFINITY, f64::min);
-        let member = |cloth: u32, particle: u32| {
-            bodies[cloth as usize].fabric().map_or(Member::default(), |fabric| fabric.member(particle))
-        };
-        let members = surface.texels.iter().map(|texel| member(texel.cloth, texel.particle)).collect();
+        let Joined { surface, spacing, members } = self.join_surfaces(cloths, bodies);
         let truncation = Truncation::new(surface, spacing);
         Box::new(Safe {
             key,

@@ -1,10 +1,10 @@
 //! Cloth that crosses, on the CPU: hands the cloths that have contact to [`Untangle`] while some of them cross, and moves their particles.
 
 use super::World;
+use super::joined::Joined;
 use super::truncate::{Key, is_safe};
 use crate::cpu::body::Body;
 use crate::cpu::fabric::seam_steps::Member;
-use crate::cpu::truncation::surface::{Source, Surface};
 use crate::cpu::untangle::Untangle;
 use crate::cpu::untangle::loose::{self, Loose};
 use crate::findings::Fate;
@@ -61,8 +61,7 @@ impl World {
     /// Looks for crossings as a frame begins: of cloths that are there for the first time, that were cut, or into which a state was loaded, and of
     /// those that the tier safe knows to cross.
     pub(super) fn begin_tangles<T: Real>(&mut self, bodies: &mut [Body<T>]) {
-        let touches = |index: &usize| self.scene.cloths[*index].contact.is_some() && bodies[*index].fabric().is_some();
-        let cloths: Vec<usize> = (0..bodies.len()).filter(touches).collect();
+        let cloths = self.cloths_with_contact(bodies);
         if cloths.is_empty() || self.control.options.solver == Solver::Classic {
             self.tangles.forget();
             return;
@@ -71,8 +70,7 @@ impl World {
         let fresh = self.tangles.looked != key;
         if fresh {
             (self.tangles.looked, self.tangles.some) = (key, None);
-            bodies.iter_mut().filter_map(Body::fabric_mut).for_each(|fabric| fabric.loosen(|_| Loose::default()));
-            self.safe.iter_mut().for_each(|safe| safe.loosen(|_, _| Loose::default()));
+            self.hold_all(bodies);
         }
         if self.tangles.some.is_some() {
             return;
@@ -90,18 +88,19 @@ impl World {
         }
     }
 
+    fn cloths_with_contact<T: Real>(&self, bodies: &[Body<T>]) -> Vec<usize> {
+        let touches = |index: &usize| self.scene.cloths[*index].contact.is_some() && bodies[*index].fabric().is_some();
+        (0..bodies.len()).filter(touches).collect()
+    }
+
+    /// No particle is loose any more.
+    fn hold_all<T: Real>(&mut self, bodies: &mut [Body<T>]) {
+        bodies.iter_mut().filter_map(Body::fabric_mut).for_each(|fabric| fabric.loosen(|_| Loose::default()));
+        self.safe.iter_mut().for_each(|safe| safe.loosen(|_, _| Loose::default()));
+    }
+
     fn new_tangled<T: Real>(&self, cloths: &[usize], bodies: &[Body<T>]) -> Box<Tangled> {
-        let source = |index: &usize| {
-            let (cloth, holes) = (&self.scene.cloths[*index], &*bodies[*index].holes);
-            Source { index: *index, cloth, holes }
-        };
-        let surface = Surface::new(&cloths.iter().map(source).collect::<Vec<_>>());
-        let spacing = |index: &usize| f64::from(self.scene.cloths[*index].spacing());
-        let spacing = cloths.iter().map(spacing).fold(f64::INFINITY, f64::min);
-        let member = |cloth: u32, particle: u32| {
-            bodies[cloth as usize].fabric().map_or(Member::default(), |fabric| fabric.member(particle))
-        };
-        let members = surface.texels.iter().map(|texel| member(texel.cloth, texel.particle)).collect();
+        let Joined { surface, spacing, members } = self.join_surfaces(cloths, bodies);
         let mut points: Vec<Vec<u32>> = bodies.iter().map(|_| Vec::new()).collect();
         cloths.iter().for_each(|cloth| points[*cloth] = vec![u32::MAX; bodies[*cloth].count()]);
         for point in 0..surface.count() {
@@ -196,13 +195,11 @@ impl World {
         tangled.seconds += seconds;
         let late = before < LATE_S && tangled.seconds >= LATE_S;
         let none = tangled.hits == 0;
-        let touches = |index: &usize| self.scene.cloths[*index].contact.is_some() && bodies[*index].fabric().is_some();
-        let cloths: Vec<usize> = (0..bodies.len()).filter(touches).collect();
+        let cloths = self.cloths_with_contact(bodies);
         let pairs = if none || late { self.pairs_of(&cloths, bodies) } else { 0 };
         if none && pairs == 0 {
             self.tangles.some = None;
-            bodies.iter_mut().filter_map(Body::fabric_mut).for_each(|fabric| fabric.loosen(|_| Loose::default()));
-            self.safe.iter_mut().for_each(|safe| safe.loosen(|_, _| Loose::default()));
+            self.hold_all(bodies);
             return None;
         }
         if let Some(tangled) = self.tangles.some.as_mut().filter(|_| none) {
