@@ -18,12 +18,12 @@ struct Layout {
 }
 
 /// Gives vertices whose position is not finite the position of another vertex of their primitive, collapses the triangles that have such a
-/// vertex to a point, and replaces other numbers of vertices that are not finite by 0. Returns the number of such vertices.
+/// vertex to a point, and replaces other numbers of vertices that are not finite by 0. Returns how many positions and how many other attributes of vertices were not finite.
 ///
 /// The import leaves these triangles out of the cloth and reports them.
-pub(super) fn make_finite(json: &mut Value, bin: &mut [u8]) -> usize {
+pub(super) fn make_finite(json: &mut Value, bin: &mut [u8]) -> [usize; 2] {
     let mut broken: BTreeMap<u64, BTreeSet<usize>> = BTreeMap::new();
-    let mut vertices = 0;
+    let mut counts = [0; 2];
     let primitives: Vec<Value> = json["meshes"].as_array().into_iter().flatten().flat_map(primitives).collect();
     for primitive in &primitives {
         let position = primitive["attributes"]["POSITION"].as_u64();
@@ -35,8 +35,8 @@ pub(super) fn make_finite(json: &mut Value, bin: &mut [u8]) -> usize {
             let Some(layout) = Layout::of(json, bin, accessor).filter(|l| l.kind == FLOAT) else { continue };
             let is_position = Some(accessor) == position;
             let found = mend(bin, layout, is_position);
+            counts[usize::from(!is_position)] += found.len();
             if is_position && !found.is_empty() {
-                vertices += found.len();
                 bound(json, bin, accessor, layout);
             }
             broken.insert(accessor, found);
@@ -55,7 +55,7 @@ pub(super) fn make_finite(json: &mut Value, bin: &mut [u8]) -> usize {
             }
         }
     }
-    vertices
+    counts
 }
 
 fn primitives(mesh: &Value) -> Vec<Value> {
@@ -92,6 +92,11 @@ impl Layout {
         (end <= bin.len()).then_some(Layout { start, stride, count, components, kind })
     }
 
+    fn is_finite(self, bin: &[u8], element: usize) -> bool {
+        let at = self.start + element * self.stride;
+        bin[at..at + 4 * self.components].as_chunks().0.iter().all(|b| f32::from_le_bytes(*b).is_finite())
+    }
+
     fn floats(self, bin: &[u8], element: usize) -> Vec<f32> {
         let at = self.start + element * self.stride;
         bin[at..at + 4 * self.components].as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect()
@@ -108,8 +113,7 @@ impl Layout {
 
 /// Makes all elements finite; returns those that were not.
 fn mend(bin: &mut [u8], layout: Layout, is_position: bool) -> BTreeSet<usize> {
-    let is_finite = |values: &Vec<f32>| values.iter().all(|v| v.is_finite());
-    let broken: BTreeSet<usize> = (0..layout.count).filter(|n| !is_finite(&layout.floats(bin, *n))).collect();
+    let broken: BTreeSet<usize> = (0..layout.count).filter(|n| !layout.is_finite(bin, *n)).collect();
     let whole = (0..layout.count).find(|n| !broken.contains(n)).filter(|_| is_position);
     let other = whole.map_or(vec![0.0; layout.components], |n| layout.floats(bin, n));
     for n in &broken {
@@ -185,7 +189,7 @@ mod tests {
         let positions =
             [[f32::NAN, 0.0, 0.0], [1.0, 2.0, 3.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, f32::INFINITY, 0.0]];
         let (mut json, mut bin) = document(&[0, 1, 2, 1, 2, 3, 3, 4, 0], &positions);
-        assert_eq!(make_finite(&mut json, &mut bin), 2);
+        assert_eq!(make_finite(&mut json, &mut bin), [2, 0]);
         let read = |n: usize| Layout::of(&json, &bin, 0).unwrap().floats(&bin, n);
         assert_eq!([read(0), read(1), read(4)], [[1.0, 2.0, 3.0]; 3]);
         let at = Layout::of(&json, &bin, 1).unwrap().start;
@@ -202,17 +206,26 @@ mod tests {
         let positions = [[1.0, 2.0, 3.0], [f32::NAN; 3], [0.0; 3], [7.0; 3], [8.0; 3], [9.0; 3]];
         let (mut json, mut bin) = document(&[], &positions);
         json["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("indices");
-        assert_eq!(make_finite(&mut json, &mut bin), 1);
+        assert_eq!(make_finite(&mut json, &mut bin), [1, 0]);
         let layout = Layout::of(&json, &bin, 0).unwrap();
         let read: Vec<_> = (0..6).map(|n| layout.floats(&bin, n)[0]).collect();
         assert_eq!(read, [1.0, 1.0, 1.0, 7.0, 8.0, 9.0]);
     }
 
     #[test]
+    fn other_attributes_are_counted_apart_and_keep_what_is_finite() {
+        let (mut json, mut bin) = document(&[0, 1, 2], &[[0.0; 3], [1.0; 3], [5.0, f32::NAN, 6.0]]);
+        // The same numbers as normals: positions come from elsewhere.
+        json["meshes"][0]["primitives"][0]["attributes"] = json!({"NORMAL": 0});
+        assert_eq!(make_finite(&mut json, &mut bin), [0, 1]);
+        assert_eq!(Layout::of(&json, &bin, 0).unwrap().floats(&bin, 2), [5.0, 0.0, 6.0]);
+    }
+
+    #[test]
     fn a_finite_document_stays_as_it_is() {
         let (mut json, mut bin) = document(&[0, 1, 2], &[[0.0; 3], [1.0; 3], [2.0; 3]]);
         let before = (json.clone(), bin.clone());
-        assert_eq!(make_finite(&mut json, &mut bin), 0);
+        assert_eq!(make_finite(&mut json, &mut bin), [0; 2]);
         assert_eq!((json, bin), before);
     }
 }

@@ -114,10 +114,16 @@ pub(crate) fn add(
             return Ok(findings);
         }
     };
-    let broken = finite::make_finite(&mut document.json, &mut document.bin);
-    if broken > 0 {
-        let message = "Vertices of the render mesh have no finite position: their triangles are collapsed to points.";
-        let finding = finding("non-finite-positions", broken, Vec::new(), message.into());
+    let counts = finite::make_finite(&mut document.json, &mut document.bin);
+    let messages = [
+        (
+            "non-finite-positions",
+            "Vertices of the render mesh have no finite position: their triangles are collapsed to points.",
+        ),
+        ("non-finite-attributes", "Numbers of the render mesh other than positions are not finite: they are 0."),
+    ];
+    for ((kind, message), count) in messages.into_iter().zip(counts).filter(|(_, count)| *count > 0) {
+        let finding = finding(kind, count, Vec::new(), message.into());
         findings.push(Finding { severity: Severity::Repair, ..finding });
     }
     let bindings = bind(bundle, made)?;
