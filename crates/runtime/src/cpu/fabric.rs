@@ -59,6 +59,7 @@ use crate::levels::{levels, masses};
 use crate::number::aligned::Aligned;
 use crate::number::real::Real;
 use crate::options::Options;
+use crate::passes::Pass;
 
 /// Sheets of a cloth, and where its particles lie in them.
 pub struct Fabric<T: Real> {
@@ -95,6 +96,8 @@ pub struct Fabric<T: Real> {
     worn: Option<Worn<T>>,
     /// Of cloth that has contact with cloth.
     meeting: Option<Meeting<T>>,
+    /// The passes of the next walk, kept for its memory; empty between steps.
+    together: Vec<Pass>,
     /// Accelerations by air, by texels, and of each sheet as its positions lie.
     field: Vec<[T; 4]>,
     fields: Vec<Aligned<T>>,
@@ -134,6 +137,7 @@ impl<T: Real> Fabric<T> {
             starts,
             firsts,
             clear: cloth.grids().iter().map(|_| Clear::default()).collect(),
+            together: Vec::new(),
             field: Vec::new(),
             fields: Vec::new(),
         };

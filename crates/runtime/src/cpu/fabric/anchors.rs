@@ -15,7 +15,8 @@ pub struct Places<T: Real> {
     /// For every sheet and slot where the anchor of each particle is, in the layout of [`Sheet::now`], in blocks with several anchors; empty
     /// for a slot with one anchor.
     pub planes: Vec<Vec<Aligned<T>>>,
-    /// Whether they are there now: pinned particles move between steps, and where they follow joints.
+    /// Whether the anchors were found in this step. Pinned particles move between steps, and in the first pass of a step, which is before all
+    /// tethers.
     pub found: bool,
 }
 
@@ -42,7 +43,8 @@ impl<T: Real> Places<T> {
 }
 
 impl<T: Real> Fabric<T> {
-    /// Finds the anchors, if they may have moved since they were found. A particle that is no longer pinned holds nothing: its place is NaN, and no distance to NaN is too large.
+    /// Finds the positions of the anchors, once per step. A particle that is no longer pinned holds no other one: its position counts as NaN, and
+    /// no distance is larger than NaN.
     pub fn find_anchors(&mut self) {
         if std::mem::replace(&mut self.places.found, true) {
             return;

@@ -38,7 +38,7 @@ impl<T: Real> Fabric<T> {
         if let Some(worn) = &mut self.worn {
             worn.search(&self.sheets, &self.firsts);
         }
-        let mut together = Vec::new();
+        let mut together = std::mem::take(&mut self.together);
         for pass in passes {
             if self.walks(*pass, threads) {
                 together.push(*pass);
@@ -49,6 +49,8 @@ impl<T: Real> Fabric<T> {
             self.run(*pass, threads, step, solids, body);
         }
         self.walk(&together, step);
+        together.clear();
+        self.together = together;
     }
 
     /// Whether a pass reaches no farther than the next row, on this thread.
@@ -142,7 +144,6 @@ impl<T: Real> Fabric<T> {
             Pass::Follow => {
                 let each = self.sheets.iter_mut().zip(&self.follows);
                 each.for_each(|(sheet, follow)| follow::run(sheet, follow, step.left));
-                self.places.found = false;
             }
             Pass::Limit { .. } => {
                 let each = self.sheets.iter_mut().zip(&self.limits);
