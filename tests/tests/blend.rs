@@ -104,7 +104,7 @@ fn a_border_with_a_skinned_part_stays_on_the_skin() {
         let from = f64::from(bundle.position(k).unwrap()[0] - 0.45);
         assert!((0.0..=1.0).contains(share));
         assert!(from > 1e-3 || *share == 0.0, "{k}: {share} at {from} m");
-        // The distance along the images is no less than that in space, of which a texel belongs to the border.
+        // The distance along the images is at least the distance in space. The border takes up one texel of it.
         assert!(from < 0.09 || *share == 1.0, "{k}: {share} at {from} m");
     }
     let mesh = RenderMesh::from_bundle(&bundle).unwrap().unwrap();

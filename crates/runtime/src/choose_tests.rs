@@ -94,7 +94,7 @@ fn a_pyramid_takes_the_place_of_substeps_where_springs_alone_hold_cloth() {
     let scene = builtin("s1", 128).unwrap();
     let of = |scene: &Scene, pyramid| chosen(scene, Options { tethers: 0, pyramid, ..Options::default() });
     assert_eq!([of(&scene, 0), of(&scene, 3)].map(|c| (c.substeps, c.polish)), [(23, 4), (10, 4)]);
-    // Among colliders there is no pyramid.
+    // No pyramid runs for cloth that meets colliders.
     let mut among = scene.clone();
     among.colliders = vec![Collider::new(Shape::Sphere { radius: 0.1 }, [0.0, -5.0, 0.0])];
     assert_eq!(of(&among, 3).substeps, of(&among, 0).substeps);

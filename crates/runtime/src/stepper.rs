@@ -189,7 +189,8 @@ impl Stepper {
     }
 
     /// Takes the figures of a cloth from its positions now and one step before, as a host has read them back, and returns
-    /// them. 20 ns per particle, and some microseconds for cloth on the surface of a body, whose depth inside of it counts too. An error if there is no such cloth or a list has another length.
+    /// them. The depth of cloth that is worn on the surface of a body includes the depth inside the body. 20 ns per particle; some microseconds per
+    /// particle for such cloth. Errors if there is no such cloth, and if a list has another length.
     pub fn examine(&mut self, cloth: impl Into<ClothRef>, now: &[[f32; 4]], before: &[[f32; 4]]) -> Result<Health> {
         let cloth = self.world.find(cloth.into())?;
         let of = &self.world.scene.cloths[cloth];
