@@ -14,7 +14,9 @@ mod contents;
 mod cut_tethers;
 mod frames;
 mod indices;
+mod joint;
 mod levels;
+mod lockstep;
 mod lost;
 mod mapped;
 mod members;
@@ -63,6 +65,7 @@ use crate::cpu::fabric::partners::MAX_PARTNERS;
 use crate::cpu::rows::Threads;
 use crate::error::{Error, Result};
 use crate::form::Form;
+use crate::frame::Frame;
 use crate::fused;
 use crate::layout::{POSES, StepRow};
 use crate::passes::Pass;
@@ -72,6 +75,8 @@ use arena::{Arena, Underway};
 use bounds::Boxes;
 use carry::Tables;
 use frames::Frames;
+use joint::Joint;
+use lockstep::among_others;
 use lost::Pulse;
 pub use pipelines::Compiled;
 pub(crate) use pipelines::Pipelines;
@@ -89,6 +94,13 @@ enum Failure {
     Lost,
     /// Out of memory.
     Full,
+}
+
+/// Where the numbers of a dispatch lie \[bytes\]: those of its step, and its own.
+#[derive(Clone, Copy, Default)]
+struct Offsets {
+    step: u32,
+    part: u32,
 }
 
 /// Everything on the device.
@@ -117,6 +129,8 @@ pub struct Gpu {
     timing: Timing,
     /// Numbers by which motion is carried between the images of cloths.
     tables: Tables,
+    /// Cloths that have contact with one another.
+    joint: Option<Box<Joint>>,
 }
 
 impl Gpu {
@@ -130,6 +144,7 @@ impl Gpu {
         for (cloth, run) in world.scene.cloths.iter().zip(&world.runs) {
             fits(&device.limits(), cloth, &run.tethers)?;
         }
+        joint::fits(&device.limits(), world)?;
         let (mut states, mut arenas) = (Vec::new(), Vec::new());
         let mut shared = vec![false; world.runs.len()];
         for cloths in world.arenas.iter().map(|roster| &roster.cloths) {
@@ -159,6 +174,7 @@ impl Gpu {
             boxes: Boxes::default(),
             timing: Timing::default(),
             tables: Tables::default(),
+            joint: None,
         };
         gpu.meet(world);
         if !draw_only {
@@ -232,6 +248,9 @@ impl Gpu {
         alone.clear();
         last.clear();
         alone.extend((0..self.cloths.len()).filter(|c| world.is_apart(*c)));
+        self.join_contact(world, encoder);
+        // Those that meet others come last.
+        alone.sort_by_key(|c| self.is_joint(*c));
         for faults in alone.iter().filter_map(|c| self.cloths[*c].faults.as_ref()) {
             encoder.clear_buffer(&faults.buffer, faults.offset, Some(4));
         }
@@ -245,8 +264,12 @@ impl Gpu {
         self.record_shared(world, &mut passes, steps);
         for &index in &alone {
             self.cloths[index].separate(&self.device, world, index);
-            last.push(self.record_steps(world, &mut passes, index, steps));
+            if !self.is_joint(index) {
+                last.push(self.record_steps(world, &mut passes, index, steps));
+            }
         }
+        let meeting = alone.iter().position(|index| self.is_joint(*index)).unwrap_or(alone.len());
+        last.extend(self.record_lockstep(world, &mut passes, &alone[meeting..], steps));
         if alone.iter().any(|c| self.cloths[*c].turned.contains(&true)) {
             let between = passes.between();
             alone.iter().for_each(|c| self.cloths[*c].turn_back(between));
@@ -255,7 +278,8 @@ impl Gpu {
         for (&index, &offset) in alone.iter().zip(&last) {
             let cloth = &world.scene.cloths[index];
             let frame = world.runs[index].schedule.frame.iter();
-            frame.for_each(|what| self.run_in(cloth, &mut passes, index, (&Form::Apart(*what), offset)));
+            let offsets = Offsets { step: offset, ..Offsets::default() };
+            frame.for_each(|what| self.run_in(cloth, &mut passes, index, (&Form::Apart(*what), offsets)));
         }
         self.apart = (alone, last);
         let spans = passes.end();
@@ -269,48 +293,58 @@ impl Gpu {
 
     /// Records the steps of a cloth; returns where the numbers of the last one lie.
     fn record_steps(&mut self, world: &World, passes: &mut Recording, index: usize, steps: u32) -> u32 {
-        let (cloth, order, frame) = (&world.scene.cloths[index], world.order(index), world.frame(index, steps));
-        // Moving colliders have a new pose once in this number of steps.
-        let group = steps.div_ceil(POSES);
-        let mut offset = 0;
         self.frames.ring.group();
         let rows = Span { buffer: self.frames.ring.buffer.clone(), offset: 0, size: size_of::<StepRow>() as u64 };
         self.cloths[index].replace(Slot::Step, rows);
-        for n in 0..steps {
-            offset = self.frames.ring.place(bytes_of(&StepRow::from(&frame.step(n, n / group * group))));
-            let coarse = frame.coarse(n);
-            let mut run = |what: &Form| self.run_in(cloth, passes, index, (what, offset));
-            frame.near(n).iter().chain(frame.air(n)).for_each(|p| run(&Form::Apart(*p)));
-            let whole = order.filter(|_| coarse.is_empty());
-            match whole {
-                Some(order) => order.first.iter().for_each(&mut run),
-                None => frame.schedule.step.iter().chain(coarse).for_each(|p| run(&Form::Apart(*p))),
-            }
-            for _ in u32::from(whole.is_some())..frame.rounds {
-                match order {
-                    Some(order) => order.relax.iter().for_each(&mut run),
-                    None => frame.schedule.relax.iter().for_each(|p| run(&Form::Apart(*p))),
-                }
-            }
-        }
-        offset
+        let frame = world.frame(index, steps);
+        (0..steps).map(|n| self.record_step(world, passes, index, (&frame, n))).last().unwrap_or(0)
     }
 
-    /// Records one pass of a cloth in a frame, with the numbers that lie at an offset.
-    fn run_in(&mut self, cloth: &Cloth, passes: &mut Recording, index: usize, what: (&Form, u32)) {
+    /// Records one step of a cloth; returns where its numbers lie.
+    fn record_step(&mut self, world: &World, passes: &mut Recording, index: usize, (frame, n): (&Frame, u32)) -> u32 {
+        let (cloth, order) = (&world.scene.cloths[index], world.order(index));
+        // Moving colliders have a new pose once in this number of steps.
+        let group = frame.steps.div_ceil(POSES);
+        let step = self.frames.ring.place(bytes_of(&StepRow::from(&frame.step(n, n / group * group))));
+        let (coarse, meets) = (frame.coarse(n), self.is_joint(index));
+        let mut run = |what: &Form| {
+            let what = if meets { among_others(what, n) } else { what };
+            self.run_in(cloth, passes, index, (what, Offsets { step, ..Offsets::default() }));
+        };
+        frame.near(n).iter().chain(frame.air(n)).for_each(|p| run(&Form::Apart(*p)));
+        let whole = order.filter(|_| coarse.is_empty());
+        match whole {
+            Some(order) => order.first.iter().for_each(&mut run),
+            None => frame.schedule.step.iter().chain(coarse).for_each(|p| run(&Form::Apart(*p))),
+        }
+        for _ in u32::from(whole.is_some())..frame.rounds {
+            match order {
+                Some(order) => order.relax.iter().for_each(&mut run),
+                None => frame.schedule.relax.iter().for_each(|p| run(&Form::Apart(*p))),
+            }
+        }
+        step
+    }
+
+    /// Records one pass of a cloth in a frame, with the numbers that lie at some offsets.
+    fn run_in(&mut self, cloth: &Cloth, passes: &mut Recording, index: usize, what: (&Form, Offsets)) {
         let shader = if passes.each { self.pipelines.get(what.0).source.stem } else { "" };
         self.run(cloth, passes.pass(shader), index, what);
     }
 
-    /// Records one pass of a cloth, with the numbers that lie at an offset.
-    fn run(&mut self, cloth: &Cloth, pass: &mut wgpu::ComputePass, index: usize, (what, offset): (&Form, u32)) {
+    /// Records one pass of a cloth, with the numbers that lie at some offsets.
+    fn run(&mut self, cloth: &Cloth, pass: &mut wgpu::ComputePass, index: usize, (what, offsets): (&Form, Offsets)) {
         let pipeline = self.pipelines.get(what);
         let buffers = &mut self.cloths[index];
         let group = buffers.group(&self.device, pipeline);
-        let offsets: &[u32] = if pipeline.source.binds(Slot::Step) { &[offset] } else { &[] };
+        let bound = |slot: Slot, offset: u32| pipeline.source.binds(slot).then_some(offset);
+        // In the order of bindings.
+        let offsets = [bound(Slot::Step, offsets.step), bound(Slot::Part, offsets.part)];
+        let mut own = [0; 2];
+        let count = own.iter_mut().zip(offsets.into_iter().flatten()).map(|(own, offset)| *own = offset).count();
         let [x, y, z] = pipeline.source.workgroups(cloth);
         pass.set_pipeline(&pipeline.pipeline);
-        pass.set_bind_group(0, group, offsets);
+        pass.set_bind_group(0, group, &own[..count]);
         pass.dispatch_workgroups(x, y, z);
         buffers.turn(&pipeline.source);
     }

@@ -1,6 +1,7 @@
 //! Coarser grids of a cloth, as both backends read them.
 
 pub mod boxes;
+pub mod joint;
 pub mod links;
 pub mod ties;
 

@@ -137,17 +137,6 @@ pub enum Warning {
         /// The cloth by name.
         cloth: String,
     },
-    /// The GPU backend has contact of a cloth with itself only.
-    #[error(
-        "cloths {cloth} and {other}: on the GPU a cloth touches itself only, and these pass through one another: use the CPU \
-         backend, or make them pieces of one cloth"
-    )]
-    ContactApart {
-        /// A cloth by name.
-        cloth: String,
-        /// Another one.
-        other: String,
-    },
     /// The GPU backend has no contact of the tier [`crate::ContactTier::Safe`].
     #[error(
         "cloth {cloth}: on the GPU contact is that of the tier particles, and cloth may pass through itself: use the CPU backend for the \

@@ -143,9 +143,18 @@ pub enum Pass {
         seams: bool,
     },
     /// How far contact with cloth moves each particle.
-    Touch,
+    Touch {
+        /// Steps since it was last seen where other cloths are, at most [`FOLLOW_STEPS`]; 0 for cloth that meets no other.
+        others: u32,
+    },
     /// Particles go there.
     Separate,
+    /// A cloth as other cloths see it for some steps.
+    Shadow,
+    /// Boxes around all that the particles of each tile pass until the next search for particles of other cloths, of all cloths with contact.
+    Extents,
+    /// The nearest particles of other cloths that each particle may meet until then, of all cloths with contact.
+    Others,
     /// Particles leave the colliders.
     Colliders(Kinds),
     /// Swept: particles leave moving colliders that they are in or went through.
@@ -295,6 +304,10 @@ impl Kinds {
 
 /// Steps for which partners in contact are searched, at most.
 pub const SEARCH_STEPS: u32 = 8;
+/// Steps after which cloths search for particles of others that they may meet.
+pub const MEETING_STEPS: u32 = 4;
+/// Steps after which cloths take in where particles of others are that they have found.
+pub const FOLLOW_STEPS: u32 = 2;
 
 /// The passes of a cloth, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
@@ -383,7 +396,7 @@ pub fn schedule(
             s.relax.extend(backed.then_some(Pass::Backstop { moves: cloth.follows_joints() }));
             if cloth.contact.is_some() {
                 s.near = vec![Pass::Leaves, Pass::Tree, Pass::Partners { seams }];
-                s.relax.extend([Pass::Touch, Pass::Separate]);
+                s.relax.extend([Pass::Touch { others: 0 }, Pass::Separate]);
                 s.relax.extend(seams.then_some(Pass::Seams));
             }
             s.relax.extend(colliders.map(Pass::Contact));

@@ -3,14 +3,15 @@
 use std::fmt;
 
 use crate::form::{Form, Fused, Tile};
-use crate::passes::{Pass, SEARCH_STEPS, Schedule};
-use crate::shaders::{Slot, source};
+use crate::levels::joint::Joint;
+use crate::passes::{FOLLOW_STEPS, MEETING_STEPS, Pass, SEARCH_STEPS, Schedule};
+use crate::shaders::{Slot, list, source};
 use crate::world::{Share, World};
 
-/// One pass of one cloth.
+/// One pass of one cloth, or of all cloths with contact together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedPass {
-    /// Index of the cloth.
+    /// Index of the cloth; that of the first one for a pass of all cloths with contact.
     pub cloth: usize,
     /// The form in which the pass runs.
     pub form: Form,
@@ -50,6 +51,7 @@ impl Plan {
             let forms = apart(world, cloth).into_iter();
             passes.extend(forms.map(|(form, dispatches)| planned(world, cloth, form, dispatches)));
         }
+        passes.extend(together(world));
         Plan { passes }
     }
 
@@ -63,7 +65,8 @@ impl Plan {
             (None, Some(sequence)) => sequence.forms(steps, rounds, 1),
             (None, None) => apart(world, cloth),
         };
-        counted.into_iter().map(|(form, _)| form).collect()
+        let own = counted.into_iter().map(|(form, _)| form);
+        own.chain(together(world).into_iter().map(|pass| pass.form)).collect()
     }
 
     /// Dispatches per frame.
@@ -108,7 +111,75 @@ fn apart(world: &World, cloth: usize) -> Vec<(Form, u32)> {
             ]
         }
     };
-    lists.into_iter().flat_map(|(list, count)| list.into_iter().map(move |form| (form, count))).collect()
+    let all = lists.into_iter().flat_map(|(list, count)| list.into_iter().map(move |form| (form, count)));
+    match is_meeting(world, cloth) {
+        true => among_others(all, steps).collect(),
+        false => all.collect(),
+    }
+}
+
+/// Whether a cloth meets others.
+fn is_meeting(world: &World, cloth: usize) -> bool {
+    let meeting = world.meeting();
+    meeting.len() > 1 && meeting.contains(&cloth)
+}
+
+/// The forms of a cloth that meets others: it shows itself every few steps, and its contact depends on the steps since then.
+fn among_others(forms: impl Iterator<Item = (Form, u32)>, steps: u32) -> impl Iterator<Item = (Form, u32)> {
+    let shows = steps.div_ceil(FOLLOW_STEPS);
+    let each = forms.flat_map(move |(form, count)| match form {
+        Form::Apart(Pass::Touch { .. }) => {
+            let in_step = count.checked_div(steps).unwrap_or(0);
+            let since = |n: u32| (n + 1, in_step * (steps + FOLLOW_STEPS - 1 - n).div_euclid(FOLLOW_STEPS));
+            let some = (0..FOLLOW_STEPS).map(since).filter(|(_, count)| *count > 0);
+            some.map(|(others, count)| (Pass::Touch { others }.into(), count)).collect()
+        }
+        other => vec![(other, count)],
+    });
+    std::iter::once((Pass::Shadow.into(), shows)).chain(each)
+}
+
+/// The passes of all cloths with contact together.
+fn together(world: &World) -> Vec<PlannedPass> {
+    let meeting = world.meeting();
+    // The last one that falls asleep ends them.
+    if meeting.len() < 2 || meeting.iter().all(|cloth| world.runs[*cloth].asleep) {
+        return Vec::new();
+    }
+    let cloths: Vec<_> = meeting.iter().map(|cloth| &world.scene.cloths[*cloth]).collect();
+    let joint = Joint::of(&cloths, &vec![0.0; cloths.len()]);
+    let searches = world.control.options.substeps.div_ceil(MEETING_STEPS);
+    let one = |(what, workgroups): (Pass, [u32; 3])| {
+        let source = source(&what.into());
+        let bytes = |slot: Slot| match slot {
+            Slot::Grids => 32 * joint.grids.len() as u64,
+            Slot::Kin => 4 * joint.table.len() as u64,
+            Slot::Boxes => 32 * joint.boxes as u64,
+            Slot::Part => 16,
+            other => cloths.iter().map(|cloth| other.bytes(cloth, 0, 0)).sum(),
+        };
+        let slots = source.bindings.iter().map(|b| b.slot);
+        // Lists of the same name of the cloth itself are others.
+        let name = |slot: Slot| match slot {
+            Slot::Grids => "joint_grids",
+            Slot::Kin => "joint_kin",
+            Slot::Homes => "joint_homes",
+            Slot::Boxes => "joint_boxes",
+            Slot::Shadows => "joint_shadows",
+            Slot::Others => "joint_others",
+            other => other.name(),
+        };
+        PlannedPass {
+            cloth: meeting[0],
+            form: what.into(),
+            shader: source.stem,
+            workgroups,
+            dispatches: searches,
+            bindings: slots.map(|slot| (name(slot), bytes(slot))).collect(),
+        }
+    };
+    let tiles = joint.tiles;
+    [(Pass::Extents, list(tiles)), (Pass::Tree, [1; 3]), (Pass::Others, list(16 * tiles))].map(one).into()
 }
 
 fn planned(world: &World, cloth: usize, form: Form, dispatches: u32) -> PlannedPass {

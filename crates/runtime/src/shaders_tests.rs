@@ -70,7 +70,8 @@ fn passes() -> Vec<Pass> {
     all.extend([false, true].map(|moves| Pass::Limit { moves }));
     all.extend([false, true].map(|moves| Pass::Backstop { moves }));
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
-    all.extend([Pass::Leaves, Pass::Tree, Pass::Touch, Pass::Separate]);
+    all.extend([Pass::Leaves, Pass::Tree, Pass::Separate, Pass::Shadow, Pass::Extents, Pass::Others]);
+    all.extend([0, 1, 2].map(|others| Pass::Touch { others }));
     all.extend([false, true].map(|seams| Pass::Partners { seams }));
     for walks in [false, true] {
         let kinds = [(false, false), (true, false), (true, true)];
@@ -367,7 +368,8 @@ fn every_shader_has_a_twin_and_every_file_is_used() {
         };
         let source = |twin: &str| std::fs::read_to_string(root().join(format!("crates/runtime/src/{twin}.rs")));
         // Those of the XPBD solver lie with its data.
-        let twin = source(twin).or_else(|_| source(&format!("cpu/fabric/{stem}"))).unwrap();
+        let beside = ["cpu/fabric", "cpu/fabric/meeting"].map(|folder| source(&format!("{folder}/{stem}")));
+        let twin = beside.into_iter().fold(source(twin), Result::or).unwrap();
         assert!(twin.contains(&format!("shaders/{stem}.wgsl")), "the twin of {stem} does not name it");
     }
 }

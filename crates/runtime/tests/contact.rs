@@ -132,6 +132,22 @@ fn contact_is_planned_only_where_it_is_asked_for() {
 }
 
 #[test]
+fn cloths_that_meet_have_few_passes_together() {
+    let names = |scene: Scene| {
+        let stepper = Stepper::on_cpu(scene, Options { substeps: Some(11), ..options() }).unwrap();
+        let plan = stepper.plan();
+        ["shadow", "extents", "others", "tree", "touch", "separate"]
+            .map(|name| plan.passes.iter().filter(|p| p.shader == name).map(|p| p.dispatches).sum::<u32>())
+    };
+    let two = stacked([0.05, 0.1], 9);
+    let mut alone = two.clone();
+    alone.cloths[1].contact = None;
+    assert_eq!(names(alone), [0, 0, 0, 2, 11, 11]);
+    // Each shows itself every second step, and all search together every fourth one.
+    assert_eq!(names(two), [12, 3, 3, 4 + 3, 22, 22]);
+}
+
+#[test]
 fn wrong_settings_are_refused() {
     for (distance, friction) in [(Some(0.0), 0.3), (Some(f32::NAN), 0.3), (Some(2.0), 0.3), (None, -1.0)] {
         let mut scene = folded(9, 0.03);
@@ -159,15 +175,73 @@ fn stacked(heights: [f32; 2], n: u32) -> Scene {
 #[test]
 fn sleeping_cloth_wakes_where_fast_cloth_touches_it() {
     let options = Options { sleep: Some(Sleep { speed: 0.1, after: 0.1 }), ..options() };
-    let mut rig = Rig::cpu(stacked([0.01, 0.6], 17), &options);
-    rig.frames(12);
-    assert!(rig.stepper.is_asleep(0), "it lies on the table");
-    let woke = (0..60).find(|_| {
-        rig.frames(1);
-        !rig.stepper.is_asleep(0)
-    });
-    let woke = woke.expect("the other sheet lands on it");
-    assert!(woke > 4, "only contact wakes it, not the cloth above it: {woke}");
+    for mut rig in Rig::both(&stacked([0.01, 0.6], 17), &options) {
+        (0..12).for_each(|_| rig.frame_to_its_end(support::FRAME));
+        assert!(rig.stepper.is_asleep(0), "it lies on the table, {}", rig.name());
+        let woke = (0..60).find(|_| {
+            rig.frame_to_its_end(support::FRAME);
+            !rig.stepper.is_asleep(0)
+        });
+        let woke = woke.expect("the other sheet lands on it");
+        assert!(woke > 4, "only contact wakes it, not the cloth above it: {woke}, {}", rig.name());
+    }
+}
+
+#[test]
+fn both_backends_agree_on_cloths_that_touch() {
+    // A third sheet with a distance and friction of its own, and one that touches nothing.
+    let mut several = stacked([0.03, 0.05], 13);
+    let mut third = several.cloths[1].clone();
+    let lifted = third.positions().iter().map(|p| [p[0] + 0.11, p[1] + 0.05, p[2] - 0.07]).collect();
+    third.place(lifted).unwrap();
+    third.contact = Some(ClothContact { distance: Some(0.03), friction: 0.8, ..ClothContact::default() });
+    let mut away = third.clone();
+    away.place(third.positions().iter().map(|p| [p[0] + 3.0, p[1], p[2]]).collect()).unwrap();
+    several.cloths.extend([third, away]);
+    let settings = Options { substeps: Some(7), polish: Some(0), ..options() };
+    let cloths = 0..several.cloths.len();
+    let run = |rig: &mut Rig, frames| {
+        rig.frames(frames);
+        cloths.clone().map(|c| (rig.positions(c), rig.previous(c))).collect::<Vec<_>>()
+    };
+    let mut rigs = Rig::both(&several, &settings);
+    let mut again = Rig::both(&several, &settings);
+    let [cpu, gpu] = &mut rigs[..] else { return };
+    for frame in 0..12 {
+        let (cpu, gpu) = (run(cpu, 1), run(gpu, 1));
+        for (c, (a, b)) in cpu.iter().zip(&gpu).enumerate() {
+            assert!(largest(&a.0, &b.0) < 2e-5, "cloth {c}, frame {frame}: {} m", largest(&a.0, &b.0));
+        }
+    }
+    let lowest = rigs[1].positions(1).iter().map(|p| p[1]).fold(f32::INFINITY, f32::min);
+    assert!(lowest > 0.01, "the second sheet lies on the first one: {lowest} m");
+    assert_eq!(
+        run(&mut again[1], 12),
+        cloths.clone().map(|c| (rigs[1].positions(c), rigs[1].previous(c))).collect::<Vec<_>>()
+    );
+    // A cloth that leaves takes nothing along, and the others go on as they would without it from there.
+    for rig in &mut rigs {
+        rig.stepper.remove_cloth(3).unwrap();
+        rig.frames(6);
+    }
+    for c in 0..3 {
+        let off = largest(&rigs[0].positions(c), &rigs[1].positions(c));
+        assert!(off < 1e-3, "cloth {c}: {off} m");
+    }
+}
+
+#[test]
+fn sheets_that_are_dropped_on_one_another_do_not_cross() {
+    let pile = stacked([0.03, 0.08], 17);
+    for mut rig in Rig::both(&pile, &options()) {
+        for tenth in 0..6 {
+            rig.frames(10);
+            assert_eq!(crossings_of(&pile, &rig), 0, "{} after {tenth} tenths", rig.name());
+        }
+        let heights: Vec<f32> = (0..2).map(|c| rig.positions(c).iter().map(|p| p[1]).sum::<f32>() / 289.0).collect();
+        assert!(heights[1] - heights[0] > 0.02, "{heights:?}, {}", rig.name());
+        assert!(heights[1] - heights[0] < 0.06, "{heights:?}, {}", rig.name());
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use super::span::Span;
 use super::staging::{Parcel, Staging};
 use super::upload::empty;
-use super::{Gpu, begin};
+use super::{Gpu, Offsets, begin};
 use crate::bounds::Bounds;
 use crate::cpu::bounds;
 use crate::error::Result;
@@ -122,7 +122,7 @@ impl Gpu {
         for (n, &cloth) in cloths.iter().enumerate() {
             let row = Span { buffer: buffer.clone(), offset: STRIDE * n as u64, size: BYTES };
             self.cloths[cloth].replace(Slot::Bounds, row);
-            self.run(&world.scene.cloths[cloth], &mut pass, cloth, (&what, 0));
+            self.run(&world.scene.cloths[cloth], &mut pass, cloth, (&what, Offsets::default()));
         }
         drop(pass);
         encoder.copy_buffer_to_buffer(&buffer, 0, &parcel.staging, 0, size);

@@ -6,7 +6,7 @@ use super::arena::Arena;
 use super::buffers::ClothBuffers;
 use super::solids::Solids;
 use super::store::Store;
-use super::{Gpu, fits};
+use super::{Gpu, fits, joint};
 use crate::cpu::start::Start;
 use crate::error::Result;
 use crate::form::Form;
@@ -28,7 +28,8 @@ impl Gpu {
     /// Refuses the last cloth of a world if it does not fit the device.
     pub fn refuse(&self, world: &World) -> Result<()> {
         let last = world.scene.cloths.iter().zip(&world.runs).next_back();
-        last.map_or(Ok(()), |(cloth, run)| fits(&self.device.limits(), cloth, &run.tethers))
+        last.map_or(Ok(()), |(cloth, run)| fits(&self.device.limits(), cloth, &run.tethers))?;
+        joint::fits(&self.device.limits(), world)
     }
 
     /// Makes the buffers of the last cloth of a world, which is to come, and compiles the passes of its frames.
@@ -139,7 +140,8 @@ impl Gpu {
                 seen.push(buffer);
             }
         }
-        [images + self.tables.bytes(), states]
+        let joint = self.joint.as_ref().map_or(0, |joint| joint.bytes());
+        [images + self.tables.bytes(), states + joint]
     }
 
     /// Drops the buffers of a cloth that has left.

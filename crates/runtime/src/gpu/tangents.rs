@@ -5,7 +5,7 @@ use wgpu::BufferUsages;
 
 use super::span::Span;
 use super::upload::{DRAWN, upload};
-use super::{Gpu, begin};
+use super::{Gpu, Offsets, begin};
 use crate::form::Form;
 use crate::passes::Pass;
 use crate::shaders::Slot;
@@ -21,7 +21,7 @@ impl Gpu {
         let charts = || upload(&self.device, "charts", world.runs[cloth].charts(of), BufferUsages::empty()).into();
         buffers.others.entry(Slot::Charts).or_insert_with(charts);
         let what = Form::Apart(Pass::Tangents { holes: of.is_cut() });
-        self.run(of, &mut begin(encoder, "tangents"), cloth, (&what, 0));
+        self.run(of, &mut begin(encoder, "tangents"), cloth, (&what, Offsets::default()));
         span
     }
 

@@ -6,6 +6,7 @@ use wgpu::{Buffer, BufferUsages};
 
 use super::Gpu;
 use super::frames;
+use super::joint;
 use super::ring::room_of;
 use super::skin;
 use super::span::Span;
@@ -170,7 +171,8 @@ impl Gpu {
         let batches: u64 = self.batches.iter().map(|b| u64::from(room_of(one(b)))).sum();
         let shared: u64 = self.arenas.iter().map(super::Arena::need).sum();
         let apart = separate_rows(world, steps) * u64::from(room_of(size_of::<StepRow>()));
-        let need = batches + shared + apart + self.solids.need() + actions(&world.host.actions);
+        let meeting = joint::rows(world, steps) * u64::from(room_of(16));
+        let need = batches + shared + apart + meeting + self.solids.need() + actions(&world.host.actions);
         self.frames.ring.begin(&self.device, need);
     }
 

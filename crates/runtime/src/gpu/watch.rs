@@ -1,4 +1,4 @@
-//! Bringing speeds and stretch of all cloths back by one small buffer per frame, without waiting.
+//! Bringing speeds and stretch of all cloths, and which of them contact wakes, back by one small buffer per frame, without waiting.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -26,8 +26,8 @@ pub(super) struct Watch {
     spare: Vec<Vec<Probe>>,
 }
 
-/// A cloth that is measured, and where its speed and its stretch lie: the part, and the place in the part's buffer.
-type Found = (usize, [Option<(usize, u64)>; 2]);
+/// A cloth that is measured, and where its speed, its stretch and whether contact wakes it lie: the part, and the place in the part's buffer.
+type Found = (usize, [Option<(usize, u64)>; 3]);
 
 /// The measurements of one frame.
 struct Measured {
@@ -43,6 +43,8 @@ struct Probe {
     fastest: Option<(usize, f64)>,
     /// Where the stretch lies and the substeps of the frame, where it was measured.
     strain: Option<(usize, u32)>,
+    /// Of cloth that is asleep: where a number lies that is not 0 if contact wakes it.
+    struck: Option<usize>,
     seconds: f64,
     changes: u64,
 }
@@ -124,18 +126,22 @@ impl Watch {
     fn settle(&mut self, world: &mut World) -> Result<()> {
         while let Some(measured) = self.under_way.front() {
             let number = |bytes: &[u8], at: usize| f64::from(bytemuck::pod_read_unaligned::<f32>(&bytes[at..at + 4]));
-            let read = |bytes: &[u8]| -> Vec<[Option<f64>; 2]> {
-                let of = |p: &Probe| [p.fastest.map(|f| f.0), p.strain.map(|s| s.0)].map(|at| Some(number(bytes, at?)));
+            let read = |bytes: &[u8]| -> Vec<[Option<f64>; 3]> {
+                let places = |p: &Probe| [p.fastest.map(|f| f.0), p.strain.map(|s| s.0), p.struck];
+                let of = |p: &Probe| places(p).map(|at| Some(number(bytes, at?)));
                 measured.probes.iter().map(of).collect()
             };
             let Some(numbers) = measured.parcel.open(read)? else { break };
             let Some(measured) = self.under_way.pop_front() else { break };
-            for (probe, [fastest, strain]) in measured.probes.iter().zip(numbers) {
+            for (probe, [fastest, strain, struck]) in measured.probes.iter().zip(numbers) {
                 let Some(cloth) = probe.cloth else { continue };
                 if let (Some(fastest), Some((_, limit))) = (fastest, probe.fastest)
                     && probe.changes == world.runs[cloth].calm.changes
                 {
                     world.note(cloth, fastest <= limit, probe.seconds, || None);
+                }
+                if struck.is_some_and(|struck| struck > 0.0) && probe.changes == world.runs[cloth].calm.changes {
+                    world.wake(cloth);
                 }
                 // With another number of substeps it was another question.
                 if let (Some(strain), Some((_, substeps))) = (strain, probe.strain)
@@ -167,7 +173,13 @@ impl Gpu {
             let strain = if measured { cloth.strain(shared) } else { None };
             if fastest.is_some() || strain.is_some() {
                 self.watch.seconds[index] += f64::from(steps) * world.control.clock.dt;
-                found.push((index, [fastest, strain].map(|from| Some((parts.add(from?), from?.1)))));
+                found.push((index, [fastest, strain, None].map(|from| Some((parts.add(from?), from?.1)))));
+            }
+        }
+        for (member, cloth) in self.joint.iter().flat_map(|joint| joint.cloths.iter().enumerate()) {
+            if let (true, Some(joint)) = (world.runs[*cloth].asleep, &self.joint) {
+                let from = joint.struck(member);
+                found.push((*cloth, [None, None, Some((parts.add(from), from.1))]));
             }
         }
         self.measure(world, encoder, (&mut parts, &found));
@@ -188,10 +200,11 @@ impl Gpu {
             encoder.copy_buffer_to_buffer(buffer, *from, &parcel.staging, *start, to - from);
         }
         let (seconds, limit) = (&mut self.watch.seconds, world.calm_below());
-        let probe = |&(index, [fastest, strain]): &Found| Probe {
+        let probe = |&(index, [fastest, strain, struck]): &Found| Probe {
             cloth: Some(index),
             fastest: fastest.map(|at| parts.place(at)).zip(limit),
             strain: strain.map(|at| (parts.place(at), world.control.options.substeps)),
+            struck: struck.map(|at| parts.place(at)),
             seconds: std::mem::take(&mut seconds[index]),
             changes: world.runs[index].calm.changes,
         };

@@ -6,13 +6,14 @@ use std::sync::LazyLock;
 
 use crate::cloth::SKIPPED_CELLS;
 use crate::coarser::{FITS, ROUNDS};
+use crate::cpu::fabric::meeting::{extents, others};
 use crate::cpu::fabric::{leaves, partners, polish, stretch, touch};
 use crate::cpu::{aside, guard, pick, place, route};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 use crate::levels::NODE_TILE;
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 12] = [
+const FLOATS: [(&str, f64); 13] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
@@ -25,10 +26,11 @@ const FLOATS: [(&str, f64); 12] = [
     ("REST_SHARE", partners::REST_SHARE),
     ("TOUCH_SHARE", touch::TOUCH_SHARE),
     ("MAX_PUSH", touch::MAX_PUSH),
+    ("SHADOW_WIDTH", extents::WIDTH),
 ];
 
 /// u32 constants. `FAULT_...` are indices into the counters of a cloth.
-const NUMBERS: [(&str, usize); 15] = [
+const NUMBERS: [(&str, usize); 16] = [
     ("UNSUPPORTED", route::UNSUPPORTED as usize),
     ("PLACE_MOVES", place::PLACE_MOVES as usize),
     ("PLACE_WEIGHS", place::PLACE_WEIGHS as usize),
@@ -43,6 +45,7 @@ const NUMBERS: [(&str, usize); 15] = [
     ("ROUNDS", ROUNDS),
     ("NODE_TILE", NODE_TILE),
     ("MAX_PARTNERS", partners::MAX_PARTNERS),
+    ("MAX_OTHERS", others::MAX_OTHERS),
     ("SKIPPED_CELLS", SKIPPED_CELLS),
 ];
 

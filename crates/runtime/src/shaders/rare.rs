@@ -159,10 +159,33 @@ pub(super) fn partners(over: Over, seams: bool) -> Rule {
     own!("partners", over, parts)
 }
 
-pub(super) fn touch(over: Over) -> Rule {
-    own!("touch", over, Parts::new(&[], &[Now, Slot::Before, Slot::Kin, Slot::Partners], &[Slot::Pushes]))
+/// `others`: steps since it was last seen where other cloths are, 0 for cloth that meets none.
+pub(super) fn touch(over: Over, others: u32) -> Rule {
+    let read = [Now, Slot::Before, Slot::Kin, Slot::Partners];
+    let parts = match others {
+        0 => Parts::new(&[part!("apart_from_others")], &read, &[Slot::Pushes]),
+        since => {
+            let more = [&read[..], &[Slot::Step, Slot::Shadows, Slot::Others]].concat();
+            Parts::new(&[part!("among_others")], &more, &[Slot::Pushes]).constant("since", since)
+        }
+    };
+    own!("touch", over, parts)
 }
 
 pub(super) fn separate(over: Over) -> Rule {
     own!("separate", over, Parts::new(&[], &[Slot::Pushes], &[Now, Slot::Before]))
+}
+
+pub(super) fn shadow(over: Over) -> Rule {
+    own!("shadow", over, Parts::new(&[], &[Now, Slot::Before, Slot::Part], &[Slot::Shadow]))
+}
+
+pub(super) fn extents(over: Over) -> Rule {
+    let read = [Grids, Slot::Kin, Slot::Shadows, Slot::Part];
+    own!("extents", over, Parts::new(&[], &read, &[Slot::Boxes]))
+}
+
+pub(super) fn others(over: Over) -> Rule {
+    let read = [Grids, Slot::Kin, Slot::Homes, Slot::Shadows, Slot::Boxes, Slot::Part];
+    own!("others", over, Parts::new(&[], &read, &[Slot::Others, Slot::Struck]))
 }

@@ -101,7 +101,8 @@ pub fn over(pass: Pass) -> Over {
         Pass::Indices { .. } | Pass::Tangents { .. } => Over::Texels,
         Pass::Leaves => Over::Own(Threads::Texels),
         Pass::Tree => Over::Own(Threads::Cloth),
-        Pass::Partners { .. } | Pass::Touch | Pass::Separate => Over::Own(Threads::Particles),
+        Pass::Partners { .. } | Pass::Touch { .. } | Pass::Separate => Over::Own(Threads::Particles),
+        Pass::Shadow | Pass::Extents | Pass::Others => Over::Own(Threads::Particles),
     }
 }
 
@@ -211,8 +212,11 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Leaves => rare::leaves(over),
         Pass::Tree => rare::tree(over),
         Pass::Partners { seams } => rare::partners(over, seams),
-        Pass::Touch => rare::touch(over),
+        Pass::Touch { others } => rare::touch(over, others),
         Pass::Separate => rare::separate(over),
+        Pass::Shadow => rare::shadow(over),
+        Pass::Extents => rare::extents(over),
+        Pass::Others => rare::others(over),
     }
 }
 

@@ -3,6 +3,7 @@
 use bytemuck::cast_slice;
 
 use crate::cloth::{Cloth, Compliance, Rest, Tethers};
+use crate::cpu::fabric::meeting::others::MAX_OTHERS;
 use crate::cpu::fabric::partners::MAX_PARTNERS;
 use crate::layout::{FAULT_BYTES, FrameRow, GridRow, JobRow, LinkRow};
 
@@ -101,6 +102,10 @@ slots! {
     BackInfluences "back_influences",
     BackSkinned "back_skinned",
     Blending "blending",
+    Shadows "shadows",
+    Others "others",
+    Struck "struck",
+    Shadow "shadow",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
@@ -249,6 +254,10 @@ impl Slot {
             Slot::Boxes => crate::levels::boxes::count(cloth) * 32,
             Slot::Partners => cloth.len() * MAX_PARTNERS * 8,
             Slot::Pushes => cloth.len() * 32,
+            // Of which a cloth has a part, in buffers of all cloths with contact.
+            Slot::Shadows | Slot::Shadow => cloth.len() * 32,
+            Slot::Others => cloth.len() * MAX_OTHERS * 16,
+            Slot::Struck => 4,
             // Made when they are asked for; no frame binds them.
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
             Slot::Bounds | Slot::Indices | Slot::Tangents | Slot::Charts => 0,

@@ -9,6 +9,7 @@ use crate::cpu::rows::Threads;
 use crate::limits::Warning;
 use crate::number::real::Real;
 use crate::options::Solver;
+use crate::passes::{FOLLOW_STEPS, MEETING_STEPS};
 
 /// A cloth that other cloths may touch.
 struct Neighbour<'a, T: Real> {
@@ -19,11 +20,6 @@ struct Neighbour<'a, T: Real> {
     struck: Vec<usize>,
 }
 
-/// Steps after which cloths search for particles of others that they may meet.
-const MEETING_STEPS: u32 = 4;
-/// Steps after which cloths take in where particles of others are that they have found.
-const FOLLOW_STEPS: u32 = 2;
-
 impl World {
     /// Whether each cloth makes every step together with others: cloths that touch one another, and cloth whose contact is safe.
     pub(super) fn step_together(&self) -> Vec<bool> {
@@ -32,6 +28,13 @@ impl World {
         let tangled = self.tangles.some.is_some();
         let xpbd = self.control.options.solver == Solver::Xpbd;
         cloths.iter().map(|cloth| xpbd && cloth.contact.is_some() && (many || tangled || is_safe(cloth))).collect()
+    }
+
+    /// The cloths that may touch one another, by index.
+    pub fn meeting(&self) -> Vec<usize> {
+        let xpbd = self.control.options.solver == Solver::Xpbd;
+        let cloths = self.scene.cloths.iter().enumerate();
+        cloths.filter(|(_, cloth)| xpbd && cloth.contact.is_some()).map(|(index, _)| index).collect()
     }
 
     /// Has cloths that have contact find those particles of other cloths that they may touch in the first steps of a frame of `steps` steps.
@@ -113,7 +116,7 @@ impl World {
         struck
     }
 
-    /// Warnings where contact of the scene's cloths is left out on a backend, or promises less than it should.
+    /// Warnings where contact of the scene's cloths is left out, or promises less on a backend than it should.
     pub fn contact_warnings(&self, on_gpu: bool) -> Vec<Warning> {
         let mut touching = self.scene.cloths.iter().filter(|cloth| cloth.contact.is_some());
         let Some(cloth) = touching.next().map(|cloth| cloth.name().to_owned()) else { return Vec::new() };
@@ -124,8 +127,6 @@ impl World {
             return Vec::new();
         }
         let safe = self.scene.cloths.iter().find(|cloth| is_safe(cloth));
-        let less = safe.map(|cloth| Warning::ContactUnsafe { cloth: cloth.name().to_owned() });
-        let other = touching.next().map(|cloth| cloth.name().to_owned());
-        other.map(|other| Warning::ContactApart { cloth, other }).into_iter().chain(less).collect()
+        safe.map(|cloth| Warning::ContactUnsafe { cloth: cloth.name().to_owned() }).into_iter().collect()
     }
 }

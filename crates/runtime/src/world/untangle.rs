@@ -5,6 +5,7 @@ use super::joined::Joined;
 use super::truncate::{Key, is_safe};
 use crate::cpu::body::Body;
 use crate::cpu::fabric::seam_steps::Member;
+use crate::cpu::truncation::surface::{Source, Surface};
 use crate::cpu::untangle::Untangle;
 use crate::cpu::untangle::loose::{self, Loose};
 use crate::findings::Fate;
@@ -139,6 +140,31 @@ impl World {
                 bodies[*cloth].fabric_mut().iter_mut().for_each(|fabric| fabric.cross_at_rest(crossed));
             }
         }
+    }
+
+    /// For each of some cloths, and each particle, whether it is near a line along which cloths cross at rest; nothing of cloth that has no such
+    /// particle.
+    pub fn crossed_at_rest(&self, cloths: &[usize]) -> Vec<Vec<bool>> {
+        let source = |index: &usize| Source { index: *index, cloth: &self.scene.cloths[*index], holes: &[] };
+        let surface = Surface::new(&cloths.iter().map(source).collect::<Vec<_>>());
+        let spacing = cloths.iter().map(|index| f64::from(self.scene.cloths[*index].spacing()));
+        let mut of = Untangle::new(surface, spacing.fold(f64::INFINITY, f64::min), |_| 0);
+        of.rings = loose::RINGS_AT_REST;
+        for point in 0..of.surface.count() {
+            let texel = of.surface.of_point(point)[0];
+            of.at[point] = self.scene.cloths[texel.cloth as usize].positions()[texel.particle as usize].map(f64::from);
+        }
+        if of.look() == 0 {
+            return vec![Vec::new(); cloths.len()];
+        }
+        let mut crossed: Vec<_> = cloths.iter().map(|index| vec![false; self.scene.cloths[*index].len()]).collect();
+        for point in (0..of.loose.len()).filter(|point| of.loose[*point].others) {
+            for texel in of.surface.of_point(point) {
+                let member = cloths.iter().position(|index| *index == texel.cloth as usize).unwrap_or(0);
+                crossed[member][texel.particle as usize] = true;
+            }
+        }
+        crossed
     }
 
     /// Moves particles after the passes of a step.

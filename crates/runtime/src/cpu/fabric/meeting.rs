@@ -1,5 +1,6 @@
 //! Contact of a cloth with itself, between its passes: tiles of particles, the boxes around them, and who may meet whom.
 
+pub mod extents;
 mod loose;
 pub mod others;
 pub mod shadow;

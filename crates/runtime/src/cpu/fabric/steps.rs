@@ -176,7 +176,7 @@ impl<T: Real> Fabric<T> {
             Pass::Leaves => self.meeting.iter_mut().for_each(|m| m.leaves(&self.sheets)),
             Pass::Tree => self.meeting.iter_mut().for_each(Meeting::refit),
             Pass::Partners { .. } => self.meeting.iter_mut().for_each(|m| m.search(threads)),
-            Pass::Touch => self.meeting.iter_mut().for_each(|m| m.touch(&self.sheets, threads, step.dt)),
+            Pass::Touch { .. } => self.meeting.iter_mut().for_each(|m| m.touch(&self.sheets, threads, step.dt)),
             Pass::Separate => self.meeting.iter().for_each(|m| m.separate(&mut self.sheets)),
             Pass::Contact(_) => {
                 self.worn.iter().for_each(|worn| worn.run(threads, &mut self.sheets, step));
@@ -210,7 +210,11 @@ impl<T: Real> Fabric<T> {
             | Pass::Indices { .. }
             | Pass::Tangents { .. }
             | Pass::Wrap
-            | Pass::Blend { .. } => return false,
+            | Pass::Blend { .. }
+            // Of all cloths of a scene together, between their steps.
+            | Pass::Shadow
+            | Pass::Extents
+            | Pass::Others => return false,
         }
         true
     }

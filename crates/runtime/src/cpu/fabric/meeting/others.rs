@@ -1,7 +1,8 @@
-//! Particles of other cloths that those of a cloth may meet in a frame. They go on as they moved when the frame began: each cloth steps by
-//! itself, and both sides of a pair take their share.
+//! Twin of shaders/others.wgsl: particles of other cloths that those of a cloth may meet in some steps. They go on as they moved when the
+//! search began: each cloth steps by itself, and both sides of a pair take their share.
 
 use super::Meeting;
+use super::extents::WIDTH;
 use super::shadow::Shadow;
 use super::tiles::{LANES_OF_TILE, Tiles};
 use crate::cpu::fabric::partners::{REST_SHARE, between};
@@ -155,7 +156,7 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
         let Search { best, struck, shadow, tile, other: (number, other), from } = self;
         let zero = k.splat(T::of(0.0));
         let (length, tiny) = (k.splat(shadow.length), k.splat(T::of(1e-20)));
-        let reach = (shadow.distance + other.distance) * T::of(0.75);
+        let reach = (shadow.distance + other.distance) * T::of(WIDTH);
         let far = reach * reach;
         for (lane, best) in best.iter_mut().enumerate() {
             let mine = tile * LANES_OF_TILE + lane;
@@ -164,7 +165,7 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
             }
             let (at, way) = (Tiles::at(&shadow.now, mine), scale(shadow.velocity_at(mine), shadow.length));
             let (end, wide, node) =
-                (add(at, way), shadow.distance * T::of(0.75), &other.tree.nodes[from / LANES_OF_TILE]);
+                (add(at, way), shadow.distance * T::of(WIDTH), &other.tree.nodes[from / LANES_OF_TILE]);
             let misses = |c: usize| at[c].max(end[c]) + wide < node.low[c] || at[c].min(end[c]) - wide > node.high[c];
             if (0..3).any(misses) {
                 continue;

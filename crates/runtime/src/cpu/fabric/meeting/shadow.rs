@@ -1,12 +1,10 @@
-//! A cloth as other cloths see it in a frame: where its particles were as the frame began, and how they moved.
+//! Twin of shaders/shadow.wgsl: a cloth as other cloths see it for some steps.
 
+use super::extents;
 use super::tiles::{LANES_OF_TILE, Tiles};
-use crate::cpu::fabric::tree::{self, Node, Tree};
+use crate::cpu::fabric::tree::{self, Tree};
 use crate::number::aligned::Aligned;
-use crate::number::real::{Real, V3, add, scale, sub, xyz};
-
-/// Room for pushes in a frame, as a share of the contact distance.
-const SLACK: f64 = 0.25;
+use crate::number::real::{Real, V3, scale, sub, xyz};
 
 /// Places are those of [`Tiles`].
 pub struct Shadow<T: Real> {
@@ -64,25 +62,17 @@ impl<T: Real> Shadow<T> {
     /// Takes in where particles are, and makes boxes around all that they pass in the frame.
     pub fn follow(&mut self, tiles: &Tiles<T>, dawn: &Dawn<T>) {
         (self.length, self.wakes_at) = (dawn.length, dawn.wakes_at);
-        let wide = self.distance * T::of(0.5 + SLACK);
         for tile in 0..tiles.count() {
-            let mut node = Node::<T>::none();
             for place in tile * LANES_OF_TILE..(tile + 1) * LANES_OF_TILE {
                 let Some(p) = dawn.now.get(tiles.texel[place] as usize) else { continue };
                 let (at, was) = (xyz(*p), xyz(dawn.before[tiles.texel[place] as usize]));
                 let velocity = scale(sub(at, was), dawn.rate);
-                let end = add(at, scale(velocity, dawn.length));
                 self.w[place] = if dawn.rate > T::of(0.0) { p[3].max(T::of(0.0)) } else { T::of(0.0) };
                 for c in 0..3 {
                     (self.now[c][place], self.velocity[c][place]) = (at[c], velocity[c]);
-                    node.low[c] = node.low[c].min(at[c]).min(end[c]);
-                    node.high[c] = node.high[c].max(at[c]).max(end[c]);
                 }
             }
-            for c in 0..3 {
-                (node.low[c], node.high[c]) = (node.low[c] - wide, node.high[c] + wide);
-            }
-            self.tree.nodes[tile] = node;
+            self.tree.nodes[tile] = extents::around(self, tiles, tile);
         }
         tree::run(&mut self.tree);
     }
