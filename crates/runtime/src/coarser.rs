@@ -12,7 +12,6 @@ mod border;
 mod lattice;
 mod lengths;
 mod motion;
-mod settle;
 mod stitches;
 mod table;
 
@@ -22,11 +21,10 @@ use crate::cloth::{Anchor, Cloth, Grid, Mass, Particle, Parts, Tethers, Woven};
 use crate::error::{Error, Result};
 use crate::material::Material;
 use lattice::Stencil;
-pub(crate) use motion::{Beside, FITS, Motion};
+pub(crate) use motion::{Beside, Motion};
 #[cfg(all(test, feature = "gpu"))]
-pub(crate) use settle::lengths;
-pub(crate) use settle::{ROUNDS, settle};
-pub(crate) use table::Table;
+pub(crate) use table::lengths;
+pub(crate) use table::{FITS, ROUNDS, Table};
 
 /// A coarser image of a cloth, and how the particles of the two correspond. [`Cloth::coarser`] makes it; copies share it.
 #[derive(Clone, Debug)]

@@ -31,10 +31,8 @@ pub(crate) mod normals;
 pub(crate) mod pick;
 pub(crate) mod pick_nearest;
 pub(crate) mod place;
-#[cfg(any(feature = "gpu", test))]
 pub(crate) mod prolong;
 pub(crate) mod restore;
-#[cfg(any(feature = "gpu", test))]
 pub(crate) mod restrict;
 pub(crate) mod route;
 pub(crate) mod rows;

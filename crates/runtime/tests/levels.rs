@@ -3,6 +3,7 @@
 mod support;
 
 use gimage_runtime::*;
+use support::alike::rounding;
 use support::rig::{Rig, largest};
 use support::{FRAME, all_colliders, curtain, hung_tube, made_of, scene, two_charts, wind};
 
@@ -86,6 +87,34 @@ fn a_switch_moves_the_surface_by_less_than_a_share_of_a_cell() {
             assert!(slower.max(faster) < 2e-3, "{name} {strength}: velocities change by {slower} and {faster} m/s");
             rig.frames(30);
             assert!(rig.positions(0).iter().flatten().all(|x| x.is_finite()), "{name}");
+        }
+    }
+}
+
+#[test]
+fn both_backends_switch_alike() {
+    let sewn = Scene { wind: Some(wind(true)), ..scene(two_charts(23)) };
+    let woven = Scene { wind: Some(wind(true)), ..scene(made_of(curtain(24))) };
+    for (name, of) in [("curtain", moving(33, 1.0)), ("charts", sewn), ("material", woven)] {
+        let mut rigs = Rig::both(&of, &Options { substeps: Some(4), ..Options::default() });
+        let [here, there] = &mut rigs[..] else { return };
+        let limit = there.device().map_or(1e-6, |device| rounding(device, 1e-6));
+        here.frames(60);
+        for level in [1, 2, 1, 0, 2, 0] {
+            // From the same state and time, as rounding grows from frame to frame.
+            let state = here.stepper.snapshot().unwrap();
+            there.stepper.restore(&state).unwrap();
+            let gap = |here: &Rig, there: &Rig| {
+                let of = |list: fn(&Rig, usize) -> Vec<[f32; 4]>| largest(&list(here, 0), &list(there, 0));
+                of(Rig::positions).max(of(Rig::previous))
+            };
+            [&mut *here, &mut *there].into_iter().for_each(|rig| rig.stepper.set_level(0, level).unwrap());
+            let switched = gap(here, there);
+            [&mut *here, &mut *there].into_iter().for_each(|rig| rig.frame(FRAME));
+            let stepped = gap(here, there);
+            eprintln!("{name}, level {level}: {switched:e} m apart behind the switch, {stepped:e} m after four steps");
+            assert!(switched <= limit && stepped <= 4.0 * limit, "{name}, level {level}: {switched} and {stepped} m");
+            here.frames(10);
         }
     }
 }

@@ -44,15 +44,6 @@ impl Stencil {
         let moved = parts.iter().zip(weights).map(|((k, _), w)| (*k as u32, (w / sum) as f32));
         if sum.is_finite() { weighted(moved).unwrap_or(self) } else { self }
     }
-
-    /// The value there of one that the coarse particles have.
-    pub fn of(&self, list: &[[f32; 4]]) -> [f32; 3] {
-        let mut sum = [0.0f64; 3];
-        for (k, w) in self.parts() {
-            sum = [0, 1, 2].map(|c| sum[c] + f64::from(w) * f64::from(list[k][c]));
-        }
-        sum.map(|x| x as f32)
-    }
 }
 
 /// The coarse grid of a grid whose sides keep some texels, its particles beginning at `first`, and the texel of each. Inside, columns and

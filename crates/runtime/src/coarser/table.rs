@@ -1,9 +1,15 @@
 //! The numbers by which a pass carries motion between the two images of a [`Coarser`], as shaders and their twins read them.
 
 use super::Coarser;
-use super::settle::{MOST, lengths};
-use crate::cloth::Cloth;
+use crate::cloth::{Cloth, other_end};
 use crate::options::Solver;
+
+/// Rounds of the fit; even, as two lists take turns.
+pub(crate) const FITS: usize = 4;
+/// Rounds over all springs, forward and backward by turns.
+pub(crate) const ROUNDS: usize = 8;
+/// Share of the shortest spring at a particle by which it moves at most.
+const MOST: f64 = 0.25;
 
 /// Words of 32 bits: a head, the stencils of fine particles, the rows of coarse ones, what their rows point to, and the springs of the
 /// coarse image by colour. `shaders/part/table.wgsl` reads them.
@@ -84,6 +90,20 @@ fn springs(cloth: &Cloth, points: &[usize]) -> (Vec<f32>, Vec<Vec<[u32; 3]>>) {
     }
     colours.extend(beyond);
     (most, colours)
+}
+
+/// The points that each spring joins, and its rest length \[m\].
+pub(crate) fn lengths(cloth: &Cloth, points: &[usize]) -> impl Iterator<Item = ([usize; 2], f64)> {
+    cloth.grids().iter().enumerate().flat_map(move |(g, grid)| {
+        let (w, h) = (grid.width as usize, grid.height as usize);
+        let all = (0..grid.texels()).flat_map(|k| (0..4).map(move |d| (k, d)));
+        all.filter_map(move |(k, d)| {
+            let (rest, other) = (f64::from(cloth.spring(g, k, d)), other_end(w, h, k, d)?);
+            // Duplicates of one point may be neighbours.
+            let ends = [k, other].map(|k| points[grid.first as usize + k]);
+            (rest > 0.0 && ends[0] != ends[1]).then_some((ends, rest))
+        })
+    })
 }
 
 impl Table {

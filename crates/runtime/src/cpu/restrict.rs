@@ -1,7 +1,4 @@
 //! Twin of shaders/restrict.wgsl: the motion of a coarser image, from that of the finer one.
-//!
-//! The CPU backend, which has both images at hand, carries motion in f64 (`coarser/motion.rs`, `coarser/settle.rs`); springs there are in
-//! the order of the grid, here in that of their colours.
 
 use crate::coarser::{FITS, Motion, ROUNDS, Table};
 use crate::number::real::{Real, add, dot, scale, sub, with_w};
@@ -10,7 +7,8 @@ fn xyz<T: Real>([x, y, z, _]: [T; 4]) -> [T; 3] {
     [x, y, z]
 }
 
-/// Puts the particles of a coarse image where the finer one is. On entry `coarse` has the inverse masses.
+/// Puts the particles of a coarse image where the finer one is, its triangles between the heights and depths of the fine surface: least
+/// squares by Jacobi's method, then springs that are too short. On entry `coarse` has the inverse masses.
 pub fn run(table: &Table, fine: &Motion, coarse: &mut Motion) {
     for (k, (now, before)) in coarse.now.iter_mut().zip(&mut coarse.before).enumerate() {
         let sample = table.sample(k);
@@ -49,7 +47,8 @@ fn follow(coarse: &mut Motion, start: &[[f32; 4]], point: impl Fn(usize) -> usiz
     }
 }
 
-/// Moves points apart until springs are no shorter than they are at rest.
+/// Moves points apart until springs are no shorter than they are at rest: wrinkles that a coarse image cannot have leave its springs too
+/// short, and the first step would throw the cloth apart.
 fn settle(table: &Table, start: &[[f32; 4]], coarse: &mut Motion) {
     for round in 0..ROUNDS {
         for n in 0..table.colours() {

@@ -1,7 +1,7 @@
 use super::super::adapter::device;
 use super::*;
 use crate::cloth::{Cloth, Flat, Particle, Parts};
-use crate::coarser::{Motion, lengths, settle};
+use crate::coarser::{Motion, lengths};
 use crate::cpu::start::inverse_masses;
 use crate::cpu::{prolong, restrict};
 use crate::gpu::{Pipelines, read_back};
@@ -112,15 +112,10 @@ fn motion_on_the_device_is_that_of_the_twins() {
         assert!(far < 2e-6, "{name}: {far} m from the twin");
         let way = coarser.beside(&fine, &motion)[0].2;
         assert!((0..3).all(|c| (ways[1][c] - way[c]).abs() < 1e-6), "{name}: {way:?}, {:?}", ways[1]);
-        // In the order of colours springs come as near to their lengths as in that of the grid.
-        let mut backend = coarser.restrict(coarse, &motion);
-        let fitted = backend.now.clone();
-        settle(coarse, &mut backend);
-        let [short, on_cpu, moved] = [&fitted, &backend.now, &there.now].map(|list| shortage(coarse, list));
-        eprintln!(
-            "{name}: {far:e} m from the twin; springs are short by {short}, then by {moved}, on the CPU by {on_cpu}"
-        );
-        assert!(short > 0.05 && moved < 1.2 * on_cpu && moved < 0.95 * short, "{name}");
+        let sampled: Vec<_> = coarser.samples().iter().map(|k| motion.now[*k as usize]).collect();
+        let [short, moved] = [&sampled, &there.now].map(|list| shortage(coarse, list));
+        eprintln!("{name}: {far:e} m from the twin; springs are short by {short}, then by {moved}");
+        assert!(short > 0.05 && moved < 0.95 * short, "{name}");
 
         let weights = inverse_masses(&fine, Solver::Xpbd);
         let beside = coarser.beside(&fine, &motion);
@@ -130,9 +125,6 @@ fn motion_on_the_device_is_that_of_the_twins() {
         prolong::run(&table, &twin, &beside, &mut fine_twin);
         let far = farthest(&there.now, &fine_twin.now).max(farthest(&there.before, &fine_twin.before));
         assert!(far < 1e-6, "{name}: {far} m from the twin");
-        let exact = coarser.prolong(&twin);
-        let free = fine_twin.now.iter().zip(&exact.now).enumerate().filter(|(k, _)| *k != beside[0].0 as usize);
-        assert!(free.flat_map(|(_, (p, q))| (0..3).map(move |c| (p[c] - q[c]).abs())).all(|d| d < 1e-6), "{name}");
         // Duplicates have the same bits on both levels.
         for (cloth, list) in [(coarse, &twin.now), (&fine, &there.now)] {
             assert!(cloth.points().iter().enumerate().all(|(k, p)| list[k] == list[*p as usize]), "{name}");

@@ -39,8 +39,7 @@ impl Stepper {
     /// The first switch of the first instance of a cloth makes the coarser image, about a microsecond per particle; instances share it.
     /// On the GPU nothing waits and nothing is read back: the call submits passes that carry positions and velocities, one dispatch per
     /// cloth and level, so submit what was recorded before the call. Their first use compiles them, unless they are prepared
-    /// ([`crate::Ahead`]). Springs of a coarser image are moved apart in another order there than on the CPU, so its first positions differ between
-    /// the two by a part of how far they move. Cloths that change in one call share buffers and
+    /// ([`crate::Ahead`]). Cloths that change in one call share buffers and
     /// dispatches of frames as cloths of one scene do, so a crowd changes levels together, some frames apart. Memory of level 0 that is shared with
     /// other cloths is freed with the last of them.
     ///

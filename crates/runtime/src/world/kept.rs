@@ -1,12 +1,9 @@
 //! The last state of a cloth in the host's memory, from which it continues if the device is lost.
 
 use super::World;
-use super::levels::at_start;
-use crate::cloth::Cloth;
+use super::levels::{at_start, room};
 use crate::coarser::Motion;
-use crate::cpu::start::inverse_masses;
 use crate::cpu::{prolong, restrict};
-use crate::options::Solver;
 use crate::scene::Pose;
 use crate::state::{ClothState, Head, Layout};
 
@@ -46,7 +43,7 @@ impl World {
         for (n, fine) in finer.iter().enumerate().skip(level) {
             let coarse = finer.get(n + 1).map_or(&self.scene.cloths[index], |f| &f.cloth);
             let table = fine.images.table(|| fine.coarser.table(&fine.cloth, coarse, solver));
-            let mut next = at_rest(coarse, solver);
+            let mut next = room(coarse, solver);
             restrict::run(&table, &motion, &mut next);
             motion = next;
         }
@@ -67,16 +64,10 @@ impl World {
             images = below;
         }
         for (table, coarser, fine) in passed.iter().rev() {
-            let mut next = at_rest(fine, solver);
+            let mut next = room(fine, solver);
             prolong::run(table, &motion, &coarser.beside(fine, &at_start(fine, home)), &mut next);
             motion = next;
         }
         Some(motion)
     }
-}
-
-/// Room for the motion of a cloth, with its inverse masses.
-fn at_rest(cloth: &Cloth, solver: Solver) -> Motion {
-    let now: Vec<_> = inverse_masses(cloth, solver).into_iter().map(|w| [0.0, 0.0, 0.0, w]).collect();
-    Motion { before: now.clone(), now }
 }

@@ -6,8 +6,9 @@ use super::follow::Joints;
 use super::images::Images;
 use super::{ClothRun, Left, World};
 use crate::cloth::Cloth;
-use crate::coarser::{Beside, Coarser, Motion, Table, settle};
+use crate::coarser::{Beside, Coarser, Motion, Table};
 use crate::cpu::start::inverse_masses;
+use crate::cpu::{prolong, restrict};
 use crate::error::Result;
 use crate::fused::{Roster, arenas};
 use crate::limits::Warning;
@@ -97,14 +98,15 @@ impl World {
         let mut run =
             super::members::prepare(&mut cloth, &self.control.options, slack, (&self.scene.colliders, known))?;
         images.keep_below(run.images.as_ref());
+        let solver = self.control.options.solver;
+        let table = images.table(|| coarser.table(&switch.cloth, &cloth, solver));
         match &mut switch.motion {
             Some(motion) => {
-                *motion = coarser.restrict(&cloth, motion);
-                settle(&cloth, motion);
+                let mut coarse = room(&cloth, solver);
+                restrict::run(&table, motion, &mut coarse);
+                *motion = coarse;
             }
             None => {
-                let solver = self.control.options.solver;
-                let table = images.table(|| coarser.table(&switch.cloth, &cloth, solver));
                 let (inverse_masses, beside) = (inverse_masses(&cloth, solver), beside.clone());
                 switch.legs.push(Leg { down: true, table, inverse_masses, beside });
             }
@@ -160,14 +162,14 @@ impl Switch {
         let Some(Finer { mut cloth, images, warnings, coarser, beside }) = self.run.finer.pop() else { return };
         coarser.carry_pins(&mut cloth, &self.cloth);
         cloth.take_settings(&self.cloth);
+        let table = images.table(|| coarser.table(&cloth, &self.cloth, solver));
         match &mut self.motion {
             Some(motion) => {
-                let mut fine = coarser.prolong(motion);
-                coarser.put_beside(&beside, motion, &mut fine);
+                let mut fine = room(&cloth, solver);
+                prolong::run(&table, motion, &beside, &mut fine);
                 *motion = fine;
             }
             None => {
-                let table = images.table(|| coarser.table(&cloth, &self.cloth, solver));
                 let inverse_masses = inverse_masses(&cloth, solver);
                 self.legs.push(Leg { down: false, table, inverse_masses, beside });
             }
@@ -177,6 +179,12 @@ impl Switch {
         self.run = ClothRun::new(images);
         (self.run.finer, self.run.warnings, self.run.home) = (finer, warnings, home);
     }
+}
+
+/// Room for the motion of a cloth, with its inverse masses.
+pub(super) fn room(cloth: &Cloth, solver: Solver) -> Motion {
+    let now: Vec<_> = inverse_masses(cloth, solver).into_iter().map(|w| with_w([0.0; 3], w)).collect();
+    Motion { before: now.clone(), now }
 }
 
 /// Where a cloth is at its start, moved by teleports.
