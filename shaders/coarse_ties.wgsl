@@ -1,12 +1,8 @@
-// Nodes of one level at a seam move as those on its other side do, where tiles have limited its lengths. One workgroup.
-@group(0) @binding(21) var<storage, read_write> nodes: array<vec4<f32>>;
+// Nodes of one level at a seam move as those on its other side do, where tiles have limited its lengths. One workgroup a cloth.
 
 // The level, from 1 for the finest.
 override level: u32 = 1u;
 
-const GROUP: u32 = 256u;
-
-@compute @workgroup_size(256)
-fn main(@builtin(local_invocation_index) local: u32) {
-  tie(local, level);
+fn tie_level(mine: vec2<u32>, tile: vec2<u32>, most: u32, local: u32) {
+  tie(levels_at(mine.x), local, level);
 }

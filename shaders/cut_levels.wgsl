@@ -11,6 +11,11 @@ struct Link {
 
 const GROUP: u32 = 256u;
 
+// Where the links of nodes begin, behind those of particles.
+fn links_of_nodes() -> u32 {
+  return arrayLength(&links) - arrayLength(&nodes) / 2u;
+}
+
 // The grid that a level is made of.
 struct Below {
   first: u32,
@@ -171,24 +176,24 @@ fn make(local: u32, b: Below, level: Level) {
       across(b, x, y, right, down, true),
       across(b, x, y, right, up, false));
     let m = mass(b, i, j);
-    links[level.links + n].mass = m;
+    links[links_of_nodes() + level.image + n].mass = m;
     nodes[2u * (level.first + n) + 1u].w = select(0.0, 1.0 / max(m, 1e-30), m > 0.0);
   }
 }
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-  let grid = grids[id.z];
-  let head = levels[id.z];
+  let grid = grids_at(id.z);
+  let head = levels_at(id.z);
   var b = Below(grid.first, grid.first, vec2<i32>(i32(grid.width), i32(grid.height)), true);
-  for (var n = 0u; n < head.width; n++) {
-    let level = levels[head.first + n];
+  for (var n = 0u; n < head.y; n++) {
+    let level = level_at(head.x + n);
     for (var k = local; k < u32(b.size.x * b.size.y); k += GROUP) {
       links[b.links + k].follows = follows(b, i32(k % u32(b.size.x)), i32(k / u32(b.size.x)));
     }
     storageBarrier();
     make(local, b, level);
     storageBarrier();
-    b = Below(level.first, level.links, vec2<i32>(i32(level.width), i32(level.height)), false);
+    b = Below(level.first, links_of_nodes() + level.image, vec2<i32>(i32(level.width), i32(level.height)), false);
   }
 }

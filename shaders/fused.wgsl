@@ -1,6 +1,6 @@
 // The whole frame of a cloth by one workgroup: every step, from the integration to the contact, then what ends a frame.
 // A workgroup a cloth. A frame with much work is several dispatches, each of which makes some of its steps. `air_program`,
-// `step_program`, `round_program` and `frame_program` are made from the schedule: the rules of the separate passes, in the same
+// `step_program`, `coarse_program`, `round_program` and `frame_program` are made from the schedule: the rules of the separate passes, in the same
 // order, with a barrier after each. `find_lists` and the places of lists, `NAME_from`, are made by
 // crates/runtime/src/shaders/lists.rs.
 override threads: u32 = 64u;
@@ -38,6 +38,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
       air_program(job, local);
     }
     step_program(job, local);
+    coarse_program(n, job, local);
     for (var r = 0u; r < frame.rounds; r++) {
       round_program(job, local);
     }

@@ -7,9 +7,10 @@ struct Frame {
   solids: u32,
   // Steps of a dispatch, but for the last.
   most: u32,
+  // Steps from one with the passes on coarser grids to the next.
+  pyramid: u32,
   unused1: u32,
   unused2: u32,
-  unused3: u32,
   rows: array<Step, 129>,
 }
 @group(0) @binding(31) var<uniform> frame: Frame;
@@ -37,7 +38,8 @@ struct Job {
   image: u32,
   // Colliders that the cloth meets.
   solids: u32,
-  unused: u32,
+  // Most coarser levels of a grid; 0 without a pyramid.
+  levels: u32,
   // Acceleration and wind in the frame of reference of the cloth.
   gravity: vec4<f32>,
   wind: vec4<f32>,
@@ -54,7 +56,7 @@ fn jobs_at(n: u32) -> Job {
   let d = lists[k + 3u];
   let gravity = bitcast<vec4<f32>>(lists[k + 4u]);
   let wind = bitcast<vec4<f32>>(lists[k + 5u]);
-  return Job(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.xy, c.zw, d.x, d.y, d.z, 0u, gravity, wind);
+  return Job(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.xy, c.zw, d.x, d.y, d.z, d.w, gravity, wind);
 }
 
 fn grids_at(g: u32) -> Grid {

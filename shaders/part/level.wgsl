@@ -1,12 +1,18 @@
-// Coarser grids. For grid g `levels[g]` has the index of its finest level and, as width, how many there are. The links of
-// a level begin at `links`.
+// Coarser grids. Row g of `levels` is the head of grid g: the row of its finest level, how many levels there are, and where the ties and
+// the nodes of its cloth begin.
+
+// One level: its first node, columns and rows, and where its limits begin.
 struct Level {
   first: u32,
   width: u32,
   height: u32,
-  links: u32,
+  image: u32,
 }
-@group(0) @binding(20) var<storage, read> levels: array<Level>;
+
+fn level_at(n: u32) -> Level {
+  let row = levels_at(n);
+  return Level(row.x, row.y, row.z, row.w);
+}
 
 // The nodes between which column (or row) k of `size` lies; twice the same where it is on one.
 fn nodes_around(k: u32, size: u32) -> vec2<u32> {

@@ -10,3 +10,7 @@ struct Link {
 fn followed(k: u32) -> u32 {
   return links[k].follows;
 }
+
+fn followed_by_node(n: u32) -> u32 {
+  return links[arrayLength(&links) - arrayLength(&nodes) / 2u + n].follows;
+}

@@ -2,3 +2,7 @@
 fn followed(k: u32) -> u32 {
   return 15u;
 }
+
+fn followed_by_node(n: u32) -> u32 {
+  return 15u;
+}

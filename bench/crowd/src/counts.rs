@@ -27,6 +27,7 @@ struct Row {
     name: &'static str,
     scene: Scene,
     tethers: u32,
+    pyramid: u32,
     change: Change,
 }
 
@@ -35,8 +36,8 @@ struct Row {
 #[allow(clippy::print_stdout)]
 pub fn print(gpu: &Gpu, substeps: u32) -> Result<()> {
     println!("scene,cloths,particles,dispatches,writes_per_frame,ms_change,ms_record,device_bytes_per_particle");
-    for Row { name, scene, tethers, change } in rows()? {
-        let options = Options { substeps: Some(substeps), polish: Some(0), tethers, ..Options::default() };
+    for Row { name, scene, tethers, pyramid, change } in rows()? {
+        let options = Options { substeps: Some(substeps), polish: Some(0), tethers, pyramid, ..Options::default() };
         let (cloths, particles) = (scene.cloths.len(), scene.cloths.iter().map(Cloth::len).sum::<usize>());
         let mut host = Host::new(scene, options, Some(gpu))?;
         for _ in 0..WARM_UP {
@@ -72,7 +73,7 @@ fn milliseconds(start: Instant) -> f64 {
 }
 
 fn rows() -> Result<Vec<Row>> {
-    let row = |name, scene, tethers| Row { name, scene, tethers, change: Change::None };
+    let row = |name, scene, tethers| Row { name, scene, tethers, pyramid: 0, change: Change::None };
     let flat = |n, count| -> Result<Scene> { Ok(Scene { cloths: vec![sheet(n)?; count], ..Scene::new("flat") }) };
     let capsules = |count| -> Vec<Collider> {
         let shape = Shape::Capsule { radius: 0.1, half_height: 0.2 };
@@ -82,7 +83,9 @@ fn rows() -> Result<Vec<Row>> {
         Ok(Scene { cloths: vec![garment::skirt(64)?; count], colliders: capsules(4), ..Scene::new("worn") })
     };
     let met = |n, count| -> Result<Scene> { Ok(Scene { colliders: capsules(8), ..flat(n, count)? }) };
-    Ok(vec![
+    let held = |name, scene| Row { pyramid: 4, ..row(name, scene, 0) };
+    let sewn = |count| -> Result<Scene> { Ok(Scene { colliders: Vec::new(), ..worn(count)? }) };
+    let mut rows = vec![
         row("flat 32 x 32", flat(32, 1000)?, 0),
         row("flat 32 x 32 with 8 capsules", met(32, 1000)?, 0),
         Row { change: Change::Collider, ..row("flat 32 x 32 and a collider that moves", met(32, 1000)?, 0) },
@@ -91,7 +94,13 @@ fn rows() -> Result<Vec<Row>> {
         Row { change: Change::Pins, ..row("garment whose pins move", worn(1)?, 2) },
         row("flat 128 x 128", flat(128, 10)?, 0),
         row("flat 128 x 128, more", flat(128, 16)?, 0),
-    ])
+    ];
+    for count in [1, 10, 100] {
+        rows.push(held("flat 32 x 32 with a pyramid", flat(32, count)?));
+        rows.push(held("flat 64 x 64 with a pyramid", flat(64, count)?));
+        rows.push(held("garment of 4096 texels with a seam and a pyramid", sewn(count)?));
+    }
+    Ok(rows)
 }
 
 /// A sheet of `n` x `n` particles that two corners hold.

@@ -10,8 +10,9 @@ use std::sync::Arc;
 
 use crate::cloth::{Cloth, Rest};
 use crate::form::{Fused, Hold};
+use crate::levels;
 use crate::options::{Options, Solver};
-use crate::passes::{Pass, Schedule, Soft, soft_of};
+use crate::passes::{Pass, Schedule, Soft, has_levels, soft_of};
 use crate::shaders::{self, HEAD, LISTED, Slot, listed};
 use crate::tuning::{MIN_THREADS as LEAST, Tuning};
 
@@ -186,7 +187,8 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
         let sewn = cloth.sewing().is_some();
         let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some(), aimed, sewn);
         let (slots, instance) = held(index);
-        let kind = (image, rings, soft, slots, fabric);
+        let leveled = has_levels(cloth, options);
+        let kind = (image, rings, soft, slots, fabric, leveled);
         // Those of lists that are only read, of what lasts, or of scratch: forces of air, multipliers of springs and of bending, and
         // pulls of stitches.
         let vectors = 1 + usize::from(soft != Soft::None) + usize::from(cloth.bending().is_some()) + usize::from(sewn);
@@ -196,7 +198,10 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
         let own = 16 * places as u64 * own;
         let images = listed(cloth, slots, places) as u64 - listed(cloth, slots, 0) as u64 - own;
         let lists = listed(cloth, slots, 0) as u64 + own;
-        let vectors = (16 * places * vectors.max(2)) as u64;
+        let [rows, shared] = if leveled { levels::listed(cloth) } else { [0; 2] };
+        let (lists, images) = (lists + rows as u64, images + shared as u64);
+        let nodes = if leveled { 32 * levels::rows(cloth).1 } else { 0 };
+        let vectors = (16 * places * vectors.max(2)).max(nodes) as u64;
         if (lists + images + HEADS).max(vectors) > room.bytes {
             continue;
         }

@@ -109,7 +109,9 @@ pub struct FrameRow {
     pub solids: u32,
     /// Steps of a dispatch, but for the last.
     pub most: u32,
-    pub unused: [u32; 3],
+    /// Steps from one with the passes on coarser grids to the next.
+    pub pyramid: u32,
+    pub unused: [u32; 2],
     pub rows: [StepRow; POSES as usize + 1],
 }
 
@@ -132,7 +134,8 @@ pub struct JobRow {
     pub image: u32,
     /// Colliders that it meets.
     pub solids: u32,
-    pub unused: u32,
+    /// Most coarser levels of a grid; 0 without a pyramid.
+    pub levels: u32,
     /// Acceleration and wind in its frame of reference.
     pub gravity: [f32; 4],
     pub wind: [f32; 4],

@@ -104,17 +104,29 @@ pub fn masses(cloth: &Cloth) -> Vec<f64> {
     all
 }
 
+/// Columns and rows of the levels of a grid, finest first.
+pub fn sizes(grid: &Grid) -> impl Iterator<Item = [u32; 2]> + use<> {
+    let below = |[w, h]: [u32; 2]| (w.max(h) > 2).then(|| [nodes(w), nodes(h)]);
+    std::iter::successors(below([grid.width, grid.height]), move |size| below(*size))
+}
+
+/// Most levels of a grid.
+pub fn most(cloth: &Cloth) -> u32 {
+    cloth.grids().iter().map(|grid| sizes(grid).count() as u32).max().unwrap_or(0)
+}
+
 /// Rows of the table of levels (one a grid and one a level), and nodes of all levels.
 pub fn rows(cloth: &Cloth) -> (usize, usize) {
-    let (mut rows, mut count) = (cloth.grids().len(), 0);
-    for grid in cloth.grids() {
-        let (mut w, mut h) = (grid.width, grid.height);
-        while w.max(h) > 2 {
-            (w, h) = (nodes(w), nodes(h));
-            (rows, count) = (rows + 1, count + w as usize * h as usize);
-        }
-    }
-    (rows, count)
+    let count = |(rows, count), [w, h]: [u32; 2]| (rows + 1, count + w as usize * h as usize);
+    cloth.grids().iter().flat_map(sizes).fold((cloth.grids().len(), 0), count)
+}
+
+/// Bytes that a cloth has in lists of coarser grids that shaders only read, at most: its own, and those that its instances share.
+pub fn listed(cloth: &Cloth) -> [usize; 2] {
+    let (rows, nodes) = rows(cloth);
+    // No level has more ties than there are seam rings.
+    let ties = if cloth.ring_count() > 0 { most(cloth) as usize * (1 + cloth.ring_count()) } else { 0 };
+    [16 * rows, 16 * (nodes + ties)]
 }
 
 /// A grid that a coarser one is made of.

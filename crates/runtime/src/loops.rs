@@ -5,9 +5,10 @@
 //! an ellipsoid 24 for each of the four times that it may be asked for. Compilers make loops of what is none in a shader, so a device's
 //! number has a margin ([`crate::fused::Room::of`]).
 
-use crate::cloth::Cloth;
+use crate::cloth::{Cloth, Grid};
 use crate::collider::{Collider, Shape};
 use crate::form::{Chain, Fused, Tile};
+use crate::levels;
 use crate::passes::{Air, Pass};
 use crate::shaders::{Over, over};
 
@@ -22,15 +23,26 @@ pub fn of_solids<'a>(colliders: impl IntoIterator<Item = &'a Collider>) -> u64 {
     colliders.into_iter().map(one).sum()
 }
 
+/// Those of a thread for all coarser grids of a cloth: each level is gathered, limited in eight colours and tied.
+fn of_levels(cloth: &Cloth, threads: u32) -> u64 {
+    let nodes = |grid: &Grid| levels::sizes(grid).map(|[w, h]| 9 * (each(w * h, threads) + 1)).sum::<u64>();
+    let of = |grid: &Grid| nodes(grid) + 9 * u64::from(levels::most(cloth));
+    let ties = u64::from(levels::most(cloth)) * (9 * each(cloth.ring_count() as u32, threads) + 9);
+    cloth.grids().iter().map(of).sum::<u64>() + ties
+}
+
 /// Those of a step of a whole frame, and those beside all steps, of a cloth and [`of_solids`] of its colliders.
 pub fn of_whole(fused: &Fused, (cloth, solids): (&Cloth, u64), iterations: u32) -> [u64; 2] {
     let (each, schedule) = (each(fused.places, fused.threads), &fused.schedule);
     let of = |pass: &Pass| match over(*pass) {
         Over::Rings => rings(cloth, fused.threads),
+        Over::Groups(_) if matches!(pass, Pass::Pyramid { .. }) => of_levels(cloth, fused.threads),
+        Over::Groups(_) => 0,
         _ => each * within(pass, solids) + 3 * cloth.grids().len() as u64 + 1,
     };
     let all = |list: &[Pass]| list.iter().map(of).sum::<u64>();
-    let step = 1 + all(&schedule.air) + all(&schedule.step) + u64::from(iterations) * (1 + all(&schedule.relax));
+    let once = 1 + all(&schedule.air) + all(&schedule.step) + all(&schedule.coarse);
+    let step = once + u64::from(iterations) * (1 + all(&schedule.relax));
     [step, 4 * each + all(&schedule.frame)]
 }
 

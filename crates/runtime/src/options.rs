@@ -89,11 +89,11 @@ pub struct Options {
     /// share the rows of large cloths, of springs under [`Solver::Xpbd`] from some 300 x 300 particles on.
     pub threads: usize,
     /// Whether, on the GPU, cloths run their whole frame in one dispatch where they can: with [`Solver::Xpbd`], a size that
-    /// fits the memory of a workgroup, no pyramid and no [`crate::Cloth::contact`]. A frame with much work is more than one dispatch: 2^21 relaxations of a particle
+    /// fits the memory of a workgroup, and no [`crate::Cloth::contact`]. A frame with much work is more than one dispatch: 2^21 relaxations of a particle
     /// each, rounds of polishing included, or fewer on a software adapter; a cloth of which one step is more has no whole frames. Other
     /// cloth of that solver runs as many consecutive passes of a step in one dispatch as wait for nothing but their neighbours, by tiles
     /// (see [`crate::Tile`]): from the integration to the contact, or from the seams of a step to those of the next. Cloths whose frames
-    /// have the same passes share these dispatches, cut ones only those of whole frames. Tiles take 32 bytes per particle more, 16 more
+    /// have the same passes share these dispatches, cut ones only those of whole frames, and none with a pyramid. Tiles take 32 bytes per particle more, 16 more
     /// where steps are below 1e-3 s, and 16 more where springs with compliance are relaxed several times a step.
     /// Default true; results are those of separate passes. [`crate::device_limits`] asks for the room it takes.
     pub fused: bool,

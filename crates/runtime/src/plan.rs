@@ -3,8 +3,9 @@
 use std::fmt;
 
 use crate::form::{Form, Fused, Tile};
+use crate::levels;
 use crate::levels::joint::Joint;
-use crate::passes::{FOLLOW_STEPS, MEETING_STEPS, Pass, SEARCH_STEPS, Schedule};
+use crate::passes::{FOLLOW_STEPS, MEETING_STEPS, Pass, SEARCH_STEPS, Schedule, has_levels};
 use crate::shaders::{Slot, list, source};
 use crate::world::{Share, World};
 
@@ -34,12 +35,15 @@ pub struct Plan {
 
 impl Plan {
     pub(crate) fn new(world: &World) -> Self {
-        let steps = world.control.options.substeps;
+        let options = &world.control.options;
+        let steps = options.substeps;
         let mut passes = Vec::new();
         for batch in world.batches() {
             let forms = match &batch.share {
                 Share::Whole { fused, .. } => vec![(Form::Whole(fused.clone()), batch.parts(steps))],
-                Share::Steps { sequence, hold, .. } => sequence.forms(steps, world.control.options.iterations, *hold),
+                Share::Steps { sequence, hold, .. } => {
+                    sequence.forms([steps, options.iterations, *hold, options.pyramid])
+                }
             };
             let cloths = batch.members.iter().map(|m| world.arenas[batch.arena].cloths[*m]);
             for (k, cloth) in cloths.enumerate() {
@@ -58,11 +62,11 @@ impl Plan {
     /// The forms of the passes of a cloth in a frame.
     #[cfg(feature = "gpu")]
     pub(crate) fn forms(world: &World, cloth: usize) -> Vec<Form> {
-        let (steps, rounds) = (world.control.options.substeps, world.control.options.iterations);
+        let options = &world.control.options;
         let run = &world.runs[cloth];
         let counted = match (&run.fused, &run.sequence) {
             (Some(fused), _) => return vec![Form::Whole(fused.clone())],
-            (None, Some(sequence)) => sequence.forms(steps, rounds, 1),
+            (None, Some(sequence)) => sequence.forms([options.substeps, options.iterations, 1, options.pyramid]),
             (None, None) => apart(world, cloth),
         };
         let own = counted.into_iter().map(|(form, _)| form);
@@ -187,7 +191,12 @@ fn planned(world: &World, cloth: usize, form: Form, dispatches: u32) -> PlannedP
     let of = &world.scene.cloths[cloth];
     let slots = source.bindings.iter().map(|b| b.slot);
     let one = |slot: Slot| slot.bytes(of, world.runs[cloth].tethers.per_particle, world.solid_count(cloth));
-    let bytes = |slot: Slot| one(slot) * if slot == Slot::Scratch { source.scratch as u64 } else { 1 };
+    let coarse = has_levels(of, &world.control.options).then(|| levels::listed(of).iter().sum::<usize>() as u64);
+    let bytes = |slot: Slot| match slot {
+        Slot::Scratch => one(slot) * source.scratch as u64,
+        Slot::Lists => one(slot) + coarse.unwrap_or(0),
+        _ => one(slot),
+    };
     PlannedPass {
         cloth,
         form,

@@ -23,6 +23,8 @@ pub enum Threads {
     Grids,
     /// A workgroup a cloth.
     Cloth,
+    /// The same, a layer of workgroups each.
+    Layers,
     /// A workgroup a tile of a grid.
     Tiles(TileShape),
     /// A workgroup a tile of the nodes of a level, from 1 for the finest.
@@ -140,6 +142,7 @@ impl Source {
             Threads::Quarter => sides(true, true),
             Threads::One => [1; 3],
             Threads::Cloth => [cloths, 1, 1],
+            Threads::Layers => [1, 1, cloths],
             Threads::Grids => [1, 1, cloths * most.grids],
             Threads::Half(columns) => sides(columns, !columns),
             Threads::Nodes(level) => {

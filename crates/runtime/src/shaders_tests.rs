@@ -88,7 +88,9 @@ fn is_shared(pass: &Pass) -> bool {
             !holes
         }
         Pass::Stitch { holes } => !holes,
-        Pass::SeamSteps | Pass::Refine { .. } | Pass::Indices { .. } | Pass::Tangents { .. } => false,
+        Pass::Pyramid { cut, .. } | Pass::CoarseLevel { cut, .. } | Pass::CoarseTies { cut, .. } => !cut,
+        Pass::Refine { cut, .. } => !cut,
+        Pass::Indices { .. } | Pass::Tangents { .. } => false,
         Pass::Springs { .. } | Pass::Colliders(_) => false,
         _ => !matches!(over(*pass), Over::Own(_)),
     }
@@ -184,6 +186,14 @@ fn fused() -> Vec<Fused> {
         s.relax.extend(on(0).then_some(Pass::Limit { moves: on(1) }));
         let kinds = Kinds { shapes: [true; 7], friction: on(2), many: on(3) };
         s.relax.extend(on(4).then_some(Pass::Contact(kinds)));
+        if !holes && !on(4) && on(0) != on(2) {
+            let (cut, seams, directions) = (false, seams.is_some(), [true, true, false, true]);
+            s.coarse = vec![Pass::Pyramid { directions, seams, cut, finest: 2 }];
+            s.coarse.push(Pass::CoarseLevel { level: 1, directions, cut });
+            s.coarse.extend(seams.then_some(Pass::CoarseTies { level: 1, cut }));
+            s.coarse.push(Pass::Refine { seams, cut });
+            s.coarse.extend(seams.then_some(Pass::SeamSteps));
+        }
         s.frame.extend([Pass::Guard, Pass::Restore]);
         s.frame.extend(on(5).then_some(Pass::Strain { image, soft }));
         s.frame.extend(on(1).then_some(Pass::Normals { holes }));
@@ -226,8 +236,9 @@ fn every_shader_is_valid_without_any_capability() {
 fn previous_positions_in_registers_are_asked_for_by_their_own_threads() {
     let (mut own, mut others) = (0, 0);
     for fused in fused() {
-        let steps = fused.schedule.air.iter().chain(&fused.schedule.step).chain(&fused.schedule.relax);
-        let alone = |pass: &Pass| matches!(over(*pass), Over::Particles | Over::Near);
+        let Schedule { air, step, coarse, relax, .. } = &*fused.schedule;
+        let steps = air.iter().chain(step).chain(coarse).chain(relax);
+        let alone = |pass: &Pass| matches!(over(*pass), Over::Particles | Over::Near | Over::Placed);
         let asks = steps.filter(|pass| !alone(pass)).any(|pass| rule(*pass).parts.binds(Slot::Before));
         let few = fused.places <= 4 * fused.threads;
         let text = source(&Form::Whole(fused.clone())).text();
@@ -312,8 +323,8 @@ fn structs_lie_as_in_rust() {
     let step = rust!(StepRow: gravity, keep, wind, scale, drift, response, turn, fineness, longest, dt, rate, drag, lift, left);
     let grid = rust!(GridRow: first, width, height, soft, rest);
     let solid = rust!(SolidRow: center, kind, size, friction, rotation, velocity, spin);
-    let frame = rust!(FrameRow: steps, rounds, together, solids, most, rows);
-    let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest, hold, image, solids, gravity, wind);
+    let frame = rust!(FrameRow: steps, rounds, together, solids, most, pyramid, rows);
+    let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest, hold, image, solids, levels, gravity, wind);
     let link = rust!(LinkRow: follows, mass);
     let mut seen = BTreeSet::new();
     for form in &variants() {

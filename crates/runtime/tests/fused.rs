@@ -37,6 +37,24 @@ fn one_dispatch_gives_the_bits_of_separate_passes() {
 }
 
 #[test]
+fn one_dispatch_has_the_passes_on_coarser_grids() {
+    let Some(device) = roomy() else { return };
+    // Cloth that meets colliders has no pyramid.
+    let all = [support::outside(), support::soft()].concat().into_iter();
+    for (name, scene) in all.filter(|(_, scene)| scene.colliders.is_empty()) {
+        for (pyramid, iterations) in [(1, 1), (2, 2)] {
+            let with = |fused| Options { pyramid, iterations, tethers: 0, ..options(fused) };
+            let one = Run::new(&scene, &with(true), &device);
+            assert_eq!((one.stepper.plan().passes.len(), one.holds().len()), (1, 1), "{name}");
+            let apart = Run::new(&scene, &with(false), &device);
+            let nodes = |p: &PlannedPass| p.shader == "refine";
+            assert!(apart.stepper.plan().passes.iter().any(nodes), "{name}");
+            assert!(one.frames(8).bits(0) == apart.frames(8).bits(0), "{name}, every {pyramid}");
+        }
+    }
+}
+
+#[test]
 fn where_positions_are_held_changes_nothing() {
     // Memory for 585 particles at 28 bytes, 1024 at 16, 1365 at 12.
     let Some(default) = support::device() else { return };

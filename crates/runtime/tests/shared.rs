@@ -50,6 +50,27 @@ fn many_large_cloths_take_as_many_dispatches_as_one() {
 }
 
 #[test]
+fn many_cloths_with_a_pyramid_take_as_many_dispatches_as_one() {
+    let Some(device) = support::device() else { return };
+    let plan = |cloth: &Cloth, count: usize| {
+        let with = Options { pyramid: 4, tethers: 0, ..options(true) };
+        let all = Scene { cloths: many(cloth, count), ..Scene::new("many") };
+        Run::new(&all, &with, &device).stepper.plan()
+    };
+    for count in [1, 10, 100] {
+        let whole = plan(&curtain(32), count);
+        assert_eq!(whole.dispatches(), 1, "{count} cloths: {whole}");
+        // Two steps of eight have the step alone, a dispatch for the levels, one for the finest of 33 x 33 nodes, and one for the
+        // particles that follow, before their springs.
+        let levels = plan(&curtain(64), count);
+        assert_eq!(levels.dispatches(), 6 + 2 * 5 + 3, "{count} cloths: {levels}");
+        // Two more where there are seams: ties behind that level, and particles at the seam; normals at seams end the frame.
+        let sewn = plan(&garment(), count);
+        assert_eq!(sewn.dispatches(), 6 + 2 * 7 + 4, "{count} garments: {sewn}");
+    }
+}
+
+#[test]
 fn instances_of_a_large_garment_share_its_images() {
     let Some(device) = support::device() else { return };
     let memory = |count: usize| {
@@ -134,6 +155,18 @@ fn cloths_of_all_sizes_move_as_each_alone() {
     move_as_alone(&all, of(5, 0), &device);
     move_as_alone(&Scene { colliders: Vec::new(), ..all.clone() }, of(4, 1), &device);
     move_as_alone(&all, |fused| Options { iterations: 2, ..of(3, 0)(fused) }, &device);
+}
+
+#[test]
+fn cloths_with_a_pyramid_move_as_each_alone() {
+    let Some(device) = support::device() else { return };
+    let all = Scene { colliders: Vec::new(), ..wardrobe() };
+    for (pyramid, iterations, tethers) in [(1, 1, 0), (2, 2, 2)] {
+        let with = |fused| Options { substeps: Some(3), pyramid, iterations, tethers, ..options(fused) };
+        move_as_alone(&all, with, &device);
+    }
+    let windy = Scene { wind: Some(support::wind(true)), ..all };
+    move_as_alone(&windy, |fused| Options { substeps: Some(3), pyramid: 2, ..options(fused) }, &device);
 }
 
 #[test]

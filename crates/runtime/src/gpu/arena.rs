@@ -44,7 +44,7 @@ pub(super) struct Arena {
     table: Vec<u8>,
     /// Whether the lists have room for those that cuts change.
     opened: bool,
-    /// Other buffers of steps: where tiles write, forces of air, multipliers.
+    /// Other buffers of steps: where tiles write, forces of air, multipliers, nodes of coarser grids.
     others: HashMap<Slot, Buffer>,
     /// By shader and by the number of colliders.
     ready: HashMap<(Fused, usize), Ready>,
@@ -91,6 +91,7 @@ impl Arena {
         let contents = Contents::new(world, cloths);
         let (bytes, places) = contents.joined(store.room());
         let lists = upload(device, "lists", &bytes, BufferUsages::empty());
+        let others = contents.nodes(device).map(|nodes| (Slot::Nodes, nodes)).into_iter().collect();
         Arena {
             store,
             lists,
@@ -103,7 +104,7 @@ impl Arena {
             batched: Vec::new(),
             table: Vec::new(),
             opened: false,
-            others: HashMap::new(),
+            others,
             ready: HashMap::new(),
             groups: Vec::new(),
         }
@@ -127,6 +128,8 @@ impl Arena {
         let contents = Contents::placed(world, places);
         let (bytes, places) = contents.joined(self.store.room());
         self.lists = upload(device, "lists", &bytes, BufferUsages::empty());
+        // Nodes lie where those lists say.
+        self.others.extend(contents.nodes(device).map(|nodes| (Slot::Nodes, nodes)));
         (self.places, self.jobs, self.opened) = (places, contents.jobs, true);
         // All refer to the old lists.
         (self.grids, self.ready, self.groups) = (None, HashMap::new(), Vec::new());
@@ -158,6 +161,11 @@ impl Arena {
     /// The buffer of what is only read.
     pub fn lists(&self) -> &Buffer {
         &self.lists
+    }
+
+    /// The buffer of the nodes of coarser grids; none without any.
+    pub fn nodes(&self) -> Option<&Buffer> {
+        self.others.get(&Slot::Nodes)
     }
 
     /// Lets one of its cloths go; whether it was the last.
@@ -243,7 +251,12 @@ impl Arena {
                 Slot::Solids => Some(whole(solids)),
                 Slot::Frame => Some(wgpu::BufferBinding { size: row, ..whole(numbers[0]) }),
                 Slot::Part => Some(wgpu::BufferBinding { size: part, ..whole(numbers[1]) }),
-                other => self.store.get(other).map(whole),
+                other => self
+                    .others
+                    .get(&other)
+                    .filter(|_| other == Slot::Nodes)
+                    .or_else(|| self.store.get(other))
+                    .map(whole),
             });
             self.ready.retain(|_, r| of(r));
             let (solids, frames, scratch) = (solids.clone(), numbers.map(Buffer::clone), scratch.cloned());

@@ -116,14 +116,12 @@ impl ClothBuffers {
         if std::mem::replace(&mut self.separate, true) {
             return;
         }
-        let lists = Contents::new(world, &[index]).upload(device);
-        for (slot, buffer) in lists.into_iter().filter(|(slot, _)| *slot != Slot::Holes) {
+        let contents = Contents::new(world, &[index]);
+        for (slot, buffer) in contents.upload(device).into_iter().filter(|(slot, _)| *slot != Slot::Holes) {
             // Rest lengths may be there already, and be cut.
             self.others.entry(slot).or_insert(buffer.into());
         }
-        if has_levels(cloth, options) {
-            self.take(levels::buffers(device, cloth));
-        }
+        self.take(contents.nodes(device).map(|nodes| (Slot::Nodes, nodes)));
         if cloth.contact.is_some() {
             self.take(contact::buffers(device, cloth, options.thickness));
         }
@@ -211,7 +209,7 @@ impl ClothBuffers {
         self.groups.clear();
     }
 
-    fn take(&mut self, buffers: Vec<(Slot, Buffer)>) {
+    fn take(&mut self, buffers: impl IntoIterator<Item = (Slot, Buffer)>) {
         self.others.extend(buffers.into_iter().map(|(slot, buffer)| (slot, buffer.into())));
     }
 

@@ -5,12 +5,14 @@ use std::collections::HashMap;
 use bytemuck::{Pod, Zeroable, cast_slice};
 use wgpu::{Buffer, BufferUsages};
 
+use super::levels::Coarse;
 use super::upload::upload;
 use crate::cloth::{Cloth, Grid, Rest};
 use crate::cpu::fabric::stretch::UNBOUNDED;
 use crate::fused::room_of;
 use crate::layout::{GridRow, JobRow};
-use crate::passes::{Soft, soft_of};
+use crate::levels;
+use crate::passes::{Soft, has_levels, soft_of};
 use crate::shaders::{HEAD, LISTED, Slot};
 use crate::world::World;
 
@@ -20,6 +22,8 @@ pub(super) struct Contents {
     lists: HashMap<Slot, Vec<u8>>,
     /// Where each cloth lies in the buffers, without numbers of a step.
     pub jobs: Vec<JobRow>,
+    /// Coarser grids of cloths that have any.
+    coarse: Coarse,
 }
 
 impl Contents {
@@ -28,8 +32,9 @@ impl Contents {
         let (mut all, mut end) = (Contents::default(), 0);
         for (row, (&index, first)) in cloths.iter().zip(firsts(world, cloths)).enumerate() {
             let same = |(_, other): &(usize, &usize)| world.runs[**other].is_instance_of(&world.runs[index]);
-            let known = cloths[..row].iter().enumerate().find(same).map(|(other, _)| all.jobs[other].image);
-            all.add(world, index, (row as u32, first), (known.unwrap_or(end), known.is_none()));
+            let known = cloths[..row].iter().enumerate().find(same).map(|(other, _)| other);
+            let image = known.map_or(end, |other| all.jobs[other].image);
+            all.add(world, index, (row as u32, first), (image, known));
             end += if known.is_none() { room_of(world.scene.cloths[index].len()) as u32 } else { 0 };
         }
         all.close()
@@ -39,7 +44,7 @@ impl Contents {
     /// may change.
     pub fn placed(world: &World, places: impl Iterator<Item = (usize, u32, u32)>) -> Self {
         let mut all = Contents::default();
-        places.for_each(|(index, row, first)| all.add(world, index, (row, first), (first, true)));
+        places.for_each(|(index, row, first)| all.add(world, index, (row, first), (first, None)));
         all.close()
     }
 
@@ -51,12 +56,18 @@ impl Contents {
                 self.add_rows(Slot::Starts, &[end]);
             }
         }
+        self.lists.extend(self.coarse.listed());
         self
     }
 
-    fn add(&mut self, world: &World, index: usize, (row, first): (u32, u32), (image, is_new): (u32, bool)) {
+    /// `like`: the number of a cloth before that it is an instance of.
+    fn add(&mut self, world: &World, index: usize, (row, first): (u32, u32), (image, like): (u32, Option<usize>)) {
         let (cloth, held) = (&world.scene.cloths[index], &world.runs[index].tethers);
         let count = |list: &Self, slot, size: usize| list.lists.get(&slot).map_or(0, |l| l.len() / size) as u32;
+        let has_levels = has_levels(cloth, &world.control.options);
+        if has_levels {
+            self.coarse.add(cloth, like);
+        }
         self.jobs.push(JobRow {
             first,
             count: cloth.len() as u32,
@@ -66,6 +77,7 @@ impl Contents {
             rings: cloth.ring_count() as u32,
             row,
             image,
+            levels: if has_levels { levels::most(cloth) } else { 0 },
             ..Zeroable::zeroed()
         });
         for slot in Slot::ALL {
@@ -76,7 +88,7 @@ impl Contents {
                     Slot::Drifts => (first, cast_slice(&world.runs[index].drifts(cloth)).to_vec()),
                     Slot::Backs => (first, cast_slice(&world.runs[index].spheres(cloth)).to_vec()),
                     Slot::BackDrifts => (first, vec![0; 16 * cloth.len()]),
-                    other if is_new => (image, other.texels(cloth, held)),
+                    other if like.is_none() => (image, other.texels(cloth, held)),
                     _ => continue,
                 };
                 // Gaps between cloths are not read.
@@ -102,6 +114,11 @@ impl Contents {
 
     fn add_rows<T: Pod>(&mut self, slot: Slot, rows: &[T]) {
         self.lists.entry(slot).or_default().extend_from_slice(cast_slice(rows));
+    }
+
+    /// The nodes of coarser grids, which frames write; none without any.
+    pub fn nodes(&self, device: &wgpu::Device) -> Option<Buffer> {
+        self.coarse.nodes(device)
     }
 
     /// Their buffers.

@@ -85,6 +85,15 @@ pub(super) fn numbers(frame: &Frame, most: u32, solids: usize, bytes: &mut Vec<u
     let first = std::iter::once(StepRow::from(&frame.step(0, 0)));
     let rows = first.chain((0..groups(frame)).map(|g| StepRow::from(&frame.step(1, g * together))));
     bytes.clear();
-    bytes.extend_from_slice(cast_slice(&[frame.steps, frame.rounds, together, solids as u32, most, 0, 0, 0]));
+    bytes.extend_from_slice(cast_slice(&[
+        frame.steps,
+        frame.rounds,
+        together,
+        solids as u32,
+        most,
+        frame.pyramid,
+        0,
+        0,
+    ]));
     rows.for_each(|row| bytes.extend_from_slice(bytes_of(&row)));
 }

@@ -125,6 +125,7 @@ impl Gpu {
     /// Bytes of the lists that are only read, and of what changes.
     pub fn bytes(&self) -> [u64; 2] {
         let mut all: Vec<(bool, &wgpu::Buffer)> = self.arenas.iter().map(|arena| (true, arena.lists())).collect();
+        all.extend(self.arenas.iter().filter_map(|arena| arena.nodes()).map(|nodes| (false, nodes)));
         for buffers in &self.cloths {
             all.extend([&buffers.now, &buffers.before, &buffers.normals].map(|span| (false, &span.buffer)));
             let others = buffers.others.iter().filter(|(slot, _)| **slot != Slot::Solids);

@@ -18,8 +18,9 @@ impl Gpu {
             match &batch.share {
                 Share::Whole { .. } => self.record_whole(n, batch, passes, steps),
                 Share::Steps { sequence, hold, .. } => {
-                    let rounds = world.control.options.iterations;
-                    self.record_batch((n, batch), (sequence, *hold), passes, (steps, rounds));
+                    let options = &world.control.options;
+                    let count = [steps, options.iterations, *hold, options.pyramid];
+                    self.record_batch((n, batch), sequence, passes, count);
                 }
             }
         }
@@ -67,16 +68,20 @@ impl Gpu {
         }
     }
 
-    /// Records the steps of a batch.
+    /// Records the steps of a batch, as [`Sequence::forms`] counts them.
     fn record_batch(
         &mut self,
         batch: (usize, &Batch),
-        (sequence, hold): (&Sequence, u32),
+        sequence: &Sequence,
         passes: &mut Recording,
-        (steps, rounds): (u32, u32),
+        [steps, rounds, hold, pyramid]: [u32; 4],
     ) {
+        let begins = |n: u32| {
+            let rare = !sequence.coarse.is_empty() && n.is_multiple_of(pyramid.max(1));
+            if rare { &sequence.coarse } else { &sequence.first }
+        };
         // The first dispatch of the frame clears the counters, if it can.
-        let first = sequence.air.first().or(sequence.first.first());
+        let first = sequence.air.first().or(begins(0).first());
         let clears = first.is_some_and(|form| self.pipelines.get(form).source.binds(Slot::Faults));
         if steps == 0 || !clears {
             self.arenas[batch.1.arena].clear_faults(&batch.1.members, passes.between());
@@ -90,7 +95,7 @@ impl Gpu {
             if n % hold.max(1) == 0 {
                 sequence.air.iter().for_each(|form| run(self, form));
             }
-            sequence.first.iter().for_each(|form| run(self, form));
+            begins(n).iter().for_each(|form| run(self, form));
             for _ in 1..rounds {
                 sequence.relax.iter().for_each(|form| run(self, form));
             }

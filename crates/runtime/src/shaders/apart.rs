@@ -23,9 +23,11 @@ pub(super) fn apart(pass: Pass) -> Source {
         Over::Particles => (Some(turn!("apart_particles")), Threads::Particles),
         Over::Near => (Some(turn!("apart_near")), Threads::Particles),
         Over::Rings => (Some(turn!("apart_rings")), Threads::Rings),
-        Over::Texels => (Some(turn!("apart_texels")), Threads::Texels),
+        Over::Texels | Over::Placed => (Some(turn!("apart_texels")), Threads::Texels),
         Over::Springs { direction, .. } => (Some(turn!("apart_springs")), Threads::Half(direction == 0)),
         Over::Cells { .. } => (Some(turn!("apart_cells")), Threads::Quarter),
+        Over::Groups(Threads::Layers) => (Some(turn!("apart_cloth")), Threads::Layers),
+        Over::Groups(threads) => (Some(turn!("apart_groups")), threads),
         Over::Own(threads) => (None, threads),
     };
     if matches!(threads, Threads::Particles | Threads::Rings) {
@@ -35,7 +37,7 @@ pub(super) fn apart(pass: Pass) -> Source {
     let parts = match over {
         Over::Springs { direction, parity } => parts.constant("direction", direction).constant("parity", parity),
         Over::Cells { column, row } => parts.constant("column", column).constant("line", row),
-        Over::Particles | Over::Near | Over::Rings | Over::Texels | Over::Own(_) => parts,
+        _ => parts,
     };
     let parts = parts.files(&files).files(&[text]);
     let loops = turn.map(|turn| (turn, call)).into_iter().collect();
@@ -64,6 +66,7 @@ pub(super) fn declared(bound: &Bound) -> &'static [&'static str] {
         (Slot::Normals, false) => &[part!("normals_read")],
         (Slot::Sums, _) => &[part!("sums")],
         (Slot::Solids, _) => &[part!("solids_all")],
+        (Slot::Nodes, false) => &[part!("nodes_read")],
         (Slot::Tethers, _) => &[part!("anchor_placed"), part!("tether_stored")],
         (slot, _) => declared_alike(slot),
     }
@@ -74,6 +77,7 @@ pub(super) fn declared_alike(slot: Slot) -> &'static [&'static str] {
     match slot {
         Slot::Normals => &[part!("normals")],
         Slot::Faults => &[part!("faults")],
+        Slot::Nodes => &[part!("nodes")],
         Slot::Tethers => &[part!("tether_stored")],
         _ => &[],
     }

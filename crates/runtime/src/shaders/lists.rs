@@ -9,7 +9,7 @@ use super::parts::{Bound, Parts, reads, writes};
 use super::slot::{LISTED, Slot};
 
 /// The first numbers of [`Slot::Lists`]: where the lists begin, and, as the last one, how many particles there is room for.
-pub const HEAD: usize = 20;
+pub const HEAD: usize = 24;
 
 const _: () = assert!(LISTED.len() < HEAD && matches!(LISTED[0].0, Slot::Jobs));
 

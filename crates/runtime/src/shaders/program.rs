@@ -57,7 +57,7 @@ fn lines(passes: &[Pass], call: impl Fn(&Pass, &str) -> String) -> String {
 fn colour(over: Over) -> Option<[u32; 2]> {
     match over {
         Over::Springs { direction: a, parity: b } | Over::Cells { column: a, row: b } => Some([a, b]),
-        Over::Particles | Over::Near | Over::Rings | Over::Texels | Over::Own(_) => None,
+        _ => None,
     }
 }
 

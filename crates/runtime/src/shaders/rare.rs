@@ -17,18 +17,26 @@ pub(super) fn pyramid(over: Over, directions: [bool; 4], (seams, cut): (bool, bo
     read.extend(seams.then_some(Slot::Ties));
     let files = [&[part!("ends"), part!("level")], ties(seams, cut)].concat();
     let parts = parted(cut, Parts::new(&files, &read, &[Slot::Nodes]));
-    own!("pyramid", over, along(directions, parts).constant("finest", finest))
+    let parts = along(directions, parts).constant("finest", finest);
+    let whole = if cut { Whole::No } else { Whole::Loop };
+    Rule { call: "limit_levels", whole, ..own!("pyramid", over, parts) }
 }
 
 pub(super) fn coarse_level(over: Over, level: u32, directions: [bool; 4], cut: bool) -> Rule {
     let read = [Slot::Levels, Now, Slot::Limits, Grids];
     let parts = parted(cut, Parts::new(&[part!("level")], &read, &[Slot::Nodes]));
-    own!("coarse_level", over, along(directions, parts).constant("level", level))
+    let parts = along(directions, parts).constant("level", level);
+    Rule { call: "limit_tile", whole: within_one(cut), ..own!("coarse_level", over, parts) }
 }
 
 pub(super) fn coarse_ties(over: Over, level: u32, cut: bool) -> Rule {
-    let parts = Parts::new(ties(true, cut), &[Grids, Slot::Ties], &[Slot::Nodes]);
-    own!("coarse_ties", over, parts.constant("level", level))
+    let parts = Parts::new(ties(true, cut), &[Slot::Levels, Grids, Slot::Ties], &[Slot::Nodes]);
+    Rule { call: "tie_level", whole: within_one(cut), ..own!("coarse_ties", over, parts.constant("level", level)) }
+}
+
+/// In a whole frame one workgroup has all levels. Cut cloth has lists of its own, which no whole frame reads.
+fn within_one(cut: bool) -> Whole {
+    if cut { Whole::No } else { Whole::Done }
 }
 
 /// Files that tie nodes at seams.

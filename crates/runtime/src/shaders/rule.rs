@@ -19,6 +19,10 @@ pub enum Over {
     Springs { direction: u32, parity: u32 },
     /// Cells in every other column and row: `fn(grid, i, j)`.
     Cells { column: u32, row: u32 },
+    /// Particles, each by itself, with their places: `fn(grid, cell, k)`.
+    Placed,
+    /// Workgroups, each for a part of a cloth: `fn(grids, tile, levels, thread)`.
+    Groups(Threads),
     /// The file of the pass has a loop of its own.
     Own(Threads),
 }
@@ -73,9 +77,8 @@ pub fn over(pass: Pass) -> Over {
             }
         }
         Pass::Seams | Pass::SeamSteps | Pass::SeamMoments | Pass::SeamNormals => Over::Rings,
-        Pass::Wind { .. } | Pass::Moments { .. } | Pass::Bend | Pass::Normals { .. } | Pass::Refine { .. } => {
-            Over::Texels
-        }
+        Pass::Wind { .. } | Pass::Moments { .. } | Pass::Bend | Pass::Normals { .. } => Over::Texels,
+        Pass::Refine { .. } => Over::Placed,
         // Particles of other tiles read their anchors where these are now, so a tile ends before it.
         Pass::Follow | Pass::Stitch { .. } | Pass::Sew => Over::Texels,
         Pass::Membrane { column, row, .. } => Over::Cells { column, row },
@@ -91,9 +94,10 @@ pub fn over(pass: Pass) -> Over {
         | Pass::Bounds
         | Pass::Wrap
         | Pass::Blend { .. } => Over::Own(Threads::Particles),
-        Pass::Fastest | Pass::PickNearest | Pass::Restrict | Pass::CoarseTies { .. } => Over::Own(Threads::One),
-        Pass::Pyramid { seams, .. } => Over::Own(if seams { Threads::Cloth } else { Threads::Grids }),
-        Pass::CoarseLevel { level, .. } => Over::Own(Threads::Nodes(level)),
+        Pass::Fastest | Pass::PickNearest | Pass::Restrict => Over::Own(Threads::One),
+        Pass::Pyramid { seams, .. } => Over::Groups(if seams { Threads::Layers } else { Threads::Grids }),
+        Pass::CoarseLevel { level, .. } => Over::Groups(Threads::Nodes(level)),
+        Pass::CoarseTies { .. } => Over::Groups(Threads::Layers),
         Pass::CutLevels => Over::Own(Threads::Grids),
         Pass::CutTethers { walks: true, .. } => Over::Own(Threads::One),
         Pass::Strain { .. } | Pass::Cut | Pass::CutSprings | Pass::CutTethers { .. } => Over::Own(Threads::Texels),
@@ -162,7 +166,7 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Refine { seams, cut } => {
             let parts = parts(&[part!("level")], &[Slot::Levels, Slot::Nodes, Grids], &[Now, Before]);
             let parts = parted(cut, parts).number("carried", crate::levels::carried(seams));
-            rule!("refine", "follow", over, parts)
+            Rule { whole: if cut { Whole::No } else { Whole::Loop }, ..rule!("refine", "refine", over, parts) }
         }
         Pass::Membrane { holes, .. } => {
             let parts = parts(&[], &[Step, Grids, Slot::Cells, Slot::Yielding], &[Now]);

@@ -110,7 +110,7 @@ slots! {
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
 /// in [`Slot::Lists`], whose first numbers, in this order, say where each begins.
-pub const LISTED: [(Slot, Option<&str>); 18] = [
+pub const LISTED: [(Slot, Option<&str>); 21] = [
     (Slot::Jobs, None),
     (Slot::Grids, None),
     // Seam rings: ring r is members[starts[r]] up to, not including, members[starts[r + 1]].
@@ -134,6 +134,10 @@ pub const LISTED: [(Slot, Option<&str>); 18] = [
     // The spheres of backstops, centre and radius, and how fast each moves.
     (Slot::Backs, Some("vec4<f32>")),
     (Slot::BackDrifts, Some("vec4<f32>")),
+    // Heads and rows of coarser grids (shaders/part/level.wgsl), their limits, and what ties their nodes.
+    (Slot::Levels, Some("vec4<u32>")),
+    (Slot::Limits, Some("vec4<f32>")),
+    (Slot::Ties, Some("vec4<u32>")),
 ];
 
 impl Slot {

@@ -44,7 +44,7 @@ pub fn tile(tile: &Tile) -> Source {
         match over {
             Over::Near => parts = parts.files(&[part!("notes")]),
             Over::Springs { .. } => parts = parts.files(&[part!("tile_colours")]),
-            Over::Particles | Over::Rings | Over::Texels | Over::Cells { .. } | Over::Own(_) => {}
+            _ => {}
         }
     }
     let parts = match tail {
@@ -57,7 +57,7 @@ pub fn tile(tile: &Tile) -> Source {
         let turn = match over {
             Over::Springs { .. } => turn!("tile_springs"),
             Over::Near => turn!("tile_near"),
-            Over::Particles | Over::Rings | Over::Texels | Over::Cells { .. } | Over::Own(_) => turn!("tile_particles"),
+            _ => turn!("tile_particles"),
         };
         if !loops.contains(&(turn, call)) {
             loops.push((turn, call));

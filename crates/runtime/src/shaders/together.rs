@@ -36,16 +36,18 @@ pub(super) fn together(pass: Pass) -> Source {
         Over::Particles => (Some(turn!("shared_particles")), Threads::Particles),
         Over::Near => (Some(turn!("shared_near")), Threads::Particles),
         Over::Rings => (Some(turn!("shared_rings")), Threads::Rings),
-        Over::Texels => (Some(turn!("shared_texels")), Threads::Texels),
+        Over::Texels | Over::Placed => (Some(turn!("shared_texels")), Threads::Texels),
         Over::Springs { direction, .. } => (Some(turn!("shared_springs")), Threads::Half(direction == 0)),
         Over::Cells { .. } => (Some(turn!("shared_cells")), Threads::Quarter),
+        Over::Groups(Threads::Layers) => (Some(turn!("shared_cloth")), Threads::Layers),
+        Over::Groups(threads) => (Some(turn!("shared_groups")), threads),
         Over::Own(threads) => (None, threads),
     };
     let parts = match over {
         Over::Springs { direction, parity } => parts.constant("direction", direction).constant("parity", parity),
         Over::Cells { column, row } => parts.constant("column", column).constant("line", row),
         Over::Near => parts.files(&[part!("notes")]),
-        Over::Particles | Over::Rings | Over::Texels | Over::Own(_) => parts,
+        _ => parts,
     };
     let parts =
         if matches!(threads, Threads::Particles | Threads::Rings) { parts.files(&[part!("index")]) } else { parts };

@@ -11,11 +11,12 @@ use crate::passes::{Pass, Schedule};
 
 /// Whether all passes of a schedule can be part of a whole frame.
 pub fn is_whole(schedule: &Schedule) -> bool {
-    schedule.coarse.is_empty() && all(schedule).all(|p| !matches!(rule(*p).whole, Whole::No))
+    all(schedule).all(|p| !matches!(rule(*p).whole, Whole::No))
 }
 
 pub(super) fn all(schedule: &Schedule) -> impl Iterator<Item = &Pass> {
-    schedule.air.iter().chain(&schedule.step).chain(&schedule.relax).chain(&schedule.frame)
+    let Schedule { air, step, coarse, relax, frame, .. } = schedule;
+    air.iter().chain(step).chain(coarse).chain(relax).chain(frame)
 }
 
 /// The rules of all passes and a loop for each, called in their order.
@@ -35,6 +36,10 @@ pub fn whole(fused: &Fused) -> Source {
         &[Slot::Frame, Slot::Batch, Slot::Part, Slot::Jobs, Slot::Grids],
         &[Slot::Now, Slot::Before, Slot::Faults],
     );
+    if schedule.coarse.iter().any(|p| matches!(p, Pass::Pyramid { .. })) {
+        // A workgroup has all levels.
+        parts = parts.constant("finest", 1);
+    }
     let mut loops: Vec<(&str, &str)> = Vec::new();
     for pass in all(schedule) {
         let Rule { text, call, over, whole, parts: own, .. } = rule(*pass);
@@ -70,8 +75,12 @@ pub fn whole(fused: &Fused) -> Source {
     let parts = held(fused, parts.files(&declared).files(own)).files(&[pass!("fused")]);
     let step = |pass: &Pass, colour: &str| line(pass, colour, true);
     let (parts, declared, scratch) = lists::shared(parts, true);
+    let coarse = match calls(&schedule.coarse, step) {
+        none if none.is_empty() => none,
+        calls => format!("  if (n % frame.pyramid == 0u) {{\n{calls}  }}\n"),
+    };
     let program = format!(
-        "\nconst PER_THREAD: u32 = {}u;\n\nconst SLOTS: u32 = {slots}u;\n\n{declared}\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
+        "\nconst PER_THREAD: u32 = {}u;\n\nconst SLOTS: u32 = {slots}u;\n\n{declared}\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn coarse_program(n: u32, job: Job, local: u32) {{\n{coarse}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
          fn frame_program(job: Job, local: u32) {{\n{}}}\n",
         per_thread(fused),
         calls(&schedule.air, step),
@@ -83,7 +92,7 @@ pub fn whole(fused: &Fused) -> Source {
     Source { stem: "fused", files, loops, program, bindings, constants, threads: Threads::Cloth, scratch }
 }
 
-/// The call of a pass, and the barrier behind it: of what positions lie in during the steps, else of buffers.
+/// The call of a pass, and the barriers around it: of what positions lie in, and of buffers.
 fn line(pass: &Pass, colour: &str, steps: bool) -> String {
     let Rule { call, over, whole, parts, .. } = rule(*pass);
     match whole {
@@ -93,10 +102,11 @@ fn line(pass: &Pass, colour: &str, steps: bool) -> String {
             let moves = steps && parts.bound(Slot::Now).is_some_and(|b| b.writes);
             let after = if moves { "  sync();\n" } else { "" };
             let shared = hands_over(over, &parts);
-            // Previous positions of neighbours may lie in a buffer.
-            let reads = over == Over::Texels && parts.binds(Slot::Before);
+            // Previous positions that other threads write or read may lie in a buffer.
+            let before = parts.bound(Slot::Before).filter(|_| !is_own(over));
             let barrier = |there| if there { "  storageBarrier();\n" } else { "" };
-            let (first, last) = (barrier(reads || shared), barrier(!moves || shared));
+            let first = barrier(before.is_some() || shared);
+            let last = barrier(!moves || shared || before.is_some_and(|b| b.writes));
             format!("{first}  {call}_all(job, local{colour});\n{after}{last}")
         }
     }
@@ -109,12 +119,19 @@ fn hands_over(over: Over, parts: &Parts) -> bool {
     !matches!(over, Over::Springs { .. }) && SCRATCH.iter().any(written)
 }
 
+/// Whether the thread of a particle makes all calls for it.
+fn is_own(over: Over) -> bool {
+    matches!(over, Over::Particles | Over::Near | Over::Placed)
+}
+
 fn turn(over: Over) -> Option<&'static str> {
     match over {
         Over::Particles => Some(turn!("whole_particles")),
         Over::Near => Some(turn!("whole_near")),
         Over::Rings => Some(turn!("whole_rings")),
         Over::Texels => Some(turn!("whole_texels")),
+        Over::Placed => Some(turn!("whole_placed")),
+        Over::Groups(_) => Some(turn!("whole_groups")),
         Over::Springs { .. } => Some(turn!("whole_springs")),
         Over::Cells { .. } => Some(turn!("whole_cells")),
         Over::Own(_) => None,
@@ -136,9 +153,10 @@ fn slots(schedule: &Schedule) -> u32 {
 }
 
 /// Whether a frame asks for the previous position of a particle only where it runs for that particle. Forces of air on triangles read those
-/// of neighbours, and passes over texels give particles to threads in another order.
+/// of neighbours, seams behind coarser grids those of duplicates, and passes over texels give particles to threads in another order.
 fn keeps_own(schedule: &Schedule) -> bool {
-    schedule.air.is_empty() && !schedule.step.contains(&Pass::Follow)
+    let Schedule { air, step, coarse, .. } = schedule;
+    air.is_empty() && !step.contains(&Pass::Follow) && !coarse.contains(&Pass::SeamSteps)
 }
 
 /// Whether registers have what is a particle's own.

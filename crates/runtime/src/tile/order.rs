@@ -24,6 +24,8 @@ pub struct Sequence {
     /// Once a step, up to the first relaxation and with it. The last seams of a relaxation, and the passes after them, may be part of the next
     /// dispatch: that of the next step, of the next relaxation, or after the last step.
     pub first: Vec<Form>,
+    /// The same in steps with passes on coarser grids.
+    pub coarse: Vec<Form>,
     /// For each relaxation after it.
     pub relax: Vec<Form>,
     /// After the last step.
@@ -32,10 +34,13 @@ pub struct Sequence {
 
 impl Sequence {
     /// The dispatches of a frame of `steps` steps of `rounds` relaxations, and how often each is made, if forces of air act in every
-    /// `hold`-th step.
-    pub fn forms(&self, steps: u32, rounds: u32, hold: u32) -> Vec<(Form, u32)> {
+    /// `hold`-th step and passes on coarser grids run in every `pyramid`-th.
+    pub fn forms(&self, [steps, rounds, hold, pyramid]: [u32; 4]) -> Vec<(Form, u32)> {
         let blows = steps.div_ceil(hold.max(1));
-        let lists = [(&self.air, blows), (&self.first, steps), (&self.relax, steps * (rounds - 1)), (&self.last, 1)];
+        let rare = if self.coarse.is_empty() { 0 } else { steps.div_ceil(pyramid.max(1)) };
+        let (air, first, relax) =
+            ((&self.air, blows), (&self.first, steps - rare), (&self.relax, steps * (rounds - 1)));
+        let lists = [air, (&self.coarse, rare), first, relax, (&self.last, 1)];
         let made = lists.into_iter().filter(|(_, count)| *count > 0);
         made.flat_map(|(list, count)| list.iter().map(move |form| (form.clone(), count))).collect()
     }
@@ -63,13 +68,18 @@ pub fn order((cloth, solids): (&Cloth, u64), schedule: &Schedule, room: &Room) -
     order.first.iter().chain(&order.relax).any(|f| matches!(f, Form::Tile(_))).then_some(order)
 }
 
-/// The dispatches of a schedule without passes on coarser grids, by cloths that share them.
+/// The dispatches of a schedule, by cloths that share them.
 pub fn sequence(among: &Among, schedule: &Schedule, room: &Room) -> Sequence {
     let alone = |pass: &Pass| Form::Together(*pass);
     let air = schedule.air.iter().map(alone).collect();
     let whole = [&schedule.step[..], &schedule.relax].concat();
     // Speeds are measured for each cloth at once.
     let last: Vec<_> = schedule.frame.iter().copied().filter(|p| *p != Pass::Fastest).collect();
+    // Particles of any tile follow nodes, and nodes particles, so tiles end before these passes and behind them.
+    let below = |step: Vec<Form>, relax: &[Pass]| match schedule.coarse[..] {
+        [] => Vec::new(),
+        _ => step.into_iter().chain(schedule.coarse.iter().map(alone)).chain(together(relax, among, room)).collect(),
+    };
     let put_off = |tail: &[Pass]| {
         let end = |passes: &[Pass]| {
             let forms = together(&[tail, passes].concat(), among, room);
@@ -78,16 +88,18 @@ pub fn sequence(among: &Among, schedule: &Schedule, room: &Room) -> Sequence {
         let head = |passes: &[Pass]| end(&passes[..passes.len() - tail.len()]);
         let mut ends = end(last.get(..1)?)?;
         ends.extend(last[1..].iter().map(alone));
-        Some([head(&whole)?, head(&schedule.relax)?, ends])
+        let coarse = below(end(&schedule.step)?, &schedule.relax[..schedule.relax.len() - tail.len()]);
+        Some([head(&whole)?, coarse, head(&schedule.relax)?, ends])
     };
     let rings = schedule.relax.iter().rposition(|p| *p == Pass::Seams);
     // Forces of air on triangles begin a step, and read neighbours.
     let put_off = rings.filter(|_| schedule.air.is_empty()).and_then(|n| put_off(&schedule.relax[n..]));
-    let [first, relax, last] = put_off.unwrap_or_else(|| {
+    let [first, coarse, relax, last] = put_off.unwrap_or_else(|| {
         let of = |passes: &[Pass]| together(passes, among, room);
-        [of(&whole), of(&schedule.relax), last.iter().map(alone).collect()]
+        let coarse = below(of(&schedule.step), &schedule.relax);
+        [of(&whole), coarse, of(&schedule.relax), last.iter().map(alone).collect()]
     });
-    Sequence { air, first, relax, last }
+    Sequence { air, first, coarse, relax, last }
 }
 
 /// How many passes a dispatch makes.

@@ -4,12 +4,13 @@ use std::sync::{Arc, OnceLock};
 
 use super::World;
 use super::dispatch::{by_loops, by_work, most_at_once};
+use crate::choose::Settings;
 use crate::form::Fused;
 use crate::fused::{HEADS, Room, room_of};
-use crate::loops;
-use crate::passes::Schedule;
+use crate::passes::{Schedule, has_levels};
 use crate::shaders::{Extent, is_shared, listed};
 use crate::tile::{Among, Sequence, sequence};
+use crate::{levels, loops};
 
 /// Workgroups of a dispatch along one axis.
 const MAX_WORKGROUPS: usize = 65_535;
@@ -93,6 +94,11 @@ impl Batch {
     }
 }
 
+/// Relaxations of a step of whole frames, coarser grids included: they have a third of the particles, and some for their borders.
+fn work_of_step(options: &Settings, fused: &Fused) -> u32 {
+    options.relaxations().saturating_add(u32::from(!fused.schedule.coarse.is_empty()))
+}
+
 /// The greatest common divisor.
 fn common(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { common(b, a % b) }
@@ -107,7 +113,8 @@ impl World {
         self.runs.iter_mut().for_each(|run| (run.fused, run.sequence, run.order) = (None, None, OnceLock::new()));
         self.close_places();
         let Some(room) = self.room.filter(|_| self.control.options.fused) else { return };
-        let (iterations, relaxations) = (self.control.options.iterations, self.control.options.relaxations());
+        let iterations = self.control.options.iterations;
+        let relaxations = |fused: &Fused| work_of_step(&self.control.options, fused);
         // Cloths whose frames are alike share them, so that a batch is found by comparing addresses.
         let mut frames: Vec<(Arc<Schedule>, bool)> = Vec::new();
         let mut sequences = Known::new();
@@ -130,7 +137,7 @@ impl World {
                 let (frame, fits) = &frames[at];
                 let fused = if *fits { Fused::of(cloth, frame, &room) } else { None };
                 run.most = fused.as_ref().map_or(0, |f| by_loops((cloth, solids), f, iterations, &room));
-                run.fused = fused.filter(|f| run.most > 0 && by_work(relaxations, f.places, 1, &room) > 0);
+                run.fused = fused.filter(|f| run.most > 0 && by_work(relaxations(f), f.places, 1, &room) > 0);
                 // Only whole frames read what a cut has changed in the lists that cloths share.
                 if run.fused.is_none() && !cloth.is_cut() && is_shared(&run.schedule) {
                     self.runs[index].sequence = Some(self.sequence_of((arena, index), (at, &mut sequences), &room));
@@ -143,7 +150,8 @@ impl World {
     pub fn opens(&self, arena: usize) -> bool {
         let bytes = |index: &usize| {
             let (cloth, slots) = (&self.scene.cloths[*index], self.runs[*index].tethers.per_particle);
-            listed(cloth, slots, room_of(cloth.len())) as u64
+            let coarse = if has_levels(cloth, &self.control.options) { levels::listed(cloth) } else { [0; 2] };
+            (listed(cloth, slots, room_of(cloth.len())) + coarse.iter().sum::<usize>()) as u64
         };
         let lists = HEADS + self.arenas[arena].cloths.iter().map(bytes).sum::<u64>();
         self.room.is_some_and(|room| lists <= room.bytes)
@@ -235,10 +243,10 @@ impl World {
             }
         }
         batches.truncate(count);
-        let (relaxations, room) = (self.control.options.relaxations(), self.room.as_ref());
+        let room = self.room.as_ref();
         for batch in batches {
             if let (Share::Whole { fused, most, .. }, Some(room)) = (&mut batch.share, room) {
-                *most = (*most).min(by_work(relaxations, fused.places, batch.members.len(), room));
+                *most = (*most).min(by_work(work_of_step(options, fused), fused.places, batch.members.len(), room));
             }
         }
     }

@@ -33,9 +33,7 @@ impl World {
         }
         let (cloth, run) = (&self.scene.cloths[index], &self.runs[index]);
         let others = self.runs[..index].iter().filter(|other| other.is_instance_of(run)).count();
-        // A cloth with a pyramid shares no dispatch.
-        let alone = !self.schedule(index, &self.control.options).coarse.is_empty();
-        let copies = if alone { 1 } else { others.clamp(1, (MOST_SPARE / cloth.len().max(1)).max(1)) };
+        let copies = others.clamp(1, (MOST_SPARE / cloth.len().max(1)).max(1));
         let found = arenas(&vec![cloth.clone(); copies], |_| like.instance, &self.control.options, &room);
         let Some(first) = found.first() else { return };
         let spare = (1..first.cloths.len() as u32).map(|slot| Spare { slot, like }).collect();
