@@ -8,7 +8,7 @@ fn neighbour(grid: Grid, i: u32, j: u32, n: u32) -> i32 {
     return -1;
   }
   let k = i32(grid.first) + at.y * i32(grid.width) + at.x;
-  return select(-1, k, now[k].w >= 0.0);
+  return select(-1, k, place(u32(k)).w >= 0.0);
 }
 
 // The other two corners of up to two triangles of a particle in one quadrant, counter-clockwise seen from the front:

@@ -410,11 +410,12 @@ pub fn schedule(
         (Solver::Xpbd, None) => soft_of(cloth),
     };
     let strain = Pass::Strain { image: matches!(cloth.rest(), Rest::Image(_)), soft };
-    s.frame.extend((springs && options.quality.target().is_some()).then_some(strain));
     if options.normals {
         s.frame.push(Pass::Normals { holes: cloth.is_cut() });
         s.frame.extend(seams.then_some(Pass::SeamNormals));
     }
+    // Behind normals: in whole frames maxima are found in the memory that positions have lain in.
+    s.frame.extend((springs && options.quality.target().is_some()).then_some(strain));
     s
 }
 

@@ -99,14 +99,14 @@ fn line(pass: &Pass, colour: &str, steps: bool) -> String {
         Whole::No | Whole::Done => String::new(),
         Whole::Call(name, _) => format!("  {name}_all(job, local);\n"),
         Whole::Loop => {
-            let moves = steps && parts.bound(Slot::Now).is_some_and(|b| b.writes);
+            let moves = parts.bound(Slot::Now).is_some_and(|b| b.writes);
             let after = if moves { "  sync();\n" } else { "" };
             let shared = hands_over(over, &parts);
             // Previous positions that other threads write or read may lie in a buffer.
             let before = parts.bound(Slot::Before).filter(|_| !is_own(over));
             let barrier = |there| if there { "  storageBarrier();\n" } else { "" };
             let first = barrier(before.is_some() || shared);
-            let last = barrier(!moves || shared || before.is_some_and(|b| b.writes));
+            let last = barrier(!moves || !steps || shared || before.is_some_and(|b| b.writes));
             format!("{first}  {call}_all(job, local{colour});\n{after}{last}")
         }
     }
