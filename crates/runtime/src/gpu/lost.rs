@@ -63,8 +63,10 @@ pub(crate) fn guard<T>(device: &wgpu::Device, run: impl FnOnce() -> Result<T>) -
     let scopes = FILTERS.map(|filter| device.push_error_scope(filter));
     let result = run();
     // The last that was pushed is the first to be popped.
-    let raised = scopes.into_iter().rev().filter_map(|scope| ready(scope.pop())).collect();
-    outcome(device, result, raised)
+    let raised = scopes.into_iter().rev().filter_map(|scope| ready(scope.pop()));
+    #[cfg(test)]
+    let raised = raised.chain(FULL.take().then(tests::full));
+    outcome(device, result, raised.collect())
 }
 
 /// The same where errors may be told later, as in a browser. `run` is called when the future is first polled.
@@ -124,16 +126,89 @@ pub(super) fn poll(device: &wgpu::Device, how: wgpu::PollType) -> Result<()> {
 thread_local! {
     /// How often this thread has waited for a device.
     pub(super) static WAITS: std::cell::Cell<u32> = const { std::cell::Cell::new(0) };
+    /// Whether the next guarded call on this thread finds the memory of the device full.
+    static FULL: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gpu::adapter::device;
+    use crate::gpu::read_back;
+    use crate::{Backend, Flat, Options, Scene, Stepper};
+
+    type Handles = (wgpu::Device, wgpu::Queue);
+
+    pub fn full() -> wgpu::Error {
+        wgpu::Error::OutOfMemory { source: Box::new(std::io::Error::other("no room")) }
+    }
+
+    /// As many sheets.
+    fn stepper(count: usize, (device, queue): &Handles) -> Result<Stepper> {
+        let mut scene = Scene::new("sheets");
+        for n in 0..count as u32 {
+            let mut cloth = Flat::square("sheet", 9 + n).cloth()?;
+            cloth.set_pinned(0, true)?;
+            scene.cloths.push(cloth);
+        }
+        let options = Options { backend: Backend::Gpu, substeps: Some(3), ..Options::default() };
+        Stepper::new(scene, options, Some((device, queue)))
+    }
+
+    fn frames(stepper: &mut Stepper, (device, queue): &Handles, count: u32) -> Result<()> {
+        (0..count).try_for_each(|_| {
+            let mut encoder = device.create_command_encoder(&Default::default());
+            stepper.record(&mut encoder, 1.0 / 60.0)?;
+            queue.submit([encoder.finish()]);
+            Ok(())
+        })
+    }
+
+    fn bits(stepper: &Stepper, (device, queue): &Handles) -> Vec<Vec<[u32; 4]>> {
+        let all = (0..stepper.handles().len()).map(|c| stepper.buffers(c).unwrap());
+        let of = |span| read_back(device, queue, span).unwrap().into_iter().map(|p| p.map(f32::to_bits)).collect();
+        all.map(|buffers| of(&buffers.now)).collect()
+    }
+
+    #[test]
+    fn a_device_without_memory_is_a_typed_error_and_cloth_goes_on() {
+        let Some(handles) = device() else { return };
+        // They check the adapter, and later ones do not.
+        let (mut cloths, mut others) = (stepper(2, &handles).unwrap(), stepper(2, &handles).unwrap());
+        FULL.set(true);
+        assert!(matches!(stepper(2, &handles), Err(Error::OutOfMemory)));
+
+        // A cloth that does not fit leaves the others as they are.
+        frames(&mut cloths, &handles, 3).unwrap();
+        FULL.set(true);
+        let added = cloths.add_cloth(Flat::square("late", 12).cloth().unwrap());
+        assert!(matches!(added, Err(Error::OutOfMemory)) && cloths.handles().len() == 2, "{added:?}");
+        frames(&mut cloths, &handles, 2).unwrap();
+        frames(&mut others, &handles, 5).unwrap();
+        assert!(bits(&cloths, &handles) == bits(&others, &handles));
+
+        // After a frame that finds no memory the stepper refuses all calls until it has recovered, on the same device.
+        let saved = cloths.snapshot().unwrap();
+        frames(&mut cloths, &handles, 2).unwrap();
+        FULL.set(true);
+        for _ in 0..2 {
+            assert!(matches!(frames(&mut cloths, &handles, 1), Err(Error::OutOfMemory)));
+        }
+        assert!(matches!(cloths.snapshot(), Err(Error::OutOfMemory)));
+        FULL.set(true);
+        assert!(matches!(cloths.recover(&handles.0, &handles.1), Err(Error::OutOfMemory)));
+        cloths.recover(&handles.0, &handles.1).unwrap();
+        others.restore(&saved).unwrap();
+        for stepper in [&mut cloths, &mut others] {
+            frames(stepper, &handles, 4).unwrap();
+        }
+        assert!(bits(&cloths, &handles) == bits(&others, &handles));
+    }
 
     #[test]
     fn errors_of_a_device_have_types() {
         let source = || Box::new(std::io::Error::other("no room"));
-        let full = || typed(wgpu::Error::OutOfMemory { source: source() });
+        let full = || typed(full());
         let wrong = || typed(wgpu::Error::Validation { source: source(), description: "In a\n  bind group".into() });
         assert!(matches!(full(), Error::OutOfMemory));
         assert!(matches!(wrong(), Error::Device(text) if text.ends_with("In a bind group")));
