@@ -20,7 +20,7 @@ const NO_SPEED: f32 = 1e15;
 static TOUCH: [Form; FOLLOW_STEPS as usize] =
     [Form::Apart(Pass::Touch { others: 1 }), Form::Apart(Pass::Touch { others: 2 })];
 
-/// What runs in place of a form in step `n` of cloth that meets others.
+/// The form that runs in place of `form` in step `n`, for cloth that meets others.
 pub(super) fn among_others(form: &Form, n: u32) -> &Form {
     match form {
         Form::Apart(Pass::Touch { .. }) => &TOUCH[(n % FOLLOW_STEPS) as usize],
