@@ -77,12 +77,16 @@ impl<'a> Run<'a> {
         queue.submit([encoder.finish()]);
     }
 
-    /// Positions now and before.
+    /// Positions of the first cloth now and before.
     fn lists(&self) -> [Vec<[f32; 4]>; 2] {
+        self.lists_of(0)
+    }
+
+    fn lists_of(&self, cloth: usize) -> [Vec<[f32; 4]>; 2] {
         let Some((device, queue)) = self.1 else {
-            return [self.0.positions(0), self.0.previous(0)].map(|l| l.unwrap().to_vec());
+            return [self.0.positions(cloth), self.0.previous(cloth)].map(|l| l.unwrap().to_vec());
         };
-        let buffers = self.0.buffers(0).unwrap();
+        let buffers = self.0.buffers(cloth).unwrap();
         [&buffers.now, &buffers.before].map(|b| read_back(device, queue, b).unwrap())
     }
 }
@@ -127,6 +131,69 @@ fn one_step_is_that_of_the_twin() {
         assert!(moved(&lists[0][1], &lists[1][1]) <= 1e-6, "{name}: previous positions");
         let start: Vec<_> = SHIRT.positions().iter().map(|p| [p[0], p[1], p[2], 0.0]).collect();
         assert!(moved(&lists[0][0], &start) > 1e-5, "{name}: nothing moved");
+    }
+}
+
+/// A dress, and a hundred shirts in rows, each with capsules in it that move.
+fn wardrobes() -> [(&'static str, Scene); 2] {
+    let garment = |name: &str, pin: &str| {
+        let built = build(&asset(&format!("{name}.glb")), &pinned(1024, &[pin])).unwrap();
+        Cloth::from_bundle(name, &built.bundle).unwrap()
+    };
+    let body = |at: [f32; 3]| {
+        let shape = Shape::Capsule { half_height: 0.2, radius: 0.17 };
+        Collider { friction: 0.3, velocity: [0.1, 0.0, 0.05], ..Collider::new(shape, at) }
+    };
+    let (dress, shirt) = (garment("dress", "color:r>0.8"), garment("tshirt", "above:1.4"));
+    let shirts = (0..100u8).map(|k| {
+        let mut shirt = shirt.clone();
+        let [x, z] = [k % 10, k / 10].map(f32::from);
+        shirt.place(shirt.positions().iter().map(|p| [p[0] + x, p[1], p[2] + z]).collect()).unwrap();
+        shirt
+    });
+    // The first row of shirts has bodies.
+    let bodies = (0..10u8).map(|k| body([f32::from(k), 1.1, 0.0])).collect();
+    let dress = Scene { cloths: vec![dress], colliders: vec![body([0.0, 1.0, 0.0])], ..Scene::new("dress") };
+    [("dress", dress), ("100 shirts", Scene { cloths: shirts.collect(), colliders: bodies, ..Scene::new("shirts") })]
+}
+
+#[test]
+fn a_dress_and_a_hundred_shirts_step_as_on_the_cpu() {
+    let Some(device) = device() else { return };
+    for (name, all) in wardrobes() {
+        // The same choices, with a few dispatches for all.
+        let chosen = [None, Some(&device)].map(|d| {
+            let run = Run::new(all.clone(), &Options::default(), d);
+            (run.0.substeps(), run.0.polish(), run.0.choice().clone(), run.0.warnings())
+        });
+        assert_eq!(chosen[0], chosen[1], "{name}");
+        let one = Scene { cloths: all.cloths[..1].to_vec(), ..all.clone() };
+        let dispatches = |scene: Scene| Run::new(scene, &Options::default(), Some(&device)).0.plan().dispatches();
+        let counts = [one, all.clone()].map(dispatches);
+        assert_eq!(counts[0], counts[1], "{name}: as many dispatches as for one");
+
+        let steps = chosen[0].0;
+        let step = FRAME / f64::from(steps);
+        let options = Options { substeps: Some(1), polish: Some(chosen[0].1), step, ..Options::default() };
+        let [mut here, mut there] = [None, Some(&device)].map(|d| Run::new(all.clone(), &options, d));
+        let mut most = 0.0f32;
+        for _ in 0..4 {
+            (0..steps).for_each(|_| here.frame(step));
+            // From the same state, as rounding grows from step to step.
+            there.0.restore(&here.0.snapshot().unwrap()).unwrap();
+            [&mut here, &mut there].into_iter().for_each(|run| run.frame(step));
+            for cloth in 0..all.cloths.len() {
+                let (a, b) = (here.lists_of(cloth), there.lists_of(cloth));
+                most = most.max(moved(&a[0], &b[0])).max(moved(&a[1], &b[1]));
+            }
+        }
+        let mut free = Run::new(Scene { cloths: all.cloths[..1].to_vec(), ..Scene::new("free") }, &options, None);
+        (0..4 * steps + 4).for_each(|_| free.frame(step));
+        let pushed = moved(&free.lists()[0], &here.lists()[0]);
+        println!("{name}: pushed {pushed} m by its body");
+        assert!(pushed > 1e-3, "{name}: {pushed} m");
+        println!("{name}: {steps} steps of {step} s, {counts:?} dispatches, {most:e} m apart after a step");
+        assert!(most <= 1e-6, "{name}: {most:e} m");
     }
 }
 
