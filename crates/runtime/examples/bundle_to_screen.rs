@@ -2,15 +2,15 @@
 use std::{env, error::Error, fs, path::Path};
 
 use gimage_runtime::draw::{Camera, Draw, Target, View};
-use gimage_runtime::{Cloth, Options, Scene, Stepper, device_limits, read_back_picture, wgpu};
+use gimage_runtime::wgpu::{self, CompareFunction, TextureFormat};
+use gimage_runtime::{Cloth, Options, Scene, Stepper, device_limits, read_back_picture};
 
-const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+const COLOR: TextureFormat = TextureFormat::Rgba8UnormSrgb;
+const DEPTH: (TextureFormat, CompareFunction) = (TextureFormat::Depth32Float, CompareFunction::Less);
 
 /// Reads a bundle and writes a picture; both paths are arguments.
 pub fn main() -> Result<(), Box<dyn Error>> {
-    let mut args = env::args_os().skip(1);
-    let (Some(bundle), Some(picture)) = (args.next(), args.next()) else {
+    let (Some(bundle), Some(picture)) = (env::args_os().nth(1), env::args_os().nth(2)) else {
         return Err("usage: bundle_to_screen BUNDLE PICTURE.ppm".into());
     };
     let rgb = run(Path::new(&bundle), 60)?.into_iter().flat_map(|p| [p[0], p[1], p[2]]);
@@ -22,7 +22,6 @@ pub fn run(bundle: &Path, frames: u32) -> Result<Vec<[u8; 4]>, Box<dyn Error>> {
     let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()))?;
     let wanted = wgpu::DeviceDescriptor { required_limits: device_limits(&adapter), ..Default::default() };
     let (device, queue) = pollster::block_on(adapter.request_device(&wanted))?;
-
     let cloth = Cloth::from_bundle("garment", &gimage_bundle::dir::read_dir(bundle)?)?;
     let (low, high) = cloth.bounds().ok_or("no particles")?;
     let scene = Scene { cloths: vec![cloth], ..Scene::new("bundle to screen") };
@@ -39,9 +38,8 @@ pub fn run(bundle: &Path, frames: u32) -> Result<Vec<[u8; 4]>, Box<dyn Error>> {
         view_formats: &[],
     };
     let screen = device.create_texture(&texture(COLOR, wgpu::TextureUsages::COPY_SRC));
-    let depth = device.create_texture(&texture(DEPTH, wgpu::TextureUsages::empty())).create_view(&Default::default());
-    let less = Some((DEPTH, wgpu::CompareFunction::Less));
-    let mut draw = Draw::new(&device, &queue, Target { color: COLOR, depth: less, samples: 1 });
+    let depth = device.create_texture(&texture(DEPTH.0, wgpu::TextureUsages::empty())).create_view(&Default::default());
+    let mut draw = Draw::new(&device, &queue, Target { color: COLOR, depth: Some(DEPTH), samples: 1 });
     let view = View::new(&Camera::framing(low, high, [0.5, 0.2, 1.0], 0.6, 1.0), 1.0);
 
     for _ in 0..frames {
@@ -54,9 +52,7 @@ pub fn run(bundle: &Path, frames: u32) -> Result<Vec<[u8; 4]>, Box<dyn Error>> {
         let depth = wgpu::RenderPassDepthStencilAttachment { view: &depth, depth_ops, stencil_ops: None };
         let (color_attachments, depth_stencil_attachment) = (&[Some(color)], Some(depth));
         let what = wgpu::RenderPassDescriptor { color_attachments, depth_stencil_attachment, ..Default::default() };
-        let mut pass = encoder.begin_render_pass(&what);
-        draw.record(&mut pass, &stepper, &view, progress.fraction)?;
-        drop(pass);
+        draw.record(&mut encoder.begin_render_pass(&what), &stepper, &view, progress.fraction)?;
         queue.submit([encoder.finish()]);
         stepper.settle()?;
     }
