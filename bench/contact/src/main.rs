@@ -19,6 +19,9 @@ struct Cli {
     /// Particles per side.
     #[arg(long, value_delimiter = ',', default_value = "64,128")]
     n: Vec<u32>,
+    /// Scenes at the size that their sources give: particles per side and sheets; without SCENE those that have one.
+    #[arg(long)]
+    full: bool,
     /// Frames of 1/60 s; that of each scene by default.
     #[arg(long)]
     frames: Option<u32>,
@@ -66,17 +69,27 @@ fn main() -> ExitCode {
 fn table(cli: &Cli) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", Row::HEAD)?;
-    let names = if cli.scenes.is_empty() { scenes::NAMES.map(String::from).to_vec() } else { cli.scenes.clone() };
-    for name in &names {
-        for n in &cli.n {
-            for distance in &cli.distance {
-                // The tier is empty for runs without contact.
-                let tiers = if *distance > 0.0 { &cli.tier[..] } else { &cli.tier[..1] };
-                for tier in tiers {
-                    writeln!(out, "{}", run(cli, name, *n, (*distance, *tier))?)?;
-                }
+    for (name, size) in sizes(cli) {
+        for distance in &cli.distance {
+            // The tier is empty for runs without contact.
+            let tiers = if *distance > 0.0 { &cli.tier[..] } else { &cli.tier[..1] };
+            for tier in tiers {
+                writeln!(out, "{}", run(cli, name, size, (*distance, *tier))?)?;
+                out.flush()?;
             }
         }
     }
     Ok(())
+}
+
+/// Each scene with its sizes: particles per side, and sheets of a pile.
+fn sizes(cli: &Cli) -> Vec<(&str, [u32; 2])> {
+    let given = cli.scenes.iter().map(String::as_str);
+    if cli.full {
+        let asked = |name: &str| cli.scenes.is_empty() || cli.scenes.iter().any(|scene| scene == name);
+        let full = scenes::FULL.iter().filter(|(name, ..)| asked(name));
+        return full.map(|(name, n, layers)| (*name, [*n, *layers])).collect();
+    }
+    let names: Vec<&str> = if cli.scenes.is_empty() { scenes::NAMES.to_vec() } else { given.collect() };
+    names.into_iter().flat_map(|name| cli.n.iter().map(move |n| (name, [*n, cli.layers]))).collect()
 }

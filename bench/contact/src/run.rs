@@ -55,16 +55,16 @@ impl fmt::Display for Row {
 }
 
 /// Steps a scene with a contact distance that is a multiple of the distance of neighbours.
-pub fn run(cli: &Cli, name: &str, n: u32, (distance, tier): (f32, Tier)) -> Result<Row, Failure> {
-    let Set { mut scene, spacing, turns } = scenes::scene(name, n, cli.layers)?;
+pub fn run(cli: &Cli, name: &str, [n, layers]: [u32; 2], (distance, tier): (f32, Tier)) -> Result<Row, Failure> {
+    let Set { mut scene, spacing, frame_s, friction, actions } = scenes::scene(name, n, layers)?;
     for (layer, cloth) in scene.cloths.iter_mut().enumerate() {
         let of = if tier == Tier::Safe { ContactTier::Safe } else { ContactTier::Particles };
         let layer = if cli.layered { layer as i32 } else { 0 };
-        let contact = ClothContact { tier: of, distance: Some(distance * spacing), layer, ..ClothContact::default() };
+        let contact = ClothContact { tier: of, distance: Some(distance * spacing), layer, friction };
         cloth.contact = (distance > 0.0).then_some(contact);
     }
     let frames = cli.frames.unwrap_or(scene.frames);
-    let options = Options { threads: 1, substeps: cli.substeps, normals: false, ..Options::default() };
+    let options = Options { threads: 1, substeps: cli.substeps, step: frame_s, normals: false, ..Options::default() };
     let mut stepper = Stepper::on_cpu(scene.clone(), options)?;
     let (mut times, mut counts, mut deepest) = (Vec::<f64>::new(), Vec::new(), 0.0f64);
     if cli.trace {
@@ -72,11 +72,9 @@ pub fn run(cli: &Cli, name: &str, n: u32, (distance, tier): (f32, Tier)) -> Resu
     }
     let (mut center, mut way) = (mean_position(&stepper), 0.0);
     for frame in 1..=frames {
-        for turn in &turns {
-            stepper.set_pins(0, &turn.pins, &turn.at(f64::from(frame) / 60.0))?;
-        }
+        actions.iter().try_for_each(|action| action.lead(&mut stepper, f64::from(frame) * frame_s))?;
         let start = Instant::now();
-        stepper.advance(1.0 / 60.0)?;
+        stepper.advance(frame_s)?;
         times.push(start.elapsed().as_secs_f64() * 1e3);
         let now = mean_position(&stepper);
         way += (0..3).map(|c| (now[c] - center[c]).powi(2)).sum::<f64>().sqrt();

@@ -1,7 +1,10 @@
 //! Scenes in which cloth meets cloth.
 
+mod action;
 mod crossed;
 mod garment;
+mod gates;
+mod hung;
 mod many;
 mod tube;
 mod turned;
@@ -11,29 +14,53 @@ use std::path::Path;
 use gimage_runtime::{Cloth, Collider, Flat, Scene, Shape};
 
 use crate::run::Failure;
-pub use turned::Turn;
+pub use action::Action;
 
 /// All of them.
-pub const NAMES: [&str; 13] =
-    ["fold", "drop", "hang", "ball", "pile", "drape", "layers", "cards", "twist", "tube", "overlap", "waves", "coat"];
+pub const NAMES: [&str; 21] = [
+    "fold", "drop", "hang", "ball", "pile", "drape", "layers", "cards", "twist", "tube", "style3d", "flip", "swing",
+    "curtain", "stack", "load", "drag", "flag", "overlap", "waves", "coat",
+];
+
+/// Scenes at the size that their sources give, with particles per side and number of sheets; other scenes have none.
+pub const FULL: [(&str, u32, u32); 13] = [
+    ("layers", 70, 50),
+    ("twist", 51, 1),
+    ("cards", 5, 52),
+    ("style3d", 100, 1),
+    ("flip", 128, 1),
+    ("swing", 128, 5),
+    ("curtain", 64, 15),
+    ("stack", 128, 10),
+    ("tube", 96, 1),
+    ("fold", 128, 3),
+    ("load", 64, 2),
+    ("drag", 64, 2),
+    ("flag", 64, 1),
+];
 
 /// A scene, and what moves in it.
 pub struct Set {
     pub scene: Scene,
     /// The distance \[m\] of neighbouring particles.
     pub spacing: f32,
-    pub turns: Vec<Turn>,
+    /// Length of a frame \[s\].
+    pub frame_s: f64,
+    /// Friction between cloths.
+    pub friction: f32,
+    pub actions: Vec<Action>,
 }
 
 /// A scene by its name, or the bundle in this directory, with `n` particles per side; `layers` sheets where the scene has a pile of them.
 pub fn scene(name: &str, n: u32, layers: u32) -> Result<Set, Failure> {
-    let mut spacing = 1.0 / (n - 1) as f32;
-    let mut turns = Vec::new();
+    let (frame_s, friction) = (1.0 / 60.0, 0.3);
+    let mut set =
+        Set { scene: Scene::new(name), spacing: 1.0 / (n - 1) as f32, frame_s, friction, actions: Vec::new() };
     if Path::new(name).is_dir() {
-        let (scene, spacing) = garment::garment(name)?;
-        return Ok(Set { scene, spacing, turns });
+        (set.scene, set.spacing) = garment::garment(name)?;
+        return Ok(set);
     }
-    let mut scene = Scene::new(name);
+    let Set { scene, spacing, .. } = &mut set;
     scene.frames = 300;
     let table = table();
     match name {
@@ -92,25 +119,52 @@ pub fn scene(name: &str, n: u32, layers: u32) -> Result<Set, Failure> {
             scene.colliders.push(Collider { friction: 0.3, ..Collider::new(ball, [0.0, -0.2, 0.0]) });
             scene.frames = 120;
         }
-        "layers" => many::layers(&mut scene, n, layers)?,
+        "layers" => many::layers(scene, n, layers)?,
         "cards" => {
-            many::cards(&mut scene)?;
-            spacing = 0.015;
+            many::cards(scene)?;
+            *spacing = 0.015;
         }
-        "twist" => turns = turned::twist(&mut scene, n)?,
+        "twist" => {
+            set.actions = turned::twist(scene, n)?;
+            set.friction = 0.2;
+        }
         "tube" => {
-            turns = turned::wrung(&mut scene, n)?;
-            spacing = std::f32::consts::TAU * 0.15 / (n - 1) as f32;
+            *spacing = std::f32::consts::TAU * 0.15 / (n - 1) as f32;
+            set.actions = turned::wrung(scene, n)?;
         }
-        "overlap" => crossed::overlap(&mut scene, n)?,
-        "waves" => crossed::waves(&mut scene, n)?,
+        "style3d" => hung::style3d(scene, n)?,
+        "flip" => {
+            *spacing *= 2.0;
+            set.actions = hung::flip(scene, n)?;
+        }
+        "swing" => {
+            *spacing *= 2.0;
+            hung::swing(scene, n)?;
+            set.frame_s = 0.01;
+        }
+        "curtain" => {
+            *spacing *= 2.0;
+            set.actions = hung::curtain(scene, n)?;
+        }
+        "stack" => {
+            set.actions = gates::stack(scene, n)?;
+            set.friction = 0.5;
+        }
+        "load" => gates::load(scene, n)?,
+        "drag" => set.actions = gates::drag(scene, n)?,
+        "flag" => {
+            *spacing *= 1.2;
+            gates::flag(scene, n)?;
+        }
+        "overlap" => crossed::overlap(scene, n)?,
+        "waves" => crossed::waves(scene, n)?,
         "coat" => {
-            crossed::coat(&mut scene, n)?;
-            spacing = std::f32::consts::TAU * 0.15 / (n - 1) as f32;
+            crossed::coat(scene, n)?;
+            *spacing = std::f32::consts::TAU * 0.15 / (n - 1) as f32;
         }
         _ => return Err(format!("no scene of this name and no bundle; there are {}", NAMES.join(", ")).into()),
     }
-    Ok(Set { scene, spacing, turns })
+    Ok(set)
 }
 
 fn table() -> Collider {
