@@ -43,7 +43,7 @@ pub enum Command {
     List(ListArgs),
     /// Show the contents and the quality of a bundle.
     #[command(after_help = help::INSPECT)]
-    Inspect(BundleArgs),
+    Inspect(InspectArgs),
     /// Check a bundle against the rules of the format, texel by texel.
     #[command(after_help = help::VALIDATE)]
     Validate(BundleArgs),
@@ -73,7 +73,24 @@ pub enum Command {
     Doctor(DoctorArgs),
 }
 
-/// `gimage inspect` and `gimage validate`.
+/// `gimage inspect`.
+#[derive(Debug, Args)]
+pub struct InspectArgs {
+    /// The bundle.
+    #[arg(value_name = "BUNDLE")]
+    pub bundle: PathBuf,
+    /// Draw the cloth at rest to this PNG, with the triangles that cross in red: all of it, and the place where they cross most deeply.
+    #[arg(long, value_name = "FILE.png")]
+    pub picture: Option<PathBuf>,
+    /// Overwrite the picture.
+    #[arg(long, requires = "picture")]
+    pub force: bool,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `gimage validate`.
 #[derive(Debug, Args)]
 pub struct BundleArgs {
     /// The bundle.
@@ -300,7 +317,8 @@ impl Cli {
             Command::Dress(args) => args.build.json,
             Command::List(args) => args.json,
             Command::FitColliders(args) => args.json,
-            Command::Inspect(args) | Command::Validate(args) => args.json,
+            Command::Inspect(args) => args.json,
+            Command::Validate(args) => args.json,
             Command::Simulate(args) => args.json,
             Command::Render(args) => args.json,
             Command::Export(args) => args.json,

@@ -67,7 +67,9 @@ pub const INSPECT: &str = concat!(
     "EXAMPLES:\n",
     "  gimage inspect shirt.gim\n",
     "  gimage inspect shirt.gim --json | jq .quality.psnr\n",
-    "  gimage inspect shirt.gim -v",
+    "  gimage inspect shirt.gim -v\n",
+    "  gimage inspect shirt.gim --picture crossings.png",
+    "\n\nCrossings are pairs of triangles of the cloth at rest that cross, counted by exact predicates, as\n`gimage check-crossings` counts them.",
     exit_codes!("done, but the manifest disagrees with the images")
 );
 

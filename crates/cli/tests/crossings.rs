@@ -39,6 +39,59 @@ fn dumped_frames_are_checked_with_and_without_the_scene() {
     assert!(run.stdout.contains("frame") && run.stderr.contains("no crossings in 3 frames"), "{}", run.stderr);
 }
 
+/// Two squares of 1 m as an OBJ; the second one stands across the first.
+fn crossed_squares() -> String {
+    let (n, mut obj) = (13, String::new());
+    for upright in [false, true] {
+        for k in 0..n * n {
+            let (u, v) = ((k % n) as f64 / (n - 1) as f64, (k / n) as f64 / (n - 1) as f64);
+            let [x, y, z] = if upright { [0.1 + 0.8 * u, v - 0.5, 0.43 + 0.1 * u] } else { [u, 0.0, v] };
+            obj += &format!("v {x} {y} {z}\n");
+        }
+        let first = if upright { n * n + 1 } else { 1 };
+        for (i, j) in (0..n - 1).flat_map(|j| (0..n - 1).map(move |i| (i, j))) {
+            let k = first + j * n + i;
+            obj += &format!("f {} {} {} {}\n", k, k + n, k + n + 1, k + 1);
+        }
+    }
+    obj
+}
+
+#[test]
+fn inspect_counts_crossings_at_rest_and_draws_them() {
+    let place = Place::new();
+    place.write("crossed.obj", &crossed_squares());
+    place.run("build crossed.obj -o crossed.gim --texels 512").expect(&[0, 1]);
+    let counted = place.run("check-crossings crossed.gim --json").expect(&[1]).json();
+    let frame = &counted["inputs"][0]["frames"][0];
+    let pairs = frame["within"].as_u64().unwrap() + frame["between"].as_u64().unwrap();
+    let json = place.run("inspect crossed.gim --picture crossed.png --json").expect(&[0, 1]).json();
+    assert!(pairs > 5, "{counted}");
+    assert_eq!(json["crossings"]["pairs"].as_u64(), Some(pairs));
+    let image = image::open(place.path("crossed.png")).unwrap().into_rgb8();
+    assert_eq!(image.dimensions(), (1280, 640));
+    // Red in both parts, and no red where nothing crosses.
+    let red = |left: u32| {
+        let columns = left..left + 640;
+        columns
+            .flat_map(|x| (0..640).map(move |y| (x, y)))
+            .filter(|(x, y)| {
+                let [r, g, _] = image.get_pixel(*x, *y).0;
+                u32::from(r) > 2 * u32::from(g)
+            })
+            .count()
+    };
+    assert!(red(0) > 500 && red(640) > 500, "{} {}", red(0), red(640));
+    assert!(
+        place.run("inspect crossed.gim").expect(&[0, 1]).stdout.contains(&format!("{pairs} pairs of triangles cross"))
+    );
+    place.run("inspect crossed.gim --picture crossed.png").expect(&[2]);
+    place.run("inspect crossed.gim --picture crossed.jpg").expect(&[2]);
+    place.built("");
+    place.run("inspect tube.gim --picture crossed.png --force").expect(&[0]);
+    assert_eq!(image::open(place.path("crossed.png")).unwrap().into_rgb8().dimensions(), (640, 640));
+}
+
 /// Two sheets, of which the wind takes one through the other.
 const SHEETS: &str = r#"{
   "format": "gimage-scene", "version": 1, "name": "sheets", "duration": 0.2,

@@ -45,6 +45,7 @@ mod tests;
 mod tree;
 
 use crate::cloth::Cloth;
+use crate::cpu::neighbours::View;
 use crate::error::Result;
 use mesh::Mesh;
 use tally::Tally;
@@ -84,6 +85,22 @@ pub struct Place {
     pub texel: [u32; 2],
     /// Which triangle of the quad: the bit of [`crate::ClothBuffers::holes`].
     pub triangle: u32,
+}
+
+impl Place {
+    /// The particles at the corners of the triangle of this place in a cloth that is whole, counter-clockwise seen from the front; `None` if the cloth
+    /// does not have it.
+    pub fn corners(&self, cloth: &Cloth) -> Option<[u32; 3]> {
+        let grid =
+            cloth.grids().get(self.grid).filter(|grid| self.texel[0] < grid.width && self.texel[1] < grid.height)?;
+        let (width, first) = (grid.width as usize, grid.first as usize + (self.texel[1] * grid.width) as usize);
+        // The quad's row of texels and the next one.
+        let rows = first..(first + 2 * width).min(grid.range().end);
+        let now: Vec<[f32; 4]> = rows.map(|k| [0.0, 0.0, 0.0, cloth.inverse_mass(k)]).collect();
+        let (count, corners) = View { now: &now, width, holes: &[] }.quad(self.texel[0] as usize, 0);
+        let corners = corners.get(self.triangle as usize).filter(|_| self.triangle < count)?;
+        Some([0, 2, 1].map(|c| (first + corners[c]) as u32))
+    }
 }
 
 /// Two triangles that cross.

@@ -12,6 +12,7 @@ mod faults;
 pub mod fit_colliders;
 pub mod inspect;
 pub mod list;
+mod png;
 pub mod reconstruct;
 pub mod render;
 mod scene;

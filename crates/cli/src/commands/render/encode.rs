@@ -4,6 +4,7 @@ use gif::{DisposalMethod, Encoder, Frame, Repeat};
 
 use super::Kind;
 use super::palette::{Counts, Palette, Rgb};
+use crate::commands::png;
 use crate::exit::Failure;
 
 /// A file in the making.
@@ -37,16 +38,9 @@ impl Pictures {
 
     /// The next picture.
     pub fn add(&mut self, pixels: Vec<[u8; 4]>) -> Result<(), Failure> {
-        let (width, height) = self.size;
+        let width = self.size.0;
         if self.kind == Kind::Png {
-            let rgb: Vec<u8> = pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
-            let mut bytes = Vec::new();
-            let mut encoder = png::Encoder::new(&mut bytes, width, height);
-            encoder.set_color(png::ColorType::Rgb);
-            let mut writer = encoder.write_header().map_err(|e| wrong(&e))?;
-            writer.write_image_data(&rgb).map_err(|e| wrong(&e))?;
-            writer.finish().map_err(|e| wrong(&e))?;
-            self.png = Some(bytes);
+            self.png = Some(png::encode(self.size, &pixels)?);
             return Ok(());
         }
         // Only the part that differs from the picture before is stored.
