@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use gimage::Error;
+use gimage::caps::Caps;
 use gimage::contents::{Contents, Kind, list};
 use gimage::options::BuildOptions;
 use gimage::select::Role;
@@ -76,6 +77,37 @@ fn the_rule_is_right_on_skinned_garments() {
     let mut options = texels(8192);
     options.select.cloth = vec!["*_hat".parse().unwrap(), "Plane*".parse().unwrap()];
     agrees(&folder.join("mage_skinned.glb"), &options);
+}
+
+/// The caps that are left out of a file, as its finding counts them.
+fn caps(path: &Path, caps: Caps) -> u64 {
+    let mut options = BuildOptions::default();
+    options.caps.caps = caps;
+    let contents = list(path, &options).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    contents.findings.iter().find(|f| f.kind == "caps-opened").map_or(0, |f| f.count)
+}
+
+#[test]
+fn caps_are_opened_around_limbs_only() {
+    for name in ["cape.glb", "dress.glb", "figure.glb", "skirt.glb", "sleeve.glb", "trousers.glb", "tshirt.glb"] {
+        assert_eq!(caps(&asset(name), Caps::Open), 0, "{name}");
+    }
+    let Some(folder) = garments_or_skip("caps_are_opened_around_limbs_only") else { return };
+    let outfit = folder.join("outfit_skinned.glb");
+    assert_eq!((caps(&outfit, Caps::Auto), caps(&outfit, Caps::Keep)), (6, 0));
+    let loops: Vec<usize> =
+        contents(&outfit).components.iter().filter(|c| c.role == Role::Cloth).map(|c| c.loops.len()).collect();
+    assert_eq!(loops, [3, 4], "the waist and the legs, and the waist, the sleeves and the neck");
+    for name in ["spot", "camel", "feline", "stanford-bunny"] {
+        assert_eq!(caps(&folder.join(format!("models/{name}.obj")), Caps::Open), 0, "{name}");
+    }
+    for name in ["skirt_evening.obj", "tshirt_1900.obj", "hat_fedora.obj", "suit_male06.obj"] {
+        assert_eq!(caps(&folder.join(name), Caps::Open), 0, "{name}");
+    }
+    let others = ["dress_summer.glb", "jacket_fleece.glb", "mage_skinned.glb", "knight_skinned/scene.gltf"];
+    for name in others.into_iter().chain(["compressed/polo_draco.glb", "compressed/shorts_meshopt.glb"]) {
+        assert_eq!(caps(&folder.join(name), Caps::Auto), 0, "{name}");
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 use std::path::Path;
 
+use gimage::caps::{CapsOptions, open_caps};
 use gimage::options::BuildOptions;
 use gimage_tests::{build, check, garments_or_skip, point, psnr, reread, surface, texels, topology};
 
@@ -105,12 +106,15 @@ fn dirty_garments_come_out_sound() {
             assert!(skeleton.joints.iter().any(|j| j.parent.is_some()), "{file}");
         }
         assert!(m.accessories.iter().all(|a| (a.piece as usize) < m.pieces.len() && !a.reason.is_empty()), "{file}");
-        // Nothing is dropped in silence: pieces, what is bound to them, and accessories have the triangles that repair left.
+        // Nothing is dropped in silence: pieces, what is bound to them, accessories and caps have the triangles that repair left.
         let kept: u32 = m.pieces.iter().map(|p| p.surface.as_ref().unwrap().triangles).sum::<u32>()
             + m.pieces.iter().filter_map(|p| Some(p.shell.as_ref()?.bound_triangles)).sum::<u32>()
             + m.accessories.iter().map(|a| a.triangles).sum::<u32>();
         let mesh = gimage::import::import(&folder.join(file), &Default::default()).unwrap().mesh;
         let repaired = gimage::repair::repair(mesh, &Default::default()).unwrap().mesh;
-        assert_eq!(kept as usize, repaired.triangles.len(), "{file}");
+        let count = repaired.triangles.len();
+        let caps = open_caps(repaired, &CapsOptions::default()).caps;
+        assert_eq!(kept as usize + caps.iter().map(|cap| cap.triangles.len()).sum::<usize>(), count, "{file}");
+        assert_eq!(built.report.findings.iter().any(|f| f.kind == "caps-opened"), !caps.is_empty(), "{file}");
     }
 }

@@ -74,8 +74,8 @@ pub use stage::assemble::{backstops, blends, limits, mass, pins, springs};
 pub use stage::image::{judge, ladder};
 pub use stage::measure::stretch;
 pub use stage::{
-    blend, colliders, component, contents, export, gate, hold, import, measure, reconstruct, render, repair, select,
-    shell, stitch,
+    blend, caps, colliders, component, contents, export, gate, hold, import, measure, reconstruct, render, repair,
+    select, shell, stitch,
 };
 
 pub use error::{Error, Result};

@@ -15,6 +15,7 @@ use crate::error::Result;
 use crate::stage::assemble::AssembleOptions;
 use crate::stage::assemble::mass::MassOptions;
 use crate::stage::blend::BlendOptions;
+use crate::stage::caps::CapsOptions;
 use crate::stage::component::ComponentOptions;
 use crate::stage::gate::GateOptions;
 use crate::stage::import::ImportOptions;
@@ -166,6 +167,8 @@ pub struct BuildOptions {
     pub select: SelectOptions,
     /// Options of the repair.
     pub repair: RepairOptions,
+    /// Options of caps across openings.
+    pub caps: CapsOptions,
     /// Options of thin shells.
     pub shell: ShellOptions,
     /// Options that separate pieces from accessories.
@@ -193,6 +196,7 @@ impl BuildOptions {
             self.import.settings(),
             self.select.settings(),
             self.repair.settings(),
+            self.caps.settings(),
             self.shell.settings(),
             self.component.settings(),
             self.image.settings(),
@@ -274,6 +278,7 @@ mod tests {
     fn the_record_has_every_option() {
         let rest = [
             "accessory_area",
+            "caps",
             "center",
             "density",
             "detail",

@@ -28,6 +28,7 @@ use crate::stage::assemble::blends;
 use crate::stage::assemble::mass::check_mean;
 use crate::stage::assemble::{Piece, assemble, measure_piece, summary};
 use crate::stage::blend::{BlendWidth, WIDTH, blend, border};
+use crate::stage::caps::open_caps;
 use crate::stage::gate;
 use crate::stage::image::PieceImage;
 use crate::stage::import::import;
@@ -114,7 +115,9 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
     run.report.findings.extend(plan.findings.iter().cloned());
     let options = &plan.options;
     let mut thinned = run.stage(Stage::Shell, 1, |report| {
-        let thinned = thin(mesh, &options.shell, &options.component);
+        let opened = open_caps(mesh, &options.caps);
+        report.findings.extend(opened.finding);
+        let thinned = thin(opened.mesh, &options.shell, &options.component);
         report.findings.extend(thinned.findings.iter().cloned());
         Ok(thinned)
     })?;

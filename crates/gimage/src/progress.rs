@@ -10,7 +10,7 @@ pub enum Stage {
     Import,
     /// Repairing the mesh to a manifold.
     Repair,
-    /// Making one layer of each thin shell.
+    /// Opening caps, and making one layer of each thin shell.
     Shell,
     /// Separating pieces from accessories.
     Component,

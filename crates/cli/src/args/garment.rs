@@ -6,6 +6,7 @@ use clap::Args;
 use gimage::backstops::Backstop;
 use gimage::blend::BlendWidth;
 use gimage::blends::Blend;
+use gimage::caps::Caps;
 use gimage::colliders::{ColliderOptions, ColliderSource, Kind, Tier};
 use gimage::gate::GateOptions;
 use gimage::import::Up;
@@ -106,6 +107,8 @@ pub struct ReadArgs {
     pub center: bool,
     #[arg(long, help = help_of("weld"), value_name = "METRES", value_parser = number("weld"), allow_negative_numbers = true)]
     pub weld: Option<f64>,
+    #[arg(long, help = help_of("caps"), value_parser = choice::<Caps>())]
+    pub caps: Option<Caps>,
     #[arg(long, help = help_of("shell"), value_parser = choice::<Layer>())]
     pub shell: Option<Layer>,
 }
@@ -215,6 +218,7 @@ impl ReadArgs {
         options.select =
             SelectOptions { cloth: self.cloth.clone(), body: self.body.clone(), rigid: self.rigid.clone() };
         options.repair.weld = self.weld.or(options.repair.weld);
+        set(&mut options.caps.caps, self.caps);
         set(&mut options.shell.shell, self.shell);
         options
     }

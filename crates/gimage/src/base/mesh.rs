@@ -1,5 +1,7 @@
 //! The indexed triangle mesh every stage of the preprocessor works on.
 
+use std::collections::HashSet;
+
 /// Marks a corner that has no value in a [`Channel`].
 pub const NONE: u32 = u32::MAX;
 
@@ -107,6 +109,21 @@ impl Mesh {
             crate::base::vec3::sub(b, a),
             crate::base::vec3::sub(c, a),
         ))
+    }
+
+    /// The joints that move some of the triangles that `is_of` holds for.
+    pub(crate) fn followed(&self, is_of: impl Fn(usize) -> bool) -> HashSet<u32> {
+        let mut found = HashSet::new();
+        let sets =
+            (0..).map_while(|n| Some((self.channel(&Semantic::Joints(n))?, self.channel(&Semantic::Weights(n))?)));
+        for (joints, weights) in sets {
+            for t in (0..self.triangles.len()).filter(|t| is_of(*t)) {
+                for (joints, weights) in (0..3).filter_map(|c| Some((joints.at(t, c)?, weights.at(t, c)?))) {
+                    found.extend(joints.iter().zip(weights).filter(|(_, w)| **w > 0.0).map(|(joint, _)| *joint as u32));
+                }
+            }
+        }
+        found
     }
 
     /// The channel of a kind.

@@ -10,6 +10,7 @@ pub(crate) mod least_squares;
 pub(crate) mod locate;
 pub mod mesh;
 pub(crate) mod order;
+pub(crate) mod rebuild;
 pub(crate) mod scatter;
 #[cfg(test)]
 pub(crate) mod shapes;

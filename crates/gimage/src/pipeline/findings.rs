@@ -64,8 +64,8 @@ pub(super) fn closed(pieces: &[Component]) -> Option<Finding> {
         kind: "hint-closed",
         count: closed.len() as u64,
         examples: closed.iter().take(MAX_EXAMPLES).map(|c| c.name.clone()).collect(),
-        message: "Closed around a volume, without any opening: caps across openings of a garment become cloth too, delete them in the \
-                  file."
+        message: "Closed around a volume, without any opening: caps across openings of a garment become cloth too. --caps open leaves \
+                  out what looks like one; else delete them in the file."
             .into(),
     })
 }

@@ -14,6 +14,7 @@ pub mod component;
 
 pub mod contents;
 
+pub mod caps;
 pub mod colliders;
 
 // Each connected component: a surface.

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::caps::{Caps, CapsOptions, open_caps};
 use super::component::{Component, Split, no_area};
 use super::import::{Animation, FileCollider, Imported, Skin, import};
 use super::repair::repair;
@@ -138,7 +139,10 @@ pub fn contents(path: &Path, imported: Imported, options: &BuildOptions) -> Resu
         whole = whole.joined(bounded(&mesh, &triangles));
         measure_parts(&mesh, &group.parts, &mut sizes);
         let shell = if group.is_cloth { options.shell } else { ShellOptions { shell: Layer::Keep } };
-        let thinned = thin(mesh, &shell, &options.component);
+        let caps = if group.is_cloth { options.caps } else { CapsOptions { caps: Caps::Keep } };
+        let opened = open_caps(mesh, &caps);
+        findings.extend(opened.finding);
+        let thinned = thin(opened.mesh, &shell, &options.component);
         findings.extend(thinned.findings.iter().cloned());
         let mesh = &thinned.mesh;
         let mut parts = thinned.split(&options.component);

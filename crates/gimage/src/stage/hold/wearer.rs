@@ -1,9 +1,9 @@
 //! The body that garments rest on.
 
 use crate::base::closest::Closest;
-use crate::base::mesh::{Joint, Mesh};
+use crate::base::mesh::Mesh;
 use crate::base::vec3::{add, cross, distance, dot, normalize, scale, sub};
-use crate::stage::import::inverse;
+use crate::stage::import::bones;
 
 /// A body, ready for queries: its surface, and the bones of its skeleton, which stand for parts of the body that a file left out beneath
 /// clothes.
@@ -29,13 +29,9 @@ impl Wearer {
             let [a, b, c] = body.corners(t);
             normalize(cross(sub(b, a), sub(c, a)))[1]
         };
-        let place = |joint: &Joint| inverse(&joint.inverse_bind).map(|m| [m[12], m[13], m[14]]);
-        let joints = &body.skeleton.joints;
-        let bone = |joint: &Joint| Some([place(joint)?, place(joints.get(joint.parent? as usize)?)?]);
-        let is_finite = |bone: &[[f64; 3]; 2]| bone.iter().flatten().all(|x| x.is_finite());
         Some(Wearer {
             up: (0..body.triangles.len()).map(up).collect(),
-            bones: joints.iter().filter_map(bone).filter(is_finite).collect(),
+            bones: bones(&body.skeleton).into_iter().map(|bone| bone.ends).collect(),
             span: [low[1], high[1]],
             closest,
         })

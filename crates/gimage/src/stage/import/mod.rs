@@ -10,6 +10,7 @@
 mod accessor;
 mod animation;
 mod attributes;
+mod bones;
 mod buffers;
 mod builder;
 mod character;
@@ -43,6 +44,7 @@ mod weights;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+pub(crate) use bones::bones;
 pub use character::Character;
 pub use color::{BaseColor, base_colors};
 pub(crate) use embed::embed;

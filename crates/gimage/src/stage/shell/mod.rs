@@ -8,13 +8,13 @@
 mod layers;
 mod middle;
 mod rays;
-mod rebuild;
 mod report;
 mod sides;
 mod verdict;
 mod zone;
 
 use crate::base::mesh::{Mesh, NONE};
+use crate::base::rebuild::rebuild;
 use crate::base::vec3::{add, cross, dot, scale, sub};
 use crate::options::{Choice, Range, stage_options};
 use crate::record::Finding;
@@ -190,7 +190,7 @@ fn apply(mut mesh: Mesh, zone: &Zone, found: &[Found], layer: Layer) -> (Mesh, V
         let moved: Vec<_> = found.iter().flat_map(|f| halfway(&mesh, zone, f)).collect();
         moved.into_iter().for_each(|(v, place)| mesh.positions[v as usize] = place);
     }
-    let (mesh, kept) = rebuild::rebuild(mesh, &keep);
+    let (mesh, kept) = rebuild(mesh, &keep);
     let shell_of = kept.iter().map(|&t| shell_of[t as usize]).collect();
     (mesh, shell_of)
 }

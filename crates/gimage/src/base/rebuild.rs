@@ -1,4 +1,4 @@
-//! A mesh without the sheets and rims that were dropped.
+//! A mesh without some of its triangles.
 
 use gimage_bundle::DisjointSets;
 
@@ -7,7 +7,7 @@ use crate::base::mesh::{Mesh, NONE};
 
 /// Keeps some triangles; all keep their order. Where the kept ones touch in a vertex only, each fan gets a vertex of its own.
 /// Returns the mesh and, for each of its triangles, that of the old mesh. O(n log n).
-pub(super) fn rebuild(mut mesh: Mesh, keep: &[bool]) -> (Mesh, Vec<u32>) {
+pub(crate) fn rebuild(mut mesh: Mesh, keep: &[bool]) -> (Mesh, Vec<u32>) {
     let kept: Vec<u32> = (0..keep.len() as u32).filter(|&t| keep[t as usize]).collect();
     mesh.triangles = kept.iter().map(|&t| mesh.triangles[t as usize]).collect();
     mesh.triangle_part = kept.iter().map(|&t| mesh.triangle_part[t as usize]).collect();
