@@ -46,6 +46,7 @@ mod surface;
 mod tether;
 mod validate;
 mod welded;
+mod winding;
 
 pub use body::{Body, MAX_BODY};
 pub use budget::{
@@ -71,3 +72,4 @@ pub use stitch::{MAX_STITCHES_AT_POINT, NO_STITCH, Place, Stitch};
 pub use surface::{Frame, SurfacePoint, surface_normals, triangles};
 pub use tether::{Anchor, Bridge, MAX_ANCHORS, RestLengths, SpringGrid, Tethers, bridges, groups, tethers};
 pub use validate::{Fault, FaultKind, MAX_LISTED, exit_code, validate, validate_files};
+pub use winding::Winding;

@@ -68,8 +68,13 @@ fn bundles_have_them() {
     let bundle = |radii: [f64; 2]| {
         let shape = ColliderShape::TaperedCapsule { half_height: 0.3, radii };
         let mut bundle = Bundle::new("a test");
-        bundle.manifest.colliders =
-            vec![ColliderEntry { joint: None, shape, position: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0] }];
+        bundle.manifest.colliders = vec![ColliderEntry {
+            joint: None,
+            shape,
+            position: [0.0; 3],
+            rotation: [0.0, 0.0, 0.0, 1.0],
+            guessed: false,
+        }];
         bundle
     };
     let found = BodyCollider::of_bundle(&bundle([0.2, 0.08]));

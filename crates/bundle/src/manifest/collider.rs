@@ -15,6 +15,13 @@ pub struct ColliderEntry {
     pub position: [f64; 3],
     /// Its rotation there, a unit quaternion (x, y, z, w).
     pub rotation: [f64; 4],
+    /// Whether it stands for a part of the body that the file leaves out beneath clothes: the surface of the body in the bundle does not have it either.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub guessed: bool,
+}
+
+fn is_false(x: &bool) -> bool {
+    !x
 }
 
 /// A shape in its own frame, around the origin. Sizes are in metres, above 0.

@@ -7,7 +7,7 @@ use gimage::backstops::Backstop;
 use gimage::blend::BlendWidth;
 use gimage::blends::Blend;
 use gimage::caps::Caps;
-use gimage::colliders::{ColliderOptions, ColliderSource, Kind, Tier};
+use gimage::colliders::{ColliderOptions, ColliderSource, Guess, Kind, Tier};
 use gimage::gate::GateOptions;
 use gimage::import::Up;
 use gimage::limits::Limit;
@@ -142,6 +142,9 @@ pub struct FitArgs {
     /// body are within three times --collider-error of them.
     #[arg(long, value_name = "SOURCE", value_parser = collider_source(), default_value = "auto")]
     pub collider_source: ColliderSource,
+    /// Colliders in place of parts of the body that the file leaves out beneath clothes, just beneath the innermost garment.
+    #[arg(long, value_name = "GUESS", value_parser = choice::<Guess>(), default_value = "on")]
+    pub collider_guess: Guess,
 }
 
 /// `gimage dress`.
@@ -243,6 +246,7 @@ impl FitArgs {
             count: self.max_colliders,
             kinds,
             source: self.collider_source,
+            guess: self.collider_guess,
             ..ColliderOptions::default()
         }
     }

@@ -56,7 +56,7 @@ fn text(out: &Output, fit: &Fit) -> String {
         };
         let sizes: Vec<String> = sizes.iter().map(|s| format!("{:.1}", 1e3 * s)).collect();
         table.row([
-            collider.joint.clone().unwrap_or_else(|| NOTHING.into()),
+            collider.joint.clone().unwrap_or_else(|| NOTHING.into()) + if collider.guessed { " (guessed)" } else { "" },
             name.into(),
             sizes.join(" x "),
             mm(error.mean),
@@ -69,7 +69,7 @@ fn text(out: &Output, fit: &Fit) -> String {
         "{}  body: {}\n{} colliders; body to colliders: mean {} mm, 95 % {} mm, max {} mm; outside the body: {:.2} l, up to {} mm\n\n{}",
         out.heading(&plain(&fit.file)),
         plain(&fit.parts.join(", ")),
-        fit.colliders.len(),
+        fit.colliders.iter().filter(|collider| !collider.guessed).count(),
         mm(body.mean),
         mm(body.p95),
         mm(body.max),
@@ -83,6 +83,9 @@ fn report(fit: &Fit) -> Value {
     let each = fit.colliders.iter().zip(&fit.figures.of_each).map(|(collider, error)| {
         let mut entry = collider_json(collider);
         entry.insert("error".into(), json!(error));
+        if collider.guessed {
+            entry.insert("guessed".into(), json!(true));
+        }
         entry
     });
     json!({

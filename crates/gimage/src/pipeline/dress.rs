@@ -39,15 +39,15 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     let mut built = build_as(path, options, true, progress)?;
     built.report.stages.insert(0, fitting);
     let manifest = &mut built.bundle.manifest;
-    if let Some(Fit { colliders, figures, surface, findings: found, .. }) = fit {
+    if let Some(Fit { colliders, figures, surface, covered, findings: found, .. }) = fit {
         let mm = [figures.body.mean, figures.body.p95, figures.body.max].map(|x| format!("{:.1}", 1e3 * x)).join(", ");
-        let message =
-            format!("{} colliders; mean, 95 % and largest distance of the body from them: {mm} mm.", colliders.len());
+        let count = colliders.iter().filter(|collider| !collider.guessed).count();
+        let message = format!("{count} colliders; mean, 95 % and largest distance of the body from them: {mm} mm.");
         findings.push(finding(Severity::Note, "hint-colliders", message));
         manifest.colliders = colliders.iter().map(entry).collect();
         findings.extend(found.into_iter().filter(|f| f.stage == "colliders"));
         if solids.tier != Tier::Capsules {
-            let (body, said) = worn(&built.bundle, surface, solids.tier);
+            let (body, said) = worn(&built.bundle, (surface, covered), solids.tier);
             findings.push(said);
             built.bundle.body = body;
         }
@@ -55,6 +55,7 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     let kinds: Vec<&str> = solids.kinds.iter().map(|k| k.name()).collect();
     let manifest = &mut built.bundle.manifest;
     manifest.options.insert("collider".into(), json!(solids.tier.name()));
+    manifest.options.insert("collider-guess".into(), json!(solids.guess.name()));
     manifest.options.insert("collider-error".into(), json!(solids.error));
     manifest.options.insert("max-colliders".into(), json!(solids.count));
     manifest.options.insert("collider-shapes".into(), json!(kinds));
@@ -65,7 +66,11 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
 }
 
 /// The surface of the body, if cloth is to collide with it, and what is to be said of it.
-fn worn(bundle: &Bundle, surface: std::result::Result<Body, String>, tier: Tier) -> (Option<Body>, Finding) {
+fn worn(
+    bundle: &Bundle,
+    (surface, covered): (std::result::Result<Body, String>, usize),
+    tier: Tier,
+) -> (Option<Body>, Finding) {
     let manifest = &bundle.manifest;
     let joints = manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
     let follows = (0..manifest.pieces.len()).all(|k| bundle.images.contains_key(&(k, MapKind::Joints(0))));
@@ -82,7 +87,9 @@ fn worn(bundle: &Bundle, surface: std::result::Result<Body, String>, tier: Tier)
         }
     };
     let triangles = body.triangles.len();
-    let used = format!("The body is a collider: {triangles} triangles");
+    let left_out =
+        if covered > 0 { format!(" ({covered} inside of other parts of it are left out)") } else { String::new() };
+    let used = format!("The body is a collider: {triangles} triangles{left_out}");
     if tier == Tier::Surface {
         return (Some(body), finding(Severity::Note, "hint-surface", used + "."));
     }
@@ -114,6 +121,6 @@ fn entry(collider: &Collider) -> ColliderEntry {
         Form::Box { half } => ColliderShape::Box { half },
         Form::Ellipsoid { radii } => ColliderShape::Ellipsoid { radii },
     };
-    let Collider { joint, bound, .. } = collider.clone();
-    ColliderEntry { joint, shape, position: bound.center, rotation: bound.rotation }
+    let Collider { joint, bound, guessed, .. } = collider.clone();
+    ColliderEntry { joint, shape, position: bound.center, rotation: bound.rotation, guessed }
 }

@@ -19,13 +19,17 @@ pub struct BodyCollider {
 
 impl BodyCollider {
     /// The solids that `gimage dress` stores in a bundle, in its order; shapes that this version does not know are left out. A scene checks
-    /// their sizes. Those of a bundle with a [`crate::BodySurface`] are in [`BODY_GROUP`] alone, so that cloth that meets the surface does not meet them.
+    /// their sizes. Those of a bundle with a [`crate::BodySurface`] are in [`BODY_GROUP`] alone, so that cloth that meets the surface does not meet them, but for
+    /// those that stand for parts which the surface does not have.
     pub fn of_bundle(bundle: &Bundle) -> Vec<Self> {
-        let mut all: Vec<Self> = bundle.manifest.colliders.iter().filter_map(Self::of).collect();
-        if bundle.body.is_some() {
-            all.iter_mut().for_each(|part| part.collider.collision_groups = BODY_GROUP);
-        }
-        all
+        let of = |entry: &ColliderEntry| {
+            let mut part = Self::of(entry)?;
+            if bundle.body.is_some() && !entry.guessed {
+                part.collider.collision_groups = BODY_GROUP;
+            }
+            Some(part)
+        };
+        bundle.manifest.colliders.iter().filter_map(of).collect()
     }
 
     fn of(entry: &ColliderEntry) -> Option<Self> {

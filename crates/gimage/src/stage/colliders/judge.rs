@@ -1,11 +1,11 @@
 //! How far the solids are from the body.
 
+use gimage_bundle::Winding;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::fit::Placed;
 use super::samples::{INSIDE, Sample};
-use super::winding::Winding;
 use crate::base::closest::Closest;
 use crate::base::mesh::Mesh;
 
@@ -45,6 +45,16 @@ pub struct Figures {
     pub outside: f64,
     /// The largest distance \[m\] of a point of that volume from the body.
     pub farthest: f64,
+}
+
+/// For each solid the distances of the samples that are nearest to it.
+pub(super) fn each(placed: &[Placed], samples: &[Sample]) -> Vec<FitError> {
+    let nearest = |s: &Sample| {
+        let all = placed.iter().map(|p| p.solid.distance(s.point)).enumerate();
+        all.min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let of: Vec<(usize, f64)> = samples.iter().filter_map(nearest).collect();
+    (0..placed.len()).map(|k| FitError::of(of.iter().filter(|n| n.0 == k).map(|n| n.1))).collect()
 }
 
 pub(super) fn judge(mesh: &Mesh, winding: &Winding, placed: &[Placed], samples: &[Sample]) -> Figures {

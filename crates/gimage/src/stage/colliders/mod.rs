@@ -7,6 +7,7 @@
 
 mod fit;
 mod given;
+mod guess;
 mod judge;
 mod refine;
 mod samples;
@@ -14,21 +15,23 @@ mod shape;
 mod solid;
 mod start;
 mod surface;
-mod winding;
 
 use std::path::Path;
 
+use gimage_bundle::Winding;
+
+use super::caps::open_caps;
 use super::import::{Imported, import, inverse};
+use super::repair::repair;
 use super::select::{Role, SelectOptions, keeping, roles};
 use crate::base::mesh::{Joint, Mesh};
 use crate::base::vec3::distance;
 use crate::error::{Error, Result};
 use crate::options::{BuildOptions, Choice};
-use crate::record::{Finding, Severity};
+use crate::record::{Finding, MAX_EXAMPLES, Severity};
 use fit::Limits;
 use given::Given;
 use samples::{guards, join_small, samples, worn};
-use winding::Winding;
 
 pub use given::ColliderSource;
 pub use judge::{Figures, FitError};
@@ -58,6 +61,22 @@ pub struct ColliderOptions {
     pub source: ColliderSource,
     /// The collider of the cloth of a dressed character on the CPU.
     pub tier: Tier,
+    /// Whether parts of the body that the file leaves out beneath clothes are guessed.
+    pub guess: Guess,
+}
+
+/// Whether solids stand for parts of the body that a file leaves out beneath clothes, just beneath the innermost garment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Guess {
+    /// Where a garment surrounds a bone around which there is no body.
+    #[default]
+    On,
+    /// Nowhere.
+    Off,
+}
+
+impl Choice for Guess {
+    const ALL: &'static [(&'static str, Self)] = &[("on", Self::On), ("off", Self::Off)];
 }
 
 /// The collider of the cloth of a dressed character on the CPU. A bundle has the solids in any case, for the GPU.
@@ -86,6 +105,7 @@ impl Default for ColliderOptions {
             kinds: vec![Kind::Sphere, Kind::Capsule],
             source: ColliderSource::Auto,
             tier: Tier::default(),
+            guess: Guess::default(),
         }
     }
 }
@@ -99,6 +119,8 @@ pub struct Collider {
     pub solid: Solid,
     /// The same where the body is bound to its skeleton, as the cloth of a bundle is.
     pub bound: Solid,
+    /// Whether it stands for a part of the body that the file leaves out beneath clothes.
+    pub guessed: bool,
 }
 
 /// Solids in place of a body.
@@ -114,6 +136,8 @@ pub struct Fit {
     pub figures: Figures,
     /// The surface of the body where it is bound to its skeleton, or the reason why it cannot be a collider.
     pub surface: std::result::Result<gimage_bundle::Body, String>,
+    /// Triangles of the body that are not part of the surface, as other components of the body cover them.
+    pub covered: usize,
     /// Findings of the import and of the fit.
     pub findings: Vec<Finding>,
 }
@@ -150,7 +174,8 @@ pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptio
         Ok(verdicts) => verdicts.iter().zip(&body).map(|(v, body)| v.role == Role::Cloth && !body).collect(),
         Err(_) => vec![false; body.len()],
     };
-    let cloth = if garments.contains(&true) { keeping(mesh.clone(), &garments) } else { Mesh::default() };
+    let cloth =
+        if garments.contains(&true) { worn_cloth(keeping(mesh.clone(), &garments), read)? } else { Mesh::default() };
     let mesh = if body.contains(&false) { keeping(mesh, &body) } else { mesh };
     let given = given::given(&scene.colliders, &mesh, options)?;
     let (colliders, figures, found) = fit_mesh(&mesh, &cloth, given, options).ok_or_else(|| Error::Empty {
@@ -161,7 +186,9 @@ pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptio
     findings.extend(found);
     findings.extend(elsewhere(&mesh, options));
     let surface = surface::surface(&mesh);
-    Ok(Fit { file: source.file_name, parts, colliders, figures, surface, findings })
+    let covered = surface.as_ref().map_or(0, |surface| surface.1);
+    let surface = surface.map(|surface| surface.0);
+    Ok(Fit { file: source.file_name, parts, colliders, figures, surface, covered, findings })
 }
 
 impl ColliderOptions {
@@ -216,7 +243,7 @@ fn fit_mesh(
     given: Option<Given>,
     options: &ColliderOptions,
 ) -> Option<(Vec<Collider>, Figures, Vec<Finding>)> {
-    let winding = Winding::new(mesh);
+    let winding = winding(mesh);
     let count = (MAX_PAIRS / mesh.triangles.len().max(1)).clamp(SAMPLES[0], SAMPLES[1]);
     let parents: Vec<Option<u32>> = mesh.skeleton.joints.iter().map(|j| j.parent).collect();
     // Other samples than those of a fit.
@@ -224,13 +251,27 @@ fn fit_mesh(
     join_small(&mut others, &parents);
     let all = |placed: &[fit::Placed]| placed.iter().map(|p| collider(mesh, p)).collect::<Vec<_>>();
     let mut findings = Vec::new();
+    let thin = MIN_THICKNESS * mesh.diagonal();
+    let limits = Limits { kinds: &options.kinds, target: options.error, count: options.count, thin };
+    let (missing, beneath) = match options.guess {
+        Guess::On => guess::guess((mesh, &winding), cloth, &limits, options.error),
+        Guess::Off => (Vec::new(), Vec::new()),
+    };
+    findings.extend(guessed(mesh, &missing));
+    // Figures of the solids that stand for the body that is there, and then those of each that is guessed.
+    let with_missing = |placed: Vec<fit::Placed>, mut figures: Figures| {
+        figures.of_each.extend(judge::each(&missing, &beneath));
+        let guessed = all(&missing).into_iter().map(|collider| Collider { guessed: true, ..collider });
+        (all(&placed).into_iter().chain(guessed).collect(), figures)
+    };
     if let Some(given) = given.filter(|_| !others.is_empty()) {
         let figures = judge::judge(mesh, &winding, &given.placed, &others);
         let (is_used, said) = given::judged(&given, &figures, options);
         findings.push(said);
         if is_used {
             findings.extend(given.findings);
-            return Some((all(&given.placed), figures, findings));
+            let (colliders, figures) = with_missing(given.placed, figures);
+            return Some((colliders, figures, findings));
         }
     }
     let mut fitted = samples(mesh, &winding, count, 1);
@@ -238,15 +279,47 @@ fn fit_mesh(
     let guards = guards(mesh, &winding, &fitted);
     fitted.extend(guards);
     fitted.extend(worn(cloth, &winding, count));
-    let thin = MIN_THICKNESS * mesh.diagonal();
-    let limits = Limits { kinds: &options.kinds, target: options.error, count: options.count, thin };
     let placed = fit::fit(&fitted, &limits);
     if placed.is_empty() {
         return None;
     }
     let figures = judge::judge(mesh, &winding, &placed, &others);
     findings.extend(missed(&figures, placed.len(), options));
-    Some((all(&placed), figures, findings))
+    let (colliders, figures) = with_missing(placed, figures);
+    Some((colliders, figures, findings))
+}
+
+/// A note of the joints where the body is guessed.
+fn guessed(mesh: &Mesh, placed: &[fit::Placed]) -> Option<Finding> {
+    let mut names: Vec<String> = Vec::new();
+    for joint in placed.iter().filter_map(|p| Some(mesh.skeleton.joints.get(p.joint? as usize)?.name.clone())) {
+        if !names.contains(&joint) {
+            names.push(joint);
+        }
+    }
+    (!placed.is_empty()).then(|| Finding {
+        severity: Severity::Note,
+        stage: "colliders",
+        kind: "hint-guessed",
+        count: placed.len() as u64,
+        message: format!(
+            "The file has no body beneath parts of the clothes: {} colliders just beneath them stand for it ({}). --collider-guess off does without.",
+            placed.len(),
+            names.join(", ")
+        ),
+        examples: names.into_iter().take(MAX_EXAMPLES).collect(),
+    })
+}
+
+/// Garments without their caps, which lie inside of the body.
+fn worn_cloth(cloth: Mesh, read: &BuildOptions) -> Result<Mesh> {
+    let opened = open_caps(repair(cloth.clone(), &read.repair)?.mesh, &read.caps);
+    Ok(if opened.caps.is_empty() { cloth } else { opened.mesh })
+}
+
+/// How often a mesh winds around points.
+fn winding(mesh: &Mesh) -> Winding {
+    Winding::new((0..mesh.triangles.len()).map(|t| mesh.corners(t)))
 }
 
 /// A solid in both poses.
@@ -255,9 +328,9 @@ fn collider(mesh: &Mesh, placed: &fit::Placed) -> Collider {
     match placed.joint.map(|j| &mesh.skeleton.joints[j as usize]) {
         Some(joint) => {
             let bound = bound(mesh, joint, solid);
-            Collider { joint: Some(joint.name.clone()), solid: solid.posed(joint), bound }
+            Collider { joint: Some(joint.name.clone()), solid: solid.posed(joint), bound, guessed: false }
         }
-        None => Collider { joint: None, solid, bound: solid },
+        None => Collider { joint: None, solid, bound: solid, guessed: false },
     }
 }
 

@@ -1,8 +1,8 @@
 //! Points of the body that can be touched, and points outside and inside of it, each with the joint that it follows.
 
+use gimage_bundle::Winding;
 use rayon::prelude::*;
 
-use super::winding::Winding;
 use crate::base::closest::Closest;
 use crate::base::mesh::{Mesh, Semantic};
 use crate::base::scatter::Sampler;
@@ -126,12 +126,12 @@ pub(super) fn guards(mesh: &Mesh, winding: &Winding, surface: &[Sample]) -> Vec<
     some.into_par_iter().flat_map_iter(of).collect()
 }
 
-fn normal([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+pub(super) fn normal([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
     normalize(cross(sub(b, a), sub(c, a)))
 }
 
 /// The joint with the largest weight at a point of triangle `t`.
-fn strongest(mesh: &Mesh, t: usize, point: [f64; 3]) -> Option<u32> {
+pub(super) fn strongest(mesh: &Mesh, t: usize, point: [f64; 3]) -> Option<u32> {
     let at = barycentric(mesh.corners(t), point);
     let mut sums: Vec<(u32, f64)> = Vec::new();
     for n in 0.. {

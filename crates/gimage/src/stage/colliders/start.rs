@@ -3,7 +3,7 @@
 use gimage_bundle::{Body, Bundle, MapKind};
 use rayon::prelude::*;
 
-use super::winding::Winding;
+use super::winding;
 use crate::base::closest::Closest;
 use crate::base::mesh::Mesh;
 use crate::base::vec3::{cross, dot, sub};
@@ -36,7 +36,7 @@ impl Start {
             triangles: body.triangles.clone(),
             ..Mesh::default()
         };
-        let (closest, winding) = (Closest::new(&mesh.positions, &mesh.triangles), Winding::new(&mesh));
+        let (closest, winding) = (Closest::new(&mesh.positions, &mesh.triangles), winding(&mesh));
         let texels = |piece: usize| bundle.image(piece, &MapKind::Position).into_iter().flat_map(|i| i.data.chunks(4));
         let free: Vec<[f64; 3]> = (0..bundle.manifest.pieces.len())
             .flat_map(texels)

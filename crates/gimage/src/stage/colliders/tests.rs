@@ -246,7 +246,7 @@ fn surfaces_inside_the_body_are_left_out() {
     mesh.positions.extend(&inner.positions);
     mesh.triangles.extend(inner.triangles.iter().map(|t| t.map(|v| v + base)));
     mesh.triangle_part.resize(mesh.triangles.len(), 0);
-    let winding = Winding::new(&mesh);
+    let winding = winding(&mesh);
     assert!(samples(&mesh, &winding, 2000, 1).iter().all(|s| s.point.iter().any(|x| x.abs() > 0.05)));
     let (colliders, figures) = fit(&mesh, &Mesh::default(), &ColliderOptions::default()).unwrap();
     assert!(colliders.len() == 1 && figures.body.max < 3e-3, "{figures:?}");
@@ -334,4 +334,88 @@ fn shapes_of_files_become_solids() {
     // One ball of this capsule holds the other.
     assert_eq!((forms[5], given.placed[5].solid.center), (Form::Sphere { radius: 2.0 }, [0.0; 3]));
     assert_eq!((given.findings[0].kind, given.findings[0].count), ("rounded-collider", 1));
+}
+
+/// A body that is a forearm (x from 0.3 to 0.6 m) of two joints along x, and a sleeve of some radius \[m\] around the upper arm,
+/// which the body lacks, from x = -0.2 to 0.2 m.
+fn bare_arm(radius: f64) -> (Mesh, Mesh) {
+    let joint = |name: &str, parent, x: f64| {
+        let mut inverse_bind = crate::import::IDENTITY;
+        inverse_bind[12] = -x;
+        let mut world = crate::import::IDENTITY;
+        world[12] = x;
+        Joint { name: name.into(), parent, inverse_bind, world }
+    };
+    let skeleton = Skeleton {
+        joints: vec![joint("shoulder", None, -0.35), joint("elbow", Some(0), 0.3), joint("hand", Some(1), 0.6)],
+    };
+    let follow = |mut mesh: Mesh, joint: f32| {
+        let corners = vec![0; 3 * mesh.triangles.len()];
+        let channel = |semantic, values: Vec<f32>| Channel { semantic, width: 4, values, corners: corners.clone() };
+        mesh.channels = vec![
+            channel(Semantic::Joints(0), vec![joint, 0.0, 0.0, 0.0]),
+            channel(Semantic::Weights(0), vec![1.0, 0.0, 0.0, 0.0]),
+        ];
+        mesh.skeleton = skeleton.clone();
+        mesh
+    };
+    let mut forearm = limb(16, 0.12, 0.04);
+    forearm.positions.iter_mut().for_each(|p| p[0] += 0.45);
+    // So that the figure is of the height of a person.
+    let mut head = limb(8, 0.05, 0.05);
+    head.positions.iter_mut().for_each(|p| *p = [p[0] - 1.0, p[1] + 1.5, p[2]]);
+    let first = forearm.positions.len() as u32;
+    forearm.positions.extend(head.positions);
+    forearm.triangles.extend(head.triangles.iter().map(|t| t.map(|v| v + first)));
+    forearm.triangle_part = vec![0; forearm.triangles.len()];
+    let mut sleeve = limb(16, 0.2, radius);
+    // Without its rounded ends.
+    sleeve.triangles.retain(|t| t.iter().all(|v| sleeve.positions[*v as usize][0].abs() < 0.2 + 0.3 * radius));
+    assert!(!sleeve.triangles.is_empty());
+    sleeve.triangle_part = vec![0; sleeve.triangles.len()];
+    (follow(forearm, 1.0), follow(sleeve, 0.0))
+}
+
+#[test]
+fn a_part_that_the_body_lacks_is_guessed_beneath_the_sleeve_around_it() {
+    let (body, cloth) = bare_arm(0.07);
+    let options = ColliderOptions::default();
+    let (colliders, figures, findings) = fit_mesh(&body, &cloth, None, &options).unwrap();
+    let (guessed, others): (Vec<_>, Vec<_>) = colliders.iter().partition(|c| c.guessed);
+    assert!(!guessed.is_empty() && !others.is_empty() && figures.of_each.len() == colliders.len(), "{colliders:?}");
+    assert!(guessed.iter().all(|c| c.joint.as_deref() == Some("shoulder")), "{guessed:?}");
+    assert!(figures.of_each[others.len()..].iter().all(|e| e.p95 < 0.012), "{figures:?}");
+    let inside = |p: [f64; 3]| guessed.iter().any(|c| c.bound.distance(p) < 0.0);
+    for x in [-0.15, 0.0, 0.15] {
+        assert!(inside([x, 0.0, 0.0]) && inside([x, 0.04, 0.0]) && inside([x, 0.0, -0.04]), "{x}: {guessed:?}");
+        assert!(!inside([x, 0.0701, 0.0]) && !inside([x, 0.0, -0.0701]), "{x}: {guessed:?}");
+    }
+    assert!(findings.iter().any(|f| f.kind == "hint-guessed" && f.message.contains("shoulder")), "{findings:?}");
+
+    let off = ColliderOptions { guess: Guess::Off, ..options.clone() };
+    let (colliders, ..) = fit_mesh(&body, &cloth, None, &off).unwrap();
+    assert_eq!(colliders, others.into_iter().cloned().collect::<Vec<_>>());
+}
+
+#[test]
+fn nothing_is_guessed_where_there_is_a_body_or_cloth_hangs_free() {
+    let guessed = |body: &Mesh, cloth: &Mesh| {
+        let (colliders, ..) = fit_mesh(body, cloth, None, &ColliderOptions::default()).unwrap();
+        colliders.iter().filter(|c| c.guessed).count()
+    };
+    // Of 1.6 m, 12 % are 0.19 m.
+    let (body, wide) = bare_arm(0.3);
+    assert_eq!(guessed(&body, &wide), 0);
+    let (_, sleeve) = bare_arm(0.07);
+    let mut arm = limb(16, 0.2, 0.03);
+    arm.channels = Vec::new();
+    let mut whole = body.clone();
+    let first = whole.positions.len() as u32;
+    whole.positions.extend(arm.positions);
+    whole.triangles.extend(arm.triangles.iter().map(|t| t.map(|v| v + first)));
+    whole.triangle_part = vec![0; whole.triangles.len()];
+    whole.channels.iter_mut().for_each(|c| c.corners = vec![0; 3 * whole.triangles.len()]);
+    assert_eq!(guessed(&whole, &sleeve), 0);
+    // A sleeve that lies on its body needs no other.
+    assert_eq!(guessed(&body, &Mesh::default()), 0);
 }
