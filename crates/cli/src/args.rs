@@ -230,7 +230,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub fov: Option<f32>,
     /// The surface of the cloth: render, the mesh of the source in the bundle (render.glb), with its textures; grid, the particles; auto,
-    /// render where there is one.
+    /// render for a bundle that has one, grid for a scene file.
     #[arg(long, value_enum, default_value_t = SurfaceArg::Auto)]
     pub surface: SurfaceArg,
     /// A ground with a soft shadow: auto, under a character that is animated.

@@ -309,3 +309,45 @@ fn the_mesh_of_the_source_is_exported_as_the_wrap_moves_it() {
     let fell = far(&moved(2), &source);
     assert!(fell > 1e-3, "{fell}");
 }
+
+#[test]
+fn the_mesh_of_a_cut_garment_of_a_scene_parts_at_the_cut() {
+    let place = Place::new();
+    let assets = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
+    fs::copy(assets.join("sleeve.glb"), place.path("sleeve.glb")).unwrap();
+    // Across the sleeve, at 0.2 s.
+    let scene = r#"{"format": "gimage-scene", "version": 1, "duration": 0.5,
+        "cloths": [{"from": {"garment": {"file": "sleeve.glb", "texels": 600}}, "position": [0, 0.5, 0],
+            "pins": [{"select": {"box": {"low": [0.1, 1, -1], "high": [0.205, 3, 1]}}}]}],
+        "cuts": [{"time": 0.2, "eye": [0.35, 1, 3], "a": [0.35, -9, -3], "b": [0.35, 15, -3]}]}"#;
+    fs::write(place.path("cut.json"), scene).unwrap();
+    let flags = "--backend cpu --frames 30 --every 5 --json";
+    let run = place.run(&format!("export cut.json -o a.obj --surface render {flags}")).expect(&[0, 1]).json();
+    assert_eq!(run["surface"].as_str(), Some("render"));
+    let frame =
+        |name: &str, k: usize| obj_corners(&fs::read_to_string(place.path(&format!("{name}_{k:05}.obj"))).unwrap());
+    let counts = [3, 4, 6].map(|k| frame("a", k).len());
+    assert!(counts[1] < counts[0] && counts[1] > counts[0] / 2 && counts[2] == counts[1], "{counts:?}");
+    // Nothing spans the cut once the free part has fallen, and each part has some triangles.
+    let last = frame("a", 6);
+    let longest = |t: &[[f32; 3]; 3]| {
+        let side = |a: usize, b: usize| (0..3).map(|c| (t[a][c] - t[b][c]).powi(2)).sum::<f32>().sqrt();
+        side(0, 1).max(side(1, 2)).max(side(2, 0))
+    };
+    let [first_longest, last_longest] =
+        [&frame("a", 1), &last].map(|list| list.as_chunks::<3>().0.iter().map(longest).fold(0.0, f32::max));
+    assert!(last_longest < 1.5 * first_longest, "{last_longest} m, {first_longest} m at rest");
+    let height = |upper: bool| last.iter().filter(|p| (p[0] < 0.35) == upper).count();
+    assert!(height(true) > 20 && height(false) > 20);
+    // A .glb has the frames before and after the cut as meshes of their own.
+    place.run(&format!("export cut.json -o a.glb --surface render {flags}")).expect(&[0, 1]);
+    let file = gltf::Gltf::from_slice(&fs::read(place.path("a.glb")).unwrap()).unwrap();
+    assert_eq!(file.document.meshes().count(), 2);
+    // By default a scene file is its grid.
+    let run = place.run(&format!("export cut.json -o b.obj {flags}")).expect(&[0, 1]).json();
+    assert_eq!(run["surface"].as_str(), Some("grid"));
+    // A picture has it too.
+    let flags = "--backend cpu --size 64x64 --json";
+    let run = place.run(&format!("render cut.json -o a.png --surface render {flags}")).expect(&[0, 1]).json();
+    assert_eq!(run["surface"].as_str(), Some("render"));
+}

@@ -40,6 +40,8 @@ struct Map {
     samples: Vec<u32>,
     /// Each fine particle in terms of coarse ones.
     stencils: Vec<Stencil>,
+    /// The grids of the fine image.
+    fine: Vec<Grid>,
 }
 
 impl Cloth {
@@ -103,7 +105,7 @@ impl Cloth {
             stencils.extend(lattice::stencils(fine, coarse, &at[coarse.range()], there));
         }
         let stencils = lattice::complete(self, stencils, (&grids, &samples), there);
-        let map = Map { samples, stencils };
+        let map = Map { samples, stencils, fine: self.grids().to_vec() };
         let pinned: Vec<bool> = self.particles().iter().map(|p| p.is_pinned()).collect();
         hold(&mut particles, &map.pins(&pinned));
         let parts = Parts {
@@ -253,6 +255,16 @@ impl Coarser {
     /// The particle of the fine cloth that each particle of the coarse cloth is.
     pub fn samples(&self) -> &[u32] {
         &self.map.samples
+    }
+
+    /// The grids of the fine cloth.
+    pub(crate) fn fine_grids(&self) -> &[Grid] {
+        &self.map.fine
+    }
+
+    /// The number of particles of the fine cloth.
+    pub(crate) fn fine_len(&self) -> usize {
+        self.map.stencils.len()
     }
 }
 

@@ -42,6 +42,7 @@ mod uploads;
 mod wait;
 mod watch;
 mod wrap;
+mod wrap_indices;
 
 pub use ahead::{Ahead, Preparation};
 pub use buffers::ClothBuffers;

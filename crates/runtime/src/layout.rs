@@ -68,6 +68,18 @@ pub struct BoundRow {
     pub tangent: [f32; 4],
 }
 
+/// How far a vertex of a bound mesh would jump as its cloth changes its level, in its frame on the new one, as shaders/wrap.wgsl reads it; fourth
+/// components are 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct JumpRow {
+    /// \[m\]
+    pub position: [f32; 4],
+    /// The difference of the unit normals, and of the unit tangents.
+    pub normal: [f32; 4],
+    pub tangent: [f32; 4],
+}
+
 /// A vertex of a bound mesh between the skin and the cloth, as shaders/blend.wgsl reads it before its joints.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]

@@ -233,7 +233,14 @@ pub enum Pass {
         holes: bool,
     },
     /// The vertices of a mesh that is bound to the cloth. For hosts that ask.
-    Wrap,
+    Wrap {
+        /// Whether the cloth has changed its level a short time ago.
+        jumps: bool,
+    },
+    /// How far the vertices of such a mesh would jump as the cloth changes its level.
+    Jump,
+    /// The triangles of such a mesh that are left after a cut. For hosts that ask.
+    WrapIndices,
     /// The vertices of such a mesh that are on the skin, or between the skin and the cloth. For hosts that ask.
     Blend {
         /// Sets of four joints per vertex.

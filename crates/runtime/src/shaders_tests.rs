@@ -55,7 +55,8 @@ fn passes() -> Vec<Pass> {
     for soft in SOFTS {
         all.extend([false, true].map(|image| Pass::Strain { image, soft }));
     }
-    all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend, Pass::Bounds, Pass::Wrap]);
+    all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend, Pass::Bounds]);
+    all.extend([Pass::Wrap { jumps: false }, Pass::Wrap { jumps: true }, Pass::Jump, Pass::WrapIndices]);
     all.extend([Pass::Blend { sets: 1 }, Pass::Blend { sets: 2 }]);
     all.extend([false, true].map(|holes| Pass::Moments { holes }));
     all.extend([Pass::Stitch { holes: false }, Pass::Stitch { holes: true }, Pass::Sew]);

@@ -3,6 +3,7 @@
 #[cfg(feature = "gpu")]
 mod ahead;
 mod air;
+pub(crate) mod arrival;
 mod cloth_run;
 mod control;
 mod crossed;
@@ -237,6 +238,7 @@ impl World {
     /// Begins a frame of `dt` \[s\] of the host's time: chooses its substeps and returns the steps that are due.
     pub fn begin(&mut self, dt: f64) -> Progress {
         self.choose();
+        self.forget_arrivals();
         let progress = self.control.clock.frame(dt);
         self.driven.stepped(progress.steps);
         self.lead(progress.steps);

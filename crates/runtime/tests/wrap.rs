@@ -2,69 +2,18 @@
 
 mod support;
 
-use gimage_bundle::manifest::RenderEntry;
-use gimage_bundle::{Bundle, COORD, Image, MapKind, OFFSET, RENDER_FILE};
+use gimage_bundle::{Bundle, MapKind};
 use gimage_runtime::*;
-use support::source_mesh;
-
-const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-
-/// A bundle of one piece with a mesh of `count` vertices, most of them bound to places that a rule spreads over the piece.
-fn bundle((w, h): (u32, u32), at: impl Fn(u32, u32) -> [f32; 4], count: usize) -> Bundle {
-    let mut bundle = Bundle::new("test");
-    let piece = bundle.add_piece("cloth", w, h).unwrap();
-    let data = (0..w * h).flat_map(|k| at(k % w, k / w)).collect();
-    bundle.insert(piece, MapKind::Position, Image { width: w, height: h, channels: 4, data }).unwrap();
-    bundle.manifest.pieces[0].constants.rest = Some([0.0; 4]);
-    bundle.count().unwrap();
-    let share = |k: usize, by: f32| (k as f32 * by).fract();
-    let rows: Vec<[Vec<f32>; 5]> = (0..count)
-        .map(|k| {
-            let place = [0.0, share(k, 0.618_034), share(k, 0.754_877_7)];
-            // The corners of the piece too, and vertices that are not bound.
-            let place = if k < 4 { [0.0, (k % 2) as f32, (k / 2) as f32] } else { place };
-            let coord = if k % 7 == 6 { [-1.0, 0.0, 0.0] } else { place };
-            let offset = [0.01 * share(k, 0.3), -0.01 * share(k, 0.7), 0.05 * share(k, 0.1)];
-            let angle = 6.0 * share(k, 0.37);
-            let (normal, tangent) =
-                (vec![0.0, angle.cos(), angle.sin()], vec![1.0, 0.0, 0.0, if k % 2 == 0 { 1.0 } else { -1.0 }]);
-            [vec![0.1, 0.2, k as f32 * 1e-3], normal, tangent, coord.to_vec(), offset.to_vec()]
-        })
-        .collect();
-    let bound = rows.iter().filter(|r| r[3][0] >= 0.0).count() as u64;
-    let kinds = [("POSITION", 3), ("NORMAL", 3), ("TANGENT", 4), (COORD, 3), (OFFSET, 3)];
-    let column = |k: usize| rows.iter().flat_map(|row| row[k].clone()).collect();
-    let attributes: Vec<_> = kinds.iter().enumerate().map(|(k, (name, width))| (*name, *width, column(k))).collect();
-    bundle.render = Some(source_mesh::file(&attributes));
-    bundle.manifest.render = Some(RenderEntry {
-        file: RENDER_FILE.into(),
-        vertices: count as u64,
-        bound,
-        largest_offset: 0.05,
-        transform: IDENTITY,
-    });
-    assert_eq!(gimage_bundle::validate(&bundle), []);
-    bundle
-}
+use support::bound_mesh::{bundle, flag_texel, share, spread, tube_texel};
 
 /// A flag in the x-y plane, pinned along its upper edge.
 fn flag(count: usize) -> Bundle {
-    let at = |i: u32, j: u32| [0.05 * i as f32, -0.05 * j as f32, 0.0, if j == 0 { -1.0 } else { 1.0 }];
-    bundle((9, 7), at, count)
+    bundle((9, 7), flag_texel, &spread(count))
 }
 
 /// A tube around y with a seam.
 fn tube(count: usize) -> Bundle {
-    let at = |i: u32, j: u32| {
-        let angle = std::f32::consts::TAU * (i % 12) as f32 / 12.0;
-        let code = match i {
-            0 => (j * 13 + 12 + 2) as f32,
-            12 => (j * 13 + 2) as f32,
-            _ => 1.0,
-        };
-        [0.2 * angle.cos(), -0.05 * j as f32, 0.2 * angle.sin(), if j == 0 { -code } else { code }]
-    };
-    bundle((13, 8), at, count)
+    bundle((13, 8), tube_texel, &spread(count))
 }
 
 fn scene(bundle: &Bundle) -> Scene {
@@ -72,6 +21,7 @@ fn scene(bundle: &Bundle) -> Scene {
     let mut cloth = Cloth::from_bundle("cloth", bundle).unwrap();
     cloth.damping = 0.5;
     scene.cloths.push(cloth);
+    scene.gravity = [2.0, -9.0, 4.0];
     scene
 }
 
@@ -91,7 +41,6 @@ fn vertices_are_where_their_offsets_put_them() {
     let mut out = Vec::new();
     stepper.wrap(0, &mesh, 1.0, &mut out).unwrap();
     assert_eq!((out.len(), mesh.parts.len(), mesh.uv.len()), (60, 1, 60));
-    let share = |k: usize, by: f32| (k as f32 * by).fract();
     for (k, vertex) in out.iter().enumerate() {
         let want = if k % 7 == 6 {
             [0.1, 0.2, k as f32 * 1e-3, 1.0]
@@ -135,7 +84,7 @@ fn offsets_of_a_bent_sheet_stay_within_one_percent() {
     let stepper = Stepper::on_cpu(bent, options()).unwrap();
     let mut out = Vec::new();
     mesh.deform(&positions, stepper.normals(0).unwrap(), &mut out).unwrap();
-    let share = |k: usize, by: f32| f64::from((k as f32 * by).fract());
+    let share = |k: usize, by: f32| f64::from(share(k, by));
     let mut worst = 0.0f64;
     for (k, vertex) in out.iter().enumerate().skip(4).filter(|(k, _)| k % 7 != 6) {
         let (u, v) = (share(k, 0.618_034), share(k, 0.754_877_7));

@@ -44,7 +44,7 @@ pub fn run(args: &ExportArgs, out: &Output) -> Result<Exit, Failure> {
         let text = format!("piece {name}: it has no triangles, and is not in the file");
         out.remark(Tone::Warning, "warning", &text);
     }
-    let dressing = if matches!(kind, Kind::Glb(_)) { source.dressing(&args.scene.scene)? } else { None };
+    let dressing = if matches!(kind, Kind::Glb(_)) { source.dressing(&loaded)? } else { None };
     let mut sink = Sink::new(kind, &args.output, &schedule, dressing)?;
     let mut faults = Faults::default();
     schedule

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use gimage::options::{BuildOptions, ImageSize};
 use gimage::pipeline;
 use gimage::progress::Quiet;
+use gimage_bundle::Bundle;
 use gimage_bundle::dir::read_dir;
 use gimage_runtime::draw::{Look, SolidLook};
 use gimage_runtime::scene::file::{Found, MAX_BYTES, SceneFile, Source};
@@ -20,12 +21,14 @@ use crate::exit::Failure;
 /// A scene, and what moves its joints, if anything does.
 pub struct Loaded {
     pub file: SceneFile,
+    /// The bundle of each cloth that is not flat.
+    pub bundles: Vec<Option<Bundle>>,
     pub animated: Option<Arc<Animated>>,
 }
 
 /// Loads what the arguments name, with the solver settings and the animation that they give.
 pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
-    let Opened { mut file, reading, source } = open_with(&args.scene, args.n)?;
+    let Opened { mut file, bundles, reading, source } = open_with(&args.scene, args.n)?;
     file.options.backend = match args.backend {
         BackendArg::Auto => Backend::Auto,
         BackendArg::Gpu => Backend::Gpu,
@@ -76,7 +79,7 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
         (None, None) if args.motion.local.is_some() => {
             return Err(Failure::refused("--local needs --animation NAME; `gimage list` has the names"));
         }
-        (None, None) => return Ok(Loaded { file, animated: None }),
+        (None, None) => return Ok(Loaded { file, bundles, animated: None }),
         (animation, Some((path, own))) => {
             (args.motion.character.clone().unwrap_or(path), animation.clone().unwrap_or(own))
         }
@@ -92,7 +95,7 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
         ));
     }
     let animated = Animated::new((&path, &animation), reading, (lead, scene.is_dir()), frame, &mut file)?;
-    Ok(Loaded { file, animated: Some(Arc::new(animated)) })
+    Ok(Loaded { file, bundles, animated: Some(Arc::new(animated)) })
 }
 
 /// Opens the built-in scene of this name with `n` particles per side, the scene file, or the bundle.
@@ -103,6 +106,7 @@ pub fn open(name: &str, n: u32) -> Result<SceneFile, Failure> {
 /// A scene without its animation.
 struct Opened {
     file: SceneFile,
+    bundles: Vec<Option<Bundle>>,
     /// How the first bundle with joints was read from its file.
     reading: Reading,
     /// The file that the bundle was built from, if the scene is a bundle.
@@ -111,7 +115,7 @@ struct Opened {
 
 impl Opened {
     fn new(file: SceneFile) -> Self {
-        Opened { file, reading: Reading::default(), source: String::new() }
+        Opened { file, bundles: Vec::new(), reading: Reading::default(), source: String::new() }
     }
 }
 
@@ -130,7 +134,7 @@ fn open_with(name: &str, n: u32) -> Result<Opened, Failure> {
         let joints = body.iter().map(|b| b.joint.clone()).collect();
         scene.colliders = body.into_iter().map(|b| b.collider).collect();
         let (reading, source) = (Reading::of(&bundle.manifest), bundle.manifest.source.file.clone());
-        Ok(Opened { file: SceneFile { joints, ..plain(scene) }, reading, source })
+        Ok(Opened { file: SceneFile { joints, ..plain(scene) }, bundles: vec![Some(bundle)], reading, source })
     } else {
         read(path)
     }
@@ -139,8 +143,8 @@ fn open_with(name: &str, n: u32) -> Result<Opened, Failure> {
 fn plain(scene: Scene) -> SceneFile {
     let looks = (0..scene.cloths.len()).map(Look::of).collect();
     let (script, options, solid_look) = (Script::default(), Options::default(), SolidLook::default());
-    let (character, joints) = (None, Vec::new());
-    SceneFile { scene, script, options, camera: None, background: None, looks, solid_look, character, joints }
+    let (character, sources, joints) = (None, Vec::new(), Vec::new());
+    SceneFile { scene, script, options, camera: None, background: None, looks, solid_look, character, sources, joints }
 }
 
 fn read(path: &Path) -> Result<Opened, Failure> {
@@ -153,16 +157,20 @@ fn read(path: &Path) -> Result<Opened, Failure> {
     }
     let bytes = fs::read(path).map_err(|e| Failure::io(path, &e))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut reading = None;
+    let (mut reading, mut found) = (None, Vec::new());
     let file = SceneFile::parse(&bytes, |source| {
         let bundle = find(folder, source)?;
         if bundle.manifest.skeleton.is_some() && reading.is_none() {
             reading = Some(Reading::of(&bundle.manifest));
         }
+        found.push(bundle.clone());
         Ok(bundle)
     });
     let file = file.map_err(|e| Failure::refused(format!("{}: {e}", path.display())))?;
-    Ok(Opened { reading: reading.unwrap_or_default(), ..Opened::new(file) })
+    // They were asked for in the order of the cloths.
+    let mut found = found.into_iter();
+    let bundles = file.sources.iter().map(|source| source.as_ref().and_then(|_| found.next())).collect();
+    Ok(Opened { bundles, reading: reading.unwrap_or_default(), ..Opened::new(file) })
 }
 
 /// Reads a bundle, or builds a garment in memory.

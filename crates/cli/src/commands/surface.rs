@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use clap::ValueEnum;
-use gimage_bundle::dir::read_dir;
 use gimage_runtime::{RenderMesh, RenderVertex};
 
 use crate::commands::engine::Engine;
@@ -20,60 +19,80 @@ pub enum SurfaceArg {
     Grid,
 }
 
-/// The mesh of the source of a bundle, as its cloth moves it.
+/// The mesh of the source of a cloth, as the cloth moves it.
 pub struct SourceMesh {
     pub mesh: RenderMesh,
+    /// Of the scene.
+    pub cloth: usize,
     vertices: Vec<RenderVertex>,
+    /// Triangles of the cloth that were cut away when `left` was made.
+    holes: Vec<u32>,
+    /// The triangles that are left, as long as the mesh has; none before the first cut.
+    left: Option<Vec<u32>>,
 }
 
 impl SourceMesh {
-    /// The mesh to show in place of the grid; none where it is not asked for, and where there is none, which is said for a bundle.
-    pub fn choose(arg: SurfaceArg, name: &str, loaded: &Loaded, out: &Output) -> Result<Option<Self>, Failure> {
-        if arg == SurfaceArg::Grid {
-            return Ok(None);
+    /// The meshes to show in place of the grid, in the order of their cloths. Auto shows the mesh of a bundle, with a note where it has none; the
+    /// cloths of a scene file have looks of their own, so that their meshes are shown on demand alone, which is refused where there is
+    /// none at all.
+    pub fn choose(arg: SurfaceArg, name: &str, loaded: &Loaded, out: &Output) -> Result<Vec<Self>, Failure> {
+        let is_bundle = Path::new(name).is_dir();
+        if arg == SurfaceArg::Grid || (arg == SurfaceArg::Auto && !is_bundle) {
+            return Ok(Vec::new());
         }
-        let path = Path::new(name);
-        let problem = if !path.is_dir() {
-            "only a bundle has a mesh of its source".into()
-        } else if !loaded.file.script.cuts.is_empty() {
-            "the mesh of the source cannot be cut".into()
-        } else {
-            let bundle = read_dir(path).map_err(|e| Failure::bundle(path, &e))?;
-            match RenderMesh::from_bundle(&bundle) {
-                Ok(Some(mesh)) => return Ok(Some(SourceMesh { mesh, vertices: Vec::new() })),
-                Ok(None) => "the bundle has no render.glb; build it with --render-mesh on".into(),
-                Err(error) => error.to_string(),
+        let mut found = Vec::new();
+        let mut problem = "only bundles and garments have a mesh of their source".to_owned();
+        for (cloth, bundle) in loaded.bundles.iter().enumerate() {
+            let Some(bundle) = bundle else { continue };
+            match RenderMesh::from_bundle(bundle) {
+                Ok(Some(mesh)) => {
+                    found.push(SourceMesh { mesh, cloth, vertices: Vec::new(), holes: Vec::new(), left: None });
+                }
+                Ok(None) => problem = "the bundle has no render.glb; build it with --render-mesh on".into(),
+                Err(error) => problem = error.to_string(),
             }
-        };
-        if arg == SurfaceArg::Render {
+        }
+        if found.is_empty() && arg == SurfaceArg::Render {
             return Err(Failure::refused(format!("{name}: --surface render: {problem}")));
         }
-        if path.is_dir() {
+        if found.is_empty() {
             out.remark(Tone::Note, "note", &format!("{name}: {problem}; the grid is shown"));
         }
-        Ok(None)
+        Ok(found)
     }
 
-    /// The vertices of the last call of [`SourceMesh::vertices`].
+    /// The vertices of the last call of [`SourceMesh::follow`].
     pub fn moved(&self) -> &[RenderVertex] {
         &self.vertices
     }
 
-    /// Moves its vertices to a fraction of the last step.
-    pub fn vertices(&mut self, engine: &Engine, fraction: f32) -> Result<&[RenderVertex], Failure> {
-        // A bundle is the only cloth of its scene.
+    /// The triangles that were left then, three indices each; those that are gone are points.
+    pub fn indices(&self) -> &[u32] {
+        self.left.as_ref().unwrap_or(&self.mesh.indices)
+    }
+
+    /// Moves its vertices to a fraction of the last step, and takes away triangles that are cut. Returns whether triangles have changed.
+    pub fn follow(&mut self, engine: &Engine, fraction: f32) -> Result<bool, Failure> {
+        let (stepper, cloth) = (&engine.stepper, self.cloth);
         if engine.gpu().is_none() {
-            engine.stepper.wrap(0, &self.mesh, fraction, &mut self.vertices)?;
-            return Ok(&self.vertices);
-        }
-        let (mut now, normals) = (engine.positions(0)?, engine.normals(0)?);
-        if fraction < 1.0 {
-            for (now, before) in now.iter_mut().zip(engine.previous(0)?) {
-                (0..3).for_each(|c| now[c] = before[c] + (now[c] - before[c]) * fraction);
+            stepper.wrap(cloth, &self.mesh, fraction, &mut self.vertices)?;
+        } else {
+            let (mut now, normals) = (engine.positions(cloth)?, engine.normals(cloth)?);
+            if fraction < 1.0 {
+                for (now, before) in now.iter_mut().zip(engine.previous(cloth)?) {
+                    (0..3).for_each(|c| now[c] = before[c] + (now[c] - before[c]) * fraction);
+                }
             }
+            self.mesh.deform(&now, &normals, &mut self.vertices)?;
+            stepper.blend(cloth, &self.mesh, fraction, &mut self.vertices)?;
         }
-        self.mesh.deform(&now, &normals, &mut self.vertices)?;
-        engine.stepper.blend(0, &self.mesh, fraction, &mut self.vertices)?;
-        Ok(&self.vertices)
+        let holes = engine.holes(cloth)?;
+        if holes == self.holes {
+            return Ok(false);
+        }
+        let left = stepper.render_indices(cloth, &self.mesh, &holes)?;
+        let is_other = left != self.indices();
+        (self.left, self.holes) = (Some(left), holes);
+        Ok(is_other)
     }
 }

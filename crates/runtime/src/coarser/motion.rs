@@ -2,12 +2,21 @@
 
 use super::Coarser;
 use crate::cloth::Cloth;
+use crate::number::real::with_w;
 
 /// Positions \[m\] of a cloth now and one step before; fourth components have no meaning.
 #[derive(Clone, Debug)]
 pub struct Motion {
     pub now: Vec<[f32; 4]>,
     pub before: Vec<[f32; 4]>,
+}
+
+impl Motion {
+    /// Room for the motion of a cloth with these inverse masses: they are the fourth components, all else is 0.
+    pub(crate) fn room(inverse_masses: Vec<f32>) -> Self {
+        let now: Vec<_> = inverse_masses.into_iter().map(|w| with_w([0.0; 3], w)).collect();
+        Motion { before: now.clone(), now }
+    }
 }
 
 /// Where pins between coarse texels lie: fine particle, coarse particle, and the way from the latter \[m\].

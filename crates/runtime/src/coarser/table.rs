@@ -31,10 +31,15 @@ const COLOURS: u32 = 128;
 impl Coarser {
     /// The table of this image, `coarse` as the solver steps it, and the image that it was made of.
     pub(crate) fn table(&self, fine: &Cloth, coarse: &Cloth, solver: Solver) -> Table {
+        self.table_where(|k| fine.particles()[k].exists(), coarse, solver)
+    }
+
+    /// The same of a fine image of which only the particles that exist are known.
+    pub(crate) fn table_where(&self, exists: impl Fn(usize) -> bool, coarse: &Cloth, solver: Solver) -> Table {
         let (stencils, count) = (&self.map.stencils, coarse.len());
         let points: Vec<usize> = coarse.points().into_iter().map(|k| k as usize).collect();
         let mut near: Vec<Vec<[u32; 2]>> = vec![Vec::new(); count];
-        let there = stencils.iter().enumerate().filter(|(k, _)| fine.particles()[*k].exists());
+        let there = stencils.iter().enumerate().filter(|(k, _)| exists(*k));
         for (k, (c, w)) in there.flat_map(|(k, stencil)| stencil.parts().map(move |part| (k as u32, part))) {
             near[points[c]].push([k, w.to_bits()]);
         }

@@ -134,10 +134,7 @@ impl<T: Real> Body<T> {
     /// Unit normals by texels: of the start, then of the last frame that has the pass `normals`.
     pub fn normals(&self, threads: &Threads) -> &[[T; 4]] {
         self.normals.get(|normals| {
-            for g in &self.grids {
-                normals::run(threads, view(&self.now, &self.holes, g), &mut normals[g.range()]);
-            }
-            seam_normals::run(normals, &self.starts, &self.members);
+            make_normals(threads, &self.grids, (&self.now, &self.holes), (&self.starts, &self.members), normals);
         })
     }
 
@@ -348,6 +345,20 @@ impl<T: Real> Body<T> {
             self.held = held.then(|| Held::new(cloth, tethers));
         }
     }
+}
+
+/// Normals of particles at some positions, from the triangles that are left; all duplicates of a seam point have the same.
+pub(crate) fn make_normals<T: Real>(
+    threads: &Threads,
+    grids: &[Grid],
+    (now, holes): (&[[T; 4]], &[u32]),
+    (starts, members): (&[u32], &[u32]),
+    normals: &mut [[T; 4]],
+) {
+    for g in grids {
+        normals::run(threads, view(now, holes, g), &mut normals[g.range()]);
+    }
+    seam_normals::run(normals, starts, members);
 }
 
 /// One grid of a cloth.

@@ -94,6 +94,7 @@ impl Gpu {
         }
         self.mirror(world, encoder);
         self.reindex(world, encoder);
+        self.rewrap(world, encoder);
     }
 
     /// Records a pass whose bindings are not kept.
@@ -107,7 +108,11 @@ impl Gpu {
         [x, y, z]: [u32; 3],
     ) {
         let pipeline = self.pipelines.get(&what.into());
-        self.cloths[cloth].separate(&self.device, world, cloth);
+        let drawn = [Slot::Now, Slot::Before, Slot::Normals, Slot::Holes];
+        let is_own = |slot: Slot| !drawn.contains(&slot) && more.iter().all(|m| m.0 != slot);
+        if pipeline.source.bindings.iter().any(|bound| is_own(bound.slot)) {
+            self.cloths[cloth].separate(&self.device, world, cloth);
+        }
         let group = self.cloths[cloth].bind(&self.device, pipeline, more);
         pass.set_pipeline(&pipeline.pipeline);
         pass.set_bind_group(0, &group, &[]);

@@ -31,6 +31,8 @@ pub enum Ahead {
     Indices,
     /// [`crate::Stepper::record_tangents`].
     Tangents,
+    /// [`crate::Stepper::record_wrap`], but for vertices that blend to the skin, and [`crate::Stepper::render_index_buffer`].
+    RenderMeshes,
     /// [`crate::Stepper::set_levels`]: the passes that carry motion. Those of a frame on a level are compiled by the first switch to it,
     /// unless cloths of other sizes have them.
     Levels,
@@ -49,6 +51,7 @@ impl Ahead {
         Ahead::Bounds,
         Ahead::Indices,
         Ahead::Tangents,
+        Ahead::RenderMeshes,
         Ahead::Levels,
         Ahead::MovingFrames,
     ];
@@ -95,6 +98,13 @@ fn asked(world: &World, ahead: &[Ahead], holes: bool) -> Vec<Pass> {
             Ahead::Bounds => passes.push(Pass::Bounds),
             Ahead::Indices => passes.push(Pass::Indices { holes }),
             Ahead::Tangents => passes.push(Pass::Tangents { holes }),
+            Ahead::RenderMeshes => {
+                passes.push(Pass::Wrap { jumps: false });
+                passes.extend(holes.then_some(Pass::WrapIndices));
+                if ahead.contains(&Ahead::Levels) {
+                    passes.extend([Pass::Wrap { jumps: true }, Pass::Jump]);
+                }
+            }
             Ahead::MovingFrames => passes.push(Pass::Inertia),
             Ahead::Levels => passes.extend([Pass::Restrict, Pass::Prolong]),
         }

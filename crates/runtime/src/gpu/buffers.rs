@@ -16,6 +16,7 @@ use crate::gpu::store::State;
 use crate::gpu::turns;
 use crate::gpu::upload::{empty, upload};
 use crate::gpu::wrap::Wrapping;
+use crate::gpu::wrap_indices::Remaining;
 use crate::layout::FaultRow;
 use crate::options::Options;
 use crate::passes::has_levels;
@@ -46,6 +47,8 @@ pub struct ClothBuffers {
     pub tangents: Option<Span>,
     /// Of the mesh that is bound to it, once a host has asked for its vertices.
     pub(super) wrapping: Option<Wrapping>,
+    /// The triangles of such a mesh, once a host has asked for them.
+    pub(super) remaining: Option<Remaining>,
     stepping: bool,
     /// Whether it has what only passes of its own need.
     separate: bool,
@@ -89,6 +92,7 @@ impl ClothBuffers {
             reindex: false,
             tangents: None,
             wrapping: None,
+            remaining: None,
             faults: others.remove(&Slot::Faults),
             stepping,
             separate: false,
@@ -104,6 +108,11 @@ impl ClothBuffers {
     /// Whether the device steps it.
     pub(super) fn is_stepping(&self) -> bool {
         self.stepping
+    }
+
+    /// Whether it has what only passes of its own need.
+    pub(super) fn is_separate(&self) -> bool {
+        self.separate
     }
 
     /// Makes what only passes of the cloth's own need, once; its grids again where the bound of diagonals is another.

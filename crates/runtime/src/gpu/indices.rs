@@ -5,6 +5,7 @@ use wgpu::BufferUsages;
 
 use super::span::Span;
 use super::upload::upload;
+use super::wrap_indices::Remaining;
 use super::{Gpu, begin};
 use crate::cpu::body::Body;
 use crate::passes::Pass;
@@ -30,6 +31,7 @@ impl Gpu {
     pub fn forget_indices(&mut self, cloth: usize) {
         let buffers = &mut self.cloths[cloth];
         buffers.reindex = buffers.indices.is_some();
+        buffers.remaining.iter_mut().for_each(Remaining::forget);
     }
 
     /// Records what writes the index buffers of cloths whose triangles have changed.

@@ -101,9 +101,8 @@ impl Gpu {
         let alone = left.iter().map(|l| l.index).filter(|cloth| !shared.contains(cloth));
         states.extend(alone.flat_map(|cloth| Store::new(&self.device, world, &[cloth], draw_only).1));
         for (cloth, state) in states {
-            let beside = std::mem::take(&mut self.cloths[cloth].beside);
-            self.cloths[cloth] = ClothBuffers::new(state, !draw_only);
-            self.cloths[cloth].beside = beside;
+            let before = std::mem::replace(&mut self.cloths[cloth], ClothBuffers::new(state, !draw_only));
+            (self.cloths[cloth].beside, self.cloths[cloth].wrapping) = (before.beside, before.wrapping);
             self.boxes.forget(cloth);
             if !draw_only {
                 self.compile(world, cloth);

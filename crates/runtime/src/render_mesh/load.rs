@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use gimage_bundle::{Bundle, Frame, MapKind, Particle, RenderFile, RenderPrimitive, SurfacePoint, surface_normals};
 
-use super::{Blended, RenderMesh, RenderPart};
+use super::{Binding, Blended, Bound, RenderMesh, RenderPart};
 use crate::cloth::Influence;
 use crate::cpu::wrap::UNBOUND;
 use crate::error::Result;
 use crate::layout::{BlendRow, BoundRow};
+use crate::number::real::with_w;
 
 type Matrix = [f64; 16];
 
@@ -16,7 +17,6 @@ pub(super) fn load(bundle: &Bundle) -> Result<Option<RenderMesh>> {
     let (Some(bytes), Some(entry)) = (&bundle.render, &bundle.manifest.render) else { return Ok(None) };
     let file = RenderFile::parse(bytes)?;
     let cloth = Cloth::new(bundle)?;
-    let texels = cloth.positions.len();
     let (mut parts, mut uv, mut indices, mut rows) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (mut images, mut colors): (Vec<Vec<u8>>, Vec<[f32; 4]>) = Default::default();
     let primitives = file.primitives()?;
@@ -57,7 +57,10 @@ pub(super) fn load(bundle: &Bundle) -> Result<Option<RenderMesh>> {
         colors.resize(rows.len(), [1.0; 4]);
     }
     let blended = blended.filter(|b| !b.rows.is_empty()).map(Arc::new);
-    Ok(Some(RenderMesh { parts, uv, colors, indices, images, image_names, rows: Arc::new(rows), blended, texels }))
+    let code = |p: &Particle| if p.exists() { 1.0 } else { -1.0 };
+    let rest = cloth.positions.iter().zip(&cloth.particles).map(|(p, of)| with_w(*p, code(of))).collect();
+    let binding = Arc::new(Binding::new(Bound::new(rows, rest, cloth.normals)));
+    Ok(Some(RenderMesh { parts, uv, colors, indices, images, image_names, binding, blended }))
 }
 
 /// The texels of a bundle at rest.

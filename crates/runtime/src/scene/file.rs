@@ -36,6 +36,8 @@ pub struct SceneFile {
     /// The character whose animation moves joints, if the file has one. The host reads its file: cloths with a skin follow it
     /// ([`crate::Cloth::follow_joints`]), and so do colliders with a joint.
     pub character: Option<CharacterFile>,
+    /// Where each cloth comes from, `None` for a flat one; empty for a scene that was not read from a file.
+    pub sources: Vec<Option<Source>>,
     /// The joint that each collider moves with, `None` for one that moves with none; its pose is that in the pose of the character's file.
     pub joints: Vec<Option<String>>,
 }

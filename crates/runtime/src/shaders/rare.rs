@@ -142,9 +142,25 @@ pub(super) fn tangents(over: Over, holes: bool) -> Rule {
     Rule { call: "tangent", ..own!("tangents", over, open(holes, parts)) }
 }
 
-pub(super) fn wrap(over: Over) -> Rule {
+pub(super) fn wrap(over: Over, jumps: bool) -> Rule {
+    let (file, read): (_, &[_]) = if jumps { (part!("jumps"), &[Slot::Jumps]) } else { (part!("jumps_none"), &[]) };
+    let parts = vertex_frame().and(Parts::new(&[file], read, &[Slot::Wrapped]));
+    own!("wrap", over, parts)
+}
+
+pub(super) fn jump(over: Over) -> Rule {
+    own!("jump", over, vertex_frame().and(Parts::new(&[], &[Slot::Wrapped], &[Slot::Jumps])))
+}
+
+/// The parts of passes that read the drawn surface at the vertices of a bound mesh.
+fn vertex_frame() -> Parts {
     let read = [Action, Now, Slot::Before, Slot::Normals, Slot::BoundVertices];
-    own!("wrap", over, Parts::new(&[part!("action")], &read, &[Slot::Wrapped]))
+    Parts::new(&[part!("action"), part!("frame")], &read, &[])
+}
+
+pub(super) fn wrap_indices(over: Over) -> Rule {
+    let parts = Parts::new(&[], &[Slot::Covers, Slot::MeshIndices], &[Slot::LeftIndices]);
+    own!("wrap_indices", over, open(true, parts))
 }
 
 pub(super) fn blend(over: Over, sets: u32) -> Rule {

@@ -92,7 +92,9 @@ pub fn over(pass: Pass) -> Over {
         | Pass::Skin { .. }
         | Pass::Prolong
         | Pass::Bounds
-        | Pass::Wrap
+        | Pass::Wrap { .. }
+        | Pass::Jump
+        | Pass::WrapIndices
         | Pass::Blend { .. } => Over::Own(Threads::Particles),
         Pass::Fastest | Pass::PickNearest | Pass::Restrict => Over::Own(Threads::One),
         Pass::Pyramid { seams, .. } => Over::Groups(if seams { Threads::Layers } else { Threads::Grids }),
@@ -209,7 +211,9 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Pick { holes } => rare::pick(over, holes),
         Pass::PickNearest => rare::pick_nearest(over),
         Pass::Bounds => rare::bounds(over),
-        Pass::Wrap => rare::wrap(over),
+        Pass::Wrap { jumps } => rare::wrap(over, jumps),
+        Pass::Jump => rare::jump(over),
+        Pass::WrapIndices => rare::wrap_indices(over),
         Pass::Blend { sets } => rare::blend(over, sets),
         Pass::Indices { holes } => rare::indices(over, holes),
         Pass::Tangents { holes } => rare::tangents(over, holes),

@@ -106,6 +106,10 @@ slots! {
     Others "others",
     Struck "struck",
     Shadow "shadow",
+    Jumps "jumps",
+    Covers "covers",
+    MeshIndices "mesh_indices",
+    LeftIndices "left_indices",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
@@ -265,7 +269,8 @@ impl Slot {
             // Made when they are asked for; no frame binds them.
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
             Slot::Bounds | Slot::Indices | Slot::Tangents | Slot::Charts => 0,
-            Slot::BoundVertices | Slot::Wrapped | Slot::Blending => 0,
+            Slot::BoundVertices | Slot::Wrapped | Slot::Blending | Slot::Jumps => 0,
+            Slot::Covers | Slot::MeshIndices | Slot::LeftIndices => 0,
             Slot::Table | Slot::Origin | Slot::OriginBefore | Slot::Spare | Slot::Beside => 0,
             Slot::Supports | Slot::Holding | Slot::Changes | Slot::Mates => 0,
         };

@@ -124,6 +124,7 @@ impl Stepper {
                 gpu.upload(bodies, threads, &self.world.runs);
                 for (cloth, body) in bodies.iter().enumerate() {
                     gpu.upload_indices(&self.world, cloth, body);
+                    gpu.upload_render_indices(cloth, body);
                 }
             }
             None => {

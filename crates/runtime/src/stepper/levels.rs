@@ -1,7 +1,9 @@
 //! Level of detail: cloths that go on with a coarser image, or with the finer one again.
 
+use std::sync::{Arc, OnceLock};
+
 use super::Stepper;
-use crate::coarser::Motion;
+use crate::coarser::{Coarser, Motion};
 use crate::cpu::start::inverse_masses;
 #[cfg(feature = "gpu")]
 use crate::error::Error;
@@ -10,6 +12,7 @@ use crate::error::Result;
 use crate::gpu::Carried;
 use crate::handle::ClothRef;
 use crate::state::{ClothState, Layout};
+use crate::world::arrival::{Arrival, Surface};
 
 impl Stepper {
     /// The level of a cloth: 0 is the image that it came with, each further level has about half the texels per side. Errors if there
@@ -86,16 +89,39 @@ impl Stepper {
     /// Switches cloths that the CPU steps.
     fn switch(&mut self, wanted: &[(usize, u32)]) -> Result<()> {
         let states = self.states(&wanted.iter().map(|(cloth, _)| *cloth).collect::<Vec<_>>())?;
+        let left: Vec<_> = wanted.iter().map(|(cloth, _)| self.departure(*cloth)).collect();
         let mut switches = Vec::new();
         for ((cloth, level), state) in wanted.iter().zip(&states) {
             let motion = Motion { now: state.positions().to_vec(), before: state.previous().to_vec() };
             switches.push(self.world.switch(*cloth, *level, Some(motion))?);
         }
         let motions: Vec<_> = switches.iter_mut().filter_map(|s| Some((s.index, s.motion.take()?))).collect();
-        let left = self.world.replace(switches);
-        self.replace_drawn(&left);
+        let left_behind = self.world.replace(switches);
+        self.replace_drawn(&left_behind);
         motions.into_iter().for_each(|(cloth, motion)| self.begin_with(cloth, &motion));
+        wanted.iter().zip(left).for_each(|((cloth, _), left)| self.arrive(*cloth, left));
         Ok(())
+    }
+
+    /// A cloth on the level that it is about to leave: its surface, the steps to the level, and the last change if that still shows.
+    fn departure(&self, cloth: usize) -> Option<(Surface, Vec<Coarser>, Option<Arc<Arrival>>)> {
+        let time = self.world.time_at(1.0);
+        let earlier = self.world.runs[cloth].arrival.clone().filter(|arrival| arrival.share(time) > 0.0);
+        Some((self.surface(cloth)?, self.world.steps(cloth), earlier))
+    }
+
+    /// Keeps how a cloth has changed its level, for meshes that are bound to it.
+    fn arrive(&mut self, cloth: usize, left: Option<(Surface, Vec<Coarser>, Option<Arc<Arrival>>)>) {
+        let Some(((left, steps, earlier), reached)) = left.zip(self.surface(cloth)) else { return };
+        let (since, jumps) = (self.world.time_at(1.0), OnceLock::new());
+        self.world.runs[cloth].arrival = Some(Arc::new(Arrival { since, steps, left, reached, earlier, jumps }));
+    }
+
+    /// A cloth that the CPU steps, as it is.
+    fn surface(&self, cloth: usize) -> Option<Surface> {
+        let (bodies, threads) = self.cpu.as_ref()?;
+        let body = &bodies[cloth];
+        Some(Surface { positions: body.now().to_vec(), normals: body.normals(threads).to_vec() })
     }
 
     /// Lets the new image of a cloth begin with a motion.
@@ -136,6 +162,7 @@ impl Stepper {
         let (device, queue) = (gpu.handles().0.clone(), gpu.handles().1.clone());
         let mut encoder = device.create_command_encoder(&Default::default());
         gpu.act_now(&mut self.world, &mut encoder);
+        wanted.iter().for_each(|(cloth, _)| gpu.record_departure(&self.world, &mut encoder, *cloth));
         let carried: Vec<Carried> = switches
             .iter_mut()
             .map(|s| Carried { cloth: s.index, from: gpu.motion(s.index), legs: std::mem::take(&mut s.legs) })
@@ -143,6 +170,9 @@ impl Stepper {
         let left = self.world.replace(switches);
         gpu.replace(&self.world, &left, false);
         gpu.carry(&mut encoder, &carried);
+        for (cloth, _) in wanted {
+            gpu.record_arrival(&self.world, &mut encoder, *cloth)?;
+        }
         queue.submit([encoder.finish()]);
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::arrival::Arrival;
 use super::follow::Joints;
 use super::images::Images;
 use super::levels::Finer;
@@ -25,6 +26,8 @@ pub struct ClothRun {
     pub images: Option<Arc<Images>>,
     /// The finer images that it goes back to, the finest first.
     pub finer: Vec<Finer>,
+    /// Its last change of level, as long as bound meshes show it; on the CPU backend alone.
+    pub arrival: Option<Arc<Arrival>>,
     /// Its place among the [`crate::coat::Coats`].
     pub coat: usize,
     /// Its passes.

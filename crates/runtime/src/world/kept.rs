@@ -1,8 +1,9 @@
 //! The last state of a cloth in the host's memory, from which it continues if the device is lost.
 
 use super::World;
-use super::levels::{at_start, room};
+use super::levels::at_start;
 use crate::coarser::Motion;
+use crate::cpu::start::inverse_masses;
 use crate::cpu::{prolong, restrict};
 use crate::scene::Pose;
 use crate::state::{ClothState, Head, Layout};
@@ -43,7 +44,7 @@ impl World {
         for (n, fine) in finer.iter().enumerate().skip(level) {
             let coarse = finer.get(n + 1).map_or(&self.scene.cloths[index], |f| &f.cloth);
             let table = fine.images.table(|| fine.coarser.table(&fine.cloth, coarse, solver));
-            let mut next = room(coarse, solver);
+            let mut next = Motion::room(inverse_masses(coarse, solver));
             restrict::run(&table, &motion, &mut next);
             motion = next;
         }
@@ -64,7 +65,7 @@ impl World {
             images = below;
         }
         for (table, coarser, fine) in passed.iter().rev() {
-            let mut next = room(fine, solver);
+            let mut next = Motion::room(inverse_masses(fine, solver));
             prolong::run(table, &motion, &coarser.beside(fine, &at_start(fine, home)), &mut next);
             motion = next;
         }

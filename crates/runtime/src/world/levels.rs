@@ -102,7 +102,7 @@ impl World {
         let table = images.table(|| coarser.table(&switch.cloth, &cloth, solver));
         match &mut switch.motion {
             Some(motion) => {
-                let mut coarse = room(&cloth, solver);
+                let mut coarse = Motion::room(inverse_masses(&cloth, solver));
                 restrict::run(&table, motion, &mut coarse);
                 *motion = coarse;
             }
@@ -165,7 +165,7 @@ impl Switch {
         let table = images.table(|| coarser.table(&cloth, &self.cloth, solver));
         match &mut self.motion {
             Some(motion) => {
-                let mut fine = room(&cloth, solver);
+                let mut fine = Motion::room(inverse_masses(&cloth, solver));
                 prolong::run(&table, motion, &beside, &mut fine);
                 *motion = fine;
             }
@@ -179,12 +179,6 @@ impl Switch {
         self.run = ClothRun::new(images);
         (self.run.finer, self.run.warnings, self.run.home) = (finer, warnings, home);
     }
-}
-
-/// Room for the motion of a cloth, with its inverse masses.
-pub(super) fn room(cloth: &Cloth, solver: Solver) -> Motion {
-    let now: Vec<_> = inverse_masses(cloth, solver).into_iter().map(|w| with_w([0.0; 3], w)).collect();
-    Motion { before: now.clone(), now }
 }
 
 /// Where a cloth is at its start, moved by teleports.

@@ -6,6 +6,7 @@
 pub mod adapter;
 #[cfg(feature = "gpu")]
 pub mod alike;
+pub mod bound_mesh;
 #[cfg(feature = "gpu")]
 pub mod rig;
 #[cfg(feature = "gpu")]

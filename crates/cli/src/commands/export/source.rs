@@ -21,10 +21,18 @@ pub enum Source {
 impl Source {
     /// The surface that the arguments ask for. Refuses scenes without triangles.
     pub fn new(args: &ExportArgs, engine: &Engine, loaded: &Loaded, out: &Output) -> Result<Self, Failure> {
-        Ok(match SourceMesh::choose(args.surface, &args.scene.scene, loaded, out)? {
-            Some(mesh) => Source::Mesh(Box::new(MeshSource::new(mesh, loaded.animated.is_some()))),
-            None => Source::Grid(GridSource::new(&engine.stepper)?),
-        })
+        let meshes = SourceMesh::choose(args.surface, &args.scene.scene, loaded, out)?;
+        if meshes.is_empty() {
+            return Ok(Source::Grid(GridSource::new(&engine.stepper)?));
+        }
+        let cloths = &engine.stepper.scene().cloths;
+        if let Some(index) = (0..cloths.len()).find(|index| meshes.iter().all(|mesh| mesh.cloth != *index)) {
+            let (scene, name) = (&args.scene.scene, cloths[index].name());
+            return Err(Failure::refused(format!(
+                "{scene}: --surface render: cloth '{name}' has no mesh of a source; use --surface grid"
+            )));
+        }
+        Ok(Source::Mesh(Box::new(MeshSource::new(meshes, loaded.animated.is_some()))))
     }
 
     /// The value of `--surface` that it is.
@@ -33,10 +41,10 @@ impl Source {
     }
 
     /// The materials of its pieces; none of a grid.
-    pub fn dressing(&self, bundle: &str) -> Result<Option<Dressing>, Failure> {
+    pub fn dressing(&self, loaded: &Loaded) -> Result<Option<Dressing>, Failure> {
         match self {
             Source::Grid(_) => Ok(None),
-            Source::Mesh(mesh) => mesh.dressing(bundle).map(Some),
+            Source::Mesh(mesh) => mesh.dressing(loaded).map(Some),
         }
     }
 

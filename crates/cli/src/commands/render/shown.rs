@@ -1,5 +1,7 @@
 //! The triangles of a picture beside cloths and colliders: the mesh of the source, the body, the ground under them.
 
+use std::path::Path;
+
 use gimage_runtime::RenderPart;
 use gimage_runtime::draw::{Facet, Ground, bounds};
 use gimage_runtime::{Collider, Shape};
@@ -19,24 +21,31 @@ const GROUND_RADIUS: f32 = 1.3;
 
 /// An object that the host of a picture places.
 pub struct Shown<'a> {
-    mesh: Option<SourceMesh>,
-    /// The paint of each part of the mesh.
-    numbers: Vec<usize>,
-    /// Whether parts of the mesh that no cloth moves are drawn where the file has them.
+    /// Each with the paints of its parts.
+    meshes: Vec<(SourceMesh, Vec<usize>)>,
+    /// Whether parts of a mesh that no cloth moves are drawn where the file has them.
     whole: bool,
     body: Option<Body>,
     pub paints: Paints<'a>,
 }
 
 impl<'a> Shown<'a> {
-    /// For a scene: its mesh and its body, as the arguments ask for them.
+    /// For a scene: its meshes and its body, as the arguments ask for them.
     pub fn new(args: &RenderArgs, loaded: &Loaded, out: &'a Output) -> Result<Self, Failure> {
         let mut paints = Paints::new(out);
-        let mesh = SourceMesh::choose(args.surface, &args.scene.scene, loaded, out)?;
-        let numbers = mesh.as_ref().map(|of| paints.of_mesh(&of.mesh)).unwrap_or_default();
-        let whole = loaded.animated.is_none() && !args.colliders;
+        let meshes = SourceMesh::choose(args.surface, &args.scene.scene, loaded, out)?;
+        let meshes: Vec<_> = meshes
+            .into_iter()
+            .map(|of| {
+                let numbers = paints.of_mesh(&of.mesh);
+                (of, numbers)
+            })
+            .collect();
+        // A scene file places its cloths elsewhere.
+        let is_bundle = Path::new(&args.scene.scene).is_dir();
+        let whole = loaded.animated.is_none() && !args.colliders && is_bundle;
         // A mesh has its own clothes.
-        let cloths = if mesh.is_some() { &[][..] } else { &loaded.file.scene.cloths[..] };
+        let cloths = if meshes.is_empty() { &loaded.file.scene.cloths[..] } else { &[][..] };
         let body = match loaded.animated.as_ref().filter(|_| !args.colliders) {
             Some(animated) => {
                 let reading = (&animated.reading.import, &animated.reading.select);
@@ -44,30 +53,30 @@ impl<'a> Shown<'a> {
             }
             None => None,
         };
-        Ok(Shown { mesh, numbers, whole, body, paints })
+        Ok(Shown { meshes, whole, body, paints })
     }
 
     /// Whether the mesh of the source is drawn.
     pub fn has_mesh(&self) -> bool {
-        self.mesh.is_some()
+        !self.meshes.is_empty()
     }
 
     /// Whether triangles stand for a cloth.
     pub fn has_cloth(&self, cloth: usize) -> bool {
-        self.mesh.is_some() || self.body.as_ref().is_some_and(|body| body.wears(cloth))
+        self.meshes.iter().any(|(of, _)| of.cloth == cloth) || self.body.as_ref().is_some_and(|body| body.wears(cloth))
     }
 
     /// Whether triangles stand for colliders: all of an animated character, or those of a bundle whose body is a part of its mesh.
     pub fn hides_collider(&self, index: usize, animated: Option<&Animated>) -> bool {
         match animated {
             Some(animated) => self.body.is_some() && animated.colliders().any(|own| own == index),
-            None => self.whole && self.mesh.as_ref().is_some_and(|of| of.mesh.parts.iter().any(|p| !p.is_bound)),
+            None => self.whole && self.meshes.iter().any(|(of, _)| of.mesh.parts.iter().any(|p| !p.is_bound)),
         }
     }
 
     /// Whether anything is drawn.
     pub fn is_empty(&self) -> bool {
-        self.mesh.is_none() && self.body.is_none()
+        self.meshes.is_empty() && self.body.is_none()
     }
 
     /// All triangles at the time of an engine.
@@ -79,9 +88,9 @@ impl<'a> Shown<'a> {
                 facets.extend(body.worn(cloth, &engine.positions(cloth)?, &engine.normals(cloth)?));
             }
         }
-        if let Some(of) = &mut self.mesh {
-            of.vertices(engine, fraction)?;
-            for (part, paint) in of.mesh.parts.iter().zip(&self.numbers) {
+        for (of, numbers) in &mut self.meshes {
+            of.follow(engine, fraction)?;
+            for (part, paint) in of.mesh.parts.iter().zip(numbers.iter()) {
                 add_part(of, part, (*paint, self.whole), &self.paints, &mut facets);
             }
         }
@@ -122,9 +131,10 @@ fn add_part(
         return;
     }
     let (mesh, vertices) = (&of.mesh, of.moved());
-    let indices = mesh.indices.get(part.indices.clone()).unwrap_or_default();
+    let indices = of.indices().get(part.indices.clone()).unwrap_or_default();
     for t in indices.as_chunks::<3>().0.iter().map(|t| t.map(|v| v as usize)) {
-        if !whole && t.iter().any(|v| !mesh.is_bound(*v)) {
+        let is_cut = t[1] == t[0] && t[2] == t[0];
+        if is_cut || (!whole && t.iter().any(|v| !mesh.is_bound(*v))) {
             continue;
         }
         let three = |p: [f32; 4]| [p[0], p[1], p[2]];

@@ -209,7 +209,9 @@ impl<T: Real> Fabric<T> {
             | Pass::Bounds
             | Pass::Indices { .. }
             | Pass::Tangents { .. }
-            | Pass::Wrap
+            | Pass::Wrap { .. }
+            | Pass::Jump
+            | Pass::WrapIndices
             | Pass::Blend { .. }
             // Of all cloths of a scene together, between their steps.
             | Pass::Shadow

@@ -25,7 +25,7 @@ pub fn scene(file: json::File, find: &mut dyn FnMut(&Source) -> Found) -> Result
     crate::error::check("the duration [s]", file.duration, "0 to 86400", whole).map_err(Error::value("duration"))?;
     scene.frames = (file.duration / options.step).round() as u32;
     let mut script = Script::default();
-    let mut looks = Vec::new();
+    let (mut looks, mut sources) = (Vec::new(), Vec::new());
     for (index, fields) in file.cloths.into_iter().enumerate() {
         let place = format!("cloths[{index}]");
         let (cloth, look) = cloth(&fields, index, &place, find, &mut script)?;
@@ -35,6 +35,7 @@ pub fn scene(file: json::File, find: &mut dyn FnMut(&Source) -> Found) -> Result
         cloth.check().map_err(Error::value(place))?;
         scene.cloths.push(cloth);
         looks.push(look);
+        sources.push(source(&fields.from));
     }
     let mut joints = Vec::new();
     for (index, mut fields) in file.colliders.into_iter().enumerate() {
@@ -58,7 +59,7 @@ pub fn scene(file: json::File, find: &mut dyn FnMut(&Source) -> Found) -> Result
     solid_look.color = color("collider_color", file.collider_color)?.unwrap_or(solid_look.color);
     let background = color("background", file.background)?;
     let character = file.character.map(|json::Character { file, animation }| CharacterFile { file, animation });
-    Ok(SceneFile { scene, script, options, camera, background, looks, solid_look, character, joints })
+    Ok(SceneFile { scene, script, options, camera, background, looks, solid_look, character, sources, joints })
 }
 
 fn options(fields: &json::Solver) -> Result<Options> {
@@ -116,13 +117,8 @@ fn cloth(
     script: &mut Script,
 ) -> Result<(Cloth, Look)> {
     let mut look = Look::of(index);
-    let source = match &fields.from {
-        From::Flat { .. } => None,
-        From::Bundle(path) => Some(Source::Bundle(path.clone())),
-        From::Garment { file, texels } => Some(Source::Garment { file: file.clone(), texels: *texels }),
-    };
     let name = if fields.name.is_empty() { format!("cloth {index}") } else { fields.name.clone() };
-    let mut cloth = match (&fields.from, source) {
+    let mut cloth = match (&fields.from, source(&fields.from)) {
         (From::Flat { width, height, origin, right, down }, _) => {
             let side = |v: &[f32; 3]| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
             let mass = (DENSITY * side(right) * side(down)) as f32;
@@ -199,6 +195,15 @@ fn cloth(
         None => look.uv = None,
     }
     Ok((cloth, look))
+}
+
+/// The source that the host is asked for; nothing for a flat cloth.
+fn source(from: &From) -> Option<Source> {
+    match from {
+        From::Flat { .. } => None,
+        From::Bundle(path) => Some(Source::Bundle(path.clone())),
+        From::Garment { file, texels } => Some(Source::Garment { file: file.clone(), texels: *texels }),
+    }
 }
 
 /// Refuses to put cloth that follows a character elsewhere, whole or by its pins.

@@ -37,27 +37,31 @@ pub struct Dressing {
 pub type Worn = (Option<usize>, usize);
 
 impl Dressing {
-    /// The materials of a GLB file for the pieces of a surface, and a linear colour per position of it, or none. Each piece has one set of
+    /// No material yet, and a linear colour per position of a surface, or none.
+    pub fn new(colors: Vec<[f32; 4]>) -> Self {
+        Dressing { colors, ..Dressing::default() }
+    }
+
+    /// Adds the materials of a GLB file for the next pieces of a surface. Each piece has one set of
     /// texture coordinates: textures that use another set are left out, and so are extensions of materials with textures of their
     /// own. A piece without a material has a grey one of two sides. Errors on a damaged container; a texture whose image is not in the
     /// file is left out.
-    pub fn of_glb(bytes: &[u8], pieces: &[Worn], colors: Vec<[f32; 4]>) -> Result<Self> {
+    pub fn add_glb(&mut self, bytes: &[u8], pieces: &[Worn]) -> Result<()> {
         let path = Path::new("render.glb");
         let chunks = split_glb(path, bytes)?;
         let file: Value =
             serde_json::from_slice(chunks.json).map_err(|e| malformed(path, "JSON", e.to_string(), EXPORT_AGAIN))?;
         let mut source = Source { file: &file, bin: chunks.bin.unwrap_or_default(), textures: BTreeMap::new() };
-        let mut dressing = Dressing { colors, ..Dressing::default() };
         let mut known: BTreeMap<Worn, usize> = BTreeMap::new();
         for worn in pieces {
             let index = *known.entry(*worn).or_insert_with(|| {
-                let material = source.material(*worn, &mut dressing);
-                dressing.materials.push(material);
-                dressing.materials.len() - 1
+                let material = source.material(*worn, self);
+                self.materials.push(material);
+                self.materials.len() - 1
             });
-            dressing.of_piece.push(index);
+            self.of_piece.push(index);
         }
-        Ok(dressing)
+        Ok(())
     }
 
     /// The material of a piece.
