@@ -1,5 +1,5 @@
-// The vertices of a bound mesh that are on the skin, or between the skin and the cloth, after shaders/wrap.wgsl: linear blend skinning, a
-// thread a vertex. `action` has the matrices of the joints, three rows each.
+// The vertices of a bound mesh that are on the skin, or between the skin and the cloth, after shaders/wrap.wgsl, a thread a vertex. `action` has the
+// poses of the joints.
 // For each: where it is at rest, and its share of the cloth; its normal at rest, and its number; its tangent at rest; then the joints of
 // each set and their weights.
 @group(0) @binding(76) var<storage, read> blending: array<vec4<u32>>;
@@ -29,9 +29,7 @@ fn main(
   let second = blending[size * n + 1u];
   let own_normal = bitcast<vec3<f32>>(second.xyz);
   let own_tangent = bitcast<vec3<f32>>(blending[size * n + 2u].xyz);
-  var x = vec4<f32>(0.0);
-  var y = vec4<f32>(0.0);
-  var z = vec4<f32>(0.0);
+  var pose = no_pose();
   var follows = false;
   for (var s = 0u; s < sets; s++) {
     let joints = blending[size * n + 3u + 2u * s];
@@ -39,22 +37,16 @@ fn main(
     for (var c = 0u; c < 4u; c++) {
       if (weights[c] > 0.0) {
         follows = true;
-        let row = 3u * joints[c];
-        x += action[row] * weights[c];
-        y += action[row + 1u] * weights[c];
-        z += action[row + 2u] * weights[c];
+        pose = with_joint(pose, POSE_ROWS * joints[c], weights[c]);
       }
     }
   }
   if (!follows) {
-    x = vec4<f32>(1.0, 0.0, 0.0, 0.0);
-    y = vec4<f32>(0.0, 1.0, 0.0, 0.0);
-    z = vec4<f32>(0.0, 0.0, 1.0, 0.0);
+    pose = still_pose();
   }
-  let p = vec4<f32>(head.xyz, 1.0);
-  var at = vec3<f32>(dot(x, p), dot(y, p), dot(z, p));
-  var normal = direction(vec3<f32>(dot(x.xyz, own_normal), dot(y.xyz, own_normal), dot(z.xyz, own_normal)));
-  var tangent = direction(vec3<f32>(dot(x.xyz, own_tangent), dot(y.xyz, own_tangent), dot(z.xyz, own_tangent)));
+  var at = placed(pose, head.xyz);
+  var normal = direction(posed_direction(pose, own_normal));
+  var tangent = direction(posed_direction(pose, own_tangent));
   let first = 3u * second.w;
   let sign = wrapped[first + 2u].w;
   if (head.w > 0.0) {

@@ -1,6 +1,6 @@
-// Where the joints of a cloth put each of its particles: linear blend skinning, a thread a particle. `skinned` has where each is to be
+// Where the joints of a cloth put each of its particles, a thread a particle. `skinned` has where each is to be
 // at the end of the frame, its limit as w, then for each how fast it gets there in m/s, its w being 1 for a particle that follows.
-// `action` has the matrices of the joints, three rows each: those of the end of the frame, then those of its beginning.
+// `action` has the poses of the joints: those of the end of the frame, then those of its beginning.
 @group(0) @binding(56) var<storage, read> influences: array<vec4<u32>>;
 @group(0) @binding(57) var<storage, read_write> skinned: array<vec4<f32>>;
 
@@ -10,21 +10,15 @@ override sets: u32 = 1u;
 // `influences` has for each particle its position at rest, then the joints of each set and their weights.
 fn skin_at(n: u32, first: u32) -> vec3<f32> {
   let at = n * (1u + 2u * sets);
-  let p = vec4<f32>(bitcast<vec3<f32>>(influences[at].xyz), 1.0);
-  var x = vec4<f32>(0.0);
-  var y = vec4<f32>(0.0);
-  var z = vec4<f32>(0.0);
+  var pose = no_pose();
   for (var s = 0u; s < sets; s++) {
     let joints = influences[at + 1u + 2u * s];
     let weights = bitcast<vec4<f32>>(influences[at + 2u + 2u * s]);
     for (var c = 0u; c < 4u; c++) {
-      let row = first + 3u * joints[c];
-      x += action[row] * weights[c];
-      y += action[row + 1u] * weights[c];
-      z += action[row + 2u] * weights[c];
+      pose = with_joint(pose, first + POSE_ROWS * joints[c], weights[c]);
     }
   }
-  return vec3<f32>(dot(x, p), dot(y, p), dot(z, p));
+  return placed(pose, bitcast<vec3<f32>>(influences[at].xyz));
 }
 
 @compute @workgroup_size(64)

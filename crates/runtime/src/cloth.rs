@@ -11,6 +11,7 @@ mod groups;
 mod loops;
 mod loose;
 mod pin;
+mod poses;
 mod select;
 mod share;
 pub(crate) mod shear;
@@ -29,10 +30,12 @@ pub use flat::Flat;
 pub(crate) use gimage_bundle::other_end;
 pub use gimage_bundle::{Anchor, MAX_STITCHES_AT_POINT, Particle, Stitch, Tethers};
 pub(crate) use groups::{Bridges, groups, mates, ring};
+pub use poses::{JointPoses, Skinning};
+pub(crate) use poses::{Poses, quaternion};
 pub use select::Select;
 pub(crate) use sheet::{Bending, Membrane, Woven};
+pub(crate) use skin::Rows;
 pub use skin::{Influence, Skin, SkinJoint};
-pub(crate) use skin::{Rows, skinned};
 pub(crate) use stitch::{ENDS, NO_STITCH, Sewing, Thread};
 pub use surface::BodySurface;
 
@@ -160,6 +163,9 @@ pub struct Cloth {
     pub collision_groups: u32,
     /// Contact with itself and with other cloths that have contact, for [`crate::Solver::Xpbd`]. Default none, at no cost.
     pub contact: Option<ClothContact>,
+    /// How its particles, the surface of a body that it is worn on, and vertices of a bound mesh that blend to the skin move between joints. Default linear.
+    /// To be set before [`Cloth::follow_joints`].
+    pub skinning: Skinning,
     /// Shares of the motion of its frame of reference that it feels ([`crate::Stepper::set_moving_frame`]). Default all.
     pub inertia: Inertia,
     /// Compliance of the springs. Default none. Cloth of a material has a membrane instead of springs.
@@ -214,6 +220,7 @@ impl Cloth {
             friction: 1.0,
             collision_groups: u32::MAX,
             contact: None,
+            skinning: Skinning::Linear,
             inertia: Inertia::default(),
             compliance: Compliance::None,
             limits: None,

@@ -135,6 +135,7 @@ impl Cloth {
         self.collision_groups = other.collision_groups;
         self.contact = other.contact;
         self.inertia = other.inertia;
+        self.skinning = other.skinning;
     }
 
     /// The kinds of coarse particles, with seam links; pins are the fine ones of the samples. `None` where only some duplicates of a point

@@ -180,8 +180,10 @@ impl Gpu {
         gpu.meet(world);
         if !draw_only {
             ahead::frames(world).iter().for_each(|form| _ = gpu.pipelines.get(form));
-            let skins = world.scene.cloths.iter().filter(|c| c.follows_joints()).filter_map(Cloth::skin);
-            skins.for_each(|skin| _ = gpu.pipelines.get(&Pass::Skin { sets: skin.sets as u32 }.into()));
+            for cloth in world.scene.cloths.iter().filter(|c| c.follows_joints()) {
+                let pass = cloth.skin().map(|s| Pass::Skin { sets: s.sets as u32, skinning: cloth.skinning });
+                pass.iter().for_each(|pass| _ = gpu.pipelines.get(&(*pass).into()));
+            }
         }
         Ok(gpu)
     }

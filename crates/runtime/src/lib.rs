@@ -84,8 +84,8 @@ pub use bounds::Bounds;
 pub use choose::{Choice, Support};
 pub use clock::Progress;
 pub use cloth::{
-    Anchor, Backstop, BodySurface, Cloth, ClothContact, Compliance, ContactTier, Flat, Grid, Influence,
-    MAX_STITCHES_AT_POINT, Mass, Particle, Parts, Rest, Select, Skin, SkinJoint, Stitch, Tethers,
+    Anchor, Backstop, BodySurface, Cloth, ClothContact, Compliance, ContactTier, Flat, Grid, Influence, JointPoses,
+    MAX_STITCHES_AT_POINT, Mass, Particle, Parts, Rest, Select, Skin, SkinJoint, Skinning, Stitch, Tethers,
 };
 pub use coarser::Coarser;
 pub use collider::{BODY_GROUP, BodyCollider, Collider, Shape};

@@ -1,7 +1,7 @@
 //! The step of a cloth as data: which passes there are, which run, in what order, and why. All forms of a frame are made from it.
 
 use crate::choose::Settings;
-use crate::cloth::{Cloth, Compliance, Grid, Rest};
+use crate::cloth::{Cloth, Compliance, Grid, Rest, Skinning};
 use crate::collider::{Collider, Shape};
 use crate::options::{Options, Solver};
 use crate::wind::{Wind, WindForce};
@@ -208,6 +208,8 @@ pub enum Pass {
     Skin {
         /// Sets of four joints per particle.
         sets: u32,
+        /// How particles move between joints.
+        skinning: Skinning,
     },
     /// A coarser image of the cloth goes on from the motion of the finer one.
     Restrict,
@@ -245,6 +247,8 @@ pub enum Pass {
     Blend {
         /// Sets of four joints per vertex.
         sets: u32,
+        /// How vertices move between joints.
+        skinning: Skinning,
     },
 }
 

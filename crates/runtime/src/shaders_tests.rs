@@ -7,6 +7,7 @@ use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 
 use super::rule::rule;
 use super::*;
+use crate::cloth::Skinning;
 use crate::form::{Chain, Fused, Hold, Tile};
 use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
 use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
@@ -57,7 +58,9 @@ fn passes() -> Vec<Pass> {
     }
     all.extend([Pass::Guard, Pass::Restore, Pass::SeamMoments, Pass::Bend, Pass::Bounds]);
     all.extend([Pass::Wrap { jumps: false }, Pass::Wrap { jumps: true }, Pass::Jump, Pass::WrapIndices]);
-    all.extend([Pass::Blend { sets: 1 }, Pass::Blend { sets: 2 }]);
+    for (sets, skinning) in [1, 2].into_iter().flat_map(|s| [(s, Skinning::Linear), (s, Skinning::DualQuaternion)]) {
+        all.extend([Pass::Blend { sets, skinning }, Pass::Skin { sets, skinning }]);
+    }
     all.extend([false, true].map(|holes| Pass::Moments { holes }));
     all.extend([Pass::Stitch { holes: false }, Pass::Stitch { holes: true }, Pass::Sew]);
     all.extend([false, true].map(|holes| Pass::Membrane { column: 1, row: 0, holes }));
@@ -67,7 +70,7 @@ fn passes() -> Vec<Pass> {
         all.extend([Pass::CoarseLevel { level: 1, directions, cut }, Pass::CoarseTies { level: 1, cut }]);
         all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
     }
-    all.extend([Pass::Follow, Pass::Skin { sets: 1 }, Pass::Skin { sets: 2 }]);
+    all.push(Pass::Follow);
     all.extend([false, true].map(|moves| Pass::Limit { moves }));
     all.extend([false, true].map(|moves| Pass::Backstop { moves }));
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
@@ -369,7 +372,8 @@ fn structs_lie_as_in_rust() {
                 Some("Link") => &link,
                 // Lives in registers only.
                 Some(
-                    "Ends" | "Pull" | "Exit" | "Entry" | "Taper" | "Quad" | "Edge" | "Below" | "Window" | "Seeker",
+                    "Ends" | "Pull" | "Exit" | "Entry" | "Taper" | "Quad" | "Edge" | "Below" | "Window" | "Seeker"
+                    | "Pose" | "VertexFrame",
                 ) => {
                     continue;
                 }

@@ -9,6 +9,7 @@ use support::source_mesh;
 
 const STILL: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 const COUNT: usize = 300;
+const LINEAR: Skinning = Skinning::Linear;
 
 fn share(k: usize, by: f32) -> f32 {
     (k as f32 * by).fract()
@@ -82,8 +83,13 @@ fn flag(sets: usize, blend: bool) -> Bundle {
 }
 
 fn scene(bundle: &Bundle, follows: bool) -> Scene {
+    scene_by(bundle, follows, LINEAR)
+}
+
+fn scene_by(bundle: &Bundle, follows: bool, skinning: Skinning) -> Scene {
     let mut scene = Scene::new("blend");
     let mut cloth = Cloth::from_bundle("cloth", bundle).unwrap();
+    cloth.skinning = skinning;
     if follows {
         cloth.follow_joints(&[STILL; 2]).unwrap();
     }
@@ -160,7 +166,7 @@ fn the_border_is_on_the_skin_and_the_rest_on_the_cloth() {
         stepper.blend(0, &mesh, 1.0, &mut cloth).unwrap();
         assert_eq!(cloth, out);
         mesh.deform(stepper.positions(0).unwrap(), stepper.normals(0).unwrap(), &mut cloth).unwrap();
-        mesh.blend(&matrices(20), &mut cloth).unwrap();
+        mesh.blend(&matrices(20), LINEAR, &mut cloth).unwrap();
         assert_eq!(cloth, out);
     }
 }
@@ -207,14 +213,16 @@ fn a_mesh_without_the_map_has_no_rows_and_bad_calls_are_refused() {
     let bundle = flag(1, false);
     let plain = RenderMesh::from_bundle(&bundle).unwrap().unwrap();
     assert_eq!(plain.blended(), 0);
-    plain.blend(&[], &mut []).unwrap();
+    plain.blend(&[], LINEAR, &mut []).unwrap();
     let bundle = flag(1, true);
     let mesh = RenderMesh::from_bundle(&bundle).unwrap().unwrap();
     let mut vertices = vec![RenderVertex::default(); COUNT];
     let error = |result: Result<()>| result.unwrap_err().to_string();
-    assert!(error(mesh.blend(&[STILL], &mut vertices)).contains("1 joint matrices for 2"));
-    assert!(error(mesh.blend(&[STILL, [f32::NAN; 16]], &mut vertices)).contains("not finite"));
-    assert!(error(mesh.blend(&[STILL; 2], &mut vertices[1..])).contains("299 vertices for a render mesh of 300"));
+    assert!(error(mesh.blend(&[STILL], LINEAR, &mut vertices)).contains("1 joint matrices for 2"));
+    assert!(error(mesh.blend(&[STILL, [f32::NAN; 16]], LINEAR, &mut vertices)).contains("not finite"));
+    assert!(
+        error(mesh.blend(&[STILL; 2], LINEAR, &mut vertices[1..])).contains("299 vertices for a render mesh of 300")
+    );
     // A share above 1.
     let mut wrong = bundle.clone();
     wrong.images.get_mut(&(0, MapKind::Blend)).unwrap().data[40] = 1.5;
@@ -235,15 +243,18 @@ mod on_the_gpu {
     #[test]
     fn the_device_makes_what_the_twin_makes() {
         let Some((device, queue)) = adapter::device() else { return };
-        for (sets, follows) in [(1, true), (2, true), (0, true), (1, false)] {
+        const DUAL: Skinning = Skinning::DualQuaternion;
+        let cases = [(1, true), (2, true), (0, true), (1, false)];
+        let cases = cases.into_iter().flat_map(|(sets, follows)| [(sets, follows, LINEAR), (sets, follows, DUAL)]);
+        for (sets, follows, skinning) in cases {
             let bundle = flag(sets, true);
             let mesh = RenderMesh::from_bundle(&bundle).unwrap().unwrap();
             for backend in [Backend::Gpu, Backend::Cpu] {
                 let options = Options { backend, ..options() };
-                let mut stepper =
-                    Stepper::new(scene(&bundle, follows), options.clone(), Some((&device, &queue))).unwrap();
+                let scene = scene_by(&bundle, follows, skinning);
+                let mut stepper = Stepper::new(scene.clone(), options.clone(), Some((&device, &queue))).unwrap();
                 let twin = Options { backend: Backend::Cpu, ..options };
-                let mut twin = Stepper::on_cpu(scene(&bundle, follows), twin).unwrap();
+                let mut twin = Stepper::on_cpu(scene, twin).unwrap();
                 for (frame, fraction) in [1.0, 0.25, 1.0, 0.0].into_iter().enumerate() {
                     let mut encoder = device.create_command_encoder(&Default::default());
                     for stepper in [&mut stepper, &mut twin].into_iter().filter(|_| follows) {

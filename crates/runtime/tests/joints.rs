@@ -117,6 +117,42 @@ fn pins_stay_on_the_skin_and_seams_closed() {
 }
 
 #[test]
+fn a_sleeve_that_twists_by_half_a_turn_keeps_its_volume_by_dual_quaternions() {
+    // The lower end is turned about y, and half as wide again.
+    let lower = |angle: f64| -> Matrix {
+        let (s, c) = angle.sin_cos();
+        [[1.5 * c, 0.0, 1.5 * s, 0.0], [0.0, 1.5, 0.0, 0.275], [-1.5 * s, 0.0, 1.5 * c, 0.0]]
+    };
+    let still: Matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    let share = |k: usize| (k / 17) as f32 / 11.0;
+    for skinning in [Skinning::DualQuaternion, Skinning::Linear] {
+        let mut cloth = tube(17, 12, 1);
+        cloth.skinning = skinning;
+        cloth.pin(&(0..204).collect::<Vec<_>>()).unwrap();
+        let list: Vec<_> = (0..204)
+            .map(|k| Influence { joints: [0, 1, 0, 0], weights: [1.0 - share(k), share(k), 0.0, 0.0] })
+            .collect();
+        cloth.set_skin(vec![SkinJoint::default(), SkinJoint::default()], &list).unwrap();
+        cloth.follow_joints(&columns(&[still, lower(0.0)])).unwrap();
+        for mut rig in Rig::both(&scene(cloth.clone()), &Options::default()) {
+            for n in 1..=30 {
+                let angle = std::f64::consts::PI * f64::from(n) / 30.0;
+                rig.stepper.set_joints(0, &columns(&[still, lower(angle)])).unwrap();
+                rig.frame(FRAME);
+            }
+            let radius = |p: &[f32; 4]| p[0].hypot(p[2]);
+            let far = |(k, p): (usize, &[f32; 4])| (radius(p) - 0.2 * (1.0 + 0.5 * share(k))).abs();
+            let off = rig.positions(0).iter().enumerate().map(far).fold(0.0, f32::max);
+            match skinning {
+                Skinning::DualQuaternion => assert!(off < 1e-5, "{}: {off} m", rig.name()),
+                // Where the turned part of the mean cancels out the other one.
+                Skinning::Linear => assert!(off > 0.15, "{}: {off} m", rig.name()),
+            }
+        }
+    }
+}
+
+#[test]
 fn pins_move_smoothly_within_a_frame_and_rest_after_it() {
     for mut rig in Rig::both(&scene(sleeve()), &Options { substeps: Some(8), ..Options::default() }) {
         frame(&mut rig, 1);

@@ -4,7 +4,7 @@ mod local;
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use gimage::import::{Character, ImportOptions, Up};
 use gimage::select::{Pattern, SelectOptions};
 use gimage_bundle::{Manifest, RENDER_FILE};
@@ -36,6 +36,17 @@ pub struct MotionArgs {
     /// Shares of the motion of --local that cloth feels, from 0 to 1: one, or linear,angular,centrifugal [default: 1].
     #[arg(long, value_name = "SHARES", requires = "local")]
     pub inertia: Option<String>,
+    /// How points that follow several joints move: the mean of the places where these put them (linear), or the mean of the motions, which keeps the
+    /// volume of limbs that twist (dual-quaternion) [default: that of the scene, or linear].
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub skinning: Option<SkinningArg>,
+}
+
+/// How points between joints move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SkinningArg {
+    Linear,
+    DualQuaternion,
 }
 
 /// Longest time before an animation \[s\], and how long that of a bundle is by default.

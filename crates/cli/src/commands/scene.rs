@@ -12,10 +12,12 @@ use gimage_bundle::dir::read_dir;
 use gimage_runtime::draw::{Look, SolidLook};
 use gimage_runtime::scene::file::{Found, MAX_BYTES, SceneFile, Source};
 use gimage_runtime::scene::{BUILTIN, Script, builtin};
-use gimage_runtime::{Backend, BodyCollider, Cloth, ClothContact, ContactTier, Options, Quality, Scene, Solver};
+use gimage_runtime::{
+    Backend, BodyCollider, Cloth, ClothContact, ContactTier, Options, Quality, Scene, Skinning, Solver,
+};
 
 use crate::args::{BackendArg, ContactArg, SceneArgs, SolverArg};
-use crate::commands::character::{self, Animated, Reading};
+use crate::commands::character::{self, Animated, Reading, SkinningArg};
 use crate::exit::Failure;
 
 /// A scene, and what moves its joints, if anything does.
@@ -58,6 +60,13 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
                 Some(ClothContact { tier: ContactTier::Safe, ..cloth.contact.unwrap_or_default() })
             }
         };
+    }
+    if let Some(skinning) = args.motion.skinning {
+        let skinning = match skinning {
+            SkinningArg::Linear => Skinning::Linear,
+            SkinningArg::DualQuaternion => Skinning::DualQuaternion,
+        };
+        file.scene.cloths.iter_mut().for_each(|cloth| cloth.skinning = skinning);
     }
     file.options.substeps = args.substeps.or(file.options.substeps);
     // Steps that are asked for by number are not chosen by the scene.

@@ -61,7 +61,7 @@ impl Cloth {
     /// and without a surface. Some microseconds per particle.
     pub(crate) fn depth_in_body(&self, now: &[[f32; 4]], matrices: &[Rows]) -> f64 {
         let Some((surface, _)) = self.worn_on() else { return 0.0 };
-        let posed = Posed::by_joints(surface, matrices);
+        let posed = Posed::by_joints(surface, self.skinning, matrices);
         let free = now.iter().filter(|p| p[3] > 0.0 && p.iter().all(|x| x.is_finite()));
         free.map(|p| -posed.height(cast([p[0], p[1], p[2]]))).fold(0.0, f64::max)
     }

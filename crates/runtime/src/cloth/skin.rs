@@ -5,9 +5,10 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use gimage_bundle::{Bundle, MapKind};
 
+use super::poses::Poses;
 use super::{Cloth, Grid};
 use crate::error::{Error, Result};
-use crate::number::real::{Real, V3};
+use crate::number::real::{Real, V3, cast};
 
 /// A joint matrix as three rows: `p` goes to `row . (p, 1)`.
 pub(crate) type Rows = [[f32; 4]; 3];
@@ -79,14 +80,14 @@ impl Skin {
         Ok(matrices.iter().map(|m| [0, 1, 2].map(|r| [m[r], m[4 + r], m[8 + r], m[12 + r]])).collect())
     }
 
-    /// Where a particle is by these matrices \[m\].
-    pub(crate) fn at(&self, matrices: &[Rows], k: usize) -> [f32; 3] {
-        self.point_at(matrices, k, self.rest[k])
+    /// Where a particle is by these poses \[m\].
+    pub(crate) fn at<T: Real>(&self, poses: &Poses<T>, k: usize) -> V3<T> {
+        self.point_at(poses, k, self.rest[k])
     }
 
-    /// Where a point that moves as a particle is by these matrices \[m\], from where it is at rest.
-    pub(crate) fn point_at(&self, matrices: &[Rows], k: usize, rest: [f32; 3]) -> [f32; 3] {
-        skinned(matrices, &self.influences[k * self.sets..(k + 1) * self.sets], rest)
+    /// Where a point that moves as a particle is by these poses \[m\], from where it is at rest.
+    pub(crate) fn point_at<T: Real>(&self, poses: &Poses<T>, k: usize, rest: [f32; 3]) -> V3<T> {
+        poses.place(&self.influences[k * self.sets..(k + 1) * self.sets], cast(rest))
     }
 
     /// The skin of other particles, each with what `samples` names of this one.
@@ -162,7 +163,8 @@ impl Cloth {
     pub fn follow_joints(&mut self, matrices: &[[f32; 16]]) -> Result<()> {
         let skin = self.skin.clone().ok_or_else(|| Error::NoSkin { cloth: self.name().into() })?;
         let rows = skin.rows(matrices)?;
-        let at = |k: usize| if self.particles()[k].exists() { skin.at(&rows, k) } else { self.positions()[k] };
+        let poses = Poses::new(self.skinning, &rows);
+        let at = |k: usize| if self.particles()[k].exists() { skin.at(&poses, k) } else { self.positions()[k] };
         self.place((0..self.len()).map(at).collect())?;
         self.joints = Some(rows);
         Ok(())
@@ -210,19 +212,6 @@ impl Cloth {
         };
         self.set_skin(skeleton.joints.iter().map(joint).collect(), &influences)
     }
-}
-
-/// Where a point at rest is \[m\] by the matrices of its joints: linear blend skinning. The same operations as in shaders/skin.wgsl.
-#[inline]
-pub(crate) fn skinned<T: Real>(matrices: &[[[T; 4]; 3]], own: &[Influence], p: V3<T>) -> V3<T> {
-    let mut blend = [[T::of(0.0); 4]; 3];
-    for (joint, weight) in own.iter().flat_map(|i| i.joints.iter().zip(&i.weights)).filter(|(_, w)| **w > 0.0) {
-        let (matrix, weight) = (&matrices[*joint as usize], T::of(f64::from(*weight)));
-        for (row, other) in blend.iter_mut().zip(matrix) {
-            row.iter_mut().zip(other).for_each(|(sum, x)| *sum = *sum + *x * weight);
-        }
-    }
-    blend.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3])
 }
 
 /// The influences of all particles, as many sets as the piece with the most has; `None` if a piece has none.

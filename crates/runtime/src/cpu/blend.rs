@@ -1,31 +1,24 @@
 //! Twin of shaders/blend.wgsl: vertices of a bound mesh between the skin and the cloth.
 
-use crate::cloth::{Influence, Rows};
+use crate::cloth::{Influence, Poses};
 use crate::layout::{BlendRow, RenderVertex};
 
-/// Moves the vertices of some rows, which are on the cloth; each row has as many `influences`. Every joint must have a matrix, and every row
+/// Moves the vertices of some rows, which are on the cloth; each row has as many `influences`. Every joint must have a pose, and every row
 /// a vertex.
-pub fn run(rows: &[BlendRow], influences: &[Influence], matrices: &[Rows], vertices: &mut [RenderVertex]) {
+pub fn run(rows: &[BlendRow], influences: &[Influence], poses: &Poses<f32>, vertices: &mut [RenderVertex]) {
     let sets = influences.len() / rows.len().max(1);
     for (row, own) in rows.iter().zip(influences.chunks(sets.max(1))) {
         let vertex = &mut vertices[row.vertex as usize];
-        *vertex = moved(row, own, matrices, vertex);
+        *vertex = moved(row, own, poses, vertex);
     }
 }
 
 /// One of them.
-fn moved(row: &BlendRow, own: &[Influence], matrices: &[Rows], cloth: &RenderVertex) -> RenderVertex {
-    let mut blend = [[0.0f32; 4]; 3];
-    let mut follows = false;
-    for (joint, weight) in own.iter().flat_map(|i| i.joints.iter().zip(i.weights)).filter(|(_, w)| *w > 0.0) {
-        follows = true;
-        for (sum, from) in blend.iter_mut().zip(&matrices[*joint as usize]) {
-            sum.iter_mut().zip(from).for_each(|(sum, x)| *sum += x * weight);
-        }
-    }
-    let turn = |v: [f32; 3]| if follows { blend.map(|r| r[0] * v[0] + r[1] * v[1] + r[2] * v[2]) } else { v };
-    let at = turn(row.rest);
-    let at = if follows { [0, 1, 2].map(|k| at[k] + blend[k][3]) } else { at };
+fn moved(row: &BlendRow, own: &[Influence], poses: &Poses<f32>, cloth: &RenderVertex) -> RenderVertex {
+    let each = || own.iter().flat_map(|i| i.joints.into_iter().zip(i.weights)).filter(|(_, w)| *w > 0.0);
+    let blend = each().next().map(|_| poses.blend(each()));
+    let at = blend.as_ref().map_or(row.rest, |blend| blend.place(row.rest));
+    let turn = |v: [f32; 3]| blend.as_ref().map_or(v, |blend| blend.turn(v));
     let [tx, ty, tz, _] = row.tangent;
     let ([px, py, pz, _], [nx, ny, nz, _]) = (cloth.position, cloth.normal);
     let [cx, cy, cz, sign] = cloth.tangent;

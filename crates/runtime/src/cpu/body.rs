@@ -16,7 +16,7 @@ use super::{
     colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, skin, speed, springs, strain, wind,
 };
 use crate::choose::Settings;
-use crate::cloth::{Cloth, Compliance, Grid, Rest, Rows, Tethers};
+use crate::cloth::{Cloth, Compliance, Grid, Poses, Rest, Rows, Tethers};
 use crate::collider::solid::Solid;
 use crate::memory::Tally;
 use crate::number::real::{Real, cast};
@@ -173,10 +173,11 @@ impl<T: Real> Body<T> {
     /// to where this one does, 0 if they are there at once.
     pub fn lead(&mut self, cloth: &Cloth, joined: &[u32], matrices: &[Rows], rate: T) {
         let (Some(fabric), Some(skin)) = (&mut self.fabric, cloth.skin()) else { return };
-        let at = |particles: &[u32]| skin::run(skin, particles.iter().copied(), matrices);
-        let behind = |points: &[(u32, [f32; 3])]| skin::points(skin, points, matrices);
+        let poses = Poses::new(cloth.skinning, matrices);
+        let at = |particles: &[u32]| skin::run(skin, particles.iter().copied(), &poses);
+        let behind = |points: &[(u32, [f32; 3])]| skin::points(skin, points, &poses);
         fabric.lead(&at(joined), at, behind, rate);
-        fabric.lead_surface(matrices, rate);
+        fabric.lead_surface(&poses, rate);
     }
 
     /// The shadow of cloth that has contact, for other cloths in a frame of `length` \[s\]; `rate` \[1/s\] is one over the length of the last

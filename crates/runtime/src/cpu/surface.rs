@@ -14,7 +14,7 @@ use std::sync::Arc;
 use super::rows::Threads;
 use super::sheet::Sheet;
 use crate::cloth::surface::{BodySurface, NONE, On, Spot};
-use crate::cloth::{Cloth, Rows};
+use crate::cloth::{Cloth, Poses};
 use crate::collider::FRICTION;
 use crate::memory::Tally;
 use crate::number::lanes::{LANES, Machine, Work, widest};
@@ -156,8 +156,8 @@ impl<T: Real> Worn<T> {
     }
 
     /// As [`Skinned::lead`].
-    pub fn lead(&mut self, matrices: &[Rows], rate: T) {
-        self.skinned.lead(matrices, rate);
+    pub fn lead(&mut self, poses: &Poses<T>, rate: T) {
+        self.skinned.lead(poses, rate);
     }
 
     /// A frame begins.

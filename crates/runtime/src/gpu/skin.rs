@@ -5,14 +5,14 @@ use wgpu::BufferUsages;
 
 use super::upload::upload;
 use super::{Gpu, begin};
-use crate::cloth::{Cloth, Rows, Skin};
+use crate::cloth::{Cloth, Poses, Rows, Skin};
 use crate::passes::Pass;
 use crate::shaders::{Slot, list};
 use crate::world::World;
 
-/// Bytes of the upload for a number of joints.
+/// Bytes of the upload for a number of joints, at most.
 pub(super) fn bytes(joints: usize) -> usize {
-    2 * joints * size_of::<Rows>() + 16
+    2 * joints * size_of::<[[f32; 4]; 4]>() + 16
 }
 
 /// The influences of all particles as shaders/skin.wgsl reads them, for points that are somewhere at rest.
@@ -40,11 +40,11 @@ impl Gpu {
         let of = &world.scene.cloths[cloth];
         let Some(skin) = of.skin() else { return };
         self.make_skin(world, cloth, skin);
-        let mut numbers: Vec<f32> = cast_slice(to).to_vec();
-        numbers.extend_from_slice(cast_slice(from.unwrap_or(to)));
-        numbers.extend([rate, 0.0, 0.0, 0.0]);
+        let mut numbers = Poses::new(of.skinning, to).list();
+        numbers.extend(from.map_or_else(|| numbers.clone(), |from| Poses::new(of.skinning, from).list()));
+        numbers.push([rate, 0.0, 0.0, 0.0]);
         let numbers = self.list("joints", cast_slice(&numbers));
-        let what = Pass::Skin { sets: skin.sets as u32 };
+        let what = Pass::Skin { sets: skin.sets as u32, skinning: of.skinning };
         let mut pass = begin(encoder, "joints");
         self.once(world, &mut pass, cloth, what, &[(Slot::Action, &numbers)], list(of.len()));
         if of.backstops.is_some() {

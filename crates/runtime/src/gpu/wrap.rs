@@ -8,7 +8,7 @@ use wgpu::BufferUsages;
 use super::span::Span;
 use super::upload::{DRAWN, empty, filled, upload};
 use super::{Gpu, begin};
-use crate::cloth::Rows;
+use crate::cloth::{Poses, Rows};
 use crate::error::{Error, Result};
 use crate::layout::JumpRow;
 use crate::passes::Pass;
@@ -155,13 +155,15 @@ impl Gpu {
         let made = || upload(&device, "blended vertices", &blended.list(), BufferUsages::empty()).into();
         let blending = wrapping.blending.get_or_insert_with(made).clone();
         // As for fractions.
+        let skinning = world.scene.cloths[cloth].skinning;
         if wrapping.matrices.as_ref().is_none_or(|known| known.0 != matrices) {
-            let numbers = filled(&device, "joints", cast_slice(matrices), BufferUsages::STORAGE);
+            let list = Poses::new(skinning, matrices).list();
+            let numbers = filled(&device, "joints", cast_slice(&list), BufferUsages::STORAGE);
             wrapping.matrices = Some((matrices.to_vec(), numbers.into()));
         }
         let Some((_, numbers)) = wrapping.matrices.clone() else { return };
         let more = [(Slot::Action, &numbers), (Slot::Blending, &blending), (Slot::Wrapped, &vertices)];
-        let pass = Pass::Blend { sets: blended.sets as u32 };
+        let pass = Pass::Blend { sets: blended.sets as u32, skinning };
         self.once(world, &mut begin(encoder, "blend"), cloth, pass, &more, list(blended.rows.len()));
     }
 

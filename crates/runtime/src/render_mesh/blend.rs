@@ -1,7 +1,7 @@
 //! Vertices that are drawn on the skin, or between the skin and the cloth.
 
 use super::RenderMesh;
-use crate::cloth::{Influence, Rows};
+use crate::cloth::{Influence, Poses, Rows, Skinning};
 use crate::cpu::blend;
 use crate::error::{Error, Result};
 use crate::layout::{BlendRow, RenderVertex};
@@ -51,26 +51,26 @@ impl RenderMesh {
     }
 
     /// Moves the vertices that [`RenderMesh::deform`] made on the cloth to the skin, as far as the map `blend` of the bundle says.
-    /// `matrices` are those of the joints, as [`crate::Stepper::set_joints`] takes them. Nothing happens without the map.
+    /// `matrices` are those of the joints, as [`crate::Stepper::set_joints`] takes them, `skinning` is that of the cloth. Nothing happens without the map.
     ///
     /// 60 ns per blended vertex. Errors on another number of vertices, on fewer matrices than the bundle has joints, and on a number that is not
     /// finite.
-    pub fn blend(&self, matrices: &[[f32; 16]], vertices: &mut [RenderVertex]) -> Result<()> {
+    pub fn blend(&self, matrices: &[[f32; 16]], skinning: Skinning, vertices: &mut [RenderVertex]) -> Result<()> {
         let Some(blended) = &self.blended else { return Ok(()) };
         if let Some(index) = matrices.iter().position(|m| m.iter().any(|x| !x.is_finite())) {
             return Err(Error::JointNotFinite { joint: "of the bundle".into(), index });
         }
         let rows = matrices.iter().map(|m| [0, 1, 2].map(|r| [m[r], m[4 + r], m[8 + r], m[12 + r]])).collect();
-        self.to_skin(&blended.matrices(Some(rows))?, vertices)
+        self.to_skin(&blended.matrices(Some(rows))?, skinning, vertices)
     }
 
     /// As [`RenderMesh::blend`], by rows.
-    pub(crate) fn to_skin(&self, matrices: &[Rows], vertices: &mut [RenderVertex]) -> Result<()> {
+    pub(crate) fn to_skin(&self, matrices: &[Rows], skinning: Skinning, vertices: &mut [RenderVertex]) -> Result<()> {
         let Some(blended) = &self.blended else { return Ok(()) };
         if vertices.len() != self.len() {
             return Err(Error::RenderVertices { expected: self.len(), found: vertices.len() });
         }
-        blend::run(&blended.rows, &blended.influences, matrices, vertices);
+        blend::run(&blended.rows, &blended.influences, &Poses::new(skinning, matrices), vertices);
         Ok(())
     }
 }

@@ -4,6 +4,7 @@
 use super::Slot;
 use super::parts::{Parts, reads, writes};
 use super::rule::{Over, Rule, Whole, open, parted};
+use crate::cloth::Skinning;
 use Slot::{Action, Candidates, Grids, Holes, Now, Rest};
 
 macro_rules! own {
@@ -93,8 +94,8 @@ pub(super) fn place(over: Over) -> Rule {
     own!("place", over, chosen())
 }
 
-pub(super) fn skin(over: Over, sets: u32) -> Rule {
-    let parts = Parts::new(&[part!("action")], &[Action, Slot::Influences], &[Slot::Skinned]);
+pub(super) fn skin(over: Over, sets: u32, skinning: Skinning) -> Rule {
+    let parts = Parts::new(&[part!("action"), pose(skinning)], &[Action, Slot::Influences], &[Slot::Skinned]);
     own!("skin", over, parts.constant("sets", sets))
 }
 
@@ -163,9 +164,17 @@ pub(super) fn wrap_indices(over: Over) -> Rule {
     own!("wrap_indices", over, open(true, parts))
 }
 
-pub(super) fn blend(over: Over, sets: u32) -> Rule {
-    let parts = Parts::new(&[part!("action")], &[Action, Slot::Blending], &[Slot::Wrapped]);
+pub(super) fn blend(over: Over, sets: u32, skinning: Skinning) -> Rule {
+    let parts = Parts::new(&[part!("action"), pose(skinning)], &[Action, Slot::Blending], &[Slot::Wrapped]);
     own!("blend", over, parts.constant("sets", sets))
+}
+
+/// How several joints move a point.
+fn pose(skinning: Skinning) -> &'static str {
+    match skinning {
+        Skinning::Linear => part!("pose_linear"),
+        Skinning::DualQuaternion => part!("pose_dual"),
+    }
 }
 
 pub(super) fn leaves(over: Over) -> Rule {

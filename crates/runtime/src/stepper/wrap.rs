@@ -40,7 +40,7 @@ impl Stepper {
         let sheet = Sheet { now: body.now(), before: body.before(), normals, fraction };
         bound.run(threads, name, (&sheet, jumps), out)?;
         match self.skin_of(cloth, mesh, fraction)? {
-            Some(matrices) => mesh.to_skin(&matrices, out),
+            Some(matrices) => mesh.to_skin(&matrices, self.world.scene.cloths[cloth].skinning, out),
             None => Ok(()),
         }
     }
@@ -59,7 +59,7 @@ impl Stepper {
     ) -> Result<()> {
         let cloth = self.world.find(cloth.into())?;
         match self.skin_of(cloth, mesh, fraction)? {
-            Some(matrices) => mesh.to_skin(&matrices, vertices),
+            Some(matrices) => mesh.to_skin(&matrices, self.world.scene.cloths[cloth].skinning, vertices),
             None => Ok(()),
         }
     }

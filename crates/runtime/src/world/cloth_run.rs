@@ -8,7 +8,7 @@ use super::images::Images;
 use super::levels::Finer;
 use super::moving::Moving;
 use super::sleep::Calm;
-use crate::cloth::{Anchor, Cloth, Tethers};
+use crate::cloth::{Anchor, Cloth, Poses, Tethers};
 use crate::form::Fused;
 use crate::limits::Warning;
 use crate::number::real::{dot, sub, with_w};
@@ -93,23 +93,26 @@ impl ClothRun {
         if !cloth.is_aimed() {
             return Vec::new();
         }
-        let skin = self.joints.as_ref().zip(cloth.skin());
-        let at = |(k, p): (usize, &[f32; 3])| match skin {
-            Some((joints, skin)) if cloth.particles()[k].exists() => skin.at(joints.now(), k),
+        let skin = self.poses(cloth).zip(cloth.skin());
+        let at = |(k, p): (usize, &[f32; 3])| match &skin {
+            Some((poses, skin)) if cloth.particles()[k].exists() => skin.at(poses, k),
             _ => self.home.apply(*p),
         };
         let limit = |k: usize| cloth.limits.as_ref().map_or(-1.0, |limits| limits[k]);
         cloth.positions().iter().enumerate().map(|(k, p)| with_w(at((k, p)), limit(k))).collect()
     }
 
+    /// The poses of the joints that a cloth follows, as they are now.
+    fn poses(&self, cloth: &Cloth) -> Option<Poses<f32>> {
+        self.joints.as_ref().map(|joints| Poses::new(cloth.skinning, joints.now()))
+    }
+
     /// The spheres of a cloth's backstops where it is now, or where its joints are: centre \[m\] and radius \[m\], -1 for none; empty if it
     /// has no backstops.
     pub fn spheres(&self, cloth: &Cloth) -> Vec<[f32; 4]> {
-        let skin = self.joints.as_ref().zip(cloth.skin());
-        let at = |(k, [x, y, z, radius]): (usize, [f32; 4])| match skin {
-            Some((joints, skin)) if cloth.particles()[k].exists() => {
-                with_w(skin.point_at(joints.now(), k, [x, y, z]), radius)
-            }
+        let skin = self.poses(cloth).zip(cloth.skin());
+        let at = |(k, [x, y, z, radius]): (usize, [f32; 4])| match &skin {
+            Some((poses, skin)) if cloth.particles()[k].exists() => with_w(skin.point_at(poses, k, [x, y, z]), radius),
             _ => with_w(self.home.apply([x, y, z]), radius),
         };
         cloth.spheres().into_iter().enumerate().map(at).collect()

@@ -69,7 +69,7 @@ pub fn spread(count: usize) -> Vec<Vertex> {
         Vertex {
             position: [0.1, 0.2, k as f32 * 1e-3],
             normal: [0.0, angle.cos(), angle.sin()],
-            tangent: [1.0, 0.0, 0.0, if k % 2 == 0 { 1.0 } else { -1.0 }],
+            tangent: [1.0, 0.0, 0.0, if k.is_multiple_of(2) { 1.0 } else { -1.0 }],
             coord: if k % 7 == 6 { [-1.0, 0.0, 0.0] } else { place },
             offset: [0.01 * share(k, 0.3), -0.01 * share(k, 0.7), 0.05 * share(k, 0.1)],
         }

@@ -6,8 +6,8 @@ use std::path::Path;
 use gimage::import::{BaseColor, Character, ImportOptions, base_colors, import};
 use gimage::mesh::{Mesh, Semantic};
 use gimage::select::{Role, SelectOptions, roles};
-use gimage_runtime::Cloth;
 use gimage_runtime::draw::Facet;
+use gimage_runtime::{Cloth, JointPoses, Skinning};
 
 use super::covered;
 use super::paints::Paints;
@@ -19,7 +19,8 @@ pub struct Body {
     points: Vec<[f64; 3]>,
     triangles: Vec<Triangle>,
     /// For each point its joints and their weights, of sum 1; none stays where it is.
-    follows: Vec<Vec<(usize, f64)>>,
+    follows: Vec<Vec<(u32, f64)>>,
+    skinning: Skinning,
     /// The node of each joint, and its inverse bind matrix.
     joints: Vec<(usize, [f64; 16])>,
     /// For each cloth whose pieces are all parts of the file, its triangles in their colours.
@@ -48,7 +49,7 @@ impl Body {
         path: &Path,
         (read, select): (&ImportOptions, &SelectOptions),
         character: &Character,
-        cloths: &[Cloth],
+        (cloths, skinning): (&[Cloth], Skinning),
         paints: &mut Paints,
     ) -> Result<Option<Self>, Failure> {
         let refused = |e: gimage::Error| Failure::refused(e.to_string());
@@ -63,7 +64,7 @@ impl Body {
         let (normal, color) = (mesh.channel(&Semantic::Normal), mesh.channel(&Semantic::Color(0)));
         let clothes = cloths.iter().map(|cloth| materials.cloth(&mesh, cloth)).collect();
         let ((points, hidden), triangles) = (inset(&mesh, &is_drawn), Vec::new());
-        let mut body = Body { points, triangles, follows: follows(&mesh), joints, clothes };
+        let mut body = Body { points, triangles, follows: follows(&mesh), skinning, joints, clothes };
         for (t, part) in mesh.triangle_part.iter().enumerate().filter(|(_, part)| is_drawn[**part as usize]) {
             if mesh.triangles[t].iter().all(|v| hidden[*v as usize]) {
                 continue;
@@ -88,15 +89,13 @@ impl Body {
 
     /// Where the triangles are for these transforms of the nodes to world space.
     pub fn facets(&self, worlds: &[[f64; 16]]) -> Vec<Facet> {
-        let matrices: Vec<[f64; 16]> = self.joints.iter().map(|(node, bind)| product(&worlds[*node], bind)).collect();
-        let blend = |own: &Vec<(usize, f64)>| {
-            let sum = |k: usize| own.iter().map(|(j, w)| w * matrices[*j][k]).sum::<f64>();
-            if own.is_empty() { STILL } else { std::array::from_fn(sum) }
-        };
-        let moves: Vec<[f64; 16]> = self.follows.iter().map(blend).collect();
+        let matrix = |(node, bind): &(usize, [f64; 16])| product(&worlds[*node], bind).map(|x| x as f32);
+        let poses = JointPoses::new(self.skinning, &self.joints.iter().map(matrix).collect::<Vec<_>>());
+        let place = |p: usize| poses.place(&self.follows[p], self.points[p]).map(|x| x as f32);
+        let turn = |t: &Triangle, c: usize| poses.turn(&self.follows[t.points[c]], t.normals[c]).map(|x| x as f32);
         let facet = |t: &Triangle| Facet {
-            corners: t.points.map(|p| apply(&moves[p], self.points[p], 1.0)),
-            normals: [0, 1, 2].map(|c| apply(&moves[t.points[c]], t.normals[c], 0.0)),
+            corners: t.points.map(place),
+            normals: [0, 1, 2].map(|c| turn(t, c)),
             uv: t.uv,
             colors: t.colors,
             paint: t.paint,
@@ -123,14 +122,8 @@ impl Body {
     }
 }
 
-const STILL: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-
 fn product(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
     std::array::from_fn(|n| (0..4).map(|k| a[4 * k + n % 4] * b[n / 4 * 4 + k]).sum())
-}
-
-fn apply(m: &[f64; 16], p: [f64; 3], w: f64) -> [f32; 3] {
-    std::array::from_fn(|r| (m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r] * w) as f32)
 }
 
 /// The vertices of a mesh, moved into the body whose parts are drawn, and whether clothes hide them.
@@ -157,8 +150,8 @@ fn face([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
 }
 
 /// The joints of each vertex, from the first corner that has it.
-fn follows(mesh: &Mesh) -> Vec<Vec<(usize, f64)>> {
-    let mut out: Vec<Vec<(usize, f64)>> = vec![Vec::new(); mesh.positions.len()];
+fn follows(mesh: &Mesh) -> Vec<Vec<(u32, f64)>> {
+    let mut out: Vec<Vec<(u32, f64)>> = vec![Vec::new(); mesh.positions.len()];
     let sets: Vec<_> = (0..)
         .map_while(|n| Some((mesh.channel(&Semantic::Joints(n))?, mesh.channel(&Semantic::Weights(n))?)))
         .collect();
@@ -171,9 +164,9 @@ fn follows(mesh: &Mesh) -> Vec<Vec<(usize, f64)>> {
             for (joints, weights) in &sets {
                 let (Some(joints), Some(weights)) = (joints.at(t, c), weights.at(t, c)) else { continue };
                 let pairs = joints.iter().zip(weights).filter(|(_, w)| **w > 0.0);
-                own.extend(pairs.map(|(j, w)| (*j as usize, f64::from(*w))));
+                own.extend(pairs.map(|(j, w)| (*j as u32, f64::from(*w))));
             }
-            own.retain(|(joint, _)| *joint < mesh.skeleton.joints.len());
+            own.retain(|(joint, _)| (*joint as usize) < mesh.skeleton.joints.len());
             let sum: f64 = own.iter().map(|(_, w)| w).sum();
             own.iter_mut().for_each(|(_, w)| *w /= sum);
         }

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use gimage_runtime::RenderPart;
 use gimage_runtime::draw::{Facet, Ground, bounds};
 use gimage_runtime::{Collider, Shape};
+use gimage_runtime::{RenderPart, Skinning};
 
 use super::body::Body;
 use super::paints::Paints;
@@ -49,7 +49,8 @@ impl<'a> Shown<'a> {
         let body = match loaded.animated.as_ref().filter(|_| !args.colliders) {
             Some(animated) => {
                 let reading = (&animated.reading.import, &animated.reading.select);
-                Body::read(&animated.path, reading, animated.character(), cloths, &mut paints)?
+                let skinning = loaded.file.scene.cloths.first().map_or(Skinning::Linear, |cloth| cloth.skinning);
+                Body::read(&animated.path, reading, animated.character(), (cloths, skinning), &mut paints)?
             }
             None => None,
         };

@@ -1,7 +1,7 @@
 //! How high points are above a surface.
 
 use super::{BodySurface, On, normal, on_triangle};
-use crate::cloth::{Rows, skinned};
+use crate::cloth::{Poses, Rows, Skinning};
 use crate::number::real::{V3, add, cast, dot, scale, sub};
 
 /// A surface somewhere: its vertices \[m\] and their normals, of any length.
@@ -20,13 +20,13 @@ impl<'a> Posed<'a> {
     }
 
     /// The surface where joints put it, of which there is a matrix each; at rest if it follows none. O(n).
-    pub fn by_joints(surface: &'a BodySurface, matrices: &[Rows]) -> Self {
+    pub fn by_joints(surface: &'a BodySurface, skinning: Skinning, matrices: &[Rows]) -> Self {
         if surface.sets == 0 || matrices.len() < surface.joints() {
             return Posed::at_rest(surface);
         }
-        let matrices: Vec<[[f64; 4]; 3]> = matrices.iter().map(|rows| rows.map(cast)).collect();
+        let poses = Poses::new(skinning, matrices);
         let own = surface.influences.chunks(surface.sets);
-        let at: Vec<V3<f64>> = surface.rest.iter().zip(own).map(|(p, own)| skinned(&matrices, own, cast(*p))).collect();
+        let at: Vec<V3<f64>> = surface.rest.iter().zip(own).map(|(p, own)| poses.place(own, cast(*p))).collect();
         let mut normals = vec![[0.0; 3]; at.len()];
         for t in &surface.triangles {
             let n = normal(t.map(|v| at[v as usize]));

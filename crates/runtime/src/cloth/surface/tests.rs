@@ -1,4 +1,5 @@
 use super::*;
+use crate::cloth::Skinning;
 
 /// A bowl: a part of a ball of 1 m, seen from inside, with a border.
 fn bowl(n: u32) -> BodySurface {
@@ -59,12 +60,12 @@ fn heights_above_a_moved_surface_are_those_above_it_at_rest() {
     let cube = cube();
     // A turn of 90 degrees about z, and a shift.
     let rows = [[0.0, -1.0, 0.0, 0.5], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, -2.0]];
-    let (rest, moved) = (Posed::at_rest(&cube), Posed::by_joints(&cube, &[rows]));
+    let (rest, moved) = (Posed::at_rest(&cube), Posed::by_joints(&cube, Skinning::Linear, &[rows]));
     for (p, want) in [([0.0, 0.05, 0.0], -0.05), ([0.3, 0.0, 0.0], 0.2), ([0.2, 0.2, 0.0], 0.02f64.sqrt())] {
         let there = [0.5 - p[1], p[0], p[2] - 2.0];
         for height in [rest.height(p), moved.height(there)] {
             assert!((height - want).abs() < 1e-7, "{p:?}: {height}, not {want}");
         }
     }
-    assert_eq!(Posed::by_joints(&cube, &[]).height([0.3, 0.0, 0.0]), rest.height([0.3, 0.0, 0.0]));
+    assert_eq!(Posed::by_joints(&cube, Skinning::Linear, &[]).height([0.3, 0.0, 0.0]), rest.height([0.3, 0.0, 0.0]));
 }

@@ -2,7 +2,7 @@
 
 use super::limit::Limit;
 use super::{Fabric, single};
-use crate::cloth::Rows;
+use crate::cloth::Poses;
 use crate::cpu::sheet::Sheet;
 use crate::number::real::{Real, V3, scale, sub};
 
@@ -45,9 +45,9 @@ impl<T: Real> Fabric<T> {
         }
     }
 
-    /// The surface that the cloth is worn on goes where these matrices put it, at `rate` \[1/s\] from where the last call put it.
-    pub fn lead_surface(&mut self, matrices: &[Rows], rate: T) {
-        self.worn.iter_mut().for_each(|worn| worn.lead(matrices, rate));
+    /// The surface that the cloth is worn on goes where these poses put it, at `rate` \[1/s\] from where the last call put it.
+    pub fn lead_surface(&mut self, poses: &Poses<T>, rate: T) {
+        self.worn.iter_mut().for_each(|worn| worn.lead(poses, rate));
     }
 
     /// The joined particles, in the order of [`Fabric::join`], are at `ends` \[m\] at the end of the frame, and targets of limits where `at`

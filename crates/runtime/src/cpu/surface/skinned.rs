@@ -1,11 +1,8 @@
 //! The vertices of a surface where joints put them, at the start and at the end of a frame. Each is skinned when it is first asked for.
 
-use crate::cloth::Rows;
+use crate::cloth::Poses;
 use crate::cloth::surface::{BodySurface, Tree, on_triangle};
 use crate::number::real::{Real, V3, cast, dot, scale};
-
-/// Matrices of joints as three rows.
-type Matrices<T> = Vec<[[T; 4]; 3]>;
 
 /// A vertex at the start and at the end of a frame.
 #[derive(Clone, Copy)]
@@ -27,7 +24,7 @@ pub struct Skinned<T: Real> {
     shares: Vec<(u32, T)>,
     starts: Vec<u32>,
     /// Empty for a surface that rests.
-    ends: [Matrices<T>; 2],
+    ends: [Poses<T>; 2],
     /// One over the length of the frame \[1/s\] in which vertices go from the first place to the second; 0 if they are there at once.
     rate: T,
     /// Whether it has gone elsewhere at once since the last frame, and whether this frame begins where that ended.
@@ -51,7 +48,7 @@ impl<T: Real> Skinned<T> {
             shares.extend(pairs.map(|(joint, weight)| (joint, T::of(f64::from(weight)))));
             starts.push(shares.len() as u32);
         }
-        let (frame, fitted, rate, ends) = (0, 0, T::of(0.0), [Vec::new(), Vec::new()]);
+        let (frame, fitted, rate, ends) = (0, 0, T::of(0.0), [Poses::none(), Poses::none()]);
         Skinned {
             list,
             frame,
@@ -67,10 +64,9 @@ impl<T: Real> Skinned<T> {
         }
     }
 
-    /// Goes to where these matrices put it, from where the last ones did at `rate` \[1/s\], or at once if that is 0.
-    pub fn lead(&mut self, matrices: &[Rows], rate: T) {
-        let to: Matrices<T> = matrices.iter().map(|rows| rows.map(cast)).collect();
-        let last = std::mem::replace(&mut self.ends[1], to);
+    /// Goes to where these poses put it, from where the last ones did at `rate` \[1/s\], or at once if that is 0.
+    pub fn lead(&mut self, poses: &Poses<T>, rate: T) {
+        let last = std::mem::replace(&mut self.ends[1], poses.clone());
         self.rate = if last.len() == self.ends[1].len() { rate } else { T::of(0.0) };
         // A jump begins elsewhere than the last frame ended.
         self.jumps |= !self.moves() && last != self.ends[1];
@@ -130,23 +126,12 @@ impl<T: Real> Skinned<T> {
     fn skin(&mut self, v: usize) {
         let [rest, normal] = self.rest[v];
         let shares = &self.shares[self.starts[v] as usize..self.starts[v + 1] as usize];
-        let place = |matrices: &Matrices<T>| {
-            if shares.is_empty() || matrices.is_empty() {
+        let place = |poses: &Poses<T>| {
+            if shares.is_empty() || poses.is_empty() {
                 return (rest, normal);
             }
-            let mut blend = [[T::of(0.0); 4]; 3];
-            for (joint, weight) in shares {
-                let matrix = &matrices[*joint as usize];
-                for r in 0..3 {
-                    for c in 0..4 {
-                        blend[r][c] = blend[r][c] + matrix[r][c] * *weight;
-                    }
-                }
-            }
-            let turned = [0, 1, 2].map(|r| blend[r][0] * normal[0] + blend[r][1] * normal[1] + blend[r][2] * normal[2]);
-            let at =
-                [0, 1, 2].map(|r| blend[r][0] * rest[0] + blend[r][1] * rest[1] + blend[r][2] * rest[2] + blend[r][3]);
-            (at, turned)
+            let blend = poses.blend(shares.iter().copied());
+            (blend.place(rest), blend.turn(normal))
         };
         let known = self.list[v];
         let is_last = known.frame != 0 && known.frame + 1 == self.frame && self.follows;

@@ -4,7 +4,7 @@ use parry3d_f64::shape::{TriMesh, Triangle};
 
 use super::*;
 use crate::cloth::surface::on_triangle;
-use crate::cloth::{Flat, Influence, SkinJoint};
+use crate::cloth::{Flat, Influence, Rows, SkinJoint, Skinning};
 
 /// Numbers of a fixed sequence between -1 and 1.
 fn noise(k: usize, of: usize) -> f64 {
@@ -82,7 +82,7 @@ fn particles_know_the_nearest_point_of_a_body_in_motion() {
     let (mut worn, mut sheets) = worn(n as u32);
     let (mut errors, mut beyond) = (Vec::new(), 0);
     for frame in 0..120 {
-        worn.lead(&pose(frame), if frame > 0 { 60.0 } else { 0.0 });
+        worn.lead(&Poses::new(Skinning::Linear, &pose(frame)), if frame > 0 { 60.0 } else { 0.0 });
         for k in 0..n * n {
             let triple = sheets[0].triple(k);
             sheets[0].put(triple, path(k, n, frame));

@@ -112,9 +112,18 @@ pub struct Cloth {
     #[serde(default)]
     pub velocity: V3,
     pub speed_limit: Option<f32>,
+    pub skinning: Option<Skinning>,
     pub front: Option<V3>,
     pub back: Option<V3>,
     pub checker: Option<[f32; 2]>,
+}
+
+/// How points between joints move.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Skinning {
+    Linear,
+    DualQuaternion,
 }
 
 /// How far all particles of a cloth may go behind where they rest.

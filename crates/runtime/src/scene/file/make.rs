@@ -3,7 +3,7 @@
 use super::error::{Error, Result};
 use super::json::{self, From};
 use super::{CharacterFile, Found, SceneFile, Source};
-use crate::cloth::{Backstop, Cloth, ClothContact, Compliance, ContactTier, Flat, Select};
+use crate::cloth::{Backstop, Cloth, ClothContact, Compliance, ContactTier, Flat, Select, Skinning};
 use crate::collider::{Collider, Shape};
 use crate::look::{Camera, Look, SolidLook, uv_of};
 use crate::material::Material;
@@ -170,6 +170,10 @@ fn cloth(
         cloth.backstops = Some(vec![Backstop { distance, radius }; cloth.len()].into());
     }
     cloth.speed_limit = fields.speed_limit.unwrap_or(cloth.speed_limit);
+    cloth.skinning = match fields.skinning {
+        Some(json::Skinning::DualQuaternion) => Skinning::DualQuaternion,
+        Some(json::Skinning::Linear) | None => Skinning::Linear,
+    };
     for (p, pins) in fields.pins.iter().enumerate() {
         let place = format!("{place}.pins[{p}]");
         let set = pinned(pins, index, &place, &cloth)?;
