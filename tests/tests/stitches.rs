@@ -5,8 +5,8 @@
 use gimage::options::BuildOptions;
 use gimage::pipeline::Built;
 use gimage::stitch::Stitching;
-use gimage_bundle::{Stitch, validate};
-use gimage_runtime::{Cloth, Options, Scene, Stepper};
+use gimage_bundle::{RenderFile, Stitch, validate};
+use gimage_runtime::{Cloth, Options, RenderMesh, Scene, Stepper};
 use gimage_tests::{Shape, build, build_shape, garments_or_skip, pinned, reread};
 
 /// Adds an upright sheet of `n` x `n` quads: its corner, its sides \[m\], and how far to the front it bulges.
@@ -169,5 +169,42 @@ fn the_belted_dress_hangs_together() {
         }
         let far = way.iter().map(|x| x * x).sum::<f32>().sqrt();
         assert!(far < s.distance + 5e-3, "{far} m of {} m", s.distance);
+    }
+}
+
+#[test]
+fn the_border_of_a_pocket_rides_on_the_panel_that_it_is_sewn_to() {
+    for n in [600, 3000] {
+        let bundle = reread(&build_shape(&pocket(), &options(n, Stitching::Auto)).unwrap().bundle);
+        let file = RenderFile::parse(bundle.render.as_ref().unwrap()).unwrap();
+        let primitives = file.primitives().unwrap();
+        let all = || primitives.iter().flat_map(|p| p.positions.iter().zip(&p.coords).zip(&p.offsets));
+        let (mut border, mut inner) = (0, 0);
+        for ((p, coord), offset) in all() {
+            let [x, y] = [(p[0] - 0.31) / 0.36, (p[1] - 0.22) / 0.41].map(|t| (7.0 * t).round() as i32);
+            // Vertices of the pocket stand 1 mm and more in front of the panel.
+            if p[2] < 5e-4 {
+                assert_eq!(coord[0], 0.0, "{n}: a vertex of the panel at {p:?}");
+            } else if x == 0 || x == 7 || y == 0 || y == 7 {
+                border += 1;
+                let far = offset.iter().map(|x| x * x).sum::<f32>().sqrt();
+                assert!(coord[0] == 0.0 && far < 2e-3, "{n}: {p:?} is bound to piece {}, {far} m away", coord[0]);
+            } else {
+                inner += 1;
+                assert_eq!(coord[0], 1.0, "{n}: {p:?}");
+            }
+        }
+        assert_eq!((border, inner), (28, 36));
+        // At rest vertices are where the source has them all the same.
+        let mesh = RenderMesh::from_bundle(&bundle).unwrap().unwrap();
+        let mut scene = Scene::new("pocket");
+        scene.cloths.push(Cloth::from_bundle("pocket", &bundle).unwrap());
+        let stepper = Stepper::on_cpu(scene, Options::default()).unwrap();
+        let mut vertices = Vec::new();
+        stepper.wrap(0, &mesh, 1.0, &mut vertices).unwrap();
+        let far = all()
+            .zip(&vertices)
+            .map(|((at, _), v)| (0..3).map(|c| (at.0[c] - v.position[c]).abs()).fold(0.0, f32::max));
+        assert!(far.fold(0.0, f32::max) < 1e-6);
     }
 }

@@ -68,17 +68,33 @@ pub(super) struct Bound {
     pub miss: f64,
 }
 
-/// Binds vertices at `positions` \[m\], each to the surface that `of` gives for its index, in parallel. `None` where there is none.
+/// How much farther than the stitches around it \[m\], as a factor, a vertex may be from the surface that it rides on in place of its own.
+const SEWN: f64 = 2.0;
+
+/// Binds vertices at `positions` \[m\], each to the surface that `of` gives for its index, in parallel; `None` where there is none. A vertex whose
+/// point is sewn to another surface, which `sewn_to` gives with the distance of the two \[m\], is bound to that.
 pub(super) fn bind_all<'a>(
     pieces: &[PieceEntry],
     texels: &Texels,
     positions: &[[f64; 3]],
-    of: impl Fn(usize) -> Option<&'a Surface<'a>> + Sync,
+    (of, sewn_to): (
+        impl Fn(usize) -> Option<&'a Surface<'a>> + Sync,
+        impl Fn(&Spot) -> Option<(&'a Surface<'a>, f64)> + Sync,
+    ),
 ) -> Vec<Option<Bound>> {
-    let one = |(k, &p): (usize, &[f64; 3])| {
-        let anchor = Anchor::new(pieces, texels, &of(k)?.foot(p)?)?;
+    let at = |spot: &Spot, p: [f64; 3]| {
+        let anchor = Anchor::new(pieces, texels, spot)?;
         let binding = anchor.bind(p);
         Some(Bound { binding, far: norm(binding.offset.map(f64::from)), miss: anchor.miss(&binding, p) })
+    };
+    let one = |(k, &p): (usize, &[f64; 3])| {
+        let spot = of(k)?.foot(p)?;
+        let own = at(&spot, p)?;
+        let other = sewn_to(&spot).and_then(|(surface, distance)| {
+            let most = own.far + SEWN * distance;
+            at(&surface.foot(p)?, p).filter(|other| other.far <= most)
+        });
+        other.or(Some(own))
     };
     positions.par_iter().enumerate().map(one).collect()
 }

@@ -8,6 +8,7 @@ mod attach;
 mod bind;
 mod classes;
 mod finite;
+mod hems;
 pub(crate) mod plain;
 mod surface;
 pub(crate) mod trace;
@@ -21,7 +22,8 @@ use serde_json::Value;
 use self::attach::{Attached, Skin};
 use self::bind::{Anchor, Binding, UNBOUND, bind_all};
 use self::classes::Classes;
-use self::surface::{Surface, Texels};
+use self::hems::Hems;
+use self::surface::{Spot, Surface, Texels};
 use self::trace::Trace;
 use crate::base::mesh::NONE;
 use crate::base::vec3::{distance, norm};
@@ -196,7 +198,10 @@ fn bind(bundle: &Bundle, made: &Made<'_>) -> Result<Bindings> {
         _ => whole.as_ref(),
     };
     let entries = &bundle.manifest.pieces;
-    let mut bound = bind_all(entries, &texels, &classes.positions, surface);
+    let hems = Hems::new(bundle, &texels);
+    let sewn_to =
+        |spot: &Spot| hems.target(&texels, spot).and_then(|(p, far)| Some((surfaces[*group.get(p)?].as_ref()?, far)));
+    let mut bound = bind_all(entries, &texels, &classes.positions, (surface, sewn_to));
     let mut is_rigid = vec![false; bound.len()];
     let anchors: Vec<Option<Anchor>> = (riders.iter().enumerate())
         .map(|(r, rider)| {
