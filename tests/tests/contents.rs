@@ -30,7 +30,7 @@ fn agrees(path: &Path, options: &BuildOptions) {
     let built = build(path, options).unwrap();
     let m = &built.bundle.manifest;
     let cloth = contents.components.iter().filter(|c| c.role == Role::Cloth);
-    let (crumbs, pieces): (Vec<_>, Vec<_>) = cloth.partition(|c| c.kind == Kind::Crumb);
+    let (crumbs, pieces): (Vec<_>, Vec<_>) = cloth.partition(|c| matches!(c.kind, Kind::Crumb | Kind::Overlay));
     assert_eq!(pieces.len(), m.pieces.len(), "{}", path.display());
     for (a, b) in pieces.iter().zip(&m.pieces) {
         let own = b.surface.as_ref().unwrap();

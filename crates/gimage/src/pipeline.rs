@@ -29,6 +29,7 @@ use crate::stage::assemble::mass::check_mean;
 use crate::stage::assemble::{Piece, assemble, measure_piece, summary};
 use crate::stage::blend::{BlendWidth, WIDTH, blend, border};
 use crate::stage::caps::open_caps;
+use crate::stage::component::Component;
 use crate::stage::gate;
 use crate::stage::image::PieceImage;
 use crate::stage::import::import;
@@ -145,7 +146,9 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
         return Err(nothing_left(path, mesh, &parts.pieces, options));
     }
     let small = format!("area under {} % of the whole", 100.0 * options.component.accessory_area);
-    riders.extend(parts.accessories.iter().map(|component| Rider { component, reason: small.clone() }));
+    let reason =
+        |c: &Component| c.lies_on.as_ref().map_or(small.clone(), |larger| format!("lies on {larger} all over"));
+    riders.extend(parts.accessories.iter().map(|component| Rider { component, reason: reason(component) }));
     run.report.findings.extend(set_apart(&riders));
     run.report.findings.extend(split_up(&families));
     run.report.findings.extend(merged(pieces.iter().flat_map(|p| remarks(&p.component.name, &p.image))));

@@ -154,7 +154,7 @@ fn components(out: &Output, contents: &Contents) -> (Table, Option<String>) {
             heights([c.size.low[1], c.size.high[1]]),
             if c.loops.is_empty() { NOTHING.into() } else { c.loops.len().to_string() },
             match (c.role, c.kind) {
-                (Role::Cloth, Kind::Crumb) => "accessory",
+                (Role::Cloth, Kind::Crumb | Kind::Overlay) => "accessory",
                 (Role::Cloth, _) => "piece",
                 (role, _) => use_of(role),
             }

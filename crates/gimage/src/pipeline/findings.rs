@@ -99,7 +99,9 @@ pub(super) fn set_apart(riders: &[Rider<'_>]) -> Option<Finding> {
             .take(MAX_EXAMPLES)
             .map(|r| format!("{} ({}): {}", r.component.name, words::triangles(r.component.triangles.len()), r.reason))
             .collect(),
-        message: "Parts that are too small to be cloth get no image and ride on the nearest piece.".into(),
+        message:
+            "Parts that are too small to be cloth, or lie on a larger one, get no image and ride on the nearest piece."
+                .into(),
     })
 }
 

@@ -1,6 +1,7 @@
 //! Separates the pieces of a garment from its accessories, by connectedness and area.
 
 mod names;
+mod overlay;
 mod topology;
 
 use std::cmp::Ordering;
@@ -46,6 +47,8 @@ pub struct Component {
     pub genus: u32,
     /// Corners of its axis-aligned box \[m\].
     pub bounds: ([f64; 3], [f64; 3]),
+    /// The name of the larger component that it lies on all over, if it does: a print that was modelled as a copy of faces.
+    pub lies_on: Option<String>,
 }
 
 /// The components of a mesh.
@@ -54,7 +57,7 @@ pub struct Split {
     /// Components that become images: the largest area first, equal areas by their first triangle. Empty if no component is large
     /// enough, or nothing has any area; a finding `no-piece` then reports it.
     pub pieces: Vec<Component>,
-    /// Components that are too small, in the same order. Empty if nothing has any area.
+    /// Components that are too small, in the same order, then those that lie on a larger one. Empty if nothing has any area.
     pub accessories: Vec<Component>,
     /// Findings for the user.
     pub findings: Vec<Finding>,
@@ -104,6 +107,15 @@ pub(crate) fn split_counting(mesh: &Mesh, options: &ComponentOptions, beside: &d
         );
         out.findings.push(finding(Severity::Repair, "accessories", count, examples, message));
     }
+    // With an area of 0 every part is a piece.
+    let overlays = if least > 0.0 { overlay::take(mesh, &mut out.pieces, share) } else { Vec::new() };
+    if !overlays.is_empty() {
+        let on = |c: &Component| format!("{} lies on {}", c.name, c.lies_on.as_deref().unwrap_or_default());
+        let examples = overlays.iter().take(MAX_EXAMPLES).map(on).collect();
+        let message = format!("{} on a larger one all over made accessories", words::components(overlays.len()));
+        out.findings.push(finding(Severity::Repair, "overlays", overlays.len(), examples, message));
+    }
+    out.accessories.extend(overlays);
     out
 }
 

@@ -59,6 +59,7 @@ pub(crate) fn part_components(whole: &Component, parts: &Parts, taken: &mut BTre
             orientable: whole.orientable,
             genus: (2 - part.euler - part.loops as i64).max(0) as u32 / if whole.orientable { 2 } else { 1 },
             bounds,
+            lies_on: None,
         }
     };
     let out: Vec<Component> = parts.parts.iter().enumerate().map(component).collect();

@@ -80,6 +80,7 @@ mod tests {
             orientable: true,
             genus: 0,
             bounds: Default::default(),
+            lies_on: None,
         };
         let mut all: Vec<Component> = (0..5).map(component).collect();
         assign(&mesh, &mut all);

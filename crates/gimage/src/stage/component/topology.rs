@@ -31,6 +31,7 @@ pub(super) fn components(mesh: &Mesh) -> Vec<Component> {
                 orientable: true,
                 genus: 0,
                 bounds: ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]),
+                lies_on: None,
             });
         }
         let c = &mut out[of_vertex[root]];

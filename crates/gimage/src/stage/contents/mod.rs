@@ -96,6 +96,8 @@ pub enum Kind {
     ClosedShell,
     /// Two sheets that face each other at a small distance.
     ThinShell,
+    /// It lies on a larger component all over, such as a print that was modelled as a copy of faces: an accessory.
+    Overlay,
     /// Too small to be a piece, such as a button: an accessory.
     Crumb,
 }
@@ -107,6 +109,7 @@ impl Kind {
             Kind::OpenSurface => "open surface",
             Kind::ClosedShell => "closed shell",
             Kind::ThinShell => "thin shell",
+            Kind::Overlay => "overlay",
             Kind::Crumb => "crumb",
         }
     }
@@ -218,6 +221,7 @@ fn entries(
         let opposite = if k < pieces && shell.is_none() { sheets.opposite(c) } else { None };
         let thickness = shell.map(|s| s.thickness).or(opposite.map(|o| o.thickness));
         let kind = match (k < pieces, thickness, c.loops) {
+            (false, ..) if c.lies_on.is_some() => Kind::Overlay,
             (false, ..) => Kind::Crumb,
             (_, Some(_), _) => Kind::ThinShell,
             (_, None, 0) => Kind::ClosedShell,

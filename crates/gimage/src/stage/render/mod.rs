@@ -206,7 +206,9 @@ fn bind(bundle: &Bundle, made: &Made<'_>) -> Result<Bindings> {
     let anchors: Vec<Option<Anchor>> = (riders.iter().enumerate())
         .map(|(r, rider)| {
             let (lo, hi) = rider.component.bounds;
-            let centre = bundle.manifest.accessories.get(r).filter(|_| distance(lo, hi) <= RIGID * diagonal)?.center;
+            // A component that lies on a surface bends with it.
+            let is_rigid = distance(lo, hi) <= RIGID * diagonal && rider.component.lies_on.is_none();
+            let centre = bundle.manifest.accessories.get(r).filter(|_| is_rigid)?.center;
             Anchor::new(entries, &texels, &surfaces[carrier(r)].as_ref()?.foot(centre)?)
         })
         .collect();
