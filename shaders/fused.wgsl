@@ -1,6 +1,6 @@
 // The whole frame of a cloth by one workgroup: every step, from the integration to the contact, then what ends a frame.
-// A workgroup a cloth. A frame with much work is several dispatches, each of which makes some of its steps. `air_program`,
-// `step_program`, `coarse_program`, `round_program` and `frame_program` are made from the schedule: the rules of the separate passes, in the same
+// A workgroup a cloth. A frame with much work is several dispatches, each of which makes some of its steps. `gust_program`,
+// `air_program`, `step_program`, `coarse_program`, `round_program` and `frame_program` are made from the schedule: the rules of the separate passes, in the same
 // order, with a barrier after each. `find_lists` and the places of lists, `NAME_from`, are made by
 // crates/runtime/src/shaders/lists.rs.
 override threads: u32 = 64u;
@@ -34,6 +34,9 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
   sync();
   for (var n = first_step; n < end_step; n++) {
     begin(n, job);
+    if (n == 0u) {
+      gust_program(job, local);
+    }
     if (n % job.hold == 0u) {
       air_program(job, local);
     }

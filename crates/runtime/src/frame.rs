@@ -27,7 +27,12 @@ impl<'a> Frame<'a> {
         if n.is_multiple_of(SEARCH_STEPS) { &self.schedule.near } else { &[] }
     }
 
-    /// The forces of air that step `n` begins with, after [`Frame::near`].
+    /// The velocities of the air that step `n` begins with, after [`Frame::near`].
+    pub fn gusts(&self, n: u32) -> &'a [Pass] {
+        if n == 0 { &self.schedule.gusts } else { &[] }
+    }
+
+    /// The forces of air that step `n` begins with, after [`Frame::gusts`].
     pub fn air(&self, n: u32) -> &'a [Pass] {
         if n.is_multiple_of(self.hold) { &self.schedule.air } else { &[] }
     }
@@ -50,8 +55,8 @@ mod tests {
 
     #[test]
     fn colliders_are_where_a_step_ends_also_in_a_frame_without_steps() {
-        let air = vec![Pass::Wind { holes: false }];
-        let schedule = Schedule { air, coarse: vec![Pass::Seams], ..Schedule::default() };
+        let air = vec![Pass::Wind { gusts: true, holes: false }];
+        let schedule = Schedule { gusts: vec![Pass::Gust], air, coarse: vec![Pass::Seams], ..Schedule::default() };
         let first = Step { dt: 2.0, ..Step::default() };
         let frame = |steps| Frame {
             schedule: &schedule,
@@ -67,6 +72,7 @@ mod tests {
         assert_eq!([0, 1, 2, 3].map(|n| four.step(n, n).dt), [2.0, 0.0, 0.0, 0.0]);
         assert_eq!([0, 1, 2, 3].map(|n| four.coarse(n).len()), [1, 0, 1, 0]);
         assert_eq!([0, 1, 2, 3].map(|n| four.air(n).len()), [1, 0, 0, 1]);
+        assert_eq!([0, 1, 2, 3].map(|n| four.gusts(n).len()), [1, 0, 0, 0]);
         // An action alone has no step, and its last passes ask all the same.
         assert_eq!(frame(0).step(0, 0).left, 0.0);
     }

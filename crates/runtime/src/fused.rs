@@ -189,9 +189,9 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
         let (slots, instance) = held(index);
         let leveled = has_levels(cloth, options);
         let kind = (image, rings, soft, slots, fabric, leveled);
-        // Those of lists that are only read, of what lasts, or of scratch: forces of air, multipliers of springs and of bending, and
-        // pulls of stitches.
-        let vectors = 1 + usize::from(soft != Soft::None) + usize::from(cloth.bending().is_some()) + usize::from(sewn);
+        // Those of lists that are only read, of what lasts, or of scratch: forces and velocities of air, multipliers of springs and of
+        // bending, and pulls of stitches.
+        let vectors = 2 + usize::from(soft != Soft::None) + usize::from(cloth.bending().is_some()) + usize::from(sewn);
         let places = room_of(cloth.len());
         let follows = u64::from(cloth.follows_joints());
         let own = u64::from(cloth.is_aimed()) + follows + u64::from(cloth.backstops.is_some()) * (1 + follows);
@@ -201,7 +201,7 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
         let [rows, shared] = if leveled { levels::listed(cloth) } else { [0; 2] };
         let (lists, images) = (lists + rows as u64, images + shared as u64);
         let nodes = if leveled { 32 * levels::rows(cloth).1 } else { 0 };
-        let vectors = (16 * places * vectors.max(2)).max(nodes) as u64;
+        let vectors = (16 * places * vectors).max(nodes) as u64;
         if (lists + images + HEADS).max(vectors) > room.bytes {
             continue;
         }

@@ -314,7 +314,7 @@ impl Gpu {
             let what = if meets { among_others(what, n) } else { what };
             self.run_in(cloth, passes, index, (what, Offsets { step, ..Offsets::default() }));
         };
-        frame.near(n).iter().chain(frame.air(n)).for_each(|p| run(&Form::Apart(*p)));
+        frame.near(n).iter().chain(frame.gusts(n)).chain(frame.air(n)).for_each(|p| run(&Form::Apart(*p)));
         let whole = order.filter(|_| coarse.is_empty());
         match whole {
             Some(order) => order.first.iter().for_each(&mut run),

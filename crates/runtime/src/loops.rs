@@ -43,7 +43,7 @@ pub fn of_whole(fused: &Fused, (cloth, solids): (&Cloth, u64), iterations: u32) 
     let all = |list: &[Pass]| list.iter().map(of).sum::<u64>();
     let once = 1 + all(&schedule.air) + all(&schedule.step) + all(&schedule.coarse);
     let step = once + u64::from(iterations) * (1 + all(&schedule.relax));
-    [step, 4 * each + all(&schedule.frame)]
+    [step, 4 * each + all(&schedule.gusts) + all(&schedule.frame)]
 }
 
 /// Those of a tile of cloths, from [`of_solids`] of their colliders and [`of_ring`] of their seams.
@@ -71,8 +71,7 @@ fn within(pass: &Pass, solids: u64) -> u64 {
     match pass {
         Pass::Contact(_) => 2 + solids,
         Pass::Tethers { slots } => 2 + u64::from(*slots),
-        Pass::Wind { .. } => 4 * (1 + GUST),
-        Pass::Integrate(Air::Push) | Pass::IntegrateExact(Air::Push) => 1 + GUST,
+        Pass::Gust | Pass::Integrate(Air::Push) | Pass::IntegrateExact(Air::Push) => 1 + GUST,
         Pass::Sew => 2 + u64::from(crate::cloth::MAX_STITCHES_AT_POINT),
         _ if over(*pass) == Over::Texels => 12,
         _ => 1,

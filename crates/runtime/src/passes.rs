@@ -10,8 +10,12 @@ use crate::wind::{Wind, WindForce};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Pass {
+    /// The velocity of the air at each particle, in gusts.
+    Gust,
     /// Forces of air on triangles, into a field of accelerations.
     Wind {
+        /// Whether the air moves as [`Pass::Gust`] found, or alike everywhere.
+        gusts: bool,
         /// Whether any triangle is cut away.
         holes: bool,
     },
@@ -325,6 +329,8 @@ pub const FOLLOW_STEPS: u32 = 2;
 pub struct Schedule {
     /// Before all others, once in [`SEARCH_STEPS`] steps.
     pub near: Vec<Pass>,
+    /// After these, in the first step of a frame.
+    pub gusts: Vec<Pass>,
     /// After these, once in as many steps as forces of air stand for.
     pub air: Vec<Pass>,
     /// Once a step.
@@ -352,8 +358,12 @@ pub fn schedule(
         Some(WindForce::Triangles { .. }) => Air::Field,
     };
     let mut s = Schedule::default();
-    // Reads neighbours, so it cannot be part of the step that moves them.
-    s.air.extend((air == Air::Field).then_some(Pass::Wind { holes: cloth.is_cut() }));
+    if air == Air::Field {
+        let gusts = wind.is_some_and(|w| w.gust > 0.0);
+        s.gusts.extend(gusts.then_some(Pass::Gust));
+        // Reads neighbours, so it cannot be part of the step that moves them.
+        s.air.push(Pass::Wind { gusts, holes: cloth.is_cut() });
+    }
     let exact = cloth.is_exact() && options.solver == Solver::Xpbd;
     // Before all others, so that tethers and springs find their ends where these are in this step.
     s.step.extend((cloth.follows_joints() && options.solver == Solver::Xpbd).then_some(Pass::Follow));

@@ -91,22 +91,25 @@ impl Plan {
 /// The forms of the passes in the frame of a cloth that shares no dispatch, and their dispatches.
 fn apart(world: &World, cloth: usize) -> Vec<(Form, u32)> {
     let (steps, rounds) = (world.control.options.substeps, world.control.options.iterations);
-    let Schedule { near, air, step, coarse, relax, frame } = &world.runs[cloth].schedule;
+    let Schedule { near, gusts, air, step, coarse, relax, frame } = &world.runs[cloth].schedule;
     let rare = steps.div_ceil(world.control.options.pyramid.max(1));
     let alone = |list: &[Pass]| list.iter().map(|pass| Form::Apart(*pass)).collect::<Vec<_>>();
     let search = (alone(near), steps.div_ceil(SEARCH_STEPS));
+    let gusts = (alone(gusts), u32::from(steps > 0));
     let blows = (alone(air), steps.div_ceil(world.hold(cloth)));
     let lists = match world.order(cloth) {
         Some(order) => {
             let rare = if coarse.is_empty() { 0 } else { rare };
             let relax = (order.relax.clone(), steps * (rounds - 1) + rare);
             let first = (order.first.clone(), steps - rare);
-            let lists = [search, blows, (alone(step), rare), (alone(coarse), rare), first, relax, (alone(frame), 1)];
+            let rare = [(alone(step), rare), (alone(coarse), rare)];
+            let lists = [search, gusts, blows].into_iter().chain(rare).chain([first, relax, (alone(frame), 1)]);
             lists.into_iter().filter(|l| l.1 > 0).collect::<Vec<_>>()
         }
         None => {
             vec![
                 search,
+                gusts,
                 blows,
                 (alone(step), steps),
                 (alone(coarse), rare),

@@ -32,13 +32,14 @@ fn passes() -> Vec<Pass> {
         Pass::Place,
         Pass::PickNearest,
     ]);
-    all.extend([Pass::Restrict, Pass::Prolong]);
+    all.extend([Pass::Restrict, Pass::Prolong, Pass::Gust]);
     for holes in [false, true] {
-        all.extend([Pass::Wind { holes }, Pass::Normals { holes }, Pass::Pick { holes }, Pass::Indices { holes }]);
+        all.extend([false, true].map(|gusts| Pass::Wind { gusts, holes }));
+        all.extend([Pass::Normals { holes }, Pass::Pick { holes }, Pass::Indices { holes }]);
         all.push(Pass::Tangents { holes });
     }
-    all.extend([Air::None, Air::Push, Air::Field].map(Pass::Integrate));
-    all.extend([Air::None, Air::Push, Air::Field].map(Pass::IntegrateExact));
+    all.extend(AIRS.map(Pass::Integrate));
+    all.extend(AIRS.map(Pass::IntegrateExact));
     let springs = (0..16).map(|k| Pass::Springs { direction: k / 4, parity: k / 2 % 2, image: k % 2 == 1 });
     all.extend(springs);
     for (friction, many) in [(false, false), (true, false), (false, true), (true, true)] {
@@ -88,7 +89,7 @@ fn passes() -> Vec<Pass> {
 fn is_shared(pass: &Pass) -> bool {
     match pass {
         Pass::Speed | Pass::Strain { .. } => true,
-        Pass::Wind { holes } | Pass::Moments { holes } | Pass::Membrane { holes, .. } | Pass::Normals { holes } => {
+        Pass::Wind { holes, .. } | Pass::Moments { holes } | Pass::Membrane { holes, .. } | Pass::Normals { holes } => {
             !holes
         }
         Pass::Stitch { holes } => !holes,
@@ -101,6 +102,7 @@ fn is_shared(pass: &Pass) -> bool {
 }
 
 const SOFTS: [Soft; 3] = [Soft::None, Soft::Constant, Soft::Image];
+const AIRS: [Air; 3] = [Air::None, Air::Push, Air::Field];
 
 /// All colours of springs, and rounds of those to the right and down, with tethers between them.
 fn springs(image: bool, soft: Soft, again: bool, rounds: u32, tethers: Option<Pass>) -> Vec<Pass> {
@@ -134,14 +136,14 @@ fn chains() -> Vec<Chain> {
 
 /// Every part of tiles, alone and with all others.
 fn tiles() -> Vec<Tile> {
-    let airs = [None, Some(Air::None), Some(Air::Push), Some(Air::Field)];
+    let airs: Vec<_> = [None].into_iter().chain(AIRS.map(Some)).collect();
     let mut all = Vec::new();
     for (k, n) in (0..64u32).flat_map(|k| (0..12).map(move |n| (k, n))) {
         let on = |bit: u32| k >> bit & 1 == 1;
         let (soft, exact) = (SOFTS[n / 4], on(3));
         let again = on(2) && (on(3) || on(4)) && soft != Soft::None;
         let tethers = Some(Pass::Tethers { slots: 2 });
-        let mut passes: Vec<Pass> = airs[n % 4]
+        let mut passes: Vec<Pass> = airs[n % airs.len()]
             .map(|air| if exact { Pass::IntegrateExact(air) } else { Pass::Integrate(air) })
             .into_iter()
             .collect();
@@ -173,10 +175,12 @@ fn fused() -> Vec<Fused> {
         let (image, soft, again) = (on(3), SOFTS[n], on(4) && SOFTS[n] != Soft::None);
         // Of cloth that is cut.
         let holes = image && on(6);
-        let air = [Air::None, Air::Push, Air::Field][(k as usize + n) % 3];
+        let air = AIRS[(k as usize + n) % AIRS.len()];
         let (seams, tethers) = (on(6).then_some(Pass::Seams), on(5).then_some(Pass::Tethers { slots: 2 }));
         let mut s = Schedule::default();
-        s.air.extend((air == Air::Field).then_some(Pass::Wind { holes }));
+        let gusts = on(0);
+        s.gusts.extend((air == Air::Field && gusts).then_some(Pass::Gust));
+        s.air.extend((air == Air::Field).then_some(Pass::Wind { gusts, holes }));
         s.step.push(if on(1) { Pass::IntegrateExact(air) } else { Pass::Integrate(air) });
         if on(3) {
             s.step.extend([Pass::Moments { holes }, Pass::Bend]);
@@ -240,8 +244,8 @@ fn every_shader_is_valid_without_any_capability() {
 fn previous_positions_in_registers_are_asked_for_by_their_own_threads() {
     let (mut own, mut others) = (0, 0);
     for fused in fused() {
-        let Schedule { air, step, coarse, relax, .. } = &*fused.schedule;
-        let steps = air.iter().chain(step).chain(coarse).chain(relax);
+        let Schedule { gusts, air, step, coarse, relax, .. } = &*fused.schedule;
+        let steps = gusts.iter().chain(air).chain(step).chain(coarse).chain(relax);
         let alone = |pass: &Pass| matches!(over(*pass), Over::Particles | Over::Near | Over::Placed);
         let asks = steps.filter(|pass| !alone(pass)).any(|pass| rule(*pass).parts.binds(Slot::Before));
         let few = fused.places <= 4 * fused.threads;

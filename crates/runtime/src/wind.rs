@@ -24,7 +24,7 @@ pub enum WindForce {
 }
 
 /// Wind with gusts: a uniform velocity, whose heading (about +y) a noise field turns from place to place; the field
-/// drifts with the wind.
+/// drifts with the wind. Forces on triangles read its velocity at each particle at the start of the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wind {
     /// Velocity of the air \[m/s\].

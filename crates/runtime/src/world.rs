@@ -292,7 +292,7 @@ impl World {
                 speed_limit: cloth.speed_limit,
                 dt: clock.dt,
                 dt_old,
-                // The noise stands still within a frame, so that its steps share their numbers.
+                // The same for all steps of a frame: the air is computed in its first.
                 time: clock.time,
             });
             // Noise drifts as it does in the world: its cells do not turn with the frame.

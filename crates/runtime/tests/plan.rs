@@ -31,6 +31,7 @@ fn dispatches_and_bytes_of_scenes() {
         cloth.set_pinned(3, true).unwrap();
         cloth
     };
+    let even = || Wind { gust: 0.0, ..support::wind(true) };
     let table = [
         ("springs", scene(cloth()), 10, BASE),
         ("pins cost nothing", scene(pinned()), 10, BASE),
@@ -40,7 +41,8 @@ fn dispatches_and_bytes_of_scenes() {
         ("a collider", Scene { colliders: vec![sphere], ..scene(cloth()) }, 11, BASE + 80),
         ("two kinds", Scene { colliders: vec![rough; 2], ..scene(cloth()) }, 11, BASE + 160),
         ("wind", Scene { wind: Some(support::wind(false)), ..scene(cloth()) }, 10, BASE),
-        ("wind on triangles", Scene { wind: Some(support::wind(true)), ..scene(cloth()) }, 11, BASE + 1024),
+        ("even wind on triangles", Scene { wind: Some(even()), ..scene(cloth()) }, 11, BASE + 1024),
+        ("gusts on triangles", Scene { wind: Some(support::wind(true)), ..scene(cloth()) }, 12, BASE + 2048),
         ("nothing", Scene::new("nothing"), 0, 0),
     ];
     for (name, scene, dispatches, bytes) in table {
@@ -96,12 +98,12 @@ fn what_is_done_to_a_scene_changes_its_plan() {
         ("seams, cut: an image already", scene(tube()), &[cut], 12, TUBE + 45 * 4),
         ("cut: an image from here on", scene(square()), &[cut], 10, FLAT + 1024 + 256),
         ("cut twice costs no more", scene(square()), &[cut, cut], 10, FLAT + 1024 + 256),
-        ("cut in wind", windy(), &[cut], 11, FLAT + 1024 + 1024 + 256),
+        ("cut in wind", windy(), &[cut], 12, FLAT + 1024 + 2048 + 256),
         ("no springs, cut: no image", scene(flat(Rest::None)), &[cut], 2, FLAT + 256),
         ("asleep", scene(tube()), &[sleep], 0, 0),
         ("cut in its sleep", scene(square()), &[sleep, cut], 10, FLAT + 1024 + 256),
         ("asleep after a cut", scene(square()), &[cut, sleep], 0, 0),
-        ("wind rises", scene(square()), &[air], 11, FLAT + 1024),
+        ("wind rises", scene(square()), &[air], 12, FLAT + 2048),
         ("wind ends", windy(), &[calm], 10, FLAT),
         ("colliders leave", among(), &[bare], 10, FLAT),
         ("two cloths", two(), &[nothing], 22, FLAT + TUBE),

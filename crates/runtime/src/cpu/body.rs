@@ -13,7 +13,8 @@ use super::rows::Threads;
 use super::start::Start;
 use super::strain::Springs;
 use super::{
-    colliders, fastest, guard, integrate, normals, restore, seam_normals, seams, skin, speed, springs, strain, wind,
+    colliders, fastest, guard, gust, integrate, normals, restore, seam_normals, seams, skin, speed, springs, strain,
+    wind,
 };
 use crate::choose::Settings;
 use crate::cloth::{Cloth, Compliance, Grid, Poses, Rest, Rows, Tethers};
@@ -42,6 +43,7 @@ pub struct Body<T: Real> {
     /// How many particles were nowhere at the end of the last frame, and the last of them.
     pub faulty: Option<(usize, usize)>,
     field: Vec<[T; 4]>,
+    airs: Vec<[T; 4]>,
     pub(super) grids: Vec<Grid>,
     constant: Vec<[T; 4]>,
     pub(super) image: Arc<Vec<[T; 4]>>,
@@ -81,6 +83,7 @@ impl<T: Real> Body<T> {
             partial: Vec::new(),
             faulty: None,
             field: Vec::new(),
+            airs: Vec::new(),
             grids: cloth.grids().to_vec(),
             constant,
             image: Arc::new(image),
@@ -108,7 +111,7 @@ impl<T: Real> Body<T> {
     pub fn tally(&self, tally: &mut Tally) {
         tally.image(&self.image);
         tally.image(&self.softs);
-        [&self.now, &self.before, &self.good, &self.field].into_iter().for_each(|list| tally.state(list));
+        [&self.now, &self.before, &self.good, &self.field, &self.airs].into_iter().for_each(|list| tally.state(list));
         tally.state(&self.holes);
         tally.state(&self.partial);
         // Normals, once they are asked for.
@@ -270,11 +273,16 @@ impl<T: Real> Body<T> {
     /// Runs one pass on texels; false if it is not one of those, and nothing was done.
     pub fn run(&mut self, pass: Pass, threads: &Threads, step: &Step<T>, solids: &[Solid<T>]) -> bool {
         match pass {
-            Pass::Wind { .. } => {
+            Pass::Gust => {
+                self.airs.resize(self.now.len(), [T::of(0.0); 4]);
+                gust::run(threads, step, &self.now, &mut self.airs);
+            }
+            Pass::Wind { gusts, .. } => {
                 self.field.resize(self.now.len(), [T::of(0.0); 4]);
                 for g in &self.grids {
                     let view = view(&self.now, &self.holes, g);
-                    wind::run(threads, step, view, &self.before[g.range()], &mut self.field[g.range()]);
+                    let airs = if gusts { &self.airs[g.range()] } else { &[] };
+                    wind::run(threads, step, view, [&self.before[g.range()], airs], &mut self.field[g.range()]);
                 }
             }
             Pass::Integrate(air) => {

@@ -101,6 +101,9 @@ pub struct Fabric<T: Real> {
     /// Accelerations by air, by texels, and of each sheet as its positions lie.
     field: Vec<[T; 4]>,
     fields: Vec<Aligned<T>>,
+    /// Velocities of the air at particles, of each sheet as its positions lie, and by texels where sheets have gaps.
+    airs: Vec<Aligned<T>>,
+    airs_of_texels: Vec<[T; 4]>,
 }
 
 impl<T: Real> Fabric<T> {
@@ -140,6 +143,8 @@ impl<T: Real> Fabric<T> {
             together: Vec::new(),
             field: Vec::new(),
             fields: Vec::new(),
+            airs: Vec::new(),
+            airs_of_texels: Vec::new(),
         };
         fabric.worn = Worn::of(cloth, &fabric.sheets, options.thickness, |k| {
             let (sheet, at) = fabric.place(k);

@@ -2,6 +2,7 @@
 //!
 //! A triangle is computed once and added to its three corners, where shaders compute it for each: the sums differ by
 //! rounding. Rows beside gaps and holes, where triangles differ from particle to particle, are made by the particle.
+//! Rows lie as in [`super::sheet`], even columns apart from odd ones, so that those of a sheet are copied as they are.
 
 mod planes;
 mod texels;
@@ -10,13 +11,21 @@ pub use planes::Planes;
 pub use texels::Texels;
 
 use super::rows::Threads;
+use super::sheet::{columns, half_row};
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::Real;
 
 /// A quantity that is summed over triangles.
 pub trait Facets<T: Real>: Copy + Send + Sync {
-    /// The value of a triangle, from its corners now and one step before, counter-clockwise seen from the front.
-    fn facet<K: Machine<T>>(&mut self, k: K, now: [[K::V; 3]; 3], before: [[K::V; 3]; 3]) -> [K::V; 3];
+    /// Whether it depends on a vector of each corner beside its position.
+    const CORNERS: bool;
+    /// That vector, from the positions of the particle now and one step before, and the velocity of the air there if the place has any.
+    fn corner<K: Machine<T>>(&self, _: K, _now: [K::V; 3], before: [K::V; 3], _: Option<[K::V; 3]>) -> [K::V; 3] {
+        before
+    }
+    /// The values of the triangles of a quad at its upper right and at its lower left, from its corners and their vectors, from the upper
+    /// left by way of the upper right.
+    fn quad<K: Machine<T>>(&self, k: K, now: [[K::V; 3]; 4], corners: [[K::V; 3]; 4]) -> [[K::V; 3]; 2];
     /// The result of a particle with an inverse mass.
     fn particle<K: Machine<T>>(&self, k: K, sum: [K::V; 3], w: K::V) -> [K::V; 4];
 }
@@ -29,6 +38,8 @@ pub trait Place<T: Real>: Copy + Send + Sync {
     fn size(&self) -> (usize, usize);
     /// Items in a row of results.
     fn row(&self) -> usize;
+    /// Whether it has velocities of the air.
+    fn airs(&self) -> bool;
     /// Copies a row of particles; whether all of its texels are particles and all of its quads are there.
     fn fill(&self, j: usize, row: &mut Row<T>) -> bool;
     /// Copies a row of results.
@@ -37,13 +48,14 @@ pub trait Place<T: Real>: Copy + Send + Sync {
     fn mend(&self, _j: usize, _to: &mut [Self::Item]) {}
 }
 
-/// Rows that are done in one go: each chunk has its own lists, and computes the rows of triangles at both of its ends again.
+/// Rows that a thread does in one go: each chunk has its own lists, and computes the rows of triangles at both of its ends again.
 const TOGETHER: usize = 32;
 
 /// Writes the result of every particle.
 pub fn run<T: Real, P: Place<T>>(threads: &Threads, facets: impl Facets<T>, place: P, results: &mut [P::Item]) {
-    threads.chunks(results, TOGETHER * place.row(), |chunk, results| {
-        widest(Chunk { facets, place, first: chunk * TOGETHER, results });
+    let rows = if threads.alone(results) { place.size().1 } else { TOGETHER };
+    threads.chunks(results, rows * place.row(), |chunk, results| {
+        widest(Chunk { facets, place, first: chunk * rows, results });
     });
 }
 
@@ -55,31 +67,64 @@ struct Chunk<'b, F, P, I> {
     results: &'b mut [I],
 }
 
-/// A row of particles by coordinates, with room for a vector past its end. `before` is 0 if no facet reads it.
+/// A row of particles by coordinates, `[even, odd]` each. Of facets without vectors of corners only `now` and `w` are filled.
 pub struct Row<T> {
     now: [Vec<T>; 3],
     before: [Vec<T>; 3],
+    air: [Vec<T>; 3],
     w: Vec<T>,
 }
 
-/// Values of the quads of a row: of the triangle at their lower left, of that at their upper right, and of both. The quad `i`
-/// is at `i + 1`, between zeros.
+/// Values of the quads of a row: of the triangle at their lower left, of that at their upper right, and of both. First those
+/// that begin at an even column, then, from [`Size::quads`] on, those at an odd one, each after a zero.
 struct Quads<T> {
     left: [Vec<T>; 3],
     right: [Vec<T>; 3],
     both: [Vec<T>; 3],
 }
 
-impl<T: Real> Row<T> {
+/// Columns of a row, numbers in half a row of particles, and in half a row of quads.
+#[derive(Clone, Copy)]
+struct Size {
+    width: usize,
+    half: usize,
+    quads: usize,
+}
+
+impl Size {
     fn new(width: usize) -> Self {
-        let list = || vec![T::of(0.0); width + 1 + LANES];
-        Row { now: [list(), list(), list()], before: [list(), list(), list()], w: list() }
+        let half = half_row(width);
+        Size { width, half, quads: half + LANES }
+    }
+}
+
+impl<T: Real> Row<T> {
+    fn new(size: Size, [corners, airs]: [bool; 2]) -> Self {
+        let list = |there: bool| vec![T::of(0.0); if there { 2 * size.half } else { 0 }];
+        let lists = |there: bool| [list(there), list(there), list(there)];
+        Row { now: lists(true), before: lists(corners), air: lists(airs), w: list(true) }
+    }
+
+    /// Puts the vectors of corners in the place of previous positions.
+    #[inline(always)]
+    fn corners<K: Machine<T>, F: Facets<T>>(&mut self, k: K, facets: &F, size: Size) {
+        if !F::CORNERS {
+            return;
+        }
+        for at in columns(size.width, size.half, K::WIDE) {
+            let before = k.loads(&self.before, at);
+            let air = if self.air[0].is_empty() { None } else { Some(k.loads(&self.air, at)) };
+            let of = facets.corner(k, k.loads(&self.now, at), before, air);
+            for (list, of) in self.before.iter_mut().zip(of) {
+                k.store(list, at, of);
+            }
+        }
     }
 }
 
 impl<T: Real> Quads<T> {
-    fn new(width: usize) -> Self {
-        let list = || [0; 3].map(|_| vec![T::of(0.0); width + 1 + LANES]);
+    fn new(size: Size) -> Self {
+        let list = || [0; 3].map(|_| vec![T::of(0.0); 2 * size.quads]);
         Quads { left: list(), right: list(), both: list() }
     }
 
@@ -90,27 +135,31 @@ impl<T: Real> Quads<T> {
 
     /// The quads between two rows.
     #[inline(always)]
-    fn fill<K: Machine<T>>(&mut self, k: K, facets: &mut impl Facets<T>, upper: &Row<T>, lower: &Row<T>, width: usize) {
-        for at in (0..width - 1).step_by(K::WIDE) {
-            // From the upper left by way of the upper right.
-            let [p, q] = [k.loads(&upper.now, at), k.loads(&upper.now, at + 1)];
-            let [r, s] = [k.loads(&lower.now, at + 1), k.loads(&lower.now, at)];
-            let [e, f] = [k.loads(&upper.before, at), k.loads(&upper.before, at + 1)];
-            let [g, h] = [k.loads(&lower.before, at + 1), k.loads(&lower.before, at)];
-            // A loop, so that a facet is compiled once.
-            let (now, before) = ([[p, q, r], [p, r, s]], [[e, f, g], [e, g, h]]);
-            let mut sides = [p; 2];
-            for side in 0..2 {
-                sides[side] = facets.facet(k, now[side], before[side]);
-            }
-            let count = width - 1 - at;
-            let [right, left] = sides;
-            for (c, (right, left)) in right.into_iter().zip(left).enumerate() {
-                // Past the last quad there are zeros.
-                let (right, left) = (k.first(right, count), k.first(left, count));
-                k.store(&mut self.left[c], at + 1, left);
-                k.store(&mut self.right[c], at + 1, right);
-                k.store(&mut self.both[c], at + 1, k.add(left, right));
+    fn fill<K: Machine<T>, F: Facets<T>>(&mut self, k: K, facets: &F, upper: &Row<T>, lower: &Row<T>, size: Size) {
+        for odd in 0..2 {
+            let all = (size.width - odd) / 2;
+            for at in (0..all).step_by(K::WIDE) {
+                let (near, far) = (odd * size.half + at, (1 - odd) * size.half + at + odd);
+                let [p, q] = [k.loads(&upper.now, near), k.loads(&upper.now, far)];
+                let [r, s] = [k.loads(&lower.now, far), k.loads(&lower.now, near)];
+                let mut corners = [p; 4];
+                if F::CORNERS {
+                    corners = [
+                        k.loads(&upper.before, near),
+                        k.loads(&upper.before, far),
+                        k.loads(&lower.before, far),
+                        k.loads(&lower.before, near),
+                    ];
+                }
+                let [right, left] = facets.quad(k, [p, q, r, s], corners);
+                let to = odd * size.quads + at + 1;
+                for c in 0..3 {
+                    // Past the last quad there are zeros.
+                    let (right, left) = (k.first(right[c], all - at), k.first(left[c], all - at));
+                    k.store(&mut self.left[c], to, left);
+                    k.store(&mut self.right[c], to, right);
+                    k.store(&mut self.both[c], to, k.add(left, right));
+                }
             }
         }
     }
@@ -119,28 +168,32 @@ impl<T: Real> Quads<T> {
 impl<T: Real, F: Facets<T>, P: Place<T>> Work<T> for Chunk<'_, F, P, P::Item> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        let Chunk { mut facets, place, first, results } = self;
+        let Chunk { facets, place, first, results } = self;
         let (width, height) = place.size();
-        let [mut above, mut here, mut below] = [0; 3].map(|_| Row::new(width));
-        let [mut over, mut under] = [0; 2].map(|_| Quads::new(width));
-        let mut sums = [0; 4].map(|_| vec![T::of(0.0); width + LANES]);
+        let size = Size::new(width);
+        let [mut above, mut here, mut below] = [0; 3].map(|_| Row::new(size, [F::CORNERS, F::CORNERS && place.airs()]));
+        let [mut over, mut under] = [0; 2].map(|_| Quads::new(size));
+        let mut sums = [0; 4].map(|_| vec![T::of(0.0); 2 * size.half]);
         // Whether the row above, this one and the one below are whole.
         let mut whole = [true; 3];
         whole[1] = place.fill(first, &mut here);
+        here.corners(k, &facets, size);
         if first > 0 {
             whole[0] = place.fill(first - 1, &mut above);
-            over.fill(k, &mut facets, &above, &here, width);
+            above.corners(k, &facets, size);
+            over.fill(k, &facets, &above, &here, size);
         }
         for (n, results) in results.chunks_exact_mut(place.row()).enumerate() {
             let j = first + n;
             if j + 1 < height {
                 whole[2] = place.fill(j + 1, &mut below);
-                under.fill(k, &mut facets, &here, &below, width);
+                below.corners(k, &facets, size);
+                under.fill(k, &facets, &here, &below, size);
             } else {
                 (whole[2], ()) = (true, under.clear());
             }
             if whole == [true; 3] {
-                row(k, &facets, (&over, &under), (&here.w, width), &mut sums);
+                row(k, &facets, (&over, &under), (&here.w, size), &mut sums);
                 place.put(&sums, results);
             } else {
                 place.mend(j, results);
@@ -159,15 +212,19 @@ fn row<T: Real, K: Machine<T>>(
     k: K,
     facets: &impl Facets<T>,
     (over, under): (&Quads<T>, &Quads<T>),
-    (w, width): (&[T], usize),
+    (w, size): (&[T], Size),
     results: &mut [Vec<T>; 4],
 ) {
-    for at in (0..width).step_by(K::WIDE) {
-        let above = k.plus(k.loads(&over.left, at + 1), k.loads(&over.both, at));
-        let below = k.plus(k.loads(&under.both, at + 1), k.loads(&under.right, at));
-        let of = facets.particle(k, k.plus(above, below), k.load(w, at));
-        for c in 0..4 {
-            k.store(&mut results[c], at, of[c]);
+    for odd in 0..2 {
+        for at in (0..(size.width + 1 - odd) / 2).step_by(K::WIDE) {
+            // The quads to the right of these particles, and those to the left.
+            let (right, left) = (odd * size.quads + at + 1, (1 - odd) * size.quads + at + odd);
+            let above = k.plus(k.loads(&over.left, right), k.loads(&over.both, left));
+            let below = k.plus(k.loads(&under.both, right), k.loads(&under.right, left));
+            let of = facets.particle(k, k.plus(above, below), k.load(w, odd * size.half + at));
+            for c in 0..4 {
+                k.store(&mut results[c], odd * size.half + at, of[c]);
+            }
         }
     }
 }

@@ -17,7 +17,8 @@ pub fn run<T: Real>(body: &mut Body<T>, frame: &Frame, threads: &Threads, solids
 pub fn step<T: Real>(body: &mut Body<T>, frame: &Frame, n: u32, threads: &Threads, solids: &[Solid<T>]) {
     let Frame { schedule, rounds, .. } = *frame;
     let relax = (0..rounds).flat_map(|_| &schedule.relax);
-    let passes = frame.near(n).iter().chain(frame.air(n)).chain(&schedule.step).chain(frame.coarse(n)).chain(relax);
+    let begin = frame.near(n).iter().chain(frame.gusts(n)).chain(frame.air(n));
+    let passes = begin.chain(&schedule.step).chain(frame.coarse(n)).chain(relax);
     body.step(passes, threads, &frame.step(n, n).cast(), solids);
 }
 

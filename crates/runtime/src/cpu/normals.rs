@@ -9,7 +9,7 @@ use crate::number::real::{Real, V3, add, cross, dot, scale, sub, with_w};
 /// Writes the unit sum of the normals of the triangles around each particle, weighed by area, and in the fourth
 /// component the length of that sum \[m^2\]: the weight of a duplicate when seams are closed. 0 where there is none.
 pub fn run<T: Real>(threads: &Threads, view: View<T>, normals: &mut [[T; 4]]) {
-    facets::run(threads, Areas, Texels { view, before: &[], alone: |i, j| alone(view, i, j) }, normals);
+    facets::run(threads, Areas, Texels { view, before: &[], airs: &[], alone: |i, j| alone(view, i, j) }, normals);
 }
 
 /// Twice the areas of triangles, as vectors across them.
@@ -17,9 +17,12 @@ pub fn run<T: Real>(threads: &Threads, view: View<T>, normals: &mut [[T; 4]]) {
 struct Areas;
 
 impl<T: Real> Facets<T> for Areas {
+    const CORNERS: bool = false;
+
     #[inline(always)]
-    fn facet<K: Machine<T>>(&mut self, k: K, [p, q, r]: [[K::V; 3]; 3], _: [[K::V; 3]; 3]) -> [K::V; 3] {
-        k.cross(k.minus(q, p), k.minus(r, p))
+    fn quad<K: Machine<T>>(&self, k: K, [p, q, r, s]: [[K::V; 3]; 4], _: [[K::V; 3]; 4]) -> [[K::V; 3]; 2] {
+        let across = k.minus(r, p);
+        [k.cross(k.minus(q, p), across), k.cross(across, k.minus(s, p))]
     }
 
     #[inline(always)]

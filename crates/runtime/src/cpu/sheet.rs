@@ -44,6 +44,12 @@ pub struct Sheet<T: Real> {
     pub alike: Vec<T>,
 }
 
+/// Numbers in half a row of one coordinate: whole blocks of pairs, the odd ones from one further on.
+pub fn half_row(width: usize) -> usize {
+    let blocks = |pairs: usize| pairs.div_ceil(LANES) * LANES;
+    blocks(width.div_ceil(2)).max(1 + blocks((width - 1) / 2)).next_multiple_of(LANES)
+}
+
 /// The coordinates of a row, `[even, odd]` each.
 #[inline(always)]
 pub fn planes<T>(row: &mut [T], half: usize) -> [&mut [T]; 3] {
@@ -69,9 +75,7 @@ impl<T: Real> Sheet<T> {
     /// Room for a grid; everything 0.
     pub fn new(grid: &Grid) -> Self {
         let (width, height) = (grid.width as usize, grid.height as usize);
-        // Whole blocks of pairs, the odd ones from one further on.
-        let blocks = |pairs: usize| pairs.div_ceil(LANES) * LANES;
-        let half = blocks(width.div_ceil(2)).max(1 + blocks((width - 1) / 2)).next_multiple_of(LANES);
+        let half = half_row(width);
         let row = 6 * half * height;
         Sheet {
             width,
@@ -137,6 +141,11 @@ impl<T: Real> Sheet<T> {
     /// A list by texels in the layout of [`Sheet::now`].
     pub fn arrange(&self, texels: &[[T; 4]], list: &mut [T]) {
         scatter(list, self.width, self.half, texels);
+    }
+
+    /// A list in the layout of [`Sheet::now`] to texels; their fourth component stays.
+    pub fn gather(&self, list: &[T], texels: &mut [[T; 4]]) {
+        gather(list, self.width, self.half, texels);
     }
 
     /// Positions to texels; their fourth component stays.

@@ -81,7 +81,7 @@ impl Gpu {
             if rare { &sequence.coarse } else { &sequence.first }
         };
         // The first dispatch of the frame clears the counters, if it can.
-        let first = sequence.air.first().or(begins(0).first());
+        let first = sequence.gusts.iter().chain(&sequence.air).chain(begins(0)).next();
         let clears = first.is_some_and(|form| self.pipelines.get(form).source.binds(Slot::Faults));
         if steps == 0 || !clears {
             self.arenas[batch.1.arena].clear_faults(&batch.1.members, passes.between());
@@ -92,6 +92,9 @@ impl Gpu {
                 gpu.run_batch(batch, passes, (form, part));
                 part = Frames::within(n);
             };
+            if n == 0 {
+                sequence.gusts.iter().for_each(|form| run(self, form));
+            }
             if n % hold.max(1) == 0 {
                 sequence.air.iter().for_each(|form| run(self, form));
             }

@@ -16,9 +16,10 @@ const _: () = assert!(LISTED.len() < HEAD && matches!(LISTED[0].0, Slot::Jobs));
 /// Vectors of four, one a particle, that a frame leaves to the next. In whole frames they lie in [`Slot::Lasting`].
 pub const LASTING: [Slot; 2] = [Slot::Good, Slot::Lost];
 
-/// Lists of a frame, with a vector of four per particle: the acceleration by air, the sum of multipliers, the multiplier of bending,
-/// whose w is 1 if the particle has one, and what the stitch of the particle pulls with. In whole frames they lie in [`Slot::Scratch`].
-pub const SCRATCH: [Slot; 4] = [Slot::Field, Slot::Sums, Slot::Moments, Slot::Pulls];
+/// Lists of a frame, with a vector of four per particle: the acceleration by air, the velocity of the air, the sum of multipliers, the
+/// multiplier of bending, whose w is 1 if the particle has one, and what the stitch of the particle pulls with. In whole frames they lie
+/// in [`Slot::Scratch`].
+pub const SCRATCH: [Slot; 5] = [Slot::Field, Slot::Airs, Slot::Sums, Slot::Moments, Slot::Pulls];
 
 /// Declarations of the lists that a shader binds, a buffer each.
 pub fn own(bindings: &[Bound]) -> String {

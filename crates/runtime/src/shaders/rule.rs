@@ -66,7 +66,8 @@ macro_rules! rule {
 /// Elements that the rule of a pass is run for.
 pub fn over(pass: Pass) -> Over {
     match pass {
-        Pass::Integrate(_) | Pass::IntegrateExact(_) | Pass::Forget | Pass::Tethers { .. } => Over::Particles,
+        Pass::Gust | Pass::Integrate(_) | Pass::IntegrateExact(_) => Over::Particles,
+        Pass::Forget | Pass::Tethers { .. } => Over::Particles,
         Pass::Limit { .. } | Pass::Backstop { .. } => Over::Particles,
         Pass::Guard | Pass::Restore | Pass::Colliders(_) => Over::Particles,
         Pass::Contact(kinds) => {
@@ -152,9 +153,10 @@ pub fn rule(pass: Pass) -> Rule {
             let parts = parts(&[part!("unit")], &[Starts, Members], &[Slot::Normals]);
             rule!("seam_normals", "join_normals", over, parts)
         }
-        Pass::Wind { holes } => {
-            let parts = parts(&[part!("gust"), part!("neighbours")], &[Step, Grids, Now, Before], &[Field]);
-            rule!("wind", "blow", over, open(holes, parts))
+        Pass::Gust => rule!("gust", "gust", over, parts(&[part!("gust")], &[Step, Now], &[Slot::Airs])),
+        Pass::Wind { gusts, holes } => {
+            let parts = parts(&[part!("neighbours")], &[Step, Grids, Now, Before], &[Field]);
+            rule!("wind", "blow", over, open(holes, parts.and(air_at(gusts))))
         }
         Pass::Moments { holes } => moments(over, holes),
         Pass::Bend => {
@@ -298,6 +300,12 @@ fn integrate(air: Air, exact: bool) -> Parts {
         Air::Push => Parts::new(&[part!("gust"), part!("air_push")], &[], &[]),
         Air::Field => Parts::new(&[part!("air_field")], &[Slot::Field], &[]),
     })
+}
+
+/// The velocity of the air at a particle, by [`Pass::Gust`] or alike everywhere.
+fn air_at(gusts: bool) -> Parts {
+    let (file, read): (_, &[_]) = if gusts { (part!("air_gusty"), &[Slot::Airs]) } else { (part!("air_even"), &[]) };
+    Parts::new(&[file], read, &[])
 }
 
 /// The largest stretch, a number for a workgroup.

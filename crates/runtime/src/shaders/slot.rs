@@ -110,6 +110,7 @@ slots! {
     Covers "covers",
     MeshIndices "mesh_indices",
     LeftIndices "left_indices",
+    Airs "airs",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
@@ -239,7 +240,9 @@ impl Slot {
             Slot::Lasting => cloth.len() * 16 * (1 + usize::from(cloth.is_exact())),
             Slot::Good | Slot::Weights | Slot::Moments | Slot::Lost => cloth.len() * 16,
             Slot::Next | Slot::Passed | Slot::Losing | Slot::Summing => cloth.len() * 16,
-            Slot::Targets | Slot::Drifts | Slot::Pulls | Slot::Backs | Slot::BackDrifts => cloth.len() * 16,
+            Slot::Airs | Slot::Targets | Slot::Drifts | Slot::Pulls | Slot::Backs | Slot::BackDrifts => {
+                cloth.len() * 16
+            }
             Slot::Stitches => cloth.len() * 48,
             Slot::Skinned | Slot::BackSkinned => cloth.len() * 32,
             Slot::Influences | Slot::BackInfluences => {

@@ -15,8 +15,8 @@ pub fn is_whole(schedule: &Schedule) -> bool {
 }
 
 pub(super) fn all(schedule: &Schedule) -> impl Iterator<Item = &Pass> {
-    let Schedule { air, step, coarse, relax, frame, .. } = schedule;
-    air.iter().chain(step).chain(coarse).chain(relax).chain(frame)
+    let Schedule { gusts, air, step, coarse, relax, frame, .. } = schedule;
+    gusts.iter().chain(air).chain(step).chain(coarse).chain(relax).chain(frame)
 }
 
 /// The rules of all passes and a loop for each, called in their order.
@@ -80,9 +80,10 @@ pub fn whole(fused: &Fused) -> Source {
         calls => format!("  if (n % frame.pyramid == 0u) {{\n{calls}  }}\n"),
     };
     let program = format!(
-        "\nconst PER_THREAD: u32 = {}u;\n\nconst SLOTS: u32 = {slots}u;\n\n{declared}\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn coarse_program(n: u32, job: Job, local: u32) {{\n{coarse}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
+        "\nconst PER_THREAD: u32 = {}u;\n\nconst SLOTS: u32 = {slots}u;\n\n{declared}\nfn gust_program(job: Job, local: u32) {{\n{}}}\n\nfn air_program(job: Job, local: u32) {{\n{}}}\n\nfn step_program(job: Job, local: u32) {{\n{}}}\n\nfn coarse_program(n: u32, job: Job, local: u32) {{\n{coarse}}}\n\nfn round_program(job: Job, local: u32) {{\n{}}}\n\n\
          fn frame_program(job: Job, local: u32) {{\n{}}}\n",
         per_thread(fused),
+        calls(&schedule.gusts, step),
         calls(&schedule.air, step),
         calls(&schedule.step, step),
         calls(&schedule.relax, step),

@@ -19,7 +19,9 @@ pub struct Order {
 /// The dispatches of a frame of cloths that share them, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sequence {
-    /// In steps with forces of air, before all others.
+    /// In the first step of a frame, before all others.
+    pub gusts: Vec<Form>,
+    /// In steps with forces of air, before all that follow.
     pub air: Vec<Form>,
     /// Once a step, up to the first relaxation and with it. The last seams of a relaxation, and the passes after them, may be part of the next
     /// dispatch: that of the next step, of the next relaxation, or after the last step.
@@ -38,10 +40,9 @@ impl Sequence {
     pub fn forms(&self, [steps, rounds, hold, pyramid]: [u32; 4]) -> Vec<(Form, u32)> {
         let blows = steps.div_ceil(hold.max(1));
         let rare = if self.coarse.is_empty() { 0 } else { steps.div_ceil(pyramid.max(1)) };
-        let (air, first, relax) =
-            ((&self.air, blows), (&self.first, steps - rare), (&self.relax, steps * (rounds - 1)));
-        let lists = [air, (&self.coarse, rare), first, relax, (&self.last, 1)];
-        let made = lists.into_iter().filter(|(_, count)| *count > 0);
+        let begin = [(&self.gusts, u32::from(steps > 0)), (&self.air, blows), (&self.coarse, rare)];
+        let lists = [(&self.first, steps - rare), (&self.relax, steps * (rounds - 1)), (&self.last, 1)];
+        let made = begin.into_iter().chain(lists).filter(|(_, count)| *count > 0);
         made.flat_map(|(list, count)| list.iter().map(move |form| (form.clone(), count))).collect()
     }
 }
@@ -71,7 +72,7 @@ pub fn order((cloth, solids): (&Cloth, u64), schedule: &Schedule, room: &Room) -
 /// The dispatches of a schedule, by cloths that share them.
 pub fn sequence(among: &Among, schedule: &Schedule, room: &Room) -> Sequence {
     let alone = |pass: &Pass| Form::Together(*pass);
-    let air = schedule.air.iter().map(alone).collect();
+    let [gusts, air] = [&schedule.gusts, &schedule.air].map(|list| list.iter().map(alone).collect());
     let whole = [&schedule.step[..], &schedule.relax].concat();
     // Speeds are measured for each cloth at once.
     let last: Vec<_> = schedule.frame.iter().copied().filter(|p| *p != Pass::Fastest).collect();
@@ -99,7 +100,7 @@ pub fn sequence(among: &Among, schedule: &Schedule, room: &Room) -> Sequence {
         let coarse = below(of(&schedule.step), &schedule.relax);
         [of(&whole), coarse, of(&schedule.relax), last.iter().map(alone).collect()]
     });
-    Sequence { air, first, coarse, relax, last }
+    Sequence { gusts, air, first, coarse, relax, last }
 }
 
 /// How many passes a dispatch makes.

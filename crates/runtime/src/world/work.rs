@@ -20,7 +20,7 @@ fn of_pass(pass: &Pass, colliders: usize) -> f64 {
         Pass::Tethers { slots } => 1.7 * f64::from(slots),
         Pass::Seams => 3.0,
         Pass::Integrate(Air::Push) | Pass::IntegrateExact(Air::Push) => 22.0,
-        Pass::Wind { .. } => 150.0,
+        Pass::Wind { .. } => 10.0,
         Pass::Contact(_) => 12.0 * colliders.min(MAX_COLLIDERS) as f64,
         Pass::Pyramid { .. } | Pass::Refine { .. } => 20.0,
         // Counted with those above.

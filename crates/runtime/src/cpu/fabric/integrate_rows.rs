@@ -36,6 +36,18 @@ pub fn run<T: Real>(threads: &Threads, step: &Step<T>, sheet: &mut Sheet<T>, air
     }
 }
 
+/// Rows in moving air, as [`run`], from the row `first` on.
+pub fn moving<T: Real>(
+    step: &Step<T>,
+    now: &mut [T],
+    before: &mut [T],
+    (width, half): (usize, usize),
+    (w, first): (&[T], usize),
+    air: Air<T>,
+) {
+    widest(Rows { step, now, before, lost: &mut [], row: 6 * half, half, width, w, first, air });
+}
+
 /// Rows in still air, as [`run`], from the row `first` on.
 #[inline(always)]
 pub fn still<T: Real, K: Machine<T>>(

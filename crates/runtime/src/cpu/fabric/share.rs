@@ -66,7 +66,8 @@ impl<T: Real> Fabric<T> {
             [&follow.to, &follow.drift].into_iter().for_each(|list| tally.state(list));
         }
         self.meeting.iter().for_each(|meeting| meeting.tally(tally));
-        self.fields.iter().for_each(|field| tally.state(field));
+        self.fields.iter().chain(&self.airs).for_each(|list| tally.state(list));
+        [&self.field, &self.airs_of_texels].into_iter().for_each(|list| tally.state(list));
         self.worn.iter().for_each(|worn| worn.tally(tally));
     }
 }

@@ -13,6 +13,7 @@ use crate::cpu::integrate::Air;
 use crate::cpu::rows::Threads;
 use crate::cpu::surface::Worn;
 use crate::levels::carried;
+use crate::number::aligned::Aligned;
 use crate::number::real::Real;
 use crate::passes::{self, Pass};
 use crate::step::Step;
@@ -57,7 +58,7 @@ impl<T: Real> Fabric<T> {
     fn walks(&self, pass: Pass, threads: &Threads) -> bool {
         let reaches = match pass {
             Pass::Stretch { direction, .. } => !self.springs.iter().all(|s| s[direction as usize & 3].are_hard()),
-            Pass::Integrate(passes::Air::None) | Pass::Tethers { .. } | Pass::Polish { .. } => false,
+            Pass::Integrate(_) | Pass::Tethers { .. } | Pass::Polish { .. } => false,
             _ => true,
         };
         !reaches && self.sheets.iter().all(|s| threads.alone(&s.now))
@@ -76,7 +77,8 @@ impl<T: Real> Fabric<T> {
                     Stage::Springs(&self.springs[g][direction as usize & 3], (direction & 3, parity), true)
                 }
                 Pass::Tethers { .. } => Stage::Tethers(&self.tethers[g], self.places.of(g)),
-                _ => Stage::Integrate(step),
+                Pass::Integrate(air) => Stage::Integrate(step, moving(air, self.fields.get(g))),
+                _ => Stage::Integrate(step, Air::None),
             };
             let stages: Vec<_> = passes.iter().map(stage).collect();
             sweep::run(sheet, &stages);
@@ -93,15 +95,12 @@ impl<T: Real> Fabric<T> {
         body: &mut Body<T>,
     ) -> bool {
         match pass {
-            Pass::Wind { holes } => self.wind(threads, step, body, holes),
+            Pass::Gust => self.gust(threads, step),
+            Pass::Wind { gusts, holes } => self.wind(threads, step, body, (gusts, holes)),
             Pass::Integrate(air) | Pass::IntegrateExact(air) => {
                 let exact = matches!(pass, Pass::IntegrateExact(_));
                 for (g, sheet) in self.sheets.iter_mut().enumerate() {
-                    let air = match air {
-                        passes::Air::None => Air::None,
-                        passes::Air::Push => Air::Push,
-                        passes::Air::Field => Air::Field(&self.fields[g]),
-                    };
+                    let air = moving(air, self.fields.get(g));
                     integrate_rows::run(threads, step, sheet, air, exact);
                 }
             }
@@ -229,5 +228,14 @@ impl<T: Real> Fabric<T> {
         for ring in self.starts.windows(2) {
             seam_steps::close(&mut self.sheets, &self.members[ring[0] as usize..ring[1] as usize], |s| &mut s.now);
         }
+    }
+}
+
+/// The air of a sheet, from the forces on its triangles.
+fn moving<T: Real>(air: passes::Air, field: Option<&Aligned<T>>) -> Air<'_, T> {
+    match air {
+        passes::Air::None => Air::None,
+        passes::Air::Push => Air::Push,
+        passes::Air::Field => Air::Field(field.map_or(&[], |field| field)),
     }
 }

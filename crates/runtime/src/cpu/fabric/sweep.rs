@@ -8,6 +8,7 @@ use super::anchors::Anchors;
 use super::integrate_rows;
 use super::stretch::{Spring, Springs};
 use super::tethers::{Rows, Tethers};
+use crate::cpu::integrate::Air;
 use crate::cpu::sheet::Sheet;
 use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::Real;
@@ -15,8 +16,8 @@ use crate::step::Step;
 
 /// A pass of a sheet.
 pub enum Stage<'a, T: Real> {
-    /// A step in still air.
-    Integrate(&'a Step<T>),
+    /// A step, in air that moves or is still.
+    Integrate(&'a Step<T>, Air<'a, T>),
     /// Tethers, and where their anchors are.
     Tethers(&'a Tethers<T>, Anchors<'a, T>),
     /// Hard springs of a direction and parity, of a round of polish or not.
@@ -64,9 +65,13 @@ impl<T: Real, const BOUND: bool> Work<T> for Walk<'_, '_, T, BOUND> {
             let mut ready = taken;
             for (stage, (spring, next)) in self.stages.iter().zip(&mut states) {
                 match (stage, spring) {
-                    (Stage::Integrate(step), _) => {
+                    (Stage::Integrate(step, air), _) => {
                         let part = *next * row..ready * row;
-                        integrate_rows::still(k, step, &mut now[part.clone()], &mut before[part], size, (w, *next));
+                        let (now, before) = (&mut now[part.clone()], &mut before[part]);
+                        match air {
+                            Air::None => integrate_rows::still(k, step, now, before, size, (w, *next)),
+                            air => integrate_rows::moving(step, now, before, size, (w, *next), *air),
+                        }
                         *next = ready;
                     }
                     (Stage::Tethers(held, anchors), _) => {
@@ -114,7 +119,6 @@ mod tests {
     use crate::cloth::Grid;
     use crate::cpu::fabric::stretch::{self, Rests};
     use crate::cpu::fabric::tethers::{self, Slot};
-    use crate::cpu::integrate::Air;
     use crate::cpu::rows::Threads;
     use crate::number::aligned::Aligned;
     use std::sync::Arc;
@@ -149,8 +153,12 @@ mod tests {
         let sizes = [(2, 2), (3, 9), (9, 3), (31, 33), (32, 64), (33, 31), (70, 200), (300, 41)];
         // Diagonals of one direction without a bound, those of the other with one: they go together too.
         let bounds = [[0.0; 4], [0.01; 4], [0.0, 0.0, 0.01, 0.0]];
-        for ((width, height), bounds) in sizes.into_iter().flat_map(|s| bounds.map(|b| (s, b))) {
+        let step = Step { wind: [3.0, 0.0, 1.0], rate: 100.0, response: 0.8, ..step };
+        let cases = sizes.into_iter().flat_map(|s| bounds.map(|b| (s, b))).enumerate();
+        for (n, ((width, height), bounds)) in cases {
             let (mut together, mut apart) = (sheet(width, height), sheet(width, height));
+            let moving: Vec<f32> = together.now.iter().map(|x| 5.0 * x.sin()).collect();
+            let air = [Air::None, Air::Field(&moving), Air::Push][n % 3];
             let list = Rests::List(Arc::new(together.list(0.0, |k| 0.8 + 0.001 * (k % 100) as f32)));
             let [right, diagonal] = [0.9f32, 1.3].map(|rest| move |sheet| Rests::constant(sheet, rest));
             let rest = [right(&together), list, diagonal(&together), diagonal(&together)];
@@ -166,14 +174,14 @@ mod tests {
             let at = [together.at(0)];
             let anchors = Anchors { at: &at, planes: &[Aligned::default()] };
             let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)];
-            integrate_rows::run(&threads, &step, &mut apart, Air::None, false);
+            integrate_rows::run(&threads, &step, &mut apart, air, false);
             tethers::run(&threads, &mut apart, &held, &anchors);
             for colour in colours {
                 stretch::run(&threads, &mut apart, &mut springs[colour.0 as usize], colour, false, step.dt);
             }
             tethers::run(&threads, &mut apart, &held, &anchors);
             let all = colours.map(|colour| Stage::Springs(&springs[colour.0 as usize], colour, false));
-            let mut stages = vec![Stage::Integrate(&step), Stage::Tethers(&held, anchors)];
+            let mut stages = vec![Stage::Integrate(&step, air), Stage::Tethers(&held, anchors)];
             stages.extend(all);
             stages.push(Stage::Tethers(&held, anchors));
             run(&mut together, &stages);
