@@ -167,6 +167,10 @@ pub struct SceneArgs {
     /// start; xpbd only [default: that of the scene, or off].
     #[arg(long, value_enum)]
     pub contact: Option<ContactArg>,
+    /// Move free particles out of the body, the colliders and, with contact, the garments below that they begin in, before the first
+    /// frame; auto is on for a bundle, and as a scene file has it.
+    #[arg(long, value_enum, default_value_t = ClearStartArg::Auto)]
+    pub clear_start: ClearStartArg,
     #[command(flatten)]
     pub motion: MotionArgs,
     /// Particles per side of a built-in scene.
@@ -289,6 +293,14 @@ pub enum BackendArg {
 /// Whether pictures have a ground.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum GroundArg {
+    Auto,
+    On,
+    Off,
+}
+
+/// Whether particles leave what they begin in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ClearStartArg {
     Auto,
     On,
     Off,

@@ -24,6 +24,7 @@ mod texture;
 mod weigh;
 
 pub use backstop::Backstop;
+pub(crate) use body::{LEAST_CLEARANCE_M, MODELLED_INSIDE_M};
 pub use contact::{ClothContact, ContactTier};
 pub(crate) use contact::{Kin, SKIPPED_CELLS};
 pub use flat::Flat;

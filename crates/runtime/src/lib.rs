@@ -30,6 +30,7 @@
 
 mod bounds;
 mod choose;
+mod clearing;
 mod clock;
 mod cloth;
 mod coarser;
@@ -82,6 +83,7 @@ mod world;
 
 pub use bounds::Bounds;
 pub use choose::{Choice, Support};
+pub use clearing::ClearedStart;
 pub use clock::Progress;
 pub use cloth::{
     Anchor, Backstop, BodySurface, Cloth, ClothContact, Compliance, ContactTier, Flat, Grid, Influence, JointPoses,

@@ -5,7 +5,10 @@ use std::time::Instant;
 
 use gimage_runtime::scene::Script;
 use gimage_runtime::wgpu;
-use gimage_runtime::{Backend, Health, Options, PassTime, Progress, Scene, Stepper, read_back, read_back_u32};
+use gimage_runtime::{
+    Backend, ClearedStart, Health, Options, PassTime, Progress, Scene, Stepper, read_back, read_back_u32,
+};
+use serde_json::{Value, json};
 
 use crate::commands::character::Animated;
 use crate::commands::device::Device;
@@ -17,6 +20,9 @@ use crate::output::{Output, Tone};
 /// A frame of the time before an animation \[s\].
 const LEAD_FRAME_S: f64 = 1.0 / 60.0;
 
+/// A particle deeper \[m\] inside than this after clearing is warned of.
+const LEFT_M: f64 = 0.005;
+
 /// A stepper and, on the GPU, what it runs on.
 pub struct Engine {
     pub stepper: Stepper,
@@ -25,6 +31,8 @@ pub struct Engine {
     gpu: Option<(wgpu::Device, wgpu::Queue)>,
     script: Script,
     animated: Option<Arc<Animated>>,
+    /// How its cloths were cleared of what they began in.
+    pub cleared: Arc<[ClearedStart]>,
     /// Of the host \[s\] since the start.
     time: f64,
 }
@@ -52,14 +60,14 @@ impl Engine {
         let found = found.filter(|_| stepper.backend() == Backend::Gpu);
         let adapter = found.as_ref().map_or_else(|| "this machine's cores".to_owned(), |d| d.info.name.clone());
         let gpu = found.map(|d| (d.device, d.queue));
-        Ok(Engine { stepper, adapter, gpu, script, animated: None, time: 0.0 })
+        Ok(Engine { stepper, adapter, gpu, script, animated: None, cleared: Arc::default(), time: 0.0 })
     }
 
     /// The engine of a scene, with what moves its joints.
     pub fn of(loaded: &Loaded) -> Result<Self, Failure> {
         let file = &loaded.file;
         let engine = Engine::new(file.scene.clone(), file.script.clone(), file.options.clone())?;
-        let mut engine = Engine { animated: loaded.animated.clone(), ..engine };
+        let mut engine = Engine { animated: loaded.animated.clone(), cleared: loaded.cleared.clone(), ..engine };
         engine.lead()?;
         Ok(engine)
     }
@@ -85,6 +93,24 @@ impl Engine {
         let each = self.stepper.warnings();
         each.iter().for_each(|warning| out.remark(Tone::Warning, "warning", &warning.to_string()));
         self.animated.iter().for_each(|animated| animated.remark(out));
+        for cleared in self.cleared.iter().filter(|cleared| cleared.inside > 0 || cleared.left > 0) {
+            let late = cleared.left_depth > LEFT_M;
+            let (tone, label) = if late { (Tone::Warning, "warning") } else { (Tone::Note, "note") };
+            let hint =
+                if late { ": pin fewer particles inside of the body there, or leave those parts out" } else { "" };
+            out.remark(tone, label, &format!("{cleared}{hint}"));
+        }
+    }
+
+    /// How its cloths were cleared, for `--json`.
+    pub fn start_json(&self) -> Value {
+        let entry = |c: &ClearedStart| {
+            json!({"cloth": c.cloth, "inside": c.inside, "depth_mean_m": c.depth[0], "depth_max_m": c.depth[1],
+                   "moved": c.moved, "moved_max_m": c.farthest, "left": c.left, "left_max_m": c.left_depth,
+                   "pins_inside": c.pins, "pins_max_m": c.pins_depth,
+                   "stretch_max": c.stretch.map(|s| [s[0].max, s[1].max])})
+        };
+        self.cleared.iter().map(entry).collect()
     }
 
     /// The same as [`Engine::frame`], with a time for each shader; these are empty on a device without timestamps and on the CPU. The frame

@@ -100,6 +100,7 @@ fn report(
             "bytes": written.bytes,
             "backend": backend,
             "adapter": engine.adapter,
+            "start": engine.start_json(),
             "findings": faults.findings(),
             "faults": faults.json(),
             "exit": exit.code(),

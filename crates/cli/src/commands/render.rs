@@ -109,6 +109,7 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
             "surface": if shown.has_mesh() { "render" } else { "grid" },
             "ground": ground.map(|g| json!({"height": g.height, "middle": g.middle, "radius": g.radius})),
             "camera": {"eye": camera.eye, "target": camera.target, "fov_degrees": camera.fov.to_degrees()},
+            "start": engine.start_json(),
             "findings": faults.findings(),
             "faults": faults.json(),
             "exit": faults.exit().code(),

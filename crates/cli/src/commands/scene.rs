@@ -13,10 +13,10 @@ use gimage_runtime::draw::{Look, SolidLook};
 use gimage_runtime::scene::file::{Found, MAX_BYTES, SceneFile, Source};
 use gimage_runtime::scene::{BUILTIN, Script, builtin};
 use gimage_runtime::{
-    Backend, BodyCollider, Cloth, ClothContact, ContactTier, Options, Quality, Scene, Skinning, Solver,
+    Backend, BodyCollider, ClearedStart, Cloth, ClothContact, ContactTier, Options, Quality, Scene, Skinning, Solver,
 };
 
-use crate::args::{BackendArg, ContactArg, SceneArgs, SolverArg};
+use crate::args::{BackendArg, ClearStartArg, ContactArg, SceneArgs, SolverArg};
 use crate::commands::character::{self, Animated, Reading, SkinningArg};
 use crate::exit::Failure;
 
@@ -26,10 +26,27 @@ pub struct Loaded {
     /// The bundle of each cloth that is not flat.
     pub bundles: Vec<Option<Bundle>>,
     pub animated: Option<Arc<Animated>>,
+    /// How each cloth was cleared of what it began in; empty where it was not asked for.
+    pub cleared: Arc<[ClearedStart]>,
 }
 
 /// Loads what the arguments name, with the solver settings and the animation that they give.
 pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
+    let mut loaded = open_moving(args)?;
+    let SceneFile { scene, options, clear_start, .. } = &mut loaded.file;
+    let is_cleared = match args.clear_start {
+        ClearStartArg::Auto => *clear_start,
+        ClearStartArg::On => true,
+        ClearStartArg::Off => false,
+    };
+    if is_cleared {
+        loaded.cleared = scene.clear_start(options)?.into();
+    }
+    Ok(loaded)
+}
+
+/// The scene with its settings, where its animation begins.
+fn open_moving(args: &SceneArgs) -> Result<Loaded, Failure> {
     let Opened { mut file, bundles, reading, source } = open_with(&args.scene, args.n)?;
     file.options.backend = match args.backend {
         BackendArg::Auto => Backend::Auto,
@@ -88,7 +105,7 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
         (None, None) if args.motion.local.is_some() => {
             return Err(Failure::refused("--local needs --animation NAME; `gimage list` has the names"));
         }
-        (None, None) => return Ok(Loaded { file, bundles, animated: None }),
+        (None, None) => return Ok(Loaded { file, bundles, animated: None, cleared: Arc::default() }),
         (animation, Some((path, own))) => {
             (args.motion.character.clone().unwrap_or(path), animation.clone().unwrap_or(own))
         }
@@ -104,7 +121,7 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
         ));
     }
     let animated = Animated::new((&path, &animation), reading, (lead, scene.is_dir()), frame, &mut file)?;
-    Ok(Loaded { file, bundles, animated: Some(Arc::new(animated)) })
+    Ok(Loaded { file, bundles, animated: Some(Arc::new(animated)), cleared: Arc::default() })
 }
 
 /// Opens the built-in scene of this name with `n` particles per side, the scene file, or the bundle.
@@ -143,7 +160,8 @@ fn open_with(name: &str, n: u32) -> Result<Opened, Failure> {
         let joints = body.iter().map(|b| b.joint.clone()).collect();
         scene.colliders = body.into_iter().map(|b| b.collider).collect();
         let (reading, source) = (Reading::of(&bundle.manifest), bundle.manifest.source.file.clone());
-        Ok(Opened { file: SceneFile { joints, ..plain(scene) }, bundles: vec![Some(bundle)], reading, source })
+        let file = SceneFile { joints, clear_start: true, ..plain(scene) };
+        Ok(Opened { file, bundles: vec![Some(bundle)], reading, source })
     } else {
         read(path)
     }
@@ -153,7 +171,8 @@ fn plain(scene: Scene) -> SceneFile {
     let looks = (0..scene.cloths.len()).map(Look::of).collect();
     let (script, options, solid_look) = (Script::default(), Options::default(), SolidLook::default());
     let (character, sources, joints) = (None, Vec::new(), Vec::new());
-    SceneFile { scene, script, options, camera: None, background: None, looks, solid_look, character, sources, joints }
+    let (clear_start, camera, background) = (false, None, None);
+    SceneFile { scene, clear_start, script, options, camera, background, looks, solid_look, character, sources, joints }
 }
 
 fn read(path: &Path) -> Result<Opened, Failure> {

@@ -104,6 +104,7 @@ fn report(
         "substeps_max": substeps[2],
         "error_estimated": error,
         "warnings": engine.stepper.warnings().iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "start": engine.start_json(),
         "iterations": options.iterations,
         "tethers": options.tethers,
         "pyramid": options.pyramid,

@@ -10,11 +10,16 @@ use crate::collider::BODY_GROUP;
 use crate::error::{Error, Result};
 use crate::number::real::cast;
 
-/// A surface, and how high \[m\] each particle is above it at rest.
+/// Least clearance \[m\] of cloth that was modelled nearer to the body.
+pub(crate) const LEAST_CLEARANCE_M: f32 = 0.001;
+/// Cloth that is to stay deeper \[m\] inside the body than this does not meet it: pins beside it are there too, and no normal tells where it came from.
+pub(crate) const MODELLED_INSIDE_M: f32 = 0.005;
+
+/// A surface, and the height \[m\] above it that each particle keeps if the cloth is not thinner.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct WornOn {
     pub surface: Arc<BodySurface>,
-    pub heights: Arc<[f32]>,
+    pub floors: Arc<[f32]>,
 }
 
 impl Cloth {
@@ -45,16 +50,30 @@ impl Cloth {
                 problem: "it follows a joint that the cloth does not have",
             });
         }
-        let at = |k: usize| self.skin().map_or(self.positions()[k], |skin| skin.rest[k]);
+        let at = |k: usize| self.at_rest(k);
         let there = |k: usize| if self.particles()[k].exists() { at(k) } else { [0.0; 3] };
-        let heights = heights(&surface, (0..self.len()).map(there)).into();
-        self.worn_on = Some(WornOn { surface, heights });
+        let floor = |h: f32| if h < -MODELLED_INSIDE_M { h } else { h.max(LEAST_CLEARANCE_M) };
+        let floors = heights(&surface, (0..self.len()).map(there)).into_iter().map(floor).collect();
+        self.worn_on = Some(WornOn { surface, floors });
         Ok(())
     }
 
-    /// The surface of a body, and the heights \[m\] of particles above it at rest.
+    /// Where a particle is in the pose in which the cloth was modelled \[m\].
+    pub(crate) fn at_rest(&self, k: usize) -> [f32; 3] {
+        self.skin().map_or(self.positions()[k], |skin| skin.rest[k])
+    }
+
+    /// The surface of a body, and the heights \[m\] above it that particles keep if the cloth is not thinner.
     pub(crate) fn worn_on(&self) -> Option<(&Arc<BodySurface>, &[f32])> {
-        self.worn_on.as_ref().map(|worn| (&worn.surface, &worn.heights[..]))
+        self.worn_on.as_ref().map(|worn| (&worn.surface, &worn.floors[..]))
+    }
+
+    /// Has particles keep other heights \[m\] above its surface: `floors` has those of points, and `points` the point of each particle, `u32::MAX` for
+    /// none.
+    pub(crate) fn set_floors(&mut self, points: &[u32], floors: &[f64]) {
+        let Some(worn) = &mut self.worn_on else { return };
+        let own = worn.floors.iter().zip(points);
+        worn.floors = own.map(|(old, point)| floors.get(*point as usize).map_or(*old, |floor| *floor as f32)).collect();
     }
 
     /// The largest depth \[m\] of a free particle at `now` \[m\] inside the surface that it is worn on, where these matrices put it; 0 outside,
@@ -63,7 +82,17 @@ impl Cloth {
         let Some((surface, _)) = self.worn_on() else { return 0.0 };
         let posed = Posed::by_joints(surface, self.skinning, matrices);
         let free = now.iter().filter(|p| p[3] > 0.0 && p.iter().all(|x| x.is_finite()));
-        free.map(|p| -posed.height(cast([p[0], p[1], p[2]]))).fold(0.0, f64::max)
+        let mut winding = None;
+        // A point behind the nearest triangle may be outside of a surface that is open.
+        let depth = |p: &[f32; 4]| {
+            let p = cast([p[0], p[1], p[2]]);
+            let near = posed.near(p);
+            let is_deep = near.height < -f64::from(MODELLED_INSIDE_M);
+            let is_outside =
+                near.is_beside || (is_deep && winding.get_or_insert_with(|| posed.winding()).number(p) < 0.5);
+            if is_outside { 0.0 } else { -near.height }
+        };
+        free.map(depth).fold(0.0, f64::max)
     }
 
     /// The groups of colliders that it meets.
@@ -75,7 +104,7 @@ impl Cloth {
     pub(crate) fn take_body(&mut self, fine: &Cloth, samples: &[u32]) {
         self.worn_on = fine.worn_on.as_ref().map(|worn| WornOn {
             surface: worn.surface.clone(),
-            heights: samples.iter().map(|k| worn.heights[*k as usize]).collect(),
+            floors: samples.iter().map(|k| worn.floors[*k as usize]).collect(),
         });
     }
 

@@ -11,7 +11,8 @@ use super::Influence;
 use crate::error::{Error, Result};
 use crate::number::real::{V3, add, cast, cross, dot, scale, sub};
 
-pub(super) use height::{Posed, heights};
+pub(super) use height::heights;
+pub(crate) use height::{Near, Posed};
 pub(crate) use nearest::{On, Spot, on_triangle};
 pub(crate) use sides::NONE;
 pub(crate) use tree::Tree;
@@ -122,6 +123,15 @@ impl BodySurface {
     pub(crate) fn joints(&self) -> usize {
         let of = |i: &Influence| i.joints.iter().zip(i.weights).filter(|x| x.1 > 0.0).map(|x| *x.0 as usize + 1).max();
         self.influences.iter().filter_map(of).max().unwrap_or(0)
+    }
+
+    /// Whether a point is on the border.
+    pub(crate) fn is_border<T>(&self, spot: &Spot<T>) -> bool {
+        match spot.on {
+            On::Face => false,
+            On::Side(side) => self.across[spot.triangle as usize][usize::from(side)] == NONE,
+            On::Corner(corner) => self.border[self.triangles[spot.triangle as usize][usize::from(corner)] as usize],
+        }
     }
 
     fn empty() -> Self {

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use super::rows::Threads;
 use super::sheet::Sheet;
 use crate::cloth::surface::{BodySurface, NONE, On, Spot};
-use crate::cloth::{Cloth, Poses};
+use crate::cloth::{Cloth, MODELLED_INSIDE_M, Poses};
 use crate::collider::FRICTION;
 use crate::memory::Tally;
 use crate::number::lanes::{LANES, Machine, Work, widest};
@@ -48,10 +48,6 @@ const SECOND_COSINE: f64 = 0.3;
 const FACING_COSINE: f64 = -0.3;
 /// Frames in which each particle tries the nearest patch once.
 const SEARCH_FRAMES: u32 = 32;
-/// Least clearance \[m\] of cloth that was modelled nearer to the body.
-const LEAST_CLEARANCE_M: f32 = 0.001;
-/// Cloth that was modelled deeper \[m\] inside the body than this may stay as deep: pins beside it are there too, and would tear it.
-const MODELLED_INSIDE_M: f32 = 0.005;
 /// A point nearer \[m\] to the surface than this has no direction from it.
 const ON_SURFACE_M: f64 = 1e-5;
 
@@ -126,10 +122,8 @@ impl<T: Real> Worn<T> {
         thickness: f32,
         place: impl Fn(usize) -> (usize, usize, usize),
     ) -> Option<Self> {
-        let (surface, heights) = cloth.worn_on()?;
+        let (surface, floors) = cloth.worn_on()?;
         let thickness = cloth.thickness.unwrap_or(thickness);
-        let least = thickness.min(LEAST_CLEARANCE_M);
-        let clearance = |h: &f32| if *h < -MODELLED_INSIDE_M { *h } else { h.clamp(least, thickness) };
         let points = cloth.points();
         let twin = |k: &u32| points[*k as usize] != *k && cloth.particles()[*k as usize].exists();
         let twins =
@@ -145,7 +139,7 @@ impl<T: Real> Worn<T> {
             hints: vec![hint; cloth.len()],
             waits: vec![0; cloth.len()],
             middles: [0, 1, 2].map(|_| vec![far; patches]),
-            clearances: heights.iter().map(|h| T::of(f64::from(clearance(h)))).collect(),
+            clearances: floors.iter().map(|floor| T::of(f64::from(floor.min(thickness)))).collect(),
             twins: twins.collect(),
             points,
             friction: T::of(f64::from((FRICTION * cloth.friction).min(f32::MAX))),
@@ -193,7 +187,8 @@ impl<T: Real> Worn<T> {
             let size = (sheet.width, sheet.height);
             for k in 0..sheet.width * sheet.height {
                 let (particle, single) = (first + k, sheet.single(k));
-                if sheet.w[single] <= T::of(0.0) || self.points[particle] as usize != particle {
+                let is_met = self.clearances[particle] >= T::of(-f64::from(MODELLED_INSIDE_M));
+                if !is_met || sheet.w[single] <= T::of(0.0) || self.points[particle] as usize != particle {
                     continue;
                 }
                 if self.waits[particle] > 0 {
@@ -340,7 +335,7 @@ impl<T: Real> Worn<T> {
             _ => {
                 let smooth = unit(mix(&[a.normal[0], b.normal[0], c.normal[0]], w));
                 let up = dot(from, smooth);
-                open = self.is_border(spot) && up.abs() < T::of(0.7) * far;
+                open = self.surface.is_border(spot) && up.abs() < T::of(0.7) * far;
                 straight = up > T::of(0.0) && far > T::of(ON_SURFACE_M);
                 if straight { scale(from, T::of(1.0) / far) } else { smooth }
             }
@@ -367,18 +362,6 @@ impl<T: Real> Worn<T> {
         }
         let (drift, turn) = (scale(view.drift, rate), scale(sub(last, view.normal), rate));
         Plane { at: view.to, normal: last, drift, turn, clearance }
-    }
-
-    /// Whether a point is on the border of the surface.
-    fn is_border(&self, spot: &Spot<T>) -> bool {
-        let across = &self.surface.across[spot.triangle as usize];
-        match spot.on {
-            On::Face => false,
-            On::Side(side) => across[usize::from(side)] == NONE,
-            On::Corner(corner) => {
-                self.surface.border[self.surface.triangles[spot.triangle as usize][usize::from(corner)] as usize]
-            }
-        }
     }
 }
 

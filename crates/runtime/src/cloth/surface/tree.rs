@@ -104,6 +104,22 @@ impl Tree {
         }
     }
 
+    /// Calls `visit` for the triangles of all leaves in boxes that `meets` holds for; the boxes must be of the same pose.
+    pub fn visit<T: Real>(&self, bounds: &[Bound<T>], meets: impl Fn(&Bound<T>) -> bool, mut visit: impl FnMut(u32)) {
+        let mut stack = vec![0u32];
+        while let Some(n) = stack.pop() {
+            let Node { first, count, second } = self.nodes[n as usize];
+            if !meets(&bounds[n as usize]) {
+                continue;
+            }
+            if second == NONE {
+                self.order[first as usize..(first + count) as usize].iter().for_each(|t| visit(*t));
+            } else {
+                stack.extend([second, n + 1]);
+            }
+        }
+    }
+
     /// The triangle with the least `distance2`, the first of those in the order of the search; the boxes must be of the same pose.
     pub fn nearest<T: Real>(&self, bounds: &[Bound<T>], p: V3<T>, mut distance2: impl FnMut(u32) -> T) -> (u32, T) {
         let mut best = (NONE, T::of(f64::from(f32::MAX)));

@@ -59,7 +59,20 @@ pub fn scene(file: json::File, find: &mut dyn FnMut(&Source) -> Found) -> Result
     solid_look.color = color("collider_color", file.collider_color)?.unwrap_or(solid_look.color);
     let background = color("background", file.background)?;
     let character = file.character.map(|json::Character { file, animation }| CharacterFile { file, animation });
-    Ok(SceneFile { scene, script, options, camera, background, looks, solid_look, character, sources, joints })
+    let clear_start = file.clear_start;
+    Ok(SceneFile {
+        scene,
+        clear_start,
+        script,
+        options,
+        camera,
+        background,
+        looks,
+        solid_look,
+        character,
+        sources,
+        joints,
+    })
 }
 
 fn options(fields: &json::Solver) -> Result<Options> {

@@ -13,7 +13,7 @@ fn full() -> Value {
         "format": "gimage-scene", "version": 1, "name": "all", "duration": 0.5, "gravity": [0, -1, 0],
         "wind": {"velocity": [1, 0, 0], "gust_degrees": 30, "gust_size": 0.5, "force": {"push": {"response": 1}}},
         "solver": {"name": "classic", "substeps": 2, "iterations": 3, "error": 0.02, "budget": 1.5},
-        "thickness": 0.003,
+        "thickness": 0.003, "clear_start": true,
         "cloths": [{
             "name": "flag", "from": {"flat": {"width": 5, "height": 4, "right": [1, 0, 0], "down": [0, 0, 1]}},
             "position": [0, 1, 0], "rotation": {"axis": [0, 1, 0], "degrees": 90}, "mass": 0.5, "damping": 1,
@@ -51,7 +51,7 @@ fn every_field_reaches_the_scene() {
     let file = parse(&full()).unwrap();
     let scene = &file.scene;
     assert_eq!((scene.frames, file.options.substeps, file.options.iterations), (30, Some(2), 3));
-    assert_eq!(file.options.thickness, 0.003);
+    assert_eq!((file.options.thickness, file.clear_start), (0.003, true));
     assert_eq!(file.options.quality, crate::Quality::ErrorWithin { stretch: 0.02, ms: 1.5 });
     assert_eq!((scene.colliders.len(), file.script.colliders.len(), file.script.cuts.len()), (5, 5, 1));
     assert_eq!(scene.colliders[4].shape, Shape::Ellipsoid { radii: [1.0, 2.0, 3.0], closest: true });
