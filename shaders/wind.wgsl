@@ -1,7 +1,7 @@
 // Effect of air on the triangles around each particle, as an acceleration: a third of each triangle's force.
 // Drag along the flow, lift across it in the plane of flow and normal, both as the area that faces the wind.
 
-// The velocity of the air that passes a particle.
+// The velocity of the air at a particle.
 fn flow_at(k: u32) -> vec3<f32> {
   return air_at(k) - (place(k).xyz - was(k)) * step.rate;
 }

@@ -42,7 +42,7 @@ struct Forces<'a, T> {
 impl<T: Real> Facets<T> for Forces<'_, T> {
     const CORNERS: bool = true;
 
-    /// The velocity of the air that passes a particle.
+    /// The velocity of the air at a particle.
     #[inline(always)]
     fn corner<K: Machine<T>>(&self, k: K, now: [K::V; 3], before: [K::V; 3], air: Option<[K::V; 3]>) -> [K::V; 3] {
         let air = air.unwrap_or(k.splats(self.step.wind));
