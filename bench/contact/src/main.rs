@@ -10,7 +10,7 @@ use clap::Parser;
 
 use run::{Failure, Row, run};
 
-/// Steps scenes in which cloth meets cloth on one CPU core, and prints a CSV row per scene, size and setting.
+/// Steps scenes in which cloth meets cloth, on one CPU core or on the GPU, and prints a CSV row per scene, size and setting.
 #[derive(Debug, Parser)]
 struct Cli {
     /// Scenes, or directories of bundles; all scenes by default.
@@ -43,6 +43,9 @@ struct Cli {
     /// Print the crossings of every frame in which they are counted, to stderr.
     #[arg(long)]
     trace: bool,
+    /// Step on the GPU. Times are those of a frame until its positions are read back.
+    #[arg(long)]
+    gpu: bool,
     /// Steps per frame; chosen by default.
     #[arg(long)]
     substeps: Option<u32>,

@@ -3,14 +3,18 @@
 use std::fmt;
 use std::time::Instant;
 
+use gimage_bench_host::{Gpu, Host};
 use gimage_runtime::crossings::{self, Drawn};
-use gimage_runtime::{ClothContact, ContactTier, Options, Scene, Stepper};
+use gimage_runtime::{ClothContact, ContactTier, Options, Scene};
 
 use crate::scenes::{self, Set};
 use crate::{Cli, Tier};
 
 /// An error of the runtime, or an unknown scene.
 pub type Failure = Box<dyn std::error::Error>;
+
+/// Frames after which the figures of cloths on the GPU are taken.
+const EXAMINED: u32 = 10;
 
 /// The figures of a run.
 pub struct Row {
@@ -65,22 +69,34 @@ pub fn run(cli: &Cli, name: &str, [n, layers]: [u32; 2], (distance, tier): (f32,
     }
     let frames = cli.frames.unwrap_or(scene.frames);
     let options = Options { threads: 1, substeps: cli.substeps, step: frame_s, normals: false, ..Options::default() };
-    let mut stepper = Stepper::on_cpu(scene.clone(), options)?;
+    let gpu = if cli.gpu { Some(Gpu::new()?) } else { None };
+    let mut host = Host::new(scene.clone(), options, gpu.as_ref())?;
     let (mut times, mut counts, mut deepest) = (Vec::<f64>::new(), Vec::new(), 0.0f64);
     if cli.trace {
-        eprintln!("{name} {n}: at the start, {} crossings", count(&scene, &stepper)?.total());
+        eprintln!("{name} {n}: at the start, {} crossings", count(&scene, &positions(&host)?)?.total());
     }
-    let (mut center, mut way) = (mean_position(&stepper), 0.0);
+    let (mut center, mut way) = (mean_position(&positions(&host)?), 0.0);
     for frame in 1..=frames {
-        actions.iter().try_for_each(|action| action.lead(&mut stepper, f64::from(frame) * frame_s))?;
+        actions.iter().try_for_each(|action| action.lead(&mut host.stepper, f64::from(frame) * frame_s))?;
         let start = Instant::now();
-        stepper.advance(frame_s)?;
-        times.push(start.elapsed().as_secs_f64() * 1e3);
-        let now = mean_position(&stepper);
-        way += (0..3).map(|c| (now[c] - center[c]).powi(2)).sum::<f64>().sqrt();
-        center = now;
+        match gpu {
+            Some(_) => host.frame(frame_s)?,
+            // Without normals.
+            None => _ = host.stepper.advance(frame_s)?,
+        }
+        let stepped = start.elapsed();
+        let now = positions(&host)?;
+        // The device steps until they are read back.
+        let time = if cli.gpu { start.elapsed() } else { stepped };
+        times.push(time.as_secs_f64() * 1e3);
+        let middle = mean_position(&now);
+        way += (0..3).map(|c| (middle[c] - center[c]).powi(2)).sum::<f64>().sqrt();
+        center = middle;
+        if frame.is_multiple_of(EXAMINED) || frame == frames {
+            examine(&mut host, &now, cli.gpu)?;
+        }
         if cli.every > 0 && frame.is_multiple_of(cli.every) {
-            let found = count(&scene, &stepper)?;
+            let found = count(&scene, &now)?;
             counts.push(found.total() as f64);
             if cli.trace {
                 let ms = times.last().copied().unwrap_or(0.0);
@@ -89,6 +105,7 @@ pub fn run(cli: &Cli, name: &str, [n, layers]: [u32; 2], (distance, tier): (f32,
             deepest = deepest.max(found.deepest);
         }
     }
+    let stepper = &host.stepper;
     stepper.findings().iter().for_each(|finding| eprintln!("{name} {n}: {finding}"));
     let health = (0..scene.cloths.len()).filter_map(|c| stepper.health(c));
     let (stretch, speed) = health.fold((0.0f64, 0.0f64), |most, (h, worst)| (most.0.max(worst), most.1.max(h.speed)));
@@ -113,20 +130,30 @@ pub fn run(cli: &Cli, name: &str, [n, layers]: [u32; 2], (distance, tier): (f32,
     })
 }
 
+/// Where all cloths are.
+fn positions(host: &Host) -> Result<Vec<Vec<[f32; 4]>>, Failure> {
+    (0..host.stepper.scene().cloths.len()).map(|cloth| Ok(host.positions(cloth)?)).collect()
+}
+
+/// Has the stepper take the figures of all cloths; the CPU backend does so by itself.
+fn examine(host: &mut Host, now: &[Vec<[f32; 4]>], on_gpu: bool) -> Result<(), Failure> {
+    for (cloth, now) in now.iter().enumerate().filter(|_| on_gpu) {
+        let before = host.previous(cloth)?;
+        host.stepper.examine(cloth, now, &before)?;
+    }
+    Ok(())
+}
+
 /// Mean position \[m\] of the particles of all cloths.
-fn mean_position(stepper: &Stepper) -> [f64; 3] {
-    let all = (0..stepper.scene().cloths.len()).filter_map(|c| stepper.positions(c)).flatten();
-    let (sum, count) =
-        all.fold(([0.0; 3], 0.0), |(sum, count), p| ([0, 1, 2].map(|c| sum[c] + f64::from(p[c])), count + 1.0));
+fn mean_position(now: &[Vec<[f32; 4]>]) -> [f64; 3] {
+    let (sum, count) = now
+        .iter()
+        .flatten()
+        .fold(([0.0; 3], 0.0), |(sum, count), p| ([0, 1, 2].map(|c| sum[c] + f64::from(p[c])), count + 1.0));
     sum.map(|x| x / count)
 }
 
-fn count(scene: &Scene, stepper: &Stepper) -> Result<crossings::Crossings, Failure> {
-    let drawn: Vec<Drawn> = scene
-        .cloths
-        .iter()
-        .enumerate()
-        .filter_map(|(c, cloth)| Some(Drawn::at(cloth, stepper.positions(c)?)))
-        .collect();
+fn count(scene: &Scene, now: &[Vec<[f32; 4]>]) -> Result<crossings::Crossings, Failure> {
+    let drawn: Vec<Drawn> = scene.cloths.iter().zip(now).map(|(cloth, now)| Drawn::at(cloth, now)).collect();
     Ok(crossings::find(&drawn, 0)?)
 }

@@ -53,16 +53,31 @@ impl<'a> Host<'a> {
 
     /// Positions of the first cloth \[m\].
     pub fn now(&self) -> Result<Vec<[f32; 4]>> {
-        self.list(self.stepper.positions(0), |b| &b.now)
+        self.positions(0)
     }
 
     /// Positions of the first cloth one step before \[m\].
     pub fn before(&self) -> Result<Vec<[f32; 4]>> {
-        self.list(self.stepper.previous(0), |b| &b.before)
+        self.previous(0)
     }
 
-    fn list(&self, here: Option<&[[f32; 4]]>, which: fn(&ClothBuffers) -> &Span) -> Result<Vec<[f32; 4]>> {
-        match (here, self.gpu.zip(self.stepper.buffers(0))) {
+    /// Positions of a cloth \[m\].
+    pub fn positions(&self, cloth: usize) -> Result<Vec<[f32; 4]>> {
+        self.list(self.stepper.positions(cloth), cloth, |b| &b.now)
+    }
+
+    /// Positions of a cloth one step before \[m\].
+    pub fn previous(&self, cloth: usize) -> Result<Vec<[f32; 4]>> {
+        self.list(self.stepper.previous(cloth), cloth, |b| &b.before)
+    }
+
+    fn list(
+        &self,
+        here: Option<&[[f32; 4]]>,
+        cloth: usize,
+        which: fn(&ClothBuffers) -> &Span,
+    ) -> Result<Vec<[f32; 4]>> {
+        match (here, self.gpu.zip(self.stepper.buffers(cloth))) {
             (Some(list), _) => Ok(list.to_vec()),
             (None, Some((gpu, buffers))) => read_back(&gpu.device, &gpu.queue, which(buffers)),
             (None, None) => Err(Error::NoGpu("reading positions")),

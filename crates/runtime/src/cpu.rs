@@ -25,6 +25,8 @@ pub(crate) mod indices;
 pub(crate) mod inertia;
 pub(crate) mod integrate;
 pub(crate) mod interpolate;
+#[cfg(test)]
+pub(crate) mod joint;
 pub(crate) mod jump;
 pub(crate) mod lazy;
 pub(crate) mod neighbours;

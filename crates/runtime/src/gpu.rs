@@ -13,6 +13,7 @@ mod contact;
 mod contents;
 mod cut_tethers;
 mod frames;
+mod held;
 mod indices;
 mod joint;
 mod levels;
@@ -289,7 +290,7 @@ impl Gpu {
         timing.copy(&self.device, encoder, spans, steps);
         self.timing = timing;
         self.watch(world, encoder, steps);
-        world.host.touched = false;
+        (world.host.touched, world.host.put) = (false, false);
         world.control.tick(steps);
         self.record_bounds(world, encoder, &world.without_rest_box());
     }
@@ -309,7 +310,7 @@ impl Gpu {
         // Moving colliders have a new pose once in this number of steps.
         let group = frame.steps.div_ceil(POSES);
         let step = self.frames.ring.place(bytes_of(&StepRow::from(&frame.step(n, n / group * group))));
-        let (coarse, meets) = (frame.coarse(n), self.is_joint(index));
+        let (coarse, meets) = (frame.coarse(n), self.meets(index));
         let mut run = |what: &Form| {
             let what = if meets { among_others(what, n) } else { what };
             self.run_in(cloth, passes, index, (what, Offsets { step, ..Offsets::default() }));

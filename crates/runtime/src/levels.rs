@@ -3,6 +3,7 @@
 pub mod boxes;
 pub mod joint;
 pub mod links;
+pub mod safe;
 pub mod ties;
 
 use crate::cloth::{Cloth, Grid};

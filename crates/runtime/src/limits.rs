@@ -137,15 +137,6 @@ pub enum Warning {
         /// The cloth by name.
         cloth: String,
     },
-    /// The GPU backend has no contact of the tier [`crate::ContactTier::Safe`].
-    #[error(
-        "cloth {cloth}: on the GPU contact is that of the tier particles, and cloth may pass through itself: use the CPU backend for the \
-         tier safe"
-    )]
-    ContactUnsafe {
-        /// The cloth by name.
-        cloth: String,
-    },
     /// Lengths are not limited on coarser grids, which ignore contact and would pull the cloth through colliders.
     #[error(
         "cloth {cloth}: the pyramid is not used, because it ignores contact and the cloth meets colliders: leave the pyramid out, \

@@ -159,6 +159,29 @@ pub enum Pass {
     Extents,
     /// The nearest particles of other cloths that each particle may meet until then, of all cloths with contact.
     Others,
+    /// The features of each cell of cloth whose contact is safe, where these may be others.
+    Faces {
+        /// Whether any triangle is cut away.
+        holes: bool,
+    },
+    /// Where a step takes the particles of cloth whose contact is safe.
+    Gather {
+        /// Whether a frame begins: free particles are there already.
+        begins: bool,
+        /// Whether pins are, too: those that only a host has moved go there in the first step.
+        put: bool,
+        /// Whether the cloth is asleep.
+        sleeps: bool,
+    },
+    /// How far particles want to go in a round, and boxes around all that they may reach, of all cloths whose contact is safe.
+    Paths,
+    /// Puts these particles as near to there as they can be without a crossing.
+    Truncate,
+    /// Particles of cloth whose contact is safe go where they were put.
+    HoldBack {
+        /// Whether the cloth keeps what is too small for a position to take up.
+        exact: bool,
+    },
     /// Particles leave the colliders.
     Colliders(Kinds),
     /// Swept: particles leave moving colliders that they are in or went through.

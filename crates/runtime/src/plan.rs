@@ -2,12 +2,14 @@
 
 use std::fmt;
 
+use crate::cloth::Cloth;
 use crate::form::{Form, Fused, Tile};
 use crate::levels;
-use crate::levels::joint::Joint;
+use crate::levels::joint::{COUNTS, Joint};
+use crate::levels::safe::ROUNDS;
 use crate::passes::{FOLLOW_STEPS, MEETING_STEPS, Pass, SEARCH_STEPS, Schedule, has_levels};
 use crate::shaders::{Slot, list, source};
-use crate::world::{Share, World};
+use crate::world::{Share, World, is_safe};
 
 /// One pass of one cloth, or of all cloths with contact together.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,10 +121,23 @@ fn apart(world: &World, cloth: usize) -> Vec<(Form, u32)> {
         }
     };
     let all = lists.into_iter().flat_map(|(list, count)| list.into_iter().map(move |form| (form, count)));
-    match is_meeting(world, cloth) {
+    let all: Vec<_> = match is_meeting(world, cloth) {
         true => among_others(all, steps).collect(),
         false => all.collect(),
+    };
+    let of = &world.scene.cloths[cloth];
+    match world.has_safe() && is_safe(of) {
+        true => held_back(of, all, steps),
+        false => all,
     }
+}
+
+/// The forms of a cloth whose contact is safe.
+fn held_back(cloth: &Cloth, forms: Vec<(Form, u32)>, steps: u32) -> Vec<(Form, u32)> {
+    let begins = Pass::Gather { begins: true, put: false, sleeps: false };
+    let ends = [Pass::Gather { begins: false, put: false, sleeps: false }, Pass::HoldBack { exact: cloth.is_exact() }];
+    let begin = std::iter::once((begins.into(), 1)).chain(forms);
+    begin.chain(ends.map(|pass| (pass.into(), steps))).collect()
 }
 
 /// Whether a cloth meets others.
@@ -150,18 +165,23 @@ fn among_others(forms: impl Iterator<Item = (Form, u32)>, steps: u32) -> impl It
 fn together(world: &World) -> Vec<PlannedPass> {
     let meeting = world.meeting();
     // The last one that falls asleep ends them.
-    if meeting.len() < 2 || meeting.iter().all(|cloth| world.runs[*cloth].asleep) {
+    let awake = |cloth: &usize| !world.runs[*cloth].asleep;
+    let safe = |cloth: &usize| awake(cloth) && is_safe(&world.scene.cloths[*cloth]);
+    let (meets, holds) = (meeting.len() > 1 && meeting.iter().any(awake), meeting.iter().any(safe));
+    if !meets && !holds {
         return Vec::new();
     }
     let cloths: Vec<_> = meeting.iter().map(|cloth| &world.scene.cloths[*cloth]).collect();
     let joint = Joint::of(&cloths, &vec![0.0; cloths.len()]);
-    let searches = world.control.options.substeps.div_ceil(MEETING_STEPS);
-    let one = |(what, workgroups): (Pass, [u32; 3])| {
+    let boxes = if world.has_safe() { joint.boxes_of_cells() } else { joint.boxes };
+    let steps = world.control.options.substeps;
+    let one = |(what, workgroups, dispatches): (Pass, [u32; 3], u32)| {
         let source = source(&what.into());
         let bytes = |slot: Slot| match slot {
             Slot::Grids => 32 * joint.grids.len() as u64,
             Slot::Kin => 4 * joint.table.len() as u64,
-            Slot::Boxes => 32 * joint.boxes as u64,
+            Slot::Boxes => 32 * boxes as u64,
+            Slot::Counts => 4 * COUNTS as u64,
             Slot::Part => 16,
             other => cloths.iter().map(|cloth| other.bytes(cloth, 0, 0)).sum(),
         };
@@ -174,6 +194,9 @@ fn together(world: &World) -> Vec<PlannedPass> {
             Slot::Boxes => "joint_boxes",
             Slot::Shadows => "joint_shadows",
             Slot::Others => "joint_others",
+            Slot::Goals => "joint_goals",
+            Slot::Places => "joint_places",
+            Slot::Faces => "joint_faces",
             other => other.name(),
         };
         PlannedPass {
@@ -181,12 +204,25 @@ fn together(world: &World) -> Vec<PlannedPass> {
             form: what.into(),
             shader: source.stem,
             workgroups,
-            dispatches: searches,
+            dispatches,
             bindings: slots.map(|slot| (name(slot), bytes(slot))).collect(),
         }
     };
-    let tiles = joint.tiles;
-    [(Pass::Extents, list(tiles)), (Pass::Tree, [1; 3]), (Pass::Others, list(16 * tiles))].map(one).into()
+    let (tiles, texels) = (list(joint.tiles), list(16 * joint.tiles));
+    let mut all = Vec::new();
+    if meets {
+        let searches = steps.div_ceil(MEETING_STEPS);
+        all.extend([
+            (Pass::Extents, tiles, searches),
+            (Pass::Tree, [1; 3], searches),
+            (Pass::Others, texels, searches),
+        ]);
+    }
+    if holds {
+        let rounds = steps * ROUNDS;
+        all.extend([(Pass::Paths, texels, rounds), (Pass::Tree, [1; 3], rounds), (Pass::Truncate, texels, rounds)]);
+    }
+    all.into_iter().map(one).collect()
 }
 
 fn planned(world: &World, cloth: usize, form: Form, dispatches: u32) -> PlannedPass {

@@ -77,6 +77,11 @@ fn passes() -> Vec<Pass> {
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
     all.extend([Pass::Leaves, Pass::Tree, Pass::Separate, Pass::Shadow, Pass::Extents, Pass::Others]);
     all.extend([0, 1, 2].map(|others| Pass::Touch { others }));
+    for on in [false, true] {
+        all.extend([Pass::Faces { holes: on }, Pass::Gather { begins: on, put: on, sleeps: !on }]);
+        all.push(Pass::HoldBack { exact: on });
+    }
+    all.extend([Pass::Paths, Pass::Truncate]);
     all.extend([false, true].map(|seams| Pass::Partners { seams }));
     for walks in [false, true] {
         let kinds = [(false, false), (true, false), (true, true)];
@@ -377,7 +382,7 @@ fn structs_lie_as_in_rust() {
                 // Lives in registers only.
                 Some(
                     "Ends" | "Pull" | "Exit" | "Entry" | "Taper" | "Quad" | "Edge" | "Below" | "Window" | "Seeker"
-                    | "Pose" | "VertexFrame",
+                    | "Pose" | "VertexFrame" | "Sheet" | "Bound",
                 ) => {
                     continue;
                 }
@@ -416,7 +421,8 @@ fn every_shader_has_a_twin_and_every_file_is_used() {
         };
         let source = |twin: &str| std::fs::read_to_string(root().join(format!("crates/runtime/src/{twin}.rs")));
         // Those of the XPBD solver lie with its data.
-        let beside = ["cpu/fabric", "cpu/fabric/meeting"].map(|folder| source(&format!("{folder}/{stem}")));
+        let beside =
+            ["cpu/fabric", "cpu/fabric/meeting", "cpu/joint"].map(|folder| source(&format!("{folder}/{stem}")));
         let twin = beside.into_iter().fold(source(twin), Result::or).unwrap();
         assert!(twin.contains(&format!("shaders/{stem}.wgsl")), "the twin of {stem} does not name it");
     }

@@ -204,6 +204,9 @@ impl Stepper {
         let solids = self.world.solids();
         watchdog.examine(&self.world.sight(cloth, (now, before), &solids[self.world.runs[cloth].coat], 0.0));
         self.world.watchdog = watchdog;
+        if self.cpu.is_none() {
+            self.world.look_at_crossings(cloth, now);
+        }
         let health = self.health(cloth).map_or_else(Health::default, |h| h.0);
         let matrices = self.world.runs[cloth].joints.as_ref().map_or(&[][..], |joints| joints.now());
         let inside = self.world.scene.cloths[cloth].depth_in_body(now, matrices);
@@ -222,7 +225,7 @@ impl Stepper {
     pub fn warnings(&self) -> Vec<crate::limits::Warning> {
         let World { host, runs, .. } = &self.world;
         let cloths = runs.iter().flat_map(|run| &run.warnings);
-        let contact = self.world.contact_warnings(self.cpu.is_none());
+        let contact = self.world.contact_warnings();
         host.adapter.iter().chain(cloths).chain(&host.raised).cloned().chain(contact).collect()
     }
 

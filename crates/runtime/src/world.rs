@@ -12,6 +12,7 @@ mod disturb;
 mod drive;
 mod follow;
 mod fuse;
+mod held;
 mod host;
 pub(crate) mod images;
 mod joined;
@@ -37,6 +38,7 @@ pub use host::{Action, Fault};
 #[cfg(feature = "gpu")]
 pub use levels::Leg;
 pub use members::Left;
+pub use truncate::is_safe;
 
 use std::sync::Arc;
 
@@ -65,6 +67,7 @@ use crate::tile::{Order, order};
 use control::Control;
 use disturb::PathLog;
 use drive::Drive;
+use held::Seen;
 use host::Host;
 use images::Images;
 use truncate::Safe;
@@ -97,6 +100,8 @@ pub struct World {
     pub safe: Option<Box<Safe>>,
     /// Cloths with contact that cross, on the CPU backend.
     pub tangles: Tangles,
+    /// Cloths that the host has examined, on the GPU backend.
+    seen: Seen,
     /// The images of cloths that may take places which others have left.
     spare_images: Vec<Arc<Images>>,
     /// The last state of the clock in the host's memory, as [`ClothRun::kept`].
@@ -134,6 +139,7 @@ impl World {
             watchdog,
             safe: None,
             tangles: Tangles::default(),
+            seen: Seen::default(),
             spare_images: Vec::new(),
             kept: None,
         };
@@ -219,7 +225,7 @@ impl World {
         self.scene.cloths.iter_mut().for_each(Cloth::close);
         self.runs.iter_mut().for_each(|run| run.home = Default::default());
         self.wake_all();
-        (self.host.actions, self.host.touched) = (Vec::new(), true);
+        (self.host.actions, self.host.touched, self.host.put) = (Vec::new(), true, true);
         (self.room, self.arenas, self.spare_images) = (None, Vec::new(), Vec::new());
         match room {
             Some(room) => self.make_room(room),

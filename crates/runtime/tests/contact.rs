@@ -148,6 +148,27 @@ fn cloths_that_meet_have_few_passes_together() {
 }
 
 #[test]
+fn the_tier_safe_has_passes_of_its_own_and_no_other_tier_has_them() {
+    let names = |tiers: &[ContactTier]| {
+        let mut scene = stacked([0.05, 0.1], 9);
+        scene.cloths.truncate(tiers.len());
+        for (cloth, tier) in scene.cloths.iter_mut().zip(tiers) {
+            cloth.contact = Some(ClothContact { tier: *tier, ..ClothContact::default() });
+        }
+        let plan = Stepper::on_cpu(scene, Options { substeps: Some(11), ..options() }).unwrap().plan();
+        let count = |name| plan.passes.iter().filter(|p| p.shader == name).map(|p| p.dispatches).sum::<u32>();
+        ["gather", "hold_back", "paths", "truncate", "tree", "touch", "others"].map(count)
+    };
+    let (safe, particles) = (ContactTier::Safe, ContactTier::Particles);
+    assert_eq!(names(&[particles]), [0, 0, 0, 0, 2, 11, 0]);
+    assert_eq!(names(&[particles; 2]), [0, 0, 0, 0, 4 + 3, 22, 3]);
+    // As a frame begins and in every step; four rounds per step, for all cloths together.
+    assert_eq!(names(&[safe]), [12, 11, 44, 44, 2 + 44, 11, 0]);
+    assert_eq!(names(&[safe, particles]), [12, 11, 44, 44, 4 + 3 + 44, 22, 3]);
+    assert_eq!(names(&[safe; 2]), [24, 22, 44, 44, 4 + 3 + 44, 22, 3]);
+}
+
+#[test]
 fn wrong_settings_are_refused() {
     for (distance, friction) in [(Some(0.0), 0.3), (Some(f32::NAN), 0.3), (Some(2.0), 0.3), (None, -1.0)] {
         let mut scene = folded(9, 0.03);

@@ -224,7 +224,7 @@ fn one_step_is_that_of_the_twin() {
     let carried = ["Skin", "Restrict", "Prolong", "Inertia"];
     let read = ["Speed", "Fastest", "Strain", "Bounds", "Indices", "Tangents", "Wrap", "Blend"];
     // Of several cloths.
-    let met = ["Shadow", "Extents", "Others"];
+    let met = ["Shadow", "Extents", "Others", "Faces", "Gather", "Paths", "Truncate", "HoldBack"];
     let apart = [&rare[..], &read, &carried, &met].concat();
     let all = table.lines().filter(variant).map(name_of).filter(|n| !apart.contains(&&**n));
     assert_eq!(seen, all.collect());

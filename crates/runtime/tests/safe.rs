@@ -4,53 +4,12 @@ mod support;
 
 use gimage_runtime::crossings::{self, Drawn};
 use gimage_runtime::*;
-use support::folded;
+use support::{calm, draped, dropped, folded, with_tier};
 
 const FRAME: f64 = 1.0 / 60.0;
 
 fn options() -> Options {
     Options { threads: 1, normals: false, ..Options::default() }
-}
-
-fn sheet(flat: Flat) -> Cloth {
-    let mut cloth = flat.cloth().unwrap();
-    cloth.damping = 0.5;
-    cloth
-}
-
-fn table() -> Collider {
-    Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) }
-}
-
-/// A square that collapses on a table.
-fn dropped(n: u32) -> Scene {
-    let mut scene = Scene::new("drop");
-    scene.cloths.push(sheet(Flat { origin: [0.0, 1.05, 0.0], down: [0.1, -1.0, 0.05], ..Flat::square("sheet", n) }));
-    scene.colliders.push(table());
-    scene
-}
-
-/// Three squares held by two corners each swing against a ball.
-fn draped(n: u32) -> Scene {
-    let mut scene = Scene::new("drape");
-    for layer in 0..3 {
-        let away = 0.05 * layer as f32;
-        let flat = Flat { origin: [-0.5, 0.5 + away, 0.3 + away], down: [0.0, 0.0, 1.0], ..Flat::square("sheet", n) };
-        let mut cloth = sheet(flat);
-        [0, n - 1].into_iter().for_each(|k| cloth.set_pinned(k as usize, true).unwrap());
-        scene.cloths.push(cloth);
-    }
-    scene.colliders.push(Collider::new(Shape::Sphere { radius: 0.3 }, [0.0, -0.2, 0.0]));
-    scene
-}
-
-/// The scene with contact of a tier, at a distance too small for particles to keep triangles apart.
-fn with(mut scene: Scene, tier: ContactTier, share: f32) -> Scene {
-    for cloth in &mut scene.cloths {
-        let spacing = 1.0 / (cloth.grids()[0].width - 1) as f32;
-        cloth.contact = Some(ClothContact { tier, distance: Some(share * spacing), friction: 0.3, layer: 0 });
-    }
-    scene
 }
 
 fn crossings_of(scene: &Scene, stepper: &Stepper) -> u64 {
@@ -80,9 +39,9 @@ fn run(scene: &Scene, frames: u32) -> (u32, [f64; 3], Vec<Finding>) {
 fn no_frame_of_folding_dropping_or_draping_cloth_has_a_crossing() {
     for (scene, share, frames) in [(folded(33, 0.01), 1.2, 12), (dropped(17), 0.4, 70), (draped(13), 0.4, 50)] {
         let name = scene.name.clone();
-        let (crossed, free, _) = run(&with(scene.clone(), ContactTier::Particles, share), frames);
+        let (crossed, free, _) = run(&with_tier(scene.clone(), ContactTier::Particles, share), frames);
         assert!(crossed > 0, "{name} does not need this tier");
-        let (crossed, held, findings) = run(&with(scene, ContactTier::Safe, share), frames);
+        let (crossed, held, findings) = run(&with_tier(scene, ContactTier::Safe, share), frames);
         assert_eq!(crossed, 0, "{name}");
         assert_eq!(findings, [], "{name}");
         // It falls as far, and does not freeze in the air.
@@ -93,7 +52,7 @@ fn no_frame_of_folding_dropping_or_draping_cloth_has_a_crossing() {
 
 #[test]
 fn threads_do_not_change_a_bit_and_a_state_goes_on_as_it_was() {
-    let scene = with(draped(13), ContactTier::Safe, 0.6);
+    let scene = with_tier(draped(13), ContactTier::Safe, 0.6);
     let mut one = Stepper::on_cpu(scene.clone(), options()).unwrap();
     let mut three = Stepper::on_cpu(scene.clone(), Options { threads: 3, ..options() }).unwrap();
     let now = |stepper: &Stepper| {
@@ -125,10 +84,10 @@ fn cloth_that_starts_crossed_or_is_forced_to_cross_is_reported() {
     };
     let mut scene = Scene::new("crossed");
     scene.gravity = [0.0; 3];
-    scene.cloths.push(sheet(Flat::square("flat", 9)));
+    scene.cloths.push(calm(Flat::square("flat", 9)));
     let upright = Flat { origin: [0.03, 0.47, 0.51], down: [0.05, -1.0, 0.02], ..Flat::square("upright", 9) };
-    scene.cloths.push(sheet(upright));
-    let scene = with(scene, ContactTier::Safe, 0.5);
+    scene.cloths.push(calm(upright));
+    let scene = with_tier(scene, ContactTier::Safe, 0.5);
     let mut stepper = Stepper::on_cpu(scene, options()).unwrap();
     stepper.advance(FRAME).unwrap();
     assert_eq!(crossed(&stepper), Some((true, false)));
@@ -137,13 +96,13 @@ fn cloth_that_starts_crossed_or_is_forced_to_cross_is_reported() {
     let mut scene = Scene::new("dragged");
     scene.gravity = [0.0; 3];
     for (height, name) in [(0.0, "lower"), (0.06, "upper")] {
-        scene.cloths.push(sheet(Flat { origin: [0.0, height, 0.0], ..Flat::square(name, 9) }));
+        scene.cloths.push(calm(Flat { origin: [0.0, height, 0.0], ..Flat::square(name, 9) }));
     }
     (0..81).filter(|k| k % 9 == 0 || k % 9 == 8 || k / 9 == 0 || k / 9 == 8).for_each(|k| {
         scene.cloths[0].set_pinned(k, true).unwrap();
     });
     scene.cloths[1].set_pinned(40, true).unwrap();
-    let mut stepper = Stepper::on_cpu(with(scene, ContactTier::Safe, 0.3), options()).unwrap();
+    let mut stepper = Stepper::on_cpu(with_tier(scene, ContactTier::Safe, 0.3), options()).unwrap();
     let mut at = stepper.positions(1).unwrap()[40];
     let mut found = None;
     for _ in 0..60 {

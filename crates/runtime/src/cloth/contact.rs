@@ -11,8 +11,9 @@ pub enum ContactTier {
     #[default]
     Particles,
     /// The same pushes, and each step ends with positions in which no drawn triangle crosses another one of cloth of this tier, if the start has
-    /// no crossing; triangles that cross at the start are guarded as soon as they are apart. CPU backend only; on the GPU the stepper warns ([`crate::Warning::ContactUnsafe`]) and has `Particles`. Pins and
-    /// joints that leave cloth no room are not held back: [`crate::Fate::Crossed`] reports crossings that follow.
+    /// no crossing; triangles that cross at the start are guarded as soon as they are apart. Pins and joints
+    /// that leave cloth no room are not held back: [`crate::Fate::Crossed`] reports crossings that follow, on the GPU once the host examines the
+    /// cloth ([`crate::Stepper::examine`]).
     Safe,
 }
 

@@ -55,6 +55,7 @@ impl Gpu {
     pub fn act(&mut self, world: &mut World, encoder: &mut wgpu::CommandEncoder) {
         let actions = std::mem::take(&mut world.host.actions);
         world.host.touched |= !actions.is_empty();
+        world.host.put |= actions.iter().any(|a| matches!(a, Action::Transform { .. } | Action::Load { .. }));
         for action in &actions {
             match action {
                 Action::Cut { corners, spared } => {

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::form::Form;
 use crate::passes::Pass;
 use crate::plan::Plan;
-use crate::world::World;
+use crate::world::{World, is_safe};
 
 /// A request that a host may make of its cloths later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +63,12 @@ pub(super) fn frames(world: &World) -> Vec<Form> {
     if world.calm_below().is_some() && !world.scene.colliders.is_empty() {
         // Nor the frame in which a cloth among colliders first comes to rest.
         forms.push(Pass::Bounds.into());
+    }
+    for cloth in world.scene.cloths.iter().filter(|cloth| world.has_safe() && is_safe(cloth)) {
+        forms.push(Pass::Faces { holes: cloth.is_cut() }.into());
+        // Nor its first frame, nor the first one in which it sleeps.
+        let begins = [(true, false), (false, true), (true, true)];
+        forms.extend(begins.map(|(put, sleeps)| Pass::Gather { begins: true, put, sleeps }.into()));
     }
     let pinned = |c: &Cloth| c.particles().iter().any(|p| p.is_pinned());
     if world.scene.cloths.iter().any(pinned) {

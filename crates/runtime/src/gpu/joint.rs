@@ -13,14 +13,15 @@ use crate::cpu::fabric::meeting::others::MAX_OTHERS;
 use crate::error::{Error, Result};
 use crate::handle::ClothHandle;
 use crate::levels::joint;
+use crate::levels::safe::ROUNDS;
 use crate::passes::FOLLOW_STEPS;
 use crate::shaders::{Bound, Slot};
-use crate::world::World;
+use crate::world::{World, is_safe};
 
 /// Bytes of a particle in the longest list.
 const LONGEST: u64 = 16 * MAX_OTHERS as u64;
 
-/// The cloths of a scene that have contact, where more than one has.
+/// The cloths of a scene that have contact, where more than one has or contact is safe.
 pub(super) struct Joint {
     /// The cloths and their numbers of particles; where these change, other buffers are needed.
     key: Vec<(ClothHandle, usize)>,
@@ -30,6 +31,15 @@ pub(super) struct Joint {
     pub cloths: Vec<usize>,
     /// Whether the shadow of a cloth is that of cloth that is asleep.
     pub still: Vec<bool>,
+    /// Whether the contact of a cloth is safe.
+    pub safe: Vec<bool>,
+    /// Whether particles of cloth that is asleep are where it sleeps.
+    pub shown: Vec<bool>,
+    /// Whether free particles were put elsewhere, or anything was done to cloths, since steps were held back last.
+    pub put: bool,
+    pub touched: bool,
+    /// Where the numbers of the rounds lie in this frame.
+    pub rounds: [u32; ROUNDS as usize],
     pub layout: joint::Joint,
     buffers: HashMap<Slot, Buffer>,
     /// By what they bind, with the buffer of the numbers of a frame.
@@ -37,11 +47,10 @@ pub(super) struct Joint {
 }
 
 impl Joint {
-    /// That of a world's cloths now; `known` is that of the last frame, which is kept if it still holds. None where fewer than two cloths
-    /// have contact.
+    /// That of a world's cloths now; `known` is that of the last frame, which is kept if it still holds. None where no cloth needs it.
     pub fn follow(known: Option<Box<Joint>>, device: &wgpu::Device, world: &World) -> Option<Box<Joint>> {
         let cloths = world.meeting();
-        if cloths.len() < 2 {
+        if cloths.len() < 2 && !world.has_safe() {
             return None;
         }
         let key: Vec<_> = cloths.iter().map(|c| (world.handles[*c], world.scene.cloths[*c].len())).collect();
@@ -61,6 +70,11 @@ impl Joint {
             distances: Vec::new(),
             cloths: Vec::new(),
             still: Vec::new(),
+            safe: Vec::new(),
+            shown: Vec::new(),
+            put: true,
+            touched: true,
+            rounds: [0; ROUNDS as usize],
             layout: joint::Joint::default(),
             buffers: HashMap::new(),
             groups: HashMap::new(),
@@ -81,31 +95,43 @@ impl Joint {
         };
         let distances: Vec<f32> = key.iter().zip(&of).map(distance).collect();
         let layout = joint::Joint::of(&of, &distances);
-        let mut homes = vec![[0.0f32; 4]; layout.particles];
-        let crossed = world.crossed_at_rest(&cloths);
-        for ((cloth, first), crossed) in of.iter().zip(&layout.firsts).zip(&crossed) {
-            for (k, [x, y, z]) in cloth.positions().iter().enumerate() {
-                let crosses = crossed.get(k).is_some_and(|crossed| *crossed);
-                homes[*first as usize + k] = [*x, *y, *z, f32::from(u8::from(crosses))];
-            }
-        }
         let none = BufferUsages::empty();
         let particles = layout.particles as u64;
         let room = |slot: Slot, bytes: u64| {
             let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
             (slot, empty(device, slot.name(), bytes, usage))
         };
-        let buffers = HashMap::from([
+        let safe: Vec<bool> = of.iter().map(|cloth| is_safe(cloth)).collect();
+        let is_any_safe = safe.contains(&true);
+        let boxes = if is_any_safe { layout.boxes_of_cells() } else { layout.boxes };
+        let mut buffers = HashMap::from([
             (Slot::Grids, upload(device, "grids", &layout.grids, none)),
             (Slot::Kin, upload(device, "kin", &layout.table, none)),
-            (Slot::Homes, upload(device, "homes", &homes, none)),
-            room(Slot::Boxes, 32 * layout.boxes as u64),
-            room(Slot::Shadows, 32 * particles),
-            room(Slot::Others, LONGEST * particles),
-            room(Slot::Struck, 4 * cloths.len() as u64),
+            room(Slot::Boxes, 32 * boxes as u64),
         ]);
-        let still = vec![false; cloths.len()];
-        Joint { key, distances, cloths, still, layout, buffers, groups: HashMap::new() }
+        if cloths.len() > 1 {
+            let homes = homes(world, (&cloths, &of), &layout);
+            buffers.extend([
+                (Slot::Homes, upload(device, "homes", &homes, none)),
+                room(Slot::Shadows, 32 * particles),
+                room(Slot::Others, LONGEST * particles),
+                room(Slot::Struck, 4 * cloths.len() as u64),
+            ]);
+        }
+        if is_any_safe {
+            let lists = [Slot::Goals, Slot::Places, Slot::Bases, Slot::Ways];
+            buffers.extend(lists.map(|slot| room(slot, 16 * particles)));
+            buffers.extend([room(Slot::Faces, 4 * particles), room(Slot::Counts, 4 * joint::COUNTS as u64)]);
+        }
+        let (still, shown, groups) = (vec![false; cloths.len()], vec![false; cloths.len()], HashMap::new());
+        let rounds = [0; ROUNDS as usize];
+        let (put, touched) = (true, true);
+        Joint { key, distances, cloths, still, safe, shown, put, touched, rounds, layout, buffers, groups }
+    }
+
+    /// Whether cloths touch one another.
+    pub fn meets(&self) -> bool {
+        self.cloths.len() > 1
     }
 
     /// Hands a cloth its parts of the buffers.
@@ -115,15 +141,27 @@ impl Joint {
             let buffer: &Buffer = &self.buffers[&slot];
             Span { buffer: buffer.clone(), offset: each * first, size: each * count }
         };
-        cloth.replace(Slot::Shadow, own(Slot::Shadows, 32));
-        cloth.replace(Slot::Others, own(Slot::Others, LONGEST));
-        cloth.replace(Slot::Shadows, self.buffers[&Slot::Shadows].clone().into());
+        if self.meets() {
+            cloth.replace(Slot::Shadow, own(Slot::Shadows, 32));
+            cloth.replace(Slot::Others, own(Slot::Others, LONGEST));
+            cloth.replace(Slot::Shadows, self.buffers[&Slot::Shadows].clone().into());
+        }
+        if self.safe[member] {
+            cloth.replace(Slot::Goals, own(Slot::Goals, 16));
+            cloth.replace(Slot::Places, own(Slot::Places, 16));
+            cloth.replace(Slot::Faces, own(Slot::Faces, 4));
+        }
         cloth.replace(Slot::Part, Span { buffer: numbers.clone(), offset: 0, size: 16 });
     }
 
     /// Where it is noted that a cloth, by its place among these, has to wake.
-    pub fn struck(&self, member: usize) -> (&Buffer, u64) {
-        (&self.buffers[&Slot::Struck], 4 * member as u64)
+    pub fn struck(&self, member: usize) -> Option<(&Buffer, u64)> {
+        Some((self.buffers.get(&Slot::Struck)?, 4 * member as u64))
+    }
+
+    /// The counters of cloths whose contact is safe.
+    pub fn counts(&self) -> Option<&Buffer> {
+        self.buffers.get(&Slot::Counts)
     }
 
     /// The bindings of a shader, made once.
@@ -144,16 +182,35 @@ impl Joint {
 
     /// Bytes of the buffers that cloths have no part of.
     pub fn bytes(&self) -> u64 {
-        let own = self.buffers.iter().filter(|(slot, _)| ![Slot::Shadows, Slot::Others].contains(slot));
+        const SHARED: [Slot; 5] = [Slot::Shadows, Slot::Others, Slot::Goals, Slot::Places, Slot::Faces];
+        let own = self.buffers.iter().filter(|(slot, _)| !SHARED.contains(slot));
         own.map(|(_, buffer)| buffer.size()).sum()
     }
 }
 
-/// Rows of numbers in a frame of `steps` steps at most: one per cloth and one for all, where others are seen.
+/// Where all particles are at rest; w is 1 near lines along which cloths cross there.
+fn homes(world: &World, (cloths, of): (&[usize], &[&Cloth]), layout: &joint::Joint) -> Vec<[f32; 4]> {
+    let mut homes = vec![[0.0f32; 4]; layout.particles];
+    let crossed = world.crossed_at_rest(cloths);
+    for ((cloth, first), crossed) in of.iter().zip(&layout.firsts).zip(&crossed) {
+        for (k, [x, y, z]) in cloth.positions().iter().enumerate() {
+            let crosses = crossed.get(k).is_some_and(|crossed| *crossed);
+            homes[*first as usize + k] = [*x, *y, *z, f32::from(u8::from(crosses))];
+        }
+    }
+    homes
+}
+
+/// Rows of numbers in a frame of `steps` steps at most: one per cloth and one for all, where others are seen, and one per round.
 pub(super) fn rows(world: &World, steps: u32) -> u64 {
     let count = world.meeting().len() as u64;
-    if count > 1 { (count + 1) * u64::from(steps.div_ceil(FOLLOW_STEPS)) } else { 0 }
+    let met = if count > 1 { (count + 1) * u64::from(steps.div_ceil(FOLLOW_STEPS)) } else { 0 };
+    met + if world.has_safe() { u64::from(ROUNDS) } else { 0 }
 }
+
+#[cfg(test)]
+#[path = "joint_tests.rs"]
+mod tests;
 
 /// Errors where a list of all cloths with contact is larger than the device allows.
 pub(super) fn fits(limits: &wgpu::Limits, world: &World) -> Result<()> {

@@ -32,14 +32,21 @@ impl Gpu {
     /// Follows which cloths have contact with one another, and hands them what they share; to be called as a frame begins.
     pub(super) fn join_contact(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder) {
         self.joint = Joint::follow(self.joint.take(), &self.device, world);
-        let Some(joint) = &self.joint else { return };
+        let Some(joint) = &mut self.joint else { return };
+        joint.put |= world.host.put;
+        joint.touched |= world.host.touched;
         let numbers = &self.frames.ring.buffer;
         for (member, cloth) in joint.cloths.iter().enumerate() {
             joint.share(member, &mut self.cloths[*cloth], numbers);
         }
-        if joint.cloths.iter().any(|c| world.runs[*c].asleep) {
-            encoder.clear_buffer(joint.struck(0).0, 0, None);
-        }
+        let sleeps = joint.cloths.iter().any(|c| world.runs[*c].asleep);
+        let struck = joint.struck(0).filter(|_| sleeps).map(|(buffer, _)| buffer);
+        struck.into_iter().chain(joint.counts()).for_each(|buffer| encoder.clear_buffer(buffer, 0, None));
+    }
+
+    /// Whether a cloth touches others.
+    pub(super) fn meets(&self, cloth: usize) -> bool {
+        self.joint.as_ref().is_some_and(|joint| joint.meets() && joint.cloths.contains(&cloth))
     }
 
     /// Whether a cloth makes each step together with others.
@@ -56,6 +63,10 @@ impl Gpu {
         steps: u32,
     ) -> Vec<u32> {
         let mut last = vec![0; cloths.len()];
+        if cloths.is_empty() {
+            return last;
+        }
+        self.begin_safe(world, passes);
         let frames: Vec<Frame> = cloths.iter().map(|cloth| world.frame(*cloth, steps)).collect();
         let rows = Span { buffer: self.frames.ring.buffer.clone(), offset: 0, size: size_of::<StepRow>() as u64 };
         cloths.iter().for_each(|cloth| self.cloths[*cloth].replace(Slot::Step, rows.clone()));
@@ -65,6 +76,7 @@ impl Gpu {
             for ((cloth, frame), last) in cloths.iter().zip(&frames).zip(&mut last) {
                 *last = self.record_step(world, passes, *cloth, (frame, n));
             }
+            self.hold_back(world, passes);
         }
         last
     }
@@ -72,7 +84,7 @@ impl Gpu {
     /// Records that cloths take in, before step `n`, where others are, and what they may meet until they do so again.
     fn meet_others(&mut self, world: &World, passes: &mut Recording, n: u32, steps: u32) {
         let Some(mut joint) = self.joint.take() else { return };
-        if n.is_multiple_of(FOLLOW_STEPS) {
+        if joint.meets() && n.is_multiple_of(FOLLOW_STEPS) {
             let mut sleeps = false;
             for member in 0..joint.cloths.len() {
                 let cloth = joint.cloths[member];
@@ -116,7 +128,13 @@ impl Gpu {
     }
 
     /// Records a pass of all cloths together.
-    fn run_joint(&mut self, passes: &mut Recording, joint: &mut Joint, (what, part): (Pass, u32), [x, y, z]: [u32; 3]) {
+    pub(super) fn run_joint(
+        &mut self,
+        passes: &mut Recording,
+        joint: &mut Joint,
+        (what, part): (Pass, u32),
+        [x, y, z]: [u32; 3],
+    ) {
         let pipeline = self.pipelines.get(&what.into());
         let group = joint.group(&self.device, pipeline, &self.frames.ring.buffer);
         let offsets: &[u32] = if pipeline.source.binds(Slot::Part) { &[part] } else { &[] };

@@ -9,6 +9,7 @@ use super::lost::poll;
 use super::staging::{Parcel, Staging};
 use crate::error::Result;
 use crate::handle::follow;
+use crate::levels::joint::{COUNT_FORCED, COUNT_FORCED_MOST, COUNT_SLOWED, COUNT_SLOWED_MOST};
 use crate::passes::Pass;
 use crate::world::World;
 
@@ -29,10 +30,16 @@ pub(super) struct Watch {
 /// A cloth that is measured, and where its speed, its stretch and whether contact wakes it lie: the part, and the place in the part's buffer.
 type Found = (usize, [Option<(usize, u64)>; 3]);
 
+/// The part that each count of contact that is safe is in, and its place there.
+type Held = [(usize, u64); 4];
+
 /// The measurements of one frame.
 struct Measured {
     parcel: Parcel,
     probes: Vec<Probe>,
+    /// Where the counts of contact that is safe lie: pins that it could not give way to, and particles that are too fast, each in the last step and in
+    /// all steps before it.
+    held: Option<[usize; 4]>,
 }
 
 /// The measurements of one cloth.
@@ -131,8 +138,13 @@ impl Watch {
                 let of = |p: &Probe| places(p).map(|at| Some(number(bytes, at?)));
                 measured.probes.iter().map(of).collect()
             };
-            let Some(numbers) = measured.parcel.open(read)? else { break };
+            let whole = |bytes: &[u8], at: usize| bytemuck::pod_read_unaligned::<u32>(&bytes[at..at + 4]) as usize;
+            let both = |bytes: &[u8]| (read(bytes), measured.held.map(|held| held.map(|at| whole(bytes, at))));
+            let Some((numbers, held)) = measured.parcel.open(both)? else { break };
             let Some(measured) = self.under_way.pop_front() else { break };
+            if let Some([forced, forced_before, slowed, slowed_before]) = held {
+                world.note_held(forced.max(forced_before), slowed.max(slowed_before));
+            }
             for (probe, [fastest, strain, struck]) in measured.probes.iter().zip(numbers) {
                 let Some(cloth) = probe.cloth else { continue };
                 if let (Some(fastest), Some((_, limit))) = (fastest, probe.fastest)
@@ -161,7 +173,8 @@ impl Gpu {
     /// Copies the speeds and the stretch of cloths that are awake to where the host may read them.
     pub(super) fn watch(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
         let limit = world.calm_below();
-        if steps == 0 || limit.is_none() && world.control.options.quality.target().is_none() {
+        let counts = self.joint.as_ref().and_then(|joint| joint.counts());
+        if steps == 0 || limit.is_none() && counts.is_none() && world.control.options.quality.target().is_none() {
             return;
         }
         let (mut parts, mut found) = (std::mem::take(&mut self.watch.parts), std::mem::take(&mut self.watch.found));
@@ -177,21 +190,28 @@ impl Gpu {
             }
         }
         for (member, cloth) in self.joint.iter().flat_map(|joint| joint.cloths.iter().enumerate()) {
-            if let (true, Some(joint)) = (world.runs[*cloth].asleep, &self.joint) {
-                let from = joint.struck(member);
+            let from = self.joint.as_ref().and_then(|joint| joint.struck(member));
+            if let Some(from) = from.filter(|_| world.runs[*cloth].asleep) {
                 found.push((*cloth, [None, None, Some((parts.add(from), from.1))]));
             }
         }
-        self.measure(world, encoder, (&mut parts, &found));
+        const COUNTED: [usize; 4] = [COUNT_FORCED, COUNT_FORCED_MOST, COUNT_SLOWED, COUNT_SLOWED_MOST];
+        let held = counts.map(|counts| COUNTED.map(|n| (parts.add((counts, 4 * n as u64)), 4 * n as u64)));
+        self.measure(world, encoder, (&mut parts, &found, held));
         parts.clear();
         found.clear();
         (self.watch.parts, self.watch.found) = (parts, found);
     }
 
     /// Copies what was found to where the host may read it, if a buffer is free.
-    fn measure(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, (parts, found): (&mut Parts, &[Found])) {
+    fn measure(
+        &mut self,
+        world: &World,
+        encoder: &mut wgpu::CommandEncoder,
+        (parts, found, held): (&mut Parts, &[Found], Option<Held>),
+    ) {
         let size = parts.join();
-        if found.is_empty() {
+        if found.is_empty() && held.is_none() {
             return;
         }
         // Cloths that fall asleep one by one need no other buffers.
@@ -211,7 +231,8 @@ impl Gpu {
         let mut probes = self.watch.spare.pop().unwrap_or_default();
         probes.clear();
         probes.extend(found.iter().map(probe));
-        self.watch.under_way.push_back(Measured { parcel, probes });
+        let held = held.map(|held| held.map(|at| parts.place(at)));
+        self.watch.under_way.push_back(Measured { parcel, probes, held });
     }
 
     /// Takes in what has arrived, in order, and asks for the rest. Does not wait.

@@ -1,6 +1,7 @@
 //! Cloths whose contact is computed together, as shaders read them: their particles lie one cloth after the other, as do their grids.
 
 use super::boxes::{TILE, levels};
+use super::safe::ROUNDS;
 use crate::cloth::{Cloth, ContactTier};
 use crate::layout::GridRow;
 
@@ -10,6 +11,15 @@ const NOBODY: u32 = u32::MAX;
 const HEAD: u32 = 16;
 /// Particles between the first ones of two cloths are a multiple of it: parts of buffers that are bound begin at multiples of 256 bytes.
 const STRIDE: usize = 64;
+
+/// Counters of the cloths whose contact is safe, and their number: for each round but the last whether a step needs a further one; pins that left
+/// their half-spaces and particles that are too fast, in the step and the most of all steps before it in the frame.
+pub const COUNT_MORE: usize = 0;
+pub const COUNT_FORCED: usize = ROUNDS as usize - 1;
+pub const COUNT_SLOWED: usize = COUNT_FORCED + 1;
+pub const COUNT_FORCED_MOST: usize = COUNT_FORCED + 2;
+pub const COUNT_SLOWED_MOST: usize = COUNT_FORCED + 3;
+pub const COUNTS: usize = (COUNT_FORCED + 4).next_multiple_of(4);
 
 /// Some cloths, laid out together.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,7 +40,7 @@ pub struct Joint {
 impl Joint {
     /// That of some cloths with their contact distances \[m\].
     ///
-    /// The table begins with 16 numbers, by their place: 2 where the levels of each grid are listed, 3 where first duplicates begin, 4 the number of
+    /// The table begins with 16 numbers, by their place: 0 the number of grids, 2 where the levels of each grid are listed, 3 where first duplicates begin, 4 the number of
     /// tiles, 5 where the next duplicates begin, 6 where tiles begin, 7 where grids begin, 8 the number of boxes; the others are 0. Then follow: two
     /// numbers per grid (where its levels begin, and how many they are), three per level (first box, columns, rows), the first duplicate of each
     /// particle (all ones for none), the next duplicate of each (itself off the seams), two per tile (grid; column and row, 16 bits each), and eight
@@ -81,7 +91,7 @@ impl Joint {
             rows += 3 * levels.len() as u32;
         }
         table.extend(tables.iter().flatten().flatten());
-        (table[2], table[4], table[8]) = (HEAD, spots.len() as u32, joint.boxes as u32);
+        (table[0], table[2], table[4], table[8]) = (tables.len() as u32, HEAD, spots.len() as u32, joint.boxes as u32);
         let lists = [(3, points), (5, mates), (6, spots.concat()), (7, owners.concat())];
         for (at, list) in lists {
             table[at] = table.len() as u32;
@@ -89,5 +99,10 @@ impl Joint {
         }
         joint.table = table;
         joint
+    }
+
+    /// Boxes with one per texel of each tile and how each tile's edges spread, which are two more.
+    pub fn boxes_of_cells(&self) -> usize {
+        self.boxes + (TILE * TILE + 2) as usize * self.tiles
     }
 }

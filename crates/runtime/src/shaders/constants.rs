@@ -10,10 +10,10 @@ use crate::cpu::fabric::meeting::{extents, others};
 use crate::cpu::fabric::{leaves, partners, polish, stretch, touch};
 use crate::cpu::{aside, guard, pick, place, route};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
-use crate::levels::NODE_TILE;
+use crate::levels::{NODE_TILE, joint, safe};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 13] = [
+const FLOATS: [(&str, f64); 25] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
@@ -27,10 +27,22 @@ const FLOATS: [(&str, f64); 13] = [
     ("TOUCH_SHARE", touch::TOUCH_SHARE),
     ("MAX_PUSH", touch::MAX_PUSH),
     ("SHADOW_WIDTH", extents::WIDTH),
+    ("MAX_WAY", safe::MAX_WAY),
+    ("FLOOR_SHARE", safe::FLOOR_SHARE),
+    ("ASIDE_SHARE", safe::ASIDE),
+    ("HELD_ROUNDING", safe::ROUNDING),
+    ("EVEN_AREA2", safe::EVEN_AREA2),
+    ("EVEN_CHANGE", safe::EVEN_CHANGE),
+    ("EVEN_APART", safe::EVEN_APART),
+    ("EVEN_ROOM", safe::EVEN_ROOM),
+    ("GAP_SHARE", safe::GAP_SHARE),
+    ("PLANE_ERROR", safe::PLANE_ERROR),
+    ("TOUCH", safe::TOUCH),
+    ("MERGES_SHARE", safe::MERGES),
 ];
 
 /// u32 constants. `FAULT_...` are indices into the counters of a cloth.
-const NUMBERS: [(&str, usize); 16] = [
+const NUMBERS: [(&str, usize); 26] = [
     ("UNSUPPORTED", route::UNSUPPORTED as usize),
     ("PLACE_MOVES", place::PLACE_MOVES as usize),
     ("PLACE_WEIGHS", place::PLACE_WEIGHS as usize),
@@ -46,6 +58,16 @@ const NUMBERS: [(&str, usize); 16] = [
     ("NODE_TILE", NODE_TILE),
     ("MAX_PARTNERS", partners::MAX_PARTNERS),
     ("MAX_OTHERS", others::MAX_OTHERS),
+    ("PLANE_GROUPS", safe::MAX_PLANES / 4),
+    ("PROJECTIONS", safe::PROJECTIONS),
+    ("HALVINGS", safe::HALVINGS),
+    ("MAX_TURNS", safe::MAX_TURNS),
+    ("HELD_ROUNDS", safe::ROUNDS as usize),
+    ("COUNT_MORE", joint::COUNT_MORE),
+    ("COUNT_FORCED", joint::COUNT_FORCED),
+    ("COUNT_SLOWED", joint::COUNT_SLOWED),
+    ("COUNT_FORCED_MOST", joint::COUNT_FORCED_MOST),
+    ("COUNT_SLOWED_MOST", joint::COUNT_SLOWED_MOST),
     ("SKIPPED_CELLS", SKIPPED_CELLS),
 ];
 

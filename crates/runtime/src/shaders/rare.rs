@@ -222,3 +222,35 @@ pub(super) fn others(over: Over) -> Rule {
     let read = [Grids, Slot::Kin, Slot::Homes, Slot::Shadows, Slot::Boxes, Slot::Part];
     own!("others", over, Parts::new(&[], &read, &[Slot::Others, Slot::Struck]))
 }
+
+pub(super) fn faces(over: Over, holes: bool) -> Rule {
+    own!("faces", over, open(holes, Parts::new(&[], &[Grids, Now, Slot::Kin], &[Slot::Faces])))
+}
+
+pub(super) fn gather(over: Over, [begins, put, sleeps]: [bool; 3]) -> Rule {
+    let parts = Parts::new(&[part!("sane")], &[Now], &[Slot::Goals, Slot::Places]);
+    let parts = parts.constant("begins", begins.into()).constant("put", put.into());
+    own!("gather", over, parts.constant("sleeps", sleeps.into()))
+}
+
+pub(super) fn paths(over: Over) -> Rule {
+    let read = [Slot::Part, Slot::Kin, Slot::Goals, Slot::Places, Slot::Faces];
+    let write = [Slot::Boxes, Slot::Bases, Slot::Ways, Slot::Counts];
+    own!("paths", over, Parts::new(&[part!("sheets"), part!("even")], &read, &write))
+}
+
+pub(super) fn truncate(over: Over) -> Rule {
+    let read = [Slot::Part, Slot::Kin, Slot::Boxes, Slot::Goals, Slot::Bases, Slot::Ways];
+    let files = [part!("sheets"), part!("planes"), part!("room")];
+    own!("truncate", over, Parts::new(&files, &read, &[Slot::Places, Slot::Counts]))
+}
+
+/// `exact`: cloth that keeps what is too small for a position to take up.
+pub(super) fn hold_back(over: Over, exact: bool) -> Rule {
+    let parts = Parts::new(&[part!("sane")], &[Slot::Places], &[Now, Slot::Before]);
+    let parts = match exact {
+        true => parts.files(&[part!("lost_cleared")]).bind(&[writes(Slot::Lost)]),
+        false => parts.files(&[part!("lost_none")]),
+    };
+    own!("hold_back", over, parts)
+}

@@ -110,6 +110,9 @@ pub fn over(pass: Pass) -> Over {
         Pass::Tree => Over::Own(Threads::Cloth),
         Pass::Partners { .. } | Pass::Touch { .. } | Pass::Separate => Over::Own(Threads::Particles),
         Pass::Shadow | Pass::Extents | Pass::Others => Over::Own(Threads::Particles),
+        Pass::Gather { .. } | Pass::HoldBack { .. } => Over::Own(Threads::Particles),
+        Pass::Paths | Pass::Truncate => Over::Own(Threads::Particles),
+        Pass::Faces { .. } => Over::Own(Threads::Texels),
     }
 }
 
@@ -227,6 +230,11 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Shadow => rare::shadow(over),
         Pass::Extents => rare::extents(over),
         Pass::Others => rare::others(over),
+        Pass::Faces { holes } => rare::faces(over, holes),
+        Pass::Gather { begins, put, sleeps } => rare::gather(over, [begins, put, sleeps]),
+        Pass::Paths => rare::paths(over),
+        Pass::Truncate => rare::truncate(over),
+        Pass::HoldBack { exact } => rare::hold_back(over, exact),
     }
 }
 

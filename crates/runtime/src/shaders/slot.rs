@@ -6,6 +6,7 @@ use crate::cloth::{Cloth, Compliance, Rest, Tethers};
 use crate::cpu::fabric::meeting::others::MAX_OTHERS;
 use crate::cpu::fabric::partners::MAX_PARTNERS;
 use crate::layout::{FAULT_BYTES, FrameRow, GridRow, JobRow, LinkRow};
+use crate::levels::joint;
 
 macro_rules! slots {
     ($($slot:ident $name:literal,)*) => {
@@ -111,6 +112,12 @@ slots! {
     MeshIndices "mesh_indices",
     LeftIndices "left_indices",
     Airs "airs",
+    Goals "goals",
+    Places "places",
+    Bases "bases",
+    Ways "ways",
+    Faces "faces",
+    Counts "counts",
 }
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
@@ -269,6 +276,9 @@ impl Slot {
             Slot::Shadows | Slot::Shadow => cloth.len() * 32,
             Slot::Others => cloth.len() * MAX_OTHERS * 16,
             Slot::Struck => 4,
+            Slot::Goals | Slot::Places | Slot::Bases | Slot::Ways => cloth.len() * 16,
+            Slot::Faces => cloth.len() * 4,
+            Slot::Counts => joint::COUNTS * 4,
             // Made when they are asked for; no frame binds them.
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
             Slot::Bounds | Slot::Indices | Slot::Tangents | Slot::Charts => 0,

@@ -70,6 +70,8 @@ pub struct Host {
     pub actions: Vec<Action>,
     /// Whether cloths have changed since the last frame although no action waits: they were saved or loaded.
     pub touched: bool,
+    /// Whether free particles were put elsewhere since the last frame: transformed, loaded, or back where they began.
+    pub put: bool,
     /// A warning about the device, to be reported.
     pub adapter: Option<Warning>,
     /// The same of steps that were too long.

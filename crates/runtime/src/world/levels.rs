@@ -130,7 +130,7 @@ impl World {
             self.runs[index] = run;
             self.runs[index].kept = kept;
             self.host.forget(index);
-            self.host.touched = true;
+            (self.host.touched, self.host.put) = (true, true);
             self.wake(index);
             left.push(Left { index, cloth, place, recoated: false });
             if self.runs[index].joints.is_some() {

@@ -115,7 +115,7 @@ impl World {
         }
         self.watchdog = watchdog;
         self.forget_paths();
-        self.host.touched = false;
+        (self.host.touched, self.host.put) = (false, false);
         self.control.tick(steps);
     }
 }

@@ -39,7 +39,7 @@ impl World {
         }
         let is_held = held(of);
         self.host.forget(cloth);
-        self.host.touched = true;
+        (self.host.touched, self.host.put) = (true, true);
         self.runs[cloth].home = head.home;
         self.resume_sleep(cloth, head.asleep, head.calm);
         if was_held != is_held {

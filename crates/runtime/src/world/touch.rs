@@ -30,6 +30,12 @@ impl World {
         cloths.iter().map(|cloth| xpbd && cloth.contact.is_some() && (many || tangled || is_safe(cloth))).collect()
     }
 
+    /// Whether no triangle of some cloth shall cross others.
+    pub fn has_safe(&self) -> bool {
+        let xpbd = self.control.options.solver == Solver::Xpbd;
+        xpbd && self.scene.cloths.iter().any(is_safe)
+    }
+
     /// The cloths that may touch one another, by index.
     pub fn meeting(&self) -> Vec<usize> {
         let xpbd = self.control.options.solver == Solver::Xpbd;
@@ -116,17 +122,10 @@ impl World {
         struck
     }
 
-    /// Warnings where contact of the scene's cloths is left out, or promises less on a backend than it should.
-    pub fn contact_warnings(&self, on_gpu: bool) -> Vec<Warning> {
-        let mut touching = self.scene.cloths.iter().filter(|cloth| cloth.contact.is_some());
-        let Some(cloth) = touching.next().map(|cloth| cloth.name().to_owned()) else { return Vec::new() };
-        if self.control.options.solver == Solver::Classic {
-            return vec![Warning::ContactClassic { cloth }];
-        }
-        if !on_gpu {
-            return Vec::new();
-        }
-        let safe = self.scene.cloths.iter().find(|cloth| is_safe(cloth));
-        safe.map(|cloth| Warning::ContactUnsafe { cloth: cloth.name().to_owned() }).into_iter().collect()
+    /// A warning where the solver has no contact of the scene's cloths.
+    pub fn contact_warnings(&self) -> Option<Warning> {
+        let cloth = self.scene.cloths.iter().find(|cloth| cloth.contact.is_some())?;
+        let classic = self.control.options.solver == Solver::Classic;
+        classic.then(|| Warning::ContactClassic { cloth: cloth.name().to_owned() })
     }
 }

@@ -63,7 +63,7 @@ impl Safe {
 }
 
 /// Whether no triangle of a cloth shall cross others.
-pub(super) fn is_safe(cloth: &Cloth) -> bool {
+pub fn is_safe(cloth: &Cloth) -> bool {
     cloth.contact.is_some_and(|contact| contact.tier == ContactTier::Safe)
 }
 

@@ -335,3 +335,45 @@ pub fn folded(n: u32, gap: f32) -> Scene {
     let table = Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) };
     Scene { colliders: vec![table], ..scene(cloth) }
 }
+
+/// A cloth whose motion dies away.
+pub fn calm(flat: Flat) -> Cloth {
+    let mut cloth = flat.cloth().unwrap();
+    cloth.damping = 0.5;
+    cloth
+}
+
+fn friction_table() -> Collider {
+    Collider { friction: 0.5, ..Collider::new(Shape::HalfSpace, [0.0; 3]) }
+}
+
+/// A square that collapses on a table.
+pub fn dropped(n: u32) -> Scene {
+    let mut scene = Scene::new("drop");
+    scene.cloths.push(calm(Flat { origin: [0.0, 1.05, 0.0], down: [0.1, -1.0, 0.05], ..Flat::square("sheet", n) }));
+    scene.colliders.push(friction_table());
+    scene
+}
+
+/// Three squares held by two corners each swing against a ball.
+pub fn draped(n: u32) -> Scene {
+    let mut scene = Scene::new("drape");
+    for layer in 0..3 {
+        let away = 0.05 * layer as f32;
+        let flat = Flat { origin: [-0.5, 0.5 + away, 0.3 + away], down: [0.0, 0.0, 1.0], ..Flat::square("sheet", n) };
+        let mut cloth = calm(flat);
+        [0, n - 1].into_iter().for_each(|k| cloth.set_pinned(k as usize, true).unwrap());
+        scene.cloths.push(cloth);
+    }
+    scene.colliders.push(Collider::new(Shape::Sphere { radius: 0.3 }, [0.0, -0.2, 0.0]));
+    scene
+}
+
+/// The scene with contact of a tier, at a distance too small for particles to keep triangles apart.
+pub fn with_tier(mut scene: Scene, tier: ContactTier, share: f32) -> Scene {
+    for cloth in &mut scene.cloths {
+        let spacing = 1.0 / (cloth.grids()[0].width - 1) as f32;
+        cloth.contact = Some(ClothContact { tier, distance: Some(share * spacing), friction: 0.3, layer: 0 });
+    }
+    scene
+}

@@ -215,7 +215,12 @@ impl<T: Real> Fabric<T> {
             // Of all cloths of a scene together, between their steps.
             | Pass::Shadow
             | Pass::Extents
-            | Pass::Others => return false,
+            | Pass::Others
+            | Pass::Faces { .. }
+            | Pass::Gather { .. }
+            | Pass::Paths
+            | Pass::Truncate
+            | Pass::HoldBack { .. } => return false,
         }
         true
     }

@@ -1,0 +1,2 @@
+// Cloth that keeps no remainders.
+fn clear_lost(k: u32) {}
