@@ -26,7 +26,7 @@ pub fn run(bundle: &Path, file: &Path, animation: &str, frames: u32) -> Result<V
     let bundle = gimage_bundle::dir::read_dir(bundle)?;
     let mut cloth = Cloth::from_bundle("clothes", &bundle)?;
     let skin = cloth.skin().ok_or("the bundle has no joints")?.clone();
-    // In a game the engine has the joints. The first second leads from the pose of the file, where clothes fit, into the animation.
+    // In a game the engine has the joints. The first second leads from the pose of the skins, where clothes fit, into the animation.
     let character = Character::read(file, animation, &ImportOptions::default())?;
     let nodes = skin.joints().iter().map(|j| character.node(&j.name)).collect::<Result<Vec<_>, _>>()?;
     let joints = |time: f64| {

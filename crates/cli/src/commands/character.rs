@@ -26,7 +26,7 @@ pub struct MotionArgs {
     /// from, beside the bundle, or render.glb in the bundle].
     #[arg(long, value_name = "FILE")]
     pub character: Option<PathBuf>,
-    /// Seconds before time 0 in which the character goes from the pose of its file into the animation, so that cloth starts as it was
+    /// Seconds before time 0 in which the character goes from the pose in which its skins are bound into the animation, so that cloth starts as it was
     /// modelled and settles [default: 1 of a bundle, 0 of a scene file].
     #[arg(long, value_name = "SECONDS")]
     pub lead: Option<f64>,

@@ -7,8 +7,10 @@ use serde_json::Value;
 
 use super::accessor::Accessors;
 use super::animation::{Channel, Clip, Target};
+use super::bound::bound;
 use super::buffers::Buffers;
 use super::document::Document;
+use super::local::Local;
 use super::matrix::{self, Matrix};
 use super::nodes::Forest;
 use super::place::axes;
@@ -29,35 +31,14 @@ pub struct Character {
     /// Parents before their children.
     order: Vec<usize>,
     rest: Vec<Local>,
+    /// The pose in which skins are bound.
+    start: Vec<Local>,
     clip: Clip,
     name: String,
     loops: bool,
     unit: f64,
     /// Turns the up axis of the file to y.
     turn: Matrix,
-}
-
-/// The transform of a node to its parent's space.
-#[derive(Clone, Copy, Debug)]
-enum Local {
-    Matrix(Matrix),
-    Parts { translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3] },
-}
-
-impl Local {
-    /// A transform between two, of which only the parts can differ.
-    fn towards(&self, other: &Local, share: f64) -> Local {
-        let (Local::Parts { translation, rotation, scale }, Local::Parts { translation: t, rotation: r, scale: s }) =
-            (*self, *other)
-        else {
-            return *other;
-        };
-        let mix = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * share);
-        let way = if (0..4).map(|c| rotation[c] * r[c]).sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
-        // The matrix is made of the quaternion at length 1.
-        let rotation = [0, 1, 2, 3].map(|c| rotation[c] + (way * r[c] - rotation[c]) * share);
-        Local::Parts { translation: mix(translation, t), rotation, scale: mix(scale, s) }
-    }
 }
 
 impl Character {
@@ -98,7 +79,7 @@ impl Character {
         let index = found.ok_or_else(|| no_animation(path, animation, &doc.animations))?;
         let clip = Clip::read(&accessors, index)?;
         let forest = Forest::new(&doc)?;
-        let rest = locals(&doc);
+        let rest = Local::all(&doc);
         let placed = |c: &Channel| matches!(rest[c.node], Local::Matrix(_));
         if let Some(c) = clip.channels.iter().find(|c| placed(c)) {
             let element = format!("node {} `{}`", c.node, doc.node_name(c.node));
@@ -108,6 +89,7 @@ impl Character {
             file: source.file_name.clone(),
             names: (0..rest.len()).map(|n| doc.node_name(n)).collect(),
             order: forest.order(),
+            start: bound(&accessors, &forest, &rest),
             parents: forest.parent,
             rest,
             clip,
@@ -162,12 +144,12 @@ impl Character {
         self.pose(if self.loops && seconds > 0.0 { time.rem_euclid(seconds) } else { time })
     }
 
-    /// The same on the way from the pose of the file, which has a `share` of 0, to that of the animation, of share 1. Rotations take the
-    /// shorter way.
+    /// The same on the way from the pose in which the skins of the file are bound, which has a `share` of 0, to that of the animation, of share 1.
+    /// Clothes fit the body in that pose; most files have it for their nodes, others any pose. Rotations take the shorter way.
     pub fn worlds_between(&self, time: f64, share: f64) -> Vec<[f64; 16]> {
         let seconds = self.seconds();
         let locals = self.locals(if self.loops && seconds > 0.0 { time.rem_euclid(seconds) } else { time });
-        self.place(&self.rest.iter().zip(&locals).map(|(a, b)| a.towards(b, share)).collect::<Vec<_>>())
+        self.place(&self.start.iter().zip(&locals).map(|(a, b)| a.towards(b, share)).collect::<Vec<_>>())
     }
 
     /// The same at a time of the animation, without repeats.
@@ -194,16 +176,13 @@ impl Character {
     fn place(&self, locals: &[Local]) -> Vec<Matrix> {
         let mut worlds = vec![matrix::IDENTITY; locals.len()];
         for &n in &self.order {
-            let own = match locals[n] {
-                Local::Matrix(matrix) => matrix,
-                Local::Parts { translation, rotation, scale } => matrix::from_trs(translation, rotation, scale),
-            };
+            let own = locals[n].matrix();
             worlds[n] = self.parents[n].map_or(own, |p| matrix::mul(&worlds[p], &own));
         }
         worlds.iter().map(|m| matrix::mul(&self.turn, &matrix::in_unit(m, self.unit))).collect()
     }
 
-    /// The same in the pose of the file, without the animation.
+    /// The same in the pose that the nodes of the file have, without the animation.
     pub fn rest_worlds(&self) -> Vec<[f64; 16]> {
         self.place(&self.rest)
     }
@@ -213,19 +192,6 @@ impl Character {
         let near = |(a, b): (&Matrix, &Matrix)| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_POSE);
         self.seconds() > 0.0 && first.iter().zip(&last).all(near)
     }
-}
-
-/// Translation, rotation and scale of each node, or its matrix.
-fn locals(doc: &Document) -> Vec<Local> {
-    let local = |(node, own): (&gltf::json::Node, &Matrix)| match node.matrix {
-        Some(_) => Local::Matrix(*own),
-        None => Local::Parts {
-            translation: node.translation.unwrap_or_default().map(f64::from),
-            rotation: node.rotation.map_or([0.0, 0.0, 0.0, 1.0], |q| q.0.map(f64::from)),
-            scale: node.scale.unwrap_or([1.0; 3]).map(f64::from),
-        },
-    };
-    doc.root.nodes.iter().zip(&doc.locals).map(local).collect()
 }
 
 fn no_animation(path: &Path, name: &str, all: &[Animation]) -> Error {

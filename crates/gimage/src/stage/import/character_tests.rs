@@ -99,3 +99,61 @@ fn animations_that_are_absent_or_make_no_sense_are_refused() {
     let stand = Character::read(&path, "stand", &ImportOptions::default()).unwrap();
     assert_eq!((stand.seconds(), stand.worlds(3.0)), (0.0, stand.rest_worlds()));
 }
+
+/// The same file with a skin whose joints are at `worlds` where it is bound.
+fn skinned(folder: &Path, joints: &[usize], worlds: &[Matrix]) -> std::path::PathBuf {
+    let path = file(folder);
+    let mut root: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    let binds: Vec<u8> =
+        worlds.iter().flat_map(|m| matrix::inverse(m).unwrap()).flat_map(|x| (x as f32).to_le_bytes()).collect();
+    let uri = base64::engine::general_purpose::STANDARD.encode(&binds);
+    let buffer = json!({"byteLength": binds.len(), "uri": format!("data:application/octet-stream;base64,{uri}")});
+    root["buffers"].as_array_mut().unwrap().push(buffer);
+    let views = root["bufferViews"].as_array_mut().unwrap();
+    views.push(json!({"buffer": 1, "byteLength": binds.len()}));
+    let accessor = json!({"bufferView": views.len() - 1, "componentType": 5126, "count": worlds.len(), "type": "MAT4"});
+    let accessors = root["accessors"].as_array_mut().unwrap();
+    accessors.push(accessor);
+    root["skins"] = json!([{"joints": joints, "inverseBindMatrices": accessors.len() - 1}]);
+    std::fs::write(&path, root.to_string()).unwrap();
+    path
+}
+
+#[test]
+fn a_character_starts_as_its_skin_is_bound() {
+    let folder = tempfile::tempdir().unwrap();
+    let h = 0.5f64.sqrt();
+    // The skin has a space of its own, turned, moved, and in another unit; the knee is bound with a quarter turn about z.
+    let space = matrix::from_trs([3.0, 1.0, -2.0], [0.0, h, 0.0, h], [10.0; 3]);
+    let down = matrix::from_trs([0.0, -1.0, 0.0], [0.0, 0.0, 0.0, 1.0], [1.0; 3]);
+    let bent = matrix::from_trs([0.0, -1.0, 0.0], [0.0, 0.0, h, h], [1.0; 3]);
+    let hip = matrix::mul(&space, &down);
+    let knee = matrix::mul(&hip, &bent);
+    let foot = matrix::mul(&knee, &down);
+    let go = Character::read(&skinned(folder.path(), &[3, 1, 2], &[foot, hip, knee]), "go", &ImportOptions::default());
+    let go = go.unwrap();
+    let start = go.worlds_between(0.0, 0.0);
+    let [hip, knee, foot] = ["hip", "knee", "foot"].map(|name| start[go.node(name).unwrap()]);
+    assert!(near(&hip, [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0], [0.0, -2.0, 0.0]]), "{hip:?}");
+    assert!(near(&knee, [[0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [0.0, 0.0, 2.0], [0.0, -4.0, 0.0]]), "{knee:?}");
+    assert!(near(&foot, [[0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [0.0, 0.0, 2.0], [2.0, -4.0, 0.0]]), "{foot:?}");
+    assert_eq!(go.worlds_between(1.0, 1.0), go.worlds(1.0));
+}
+
+#[test]
+fn a_skin_that_is_bound_in_the_pose_of_its_nodes_or_makes_no_sense_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let start = |joints: &[usize], worlds: &[Matrix]| {
+        let go = Character::read(&skinned(folder.path(), joints, worlds), "go", &ImportOptions::default()).unwrap();
+        (go.worlds_between(0.0, 0.0), go.rest_worlds())
+    };
+    let down = |y: f64, x: f64| matrix::from_trs([x, -y, 0.0], [0.0, 0.0, 0.0, 1.0], [2.0; 3]);
+    // Rounded.
+    let (own, rest) = start(&[1, 2, 3], &[down(2.0, 0.0), down(4.000_1, 0.000_2), down(6.0, 0.0)]);
+    assert_eq!(own, rest);
+    // Sheared, and joints that the file has not.
+    let mut sheared = down(4.0, 0.0);
+    sheared[4] = 1.0;
+    let (own, rest) = start(&[1, 2, 90], &[down(2.0, 0.0), sheared, down(6.0, 0.0)]);
+    assert_eq!(own, rest);
+}

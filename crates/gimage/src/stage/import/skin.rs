@@ -46,7 +46,7 @@ impl<'a> Bones<'a> {
         let doc = self.accessors.doc;
         let Some(back) = matrix::inverse(world) else { return Ok(None) };
         if !self.binds.contains_key(&skin) {
-            let binds = self.inverse_binds(skin)?;
+            let binds = inverse_binds(self.accessors, self.forest, skin)?;
             self.binds.insert(skin, binds);
         }
         let binds = self.binds[&skin].clone();
@@ -88,27 +88,6 @@ impl<'a> Bones<'a> {
         Ok(k)
     }
 
-    fn inverse_binds(&self, skin: usize) -> Result<Vec<Matrix>> {
-        let doc = self.accessors.doc;
-        let bones = &doc.root.skins[skin];
-        let bad = |problem: String| Err(doc.bad(format!("skin {skin}"), problem));
-        if let Some(j) = bones.joints.iter().find(|j| j.value() >= self.forest.world.len()) {
-            return bad(format!("its joint node {} does not exist", j.value()));
-        }
-        let Some(accessor) = bones.inverse_bind_matrices else {
-            return Ok(vec![matrix::IDENTITY; bones.joints.len()]);
-        };
-        let floats = self.accessors.floats(accessor.value())?;
-        let all: Vec<Matrix> = floats.values.as_chunks::<16>().0.iter().map(|m| m.map(f64::from)).collect();
-        if floats.width != 16 || all.len() < bones.joints.len() {
-            return bad(format!("it has {} inverse bind matrices for {} joints", all.len(), bones.joints.len()));
-        }
-        if all.iter().flatten().any(|x| !x.is_finite()) {
-            return bad("its inverse bind matrices have entries that are not finite".into());
-        }
-        Ok(all)
-    }
-
     /// The colliders of the file, in its world.
     pub fn colliders(&self, findings: &mut Findings) -> Vec<FileCollider> {
         let doc = self.accessors.doc;
@@ -137,6 +116,28 @@ impl<'a> Bones<'a> {
         }
         Skeleton { joints: self.joints }
     }
+}
+
+/// The inverse bind matrix of each joint of a skin.
+pub(super) fn inverse_binds(accessors: &Accessors, forest: &Forest, skin: usize) -> Result<Vec<Matrix>> {
+    let doc = accessors.doc;
+    let bones = &doc.root.skins[skin];
+    let bad = |problem: String| Err(doc.bad(format!("skin {skin}"), problem));
+    if let Some(j) = bones.joints.iter().find(|j| j.value() >= forest.world.len()) {
+        return bad(format!("its joint node {} does not exist", j.value()));
+    }
+    let Some(accessor) = bones.inverse_bind_matrices else {
+        return Ok(vec![matrix::IDENTITY; bones.joints.len()]);
+    };
+    let floats = accessors.floats(accessor.value())?;
+    let all: Vec<Matrix> = floats.values.as_chunks::<16>().0.iter().map(|m| m.map(f64::from)).collect();
+    if floats.width != 16 || all.len() < bones.joints.len() {
+        return bad(format!("it has {} inverse bind matrices for {} joints", all.len(), bones.joints.len()));
+    }
+    if all.iter().flatten().any(|x| !x.is_finite()) {
+        return bad("its inverse bind matrices have entries that are not finite".into());
+    }
+    Ok(all)
 }
 
 fn same(a: &Matrix, b: &Matrix, within: f64) -> bool {
