@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use gimage_runtime::Material;
 
-pub use export::{ExportArgs, ShownArg};
+pub use export::{CompressArg, ExportArgs, ShownArg};
 pub use garment::{BuildArgs, DressArgs, FitCollidersArgs, ListArgs};
 use values::{camera, color, material, seconds, size};
 

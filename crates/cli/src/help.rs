@@ -141,6 +141,7 @@ pub const EXPORT: &str = concat!(
     "  gimage export shirt.gim -o shirt.glb --frames 120\n",
     "  gimage export mage.gim --animation Walking -o mage.usda --fps 24\n",
     "  gimage export shirt.gim -o grid.glb --surface grid\n",
+    "  gimage export shirt.gim -o small.glb --compress meshopt\n",
     "  gimage export assets/scenes/flag.json -o frames/flag.obj --every 4 --from 60 --json | jq .bytes\n\n",
     "By default a bundle is written as the mesh of its source (render.glb), moved with the cloth, in a .glb with its materials and ",
     "textures; --surface render does the same for the cloths of a scene file. --surface grid writes the drawn triangles of the particles: a mesh per piece, each point of a seam one vertex, with normals and texture ",

@@ -351,3 +351,36 @@ fn the_mesh_of_a_cut_garment_of_a_scene_parts_at_the_cut() {
     let run = place.run(&format!("render cut.json -o a.png --surface render {flags}")).expect(&[0, 1]).json();
     assert_eq!(run["surface"].as_str(), Some("render"));
 }
+
+#[test]
+fn compressed_files_have_the_same_motion_and_are_smaller() {
+    let (place, expected) = simulated();
+    place.run(&format!("export tube.gim -o plain.glb {FLAGS}")).expect(&[0, 1]);
+    let size = |name: &str| fs::metadata(place.path(name)).unwrap().len();
+    let largest = expected.iter().flatten().flatten().fold(0.0f32, |m, x| m.max(x.abs()));
+    for (name, flags, most) in [
+        ("m.glb", "--compress meshopt", largest / 131_072.0),
+        ("f.glb", "--as meshes --compress meshopt", largest / 131_072.0),
+        ("d.glb", "--as meshes --compress draco", 2.0 * largest / 65_536.0),
+    ] {
+        place.run(&format!("export tube.gim -o {name} {flags} {FLAGS}")).expect(&[0, 1]);
+        assert!(size(name) < size("plain.glb") * 3 / 4, "{name}: {} bytes of {}", size(name), size("plain.glb"));
+        // The importer of the builds reads the first frame.
+        let read = gimage::import::import(&place.path(name), &gimage::import::ImportOptions::default()).unwrap().mesh;
+        let frames = if name == "m.glb" { 1 } else { expected.len() };
+        assert_eq!(read.triangles.len(), frames * expected[0].len() / 3, "{name}");
+        // Encoders order triangles: the points of the first frame are those of the run.
+        let near = |p: &[f32; 3]| {
+            let gap = |q: &[f64; 3]| (0..3).map(|c| (q[c] - f64::from(p[c])).abs()).fold(0.0, f64::max);
+            read.positions.iter().map(gap).fold(f64::INFINITY, f64::min)
+        };
+        let far = expected[0].iter().map(near).fold(0.0, f64::max);
+        assert!(far <= f64::from(most), "{name}: {far} m, {most} asked for");
+    }
+    for (args, words) in
+        [("-o x.glb --compress draco", "--as meshes"), ("-o x.usda --compress meshopt", "only a .glb has --compress")]
+    {
+        let run = place.run(&format!("export tube.gim {args} {FLAGS}")).expect(&[2]);
+        assert!(run.stderr.contains(words), "{}", run.stderr);
+    }
+}

@@ -17,7 +17,7 @@ pub struct ExportArgs {
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The surface to write: render, the mesh of the source in the bundle (render.glb), with its texture coordinates, and in a .glb its
-    /// materials and textures; grid, the particles; auto, render where there is one.
+    /// materials and textures; grid, the particles; auto, render for a bundle that has one, grid for a scene file.
     #[arg(long, value_enum, default_value_t = SurfaceArg::Auto)]
     pub surface: SurfaceArg,
     /// Number of frames of 1/60 s to simulate [default: that of the scene, 600 for a bundle].
@@ -36,12 +36,24 @@ pub struct ExportArgs {
     /// for tools that limit the number of targets [default: targets].
     #[arg(long = "as", value_enum)]
     pub shown: Option<ShownArg>,
+    /// How a .glb is compressed: meshopt (EXT_meshopt_compression; numbers are rounded by at most 2^-17 of the largest of a vector), or draco
+    /// (KHR_draco_mesh_compression; 16 bits over the box of the mesh), with --as meshes.
+    #[arg(long, value_enum, value_name = "CODEC", default_value_t = CompressArg::None)]
+    pub compress: CompressArg,
     /// Replace existing files, and remove the frames of an older .obj sequence.
     #[arg(long)]
     pub force: bool,
     /// Print one JSON object instead of text.
     #[arg(long)]
     pub json: bool,
+}
+
+/// How a .glb is compressed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CompressArg {
+    None,
+    Meshopt,
+    Draco,
 }
 
 /// How a .glb shows frames.

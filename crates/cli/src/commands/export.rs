@@ -6,13 +6,11 @@ mod schedule;
 mod sink;
 mod source;
 
-use std::path::Path;
-
-use gimage::export::motion::Shown;
+use gimage::export::motion::{Compression, Shown};
 use gimage_runtime::Backend;
 use serde_json::json;
 
-use crate::args::{ExportArgs, ShownArg};
+use crate::args::{CompressArg, ExportArgs, ShownArg};
 use crate::commands::engine::Engine;
 use crate::commands::faults::Faults;
 use crate::commands::scene;
@@ -26,14 +24,14 @@ use source::Source;
 /// The kind of file to write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    Glb(Shown),
+    Glb(Shown, Compression),
     Usd,
     Obj,
 }
 
 /// Runs it.
 pub fn run(args: &ExportArgs, out: &Output) -> Result<Exit, Failure> {
-    let kind = kind(&args.output, args.shown)?;
+    let kind = kind(args)?;
     sink::check(kind, &args.output, args.force)?;
     let loaded = scene::load(&args.scene)?;
     let schedule = Schedule::new(args, loaded.file.scene.frames, loaded.file.options.step)?;
@@ -44,7 +42,7 @@ pub fn run(args: &ExportArgs, out: &Output) -> Result<Exit, Failure> {
         let text = format!("piece {name}: it has no triangles, and is not in the file");
         out.remark(Tone::Warning, "warning", &text);
     }
-    let dressing = if matches!(kind, Kind::Glb(_)) { source.dressing(&loaded)? } else { None };
+    let dressing = if matches!(kind, Kind::Glb(..)) { source.dressing(&loaded)? } else { None };
     let mut sink = Sink::new(kind, &args.output, &schedule, dressing)?;
     let mut faults = Faults::default();
     schedule
@@ -55,14 +53,25 @@ pub fn run(args: &ExportArgs, out: &Output) -> Result<Exit, Failure> {
     report(args, out, (&engine, &faults), (&schedule, &source, &written))
 }
 
-fn kind(output: &Path, shown: Option<ShownArg>) -> Result<Kind, Failure> {
+fn kind(args: &ExportArgs) -> Result<Kind, Failure> {
+    let (output, shown) = (&args.output, args.shown);
     let extension = output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     let kind = match extension.as_deref() {
         Some("glb") => {
-            return Ok(Kind::Glb(match shown {
+            let shown = match shown {
                 Some(ShownArg::Meshes) => Shown::Meshes,
                 Some(ShownArg::Targets) | None => Shown::Targets,
-            }));
+            };
+            let compression = match args.compress {
+                CompressArg::None => Compression::None,
+                CompressArg::Meshopt => Compression::Meshopt,
+                CompressArg::Draco => Compression::Draco,
+            };
+            if compression == Compression::Draco && shown == Shown::Targets {
+                let hint = "give --as meshes, for a mesh per frame, or --compress meshopt";
+                return Err(Failure::refused(format!("--compress draco has no morph targets; {hint}")));
+            }
+            return Ok(Kind::Glb(shown, compression));
         }
         Some("usda") => Kind::Usd,
         Some("obj") => Kind::Obj,
@@ -71,8 +80,11 @@ fn kind(output: &Path, shown: Option<ShownArg>) -> Result<Kind, Failure> {
             return Err(Failure::refused(format!("{}: unknown kind of file; {hint}", output.display())));
         }
     };
-    match shown {
-        Some(_) => Err(Failure::refused(format!("{}: only a .glb has --as; leave it out", output.display()))),
+    let glb_only = [("--as", shown.is_some()), ("--compress", args.compress != CompressArg::None)];
+    match glb_only.into_iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => {
+            Err(Failure::refused(format!("{}: only a .glb has {option}; leave it out", output.display())))
+        }
         None => Ok(kind),
     }
 }

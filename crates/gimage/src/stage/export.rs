@@ -1,7 +1,9 @@
 //! A reconstruction as the text of an OBJ file or the bytes of a GLB file, and in motion.
 
+mod draco;
 pub mod glb;
 pub mod motion;
+mod packed;
 mod split;
 
 use crate::error::{Error, Result};

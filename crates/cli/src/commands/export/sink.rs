@@ -63,8 +63,8 @@ impl Sink {
         let mut files = StagedFiles::beside(output)?;
         let stem = output.file_stem().unwrap_or_default().to_string_lossy();
         let writer: Option<Box<dyn MotionWriter>> = match kind {
-            Kind::Glb(shown) => {
-                let writer = GltfMotion::new(shown, schedule.kept());
+            Kind::Glb(shown, compression) => {
+                let writer = GltfMotion::new(shown, schedule.kept()).compressed(compression)?;
                 Some(Box::new(match dressing {
                     Some(dressing) => writer.dressed(dressing),
                     None => writer,

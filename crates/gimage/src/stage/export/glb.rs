@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::packed::{EXTENSION, Packed};
 use crate::error::{Error, Result};
 
 /// Types of the components of an accessor, by glTF's numbers.
@@ -50,9 +51,18 @@ pub struct BinaryChunk {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
+    is_packed: bool,
+    /// Bytes of the buffer that readers make of compressed views.
+    unpacked: usize,
 }
 
 impl BinaryChunk {
+    /// A chunk whose views are compressed with `EXT_meshopt_compression`, which a reader has to know. Vectors of floats are rounded by at most 2^-17
+    /// of their largest component, and the corners of triangles may be turned; all else is exact.
+    pub fn packed() -> Self {
+        BinaryChunk { is_packed: true, ..BinaryChunk::default() }
+    }
+
     /// Appends an array with a view of its own, and returns its accessor. `kind` is glTF's name of an element (`"VEC3"`), of
     /// which there are `count`; the fields of `more` go into the accessor.
     pub fn push(
@@ -64,9 +74,61 @@ impl BinaryChunk {
         component: Component,
         more: Value,
     ) -> usize {
-        let view = self.view(data, target);
+        let view = match self.pack(data, target, kind, component) {
+            Some(packed) => self.packed_view(packed, target),
+            None => self.view(data, target),
+        };
         let accessor = json!({"bufferView": view, "componentType": component as u32, "count": count, "type": kind});
         self.accessor(accessor, more)
+    }
+
+    /// An array, compressed exactly; `None` where it is not compressed.
+    fn pack(&self, data: &[u8], target: Option<Target>, kind: &str, component: Component) -> Option<Packed> {
+        let words = || data.chunks_exact(4).map(|b| b.first_chunk().map_or(0, |b| u32::from_le_bytes(*b)));
+        let packed = match (self.is_packed, component, target) {
+            (true, Component::U32, Some(Target::Indices)) => Packed::triangles(&words().collect::<Vec<_>>(), 4)?,
+            (true, Component::F32, _) => {
+                let width = ["SCALAR", "VEC2", "VEC3", "VEC4"].iter().position(|name| *name == kind)? + 1;
+                Packed::elements(data, 4 * width)?
+            }
+            _ => return None,
+        };
+        (packed.bytes.len() < data.len()).then_some(packed)
+    }
+
+    /// Appends a compressed view, and returns it.
+    fn packed_view(&mut self, packed: Packed, target: Option<Target>) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.unpacked = self.unpacked.next_multiple_of(4);
+        let mut view = json!({
+            "buffer": 1,
+            "byteLength": packed.length(),
+            "byteOffset": self.unpacked,
+            "extensions": packed.extension(self.drained + self.bytes.len()),
+        });
+        if let Some(target) = target {
+            view["target"] = json!(target as u32);
+        }
+        self.unpacked += packed.length();
+        self.bytes.extend_from_slice(&packed.bytes);
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    /// Appends vectors, rounded if the chunk is compressed; returns the view, and the bounds of what a reader gets.
+    fn vectors<const N: usize>(&mut self, data: &[[f32; N]], target: Option<Target>) -> (usize, Option<Value>) {
+        let packed = if self.is_packed { Packed::floats(data) } else { None };
+        match packed.filter(|(packed, _)| packed.bytes.len() < packed.length()) {
+            Some((packed, rounded)) => {
+                let limit = |f: fn(f32, f32) -> f32, from: f32| {
+                    let sides = (0..N).map(|k| rounded.iter().map(|v| v[k]).fold(from, f));
+                    sides.collect::<Vec<f32>>()
+                };
+                let bounds = json!({"max": limit(f32::max, f32::NEG_INFINITY), "min": limit(f32::min, f32::INFINITY)});
+                (self.packed_view(packed, target), Some(bounds))
+            }
+            None => (self.view(&little_endian(data), target), None),
+        }
     }
 
     /// Appends an array of 32-bit floats in threes of which few are not 0: `values` at ascending `indices` of `count` elements. Returns its
@@ -80,15 +142,29 @@ impl BinaryChunk {
             0x100..=0xffff => (indices.iter().flat_map(|k| (*k as u16).to_le_bytes()).collect(), Component::U16),
             _ => (indices.iter().flat_map(|k| k.to_le_bytes()).collect::<Vec<u8>>(), Component::U32),
         };
-        let at = self.view(&bytes, None);
-        let of = self.view(&little_endian(values), None);
+        let width = bytes.len() / indices.len();
+        let packed = if self.is_packed && width > 1 { Packed::sequence(indices, width) } else { None };
+        let at = match packed.filter(|packed| packed.bytes.len() < bytes.len()) {
+            Some(packed) => self.packed_view(packed, None),
+            None => self.view(&bytes, None),
+        };
+        let (of, bounds) = self.vectors(values, None);
         let sparse = json!({
             "count": values.len(),
             "indices": {"bufferView": at, "componentType": component as u32},
             "values": {"bufferView": of},
         });
         let kind = Component::F32 as u32;
-        self.accessor(json!({"componentType": kind, "count": count, "sparse": sparse, "type": "VEC3"}), more)
+        // All other elements are 0.
+        let widened = bounds.filter(|_| more["max"].is_array()).map(|bounds| {
+            let side = |key: &str, f: fn(f64, f64) -> f64| {
+                let from = |k: usize| bounds[key][k].as_f64().unwrap_or(0.0);
+                (0..3).map(|k| if values.len() < count { f(from(k), 0.0) } else { from(k) }).collect::<Vec<f64>>()
+            };
+            json!({"max": side("max", f64::max), "min": side("min", f64::min)})
+        });
+        let accessor = json!({"componentType": kind, "count": count, "sparse": sparse, "type": "VEC3"});
+        self.accessor(accessor, widened.unwrap_or(more))
     }
 
     /// Appends an array as a view, and returns it.
@@ -103,6 +179,11 @@ impl BinaryChunk {
         self.views.len() - 1
     }
 
+    /// Appends an accessor without data of its own, and returns it.
+    pub(super) fn bare(&mut self, accessor: Value) -> usize {
+        self.accessor(accessor, Value::Null)
+    }
+
     fn accessor(&mut self, mut accessor: Value, more: Value) -> usize {
         for (name, value) in more.as_object().into_iter().flatten() {
             accessor[name] = value.clone();
@@ -115,7 +196,11 @@ impl BinaryChunk {
     pub fn floats<const N: usize>(&mut self, data: &[[f32; N]], more: Value) -> usize {
         const { assert!(N >= 1 && N <= 4) };
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
-        self.push(&little_endian(data), Some(Target::Vertices), data.len(), kind, Component::F32, more)
+        let (view, bounds) = self.vectors(data, Some(Target::Vertices));
+        let bounds = bounds.filter(|_| more["max"].is_array());
+        let kind =
+            json!({"bufferView": view, "componentType": Component::F32 as u32, "count": data.len(), "type": kind});
+        self.accessor(kind, bounds.unwrap_or(more))
     }
 
     /// Takes the bytes so far, for a caller that writes them elsewhere: they are those of the chunk after all bytes taken before.
@@ -142,11 +227,30 @@ impl BinaryChunk {
         // glTF has no empty arrays.
         if self.drained > 0 {
             root["buffers"] = json!([{"byteLength": self.drained}]);
+            if self.unpacked > 0 {
+                push(&mut root["buffers"], fallback(self.unpacked));
+                for key in ["extensionsUsed", "extensionsRequired"] {
+                    push(&mut root[key], EXTENSION.into());
+                }
+            }
             root["bufferViews"] = self.views.into();
             root["accessors"] = self.accessors.into();
         }
         Ok((head(sorted(root).to_string().into_bytes(), self.drained)?, rest))
     }
+}
+
+/// Appends to a list, which is made if there is none.
+pub(super) fn push(list: &mut Value, item: Value) {
+    match list.as_array_mut() {
+        Some(items) => items.push(item),
+        None => *list = json!([item]),
+    }
+}
+
+/// The buffer without data that readers unpack compressed views to.
+fn fallback(bytes: usize) -> Value {
+    json!({"byteLength": bytes, "extensions": {EXTENSION: {"fallback": true}}})
 }
 
 fn little_endian<const N: usize>(data: &[[f32; N]]) -> Vec<u8> {

@@ -40,7 +40,7 @@ use std::ops::Range;
 
 pub use dressing::{Dressing, Worn};
 pub use gltf::{GltfMotion, MAX_TARGETS};
-pub use spans::Shown;
+pub use spans::{Compression, Shown};
 pub use usd::UsdMotion;
 
 use super::piece_triangles;

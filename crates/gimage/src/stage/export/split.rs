@@ -39,6 +39,31 @@ impl Split {
         out
     }
 
+    /// Orders triangles and vertices so that they compress well.
+    pub fn optimize(&mut self) {
+        let count = self.points.len();
+        self.indices = meshopt::optimize_vertex_cache(&self.indices, count);
+        let place = meshopt::optimize_vertex_fetch_remap(&self.indices, count);
+        self.indices.iter_mut().for_each(|k| *k = place[*k as usize]);
+        let (points, uv) = (self.points.clone(), self.uv.clone());
+        for (from, to) in place.iter().enumerate().filter(|(_, to)| (**to as usize) < count) {
+            self.points[*to as usize] = points[from];
+            if let (Some(slot), Some(uv)) = (self.uv.get_mut(*to as usize), uv.get(from)) {
+                *slot = *uv;
+            }
+        }
+    }
+
+    /// Its texture coordinates, if it has any.
+    pub fn uv(&self) -> Option<&[[f32; 2]]> {
+        (self.uv.len() == self.points.len()).then_some(&self.uv)
+    }
+
+    /// Three vertices per triangle.
+    pub fn indices(&self) -> &[u32] {
+        &self.indices
+    }
+
     /// The values of its vertices, of one value per position of the surface.
     pub fn of(&self, values: &[[f32; 3]]) -> Vec<[f32; 3]> {
         self.points.iter().map(|p| values[*p as usize]).collect()
@@ -46,7 +71,7 @@ impl Split {
 
     /// Appends its texture coordinates, if it has any, and returns their accessor.
     pub fn push_uv(&self, chunk: &mut BinaryChunk) -> Option<usize> {
-        (self.uv.len() == self.points.len()).then(|| chunk.floats(&self.uv, json!({})))
+        self.uv().map(|uv| chunk.floats(uv, json!({})))
     }
 
     /// Appends its indices and returns their accessor.

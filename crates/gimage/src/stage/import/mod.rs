@@ -17,7 +17,7 @@ mod builder;
 mod character;
 mod color;
 mod document;
-mod draco;
+pub(crate) mod draco;
 mod embed;
 mod extension;
 mod findings;

@@ -2,9 +2,10 @@
 
 use serde_json::json;
 
-use super::super::glb::too_large;
+use super::super::draco;
+use super::super::glb::{BinaryChunk, push, too_large};
 use super::dressing::Dressing;
-use super::spans::{Contents, PieceOf, Shown, Span};
+use super::spans::{Compression, Contents, PieceOf, Shown, Span};
 use super::{MotionWriter, Part, Topology, check, no_frames};
 use crate::error::{Error, Result};
 use crate::stage::reconstruct::Reconstruction;
@@ -33,6 +34,7 @@ pub struct GltfMotion {
     spans: Vec<Span>,
     file: Contents,
     dressing: Option<Dressing>,
+    compression: Compression,
 }
 
 impl GltfMotion {
@@ -47,7 +49,19 @@ impl GltfMotion {
             spans: Vec::new(),
             file: Contents::default(),
             dressing: None,
+            compression: Compression::None,
         }
+    }
+
+    /// The same, compressed. Errors on Draco with [`Shown::Targets`]: it has no morph targets.
+    pub fn compressed(self, compression: Compression) -> Result<Self> {
+        if compression == Compression::Draco && self.shown == Shown::Targets {
+            let problem = "Draco compresses meshes, and no morph targets".into();
+            let hint = "write a mesh per frame (`--as meshes`), or use meshopt".into();
+            return Err(Error::Option { option: "compress".into(), problem, hint });
+        }
+        let chunk = if compression == Compression::Meshopt { BinaryChunk::packed() } else { BinaryChunk::default() };
+        Ok(GltfMotion { compression, file: Contents { chunk, ..self.file }, ..self })
     }
 
     /// The same with the materials of a source in place of one of its own.
@@ -85,7 +99,7 @@ impl MotionWriter for GltfMotion {
         let changes = frame == 0 || !self.topology.is_of(surface);
         if changes {
             self.topology = Topology::of(surface);
-            self.pieces = PieceOf::all(surface, self.dressing.as_ref(), &mut self.file.chunk);
+            self.pieces = PieceOf::all(surface, self.dressing.as_ref(), self.compression, &mut self.file.chunk);
             self.check_size()?;
         }
         match self.spans.last_mut() {
@@ -94,7 +108,7 @@ impl MotionWriter for GltfMotion {
             }
             _ => {
                 self.spans.last_mut().into_iter().for_each(Span::end);
-                self.spans.push(Span::new(surface, time as f32, &self.pieces, &mut self.file.chunk));
+                self.spans.push(Span::new(surface, time as f32, &self.pieces, &mut self.file.chunk)?);
             }
         }
         let bytes = self.file.chunk.drain();
@@ -103,7 +117,7 @@ impl MotionWriter for GltfMotion {
     }
 
     fn finish(self: Box<Self>) -> Result<Vec<Part>> {
-        let GltfMotion { written, spans, mut file, dressing, .. } = *self;
+        let GltfMotion { written, spans, mut file, dressing, compression, .. } = *self;
         if spans.is_empty() {
             return Err(no_frames());
         }
@@ -119,6 +133,11 @@ impl MotionWriter for GltfMotion {
                 Some(dressing) => dressing.place(&mut root, &mut file.chunk),
                 None => {
                     root["materials"] = json!([{"name": "cloth", "doubleSided": true, "pbrMetallicRoughness": rough}]);
+                }
+            }
+            if compression == Compression::Draco {
+                for key in ["extensionsUsed", "extensionsRequired"] {
+                    push(&mut root[key], draco::EXTENSION.into());
                 }
             }
             root["scene"] = 0.into();

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::super::draco::{self, Vertices};
 use super::super::glb::{BinaryChunk, Component, bounds};
 use super::super::split::Split;
 use super::dressing::Dressing;
@@ -18,26 +19,58 @@ pub enum Shown {
     Meshes,
 }
 
-/// A piece of a topology: its vertices, and the accessors of what no frame changes.
+/// How a glTF file is compressed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compression {
+    /// Not at all.
+    #[default]
+    None,
+    /// By `EXT_meshopt_compression`: vectors are rounded by at most 2^-17 of their largest component.
+    Meshopt,
+    /// By `KHR_draco_mesh_compression`, for [`Shown::Meshes`]: positions and texture coordinates have 16 bits over the box of each mesh, normals
+    /// 12, colours 10.
+    Draco,
+}
+
+/// A piece of a topology: its vertices, and what no frame changes.
 pub struct PieceOf {
     name: String,
     split: Split,
-    uv: Option<usize>,
-    color: Option<usize>,
-    indices: usize,
+    colors: Option<Vec<[f32; 4]>>,
+    /// The accessors of what frames share; none where each frame is compressed by itself.
+    shared: Option<Shared>,
     material: usize,
 }
 
+/// Accessors that frames share.
+struct Shared {
+    uv: Option<usize>,
+    color: Option<usize>,
+    indices: usize,
+}
+
 impl PieceOf {
-    /// The pieces of a surface that have triangles.
-    pub fn all(surface: &Reconstruction, dressing: Option<&Dressing>, chunk: &mut BinaryChunk) -> Vec<Self> {
+    /// The pieces of a surface that have triangles; for Draco without anything that frames share.
+    pub fn all(
+        surface: &Reconstruction,
+        dressing: Option<&Dressing>,
+        compression: Compression,
+        chunk: &mut BinaryChunk,
+    ) -> Vec<Self> {
         let there = surface.pieces.iter().enumerate().filter(|(_, piece)| !piece.triangles.is_empty());
         let of = there.map(|(index, piece)| {
-            let split = Split::new(surface, piece);
-            let (uv, indices) = (split.push_uv(chunk), split.push_indices(chunk));
-            let color = dressing.and_then(|d| d.colors(&split.points)).map(|c| chunk.floats(&c, json!({})));
+            let mut split = Split::new(surface, piece);
+            if compression == Compression::Meshopt {
+                split.optimize();
+            }
+            let colors = dressing.and_then(|d| d.colors(&split.points));
+            let shared = (compression != Compression::Draco).then(|| Shared {
+                uv: split.push_uv(chunk),
+                color: colors.as_ref().map(|c| chunk.floats(c, json!({}))),
+                indices: split.push_indices(chunk),
+            });
             let material = dressing.map_or(0, |d| d.material(index));
-            PieceOf { name: piece.name.clone(), split, uv, color, indices, material }
+            PieceOf { name: piece.name.clone(), split, colors, shared, material }
         });
         of.collect()
     }
@@ -45,6 +78,41 @@ impl PieceOf {
     /// Number of vertices.
     pub fn vertices(&self) -> usize {
         self.split.points.len()
+    }
+
+    /// The primitive of a frame.
+    fn primitive(&self, surface: &Reconstruction, chunk: &mut BinaryChunk) -> Result<Value> {
+        let (positions, normals) = (self.split.of(&surface.positions), self.split.of(&surface.normals));
+        let mut primitive = match &self.shared {
+            Some(Shared { uv, color, indices }) => {
+                let mut attributes = json!({
+                    "POSITION": chunk.floats(&positions, bounds(&positions)),
+                    "NORMAL": chunk.floats(&normals, json!({})),
+                });
+                for (name, accessor) in [("TEXCOORD_0", uv), ("COLOR_0", color)] {
+                    if let Some(accessor) = accessor {
+                        attributes[name] = (*accessor).into();
+                    }
+                }
+                json!({"attributes": attributes, "indices": indices})
+            }
+            None => {
+                let vertices = Vertices {
+                    positions: &positions,
+                    normals: &normals,
+                    uv: self.split.uv(),
+                    colors: self.colors.as_deref(),
+                };
+                draco::primitive(&vertices, self.split.indices(), chunk).map_err(|problem| Error::Piece {
+                    piece: self.name.clone(),
+                    stage: "export",
+                    problem: format!("Draco: {problem}"),
+                    hint: "export it with `--compress meshopt`, or without compression".into(),
+                })?
+            }
+        };
+        primitive["material"] = self.material.into();
+        Ok(primitive)
     }
 }
 
@@ -58,26 +126,12 @@ pub struct Span {
 }
 
 impl Span {
-    /// Begins with a frame, which is what a mesh shows without weights.
-    pub fn new(surface: &Reconstruction, time: f32, pieces: &[PieceOf], chunk: &mut BinaryChunk) -> Self {
-        let mut mesh = |piece: &PieceOf| {
-            let positions = piece.split.of(&surface.positions);
-            let mut attributes = json!({
-                "POSITION": chunk.floats(&positions, bounds(&positions)),
-                "NORMAL": chunk.floats(&piece.split.of(&surface.normals), json!({})),
-            });
-            if let Some(uv) = piece.uv {
-                attributes["TEXCOORD_0"] = uv.into();
-            }
-            if let Some(color) = piece.color {
-                attributes["COLOR_0"] = color.into();
-            }
-            let primitive = json!({"attributes": attributes, "indices": piece.indices, "material": piece.material});
-            json!({"name": piece.name, "primitives": [primitive]})
-        };
-        let meshes = pieces.iter().map(&mut mesh).collect();
+    /// Begins with a frame, which is what a mesh shows without weights. Errors on a piece that cannot be compressed.
+    pub fn new(surface: &Reconstruction, time: f32, pieces: &[PieceOf], chunk: &mut BinaryChunk) -> Result<Self> {
+        let mesh = |piece: &PieceOf| Ok(json!({"name": piece.name, "primitives": [piece.primitive(surface, chunk)?]}));
+        let meshes = pieces.iter().map(mesh).collect::<Result<_>>()?;
         let (positions, normals) = (surface.positions.clone(), surface.normals.clone());
-        Span { times: vec![time], positions, normals, meshes }
+        Ok(Span { times: vec![time], positions, normals, meshes })
     }
 
     /// Adds a frame as a morph target. Errors if a vertex has moved farther than floats reach.
