@@ -163,8 +163,8 @@ pub struct SceneArgs {
     #[arg(long, value_name = "FABRIC,NAME=NUMBER,...", value_parser = material)]
     pub material: Option<Material>,
     /// Contact of all cloth with itself and with other cloth: particles pushes particles apart that are nearer than the distance
-    /// of neighbours; safe also lets no triangle cross another one, on the CPU; both take cloth apart there that crosses at the
-    /// start; xpbd only [default: that of the scene, or off].
+    /// of neighbours; safe also lets no triangle cross another one; both take cloth apart that crosses at the start, on the CPU; xpbd
+    /// only [default: that of the scene, or off].
     #[arg(long, value_enum)]
     pub contact: Option<ContactArg>,
     /// Move free particles out of the body, the colliders and, with contact, the garments below that they begin in, before the first
