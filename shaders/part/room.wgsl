@@ -22,7 +22,7 @@ fn begin_room(base: vec4<f32>, way: vec3<f32>, spacing: f32) {
   }
 }
 
-// Adds a half-space. One that is nearly the same as another, or that there is no place for, makes that one smaller, so that it implies both.
+// Adds a half-space. If it nearly equals another one, or the list is full, the other one shrinks until it implies both.
 fn add_plane(normal: vec3<f32>, most: f32) {
   let far = 0.5 * sqrt(dot(room_way, room_way)) + room_radius;
   var best = 0u;

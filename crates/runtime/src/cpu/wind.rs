@@ -8,7 +8,7 @@ use crate::number::lanes::Machine;
 use crate::number::real::{Real, V3, add, cross, dot, scale, sub, with_w, xyz};
 use crate::step::Step;
 
-/// The smallest product of squares that a root is taken of; what is smaller has next to no force.
+/// The smallest product of squares whose root is computed; the force of a smaller one is negligible.
 const TINY: f64 = 1e-36;
 
 /// A third of a triangle's force is each corner's. Half of its cross product is its area, and a third of the sum of the flows past its

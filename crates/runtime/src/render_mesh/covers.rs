@@ -13,7 +13,7 @@ use crate::number::real::{V3, add, cast, cross, dot, scale, sub, xyz};
 
 /// Distance of the points, as a share of a texel.
 const SPACING: f64 = 0.5;
-/// The share of the way to the middle of the triangle by which they lie within it: what only touches a side does not cover what is beyond.
+/// The share of the way to the middle of the triangle by which they lie within it, so that a triangle does not cover a neighbour whose side it only touches.
 const INSET: f64 = 0.02;
 /// Points along the longest side of a triangle, and steps of a walk.
 const POINTS: f64 = 512.0;

@@ -1,6 +1,6 @@
 //! Parts of the body that a file leaves out beneath clothes, guessed from the clothes: characters of games often have a head, arms and hands, and nothing under the shirt.
 //!
-//! Where a garment surrounds a bone around which there is no body, the body is taken to be just beneath the innermost garment.
+//! Guesses a body just beneath the innermost garment for each bone that a garment surrounds and no body does.
 
 use gimage_bundle::Winding;
 use rayon::prelude::*;

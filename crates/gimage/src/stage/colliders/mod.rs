@@ -68,7 +68,7 @@ pub struct ColliderOptions {
 /// Whether solids stand for parts of the body that a file leaves out beneath clothes, just beneath the innermost garment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Guess {
-    /// Where a garment surrounds a bone around which there is no body.
+    /// For bones that a garment surrounds and no body does.
     #[default]
     On,
     /// Nowhere.

@@ -46,7 +46,7 @@ impl<T: Real> Room<T> {
         }
     }
 
-    /// Adds a half-space. One that is nearly the same as another, or that there is no place for, makes that one smaller, so that it implies both.
+    /// Adds a half-space. If it nearly equals another one, or the list is full, the other one shrinks until it implies both.
     fn add(&mut self, normal: V3<T>, most: T) {
         let far = T::of(0.5) * dot(self.way, self.way).sqrt() + self.radius;
         // The room that is left of each other one, and how much less that is.
