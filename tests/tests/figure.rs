@@ -6,6 +6,8 @@
 mod adapter;
 #[path = "../../crates/cli/examples/character/main.rs"]
 mod character;
+#[path = "support/motion.rs"]
+mod motion;
 
 use std::sync::LazyLock;
 
@@ -19,10 +21,10 @@ use gimage_bundle::dir::write_dir;
 use gimage_runtime::draw::{Camera, Facet, Hidden, Paint, Software, View};
 use gimage_runtime::{BodyCollider, Cloth, Collider, Flat, Options, Scene, Shape, Stepper, wgpu};
 use gimage_tests::{asset, texels};
+use motion::{LEAD, Motion};
 
 const FRAME: f64 = 1.0 / 60.0;
-/// Seconds in which the figure goes from the pose of its file into the animation, and of the walk.
-const LEAD: f64 = 1.0;
+/// Seconds of the walk.
 const WALK: f64 = 2.4;
 
 static BUILT: LazyLock<Built> = LazyLock::new(|| {
@@ -34,34 +36,6 @@ static ON_SURFACE: LazyLock<Built> = LazyLock::new(|| {
     let options = ColliderOptions { tier: Tier::Surface, ..ColliderOptions::default() };
     dress(&asset("figure.glb"), &texels(4096), &options, &Quiet).expect("the figure dresses")
 });
-
-/// The joints of the figure over time.
-struct Motion {
-    character: Character,
-    nodes: Vec<usize>,
-}
-
-impl Motion {
-    fn new(cloth: &Cloth, animation: &str) -> Self {
-        let character = Character::read(&asset("figure.glb"), animation, &ImportOptions::default()).unwrap();
-        let joints = cloth.skin().unwrap().joints();
-        Motion { nodes: joints.iter().map(|j| character.node(&j.name).unwrap()).collect(), character }
-    }
-
-    fn worlds(&self, time: f64) -> Vec<[f64; 16]> {
-        let share = ((time + LEAD) / (0.7 * LEAD)).clamp(0.0, 1.0);
-        self.character.worlds_between(time, share * share * (3.0 - 2.0 * share))
-    }
-
-    fn matrices(&self, cloth: &Cloth, time: f64) -> Vec<[f32; 16]> {
-        let worlds = self.worlds(time);
-        cloth
-            .skin()
-            .unwrap()
-            .matrices(&self.nodes.iter().map(|n| worlds[*n].map(|x| x as f32)).collect::<Vec<_>>())
-            .unwrap()
-    }
-}
 
 /// The body mesh of the figure, skinned by its own file.
 struct Skin {
@@ -141,7 +115,7 @@ fn walk(built: &Built, seconds: f64, every: usize, device: Option<&Device>) -> W
     let bundle = &built.bundle;
     let mut cloth = Cloth::from_bundle("figure", bundle).unwrap();
     assert_eq!(cloth.thickness, Some(0.003), "half the distance that colliders are fitted to");
-    let motion = Motion::new(&cloth, "Walk");
+    let motion = Motion::new(&asset("figure.glb"), &cloth, "Walk");
     let skin = Skin::new(&motion.character);
     cloth.follow_joints(&motion.matrices(&cloth, -LEAD)).unwrap();
     let body = BodyCollider::of_bundle(bundle);

@@ -24,7 +24,7 @@ mod tshirt;
 
 pub use cape::cape;
 pub use dress::dress;
-pub use figure::figure;
+pub use figure::{figure, figure_in_cape};
 pub use skirt::skirt;
 pub use sleeve::sleeve;
 pub use trousers::trousers;

@@ -62,15 +62,35 @@ fn the_clothes_are_outside_of_the_body() {
 }
 
 #[test]
+fn the_cape_hangs_behind_the_other_clothes() {
+    let file = Glb::read(&gimage_assets::figure_in_cape());
+    let body = Body::person();
+    let points = |mesh| -> Vec<[f64; 3]> {
+        file.floats_of::<3>(mesh, "POSITION").iter().map(|p: &[f32; 3]| p.map(f64::from)).collect()
+    };
+    let cape = points(3);
+    let least = cape.iter().map(|p| body.distance(*p)).fold(f64::INFINITY, f64::min);
+    assert!(least > 0.005, "{least} m from the body");
+    // No point of T-shirt or skirt lies behind a point of the cape at the same place across.
+    for p in points(1).into_iter().chain(points(2)) {
+        let beside = cape.iter().filter(|q| (q[0] - p[0]).abs() < 0.01 && (q[1] - p[1]).abs() < 0.01);
+        let behind = beside.map(|q| p[2] - q[2]).fold(f64::INFINITY, f64::min);
+        assert!(behind > 0.005, "{p:?}: {behind} m in front of the cape");
+    }
+}
+
+#[test]
 fn the_clips_are_loops() {
     let doc = &FIGURE.doc;
     assert_eq!(doc["skins"][0]["joints"].as_array().map(Vec::len), Some(19));
-    for (clip, name) in doc["animations"].as_array().expect("animations").iter().zip(["Walk", "Turn"]) {
+    let clips = doc["animations"].as_array().expect("animations");
+    assert_eq!(clips.len(), 3);
+    for (clip, (name, seconds)) in clips.iter().zip([("Walk", 2.4), ("Turn", 2.4), ("Sit", 5.0)]) {
         assert_eq!(clip["name"], name);
         for sampler in clip["samplers"].as_array().expect("samplers") {
             let index = |key: &str| sampler[key].as_u64().expect("accessor") as usize;
             let times = FIGURE.accessor::<1>(index("input"));
-            assert!((times[times.len() - 1][0] - 2.4).abs() < 1e-6);
+            assert!((times[times.len() - 1][0] - seconds).abs() < 1e-6);
             let wide = doc["accessors"][index("output")]["type"] == "VEC4";
             let values: Vec<Vec<f32>> = if wide {
                 FIGURE.accessor::<4>(index("output")).iter().map(|q| q.to_vec()).collect()

@@ -9,6 +9,8 @@
 //! - **Duplicates of a seam point are one corner**, at the position of the duplicate of the lowest index.
 //! - Triangles that share a corner cross if they also meet inside, away from that corner. Triangles that share an edge cross only if they are
 //!   folded flat onto one another.
+//! - Triangles with all corners in common lie on one another wherever these are: a seam that goes round a corner of an image leaves a point with two
+//!   quads, whose triangles may be such a pair. They count neither as crossing nor as touching, but apart.
 //! - Triangles without area (all corners on one line, or two at one seam point) are left out and counted: their edges are those of neighbours.
 //!   Triangles with a corner that is not finite are left out; the particles that are not finite are counted.
 //!
@@ -131,6 +133,8 @@ pub struct Crossings {
     pub between: u64,
     /// Pairs of triangles that touch.
     pub touching: u64,
+    /// Pairs of triangles with all corners in common.
+    pub double: u64,
     /// The largest depth \[m\] of all crossing pairs; 0 without a crossing.
     pub deepest: f64,
     /// The deepest pairs, deepest first, then by places.
@@ -164,6 +168,7 @@ pub fn find(cloths: &[Drawn], worst: usize) -> Result<Crossings> {
         within: tally.within,
         between: tally.between,
         touching: tally.touching,
+        double: tally.double,
         deepest: tally.deepest,
         worst: tally.worst.iter().map(|pair| pair.crossing(&mesh, cloths)).collect(),
     })

@@ -1,14 +1,24 @@
-//! Writes the sample garments into a folder: `make-assets assets`.
+//! Writes the sample garments into a folder: `make-assets assets`; with `--cape` only the figure in a cape, `figure_cape.glb`, which the
+//! repository does not hold.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {
-        eprintln!("usage: make-assets FOLDER");
+    let mut args = std::env::args_os().skip(1);
+    let (Some(folder), cape) = (args.next().map(PathBuf::from), args.next()) else {
+        eprintln!("usage: make-assets FOLDER [--cape]");
         return ExitCode::from(2);
     };
-    for (name, bytes) in gimage_assets::all().into_iter().chain([("figure.glb", gimage_assets::figure())]) {
+    let files = match cape {
+        Some(flag) if flag == "--cape" => vec![("figure_cape.glb", gimage_assets::figure_in_cape())],
+        Some(_) => {
+            eprintln!("usage: make-assets FOLDER [--cape]");
+            return ExitCode::from(2);
+        }
+        None => gimage_assets::all().into_iter().chain([("figure.glb", gimage_assets::figure())]).collect(),
+    };
+    for (name, bytes) in files {
         if let Err(e) = std::fs::write(folder.join(name), &bytes) {
             eprintln!("cannot write {}: {e}", folder.join(name).display());
             return ExitCode::FAILURE;

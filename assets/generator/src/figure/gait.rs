@@ -1,15 +1,17 @@
-//! Two loops of the figure: a walk in place, and a turn about the vertical axis.
+//! Loops of the figure: a walk in place, and a turn about the vertical axis.
 
 use super::pose::{Quat, STILL, about, bone, hermite, inverse, pitch, reach, roll, times, turn, yaw};
 use super::rig::{
     CHEST, COUNT, FEET, FOREARMS, HEAD, HIPS, NECK, SHINS, SHOULDERS, SIDES, SPINE, THIGHS, UPPER_ARMS, joints,
 };
+use super::sit::sit;
 use crate::body::ARM;
 use crate::glb::{Between, Clip, Joint, Track};
 use crate::math::{PI, V3, add, cos, sin, smoothstep, sub};
 
-/// Duration of both clips \[s\], and keys per second.
+/// Duration of the walk and of the turn, and of sitting \[s\], and keys per second.
 const SECONDS: f64 = 2.4;
+const SEATED: f64 = 5.0;
 const RATE: usize = 30;
 /// Cycles of two steps in the walk.
 const CYCLES: f64 = 2.0;
@@ -21,20 +23,24 @@ const HEEL: V3 = [0.0, -0.070, -0.045];
 const BALL: V3 = [0.012, -0.070, 0.100];
 
 /// A pose: the place of the hips, and the rotation of each joint in its parent.
-struct Pose {
-    hips: V3,
-    turns: [Quat; COUNT],
+pub struct Pose {
+    pub hips: V3,
+    pub turns: [Quat; COUNT],
 }
 
-/// Both clips.
+/// All clips.
 pub fn clips() -> Vec<Clip> {
     let joints = joints();
-    vec![clip("Walk", &joints, |t| walk(&joints, t)), clip("Turn", &joints, |t| whirl(&joints, t))]
+    vec![
+        clip("Walk", SECONDS, &joints, |t| walk(&joints, t)),
+        clip("Turn", SECONDS, &joints, |t| whirl(&joints, t)),
+        clip("Sit", SEATED, &joints, |t| sit(&joints, t)),
+    ]
 }
 
 /// A clip of a pose over 0..=1.
-fn clip(name: &'static str, joints: &[Joint], pose: impl Fn(f64) -> Pose) -> Clip {
-    let keys = (SECONDS * RATE as f64).round() as usize;
+fn clip(name: &'static str, seconds: f64, joints: &[Joint], pose: impl Fn(f64) -> Pose) -> Clip {
+    let keys = (seconds * RATE as f64).round() as usize;
     let times: Vec<f32> = (0..=keys).map(|k| (k as f64 / RATE as f64) as f32).collect();
     // The last key is the first one again, to the last bit; a whole turn ends in the opposite quaternion, which is the same rotation.
     let poses: Vec<Pose> = (0..=keys).map(|k| pose(k as f64 / keys as f64)).collect();
@@ -51,9 +57,9 @@ fn clip(name: &'static str, joints: &[Joint], pose: impl Fn(f64) -> Pose) -> Cli
 }
 
 /// The place and the pitch of a foot on its way through a cycle.
-struct Foot {
-    ankle: V3,
-    pitch: f64,
+pub struct Foot {
+    pub ankle: V3,
+    pub pitch: f64,
 }
 
 /// A foot at phase 0..1 of its cycle, which begins as the heel comes down; `ankle` is its place in the bind pose.
@@ -79,7 +85,7 @@ fn step(ankle: V3, phase: f64) -> Foot {
 }
 
 /// Legs whose feet are given, under hips that are where the pose has them.
-fn stand(joints: &[Joint], pose: &mut Pose, feet: [Foot; 2]) {
+pub fn stand(joints: &[Joint], pose: &mut Pose, feet: [Foot; 2]) {
     let at = |j: usize| joints[j].at;
     for (k, foot) in feet.into_iter().enumerate() {
         let (thigh, shin, ankle) = (THIGHS[k], SHINS[k], FEET[k]);
@@ -95,17 +101,17 @@ fn stand(joints: &[Joint], pose: &mut Pose, feet: [Foot; 2]) {
 }
 
 /// An arm: lowered from the bind pose, swung forward and bent at the elbow \[rad\].
-fn swing(pose: &mut Pose, k: usize, lowered: f64, forward: f64, bend: f64) {
+pub fn swing(pose: &mut Pose, k: usize, lowered: f64, forward: f64, bend: f64) {
     pose.turns[UPPER_ARMS[k]] = times(pitch(-forward), roll(-SIDES[k] * lowered));
     // Across the arm, so that the hand goes forward.
     pose.turns[FOREARMS[k]] = about([ARM[1], -SIDES[k] * ARM[0], 0.0], bend);
 }
 
-fn ankles(joints: &[Joint]) -> [V3; 2] {
+pub fn ankles(joints: &[Joint]) -> [V3; 2] {
     FEET.map(|j| joints[j].at.map(f64::from))
 }
 
-fn upright(joints: &[Joint]) -> Pose {
+pub fn upright(joints: &[Joint]) -> Pose {
     Pose { hips: joints[HIPS].at.map(f64::from), turns: [STILL; COUNT] }
 }
 

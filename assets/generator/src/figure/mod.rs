@@ -1,12 +1,14 @@
-//! A walking figure in a T-shirt and a skirt: body, garments, skeleton, textures and two animations in one file.
+//! A walking figure in a T-shirt and a skirt: body, garments, skeleton, textures and animations in one file.
 
 pub mod nets;
 
+mod cape;
 mod file;
 mod gait;
 mod png;
 mod pose;
 mod rig;
+mod sit;
 mod wear;
 
 use file::{Look, Part};
@@ -28,12 +30,25 @@ const HEIGHT: f64 = 1.8;
 
 /// The file `figure.glb`.
 pub fn figure() -> Vec<u8> {
+    file::write(&parts(&Rig::new()), rig::joints(), gait::clips())
+}
+
+/// The same figure in a cape too. No file of the repository holds it.
+pub fn figure_in_cape() -> Vec<u8> {
     let rig = Rig::new();
+    let mut parts = parts(&rig);
+    let below: Vec<V3> = parts.iter().flat_map(|p| p.surface.positions.iter().map(|x| x.map(f64::from))).collect();
+    parts.push(cape::cape(&rig, &below));
+    file::write(&parts, rig::joints(), gait::clips())
+}
+
+/// Body, T-shirt and skirt.
+fn parts(rig: &Rig) -> Vec<Part> {
     let [shirt, skirt] = std::thread::scope(|scope| {
-        let (rig, makers) = (&rig, [wear::shirt as fn(&Rig) -> Part, wear::skirt]);
+        let makers = [wear::shirt as fn(&Rig) -> Part, wear::skirt];
         makers.map(|make| scope.spawn(move || make(rig))).map(|thread| thread.join().expect("a garment"))
     });
-    file::write(&[person(&rig), shirt, skirt], rig::joints(), gait::clips())
+    vec![person(rig), shirt, skirt]
 }
 
 /// The body.

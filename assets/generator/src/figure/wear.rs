@@ -33,13 +33,14 @@ pub fn skirt(rig: &Rig) -> Part {
     part(&g, rig, 60, ("Skirt", "tartan", look([0.50, 0.07, 0.09], &palette, check)))
 }
 
-fn look(factor: [f64; 3], palette: &[[u8; 3]], pattern: impl Fn(usize, usize) -> usize) -> Look {
+/// A colour, and a pattern of its own palette.
+pub fn look(factor: [f64; 3], palette: &[[u8; 3]], pattern: impl Fn(usize, usize) -> usize) -> Look {
     let pixels: Vec<u8> = (0..PIXELS * PIXELS).map(|k| pattern(k % PIXELS, k / PIXELS) as u8).collect();
     Look { factor, image: png(PIXELS, &pixels, palette) }
 }
 
 /// A part of the file; weights of neighbours are averaged in some rounds: cloth between two limbs follows both.
-fn part(g: &Garment, rig: &Rig, rounds: usize, (name, material, look): (&'static str, &'static str, Look)) -> Part {
+pub fn part(g: &Garment, rig: &Rig, rounds: usize, (name, material, look): (&'static str, &'static str, Look)) -> Part {
     let mut s = surface(g);
     let tiles = (s.metres_per_uv / TILE) as f32;
     s.uvs.iter_mut().flatten().for_each(|c| *c *= tiles);

@@ -79,18 +79,19 @@ impl Checked {
     }
 
     fn text(&self, out: &Output) -> String {
-        let mut table = Table::new(&["frame", "within", "between", "touching", "deepest", "not finite"]);
+        let mut table = Table::new(&["frame", "within", "between", "touching", "double", "deepest", "not finite"]);
         let mut pairs = String::new();
         for (frame, found) in &self.frames {
             let frame = frame.map_or_else(|| "rest".into(), |f| f.to_string());
             let counts = [found.within, found.between, found.touching].map(|n| n.to_string());
             let deepest = format!("{:.3} mm", 1e3 * found.deepest);
-            let not_finite = if found.not_finite == 0 { String::new() } else { found.not_finite.to_string() };
+            let [double, not_finite] = [found.double, found.not_finite]
+                .map(|count| if count == 0 { String::new() } else { count.to_string() });
             for pair in found.worst.iter().filter(|_| out.verbose) {
                 let [first, second] = [&pair.first, &pair.second].map(|place| self.words(place));
                 pairs += &format!("  frame {frame}: {first} and {second}: {:.3} mm\n", 1e3 * pair.depth);
             }
-            table.row([frame].into_iter().chain(counts).chain([deepest, not_finite]));
+            table.row([frame].into_iter().chain(counts).chain([double, deepest, not_finite]));
         }
         format!("{}\n", out.heading(&plain(&self.path))) + &table.render() + &plain(&pairs)
     }
@@ -133,7 +134,7 @@ impl Checked {
         let pair = |c: &Crossing| json!({"first": place(&c.first), "second": place(&c.second), "depth_m": c.depth});
         let frame = |(frame, found): &(Option<u32>, Crossings)| {
             json!({"frame": frame, "within": found.within, "between": found.between, "touching": found.touching,
-                   "deepest_m": found.deepest, "triangles": found.triangles, "degenerate": found.degenerate,
+                   "double": found.double, "deepest_m": found.deepest, "triangles": found.triangles, "degenerate": found.degenerate,
                    "not_finite": found.not_finite, "worst": found.worst.iter().map(pair).collect::<Vec<_>>()})
         };
         json!({"path": self.path, "cloths": self.cloths.iter().map(Cloth::name).collect::<Vec<_>>(),

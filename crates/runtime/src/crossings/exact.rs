@@ -25,10 +25,15 @@ pub enum Meeting {
     Touching,
     /// Their interiors share a point.
     Crossing,
+    /// They have all corners in common.
+    Double,
 }
 
 /// How two triangles with an area lie.
 pub fn meet(a: &Facet, b: &Facet) -> Meeting {
+    if a.names.iter().all(|name| b.names.contains(name)) {
+        return Meeting::Double;
+    }
     let of_a = sides(a, b);
     if apart(a, b, of_a) {
         return Meeting::Apart;

@@ -33,6 +33,8 @@ pub struct Tally {
     pub between: u64,
     /// Pairs that touch.
     pub touching: u64,
+    /// Pairs with all corners in common.
+    pub double: u64,
     /// The largest depth \[m\].
     pub deepest: f64,
     /// The deepest pairs.
@@ -62,6 +64,7 @@ impl Tally {
             sum.within += tally.within;
             sum.between += tally.between;
             sum.touching += tally.touching;
+            sum.double += tally.double;
             sum.deepest = sum.deepest.max(tally.deepest);
             sum.worst.extend(tally.worst);
             sum.cut(worst);
@@ -75,6 +78,10 @@ impl Tally {
             Meeting::Apart => return,
             Meeting::Touching => {
                 self.touching += 1;
+                return;
+            }
+            Meeting::Double => {
+                self.double += 1;
                 return;
             }
             Meeting::Crossing => {}
