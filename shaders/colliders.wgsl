@@ -9,8 +9,7 @@ fn leave_solids(k: u32) {
     let solid = solid_at(c);
     let out = leave(solid, at);
     if (out.inside) {
-      let depth = out.at - at;
-      at = rub(solid, out.at, out.normal, sqrt(dot(depth, depth)), was(k));
+      at = rub(solid, out, moved_by(solid, was(k)));
     }
   }
   put(k, vec4<f32>(at, p.w));

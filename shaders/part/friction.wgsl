@@ -1,15 +1,20 @@
-// Takes back the motion along the surface since the last step, by at most friction times the depth.
-fn rub(solid: Solid, at: vec3<f32>, n: vec3<f32>, depth: f32, was: vec3<f32>) -> vec3<f32> {
+// Where a collider carries a point in a step.
+fn moved_by(solid: Solid, p: vec3<f32>) -> vec3<f32> {
+  return p + (solid.velocity + cross(solid.spin, p - solid.center)) * step.dt;
+}
+
+// Takes back the motion along the surface since the last step, by at most friction times the depth; `start` is where the
+// collider carried the particle from where it was.
+fn rub(solid: Solid, out: Exit, start: vec3<f32>) -> vec3<f32> {
   if (solid.friction <= 0.0) {
-    return at;
+    return out.at;
   }
-  let surface = solid.velocity + cross(solid.spin, at - solid.center);
-  let moved = at - was - surface * step.dt;
-  let along = moved - n * dot(moved, n);
+  let moved = out.at - start;
+  let along = moved - out.normal * dot(moved, out.normal);
   let far = sqrt(dot(along, along));
-  let most = solid.friction * depth;
+  let most = solid.friction * out.depth;
   if (far <= most) {
-    return at - along;
+    return out.at - along;
   }
-  return at - along * (most / far);
+  return out.at - along * (most / far);
 }

@@ -1,6 +1,10 @@
 // Colliders that are all smooth ask for no previous position.
-fn rub(solid: Solid, at: vec3<f32>, n: vec3<f32>, depth: f32, was: vec3<f32>) -> vec3<f32> {
-  return at;
+fn moved_by(solid: Solid, p: vec3<f32>) -> vec3<f32> {
+  return p;
+}
+
+fn rub(solid: Solid, out: Exit, start: vec3<f32>) -> vec3<f32> {
+  return out.at;
 }
 
 fn was(k: u32) -> vec3<f32> {

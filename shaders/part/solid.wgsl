@@ -24,6 +24,7 @@ struct Exit {
   inside: bool,
   at: vec3<f32>,
   normal: vec3<f32>,
+  depth: f32,
 }
 
 fn turned(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
@@ -32,22 +33,22 @@ fn turned(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
 }
 
 fn outside() -> Exit {
-  return Exit(false, vec3<f32>(0.0), vec3<f32>(0.0));
+  return Exit(false, vec3<f32>(0.0), vec3<f32>(0.0), 0.0);
 }
 
-// Out of a ball; from its very centre sideways, which is the way out of a capsule too.
-fn leave_ball(p: vec3<f32>, center: vec3<f32>, radius: f32) -> Exit {
-  let d = p - center;
+// Out of a ball around the point that lies `d` from `p`; from its very centre to the side.
+fn leave_ball(p: vec3<f32>, d: vec3<f32>, radius: f32, side: vec3<f32>) -> Exit {
   let far2 = dot(d, d);
   if (far2 >= radius * radius) {
     return outside();
   }
   let far = sqrt(far2);
-  var n = vec3<f32>(1.0, 0.0, 0.0);
+  var n = side;
   if (far > 1e-12) {
     n = d * (1.0 / far);
   }
-  return Exit(true, center + n * radius, n);
+  let depth = radius - far;
+  return Exit(true, p + n * depth, n, depth);
 }
 
 // See crates/runtime/src/collider/solid/taper.rs.
@@ -67,22 +68,12 @@ fn taper(size: vec3<f32>) -> Taper {
   return Taper(size.y, 0.5 * (size.x + size.z), -(drop / length), drop / side, side / length, drop / length);
 }
 
-fn leave_tapered(p: vec3<f32>, size: vec3<f32>) -> Exit {
+fn leave_tapered(p: vec3<f32>, d: vec3<f32>, size: vec3<f32>, up: vec3<f32>, side: vec3<f32>) -> Exit {
   let cone = taper(size);
-  let y = clamp(p.y - sqrt(p.x * p.x + p.z * p.z) * cone.slope, -cone.half, cone.half);
-  let center = vec3<f32>(0.0, y, 0.0);
-  let radius = cone.middle + y * cone.rate;
-  let d = p - center;
-  let far2 = dot(d, d);
-  if (far2 >= radius * radius) {
-    return outside();
-  }
-  let far = sqrt(far2);
-  var n = vec3<f32>(cone.across, cone.along, 0.0);
-  if (far > 1e-12) {
-    n = d * (1.0 / far);
-  }
-  return Exit(true, center + n * radius, n);
+  let along = dot(d, up);
+  let across = d - up * along;
+  let y = clamp(along - sqrt(dot(across, across)) * cone.slope, -cone.half, cone.half);
+  return leave_ball(p, d - up * y, cone.middle + y * cone.rate, side * cone.across + up * cone.along);
 }
 
 fn leave_box(p: vec3<f32>, half: vec3<f32>) -> Exit {
@@ -101,7 +92,7 @@ fn leave_box(p: vec3<f32>, half: vec3<f32>) -> Exit {
   var n = vec3<f32>(0.0);
   q[axis] = half[axis] * way;
   n[axis] = way;
-  return Exit(true, q, n);
+  return Exit(true, q, n, depth[axis]);
 }
 
 fn normalized(v: vec3<f32>) -> vec3<f32> {
@@ -110,11 +101,17 @@ fn normalized(v: vec3<f32>) -> vec3<f32> {
 
 // Along the ray from the centre.
 fn leave_radially(p: vec3<f32>, radii: vec3<f32>) -> Exit {
-  let out = leave_ball(p / radii, vec3<f32>(0.0), 1.0);
+  let out = leave_ball(p / radii, p / radii, 1.0, vec3<f32>(1.0, 0.0, 0.0));
   if (!out.inside) {
     return out;
   }
-  return Exit(true, out.at * radii, normalized(out.normal / radii));
+  return leave_to(p, out.normal * radii, normalized(out.normal / radii));
+}
+
+// From inside to a point of the surface.
+fn leave_to(p: vec3<f32>, at: vec3<f32>, normal: vec3<f32>) -> Exit {
+  let way = at - p;
+  return Exit(true, at, normal, sqrt(dot(way, way)));
 }
 
 // To the closest point, after D. Eberly; see crates/runtime/src/collider/solid.rs.
@@ -137,27 +134,41 @@ fn leave_ellipsoid(p: vec3<f32>, radii: vec3<f32>) -> Exit {
   }
   let a = r * rz / (t + (r - 1.0));
   let n = normalized(select(a, -a, p < vec3<f32>(0.0)));
-  return Exit(true, n * radii, normalized(n / radii));
+  return leave_to(p, n * radii, normalized(n / radii));
 }
 
 // Where a point inside leaves, and the normal there.
 fn leave(solid: Solid, p: vec3<f32>) -> Exit {
-  let q = turned(vec4<f32>(-solid.rotation.xyz, solid.rotation.w), p - solid.center);
-  var out = outside();
+  let d = p - solid.center;
+  let up = turned(solid.rotation, vec3<f32>(0.0, 1.0, 0.0));
   if (half_spaces && solid.kind == 0u) {
-    out = Exit(q.y < 0.0, vec3<f32>(q.x, 0.0, q.z), vec3<f32>(0.0, 1.0, 0.0));
-  } else if (spheres && solid.kind == 1u) {
-    out = leave_ball(q, vec3<f32>(0.0), solid.size.x);
-  } else if (capsules && solid.kind == 2u) {
-    out = leave_ball(q, vec3<f32>(0.0, clamp(q.y, -solid.size.y, solid.size.y), 0.0), solid.size.x);
-  } else if (tapered_capsules && solid.kind == 6u) {
-    out = leave_tapered(q, solid.size);
-  } else if (boxes && solid.kind == 3u) {
+    let depth = -dot(d, up);
+    return Exit(depth > 0.0, p + up * depth, up, depth);
+  }
+  let side = turned(solid.rotation, vec3<f32>(1.0, 0.0, 0.0));
+  if (spheres && solid.kind == 1u) {
+    return leave_ball(p, d, solid.size.x, side);
+  }
+  if (capsules && solid.kind == 2u) {
+    return leave_ball(p, d - up * clamp(dot(d, up), -solid.size.y, solid.size.y), solid.size.x, side);
+  }
+  if (tapered_capsules && solid.kind == 6u) {
+    return leave_tapered(p, d, solid.size, up, side);
+  }
+  return leave_turned(solid, d);
+}
+
+// The same for a solid without an axis, from where the point lies beside its middle.
+fn leave_turned(solid: Solid, d: vec3<f32>) -> Exit {
+  let q = turned(vec4<f32>(-solid.rotation.xyz, solid.rotation.w), d);
+  var out = outside();
+  if (boxes && solid.kind == 3u) {
     out = leave_box(q, solid.size);
   } else if (radial_ellipsoids && solid.kind == 4u) {
     out = leave_radially(q, solid.size);
   } else if (ellipsoids && solid.kind == 5u) {
     out = leave_ellipsoid(q, solid.size);
   }
-  return Exit(out.inside, turned(solid.rotation, out.at) + solid.center, turned(solid.rotation, out.normal));
+  let at = turned(solid.rotation, out.at) + solid.center;
+  return Exit(out.inside, at, turned(solid.rotation, out.normal), out.depth);
 }

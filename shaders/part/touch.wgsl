@@ -11,7 +11,7 @@ fn posed(solid: Solid) -> Solid {
 
 fn out_by(at: vec3<f32>, surface: vec3<f32>, normal: vec3<f32>) -> Exit {
   let deep = dot(surface - at, normal);
-  return Exit(deep > 0.0, at + normal * deep, normal);
+  return Exit(deep > 0.0, at + normal * deep, normal, deep);
 }
 
 // After a step far shorter than the solid is thick the way out is the closest one. After a longer one it is by the plane
@@ -45,13 +45,11 @@ fn cleared(p: vec3<f32>, was: vec3<f32>) -> vec3<f32> {
   var c = near_from(0u);
   while (c < solid_count()) {
     let solid = posed(solid_at(c));
-    let start = was + (solid.velocity + cross(solid.spin, was - solid.center)) * step.dt;
+    let start = moved_by(solid, was);
     let out = swept(solid, start, at);
     if (out.inside) {
-      let depth = out.at - at;
-      at = rub(solid, out.at, out.normal, sqrt(dot(depth, depth)), was);
-      let again = leave(solid, at);
-      at = select(at, again.at, again.inside);
+      // Solids are convex: what slides along one, across its normal, stays outside.
+      at = rub(solid, out, start);
       moved = true;
     }
     // Where one has put it, others may be near that were not.

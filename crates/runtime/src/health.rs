@@ -92,11 +92,7 @@ pub(crate) fn depths<T: Real>(now: &[[T; 4]], solids: &[Solid<T>], reach: f64) -
         let solid = solid.coated(T::of(reach));
         let real = now.iter().filter(|p| p[3].get() >= 0.0);
         let near = real.map(|p| xyz(*p)).filter(|p| may_touch(&solid, *p));
-        let depth = near.filter_map(|p| {
-            let d = sub(solid.exit(p)?.0, p);
-            Some(dot(d, d).sqrt().get())
-        });
-        depth.fold(0.0, f64::max)
+        near.filter_map(|p| Some(solid.exit(p)?.depth.get())).fold(0.0, f64::max)
     };
     solids.iter().map(deepest).collect()
 }

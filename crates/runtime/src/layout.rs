@@ -195,7 +195,7 @@ impl From<&Step<f64>> for StepRow {
 
 impl From<Solid<f32>> for SolidRow {
     fn from(solid: Solid<f32>) -> Self {
-        let Solid { center, kind, size, friction, rotation, velocity, spin } = solid;
+        let Solid { center, kind, size, friction, rotation, velocity, spin, .. } = solid;
         SolidRow { center, kind, size, friction, rotation, velocity, unused1: 0, spin, unused2: 0 }
     }
 }

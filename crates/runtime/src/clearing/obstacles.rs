@@ -5,8 +5,8 @@ use gimage_bundle::Winding;
 use super::layers::Garment;
 use super::net::Net;
 use crate::cloth::surface::{Near, Posed};
-use crate::collider::solid::Solid;
-use crate::number::real::{V3, add, dot, scale, sub};
+use crate::collider::solid::{Exit, Solid};
+use crate::number::real::{V3, add, dot, scale};
 
 /// A point farther \[m\] than this from an obstacle has no plane of it.
 pub const NEAR_M: f64 = 0.01;
@@ -162,7 +162,7 @@ impl Obstacles<'_> {
             safe = safe.min(near.height - NEAR_M);
         }
         for solid in &self.solids {
-            if let Some((at, normal)) = solid.coated(self.thickness + NEAR_M).exit(p) {
+            if let Some(Exit { at, normal, .. }) = solid.coated(self.thickness + NEAR_M).exit(p) {
                 put(normal, at, -NEAR_M);
                 safe = 0.0;
             }
@@ -180,12 +180,7 @@ impl Obstacles<'_> {
     /// How deep \[m\] a point at `p` is inside of any; 0 outside of all.
     pub fn depth(&self, point: usize, p: V3<f64>) -> f64 {
         let body = self.body.as_ref().and_then(|worn| worn.height(point, p)).map_or(0.0, |height| (-height).max(0.0));
-        let out = |solid: &Solid<f64>| {
-            solid.exit(p).map_or(0.0, |(at, _)| {
-                let d = sub(at, p);
-                dot(d, d).sqrt()
-            })
-        };
+        let out = |solid: &Solid<f64>| solid.exit(p).map_or(0.0, |out| out.depth);
         let behind = |below: &Below| {
             let near = below.posed.near(p);
             if is_over(&near) { (-near.height).max(0.0) } else { 0.0 }

@@ -11,7 +11,7 @@ pub const ELLIPSOID_RADIAL: u32 = 4;
 pub const ELLIPSOID: u32 = 5;
 pub const TAPERED: u32 = 6;
 
-/// The same fields as `Solid` in shaders/part/solid.wgsl.
+/// The fields of `Solid` in shaders/part/solid.wgsl, and what follows from them.
 #[derive(Clone, Copy, Debug)]
 pub struct Solid<T> {
     pub center: V3<T>,
@@ -22,6 +22,22 @@ pub struct Solid<T> {
     pub rotation: [T; 4],
     pub velocity: V3<T>,
     pub spin: V3<T>,
+    /// Its y and x axis in the world, by the rotation.
+    pub up: V3<T>,
+    pub side: V3<T>,
+    /// Whether it neither moves nor turns.
+    pub still: bool,
+}
+
+/// The way out of a solid from a point inside.
+#[derive(Clone, Copy, Debug)]
+pub struct Exit<T> {
+    /// Where it ends \[m\].
+    pub at: V3<T>,
+    /// The normal there.
+    pub normal: V3<T>,
+    /// Its length \[m\].
+    pub depth: T,
 }
 
 impl<T: Real> Solid<T> {
@@ -36,15 +52,27 @@ impl<T: Real> Solid<T> {
             Shape::Ellipsoid { radii, closest: true } => (ELLIPSOID, radii),
         };
         let norm = c.rotation.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
-        Solid {
+        let none = [T::of(0.0); 3];
+        let solid = Solid {
             center: cast(c.center),
             kind,
             size: cast(size),
             friction: T::of(c.friction.into()),
-            rotation: cast(c.rotation.map(|x| f64::from(x) / norm)),
+            rotation: [T::of(0.0); 4],
             velocity: cast(c.velocity),
             spin: cast(c.spin),
-        }
+            up: none,
+            side: none,
+            still: [c.velocity, c.spin].as_flattened().iter().all(|x| *x == 0.0),
+        };
+        solid.turned(cast(c.rotation.map(|x| f64::from(x) / norm)))
+    }
+
+    /// With another rotation.
+    fn turned(self, rotation: [T; 4]) -> Self {
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        let (up, side) = (turn(rotation, [zero, one, zero]), turn(rotation, [one, zero, zero]));
+        Solid { rotation, up, side, ..self }
     }
 
     /// With a coat of `by` \[m\]. That of a box has edges, and that of an ellipsoid is one too: both reach a little farther
@@ -69,26 +97,39 @@ impl<T: Real> Solid<T> {
         let v = add(scale(half, w), cross(half, axis));
         let q = [x + v[0], y + v[1], z + v[2], w - dot(half, axis)];
         let by = T::of(1.0) / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
-        Solid { center: sub(self.center, scale(self.velocity, left)), rotation: q.map(|x| x * by), ..*self }
+        Solid { center: sub(self.center, scale(self.velocity, left)), ..self.turned(q.map(|x| x * by)) }
     }
 
-    /// Where a point inside leaves, and the normal there; none for a point outside.
+    /// The way out for a point inside; none for a point outside.
     #[inline]
-    pub fn exit(&self, p: V3<T>) -> Option<(V3<T>, V3<T>)> {
-        let [x, y, z, w] = self.rotation;
-        let local = turn([-x, -y, -z, w], sub(p, self.center));
-        let (q, n) = match self.kind {
-            HALF_SPACE => half_space(local),
-            SPHERE => ball(local, [T::of(0.0); 3], self.size[0]),
+    pub fn exit(&self, p: V3<T>) -> Option<Exit<T>> {
+        let d = sub(p, self.center);
+        match self.kind {
+            HALF_SPACE => self.half_space(p, d),
+            SPHERE => ball(p, d, self.size[0], self.side),
             CAPSULE => {
-                ball(local, [T::of(0.0), local[1].max(-self.size[1]).min(self.size[1]), T::of(0.0)], self.size[0])
+                let y = dot(d, self.up).max(-self.size[1]).min(self.size[1]);
+                ball(p, sub(d, scale(self.up, y)), self.size[0], self.side)
             }
-            TAPERED => tapered(local, &Taper::new(self.size)),
-            BOX => cuboid(local, self.size),
-            ELLIPSOID_RADIAL => radial(local, self.size),
-            _ => closest(local, self.size),
-        }?;
-        Some((add(turn(self.rotation, q), self.center), turn(self.rotation, n)))
+            TAPERED => tapered(self, p, d),
+            _ => {
+                let [x, y, z, w] = self.rotation;
+                let local = turn([-x, -y, -z, w], d);
+                let (q, n) = match self.kind {
+                    BOX => cuboid(local, self.size),
+                    ELLIPSOID_RADIAL => radial(local, self.size),
+                    _ => closest(local, self.size),
+                }?;
+                let way = sub(q, local);
+                let at = add(turn(self.rotation, q), self.center);
+                Some(Exit { at, normal: turn(self.rotation, n), depth: dot(way, way).sqrt() })
+            }
+        }
+    }
+
+    fn half_space(&self, p: V3<T>, d: V3<T>) -> Option<Exit<T>> {
+        let depth = -dot(d, self.up);
+        (depth > T::of(0.0)).then(|| Exit { at: add(p, scale(self.up, depth)), normal: self.up, depth })
     }
 }
 
@@ -106,27 +147,22 @@ fn turn<T: Real>(q: [T; 4], v: V3<T>) -> V3<T> {
     add(add(v, scale(t, q[3])), cross(axis, t))
 }
 
-type Exit<T> = Option<(V3<T>, V3<T>)>;
-
-fn half_space<T: Real>(p: V3<T>) -> Exit<T> {
-    let zero = T::of(0.0);
-    (p[1] < zero).then_some(([p[0], zero, p[2]], [zero, T::of(1.0), zero]))
-}
-
-/// Out of a ball; from its very centre sideways, which is the way out of a capsule too.
-fn ball<T: Real>(p: V3<T>, center: V3<T>, radius: T) -> Exit<T> {
-    let d = sub(p, center);
+/// Out of a ball around the point that lies `d` from `p`; from its very centre to the side.
+fn ball<T: Real>(p: V3<T>, d: V3<T>, radius: T, side: V3<T>) -> Option<Exit<T>> {
     let far2 = dot(d, d);
     if far2 >= radius * radius {
         return None;
     }
     let far = far2.sqrt();
-    let x = [T::of(1.0), T::of(0.0), T::of(0.0)];
-    let n = if far > T::of(1e-12) { scale(d, T::of(1.0) / far) } else { x };
-    Some((add(center, scale(n, radius)), n))
+    let normal = if far > T::of(1e-12) { scale(d, T::of(1.0) / far) } else { side };
+    let depth = radius - far;
+    Some(Exit { at: add(p, scale(normal, depth)), normal, depth })
 }
 
-fn cuboid<T: Real>(p: V3<T>, half: V3<T>) -> Exit<T> {
+/// Where a point in the frame of a solid leaves it, and the normal there.
+type Local<T> = Option<(V3<T>, V3<T>)>;
+
+fn cuboid<T: Real>(p: V3<T>, half: V3<T>) -> Local<T> {
     let depth = [0, 1, 2].map(|c| half[c] - p[c].abs());
     if depth.iter().any(|d| *d <= T::of(0.0)) {
         return None;
@@ -146,10 +182,11 @@ fn cuboid<T: Real>(p: V3<T>, half: V3<T>) -> Exit<T> {
 }
 
 /// Along the ray from the centre.
-fn radial<T: Real>(p: V3<T>, radii: V3<T>) -> Exit<T> {
+fn radial<T: Real>(p: V3<T>, radii: V3<T>) -> Local<T> {
     let unit = [0, 1, 2].map(|c| p[c] / radii[c]);
-    let (on, n) = ball(unit, [T::of(0.0); 3], T::of(1.0))?;
-    let q = [0, 1, 2].map(|c| on[c] * radii[c]);
+    let (zero, one) = (T::of(0.0), T::of(1.0));
+    let n = ball(unit, unit, one, [one, zero, zero])?.normal;
+    let q = [0, 1, 2].map(|c| n[c] * radii[c]);
     Some((q, normalize([0, 1, 2].map(|c| n[c] / radii[c]))))
 }
 
@@ -159,7 +196,7 @@ const STEPS: usize = 24;
 /// To the closest point, after D. Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid":
 /// q_c = r_c p_c / (t + r_c - 1), where r_c is the square of a radius over that of the smallest, and t in (0, 1] the root
 /// of |q / radii| = 1. Writing t for his s + 1 keeps precision near the middle, where t is small.
-fn closest<T: Real>(p: V3<T>, radii: V3<T>) -> Exit<T> {
+fn closest<T: Real>(p: V3<T>, radii: V3<T>) -> Local<T> {
     let one = T::of(1.0);
     let z = [0, 1, 2].map(|c| p[c].abs() / radii[c]);
     if dot(z, z) >= one {

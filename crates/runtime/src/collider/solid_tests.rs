@@ -25,6 +25,14 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     dot(sub(a, b), sub(a, b)).sqrt()
 }
 
+/// Where a point leaves, and the normal there. The depth is the length of the way.
+fn exit<T: Real>(solid: &Solid<T>, p: V3<T>) -> Option<([f64; 3], [f64; 3])> {
+    let Exit { at, normal, depth } = solid.exit(p)?;
+    let (at, normal) = (cast(at), cast(normal));
+    assert!((distance(at, cast(p)) - depth.get()).abs() < 1e-6, "{depth:?}", depth = depth.get());
+    Some((at, normal))
+}
+
 fn agrees(shape: Shape, judge: &dyn PointQuery, size: f64) {
     let collider = moved(shape);
     let (f32s, f64s) = (Solid::<f32>::new(&collider), Solid::<f64>::new(&collider));
@@ -39,7 +47,7 @@ fn agrees(shape: Shape, judge: &dyn PointQuery, size: f64) {
         let to = answer.point.to_array();
         let exact: [f64; 3] = cast(at);
         let depth = distance(to, exact);
-        for exit in [f32s.exit(at).map(|(q, n)| (cast(q), cast(n))), f64s.exit(exact)] {
+        for exit in [exit(&f32s, at), exit(&f64s, exact)] {
             assert!(exit.is_some() == answer.is_inside || depth < 1e-6, "{shape:?} at {at:?}, depth {depth}");
             let Some((q, n)) = exit else { continue };
             inside += 1;
@@ -105,7 +113,7 @@ fn the_hull_of_two_balls_agrees_on_tapered_capsules() {
             let at: [f32; 3] = cast(p);
             let exact: [f64; 3] = cast(at);
             let depth = -hull(exact);
-            for (exit, close) in [(f32s.exit(at).map(|(q, n)| (cast(q), cast(n))), 2e-6), (f64s.exit(exact), 1e-9)] {
+            for (exit, close) in [(exit(&f32s, at), 2e-6), (exit(&f64s, exact), 1e-9)] {
                 assert!(
                     exit.is_some() == (depth > 0.0) || depth.abs() < close,
                     "{collider:?} at {at:?}, depth {depth}"
@@ -183,7 +191,7 @@ fn tapered_capsules_without_a_taper_are_capsules_and_balls_in_balls_are_refused(
     for p in points(0.8).take(2000) {
         let p: [f32; 3] = cast(p);
         assert_eq!(capsule.exit(p).is_some(), tapered.exit(p).is_some());
-        let (Some((a, _)), Some((b, _))) = (capsule.exit(p), tapered.exit(p)) else { continue };
+        let (Some(Exit { at: a, .. }), Some(Exit { at: b, .. })) = (capsule.exit(p), tapered.exit(p)) else { continue };
         assert!(distance(cast(a), cast(b)) < 1e-6);
     }
     for (half_height, radii) in [(0.1, [0.3, 0.1]), (0.1, [0.1, 0.4]), (0.0, [0.1; 2]), (0.1, [f32::NAN, 0.1])] {
@@ -221,7 +229,9 @@ fn a_bracketed_root_agrees_on_ellipsoids() {
             let level = |q: [f64; 3]| (0..3).map(|c| (q[c] / exact[c]).powi(2)).sum::<f64>().sqrt();
             assert!(f64s.exit(p).is_some() == (level(p) < 1.0) || (level(p) - 1.0).abs() < 1e-12);
             assert!(f32s.exit(at).is_some() == (level(p) < 1.0) || (level(p) - 1.0).abs() * size < 1e-6);
-            let (Some((q32, _)), Some((q64, _))) = (f32s.exit(at), f64s.exit(p)) else { continue };
+            let (Some(Exit { at: q32, .. }), Some(Exit { at: q64, .. })) = (f32s.exit(at), f64s.exit(p)) else {
+                continue;
+            };
             let to = bracketed(p, exact);
             inside += 1;
             assert!(distance(q64, to) <= 1e-5 * size, "{radii:?} at {p:?}: {q64:?}, not {to:?}");
@@ -241,7 +251,7 @@ fn the_radial_rule_is_on_the_surface_and_its_error_is_known() {
     let (radial, exact) = (way(false), way(true));
     let (mut worst, mut near) = (0.0f64, 0.0f64);
     for p in points(0.8) {
-        let (Some((a, _)), Some((b, _))) = (radial.exit(p), exact.exit(p)) else { continue };
+        let (Some(Exit { at: a, .. }), Some(Exit { at: b, .. })) = (radial.exit(p), exact.exit(p)) else { continue };
         let level = (0..3).map(|c| (a[c] / f64::from(radii[c])).powi(2)).sum::<f64>();
         assert!((level - 1.0).abs() < 1e-9);
         worst = worst.max(distance(a, b));

@@ -4,17 +4,19 @@
 //! way out alone: `wide` does that for a vector of them at a time, with the same bits. `rows` finds the colliders that a vector meets.
 
 pub mod clear;
+mod crowd;
 mod reach;
 mod rows;
 mod wide;
 
-use super::colliders::rub;
+use super::colliders::{moved_by, rub};
 use super::rows::Threads;
 use super::sheet::Sheet;
-use crate::collider::solid::Solid;
+use crate::collider::solid::{Exit, Solid};
 use crate::number::lanes::{LANES, widest};
-use crate::number::real::{Real, V3, add, cross, dot, scale, sub};
+use crate::number::real::{Real, V3, add, dot, scale, sub};
 use clear::Clear;
+use crowd::Crowd;
 use reach::{Reach, bounds};
 use rows::{Lists, Rows};
 
@@ -28,22 +30,32 @@ const GROUPS: usize = u64::BITS as usize;
 struct Near<'a, T> {
     index: usize,
     solid: &'a Solid<T>,
-    reach: Reach<T>,
+    reach: &'a Reach<T>,
     /// How far \[m\] its surface can move in the rest of the frame.
     ahead: T,
 }
 
-/// Particles inside a collider, or on its other side, go to its surface; `left` \[s\] of the frame are to go after the step of `dt` \[s\].
+/// Colliders as they are in a step, and what each can touch in it.
+pub struct Posed<T> {
+    all: Vec<(Solid<T>, Reach<T>)>,
+    dt: T,
+    left: T,
+}
+
+impl<T: Real> Posed<T> {
+    /// Of a step of `dt` \[s\], after which `left` \[s\] of the frame are to go.
+    pub fn new(solids: impl Iterator<Item = Solid<T>>, dt: T, left: T) -> Self {
+        let all = solids.map(|solid| (solid, Reach::new(&solid, dt))).collect();
+        Posed { all, dt, left }
+    }
+}
+
+/// Particles inside a collider, or on its other side, go to its surface.
 /// Colliders out of reach of the sheet cost one comparison, those out of reach of a block of particles one per frame.
-pub fn run<T: Real>(
-    threads: &Threads,
-    sheet: &mut Sheet<T>,
-    clear: &mut Clear<T>,
-    solids: &[Solid<T>],
-    (dt, left): (T, T),
-) {
+pub fn run<T: Real>(threads: &Threads, sheet: &mut Sheet<T>, clear: &mut Clear<T>, solids: &Posed<T>) {
+    let (dt, left) = (solids.dt, solids.left);
     let (lowest, highest) = bounds(sheet);
-    let near = in_reach((lowest, highest), solids, dt, left / dt);
+    let near = in_reach((lowest, highest), &solids.all, left / dt);
     if near.is_empty() {
         clear.forget();
         return;
@@ -67,9 +79,11 @@ pub fn run<T: Real>(
     let size = (TOGETHER * row, TOGETHER * 2 * half / LANES);
     let takes = !alone && clear.pays();
     let (blocks, spared) = clear.parts();
+    let crowd = Crowd::new(&near).filter(|_| takes);
     threads.chunks2(&mut sheet.now, blocks, size, |chunk, rows, blocks| {
         let lists = Lists { blocks, takes, spared, slack, steps, group };
-        widest(Rows { rows, lists, row, half, w, before, first: chunk * TOGETHER, near: &near, dt });
+        let first = chunk * TOGETHER;
+        widest(Rows { rows, lists, row, half, w, before, first, near: &near, crowd: crowd.as_ref(), dt });
     });
 }
 
@@ -77,15 +91,14 @@ pub fn run<T: Real>(
 /// frame.
 fn in_reach<T: Real>(
     (mut lowest, mut highest): (V3<T>, V3<T>),
-    solids: &[Solid<T>],
-    dt: T,
+    all: &[(Solid<T>, Reach<T>)],
     steps: T,
 ) -> Vec<Near<'_, T>> {
-    let mut all: Vec<_> = solids.iter().map(|solid| (solid, Reach::new(solid, dt), false)).collect();
+    let mut near = vec![false; all.len()];
     loop {
         let mut more = false;
         let (low, high) = (lowest, highest);
-        for (_, reach, near) in all.iter_mut().filter(|x| !x.2 && x.1.box_near(low, high)) {
+        for ((_, reach), near) in all.iter().zip(&mut near).filter(|(x, near)| !**near && x.1.box_near(low, high)) {
             (*near, more) = (true, true);
             let far = reach.pushes(low, high);
             for c in 0..3 {
@@ -99,22 +112,18 @@ fn in_reach<T: Real>(
     }
     // No step after the last one: a half-space that turns moves infinitely far in each.
     let ahead = |reach: &Reach<T>| if steps > T::of(0.0) { reach.moves() * steps } else { T::of(0.0) };
-    let near = all.into_iter().enumerate().filter(|(_, x)| x.2);
-    near.map(|(index, (solid, reach, _))| Near { index, solid, ahead: ahead(&reach), reach }).collect()
+    let near = all.iter().enumerate().filter(|(index, _)| near[*index]);
+    near.map(|(index, (solid, reach))| Near { index, solid, ahead: ahead(reach), reach }).collect()
 }
 
 /// Where a particle that went from `was` to `at` in `dt` is put; none if it meets nothing.
 #[inline]
 pub fn meet<T: Real>(solid: &Solid<T>, at: V3<T>, was: V3<T>, dt: T) -> Option<V3<T>> {
-    // Where it would have been before, had the collider always been where it is now.
-    let carried = add(solid.velocity, cross(solid.spin, sub(was, solid.center)));
-    let from = add(was, scale(carried, dt));
-    let (out, normal) = swept(solid, from, at)?;
-    let depth = sub(out, at);
-    let out =
-        if solid.friction > T::of(0.0) { rub(solid, out, normal, was, dot(depth, depth).sqrt(), dt) } else { out };
-    // Sliding along a flat or hollow side can end inside again.
-    Some(solid.exit(out).map_or(out, |(at, _)| at))
+    // From where it would have been before, had the collider always been where it is now.
+    let from = moved_by(solid, was, dt);
+    let out = swept(solid, from, at)?;
+    // Solids are convex: what slides along one, across its normal, stays outside.
+    Some(if solid.friction > T::of(0.0) { rub(solid, &out, from) } else { out.at })
 }
 
 /// The way out of a solid at rest for a particle that went from `from` to `at`.
@@ -122,12 +131,12 @@ pub fn meet<T: Real>(solid: &Solid<T>, at: V3<T>, was: V3<T>, dt: T) -> Option<V
 /// After a step far shorter than the solid is thick it is the closest one, which is smooth. After a longer one that could
 /// be out of the side or the back: it is by the plane that touches the solid where the path entered, or where it began
 /// inside, as resting particles do by rounding.
-fn swept<T: Real>(solid: &Solid<T>, from: V3<T>, at: V3<T>) -> Option<(V3<T>, V3<T>)> {
+fn swept<T: Real>(solid: &Solid<T>, from: V3<T>, at: V3<T>) -> Option<Exit<T>> {
     let path = sub(at, from);
     if dot(path, path) < short(solid) {
         return solid.exit(at);
     }
-    let met = solid.exit(from).or_else(|| solid.entry(from, path));
+    let met = solid.exit(from).map(|out| (out.at, out.normal)).or_else(|| solid.entry(from, path));
     met.and_then(|(surface, normal)| out_by(at, surface, normal)).or_else(|| solid.exit(at))
 }
 
@@ -137,9 +146,9 @@ fn short<T: Real>(solid: &Solid<T>) -> T {
     short * short
 }
 
-fn out_by<T: Real>(at: V3<T>, surface: V3<T>, normal: V3<T>) -> Option<(V3<T>, V3<T>)> {
-    let deep = dot(sub(surface, at), normal);
-    (deep > T::of(0.0)).then(|| (add(at, scale(normal, deep)), normal))
+fn out_by<T: Real>(at: V3<T>, surface: V3<T>, normal: V3<T>) -> Option<Exit<T>> {
+    let depth = dot(sub(surface, at), normal);
+    (depth > T::of(0.0)).then(|| Exit { at: add(at, scale(normal, depth)), normal, depth })
 }
 
 #[cfg(test)]

@@ -66,7 +66,7 @@ impl<T: Real> Solid<T> {
 
     /// Its y axis in the world: the normal of a half-space.
     pub fn up(&self) -> V3<T> {
-        self.axes()[1]
+        self.up
     }
 
     /// Its axes in the world.

@@ -1,6 +1,6 @@
 //! The hull of two balls: all balls whose centres and radii lie between theirs. A point leaves the ball that is nearest to it by the cone.
 
-use super::{Exit, ball, dot, scale, sub};
+use super::{Exit, Solid, add, dot, scale, sub};
 use crate::number::real::{Real, V3};
 
 /// A tapered capsule in numbers.
@@ -27,25 +27,23 @@ impl<T: Real> Taper<T> {
         let (across, along) = (side / length, drop / length);
         Taper { half, middle, rate: -along, slope: drop / side, across, along }
     }
+
+    /// The normal of the cone on the x axis of a solid.
+    #[inline]
+    pub fn normal(&self, solid: &Solid<T>) -> V3<T> {
+        add(scale(solid.side, self.across), scale(solid.up, self.along))
+    }
 }
 
-/// Out of it; from the axis along the normal of the cone.
+/// Out of it from `p`, which lies `d` from its middle; from the axis along the normal of the cone.
 #[inline]
-pub fn tapered<T: Real>(p: V3<T>, taper: &Taper<T>) -> Exit<T> {
-    let beside = (p[0] * p[0] + p[2] * p[2]).sqrt();
-    let y = (p[1] - beside * taper.slope).max(-taper.half).min(taper.half);
-    let (center, radius) = ([T::of(0.0), y, T::of(0.0)], taper.middle + y * taper.rate);
-    let d = sub(p, center);
-    let far2 = dot(d, d);
-    if far2 >= radius * radius {
-        return None;
-    }
-    let far = far2.sqrt();
-    if far > T::of(1e-12) {
-        return ball(p, center, radius);
-    }
-    let n = [taper.across, taper.along, T::of(0.0)];
-    Some(([n[0] * radius, y + n[1] * radius, T::of(0.0)], n))
+pub fn tapered<T: Real>(solid: &Solid<T>, p: V3<T>, d: V3<T>) -> Option<Exit<T>> {
+    let taper = Taper::new(solid.size);
+    let along = dot(d, solid.up);
+    let across = sub(d, scale(solid.up, along));
+    let y = (along - dot(across, across).sqrt() * taper.slope).max(-taper.half).min(taper.half);
+    let (q, radius) = (sub(d, scale(solid.up, y)), taper.middle + y * taper.rate);
+    super::ball(p, q, radius, taper.normal(solid))
 }
 
 /// Where a path enters its side, as a share of the path, and the normal there.

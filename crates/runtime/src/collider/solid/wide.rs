@@ -7,11 +7,19 @@ use crate::number::real::{Real, V3};
 /// Vectors of numbers, of three coordinates.
 pub type Wide<T, K> = [<K as Machine<T>>::V; 3];
 
-/// Where points leave, and the normals there, without meaning for those in the mask, which are outside.
+/// The ways out, without meaning for points in the mask, which are outside.
 pub struct Exits<T: Real, K: Machine<T>> {
     pub at: Wide<T, K>,
     pub normal: Wide<T, K>,
+    pub depth: K::V,
     pub outside: K::M,
+}
+
+/// Where points in the frame of a solid leave it.
+struct Locals<T: Real, K: Machine<T>> {
+    at: Wide<T, K>,
+    normal: Wide<T, K>,
+    outside: K::M,
 }
 
 #[inline(always)]
@@ -73,64 +81,68 @@ impl<T: Real> Solid<T> {
     /// [`Solid::exit`] of points without NaN.
     #[inline(always)]
     pub fn exits<K: Machine<T>>(&self, k: K, p: Wide<T, K>) -> Exits<T, K> {
-        let ([x, y, z, w], center) = (self.rotation, splat(k, self.center));
-        let local = turn(k, [-x, -y, -z, w], sub(k, p, center));
-        let zero = k.splat(T::of(0.0));
-        let Exits { at, normal, outside } = match self.kind {
+        let (d, up) = (sub(k, p, splat(k, self.center)), splat(k, self.up));
+        match self.kind {
             HALF_SPACE => {
-                let (at, normal) = ([local[0], zero, local[2]], [zero, k.splat(T::of(1.0)), zero]);
+                let zero = k.splat(T::of(0.0));
+                let depth = k.sub(zero, dot(k, d, up));
                 // A point that is not below is outside.
-                let all = k.at_least(zero, zero);
-                Exits { at, normal, outside: k.without(all, k.above(zero, local[1])) }
+                let outside = k.without(k.at_least(zero, zero), k.above(depth, zero));
+                Exits { at: add(k, p, scale(k, up, depth)), normal: up, depth, outside }
             }
-            SPHERE => ball(k, local, [zero; 3], self.size[0]),
+            SPHERE => ball(k, p, d, k.splat(self.size[0]), splat(k, self.side)),
             CAPSULE => {
-                let (low, high) = (k.splat(-self.size[1]), k.splat(self.size[1]));
-                let up = k.choose(k.above(local[1], low), local[1], low);
-                ball(k, local, [zero, k.choose(k.above(high, up), up, high), zero], self.size[0])
+                let y = within(k, dot(k, d, up), self.size[1]);
+                ball(k, p, sub(k, d, scale(k, up, y)), k.splat(self.size[0]), splat(k, self.side))
             }
-            TAPERED => tapered(k, local, &Taper::new(self.size)),
+            TAPERED => {
+                let taper = Taper::new(self.size);
+                let along = dot(k, d, up);
+                let across = sub(k, d, scale(k, up, along));
+                let beside = k.sqrt(dot(k, across, across));
+                let y = within(k, k.sub(along, k.mul(beside, k.splat(taper.slope))), taper.half);
+                let radius = k.add(k.splat(taper.middle), k.mul(y, k.splat(taper.rate)));
+                ball(k, p, sub(k, d, scale(k, up, y)), radius, splat(k, taper.normal(self)))
+            }
+            _ => self.turned_exits(k, d),
+        }
+    }
+
+    /// Those of a solid without an axis, from where points lie beside its middle.
+    #[inline(always)]
+    fn turned_exits<K: Machine<T>>(&self, k: K, d: Wide<T, K>) -> Exits<T, K> {
+        let [x, y, z, w] = self.rotation;
+        let local = turn(k, [-x, -y, -z, w], d);
+        let Locals { at, normal, outside } = match self.kind {
             BOX => cuboid(k, local, self.size),
             ELLIPSOID_RADIAL => radial(k, local, self.size),
             _ => closest(k, local, self.size),
         };
-        Exits { at: add(k, turn(k, self.rotation, at), center), normal: turn(k, self.rotation, normal), outside }
+        let way = sub(k, at, local);
+        let at = add(k, turn(k, self.rotation, at), splat(k, self.center));
+        Exits { at, normal: turn(k, self.rotation, normal), depth: k.sqrt(dot(k, way, way)), outside }
     }
 }
 
+/// Not beyond `half` on either side of 0.
 #[inline(always)]
-fn ball<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, center: Wide<T, K>, radius: T) -> Exits<T, K> {
-    let (zero, one) = (k.splat(T::of(0.0)), k.splat(T::of(1.0)));
-    let d = sub(k, p, center);
-    let far2 = dot(k, d, d);
-    let far = k.sqrt(far2);
-    let away = k.above(far, k.splat(T::of(1e-12)));
-    let n = choose(k, away, scale(k, d, k.div(one, far)), [one, zero, zero]);
-    let at = add(k, center, scale(k, n, k.splat(radius)));
-    Exits { at, normal: n, outside: k.at_least(far2, k.splat(radius * radius)) }
+fn within<T: Real, K: Machine<T>>(k: K, y: K::V, half: T) -> K::V {
+    let (low, high) = (k.splat(-half), k.splat(half));
+    k.least(k.most(y, low), high)
 }
 
 #[inline(always)]
-fn tapered<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, taper: &Taper<T>) -> Exits<T, K> {
-    let (zero, one) = (k.splat(T::of(0.0)), k.splat(T::of(1.0)));
-    let (low, high) = (k.splat(-taper.half), k.splat(taper.half));
-    let beside = k.sqrt(k.add(k.mul(p[0], p[0]), k.mul(p[2], p[2])));
-    let y = k.sub(p[1], k.mul(beside, k.splat(taper.slope)));
-    let up = k.choose(k.above(y, low), y, low);
-    let y = k.choose(k.above(high, up), up, high);
-    let radius = k.add(k.splat(taper.middle), k.mul(y, k.splat(taper.rate)));
-    let center = [zero, y, zero];
-    let d = sub(k, p, center);
+fn ball<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, d: Wide<T, K>, radius: K::V, side: Wide<T, K>) -> Exits<T, K> {
     let far2 = dot(k, d, d);
     let far = k.sqrt(far2);
     let away = k.above(far, k.splat(T::of(1e-12)));
-    let normal = choose(k, away, scale(k, d, k.div(one, far)), [k.splat(taper.across), k.splat(taper.along), zero]);
-    let at = add(k, center, scale(k, normal, radius));
-    Exits { at, normal, outside: k.at_least(far2, k.mul(radius, radius)) }
+    let normal = choose(k, away, scale(k, d, k.div(k.splat(T::of(1.0)), far)), side);
+    let depth = k.sub(radius, far);
+    Exits { at: add(k, p, scale(k, normal, depth)), normal, depth, outside: k.at_least(far2, k.mul(radius, radius)) }
 }
 
 #[inline(always)]
-fn cuboid<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, half: V3<T>) -> Exits<T, K> {
+fn cuboid<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, half: V3<T>) -> Locals<T, K> {
     let (zero, one) = (k.splat(T::of(0.0)), k.splat(T::of(1.0)));
     let half = splat(k, half);
     let depth = sub(k, half, [abs(k, p[0]), abs(k, p[1]), abs(k, p[2])]);
@@ -151,19 +163,20 @@ fn cuboid<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, half: V3<T>) -> Exits<T, 
     }
     let all = k.at_least(zero, zero);
     let inside = depth.iter().fold(all, |inside, d| k.without(inside, k.at_least(zero, *d)));
-    Exits { at, normal, outside: k.without(all, inside) }
+    Locals { at, normal, outside: k.without(all, inside) }
 }
 
 #[inline(always)]
-fn radial<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, radii: V3<T>) -> Exits<T, K> {
+fn radial<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, radii: V3<T>) -> Locals<T, K> {
     let radii = splat(k, radii);
     let unit = over(k, p, radii);
-    let Exits { at, normal, outside } = ball(k, unit, [k.splat(T::of(0.0)); 3], T::of(1.0));
-    Exits { at: times(k, at, radii), normal: normalize(k, over(k, normal, radii)), outside }
+    let (zero, one) = (k.splat(T::of(0.0)), k.splat(T::of(1.0)));
+    let Exits { normal, outside, .. } = ball(k, unit, unit, one, [one, zero, zero]);
+    Locals { at: times(k, normal, radii), normal: normalize(k, over(k, normal, radii)), outside }
 }
 
 #[inline(always)]
-fn closest<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, radii: V3<T>) -> Exits<T, K> {
+fn closest<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, radii: V3<T>) -> Locals<T, K> {
     let (zero, one) = (T::of(0.0), T::of(1.0));
     let small = radii[0].min(radii[1]).min(radii[2]);
     let r = radii.map(|e| (e / small) * (e / small));
@@ -194,7 +207,7 @@ fn closest<T: Real, K: Machine<T>>(k: K, p: Wide<T, K>, radii: V3<T>) -> Exits<T
         on[c] = k.choose(k.above(none, p[c]), k.mul(a, k.splat(-one)), a);
     }
     let n = normalize(k, on);
-    Exits { at: times(k, n, radii), normal: normalize(k, over(k, n, radii)), outside }
+    Locals { at: times(k, n, radii), normal: normalize(k, over(k, n, radii)), outside }
 }
 
 #[inline(always)]

@@ -17,8 +17,8 @@ pub struct Reach<T> {
     moves: T,
     /// The square of a distance \[m^2\] within which all points inside are, from the center or the line.
     inside2: T,
-    /// A particle that goes at most this far \[m\] goes a short way, if it is near.
-    calm: T,
+    /// The square of a way \[m^2\]: a particle that goes at most as far goes a short way, if it is near. Below 0 if none does.
+    calm2: T,
 }
 
 /// A line and the distance from it within which a solid can touch.
@@ -55,8 +55,8 @@ impl<T: Real> Reach<T> {
         // A near particle was at most its way and what the surface moves farther from the center than the surface.
         let turn = T::of(1.0) + T::of(2.0) * dot(s, s).sqrt() * dt;
         let calm = solid.thickness() * T::of(0.24) / turn - moves;
-        let calm = if calm > T::of(0.0) { calm } else { T::of(-1.0) };
-        Reach { center: solid.center, radius, normal, line, moves, inside2: inside * inside, calm }
+        let calm2 = if calm > T::of(0.0) { calm * calm } else { T::of(-1.0) };
+        Reach { center: solid.center, radius, normal, line, moves, inside2: inside * inside, calm2 }
     }
 
     pub fn box_near(&self, lowest: V3<T>, highest: V3<T>) -> bool {
@@ -99,6 +99,17 @@ impl<T: Real> Reach<T> {
         !far
     }
 
+    /// The middle, the direction and half the length of a line, and the distance \[m\] from it within which the solid can touch; a line
+    /// of length 0 for a ball, and the largest distance for a half-space.
+    pub fn line(&self) -> (V3<T>, V3<T>, T, T) {
+        let zero = T::of(0.0);
+        match (self.radius, &self.line) {
+            (None, _) => (self.center, [zero; 3], zero, T::of(f64::from(f32::MAX))),
+            (Some(radius), None) => (self.center, [zero; 3], zero, radius),
+            (_, Some(line)) => (self.center, line.axis, line.half, line.radius),
+        }
+    }
+
     /// How far its surface can move in a step \[m\].
     pub fn moves(&self) -> T {
         self.moves
@@ -124,29 +135,22 @@ impl<T: Real> Reach<T> {
         }
     }
 
-    /// The particles that are near by [`Reach::near`], and some more: without a root.
+    /// The free particles that are near by [`Reach::near`], or by rounding, given the squares of their ways, and whether any of them may
+    /// move; without meaning if none may. After a short way only particles inside move.
     #[inline(always)]
-    pub fn may_be_near<K: Machine<T>>(&self, k: K, p: [K::V; 3], way2: K::V) -> K::M {
-        match self.apart_by(k, p) {
-            // (r + way)^2 is at most 2 (r^2 + way^2).
-            Ok((far2, r)) => k.above(k.mul(k.splat(T::of(2.001)), k.add(k.splat(r * r), way2)), far2),
-            Err(above) => k.above(k.splat(T::of(0.0)), above),
-        }
-    }
-
-    /// The particles that are near by [`Reach::near`], and those that are so by rounding; then whether any of the free ones may move. `way`
-    /// is at least its length. After a short way only particles inside move.
-    #[inline(always)]
-    pub fn touches<K: Machine<T>>(&self, k: K, p: [K::V; 3], way: K::V, free: K::M) -> (K::M, bool) {
+    pub fn touches<K: Machine<T>>(&self, k: K, p: [K::V; 3], way2: K::V, free: K::M) -> (K::M, bool) {
         match self.apart_by(k, p) {
             Ok((far2, r)) => {
+                let inside = k.any(k.both(free, k.above(k.splat(self.inside2), far2)));
+                let long = k.both(free, k.above(way2, k.splat(self.calm2)));
+                // One branch for both: a processor does not foresee which colliders of a list are touched.
+                if !(inside | k.any(long)) {
+                    return (long, false);
+                }
+                let way = k.mul(k.sqrt(way2), k.splat(T::of(1.001)));
                 let reach = k.add(k.splat(r * T::of(1.00001)), way);
                 let near = k.both(free, k.above(k.mul(reach, reach), far2));
-                if !k.any(near) {
-                    return (near, false);
-                }
-                let long = k.both(near, k.above(way, k.splat(self.calm)));
-                (near, k.any(long) || k.any(k.both(near, k.above(k.splat(self.inside2), far2))))
+                (near, inside || k.any(k.both(near, long)))
             }
             Err(above) => {
                 let near = k.both(free, k.above(k.splat(T::of(0.0)), above));
@@ -207,8 +211,9 @@ impl<T: Real> Work<T> for Bounds<'_, T> {
                     let free = k.above(k.load(&self.sheet.w, j * 2 * half + at), zero);
                     for c in 0..3 {
                         let x = k.load(xyz[c], at);
-                        low[c] = k.choose(k.above(low[c], x), k.choose(free, x, low[c]), low[c]);
-                        high[c] = k.choose(k.above(x, high[c]), k.choose(free, x, high[c]), high[c]);
+                        // NaN is left out.
+                        low[c] = k.least(k.choose(free, x, none), low[c]);
+                        high[c] = k.most(k.choose(free, x, lowest), high[c]);
                     }
                 }
             }

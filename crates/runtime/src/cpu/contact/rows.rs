@@ -1,10 +1,11 @@
 //! Which colliders the particles of some rows meet, vector by vector.
 
 use super::clear::Block;
+use super::crowd::Crowd;
 use super::{Near, wide};
 use crate::cpu::sheet::{planes, planes_ref};
 use crate::number::lanes::{LANES, Machine, Work};
-use crate::number::real::Real;
+use crate::number::real::{Real, V3};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Rows of a sheet from the row `first` on, and what they can touch.
@@ -17,6 +18,8 @@ pub struct Rows<'a, 'b, T> {
     pub before: &'a [T],
     pub first: usize,
     pub near: &'a [Near<'a, T>],
+    /// All of them, if they are many.
+    pub crowd: Option<&'a Crowd<T>>,
     pub dt: T,
 }
 
@@ -35,12 +38,11 @@ pub struct Lists<'a, T> {
     pub group: usize,
 }
 
-/// A vector of particles: where it starts in its row, its inverse masses and where it was.
+/// A vector of particles: where it starts in its row, where its particles are and were, and which can move.
 struct Vector<'a, 'b, 'c, T: Real, K: Machine<T>> {
     k: K,
     now: &'a mut [&'b mut [T]; 3],
     was: [&'c [T]; 3],
-    w: &'c [T],
     at: usize,
     free: K::M,
     dt: T,
@@ -60,21 +62,21 @@ impl<T: Real, K: Machine<T>> Vector<'_, '_, '_, T, K> {
         k.squares(k.minus(p, [k.load(self.was[0], at), k.load(self.was[1], at), k.load(self.was[2], at)]))
     }
 
-    /// Meets a collider where particles of the mask are near; where they are afterwards.
+    /// Meets a collider where particles of the mask, at `p`, are near; where they are afterwards.
     #[inline(always)]
-    fn meet(&mut self, near: &Near<T>, mask: K::M) -> [K::V; 3] {
-        let lines = wide::Lines { now: self.now, was: self.was, w: &self.w[self.at..] };
-        wide::meet(self.k, (near.solid, &near.reach), lines, (self.at, mask), self.dt);
-        self.load()
+    fn meet(&mut self, near: &Near<T>, p: [K::V; 3], mask: K::M) -> [K::V; 3] {
+        let lines = wide::Lines { now: self.now, was: self.was, free: self.free };
+        wide::meet(self.k, (near.solid, near.reach), lines, (self.at, p, mask), self.dt)
     }
 }
 
 impl<T: Real> Work<T> for Rows<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        let Rows { row, half, near, dt, lists: Lists { blocks, takes, spared, slack, steps, group }, .. } = self;
+        let Rows { row, half, near, crowd, dt, lists, .. } = self;
+        let Lists { blocks, takes, spared, slack, steps, group } = lists;
         let (more, slack, steps) = (k.splat(T::of(1.001)), k.splat(slack), k.splat(steps));
-        let (zero, none) = (k.splat(T::of(0.0)), k.splat(T::of(f64::from(f32::MAX))));
+        let zero = k.splat(T::of(0.0));
         let twice = k.splat(T::of(2.01));
         let groups = near.len().div_ceil(group);
         let mut unlisted = 0;
@@ -91,7 +93,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                     unlisted += groups;
                     continue;
                 }
-                let mut of = Vector { k, now: &mut now, was, w, at, free, dt };
+                let mut of = Vector { k, now: &mut now, was, at, free, dt };
                 if !takes {
                     every(of, near);
                     continue;
@@ -106,13 +108,13 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                     if block.listed == 0 {
                         continue;
                     }
-                    let way = k.mul(k.sqrt(way2), more);
-                    let pushed = listed(&mut of, near, (block.listed, group), (start, way));
+                    let pushed = listed(&mut of, near, (block.listed, group), (start, way2));
                     if !k.any(k.above(pushed, zero)) {
                         continue;
                     }
                     // Pushes can be towards a collider that is not in the list, and make the way longer.
-                    let used = k.add(k.add(k.mul(k.sqrt(moved2), more), way), k.add(pushed, pushed));
+                    let [moved, way, pushed] = [k.sqrt(moved2), k.sqrt(way2), k.sqrt(pushed)];
+                    let used = k.mul(k.add(k.add(moved, way), k.add(pushed, pushed)), more);
                     if !k.any(k.without(free, k.above(room, used))) {
                         continue;
                     }
@@ -121,32 +123,125 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                     k.store(of.now[2], at, start[2]);
                 }
                 // Vectors that are shorter than a block share its list.
-                let mut list = if K::WIDE == LANES { 0 } else { block.listed };
-                let (mut p, mut way2, mut pushed) = (start, way2, zero);
+                let shared = if K::WIDE == LANES { 0 } else { block.listed };
                 let way = k.mul(k.sqrt(way2), more);
-                let (margin, mut left) = (k.add(k.mul(way, steps), slack), none);
-                for (n, near) in near.iter().enumerate() {
-                    let (apart, close) = near.reach.near(k, p, way2);
-                    let spare = k.sub(apart, k.splat(near.ahead));
-                    if k.any(k.without(free, k.above(spare, margin))) {
-                        list |= 1 << (n / group);
-                    } else {
-                        left = k.least(spare, left);
-                    }
-                    if k.any(k.both(close, free)) {
-                        let to = of.meet(near, close);
-                        pushed = k.add(pushed, k.mul(k.sqrt(k.squares(k.minus(to, p))), more));
-                        (p, way2) = (to, of.way2(to));
-                    }
-                }
+                let found = Found { way, margin: k.add(k.mul(way, steps), slack), group };
+                let (list, left, pushed) = build(&mut of, near, crowd, &found, (start, way2));
                 k.store(&mut block.at[0], lane, start[0]);
                 k.store(&mut block.at[1], lane, start[1]);
                 k.store(&mut block.at[2], lane, start[2]);
                 k.store(&mut block.room, lane, k.most(k.sub(left, k.add(pushed, slack)), zero));
-                block.listed = list;
+                block.listed = shared | list;
             }
         }
         spared.fetch_add(unlisted * K::WIDE / LANES, Ordering::Relaxed);
+    }
+}
+
+/// How far a list of a vector reaches.
+struct Found<T: Real, K: Machine<T>> {
+    /// At least the length \[m\] of the way of each particle in this step.
+    way: K::V,
+    /// Colliders that are farther \[m\] up to the end of the frame are left out of the list.
+    margin: K::V,
+    /// Colliders in a group.
+    group: usize,
+}
+
+/// Meets all colliders, and lists the groups that are near; returns them, how far all others are from where the particles were, and how far
+/// from there particles were pushed.
+#[inline(always)]
+fn build<T: Real, K: Machine<T>>(
+    of: &mut Vector<T, K>,
+    near: &[Near<T>],
+    crowd: Option<&Crowd<T>>,
+    found: &Found<T, K>,
+    (start, start2): ([K::V; 3], K::V),
+) -> (u64, K::V, K::V) {
+    let k = of.k;
+    let (zero, none) = (k.splat(T::of(0.0)), T::of(f64::from(f32::MAX)));
+    let mut crowd = match crowd {
+        Some(crowd) => Some((crowd, Ball::around(of, start, found.margin))),
+        None => None,
+    };
+    loop {
+        let (mut p, mut way2, mut pushed, mut list) = (start, start2, zero, 0);
+        // Of colliders that are told apart one by one, and of those that are far from all particles.
+        let (mut left, mut far) = (k.splat(none), none);
+        for first in (0..near.len()).step_by(K::WIDE) {
+            let mut apart = [T::of(0.0); LANES];
+            if let Some((crowd, ball)) = &crowd {
+                apart = crowd.apart(k, first, ball.center);
+            }
+            for (n, near) in near[first..near.len().min(first + K::WIDE)].iter().enumerate() {
+                if let Some((_, ball)) = &crowd {
+                    let spare = apart[n] - ball.radius;
+                    if spare > ball.margin {
+                        far = far.min(spare);
+                        continue;
+                    }
+                }
+                let (apart, close) = near.reach.near(k, p, way2);
+                let spare = k.sub(apart, k.splat(near.ahead));
+                if k.any(k.without(of.free, k.above(spare, found.margin))) {
+                    list |= 1 << ((first + n) / found.group);
+                } else {
+                    left = k.least(spare, left);
+                }
+                if k.any(k.both(close, of.free)) {
+                    p = of.meet(near, p, close);
+                    (way2, pushed) = (of.way2(p), k.most(k.squares(k.minus(p, start)), pushed));
+                }
+            }
+        }
+        // Pushes can be towards a collider that was taken for far, and make the way longer.
+        let pushes = k.any(k.above(pushed, zero));
+        let pushed = k.mul(k.sqrt(pushed), k.splat(T::of(1.001)));
+        let used = k.add(found.way, k.add(pushed, pushed));
+        if crowd.is_none() || !pushes || !k.any(k.without(of.free, k.above(k.splat(far), used))) {
+            return (list, k.least(k.splat(far), left), pushed);
+        }
+        crowd = None;
+        k.store(of.now[0], of.at, start[0]);
+        k.store(of.now[1], of.at, start[1]);
+        k.store(of.now[2], of.at, start[2]);
+    }
+}
+
+/// A ball around the free particles of a vector, and the largest of their margins.
+struct Ball<T> {
+    center: V3<T>,
+    radius: T,
+    margin: T,
+}
+
+impl<T: Real> Ball<T> {
+    /// Around the one in the middle: neighbours in a vector are neighbours in the sheet.
+    #[inline(always)]
+    fn around<K: Machine<T>>(of: &Vector<T, K>, p: [K::V; 3], margin: K::V) -> Self {
+        let k = of.k;
+        let (zero, mut free, mut lanes) = (k.splat(T::of(0.0)), [T::of(0.0); LANES], [[T::of(0.0); LANES]; 3]);
+        k.store(&mut free, 0, k.choose(of.free, k.splat(T::of(1.0)), zero));
+        let mut middle = 0;
+        for (n, is_free) in free[..K::WIDE].iter().enumerate() {
+            if *is_free > T::of(0.0) && (n <= K::WIDE / 2 || free[middle] == T::of(0.0)) {
+                middle = n;
+            }
+        }
+        k.store(&mut lanes[0], 0, p[0]);
+        k.store(&mut lanes[1], 0, p[1]);
+        k.store(&mut lanes[2], 0, p[2]);
+        let center = [lanes[0][middle], lanes[1][middle], lanes[2][middle]];
+        let far = k.mul(k.sqrt(k.squares(k.minus(p, k.splats(center)))), k.splat(T::of(1.001)));
+        k.store(&mut lanes[0], 0, k.choose(of.free, far, zero));
+        k.store(&mut lanes[1], 0, k.choose(of.free, margin, zero));
+        let (mut radius, mut most) = (T::of(0.0), T::of(0.0));
+        for (far, margin) in lanes[0].iter().zip(&lanes[1]).take(K::WIDE) {
+            // NaN is left out: it is near nothing.
+            radius = if *far > radius { *far } else { radius };
+            most = if *margin > most { *margin } else { most };
+        }
+        Ball { center, radius, margin: most }
     }
 }
 
@@ -157,38 +252,33 @@ fn every<T: Real, K: Machine<T>>(mut of: Vector<T, K>, near: &[Near<T>]) {
     let mut p = of.load();
     let mut way2 = of.way2(p);
     for near in near {
-        if !k.any(k.both(near.reach.may_be_near(k, p, way2), of.free)) {
-            continue;
-        }
-        let way = k.mul(k.sqrt(way2), k.splat(T::of(1.001)));
-        if let (close, true) = near.reach.touches(k, p, way, of.free) {
-            p = of.meet(near, close);
+        if let (close, true) = near.reach.touches(k, p, way2, of.free) {
+            p = of.meet(near, p, close);
             way2 = of.way2(p);
         }
     }
 }
 
-/// Meets the colliders of groups with a bit; returns how far particles were pushed.
+/// Meets the colliders of groups with a bit; returns the squares of how far from where they are particles were pushed.
 #[inline(always)]
 fn listed<T: Real, K: Machine<T>>(
     of: &mut Vector<T, K>,
     near: &[Near<T>],
     (mut list, group): (u64, usize),
-    (mut p, mut way): ([K::V; 3], K::V),
+    (start, mut way2): ([K::V; 3], K::V),
 ) -> K::V {
-    let (k, more) = (of.k, of.k.splat(T::of(1.001)));
-    let mut pushed = k.splat(T::of(0.0));
+    let k = of.k;
+    let (mut p, mut pushed) = (start, k.splat(T::of(0.0)));
     while list != 0 {
         let first = list.trailing_zeros() as usize * group;
         list &= list - 1;
         for near in &near[first..(first + group).min(near.len())] {
-            let (close, meets) = near.reach.touches(k, p, way, of.free);
+            let (close, meets) = near.reach.touches(k, p, way2, of.free);
             if !meets {
                 continue;
             }
-            let to = of.meet(near, close);
-            pushed = k.add(pushed, k.mul(k.sqrt(k.squares(k.minus(to, p))), more));
-            (p, way) = (to, k.mul(k.sqrt(of.way2(to)), more));
+            p = of.meet(near, p, close);
+            (way2, pushed) = (of.way2(p), k.most(k.squares(k.minus(p, start)), pushed));
         }
     }
     pushed

@@ -64,6 +64,16 @@ fn sheet<T: Real>(way: f64, seed: usize) -> Sheet<T> {
     sheet
 }
 
+fn run<T: Real>(
+    threads: &Threads,
+    sheet: &mut Sheet<T>,
+    clear: &mut Clear<T>,
+    solids: &[Solid<T>],
+    (dt, left): (T, T),
+) {
+    super::run(threads, sheet, clear, &Posed::new(solids.iter().copied(), dt, left));
+}
+
 /// Applies the rule to every particle alone; returns how often one moved.
 fn alone<T: Real>(sheet: &mut Sheet<T>, solids: &[Solid<T>], dt: T) -> usize {
     let (half, mut moved) = (sheet.half, 0);
@@ -118,13 +128,48 @@ fn vectors_of_particles_meet_as_each_does_alone() {
     }
 }
 
+/// Of particles that meet a collider the number that friction moves, and how deep the deepest one is inside afterwards, as a share of a metre
+/// or of its largest coordinate.
+fn slide<T: Real>(collider: &Collider, way: f64, seed: usize) -> (usize, f64) {
+    let (solid, sheet, dt) = (Solid::<T>::new(collider), sheet::<T>(way, seed), T::of(1.0 / 480.0));
+    let smooth = Solid { friction: T::of(0.0), ..solid };
+    let (mut moved, mut deepest) = (0, 0.0f64);
+    for place in (0..sheet.width * sheet.height).map(|k| sheet.triple(k)) {
+        let was = [0, 1, 2].map(|c| sheet.before[place + 2 * c * sheet.half]);
+        let [out, without] = [&solid, &smooth].map(|solid| meet(solid, sheet.at(place), was, dt));
+        let (Some(out), Some(without)) = (out, without) else { continue };
+        moved += usize::from(out != without);
+        let size = out.iter().chain(&was).fold(1.0, |size, x| x.get().abs().max(size));
+        deepest = deepest.max(solid.exit(out).map_or(0.0, |exit| exit.depth.get() / size));
+    }
+    (moved, deepest)
+}
+
+#[test]
+fn friction_moves_no_particle_into_a_collider() {
+    for (s, shape) in shapes().into_iter().enumerate() {
+        let mut moved = 0;
+        for seed in 0..24 {
+            let collider = Collider { friction: [0.4, 3.0][seed / 3 % 2], ..collider(shape, seed) };
+            for way in [1e-4, 0.03, 0.3, 2.0] {
+                let single = slide::<f32>(&collider, way, 8 * seed + s);
+                let double = slide::<f64>(&collider, way, 8 * seed + s);
+                assert!(single.1 < 1e-5, "{collider:?}, {way}: {:e}", single.1);
+                assert!(double.1 < 2e-14, "{collider:?}, {way}: {:e}", double.1);
+                moved += double.0;
+            }
+        }
+        assert!(moved > 5_000, "{shape:?}: {moved}");
+    }
+}
+
 /// Rows of particles that lie on a solid, all of a row as far above or below its surface, and come by a way \[m\] from there.
 fn rows_on<T: Real>(solid: &Solid<T>, way: f64, seed: usize) -> Sheet<T> {
     let depths = [-1e-2, -1e-3, -1e-5, -1e-6, -1e-7, 0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
     let mut sheet = sheet::<T>(0.0, seed);
     for k in 0..sheet.width * sheet.height {
         let inside = [0, 1, 2].map(|c| solid.center[c] + T::of(0.1 * noise(k + 1000 * seed, c)));
-        let Some((at, normal)) = solid.exit(inside) else { continue };
+        let Some(Exit { at, normal, .. }) = solid.exit(inside) else { continue };
         let p = add(at, scale(normal, T::of(depths[k / sheet.width % depths.len()])));
         let place = sheet.triple(k);
         sheet.put(place, p);
@@ -164,27 +209,32 @@ fn they_meet_one_collider_after_the_other() {
 
 #[test]
 fn what_is_no_number_is_left_to_the_rule_and_spoils_no_other() {
-    let solid = Solid::<f32>::new(&collider(shapes()[1], 0));
-    let [mut with, mut without, mut apart] = [(); 3].map(|()| sheet::<f32>(0.01, 0));
-    let bad = [4, 40, 200, 202, 500].map(|k| with.triple(k));
-    for sheet in [&mut with, &mut apart] {
-        let numbers = [f32::NAN, f32::INFINITY, 3e38, -f32::NAN, 1e30];
-        bad.into_iter().zip(numbers).for_each(|(at, x)| sheet.now[at] = x);
-    }
-    let start = with.clone();
-    run(&Threads::one(), &mut with, &mut Clear::default(), &[solid], (0.01, 0.0));
-    run(&Threads::one(), &mut without, &mut Clear::default(), &[solid], (0.01, 0.0));
-    alone(&mut apart, &[solid], 0.01);
-    let same =
-        |a: V3<f32>, b: V3<f32>| (0..3).all(|c| a[c].to_bits() == b[c].to_bits() || (a[c].is_nan() && b[c].is_nan()));
-    for k in 0..37 * 21 {
-        let place = with.triple(k);
-        let p = with.at(place);
-        // A NaN is not near by itself, but in a vector with near particles it meets what they meet.
-        let stays = start.at(place);
-        let as_ruled = same(p, apart.at(place)) || same(p, stays);
-        let fine = if bad.contains(&place) { as_ruled } else { same(p, without.at(place)) };
-        assert!(fine, "{k}: {p:?}");
+    let one = [Solid::<f32>::new(&collider(shapes()[1], 0))];
+    // Enough that those far from a vector of particles are told apart together.
+    let many: Vec<_> = (0..20).map(|n| Solid::<f32>::new(&collider(shapes()[1 + n % 9], n))).collect();
+    for solids in [&one[..], &many] {
+        let [mut with, mut without, mut apart] = [(); 3].map(|()| sheet::<f32>(0.01, 0));
+        let bad = [4, 40, 200, 202, 500].map(|k| with.triple(k));
+        for sheet in [&mut with, &mut apart] {
+            let numbers = [f32::NAN, f32::INFINITY, 3e38, -f32::NAN, 1e30];
+            bad.into_iter().zip(numbers).for_each(|(at, x)| sheet.now[at] = x);
+        }
+        let start = with.clone();
+        run(&Threads::one(), &mut with, &mut Clear::default(), solids, (0.01, 0.0));
+        run(&Threads::one(), &mut without, &mut Clear::default(), solids, (0.01, 0.0));
+        alone(&mut apart, solids, 0.01);
+        let same = |a: V3<f32>, b: V3<f32>| {
+            (0..3).all(|c| a[c].to_bits() == b[c].to_bits() || (a[c].is_nan() && b[c].is_nan()))
+        };
+        for k in 0..37 * 21 {
+            let place = with.triple(k);
+            let p = with.at(place);
+            // A NaN is not near by itself, but in a vector with near particles it meets what they meet.
+            let stays = start.at(place);
+            let as_ruled = same(p, apart.at(place)) || same(p, stays);
+            let fine = if bad.contains(&place) { as_ruled } else { same(p, without.at(place)) };
+            assert!(fine, "{k}: {p:?}");
+        }
     }
 }
 

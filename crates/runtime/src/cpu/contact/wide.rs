@@ -8,46 +8,55 @@ use crate::cpu::guard::is_sane;
 use crate::number::lanes::{LANES, Machine};
 use crate::number::real::Real;
 
-/// A row of particles: coordinates of where they are and were, and inverse masses from the first one that meets a collider.
-pub struct Lines<'a, 'b, T> {
+/// A row of particles: coordinates of where they are and were, and which of a vector can move.
+pub struct Lines<'a, 'b, T: Real, K: Machine<T>> {
     pub now: &'a mut [&'b mut [T]; 3],
     pub was: [&'a [T]; 3],
-    pub w: &'a [T],
+    pub free: K::M,
 }
 
-/// The particles from `at` on. Those whose way is short leave together, the others that are near one by one.
+/// The particles from `at` on, which are at `p`; where they are afterwards. Those whose way is short leave together, the others that are near
+/// one by one.
 #[inline(always)]
 pub fn meet<T: Real, K: Machine<T>>(
     k: K,
     (solid, reach): (&Solid<T>, &Reach<T>),
-    Lines { now, was, w }: Lines<T>,
-    (at, near): (usize, K::M),
+    Lines { now, was, free }: Lines<T, K>,
+    (at, mut p, near): (usize, Wide<T, K>, K::M),
     dt: T,
-) {
-    let p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
+) -> Wide<T, K> {
     let b = [k.load(was[0], at), k.load(was[1], at), k.load(was[2], at)];
-    let free = k.above(k.load(w, 0), k.splat(T::of(0.0)));
-    // Where they would have been before, had the collider always been where it is now.
-    let turned = cross(k, splat(k, solid.spin), sub(k, b, splat(k, solid.center)));
-    let carried = add(k, splat(k, solid.velocity), turned);
-    let path = sub(k, p, add(k, b, scale(k, carried, k.splat(dt))));
+    // From where they would have been before, had the collider always been where it is now.
+    let from = moved_by(k, solid, b, dt);
+    let path = sub(k, p, from);
     let brief = k.both(free, k.above(k.splat(short(solid)), dot(k, path, path)));
-    let Exits { at: out, normal, outside } = solid.exits(k, p);
-    let inside = k.without(brief, outside);
+    let out = solid.exits(k, p);
+    let inside = k.without(brief, out.outside);
     let others = k.both(near, k.without(free, brief));
     if k.any(others) {
         let mut alone = [T::of(0.0); LANES];
         k.store(&mut alone, 0, k.choose(others, k.splat(T::of(1.0)), k.splat(T::of(0.0))));
         one_by_one(solid, reach, (now, was), (at, &alone[..K::WIDE]), dt);
+        p = [k.load(now[0], at), k.load(now[1], at), k.load(now[2], at)];
     }
     if k.any(inside) {
-        let out = if solid.friction > T::of(0.0) { rub(k, solid, (out, p), normal, b, dt) } else { out };
-        let again = solid.exits(k, out);
-        let out = choose(k, again.outside, out, again.at);
-        for c in 0..3 {
-            k.store(now[c], at, k.choose(inside, out[c], k.load(now[c], at)));
-        }
+        let out = if solid.friction > T::of(0.0) { rub(k, solid, &out, from) } else { out.at };
+        p = choose(k, inside, out, p);
+        k.store(now[0], at, p[0]);
+        k.store(now[1], at, p[1]);
+        k.store(now[2], at, p[2]);
     }
+    p
+}
+
+/// [`super::moved_by`]; of a collider at rest the products would be zeros.
+#[inline(always)]
+fn moved_by<T: Real, K: Machine<T>>(k: K, solid: &Solid<T>, p: Wide<T, K>, dt: T) -> Wide<T, K> {
+    if solid.still {
+        return p;
+    }
+    let turned = cross(k, splat(k, solid.spin), sub(k, p, splat(k, solid.center)));
+    add(k, p, scale(k, add(k, splat(k, solid.velocity), turned), k.splat(dt)))
 }
 
 /// Those of the particles from `at` on that are marked by a one.
@@ -70,24 +79,14 @@ fn one_by_one<T: Real>(
     }
 }
 
-/// [`super::rub`] of particles that went from `p` out to `at`.
+/// [`super::rub`].
 #[inline(always)]
-fn rub<T: Real, K: Machine<T>>(
-    k: K,
-    solid: &Solid<T>,
-    (at, p): (Wide<T, K>, Wide<T, K>),
-    n: Wide<T, K>,
-    was: Wide<T, K>,
-    dt: T,
-) -> Wide<T, K> {
-    let depth = sub(k, at, p);
-    let depth = k.sqrt(dot(k, depth, depth));
-    let turned = cross(k, splat(k, solid.spin), sub(k, at, splat(k, solid.center)));
-    let surface = add(k, splat(k, solid.velocity), turned);
-    let moved = sub(k, sub(k, at, was), scale(k, surface, k.splat(dt)));
+fn rub<T: Real, K: Machine<T>>(k: K, solid: &Solid<T>, out: &Exits<T, K>, from: Wide<T, K>) -> Wide<T, K> {
+    let (at, n) = (out.at, out.normal);
+    let moved = sub(k, at, from);
     let along = sub(k, moved, scale(k, n, dot(k, moved, n)));
     let far = k.sqrt(dot(k, along, along));
-    let most = k.mul(k.splat(solid.friction), depth);
+    let most = k.mul(k.splat(solid.friction), out.depth);
     let slides = sub(k, at, scale(k, along, k.div(most, far)));
     choose(k, k.at_least(most, far), sub(k, at, along), slides)
 }

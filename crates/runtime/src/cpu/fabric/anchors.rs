@@ -87,10 +87,13 @@ pub fn arrange<T: Real>(sheet: &Sheet<T>, slot: &Slot<T>, at: &[V3<T>], planes: 
     let wide = 2 * sheet.half;
     let rows = planes.chunks_exact_mut(3 * wide).zip(slot.anchor.chunks_exact(wide));
     for ((row, anchors), blocks) in rows.zip(slot.block.chunks_exact(wide / LANES)) {
-        for (b, anchors) in anchors.chunks_exact(LANES).enumerate().filter(|(b, _)| blocks[*b] == MIXED) {
-            for (c, row) in row.chunks_exact_mut(wide).enumerate() {
-                let block = row[b * LANES..(b + 1) * LANES].iter_mut().zip(anchors);
-                block.for_each(|(to, anchor)| *to = at.get(*anchor as usize).map_or(T::of(0.0), |p| p[c]));
+        let [x, y, z] = crate::cpu::sheet::planes(row, sheet.half).map(|plane| plane.as_chunks_mut::<LANES>().0);
+        let blocks = blocks.iter().zip(anchors.as_chunks::<LANES>().0);
+        for (((x, y), z), (_, anchors)) in x.iter_mut().zip(y).zip(z).zip(blocks).filter(|(_, (one, _))| **one == MIXED)
+        {
+            for (n, anchor) in anchors.iter().enumerate() {
+                // Particles without an anchor have none within reach: any place does.
+                [x[n], y[n], z[n]] = at.get(*anchor as usize).copied().unwrap_or([T::of(0.0); 3]);
             }
         }
     }

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::collider::solid::Solid;
 use crate::cpu::body::Body;
-use crate::cpu::contact::{self, clear::Clear};
+use crate::cpu::contact::{self, Posed, clear::Clear};
 use crate::cpu::integrate::Air;
 use crate::cpu::rows::Threads;
 use crate::cpu::surface::Worn;
@@ -179,9 +179,9 @@ impl<T: Real> Fabric<T> {
             Pass::Separate => self.meeting.iter().for_each(|m| m.separate(&mut self.sheets)),
             Pass::Contact(_) => {
                 self.worn.iter().for_each(|worn| worn.run(threads, &mut self.sheets, step));
-                let posed: Vec<_> = solids.iter().map(|s| s.posed(step.left)).collect();
+                let posed = Posed::new(solids.iter().map(|s| s.posed(step.left)), step.dt, step.left);
                 let each = self.sheets.iter_mut().zip(&mut self.clear);
-                each.for_each(|(sheet, clear)| contact::run(threads, sheet, clear, &posed, (step.dt, step.left)));
+                each.for_each(|(sheet, clear)| contact::run(threads, sheet, clear, &posed));
             }
             // Passes of the classic solver, of a frame and of actions, which are made from texels.
             Pass::Springs { .. }
