@@ -21,6 +21,7 @@ mod kept;
 mod levels;
 mod members;
 mod moving;
+mod patrol;
 mod run;
 mod save;
 pub(crate) mod sleep;

@@ -1,13 +1,15 @@
 //! Cloth that crosses, on the CPU: hands the cloths that have contact to [`Untangle`] while some of them cross, and moves their particles.
 
+mod in_motion;
+
 use super::World;
 use super::joined::Joined;
 use super::truncate::{Key, is_safe};
 use crate::cpu::body::Body;
 use crate::cpu::fabric::seam_steps::Member;
-use crate::cpu::truncation::surface::{Source, Surface};
-use crate::cpu::untangle::Untangle;
+use crate::cpu::truncation::surface::{Source, Surface, Texel};
 use crate::cpu::untangle::loose::{self, Loose};
+use crate::cpu::untangle::{Found, Untangle};
 use crate::findings::Fate;
 use crate::handle::ClothHandle;
 use crate::memory::Tally;
@@ -19,6 +21,11 @@ const LOOK_STEPS: u32 = 4;
 /// Time \[s\] after which crossings that are left are reported.
 const LATE_S: f64 = 2.0;
 
+/// Time \[s\] without crossings after which those that follow are others.
+const QUIET_S: f64 = 0.5;
+/// Time \[s\] for which it is watched where cloth has crossed in motion: a fold of few cells, which contact does not hold open, soon crosses again.
+const WATCH_S: f64 = 0.5;
+
 /// Cloths of a scene that cross.
 pub struct Tangled {
     of: Untangle,
@@ -26,10 +33,12 @@ pub struct Tangled {
     members: Vec<Member>,
     /// The point of each particle, cloth by cloth; `u32::MAX` for none.
     points: Vec<Vec<u32>>,
-    /// Edges that pierce faces now.
-    hits: usize,
-    /// Time \[s\] that it takes so far.
-    seconds: f64,
+    /// Whether it crossed in motion: then it is searched around known crossings only.
+    in_motion: bool,
+    /// Crossings of the last look.
+    found: Found,
+    /// Time \[s\] since it crossed.
+    clean_s: f64,
 }
 
 /// Which cloths were looked at, and those that cross.
@@ -40,17 +49,41 @@ pub struct Tangles {
     /// Cloths of which it is known where they cross at rest.
     at_rest: Vec<ClothHandle>,
     pub some: Option<Box<Tangled>>,
+    /// The lists of cloth that crossed in motion before, used again.
+    spare: Option<Box<Tangled>>,
+    /// Time \[s\] for which cloth crosses now, and since when none has been found that does.
+    seconds: f64,
+    quiet_s: f64,
+    /// Time \[s\] for which crossings are left alone from here on, and how often they were.
+    rest_s: f64,
+    rests: i32,
 }
 
 impl Tangles {
     /// Looks for crossings in the next frame.
     pub fn forget(&mut self) {
-        (self.looked, self.some) = Default::default();
+        *self = Tangles { at_rest: std::mem::take(&mut self.at_rest), ..Tangles::default() };
+    }
+
+    /// Lets time pass, in which crossings were found or not; whether cloth has crossed for so long that this is reported.
+    fn pass(&mut self, seconds: f64, found: bool) -> bool {
+        let crosses = found || self.some.as_ref().is_some_and(|tangled| tangled.found.hits > 0);
+        self.quiet_s = if crosses { 0.0 } else { self.quiet_s + seconds };
+        let before = self.seconds;
+        self.seconds = match (crosses, self.quiet_s < QUIET_S) {
+            (true, _) => before + seconds,
+            (false, true) => before,
+            (false, false) => 0.0,
+        };
+        if self.seconds == 0.0 {
+            self.rests = 0;
+        }
+        before < LATE_S && self.seconds >= LATE_S
     }
 
     /// Counts its lists.
     pub fn tally(&self, tally: &mut Tally) {
-        if let Some(tangled) = &self.some {
+        for tangled in [&self.some, &self.spare].into_iter().flatten() {
             tangled.of.tally(tally);
             tally.state(&tangled.members);
             tangled.points.iter().for_each(|points| tally.state(points));
@@ -67,10 +100,14 @@ impl World {
             self.tangles.forget();
             return;
         }
+        for cloth in &cloths {
+            bodies[*cloth].fabric_mut().iter_mut().for_each(|fabric| fabric.begin_patrol());
+        }
         let key = self.key(&cloths, bodies);
         let fresh = self.tangles.looked != key;
         if fresh {
-            (self.tangles.looked, self.tangles.some) = (key, None);
+            self.tangles.forget();
+            self.tangles.looked = key;
             self.hold_all(bodies);
         }
         if self.tangles.some.is_some() {
@@ -108,7 +145,14 @@ impl World {
             surface.of_point(point).iter().for_each(|t| points[t.cloth as usize][t.particle as usize] = point as u32);
         }
         let layer = |cloth: u32| self.scene.cloths[cloth as usize].contact.map_or(0, |contact| contact.layer);
-        Box::new(Tangled { of: Untangle::new(surface, spacing, layer), members, points, hits: 0, seconds: 0.0 })
+        Box::new(Tangled {
+            of: Untangle::new(surface, spacing, layer),
+            members,
+            points,
+            in_motion: false,
+            found: Found::default(),
+            clean_s: 0.0,
+        })
     }
 
     /// Finds out once where cloths cross at rest: their particles there keep the whole contact distance.
@@ -129,11 +173,7 @@ impl World {
         let mut tangled = self.new_tangled(cloths, bodies);
         let of = &mut tangled.of;
         of.rings = loose::RINGS_AT_REST;
-        for point in 0..of.surface.count() {
-            let texel = of.surface.of_point(point)[0];
-            of.at[point] = at_rest(texel.cloth as usize, texel.particle as usize);
-        }
-        if of.look() > 0 {
+        if of.look(|_, texel| at_rest(texel.cloth as usize, texel.particle as usize)).hits > 0 {
             for cloth in cloths {
                 let points = &tangled.points[*cloth];
                 let crossed = |particle: u32| tangled.of.loose_at(points[particle as usize]).others;
@@ -150,11 +190,8 @@ impl World {
         let spacing = cloths.iter().map(|index| f64::from(self.scene.cloths[*index].spacing()));
         let mut of = Untangle::new(surface, spacing.fold(f64::INFINITY, f64::min), |_| 0);
         of.rings = loose::RINGS_AT_REST;
-        for point in 0..of.surface.count() {
-            let texel = of.surface.of_point(point)[0];
-            of.at[point] = self.scene.cloths[texel.cloth as usize].positions()[texel.particle as usize].map(f64::from);
-        }
-        if of.look() == 0 {
+        let at_rest = |texel: Texel| self.scene.cloths[texel.cloth as usize].positions()[texel.particle as usize];
+        if of.look(|_, texel| at_rest(texel).map(f64::from)).hits == 0 {
             return vec![Vec::new(); cloths.len()];
         }
         let mut crossed: Vec<_> = cloths.iter().map(|index| vec![false; self.scene.cloths[*index].len()]).collect();
@@ -189,20 +226,25 @@ impl World {
         self.look_at_tangles(bodies, |body, member, _| {
             body.fabric().map_or([f64::NAN; 3], |fabric| fabric.at(member).map(Real::get))
         });
+        if self.tangles.some.as_ref().is_some_and(|tangled| tangled.is_heap()) {
+            self.give_up(bodies);
+        }
     }
 
     fn look_at_tangles<T: Real>(&mut self, bodies: &mut [Body<T>], at: impl Fn(&Body<T>, Member, u32) -> V3<f64>) {
         let Some(tangled) = &mut self.tangles.some else { return };
-        let Untangle { surface, at: now, free, .. } = &mut tangled.of;
-        for point in 0..surface.count() {
-            let first = surface.starts[point] as usize;
+        let Untangle { surface, free, .. } = &mut tangled.of;
+        for (point, free) in free.iter_mut().enumerate() {
             let texels = surface.of_point(point);
             let body = &bodies[texels[0].cloth as usize];
-            now[point] = at(body, tangled.members[first], texels[0].particle);
             let moves = texels.iter().all(|texel| body.now()[texel.particle as usize][3] > T::of(0.0));
-            free[point] = moves && !self.runs[texels[0].cloth as usize].asleep;
+            *free = moves && !self.runs[texels[0].cloth as usize].asleep;
         }
-        tangled.hits = tangled.of.look();
+        let members = &tangled.members;
+        // The tier safe would hold the rest on the wrong side.
+        tangled.of.gives_up = self.safe.is_none();
+        tangled.found =
+            tangled.of.look(|first, texel| at(&bodies[texel.cloth as usize], members[first], texel.particle));
         if let Some(safe) = &mut self.safe {
             let points = &tangled.points;
             safe.loosen(|cloth, particle| tangled.of.loose_at(points[cloth as usize][particle as usize]));
@@ -214,24 +256,37 @@ impl World {
         }
     }
 
-    /// Forgets crossings that are gone at the end of a frame. Returns the failure to resolve them, with a cloth.
+    /// Forgets crossings that are gone at the end of a frame, and takes up those that have arisen in it. Returns the failure to resolve crossings, with a cloth.
     pub(super) fn end_tangles<T: Real>(&mut self, bodies: &mut [Body<T>], seconds: f64) -> Option<(usize, Fate)> {
-        let tangled = self.tangles.some.as_mut()?;
-        let before = tangled.seconds;
-        tangled.seconds += seconds;
-        let late = before < LATE_S && tangled.seconds >= LATE_S;
-        let none = tangled.hits == 0;
         let cloths = self.cloths_with_contact(bodies);
-        let pairs = if none || late { self.pairs_of(&cloths, bodies) } else { 0 };
-        if none && pairs == 0 {
-            self.tangles.some = None;
+        if cloths.is_empty() || self.tangles.looked.is_empty() {
+            return None;
+        }
+        let seeds = self.patrol(bodies, &cloths);
+        self.take_up(bodies, &cloths, &seeds, seconds);
+        let late = self.tangles.pass(seconds, !seeds.is_empty());
+        let (none, in_motion, watched) = self.tangles.some.as_mut().map_or((false, true, false), |tangled| {
+            let none = tangled.found.hits == 0;
+            tangled.clean_s = if none { tangled.clean_s + seconds } else { 0.0 };
+            (none, tangled.in_motion, tangled.in_motion && tangled.clean_s < WATCH_S)
+        });
+        let pairs = if (none && !in_motion) || late { self.pairs_of(&cloths, bodies) } else { 0 };
+        if none && !watched && (in_motion || pairs == 0) {
+            let tangled = self.tangles.some.take();
+            self.tangles.spare = tangled.filter(|_| in_motion).or(self.tangles.spare.take());
             self.hold_all(bodies);
             return None;
         }
-        if let Some(tangled) = self.tangles.some.as_mut().filter(|_| none) {
-            tangled.of.be_thorough();
+        if let Some(tangled) = &mut self.tangles.some {
+            if none && !in_motion {
+                tangled.of.be_thorough();
+            }
+            tangled.of.pass(seconds);
+            if !none && !tangled.found.is_moved {
+                self.give_up(bodies);
+            }
         }
-        late.then(|| (cloths[0], Fate::Tangled { pairs }))
+        (late && pairs > 0).then(|| (cloths[0], Fate::Tangled { pairs }))
     }
 }
 

@@ -12,10 +12,10 @@ pub const MAX_REACH: f64 = 0.3;
 /// Steps of the present speed that a particle may go until the next search.
 pub const STEPS_AHEAD: f64 = 1.5 * SEARCH_STEPS as f64;
 
-/// Makes the boxes of all tiles.
-pub fn run<T: Real>(tree: &mut Tree<T>, tiles: &Tiles<T>, distance: T) {
+/// Makes the boxes of all tiles, each wide enough for particles to meet those that are nearer than `width` \[m\] of its tile.
+pub fn run<T: Real>(tree: &mut Tree<T>, tiles: &Tiles<T>, distance: T, width: impl Fn(usize) -> T) {
     for tile in 0..tiles.count() {
-        (tree.reach[tile], tree.nodes[tile]) = around(tiles, tile, distance);
+        (tree.reach[tile], tree.nodes[tile]) = around(tiles, tile, distance, width(tile));
     }
     for (at, block) in tree.at.iter_mut().zip(&tiles.blocks) {
         *at = block.now;
@@ -23,7 +23,7 @@ pub fn run<T: Real>(tree: &mut Tree<T>, tiles: &Tiles<T>, distance: T) {
 }
 
 /// The reach of the particles of a tile, and their box.
-fn around<T: Real>(tiles: &Tiles<T>, tile: usize, distance: T) -> (T, Node<T>) {
+fn around<T: Real>(tiles: &Tiles<T>, tile: usize, distance: T, width: T) -> (T, Node<T>) {
     let (mut node, mut fastest) = (Node::<T>::none(), T::of(0.0));
     for place in tile * LANES_OF_TILE..(tile + 1) * LANES_OF_TILE {
         if tiles.texel[place] == u32::MAX {
@@ -36,7 +36,7 @@ fn around<T: Real>(tiles: &Tiles<T>, tile: usize, distance: T) -> (T, Node<T>) {
     }
     let ahead = fastest.sqrt() * T::of(STEPS_AHEAD);
     let reach = ahead.max(distance * T::of(MIN_REACH)).min(distance * T::of(MAX_REACH));
-    let wide = distance * T::of(0.5) + reach;
+    let wide = width * T::of(0.5) + reach;
     for c in 0..3 {
         node.low[c] = node.low[c] - wide;
         node.high[c] = node.high[c] + wide;

@@ -1,23 +1,25 @@
 //! Contact of a cloth with itself, between its passes: tiles of particles, the boxes around them, and who may meet whom.
 
 pub mod extents;
-mod loose;
+pub mod loose;
 pub mod others;
+pub mod patrol;
 pub mod shadow;
 #[cfg(test)]
 mod tests;
 pub mod tiles;
 
-use self::loose::LooseTile;
+use self::loose::LoosePlaces;
 use self::others::OtherList;
+use self::patrol::Patrol;
 use self::shadow::{Dawn, Shadow};
 use self::tiles::{LANES_OF_TILE, Tiles};
 use super::leaves;
-use super::partners::{self, TileList};
+use super::partners::{self, Beside, TileList};
 use super::separate;
 use super::touch;
 use super::tree::{self, Tree};
-use crate::cloth::{Cloth, Kin};
+use crate::cloth::{Cloth, ContactTier, Kin};
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::Sheet;
 use crate::memory::Tally;
@@ -29,6 +31,10 @@ pub struct Meeting<T: Real> {
     pub tree: Tree<T>,
     /// One a tile.
     pub lists: Vec<TileList<T>>,
+    /// Tiles that may meet, as the last search has found them.
+    pub beside: Beside,
+    /// Looks for cloth that crosses, of a tier that does not exclude it.
+    pub patrol: Option<Patrol>,
     /// Tiles in which a particle has a partner, or is one, in ascending order.
     pub active: Vec<u32>,
     pub kin: Kin,
@@ -38,8 +44,8 @@ pub struct Meeting<T: Real> {
     /// Time \[s\] from the beginning of the frame to the end of the step.
     pub elapsed: T,
     shadow: Option<Shadow<T>>,
-    /// Tiles with particles that contact does not push, as cloth crosses there, and which these are.
-    loose: Vec<LooseTile>,
+    /// Particles that may pass others, as cloth crosses there.
+    pub loose: LoosePlaces,
     /// \[m\]
     pub distance: T,
     /// Coefficient of friction.
@@ -57,13 +63,15 @@ impl<T: Real> Meeting<T> {
         Some(Meeting {
             tree: Tree::new(&tiles),
             lists: Vec::new(),
+            beside: Beside::default(),
+            patrol: (contact.tier == ContactTier::Particles).then(Patrol::default),
             active: Vec::new(),
             kin,
             others: Vec::new(),
             other_of: Vec::new(),
             elapsed: T::of(0.0),
             shadow: None,
-            loose: Vec::new(),
+            loose: LoosePlaces::default(),
             distance: T::of(cloth.contact_distance(thickness).into()),
             friction: T::of(contact.friction.into()),
             due: true,
@@ -76,14 +84,26 @@ impl<T: Real> Meeting<T> {
         self.tiles.tally(tally);
         self.tree.tally(tally);
         tally.state(&self.lists);
+        self.beside.tally(tally);
         tally.state(&self.others);
         tally.state(&self.kin.first);
         tally.state(&self.kin.members);
     }
 
     /// The next search must not rely on the last one.
-    pub fn forget(&mut self) {
+    pub fn search_again(&mut self) {
         self.due = true;
+    }
+
+    /// The same, and the looks for cloth that crosses begin again, as those of a state that is loaded do.
+    pub fn forget(&mut self) {
+        self.search_again();
+        self.patrol.iter_mut().for_each(Patrol::forget);
+    }
+
+    /// Begins the looks for cloth that crosses in a frame.
+    pub fn begin_patrol(&mut self) {
+        self.patrol.iter_mut().for_each(Patrol::begin);
     }
 
     /// The shadow of the cloth in a frame.
@@ -91,6 +111,7 @@ impl<T: Real> Meeting<T> {
         let known = self.shadow.take();
         let mut shadow = known.unwrap_or_else(|| Shadow::new(&self.tiles, self.distance, self.friction));
         shadow.follow(&self.tiles, dawn);
+        shadow.loose.clone_from(&self.loose.others);
         shadow
     }
 
@@ -98,7 +119,6 @@ impl<T: Real> Meeting<T> {
     /// wake.
     pub fn meet(&mut self, shadows: &[Option<Shadow<T>>], own: usize) -> Vec<usize> {
         let struck = others::run(self, shadows, own);
-        self.spare_others();
         self.elapsed = T::of(0.0);
         self.find_active();
         struck
@@ -133,7 +153,10 @@ impl<T: Real> Meeting<T> {
     pub fn leaves(&mut self, sheets: &[Sheet<T>]) {
         self.tiles.load_all(sheets);
         if self.due || !self.tree.holds(&self.tiles) {
-            leaves::run(&mut self.tree, &self.tiles, self.distance);
+            // Looks for cloth that crosses compare particles of the same boxes.
+            let crossing = |tile: usize| self.tiles.crossing2[tile].sqrt();
+            let width = |tile| if self.patrol.is_some() { self.distance.max(crossing(tile)) } else { self.distance };
+            leaves::run(&mut self.tree, &self.tiles, self.distance, width);
             self.due = true;
         }
     }
@@ -150,13 +173,15 @@ impl<T: Real> Meeting<T> {
         if std::mem::take(&mut self.due) {
             partners::run(self, threads);
         }
+        if let Some(patrol) = &mut self.patrol {
+            patrol.look(&self.tiles, &self.beside);
+        }
     }
 
     /// Twin of the pass `Touch`.
     pub fn touch(&mut self, sheets: &[Sheet<T>], threads: &Threads, dt: T) {
         if !self.active.is_empty() {
             touch::run(self, sheets, threads, dt);
-            self.spare_own();
         }
     }
 

@@ -4,9 +4,11 @@
 //! of the other tile.
 
 use super::meeting::Meeting;
+use super::meeting::loose::is_loose;
 use super::meeting::tiles::{Block, LANES_OF_TILE, Tiles};
 use super::tree::{Level, Node, Tree};
 use crate::cpu::rows::Threads;
+use crate::memory::Tally;
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::{Real, dot, sub};
 
@@ -49,17 +51,18 @@ pub fn run<T: Real>(meeting: &mut Meeting<T>, threads: &Threads) {
     let count = meeting.tiles.count();
     let mut lists = std::mem::take(&mut meeting.lists);
     lists.resize_with(count, TileList::none);
-    let beside = Beside::new(meeting);
+    meeting.beside = Beside::new(meeting);
     let near: &Meeting<T> = meeting;
     threads.chunks(&mut lists, 16, |chunk, lists| {
-        widest(Search { lists, first: 16 * chunk, meeting: near, beside: &beside });
+        widest(Search { lists, first: 16 * chunk, meeting: near });
     });
     meeting.lists = lists;
     meeting.find_active();
 }
 
 /// For each tile the tiles whose particles it may meet.
-struct Beside {
+#[derive(Default)]
+pub struct Beside {
     starts: Vec<u32>,
     tiles: Vec<u32>,
 }
@@ -80,8 +83,18 @@ impl Beside {
         Beside { starts, tiles }
     }
 
-    fn of(&self, tile: usize) -> &[u32] {
-        &self.tiles[self.starts[tile] as usize..self.starts[tile + 1] as usize]
+    /// Those of a tile; none before the first search.
+    pub fn of(&self, tile: usize) -> &[u32] {
+        match self.starts.get(tile..tile + 2) {
+            Some(ends) => &self.tiles[ends[0] as usize..ends[1] as usize],
+            None => &[],
+        }
+    }
+
+    /// Numbers that it takes.
+    pub fn tally(&self, tally: &mut Tally) {
+        tally.state(&self.starts);
+        tally.state(&self.tiles);
     }
 }
 
@@ -189,13 +202,12 @@ struct Search<'a, 'b, T: Real> {
     lists: &'b mut [TileList<T>],
     first: usize,
     meeting: &'a Meeting<T>,
-    beside: &'a Beside,
 }
 
 impl<T: Real> Work<T> for Search<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        let Search { lists, first, meeting: Meeting { tiles, tree, distance, .. }, beside, .. } = self;
+        let Search { lists, first, meeting: Meeting { tiles, tree, distance, beside, .. } } = self;
         let wide = *distance * T::of(0.5);
         for (n, list) in lists.iter_mut().enumerate() {
             let tile = first + n;
@@ -286,9 +298,12 @@ impl<T: Real> Best<T> {
     }
 }
 
-/// The distance that two particles keep; none if they are near on the surface, across a seam.
+/// The distance that two particles keep; none if they are near on the surface, across a seam, or may pass one another.
 fn kept<T: Real>(meeting: &Meeting<T>, place: usize, other: usize) -> Option<T> {
     let tiles = &meeting.tiles;
+    if is_loose(&meeting.loose.own, place) && is_loose(&meeting.loose.own, other) {
+        return None;
+    }
     let kin = meeting.kin.of_particle(tiles.texel[place] as usize);
     if kin.binary_search(&tiles.texel[other]).is_ok() {
         return None;

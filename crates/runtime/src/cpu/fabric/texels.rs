@@ -7,7 +7,7 @@ use crate::number::real::Real;
 impl<T: Real> Fabric<T> {
     /// Positions and inverse masses from texels.
     pub fn load(&mut self, now: &[[T; 4]], before: &[[T; 4]]) {
-        self.meeting.iter_mut().for_each(Meeting::forget);
+        self.meeting.iter_mut().for_each(Meeting::search_again);
         for (sheet, first) in self.sheets.iter_mut().zip(&self.firsts) {
             let range = *first..first + sheet.width * sheet.height;
             sheet.load(&now[range.clone()], &before[range]);

@@ -2,6 +2,7 @@
 
 use super::Fabric;
 use super::meeting::Meeting;
+use super::meeting::patrol::Suspect;
 use super::meeting::shadow::{Dawn, Shadow};
 use super::seam_steps::Member;
 use crate::cpu::surface::Worn;
@@ -58,6 +59,27 @@ impl<T: Real> Fabric<T> {
     /// Takes in which particles are near a line along which cloths cross at rest: these keep the whole distance.
     pub fn cross_at_rest(&mut self, is_crossed: impl Fn(u32) -> bool) {
         self.meeting.iter_mut().for_each(|meeting| meeting.cross_at_rest(&is_crossed));
+    }
+
+    /// Begins the looks for cloth that crosses in a frame.
+    pub fn begin_patrol(&mut self) {
+        self.meeting.iter_mut().for_each(Meeting::begin_patrol);
+    }
+
+    /// Pairs of particles around which cloth may cross, found in this frame.
+    pub fn suspects(&self) -> &[Suspect] {
+        self.meeting.as_ref().and_then(|meeting| meeting.patrol.as_ref()).map_or(&[], |patrol| &patrol.suspects)
+    }
+
+    /// The particle of a place in the lists of contact.
+    pub fn particle_at(&self, place: u32) -> Option<u32> {
+        self.meeting.as_ref()?.tiles.texel.get(place as usize).copied().filter(|particle| *particle != u32::MAX)
+    }
+
+    /// The first duplicate of a particle of cloth that has contact.
+    pub fn point(&self, particle: u32) -> u32 {
+        let first = |meeting: &Meeting<T>| meeting.kin.first.get(particle as usize).copied();
+        self.meeting.as_ref().and_then(first).unwrap_or(particle)
     }
 
     /// The shadow of cloth that has contact, for other cloths in a frame.

@@ -8,6 +8,8 @@ use super::side::Flood;
 /// Rings of points around those of pierced faces and edges that are loose, of two cloths and of one: with more, cloth that contact does not push crosses
 /// itself.
 pub const RINGS: [usize; 2] = [2, 0];
+/// The same for cloth that crossed in motion: contact is still the right one where no edge pierces a face.
+pub const RINGS_IN_MOTION: [usize; 2] = [0, 0];
 /// Rings around a contour at rest whose points keep the whole contact distance.
 pub const RINGS_AT_REST: [usize; 2] = [8, 0];
 

@@ -54,31 +54,65 @@ impl Finder {
     /// pierces nothing.
     pub fn find(&mut self, surface: &Surface, net: &Net, at: &[V3<f64>]) -> Vec<Hit> {
         self.bound(surface, net, at);
-        let Finder { boxes, edges, faces, normals, thorough } = &*self;
         let mut hits = Vec::new();
-        boxes.pairs(|pair| {
-            let [a, b] = pair.cells;
+        self.boxes.pairs(|pair| {
             let beside = pair.apart.is_some_and(|[right, down]| right.abs() <= 1 && down.abs() <= 1);
-            if beside && !thorough && are_alike(normals, net.faces_of(a).chain(net.faces_of(b))) {
-                return;
-            }
-            for (one, other) in [(a, b), (b, a)].into_iter().take(if a == b { 1 } else { 2 }) {
-                for edge in net.edges_of(one).filter(|edge| edges[*edge].meets(&boxes.bounds[other])) {
-                    let ends = net.edges[edge];
-                    for face in net.faces_of(other).filter(|face| edges[edge].meets(&faces[*face])) {
-                        let corners = &net.faces[face];
-                        if corners.contains(&ends[0]) || corners.contains(&ends[1]) {
-                            continue;
-                        }
-                        if let Some(front) = pierces(ends.map(|k| at[k as usize]), corners.map(|k| at[k as usize])) {
-                            hits.push(Hit { edge: edge as u32, face: face as u32, front });
-                        }
-                    }
-                }
+            let [a, b] = pair.cells.map(|cell| net.faces_of(cell));
+            if !beside || self.thorough || !are_alike(&self.normals, a.chain(b)) {
+                self.compare(net, at, pair.cells, &mut hits);
             }
         });
         hits.sort_unstable_by_key(|hit| (hit.edge, hit.face));
         hits
+    }
+
+    /// The same in and between some cells, in ascending order and without duplicates; the points of others may be anywhere. Compares all features.
+    pub fn find_among(&mut self, net: &Net, at: &[V3<f64>], cells: &[u32]) -> Vec<Hit> {
+        self.edges.resize(net.edges.len(), Bound::NONE);
+        self.faces.resize(net.faces.len(), Bound::NONE);
+        for cell in cells.iter().map(|cell| *cell as usize) {
+            net.edges_of(cell).for_each(|edge| self.edges[edge] = around(at, &net.edges[edge]));
+            net.faces_of(cell).for_each(|face| self.faces[face] = around(at, &net.faces[face]));
+            self.bound_cell(net, cell);
+        }
+        // From the left to the right: each cell meets those that begin before it ends.
+        let bounds = &self.boxes.bounds;
+        let mut order: Vec<usize> = cells.iter().map(|cell| *cell as usize).collect();
+        order.sort_by(|a, b| bounds[*a].low[0].total_cmp(&bounds[*b].low[0]));
+        let mut hits = Vec::new();
+        for (n, a) in order.iter().enumerate() {
+            let beside = order[n..].iter().take_while(|b| bounds[**b].low[0] <= bounds[*a].high[0]);
+            for b in beside.filter(|b| bounds[*a].meets(&bounds[**b])) {
+                self.compare(net, at, [*a, *b], &mut hits);
+            }
+        }
+        hits.sort_unstable_by_key(|hit| (hit.edge, hit.face));
+        hits
+    }
+
+    /// Adds the edges of two cells that pierce faces of the other one, or of one cell that pierce its own.
+    fn compare(&self, net: &Net, at: &[V3<f64>], [a, b]: [usize; 2], hits: &mut Vec<Hit>) {
+        let Finder { boxes, edges, faces, .. } = self;
+        for (one, other) in [(a, b), (b, a)].into_iter().take(if a == b { 1 } else { 2 }) {
+            for edge in net.edges_of(one).filter(|edge| edges[*edge].meets(&boxes.bounds[other])) {
+                let ends = net.edges[edge];
+                for face in net.faces_of(other).filter(|face| edges[edge].meets(&faces[*face])) {
+                    let corners = &net.faces[face];
+                    if corners.contains(&ends[0]) || corners.contains(&ends[1]) {
+                        continue;
+                    }
+                    if let Some(front) = pierces(ends.map(|k| at[k as usize]), corners.map(|k| at[k as usize])) {
+                        hits.push(Hit { edge: edge as u32, face: face as u32, front });
+                    }
+                }
+            }
+        }
+    }
+
+    /// The box of a cell, from those of its faces.
+    fn bound_cell(&mut self, net: &Net, cell: usize) {
+        let faces = self.faces[net.faces_of(cell)].iter();
+        self.boxes.bounds[cell] = faces.fold(Bound::NONE, |bound, face| bound.with(face));
     }
 
     /// Makes all boxes, and normals.
@@ -94,8 +128,7 @@ impl Finder {
             scale(area, 1.0 / dot(area, area).sqrt())
         }));
         for cell in 0..surface.corners.len() {
-            let faces = self.faces[net.faces_of(cell)].iter();
-            self.boxes.bounds[cell] = faces.fold(Bound::NONE, |bound, face| bound.with(face));
+            self.bound_cell(net, cell);
         }
         self.boxes.refit();
     }
@@ -119,7 +152,7 @@ fn around(at: &[V3<f64>], points: &[u32]) -> Bound {
 
 /// Which end of an edge that pierces a triangle is in front of it; none if it does not pierce it. A point in the plane of the triangle counts
 /// as one in front.
-fn pierces([p, q]: [V3<f64>; 2], [a, b, c]: [V3<f64>; 3]) -> Option<usize> {
+pub fn pierces([p, q]: [V3<f64>; 2], [a, b, c]: [V3<f64>; 3]) -> Option<usize> {
     if !p.iter().chain(&q).chain(&a).chain(&b).chain(&c).all(|x| x.is_finite()) {
         return None;
     }

@@ -15,6 +15,19 @@ fn tangled(cloths: &[Cloth], layers: &[i32]) -> Untangle {
     untangle
 }
 
+/// The point of each texel of the surface.
+fn points_of(untangle: &Untangle) -> Vec<usize> {
+    let surface = &untangle.surface;
+    (0..surface.count()).flat_map(|point| surface.of_point(point).iter().map(move |_| point)).collect()
+}
+
+/// A look at points where they are.
+fn look(untangle: &mut Untangle) -> usize {
+    let at = untangle.at.clone();
+    let points = points_of(untangle);
+    untangle.look(|first, _| at[points[first]]).hits
+}
+
 /// A square of 1 m, and one that it crosses along a line at a share of its length: beyond it the second one is above. Both have their front above.
 fn two(share: f32) -> Vec<Cloth> {
     let flat = Flat { origin: [-0.011, 0.0, 0.993], down: [0.0, 0.0, -1.0], ..Flat::square("flat", 12) };
@@ -54,7 +67,7 @@ fn moves_make_the_crossings_vanish() {
         let cloths = two(share);
         let mut untangle = tangled(&cloths, &layers);
         let mut looks = 0;
-        while untangle.look() > 0 {
+        while look(&mut untangle) > 0 {
             assert!(looks < 600, "{share} {layers:?}");
             for (at, way) in untangle.at.iter_mut().zip(&untangle.moves) {
                 *at = [0, 1, 2].map(|c| f64::from((at[c] + way[c]) as f32));
@@ -73,11 +86,48 @@ fn moves_make_the_crossings_vanish() {
 }
 
 #[test]
+fn a_search_around_one_crossing_finds_the_whole_contour() {
+    let mut untangle = tangled(&two(0.3), &[0, 0]);
+    let all = untangle.finder.find(&untangle.surface, &untangle.net, &untangle.at);
+    let (edge, face) = (untangle.net.edges[all[0].edge as usize], untangle.net.faces[all[0].face as usize]);
+    untangle.search_around(edge.into_iter().chain(face));
+    assert_eq!(look(&mut untangle), all.len());
+    assert_eq!(untangle.region.as_ref().map(|region| region.cells.len() < untangle.surface.corners.len()), Some(true));
+    // It knows from then on where cloth crosses, and still looks there once cloth is apart.
+    assert_eq!(look(&mut untangle), all.len());
+    let above = untangle.at.iter().map(|p| [p[0], p[1] + 1.0, p[2]]).collect::<Vec<_>>();
+    let second = (0..above.len()).find(|point| untangle.cloth(*point as u32) == 1).unwrap();
+    untangle.at[second..].copy_from_slice(&above[second..]);
+    assert_eq!(look(&mut untangle), 0);
+    assert_eq!(untangle.region.as_ref().map(|region| region.cells.is_empty()), Some(false));
+    untangle.forget();
+    assert_eq!(untangle.region.as_ref().map(|region| region.cells.len()), Some(0));
+}
+
+#[test]
+fn a_contour_that_stays_is_left_alone_for_a_time() {
+    let mut untangle = tangled(&two(0.3), &[0, 0]);
+    untangle.gives_up = true;
+    let mut moved = Vec::new();
+    for _ in 0..10 {
+        let at = untangle.at.clone();
+        let points = points_of(&untangle);
+        let found = untangle.look(|first, _| at[points[first]]);
+        assert!(found.hits > 0);
+        assert_eq!(found.is_moved, untangle.moves.iter().any(|way| *way != [0.0; 3]));
+        moved.push(found.is_moved);
+        untangle.pass(0.3);
+    }
+    // It stays for 1 s until it is left alone, and is moved again after 2 s.
+    assert_eq!(moved, [true, true, true, true, false, false, false, true, true, true]);
+}
+
+#[test]
 fn cloth_apart_is_left_alone() {
     let mut cloths = two(0.3);
     cloths[1] = Flat { origin: [0.0, 0.1, 0.0], ..Flat::square("above", 12) }.cloth().unwrap();
     let mut untangle = tangled(&cloths, &[0, 1]);
-    assert_eq!(untangle.look(), 0);
+    assert_eq!(look(&mut untangle), 0);
     assert!(untangle.moves.iter().all(|way| *way == [0.0; 3]) && untangle.loose.iter().all(|loose| !loose.any()));
 }
 

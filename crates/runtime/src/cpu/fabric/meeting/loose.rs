@@ -1,52 +1,41 @@
-//! Particles that contact does not push, because cloth crosses there and is being taken apart.
+//! Particles that contact does not push away from one another, because cloth crosses there and is being taken apart.
 
 use super::Meeting;
-use super::tiles::LANES_OF_TILE;
+use super::tiles::Tiles;
 use crate::cpu::untangle::loose::Loose;
 use crate::number::real::Real;
 
-/// A tile with such particles, and which these are.
-pub struct LooseTile {
-    tile: u32,
-    lanes: [Loose; LANES_OF_TILE],
+/// Which particles may pass one another, by places; both lists are empty while cloth does not cross.
+#[derive(Default)]
+pub struct LoosePlaces {
+    /// Those that pass loose particles of their own cloth.
+    pub own: Vec<bool>,
+    /// Those that pass loose particles of other cloths.
+    pub others: Vec<bool>,
+}
+
+/// Whether the particle of a place is listed.
+#[inline]
+pub fn is_loose(list: &[bool], place: usize) -> bool {
+    list.get(place).is_some_and(|loose| *loose)
 }
 
 impl<T: Real> Meeting<T> {
     /// From here on particles are not pushed away from those that they may pass.
     pub fn loosen(&mut self, loose: impl Fn(u32) -> Loose) {
-        self.loose.clear();
-        for (tile, texels) in self.tiles.texel.chunks_exact(LANES_OF_TILE).enumerate() {
-            let of = |texel: u32| if texel == u32::MAX { Loose::default() } else { loose(texel) };
-            let lanes: [Loose; LANES_OF_TILE] = std::array::from_fn(|lane| of(texels[lane]));
-            if lanes.iter().any(|lane| lane.any()) {
-                self.loose.push(LooseTile { tile: tile as u32, lanes });
-            }
-        }
-        self.spare_others();
-    }
-
-    /// Drops distances to particles of other cloths; a search finds them again.
-    pub(super) fn spare_others(&mut self) {
-        for LooseTile { tile, lanes } in &self.loose {
-            let index = self.other_of.get(*tile as usize).copied().unwrap_or(u32::MAX);
-            for least in self.others.get_mut(index as usize).iter_mut().flat_map(|list| &mut list.least) {
-                least.iter_mut().zip(lanes).filter(|(_, lane)| lane.others).for_each(|(x, _)| *x = T::of(0.0));
-            }
-        }
-    }
-
-    /// Drops the pushes of a step on particles that may pass others of their cloth.
-    pub(super) fn spare_own(&mut self) {
-        for LooseTile { tile, lanes } in &self.loose {
-            for change in self.lists.get_mut(*tile as usize).iter_mut().flat_map(|list| &mut list.change) {
-                change.iter_mut().zip(lanes).filter(|(_, lane)| lane.own).for_each(|(x, _)| *x = T::of(0.0));
-            }
-        }
+        let of = |texel: &u32| if *texel == u32::MAX { Loose::default() } else { loose(*texel) };
+        let all: Vec<Loose> = self.tiles.texel.iter().map(of).collect();
+        let list = |is: fn(&Loose) -> bool| if all.iter().any(is) { all.iter().map(is).collect() } else { Vec::new() };
+        let own = list(|loose| loose.own);
+        // Partners were listed for others.
+        self.due |= own != self.loose.own;
+        self.loose = LoosePlaces { own, others: list(|loose| loose.others) };
     }
 
     /// Takes in which particles are near a line along which cloths cross at rest.
     pub fn cross_at_rest(&mut self, is_crossed: impl Fn(u32) -> bool) {
-        self.tiles.crossed = self.tiles.texel.iter().map(|texel| *texel != u32::MAX && is_crossed(*texel)).collect();
+        let Tiles { crossed, texel, .. } = &mut self.tiles;
+        *crossed = texel.iter().map(|texel| *texel != u32::MAX && is_crossed(*texel)).collect();
         self.shadow = None;
     }
 }

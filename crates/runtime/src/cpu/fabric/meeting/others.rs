@@ -3,6 +3,8 @@
 
 use super::Meeting;
 use super::extents::WIDTH;
+use super::loose::is_loose;
+use super::patrol::{Patrol, Suspect, crossing2};
 use super::shadow::Shadow;
 use super::tiles::{LANES_OF_TILE, Tiles};
 use crate::cpu::fabric::partners::{REST_SHARE, between};
@@ -64,7 +66,8 @@ pub fn run<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own
         for [_, n, b] in pairs {
             if let Some(other) = &shadows[*n as usize] {
                 let (from, struck) = (*b as usize * LANES_OF_TILE, &mut struck[*n as usize]);
-                widest(Search { best: &mut best, struck, shadow, tile, other: (*n, other), from });
+                let patrol = meeting.patrol.as_mut().filter(|patrol| patrol.has(tile));
+                widest(Search { best: &mut best, struck, patrol, shadow, tile, other: (*n, other), from });
             }
         }
         if let Some(list) = listed(&best) {
@@ -143,6 +146,8 @@ struct Search<'a, 'b, T: Real> {
     best: &'b mut Best<T>,
     /// Whether the other cloth, which is asleep, is woken.
     struck: &'b mut bool,
+    /// Of tiles at which cloth is looked for that crosses.
+    patrol: Option<&'b mut Patrol>,
     shadow: &'a Shadow<T>,
     tile: usize,
     /// Its number among all, and the other shadow.
@@ -153,11 +158,19 @@ struct Search<'a, 'b, T: Real> {
 impl<T: Real> Work<T> for Search<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(self, k: K) {
-        let Search { best, struck, shadow, tile, other: (number, other), from } = self;
+        let Search { best, struck, mut patrol, shadow, tile, other: (number, other), from } = self;
         let zero = k.splat(T::of(0.0));
         let (length, tiny) = (k.splat(shadow.length), k.splat(T::of(1e-20)));
         let reach = (shadow.distance + other.distance) * T::of(WIDTH);
         let far = reach * reach;
+        let longest = |of: &Shadow<T>, tile: usize| {
+            let first = tile * LANES_OF_TILE;
+            crossing2(of.crossing2[tile], &of.out[first..first + LANES_OF_TILE], |lane| {
+                Tiles::at(&of.now, first + lane)
+            })
+        };
+        let crossing =
+            if patrol.is_some() { longest(shadow, tile).max(longest(other, from / LANES_OF_TILE)) } else { T::of(0.0) };
         for (lane, best) in best.iter_mut().enumerate() {
             let mine = tile * LANES_OF_TILE + lane;
             if shadow.w[mine] <= T::of(0.0) {
@@ -188,7 +201,12 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
                 let mut each = [T::of(0.0); LANES];
                 k.store(&mut each, 0, near);
                 for (n, near) in each[..K::WIDE].iter().enumerate() {
-                    if *near < far {
+                    if let Some(patrol) = patrol.as_mut().filter(|_| *near < crossing) {
+                        let (place, there) = (mine as u32, (place + n) as u32);
+                        patrol.suspect(Suspect { place, cloth: Some(number), other: there });
+                    }
+                    let passes = is_loose(&shadow.loose, mine) && is_loose(&other.loose, place + n);
+                    if *near < far && !passes {
                         *struck |= wakes((shadow, mine), (other, place + n), *near);
                         take(best, (shadow, mine), (number, other, place + n), *near);
                     }

@@ -1,5 +1,7 @@
 //! Twin of shaders/shadow.wgsl: a cloth as other cloths see it for some steps.
 
+use std::sync::Arc;
+
 use super::extents;
 use super::tiles::{LANES_OF_TILE, Tiles};
 use crate::cpu::fabric::tree::{self, Tree};
@@ -16,8 +18,12 @@ pub struct Shadow<T: Real> {
     pub w: Aligned<T>,
     pub out: Aligned<T>,
     pub rest: [Aligned<T>; 3],
+    /// As [`Tiles::crossing2`].
+    pub crossing2: Arc<Vec<T>>,
     /// Particles near those of cloth that crosses theirs at rest.
     pub crossed: Vec<bool>,
+    /// Particles that may pass loose ones of other cloths.
+    pub loose: Vec<bool>,
     /// \[m\]
     pub distance: T,
     pub friction: T,
@@ -51,7 +57,9 @@ impl<T: Real> Shadow<T> {
             w: Aligned::zeros(tiles.texel.len()),
             out: tiles.out.clone(),
             rest: tiles.rest.clone(),
+            crossing2: tiles.crossing2.clone(),
             crossed: tiles.crossed.clone(),
+            loose: Vec::new(),
             distance,
             friction,
             length: T::of(0.0),

@@ -1,3 +1,4 @@
+use super::patrol::{MAX_SUSPECTS, ROUND};
 use super::tiles::{SIDE, corner};
 use super::*;
 use crate::cloth::{Cloth, ClothContact, Flat, SKIPPED_CELLS};
@@ -104,4 +105,41 @@ fn vectors_out_of_reach_are_skipped_without_a_change_of_bits() {
         assert!(!skipped.is_empty());
         assert_eq!(run(&mut meeting), skipped, "{seed}");
     }
+}
+
+#[test]
+fn a_round_of_looks_finds_all_particles_that_are_too_near() {
+    let mut compared = 0;
+    for (seed, n) in (0..12).zip([9usize, 14, 22].into_iter().cycle()) {
+        let cloth = cloth(n as u32);
+        let sheets = crumpled(&cloth, seed, 0.0);
+        let mut meeting = searched(&cloth, &sheets);
+        let (mut found, mut full) = (Vec::new(), vec![false; meeting.tiles.count()]);
+        for _ in 0..ROUND {
+            meeting.begin_patrol();
+            meeting.leaves(&sheets);
+            meeting.search(&Threads::one());
+            let patrol = meeting.patrol.as_ref().unwrap();
+            found.extend(patrol.suspects.iter().map(|suspect| [suspect.place, suspect.other]));
+            if patrol.suspects.len() == MAX_SUSPECTS {
+                (0..full.len()).filter(|tile| patrol.has(*tile)).for_each(|tile| full[tile] = true);
+            }
+        }
+        found.sort_unstable();
+        let tiles = &meeting.tiles;
+        let there: Vec<usize> = (0..tiles.texel.len()).filter(|place| tiles.texel[*place] != u32::MAX).collect();
+        for (k, a) in there.iter().enumerate().filter(|(_, a)| !full[**a / LANES_OF_TILE]) {
+            for b in &there[k + 1..] {
+                let (p, q) = (tiles.texel[*a] as usize, tiles.texel[*b] as usize);
+                let close = (p % n).abs_diff(q % n).max((p / n).abs_diff(q / n)) <= SKIPPED_CELLS;
+                let (way, h) = (sub(tiles.now(*b), tiles.now(*a)), 1.0 / (n - 1) as f32);
+                if !close && dot(way, way) < 0.999 * h * h {
+                    compared += 1;
+                    let pair = [*a as u32, *b as u32];
+                    assert!(found.binary_search(&pair).is_ok(), "{seed}: {pair:?} of {} pairs", found.len());
+                }
+            }
+        }
+    }
+    assert!(compared > 100, "{compared} pairs in frames that do not find too many");
 }

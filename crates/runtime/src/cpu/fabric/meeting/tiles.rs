@@ -2,7 +2,9 @@
 //!
 //! A tile has one vector of numbers per coordinate. Its order follows the sheets: per row two even columns, then two odd ones.
 
-use crate::cloth::{Cloth, Kin, SKIPPED_CELLS};
+use std::sync::Arc;
+
+use crate::cloth::{Cloth, Kin, Rest, SKIPPED_CELLS};
 use crate::cpu::sheet::Sheet;
 use crate::memory::Tally;
 use crate::number::aligned::Aligned;
@@ -50,6 +52,8 @@ pub struct Tiles<T: Real> {
     pub blocks: Vec<Block<T>>,
     /// Positions at rest.
     pub rest: [Aligned<T>; 3],
+    /// For each tile half the square of its longest spring \[m^2\]: triangles there cross only if particles are nearer.
+    pub crossing2: Arc<Vec<T>>,
     /// Whether the particle of a place is near a line along which cloths cross at rest; empty if there is none.
     pub crossed: Vec<bool>,
     /// The particle of each place, `u32::MAX` for none.
@@ -106,7 +110,8 @@ impl<T: Real> Tiles<T> {
             let meets = kin.first.get(*k as usize) == Some(k);
             *out = T::of(if meets { 0.0 } else { FAR });
         }
-        Tiles { grids, spots, blocks, rest, crossed: Vec::new(), texel, out, close: close() }
+        let crossing2 = Arc::new(crossing2(cloth, &texel));
+        Tiles { grids, spots, blocks, rest, crossing2, crossed: Vec::new(), texel, out, close: close() }
     }
 
     /// For each particle of a tile those of another that are within [`SKIPPED_CELLS`] cells; none where no two are.
@@ -127,6 +132,7 @@ impl<T: Real> Tiles<T> {
         tally.state(&self.blocks);
         self.rest.iter().chain([&self.out]).for_each(|list| tally.state(list));
         tally.state(&self.texel);
+        tally.state(&self.crossing2);
     }
 
     /// Positions and inverse masses of all particles.
@@ -192,6 +198,21 @@ impl<T: Real> Tiles<T> {
     pub fn at(list: &[Aligned<T>; 3], place: usize) -> V3<T> {
         [list[0][place], list[1][place], list[2][place]]
     }
+}
+
+/// [`Tiles::crossing2`]
+fn crossing2<T: Real>(cloth: &Cloth, texel: &[u32]) -> Vec<T> {
+    let grids = cloth.grids();
+    let longest = |k: &u32| match cloth.rest() {
+        _ if *k == u32::MAX => 0.0,
+        Rest::None => cloth.spacing() * std::f32::consts::SQRT_2,
+        Rest::Constant(each) => {
+            each[grids.partition_point(|grid| grid.first <= *k) - 1].iter().copied().fold(0.0, f32::max)
+        }
+        Rest::Image(each) => each[*k as usize].iter().copied().fold(0.0, f32::max),
+    };
+    let of = |tile: &[u32]| T::of(0.5 * f64::from(tile.iter().map(longest).fold(0.0, f32::max)).powi(2));
+    texel.chunks_exact(LANES_OF_TILE).map(of).collect()
 }
 
 /// [`Tiles::close`]
