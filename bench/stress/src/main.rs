@@ -2,6 +2,7 @@
 
 mod case;
 mod cases;
+mod contact;
 mod crew;
 mod drive;
 mod figures;
@@ -23,7 +24,7 @@ use table::Entry;
 /// fails.
 #[derive(Parser)]
 #[command(
-    after_help = "Examples:\n  stress --out stress.csv\n  stress --only \"mass ratio\" --solvers xpbd --gpu\n  stress --scenes 200 > random.csv"
+    after_help = "Examples:\n  stress --out stress.csv\n  stress --only \"mass ratio\" --solvers xpbd --gpu\n  stress --scenes 200 > random.csv\n  stress --contact --out contact.csv"
 )]
 struct Args {
     /// Only cases whose names have this in them.
@@ -46,6 +47,9 @@ struct Args {
     /// pass a collider without a finding.
     #[arg(long, value_name = "COUNT", conflicts_with = "heaps")]
     scenes: Option<usize>,
+    /// Instead of the cases: cloth that touches cloth under disturbances, in both tiers of contact on the CPU, with `--only`.
+    #[arg(long, conflicts_with_all = ["heaps", "scenes", "gpu"])]
+    contact: bool,
     /// Steps in 1/60 s of the heaps.
     #[arg(long, value_delimiter = ',', default_value = "8,16,24,32,48", requires = "heaps")]
     substeps: Vec<u32>,
@@ -64,6 +68,10 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         return Err(format!("there is no solver {name}; the solvers are {}", SOLVERS.map(|s| s.name).join(", ")).into());
     }
     let threads = args.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into));
+    if args.contact {
+        let kept = contact::run(&args.only, threads, args.out.as_deref())?;
+        return Ok(if kept { ExitCode::SUCCESS } else { ExitCode::FAILURE });
+    }
     if let Some(count) = args.scenes {
         return Ok(if scenes::run(count, threads) { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
