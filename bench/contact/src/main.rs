@@ -1,9 +1,12 @@
 //! `contact`: steps scenes in which cloth meets cloth, with contact and without, and counts crossings and milliseconds.
 
+mod plot;
 mod run;
 mod scenes;
 
+use std::fs;
 use std::io::Write;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -49,6 +52,12 @@ struct Cli {
     /// Steps per frame; chosen by default.
     #[arg(long)]
     substeps: Option<u32>,
+    /// Draws the tables of earlier runs in one plot, in place of a run.
+    #[arg(long, value_delimiter = ',', value_name = "CSV", requires = "svg")]
+    plot: Vec<PathBuf>,
+    /// The file of the plot.
+    #[arg(long, value_name = "FILE", requires = "plot")]
+    svg: Option<PathBuf>,
 }
 
 /// The promise of contact.
@@ -59,13 +68,26 @@ enum Tier {
 }
 
 fn main() -> ExitCode {
-    match table(&Cli::parse()) {
+    let cli = Cli::parse();
+    let done = match &cli.svg {
+        Some(svg) => plot(&cli.plot, svg),
+        None => table(&cli),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {
             eprintln!("error: {problem}");
             ExitCode::from(2)
         }
     }
+}
+
+/// Draws tables.
+fn plot(tables: &[PathBuf], svg: &PathBuf) -> Result<(), Failure> {
+    let read =
+        |path: &PathBuf| plot::read(&fs::read_to_string(path)?).map_err(|e| format!("{}: {e}", path.display()).into());
+    let points = tables.iter().map(read).collect::<Result<Vec<_>, Failure>>()?.concat();
+    Ok(fs::write(svg, plot::draw(&points))?)
 }
 
 /// Writes the rows of all runs.

@@ -23,6 +23,7 @@ pub struct Row {
     /// Contact distance over the mean distance of neighbours, 0 for none.
     distance: f32,
     tier: Tier,
+    cloths: usize,
     substeps: u32,
     frames: u32,
     /// Mean, largest and least time of a frame \[ms\].
@@ -43,15 +44,19 @@ pub struct Row {
 }
 
 impl Row {
-    pub const HEAD: &'static str = "scene,n,distance,tier,substeps,frames,ms_mean,ms_max,ms_min,counted,crossed,\
+    pub const HEAD: &'static str = "scene,n,distance,tier,cloths,substeps,frames,ms_mean,ms_max,ms_min,counted,crossed,\
         crossings_mean,crossings_max,crossings_last,deepest_mm,stretch_p99_worst,speed_rms_end,way_m,height_end_m,findings";
 }
 
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Row { scene, n, distance, tier, substeps, frames, ms, counted, crossings, .. } = self;
+        let Row { scene, n, distance, tier, cloths, substeps, frames, ms, counted, crossings, .. } = self;
         let tier = if *distance > 0.0 { format!("{tier:?}").to_lowercase() } else { "off".into() };
-        write!(f, "{scene},{n},{distance},{tier},{substeps},{frames},{:.4},{:.4},{:.4},", ms[0], ms[1], ms[2])?;
+        write!(
+            f,
+            "{scene},{n},{distance},{tier},{cloths},{substeps},{frames},{:.4},{:.4},{:.4},",
+            ms[0], ms[1], ms[2]
+        )?;
         write!(f, "{},{},{:.1},{},{},", counted[0], counted[1], crossings[0], crossings[1], crossings[2])?;
         write!(f, "{:.2},{:.4},{:.4},", self.deepest_mm, self.stretch, self.speed)?;
         write!(f, "{:.4},{:.4},{}", self.way, self.height, self.findings)
@@ -116,6 +121,7 @@ pub fn run(cli: &Cli, name: &str, [n, layers]: [u32; 2], (distance, tier): (f32,
         n,
         distance,
         tier,
+        cloths: scene.cloths.len(),
         substeps: stepper.substeps(),
         frames,
         ms: [mean(&times), largest(&times), times.iter().copied().fold(f64::INFINITY, f64::min)],
