@@ -46,7 +46,8 @@ fn every_scene_here_runs_and_is_drawn() {
 #[test]
 fn both_painters_agree() {
     let place = Place::new();
-    let flags = "s2 --n 24 --substeps 8 --time 0.6 --size 120x90 --background 102030";
+    // As the sheet meets the ball: later rounding decides how it folds, and the backends part.
+    let flags = "s2 --n 24 --substeps 8 --time 0.3 --size 120x90 --background 102030";
     place.run(&format!("render {flags} --backend cpu -o cpu.png")).expect(&[0]);
     let gpu = place.run(&format!("render {flags} --backend gpu -o gpu.png"));
     if gpu.code != 0 {
@@ -63,7 +64,7 @@ fn both_painters_agree() {
     // Edges are sampled at other points; the rest is the same.
     let large = differences.iter().filter(|d| **d > 8).count() as f64 / differences.len() as f64;
     eprintln!("mean difference {mean} of 255, {large} of the pixels by more than 8");
-    assert!(mean < 1.0 && large < 0.05, "mean {mean}, {large} of the pixels");
+    assert!(mean < 0.5 && large < 0.02, "mean {mean}, {large} of the pixels");
     assert!(drawn(&a) > 0.1);
 }
 
