@@ -256,6 +256,18 @@ fn name_of(text: &str) -> String {
     text.trim().chars().take_while(char::is_ascii_alphanumeric).collect()
 }
 
+/// Starts of a cloth that differ by up to 1e-6 m; points of a seam stay together.
+fn nudged(scene: &Scene, times: usize) -> impl Iterator<Item = Scene> {
+    (1..=times).map(|time| {
+        let mut scene = scene.clone();
+        let by = |x: f32, c: usize| x + 1e-6 * (x * 997.0 * time as f32 + c as f32).sin();
+        let moved = scene.cloths[0].positions().iter().map(|p| [0, 1, 2].map(|c| by(p[c], c))).collect();
+        scene.cloths[0].place(moved).unwrap();
+        scene
+    })
+}
+
+/// Stretch, energy and the middle agree to a thousandth, or to twice what starts that differ by rounding make of them on the CPU.
 #[test]
 fn after_100_steps_the_measures_agree() {
     let Some(gpu) = device() else { return };
@@ -267,15 +279,24 @@ fn after_100_steps_the_measures_agree() {
         let of = |lists: Lists| measure(cloth, &lists[0], &lists[1], FRAME / 10.0, scene.gravity);
         let there = of(on_gpu(scene.clone(), &options, &gpu, 10));
         let here = of(on_cpu(scene.clone(), &options, 10));
-        let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * a.abs().max(b.abs());
-        let stretch = near(there.stretch_max, here.stretch_max) && near(there.stretch_mean, here.stretch_mean);
-        // Against the sum of both kinds: where the potential is 0 is arbitrary, and they may cancel.
-        let change = there.kinetic + there.potential - here.kinetic - here.potential;
-        let energy = change.abs() <= 1e-3 * (here.kinetic + here.potential.abs());
-        // A coordinate near 0 is measured against the size of the cloth.
-        let centre = (0..3).all(|c| (there.center[c] - here.center[c]).abs() <= 1e-3);
-        if !(stretch && energy && centre) {
-            apart.push(format!("{solver:?}, {name}: {there:?} {here:?}"));
+        // Energy against the sum of both kinds: where the potential is 0 is arbitrary, and they may cancel. A coordinate near 0 is
+        // measured against the size of the cloth.
+        let energy = here.kinetic + here.potential.abs();
+        let differences = |other: &Measures| {
+            let part = |a: f64, b: f64| (a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
+            let change = other.kinetic + other.potential - here.kinetic - here.potential;
+            let middle = (0..3).map(|c| (other.center[c] - here.center[c]).abs()).fold(0.0, f64::max);
+            let stretch = [part(other.stretch_max, here.stretch_max), part(other.stretch_mean, here.stretch_mean)];
+            [stretch[0], stretch[1], change.abs() / energy.max(f64::MIN_POSITIVE), middle]
+        };
+        let found = differences(&there);
+        if found.iter().all(|part| *part <= 1e-3) {
+            continue;
+        }
+        let chance = nudged(&scene, 4).map(|scene| differences(&of(on_cpu(scene, &options, 10))));
+        let chance = chance.fold([0.0; 4], |most: [f64; 4], new| [0, 1, 2, 3].map(|k| most[k].max(new[k])));
+        if (0..4).any(|k| found[k] > f64::max(1e-3, 2.0 * chance[k])) {
+            apart.push(format!("{solver:?}, {name}: {found:?}, by chance {chance:?}: {there:?} {here:?}"));
         }
     }
     assert!(apart.is_empty(), "{apart:#?}");
