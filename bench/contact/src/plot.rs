@@ -8,7 +8,7 @@ use crate::run::{Failure, Row};
 const PANEL: [f64; 2] = [230.0, 170.0];
 /// The curves.
 const TIERS: [&str; 3] = ["off", "particles", "safe"];
-/// What a column of panels goes over, by the column of the table.
+/// The setting that varies in each column of panels: its column of the table, and its name.
 const AXES: [(&str, &str); 3] =
     [("distance", "distance / spacing"), ("n", "particles per side"), ("cloths", "number of cloths")];
 
@@ -35,8 +35,9 @@ pub fn read(table: &str) -> Result<Vec<Point>, Failure> {
     let axes = [column(AXES[0].0)?, column(AXES[1].0)?, column(AXES[2].0)?];
     let point = |line: Vec<&str>| {
         let text = |k: usize| line.get(k).copied().unwrap_or_default();
-        let number =
-            |k: usize| text(k).parse::<f64>().map_err(|_| format!("`{}` is no number of {}", text(k), names[k]));
+        let number = |k: usize| {
+            text(k).parse::<f64>().map_err(|_| format!("column {}: `{}` is not a number", names[k], text(k)))
+        };
         let tier = TIERS.iter().position(|t| *t == text(tier)).ok_or_else(|| format!("no tier `{}`", text(tier)))?;
         let at = [number(axes[0])?, number(axes[1])?, number(axes[2])?];
         Ok(Point { scene: text(scene).into(), tier, at, ms: number(ms)? })
