@@ -1,6 +1,6 @@
 //! The plot: time per frame against the contact distance, the particles per side and the number of cloths; a row of panels per scene.
 
-use gimage_bench_plot::{Log, Page, Panel};
+use gimage_bench_plot::{INK, Log, Page, Panel};
 
 use crate::run::{Failure, Row};
 
@@ -65,7 +65,10 @@ pub fn draw(points: &[Point]) -> String {
             let shown = varied(&here, axis);
             let x = Log::around(shown.iter().map(|p| p.at[axis]), 0.0, PANEL[0]);
             let (title, y_labels) = (&format!("{scene}: {words}"), |d| vec![10f64.powi(d).to_string()]);
-            page.panel([axis, line], &Panel { title, x, y, y_labels, left: axis == 0, bottom: true });
+            page.panel([axis, line], &Panel { title, x, y, y_labels, left: axis == 0, bottom: false });
+            values(&shown, axis)
+                .into_iter()
+                .for_each(|at| page.text([x.at(at), PANEL[1] + 16.0], "middle", 11, INK, at));
             (0..TIERS.len()).for_each(|tier| curve(&mut page, &shown, (tier, axis), (x, y)));
         }
     }
@@ -80,14 +83,20 @@ fn varied<'a>(points: &[&'a Point], axis: usize) -> Vec<&'a Point> {
     let mut best: (usize, Vec<&Point>) = (0, Vec::new());
     for of in points.iter().filter(|p| p.tier > 0).map(|p| others(p)) {
         let all: Vec<&Point> = points.iter().copied().filter(|p| fits(p, &of)).collect();
-        let mut values: Vec<f64> = all.iter().filter(|p| p.tier > 0).map(|p| p.at[axis]).collect();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        if values.len() > best.0 {
-            best = (values.len(), all);
+        let count = values(&all, axis).len();
+        if count > best.0 {
+            best = (count, all);
         }
     }
     best.1
+}
+
+/// The different values of a setting in runs with contact, ascending.
+fn values(points: &[&Point], axis: usize) -> Vec<f64> {
+    let mut values: Vec<f64> = points.iter().filter(|p| p.tier > 0).map(|p| p.at[axis]).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
 }
 
 /// The points of a tier, joined. Without contact, the time holds for every distance.

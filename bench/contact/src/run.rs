@@ -114,7 +114,8 @@ pub fn run(cli: &Cli, name: &str, [n, layers]: [u32; 2], (distance, tier): (f32,
     stepper.findings().iter().for_each(|finding| eprintln!("{name} {n}: {finding}"));
     let health = (0..scene.cloths.len()).filter_map(|c| stepper.health(c));
     let (stretch, speed) = health.fold((0.0f64, 0.0f64), |most, (h, worst)| (most.0.max(worst), most.1.max(h.speed)));
-    let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len().max(1) as f64;
+    // The sum of nothing is -0.
+    let mean = |list: &[f64]| list.iter().fold(0.0, |sum, x| sum + x) / list.len().max(1) as f64;
     let largest = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
     Ok(Row {
         scene: name.into(),
