@@ -6,17 +6,16 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let mut args = std::env::args_os().skip(1);
-    let (Some(folder), cape) = (args.next().map(PathBuf::from), args.next()) else {
+    let folder = args.next().map(PathBuf::from);
+    let flag = args.next();
+    let files = match (&flag, &folder) {
+        (None, Some(_)) => gimage_assets::all().into_iter().chain([("figure.glb", gimage_assets::figure())]).collect(),
+        (Some(flag), Some(_)) if flag == "--cape" => vec![("figure_cape.glb", gimage_assets::figure_in_cape())],
+        _ => Vec::new(),
+    };
+    let Some(folder) = folder.filter(|_| !files.is_empty()) else {
         eprintln!("usage: make-assets FOLDER [--cape]");
         return ExitCode::from(2);
-    };
-    let files = match cape {
-        Some(flag) if flag == "--cape" => vec![("figure_cape.glb", gimage_assets::figure_in_cape())],
-        Some(_) => {
-            eprintln!("usage: make-assets FOLDER [--cape]");
-            return ExitCode::from(2);
-        }
-        None => gimage_assets::all().into_iter().chain([("figure.glb", gimage_assets::figure())]).collect(),
     };
     for (name, bytes) in files {
         if let Err(e) = std::fs::write(folder.join(name), &bytes) {
