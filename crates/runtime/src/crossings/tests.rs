@@ -92,6 +92,19 @@ fn a_sheet_folded_flat_crosses_itself() {
     assert_eq!(counts(&all(&[Drawn::at(&cloth, &now)])), [0; 3]);
 }
 
+/// A grid of particles at these positions; `next` is the next duplicate of a seam point.
+fn sewn(now: &[[f32; 4]], [width, height]: [u32; 2], next: impl Fn(u32) -> Option<u32>) -> Cloth {
+    Cloth::new(Parts {
+        name: "sewn".into(),
+        grids: vec![Grid { name: "sewn".into(), first: 0, width, height }],
+        positions: now.iter().map(|p| [p[0], p[1], p[2]]).collect(),
+        particles: (0..width * height).map(|k| Particle::Free { next: next(k) }).collect(),
+        rest: Rest::None,
+        mass: Mass::Constant(1.0),
+    })
+    .unwrap()
+}
+
 /// A tube of `n` quads around, whose last column of texels is the first again.
 fn tube(n: u32) -> (Cloth, Vec<[f32; 4]>) {
     let (width, height) = (n + 1, 4);
@@ -102,15 +115,7 @@ fn tube(n: u32) -> (Cloth, Vec<[f32; 4]>) {
         c if c == n => Some(k - n),
         _ => None,
     };
-    let cloth = Cloth::new(Parts {
-        name: "tube".into(),
-        grids: vec![Grid { name: "tube".into(), first: 0, width, height }],
-        positions: now.iter().map(|p| [p[0], p[1], p[2]]).collect(),
-        particles: (0..width * height).map(|k| Particle::Free { next: next(k) }).collect(),
-        rest: Rest::None,
-        mass: Mass::Constant(1.0),
-    });
-    (cloth.unwrap(), now)
+    (sewn(&now, [width, height], next), now)
 }
 
 /// A seam goes round a corner of the image: the two edges there are sewn to those of the opposite corner, and the point between them has two quads.
@@ -125,15 +130,7 @@ fn triangles_of_the_same_three_points_do_not_cross() {
         now[k] = [p[0], p[1], p[2], 0.0];
     }
     pairs.iter().for_each(|&(a, b)| now[b as usize] = now[a as usize]);
-    let cloth = Cloth::new(Parts {
-        name: "pillow".into(),
-        grids: vec![Grid { name: "pillow".into(), first: 0, width, height }],
-        positions: now.iter().map(|p| [p[0], p[1], p[2]]).collect(),
-        particles: (0..width * height).map(|k| Particle::Free { next: next(k) }).collect(),
-        rest: Rest::None,
-        mass: Mass::Constant(1.0),
-    })
-    .unwrap();
+    let cloth = sewn(&now, [width, height], next);
     let drawn = [Drawn::new(&cloth)];
     let found = all(&drawn);
     assert_eq!((found.double, counts(&found)), (1, brute_force(&drawn)), "{found:?}");
