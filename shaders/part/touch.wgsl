@@ -48,7 +48,7 @@ fn cleared(p: vec3<f32>, was: vec3<f32>) -> vec3<f32> {
     let start = moved_by(solid, was);
     let out = swept(solid, start, at);
     if (out.inside) {
-      // Solids are convex: what slides along one, across its normal, stays outside.
+      // A solid is convex, and friction moves the particle at right angles to its normal: the particle stays outside.
       at = rub(solid, out, start);
       moved = true;
     }

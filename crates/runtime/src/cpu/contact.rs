@@ -122,7 +122,7 @@ pub fn meet<T: Real>(solid: &Solid<T>, at: V3<T>, was: V3<T>, dt: T) -> Option<V
     // From where it would have been before, had the collider always been where it is now.
     let from = moved_by(solid, was, dt);
     let out = swept(solid, from, at)?;
-    // Solids are convex: what slides along one, across its normal, stays outside.
+    // A solid is convex, and friction moves the particle at right angles to its normal: the particle stays outside.
     Some(if solid.friction > T::of(0.0) { rub(solid, &out, from) } else { out.at })
 }
 

@@ -23,7 +23,7 @@ impl Facet {
         (0..3).all(|c| least(self, c) <= most(other, c) && least(other, c) <= most(self, c))
     }
 
-    /// Whether an edge pierces another triangle that has none of its ends.
+    /// Whether an edge of this triangle pierces the other one. Edges that share a corner with it do not count.
     fn pierces(&self, other: &Facet) -> bool {
         [[0, 1], [1, 2], [2, 0]].into_iter().any(|edge| {
             let shares = edge.iter().any(|k| other.names.contains(&self.names[*k]));
