@@ -106,18 +106,20 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     if (p.w <= 0.0) {
       stay(k);
     }
-    arrive_program(k);
+    arrive(k);
     cell = on_by_rows(cell, by, columns);
   }
   arriving = false;
   workgroupBarrier();
   middle_program(local);
   leave_program(local);
+  end_step();
   let own_by = by_rows(threads, own_columns());
   cell = by_rows(local, own_columns());
   while (cell.y < own_rows()) {
     let at = own_low + cell;
-    let k = listed(at);
+    let k = here(at);
+    depart(k);
     next[k] = held[stored(at)];
     give_sums(k, stored(at));
     cell = on_by_rows(cell, own_by, own_columns());

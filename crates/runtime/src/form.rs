@@ -51,6 +51,8 @@ pub struct Tile {
     pub threads: u32,
     /// Whether several cloths may share the dispatch.
     pub shared: bool,
+    /// Whether it also begins the next step of its frame, for what it owns; then it begins only the first step itself.
+    pub ahead: bool,
 }
 
 impl Tile {

@@ -10,7 +10,7 @@ use crate::collider::{Collider, Shape};
 use crate::form::{Chain, Fused, Tile};
 use crate::levels;
 use crate::passes::{Air, Pass};
-use crate::shaders::{Over, over};
+use crate::shaders::{Over, over, stages};
 
 /// Iterations of noise, for a collider, and for an ellipsoid.
 const GUST: u64 = 16;
@@ -53,7 +53,8 @@ pub fn of_tile(tile: &Tile, [solids, ring]: [u64; 2]) -> u64 {
         Over::Rings => each * ring,
         _ => each * within(pass, solids) + 1,
     };
-    2 * each + tile.passes.iter().map(of).sum::<u64>()
+    let again = if tile.ahead { stages(&tile.passes).arrive } else { &[] };
+    2 * each + tile.passes.iter().chain(again).map(of).sum::<u64>()
 }
 
 /// Those of a chain, as [`of_tile`]: a thread goes through all duplicates of a seam point.

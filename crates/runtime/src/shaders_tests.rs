@@ -164,9 +164,11 @@ fn tiles() -> Vec<Tile> {
         // After seams, and what follows them in the last step.
         if !matches!(passes.last(), Some(Pass::Contact(_))) {
             let passes = [tail(k, 2 + (n as u32) % 2), passes.clone()].concat();
-            all.push(Tile { passes, shape, threads: 256, shared: true });
+            all.push(Tile { passes, shape, threads: 256, shared: true, ahead: false });
         }
-        all.extend([false, true].map(|shared| Tile { passes: passes.clone(), shape, threads: 256, shared }));
+        let begins = matches!(passes.first(), Some(Pass::Integrate(_)));
+        let forms = [(false, false), (true, false), (true, true)].into_iter().filter(|(_, ahead)| begins || !ahead);
+        all.extend(forms.map(|(shared, ahead)| Tile { passes: passes.clone(), shape, threads: 256, shared, ahead }));
     }
     all
 }

@@ -24,7 +24,7 @@ use crate::shaders::{Over, Stages, over, stages, tail};
 impl Tile {
     /// The tile that makes just these passes, but for sizes; `None` if no tile can.
     fn of(passes: &[Pass], shared: bool) -> Option<Self> {
-        let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0, shared };
+        let tile = Tile { passes: passes.to_vec(), shape: TileShape::default(), threads: 0, shared, ahead: false };
         let Stages { tail, arrive, middle, leave } = stages(passes);
         let moves = |p: &Pass| matches!(p, Pass::Integrate(_) | Pass::IntegrateExact(_));
         let within = |p: &Pass| matches!(over(*p), Over::Particles | Over::Springs { .. }) && !moves(p);
@@ -44,6 +44,15 @@ impl Tile {
             && (tail.is_empty()
                 || shared && Chain::follows(tail) && !leave.iter().any(|p| matches!(p, Pass::Contact(_))));
         good.then_some(tile)
+    }
+
+    /// The same, beginning the next step, if its passes are a whole step: what acts on each particle alone before the springs then acts on
+    /// what the tile owns, not on all that it has.
+    fn ahead(self) -> Option<Self> {
+        let Stages { tail, arrive, .. } = stages(&self.passes);
+        // An exact step keeps two numbers of each particle, which would change twice in a dispatch.
+        let begins = matches!(arrive.first(), Some(Pass::Integrate(_)));
+        (tail.is_empty() && begins && self.shared).then_some(Tile { ahead: true, ..self })
     }
 
     /// Directions and parities of its springs, in order.

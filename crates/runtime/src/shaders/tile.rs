@@ -71,6 +71,7 @@ pub fn tile(tile: &Tile) -> Source {
         calls(leave, |pass, _| format!("  {}_own(local);\n", call(pass))),
     );
     let program = tails(tail) + &program;
+    let parts = parts.files(&[if tile.ahead { part!("tile_ahead") } else { part!("tile_step") }]);
     let shape = tile.shape;
     let parts = if tile.shared {
         several(parts, false)
@@ -107,7 +108,8 @@ fn apart_from_others(tile: &Tile, mut parts: Parts) -> Parts {
     let parts = match (moves, parts.binds(Slot::Before)) {
         (true, _) => {
             let lost = if exact { part!("tile_lost") } else { part!("tile_lost_none") };
-            parts.files(&[part!("tile_moves"), lost]).bind(&[writes(Slot::Passed)])
+            let moves = if tile.ahead { part!("tile_moves_ahead") } else { part!("tile_moves") };
+            parts.files(&[moves, lost]).bind(&[writes(Slot::Passed)])
         }
         (false, true) => parts.files(&[part!("tile_moves_none"), part!("before")]),
         (false, false) => parts.files(&[part!("tile_moves_none")]),

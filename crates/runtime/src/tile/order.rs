@@ -58,12 +58,14 @@ pub struct Among<'a> {
     pub ring: u64,
     /// Whether several cloths share the dispatches.
     pub shared: bool,
+    /// Relaxations of a step.
+    pub rounds: u32,
 }
 
 /// The order of the schedule of a cloth, and [`loops::of_solids`] of its colliders, if any of its passes can run together.
 pub fn order((cloth, solids): (&Cloth, u64), schedule: &Schedule, room: &Room) -> Option<Order> {
     let sides: Vec<_> = cloth.grids().iter().map(|g| [g.width, g.height]).collect();
-    let among = Among { sides: &sides, solids, ring: loops::of_ring(cloth), shared: false };
+    let among = Among { sides: &sides, solids, ring: loops::of_ring(cloth), shared: false, rounds: 1 };
     let whole = [&schedule.step[..], &schedule.relax].concat();
     let order = Order { first: together(&whole, &among, room), relax: together(&schedule.relax, &among, room) };
     order.first.iter().chain(&order.relax).any(|f| matches!(f, Form::Tile(_))).then_some(order)
@@ -98,9 +100,18 @@ pub fn sequence(among: &Among, schedule: &Schedule, room: &Room) -> Sequence {
     let [first, coarse, relax, last] = put_off.unwrap_or_else(|| {
         let of = |passes: &[Pass]| together(passes, among, room);
         let coarse = below(of(&schedule.step), &schedule.relax);
-        [of(&whole), coarse, of(&schedule.relax), last.iter().map(alone).collect()]
+        let first = if coarse.is_empty() && schedule.air.is_empty() { ahead(of(&whole), among) } else { of(&whole) };
+        [first, coarse, of(&schedule.relax), last.iter().map(alone).collect()]
     });
     Sequence { gusts, air, first, coarse, relax, last }
+}
+
+/// The dispatches of a step: if it is one, each begins the step after it.
+fn ahead(step: Vec<Form>, among: &Among) -> Vec<Form> {
+    match &step[..] {
+        [Form::Tile(tile)] if among.rounds == 1 => tile.clone().ahead().map_or(step, |tile| vec![Form::Tile(tile)]),
+        _ => step,
+    }
 }
 
 /// How many passes a dispatch makes.

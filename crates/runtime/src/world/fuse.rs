@@ -175,7 +175,7 @@ impl World {
         if let Some((.., sequence)) = known.iter().find(same) {
             return sequence.clone();
         }
-        let among = Among { sides, solids, ring, shared: true };
+        let among = Among { sides, solids, ring, shared: true, rounds: self.control.options.iterations };
         let sequence = Arc::new(sequence(&among, &self.runs[index].schedule, room));
         known.push((schedule, [solids, ring], arena, sequence.clone()));
         sequence
