@@ -1,9 +1,5 @@
 // A tile that begins the next step of the frame too, for what it owns. Its neighbours then read where that step has brought particles, and not
 // where they were before, and each particle begins a step once, not once in every tile that has it.
-fn last_step() -> bool {
-  return part.x + 1u >= frame.steps;
-}
-
 fn arrive(k: u32) {
   if (part.x == 0u) {
     arrive_program(k);

@@ -1,10 +1,7 @@
-// A tile begins the first step of a frame, and goes on in every other, which the dispatch before has begun: now becomes before, elsewhere.
-@group(0) @binding(3) var<storage, read> before: array<vec4<f32>>;
-@group(0) @binding(35) var<storage, read_write> passed: array<vec4<f32>>;
-
+// A tile begins the first step of a frame, and goes on in every other, which the dispatch before has begun: now becomes before.
 fn was(k: u32) -> vec3<f32> {
   if (arriving || part.x > 0u) {
-    return before[k].xyz;
+    return earlier(k);
   }
   return now[k].xyz;
 }
@@ -12,14 +9,14 @@ fn was(k: u32) -> vec3<f32> {
 // Once: a frame of several steps begins the second of them in the same dispatch as the first.
 fn set_was(k: u32, p: vec4<f32>) {
   if (own && (!arriving || last_step())) {
-    passed[k] = p;
+    pass_on(k, p);
   }
 }
 
 // Of a particle that does not move, or has moved already.
 fn stay(k: u32) {
   if (own) {
-    passed[k] = before[k];
+    carry(k);
   }
   stay_lost(k);
 }

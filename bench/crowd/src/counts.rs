@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use gimage_bench_host::{FRAME, Gpu, Host};
-use gimage_runtime::{Cloth, Collider, Flat, Options, Result, Scene, Shape};
+use gimage_runtime::{Cloth, Collider, Flat, Form, Options, Result, Scene, Shape};
 
 use crate::garment;
 
@@ -32,10 +32,10 @@ struct Row {
 }
 
 /// Prints the table as CSV: dispatches of a frame, queue writes of a frame, host time of the change and of the recording [ms, least],
-/// and bytes of device memory per particle.
+/// bytes of device memory per particle, and bytes that a step by tiles moves per particle of the first cloth.
 #[allow(clippy::print_stdout)]
 pub fn print(gpu: &Gpu, substeps: u32) -> Result<()> {
-    println!("scene,cloths,particles,dispatches,writes_per_frame,ms_change,ms_record,device_bytes_per_particle");
+    println!("scene,cloths,particles,dispatches,writes_per_frame,ms_change,ms_record,device_bytes_per_particle,tile_bytes_per_step");
     for Row { name, scene, tethers, pyramid, change } in rows()? {
         let options = Options { substeps: Some(substeps), polish: Some(0), tethers, pyramid, ..Options::default() };
         let (cloths, particles) = (scene.cloths.len(), scene.cloths.iter().map(Cloth::len).sum::<usize>());
@@ -63,9 +63,19 @@ pub fn print(gpu: &Gpu, substeps: u32) -> Result<()> {
         let bytes = (memory.device_images + memory.device_states) as f64 / particles as f64;
         let (dispatches, each) =
             (host.stepper.plan().dispatches(), (writes(&host) - before) as f64 / f64::from(FRAMES));
-        println!("{name},{cloths},{particles},{dispatches},{each},{:.3},{:.3},{bytes:.0}", least[0], least[1]);
+        let moved = tile_bytes(&host).map_or(String::new(), |bytes| format!("{bytes:.1}"));
+        let [change, record] = least;
+        println!("{name},{cloths},{particles},{dispatches},{each},{change:.3},{record:.3},{bytes:.0},{moved}");
     }
     Ok(())
+}
+
+/// What [`gimage_runtime::Tile::traffic`] counts for all tiles of a step of the first cloth; none where whole frames run.
+fn tile_bytes(host: &Host) -> Option<f64> {
+    let sides: Vec<_> = host.stepper.scene().cloths[0].grids().iter().map(|g| [g.width, g.height]).collect();
+    let passes = host.stepper.plan().passes.into_iter().filter(|p| p.cloth == 0);
+    let tiles = passes.filter_map(|p| if let Form::Tile(tile) = p.form { Some(tile.traffic(&sides)) } else { None });
+    tiles.reduce(|a, b| a + b)
 }
 
 fn milliseconds(start: Instant) -> f64 {
@@ -94,6 +104,10 @@ fn rows() -> Result<Vec<Row>> {
         Row { change: Change::Pins, ..row("garment whose pins move", worn(1)?, 2) },
         row("flat 128 x 128", flat(128, 10)?, 0),
         row("flat 128 x 128, more", flat(128, 16)?, 0),
+        row("flat 256 x 256", flat(256, 1)?, 0),
+        row("flat 256 x 256 with two tethers per particle", flat(256, 1)?, 2),
+        row("flat 256 x 256 with 8 capsules", met(256, 1)?, 0),
+        row("flat 256 x 256 with 8 capsules and two tethers per particle", met(256, 1)?, 2),
     ];
     for count in [1, 10, 100] {
         rows.push(held("flat 32 x 32 with a pyramid", flat(32, count)?));

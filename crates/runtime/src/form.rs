@@ -51,8 +51,20 @@ pub struct Tile {
     pub threads: u32,
     /// Whether several cloths may share the dispatch.
     pub shared: bool,
-    /// Whether it also begins the next step of its frame, for what it owns; then it begins only the first step itself.
-    pub ahead: bool,
+    /// What part of the steps of a frame it makes.
+    pub span: TileSpan,
+}
+
+/// What part of the steps of a frame a tile makes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum TileSpan {
+    /// Some passes of a step.
+    #[default]
+    Part,
+    /// A whole step. Between the steps of a frame, previous positions are three numbers per particle.
+    Step,
+    /// A whole step, but for its start, which was made by the tile of the step before: each begins the next step for what it owns.
+    Ahead,
 }
 
 impl Tile {

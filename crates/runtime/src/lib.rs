@@ -93,7 +93,7 @@ pub use coarser::Coarser;
 pub use collider::{BODY_GROUP, BodyCollider, Collider, Shape};
 pub use error::{Error, Result, StateProblem};
 pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99};
-pub use form::{Chain, Form, Fused, Hold, Tile, TileShape};
+pub use form::{Chain, Form, Fused, Hold, Tile, TileShape, TileSpan};
 #[cfg(feature = "gpu")]
 pub use gpu::{
     Ahead, ClothBuffers, Compiled, PassTime, Preparation, Span, UploadCount, device_features, device_limits,

@@ -7,7 +7,7 @@
 
 use crate::cloth::{Cloth, Grid};
 use crate::collider::{Collider, Shape};
-use crate::form::{Chain, Fused, Tile};
+use crate::form::{Chain, Fused, Tile, TileSpan};
 use crate::levels;
 use crate::passes::{Air, Pass};
 use crate::shaders::{Over, over, stages};
@@ -53,7 +53,7 @@ pub fn of_tile(tile: &Tile, [solids, ring]: [u64; 2]) -> u64 {
         Over::Rings => each * ring,
         _ => each * within(pass, solids) + 1,
     };
-    let again = if tile.ahead { stages(&tile.passes).arrive } else { &[] };
+    let again = if tile.span == TileSpan::Ahead { stages(&tile.passes).arrive } else { &[] };
     2 * each + tile.passes.iter().chain(again).map(of).sum::<u64>()
 }
 

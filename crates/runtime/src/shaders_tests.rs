@@ -8,7 +8,7 @@ use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use super::rule::rule;
 use super::*;
 use crate::cloth::Skinning;
-use crate::form::{Chain, Fused, Hold, Tile};
+use crate::form::{Chain, Fused, Hold, Tile, TileSpan};
 use crate::layout::{FrameRow, GridRow, JobRow, LinkRow, SolidRow, StepRow};
 use crate::passes::{Air, Kinds, Pass, Schedule, Soft};
 
@@ -161,14 +161,19 @@ fn tiles() -> Vec<Tile> {
         passes.extend((on(1) && on(4)).then_some(Pass::Limit { moves: on(2) }));
         passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 7], friction: on(2), many: on(5) })));
         let shape = TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] };
+        let spans: &[_] = match passes.first() {
+            Some(Pass::Integrate(_)) => &[TileSpan::Part, TileSpan::Step, TileSpan::Ahead],
+            Some(Pass::IntegrateExact(_)) => &[TileSpan::Part, TileSpan::Step],
+            _ => &[TileSpan::Part],
+        };
         // After seams, and what follows them in the last step.
         if !matches!(passes.last(), Some(Pass::Contact(_))) {
             let passes = [tail(k, 2 + (n as u32) % 2), passes.clone()].concat();
-            all.push(Tile { passes, shape, threads: 256, shared: true, ahead: false });
+            let sewn = spans.iter().filter(|span| **span != TileSpan::Ahead);
+            all.extend(sewn.map(|s| Tile { passes: passes.clone(), shape, threads: 256, shared: true, span: *s }));
         }
-        let begins = matches!(passes.first(), Some(Pass::Integrate(_)));
-        let forms = [(false, false), (true, false), (true, true)].into_iter().filter(|(_, ahead)| begins || !ahead);
-        all.extend(forms.map(|(shared, ahead)| Tile { passes: passes.clone(), shape, threads: 256, shared, ahead }));
+        let forms = spans.iter().map(|s| (true, *s)).chain([(false, TileSpan::Part)]);
+        all.extend(forms.map(|(shared, span)| Tile { passes: passes.clone(), shape, threads: 256, shared, span }));
     }
     all
 }

@@ -132,6 +132,34 @@ fn a_step_is_as_few_dispatches_as_can_be() {
 }
 
 #[test]
+fn a_step_begins_in_the_tile_of_the_step_before() {
+    let Some(device) = device() else { return };
+    let plain = scene(sheet(60, 45));
+    let mut tube = scene(support::tube(65, 40, 4));
+    tube.cloths[0].set_pinned(0, true).unwrap();
+    let met = Scene { colliders: all_colliders(), ..plain.clone() };
+    let [pushed, blown] = [false, true].map(|triangles| Scene { wind: Some(wind(triangles)), ..plain.clone() });
+    let spans = |name: &str, scene: &Scene, with: &dyn Fn(Options) -> Options| {
+        agree(name, scene, with, &device).iter().map(|t| t.0.span).collect::<Vec<_>>()
+    };
+    // Frames of one step begin and end in a tile, those of two have none that does neither.
+    for substeps in [1, 2, 3, 8] {
+        let some = |o| Options { substeps: Some(substeps), ..o };
+        assert_eq!(spans("plain", &plain, &some), [TileSpan::Ahead]);
+        assert_eq!(spans("colliders", &met, &some), [TileSpan::Ahead]);
+        assert_eq!(spans("seams", &tube, &some), [TileSpan::Step]);
+    }
+    assert_eq!(spans("pushed", &pushed, &|o| o), [TileSpan::Ahead]);
+    // Forces of air read previous positions, and an exact step keeps more than these.
+    assert_eq!(spans("blown", &blown, &|o| o), [TileSpan::Part]);
+    assert_eq!(spans("exact", &plain, &|o| Options { substeps: Some(24), ..o }), [TileSpan::Step]);
+    assert!(spans("relaxed twice", &plain, &|o| Options { iterations: 2, ..o }).iter().all(|s| *s == TileSpan::Part));
+    // Cloths of different sizes share dispatches, and lie beside one another.
+    let several = Scene { cloths: vec![sheet(60, 45), sheet(50, 50), sheet(64, 33)], ..met };
+    assert!(spans("several", &several, &|o| o).iter().all(|s| *s == TileSpan::Ahead));
+}
+
+#[test]
 fn what_springs_are_like_is_the_same_by_tiles() {
     let Some(device) = device() else { return };
     let cloth = || sheet(70, 41);

@@ -275,7 +275,7 @@ impl Attached {
         let position = out(local);
         let inside = |v: [f64; 3]| from.axes.map(|axis| (0..3).map(|c| axis[c] * v[c]).sum::<f64>());
         let axes = own.axes.map(|axis| out(inside(axis)));
-        Pose { position: [0, 1, 2].map(|c| (position[c] + to.origin[c]) as f32), rotation: quaternion(&axes) }
+        Pose::of_axes([0, 1, 2].map(|c| (position[c] + to.origin[c]) as f32), &axes)
     }
 }
 
@@ -314,22 +314,6 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 fn unit(v: [f64; 3]) -> [f64; 3] {
     let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
     if norm > 0.0 { v.map(|x| x / norm) } else { [1.0, 0.0, 0.0] }
-}
-
-/// The unit quaternion of three axes, from the largest of its components (S. W. Shepperd, 1978).
-fn quaternion([a, b, c]: &[[f64; 3]; 3]) -> [f32; 4] {
-    let squares =
-        [1.0 + a[0] - b[1] - c[2], 1.0 - a[0] + b[1] - c[2], 1.0 - a[0] - b[1] + c[2], 1.0 + a[0] + b[1] + c[2]];
-    let largest = (0..4).max_by(|i, j| squares[*i].total_cmp(&squares[*j])).unwrap_or(3);
-    let s = 2.0 * squares[largest].max(1e-12).sqrt();
-    let q = match largest {
-        0 => [s / 4.0, (a[1] + b[0]) / s, (a[2] + c[0]) / s, (b[2] - c[1]) / s],
-        1 => [(a[1] + b[0]) / s, s / 4.0, (b[2] + c[1]) / s, (c[0] - a[2]) / s],
-        2 => [(a[2] + c[0]) / s, (b[2] + c[1]) / s, s / 4.0, (a[1] - b[0]) / s],
-        _ => [(b[2] - c[1]) / s, (c[0] - a[2]) / s, (a[1] - b[0]) / s, s / 4.0],
-    };
-    let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-    q.map(|x| (x / norm) as f32)
 }
 
 /// The time before an animation \[s\] that a scene has without `--lead`.
@@ -390,7 +374,7 @@ mod tests {
     #[test]
     fn quaternions_are_those_of_their_axes() {
         for q in [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.5; 4]] {
-            assert!(near(&quaternion(&Frame::turned(q).axes), &q), "{q:?}");
+            assert!(near(&Pose::of_axes([0.0; 3], &Frame::turned(q).axes).rotation, &q), "{q:?}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Motion given by keys: positions in between are linear, rotations spherical linear (K. Shoemake, "Animating Rotation
 //! with Quaternion Curves", SIGGRAPH 1985).
 
+use crate::cloth::quaternion;
 use crate::collider::Collider;
 use crate::error::{Result, check};
 use crate::moving_frame::product;
@@ -21,6 +22,11 @@ impl Default for Pose {
 }
 
 impl Pose {
+    /// A pose that takes the axes of the world to these three, which are orthogonal unit vectors.
+    pub fn of_axes(position: [f32; 3], axes: &[[f64; 3]; 3]) -> Self {
+        Pose { position, rotation: quaternion(axes).map(|x| x as f32) }
+    }
+
     /// Velocity \[m/s\] and angular velocity \[rad/s\] that lead to `next` in `dt` \[s\], the shorter way round.
     pub fn motion_to(&self, next: &Pose, dt: f64) -> ([f32; 3], [f32; 3]) {
         let velocity = [0, 1, 2].map(|c| (f64::from(next.position[c] - self.position[c]) / dt) as f32);

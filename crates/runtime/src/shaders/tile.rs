@@ -8,7 +8,7 @@ use super::program::calls;
 use super::rule::{Over, Rule, over, rule};
 use super::together::{clears, several};
 use super::{Slot, Source, Threads};
-use crate::form::Tile;
+use crate::form::{Tile, TileSpan};
 use crate::passes::Pass;
 
 /// Where in a tile's work its passes are.
@@ -71,7 +71,7 @@ pub fn tile(tile: &Tile) -> Source {
         calls(leave, |pass, _| format!("  {}_own(local);\n", call(pass))),
     );
     let program = tails(tail) + &program;
-    let parts = parts.files(&[if tile.ahead { part!("tile_ahead") } else { part!("tile_step") }]);
+    let parts = parts.files(&[if ahead(tile) { part!("tile_ahead") } else { part!("tile_step") }]);
     let shape = tile.shape;
     let parts = if tile.shared {
         several(parts, false)
@@ -97,6 +97,11 @@ pub fn tile(tile: &Tile) -> Source {
     Source { stem: "tile", files, loops, program, bindings, constants, threads: Threads::Tiles(shape), scratch: 0 }
 }
 
+/// Whether a tile begins the next step.
+fn ahead(tile: &Tile) -> bool {
+    tile.span == TileSpan::Ahead
+}
+
 /// A tile writes its changes elsewhere, as its neighbours read the particles around their own.
 fn apart_from_others(tile: &Tile, mut parts: Parts) -> Parts {
     let moves = parts.bound(Slot::Before).is_some_and(|b| b.writes);
@@ -108,8 +113,10 @@ fn apart_from_others(tile: &Tile, mut parts: Parts) -> Parts {
     let parts = match (moves, parts.binds(Slot::Before)) {
         (true, _) => {
             let lost = if exact { part!("tile_lost") } else { part!("tile_lost_none") };
-            let moves = if tile.ahead { part!("tile_moves_ahead") } else { part!("tile_moves") };
-            parts.files(&[moves, lost]).bind(&[writes(Slot::Passed)])
+            let moves = if ahead(tile) { part!("tile_moves_ahead") } else { part!("tile_moves") };
+            let packed = tile.span != TileSpan::Part;
+            let earlier = if packed { part!("earlier_packed") } else { part!("earlier_stored") };
+            parts.files(&[earlier, moves, lost]).bind(&[writes(Slot::Passed)])
         }
         (false, true) => parts.files(&[part!("tile_moves_none"), part!("before")]),
         (false, false) => parts.files(&[part!("tile_moves_none")]),

@@ -100,16 +100,18 @@ pub fn sequence(among: &Among, schedule: &Schedule, room: &Room) -> Sequence {
     let [first, coarse, relax, last] = put_off.unwrap_or_else(|| {
         let of = |passes: &[Pass]| together(passes, among, room);
         let coarse = below(of(&schedule.step), &schedule.relax);
-        let first = if coarse.is_empty() && schedule.air.is_empty() { ahead(of(&whole), among) } else { of(&whole) };
-        [first, coarse, of(&schedule.relax), last.iter().map(alone).collect()]
+        [of(&whole), coarse, of(&schedule.relax), last.iter().map(alone).collect()]
     });
+    // Wind and coarser grids read previous positions between dispatches.
+    let alone = among.shared && among.rounds == 1 && schedule.air.is_empty() && schedule.coarse.is_empty();
+    let first = if alone { by_steps(first) } else { first };
     Sequence { gusts, air, first, coarse, relax, last }
 }
 
-/// The dispatches of a step: if it is one, each begins the step after it.
-fn ahead(step: Vec<Form>, among: &Among) -> Vec<Form> {
+/// The dispatches of a step. If they are one tile, no other pass comes between the steps of a frame.
+fn by_steps(step: Vec<Form>) -> Vec<Form> {
     match &step[..] {
-        [Form::Tile(tile)] if among.rounds == 1 => tile.clone().ahead().map_or(step, |tile| vec![Form::Tile(tile)]),
+        [Form::Tile(tile)] => vec![Form::Tile(tile.clone().of_steps())],
         _ => step,
     }
 }
