@@ -30,30 +30,36 @@ impl<T: Real, F: Fn(usize, usize) -> [T; 4] + Copy + Send + Sync> Place<T> for T
         !self.airs.is_empty()
     }
 
+    // Inlined, as `put`, into code for the machine's vectors.
+    #[inline(always)]
     fn fill(&self, j: usize, row: &mut Row<T>) -> bool {
         let View { now, width, holes } = self.view;
         let range = j * width..(j + 1) * width;
         let now = &now[range.clone()];
+        let half = half_row(width);
         let Row { now: [x, y, z], before, air, w } = row;
-        part(now, [x, y, z, w]);
+        part(now, half, [x, y, z, w]);
         for (from, [x, y, z]) in [(self.before, before), (self.airs, air)] {
-            let mut none = Vec::new();
-            part(from.get(range.clone()).unwrap_or(&[]), [x, y, z, &mut none]);
+            if let Some(from) = from.get(range.clone()) {
+                part(from, half, [x, y, z]);
+            }
         }
         let there = now.iter().all(|p| p[3] >= T::of(0.0));
         there && holes.get(range).unwrap_or(&[]).iter().all(|h| *h == 0)
     }
 
+    #[inline(always)]
     fn put(&self, from: &[Vec<T>; 4], to: &mut [[T; 4]]) {
-        let half = half_row(self.view.width);
+        let (half, count) = (half_row(self.view.width), self.view.width / 2);
         let [x, y, z, w] = from.each_ref().map(|list| list.split_at(half));
-        let even = x.0.iter().zip(y.0).zip(z.0).zip(w.0);
-        let odd = x.1.iter().zip(y.1).zip(z.1).zip(w.1);
-        for (pair, ((((x, y), z), w), (((a, b), c), d))) in to.chunks_mut(2).zip(even.zip(odd)) {
-            pair[0] = [*x, *y, *z, *w];
-            if let Some(second) = pair.get_mut(1) {
-                *second = [*a, *b, *c, *d];
-            }
+        let even = x.0[..count].iter().zip(&y.0[..count]).zip(&z.0[..count]).zip(&w.0[..count]);
+        let odd = x.1[..count].iter().zip(&y.1[..count]).zip(&z.1[..count]).zip(&w.1[..count]);
+        let (pairs, last) = to.as_chunks_mut::<2>();
+        for (pair, ((((x, y), z), w), (((a, b), c), d))) in pairs.iter_mut().zip(even.zip(odd)) {
+            *pair = [[*x, *y, *z, *w], [*a, *b, *c, *d]];
+        }
+        for last in last {
+            *last = [x.0[count], y.0[count], z.0[count], w.0[count]];
         }
     }
 
@@ -62,16 +68,21 @@ impl<T: Real, F: Fn(usize, usize) -> [T; 4] + Copy + Send + Sync> Place<T> for T
     }
 }
 
-/// Copies a row of texels into lists of `[even, odd]`; an empty list is left out.
-fn part<T: Real>(from: &[[T; 4]], to: [&mut Vec<T>; 4]) {
-    for (c, to) in to.into_iter().enumerate() {
-        let half = to.len() / 2;
-        let (even, odd) = to.split_at_mut(half);
-        for (pair, (even, odd)) in from.chunks(2).zip(even.iter_mut().zip(odd)) {
-            *even = pair[0][c];
-            if let Some(second) = pair.get(1) {
-                *odd = second[c];
-            }
+/// Copies the first numbers of a row of texels into lists of `[even, odd]`, one a number.
+#[inline(always)]
+fn part<T: Real, const N: usize>(from: &[[T; 4]], half: usize, to: [&mut Vec<T>; N]) {
+    let (pairs, last) = from.as_chunks::<2>();
+    let mut lists = to.map(|list| list.split_at_mut(half));
+    // One pass over the texels, along lists of one length.
+    let mut ends = lists.each_mut().map(|(even, odd)| (&mut even[..pairs.len()], &mut odd[..pairs.len()]));
+    for (k, [even, odd]) in pairs.iter().enumerate() {
+        for (c, (evens, odds)) in ends.iter_mut().enumerate() {
+            (evens[k], odds[k]) = (even[c], odd[c]);
+        }
+    }
+    for last in last {
+        for (c, (even, _)) in lists.iter_mut().enumerate() {
+            even[pairs.len()] = last[c];
         }
     }
 }
