@@ -43,7 +43,7 @@ pub enum Support {
 /// | support | substeps | rounds | measured |
 /// |---|---|---|---|
 /// | free, or the classic solver | 8 | 0 | |
-/// | pins with tethers | 4, 5 for N up to 36, 192; above N / 32, at least 8 | 2, 3, 3; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.4, 0.9, 0.7 % |
+/// | pins with tethers | 4, 5 for N up to 36, 192; above N / 32, at least 8 | 2, 2, 3; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.6, 1.1, 0.7 % |
 /// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
@@ -254,7 +254,7 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
         (true, true, false) => {
             let (substeps, polish) = match n {
                 n if n <= 36.0 => (4, 2),
-                n if n <= 192.0 => (5, 3),
+                n if n <= 192.0 => (5, 2),
                 n => ((n / 32.0).ceil().clamp(8.0, MAX_SUBSTEPS.into()) as u32, 3),
             };
             let (substeps, polish) = match () {
