@@ -1,8 +1,8 @@
 //! One scene for each feature, beside the plain one without any.
 
 use gimage_runtime::{
-    Cloth, ClothContact, Collider, Compliance, Flat, Grid, Mass, Material, Options, Particle, Parts, Rest, Result,
-    Scene, Shape, Sleep, Solver, Wind, WindForce,
+    BodySurface, Cloth, ClothContact, Collider, Compliance, Flat, Grid, Mass, Material, Options, Particle, Parts, Rest,
+    Result, Scene, Shape, Sleep, Solver, Wind, WindForce,
 };
 
 /// Change made to a scene before it is timed.
@@ -56,6 +56,23 @@ pub fn cases(n: u32) -> Result<Vec<Case>> {
     cases.extend(shared(n, Solver::Xpbd, "xpbd")?);
     cases.extend(xpbd(n)?);
     Ok(cases)
+}
+
+/// A body at rest beneath the cloth: a ball of 64 x 32 cells.
+fn round_body() -> Result<BodySurface> {
+    let (around, rings) = (64u32, 33u32);
+    let at = |k: u32| {
+        let (a, t) = (std::f32::consts::TAU * (k % around) as f32, std::f32::consts::PI * (k / around) as f32);
+        let (a, t) = (a / around as f32, t / (rings - 1) as f32);
+        [0.5 + 0.25 * t.sin() * a.cos(), -0.2 + 0.25 * t.cos(), 0.5 + 0.25 * t.sin() * a.sin()]
+    };
+    let corner = |i: u32, j: u32| j * around + i % around;
+    let cells = (0..rings - 1).flat_map(|j| (0..around).map(move |i| (i, j)));
+    let two = |(i, j)| {
+        let [a, b] = [corner(i, j), corner(i + 1, j)];
+        [[a, b, corner(i, j + 1)], [b, corner(i + 1, j + 1), corner(i, j + 1)]]
+    };
+    BodySurface::new((0..around * rings).map(at).collect(), cells.flat_map(two).collect(), Vec::new())
 }
 
 fn plain(n: u32) -> Result<Scene> {
@@ -134,7 +151,9 @@ fn xpbd(n: u32) -> Result<Vec<Case>> {
     let image = Compliance::Image(vec![[1e-3; 4]; (n * n) as usize].into());
     let many = || -> Result<Scene> { Ok(Scene { cloths: vec![square(n)?; 64], ..plain()? }) };
     let apart = |name, scene| case(name, scene).with(|o| o.fused = false);
+    let worn = of(&|cloth| cloth.set_body(Some(round_body()?.into())))?;
     Ok(vec![
+        case("on the surface of a body", worn),
         apart("xpbd in separate passes", plain()?),
         case("64 cloths", many()?),
         apart("64 cloths in separate passes", many()?),

@@ -152,6 +152,8 @@ pub struct Like {
     pub exact: bool,
     pub limited: bool,
     pub backed: bool,
+    /// Whether it is worn on the surface of a body.
+    pub worn: bool,
     /// Whether it follows joints, and so has targets of its own.
     pub follows: bool,
 }
@@ -185,7 +187,8 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
         let soft = soft_of(cloth);
         let aimed = (cloth.limits.is_some(), cloth.backstops.is_some(), cloth.follows_joints());
         let sewn = cloth.sewing().is_some();
-        let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some(), aimed, sewn);
+        let worn = cloth.body().is_some();
+        let fabric = (cloth.is_exact(), cloth.bending().is_some(), cloth.membrane().is_some(), aimed, sewn, worn);
         let (slots, instance) = held(index);
         let leveled = has_levels(cloth, options);
         let kind = (image, rings, soft, slots, fabric, leveled);
@@ -195,7 +198,7 @@ pub fn arenas(cloths: &[Cloth], held: impl Fn(usize) -> (usize, usize), options:
         let places = room_of(cloth.len());
         let follows = u64::from(cloth.follows_joints());
         let own = u64::from(cloth.is_aimed()) + follows + u64::from(cloth.backstops.is_some()) * (1 + follows);
-        let own = 16 * places as u64 * own;
+        let own = 16 * places as u64 * (own + u64::from(worn) * Slot::SurfacePlanes.vectors());
         let images = listed(cloth, slots, places) as u64 - listed(cloth, slots, 0) as u64 - own;
         let lists = listed(cloth, slots, 0) as u64 + own;
         let [rows, shared] = if leveled { levels::listed(cloth) } else { [0; 2] };

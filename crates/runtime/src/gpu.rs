@@ -42,6 +42,7 @@ mod uploads;
 #[cfg(not(target_family = "wasm"))]
 mod wait;
 mod watch;
+mod worn;
 mod wrap;
 mod wrap_indices;
 
@@ -71,7 +72,7 @@ use crate::frame::Frame;
 use crate::fused;
 use crate::layout::{POSES, StepRow};
 use crate::passes::Pass;
-use crate::shaders::Slot;
+use crate::shaders::{PLANE_BYTES, Slot, VERTEX_BYTES};
 use crate::world::{Batch, ClothRun, World};
 use arena::{Arena, Underway};
 use bounds::Boxes;
@@ -262,6 +263,7 @@ impl Gpu {
             encoder.clear_buffer(strain, at, Some(4));
         }
         self.solids.follow(&mut self.frames.ring, encoder);
+        self.wear(world, encoder, steps);
         let budget = world.control.options.quality.budget().is_some() && steps > 0;
         let mut timing = std::mem::take(&mut self.timing);
         let mut passes = timing.begin(&self.device, encoder, budget);
@@ -395,6 +397,10 @@ fn fits(limits: &wgpu::Limits, cloth: &Cloth, held: &Tethers) -> Result<()> {
     let cells = if cloth.membrane().is_some() { 32 * len } else { 0 };
     let tethers = 8 * held.per_particle as u64 * len;
     let sets = cloth.skin().filter(|_| cloth.follows_joints()).map_or(0, |skin| 1 + 2 * skin.sets as u64);
+    let surface = cloth.body().map_or([0; 3], |surface| {
+        let vertices = surface.vertices() * VERTEX_BYTES.max(32 * (1 + cloth.body_sets()));
+        [PLANE_BYTES * cloth.len(), vertices, 4 * surface.words()].map(|bytes| bytes as u64)
+    });
     let partners = if cloth.contact.is_some() { 8 * MAX_PARTNERS as u64 * len } else { 0 };
     // No other buffer of a cloth has more bytes per particle.
     let buffers = [
@@ -402,6 +408,9 @@ fn fits(limits: &wgpu::Limits, cloth: &Cloth, held: &Tethers) -> Result<()> {
         ("tethers", tethers, limit),
         ("cells", cells, limit),
         ("partners in contact", partners, limit),
+        ("planes at the surface of a body", surface[0], limit),
+        ("vertices of the surface of a body", surface[1], limit),
+        ("triangles of the surface of a body", surface[2], limit),
         ("influences of joints", 16 * sets * len, limit),
         ("positions of the last good frame", lasting, buffer),
     ];

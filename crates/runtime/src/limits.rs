@@ -83,10 +83,10 @@ pub enum Warning {
         /// The cloth by name.
         cloth: String,
     },
-    /// Neither the GPU backend nor the classic solver has contact with the surface of a body.
+    /// The classic solver has no contact with the surface of a body.
     #[error(
-        "cloth {cloth}: the GPU backend and the solver `classic` do not collide with the surface of a body: the cloth meets the solids of its body \
-         instead, if the scene has them; use the CPU backend and `xpbd` for the surface"
+        "cloth {cloth}: the solver `classic` does not collide with the surface of a body: the cloth meets the solids of its body instead, if the \
+         scene has them; use `xpbd` for the surface"
     )]
     BodyLeftOut {
         /// The cloth by name.

@@ -186,6 +186,19 @@ pub enum Pass {
     Colliders(Kinds),
     /// Swept: particles leave moving colliders that they are in or went through.
     Contact(Kinds),
+    /// The vertices of the surface of a body that a cloth is worn on, at the start and at the end of a frame.
+    SurfacePose {
+        /// Sets of four joints per vertex; 0 for a surface that rests.
+        sets: u32,
+        /// How vertices move between joints.
+        skinning: Skinning,
+    },
+    /// Boxes around the patches of that surface.
+    SurfaceBoxes,
+    /// The planes of that surface that particles meet in a frame.
+    SurfaceSearch,
+    /// Particles leave these planes.
+    SurfaceContact,
     /// Particles that are nowhere are counted.
     Guard,
     /// Cloth with such particles goes back to the last good frame.
@@ -350,6 +363,8 @@ pub const FOLLOW_STEPS: u32 = 2;
 /// The passes of a cloth, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Schedule {
+    /// Before all others, once in a frame in which a step is made.
+    pub worn: Vec<Pass>,
     /// Before all others, once in [`SEARCH_STEPS`] steps.
     pub near: Vec<Pass>,
     /// After these, in the first step of a frame.
@@ -414,7 +429,7 @@ pub fn schedule(
             let tethers = (slots > 0).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
             // It ignores contact: it would pull cloth through what it lies on.
-            let alone = colliders.is_none() && cloth.contact.is_none();
+            let alone = colliders.is_none() && cloth.body().is_none() && cloth.contact.is_none();
             s.coarse = if alone { coarse(cloth, options) } else { Vec::new() };
             if cloth.membrane().is_none() {
                 let again = options.iterations * (options.polish + 1) > 1 && soft_of(cloth) != Soft::None;
@@ -442,6 +457,11 @@ pub fn schedule(
                 s.near = vec![Pass::Leaves, Pass::Tree, Pass::Partners { seams }];
                 s.relax.extend([Pass::Touch { others: 0 }, Pass::Separate]);
                 s.relax.extend(seams.then_some(Pass::Seams));
+            }
+            if cloth.body().is_some() {
+                let pose = Pass::SurfacePose { sets: cloth.body_sets() as u32, skinning: cloth.skinning };
+                s.worn = vec![pose, Pass::SurfaceBoxes, Pass::SurfaceSearch];
+                s.relax.push(Pass::SurfaceContact);
             }
             s.relax.extend(colliders.map(Pass::Contact));
             s.frame.extend([Pass::Guard, Pass::Restore]);

@@ -58,6 +58,11 @@ impl Plan {
             passes.extend(forms.map(|(form, dispatches)| planned(world, cloth, form, dispatches)));
         }
         passes.extend(together(world));
+        // Each cloth has its own.
+        let worn = (0..world.runs.len()).flat_map(|c| world.runs[c].schedule.worn.iter().map(move |pass| (c, *pass)));
+        let awake = worn.filter(|(c, _)| !world.runs[*c].asleep);
+        let worn: Vec<_> = awake.map(|(c, pass)| planned(world, c, pass.into(), u32::from(steps > 0))).collect();
+        passes.splice(0..0, worn);
         Plan { passes }
     }
 
@@ -67,12 +72,14 @@ impl Plan {
         let options = &world.control.options;
         let run = &world.runs[cloth];
         let counted = match (&run.fused, &run.sequence) {
-            (Some(fused), _) => return vec![Form::Whole(fused.clone())],
+            (Some(fused), _) => vec![(Form::Whole(fused.clone()), 1)],
             (None, Some(sequence)) => sequence.forms([options.substeps, options.iterations, 1, options.pyramid]),
             (None, None) => apart(world, cloth),
         };
+        let together = if run.fused.is_some() { Vec::new() } else { together(world) };
+        let worn = run.schedule.worn.iter().map(|pass| Form::Apart(*pass));
         let own = counted.into_iter().map(|(form, _)| form);
-        own.chain(together(world).into_iter().map(|pass| pass.form)).collect()
+        worn.chain(own).chain(together.into_iter().map(|pass| pass.form)).collect()
     }
 
     /// Dispatches per frame.
@@ -93,7 +100,7 @@ impl Plan {
 /// The forms of the passes in the frame of a cloth that shares no dispatch, and their dispatches.
 fn apart(world: &World, cloth: usize) -> Vec<(Form, u32)> {
     let (steps, rounds) = (world.control.options.substeps, world.control.options.iterations);
-    let Schedule { near, gusts, air, step, coarse, relax, frame } = &world.runs[cloth].schedule;
+    let Schedule { near, gusts, air, step, coarse, relax, frame, .. } = &world.runs[cloth].schedule;
     let rare = steps.div_ceil(world.control.options.pyramid.max(1));
     let alone = |list: &[Pass]| list.iter().map(|pass| Form::Apart(*pass)).collect::<Vec<_>>();
     let search = (alone(near), steps.div_ceil(SEARCH_STEPS));

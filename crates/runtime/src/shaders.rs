@@ -11,6 +11,10 @@ use crate::form::{Form, TileShape};
 pub enum Threads {
     Particles,
     Rings,
+    /// Vertices of the surface of a body.
+    Vertices,
+    /// Patches of it.
+    Patches,
     /// Every texel of every grid.
     Texels,
     /// Half the texels: `true` every other column, `false` every other row.
@@ -82,6 +86,8 @@ pub use lists::HEAD;
 pub use lists::{LASTING, SCRATCH};
 pub use parts::Bound;
 pub use rule::{Over, over};
+#[cfg(feature = "gpu")]
+pub use slot::{HINT_BYTES, PLANE_BYTES, VERTEX_BYTES};
 pub use slot::{LISTED, Slot, listed};
 pub use tile::{Stages, stages, tile};
 pub use together::is_shared;
@@ -138,6 +144,8 @@ impl Source {
         match self.threads {
             Threads::Particles => list(most.particles),
             Threads::Rings => list(most.rings),
+            Threads::Vertices => list(most.surface[0]),
+            Threads::Patches => list(most.surface[1]),
             Threads::Texels => sides(false, false),
             Threads::Quarter => sides(true, true),
             Threads::One => [1; 3],
@@ -166,6 +174,8 @@ pub struct Extent {
     pub grids: u32,
     /// The most columns and the most rows of a grid.
     pub sides: [u32; 2],
+    /// Vertices and patches of the surface of a body that it is worn on.
+    pub surface: [usize; 2],
 }
 
 impl Extent {
@@ -173,7 +183,8 @@ impl Extent {
     pub fn of(cloth: &Cloth) -> Self {
         let each = cloth.grids().iter().map(|g| [g.width, g.height]);
         let sides = each.fold([0; 2], |most, side| [most[0].max(side[0]), most[1].max(side[1])]);
-        Extent { particles: cloth.len(), rings: cloth.ring_count(), grids: cloth.grids().len() as u32, sides }
+        let surface = cloth.body().map_or([0; 2], |s| [s.vertices(), s.patches()]);
+        Extent { particles: cloth.len(), rings: cloth.ring_count(), grids: cloth.grids().len() as u32, sides, surface }
     }
 
     /// Room for both.
@@ -183,6 +194,7 @@ impl Extent {
             rings: self.rings.max(other.rings),
             grids: self.grids.max(other.grids),
             sides: [0, 1].map(|d| self.sides[d].max(other.sides[d])),
+            surface: [0, 1].map(|d| self.surface[d].max(other.surface[d])),
         }
     }
 }

@@ -61,6 +61,7 @@ fn passes() -> Vec<Pass> {
     all.extend([Pass::Wrap { jumps: false }, Pass::Wrap { jumps: true }, Pass::Jump, Pass::WrapIndices]);
     for (sets, skinning) in [1, 2].into_iter().flat_map(|s| [(s, Skinning::Linear), (s, Skinning::DualQuaternion)]) {
         all.extend([Pass::Blend { sets, skinning }, Pass::Skin { sets, skinning }]);
+        all.push(Pass::SurfacePose { sets, skinning });
     }
     all.extend([false, true].map(|holes| Pass::Moments { holes }));
     all.extend([Pass::Stitch { holes: false }, Pass::Stitch { holes: true }, Pass::Sew]);
@@ -72,6 +73,8 @@ fn passes() -> Vec<Pass> {
         all.extend([false, true].map(|seams| Pass::Refine { seams, cut }));
     }
     all.push(Pass::Follow);
+    all.extend([Pass::SurfacePose { sets: 0, skinning: Skinning::Linear }, Pass::SurfaceBoxes, Pass::SurfaceSearch]);
+    all.push(Pass::SurfaceContact);
     all.extend([false, true].map(|moves| Pass::Limit { moves }));
     all.extend([false, true].map(|moves| Pass::Backstop { moves }));
     all.extend([Pass::Forget, Pass::Tethers { slots: 1 }, Pass::Tethers { slots: 4 }]);
@@ -128,6 +131,7 @@ fn tail(k: u32, slots: u32) -> Vec<Pass> {
     let mut passes = vec![Pass::Seams];
     passes.extend(on(0).then_some(Pass::Tethers { slots }));
     passes.extend(on(1).then_some(Pass::Limit { moves: on(4) }));
+    passes.extend(on(2).then_some(Pass::SurfaceContact));
     passes.extend(on(3).then_some(Pass::Contact(Kinds { shapes: [true; 7], friction: on(2), many: on(5) })));
     passes
 }
@@ -159,6 +163,7 @@ fn tiles() -> Vec<Tile> {
         }
         passes.extend(tethers.filter(|_| on(1)));
         passes.extend((on(1) && on(4)).then_some(Pass::Limit { moves: on(2) }));
+        passes.extend(on(1).then_some(Pass::SurfaceContact));
         passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 7], friction: on(2), many: on(5) })));
         let shape = TileShape { inner: [22; 2], around: [5; 2], lacks: [1; 2], room: [32; 2] };
         let spans: &[_] = match passes.first() {
@@ -204,6 +209,7 @@ fn fused() -> Vec<Fused> {
         s.relax.extend(springs(image, soft, again, 2 * u32::from(on(4)), tethers));
         s.relax.extend(seams);
         s.relax.extend(on(0).then_some(Pass::Limit { moves: on(1) }));
+        s.relax.extend(on(3).then_some(Pass::SurfaceContact));
         let kinds = Kinds { shapes: [true; 7], friction: on(2), many: on(3) };
         s.relax.extend(on(4).then_some(Pass::Contact(kinds)));
         if !holes && !on(4) && on(0) != on(2) {
@@ -389,7 +395,7 @@ fn structs_lie_as_in_rust() {
                 // Lives in registers only.
                 Some(
                     "Ends" | "Pull" | "Exit" | "Entry" | "Taper" | "Quad" | "Edge" | "Below" | "Window" | "Seeker"
-                    | "Pose" | "VertexFrame" | "Sheet" | "Bound",
+                    | "Pose" | "VertexFrame" | "Sheet" | "Bound" | "Spot" | "Corners" | "View" | "Known",
                 ) => {
                     continue;
                 }
@@ -424,6 +430,7 @@ fn every_shader_has_a_twin_and_every_file_is_used() {
             "draw" => "draw/raster",
             "draw_surface" => "draw/flat",
             "tile" => "tile/reach",
+            pass if pass.starts_with("surface_") => &format!("cpu/{}", pass.replacen('_', "/", 1)),
             pass => &format!("cpu/{pass}"),
         };
         let source = |twin: &str| std::fs::read_to_string(root().join(format!("crates/runtime/src/{twin}.rs")));

@@ -151,7 +151,7 @@ impl World {
         Ok(world)
     }
 
-    /// As [`World::new`] for a backend that does not collide with surfaces of bodies: its cloths have none, with a warning.
+    /// As [`World::new`] for the classic solver, which does not collide with surfaces of bodies: its cloths have none, with a warning.
     pub fn without_bodies(mut scene: Scene, options: Options) -> Result<Self> {
         let left_out: Vec<bool> = scene.cloths.iter_mut().map(Cloth::leave_body).collect();
         let mut world = World::new(scene, options)?;
@@ -258,8 +258,7 @@ impl World {
         let (cloth, wind) = (&self.scene.cloths[index], self.scene.wind.as_ref());
         // Only the classic solver has another pass without friction.
         let smooth = options.solver == Solver::Classic && cloth.friction <= 0.0;
-        let kinds = Kinds::of(self.scene.met(cloth.met_groups())).or(cloth.body().map(|_| Kinds::default()));
-        let met = kinds.map(|k| Kinds { friction: k.friction && !smooth, ..k });
+        let met = Kinds::of(self.scene.met(cloth.met_groups())).map(|k| Kinds { friction: k.friction && !smooth, ..k });
         let mut schedule = schedule((cloth, self.runs[index].tethers.per_particle as u32), met, wind, options);
         // Speeds are measured where cloth may fall asleep.
         if self.calm_below().is_some() {

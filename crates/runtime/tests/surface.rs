@@ -11,7 +11,7 @@ use gimage_runtime::*;
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
-use support::rig::{FRAME, Rig};
+use support::rig::{FRAME, Rig, largest};
 use support::{scene, tube};
 
 const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -67,8 +67,12 @@ fn arm(radius: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
 
 /// A sleeve with a seam, pinned at its upper end, on an arm.
 fn sleeve(radius: f32) -> Cloth {
-    let mut cloth = tube(25, 20, 1);
-    cloth.pin(&(0..25).collect::<Vec<_>>()).unwrap();
+    sleeve_of(tube(25, 20, 1), 25, radius)
+}
+
+/// One of a tube, of which these are the particles of a ring.
+fn sleeve_of(mut cloth: Cloth, ring: u32, radius: f32) -> Cloth {
+    cloth.pin(&(0..ring).collect::<Vec<_>>()).unwrap();
     let joint = |n: usize| SkinJoint { name: format!("joint {n}"), inverse_bind: IDENTITY, ..SkinJoint::default() };
     let list: Vec<_> = cloth.positions().iter().map(influence).collect();
     cloth.set_skin((0..2).map(joint).collect(), &list).unwrap();
@@ -242,14 +246,160 @@ fn what_does_not_collide_with_surfaces_says_so() {
     let mut still = cloth.clone();
     still.set_skin(vec![SkinJoint::default(); 2], &vec![influence(&[0.0; 3]); cloth.len()]).unwrap();
     let classic = Options { solver: Solver::Classic, ..Options::default() };
-    assert!(left_out(&Stepper::on_cpu(scene(still.clone()), classic).unwrap()));
+    let mut stepper = Stepper::on_cpu(scene(still.clone()), classic.clone()).unwrap();
+    assert!(left_out(&stepper));
+    let added = stepper.add_cloth(still.clone()).unwrap();
+    assert!(stepper.scene().cloths[1].body().is_none());
+    assert_eq!(stepper.warnings().len(), 2);
+    stepper.remove_cloth(added).unwrap();
     let Some(device) = support::device() else { return };
+    assert!(left_out(&Rig::gpu(scene(still), &classic, &device).stepper));
+    assert!(!left_out(&Rig::gpu(scene(cloth), &Options::default(), &device).stepper));
+}
+
+/// A frame, which the joints of cloths that follow any end in their pose.
+fn swing(rig: &mut Rig, frame: u32) {
+    for cloth in 0..rig.stepper.scene().cloths.len() {
+        if rig.stepper.scene().cloths[cloth].follows_joints() {
+            rig.stepper.set_joints(cloth, &pose(frame as f32 * FRAME as f32)).unwrap();
+        }
+    }
+    rig.frame(FRAME);
+}
+
+/// A sheet too large for a workgroup above a body at rest.
+fn sheet() -> Cloth {
+    let (positions, triangles) = limb(0.2, [0.2, -0.2], 64, 48);
+    let mut cloth = Flat { origin: [-0.5, 0.22, -0.5], ..Flat::square("sheet", 70) }.cloth().unwrap();
+    cloth.thickness = Some(THICKNESS);
+    cloth.set_body(Some(Arc::new(BodySurface::new(positions, triangles, Vec::new()).unwrap()))).unwrap();
+    cloth
+}
+
+fn fixed() -> Options {
+    Options { substeps: Some(8), polish: Some(1), ..Options::default() }
+}
+
+#[test]
+fn a_frame_from_one_state_is_that_of_the_twin() {
+    let Some(device) = support::device() else { return };
+    for skinning in [Skinning::Linear, Skinning::DualQuaternion] {
+        let mut cloth = sleeve(0.85 * girth());
+        cloth.skinning = skinning;
+        let mut rigs = [Rig::cpu(scene(cloth.clone()), &fixed()), Rig::gpu(scene(cloth), &fixed(), &device)];
+        let mut far = [Vec::new(), Vec::new()];
+        for frame in 1..=60 {
+            // Both from where the CPU is, then each from where it is itself, by what its particles know of the last frame.
+            if frame <= 30 {
+                let state = rigs[0].stepper.snapshot().unwrap();
+                rigs[1].stepper.restore(&state).unwrap();
+                rigs[1].stepper.teleport_joints(0, &pose((frame - 1) as f32 * FRAME as f32)).unwrap();
+            }
+            rigs.iter_mut().for_each(|rig| swing(rig, frame));
+            far[usize::from(frame > 30)].push(largest(&rigs[0].positions(0), &rigs[1].positions(0)));
+        }
+        let most = |list: &[f32]| list.iter().copied().fold(0.0, f32::max);
+        // Rounding grows where cloth is squeezed.
+        let [first, then] = [most(&far[0]), most(&far[1][..10])];
+        assert!(first < 1e-6 && then < 1e-5 || support::alike::tolerates(&device) && first < 1e-4, "{far:?}");
+    }
+}
+
+#[test]
+fn every_form_has_the_same_contact_with_a_body() {
+    let Some(device) = support::device_with(device_limits) else { return };
+    // A skin that no joints move leaves the surface at rest.
+    let mut still = sleeve(0.85 * girth());
+    let influences: Vec<_> = still.positions().iter().map(influence).collect();
+    still.set_skin(vec![SkinJoint::default(); 2], &influences).unwrap();
+    assert!(!still.follows_joints() && still.body().is_some());
+    let fine = sleeve_of(tube(121, 28, 1), 121, 0.85 * girth());
+    for (cloth, whole) in [(sleeve(0.85 * girth()), true), (still, true), (sheet(), false), (fine, false)] {
+        // Both in one buffer.
+        let scene = Scene { cloths: vec![cloth.clone(), cloth], ..Scene::new("two") };
+        let run = |fused| {
+            let mut rig = Rig::gpu(scene.clone(), &Options { fused, ..fixed() }, &device);
+            let plan = rig.stepper.plan();
+            let holds = plan.passes.iter().filter(|p| matches!(p.form, Form::Whole(_))).count();
+            let tiles = plan.passes.iter().filter(|p| matches!(p.form, Form::Tile(_))).count();
+            (1..9).for_each(|n| swing(&mut rig, n));
+            assert!(rig.positions(0) == rig.positions(1));
+            (holds > 0, tiles > 0, rig.positions(1))
+        };
+        let (fused, apart, again) = (run(true), run(false), run(true));
+        assert_eq!((fused.0, fused.1, apart.0, apart.1), (whole, !whole, false, false));
+        assert!(fused.2 == again.2);
+        let mut cpu = Rig::cpu(scene.clone(), &fixed());
+        (1..9).for_each(|n| swing(&mut cpu, n));
+        let [far, of_twin] = [&apart.2, &cpu.positions(1)].map(|other| largest(other, &fused.2));
+        let within = if support::alike::tolerates(&device) { 1e-4 } else { 0.0 };
+        assert!(far <= within && of_twin < 1e-5, "{far}, {of_twin}");
+        let mut free = scene.clone();
+        free.cloths[0].set_body(None).unwrap();
+        let mut rig = Rig::gpu(free, &fixed(), &device);
+        (1..9).for_each(|n| swing(&mut rig, n));
+        assert!(rig.positions(1) == fused.2, "what lies beside it changes nothing");
+        assert!(largest(&rig.positions(0), &fused.2) > 1e-3, "there is contact");
+        // One that comes later takes a place beside them.
+        let added = rig.stepper.add_cloth(scene.cloths[0].clone()).unwrap();
+        rig.frames(3);
+        assert!(rig.positions(2).iter().flatten().all(|x| x.is_finite()));
+        rig.stepper.remove_cloth(added).unwrap();
+    }
+}
+
+#[test]
+fn a_sleeve_stays_outside_of_an_arm_on_the_gpu() {
+    let Some(device) = support::device() else { return };
+    let radius = 0.85 * girth();
+    let cloth = sleeve(radius);
     let mut rig = Rig::gpu(scene(cloth.clone()), &Options::default(), &device);
-    assert!(left_out(&rig.stepper));
-    let added = rig.stepper.add_cloth(cloth).unwrap();
-    assert!(rig.stepper.scene().cloths[1].body().is_none());
-    assert_eq!(rig.stepper.warnings().len(), 2);
-    rig.stepper.remove_cloth(added).unwrap();
+    assert!(rig.stepper.warnings().is_empty());
+    let (mut nearest, mut deepest) = (f64::INFINITY, Vec::new());
+    let mut saved = None;
+    for frame in 1..=120 {
+        swing(&mut rig, frame);
+        let now = rig.positions(0);
+        let [deep, near] = depth(&judge(radius, &pose(frame as f32 * FRAME as f32)), &cloth, &now);
+        (nearest, _) = (nearest.min(near), deepest.push(deep));
+        if frame == 90 {
+            saved = Some(rig.stepper.snapshot().unwrap());
+        }
+    }
+    let mut other = Rig::gpu(scene(cloth), &Options::default(), &device);
+    other.stepper.restore(&saved.unwrap()).unwrap();
+    other.stepper.teleport_joints(0, &pose(90.0 * FRAME as f32)).unwrap();
+    (91..=120).for_each(|frame| swing(&mut other, frame));
+    assert!(rig.positions(0) == other.positions(0), "a saved state goes on with the same bits");
+    deepest.sort_by(f64::total_cmp);
+    assert!(deepest[116] < 1e-3 && deepest[119] < 0.01, "{:?}", &deepest[110..]);
+    assert!(nearest < 0.004, "the sleeve lies on the arm: {nearest}");
+}
+
+#[test]
+fn contact_with_a_body_costs_nothing_without_one() {
+    let cloth = sleeve(0.85 * girth());
+    let surface = cloth.body().unwrap().clone();
+    let mut bare = cloth.clone();
+    bare.set_body(None).unwrap();
+    let plan = |cloth: &Cloth| Stepper::on_cpu(scene(cloth.clone()), fixed()).unwrap().plan();
+    let (with, without) = (plan(&cloth), plan(&bare));
+    let own = |plan: &Plan| -> Vec<(&str, u32)> {
+        let own = plan.passes.iter().filter(|p| p.shader.starts_with("surface"));
+        own.map(|p| (p.shader, p.dispatches)).collect()
+    };
+    assert_eq!(own(&without), []);
+    let passes = [("surface_pose", 1), ("surface_boxes", 1), ("surface_search", 1), ("surface_contact", 8)];
+    assert_eq!(own(&with), passes);
+    assert_eq!(with.dispatches() - without.dispatches(), 11);
+    let slots = ["surface_planes", "surface_shape", "surface_vertices", "surface_hints", "wearers", "found_planes"];
+    let bytes = |plan: &Plan, name: &str| -> Option<u64> {
+        plan.passes.iter().flat_map(|p| &p.bindings).find(|b| b.0 == name).map(|b| b.1)
+    };
+    assert!(slots.iter().all(|slot| bytes(&without, slot).is_none()));
+    let (n, v) = (cloth.len() as u64, surface.vertices() as u64);
+    let want = [128 * n, 64 * v, 64 * v, 80 * n, 32 * n, 128 * n].map(Some);
+    assert_eq!(slots.map(|slot| bytes(&with, slot)), want);
 }
 
 #[test]

@@ -154,8 +154,8 @@ pub struct DressArgs {
     pub build: BuildArgs,
     #[command(flatten)]
     pub fit: FitArgs,
-    /// The collider of cloth on the CPU: the fitted colliders (capsules), the surface of the body, nearer to it for clothes that start outside of
-    /// it, or (auto) the surface if at most 1 % of the free particles start more than 5 mm inside of it. The GPU always uses the fitted ones.
+    /// The collider of cloth: the fitted colliders (capsules), the surface of the body, nearer to it for clothes that start outside of it, or (auto)
+    /// the surface if at most 1 % of the free particles start more than 5 mm inside of it.
     #[arg(long, value_name = "KIND", default_value = "capsules", value_parser = choice::<Tier>())]
     pub collider: Tier,
 }

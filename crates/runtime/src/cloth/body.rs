@@ -28,15 +28,20 @@ impl Cloth {
         self.worn_on.as_ref().map(|worn| &worn.surface)
     }
 
+    /// Influences per vertex by which that surface moves with the joints of the cloth; 0 if it rests.
+    pub(crate) fn body_sets(&self) -> usize {
+        self.body().filter(|_| self.follows_joints()).map_or(0, |surface| surface.sets)
+    }
+
     /// Has the cloth collide with the surface of a body, or with none. The surface follows the joints of the cloth, and rests if the cloth follows none.
     /// [`Cloth::from_bundle`] does this for a bundle with a surface.
     ///
     /// Particles keep [`Cloth::thickness`] from it, or, if that is less, their distance from it at rest, at least 1 mm;
-    /// those that are more than 5 mm inside at rest may stay as deep. Its friction is 0.3 times [`Cloth::friction`]. The cloth does not meet colliders that are in [`BODY_GROUP`] alone. The CPU backend only, with
-    /// [`crate::Solver::Xpbd`]: on the GPU the cloth meets those colliders in place of the surface, with a warning.
+    /// those that are more than 5 mm inside at rest may stay as deep. Its friction is 0.3 times [`Cloth::friction`]. The cloth does not meet colliders that are in [`BODY_GROUP`] alone. With [`crate::Solver::Xpbd`]
+    /// only: with the classic solver the cloth meets those colliders in place of the surface, with a warning.
     ///
-    /// A frame costs some 150 ns per particle near the body. Takes some 300 bytes per particle and 150 per vertex of the surface; copies of the cloth share
-    /// the surface itself. Each call searches the nearest point of each particle, some microseconds each. Errors ([`Error::Surface`]) if the surface follows more
+    /// A frame costs some 150 ns per particle near the body on the CPU. Takes some 400 bytes per particle and 200 per vertex of the surface; copies of the cloth share
+    /// the surface itself on the CPU. Each call searches the nearest point of each particle, some microseconds each. Errors ([`Error::Surface`]) if the surface follows more
     /// joints than the cloth has.
     pub fn set_body(&mut self, surface: Option<Arc<BodySurface>>) -> Result<()> {
         let Some(surface) = surface else {
@@ -108,7 +113,7 @@ impl Cloth {
         });
     }
 
-    /// Leaves its surface out, on a backend that has no contact with it; whether it had one.
+    /// Leaves its surface out, for a solver that has no contact with it; whether it had one.
     pub(crate) fn leave_body(&mut self) -> bool {
         self.worn_on.take().is_some()
     }

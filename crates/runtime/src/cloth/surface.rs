@@ -15,7 +15,7 @@ pub(super) use height::heights;
 pub(crate) use height::{Near, Posed};
 pub(crate) use nearest::{On, Spot, on_triangle};
 pub(crate) use sides::NONE;
-pub(crate) use tree::Tree;
+pub(crate) use tree::{Bound, Tree, apart};
 
 /// Triangles in a patch, at most, and the share of all that may be one.
 const PATCH: usize = 48;
@@ -44,6 +44,9 @@ pub struct BodySurface {
     /// The patch of each triangle, and a triangle in the middle of each patch.
     pub(crate) patch: Vec<u32>,
     pub(crate) middles: Vec<u32>,
+    /// Triangles by patches, and where each patch begins in that list.
+    pub(crate) order: Vec<u32>,
+    pub(crate) starts: Vec<u32>,
     pub(crate) tree: Tree,
 }
 
@@ -97,6 +100,11 @@ impl BodySurface {
         surface.tree = Tree::new(&surface.rest, &surface.triangles);
         let most = (surface.triangles.len() / PATCHES).clamp(4, PATCH);
         (surface.patch, surface.middles) = surface.tree.patches(&surface.rest, &surface.triangles, most);
+        let of = |t: &u32| surface.patch[*t as usize];
+        surface.order = (0..surface.triangles.len() as u32).collect();
+        surface.order.sort_by_key(of);
+        let begin = |patch: u32| surface.order.partition_point(|t| of(t) < patch) as u32;
+        surface.starts = (0..=surface.middles.len() as u32).map(begin).collect();
         Ok(surface)
     }
 
@@ -114,6 +122,43 @@ impl BodySurface {
         self.rest.len()
     }
 
+    /// Number of its patches.
+    pub(crate) fn patches(&self) -> usize {
+        self.middles.len()
+    }
+
+    /// Words of [`BodySurface::list`].
+    pub(crate) fn words(&self) -> usize {
+        (9 * self.triangles.len() + 2 * self.patches() + 1).next_multiple_of(4)
+    }
+
+    /// Its triangles and patches as shaders/part/surface.wgsl reads them.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn list(&self) -> Vec<u32> {
+        let mut list = Vec::with_capacity(self.words());
+        for (t, [a, b, c]) in self.triangles.iter().enumerate() {
+            let borders = [a, b, c].map(|v| u32::from(self.border[*v as usize]));
+            let flags = u32::from(self.hollow[t]) | borders[0] << 3 | borders[1] << 4 | borders[2] << 5;
+            let [x, y, z] = self.across[t];
+            list.extend([*a, *b, *c, flags, x, y, z, self.patch[t]]);
+        }
+        [&self.order, &self.starts, &self.middles].into_iter().for_each(|words| list.extend(words));
+        list.resize(self.words(), 0);
+        list
+    }
+
+    /// The positions of its vertices at rest, their normals there and `sets` of their influences, all or none, as shaders/surface_pose.wgsl reads them.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn shape(&self, sets: usize) -> Vec<[u32; 4]> {
+        let mut rows = Vec::with_capacity(self.rest.len() * 2 * (1 + sets));
+        for (v, vectors) in self.rest.iter().zip(&self.normals).enumerate() {
+            rows.extend([vectors.0, vectors.1].map(|[x, y, z]| [x.to_bits(), y.to_bits(), z.to_bits(), 0]));
+            let own = &self.influences[v * self.sets..v * self.sets + sets];
+            rows.extend(own.iter().flat_map(|i| [i.joints, i.weights.map(f32::to_bits)]));
+        }
+        rows
+    }
+
     /// Its triangles: vertices, counter-clockwise as seen from outside.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
@@ -123,6 +168,11 @@ impl BodySurface {
     pub(crate) fn joints(&self) -> usize {
         let of = |i: &Influence| i.joints.iter().zip(i.weights).filter(|x| x.1 > 0.0).map(|x| *x.0 as usize + 1).max();
         self.influences.iter().filter_map(of).max().unwrap_or(0)
+    }
+
+    /// The triangles of a patch.
+    pub(crate) fn of_patch(&self, n: usize) -> &[u32] {
+        &self.order[self.starts[n] as usize..self.starts[n + 1] as usize]
     }
 
     /// Whether a point is on the border.
@@ -146,6 +196,8 @@ impl BodySurface {
             border: Vec::new(),
             patch: Vec::new(),
             middles: Vec::new(),
+            order: Vec::new(),
+            starts: Vec::new(),
             tree: Tree::default(),
         }
     }

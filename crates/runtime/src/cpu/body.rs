@@ -299,10 +299,7 @@ impl<T: Real> Body<T> {
             Pass::Normals { .. } | Pass::SeamNormals => self.normals.forget(),
             Pass::Guard => self.faulty = guard::run(&self.now),
             Pass::Restore => {
-                if self.faulty.is_some() {
-                    self.edited = true;
-                    self.forget_surface();
-                }
+                self.edited |= self.faulty.is_some();
                 restore::run(self.faulty.is_some(), &mut self.now, &mut self.before, &mut self.good);
             }
             Pass::Speed => speed::run(threads, &self.now, &self.before, &mut self.partial),

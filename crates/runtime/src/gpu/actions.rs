@@ -73,13 +73,17 @@ impl Gpu {
                     }
                 }
                 Action::Transform { cloth, chosen, matrix } => {
+                    self.forget_surface(*cloth);
                     let mut pass = begin(encoder, "transform");
                     let numbers = self.list("matrix", cast_slice(matrix));
                     let chosen_buffer = self.list("chosen", cast_slice(chosen));
                     let more = [(Slot::Action, &numbers), (Slot::Chosen, &chosen_buffer)];
                     self.once(world, &mut pass, *cloth, Pass::Transform, &more, list(chosen.len()));
                 }
-                Action::Place { cloth, rows } => self.place(&mut begin(encoder, "pins"), *cloth, rows),
+                Action::Place { cloth, rows } => {
+                    self.forget_surface(*cloth);
+                    self.place(&mut begin(encoder, "pins"), *cloth, rows);
+                }
                 Action::Aim { cloth } => self.aim(world, encoder, *cloth),
                 Action::Skin { cloth, from, to, rate } => {
                     self.skin(world, encoder, *cloth, (from.as_deref(), to), *rate);

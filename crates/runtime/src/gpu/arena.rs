@@ -188,10 +188,11 @@ impl Arena {
         Some(self.store.span(job.row as usize, job.first as usize, job.count as usize))
     }
 
-    /// Where a list that is only read, of vectors, one a particle, lies for one of its cloths.
+    /// Where a list that is only read, of vectors for each particle, lies for one of its cloths.
     pub fn vectors(&self, member: usize, slot: Slot) -> Option<Span> {
         let job = self.jobs.get(member)?;
-        let (offset, size) = (self.places.get(&slot)? + 16 * u64::from(job.first), 16 * u64::from(job.count));
+        let each = 16 * slot.vectors();
+        let (offset, size) = (self.places.get(&slot)? + each * u64::from(job.first), each * u64::from(job.count));
         Some(Span { buffer: self.lists.clone(), offset, size })
     }
 

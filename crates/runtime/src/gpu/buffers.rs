@@ -15,6 +15,7 @@ use crate::gpu::span::Span;
 use crate::gpu::store::State;
 use crate::gpu::turns;
 use crate::gpu::upload::{empty, upload};
+use crate::gpu::worn::Worn;
 use crate::gpu::wrap::Wrapping;
 use crate::gpu::wrap_indices::Remaining;
 use crate::layout::FaultRow;
@@ -56,6 +57,8 @@ pub struct ClothBuffers {
     pub(super) stale: bool,
     /// Of the grids in `others`.
     grids: Option<Grids>,
+    /// Of cloth that is worn on the surface of a body, once a frame was recorded.
+    pub(super) worn: Option<Worn>,
     /// All else that is bound.
     pub(super) others: HashMap<Slot, Span>,
     /// By what they bind, and by `turned`.
@@ -98,6 +101,7 @@ impl ClothBuffers {
             separate: false,
             stale: false,
             grids: None,
+            worn: None,
             others,
             groups: HashMap::new(),
             beside: Vec::new(),

@@ -7,6 +7,7 @@ use wgpu::{Buffer, BufferUsages};
 
 use super::levels::Coarse;
 use super::upload::upload;
+use super::worn;
 use crate::cloth::{Cloth, Grid, Rest};
 use crate::cpu::fabric::stretch::UNBOUNDED;
 use crate::fused::room_of;
@@ -88,6 +89,7 @@ impl Contents {
                     Slot::Drifts => (first, cast_slice(&world.runs[index].drifts(cloth)).to_vec()),
                     Slot::Backs => (first, cast_slice(&world.runs[index].spheres(cloth)).to_vec()),
                     Slot::BackDrifts => (first, vec![0; 16 * cloth.len()]),
+                    Slot::SurfacePlanes => (first, cast_slice(&worn::none(cloth)).to_vec()),
                     other if like.is_none() => (image, other.texels(cloth, held)),
                     _ => continue,
                 };

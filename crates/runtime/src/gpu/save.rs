@@ -38,7 +38,7 @@ impl Gpu {
 
     /// Records copies of the lists into a buffer.
     pub fn save(
-        &self,
+        &mut self,
         encoder: &mut wgpu::CommandEncoder,
         cloth: usize,
         layout: &Layout,
@@ -47,6 +47,8 @@ impl Gpu {
         for (span, at, size) in self.parts(cloth, layout) {
             encoder.copy_buffer_to_buffer(&span.buffer, span.offset, buffer, offset + at, size);
         }
+        // Cloth goes on from here as from the state.
+        self.forget_surface(cloth);
     }
 
     /// Records copies of the lists from a buffer, and rebuilds what follows from them.
@@ -61,6 +63,7 @@ impl Gpu {
         for (span, at, size) in self.parts(cloth, layout) {
             encoder.copy_buffer_to_buffer(buffer, offset + at, &span.buffer, span.offset, size);
         }
+        self.forget_surface(cloth);
         let (of, run) = (&world.scene.cloths[cloth], &world.runs[cloth]);
         self.cloths[cloth].stale = true;
         let levels = layout.rest && has_levels(of, &world.control.options);

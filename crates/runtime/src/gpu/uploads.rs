@@ -11,6 +11,7 @@ use super::ring::room_of;
 use super::skin;
 use super::span::Span;
 use super::upload::{empty, filled};
+use crate::cloth::Cloth;
 use crate::layout::{FrameRow, POSES, StepRow};
 use crate::world::{Action, World};
 
@@ -172,7 +173,7 @@ impl Gpu {
         let shared: u64 = self.arenas.iter().map(super::Arena::need).sum();
         let apart = separate_rows(world, steps) * u64::from(room_of(size_of::<StepRow>()));
         let meeting = joint::rows(world, steps) * u64::from(room_of(16));
-        let need = batches + shared + apart + meeting + self.solids.need() + actions(&world.host.actions);
+        let need = batches + shared + apart + meeting + self.solids.need() + actions(&world.host.actions) + worn(world);
         self.frames.ring.begin(&self.device, need);
     }
 
@@ -229,4 +230,11 @@ fn actions(list: &[Action]) -> u64 {
         Action::Aim { .. } | Action::Load { .. } => 0,
     };
     list.iter().map(one).sum()
+}
+
+/// Bytes of the numbers by which cloths on surfaces of bodies follow these.
+fn worn(world: &World) -> u64 {
+    let worn = world.scene.cloths.iter().filter(|cloth| cloth.body().is_some());
+    let joints = |cloth: &Cloth| cloth.skin().map_or(0, |skin| skin.joints().len());
+    worn.map(|cloth| u64::from(room_of(skin::bytes(joints(cloth)))) + u64::from(room_of(32))).sum()
 }

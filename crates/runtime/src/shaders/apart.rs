@@ -30,7 +30,7 @@ pub(super) fn apart(pass: Pass) -> Source {
         Over::Groups(threads) => (Some(turn!("apart_groups")), threads),
         Over::Own(threads) => (None, threads),
     };
-    if matches!(threads, Threads::Particles | Threads::Rings) {
+    if matches!(threads, Threads::Particles | Threads::Rings | Threads::Vertices | Threads::Patches) {
         files.push(part!("index"));
     }
     files.extend((!own).then_some(part!("one_cloth")));

@@ -4,16 +4,17 @@ use std::fmt::Write as _;
 use std::mem::offset_of;
 use std::sync::LazyLock;
 
-use crate::cloth::SKIPPED_CELLS;
+use crate::cloth::{MODELLED_INSIDE_M, SKIPPED_CELLS};
 use crate::coarser::{FITS, ROUNDS};
 use crate::cpu::fabric::meeting::{extents, others};
 use crate::cpu::fabric::{leaves, partners, polish, stretch, touch};
+use crate::cpu::surface::{contact, nearest, search};
 use crate::cpu::{aside, guard, pick, place, route};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 use crate::levels::{NODE_TILE, joint, safe};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 25] = [
+const FLOATS: [(&str, f64); 41] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
@@ -39,10 +40,26 @@ const FLOATS: [(&str, f64); 25] = [
     ("PLANE_ERROR", safe::PLANE_ERROR),
     ("TOUCH", safe::TOUCH),
     ("MERGES_SHARE", safe::MERGES),
+    ("NO_PLANE", contact::NOTHING),
+    ("MODELLED_INSIDE_M", MODELLED_INSIDE_M as f64),
+    ("MARGIN_M", search::MARGIN_M),
+    ("WAYS", search::WAYS),
+    ("UNKNOWN_WAY_M", search::UNKNOWN_WAY_M),
+    ("MAX_WAIT", search::MAX_WAIT),
+    ("FASTER_M", search::FASTER_M),
+    ("LOST_M", search::LOST_M),
+    ("BESIDE_M", search::BESIDE_M),
+    ("BESIDE_PER_HEIGHT", search::BESIDE_PER_HEIGHT),
+    ("SAME_COSINE", search::SAME_COSINE),
+    ("SECOND_M", search::SECOND_M),
+    ("SECOND_COSINE", search::SECOND_COSINE),
+    ("FACING_COSINE", search::FACING_COSINE),
+    ("OPEN_COSINE", search::OPEN_COSINE),
+    ("ON_SURFACE_M", search::ON_SURFACE_M),
 ];
 
 /// u32 constants. `FAULT_...` are indices into the counters of a cloth.
-const NUMBERS: [(&str, usize); 26] = [
+const NUMBERS: [(&str, usize); 29] = [
     ("UNSUPPORTED", route::UNSUPPORTED as usize),
     ("PLACE_MOVES", place::PLACE_MOVES as usize),
     ("PLACE_WEIGHS", place::PLACE_WEIGHS as usize),
@@ -69,6 +86,9 @@ const NUMBERS: [(&str, usize); 26] = [
     ("COUNT_FORCED_MOST", joint::COUNT_FORCED_MOST),
     ("COUNT_SLOWED_MOST", joint::COUNT_SLOWED_MOST),
     ("SKIPPED_CELLS", SKIPPED_CELLS),
+    ("SEARCH_FRAMES", search::SEARCH_FRAMES as usize),
+    ("WALK_STEPS", nearest::STEPS),
+    ("WALK_AROUND", nearest::AROUND),
 ];
 
 // The notes begin behind the counters.

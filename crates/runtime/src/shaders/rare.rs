@@ -99,6 +99,22 @@ pub(super) fn skin(over: Over, sets: u32, skinning: Skinning) -> Rule {
     own!("skin", over, parts.constant("sets", sets))
 }
 
+pub(super) fn surface_pose(over: Over, sets: u32, skinning: Skinning) -> Rule {
+    let parts = Parts::new(&[part!("action"), pose(skinning)], &[Action, Slot::SurfaceShape], &[Slot::SurfaceVertices]);
+    own!("surface_pose", over, parts.constant("sets", sets))
+}
+
+pub(super) fn surface_boxes(over: Over) -> Rule {
+    let read = [Action, Slot::SurfaceVertices, Slot::SurfaceTriangles];
+    own!("surface_boxes", over, Parts::new(&[part!("action"), part!("surface")], &read, &[Slot::SurfaceBoxes]))
+}
+
+pub(super) fn surface_search(over: Over) -> Rule {
+    let read = [Action, Now, Slot::SurfaceVertices, Slot::SurfaceTriangles, Slot::SurfaceBoxes, Slot::Wearers];
+    let files = [part!("action"), part!("surface"), part!("surface_walk")];
+    own!("surface_search", over, Parts::new(&files, &read, &[Slot::SurfaceHints, Slot::FoundPlanes]))
+}
+
 pub(super) fn restrict(over: Over) -> Rule {
     own!("restrict", over, between().bind(&[writes(Slot::Spare), writes(Slot::Beside)]))
 }

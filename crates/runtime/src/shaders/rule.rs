@@ -68,7 +68,7 @@ pub fn over(pass: Pass) -> Over {
     match pass {
         Pass::Gust | Pass::Integrate(_) | Pass::IntegrateExact(_) => Over::Particles,
         Pass::Forget | Pass::Tethers { .. } => Over::Particles,
-        Pass::Limit { .. } | Pass::Backstop { .. } => Over::Particles,
+        Pass::Limit { .. } | Pass::Backstop { .. } | Pass::SurfaceContact => Over::Particles,
         Pass::Guard | Pass::Restore | Pass::Colliders(_) => Over::Particles,
         Pass::Contact(kinds) => {
             if kinds.many {
@@ -113,6 +113,9 @@ pub fn over(pass: Pass) -> Over {
         Pass::Gather { .. } | Pass::HoldBack { .. } => Over::Own(Threads::Particles),
         Pass::Paths | Pass::Truncate => Over::Own(Threads::Particles),
         Pass::Faces { .. } => Over::Own(Threads::Texels),
+        Pass::SurfacePose { .. } => Over::Own(Threads::Vertices),
+        Pass::SurfaceBoxes => Over::Own(Threads::Patches),
+        Pass::SurfaceSearch => Over::Own(Threads::Particles),
     }
 }
 
@@ -131,6 +134,10 @@ pub fn rule(pass: Pass) -> Rule {
         }
         Pass::Limit { moves } => rule!("limit", "limit", over, aim(moves).bind(&[writes(Now)])),
         Pass::Backstop { moves } => rule!("backstop", "backstop", over, back(moves).bind(&[writes(Now)])),
+        Pass::SurfaceContact => {
+            let parts = parts(&[], &[Step, Before, Slot::SurfacePlanes], &[Now]);
+            rule!("surface_contact", "leave_surface", over, parts)
+        }
         Pass::Stitch { holes } => {
             let parts = parts(&[part!("stitched")], &[Grids, Now, Slot::Stitches], &[Slot::Pulls]);
             rule!("stitch", "stitch", over, open(holes, parts))
@@ -235,6 +242,9 @@ pub fn rule(pass: Pass) -> Rule {
         Pass::Paths => rare::paths(over),
         Pass::Truncate => rare::truncate(over),
         Pass::HoldBack { exact } => rare::hold_back(over, exact),
+        Pass::SurfacePose { sets, skinning } => rare::surface_pose(over, sets, skinning),
+        Pass::SurfaceBoxes => rare::surface_boxes(over),
+        Pass::SurfaceSearch => rare::surface_search(over),
     }
 }
 

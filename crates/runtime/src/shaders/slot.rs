@@ -118,11 +118,24 @@ slots! {
     Ways "ways",
     Faces "faces",
     Counts "counts",
+    SurfacePlanes "surface_planes",
+    SurfaceShape "surface_shape",
+    SurfaceVertices "surface_vertices",
+    SurfaceTriangles "surface_triangles",
+    SurfaceBoxes "surface_boxes",
+    SurfaceHints "surface_hints",
+    Wearers "wearers",
+    FoundPlanes "found_planes",
 }
+
+/// Bytes of a particle's planes at the surface of a body, and of what it knows of that surface; and of a vertex of the surface.
+pub const PLANE_BYTES: usize = 2 * 4 * 16;
+pub const HINT_BYTES: usize = 5 * 16;
+pub const VERTEX_BYTES: usize = 4 * 16;
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
 /// in [`Slot::Lists`], whose first numbers, in this order, say where each begins.
-pub const LISTED: [(Slot, Option<&str>); 21] = [
+pub const LISTED: [(Slot, Option<&str>); 22] = [
     (Slot::Jobs, None),
     (Slot::Grids, None),
     // Seam rings: ring r is members[starts[r]] up to, not including, members[starts[r + 1]].
@@ -146,6 +159,8 @@ pub const LISTED: [(Slot, Option<&str>); 21] = [
     // The spheres of backstops, centre and radius, and how fast each moves.
     (Slot::Backs, Some("vec4<f32>")),
     (Slot::BackDrifts, Some("vec4<f32>")),
+    // Two planes per particle of cloth on the surface of a body, see shaders/surface_contact.wgsl.
+    (Slot::SurfacePlanes, Some("vec4<f32>")),
     // Heads and rows of coarser grids (shaders/part/level.wgsl), their limits, and what ties their nodes.
     (Slot::Levels, Some("vec4<u32>")),
     (Slot::Limits, Some("vec4<f32>")),
@@ -168,6 +183,7 @@ impl Slot {
             Slot::Drifts => there(cloth.follows_joints(), 16),
             Slot::Backs => there(cloth.backstops.is_some(), 16),
             Slot::BackDrifts => there(cloth.backstops.is_some() && cloth.follows_joints(), 16),
+            Slot::SurfacePlanes => there(cloth.body().is_some(), PLANE_BYTES),
             Slot::Holes => there(cloth.is_cut(), 4),
             Slot::Stitches => there(cloth.sewing().is_some(), 48),
             Slot::Rings => there(cloth.ring_count() > 0, 4),
@@ -175,7 +191,12 @@ impl Slot {
         }
     }
 
-    /// The entries of all texels in such a list, before any cut; without targets, spheres and their speeds, which calls of a host change.
+    /// Vectors of four per particle in a list of these that frames or calls of a host change.
+    pub fn vectors(self) -> u64 {
+        if self == Slot::SurfacePlanes { PLANE_BYTES as u64 / 16 } else { 1 }
+    }
+
+    /// The entries of all texels in such a list, before any cut; without those that frames or calls of a host change.
     pub fn texels(self, cloth: &Cloth, held: &Tethers) -> Vec<u8> {
         let list = |data: &[[f32; 4]]| cast_slice(data).to_vec();
         match self {
@@ -279,6 +300,13 @@ impl Slot {
             Slot::Goals | Slot::Places | Slot::Bases | Slot::Ways => cloth.len() * 16,
             Slot::Faces => cloth.len() * 4,
             Slot::Counts => joint::COUNTS * 4,
+            Slot::SurfacePlanes | Slot::FoundPlanes => cloth.len() * PLANE_BYTES,
+            Slot::SurfaceHints => cloth.len() * HINT_BYTES,
+            Slot::Wearers => cloth.len() * 32,
+            Slot::SurfaceShape => cloth.body().map_or(0, |s| s.vertices() * 32 * (1 + cloth.body_sets())),
+            Slot::SurfaceVertices => cloth.body().map_or(0, |s| s.vertices() * VERTEX_BYTES),
+            Slot::SurfaceTriangles => cloth.body().map_or(0, |s| s.words() * 4),
+            Slot::SurfaceBoxes => cloth.body().map_or(0, |s| s.patches() * 48),
             // Made when they are asked for; no frame binds them.
             Slot::Action | Slot::Chosen | Slot::Candidates | Slot::Found => 0,
             Slot::Bounds | Slot::Indices | Slot::Tangents | Slot::Charts => 0,

@@ -76,7 +76,7 @@ impl Stepper {
             Backend::Gpu if gpu.is_none() => return Err(Error::NoGpu("Backend::Gpu")),
             Backend::Gpu => false,
         };
-        let mut world = if on_cpu && options.solver == Solver::Xpbd {
+        let mut world = if options.solver == Solver::Xpbd {
             World::new(scene, options)?
         } else {
             World::without_bodies(scene, options)?

@@ -51,7 +51,7 @@ impl Stepper {
     pub fn add_cloth(&mut self, mut cloth: Cloth) -> Result<ClothHandle> {
         self.check_device()?;
         let solver = self.world.control.options.solver;
-        let left_out = (self.cpu.is_none() || solver == Solver::Classic) && cloth.leave_body();
+        let left_out = solver == Solver::Classic && cloth.leave_body();
         let before = self.world.control.clone();
         let recoated = self.world.join(cloth)?;
         let index = self.world.runs.len() - 1;

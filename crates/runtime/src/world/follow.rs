@@ -33,6 +33,12 @@ impl Joints {
         &self.now
     }
 
+    /// Their matrices at the beginning of the frame that is made, where they move in it, and at its end.
+    #[cfg(feature = "gpu")]
+    pub fn ends(&self) -> (Option<&[Rows]>, &[Rows]) {
+        (self.way.as_ref().map(|way| &way.0[..]), &self.now)
+    }
+
     /// Their matrices at a fraction of the last step: 0 where it began, 1 where it ended. Between them points move in straight lines.
     pub fn at(&self, fraction: f32) -> Vec<Rows> {
         let Some((from, steps)) = self.way.as_ref().filter(|_| fraction < 1.0) else { return self.now.to_vec() };

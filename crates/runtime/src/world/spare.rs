@@ -15,7 +15,8 @@ impl World {
     fn like(&self, index: usize) -> Like {
         let (cloth, run) = (&self.scene.cloths[index], &self.runs[index]);
         let (exact, limited, follows) = (cloth.is_exact(), cloth.limits.is_some(), cloth.follows_joints());
-        Like { instance: run.instance(), exact, limited, backed: cloth.backstops.is_some(), follows }
+        let (backed, worn) = (cloth.backstops.is_some(), cloth.body().is_some());
+        Like { instance: run.instance(), exact, limited, backed, worn, follows }
     }
 
     /// Finds a place for the last cloth: one that another has left, or in new buffers with room for as many more as there are of its kind.

@@ -151,7 +151,7 @@ impl Tree {
 }
 
 /// The squared distance of a point from a box.
-fn apart<T: Real>([low, high]: &Bound<T>, p: V3<T>) -> T {
+pub(crate) fn apart<T: Real>([low, high]: &Bound<T>, p: V3<T>) -> T {
     let d: V3<T> = [0, 1, 2].map(|c| (low[c] - p[c]).max(p[c] - high[c]).max(T::of(0.0)));
     d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
 }

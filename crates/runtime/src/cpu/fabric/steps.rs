@@ -177,8 +177,8 @@ impl<T: Real> Fabric<T> {
             Pass::Partners { .. } => self.meeting.iter_mut().for_each(|m| m.search(threads)),
             Pass::Touch { .. } => self.meeting.iter_mut().for_each(|m| m.touch(&self.sheets, threads, step.dt)),
             Pass::Separate => self.meeting.iter().for_each(|m| m.separate(&mut self.sheets)),
+            Pass::SurfaceContact => self.worn.iter().for_each(|worn| worn.run(threads, &mut self.sheets, step)),
             Pass::Contact(_) => {
-                self.worn.iter().for_each(|worn| worn.run(threads, &mut self.sheets, step));
                 let posed = Posed::new(solids.iter().map(|s| s.posed(step.left)), step.dt, step.left);
                 let each = self.sheets.iter_mut().zip(&mut self.clear);
                 each.for_each(|(sheet, clear)| contact::run(threads, sheet, clear, &posed));
@@ -212,6 +212,10 @@ impl<T: Real> Fabric<T> {
             | Pass::Jump
             | Pass::WrapIndices
             | Pass::Blend { .. }
+            // Of a frame, on the GPU.
+            | Pass::SurfacePose { .. }
+            | Pass::SurfaceBoxes
+            | Pass::SurfaceSearch
             // Of all cloths of a scene together, between their steps.
             | Pass::Shadow
             | Pass::Extents

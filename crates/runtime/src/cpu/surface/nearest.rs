@@ -1,12 +1,12 @@
-//! The nearest point of a surface, found by walking from triangle to triangle.
+//! As shaders/part/surface_walk.wgsl: the nearest point of a surface, found by walking from triangle to triangle.
 
-use super::skinned::Skinned;
+use super::pose::Skinned;
 use crate::cloth::surface::{BodySurface, NONE, On, Spot, on_triangle};
 use crate::number::real::{Real, V3, dot, sub};
 
 /// Steps of a walk, and triangles around a corner that it looks at.
-const STEPS: usize = 48;
-const AROUND: usize = 24;
+pub const STEPS: usize = 48;
+pub const AROUND: usize = 24;
 
 /// The nearest point to `p` that a walk from a triangle finds: each step goes to a neighbour that is nearer.
 pub fn walk<T: Real>(surface: &BodySurface, skinned: &mut Skinned<T>, start: u32, p: V3<T>) -> Spot<T> {

@@ -2,6 +2,8 @@ use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::{TriMesh, Triangle};
 
+use super::boxes::nearest_of;
+use super::nearest::walk;
 use super::*;
 use crate::cloth::surface::on_triangle;
 use crate::cloth::{Flat, Influence, Rows, SkinJoint, Skinning};
@@ -119,13 +121,13 @@ fn particles_know_the_nearest_point_of_a_body_in_motion() {
 #[test]
 fn a_walk_from_any_triangle_ends_at_the_nearest_point_of_a_round_body() {
     let surface = body();
-    let mut skinned = Skinned::<f64>::new(&surface);
+    let (mut skinned, mut boxes) = (Skinned::<f64>::new(&surface), Boxes::new(&surface));
     skinned.begin();
     let mut missed = 0;
     for k in 0..2000 {
         let (a, r) = (3.0 * noise(k, 0), 0.15 + 0.04 * noise(k, 1));
         let p = [r * a.cos(), 0.45 * noise(k, 2), r * a.sin()];
-        let best = skinned.search(&surface, p);
+        let best = boxes.search(&surface, &mut skinned, p);
         let exact = walk(&surface, &mut skinned, best, p).distance2.sqrt();
         // Not from the other side, but from nearby.
         let start = surface.triangles.len() * (((k * 7919) % 1000) as f64 / 1000.0) as usize;
@@ -133,7 +135,7 @@ fn a_walk_from_any_triangle_ends_at_the_nearest_point_of_a_round_body() {
         let near = if near == NONE { best } else { surface.across[near as usize][(k + 1) % 3] };
         let from = if near == NONE { start as u32 } else { near };
         let found = walk(&surface, &mut skinned, from, p).distance2.sqrt();
-        assert!(found >= exact - 1e-12, "the search by the tree is exact");
+        assert!(found >= exact - 1e-12, "the search among patches is exact");
         missed += usize::from(found > exact + 1e-6);
     }
     assert!(missed < 20, "{missed} of 2000");

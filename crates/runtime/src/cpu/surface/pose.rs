@@ -1,7 +1,7 @@
-//! The vertices of a surface where joints put them, at the start and at the end of a frame. Each is skinned when it is first asked for.
+//! Twin of shaders/surface_pose.wgsl: the vertices of a surface where joints put them, at the start and at the end of a frame. Each is skinned when it is first asked for.
 
 use crate::cloth::Poses;
-use crate::cloth::surface::{BodySurface, Tree, on_triangle};
+use crate::cloth::surface::BodySurface;
 use crate::number::real::{Real, V3, cast, dot, scale};
 
 /// A vertex at the start and at the end of a frame.
@@ -30,9 +30,6 @@ pub struct Skinned<T: Real> {
     /// Whether it has gone elsewhere at once since the last frame, and whether this frame begins where that ended.
     jumps: bool,
     follows: bool,
-    bounds: Vec<[V3<T>; 2]>,
-    /// The frame of which the boxes are.
-    fitted: u32,
 }
 
 impl<T: Real> Skinned<T> {
@@ -48,20 +45,8 @@ impl<T: Real> Skinned<T> {
             shares.extend(pairs.map(|(joint, weight)| (joint, T::of(f64::from(weight)))));
             starts.push(shares.len() as u32);
         }
-        let (frame, fitted, rate, ends) = (0, 0, T::of(0.0), [Poses::none(), Poses::none()]);
-        Skinned {
-            list,
-            frame,
-            rest,
-            shares,
-            starts,
-            ends,
-            rate,
-            jumps: true,
-            follows: false,
-            bounds: Vec::new(),
-            fitted,
-        }
+        let (frame, rate, ends) = (0, T::of(0.0), [Poses::none(), Poses::none()]);
+        Skinned { list, frame, rest, shares, starts, ends, rate, jumps: true, follows: false }
     }
 
     /// Goes to where these poses put it, from where the last ones did at `rate` \[1/s\], or at once if that is 0.
@@ -77,6 +62,11 @@ impl<T: Real> Skinned<T> {
     pub fn begin(&mut self) {
         self.frame += 1;
         self.follows = !std::mem::take(&mut self.jumps);
+    }
+
+    /// The number of the frame, from 1.
+    pub fn frame(&self) -> u32 {
+        self.frame
     }
 
     /// Whether it moves in this frame.
@@ -143,19 +133,6 @@ impl<T: Real> Skinned<T> {
             false => (at, normal),
         };
         self.list[v] = Vertex { at: [before.0, at], normal: [before.1, normal], frame: self.frame };
-    }
-
-    /// The nearest point of all at the start of the frame, found by a tree: its triangle.
-    pub fn search(&mut self, surface: &BodySurface, p: V3<T>) -> u32 {
-        if self.fitted != self.frame {
-            (0..surface.rest.len() as u32).for_each(|v| _ = self.vertex(v));
-            let mut bounds = std::mem::take(&mut self.bounds);
-            let corners = |t: u32| surface.triangles[t as usize].map(|v| self.list[v as usize].at[0]);
-            surface.tree.fit(corners, &mut bounds);
-            (self.bounds, self.fitted) = (bounds, self.frame);
-        }
-        let corners = |t: u32| surface.triangles[t as usize].map(|v| self.list[v as usize].at[0]);
-        Tree::nearest(&surface.tree, &self.bounds, p, |t| on_triangle(p, t, corners(t)).distance2).0
     }
 }
 

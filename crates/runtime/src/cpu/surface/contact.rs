@@ -1,4 +1,4 @@
-//! The planes that particles meet in the steps of a frame.
+//! Twin of shaders/surface_contact.wgsl: particles leave the planes that they meet in the steps of a frame.
 
 use crate::cpu::rows::Threads;
 use crate::cpu::sheet::{Sheet, planes, planes_ref};
@@ -10,7 +10,7 @@ use crate::number::real::{Real, V3};
 const TOGETHER: usize = 32;
 
 /// The clearance of a particle that meets nothing.
-const NOTHING: f64 = -1e30;
+pub const NOTHING: f64 = -1e30;
 
 /// A plane that moves in a frame.
 #[derive(Clone, Copy, Debug)]

@@ -1,0 +1,257 @@
+//! Twin of shaders/surface_search.wgsl: the planes that particles meet in a frame.
+
+use super::contact::Plane;
+use super::nearest::walk;
+use super::pose::unit;
+use super::{Hint, Worn, face, length, mix};
+use crate::cloth::MODELLED_INSIDE_M;
+use crate::cloth::surface::{NONE, On, Spot};
+use crate::cpu::sheet::Sheet;
+use crate::number::real::{Real, V3, add, cross, dot, scale, sub};
+
+/// A particle that much \[m\] farther than it moves in a frame meets nothing in it.
+pub const MARGIN_M: f64 = 0.006;
+/// Ways of the last frame that a particle, or the surface near it, may go in the next.
+pub const WAYS: f64 = 2.0;
+/// The same for a particle whose motion in the last frame is not known: 6 m/s at 60 Hz.
+pub const UNKNOWN_WAY_M: f64 = 0.1;
+/// Frames for which a particle is left out, at most, and how much farther \[m\] the surface may come in each than it does now.
+pub const MAX_WAIT: f64 = 3.0;
+pub const FASTER_M: f64 = 0.008;
+/// A particle deeper \[m\] inside than this is left there: no normal tells where it came from.
+pub const LOST_M: f64 = 0.04;
+/// A point that was found stays if the particle is not farther \[m\] beside it: on a limb of 5 cm that is 0.02 mm of height.
+pub const BESIDE_M: f64 = 0.0015;
+/// The same for each metre of height above that.
+pub const BESIDE_PER_HEIGHT: f64 = 0.1;
+/// Points of neighbours whose normals differ by less than this cosine are of the same side.
+pub const SAME_COSINE: f64 = 0.7;
+/// The farthest \[m\] that a second side of the surface may be, and the largest cosine between the normals of both.
+pub const SECOND_M: f64 = 0.05;
+pub const SECOND_COSINE: f64 = 0.3;
+/// Two sides with a smaller cosine than this face each other.
+pub const FACING_COSINE: f64 = -0.3;
+/// Frames in which each particle tries the nearest patch once.
+pub const SEARCH_FRAMES: u32 = 32;
+/// Beside a border a particle farther from the normal than by the angle of this cosine has no surface below it.
+pub const OPEN_COSINE: f64 = 0.7;
+/// A point nearer \[m\] to the surface than this has no direction from it.
+pub const ON_SURFACE_M: f64 = 1e-5;
+
+/// A point of the surface, seen from a particle at the start of a frame.
+#[derive(Clone, Copy)]
+struct View<T> {
+    /// The distance of the particle \[m\], below 0 inside.
+    height: T,
+    /// How far \[m\] the particle is beside the normal there.
+    beside: T,
+    /// How the surface moves in the frame \[m\], how far, and where it is at the end.
+    drift: V3<T>,
+    way: T,
+    to: V3<T>,
+    /// The normal, and whether it is the direction of the particle.
+    normal: V3<T>,
+    straight: bool,
+    /// From the point to the particle.
+    from: V3<T>,
+    /// Whether the particle is beside a border, with no surface below it.
+    open: bool,
+}
+
+impl<T: Real> Worn<T> {
+    /// Finds the planes of all particles, once a frame.
+    pub fn search(&mut self, sheets: &[Sheet<T>], firsts: &[usize]) {
+        if !std::mem::take(&mut self.due) {
+            return;
+        }
+        self.skinned.begin();
+        self.boxes.follow(&self.surface, &mut self.skinned);
+        // Particles do not see what others find in this frame, so that their order has no effect.
+        self.marks.clear();
+        self.marks.extend(self.hints.iter().map(|hint| (hint.triangle, hint.normal)));
+        for (g, (sheet, first)) in sheets.iter().zip(firsts).enumerate() {
+            self.planes.iter_mut().for_each(|planes| planes[g].clear());
+            let size = (sheet.width, sheet.height);
+            for k in 0..sheet.width * sheet.height {
+                let (particle, single) = (first + k, sheet.single(k));
+                let is_met = self.clearances[particle] >= T::of(-f64::from(MODELLED_INSIDE_M));
+                if !is_met || sheet.w[single] <= T::of(0.0) || self.points[particle] as usize != particle {
+                    continue;
+                }
+                if self.waits[particle] > 0 {
+                    self.waits[particle] -= 1;
+                    continue;
+                }
+                let triple = sheet.triple(k);
+                let found = self.planes_of(sheet.at(triple), particle, beside(k, size, self.frames).map(|n| first + n));
+                for (planes, plane) in self.planes.iter_mut().zip(found) {
+                    plane.iter().for_each(|plane| planes[g].put((single, triple), sheet.half, plane));
+                }
+            }
+        }
+        for [(g, single, triple), (from, first, at)] in &self.twins {
+            for planes in &mut self.planes {
+                if let Some(plane) = planes[*from].get((*first, *at), sheets[*from].half) {
+                    planes[*g].put((*single, *triple), sheets[*g].half, &plane);
+                }
+            }
+        }
+        self.frames = self.frames.wrapping_add(1);
+    }
+
+    /// The planes that the particle at `p` meets in this frame, if it may meet any. `beside` is a neighbour of it.
+    #[inline]
+    fn planes_of(&mut self, p: V3<T>, particle: usize, beside: Option<usize>) -> [Option<Plane<T>>; 2] {
+        let hint = self.hints[particle];
+        let clearance = self.clearances[particle];
+        let known = hint.triangle != NONE;
+        let goes = if known { T::of(WAYS) * length(sub(p, hint.last)) } else { T::of(UNKNOWN_WAY_M) };
+        let reach = clearance + T::of(MARGIN_M) + goes;
+        let (mut spot, mut view) = self.first(&hint, p);
+        let mut second = hint.second;
+        if let Some(n) = beside {
+            let (triangle, normal) = self.marks[self.points[n] as usize];
+            if triangle != NONE && dot(normal, view.normal) < T::of(SAME_COSINE) {
+                self.compare((&mut spot, &mut view, &mut second), triangle, p);
+            }
+        }
+        if known && (particle as u32).wrapping_add(self.frames).is_multiple_of(SEARCH_FRAMES) {
+            let patch = self.boxes.patch(p);
+            if self.surface.patch[spot.triangle as usize] as usize != patch {
+                self.compare((&mut spot, &mut view, &mut second), self.surface.middles[patch], p);
+            }
+        }
+        let mut planes = [None, None];
+        if is_met(&view, reach) {
+            planes[0] = Some(self.plane(&spot, &view, clearance));
+        }
+        if second != NONE {
+            let other = walk(&self.surface, &mut self.skinned, second, p);
+            let side = self.view(&other, p);
+            second = if is_second(&view, &side) { other.triangle } else { NONE };
+            if second != NONE && is_met(&side, reach) {
+                planes[1] = Some(self.plane(&other, &side, clearance));
+            }
+            // Between two sides, such as an arm and a chest, both clearances may not fit.
+            if let ([Some(first), Some(last)], true) =
+                (&mut planes, dot(view.normal, side.normal) < T::of(FACING_COSINE))
+            {
+                let half = (T::of(0.5) * (view.height + side.height)).max(T::of(0.0)).min(clearance);
+                (first.clearance, last.clearance) = (half, half);
+            }
+        }
+        let nearer = length(sub(p, hint.last)) + view.way + T::of(FASTER_M);
+        let wait = (view.height - reach - view.way) / nearer;
+        let wait = if known { wait.min(T::of(MAX_WAIT)).max(T::of(0.0)).get() as u8 } else { 0 };
+        self.waits[particle] = wait;
+        let Spot { triangle, weights, on, .. } = spot;
+        let (way, normal) = (view.from, view.normal);
+        self.hints[particle] = Hint { last: p, way, normal, weights, triangle, second, on };
+        planes
+    }
+
+    /// The nearest point from where the last one was.
+    fn first(&mut self, hint: &Hint<T>, p: V3<T>) -> (Spot<T>, View<T>) {
+        if hint.triangle == NONE {
+            let found = self.boxes.search(&self.surface, &mut self.skinned, p);
+            let spot = walk(&self.surface, &mut self.skinned, found, p);
+            return (spot, self.view(&spot, p));
+        }
+        let Hint { triangle, weights, on, .. } = *hint;
+        let spot = Spot { triangle, weights, distance2: T::of(0.0), on };
+        let mut view = self.view(&spot, p);
+        if view.height > T::of(-BESIDE_M) && !view.open {
+            // Beside the way of the walk; without it a side or a corner would always be straight below.
+            let beside = if on == On::Face { view.beside } else { length(cross(hint.way, view.normal)) };
+            if beside < T::of(BESIDE_M) + T::of(BESIDE_PER_HEIGHT) * view.height.max(T::of(0.0)) {
+                if on != On::Face {
+                    view.from = hint.way;
+                }
+                return (Spot { distance2: view.height * view.height, ..spot }, view);
+            }
+        }
+        let spot = walk(&self.surface, &mut self.skinned, hint.triangle, p);
+        (spot, self.view(&spot, p))
+    }
+
+    /// Takes the point that a walk from another triangle finds if it is nearer; the farther one becomes the second, if it is of another side.
+    fn compare(&mut self, (spot, view, second): (&mut Spot<T>, &mut View<T>, &mut u32), from: u32, p: V3<T>) {
+        let other = walk(&self.surface, &mut self.skinned, from, p);
+        if other.triangle == spot.triangle {
+            return;
+        }
+        let side = self.view(&other, p);
+        let nearer = side.height.abs() < view.height.abs();
+        let farther = if nearer { spot.triangle } else { other.triangle };
+        if is_second(view, &side) {
+            *second = farther;
+        }
+        if nearer {
+            (*spot, *view) = (other, side);
+        }
+    }
+
+    /// A point of the surface, seen from `p`.
+    fn view(&mut self, spot: &Spot<T>, p: V3<T>) -> View<T> {
+        let [a, b, c] = self.skinned.vertices(&self.surface, spot.triangle);
+        let w = spot.weights;
+        let [at, to] = [0, 1].map(|end| mix(&[a.at[end], b.at[end], c.at[end]], w));
+        let from = sub(p, at);
+        let far2 = dot(from, from);
+        let far = far2.sqrt();
+        let (mut open, mut straight) = (false, false);
+        let normal = match spot.on {
+            On::Face => unit(face(&[a.at[0], b.at[0], c.at[0]])),
+            _ => {
+                let smooth = unit(mix(&[a.normal[0], b.normal[0], c.normal[0]], w));
+                let up = dot(from, smooth);
+                open = self.surface.is_border(spot) && up.abs() < T::of(OPEN_COSINE) * far;
+                straight = up > T::of(0.0) && far > T::of(ON_SURFACE_M);
+                if straight { scale(from, T::of(1.0) / far) } else { smooth }
+            }
+        };
+        let up = dot(from, normal);
+        let height = if up < T::of(0.0) { -far } else { far };
+        let beside = (far2 - up * up).max(T::of(0.0)).sqrt();
+        let drift = sub(to, at);
+        View { height, beside, drift, way: length(drift), to, normal, straight, from, open }
+    }
+
+    /// The plane at a point of the surface.
+    fn plane(&mut self, spot: &Spot<T>, view: &View<T>, clearance: T) -> Plane<T> {
+        let rate = self.skinned.rate();
+        let mut last = view.normal;
+        if rate > T::of(0.0) {
+            let [a, b, c] = self.skinned.vertices(&self.surface, spot.triangle);
+            let smooth = |end: usize| unit(mix(&[a.normal[end], b.normal[end], c.normal[end]], spot.weights));
+            last = match (spot.on, view.straight) {
+                (On::Face, _) => unit(face(&[a.at[1], b.at[1], c.at[1]])),
+                (_, true) => unit(add(view.normal, sub(smooth(1), smooth(0)))),
+                (_, false) => smooth(1),
+            };
+        }
+        let (drift, turn) = (scale(view.drift, rate), scale(sub(last, view.normal), rate));
+        Plane { at: view.to, normal: last, drift, turn, clearance }
+    }
+}
+
+/// Whether a particle may meet a plane in a frame.
+fn is_met<T: Real>(view: &View<T>, reach: T) -> bool {
+    !view.open && view.height <= reach + view.way && view.height > T::of(-LOST_M)
+}
+
+/// Whether a point is of another side of the surface than the nearest one, and near enough to be met.
+fn is_second<T: Real>(nearest: &View<T>, other: &View<T>) -> bool {
+    other.height.abs() < T::of(SECOND_M) && dot(nearest.normal, other.normal) < T::of(SECOND_COSINE)
+}
+
+/// A neighbour of texel `k` in its grid, another one in each of four frames.
+pub fn beside(k: usize, (width, height): (usize, usize), frame: u32) -> Option<usize> {
+    let (i, j) = (k % width, k / width);
+    match frame & 3 {
+        0 => (i > 0).then(|| k - 1),
+        1 => (j > 0).then(|| k - width),
+        2 => (i + 1 < width).then_some(k + 1),
+        _ => (j + 1 < height).then_some(k + width),
+    }
+}

@@ -1,0 +1,328 @@
+// The planes that the particles of a cloth on the surface of a body meet in a frame, a thread a particle, at the start of the frame: each particle walks
+// to the nearest point of the surface from where that was in the last frame.
+//
+// `wearers` has two rows per particle: the height that it keeps, its number or that of its first duplicate, and its neighbours in the grid, each
+// by its first duplicate. `surface_hints` has what particles know, five rows each: where it was and the second side; the way from the nearest point to it, where on the
+// triangle that is, and the frames for which it waits; the weights there; and twice the normal and the triangle, for odd and even frames.
+// `found_planes` has two planes per particle, as shaders/surface_contact.wgsl reads them.
+@group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
+@group(0) @binding(94) var<storage, read> surface_vertices: array<vec4<f32>>;
+@group(0) @binding(96) var<storage, read> surface_boxes: array<vec4<f32>>;
+@group(0) @binding(97) var<storage, read_write> surface_hints: array<vec4<u32>>;
+@group(0) @binding(98) var<storage, read> wearers: array<vec4<u32>>;
+@group(0) @binding(99) var<storage, read_write> found_planes: array<vec4<f32>>;
+
+// A point of the surface, seen from a particle at the start of a frame.
+struct View {
+  // The end of the point's way in the frame, and the way.
+  to: vec3<f32>,
+  drift: vec3<f32>,
+  normal: vec3<f32>,
+  // From the point to the particle.
+  off: vec3<f32>,
+  // The distance of the particle, below 0 inside, and how far it is beside the normal.
+  height: f32,
+  beside: f32,
+  // The length of the way.
+  far: f32,
+  // Whether the normal is the direction of the particle, and whether that is beside a border.
+  straight: bool,
+  open: bool,
+}
+
+// The nearest point and the second side that a particle knows.
+struct Known {
+  spot: Spot,
+  view: View,
+  second: u32,
+}
+
+// Seconds of a frame by which the surface moves, as their inverse; 0 if it does not move.
+fn rate() -> f32 {
+  return action[0].x;
+}
+
+// Frames since all particles searched among all patches, by SEARCH_FRAMES.
+fn frames() -> u32 {
+  return u32(action[0].y);
+}
+
+fn is_afresh() -> bool {
+  return action[0].z > 0.0;
+}
+
+fn direction(v: vec3<f32>) -> vec3<f32> {
+  let length = sqrt(dot(v, v));
+  return select(v, v * (1.0 / length), length > 1e-18);
+}
+
+// The mean of a row of the corners of a triangle.
+fn mixed(corners: vec3<u32>, row: u32, weights: vec3<f32>) -> vec3<f32> {
+  return surface_vertices[4u * corners.x + row].xyz * weights.x
+    + surface_vertices[4u * corners.y + row].xyz * weights.y
+    + surface_vertices[4u * corners.z + row].xyz * weights.z;
+}
+
+fn face_normal(corners: vec3<u32>, row: u32) -> vec3<f32> {
+  let a = surface_vertices[4u * corners.x + row].xyz;
+  return direction(cross(surface_vertices[4u * corners.y + row].xyz - a, surface_vertices[4u * corners.z + row].xyz - a));
+}
+
+fn is_border(spot: Spot) -> bool {
+  if (spot.on == 0u) {
+    return false;
+  }
+  if (spot.on <= 3u) {
+    return surface_triangles[2u * spot.triangle + 1u][spot.on - 1u] == NO_TRIANGLE;
+  }
+  return (surface_triangles[2u * spot.triangle].w >> (spot.on - 1u) & 1u) == 1u;
+}
+
+fn view_of(spot: Spot, p: vec3<f32>) -> View {
+  let corners = surface_triangles[2u * spot.triangle].xyz;
+  var view: View;
+  let at = mixed(corners, 0u, spot.weights);
+  view.to = mixed(corners, 1u, spot.weights);
+  view.off = p - at;
+  let far2 = dot(view.off, view.off);
+  let far = sqrt(far2);
+  if (spot.on == 0u) {
+    view.normal = face_normal(corners, 0u);
+  } else {
+    let smooth_normal = direction(mixed(corners, 2u, spot.weights));
+    let up = dot(view.off, smooth_normal);
+    view.open = is_border(spot) && abs(up) < OPEN_COSINE * far;
+    view.straight = up > 0.0 && far > ON_SURFACE_M;
+    view.normal = smooth_normal;
+    if (view.straight) {
+      view.normal = view.off * (1.0 / far);
+    }
+  }
+  let up = dot(view.off, view.normal);
+  view.height = select(far, -far, up < 0.0);
+  view.beside = sqrt(max(far2 - up * up, 0.0));
+  view.drift = view.to - at;
+  view.far = sqrt(dot(view.drift, view.drift));
+  return view;
+}
+
+// The triangle nearest to `p`, by the boxes that may have it.
+fn search(p: vec3<f32>) -> u32 {
+  let count = patch_count();
+  var first = 0u;
+  var far = 3.4e38;
+  for (var n = 0u; n < count; n++) {
+    let d = apart(n, p);
+    if (d < far) {
+      far = d;
+      first = n;
+    }
+  }
+  var best = vec2<u32>(ordered_triangle(patch_start(first)), bitcast<u32>(3.4e38f));
+  best = nearest_of(first, p, best);
+  for (var n = 0u; n < count; n++) {
+    if (n != first && apart(n, p) < bitcast<f32>(best.y)) {
+      best = nearest_of(n, p, best);
+    }
+  }
+  return best.x;
+}
+
+// The squared distance of a point from the box of a patch.
+fn apart(n: u32, p: vec3<f32>) -> f32 {
+  let d = max(max(surface_boxes[3u * n].xyz - p, p - surface_boxes[3u * n + 1u].xyz), vec3<f32>(0.0));
+  return dot(d, d);
+}
+
+// The nearest triangle so far and the bits of its squared distance, with those of a patch.
+fn nearest_of(n: u32, p: vec3<f32>, so_far: vec2<u32>) -> vec2<u32> {
+  var best = so_far;
+  let end = patch_start(n + 1u);
+  for (var k = patch_start(n); k < end; k++) {
+    let triangle = ordered_triangle(k);
+    let far2 = on_triangle(p, triangle).far2;
+    if (far2 < bitcast<f32>(best.y)) {
+      best = vec2<u32>(triangle, bitcast<u32>(far2));
+    }
+  }
+  return best;
+}
+
+// The patch with the middle nearest to `p`.
+fn patch_of(p: vec3<f32>) -> u32 {
+  let count = patch_count();
+  var best = 0u;
+  var far = 3.4e38;
+  for (var n = 0u; n < count; n++) {
+    let d = surface_boxes[3u * n + 2u].xyz - p;
+    let far2 = dot(d, d);
+    if (far2 < far) {
+      far = far2;
+      best = n;
+    }
+  }
+  return best;
+}
+
+// The nearest point from where the last one was.
+fn first_of(k: u32, mark: vec4<u32>, p: vec3<f32>) -> Known {
+  var known: Known;
+  if (mark.w == NO_TRIANGLE) {
+    known.second = NO_TRIANGLE;
+    known.spot = walk(search(p), p);
+    known.view = view_of(known.spot, p);
+    return known;
+  }
+  known.second = surface_hints[5u * k].w;
+  let last = surface_hints[5u * k + 1u];
+  let on = last.w & 255u;
+  known.spot = Spot(bitcast<vec3<f32>>(surface_hints[5u * k + 2u].xyz), 0.0, mark.w, on);
+  known.view = view_of(known.spot, p);
+  let height = known.view.height;
+  if (height > -BESIDE_M && !known.view.open) {
+    // Beside the way of the walk; without it a side or a corner would always be straight below.
+    let way = bitcast<vec3<f32>>(last.xyz);
+    let off = cross(way, known.view.normal);
+    let beside = select(sqrt(dot(off, off)), known.view.beside, on == 0u);
+    if (beside < BESIDE_M + BESIDE_PER_HEIGHT * max(height, 0.0)) {
+      if (on != 0u) {
+        known.view.off = way;
+      }
+      return known;
+    }
+  }
+  known.spot = walk(mark.w, p);
+  known.view = view_of(known.spot, p);
+  return known;
+}
+
+// Whether a point is of another side of the surface than the nearest one, and near enough to be met.
+fn is_second(nearest: View, other: View) -> bool {
+  return abs(other.height) < SECOND_M && dot(nearest.normal, other.normal) < SECOND_COSINE;
+}
+
+// Takes the point that a walk from another triangle finds if it is nearer; the farther one becomes the second, if it is of another side.
+fn compared(known: Known, start: u32, p: vec3<f32>) -> Known {
+  let other = walk(start, p);
+  if (other.triangle == known.spot.triangle) {
+    return known;
+  }
+  let side = view_of(other, p);
+  let nearer = abs(side.height) < abs(known.view.height);
+  var best = known;
+  if (is_second(known.view, side)) {
+    best.second = select(other.triangle, known.spot.triangle, nearer);
+  }
+  if (nearer) {
+    best.spot = other;
+    best.view = side;
+  }
+  return best;
+}
+
+// Whether a particle may meet a plane in a frame.
+fn is_met(view: View, reach: f32) -> bool {
+  return !view.open && view.height <= reach + view.far && view.height > -LOST_M;
+}
+
+// The plane at a point of the surface.
+fn put_plane(n: u32, spot: Spot, view: View, clearance: f32) {
+  var last = view.normal;
+  if (rate() > 0.0) {
+    let corners = surface_triangles[2u * spot.triangle].xyz;
+    if (spot.on == 0u) {
+      last = face_normal(corners, 1u);
+    } else {
+      last = direction(mixed(corners, 3u, spot.weights));
+      if (view.straight) {
+        last = direction(view.normal + (last - direction(mixed(corners, 2u, spot.weights))));
+      }
+    }
+  }
+  found_planes[n] = vec4<f32>(view.to, clearance);
+  // The friction of the cloth.
+  found_planes[n + 1u] = vec4<f32>(last, action[1].z);
+  found_planes[n + 2u] = vec4<f32>(view.drift * rate(), 0.0);
+  found_planes[n + 3u] = vec4<f32>((last - view.normal) * rate(), 0.0);
+}
+
+fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
+  let own = wearers[2u * k];
+  let clearance = bitcast<f32>(own.x);
+  let was_known = mark.w != NO_TRIANGLE;
+  let moved = p - bitcast<vec3<f32>>(surface_hints[5u * k].xyz);
+  let way = sqrt(dot(moved, moved));
+  let reach = clearance + MARGIN_M + select(UNKNOWN_WAY_M, WAYS * way, was_known);
+  var known = first_of(k, mark, p);
+  // One neighbour in each of four frames.
+  let beside = wearers[2u * k + 1u][frames() & 3u];
+  if (beside != NO_TRIANGLE && !is_afresh()) {
+    let other = surface_hints[5u * beside + 3u + (frames() & 1u)];
+    if (other.w != NO_TRIANGLE && dot(bitcast<vec3<f32>>(other.xyz), known.view.normal) < SAME_COSINE) {
+      known = compared(known, other.w, p);
+    }
+  }
+  if (was_known && (own.y + frames()) % SEARCH_FRAMES == 0u) {
+    let nearest = patch_of(p);
+    if (surface_triangles[2u * known.spot.triangle + 1u].w != nearest) {
+      known = compared(known, patch_middle(nearest), p);
+    }
+  }
+  let meets = is_met(known.view, reach);
+  if (meets) {
+    put_plane(8u * k, known.spot, known.view, clearance);
+  }
+  if (known.second != NO_TRIANGLE) {
+    let other = walk(known.second, p);
+    let side = view_of(other, p);
+    known.second = select(NO_TRIANGLE, other.triangle, is_second(known.view, side));
+    if (known.second != NO_TRIANGLE && is_met(side, reach)) {
+      put_plane(8u * k + 4u, other, side, clearance);
+      // Between two sides, such as an arm and a chest, both clearances may not fit.
+      if (meets && dot(known.view.normal, side.normal) < FACING_COSINE) {
+        let half = min(max(0.5 * (known.view.height + side.height), 0.0), clearance);
+        found_planes[8u * k].w = half;
+        found_planes[8u * k + 4u].w = half;
+      }
+    }
+  }
+  var wait = 0u;
+  if (was_known) {
+    let nearer = way + known.view.far + FASTER_M;
+    wait = u32(max(min((known.view.height - reach - known.view.far) / nearer, MAX_WAIT), 0.0));
+  }
+  surface_hints[5u * k] = vec4<u32>(bitcast<vec3<u32>>(p), known.second);
+  surface_hints[5u * k + 1u] = vec4<u32>(bitcast<vec3<u32>>(known.view.off), known.spot.on | wait << 8u);
+  surface_hints[5u * k + 2u] = vec4<u32>(bitcast<vec3<u32>>(known.spot.weights), 0u);
+  surface_hints[5u * k + 4u - (frames() & 1u)] = vec4<u32>(bitcast<vec3<u32>>(known.view.normal), known.spot.triangle);
+}
+
+@compute @workgroup_size(64)
+fn main(
+  @builtin(workgroup_id) workgroup: vec3<u32>,
+  @builtin(num_workgroups) rows: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let k = element(workgroup, rows, local);
+  if (k >= arrayLength(&now)) {
+    return;
+  }
+  found_planes[8u * k].w = NO_PLANE;
+  found_planes[8u * k + 4u].w = NO_PLANE;
+  var mark = surface_hints[5u * k + 3u + (frames() & 1u)];
+  if (is_afresh()) {
+    mark.w = NO_TRIANGLE;
+    surface_hints[5u * k + 1u].w = 0u;
+  }
+  let p = now[k];
+  let met = bitcast<f32>(wearers[2u * k].x) >= -MODELLED_INSIDE_M;
+  let state = surface_hints[5u * k + 1u].w;
+  if (!met || p.w <= 0.0 || state >> 8u > 0u) {
+    if (met && p.w > 0.0) {
+      surface_hints[5u * k + 1u].w = state - 256u;
+    }
+    surface_hints[5u * k + 4u - (frames() & 1u)] = mark;
+    return;
+  }
+  put_planes(k, mark, p.xyz);
+}
