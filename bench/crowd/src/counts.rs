@@ -35,7 +35,9 @@ struct Row {
 /// bytes of device memory per particle, and bytes that a step by tiles moves per particle of the first cloth.
 #[allow(clippy::print_stdout)]
 pub fn print(gpu: &Gpu, substeps: u32) -> Result<()> {
-    println!("scene,cloths,particles,dispatches,writes_per_frame,ms_change,ms_record,device_bytes_per_particle,tile_bytes_per_step");
+    println!(
+        "scene,cloths,particles,dispatches,writes_per_frame,ms_change,ms_record,device_bytes_per_particle,tile_bytes_per_step"
+    );
     for Row { name, scene, tethers, pyramid, change } in rows()? {
         let options = Options { substeps: Some(substeps), polish: Some(0), tethers, pyramid, ..Options::default() };
         let (cloths, particles) = (scene.cloths.len(), scene.cloths.iter().map(Cloth::len).sum::<usize>());
