@@ -43,7 +43,7 @@ pub enum Support {
 /// | support | substeps | rounds | measured |
 /// |---|---|---|---|
 /// | free, or the classic solver | 8 | 0 | |
-/// | pins with tethers | 4, 5 for N up to 36, 192; above N / 32, at least 8 | 2, 2, 3; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.6, 1.1, 0.7 % |
+/// | pins with tethers | 4, 5, 7 for N up to 36, 160, 256; above N / 32 | 2; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.6, 1.1, 1.1 % |
 /// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
@@ -102,6 +102,8 @@ impl fmt::Display for Choice {
 /// Speed \[m/s\] at the start from which hanging cloth whips about, and its substeps at N = 64.
 const THROWN: f64 = 1.0;
 const THROWN_SUBSTEPS: f64 = 12.0;
+/// Rounds of polish of hanging cloth. One is not enough from N = 160 on: it leaves 4 % of stretch.
+const HANG_POLISH: u32 = 2;
 /// Damping \[1/s\] below which hanging cloth goes on whipping, and the rounds of polish that keep it together.
 const DAMPED: f32 = 0.5;
 const WHIP_POLISH: u32 = 8;
@@ -252,15 +254,16 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
             (substeps as u32, 4, Support::TetheredRow)
         }
         (true, true, false) => {
-            let (substeps, polish) = match n {
-                n if n <= 36.0 => (4, 2),
-                n if n <= 192.0 => (5, 2),
-                n => ((n / 32.0).ceil().clamp(8.0, MAX_SUBSTEPS.into()) as u32, 3),
+            let substeps = match n {
+                n if n <= 36.0 => 4,
+                n if n <= 160.0 => 5,
+                n if n <= 256.0 => 7,
+                n => (n / 32.0).ceil().min(MAX_SUBSTEPS.into()) as u32,
             };
             let (substeps, polish) = match () {
                 () if own_speed(cloth) > THROWN => (scaled(THROWN_SUBSTEPS), WHIP_POLISH),
                 () if cloth.damping < DAMPED => (substeps, WHIP_POLISH),
-                () => (substeps, polish),
+                () => (substeps, HANG_POLISH),
             };
             (substeps, polish, Support::Tethered)
         }
