@@ -1,5 +1,5 @@
-// Boxes around the patches of a surface at the start of the frame, a thread a patch. `surface_boxes` has three rows each: the low corner, the high corner, and
-// a vertex in the middle.
+// Boxes around the patches of a surface at the start of the frame, a thread a patch. `surface_boxes` has three rows each: the low corner, the
+// high corner, and a vertex in the middle.
 @group(0) @binding(94) var<storage, read> surface_vertices: array<vec4<f32>>;
 @group(0) @binding(96) var<storage, read_write> surface_boxes: array<vec4<f32>>;
 

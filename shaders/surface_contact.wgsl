@@ -1,6 +1,6 @@
-// A particle nearer to a plane of the surface of a body than its clearance leaves along the normal, and friction takes back its way along the plane since
-// the last step. `surface_planes` has two planes per particle, four rows each: a point at the end of the frame and the clearance, the normal there and the
-// friction, and how fast both get there.
+// A particle nearer to a plane of the surface of a body than its clearance leaves along the normal, and friction takes back its way along the
+// plane since the last step. `surface_planes` has two planes per particle, four rows each: a point at the end of the frame and the clearance,
+// the normal there and the friction, and how fast both get there.
 fn leave_surface(k: u32) {
   let p = place(k);
   if (p.w > 0.0) {

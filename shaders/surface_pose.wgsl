@@ -1,5 +1,6 @@
-// The vertices of the surface of a body where joints put them, a thread a vertex: `surface_vertices` has four rows each, the positions at the start and
-// at the end of the frame, then the normals. `action` has the poses of the joints: those of the end of the frame, then those of its beginning.
+// The vertices of the surface of a body where joints put them, a thread a vertex: `surface_vertices` has four rows each, the positions at the
+// start and at the end of the frame, then the normals. `action` has the poses of the joints: those of the end of the frame, then those of its
+// beginning.
 @group(0) @binding(93) var<storage, read> surface_shape: array<vec4<u32>>;
 @group(0) @binding(94) var<storage, read_write> surface_vertices: array<vec4<f32>>;
 

@@ -1,8 +1,8 @@
-// The planes that the particles of a cloth on the surface of a body meet in a frame, a thread a particle, at the start of the frame: each particle walks
-// to the nearest point of the surface from where that was in the last frame.
+// The planes that the particles of a cloth on the surface of a body meet in a frame, a thread a particle, at the start of the frame: each particle
+// walks to the nearest point of the surface from where that was in the last frame.
 //
-// `wearers` has two rows per particle: the height that it keeps, its number or that of its first duplicate, and its neighbours in the grid, each
-// by its first duplicate. `surface_hints` has what particles know, five rows each: where it was and the second side; the way from the nearest point to it, where on the
+// `wearers` has two rows per particle: the height that it keeps, its number or that of its first duplicate, and its neighbours in the grid, each by
+// its first duplicate. `surface_hints` has five rows per particle: where it was and the second side; the way from the nearest point to it, where on the
 // triangle that is, and the frames for which it waits; the weights there; and twice the normal and the triangle, for odd and even frames.
 // `found_planes` has two planes per particle, as shaders/surface_contact.wgsl reads them.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;

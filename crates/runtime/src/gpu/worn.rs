@@ -18,7 +18,7 @@ use crate::world::World;
 
 /// The surface that a cloth is worn on, and what its particles know of it.
 pub(super) struct Worn {
-    /// What the passes bind beside the positions and their numbers.
+    /// The buffers that the passes bind beside the positions and their numbers.
     spans: Vec<(Slot, Span)>,
     /// Frames since all particles searched among all patches.
     frames: u32,
@@ -45,12 +45,12 @@ impl Worn {
     }
 }
 
-/// What particles know that know nothing: a frame that was recorded may never be submitted.
+/// The hints of particles that know no point yet. A frame that was recorded may never be submitted, so that they are there before.
 fn unknown(cloth: &Cloth) -> Vec<[u32; 4]> {
     (0..HINT_BYTES / 16 * cloth.len()).map(|_| [0, 0, 0, NONE]).collect()
 }
 
-/// What is constant of the particles, as shaders/surface_search.wgsl reads it.
+/// The constant numbers of the particles, as shaders/surface_search.wgsl reads them.
 fn wearers(cloth: &Cloth, thickness: f32) -> Vec<[u32; 8]> {
     let Some((_, floors)) = cloth.worn_on() else { return Vec::new() };
     let (points, thickness) = (cloth.points(), cloth.thickness.unwrap_or(thickness));
