@@ -54,6 +54,11 @@ impl Default for MovingFrame {
 }
 
 impl MovingFrame {
+    /// A frame with these axes, which are orthogonal unit vectors in the world.
+    pub fn of_axes(position: [f64; 3], axes: &[[f64; 3]; 3]) -> Self {
+        MovingFrame { position, rotation: crate::cloth::quaternion(axes) }
+    }
+
     /// A point of the frame in the world.
     pub fn to_world(&self, p: [f64; 3]) -> [f64; 3] {
         add(rotate(self.rotation, p), self.position)

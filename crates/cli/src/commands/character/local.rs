@@ -4,7 +4,7 @@ use gimage::import::Character;
 use gimage_runtime::scene::Pose;
 use gimage_runtime::{Inertia, MovingFrame, Scene, Stepper};
 
-use super::{Frame, quaternion};
+use super::Frame;
 use crate::exit::Failure;
 
 /// A joint in whose frame everything is.
@@ -42,9 +42,7 @@ impl Local {
             let sum = |r: usize| (0..3).map(|k| now.axes[k][r] * self.rest.axes[k][c]).sum::<f64>();
             [sum(0), sum(1), sum(2)]
         };
-        let rotation = quaternion(&[column(0), column(1), column(2)]).map(f64::from);
-        let norm = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let mut frame = MovingFrame { rotation: rotation.map(|x| x / norm), ..MovingFrame::default() };
+        let mut frame = MovingFrame::of_axes([0.0; 3], &[column(0), column(1), column(2)]);
         let carried = frame.to_world(self.rest.origin);
         frame.position = [0, 1, 2].map(|c| now.origin[c] - carried[c]);
         frame
@@ -75,8 +73,7 @@ impl Local {
             let q = pose.rotation.map(f64::from);
             let axis = |v: [f64; 3]| MovingFrame { position: [0.0; 3], rotation: [-x, -y, -z, w] }.to_world(v);
             let axes = Frame::turned(q).axes.map(axis);
-            let position = frame.to_local(pose.position.map(f64::from)).map(|p| p as f32);
-            (*index, Pose { position, rotation: quaternion(&axes) })
+            (*index, Pose::of_axes(frame.to_local(pose.position.map(f64::from)).map(|p| p as f32), &axes))
         })
     }
 
