@@ -43,7 +43,7 @@ pub enum Support {
 /// | support | substeps | rounds | measured |
 /// |---|---|---|---|
 /// | free, or the classic solver | 8 | 0 | |
-/// | pins with tethers | 4, 5, 7 for N up to 36, 160, 256; above N / 32 | 2; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.6, 1.1, 1.1 % |
+/// | pins with tethers | 4, 5, 7 for N up to 36, 160, 256; above N / 32 | 2, 3 if more than four times as long as wide; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.6, 1.1, 1.1 % |
 /// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
@@ -104,6 +104,8 @@ const THROWN: f64 = 1.0;
 const THROWN_SUBSTEPS: f64 = 12.0;
 /// Rounds of polish of hanging cloth. One is not enough from N = 160 on: it leaves 4 % of stretch.
 const HANG_POLISH: u32 = 2;
+/// Those of hanging strips, which swing far from a corner: with two, one of 78 x 14 is stretched by 15 % at p99 on its way.
+const STRIP_POLISH: u32 = 3;
 /// Damping \[1/s\] below which hanging cloth goes on whipping, and the rounds of polish that keep it together.
 const DAMPED: f32 = 0.5;
 const WHIP_POLISH: u32 = 8;
@@ -263,7 +265,7 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
             let (substeps, polish) = match () {
                 () if own_speed(cloth) > THROWN => (scaled(THROWN_SUBSTEPS), WHIP_POLISH),
                 () if cloth.damping < DAMPED => (substeps, WHIP_POLISH),
-                () => (substeps, HANG_POLISH),
+                () => (substeps, if is_strip(cloth) { STRIP_POLISH } else { HANG_POLISH }),
             };
             (substeps, polish, Support::Tethered)
         }
@@ -301,8 +303,17 @@ pub(crate) fn stiff(cloth: &Cloth) -> bool {
 
 /// Particles along a side.
 fn side(cloth: &Cloth) -> f64 {
-    let longest = cloth.grids().iter().map(|g| g.width.max(g.height)).max().unwrap_or(0);
-    (cloth.len() as f64).sqrt().max(0.5 * f64::from(longest))
+    (cloth.len() as f64).sqrt().max(0.5 * longest(cloth))
+}
+
+/// Particles along the longest side of a grid.
+fn longest(cloth: &Cloth) -> f64 {
+    f64::from(cloth.grids().iter().map(|g| g.width.max(g.height)).max().unwrap_or(0))
+}
+
+/// Whether it is more than four times as long as wide.
+fn is_strip(cloth: &Cloth) -> bool {
+    longest(cloth) > 2.0 * (cloth.len() as f64).sqrt()
 }
 
 /// As many steps in `step` \[s\] as `n` in a frame.

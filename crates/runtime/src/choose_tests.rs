@@ -1,4 +1,5 @@
 use super::*;
+use crate::cloth::Flat;
 use crate::collider::{Collider, Shape};
 use crate::scene::builtin;
 
@@ -45,6 +46,18 @@ fn support_size_and_speed_decide() {
     assert_eq!((classic.substeps, classic.polish), (FREE_SUBSTEPS, 0));
     let words = of("s2", 64).to_string();
     assert!(words.contains("substeps") && words.contains("cloth 's2' falls on colliders at 2.0 m/s"), "{words}");
+}
+
+#[test]
+fn strips_that_swing_from_a_corner_have_more_rounds() {
+    let of = |width, height| {
+        let mut scene = builtin("s1", 32).unwrap();
+        let mut cloth = Flat { width, height, ..Flat::square("hung", 32) }.cloth().unwrap();
+        cloth.set_pinned(0, true).unwrap();
+        scene.cloths = vec![cloth];
+        chosen(&scene, Options::default()).polish
+    };
+    assert_eq!([of(60, 60), of(94, 30), of(94, 8), of(8, 94)], [HANG_POLISH, HANG_POLISH, STRIP_POLISH, STRIP_POLISH]);
 }
 
 #[test]
