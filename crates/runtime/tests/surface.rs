@@ -377,6 +377,24 @@ fn a_sleeve_stays_outside_of_an_arm_on_the_gpu() {
 }
 
 #[test]
+fn cloth_with_contact_meets_a_body_in_its_own_passes() {
+    let Some(device) = support::device() else { return };
+    let mut cloth = sleeve(0.85 * girth());
+    cloth.contact = Some(ClothContact { distance: Some(0.004), ..ClothContact::default() });
+    // Another one far away, so that their steps go together.
+    let mut other = Flat { origin: [5.0, 0.0, 0.0], ..Flat::square("other", 9) }.cloth().unwrap();
+    other.contact = cloth.contact;
+    let scene = Scene { cloths: vec![cloth, other], ..Scene::new("two") };
+    let mut rigs = [Rig::cpu(scene.clone(), &fixed()), Rig::gpu(scene, &fixed(), &device)];
+    let own = |rig: &Rig| rig.stepper.plan().passes.iter().any(|p| p.form.pass() == Some(Pass::SurfaceContact));
+    assert!(rigs.iter().all(own));
+    // In the third frame the backends part in contact of cloth with cloth, with a body and without.
+    (1..3).for_each(|frame| rigs.iter_mut().for_each(|rig| swing(rig, frame)));
+    let far = largest(&rigs[0].positions(0), &rigs[1].positions(0));
+    assert!(far < 1e-5, "{far}");
+}
+
+#[test]
 fn contact_with_a_body_costs_nothing_without_one() {
     let cloth = sleeve(0.85 * girth());
     let surface = cloth.body().unwrap().clone();

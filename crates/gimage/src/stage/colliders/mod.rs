@@ -79,7 +79,7 @@ impl Choice for Guess {
     const ALL: &'static [(&'static str, Self)] = &[("on", Self::On), ("off", Self::Off)];
 }
 
-/// The collider of the cloth of a dressed character on the CPU. A bundle has the solids in any case, for the GPU.
+/// The collider of the cloth of a dressed character. A bundle has the solids in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tier {
     /// The solids.
