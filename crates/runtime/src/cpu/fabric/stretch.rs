@@ -403,3 +403,6 @@ pub fn springs<T: Real>(cloth: &Cloth, g: usize, sheet: &Sheet<T>) -> [Springs<T
         Springs { rest, soft, sums: Vec::new(), bound: zero }
     })
 }
+
+#[cfg(test)]
+mod tests;
