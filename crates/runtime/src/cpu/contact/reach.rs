@@ -204,17 +204,16 @@ impl<T: Real> Work<T> for Bounds<'_, T> {
         let most = T::of(f64::from(f32::MAX));
         let (zero, none, lowest) = (k.splat(T::of(0.0)), k.splat(most), k.splat(-most));
         let (mut low, mut high) = ([none; 3], [lowest; 3]);
-        for list in [&self.sheet.now, &self.sheet.before] {
-            for (j, row) in list.chunks_exact(row).enumerate() {
-                let xyz = planes_ref(row, half);
-                for at in (0..2 * half).step_by(K::WIDE) {
-                    let free = k.above(k.load(&self.sheet.w, j * 2 * half + at), zero);
-                    for c in 0..3 {
-                        let x = k.load(xyz[c], at);
-                        // NaN is left out.
-                        low[c] = k.least(k.choose(free, x, none), low[c]);
-                        high[c] = k.most(k.choose(free, x, lowest), high[c]);
-                    }
+        let rows = self.sheet.now.chunks_exact(row).zip(self.sheet.before.chunks_exact(row));
+        for ((now, before), w) in rows.zip(self.sheet.w.chunks_exact(2 * half)) {
+            let (now, before) = (planes_ref(now, half), planes_ref(before, half));
+            for at in (0..2 * half).step_by(K::WIDE) {
+                let free = k.above(k.load(w, at), zero);
+                for c in 0..3 {
+                    let (x, was) = (k.load(now[c], at), k.load(before[c], at));
+                    // NaN is left out.
+                    low[c] = k.choose(free, k.least(was, k.least(x, low[c])), low[c]);
+                    high[c] = k.choose(free, k.most(was, k.most(x, high[c])), high[c]);
                 }
             }
         }

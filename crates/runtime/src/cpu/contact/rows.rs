@@ -77,7 +77,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
         let Lists { blocks, takes, spared, slack, steps, group } = lists;
         let (more, slack, steps) = (k.splat(T::of(1.001)), k.splat(slack), k.splat(steps));
         let zero = k.splat(T::of(0.0));
-        let twice = k.splat(T::of(2.01));
+        let (twice, thrice, four) = (k.splat(T::of(2.01)), k.splat(T::of(3.02)), k.splat(T::of(4.0)));
         let groups = near.len().div_ceil(group);
         let mut unlisted = 0;
         let each = self.rows.chunks_exact_mut(row).zip(blocks.chunks_exact_mut(2 * half / LANES));
@@ -112,7 +112,12 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                     if !k.any(k.above(pushed, zero)) {
                         continue;
                     }
-                    // Pushes can be towards a collider that is not in the list, and make the way longer.
+                    // Pushes can be towards a collider that is not in the list, and make the way longer. Without roots at first:
+                    // (moved + way + 2 pushed)^2 is at most 3 (moved^2 + way^2 + 4 pushed^2).
+                    let used2 = k.mul(thrice, k.add(k.add(moved2, way2), k.mul(four, pushed)));
+                    if !k.any(k.without(free, k.above(k.mul(room, room), used2))) {
+                        continue;
+                    }
                     let [moved, way, pushed] = [k.sqrt(moved2), k.sqrt(way2), k.sqrt(pushed)];
                     let used = k.mul(k.add(k.add(moved, way), k.add(pushed, pushed)), more);
                     if !k.any(k.without(free, k.above(room, used))) {
