@@ -54,6 +54,7 @@ fn strips_that_swing_from_a_corner_have_more_rounds() {
         let mut scene = builtin("s1", 32).unwrap();
         let mut cloth = Flat { width, height, ..Flat::square("hung", 32) }.cloth().unwrap();
         cloth.set_pinned(0, true).unwrap();
+        cloth.damping = 2.0;
         scene.cloths = vec![cloth];
         chosen(&scene, Options::default()).polish
     };

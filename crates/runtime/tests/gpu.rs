@@ -215,8 +215,8 @@ fn one_step_is_that_of_the_twin() {
         assert!(largest(&there[2], &here[2]) <= 2e-3, "{name}: normals {:e}", largest(&there[2], &here[2]));
         assert!(there[0].iter().zip(&here[0]).all(|(a, b)| a[3] == b[3]), "{name}: inverse masses");
     }
-    // All of the table, but for actions, for measures and meshes that a host reads (wrap.rs, wrap_levels.rs, wrap_cuts.rs) and for cloths that meet
-    // (contact.rs), which have tests of their own.
+    // All of the table, but for actions, for measures and meshes that a host reads (wrap.rs, wrap_levels.rs, wrap_cuts.rs), for cloths that meet
+    // (contact.rs) and for the surface of a body (surface.rs), which have tests of their own.
     let table = include_str!("../src/passes.rs");
     let table = &table[table.find("pub enum Pass {").unwrap()..];
     let table = &table[..table.find("\n}\n").unwrap()];
@@ -226,7 +226,8 @@ fn one_step_is_that_of_the_twin() {
     let read = ["Speed", "Fastest", "Strain", "Bounds", "Indices", "Tangents", "Wrap", "Blend", "Jump", "WrapIndices"];
     // Of several cloths.
     let met = ["Shadow", "Extents", "Others", "Faces", "Gather", "Paths", "Truncate", "HoldBack"];
-    let apart = [&rare[..], &read, &carried, &met].concat();
+    let worn = ["SurfacePose", "SurfaceBoxes", "SurfaceSearch", "SurfaceContact"];
+    let apart = [&rare[..], &read, &carried, &met, &worn].concat();
     let all = table.lines().filter(variant).map(name_of).filter(|n| !apart.contains(&&**n));
     assert_eq!(seen, all.collect());
 }
