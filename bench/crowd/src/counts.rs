@@ -72,7 +72,7 @@ pub fn print(gpu: &Gpu, substeps: u32) -> Result<()> {
     Ok(())
 }
 
-/// What [`gimage_runtime::Tile::traffic`] counts for all tiles of a step of the first cloth; none where whole frames run.
+/// The sum of [`gimage_runtime::Tile::traffic`] over the tiles of a step of the first cloth; none where whole frames run.
 fn tile_bytes(host: &Host) -> Option<f64> {
     let sides: Vec<_> = host.stepper.scene().cloths[0].grids().iter().map(|g| [g.width, g.height]).collect();
     let passes = host.stepper.plan().passes.into_iter().filter(|p| p.cloth == 0);

@@ -51,11 +51,11 @@ pub struct Tile {
     pub threads: u32,
     /// Whether several cloths may share the dispatch.
     pub shared: bool,
-    /// What part of the steps of a frame it makes.
+    /// Its share of the steps of a frame.
     pub span: TileSpan,
 }
 
-/// What part of the steps of a frame a tile makes.
+/// The share of the steps of a frame that a tile makes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum TileSpan {
     /// Some passes of a step.

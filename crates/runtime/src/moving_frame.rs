@@ -6,6 +6,7 @@
 
 use crate::error::{Result, check};
 use crate::number::real::{add, dot, scale, sub};
+use crate::number::turn::quaternion;
 
 /// Where a frame of reference is. In f64, so that it may be far from the origin of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +57,7 @@ impl Default for MovingFrame {
 impl MovingFrame {
     /// A frame with these axes, which are orthogonal unit vectors in the world.
     pub fn of_axes(position: [f64; 3], axes: &[[f64; 3]; 3]) -> Self {
-        MovingFrame { position, rotation: crate::cloth::quaternion(axes) }
+        MovingFrame { position, rotation: quaternion(axes) }
     }
 
     /// A point of the frame in the world.

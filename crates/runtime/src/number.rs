@@ -4,3 +4,4 @@ pub(crate) mod aligned;
 pub(crate) mod lanes;
 pub(crate) mod noise;
 pub(crate) mod real;
+pub(crate) mod turn;

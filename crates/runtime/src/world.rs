@@ -107,6 +107,8 @@ pub struct World {
     spare_images: Vec<Arc<Images>>,
     /// The last state of the clock in the host's memory, as [`ClothRun::kept`].
     pub kept: Option<ControlState>,
+    /// Whether any cloth is worn on the surface of a body.
+    pub any_worn: bool,
 }
 
 impl World {
@@ -143,6 +145,7 @@ impl World {
             seen: Seen::default(),
             spare_images: Vec::new(),
             kept: None,
+            any_worn: false,
         };
         world.raise();
         // Nothing has moved yet: the first step is like those after it.

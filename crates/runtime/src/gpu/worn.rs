@@ -78,7 +78,9 @@ pub(super) fn none(cloth: &Cloth) -> Vec<[f32; 4]> {
 impl Gpu {
     /// Records the search of all cloths that are worn on surfaces, for a frame of `steps` steps.
     pub(super) fn wear(&mut self, world: &World, encoder: &mut wgpu::CommandEncoder, steps: u32) {
-        for cloth in 0..self.cloths.len() {
+        // Scenes of a thousand cloths do not look at each.
+        let count = if world.any_worn { self.cloths.len() } else { 0 };
+        for cloth in 0..count {
             let (of, run) = (&world.scene.cloths[cloth], &world.runs[cloth]);
             if let (Some(surface), true) = (of.body(), steps > 0 && !run.asleep) {
                 self.wear_one(world, encoder, cloth, (surface, steps));

@@ -1,10 +1,10 @@
 //! Motion given by keys: positions in between are linear, rotations spherical linear (K. Shoemake, "Animating Rotation
 //! with Quaternion Curves", SIGGRAPH 1985).
 
-use crate::cloth::quaternion;
 use crate::collider::Collider;
 use crate::error::{Result, check};
 use crate::moving_frame::product;
+use crate::number::turn::quaternion;
 
 /// Where something is.
 #[derive(Clone, Copy, Debug, PartialEq)]

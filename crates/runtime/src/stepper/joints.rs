@@ -1,10 +1,11 @@
 //! Joints that cloths follow.
 
 use super::Stepper;
-use crate::cloth::{Rows, quaternion};
+use crate::cloth::Rows;
 use crate::collider::BodyCollider;
 use crate::error::{Error, Result};
 use crate::handle::ClothRef;
+use crate::number::turn::quaternion;
 use crate::options::Solver;
 use crate::scene::Pose;
 

@@ -154,7 +154,7 @@ mod tests {
         let least = of(256, &Room { memory: 16_384, ..room });
         assert!(least.1 * BYTES + NOTES <= 16_384, "{least:?}");
         assert_eq!(Tile::of(&passes, true).unwrap().fit(&[[64, 64]], &Room { memory: 1024, ..room }), None);
-        // What the project asks of cloth that hangs by two tethers per particle: 90 bytes.
+        // The target for cloth that hangs by two tethers per particle is 90 bytes.
         let tethers = Pass::Tethers { slots: 2 };
         let springs = passes[1..passes.len() - 1].iter().copied();
         let hung: Vec<_> = [passes[0], tethers].into_iter().chain(springs).chain([tethers]).collect();

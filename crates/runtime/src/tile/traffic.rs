@@ -14,8 +14,8 @@ const TETHER: f64 = 8.0;
 
 impl Tile {
     /// Bytes that one dispatch reads and writes for each particle of grids with these columns and rows, in the middle of a frame: positions,
-    /// previous positions, remainders, multipliers, images of rest lengths, tethers, limits and backstops. What several tiles read
-    /// counts once for each of them, though a cache may have it. Constants, colliders and seams do not count.
+    /// previous positions, remainders, multipliers, images of rest lengths, tethers, limits and backstops. A list that several tiles
+    /// read counts once for each of them, though a cache may have it. Constants, colliders and seams do not count.
     pub fn traffic(&self, grids: &[[u32; 2]]) -> f64 {
         let particles: u64 = grids.iter().map(|[w, h]| u64::from(*w) * u64::from(*h)).sum();
         let all = loads(&self.shape, grids) as f64 / particles.max(1) as f64;

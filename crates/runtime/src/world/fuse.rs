@@ -111,6 +111,7 @@ impl World {
     /// Decides which cloths share dispatches; to be called when schedules have changed.
     pub fn fuse(&mut self) {
         self.runs.iter_mut().for_each(|run| (run.fused, run.sequence, run.order) = (None, None, OnceLock::new()));
+        self.any_worn = self.runs.iter().any(|run| !run.schedule.worn.is_empty());
         self.close_places();
         let Some(room) = self.room.filter(|_| self.control.options.fused) else { return };
         let iterations = self.control.options.iterations;
