@@ -280,13 +280,25 @@ fn fixed() -> Options {
     Options { substeps: Some(8), polish: Some(1), ..Options::default() }
 }
 
+/// How far a squeezed cloth may be from its twin after some frames: four times as far as a thousandth of gravity moves it on the CPU. It doubles
+/// what rounding leaves every few steps, and some drivers sum products in another order.
+fn squeezed(like: &Scene, frames: u32) -> f32 {
+    let end = |heavier: f32| {
+        let gravity = like.gravity.map(|g| g * heavier);
+        let mut rig = Rig::cpu(Scene { gravity, ..like.clone() }, &fixed());
+        (1..=frames).for_each(|n| swing(&mut rig, n));
+        rig.positions(0)
+    };
+    4.0 * largest(&end(1.0), &end(1.001))
+}
+
 #[test]
 fn a_frame_from_one_state_is_that_of_the_twin() {
     let Some(device) = support::device() else { return };
     for skinning in [Skinning::Linear, Skinning::DualQuaternion] {
         let mut cloth = sleeve(0.85 * girth());
         cloth.skinning = skinning;
-        let mut rigs = [Rig::cpu(scene(cloth.clone()), &fixed()), Rig::gpu(scene(cloth), &fixed(), &device)];
+        let mut rigs = [Rig::cpu(scene(cloth.clone()), &fixed()), Rig::gpu(scene(cloth.clone()), &fixed(), &device)];
         let mut far = [Vec::new(), Vec::new()];
         for frame in 1..=60 {
             // Both from where the CPU is, then each from where it is itself, by what its particles know of the last frame.
@@ -300,8 +312,11 @@ fn a_frame_from_one_state_is_that_of_the_twin() {
         }
         let most = |list: &[f32]| list.iter().copied().fold(0.0, f32::max);
         // Rounding grows where cloth is squeezed.
-        let [first, then] = [most(&far[0]), most(&far[1][..10])];
-        assert!(first < 1e-6 && then < 1e-5 || support::alike::tolerates(&device) && first < 1e-4, "{far:?}");
+        let [first, second, then] = [most(&far[0][..4]), most(&far[0][4..]), most(&far[1][..10])];
+        // The sleeve is pressed together in the first frames.
+        let settled = if support::alike::tolerates(&device) { 1e-4 } else { 5e-6 };
+        let within = squeezed(&scene(cloth), 4);
+        assert!(first < within && second < settled && then < 2e-4, "{far:?} {within}");
     }
 }
 
@@ -333,7 +348,9 @@ fn every_form_has_the_same_contact_with_a_body() {
         (1..9).for_each(|n| swing(&mut cpu, n));
         let [far, of_twin] = [&apart.2, &cpu.positions(1)].map(|other| largest(other, &fused.2));
         let within = if support::alike::tolerates(&device) { 1e-4 } else { 0.0 };
-        assert!(far <= within && of_twin < 1e-5, "{far}, {of_twin}");
+        // The sheet is not squeezed.
+        let twin_within = if scene.cloths[0].follows_joints() || whole { squeezed(&scene, 8) } else { 1e-5 };
+        assert!(far <= within && of_twin < twin_within, "{far}, {of_twin} of {twin_within}");
         let mut free = scene.clone();
         free.cloths[0].set_body(None).unwrap();
         let mut rig = Rig::gpu(free, &fixed(), &device);
@@ -385,13 +402,14 @@ fn cloth_with_contact_meets_a_body_in_its_own_passes() {
     let mut other = Flat { origin: [5.0, 0.0, 0.0], ..Flat::square("other", 9) }.cloth().unwrap();
     other.contact = cloth.contact;
     let scene = Scene { cloths: vec![cloth, other], ..Scene::new("two") };
-    let mut rigs = [Rig::cpu(scene.clone(), &fixed()), Rig::gpu(scene, &fixed(), &device)];
+    let mut rigs = [Rig::cpu(scene.clone(), &fixed()), Rig::gpu(scene.clone(), &fixed(), &device)];
     let own = |rig: &Rig| rig.stepper.plan().passes.iter().any(|p| p.form.pass() == Some(Pass::SurfaceContact));
     assert!(rigs.iter().all(own));
     // In the third frame the backends part in contact of cloth with cloth, with a body and without.
     (1..3).for_each(|frame| rigs.iter_mut().for_each(|rig| swing(rig, frame)));
     let far = largest(&rigs[0].positions(0), &rigs[1].positions(0));
-    assert!(far < 1e-5, "{far}");
+    let within = squeezed(&scene, 2);
+    assert!(far < within, "{far} of {within}");
 }
 
 #[test]
