@@ -178,7 +178,7 @@ pub(crate) fn soft_of(cloth: &Cloth) -> Soft {
     }
 }
 
-/// As [`springs`], structural ones last: what the others disturb, they put right.
+/// As [`springs`], structural ones last: they correct the errors that the others leave.
 fn stretch(cloth: &Cloth, again: bool) -> impl Iterator<Item = Pass> {
     let soft = soft_of(cloth);
     let all: Vec<_> = springs(cloth).collect();
