@@ -37,14 +37,15 @@ impl<T: Real, F: Fn(usize, usize) -> [T; 4] + Copy + Send + Sync> Place<T> for T
         let range = j * width..(j + 1) * width;
         let now = &now[range.clone()];
         let half = half_row(width);
-        let Row { now: [x, y, z], before, air, w } = row;
+        let Row { now: [x, y, z], before, air, w } = &mut *row;
         part(now, half, [x, y, z, w]);
         for (from, [x, y, z]) in [(self.before, before), (self.airs, air)] {
             if let Some(from) = from.get(range.clone()) {
                 part(from, half, [x, y, z]);
             }
         }
-        let there = now.iter().all(|p| p[3] >= T::of(0.0));
+        // Without an early end it is a loop of vectors; past the end of a row are zeros.
+        let there = row.w.iter().fold(true, |there, w| there & (*w >= T::of(0.0)));
         there && holes.get(range).unwrap_or(&[]).iter().all(|h| *h == 0)
     }
 
@@ -72,17 +73,14 @@ impl<T: Real, F: Fn(usize, usize) -> [T; 4] + Copy + Send + Sync> Place<T> for T
 #[inline(always)]
 fn part<T: Real, const N: usize>(from: &[[T; 4]], half: usize, to: [&mut Vec<T>; N]) {
     let (pairs, last) = from.as_chunks::<2>();
-    let mut lists = to.map(|list| list.split_at_mut(half));
-    // One pass over the texels, along lists of one length.
-    let mut ends = lists.each_mut().map(|(even, odd)| (&mut even[..pairs.len()], &mut odd[..pairs.len()]));
-    for (k, [even, odd]) in pairs.iter().enumerate() {
-        for (c, (evens, odds)) in ends.iter_mut().enumerate() {
-            (evens[k], odds[k]) = (even[c], odd[c]);
-        }
-    }
-    for last in last {
-        for (c, (even, _)) in lists.iter_mut().enumerate() {
+    // A list after the other, which takes 0.6 of the time of all in one loop: two lists at a time become shuffles of vectors.
+    for (c, to) in to.into_iter().enumerate() {
+        let (even, odd) = to.split_at_mut(half);
+        for last in last {
             even[pairs.len()] = last[c];
+        }
+        for ((pair, even), odd) in pairs.iter().zip(even).zip(odd) {
+            (*even, *odd) = (pair[0][c], pair[1][c]);
         }
     }
 }
