@@ -123,7 +123,7 @@ pub use scene::Scene;
 pub use state::{ClothState, Snapshot};
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub use stepper::self_check;
-pub use stepper::{Drag, Stepper, level_at};
+pub use stepper::{Drag, Stepper, TakenApart, level_at};
 #[cfg(feature = "gpu")]
 pub use stepper::{Mismatch, SavedState, SelfCheck, self_check_async};
 pub use tuning::Tuning;

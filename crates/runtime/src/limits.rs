@@ -131,6 +131,15 @@ pub enum Warning {
         /// The cloth by name.
         cloth: String,
     },
+    /// Cloth crossed itself or other cloth at the start, which the GPU backend does not take apart: it made some frames on the CPU first
+    /// ([`crate::Scene::take_apart`]).
+    #[error("{done}{}", if *left > 0 { ": the GPU leaves them so; start the layers apart, or step on the CPU backend" } else { "" })]
+    Crossed {
+        /// What was done, in words.
+        done: String,
+        /// Pairs of triangles that still cross.
+        left: u64,
+    },
     /// The classic solver has no contact of cloth with cloth.
     #[error("cloth {cloth}: the classic solver has no contact of cloth with cloth: use xpbd, or leave contact out")]
     ContactClassic {

@@ -28,6 +28,7 @@ mod script;
 mod self_check;
 mod settings;
 mod state;
+mod take_apart;
 mod tangents;
 #[cfg(feature = "gpu")]
 mod times;
@@ -43,6 +44,7 @@ pub use saved::SavedState;
 pub use self_check::self_check;
 #[cfg(feature = "gpu")]
 pub use self_check::{Mismatch, SelfCheck, self_check_async};
+pub use take_apart::TakenApart;
 
 use crate::choose::Choice;
 use crate::clock::Progress;
@@ -226,7 +228,7 @@ impl Stepper {
         let World { host, runs, .. } = &self.world;
         let cloths = runs.iter().flat_map(|run| &run.warnings);
         let contact = self.world.contact_warnings();
-        host.adapter.iter().chain(cloths).chain(&host.raised).cloned().chain(contact).collect()
+        host.adapter.iter().chain(&host.start).chain(cloths).chain(&host.raised).cloned().chain(contact).collect()
     }
 
     /// Changes the wind, or ends it. Wakes every cloth.

@@ -20,7 +20,7 @@ pub enum ContactTier {
 /// Contact of a cloth with itself and with other cloths that have contact: particles nearer than a distance are pushed apart.
 ///
 /// The tier decides which promise it makes. Cloth without contact has no pass and no buffer for it. Cloth that crosses at the start is taken apart
-/// within about a second, on the CPU backend: the smaller part on one side of a crossing moves to the other side, or the part that [`ClothContact::layer`]
+/// within about a second on the CPU backend, and before the first frame on the GPU backend ([`crate::Scene::take_apart`]): the smaller part on one side of a crossing moves to the other side, or the part that [`ClothContact::layer`]
 /// calls wrong. Cloth that does not cross pays one search for crossings in the first frame. [`crate::Fate::Tangled`] reports crossings that are left after 2 s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClothContact {
@@ -33,7 +33,7 @@ pub struct ClothContact {
     /// Coefficient of friction. Default 0.3; 0 to 1e6; larger slides less.
     pub friction: f32,
     /// Which side of other cloths it belongs on: cloth of a higher layer comes out in front of cloth of a lower one, on the side that the normals of the
-    /// lower one point to. Used where cloths cross, on the CPU backend; between cloths of one layer the smaller part moves. Default 0; any number.
+    /// lower one point to. Used where cloths cross; between cloths of one layer the smaller part moves. Default 0; any number.
     pub layer: i32,
 }
 

@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::fused::Room;
 use crate::gpu::{ClothBuffers, Compiled, Gpu, Pipelines, UploadCount, guard};
 use crate::handle::ClothRef;
+use crate::limits::Warning;
 use crate::options::{Backend, Options, Solver};
 use crate::scene::Scene;
 use crate::world::World;
@@ -19,6 +20,8 @@ impl Stepper {
     ///
     /// The first stepper on a device runs its [`crate::self_check`], some milliseconds, unless the backend is [`Backend::Cpu`]. [`Backend::Auto`]
     /// does not use a device that fails, [`Backend::Gpu`] does; [`Stepper::warnings`] has the reason.
+    ///
+    /// On the GPU backend cloths with [`crate::Cloth::contact`] that cross at the start are taken apart before ([`Scene::take_apart`]), with a warning.
     ///
     /// Compiles the pipelines that a frame runs ([`Stepper::compiled`], [`Stepper::another`]).
     pub fn new(scene: Scene, options: Options, gpu: Option<(&wgpu::Device, &wgpu::Queue)>) -> Result<Self> {
@@ -76,11 +79,14 @@ impl Stepper {
             Backend::Gpu if gpu.is_none() => return Err(Error::NoGpu("Backend::Gpu")),
             Backend::Gpu => false,
         };
+        let mut scene = scene;
+        let taken = if on_cpu { None } else { scene.take_apart(&options)? };
         let mut world = if options.solver == Solver::Xpbd {
             World::new(scene, options)?
         } else {
             World::without_bodies(scene, options)?
         };
+        world.host.start = taken.map(|taken| Warning::Crossed { done: taken.to_string(), left: taken.left });
         let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.control.options.threads)?)) } else { None };
         if let (false, Some((device, _))) = (on_cpu, gpu) {
             let tuning = world.control.options.tuning;

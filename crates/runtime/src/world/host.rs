@@ -74,6 +74,8 @@ pub struct Host {
     pub put: bool,
     /// A warning about the device, to be reported.
     pub adapter: Option<Warning>,
+    /// The same of cloth that crossed at the start.
+    pub start: Option<Warning>,
     /// The same of steps that were too long.
     pub raised: Option<Warning>,
     /// Faults contained since anybody asked.
