@@ -2,6 +2,7 @@
 
 pub(crate) mod bend;
 mod give;
+mod reach;
 
 use std::fmt;
 use std::ops::Deref;
@@ -24,6 +25,8 @@ pub enum Support {
     TetheredRow,
     /// It hangs from pins, with tethers, and colliders are in its way.
     TetheredOnColliders,
+    /// A character wears it: it hangs from joints, with tethers, and the body is in its way.
+    Worn,
     /// It hangs from pins by its springs alone.
     Springs,
     /// No pin holds it: it lies on colliders.
@@ -47,11 +50,14 @@ pub enum Support {
 /// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
+/// | the same, of cloth without a material that follows joints | 12 sqrt(N / 64) f, at least 8 | 6, 8 if f is 1 | figure and mage of `docs/characters.md` |
 /// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
 /// | the same, with [`Options::pyramid`], no colliders | 7 sqrt(N / 64) | 4 | scene s1 without tethers, N = 64, 128, 256: largest stretch 2.9, 3.3, 5.9 % |
 /// | colliders, no pins | 12 sqrt(N / 64), of a material 48 | 8 | a T-shirt on moving arms: p99 4 % at N = 64, 5 % at 128 |
 /// | the same, starting high enough to fall on them at more than 1 m/s | 25 sqrt(N / 64) | 3 | scene s2: see `docs/solvers.md` |
-/// | colliders at speed v \[m/s\] | in a step, v moves at most a tenth of the thinnest collider's radius | 8 | scene s2f |
+/// | a collider at speed v \[m/s\] | in a step, it moves at most a tenth of its radius past cloth, a fourth past cloth that follows joints | 8 | scene s2f |
+///
+/// f is the way along the surface to the nearest pin, in cells (95 % of the particles have none that is longer), over 0.8 N, at most 1: a skirt settles sooner than a cape.
 ///
 /// The choice is made again when a cloth loses its last pin, and when the first collider comes. A cloth that is added raises the
 /// numbers if it asks for more ([`crate::Stepper::add_cloth`]). Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
@@ -90,6 +96,7 @@ impl fmt::Display for Choice {
             Support::Tethered => "hangs from pins with tethers".to_owned(),
             Support::TetheredRow => "hangs from a row of pins".to_owned(),
             Support::TetheredOnColliders => "hangs from pins among colliders".to_owned(),
+            Support::Worn => "hangs from the joints of a body".to_owned(),
             Support::Springs => "hangs from pins by its springs alone".to_owned(),
             Support::OnColliders => "lies on colliders and no pin holds it".to_owned(),
             Support::Falls(speed) => format!("falls on colliders at {speed:.1} m/s"),
@@ -117,6 +124,12 @@ const MAX_SUBSTEPS: u32 = 64;
 const FREE_SUBSTEPS: u32 = 8;
 /// Largest share of a collider's radius that fast cloth moves in a step.
 const FAST_SHARE: f64 = 0.1;
+/// The same for cloth that follows joints, which moves along with the body.
+const WORN_SHARE: f64 = 0.25;
+/// Rounds of polish of such cloth, and the way to its pins, as a share of N, from which it swings as a cape does.
+const WORN_POLISH: u32 = 6;
+const CAPE_POLISH: u32 = 8;
+const FREE_REACH: f64 = 0.8;
 /// Rounds of polish of cloth that meets a collider fast.
 const FAST_POLISH: u32 = 8;
 /// Speed from which a fall on colliders counts, its substeps at N = 64, and its rounds. A slap presses cells together where
@@ -231,7 +244,7 @@ fn choose(given: &Options, scene: &Scene) -> Choice {
 fn needs(cloth: &Cloth, given: &Options, scene: &Scene, moves: f64) -> (Need, Option<Need>) {
     let speed = moves + own_speed(cloth) + fall(cloth, scene);
     let fast = Need {
-        substeps: for_speed(speed, scene),
+        substeps: for_speed(own_speed(cloth) + fall(cloth, scene), cloth, scene),
         polish: if stiff(cloth) { FAST_POLISH } else { 0 },
         support: Support::Fast(speed),
     };
@@ -268,6 +281,10 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
                 () => (substeps, if is_strip(cloth) { STRIP_POLISH } else { HANG_POLISH }),
             };
             (substeps, polish, Support::Tethered)
+        }
+        (true, true, true) if !sheet && cloth.follows_joints() => {
+            let far = (reach::to_pins(cloth) / (FREE_REACH * n)).min(1.0);
+            (scaled(12.0 * far), if far < 1.0 { WORN_POLISH } else { CAPE_POLISH }, Support::Worn)
         }
         (true, true, true) => (scaled(if sheet { 16.0 } else { 12.0 }), 4, Support::TetheredOnColliders),
         (true, false, false) if given.pyramid > 0 => (scaled(PYRAMID_SUBSTEPS), 4, Support::Springs),
@@ -321,11 +338,18 @@ fn in_step(n: u32, step: f64) -> u32 {
     (f64::from(n) * step / FRAME_S - 1e-6).ceil().clamp(1.0, 4096.0) as u32
 }
 
-/// Substeps in which nothing moves by more than its share of the thinnest collider.
-fn for_speed(speed: f64, scene: &Scene) -> u32 {
-    let met = scene.met(scene.collision_groups());
-    let thinnest = met.map(|c| Solid::<f64>::new(c).thickness()).fold(f64::INFINITY, f64::min);
-    (speed * FRAME_S / (FAST_SHARE * thinnest)).ceil().min(f64::from(MAX_SUBSTEPS)) as u32
+/// Substeps in which a cloth of this speed \[m/s\], and each collider that it meets, move by no more than a share of the thickness of the collider that moves, or that
+/// is met.
+fn for_speed(own: f64, cloth: &Cloth, scene: &Scene) -> u32 {
+    let ratio = |s: Solid<f64>| (own + speed_of(&s)) / s.thickness();
+    let most = scene.met(cloth.met_groups()).map(Solid::<f64>::new).map(ratio).fold(0.0, f64::max);
+    let share = if cloth.follows_joints() { WORN_SHARE } else { FAST_SHARE };
+    (most * FRAME_S / share).ceil().min(f64::from(MAX_SUBSTEPS)) as u32
+}
+
+/// Substeps in which no collider moves far past any cloth.
+fn for_colliders(scene: &Scene) -> u32 {
+    scene.cloths.iter().map(|cloth| for_speed(0.0, cloth, scene)).max().unwrap_or(0)
 }
 
 fn length(v: [f64; 3]) -> f64 {
@@ -338,10 +362,13 @@ fn own_speed(cloth: &Cloth) -> f64 {
 
 /// Largest speed \[m/s\] of a point of a collider that any cloth meets.
 fn top_speed(scene: &Scene) -> f64 {
-    let solids = scene.met(scene.collision_groups()).map(Solid::<f64>::new);
+    scene.met(scene.collision_groups()).map(Solid::<f64>::new).map(|s| speed_of(&s)).fold(0.0, f64::max)
+}
+
+/// Largest speed \[m/s\] of a point of a collider.
+fn speed_of(solid: &Solid<f64>) -> f64 {
     // The rim of a half-space that turns is far away.
-    let speed = |s: Solid<f64>| length(s.velocity) + length(s.spin) * s.around().unwrap_or(0.0);
-    solids.map(speed).fold(0.0, f64::max)
+    length(solid.velocity) + length(solid.spin) * solid.around().unwrap_or(0.0)
 }
 
 /// Speed \[m/s\] of a fall from the start onto the highest collider that it meets; 0 for pinned cloth.
@@ -416,13 +443,13 @@ impl Follow {
 
     /// Substeps in which no collider moves far.
     pub fn fewest(&self, scene: &Scene) -> u32 {
-        if self.swept { in_step(for_speed(top_speed(scene), scene), self.step) } else { 1 }
+        if self.swept { in_step(for_colliders(scene), self.step) } else { 1 }
     }
 
     /// The number of substeps from here on, `now` being that of the last frame: up at once, down by an eighth per frame.
     pub fn next(&mut self, now: u32, scene: &Scene) -> u32 {
         let Some(lasting) = self.lasting else { return now };
-        let want = in_step(for_speed(top_speed(scene), scene), self.step).max(lasting);
+        let want = in_step(for_colliders(scene), self.step).max(lasting);
         if want >= now {
             self.hold = if want > lasting { HOLD_S } else { self.hold };
             return want;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::cloth::Flat;
+use crate::cloth::{Flat, Influence, SkinJoint};
 use crate::collider::{Collider, Shape};
 use crate::scene::builtin;
 
@@ -112,4 +112,48 @@ fn a_pyramid_takes_the_place_of_substeps_where_springs_alone_hold_cloth() {
     let mut among = scene.clone();
     among.colliders = vec![Collider::new(Shape::Sphere { radius: 0.1 }, [0.0, -5.0, 0.0])];
     assert_eq!(of(&among, 3).substeps, of(&among, 0).substeps);
+}
+
+/// A square of 64 x 64 particles that hangs by its upper row, on a joint or not, among a ball at rest and one that moves.
+fn worn(joint: bool, [small, large]: [f32; 2], speed: f32) -> Scene {
+    let mut cloth = Flat::square("skirt", 64).cloth().unwrap();
+    (0..64).for_each(|k| cloth.set_pinned(k, true).unwrap());
+    if joint {
+        let hip = SkinJoint { name: "hip".into(), parent: None, inverse_bind: STILL };
+        let of = vec![Influence { joints: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] }; 64 * 64];
+        cloth.set_skin(vec![hip], &of).unwrap();
+        cloth.follow_joints(&[STILL]).unwrap();
+    }
+    let ball = |radius: f32, x: f32| Collider::new(Shape::Sphere { radius }, [x, -0.5, 0.0]);
+    let mut scene = Scene::new("worn");
+    scene.cloths.push(cloth);
+    scene.colliders.extend([ball(small, 2.0), Collider { velocity: [0.0, 0.0, speed], ..ball(large, 4.0) }]);
+    scene
+}
+
+const STILL: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+#[test]
+fn a_thin_collider_at_rest_does_not_make_a_thick_one_fast() {
+    let of = |radii, speed| chosen(&worn(false, radii, speed), Options::default());
+    let slow = of([0.005, 0.3], 3.0);
+    assert_eq!((slow.substeps, slow.support), (12, Support::TetheredOnColliders));
+    // 3 m/s are 5 cm in a frame, and the steps of a ball of 1 cm are of 1 mm.
+    let fast = of([0.3, 0.01], 3.0);
+    assert!((50..52).contains(&fast.substeps) && matches!(fast.support, Support::Fast(_)), "{fast}");
+}
+
+#[test]
+fn worn_cloth_has_fewer_steps_the_nearer_its_pins_are() {
+    let of = |joint, speed| chosen(&worn(joint, [0.3, 0.1], speed), Options::default());
+    let cape = of(true, 0.0);
+    assert_eq!((cape.substeps, cape.polish, cape.support), (12, CAPE_POLISH, Support::Worn));
+    assert!(cape.to_string().contains("cloth 'skirt' hangs from the joints of a body"), "{cape}");
+    let mut skirt = worn(true, [0.3, 0.1], 0.0);
+    (0..32).for_each(|row| skirt.cloths[0].set_pinned(64 * row, true).unwrap());
+    (0..32 * 64).for_each(|k| skirt.cloths[0].set_pinned(k, true).unwrap());
+    let skirt = chosen(&skirt, Options::default());
+    assert_eq!((skirt.substeps, skirt.polish), (8, WORN_POLISH));
+    // A collider may go two and a half times as far past it.
+    assert_eq!([false, true].map(|joint| of(joint, 24.0).substeps), [40, 16]);
 }
