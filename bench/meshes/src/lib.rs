@@ -30,6 +30,11 @@ pub fn clean() -> Vec<PathBuf> {
     out
 }
 
+/// The file of this name in `assets`, if it is there.
+pub fn asset(name: &str) -> Option<PathBuf> {
+    Some(root().join("assets").join(name)).filter(|p| p.is_file())
+}
+
 /// Those of the named files that are in `$GIMAGE_SHARED/garments`, or in `shared/garments` beside the repository.
 pub fn shared(names: &[&str]) -> Vec<PathBuf> {
     let folder = std::env::var_os("GIMAGE_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from);
