@@ -4,7 +4,8 @@
 fn leave_surface(k: u32) {
   let p = place(k);
   if (p.w > 0.0) {
-    put(k, vec4<f32>(off_plane(8u * k + 4u, off_plane(8u * k, p.xyz, was(k)), was(k)), p.w));
+    // The side at which it is has the last word.
+    put(k, vec4<f32>(off_plane(8u * k, off_plane(8u * k + 4u, p.xyz, was(k)), was(k)), p.w));
   }
 }
 

@@ -2,8 +2,9 @@
 // walks to the nearest point of the surface from where that was in the last frame.
 //
 // `wearers` has two rows per particle: the height that it keeps, its number or that of its first duplicate, and its neighbours in the grid, each by
-// its first duplicate. `surface_hints` has five rows per particle: where it was and the second side; the way from the nearest point to it, where on the
-// triangle that is, and the frames for which it waits; the weights there; and twice the normal and the triangle, for odd and even frames.
+// its first duplicate. `surface_hints` has five rows per particle: where it was; the way from the nearest point to it, where on the triangle that
+// is, and the frames for which it waits; the weights there; and twice the normal and the triangle, for odd and even frames. The first and the third row have the
+// second side too, for even and odd frames.
 // `found_planes` has two planes per particle, as shaders/surface_contact.wgsl reads them.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
 @group(0) @binding(94) var<storage, read> surface_vertices: array<vec4<f32>>;
@@ -47,13 +48,20 @@ fn frames() -> u32 {
   return u32(action[0].y);
 }
 
-fn is_afresh() -> bool {
-  return action[0].z > 0.0;
+// The row with the second side that a particle knew before this frame (`later` is 0), or that it knows then (1): neighbours read the first one meanwhile.
+fn second_row(particle: u32, later: u32) -> u32 {
+  return 5u * particle + 2u * ((frames() + later) & 1u);
 }
 
-fn direction(v: vec3<f32>) -> vec3<f32> {
-  let length = sqrt(dot(v, v));
-  return select(v, v * (1.0 / length), length > 1e-18);
+// The fourth number of a row is another one's.
+fn put_hint(row: u32, v: vec3<f32>) {
+  surface_hints[row].x = bitcast<u32>(v.x);
+  surface_hints[row].y = bitcast<u32>(v.y);
+  surface_hints[row].z = bitcast<u32>(v.z);
+}
+
+fn is_afresh() -> bool {
+  return action[0].z > 0.0;
 }
 
 // The mean of a row of the corners of a triangle.
@@ -173,13 +181,15 @@ fn first_of(k: u32, mark: vec4<u32>, p: vec3<f32>) -> Known {
     known.view = view_of(known.spot, p);
     return known;
   }
-  known.second = surface_hints[5u * k].w;
+  known.second = surface_hints[second_row(k, 0u)].w;
   let last = surface_hints[5u * k + 1u];
   let on = last.w & 255u;
   known.spot = Spot(bitcast<vec3<f32>>(surface_hints[5u * k + 2u].xyz), 0.0, mark.w, on);
   known.view = view_of(known.spot, p);
   let height = known.view.height;
-  if (height > -BESIDE_M && !known.view.open) {
+  // Near a side or a corner the surface bends, and the next face may be nearer already.
+  let bends = on != 0u && height < MARGIN_M;
+  if (height > -BESIDE_M && !known.view.open && !bends) {
     // Beside the way of the walk; without it a side or a corner would always be straight below.
     let way = bitcast<vec3<f32>>(last.xyz);
     let off = cross(way, known.view.normal);
@@ -225,6 +235,19 @@ fn is_met(view: View, reach: f32) -> bool {
   return !view.open && view.height <= reach + view.far && view.height > -LOST_M;
 }
 
+// Whether a particle meets the plane of a second side. A walk that ends where a wall does sees no inside from there.
+fn is_met_beside(spot: Spot, view: View) -> bool {
+  return !view.open && view.height > -LOST_M && (spot.on == 0u || view.height > 0.0);
+}
+
+// The clearance between two sides that face each other, such as an arm and a chest: half of the gap between them, at its narrowest in the frame, as
+// both clearances may not fit. Where the sides overlap it is 0: particles go out of the crease from step to step, and stay on the first side, at which
+// they are.
+fn squeezed(first: View, last: View, clearance: f32) -> f32 {
+  let closes = max(dot(first.drift - last.drift, first.normal), 0.0);
+  return min(max(0.5 * (first.height + last.height - closes), 0.0), clearance);
+}
+
 // The plane at a point of the surface.
 fn put_plane(n: u32, spot: Spot, view: View, clearance: f32) {
   var last = view.normal;
@@ -254,6 +277,10 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
   let way = sqrt(dot(moved, moved));
   let reach = clearance + MARGIN_M + select(UNKNOWN_WAY_M, WAYS * way, was_known);
   var known = first_of(k, mark, p);
+  // A particle that comes nearer to another wall still has the one that it was at.
+  if (was_known && dot(bitcast<vec3<f32>>(mark.xyz), known.view.normal) < SECOND_COSINE) {
+    known.second = mark.w;
+  }
   // One neighbour in each of four frames.
   let beside = wearers[2u * k + 1u][frames() & 3u];
   if (beside != NO_TRIANGLE && !is_afresh()) {
@@ -261,8 +288,13 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
     if (other.w != NO_TRIANGLE && dot(bitcast<vec3<f32>>(other.xyz), known.view.normal) < SAME_COSINE) {
       known = compared(known, other.w, p);
     }
+    if (known.second == NO_TRIANGLE) {
+      known.second = surface_hints[second_row(beside, 0u)].w;
+    }
   }
-  if (was_known && (own.y + frames()) % SEARCH_FRAMES == 0u) {
+  // Another part of the body may have come where a particle knows none near.
+  let is_due = (own.y + frames()) % SEARCH_FRAMES == 0u || (known.view.height > reach && way + known.view.far > FAST_M);
+  if (was_known && is_due) {
     let nearest = patch_of(p);
     if (surface_triangles[2u * known.spot.triangle + 1u].w != nearest) {
       known = compared(known, patch_middle(nearest), p);
@@ -273,14 +305,15 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
     put_plane(8u * k, known.spot, known.view, clearance);
   }
   if (known.second != NO_TRIANGLE) {
-    let other = walk(known.second, p);
+    let other = walk_beyond(known.second, p, known.view.normal);
     let side = view_of(other, p);
-    known.second = select(NO_TRIANGLE, other.triangle, is_second(known.view, side));
-    if (known.second != NO_TRIANGLE && is_met(side, reach)) {
+    let is_other = abs(side.height) < SECOND_M && faces_away(other.triangle, known.view.normal);
+    known.second = select(NO_TRIANGLE, other.triangle, is_other);
+    // However far it is: a particle in a crease may be thrown from one wall to the other in a frame.
+    if (is_other && is_met_beside(other, side)) {
       put_plane(8u * k + 4u, other, side, clearance);
-      // Between two sides, such as an arm and a chest, both clearances may not fit.
       if (meets && dot(known.view.normal, side.normal) < FACING_COSINE) {
-        let half = min(max(0.5 * (known.view.height + side.height), 0.0), clearance);
+        let half = squeezed(known.view, side, clearance);
         found_planes[8u * k].w = half;
         found_planes[8u * k + 4u].w = half;
       }
@@ -291,9 +324,10 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
     let nearer = way + known.view.far + FASTER_M;
     wait = u32(max(min((known.view.height - reach - known.view.far) / nearer, MAX_WAIT), 0.0));
   }
-  surface_hints[5u * k] = vec4<u32>(bitcast<vec3<u32>>(p), known.second);
+  put_hint(5u * k, p);
   surface_hints[5u * k + 1u] = vec4<u32>(bitcast<vec3<u32>>(known.view.off), known.spot.on | wait << 8u);
-  surface_hints[5u * k + 2u] = vec4<u32>(bitcast<vec3<u32>>(known.spot.weights), 0u);
+  put_hint(5u * k + 2u, known.spot.weights);
+  surface_hints[second_row(k, 1u)].w = known.second;
   surface_hints[5u * k + 4u - (frames() & 1u)] = vec4<u32>(bitcast<vec3<u32>>(known.view.normal), known.spot.triangle);
 }
 
@@ -322,6 +356,7 @@ fn main(
       surface_hints[5u * k + 1u].w = state - 256u;
     }
     surface_hints[5u * k + 4u - (frames() & 1u)] = mark;
+    surface_hints[second_row(k, 1u)].w = select(surface_hints[second_row(k, 0u)].w, NO_TRIANGLE, is_afresh());
     return;
   }
   put_planes(k, mark, p.xyz);

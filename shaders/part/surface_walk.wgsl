@@ -68,15 +68,26 @@ fn on_triangle(p: vec3<f32>, triangle: u32) -> Spot {
   return spot_at(p, triangle, t, vec3<f32>(1.0 - v - w, v, w), 0u);
 }
 
-// The nearest of the triangles beyond the sides in `mask`, if it is nearer.
-fn beyond(spot: Spot, mask: u32, p: vec3<f32>) -> Spot {
+fn direction(v: vec3<f32>) -> vec3<f32> {
+  let length = sqrt(dot(v, v));
+  return select(v, v * (1.0 / length), length > 1e-18);
+}
+
+// Whether a triangle faces away from a normal.
+fn faces_away(triangle: u32, normal: vec3<f32>) -> bool {
+  let t = corners_of(triangle);
+  return dot(normal, direction(cross(t.b - t.a, t.c - t.a))) < SECOND_COSINE;
+}
+
+// The nearest of the triangles beyond the sides in `mask`, if it is nearer and faces away from a normal.
+fn beyond(spot: Spot, mask: u32, p: vec3<f32>, away: vec3<f32>) -> Spot {
   let across = surface_triangles[2u * spot.triangle + 1u];
   var best = spot;
   for (var side = 0u; side < 3u; side++) {
     let other = across[side];
     if ((mask >> side & 1u) == 1u && other != NO_TRIANGLE) {
       let found = on_triangle(p, other);
-      if (found.far2 < best.far2) {
+      if (found.far2 < best.far2 && faces_away(other, away)) {
         best = found;
       }
     }
@@ -91,8 +102,8 @@ fn hiding(spot: Spot, p: vec3<f32>) -> u32 {
   return select(surface_triangles[2u * spot.triangle].w & 7u, 7u, behind);
 }
 
-// The nearest triangle around a corner, if it is nearer: one way round, and the other way too if that ends at a border.
-fn around(spot: Spot, corner: u32, p: vec3<f32>) -> Spot {
+// The nearest triangle around a corner, if it is nearer and faces away from a normal: one way round, and the other way too if that ends at a border.
+fn around(spot: Spot, corner: u32, p: vec3<f32>, away: vec3<f32>) -> Spot {
   let vertex = surface_triangles[2u * spot.triangle][corner];
   var best = spot;
   var closed = false;
@@ -108,7 +119,7 @@ fn around(spot: Spot, corner: u32, p: vec3<f32>) -> Spot {
       }
       at = next;
       let found = on_triangle(p, at);
-      if (found.far2 < best.far2) {
+      if (found.far2 < best.far2 && faces_away(at, away)) {
         best = found;
       }
     }
@@ -118,15 +129,20 @@ fn around(spot: Spot, corner: u32, p: vec3<f32>) -> Spot {
 
 // The nearest point to `p` that a walk from a triangle finds: each step goes to a neighbour that is nearer.
 fn walk(start: u32, p: vec3<f32>) -> Spot {
+  return walk_beyond(start, p, vec3<f32>(0.0));
+}
+
+// The same among triangles that face away from a normal: so a walk on one wall of a crease does not come out on the other one. All face away from 0.
+fn walk_beyond(start: u32, p: vec3<f32>, away: vec3<f32>) -> Spot {
   var spot = on_triangle(p, start);
   for (var n = 0u; n < WALK_STEPS; n++) {
     var next = spot;
     if (spot.on == 0u) {
-      next = beyond(spot, hiding(spot, p), p);
+      next = beyond(spot, hiding(spot, p), p, away);
     } else if (spot.on <= 3u) {
-      next = beyond(spot, 1u << (spot.on - 1u), p);
+      next = beyond(spot, 1u << (spot.on - 1u), p, away);
     } else {
-      next = around(spot, spot.on - 4u, p);
+      next = around(spot, spot.on - 4u, p, away);
     }
     if (next.triangle == spot.triangle) {
       break;

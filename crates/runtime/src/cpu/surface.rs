@@ -55,8 +55,8 @@ pub struct Worn<T: Real> {
     hints: Vec<Hint<T>>,
     /// Frames for which each particle is left out.
     waits: Vec<u8>,
-    /// The triangle and the normal that each particle knew before this frame: those that its neighbours try.
-    marks: Vec<(u32, V3<T>)>,
+    /// The triangle, the normal and the second triangle that each particle knew before this frame: those that its neighbours try.
+    marks: Vec<(u32, V3<T>, u32)>,
     boxes: Boxes<T>,
     clearances: Vec<T>,
     /// The first duplicate of each particle.
@@ -133,7 +133,8 @@ impl<T: Real> Worn<T> {
     /// Particles leave the surface; as [`contact::run`].
     pub fn run(&self, threads: &Threads, sheets: &mut [Sheet<T>], step: &Step<T>) {
         for (g, sheet) in sheets.iter_mut().enumerate() {
-            for planes in &self.planes {
+            // The side at which a particle is has the last word.
+            for planes in self.planes.iter().rev() {
                 contact::run(threads, sheet, &planes[g], self.friction, (step.dt, step.left));
             }
         }

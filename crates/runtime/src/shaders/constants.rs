@@ -14,7 +14,7 @@ use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 use crate::levels::{NODE_TILE, joint, safe};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 41] = [
+const FLOATS: [(&str, f64); 42] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
@@ -43,6 +43,7 @@ const FLOATS: [(&str, f64); 41] = [
     ("NO_PLANE", contact::NOTHING),
     ("MODELLED_INSIDE_M", MODELLED_INSIDE_M as f64),
     ("MARGIN_M", search::MARGIN_M),
+    ("FAST_M", search::FAST_M),
     ("WAYS", search::WAYS),
     ("UNKNOWN_WAY_M", search::UNKNOWN_WAY_M),
     ("MAX_WAIT", search::MAX_WAIT),

@@ -1,7 +1,7 @@
 //! Twin of shaders/surface_search.wgsl: the planes that particles meet in a frame.
 
 use super::contact::Plane;
-use super::nearest::walk;
+use super::nearest::{faces_away, walk, walk_beyond};
 use super::pose::unit;
 use super::{Hint, Worn, face, length, mix};
 use crate::cloth::MODELLED_INSIDE_M;
@@ -33,6 +33,8 @@ pub const SECOND_COSINE: f64 = 0.3;
 pub const FACING_COSINE: f64 = -0.3;
 /// Frames in which each particle tries the nearest patch once.
 pub const SEARCH_FRAMES: u32 = 32;
+/// One that meets nothing tries it each time that it looks, if it and the surface have gone farther \[m\] than this together.
+pub const FAST_M: f64 = 0.008;
 /// Beside a border a particle farther from the normal than by the angle of this cosine has no surface below it.
 pub const OPEN_COSINE: f64 = 0.7;
 /// A point nearer \[m\] to the surface than this has no direction from it.
@@ -68,7 +70,7 @@ impl<T: Real> Worn<T> {
         self.boxes.follow(&self.surface, &mut self.skinned);
         // Particles do not see what others find in this frame, so that their order has no effect.
         self.marks.clear();
-        self.marks.extend(self.hints.iter().map(|hint| (hint.triangle, hint.normal)));
+        self.marks.extend(self.hints.iter().map(|hint| (hint.triangle, hint.normal, hint.second)));
         for (g, (sheet, first)) in sheets.iter().zip(firsts).enumerate() {
             self.planes.iter_mut().for_each(|planes| planes[g].clear());
             let size = (sheet.width, sheet.height);
@@ -105,17 +107,26 @@ impl<T: Real> Worn<T> {
         let hint = self.hints[particle];
         let clearance = self.clearances[particle];
         let known = hint.triangle != NONE;
-        let goes = if known { T::of(WAYS) * length(sub(p, hint.last)) } else { T::of(UNKNOWN_WAY_M) };
+        let moved = length(sub(p, hint.last));
+        let goes = if known { T::of(WAYS) * moved } else { T::of(UNKNOWN_WAY_M) };
         let reach = clearance + T::of(MARGIN_M) + goes;
         let (mut spot, mut view) = self.first(&hint, p);
-        let mut second = hint.second;
+        // A particle that comes nearer to another wall still has the one that it was at.
+        let turns = known && dot(hint.normal, view.normal) < T::of(SECOND_COSINE);
+        let mut second = if turns { hint.triangle } else { hint.second };
         if let Some(n) = beside {
-            let (triangle, normal) = self.marks[self.points[n] as usize];
+            let (triangle, normal, other) = self.marks[self.points[n] as usize];
             if triangle != NONE && dot(normal, view.normal) < T::of(SAME_COSINE) {
                 self.compare((&mut spot, &mut view, &mut second), triangle, p);
             }
+            if second == NONE {
+                second = other;
+            }
         }
-        if known && (particle as u32).wrapping_add(self.frames).is_multiple_of(SEARCH_FRAMES) {
+        // Another part of the body may have come where a particle knows none near.
+        let is_due = (particle as u32).wrapping_add(self.frames).is_multiple_of(SEARCH_FRAMES)
+            || (view.height > reach && moved + view.way > T::of(FAST_M));
+        if known && is_due {
             let patch = self.boxes.patch(p);
             if self.surface.patch[spot.triangle as usize] as usize != patch {
                 self.compare((&mut spot, &mut view, &mut second), self.surface.middles[patch], p);
@@ -126,21 +137,23 @@ impl<T: Real> Worn<T> {
             planes[0] = Some(self.plane(&spot, &view, clearance));
         }
         if second != NONE {
-            let other = walk(&self.surface, &mut self.skinned, second, p);
+            let other = walk_beyond(&self.surface, &mut self.skinned, (second, Some(view.normal)), p);
             let side = self.view(&other, p);
-            second = if is_second(&view, &side) { other.triangle } else { NONE };
-            if second != NONE && is_met(&side, reach) {
+            let is_other = side.height.abs() < T::of(SECOND_M)
+                && faces_away(&self.surface, &mut self.skinned, other.triangle, view.normal);
+            second = if is_other { other.triangle } else { NONE };
+            // However far it is: a particle in a crease may be thrown from one wall to the other in a frame.
+            if is_other && is_met_beside(&other, &side) {
                 planes[1] = Some(self.plane(&other, &side, clearance));
             }
-            // Between two sides, such as an arm and a chest, both clearances may not fit.
             if let ([Some(first), Some(last)], true) =
                 (&mut planes, dot(view.normal, side.normal) < T::of(FACING_COSINE))
             {
-                let half = (T::of(0.5) * (view.height + side.height)).max(T::of(0.0)).min(clearance);
+                let half = squeezed(&view, &side, clearance);
                 (first.clearance, last.clearance) = (half, half);
             }
         }
-        let nearer = length(sub(p, hint.last)) + view.way + T::of(FASTER_M);
+        let nearer = moved + view.way + T::of(FASTER_M);
         let wait = (view.height - reach - view.way) / nearer;
         let wait = if known { wait.min(T::of(MAX_WAIT)).max(T::of(0.0)).get() as u8 } else { 0 };
         self.waits[particle] = wait;
@@ -160,7 +173,9 @@ impl<T: Real> Worn<T> {
         let Hint { triangle, weights, on, .. } = *hint;
         let spot = Spot { triangle, weights, distance2: T::of(0.0), on };
         let mut view = self.view(&spot, p);
-        if view.height > T::of(-BESIDE_M) && !view.open {
+        // Near a side or a corner the surface bends, and the next face may be nearer already.
+        let bends = on != On::Face && view.height < T::of(MARGIN_M);
+        if view.height > T::of(-BESIDE_M) && !view.open && !bends {
             // Beside the way of the walk; without it a side or a corner would always be straight below.
             let beside = if on == On::Face { view.beside } else { length(cross(hint.way, view.normal)) };
             if beside < T::of(BESIDE_M) + T::of(BESIDE_PER_HEIGHT) * view.height.max(T::of(0.0)) {
@@ -238,6 +253,20 @@ impl<T: Real> Worn<T> {
 /// Whether a particle may meet a plane in a frame.
 fn is_met<T: Real>(view: &View<T>, reach: T) -> bool {
     !view.open && view.height <= reach + view.way && view.height > T::of(-LOST_M)
+}
+
+/// Whether a particle meets the plane of a second side. A walk that ends where a wall does sees no inside from there.
+fn is_met_beside<T: Real>(spot: &Spot<T>, view: &View<T>) -> bool {
+    !view.open && view.height > T::of(-LOST_M) && (spot.on == On::Face || view.height > T::of(0.0))
+}
+
+/// The clearance between two sides that face each other, such as an arm and a chest: half of the gap between them, at its narrowest in the frame, as
+/// both clearances may not fit. Where the sides overlap it is 0: particles go out of the crease from step to step, and stay on the first side, at which
+/// they are.
+fn squeezed<T: Real>(first: &View<T>, last: &View<T>, clearance: T) -> T {
+    let zero = T::of(0.0);
+    let closes = dot(sub(first.drift, last.drift), first.normal).max(zero);
+    (T::of(0.5) * (first.height + last.height - closes)).max(zero).min(clearance)
 }
 
 /// Whether a point is of another side of the surface than the nearest one, and near enough to be met.
