@@ -3,7 +3,8 @@ use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::{TriMesh, Triangle};
 
 use super::boxes::nearest_of;
-use super::nearest::walk;
+use super::nearest::{faces_away, walk, walk_beyond};
+use super::pose::unit;
 use super::*;
 use crate::cloth::surface::on_triangle;
 use crate::cloth::{Flat, Influence, Rows, SkinJoint, Skinning};
@@ -169,4 +170,51 @@ fn the_first_of_the_nearest_points_is_found() {
         let want = (0..48).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap();
         assert_eq!(nearest_of(&points, p), want);
     }
+}
+
+#[test]
+fn a_walk_on_one_wall_of_a_crease_stays_there() {
+    // Two walls along z that open by 100 degrees from the origin, in strips of 1 cm, as seen from between them.
+    let wall = |side: f32, k: u32, z: f32| {
+        let (sin, cos) = 50f32.to_radians().sin_cos();
+        [side * sin * 0.01 * k as f32, cos * 0.01 * k as f32, z]
+    };
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for z in 0..11 {
+        positions.extend((0..21).map(|n: u32| {
+            let side = if n < 10 { -1.0 } else { 1.0 };
+            wall(side, n.abs_diff(10), 0.01 * z as f32)
+        }));
+    }
+    for (i, j) in (0..10).flat_map(|j| (0..20).map(move |i| (i, j))) {
+        let at = |i: u32, j: u32| j * 21 + i;
+        triangles.extend([[at(i, j), at(i, j + 1), at(i + 1, j)], [at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)]]);
+    }
+    let surface = BodySurface::new(positions, triangles, Vec::new()).unwrap();
+    let mut skinned = Skinned::<f64>::new(&surface);
+    skinned.begin();
+    let is_left = |surface: &BodySurface, t: u32| {
+        surface.triangles[t as usize].iter().map(|v| surface.rest[*v as usize][0]).sum::<f32>() < 0.0
+    };
+    let right = |skinned: &mut Skinned<f64>, t: u32| unit(face(&skinned.corners(&surface, t)));
+    let mut crossed = 0;
+    for k in 0..40 {
+        // Nearer to the wall on the right, from which it goes to the one on the left.
+        let far = 0.02 + 0.001 * f64::from(k);
+        let (sin, cos) = 40f64.to_radians().sin_cos();
+        let p = [far * cos - 0.002 * sin, far * sin + 0.002 * cos, 0.053];
+        let own = surface.triangles.iter().position(|t| t.iter().all(|v| surface.rest[*v as usize][0] > 0.03)).unwrap();
+        let other =
+            surface.triangles.iter().position(|t| t.iter().all(|v| surface.rest[*v as usize][0] < -0.01)).unwrap();
+        let normal = right(&mut skinned, own as u32);
+        assert!(normal[1] > 0.0 && faces_away(&surface, &mut skinned, other as u32, normal));
+        let plain = walk(&surface, &mut skinned, other as u32, p);
+        crossed += usize::from(!is_left(&surface, plain.triangle));
+        let spot = walk_beyond(&surface, &mut skinned, (other as u32, Some(normal)), p);
+        assert!(is_left(&surface, spot.triangle), "{far}: {spot:?}");
+        // The crease is the nearest part of that wall.
+        let exact = (p[0] * p[0] + p[1] * p[1]).sqrt();
+        assert!((spot.distance2.sqrt() - exact).abs() < 1e-6, "{far}: {spot:?}, {exact}");
+    }
+    assert!(crossed > 20, "{crossed}: a walk without the rule leaves the wall");
 }
