@@ -9,6 +9,9 @@ use rayon::prelude::*;
 
 use crate::Error;
 
+/// A body winds around points inside of it more than this.
+const INSIDE: f64 = 0.5;
+
 /// The body at a time.
 pub struct Judge {
     mesh: TriMesh,
@@ -28,12 +31,13 @@ impl Judge {
         Ok(Judge { mesh: TriMesh::with_flags(vertices, body.triangles.clone(), TriMeshFlags::ORIENTED)? })
     }
 
-    /// For each point how deep \[m\] it is inside; 0 outside. The side is that of the normal of the nearest face, edge or corner.
+    /// For each point how deep \[m\] it is inside; 0 outside. The side is that of the normal of the nearest face, edge or corner, and a body winds around what
+    /// is inside of it: beyond the border of a body that is open, that normal tells nothing.
     pub fn depths(&self, points: &[[f64; 3]]) -> Vec<f64> {
         let depth = |p: &[f64; 3]| {
-            let p = Vector::from_array(*p);
-            let found = self.mesh.project_point(&Pose::IDENTITY, p, false);
-            if found.is_inside { (found.point - p).length() } else { 0.0 }
+            let at = Vector::from_array(*p);
+            let found = self.mesh.project_point(&Pose::IDENTITY, at, false);
+            if found.is_inside && self.winding(*p) > INSIDE { (found.point - at).length() } else { 0.0 }
         };
         points.par_iter().map(depth).collect()
     }

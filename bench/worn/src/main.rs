@@ -58,7 +58,7 @@ struct Args {
     deeper: Option<f64>,
 }
 
-/// What cloth collides with.
+/// Colliders of the body.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Collider {
     Surface,

@@ -37,7 +37,7 @@ pub struct Model {
     motion: Motion,
 }
 
-/// What moves the joints.
+/// The source of the motion of the joints.
 enum Motion {
     /// An animation, and the nodes of the joints.
     Played(Box<Character>, Vec<usize>),

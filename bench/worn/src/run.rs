@@ -20,7 +20,7 @@ pub const HEADER: &str = "character,animation,collider,backend,particles,free,be
 frames,over_1mm,over_3mm,p99.9_mm,p99.99_mm,max_mm,points_over_3mm,of_them_in_crossed_body,begun_inside_max_mm,pin_gap_m,ring_gap_m,\
 not_finite,stretch_p99_worst,faults,ms_min,ms_median";
 
-/// What has been seen.
+/// The figures of a run.
 #[derive(Default)]
 struct Seen {
     frames: u32,
