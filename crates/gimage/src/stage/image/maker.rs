@@ -8,7 +8,7 @@ use crate::stage::border::Border;
 use crate::stage::cut::disk;
 use crate::stage::cut::grow::{Grown, grow, hidden_costs};
 use crate::stage::cut::{Cut, CutRecord, Cutter, Loops, OpenSurface, SEAM_DISCOUNT};
-use crate::stage::layout::{Size, choose};
+use crate::stage::layout::{Size, choose, smallest};
 use crate::stage::parameterize::bend;
 use crate::stage::parameterize::{Source, Way, map};
 
@@ -125,10 +125,18 @@ impl<'a> Maker<'a> {
         self.make(std::slice::from_ref(candidate), size, None)
     }
 
+    /// The error where the border of no candidate fits, with the image that would hold it.
+    fn does_not_fit(&self, candidates: &[OpenSurface]) -> Error {
+        let least = candidates.iter().map(|c| c.border.least_steps()).min().unwrap_or(8);
+        let (w, h) = smallest(least);
+        let problem =
+            format!("its border, with {} loops, needs an image of {w} x {h} texels", self.loops.lengths.len());
+        self.fail("layout", &problem, "close holes in the file, separate its parts, or give it as many texels")
+    }
+
     /// Lays out every candidate on its stand-in, keeps the least distorted, and makes its image.
     pub(super) fn make(&self, candidates: &[OpenSurface], size: Size, way: Option<Way>) -> Result<PieceImage> {
-        let (k, layout) = choose(candidates, size, self.options.search)
-            .ok_or_else(|| self.fail("layout", "the border does not fit the image", "give it more texels"))?;
+        let (k, layout) = choose(candidates, size, self.options.search).ok_or_else(|| self.does_not_fit(candidates))?;
         let OpenSurface { disk, border, cut } = &candidates[k];
         let map = map(&self.source(), disk, border, &layout, way, self.options)?;
         finish(&self.source(), &self.loops, cut, map, self.options)

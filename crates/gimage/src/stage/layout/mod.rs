@@ -2,6 +2,7 @@
 
 mod proxy;
 mod search;
+mod strip;
 #[cfg(test)]
 mod tests;
 
@@ -66,10 +67,15 @@ pub(crate) fn cells(size: Size, aspect: f64, least: u32) -> Option<(u32, u32)> {
                 let (long, short) = slender(texels, least).unwrap_or((w.max(h), w.min(h)));
                 (w, h) = if w < h { (short, long) } else { (long, short) };
             }
-            fits(w, h).then_some((w - 1, h - 1))
+            let most = u64::from(texels.saturating_mul(BEYOND).max(ALWAYS));
+            (fits(w, h) && u64::from(w) * u64::from(h) <= most).then_some((w - 1, h - 1))
         }
     }
 }
+
+/// Largest image that a border may ask for, in budgets, and in texels: the fit of that of a net of 2,025 holes took 10 GB.
+const BEYOND: u32 = 16;
+const ALWAYS: u32 = 1 << 21;
 
 /// Least texels across an image that is made longer to hold its border.
 const LEAST_ACROSS: u32 = 8;

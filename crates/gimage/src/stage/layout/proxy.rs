@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::Layout;
-use super::search::SearchOptions;
+use super::search::{ASPECTS, LEAST_SIDE, SearchOptions};
+use super::strip::Strip;
 use crate::base::decimate::decimate;
+use crate::base::vec3::{cross, norm, sub};
 use crate::stage::border::{Border, on_rectangle};
 use crate::stage::cut::corners::Corners;
 use crate::stage::cut::disk::Disk;
@@ -12,6 +14,10 @@ use crate::stage::parameterize::{NewtonOptions, Shape, Start, System, solve};
 
 /// Relative fall of the energy below which a trial takes no further Newton step: layouts are compared, not mapped.
 const TOLERANCE: f64 = 1e-2;
+
+fn triangle_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
+    0.5 * norm(cross(sub(b, a), sub(c, a)))
+}
 
 /// A layout and the map of the stand-in so far.
 #[derive(Clone, Debug)]
@@ -43,6 +49,12 @@ pub(crate) struct Proxy<'a> {
     system: System,
     /// Places in the loop and dead ends for each way of sharing out the steps.
     along: BTreeMap<Vec<u32>, (Vec<f64>, Vec<u32>)>,
+    /// Set where the disk is longer than all of [`ASPECTS`].
+    pub(super) strip: Option<Strip>,
+    /// The aspects of the search.
+    pub(super) aspects: Vec<f64>,
+    /// Least share of the border that a side between two nodes may have.
+    pub(super) least_side: f64,
     pub(super) options: SearchOptions,
 }
 
@@ -77,7 +89,12 @@ impl<'a> Proxy<'a> {
         small.split_chords();
         let fixed = small.boundary_mask();
         let system = System::new(&small.triangles, &fixed);
+        let around: Vec<[f64; 3]> = disk.boundary.iter().map(|&v| disk.positions[v as usize]).collect();
+        let area = disk.triangles.iter().map(|t| triangle_area(t.map(|v| disk.positions[v as usize]))).sum();
         Self {
+            strip: Strip::of(&around, area, ASPECTS[ASPECTS.len() - 1]),
+            aspects: ASPECTS.to_vec(),
+            least_side: LEAST_SIDE,
             disk,
             border,
             positions: small.positions,

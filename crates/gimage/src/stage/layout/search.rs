@@ -70,13 +70,19 @@ const WORSE_CUT: [Bound; 2] = [Bound { factor: 1.03, extra: 0.005 }, Bound { fac
 const WORSE_TRIAL: Bound = Bound { factor: 1.15, extra: 0.005 };
 
 /// Width : height ratios tried, in steps from square.
-const ASPECTS: [f64; 9] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4];
+pub(super) const ASPECTS: [f64; 9] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4];
+
+/// Step of the further ratios of a strip.
+const STRIP_ASPECTS: f64 = 1.25;
 
 /// Index of the aspect at which starts are compared: 1.6, from which the refinement walks both ways.
 const FIRST_ASPECT: usize = 2;
 
-/// Shares of the border that the side between two nodes may have. Outside of these the image is a strip.
-const SIDE_SHARES: std::ops::Range<f64> = 0.02..0.48;
+/// Least share of the border that the side between two nodes may have: below it the image is a strip.
+pub(super) const LEAST_SIDE: f64 = 0.02;
+
+/// Least share of such a side of a strip, in units of the share of its end.
+const LEAST_END: f64 = 0.5;
 
 /// Rounds in which an aspect, its steps and the shares of these settle.
 const SETTLING_ROUNDS: usize = 3;
@@ -86,6 +92,11 @@ const SETTLING_ROUNDS: usize = 3;
 const REFINED_START: f64 = 0.25;
 /// Rounds of refinement; each halves the step.
 const REFINEMENTS: usize = 2;
+
+/// The largest aspect of an image of a budget: three texels across.
+fn longest(size: Size) -> Option<f64> {
+    if let Size::Budget(texels) = size { Some(f64::from(texels.max(9)) / 9.0) } else { None }
+}
 
 /// The result of a search.
 #[derive(Debug)]
@@ -125,17 +136,39 @@ impl Proxy<'_> {
         Some(Trial { aspect, middle, ..self.first((w, h), shift, count)? })
     }
 
+    /// Widens the search to the ratios of a strip, up to those that leave three texels across. Returns the ratio nearest to
+    /// its own and the part of the loop at the middle of a long side.
+    fn widen(&mut self, size: Size) -> Option<(usize, f64)> {
+        let strip = self.strip?;
+        let most = longest(size)?;
+        self.aspects = ASPECTS.to_vec();
+        let (mut aspect, mut nearest) = (ASPECTS[ASPECTS.len() - 1], ASPECTS.len() - 1);
+        while aspect < (STRIP_ASPECTS * strip.aspect).min(most) {
+            aspect = (aspect * STRIP_ASPECTS).min(most);
+            self.aspects.push(aspect);
+            if (aspect / strip.aspect).ln().abs() < (self.aspects[nearest] / strip.aspect).ln().abs() {
+                nearest = self.aspects.len() - 1;
+            }
+        }
+        let end = 0.5 / (1.0 + strip.aspect.min(most));
+        self.least_side = LEAST_SIDE.min(LEAST_END * end);
+        Some((nearest, strip.end + 0.25))
+    }
+
     /// The cells of an image of a size and aspect that holds the border.
     fn cells(&self, size: Size, aspect: f64) -> Option<(u32, u32)> {
         match (self.border.exact_steps(), size) {
             (Some(steps), Size::Budget(_)) => exact_cells(aspect, steps),
-            _ => cells(size, aspect, self.border.least_steps()),
+            _ => {
+                let most = self.strip.and_then(|_| longest(size)).unwrap_or(f64::INFINITY);
+                cells(size, aspect.clamp(1.0 / most, most), self.border.least_steps())
+            }
         }
     }
 
     /// The cells, the shift and the steps of such a layout.
     fn placed(&self, size: Size, aspect: usize, middle: f64) -> Option<((u32, u32), f64, Vec<u32>)> {
-        let (w, h) = self.cells(size, ASPECTS[aspect])?;
+        let (w, h) = self.cells(size, self.aspects[aspect])?;
         let count = self.border.share(2 * (w + h))?;
         let perimeter = f64::from(2 * (w + h));
         let mut shift = (0.5 * f64::from(w) - middle * perimeter).rem_euclid(perimeter);
@@ -154,7 +187,7 @@ impl Proxy<'_> {
             let all = 2 * (w + h);
             let count = self.border.share(all)?;
             let f = part(&self.border.node_steps(&count), all);
-            if !SIDE_SHARES.contains(&f) {
+            if !(self.least_side..0.5 - self.least_side).contains(&f) {
                 return None;
             }
             (w, h) = self.cells(size, 2.0 * f / (1.0 - 2.0 * f))?;
@@ -195,15 +228,18 @@ impl Proxy<'_> {
         let mut early = [f64::INFINITY; 2];
         let shifts = self.options.shifts.max(1);
         // A half turn of the rectangle is the same map, so half the loop is enough; a fixed size likewise.
-        let mut rough: Vec<Trial> = (0..shifts)
-            .filter_map(|k| {
-                let middle = 0.5 * k as f64 / shifts as f64;
-                let ((w, h), shift, count) = self.placed(size, FIRST_ASPECT, middle)?;
-                Some(Trial { aspect: FIRST_ASPECT, middle, ..self.begin((w, h), shift, count, 1)? })
-            })
-            .collect();
+        let strip = self.widen(size);
+        let mut begun = |(aspect, middle)| {
+            let ((w, h), shift, count) = self.placed(size, aspect, middle)?;
+            Some(Trial { aspect, middle, ..self.begin((w, h), shift, count, 1)? })
+        };
+        let starts = (0..shifts).map(|k| (FIRST_ASPECT, 0.5 * k as f64 / shifts as f64));
+        let mut rough: Vec<Trial> = starts.filter_map(&mut begun).collect();
+        let strip = strip.and_then(&mut begun);
         rough.sort_by(|a, b| a.layout.score.total_cmp(&b.layout.score));
         rough.truncate(self.options.rough.max(1));
+        // Its plain map says little: caps at the ends of a tube are crushed in it.
+        rough.extend(strip);
         let passes = self.options.passes;
         let mut go_on = |mut t: Trial| {
             let start = if t.plain { Start::Plain { passes } } else { Start::Convex { passes } };
@@ -268,7 +304,7 @@ impl Proxy<'_> {
     /// Walks along the aspects while that helps.
     fn refine_aspect(&mut self, size: Size, trial: &mut Trial) {
         for direction in [1, -1] {
-            while let Some(next) = trial.aspect.checked_add_signed(direction).filter(|&k| k < ASPECTS.len()) {
+            while let Some(next) = trial.aspect.checked_add_signed(direction).filter(|&k| k < self.aspects.len()) {
                 match self.trial(size, next, trial.middle).and_then(|t| self.all(t, trial, 0.0)) {
                     Some(t) => *trial = t,
                     None => break,

@@ -118,3 +118,67 @@ fn a_border_too_long_for_the_budget_makes_the_image_longer_not_larger() {
     let (w, h) = cells(Size::Budget(100), 1.0, 200).unwrap();
     assert!((w + 1) * (h + 1) > 100 && 2 * (w + h) >= 200);
 }
+
+/// A ribbon of 1 x 200 in loose turns; with round ends it has no corner that its border could start at.
+fn ribbon(round: bool) -> Surface {
+    shapes::sheet(400, 4, shapes::Join::Open, shapes::Join::Open, |u, v| {
+        let side = 2.0 * v - 1.0;
+        let out = if round { 0.025 * (1.0 - side * side).max(0.0).sqrt() * (2.0 * u - 1.0) } else { 0.0 };
+        let a = 0.6 * (10.0 * u + out);
+        [1.6 * a.cos(), 0.05 * v + 0.1 * a, 1.6 * a.sin()]
+    })
+}
+
+#[test]
+fn a_ribbon_becomes_a_long_image() {
+    for round in [false, true] {
+        let s = ribbon(round);
+        for search in [SEARCH, SearchOptions::DEFAULT, SearchOptions::FAST] {
+            let rim = shapes::rim(&s);
+            let mut disk = shapes::opened(&s, &[]);
+            let border = Border::new(&mut disk, |v| rim[v as usize]);
+            let l = Proxy::new(&disk, &border, search).search_map(Size::Budget(16_384), None).unwrap().layout;
+            let aspect = f64::from(l.w.max(l.h)) / f64::from(l.w.min(l.h));
+            assert!((100.0..400.0).contains(&aspect) && l.score < 0.1, "round {round}: {} x {}, {}", l.w, l.h, l.score);
+            assert!((l.w + 1) * (l.h + 1) <= 16_384);
+        }
+    }
+}
+
+#[test]
+fn a_ribbon_too_long_for_the_budget_is_three_texels_wide() {
+    let s = shapes::rectangle(1000, 1, 20.0, 0.01);
+    let l = searched(&s, Size::Budget(900)).0;
+    assert_eq!(l.w.min(l.h), 2, "{l:?}");
+    assert!((l.w + 1) * (l.h + 1) <= 900, "{l:?}");
+}
+
+#[test]
+fn only_what_is_long_is_a_strip() {
+    let around = |s: &Surface| -> Vec<[f64; 3]> {
+        let disk = shapes::opened(s, &[]);
+        disk.boundary.iter().map(|&v| disk.positions[v as usize]).collect()
+    };
+    for (x, strip) in [(1.0, false), (6.0, false), (10.0, true), (1000.0, true)] {
+        let s = shapes::rectangle(100, 4, x, 1.0);
+        let found = strip::Strip::of(&around(&s), x, 6.4);
+        assert_eq!(found.is_some(), strip, "{x}");
+        if let Some(found) = found {
+            assert!((found.aspect / x - 1.0).abs() < 1e-6, "{found:?}");
+        }
+    }
+    // Long because of its fringe: folded anywhere, its sides are far apart.
+    let fringed = |u: f64, v: f64| if v > 0.0 { [u, 0.3 + 0.3 * (300.0 * u).sin(), 0.0] } else { [u, 0.0, 0.0] };
+    let s = shapes::sheet(400, 1, shapes::Join::Open, shapes::Join::Open, fringed);
+    assert!(strip::Strip::of(&around(&s), s.area(), 6.4).is_none());
+    assert!(strip::Strip::of(&[], 1.0, 6.4).is_none() && strip::Strip::of(&[[0.0; 3]; 3], 0.0, 6.4).is_none());
+    assert!(strip::Strip::of(&[[f64::NAN; 3]; 4], 1.0, 6.4).is_none());
+}
+
+#[test]
+fn a_border_of_a_thousand_holes_is_refused_and_not_given_millions_of_texels() {
+    assert!(cells(Size::Budget(16_384), 1.0, 16_000).is_none());
+    // What a piece of a garment may need is still given.
+    let (w, h) = cells(Size::Budget(591), 1.0, 1800).unwrap();
+    assert!(2 * (w + h) >= 1800);
+}
