@@ -41,6 +41,8 @@ pub(crate) struct Made {
     pub texels: u32,
     /// Least texels it may be asked for.
     pub least: u32,
+    /// Least texels that it is left with for the borders of others.
+    pub kept: u32,
     /// It does not get smaller when asked for less: its border needs the room.
     pub bound: bool,
     /// How often it was made again and got no smaller.
@@ -50,13 +52,25 @@ pub(crate) struct Made {
 /// Asking for less may miss once, where the next smaller image does not weld.
 const MISSES: u32 = 2;
 
+/// A piece gives up texels to the borders of others until it has this share of its own: 40 % as many across.
+const LEAST_KEPT: f64 = 0.15;
+
+/// An image this many times as large as asked for is larger for its border, and not for rounding.
+const OVER: f64 = 1.25;
+
+/// An image this many times as large as asked for is made again, asked for half, before others give up texels for it.
+const GROSS: f64 = 8.0;
+const HALF: f64 = 0.5;
+
 impl Made {
     /// A first image of a piece that has `share` of the area of all.
     pub(crate) fn new(asked: u32, texels: u32, share: f64) -> Self {
+        let least = if share < ALWAYS_PIECE { LEAST_SHARE } else { LEAST_GRID };
         Self {
             asked,
             texels,
-            least: if share < ALWAYS_PIECE { LEAST_SHARE } else { LEAST_GRID },
+            least,
+            kept: ((LEAST_KEPT * f64::from(asked)).ceil() as u32).max(least),
             bound: false,
             misses: 0,
         }
@@ -75,7 +89,8 @@ impl Made {
 }
 
 /// Which pieces to make again, with how many texels, so that all together have at most `texels`; empty if they have, or if
-/// nothing is left to give. Pieces share the loss in proportion, but for those that their borders bind.
+/// nothing is left to give. Pieces share the loss in proportion, but for those that their borders bind; while some are
+/// grossly larger than asked for, only these are made again.
 pub(crate) fn again(made: &[Made], texels: u32) -> Vec<(usize, u32)> {
     let sum = |bound: bool| made.iter().filter(|m| m.bound == bound).map(|m| u64::from(m.texels)).sum::<u64>();
     let (bound, free) = (sum(true), sum(false));
@@ -83,10 +98,15 @@ pub(crate) fn again(made: &[Made], texels: u32) -> Vec<(usize, u32)> {
         return Vec::new();
     }
     let left = u64::from(texels).saturating_sub(bound) as f64 / free.max(1) as f64;
+    let over = |m: &Made, by: f64| f64::from(m.texels) > by * f64::from(m.asked);
+    let any = |gross: bool| made.iter().any(|m| !m.bound && over(m, GROSS) == gross);
+    let gross = any(true) && any(false);
+    let least = |m: &Made| if over(m, OVER) { m.least } else { m.kept };
+    let left = if gross { left.max(HALF) } else { left };
     made.iter()
         .enumerate()
-        .filter(|(_, m)| !m.bound)
-        .map(|(k, m)| (k, ((f64::from(m.asked.min(m.texels)) * left).floor() as u32).max(m.least)))
+        .filter(|(_, m)| !m.bound && (!gross || over(m, GROSS)))
+        .map(|(k, m)| (k, ((f64::from(m.asked.min(m.texels)) * left).floor() as u32).max(least(m))))
         .filter(|&(k, asked)| asked < made[k].asked)
         .collect()
 }
@@ -160,6 +180,27 @@ mod tests {
         }
         assert!(made.iter().map(|m| m.texels).sum::<u32>() <= 1000 && again(&made, 1000).is_empty());
         assert!(exceeded(&made, &["a", "b", "c"], 1000).is_none());
+    }
+
+    #[test]
+    fn a_border_of_many_texels_does_not_starve_the_other_pieces() {
+        // The border of the first needs 100 times its share: it is asked again, alone, and then the others keep a part of theirs.
+        let mut made = [Made::new(6000, 600_000, 0.6), Made::new(4000, 3990, 0.4)];
+        for _ in 0..2 {
+            let asks = again(&made, 10_000);
+            assert!(asks.len() == 1 && asks[0].0 == 0, "{asks:?}");
+            made[0].made_again(asks[0].1, Some(600_000));
+        }
+        assert!(made[0].bound);
+        assert_eq!(again(&made, 10_000), [(1, 600)], "two attempts bind the first");
+        made[1].made_again(600, Some(598));
+        assert!(again(&made, 10_000).is_empty());
+        assert!(exceeded(&made, &["net", "panel"], 10_000).is_some());
+        // One that comes out well the second time takes nothing from the others.
+        let mut made = [Made::new(6000, 60_000, 0.6), Made::new(4000, 3990, 0.4)];
+        let asked = again(&made, 10_000)[0].1;
+        made[0].made_again(asked, Some(5900));
+        assert!(again(&made, 10_000).is_empty());
     }
 
     #[test]

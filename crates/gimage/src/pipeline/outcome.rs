@@ -79,12 +79,12 @@ pub(super) fn images(
     progress: &dyn Progress,
 ) -> Result<(Vec<Outcome>, Option<Finding>)> {
     let total: f64 = components.iter().map(|p| p.area).sum();
-    let one = |component: &Component, share, known: Option<&Surface>| {
+    let one = |component: &Component, share, known: Option<(&Surface, Rung)>| {
         if progress.cancelled() {
             return Err(Error::Cancelled);
         }
-        let surface = || known.map_or_else(|| Cow::Owned(extract(mesh, component)), Cow::Borrowed);
-        make(mesh, component, surface, total, share, options)
+        let surface = || known.map_or_else(|| Cow::Owned(extract(mesh, component)), |k| Cow::Borrowed(k.0));
+        make(mesh, component, surface, total, (share, known.map(|k| k.1)), options)
     };
     let shares = shares(components, options)?;
     let made: Vec<Result<Outcome>> = components
@@ -149,7 +149,7 @@ fn make<'a>(
     component: &Component,
     surface: impl FnOnce() -> Cow<'a, Surface>,
     total: f64,
-    share: Share,
+    (share, rung): (Share, Option<Rung>),
     options: &BuildOptions,
 ) -> Result<Outcome> {
     let texels = match share {
@@ -162,7 +162,7 @@ fn make<'a>(
     };
     let surface = surface();
     let seam = uv_seams(mesh, &surface);
-    let image_options = ImageOptions::new(options, texels);
+    let image_options = ImageOptions { rung, ..ImageOptions::new(options, texels) };
     let mut image = image(&component.name, &surface, seam.as_deref(), &image_options);
     // The last rung of the ladder: where one image does not hold the surface at its size, or comes out poor.
     let fits = |i: &PieceImage, b: u32| i.closed && f64::from(i.width * i.height) <= TOO_LARGE * f64::from(b);
@@ -207,8 +207,8 @@ fn make<'a>(
     Ok(Outcome::Piece(surface.into_owned(), Box::new(image)))
 }
 
-/// Makes the image of a component, of its surface where that is known.
-type One<'a> = dyn Fn(&Component, Share, Option<&Surface>) -> Result<Outcome> + Sync + 'a;
+/// Makes the image of a component, of its surface and by the rung that served it before where these are known.
+type One<'a> = dyn Fn(&Component, Share, Option<(&Surface, Rung)>) -> Result<Outcome> + Sync + 'a;
 
 /// Makes images again, smaller, until all together have no more texels than asked for; a warning where that fails.
 fn keep_budget(
@@ -237,7 +237,10 @@ fn keep_budget(
         if again.is_empty() {
             break;
         }
-        let known = |k: usize| if let Outcome::Piece(surface, _) = &outcomes[k] { Some(surface) } else { None };
+        let known = |k: usize| match &outcomes[k] {
+            Outcome::Piece(surface, image) => Some((surface, image.rung())),
+            _ => None,
+        };
         let smaller: Vec<Result<Outcome>> = again
             .par_iter()
             .map(|&(m, asked)| one(&components[pieces[m]], Share::Texels(asked), known(pieces[m])))

@@ -7,7 +7,7 @@ mod options;
 mod rungs;
 
 use self::judge::{Verdict, judge, locator_if_distorted};
-use self::ladder::Tried;
+use self::ladder::{Rung, Tried};
 use crate::base::grid::Grid;
 use crate::base::surface::Surface;
 use crate::error::{Error, Result};
@@ -116,6 +116,11 @@ fn fixed_size(maker: &Maker<'_>, mut cuts: maker::Cuts, width: u32, height: u32)
 }
 
 impl PieceImage {
+    /// The rung that made it.
+    pub(crate) fn rung(&self) -> Rung {
+        self.tried.iter().find(|t| t.kept).map_or(Rung::First, |t| t.rung)
+    }
+
     /// Samples a map: an image that is neither fitted nor judged nor sealed. `cut` is the record of the cut that made the disk.
     ///
     /// Errors: [`Error::Piece`] where a texel falls outside the map.

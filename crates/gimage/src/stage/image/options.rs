@@ -1,5 +1,6 @@
 //! The options of one image.
 
+use super::ladder::Rung;
 use crate::options::{BuildOptions, Effort, ImageSize, Sample, Seams};
 use crate::stage::cut::grow::GrowOptions;
 use crate::stage::layout::{SearchOptions, Size};
@@ -26,6 +27,8 @@ pub struct ImageOptions {
     pub sampling: Sampling,
     /// Which edges the cut prefers.
     pub seams: Seams,
+    /// The only rung tried after the first: the one that served an image of this surface of about this size. `None` tries all.
+    pub rung: Option<Rung>,
 }
 
 impl ImageOptions {
@@ -54,6 +57,7 @@ impl ImageOptions {
                 Sample::Fit => Sampling::Fit(FitOptions::default()),
             },
             seams: options.seams,
+            rung: None,
         }
     }
 }

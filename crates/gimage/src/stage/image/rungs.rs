@@ -21,6 +21,9 @@ const MAX_WORK: usize = 4_000_000;
 /// Cost of mapping a mesh whole, in rungs.
 const WHOLE_MESH_RUNGS: usize = 20;
 
+/// Cost of embedding a mesh, in rungs of maps that are made coarse to fine: one of 98,000 triangles takes seconds.
+const EMBEDDED_RUNGS: usize = 16;
+
 /// Points a cut is grown to where its image came out poor.
 const TERMINALS: usize = 6;
 /// Least distance of these points, as a share of the diagonal: nearer ones lie in one limb.
@@ -46,14 +49,21 @@ impl Maker<'_> {
         }
         let rungs = [Rung::WholeMesh, Rung::NextCut, Rung::ShortestCut, Rung::OtherSize, Rung::MoreTerminals];
         for rung in rungs {
-            if ladder.done() || ladder.len() * self.surface.triangles.len() > MAX_WORK {
+            if ladder.done() || self.work(&ladder) > MAX_WORK {
                 break;
             }
-            self.rung(rung, cuts, size, &mut ladder);
+            if self.options.rung.is_none_or(|only| only == rung) {
+                self.rung(rung, cuts, size, &mut ladder);
+            }
         }
         ladder
             .finish()
             .ok_or_else(|| failure.unwrap_or_else(|| self.fail("layout", "no size was tried", "give more texels")))
+    }
+
+    /// The work of a ladder so far, in triangles times rungs.
+    fn work(&self, ladder: &Ladder) -> usize {
+        spent(ladder.best().map(|b| b.parameterize.way), ladder.len(), self.surface.triangles.len())
     }
 
     /// Tries a rung, if there is anything to it.
@@ -71,7 +81,8 @@ impl Maker<'_> {
             Rung::NextCut => {
                 for candidate in &cuts.candidates {
                     // The one that the first rung chose is known already.
-                    if !ladder.done() && ladder.best().is_none_or(|b| b.cut != candidate.cut) {
+                    let more = !ladder.done() && self.work(ladder) <= MAX_WORK;
+                    if more && ladder.best().is_none_or(|b| b.cut != candidate.cut) {
                         ladder.take(rung, self.alone(candidate, size).ok());
                     }
                 }
@@ -87,7 +98,7 @@ impl Maker<'_> {
             Rung::OtherSize => {
                 let Size::Budget(texels) = size else { return };
                 for share in OTHER_BUDGETS {
-                    if !ladder.done() {
+                    if !ladder.done() && self.work(ladder) <= MAX_WORK {
                         let size = Size::Budget((f64::from(texels) * share) as u32);
                         ladder.take(rung, self.make(&cuts.candidates, size, None).ok());
                     }
@@ -123,5 +134,45 @@ impl Maker<'_> {
             }
         }
         terminals
+    }
+}
+
+/// The work of a number of rungs, if their maps are made in this way.
+fn spent(way: Option<Way>, rungs: usize, triangles: usize) -> usize {
+    let each = if way == Some(Way::Embedded) { EMBEDDED_RUNGS } else { 1 };
+    each * rungs * triangles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::shapes;
+    use crate::options::BuildOptions;
+    use crate::stage::image::{ImageOptions, image};
+
+    #[test]
+    fn rungs_of_large_embedded_meshes_are_few() {
+        // A panel of a pleated skirt: seven rungs of 7 s each, and as many again for each smaller size.
+        assert!(spent(Some(Way::Embedded), 3, 98_000) > MAX_WORK);
+        assert!(spent(Some(Way::CoarseToFine), 7, 98_000) <= MAX_WORK);
+        assert!(spent(Some(Way::Embedded), 7, 20_000) <= MAX_WORK && spent(None, 7, 20_000) <= MAX_WORK);
+    }
+
+    #[test]
+    fn an_image_that_is_made_again_takes_no_other_rung() {
+        let all = ImageOptions::new(&BuildOptions::default(), Some(150));
+        let mut poor = 0;
+        for (name, s) in shapes::all().into_iter().chain([("holed", shapes::holed(5)), ("plate", shapes::plate(4))]) {
+            let Ok(first) = image(name, &s, None, &all) else { continue };
+            poor += usize::from(first.tried.iter().any(|t| t.rung == Rung::NextCut || t.rung == Rung::ShortestCut));
+            for only in [Rung::First, first.rung()] {
+                let again = image(name, &s, None, &ImageOptions { rung: Some(only), ..all }).unwrap();
+                // Sizes are tried until the image welds, by any rung.
+                let others = again.tried.iter().filter(|t| ![Rung::First, Rung::OtherSize, only].contains(&t.rung));
+                assert_eq!(others.count(), 0, "{name}: {:?}", again.tried);
+                assert!(again.tried.len() <= first.tried.len(), "{name}");
+            }
+        }
+        assert!(poor > 0, "no surface has needed another rung");
     }
 }
