@@ -237,7 +237,7 @@ fn is_met(view: View, reach: f32) -> bool {
 
 // Whether a particle meets the plane of a second side. A walk that ends where a wall does sees no inside from there.
 fn is_met_beside(spot: Spot, view: View) -> bool {
-  return !view.open && view.height > -LOST_M && (spot.on == 0u || view.height > 0.0);
+  return !view.open && view.height > -LOST_M && (spot.on == 0u || view.height > -MARGIN_M);
 }
 
 // The clearance between two sides that face each other, such as an arm and a chest: half of the gap between them, at its narrowest in the frame, as

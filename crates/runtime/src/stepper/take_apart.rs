@@ -114,7 +114,7 @@ impl Scene {
             (cloth.damping, cloth.velocity) = (cloth.damping.max(DAMPING), [0.0; 3]);
             cloth
         };
-        let still = |c: &Collider| Collider { velocity: [0.0; 3], spin: [0.0; 3], ..c.clone() };
+        let still = |c: &Collider| Collider { velocity: [0.0; 3], spin: [0.0; 3], ..*c };
         let scene = Scene {
             cloths: crossing.iter().map(calm).collect(),
             colliders: self.colliders.iter().map(still).collect(),

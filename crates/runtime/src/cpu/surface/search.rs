@@ -255,9 +255,9 @@ fn is_met<T: Real>(view: &View<T>, reach: T) -> bool {
     !view.open && view.height <= reach + view.way && view.height > T::of(-LOST_M)
 }
 
-/// Whether a particle meets the plane of a second side. A walk that ends where a wall does sees no inside from there.
+/// Whether a particle meets the plane of a second side. A walk that ends where a wall does sees no depth from there.
 fn is_met_beside<T: Real>(spot: &Spot<T>, view: &View<T>) -> bool {
-    !view.open && view.height > T::of(-LOST_M) && (spot.on == On::Face || view.height > T::of(0.0))
+    !view.open && view.height > T::of(-LOST_M) && (spot.on == On::Face || view.height > T::of(-MARGIN_M))
 }
 
 /// The clearance between two sides that face each other, such as an arm and a chest: half of the gap between them, at its narrowest in the frame, as
