@@ -135,7 +135,7 @@ pub enum Warning {
     /// ([`crate::Scene::take_apart`]).
     #[error("{done}{}", if *left > 0 { ": the GPU leaves them so; start the layers apart, or step on the CPU backend" } else { "" })]
     Crossed {
-        /// What was done, in words.
+        /// The cloths, and the result, in words.
         done: String,
         /// Pairs of triangles that still cross.
         left: u64,

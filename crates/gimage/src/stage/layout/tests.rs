@@ -178,7 +178,7 @@ fn only_what_is_long_is_a_strip() {
 #[test]
 fn a_border_of_a_thousand_holes_is_refused_and_not_given_millions_of_texels() {
     assert!(cells(Size::Budget(16_384), 1.0, 16_000).is_none());
-    // What a piece of a garment may need is still given.
+    // A size that a piece of a garment may need is still given.
     let (w, h) = cells(Size::Budget(591), 1.0, 1800).unwrap();
     assert!(2 * (w + h) >= 1800);
 }
