@@ -55,7 +55,7 @@ impl Model {
         } else {
             dressed(file, cloth, texels, collider)?
         };
-        let body = body.ok_or("there is no surface of a body to measure depths in")?;
+        let body = body.ok_or("the bundle has no surface of a body: dress the character with `--collider surface`")?;
         if collider == Collider::Capsules {
             bundle.body = None;
         }
