@@ -119,8 +119,11 @@ pub struct ReconstructArgs {
 #[derive(Debug, Args)]
 pub struct SceneArgs {
     /// The name of a built-in scene, a scene file (.json), or a bundle.
-    #[arg(value_name = "SCENE")]
-    pub scene: String,
+    #[arg(value_name = "SCENE", required_unless_present = "named")]
+    scene: Option<String>,
+    /// The same as SCENE.
+    #[arg(long = "scene", id = "named", value_name = "SCENE", conflicts_with = "scene")]
+    named: Option<String>,
     /// Where to compute; auto is a hardware GPU that passes its self-check (see gimage doctor), else the CPU.
     #[arg(long, value_enum, default_value = "auto")]
     pub backend: BackendArg,
@@ -179,6 +182,13 @@ pub struct SceneArgs {
     /// Number of CPU threads; 0 means one per core. The result does not depend on it.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024), allow_negative_numbers = true)]
     pub threads: u16,
+}
+
+impl SceneArgs {
+    /// The scene, by position or by flag.
+    pub fn scene(&self) -> &str {
+        self.scene.as_deref().or(self.named.as_deref()).unwrap_or_default()
+    }
 }
 
 /// `gimage simulate`.

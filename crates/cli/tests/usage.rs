@@ -88,6 +88,24 @@ fn bad_flags_exit_2_with_words_on_stderr_only() {
 }
 
 #[test]
+fn a_scene_is_named_by_position_or_by_flag() {
+    let place = Place::new();
+    place.built("-q");
+    let of = |args: &str| {
+        let mut json = place.run(&format!("simulate {args} --frames 3 --backend cpu --json")).expect(&[0]).json();
+        ["ms_frame_min", "ms_frame_median"].map(|time| json.as_object_mut().unwrap().remove(time));
+        json
+    };
+    for (scene, more) in [("s3", "--n 9"), ("tube.gim", "--substeps 2")] {
+        assert_eq!(of(&format!("{scene} {more}")), of(&format!("--scene {scene} {more}")));
+    }
+    place.run("render --scene s1 --n 9 -o a.png --size 32x32 --backend cpu").expect(&[0]);
+    for args in ["simulate", "simulate s1 --scene s3", "render -o b.png"] {
+        assert!(place.run(args).expect(&[2]).stderr.contains("SCENE"), "{args}");
+    }
+}
+
+#[test]
 fn a_missing_file_is_named() {
     let place = Place::new();
     for args in [

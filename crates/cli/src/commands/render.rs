@@ -125,7 +125,7 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
 /// Whether a bundle is drawn that nothing holds: stepped, it only falls.
 fn is_loose_bundle(args: &RenderArgs, loaded: &Loaded) -> bool {
     let pinned = |cloth: &Cloth| cloth.particles().iter().any(|p| p.is_pinned());
-    let bundle = loaded.animated.is_none() && Path::new(&args.scene.scene).is_dir();
+    let bundle = loaded.animated.is_none() && Path::new(args.scene.scene()).is_dir();
     bundle && !loaded.file.scene.cloths.iter().any(pinned)
 }
 

@@ -47,7 +47,7 @@ pub fn load(args: &SceneArgs) -> Result<Loaded, Failure> {
 
 /// The scene with its settings, where its animation begins.
 fn open_moving(args: &SceneArgs) -> Result<Loaded, Failure> {
-    let Opened { mut file, bundles, reading, source } = open_with(&args.scene, args.n)?;
+    let Opened { mut file, bundles, reading, source } = open_with(args.scene(), args.n)?;
     file.options.backend = match args.backend {
         BackendArg::Auto => Backend::Auto,
         BackendArg::Gpu => Backend::Gpu,
@@ -59,7 +59,7 @@ fn open_moving(args: &SceneArgs) -> Result<Loaded, Failure> {
             SolverArg::Xpbd => Solver::Xpbd,
         };
     }
-    if args.thickness.is_some() && Path::new(&args.scene).is_dir() {
+    if args.thickness.is_some() && Path::new(args.scene()).is_dir() {
         // The thickness that a bundle has is a default.
         file.scene.cloths.iter_mut().for_each(|cloth| cloth.thickness = None);
     }
@@ -95,7 +95,7 @@ fn open_moving(args: &SceneArgs) -> Result<Loaded, Failure> {
     file.options.tethers = args.tethers.unwrap_or(file.options.tethers);
     file.options.iterations = args.iterations.unwrap_or(file.options.iterations);
     file.options.threads = args.threads.into();
-    let scene = Path::new(&args.scene);
+    let scene = Path::new(args.scene());
     let named =
         file.character.as_ref().map(|c| (scene.parent().unwrap_or(Path::new("")).join(&c.file), c.animation.clone()));
     let (path, animation) = match (&args.motion.animation, named) {

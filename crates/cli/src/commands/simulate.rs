@@ -72,7 +72,7 @@ fn report(
     let backend = if engine.stepper.backend() == Backend::Cpu { "cpu" } else { "gpu" };
     if !out.json {
         let ms = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.4}"));
-        let name = &args.scene.scene;
+        let name = args.scene.scene();
         let line = format!("{name}: {frames} frames on the {backend} ({})", engine.adapter);
         let line = format!("{line}, ms per frame: least {}, median {}\n", ms(least), ms(median));
         let chosen = chosen(options.quality, [substeps, rounds], error);
@@ -92,7 +92,7 @@ fn report(
                "stretch_p99_worst": worst, "speed_rms_m_s": h.speed, "contact_depth_m": h.depth})
     });
     out.json(&json!({
-        "scene": args.scene.scene,
+        "scene": args.scene.scene(),
         "backend": backend,
         "adapter": engine.adapter,
         "solver": if options.solver == Solver::Xpbd { "xpbd" } else { "classic" },

@@ -21,13 +21,13 @@ pub enum Source {
 impl Source {
     /// The surface that the arguments ask for. Refuses scenes without triangles.
     pub fn new(args: &ExportArgs, engine: &Engine, loaded: &Loaded, out: &Output) -> Result<Self, Failure> {
-        let meshes = SourceMesh::choose(args.surface, &args.scene.scene, loaded, out)?;
+        let meshes = SourceMesh::choose(args.surface, args.scene.scene(), loaded, out)?;
         if meshes.is_empty() {
             return Ok(Source::Grid(GridSource::new(&engine.stepper)?));
         }
         let cloths = &engine.stepper.scene().cloths;
         if let Some(index) = (0..cloths.len()).find(|index| meshes.iter().all(|mesh| mesh.cloth != *index)) {
-            let (scene, name) = (&args.scene.scene, cloths[index].name());
+            let (scene, name) = (args.scene.scene(), cloths[index].name());
             return Err(Failure::refused(format!(
                 "{scene}: --surface render: cloth '{name}' has no mesh of a source; use --surface grid"
             )));

@@ -33,7 +33,7 @@ impl<'a> Shown<'a> {
     /// For a scene: its meshes and its body, as the arguments ask for them.
     pub fn new(args: &RenderArgs, loaded: &Loaded, out: &'a Output) -> Result<Self, Failure> {
         let mut paints = Paints::new(out);
-        let meshes = SourceMesh::choose(args.surface, &args.scene.scene, loaded, out)?;
+        let meshes = SourceMesh::choose(args.surface, args.scene.scene(), loaded, out)?;
         let meshes: Vec<_> = meshes
             .into_iter()
             .map(|of| {
@@ -42,7 +42,7 @@ impl<'a> Shown<'a> {
             })
             .collect();
         // A scene file places its cloths elsewhere.
-        let is_bundle = Path::new(&args.scene.scene).is_dir();
+        let is_bundle = Path::new(args.scene.scene()).is_dir();
         let whole = loaded.animated.is_none() && !args.colliders && is_bundle;
         // A mesh has its own clothes.
         let cloths = if meshes.is_empty() { &loaded.file.scene.cloths[..] } else { &[][..] };
