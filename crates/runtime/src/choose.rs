@@ -1,8 +1,12 @@
 //! Chooses the substeps and polishing rounds that the host leaves open, from what the scene is.
 
 pub(crate) mod bend;
+mod follow;
 mod give;
+mod hung;
 mod reach;
+
+pub use follow::Follow;
 
 use std::fmt;
 use std::ops::Deref;
@@ -21,6 +25,8 @@ pub enum Support {
     Free,
     /// It hangs from pins, with tethers.
     Tethered,
+    /// The same, and it is in wind, or starts far from where it will hang.
+    Stirred,
     /// It hangs from a row of pins, with slack tethers.
     TetheredRow,
     /// It hangs from pins, with tethers, and colliders are in its way.
@@ -46,11 +52,13 @@ pub enum Support {
 /// | support | substeps | rounds | measured |
 /// |---|---|---|---|
 /// | free, or the classic solver | 8 | 0 | |
-/// | pins with tethers | 4, 5, 7 for N up to 36, 160, 256; above N / 32 | 2, 3 if more than four times as long as wide; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.4, 0.6, 1.1, 1.1 % |
+/// | pins with tethers, flat | 4, 5, 7 for N up to 140, 160, 256; above N / 32 | 3, 2 for N above 160; 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.3, 0.7, 1.3, 1.1 % |
+/// | the same, of a garment | 5 sqrt(N / 64) | 4; 8 if damped less than 0.5 1/s | a T-shirt on two pins: p99 under 4 % |
+/// | the same, in wind of 2 m/s and more, while pins move, and at a start far from where it will hang | 20, 15, 12, 9 sqrt(N / 64) with 2, 3, 4, 8 rounds | the same | sheets and T-shirts that are shaken and in wind of 8 m/s: p99 about 5 %, N = 128 6 to 15 % |
 /// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
-/// | the same, of cloth without a material that follows joints | 12 sqrt(N / 64) f, at least 8 | 6, 8 if f is 1 | figure and mage of `docs/characters.md` |
+/// | cloth without a material that follows joints, among colliders or not | 12 sqrt(N / 64) f, at least 8 | 6, 8 if f is 1 | figure and mage of `docs/characters.md` |
 /// | pins, no tethers | 16 sqrt(N / 64) | 4 | scene s3 without tethers |
 /// | the same, with [`Options::pyramid`], no colliders | 7 sqrt(N / 64) | 4 | scene s1 without tethers, N = 64, 128, 256: largest stretch 2.9, 3.3, 5.9 % |
 /// | colliders, no pins | 12 sqrt(N / 64), of a material 48 | 8 | a T-shirt on moving arms: p99 4 % at N = 64, 5 % at 128 |
@@ -58,6 +66,8 @@ pub enum Support {
 /// | a collider at speed v \[m/s\] | in a step, it moves at most a tenth of its radius past cloth, a fourth past cloth that follows joints | 8 | scene s2f |
 ///
 /// f is the way along the surface to the nearest pin, in cells (95 % of the particles have none that is longer), over 0.8 N, at most 1: a skirt settles sooner than a cape.
+///
+/// Substeps of hanging cloth that is stirred are in force at once, 1 s after the last pin moved, and for 2 s from the start; then they fall as those of fast colliders do.
 ///
 /// The choice is made again when a cloth loses its last pin, and when the first collider comes. A cloth that is added raises the
 /// numbers if it asks for more ([`crate::Stepper::add_cloth`]). Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when
@@ -70,6 +80,9 @@ pub enum Support {
 pub struct Choice {
     /// Steps per [`Options::step`].
     pub substeps: u32,
+    /// Steps per [`Options::step`] while hanging cloth is stirred: in wind, while its pins move, or as it swings down from its start. 0 where
+    /// that makes no difference.
+    pub stirred: u32,
     /// Rounds of polish.
     pub polish: u32,
     /// Whether the host gave the number of substeps, and that of rounds.
@@ -84,7 +97,11 @@ impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let plural = |n: u32| if n == 1 { "" } else { "s" };
         let Choice { substeps, polish, given, .. } = self;
-        write!(f, "{substeps} substep{}, {polish} round{} of polish", plural(*substeps), plural(*polish))?;
+        write!(f, "{substeps} substep{}", plural(*substeps))?;
+        if self.stirred > *substeps {
+            write!(f, ", {} while wind or its pins stir the cloth", self.stirred)?;
+        }
+        write!(f, ", {polish} round{} of polish", plural(*polish))?;
         let chosen = match given {
             [true, _] => return f.write_str(": given"),
             [false, false] => "chosen",
@@ -94,6 +111,7 @@ impl fmt::Display for Choice {
         let because = match self.support {
             Support::Free => return write!(f, ": {chosen}"),
             Support::Tethered => "hangs from pins with tethers".to_owned(),
+            Support::Stirred => "hangs from pins, and is in wind or swings down".to_owned(),
             Support::TetheredRow => "hangs from a row of pins".to_owned(),
             Support::TetheredOnColliders => "hangs from pins among colliders".to_owned(),
             Support::Worn => "hangs from the joints of a body".to_owned(),
@@ -106,16 +124,6 @@ impl fmt::Display for Choice {
     }
 }
 
-/// Speed \[m/s\] at the start from which hanging cloth whips about, and its substeps at N = 64.
-const THROWN: f64 = 1.0;
-const THROWN_SUBSTEPS: f64 = 12.0;
-/// Rounds of polish of hanging cloth. One is not enough from N = 160 on: it leaves 4 % of stretch.
-const HANG_POLISH: u32 = 2;
-/// Those of hanging strips, which swing far from a corner: with two, one of 78 x 14 is stretched by 15 % at p99 on its way.
-const STRIP_POLISH: u32 = 3;
-/// Damping \[1/s\] below which hanging cloth goes on whipping, and the rounds of polish that keep it together.
-const DAMPED: f32 = 0.5;
-const WHIP_POLISH: u32 = 8;
 /// The rules count substeps in this time \[s\].
 const FRAME_S: f64 = 1.0 / 60.0;
 /// Most substeps that are chosen without a target.
@@ -195,6 +203,8 @@ impl Settings {
 pub struct Wish {
     /// Steps per [`Options::step`], of cloth and colliders at rest.
     pub substeps: u32,
+    /// The same of cloth that is stirred; 0 if it makes no difference.
+    pub stirred: u32,
     /// Rounds of polish.
     pub polish: u32,
 }
@@ -206,9 +216,22 @@ impl Wish {
         let wish = |cloth: &Cloth| {
             let (lasting, fast) = needs(cloth, given, scene, moves);
             let polish = fast.map_or(lasting.polish, |f| f.polish.max(lasting.polish));
-            Wish { substeps: in_step(lasting.substeps, given.step), polish }
+            let stirred = match hung::stirred(cloth, &lasting) {
+                0 => 0,
+                substeps => in_step(substeps, given.step),
+            };
+            Wish { substeps: in_step(lasting.substeps, given.step), stirred, polish }
         };
         scene.cloths.iter().map(wish).collect()
+    }
+
+    /// The largest numbers of some cloths; none of no cloth.
+    pub fn most(all: &[Self]) -> Option<Self> {
+        all.iter().copied().reduce(|a, b| Wish {
+            substeps: a.substeps.max(b.substeps),
+            stirred: a.stirred.max(b.stirred),
+            polish: a.polish.max(b.polish),
+        })
     }
 }
 
@@ -230,7 +253,10 @@ fn choose(given: &Options, scene: &Scene) -> Choice {
     let needs: Vec<(&Cloth, Need)> = needs.flatten().collect();
     let most = needs.iter().max_by_key(|(_, n)| (n.substeps, n.polish));
     let polish = needs.iter().map(|(_, n)| n.polish).max().unwrap_or(0);
+    let open = given.substeps.is_none() && given.solver == Solver::Xpbd;
+    let stirred = Wish::of(given, scene).iter().filter(|_| open).map(|w| w.stirred).max().unwrap_or(0);
     Choice {
+        stirred,
         substeps: given.substeps.unwrap_or(in_step(most.map_or(FREE_SUBSTEPS, |(_, n)| n.substeps), given.step)),
         polish: given.polish.unwrap_or(if given.substeps.is_some() { 0 } else { polish }),
         given: [given.substeps.is_some(), given.polish.is_some()],
@@ -239,8 +265,8 @@ fn choose(given: &Options, scene: &Scene) -> Choice {
     }
 }
 
-/// The numbers that a cloth needs because of how it is held, and those for its speed where they are larger. Colliders move
-/// at up to `moves` \[m/s\].
+/// The numbers that a cloth needs because of how it is held, and those for its speed, the wind and its start where they are larger.
+/// Colliders move at up to `moves` \[m/s\].
 fn needs(cloth: &Cloth, given: &Options, scene: &Scene, moves: f64) -> (Need, Option<Need>) {
     let speed = moves + own_speed(cloth) + fall(cloth, scene);
     let fast = Need {
@@ -249,14 +275,16 @@ fn needs(cloth: &Cloth, given: &Options, scene: &Scene, moves: f64) -> (Need, Op
         support: Support::Fast(speed),
     };
     let lasting = need(cloth, given, scene);
-    (lasting, Some(fast).filter(|f| f.substeps > lasting.substeps))
+    let stirred = Need { substeps: hung::stirred(cloth, &lasting), support: Support::Stirred, ..lasting };
+    let stirred = Some(stirred).filter(|_| hung::is_windy(scene) || hung::swings(cloth, scene.gravity));
+    let more = [Some(fast), stirred].into_iter().flatten().max_by_key(|n| n.substeps);
+    (lasting, more.filter(|n| n.substeps > lasting.substeps))
 }
 
 /// The numbers that a cloth needs because of how it is held.
 fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
     let n = side(cloth);
-    let scaled =
-        |at_64: f64| (at_64 * (n / 64.0).sqrt()).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into()) as u32;
+    let scaled = |at_64: f64| scaled(at_64, n);
     // Rounds of polish would take the place of its stiffness.
     let sheet = cloth.membrane().is_some();
     let (substeps, polish, support) = match (
@@ -264,28 +292,15 @@ fn need(cloth: &Cloth, given: &Options, scene: &Scene) -> Need {
         given.tethers > 0,
         scene.meets(cloth.met_groups()) || cloth.body().is_some() || cloth.contact.is_some(),
     ) {
+        (true, true, _) if !sheet && cloth.follows_joints() => {
+            let far = (reach::to_pins(cloth) / (FREE_REACH * n)).min(1.0);
+            (scaled(12.0 * far), if far < 1.0 { WORN_POLISH } else { CAPE_POLISH }, Support::Worn)
+        }
         (true, true, false) if stiff(cloth) && pins(cloth) as f64 >= 0.5 * n => {
             let substeps = (16.0 * (n / 64.0).powf(0.75)).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into());
             (substeps as u32, 4, Support::TetheredRow)
         }
-        (true, true, false) => {
-            let substeps = match n {
-                n if n <= 36.0 => 4,
-                n if n <= 160.0 => 5,
-                n if n <= 256.0 => 7,
-                n => (n / 32.0).ceil().min(MAX_SUBSTEPS.into()) as u32,
-            };
-            let (substeps, polish) = match () {
-                () if own_speed(cloth) > THROWN => (scaled(THROWN_SUBSTEPS), WHIP_POLISH),
-                () if cloth.damping < DAMPED => (substeps, WHIP_POLISH),
-                () => (substeps, if is_strip(cloth) { STRIP_POLISH } else { HANG_POLISH }),
-            };
-            (substeps, polish, Support::Tethered)
-        }
-        (true, true, true) if !sheet && cloth.follows_joints() => {
-            let far = (reach::to_pins(cloth) / (FREE_REACH * n)).min(1.0);
-            (scaled(12.0 * far), if far < 1.0 { WORN_POLISH } else { CAPE_POLISH }, Support::Worn)
-        }
+        (true, true, false) => hung::need(cloth, n),
         (true, true, true) => (scaled(if sheet { 16.0 } else { 12.0 }), 4, Support::TetheredOnColliders),
         (true, false, false) if given.pyramid > 0 => (scaled(PYRAMID_SUBSTEPS), 4, Support::Springs),
         (true, false, _) => (scaled(16.0), 4, Support::Springs),
@@ -318,6 +333,11 @@ pub(crate) fn stiff(cloth: &Cloth) -> bool {
     cloth.membrane().is_none() && matches!(cloth.compliance, Compliance::None | Compliance::Constant(0.0))
 }
 
+/// Substeps that grow with the root of the particles along a side, from their number for 64.
+fn scaled(at_64: f64, n: f64) -> u32 {
+    (at_64 * (n / 64.0).sqrt()).ceil().clamp(FREE_SUBSTEPS.into(), MAX_SUBSTEPS.into()) as u32
+}
+
 /// Particles along a side.
 fn side(cloth: &Cloth) -> f64 {
     (cloth.len() as f64).sqrt().max(0.5 * longest(cloth))
@@ -326,11 +346,6 @@ fn side(cloth: &Cloth) -> f64 {
 /// Particles along the longest side of a grid.
 fn longest(cloth: &Cloth) -> f64 {
     f64::from(cloth.grids().iter().map(|g| g.width.max(g.height)).max().unwrap_or(0))
-}
-
-/// Whether it is more than four times as long as wide.
-fn is_strip(cloth: &Cloth) -> bool {
-    longest(cloth) > 2.0 * (cloth.len() as f64).sqrt()
 }
 
 /// As many steps in `step` \[s\] as `n` in a frame.
@@ -384,78 +399,6 @@ fn fall(cloth: &Cloth, scene: &Scene) -> f64 {
     let tops = solids.map(|s| height(s.center) + s.around().unwrap_or(0.0));
     let drop = sum / f64::max(cloth.len() as f64, 1.0) - tops.fold(f64::NEG_INFINITY, f64::max);
     (2.0 * strength * drop.max(0.0)).sqrt()
-}
-
-/// Seconds for which substeps stay high when what was fast is slow again.
-const HOLD_S: f64 = 1.0;
-
-/// Keeps a chosen number of substeps up with the speed of colliders, frame by frame.
-#[derive(Clone, Debug)]
-pub struct Follow {
-    /// Substeps of cloth and colliders at rest; none where the host gave a number.
-    lasting: Option<u32>,
-    step: f64,
-    /// For how long \[s\] the number stays.
-    hold: f64,
-    /// Whether contact is swept.
-    swept: bool,
-}
-
-impl Follow {
-    pub fn new(settings: &Settings, scene: &Scene) -> Self {
-        let given = settings.given();
-        let open = given.substeps.is_none() && given.solver == Solver::Xpbd;
-        let needs = scene.cloths.iter().map(|c| need(c, given, scene).substeps);
-        let lasting = open.then(|| in_step(needs.max().unwrap_or(FREE_SUBSTEPS), given.step));
-        let strength = length(scene.gravity.map(f64::from)).max(f64::MIN_POSITIVE);
-        let falls = scene.cloths.iter().map(|c| fall(c, scene) / strength).fold(0.0, f64::max);
-        Follow { lasting, step: given.step, hold: HOLD_S + falls, swept: given.solver == Solver::Xpbd }
-    }
-
-    /// Takes in that a cloth comes that asks for `lasting` substeps at rest; more than those are held as long as `other` holds them.
-    pub fn join(&mut self, lasting: u32, other: Option<&Follow>) {
-        self.lasting = self.lasting.map(|now| now.max(lasting));
-        self.hold = other.map_or(self.hold, |o| self.hold.max(o.hold));
-    }
-
-    /// Takes in that the cloth left that asked for `gone` substeps at rest; the others ask for at most `rest`.
-    pub fn leave(&mut self, gone: u32, rest: u32) {
-        self.lasting = self.lasting.map(|now| if now == gone { now.min(rest) } else { now });
-    }
-
-    /// The substeps of cloth and colliders at rest, NaN if the host gave a number, and for how long \[s\] more than those stay.
-    pub fn numbers(&self) -> [f64; 2] {
-        [self.lasting.map_or(f64::NAN, f64::from), self.hold]
-    }
-
-    /// Takes them over from another one; a number that the host gave stays.
-    pub fn resume(&mut self, [lasting, hold]: [f64; 2]) {
-        if lasting >= 1.0 {
-            self.lasting = self.lasting.map(|_| lasting as u32);
-        }
-        self.hold = hold.max(0.0);
-    }
-
-    /// To be called when steps have been made.
-    pub fn stepped(&mut self, seconds: f64) {
-        self.hold = (self.hold - seconds).max(0.0);
-    }
-
-    /// Substeps in which no collider moves far.
-    pub fn fewest(&self, scene: &Scene) -> u32 {
-        if self.swept { in_step(for_colliders(scene), self.step) } else { 1 }
-    }
-
-    /// The number of substeps from here on, `now` being that of the last frame: up at once, down by an eighth per frame.
-    pub fn next(&mut self, now: u32, scene: &Scene) -> u32 {
-        let Some(lasting) = self.lasting else { return now };
-        let want = in_step(for_colliders(scene), self.step).max(lasting);
-        if want >= now {
-            self.hold = if want > lasting { HOLD_S } else { self.hold };
-            return want;
-        }
-        if self.hold > 0.0 { now } else { (now - now.div_ceil(8)).max(want) }
-    }
 }
 
 #[cfg(test)]

@@ -1,3 +1,4 @@
+use super::hung::{HANG_POLISH, STRIP_POLISH, WHIP_POLISH};
 use super::*;
 use crate::cloth::{Flat, Influence, SkinJoint};
 use crate::collider::{Collider, Shape};
@@ -25,14 +26,15 @@ fn given_numbers_win_over_every_rule() {
 #[test]
 fn support_size_and_speed_decide() {
     let of = |name: &str, n| chosen(&builtin(name, n).unwrap(), Options::default());
-    assert_eq!(of("s1", 32).support, Support::Tethered);
+    assert_eq!(of("s1", 32).support, Support::Stirred, "it swings down");
     assert!(matches!(of("s2", 32).support, Support::Falls(v) if v > 1.9 && v < 2.1));
     assert!(matches!(of("s2f", 32).support, Support::Fast(v) if v > 30.0 && v < 33.0));
     let mut lying = builtin("s2", 64).unwrap();
     lying.colliders[0].center[1] = 0.2;
     let lying = chosen(&lying, Options::default());
     assert_eq!((lying.substeps, lying.polish, lying.support), (12, 8, Support::OnColliders));
-    assert!(of("s2", 64).substeps > lying.substeps && lying.substeps > of("s1", 64).substeps);
+    let hung = chosen(&curtain(64), Options::default());
+    assert!(of("s2", 64).substeps > lying.substeps && lying.substeps > hung.substeps);
     assert!(of("s2", 128).substeps > of("s2", 64).substeps);
     let half = chosen(&builtin("s2", 64).unwrap(), Options { step: 1.0 / 120.0, ..Options::default() });
     assert_eq!(half.substeps, of("s2", 64).substeps.div_ceil(2));
@@ -46,6 +48,82 @@ fn support_size_and_speed_decide() {
     assert_eq!((classic.substeps, classic.polish), (FREE_SUBSTEPS, 0));
     let words = of("s2", 64).to_string();
     assert!(words.contains("substeps") && words.contains("cloth 's2' falls on colliders at 2.0 m/s"), "{words}");
+}
+
+/// A square that hangs in the plane of gravity from two corners.
+fn curtain(n: u32) -> Scene {
+    let mut cloth = Flat { down: [0.0, -1.0, 0.0], ..Flat::square("curtain", n) }.cloth().unwrap();
+    [0, n - 1].into_iter().for_each(|k| cloth.set_pinned(k as usize, true).unwrap());
+    cloth.damping = 1.0;
+    let mut scene = Scene::new("curtain");
+    scene.cloths.push(cloth);
+    scene
+}
+
+#[test]
+fn hanging_cloth_that_is_stirred_has_more_substeps() {
+    let of = |scene: &Scene| {
+        let choice = chosen(scene, Options::default());
+        (choice.substeps, choice.stirred, choice.polish, choice.support)
+    };
+    let calm = curtain(64);
+    assert_eq!(of(&calm), (4, 15, HANG_POLISH, Support::Tethered));
+    let words = chosen(&calm, Options::default()).to_string();
+    assert!(words.starts_with("4 substeps, 15 while wind or its pins stir the cloth, 3 rounds of polish"), "{words}");
+    let wind = |speed: f32| {
+        let force = crate::WindForce::Push { response: 1.0 };
+        Some(crate::Wind { velocity: [0.0, 0.0, speed], gust: 0.0, gust_size: 1.0, force })
+    };
+    assert_eq!(of(&Scene { wind: wind(1.0), ..calm.clone() }), of(&calm));
+    assert_eq!(of(&Scene { wind: wind(8.0), ..calm.clone() }), (15, 15, HANG_POLISH, Support::Stirred));
+    // Cloth that lies at the start swings down, without gravity it does not.
+    let lying = builtin("s1", 64).unwrap();
+    assert_eq!(of(&lying), (15, 15, HANG_POLISH, Support::Stirred));
+    assert_eq!(of(&Scene { gravity: [0.0; 3], ..lying }).3, Support::Tethered);
+    // Rounds take the place of substeps, to a degree.
+    let mut whipping = calm.clone();
+    whipping.cloths[0].damping = 0.0;
+    assert_eq!(of(&whipping), (4, 9, WHIP_POLISH, Support::Tethered));
+    // Numbers that were given stay.
+    let given = Options { substeps: Some(4), ..Options::default() };
+    let windy = Scene { wind: wind(8.0), ..calm.clone() };
+    assert_eq!((chosen(&windy, given.clone()).substeps, chosen(&windy, given).stirred), (4, 0));
+    // What holds it otherwise has its own rules.
+    let ball = Collider::new(Shape::Sphere { radius: 0.1 }, [0.0, -5.0, 0.0]);
+    assert_eq!(of(&Scene { colliders: vec![ball], ..windy }).3, Support::TetheredOnColliders);
+}
+
+#[test]
+fn substeps_follow_what_stirs_hanging_cloth() {
+    let scene = curtain(64);
+    let (settings, choice) = Settings::new(Options::default(), &scene);
+    let mut follow = Follow::new(&settings, &scene);
+    let mut now = choice.substeps;
+    let mut frames = |follow: &mut Follow, count: u32, stirs: bool| {
+        for _ in 0..count {
+            if stirs {
+                follow.stir();
+            }
+            now = follow.next(now, &scene);
+            follow.stepped(1.0 / 60.0);
+        }
+        now
+    };
+    assert_eq!(frames(&mut follow, 10, false), 4);
+    assert_eq!(frames(&mut follow, 1, true), 15, "at once");
+    assert_eq!(frames(&mut follow, 200, true), 15);
+    assert_eq!(frames(&mut follow, 55, false), 15, "a while longer");
+    assert_eq!(frames(&mut follow, 60, false), 4);
+    // A sheet that swings down is stirred for a second, and held for one more.
+    let lying = builtin("s1", 64).unwrap();
+    let (settings, choice) = Settings::new(Options::default(), &lying);
+    let mut follow = Follow::new(&settings, &lying);
+    let mut counts = vec![choice.substeps];
+    for _ in 0..180 {
+        counts.push(follow.next(counts[counts.len() - 1], &lying));
+        follow.stepped(1.0 / 60.0);
+    }
+    assert_eq!((counts[115], counts[150]), (15, 4), "{counts:?}");
 }
 
 #[test]

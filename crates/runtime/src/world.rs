@@ -26,6 +26,7 @@ mod run;
 mod save;
 pub(crate) mod sleep;
 mod spare;
+mod stir;
 mod touch;
 mod truncate;
 mod untangle;

@@ -54,6 +54,7 @@ impl Stepper {
             return Err(Error::NotFinite { cloth: of.name().into(), what: "position", index });
         }
         self.refuse_joined(cloth, all.iter().map(|[k, _]| *k))?;
+        self.world.note_pins(cloth, all.iter().map(|[k, n]| (*k, at[*n as usize])));
         self.place(
             cloth,
             all.into_iter().map(|[particle, n]| Placed { particle, at: Some(at[n as usize]), inverse_mass: None }),
@@ -108,8 +109,11 @@ impl Stepper {
         let rows: Vec<_> = all.into_iter().map(weigh).collect();
         let held = of.particles().iter().any(|p| p.is_pinned());
         self.place(cloth, rows);
-        if !pinned && !held {
-            self.world.decide();
+        if !pinned {
+            self.world.control.follow.stir();
+            if !held {
+                self.world.decide();
+            }
         }
         Ok(())
     }

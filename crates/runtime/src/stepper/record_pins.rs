@@ -44,6 +44,8 @@ impl Stepper {
             return Ok(());
         }
         self.world.wake(cloth);
+        // How fast these pins are, the host alone knows.
+        self.world.control.follow.stir();
         self.guarded(|stepper| {
             let gpu = stepper.gpu.as_mut().ok_or(Error::NoGpu("Stepper::record_pins"))?;
             gpu.act_now(&mut stepper.world, encoder);

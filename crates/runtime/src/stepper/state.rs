@@ -148,6 +148,7 @@ impl Stepper {
             let sought = self.world.seek(cloth);
             self.world.found(cloth, &sought, corners(bounds::run(state.positions(), state.previous())));
         }
+        self.world.forget_pins(cloth, state.positions());
         let (of, run, settings) =
             (&self.world.scene.cloths[cloth], &self.world.runs[cloth], &self.world.control.options);
         let layout = Layout::of(of, &run.tethers, settings.solver);

@@ -8,6 +8,7 @@ use super::images::Images;
 use super::levels::Finer;
 use super::moving::Moving;
 use super::sleep::Calm;
+use super::stir::PinPlaces;
 use crate::cloth::{Anchor, Cloth, Poses, Tethers};
 use crate::form::Fused;
 use crate::limits::Warning;
@@ -47,6 +48,8 @@ pub struct ClothRun {
     pub home: Pose,
     /// Its frame of reference, if it has one that moves.
     pub moving: Option<Moving>,
+    /// Where the host has put its pins.
+    pub pins: PinPlaces,
     /// The joints that it follows, if it does.
     pub joints: Option<Joints>,
     /// How long it has been calm.

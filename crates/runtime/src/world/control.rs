@@ -82,9 +82,9 @@ impl Control {
             return polish != self.options.polish;
         }
         let wishes = Wish::of(&settings, alone);
-        let lasting = wishes.iter().map(|w| w.substeps).max().unwrap_or(0);
-        let fast = Some(Follow::new(&settings, alone)).filter(|_| choice.substeps > lasting);
-        self.follow.join(lasting, fast.as_ref());
+        let wish = Wish::most(&wishes).unwrap_or(Wish { substeps: 0, stirred: 0, polish: 0 });
+        let fast = Some(Follow::new(&settings, alone)).filter(|_| choice.substeps > wish.substeps);
+        self.follow.join(wish, fast.as_ref());
         self.options.slack.extend(&settings.slack);
         self.wishes.extend(wishes);
         let more_steps = self.options.quality == Quality::Fixed && choice.substeps > self.options.substeps;
@@ -106,13 +106,12 @@ impl Control {
     pub fn leave(&mut self, cloth: usize) -> bool {
         let gone = self.wishes.remove(cloth);
         self.options.slack.remove(cloth);
-        let most = |number: fn(&Wish) -> u32| self.wishes.iter().map(number).max();
-        let (Some(substeps), Some(rounds)) = (most(|w| w.substeps), most(|w| w.polish)) else { return false };
-        self.follow.leave(gone.substeps, substeps);
+        let Some(rest) = Wish::most(&self.wishes) else { return false };
+        self.follow.leave(gone, rest);
         let chosen = self.choice.given == [false; 2] && self.round.is_none() && self.options.polish == gone.polish;
-        let falls = chosen && rounds < gone.polish;
+        let falls = chosen && rest.polish < gone.polish;
         if falls {
-            self.options.polish = rounds;
+            self.options.polish = rest.polish;
         }
         falls
     }

@@ -1,5 +1,6 @@
 //! Frames of reference that cloths are simulated in: where they are, and where they go in the next frame.
 
+use super::stir::is_stirring;
 use super::{Action, World};
 use crate::moving_frame::{FrameMotion, MovingFrame};
 use crate::number::real::cast;
@@ -38,8 +39,11 @@ impl World {
         for cloth in 0..self.runs.len() {
             let inertia = self.scene.cloths[cloth].inertia;
             let Some(moving) = &mut self.runs[cloth].moving else { continue };
-            let to = moving.next.take().unwrap_or(moving.motion.frame);
+            let (to, before) = (moving.next.take().unwrap_or(moving.motion.frame), moving.motion);
             if let Some(impulse) = moving.motion.go(to, seconds, &inertia) {
+                if is_stirring(&before, &moving.motion, &inertia, seconds) {
+                    self.control.follow.stir();
+                }
                 self.host.actions.push(Action::Inertia { cloth, numbers: impulse.numbers(dt) });
                 self.wake(cloth);
             }

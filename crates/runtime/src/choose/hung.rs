@@ -1,0 +1,95 @@
+//! Cloth that hangs from pins by its tethers. At rest few substeps hold it; stirred by wind, by pins that move or by a start far from
+//! where it will hang, the same numbers stretch it several times as far, so it then has more.
+
+use super::{Need, Support, longest, own_speed, scaled, stiff};
+use crate::cloth::{Cloth, Rest};
+use crate::number::real::{V3, add, cast, cross, dot, scale, sub};
+use crate::scene::Scene;
+
+/// Speed \[m/s\] at the start from which hanging cloth whips about, and its substeps at N = 64.
+const THROWN_M_S: f64 = 1.0;
+const THROWN_SUBSTEPS: f64 = 12.0;
+/// Rounds of polish of hanging sheets up to this N, and of finer ones: these have more substeps instead.
+pub const HANG_POLISH: u32 = 3;
+const COARSE_N: f64 = 160.0;
+const FINE_POLISH: u32 = 2;
+/// Those of hanging strips, which swing far from a corner: with two, one of 78 x 14 is stretched by 15 % at p99 on its way.
+pub const STRIP_POLISH: u32 = 3;
+/// Damping \[1/s\] below which hanging cloth goes on whipping, and the rounds of polish that keep it together.
+const DAMPED: f32 = 0.5;
+pub const WHIP_POLISH: u32 = 8;
+/// Substeps at N = 64 of a garment, and its rounds: its load takes ways that sheets do not have.
+const GARMENT_SUBSTEPS: f64 = 5.0;
+const GARMENT_POLISH: u32 = 4;
+/// Relaxations per frame at N = 64 of cloth that is stirred, one more than the rounds of polish per substep, and its fewest substeps there.
+const STIRRED_RELAXATIONS: f64 = 60.0;
+const STIRRED_SUBSTEPS: f64 = 9.0;
+/// Speed \[m/s\] of wind that stirs.
+const WINDY_M_S: f64 = 2.0;
+/// Share of its area, seen along gravity, from which cloth lies more than it hangs, so that it swings down from the start.
+const LYING: f64 = 0.5;
+
+/// Numbers of cloth at rest; `n` particles along a side.
+pub fn need(cloth: &Cloth, n: f64) -> (u32, u32, Support) {
+    let garment = matches!(cloth.rest(), Rest::Image(_));
+    let substeps = match n {
+        _ if garment => ((GARMENT_SUBSTEPS * (n / 64.0).sqrt()).ceil() as u32).max(4),
+        n if n <= 140.0 => 4,
+        n if n <= COARSE_N => 5,
+        n if n <= 256.0 => 7,
+        n => (n / 32.0).ceil().min(super::MAX_SUBSTEPS.into()) as u32,
+    };
+    let (substeps, polish) = match () {
+        () if own_speed(cloth) > THROWN_M_S => (scaled(THROWN_SUBSTEPS, n), WHIP_POLISH),
+        () if cloth.damping < DAMPED => (substeps, WHIP_POLISH),
+        () if garment => (substeps, GARMENT_POLISH),
+        () if longest(cloth) > 2.0 * (cloth.len() as f64).sqrt() => (substeps, STRIP_POLISH),
+        () => (substeps, if n <= COARSE_N { HANG_POLISH } else { FINE_POLISH }),
+    };
+    (substeps, polish, Support::Tethered)
+}
+
+/// Substeps of the same cloth while it is stirred; 0 for cloth that is not held so.
+pub fn stirred(cloth: &Cloth, rest: &Need) -> u32 {
+    if rest.support != Support::Tethered || !stiff(cloth) {
+        return 0;
+    }
+    let at_64 = (STIRRED_RELAXATIONS / f64::from(rest.polish + 1)).max(STIRRED_SUBSTEPS);
+    scaled(at_64, super::side(cloth)).max(rest.substeps)
+}
+
+/// Whether the wind of a scene stirs cloth.
+pub fn is_windy(scene: &Scene) -> bool {
+    scene.wind.as_ref().is_some_and(|wind| super::length(cast(wind.velocity)) >= WINDY_M_S)
+}
+
+/// Whether cloth starts far from where it will hang: more across gravity than along it. Takes time linear in the particles.
+pub fn swings(cloth: &Cloth, gravity: [f32; 3]) -> bool {
+    let g: V3<f64> = cast(gravity);
+    let strength = dot(g, g).sqrt();
+    if strength <= 0.0 {
+        return false;
+    }
+    let down = scale(g, 1.0 / strength);
+    let (mut lies, mut all) = (0.0, 0.0);
+    for normal in cells(cloth) {
+        lies += dot(normal, down).abs();
+        all += dot(normal, normal).sqrt();
+    }
+    lies > LYING * all
+}
+
+/// Twice the area of each cell whose corners exist, along its normal.
+fn cells(cloth: &Cloth) -> impl Iterator<Item = V3<f64>> + '_ {
+    cloth.grids().iter().flat_map(move |grid| {
+        let (first, width, height) = (grid.first as usize, grid.width as usize, grid.height as usize);
+        let quads = (0..height.saturating_sub(1)).flat_map(move |j| (0..width.saturating_sub(1)).map(move |i| (i, j)));
+        quads.filter_map(move |(i, j)| {
+            let corners = [0, 1, width + 1, width].map(|by| first + j * width + i + by);
+            let exist = corners.iter().all(|k| cloth.particles()[*k].exists());
+            let [a, b, c, d]: [V3<f64>; 4] = corners.map(|k| cast(cloth.positions()[k]));
+            let halves = [cross(sub(b, a), sub(c, a)), cross(sub(c, a), sub(d, a))];
+            exist.then(|| add(halves[0], halves[1]))
+        })
+    })
+}
