@@ -34,6 +34,7 @@ pub fn need(cloth: &Cloth, n: f64) -> (u32, u32, Support) {
     let garment = matches!(cloth.rest(), Rest::Image(_));
     let substeps = match n {
         _ if garment => ((GARMENT_SUBSTEPS * (n / 64.0).sqrt()).ceil() as u32).max(4),
+        n if n <= 40.0 => 3,
         n if n <= 140.0 => 4,
         n if n <= COARSE_N => 5,
         n if n <= 256.0 => 7,
