@@ -8,6 +8,7 @@ mod coarse_level;
 mod coarse_ties;
 mod cut_levels;
 mod cuts;
+pub(crate) mod drift;
 mod follow;
 mod forget;
 mod integrate_rows;

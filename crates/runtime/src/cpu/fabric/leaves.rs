@@ -20,6 +20,7 @@ pub fn run<T: Real>(tree: &mut Tree<T>, tiles: &Tiles<T>, distance: T, width: im
     for (at, block) in tree.at.iter_mut().zip(&tiles.blocks) {
         *at = block.now;
     }
+    tree.drift.begin();
 }
 
 /// The reach of the particles of a tile, and their box.

@@ -14,6 +14,7 @@ use self::others::OtherList;
 use self::patrol::Patrol;
 use self::shadow::{Dawn, Shadow};
 use self::tiles::{LANES_OF_TILE, Tiles};
+use super::drift;
 use super::leaves;
 use super::partners::{self, Beside, TileList};
 use super::separate;
@@ -151,8 +152,9 @@ impl<T: Real> Meeting<T> {
 
     /// Twin of the pass `Leaves`. Boxes are made only where the last ones no longer hold the particles in the next steps.
     pub fn leaves(&mut self, sheets: &[Sheet<T>]) {
-        self.tiles.load_all(sheets);
-        if self.due || !self.tree.holds(&self.tiles) {
+        // Lists have shares by inverse masses.
+        self.due |= self.tiles.load_all(sheets);
+        if self.due || !drift::holds(&self.tree, &self.tiles) {
             // Looks for cloth that crosses compare particles of the same boxes.
             let crossing = |tile: usize| self.tiles.crossing2[tile].sqrt();
             let width = |tile| if self.patrol.is_some() { self.distance.max(crossing(tile)) } else { self.distance };

@@ -32,6 +32,10 @@ pub struct TileList<T> {
     pub partner: [u32; LANES_OF_TILE * MAX_PARTNERS],
     /// Distances \[m\] that they keep, likewise; 0 without a partner.
     pub least: [T; LANES_OF_TILE * MAX_PARTNERS],
+    /// The particle's share of a push, likewise.
+    pub own: [T; LANES_OF_TILE * MAX_PARTNERS],
+    /// A bit for each vector that had a particle near its partner when it was last looked at.
+    pub near: u32,
     /// For each vector how much farther \[m\] than that all of its particles were from their partners in the search.
     pub spare: [T; MAX_PARTNERS],
     /// How positions change, and previous ones: three vectors each.
@@ -41,8 +45,8 @@ pub struct TileList<T> {
 impl<T: Real> TileList<T> {
     fn none() -> Self {
         let (partner, least) = ([0; LANES_OF_TILE * MAX_PARTNERS], [T::of(0.0); LANES_OF_TILE * MAX_PARTNERS]);
-        let spare = [T::of(0.0); MAX_PARTNERS];
-        TileList { count: 0, moves: false, partner, least, spare, change: [[T::of(0.0); LANES_OF_TILE]; 6] }
+        let (spare, change) = ([T::of(0.0); MAX_PARTNERS], [[T::of(0.0); LANES_OF_TILE]; 6]);
+        TileList { count: 0, moves: false, partner, least, own: least, near: 0, spare, change }
     }
 }
 
@@ -244,7 +248,7 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
                     }
                 }
             }
-            write(list, &best, tile);
+            write(list, &best, (tile, &tiles.blocks));
         }
     }
 }
@@ -313,9 +317,10 @@ fn kept<T: Real>(meeting: &Meeting<T>, place: usize, other: usize) -> Option<T> 
 }
 
 /// Partners in the order of their distances, so that the first ones of all particles are those that touch.
-fn write<T: Real>(list: &mut TileList<T>, best: &[Best<T>; LANES_OF_TILE], tile: usize) {
+fn write<T: Real>(list: &mut TileList<T>, best: &[Best<T>; LANES_OF_TILE], (tile, blocks): (usize, &[Block<T>])) {
+    let w = |place: u32| blocks[place as usize / LANES_OF_TILE].w[place as usize % LANES_OF_TILE];
     let count = best.iter().map(|b| b.count).max().unwrap_or(0);
-    (list.count, list.moves) = (count as u32, false);
+    (list.count, list.moves, list.near) = (count as u32, false, 0);
     list.spare = [T::of(FARTHEST); MAX_PARTNERS];
     for (lane, best) in best.iter().enumerate() {
         for n in 0..count {
@@ -326,7 +331,9 @@ fn write<T: Real>(list: &mut TileList<T>, best: &[Best<T>; LANES_OF_TILE], tile:
             if there {
                 list.spare[n] = list.spare[n].min(apart2.sqrt() - least * T::of(1.0 + 1e-5));
             }
-            (list.partner[n * LANES_OF_TILE + lane], list.least[n * LANES_OF_TILE + lane]) = (place, least);
+            let at = n * LANES_OF_TILE + lane;
+            (list.partner[at], list.least[at]) = (place, least);
+            list.own[at] = w(own) / (w(own) + w(place)).max(T::of(1e-12));
         }
     }
 }

@@ -22,7 +22,7 @@ pub const MAX_PUSH: f64 = 0.25;
 pub fn run<T: Real>(meeting: &mut Meeting<T>, sheets: &[Sheet<T>], threads: &Threads, dt: T) {
     let Meeting { tiles, tree, active, lists, distance, friction, others, other_of, elapsed, .. } = meeting;
     tiles.load(sheets, active);
-    tree.measure(tiles, active);
+    tree.drift.measure(tiles, &tree.at, active);
     let (tiles, tree) = (&*tiles, &*tree);
     threads.chunks(lists, 16, |chunk, lists| {
         let others = |n: usize| others.get(*other_of.get(16 * chunk + n)? as usize);
@@ -49,16 +49,26 @@ struct Push<'a, 'b, T: Real> {
 /// Vectors of some places, one coordinate after the other.
 type Gathered<T> = [[T; LANES_OF_TILE]; 3];
 
-/// Positions of partners. They are gathered for all partners of a tile before they are read: a processor waits where a vector is read
-/// that single numbers have just been written to.
+/// Positions of partners, and previous ones. They are gathered for all partners of a tile before they are read: a processor waits where a
+/// vector is read that single numbers have just been written to.
 #[inline(always)]
-fn gather<T: Real, const WAS: bool>(blocks: &[Block<T>], places: &[u32], to: &mut Gathered<T>) {
+fn gather<T: Real, const NOW: bool, const WAS: bool>(
+    blocks: &[Block<T>],
+    places: &[u32],
+    [now, was]: &mut [Gathered<T>; 2],
+) {
     for (lane, place) in places[..LANES_OF_TILE].iter().enumerate() {
         let (block, from) = (&blocks[*place as usize / LANES_OF_TILE], *place as usize % LANES_OF_TILE);
-        let list = if WAS { &block.was } else { &block.now };
-        to[0][lane] = list[0][from];
-        to[1][lane] = list[1][from];
-        to[2][lane] = list[2][from];
+        if NOW {
+            now[0][lane] = block.now[0][from];
+            now[1][lane] = block.now[1][from];
+            now[2][lane] = block.now[2][from];
+        }
+        if WAS {
+            was[0][lane] = block.was[0][from];
+            was[1][lane] = block.was[1][from];
+            was[2][lane] = block.was[2][from];
+        }
     }
 }
 
@@ -146,7 +156,7 @@ impl<T: Real> Work<T> for Push<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(mut self, k: K) {
         let zeros = [T::of(0.0); LANES_OF_TILE];
-        let mut there = [[zeros; 3]; MAX_PARTNERS];
+        let mut there = [[[zeros; 3]; 2]; MAX_PARTNERS];
         for n in 0..self.lists.len() {
             self.lists[n].moves = false;
             if self.lists[n].count > 0 || self.others[n].is_some() {
@@ -159,40 +169,46 @@ impl<T: Real> Work<T> for Push<'_, '_, T> {
 impl<T: Real> Push<'_, '_, T> {
     /// The pushes on the particles of one tile.
     #[inline(always)]
-    fn tile<K: Machine<T>>(&mut self, k: K, n: usize, there: &mut [Gathered<T>; MAX_PARTNERS]) {
+    fn tile<K: Machine<T>>(&mut self, k: K, n: usize, there: &mut [[Gathered<T>; 2]; MAX_PARTNERS]) {
         let (zero, tiny) = (k.splat(T::of(0.0)), k.splat(T::of(1e-12)));
         let (friction, elapsed, dt) = (k.splat(self.friction), k.splat(self.elapsed), k.splat(self.dt));
         let (list, blocks, other) = (&mut self.lists[n], &self.tiles.blocks, self.others[n]);
         let Some(own_block) = blocks.get(self.first + n) else { return };
         let count = (list.count as usize).min(MAX_PARTNERS);
         // Vectors of particles whose partners are all out of reach still.
-        let moved = self.tree.moved(self.first + n);
+        let moved = self.tree.drift.moved(self.first + n);
         let count = list.spare[..count].iter().rposition(|spare| *spare <= moved).map_or(0, |last| last + 1);
+        // Particles that were near their partners are likely to be so again: their previous positions are gathered at once.
+        let (mut known, mut touches) = (list.near, 0);
         for (slot, there) in there[..count].iter_mut().enumerate() {
-            gather::<T, false>(blocks, &list.partner[slot * LANES_OF_TILE..], there);
+            let places = &list.partner[slot * LANES_OF_TILE..];
+            if known >> slot & 1 == 1 {
+                gather::<T, true, true>(blocks, places, there);
+            } else {
+                gather::<T, true, false>(blocks, places, there);
+            }
         }
         for at in (0..LANES_OF_TILE).step_by(K::WIDE) {
             let (now, was) = (row(k, &own_block.now, at), row(k, &own_block.was, at));
             let (w, step) = (k.load(&own_block.w, at), k.minus(now, was));
             let (mut sum, mut moves) = (Sum::new(zero), false);
-            for (slot, there) in there[..count].iter().enumerate() {
+            for (slot, there) in there[..count].iter_mut().enumerate() {
                 let from = slot * LANES_OF_TILE;
-                let there = row(k, there, at);
-                let way = k.minus(now, there);
+                let at_partner = row(k, &there[0], at);
+                let way = k.minus(now, at_partner);
                 let (least, far2) = (k.load(&list.least, from + at), k.squares(way));
                 let near = k.both(k.above(k.mul(least, least), far2), k.above(far2, tiny));
                 if !k.any(near) {
                     continue;
                 }
                 moves = true;
-                let (mut was, mut weights) = ([[T::of(0.0); LANES_OF_TILE]; 3], [T::of(0.0); LANES_OF_TILE]);
-                gather::<T, true>(blocks, &list.partner[from..], &mut was);
-                for (lane, place) in list.partner[from..from + LANES_OF_TILE].iter().enumerate() {
-                    let (block, from) = (&blocks[*place as usize / LANES_OF_TILE], *place as usize % LANES_OF_TILE);
-                    weights[lane] = block.w[from];
+                touches |= 1 << slot;
+                if known >> slot & 1 == 0 {
+                    known |= 1 << slot;
+                    gather::<T, false, true>(blocks, &list.partner[from..], there);
                 }
-                let own = k.div(w, k.most(k.add(w, k.load(&weights, at)), tiny));
-                let slide = k.minus(step, k.minus(there, row(k, &was, at)));
+                let own = k.load(&list.own, from + at);
+                let slide = k.minus(step, k.minus(at_partner, row(k, &there[1], at)));
                 sum.add(k, near, Pair { way, far2, slide, least, own, own_stop: own, friction });
             }
             if let Some(other) = other {
@@ -221,5 +237,6 @@ impl<T: Real> Push<'_, '_, T> {
                 k.store(&mut list.change[3 + c], at, was[c]);
             }
         }
+        list.near = touches;
     }
 }

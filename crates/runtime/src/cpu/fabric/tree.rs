@@ -2,11 +2,10 @@
 //!
 //! They are the minima and maxima of the mip chain of the position image: refitted without a sort.
 
+use super::drift::{Drift, Places};
 use super::meeting::tiles::{LANES_OF_TILE, Tiles};
 use crate::memory::Tally;
-use crate::number::lanes::{LANES, Machine, Work, widest};
-use crate::number::real::{Real, V3, dot, sub};
-use crate::passes::SEARCH_STEPS;
+use crate::number::real::{Real, V3};
 
 /// Bounds of particles.
 #[derive(Clone, Copy, Debug)]
@@ -45,11 +44,10 @@ pub struct Tree<T: Real> {
     pub sheets: Vec<Vec<Level>>,
     /// How far \[m\] particles of a tile may move until the next search.
     pub reach: Vec<T>,
-    /// How far \[m\] particles of a tile have moved since the last search, at most, and the largest of all tiles.
-    way: Vec<T>,
-    longest: T,
+    /// How far they have moved since the last search.
+    pub drift: Drift<T>,
     /// Where particles were at the last search.
-    pub at: Vec<[[T; LANES_OF_TILE]; 3]>,
+    pub at: Vec<Places<T>>,
 }
 
 impl<T: Real> Node<T> {
@@ -86,8 +84,7 @@ impl<T: Real> Tree<T> {
             nodes: vec![Node::none(); end],
             sheets,
             reach: vec![T::of(-1.0); tiles.count()],
-            way: vec![T::of(0.0); tiles.count()],
-            longest: T::of(0.0),
+            drift: Drift::new(tiles.count()),
             at,
         }
     }
@@ -96,61 +93,8 @@ impl<T: Real> Tree<T> {
     pub fn tally(&self, tally: &mut Tally) {
         tally.state(&self.nodes);
         tally.state(&self.reach);
-        tally.state(&self.way);
+        tally.state(self.drift.list());
         tally.state(&self.at);
-    }
-
-    /// Finds how far the particles of some tiles, which are all that touch others or are touched, have moved since the last search.
-    pub fn measure(&mut self, tiles: &Tiles<T>, active: &[u32]) {
-        widest(Measure { tree: self, tiles, active });
-    }
-
-    /// By how much \[m\] a particle of a tile can have come nearer to another since the last search, at most; with room for rounding.
-    #[inline(always)]
-    pub fn moved(&self, tile: usize) -> T {
-        (self.way[tile] + self.longest) * T::of(1.001)
-    }
-
-    /// Whether no particle leaves its reach in the next [`SEARCH_STEPS`] steps, if it goes on as in the last one.
-    pub fn holds(&self, tiles: &Tiles<T>) -> bool {
-        (0..tiles.count()).all(|tile| {
-            let (mut far, mut ahead) = (T::of(0.0), T::of(0.0));
-            for place in tile * LANES_OF_TILE..(tile + 1) * LANES_OF_TILE {
-                let (p, lane) = (tiles.now(place), place % LANES_OF_TILE);
-                let (way, step) = (sub(p, self.at[tile].map(|list| list[lane])), sub(p, tiles.was(place)));
-                (far, ahead) = (far.max(dot(way, way)), ahead.max(dot(step, step)));
-            }
-            far.sqrt() + ahead.sqrt() * T::of(SEARCH_STEPS.into()) <= self.reach[tile]
-        })
-    }
-}
-
-struct Measure<'a, T: Real> {
-    tree: &'a mut Tree<T>,
-    tiles: &'a Tiles<T>,
-    active: &'a [u32],
-}
-
-impl<T: Real> Work<T> for Measure<'_, T> {
-    #[inline(always)]
-    fn run<K: Machine<T>>(self, k: K) {
-        let Measure { tree, tiles, active } = self;
-        let mut longest = T::of(0.0);
-        for tile in active {
-            let (at, now) = (&tree.at[*tile as usize], &tiles.blocks[*tile as usize].now);
-            let mut far = k.splat(T::of(0.0));
-            for n in (0..LANES_OF_TILE).step_by(K::WIDE) {
-                let there = [k.load(&now[0], n), k.load(&now[1], n), k.load(&now[2], n)];
-                let way = k.minus(there, [k.load(&at[0], n), k.load(&at[1], n), k.load(&at[2], n)]);
-                far = k.most(far, k.squares(way));
-            }
-            let mut each = [T::of(0.0); LANES];
-            k.store(&mut each, 0, far);
-            let far = each[..K::WIDE].iter().fold(T::of(0.0), |a, b| a.max(*b)).sqrt();
-            tree.way[*tile as usize] = far;
-            longest = longest.max(far);
-        }
-        tree.longest = longest;
     }
 }
 

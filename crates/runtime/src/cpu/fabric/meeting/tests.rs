@@ -108,6 +108,82 @@ fn vectors_out_of_reach_are_skipped_without_a_change_of_bits() {
 }
 
 #[test]
+fn lists_hold_while_cloth_moves_as_a_whole_and_no_longer_where_one_particle_leaves_it() {
+    let cloth = cloth(22);
+    let here = crumpled(&cloth, 3, 0.0);
+    let mut meeting = searched(&cloth, &here);
+    let reach = meeting.tree.reach[0];
+    let gone = |way: [f32; 3], farther: f32| {
+        let mut sheets = crumpled(&cloth, 3, 0.0);
+        let at = |k: usize, p: &[f32; 4]| [0, 1, 2].map(|c| p[c] + way[c] + if k == 40 { farther } else { 0.0 });
+        let [mut now, mut before] = [0, 1].map(|_| vec![[0.0; 4]; cloth.len()]);
+        sheets[0].store(&mut now, &mut before);
+        let now: Vec<_> = now.iter().enumerate().map(|(k, p)| at(k, p)).map(|[x, y, z]| [x, y, z, 1.0]).collect();
+        let before: Vec<_> = now.iter().map(|p| [p[0] - 0.02, p[1] + 0.03, p[2], 1.0]).collect();
+        sheets[0].load(&now, &before);
+        sheets[0].weigh(|k| if cloth.particles()[k].is_pinned() { 0.0 } else { 1.0 });
+        sheets
+    };
+    for (way, farther, holds) in
+        [([0.0; 3], 0.0, true), ([4.0, -2.0, 1.0], 0.0, true), ([4.0, -2.0, 1.0], 3.0 * reach, false)]
+    {
+        meeting.tiles.load_all(&gone(way, farther));
+        assert_eq!(drift::holds(&meeting.tree, &meeting.tiles), holds, "{way:?} {farther}");
+    }
+}
+
+#[test]
+fn vectors_are_skipped_without_a_change_of_bits_while_cloth_moves_as_a_whole() {
+    let cloth = cloth(22);
+    for seed in 0..6 {
+        let mut meeting = searched(&cloth, &crumpled(&cloth, seed, 0.0));
+        let mut sheets = crumpled(&cloth, seed, 0.0);
+        for step in 1..6 {
+            // Half a millimetre of its own, two centimetres with all others.
+            sheets[0].now.iter_mut().enumerate().for_each(|(k, x)| *x += 0.02 + 0.0005 * noise(k, 9 + step));
+            let run = |meeting: &mut Meeting<f32>| {
+                meeting.touch(&sheets, &Threads::one(), 0.002);
+                let pushed = meeting.lists.iter().filter(|list| list.moves);
+                pushed.flat_map(|list| list.change.as_flattened().iter().map(|x| x.to_bits())).collect::<Vec<_>>()
+            };
+            // The first time the common motion is that of the step before.
+            assert_eq!(run(&mut meeting), run(&mut meeting), "{seed}, step {step}");
+            let skipped = run(&mut meeting);
+            let tiles = meeting.active.iter().map(|tile| meeting.tree.drift.moved(*tile as usize));
+            let moved = tiles.fold(0.0, f32::max);
+            assert!(moved < 0.02, "{seed}, step {step}: {moved} m");
+            let spares: Vec<_> = meeting.lists.iter().map(|list| list.spare).collect();
+            meeting.lists.iter_mut().for_each(|list| list.spare = [-1.0; MAX_PARTNERS]);
+            assert!(!skipped.is_empty());
+            assert_eq!(run(&mut meeting), skipped, "{seed}, step {step}");
+            meeting.lists.iter_mut().zip(spares).for_each(|(list, spare)| list.spare = spare);
+        }
+    }
+}
+
+#[test]
+fn shares_of_pushes_follow_inverse_masses_that_change_while_lists_hold() {
+    let cloth = cloth(14);
+    let mut sheets = crumpled(&cloth, 2, 0.0);
+    let mut meeting = searched(&cloth, &sheets);
+    let w = |k: usize| 1.0 + (k % 3) as f32;
+    sheets[0].weigh(w);
+    meeting.leaves(&sheets);
+    meeting.refit();
+    meeting.search(&Threads::one());
+    let mut pairs = 0;
+    for (tile, list) in meeting.lists.iter().enumerate() {
+        for at in (0..list.count as usize * LANES_OF_TILE).filter(|at| list.least[*at] > 0.0) {
+            let of = |place: usize| w(meeting.tiles.texel[place] as usize);
+            let (own, other) = (of(tile * LANES_OF_TILE + at % LANES_OF_TILE), of(list.partner[at] as usize));
+            assert_eq!(list.own[at], own / (own + other), "tile {tile}, {at}");
+            pairs += 1;
+        }
+    }
+    assert!(pairs > 0);
+}
+
+#[test]
 fn a_round_of_looks_finds_all_particles_that_are_too_near() {
     let mut compared = 0;
     for (seed, n) in (0..12).zip([9usize, 14, 22].into_iter().cycle()) {

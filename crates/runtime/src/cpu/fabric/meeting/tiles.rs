@@ -58,6 +58,8 @@ pub struct Tiles<T: Real> {
     pub crossed: Vec<bool>,
     /// The particle of each place, `u32::MAX` for none.
     pub texel: Vec<u32>,
+    /// 1 for particles, 0 for places without one.
+    pub there: Aligned<T>,
     /// 0 for particles that others meet, else [`FAR`].
     pub out: Aligned<T>,
     /// For each direction to a neighbouring tile, or to itself, and each particle, those of the other: [`FAR`] where they are close.
@@ -92,12 +94,13 @@ impl<T: Real> Tiles<T> {
         let places = spots.len() * LANES_OF_TILE;
         let mut rest: [Aligned<T>; 3] = std::array::from_fn(|_| Aligned::zeros(places));
         let mut texel = vec![u32::MAX; places];
+        let mut there = Aligned::zeros(places);
         for ((sheet, grid), tiles) in sheets.iter().zip(cloth.grids()).zip(&grids) {
             for k in 0..grid.texels() {
                 let (i, j, n) = (k % sheet.width, k / sheet.width, grid.first as usize + k);
                 let place = (tiles.first + j / SIDE * tiles.columns + i / SIDE) * LANES_OF_TILE + lane(i, j);
                 if cloth.particles()[n].exists() {
-                    texel[place] = n as u32;
+                    (texel[place], there[place]) = (n as u32, T::of(1.0));
                     (0..3).for_each(|c| rest[c][place] = T::of(cloth.positions()[n][c].into()));
                 }
             }
@@ -111,7 +114,7 @@ impl<T: Real> Tiles<T> {
             *out = T::of(if meets { 0.0 } else { FAR });
         }
         let crossing2 = Arc::new(crossing2(cloth, &texel));
-        Tiles { grids, spots, blocks, rest, crossing2, crossed: Vec::new(), texel, out, close: close() }
+        Tiles { grids, spots, blocks, rest, crossing2, crossed: Vec::new(), texel, there, out, close: close() }
     }
 
     /// For each particle of a tile those of another that are within [`SKIPPED_CELLS`] cells; none where no two are.
@@ -130,23 +133,27 @@ impl<T: Real> Tiles<T> {
     /// Numbers that it takes.
     pub fn tally(&self, tally: &mut Tally) {
         tally.state(&self.blocks);
-        self.rest.iter().chain([&self.out]).for_each(|list| tally.state(list));
+        self.rest.iter().chain([&self.there, &self.out]).for_each(|list| tally.state(list));
         tally.state(&self.texel);
         tally.state(&self.crossing2);
     }
 
-    /// Positions and inverse masses of all particles.
-    pub fn load_all(&mut self, sheets: &[Sheet<T>]) {
+    /// Positions and inverse masses of all particles; whether an inverse mass has changed.
+    pub fn load_all(&mut self, sheets: &[Sheet<T>]) -> bool {
+        let mut changed = false;
         let all: Vec<u32> = (0..self.count() as u32).collect();
         self.load(sheets, &all);
         for (spot, block) in self.spots.iter().zip(&mut self.blocks) {
             let sheet = &sheets[spot.sheet as usize];
             for (w, row) in block.w.chunks_exact_mut(SIDE).zip(rows(sheet, *spot)) {
                 let at = row * 2 * sheet.half + 2 * spot.column as usize;
-                w[..2].copy_from_slice(&sheet.w[at..at + 2]);
-                w[2..].copy_from_slice(&sheet.w[at + sheet.half..at + sheet.half + 2]);
+                let (even, odd) = (&sheet.w[at..at + 2], &sheet.w[at + sheet.half..at + sheet.half + 2]);
+                changed |= w[..2] != *even || w[2..] != *odd;
+                w[..2].copy_from_slice(even);
+                w[2..].copy_from_slice(odd);
             }
         }
+        changed
     }
 
     /// Positions of the particles of some tiles in ascending order, and previous ones.
