@@ -20,6 +20,7 @@ use crate::base::surface::Surface;
 use crate::error::Result;
 use crate::stage::border::Border;
 use crate::stage::image::{ImageOptions, Maker};
+use crate::stage::layout::StandIn;
 use disk::Disk;
 
 /// The surface as the cutter sees it: made once, cut many times.
@@ -71,6 +72,8 @@ pub struct OpenSurface {
     pub border: Border,
     /// Size, kind and gain of the cut.
     pub cut: CutRecord,
+    /// The stand-in of the disk that layouts are searched on, once there is one.
+    pub(crate) stand_in: StandIn,
 }
 
 /// Boundary loops and Euler number that an image of a surface must weld back to.

@@ -39,7 +39,6 @@ pub(super) struct Collapser<'a> {
     locked: Vec<bool>,
     quadric: Vec<Quadric>,
     area: Vec<f64>,
-    version: Vec<u32>,
     pub(super) into: Vec<u32>,
     centre: [f64; 3],
     /// Factor that makes costs free of units.
@@ -47,6 +46,8 @@ pub(super) struct Collapser<'a> {
     /// Vertices seen in the count at work carry its number.
     seen: Vec<u32>,
     count: u32,
+    /// Room for the neighbours of a vertex.
+    ring: Vec<u32>,
     /// Inner vertices stay out of the boundary.
     apart: bool,
     /// Triangles may turn over: only the topology is kept.
@@ -73,6 +74,18 @@ impl Collapser<'_> {
         self.around[u as usize].iter().filter(|&&t| self.triangles[t as usize].contains(&v)).count()
     }
 
+    /// The cost of collapsing `u` into `v`.
+    fn cost(&self, u: u32, v: u32) -> f64 {
+        let p = sub(self.positions[v as usize], self.centre);
+        let l2 = {
+            let d = sub(self.positions[v as usize], self.positions[u as usize]);
+            dot(d, d)
+        };
+        let cost = self.quadric[u as usize].at(p).max(0.0) + 1e-2 * l2 * self.area[u as usize];
+        // Of equal costs the first counts, not the last bits.
+        f64::from((cost * self.unit) as f32)
+    }
+
     /// The cheapest vertex to collapse `u` into, of those allowed now if `strict`; `around` is left with the neighbours of
     /// `u`.
     fn best(&mut self, u: u32, around: &mut Vec<u32>, strict: bool) -> Option<(f64, u32)> {
@@ -88,14 +101,7 @@ impl Collapser<'_> {
             if self.apart && self.boundary[v as usize] {
                 continue;
             }
-            let p = sub(self.positions[v as usize], self.centre);
-            let l2 = {
-                let d = sub(self.positions[v as usize], self.positions[u as usize]);
-                dot(d, d)
-            };
-            let cost = self.quadric[u as usize].at(p).max(0.0) + 1e-2 * l2 * self.area[u as usize];
-            // Of equal costs the first counts, not the last bits.
-            let cost = f64::from((cost * self.unit) as f32);
+            let cost = self.cost(u, v);
             if best.is_none_or(|b| cost < b.0) && (!strict || self.allowed(u, v, around)) {
                 best = Some((cost, v));
             }
@@ -185,12 +191,12 @@ pub(super) fn prepare<'a>(
         locked: locked.to_vec(),
         quadric: vec![Quadric::default(); n],
         area: vec![0.0; n],
-        version: vec![0; n],
         into: (0..n as u32).collect(),
         centre,
         unit: 1.0,
         seen: vec![0; n],
         count: 0,
+        ring: Vec::new(),
         apart,
         bare: false,
     };
@@ -212,41 +218,140 @@ pub(super) fn prepare<'a>(
     c
 }
 
+/// Stands for no vertex.
+const NONE: u32 = u32::MAX;
+
+/// The next collapse of a vertex, as the queue knows it.
+#[derive(Clone, Copy)]
+struct Next {
+    /// Bits of its cost: costs are not negative, so these have the order of the numbers.
+    cost: u64,
+    into: u32,
+    /// The entry of the queue that counts.
+    version: u32,
+    /// The cheapest collapse may cost more by now: it is looked for when its turn comes.
+    stale: bool,
+    /// Collapses that were not allowed have been left out.
+    strict: bool,
+}
+
+/// An entry of the queue: bits of the cost, the vertex, the one it goes into, the version.
+type Entry = Reverse<(u64, u32, u32, u32)>;
+
 impl Collapser<'_> {
+    /// Puts the cheapest collapse of `u` into the queue.
+    fn push(&mut self, queue: &mut BinaryHeap<Entry>, next: &mut [Next], u: u32, strict: bool) {
+        let mut around = std::mem::take(&mut self.ring);
+        let best = self.best(u, &mut around, strict);
+        self.ring = around;
+        let n = &mut next[u as usize];
+        let version = n.version + 1;
+        *n = Next { cost: u64::MAX, into: NONE, version, stale: false, strict };
+        if let Some((cost, into)) = best {
+            (n.cost, n.into) = (cost.to_bits(), into);
+            queue.push(Reverse((n.cost, u, into, version)));
+        }
+    }
+
+    /// Notes that `u` has gone into `v`, next to `w`. What else `w` could go into costs what it did: only `v` can be cheaper.
+    fn renew(&mut self, queue: &mut BinaryHeap<Entry>, next: &mut [Next], w: u32, v: u32) {
+        let Next { cost, into, strict, .. } = next[w as usize];
+        if w == v || strict || into == NONE || self.boundary[w as usize] {
+            return self.push(queue, next, w, false);
+        }
+        let into_v = match self.apart && self.boundary[v as usize] {
+            true => u64::MAX,
+            false => self.cost(w, v).to_bits(),
+        };
+        if (into_v, v) < (cost, into) {
+            let n = &mut next[w as usize];
+            *n = Next { cost: into_v, into: v, version: n.version + 1, stale: false, strict: false };
+            queue.push(Reverse((n.cost, w, v, n.version)));
+        } else if self.around[into as usize].is_empty() {
+            // It was to go into the vertex that is gone.
+            next[w as usize].stale = true;
+        }
+    }
+
     /// Collapses until about `target` triangles are left; `each` sees every collapse before it is made.
     pub(super) fn run(&mut self, target: usize, mut each: impl FnMut(u32, u32, &[u32])) {
         let n = self.positions.len() as u32;
-        let mut heap: BinaryHeap<Reverse<(u64, u32, u32, u32)>> = BinaryHeap::with_capacity(n as usize);
-        let mut around = Vec::new();
+        let mut queue: BinaryHeap<Entry> = BinaryHeap::with_capacity(n as usize);
+        let nothing = Next { cost: u64::MAX, into: NONE, version: 0, stale: false, strict: false };
+        let mut next = vec![nothing; n as usize];
         // Most collapses are allowed, so that is looked at only for those whose turn has come.
-        let mut push = |heap: &mut BinaryHeap<_>, c: &mut Self, u: u32, strict: bool| {
-            if let Some((cost, v)) = c.best(u, &mut around, strict) {
-                heap.push(Reverse((cost.to_bits(), u, v, c.version[u as usize])));
-            }
-        };
-        (0..n).for_each(|u| push(&mut heap, self, u, false));
+        (0..n).for_each(|u| self.push(&mut queue, &mut next, u, false));
         let mut ring = Vec::new();
         let mut left = self.alive.iter().filter(|a| **a).count();
         while left > target {
-            let Some(Reverse((_, u, v, version))) = heap.pop() else { break };
-            if version != self.version[u as usize]
-                || self.around[u as usize].is_empty()
-                || self.around[v as usize].is_empty()
-            {
+            let Some(Reverse((_, u, v, version))) = queue.pop() else { break };
+            if version != next[u as usize].version || self.around[u as usize].is_empty() {
+                continue;
+            }
+            if next[u as usize].stale {
+                self.push(&mut queue, &mut next, u, false);
+                continue;
+            }
+            if self.around[v as usize].is_empty() {
                 continue;
             }
             self.neighbours(u, &mut ring);
             if !self.allowed(u, v, &ring) {
-                push(&mut heap, self, u, true);
+                self.push(&mut queue, &mut next, u, true);
                 continue;
             }
             each(u, v, &self.around[u as usize]);
             left -= self.collapse(u, v);
-            self.version[u as usize] += 1;
+            next[u as usize].version += 1;
             for &w in &ring {
-                self.version[w as usize] += 1;
-                push(&mut heap, self, w, false);
+                self.renew(&mut queue, &mut next, w, v);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::shapes;
+    use proptest::prelude::*;
+
+    /// The cheapest collapse of all vertices again and again, each looked for anew.
+    fn looked_for(c: &mut Collapser<'_>) -> Vec<[u32; 2]> {
+        let (mut ring, mut out) = (Vec::new(), Vec::new());
+        let mut strict = vec![false; c.positions.len()];
+        loop {
+            let there: Vec<u32> = (0..strict.len() as u32).filter(|&u| !c.around[u as usize].is_empty()).collect();
+            let best = |u: u32| c.best(u, &mut ring, strict[u as usize]).map(|(cost, v)| (cost.to_bits(), u, v));
+            let Some((_, u, v)) = there.into_iter().filter_map(best).min() else { return out };
+            c.neighbours(u, &mut ring);
+            if c.allowed(u, v, &ring) {
+                ring.iter().for_each(|&w| strict[w as usize] = false);
+                c.collapse(u, v);
+                out.push([u, v]);
+            } else {
+                strict[u as usize] = true;
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+        #[test]
+        fn the_queue_finds_the_cheapest_collapse(seed in any::<u64>(), cells in 1usize..60, holes in 0usize..10, apart: bool, bare: bool) {
+            let s = shapes::blob(seed, cells, holes);
+            let rim = shapes::rim(&s);
+            let locked = if apart { rim.clone() } else { vec![false; rim.len()] };
+            let made = |c: &mut Collapser<'_>| {
+                let mut out = Vec::new();
+                c.bare = bare;
+                c.run(0, |u, v, _| out.push([u, v]));
+                out
+            };
+            let found = made(&mut prepare(&s.positions, &s.triangles, &rim, &locked, apart));
+            let mut c = prepare(&s.positions, &s.triangles, &rim, &locked, apart);
+            c.bare = bare;
+            prop_assert_eq!(found, looked_for(&mut c));
         }
     }
 }

@@ -8,6 +8,7 @@ mod collapse;
 use collapse::prepare;
 
 /// A coarse mesh.
+#[derive(Clone, Debug)]
 pub(crate) struct Coarse {
     /// For each coarse vertex, the original vertex it is.
     pub vertex: Vec<u32>,

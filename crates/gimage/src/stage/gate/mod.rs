@@ -7,11 +7,13 @@ pub use figures::*;
 use gimage_bundle::manifest::{PieceEntry, RungEntry};
 use rayon::prelude::*;
 
+use crate::base::surface::Surface;
 use crate::base::vec3::distance;
 use crate::error::{Error, Result};
 use crate::options::{Range, stage_options};
 use crate::record::{Finding, Severity};
 use crate::stage::assemble::{Measured, Piece, measure_piece};
+use crate::stage::image::PieceImage;
 use crate::stage::image::judge::bounds;
 use crate::stage::measure::facing::facing;
 
@@ -76,7 +78,10 @@ pub(crate) fn check(entries: &[PieceEntry], pieces: &[Piece<'_>], options: &Gate
     let rated: Vec<Rated> = entries
         .par_iter()
         .zip(pieces)
-        .map(|(entry, piece)| Rated::new(&entry.name, figures(entry, piece, options), is_far(piece), options))
+        .map(|(entry, piece)| {
+            let causes = Causes { far: is_far(piece), fringed: is_fringed(&piece.surface, &piece.image) };
+            Rated::new(&entry.name, figures(entry, piece, options), causes, options)
+        })
         .collect();
     let mut order: Vec<&Rated> = rated.iter().filter(|r| r.rating > Rating::Good || r.below).collect();
     // Stable: equals stay in the order of the pieces.
@@ -124,8 +129,29 @@ struct Rated<'a> {
     words: Vec<String>,
     /// It is below the PSNR asked for.
     below: bool,
+    causes: Causes,
+}
+
+/// What about a piece makes its image poor, however many texels it has.
+#[derive(Clone, Copy)]
+struct Causes {
     /// It lies so far from the origin that 32-bit positions coarsen it.
     far: bool,
+    /// Its border is many times as long as that of its image.
+    fringed: bool,
+}
+
+/// Length of a border over that of a sheet of the same area as even as the image, from which thin strips are crushed.
+const FRINGED: f64 = 8.0;
+
+/// Whether the border of a piece is far longer than its image can hold. More texels do not help: their border grows as the
+/// distance between them falls.
+fn is_fringed(surface: &Surface, image: &PieceImage) -> bool {
+    let (disk, [w, h]) = (&image.disk, [image.width, image.height].map(f64::from));
+    let at = |v: u32| disk.positions[v as usize];
+    let next = disk.boundary.iter().cycle().skip(1);
+    let length: f64 = disk.boundary.iter().zip(next).map(|(&a, &b)| distance(at(a), at(b))).sum();
+    length > FRINGED * 2.0 * (w + h) * (surface.area() / (w * h)).sqrt()
 }
 
 /// Whether steps of 32-bit positions are coarser than a thousandth of the piece.
@@ -136,10 +162,10 @@ fn is_far(Piece { surface, .. }: &Piece<'_>) -> bool {
 }
 
 impl<'a> Rated<'a> {
-    fn new(name: &'a str, figures: Figures, far: bool, options: &GateOptions) -> Self {
+    fn new(name: &'a str, figures: Figures, causes: Causes, options: &GateOptions) -> Self {
         let (rating, words) = figures.rate();
         let below = options.min_psnr.zip(figures.psnr).is_some_and(|(min, psnr)| psnr.is_nan() || psnr < min);
-        Self { name, figures, rating, words, below, far }
+        Self { name, figures, rating, words, below, causes }
     }
 
     fn psnr(&self) -> f64 {
@@ -155,8 +181,11 @@ impl<'a> Rated<'a> {
         let f = &self.figures;
         let over = |x: Option<f64>, limit: f64| x.is_some_and(|x| x > limit);
         let close = f.psnr.is_some_and(|x| x >= PSNR_DB[0]);
-        if self.far {
+        if self.causes.far {
             "it is too far from the origin for 32-bit positions: move it there with --center"
+        } else if self.causes.fringed && over(f.fold, FOLD) {
+            "its border is too long for one image, as that of a fringe: separate its strips, or draw them as one band with an \
+             alpha texture"
         } else if close && over(f.normal_degrees, NORMAL_DEGREES) {
             "if it is a thin closed shell, delete its inner layer, or use texels smaller than the thickness of the shell"
         } else if over(f.stretch, STRETCH) || over(f.outside, OUTSIDE[0]) {
@@ -200,5 +229,37 @@ impl<'a> Rated<'a> {
             ),
         };
         Error::Poor { piece: self.name.to_owned(), problem, hint }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::shapes::{self, Join};
+    use crate::options::BuildOptions;
+    use crate::stage::image::{ImageOptions, image};
+
+    #[test]
+    fn the_border_of_a_fringe_is_too_long_and_that_of_a_band_is_not() {
+        let band = shapes::sheet(81, 20, Join::Open, Join::Open, |u, v| [u, -0.3 * v, 0.0]);
+        // Every other column ends two rows below the top.
+        let mut fringe = band.clone();
+        fringe.triangles.retain(|t| {
+            let [x, y] = [0, 1].map(|c| t.iter().map(|&v| band.positions[v as usize][c]).sum::<f64>() / 3.0);
+            (81.0 * x) as u32 % 2 == 0 || y > -0.03
+        });
+        let mut used: Vec<u32> = fringe.triangles.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let number = |v: u32| used.binary_search(&v).unwrap() as u32;
+        let fringe = shapes::surface(
+            used.iter().map(|&v| band.positions[v as usize]).collect(),
+            fringe.triangles.iter().map(|t| t.map(number)).collect(),
+        );
+        let options = ImageOptions::new(&BuildOptions::default(), Some(2000));
+        for (surface, is_long) in [(band, false), (fringe, true)] {
+            let image = image("piece", &surface, None, &options).unwrap();
+            assert_eq!(is_fringed(&surface, &image), is_long);
+        }
     }
 }

@@ -8,7 +8,7 @@ use crate::stage::border::Border;
 use crate::stage::cut::disk;
 use crate::stage::cut::grow::{Grown, grow, hidden_costs};
 use crate::stage::cut::{Cut, CutRecord, Cutter, Loops, OpenSurface, SEAM_DISCOUNT};
-use crate::stage::layout::{Size, choose, smallest};
+use crate::stage::layout::{Size, StandIn, choose, smallest};
 use crate::stage::parameterize::bend;
 use crate::stage::parameterize::{Source, Way, map};
 
@@ -117,7 +117,7 @@ impl<'a> Maker<'a> {
             uv_seams,
             bought: grown.and_then(|g| g.bought),
         };
-        Ok(OpenSurface { disk, border, cut })
+        Ok(OpenSurface { disk, border, cut, stand_in: StandIn::default() })
     }
 
     /// The image of one cut.
@@ -137,7 +137,7 @@ impl<'a> Maker<'a> {
     /// Lays out every candidate on its stand-in, keeps the least distorted, and makes its image.
     pub(super) fn make(&self, candidates: &[OpenSurface], size: Size, way: Option<Way>) -> Result<PieceImage> {
         let (k, layout) = choose(candidates, size, self.options.search).ok_or_else(|| self.does_not_fit(candidates))?;
-        let OpenSurface { disk, border, cut } = &candidates[k];
+        let OpenSurface { disk, border, cut, .. } = &candidates[k];
         let map = map(&self.source(), disk, border, &layout, way, self.options)?;
         finish(&self.source(), &self.loops, cut, map, self.options)
     }

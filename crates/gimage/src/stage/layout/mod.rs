@@ -9,7 +9,7 @@ mod tests;
 use crate::stage::cut::OpenSurface;
 use crate::stage::parameterize::distortion;
 
-pub(crate) use proxy::Proxy;
+pub(crate) use proxy::{Proxy, StandIn};
 pub(crate) use search::Found;
 pub use search::SearchOptions;
 
@@ -43,7 +43,7 @@ pub fn choose(cuts: &[OpenSurface], size: Size, search: SearchOptions) -> Option
     let mut best: Option<(Found, usize)> = None;
     for (k, open) in cuts.iter().enumerate() {
         let than = best.as_ref().map(|b| b.0.early);
-        let found = Proxy::new(&open.disk, &open.border, search).search_map(size, than);
+        let found = Proxy::over(open, search).search_map(size, than);
         if let Some(found) = found.filter(|f| best.as_ref().is_none_or(|b| f.layout.score < b.0.layout.score)) {
             best = Some((found, k));
         }

@@ -1,13 +1,15 @@
 //! The disk as the search sees it: few triangles, mapped in a fraction of a millisecond.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use super::Layout;
 use super::search::{ASPECTS, LEAST_SIDE, SearchOptions};
 use super::strip::Strip;
-use crate::base::decimate::decimate;
+use crate::base::decimate::{Coarse, decimate};
 use crate::base::vec3::{cross, norm, sub};
 use crate::stage::border::{Border, on_rectangle};
+use crate::stage::cut::OpenSurface;
 use crate::stage::cut::corners::Corners;
 use crate::stage::cut::disk::Disk;
 use crate::stage::parameterize::{NewtonOptions, Shape, Start, System, solve};
@@ -58,15 +60,37 @@ pub(crate) struct Proxy<'a> {
     pub(super) options: SearchOptions,
 }
 
+/// The coarse mesh of a disk by the number of its triangles: it serves all sizes that are tried.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StandIn(OnceLock<(usize, Coarse)>);
+
+fn coarse(disk: &Disk, border: &Border, triangles: usize) -> Coarse {
+    let mask = disk.boundary_mask();
+    let mut locked = vec![false; disk.positions.len()];
+    for (i, &v) in disk.boundary.iter().enumerate() {
+        locked[v as usize] = border.nodes.get(i).copied().unwrap_or(false);
+    }
+    // Where each vertex went is not asked for.
+    Coarse { patch: Vec::new(), ..decimate(&disk.positions, &disk.triangles, &mask, &locked, triangles) }
+}
+
 impl<'a> Proxy<'a> {
     /// Makes the stand-in.
     pub(crate) fn new(disk: &'a Disk, border: &'a Border, options: SearchOptions) -> Self {
-        let mask = disk.boundary_mask();
-        let mut locked = vec![false; disk.positions.len()];
-        for (i, &v) in disk.boundary.iter().enumerate() {
-            locked[v as usize] = border.nodes.get(i).copied().unwrap_or(false);
+        Self::with(disk, border, options, coarse(disk, border, options.triangles))
+    }
+
+    /// As [`Proxy::new`]; the coarse mesh is made once.
+    pub(crate) fn over(open: &'a OpenSurface, options: SearchOptions) -> Self {
+        let OpenSurface { disk, border, .. } = open;
+        let made = || (options.triangles, coarse(disk, border, options.triangles));
+        match open.stand_in.0.get_or_init(made) {
+            (triangles, coarse) if *triangles == options.triangles => Self::with(disk, border, options, coarse.clone()),
+            _ => Self::new(disk, border, options),
         }
-        let coarse = decimate(&disk.positions, &disk.triangles, &mask, &locked, options.triangles);
+    }
+
+    fn with(disk: &'a Disk, border: &'a Border, options: SearchOptions, coarse: Coarse) -> Self {
         let mut place = vec![usize::MAX; disk.positions.len()];
         disk.boundary.iter().enumerate().for_each(|(i, &v)| place[v as usize] = i);
         let mut small = Disk {

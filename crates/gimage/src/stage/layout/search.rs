@@ -84,6 +84,9 @@ pub(super) const LEAST_SIDE: f64 = 0.02;
 /// Least share of such a side of a strip, in units of the share of its end.
 const LEAST_END: f64 = 0.5;
 
+/// Steps of a border, in units of the fewest it can have, up to which its image has no room to get smaller.
+const TIGHT: f64 = 1.05;
+
 /// Rounds in which an aspect, its steps and the shares of these settle.
 const SETTLING_ROUNDS: usize = 3;
 
@@ -196,6 +199,18 @@ impl Proxy<'_> {
         let count = self.border.share(all)?;
         let steps = self.border.node_steps(&count);
         let side = (steps[to] + all - steps[from]) % all;
+        if let Size::Budget(texels) = size {
+            let area = |w: u32, h: u32| u64::from(w + 1) * u64::from(h + 1);
+            let tight = f64::from(all) <= TIGHT * f64::from(self.border.least_steps());
+            // Made again with a smaller budget, it would be as large.
+            if tight
+                && side < all / 2
+                && area(w, h) <= u64::from(texels)
+                && area(side, all / 2 - side) > u64::from(texels)
+            {
+                return None;
+            }
+        }
         if side < 2 || side + 2 > all / 2 || (matches!(size, Size::Fixed(..)) && side != w) {
             return None;
         }

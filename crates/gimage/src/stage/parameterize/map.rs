@@ -51,9 +51,17 @@ pub struct Map {
 /// A mesh of many more triangles than half the cells, and than this, is mapped coarse to fine.
 const LEAST_TRIANGLES: usize = 3000;
 
-/// Triangles of which a map of `w` x `h` cells is as good as of all.
-fn enough(w: u32, h: u32) -> usize {
-    LEAST_TRIANGLES.max((w * h) as usize / 2)
+/// Triangles for each vertex on the boundary, which a simpler disk keeps: one of n triangles and b vertices on the boundary has
+/// (n - b) / 2 inside. With fewer of them than of the others, triangles reach from one side of the disk to another one, and the
+/// map is crushed.
+const FOR_BOUNDARY: usize = 3;
+/// Where that would be more triangles than this, there are half as many for each vertex on the boundary, but at least these.
+const MANY_TRIANGLES: usize = 40_000;
+
+/// Triangles of which a map of `w` x `h` cells is as good as of all, of a disk with `boundary` vertices on its boundary.
+fn enough(w: u32, h: u32, boundary: usize) -> usize {
+    let around = (FOR_BOUNDARY * boundary).min(MANY_TRIANGLES.max(FOR_BOUNDARY * boundary / 2));
+    LEAST_TRIANGLES.max((w * h) as usize / 2).max(around)
 }
 
 /// Lays a disk's border on the rectangle of a layout and maps its inside, by one way only if that is given.
@@ -73,7 +81,7 @@ pub fn map(
         .ok_or_else(|| source.fail("border", "the boundary cannot be shared out", "use a larger image"))?;
     let (disk, mut uv) = (placed.disk, placed.uv);
     let fixed = disk.boundary_mask();
-    let (shape, enough) = (disk.shape(&fixed), enough(w, h));
+    let (shape, enough) = (disk.shape(&fixed), enough(w, h, disk.boundary.len()));
     let record = match way {
         None => parameterize(shape, &mut uv, options.passes, &options.newton, enough),
         Some(way) => parameterize_by(way, shape, &mut uv, options.passes, &options.newton, enough),
@@ -83,4 +91,18 @@ pub fn map(
         source.fail("parameterize", "no flip-free map was found", hint)
     })?;
     Ok(Map { disk, uv, border: placed.texels, w, h, record })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_boundary_has_as_many_triangles_inside() {
+        // 9,500 vertices on the boundary of a skirt with 100 eyelets left no vertex inside of the simpler disk.
+        assert_eq!(enough(238, 67, 9_500), 28_500);
+        assert_eq!(enough(127, 127, 600), 127 * 127 / 2);
+        assert_eq!(enough(20, 20, 100), LEAST_TRIANGLES);
+        assert!((30_000..=60_000).contains(&enough(127, 127, 30_000)));
+    }
 }

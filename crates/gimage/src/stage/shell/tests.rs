@@ -117,6 +117,19 @@ fn a_tube_with_a_thickness_becomes_the_tube_between_its_walls() {
 }
 
 #[test]
+fn pleats_of_which_no_sheet_would_be_left_are_kept() {
+    // One sheet in pleats that fold back over one another: it faces itself all over, and all of it is labelled as rim.
+    let pleats = sheet(1440, 24, Join::Same, Join::Open, |u, v| {
+        let pleat = (60.0 * u).fract();
+        let r = 0.13 + 0.28 * v + (0.02 + 0.05 * v) * (1.0 - (2.0 * pleat - 1.0).abs());
+        let a = TAU * u + 1.4 * TAU / 60.0 * (TAU * pleat).sin() * v;
+        [r * a.cos(), 1.0 - 0.75 * v, r * a.sin()]
+    });
+    let out = thinned(&mesh(&[("skirt", &pleats)]));
+    assert_eq!(out.mesh.triangles.len(), pleats.triangles.len(), "{:?}", out.findings);
+}
+
+#[test]
 fn the_outer_sheet_stays_in_place_on_request_and_both_sheets_are_kept_on_request() {
     let solid = mesh(&[("sleeve", &thick_tube([32, 10], [24, 9], 0.1, |_| 0.002))]);
     let options = |shell| ShellOptions { shell };

@@ -16,6 +16,8 @@ use crate::stage::component::Component;
 const AGREE: f64 = 0.95;
 /// Smallest area of a sheet over that of the other one.
 const UNEVEN: f64 = 0.5;
+/// Smallest share of the area that lies on one of the sheets and not on the rim.
+const ON_SHEETS: f64 = 0.5;
 /// Thickness over the side of a square with the area of a sheet, below which two sheets without a rim are one shell: they could
 /// be the front and the back of a garment laid flat.
 const TWO_SHEETS: f64 = 0.01;
@@ -161,7 +163,7 @@ impl Evidence<'_> {
     /// The reason why a shell is not to be trusted.
     fn objection(&self, found: &Found, triangles: &[u32]) -> Option<String> {
         let [kept, facing] = [&found.kept, &found.facing].map(|list| self.area(list.iter()));
-        if kept.min(facing) < UNEVEN * kept.max(facing) {
+        if kept + facing < ON_SHEETS * self.area(triangles.iter()) || kept.min(facing) < UNEVEN * kept.max(facing) {
             return Some("its sheets cannot be told apart, or one is much larger".into());
         }
         let (mut agree, mut all) = (0.0, 0.0);
