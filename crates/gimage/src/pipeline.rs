@@ -36,7 +36,7 @@ use crate::stage::import::import;
 use crate::stage::render::trace::Trace;
 use crate::stage::render::{self, RenderMesh};
 use crate::stage::repair::repair;
-use crate::stage::select::{demand_cloth, select};
+use crate::stage::select::{demand_cloth, divided, select};
 use crate::stage::shell::thin;
 use crate::stage::stitch::stitch;
 
@@ -88,13 +88,14 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
         Ok(imported)
     })?;
     let (mut mesh, source) = (imported.mesh, imported.source);
+    let plain = || imported.origins.is_empty().then(|| render::plain::document(&mesh));
+    let is_drawn = options.render.render_mesh == RenderMesh::On;
+    let plain = if is_drawn { plain() } else { None };
+    mesh = divided(mesh, &options.select);
     if dressed {
         demand_cloth(&source.file_name, &mesh, &options.select)?;
     }
     let body = worn_on(&mesh, options, dressed)?;
-    let plain = || imported.origins.is_empty().then(|| render::plain::document(&mesh));
-    let is_drawn = options.render.render_mesh == RenderMesh::On;
-    let plain = if is_drawn { plain() } else { None };
     let width = blend_width(options, dressed);
     let edges = if width.is_some() { border(&mesh, &options.select)? } else { Vec::new() };
     let is_painted = mesh.channel(&Semantic::Custom(blends::ATTRIBUTE.into())).is_some();

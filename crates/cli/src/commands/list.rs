@@ -13,6 +13,8 @@ use crate::units::{grouped, length, significant};
 
 /// Rows of a table without `--verbose`.
 const ROWS: usize = 24;
+/// Numbers of a component in a row.
+const NUMBERS: usize = 3;
 
 /// Runs it.
 pub fn run(args: &ListArgs, out: &Output) -> Result<Exit, Failure> {
@@ -46,7 +48,7 @@ fn text(out: &Output, contents: &Contents) -> String {
         heights([size.low[1], size.high[1]]),
     );
     text += &section(out, "Parts (--cloth, --body and --rigid choose by node, mesh or material)", parts(out, contents));
-    text += &section(out, "Components", components(out, contents));
+    text += &section(out, "Components (--cloth, --body and --rigid choose by component:K)", components(out, contents));
     text += &section(out, "Boundary loops (pin: K of --pin loop:K)", loops(out, contents));
     text += &section(out, "Skins", skins(contents));
     text += &section(out, "Animations", animations(out, contents));
@@ -137,8 +139,18 @@ fn use_of(role: Role) -> &'static str {
 }
 
 fn components(out: &Output, contents: &Contents) -> (Table, Option<String>) {
-    let mut table =
-        Table::new(&["<name", "<looks like", "thickness", "triangles", "vertices", "<extent", "<y", "loops", "<build"]);
+    let mut table = Table::new(&[
+        "<name",
+        "<K",
+        "<looks like",
+        "thickness",
+        "triangles",
+        "vertices",
+        "<extent",
+        "<y",
+        "loops",
+        "<build",
+    ]);
     // Crumbs are counted; there may be thousands.
     let (crumbs, large): (Vec<_>, Vec<_>) =
         contents.components.iter().partition(|c| c.kind == Kind::Crumb && !out.verbose);
@@ -146,6 +158,7 @@ fn components(out: &Output, contents: &Contents) -> (Table, Option<String>) {
     for c in &large[..rows] {
         table.row([
             c.name.clone(),
+            numbers(c),
             looks(c),
             c.thickness.map_or(NOTHING.into(), length),
             grouped(c.size.triangles as u64),
@@ -174,6 +187,16 @@ fn counted(crumbs: usize) -> String {
     match crumbs {
         1 => "and 1 crumb".into(),
         n => format!("and {} crumbs", grouped(n as u64)),
+    }
+}
+
+/// `3`, or `3, 5, 8 and 2 more` where repair joins components of the file.
+fn numbers(c: &ComponentEntry) -> String {
+    let shown = c.numbers.iter().take(NUMBERS).map(u32::to_string).collect::<Vec<_>>().join(", ");
+    match c.numbers.len().saturating_sub(NUMBERS) {
+        0 if shown.is_empty() => NOTHING.into(),
+        0 => shown,
+        more => format!("{shown} and {more} more"),
     }
 }
 

@@ -36,6 +36,8 @@ pub struct Part {
     pub primitive: u32,
     /// Material name, empty if there is none.
     pub material: String,
+    /// The number of the connected component that it is, where flags choose by number ([`crate::select::divided`]).
+    pub component: Option<u32>,
 }
 
 /// The meaning of the values of a [`Channel`].

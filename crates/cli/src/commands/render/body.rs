@@ -5,7 +5,7 @@ use std::path::Path;
 
 use gimage::import::{BaseColor, Character, ImportOptions, base_colors, import};
 use gimage::mesh::{Mesh, Semantic};
-use gimage::select::{Role, SelectOptions, roles};
+use gimage::select::{Role, SelectOptions, divided, roles};
 use gimage_runtime::draw::Facet;
 use gimage_runtime::{Cloth, JointPoses, Skinning};
 
@@ -53,7 +53,7 @@ impl Body {
         paints: &mut Paints,
     ) -> Result<Option<Self>, Failure> {
         let refused = |e: gimage::Error| Failure::refused(e.to_string());
-        let mesh = import(path, read).map_err(refused)?.mesh;
+        let mesh = divided(import(path, read).map_err(refused)?.mesh, select);
         let is_drawn: Vec<bool> =
             roles(&mesh, select).map_err(refused)?.iter().map(|verdict| verdict.role != Role::Cloth).collect();
         let colors = base_colors(path, read).map_err(refused)?;

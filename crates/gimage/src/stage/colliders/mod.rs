@@ -23,8 +23,8 @@ use gimage_bundle::Winding;
 use super::caps::open_caps;
 use super::import::{Imported, import, inverse};
 use super::repair::repair;
-use super::select::{Role, SelectOptions, keeping, roles};
-use crate::base::mesh::{Joint, Mesh};
+use super::select::{Role, SelectOptions, divided, keeping, roles, unmatched};
+use crate::base::mesh::{Joint, Mesh, Part};
 use crate::base::vec3::distance;
 use crate::error::{Error, Result};
 use crate::options::{BuildOptions, Choice};
@@ -161,6 +161,7 @@ pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptio
     read.check()?;
     options.check()?;
     let Imported { mesh, source, scene, mut findings, .. } = import(path, &read.import)?;
+    let mesh = divided(mesh, &read.select);
     let body = body(&mesh, read, dressed)?;
     if !body.contains(&true) {
         let problem = "no part looks like a body".into();
@@ -218,12 +219,14 @@ impl ColliderOptions {
 pub(crate) fn body(mesh: &Mesh, read: &BuildOptions, dressed: bool) -> Result<Vec<bool>> {
     let patterns = &read.select.body;
     if let Some(unmet) = patterns.iter().find(|p| !mesh.parts.iter().any(|part| p.matches_part(part))) {
-        let problem = format!("no node, mesh or material matches `{unmet}`");
-        let hint = "`gimage list` shows the names".into();
-        return Err(Error::Option { option: "body".into(), problem, hint });
+        return Err(unmatched(mesh, "body", unmet));
     }
     if !patterns.is_empty() {
-        return Ok(mesh.parts.iter().map(|part| patterns.iter().any(|p| p.matches_part(part))).collect());
+        let is_body = |part: &Part| match read.select.of_component(part) {
+            Some(role) => role == Role::Body,
+            None => patterns.iter().any(|p| p.matches_part(part)),
+        };
+        return Ok(mesh.parts.iter().map(is_body).collect());
     }
     // The rule says what looks like a body, and names of other parts what is none.
     let (looks, roles) = (roles(mesh, &SelectOptions::default())?, roles(mesh, &read.select)?);

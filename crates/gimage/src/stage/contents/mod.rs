@@ -1,6 +1,7 @@
 //! The contents of a garment file: its parts, and the components and boundary loops that a build makes of them.
 
 mod loops;
+mod numbers;
 mod size;
 
 use std::collections::BTreeMap;
@@ -12,7 +13,7 @@ use super::caps::{Caps, CapsOptions, open_caps};
 use super::component::{Component, Split, no_area};
 use super::import::{Animation, FileCollider, Imported, Skin, import};
 use super::repair::repair;
-use super::select::{self, Following, Role, Verdict, apart, following, roles};
+use super::select::{self, Following, Role, Verdict, apart, divided, following, roles};
 use super::shell::{Layer, Sheets, Shell, ShellOptions, Thinned, thin};
 use crate::base::mesh::{Mesh, Part};
 use crate::error::Result;
@@ -72,6 +73,8 @@ pub struct PartEntry {
 pub struct ComponentEntry {
     /// The name that it has in a bundle if it becomes a piece or an accessory.
     pub name: String,
+    /// The numbers K by which `component:K` chooses it; several where repair joins components of the file.
+    pub numbers: Vec<u32>,
     /// Its role in a build.
     pub role: Role,
     /// The kind of surface that it seems to be.
@@ -128,6 +131,8 @@ pub fn list(path: &Path, options: &BuildOptions) -> Result<Contents> {
 /// that components and loops are those of a build. `path` is for messages. O(n log n), deterministic.
 pub fn contents(path: &Path, imported: Imported, options: &BuildOptions) -> Result<Contents> {
     let Imported { mesh, source, scene, mut findings, .. } = imported;
+    let mut mesh = divided(mesh, &options.select);
+    numbers::mark(&mut mesh);
     let verdicts = roles(&mesh, &options.select)?;
     findings.extend(select::findings(&mesh, &verdicts, &options.select));
     let following = following(&mesh);
@@ -182,7 +187,8 @@ fn part_entries(names: &[Part], verdicts: Vec<Verdict>, sizes: &[Bounded], follo
         let name = (&*part.node, &*part.mesh, &*part.material, part.primitive, verdict.role);
         let index = *at.entry(name).or_insert(out.len());
         if let Some(entry) = out.get_mut(index) {
-            entry.copies += 1;
+            // Components that were chosen by number are of one copy.
+            entry.copies += usize::from(part.component.is_none());
             whole[index] = whole[index].joined(sizes[k]);
             entry.size = whole[index].finish();
             entry.joints = entry.joints.max(following[k].joints);
@@ -230,6 +236,7 @@ fn entries(
         let other = opposite.map(|o| o.component as usize).filter(|&o| o != k);
         ComponentEntry {
             name: c.name.clone(),
+            numbers: numbers::of(mesh, c),
             role: role(c),
             kind,
             thickness,

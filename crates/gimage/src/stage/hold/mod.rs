@@ -8,6 +8,7 @@ mod report;
 mod rest;
 pub(crate) mod sheet;
 mod spread;
+mod tuck;
 mod wearer;
 
 use rayon::prelude::*;
@@ -17,6 +18,7 @@ use crate::stage::assemble::{Family, Piece};
 use sheet::Sheet;
 
 pub use rest::Rule;
+pub use tuck::Tuck;
 pub use wearer::Wearer;
 
 /// The pins and limits of a piece, by texels, equal at all duplicates of a point.
@@ -48,6 +50,8 @@ pub struct Hold {
     pub pinned: f64,
     /// Share of its area that is not pinned and has a limit.
     pub limited: f64,
+    /// Pins inside of the body, and what was pinned beside them.
+    pub tuck: Tuck,
 }
 
 /// Pins and limits of all garments.
@@ -107,6 +111,14 @@ fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
         rest = rest::top(sheet);
         pinned = spread::pinned(sheet, &rest);
     }
+    let mut deeper = pinned.clone();
+    // A garment that is inside for the most part is not held by what is inside.
+    let mut tuck = tuck::tuck(wearer, sheet, &mut deeper);
+    if spread::share(sheet, &deeper) > rest::MOST {
+        tuck.added = 0;
+    } else {
+        pinned = deeper;
+    }
     let limits = spread::limits(sheet, &pinned, rest.least, rest.reach);
     let limited: Vec<bool> = limits.iter().zip(&pinned).map(|(l, p)| l.is_finite() && !p).collect();
     let hold = Hold {
@@ -114,6 +126,7 @@ fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
         rules: rest.rules,
         pinned: spread::share(sheet, &pinned),
         limited: spread::share(sheet, &limited),
+        tuck,
     };
     let held = |points: &[u32]| Held {
         pinned: points.iter().map(|&p| pinned[p as usize]).collect(),

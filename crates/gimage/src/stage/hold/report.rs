@@ -1,6 +1,6 @@
 //! Findings about garments that are held.
 
-use super::{Hold, Rule};
+use super::{Hold, Rule, Tuck};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 
 /// A note about all garments, and a warning about those that do not rest on the body.
@@ -31,8 +31,24 @@ pub(super) fn findings(garments: &[Hold]) -> Vec<Finding> {
         examples: holds.iter().take(MAX_EXAMPLES).map(|h| h.name.clone()).collect(),
         message,
     };
-    let (loose, held): (Vec<&Hold>, Vec<&Hold>) = garments.iter().partition(|h| h.rules.contains(&Rule::Top));
     let mut out = Vec::new();
+    let tucked: Vec<&Hold> = garments.iter().filter(|h| h.tuck.added > 0).collect();
+    if !tucked.is_empty() {
+        let one = |hold: &&Hold| {
+            let Tuck { found, added, deepest } = hold.tuck;
+            format!(
+                "{} ({found} pins more than 5 mm inside, at most {:.1} mm; {added} points beside them)",
+                hold.name,
+                1e3 * deepest
+            )
+        };
+        let listed = tucked.iter().take(MAX_EXAMPLES).map(one).collect::<Vec<_>>().join("; ");
+        let message = format!(
+            "Cloth that was modelled into the body around pins is pinned too, where it is inside: {listed}. Choose otherwise with --pin."
+        );
+        out.push(finding(Severity::Note, "hint-tucked", &tucked, message));
+    }
+    let (loose, held): (Vec<&Hold>, Vec<&Hold>) = garments.iter().partition(|h| h.rules.contains(&Rule::Top));
     if !held.is_empty() {
         let message = format!("Pinned where garments rest on the body: {}. Choose otherwise with --pin.", list(&held));
         out.push(finding(Severity::Note, "hint-pins", &held, message));

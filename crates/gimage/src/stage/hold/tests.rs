@@ -141,3 +141,28 @@ fn without_triangles_there_is_no_body() {
     flat.positions.iter_mut().for_each(|p| *p = [f64::NAN; 3]);
     assert!(Wearer::new(&flat).is_none());
 }
+
+#[test]
+fn cloth_around_pins_inside_of_the_body_is_pinned_too() {
+    // A cape whose upper edge is 30 mm inside of the back, in the middle.
+    let depth = |p: &[f64; 3]| 0.15 - p[0].hypot(p[2]);
+    let (hold, held, positions) = held(sheet(|u, v| [0.2 * (u - 0.5), 1.3 - 0.8 * v, 0.12 + 0.2 * v]));
+    // The rule of its upper edge pins nothing below this height.
+    let window = 1.3 - 0.2 * 0.8 - 0.01;
+    assert_eq!(hold.rules, [Rule::Edge]);
+    assert!(hold.tuck.found > 0 && hold.tuck.added > 0, "{hold:?}");
+    assert!((hold.tuck.deepest - 0.03).abs() < 2e-3, "{hold:?}");
+    for ((p, pinned), limit) in positions.iter().zip(&held.pinned).zip(&held.limits) {
+        assert!(depth(p) < 2e-3 || *pinned, "{p:?} is inside and free");
+        assert!(depth(p) > -2e-3 || p[1] > window || !*pinned, "{p:?} is outside, far from the edge, and pinned");
+        assert_eq!(*pinned, *limit == 0.0);
+    }
+    let said = Holds { pieces: vec![held], garments: vec![hold] }.findings();
+    assert!(said.iter().any(|f| f.kind == "hint-tucked" && f.message.contains("30.0 mm")), "{said:?}");
+}
+
+#[test]
+fn cloth_outside_of_the_body_has_no_other_pins() {
+    let (hold, ..) = held(sheet(|u, v| [0.2 * (u - 0.5), 1.3 - 0.8 * v, 0.16 + 0.2 * v]));
+    assert_eq!((hold.rules, hold.tuck), (vec![Rule::Edge], Tuck::default()));
+}

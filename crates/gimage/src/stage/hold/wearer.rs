@@ -1,14 +1,21 @@
 //! The body that garments rest on.
 
+use gimage_bundle::Winding;
+use rayon::prelude::*;
+
 use crate::base::closest::Closest;
 use crate::base::mesh::Mesh;
 use crate::base::vec3::{add, cross, distance, dot, normalize, scale, sub};
 use crate::stage::import::bones;
 
+/// Winding number from which a point is inside.
+const INSIDE: f64 = 0.5;
+
 /// A body, ready for queries: its surface, and the bones of its skeleton, which stand for parts of the body that a file left out beneath
 /// clothes.
 pub struct Wearer {
     closest: Closest,
+    winding: Winding,
     /// How far each triangle faces up, -1 to 1.
     up: Vec<f64>,
     /// From each joint to its parent \[m\], as the mesh is bound.
@@ -30,6 +37,7 @@ impl Wearer {
             normalize(cross(sub(b, a), sub(c, a)))[1]
         };
         Some(Wearer {
+            winding: Winding::new((0..body.triangles.len()).map(|t| body.corners(t))),
             up: (0..body.triangles.len()).map(up).collect(),
             bones: bones(&body.skeleton).into_iter().map(|bone| bone.ends).collect(),
             span: [low[1], high[1]],
@@ -40,6 +48,12 @@ impl Wearer {
     /// Distance \[m\] of a point from the body, and how far the body faces up there, -1 to 1.
     pub(super) fn near(&self, p: [f64; 3]) -> (f64, f64) {
         self.closest.project(p).map_or((f64::INFINITY, 0.0), |n| (n.distance, self.up[n.triangle as usize]))
+    }
+
+    /// For each point how deep \[m\] it is inside of the body, 0 outside. O(triangles) per point.
+    pub(super) fn depths(&self, points: &[[f64; 3]]) -> Vec<f64> {
+        let depth = |p: &[f64; 3]| if self.winding.number(*p) > INSIDE { self.near(*p).0 } else { 0.0 };
+        points.par_iter().map(depth).collect()
     }
 
     /// Distance \[m\] of a point from the nearest bone, infinite without one. With `below`, only of points of bones that are lower.

@@ -57,7 +57,7 @@ pub(crate) fn following(mesh: &Mesh) -> Vec<Following> {
 }
 
 /// For each vertex the connected piece that it belongs to; vertices at equal positions are joined.
-fn pieces(mesh: &Mesh) -> Vec<u32> {
+pub(super) fn pieces(mesh: &Mesh) -> Vec<u32> {
     let mut sets = DisjointSets::new(mesh.positions.len());
     // Adding 0 turns -0 into 0.
     let place = |v: u32| mesh.positions[v as usize].map(|x| (x + 0.0).to_bits());

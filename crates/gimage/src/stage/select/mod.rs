@@ -1,5 +1,6 @@
 //! Chooses the parts of a file that become cloth, by the names that the user gives or by a rule.
 
+mod divide;
 mod facts;
 mod keep;
 mod pattern;
@@ -14,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::options::{Range, stage_options};
 use crate::record::Finding;
 
+pub use divide::{component_numbers, divided};
 pub(crate) use facts::{Following, following};
 pub(crate) use keep::{apart, keeping};
 pub use pattern::Pattern;
@@ -23,7 +25,7 @@ stage_options! {
     /// Options of [`select`].
     pub struct SelectOptions of "select" {
         /// Build only the parts whose node, mesh or material has one of these names, separated by commas; * stands for any text,
-        /// letter case is ignored. Other parts are left out and reported. Without --cloth, --body and --rigid, a rule leaves
+        /// letter case is ignored; component:K chooses a connected component by the number that `gimage list` shows. Other parts are left out and reported. Without --cloth, --body and --rigid, a rule leaves
         /// out bodies and props of skinned files and reports them; all parts of other files are cloth.
         pub cloth: Vec<Pattern> = Vec::new() => "cloth" [""] Range::Any;
         /// Leave out these parts, which are a body; names as for --cloth. Without --cloth, all other parts are cloth.
@@ -86,24 +88,19 @@ pub struct Selected {
     pub findings: Vec<Finding>,
 }
 
-/// The role of each part of an imported mesh, in the order of [`Mesh::parts`]. O(triangles + parts x patterns).
+/// The role of each part of an imported mesh, in the order of [`Mesh::parts`]. Components that the options choose by number are parts of their own ([`divided`]). O(triangles + parts x patterns).
 ///
 /// Errors: [`Error::Option`] if a pattern matches no part (it lists the names that exist), if two flags choose one part, or if
 /// nothing is left as cloth.
 pub fn roles(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
-    let chosen = [
-        ("cloth", &options.cloth, Role::Cloth),
-        ("body", &options.body, Role::Body),
-        ("rigid", &options.rigid, Role::Rigid),
-    ];
+    let chosen = options.chosen();
     if chosen.iter().all(|(_, patterns, _)| patterns.is_empty()) {
         let all = Verdict::new(Role::Cloth, "");
         return Ok(rule::verdicts(mesh).unwrap_or_else(|| vec![all; mesh.parts.len()]));
     }
     for (option, patterns, _) in chosen {
         if let Some(unmet) = patterns.iter().find(|p| !mesh.parts.iter().any(|part| p.matches_part(part))) {
-            let problem = format!("no node, mesh or material matches `{unmet}`");
-            return Err(Error::Option { option: option.into(), problem, hint: names(&mesh.parts) });
+            return Err(unmatched(mesh, option, unmet));
         }
     }
     let rest = if options.cloth.is_empty() { Role::Cloth } else { Role::Other };
@@ -111,7 +108,9 @@ pub fn roles(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
     for part in &mesh.parts {
         let mut verdict: Option<(&str, Verdict)> = None;
         for (option, patterns, role) in chosen {
-            let Some(pattern) = patterns.iter().find(|p| p.matches_part(part)) else { continue };
+            // A number goes before a name: `--cloth component:3 --body Body`.
+            let counts = |p: &&Pattern| p.matches_part(part) && (part.component.is_none() || p.component().is_some());
+            let Some(pattern) = patterns.iter().find(counts) else { continue };
             if let Some((first, _)) = verdict {
                 return Err(Error::Option {
                     option: option.into(),
@@ -130,6 +129,22 @@ pub fn roles(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
         return Err(Error::Option { option: "cloth".into(), problem, hint });
     }
     Ok(verdicts)
+}
+
+/// The error for a pattern that matches nothing, with what exists.
+pub(crate) fn unmatched(mesh: &Mesh, option: &str, pattern: &Pattern) -> Error {
+    let (problem, hint) = match pattern.component() {
+        Some(number) => {
+            let count = component_numbers(mesh).1;
+            let last = count.saturating_sub(1);
+            (
+                format!("there is no component {number}"),
+                format!("choose from component:0 to component:{last}; `gimage list` shows them"),
+            )
+        }
+        None => (format!("no node, mesh or material matches `{pattern}`"), names(&mesh.parts)),
+    };
+    Error::Option { option: option.into(), problem, hint }
 }
 
 /// Leaves out the parts that are not cloth, and reports them. Errors: those of [`roles`].

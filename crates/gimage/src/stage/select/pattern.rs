@@ -1,4 +1,4 @@
-//! Names with `*`, as the flags --cloth, --body and --rigid take them.
+//! Names with `*` and numbers of components, as the flags --cloth, --body and --rigid take them.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,7 +6,10 @@ use std::str::FromStr;
 use crate::base::mesh::Part;
 use crate::error::{Error, Result};
 
-/// A name of a node, mesh or material; `*` stands for any text. Letter case is ignored.
+/// Before the number of a component.
+const COMPONENT: &str = "component:";
+
+/// A name of a node, mesh or material, in which `*` stands for any text, or `component:K`, the connected component of that number. Letter case is ignored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pattern(String);
 
@@ -36,8 +39,17 @@ impl Pattern {
         pattern[p..].iter().all(|c| *c == '*')
     }
 
-    /// Whether the node, the mesh or the material of a part matches.
+    /// The number of the component that it chooses; `None` if it chooses by name.
+    pub fn component(&self) -> Option<u32> {
+        let number = self.0.get(COMPONENT.len()..)?;
+        self.0.get(..COMPONENT.len())?.eq_ignore_ascii_case(COMPONENT).then(|| number.parse().ok())?
+    }
+
+    /// Whether the node, the mesh or the material of a part matches, or the part is the component of this number.
     pub fn matches_part(&self, part: &Part) -> bool {
+        if let Some(number) = self.component() {
+            return part.component == Some(number);
+        }
         [&part.node, &part.mesh, &part.material].iter().any(|name| self.matches(name))
     }
 }
@@ -60,7 +72,9 @@ impl FromStr for Pattern {
             return Err(Error::Option {
                 option: "cloth, body or rigid".into(),
                 problem: "a name is empty".into(),
-                hint: "give a name of a node, mesh or material, or a pattern such as Mage_*".into(),
+                hint:
+                    "give a name of a node, mesh or material, a pattern such as Mage_*, or a number such as component:3"
+                        .into(),
             });
         }
         Ok(Self(text.into()))
@@ -93,6 +107,9 @@ mod tests {
         {
             assert!(!matches(pattern, name), "{pattern} {name}");
         }
+        let number = |text: &str| text.parse::<Pattern>().unwrap().component();
+        assert_eq!([number("component:12"), number("Component:0")], [Some(12), Some(0)]);
+        assert_eq!(["component", "component:", "component:x", "component:-1", "ü:3"].map(number), [None; 5]);
         assert!("".parse::<Pattern>().is_err());
         assert_eq!("Mage_*".parse::<Pattern>().unwrap().to_string(), "Mage_*");
     }

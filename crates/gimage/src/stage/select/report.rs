@@ -32,7 +32,8 @@ pub(super) fn names(parts: &[Part]) -> String {
 /// The name that a message has for a part: node, else mesh, else material.
 pub(super) fn label(part: &Part) -> String {
     let name = [&part.node, &part.mesh, &part.material].into_iter().find(|name| !name.is_empty());
-    name.cloned().unwrap_or_else(|| "the part without a name".into())
+    let name = name.cloned().unwrap_or_else(|| "the part without a name".into());
+    part.component.map_or(name.clone(), |number| format!("{name} (component {number})"))
 }
 
 /// Names that the message gives per role.

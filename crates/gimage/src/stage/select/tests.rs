@@ -149,3 +149,47 @@ fn impossible_choices_are_typed_errors_that_help() {
     let text = select(mesh(&parts), &of(&["x"], &[], &[])).unwrap_err().to_string();
     assert!(text.contains("`n29`, ...") && !text.contains("`n30`"), "{text}");
 }
+
+/// One part of three triangles that share no vertex, the second the largest.
+fn one_part() -> Mesh {
+    let mut all = mesh(&[("Body", "skin", None), ("", "", None), ("", "", None)]);
+    all.parts.truncate(1);
+    all.triangle_part = vec![0; 3];
+    all.positions[5][1] = 3.0;
+    all
+}
+
+#[test]
+fn components_of_one_part_are_chosen_by_number() {
+    let all = one_part();
+    assert_eq!(component_numbers(&all), (vec![1, 0, 2], 3));
+    let kept = |options: &SelectOptions| {
+        let selected = select(divided(all.clone(), options), options).unwrap();
+        (selected.mesh.positions, selected.findings[0].message.clone())
+    };
+    let (positions, said) = kept(&of(&["component:0"], &[], &[]));
+    assert_eq!(positions, all.positions[3..6]);
+    assert_eq!(said, "1 part (2 triangles) left out; cloth: Body (component 0); other: Body.");
+    // A number goes before a name.
+    let (positions, said) = kept(&of(&["component:0"], &["body"], &["component:2"]));
+    assert_eq!(positions, all.positions[3..6]);
+    assert!(said.contains("body: Body; rigid: Body (component 2)"), "{said}");
+    let (positions, _) = kept(&of(&[], &["component:0"], &[]));
+    assert_eq!(positions, [&all.positions[..3], &all.positions[6..]].concat());
+    // Without a number the mesh stays as it is.
+    assert_eq!(divided(all.clone(), &of(&["Body"], &[], &[])), all);
+}
+
+#[test]
+fn components_that_do_not_exist_are_refused_with_those_that_do() {
+    let all = one_part();
+    let options = of(&["component:3"], &[], &[]);
+    let error = roles(&divided(all.clone(), &options), &options).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "option cloth: there is no component 3; choose from component:0 to component:2; `gimage list` shows them"
+    );
+    let both = of(&["component:1"], &["component:1"], &[]);
+    let error = roles(&divided(all, &both), &both).unwrap_err().to_string();
+    assert!(error.contains("--cloth chooses too"), "{error}");
+}
