@@ -28,7 +28,8 @@ const FRAME: f64 = 1.0 / 60.0;
 const WALK: f64 = 2.4;
 
 static BUILT: LazyLock<Built> = LazyLock::new(|| {
-    dress(&asset("figure.glb"), &texels(4096), &ColliderOptions::default(), &Quiet).expect("the figure dresses")
+    let options = ColliderOptions { tier: Tier::Capsules, ..ColliderOptions::default() };
+    dress(&asset("figure.glb"), &texels(4096), &options, &Quiet).expect("the figure dresses")
 });
 
 /// The same with the surface of the body.

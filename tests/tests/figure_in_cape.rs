@@ -3,7 +3,7 @@
 #[path = "support/motion.rs"]
 mod motion;
 
-use gimage::colliders::ColliderOptions;
+use gimage::colliders::{ColliderOptions, Tier};
 use gimage::pipeline::dress;
 use gimage::progress::Quiet;
 use gimage_runtime::crossings::{self, Drawn};
@@ -18,7 +18,8 @@ fn no_cloth_of_the_figure_in_a_cape_crosses_while_it_sits_down() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("figure_cape.glb");
     std::fs::write(&file, gimage_assets::figure_in_cape()).unwrap();
-    let built = dress(&file, &texels(2048), &ColliderOptions::default(), &Quiet).expect("the figure dresses");
+    let options = ColliderOptions { tier: Tier::Capsules, ..ColliderOptions::default() };
+    let built = dress(&file, &texels(2048), &options, &Quiet).expect("the figure dresses");
     let names: Vec<&str> = built.bundle.manifest.pieces.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["Skirt", "T-shirt", "Cape"]);
     let mut cloth = Cloth::from_bundle("figure", &built.bundle).unwrap();

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use gimage::colliders::ColliderOptions;
+use gimage::colliders::{ColliderOptions, Tier};
 use gimage::import::{Character, ImportOptions};
 use gimage::options::{BuildOptions, ImageSize};
 use gimage::pipeline::dress;
@@ -42,7 +42,8 @@ impl Model {
     fn new(file: &Path, animation: &str, size: ImageSize) -> Result<Self, Error> {
         let mut options = BuildOptions::default();
         options.image.size = size;
-        let bundle = dress(file, &options, &ColliderOptions::default(), &Quiet)?.bundle;
+        let solids = ColliderOptions { tier: Tier::Capsules, ..ColliderOptions::default() };
+        let bundle = dress(file, &options, &solids, &Quiet)?.bundle;
         let cloth = Cloth::from_bundle("clothes", &bundle)?;
         let skin = cloth.skin().ok_or("the file has no joints")?.clone();
         let character = Character::read(file, animation, &ImportOptions::default())?;

@@ -159,7 +159,7 @@ pub const DRESS: &str = concat!(
     "  gimage dress mage.glb -o mage.gim\n",
     "  gimage render mage.gim --animation Walking -o mage.gif\n",
     "  gimage dress character.glb -o outfit.gim --cloth Top,Bottom --body Body --pin top:0.1\n",
-    "  gimage dress figure.glb -o figure.gim --collider surface\n\n",
+    "  gimage dress figure.glb -o figure.gim --collider capsules\n\n",
     "As `gimage build`, with the colliders of `gimage fit-colliders` in the manifest; `simulate` and `render` then use them, and ",
     "move them with the joints of --animation. Without --pin and an attribute ",
     "_PIN, garments are pinned where they rest on the body (--pins auto); pins follow the joints.",

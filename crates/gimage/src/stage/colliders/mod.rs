@@ -59,7 +59,7 @@ pub struct ColliderOptions {
     pub kinds: Vec<Kind>,
     /// Whether solids that the file has are used.
     pub source: ColliderSource,
-    /// The collider of the cloth of a dressed character on the CPU.
+    /// The collider of the cloth of a dressed character.
     pub tier: Tier,
     /// Whether parts of the body that the file leaves out beneath clothes are guessed.
     pub guess: Guess,
@@ -83,12 +83,12 @@ impl Choice for Guess {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tier {
     /// The solids.
-    #[default]
     Capsules,
     /// The surface of its body.
     Surface,
     /// The surface, if at most 1 % of the free particles start more than 5 mm inside of it, and if it has at most 200,000 triangles; else the
     /// solids.
+    #[default]
     Auto,
 }
 
