@@ -2,9 +2,11 @@
 //!
 //! A search expects each point to go on as in the last step, its drift. It finds all features (vertex and triangle, edge and edge) that can
 //! meet while no point is farther from where its drift takes it than its reach, and gives the points of each pair half-spaces that keep them
-//! apart ([`planes`]). A step ends where each point is in all of its half-spaces and within its reach. Few points that cannot be there are
-//! renewed ([`renew`]); for many, a new search begins from where all points are. Features that are not among the pairs have at each time a distance of more than both reaches. In
-//! exact arithmetic and in f32 the result never crosses if the start does not: a position counts only after it has been rounded.
+//! apart ([`planes`]). A step ends where each point is in all of its half-spaces and within its reach. Few points that cannot be there, or that
+//! half-spaces have held back for some steps, are renewed ([`renew`]). For many, a new search begins from where all points are, and the next steps
+//! have a search each: it knows where the step takes each point, so that its reach is short and few features are near. Features that are not among
+//! the pairs have at each time a distance of more than both reaches. In exact arithmetic and in f32 the result never crosses if the start does not:
+//! a position counts only after it has been rounded.
 //!
 //! Points do not wait for one another, so their order does not matter. A. Chen et al., "Offset Geometric Contact", 2025, bound steps by
 //! half the distance instead; half-spaces leave motion along the surface free (arXiv 2604.15513).
@@ -36,7 +38,7 @@ use surface::Surface;
 use crate::cpu::rows::Threads;
 use crate::cpu::untangle::loose::Loose;
 use crate::memory::Tally;
-use crate::number::real::{V3, dot, sub};
+use crate::number::real::{V3, dot, scale, sub};
 
 /// The least and the largest reach of a point, as shares of the distance of neighbours.
 const MIN_REACH: f64 = 0.1;
@@ -53,10 +55,16 @@ const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 /// Searches in a step, at most: points go [`MAX_REACH`] in each.
 const MAX_SEARCHES: usize = 32;
 
+/// The longest way in a search that holds for one step, and how far beyond the half of its way a point may be from the middle of it, as
+/// shares of the distance of neighbours.
+const MAX_WAY: f64 = 0.4;
+const MORE_REACH: f64 = 0.02;
 /// Steps that half-spaces hold at least, where no point has used up its reach: a point that they hold back waits for so long.
 const HELD_STEPS: u32 = 3;
-/// Searches in a step in which points that cannot go on as they do are let go on as they can, one after the other.
-const MAX_TRIES: usize = 3;
+/// Where many points cannot go on as a search expects that is not older than this, the next steps search for themselves; how many.
+const CROWDED_AGE: u32 = 3;
+const MIN_CROWDED_STEPS: u32 = 8;
+const MAX_CROWDED_STEPS: u32 = 64;
 
 /// The outcome of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -93,6 +101,13 @@ pub struct Truncation {
     stuck: Vec<bool>,
     /// Points that have used up their reach in the step.
     short: Vec<u32>,
+    /// Points that need a new reach, or other half-spaces, before the step can end.
+    failing: Vec<u32>,
+    /// The step in which a point was renewed last, from the last search on.
+    since: Vec<u32>,
+    /// The next steps that search for themselves, and how many will the next time.
+    crowded: u32,
+    crowded_steps: u32,
     /// Whether a point was renewed ([`renew`]) just now, and a cell has a corner at one.
     fresh: Vec<bool>,
     around: Vec<bool>,
@@ -132,6 +147,10 @@ impl Truncation {
             next: Vec::new(),
             stuck: vec![false; count],
             short: Vec::new(),
+            failing: Vec::new(),
+            since: vec![1; count],
+            crowded: 0,
+            crowded_steps: MIN_CROWDED_STEPS,
             fresh: vec![false; count],
             around: vec![false; surface.corners.len()],
             at: Vec::new(),
@@ -159,7 +178,7 @@ impl Truncation {
         tally.state(&self.boxes.spreads);
         tally.state(&self.boxes.bounds);
         tally.state(&self.boxes.tiles);
-        tally.state(&self.short);
+        [&self.short, &self.failing, &self.since].into_iter().for_each(|list| tally.state(list));
         self.surface.tally(tally);
         self.planes.tally(tally);
     }
@@ -167,6 +186,7 @@ impl Truncation {
     /// The next step searches, and knows of no step before.
     pub fn forget(&mut self) {
         (self.due, self.age) = (true, MAX_AHEAD);
+        (self.crowded, self.crowded_steps) = (0, MIN_CROWDED_STEPS);
         self.pace.fill([0.0; 3]);
     }
 
@@ -192,20 +212,25 @@ impl Truncation {
     fn advance(&mut self, threads: &Threads, outcome: &mut Outcome) {
         self.age += 1;
         self.stuck.fill(false);
-        let mut fresh = self.due || self.age > self.ahead || self.pins_leave();
+        let mut fresh = self.due || self.age > self.ahead || self.crowded > 0 || self.pins_leave();
         if fresh {
-            self.search(threads, outcome, true);
+            let goes_on = self.crowded == 0;
+            self.crowded = self.crowded.saturating_sub(1);
+            self.search(threads, outcome, goes_on);
         }
         loop {
-            let cut = self.cut();
-            let stale = cut.held > 0 && self.age >= HELD_STEPS && !fresh;
-            if cut.stuck == 0 && cut.short > 0 && !stale && !fresh && self.few_are_short() {
-                self.renew(true);
-                continue;
-            }
-            if cut.stuck > 0 || ((cut.short > 0 || stale) && !fresh) {
-                // From where the step began, with the pace of points as it is now.
-                self.search(threads, outcome, outcome.searches < MAX_TRIES);
+            let cut = self.cut(!fresh);
+            if !self.failing.is_empty() {
+                if self.are_few(self.failing.len()) {
+                    self.renew(true);
+                    continue;
+                }
+                // From where the step began. Where a search holds for so few steps, each step has its own.
+                if !fresh && self.age <= CROWDED_AGE {
+                    self.crowded = self.crowded_steps;
+                    self.crowded_steps = (2 * self.crowded_steps).min(MAX_CROWDED_STEPS);
+                }
+                self.search(threads, outcome, false);
                 fresh = true;
                 continue;
             }
@@ -218,7 +243,7 @@ impl Truncation {
                 return;
             }
             // On from here, as far as points go with a reach around where they are.
-            if self.few_are_short() {
+            if self.are_few(self.short.len()) {
                 outcome.searches += 1;
                 self.renew(false);
             } else {
@@ -227,15 +252,20 @@ impl Truncation {
         }
     }
 
-    /// Finds what points may meet from where they are: if each goes on as in the last step, or else if they stay there.
+    /// Finds what points may meet from where they are: if each goes on as in the last step, or else in this step alone.
     fn search(&mut self, threads: &Threads, outcome: &mut Outcome, goes_on: bool) {
         outcome.searches += 1;
-        // A step that goes on from a search of its own says nothing about how long one holds.
         if goes_on {
             let most = self.slow_steps().clamp(MAX_AHEAD, MAX_AHEAD_AT_REST);
+            if self.age > CROWDED_AGE {
+                self.crowded_steps = MIN_CROWDED_STEPS;
+            }
             self.ahead = (2 * self.age).saturating_sub(2).clamp(MIN_AHEAD, most);
+        } else {
+            self.ahead = 1;
         }
         (self.due, self.age) = (false, 1);
+        self.since.fill(1);
         self.at.clone_from(&self.last);
         let far = self.at.iter().flatten().filter(|x| x.is_finite()).fold(0.0f64, |far, x| far.max(x.abs()));
         self.floor = (FLOOR_SHARE * self.spacing).max(8.0 * ROUNDING * far);
@@ -275,21 +305,28 @@ impl Truncation {
 
     /// How far points may go until the next search.
     fn find_reach(&mut self, goes_on: bool) {
-        let [least, most] = [MIN_REACH, MAX_REACH].map(|share| share * self.spacing);
         self.drift.clear();
-        let each = self.pace.iter().zip(&self.stuck);
-        self.drift.extend(each.map(|(pace, stuck)| {
-            let goes = goes_on && !stuck && pace.iter().all(|x| x.is_finite());
-            if goes { *pace } else { [0.0; 3] }
-        }));
-        let each = self.at.iter().zip(&self.want).zip(&self.free).zip(&self.drift);
         self.reach.clear();
-        self.reach.extend(each.map(|(((at, want), free), drift)| {
-            let way = sub(sub(*want, *at), *drift);
-            let step = dot(way, way).sqrt();
-            let step = if step.is_finite() { step } else { 0.0 };
-            let ahead = (f64::from(self.ahead) * step).clamp(least, most);
-            if *free { ahead } else { ahead.max(1.01 * step) }
-        }));
+        let [least, most] = [MIN_REACH, MAX_REACH].map(|share| share * self.spacing);
+        let ahead = f64::from(self.ahead);
+        for k in 0..self.at.len() {
+            let way = sub(self.want[k], self.at[k]);
+            let way = if way.iter().all(|x| x.is_finite()) { way } else { [0.0; 3] };
+            let pace = self.pace[k];
+            let (drift, reach) = if goes_on {
+                let drift = if pace.iter().all(|x| x.is_finite()) { pace } else { [0.0; 3] };
+                let off = sub(way, drift);
+                let step = dot(off, off).sqrt();
+                let reach = (ahead * step).clamp(least, most);
+                (drift, if self.free[k] { reach } else { reach.max(1.01 * step) })
+            } else {
+                // A ball around the middle of the way has both ends of it, so that points may also stay.
+                let (far, most) = (dot(way, way).sqrt(), MAX_WAY * self.spacing);
+                let half = if self.free[k] && far > most { 0.5 * most / far } else { 0.5 };
+                (scale(way, half), 1.000001 * half * far + MORE_REACH * self.spacing)
+            };
+            self.drift.push(drift);
+            self.reach.push(reach);
+        }
     }
 }

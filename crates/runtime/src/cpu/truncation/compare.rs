@@ -6,7 +6,7 @@ use super::closest;
 use super::planes::{Planes, Points};
 use super::surface::Surface;
 use crate::cpu::rows::Threads;
-use crate::number::real::{V3, dot};
+use crate::number::real::{V3, cross, dot, sub};
 
 /// Most edges, and vertices, of a cell.
 const MAX_FEATURES: usize = 8;
@@ -66,14 +66,27 @@ impl Extent {
     }
 }
 
-/// Whether two cells are apart in the direction of their axis: no feature of one is nearer than `near` to one of the other.
+/// Whether two cells are apart in the direction of their axis or of the normal of one: no feature of one is nearer than `near` to one of the
+/// other.
 fn is_parted(surface: &Surface, points: &Points, pair: &Compared) -> bool {
-    let [a, b] = pair.cells;
-    let along = |k: &u32| dot(pair.axis, points.at[*k as usize]);
-    let high = surface.triangles(a).as_flattened().iter().map(along).fold(f64::NEG_INFINITY, f64::max);
-    let low = surface.triangles(b).as_flattened().iter().map(along).fold(f64::INFINITY, f64::min);
-    // Comparisons with NaN are false.
-    low - high > WIDER * pair.near * dot(pair.axis, pair.axis).sqrt()
+    let [a, b] = pair.cells.map(|cell| surface.triangles(cell));
+    let parts = |axis: V3<f64>| {
+        let along = |k: &u32| dot(axis, points.at[*k as usize]);
+        let ends = |list: &[[u32; 3]]| {
+            let list = list.as_flattened().iter().map(along);
+            list.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+        };
+        let ([low_a, high_a], [low_b, high_b]) = (ends(a), ends(b));
+        // Comparisons with NaN are false.
+        let (gap, near) = ((low_b - high_a).max(low_a - high_b), WIDER * pair.near);
+        gap > 0.0 && gap * gap > near * near * dot(axis, axis)
+    };
+    let normal = |list: &[[u32; 3]]| {
+        list.first()
+            .map(|triangle| triangle.map(|k| points.at[k as usize]))
+            .map(|[p, q, r]| cross(sub(q, p), sub(r, p)))
+    };
+    parts(pair.axis) || normal(a).is_some_and(parts) || normal(b).is_some_and(parts)
 }
 
 /// Finds the pairs of features of two cells, or of a cell with itself.

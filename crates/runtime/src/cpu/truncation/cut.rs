@@ -1,7 +1,7 @@
 //! Holds points back: each ends in all of its half-spaces and within its reach, as near to where it wants to be as they let it.
 
 use super::planes::HalfSpace;
-use super::{ROUNDING, Truncation};
+use super::{HELD_STEPS, ROUNDING, Truncation};
 use crate::number::real::{V3, add, dot, scale, sub};
 
 /// Rounds of projection onto half-spaces, one after the other.
@@ -21,8 +21,6 @@ pub struct Cut {
     pub short: usize,
     /// Pins that left their half-spaces or their reach.
     pub forced: usize,
-    /// Points that can neither go on as they did nor stay.
-    pub stuck: usize,
 }
 
 /// The room of a point in a step.
@@ -98,10 +96,12 @@ fn toward(from: V3<f64>, to: V3<f64>, share: f64) -> V3<f64> {
 }
 
 impl Truncation {
-    /// Finds where all points can be that is nearest to where they want to be; `next` has that, unless one is stuck.
-    pub(super) fn cut(&mut self) -> Cut {
+    /// Finds where all points can be that is nearest to where they want to be; `next` has that, unless one fails: it can neither go on as it
+    /// did nor stay. If a search of an earlier step goes on, points that have used up their reach, or that it has held back for long, fail too.
+    pub(super) fn cut(&mut self, goes_on: bool) -> Cut {
         let mut cut = Cut::default();
         self.short.clear();
+        self.failing.clear();
         self.next.clone_from(&self.want);
         for k in 0..self.last.len() {
             let (from, want) = (self.last[k], self.want[k]);
@@ -114,19 +114,32 @@ impl Truncation {
                 continue;
             }
             let slop = ROUNDING * from.iter().chain(&want).fold(0.0f64, |far, x| far.max(x.abs()));
+            let was_renewed = self.since[k] == self.age;
             let Some(to) = room.clip(from, room.project(want, slop), slop) else {
-                cut.stuck += 1;
-                self.stuck[k] = true;
+                if self.stuck[k] && was_renewed {
+                    // Where it is belongs to its room, but for numbers that are not finite: it stays.
+                    self.next[k] = from;
+                } else {
+                    self.stuck[k] = true;
+                    self.failing.push(k as u32);
+                }
                 continue;
             };
             // One that half-spaces hold well within its reach gets no farther by a further search.
             let way = sub(to, room.at);
             let edge = SHORT_SHARE * room.reach;
-            if !room.is_within_reach(want) && dot(way, way) > edge * edge {
+            let ahead = dot(way, sub(want, room.at)) > 0.0;
+            if ahead && !room.is_within_reach(want) && dot(way, way) > edge * edge {
                 cut.short += 1;
                 self.short.push(k as u32);
+                if goes_on && !was_renewed {
+                    self.failing.push(k as u32);
+                }
             } else {
-                cut.held += 1
+                cut.held += 1;
+                if goes_on && self.age - self.since[k] + 1 >= HELD_STEPS {
+                    self.failing.push(k as u32);
+                }
             }
             self.next[k] = to;
         }

@@ -100,6 +100,11 @@ impl Planes {
         self.found.clear();
     }
 
+    /// Forgets the half-spaces of some points.
+    pub fn forget(&mut self, of: &[bool]) {
+        self.found.retain(|(point, _)| !of[*point as usize]);
+    }
+
     /// Orders the half-spaces by `count` points, those of a point as they were found.
     pub fn arrange(&mut self, count: usize) {
         self.starts.clear();

@@ -1,12 +1,13 @@
-//! Points that have used up their reach get a new one, where they are few: a search for what they alone may meet.
+//! Points that cannot go on as a search expects get a new reach, where they are few: a search for what they alone may meet.
 //!
-//! All that a search has found stays true of the others. A point that is renewed goes on from where it is, at the pace it has now, and has a
-//! box of its own again; the features that it belongs to are compared with all that their boxes meet. Half-spaces that it has stay, so that
-//! pairs whose other points are where the search expects them need none again.
+//! All that a search has found stays true of the others. A point that is renewed goes on from where it is, as it wants to now, or else stays
+//! there, and has a box of its own again; the features that it belongs to are compared with all that their boxes meet. New half-spaces replace
+//! those that it has. Those of other points stay: they leave less room, and do no harm.
 
 use super::compare::{Compared, compare};
 use super::planes::Points;
 use super::surface::Patch;
+use super::tiles::SIDE;
 use super::{MAX_REACH, MIN_REACH, Truncation, flat};
 use crate::number::real::{dot, scale, sub};
 
@@ -14,43 +15,52 @@ use crate::number::real::{dot, scale, sub};
 const FEW_SHARE: usize = 32;
 
 impl Truncation {
-    /// Whether few points have used up their reach.
-    pub(super) fn few_are_short(&self) -> bool {
-        self.short.len() * FEW_SHARE <= self.last.len() + 8 * FEW_SHARE
+    /// Whether so many points are few.
+    pub(super) fn are_few(&self, count: usize) -> bool {
+        count * FEW_SHARE <= self.last.len() + 8 * FEW_SHARE
     }
 
-    /// Renews the points that have used up their reach: if they go on, from where the step began, or else from where they are in it.
+    /// Renews points: if they go on, those that fail, from where the step began, or else those that have used up their reach, from where they
+    /// are in it.
     pub(super) fn renew(&mut self, goes_on: bool) {
-        let short = std::mem::take(&mut self.short);
+        let points = std::mem::take(if goes_on { &mut self.failing } else { &mut self.short });
         let [least, most] = [MIN_REACH, MAX_REACH].map(|share| share * self.spacing);
         let gone = f64::from(self.age - 1);
         let left = f64::from(self.ahead) - gone;
-        for k in short.iter().map(|k| *k as usize) {
+        for k in points.iter().map(|k| *k as usize) {
             let step = sub(self.want[k], self.last[k]);
-            let goes = goes_on && step.iter().all(|x| x.is_finite());
+            let goes = goes_on && !self.stuck[k] && step.iter().all(|x| x.is_finite());
             self.drift[k] = if goes { step } else { [0.0; 3] };
             self.at[k] = sub(self.last[k], scale(self.drift[k], gone));
             let way = sub(step, self.pace[k]);
             self.reach[k] = (left * dot(way, way).sqrt()).clamp(least, most);
             self.fresh[k] = true;
+            self.since[k] = self.age;
         }
-        let mut cells: Vec<u32> = short.iter().flat_map(|k| self.surface.cells_of(*k as usize)).copied().collect();
+        let mut cells: Vec<u32> = points.iter().flat_map(|k| self.surface.cells_of(*k as usize)).copied().collect();
         cells.sort_unstable();
         cells.dedup();
+        self.planes.forget(&self.fresh);
         self.bound_again(&cells);
         self.compare_again(&cells);
-        short.iter().for_each(|k| self.fresh[*k as usize] = false);
-        self.short = short;
-        self.short.clear();
+        points.iter().for_each(|k| self.fresh[*k as usize] = false);
+        *(if goes_on { &mut self.failing } else { &mut self.short }) = points;
     }
 
     /// Makes the boxes of cells whose corners are renewed, and of all that depends on them.
     fn bound_again(&mut self, cells: &[u32]) {
-        for cell in cells.iter().map(|cell| *cell as usize) {
-            let patch = self.surface.patch_of(cell);
-            let [i, j] = patch.spot(cell);
-            // The blocks that have a corner of the cell, and all texels of these.
-            let part = |at: usize, count: usize| at.saturating_sub(2)..(at + 4).min(count);
+        let tile = |cell: &u32| {
+            let patch = self.surface.patch_of(*cell as usize);
+            let [i, j] = patch.spot(*cell as usize);
+            [patch.index, j / SIDE, i / SIDE]
+        };
+        let mut tiles: Vec<[usize; 3]> = cells.iter().map(tile).collect();
+        tiles.sort_unstable();
+        tiles.dedup();
+        for [patch, j, i] in tiles {
+            let patch = self.surface.patches[patch];
+            // The blocks that have a corner of a cell of the tile, and all texels of these.
+            let part = |at: usize, count: usize| (SIDE * at).saturating_sub(2)..(SIDE * at + SIDE + 3).min(count);
             self.find_even(&patch, part(i, patch.width), part(j, patch.height));
         }
         let changed = self.beside(cells, [2, 2]);
