@@ -88,7 +88,7 @@ fn hanging_cloth_that_is_stirred_has_more_substeps() {
     let given = Options { substeps: Some(4), ..Options::default() };
     let windy = Scene { wind: wind(8.0), ..calm.clone() };
     assert_eq!((chosen(&windy, given.clone()).substeps, chosen(&windy, given).stirred), (4, 0));
-    // What holds it otherwise has its own rules.
+    // Other supports have their own rules.
     let ball = Collider::new(Shape::Sphere { radius: 0.1 }, [0.0, -5.0, 0.0]);
     assert_eq!(of(&Scene { colliders: vec![ball], ..windy }).3, Support::TetheredOnColliders);
 }

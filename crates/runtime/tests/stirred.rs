@@ -74,7 +74,7 @@ fn pins_that_are_held_or_creep_do_not_stir_and_those_that_jump_do() {
         stepper.advance(FRAME).unwrap();
         assert_eq!(stepper.substeps(), calm);
     }
-    // A free particle is no pin.
+    // A free particle is not a pin.
     stepper.set_position(0, 5, [0.0, 1.0, 0.0]).unwrap();
     stepper.advance(FRAME).unwrap();
     assert_eq!(stepper.substeps(), calm);

@@ -253,7 +253,7 @@ impl Collapser<'_> {
         }
     }
 
-    /// Notes that `u` has gone into `v`, next to `w`. What else `w` could go into costs what it did: only `v` can be cheaper.
+    /// Notes that `u` has gone into `v`, next to `w`. Other collapses of `w` cost as much as before: only `v` can be cheaper.
     fn renew(&mut self, queue: &mut BinaryHeap<Entry>, next: &mut [Next], w: u32, v: u32) {
         let Next { cost, into, strict, .. } = next[w as usize];
         if w == v || strict || into == NONE || self.boundary[w as usize] {
@@ -316,7 +316,7 @@ mod tests {
     use crate::base::shapes;
     use proptest::prelude::*;
 
-    /// The cheapest collapse of all vertices again and again, each looked for anew.
+    /// The cheapest collapse of all vertices again and again, searched for each time.
     fn looked_for(c: &mut Collapser<'_>) -> Vec<[u32; 2]> {
         let (mut ring, mut out) = (Vec::new(), Vec::new());
         let mut strict = vec![false; c.positions.len()];

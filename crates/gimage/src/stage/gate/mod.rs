@@ -132,7 +132,7 @@ struct Rated<'a> {
     causes: Causes,
 }
 
-/// What about a piece makes its image poor, however many texels it has.
+/// Causes of a poor image that more texels do not mend.
 #[derive(Clone, Copy)]
 struct Causes {
     /// It lies so far from the origin that 32-bit positions coarsen it.

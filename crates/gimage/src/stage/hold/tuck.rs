@@ -7,7 +7,7 @@ use super::wearer::Wearer;
 /// A pin deeper \[m\] inside than this was modelled into the body: a runtime lets the cloth around it stay inside.
 pub(crate) const TUCKED_M: f64 = 0.005;
 
-/// What was pinned inside of the body.
+/// Pins inside of the body, and points that were pinned beside them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tuck {
     /// Texels that were pinned before.

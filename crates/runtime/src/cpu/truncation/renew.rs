@@ -15,7 +15,7 @@ use crate::number::real::{dot, scale, sub};
 const FEW_SHARE: usize = 32;
 
 impl Truncation {
-    /// Whether so many points are few.
+    /// Whether a number of points is so small that they are renewed.
     pub(super) fn are_few(&self, count: usize) -> bool {
         count * FEW_SHARE <= self.last.len() + 8 * FEW_SHARE
     }
