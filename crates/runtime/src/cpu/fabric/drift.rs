@@ -3,7 +3,7 @@
 use super::meeting::tiles::{Block, LANES_OF_TILE, Tiles};
 use super::tree::Tree;
 use crate::number::lanes::{LANES, Machine, Work, widest};
-use crate::number::real::{Real, V3};
+use crate::number::real::{Real, V3, add, sub};
 use crate::passes::SEARCH_STEPS;
 
 /// Rounding of differences of positions, as a share of the common motion.
@@ -77,9 +77,9 @@ impl<V: Copy> Span<V> {
     /// Takes in the vectors where `there` is set.
     #[inline(always)]
     fn take<T: Real, K: Machine<T, V = V>>(&mut self, k: K, there: K::M, v: [V; 3]) {
-        for c in 0..3 {
-            self.low[c] = k.choose(there, k.least(v[c], self.low[c]), self.low[c]);
-            self.high[c] = k.choose(there, k.most(v[c], self.high[c]), self.high[c]);
+        for ((low, high), x) in self.low.iter_mut().zip(&mut self.high).zip(v) {
+            *low = k.choose(there, k.least(x, *low), *low);
+            *high = k.choose(there, k.most(x, *high), *high);
         }
     }
 
@@ -91,10 +91,8 @@ impl<V: Copy> Span<V> {
             let [mut low, mut high] = [[T::of(0.0); LANES]; 2];
             k.store(&mut low, 0, self.low[c]);
             k.store(&mut high, 0, self.high[c]);
-            let (mut least, mut most) = (low[0], high[0]);
-            for lane in 1..K::WIDE {
-                (least, most) = (least.min(low[lane]), most.max(high[lane]));
-            }
+            let least = low[..K::WIDE].iter().fold(low[0], |a, b| a.min(*b));
+            let most = high[..K::WIDE].iter().fold(high[0], |a, b| a.max(*b));
             if least <= most {
                 *middle = least * T::of(0.5) + most * T::of(0.5);
             }
@@ -108,11 +106,7 @@ impl<V: Copy> Span<V> {
 fn largest<T: Real, K: Machine<T>>(k: K, v: K::V) -> T {
     let mut each = [T::of(0.0); LANES];
     k.store(&mut each, 0, v);
-    let mut most = each[0];
-    for lane in 1..K::WIDE {
-        most = most.max(each[lane]);
-    }
-    most
+    each[..K::WIDE].iter().fold(each[0], |a, b| a.max(*b))
 }
 
 /// Vectors of a tile.
@@ -156,9 +150,7 @@ impl<T: Real> Work<T> for Measure<'_, T> {
         drift.longest = longest;
         // Where the middle is expected in the next step: any common motion may be taken off.
         let middle = span.middle(k);
-        for c in 0..3 {
-            drift.common[c] = middle[c] + (middle[c] - drift.middle[c]);
-        }
+        drift.common = add(middle, sub(middle, drift.middle));
         drift.middle = middle;
     }
 }
