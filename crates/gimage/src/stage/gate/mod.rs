@@ -246,7 +246,7 @@ mod tests {
         let mut fringe = band.clone();
         fringe.triangles.retain(|t| {
             let [x, y] = [0, 1].map(|c| t.iter().map(|&v| band.positions[v as usize][c]).sum::<f64>() / 3.0);
-            (81.0 * x) as u32 % 2 == 0 || y > -0.03
+            ((81.0 * x) as u32).is_multiple_of(2) || y > -0.03
         });
         let mut used: Vec<u32> = fringe.triangles.iter().flatten().copied().collect();
         used.sort_unstable();
