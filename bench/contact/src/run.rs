@@ -28,6 +28,8 @@ pub struct Row {
     frames: u32,
     /// Mean, largest and least time of a frame \[ms\].
     ms: [f64; 3],
+    /// Mean and largest by the clock of the device, where it has one \[ms\].
+    device_ms: Option<[f64; 2]>,
     /// Frames in which crossings were counted, and those in which there were some.
     counted: [u32; 2],
     /// Mean, largest and last number of crossings.
@@ -45,7 +47,8 @@ pub struct Row {
 
 impl Row {
     pub const HEAD: &'static str = "scene,n,distance,tier,cloths,substeps,frames,ms_mean,ms_max,ms_min,counted,crossed,\
-        crossings_mean,crossings_max,crossings_last,deepest_mm,stretch_p99_worst,speed_rms_end,way_m,height_end_m,findings";
+        crossings_mean,crossings_max,crossings_last,deepest_mm,stretch_p99_worst,speed_rms_end,way_m,height_end_m,findings,\
+        device_ms_mean,device_ms_max";
 }
 
 impl fmt::Display for Row {
@@ -59,7 +62,11 @@ impl fmt::Display for Row {
         )?;
         write!(f, "{},{},{:.1},{},{},", counted[0], counted[1], crossings[0], crossings[1], crossings[2])?;
         write!(f, "{:.2},{:.4},{:.4},", self.deepest_mm, self.stretch, self.speed)?;
-        write!(f, "{:.4},{:.4},{}", self.way, self.height, self.findings)
+        write!(f, "{:.4},{:.4},{},", self.way, self.height, self.findings)?;
+        match self.device_ms {
+            Some([mean, largest]) => write!(f, "{mean:.4},{largest:.4}"),
+            None => write!(f, ","),
+        }
     }
 }
 
@@ -76,7 +83,7 @@ pub fn run(cli: &Cli, name: &str, [n, layers]: [u32; 2], (distance, tier): (f32,
     let options = Options { threads: 1, substeps: cli.substeps, step: frame_s, normals: false, ..Options::default() };
     let gpu = if cli.gpu { Some(Gpu::new()?) } else { None };
     let mut host = Host::new(scene.clone(), options, gpu.as_ref())?;
-    let (mut times, mut counts, mut deepest) = (Vec::<f64>::new(), Vec::new(), 0.0f64);
+    let (mut times, mut device_times, mut counts, mut deepest) = (Vec::<f64>::new(), Vec::new(), Vec::new(), 0.0f64);
     if cli.trace {
         eprintln!("{name} {n}: at the start, {} crossings", count(&scene, &positions(&host)?)?.total());
     }
@@ -94,6 +101,7 @@ pub fn run(cli: &Cli, name: &str, [n, layers]: [u32; 2], (distance, tier): (f32,
         // The device steps until they are read back.
         let time = if cli.gpu { start.elapsed() } else { stepped };
         times.push(time.as_secs_f64() * 1e3);
+        device_times.extend(host.device_ms());
         let middle = mean_position(&now);
         way += (0..3).map(|c| (middle[c] - center[c]).powi(2)).sum::<f64>().sqrt();
         center = middle;
@@ -125,6 +133,7 @@ pub fn run(cli: &Cli, name: &str, [n, layers]: [u32; 2], (distance, tier): (f32,
         cloths: scene.cloths.len(),
         substeps: stepper.substeps(),
         frames,
+        device_ms: (!device_times.is_empty()).then(|| [mean(&device_times), largest(&device_times)]),
         ms: [mean(&times), largest(&times), times.iter().copied().fold(f64::INFINITY, f64::min)],
         counted: [counts.len() as u32, counts.iter().filter(|c| **c > 0.0).count() as u32],
         crossings: [mean(&counts), largest(&counts), counts.last().copied().unwrap_or(0.0)],

@@ -52,6 +52,12 @@ struct Args {
     /// default limits.
     #[arg(long, conflicts_with = "cpu")]
     counts: bool,
+    /// On a device with WebGPU's default limits.
+    #[arg(long, conflicts_with = "cpu")]
+    web: bool,
+    /// Instead of times: the sizes of workgroups and of tiles that `Stepper::tune` finds.
+    #[arg(long, conflicts_with_all = ["cpu", "counts"])]
+    tune: bool,
     /// Instead of garments: dressed characters on the CPU, alone on one core and in these numbers on all cores, separated by commas.
     #[arg(long, value_delimiter = ',', conflicts_with_all = ["gpu", "counts"])]
     characters: Vec<u32>,
@@ -72,19 +78,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if args.counts {
         return Ok(counts::print(&Gpu::of_the_web()?, args.substeps)?);
     }
-    let gpu = if args.cpu { Err("not asked for".into()) } else { Gpu::new() };
+    let gpu = match (args.cpu, args.web) {
+        (true, _) => Err("not asked for".into()),
+        (_, true) => Gpu::of_the_web(),
+        _ => Gpu::new(),
+    };
     match &gpu {
         Ok(Gpu { info, .. }) => {
             eprintln!("adapter: {} ({:?}), driver {} {}", info.name, info.device_type, info.driver, info.driver_info)
         }
         Err(error) => eprintln!("no adapter, CPU backend only: {error}"),
     }
+    if args.tune {
+        let gpu = gpu?;
+        println!("{:?}", gimage_runtime::Stepper::tune(&gpu.device, &gpu.queue)?);
+        return Ok(());
+    }
     let gpu = gpu.ok();
     let cpu = args.threads.iter().map(|threads| (None, *threads)).filter(|_| !args.gpu);
     let backends: Vec<_> = cpu.chain(gpu.iter().map(|gpu| (Some(gpu), 1))).collect();
     println!(
         "particles,level,garments,backend,threads,dispatches,frames,ms_min,ms_median,ms_per_garment,\
-         images,images_unshared,states,device_images,device_states"
+         images,images_unshared,states,device_images,device_states,device_ms_min,device_ms_median"
     );
     for (&n, &level) in args.particles.iter().flat_map(|n| args.levels.iter().map(move |level| (n, level))) {
         for &(gpu, threads) in &backends {
@@ -94,14 +109,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let mut host = Host::new(garment::crowd(n, garments)?, options, gpu)?;
                 let all: Vec<_> = (0..garments as usize).map(|cloth| (cloth.into(), level)).collect();
                 host.stepper.set_levels(&all)?;
-                let mut times = times(&mut host, &args)?;
+                let (mut times, mut device_times) = times(&mut host, &args)?;
                 times.sort_by(f64::total_cmp);
+                device_times.sort_by(f64::total_cmp);
+                let on_device = match device_times[..] {
+                    [] => ",".to_owned(),
+                    _ => format!("{:.4},{:.4}", device_times[0], device_times[device_times.len() / 2]),
+                };
                 let (least, median) = (times[0], times[times.len() / 2]);
                 let each = median / f64::from(garments);
                 let (memory, dispatches) = (host.stepper.memory(), host.stepper.plan().dispatches());
                 let name = if gpu.is_some() { "gpu" } else { "cpu" };
                 println!(
-                    "{n},{level},{garments},{name},{threads},{dispatches},{},{least:.3},{median:.3},{each:.4},{},{},{},{},{}",
+                    "{n},{level},{garments},{name},{threads},{dispatches},{},{least:.3},{median:.3},{each:.4},{},{},{},{},{},{on_device}",
                     times.len(),
                     memory.images,
                     memory.images_unshared,
@@ -115,14 +135,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Milliseconds of each frame, from recording to the end of the work.
-fn times(host: &mut Host, args: &Args) -> gimage_runtime::Result<Vec<f64>> {
+/// Milliseconds of each frame: from recording to the end of the work, and by the clock of the device, if it has one.
+fn times(host: &mut Host, args: &Args) -> gimage_runtime::Result<(Vec<f64>, Vec<f64>)> {
     let start = Instant::now();
     (0..WARM_UP).try_for_each(|_| host.timed(FRAME).map(drop))?;
-    let mut times = Vec::new();
+    let (mut times, mut device_times) = (Vec::new(), Vec::new());
     while times.len() < args.frames.max(1) as usize && (times.len() < 3 || start.elapsed().as_secs_f64() < args.seconds)
     {
         times.push(host.timed(FRAME)?);
+        device_times.extend(host.device_ms());
     }
-    Ok(times)
+    Ok((times, device_times))
 }

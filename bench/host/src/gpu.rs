@@ -2,6 +2,8 @@
 
 use gimage_runtime::{device_limits, wgpu};
 
+use crate::clock::Clock;
+
 /// A device, its queue and its adapter.
 pub struct Gpu {
     /// Its device.
@@ -10,6 +12,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// The name and kind of the adapter.
     pub info: wgpu::AdapterInfo,
+    /// Its clock, if it has one.
+    pub(crate) clock: Option<Clock>,
 }
 
 impl Gpu {
@@ -27,8 +31,11 @@ impl Gpu {
         let power_preference = wgpu::PowerPreference::HighPerformance;
         let wish = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
         let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&wish))?;
-        let wish = wgpu::DeviceDescriptor { required_limits: limits(&adapter), ..Default::default() };
+        let required_features = adapter.features() & Clock::FEATURES;
+        let wish =
+            wgpu::DeviceDescriptor { required_limits: limits(&adapter), required_features, ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&wish))?;
-        Ok(Gpu { device, queue, info: adapter.get_info() })
+        let clock = Clock::new(&device, &queue);
+        Ok(Gpu { device, queue, info: adapter.get_info(), clock })
     }
 }

@@ -1,6 +1,8 @@
 //! The host that benchmarks of the runtime share: a device, and a stepper on it or on the CPU.
 
+mod clock;
 mod gpu;
+mod wake;
 
 use std::time::Instant;
 
@@ -19,10 +21,11 @@ pub struct Host<'a> {
 }
 
 impl<'a> Host<'a> {
-    /// A scene at its start; the backend follows from `gpu`, whatever the options say.
+    /// A scene at its start, on a GPU that is awake; the backend follows from `gpu`, whatever the options say.
     pub fn new(scene: Scene, options: Options, gpu: Option<&'a Gpu>) -> Result<Self> {
         let backend = if gpu.is_some() { Backend::Gpu } else { Backend::Cpu };
         let stepper = Stepper::new(scene, Options { backend, ..options }, gpu.map(|g| (&g.device, &g.queue)))?;
+        gpu.iter().for_each(|gpu| wake::wake(&gpu.device, &gpu.queue));
         Ok(Host { stepper, gpu })
     }
 
@@ -35,7 +38,9 @@ impl<'a> Host<'a> {
             return Ok(());
         };
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        gpu.clock.iter().for_each(|clock| clock.begin(&mut encoder));
         self.stepper.record(&mut encoder, seconds)?;
+        gpu.clock.iter().for_each(|clock| clock.end(&mut encoder));
         gpu.queue.submit([encoder.finish()]);
         self.stepper.settle()
     }
@@ -49,6 +54,13 @@ impl<'a> Host<'a> {
             let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
         }
         Ok(start.elapsed().as_secs_f64() * 1e3)
+    }
+
+    /// Milliseconds that the device worked on the last frame, by its own clock and waited for; none on the CPU and on a device
+    /// without timestamps.
+    pub fn device_ms(&self) -> Option<f64> {
+        let gpu = self.gpu?;
+        gpu.clock.as_ref()?.ms(&gpu.device)
     }
 
     /// Positions of the first cloth \[m\].

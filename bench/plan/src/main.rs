@@ -38,12 +38,15 @@ struct Args {
     /// Only the GPU backend.
     #[arg(long)]
     gpu: bool,
+    /// On a device with WebGPU's default limits.
+    #[arg(long)]
+    web: bool,
 }
 
 #[allow(clippy::print_stdout)]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args = Args::parse();
-    let gpu = Gpu::new();
+    let gpu = if args.web { Gpu::of_the_web() } else { Gpu::new() };
     match &gpu {
         Ok(Gpu { info, .. }) => {
             eprintln!("adapter: {} ({:?}), driver {} {}", info.name, info.device_type, info.driver, info.driver_info)
@@ -51,7 +54,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Err(error) => eprintln!("no adapter, CPU backend only: {error}"),
     }
     let gpu = gpu.ok();
-    println!("particles,scene,backend,dispatches,bytes,frames,ms_min,ms_median,ms_min_vs_plain,ms_median_vs_plain");
+    println!(
+        "particles,scene,backend,dispatches,bytes,frames,ms_min,ms_median,ms_min_vs_plain,ms_median_vs_plain,device_ms_min,device_ms_median"
+    );
     for &n in &args.particles {
         let mut cases = cases(n)?;
         cases.retain(|c| c.name.contains(&args.only) || ["plain", "xpbd"].contains(&c.name));
@@ -63,21 +68,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let options =
                 Options { backend, substeps: Some(args.substeps), threads: args.threads, ..Options::default() };
             let mut times: Vec<Vec<f64>> = vec![Vec::new(); cases.len()];
+            let mut device_times = times.clone();
             let mut plans = Vec::new();
             for round in 0..args.rounds {
-                for (case, times) in cases.iter().zip(&mut times) {
+                for ((case, times), device_times) in cases.iter().zip(&mut times).zip(&mut device_times) {
                     let mut host = host(case, &options, device)?;
-                    times.extend(time(&mut host, args.frames)?);
+                    for (ms, device_ms) in time(&mut host, args.frames)? {
+                        times.push(ms);
+                        device_times.extend(device_ms);
+                    }
                     if round == 0 {
                         plans.push(host.stepper.plan());
                     }
                 }
             }
             // Sorted: the least, and the middle one.
-            times.iter_mut().for_each(|t| t.sort_by(f64::total_cmp));
+            times.iter_mut().chain(&mut device_times).for_each(|t| t.sort_by(f64::total_cmp));
             let figures: Vec<[f64; 2]> = times.iter().map(|t| [t[0], t[t.len() / 2]]).collect();
-            for (((Case { name, options, .. }, times), plan), [least, median]) in
-                cases.iter().zip(&times).zip(&plans).zip(&figures)
+            for ((((Case { name, options, .. }, times), device_times), plan), [least, median]) in
+                cases.iter().zip(&times).zip(&device_times).zip(&plans).zip(&figures)
             {
                 let (dispatches, bytes) = (plan.dispatches(), plan.bytes());
                 let plain =
@@ -85,8 +94,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let over = [least - plain[0], median - plain[1]];
                 let backend = if backend == Backend::Cpu { "cpu" } else { "gpu" };
                 let frames = times.len();
+                let on_device = match device_times[..] {
+                    [] => ",".to_owned(),
+                    _ => format!("{:.4},{:.4}", device_times[0], device_times[device_times.len() / 2]),
+                };
                 println!(
-                    "{n},{name},{backend},{dispatches},{bytes},{frames},{least:.3},{median:.3},{:+.3},{:+.3}",
+                    "{n},{name},{backend},{dispatches},{bytes},{frames},{least:.3},{median:.3},{:+.3},{:+.3},{on_device}",
                     over[0], over[1]
                 );
             }

@@ -20,10 +20,10 @@ pub fn host<'a>(case: &Case, run: &Options, gpu: Option<&'a Gpu>) -> Result<Host
     Ok(host)
 }
 
-/// Milliseconds of each frame, from recording to the end of the work.
-pub fn time(host: &mut Host, frames: u32) -> Result<Vec<f64>> {
+/// Milliseconds of each frame: from recording to the end of the work, and by the clock of the device, if it has one.
+pub fn time(host: &mut Host, frames: u32) -> Result<Vec<(f64, Option<f64>)>> {
     for _ in 0..WARM_UP {
         host.timed(FRAME)?;
     }
-    (0..frames).map(|_| host.timed(FRAME)).collect()
+    (0..frames).map(|_| Ok((host.timed(FRAME)?, host.device_ms()))).collect()
 }

@@ -18,7 +18,7 @@ const CROSSED: f64 = 1.5;
 /// The first line of the table.
 pub const HEADER: &str = "character,animation,collider,backend,particles,free,begin_inside,rest_frames,rest_over_0.5mm,rest_max_mm,\
 frames,over_1mm,over_3mm,p99.9_mm,p99.99_mm,max_mm,points_over_3mm,of_them_in_crossed_body,begun_inside_max_mm,pin_gap_m,ring_gap_m,\
-not_finite,stretch_p99_worst,faults,ms_min,ms_median";
+not_finite,stretch_p99_worst,faults,ms_min,ms_median,device_ms_median";
 
 /// The figures of a run.
 #[derive(Default)]
@@ -37,6 +37,8 @@ struct Seen {
     faults: usize,
     /// Of each frame.
     times: Vec<f64>,
+    /// The same by the clock of the device, if it has one.
+    device_times: Vec<f64>,
 }
 
 /// The row of a character.
@@ -45,6 +47,9 @@ pub fn row(model: &Model, gpu: Option<&Gpu>, seconds: f64, deeper: Option<f64>) 
     let mut seen = run(model, gpu, [-LEAD_S, seconds], seconds, deeper)?;
     seen.depths.sort_by(f64::total_cmp);
     seen.times.sort_by(f64::total_cmp);
+    seen.device_times.sort_by(f64::total_cmp);
+    let on_device =
+        seen.device_times.get(seen.device_times.len() / 2).map_or_else(String::new, |ms| format!("{ms:.3}"));
     let time = |share: usize| seen.times.get(share * seen.times.len() / 2).copied().unwrap_or(0.0);
     let mm = |share: f64| {
         let last = seen.depths.len().saturating_sub(1);
@@ -55,7 +60,7 @@ pub fn row(model: &Model, gpu: Option<&Gpu>, seconds: f64, deeper: Option<f64>) 
     let free = particles.iter().filter(|p| p.exists() && !p.is_pinned()).count();
     let rest_max = 1e3 * rest.depths.iter().copied().fold(0.0, f64::max);
     Ok(format!(
-        "{},{},{},{},{},{free},{},{},{:.1},{rest_max:.2},{},{:.1},{:.1},{:.3},{:.3},{:.2},{},{},{:.1},{:.1e},{:.1e},{},{:.4},{},{:.3},{:.3}",
+        "{},{},{},{},{},{free},{},{},{:.1},{rest_max:.2},{},{:.1},{:.1},{:.3},{:.3},{:.2},{},{},{:.1},{:.1e},{:.1e},{},{:.4},{},{:.3},{:.3},{on_device}",
         model.name,
         model.animation,
         model.collider,
@@ -117,6 +122,7 @@ fn run(
         let now = host.now()?;
         seen.frames += 1;
         seen.times.push(ms);
+        seen.device_times.extend(host.device_ms());
         seen.not_finite += now.iter().filter(|p| p.iter().any(|x| !x.is_finite())).count();
         placed.follow_joints(&matrices)?;
         for ring in starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]) {
