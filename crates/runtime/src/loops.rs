@@ -110,6 +110,7 @@ mod tests {
             loops: 16_384,
             busy: 8,
             bytes: 1 << 27,
+            whole: u32::MAX,
             tuning: Tuning::NONE,
         };
         let contact = |shape: Shape, count: usize| {

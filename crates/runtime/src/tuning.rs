@@ -9,6 +9,9 @@
 pub struct Tuning {
     /// Most threads of a workgroup that runs the whole frame of a cloth. 64 or more; fewer count as 64.
     pub whole_threads: Option<u32>,
+    /// Most particles of a cloth that runs its whole frame in one workgroup where a scene starts with few cloths, up to
+    /// four. A larger one runs by tiles, on which more of the device works.
+    pub whole_particles: Option<u32>,
     /// Most threads of a workgroup that runs a tile. 64 or more; fewer count as 64.
     pub tile_threads: Option<u32>,
     /// Most particles of a tile, those around what it owns included. 256 or more; fewer count as 256, and more than the memory of
@@ -23,7 +26,8 @@ const MIN_PARTICLES: u32 = 256;
 
 impl Tuning {
     /// None: all sizes follow from limits.
-    pub(crate) const NONE: Tuning = Tuning { whole_threads: None, tile_threads: None, tile_particles: None };
+    pub(crate) const NONE: Tuning =
+        Tuning { whole_threads: None, whole_particles: None, tile_threads: None, tile_particles: None };
 
     /// Most threads for a whole frame, where a device has a number of them.
     pub(crate) fn for_whole(&self, threads: u32) -> u32 {
@@ -47,7 +51,8 @@ mod tests {
 
     #[test]
     fn any_numbers_are_brought_within_those_of_a_device() {
-        let of = |n: u32| Tuning { whole_threads: Some(n), tile_threads: Some(n), tile_particles: Some(n) };
+        let of =
+            |n: u32| Tuning { whole_threads: Some(n), tile_threads: Some(n), tile_particles: Some(n), ..Tuning::NONE };
         for (n, expected) in [(0, (64, 64, 256)), (128, (128, 128, 256)), (u32::MAX, (512, 512, u32::MAX))] {
             let tuning = of(n);
             let found = (tuning.for_whole(512), tuning.for_tile(512, 512), tuning.particles().unwrap_or(0));

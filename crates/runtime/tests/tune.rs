@@ -22,7 +22,8 @@ fn two() -> Scene {
 }
 
 fn of(size: u32) -> Option<Tuning> {
-    Some(Tuning { whole_threads: Some(size), tile_threads: Some(size), tile_particles: Some(4 * size) })
+    let [whole_threads, tile_threads, tile_particles] = [size, size, size.saturating_mul(4)].map(Some);
+    Some(Tuning { whole_threads, tile_threads, tile_particles, ..Tuning::default() })
 }
 
 #[test]
@@ -47,6 +48,29 @@ fn sizes_change_what_runs_and_leave_results_as_they_are() {
     let mut stepper = usual.stepper;
     let other = Options { tuning: of(64), ..stepper.options().clone() };
     assert!(matches!(stepper.set_options(other), Err(Error::FixedOption { option: "tuning" })));
+}
+
+#[test]
+fn few_large_cloths_run_by_tiles_and_many_run_whole_frames_with_the_same_bits() {
+    let Some(device) = device_with(device_limits) else { return };
+    let tuning = |most| Some(Tuning { whole_particles: Some(most), ..Tuning::default() });
+    let run = |cloth: &Cloth, cloths: usize, most| {
+        let mut all = scene(cloth.clone());
+        all.cloths.resize(cloths, cloth.clone());
+        all.colliders.push(Collider::new(Shape::Sphere { radius: 0.2 }, [0.5, -0.5, 0.1]));
+        Run::new(&all, &options(tuning(most)), &device)
+    };
+    let cloth = curtain(24);
+    for (cloths, most, tiled) in [(1, 575, true), (1, 576, false), (4, 575, true), (5, 575, false)] {
+        let run = run(&cloth, cloths, most);
+        assert_eq!(!run.tiles().is_empty(), tiled, "{cloths} cloths, {most}\n{}", run.stepper.plan());
+    }
+    let [tiled, whole] = [0, 576].map(|most| run(&cloth, 2, most).frames(4));
+    assert!((0..2).all(|cloth| tiled.bits(cloth) == whole.bits(cloth)));
+    // Where passes of a step have dispatches of their own, a workgroup runs them all.
+    let mut soft = curtain(24);
+    soft.set_material(&Material::named("cotton").unwrap()).unwrap();
+    assert!(run(&soft, 1, 0).tiles().is_empty());
 }
 
 #[test]

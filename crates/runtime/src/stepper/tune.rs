@@ -22,6 +22,8 @@ const REPEATS: u32 = 3;
 /// Sizes that are tried: threads of a workgroup, and particles of a tile.
 const THREADS: [u32; 5] = [1024, 512, 256, 128, 64];
 const PARTICLES: [u32; 4] = [512, 1024, 2304, 4096];
+/// Particles along each side of a cloth that is alone, in ascending order.
+const SIDES: [u32; 3] = [32, 48, 64];
 /// Share of the time that another size has to save, beside noise.
 const GAIN: f64 = 0.03;
 
@@ -30,7 +32,7 @@ type Handles<'a> = (&'a wgpu::Device, &'a wgpu::Queue);
 
 impl Stepper {
     /// Measures which sizes of workgroups and of tiles suit a device: whole frames of many cloths and tiles of a large one, with each of
-    /// up to 14 sizes. Submits to the queue and waits: up to some seconds, most of it compilation; a host does it once per
+    /// up to 14 sizes, and both forms of three cloths that are alone. Submits to the queue and waits: up to some seconds, most of it compilation; a host does it once per
     /// device and driver, and keeps the result. Wall clock, so other work on the device disturbs it. Errors on a device that is lost or has
     /// no memory left.
     ///
@@ -54,8 +56,27 @@ impl Stepper {
         let sizes = PARTICLES.iter().filter(|n| **n <= most).map(|n| Tuning { tile_particles: Some(*n), ..best });
         best = fastest((handles, &pipelines), &large, best, sizes.collect()).await?;
         let sizes = THREADS.iter().filter(|n| **n <= room.threads).map(|n| Tuning { tile_threads: Some(*n), ..best });
-        fastest((handles, &pipelines), &large, best, sizes.collect()).await
+        best = fastest((handles, &pipelines), &large, best, sizes.collect()).await?;
+        whole_of((handles, &pipelines), best, &room).await
     }
+}
+
+/// With the largest cloth that one workgroup runs faster than tiles do, where it is not the usual one.
+async fn whole_of(on: (Handles<'_>, &Pipelines), best: Tuning, room: &Room) -> Result<Tuning> {
+    let (mut usual, mut most, mut faster) = (0, 0, true);
+    for side in SIDES {
+        let (particles, mut scene) = (side * side, Scene::new("tuning"));
+        scene.cloths.push(hung("alone", side)?);
+        if !room.holds(&scene.cloths[0]) {
+            break;
+        }
+        let of = |most| Tuning { whole_particles: Some(most), ..best };
+        let [whole, tiled] = [measure(on, &scene, of(particles)).await?, measure(on, &scene, of(0)).await?];
+        let is_usual = particles <= room.whole;
+        faster &= if is_usual { whole * (1.0 - GAIN) < tiled } else { whole < tiled * (1.0 - GAIN) };
+        (usual, most) = (if is_usual { particles } else { usual }, if faster { particles } else { most });
+    }
+    Ok(Tuning { whole_particles: (most != usual).then_some(most), ..best })
 }
 
 /// The sizes with which a scene takes the least time; those of before unless others are quicker.

@@ -35,6 +35,11 @@ pub struct Sequence {
 }
 
 impl Sequence {
+    /// Whether a step is hardly more than a tile: at most one dispatch beside it.
+    pub fn is_tiled(&self) -> bool {
+        self.first.len() <= 2 && self.first.iter().any(|form| matches!(form, Form::Tile(_)))
+    }
+
     /// The dispatches of a frame of `steps` steps of `rounds` relaxations, and how often each is made, if forces of air act in every
     /// `hold`-th step and passes on coarser grids run in every `pyramid`-th.
     pub fn forms(&self, [steps, rounds, hold, pyramid]: [u32; 4]) -> Vec<(Form, u32)> {

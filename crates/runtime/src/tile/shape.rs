@@ -127,6 +127,7 @@ mod tests {
             loops: u32::MAX,
             busy: 256,
             bytes: 1 << 27,
+            whole: u32::MAX,
             tuning: Tuning::NONE,
         };
         let passes = [Pass::Integrate(Air::None)].into_iter().chain(COLOURS.map(|(direction, parity)| Pass::Stretch {

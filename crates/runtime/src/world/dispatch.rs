@@ -48,6 +48,7 @@ mod tests {
         loops: u32::MAX,
         busy: 8,
         bytes: 1 << 27,
+        whole: u32::MAX,
         tuning: Tuning::NONE,
     };
 

@@ -136,6 +136,15 @@ impl World {
                     frames.len() - 1
                 });
                 let (frame, fits) = &frames[at];
+                let tiled = cloth.len() > room.whole as usize && !cloth.is_cut() && is_shared(frame);
+                if tiled {
+                    let sequence = self.sequence_of((arena, index), (at, &mut sequences), &room);
+                    if sequence.is_tiled() {
+                        self.runs[index].sequence = Some(sequence);
+                        continue;
+                    }
+                }
+                let (cloth, run) = (&self.scene.cloths[index], &mut self.runs[index]);
                 let fused = if *fits { Fused::of(cloth, frame, &room) } else { None };
                 run.most = fused.as_ref().map_or(0, |f| by_loops((cloth, solids), f, iterations, &room));
                 run.fused = fused.filter(|f| run.most > 0 && by_work(relaxations(f), f.places, 1, &room) > 0);
@@ -273,7 +282,7 @@ mod tests {
         for (bytes, fused) in [(uncut, false), (2 * uncut, true)] {
             let mut world = World::new(scene.clone(), Options::default()).unwrap();
             let (memory, loops, tuning) = (65_536, u32::MAX, Tuning::NONE);
-            world.make_room(Room { memory, threads: 64, buffers: 8, loops, busy: 8, bytes, tuning });
+            world.make_room(Room { memory, threads: 64, buffers: 8, loops, busy: 8, bytes, whole: u32::MAX, tuning });
             assert_eq!((world.arenas.len(), world.is_fused(0)), (1, true), "{bytes}");
             world.scene.cloths.iter_mut().for_each(Cloth::open);
             world.reschedule();
