@@ -268,11 +268,13 @@ fn nudged(scene: &Scene, times: usize) -> impl Iterator<Item = Scene> {
     })
 }
 
-/// Stretch, energy and the middle agree to a thousandth, or to twice what starts that differ by rounding make of them on the CPU, at most half a percent.
+/// Stretch, energy and the middle agree to a thousandth, or to twice what starts that differ by rounding make of them on the CPU, at most half a percent,
+/// and one percent on an adapter that contracts.
 #[test]
 fn after_100_steps_the_measures_agree() {
     let Some(gpu) = device() else { return };
     let mut apart = Vec::new();
+    let most = if support::alike::tolerates(&gpu) { 1e-2 } else { 5e-3 };
     for (solver, name, scene) in solved() {
         let scene = if solver == Solver::Xpbd { support::smooth(scene) } else { scene };
         let options = Options { solver, substeps: Some(10), pyramid: 4, ..Options::default() };
@@ -296,7 +298,7 @@ fn after_100_steps_the_measures_agree() {
         }
         let chance = nudged(&scene, 4).map(|scene| differences(&of(on_cpu(scene, &options, 10))));
         let chance = chance.fold([0.0; 4], |most: [f64; 4], new| [0, 1, 2, 3].map(|k| most[k].max(new[k])));
-        if (0..4).any(|k| found[k] > (2.0 * chance[k]).clamp(1e-3, 5e-3)) {
+        if (0..4).any(|k| found[k] > (2.0 * chance[k]).clamp(1e-3, most)) {
             apart.push(format!("{solver:?}, {name}: {found:?}, by chance {chance:?}: {there:?} {here:?}"));
         }
     }
@@ -439,8 +441,7 @@ fn another_stepper_compiles_nothing_that_the_first_has() {
 
 /// A device with all that the runtime can use, timestamp queries among it.
 fn device_with_times() -> Option<(wgpu::Device, wgpu::Queue)> {
-    let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()));
-    let Ok(adapter) = adapter else { return support::lacking("no GPU adapter") };
+    let adapter = support::any()?;
     let required_features = device_features(&adapter);
     if required_features.is_empty() {
         return support::lacking("the adapter has no timestamp queries");

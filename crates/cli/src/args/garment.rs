@@ -156,7 +156,7 @@ pub struct DressArgs {
     pub fit: FitArgs,
     /// The collider of cloth: the fitted colliders (capsules), the surface of the body, nearer to it for clothes that start outside of it, or (auto)
     /// the surface if at most 1 % of the free particles start more than 5 mm inside of it.
-    #[arg(long, value_name = "KIND", default_value = "capsules", value_parser = choice::<Tier>())]
+    #[arg(long, value_name = "KIND", default_value = "auto", value_parser = choice::<Tier>())]
     pub collider: Tier,
 }
 
@@ -262,5 +262,24 @@ impl DressArgs {
 fn set<T>(option: &mut T, value: Option<T>) {
     if let Some(value) = value {
         *option = value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Dress {
+        #[command(flatten)]
+        args: DressArgs,
+    }
+
+    #[test]
+    fn without_flags_the_options_are_those_of_the_library() {
+        let args = Dress::try_parse_from(["dress", "mage.glb", "-o", "mage.gim"]).unwrap().args;
+        assert_eq!(format!("{:?}", args.colliders()), format!("{:?}", ColliderOptions::default()));
+        assert_eq!(format!("{:?}", args.build.options()), format!("{:?}", BuildOptions::default()));
     }
 }

@@ -34,10 +34,14 @@ pub struct Sequence {
     pub last: Vec<Form>,
 }
 
+/// Passes of a step that may have dispatches of their own beside its tiles: each takes a GPU some microseconds.
+const MAX_APART: usize = 4;
+
 impl Sequence {
-    /// Whether a step is hardly more than a tile: at most one dispatch beside it.
+    /// Whether tiles do most of a step: a few passes at most have dispatches of their own.
     pub fn is_tiled(&self) -> bool {
-        self.first.len() <= 2 && self.first.iter().any(|form| matches!(form, Form::Tile(_)))
+        let tiles = self.first.iter().filter(|form| matches!(form, Form::Tile(_))).count();
+        tiles > 0 && self.first.len() - tiles <= MAX_APART
     }
 
     /// The dispatches of a frame of `steps` steps of `rounds` relaxations, and how often each is made, if forces of air act in every

@@ -282,7 +282,17 @@ mod tests {
         for (bytes, fused) in [(uncut, false), (2 * uncut, true)] {
             let mut world = World::new(scene.clone(), Options::default()).unwrap();
             let (memory, loops, tuning) = (65_536, u32::MAX, Tuning::NONE);
-            world.make_room(Room { memory, threads: 64, buffers: 8, loops, busy: 8, bytes, whole: u32::MAX, tuning });
+            world.make_room(Room {
+                memory,
+                threads: 64,
+                buffers: 8,
+                loops,
+                busy: 8,
+                bytes,
+                whole: u32::MAX,
+                per_thread: 4,
+                tuning,
+            });
             assert_eq!((world.arenas.len(), world.is_fused(0)), (1, true), "{bytes}");
             world.scene.cloths.iter_mut().for_each(Cloth::open);
             world.reschedule();

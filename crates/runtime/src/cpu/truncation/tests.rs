@@ -195,3 +195,32 @@ fn points_of_even_blocks_cross_nothing_within_their_reach() {
     }
     assert!(even > 100 && bent > 20, "{even} even blocks, {bent} of them bent");
 }
+
+#[test]
+fn a_single_point_that_is_stuck_causes_no_search() {
+    let run = |stuck: bool| {
+        let (cloths, mut truncation) = two(24);
+        let middle = truncation.last.len() / 2 + 12 * 24 + 12;
+        let (mut searches, mut most) = (0, 0);
+        for step in 0..40 {
+            for k in 0..truncation.last.len() {
+                // Both sheets fall alike; one point wants to get through the lower one.
+                let down = if stuck && k == middle { -0.02 } else { -0.001 };
+                truncation.want[k] = rounded(add(truncation.last[k], [0.0, down, 0.0]));
+            }
+            let outcome = truncation.step(&Threads::one());
+            assert!(step == 0 || !stuck || outcome.slowed <= 1, "step {step}: {outcome:?}");
+            searches += u32::from(truncation.age == 1);
+            most = most.max(outcome.searches);
+        }
+        assert_eq!(found(&cloths, &truncation), [0, 0]);
+        assert!((truncation.last[0][1] + 0.04).abs() < 1e-5, "the others fall: {}", truncation.last[0][1]);
+        let gap = truncation.last[middle][1] - truncation.last[12 * 24 + 12][1];
+        (searches, most, gap)
+    };
+    let ((few, one, apart), (many, most, gap)) = (run(false), run(true));
+    assert!(few < 12 && one == 1 && apart > 0.029, "{few} searches, {one} in a step, {apart} m");
+    // It is renewed where it is; in one step it may be renewed more than once.
+    assert!(many <= few + 1 && most <= 4, "{many} searches and not {few}, {most} in a step");
+    assert!((0.0..0.01).contains(&gap), "it is held above the lower sheet: {gap} m");
+}
