@@ -21,7 +21,7 @@ use crate::scene::Pose;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Fate {
-    /// Springs are longer than [`MAX_LENGTH`] times their rest length, or, without compliance, one in a hundred is extended by
+    /// Springs are longer than [`MAX_LENGTH`] times their rest length, and that of the mean, or, without compliance, one in a hundred is extended by
     /// more than [`MAX_P99`] after the first second; of a material also by more than its weight would do to a strip 10 cm
     /// wide.
     Stretched {
@@ -137,7 +137,7 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Length / rest length of a spring beyond which cloth counts as torn out of shape.
+/// Length / rest length of a spring beyond which cloth counts as torn out of shape; of a spring shorter than the mean, length / mean rest length.
 pub const MAX_LENGTH: f64 = 3.0;
 /// Extension that one spring in a hundred may have.
 pub const MAX_P99: f64 = 0.1;
@@ -243,7 +243,8 @@ impl Watchdog {
         if let Some(s) = stretch {
             // Starts are abrupt.
             let rubber = s.p99 > largest(cloth, sight.gravity) && sight.time - start > SETTLED_S;
-            if rubber || s.max + 1.0 > MAX_LENGTH {
+            let is_torn = || s.max + 1.0 > MAX_LENGTH && health::longest(cloth, now) > MAX_LENGTH;
+            if rubber || is_torn() {
                 self.find(sight, Fate::Stretched { ratio: s.max + 1.0, p99: s.p99 });
             }
         }

@@ -66,6 +66,30 @@ pub(crate) fn stretch<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> Option<Stretch>
     Some(Stretch { mean: sum / f64::max(count as f64, 1.0), p99, max })
 }
 
+/// The largest length of a spring to the right or down over its rest length, or over the mean rest length of the cloth where that is larger: springs
+/// of cells that a map squeezes are a fraction of the others, and their own length is no measure of what is seen. Springs between two pins do not
+/// count.
+pub(crate) fn longest<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> f64 {
+    let (mut all, mut sum, mut count) = (Vec::new(), 0.0, 0u32);
+    for (index, grid) in cloth.grids().iter().enumerate() {
+        for (k, direction) in (0..grid.texels()).flat_map(|k| [(k, 0), (k, 1)]) {
+            let (Some(other), at) = (cloth.neighbour(index, k, direction), grid.range().start + k) else { continue };
+            let rest = match cloth.rest() {
+                Rest::None => continue,
+                Rest::Constant(rest) => rest[index][direction],
+                Rest::Image(rest) => rest[at][direction],
+            };
+            let extension = extension(&now[at], &now[other], rest);
+            if extension >= 0.0 {
+                all.push((rest, (1.0 + extension) * rest));
+                (sum, count) = (sum + f64::from(rest), count + 1);
+            }
+        }
+    }
+    let mean = sum / f64::from(count.max(1));
+    all.iter().map(|(rest, length)| f64::from(*length) / mean.max(f64::from(*rest))).fold(0.0, f64::max)
+}
+
 /// Extension of a spring, at least 0; -1 of none, and of one between two pins.
 #[inline(always)]
 fn extension<T: Real>(a: &[T; 4], b: &[T; 4], rest: f32) -> f32 {

@@ -126,3 +126,34 @@ fn a_host_that_reads_positions_back_finds_the_same() {
     assert!(matches!(fates(&stepper)[..], [Fate::Stretched { ratio, .. }] if (ratio - 4.0).abs() < 0.01));
     assert!(stepper.examine(1, &now, &now).is_err() && stepper.examine(0, &now[1..], &now).is_err());
 }
+
+/// A map squeezes cells in corners: what is torn there is short beside all that is seen.
+#[test]
+fn a_short_spring_counts_as_torn_where_it_is_three_times_as_long_as_the_mean() {
+    let like = square(9, 0.0);
+    let side = like.positions()[1][0] - like.positions()[0][0];
+    // The spring to the right of the particle in the middle is a third as long as the others.
+    let rest = |k: usize| [if k == 40 { side / 3.0 } else { side }, side, 0.0, 0.0];
+    let mut cloth = Cloth::new(Parts {
+        name: "squeezed".into(),
+        grids: like.grids().to_vec(),
+        positions: like.positions().to_vec(),
+        particles: like.particles().to_vec(),
+        rest: Rest::Image((0..81).map(rest).collect()),
+        mass: Mass::Constant(0.01),
+    })
+    .unwrap();
+    cloth.velocity = [0.0; 3];
+    for (times, torn) in [(3.5, false), (8.5, false), (9.5, true)] {
+        let mut stepper = run(scene(cloth.clone(), &[]), Options::default(), 1);
+        let mut now: Vec<_> = like.positions().iter().map(|p| [p[0], p[1], p[2], 1.0]).collect();
+        // Out of the plane, so that other springs are as long or nearly.
+        let far = f32::sqrt((times * side / 3.0).powi(2) - side * side);
+        now.iter_mut().enumerate().filter(|(k, _)| k % 9 > 4).for_each(|(_, p)| p[1] += far);
+        now.iter_mut().enumerate().filter(|(k, _)| k % 9 == 4 && k / 9 != 4).for_each(|(_, p)| p[1] += 0.5 * far);
+        let stretch = stepper.examine(0, &now, &now).unwrap().stretch.unwrap();
+        assert!((stretch.max + 1.0 - f64::from(times)).abs() < 0.01, "{stretch:?}");
+        let found = fates(&stepper).iter().any(|f| matches!(f, Fate::Stretched { .. }));
+        assert_eq!(found, torn, "{times} times as long: {stretch:?}");
+    }
+}
