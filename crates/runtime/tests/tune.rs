@@ -67,10 +67,13 @@ fn few_large_cloths_run_by_tiles_and_many_run_whole_frames_with_the_same_bits() 
     }
     let [tiled, whole] = [0, 576].map(|most| run(&cloth, 2, most).frames(4));
     assert!((0..2).all(|cloth| tiled.bits(cloth) == whole.bits(cloth)));
-    // Where passes of a step have dispatches of their own, a workgroup runs them all.
+    // Passes that no tile has get dispatches of their own.
     let mut soft = curtain(24);
     soft.set_material(&Material::named("cotton").unwrap()).unwrap();
-    assert!(run(&soft, 1, 0).tiles().is_empty());
+    let [apart, whole] = [0, 576].map(|most| run(&soft, 1, most).frames(4));
+    let dispatches = [&apart, &whole].map(|run| run.stepper.plan().dispatches());
+    assert!(dispatches[0] > 20 && dispatches[1] == 1, "{dispatches:?}");
+    assert!(apart.bits(0) == whole.bits(0));
 }
 
 #[test]

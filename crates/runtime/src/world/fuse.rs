@@ -139,7 +139,7 @@ impl World {
                 let tiled = cloth.len() > room.whole as usize && !cloth.is_cut() && is_shared(frame);
                 if tiled {
                     let sequence = self.sequence_of((arena, index), (at, &mut sequences), &room);
-                    if sequence.is_tiled() {
+                    if sequence.is_short() {
                         self.runs[index].sequence = Some(sequence);
                         continue;
                     }
