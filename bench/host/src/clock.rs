@@ -15,7 +15,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// What a device needs for it.
+    /// Features that a device has to have for it.
     pub const FEATURES: wgpu::Features =
         wgpu::Features::TIMESTAMP_QUERY.union(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
 

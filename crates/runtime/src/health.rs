@@ -67,7 +67,7 @@ pub(crate) fn stretch<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> Option<Stretch>
 }
 
 /// The largest length of a spring to the right or down over its rest length, or over the mean rest length of the cloth where that is larger: springs
-/// of cells that a map squeezes are a fraction of the others, and their own length is no measure of what is seen. Springs between two pins do not
+/// of cells that a map squeezes are a fraction of the others, and their own length does not measure what is seen. Springs between two pins do not
 /// count.
 pub(crate) fn longest<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> f64 {
     let (mut all, mut sum, mut count) = (Vec::new(), 0.0, 0u32);

@@ -30,7 +30,7 @@ pub struct Room {
     pub(crate) tuning: Tuning,
 }
 
-/// [`Room::whole`] of a GPU. A workgroup takes .070, .104 and .154 ms for 8 steps of 32, 48 and 64 particles a side on an H200, tiles of any of them about
+/// [`Room::whole`] of a GPU. A workgroup takes .070, .104 and .154 ms for 8 steps of 32, 48 and 64 particles per side on an H200, tiles of any of them about
 /// .09 ms.
 #[cfg(feature = "gpu")]
 const WHOLE: u32 = 2048;
@@ -74,7 +74,7 @@ impl Room {
         Room { tuning: tuning.unwrap_or_default(), ..self }
     }
 
-    /// That of a scene that starts with so many cloths.
+    /// That of a scene that starts with this number of cloths.
     pub(crate) fn among(self, cloths: usize) -> Self {
         let whole = if cloths > FEW { u32::MAX } else { self.tuning.whole_particles.unwrap_or(self.whole) };
         let per_thread = if cloths > self.busy as usize { PER_BUSY_THREAD } else { PER_THREAD };
