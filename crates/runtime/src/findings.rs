@@ -29,6 +29,8 @@ pub enum Fate {
         ratio: f64,
         /// 99th percentile of the extension.
         p99: f64,
+        /// Whether an end of a spring that is extended most is a pin.
+        at_pin: bool,
     },
     /// The cloth touched colliders, and its topmost particle is below all of these: it slid off or went through.
     Left,
@@ -89,12 +91,14 @@ impl fmt::Display for Finding {
         let Finding { name, time, substeps, .. } = self;
         write!(f, "cloth '{name}', at {time:.2} s: ")?;
         match self.fate {
-            Fate::Stretched { ratio, p99 } => write!(
-                f,
-                "springs are up to {ratio:.1} times as long as at rest, and 1 in 100 is at least {:.0} % longer: use more \
-                 substeps (now {substeps}) and, without a material, 8 or more rounds of polish",
-                100.0 * p99
-            ),
+            Fate::Stretched { ratio, p99, at_pin } => {
+                let percent = 100.0 * p99;
+                write!(f, "springs are up to {ratio:.1} times as long as at rest, and 1 in 100 is at least {percent:.0} % longer: ")?;
+                if at_pin {
+                    f.write_str("the longest is at a pin, so keep pins out of colliders and the body, and pin what lies between them; else ")?;
+                }
+                write!(f, "use more substeps (now {substeps}) and, without a material, 8 or more rounds of polish")
+            }
             Fate::Left => f.write_str(
                 "it left its body: its topmost particle is below all colliders that it touched: use more substeps and no \
                  pyramid, more friction, or pins",
@@ -243,9 +247,12 @@ impl Watchdog {
         if let Some(s) = stretch {
             // Starts are abrupt.
             let rubber = s.p99 > largest(cloth, sight.gravity) && sight.time - start > SETTLED_S;
-            let is_torn = || s.max + 1.0 > MAX_LENGTH && health::longest(cloth, now) > MAX_LENGTH;
-            if rubber || is_torn() {
-                self.find(sight, Fate::Stretched { ratio: s.max + 1.0, p99: s.p99 });
+            if rubber || s.max + 1.0 > MAX_LENGTH {
+                let longest = health::longest(cloth, now);
+                if rubber || longest.length > MAX_LENGTH {
+                    let (ratio, p99, at_pin) = (s.max + 1.0, s.p99, longest.is_at_pin);
+                    self.find(sight, Fate::Stretched { ratio, p99, at_pin });
+                }
             }
         }
         if let Some(fate) = gone {

@@ -66,11 +66,21 @@ pub(crate) fn stretch<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> Option<Stretch>
     Some(Stretch { mean: sum / f64::max(count as f64, 1.0), p99, max })
 }
 
-/// The largest length of a spring to the right or down over its rest length, or over the mean rest length of the cloth where that is larger: springs
-/// of cells that a map squeezes are a fraction of the others, and their own length does not measure what is seen. Springs between two pins do not
-/// count.
-pub(crate) fn longest<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> f64 {
-    let (mut all, mut sum, mut count) = (Vec::new(), 0.0, 0u32);
+/// The longest springs of a cloth that is in trouble.
+pub(crate) struct Longest {
+    /// The largest length of a spring to the right or down over its rest length, or over the mean rest length of the cloth where that is larger:
+    /// springs of cells that a map squeezes are a fraction of the others, and their own length does not measure what is seen.
+    pub length: f64,
+    /// Whether an end of a spring that is extended most, or nearly so, is a pin.
+    pub is_at_pin: bool,
+}
+
+/// Share of the largest extension that another is nearly as large with.
+const NEARLY: f64 = 0.9;
+
+/// Springs between two pins do not count.
+pub(crate) fn longest<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> Longest {
+    let (mut all, mut sum) = (Vec::new(), 0.0);
     for (index, grid) in cloth.grids().iter().enumerate() {
         for (k, direction) in (0..grid.texels()).flat_map(|k| [(k, 0), (k, 1)]) {
             let (Some(other), at) = (cloth.neighbour(index, k, direction), grid.range().start + k) else { continue };
@@ -81,13 +91,16 @@ pub(crate) fn longest<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> f64 {
             };
             let extension = extension(&now[at], &now[other], rest);
             if extension >= 0.0 {
-                all.push((rest, (1.0 + extension) * rest));
-                (sum, count) = (sum + f64::from(rest), count + 1);
+                let is_at_pin = [at, other].iter().any(|k| now[*k][3] == T::of(0.0));
+                all.push((f64::from(rest), f64::from(extension), is_at_pin));
+                sum += f64::from(rest);
             }
         }
     }
-    let mean = sum / f64::from(count.max(1));
-    all.iter().map(|(rest, length)| f64::from(*length) / mean.max(f64::from(*rest))).fold(0.0, f64::max)
+    let mean = sum / f64::max(all.len() as f64, 1.0);
+    let length = all.iter().map(|(rest, e, _)| (1.0 + e) * rest / mean.max(*rest)).fold(0.0, f64::max);
+    let most = all.iter().map(|(_, e, _)| *e).fold(0.0, f64::max);
+    Longest { length, is_at_pin: all.iter().any(|(_, e, is_at_pin)| *is_at_pin && *e >= NEARLY * most) }
 }
 
 /// Extension of a spring, at least 0; -1 of none, and of one between two pins.

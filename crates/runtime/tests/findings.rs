@@ -153,7 +153,26 @@ fn a_short_spring_counts_as_torn_where_it_is_three_times_as_long_as_the_mean() {
         now.iter_mut().enumerate().filter(|(k, _)| k % 9 == 4 && k / 9 != 4).for_each(|(_, p)| p[1] += 0.5 * far);
         let stretch = stepper.examine(0, &now, &now).unwrap().stretch.unwrap();
         assert!((stretch.max + 1.0 - f64::from(times)).abs() < 0.01, "{stretch:?}");
-        let found = fates(&stepper).iter().any(|f| matches!(f, Fate::Stretched { .. }));
+        let found = fates(&stepper).iter().any(|f| matches!(f, Fate::Stretched { at_pin: false, .. }));
         assert_eq!(found, torn, "{times} times as long: {stretch:?}");
+    }
+}
+
+#[test]
+fn where_the_longest_spring_is_at_a_pin_the_finding_says_so() {
+    for (pinned, dragged) in [(None, 40), (Some(40), 40), (Some(0), 40), (Some(39), 40)] {
+        let mut cloth = square(9, 0.0);
+        pinned.into_iter().for_each(|k| cloth.set_pinned(k, true).unwrap());
+        let mut stepper = run(scene(cloth, &[]), Options::default(), 1);
+        let mut now = stepper.positions(0).unwrap().to_vec();
+        now[dragged][1] += 0.6;
+        stepper.examine(0, &now, &now).unwrap();
+        let is_near = pinned.is_some_and(|k| k.abs_diff(dragged) < 2);
+        let found = stepper.findings();
+        assert!(
+            matches!(found[..], [Finding { fate: Fate::Stretched { at_pin, .. }, .. }] if at_pin == is_near),
+            "{found:?}"
+        );
+        assert_eq!(found[0].to_string().contains("the longest is at a pin"), is_near);
     }
 }
