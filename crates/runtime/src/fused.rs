@@ -31,7 +31,7 @@ impl Fused {
             full: many && room.hold(cloth.len(), NOTES) != Some(hold),
             hold,
             places: (cloth.len() as u32).next_multiple_of(64),
-            threads: (cloth.len() as u32 / room.per_thread)
+            threads: (cloth.len() as u32 / room.per_thread())
                 .next_power_of_two()
                 .clamp(LEAST, room.tuning.for_whole(room.threads)),
         })

@@ -111,7 +111,7 @@ mod tests {
             busy: 8,
             bytes: 1 << 27,
             whole: u32::MAX,
-            per_thread: 4,
+            cloths: 1,
             tuning: Tuning::NONE,
         };
         let contact = |shape: Shape, count: usize| {

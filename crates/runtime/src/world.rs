@@ -217,7 +217,6 @@ impl World {
 
     /// Takes the capacity of the device that will step.
     pub fn make_room(&mut self, room: Room) {
-        let room = room.among(self.scene.cloths.len());
         let held = |cloth: usize| self.runs[cloth].instance();
         self.arenas = arenas(&self.scene.cloths, held, &self.control.options, &room);
         self.room = Some(room);

@@ -65,6 +65,10 @@ fn few_large_cloths_run_by_tiles_and_many_run_whole_frames_with_the_same_bits() 
         let run = run(&cloth, cloths, most);
         assert_eq!(!run.tiles().is_empty(), tiled, "{cloths} cloths, {most}\n{}", run.stepper.plan());
     }
+    // Cloths that come later change nothing of it.
+    let mut later = run(&cloth, 1, 0);
+    (0..5).for_each(|_| drop(later.stepper.add_cloth(cloth.clone()).unwrap()));
+    assert!(!later.tiles().is_empty(), "{}", later.stepper.plan());
     let [tiled, whole] = [0, 576].map(|most| run(&cloth, 2, most).frames(4));
     assert!((0..2).all(|cloth| tiled.bits(cloth) == whole.bits(cloth)));
     // Passes that no tile has get dispatches of their own.

@@ -24,8 +24,8 @@ pub struct Room {
     pub(crate) bytes: u64,
     /// Most particles of a cloth among few that runs its whole frame in one workgroup.
     pub(crate) whole: u32,
-    /// Particles of a thread in whole frames.
-    pub(crate) per_thread: u32,
+    /// Cloths that the scene starts with.
+    pub(crate) cloths: usize,
     /// Sizes that the host has measured.
     pub(crate) tuning: Tuning,
 }
@@ -36,7 +36,7 @@ pub struct Room {
 const WHOLE: u32 = 2048;
 /// Cloths that are few: whole frames of more keep the cores of a small GPU busy.
 const FEW: usize = 4;
-/// [`Room::per_thread`]: with 2 a thread has one spring of each colour. Cloths of 32 x 32 particles take .8 to .9 of the time that they take with 4, and
+/// Particles of a thread in whole frames: with 2 a thread has one spring of each colour. Cloths of 32 x 32 particles take .8 to .9 of the time that they take with 4, and
 /// 1,000 of them, which keep an H200 busy, 1.1 of it.
 const PER_THREAD: u32 = 2;
 const PER_BUSY_THREAD: u32 = 4;
@@ -63,7 +63,7 @@ impl Room {
             bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
             // Each core plays whole workgroups, and tiles are more work.
             whole: if software { u32::MAX } else { WHOLE },
-            per_thread: PER_THREAD,
+            cloths: 1,
             tuning: Tuning::NONE,
         }
     }
@@ -74,11 +74,20 @@ impl Room {
         Room { tuning: tuning.unwrap_or_default(), ..self }
     }
 
-    /// That of a scene that starts with this number of cloths.
+    /// That of a scene that starts with this number of cloths. Cloths that come or go later do not change the forms of others.
     pub(crate) fn among(self, cloths: usize) -> Self {
-        let whole = if cloths > FEW { u32::MAX } else { self.tuning.whole_particles.unwrap_or(self.whole) };
-        let per_thread = if cloths > self.busy as usize { PER_BUSY_THREAD } else { PER_THREAD };
-        Room { whole, per_thread, ..self }
+        Room { cloths, ..self }
+    }
+
+    /// Most particles of a cloth that runs its whole frame in one workgroup, if it fits there.
+    pub(crate) fn most_whole(&self) -> usize {
+        let few = || self.tuning.whole_particles.unwrap_or(self.whole) as usize;
+        if self.cloths > FEW { usize::MAX } else { few() }
+    }
+
+    /// Particles of a thread in whole frames.
+    pub(super) fn per_thread(&self) -> u32 {
+        if self.cloths > self.busy as usize { PER_BUSY_THREAD } else { PER_THREAD }
     }
 
     /// Whether the positions of a cloth fit the memory of a workgroup.

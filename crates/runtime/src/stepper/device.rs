@@ -90,7 +90,8 @@ impl Stepper {
         let cpu = if on_cpu { Some((world.bodies(), Threads::new(world.control.options.threads)?)) } else { None };
         if let (false, Some((device, _))) = (on_cpu, gpu) {
             let tuning = world.control.options.tuning;
-            world.make_room(Room::of(device).tuned(tuning));
+            let cloths = world.scene.cloths.len();
+            world.make_room(Room::of(device).tuned(tuning).among(cloths));
         }
         let make = |handles: (&wgpu::Device, &wgpu::Queue)| {
             let pipelines = pipelines.unwrap_or_else(|| Pipelines::new(handles.0, None));

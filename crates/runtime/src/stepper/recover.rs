@@ -35,8 +35,8 @@ impl Stepper {
         }
         let (on_cpu, warning) = consider(self.options().backend, handles, None)?;
         let cpu = if on_cpu { Some(Threads::new(self.options().threads)?) } else { None };
-        let tuning = self.options().tuning;
-        self.world.start_again((!on_cpu).then(|| Room::of(device).tuned(tuning)));
+        let (tuning, cloths) = (self.options().tuning, self.world.scene.cloths.len());
+        self.world.start_again((!on_cpu).then(|| Room::of(device).tuned(tuning).among(cloths)));
         self.gpu = Some(guard(device, || Gpu::new(&self.world, handles, Pipelines::new(device, None), on_cpu))?);
         self.cpu = cpu.map(|threads| (self.world.bodies(), threads));
         self.world.host.adapter = warning;

@@ -128,7 +128,7 @@ mod tests {
             busy: 256,
             bytes: 1 << 27,
             whole: u32::MAX,
-            per_thread: 4,
+            cloths: 1,
             tuning: Tuning::NONE,
         };
         let passes = [Pass::Integrate(Air::None)].into_iter().chain(COLOURS.map(|(direction, parity)| Pass::Stretch {

@@ -17,6 +17,8 @@ impl World {
         let kept = self.kept_in(&later);
         let any = kept.iter().any(Option::is_some);
         if let Some(room) = self.room {
+            // A scene without a cloth of this one is that of another stepper.
+            let room = if any { room } else { room.among(later.scene.cloths.len()) };
             later.make_room(room);
             if any {
                 later.arenas = self.arenas_in(&later, &kept, &room);

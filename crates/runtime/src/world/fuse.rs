@@ -136,7 +136,7 @@ impl World {
                     frames.len() - 1
                 });
                 let (frame, fits) = &frames[at];
-                let tiled = cloth.len() > room.whole as usize && !cloth.is_cut() && is_shared(frame);
+                let tiled = cloth.len() > room.most_whole() && !cloth.is_cut() && is_shared(frame);
                 if tiled {
                     let sequence = self.sequence_of((arena, index), (at, &mut sequences), &room);
                     if sequence.is_short() {
@@ -290,7 +290,7 @@ mod tests {
                 busy: 8,
                 bytes,
                 whole: u32::MAX,
-                per_thread: 4,
+                cloths: 1,
                 tuning,
             });
             assert_eq!((world.arenas.len(), world.is_fused(0)), (1, true), "{bytes}");
