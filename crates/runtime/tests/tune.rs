@@ -67,7 +67,7 @@ fn few_large_cloths_run_by_tiles_and_many_run_whole_frames_with_the_same_bits() 
     }
     // Cloths that come later change nothing of it.
     let mut later = run(&cloth, 1, 0);
-    (0..5).for_each(|_| drop(later.stepper.add_cloth(cloth.clone()).unwrap()));
+    (0..5).for_each(|_| _ = later.stepper.add_cloth(cloth.clone()).unwrap());
     assert!(!later.tiles().is_empty(), "{}", later.stepper.plan());
     let [tiled, whole] = [0, 576].map(|most| run(&cloth, 2, most).frames(4));
     assert!((0..2).all(|cloth| tiled.bits(cloth) == whole.bits(cloth)));
