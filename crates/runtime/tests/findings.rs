@@ -127,7 +127,7 @@ fn a_host_that_reads_positions_back_finds_the_same() {
     assert!(stepper.examine(1, &now, &now).is_err() && stepper.examine(0, &now[1..], &now).is_err());
 }
 
-/// A map squeezes cells in corners: what is torn there is short beside all that is seen.
+/// Maps compress cells in corners. A spring there that is many times its rest length can still be shorter than the springs around it.
 #[test]
 fn a_short_spring_counts_as_torn_where_it_is_three_times_as_long_as_the_mean() {
     let like = square(9, 0.0);
