@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Parser;
-use gimage_bench_host::{FRAME, Gpu, Host};
+use gimage_bench_host::{FRAME, Gpu, Host, device_columns};
 use gimage_runtime::{Backend, Options};
 
 /// Frames before the clock starts: pipelines are made, and buffers first touched.
@@ -111,11 +111,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 host.stepper.set_levels(&all)?;
                 let (mut times, mut device_times) = times(&mut host, &args)?;
                 times.sort_by(f64::total_cmp);
-                device_times.sort_by(f64::total_cmp);
-                let on_device = match device_times[..] {
-                    [] => ",".to_owned(),
-                    _ => format!("{:.4},{:.4}", device_times[0], device_times[device_times.len() / 2]),
-                };
+                let on_device = device_columns(&mut device_times);
                 let (least, median) = (times[0], times[times.len() / 2]);
                 let each = median / f64::from(garments);
                 let (memory, dispatches) = (host.stepper.memory(), host.stepper.plan().dispatches());

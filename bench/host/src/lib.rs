@@ -13,6 +13,15 @@ pub use gpu::Gpu;
 /// Length of a frame at 60 Hz \[s\].
 pub const FRAME: f64 = 1.0 / 60.0;
 
+/// The least and the middle one of a frame's times by the clock of a device, as two columns of CSV: empty where there are none.
+pub fn device_columns(times: &mut [f64]) -> String {
+    times.sort_by(f64::total_cmp);
+    match *times {
+        [] => ",".to_owned(),
+        [least, ..] => format!("{least:.4},{:.4}", times[times.len() / 2]),
+    }
+}
+
 /// A scene in motion, on the GPU if there is one and on the CPU otherwise.
 pub struct Host<'a> {
     /// Its stepper.

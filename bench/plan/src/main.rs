@@ -4,7 +4,7 @@ mod scenes;
 mod timing;
 
 use clap::Parser;
-use gimage_bench_host::Gpu;
+use gimage_bench_host::{Gpu, device_columns};
 use gimage_runtime::{Backend, Options};
 use scenes::{Case, cases};
 use timing::{host, time};
@@ -83,10 +83,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 }
             }
             // Sorted: the least, and the middle one.
-            times.iter_mut().chain(&mut device_times).for_each(|t| t.sort_by(f64::total_cmp));
+            times.iter_mut().for_each(|t| t.sort_by(f64::total_cmp));
             let figures: Vec<[f64; 2]> = times.iter().map(|t| [t[0], t[t.len() / 2]]).collect();
             for ((((Case { name, options, .. }, times), device_times), plan), [least, median]) in
-                cases.iter().zip(&times).zip(&device_times).zip(&plans).zip(&figures)
+                cases.iter().zip(&times).zip(&mut device_times).zip(&plans).zip(&figures)
             {
                 let (dispatches, bytes) = (plan.dispatches(), plan.bytes());
                 let plain =
@@ -94,10 +94,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let over = [least - plain[0], median - plain[1]];
                 let backend = if backend == Backend::Cpu { "cpu" } else { "gpu" };
                 let frames = times.len();
-                let on_device = match device_times[..] {
-                    [] => ",".to_owned(),
-                    _ => format!("{:.4},{:.4}", device_times[0], device_times[device_times.len() / 2]),
-                };
+                let on_device = device_columns(device_times);
                 println!(
                     "{n},{name},{backend},{dispatches},{bytes},{frames},{least:.3},{median:.3},{:+.3},{:+.3},{on_device}",
                     over[0], over[1]
