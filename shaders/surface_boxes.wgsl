@@ -1,5 +1,5 @@
 // Boxes around the patches of a surface at the start of the frame, a thread a patch. `surface_boxes` has three rows each: the low corner, the
-// high corner, and a vertex in the middle.
+// high corner, and a vertex in the middle; their fourth numbers are how that vertex goes in the frame.
 @group(0) @binding(94) var<storage, read> surface_vertices: array<vec4<f32>>;
 @group(0) @binding(96) var<storage, read_write> surface_boxes: array<vec4<f32>>;
 
@@ -24,7 +24,9 @@ fn main(
       high = max(high, p);
     }
   }
-  surface_boxes[3u * n] = vec4<f32>(low, 0.0);
-  surface_boxes[3u * n + 1u] = vec4<f32>(high, 0.0);
-  surface_boxes[3u * n + 2u] = vec4<f32>(start_of(surface_triangles[2u * patch_middle(n)].x), 0.0);
+  let middle = surface_triangles[2u * patch_middle(n)].x;
+  let way = end_of(middle) - start_of(middle);
+  surface_boxes[3u * n] = vec4<f32>(low, way.x);
+  surface_boxes[3u * n + 1u] = vec4<f32>(high, way.y);
+  surface_boxes[3u * n + 2u] = vec4<f32>(start_of(middle), way.z);
 }

@@ -13,7 +13,7 @@
 @group(0) @binding(98) var<storage, read> wearers: array<vec4<u32>>;
 @group(0) @binding(99) var<storage, read_write> found_planes: array<vec4<f32>>;
 
-// A point of the surface, seen from a particle at the start of a frame.
+// A point of the surface, seen from a particle, at the start of a frame or at another time in it.
 struct View {
   // The end of the point's way in the frame, and the way.
   to: vec3<f32>,
@@ -36,6 +36,17 @@ struct Known {
   spot: Spot,
   view: View,
   second: u32,
+}
+
+// Where a particle is at the end of a frame in which a patch comes to it.
+struct Struck {
+  found: bool,
+  spot: Spot,
+  view: View,
+  // How the plane goes in the frame, in metres.
+  drift: vec3<f32>,
+  // The distance of the part that was nearest at the start, below 0 inside.
+  other: f32,
 }
 
 // Seconds of a frame by which the surface moves, as their inverse; 0 if it does not move.
@@ -71,6 +82,16 @@ fn mixed(corners: vec3<u32>, row: u32, weights: vec3<f32>) -> vec3<f32> {
     + surface_vertices[4u * corners.z + row].xyz * weights.z;
 }
 
+// The mean of the normals of the corners of a triangle.
+fn mixed_normal(corners: vec3<u32>, weights: vec3<f32>) -> vec3<f32> {
+  if (time > 0.0) {
+    return at_time(surface_vertices[4u * corners.x + 2u].xyz, surface_vertices[4u * corners.x + 3u].xyz) * weights.x
+      + at_time(surface_vertices[4u * corners.y + 2u].xyz, surface_vertices[4u * corners.y + 3u].xyz) * weights.y
+      + at_time(surface_vertices[4u * corners.z + 2u].xyz, surface_vertices[4u * corners.z + 3u].xyz) * weights.z;
+  }
+  return mixed(corners, 2u, weights);
+}
+
 fn face_normal(corners: vec3<u32>, row: u32) -> vec3<f32> {
   let a = surface_vertices[4u * corners.x + row].xyz;
   return direction(cross(surface_vertices[4u * corners.y + row].xyz - a, surface_vertices[4u * corners.z + row].xyz - a));
@@ -89,15 +110,19 @@ fn is_border(spot: Spot) -> bool {
 fn view_of(spot: Spot, p: vec3<f32>) -> View {
   let corners = surface_triangles[2u * spot.triangle].xyz;
   var view: View;
-  let at = mixed(corners, 0u, spot.weights);
+  let start = mixed(corners, 0u, spot.weights);
   view.to = mixed(corners, 1u, spot.weights);
-  view.off = p - at;
+  view.off = p - start;
+  if (time > 0.0) {
+    view.off = p - at_time(start, view.to);
+  }
   let far2 = dot(view.off, view.off);
   let far = sqrt(far2);
   if (spot.on == 0u) {
-    view.normal = face_normal(corners, 0u);
+    let t = corners_of(spot.triangle);
+    view.normal = direction(cross(t.b - t.a, t.c - t.a));
   } else {
-    let smooth_normal = direction(mixed(corners, 2u, spot.weights));
+    let smooth_normal = direction(mixed_normal(corners, spot.weights));
     let up = dot(view.off, smooth_normal);
     view.open = is_border(spot) && abs(up) < OPEN_COSINE * far;
     view.straight = up > 0.0 && far > ON_SURFACE_M;
@@ -109,7 +134,7 @@ fn view_of(spot: Spot, p: vec3<f32>) -> View {
   let up = dot(view.off, view.normal);
   view.height = select(far, -far, up < 0.0);
   view.beside = sqrt(max(far2 - up * up, 0.0));
-  view.drift = view.to - at;
+  view.drift = view.to - start;
   view.far = sqrt(dot(view.drift, view.drift));
   return view;
 }
@@ -248,6 +273,75 @@ fn squeezed(first: View, last: View, clearance: f32) -> f32 {
   return min(max(0.5 * (first.height + last.height - closes), 0.0), clearance);
 }
 
+// The patch that passes nearest to a particle that goes on by `goes`, measured by its extent, if one passes near: a fast one, or any if the particle is fast.
+fn passing(p: vec3<f32>, goes: vec3<f32>) -> u32 {
+  var found = NO_TRIANGLE;
+  if (rate() <= 0.0) {
+    return found;
+  }
+  let fast = dot(goes, goes) > FAST_WAY_M * FAST_WAY_M;
+  let count = patch_count();
+  var least = 1.0;
+  for (var n = 0u; n < count; n++) {
+    let middle = surface_boxes[3u * n + 2u];
+    let own = vec3<f32>(surface_boxes[3u * n].w, surface_boxes[3u * n + 1u].w, middle.w);
+    if (!fast && dot(own, own) <= FAST_WAY_M * FAST_WAY_M) {
+      continue;
+    }
+    let off = middle.xyz - p;
+    let way = own - goes;
+    let when = min(max(-dot(off, way) / max(dot(way, way), 1e-12), 0.0), 1.0);
+    let nearest = off + way * when;
+    let far2 = dot(nearest, nearest);
+    let share = far2 * patch_reach(n);
+    if (sqrt(dot(off, off)) > sqrt(far2) + NEARER_M && share < least) {
+      least = share;
+      found = n;
+    }
+  }
+  return found;
+}
+
+// Particle k at `p` goes on by `goes` and gives way to a patch, whose nearest point it follows from look to look. `nearest` is a triangle near it at the start.
+fn struck_by(k: u32, n: u32, nearest: u32, p: vec3<f32>, goes: vec3<f32>, clearance: f32) -> Struck {
+  var struck: Struck;
+  struck.spot = walk(patch_middle(n), p);
+  struck.view = view_of(struck.spot, p);
+  if (struck.view.height < 0.0) {
+    return struck;
+  }
+  let far = (sqrt(dot(goes, goes)) + struck.view.far) / LOOK_M;
+  let looks = u32(max(ceil(min(far, LOOKS)), 1.0));
+  let share = 1.0 / f32(looks);
+  var q = p;
+  for (var look = 1u; look <= looks; look++) {
+    time = select(f32(look) * share, 1.0, look == looks);
+    q += goes * share;
+    struck.spot = walk(struck.spot.triangle, q);
+    struck.view = view_of(struck.spot, q);
+    if (look < looks && struck.view.height < clearance) {
+      q += struck.view.normal * (clearance - struck.view.height);
+    }
+  }
+  // Where the planes that are known would leave it.
+  var held = p + goes;
+  for (var n = 0u; n < 2u; n++) {
+    let plane = found_planes[8u * k + 4u * n];
+    let normal = found_planes[8u * k + 4u * n + 1u].xyz;
+    if (plane.w > NO_PLANE) {
+      held += normal * max(plane.w - dot(held - plane.xyz, normal), 0.0);
+    }
+  }
+  let is_held = view_of(walk(struck.spot.triangle, held), held).height >= clearance - HELD_M;
+  struck.other = view_of(walk(nearest, q), q).height;
+  time = 0.0;
+  struck.found = !struck.view.open && !is_held && struck.view.height <= clearance + MARGIN_M;
+  // The plane begins at the particle, or below it, and ends where the surface does.
+  let height = dot(p - (struck.view.to - struck.view.drift), struck.view.normal);
+  struck.drift = struck.view.drift + struck.view.normal * max(clearance - height, 0.0);
+  return struck;
+}
+
 // The plane at a point of the surface.
 fn put_plane(n: u32, spot: Spot, view: View, clearance: f32) {
   var last = view.normal;
@@ -281,6 +375,11 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
   if (was_known && dot(bitcast<vec3<f32>>(mark.xyz), known.view.normal) < SECOND_COSINE) {
     known.second = mark.w;
   }
+  // The nearest of those that a patch brought near in the last frame.
+  let before = surface_hints[second_row(k, 0u)].w;
+  if (was_known && before != NO_TRIANGLE && way + known.view.far > FAST_M) {
+    known = compared(known, before, p);
+  }
   // One neighbour in each of four frames.
   let beside = wearers[2u * k + 1u][frames() & 3u];
   if (beside != NO_TRIANGLE && !is_afresh()) {
@@ -304,13 +403,15 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
   if (meets) {
     put_plane(8u * k, known.spot, known.view, clearance);
   }
+  var is_crease = false;
   if (known.second != NO_TRIANGLE) {
     let other = walk_beyond(known.second, p, known.view.normal);
     let side = view_of(other, p);
     let is_other = abs(side.height) < SECOND_M && faces_away(other.triangle, known.view.normal);
     known.second = select(NO_TRIANGLE, other.triangle, is_other);
     // However far it is: a particle in a crease may be thrown from one wall to the other in a frame.
-    if (is_other && is_met_beside(other, side)) {
+    is_crease = is_other && is_met_beside(other, side);
+    if (is_crease) {
       put_plane(8u * k + 4u, other, side, clearance);
       if (meets && dot(known.view.normal, side.normal) < FACING_COSINE) {
         let half = squeezed(known.view, side, clearance);
@@ -319,10 +420,39 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
       }
     }
   }
+  var struck: Struck;
+  if (was_known) {
+    let comes = passing(p, moved);
+    if (comes != NO_TRIANGLE) {
+      struck = struck_by(k, comes, known.spot.triangle, p, moved, clearance);
+    }
+  }
+  if (struck.found) {
+    if (meets && !is_crease) {
+      for (var row = 0u; row < 4u; row++) {
+        found_planes[8u * k + 4u + row] = found_planes[8u * k + row];
+      }
+    }
+    found_planes[8u * k] = vec4<f32>(struck.view.to, clearance);
+    found_planes[8u * k + 1u] = vec4<f32>(struck.view.normal, action[1].z);
+    found_planes[8u * k + 2u] = vec4<f32>(struck.drift * rate(), 0.0);
+    found_planes[8u * k + 3u] = vec4<f32>(0.0);
+  }
   var wait = 0u;
   if (was_known) {
     let nearer = way + known.view.far + FASTER_M;
     wait = u32(max(min((known.view.height - reach - known.view.far) / nearer, MAX_WAIT), 0.0));
+  }
+  if (struck.found) {
+    let nearer = abs(struck.view.height) < abs(struck.other);
+    let first = known.spot.triangle;
+    if (nearer) {
+      known.spot = struck.spot;
+      known.view = struck.view;
+    }
+    if (known.second == NO_TRIANGLE || known.second == known.spot.triangle) {
+      known.second = select(struck.spot.triangle, first, nearer);
+    }
   }
   put_hint(5u * k, p);
   surface_hints[5u * k + 1u] = vec4<u32>(bitcast<vec3<u32>>(known.view.off), known.spot.on | wait << 8u);
@@ -351,10 +481,12 @@ fn main(
   let p = now[k];
   let met = bitcast<f32>(wearers[2u * k].x) >= -MODELLED_INSIDE_M;
   let state = surface_hints[5u * k + 1u].w;
-  if (!met || p.w <= 0.0 || state >> 8u > 0u) {
-    if (met && p.w > 0.0) {
-      surface_hints[5u * k + 1u].w = state - 256u;
-    }
+  var waits = met && p.w > 0.0 && state >> 8u > 0u;
+  if (waits) {
+    surface_hints[5u * k + 1u].w = state - 256u;
+    waits = passing(p.xyz, p.xyz - bitcast<vec3<f32>>(surface_hints[5u * k].xyz)) == NO_TRIANGLE;
+  }
+  if (!met || p.w <= 0.0 || waits) {
     surface_hints[5u * k + 4u - (frames() & 1u)] = mark;
     surface_hints[second_row(k, 1u)].w = select(surface_hints[second_row(k, 0u)].w, NO_TRIANGLE, is_afresh());
     return;

@@ -14,8 +14,23 @@ struct Corners {
   c: vec3<f32>,
 }
 
+// The time in the frame at which places are asked for, 0 at its start and 1 at its end.
+var<private> time: f32 = 0.0;
+
+// What goes evenly from its start to its end, at that time.
+fn at_time(start: vec3<f32>, end: vec3<f32>) -> vec3<f32> {
+  return start * (1.0 - time) + end * time;
+}
+
 fn corners_of(triangle: u32) -> Corners {
   let own = surface_triangles[2u * triangle];
+  if (time > 0.0) {
+    return Corners(
+      at_time(start_of(own.x), end_of(own.x)),
+      at_time(start_of(own.y), end_of(own.y)),
+      at_time(start_of(own.z), end_of(own.z)),
+    );
+  }
   return Corners(start_of(own.x), start_of(own.y), start_of(own.z));
 }
 

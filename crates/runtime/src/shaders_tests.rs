@@ -395,7 +395,7 @@ fn structs_lie_as_in_rust() {
                 // Lives in registers only.
                 Some(
                     "Ends" | "Pull" | "Exit" | "Entry" | "Taper" | "Quad" | "Edge" | "Below" | "Window" | "Seeker"
-                    | "Pose" | "VertexFrame" | "Sheet" | "Bound" | "Spot" | "Corners" | "View" | "Known",
+                    | "Pose" | "VertexFrame" | "Sheet" | "Bound" | "Spot" | "Corners" | "View" | "Known" | "Struck",
                 ) => {
                     continue;
                 }

@@ -9,7 +9,8 @@ use serde_json::json;
 
 use super::entries::repair_entry;
 use super::{Built, build_as};
-use crate::colliders::{Collider, ColliderOptions, Fit, Form, Start, Tier, fit_body};
+use crate::base::words::counted;
+use crate::colliders::{Collider, ColliderOptions, Fit, Form, Start, Surface, Tier, fit_body};
 use crate::error::{Error, Result};
 use crate::options::{BuildOptions, Choice};
 use crate::progress::{Progress, Stage};
@@ -39,7 +40,7 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     let mut built = build_as(path, options, true, progress)?;
     built.report.stages.insert(0, fitting);
     let manifest = &mut built.bundle.manifest;
-    if let Some(Fit { colliders, figures, surface, covered, findings: found, .. }) = fit {
+    if let Some(Fit { colliders, figures, surface, findings: found, .. }) = fit {
         let mm = [figures.body.mean, figures.body.p95, figures.body.max].map(|x| format!("{:.1}", 1e3 * x)).join(", ");
         let count = colliders.iter().filter(|collider| !collider.guessed).count();
         let message = format!("{count} colliders; mean, 95 % and largest distance of the body from them: {mm} mm.");
@@ -47,7 +48,7 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
         manifest.colliders = colliders.iter().map(entry).collect();
         findings.extend(found.into_iter().filter(|f| f.stage == "colliders"));
         if solids.tier != Tier::Capsules {
-            let (body, said) = worn(&built.bundle, (surface, covered), solids.tier);
+            let (body, said) = worn(&built.bundle, surface, solids.tier);
             findings.push(said);
             built.bundle.body = body;
         }
@@ -66,20 +67,16 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
 }
 
 /// The surface of the body, if cloth is to collide with it, and what is to be said of it.
-fn worn(
-    bundle: &Bundle,
-    (surface, covered): (std::result::Result<Body, String>, usize),
-    tier: Tier,
-) -> (Option<Body>, Finding) {
+fn worn(bundle: &Bundle, surface: std::result::Result<Surface, String>, tier: Tier) -> (Option<Body>, Finding) {
     let manifest = &bundle.manifest;
     let joints = manifest.skeleton.as_ref().map_or(0, |s| s.joints.len());
     let follows = (0..manifest.pieces.len()).all(|k| bundle.images.contains_key(&(k, MapKind::Joints(0))));
-    let body = surface.and_then(|body| match body.joints.is_empty() || (joints > 0 && follows) {
-        true => Ok(body),
+    let surface = surface.and_then(|surface| match surface.body.joints.is_empty() || (joints > 0 && follows) {
+        true => Ok(surface),
         false => Err("the cloth does not follow the joints of the body".into()),
     });
-    let body = match body {
-        Ok(body) => body,
+    let Surface { body, covered, closed } = match surface {
+        Ok(surface) => surface,
         Err(why) => {
             let message = format!("The surface of the body cannot be a collider, its solids stand for it: {why}.");
             let severity = if tier == Tier::Auto { Severity::Note } else { Severity::Warning };
@@ -87,8 +84,11 @@ fn worn(
         }
     };
     let triangles = body.triangles.len();
-    let left_out =
+    let mut left_out =
         if covered > 0 { format!(" ({covered} inside of other parts of it are left out)") } else { String::new() };
+    if closed > 0 {
+        left_out += &format!(", of which some close {}", counted(closed, "opening", "openings"));
+    }
     let used = format!("The body is a collider: {triangles} triangles{left_out}");
     if tier == Tier::Surface {
         return (Some(body), finding(Severity::Note, "hint-surface", used + "."));

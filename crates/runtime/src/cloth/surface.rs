@@ -8,6 +8,8 @@ mod tree;
 use gimage_bundle::Bundle;
 
 use super::Influence;
+#[cfg(feature = "gpu")]
+use crate::cpu::surface::passing::reach;
 use crate::error::{Error, Result};
 use crate::number::real::{V3, add, cast, cross, dot, scale, sub};
 
@@ -44,6 +46,8 @@ pub struct BodySurface {
     /// The patch of each triangle, and a triangle in the middle of each patch.
     pub(crate) patch: Vec<u32>,
     pub(crate) middles: Vec<u32>,
+    /// How far \[m\] the vertices of each patch are from the first corner of that triangle at rest, at most.
+    pub(crate) extents: Vec<f32>,
     /// Triangles by patches, and where each patch begins in that list.
     pub(crate) order: Vec<u32>,
     pub(crate) starts: Vec<u32>,
@@ -105,7 +109,16 @@ impl BodySurface {
         surface.order.sort_by_key(of);
         let begin = |patch: u32| surface.order.partition_point(|t| of(t) < patch) as u32;
         surface.starts = (0..=surface.middles.len() as u32).map(begin).collect();
+        surface.extents = (0..surface.middles.len()).map(|n| surface.extent(n)).collect();
         Ok(surface)
+    }
+
+    fn extent(&self, patch: usize) -> f32 {
+        let at = |v: u32| self.rest[v as usize].map(f64::from);
+        let middle = at(self.triangles[self.middles[patch] as usize][0]);
+        let corners = self.of_patch(patch).iter().flat_map(|t| self.triangles[*t as usize]);
+        let far = |v: u32| dot(sub(at(v), middle), sub(at(v), middle));
+        corners.map(far).fold(0.0, f64::max).sqrt() as f32
     }
 
     /// That of a bundle; `None` if it has none. Its influences index the joints of the bundle, as those of its cloth do. Errors as
@@ -129,7 +142,7 @@ impl BodySurface {
 
     /// Words of [`BodySurface::list`].
     pub(crate) fn words(&self) -> usize {
-        (9 * self.triangles.len() + 2 * self.patches() + 1).next_multiple_of(4)
+        (9 * self.triangles.len() + 3 * self.patches() + 1).next_multiple_of(4)
     }
 
     /// Its triangles and patches as shaders/part/surface.wgsl reads them.
@@ -143,6 +156,7 @@ impl BodySurface {
             list.extend([*a, *b, *c, flags, x, y, z, self.patch[t]]);
         }
         [&self.order, &self.starts, &self.middles].into_iter().for_each(|words| list.extend(words));
+        list.extend(self.extents.iter().map(|extent| (reach(*extent) as f32).to_bits()));
         list.resize(self.words(), 0);
         list
     }
@@ -196,6 +210,7 @@ impl BodySurface {
             border: Vec::new(),
             patch: Vec::new(),
             middles: Vec::new(),
+            extents: Vec::new(),
             order: Vec::new(),
             starts: Vec::new(),
             tree: Tree::default(),

@@ -3,13 +3,16 @@
 //! At the start of a frame each particle finds the nearest point of the surface, from the triangle at which it was in the last frame, and gets the
 //! plane there. The plane moves with the surface over the substeps, which cost one dot product per particle each ([`contact`]). A walk can end where
 //! the surface is nearest only around there: so particles also try the triangles of their neighbours in the grid, and some of them per frame the
-//! nearest of all patches. Particles far from the body are left out until it or they may have come near.
+//! nearest of all patches. Where a patch comes to a particle in the frame, the plane is that of the end of the frame ([`struck`]). Particles far from the body are
+//! left out until it or they may have come near.
 
 pub(crate) mod boxes;
 pub(crate) mod contact;
 pub(crate) mod nearest;
+pub(crate) mod passing;
 pub(crate) mod pose;
 pub(crate) mod search;
+pub(crate) mod struck;
 
 use std::sync::Arc;
 

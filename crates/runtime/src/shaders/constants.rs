@@ -8,13 +8,13 @@ use crate::cloth::{MODELLED_INSIDE_M, SKIPPED_CELLS};
 use crate::coarser::{FITS, ROUNDS};
 use crate::cpu::fabric::meeting::{extents, others};
 use crate::cpu::fabric::{leaves, partners, polish, stretch, touch};
-use crate::cpu::surface::{contact, nearest, search};
+use crate::cpu::surface::{contact, nearest, passing, search, struck};
 use crate::cpu::{aside, guard, pick, place, route};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 use crate::levels::{NODE_TILE, joint, safe};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 42] = [
+const FLOATS: [(&str, f64); 48] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
@@ -44,6 +44,12 @@ const FLOATS: [(&str, f64); 42] = [
     ("MODELLED_INSIDE_M", MODELLED_INSIDE_M as f64),
     ("MARGIN_M", search::MARGIN_M),
     ("FAST_M", search::FAST_M),
+    ("FAST_WAY_M", passing::FAST_WAY_M),
+    ("NEARER_M", passing::NEARER_M),
+    ("PASSES_M", passing::PASSES_M),
+    ("LOOK_M", struck::LOOK_M),
+    ("LOOKS", struck::LOOKS),
+    ("HELD_M", struck::HELD_M),
     ("WAYS", search::WAYS),
     ("UNKNOWN_WAY_M", search::UNKNOWN_WAY_M),
     ("MAX_WAIT", search::MAX_WAIT),

@@ -38,6 +38,7 @@ pub use judge::{Figures, FitError};
 pub use shape::Kind;
 pub use solid::{Form, Solid};
 pub(crate) use start::Start;
+pub use surface::Surface;
 
 /// Solids, at most.
 pub const MAX_COUNT: usize = 512;
@@ -135,9 +136,7 @@ pub struct Fit {
     /// How far they are from the body.
     pub figures: Figures,
     /// The surface of the body where it is bound to its skeleton, or the reason why it cannot be a collider.
-    pub surface: std::result::Result<gimage_bundle::Body, String>,
-    /// Triangles of the body that are not part of the surface, as other components of the body cover them.
-    pub covered: usize,
+    pub surface: std::result::Result<Surface, String>,
     /// Findings of the import and of the fit.
     pub findings: Vec<Finding>,
 }
@@ -187,9 +186,7 @@ pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptio
     findings.extend(found);
     findings.extend(elsewhere(&mesh, options));
     let surface = surface::surface(&mesh);
-    let covered = surface.as_ref().map_or(0, |surface| surface.1);
-    let surface = surface.map(|surface| surface.0);
-    Ok(Fit { file: source.file_name, parts, colliders, figures, surface, covered, findings })
+    Ok(Fit { file: source.file_name, parts, colliders, figures, surface, findings })
 }
 
 impl ColliderOptions {

@@ -1,6 +1,7 @@
 //! Twin of shaders/surface_boxes.wgsl: boxes around the patches of a surface, and their middles, at the start of a frame. Boxes are made where a search
 //! needs them.
 
+use super::passing::Passing;
 use super::pose::Skinned;
 use crate::cloth::surface::{BodySurface, Bound, apart, on_triangle};
 use crate::number::lanes::{LANES, Machine, Work, widest};
@@ -13,6 +14,7 @@ pub struct Boxes<T: Real> {
     fitted: u32,
     /// A vertex in the middle of each patch; padded to whole blocks.
     middles: [Vec<T>; 3],
+    passing: Passing<T>,
 }
 
 impl<T: Real> Boxes<T> {
@@ -20,15 +22,23 @@ impl<T: Real> Boxes<T> {
     pub fn new(surface: &BodySurface) -> Self {
         let far = T::of(f64::from(f32::MAX.sqrt()));
         let middles = [0, 1, 2].map(|_| vec![far; surface.middles.len().next_multiple_of(LANES)]);
-        Boxes { bounds: Vec::new(), fitted: 0, middles }
+        Boxes { bounds: Vec::new(), fitted: 0, middles, passing: Passing::new(surface) }
     }
 
     /// Moves the middles to where they are.
     pub fn follow(&mut self, surface: &BodySurface, skinned: &mut Skinned<T>) {
         for (n, t) in surface.middles.iter().enumerate() {
-            let from = skinned.start(surface.triangles[*t as usize][0]);
+            let [from, _] = skinned.vertices(surface, *t)[0].at;
             (0..3).for_each(|c| self.middles[c][n] = from[c]);
         }
+        if skinned.moves() {
+            self.passing.follow(surface.middles.iter().map(|t| skinned.vertices(surface, *t)[0].at));
+        }
+    }
+
+    /// The patch that comes to a particle at `p` in a frame in which the surface moves, if one does: [`Passing::nearest`].
+    pub fn passes(&self, skinned: &Skinned<T>, p: V3<T>, goes: V3<T>) -> Option<u32> {
+        if skinned.moves() { self.passing.nearest(p, goes) } else { None }
     }
 
     /// The patch with the middle nearest to `p`.

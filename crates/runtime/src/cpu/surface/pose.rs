@@ -2,7 +2,7 @@
 
 use crate::cloth::Poses;
 use crate::cloth::surface::BodySurface;
-use crate::number::real::{Real, V3, cast, dot, scale};
+use crate::number::real::{Real, V3, add, cast, dot, scale};
 
 /// A vertex at the start and at the end of a frame.
 #[derive(Clone, Copy)]
@@ -27,6 +27,8 @@ pub struct Skinned<T: Real> {
     ends: [Poses<T>; 2],
     /// One over the length of the frame \[1/s\] in which vertices go from the first place to the second; 0 if they are there at once.
     rate: T,
+    /// The time in the frame at which corners are asked for: 0 at its start, 1 at its end.
+    time: T,
     /// Whether it has gone elsewhere at once since the last frame, and whether this frame begins where that ended.
     jumps: bool,
     follows: bool,
@@ -45,8 +47,8 @@ impl<T: Real> Skinned<T> {
             shares.extend(pairs.map(|(joint, weight)| (joint, T::of(f64::from(weight)))));
             starts.push(shares.len() as u32);
         }
-        let (frame, rate, ends) = (0, T::of(0.0), [Poses::none(), Poses::none()]);
-        Skinned { list, frame, rest, shares, starts, ends, rate, jumps: true, follows: false }
+        let (frame, rate, time, ends) = (0, T::of(0.0), T::of(0.0), [Poses::none(), Poses::none()]);
+        Skinned { list, frame, rest, shares, starts, ends, rate, time, jumps: true, follows: false }
     }
 
     /// Goes to where these poses put it, from where the last ones did at `rate` \[1/s\], or at once if that is 0.
@@ -79,10 +81,24 @@ impl<T: Real> Skinned<T> {
         self.rate
     }
 
-    /// The corners of a triangle at the start of the frame.
+    /// Corners are those of this time in the frame from here on, 0 at its start and 1 at its end.
+    pub fn look(&mut self, time: T) {
+        self.time = time;
+    }
+
+    /// The time in the frame at which corners are asked for.
+    pub fn time(&self) -> T {
+        self.time
+    }
+
+    /// The corners of a triangle.
     #[inline]
     pub fn corners(&mut self, surface: &BodySurface, triangle: u32) -> [V3<T>; 3] {
         let [a, b, c] = surface.triangles[triangle as usize];
+        let time = self.time;
+        if time > T::of(0.0) {
+            return [a, b, c].map(|v| between(&self.vertex(v).at, time));
+        }
         [self.vertex(a).at[0], self.vertex(b).at[0], self.vertex(c).at[0]]
     }
 
@@ -94,13 +110,9 @@ impl<T: Real> Skinned<T> {
         own.map(|v| &self.list[v as usize])
     }
 
-    /// Where a vertex is at the start of the frame.
-    pub fn start(&mut self, v: u32) -> V3<T> {
-        self.vertex(v).at[0]
-    }
-
+    /// A vertex.
     #[inline]
-    fn vertex(&mut self, v: u32) -> &Vertex<T> {
+    pub fn vertex(&mut self, v: u32) -> &Vertex<T> {
         self.make(v);
         &self.list[v as usize]
     }
@@ -134,6 +146,12 @@ impl<T: Real> Skinned<T> {
         };
         self.list[v] = Vertex { at: [before.0, at], normal: [before.1, normal], frame: self.frame };
     }
+}
+
+/// What goes evenly from its start to its end, at a time from 0 to 1.
+#[inline]
+pub fn between<T: Real>([start, end]: &[V3<T>; 2], time: T) -> V3<T> {
+    add(scale(*start, T::of(1.0) - time), scale(*end, time))
 }
 
 /// A vector at length 1; itself where it has none.

@@ -2,7 +2,7 @@
 
 use super::contact::Plane;
 use super::nearest::{faces_away, walk, walk_beyond};
-use super::pose::unit;
+use super::pose::{between, unit};
 use super::{Hint, Worn, face, length, mix};
 use crate::cloth::MODELLED_INSIDE_M;
 use crate::cloth::surface::{NONE, On, Spot};
@@ -42,22 +42,22 @@ pub const ON_SURFACE_M: f64 = 1e-5;
 
 /// A point of the surface, seen from a particle at the start of a frame.
 #[derive(Clone, Copy)]
-struct View<T> {
+pub(super) struct View<T> {
     /// The distance of the particle \[m\], below 0 inside.
-    height: T,
+    pub height: T,
     /// How far \[m\] the particle is beside the normal there.
     beside: T,
     /// How the surface moves in the frame \[m\], how far, and where it is at the end.
-    drift: V3<T>,
-    way: T,
-    to: V3<T>,
+    pub drift: V3<T>,
+    pub way: T,
+    pub to: V3<T>,
     /// The normal, and whether it is the direction of the particle.
-    normal: V3<T>,
+    pub normal: V3<T>,
     straight: bool,
     /// From the point to the particle.
     from: V3<T>,
     /// Whether the particle is beside a border, with no surface below it.
-    open: bool,
+    pub open: bool,
 }
 
 impl<T: Real> Worn<T> {
@@ -80,11 +80,14 @@ impl<T: Real> Worn<T> {
                 if !is_met || sheet.w[single] <= T::of(0.0) || self.points[particle] as usize != particle {
                     continue;
                 }
+                let triple = sheet.triple(k);
                 if self.waits[particle] > 0 {
                     self.waits[particle] -= 1;
-                    continue;
+                    let p = sheet.at(triple);
+                    if self.boxes.passes(&self.skinned, p, sub(p, self.hints[particle].last)).is_none() {
+                        continue;
+                    }
                 }
-                let triple = sheet.triple(k);
                 let found = self.planes_of(sheet.at(triple), particle, beside(k, size, self.frames).map(|n| first + n));
                 for (planes, plane) in self.planes.iter_mut().zip(found) {
                     plane.iter().for_each(|plane| planes[g].put((single, triple), sheet.half, plane));
@@ -114,6 +117,10 @@ impl<T: Real> Worn<T> {
         // A particle that comes nearer to another wall still has the one that it was at.
         let turns = known && dot(hint.normal, view.normal) < T::of(SECOND_COSINE);
         let mut second = if turns { hint.triangle } else { hint.second };
+        // The nearest of those that a patch brought near in the last frame.
+        if known && hint.second != NONE && moved + view.way > T::of(FAST_M) {
+            self.compare((&mut spot, &mut view, &mut second), hint.second, p);
+        }
         if let Some(n) = beside {
             let (triangle, normal, other) = self.marks[self.points[n] as usize];
             if triangle != NONE && dot(normal, view.normal) < T::of(SAME_COSINE) {
@@ -153,10 +160,26 @@ impl<T: Real> Worn<T> {
                 (first.clearance, last.clearance) = (half, half);
             }
         }
+        let goes = sub(p, hint.last);
+        let comes = if known { self.boxes.passes(&self.skinned, p, goes) } else { None };
+        let struck = comes.and_then(|patch| self.struck((patch, spot.triangle), (p, goes), clearance, &planes));
+        if let Some(struck) = &struck {
+            planes = [Some(struck.plane), planes[1].or(planes[0])];
+        }
         let nearer = moved + view.way + T::of(FASTER_M);
         let wait = (view.height - reach - view.way) / nearer;
         let wait = if known { wait.min(T::of(MAX_WAIT)).max(T::of(0.0)).get() as u8 } else { 0 };
         self.waits[particle] = wait;
+        if let Some(struck) = struck {
+            let nearer = struck.view.height.abs() < struck.other.abs();
+            let other = if nearer { spot.triangle } else { struck.spot.triangle };
+            if nearer {
+                (spot, view) = (struck.spot, struck.view);
+            }
+            if second == NONE || second == spot.triangle {
+                second = other;
+            }
+        }
         let Spot { triangle, weights, on, .. } = spot;
         let (way, normal) = (view.from, view.normal);
         self.hints[particle] = Hint { last: p, way, normal, weights, triangle, second, on };
@@ -206,19 +229,25 @@ impl<T: Real> Worn<T> {
         }
     }
 
-    /// A point of the surface, seen from `p`.
-    fn view(&mut self, spot: &Spot<T>, p: V3<T>) -> View<T> {
+    /// A point of the surface, seen from `p`, at the time of [`Skinned::look`].
+    pub(super) fn view(&mut self, spot: &Spot<T>, p: V3<T>) -> View<T> {
+        let time = self.skinned.time();
         let [a, b, c] = self.skinned.vertices(&self.surface, spot.triangle);
         let w = spot.weights;
-        let [at, to] = [0, 1].map(|end| mix(&[a.at[end], b.at[end], c.at[end]], w));
+        let [start, to] = [0, 1].map(|end| mix(&[a.at[end], b.at[end], c.at[end]], w));
+        let at = if time > T::of(0.0) { between(&[start, to], time) } else { start };
         let from = sub(p, at);
         let far2 = dot(from, from);
         let far = far2.sqrt();
         let (mut open, mut straight) = (false, false);
         let normal = match spot.on {
+            On::Face if time > T::of(0.0) => unit(face(&[a, b, c].map(|v| between(&v.at, time)))),
             On::Face => unit(face(&[a.at[0], b.at[0], c.at[0]])),
             _ => {
-                let smooth = unit(mix(&[a.normal[0], b.normal[0], c.normal[0]], w));
+                let smooth = match time > T::of(0.0) {
+                    true => unit(mix(&[a, b, c].map(|v| between(&v.normal, time)), w)),
+                    false => unit(mix(&[a.normal[0], b.normal[0], c.normal[0]], w)),
+                };
                 let up = dot(from, smooth);
                 open = self.surface.is_border(spot) && up.abs() < T::of(OPEN_COSINE) * far;
                 straight = up > T::of(0.0) && far > T::of(ON_SURFACE_M);
@@ -228,7 +257,7 @@ impl<T: Real> Worn<T> {
         let up = dot(from, normal);
         let height = if up < T::of(0.0) { -far } else { far };
         let beside = (far2 - up * up).max(T::of(0.0)).sqrt();
-        let drift = sub(to, at);
+        let drift = sub(to, start);
         View { height, beside, drift, way: length(drift), to, normal, straight, from, open }
     }
 

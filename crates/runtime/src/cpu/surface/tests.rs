@@ -4,6 +4,7 @@ use parry3d_f64::shape::{TriMesh, Triangle};
 
 use super::boxes::nearest_of;
 use super::nearest::{faces_away, walk, walk_beyond};
+use super::passing::{FAST_WAY_M, NEARER_M, PASSES_M, Passing};
 use super::pose::unit;
 use super::*;
 use crate::cloth::surface::on_triangle;
@@ -93,8 +94,9 @@ fn particles_know_the_nearest_point_of_a_body_in_motion() {
         worn.begin();
         worn.search(&sheets, &[0]);
         let surface = worn.surface.clone();
-        let vertices: Vec<Vector> =
-            (0..surface.rest.len() as u32).map(|v| Vector::from_array(worn.skinned.start(v).map(f64::from))).collect();
+        let vertices: Vec<Vector> = (0..surface.rest.len() as u32)
+            .map(|v| Vector::from_array(worn.skinned.vertex(v).at[0].map(f64::from)))
+            .collect();
         let mesh = TriMesh::new(vertices, surface.triangles.clone()).unwrap();
         for k in 0..n * n {
             let p = path(k, n, frame).map(f64::from);
@@ -170,6 +172,44 @@ fn the_first_of_the_nearest_points_is_found() {
         let want = (0..48).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap();
         assert_eq!(nearest_of(&points, p), want);
     }
+}
+
+#[test]
+fn the_patch_that_passes_nearest_is_that_of_all_times() {
+    let surface = body();
+    let count = surface.middles.len();
+    let (mut of_fast, mut of_slow) = (0, 0);
+    for k in 0..400 {
+        let from = |n: usize| [0, 1, 2].map(|c| 0.4 * noise(n + 31 * k, c));
+        // Half of them go far, in a direction of their own.
+        let way =
+            |n: usize| [0, 1, 2].map(|c| if n.is_multiple_of(2) { 0.15 } else { 0.01 } * noise(n + 17 * k, c + 3));
+        let mut passing = Passing::<f64>::new(&surface);
+        passing.follow((0..count).map(|n| [from(n), add(from(n), way(n))]));
+        let p = [0, 1, 2].map(|c| 0.4 * noise(k, c + 6));
+        let goes = [0, 1, 2].map(|c| if k.is_multiple_of(2) { 0.1 } else { 0.005 } * noise(k, c + 7));
+        let is_fast = |v: V3<f64>| length(v) > FAST_WAY_M;
+        // By looks at 2,000 times.
+        let share = |n: usize| {
+            let away = |time: f64| length(sub(add(from(n), scale(way(n), time)), add(p, scale(goes, time))));
+            let nearest = (0..=2000).map(|t| away(f64::from(t) / 2000.0)).fold(f64::INFINITY, f64::min);
+            let comes = away(0.0) > nearest + NEARER_M && (is_fast(goes) || is_fast(way(n)));
+            if comes { nearest / (f64::from(surface.extents[n]) + PASSES_M) } else { f64::INFINITY }
+        };
+        let least = (0..count).map(share).fold(f64::INFINITY, f64::min);
+        match passing.nearest(p, goes) {
+            Some(n) => {
+                assert!(
+                    share(n as usize) < least + 1e-3 && least < 1.0 + 1e-3,
+                    "{k}: {} of {least}",
+                    share(n as usize)
+                );
+                *(if is_fast(goes) { &mut of_fast } else { &mut of_slow }) += 1;
+            }
+            None => assert!(least > 1.0 - 1e-3, "{k}: {least}"),
+        }
+    }
+    assert!(of_fast > 20 && of_slow > 20, "{of_fast}, {of_slow}");
 }
 
 #[test]

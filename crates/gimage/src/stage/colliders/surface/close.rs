@@ -1,0 +1,173 @@
+//! Closes openings: the ends of limbs that clothes hide, the rims of plates of armour. Beside an opening no triangle tells inside from outside, and cloth would go in.
+
+use std::collections::{BTreeMap, HashMap};
+
+use gimage_bundle::{Body, DisjointSets};
+
+use crate::base::vec3::{add, cross, distance, dot, norm, normalize, scale, sub};
+
+/// Largest mean distance of the corners of an opening from its plane, as a share of their mean distance from its middle.
+const FLAT: f64 = 0.3;
+/// Largest area of an opening as a share of that of its component: a sheet is no opening of its own.
+const MOST: f64 = 0.4;
+/// How far the middle is within the opening, as a share of the mean distance of its corners.
+const DENT: f64 = 0.1;
+
+/// Closes the openings that are about flat and that their middle sees all around, each by a fan around a new vertex, which follows the joints of the corners. Returns their
+/// number. O(n log n).
+pub(super) fn close(body: &mut Body) -> usize {
+    let mut sides: HashMap<[u32; 2], u32> = HashMap::new();
+    let mut parts = DisjointSets::new(body.positions.len());
+    for t in &body.triangles {
+        (0..3).for_each(|c| *sides.entry([t[c], t[(c + 1) % 3]]).or_default() += 1);
+        parts.union(t[0], t[1]);
+        parts.union(t[0], t[2]);
+    }
+    let at = |v: u32| body.positions[v as usize].map(f64::from);
+    let mut areas: HashMap<u32, f64> = HashMap::new();
+    for [a, b, c] in &body.triangles {
+        *areas.entry(parts.find(*a)).or_default() += area(at(*a), at(*b), at(*c));
+    }
+    let mut closed = Vec::new();
+    for ring in rings(&sides) {
+        let corners: Vec<[f64; 3]> = ring.iter().map(|v| at(*v)).collect();
+        let most = MOST * areas.get(&parts.find(ring[0])).copied().unwrap_or(0.0);
+        if let Some(middle) = middle(&corners, most) {
+            closed.push((ring, middle));
+        }
+    }
+    let sets = body.sets();
+    for (ring, middle) in &closed {
+        let own = body.positions.len() as u32;
+        let (joints, weights) = shared(body, ring, sets);
+        body.positions.push(middle.map(|x| x as f32));
+        body.joints.extend(joints);
+        body.weights.extend(weights);
+        let next = ring.iter().cycle().skip(1);
+        body.triangles.extend(ring.iter().zip(next).map(|(a, b)| [*b, *a, own]));
+    }
+    closed.len()
+}
+
+/// Closed rings of sides without a neighbour, each of whose corners has one such side before it and one after it. Deterministic.
+fn rings(sides: &HashMap<[u32; 2], u32>) -> Vec<Vec<u32>> {
+    let mut open: Vec<[u32; 2]> = sides.keys().filter(|[a, b]| !sides.contains_key(&[*b, *a])).copied().collect();
+    open.sort_unstable();
+    let (mut next, mut ways): (BTreeMap<u32, u32>, HashMap<u32, [u32; 2]>) = Default::default();
+    for [a, b] in &open {
+        next.insert(*a, *b);
+        ways.entry(*a).or_default()[0] += 1;
+        ways.entry(*b).or_default()[1] += 1;
+    }
+    let mut out = Vec::new();
+    while let Some((first, mut at)) = next.pop_first() {
+        let mut ring = vec![first];
+        while at != first {
+            ring.push(at);
+            let Some(then) = next.remove(&at) else { break };
+            at = then;
+        }
+        if at == first && ring.len() > 2 && ring.iter().all(|v| ways.get(v) == Some(&[1, 1])) {
+            out.push(ring);
+        }
+    }
+    out
+}
+
+/// The middle of an opening that can be closed, of at most this area \[m2\].
+fn middle(corners: &[[f64; 3]], most: f64) -> Option<[f64; 3]> {
+    let after = |k: usize| corners[(k + 1) % corners.len()];
+    let length: f64 = (0..corners.len()).map(|k| distance(corners[k], after(k))).sum();
+    // Sides count by their length, so that the density of vertices has no effect.
+    let sum = (0..corners.len())
+        .map(|k| scale(add(corners[k], after(k)), 0.5 * distance(corners[k], after(k))))
+        .fold([0.0; 3], add);
+    let middle = scale(sum, 1.0 / length.max(1e-300));
+    let faces: Vec<[f64; 3]> =
+        (0..corners.len()).map(|k| cross(sub(after(k), middle), sub(corners[k], middle))).collect();
+    let whole = faces.iter().copied().fold([0.0; 3], add);
+    let normal = normalize(whole);
+    let away = corners.iter().map(|p| dot(sub(*p, middle), normal).abs()).sum::<f64>();
+    let far = corners.iter().map(|p| distance(*p, middle)).sum::<f64>();
+    let sees = faces.iter().all(|face| dot(*face, normal) >= 0.0);
+    // Within the opening: cloth around its rim, such as a collar around the end of a neck, keeps its place.
+    let middle = sub(middle, scale(normal, DENT * far / corners.len() as f64));
+    (sees && norm(whole) > 0.0 && away <= FLAT * far && 0.5 * norm(whole) <= most).then_some(middle)
+}
+
+/// The strongest joints of some vertices together, with weights that sum to 1.
+fn shared(body: &Body, ring: &[u32], sets: usize) -> (Vec<[u32; 4]>, Vec<[f32; 4]>) {
+    let mut sum: BTreeMap<u32, f64> = BTreeMap::new();
+    for k in ring.iter().flat_map(|v| *v as usize * sets..(*v as usize + 1) * sets) {
+        for (joint, weight) in body.joints[k].iter().zip(body.weights[k]) {
+            *sum.entry(*joint).or_default() += f64::from(weight);
+        }
+    }
+    let mut strongest: Vec<(u32, f64)> = sum.into_iter().filter(|x| x.1 > 0.0).collect();
+    strongest.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    strongest.truncate(4 * sets);
+    let total: f64 = strongest.iter().map(|x| x.1).sum();
+    let (mut joints, mut weights) = (vec![[0; 4]; sets], vec![[0.0; 4]; sets]);
+    for (k, (joint, weight)) in strongest.into_iter().enumerate() {
+        (joints[k / 4][k % 4], weights[k / 4][k % 4]) = (joint, (weight / total) as f32);
+    }
+    (joints, weights)
+}
+
+fn area(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
+    0.5 * norm(cross(sub(b, a), sub(c, a)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tube along y of `around` sides, in two joints, without its ends.
+    fn tube(around: u32, wave: f32) -> Body {
+        let mut body = Body::default();
+        for j in 0..2u32 {
+            for i in 0..around {
+                let a = std::f32::consts::TAU * i as f32 / around as f32;
+                body.positions.push([a.cos(), 3.0 * j as f32 + wave * (2.0 * a).sin(), a.sin()]);
+                body.joints.push([j, 2, 0, 0]);
+                body.weights.push([0.75, 0.25, 0.0, 0.0]);
+            }
+        }
+        for i in 0..around {
+            let (k, to) = (i, (i + 1) % around);
+            body.triangles.extend([[k, k + around, to], [to, k + around, to + around]]);
+        }
+        body
+    }
+
+    #[test]
+    fn the_ends_of_a_tube_are_closed_and_follow_their_joints() {
+        let mut body = tube(12, 0.0);
+        assert_eq!(close(&mut body), 2);
+        assert_eq!((body.triangles.len(), body.positions.len()), (48, 26));
+        assert_eq!(body.fault(3), None);
+        let mut sides: HashMap<[u32; 2], u32> = HashMap::new();
+        body.triangles.iter().for_each(|t| (0..3).for_each(|c| *sides.entry([t[c], t[(c + 1) % 3]]).or_default() += 1));
+        assert!(sides.iter().all(|([a, b], n)| *n == 1 && sides.contains_key(&[*b, *a])));
+        // The volume of twelve sides around a circle, 3 m long, without two cones 0.1 m high.
+        let at = |v: u32| body.positions[v as usize].map(f64::from);
+        let volume: f64 = body.triangles.iter().map(|t| dot(at(t[0]), cross(at(t[1]), at(t[2]))) / 6.0).sum();
+        assert!((volume - 8.8).abs() < 1e-5, "{volume}");
+        let (joints, weights) = (&body.joints[24..], &body.weights[24..]);
+        assert_eq!(joints, [[0, 2, 0, 0], [1, 2, 0, 0]]);
+        assert!(weights.iter().all(|w| (w[0] - 0.75).abs() < 1e-6 && (w[1] - 0.25).abs() < 1e-6), "{weights:?}");
+        assert_eq!(close(&mut body), 0);
+    }
+
+    #[test]
+    fn openings_that_are_not_flat_and_sheets_stay_open() {
+        assert_eq!(close(&mut tube(12, 0.2)), 2);
+        assert_eq!(close(&mut tube(12, 0.8)), 0);
+        let mut sheet = Body {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Body::default()
+        };
+        assert_eq!(close(&mut sheet), 0);
+    }
+}
