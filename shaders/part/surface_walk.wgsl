@@ -17,7 +17,7 @@ struct Corners {
 // The time in the frame at which places are asked for, 0 at its start and 1 at its end.
 var<private> time: f32 = 0.0;
 
-// What goes evenly from its start to its end, at that time.
+// A place that goes evenly from its start to its end, at that time.
 fn at_time(start: vec3<f32>, end: vec3<f32>) -> vec3<f32> {
   return start * (1.0 - time) + end * time;
 }

@@ -8,8 +8,6 @@ mod tree;
 use gimage_bundle::Bundle;
 
 use super::Influence;
-#[cfg(feature = "gpu")]
-use crate::cpu::surface::passing::reach;
 use crate::error::{Error, Result};
 use crate::number::real::{V3, add, cast, cross, dot, scale, sub};
 
@@ -19,6 +17,8 @@ pub(crate) use nearest::{On, Spot, on_triangle};
 pub(crate) use sides::NONE;
 pub(crate) use tree::{Bound, Tree, apart};
 
+/// A patch passes near if it comes nearer to a particle than this \[m\] beyond its own extent, by its middle.
+pub(crate) const PASSES_M: f64 = 0.02;
 /// Triangles in a patch, at most, and the share of all that may be one.
 const PATCH: usize = 48;
 const PATCHES: usize = 256;
@@ -140,6 +140,11 @@ impl BodySurface {
         self.middles.len()
     }
 
+    /// One over the square of the distance \[m\] from its middle at which a patch passes near.
+    pub(crate) fn reach(&self, patch: usize) -> f64 {
+        (f64::from(self.extents[patch]) + PASSES_M).powi(-2)
+    }
+
     /// Words of [`BodySurface::list`].
     pub(crate) fn words(&self) -> usize {
         (9 * self.triangles.len() + 3 * self.patches() + 1).next_multiple_of(4)
@@ -156,7 +161,7 @@ impl BodySurface {
             list.extend([*a, *b, *c, flags, x, y, z, self.patch[t]]);
         }
         [&self.order, &self.starts, &self.middles].into_iter().for_each(|words| list.extend(words));
-        list.extend(self.extents.iter().map(|extent| (reach(*extent) as f32).to_bits()));
+        list.extend((0..self.patches()).map(|n| (self.reach(n) as f32).to_bits()));
         list.resize(self.words(), 0);
         list
     }

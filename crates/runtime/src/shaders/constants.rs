@@ -14,7 +14,7 @@ use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 use crate::levels::{NODE_TILE, joint, safe};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 48] = [
+const FLOATS: [(&str, f64); 47] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
@@ -46,7 +46,6 @@ const FLOATS: [(&str, f64); 48] = [
     ("FAST_M", search::FAST_M),
     ("FAST_WAY_M", passing::FAST_WAY_M),
     ("NEARER_M", passing::NEARER_M),
-    ("PASSES_M", passing::PASSES_M),
     ("LOOK_M", struck::LOOK_M),
     ("LOOKS", struck::LOOKS),
     ("HELD_M", struck::HELD_M),

@@ -8,8 +8,6 @@ use crate::number::real::{Real, V3, add, dot};
 pub const FAST_WAY_M: f64 = 0.02;
 /// A patch comes nearer to a particle by more than this \[m\], or the particle has known it before.
 pub const NEARER_M: f64 = 0.01;
-/// It comes nearer to a particle than this \[m\] beyond its own extent.
-pub const PASSES_M: f64 = 0.02;
 
 /// Patches, by the places of their middles.
 struct Patches<T> {
@@ -66,7 +64,7 @@ pub struct Passing<T: Real> {
 impl<T: Real> Passing<T> {
     /// For a surface.
     pub fn new(surface: &BodySurface) -> Self {
-        let reach = surface.extents.iter().map(|far| T::of(reach(*far))).collect();
+        let reach = (0..surface.patches()).map(|n| T::of(surface.reach(n))).collect();
         let zero = [T::of(0.0); 3];
         Passing { reach, all: Patches::new(), fast: Patches::new(), low: zero, high: zero }
     }
@@ -107,11 +105,6 @@ impl<T: Real> Passing<T> {
         widest(Nearest { patches, p, goes, found: &mut found });
         found.map(|at| patches.patch[at])
     }
-}
-
-/// One over the square of the distance \[m\] at which a patch passes near.
-pub fn reach(extent: f32) -> f64 {
-    (f64::from(extent) + PASSES_M).powi(-2)
 }
 
 struct Nearest<'a, T> {

@@ -148,7 +148,7 @@ impl<T: Real> Skinned<T> {
     }
 }
 
-/// What goes evenly from its start to its end, at a time from 0 to 1.
+/// A place that goes evenly from its start to its end, at a time from 0 to 1.
 #[inline]
 pub fn between<T: Real>([start, end]: &[V3<T>; 2], time: T) -> V3<T> {
     add(scale(*start, T::of(1.0) - time), scale(*end, time))

@@ -4,10 +4,10 @@ use parry3d_f64::shape::{TriMesh, Triangle};
 
 use super::boxes::nearest_of;
 use super::nearest::{faces_away, walk, walk_beyond};
-use super::passing::{FAST_WAY_M, NEARER_M, PASSES_M, Passing};
+use super::passing::{FAST_WAY_M, NEARER_M, Passing};
 use super::pose::unit;
 use super::*;
-use crate::cloth::surface::on_triangle;
+use crate::cloth::surface::{PASSES_M, on_triangle};
 use crate::cloth::{Flat, Influence, Rows, SkinJoint, Skinning};
 
 /// Numbers of a fixed sequence between -1 and 1.

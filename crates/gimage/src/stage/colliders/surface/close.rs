@@ -8,7 +8,7 @@ use crate::base::vec3::{add, cross, distance, dot, norm, normalize, scale, sub};
 
 /// Largest mean distance of the corners of an opening from its plane, as a share of their mean distance from its middle.
 const FLAT: f64 = 0.3;
-/// Largest area of an opening as a share of that of its component: a sheet is no opening of its own.
+/// Largest area of an opening as a share of that of its component: the outline of a sheet does not count.
 const MOST: f64 = 0.4;
 /// How far the middle is within the opening, as a share of the mean distance of its corners.
 const DENT: f64 = 0.1;
