@@ -273,13 +273,13 @@ fn squeezed(first: View, last: View, clearance: f32) -> f32 {
   return min(max(0.5 * (first.height + last.height - closes), 0.0), clearance);
 }
 
-// The patch that passes nearest to a particle that goes on by `goes`, measured by its extent, if one passes near: a fast one, or any if the particle is fast.
-fn passing(p: vec3<f32>, goes: vec3<f32>) -> u32 {
+// The patch that passes nearest to a particle that goes on by `goes`, measured by its extent, if one passes near: a fast one, or any if `may_be_fast` and the particle is fast.
+fn passing(p: vec3<f32>, goes: vec3<f32>, may_be_fast: bool) -> u32 {
   var found = NO_TRIANGLE;
   if (rate() <= 0.0) {
     return found;
   }
-  let fast = dot(goes, goes) > FAST_WAY_M * FAST_WAY_M;
+  let fast = may_be_fast && dot(goes, goes) > FAST_WAY_M * FAST_WAY_M;
   let count = patch_count();
   var least = 1.0;
   for (var n = 0u; n < count; n++) {
@@ -302,12 +302,37 @@ fn passing(p: vec3<f32>, goes: vec3<f32>) -> u32 {
   return found;
 }
 
+// Where the planes that are known leave particle k, `left` seconds before the end of the frame.
+fn held_at(k: u32, p: vec3<f32>, left: f32) -> vec3<f32> {
+  var held = p;
+  for (var n = 0u; n < 2u; n++) {
+    let row = 8u * k + 4u * n;
+    let plane = found_planes[row];
+    if (plane.w > NO_PLANE) {
+      let at = plane.xyz - found_planes[row + 2u].xyz * left;
+      let normal = found_planes[row + 1u].xyz - found_planes[row + 3u].xyz * left;
+      held += normal * max(plane.w - dot(held - at, normal), 0.0);
+    }
+  }
+  return held;
+}
+
 // Particle k at `p` goes on by `goes` and gives way to a patch, whose nearest point it follows from look to look. `nearest` is a triangle near it at the start.
 fn struck_by(k: u32, n: u32, nearest: u32, p: vec3<f32>, goes: vec3<f32>, clearance: f32) -> Struck {
   var struck: Struck;
   struck.spot = walk(patch_middle(n), p);
   struck.view = view_of(struck.spot, p);
   if (struck.view.height < 0.0) {
+    return struck;
+  }
+  var is_held = true;
+  for (var half = 1u; half <= 2u; half++) {
+    time = 0.5 * f32(half);
+    let q = held_at(k, p + goes * time, (1.0 - time) / rate());
+    is_held = is_held && view_of(walk(struck.spot.triangle, q), q).height >= clearance - HELD_M;
+  }
+  time = 0.0;
+  if (is_held) {
     return struck;
   }
   let far = (sqrt(dot(goes, goes)) + struck.view.far) / LOOK_M;
@@ -323,19 +348,9 @@ fn struck_by(k: u32, n: u32, nearest: u32, p: vec3<f32>, goes: vec3<f32>, cleara
       q += struck.view.normal * (clearance - struck.view.height);
     }
   }
-  // Where the planes that are known would leave it.
-  var held = p + goes;
-  for (var n = 0u; n < 2u; n++) {
-    let plane = found_planes[8u * k + 4u * n];
-    let normal = found_planes[8u * k + 4u * n + 1u].xyz;
-    if (plane.w > NO_PLANE) {
-      held += normal * max(plane.w - dot(held - plane.xyz, normal), 0.0);
-    }
-  }
-  let is_held = view_of(walk(struck.spot.triangle, held), held).height >= clearance - HELD_M;
   struck.other = view_of(walk(nearest, q), q).height;
   time = 0.0;
-  struck.found = !struck.view.open && !is_held && struck.view.height <= clearance + MARGIN_M;
+  struck.found = !struck.view.open && struck.view.height <= clearance + MARGIN_M;
   // The plane begins at the particle, or below it, and ends where the surface does.
   let height = dot(p - (struck.view.to - struck.view.drift), struck.view.normal);
   struck.drift = struck.view.drift + struck.view.normal * max(clearance - height, 0.0);
@@ -422,7 +437,7 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
   }
   var struck: Struck;
   if (was_known) {
-    let comes = passing(p, moved);
+    let comes = passing(p, moved, true);
     if (comes != NO_TRIANGLE) {
       struck = struck_by(k, comes, known.spot.triangle, p, moved, clearance);
     }
@@ -484,7 +499,7 @@ fn main(
   var waits = met && p.w > 0.0 && state >> 8u > 0u;
   if (waits) {
     surface_hints[5u * k + 1u].w = state - 256u;
-    waits = passing(p.xyz, p.xyz - bitcast<vec3<f32>>(surface_hints[5u * k].xyz)) == NO_TRIANGLE;
+    waits = passing(p.xyz, p.xyz - bitcast<vec3<f32>>(surface_hints[5u * k].xyz), false) == NO_TRIANGLE;
   }
   if (!met || p.w <= 0.0 || waits) {
     surface_hints[5u * k + 4u - (frames() & 1u)] = mark;

@@ -37,8 +37,8 @@ impl<T: Real> Boxes<T> {
     }
 
     /// The patch that comes to a particle at `p` in a frame in which the surface moves, if one does: [`Passing::nearest`].
-    pub fn passes(&self, skinned: &Skinned<T>, p: V3<T>, goes: V3<T>) -> Option<u32> {
-        if skinned.moves() { self.passing.nearest(p, goes) } else { None }
+    pub fn passes(&self, skinned: &Skinned<T>, p: V3<T>, goes: V3<T>, may_be_fast: bool) -> Option<u32> {
+        if skinned.moves() { self.passing.nearest(p, goes, may_be_fast) } else { None }
     }
 
     /// The patch with the middle nearest to `p`.

@@ -92,9 +92,9 @@ impl<T: Real> Passing<T> {
         self.fast.fill();
     }
 
-    /// The patch that passes nearest to a particle at `p` that goes on by `goes`, measured by its extent, if one passes near: a fast one, or any if the particle is fast.
-    pub fn nearest(&self, p: V3<T>, goes: V3<T>) -> Option<u32> {
-        let is_fast = dot(goes, goes) > T::of(FAST_WAY_M * FAST_WAY_M);
+    /// The patch that passes nearest to a particle at `p` that goes on by `goes`, measured by its extent, if one passes near: a fast one, or any if `may_be_fast` and the particle is fast.
+    pub fn nearest(&self, p: V3<T>, goes: V3<T>, may_be_fast: bool) -> Option<u32> {
+        let is_fast = may_be_fast && dot(goes, goes) > T::of(FAST_WAY_M * FAST_WAY_M);
         let to = add(p, goes);
         let misses = |c: usize| p[c].min(to[c]) > self.high[c] || p[c].max(to[c]) < self.low[c];
         if !is_fast && (0..3).any(misses) {

@@ -84,7 +84,7 @@ impl<T: Real> Worn<T> {
                 if self.waits[particle] > 0 {
                     self.waits[particle] -= 1;
                     let p = sheet.at(triple);
-                    if self.boxes.passes(&self.skinned, p, sub(p, self.hints[particle].last)).is_none() {
+                    if self.boxes.passes(&self.skinned, p, sub(p, self.hints[particle].last), false).is_none() {
                         continue;
                     }
                 }
@@ -161,7 +161,7 @@ impl<T: Real> Worn<T> {
             }
         }
         let goes = sub(p, hint.last);
-        let comes = if known { self.boxes.passes(&self.skinned, p, goes) } else { None };
+        let comes = if known { self.boxes.passes(&self.skinned, p, goes, true) } else { None };
         let struck = comes.and_then(|patch| self.struck((patch, spot.triangle), (p, goes), clearance, &planes));
         if let Some(struck) = &struck {
             planes = [Some(struck.plane), planes[1].or(planes[0])];

@@ -40,6 +40,27 @@ impl<T: Real> Worn<T> {
         if view.height < zero {
             return None;
         }
+        let left = |time: T| (one - time) / self.skinned.rate();
+        // Where the planes that are known leave it.
+        let held = |time: T| {
+            let mut q = add(p, scale(goes, time));
+            for plane in planes.iter().flatten() {
+                let at = sub(plane.at, scale(plane.drift, left(time)));
+                let normal = sub(plane.normal, scale(plane.turn, left(time)));
+                q = add(q, scale(normal, (plane.clearance - dot(sub(q, at), normal)).max(zero)));
+            }
+            q
+        };
+        let places = [T::of(0.5), one].map(|time| (time, held(time)));
+        let is_held = places.into_iter().all(|(time, q)| {
+            self.skinned.look(time);
+            let below = walk(&self.surface, &mut self.skinned, spot.triangle, q);
+            self.view(&below, q).height >= clearance - T::of(HELD_M)
+        });
+        self.skinned.look(zero);
+        if is_held {
+            return None;
+        }
         let far = (length(goes) + view.way) / T::of(LOOK_M);
         let looks = far.min(T::of(LOOKS)).get().ceil().max(1.0) as u32;
         let share = one / T::of(f64::from(looks));
@@ -53,17 +74,10 @@ impl<T: Real> Worn<T> {
                 q = add(q, scale(view.normal, clearance - view.height));
             }
         }
-        let mut held = add(p, goes);
-        for plane in planes.iter().flatten() {
-            let height = dot(sub(held, plane.at), plane.normal);
-            held = add(held, scale(plane.normal, (plane.clearance - height).max(zero)));
-        }
-        let below = walk(&self.surface, &mut self.skinned, spot.triangle, held);
-        let is_held = self.view(&below, held).height >= clearance - T::of(HELD_M);
         let other = walk(&self.surface, &mut self.skinned, nearest, q);
         let other = self.view(&other, q).height;
         self.skinned.look(zero);
-        if view.open || is_held || view.height > clearance + T::of(MARGIN_M) {
+        if view.open || view.height > clearance + T::of(MARGIN_M) {
             return None;
         }
         let height = dot(sub(p, sub(view.to, view.drift)), view.normal);

@@ -182,8 +182,7 @@ fn the_patch_that_passes_nearest_is_that_of_all_times() {
     for k in 0..400 {
         let from = |n: usize| [0, 1, 2].map(|c| 0.4 * noise(n + 31 * k, c));
         // Half of them go far, in a direction of their own.
-        let way =
-            |n: usize| [0, 1, 2].map(|c| if n.is_multiple_of(2) { 0.15 } else { 0.01 } * noise(n + 17 * k, c + 3));
+        let way = |n: usize| [0, 1, 2].map(|c| if n.is_multiple_of(2) { 0.2 } else { 0.01 } * noise(n + 17 * k, c + 3));
         let mut passing = Passing::<f64>::new(&surface);
         passing.follow((0..count).map(|n| [from(n), add(from(n), way(n))]));
         let p = [0, 1, 2].map(|c| 0.4 * noise(k, c + 6));
@@ -197,7 +196,7 @@ fn the_patch_that_passes_nearest_is_that_of_all_times() {
             if comes { nearest / (f64::from(surface.extents[n]) + PASSES_M) } else { f64::INFINITY }
         };
         let least = (0..count).map(share).fold(f64::INFINITY, f64::min);
-        match passing.nearest(p, goes) {
+        match passing.nearest(p, goes, true) {
             Some(n) => {
                 assert!(
                     share(n as usize) < least + 1e-3 && least < 1.0 + 1e-3,
