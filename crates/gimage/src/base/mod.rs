@@ -6,6 +6,7 @@ pub(crate) mod frame;
 pub(crate) mod graph;
 pub mod grid;
 pub mod halfedge;
+pub(crate) mod joints;
 pub(crate) mod least_squares;
 pub(crate) mod locate;
 pub mod mesh;

@@ -87,7 +87,7 @@ fn worn(bundle: &Bundle, surface: std::result::Result<Surface, String>, tier: Ti
     let mut left_out =
         if covered > 0 { format!(" ({covered} inside of other parts of it are left out)") } else { String::new() };
     if closed > 0 {
-        left_out += &format!(", of which some close {}", counted(closed, "opening", "openings"));
+        left_out += &format!(", with {} closed", counted(closed, "opening", "openings"));
     }
     let used = format!("The body is a collider: {triangles} triangles{left_out}");
     if tier == Tier::Surface {

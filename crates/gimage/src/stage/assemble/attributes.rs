@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use gimage_bundle::{Image, MapKind};
 
+use crate::base::joints::strongest;
 use crate::base::mesh::{Channel, Mesh, Semantic};
 use crate::base::surface::Surface;
 use crate::record::{Finding, Severity};
@@ -71,18 +72,10 @@ fn skin(sets: &[(&Channel, &Channel)], (t, bary): (usize, [f64; 3])) -> ([f32; 4
             }
         }
     }
-    let mut strongest: Vec<(u32, f64)> = sum.into_iter().filter(|(_, w)| *w > 0.0).collect();
-    strongest.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    strongest.truncate(4);
-    let total: f64 = strongest.iter().map(|x| x.1).sum();
-    let (mut j, mut w) = ([0.0; 4], [0.0; 4]);
-    if total > 0.0 {
-        for (k, (joint, weight)) in strongest.iter().enumerate() {
-            (j[k], w[k]) = (*joint as f32, (*weight / total) as f32);
-        }
-    } else {
-        // A texel on a part of the mesh without a skin follows the first joint.
-        w[0] = 1.0;
+    // A texel on a part of the mesh without a skin follows the first joint.
+    let (mut j, mut w) = ([0.0; 4], [1.0, 0.0, 0.0, 0.0]);
+    for (k, (joint, weight)) in strongest(sum, 4).into_iter().enumerate() {
+        (j[k], w[k]) = (joint as f32, weight as f32);
     }
     (j, w)
 }

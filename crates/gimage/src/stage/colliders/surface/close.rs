@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use gimage_bundle::{Body, DisjointSets};
 
+use crate::base::halfedge::{origin, sorted_edges, target};
+use crate::base::joints::strongest;
 use crate::base::vec3::{add, cross, distance, dot, norm, normalize, scale, sub};
 
 /// Largest mean distance of the corners of an opening from its plane, as a share of their mean distance from its middle.
@@ -16,10 +18,8 @@ const DENT: f64 = 0.1;
 /// Closes the openings that are about flat and that their middle sees all around, each by a fan around a new vertex, which follows the joints of the corners. Returns their
 /// number. O(n log n).
 pub(super) fn close(body: &mut Body) -> usize {
-    let mut sides: HashMap<[u32; 2], u32> = HashMap::new();
     let mut parts = DisjointSets::new(body.positions.len());
     for t in &body.triangles {
-        (0..3).for_each(|c| *sides.entry([t[c], t[(c + 1) % 3]]).or_default() += 1);
         parts.union(t[0], t[1]);
         parts.union(t[0], t[2]);
     }
@@ -29,7 +29,7 @@ pub(super) fn close(body: &mut Body) -> usize {
         *areas.entry(parts.find(*a)).or_default() += area(at(*a), at(*b), at(*c));
     }
     let mut closed = Vec::new();
-    for ring in rings(&sides) {
+    for ring in rings(&body.triangles) {
         let corners: Vec<[f64; 3]> = ring.iter().map(|v| at(*v)).collect();
         let most = MOST * areas.get(&parts.find(ring[0])).copied().unwrap_or(0.0);
         if let Some(middle) = middle(&corners, most) {
@@ -50,14 +50,14 @@ pub(super) fn close(body: &mut Body) -> usize {
 }
 
 /// Closed rings of sides without a neighbour, each of whose corners has one such side before it and one after it. Deterministic.
-fn rings(sides: &HashMap<[u32; 2], u32>) -> Vec<Vec<u32>> {
-    let mut open: Vec<[u32; 2]> = sides.keys().filter(|[a, b]| !sides.contains_key(&[*b, *a])).copied().collect();
-    open.sort_unstable();
+fn rings(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
     let (mut next, mut ways): (BTreeMap<u32, u32>, HashMap<u32, [u32; 2]>) = Default::default();
-    for [a, b] in &open {
-        next.insert(*a, *b);
-        ways.entry(*a).or_default()[0] += 1;
-        ways.entry(*b).or_default()[1] += 1;
+    let sides = sorted_edges(triangles);
+    for side in sides.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).filter(|run| run.len() == 1) {
+        let [a, b] = [origin(triangles, side[0].2), target(triangles, side[0].2)];
+        next.insert(a, b);
+        ways.entry(a).or_default()[0] += 1;
+        ways.entry(b).or_default()[1] += 1;
     }
     let mut out = Vec::new();
     while let Some((first, mut at)) = next.pop_first() {
@@ -103,13 +103,9 @@ fn shared(body: &Body, ring: &[u32], sets: usize) -> (Vec<[u32; 4]>, Vec<[f32; 4
             *sum.entry(*joint).or_default() += f64::from(weight);
         }
     }
-    let mut strongest: Vec<(u32, f64)> = sum.into_iter().filter(|x| x.1 > 0.0).collect();
-    strongest.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    strongest.truncate(4 * sets);
-    let total: f64 = strongest.iter().map(|x| x.1).sum();
     let (mut joints, mut weights) = (vec![[0; 4]; sets], vec![[0.0; 4]; sets]);
-    for (k, (joint, weight)) in strongest.into_iter().enumerate() {
-        (joints[k / 4][k % 4], weights[k / 4][k % 4]) = (joint, (weight / total) as f32);
+    for (k, (joint, weight)) in strongest(sum, 4 * sets).into_iter().enumerate() {
+        (joints[k / 4][k % 4], weights[k / 4][k % 4]) = (joint, weight as f32);
     }
     (joints, weights)
 }
