@@ -51,6 +51,26 @@ pub trait Machine<T: Real>: Copy {
     /// The smaller one; b where either is NaN.
     fn least(self, a: Self::V, b: Self::V) -> Self::V;
 
+    /// The place of the least number of lists that were gone through by vectors: `least` of each lane, and where its vector begins, below 0 for none. The
+    /// first of those that are equal, whatever the width of vectors.
+    #[inline(always)]
+    fn first_least(self, least: Self::V, begins: Self::V) -> Option<usize> {
+        let mut lanes = [[T::of(0.0); LANES]; 2];
+        self.store(&mut lanes[0], 0, least);
+        self.store(&mut lanes[1], 0, begins);
+        let (mut best, mut first) = (T::of(f64::from(f32::MAX)), usize::MAX);
+        for (lane, (d, begin)) in lanes[0].iter().zip(&lanes[1]).take(Self::WIDE).enumerate() {
+            if *begin < T::of(0.0) {
+                continue;
+            }
+            let at = begin.get() as usize + lane;
+            if *d < best || (*d == best && at < first) {
+                (best, first) = (*d, at);
+            }
+        }
+        if first < usize::MAX { Some(first) } else { None }
+    }
+
     /// Squares of lengths, summed in the order of `real::dot`.
     #[inline(always)]
     fn squares(self, v: [Self::V; 3]) -> Self::V {

@@ -4,7 +4,7 @@
 use super::passing::Passing;
 use super::pose::Skinned;
 use crate::cloth::surface::{BodySurface, Bound, apart, on_triangle};
-use crate::number::lanes::{LANES, Machine, Work, widest};
+use crate::number::lanes::{Machine, Work, widest};
 use crate::number::real::{Real, V3};
 
 /// Boxes and middles of all patches \[m\].
@@ -12,28 +12,18 @@ pub struct Boxes<T: Real> {
     bounds: Vec<Bound<T>>,
     /// The frame of which the boxes are.
     fitted: u32,
-    /// A vertex in the middle of each patch; padded to whole blocks.
-    middles: [Vec<T>; 3],
     passing: Passing<T>,
 }
 
 impl<T: Real> Boxes<T> {
     /// For a surface.
     pub fn new(surface: &BodySurface) -> Self {
-        let far = T::of(f64::from(f32::MAX.sqrt()));
-        let middles = [0, 1, 2].map(|_| vec![far; surface.middles.len().next_multiple_of(LANES)]);
-        Boxes { bounds: Vec::new(), fitted: 0, middles, passing: Passing::new(surface) }
+        Boxes { bounds: Vec::new(), fitted: 0, passing: Passing::new(surface) }
     }
 
     /// Moves the middles to where they are.
     pub fn follow(&mut self, surface: &BodySurface, skinned: &mut Skinned<T>) {
-        for (n, t) in surface.middles.iter().enumerate() {
-            let [from, _] = skinned.vertices(surface, *t)[0].at;
-            (0..3).for_each(|c| self.middles[c][n] = from[c]);
-        }
-        if skinned.moves() {
-            self.passing.follow(surface.middles.iter().map(|t| skinned.vertices(surface, *t)[0].at));
-        }
+        self.passing.follow(surface.middles.iter().map(|t| skinned.vertex(surface.triangles[*t as usize][0]).at));
     }
 
     /// The patch that comes to a particle at `p` in a frame in which the surface moves, if one does: [`Passing::nearest`].
@@ -43,7 +33,7 @@ impl<T: Real> Boxes<T> {
 
     /// The patch with the middle nearest to `p`.
     pub fn patch(&self, p: V3<T>) -> usize {
-        nearest_of(&self.middles, p)
+        nearest_of(self.passing.middles(), p)
     }
 
     /// The triangle nearest to `p`, by the boxes that may have it.
@@ -110,24 +100,13 @@ impl<T: Real> Work<T> for NearestOf<'_, T> {
     fn run<K: Machine<T>>(self, k: K) {
         let p = k.splats(self.p);
         let far = k.splat(T::of(f64::from(f32::MAX)));
-        let (mut least, mut block) = (far, far);
+        let (mut least, mut block) = (far, k.splat(T::of(-1.0)));
         for at in (0..self.points[0].len()).step_by(K::WIDE) {
             let d = k.squares(k.minus(k.loads(self.points, at), p));
             let nearer = k.above(least, d);
             least = k.choose(nearer, d, least);
             block = k.choose(nearer, k.splat(T::of(at as f64)), block);
         }
-        let mut lanes = [[T::of(0.0); LANES]; 2];
-        k.store(&mut lanes[0], 0, least);
-        k.store(&mut lanes[1], 0, block);
-        // The first of those that are equally far, whatever the width of vectors.
-        let mut best = (T::of(f64::from(f32::MAX)), T::of(0.0));
-        for (lane, (d, at)) in lanes[0].iter().zip(&lanes[1]).take(K::WIDE).enumerate() {
-            let (d, at) = (*d, *at + T::of(lane as f64));
-            if d < best.0 || (d == best.0 && at < best.1) {
-                best = (d, at);
-            }
-        }
-        *self.found = best.1.get() as usize;
+        *self.found = k.first_least(least, block).unwrap_or(0);
     }
 }

@@ -92,6 +92,11 @@ impl<T: Real> Passing<T> {
         self.fast.fill();
     }
 
+    /// A vertex in the middle of each patch \[m\] at the start of the frame; padded to whole blocks.
+    pub fn middles(&self) -> &[Vec<T>; 3] {
+        &self.all.from
+    }
+
     /// The patch that passes nearest to a particle at `p` that goes on by `goes`, measured by its extent, if one passes near: a fast one, or any if `may_be_fast` and the particle is fast.
     pub fn nearest(&self, p: V3<T>, goes: V3<T>, may_be_fast: bool) -> Option<u32> {
         let is_fast = may_be_fast && dot(goes, goes) > T::of(FAST_WAY_M * FAST_WAY_M);
@@ -133,18 +138,6 @@ impl<T: Real> Work<T> for Nearest<'_, T> {
             least = k.choose(first, d, least);
             block = k.choose(first, k.splat(T::of(at as f64)), block);
         }
-        let mut lanes = [[T::of(0.0); LANES]; 2];
-        k.store(&mut lanes[0], 0, least);
-        k.store(&mut lanes[1], 0, block);
-        // The first of those that pass equally near, whatever the width of vectors.
-        let mut best: Option<(T, usize)> = None;
-        for (lane, (d, at)) in lanes[0].iter().zip(&lanes[1]).take(K::WIDE).enumerate().filter(|x| *x.1.1 >= T::of(0.0))
-        {
-            let at = at.get() as usize + lane;
-            if best.is_none_or(|(far, first)| *d < far || (*d == far && at < first)) {
-                best = Some((*d, at));
-            }
-        }
-        *self.found = best.map(|x| x.1);
+        *self.found = k.first_least(least, block);
     }
 }
