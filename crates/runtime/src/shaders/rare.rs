@@ -111,7 +111,7 @@ pub(super) fn surface_boxes(over: Over) -> Rule {
 
 pub(super) fn surface_search(over: Over) -> Rule {
     let read = [Action, Now, Slot::SurfaceVertices, Slot::SurfaceTriangles, Slot::SurfaceBoxes, Slot::Wearers];
-    let files = [part!("action"), part!("surface"), part!("surface_walk")];
+    let files = [part!("action"), part!("surface"), part!("surface_walk"), part!("surface_struck")];
     own!("surface_search", over, Parts::new(&files, &read, &[Slot::SurfaceHints, Slot::FoundPlanes]))
 }
 
