@@ -7,6 +7,7 @@ pub mod adapter;
 #[cfg(feature = "gpu")]
 pub mod alike;
 pub mod bound_mesh;
+pub mod limb;
 #[cfg(feature = "gpu")]
 pub mod rig;
 #[cfg(feature = "gpu")]
