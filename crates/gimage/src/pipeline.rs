@@ -34,7 +34,7 @@ use crate::stage::gate;
 use crate::stage::image::PieceImage;
 use crate::stage::import::import;
 use crate::stage::render::trace::Trace;
-use crate::stage::render::{self, RenderMesh};
+use crate::stage::render::{self, RenderMesh, Subdivision};
 use crate::stage::repair::repair;
 use crate::stage::select::{demand_cloth, divided, select};
 use crate::stage::shell::thin;
@@ -184,7 +184,8 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
     if let Some(trace) = &trace {
         let made = render::Made { trace, pieces: &pieces, families: &families, riders: &riders };
         let (origins, transform) = (&imported.origins, imported.transform);
-        let imported = render::Imported { path, source: &source, origins, transform, plain };
+        let cells = drawn_cells(options, dressed);
+        let imported = render::Imported { path, source: &source, origins, transform, plain, cells };
         run.stage(Stage::Render, 1, |report| {
             report.findings.extend(render::add(&mut bundle, imported, &made, options)?);
             Ok(())
@@ -204,6 +205,15 @@ fn blend_width(options: &BuildOptions, dressed: bool) -> Option<f64> {
         Some(BlendWidth::Within(width)) => Some(width),
         Some(BlendWidth::None) => None,
         None => dressed.then_some(WIDTH),
+    }
+}
+
+/// The longest edge of drawn cloth, as a multiple of the distance of two texels; `None` leaves all.
+fn drawn_cells(options: &BuildOptions, dressed: bool) -> Option<f64> {
+    match options.render.subdivide {
+        Some(Subdivision::Cells(cells)) => Some(cells),
+        Some(Subdivision::None) => None,
+        None => dressed.then_some(render::CELLS),
     }
 }
 

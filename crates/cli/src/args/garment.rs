@@ -14,7 +14,7 @@ use gimage::limits::Limit;
 use gimage::options::help as help_of;
 use gimage::options::{BuildOptions, Effort, ImageSize, RestLength, Sample, Seams};
 use gimage::pins::{Pin, PinRule};
-use gimage::render::RenderMesh;
+use gimage::render::{RenderMesh, Subdivision};
 use gimage::select::{Pattern, SelectOptions};
 use gimage::shell::Layer;
 use gimage::stitch::Stitching;
@@ -76,6 +76,8 @@ pub struct BuildArgs {
     pub min_psnr: Option<f64>,
     #[arg(long, help = help_of("render-mesh"), value_parser = choice::<RenderMesh>())]
     pub render_mesh: Option<RenderMesh>,
+    #[arg(long, help = help_of("subdivide"), value_name = "CELLS", allow_negative_numbers = true)]
+    pub subdivide: Option<Subdivision>,
     /// Number of threads; 0 means one per core. The bundle does not depend on it.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024), allow_negative_numbers = true)]
     pub threads: u16,
@@ -207,6 +209,7 @@ impl BuildArgs {
         set(&mut options.image.detail, self.detail);
         set(&mut options.image.effort, self.effort);
         set(&mut options.render.render_mesh, self.render_mesh);
+        options.render.subdivide = self.subdivide;
         options
     }
 }

@@ -9,6 +9,7 @@ use crate::stage::assemble::limits::Limit;
 use crate::stage::assemble::pins::{Pin, PinRule};
 use crate::stage::blend::BlendWidth;
 use crate::stage::import::Up;
+use crate::stage::render::Subdivision;
 use crate::stage::select::Pattern;
 use crate::stage::stitch::Stitching;
 
@@ -129,6 +130,14 @@ impl Field for Option<BlendWidth> {
         let numbers = if let Some(BlendWidth::Within(width)) = self { vec![*width] } else { Vec::new() };
         // As for limits.
         vec![Setting { numbers, value: self.map(|width| json!(width.to_string())), ..about }]
+    }
+}
+
+impl Field for Option<Subdivision> {
+    fn settings(&self, about: Setting) -> Vec<Setting> {
+        let numbers = if let Some(Subdivision::Cells(cells)) = self { vec![*cells] } else { Vec::new() };
+        // As for limits.
+        vec![Setting { numbers, value: self.map(|cells| json!(cells.to_string())), ..about }]
     }
 }
 

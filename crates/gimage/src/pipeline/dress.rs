@@ -10,7 +10,7 @@ use serde_json::json;
 use super::entries::repair_entry;
 use super::{Built, build_as};
 use crate::base::words::counted;
-use crate::colliders::{Collider, ColliderOptions, Fit, Form, Start, Surface, Tier, fit_body};
+use crate::colliders::{Collider, ColliderOptions, Fit, Form, LOOSE_FIT, Start, Surface, Tier, fit_body};
 use crate::error::{Error, Result};
 use crate::options::{BuildOptions, Choice};
 use crate::progress::{Progress, Stage};
@@ -46,12 +46,17 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
         let message = format!("{count} colliders; mean, 95 % and largest distance of the body from them: {mm} mm.");
         findings.push(finding(Severity::Note, "hint-colliders", message));
         manifest.colliders = colliders.iter().map(entry).collect();
-        findings.extend(found.into_iter().filter(|f| f.stage == "colliders"));
+        let mut found: Vec<Finding> = found.into_iter().filter(|f| f.stage == "colliders").collect();
         if solids.tier != Tier::Capsules {
             let (body, said) = worn(&built.bundle, surface, solids.tier);
-            findings.push(said);
+            found.push(said);
             built.bundle.body = body;
         }
+        // The cloth does not meet the solids of a body whose surface it has.
+        if built.bundle.body.is_some() {
+            found.iter_mut().filter(|f| f.kind == LOOSE_FIT).for_each(|f| f.severity = Severity::Note);
+        }
+        findings.extend(found);
     }
     let kinds: Vec<&str> = solids.kinds.iter().map(|k| k.name()).collect();
     let manifest = &mut built.bundle.manifest;

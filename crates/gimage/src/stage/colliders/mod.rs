@@ -363,6 +363,9 @@ fn elsewhere(mesh: &Mesh, options: &ColliderOptions) -> Option<Finding> {
     })
 }
 
+/// The kind of the finding that colliders are far from the body.
+pub(crate) const LOOSE_FIT: &str = "loose-fit";
+
 /// A warning if the body is not within reach of the target.
 fn missed(figures: &Figures, count: usize, options: &ColliderOptions) -> Option<Finding> {
     let mm = |x: f64| format!("{:.1} mm", 1e3 * x);
@@ -376,7 +379,7 @@ fn missed(figures: &Figures, count: usize, options: &ColliderOptions) -> Option<
     (figures.body.p95 > 1.1 * options.error).then(|| Finding {
         severity: Severity::Warning,
         stage: "colliders",
-        kind: "loose-fit",
+        kind: LOOSE_FIT,
         count: 1,
         examples: Vec::new(),
         message,

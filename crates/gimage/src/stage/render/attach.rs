@@ -199,7 +199,7 @@ fn is_bound(vertices: &[(u32, Binding)]) -> bool {
 }
 
 /// Appends to a list, which is made if there is none; returns the index.
-fn push(json: &mut Value, list: &str, item: Value) -> usize {
+pub(super) fn push(json: &mut Value, list: &str, item: Value) -> usize {
     if let Some(items) = json.get_mut(list).and_then(Value::as_array_mut) {
         items.push(item);
         return items.len() - 1;

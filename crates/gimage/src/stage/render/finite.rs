@@ -4,18 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value, json};
 
-const FLOAT: u64 = 5126;
-const TRIANGLES: u64 = 4;
-
-/// An accessor of a document that is not sparse: where its elements lie.
-#[derive(Clone, Copy)]
-struct Layout {
-    start: usize,
-    stride: usize,
-    count: usize,
-    components: usize,
-    kind: u64,
-}
+use super::layout::{FLOAT, Layout, TRIANGLES};
 
 /// Gives vertices whose position is not finite the position of another vertex of their primitive, collapses the triangles that have such a
 /// vertex to a point, and replaces other numbers of vertices that are not finite by 0. Returns how many positions and how many other attributes of vertices were not finite.
@@ -60,55 +49,6 @@ pub(super) fn make_finite(json: &mut Value, bin: &mut [u8]) -> [usize; 2] {
 
 fn primitives(mesh: &Value) -> Vec<Value> {
     mesh["primitives"].as_array().cloned().unwrap_or_default()
-}
-
-impl Layout {
-    /// Of an accessor whose elements all lie in the buffer.
-    fn of(json: &Value, bin: &[u8], accessor: u64) -> Option<Self> {
-        let a = json["accessors"].get(accessor as usize)?;
-        let view = json["bufferViews"].get(a["bufferView"].as_u64()? as usize)?;
-        if a.get("sparse").is_some() || view.get("extensions").is_some() {
-            return None;
-        }
-        let components = match a["type"].as_str()? {
-            "SCALAR" => 1,
-            "VEC2" => 2,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            _ => return None,
-        };
-        let kind = a["componentType"].as_u64()?;
-        let size = match kind {
-            5120 | 5121 => 1,
-            5122 | 5123 => 2,
-            5125 | FLOAT => 4,
-            _ => return None,
-        };
-        let number = |of: &Value, key: &str| of[key].as_u64().unwrap_or(0) as usize;
-        let stride = Some(number(view, "byteStride")).filter(|s| *s > 0).unwrap_or(components * size);
-        let start = number(view, "byteOffset").checked_add(number(a, "byteOffset"))?;
-        let count = number(a, "count");
-        let end = count.checked_sub(1)?.checked_mul(stride)?.checked_add(start)?.checked_add(components * size)?;
-        (end <= bin.len()).then_some(Layout { start, stride, count, components, kind })
-    }
-
-    fn is_finite(self, bin: &[u8], element: usize) -> bool {
-        let at = self.start + element * self.stride;
-        bin[at..at + 4 * self.components].as_chunks().0.iter().all(|b| f32::from_le_bytes(*b).is_finite())
-    }
-
-    fn floats(self, bin: &[u8], element: usize) -> Vec<f32> {
-        let at = self.start + element * self.stride;
-        bin[at..at + 4 * self.components].as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect()
-    }
-
-    fn put(self, bin: &mut [u8], element: usize, values: &[f32]) {
-        let at = self.start + element * self.stride;
-        bin[at..at + 4 * self.components]
-            .iter_mut()
-            .zip(values.iter().flat_map(|v| v.to_le_bytes()))
-            .for_each(|(to, b)| *to = b);
-    }
 }
 
 /// Makes all elements finite; returns those that were not.

@@ -8,12 +8,18 @@ mod attach;
 mod bind;
 mod classes;
 mod finite;
+mod halves;
 mod hems;
+mod layout;
 pub(crate) mod plain;
+mod subdivide;
 mod surface;
 pub(crate) mod trace;
 
+use std::borrow::Cow;
+use std::fmt;
 use std::path::Path;
+use std::str::FromStr;
 
 use gimage_bundle::manifest::RenderEntry;
 use gimage_bundle::{Bundle, MapKind};
@@ -23,6 +29,7 @@ use self::attach::{Attached, Skin};
 use self::bind::{Anchor, Binding, UNBOUND, bind_all};
 use self::classes::Classes;
 use self::hems::Hems;
+use self::subdivide::{Divided, subdivide};
 use self::surface::{Spot, Surface, Texels};
 use self::trace::Trace;
 use crate::base::mesh::NONE;
@@ -48,6 +55,43 @@ impl Choice for RenderMesh {
     const ALL: &'static [(&'static str, Self)] = &[("on", Self::On), ("off", Self::Off)];
 }
 
+/// How fine the drawn cloth is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Subdivision {
+    /// As the file has it.
+    None,
+    /// No edge is longer than this many times the mean distance of neighbouring texels, 1 to 64.
+    Cells(f64),
+}
+
+/// The longest edge that [`crate::pipeline::dress`] leaves by default, as a multiple of the mean distance of neighbouring texels.
+pub(crate) const CELLS: f64 = 4.0;
+
+impl fmt::Display for Subdivision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Subdivision::None => f.write_str("none"),
+            Subdivision::Cells(cells) => write!(f, "{cells}"),
+        }
+    }
+}
+
+impl FromStr for Subdivision {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let cells = || text.parse().ok().filter(|n: &f64| (1.0..=64.0).contains(n));
+        match text {
+            "none" => Ok(Subdivision::None),
+            _ => cells().map(Subdivision::Cells).ok_or_else(|| Error::Option {
+                option: "subdivide".into(),
+                problem: format!("`{text}` is neither none nor a number from 1 to 64"),
+                hint: "give a number of cells, for example 4".into(),
+            }),
+        }
+    }
+}
+
 stage_options! {
     /// Options of the render mesh.
     #[derive(Copy)]
@@ -55,6 +99,9 @@ stage_options! {
         /// Put the mesh of the file, with its materials and textures, into the bundle as render.glb, its vertices bound to the
         /// pieces (on), or leave it out (off).
         pub render_mesh: RenderMesh = RenderMesh::On => "render-mesh" [""] Range::Any;
+        /// Halve the edges of the drawn cloth in render.glb until none is longer than this many times the distance of two texels, so that it can
+        /// show what the cloth does; none keeps the triangles of the file. Default: none, and 4 for gimage dress.
+        pub subdivide: Option<Subdivision> = None => "subdivide" ["cells"] Range::Any;
     }
 }
 
@@ -79,6 +126,19 @@ pub(crate) struct Imported<'a> {
     pub transform: [f64; 16],
     /// The document of a mesh whose file is not glTF.
     pub plain: Option<Document>,
+    /// The longest edge of drawn cloth, as a multiple of the distance of two texels; `None` leaves all.
+    pub cells: Option<f64>,
+}
+
+/// A primitive as a node places it.
+struct Placed {
+    node: Option<usize>,
+    mesh: usize,
+    primitive: usize,
+    instance: Option<[f64; 16]>,
+    /// Its vertices that are vertices of the imported mesh, ascending, and which of these they are.
+    vertices: Vec<u32>,
+    imported: Vec<u32>,
 }
 
 /// The results of the stages that the mesh went through.
@@ -128,15 +188,23 @@ pub(crate) fn add(
         let finding = finding(kind, count, Vec::new(), message.into());
         findings.push(Finding { severity: Severity::Repair, ..finding });
     }
-    let bindings = bind(bundle, made)?;
-    findings.extend(bindings.findings);
-    let bound = match document.vertices.is_empty() {
-        true => of_origins(imported.origins, &bindings.list),
-        false => of_nodes(&document.vertices, &bindings.list),
+    let texels = Texels::new(bundle).map_err(|e| Error::Internal(e.to_string()))?;
+    let mut placed = match document.vertices.is_empty() {
+        true => of_origins(imported.origins),
+        false => of_nodes(&document.vertices),
     };
+    let mut trace = Cow::Borrowed(made.trace);
+    if let Some(cells) = imported.cells {
+        let limits = (cells * texels.spacing(), texels.triangles.len());
+        let divided = subdivide(&mut document, &mut placed, trace.to_mut(), limits);
+        findings.extend(divided.map(|divided| finer(&divided, cells)));
+    }
+    let bindings = bind(bundle, &texels, &Made { trace: &trace, ..*made })?;
+    findings.extend(bindings.findings);
+    let bound: Vec<attach::Bound> = placed.into_iter().map(|placed| placed.bound(&bindings.list)).collect();
     let blends = |k: &usize| bundle.image(*k, &MapKind::Blend).is_some();
     let blending: Vec<usize> = (0..bundle.manifest.pieces.len()).filter(blends).collect();
-    let skin = Skin { trace: made.trace, blending: &blending };
+    let skin = Skin { trace: &trace, blending: &blending };
     let attached = Attached::new(document.json, document.bin, &bound, &skin);
     let (vertices, bound) = (attached.counts.vertices, attached.counts.bound);
     match attached.into_bytes() {
@@ -165,9 +233,8 @@ struct Bindings {
     findings: Vec<Finding>,
 }
 
-fn bind(bundle: &Bundle, made: &Made<'_>) -> Result<Bindings> {
+fn bind(bundle: &Bundle, texels: &Texels, made: &Made<'_>) -> Result<Bindings> {
     let Made { trace, pieces, families, riders } = made;
-    let texels = Texels::new(bundle).map_err(|e| Error::Internal(e.to_string()))?;
     // The parts of one component are one surface.
     let mut group: Vec<usize> = (0..pieces.len()).collect();
     for family in *families {
@@ -188,20 +255,20 @@ fn bind(bundle: &Bundle, made: &Made<'_>) -> Result<Bindings> {
     let diagonal = diagonal(&classes.positions);
     let members = |owner: usize| group.iter().enumerate().filter(move |(_, g)| **g == owner).map(|(p, _)| p);
     let surfaces: Vec<Option<Surface>> =
-        (0..pieces.len()).map(|p| (group[p] == p).then(|| Surface::new(&texels, members(p)))).collect();
+        (0..pieces.len()).map(|p| (group[p] == p).then(|| Surface::new(texels, members(p)))).collect();
     // Accessories that are too long to be rigid, such as zips, run along several pieces: each of their vertices rides on the nearest.
     let is_apart = |owner: &u32| *owner as usize >= pieces.len();
-    let whole = classes.owner.iter().any(is_apart).then(|| Surface::new(&texels, 0..pieces.len()));
+    let whole = classes.owner.iter().any(is_apart).then(|| Surface::new(texels, 0..pieces.len()));
     let carrier = |r: usize| bundle.manifest.accessories.get(r).map_or(0, |a| group[a.piece as usize]);
     let surface = |class: usize| match classes.owner[class] as usize {
         owner if owner < pieces.len() => surfaces[owner].as_ref(),
         _ => whole.as_ref(),
     };
     let entries = &bundle.manifest.pieces;
-    let hems = Hems::new(bundle, &texels);
+    let hems = Hems::new(bundle, texels);
     let sewn_to =
-        |spot: &Spot| hems.target(&texels, spot).and_then(|(p, far)| Some((surfaces[*group.get(p)?].as_ref()?, far)));
-    let mut bound = bind_all(entries, &texels, &classes.positions, (surface, sewn_to));
+        |spot: &Spot| hems.target(texels, spot).and_then(|(p, far)| Some((surfaces[*group.get(p)?].as_ref()?, far)));
+    let mut bound = bind_all(entries, texels, &classes.positions, (surface, sewn_to));
     let mut is_rigid = vec![false; bound.len()];
     let anchors: Vec<Option<Anchor>> = (riders.iter().enumerate())
         .map(|(r, rider)| {
@@ -209,7 +276,7 @@ fn bind(bundle: &Bundle, made: &Made<'_>) -> Result<Bindings> {
             // A component that lies on a surface bends with it.
             let is_rigid = distance(lo, hi) <= RIGID * diagonal && rider.component.lies_on.is_none();
             let centre = bundle.manifest.accessories.get(r).filter(|_| is_rigid)?.center;
-            Anchor::new(entries, &texels, &surfaces[carrier(r)].as_ref()?.foot(centre)?)
+            Anchor::new(entries, texels, &surfaces[carrier(r)].as_ref()?.foot(centre)?)
         })
         .collect();
     for (class, slot) in bound.iter_mut().enumerate() {
@@ -248,36 +315,50 @@ fn diagonal(positions: &[[f64; 3]]) -> f64 {
     if positions.is_empty() { 0.0 } else { norm(crate::base::vec3::sub(hi, lo)) }
 }
 
-/// The bindings of the primitives of a glTF file.
-fn of_origins(origins: &[Origin], list: &[Binding]) -> Vec<attach::Bound> {
+impl Placed {
+    /// With the binding of each vertex, from those of the vertices of the imported mesh.
+    fn bound(self, list: &[Binding]) -> attach::Bound {
+        let Placed { node, mesh, primitive, instance, vertices, imported } = self;
+        let of = |v: &u32| list.get(*v as usize).copied().unwrap_or(UNBOUND);
+        let vertices = vertices.into_iter().zip(imported.iter().map(of)).collect();
+        attach::Bound { node, mesh, primitive, instance, vertices, imported }
+    }
+}
+
+/// The primitives of a glTF file.
+fn of_origins(origins: &[Origin]) -> Vec<Placed> {
     let mut first = 0;
     let one = |origin: &Origin| {
-        let own = first..first + origin.vertices.len();
+        let own = first..first + origin.vertices.len() as u32;
         first = own.end;
-        attach::Bound {
-            node: origin.node,
-            mesh: origin.mesh,
-            primitive: origin.primitive,
-            instance: origin.instance,
-            vertices: origin.vertices.iter().copied().zip(list[own.clone()].iter().copied()).collect(),
-            imported: (own.start as u32..own.end as u32).collect(),
-        }
+        let Origin { node, mesh, primitive, instance, ref vertices } = *origin;
+        Placed { node, mesh, primitive, instance, vertices: vertices.clone(), imported: own.collect() }
     };
     origins.iter().map(one).collect()
 }
 
-/// The bindings of a document with one node per mesh and one primitive per mesh.
-fn of_nodes(nodes: &[Vec<u32>], list: &[Binding]) -> Vec<attach::Bound> {
-    let vertices = |own: &Vec<u32>| (0..).zip(own.iter().map(|&v| list[v as usize])).collect();
-    let one = |(node, own): (usize, &Vec<u32>)| attach::Bound {
+/// Those of a document with one node per mesh and one primitive per mesh.
+fn of_nodes(nodes: &[Vec<u32>]) -> Vec<Placed> {
+    let one = |(node, own): (usize, &Vec<u32>)| Placed {
         node: Some(node),
         mesh: node,
         primitive: 0,
         instance: None,
-        vertices: vertices(own),
+        vertices: (0..own.len() as u32).collect(),
         imported: own.clone(),
     };
     nodes.iter().enumerate().map(one).collect()
+}
+
+/// That the drawn cloth has more triangles than in the file.
+fn finer(divided: &Divided, cells: f64) -> Finding {
+    let Divided { before, after } = divided;
+    let message = format!(
+        "The cloth is drawn by {after} triangles in place of {before}: edges longer than {} times the distance of two particles are halved, so that it can \
+         show folds. Keep the triangles of the file with --subdivide none.",
+        words::number(cells)
+    );
+    Finding { severity: Severity::Note, ..finding("hint-subdivided", 1, Vec::new(), message) }
 }
 
 fn finding(kind: &'static str, count: usize, examples: Vec<String>, message: String) -> Finding {

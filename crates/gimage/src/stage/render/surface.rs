@@ -23,6 +23,16 @@ pub(super) struct Texels {
 }
 
 impl Texels {
+    /// The mean distance of neighbouring particles \[m\]: the side of a square of two triangles.
+    pub fn spacing(&self) -> f64 {
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|k| self.position(k));
+            0.5 * norm(cross(sub(b, a), sub(c, a)))
+        };
+        let whole: f64 = self.triangles.iter().map(area).sum();
+        (2.0 * whole / self.triangles.len().max(1) as f64).sqrt()
+    }
+
     /// Those of a bundle. Errors on illegal particle codes.
     pub fn new(bundle: &Bundle) -> gimage_bundle::Result<Self> {
         let particles = bundle.particles()?;
