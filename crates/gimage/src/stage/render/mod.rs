@@ -11,15 +11,15 @@ mod finite;
 mod halves;
 mod hems;
 mod layout;
+mod options;
+mod placed;
 pub(crate) mod plain;
 mod subdivide;
 mod surface;
 pub(crate) mod trace;
 
 use std::borrow::Cow;
-use std::fmt;
 use std::path::Path;
-use std::str::FromStr;
 
 use gimage_bundle::manifest::RenderEntry;
 use gimage_bundle::{Bundle, MapKind};
@@ -29,6 +29,7 @@ use self::attach::{Attached, Skin};
 use self::bind::{Anchor, Binding, UNBOUND, bind_all};
 use self::classes::Classes;
 use self::hems::Hems;
+use self::placed::{of_nodes, of_origins};
 use self::subdivide::{Divided, subdivide};
 use self::surface::{Spot, Surface, Texels};
 use self::trace::Trace;
@@ -36,74 +37,14 @@ use crate::base::mesh::NONE;
 use crate::base::vec3::{distance, norm};
 use crate::base::words;
 use crate::error::{Error, Result};
-use crate::options::{BuildOptions, Choice, Range, stage_options};
+use crate::options::BuildOptions;
 use crate::record::{Finding, Severity};
 use crate::stage::assemble::accessory::Rider;
 use crate::stage::assemble::{Family, Piece};
 use crate::stage::import::{Origin, Source, embed};
 
-/// Whether a bundle has the mesh of the source.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RenderMesh {
-    /// It has.
-    On,
-    /// It has not.
-    Off,
-}
-
-impl Choice for RenderMesh {
-    const ALL: &'static [(&'static str, Self)] = &[("on", Self::On), ("off", Self::Off)];
-}
-
-/// How fine the drawn cloth is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Subdivision {
-    /// As the file has it.
-    None,
-    /// No edge is longer than this many times the mean distance of neighbouring texels, 1 to 64.
-    Cells(f64),
-}
-
-/// The longest edge that [`crate::pipeline::dress`] leaves by default, as a multiple of the mean distance of neighbouring texels.
-pub(crate) const CELLS: f64 = 4.0;
-
-impl fmt::Display for Subdivision {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Subdivision::None => f.write_str("none"),
-            Subdivision::Cells(cells) => write!(f, "{cells}"),
-        }
-    }
-}
-
-impl FromStr for Subdivision {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let cells = || text.parse().ok().filter(|n: &f64| (1.0..=64.0).contains(n));
-        match text {
-            "none" => Ok(Subdivision::None),
-            _ => cells().map(Subdivision::Cells).ok_or_else(|| Error::Option {
-                option: "subdivide".into(),
-                problem: format!("`{text}` is neither none nor a number from 1 to 64"),
-                hint: "give a number of cells, for example 4".into(),
-            }),
-        }
-    }
-}
-
-stage_options! {
-    /// Options of the render mesh.
-    #[derive(Copy)]
-    pub struct RenderOptions of "render" {
-        /// Put the mesh of the file, with its materials and textures, into the bundle as render.glb, its vertices bound to the
-        /// pieces (on), or leave it out (off).
-        pub render_mesh: RenderMesh = RenderMesh::On => "render-mesh" [""] Range::Any;
-        /// Halve the edges of the drawn cloth in render.glb until none is longer than this many times the distance of two texels, so that it can
-        /// show what the cloth does; none keeps the triangles of the file. Default: none, and 4 for gimage dress.
-        pub subdivide: Option<Subdivision> = None => "subdivide" ["cells"] Range::Any;
-    }
-}
+pub(crate) use self::options::CELLS;
+pub use self::options::{RenderMesh, RenderOptions, Subdivision};
 
 /// Share of the diagonal of the cloth above which a vertex is reported as far from its piece.
 const FAR: f64 = 0.05;
@@ -128,17 +69,6 @@ pub(crate) struct Imported<'a> {
     pub plain: Option<Document>,
     /// The longest edge of drawn cloth, as a multiple of the distance of two texels; `None` leaves all.
     pub cells: Option<f64>,
-}
-
-/// A primitive as a node places it.
-struct Placed {
-    node: Option<usize>,
-    mesh: usize,
-    primitive: usize,
-    instance: Option<[f64; 16]>,
-    /// Its vertices that are vertices of the imported mesh, ascending, and which of these they are.
-    vertices: Vec<u32>,
-    imported: Vec<u32>,
 }
 
 /// The results of the stages that the mesh went through.
@@ -313,41 +243,6 @@ fn diagonal(positions: &[[f64; 3]]) -> f64 {
         (0..3).for_each(|k| (lo[k], hi[k]) = (lo[k].min(p[k]), hi[k].max(p[k])));
     }
     if positions.is_empty() { 0.0 } else { norm(crate::base::vec3::sub(hi, lo)) }
-}
-
-impl Placed {
-    /// With the binding of each vertex, from those of the vertices of the imported mesh.
-    fn bound(self, list: &[Binding]) -> attach::Bound {
-        let Placed { node, mesh, primitive, instance, vertices, imported } = self;
-        let of = |v: &u32| list.get(*v as usize).copied().unwrap_or(UNBOUND);
-        let vertices = vertices.into_iter().zip(imported.iter().map(of)).collect();
-        attach::Bound { node, mesh, primitive, instance, vertices, imported }
-    }
-}
-
-/// The primitives of a glTF file.
-fn of_origins(origins: &[Origin]) -> Vec<Placed> {
-    let mut first = 0;
-    let one = |origin: &Origin| {
-        let own = first..first + origin.vertices.len() as u32;
-        first = own.end;
-        let Origin { node, mesh, primitive, instance, ref vertices } = *origin;
-        Placed { node, mesh, primitive, instance, vertices: vertices.clone(), imported: own.collect() }
-    };
-    origins.iter().map(one).collect()
-}
-
-/// Those of a document with one node per mesh and one primitive per mesh.
-fn of_nodes(nodes: &[Vec<u32>]) -> Vec<Placed> {
-    let one = |(node, own): (usize, &Vec<u32>)| Placed {
-        node: Some(node),
-        mesh: node,
-        primitive: 0,
-        instance: None,
-        vertices: (0..own.len() as u32).collect(),
-        imported: own.clone(),
-    };
-    nodes.iter().enumerate().map(one).collect()
 }
 
 /// That the drawn cloth has more triangles than in the file.

@@ -8,10 +8,11 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use serde_json::Value;
 
+use super::Document;
 use super::halves::{Halves, is_readable, write_indices};
 use super::layout::{Layout, TRIANGLES};
+use super::placed::Placed;
 use super::trace::{Influence, Trace};
-use super::{Document, Placed};
 use crate::base::mesh::NONE;
 use crate::base::vec3::{add, distance, scale};
 
