@@ -167,7 +167,8 @@ fn divide(
         let mut next = Vec::with_capacity(triangles.len());
         for t in triangles.iter() {
             let own = t.map(|v| imported[v as usize]);
-            if own.iter().any(|v| *v == NONE || !trace.is_cloth[*v as usize]) || own[0] == own[1] || own[1] == own[2] {
+            let is_flat = own[0] == own[1] || own[1] == own[2] || own[2] == own[0];
+            if is_flat || own.iter().any(|v| *v == NONE || !trace.is_cloth[*v as usize]) {
                 next.push(*t);
                 continue;
             }
