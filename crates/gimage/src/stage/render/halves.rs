@@ -1,11 +1,13 @@
 //! Vertices in the middle of edges, and their attributes: means of those of both ends.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use serde_json::{Value, json};
 
 use super::Document;
+use super::attach::push;
 use super::layout::{FLOAT, Layout};
+use crate::base::joints::strongest;
 
 /// New vertices, numbered after those of the source.
 pub(super) struct Halves {
@@ -75,11 +77,10 @@ impl Halves {
             let mut mean: Vec<f64> = (0..wide).map(|c| 0.5 * (at(a, c) + at(b, c))).collect();
             if !is_target && matches!(name, "NORMAL" | "TANGENT") && wide >= 3 {
                 let long = mean[..3].iter().map(|x| x * x).sum::<f64>().sqrt();
-                // Two opposite directions have no mean.
-                let (share, own) = if long > 1e-6 { (1.0 / long, false) } else { (1.0, true) };
                 let most =
                     if layout.kind == FLOAT { 1.0 } else { f64::from(i32::pow(2, 8 * layout.size() as u32 - 1) - 1) };
-                (0..3).for_each(|c| mean[c] = if own { at(a, c) } else { mean[c] * share * most });
+                // Two opposite directions have no mean.
+                (0..3).for_each(|c| mean[c] = if long > 1e-6 { mean[c] / long * most } else { at(a, c) });
                 if wide == 4 {
                     mean[3] = at(a, 3);
                 }
@@ -139,17 +140,9 @@ fn whole(layout: Layout) -> f64 {
 
 /// Joints with their weights added up, the heaviest `most` of them, with weights that sum to 1; filled up with joint 0 without weight.
 pub(super) fn merged(of: impl Iterator<Item = (f64, f64)>, most: usize) -> Vec<(f64, f64)> {
-    let mut list: Vec<(f64, f64)> = Vec::new();
-    for (joint, weight) in of.filter(|x| x.1 > 0.0) {
-        match list.iter_mut().find(|x| x.0 == joint) {
-            Some(known) => known.1 += weight,
-            None => list.push((joint, weight)),
-        }
-    }
-    list.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.total_cmp(&b.0)));
-    list.truncate(most);
-    let sum: f64 = list.iter().map(|x| x.1).sum();
-    list.iter_mut().for_each(|x| x.1 /= sum);
+    let mut sum: BTreeMap<u32, f64> = BTreeMap::new();
+    of.for_each(|(joint, weight)| *sum.entry(joint as u32).or_default() += weight);
+    let mut list: Vec<(f64, f64)> = strongest(sum, most).into_iter().map(|(j, w)| (f64::from(j), w)).collect();
     list.resize(most, (0.0, 0.0));
     list
 }
@@ -190,8 +183,4 @@ pub(super) fn write_indices(document: &mut Document, triangles: &[[u32; 3]]) -> 
     let view = push(&mut document.json, "bufferViews", view);
     let accessor = json!({"bufferView": view, "componentType": 5125, "count": 3 * triangles.len(), "type": "SCALAR"});
     push(&mut document.json, "accessors", accessor)
-}
-
-fn push(json: &mut Value, list: &str, item: Value) -> usize {
-    super::attach::push(json, list, item)
 }
