@@ -101,7 +101,9 @@ impl Scene {
         let body = cloth.body().map(|surface| {
             let posed =
                 Posed::by_joints(surface, cloth.skinning, cloth.first_joints().map_or(&[], |matrices| matrices));
-            Worn::new(posed, &net.at, floors.iter().map(|floor| floor.min(thickness)).collect(), net.normals(cloth))
+            let coats = net.particles.iter().map(|k| f64::from(cloth.coat(*k as usize, options.thickness)));
+            let floors = floors.iter().zip(coats).map(|(floor, coat)| floor.min(coat)).collect();
+            Worn::new(posed, &net.at, floors, net.normals(cloth))
         });
         let solids = self.met(cloth.met_groups()).map(Solid::new).collect();
         let below = garment.below.iter().filter_map(|place| Below::new(garment, &garments[*place], nets));

@@ -15,6 +15,7 @@ pub(crate) mod rebuild;
 pub(crate) mod scatter;
 #[cfg(test)]
 pub(crate) mod shapes;
+pub(crate) mod stray;
 pub mod surface;
 pub mod topology;
 pub(crate) mod vec3;

@@ -15,11 +15,18 @@ pub(crate) const LEAST_CLEARANCE_M: f32 = 0.001;
 /// Cloth that is to stay deeper \[m\] inside the body than this does not meet it: pins beside it are there too, and no normal tells where it came from.
 pub(crate) const MODELLED_INSIDE_M: f32 = 0.005;
 
-/// A surface, and the height \[m\] above it that each particle keeps if the cloth is not thinner.
+/// Loose cloth keeps the size of its cells from the body, at most this share of its distance at rest. Particles alone meet the body: nearer to it, those below a hem or a belt are held there, as
+/// the way out leads around an edge that their springs cross already. Cloth that rests close to the body, as a shirt in an armpit, has no room for that.
+const REST_SHARE: f32 = 0.25;
+
+/// A surface, and what keeps particles off it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct WornOn {
     pub surface: Arc<BodySurface>,
+    /// The height \[m\] above it that each particle keeps if the cloth is not thinner.
     pub floors: Arc<[f32]>,
+    /// The least thickness \[m\] of the cloth at each particle: the size of its cells, at most [`REST_SHARE`] of its height at rest.
+    pub coats: Arc<[f32]>,
 }
 
 impl Cloth {
@@ -36,8 +43,8 @@ impl Cloth {
     /// Has the cloth collide with the surface of a body, or with none. The surface follows the joints of the cloth, and rests if the cloth follows none.
     /// [`Cloth::from_bundle`] does this for a bundle with a surface.
     ///
-    /// Particles keep [`Cloth::thickness`] from it, or, if that is less, their distance from it at rest, at least 1 mm;
-    /// those that are more than 5 mm inside at rest may stay as deep. Its friction is 0.3 times [`Cloth::friction`]. The cloth does not meet colliders that are in [`BODY_GROUP`] alone. With [`crate::Solver::Xpbd`]
+    /// Particles keep [`Cloth::thickness`] from it, or, if that is less, their distance from it at rest, at least 1 mm; loose cloth keeps more: the distance of its particles from one
+    /// another, at most a quarter of its distance at rest. Particles that are more than 5 mm inside at rest may stay as deep. Its friction is 0.3 times [`Cloth::friction`]. The cloth does not meet colliders that are in [`BODY_GROUP`] alone. With [`crate::Solver::Xpbd`]
     /// only: with the classic solver the cloth meets those colliders in place of the surface, with a warning.
     ///
     /// A frame costs some 150 ns per particle near the body on the CPU. Takes some 400 bytes per particle and 200 per vertex of the surface; copies of the cloth share
@@ -58,14 +65,43 @@ impl Cloth {
         let at = |k: usize| self.at_rest(k);
         let there = |k: usize| if self.particles()[k].exists() { at(k) } else { [0.0; 3] };
         let floor = |h: f32| if h < -MODELLED_INSIDE_M { h } else { h.max(LEAST_CLEARANCE_M) };
-        let floors = heights(&surface, (0..self.len()).map(there)).into_iter().map(floor).collect();
-        self.worn_on = Some(WornOn { surface, floors });
+        let heights = heights(&surface, (0..self.len()).map(there));
+        let coats = self.cells().iter().zip(&heights).map(|(cell, h)| cell.min(REST_SHARE * h.max(0.0))).collect();
+        let floors = heights.into_iter().map(floor).collect();
+        self.worn_on = Some(WornOn { surface, floors, coats });
         Ok(())
+    }
+
+    /// The mean rest length \[m\] of the springs between each particle and its neighbours in its row and column; 0 without any.
+    fn cells(&self) -> Vec<f32> {
+        let mut sums = vec![(0.0f32, 0.0f32); self.len()];
+        for (index, grid) in self.grids().iter().enumerate() {
+            for (k, direction) in (0..grid.texels()).flat_map(|k| [(k, 0), (k, 1)]) {
+                let length = self.spring(index, k, direction);
+                let ends = self.neighbour(index, k, direction).filter(|_| length > 0.0);
+                for end in ends.into_iter().flat_map(|other| [grid.first as usize + k, other]) {
+                    sums[end] = (sums[end].0 + length, sums[end].1 + 1.0);
+                }
+            }
+        }
+        sums.into_iter().map(|(sum, count)| sum / count.max(1.0)).collect()
     }
 
     /// Where a particle is in the pose in which the cloth was modelled \[m\].
     pub(crate) fn at_rest(&self, k: usize) -> [f32; 3] {
         self.skin().map_or(self.positions()[k], |skin| skin.rest[k])
+    }
+
+    /// The thickness \[m\] with which a particle meets the surface; `thickness` \[m\] is that of cloth without its own.
+    pub(crate) fn coat(&self, k: usize, thickness: f32) -> f32 {
+        let coat = self.worn_on.as_ref().map_or(0.0, |worn| worn.coats[k]);
+        self.thickness.unwrap_or(thickness).max(coat)
+    }
+
+    /// The height \[m\] above the surface that each particle keeps, as [`Cloth::coat`]; empty without a surface.
+    pub(crate) fn clearances(&self, thickness: f32) -> Vec<f32> {
+        let floors = self.worn_on.as_ref().map_or(&[][..], |worn| &worn.floors[..]);
+        floors.iter().enumerate().map(|(k, floor)| floor.min(self.coat(k, thickness))).collect()
     }
 
     /// The surface of a body, and the heights \[m\] above it that particles keep if the cloth is not thinner.
@@ -110,6 +146,7 @@ impl Cloth {
         self.worn_on = fine.worn_on.as_ref().map(|worn| WornOn {
             surface: worn.surface.clone(),
             floors: samples.iter().map(|k| worn.floors[*k as usize]).collect(),
+            coats: samples.iter().map(|k| worn.coats[*k as usize]).collect(),
         });
     }
 

@@ -80,8 +80,7 @@ impl<T: Real> Worn<T> {
         thickness: f32,
         place: impl Fn(usize) -> (usize, usize, usize),
     ) -> Option<Self> {
-        let (surface, floors) = cloth.worn_on()?;
-        let thickness = cloth.thickness.unwrap_or(thickness);
+        let (surface, _) = cloth.worn_on()?;
         let points = cloth.points();
         let twin = |k: &u32| points[*k as usize] != *k && cloth.particles()[*k as usize].exists();
         let twins =
@@ -96,7 +95,7 @@ impl<T: Real> Worn<T> {
             waits: vec![0; cloth.len()],
             marks: Vec::new(),
             boxes: Boxes::new(surface),
-            clearances: floors.iter().map(|floor| T::of(f64::from(floor.min(thickness)))).collect(),
+            clearances: cloth.clearances(thickness).iter().map(|h| T::of(f64::from(*h))).collect(),
             twins: twins.collect(),
             points,
             friction: T::of(f64::from((FRICTION * cloth.friction).min(f32::MAX))),

@@ -52,8 +52,7 @@ fn unknown(cloth: &Cloth) -> Vec<[u32; 4]> {
 
 /// The constant numbers of the particles, as shaders/surface_search.wgsl reads them.
 fn wearers(cloth: &Cloth, thickness: f32) -> Vec<[u32; 8]> {
-    let Some((_, floors)) = cloth.worn_on() else { return Vec::new() };
-    let (points, thickness) = (cloth.points(), cloth.thickness.unwrap_or(thickness));
+    let (points, clearances) = (cloth.points(), cloth.clearances(thickness));
     let mut beside = vec![[NONE; 4]; cloth.len()];
     for grid in cloth.grids() {
         let (first, size) = (grid.first as usize, (grid.width as usize, grid.height as usize));
@@ -64,7 +63,7 @@ fn wearers(cloth: &Cloth, thickness: f32) -> Vec<[u32; 8]> {
     }
     let one = |point: &u32| {
         let [a, b, c, d] = beside[*point as usize];
-        [floors[*point as usize].min(thickness).to_bits(), *point, 0, 0, a, b, c, d]
+        [clearances[*point as usize].to_bits(), *point, 0, 0, a, b, c, d]
     };
     points.iter().map(one).collect()
 }

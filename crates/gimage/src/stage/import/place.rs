@@ -4,6 +4,7 @@ use super::ImportOptions;
 use super::findings::Findings;
 use super::matrix::{self, Matrix};
 use crate::base::mesh::{Mesh, Semantic};
+use crate::base::stray::strays;
 use crate::base::words::{self, number};
 use crate::error::{Error, Result};
 use crate::record::Severity;
@@ -145,7 +146,8 @@ const UNITS: [f64; 7] = [0.01, 0.001, 0.1, 0.0254, 100.0, 1000.0, 10.0];
 
 /// Notes about size and axes. They are guesses, and change neither the mesh nor the exit code.
 fn hint(mesh: &Mesh, options: &ImportOptions, findings: &mut Findings) {
-    let Some((lo, hi)) = mesh.bounds() else { return };
+    // One vertex far off the others says nothing about the unit of the file.
+    let Some((lo, hi)) = strays(&mesh.positions, &mesh.triangles).1.or_else(|| mesh.bounds()) else { return };
     let side: [f64; 3] = std::array::from_fn(|k| hi[k] - lo[k]);
     let place = || {
         let span = |k: usize| words::span(lo[k], hi[k]);

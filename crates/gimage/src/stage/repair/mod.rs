@@ -13,10 +13,11 @@ mod weld;
 mod work;
 
 use crate::base::mesh::{Mesh, NONE};
+use crate::base::stray::strays;
 use crate::base::words;
 use crate::error::Result;
 use crate::options::{Range, stage_options};
-use crate::record::{Finding, Severity};
+use crate::record::{Finding, MAX_EXAMPLES, Severity};
 use duplicate::Duplicates;
 use work::Work;
 
@@ -56,6 +57,7 @@ pub fn repair(mesh: Mesh, options: &RepairOptions) -> Result<Repaired> {
     if let Some(d) = options.weld {
         weld::within(&mut work, d);
     }
+    report_strays(&mut work);
     Ok(finish(work, unused))
 }
 
@@ -102,6 +104,18 @@ fn drop_unusable(work: &mut Work) {
         let values = channel.values.len().checked_div(channel.width).unwrap_or(0);
         channel.corners.iter_mut().filter(|k| **k as usize >= values).for_each(|k| *k = NONE);
     }
+}
+
+/// Warns of single vertices far off the others. They stay, as nothing tells where they belong.
+fn report_strays(work: &mut Work) {
+    let (found, _) = strays(&work.mesh.positions, &work.mesh.triangles);
+    let examples = found.iter().take(MAX_EXAMPLES).map(|v| work.vertex_words(*v)).collect();
+    let message = format!(
+        "{} far off the others: the triangles there are spikes, which take up most of the image. Move or delete {} in the file.",
+        words::vertices(found.len()),
+        if found.len() == 1 { "it" } else { "them" }
+    );
+    work.report(Severity::Warning, "stray-vertex", found.len(), examples, message);
 }
 
 /// Drops vertices no triangle uses; the others keep their order.
