@@ -25,7 +25,7 @@ pub(crate) struct WornOn {
     pub surface: Arc<BodySurface>,
     /// The height \[m\] above it that each particle keeps if the cloth is not thinner.
     pub floors: Arc<[f32]>,
-    /// The least thickness \[m\] of the cloth at each particle: the size of its cells, at most [`REST_SHARE`] of its height at rest.
+    /// The least thickness \[m\] of the cloth at each particle: 0, or that of [`Cloth::keep_room`].
     pub coats: Arc<[f32]>,
 }
 
@@ -43,7 +43,7 @@ impl Cloth {
     /// Has the cloth collide with the surface of a body, or with none. The surface follows the joints of the cloth, and rests if the cloth follows none.
     /// [`Cloth::from_bundle`] does this for a bundle with a surface.
     ///
-    /// Particles keep [`Cloth::thickness`] from it, or, if that is less, their distance from it at rest, at least 1 mm; loose cloth keeps more: the distance of its particles from one
+    /// Particles keep [`Cloth::thickness`] from it, or, if that is less, their distance from it at rest, at least 1 mm. Loose cloth of bundles keeps more: the distance of its particles from one
     /// another, at most a quarter of its distance at rest. Particles that are more than 5 mm inside at rest may stay as deep. Its friction is 0.3 times [`Cloth::friction`]. The cloth does not meet colliders that are in [`BODY_GROUP`] alone. With [`crate::Solver::Xpbd`]
     /// only: with the classic solver the cloth meets those colliders in place of the surface, with a warning.
     ///
@@ -65,11 +65,16 @@ impl Cloth {
         let at = |k: usize| self.at_rest(k);
         let there = |k: usize| if self.particles()[k].exists() { at(k) } else { [0.0; 3] };
         let floor = |h: f32| if h < -MODELLED_INSIDE_M { h } else { h.max(LEAST_CLEARANCE_M) };
-        let heights = heights(&surface, (0..self.len()).map(there));
-        let coats = self.cells().iter().zip(&heights).map(|(cell, h)| cell.min(REST_SHARE * h.max(0.0))).collect();
-        let floors = heights.into_iter().map(floor).collect();
-        self.worn_on = Some(WornOn { surface, floors, coats });
+        let floors = heights(&surface, (0..self.len()).map(there)).into_iter().map(floor).collect();
+        self.worn_on = Some(WornOn { surface, floors, coats: vec![0.0; self.len()].into() });
         Ok(())
+    }
+
+    /// Has loose cloth keep the size of its cells from its surface, by [`REST_SHARE`].
+    pub(super) fn keep_room(&mut self) {
+        let cells = self.cells();
+        let Some(worn) = &mut self.worn_on else { return };
+        worn.coats = cells.iter().zip(&*worn.floors).map(|(cell, h)| cell.min(REST_SHARE * h.max(0.0))).collect();
     }
 
     /// The mean rest length \[m\] of the springs between each particle and its neighbours in its row and column; 0 without any.
@@ -157,6 +162,8 @@ impl Cloth {
 
     /// The surface of a bundle that has one.
     pub(super) fn keep_body(&mut self, bundle: &Bundle) -> Result<()> {
-        self.set_body(BodySurface::of_bundle(bundle)?.map(Arc::new))
+        self.set_body(BodySurface::of_bundle(bundle)?.map(Arc::new))?;
+        self.keep_room();
+        Ok(())
     }
 }
