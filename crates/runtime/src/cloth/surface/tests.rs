@@ -69,3 +69,32 @@ fn heights_above_a_moved_surface_are_those_above_it_at_rest() {
     }
     assert_eq!(Posed::by_joints(&cube, Skinning::Linear, &[]).height([0.3, 0.0, 0.0]), rest.height([0.3, 0.0, 0.0]));
 }
+
+#[test]
+fn loose_cloth_of_a_bundle_keeps_its_cells_away_and_tight_cloth_its_thickness() {
+    let thickness = 0.003;
+    // Cells of 10 mm, above the top of a cube.
+    let kept = |height: f32, has_room: bool| {
+        let sheet = crate::Flat::square("sheet", 11);
+        let flat = crate::Flat {
+            origin: [-0.05, 0.1 + height, -0.05],
+            right: [0.1, 0.0, 0.0],
+            down: [0.0, 0.0, 0.1],
+            ..sheet
+        };
+        let mut cloth = flat.cloth().unwrap();
+        let cube = cube();
+        let still = BodySurface::new(cube.rest.clone(), cube.triangles.clone(), Vec::new()).unwrap();
+        cloth.set_body(Some(std::sync::Arc::new(still))).unwrap();
+        if has_room {
+            cloth.keep_room();
+        }
+        let kept = cloth.clearances(thickness);
+        assert!(kept.iter().all(|h| (h - kept[0]).abs() < 1e-6), "{kept:?}");
+        kept[0]
+    };
+    for (height, want) in [(0.1, 0.01), (0.02, 0.005), (0.008, thickness), (0.002, 0.002), (0.0, 0.001)] {
+        assert!((kept(height, true) - want).abs() < 1e-6, "{height}: {}, not {want}", kept(height, true));
+    }
+    assert_eq!(kept(0.1, false), thickness);
+}
