@@ -10,7 +10,7 @@ const MOST: f64 = 0.01;
 
 type Bounds = ([f64; 3], [f64; 3]);
 
-/// The tips of spikes in ascending order, and the box around all other vertices that triangles use, where that is not empty. A tip has no other tip beside it. O(n).
+/// The tips of spikes in ascending order, and the box around all other vertices that triangles use, where that is not empty. A tip has no other tip beside it. O(n log n).
 pub(crate) fn strays(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> (Vec<u32>, Option<Bounds>) {
     // For each vertex the box around the vertices that it shares triangles with, and the distance to the nearest one.
     let mut around: Vec<(Option<Bounds>, f64)> = vec![(None, f64::INFINITY); positions.len()];
@@ -31,10 +31,11 @@ pub(crate) fn strays(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> (Vec<u32
     all().filter(|v| !is_spike[*v as usize]).for_each(|v| widen(&mut others, positions[v as usize]));
     let Some(size) = others.map(diagonal) else { return (Vec::new(), None) };
     let mut tips: Vec<u32> = all().filter(|v| is_spike[*v as usize] && around[*v as usize].1 > LONG * size).collect();
-    let is_tip = |v: u32| tips.binary_search(&v).is_ok();
-    let beside: Vec<u32> =
-        triangles.iter().filter(|t| t.iter().filter(|v| is_tip(**v)).count() > 1).flatten().copied().collect();
-    tips.retain(|v| !beside.contains(v));
+    let mut is_beside = vec![false; positions.len()];
+    for t in triangles.iter().filter(|t| t.iter().filter(|v| tips.binary_search(v).is_ok()).count() > 1) {
+        t.iter().for_each(|v| is_beside[*v as usize] = true);
+    }
+    tips.retain(|v| !is_beside[*v as usize]);
     if tips.len() as f64 > (MOST * all().count() as f64).max(1.0) {
         tips.clear();
     }
