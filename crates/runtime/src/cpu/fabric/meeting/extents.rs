@@ -12,7 +12,7 @@ pub const WIDTH: f64 = 0.75;
 pub fn around<T: Real>(shadow: &Shadow<T>, tiles: &Tiles<T>, tile: usize) -> Node<T> {
     let (mut node, wide) = (Node::<T>::none(), shadow.distance * T::of(WIDTH));
     for place in (tile * LANES_OF_TILE..(tile + 1) * LANES_OF_TILE).filter(|place| tiles.texel[*place] != u32::MAX) {
-        let at = Tiles::at(&shadow.now, place);
+        let at = shadow.at(place);
         let end = add(at, scale(shadow.velocity_at(place), shadow.length));
         for c in 0..3 {
             node.low[c] = node.low[c].min(at[c]).min(end[c]);

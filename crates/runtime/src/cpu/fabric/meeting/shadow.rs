@@ -16,6 +16,8 @@ pub struct Shadow<T: Real> {
     pub velocity: [Aligned<T>; 3],
     /// Inverse masses; 0 for cloth that is asleep.
     pub w: Aligned<T>,
+    /// The same of each place, for those who read single particles: its position and inverse mass, and its velocity.
+    pub each: Vec<[[T; 4]; 2]>,
     pub out: Aligned<T>,
     pub rest: [Aligned<T>; 3],
     /// As [`Tiles::crossing2`].
@@ -55,6 +57,7 @@ impl<T: Real> Shadow<T> {
             now: list(),
             velocity: list(),
             w: Aligned::zeros(tiles.texel.len()),
+            each: vec![[[T::of(0.0); 4]; 2]; tiles.texel.len()],
             out: tiles.out.clone(),
             rest: tiles.rest.clone(),
             crossing2: tiles.crossing2.clone(),
@@ -79,14 +82,23 @@ impl<T: Real> Shadow<T> {
                 for c in 0..3 {
                     (self.now[c][place], self.velocity[c][place]) = (at[c], velocity[c]);
                 }
+                let ([x, y, z], [u, v, w]) = (at, velocity);
+                self.each[place] = [[x, y, z, self.w[place]], [u, v, w, T::of(0.0)]];
             }
             self.tree.nodes[tile] = extents::around(self, tiles, tile);
         }
         tree::run(&mut self.tree);
     }
 
+    /// A position.
+    #[inline(always)]
+    pub fn at(&self, place: usize) -> V3<T> {
+        xyz(self.each[place][0])
+    }
+
     /// A velocity.
+    #[inline(always)]
     pub fn velocity_at(&self, place: usize) -> V3<T> {
-        Tiles::at(&self.velocity, place)
+        xyz(self.each[place][1])
     }
 }
