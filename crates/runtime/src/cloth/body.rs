@@ -25,7 +25,7 @@ pub(crate) struct WornOn {
     pub surface: Arc<BodySurface>,
     /// The height \[m\] above it that each particle keeps if the cloth is not thinner.
     pub floors: Arc<[f32]>,
-    /// The least thickness \[m\] of the cloth at each particle: 0, or that of [`Cloth::keep_room`].
+    /// The least thickness \[m\] of the cloth at each particle, by [`Cloth::keep_room`]; empty for none.
     pub coats: Arc<[f32]>,
 }
 
@@ -44,7 +44,7 @@ impl Cloth {
     /// [`Cloth::from_bundle`] does this for a bundle with a surface.
     ///
     /// Particles keep [`Cloth::thickness`] from it, or, if that is less, their distance from it at rest, at least 1 mm. Loose cloth of bundles keeps more: the distance of its particles from one
-    /// another, at most a quarter of its distance at rest. Particles that are more than 5 mm inside at rest may stay as deep. Its friction is 0.3 times [`Cloth::friction`]. The cloth does not meet colliders that are in [`BODY_GROUP`] alone. With [`crate::Solver::Xpbd`]
+    /// another, at most a quarter of its distance at rest, from the surface that came with them. Particles that are more than 5 mm inside at rest may stay as deep. Its friction is 0.3 times [`Cloth::friction`]. The cloth does not meet colliders that are in [`BODY_GROUP`] alone. With [`crate::Solver::Xpbd`]
     /// only: with the classic solver the cloth meets those colliders in place of the surface, with a warning.
     ///
     /// A frame costs some 150 ns per particle near the body on the CPU. Takes some 400 bytes per particle and 200 per vertex of the surface; copies of the cloth share
@@ -66,7 +66,12 @@ impl Cloth {
         let there = |k: usize| if self.particles()[k].exists() { at(k) } else { [0.0; 3] };
         let floor = |h: f32| if h < -MODELLED_INSIDE_M { h } else { h.max(LEAST_CLEARANCE_M) };
         let floors = heights(&surface, (0..self.len()).map(there)).into_iter().map(floor).collect();
-        self.worn_on = Some(WornOn { surface, floors, coats: vec![0.0; self.len()].into() });
+        let own = self.worn_on.as_ref().filter(|own| Arc::ptr_eq(&own.surface, &surface));
+        let has_room = own.is_some_and(|own| !own.coats.is_empty());
+        self.worn_on = Some(WornOn { surface, floors, coats: Arc::default() });
+        if has_room {
+            self.keep_room();
+        }
         Ok(())
     }
 
@@ -99,7 +104,7 @@ impl Cloth {
 
     /// The thickness \[m\] with which a particle meets the surface; `thickness` \[m\] is that of cloth without its own.
     pub(crate) fn coat(&self, k: usize, thickness: f32) -> f32 {
-        let coat = self.worn_on.as_ref().map_or(0.0, |worn| worn.coats[k]);
+        let coat = self.worn_on.as_ref().and_then(|worn| worn.coats.get(k)).copied().unwrap_or(0.0);
         self.thickness.unwrap_or(thickness).max(coat)
     }
 
@@ -151,7 +156,7 @@ impl Cloth {
         self.worn_on = fine.worn_on.as_ref().map(|worn| WornOn {
             surface: worn.surface.clone(),
             floors: samples.iter().map(|k| worn.floors[*k as usize]).collect(),
-            coats: samples.iter().map(|k| worn.coats[*k as usize]).collect(),
+            coats: samples.iter().filter_map(|k| worn.coats.get(*k as usize).copied()).collect(),
         });
     }
 

@@ -1,5 +1,7 @@
+use gimage_bundle::{Body, Image, MapKind};
+
 use super::*;
-use crate::cloth::Skinning;
+use crate::cloth::{Cloth, Skinning};
 
 /// A bowl: a part of a ball of 1 m, seen from inside, with a border.
 fn bowl(n: u32) -> BodySurface {
@@ -97,4 +99,26 @@ fn loose_cloth_of_a_bundle_keeps_its_cells_away_and_tight_cloth_its_thickness() 
         assert!((kept(height, true) - want).abs() < 1e-6, "{height}: {}, not {want}", kept(height, true));
     }
     assert_eq!(kept(0.1, false), thickness);
+}
+
+#[test]
+fn cloth_of_a_bundle_has_its_room_and_keeps_it_with_the_same_surface() {
+    let cube = cube();
+    // Cells of 10 mm, 20 mm above the top of a cube.
+    let mut bundle = Bundle::new("test");
+    bundle.add_piece("p", 4, 4).unwrap();
+    let at = |k: u32| [0.01 * (k % 4) as f32, 0.12, 0.01 * (k / 4) as f32, 1.0];
+    let data = (0..16).flat_map(at).collect();
+    bundle.insert(0, MapKind::Position, Image { width: 4, height: 4, channels: 4, data }).unwrap();
+    bundle.manifest.pieces[0].constants.rest = Some([0.01, 0.01, 0.0, 0.0]);
+    bundle.body = Some(Body { positions: cube.rest.clone(), triangles: cube.triangles.clone(), ..Body::default() });
+    let mut cloth = Cloth::from_bundle("p", &bundle).unwrap();
+    let has = |cloth: &Cloth, want: f32| cloth.clearances(0.003).iter().all(|h| (h - want).abs() < 1e-6);
+    assert!(has(&cloth, 0.005), "{:?}", cloth.clearances(0.003));
+    let surface = cloth.body().cloned();
+    cloth.set_body(surface.clone()).unwrap();
+    assert!(has(&cloth, 0.005), "{:?}", cloth.clearances(0.003));
+    // A host that gives the cloth another surface sets the thickness.
+    cloth.set_body(surface.map(|surface| std::sync::Arc::new((*surface).clone()))).unwrap();
+    assert!(has(&cloth, 0.003), "{:?}", cloth.clearances(0.003));
 }
