@@ -1,9 +1,13 @@
 //! Twin of shaders/others.wgsl: particles of other cloths that those of a cloth may meet in some steps. They go on as they moved when the
 //! search began: each cloth steps by itself, and both sides of a pair take their share.
 
+mod nearest;
 mod search;
+#[cfg(test)]
+mod tests;
 
-use self::search::{Nearest, Search};
+use self::nearest::Nearest;
+use self::search::Search;
 use super::Meeting;
 use super::shadow::Shadow;
 use super::tiles::{LANES_OF_TILE, Tiles};
