@@ -33,6 +33,7 @@ pub(crate) mod stretch;
 mod sweep;
 mod tethers;
 mod texels;
+mod tile_pairs;
 pub(crate) mod touch;
 mod touching;
 pub(crate) mod tree;

@@ -11,7 +11,8 @@ use self::search::Search;
 use super::Meeting;
 use super::shadow::Shadow;
 use super::tiles::{LANES_OF_TILE, Tiles};
-use crate::cpu::fabric::partners::{REST_SHARE, between};
+use crate::cpu::fabric::partners::REST_SHARE;
+use crate::cpu::fabric::tile_pairs::between;
 use crate::number::lanes::widest;
 use crate::number::real::{Real, V3, add, dot, scale, sub, xyz};
 

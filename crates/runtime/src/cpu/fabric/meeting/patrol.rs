@@ -4,7 +4,7 @@
 //! apart where it succeeds, so that few pairs are suspects. The triangles around these are compared in `world/patrol.rs`.
 
 use super::tiles::{LANES_OF_TILE, SIDE, Tiles, lane};
-use crate::cpu::fabric::partners::Beside;
+use crate::cpu::fabric::tile_pairs::Beside;
 use crate::number::lanes::{LANES, Machine, Work, widest};
 use crate::number::real::{Real, V3, dot, sub};
 
