@@ -6,7 +6,7 @@ use crate::cpu::fabric::partners::{MAX_PARTNERS, REST_SHARE};
 use crate::number::real::{dot, sub};
 
 /// -1 to 1, the same for the same numbers.
-fn noise(k: usize, of: usize) -> f32 {
+pub fn noise(k: usize, of: usize) -> f32 {
     let mut x = (k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (of as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 31)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^= x >> 29;

@@ -3,17 +3,10 @@ use crate::cloth::{Cloth, ClothContact, Flat};
 use crate::cpu::fabric::meeting::extents::WIDTH;
 use crate::cpu::fabric::meeting::patrol::{MAX_SUSPECTS, Suspect, crossing2};
 use crate::cpu::fabric::meeting::shadow::Dawn;
+use crate::cpu::fabric::meeting::tests::noise;
 use crate::cpu::sheet::Sheet;
 
 const STEP_S: f32 = 0.002;
-
-/// -1 to 1, the same for the same numbers.
-fn noise(k: usize, of: usize) -> f32 {
-    let mut x = (k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (of as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 31)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^= x >> 29;
-    ((x >> 11) as f64 / (1u64 << 52) as f64 - 1.0) as f32
-}
 
 /// Squares of 1 m of some sizes that lie through one another and move; one of their particles is pinned, and none of the last one moves if it
 /// sleeps.
