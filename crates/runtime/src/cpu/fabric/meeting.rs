@@ -87,6 +87,7 @@ impl<T: Real> Meeting<T> {
         self.tree.tally(tally);
         tally.state(&self.lists);
         self.beside.tally(tally);
+        self.shadow.iter().for_each(|shadow| shadow.tally(tally));
         tally.state(&self.others);
         tally.state(&self.kin.first);
         tally.state(&self.kin.members);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::extents;
 use super::tiles::{LANES_OF_TILE, Tiles};
 use crate::cpu::fabric::tree::{self, Tree};
+use crate::memory::Tally;
 use crate::number::aligned::Aligned;
 use crate::number::real::{Real, V3, scale, sub, xyz};
 
@@ -88,6 +89,14 @@ impl<T: Real> Shadow<T> {
             self.tree.nodes[tile] = extents::around(self, tiles, tile);
         }
         tree::run(&mut self.tree);
+    }
+
+    /// Numbers that it takes.
+    pub fn tally(&self, tally: &mut Tally) {
+        self.tree.tally(tally);
+        let vectors = self.now.iter().chain(&self.velocity).chain(&self.rest);
+        vectors.chain([&self.w, &self.out]).for_each(|list| tally.state(list));
+        tally.state(&self.each);
     }
 
     /// A position.
