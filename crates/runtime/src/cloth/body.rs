@@ -43,8 +43,8 @@ impl Cloth {
     /// Has the cloth collide with the surface of a body, or with none. The surface follows the joints of the cloth, and rests if the cloth follows none.
     /// [`Cloth::from_bundle`] does this for a bundle with a surface.
     ///
-    /// Particles keep [`Cloth::thickness`] from it, or, if that is less, their distance from it at rest, at least 1 mm. Loose cloth of bundles keeps more: the distance of its particles from one
-    /// another, at most a quarter of its distance at rest, from the surface that came with them. Particles that are more than 5 mm inside at rest may stay as deep. Its friction is 0.3 times [`Cloth::friction`]. The cloth does not meet colliders that are in [`BODY_GROUP`] alone. With [`crate::Solver::Xpbd`]
+    /// Particles keep [`Cloth::thickness`] from it, or, if that is less, their distance from it at rest, at least 1 mm. Loose cloth of bundles keeps more, as long as it has the surface that came with it: the distance of its particles from one
+    /// another, at most a quarter of its distance at rest. Particles that are more than 5 mm inside at rest may stay as deep. Its friction is 0.3 times [`Cloth::friction`]. The cloth does not meet colliders that are in [`BODY_GROUP`] alone. With [`crate::Solver::Xpbd`]
     /// only: with the classic solver the cloth meets those colliders in place of the surface, with a warning.
     ///
     /// A frame costs some 150 ns per particle near the body on the CPU. Takes some 400 bytes per particle and 200 per vertex of the surface; copies of the cloth share

@@ -97,6 +97,7 @@ impl<T: Real> Shadow<T> {
         let vectors = self.now.iter().chain(&self.velocity).chain(&self.rest);
         vectors.chain([&self.w, &self.out]).for_each(|list| tally.state(list));
         tally.state(&self.each);
+        [&self.crossed, &self.loose].into_iter().for_each(|list| tally.state(list));
     }
 
     /// A position.

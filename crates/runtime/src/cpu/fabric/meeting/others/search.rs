@@ -14,6 +14,8 @@ use crate::number::real::{Real, dot};
 
 /// A little more than 1, for bounds of squares of distances that are rounded.
 const ROUNDING: f64 = 1.001;
+/// The same for coordinates, as a share of the largest one: boxes and ways are sums of them.
+const COORDINATES: f64 = 1e-6;
 /// (a + b)^2 is at most `APART` a^2 + `MOVED` b^2.
 const APART: f64 = 1.1;
 const MOVED: f64 = 11.0;
@@ -58,6 +60,8 @@ fn bounds_of<T: Real, K: Machine<T>>(
     let mut each = [T::of(0.0); LANES_OF_TILE];
     let (zero, length) = (k.splat(T::of(0.0)), k.splat(shadow.length));
     let (wide, wide_other) = (k.splat(shadow.distance * T::of(WIDTH)), k.splat(other.distance * T::of(WIDTH)));
+    let largest = node.low.iter().chain(&node.high).fold(T::of(0.0), |most, x| most.max(x.abs()));
+    let rounds = k.splat(largest * T::of(COORDINATES));
     for at in (0..LANES_OF_TILE).step_by(K::WIDE) {
         let place = tile * LANES_OF_TILE + at;
         let (now, velocity) = (row(k, &shadow.now, place), row(k, &shadow.velocity, place));
@@ -72,7 +76,7 @@ fn bounds_of<T: Real, K: Machine<T>>(
             kept = k.choose(within, kept, zero);
             // Boxes of tiles are larger than what their particles pass.
             let gap = k.most(k.sub(k.add(low, wide_other), most), k.sub(least, k.sub(high, wide_other)));
-            let gap = k.most(gap, zero);
+            let gap = k.most(k.sub(gap, rounds), zero);
             gap2 = k.add(gap2, k.mul(gap, gap));
         }
         let near = k.at_least(k.mul(bound, k.splat(T::of(ROUNDING))), gap2);

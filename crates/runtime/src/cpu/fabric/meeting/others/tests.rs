@@ -9,14 +9,18 @@ use crate::cpu::sheet::Sheet;
 const STEP_S: f32 = 0.002;
 
 /// Squares of 1 m of some sizes that lie through one another and move; one of their particles is pinned, and none of the last one moves if it
-/// sleeps.
-fn cloths(seed: usize, sleeps: bool) -> (Vec<Meeting<f32>>, Vec<Option<Shadow<f32>>>) {
+/// sleeps. They are `from` \[m\] from the origin.
+fn cloths(
+    seed: usize,
+    sleeps: bool,
+    (from, distance): (f32, Option<f32>),
+) -> (Vec<Meeting<f32>>, Vec<Option<Shadow<f32>>>) {
     let sizes = [7, 12, 17];
     let mut meetings = Vec::new();
     let mut shadows = Vec::new();
     for (c, n) in sizes.into_iter().enumerate() {
         let mut cloth: Cloth = Flat::square("sheet", n).cloth().unwrap();
-        cloth.contact = Some(ClothContact::default());
+        cloth.contact = Some(ClothContact { distance, ..ClothContact::default() });
         let sheets: Vec<Sheet<f32>> = cloth.grids().iter().map(Sheet::new).collect();
         let mut meeting = Meeting::of(&cloth, &sheets, 0.0).unwrap();
         let shake = 0.5 * (1.0 + noise(seed, 2));
@@ -25,7 +29,7 @@ fn cloths(seed: usize, sleeps: bool) -> (Vec<Meeting<f32>>, Vec<Option<Shadow<f3
             .iter()
             .enumerate()
             .map(|(k, p)| {
-                let at = |c: usize| p[c] + 0.05 * shake * noise(k, 3 * seed + c) + 0.06 * c as f32;
+                let at = |c: usize| from + p[c] + 0.05 * shake * noise(k, 3 * seed + c) + 0.06 * c as f32;
                 [
                     at(0),
                     at(1) + 0.1 * noise(c, seed),
@@ -59,9 +63,12 @@ fn nearest(a: (&Shadow<f32>, usize), b: (&Shadow<f32>, usize)) -> f32 {
 #[test]
 fn others_are_those_of_a_comparison_of_all_with_all() {
     let (mut listed, mut suspected, mut woken) = (0, 0, 0);
-    for seed in 0..12usize {
+    // Far from the origin, where coordinates are rounded, and with distances far below the size of cells.
+    let ways = [(0.0, None), (200.0, None), (-64.0, Some(0.003)), (0.0, Some(0.01))];
+    for seed in 0..24usize {
         let sleeps = seed.is_multiple_of(2);
-        let (mut meetings, shadows) = cloths(seed, sleeps);
+        let (from, distance) = ways[seed / 2 % ways.len()];
+        let (mut meetings, shadows) = cloths(seed, sleeps, (from, distance));
         for own in 0..if sleeps { 2 } else { 3 } {
             let meeting = &mut meetings[own];
             let struck = run(meeting, &shadows, own);
@@ -108,7 +115,10 @@ fn others_are_those_of_a_comparison_of_all_with_all() {
             assert_eq!(struck, wakes, "{seed}, cloth {own}");
             woken += struck.len();
             let got = &patrol.suspects;
-            assert_eq!(got.len(), suspects.len().min(MAX_SUSPECTS), "{seed}, cloth {own}");
+            // Boxes are as wide as contact reaches: with small distances they leave out some.
+            if distance.is_none() {
+                assert_eq!(got.len(), suspects.len().min(MAX_SUSPECTS), "{seed}, cloth {own}");
+            }
             assert!(got.iter().all(|suspect| suspects.contains(suspect)), "{seed}, cloth {own}");
             suspected += got.len();
         }
