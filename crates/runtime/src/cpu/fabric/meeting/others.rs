@@ -43,7 +43,7 @@ pub fn run<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own
     meeting.other_of.resize(meeting.tiles.count(), u32::MAX);
     let Some(Some(shadow)) = shadows.get(own) else { return Vec::new() };
     let mut struck = vec![false; shadows.len()];
-    for pairs in pairs_of(shadows, own).chunk_by(|a, b| a.tile == b.tile) {
+    for pairs in pairs_of(shadow, shadows, own).chunk_by(|a, b| a.tile == b.tile) {
         let tile = pairs[0].tile as usize;
         let mut best = [Nearest::none(); LANES_OF_TILE];
         let patrol = meeting.patrol.as_mut().filter(|patrol| patrol.has(tile));
@@ -57,7 +57,7 @@ pub fn run<T: Real>(meeting: &mut Meeting<T>, shadows: &[Option<Shadow<T>>], own
 }
 
 /// A tile of a cloth, and a tile of another one that it may meet: in the order in which they are compared.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy)]
 struct Pair {
     tile: u32,
     /// The shadow among all, and its tile.
@@ -65,9 +65,8 @@ struct Pair {
     other: u32,
 }
 
-/// All of them for the cloth whose shadow is at `own`.
-fn pairs_of<T: Real>(shadows: &[Option<Shadow<T>>], own: usize) -> Vec<Pair> {
-    let Some(Some(shadow)) = shadows.get(own) else { return Vec::new() };
+/// All of them for the cloth whose shadow, at `own`, is this.
+fn pairs_of<T: Real>(shadow: &Shadow<T>, shadows: &[Option<Shadow<T>>], own: usize) -> Vec<Pair> {
     let mut pairs: Vec<Pair> = Vec::new();
     for (n, other) in shadows.iter().enumerate().filter(|(n, _)| *n != own) {
         let Some(other) = other else { continue };

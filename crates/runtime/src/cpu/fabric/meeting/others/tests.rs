@@ -125,3 +125,38 @@ fn others_are_those_of_a_comparison_of_all_with_all() {
     }
     assert!(listed > 1000 && suspected > 1000 && woken > 0, "{listed} others, {suspected} suspects, {woken} woken");
 }
+
+#[test]
+fn particles_at_the_edge_of_the_reach_are_found_far_from_the_origin() {
+    let distance = 0.003;
+    let mut meetings = [0, 1].map(|_| {
+        let mut cloth = Flat::square("sheet", 2).cloth().unwrap();
+        cloth.contact = Some(ClothContact { distance: Some(distance), ..ClothContact::default() });
+        let sheets: Vec<Sheet<f32>> = cloth.grids().iter().map(Sheet::new).collect();
+        Meeting::of(&cloth, &sheets, 0.0).unwrap()
+    });
+    let reach = 2.0 * distance * WIDTH as f32;
+    let (length, mut met) = (4.0 * STEP_S, 0);
+    for n in 0..4000 {
+        let random = |of: usize| [0, 1, 2].map(|c| noise(n, 3 * of + c));
+        // The second cloth passes the first one at the edge of its reach in the middle of the search; each is in one place.
+        let (speed, aside) = (random(1), random(2));
+        let aside = sub(aside, scale(speed, dot(aside, speed) / dot(speed, speed)));
+        let way = sub(scale(aside, 0.9995 * reach / dot(aside, aside).sqrt()), scale(speed, 0.5 * length));
+        let at = random(0).map(|x| 100.0 + x);
+        let places = [(at, [0.0; 3]), (add(at, way), speed)];
+        let mut shadows: Vec<Option<Shadow<f32>>> = Vec::new();
+        for (meeting, (at, velocity)) in meetings.iter_mut().zip(places) {
+            let was = sub(at, scale(velocity, STEP_S));
+            let [now, before] = [at, was].map(|[x, y, z]| [[x, y, z, 1.0]; 4]);
+            let (rate, wakes_at) = (1.0 / STEP_S, f32::INFINITY);
+            shadows.push(Some(meeting.shadow(&Dawn { now: &now, before: &before, rate, length, wakes_at })));
+        }
+        run(&mut meetings[0], &shadows, 0);
+        let [Some(a), Some(b)] = &shadows[..] else { panic!("both have contact") };
+        let is_near = nearest((a, 0), (b, 0)) < reach * reach;
+        assert_eq!(!meetings[0].others.is_empty(), is_near, "{n}");
+        met += usize::from(is_near);
+    }
+    assert!((500..3500).contains(&met), "{met} of 4000 are nearer than the reach");
+}
