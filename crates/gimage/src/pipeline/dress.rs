@@ -37,7 +37,8 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     };
     let fitting =
         StageTime { stage: Stage::Colliders, seconds: start.elapsed().as_secs_f64(), peak_bytes: peak_memory() };
-    let mut built = build_as(path, options, true, progress)?;
+    let surface = fit.as_ref().filter(|_| solids.tier != Tier::Capsules).and_then(|fit| fit.surface.as_ref().ok());
+    let mut built = build_as(path, options, true, surface.map(|surface| &surface.body), progress)?;
     built.report.stages.insert(0, fitting);
     let manifest = &mut built.bundle.manifest;
     if let Some(Fit { colliders, figures, surface, findings: found, .. }) = fit {

@@ -2,15 +2,17 @@
 
 use std::path::Path;
 
+use gimage_bundle::Body;
+
 use crate::base::mesh::{Channel, Mesh, Semantic};
 use crate::error::{Error, Result};
 use crate::options::BuildOptions;
 use crate::record::{Finding, Severity};
 use crate::stage::assemble::limits;
 use crate::stage::assemble::pins::{ATTRIBUTE, PINS_ABOVE, Pin, PinRule};
-use crate::stage::assemble::{Family, Piece};
 use crate::stage::colliders::body;
-use crate::stage::hold::{Held, Wearer, hold};
+use crate::stage::hold::{Garments, Held, Motion, Wearer, hold};
+use crate::stage::import::Character;
 use crate::stage::select::keeping;
 
 /// Share of the height of each garment that [`crate::pipeline::dress`] pins without a body and other pins: a collar, a waistband.
@@ -91,11 +93,38 @@ impl Plan {
         self.wearer.is_some()
     }
 
+    /// How the animations of a file move the body that its cloth is to meet; `None` without automatic pins, such a body, or animations that
+    /// move the mesh of an import. Adds a finding about those that cannot be read.
+    pub fn motion<'a>(
+        &self,
+        path: &Path,
+        mesh: &Mesh,
+        body: Option<&'a Body>,
+        findings: &mut Vec<Finding>,
+    ) -> Result<Option<Motion<'a>>> {
+        let options = &self.options.import;
+        let Some(body) = body.filter(|_| self.is_automatic() && !options.center) else { return Ok(None) };
+        let (mut read, mut damaged) = (Vec::new(), Vec::new());
+        for animation in Character::all(path, options)? {
+            match animation {
+                Ok(animation) => read.push(animation),
+                Err(error) => damaged.push(error),
+            }
+        }
+        if let Some(error) = damaged.first() {
+            let message =
+                format!("Automatic pins do not regard animations that cannot be read, the first of them: {error}.");
+            let count = damaged.len() as u64;
+            findings.push(Finding { count, ..hint("hint-animations", message) });
+        }
+        Ok(Motion::new(body, &read, &mesh.skeleton))
+    }
+
     /// The pins and limits of each piece where garments rest on the body; none without the rule. Adds the
     /// findings about them.
-    pub fn hold(&self, pieces: &[Piece<'_>], families: &[Family<'_>], findings: &mut Vec<Finding>) -> Vec<Held> {
+    pub fn hold(&self, garments: &Garments<'_>, motion: Option<&Motion>, findings: &mut Vec<Finding>) -> Vec<Held> {
         let Some(wearer) = &self.wearer else { return Vec::new() };
-        let holds = hold(wearer, pieces, families);
+        let holds = hold(wearer, garments, motion);
         findings.extend(holds.findings());
         holds.pieces
     }

@@ -4,19 +4,24 @@
 //! parts that lie on shoulders beside it; parts that lie on shoulders; its upper edge where that is near the body. A garment with none of
 //! them is held by its top. All lengths follow the height of the body.
 
+mod motion;
 mod report;
 mod rest;
 pub(crate) mod sheet;
+mod sink;
 mod spread;
 mod tuck;
 mod wearer;
 
 use rayon::prelude::*;
 
+use crate::base::mesh::Mesh;
 use crate::record::Finding;
 use crate::stage::assemble::{Family, Piece};
 use sheet::Sheet;
+use sink::Worn;
 
+pub use motion::Motion;
 pub use rest::Rule;
 pub use tuck::Tuck;
 pub use wearer::Wearer;
@@ -52,6 +57,8 @@ pub struct Hold {
     pub limited: f64,
     /// Pins inside of the body, and what was pinned beside them.
     pub tuck: Tuck,
+    /// Points that are pinned beside pins since animations take them into the body.
+    pub sunk: usize,
 }
 
 /// Pins and limits of all garments.
@@ -70,17 +77,28 @@ impl Holds {
     }
 }
 
-/// Finds where garments rest on a body. `pieces` and `families` are those of [`crate::stage::assemble::assemble`]. Some particles of each garment are
-/// pinned, never all of them.
+/// The garments of a build.
+pub struct Garments<'a> {
+    /// The mesh that they were made of, with its skin.
+    pub mesh: &'a Mesh,
+    /// Their pieces, as for [`crate::stage::assemble::assemble`].
+    pub pieces: &'a [Piece<'a>],
+    /// Those of several pieces.
+    pub families: &'a [Family<'a>],
+}
+
+/// Finds where garments rest on a body. Some particles of each garment are pinned, never all of them. With a motion of the body, cloth that it takes into
+/// the body around pins is pinned too.
 ///
-/// Deterministic. O(n log n) in the texels, with one search for the nearest triangle of the body per texel.
-pub fn hold(wearer: &Wearer, pieces: &[Piece<'_>], families: &[Family<'_>]) -> Holds {
+/// Deterministic. O(n log n) in the texels, with one search for the nearest triangle of the body per texel, and another one per limited texel and pose of the motion.
+pub fn hold(wearer: &Wearer, &Garments { mesh, pieces, families }: &Garments<'_>, motion: Option<&Motion>) -> Holds {
     let groups = garments(pieces.len(), families);
     let one = |(range, family): &(std::ops::Range<usize>, Option<&Family<'_>>)| {
         let pieces = &pieces[range.clone()];
         let sheet = Sheet::new(pieces, family.map_or(&[], |f| &f.rings));
         let name = family.map_or(&pieces[0].component.name, |f| &f.whole.name);
-        garment(wearer, &sheet, name)
+        let worn = motion.map(|motion| Worn { motion, influences: sink::influences(mesh, pieces, &sheet) });
+        garment(wearer, &sheet, worn.as_ref(), name)
     };
     let made: Vec<(Vec<Held>, Hold)> = groups.par_iter().map(one).collect();
     let (held, garments): (Vec<Vec<Held>>, Vec<Hold>) = made.into_iter().unzip();
@@ -99,7 +117,7 @@ pub(crate) fn garments<'a, 'b>(
     groups
 }
 
-fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
+fn garment(wearer: &Wearer, sheet: &Sheet, worn: Option<&Worn>, name: &str) -> (Vec<Held>, Hold) {
     let mut rest = rest::rest(wearer, sheet);
     let mut pinned = spread::pinned(sheet, &rest);
     if spread::share(sheet, &pinned) > rest::MOST {
@@ -119,7 +137,18 @@ fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
     } else {
         pinned = deeper;
     }
-    let limits = spread::limits(sheet, &pinned, rest.least, rest.reach);
+    let mut limits = spread::limits(sheet, &pinned, rest.least, rest.reach);
+    let mut sunk = 0;
+    if let Some(worn) = worn {
+        let mut deeper = pinned.clone();
+        sunk = sink::sink(worn, sheet, &limits, &mut deeper);
+        if spread::share(sheet, &deeper) > rest::MOST {
+            sunk = 0;
+        } else {
+            pinned = deeper;
+            limits.iter_mut().zip(&pinned).filter(|x| *x.1).for_each(|(limit, _)| *limit = 0.0);
+        }
+    }
     let limited: Vec<bool> = limits.iter().zip(&pinned).map(|(l, p)| l.is_finite() && !p).collect();
     let hold = Hold {
         name: name.to_owned(),
@@ -127,6 +156,7 @@ fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
         pinned: spread::share(sheet, &pinned),
         limited: spread::share(sheet, &limited),
         tuck,
+        sunk,
     };
     let held = |points: &[u32]| Held {
         pinned: points.iter().map(|&p| pinned[p as usize]).collect(),

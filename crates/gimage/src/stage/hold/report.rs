@@ -48,6 +48,15 @@ pub(super) fn findings(garments: &[Hold]) -> Vec<Finding> {
         );
         out.push(finding(Severity::Note, "hint-tucked", &tucked, message));
     }
+    let sunk: Vec<&Hold> = garments.iter().filter(|h| h.sunk > 0).collect();
+    if !sunk.is_empty() {
+        let one = |hold: &&Hold| format!("{} ({} points)", hold.name, hold.sunk);
+        let listed = sunk.iter().take(MAX_EXAMPLES).map(one).collect::<Vec<_>>().join("; ");
+        let message = format!(
+            "Cloth around pins that the animations of the file take into the body is pinned too: {listed}. Choose otherwise with --pin."
+        );
+        out.push(finding(Severity::Note, "hint-sunk", &sunk, message));
+    }
     let (loose, held): (Vec<&Hold>, Vec<&Hold>) = garments.iter().partition(|h| h.rules.contains(&Rule::Top));
     if !held.is_empty() {
         let message = format!("Pinned where garments rest on the body: {}. Choose otherwise with --pin.", list(&held));

@@ -12,7 +12,8 @@ pub(super) fn pinned(sheet: &Sheet, rest: &Rest) -> Vec<bool> {
 pub(super) fn share(sheet: &Sheet, chosen: &[bool]) -> f64 {
     let total: f64 = sheet.areas.iter().sum();
     let part: f64 = sheet.areas.iter().zip(chosen).filter(|x| *x.1).map(|x| x.0).sum();
-    if total > 0.0 { part / total } else { 0.0 }
+    // The sum of nothing is -0.
+    if total > 0.0 { part / total + 0.0 } else { 0.0 }
 }
 
 /// The limit \[m\] of each point, 0 for pinned ones, at least `least` \[m\] for others and infinite beyond `reach` \[m\] from them.

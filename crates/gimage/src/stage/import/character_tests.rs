@@ -157,3 +157,14 @@ fn a_skin_that_is_bound_in_the_pose_of_its_nodes_or_makes_no_sense_changes_nothi
     let (own, rest) = start(&[1, 2, 90], &[down(2.0, 0.0), sheared, down(6.0, 0.0)]);
     assert_eq!(own, rest);
 }
+
+#[test]
+fn all_animations_are_read_and_a_damaged_one_has_its_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let all = Character::all(&file(folder.path()), &ImportOptions::default()).unwrap();
+    let names: Vec<_> = all.iter().map(|a| a.as_ref().map(Character::name).ok()).collect();
+    assert_eq!(names, [Some("stand"), Some("go"), None, None]);
+    let flat = folder.path().join("flat.obj");
+    std::fs::write(&flat, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    assert!(Character::all(&flat, &ImportOptions::default()).unwrap().is_empty());
+}
