@@ -13,8 +13,10 @@ const MOST_POSES: usize = 32;
 const EVERY_S: f64 = 0.125;
 const MOST_OF_ONE: usize = 64;
 const MOST_OF_ALL: usize = 2048;
-/// Poses are alike if the squares of what their rotations differ by sum to less: a single joint that turns by 0.1 rad has this.
+/// Poses are alike if the squares of what their joints differ by sum to less: a single joint that turns by 0.1 rad, or goes 14 mm, has this.
 const ALIKE: f64 = 0.02;
+/// What a metre that a joint goes counts beside the entries of its rotation.
+const PER_METRE: f64 = 10.0;
 /// Winding number from which a point is inside.
 const INSIDE: f64 = 0.5;
 
@@ -31,7 +33,7 @@ pub struct Motion<'a> {
 impl<'a> Motion<'a> {
     /// From the animations of a character, and the skeleton of the mesh that its import has; `None` without an animation that moves it.
     ///
-    /// Poses are chosen by farthest-point sampling (Gonzalez, 1985) of the rotations of joints against their parents, from the pose in which the mesh is bound on:
+    /// Poses are chosen by farthest-point sampling (Gonzalez, 1985) of the places of joints against their parents, from the pose in which the mesh is bound on:
     /// where the whole character goes does not count.
     pub fn new(body: &'a Body, animations: &[Character], skeleton: &Skeleton) -> Option<Self> {
         let joints = &skeleton.joints;
@@ -110,12 +112,12 @@ fn skinned(matrices: &[Matrix], influences: impl Iterator<Item = (u32, f64)>, p:
     sum.fold([0.0; 3], |sum, (m, w)| add(sum, scale(moved(m), w)))
 }
 
-/// The rotations of joints against their parents, one after the other.
+/// The places of joints against their parents, one after the other.
 fn bends(skeleton: &Skeleton, worlds: &[Matrix]) -> Vec<f64> {
     let own = skeleton.joints.iter().zip(worlds).filter_map(|(joint, world)| {
         let parent = inverse(&worlds[joint.parent? as usize])?;
         let local = times(&parent, world);
-        Some([0, 1, 2, 4, 5, 6, 8, 9, 10].map(|k| local[k]))
+        Some([0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14].map(|k| if k < 12 { local[k] } else { PER_METRE * local[k] }))
     });
     own.flatten().collect()
 }
@@ -171,7 +173,10 @@ mod tests {
         let skeleton = Skeleton { joints: vec![joint(None), joint(Some(0))] };
         let rest = bends(&skeleton, &[at(0.0), at(1.0)]);
         assert_eq!(rest, bends(&skeleton, &[at(5.0), at(6.0)]));
-        assert_eq!(rest, bends(&skeleton, &[turned(5.0), turned(6.0)]));
+        let quarter = |y: f64| Matrix::from([0., 1., 0., 0., -1., 0., 0., 0., 0., 0., 1., 0., 5., y, 0., 1.]);
+        let turned_all = bends(&skeleton, &[quarter(5.0), quarter(6.0)]);
+        assert!(rest.iter().zip(&turned_all).all(|(a, b)| (a - b).abs() < 1e-9), "{turned_all:?}");
+        assert_ne!(rest, bends(&skeleton, &[at(0.0), at(1.5)]));
         assert_ne!(rest, bends(&skeleton, &[at(0.0), turned(1.0)]));
     }
 }

@@ -187,7 +187,7 @@ impl Character {
     }
 }
 
-/// What `read` makes of the document of a glTF file, whose name without folders it gets too; `None` for OBJ.
+/// Reads the document of a glTF file with `read`, which gets the name of the file without folders too; `None` for OBJ.
 fn open<T>(
     path: &Path,
     options: &ImportOptions,
