@@ -15,7 +15,7 @@ const MOST_OF_ONE: usize = 64;
 const MOST_OF_ALL: usize = 2048;
 /// Poses are alike if the squares of what their joints differ by sum to less: a single joint that turns by 0.1 rad, or goes 14 mm, has this.
 const ALIKE: f64 = 0.02;
-/// What a metre that a joint goes counts beside the entries of its rotation.
+/// Weight of a metre that a joint goes, beside the entries of its rotation.
 const PER_METRE: f64 = 10.0;
 /// Winding number from which a point is inside.
 const INSIDE: f64 = 0.5;
