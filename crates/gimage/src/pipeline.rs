@@ -163,7 +163,7 @@ fn build_as(
 
     let mut bundle = run.stage(Stage::Maps, pieces.len(), |report| {
         let mut bundle = Bundle::new(concat!("gimage ", env!("CARGO_PKG_VERSION")));
-        let motion = plan.motion(path, mesh, collider, &mut report.findings)?;
+        let motion = plan.motion(path, mesh, collider, &mut report.findings);
         let garments = Garments { mesh, pieces: &pieces, families: &families };
         let mut held = plan.hold(&garments, motion.as_ref(), &mut report.findings);
         if let Some(width) = width {

@@ -11,7 +11,7 @@ use crate::record::{Finding, Severity};
 use crate::stage::assemble::limits;
 use crate::stage::assemble::pins::{ATTRIBUTE, PINS_ABOVE, Pin, PinRule};
 use crate::stage::colliders::body;
-use crate::stage::hold::{Garments, Held, Motion, Wearer, hold};
+use crate::stage::hold::{Garments, Held, MOST_ANIMATIONS, Motion, Poses, Wearer, hold};
 use crate::stage::import::Character;
 use crate::stage::select::keeping;
 
@@ -94,30 +94,36 @@ impl Plan {
     }
 
     /// How the animations of a file move the body that its cloth is to meet; `None` without automatic pins, such a body, or animations that
-    /// move the mesh of an import. Adds a finding about those that cannot be read.
+    /// move it. Adds a finding about animations that are left out.
     pub fn motion<'a>(
         &self,
         path: &Path,
-        mesh: &Mesh,
+        mesh: &'a Mesh,
         body: Option<&'a Body>,
         findings: &mut Vec<Finding>,
-    ) -> Result<Option<Motion<'a>>> {
+    ) -> Option<Motion<'a>> {
         let options = &self.options.import;
-        let Some(body) = body.filter(|_| self.is_automatic() && !options.center) else { return Ok(None) };
-        let (mut read, mut damaged) = (Vec::new(), Vec::new());
-        for animation in Character::all(path, options)? {
-            match animation {
-                Ok(animation) => read.push(animation),
-                Err(error) => damaged.push(error),
-            }
-        }
+        let body = body.filter(|_| self.is_automatic() && !options.center)?;
+        let mut poses = Poses::new(body, mesh)?;
+        let mut read = Vec::new();
+        let count = Character::each(path, options, MOST_ANIMATIONS, |animation, count| {
+            read.push(animation.map(|animation| poses.read(&animation, count)));
+        });
+        let count = count.unwrap_or_else(|error| {
+            read.push(Err(error));
+            0
+        });
+        let mut left_out = count.saturating_sub(MOST_ANIMATIONS);
+        let mut why = format!("only the first {MOST_ANIMATIONS} are looked at");
+        let damaged: Vec<Error> = read.into_iter().filter_map(Result::err).collect();
         if let Some(error) = damaged.first() {
-            let message =
-                format!("Automatic pins do not regard animations that cannot be read, the first of them: {error}.");
-            let count = damaged.len() as u64;
-            findings.push(Finding { count, ..hint("hint-animations", message) });
+            (left_out, why) = (left_out + damaged.len(), error.to_string());
         }
-        Ok(Motion::new(body, &read, &mesh.skeleton))
+        if left_out > 0 {
+            let message = format!("Automatic pins do not regard some animations of the file: {why}.");
+            findings.push(Finding { count: left_out as u64, ..hint("hint-animations", message) });
+        }
+        poses.motion()
     }
 
     /// The pins and limits of each piece where garments rest on the body; none without the rule. Adds the

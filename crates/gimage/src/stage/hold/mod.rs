@@ -19,9 +19,10 @@ use crate::base::mesh::Mesh;
 use crate::record::Finding;
 use crate::stage::assemble::{Family, Piece};
 use sheet::Sheet;
-use sink::Worn;
 
-pub use motion::Motion;
+pub(crate) use motion::MOST_ANIMATIONS;
+pub use motion::{Motion, Poses};
+pub(crate) use report::SUNK;
 pub use rest::Rule;
 pub use tuck::Tuck;
 pub use wearer::Wearer;
@@ -90,18 +91,22 @@ pub struct Garments<'a> {
 /// Finds where garments rest on a body. Some particles of each garment are pinned, never all of them. With a motion of the body, cloth that it takes into
 /// the body around pins is pinned too.
 ///
-/// Deterministic. O(n log n) in the texels, with one search for the nearest triangle of the body per texel, and another one per limited texel and pose of the motion.
+/// Deterministic. O(n log n) in the texels, with one search for the nearest triangle of the body per texel, and another one per limited texel and pose of the motion,
+/// and O(triangles of the body) where that triangle faces away.
 pub fn hold(wearer: &Wearer, &Garments { mesh, pieces, families }: &Garments<'_>, motion: Option<&Motion>) -> Holds {
     let groups = garments(pieces.len(), families);
     let one = |(range, family): &(std::ops::Range<usize>, Option<&Family<'_>>)| {
         let pieces = &pieces[range.clone()];
         let sheet = Sheet::new(pieces, family.map_or(&[], |f| &f.rings));
         let name = family.map_or(&pieces[0].component.name, |f| &f.whole.name);
-        let worn = motion.map(|motion| Worn { motion, influences: sink::influences(mesh, pieces, &sheet) });
-        garment(wearer, &sheet, worn.as_ref(), name)
+        let influences = motion.map(|_| sink::influences(mesh, pieces, &sheet)).unwrap_or_default();
+        garment(wearer, sheet, influences, name)
     };
-    let made: Vec<(Vec<Held>, Hold)> = groups.par_iter().map(one).collect();
-    let (held, garments): (Vec<Vec<Held>>, Vec<Hold>) = made.into_iter().unzip();
+    let mut made: Vec<Garment> = groups.par_iter().map(one).collect();
+    if let Some(motion) = motion {
+        sink::sink(motion, &mut made);
+    }
+    let (held, garments): (Vec<Vec<Held>>, Vec<Hold>) = made.into_iter().map(Garment::finish).unzip();
     Holds { pieces: held.into_iter().flatten().collect(), garments }
 }
 
@@ -117,53 +122,63 @@ pub(crate) fn garments<'a, 'b>(
     groups
 }
 
-fn garment(wearer: &Wearer, sheet: &Sheet, worn: Option<&Worn>, name: &str) -> (Vec<Held>, Hold) {
-    let mut rest = rest::rest(wearer, sheet);
-    let mut pinned = spread::pinned(sheet, &rest);
-    if spread::share(sheet, &pinned) > rest::MOST {
+/// A garment, by its points.
+struct Garment {
+    name: String,
+    sheet: Sheet,
+    rules: Vec<Rule>,
+    pinned: Vec<bool>,
+    limits: Vec<f64>,
+    tuck: Tuck,
+    /// The joints of each point, and their weights; empty on a body without motion.
+    influences: Vec<([f32; 4], [f32; 4])>,
+    sunk: usize,
+}
+
+fn garment(wearer: &Wearer, sheet: Sheet, influences: Vec<([f32; 4], [f32; 4])>, name: &str) -> Garment {
+    let mut rest = rest::rest(wearer, &sheet);
+    let mut pinned = spread::pinned(&sheet, &rest);
+    if spread::share(&sheet, &pinned) > rest::MOST {
         // A collar or a belt that is narrower than the band.
         rest.narrow();
-        pinned = spread::pinned(sheet, &rest);
+        pinned = spread::pinned(&sheet, &rest);
     }
-    if rest.points.is_empty() || spread::share(sheet, &pinned) > rest::MOST {
-        rest = rest::top(sheet);
-        pinned = spread::pinned(sheet, &rest);
+    if rest.points.is_empty() || spread::share(&sheet, &pinned) > rest::MOST {
+        rest = rest::top(&sheet);
+        pinned = spread::pinned(&sheet, &rest);
     }
     let mut deeper = pinned.clone();
     // A garment that is inside for the most part is not held by what is inside.
-    let mut tuck = tuck::tuck(wearer, sheet, &mut deeper);
-    if spread::share(sheet, &deeper) > rest::MOST {
+    let mut tuck = tuck::tuck(wearer, &sheet, &mut deeper);
+    if spread::share(&sheet, &deeper) > rest::MOST {
         tuck.added = 0;
     } else {
         pinned = deeper;
     }
-    let mut limits = spread::limits(sheet, &pinned, rest.least, rest.reach);
-    let mut sunk = 0;
-    if let Some(worn) = worn {
-        let mut deeper = pinned.clone();
-        sunk = sink::sink(worn, sheet, &limits, &mut deeper);
-        if spread::share(sheet, &deeper) > rest::MOST {
-            sunk = 0;
-        } else {
-            pinned = deeper;
-            limits.iter_mut().zip(&pinned).filter(|x| *x.1).for_each(|(limit, _)| *limit = 0.0);
-        }
+    let limits = spread::limits(&sheet, &pinned, rest.least, rest.reach);
+    Garment { name: name.to_owned(), sheet, rules: rest.rules, pinned, limits, tuck, influences, sunk: 0 }
+}
+
+impl Garment {
+    /// Its pieces, and how it is held.
+    fn finish(self) -> (Vec<Held>, Hold) {
+        let Garment { name, sheet, rules, pinned, limits, tuck, sunk, .. } = self;
+        let limited: Vec<bool> = limits.iter().zip(&pinned).map(|(l, p)| l.is_finite() && !p).collect();
+        let hold = Hold {
+            name,
+            rules,
+            pinned: spread::share(&sheet, &pinned),
+            limited: spread::share(&sheet, &limited),
+            tuck,
+            sunk,
+        };
+        let held = |points: &[u32]| Held {
+            pinned: points.iter().map(|&p| pinned[p as usize]).collect(),
+            limits: points.iter().map(|&p| limits[p as usize] as f32).collect(),
+            blend: Vec::new(),
+        };
+        (sheet.points.iter().map(|points| held(points)).collect(), hold)
     }
-    let limited: Vec<bool> = limits.iter().zip(&pinned).map(|(l, p)| l.is_finite() && !p).collect();
-    let hold = Hold {
-        name: name.to_owned(),
-        rules: rest.rules,
-        pinned: spread::share(sheet, &pinned),
-        limited: spread::share(sheet, &limited),
-        tuck,
-        sunk,
-    };
-    let held = |points: &[u32]| Held {
-        pinned: points.iter().map(|&p| pinned[p as usize]).collect(),
-        limits: points.iter().map(|&p| limits[p as usize] as f32).collect(),
-        blend: Vec::new(),
-    };
-    (sheet.points.iter().map(|points| held(points)).collect(), hold)
 }
 
 #[cfg(test)]

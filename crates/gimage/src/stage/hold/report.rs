@@ -3,6 +3,9 @@
 use super::{Hold, Rule, Tuck};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 
+/// The kind of the note about cloth that animations take into the body.
+pub(crate) const SUNK: &str = "hint-sunk";
+
 /// A note about all garments, and a warning about those that do not rest on the body.
 pub(super) fn findings(garments: &[Hold]) -> Vec<Finding> {
     let words = |hold: &Hold| {
@@ -55,7 +58,7 @@ pub(super) fn findings(garments: &[Hold]) -> Vec<Finding> {
         let message = format!(
             "Cloth around pins that the animations of the file take into the body is pinned too: {listed}. Choose otherwise with --pin."
         );
-        out.push(finding(Severity::Note, "hint-sunk", &sunk, message));
+        out.push(finding(Severity::Note, SUNK, &sunk, message));
     }
     let (loose, held): (Vec<&Hold>, Vec<&Hold>) = garments.iter().partition(|h| h.rules.contains(&Rule::Top));
     if !held.is_empty() {

@@ -53,13 +53,23 @@ impl Character {
         open(path, options, read)?.ok_or_else(|| no_animation(path, animation, &[]))
     }
 
-    /// All animations of a file, as [`Character::read`] reads one, in the order of the file; none of OBJ. The error of a damaged one is in its place.
-    pub fn all(path: &Path, options: &ImportOptions) -> Result<Vec<Result<Self>>> {
+    /// Reads the first `most` animations of a file, as [`Character::read`] reads one, and hands them over one after the other with their number in the file, a damaged one
+    /// as its error. Returns that number: 0 of OBJ.
+    pub fn each(
+        path: &Path,
+        options: &ImportOptions,
+        most: usize,
+        mut take: impl FnMut(Result<Self>, usize),
+    ) -> Result<usize> {
         let read = |accessors: &Accessors, file: &str| {
-            let each = 0..accessors.doc.animations.len();
-            Ok(each.map(|index| Character::of(accessors, file, index, options)).collect())
+            let count = accessors.doc.animations.len();
+            for index in 0..count.min(most) {
+                let one = || Character::of(accessors, file, index, options);
+                take(catch_unwind(AssertUnwindSafe(one)).unwrap_or_else(|_| Err(stopped(path))), count);
+            }
+            Ok(count)
         };
-        Ok(open(path, options, read)?.unwrap_or_default())
+        Ok(open(path, options, read)?.unwrap_or(0))
     }
 
     /// Animation `index` of a document.
@@ -220,9 +230,11 @@ fn open<T>(
         read(&accessors, &source.file_name).map(Some)
     };
     // As for an import: should a decoder panic on a damaged file, its caller gets an error.
-    catch_unwind(AssertUnwindSafe(parse)).unwrap_or_else(|_| {
-        Err(malformed(path, "file", "it is damaged in a way that stopped the reader", EXPORT_AGAIN))
-    })
+    catch_unwind(AssertUnwindSafe(parse)).unwrap_or_else(|_| Err(stopped(path)))
+}
+
+fn stopped(path: &Path) -> Error {
+    malformed(path, "file", "it is damaged in a way that stopped the reader", EXPORT_AGAIN)
 }
 
 fn no_animation(path: &Path, name: &str, all: &[Animation]) -> Error {
