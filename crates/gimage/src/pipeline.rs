@@ -10,7 +10,7 @@ mod pins;
 use std::path::Path;
 use std::time::Instant;
 
-use gimage_bundle::{Body, Bundle};
+use gimage_bundle::Bundle;
 use rayon::prelude::*;
 
 pub use self::dress::dress;
@@ -31,7 +31,6 @@ use crate::stage::blend::{BlendWidth, WIDTH, blend, border};
 use crate::stage::caps::open_caps;
 use crate::stage::component::Component;
 use crate::stage::gate;
-use crate::stage::hold::Garments;
 use crate::stage::image::PieceImage;
 use crate::stage::import::import;
 use crate::stage::render::trace::Trace;
@@ -76,17 +75,11 @@ impl Run<'_> {
 /// [`Error::GridTooSmall`] if an exact size cannot hold the border of a piece; [`Error::Option`] if `--pins auto` finds no body;
 /// [`Error::Cancelled`].
 pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Result<Built> {
-    build_as(path, options, false, None, progress)
+    build_as(path, options, false, progress)
 }
 
-/// As [`build`]; if `dressed`, with the defaults of [`dress`]. `collider` is the surface that the cloth is to meet.
-fn build_as(
-    path: &Path,
-    options: &BuildOptions,
-    dressed: bool,
-    collider: Option<&Body>,
-    progress: &dyn Progress,
-) -> Result<Built> {
+/// As [`build`]; if `dressed`, with the defaults of [`dress`].
+fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn Progress) -> Result<Built> {
     options.check()?;
     let mut run = Run { progress, report: Report::default() };
     let imported = run.stage(Stage::Import, 1, |report| {
@@ -163,9 +156,7 @@ fn build_as(
 
     let mut bundle = run.stage(Stage::Maps, pieces.len(), |report| {
         let mut bundle = Bundle::new(concat!("gimage ", env!("CARGO_PKG_VERSION")));
-        let motion = plan.motion(path, mesh, collider, &mut report.findings);
-        let garments = Garments { mesh, pieces: &pieces, families: &families };
-        let mut held = plan.hold(&garments, motion.as_ref(), &mut report.findings);
+        let mut held = plan.hold(&pieces, &families, &mut report.findings);
         if let Some(width) = width {
             let found = blend(&mut held, &edges, &pieces, &families, width, plan.is_automatic());
             report.findings.extend(found);

@@ -16,7 +16,6 @@ use crate::options::{BuildOptions, Choice};
 use crate::progress::{Progress, Stage};
 use crate::record::{Finding, Severity};
 use crate::report::{StageTime, peak_memory};
-use crate::stage::hold::SUNK;
 
 /// Builds a bundle as [`super::build`] does, and adds solids that stand for the body ([`crate::colliders::fit_colliders`]) to its manifest. Without
 /// pins in the options and in the file, garments are pinned where they rest on the body ([`crate::hold`]), which a finding reports. A file without
@@ -38,23 +37,18 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     };
     let fitting =
         StageTime { stage: Stage::Colliders, seconds: start.elapsed().as_secs_f64(), peak_bytes: peak_memory() };
-    let surface = fit.as_ref().filter(|_| solids.tier != Tier::Capsules).and_then(|fit| fit.surface.as_ref().ok());
-    let mut built = build_as(path, options, true, surface.map(|surface| &surface.body), progress)?;
+    let mut built = build_as(path, options, true, progress)?;
     built.report.stages.insert(0, fitting);
+    let manifest = &mut built.bundle.manifest;
     if let Some(Fit { colliders, figures, surface, findings: found, .. }) = fit {
         let mm = [figures.body.mean, figures.body.p95, figures.body.max].map(|x| format!("{:.1}", 1e3 * x)).join(", ");
         let count = colliders.iter().filter(|collider| !collider.guessed).count();
         let message = format!("{count} colliders; mean, 95 % and largest distance of the body from them: {mm} mm.");
         findings.push(finding(Severity::Note, "hint-colliders", message));
+        manifest.colliders = colliders.iter().map(entry).collect();
         let mut found: Vec<Finding> = found.into_iter().filter(|f| f.stage == "colliders").collect();
         if solids.tier != Tier::Capsules {
             let (body, said) = worn(&built.bundle, surface, solids.tier);
-            if body.is_none() && built.report.findings.iter().any(|f| f.kind == SUNK) {
-                // Pins beside a surface that the cloth does not meet.
-                let stages = std::mem::take(&mut built.report.stages);
-                built = build_as(path, options, true, None, progress)?;
-                built.report.stages.splice(0..0, stages);
-            }
             found.push(said);
             built.bundle.body = body;
         }
@@ -63,7 +57,6 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
             found.iter_mut().filter(|f| f.kind == LOOSE_FIT).for_each(|f| f.severity = Severity::Note);
         }
         findings.extend(found);
-        built.bundle.manifest.colliders = colliders.iter().map(entry).collect();
     }
     let kinds: Vec<&str> = solids.kinds.iter().map(|k| k.name()).collect();
     let manifest = &mut built.bundle.manifest;

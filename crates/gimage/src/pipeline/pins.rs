@@ -2,17 +2,15 @@
 
 use std::path::Path;
 
-use gimage_bundle::Body;
-
 use crate::base::mesh::{Channel, Mesh, Semantic};
 use crate::error::{Error, Result};
 use crate::options::BuildOptions;
 use crate::record::{Finding, Severity};
 use crate::stage::assemble::limits;
 use crate::stage::assemble::pins::{ATTRIBUTE, PINS_ABOVE, Pin, PinRule};
+use crate::stage::assemble::{Family, Piece};
 use crate::stage::colliders::body;
-use crate::stage::hold::{Garments, Held, MOST_ANIMATIONS, Motion, Poses, Wearer, hold};
-use crate::stage::import::Character;
+use crate::stage::hold::{Held, Wearer, hold};
 use crate::stage::select::keeping;
 
 /// Share of the height of each garment that [`crate::pipeline::dress`] pins without a body and other pins: a collar, a waistband.
@@ -93,44 +91,11 @@ impl Plan {
         self.wearer.is_some()
     }
 
-    /// How the animations of a file move the body that its cloth is to meet; `None` without automatic pins, such a body, or animations that
-    /// move it. Adds a finding about animations that are left out.
-    pub fn motion<'a>(
-        &self,
-        path: &Path,
-        mesh: &'a Mesh,
-        body: Option<&'a Body>,
-        findings: &mut Vec<Finding>,
-    ) -> Option<Motion<'a>> {
-        let options = &self.options.import;
-        let body = body.filter(|_| self.is_automatic() && !options.center)?;
-        let mut poses = Poses::new(body, mesh)?;
-        let mut read = Vec::new();
-        let count = Character::each(path, options, MOST_ANIMATIONS, |animation, count| {
-            read.push(animation.map(|animation| poses.read(&animation, count)));
-        });
-        let count = count.unwrap_or_else(|error| {
-            read.push(Err(error));
-            0
-        });
-        let mut left_out = count.saturating_sub(MOST_ANIMATIONS);
-        let mut why = format!("only the first {MOST_ANIMATIONS} are looked at");
-        let damaged: Vec<Error> = read.into_iter().filter_map(Result::err).collect();
-        if let Some(error) = damaged.first() {
-            (left_out, why) = (left_out + damaged.len(), error.to_string());
-        }
-        if left_out > 0 {
-            let message = format!("Automatic pins do not regard some animations of the file: {why}.");
-            findings.push(Finding { count: left_out as u64, ..hint("hint-animations", message) });
-        }
-        poses.motion()
-    }
-
     /// The pins and limits of each piece where garments rest on the body; none without the rule. Adds the
     /// findings about them.
-    pub fn hold(&self, garments: &Garments<'_>, motion: Option<&Motion>, findings: &mut Vec<Finding>) -> Vec<Held> {
+    pub fn hold(&self, pieces: &[Piece<'_>], families: &[Family<'_>], findings: &mut Vec<Finding>) -> Vec<Held> {
         let Some(wearer) = &self.wearer else { return Vec::new() };
-        let holds = hold(wearer, garments, motion);
+        let holds = hold(wearer, pieces, families);
         findings.extend(holds.findings());
         holds.pieces
     }

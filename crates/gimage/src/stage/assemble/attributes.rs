@@ -156,21 +156,6 @@ pub(crate) fn attributes(
     (maps, findings)
 }
 
-/// The channels of joints, each with that of its weights.
-fn skins(mesh: &Mesh) -> Vec<(&Channel, &Channel)> {
-    let of = |c: &'_ Channel| match c.semantic {
-        Semantic::Joints(n) => mesh.channel(&Semantic::Weights(n)),
-        _ => None,
-    };
-    mesh.channels.iter().filter_map(|c| Some((c, of(c)?))).collect()
-}
-
-/// The four strongest joints of each texel of a piece, and their weights, as its maps have them before seams share theirs.
-pub(crate) fn influences(mesh: &Mesh, image: &PieceImage, surface: &Surface) -> Vec<([f32; 4], [f32; 4])> {
-    let sets = skins(mesh);
-    places(image, surface).into_iter().map(|place| skin(&sets, place)).collect()
-}
-
 /// The maps of joints and weights, if any texel has some. Duplicates share those of their first.
 fn skin_maps(
     mesh: &Mesh,
@@ -178,7 +163,14 @@ fn skin_maps(
     places: &[(usize, [f64; 3])],
     rings: &[Vec<u32>],
 ) -> Vec<(MapKind, Image)> {
-    let sets = skins(mesh);
+    let sets: Vec<(&Channel, &Channel)> = mesh
+        .channels
+        .iter()
+        .filter_map(|c| match c.semantic {
+            Semantic::Joints(n) => Some((c, mesh.channel(&Semantic::Weights(n))?)),
+            _ => None,
+        })
+        .collect();
     let skinned = places.iter().any(|(t, _)| (0..3).any(|c| sets.iter().any(|(j, _)| j.at(*t, c).is_some())));
     if !skinned {
         return Vec::new();

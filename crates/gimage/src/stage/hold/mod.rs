@@ -4,25 +4,19 @@
 //! parts that lie on shoulders beside it; parts that lie on shoulders; its upper edge where that is near the body. A garment with none of
 //! them is held by its top. All lengths follow the height of the body.
 
-mod motion;
 mod report;
 mod rest;
 pub(crate) mod sheet;
-mod sink;
 mod spread;
 mod tuck;
 mod wearer;
 
 use rayon::prelude::*;
 
-use crate::base::mesh::Mesh;
 use crate::record::Finding;
 use crate::stage::assemble::{Family, Piece};
 use sheet::Sheet;
 
-pub(crate) use motion::MOST_ANIMATIONS;
-pub use motion::{Motion, Poses};
-pub(crate) use report::SUNK;
 pub use rest::Rule;
 pub use tuck::Tuck;
 pub use wearer::Wearer;
@@ -58,8 +52,6 @@ pub struct Hold {
     pub limited: f64,
     /// Pins inside of the body, and what was pinned beside them.
     pub tuck: Tuck,
-    /// Points that are pinned beside pins since animations take them into the body.
-    pub sunk: usize,
 }
 
 /// Pins and limits of all garments.
@@ -78,35 +70,20 @@ impl Holds {
     }
 }
 
-/// The garments of a build.
-pub struct Garments<'a> {
-    /// The mesh that they were made of, with its skin.
-    pub mesh: &'a Mesh,
-    /// Their pieces, as for [`crate::stage::assemble::assemble`].
-    pub pieces: &'a [Piece<'a>],
-    /// Those of several pieces.
-    pub families: &'a [Family<'a>],
-}
-
-/// Finds where garments rest on a body. Some particles of each garment are pinned, never all of them. With a motion of the body, cloth that it takes into
-/// the body around pins is pinned too.
+/// Finds where garments rest on a body. `pieces` and `families` are those of [`crate::stage::assemble::assemble`]. Some particles of each garment are
+/// pinned, never all of them.
 ///
-/// Deterministic. O(n log n) in the texels, with one search for the nearest triangle of the body per texel, and another one per limited texel and pose of the motion,
-/// and O(triangles of the body) where that triangle faces away.
-pub fn hold(wearer: &Wearer, &Garments { mesh, pieces, families }: &Garments<'_>, motion: Option<&Motion>) -> Holds {
+/// Deterministic. O(n log n) in the texels, with one search for the nearest triangle of the body per texel.
+pub fn hold(wearer: &Wearer, pieces: &[Piece<'_>], families: &[Family<'_>]) -> Holds {
     let groups = garments(pieces.len(), families);
     let one = |(range, family): &(std::ops::Range<usize>, Option<&Family<'_>>)| {
         let pieces = &pieces[range.clone()];
         let sheet = Sheet::new(pieces, family.map_or(&[], |f| &f.rings));
         let name = family.map_or(&pieces[0].component.name, |f| &f.whole.name);
-        let influences = motion.map(|_| sink::influences(mesh, pieces, &sheet)).unwrap_or_default();
-        garment(wearer, sheet, influences, name)
+        garment(wearer, &sheet, name)
     };
-    let mut made: Vec<Garment> = groups.par_iter().map(one).collect();
-    if let Some(motion) = motion {
-        sink::sink(motion, &mut made);
-    }
-    let (held, garments): (Vec<Vec<Held>>, Vec<Hold>) = made.into_iter().map(Garment::finish).unzip();
+    let made: Vec<(Vec<Held>, Hold)> = groups.par_iter().map(one).collect();
+    let (held, garments): (Vec<Vec<Held>>, Vec<Hold>) = made.into_iter().unzip();
     Holds { pieces: held.into_iter().flatten().collect(), garments }
 }
 
@@ -122,63 +99,41 @@ pub(crate) fn garments<'a, 'b>(
     groups
 }
 
-/// A garment, by its points.
-struct Garment {
-    name: String,
-    sheet: Sheet,
-    rules: Vec<Rule>,
-    pinned: Vec<bool>,
-    limits: Vec<f64>,
-    tuck: Tuck,
-    /// The joints of each point, and their weights; empty on a body without motion.
-    influences: Vec<([f32; 4], [f32; 4])>,
-    sunk: usize,
-}
-
-fn garment(wearer: &Wearer, sheet: Sheet, influences: Vec<([f32; 4], [f32; 4])>, name: &str) -> Garment {
-    let mut rest = rest::rest(wearer, &sheet);
-    let mut pinned = spread::pinned(&sheet, &rest);
-    if spread::share(&sheet, &pinned) > rest::MOST {
+fn garment(wearer: &Wearer, sheet: &Sheet, name: &str) -> (Vec<Held>, Hold) {
+    let mut rest = rest::rest(wearer, sheet);
+    let mut pinned = spread::pinned(sheet, &rest);
+    if spread::share(sheet, &pinned) > rest::MOST {
         // A collar or a belt that is narrower than the band.
         rest.narrow();
-        pinned = spread::pinned(&sheet, &rest);
+        pinned = spread::pinned(sheet, &rest);
     }
-    if rest.points.is_empty() || spread::share(&sheet, &pinned) > rest::MOST {
-        rest = rest::top(&sheet);
-        pinned = spread::pinned(&sheet, &rest);
+    if rest.points.is_empty() || spread::share(sheet, &pinned) > rest::MOST {
+        rest = rest::top(sheet);
+        pinned = spread::pinned(sheet, &rest);
     }
     let mut deeper = pinned.clone();
     // A garment that is inside for the most part is not held by what is inside.
-    let mut tuck = tuck::tuck(wearer, &sheet, &mut deeper);
-    if spread::share(&sheet, &deeper) > rest::MOST {
+    let mut tuck = tuck::tuck(wearer, sheet, &mut deeper);
+    if spread::share(sheet, &deeper) > rest::MOST {
         tuck.added = 0;
     } else {
         pinned = deeper;
     }
-    let limits = spread::limits(&sheet, &pinned, rest.least, rest.reach);
-    Garment { name: name.to_owned(), sheet, rules: rest.rules, pinned, limits, tuck, influences, sunk: 0 }
-}
-
-impl Garment {
-    /// Its pieces, and how it is held.
-    fn finish(self) -> (Vec<Held>, Hold) {
-        let Garment { name, sheet, rules, pinned, limits, tuck, sunk, .. } = self;
-        let limited: Vec<bool> = limits.iter().zip(&pinned).map(|(l, p)| l.is_finite() && !p).collect();
-        let hold = Hold {
-            name,
-            rules,
-            pinned: spread::share(&sheet, &pinned),
-            limited: spread::share(&sheet, &limited),
-            tuck,
-            sunk,
-        };
-        let held = |points: &[u32]| Held {
-            pinned: points.iter().map(|&p| pinned[p as usize]).collect(),
-            limits: points.iter().map(|&p| limits[p as usize] as f32).collect(),
-            blend: Vec::new(),
-        };
-        (sheet.points.iter().map(|points| held(points)).collect(), hold)
-    }
+    let limits = spread::limits(sheet, &pinned, rest.least, rest.reach);
+    let limited: Vec<bool> = limits.iter().zip(&pinned).map(|(l, p)| l.is_finite() && !p).collect();
+    let hold = Hold {
+        name: name.to_owned(),
+        rules: rest.rules,
+        pinned: spread::share(sheet, &pinned),
+        limited: spread::share(sheet, &limited),
+        tuck,
+    };
+    let held = |points: &[u32]| Held {
+        pinned: points.iter().map(|&p| pinned[p as usize]).collect(),
+        limits: points.iter().map(|&p| limits[p as usize] as f32).collect(),
+        blend: Vec::new(),
+    };
+    (sheet.points.iter().map(|points| held(points)).collect(), hold)
 }
 
 #[cfg(test)]

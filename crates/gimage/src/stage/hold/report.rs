@@ -3,9 +3,6 @@
 use super::{Hold, Rule, Tuck};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 
-/// The kind of the note about cloth that animations take into the body.
-pub(crate) const SUNK: &str = "hint-sunk";
-
 /// A note about all garments, and a warning about those that do not rest on the body.
 pub(super) fn findings(garments: &[Hold]) -> Vec<Finding> {
     let words = |hold: &Hold| {
@@ -50,15 +47,6 @@ pub(super) fn findings(garments: &[Hold]) -> Vec<Finding> {
             "Cloth that was modelled into the body around pins is pinned too, where it is inside: {listed}. Choose otherwise with --pin."
         );
         out.push(finding(Severity::Note, "hint-tucked", &tucked, message));
-    }
-    let sunk: Vec<&Hold> = garments.iter().filter(|h| h.sunk > 0).collect();
-    if !sunk.is_empty() {
-        let one = |hold: &&Hold| format!("{} ({} points)", hold.name, hold.sunk);
-        let listed = sunk.iter().take(MAX_EXAMPLES).map(one).collect::<Vec<_>>().join("; ");
-        let message = format!(
-            "Cloth around pins that the animations of the file take into the body is pinned too: {listed}. Choose otherwise with --pin."
-        );
-        out.push(finding(Severity::Note, SUNK, &sunk, message));
     }
     let (loose, held): (Vec<&Hold>, Vec<&Hold>) = garments.iter().partition(|h| h.rules.contains(&Rule::Top));
     if !held.is_empty() {

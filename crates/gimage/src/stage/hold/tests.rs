@@ -57,13 +57,8 @@ fn sheet(at: impl Fn(f64, f64) -> [f64; 3]) -> Mesh {
     mesh
 }
 
-/// How a garment of one piece is held, with the position of each texel.
-fn held(garment: Mesh) -> (Hold, Held, Vec<[f64; 3]>) {
-    held_in_motion(garment, None)
-}
-
-/// The same on a body in motion.
-fn held_in_motion(mut garment: Mesh, motion: Option<&Motion>) -> (Hold, Held, Vec<[f64; 3]>) {
+/// Takes in a garment of one piece.
+fn of_piece<T>(mut garment: Mesh, take: impl FnOnce(Piece) -> T) -> T {
     garment.triangle_part = vec![0; garment.triangles.len()];
     garment.parts = vec![Default::default()];
     let mut options = BuildOptions::default();
@@ -72,15 +67,17 @@ fn held_in_motion(mut garment: Mesh, motion: Option<&Motion>) -> (Hold, Held, Ve
     let component: &Component = &components[0];
     let surface = extract(&garment, component);
     let image = image(&component.name, &surface, None, &ImageOptions::new(&options, Some(900))).unwrap();
-    let positions = image.grid.positions.clone();
-    let wearer = Wearer::new(&body()).unwrap();
-    let Holds { mut pieces, mut garments } = hold(
-        &wearer,
-        &Garments { mesh: &garment, pieces: &[Piece { component, surface, image }], families: &[] },
-        motion,
-    );
-    assert_eq!((pieces.len(), garments.len()), (1, 1));
-    (garments.remove(0), pieces.remove(0), positions)
+    take(Piece { component, surface, image })
+}
+
+/// How a garment of one piece is held, with the position of each texel.
+fn held(garment: Mesh) -> (Hold, Held, Vec<[f64; 3]>) {
+    of_piece(garment, |piece| {
+        let positions = piece.image.grid.positions.clone();
+        let Holds { mut pieces, mut garments } = hold(&Wearer::new(&body()).unwrap(), &[piece], &[]);
+        assert_eq!((pieces.len(), garments.len()), (1, 1));
+        (garments.remove(0), pieces.remove(0), positions)
+    })
 }
 
 /// Lowest and highest point that is pinned.
@@ -177,66 +174,11 @@ fn cloth_outside_of_the_body_has_no_other_pins() {
     assert_eq!((hold.rules, hold.tuck), (vec![Rule::Edge], Tuck::default()));
 }
 
-/// The body, which follows joint 0, and a pose in which joint 1 goes along z \[m\].
-fn posed(body: &gimage_bundle::Body, z: f64) -> Motion<'_> {
-    let at = |z: f64| [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., z, 1.];
-    Motion { body, poses: vec![vec![at(0.0), at(z)]] }
-}
-
-/// The torso, closed by triangles at both ends.
-fn closed_body() -> gimage_bundle::Body {
-    let Mesh { mut positions, mut triangles, .. } = body();
-    let ends = [(0, true), (positions.len() as u32 - 32, false)];
-    for (first, is_top) in ends {
-        let center = positions.len() as u32;
-        positions.push([0.0, positions[first as usize][1], 0.0]);
-        let fan = |k: u32| [first + k, first + (k + 1) % 32, center];
-        triangles.extend((0..32).map(fan).map(|[a, b, c]| if is_top { [b, a, c] } else { [a, b, c] }));
-    }
-    gimage_bundle::Body {
-        joints: vec![[0; 4]; positions.len()],
-        weights: vec![[1.0, 0.0, 0.0, 0.0]; positions.len()],
-        positions: positions.into_iter().map(|p| p.map(|x| x as f32)).collect(),
-        triangles,
-    }
-}
-
-/// A cape of this length \[m\], 10 mm behind the back at its upper edge, and farther below; all of it follows joint 1.
-fn cape(length: f64) -> Mesh {
-    use crate::base::mesh::{Channel, Semantic};
-    let mut mesh = sheet(|u, v| [0.1 * (u - 0.5), 1.3 - length * v, 0.16 + 0.25 * length * v]);
-    let corners = vec![0; 3 * mesh.triangles.len()];
-    let channel =
-        |semantic, values: [f32; 4]| Channel { semantic, width: 4, values: values.into(), corners: corners.clone() };
-    mesh.channels =
-        vec![channel(Semantic::Joints(0), [1.0, 0.0, 0.0, 0.0]), channel(Semantic::Weights(0), [1.0, 0.0, 0.0, 0.0])];
-    mesh
-}
-
 #[test]
-fn cloth_that_an_animation_takes_into_the_body_around_pins_is_pinned_too() {
-    let body = closed_body();
-    let (still, ..) = held(cape(0.8));
-    assert_eq!(still.sunk, 0);
-    let (hold, held, positions) = held_in_motion(cape(0.8), Some(&posed(&body, -0.06)));
-    assert!(hold.sunk > 0 && hold.pinned > still.pinned + 0.1, "{hold:?}");
-    let depth = |p: &[f64; 3]| 0.15 - p[0].hypot(p[2] - 0.06);
-    for ((p, pinned), limit) in positions.iter().zip(&held.pinned).zip(&held.limits) {
-        // Limits reach 10 % of 1.8 m from the pins, which end at a height of 1.12 m.
-        assert!(depth(p) < 4e-3 || p[1] < 1.1 || *pinned, "{p:?} is taken into the body and free");
-        assert!(depth(p) > 0.0 || !*pinned, "{p:?} stays outside and is pinned");
-        assert_eq!(*pinned, *limit == 0.0);
-    }
-    let said = Holds { pieces: vec![held], garments: vec![hold] }.findings();
-    assert!(said.iter().any(|f| f.kind == "hint-sunk"), "{said:?}");
-}
-
-#[test]
-fn animations_pin_nothing_more_where_cloth_stays_outside_or_most_of_it_goes_in() {
-    let body = closed_body();
-    for (length, z) in [(0.8, -0.005), (0.2, -0.2)] {
-        let (hold, pins, _) = held_in_motion(cape(length), Some(&posed(&body, z)));
-        let (still, before, _) = held(cape(length));
-        assert!((hold, pins) == (still, before), "{z}");
-    }
+fn a_share_of_nothing_has_no_sign() {
+    let share = of_piece(sheet(|u, v| [u, v, 0.0]), |piece| {
+        let sheet = Sheet::new(&[piece], &[]);
+        spread::share(&sheet, &vec![false; sheet.positions.len()])
+    });
+    assert_eq!(format!("{share:.1}"), "0.0");
 }

@@ -45,61 +45,58 @@ impl Character {
     /// Reads a `.glb` or `.gltf` file and the animation of this name. `options` are those of the import that made the bundle: unit and axis.
     /// Errors if the file has no such animation, on damaged key frames, and on `center`, which moves a garment by its box.
     pub fn read(path: &Path, animation: &str, options: &ImportOptions) -> Result<Self> {
-        let read = |accessors: &Accessors, file: &str| {
-            let all = &accessors.doc.animations;
-            let found = all.iter().position(|a| a.name == animation);
-            Character::of(accessors, file, found.ok_or_else(|| no_animation(path, animation, all))?, options)
-        };
-        open(path, options, read)?.ok_or_else(|| no_animation(path, animation, &[]))
+        options.check()?;
+        // As for an import: should a decoder panic on a damaged file, its caller gets an error.
+        catch_unwind(AssertUnwindSafe(|| Character::open(path, animation, options))).unwrap_or_else(|_| {
+            Err(malformed(path, "file", "it is damaged in a way that stopped the reader", EXPORT_AGAIN))
+        })
     }
 
-    /// Reads the first `most` animations of a file, as [`Character::read`] reads one, and hands them over one after the other with their number in the file, a damaged one
-    /// as its error. Returns that number: 0 of OBJ.
-    pub fn each(
-        path: &Path,
-        options: &ImportOptions,
-        most: usize,
-        mut take: impl FnMut(Result<Self>, usize),
-    ) -> Result<usize> {
-        let read = |accessors: &Accessors, file: &str| {
-            let count = accessors.doc.animations.len();
-            for index in 0..count.min(most) {
-                let one = || Character::of(accessors, file, index, options);
-                take(catch_unwind(AssertUnwindSafe(one)).unwrap_or_else(|_| Err(stopped(path))), count);
+    fn open(path: &Path, animation: &str, options: &ImportOptions) -> Result<Self> {
+        if options.center {
+            return Err(Error::Option {
+                option: "center".into(),
+                problem: "an animation moves the character where the file has it".into(),
+                hint: "build the bundle without --center".into(),
+            });
+        }
+        let bytes = source::read_capped(path, options.max_bytes)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let resolver = |name: &str| source::read_beside(&folder, name, options.max_bytes);
+        let mut source = Source::new(path, &bytes);
+        let (json, bin) = match sniff::sniff(path, &bytes)? {
+            sniff::Format::Glb => {
+                let chunks = glb::split(path, &bytes)?;
+                (chunks.json, chunks.bin)
             }
-            Ok(count)
+            sniff::Format::Gltf => (&bytes[..], None),
+            sniff::Format::Obj => return Err(no_animation(path, animation, &[])),
         };
-        Ok(open(path, options, read)?.unwrap_or(0))
-    }
-
-    /// Animation `index` of a document.
-    fn of(
-        accessors: &Accessors,
-        file: &str,
-        index: usize,
-        ImportOptions { unit, up, .. }: &ImportOptions,
-    ) -> Result<Self> {
-        let doc = accessors.doc;
-        let clip = Clip::read(accessors, index)?;
-        let forest = Forest::new(doc)?;
-        let rest = Local::all(doc);
+        let doc = Document::parse(path, json, &mut source)?;
+        let buffers = Buffers::new(&doc, bin, &resolver, options.max_bytes);
+        let accessors = Accessors { doc: &doc, buffers: &buffers, max_count: options.max_vertices };
+        let found = doc.animations.iter().position(|a| a.name == animation);
+        let index = found.ok_or_else(|| no_animation(path, animation, &doc.animations))?;
+        let clip = Clip::read(&accessors, index)?;
+        let forest = Forest::new(&doc)?;
+        let rest = Local::all(&doc);
         let placed = |c: &Channel| matches!(rest[c.node], Local::Matrix(_));
         if let Some(c) = clip.channels.iter().find(|c| placed(c)) {
             let element = format!("node {} `{}`", c.node, doc.node_name(c.node));
             return Err(doc.bad(element, "it is animated, and placed by a matrix"));
         }
         let mut character = Character {
-            file: file.into(),
+            file: source.file_name.clone(),
             names: (0..rest.len()).map(|n| doc.node_name(n)).collect(),
             order: forest.order(),
-            start: bound(accessors, &forest, &rest),
+            start: bound(&accessors, &forest, &rest),
             parents: forest.parent,
             rest,
             clip,
-            name: doc.animations[index].name.clone(),
+            name: animation.into(),
             loops: false,
-            unit: *unit,
-            turn: axes(*up).0,
+            unit: options.unit,
+            turn: axes(options.up).0,
         };
         character.loops = character.ends_alike();
         Ok(character)
@@ -195,46 +192,6 @@ impl Character {
         let near = |(a, b): (&Matrix, &Matrix)| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_POSE);
         self.seconds() > 0.0 && first.iter().zip(&last).all(near)
     }
-}
-
-/// Reads the document of a glTF file with `read`, which gets the name of the file without folders too; `None` for OBJ.
-fn open<T>(
-    path: &Path,
-    options: &ImportOptions,
-    read: impl FnOnce(&Accessors, &str) -> Result<T>,
-) -> Result<Option<T>> {
-    options.check()?;
-    if options.center {
-        return Err(Error::Option {
-            option: "center".into(),
-            problem: "an animation moves the character where the file has it".into(),
-            hint: "build the bundle without --center".into(),
-        });
-    }
-    let parse = || {
-        let bytes = source::read_capped(path, options.max_bytes)?;
-        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        let resolver = |name: &str| source::read_beside(&folder, name, options.max_bytes);
-        let mut source = Source::new(path, &bytes);
-        let (json, bin) = match sniff::sniff(path, &bytes)? {
-            sniff::Format::Glb => {
-                let chunks = glb::split(path, &bytes)?;
-                (chunks.json, chunks.bin)
-            }
-            sniff::Format::Gltf => (&bytes[..], None),
-            sniff::Format::Obj => return Ok(None),
-        };
-        let doc = Document::parse(path, json, &mut source)?;
-        let buffers = Buffers::new(&doc, bin, &resolver, options.max_bytes);
-        let accessors = Accessors { doc: &doc, buffers: &buffers, max_count: options.max_vertices };
-        read(&accessors, &source.file_name).map(Some)
-    };
-    // As for an import: should a decoder panic on a damaged file, its caller gets an error.
-    catch_unwind(AssertUnwindSafe(parse)).unwrap_or_else(|_| Err(stopped(path)))
-}
-
-fn stopped(path: &Path) -> Error {
-    malformed(path, "file", "it is damaged in a way that stopped the reader", EXPORT_AGAIN)
 }
 
 fn no_animation(path: &Path, name: &str, all: &[Animation]) -> Error {

@@ -157,21 +157,3 @@ fn a_skin_that_is_bound_in_the_pose_of_its_nodes_or_makes_no_sense_changes_nothi
     let (own, rest) = start(&[1, 2, 90], &[down(2.0, 0.0), sheared, down(6.0, 0.0)]);
     assert_eq!(own, rest);
 }
-
-#[test]
-fn all_animations_are_read_and_a_damaged_one_has_its_error() {
-    let folder = tempfile::tempdir().unwrap();
-    let read = |path: &Path, most: usize| {
-        let mut all = Vec::new();
-        let count = Character::each(path, &ImportOptions::default(), most, |a, _| all.push(a)).unwrap();
-        (count, all.iter().map(|a| a.as_ref().map_or_else(|e| e.to_string(), |a| a.name().into())).collect::<Vec<_>>())
-    };
-    let path = file(folder.path());
-    let (count, names) = read(&path, 9);
-    assert_eq!((count, names.len(), &names[0], &names[1]), (4, 4, &"stand".into(), &"go".into()));
-    assert!(names[2].contains("placed by a matrix") && names[3].contains("node 9 does not exist"), "{names:?}");
-    assert_eq!(read(&path, 2), (4, names[..2].to_vec()));
-    let flat = folder.path().join("flat.obj");
-    std::fs::write(&flat, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-    assert_eq!(read(&flat, 9), (0, Vec::new()));
-}

@@ -25,7 +25,7 @@ mod glb;
 mod gltf;
 mod instancing;
 mod local;
-pub(crate) mod matrix;
+mod matrix;
 mod meshopt;
 mod moving;
 mod nodes;
