@@ -129,7 +129,7 @@ pub const RENDER: &str = concat!(
     "  gimage render assets/scenes/tshirt.json --surface render -o shirt.png\n",
     "  gimage render s2 --n 64 -o s2.png --time 0.8 --camera 1,0.8,1.6,0,0,0 --fov 40\n\n",
     "Without a hardware GPU, cloth and picture are computed on the CPU; --backend gpu accepts any adapter, including a ",
-    "software one. 4 samples per pixel. Without a camera, every picture shows all cloths and colliders. A still picture of a ",
+    "software one. 4 samples per pixel. Without a camera, every picture shows all that is drawn. A still picture of a ",
     "bundle without pins, which would fall out of sight, shows its rest pose (default --time 0). The mesh of the source has its base ",
     "colour textures (PNG, JPEG) and alpha; a ground with its shadow, and all else then, is drawn on the CPU.",
     exit_codes!("done, but cloth stretched, tunnelled, left its body, fell, or overflowed")

@@ -58,6 +58,34 @@ fn crossed_squares() -> String {
 }
 
 #[test]
+fn a_run_says_how_many_triangles_cross_at_its_end() {
+    let place = Place::new();
+    place.write("crossed.obj", &crossed_squares());
+    place.run("build crossed.obj -o crossed.gim --texels 512").expect(&[0, 1]);
+    let rest = &place.run("check-crossings crossed.gim --json").expect(&[1]).json()["inputs"][0]["frames"][0];
+    let pairs = rest["within"].as_u64().unwrap() + rest["between"].as_u64().unwrap();
+    // The pieces fall together, and cross as they did but for rounding.
+    let run = "simulate crossed.gim --backend cpu --frames 3";
+    let fallen = place.run(run).expect(&[0]).stderr;
+    for words in [
+        format!("pairs of triangles cross at the end ({pairs} where the cloth starts), by at most"),
+        "most of them of 'piece' and 'piece_2': cloth has no contact with cloth".into(),
+        "--contact particles".into(),
+    ] {
+        assert!(fallen.contains(&words), "{words}: {fallen}");
+    }
+    let json = place.run(&format!("{run} --json")).expect(&[0]).json();
+    let count = |name: &str| json["crossings"][name].as_u64();
+    let end = count("within").unwrap() + count("between").unwrap();
+    assert!(end.abs_diff(pairs) < pairs / 5 && count("start") == Some(pairs), "{json}");
+    let drawn = place.run("render crossed.gim -o a.png --backend cpu --time 0 --size 32x32 --contact particles");
+    assert!(drawn.stderr.contains("makes no promise; --contact safe does"), "{}", drawn.stderr);
+    // Cloth that crosses nowhere has no such note.
+    let run = place.run("simulate s1 --n 8 --backend cpu --frames 3").expect(&[0]);
+    assert!(!run.stderr.contains("cross"), "{}", run.stderr);
+}
+
+#[test]
 fn inspect_counts_crossings_at_rest_and_draws_them() {
     let place = Place::new();
     place.write("crossed.obj", &crossed_squares());

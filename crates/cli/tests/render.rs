@@ -238,6 +238,33 @@ fn a_textured_mesh_is_drawn_alike_on_the_gpu_and_its_sampler_is_read() {
 }
 
 #[test]
+fn a_picture_without_a_camera_has_all_parts_of_the_file_and_little_else() {
+    let place = Place::new();
+    textured(&place, None);
+    // A second square that is no cloth, 3 m below the first.
+    let gltf = std::fs::read_to_string(place.path("flag.gltf")).unwrap();
+    let mut gltf: serde_json::Value = serde_json::from_str(&gltf).unwrap();
+    gltf["nodes"] =
+        serde_json::json!([{"name": "flag", "mesh": 0}, {"name": "post", "mesh": 0, "translation": [0, -3, 0]}]);
+    gltf["scenes"] = serde_json::json!([{"nodes": [0, 1]}]);
+    place.write("post.gltf", &gltf.to_string());
+    place.run("build post.gltf -o post.gim --texels 400 --rigid post").expect(&[0, 1]);
+    let rows = |surface: &str| {
+        let args =
+            format!("render post.gim -o a.png --time 0 --size 64x64 --backend cpu --surface {surface} --json --force");
+        place.run(&args).expect(&[0]);
+        let seen = picture(&place.path("a.png"));
+        let paper = *seen.get_pixel(0, 0);
+        let drawn = |y: &u32| (0..64).any(|x| *seen.get_pixel(x, *y) != paper);
+        (0..64).filter(drawn).collect::<Vec<_>>()
+    };
+    let (all, flag) = (rows("render"), rows("grid"));
+    // Both squares and the gap between them; the flag alone is as large as the picture.
+    assert!((1..6).contains(&all[0]) && (58..63).contains(all.last().unwrap()) && all.len() < 45, "{all:?}");
+    assert!((1..6).contains(&flag[0]) && (58..63).contains(flag.last().unwrap()) && flag.len() > 50, "{flag:?}");
+}
+
+#[test]
 fn a_bundle_without_a_mesh_is_drawn_as_its_grid_and_says_so() {
     let place = Place::new();
     textured(&place, None);

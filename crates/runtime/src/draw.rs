@@ -18,7 +18,7 @@ mod software;
 mod surface;
 mod texture;
 
-pub use crate::look::{Camera, Look, SolidLook, View, uv_of};
+pub use crate::look::{Camera, Framing, Look, SolidLook, View, uv_of};
 #[cfg(feature = "gpu")]
 pub use device::{Draw, Target};
 pub use gimage_bundle::Wrap;

@@ -1,8 +1,10 @@
 //! The appearance of cloths and colliders, and where they are seen from.
 
 mod camera;
+mod framing;
 
 pub use camera::{Camera, View};
+pub use framing::Framing;
 
 use std::collections::HashMap;
 

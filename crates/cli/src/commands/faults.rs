@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use gimage_runtime::{Fate, Finding, Health};
 use serde_json::{Value, json};
 
+use crate::commands::crossed::Crossed;
 use crate::commands::engine::Engine;
 use crate::exit::{Exit, Failure};
 use crate::output::{Output, Tone};
@@ -38,6 +39,8 @@ pub struct Faults {
     findings: Vec<Finding>,
     /// Figures of each cloth at the end.
     pub health: Vec<Health>,
+    /// Cloth that crosses at the end.
+    pub crossed: Crossed,
 }
 
 impl Faults {
@@ -55,6 +58,7 @@ impl Faults {
     pub fn at_end(&mut self, engine: &mut Engine) -> Result<(), Failure> {
         self.health = engine.examine()?;
         self.findings = engine.stepper.findings().to_vec();
+        self.crossed = Crossed::at_end(engine)?;
         for cloth in 0..engine.stepper.scene().cloths.len() {
             if let Some((frames, particle)) = engine.taken_back(cloth)?.filter(|f| f.0 > 0) {
                 let entry = self.of.entry(cloth).or_default();
@@ -75,7 +79,7 @@ impl Faults {
         if self.of.is_empty() && self.findings.is_empty() { Exit::Done } else { Exit::Findings }
     }
 
-    /// One warning on stderr per cloth; `frames` is how many there were.
+    /// One warning on stderr per cloth and finding, and a note of cloth that crosses; `frames` is how many there were.
     pub fn warn(&self, out: &Output, engine: &Engine, frames: usize) {
         for (&cloth, fault) in &self.of {
             let cloths = &engine.stepper.scene().cloths;
@@ -83,6 +87,7 @@ impl Faults {
             out.remark(Tone::Warning, "warning", &words(name, fault, frames));
         }
         self.findings.iter().for_each(|finding| out.remark(Tone::Warning, "warning", &finding.to_string()));
+        self.crossed.words(engine.stepper.scene()).iter().for_each(|text| out.remark(Tone::Note, "note", text));
     }
 
     /// Kinds of findings of a cloth.

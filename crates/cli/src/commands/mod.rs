@@ -4,6 +4,7 @@ pub mod batch;
 pub mod build;
 pub mod character;
 pub mod check_crossings;
+mod crossed;
 mod device;
 pub mod doctor;
 mod engine;

@@ -10,8 +10,9 @@ mod palette;
 mod shown;
 
 use std::path::Path;
+use std::slice;
 
-use gimage_runtime::draw::{Camera, View, bounds};
+use gimage_runtime::draw::{Camera, Framing, View, bounds};
 use gimage_runtime::{Backend, Cloth};
 use serde_json::json;
 
@@ -56,10 +57,10 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
     }
     let end = args.time.unwrap_or(if rests { 0.0 } else { f64::from(file.scene.frames) * file.options.step });
     let times = times(args, kind, end)?;
-    let (camera, lowest) = camera(args, &loaded, &times)?;
+    let mut shown = Shown::new(args, &loaded, out)?;
+    let (camera, lowest) = camera(args, &loaded, &times, &mut shown)?;
     let mut engine = Engine::of(&loaded)?;
     engine.warn(out);
-    let mut shown = Shown::new(args, &loaded, out)?;
     let has_ground = match args.ground {
         GroundArg::Auto => loaded.animated.is_some(),
         GroundArg::On => true,
@@ -111,6 +112,7 @@ pub fn run(args: &RenderArgs, out: &Output) -> Result<Exit, Failure> {
             "camera": {"eye": camera.eye, "target": camera.target, "fov_degrees": camera.fov.to_degrees()},
             "start": engine.start_json(),
             "findings": faults.findings(),
+            "crossings": faults.crossed.json(),
             "faults": faults.json(),
             "exit": faults.exit().code(),
         }))?;
@@ -157,7 +159,12 @@ fn times(args: &RenderArgs, kind: Kind, end: f64) -> Result<Vec<f64>, Failure> {
 }
 
 /// The camera of the arguments, else of the scene, else one that has everything in every picture, and the lowest y \[m\] of these.
-fn camera(args: &RenderArgs, loaded: &Loaded, times: &[f64]) -> Result<(Camera, Option<f32>), Failure> {
+fn camera(
+    args: &RenderArgs,
+    loaded: &Loaded,
+    times: &[f64],
+    shown: &mut Shown,
+) -> Result<(Camera, Option<f32>), Failure> {
     let fov = args.fov.map(f32::to_radians);
     let given = args.camera.map(|[a, b, c, d, e, f]| Camera {
         eye: [a, b, c],
@@ -173,21 +180,27 @@ fn camera(args: &RenderArgs, loaded: &Loaded, times: &[f64]) -> Result<(Camera, 
     Camera { eye: FROM, target: [0.0; 3], fov }.check()?;
     // The pictures are not known before the scene has run: it runs twice.
     let mut engine = Engine::of(loaded)?;
-    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    let mut framing = Framing::new(FROM, fov, args.size.0 as f32 / args.size.1 as f32);
+    let mut lowest = f32::INFINITY;
+    let mut take = |points: &mut dyn Iterator<Item = [f32; 3]>| {
+        framing.add(points.inspect(|p| lowest = lowest.min(p[1])));
+    };
     for time in times {
         engine.go_to(*time, &mut Faults::default())?;
         let scene = engine.stepper.scene();
-        let lists = (0..scene.cloths.len()).map(|c| engine.positions(c)).collect::<Result<Vec<_>, _>>()?;
-        let lists: Vec<_> = lists.iter().map(Vec::as_slice).collect();
-        let Some(box_) = bounds(&lists, &scene.colliders) else { continue };
-        low = [0, 1, 2].map(|c| low[c].min(box_.0[c]));
-        high = [0, 1, 2].map(|c| high[c].max(box_.1[c]));
+        for cloth in 0..scene.cloths.len() {
+            let real = engine.positions(cloth)?.into_iter().filter(|p| p[3] >= 0.0);
+            take(&mut real.map(|[x, y, z, _]| [x, y, z]));
+        }
+        let seen = scene.colliders.iter().enumerate();
+        let seen = seen.filter(|(index, _)| !shown.hides_collider(*index, loaded.animated.as_deref()));
+        for (low, high) in seen.filter_map(|(_, collider)| bounds(&[], slice::from_ref(collider))) {
+            take(&mut (0..8).map(|k| [0, 1, 2].map(|c| if k >> c & 1 == 1 { high[c] } else { low[c] })));
+        }
+        take(&mut shown.facets(&engine, 1.0)?.iter().flat_map(|facet| facet.corners));
     }
-    if low.iter().chain(&high).any(|x| !x.is_finite()) {
-        (low, high) = ([-0.5; 3], [0.5; 3]);
-    }
-    let aspect = args.size.0 as f32 / args.size.1 as f32;
-    let camera = Camera::framing(low, high, FROM, fov, aspect);
+    let nothing = || Camera::framing([-0.5; 3], [0.5; 3], FROM, fov, args.size.0 as f32 / args.size.1 as f32);
+    let camera = framing.camera().unwrap_or_else(nothing);
     camera.check()?;
-    Ok((camera, Some(low[1])))
+    Ok((camera, Some(lowest).filter(|y| y.is_finite())))
 }

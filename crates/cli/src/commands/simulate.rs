@@ -123,6 +123,7 @@ fn report(
         "gpu_passes": pass_times.json(),
         "cloths": cloths.collect::<Vec<_>>(),
         "findings": faults.findings(),
+        "crossings": faults.crossed.json(),
         "faults": faults.json(),
         "exit": faults.exit().code(),
     }))?;

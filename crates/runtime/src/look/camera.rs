@@ -15,7 +15,7 @@ pub struct Camera {
 }
 
 /// Room left around what is framed, as a share of its distance.
-const MARGIN: f32 = 1.06;
+pub(super) const MARGIN: f32 = 1.06;
 
 impl Camera {
     /// Refuses values that do not give a picture.
@@ -84,7 +84,8 @@ impl View {
     }
 }
 
-fn axes(back: [f32; 3]) -> [[f32; 3]; 3] {
+/// Right, up and back of an eye that looks from the side that `back` points to.
+pub(super) fn axes(back: [f32; 3]) -> [[f32; 3]; 3] {
     let unit = |v: [f32; 3]| scale(v, 1.0 / dot(v, v).sqrt().max(f32::MIN_POSITIVE));
     let back = unit(back);
     let right = cross([0.0, 1.0, 0.0], back);
