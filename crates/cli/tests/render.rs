@@ -241,7 +241,7 @@ fn a_textured_mesh_is_drawn_alike_on_the_gpu_and_its_sampler_is_read() {
 fn a_picture_without_a_camera_has_all_parts_of_the_file_and_little_else() {
     let place = Place::new();
     textured(&place, None);
-    // A second square that is no cloth, 3 m below the first.
+    // A second square that is left out, 3 m below the first.
     let gltf = std::fs::read_to_string(place.path("flag.gltf")).unwrap();
     let mut gltf: serde_json::Value = serde_json::from_str(&gltf).unwrap();
     gltf["nodes"] =

@@ -6,8 +6,7 @@
 //! more.
 
 pub mod passing;
-
-use std::fmt;
+mod words;
 
 use self::passing::Passing;
 use crate::cloth::Cloth;
@@ -71,6 +70,15 @@ pub enum Fate {
     },
 }
 
+/// A particle by its place in a piece.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Spot {
+    /// The piece of the bundle: the grid by name.
+    pub piece: String,
+    /// Column and row of its texel.
+    pub texel: [u32; 2],
+}
+
 /// A failure, where and when it was found; one of each kind per cloth, with the worst figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
@@ -78,67 +86,14 @@ pub struct Finding {
     pub cloth: usize,
     /// The cloth by name.
     pub name: String,
+    /// Where the longest spring begins ([`Fate::Stretched`]), or a particle that went through ([`Fate::Tunnelled`]); at the time of the worst figures.
+    pub place: Option<Spot>,
     /// When it was first found \[s\], in the time of the scene.
     pub time: f64,
     /// The failure.
     pub fate: Fate,
     /// Substeps at that time.
     pub substeps: u32,
-}
-
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Finding { name, time, substeps, .. } = self;
-        write!(f, "cloth '{name}', at {time:.2} s: ")?;
-        match self.fate {
-            Fate::Stretched { ratio, p99, at_pin } => {
-                let percent = 100.0 * p99;
-                write!(f, "springs are up to {ratio:.1} times as long as at rest, and 1 in 100 is at least {percent:.0} % longer: ")?;
-                if at_pin {
-                    f.write_str("the longest is at a pin, so keep pins out of colliders and the body, and pin what lies between them; else ")?;
-                }
-                write!(f, "use more substeps (now {substeps}) and, without a material, 8 or more rounds of polish")
-            }
-            Fate::Left => f.write_str(
-                "it left its body: its topmost particle is below all colliders that it touched: use more substeps and no \
-                 pyramid, more friction, or pins",
-            ),
-            Fate::Falls => {
-                f.write_str("it falls, as no pin holds it and nothing is below: pin particles, or add a collider")
-            }
-            Fate::Tunnelled { particles, particle, collider } => write!(
-                f,
-                "{particles} particles went through collider {collider} in one frame, for example particle {particle}: use more \
-                 substeps (now {substeps}), a thicker collider, or a lower speed"
-            ),
-            Fate::Crossed { pairs, touching, forced: 0 } => write!(
-                f,
-                "{pairs} pairs of triangles cross and {touching} touch where cloth starts or was put: contact takes crossing layers apart; \
-                 keep layers apart at the start where their motion from the first frame on matters (gimage check-crossings lists the pairs)"
-            ),
-            Fate::Crossed { pairs, touching, forced } => write!(
-                f,
-                "{forced} pins or joints left cloth no room, and {pairs} pairs of triangles cross and {touching} touch: pin fewer \
-                 particles there, move pins more slowly, or use more substeps (now {substeps})"
-            ),
-            Fate::Tangled { pairs } => write!(
-                f,
-                "{pairs} pairs of triangles still cross 2 s after contact began to take them apart: pin fewer particles there, leave more room \
-                 between colliders, or give the cloths layers"
-            ),
-            Fate::Slowed { particles } => write!(
-                f,
-                "{particles} particles in one step are too fast for contact of the tier safe and were held back: use more substeps \
-                 (now {substeps}), or the tier particles"
-            ),
-            Fate::Squeezed { depth } => write!(
-                f,
-                "contact of the tier safe holds particles up to {:.1} mm inside a collider, because the layers of cloth do not fit into the gap: leave \
-                 more room between colliders, move them more slowly, or use more substeps (now {substeps})",
-                1e3 * depth
-            ),
-        }
-    }
 }
 
 /// Length / rest length of a spring beyond which cloth counts as torn out of shape; of a spring shorter than the mean, length / mean rest length.
@@ -251,7 +206,7 @@ impl Watchdog {
                 let longest = health::longest(cloth, now);
                 if rubber || longest.length > MAX_LENGTH {
                     let (ratio, p99, at_pin) = (s.max + 1.0, s.p99, longest.is_at_pin);
-                    self.find(sight, Fate::Stretched { ratio, p99, at_pin });
+                    self.find_at(sight, Fate::Stretched { ratio, p99, at_pin }, Some(longest.particle));
                 }
             }
         }
@@ -263,30 +218,44 @@ impl Watchdog {
     /// Takes in which particles went through colliders in the frame.
     pub fn cross<T: Real>(&mut self, sight: &Sight<T>, passings: &[Passing]) {
         for Passing { collider, particles, particle } in passings.iter().copied() {
-            self.find(sight, Fate::Tunnelled { particles, particle, collider });
+            self.find_at(sight, Fate::Tunnelled { particles, particle, collider }, Some(particle));
         }
     }
 
     /// Takes in a failure of a cloth.
     pub fn find<T: Real>(&mut self, sight: &Sight<T>, fate: Fate) {
+        self.find_at(sight, fate, None);
+    }
+
+    /// The same, with the particle where it is worst.
+    fn find_at<T: Real>(&mut self, sight: &Sight<T>, fate: Fate, particle: Option<usize>) {
+        let place = particle.and_then(|particle| spot(sight.cloth, particle));
         let same = |f: &&mut Finding| {
             f.cloth == sight.index && std::mem::discriminant(&f.fate) == std::mem::discriminant(&fate)
         };
         match self.findings.iter_mut().find(same) {
             Some(known) => {
                 if worse(&fate, &known.fate) {
-                    known.fate = fate;
+                    (known.fate, known.place) = (fate, place);
                 }
             }
             None => self.findings.push(Finding {
                 cloth: sight.index,
                 name: sight.cloth.name().into(),
+                place,
                 time: sight.time,
                 fate,
                 substeps: sight.substeps,
             }),
         }
     }
+}
+
+/// Where a particle is.
+fn spot(cloth: &Cloth, particle: usize) -> Option<Spot> {
+    let grid = cloth.grids().iter().find(|grid| grid.range().contains(&particle))?;
+    let texel = particle as u32 - grid.first;
+    Some(Spot { piece: grid.name.clone(), texel: [texel % grid.width, texel / grid.width] })
 }
 
 /// Extension that one spring in a hundred may have: any where compliance of springs asks for it.

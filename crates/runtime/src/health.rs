@@ -71,6 +71,8 @@ pub(crate) struct Longest {
     /// The largest length of a spring to the right or down over its rest length, or over the mean rest length of the cloth where that is larger:
     /// springs of cells that a map squeezes are a fraction of the others, and their own length does not measure what is seen.
     pub length: f64,
+    /// Its first particle.
+    pub particle: usize,
     /// Whether an end of a spring that is extended most, or nearly so, is a pin.
     pub is_at_pin: bool,
 }
@@ -92,15 +94,17 @@ pub(crate) fn longest<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> Longest {
             let extension = extension(&now[at], &now[other], rest);
             if extension >= 0.0 {
                 let is_at_pin = [at, other].iter().any(|k| now[*k][3] == T::of(0.0));
-                all.push((f64::from(rest), f64::from(extension), is_at_pin));
+                all.push((f64::from(rest), f64::from(extension), is_at_pin, at));
                 sum += f64::from(rest);
             }
         }
     }
     let mean = sum / f64::max(all.len() as f64, 1.0);
-    let length = all.iter().map(|(rest, e, _)| (1.0 + e) * rest / mean.max(*rest)).fold(0.0, f64::max);
-    let most = all.iter().map(|(_, e, _)| *e).fold(0.0, f64::max);
-    Longest { length, is_at_pin: all.iter().any(|(_, e, is_at_pin)| *is_at_pin && *e >= NEARLY * most) }
+    let lengths = all.iter().map(|(rest, e, _, at)| ((1.0 + e) * rest / mean.max(*rest), *at));
+    // The first of those that are as long.
+    let (length, particle) = lengths.fold((0.0, 0), |most, next| if next.0 > most.0 { next } else { most });
+    let most = all.iter().map(|(_, e, ..)| *e).fold(0.0, f64::max);
+    Longest { length, particle, is_at_pin: all.iter().any(|(_, e, is_at_pin, _)| *is_at_pin && *e >= NEARLY * most) }
 }
 
 /// Extension of a spring, at least 0; -1 of none, and of one between two pins.

@@ -174,5 +174,10 @@ fn where_the_longest_spring_is_at_a_pin_the_finding_says_so() {
             "{found:?}"
         );
         assert_eq!(found[0].to_string().contains("the longest is at a pin"), is_near);
+        // Its spring to the right, and those from above and from the left, are as long.
+        let spot = found[0].place.as_ref().unwrap();
+        let near = [[4, 4], [4, 3], [3, 4]];
+        assert!(spot.piece == "sheet" && near.contains(&spot.texel), "{spot:?}");
+        assert!(found[0].to_string().contains(&format!("the longest at {spot}")), "{}", found[0]);
     }
 }

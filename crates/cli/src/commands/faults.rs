@@ -108,7 +108,8 @@ impl Faults {
                 Fate::Squeezed { .. } => "squeezed",
                 _ => "other",
             };
-            json!({"cloth": f.cloth, "time_s": f.time, "kind": kind, "text": f.to_string()})
+            let (piece, texel) = (f.place.as_ref().map(|p| &p.piece), f.place.as_ref().map(|p| p.texel));
+            json!({"cloth": f.cloth, "piece": piece, "texel": texel, "time_s": f.time, "kind": kind, "text": f.to_string()})
         };
         self.findings.iter().map(entry).collect()
     }

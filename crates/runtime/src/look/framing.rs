@@ -3,7 +3,7 @@
 use super::camera::{Camera, MARGIN, axes};
 use crate::number::real::{add, dot, scale};
 
-/// Finds the camera nearest to points that has all of them in its picture. What it keeps does not grow with the points.
+/// Finds the camera nearest to points that has all of them in its picture. Its size does not depend on the number of points.
 ///
 /// ```
 /// use gimage_runtime::draw::Framing;

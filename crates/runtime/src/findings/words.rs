@@ -1,0 +1,68 @@
+//! Findings in words.
+
+use std::fmt;
+
+use super::{Fate, Finding, Spot};
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Finding { name, place, time, substeps, .. } = self;
+        write!(f, "cloth '{name}', at {time:.2} s: ")?;
+        match self.fate {
+            Fate::Stretched { ratio, p99, at_pin } => {
+                let percent = 100.0 * p99;
+                write!(f, "springs are up to {ratio:.1} times as long as at rest")?;
+                place.iter().try_for_each(|place| write!(f, ", the longest at {place}"))?;
+                write!(f, ", and 1 in 100 is at least {percent:.0} % longer: ")?;
+                if at_pin {
+                    f.write_str("the longest is at a pin, so keep pins out of colliders and the body, and pin what lies between them; else ")?;
+                }
+                write!(f, "use more substeps (now {substeps}) and, without a material, 8 or more rounds of polish")
+            }
+            Fate::Left => f.write_str(
+                "it left its body: its topmost particle is below all colliders that it touched: use more substeps and no \
+                 pyramid, more friction, or pins",
+            ),
+            Fate::Falls => {
+                f.write_str("it falls, as no pin holds it and nothing is below: pin particles, or add a collider")
+            }
+            Fate::Tunnelled { particles, particle, collider } => write!(
+                f,
+                "{particles} particles went through collider {collider} in one frame, for example particle {particle}: use more \
+                 substeps (now {substeps}), a thicker collider, or a lower speed"
+            ),
+            Fate::Crossed { pairs, touching, forced: 0 } => write!(
+                f,
+                "{pairs} pairs of triangles cross and {touching} touch where cloth starts or was put: contact takes crossing layers apart; \
+                 keep layers apart at the start where their motion from the first frame on matters (gimage check-crossings lists the pairs)"
+            ),
+            Fate::Crossed { pairs, touching, forced } => write!(
+                f,
+                "{forced} pins or joints left cloth no room, and {pairs} pairs of triangles cross and {touching} touch: pin fewer \
+                 particles there, move pins more slowly, or use more substeps (now {substeps})"
+            ),
+            Fate::Tangled { pairs } => write!(
+                f,
+                "{pairs} pairs of triangles still cross 2 s after contact began to take them apart: pin fewer particles there, leave more room \
+                 between colliders, or give the cloths layers"
+            ),
+            Fate::Slowed { particles } => write!(
+                f,
+                "{particles} particles in one step are too fast for contact of the tier safe and were held back: use more substeps \
+                 (now {substeps}), or the tier particles"
+            ),
+            Fate::Squeezed { depth } => write!(
+                f,
+                "contact of the tier safe holds particles up to {:.1} mm inside a collider, because the layers of cloth do not fit into the gap: leave \
+                 more room between colliders, move them more slowly, or use more substeps (now {substeps})",
+                1e3 * depth
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Spot {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "texel ({}, {}) of piece '{}'", self.texel[0], self.texel[1], self.piece)
+    }
+}
