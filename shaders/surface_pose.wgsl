@@ -1,5 +1,5 @@
 // The vertices of the surface of a body where joints put them, a thread a vertex: `surface_vertices` has four rows each, the positions at the
-// start and at the end of the frame, then the normals. `action` has the poses of the joints: those of the end of the frame, then those of its
+// start and at the end of the frame, then the normals. The fourth numbers of the first three are the position at rest. `action` has the poses of the joints: those of the end of the frame, then those of its
 // beginning.
 @group(0) @binding(93) var<storage, read> surface_shape: array<vec4<u32>>;
 @group(0) @binding(94) var<storage, read_write> surface_vertices: array<vec4<f32>>;
@@ -41,8 +41,8 @@ fn main(
   let normal = bitcast<vec3<f32>>(surface_shape[at + 1u].xyz);
   let begin = pose_of(n, arrayLength(&action) / 2u);
   let end = pose_of(n, 0u);
-  surface_vertices[4u * n] = vec4<f32>(placed(begin, rest), 1.0);
-  surface_vertices[4u * n + 1u] = vec4<f32>(placed(end, rest), 1.0);
-  surface_vertices[4u * n + 2u] = vec4<f32>(posed_direction(begin, normal), 0.0);
+  surface_vertices[4u * n] = vec4<f32>(placed(begin, rest), rest.x);
+  surface_vertices[4u * n + 1u] = vec4<f32>(placed(end, rest), rest.y);
+  surface_vertices[4u * n + 2u] = vec4<f32>(posed_direction(begin, normal), rest.z);
   surface_vertices[4u * n + 3u] = vec4<f32>(posed_direction(end, normal), 0.0);
 }

@@ -254,6 +254,25 @@ fn is_met_beside(spot: Spot, view: View) -> bool {
   return !view.open && view.height > -LOST_M && (spot.on == 0u || view.height > -MARGIN_M);
 }
 
+fn at_rest(vertex: u32) -> vec3<f32> {
+  let row = 4u * vertex;
+  return vec3<f32>(surface_vertices[row].w, surface_vertices[row + 1u].w, surface_vertices[row + 2u].w);
+}
+
+// Whether two points are on two sides of one part of the body, such as a plate or the rim of a neck: at rest neither is in front of the face of the
+// other. Walls of a crease are, or move there.
+fn is_back(one: Spot, other: Spot) -> bool {
+  let one_corners = surface_triangles[2u * one.triangle].xyz;
+  let other_corners = surface_triangles[2u * other.triangle].xyz;
+  let a = mat3x3<f32>(at_rest(one_corners.x), at_rest(one_corners.y), at_rest(one_corners.z));
+  let b = mat3x3<f32>(at_rest(other_corners.x), at_rest(other_corners.y), at_rest(other_corners.z));
+  let way = b * other.weights - a * one.weights;
+  let far = sqrt(dot(way, way));
+  let there = dot(way, direction(cross(a[1] - a[0], a[2] - a[0])));
+  let here = dot(-way, direction(cross(b[1] - b[0], b[2] - b[0])));
+  return max(there, here) < LEVEL_SINE * far && min(there, here) < BACK_SINE * far;
+}
+
 // The clearance between two sides that face each other, such as an arm and a chest: half of the gap between them, at its narrowest in the frame, as
 // both clearances may not fit. Where the sides overlap it is 0: particles go out of the crease from step to step, and stay on the first side, at which
 // they are.
@@ -327,7 +346,8 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
   if (known.second != NO_TRIANGLE) {
     let other = walk_beyond(known.second, p, known.view.normal);
     let side = view_of(other, p);
-    let is_other = abs(side.height) < SECOND_M && faces_away(other.triangle, known.view.normal);
+    let is_other = abs(side.height) < SECOND_M && faces_away(other.triangle, known.view.normal)
+      && !(side.height < 0.0 && is_back(known.spot, other));
     known.second = select(NO_TRIANGLE, other.triangle, is_other);
     // However far it is: a particle in a crease may be thrown from one wall to the other in a frame.
     is_crease = is_other && is_met_beside(other, side);

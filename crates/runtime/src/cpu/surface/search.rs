@@ -5,9 +5,9 @@ use super::nearest::{faces_away, walk, walk_beyond};
 use super::pose::{between, unit};
 use super::{Hint, Worn, face, length, mix};
 use crate::cloth::MODELLED_INSIDE_M;
-use crate::cloth::surface::{NONE, On, Spot};
+use crate::cloth::surface::{BodySurface, NONE, On, Spot};
 use crate::cpu::sheet::Sheet;
-use crate::number::real::{Real, V3, add, cross, dot, scale, sub};
+use crate::number::real::{Real, V3, add, cast, cross, dot, scale, sub};
 
 /// A particle that much \[m\] farther than it moves in a frame meets nothing in it.
 pub const MARGIN_M: f64 = 0.006;
@@ -31,6 +31,10 @@ pub const SECOND_M: f64 = 0.05;
 pub const SECOND_COSINE: f64 = 0.3;
 /// Two sides with a smaller cosine than this face each other.
 pub const FACING_COSINE: f64 = -0.3;
+/// Of two points on two sides of one part of the body, as sines of the heights at which each sees the other above its face: both are below the first, one is
+/// below the second.
+pub const LEVEL_SINE: f64 = 0.1;
+pub const BACK_SINE: f64 = -0.3;
 /// Frames in which each particle tries the nearest patch once.
 pub const SEARCH_FRAMES: u32 = 32;
 /// One that meets nothing tries it each time that it looks, if it and the surface have gone farther \[m\] than this together.
@@ -147,7 +151,8 @@ impl<T: Real> Worn<T> {
             let other = walk_beyond(&self.surface, &mut self.skinned, (second, Some(view.normal)), p);
             let side = self.view(&other, p);
             let is_other = side.height.abs() < T::of(SECOND_M)
-                && faces_away(&self.surface, &mut self.skinned, other.triangle, view.normal);
+                && faces_away(&self.surface, &mut self.skinned, other.triangle, view.normal)
+                && !(side.height < T::of(0.0) && is_back(&self.surface, &spot, &other));
             second = if is_other { other.triangle } else { NONE };
             // However far it is: a particle in a crease may be thrown from one wall to the other in a frame.
             if is_other && is_met_beside(&other, &side) {
@@ -287,6 +292,17 @@ fn is_met<T: Real>(view: &View<T>, reach: T) -> bool {
 /// Whether a particle meets the plane of a second side. A walk that ends where a wall does sees no depth from there.
 fn is_met_beside<T: Real>(spot: &Spot<T>, view: &View<T>) -> bool {
     !view.open && view.height > T::of(-LOST_M) && (spot.on == On::Face || view.height > T::of(-MARGIN_M))
+}
+
+/// Whether two points are on two sides of one part of the body, such as a plate or the rim of a neck: at rest neither is in front of the face of the
+/// other. Walls of a crease are, or move there.
+fn is_back<T: Real>(surface: &BodySurface, one: &Spot<T>, other: &Spot<T>) -> bool {
+    let corners = |t: u32| surface.triangles[t as usize].map(|v| cast(surface.rest[v as usize]));
+    let [a, b]: [[V3<T>; 3]; 2] = [corners(one.triangle), corners(other.triangle)];
+    let way = sub(mix(&b, other.weights), mix(&a, one.weights));
+    let far = length(way);
+    let (there, here) = (dot(way, unit(face(&a))), dot(scale(way, T::of(-1.0)), unit(face(&b))));
+    there.max(here) < T::of(LEVEL_SINE) * far && there.min(here) < T::of(BACK_SINE) * far
 }
 
 /// The clearance between two sides that face each other, such as an arm and a chest: half of the gap between them, at its narrowest in the frame, as

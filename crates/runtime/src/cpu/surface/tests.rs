@@ -257,3 +257,64 @@ fn a_walk_on_one_wall_of_a_crease_stays_there() {
     }
     assert!(crossed > 20, "{crossed}: a walk without the rule leaves the wall");
 }
+
+/// Boxes of 20 x 2 x 20 cm, each in a joint of its own, their lower sides at these heights.
+fn plates(heights: &[f32]) -> BodySurface {
+    let (mut positions, mut triangles, mut influences) = (Vec::new(), Vec::new(), Vec::new());
+    for (joint, low) in heights.iter().enumerate() {
+        let first = positions.len() as u32;
+        positions.extend((0..8).map(|k| {
+            let side = |bit: u32| if k >> bit & 1 == 1 { 0.1 } else { -0.1 };
+            [side(0), low + if k >> 1 & 1 == 1 { 0.02 } else { 0.0 }, side(2)]
+        }));
+        let weights = [1.0, 0.0, 0.0, 0.0];
+        influences.extend(vec![Influence { joints: [joint as u32, 0, 0, 0], weights }; 8]);
+        let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        triangles
+            .extend(quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).map(|t| t.map(|v| v + first)));
+    }
+    BodySurface::new(positions, triangles, influences).unwrap()
+}
+
+#[test]
+fn a_side_of_the_part_that_a_particle_is_before_gives_it_no_plane_from_behind() {
+    let facing = |surface: &BodySurface, up: f32, from: f32| {
+        let rest = |t: &[u32; 3]| t.map(|v| surface.rest[v as usize]);
+        let is_it = |t: &[u32; 3]| {
+            let corners = rest(t);
+            face(&corners)[1] * up > 0.01 && corners[0][1] >= from
+        };
+        surface.triangles.iter().position(is_it).unwrap() as u32
+    };
+    let still = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    let mut lower = still;
+    lower[1][3] = -0.05;
+    // Before a plate, of which it knows the other side; and where a second plate, 3 cm above it at rest, has come over the first one.
+    for (heights, from, is_met) in [(&[-0.02][..], -1.0, false), (&[-0.02, 0.03], 0.01, true)] {
+        let surface = Arc::new(plates(heights));
+        let [top, under] = [facing(&surface, 1.0, -1.0), facing(&surface, -1.0, from)];
+        let mut cloth = Flat::square("cloth", 4).cloth().unwrap();
+        let own = vec![Influence { joints: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] }; cloth.len()];
+        cloth.set_skin(vec![SkinJoint::default(); heights.len()], &own).unwrap();
+        cloth.set_body(Some(surface)).unwrap();
+        let mut sheet = Sheet::<f32>::new(&cloth.grids()[0]);
+        sheet.weigh(|_| 1.0);
+        let place = |k: usize| (0, sheet.single(k), sheet.triple(k));
+        let mut worn = Worn::of(&cloth, std::slice::from_ref(&sheet), 0.0, place).unwrap();
+        worn.clearances.fill(0.003);
+        let p = [0.01, 0.002, 0.02];
+        (0..16).for_each(|k| sheet.put(sheet.triple(k), p));
+        let poses: Vec<Rows> = [still, lower].into_iter().take(heights.len()).collect();
+        worn.lead(&Poses::new(Skinning::Linear, &poses), 60.0);
+        for hint in &mut worn.hints {
+            (hint.last, hint.triangle, hint.second, hint.weights) = (p, top, under, [1.0 / 3.0; 3]);
+            hint.normal = [0.0, 1.0, 0.0];
+        }
+        worn.begin();
+        worn.search(std::slice::from_ref(&sheet), &[0]);
+        let places = (sheet.single(5), sheet.triple(5));
+        let [first, second] = [0, 1].map(|n| worn.planes[n][0].get(places, sheet.half));
+        assert!(first.is_some_and(|plane| plane.normal[1] > 0.99), "{first:?}");
+        assert_eq!(second.map(|plane| plane.normal[1] < -0.99), is_met.then_some(true), "{heights:?}");
+    }
+}
