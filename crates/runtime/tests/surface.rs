@@ -290,6 +290,40 @@ fn a_frame_from_one_state_is_that_of_the_twin() {
 }
 
 #[test]
+fn cloth_around_the_edges_of_a_plate_is_that_of_the_twin() {
+    let Some(device) = support::device() else { return };
+    // A plate 1 cm thick; particles on one side of it know the other side from their neighbours.
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for k in 0..8 {
+        let side = |bit: u32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        positions.push([0.15 * side(0), 0.005 * side(1), 0.15 * side(2)]);
+    }
+    for q in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
+        triangles.extend([[q[0], q[1], q[2]], [q[0], q[2], q[3]]]);
+    }
+    let mut cloth = Flat { origin: [-0.5, 0.01, -0.5], ..Flat::square("sheet", 28) }.cloth().unwrap();
+    cloth.thickness = Some(THICKNESS);
+    cloth.set_body(Some(Arc::new(BodySurface::new(positions, triangles, Vec::new()).unwrap()))).unwrap();
+    let mut rigs = [Rig::cpu(scene(cloth.clone()), &fixed()), Rig::gpu(scene(cloth), &fixed(), &device)];
+    let mut far = Vec::new();
+    for _ in 0..60 {
+        let state = rigs[0].stepper.snapshot().unwrap();
+        rigs[1].stepper.restore(&state).unwrap();
+        // A state has no hints: each frame begins with a search, the next one goes on from it.
+        rigs.iter_mut().for_each(|rig| rig.frames(2));
+        far.push(largest(&rigs[0].positions(0), &rigs[1].positions(0)));
+    }
+    let most = far.iter().copied().fold(0.0, f32::max);
+    assert!(most < 2e-5, "{far:?}");
+    // It lies on the plate, hangs over its edges, and is nowhere in it.
+    let now = rigs[0].positions(0);
+    let at_plate = || now.iter().filter(|p| p[0].abs() < 0.14 && p[2].abs() < 0.14);
+    let on_top = at_plate().filter(|p| (0.004..0.02).contains(&p[1])).count();
+    let lowest = now.iter().map(|p| p[1]).fold(f32::INFINITY, f32::min);
+    assert!(on_top > 40 && lowest < -0.15 && at_plate().all(|p| p[1].abs() > 0.005), "{on_top} {lowest}");
+}
+
+#[test]
 fn every_form_has_the_same_contact_with_a_body() {
     let Some(device) = support::device_with(device_limits) else { return };
     // A skin that no joints move leaves the surface at rest.
