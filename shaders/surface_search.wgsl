@@ -260,14 +260,17 @@ fn at_rest(vertex: u32) -> vec3<f32> {
 }
 
 // Whether two points are on two sides of one part of the body, such as a plate or the rim of a neck: at rest neither is in front of the face of the
-// other. Walls of a crease are, or move there.
-fn is_back(one: Spot, other: Spot) -> bool {
+// other. Walls of a crease are, or are farther from each other there than now, where they are `apart`, such as a heel and a robe.
+fn is_back(one: Spot, other: Spot, apart: vec3<f32>) -> bool {
   let one_corners = surface_triangles[2u * one.triangle].xyz;
   let other_corners = surface_triangles[2u * other.triangle].xyz;
   let a = mat3x3<f32>(at_rest(one_corners.x), at_rest(one_corners.y), at_rest(one_corners.z));
   let b = mat3x3<f32>(at_rest(other_corners.x), at_rest(other_corners.y), at_rest(other_corners.z));
   let way = b * other.weights - a * one.weights;
   let far = sqrt(dot(way, way));
+  if (far > sqrt(dot(apart, apart)) * BACK_WAYS) {
+    return false;
+  }
   let there = dot(way, direction(cross(a[1] - a[0], a[2] - a[0])));
   let here = dot(-way, direction(cross(b[1] - b[0], b[2] - b[0])));
   return max(there, here) < LEVEL_SINE * far && min(there, here) < BACK_SINE * far;
@@ -347,7 +350,7 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
     let other = walk_beyond(known.second, p, known.view.normal);
     let side = view_of(other, p);
     let is_other = abs(side.height) < SECOND_M && faces_away(other.triangle, known.view.normal)
-      && !(side.height < 0.0 && is_back(known.spot, other));
+      && !(side.height < 0.0 && is_back(known.spot, other, side.off - known.view.off));
     known.second = select(NO_TRIANGLE, other.triangle, is_other);
     // However far it is: a particle in a crease may be thrown from one wall to the other in a frame.
     is_crease = is_other && is_met_beside(other, side);

@@ -72,7 +72,7 @@ pub enum Fate {
 
 /// A particle by its place in a piece.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Spot {
+pub struct PieceTexel {
     /// The piece of the bundle: the grid by name.
     pub piece: String,
     /// Column and row of its texel.
@@ -87,7 +87,7 @@ pub struct Finding {
     /// The cloth by name.
     pub name: String,
     /// Where the longest spring begins ([`Fate::Stretched`]), or a particle that went through ([`Fate::Tunnelled`]); at the time of the worst figures.
-    pub place: Option<Spot>,
+    pub place: Option<PieceTexel>,
     /// When it was first found \[s\], in the time of the scene.
     pub time: f64,
     /// The failure.
@@ -229,7 +229,7 @@ impl Watchdog {
 
     /// The same, with the particle where it is worst.
     fn find_at<T: Real>(&mut self, sight: &Sight<T>, fate: Fate, particle: Option<usize>) {
-        let place = particle.and_then(|particle| spot(sight.cloth, particle));
+        let place = particle.and_then(|particle| piece_texel(sight.cloth, particle));
         let same = |f: &&mut Finding| {
             f.cloth == sight.index && std::mem::discriminant(&f.fate) == std::mem::discriminant(&fate)
         };
@@ -252,10 +252,10 @@ impl Watchdog {
 }
 
 /// Where a particle is.
-fn spot(cloth: &Cloth, particle: usize) -> Option<Spot> {
+fn piece_texel(cloth: &Cloth, particle: usize) -> Option<PieceTexel> {
     let grid = cloth.grids().iter().find(|grid| grid.range().contains(&particle))?;
     let texel = particle as u32 - grid.first;
-    Some(Spot { piece: grid.name.clone(), texel: [texel % grid.width, texel / grid.width] })
+    Some(PieceTexel { piece: grid.name.clone(), texel: [texel % grid.width, texel / grid.width] })
 }
 
 /// Extension that one spring in a hundred may have: any where compliance of springs asks for it.

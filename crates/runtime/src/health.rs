@@ -71,7 +71,7 @@ pub(crate) struct Longest {
     /// The largest length of a spring to the right or down over its rest length, or over the mean rest length of the cloth where that is larger:
     /// springs of cells that a map squeezes are a fraction of the others, and their own length does not measure what is seen.
     pub length: f64,
-    /// Its first particle.
+    /// The first particle of the spring that is extended most.
     pub particle: usize,
     /// Whether an end of a spring that is extended most, or nearly so, is a pin.
     pub is_at_pin: bool,
@@ -100,10 +100,10 @@ pub(crate) fn longest<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> Longest {
         }
     }
     let mean = sum / f64::max(all.len() as f64, 1.0);
-    let lengths = all.iter().map(|(rest, e, _, at)| ((1.0 + e) * rest / mean.max(*rest), *at));
-    // The first of those that are as long.
-    let (length, particle) = lengths.fold((0.0, 0), |most, next| if next.0 > most.0 { next } else { most });
-    let most = all.iter().map(|(_, e, ..)| *e).fold(0.0, f64::max);
+    let length = all.iter().map(|(rest, e, ..)| (1.0 + e) * rest / mean.max(*rest)).fold(0.0, f64::max);
+    // The first of those that are extended as much.
+    let extensions = all.iter().map(|(_, e, _, at)| (*e, *at));
+    let (most, particle) = extensions.fold((0.0, 0), |most, next| if next.0 > most.0 { next } else { most });
     Longest { length, particle, is_at_pin: all.iter().any(|(_, e, is_at_pin, _)| *is_at_pin && *e >= NEARLY * most) }
 }
 

@@ -92,7 +92,7 @@ pub use cloth::{
 pub use coarser::Coarser;
 pub use collider::{BODY_GROUP, BodyCollider, Collider, Shape};
 pub use error::{Error, Result, StateProblem};
-pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99, Spot};
+pub use findings::{Fate, Finding, MAX_LENGTH, MAX_P99, PieceTexel};
 pub use form::{Chain, Form, Fused, Hold, Tile, TileShape, TileSpan};
 #[cfg(feature = "gpu")]
 pub use gpu::{

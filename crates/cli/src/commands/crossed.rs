@@ -1,9 +1,11 @@
-//! Counts the triangles of cloth that cross at the end of a run: without contact nothing keeps layers apart, and no pass looks for them.
+//! Counts the triangles of cloth that cross at the end of a run.
+//!
+//! Without contact nothing keeps layers apart, and no pass looks for them.
 
 use std::collections::BTreeMap;
 
-use gimage_runtime::crossings::{self, Crossings, Drawn, Place};
-use gimage_runtime::{Cloth, ContactTier, Scene};
+use gimage_runtime::crossings::{self, Crossings, Drawn};
+use gimage_runtime::{ContactTier, Scene};
 use serde_json::{Value, json};
 
 use crate::commands::engine::Engine;
@@ -17,12 +19,14 @@ const LISTED: usize = 1024;
 pub struct Crossed {
     /// At the end, with the deepest pairs.
     end: Crossings,
-    /// Pairs that cross where the cloths start; not counted where none cross at the end.
-    start: u64,
+    /// Pairs that cross where the cloths start; not known where none cross at the end.
+    start: Option<u64>,
+    /// The reason if they were not counted.
+    problem: Option<String>,
 }
 
 impl Crossed {
-    /// Those of an engine as it is now.
+    /// Those of an engine as it is now. Cloth that is too large for the lists is not counted, which ends no run.
     pub fn at_end(engine: &Engine) -> Result<Self, Failure> {
         let cloths = &engine.stepper.scene().cloths;
         let each = (0..cloths.len()).map(|cloth| Ok((engine.positions(cloth)?, engine.holes(cloth)?)));
@@ -31,49 +35,58 @@ impl Crossed {
             holes: Some(&holes[..]).filter(|holes| !holes.is_empty()),
             ..Drawn::at(cloth, now)
         });
-        let end = crossings::find(&drawn.collect::<Vec<_>>(), LISTED)?;
-        let start = match end.total() {
-            0 => 0,
-            _ => crossings::find(&cloths.iter().map(Drawn::new).collect::<Vec<_>>(), 0)?.total(),
+        let count = || -> gimage_runtime::Result<Self> {
+            let end = crossings::find(&drawn.collect::<Vec<_>>(), LISTED)?;
+            let start = match end.total() {
+                0 => None,
+                _ => Some(crossings::find(&cloths.iter().map(Drawn::new).collect::<Vec<_>>(), 0)?.total()),
+            };
+            Ok(Crossed { end, start, problem: None })
         };
-        Ok(Crossed { end, start })
+        Ok(count().unwrap_or_else(|error| Crossed { problem: Some(error.to_string()), ..Crossed::default() }))
     }
 
-    /// Words for it; none if no triangles cross.
+    /// A sentence for it; none if no more triangles cross than where the cloth starts.
     pub fn words(&self, scene: &Scene) -> Option<String> {
-        let (pairs, start) = (self.end.total(), self.start);
-        let places = match self.pieces(scene)? {
-            (a, b) if a == b => format!("of '{a}'"),
-            (a, b) => format!("of '{a}' and '{b}'"),
-        };
+        if let Some(problem) = &self.problem {
+            return Some(format!("triangles that cross at the end were not counted: {problem}"));
+        }
+        let (pairs, start) = (self.end.total(), self.start?);
+        if pairs <= start {
+            return None;
+        }
+        let [a, b] = self.pieces()?;
+        let name = |(cloth, grid): (usize, usize)| Some(scene.cloths.get(cloth)?.grids().get(grid)?.name.as_str());
+        let places =
+            if a == b { format!("of '{}'", name(a)?) } else { format!("of '{}' and '{}'", name(a)?, name(b)?) };
         let before = if start > 0 { format!(" ({start} where the cloth starts)") } else { String::new() };
-        let has = |tier| move |cloth: &Cloth| cloth.contact.as_ref().is_some_and(|contact| contact.tier == tier);
-        let hint = if scene.cloths.iter().any(has(ContactTier::Particles)) {
-            ": contact of the tier particles makes no promise; --contact safe does"
-        } else if scene.cloths.iter().any(has(ContactTier::Safe)) {
-            ""
-        } else {
-            ": cloth has no contact with cloth; --contact particles pushes layers apart, --contact safe lets none cross"
+        let tier = |(cloth, _): (usize, usize)| scene.cloths.get(cloth)?.contact.as_ref().map(|contact| contact.tier);
+        let hint = match [tier(a), tier(b)] {
+            [Some(ContactTier::Safe), Some(ContactTier::Safe)] => "",
+            [Some(_), Some(_)] => ": contact of the tier particles makes no promise; --contact safe does",
+            _ => {
+                ": cloth has no contact with cloth; --contact particles pushes layers apart, --contact safe also lets none pass through another"
+            }
         };
+        let pairs =
+            if pairs == 1 { "1 pair of triangles crosses".into() } else { format!("{pairs} pairs of triangles cross") };
         let depth = 1e3 * self.end.deepest;
-        Some(format!(
-            "{pairs} pairs of triangles cross at the end{before}, by at most {depth:.2} mm, most of them {places}{hint}"
-        ))
+        Some(format!("{pairs} at the end{before}, by at most {depth:.2} mm, the deepest mostly {places}{hint}"))
     }
 
-    /// The pieces that most of the deepest pairs are of, the first by name of those with as many.
-    fn pieces<'a>(&self, scene: &'a Scene) -> Option<(&'a str, &'a str)> {
-        let name = |place: &Place| Some(scene.cloths.get(place.cloth)?.grids().get(place.grid)?.name.as_str());
+    /// The pieces, as cloth and grid, that most of the deepest pairs are of; the first of those with as many.
+    fn pieces(&self) -> Option<[(usize, usize); 2]> {
         let mut counts = BTreeMap::new();
         for pair in &self.end.worst {
-            *counts.entry((name(&pair.first)?, name(&pair.second)?)).or_insert(0_u32) += 1;
+            let pieces = [&pair.first, &pair.second].map(|place| (place.cloth, place.grid));
+            *counts.entry(pieces).or_insert(0_u32) += 1;
         }
-        counts.into_iter().rev().max_by_key(|(_, count)| *count).map(|(names, _)| names)
+        counts.into_iter().rev().max_by_key(|(_, count)| *count).map(|(pieces, _)| pieces)
     }
 
     /// The same for `--json`.
     pub fn json(&self) -> Value {
         let Crossings { within, between, deepest, .. } = &self.end;
-        json!({"within": within, "between": between, "deepest_m": deepest, "start": self.start})
+        json!({"within": within, "between": between, "deepest_m": deepest, "start": self.start, "problem": self.problem})
     }
 }

@@ -114,6 +114,7 @@ fn report(
             "adapter": engine.adapter,
             "start": engine.start_json(),
             "findings": faults.findings(),
+            "crossings": faults.crossed.json(),
             "faults": faults.json(),
             "exit": exit.code(),
         }))?;

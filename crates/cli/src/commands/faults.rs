@@ -13,6 +13,9 @@ use crate::output::{Output, Tone};
 /// Coordinates \[m\] beyond this count as an overflow, as in the runtime.
 const FARTHEST: f32 = 1e8;
 
+/// Extension of one spring in a hundred from which on triangles that cross are not counted.
+const TORN_P99: f64 = 2.0;
+
 /// Whether a particle has a position that is not finite or too far away.
 pub fn is_lost(p: &[f32; 4]) -> bool {
     p[3] >= 0.0 && !p[..3].iter().all(|x| x.abs() <= FARTHEST)
@@ -58,7 +61,6 @@ impl Faults {
     pub fn at_end(&mut self, engine: &mut Engine) -> Result<(), Failure> {
         self.health = engine.examine()?;
         self.findings = engine.stepper.findings().to_vec();
-        self.crossed = Crossed::at_end(engine)?;
         for cloth in 0..engine.stepper.scene().cloths.len() {
             if let Some((frames, particle)) = engine.taken_back(cloth)?.filter(|f| f.0 > 0) {
                 let entry = self.of.entry(cloth).or_default();
@@ -70,6 +72,11 @@ impl Faults {
                 let entry = self.of.entry(cloth).or_default();
                 (entry.lost, entry.particle) = (lost, first);
             }
+        }
+        // All triangles of cloth that is torn out of shape overlap.
+        let is_torn = |health: &Health| health.stretch.is_some_and(|stretch| stretch.p99 > TORN_P99);
+        if self.of.is_empty() && !self.health.iter().any(is_torn) {
+            self.crossed = Crossed::at_end(engine)?;
         }
         Ok(())
     }

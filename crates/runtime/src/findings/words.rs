@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Fate, Finding, Spot};
+use super::{Fate, Finding, PieceTexel};
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -26,11 +26,11 @@ impl fmt::Display for Finding {
             Fate::Falls => {
                 f.write_str("it falls, as no pin holds it and nothing is below: pin particles, or add a collider")
             }
-            Fate::Tunnelled { particles, particle, collider } => write!(
-                f,
-                "{particles} particles went through collider {collider} in one frame, for example particle {particle}: use more \
-                 substeps (now {substeps}), a thicker collider, or a lower speed"
-            ),
+            Fate::Tunnelled { particles, particle, collider } => {
+                write!(f, "{particles} particles went through collider {collider} in one frame, for example particle {particle}")?;
+                place.iter().try_for_each(|place| write!(f, " at {place}"))?;
+                write!(f, ": use more substeps (now {substeps}), a thicker collider, or a lower speed")
+            }
             Fate::Crossed { pairs, touching, forced: 0 } => write!(
                 f,
                 "{pairs} pairs of triangles cross and {touching} touch where cloth starts or was put: contact takes crossing layers apart; \
@@ -61,7 +61,7 @@ impl fmt::Display for Finding {
     }
 }
 
-impl fmt::Display for Spot {
+impl fmt::Display for PieceTexel {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "texel ({}, {}) of piece '{}'", self.texel[0], self.texel[1], self.piece)
     }

@@ -14,7 +14,7 @@ use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 use crate::levels::{NODE_TILE, joint, safe};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 49] = [
+const FLOATS: [(&str, f64); 50] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
@@ -61,6 +61,7 @@ const FLOATS: [(&str, f64); 49] = [
     ("SECOND_COSINE", search::SECOND_COSINE),
     ("LEVEL_SINE", search::LEVEL_SINE),
     ("BACK_SINE", search::BACK_SINE),
+    ("BACK_WAYS", search::BACK_WAYS),
     ("FACING_COSINE", search::FACING_COSINE),
     ("OPEN_COSINE", search::OPEN_COSINE),
     ("ON_SURFACE_M", search::ON_SURFACE_M),

@@ -35,6 +35,8 @@ pub const FACING_COSINE: f64 = -0.3;
 /// below the second.
 pub const LEVEL_SINE: f64 = 0.1;
 pub const BACK_SINE: f64 = -0.3;
+/// They are at most this many times as far from each other at rest as now.
+pub const BACK_WAYS: f64 = 2.0;
 /// Frames in which each particle tries the nearest patch once.
 pub const SEARCH_FRAMES: u32 = 32;
 /// One that meets nothing tries it each time that it looks, if it and the surface have gone farther \[m\] than this together.
@@ -152,7 +154,8 @@ impl<T: Real> Worn<T> {
             let side = self.view(&other, p);
             let is_other = side.height.abs() < T::of(SECOND_M)
                 && faces_away(&self.surface, &mut self.skinned, other.triangle, view.normal)
-                && !(side.height < T::of(0.0) && is_back(&self.surface, &spot, &other));
+                && !(side.height < T::of(0.0)
+                    && is_back(&self.surface, (&spot, &other), length(sub(side.from, view.from))));
             second = if is_other { other.triangle } else { NONE };
             // However far it is: a particle in a crease may be thrown from one wall to the other in a frame.
             if is_other && is_met_beside(&other, &side) {
@@ -295,12 +298,15 @@ fn is_met_beside<T: Real>(spot: &Spot<T>, view: &View<T>) -> bool {
 }
 
 /// Whether two points are on two sides of one part of the body, such as a plate or the rim of a neck: at rest neither is in front of the face of the
-/// other. Walls of a crease are, or move there.
-fn is_back<T: Real>(surface: &BodySurface, one: &Spot<T>, other: &Spot<T>) -> bool {
+/// other. Walls of a crease are, or are farther from each other there than the `apart` \[m\] of now, such as a heel and a robe.
+fn is_back<T: Real>(surface: &BodySurface, (one, other): (&Spot<T>, &Spot<T>), apart: T) -> bool {
     let corners = |t: u32| surface.triangles[t as usize].map(|v| cast(surface.rest[v as usize]));
     let [a, b]: [[V3<T>; 3]; 2] = [corners(one.triangle), corners(other.triangle)];
     let way = sub(mix(&b, other.weights), mix(&a, one.weights));
     let far = length(way);
+    if far > apart * T::of(BACK_WAYS) {
+        return false;
+    }
     let (there, here) = (dot(way, unit(face(&a))), dot(scale(way, T::of(-1.0)), unit(face(&b))));
     there.max(here) < T::of(LEVEL_SINE) * far && there.min(here) < T::of(BACK_SINE) * far
 }
