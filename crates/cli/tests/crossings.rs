@@ -69,7 +69,7 @@ fn a_run_says_how_many_triangles_cross_at_its_end() {
     let json = still.json();
     let end = count(&json, "within").unwrap() + count(&json, "between").unwrap();
     assert_eq!((end, count(&json, "start")), (pairs, Some(pairs)));
-    // What crosses at rest is no news.
+    // Crossings at rest have no note.
     assert!(!still.stderr.contains("triangles cross"), "{}", still.stderr);
     // Two squares, the upper one 4 cm above the lower one, which is held; the upper one leans, so that it takes a while to fall through.
     let square = |first: usize, lean: f64, height: f64| {

@@ -375,10 +375,8 @@ fn cloth_between_plates_that_close_is_that_of_the_twin() {
     let Some(device) = support::device() else { return };
     // 3 cm apart at rest; the upper one comes down until it is 4 mm inside of the lower one, with the sheet between them.
     let cloth = over_plates(20, 0.2, 0.01, plates(0.3, &[0.0, 0.04]), 2);
-    let (far, now) = beside_twin(&device, cloth, |frame| vec![0.0, -0.034 * (frame as f32 / 40.0).min(1.0)]);
+    let (far, _) = beside_twin(&device, cloth, |frame| vec![0.0, -0.034 * (frame as f32 / 40.0).min(1.0)]);
     assert!(far < 2e-5, "{far:e}");
-    // Where the plates overlap, particles leave the crease; none falls.
-    assert!(now.iter().all(|p| p[1] > -0.1));
 }
 
 #[test]
