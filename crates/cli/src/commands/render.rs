@@ -180,7 +180,8 @@ fn camera(
     Camera { eye: FROM, target: [0.0; 3], fov }.check()?;
     // The pictures are not known before the scene has run: it runs twice.
     let mut engine = Engine::of(loaded)?;
-    let mut framing = Framing::new(FROM, fov, args.size.0 as f32 / args.size.1 as f32);
+    let aspect = args.size.0 as f32 / args.size.1 as f32;
+    let mut framing = Framing::new(FROM, fov, aspect);
     let mut lowest = f32::INFINITY;
     let mut take = |points: &mut dyn Iterator<Item = [f32; 3]>| {
         framing.add(points.inspect(|p| lowest = lowest.min(p[1])));
@@ -199,8 +200,7 @@ fn camera(
         }
         take(&mut shown.facets(&engine, 1.0)?.iter().flat_map(|facet| facet.corners));
     }
-    let nothing = || Camera::framing([-0.5; 3], [0.5; 3], FROM, fov, args.size.0 as f32 / args.size.1 as f32);
-    let camera = framing.camera().unwrap_or_else(nothing);
+    let camera = framing.camera().unwrap_or_else(|| Camera::framing([-0.5; 3], [0.5; 3], FROM, fov, aspect));
     camera.check()?;
     Ok((camera, Some(lowest).filter(|y| y.is_finite())))
 }
