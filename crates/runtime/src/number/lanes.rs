@@ -24,6 +24,10 @@ pub trait Machine<T: Real>: Copy {
     fn load(self, from: &[T], at: usize) -> Self::V;
     /// Writes a vector back.
     fn store(self, to: &mut [T], at: usize, v: Self::V);
+    /// The columns of a table of `WIDE` rows. The number of a lane is in the row that [`lane_rows`] has.
+    fn columns(self, rows: &[[T; 4]]) -> [Self::V; 4];
+    /// The table of four columns.
+    fn table(self, columns: [Self::V; 4], to: &mut [[T; 4]]);
     fn splat(self, x: T) -> Self::V;
     fn add(self, a: Self::V, b: Self::V) -> Self::V;
     fn sub(self, a: Self::V, b: Self::V) -> Self::V;
@@ -145,8 +149,36 @@ pub fn widest<T: Real>(work: impl Work<T>) {
     T::widest(work);
 }
 
+/// For each lane of a block the row of a table that has its number, as the instructions of this processor order them.
+pub fn lane_rows<T: Real>() -> [usize; LANES] {
+    let mut rows = [0; LANES];
+    widest(LaneRows::<T> { rows: &mut rows, of: std::marker::PhantomData });
+    rows
+}
+
+struct LaneRows<'a, T> {
+    rows: &'a mut [usize; LANES],
+    of: std::marker::PhantomData<T>,
+}
+
+impl<T: Real> Work<T> for LaneRows<'_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        for at in (0..LANES).step_by(K::WIDE) {
+            let (mut table, mut lanes) = ([[T::of(0.0); 4]; LANES], [T::of(0.0); LANES]);
+            for (n, row) in table.iter_mut().enumerate() {
+                *row = [T::of((at + n) as f64); 4];
+            }
+            k.store(&mut lanes, 0, k.columns(&table)[0]);
+            for (row, number) in self.rows[at..at + K::WIDE].iter_mut().zip(lanes) {
+                *row = number.get() as usize;
+            }
+        }
+    }
+}
+
 macro_rules! machine {
-    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $floor:ident, $above:ident, $at_least:ident, $both:ident, $either:ident, $choose:ident, $first:ident, $max:ident, $min:ident, $dispatch:ident) => {
+    ($t:ident, $v:ident, $m:ident, $run:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $floor:ident, $above:ident, $at_least:ident, $both:ident, $either:ident, $choose:ident, $first:ident, $max:ident, $min:ident, $apart:ident, $together:ident, $dispatch:ident) => {
         impl<S: Simd> Machine<$t> for On<S> {
             type V = S::$v;
             type M = S::$m;
@@ -159,6 +191,15 @@ macro_rules! machine {
             #[inline(always)]
             fn store(self, to: &mut [$t], at: usize, v: S::$v) {
                 cast_slice_mut(&mut to[at..at + <Self as Machine<$t>>::WIDE]).copy_from_slice(bytes_of(&v));
+            }
+            #[inline(always)]
+            fn columns(self, rows: &[[$t; 4]]) -> [S::$v; 4] {
+                self.0.$apart(pod_read_unaligned::<[S::$v; 4]>(cast_slice(&rows[..<Self as Machine<$t>>::WIDE])))
+            }
+            #[inline(always)]
+            fn table(self, columns: [S::$v; 4], to: &mut [[$t; 4]]) {
+                let rows = self.0.$together(columns);
+                cast_slice_mut(&mut to[..<Self as Machine<$t>>::WIDE]).copy_from_slice(bytes_of(&rows));
             }
             #[inline(always)]
             fn splat(self, x: $t) -> S::$v {
@@ -308,6 +349,8 @@ machine!(
     first_true_m32s,
     max_f32s,
     min_f32s,
+    deinterleave_shfl_f32s,
+    interleave_shfl_f32s,
     on_all
 );
 machine!(
@@ -330,6 +373,8 @@ machine!(
     first_true_m64s,
     max_f64s,
     min_f64s,
+    deinterleave_shfl_f64s,
+    interleave_shfl_f64s,
     on_256_bits
 );
 
@@ -346,6 +391,38 @@ mod tests {
             k.store(most, 0, k.most(k.splat(a), k.splat(b)));
             k.store(least, 0, k.least(k.splat(a), k.splat(b)));
         }
+    }
+
+    struct Transposed<'a>(&'a mut [[f32; LANES]; 4], &'a mut [[f32; 4]; LANES]);
+
+    impl Work<f32> for Transposed<'_> {
+        #[inline(always)]
+        fn run<K: Machine<f32>>(self, k: K) {
+            let Transposed(lists, table) = self;
+            for at in (0..LANES).step_by(K::WIDE) {
+                let columns = k.columns(&table[at..]);
+                for (list, column) in lists.iter_mut().zip(columns) {
+                    k.store(list, at, column);
+                }
+                table[at..at + K::WIDE].fill([0.0; 4]);
+                k.table(columns, &mut table[at..]);
+            }
+        }
+    }
+
+    #[test]
+    fn columns_of_a_table_are_its_rows_in_the_order_of_lanes_and_give_the_table_back() {
+        let (mut lists, rows) = ([[0.0; LANES]; 4], lane_rows::<f32>());
+        let table: [[f32; 4]; LANES] = std::array::from_fn(|n| std::array::from_fn(|c| (4 * n + c) as f32));
+        let mut again = table;
+        widest(Transposed(&mut lists, &mut again));
+        assert_eq!(again, table);
+        for (lane, row) in rows.iter().enumerate() {
+            assert_eq!([0, 1, 2, 3].map(|c| lists[c][lane]), table[*row]);
+        }
+        let mut sorted = rows;
+        sorted.sort_unstable();
+        assert_eq!(sorted, std::array::from_fn::<usize, LANES, _>(|n| n));
     }
 
     #[test]

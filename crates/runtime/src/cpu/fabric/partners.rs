@@ -28,7 +28,8 @@ pub struct TileList<T> {
     pub count: u32,
     /// Whether a particle of it is moved in this step.
     pub moves: bool,
-    /// Places of partners, one vector after the other, the nearest first; a particle without a partner has itself.
+    /// Rows of partners ([`Tiles::row`]), one vector after the other, the nearest first, each at the row of its particle; one without a
+    /// partner has itself.
     pub partner: [u32; LANES_OF_TILE * MAX_PARTNERS],
     /// Distances \[m\] that they keep, likewise; 0 without a partner.
     pub least: [T; LANES_OF_TILE * MAX_PARTNERS],
@@ -111,7 +112,7 @@ impl<T: Real> Work<T> for Search<'_, '_, T> {
                     }
                 }
             }
-            write(list, &best, (tile, &tiles.blocks));
+            write(list, &best, (tile, tiles));
         }
     }
 }
@@ -180,8 +181,8 @@ fn kept<T: Real>(meeting: &Meeting<T>, place: usize, other: usize) -> Option<T> 
 }
 
 /// Partners in the order of their distances, so that the first ones of all particles are those that touch.
-fn write<T: Real>(list: &mut TileList<T>, best: &[Best<T>; LANES_OF_TILE], (tile, blocks): (usize, &[Block<T>])) {
-    let w = |place: u32| blocks[place as usize / LANES_OF_TILE].w[place as usize % LANES_OF_TILE];
+fn write<T: Real>(list: &mut TileList<T>, best: &[Best<T>; LANES_OF_TILE], (tile, tiles): (usize, &Tiles<T>)) {
+    let w = |place: u32| tiles.blocks[place as usize / LANES_OF_TILE].w[place as usize % LANES_OF_TILE];
     let count = best.iter().map(|b| b.count).max().unwrap_or(0);
     (list.count, list.moves, list.near) = (count as u32, false, 0);
     list.spare = [T::of(FARTHEST); MAX_PARTNERS];
@@ -195,7 +196,8 @@ fn write<T: Real>(list: &mut TileList<T>, best: &[Best<T>; LANES_OF_TILE], (tile
                 list.spare[n] = list.spare[n].min(apart2.sqrt() - least * T::of(1.0 + 1e-5));
             }
             let at = n * LANES_OF_TILE + lane;
-            (list.partner[at], list.least[at]) = (place, least);
+            list.partner[n * LANES_OF_TILE + tiles.lane_rows[lane]] = tiles.row(place);
+            list.least[at] = least;
             list.own[at] = w(own) / (w(own) + w(place)).max(T::of(1e-12));
         }
     }

@@ -5,7 +5,7 @@
 
 use super::meeting::Meeting;
 use super::meeting::others::OtherList;
-use super::meeting::tiles::{Block, LANES_OF_TILE, Tiles};
+use super::meeting::tiles::{LANES_OF_TILE, Tiles};
 use super::partners::{MAX_PARTNERS, TileList};
 use super::tree::Tree;
 use crate::cpu::rows::Threads;
@@ -22,6 +22,7 @@ pub const MAX_PUSH: f64 = 0.25;
 pub fn run<T: Real>(meeting: &mut Meeting<T>, sheets: &[Sheet<T>], threads: &Threads, dt: T) {
     let Meeting { tiles, tree, active, lists, distance, friction, others, other_of, elapsed, .. } = meeting;
     tiles.load(sheets, active);
+    tiles.arrange(active);
     tree.drift.measure(tiles, &tree.at, active);
     let (tiles, tree) = (&*tiles, &*tree);
     threads.chunks(lists, 16, |chunk, lists| {
@@ -46,29 +47,15 @@ struct Push<'a, 'b, T: Real> {
     dt: T,
 }
 
-/// Vectors of some places, one coordinate after the other.
-type Gathered<T> = [[T; LANES_OF_TILE]; 3];
+/// The rows of the partners of a tile.
+type Gathered<T> = [[T; 4]; LANES_OF_TILE];
 
-/// Positions of partners, and previous ones. They are gathered for all partners of a tile before they are read: a processor waits where a
-/// vector is read that single numbers have just been written to.
+/// Rows of partners. They are gathered for all partners of a tile before they are read: a processor waits where a vector is read that less
+/// than that has just been written to.
 #[inline(always)]
-fn gather<T: Real, const NOW: bool, const WAS: bool>(
-    blocks: &[Block<T>],
-    places: &[u32],
-    [now, was]: &mut [Gathered<T>; 2],
-) {
-    for (lane, place) in places[..LANES_OF_TILE].iter().enumerate() {
-        let (block, from) = (&blocks[*place as usize / LANES_OF_TILE], *place as usize % LANES_OF_TILE);
-        if NOW {
-            now[0][lane] = block.now[0][from];
-            now[1][lane] = block.now[1][from];
-            now[2][lane] = block.now[2][from];
-        }
-        if WAS {
-            was[0][lane] = block.was[0][from];
-            was[1][lane] = block.was[1][from];
-            was[2][lane] = block.was[2][from];
-        }
+fn gather<T: Real>(rows: &[[T; 4]], partners: &[u32], to: &mut Gathered<T>) {
+    for (to, partner) in to.iter_mut().zip(&partners[..LANES_OF_TILE]) {
+        *to = rows[*partner as usize];
     }
 }
 
@@ -146,6 +133,13 @@ fn within<T: Real, K: Machine<T>>(k: K, v: [K::V; 3], most: K::V) -> [K::V; 3] {
     k.times(v, k.least(k.div(most, long), k.splat(T::of(1.0))))
 }
 
+/// Three columns of a table.
+#[inline(always)]
+fn columns<T: Real, K: Machine<T>>(k: K, table: &Gathered<T>, at: usize) -> [K::V; 3] {
+    let [x, y, z, _] = k.columns(&table[at..]);
+    [x, y, z]
+}
+
 /// Three vectors of a tile.
 #[inline(always)]
 fn row<T: Real, K: Machine<T>>(k: K, list: &[[T; LANES_OF_TILE]; 3], at: usize) -> [K::V; 3] {
@@ -155,8 +149,8 @@ fn row<T: Real, K: Machine<T>>(k: K, list: &[[T; LANES_OF_TILE]; 3], at: usize) 
 impl<T: Real> Work<T> for Push<'_, '_, T> {
     #[inline(always)]
     fn run<K: Machine<T>>(mut self, k: K) {
-        let zeros = [T::of(0.0); LANES_OF_TILE];
-        let mut there = [[[zeros; 3]; 2]; MAX_PARTNERS];
+        let zeros = [T::of(0.0); 4];
+        let mut there = [[[zeros; LANES_OF_TILE]; 2]; MAX_PARTNERS];
         for n in 0..self.lists.len() {
             self.lists[n].moves = false;
             if self.lists[n].count > 0 || self.others[n].is_some() {
@@ -172,8 +166,9 @@ impl<T: Real> Push<'_, '_, T> {
     fn tile<K: Machine<T>>(&mut self, k: K, n: usize, there: &mut [[Gathered<T>; 2]; MAX_PARTNERS]) {
         let (zero, tiny) = (k.splat(T::of(0.0)), k.splat(T::of(1e-12)));
         let (friction, elapsed, dt) = (k.splat(self.friction), k.splat(self.elapsed), k.splat(self.dt));
-        let (list, blocks, other) = (&mut self.lists[n], &self.tiles.blocks, self.others[n]);
-        let Some(own_block) = blocks.get(self.first + n) else { return };
+        let (list, other) = (&mut self.lists[n], self.others[n]);
+        let Some(own_block) = self.tiles.blocks.get(self.first + n) else { return };
+        let [now_rows, was_rows] = &self.tiles.rows;
         let count = (list.count as usize).min(MAX_PARTNERS);
         // Vectors of particles whose partners are all out of reach still.
         let moved = self.tree.drift.moved(self.first + n);
@@ -181,11 +176,10 @@ impl<T: Real> Push<'_, '_, T> {
         // Particles that were near their partners are likely to be so again: their previous positions are gathered at once.
         let (mut known, mut touches) = (list.near, 0);
         for (slot, there) in there[..count].iter_mut().enumerate() {
-            let places = &list.partner[slot * LANES_OF_TILE..];
+            let partners = &list.partner[slot * LANES_OF_TILE..];
+            gather(now_rows, partners, &mut there[0]);
             if known >> slot & 1 == 1 {
-                gather::<T, true, true>(blocks, places, there);
-            } else {
-                gather::<T, true, false>(blocks, places, there);
+                gather(was_rows, partners, &mut there[1]);
             }
         }
         for at in (0..LANES_OF_TILE).step_by(K::WIDE) {
@@ -194,7 +188,7 @@ impl<T: Real> Push<'_, '_, T> {
             let (mut sum, mut moves) = (Sum::new(zero), false);
             for (slot, there) in there[..count].iter_mut().enumerate() {
                 let from = slot * LANES_OF_TILE;
-                let at_partner = row(k, &there[0], at);
+                let at_partner = columns(k, &there[0], at);
                 let way = k.minus(now, at_partner);
                 let (least, far2) = (k.load(&list.least, from + at), k.squares(way));
                 let near = k.both(k.above(k.mul(least, least), far2), k.above(far2, tiny));
@@ -205,10 +199,10 @@ impl<T: Real> Push<'_, '_, T> {
                 touches |= 1 << slot;
                 if known >> slot & 1 == 0 {
                     known |= 1 << slot;
-                    gather::<T, false, true>(blocks, &list.partner[from..], there);
+                    gather(was_rows, &list.partner[from..], &mut there[1]);
                 }
                 let own = k.load(&list.own, from + at);
-                let slide = k.minus(step, k.minus(at_partner, row(k, &there[1], at)));
+                let slide = k.minus(step, k.minus(at_partner, columns(k, &there[1], at)));
                 sum.add(k, near, Pair { way, far2, slide, least, own, own_stop: own, friction });
             }
             if let Some(other) = other {

@@ -69,6 +69,14 @@ fn partners_of(meeting: &Meeting<f32>, place: usize) -> Vec<u32> {
     found.into_iter().map(|(_, other)| other).take(MAX_PARTNERS).collect()
 }
 
+/// The place of a partner of a particle.
+fn partner(meeting: &Meeting<f32>, tile: usize, (slot, lane): (usize, usize)) -> u32 {
+    let rows = meeting.tiles.lane_rows;
+    let row = meeting.lists[tile].partner[slot * LANES_OF_TILE + rows[lane]] as usize;
+    let there = rows.iter().position(|of| *of == row % LANES_OF_TILE).unwrap();
+    (row / LANES_OF_TILE * LANES_OF_TILE + there) as u32
+}
+
 #[test]
 fn partners_are_those_of_a_comparison_of_all_with_all() {
     for (seed, n) in (0..24).zip([5, 9, 14, 22].into_iter().cycle()) {
@@ -77,7 +85,7 @@ fn partners_are_those_of_a_comparison_of_all_with_all() {
         let mut some = 0;
         for place in (0..meeting.tiles.texel.len()).filter(|place| meeting.tiles.texel[*place] != u32::MAX) {
             let (list, lane) = (&meeting.lists[place / LANES_OF_TILE], place % LANES_OF_TILE);
-            let slots = (0..list.count as usize).map(|slot| list.partner[slot * LANES_OF_TILE + lane]);
+            let slots = (0..list.count as usize).map(|slot| partner(&meeting, place / LANES_OF_TILE, (slot, lane)));
             let found: Vec<u32> = slots.filter(|other| *other as usize != place).collect();
             let pinned = meeting.tiles.blocks[place / LANES_OF_TILE].w[lane] == 0.0;
             let expected = if pinned { Vec::new() } else { partners_of(&meeting, place) };
@@ -175,7 +183,9 @@ fn shares_of_pushes_follow_inverse_masses_that_change_while_lists_hold() {
     for (tile, list) in meeting.lists.iter().enumerate() {
         for at in (0..list.count as usize * LANES_OF_TILE).filter(|at| list.least[*at] > 0.0) {
             let of = |place: usize| w(meeting.tiles.texel[place] as usize);
-            let (own, other) = (of(tile * LANES_OF_TILE + at % LANES_OF_TILE), of(list.partner[at] as usize));
+            let lane = at % LANES_OF_TILE;
+            let (own, other) =
+                (of(tile * LANES_OF_TILE + lane), of(partner(&meeting, tile, (at / LANES_OF_TILE, lane)) as usize));
             assert_eq!(list.own[at], own / (own + other), "tile {tile}, {at}");
             pairs += 1;
         }

@@ -8,6 +8,7 @@ use crate::cloth::{Cloth, Kin, Rest, SKIPPED_CELLS};
 use crate::cpu::sheet::Sheet;
 use crate::memory::Tally;
 use crate::number::aligned::Aligned;
+use crate::number::lanes::{Machine, Work, lane_rows, widest};
 use crate::number::real::{Real, V3};
 
 /// Columns, and rows, of a tile.
@@ -50,6 +51,11 @@ pub struct Tiles<T: Real> {
     pub spots: Vec<Spot>,
     /// One a tile.
     pub blocks: Vec<Block<T>>,
+    /// Positions and previous ones once more, a row each, as partners are read one by one: x, y, z and a zero. Those of a tile are in the
+    /// order of [`Tiles::lane_rows`].
+    pub rows: [Vec<[T; 4]>; 2],
+    /// For each lane of a tile its row there.
+    pub lane_rows: [usize; LANES_OF_TILE],
     /// Positions at rest.
     pub rest: [Aligned<T>; 3],
     /// For each tile half the square of its longest spring \[m^2\]: triangles there cross only if particles are nearer.
@@ -114,7 +120,22 @@ impl<T: Real> Tiles<T> {
             *out = T::of(if meets { 0.0 } else { FAR });
         }
         let crossing2 = Arc::new(crossing2(cloth, &texel));
-        Tiles { grids, spots, blocks, rest, crossing2, crossed: Vec::new(), texel, there, out, close: close() }
+        let rows = [0, 1].map(|_| vec![[T::of(0.0); 4]; places]);
+        let lane_rows = lane_rows::<T>();
+        Tiles {
+            grids,
+            spots,
+            blocks,
+            rows,
+            lane_rows,
+            rest,
+            crossing2,
+            crossed: Vec::new(),
+            texel,
+            there,
+            out,
+            close: close(),
+        }
     }
 
     /// For each particle of a tile those of another that are within [`SKIPPED_CELLS`] cells; none where no two are.
@@ -133,6 +154,7 @@ impl<T: Real> Tiles<T> {
     /// Numbers that it takes.
     pub fn tally(&self, tally: &mut Tally) {
         tally.state(&self.blocks);
+        self.rows.iter().for_each(|list| tally.state(list));
         self.rest.iter().chain([&self.there, &self.out]).for_each(|list| tally.state(list));
         tally.state(&self.texel);
         tally.state(&self.crossing2);
@@ -179,6 +201,18 @@ impl<T: Real> Tiles<T> {
         }
     }
 
+    /// Writes the rows of some tiles.
+    pub fn arrange(&mut self, tiles: &[u32]) {
+        widest(Arrange { tiles, blocks: &self.blocks, rows: &mut self.rows });
+    }
+
+    /// The row of the particle of a place.
+    #[inline(always)]
+    pub fn row(&self, place: u32) -> u32 {
+        let lane = place as usize % LANES_OF_TILE;
+        (place as usize - lane + self.lane_rows[lane]) as u32
+    }
+
     /// Tiles in ascending order as runs of neighbours in a row.
     pub fn runs(&self, tiles: &[u32]) -> Vec<std::ops::Range<usize>> {
         let row = |tile: u32| (self.spots[tile as usize].sheet, self.spots[tile as usize].row);
@@ -204,6 +238,29 @@ impl<T: Real> Tiles<T> {
     #[inline(always)]
     pub fn at(list: &[Aligned<T>; 3], place: usize) -> V3<T> {
         [list[0][place], list[1][place], list[2][place]]
+    }
+}
+
+struct Arrange<'a, T> {
+    tiles: &'a [u32],
+    blocks: &'a [Block<T>],
+    rows: &'a mut [Vec<[T; 4]>; 2],
+}
+
+impl<T: Real> Work<T> for Arrange<'_, T> {
+    #[inline(always)]
+    fn run<K: Machine<T>>(self, k: K) {
+        let zero = k.splat(T::of(0.0));
+        let [now, was] = self.rows;
+        for tile in self.tiles {
+            let (block, first) = (&self.blocks[*tile as usize], *tile as usize * LANES_OF_TILE);
+            for at in (0..LANES_OF_TILE).step_by(K::WIDE) {
+                let [x, y, z] = [&block.now[0], &block.now[1], &block.now[2]];
+                k.table([k.load(x, at), k.load(y, at), k.load(z, at), zero], &mut now[first + at..]);
+                let [x, y, z] = [&block.was[0], &block.was[1], &block.was[2]];
+                k.table([k.load(x, at), k.load(y, at), k.load(z, at), zero], &mut was[first + at..]);
+            }
+        }
     }
 }
 
