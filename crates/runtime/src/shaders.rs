@@ -200,6 +200,8 @@ impl Extent {
 }
 
 #[cfg(test)]
+mod facts_tests;
+#[cfg(test)]
 mod loops_tests;
 #[cfg(test)]
 #[path = "shaders_tests.rs"]

@@ -2,9 +2,9 @@ use std::collections::BTreeSet;
 use std::mem::offset_of;
 use std::path::PathBuf;
 
-use naga::valid::{Capabilities, ValidationFlags, Validator};
-use naga::{AddressSpace, Module, StorageAccess, TypeInner};
+use naga::Module;
 
+use super::facts_tests::facts;
 use super::rule::rule;
 use super::*;
 use crate::cloth::Skinning;
@@ -251,10 +251,8 @@ fn files(folder: &str) -> BTreeSet<String> {
 
 #[test]
 fn every_shader_is_valid_without_any_capability() {
-    for form in &variants() {
-        let module = module(form);
-        let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
-        info.unwrap_or_else(|e| panic!("{form:?}: {}", e.emit_to_string(&source(form).text())));
+    for (form, facts) in facts() {
+        assert!(facts.fault.is_none(), "{form:?}: {}", facts.fault.as_ref().unwrap());
     }
 }
 
@@ -337,33 +335,22 @@ fn a_workgroup_of_a_whole_frame_has_one_atomic_per_maximum() {
 
 #[test]
 fn the_table_names_just_what_shaders_bind() {
-    for form in &variants() {
-        let module = module(form);
-        let (mut bound, mut storage) = (BTreeSet::new(), 0);
-        for (_, variable) in module.global_variables.iter() {
-            let Some(binding) = &variable.binding else { continue };
-            let writes =
-                matches!(variable.space, AddressSpace::Storage { access } if access.contains(StorageAccess::STORE));
-            storage += u32::from(variable.space != AddressSpace::Uniform);
-            assert_eq!(binding.group, 0, "{form:?}");
-            bound.insert((binding.binding, variable.name.clone().unwrap(), writes));
-        }
+    for (form, facts) in facts() {
+        assert!(facts.groups.iter().all(|group| *group == 0), "{form:?}");
         let table = source(form).bindings;
         let table = table.iter().map(|b| (b.slot as u32, b.slot.name().to_string(), b.writes));
-        assert_eq!(bound, table.collect(), "{form:?}");
+        assert_eq!(facts.bound, table.collect(), "{form:?}");
         // No more than WebGPU promises. Where a tile would bind more, its passes run in two.
         let most = if matches!(form, Form::Tile(_)) { 24 } else { 8 };
-        assert!(storage <= most, "{form:?} binds {storage} storage buffers");
+        assert!(facts.storage <= most, "{form:?} binds {} storage buffers", facts.storage);
     }
 }
 
 #[test]
 fn constants_of_the_table_are_overrides() {
-    for form in &variants() {
-        let module = module(form);
-        let overrides: BTreeSet<_> = module.overrides.iter().filter_map(|(_, o)| o.name.clone()).collect();
+    for (form, facts) in facts() {
         let table = source(form).constants.iter().map(|(name, _)| name.to_string()).collect();
-        assert_eq!(overrides, table, "{form:?}");
+        assert_eq!(facts.overrides, table, "{form:?}");
     }
 }
 
@@ -381,10 +368,8 @@ fn structs_lie_as_in_rust() {
     let job = rust!(JobRow: first, count, grid, grids, ring, rings, row, solid, keep, longest, hold, image, solids, levels, gravity, wind);
     let link = rust!(LinkRow: follows, mass);
     let mut seen = BTreeSet::new();
-    for form in &variants() {
-        let module = module(form);
-        for (_, ty) in module.types.iter() {
-            let TypeInner::Struct { members, span } = &ty.inner else { continue };
+    for (_, facts) in facts() {
+        for ty in &facts.structs {
             let rust = match ty.name.as_deref() {
                 Some("Step") => &step,
                 Some("Grid") => &grid,
@@ -403,9 +388,9 @@ fn structs_lie_as_in_rust() {
                 Some("Level") => continue,
                 other => panic!("{other:?} has no counterpart"),
             };
-            let named = |m: &&naga::StructMember| !m.name.as_deref().unwrap().starts_with("unused");
-            let wgsl: Vec<_> = members.iter().filter(named).map(|m| (m.name.as_deref().unwrap(), m.offset)).collect();
-            assert_eq!((&wgsl, span), (&rust.0, &rust.1), "{:?}", ty.name);
+            let named = ty.members.iter().filter(|m| !m.0.starts_with("unused"));
+            let wgsl: Vec<_> = named.map(|m| (m.0.as_str(), m.1)).collect();
+            assert_eq!((&wgsl, ty.span), (&rust.0, rust.1), "{:?}", ty.name);
             seen.insert(ty.name.clone());
         }
     }

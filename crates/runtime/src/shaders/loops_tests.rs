@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 use naga::{AddressSpace, Block, Expression, Function, Handle, Module, Statement};
 
-use super::tests::{module, variants};
+use super::facts_tests::facts;
 
 /// The first effect of a statement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,7 +110,7 @@ impl Reader<'_> {
 }
 
 /// How many loops a module has, and the functions with loops that load before they decide whether to go on.
-fn check(module: &Module) -> (usize, BTreeSet<String>) {
+pub(super) fn check(module: &Module) -> (usize, BTreeSet<String>) {
     let (mut count, mut wrong) = (0, BTreeSet::new());
     let entries = module.entry_points.iter().map(|e| &e.function);
     for function in module.functions.iter().map(|(_, f)| f).chain(entries) {
@@ -126,10 +126,10 @@ fn check(module: &Module) -> (usize, BTreeSet<String>) {
 fn loops_decide_whether_to_go_on_before_they_load() {
     let mut count = 0;
     let mut wrong = BTreeSet::new();
-    for form in &variants() {
-        let (loops, functions) = check(&module(form));
+    for (form, facts) in facts() {
+        let (loops, functions) = &facts.loops;
         count += loops;
-        wrong.extend(functions.into_iter().map(|f| format!("{}: {f}", super::source(form).stem)));
+        wrong.extend(functions.iter().map(|f| format!("{}: {f}", super::source(form).stem)));
     }
     assert!(count > 1000, "{count} loops");
     assert!(wrong.is_empty(), "load the value before the loop, or in the turn before: {wrong:#?}");
