@@ -67,18 +67,18 @@ fn hanging_cloth_that_is_stirred_has_more_substeps() {
         (choice.substeps, choice.stirred, choice.polish, choice.support)
     };
     let calm = curtain(64);
-    assert_eq!(of(&calm), (4, 15, HANG_POLISH, Support::Tethered));
+    assert_eq!(of(&calm), (4, 21, HANG_POLISH, Support::Tethered));
     let words = chosen(&calm, Options::default()).to_string();
-    assert!(words.starts_with("4 substeps, 15 while wind or its pins stir the cloth, 3 rounds of polish"), "{words}");
+    assert!(words.starts_with("4 substeps, 21 while wind or its pins stir the cloth, 2 rounds of polish"), "{words}");
     let wind = |speed: f32| {
         let force = crate::WindForce::Push { response: 1.0 };
         Some(crate::Wind { velocity: [0.0, 0.0, speed], gust: 0.0, gust_size: 1.0, force })
     };
     assert_eq!(of(&Scene { wind: wind(1.0), ..calm.clone() }), of(&calm));
-    assert_eq!(of(&Scene { wind: wind(8.0), ..calm.clone() }), (15, 15, HANG_POLISH, Support::Stirred));
+    assert_eq!(of(&Scene { wind: wind(8.0), ..calm.clone() }), (21, 21, HANG_POLISH, Support::Stirred));
     // Cloth that lies at the start swings down, without gravity it does not.
     let lying = builtin("s1", 64).unwrap();
-    assert_eq!(of(&lying), (15, 15, HANG_POLISH, Support::Stirred));
+    assert_eq!(of(&lying), (21, 21, HANG_POLISH, Support::Stirred));
     assert_eq!(of(&Scene { gravity: [0.0; 3], ..lying }).3, Support::Tethered);
     // Rounds take the place of substeps, to a degree.
     let mut whipping = calm.clone();
@@ -110,9 +110,9 @@ fn substeps_follow_what_stirs_hanging_cloth() {
         now
     };
     assert_eq!(frames(&mut follow, 10, false), 4);
-    assert_eq!(frames(&mut follow, 1, true), 15, "at once");
-    assert_eq!(frames(&mut follow, 200, true), 15);
-    assert_eq!(frames(&mut follow, 55, false), 15, "a while longer");
+    assert_eq!(frames(&mut follow, 1, true), 21, "at once");
+    assert_eq!(frames(&mut follow, 200, true), 21);
+    assert_eq!(frames(&mut follow, 55, false), 21, "a while longer");
     assert_eq!(frames(&mut follow, 60, false), 4);
     // A sheet that swings down is stirred for a second, and held for one more.
     let lying = builtin("s1", 64).unwrap();
@@ -123,7 +123,7 @@ fn substeps_follow_what_stirs_hanging_cloth() {
         counts.push(follow.next(counts[counts.len() - 1], &lying));
         follow.stepped(1.0 / 60.0);
     }
-    assert_eq!((counts[115], counts[150]), (15, 4), "{counts:?}");
+    assert_eq!((counts[115], counts[150]), (21, 4), "{counts:?}");
 }
 
 #[test]

@@ -112,7 +112,7 @@ fn is_shared(pass: &Pass) -> bool {
 const SOFTS: [Soft; 3] = [Soft::None, Soft::Constant, Soft::Image];
 const AIRS: [Air; 3] = [Air::None, Air::Push, Air::Field];
 
-/// All colours of springs, and rounds of those to the right and down, with tethers between them.
+/// All colours of springs, and rounds of those to the right and down, with tethers before the first of these.
 fn springs(image: bool, soft: Soft, again: bool, rounds: u32, tethers: Option<Pass>) -> Vec<Pass> {
     let spring = |(direction, parity)| Pass::Stretch { direction, parity, image, soft, again };
     let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)].map(spring);
@@ -121,8 +121,9 @@ fn springs(image: bool, soft: Soft, again: bool, rounds: u32, tethers: Option<Pa
         _ => pass,
     };
     // All rounds but the last go too far.
-    let round = |last| tethers.into_iter().chain(colours[4..].iter().map(move |p| if last { *p } else { over(*p) }));
-    colours.into_iter().chain((1..=rounds).flat_map(|n| round(n == rounds))).collect()
+    let round = |last| colours[4..].iter().map(move |p| if last { *p } else { over(*p) });
+    let first = tethers.filter(|_| rounds > 0);
+    colours.into_iter().chain(first).chain((1..=rounds).flat_map(|n| round(n == rounds))).collect()
 }
 
 /// Seams, and passes that follow them by the bits of a number.
@@ -208,6 +209,7 @@ fn fused() -> Vec<Fused> {
         s.relax.extend(tethers);
         s.relax.extend(springs(image, soft, again, 2 * u32::from(on(4)), tethers));
         s.relax.extend(seams);
+        s.relax.extend(tethers);
         s.relax.extend(on(0).then_some(Pass::Limit { moves: on(1) }));
         s.relax.extend(on(3).then_some(Pass::SurfaceContact));
         let kinds = Kinds { shapes: [true; 7], friction: on(2), many: on(3) };

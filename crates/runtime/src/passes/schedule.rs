@@ -78,7 +78,8 @@ pub fn schedule(
             if cloth.membrane().is_some() {
                 s.step.extend(membrane(cloth));
             }
-            // Before the springs tethers take the large errors, after them what springs have left at the pins.
+            // Before the springs tethers take the large errors, after them and at the end what springs have left at the pins.
+            // Between further rounds they cost as much as a round, and change less.
             let tethers = (slots > 0).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
             // It ignores contact: it would pull cloth through what it lies on.
@@ -90,14 +91,12 @@ pub fn schedule(
                 s.relax.extend(stretch(cloth, again));
                 for round in 1..=options.polish {
                     s.relax.extend(seams.then_some(Pass::Seams));
-                    s.relax.extend(tethers);
+                    s.relax.extend(tethers.filter(|_| round == 1));
                     s.relax.extend(polish(cloth, again, round == options.polish));
                 }
             }
             s.relax.extend(seams.then_some(Pass::Seams));
-            // A further round has had them already, and ends with springs.
-            let last = options.polish == 0 || cloth.membrane().is_some();
-            s.relax.extend(tethers.filter(|_| last));
+            s.relax.extend(tethers);
             // Duplicates of a seam point are equal here, and stitches move them alike.
             if cloth.sewing().is_some() {
                 s.relax.extend([Pass::Stitch { holes: cloth.is_cut() }, Pass::Sew]);
