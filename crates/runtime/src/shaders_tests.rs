@@ -112,8 +112,8 @@ fn is_shared(pass: &Pass) -> bool {
 const SOFTS: [Soft; 3] = [Soft::None, Soft::Constant, Soft::Image];
 const AIRS: [Air; 3] = [Air::None, Air::Push, Air::Field];
 
-/// All colours of springs, and rounds of those to the right and down, with tethers before the first of these.
-fn springs(image: bool, soft: Soft, again: bool, rounds: u32, tethers: Option<Pass>) -> Vec<Pass> {
+/// All colours of springs, and rounds of those to the right and down, with tethers before the first of these, or before each.
+fn springs(image: bool, soft: Soft, again: bool, rounds: u32, tethers: Option<Pass>, each: bool) -> Vec<Pass> {
     let spring = |(direction, parity)| Pass::Stretch { direction, parity, image, soft, again };
     let colours = [(2, 0), (2, 1), (3, 0), (3, 1), (0, 0), (0, 1), (1, 0), (1, 1)].map(spring);
     let over = |pass| match pass {
@@ -121,9 +121,11 @@ fn springs(image: bool, soft: Soft, again: bool, rounds: u32, tethers: Option<Pa
         _ => pass,
     };
     // All rounds but the last go too far.
-    let round = |last| colours[4..].iter().map(move |p| if last { *p } else { over(*p) });
-    let first = tethers.filter(|_| rounds > 0);
-    colours.into_iter().chain(first).chain((1..=rounds).flat_map(|n| round(n == rounds))).collect()
+    let round = |n: u32| {
+        let before = tethers.into_iter().filter(move |_| each || n == 1);
+        before.chain(colours[4..].iter().map(move |p| if n == rounds { *p } else { over(*p) }))
+    };
+    colours.into_iter().chain((1..=rounds).flat_map(round)).collect()
 }
 
 /// Seams, and passes that follow them by the bits of a number.
@@ -160,9 +162,9 @@ fn tiles() -> Vec<Tile> {
         passes.extend((again && on(3)).then_some(Pass::Forget));
         passes.extend(tethers.filter(|_| on(0)));
         if on(2) {
-            passes.extend(springs(on(3), soft, again, 2 * u32::from(on(0)), tethers));
+            passes.extend(springs(on(3), soft, again, 2 * u32::from(on(0)), tethers, on(1) || on(4)));
         }
-        passes.extend(tethers.filter(|_| on(1)));
+        passes.extend(tethers.filter(|_| on(1) || !on(4)));
         passes.extend((on(1) && on(4)).then_some(Pass::Limit { moves: on(2) }));
         passes.extend(on(1).then_some(Pass::SurfaceContact));
         passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 7], friction: on(2), many: on(5) })));
@@ -207,9 +209,10 @@ fn fused() -> Vec<Fused> {
         s.step.extend(on(2).then_some(Pass::Membrane { column: 1, row: 0, holes }));
         s.step.extend(again.then_some(Pass::Forget));
         s.relax.extend(tethers);
-        s.relax.extend(springs(image, soft, again, 2 * u32::from(on(4)), tethers));
+        let alone = !on(3) && !on(4);
+        s.relax.extend(springs(image, soft, again, 2 * u32::from(on(4) || on(5)), tethers, !alone));
         s.relax.extend(seams);
-        s.relax.extend(tethers);
+        s.relax.extend(tethers.filter(|_| alone));
         s.relax.extend(on(0).then_some(Pass::Limit { moves: on(1) }));
         s.relax.extend(on(3).then_some(Pass::SurfaceContact));
         let kinds = Kinds { shapes: [true; 7], friction: on(2), many: on(3) };

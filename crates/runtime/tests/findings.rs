@@ -101,7 +101,7 @@ fn a_first_collider_and_a_lost_pin_are_reasons_to_choose_again() {
     pinned.damping = 1.0;
     pinned.set_pinned(0, true).unwrap();
     let mut stepper = run(scene(pinned, &[]), Options::default(), 1);
-    assert_eq!(chosen(&stepper), (11, 3, Support::Stirred));
+    assert_eq!(chosen(&stepper), (15, 2, Support::Stirred));
     stepper.set_colliders(vec![ball(0.2, [0.0; 3])]).unwrap();
     assert_eq!(chosen(&stepper), (9, 4, Support::TetheredOnColliders));
     stepper.set_pinned(0, 0, false).unwrap();

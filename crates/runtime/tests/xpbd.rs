@@ -58,18 +58,40 @@ fn polishing_takes_stretch_out_of_fine_cloth() {
 }
 
 #[test]
-fn a_round_of_polishing_has_tethers_and_structural_springs_alone() {
-    let passes = |polish| {
+fn a_round_of_polishing_has_structural_springs_and_tethers_where_they_are_due() {
+    let passes = |polish, collides: bool| {
         let once = Options { polish: Some(polish), backend: Backend::Cpu, ..options(1) };
-        let stepper = Stepper::on_cpu(scene::builtin("s1", 8).unwrap(), once).unwrap();
+        let mut scene = scene::builtin("s1", 8).unwrap();
+        let ball = Collider::new(Shape::Sphere { radius: 0.1 }, [0.0, -3.0, 0.0]);
+        scene.colliders.extend(collides.then_some(ball));
+        let stepper = Stepper::on_cpu(scene, once).unwrap();
         stepper.plan().passes.iter().filter_map(|p| p.form.pass()).collect::<Vec<_>>()
     };
-    let (plain, polished) = (passes(0), passes(1));
-    let last = plain.iter().rposition(|p| matches!(p, Pass::Tethers { .. })).unwrap();
-    let springs = plain[last - 4..last].iter().copied();
-    assert!(springs.clone().all(|p| matches!(p, Pass::Stretch { direction: 0 | 1, .. })));
-    let expected: Vec<_> = plain[..=last].iter().copied().chain(springs).chain(plain[last + 1..].to_vec()).collect();
-    assert_eq!(polished, expected);
+    for collides in [false, true] {
+        let plain = passes(0, collides);
+        let last = plain.iter().rposition(|p| matches!(p, Pass::Tethers { .. })).unwrap();
+        let (tethers, springs) = (plain[last], &plain[last - 4..last]);
+        assert!(springs.iter().all(|p| matches!(p, Pass::Stretch { direction: 0 | 1, .. })));
+        let over: Vec<_> = springs
+            .iter()
+            .map(|p| match p {
+                Pass::Stretch { direction, parity, image, .. } => {
+                    Pass::Polish { direction: *direction, parity: *parity, image: *image }
+                }
+                other => *other,
+            })
+            .collect();
+        // Alone, cloth has tethers before the first round and behind the last; among colliders, before each round.
+        let rounds: [Vec<_>; 2] = if collides {
+            [springs.to_vec(), [&over[..], &[tethers], springs].concat()]
+        } else {
+            [[springs, &[tethers]].concat(), [&over[..], springs, &[tethers]].concat()]
+        };
+        for (count, rounds) in [1, 2].into_iter().zip(rounds) {
+            let expected = [&plain[..=last], &rounds, &plain[last + 1..]].concat();
+            assert_eq!(passes(count, collides), expected, "{count} rounds, collides: {collides}");
+        }
+    }
     let classic = |polish| {
         let once = Options { polish: Some(polish), solver: Solver::Classic, backend: Backend::Cpu, ..options(1) };
         Stepper::on_cpu(scene::builtin("s1", 8).unwrap(), once).unwrap().plan()

@@ -78,12 +78,11 @@ pub fn schedule(
             if cloth.membrane().is_some() {
                 s.step.extend(membrane(cloth));
             }
-            // Before the springs tethers take the large errors, after them and at the end what springs have left at the pins.
-            // Between further rounds they cost as much as a round, and change less.
+            // Before the springs tethers take the large errors, after them what springs have left at the pins.
             let tethers = (slots > 0).then_some(Pass::Tethers { slots });
             s.relax.extend(tethers);
-            // It ignores contact: it would pull cloth through what it lies on.
             let alone = colliders.is_none() && cloth.body().is_none() && cloth.contact.is_none();
+            // It ignores contact: it would pull cloth through what it lies on.
             s.coarse = if alone { coarse(cloth, options) } else { Vec::new() };
             if cloth.membrane().is_none() {
                 let again = options.iterations * (options.polish + 1) > 1 && soft_of(cloth) != Soft::None;
@@ -91,12 +90,15 @@ pub fn schedule(
                 s.relax.extend(stretch(cloth, again));
                 for round in 1..=options.polish {
                     s.relax.extend(seams.then_some(Pass::Seams));
-                    s.relax.extend(tethers.filter(|_| round == 1));
+                    // Between further rounds they cost as much as a round, and change less. Where cloth is in contact, the
+                    // last word before it stays with the springs.
+                    s.relax.extend(tethers.filter(|_| round == 1 || !alone));
                     s.relax.extend(polish(cloth, again, round == options.polish));
                 }
             }
             s.relax.extend(seams.then_some(Pass::Seams));
-            s.relax.extend(tethers);
+            let last = alone || options.polish == 0 || cloth.membrane().is_some();
+            s.relax.extend(tethers.filter(|_| last));
             // Duplicates of a seam point are equal here, and stitches move them alike.
             if cloth.sewing().is_some() {
                 s.relax.extend([Pass::Stitch { holes: cloth.is_cut() }, Pass::Sew]);

@@ -46,7 +46,7 @@ impl World {
             let each = self.scene.cloths.iter().enumerate();
             each.map(|(c, cloth)| cloth.len() as f64 * self.of_step(c, &self.schedule(c, &settings))).sum::<f64>()
         };
-        // The first round has tethers, which count as a part of the substep.
+        // Tethers that come with the first round alone count as a part of the substep.
         let round = with(2) - with(1);
         Some(round / (with(1) - round))
     }
