@@ -35,7 +35,9 @@ pub(super) struct Struct {
 
 /// Facts of every variant.
 pub(super) fn facts() -> impl Iterator<Item = (&'static Form, &'static Facts)> {
-    static ALL: OnceLock<(Vec<(Form, String)>, BTreeMap<String, Facts>)> = OnceLock::new();
+    /// Forms with their texts, and facts of each text.
+    type All = (Vec<(Form, String)>, BTreeMap<String, Facts>);
+    static ALL: OnceLock<All> = OnceLock::new();
     let (forms, facts) = ALL.get_or_init(|| {
         let forms: Vec<_> = variants().into_iter().map(|f| (f.clone(), source(&f).text())).collect();
         let mut facts = BTreeMap::new();
