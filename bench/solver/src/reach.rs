@@ -43,7 +43,7 @@ const fn stretched(bar: Bar, most: f64) -> Bar {
 pub const BARS: [Bar; 13] = [
     timed(bar("s1", 32, "xpbd+tethers", 3), 0.02, [1.5, 0.094]),
     timed(bar("s1", 64, "xpbd+tethers", 5), 0.1, [1.1, 0.13]),
-    timed(bar("s1", 128, "xpbd+tethers+polish", 3), 0.5, [5.0, 0.05]),
+    timed(bar("s1", 128, "xpbd+tethers+polish", 4), 0.5, [5.0, 0.05]),
     timed(bar("s1", 256, "xpbd+tethers+polish2", 8), 4.0, [5.0, 0.1]),
     timed(bar("s1", 128, "xpbd+pyramid2+iterations3", 7), 1.5, [18.0, 0.6]),
     timed(bar("s1", 128, "xpbd+pyramid3+polish4", 10), 1.2, [6.0, 0.1]),
