@@ -35,18 +35,22 @@ pub(super) struct Struct {
 
 /// Facts of every variant.
 pub(super) fn facts() -> impl Iterator<Item = (&'static Form, &'static Facts)> {
-    /// Forms with their texts, and facts of each text.
-    type All = (Vec<(Form, String)>, BTreeMap<String, Facts>);
+    /// Forms with places in the list of facts.
+    type All = (Vec<(Form, usize)>, Vec<Facts>);
     static ALL: OnceLock<All> = OnceLock::new();
     let (forms, facts) = ALL.get_or_init(|| {
-        let forms: Vec<_> = variants().into_iter().map(|f| (f.clone(), source(&f).text())).collect();
-        let mut facts = BTreeMap::new();
-        for (form, text) in &forms {
-            facts.entry(text.clone()).or_insert_with(|| read(&module(form), text));
-        }
+        let (mut facts, mut places) = (Vec::new(), BTreeMap::new());
+        let place = |form: Form| {
+            let at = *places.entry(source(&form).text()).or_insert_with_key(|text| {
+                facts.push(read(&module(&form), text));
+                facts.len() - 1
+            });
+            (form, at)
+        };
+        let forms = variants().into_iter().map(place).collect();
         (forms, facts)
     });
-    forms.iter().map(|(form, text)| (form, &facts[text]))
+    forms.iter().map(|(form, at)| (form, &facts[*at]))
 }
 
 fn read(module: &Module, text: &str) -> Facts {
