@@ -164,7 +164,7 @@ fn tiles() -> Vec<Tile> {
         if on(2) {
             passes.extend(springs(on(3), soft, again, 2 * u32::from(on(0)), tethers, on(1) || on(4)));
         }
-        passes.extend(tethers.filter(|_| on(1) || !on(4)));
+        passes.extend(tethers.filter(|_| on(1) || on(0) && !on(4)));
         passes.extend((on(1) && on(4)).then_some(Pass::Limit { moves: on(2) }));
         passes.extend(on(1).then_some(Pass::SurfaceContact));
         passes.extend(on(4).then_some(Pass::Contact(Kinds { shapes: [true; 7], friction: on(2), many: on(5) })));
