@@ -288,7 +288,7 @@ fn a_frame_with_much_work_is_several_dispatches_with_the_same_bits() {
     let large = [("curtain", scene(support::curtain(40)))];
     let small = [seams.to_vec(), vec![("windy", windy(17))], support::soft()].concat();
     // More than 2^21 relaxations of a particle in 1,600, and long loops in few.
-    let (most, [few, many]) = (1 << 21, [(70, 30), (44, 32)]);
+    let (most, [few, many]) = (1 << 21, [(130, 17), (44, 32)]);
     for ((name, scene), (substeps, iterations)) in
         small.into_iter().map(|s| (s, few)).chain(large.into_iter().map(|s| (s, many)))
     {
