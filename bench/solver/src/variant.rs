@@ -15,7 +15,7 @@ pub struct Variant {
     pub tethers: u32,
     /// Steps from one run of the pyramid to the next; 0 is none.
     pub pyramid: u32,
-    /// Further rounds of tethers and structural springs.
+    /// Further rounds of structural springs.
     pub polish: u32,
     /// Relaxations per step.
     pub iterations: u32,

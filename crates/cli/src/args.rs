@@ -151,7 +151,7 @@ pub struct SceneArgs {
     /// xpbd only [default: that of the scene, or 0].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub pyramid: Option<u32>,
-    /// Additional rounds of tethers and structural springs after each relaxation, 0 to 64, for cloth on colliders and fine
+    /// Additional rounds of structural springs after each relaxation, 0 to 64, for cloth on colliders and fine
     /// cloth on tethers; xpbd only [default: that of the scene, or chosen with the substeps; 0 if --substeps is given].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub polish: Option<u32>,

@@ -60,13 +60,13 @@ pub struct Options {
     /// mass or [`crate::MOST_LENGTHS`] in rest length gets 2 if 0 are requested, with a warning
     /// ([`crate::Stepper::warnings`]): springs alone do not hold it.
     pub tethers: u32,
-    /// Further rounds of a relaxation: tethers, then springs to the right and down, which stretch shows in, and not the
-    /// diagonal ones, which take half of the time. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default
+    /// Further rounds of a relaxation: springs to the right and down, which stretch shows in, and not the
+    /// diagonal ones, which take half of the time. Cloth in contact draws its tethers before each round, other cloth before the first
+    /// and at the end. For [`Solver::Xpbd`] and cloth without a [`crate::Material`]; default
     /// `None`: chosen from the scene ([`crate::Choice`] has the rules), and then by [`Quality::Error`]
-    /// ([`crate::Stepper::polish`] is the current number); 0 to 64. A number is kept. The first round
-    /// is a fourth of a substep, each further one two thirds of one on tethers and an eighth among several colliders. On
-    /// cloth that lies on colliders, eight rounds leave a seventh of the stretch; hanging on tethers, one does as much as two
-    /// further substeps from some 100 particles per side on, as fine cloth crumples beside its pins.
+    /// ([`crate::Stepper::polish`] is the current number); 0 to 64. A number is kept. On tethers and without contact the first round
+    /// takes about a third of a substep, each further one an eighth, as it does among several colliders. On
+    /// cloth that lies on colliders, eight rounds leave a seventh of the stretch; cloth that hangs at rest by tethers needs one or two.
     pub polish: Option<u32>,
     /// Number of steps from one pass of length limits on coarser grids to the next, for [`Solver::Xpbd`]; 0 means never. Default
     /// 0; at most 4096. It keeps cloth together that no pin holds and that flies freely, and
