@@ -10,7 +10,7 @@ const LONGEST: usize = 64;
 
 /// Names components, in their order: the part that most of the area came from, made fit for files and unique.
 pub(super) fn assign(mesh: &Mesh, components: &mut [Component]) {
-    let labels: Vec<String> = mesh.parts.iter().map(label).collect();
+    let labels: Vec<String> = mesh.parts.iter().map(|part| label(&mesh.parts, part)).collect();
     let (mut taken, mut next) = (HashSet::new(), HashMap::new());
     for component in components {
         let mut area: BTreeMap<&str, f64> = BTreeMap::new();
@@ -32,9 +32,14 @@ pub(super) fn assign(mesh: &Mesh, components: &mut [Component]) {
     }
 }
 
-/// Node, else mesh; blanks and characters that paths and shells treat specially become underscores.
-fn label(part: &Part) -> String {
-    [&part.node, &part.mesh].into_iter().map(|s| sanitise(s)).find(|s| !s.is_empty()).unwrap_or_default()
+/// Node, else mesh, and the material if parts of that node have several; blanks and characters that paths and shells treat specially become
+/// underscores.
+fn label(parts: &[Part], part: &Part) -> String {
+    let has_other =
+        |other: &Part| (&other.node, &other.mesh) == (&part.node, &part.mesh) && other.material != part.material;
+    let material = if parts.iter().any(has_other) { part.material.as_str() } else { "" };
+    let name = if sanitise(&part.node).is_empty() { &part.mesh } else { &part.node };
+    sanitise(&format!("{name}_{material}"))
 }
 
 fn sanitise(text: &str) -> String {

@@ -25,13 +25,14 @@ stage_options! {
     /// Options of [`select`].
     pub struct SelectOptions of "select" {
         /// Build only the parts whose node, mesh or material has one of these names, separated by commas; * stands for any text,
-        /// letter case is ignored; component:K chooses a connected component by the number that `gimage list` shows. Other parts are left out and reported. Without --cloth, --body and --rigid, a rule leaves
+        /// letter case is ignored; NODE/MATERIAL chooses one material of a node; component:K chooses a connected component by the number that `gimage list` shows. Other parts are left out and reported. Without --cloth, a rule leaves
         /// out bodies and props of skinned files and reports them; all parts of other files are cloth.
         pub cloth: Vec<Pattern> = Vec::new() => "cloth" [""] Range::Any;
-        /// Leave out these parts, which are a body; names as for --cloth. Without --cloth, all other parts are cloth.
+        /// Leave out these parts, which are a body; names as for --cloth. Without --cloth, the rule decides about the other parts, which
+        /// are cloth if none of them looks like it.
         pub body: Vec<Pattern> = Vec::new() => "body" [""] Range::Any;
-        /// Leave out these parts, which move rigidly, such as armour; names as for --cloth. Without --cloth, all other parts
-        /// are cloth.
+        /// Leave out these parts, which move rigidly, such as armour; names as for --cloth. Without --cloth, the rule decides about the
+        /// other parts, which are cloth if none of them looks like it.
         pub rigid: Vec<Pattern> = Vec::new() => "rigid" [""] Range::Any;
     }
 }
@@ -103,7 +104,6 @@ pub fn roles(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
             return Err(unmatched(mesh, option, unmet));
         }
     }
-    let rest = if options.cloth.is_empty() { Role::Cloth } else { Role::Other };
     let mut verdicts = Vec::with_capacity(mesh.parts.len());
     for part in &mesh.parts {
         let mut verdict: Option<(&str, Verdict)> = None;
@@ -114,21 +114,36 @@ pub fn roles(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
             if let Some((first, _)) = verdict {
                 return Err(Error::Option {
                     option: option.into(),
-                    problem: format!("`{pattern}` matches {}, which --{first} chooses too", label(part)),
+                    problem: format!("`{pattern}` matches {}, which --{first} chooses too", label(&mesh.parts, part)),
                     hint: "give patterns that share no part".into(),
                 });
             }
             verdict = Some((option, Verdict::new(role, format!("--{option} {pattern}"))));
         }
-        let other = || Verdict::new(rest, "");
-        verdicts.push(verdict.map_or_else(other, |(_, verdict)| verdict));
+        verdicts.push(verdict.map(|(_, verdict)| verdict));
     }
+    let verdicts = with_rest(mesh, verdicts, options.cloth.is_empty());
     if !mesh.triangle_part.iter().any(|&p| verdicts[p as usize].role == Role::Cloth) {
         let problem = "no part is left that is cloth".to_owned();
         let hint = format!("name the cloth with --cloth: {}", names(&mesh.parts));
         return Err(Error::Option { option: "cloth".into(), problem, hint });
     }
     Ok(verdicts)
+}
+
+/// The roles chosen, and those of the other parts: what they look like if the cloth is not chosen by name (`open`).
+fn with_rest(mesh: &Mesh, chosen: Vec<Option<Verdict>>, open: bool) -> Vec<Verdict> {
+    let looks = open.then(|| rule::verdicts(mesh)).flatten();
+    let is_left = |p: &&u32| chosen[**p as usize].is_none();
+    let looks_cloth = |looks: &Vec<Verdict>| {
+        mesh.triangle_part.iter().filter(is_left).any(|p| looks[*p as usize].looks_like == Role::Cloth)
+    };
+    let looks = looks.filter(looks_cloth);
+    let rest = |part: usize| match &looks {
+        Some(looks) => Verdict::new(looks[part].looks_like, looks[part].reason.clone()),
+        None => Verdict::new(if open { Role::Cloth } else { Role::Other }, ""),
+    };
+    chosen.into_iter().enumerate().map(|(part, verdict)| verdict.unwrap_or_else(|| rest(part))).collect()
 }
 
 /// The error for a pattern that matches nothing, with what exists.

@@ -9,7 +9,8 @@ use crate::error::{Error, Result};
 /// Before the number of a component.
 const COMPONENT: &str = "component:";
 
-/// A name of a node, mesh or material, in which `*` stands for any text, or `component:K`, the connected component of that number. Letter case is ignored.
+/// A name of a node, mesh or material, or of both as `NODE/MATERIAL`, in which `*` stands for any text, or `component:K`, the connected component of
+/// that number. Letter case is ignored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pattern(String);
 
@@ -45,12 +46,13 @@ impl Pattern {
         self.0.get(..COMPONENT.len())?.eq_ignore_ascii_case(COMPONENT).then(|| number.parse().ok())?
     }
 
-    /// Whether the node, the mesh or the material of a part matches, or the part is the component of this number.
+    /// Whether the node, the mesh or the material of a part matches, or its `NODE/MATERIAL`, or the part is the component of this number.
     pub fn matches_part(&self, part: &Part) -> bool {
         if let Some(number) = self.component() {
             return part.component == Some(number);
         }
-        [&part.node, &part.mesh, &part.material].iter().any(|name| self.matches(name))
+        let both = || self.0.contains('/') && self.matches(&format!("{}/{}", part.node, part.material));
+        [&part.node, &part.mesh, &part.material].iter().any(|name| self.matches(name)) || both()
     }
 }
 
@@ -110,6 +112,15 @@ mod tests {
         let number = |text: &str| text.parse::<Pattern>().unwrap().component();
         assert_eq!([number("component:12"), number("Component:0")], [Some(12), Some(0)]);
         assert_eq!(["component", "component:", "component:x", "component:-1", "ü:3"].map(number), [None; 5]);
+        let part = Part { node: "Body".into(), material: "Shirt".into(), ..Part::default() };
+        let chooses = |text: &str| text.parse::<Pattern>().unwrap().matches_part(&part);
+        assert!(
+            chooses("body/shirt")
+                && chooses("Body/*")
+                && chooses("*/Shirt")
+                && !chooses("Shirt/Body")
+                && !chooses("B*t")
+        );
         assert!("".parse::<Pattern>().is_err());
         assert_eq!("Mage_*".parse::<Pattern>().unwrap().to_string(), "Mage_*");
     }

@@ -1,6 +1,6 @@
 //! The role of each part of a skinned file, from its names and from how it follows the joints.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use super::facts::{self, Following};
 use super::{Role, Verdict, words};
@@ -8,48 +8,88 @@ use crate::base::mesh::{Mesh, Part};
 
 /// Share of triangles on solid pieces from which a part is rigid.
 const STIFF: f64 = 0.9;
-/// Share of the skeleton's joints from which a part without a telling name is a body.
+/// Share of the skeleton's joints from which a part without a telling name is a body, as are solid pieces of a file without another body.
 const MANY: f64 = 0.5;
 
 /// The role of each part; `None` for a mesh without a skin, and for one with a single part. If nothing looks like cloth, all
 /// parts are cloth.
 ///
 /// A part with a telling name has the role of that name; the name of the material comes first where a mesh has several
-/// materials, else that of the node, the mesh, the material. Of the others, a part that follows no joint, or whose connected
-/// pieces nearly all follow one or two joints, is rigid; a part that follows half of the joints or more is a body; the rest is
-/// cloth.
+/// materials, else that of the node, the mesh, the material. Where materials of a mesh name garments, the name of its node tells nothing
+/// of the others, which are trims and linings as well as skin. Of parts without a telling name, one that follows no joint, or whose connected
+/// pieces nearly all follow one or two joints, is rigid; one that follows half of the joints or more is a body, beside garments only
+/// if it follows more than they do; the rest is cloth.
+///
+/// In a file with cloth and without a body, rigid parts that follow half of the joints or more are the body: a robot, or armour around
+/// nothing.
 pub(super) fn verdicts(mesh: &Mesh) -> Option<Vec<Verdict>> {
     let single = mesh.triangle_part.iter().all(|p| *p == mesh.triangle_part[0]);
     if single || !facts::is_skinned(mesh) {
         return None;
     }
-    let later = mesh.parts.iter().filter(|p| p.primitive > 0);
-    let several: BTreeSet<(&str, &str)> = later.map(|p| (&*p.node, &*p.mesh)).collect();
     let joints = mesh.skeleton.joints.len();
     let following = facts::following(mesh);
-    let mut verdicts: Vec<Verdict> = mesh
-        .parts
-        .iter()
-        .zip(&following)
-        .map(|(part, following)| {
-            by_name(part, several.contains(&(&*part.node, &*part.mesh))).unwrap_or_else(|| by_skin(following, joints))
-        })
-        .collect();
-    if !mesh.triangle_part.iter().any(|&p| verdicts[p as usize].role == Role::Cloth) {
+    let meshes = Meshes::new(mesh, &following);
+    let verdict = |(part, following): (&Part, &Following)| {
+        let of = meshes.of(part);
+        by_name(part, of).unwrap_or_else(|| by_skin(following, joints, of.map_or(0, |m| m.garments)))
+    };
+    let mut verdicts: Vec<Verdict> = mesh.parts.iter().zip(&following).map(verdict).collect();
+    let present: Vec<usize> = mesh.triangle_part.iter().map(|&p| p as usize).collect();
+    let any = |verdicts: &[Verdict], role: Role| present.iter().any(|&p| verdicts[p].role == role);
+    if !any(&verdicts, Role::Cloth) {
         verdicts.iter_mut().for_each(|v| v.role = Role::Cloth);
+    } else if !any(&verdicts, Role::Body) {
+        let rigid = verdicts.iter_mut().zip(&following).filter(|(v, _)| v.role == Role::Rigid);
+        for (verdict, Following { joints: used, .. }) in rigid.filter(|(_, f)| many(f.joints, joints)) {
+            *verdict =
+                Verdict::new(Role::Body, format!("follows {used} of {joints} joints, and nothing else is a body"));
+        }
     }
     Some(verdicts)
 }
 
-/// The role that names tell. `several`: the mesh has several primitives.
-fn by_name(part: &Part, several: bool) -> Option<Verdict> {
-    let order =
-        if several { [&part.material, &part.node, &part.mesh] } else { [&part.node, &part.mesh, &part.material] };
-    let (role, word) = order.into_iter().find_map(|name| words::role(name))?;
+/// The meshes of several primitives, by node and mesh.
+struct Meshes<'a>(BTreeMap<(&'a str, &'a str), Several>);
+
+/// What a mesh of several primitives holds.
+#[derive(Clone, Copy, Default)]
+struct Several {
+    /// The most joints that a part follows whose material names a garment; 0 where none does.
+    garments: usize,
+}
+
+impl<'a> Meshes<'a> {
+    fn new(mesh: &'a Mesh, following: &[Following]) -> Self {
+        let later = mesh.parts.iter().filter(|p| p.primitive > 0);
+        let mut all: BTreeMap<_, Several> = later.map(|p| ((&*p.node, &*p.mesh), Several::default())).collect();
+        for (part, following) in mesh.parts.iter().zip(following) {
+            let garment = words::role(&part.material).is_some_and(|(role, _)| role == Role::Cloth);
+            if let Some(of) = all.get_mut(&(&*part.node, &*part.mesh)).filter(|_| garment) {
+                of.garments = of.garments.max(following.joints);
+            }
+        }
+        Meshes(all)
+    }
+
+    fn of(&self, part: &Part) -> Option<Several> {
+        self.0.get(&(&*part.node, &*part.mesh)).copied()
+    }
+}
+
+/// The role that names tell; `of` is the part's mesh, if it has several primitives.
+fn by_name(part: &Part, of: Option<Several>) -> Option<Verdict> {
+    let order: &[&String] = match of {
+        None => &[&part.node, &part.mesh, &part.material],
+        Some(Several { garments: 0 }) => &[&part.material, &part.node, &part.mesh],
+        Some(_) => &[&part.material],
+    };
+    let (role, word) = order.iter().find_map(|name| words::role(name))?;
     Some(Verdict::new(role, format!("name has \"{word}\"")))
 }
 
-fn by_skin(following: &Following, joints: usize) -> Verdict {
+/// The role that the joints tell; garments of the same mesh follow up to `garments` of them.
+fn by_skin(following: &Following, joints: usize, garments: usize) -> Verdict {
     let Following { joints: used, solid } = *following;
     if used == 0 {
         return Verdict::new(Role::Rigid, "follows no joint");
@@ -57,6 +97,10 @@ fn by_skin(following: &Following, joints: usize) -> Verdict {
     if solid >= STIFF {
         return Verdict::new(Role::Rigid, "each piece follows 1 or 2 joints");
     }
-    let role = if used as f64 >= MANY * joints as f64 { Role::Body } else { Role::Cloth };
+    let role = if many(used, joints) && used > garments { Role::Body } else { Role::Cloth };
     Verdict::new(role, format!("follows {used} of {joints} joints"))
+}
+
+fn many(used: usize, joints: usize) -> bool {
+    used > 0 && used as f64 >= MANY * joints as f64
 }

@@ -63,6 +63,40 @@ fn the_rule_reads_names_then_joints() {
 }
 
 #[test]
+fn a_node_with_garments_tells_nothing_of_its_other_materials() {
+    let parts =
+        [("Skin", FOUR), ("Shirt", THREE), ("Gold", THREE), ("Material.001", FOUR), ("Red", ONE), ("Belt", THREE)];
+    let mut all = mesh(&parts.map(|(material, weights)| ("Body", material, weights)));
+    (0..).zip(&mut all.parts).for_each(|(k, part)| part.primitive = k);
+    let of = |mesh: &Mesh| -> Vec<Role> {
+        roles(mesh, &SelectOptions::default()).unwrap().iter().map(|v| v.looks_like).collect()
+    };
+    use Role::*;
+    assert_eq!(of(&all), [Body, Cloth, Cloth, Body, Rigid, Rigid]);
+    let said = findings(&all, &roles(&all, &SelectOptions::default()).unwrap(), &SelectOptions::default());
+    assert!(said[0].message.contains("cloth: Body/Shirt, Body/Gold; body: Body/Skin"), "{}", said[0].message);
+    // Without a garment beside it, the name of the node counts.
+    all.parts[1].material = "Blue".into();
+    assert_eq!(of(&all), [Body, Body, Body, Body, Body, Rigid]);
+}
+
+#[test]
+fn solid_parts_that_follow_most_joints_are_the_body_where_nothing_else_is() {
+    let other: Option<[f32; 4]> = Some([0.0, 0.0, 0.5, 0.5]);
+    let mut all =
+        mesh(&[("Plates", "", TWO), ("", "", other), ("Jacket", "", THREE), ("Plate", "", TWO), ("", "", None)]);
+    all.triangle_part = vec![0, 0, 2, 3, 3];
+    let of = |mesh: &Mesh| {
+        let verdicts = roles(mesh, &SelectOptions::default()).unwrap();
+        [0, 2, 3].map(|p: usize| verdicts[p].role)
+    };
+    use Role::*;
+    assert_eq!(of(&all), [Body, Cloth, Rigid]);
+    all.parts[3].node = "Head".into();
+    assert_eq!(of(&all), [Rigid, Cloth, Body]);
+}
+
+#[test]
 fn files_without_a_skin_stay_as_they_are() {
     let plain = mesh(&[("Head", "", None), ("Staff", "", None)]);
     let selected = select(plain.clone(), &SelectOptions::default()).unwrap();
@@ -111,7 +145,12 @@ fn flags_choose_by_node_and_material_and_the_rest_is_reported() {
     let (kept, said) = names(&of(&[], &[], &["Staff"]));
     assert_eq!(
         (kept.as_str(), said.as_str()),
-        ("Cape Head", "1 part (1 triangle) left out; cloth: Cape, Head; rigid: Staff.")
+        ("Cape", "2 parts (2 triangles) left out; cloth: Cape; body: Head; rigid: Staff.")
+    );
+    let (kept, said) = names(&of(&[], &["Cape"], &[]));
+    assert_eq!(
+        (kept.as_str(), said.as_str()),
+        ("Head Staff", "1 part (1 triangle) left out; cloth: Head, Staff; body: Cape.")
     );
     assert_eq!(names(&of(&["*"], &[], &[])), ("Cape Head Staff".into(), String::new()));
     let (kept, said) = names(&SelectOptions::default());
