@@ -30,6 +30,8 @@ pub enum Fate {
         p99: f64,
         /// Whether an end of a spring that is extended most is a pin.
         at_pin: bool,
+        /// Two colliders, by index, that the longest spring touches: what presses it together.
+        between: Option<[usize; 2]>,
     },
     /// The cloth touched colliders, and its topmost particle is below all of these: it slid off or went through.
     Left,
@@ -205,8 +207,14 @@ impl Watchdog {
             if rubber || s.max + 1.0 > MAX_LENGTH {
                 let longest = health::longest(cloth, now);
                 if rubber || longest.length > MAX_LENGTH {
-                    let (ratio, p99, at_pin) = (s.max + 1.0, s.p99, longest.is_at_pin);
-                    self.find_at(sight, Fate::Stretched { ratio, p99, at_pin }, Some(longest.particle));
+                    let ends = longest.ends.map(|k| xyz(now[k]));
+                    let fate = Fate::Stretched {
+                        ratio: s.max + 1.0,
+                        p99: s.p99,
+                        at_pin: longest.is_at_pin,
+                        between: health::between(&ends, solids, TOUCH_M),
+                    };
+                    self.find_at(sight, fate, Some(longest.ends[0]));
                 }
             }
         }

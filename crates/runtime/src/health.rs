@@ -71,8 +71,8 @@ pub(crate) struct Longest {
     /// The largest length of a spring to the right or down over its rest length, or over the mean rest length of the cloth where that is larger:
     /// springs of cells that a map squeezes are a fraction of the others, and their own length does not measure what is seen.
     pub length: f64,
-    /// The first particle of the spring that is extended most.
-    pub particle: usize,
+    /// The particles of the spring that is extended most.
+    pub ends: [usize; 2],
     /// Whether an end of a spring that is extended most, or nearly so, is a pin.
     pub is_at_pin: bool,
 }
@@ -94,7 +94,7 @@ pub(crate) fn longest<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> Longest {
             let extension = extension(&now[at], &now[other], rest);
             if extension >= 0.0 {
                 let is_at_pin = [at, other].iter().any(|k| now[*k][3] == T::of(0.0));
-                all.push((f64::from(rest), f64::from(extension), is_at_pin, at));
+                all.push((f64::from(rest), f64::from(extension), is_at_pin, [at, other]));
                 sum += f64::from(rest);
             }
         }
@@ -102,9 +102,9 @@ pub(crate) fn longest<T: Real>(cloth: &Cloth, now: &[[T; 4]]) -> Longest {
     let mean = sum / f64::max(all.len() as f64, 1.0);
     let length = all.iter().map(|(rest, e, ..)| (1.0 + e) * rest / mean.max(*rest)).fold(0.0, f64::max);
     // The first of those that are extended as much.
-    let extensions = all.iter().map(|(_, e, _, at)| (*e, *at));
-    let (most, particle) = extensions.fold((0.0, 0), |most, next| if next.0 > most.0 { next } else { most });
-    Longest { length, particle, is_at_pin: all.iter().any(|(_, e, is_at_pin, _)| *is_at_pin && *e >= NEARLY * most) }
+    let extensions = all.iter().map(|(_, e, _, ends)| (*e, *ends));
+    let (most, ends) = extensions.fold((0.0, [0; 2]), |most, next| if next.0 > most.0 { next } else { most });
+    Longest { length, ends, is_at_pin: all.iter().any(|(_, e, is_at_pin, _)| *is_at_pin && *e >= NEARLY * most) }
 }
 
 /// Extension of a spring, at least 0; -1 of none, and of one between two pins.
@@ -136,6 +136,16 @@ pub(crate) fn depths<T: Real>(now: &[[T; 4]], solids: &[Solid<T>], reach: f64) -
         near.filter_map(|p| Some(solid.exit(p)?.depth.get())).fold(0.0, f64::max)
     };
     solids.iter().map(deepest).collect()
+}
+
+/// The first two colliders that any of these points is closer to than `reach` \[m\]; `None` of one or none.
+pub(crate) fn between<T: Real>(points: &[V3<T>], solids: &[Solid<T>], reach: f64) -> Option<[usize; 2]> {
+    let touches = |solid: &Solid<T>| {
+        let solid = solid.coated(T::of(reach));
+        points.iter().any(|p| may_touch(&solid, *p) && solid.exit(*p).is_some())
+    };
+    let mut touched = (0..solids.len()).filter(|k| touches(&solids[*k]));
+    Some([touched.next()?, touched.next()?])
 }
 
 fn may_touch<T: Real>(solid: &Solid<T>, p: V3<T>) -> bool {

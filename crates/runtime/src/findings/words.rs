@@ -9,13 +9,19 @@ impl fmt::Display for Finding {
         let Finding { name, place, time, substeps, .. } = self;
         write!(f, "cloth '{name}', at {time:.2} s: ")?;
         match self.fate {
-            Fate::Stretched { ratio, p99, at_pin } => {
+            Fate::Stretched { ratio, p99, at_pin, between } => {
                 let percent = 100.0 * p99;
                 write!(f, "springs are up to {ratio:.1} times as long as at rest")?;
                 place.iter().try_for_each(|place| write!(f, ", the longest at {place}"))?;
                 write!(f, ", and 1 in 100 is at least {percent:.0} % longer: ")?;
                 if at_pin {
                     f.write_str("the longest is at a pin, so keep pins out of colliders and the body, and pin what lies between them; else ")?;
+                } else if let Some([a, b]) = between {
+                    write!(
+                        f,
+                        "the longest is where colliders {a} and {b} press it, as in an armpit, and steps do not make room: make them smaller, or pin what \
+                         lies there, if it shows; else "
+                    )?;
                 }
                 write!(f, "use more substeps (now {substeps}) and, without a material, 8 or more rounds of polish")
             }
