@@ -62,6 +62,10 @@ fn parts_and_pieces() {
     let names: Vec<_> = got.mesh.parts.iter().map(|p| (&p.node[..], &p.mesh[..], &p.material[..])).collect();
     assert_eq!(names, [("shirt", "sleeve", "wool"), ("trousers", "", "wool")]);
     assert_eq!(got.source.extras, ["by someone"]);
+    assert!(got.mesh.parts.iter().all(|p| !p.has_siblings));
+    let several =
+        load_obj(&format!("{QUAD}o shirt\nusemtl wool\nf 1 2 3\nusemtl silk\nf 1 3 4\no hat\nf 1 2 4\n")).unwrap();
+    assert_eq!(several.mesh.parts.iter().map(|p| p.has_siblings).collect::<Vec<_>>(), [true, true, false]);
     let only = |name: &str| {
         let options = ImportOptions { pieces: vec![name.into()], ..Default::default() };
         load_with("a.obj", text.as_bytes(), &options)

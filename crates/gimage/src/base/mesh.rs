@@ -36,6 +36,8 @@ pub struct Part {
     pub primitive: u32,
     /// Material name, empty if there is none.
     pub material: String,
+    /// Whether the file has parts of the same node and mesh with other materials, so that the material belongs to its name.
+    pub has_siblings: bool,
     /// The number of the connected component that it is, where flags choose by number ([`crate::select::divided`]).
     pub component: Option<u32>,
 }

@@ -10,7 +10,7 @@ const LONGEST: usize = 64;
 
 /// Names components, in their order: the part that most of the area came from, made fit for files and unique.
 pub(super) fn assign(mesh: &Mesh, components: &mut [Component]) {
-    let labels: Vec<String> = mesh.parts.iter().map(|part| label(&mesh.parts, part)).collect();
+    let labels: Vec<String> = mesh.parts.iter().map(label).collect();
     let (mut taken, mut next) = (HashSet::new(), HashMap::new());
     for component in components {
         let mut area: BTreeMap<&str, f64> = BTreeMap::new();
@@ -32,14 +32,11 @@ pub(super) fn assign(mesh: &Mesh, components: &mut [Component]) {
     }
 }
 
-/// Node, else mesh, and the material if parts of that node have several; blanks and characters that paths and shells treat specially become
+/// Node, else mesh, and the material if the file has others there; blanks and characters that paths and shells treat specially become
 /// underscores.
-fn label(parts: &[Part], part: &Part) -> String {
-    let has_other =
-        |other: &Part| (&other.node, &other.mesh) == (&part.node, &part.mesh) && other.material != part.material;
-    let material = if parts.iter().any(has_other) { part.material.as_str() } else { "" };
+fn label(part: &Part) -> String {
     let name = if sanitise(&part.node).is_empty() { &part.mesh } else { &part.node };
-    sanitise(&format!("{name}_{material}"))
+    sanitise(&if part.has_siblings { format!("{name}_{}", part.material) } else { name.clone() })
 }
 
 fn sanitise(text: &str) -> String {
@@ -64,6 +61,13 @@ mod tests {
         assert_eq!(sanitise("Mage_Cape.001"), "Mage_Cape.001");
         assert_eq!(sanitise("__"), "");
         assert_eq!(sanitise("überrock"), "überrock");
+    }
+
+    #[test]
+    fn a_material_belongs_to_the_name_where_a_node_has_several() {
+        let part =
+            |has_siblings| Part { node: "Body".into(), material: "Shirt/2".into(), has_siblings, ..Part::default() };
+        assert_eq!([part(false), part(true)].map(|p| label(&p)), ["Body", "Body_Shirt_2"]);
     }
 
     #[test]

@@ -146,7 +146,7 @@ fn part(doc: &Document, placed: &Placed, primitive: usize) -> Part {
         mesh: doc.mesh_name(placed.mesh),
         primitive: primitive as u32,
         material: material.map(name).unwrap_or_default(),
-        component: None,
+        ..Part::default()
     }
 }
 

@@ -43,6 +43,7 @@ mod sniff;
 mod source;
 mod weights;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -59,7 +60,7 @@ pub use scene::{Animation, Scene, Skin};
 pub use shapes::{FileCollider, FileShape};
 pub use source::{OutsideFile, Source};
 
-use crate::base::mesh::Mesh;
+use crate::base::mesh::{Mesh, Part};
 use crate::error::{Error, Result};
 use crate::options::{Range, stage_options};
 use crate::record::{Finding, Severity};
@@ -115,6 +116,16 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported> {
     import_bytes(path, &bytes, &resolver, options)
 }
 
+/// Tells parts whether others have their node and mesh with another material.
+fn mark_siblings(parts: &mut [Part]) {
+    let mut materials: BTreeMap<[&str; 2], BTreeSet<&str>> = BTreeMap::new();
+    for part in parts.iter() {
+        materials.entry([&part.node, &part.mesh]).or_default().insert(&part.material);
+    }
+    let several: Vec<bool> = parts.iter().map(|part| materials[&[&*part.node, &*part.mesh]].len() > 1).collect();
+    parts.iter_mut().zip(several).for_each(|(part, several)| part.has_siblings = several);
+}
+
 /// Like [`import()`], from memory. `name` stands for the file in messages and tells an OBJ by its extension; `resolver` is
 /// asked for outside buffers.
 pub fn import_bytes(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOptions) -> Result<Imported> {
@@ -151,6 +162,7 @@ fn dispatch(name: &Path, bytes: &[u8], resolver: &Resolver, options: &ImportOpti
         sniff::Format::Gltf => gltf::load(name, bytes, None, resolver, options, &mut source, &mut findings)?,
     };
     let gltf::Loaded { mut mesh, mut scene, origins } = loaded;
+    mark_siblings(&mut mesh.parts);
     let transform = place::place(&mut mesh, options, &mut findings);
     scene.colliders.iter_mut().for_each(|c| c.world = matrix::mul(&transform, &c.world));
     Ok(Imported { mesh, source, scene, origins, transform, findings: findings.into_vec() })

@@ -114,7 +114,7 @@ pub fn roles(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
             if let Some((first, _)) = verdict {
                 return Err(Error::Option {
                     option: option.into(),
-                    problem: format!("`{pattern}` matches {}, which --{first} chooses too", label(&mesh.parts, part)),
+                    problem: format!("`{pattern}` matches {}, which --{first} chooses too", label(part)),
                     hint: "give patterns that share no part".into(),
                 });
             }

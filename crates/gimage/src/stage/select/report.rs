@@ -29,13 +29,12 @@ pub(super) fn names(parts: &[Part]) -> String {
     format!("choose from {shown}{more}")
 }
 
-/// The name that a message has for a part of a mesh: node, else mesh, else material; `NODE/MATERIAL` if the node has several materials.
-pub(super) fn label(parts: &[Part], part: &Part) -> String {
+/// The name that a message has for a part: node, else mesh, else material; `NODE/MATERIAL` if the node has several materials.
+pub(super) fn label(part: &Part) -> String {
     let name = [&part.node, &part.mesh, &part.material].into_iter().find(|name| !name.is_empty());
     let name = name.cloned().unwrap_or_else(|| "the part without a name".into());
-    let has_other = |other: &Part| other.node == part.node && other.material != part.material;
-    let several = !part.node.is_empty() && !part.material.is_empty() && parts.iter().any(has_other);
-    let name = if several { format!("{name}/{}", part.material) } else { name };
+    let tells = part.has_siblings && !part.node.is_empty() && !part.material.is_empty();
+    let name = if tells { format!("{name}/{}", part.material) } else { name };
     part.component.map_or(name.clone(), |number| format!("{name} (component {number})"))
 }
 
@@ -49,8 +48,7 @@ pub(super) fn left_out(mesh: &Mesh, verdicts: &[Verdict], asked: bool) -> Findin
     let parts = |role: Role| (0..counts.len()).filter(move |&p| verdicts[p].role == role);
     let listed = |role: Role| {
         let mut seen = BTreeSet::new();
-        let mut names: Vec<String> =
-            parts(role).filter(|&p| counts[p] > 0).map(|p| label(&mesh.parts, &mesh.parts[p])).collect();
+        let mut names: Vec<String> = parts(role).filter(|&p| counts[p] > 0).map(|p| label(&mesh.parts[p])).collect();
         names.retain(|name| seen.insert(name.clone()));
         let more = names.len().saturating_sub(NAMED);
         names.truncate(NAMED);
@@ -74,7 +72,7 @@ pub(super) fn left_out(mesh: &Mesh, verdicts: &[Verdict], asked: bool) -> Findin
     let example = |&p: &usize| {
         let Verdict { role, reason, .. } = &verdicts[p];
         let why = if reason.is_empty() { String::new() } else { format!(" ({reason})") };
-        format!("{}: {}{why}", label(&mesh.parts, &mesh.parts[p]), role.name())
+        format!("{}: {}{why}", label(&mesh.parts[p]), role.name())
     };
     Finding {
         severity: if asked { Severity::Note } else { Severity::Repair },
@@ -96,7 +94,7 @@ pub(super) fn candidates(mesh: &Mesh, verdicts: &[Verdict]) -> String {
     let one = |&p: &usize| {
         let Verdict { looks_like, reason, .. } = &verdicts[p];
         let size = triangles(counts[p]);
-        format!("`{}` ({size}; looks like {}: {reason})", label(&mesh.parts, &mesh.parts[p]), looks_like.name())
+        format!("`{}` ({size}; looks like {}: {reason})", label(&mesh.parts[p]), looks_like.name())
     };
     let shown = parts.iter().take(NAMED).map(one).collect::<Vec<_>>().join(", ");
     let more = if parts.len() > NAMED { ", ..." } else { "" };
@@ -110,7 +108,7 @@ pub(super) fn no_cloth(mesh: &Mesh, verdicts: &[Verdict]) -> Finding {
     let parts: Vec<usize> = (0..has.len()).filter(|&p| has[p]).collect();
     let example = |&p: &usize| {
         let Verdict { looks_like, reason, .. } = &verdicts[p];
-        format!("{} looks like {} ({reason})", label(&mesh.parts, &mesh.parts[p]), looks_like.name())
+        format!("{} looks like {} ({reason})", label(&mesh.parts[p]), looks_like.name())
     };
     Finding {
         severity: Severity::Warning,

@@ -67,7 +67,7 @@ fn a_node_with_garments_tells_nothing_of_its_other_materials() {
     let parts =
         [("Skin", FOUR), ("Shirt", THREE), ("Gold", THREE), ("Material.001", FOUR), ("Red", ONE), ("Belt", THREE)];
     let mut all = mesh(&parts.map(|(material, weights)| ("Body", material, weights)));
-    (0..).zip(&mut all.parts).for_each(|(k, part)| part.primitive = k);
+    (0..).zip(&mut all.parts).for_each(|(k, part)| (part.primitive, part.has_siblings) = (k, true));
     let of = |mesh: &Mesh| -> Vec<Role> {
         roles(mesh, &SelectOptions::default()).unwrap().iter().map(|v| v.looks_like).collect()
     };
