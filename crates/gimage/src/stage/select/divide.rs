@@ -1,9 +1,10 @@
-//! Parts that the flags choose by the number of a connected component: a file may be one mesh of one material.
+//! Parts of parts: what the flags choose by the number of a connected component, as a file may be one mesh of one material, and solid pieces beside
+//! garments, as a headband of the same material as a belt of cloth.
 
 use std::collections::BTreeMap;
 
-use super::facts::pieces;
-use super::{Pattern, Role, SelectOptions};
+use super::facts::{self, pieces};
+use super::{Pattern, Role, SelectOptions, rule};
 use crate::base::mesh::{Mesh, Part};
 
 impl SelectOptions {
@@ -42,22 +43,37 @@ pub fn component_numbers(mesh: &Mesh) -> (Vec<u32>, usize) {
     ((0..mesh.triangles.len()).map(|t| number[&of(t)]).collect(), order.len())
 }
 
-/// The mesh with parts of their own for the components that the flags choose by number ([`component_numbers`]), after all other parts; the same mesh
-/// if they choose none. A part of which all components are chosen stays, without triangles. O(n log n).
+/// The mesh with parts of their own for the components that the flags choose by number ([`component_numbers`]), and, where the rule chooses the cloth,
+/// for the solid pieces of parts that only their joints tell about and that lie beside garments in one mesh; these are after all other parts. The same
+/// mesh if there are none. A part of which all triangles are in others stays, without triangles. O(n log n).
 pub fn divided(mut mesh: Mesh, options: &SelectOptions) -> Mesh {
-    if !options.has_numbers() {
-        return mesh;
+    if options.has_numbers() {
+        let is_chosen = |number: u32| {
+            options.chosen().iter().any(|(_, patterns, _)| patterns.iter().any(|p| p.component() == Some(number)))
+        };
+        let numbers = component_numbers(&mesh).0;
+        apart(&mut mesh, |t| Some(Some(numbers[t])).filter(|_| is_chosen(numbers[t])));
     }
-    let is_chosen = |number: u32| {
-        options.chosen().iter().any(|(_, patterns, _)| patterns.iter().any(|p| p.component() == Some(number)))
-    };
-    let mut made: BTreeMap<(u32, u32), u32> = BTreeMap::new();
-    for (t, number) in component_numbers(&mesh).0.into_iter().enumerate().filter(|(_, number)| is_chosen(*number)) {
+    let unnamed = if options.cloth.is_empty() { rule::unnamed_beside_garments(&mesh) } else { Vec::new() };
+    if unnamed.contains(&true) {
+        let (solid, part) = (facts::solid(&mesh), mesh.triangle_part.clone());
+        let mut has = vec![[false; 2]; mesh.parts.len()];
+        part.iter().zip(&solid).for_each(|(p, solid)| has[*p as usize][usize::from(*solid)] = true);
+        let goes = |t: usize| solid[t] && unnamed[part[t] as usize] && has[part[t] as usize] == [true; 2];
+        apart(&mut mesh, |t| Some(None).filter(|_| goes(t)));
+    }
+    mesh
+}
+
+/// Gives triangles that `of` chooses a part of their own, for each part and component number.
+fn apart(mesh: &mut Mesh, of: impl Fn(usize) -> Option<Option<u32>>) {
+    let mut made: BTreeMap<(u32, Option<u32>), u32> = BTreeMap::new();
+    for t in 0..mesh.triangles.len() {
+        let Some(component) = of(t) else { continue };
         let part = mesh.triangle_part[t];
-        mesh.triangle_part[t] = *made.entry((part, number)).or_insert_with(|| {
-            mesh.parts.push(Part { component: Some(number), ..mesh.parts[part as usize].clone() });
+        mesh.triangle_part[t] = *made.entry((part, component)).or_insert_with(|| {
+            mesh.parts.push(Part { component, ..mesh.parts[part as usize].clone() });
             mesh.parts.len() as u32 - 1
         });
     }
-    mesh
 }

@@ -20,40 +20,61 @@ pub(crate) struct Following {
     pub solid: f64,
 }
 
+/// What moves the triangles of a part on one connected piece.
+struct Moved {
+    joints: BTreeSet<u32>,
+    triangles: usize,
+}
+
+impl Moved {
+    fn is_solid(&self) -> bool {
+        self.joints.len() <= SOLID
+    }
+}
+
 /// For each part of the mesh how it follows the joints. O(n log n) in the corners of triangles.
 pub(crate) fn following(mesh: &Mesh) -> Vec<Following> {
     let mut out = vec![Following::default(); mesh.parts.len()];
     if !is_skinned(mesh) {
         return out;
     }
+    let all = moved(mesh, &pieces(mesh));
+    for (part, following) in out.iter_mut().enumerate() {
+        let of = || all.range((part as u32, 0)..(part as u32 + 1, 0)).map(|(_, moved)| moved);
+        let joints: BTreeSet<u32> = of().flat_map(|m| &m.joints).copied().collect();
+        let count: usize = of().map(|m| m.triangles).sum();
+        let solid: usize = of().filter(|m| m.is_solid()).map(|m| m.triangles).sum();
+        *following = Following { joints: joints.len(), solid: solid as f64 / f64::max(count as f64, 1.0) };
+    }
+    out
+}
+
+/// For each triangle whether its part is solid on its connected piece.
+pub(super) fn solid(mesh: &Mesh) -> Vec<bool> {
+    let piece = pieces(mesh);
+    let all = moved(mesh, &piece);
+    let key = |(part, t): (&u32, &[u32; 3])| (*part, piece[t[0] as usize]);
+    mesh.triangle_part.iter().zip(&mesh.triangles).map(|pair| all[&key(pair)].is_solid()).collect()
+}
+
+/// What moves the triangles of each part on each connected piece.
+fn moved(mesh: &Mesh, piece: &[u32]) -> BTreeMap<(u32, u32), Moved> {
     let sets: Vec<_> = (0..)
         .map_while(|n| Some((mesh.channel(&Semantic::Joints(n))?, mesh.channel(&Semantic::Weights(n))?)))
         .collect();
-    let piece = pieces(mesh);
-    let mut joints: BTreeMap<(u32, u32), BTreeSet<u32>> = BTreeMap::new();
-    let mut triangles: BTreeMap<(u32, u32), usize> = BTreeMap::new();
+    let mut all: BTreeMap<(u32, u32), Moved> = BTreeMap::new();
     for (t, &part) in mesh.triangle_part.iter().enumerate() {
         let key = (part, piece[mesh.triangles[t][0] as usize]);
-        *triangles.entry(key).or_default() += 1;
-        let joints = joints.entry(key).or_default();
+        let moved = all.entry(key).or_insert(Moved { joints: BTreeSet::new(), triangles: 0 });
+        moved.triangles += 1;
         for (of, weights) in &sets {
             for c in 0..3 {
                 let (Some(of), Some(weights)) = (of.at(t, c), weights.at(t, c)) else { continue };
-                joints.extend(of.iter().zip(weights).filter(|(_, w)| **w >= MOVES).map(|(j, _)| *j as u32));
+                moved.joints.extend(of.iter().zip(weights).filter(|(_, w)| **w >= MOVES).map(|(j, _)| *j as u32));
             }
         }
     }
-    for (part, following) in out.iter_mut().enumerate() {
-        let range = (part as u32, 0)..(part as u32 + 1, 0);
-        let all: BTreeSet<u32> = joints.range(range.clone()).flat_map(|(_, set)| set).copied().collect();
-        let (mut solid, mut count) = (0, 0);
-        for (key, n) in triangles.range(range) {
-            count += n;
-            solid += if joints.get(key).is_some_and(|set| set.len() <= SOLID) { *n } else { 0 };
-        }
-        *following = Following { joints: all.len(), solid: solid as f64 / f64::max(count as f64, 1.0) };
-    }
-    out
+    all
 }
 
 /// For each vertex the connected piece that it belongs to; vertices at equal positions are joined.

@@ -49,6 +49,17 @@ pub(super) fn verdicts(mesh: &Mesh) -> Option<Vec<Verdict>> {
     Some(verdicts)
 }
 
+/// For each part of a skinned mesh whether no name tells its role and it lies beside garments in one mesh.
+pub(super) fn unnamed_beside_garments(mesh: &Mesh) -> Vec<bool> {
+    if !facts::is_skinned(mesh) {
+        return vec![false; mesh.parts.len()];
+    }
+    let following = facts::following(mesh);
+    let meshes = Meshes::new(mesh, &following);
+    let beside = |part: &Part| meshes.of(part).filter(|of| of.garments > 0);
+    mesh.parts.iter().map(|part| beside(part).is_some_and(|of| by_name(part, Some(of)).is_none())).collect()
+}
+
 /// The meshes of several primitives, by node and mesh.
 struct Meshes<'a>(BTreeMap<(&'a str, &'a str), Several>);
 

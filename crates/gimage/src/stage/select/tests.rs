@@ -81,6 +81,26 @@ fn a_node_with_garments_tells_nothing_of_its_other_materials() {
 }
 
 #[test]
+fn solid_pieces_of_a_part_beside_garments_are_a_part_of_their_own() {
+    let mut all = mesh(&["Shirt", "Band", "", "Main", ""].map(|material| ("Body", material, THREE)));
+    (0..).zip(&mut all.parts).for_each(|(k, part)| part.primitive = k);
+    all.triangle_part = vec![0, 1, 1, 3, 3];
+    let weights = all.channels.iter_mut().find(|c| c.semantic == Semantic::Weights(0)).unwrap();
+    // The last triangles of both are on one joint; those of the other part are joined.
+    [2, 4].into_iter().for_each(|k| weights.values[4 * k..4 * k + 4].copy_from_slice(&[1.0, 0.0, 0.0, 0.0]));
+    all.triangles[4][0] = all.triangles[3][0];
+    let out = divided(all.clone(), &SelectOptions::default());
+    assert_eq!(out.triangle_part, [0, 1, 5, 3, 3]);
+    assert_eq!((out.parts[5].material.as_str(), out.parts[5].component), ("Band", None));
+    let roles: Vec<Role> = roles(&out, &SelectOptions::default()).unwrap().iter().map(|v| v.role).collect();
+    assert_eq!([0, 1, 3, 5].map(|p: usize| roles[p]), [Role::Cloth, Role::Cloth, Role::Cloth, Role::Rigid]);
+    // Names choose whole parts, and a mesh without garments stays.
+    assert_eq!(divided(all.clone(), &of(&["Band"], &[], &[])), all);
+    all.parts[0].material = "Blue".into();
+    assert_eq!(divided(all.clone(), &SelectOptions::default()), all);
+}
+
+#[test]
 fn solid_parts_that_follow_most_joints_are_the_body_where_nothing_else_is() {
     let other: Option<[f32; 4]> = Some([0.0, 0.0, 0.5, 0.5]);
     let mut all =
