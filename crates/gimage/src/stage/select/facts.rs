@@ -20,7 +20,7 @@ pub(crate) struct Following {
     pub solid: f64,
 }
 
-/// What moves the triangles of a part on one connected piece.
+/// The joints that move the triangles of a part on one connected piece.
 struct Moved {
     joints: BTreeSet<u32>,
     triangles: usize,
@@ -57,7 +57,7 @@ pub(super) fn solid(mesh: &Mesh) -> Vec<bool> {
     mesh.triangle_part.iter().zip(&mesh.triangles).map(|pair| all[&key(pair)].is_solid()).collect()
 }
 
-/// What moves the triangles of each part on each connected piece.
+/// The joints that move the triangles of each part on each connected piece.
 fn moved(mesh: &Mesh, piece: &[u32]) -> BTreeMap<(u32, u32), Moved> {
     let sets: Vec<_> = (0..)
         .map_while(|n| Some((mesh.channel(&Semantic::Joints(n))?, mesh.channel(&Semantic::Weights(n))?)))

@@ -63,7 +63,7 @@ pub(super) fn unnamed_beside_garments(mesh: &Mesh) -> Vec<bool> {
 /// The meshes of several primitives, by node and mesh.
 struct Meshes<'a>(BTreeMap<(&'a str, &'a str), Several>);
 
-/// What a mesh of several primitives holds.
+/// Facts of a mesh of several primitives.
 #[derive(Clone, Copy, Default)]
 struct Several {
     /// The most joints that a part follows whose material names a garment; 0 where none does.
