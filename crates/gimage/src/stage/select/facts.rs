@@ -9,7 +9,7 @@ use crate::base::mesh::{Mesh, NONE, Semantic};
 /// Weight from which a joint moves a corner of a triangle visibly.
 const MOVES: f32 = 0.05;
 /// Joints up to which a connected piece counts as solid: a plate of armour, with one at its hinge.
-const SOLID: usize = 2;
+pub(super) const SOLID: usize = 2;
 
 /// How one part follows the joints.
 #[derive(Clone, Debug, Default, PartialEq)]

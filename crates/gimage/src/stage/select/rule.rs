@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::facts::{self, Following};
+use super::facts::{self, Following, SOLID};
 use super::{Role, Verdict, words};
 use crate::base::mesh::{Mesh, Part};
 
@@ -20,8 +20,8 @@ const MANY: f64 = 0.5;
 /// pieces nearly all follow one or two joints, is rigid; one that follows half of the joints or more is a body, beside garments only
 /// if it follows more than they do; the rest is cloth.
 ///
-/// In a file with cloth and without a body, rigid parts that follow half of the joints or more are the body: a robot, or armour around
-/// nothing.
+/// In a file with cloth and without a body, rigid parts that follow half of the joints or more, and at least three, are the body: a robot, or armour
+/// around nothing.
 pub(super) fn verdicts(mesh: &Mesh) -> Option<Vec<Verdict>> {
     let single = mesh.triangle_part.iter().all(|p| *p == mesh.triangle_part[0]);
     if single || !facts::is_skinned(mesh) {
@@ -41,7 +41,9 @@ pub(super) fn verdicts(mesh: &Mesh) -> Option<Vec<Verdict>> {
         verdicts.iter_mut().for_each(|v| v.role = Role::Cloth);
     } else if !any(&verdicts, Role::Body) {
         let rigid = verdicts.iter_mut().zip(&following).filter(|(v, _)| v.role == Role::Rigid);
-        for (verdict, Following { joints: used, .. }) in rigid.filter(|(_, f)| many(f.joints, joints)) {
+        for (verdict, Following { joints: used, .. }) in
+            rigid.filter(|(_, f)| f.joints > SOLID && many(f.joints, joints))
+        {
             *verdict =
                 Verdict::new(Role::Body, format!("follows {used} of {joints} joints, and nothing else is a body"));
         }

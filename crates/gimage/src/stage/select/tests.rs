@@ -112,6 +112,9 @@ fn solid_parts_that_follow_most_joints_are_the_body_where_nothing_else_is() {
     };
     use Role::*;
     assert_eq!(of(&all), [Body, Cloth, Rigid]);
+    // Two joints of four are a prop.
+    all.skeleton.joints.truncate(4);
+    assert_eq!(of(&all), [Body, Cloth, Rigid]);
     all.parts[3].node = "Head".into();
     assert_eq!(of(&all), [Rigid, Cloth, Body]);
 }
