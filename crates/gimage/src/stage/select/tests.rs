@@ -75,6 +75,10 @@ fn a_node_with_garments_tells_nothing_of_its_other_materials() {
     assert_eq!(of(&all), [Body, Cloth, Cloth, Body, Rigid, Rigid]);
     let said = findings(&all, &roles(&all, &SelectOptions::default()).unwrap(), &SelectOptions::default());
     assert!(said[0].message.contains("cloth: Body/Shirt, Body/Gold; body: Body/Skin"), "{}", said[0].message);
+    // Trims follow as many joints as the garment that they are on, be it half of them all.
+    let mut robe = mesh(&["Skin", "Robe", "Gold"].map(|material| ("Body", material, FOUR)));
+    (0..).zip(&mut robe.parts).for_each(|(k, part)| part.primitive = k);
+    assert_eq!(of(&robe), [Body, Cloth, Cloth]);
     // Without a garment beside it, the name of the node counts.
     all.parts[1].material = "Blue".into();
     assert_eq!(of(&all), [Body, Body, Body, Body, Body, Rigid]);
