@@ -1,5 +1,5 @@
-//! Parts of parts: what the flags choose by the number of a connected component, as a file may be one mesh of one material, and solid pieces beside
-//! garments, as a headband of the same material as a belt of cloth.
+//! Divides parts of a file: connected components that the flags choose by number, as a file may be one mesh of one material, and solid pieces
+//! beside garments, such as a headband that has the material of a sash.
 
 use std::collections::BTreeMap;
 

@@ -131,7 +131,8 @@ pub fn roles(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
     Ok(verdicts)
 }
 
-/// The roles chosen, and those of the other parts: what they look like if the cloth is not chosen by name (`open`).
+/// The role of each part: the chosen one if there is one. Other parts have the role that they look like if no flag names the cloth (`open`), and are
+/// left out if one does.
 fn with_rest(mesh: &Mesh, chosen: Vec<Option<Verdict>>, open: bool) -> Vec<Verdict> {
     let looks = open.then(|| rule::verdicts(mesh)).flatten();
     let is_left = |p: &&u32| chosen[**p as usize].is_none();

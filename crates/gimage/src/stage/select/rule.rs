@@ -53,11 +53,7 @@ pub(super) fn verdicts(mesh: &Mesh) -> Option<Vec<Verdict>> {
 
 /// For each part of a skinned mesh whether no name tells its role and it lies beside garments in one mesh.
 pub(super) fn unnamed_beside_garments(mesh: &Mesh) -> Vec<bool> {
-    if !facts::is_skinned(mesh) {
-        return vec![false; mesh.parts.len()];
-    }
-    let following = facts::following(mesh);
-    let meshes = Meshes::new(mesh, &following);
+    let meshes = Meshes::new(mesh, &facts::following(mesh));
     let beside = |part: &Part| meshes.of(part).filter(|of| of.garments > 0);
     mesh.parts.iter().map(|part| beside(part).is_some_and(|of| by_name(part, Some(of)).is_none())).collect()
 }
@@ -115,5 +111,5 @@ fn by_skin(following: &Following, joints: usize, garments: usize) -> Verdict {
 }
 
 fn many(used: usize, joints: usize) -> bool {
-    used > 0 && used as f64 >= MANY * joints as f64
+    used as f64 >= MANY * joints as f64
 }
