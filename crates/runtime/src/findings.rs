@@ -30,7 +30,7 @@ pub enum Fate {
         p99: f64,
         /// Whether an end of a spring that is extended most is a pin.
         at_pin: bool,
-        /// Two colliders, by index, that the longest spring touches: what presses it together.
+        /// Two colliders, by index, that press the longest spring from opposite sides, if there are any.
         between: Option<[usize; 2]>,
     },
     /// The cloth touched colliders, and its topmost particle is below all of these: it slid off or went through.

@@ -138,14 +138,17 @@ pub(crate) fn depths<T: Real>(now: &[[T; 4]], solids: &[Solid<T>], reach: f64) -
     solids.iter().map(deepest).collect()
 }
 
-/// The first two colliders that any of these points is closer to than `reach` \[m\]; `None` of one or none.
+/// The first two colliders that press any of these points against each other: both are closer than `reach` \[m\], and their normals there point apart.
+/// Colliders along one limb, whose normals agree, do not.
 pub(crate) fn between<T: Real>(points: &[V3<T>], solids: &[Solid<T>], reach: f64) -> Option<[usize; 2]> {
-    let touches = |solid: &Solid<T>| {
+    let normals = |solid: &Solid<T>| -> Vec<V3<T>> {
         let solid = solid.coated(T::of(reach));
-        points.iter().any(|p| may_touch(&solid, *p) && solid.exit(*p).is_some())
+        let near = points.iter().filter(|p| may_touch(&solid, **p));
+        near.filter_map(|p| Some(solid.exit(*p)?.normal)).collect()
     };
-    let mut touched = (0..solids.len()).filter(|k| touches(&solids[*k]));
-    Some([touched.next()?, touched.next()?])
+    let all: Vec<Vec<V3<T>>> = solids.iter().map(normals).collect();
+    let oppose = |a: usize, b: usize| all[a].iter().any(|m| all[b].iter().any(|n| dot(*m, *n) < T::of(0.0)));
+    (0..all.len()).find_map(|a| (a + 1..all.len()).find(|b| oppose(a, *b)).map(|b| [a, b]))
 }
 
 fn may_touch<T: Real>(solid: &Solid<T>, p: V3<T>) -> bool {

@@ -162,9 +162,14 @@ fn a_short_spring_counts_as_torn_where_it_is_three_times_as_long_as_the_mean() {
 fn where_colliders_press_the_longest_spring_the_finding_names_them() {
     let far = ball(0.1, [0.0, -5.0, 0.0]);
     let beside = [ball(0.2, [0.0, 0.5, 0.205]), ball(0.2, [0.0, 0.5, -0.205])];
-    for (colliders, names) in
-        [(vec![far, beside[0], beside[1]], Some([1, 2])), (vec![far, beside[0]], None), (vec![], None)]
-    {
+    // Like two along a limb.
+    let below = [ball(0.2, [0.05, 0.302, 0.0]), ball(0.2, [-0.05, 0.302, 0.0])];
+    for (colliders, names) in [
+        (vec![far, beside[0], beside[1]], Some([1, 2])),
+        (vec![far, beside[0]], None),
+        (vec![far, below[0], below[1]], None),
+        (vec![], None),
+    ] {
         let mut stepper = run(scene(square(9, 0.0), &colliders), Options::default(), 1);
         let mut now = stepper.positions(0).unwrap().to_vec();
         now[40] = [0.0, 0.5, 0.0, now[40][3]];
