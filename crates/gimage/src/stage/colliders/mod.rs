@@ -5,10 +5,12 @@
 //! Garments at rest stay outside of them, so that nothing is pushed at the start.
 //! They are fitted in the pose in which the mesh is bound to its skeleton, and then put where their joints are in the file.
 
+mod bare;
 mod fit;
 mod given;
 mod guess;
 mod judge;
+mod motion;
 mod refine;
 mod samples;
 mod shape;
@@ -31,6 +33,7 @@ use crate::options::{BuildOptions, Choice};
 use crate::record::{Finding, MAX_EXAMPLES, Severity};
 use fit::Limits;
 use given::Given;
+use motion::Motion;
 use samples::{guards, join_small, samples, worn};
 
 pub use given::ColliderSource;
@@ -44,6 +47,8 @@ pub use surface::Surface;
 pub const MAX_COUNT: usize = 512;
 /// Pairs of samples and triangles that the search for covered samples looks at, at most: more triangles, fewer samples.
 const MAX_PAIRS: usize = 400_000_000;
+/// How deep a part of the body is in clothes that it passes through, as a multiple of [`ColliderOptions::error`].
+const PASSING: f64 = 2.0;
 /// Smallest thickness of a solid of a division, as a share of the diagonal: 2 cm of a person.
 const MIN_THICKNESS: f64 = 0.01;
 /// Fewest and most samples.
@@ -185,7 +190,17 @@ pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptio
     })?;
     findings.extend(found);
     findings.extend(elsewhere(&mesh, options));
-    let surface = surface::surface(&mesh);
+    let guessed: Vec<u32> =
+        (0..).zip(&mesh.skeleton.joints).filter(|(_, j)| stands_for(&colliders, &j.name)).map(|(k, _)| k).collect();
+    let passing = if guessed.is_empty() {
+        Vec::new()
+    } else {
+        let motion = Motion::new(path, &read.import, &mesh.skeleton);
+        bare::passing([&mesh, &cloth], &guessed, &motion, PASSING * options.error)
+    };
+    let left_out = if passing.is_empty() { Vec::new() } else { bare::bare([&mesh, &cloth], &passing) };
+    let surface = surface::surface(&mesh, &left_out);
+    findings.extend(passed(&mesh, &passing, &left_out));
     Ok(Fit { file: source.file_name, parts, colliders, figures, surface, findings })
 }
 
@@ -287,6 +302,28 @@ fn fit_mesh(
     findings.extend(missed(&figures, placed.len(), options));
     let (colliders, figures) = with_missing(placed, figures);
     Some((colliders, figures, findings))
+}
+
+/// Whether a guessed solid follows a joint.
+fn stands_for(colliders: &[Collider], joint: &str) -> bool {
+    colliders.iter().any(|c| c.guessed && c.joint.as_deref() == Some(joint))
+}
+
+/// A note of the parts that pass through clothes.
+fn passed(mesh: &Mesh, joints: &[u32], left_out: &[bool]) -> Option<Finding> {
+    let names: Vec<&str> = joints.iter().map(|j| mesh.skeleton.joints[*j as usize].name.as_str()).collect();
+    let count = left_out.iter().filter(|out| **out).count();
+    (count > 0).then(|| Finding {
+        severity: Severity::Note,
+        stage: "colliders",
+        kind: "hint-passing",
+        count: count as u64,
+        message: format!(
+            "Animations take bare parts of the body through clothes beneath which it is guessed: {count} triangles of {} are not in its surface.",
+            names.join(", ")
+        ),
+        examples: names.iter().take(MAX_EXAMPLES).map(|name| (*name).to_owned()).collect(),
+    })
 }
 
 /// A note of the joints where the body is guessed.

@@ -153,7 +153,7 @@ pub(super) fn strongest(mesh: &Mesh, t: usize, point: [f64; 3]) -> Option<u32> {
     (best.1 > 0.0 && (best.0 as usize) < mesh.skeleton.joints.len()).then_some(best.0)
 }
 
-fn barycentric([a, b, c]: [[f64; 3]; 3], p: [f64; 3]) -> [f64; 3] {
+pub(super) fn barycentric([a, b, c]: [[f64; 3]; 3], p: [f64; 3]) -> [f64; 3] {
     let (u, v, w) = (sub(b, a), sub(c, a), sub(p, a));
     let normal = cross(u, v);
     let area = dot(normal, normal);

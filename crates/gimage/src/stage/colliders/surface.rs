@@ -27,13 +27,31 @@ pub struct Surface {
 }
 
 /// The surface of a mesh, all of which is the body; or the reason why it cannot be a collider.
-pub(crate) fn surface(mesh: &Mesh) -> Result<Surface, String> {
+///
+/// `left_out` tells for triangles of the mesh that they are no part of it; empty for none.
+pub(crate) fn surface(mesh: &Mesh, left_out: &[bool]) -> Result<Surface, String> {
+    let whole = gathered(mesh, &[])?;
+    check(&whole)?;
+    let mut body = if left_out.contains(&true) { gathered(mesh, left_out)? } else { whole };
+    if body.triangles.is_empty() {
+        return Err("it has no triangle".into());
+    }
+    let closed = close::close(&mut body);
+    let count = body.triangles.len();
+    covered::drop_covered(&mut body);
+    let covered = count - body.triangles.len();
+    Ok(Surface { body, covered, closed })
+}
+
+/// The triangles of a mesh that have an area, with vertices of one position as one.
+fn gathered(mesh: &Mesh, left_out: &[bool]) -> Result<Body, String> {
     let sets: Vec<_> = (0..)
         .map_while(|n| Some((mesh.channel(&Semantic::Joints(n))?, mesh.channel(&Semantic::Weights(n))?)))
         .collect();
     let mut body = Body::default();
     let mut known: HashMap<[u32; 3], u32> = HashMap::new();
-    for (t, corners) in mesh.triangles.iter().enumerate() {
+    let kept = |t: &usize| !left_out.get(*t).is_some_and(|out| *out);
+    for (t, corners) in mesh.triangles.iter().enumerate().filter(|(t, _)| kept(t)) {
         let mut triangle = [0; 3];
         for (c, v) in corners.iter().enumerate() {
             // Vertices of one position are one, of either zero.
@@ -56,12 +74,7 @@ pub(crate) fn surface(mesh: &Mesh) -> Result<Surface, String> {
         }
     }
     normalize(&mut body, sets.len(), mesh.skeleton.joints.len())?;
-    check(&body)?;
-    let closed = close::close(&mut body);
-    let count = body.triangles.len();
-    covered::drop_covered(&mut body);
-    let covered = count - body.triangles.len();
-    Ok(Surface { body, covered, closed })
+    Ok(body)
 }
 
 /// Makes the weights of each vertex sum to 1, and drops joints that have none.
@@ -153,7 +166,7 @@ mod tests {
 
     #[test]
     fn a_closed_body_is_welded_and_its_weights_sum_to_one() {
-        let Surface { body, covered, closed } = surface(&cube(1.0)).unwrap();
+        let Surface { body, covered, closed } = surface(&cube(1.0), &[]).unwrap();
         assert_eq!((covered, closed), (0, 0));
         assert_eq!((body.positions.len(), body.triangles.len(), body.joints.len()), (8, 12, 8));
         assert_eq!(body.fault(2), None);
@@ -165,7 +178,7 @@ mod tests {
         let why = |change: &dyn Fn(&mut Mesh)| {
             let mut mesh = cube(1.0);
             change(&mut mesh);
-            surface(&mesh).unwrap_err()
+            surface(&mesh, &[]).unwrap_err()
         };
         assert!(why(&|m| m.triangles.truncate(6)).contains("no neighbour"));
         assert!(why(&|m| m.triangles.clear()).contains("no triangle"));

@@ -5,6 +5,7 @@ use parry3d_f64::shape::{Ball, Capsule, Cuboid};
 use super::*;
 use crate::base::mesh::{Channel, Joint, Part, Semantic, Skeleton};
 use crate::import::{FileCollider, FileShape};
+use crate::stage::import::IDENTITY;
 
 fn fit(mesh: &Mesh, cloth: &Mesh, options: &ColliderOptions) -> Option<(Vec<Collider>, Figures)> {
     fit_mesh(mesh, cloth, None, options).map(|(colliders, figures, _)| (colliders, figures))
@@ -418,4 +419,49 @@ fn nothing_is_guessed_where_there_is_a_body_or_cloth_hangs_free() {
     assert_eq!(guessed(&whole, &sleeve), 0);
     // A sleeve that lies on its body needs no other.
     assert_eq!(guessed(&body, &Mesh::default()), 0);
+}
+
+/// Frames of [`bare_arm`], in some of which a joint takes the forearm into the upper side of the sleeve, 5 cm deep.
+fn lowered(joint: usize, some: usize, of: usize) -> Motion {
+    let rest = vec![IDENTITY; 3];
+    let mut pose = rest.clone();
+    (pose[joint][12], pose[joint][13]) = (-0.45, 0.06);
+    Motion { frames: (0..of).map(|k| if k < some { pose.clone() } else { rest.clone() }).collect() }
+}
+
+#[test]
+fn bare_limbs_that_animations_take_through_clothes_are_no_part_of_the_surface() {
+    let (mut body, cloth) = bare_arm(0.07);
+    let passing = |body: &Mesh, guessed: &[u32], motion: &Motion| bare::passing([body, &cloth], guessed, motion, 0.012);
+    // The clothes of a joint and of its neighbour touch where a limb bends.
+    assert!(passing(&body, &[0], &lowered(1, 20, 20)).is_empty());
+    body.channels[0].values[0] = 2.0;
+    assert_eq!(passing(&body, &[0], &lowered(2, 1, 20)), [2]);
+    // One frame of two hundred does not count, nor do clothes with a body.
+    assert!(passing(&body, &[0], &lowered(2, 1, 200)).is_empty());
+    assert!(passing(&body, &[1], &lowered(2, 20, 20)).is_empty());
+    assert!(passing(&body, &[0], &Motion { frames: Vec::new() }).is_empty());
+    let left_out = bare::bare([&body, &cloth], &[2]);
+    let share = left_out.iter().filter(|out| **out).count() as f64 / left_out.len() as f64;
+    assert!(share > 0.9 && !bare::bare([&body, &cloth], &[1]).contains(&true), "{share}");
+    // What a sleeve surrounds stays: the same limb within the sleeve.
+    let mut inner = body.clone();
+    inner.positions.iter_mut().for_each(|p| p[0] -= 0.45);
+    let left_out = bare::bare([&inner, &cloth], &[2]);
+    // Triangles from one end of it to the other.
+    let xs = |t: usize| inner.corners(t).map(|p| p[0]);
+    let sides: Vec<usize> = (0..left_out.len())
+        .filter(|t| xs(*t).iter().any(|x| *x < 0.0) && xs(*t).iter().any(|x| (0.0..0.3).contains(x)))
+        .collect();
+    assert!(!sides.is_empty() && !sides.iter().any(|t| left_out[*t]), "{sides:?}");
+}
+
+#[test]
+fn a_surface_is_closed_where_triangles_are_left_out() {
+    let body = bare_arm(0.07).0;
+    let half: Vec<bool> = (0..body.triangles.len()).map(|t| body.corners(t).iter().any(|p| p[0] > 0.45)).collect();
+    let (whole, part) = (surface::surface(&body, &[]).unwrap(), surface::surface(&body, &half).unwrap());
+    assert!(part.body.triangles.len() < whole.body.triangles.len() && part.closed == 1, "{part:?}");
+    assert!(part.body.positions.iter().all(|p| p[0] < 0.5));
+    assert!(surface::surface(&body, &vec![true; body.triangles.len()]).is_err());
 }

@@ -46,13 +46,25 @@ impl Character {
     /// Errors if the file has no such animation, on damaged key frames, and on `center`, which moves a garment by its box.
     pub fn read(path: &Path, animation: &str, options: &ImportOptions) -> Result<Self> {
         options.check()?;
-        // As for an import: should a decoder panic on a damaged file, its caller gets an error.
+        Character::guarded(path, Some(animation), options)?
+            .pop()
+            .unwrap_or_else(|| Err(no_animation(path, animation, &[])))
+    }
+
+    /// All animations of a file that can be read, in its order; none of a file without nodes, or with `center`.
+    pub(crate) fn all(path: &Path, options: &ImportOptions) -> Vec<Self> {
+        Character::guarded(path, None, options).into_iter().flatten().flatten().collect()
+    }
+
+    /// As for an import: should a decoder panic on a damaged file, its caller gets an error.
+    fn guarded(path: &Path, animation: Option<&str>, options: &ImportOptions) -> Result<Vec<Result<Self>>> {
         catch_unwind(AssertUnwindSafe(|| Character::open(path, animation, options))).unwrap_or_else(|_| {
             Err(malformed(path, "file", "it is damaged in a way that stopped the reader", EXPORT_AGAIN))
         })
     }
 
-    fn open(path: &Path, animation: &str, options: &ImportOptions) -> Result<Self> {
+    /// One animation of a file, or each of them.
+    fn open(path: &Path, animation: Option<&str>, options: &ImportOptions) -> Result<Vec<Result<Self>>> {
         if options.center {
             return Err(Error::Option {
                 option: "center".into(),
@@ -70,36 +82,46 @@ impl Character {
                 (chunks.json, chunks.bin)
             }
             sniff::Format::Gltf => (&bytes[..], None),
-            sniff::Format::Obj => return Err(no_animation(path, animation, &[])),
+            sniff::Format::Obj => return Err(no_animation(path, animation.unwrap_or_default(), &[])),
         };
         let doc = Document::parse(path, json, &mut source)?;
         let buffers = Buffers::new(&doc, bin, &resolver, options.max_bytes);
         let accessors = Accessors { doc: &doc, buffers: &buffers, max_count: options.max_vertices };
-        let found = doc.animations.iter().position(|a| a.name == animation);
-        let index = found.ok_or_else(|| no_animation(path, animation, &doc.animations))?;
-        let clip = Clip::read(&accessors, index)?;
+        let chosen: Vec<usize> = match animation {
+            Some(name) => {
+                let found = doc.animations.iter().position(|a| a.name == name);
+                vec![found.ok_or_else(|| no_animation(path, name, &doc.animations))?]
+            }
+            None => (0..doc.animations.len()).collect(),
+        };
         let forest = Forest::new(&doc)?;
         let rest = Local::all(&doc);
         let placed = |c: &Channel| matches!(rest[c.node], Local::Matrix(_));
-        if let Some(c) = clip.channels.iter().find(|c| placed(c)) {
-            let element = format!("node {} `{}`", c.node, doc.node_name(c.node));
-            return Err(doc.bad(element, "it is animated, and placed by a matrix"));
-        }
-        let mut character = Character {
-            file: source.file_name.clone(),
-            names: (0..rest.len()).map(|n| doc.node_name(n)).collect(),
-            order: forest.order(),
-            start: bound(&accessors, &forest, &rest),
-            parents: forest.parent,
-            rest,
-            clip,
-            name: animation.into(),
-            loops: false,
-            unit: options.unit,
-            turn: axes(options.up).0,
+        let start = bound(&accessors, &forest, &rest);
+        let names: Vec<String> = (0..rest.len()).map(|n| doc.node_name(n)).collect();
+        let one = |index: usize| {
+            let clip = Clip::read(&accessors, index)?;
+            if let Some(c) = clip.channels.iter().find(|c| placed(c)) {
+                let element = format!("node {} `{}`", c.node, doc.node_name(c.node));
+                return Err(doc.bad(element, "it is animated, and placed by a matrix"));
+            }
+            let mut character = Character {
+                file: source.file_name.clone(),
+                names: names.clone(),
+                order: forest.order(),
+                start: start.clone(),
+                parents: forest.parent.clone(),
+                rest: rest.clone(),
+                clip,
+                name: doc.animations[index].name.clone(),
+                loops: false,
+                unit: options.unit,
+                turn: axes(options.up).0,
+            };
+            character.loops = character.ends_alike();
+            Ok(character)
         };
-        character.loops = character.ends_alike();
-        Ok(character)
+        Ok(chosen.into_iter().map(one).collect())
     }
 
     /// The name of the file without folders.

@@ -100,6 +100,20 @@ fn animations_that_are_absent_or_make_no_sense_are_refused() {
     assert_eq!((stand.seconds(), stand.worlds(3.0)), (0.0, stand.rest_worlds()));
 }
 
+#[test]
+fn all_animations_that_can_be_read_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(folder.path());
+    let all = |path: &Path, options: &ImportOptions| Character::all(path, options);
+    let plain = ImportOptions::default();
+    // Two of the four cannot.
+    let read = all(&path, &plain);
+    assert_eq!(read.iter().map(Character::name).collect::<Vec<_>>(), ["stand", "go"]);
+    assert_eq!(read[1].worlds(1.0), Character::read(&path, "go", &plain).unwrap().worlds(1.0));
+    let center = ImportOptions { center: true, ..plain.clone() };
+    assert!(all(&path, &center).is_empty() && all(&folder.path().join("none.glb"), &plain).is_empty());
+}
+
 /// The same file with a skin whose joints are at `worlds` where it is bound.
 fn skinned(folder: &Path, joints: &[usize], worlds: &[Matrix]) -> std::path::PathBuf {
     let path = file(folder);
