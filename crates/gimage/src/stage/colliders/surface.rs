@@ -28,7 +28,7 @@ pub struct Surface {
 
 /// The surface of a mesh, all of which is the body; or the reason why it cannot be a collider.
 ///
-/// `left_out` tells for triangles of the mesh that they are no part of it; empty for none.
+/// `left_out` tells which triangles of the mesh it does without; empty for none.
 pub(crate) fn surface(mesh: &Mesh, left_out: &[bool]) -> Result<Surface, String> {
     let whole = gathered(mesh, &[])?;
     check(&whole)?;

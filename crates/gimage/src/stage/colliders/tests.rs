@@ -444,7 +444,7 @@ fn bare_limbs_that_animations_take_through_clothes_are_no_part_of_the_surface() 
     let left_out = bare::bare([&body, &cloth], &[2]);
     let share = left_out.iter().filter(|out| **out).count() as f64 / left_out.len() as f64;
     assert!(share > 0.9 && !bare::bare([&body, &cloth], &[1]).contains(&true), "{share}");
-    // What a sleeve surrounds stays: the same limb within the sleeve.
+    // The same limb within the sleeve stays.
     let mut inner = body.clone();
     inner.positions.iter_mut().for_each(|p| p[0] -= 0.45);
     let left_out = bare::bare([&inner, &cloth], &[2]);
