@@ -21,19 +21,26 @@ pub(super) struct Motion {
 impl Motion {
     /// Of a file whose meshes follow this skeleton. Animations that do not have its joints, or cannot be read, are left out.
     pub fn new(path: &Path, options: &ImportOptions, skeleton: &Skeleton) -> Self {
-        let mut frames: Vec<Vec<Matrix>> = Vec::new();
-        for character in Character::all(path, options) {
-            let nodes: Option<Vec<usize>> = skeleton.joints.iter().map(|j| character.node(&j.name).ok()).collect();
-            let Some(nodes) = nodes.filter(|nodes| !nodes.is_empty()) else { continue };
+        let look = |character: &Character| {
+            let nodes = skeleton.joints.iter().map(|j| character.node(&j.name).ok()).collect::<Option<Vec<usize>>>();
             let count = ((character.seconds() * RATE).ceil() as usize).clamp(1, OF_ONE);
-            frames.extend((0..count).map(|k| {
+            nodes.filter(|nodes| !nodes.is_empty()).map_or((Vec::new(), 0), |nodes| (nodes, count))
+        };
+        // Counted first, so that no more frames than are looked at are ever in memory.
+        let mut total = 0;
+        Character::each(path, options, |character| total += look(&character).1);
+        let every = total.div_ceil(OF_ALL).max(1);
+        let (mut frames, mut first) = (Vec::new(), 0);
+        Character::each(path, options, |character| {
+            let (nodes, count) = look(&character);
+            frames.extend((0..count).filter(|k| (first + k).is_multiple_of(every)).map(|k| {
                 let worlds = character.worlds(character.seconds() * k as f64 / count as f64);
                 let of = |(node, joint): (&usize, &Joint)| mul(&worlds[*node], &joint.inverse_bind);
                 nodes.iter().zip(&skeleton.joints).map(of).collect()
             }));
-        }
-        let every = frames.len().div_ceil(OF_ALL).max(1);
-        Motion { frames: frames.into_iter().step_by(every).collect() }
+            first += count;
+        });
+        Motion { frames }
     }
 }
 
@@ -94,4 +101,61 @@ fn influences(mesh: &Mesh, t: usize, c: usize) -> Vec<(u32, f64)> {
     let sum: f64 = out.iter().map(|(_, w)| w).sum();
     out.iter_mut().for_each(|(_, w)| *w /= sum);
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use base64::Engine;
+    use serde_json::json;
+
+    use super::*;
+    use crate::stage::import::IDENTITY;
+
+    /// Animations of 4 s in which a joint moves by 4 m along x, and one of another file.
+    fn slides(count: usize) -> Vec<Vec<Matrix>> {
+        let numbers = [0.0f32, 4.0, 0.0, 0.0, 0.0, 4.0, 0.0, 0.0];
+        let bytes: Vec<u8> = numbers.into_iter().flat_map(f32::to_le_bytes).collect();
+        let uri = base64::engine::general_purpose::STANDARD.encode(&bytes);
+        let of = |node: usize| {
+            json!({
+                "channels": [{"sampler": 0, "target": {"node": node, "path": "translation"}}],
+                "samplers": [{"input": 0, "output": 1}],
+            })
+        };
+        let file = json!({
+            "asset": {"version": "2.0"},
+            "buffers": [{"byteLength": bytes.len(), "uri": format!("data:application/octet-stream;base64,{uri}")}],
+            "bufferViews": [
+                {"buffer": 0, "byteOffset": 0, "byteLength": 8},
+                {"buffer": 0, "byteOffset": 8, "byteLength": 24},
+            ],
+            "accessors": [
+                {"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [4]},
+                {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"},
+            ],
+            "nodes": [{"name": "hip"}],
+            "scenes": [{"nodes": [0]}],
+            // The last one moves a node that does not exist.
+            "animations": (0..count).map(|_| of(0)).chain([of(7)]).collect::<Vec<_>>(),
+        });
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("slides.gltf");
+        std::fs::write(&path, file.to_string()).unwrap();
+        let hip = Joint { name: "hip".into(), parent: None, inverse_bind: IDENTITY, world: IDENTITY };
+        let frames = |joints| Motion::new(&path, &ImportOptions::default(), &Skeleton { joints }).frames;
+        assert!(frames(vec![Joint { name: "other".into(), ..hip.clone() }]).is_empty());
+        frames(vec![hip])
+    }
+
+    #[test]
+    fn frames_are_evenly_among_all_animations_and_no_more_than_so_many() {
+        for (count, every) in [(1, 1), (12, 1), (13, 2), (25, 2), (40, 4)] {
+            let frames = slides(count);
+            assert_eq!(frames.len(), (OF_ONE * count).div_ceil(every), "{count}");
+            for (n, pose) in frames.iter().enumerate() {
+                let at = 4.0 * ((every * n) % OF_ONE) as f64 / OF_ONE as f64;
+                assert!((pose[0][12] - at).abs() < 1e-6, "{count} animations, frame {n}: {}", pose[0][12]);
+            }
+        }
+    }
 }

@@ -46,25 +46,36 @@ impl Character {
     /// Errors if the file has no such animation, on damaged key frames, and on `center`, which moves a garment by its box.
     pub fn read(path: &Path, animation: &str, options: &ImportOptions) -> Result<Self> {
         options.check()?;
-        Character::guarded(path, Some(animation), options)?
-            .pop()
-            .unwrap_or_else(|| Err(no_animation(path, animation, &[])))
+        let mut found = None;
+        Character::guarded(path, Some(animation), options, &mut |one| found = Some(one))?;
+        found.unwrap_or_else(|| Err(no_animation(path, animation, &[])))
     }
 
-    /// All animations of a file that can be read, in its order; none of a file without nodes, or with `center`.
-    pub(crate) fn all(path: &Path, options: &ImportOptions) -> Vec<Self> {
-        Character::guarded(path, None, options).into_iter().flatten().flatten().collect()
+    /// Calls `with` for all animations of a file that can be read, in its order, one at a time in memory; for none of a file without nodes, or
+    /// with `center`.
+    pub(crate) fn each(path: &Path, options: &ImportOptions, mut with: impl FnMut(Self)) {
+        _ = Character::guarded(path, None, options, &mut |one| _ = one.map(&mut with));
     }
 
     /// As for an import: should a decoder panic on a damaged file, its caller gets an error.
-    fn guarded(path: &Path, animation: Option<&str>, options: &ImportOptions) -> Result<Vec<Result<Self>>> {
-        catch_unwind(AssertUnwindSafe(|| Character::open(path, animation, options))).unwrap_or_else(|_| {
+    fn guarded(
+        path: &Path,
+        animation: Option<&str>,
+        options: &ImportOptions,
+        with: &mut dyn FnMut(Result<Self>),
+    ) -> Result<()> {
+        catch_unwind(AssertUnwindSafe(|| Character::open(path, animation, options, with))).unwrap_or_else(|_| {
             Err(malformed(path, "file", "it is damaged in a way that stopped the reader", EXPORT_AGAIN))
         })
     }
 
     /// One animation of a file, or each of them.
-    fn open(path: &Path, animation: Option<&str>, options: &ImportOptions) -> Result<Vec<Result<Self>>> {
+    fn open(
+        path: &Path,
+        animation: Option<&str>,
+        options: &ImportOptions,
+        with: &mut dyn FnMut(Result<Self>),
+    ) -> Result<()> {
         if options.center {
             return Err(Error::Option {
                 option: "center".into(),
@@ -121,7 +132,8 @@ impl Character {
             character.loops = character.ends_alike();
             Ok(character)
         };
-        Ok(chosen.into_iter().map(one).collect())
+        chosen.into_iter().for_each(|index| with(one(index)));
+        Ok(())
     }
 
     /// The name of the file without folders.
