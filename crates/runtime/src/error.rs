@@ -302,6 +302,14 @@ pub enum StateProblem {
         /// Tethers per particle of the cloth.
         expected: usize,
     },
+    /// A tether ends at a particle that does not exist.
+    #[error(
+        "a tether of particle {index} ends at a particle that does not exist; save the state again, the file is damaged"
+    )]
+    Anchor {
+        /// Index of the particle that is held.
+        index: usize,
+    },
     /// It has rest lengths and the cloth has none, or the other way round.
     #[error("only one of them has springs; load the state of a cloth of the same bundle")]
     Springs,

@@ -18,13 +18,14 @@ pub struct Measures {
     pub center: [f64; 3],
 }
 
-/// Measures positions `now` and `before`, `dt` \[s\] apart, under `gravity` \[m/s^2\].
+/// Measures positions `now` and `before`, `dt` \[s\] apart, under `gravity` \[m/s^2\]. Particles behind the end of one of the lists are left out. O(n).
 pub fn measure<T: Real>(cloth: &Cloth, now: &[[T; 4]], before: &[[T; 4]], dt: f64, gravity: [f32; 3]) -> Measures {
     let at = |k: usize| now[k].map(Real::get);
     let mut out = Measures::default();
     let (mut springs, mut mass) = (0.0, 0.0);
+    let there = |k: usize| k < now.len().min(before.len()) && cloth.inverse_mass(k) >= 0.0;
     for (g, grid) in cloth.grids().iter().enumerate() {
-        for k in grid.range().filter(|k| cloth.inverse_mass(*k) >= 0.0) {
+        for k in grid.range().filter(|k| there(*k)) {
             let (p, was, m) = (at(k), before[k].map(Real::get), f64::from(cloth.mass(k)));
             let sum = |f: &dyn Fn(usize) -> f64| (0..3).map(f).sum::<f64>();
             out.kinetic += m * sum(&|c| 0.5 * ((p[c] - was[c]) / dt).powi(2));
@@ -40,7 +41,7 @@ pub fn measure<T: Real>(cloth: &Cloth, now: &[[T; 4]], before: &[[T; 4]], dt: f6
                     Rest::Constant(r) => r[g][d],
                     Rest::Image(r) => r[k][d],
                 });
-                if inside[d] && length > 0.0 && cloth.inverse_mass(other) >= 0.0 {
+                if inside[d] && length > 0.0 && there(other) {
                     let q = at(other);
                     let stretch = (sum(&|c| (p[c] - q[c]).powi(2)).sqrt() / length - 1.0).abs();
                     out.stretch_max = out.stretch_max.max(stretch);

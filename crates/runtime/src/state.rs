@@ -163,6 +163,15 @@ impl ClothState {
                 return Err(Error::NotFinite { cloth: cloth.name().into(), what, index });
             }
         }
+        if let Some(index) = self.list(Part::Rest).iter().position(|rest| !rest.iter().all(|x| x.is_finite())) {
+            return Err(Error::NotFinite { cloth: cloth.name().into(), what: "rest length", index });
+        }
+        let held: &[[u32; 2]] = cast_slice(&self.words[self.head.layout.range(Part::Tethers)]);
+        let missing = |anchor: u32| anchor != u32::MAX && anchor as usize >= cloth.len();
+        if let Some(n) = held.iter().position(|[anchor, _]| missing(*anchor)) {
+            let index = n / self.head.layout.slots;
+            return Err(Error::State { cloth: cloth.name().into(), problem: StateProblem::Anchor { index } });
+        }
         Ok(())
     }
 

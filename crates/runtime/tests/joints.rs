@@ -287,6 +287,24 @@ fn cloth_whose_joints_rest_falls_asleep_and_joints_wake_it() {
 }
 
 #[test]
+fn a_hit_of_a_finer_level_is_refused_by_cloth_that_follows_joints() {
+    let mut rig = Rig::cpu(scene(sheet(33)), &Options::default());
+    let hit = Hit {
+        cloth: 0,
+        handle: None,
+        grid: 0,
+        texel: [9, 27],
+        triangle: 1,
+        particles: [900, 901, 934],
+        barycentric: [1.0, 0.0, 0.0],
+        corners: [[0.0; 3]; 3],
+        distance: 1.0,
+    };
+    rig.stepper.set_level(0, 1).unwrap();
+    assert!(matches!(rig.stepper.grab(&hit), Err(Error::NoSuch { .. })));
+}
+
+#[test]
 fn states_and_levels_go_on_with_the_joints() {
     let cloth = sheet(33);
     let rest = Flat { down: [0.0, -0.4, 0.0], ..Flat::square("sheet", 33) }.cloth().unwrap().positions().to_vec();

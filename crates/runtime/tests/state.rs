@@ -273,6 +273,67 @@ fn what_does_not_fit_is_named_and_changes_nothing() {
     assert!(matches!(error, Error::State { problem: StateProblem::Tethers { expected: 0, .. }, .. }), "{error}");
 }
 
+#[test]
+fn damaged_bytes_of_a_state_are_refused() {
+    let mut stepper =
+        Stepper::on_cpu(support::scene(curtain(14)), Options { tethers: 2, ..Options::default() }).unwrap();
+    cut(&mut stepper);
+    stepper.advance(FRAME).unwrap();
+    // The last of all words are tethers: an anchor, and its distance.
+    let good = stepper.state(0).unwrap().to_bytes();
+    let mut refused = 0;
+    for n in 1..=2 * 14 * 14 {
+        let mut bytes = good.clone();
+        let at = bytes.len() - 4 * n;
+        let is_anchor = n % 2 == 0;
+        bytes[at..at + 4].copy_from_slice(&4000u32.to_le_bytes());
+        let set = ClothState::from_bytes(&bytes).and_then(|state| stepper.set_state(0, &state));
+        assert_eq!(
+            is_anchor,
+            matches!(set, Err(Error::State { problem: StateProblem::Anchor { .. }, .. })),
+            "{n}: {set:?}"
+        );
+        refused += u32::from(is_anchor);
+        stepper.advance(FRAME).unwrap();
+    }
+    assert!(refused > 100, "{refused}");
+    // Substeps of cloth at rest, among the numbers of a snapshot.
+    let snapshot = stepper.snapshot().unwrap().to_bytes();
+    let lasting = f64::from(stepper.substeps()).to_le_bytes();
+    let places: Vec<usize> = (0..snapshot.len() - 8).filter(|at| snapshot[*at..*at + 8] == lasting).collect();
+    assert!(!places.is_empty());
+    let spoilt = places.into_iter().map(|at| {
+        let mut bytes = snapshot.clone();
+        bytes[at..at + 8].copy_from_slice(&1e12f64.to_le_bytes());
+        Snapshot::from_bytes(&bytes)
+    });
+    assert!(spoilt.into_iter().any(|read| read.is_err()));
+}
+
+#[test]
+fn rounds_that_an_error_chooses_beside_given_substeps_are_part_of_a_snapshot() {
+    let options = Options { substeps: Some(4), quality: Quality::Error(0.02), tethers: 0, ..Options::default() };
+    let sheet = || scene::builtin("s1", 32).unwrap();
+    let mut stepper = Stepper::on_cpu(sheet(), options.clone()).unwrap();
+    for _ in 0..1800 {
+        stepper.advance(FRAME).unwrap();
+        if stepper.polish() > 0 {
+            break;
+        }
+    }
+    let (snapshot, polish) = (stepper.snapshot().unwrap(), stepper.polish());
+    let fresh = Stepper::on_cpu(sheet(), options).unwrap();
+    assert_ne!(fresh.polish(), polish);
+    let mut again = fresh;
+    again.restore(&snapshot).unwrap();
+    assert_eq!(again.polish(), polish);
+    for _ in 0..30 {
+        stepper.advance(FRAME).unwrap();
+        again.advance(FRAME).unwrap();
+    }
+    assert_eq!(again.snapshot().unwrap(), stepper.snapshot().unwrap());
+}
+
 fn buffer(device: &wgpu::Device, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
 }

@@ -9,6 +9,7 @@ use super::{Cloth, Rows};
 use crate::collider::BODY_GROUP;
 use crate::error::{Error, Result};
 use crate::number::real::cast;
+use crate::scene::Pose;
 
 /// Least clearance \[m\] of cloth that was modelled nearer to the body.
 pub(crate) const LEAST_CLEARANCE_M: f32 = 0.001;
@@ -72,6 +73,15 @@ impl Cloth {
         if has_room {
             self.keep_room();
         }
+        Ok(())
+    }
+
+    /// Moves the surface of cloth that follows no joints, and rests, with the cloth.
+    pub(crate) fn carry_body(&mut self, by: &Pose) -> Result<()> {
+        let Some(worn) = &mut self.worn_on else { return Ok(()) };
+        let BodySurface { rest, triangles, influences, .. } = &*worn.surface;
+        let moved = rest.iter().map(|p| by.apply(*p)).collect();
+        worn.surface = Arc::new(BodySurface::new(moved, triangles.clone(), influences.clone())?);
         Ok(())
     }
 

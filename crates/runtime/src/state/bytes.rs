@@ -65,7 +65,10 @@ impl Snapshot {
         let control = ControlState::from_numbers(numbers, substeps, polish);
         let [time, step, left] = control.clock;
         let timed = time >= 0.0 && step > 0.0 && left >= 0.0 && numbers[..3].iter().all(|x| x.is_finite());
-        if !timed || !(1..=MAX_SUBSTEPS).contains(&substeps) || polish > MAX_SUBSTEPS || !control.due.is_finite() {
+        // NaN where the host gave a number.
+        let many = control.follow[0] > f64::from(MAX_SUBSTEPS);
+        let counted = !many && (1..=MAX_SUBSTEPS).contains(&substeps) && polish <= MAX_SUBSTEPS;
+        if !timed || !counted || !control.due.is_finite() {
             return Err(reader.bad("a number of the clock is out of range"));
         }
         // Each state takes bytes, so the count ends with them.

@@ -102,7 +102,8 @@ impl Stepper {
     pub(super) fn refuse_joined(&self, cloth: usize, particles: impl IntoIterator<Item = u32>) -> Result<()> {
         let Some(joints) = &self.world.runs[cloth].joints else { return Ok(()) };
         let of = &self.world.scene.cloths[cloth];
-        let held = |k: &u32| of.particles()[*k as usize].is_pinned() && joints.joined.binary_search(k).is_ok();
+        let pinned = |k: u32| of.particles().get(k as usize).is_some_and(|p| p.is_pinned());
+        let held = |k: &u32| pinned(*k) && joints.joined.binary_search(k).is_ok();
         match particles.into_iter().find(held) {
             Some(particle) => Err(Error::Follows { cloth: of.name().into(), particle }),
             None => Ok(()),

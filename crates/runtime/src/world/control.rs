@@ -146,7 +146,8 @@ impl Control {
         if given.quality != Quality::Fixed || given.substeps.is_none() {
             settings.substeps = state.substeps;
         }
-        if given.substeps.is_none() && given.polish.is_none() {
+        // An error that is asked for chooses the rounds beside substeps that are given.
+        if given.polish.is_none() && (given.substeps.is_none() || given.quality.target().is_some()) {
             settings.polish = state.polish;
         }
         settings.slack = std::mem::take(&mut self.options.slack);

@@ -73,6 +73,21 @@ fn heights_above_a_moved_surface_are_those_above_it_at_rest() {
 }
 
 #[test]
+fn a_surface_that_rests_goes_where_a_scene_puts_its_cloth() {
+    let mut cloth = crate::Flat::square("sheet", 9).cloth().unwrap();
+    cloth.set_body(Some(std::sync::Arc::new(bowl(12)))).unwrap();
+    let floors = cloth.worn_on.as_ref().unwrap().floors.clone();
+    let heights = |cloth: &Cloth| heights(cloth.body().unwrap(), cloth.positions().iter().copied());
+    let before = heights(&cloth);
+    let pose = crate::scene::Pose { position: [3.0, -1.0, 0.5], rotation: crate::scene::about([0.0, 1.0, 1.0], 1.0) };
+    let placed = cloth.positions().iter().map(|p| pose.apply(*p)).collect();
+    cloth.place(placed).unwrap();
+    cloth.carry_body(&pose).unwrap();
+    assert!(before.iter().zip(heights(&cloth)).all(|(a, b)| (a - b).abs() < 1e-5));
+    assert_eq!(cloth.worn_on.as_ref().unwrap().floors, floors);
+}
+
+#[test]
 fn loose_cloth_of_a_bundle_keeps_its_cells_away_and_tight_cloth_its_thickness() {
     let thickness = 0.003;
     // Cells of 10 mm, above the top of a cube.
