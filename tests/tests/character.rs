@@ -140,6 +140,20 @@ fn changed(glb: &[u8], change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
 }
 
 #[test]
+fn patterns_of_cloth_that_match_nothing_are_errors_beside_a_body_that_is_named() {
+    let mut read = BuildOptions::default();
+    read.select.body = vec!["Body".parse().unwrap()];
+    let fit = |read: &BuildOptions| fit_colliders(&asset("figure.glb"), read, &ColliderOptions::default());
+    for wrong in ["Typo", "Body"] {
+        read.select.cloth = vec![wrong.parse().unwrap()];
+        let error = fit(&read).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(wrong), "{error}");
+    }
+    read.select.cloth = Vec::new();
+    assert!(fit(&read).is_ok());
+}
+
+#[test]
 fn colliders_of_a_file_are_where_its_nodes_are() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("arm.glb");

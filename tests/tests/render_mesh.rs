@@ -83,6 +83,32 @@ fn a_file_without_gltf_has_a_mesh_too_and_it_can_be_left_out() {
     assert!(RenderMesh::from_bundle(&without).unwrap().is_none());
 }
 
+#[test]
+fn an_obj_file_in_other_units_and_axes_has_its_mesh_where_its_cloth_is() {
+    use std::fmt::Write;
+    // A sheet in centimetres, z up.
+    let n = 12;
+    let mut text = "o Sheet\n".to_owned();
+    for k in 0..n * n {
+        let [u, v] = [k % n, k / n].map(|x| 80.0 * f64::from(x) / f64::from(n - 1));
+        writeln!(text, "v {u} {} {v}", 5.0 * (u / 20.0).sin()).unwrap();
+    }
+    for k in (0..n * (n - 1)).filter(|k| k % n + 1 < n).map(|k| k + 1) {
+        writeln!(text, "f {k} {} {} {}", k + 1, k + n + 1, k + n).unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sheet.obj");
+    std::fs::write(&path, text).unwrap();
+    let mut options = texels(1024);
+    options.import.unit = 0.01;
+    options.import.up = gimage::import::Up::Z;
+    let bundle = reread(&build(&path, &options).unwrap().bundle);
+    let (position, normal) = rest_error(&bundle);
+    assert!(position < 1e-6 && normal < 1e-4, "{position:e} {normal:e}");
+    let highest = source(&bundle).iter().map(|s| s.0[1]).fold(f64::MIN, f64::max);
+    assert!((highest - 0.8).abs() < 1e-6, "{highest}");
+}
+
 /// Files of the shared folder.
 const GARMENTS: [&str; 12] = [
     "dress_belted_202k.glb",

@@ -32,7 +32,7 @@ use crate::stage::caps::open_caps;
 use crate::stage::component::Component;
 use crate::stage::gate;
 use crate::stage::image::PieceImage;
-use crate::stage::import::import;
+use crate::stage::import::{IDENTITY, import};
 use crate::stage::render::trace::Trace;
 use crate::stage::render::{self, RenderMesh, Subdivision};
 use crate::stage::repair::repair;
@@ -183,7 +183,9 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
     entries::shells(&mut bundle, &pieces, &riders, &thinned);
     if let Some(trace) = &trace {
         let made = render::Made { trace, pieces: &pieces, families: &families, riders: &riders };
-        let (origins, transform) = (&imported.origins, imported.transform);
+        // Without a glTF file the mesh is written as it was imported.
+        let transform = if plain.is_some() { IDENTITY } else { imported.transform };
+        let origins = &imported.origins;
         let cells = drawn_cells(options, dressed);
         let imported = render::Imported { path, source: &source, origins, transform, plain, cells };
         run.stage(Stage::Render, 1, |report| {

@@ -25,7 +25,7 @@ use gimage_bundle::Winding;
 use super::caps::open_caps;
 use super::import::{Imported, import, inverse};
 use super::repair::repair;
-use super::select::{Role, SelectOptions, divided, keeping, roles, unmatched};
+use super::select::{Role, SelectOptions, assigned, divided, keeping, roles, unmatched};
 use crate::base::mesh::{Joint, Mesh, Part};
 use crate::base::vec3::distance;
 use crate::error::{Error, Result};
@@ -175,10 +175,8 @@ pub(crate) fn fit_body(path: &Path, read: &BuildOptions, options: &ColliderOptio
     let mut parts: Vec<String> =
         mesh.parts.iter().zip(&body).filter(|(_, b)| **b).map(|(p, _)| p.node.clone()).collect();
     parts.dedup();
-    let garments: Vec<bool> = match roles(&mesh, &read.select) {
-        Ok(verdicts) => verdicts.iter().zip(&body).map(|(v, body)| v.role == Role::Cloth && !body).collect(),
-        Err(_) => vec![false; body.len()],
-    };
+    let verdicts = assigned(&mesh, &read.select)?;
+    let garments: Vec<bool> = verdicts.iter().zip(&body).map(|(v, body)| v.role == Role::Cloth && !body).collect();
     let cloth =
         if garments.contains(&true) { worn_cloth(keeping(mesh.clone(), &garments), read)? } else { Mesh::default() };
     let mesh = if body.contains(&false) { keeping(mesh, &body) } else { mesh };

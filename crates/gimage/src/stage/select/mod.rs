@@ -94,6 +94,18 @@ pub struct Selected {
 /// Errors: [`Error::Option`] if a pattern matches no part (it lists the names that exist), if two flags choose one part, or if
 /// nothing is left as cloth.
 pub fn roles(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
+    let verdicts = assigned(mesh, options)?;
+    let named = options.chosen().iter().any(|(_, patterns, _)| !patterns.is_empty());
+    if named && !mesh.triangle_part.iter().any(|&p| verdicts[p as usize].role == Role::Cloth) {
+        let problem = "no part is left that is cloth".to_owned();
+        let hint = format!("name the cloth with --cloth: {}", names(&mesh.parts));
+        return Err(Error::Option { option: "cloth".into(), problem, hint });
+    }
+    Ok(verdicts)
+}
+
+/// As [`roles`], of a mesh that may have no cloth.
+pub(crate) fn assigned(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
     let chosen = options.chosen();
     if chosen.iter().all(|(_, patterns, _)| patterns.is_empty()) {
         let all = Verdict::new(Role::Cloth, "");
@@ -122,13 +134,7 @@ pub fn roles(mesh: &Mesh, options: &SelectOptions) -> Result<Vec<Verdict>> {
         }
         verdicts.push(verdict.map(|(_, verdict)| verdict));
     }
-    let verdicts = with_rest(mesh, verdicts, options.cloth.is_empty());
-    if !mesh.triangle_part.iter().any(|&p| verdicts[p as usize].role == Role::Cloth) {
-        let problem = "no part is left that is cloth".to_owned();
-        let hint = format!("name the cloth with --cloth: {}", names(&mesh.parts));
-        return Err(Error::Option { option: "cloth".into(), problem, hint });
-    }
-    Ok(verdicts)
+    Ok(with_rest(mesh, verdicts, options.cloth.is_empty()))
 }
 
 /// The role of each part: the chosen one if there is one. Other parts have the role that they look like if no flag names the cloth (`open`), and are
