@@ -9,7 +9,6 @@ use super::{Cloth, Rows};
 use crate::collider::BODY_GROUP;
 use crate::error::{Error, Result};
 use crate::number::real::cast;
-use crate::scene::Pose;
 
 /// Least clearance \[m\] of cloth that was modelled nearer to the body.
 pub(crate) const LEAST_CLEARANCE_M: f32 = 0.001;
@@ -76,11 +75,11 @@ impl Cloth {
         Ok(())
     }
 
-    /// Moves the surface of cloth that follows no joints, and rests, with the cloth.
-    pub(crate) fn carry_body(&mut self, by: &Pose) -> Result<()> {
+    /// Moves the surface of cloth that follows no joints, and rests, with the cloth: `by` has turned and shifted it.
+    pub(crate) fn carry_body(&mut self, by: impl Fn([f32; 3]) -> [f32; 3]) -> Result<()> {
         let Some(worn) = &mut self.worn_on else { return Ok(()) };
         let BodySurface { rest, triangles, influences, .. } = &*worn.surface;
-        let moved = rest.iter().map(|p| by.apply(*p)).collect();
+        let moved = rest.iter().map(|p| by(*p)).collect();
         worn.surface = Arc::new(BodySurface::new(moved, triangles.clone(), influences.clone())?);
         Ok(())
     }

@@ -153,7 +153,7 @@ fn cloth(
     if pose != Pose::default() {
         let placed = cloth.positions().iter().map(|p| pose.apply(*p)).collect();
         cloth.place(placed).map_err(Error::value(format!("{place}.position")))?;
-        cloth.carry_body(&pose).map_err(Error::value(format!("{place}.position")))?;
+        cloth.carry_body(|p| pose.apply(p)).map_err(Error::value(format!("{place}.position")))?;
     }
     if let Some(fields) = &fields.material {
         cloth.set_material(&material(fields, place)?).map_err(Error::value(format!("{place}.material")))?;
