@@ -55,3 +55,21 @@ pub fn measure<T: Real>(cloth: &Cloth, now: &[[T; 4]], before: &[[T; 4]], dt: f6
     out.center = out.center.map(|c| c / f64::max(mass, f64::MIN_POSITIVE));
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_that_are_too_short_leave_particles_out() {
+        let cloth = crate::Flat::square("sheet", 4).cloth().unwrap();
+        let all: Vec<[f32; 4]> = cloth.positions().iter().map(|p| [1.1 * p[0], p[1], p[2], 1.0]).collect();
+        let of = |now: usize, before: usize| measure(&cloth, &all[..now], &all[..before], 0.01, [0.0, -9.81, 0.0]);
+        assert_eq!(of(0, 16), Measures::default());
+        assert_eq!(of(16, 0), Measures::default());
+        // The first row has springs to the right alone, each a tenth too long.
+        let row = of(4, 16);
+        assert!((row.stretch_mean - 0.1).abs() < 1e-6 && (row.stretch_max - 0.1).abs() < 1e-6, "{row:?}");
+        assert!(of(16, 16).stretch_mean < 0.06);
+    }
+}

@@ -15,7 +15,7 @@ const RISE: f64 = 0.3;
 /// The height \[m\] that each point of a net keeps from the surface of its body, if the cloth is not thinner. A point that began inside, near a pin that is
 /// inside too, keeps its height or rises a little.
 pub fn floors(cloth: &Cloth, net: &Net) -> Vec<f64> {
-    let Some((surface, kept)) = cloth.worn_on() else { return Vec::new() };
+    let Some((surface, kept)) = cloth.modelled_on() else { return Vec::new() };
     let rest = Posed::at_rest(surface);
     let winding = rest.winding();
     let is_inside = |k: u32| winding.number(cast(cloth.at_rest(k as usize))) > WOUND;

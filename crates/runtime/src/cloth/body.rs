@@ -23,6 +23,8 @@ const REST_SHARE: f32 = 0.25;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct WornOn {
     pub surface: Arc<BodySurface>,
+    /// The same where the cloth was modelled on it: a scene may have put both elsewhere.
+    pub modelled: Arc<BodySurface>,
     /// The height \[m\] above it that each particle keeps if the cloth is not thinner.
     pub floors: Arc<[f32]>,
     /// The least thickness \[m\] of the cloth at each particle, by [`Cloth::keep_room`]; empty for none.
@@ -62,26 +64,37 @@ impl Cloth {
                 problem: "it follows a joint that the cloth does not have",
             });
         }
+        let own = self.worn_on.as_ref().filter(|own| Arc::ptr_eq(&own.surface, &surface));
+        let has_room = own.is_some_and(|own| !own.coats.is_empty());
+        let modelled = own.map_or(&surface, |own| &own.modelled).clone();
         let at = |k: usize| self.at_rest(k);
         let there = |k: usize| if self.particles()[k].exists() { at(k) } else { [0.0; 3] };
         let floor = |h: f32| if h < -MODELLED_INSIDE_M { h } else { h.max(LEAST_CLEARANCE_M) };
-        let floors = heights(&surface, (0..self.len()).map(there)).into_iter().map(floor).collect();
-        let own = self.worn_on.as_ref().filter(|own| Arc::ptr_eq(&own.surface, &surface));
-        let has_room = own.is_some_and(|own| !own.coats.is_empty());
-        self.worn_on = Some(WornOn { surface, floors, coats: Arc::default() });
+        let floors = heights(&modelled, (0..self.len()).map(there)).into_iter().map(floor).collect();
+        self.worn_on = Some(WornOn { surface, modelled, floors, coats: Arc::default() });
         if has_room {
             self.keep_room();
         }
         Ok(())
     }
 
-    /// Moves the surface of cloth that follows no joints, and rests, with the cloth: `by` has turned and shifted it.
+    /// Moves the surface, which rests, with cloth that follows no joints: `by` has turned and shifted the cloth.
     pub(crate) fn carry_body(&mut self, by: impl Fn([f32; 3]) -> [f32; 3]) -> Result<()> {
+        let has_skin = self.skin().is_some();
         let Some(worn) = &mut self.worn_on else { return Ok(()) };
         let BodySurface { rest, triangles, influences, .. } = &*worn.surface;
         let moved = rest.iter().map(|p| by(*p)).collect();
         worn.surface = Arc::new(BodySurface::new(moved, triangles.clone(), influences.clone())?);
+        // Without a skin cloth was modelled where it is.
+        if !has_skin {
+            worn.modelled = worn.surface.clone();
+        }
         Ok(())
+    }
+
+    /// Puts the surface back to where the joints of the cloth have it at rest.
+    pub(super) fn bring_body_back(&mut self) {
+        self.worn_on.iter_mut().for_each(|worn| worn.surface = worn.modelled.clone());
     }
 
     /// Has loose cloth keep the size of its cells from its surface, by [`REST_SHARE`].
@@ -128,6 +141,11 @@ impl Cloth {
         self.worn_on.as_ref().map(|worn| (&worn.surface, &worn.floors[..]))
     }
 
+    /// The same with the surface where the cloth was modelled: beside [`Cloth::at_rest`].
+    pub(crate) fn modelled_on(&self) -> Option<(&Arc<BodySurface>, &[f32])> {
+        self.worn_on.as_ref().map(|worn| (&worn.modelled, &worn.floors[..]))
+    }
+
     /// Has particles keep other heights \[m\] above its surface: `floors` has those of points, and `points` the point of each particle, `u32::MAX` for
     /// none.
     pub(crate) fn set_floors(&mut self, points: &[u32], floors: &[f64]) {
@@ -164,6 +182,7 @@ impl Cloth {
     pub(crate) fn take_body(&mut self, fine: &Cloth, samples: &[u32]) {
         self.worn_on = fine.worn_on.as_ref().map(|worn| WornOn {
             surface: worn.surface.clone(),
+            modelled: worn.modelled.clone(),
             floors: samples.iter().map(|k| worn.floors[*k as usize]).collect(),
             coats: samples.iter().filter_map(|k| worn.coats.get(*k as usize).copied()).collect(),
         });

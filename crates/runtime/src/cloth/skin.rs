@@ -167,6 +167,7 @@ impl Cloth {
         let at = |k: usize| if self.particles()[k].exists() { skin.at(&poses, k) } else { self.positions()[k] };
         self.place((0..self.len()).map(at).collect())?;
         self.joints = Some(rows);
+        self.bring_body_back();
         Ok(())
     }
 

@@ -86,6 +86,24 @@ fn a_surface_that_rests_goes_where_a_scene_puts_its_cloth() {
     cloth.carry_body(by).unwrap();
     assert!(before.iter().zip(heights(&cloth)).all(|(a, b)| (a - b).abs() < 1e-5));
     assert_eq!(cloth.worn_on.as_ref().unwrap().floors, floors);
+    // A skin knows where the cloth was modelled: heights there are asked for again, and joints take both back.
+    let mut cloth = crate::Flat::square("sheet", 9).cloth().unwrap();
+    let own = vec![Influence { joints: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] }; cloth.len()];
+    let one = std::array::from_fn(|n| f32::from(n % 5 == 0));
+    cloth.set_skin(vec![crate::SkinJoint { inverse_bind: one, ..Default::default() }], &own).unwrap();
+    let (body, start) = (std::sync::Arc::new(bowl(12)), cloth.positions().to_vec());
+    cloth.set_body(Some(body.clone())).unwrap();
+    let placed = start.iter().map(|p| by(*p)).collect();
+    cloth.place(placed).unwrap();
+    cloth.carry_body(by).unwrap();
+    assert!(!std::sync::Arc::ptr_eq(cloth.body().unwrap(), &body));
+    let moved = cloth.body().cloned();
+    cloth.set_body(moved).unwrap();
+    let (modelled, kept) = cloth.modelled_on().unwrap();
+    assert!(std::sync::Arc::ptr_eq(modelled, &body) && *kept == *floors);
+    cloth.follow_joints(&[one]).unwrap();
+    assert!(std::sync::Arc::ptr_eq(cloth.body().unwrap(), &body));
+    assert!(cloth.positions().iter().zip(&start).all(|(a, b)| (0..3).all(|c| (a[c] - b[c]).abs() < 1e-6)));
 }
 
 #[test]
