@@ -1,5 +1,6 @@
 //! Helpers of the tests across the crates: where files are, meshes made by rule, and what every build must keep.
 
+pub mod glb;
 pub mod shapes;
 pub mod skip;
 

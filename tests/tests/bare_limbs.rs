@@ -1,10 +1,9 @@
 //! A hand that an animation takes through clothes beneath which the body is guessed, from the file to the surface of the body.
 
-use std::path::Path;
-
 use gimage::colliders::{ColliderOptions, Fit, fit_colliders};
 use gimage::options::BuildOptions;
 use gimage_tests::asset;
+use gimage_tests::glb::Glb;
 use serde_json::Value;
 
 /// Joints of the figure beneath its skirt.
@@ -12,80 +11,57 @@ const BENEATH: [&str; 4] = ["hips", "spine", "thigh.L", "thigh.R"];
 /// The left shoulder turned about z, in halves of angles: the hand, which is aside of the hip at rest, is in the thigh.
 const TURN: f32 = -0.5 * 0.80;
 
-/// A glTF file in memory.
-struct File {
-    json: Value,
-    bytes: Vec<u8>,
-}
+/// The figure, to be changed.
+struct File(Glb);
 
 impl File {
-    fn read(name: &str) -> Self {
-        let all = std::fs::read(asset(name)).unwrap();
-        let word = |at: usize| u32::from_le_bytes(all[at..at + 4].try_into().unwrap()) as usize;
-        let (json, rest) = all[20..].split_at(word(12));
-        File { json: serde_json::from_slice(json).unwrap(), bytes: rest[8..].to_vec() }
-    }
-
-    fn write(mut self, path: &Path) {
-        let mut text = self.json.to_string().into_bytes();
-        text.resize(text.len().next_multiple_of(4), b' ');
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let mut out = b"glTF\x02\0\0\0".to_vec();
-        out.extend(((28 + text.len() + self.bytes.len()) as u32).to_le_bytes());
-        for (kind, part) in [(b"JSON", &text), (b"BIN\0", &self.bytes)] {
-            out.extend((part.len() as u32).to_le_bytes());
-            out.extend(kind);
-            out.extend(part);
-        }
-        std::fs::write(path, out).unwrap();
-    }
-
     fn node(&self, name: &str) -> usize {
-        self.json["nodes"].as_array().unwrap().iter().position(|n| n["name"] == name).unwrap()
+        self.0.json["nodes"].as_array().unwrap().iter().position(|n| n["name"] == name).unwrap()
     }
 
     /// Where an accessor begins, and how many elements it has.
     fn place(&self, accessor: usize) -> (usize, usize) {
-        let accessor = &self.json["accessors"][accessor];
-        let view = &self.json["bufferViews"][number(&accessor["bufferView"])];
+        let accessor = &self.0.json["accessors"][accessor];
+        let view = &self.0.json["bufferViews"][number(&accessor["bufferView"])];
         (number(&view["byteOffset"]) + number(&accessor["byteOffset"]), number(&accessor["count"]))
     }
 
     /// Takes the triangles out of the body whose first corner follows one of these joints most.
     fn take_out(&mut self, names: &[&str]) {
-        let skin = &self.json["skins"][0]["joints"];
+        let skin = &self.0.json["skins"][0]["joints"];
         let taken: Vec<bool> = (skin.as_array().unwrap().iter())
             .map(|node| names.iter().any(|name| self.node(name) == number(node)))
             .collect();
-        let primitive = &self.json["meshes"][0]["primitives"][0];
-        assert_eq!(self.json["meshes"][0]["name"], "Body");
+        let primitive = &self.0.json["meshes"][0]["primitives"][0];
+        assert_eq!(self.0.json["meshes"][0]["name"], "Body");
         let of = |name: &str| self.place(number(&primitive["attributes"][name])).0;
         let (joints, weights) = (of("JOINTS_0"), of("WEIGHTS_0"));
         let index = number(&primitive["indices"]);
         let (at, count) = self.place(index);
-        let corner = |n: usize| usize::from(u16::from_le_bytes([self.bytes[at + 2 * n], self.bytes[at + 2 * n + 1]]));
-        let strongest = |v: usize| (0..4).max_by_key(|k| self.bytes[weights + 4 * v + k]).unwrap();
-        let goes = |v: usize| taken[usize::from(self.bytes[joints + 4 * v + strongest(v)])];
+        let corner =
+            |n: usize| usize::from(u16::from_le_bytes([self.0.bytes[at + 2 * n], self.0.bytes[at + 2 * n + 1]]));
+        let strongest = |v: usize| (0..4).max_by_key(|k| self.0.bytes[weights + 4 * v + k]).unwrap();
+        let goes = |v: usize| taken[usize::from(self.0.bytes[joints + 4 * v + strongest(v)])];
         let stay: Vec<u8> = (0..count / 3)
             .filter(|t| !goes(corner(3 * t)))
-            .flat_map(|t| self.bytes[at + 6 * t..at + 6 * t + 6].to_vec())
+            .flat_map(|t| self.0.bytes[at + 6 * t..at + 6 * t + 6].to_vec())
             .collect();
         assert!((1000..3 * count / 2).contains(&stay.len()), "{} of {count}", stay.len());
-        self.json["accessors"][index]["count"] = (stay.len() / 2).into();
-        self.bytes[at..at + stay.len()].copy_from_slice(&stay);
+        self.0.json["accessors"][index]["count"] = (stay.len() / 2).into();
+        self.0.bytes[at..at + stay.len()].copy_from_slice(&stay);
     }
 
     /// Turns a joint about z, for as long as an animation lasts, by an angle twice as large as `half` \[rad\].
     fn turn(&mut self, animation: &str, joint: &str, half: f32) {
         let node = self.node(joint);
-        let all = self.json["animations"].as_array().unwrap();
+        let all = self.0.json["animations"].as_array().unwrap();
         let animation = all.iter().find(|a| a["name"] == animation).unwrap();
         let turns = |c: &&Value| number(&c["target"]["node"]) == node && c["target"]["path"] == "rotation";
         let channel = animation["channels"].as_array().unwrap().iter().find(turns).unwrap();
         let (at, count) = self.place(number(&animation["samplers"][number(&channel["sampler"])]["output"]));
         let (sin, cos) = half.sin_cos();
         let turned: Vec<u8> = [0.0, 0.0, sin, cos].into_iter().flat_map(f32::to_le_bytes).collect();
-        (0..count).for_each(|n| self.bytes[at + 16 * n..at + 16 * n + 16].copy_from_slice(&turned));
+        (0..count).for_each(|n| self.0.bytes[at + 16 * n..at + 16 * n + 16].copy_from_slice(&turned));
     }
 }
 
@@ -97,9 +73,9 @@ fn number(value: &Value) -> usize {
 fn fitted(change: impl Fn(&mut File)) -> Fit {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("figure.glb");
-    let mut file = File::read("figure.glb");
+    let mut file = File(Glb::read(&asset("figure.glb")));
     change(&mut file);
-    file.write(&path);
+    file.0.write(&path);
     fit_colliders(&path, &BuildOptions::default(), &ColliderOptions::default()).unwrap()
 }
 

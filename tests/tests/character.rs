@@ -5,6 +5,7 @@ use gimage::import::{Character, ImportOptions};
 use gimage::options::BuildOptions;
 use gimage_bundle::{Bundle, MapKind, Particle};
 use gimage_runtime::{Backend, Cloth, Options, Scene, Stepper};
+use gimage_tests::glb::Glb;
 use gimage_tests::{asset, build, check, pinned, reread};
 use serde_json::json;
 
@@ -122,23 +123,6 @@ fn a_step_jumps_and_a_scale_grows() {
     }
 }
 
-/// A binary glTF file with its JSON changed.
-fn changed(glb: &[u8], change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
-    let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap());
-    let (json, rest) = glb[20..].split_at(word(12) as usize);
-    let mut value = serde_json::from_slice(json).unwrap();
-    change(&mut value);
-    let mut text = value.to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let all = (20 + text.len() + rest.len()) as u32;
-    let mut out = glb[..8].to_vec();
-    [all, text.len() as u32].iter().for_each(|n| out.extend(n.to_le_bytes()));
-    out.extend(b"JSON");
-    out.extend(text);
-    out.extend(rest);
-    out
-}
-
 #[test]
 fn patterns_of_cloth_that_match_nothing_are_errors_beside_a_body_that_is_named() {
     let mut read = BuildOptions::default();
@@ -157,8 +141,9 @@ fn patterns_of_cloth_that_match_nothing_are_errors_beside_a_body_that_is_named()
 fn colliders_of_a_file_are_where_its_nodes_are() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("arm.glb");
-    let glb = std::fs::read(asset("sleeve.glb")).unwrap();
-    let glb = changed(&glb, |file| {
+    let mut glb = Glb::read(&asset("sleeve.glb"));
+    {
+        let file = &mut glb.json;
         file["nodes"][3]["children"] = json!([4]);
         let rigid = json!({"KHR_physics_rigid_bodies": {"collider": {"geometry": {"shape": 0}}}});
         let nodes = file["nodes"].as_array_mut().unwrap();
@@ -173,8 +158,8 @@ fn colliders_of_a_file_are_where_its_nodes_are() {
             ]}},
         });
         file["extensionsUsed"] = json!(["KHR_implicit_shapes", "KHR_physics_rigid_bodies", "VRM", "VRMC_springBone"]);
-    });
-    std::fs::write(&path, glb).unwrap();
+    }
+    glb.write(&path);
     let mut read = BuildOptions::default();
     read.select.body = vec!["sleeve".parse().unwrap()];
     let options = ColliderOptions { source: ColliderSource::File, ..ColliderOptions::default() };
