@@ -79,6 +79,7 @@ impl Cloth {
     }
 
     /// Moves the surface, which rests, with cloth that follows no joints: `by` has turned and shifted the cloth.
+    #[cfg(any(feature = "scene-file", test))]
     pub(crate) fn carry_body(&mut self, by: impl Fn([f32; 3]) -> [f32; 3]) -> Result<()> {
         let has_skin = self.skin().is_some();
         let Some(worn) = &mut self.worn_on else { return Ok(()) };
