@@ -6,7 +6,7 @@ mod give;
 mod hung;
 mod reach;
 
-pub use follow::Follow;
+pub use follow::{FOLLOW_NUMBERS, Follow};
 
 use std::fmt;
 use std::ops::Deref;

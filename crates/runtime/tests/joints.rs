@@ -333,6 +333,25 @@ fn states_and_levels_go_on_with_the_joints() {
     }
 }
 
+#[test]
+fn a_pin_of_the_host_stays_its_own_on_every_level() {
+    for mut rig in Rig::both(&scene(sheet(33)), &Options::default()) {
+        frame(&mut rig, 1);
+        let (fine, coarse, at) = (16 * 33 + 16, 8 * 17 + 8, [0.1, -0.2, 0.3]);
+        rig.stepper.pin(0, &[fine]).unwrap();
+        rig.stepper.set_pins(0, &[fine], &[at]).unwrap();
+        for (level, particle) in [(1, coarse), (0, fine)] {
+            rig.stepper.set_level(0, level).unwrap();
+            (2..6).for_each(|n| frame(&mut rig, n));
+            let now = rig.positions(0)[particle as usize];
+            assert_eq!((&now[..3], now[3]), (&at[..], 0.0), "{} level {level}: it stays while joints move", rig.name());
+            rig.stepper.set_pins(0, &[particle], &[at]).unwrap();
+            // Those on the skin are not the host's.
+            assert!(matches!(rig.stepper.set_pins(0, &[0], &[at]), Err(Error::Follows { .. })));
+        }
+    }
+}
+
 /// In separate passes, by tiles and in whole frames: the same bits, and those of the twin to rounding.
 #[test]
 fn every_form_follows_alike() {

@@ -130,6 +130,28 @@ fn a_state_saved_while_pins_move_continues_with_the_same_bits() {
     }
 }
 
+#[test]
+fn a_snapshot_of_a_coarser_level_stirs_as_before() {
+    let begin = || {
+        let mut stepper = Stepper::on_cpu(scene(curtain()), Options::default()).unwrap();
+        stepper.set_level(0, 1).unwrap();
+        stepper
+    };
+    let (mut one, mut other) = (begin(), begin());
+    (0..5).for_each(|_| assert!(one.advance(FRAME).is_ok()));
+    other.restore(&one.snapshot().unwrap()).unwrap();
+    for frame in 5..120 {
+        for stepper in [&mut one, &mut other] {
+            let at = stepper.scene().cloths[0].positions()[0];
+            let to = [at[0] + 0.2 * (f64::from(frame) * 0.3).sin() as f32, at[1], at[2]];
+            stepper.set_pins(0, &[0], &[to]).unwrap();
+            stepper.advance(FRAME).unwrap();
+        }
+        assert_eq!(one.substeps(), other.substeps(), "frame {frame}");
+    }
+    assert_eq!(one.positions(0), other.positions(0));
+}
+
 #[cfg(feature = "gpu")]
 #[test]
 fn both_backends_choose_the_same() {

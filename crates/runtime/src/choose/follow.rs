@@ -10,6 +10,9 @@ const HOLD_S: f64 = 1.0;
 const SWING_S: f64 = 1.0;
 const STIR_S: f64 = 0.1;
 
+/// How many numbers a snapshot has of a [`Follow`].
+pub const FOLLOW_NUMBERS: usize = 3;
+
 /// Keeps a chosen number of substeps up with the speed of colliders, wind and pins, frame by frame.
 #[derive(Clone, Debug)]
 pub struct Follow {
@@ -59,17 +62,18 @@ impl Follow {
         }
     }
 
-    /// The substeps of cloth and colliders at rest, NaN if the host gave a number, and for how long \[s\] more than those stay.
-    pub fn numbers(&self) -> [f64; 2] {
-        [self.lasting.map_or(f64::NAN, f64::from), self.hold]
+    /// The substeps of cloth and colliders at rest, NaN if the host gave a number, for how long \[s\] more than those stay, and those of cloth
+    /// that is stirred.
+    pub fn numbers(&self) -> [f64; FOLLOW_NUMBERS] {
+        [self.lasting.map_or(f64::NAN, f64::from), self.hold, f64::from(self.stirred)]
     }
 
     /// Takes them over from another one; a number that the host gave stays.
-    pub fn resume(&mut self, [lasting, hold]: [f64; 2]) {
+    pub fn resume(&mut self, [lasting, hold, stirred]: [f64; FOLLOW_NUMBERS]) {
         if lasting >= 1.0 {
             self.lasting = self.lasting.map(|_| lasting as u32);
         }
-        self.hold = hold.max(0.0);
+        (self.hold, self.stirred) = (hold.max(0.0), stirred as u32);
     }
 
     /// To be called when steps have been made.

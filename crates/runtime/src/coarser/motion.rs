@@ -1,5 +1,7 @@
 //! Motion of a cloth, and its pins between the two images.
 
+use std::sync::Arc;
+
 use super::Coarser;
 use crate::cloth::Cloth;
 use crate::number::real::with_w;
@@ -61,6 +63,13 @@ impl Coarser {
             Some((k as u32, c as u32, [0, 1, 2].map(|n| p[n] - q[n])))
         });
         each.collect()
+    }
+
+    /// The particles of the coarse image that are pinned where only these of the fine one are, both in ascending order.
+    pub(crate) fn pinned_by(&self, fine: &[u32]) -> Arc<[u32]> {
+        let mut pins = vec![false; self.map.stencils.len()];
+        fine.iter().for_each(|k| pins[*k as usize] = true);
+        self.map.pins(&pins).iter().zip(0..).filter(|(pin, _)| **pin).map(|(_, c)| c).collect()
     }
 
     /// Carries pins that have changed on the coarse image to the fine one: a fine particle is pinned if all coarse ones around it are.

@@ -9,7 +9,7 @@ use crate::scene::Pose;
 
 /// The first bytes of a state and of a snapshot; the last one is the version.
 const STATE: [u8; 8] = *b"gimSta\0\x01";
-const SNAPSHOT: [u8; 8] = *b"gimSna\0\x01";
+const SNAPSHOT: [u8; 8] = *b"gimSna\0\x02";
 /// Most steps in a frame, as in [`crate::Options`].
 const MAX_SUBSTEPS: u32 = 4096;
 
@@ -65,9 +65,11 @@ impl Snapshot {
         let control = ControlState::from_numbers(numbers, substeps, polish);
         let [time, step, left] = control.clock;
         let timed = time >= 0.0 && step > 0.0 && left >= 0.0 && numbers[..3].iter().all(|x| x.is_finite());
+        let [lasting, _, stirred] = control.follow;
         // NaN where the host gave a number.
-        let many = control.follow[0] > f64::from(MAX_SUBSTEPS);
-        let counted = !many && (1..=MAX_SUBSTEPS).contains(&substeps) && polish <= MAX_SUBSTEPS;
+        let is_count = |x: f64| (0.0..=f64::from(MAX_SUBSTEPS)).contains(&x);
+        let followed = is_count(stirred) && (lasting.is_nan() || is_count(lasting));
+        let counted = followed && (1..=MAX_SUBSTEPS).contains(&substeps) && polish <= MAX_SUBSTEPS;
         if !timed || !counted || !control.due.is_finite() {
             return Err(reader.bad("a number of the clock is out of range"));
         }

@@ -1,6 +1,7 @@
 //! The state of all cloths, and of what steps them.
 
 use super::ClothState;
+use crate::choose::FOLLOW_NUMBERS;
 use crate::quality::NUMBERS;
 
 /// The states of all cloths of a stepper, its clock, and the numbers by which it chooses substeps. Restored, the stepper
@@ -44,7 +45,7 @@ pub struct ControlState {
     /// As `Chooser::numbers`.
     pub chooser: [f64; NUMBERS],
     /// As `Follow::numbers`.
-    pub follow: [f64; 2],
+    pub follow: [f64; FOLLOW_NUMBERS],
     /// When cloths are next examined \[s\].
     pub due: f64,
     pub substeps: u32,
@@ -53,7 +54,7 @@ pub struct ControlState {
 
 impl Default for ControlState {
     fn default() -> Self {
-        let (clock, chooser, follow) = ([0.0; 3], [0.0; NUMBERS], [0.0; 2]);
+        let (clock, chooser, follow) = ([0.0; 3], [0.0; NUMBERS], [0.0; FOLLOW_NUMBERS]);
         ControlState { clock, chooser, follow, due: 0.0, substeps: 0, polish: 0 }
     }
 }
@@ -67,7 +68,7 @@ impl PartialEq for ControlState {
 }
 
 /// How many numbers of a control state are not whole.
-pub const CONTROL_NUMBERS: usize = NUMBERS + 6;
+pub const CONTROL_NUMBERS: usize = 3 + NUMBERS + FOLLOW_NUMBERS + 1;
 
 impl ControlState {
     /// All numbers that are not whole, in one list.
@@ -79,8 +80,9 @@ impl ControlState {
     /// The same from that list.
     pub fn from_numbers(all: [f64; CONTROL_NUMBERS], substeps: u32, polish: u32) -> Self {
         let [a, b, c, ..] = all;
-        let [.., k, l, due] = all;
+        let [.., due] = all;
         let chooser = std::array::from_fn(|n| all[3 + n]);
-        ControlState { clock: [a, b, c], chooser, follow: [k, l], due, substeps, polish }
+        let follow = std::array::from_fn(|n| all[3 + NUMBERS + n]);
+        ControlState { clock: [a, b, c], chooser, follow, due, substeps, polish }
     }
 }

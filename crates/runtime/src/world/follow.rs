@@ -6,6 +6,7 @@ use super::{Action, World};
 use crate::cloth::{Cloth, Rows};
 
 /// The joints of a cloth.
+#[derive(Clone)]
 pub struct Joints {
     /// Their matrices at the end of the last frame that made a step.
     now: Arc<[Rows]>,
@@ -49,10 +50,9 @@ impl Joints {
         self.now.iter().zip(from.iter()).map(one).collect()
     }
 
-    /// Takes over where the joints of another image of the cloth are, and where they go.
-    pub fn go_on(&mut self, other: &Joints) {
-        (self.now, self.next, self.moves) = (other.now.clone(), other.next.clone(), other.moves);
-        self.way = other.way.clone();
+    /// The same of another image of the cloth, of which these particles follow them.
+    pub fn on_level(&self, joined: Arc<[u32]>) -> Self {
+        Joints { joined, ..self.clone() }
     }
 
     /// The matrices, moved by a rigid transform whose columns are given.

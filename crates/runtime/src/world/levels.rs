@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::follow::Joints;
 use super::images::Images;
 use super::{ClothRun, Left, World};
 use crate::cloth::Cloth;
@@ -24,6 +23,8 @@ pub struct Finer {
     warnings: Vec<Warning>,
     pub(super) coarser: Coarser,
     beside: Beside,
+    /// As [`Joints::joined`], of this image.
+    joined: Arc<[u32]>,
 }
 
 /// A cloth that changes its level.
@@ -31,6 +32,8 @@ pub struct Switch {
     pub index: usize,
     cloth: Cloth,
     run: ClothRun,
+    /// As [`Joints::joined`], of the level that it is on.
+    joined: Arc<[u32]>,
     /// Its motion on the new level, where the host has it.
     pub motion: Option<Motion>,
     /// How a device carries its motion; empty where the host has it.
@@ -68,7 +71,8 @@ impl World {
         let mut run = now.images.clone().map_or_else(ClothRun::default, ClothRun::new);
         (run.finer, run.warnings) = (now.finer.clone(), now.warnings.clone());
         run.home = now.home;
-        let mut switch = Switch { index, cloth, run, motion, legs: Vec::new() };
+        let joined = now.joints.as_ref().map_or_else(Arc::default, |joints| joints.joined.clone());
+        let mut switch = Switch { index, cloth, run, joined, motion, legs: Vec::new() };
         while (switch.run.finer.len() as u32) < level {
             self.coarsen(&mut switch)?;
         }
@@ -77,10 +81,7 @@ impl World {
         }
         let run = &mut switch.run;
         (run.coat, run.calm, run.moving) = (now.coat, now.calm, now.moving);
-        run.joints = Joints::of(&switch.cloth);
-        if let (Some(joints), Some(before)) = (&mut run.joints, &now.joints) {
-            joints.go_on(before);
-        }
+        run.joints = now.joints.as_ref().map(|joints| joints.on_level(switch.joined.clone()));
         Ok(switch)
     }
 
@@ -115,7 +116,9 @@ impl World {
         let cloth = std::mem::replace(&mut switch.cloth, cloth);
         run.finer = std::mem::take(&mut switch.run.finer);
         let warnings = std::mem::take(&mut switch.run.warnings);
-        run.finer.push(Finer { cloth, images, warnings, coarser, beside });
+        let below = coarser.pinned_by(&switch.joined);
+        let joined = std::mem::replace(&mut switch.joined, below);
+        run.finer.push(Finer { cloth, images, warnings, coarser, beside, joined });
         switch.run = run;
         Ok(())
     }
@@ -159,7 +162,7 @@ impl World {
 
 impl Switch {
     fn refine(&mut self, solver: Solver) {
-        let Some(Finer { mut cloth, images, warnings, coarser, beside }) = self.run.finer.pop() else { return };
+        let Some(Finer { mut cloth, images, warnings, coarser, beside, joined }) = self.run.finer.pop() else { return };
         coarser.carry_pins(&mut cloth, &self.cloth);
         cloth.take_settings(&self.cloth);
         let table = images.table(|| coarser.table(&cloth, &self.cloth, solver));
@@ -174,7 +177,7 @@ impl Switch {
                 self.legs.push(Leg { down: false, table, inverse_masses, beside });
             }
         }
-        self.cloth = cloth;
+        (self.cloth, self.joined) = (cloth, joined);
         let (finer, home) = (std::mem::take(&mut self.run.finer), self.run.home);
         self.run = ClothRun::new(images);
         (self.run.finer, self.run.warnings, self.run.home) = (finer, warnings, home);
