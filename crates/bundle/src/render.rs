@@ -16,7 +16,7 @@ use serde_json::Value;
 use crate::error::{Error, Result};
 
 pub(crate) use check::check_render;
-pub use primitive::{RenderPrimitive, numbered};
+pub use primitive::{RenderPrimitive, is_binding, numbered};
 pub use uv_transform::UvTransform;
 pub use wrap::Wrap;
 

@@ -4,7 +4,11 @@ use gimage::Error;
 use gimage::export::motion::{Compression, GltfMotion, MotionWriter, Part, Shown};
 use gimage::import::{ImportOptions, import};
 use gimage::mesh::Semantic;
+use gimage::options::BuildOptions;
+use gimage::pipeline::build;
+use gimage::progress::Quiet;
 use gimage::reconstruct::{ReconstructedPiece, Reconstruction};
+use gimage_bundle::RenderFile;
 use serde_json::Value;
 
 const SIDE: u32 = 17;
@@ -119,6 +123,23 @@ fn the_importer_reads_compressed_meshes() {
             assert_eq!(sets, usize::from(surface.pieces[0].uv.is_some()));
         }
     }
+}
+
+#[test]
+fn draco_streams_whose_indices_have_no_accessor_have_a_render_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    let bytes = written(Shown::Meshes, Compression::Draco, &[wave(0)]);
+    let glb = gltf::Glb::from_slice(&bytes).unwrap();
+    let mut root: Value = serde_json::from_slice(&glb.json).unwrap();
+    root["meshes"][0]["primitives"][0]["indices"] = 9999.into();
+    let mut text = root.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let changed = gltf::Glb { json: text.into(), ..glb };
+    std::fs::write(&path, changed.to_vec().unwrap()).unwrap();
+    let built = build(&path, &BuildOptions::default(), &Quiet).unwrap();
+    let file = built.bundle.render.as_ref().map(|bytes| RenderFile::parse(bytes).unwrap()).unwrap();
+    assert_eq!(file.primitives().unwrap()[0].indices.len(), 6 * 16 * 16);
 }
 
 /// A file whose views are unpacked.

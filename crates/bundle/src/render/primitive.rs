@@ -116,6 +116,13 @@ fn load(
     }))
 }
 
+/// Whether an attribute is one that binds vertices to the pieces of a bundle.
+pub fn is_binding(name: &str) -> bool {
+    [COORD, OFFSET, JOINTS, WEIGHTS]
+        .iter()
+        .any(|own| name.strip_prefix(own).is_some_and(|set| set.bytes().all(|b| b.is_ascii_digit())))
+}
+
 /// The name of the attribute [`JOINTS`] or [`WEIGHTS`] of a set of four joints.
 pub fn numbered(name: &str, set: usize) -> String {
     if set == 0 { name.into() } else { format!("{name}{set}") }

@@ -8,6 +8,7 @@ use super::budget::{self, Made};
 use crate::base::halfedge;
 use crate::base::mesh::{Mesh, Semantic};
 use crate::base::surface::Surface;
+use crate::base::words;
 use crate::error::{Error, Result};
 use crate::options::{BuildOptions, ImageSize};
 use crate::progress::{Progress, Stage};
@@ -119,7 +120,13 @@ enum Share {
 fn shares(components: &[Component], options: &BuildOptions) -> Result<Vec<Share>> {
     let total: f64 = components.iter().map(|c| c.area).sum();
     match options.image.size {
-        ImageSize::Exact(..) => Ok(vec![Share::Exact; components.len()]),
+        ImageSize::Exact(width, height) => {
+            let texels = f64::from(width) * f64::from(height) * components.len() as f64;
+            let what =
+                || format!("{} of {width} x {height} texels", words::counted(components.len(), "image", "images"));
+            fits(texels, what, "give a smaller size, or select fewer parts with --cloth")?;
+            Ok(vec![Share::Exact; components.len()])
+        }
         ImageSize::Texels(n) => {
             let areas: Vec<f64> = components.iter().map(|c| c.area).collect();
             let share = |s: Option<u32>| s.map_or(Share::TooSmall, Share::Texels);
@@ -128,20 +135,32 @@ fn shares(components: &[Component], options: &BuildOptions) -> Result<Vec<Share>
         ImageSize::Spacing(d) => {
             let share = |component: &Component| {
                 let texels = component.area / (d * d);
-                if texels > f64::from(gimage_bundle::MAX_PARTICLES) {
-                    return Err(Error::TooLarge {
-                        what: format!("piece {} at a spacing of {d} m", component.name),
-                        need: format!("{texels:.0} texels"),
-                        limit: format!("{} texels", gimage_bundle::MAX_PARTICLES),
-                        hint: "give a larger spacing".into(),
-                    });
-                }
+                fits(texels, || format!("piece {} at a spacing of {d} m", component.name), LARGER)?;
                 let small = texels.ceil() < f64::from(budget::LEAST_SHARE) && component.area < ALWAYS_PIECE * total;
                 Ok(if small { Share::TooSmall } else { Share::Texels(texels.ceil() as u32) })
             };
-            components.iter().map(share).collect()
+            let shares = components.iter().map(share).collect::<Result<Vec<_>>>()?;
+            let texels = shares.iter().map(|s| if let Share::Texels(n) = s { f64::from(*n) } else { 0.0 }).sum();
+            fits(
+                texels,
+                || format!("{} at a spacing of {d} m", words::counted(components.len(), "piece", "pieces")),
+                LARGER,
+            )?;
+            Ok(shares)
         }
     }
+}
+
+const LARGER: &str = "give a larger spacing";
+
+/// Errors on more texels than a bundle can have, before any image is made.
+fn fits(texels: f64, what: impl Fn() -> String, hint: &str) -> Result<()> {
+    let limit = gimage_bundle::MAX_PARTICLES;
+    if texels <= f64::from(limit) {
+        return Ok(());
+    }
+    let (need, limit) = (format!("{texels:.0} texels"), format!("{limit} texels"));
+    Err(Error::TooLarge { what: what(), need, limit, hint: hint.into() })
 }
 
 fn make<'a>(

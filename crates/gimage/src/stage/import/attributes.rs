@@ -1,5 +1,6 @@
 //! The attributes of a primitive that survive.
 
+use gimage_bundle::is_binding;
 use gltf::json::mesh::{Primitive, Semantic as Name};
 use gltf::json::validation::Checked;
 
@@ -35,6 +36,11 @@ pub(crate) fn load(
             continue;
         };
         let text = name.to_string();
+        if is_binding(&text) {
+            let message = "Attributes that bind vertices to the pieces of another bundle are left out.";
+            findings.add(Severity::Note, "bindings", 1, message, || element.into());
+            continue;
+        }
         let (semantic, widths) = match name {
             Name::Positions => continue,
             Name::Tangents => {

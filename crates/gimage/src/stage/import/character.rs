@@ -1,5 +1,6 @@
 //! A character file and one of its animations: where its nodes are over time.
 
+use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -27,6 +28,8 @@ const SAME_POSE: f64 = 0.01;
 pub struct Character {
     file: String,
     names: Vec<String>,
+    /// Whether each is a joint of a skin.
+    is_joint: Vec<bool>,
     parents: Vec<Option<usize>>,
     /// Parents before their children.
     order: Vec<usize>,
@@ -110,6 +113,8 @@ impl Character {
         let placed = |c: &Channel| matches!(rest[c.node], Local::Matrix(_));
         let start = bound(&accessors, &forest, &rest);
         let names: Vec<String> = (0..rest.len()).map(|n| doc.node_name(n)).collect();
+        let joints: HashSet<usize> = doc.root.skins.iter().flat_map(|s| &s.joints).map(|j| j.value()).collect();
+        let is_joint: Vec<bool> = (0..rest.len()).map(|n| joints.contains(&n)).collect();
         let one = |index: usize| {
             let clip = Clip::read(&accessors, index)?;
             if let Some(c) = clip.channels.iter().find(|c| placed(c)) {
@@ -119,6 +124,7 @@ impl Character {
             let mut character = Character {
                 file: source.file_name.clone(),
                 names: names.clone(),
+                is_joint: is_joint.clone(),
                 order: forest.order(),
                 start: start.clone(),
                 parents: forest.parent.clone(),
@@ -162,14 +168,22 @@ impl Character {
         self.clip.skipped
     }
 
-    /// The node of a name: among several the first.
+    /// The node of a name. Among several it is a joint of a skin, one that the animation moves by itself or by a node above it, and the first,
+    /// in this order: exporters name meshes like joints, and skeletons have copies. O(nodes).
     pub fn node(&self, name: &str) -> Result<usize> {
-        self.names.iter().position(|n| n == name).ok_or_else(|| Error::Malformed {
+        let named = (0..self.names.len()).rev().filter(|n| self.names[*n] == name);
+        named.max_by_key(|n| (self.is_joint[*n], self.is_moved(*n))).ok_or_else(|| Error::Malformed {
             path: self.file.clone().into(),
             element: format!("node `{name}`"),
             problem: "the file has no node of this name, which a joint of the bundle or of the scene has".into(),
             hint: "give the file that the bundle was built from".into(),
         })
+    }
+
+    /// Whether the animation moves a node, or one above it.
+    fn is_moved(&self, node: usize) -> bool {
+        let mut above = std::iter::successors(Some(node), |n| self.parents[*n]);
+        above.any(|n| self.clip.channels.iter().any(|c| c.node == n))
     }
 
     /// The transforms of all nodes to world space at `time` \[s\] since the start, column-major, in metres and Y up, as bundles are.

@@ -138,6 +138,30 @@ fn skinned(folder: &Path, joints: &[usize], worlds: &[Matrix]) -> std::path::Pat
 }
 
 #[test]
+fn among_nodes_of_one_name_a_joint_of_a_skin_that_moves_is_the_joint() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = skinned(folder.path(), &[1, 2, 3], &[matrix::IDENTITY; 3]);
+    let mut root: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    // Before the chain of the file: a mesh named like its knee, and a copy of its foot that rests, a joint of a second skin.
+    let nodes = root["nodes"].as_array_mut().unwrap();
+    nodes[4]["name"] = json!("knee");
+    nodes.push(json!({"name": "foot"}));
+    nodes.swap(4, 2);
+    nodes.swap(5, 3);
+    nodes[1]["children"] = json!([4]);
+    nodes[4]["children"] = json!([5]);
+    root["skins"][0]["joints"] = json!([1, 4, 5]);
+    root["skins"].as_array_mut().unwrap().push(json!({"joints": [3]}));
+    for channel in root["animations"][1]["channels"].as_array_mut().unwrap() {
+        let target = &mut channel["target"]["node"];
+        *target = json!(target.as_u64().unwrap() + if *target == json!(1) { 0 } else { 2 });
+    }
+    std::fs::write(&path, root.to_string()).unwrap();
+    let go = Character::read(&path, "go", &ImportOptions::default()).unwrap();
+    assert_eq!(["hip", "knee", "foot"].map(|name| go.node(name).unwrap()), [1, 4, 5]);
+}
+
+#[test]
 fn a_character_starts_as_its_skin_is_bound() {
     let folder = tempfile::tempdir().unwrap();
     let h = 0.5f64.sqrt();

@@ -120,6 +120,9 @@ impl Writer<'_> {
         let (count, order) = (decoded.vertex_count(), decoded.indices());
         for (name, id) in header["attributes"].as_object().into_iter().flatten() {
             let Some(index) = primitive["attributes"][name].as_u64().map(|a| a as usize) else { continue };
+            if !self.has_accessor(index) {
+                continue;
+            }
             let values = id.as_u64().and_then(|id| decoded.attribute(u32::try_from(id).ok()?));
             let (width, values) = values.ok_or_else(|| bad(format!("its stream has no attribute {id}")))?;
             let component = self.json["accessors"][index]["componentType"].as_u64().unwrap_or(5126);
@@ -143,8 +146,8 @@ impl Writer<'_> {
         };
         let component = if wide { 5125 } else { 5123 };
         let index = match primitive["indices"].as_u64() {
-            Some(index) => index as usize,
-            None => self.accessor(json!({"type": "SCALAR"})),
+            Some(index) if self.has_accessor(index as usize) => index as usize,
+            _ => self.accessor(json!({"type": "SCALAR"})),
         };
         let written = self.place(index, view, &data, (order.len(), component));
         self.aim(written, 34963);
@@ -152,6 +155,10 @@ impl Writer<'_> {
         target["indices"] = json!(written);
         target.as_object_mut().and_then(|t| t.remove("mode"));
         Ok(())
+    }
+
+    fn has_accessor(&self, index: usize) -> bool {
+        self.json["accessors"].get(index).is_some()
     }
 
     /// States what the view of an accessor is for, and returns its index.

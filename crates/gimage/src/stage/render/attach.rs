@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use gimage_bundle::{COORD, JOINTS, OFFSET, WEIGHTS, numbered};
+use gimage_bundle::{COORD, JOINTS, OFFSET, WEIGHTS, is_binding, numbered};
 use serde_json::{Value, json};
 
 use super::bind::{Binding, UNBOUND};
@@ -54,6 +54,7 @@ impl Attached {
     /// Adds the attributes. Primitives of one node stand next to each other in `bound`; those of one instance do too.
     pub fn new(json: Value, bin: Vec<u8>, bound: &[Bound], skin: &Skin) -> Self {
         let mut out = Attached { json, bin, counts: Counts::default() };
+        out.drop_bindings();
         for group in bound.chunk_by(|a, b| (a.node, a.mesh, a.instance) == (b.node, b.mesh, b.instance)) {
             if group.iter().any(|b| is_bound(&b.vertices)) {
                 let mesh = out.own_mesh(&group[0]);
@@ -62,6 +63,15 @@ impl Attached {
         }
         out.drop_instancing();
         out
+    }
+
+    /// Removes the bindings of a file that was the render mesh of another bundle.
+    fn drop_bindings(&mut self) {
+        let meshes = self.json.get_mut("meshes").and_then(Value::as_array_mut).into_iter().flatten();
+        let primitives = meshes.filter_map(|m| m.get_mut("primitives")?.as_array_mut()).flatten();
+        for attributes in primitives.filter_map(|p| p.get_mut("attributes")?.as_object_mut()) {
+            attributes.retain(|name, _| !is_binding(name));
+        }
     }
 
     /// The mesh that a node, or an instance of it, has for itself: bindings of two nodes differ.

@@ -22,7 +22,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use gimage_bundle::manifest::RenderEntry;
-use gimage_bundle::{Bundle, MapKind};
+use gimage_bundle::{Bundle, MapKind, RenderFile};
 use serde_json::Value;
 
 use self::attach::{Attached, Skin};
@@ -137,13 +137,18 @@ pub(crate) fn add(
     let skin = Skin { trace: &trace, blending: &blending };
     let attached = Attached::new(document.json, document.bin, &bound, &skin);
     let (vertices, bound) = (attached.counts.vertices, attached.counts.bound);
-    match attached.into_bytes() {
-        Ok(bytes) if bytes.len() as u64 <= gimage_bundle::MAX_RENDER_BYTES => bundle.render = Some(bytes),
-        _ => {
-            let message = "The bundle has no render mesh: it is larger than 2 GiB; use smaller textures.";
-            findings.push(finding("no-render-mesh", 1, Vec::new(), message.into()));
-            return Ok(findings);
+    let problem = match attached.into_bytes() {
+        Ok(bytes) if bytes.len() as u64 <= gimage_bundle::MAX_RENDER_BYTES => {
+            let problem = unreadable(&bytes);
+            bundle.render = problem.is_none().then_some(bytes);
+            problem
         }
+        _ => Some("it is larger than 2 GiB; use smaller textures".into()),
+    };
+    if let Some(problem) = problem {
+        let message = format!("The bundle has no render mesh: {problem}.");
+        findings.push(finding("no-render-mesh", 1, Vec::new(), message));
+        return Ok(findings);
     }
     bundle.manifest.render = Some(RenderEntry {
         file: gimage_bundle::RENDER_FILE.into(),
@@ -153,6 +158,11 @@ pub(crate) fn add(
         transform: imported.transform,
     });
     Ok(findings)
+}
+
+/// A fault of parts of the source that the import does not read, such as tangents.
+fn unreadable(bytes: &[u8]) -> Option<String> {
+    RenderFile::parse(bytes).and_then(|file| file.primitives()).err().map(|e| e.to_string())
 }
 
 /// The binding of each vertex of the imported mesh.
