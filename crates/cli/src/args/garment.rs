@@ -144,7 +144,7 @@ pub struct FitArgs {
     /// body are within three times --collider-error of them.
     #[arg(long, value_name = "SOURCE", value_parser = collider_source(), default_value = "auto")]
     pub collider_source: ColliderSource,
-    /// Colliders in place of parts of the body that the file leaves out beneath clothes, just beneath the innermost garment.
+    /// Colliders in place of parts of the body that the file leaves out beneath clothes, 0.7 times as wide as the innermost garment.
     #[arg(long, value_name = "GUESS", value_parser = choice::<Guess>(), default_value = "on")]
     pub collider_guess: Guess,
 }

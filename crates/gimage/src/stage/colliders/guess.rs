@@ -1,12 +1,13 @@
 //! Parts of the body that a file leaves out beneath clothes, guessed from the clothes: characters of games often have a head, arms and hands, and nothing under the shirt.
 //!
-//! Guesses a body just beneath the innermost garment for each bone that a garment surrounds and no body does.
+//! Guesses a body beneath the innermost garment for each bone that a garment surrounds and no body does.
 
 use gimage_bundle::Winding;
 use rayon::prelude::*;
 
 use super::fit::{self, Limits, Placed};
 use super::samples::{INSIDE, Sample, join_small, normal, strongest};
+use super::solid::Solid;
 use crate::base::closest::Closest;
 use crate::base::mesh::Mesh;
 use crate::base::scatter::Sampler;
@@ -26,6 +27,9 @@ const FAR: f64 = 0.12;
 const AROUND: f64 = 0.5;
 /// Samples of a part that is guessed, at least: fewer are gaps between body and cloth.
 const FEWEST: usize = 25;
+/// Width of a solid as a share of that which fits the clothes. Clothes of such characters are as wide as the body that they hide: where an
+/// animation lowers an arm, solids as wide would cross, and contact would push the sleeve from one into the other.
+const ROOM: f64 = 0.7;
 /// Depth of a point that is inside, as a share of the way to the bone.
 const DEEP: f64 = 0.5;
 
@@ -46,6 +50,12 @@ pub(super) fn guess(body: (&Mesh, &Winding), cloth: &Mesh, limits: &Limits, belo
     let placed = fit::fit(&samples, &limits);
     samples.retain(Sample::is_on_surface);
     (placed, samples)
+}
+
+/// Solids with room between them and the clothes.
+pub(super) fn narrowed(placed: &[Placed]) -> Vec<Placed> {
+    let one = |p: &Placed| Placed { solid: Solid { form: p.solid.form.narrowed(ROOM), ..p.solid }, ..*p };
+    placed.iter().map(one).collect()
 }
 
 /// Points beneath the innermost garments, points inside of what is missing, and points of the garments, which are outside.

@@ -71,7 +71,7 @@ pub struct ColliderOptions {
     pub guess: Guess,
 }
 
-/// Whether solids stand for parts of the body that a file leaves out beneath clothes, just beneath the innermost garment.
+/// Whether solids stand for parts of the body that a file leaves out beneath clothes, with room beneath the innermost garment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Guess {
     /// For bones that a garment surrounds and no body does.
@@ -271,10 +271,11 @@ fn fit_mesh(
         Guess::Off => (Vec::new(), Vec::new()),
     };
     findings.extend(guessed(mesh, &missing));
-    // Figures of the solids that stand for the body that is there, and then those of each that is guessed.
+    // Figures of the solids that stand for the body that is there, and then those of each that is guessed, as wide as the clothes.
     let with_missing = |placed: Vec<fit::Placed>, mut figures: Figures| {
         figures.of_each.extend(judge::each(&missing, &beneath));
-        let guessed = all(&missing).into_iter().map(|collider| Collider { guessed: true, ..collider });
+        let guessed = all(&guess::narrowed(&missing)).into_iter();
+        let guessed = guessed.map(|collider| Collider { guessed: true, ..collider });
         (all(&placed).into_iter().chain(guessed).collect(), figures)
     };
     if let Some(given) = given.filter(|_| !others.is_empty()) {
@@ -338,7 +339,7 @@ fn guessed(mesh: &Mesh, placed: &[fit::Placed]) -> Option<Finding> {
         kind: "hint-guessed",
         count: placed.len() as u64,
         message: format!(
-            "The file has no body beneath parts of the clothes: {} colliders just beneath them stand for it ({}). --collider-guess off does without.",
+            "The file has no body beneath parts of the clothes: {} colliders beneath them stand for it ({}). --collider-guess off does without.",
             placed.len(),
             names.join(", ")
         ),

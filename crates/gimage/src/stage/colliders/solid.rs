@@ -180,6 +180,26 @@ impl Form {
         }
     }
 
+    /// As long along its longest axis, and `by` times as wide across it; `by` is at most 1.
+    pub(super) fn narrowed(self, by: f64) -> Self {
+        let across = |sizes: [f64; 3]| {
+            let longest = (1..3).fold(0, |a, b| if sizes[b] > sizes[a] { b } else { a });
+            std::array::from_fn(|n| if n == longest { sizes[n] } else { by * sizes[n] })
+        };
+        match self {
+            Form::Sphere { radius } => Form::Sphere { radius: by * radius },
+            Form::Capsule { half_height, radius } => {
+                Form::Capsule { half_height: half_height + (1.0 - by) * radius, radius: by * radius }
+            }
+            Form::TaperedCapsule { half_height, radii } => {
+                let ends = 0.5 * (radii[0] + radii[1]);
+                Form::TaperedCapsule { half_height: half_height + (1.0 - by) * ends, radii: radii.map(|r| by * r) }
+            }
+            Form::Box { half } => Form::Box { half: across(half) },
+            Form::Ellipsoid { radii } => Form::Ellipsoid { radii: across(radii) },
+        }
+    }
+
     /// As a mirror in its middle shows it.
     fn mirrored(self) -> Self {
         match self {

@@ -390,6 +390,8 @@ fn a_part_that_the_body_lacks_is_guessed_beneath_the_sleeve_around_it() {
     for x in [-0.15, 0.0, 0.15] {
         assert!(inside([x, 0.0, 0.0]) && inside([x, 0.04, 0.0]) && inside([x, 0.0, -0.04]), "{x}: {guessed:?}");
         assert!(!inside([x, 0.0701, 0.0]) && !inside([x, 0.0, -0.0701]), "{x}: {guessed:?}");
+        // The sleeve has room for folds.
+        assert!(!inside([x, 0.055, 0.0]) && !inside([x, 0.0, -0.055]), "{x}: {guessed:?}");
     }
     assert!(findings.iter().any(|f| f.kind == "hint-guessed" && f.message.contains("shoulder")), "{findings:?}");
 
