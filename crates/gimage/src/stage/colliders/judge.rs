@@ -39,7 +39,7 @@ impl FitError {
 pub struct Figures {
     /// Points of the body to the common surface of all solids.
     pub body: FitError,
-    /// The same for the points of each solid's own share of the body.
+    /// The same for the points of each solid's own share of the body; for a guessed one of the clothes, before it was made narrower.
     pub of_each: Vec<FitError>,
     /// Volume \[m3\] of the solids that lies outside the body, overlaps counted once.
     pub outside: f64,
