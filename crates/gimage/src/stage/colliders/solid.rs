@@ -180,7 +180,7 @@ impl Form {
         }
     }
 
-    /// As long along its longest axis, and `by` times as wide across it; `by` is at most 1.
+    /// As long along its longest axis, and `by` times as wide across it, which is at most 1; of a sphere all is `by` times as large.
     pub(super) fn narrowed(self, by: f64) -> Self {
         let across = |sizes: [f64; 3]| {
             let longest = (1..3).fold(0, |a, b| if sizes[b] > sizes[a] { b } else { a });

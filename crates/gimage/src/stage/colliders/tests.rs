@@ -401,6 +401,27 @@ fn a_part_that_the_body_lacks_is_guessed_beneath_the_sleeve_around_it() {
 }
 
 #[test]
+fn narrowed_solids_are_as_long_as_before() {
+    // A point of the surface on the longest axis, which stays, and one across it.
+    for (form, [end, side]) in [
+        (Form::Capsule { half_height: 0.3, radius: 0.1 }, [[0.0, 0.4, 0.0], [0.1, 0.0, 0.0]]),
+        (Form::Box { half: [0.1, 0.2, 0.5] }, [[0.0, 0.0, 0.5], [0.0, 0.2, 0.0]]),
+        (Form::Ellipsoid { radii: [0.5, 0.2, 0.1] }, [[0.5, 0.0, 0.0], [0.0, 0.2, 0.0]]),
+        (Form::TaperedCapsule { half_height: 0.3, radii: [0.1, 0.1] }, [[0.0, -0.4, 0.0], [0.0, 0.0, 0.1]]),
+    ] {
+        let narrow = form.narrowed(0.7);
+        for (form, share) in [(form, 1.0), (narrow, 0.7)] {
+            let at = |p: [f64; 3], by: f64| form.distance(Vector3::from(p.map(|x| by * x))).abs();
+            assert!(at(end, 1.0) < 1e-6 && at(side, share) < 1e-6, "{form:?}");
+        }
+    }
+    let narrow = Form::TaperedCapsule { half_height: 0.3, radii: [0.2, 0.1] }.narrowed(0.7);
+    let Form::TaperedCapsule { half_height, radii } = narrow else { panic!("{narrow:?}") };
+    assert!((2.0 * half_height + radii[0] + radii[1] - 0.9).abs() < 1e-12, "{narrow:?}");
+    assert_eq!(Form::Sphere { radius: 0.2 }.narrowed(0.5), Form::Sphere { radius: 0.1 });
+}
+
+#[test]
 fn nothing_is_guessed_where_there_is_a_body_or_cloth_hangs_free() {
     let guessed = |body: &Mesh, cloth: &Mesh| {
         let (colliders, ..) = fit_mesh(body, cloth, None, &ColliderOptions::default()).unwrap();
