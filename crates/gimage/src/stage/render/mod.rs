@@ -162,7 +162,11 @@ pub(crate) fn add(
 
 /// A fault of parts of the source that the import does not read, such as tangents.
 fn unreadable(bytes: &[u8]) -> Option<String> {
-    RenderFile::parse(bytes).and_then(|file| file.primitives()).err().map(|e| e.to_string())
+    // The advice of the error is for readers of a bundle.
+    RenderFile::parse(bytes).and_then(|file| file.primitives()).err().map(|error| match error {
+        gimage_bundle::Error::Render { element, problem } => format!("{element}: {problem}; export the file again"),
+        other => other.to_string(),
+    })
 }
 
 /// The binding of each vertex of the imported mesh.
