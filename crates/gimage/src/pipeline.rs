@@ -6,6 +6,7 @@ mod entries;
 mod findings;
 mod outcome;
 mod pins;
+mod room;
 
 use std::path::Path;
 use std::time::Instant;

@@ -9,6 +9,7 @@ pub mod halfedge;
 pub(crate) mod joints;
 pub(crate) mod least_squares;
 pub(crate) mod locate;
+pub(crate) mod memory;
 pub mod mesh;
 pub(crate) mod order;
 pub(crate) mod rebuild;

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use super::budget::{self, Made};
+use super::room::fits;
 use crate::base::halfedge;
 use crate::base::mesh::{Mesh, Semantic};
 use crate::base::surface::Surface;
@@ -128,6 +129,7 @@ fn shares(components: &[Component], options: &BuildOptions) -> Result<Vec<Share>
             Ok(vec![Share::Exact; components.len()])
         }
         ImageSize::Texels(n) => {
+            fits(f64::from(n), || "the images".into(), "give fewer texels")?;
             let areas: Vec<f64> = components.iter().map(|c| c.area).collect();
             let share = |s: Option<u32>| s.map_or(Share::TooSmall, Share::Texels);
             Ok(budget::share_out(&areas, n).into_iter().map(share).collect())
@@ -152,16 +154,6 @@ fn shares(components: &[Component], options: &BuildOptions) -> Result<Vec<Share>
 }
 
 const LARGER: &str = "give a larger spacing";
-
-/// Errors on more texels than a bundle can have, before any image is made.
-fn fits(texels: f64, what: impl Fn() -> String, hint: &str) -> Result<()> {
-    let limit = gimage_bundle::MAX_PARTICLES;
-    if texels <= f64::from(limit) {
-        return Ok(());
-    }
-    let (need, limit) = (format!("{texels:.0} texels"), format!("{limit} texels"));
-    Err(Error::TooLarge { what: what(), need, limit, hint: hint.into() })
-}
 
 fn make<'a>(
     mesh: &Mesh,

@@ -161,17 +161,19 @@ struct Towards {
 
 impl Side {
     fn new(frame: &Frame, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Option<Self> {
-        let (corners, _) = usable_corners(frame, positions, triangles);
+        let (corners, ids) = usable_corners(frame, positions, triangles);
         if corners.is_empty() {
             return None;
         }
         let normals = corners.iter().map(|&[a, b, c]| unit_normal(a, b, c)).collect();
         // The tree numbers its triangles as `corners` does.
         let closest = Closest::of(&corners);
-        let mut vertices: Vec<[f64; 3]> = corners.iter().flatten().copied().collect();
+        let mut is_used = vec![false; positions.len()];
+        ids.iter().flat_map(|&t| triangles[t as usize]).for_each(|v| is_used[v as usize] = true);
+        let used = positions.iter().zip(is_used).filter(|(_, is_used)| *is_used);
+        let mut vertices: Vec<[f64; 3]> = used.map(|(&p, _)| frame.inward(p)).collect();
         vertices.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
         vertices.dedup();
-        vertices.shrink_to_fit();
         Some(Self { corners, normals, vertices, closest })
     }
 
