@@ -36,6 +36,16 @@ fn an_animation_moves_the_cloth_of_its_file() {
 }
 
 #[test]
+fn options_of_an_animation_are_refused_without_one() {
+    let place = Place::new();
+    for given in ["--lead 0.5", "--character sleeve.glb", "--local shoulder"] {
+        let refused = place.run(&format!("simulate s1 --n 9 --frames 1 --backend cpu {given}")).expect(&[2]);
+        let option = given.split(' ').next().unwrap();
+        assert!(refused.stderr.contains(&format!("{option} needs --animation NAME")), "{}", refused.stderr);
+    }
+}
+
+#[test]
 fn a_collider_moves_with_a_joint() {
     let place = place();
     let scene = |collider: &str, more: &str| {

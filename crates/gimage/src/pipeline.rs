@@ -76,11 +76,17 @@ impl Run<'_> {
 /// [`Error::GridTooSmall`] if an exact size cannot hold the border of a piece; [`Error::Option`] if `--pins auto` finds no body;
 /// [`Error::Cancelled`].
 pub fn build(path: &Path, options: &BuildOptions, progress: &dyn Progress) -> Result<Built> {
-    build_as(path, options, false, progress)
+    build_as(path, options, false, progress, |_, _| ())
 }
 
-/// As [`build`]; if `dressed`, with the defaults of [`dress`].
-fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn Progress) -> Result<Built> {
+/// As [`build`]; if `dressed`, with the defaults of [`dress`]. `add` adds to the bundle before it is validated.
+fn build_as(
+    path: &Path,
+    options: &BuildOptions,
+    dressed: bool,
+    progress: &dyn Progress,
+    add: impl FnOnce(&mut Bundle, &mut Report),
+) -> Result<Built> {
     options.check()?;
     let mut run = Run { progress, report: Report::default() };
     let imported = run.stage(Stage::Import, 1, |report| {
@@ -195,6 +201,7 @@ fn build_as(path: &Path, options: &BuildOptions, dressed: bool, progress: &dyn P
         })?;
     }
     entries::describe(&mut bundle, mesh, &source, options, &run.report.findings);
+    add(&mut bundle, &mut run.report);
     run.stage(Stage::Encode, 1, |_| {
         bundle.count()?;
         sound(&bundle)

@@ -99,13 +99,18 @@ fn open_moving(args: &SceneArgs) -> Result<Loaded, Failure> {
     let named =
         file.character.as_ref().map(|c| (scene.parent().unwrap_or(Path::new("")).join(&c.file), c.animation.clone()));
     let (path, animation) = match (&args.motion.animation, named) {
-        (None, None) if args.motion.character.is_some() => {
-            return Err(Failure::refused("--character needs --animation NAME; `gimage list` has the names"));
+        (None, None) => {
+            let motion = &args.motion;
+            let given = [
+                ("--character", motion.character.is_some()),
+                ("--local", motion.local.is_some()),
+                ("--lead", motion.lead.is_some()),
+            ];
+            if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
+                return Err(Failure::refused(format!("{option} needs --animation NAME; `gimage list` has the names")));
+            }
+            return Ok(Loaded { file, bundles, animated: None, cleared: Arc::default() });
         }
-        (None, None) if args.motion.local.is_some() => {
-            return Err(Failure::refused("--local needs --animation NAME; `gimage list` has the names"));
-        }
-        (None, None) => return Ok(Loaded { file, bundles, animated: None, cleared: Arc::default() }),
         (animation, Some((path, own))) => {
             (args.motion.character.clone().unwrap_or(path), animation.clone().unwrap_or(own))
         }

@@ -37,38 +37,50 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     };
     let fitting =
         StageTime { stage: Stage::Colliders, seconds: start.elapsed().as_secs_f64(), peak_bytes: peak_memory() };
-    let mut built = build_as(path, options, true, progress)?;
+    let mut built = build_as(path, options, true, progress, |bundle, report| {
+        if let Some(fit) = fit {
+            findings.extend(add(bundle, fit, solids.tier));
+        }
+        describe(bundle, solids);
+        bundle.manifest.repairs.extend(findings.iter().map(repair_entry));
+        report.findings.extend(findings);
+    })?;
     built.report.stages.insert(0, fitting);
-    let manifest = &mut built.bundle.manifest;
-    if let Some(Fit { colliders, figures, surface, findings: found, .. }) = fit {
-        let mm = [figures.body.mean, figures.body.p95, figures.body.max].map(|x| format!("{:.1}", 1e3 * x)).join(", ");
-        let count = colliders.iter().filter(|collider| !collider.guessed).count();
-        let message = format!("{count} colliders; mean, 95 % and largest distance of the body from them: {mm} mm.");
-        findings.push(finding(Severity::Note, "hint-colliders", message));
-        manifest.colliders = colliders.iter().map(entry).collect();
-        let mut found: Vec<Finding> = found.into_iter().filter(|f| f.stage == "colliders").collect();
-        if solids.tier != Tier::Capsules {
-            let (body, said) = worn(&built.bundle, surface, solids.tier);
-            found.push(said);
-            built.bundle.body = body;
-        }
-        // The cloth does not meet the solids of a body whose surface it has.
-        if built.bundle.body.is_some() {
-            found.iter_mut().filter(|f| f.kind == LOOSE_FIT).for_each(|f| f.severity = Severity::Note);
-        }
-        findings.extend(found);
-    }
-    let kinds: Vec<&str> = solids.kinds.iter().map(|k| k.name()).collect();
-    let manifest = &mut built.bundle.manifest;
-    manifest.options.insert("collider".into(), json!(solids.tier.name()));
-    manifest.options.insert("collider-guess".into(), json!(solids.guess.name()));
-    manifest.options.insert("collider-error".into(), json!(solids.error));
-    manifest.options.insert("max-colliders".into(), json!(solids.count));
-    manifest.options.insert("collider-shapes".into(), json!(kinds));
-    manifest.options.insert("collider-source".into(), json!(solids.source.name()));
-    manifest.repairs.extend(findings.iter().map(repair_entry));
-    built.report.findings.extend(findings);
     Ok(built)
+}
+
+/// Adds the colliders of a fit to a bundle, and the surface of the body if that is to be one; what is to be said of them.
+fn add(bundle: &mut Bundle, fit: Fit, tier: Tier) -> Vec<Finding> {
+    let Fit { colliders, figures, surface, findings, .. } = fit;
+    let mm = [figures.body.mean, figures.body.p95, figures.body.max].map(|x| format!("{:.1}", 1e3 * x)).join(", ");
+    let count = colliders.iter().filter(|collider| !collider.guessed).count();
+    let message = format!("{count} colliders; mean, 95 % and largest distance of the body from them: {mm} mm.");
+    let mut said = vec![finding(Severity::Note, "hint-colliders", message)];
+    bundle.manifest.colliders = colliders.iter().map(entry).collect();
+    let mut found: Vec<Finding> = findings.into_iter().filter(|f| f.stage == "colliders").collect();
+    if tier != Tier::Capsules {
+        let (body, hint) = worn(bundle, surface, tier);
+        found.push(hint);
+        bundle.body = body;
+    }
+    // The cloth does not meet the solids of a body whose surface it has.
+    if bundle.body.is_some() {
+        found.iter_mut().filter(|f| f.kind == LOOSE_FIT).for_each(|f| f.severity = Severity::Note);
+    }
+    said.extend(found);
+    said
+}
+
+/// Adds the options of solids to a manifest.
+fn describe(bundle: &mut Bundle, solids: &ColliderOptions) {
+    let kinds: Vec<&str> = solids.kinds.iter().map(|k| k.name()).collect();
+    let options = &mut bundle.manifest.options;
+    options.insert("collider".into(), json!(solids.tier.name()));
+    options.insert("collider-guess".into(), json!(solids.guess.name()));
+    options.insert("collider-error".into(), json!(solids.error));
+    options.insert("max-colliders".into(), json!(solids.count));
+    options.insert("collider-shapes".into(), json!(kinds));
+    options.insert("collider-source".into(), json!(solids.source.name()));
 }
 
 /// The surface of the body, if cloth is to collide with it, and what is to be said of it.

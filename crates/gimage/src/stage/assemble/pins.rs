@@ -147,7 +147,12 @@ pub(crate) fn unmet(
     Some(Finding {
         severity: Severity::Warning,
         stage: "maps",
-        kind: if option == "pin" { "nothing-pinned" } else { "nothing-limited" },
+        kind: match option {
+            "pin" => "nothing-pinned",
+            "backstop" => "nothing-held-back",
+            "blend" => "nothing-blended",
+            _ => "nothing-limited",
+        },
         count: missed.len() as u64,
         examples: missed.iter().take(MAX_EXAMPLES).map(ToString::to_string).collect(),
         message,
@@ -219,6 +224,8 @@ mod tests {
         assert!(bare.ends_with("no boundary loops; it has no attributes that a pin can use."), "{bare}");
         let limit = unmet("limit", &["loop:1=0.1"], &[false], None, 0, &Mesh::default()).unwrap();
         assert_eq!((limit.kind, limit.message.as_str()), ("nothing-limited", "No particle meets this limit."));
+        let kind = |option| unmet(option, &["loop:1=0.1"], &[false], None, 0, &Mesh::default()).unwrap().kind;
+        assert_eq!(["backstop", "blend"].map(kind), ["nothing-held-back", "nothing-blended"]);
     }
 
     #[test]
