@@ -197,6 +197,20 @@ fn solids_and_single_layers_stay() {
     }
 }
 
+/// The needles around a vertex far off the others face one another, and have most of the area.
+#[test]
+fn spikes_are_not_the_sheets_of_a_shell() {
+    let mut draw = shapes::random(5);
+    for _ in 0..60 {
+        let mut spiked = shapes::tube(24, 12, 1.0);
+        for _ in 0..8 {
+            let v = draw(spiked.positions.len());
+            spiked.positions[v] = [0, 1, 2].map(|_| draw(2000) as f64 / 100.0 - 10.0);
+        }
+        stays(&mesh(&[("spiked", &spiked)]), false);
+    }
+}
+
 #[test]
 fn two_facing_sheets_become_one() {
     let place = |u: f64, v: f64, z: f64| [0.5 * u, 0.5 * v, z + 0.02 * (6.0 * u).sin()];

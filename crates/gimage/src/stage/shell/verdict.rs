@@ -25,6 +25,9 @@ const TWO_SHEETS: f64 = 0.01;
 const NARROW: f64 = 0.25;
 /// Share of the sheet's border that may run along both sheets in one loop, as the openings of a garment laid flat do.
 const MIXED: f64 = 0.1;
+/// Smallest share of the triangles that a sheet has: a sheet and a ring of triangles along its border have about as many. Below it, a few
+/// spikes of a damaged file hold most of the area.
+const FEW: f64 = 0.05;
 /// Areas closer than this share do not tell the outer sheet.
 const EVEN: f64 = 0.02;
 
@@ -99,7 +102,8 @@ impl Evidence<'_> {
             return doubt(format!("the second sheet covers only {:.0} % of {thin}", 100.0 * least));
         }
         let mut found = self.found(triangles, components.clone());
-        if found.thickness[0] > NARROW * self.width(&found.kept) {
+        let fewest = found.kept.len().min(found.facing.len());
+        if found.thickness[0] > NARROW * self.width(&found.kept) || (fewest as f64) < FEW * triangles.len() as f64 {
             return Verdict::Plain;
         }
         found.share = self.area(triangles.iter().filter(|t| faced(t))) / self.area(triangles.iter());
