@@ -2,9 +2,10 @@
 //!
 //! Rays through the fabric pair each triangle with the one that faces it on the other side. Neighbours across flat edges lie on one sheet,
 //! facing triangles on two, which labels both; the band between them is the rim. The outer sheet stays, with its triangles and
-//! attributes, and moves halfway to the other one. The inner sheet and the rim get no image. A doubtful case is kept as it is,
-//! with a warning.
+//! attributes, and moves halfway to the other one. The inner sheet and the rim get no image. Parts of one layer stay as they
+//! are. A doubtful case is kept as it is, with a warning.
 
+mod alone;
 mod layers;
 mod middle;
 mod rays;
@@ -62,8 +63,10 @@ pub struct Shell {
     pub share: f64,
     /// The layer that is left: [`Layer::Mid`] or [`Layer::Outer`].
     pub layer: Layer,
-    /// Triangles that are left.
+    /// Triangles that are left, those of one layer among them.
     pub triangles: usize,
+    /// Triangles of one layer, which are left where they are.
+    pub alone: usize,
     /// Their area \[m2\].
     pub area: f64,
     /// Area of both sheets and the rim \[m2\].
@@ -169,10 +172,11 @@ fn entry(found: &Found, zone: &Zone, components: &[Component], layer: Layer) -> 
         range: [low, high],
         share: found.share,
         layer,
-        triangles: found.kept.len(),
+        triangles: found.kept.len() + found.alone.len(),
+        alone: found.alone.len(),
         bound_triangles: found.dropped.len(),
         area: 0.0,
-        source_area: area(&found.kept) + area(&found.dropped),
+        source_area: area(&found.kept) + area(&found.alone) + area(&found.dropped),
         bound_area: area(&found.dropped),
     }
 }
@@ -183,7 +187,7 @@ fn apply(mut mesh: Mesh, zone: &Zone, found: &[Found], layer: Layer) -> (Mesh, V
     let mut shell_of = vec![NONE; mesh.triangles.len()];
     for (k, f) in found.iter().enumerate() {
         f.dropped.iter().for_each(|&t| keep[zone.source[t as usize] as usize] = false);
-        f.kept.iter().for_each(|&t| shell_of[zone.source[t as usize] as usize] = k as u32);
+        f.kept.iter().chain(&f.alone).for_each(|&t| shell_of[zone.source[t as usize] as usize] = k as u32);
     }
     if layer == Layer::Mid {
         // All before any moves: shells share no vertex that stays with what another faces.

@@ -43,8 +43,9 @@ pub(super) fn findings(shells: &[Shell], doubts: &[Doubt], components: &[Compone
 
 fn words(shell: &Shell) -> String {
     let [low, high] = shell.range.map(|x| number(1e3 * x));
+    let alone = if shell.alone > 0 { format!(", {} of one layer among them", shell.alone) } else { String::new() };
     format!(
-        "{}: {} mm thick ({low} to {high} mm), {:.0} % of the area faced, {} of {} stay",
+        "{}: {} mm thick ({low} to {high} mm), {:.0} % of the area faced, {} of {} stay{alone}",
         shell.name,
         number(1e3 * shell.thickness),
         100.0 * shell.share,

@@ -197,6 +197,33 @@ fn solids_and_single_layers_stay() {
     }
 }
 
+/// As welding leaves it that is coarser than the fabric is thick.
+#[test]
+fn a_part_of_one_layer_stays_where_both_sheets_end_in_it() {
+    let mut plate = plate(24, [0.6, 0.4, 0.004], 1);
+    let is_seam = |p: &[f64; 3]| p[0] > 0.299 && p[1].abs() < 0.03;
+    plate.positions.iter_mut().filter(|p| is_seam(p)).for_each(|p| p[2] = 0.0);
+    let mut seam: Vec<u32> =
+        (0..plate.positions.len() as u32).filter(|&v| is_seam(&plate.positions[v as usize])).collect();
+    seam.sort_by(|&a, &b| plate.positions[a as usize][1].total_cmp(&plate.positions[b as usize][1]));
+    // The faces of the plate have vertices of their own.
+    seam.dedup_by_key(|v| plate.positions[*v as usize][1]);
+    for pair in seam.windows(2) {
+        let first = plate.positions.len() as u32;
+        let far = [0, 1].map(|k| add(plate.positions[pair[k] as usize], [1.0, 0.0, 0.0]));
+        plate.positions.extend(far);
+        plate.triangles.extend([[pair[0], first, first + 1], [pair[0], first + 1, pair[1]]]);
+    }
+    let count = 2 * (seam.len() - 1);
+    let out = thinned(&mesh(&[("plate", &plate)]));
+    let on_flap = |t: &&[u32; 3]| t.iter().any(|&v| out.mesh.positions[v as usize][0] > 0.35);
+    assert_eq!(out.mesh.triangles.iter().filter(on_flap).count(), count, "{:?}", out.findings);
+    assert!(out.shells.len() == 1 && out.shells[0].alone == count, "{:?}", out.findings);
+    assert!(out.mesh.triangles.len() < 1200 && out.shell_of.iter().all(|&k| k == 0), "{:?}", out.findings);
+    let words = format!("{count} of one layer among them");
+    assert!(out.findings[0].examples[0].ends_with(&words), "{:?}", out.findings);
+}
+
 /// The needles around a vertex far off the others face one another, and have most of the area.
 #[test]
 fn spikes_are_not_the_sheets_of_a_shell() {

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use gimage_bundle::DisjointSets;
 
+use super::alone::alone;
 use super::layers::Layer;
 use super::rays::{FACING, quantile};
 use super::sides::Sides;
@@ -57,6 +58,8 @@ pub(super) struct Found {
     pub facing: Vec<u32>,
     /// All that go: the facing sheet and the rim.
     pub dropped: Vec<u32>,
+    /// Fabric of one layer, which stays as it is.
+    pub alone: Vec<u32>,
     /// Median distance of the sheets \[m\], with the distances that 5 % and 95 % of the area lie below.
     pub thickness: [f64; 3],
     /// Share of its area that has an opposite sheet.
@@ -107,10 +110,13 @@ impl Evidence<'_> {
             return Verdict::Plain;
         }
         found.share = self.area(triangles.iter().filter(|t| faced(t))) / self.area(triangles.iter());
-        match self.objection(&found, triangles) {
-            Some(reason) => doubt(reason),
-            None => Verdict::Shell(found),
+        if let Some(reason) = self.objection(&found, triangles) {
+            return doubt(reason);
         }
+        let [_, _, thickest] = found.thickness;
+        found.alone = alone(self.zone, self.sides, self.positions, &found.kept, &found.dropped, thickest);
+        found.dropped.retain(|t| found.alone.binary_search(t).is_err());
+        Verdict::Shell(found)
     }
 
     fn found(&self, triangles: &[u32], components: Vec<u32>) -> Found {
@@ -130,6 +136,7 @@ impl Evidence<'_> {
         Found {
             components,
             dropped: triangles.iter().copied().filter(|&t| self.layers[t as usize] != layer).collect(),
+            alone: Vec::new(),
             kept,
             facing,
             thickness: [0.5, 0.05, 0.95].map(|q| quantile(&gaps, q).unwrap_or(0.0)),
