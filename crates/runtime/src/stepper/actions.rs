@@ -79,8 +79,8 @@ impl Stepper {
     /// stirring it: previous positions move alike, so that velocities turn with the cloth, springs keep their lengths to
     /// rounding, and what was at rest stays so. Pins move too, the targets of [`Cloth::limits`], and the
     /// joints that the cloth follows, until [`Stepper::set_joints`] moves them on. Colliders do not: move them with
-    /// [`Stepper::teleport_collider`]. Positions are f32, so velocities far from the origin are coarse: 1e-3 m/s at
-    /// 30 m in steps of 2 ms.
+    /// [`Stepper::teleport_collider`]; a surface that follows no joints ([`Cloth::set_body`]) stays too. Positions are f32, so velocities far from the
+    /// origin are coarse: 1e-3 m/s at 30 m in steps of 2 ms.
     ///
     /// Four bytes of upload per particle and one dispatch. Wakes the cloth. Errors if there is no such cloth, on numbers that
     /// are not finite, and on a rotation of no length; any other is made a unit quaternion.
