@@ -49,7 +49,7 @@ pub fn dress(path: &Path, options: &BuildOptions, solids: &ColliderOptions, prog
     Ok(built)
 }
 
-/// Adds the colliders of a fit to a bundle, and the surface of the body if that is to be one; what is to be said of them.
+/// Adds the colliders of a fit to a bundle, and the surface of the body if cloth is to collide with it. Returns the findings.
 fn add(bundle: &mut Bundle, fit: Fit, tier: Tier) -> Vec<Finding> {
     let Fit { colliders, figures, surface, findings, .. } = fit;
     let mm = [figures.body.mean, figures.body.p95, figures.body.max].map(|x| format!("{:.1}", 1e3 * x)).join(", ");
