@@ -8,7 +8,8 @@ const SLENDER: f64 = 4.0;
 /// More spikes than this share of the vertices, and than one, are the shape of a garment, such as a fringe.
 const MOST: f64 = 0.01;
 
-type Bounds = ([f64; 3], [f64; 3]);
+/// The lowest and the highest corner of a box.
+pub(crate) type Bounds = ([f64; 3], [f64; 3]);
 
 /// The tips of spikes in ascending order, and the box around all other vertices that triangles use, where that is not empty. A tip has no other tip beside it. O(n log n).
 pub(crate) fn strays(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> (Vec<u32>, Option<Bounds>) {
@@ -44,7 +45,8 @@ pub(crate) fn strays(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> (Vec<u32
     (tips, rest)
 }
 
-fn widen(bounds: &mut Option<Bounds>, p: [f64; 3]) {
+/// Widens a box to a point.
+pub(crate) fn widen(bounds: &mut Option<Bounds>, p: [f64; 3]) {
     let (lo, hi) = bounds.get_or_insert((p, p));
     for k in 0..3 {
         lo[k] = lo[k].min(p[k]);
@@ -52,7 +54,8 @@ fn widen(bounds: &mut Option<Bounds>, p: [f64; 3]) {
     }
 }
 
-fn diagonal((lo, hi): Bounds) -> f64 {
+/// The diagonal of a box.
+pub(crate) fn diagonal((lo, hi): Bounds) -> f64 {
     norm(sub(hi, lo))
 }
 

@@ -9,7 +9,7 @@ use gimage_bundle::DisjointSets;
 use super::sides::Sides;
 use super::zone::Zone;
 use crate::base::closest::Closest;
-use crate::base::vec3::distance;
+use crate::base::stray::{diagonal, widen};
 use crate::stage::component::ALWAYS_PIECE;
 
 /// A part has at least this share of the area of the sheet that stays, so that wide rims are none, as [`ALWAYS_PIECE`] has it.
@@ -40,7 +40,9 @@ pub(super) fn alone(
         found.map_or(0.0, |near| near.distance)
     };
     let reach = |t: u32| zone.triangles[t as usize].map(away).into_iter().fold(0.0, f64::max);
-    let far = (FAR * diagonal(positions, &of_kept)).max(BESIDE * thickness);
+    let mut bounds = None;
+    of_kept.iter().flatten().for_each(|&v| widen(&mut bounds, positions[v as usize]));
+    let far = (FAR * bounds.map_or(0.0, diagonal)).max(BESIDE * thickness);
     let mut reaches = vec![0.0; zone.triangles.len()];
     dropped.iter().for_each(|&t| reaches[t as usize] = reach(t));
     let is_beside = |t: u32| reaches[t as usize] > BESIDE * thickness && zone.gap[t as usize].is_infinite();
@@ -58,12 +60,4 @@ pub(super) fn alone(
     let least = LARGE * kept.iter().map(|&t| zone.area[t as usize]).sum::<f64>();
     sizes.retain(|_, (area, farthest)| *area >= least && *farthest > far);
     dropped.iter().copied().filter(|&t| is_beside(t) && sizes.contains_key(&parts.find(t))).collect()
-}
-
-/// The diagonal of the box around triangles \[m\].
-fn diagonal(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
-    let all = || triangles.iter().flatten().map(|&v| positions[v as usize]);
-    let side = |f: fn(f64, f64) -> f64, from: f64| [0, 1, 2].map(|k| all().map(|p| p[k]).fold(from, f));
-    let (low, high) = (side(f64::min, f64::INFINITY), side(f64::max, f64::NEG_INFINITY));
-    if triangles.is_empty() { 0.0 } else { distance(low, high) }
 }
