@@ -52,7 +52,7 @@ pub enum Support {
 /// | support | substeps | rounds | measured |
 /// |---|---|---|---|
 /// | free, or the classic solver | 8 | 0 | |
-/// | pins with tethers, flat | 3, 4, 5, 6 for N up to 40, 132, 210, 256; above N / 32 | 2; 3 of strips, 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.8, 0.9, 1.4, 1.3 % |
+/// | pins with tethers, flat | 3, 4, 5, 6 for N up to 40, 128, 196, 256; above N / 32 | 2; 3 of strips, 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.8, 0.9, 1.5, 1.4 %; 19 other sizes up to 320 at most 1.5 % |
 /// | the same, of a garment | 5 sqrt(N / 64) | 4; 8 if damped less than 0.5 1/s | a T-shirt on two pins: p99 under 4 % |
 /// | the same, in wind of 2 m/s and more, while pins move, and at a start far from where it will hang | 21, 16, 13, 9 sqrt(N / 64) with 2, 3, 4, 8 rounds | the same | sheets and T-shirts that are shaken and in wind of 8 m/s: p99 3 to 6 %, N = 128 6 to 19 % |
 /// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
@@ -67,7 +67,7 @@ pub enum Support {
 ///
 /// f is the way along the surface to the nearest pin, in cells (95 % of the particles have none that is longer), over 0.8 N, at most 1: a skirt settles sooner than a cape.
 ///
-/// Substeps of hanging cloth that is stirred are in force at once, 1 s after the last pin moved, and for 2 s from the start; then they fall as those of fast colliders do.
+/// Substeps of hanging cloth that is stirred are in force at once, 1 s after the last pin moved, and from the start for 1 s and a period of a rod as long as the diagonal of its box (3 s of a sheet of 1 m); then they fall as those of fast colliders do.
 ///
 /// The choice is made again when a cloth loses its last pin, and when the first collider comes. A cloth that is added raises the
 /// numbers if it asks for more ([`crate::Stepper::add_cloth`]). Speed is that of cloth and colliders, and what a fall onto the highest collider adds. It is looked at again when

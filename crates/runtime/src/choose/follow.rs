@@ -6,8 +6,7 @@ use crate::scene::Scene;
 
 /// Seconds for which substeps stay high when what was fast is slow again.
 const HOLD_S: f64 = 1.0;
-/// Seconds for which cloth is stirred that swings down from its start, and by a pin that moves.
-const SWING_S: f64 = 1.0;
+/// Seconds for which cloth is stirred by a pin that moves.
 const STIR_S: f64 = 0.1;
 
 /// How many numbers a snapshot has of a [`Follow`].
@@ -37,8 +36,9 @@ impl Follow {
         let stirred = wishes.iter().map(|w| w.stirred).max().unwrap_or(0);
         let strength = length(scene.gravity.map(f64::from)).max(f64::MIN_POSITIVE);
         let falls = scene.cloths.iter().map(|c| fall(c, scene) / strength).fold(0.0, f64::max);
-        let swing = stirred > 0 && scene.cloths.iter().any(|c| hung::swings(c, scene.gravity));
-        let hold = HOLD_S + falls.max(if swing { SWING_S } else { 0.0 });
+        let hung = scene.cloths.iter().filter(|_| stirred > 0);
+        let swings = hung.map(|c| hung::swing_time(c, scene.gravity)).fold(0.0, f64::max);
+        let hold = HOLD_S + falls.max(swings);
         Follow { lasting, stirred, step: given.step, hold, swept: given.solver == Solver::Xpbd }
     }
 
