@@ -127,6 +127,19 @@ fn substeps_follow_what_stirs_hanging_cloth() {
 }
 
 #[test]
+fn large_cloth_that_swings_down_is_stirred_for_longer() {
+    let lying = |side: f32| {
+        let sheet = Flat { right: [side, 0.0, 0.0], down: [0.0, 0.0, side], ..Flat::square("sheet", 16) };
+        hung::swing_time(&sheet.cloth().unwrap(), [0.0, -9.81, 0.0])
+    };
+    let one = lying(1.0);
+    assert!((one - 1.948).abs() < 1e-3 && (lying(4.0) - 2.0 * one).abs() < 1e-6, "{one} {}", lying(4.0));
+    assert_eq!([lying(0.05), lying(100.0)], [1.0, 5.0]);
+    let hanging = Flat { down: [0.0, -1.0, 0.0], ..Flat::square("sheet", 16) }.cloth().unwrap();
+    assert_eq!(hung::swing_time(&hanging, [0.0, -9.81, 0.0]), 0.0);
+}
+
+#[test]
 fn strips_that_swing_from_a_corner_have_more_rounds() {
     let of = |width, height| {
         let mut scene = builtin("s1", 32).unwrap();
