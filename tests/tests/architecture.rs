@@ -193,6 +193,21 @@ fn imports_of_the_runtime_run_one_way() {
     assert!(circle.is_none(), "modules of the runtime name one another in a circle: {}", circle.unwrap_or_default());
 }
 
+/// A file that no program names would hold tests that never run.
+#[test]
+fn every_file_of_tests_is_a_module_of_all() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    for folder in ["crates/gimage/tests", "crates/runtime/tests", "crates/cli/tests", "tests/tests"] {
+        let all = std::fs::read_to_string(root.join(folder).join("all.rs")).unwrap();
+        let entries = std::fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path());
+        let files = entries.filter(|path| path.extension().is_some_and(|e| e == "rs") && !path.ends_with("all.rs"));
+        for file in files {
+            let module = file.file_stem().unwrap().to_str().unwrap();
+            assert!(all.lines().any(|line| line == format!("mod {module};")), "{folder}/all.rs lacks {module}");
+        }
+    }
+}
+
 #[test]
 fn a_circle_is_found() {
     let list = |names: &[&str]| names.iter().map(|n| n.to_string()).collect();

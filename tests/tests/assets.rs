@@ -1,7 +1,5 @@
 //! The sample garments: what every build keeps, how good it is, and what each of them is there to show.
 
-#![allow(clippy::print_stdout)]
-
 use std::path::{Path, PathBuf};
 
 use gimage::pipeline::Built;

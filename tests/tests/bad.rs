@@ -1,7 +1,5 @@
 //! Bad and odd files: a sound bundle or a clear message, never a panic, a hang or a silently wrong surface.
 
-#![allow(clippy::print_stdout)]
-
 use std::path::Path;
 
 use gimage::component::ComponentOptions;

@@ -1,7 +1,5 @@
 //! The output of `list` for real garments and of broken files, and which parts a build makes cloth.
 
-#![allow(clippy::print_stdout)]
-
 use std::path::Path;
 
 use gimage::Error;

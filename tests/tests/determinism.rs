@@ -1,7 +1,5 @@
 //! The same input and options give the same bytes; what should not matter to the result matters little.
 
-#![allow(clippy::print_stdout)]
-
 use std::path::Path;
 
 use gimage::import::{ImportOptions, import};

@@ -1,12 +1,11 @@
 //! The examples that take a bundle: the T-shirt from its file to the screen, on the GPU and on the CPU alone.
 
-#[path = "../../crates/runtime/tests/support/adapter.rs"]
-mod adapter;
 #[path = "../../crates/runtime/examples/bundle_to_screen.rs"]
 mod bundle_to_screen;
 #[path = "../../crates/runtime/examples/on_cpu.rs"]
 mod on_cpu;
 
+use crate::adapter;
 use gimage_bundle::dir::write_dir;
 use gimage_tests::{asset, build, pinned};
 

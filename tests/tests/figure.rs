@@ -1,16 +1,11 @@
 //! The figure of assets/ from its file to a walk: dressed with the defaults, it wears its clothes on its body.
 
-#![allow(clippy::print_stdout)]
-
-#[path = "../../crates/runtime/tests/support/adapter.rs"]
-mod adapter;
 #[path = "../../crates/cli/examples/character/main.rs"]
 mod character;
-#[path = "support/motion.rs"]
-mod motion;
-
 use std::sync::LazyLock;
 
+use crate::adapter;
+use crate::motion::{LEAD, Motion};
 use gimage::closest::Closest;
 use gimage::colliders::{ColliderOptions, Tier};
 use gimage::import::{Character, ImportOptions, import};
@@ -21,7 +16,6 @@ use gimage_bundle::dir::write_dir;
 use gimage_runtime::draw::{Camera, Facet, Hidden, Paint, Software, View};
 use gimage_runtime::{BodyCollider, Cloth, Collider, Flat, Options, Scene, Shape, Stepper, wgpu};
 use gimage_tests::{asset, texels};
-use motion::{LEAD, Motion};
 
 const FRAME: f64 = 1.0 / 60.0;
 /// Seconds of the walk.

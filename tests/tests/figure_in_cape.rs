@@ -1,15 +1,12 @@
 //! The figure in three garments sits down and walks: with the tier `safe` no two triangles of cloth ever cross.
 
-#[path = "support/motion.rs"]
-mod motion;
-
+use crate::motion::{LEAD, Motion};
 use gimage::colliders::{ColliderOptions, Tier};
 use gimage::pipeline::dress;
 use gimage::progress::Quiet;
 use gimage_runtime::crossings::{self, Drawn};
 use gimage_runtime::{BodyCollider, Cloth, ClothContact, ContactTier, Fate, Options, Scene, Stepper};
 use gimage_tests::texels;
-use motion::{LEAD, Motion};
 
 const FRAME: f64 = 1.0 / 60.0;
 

@@ -1,7 +1,5 @@
 //! Real garments and classical models, where the shared folder is there.
 
-#![allow(clippy::print_stdout)]
-
 use std::path::Path;
 
 use gimage::caps::{CapsOptions, open_caps};

@@ -4,7 +4,7 @@
 //! mathematical functions of the platform (`sin`, `ln`, `powf`, ... differ in the last bit between C libraries), so the
 //! file holds for Linux on x86-64 with glibc and the test is not run elsewhere. After a change that is meant, remake it with
 //!
-//!     GIMAGE_BLESS=1 cargo test -p gimage-tests --test golden
+//!     GIMAGE_BLESS=1 cargo test -p gimage-tests golden::
 
 use std::fmt::Write;
 use std::path::Path;

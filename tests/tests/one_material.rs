@@ -1,8 +1,6 @@
 //! One T-shirt of one material as three bundles, of 64 x 64, 128 x 128 and 256 x 256 texels and two cuts, comes to rest in
 //! one shape.
 
-#![allow(clippy::print_stdout)]
-
 use gimage::closest::Closest;
 use gimage::options::Seams;
 use gimage_runtime::*;

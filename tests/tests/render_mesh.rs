@@ -1,13 +1,8 @@
 //! The render mesh of a bundle: bound where the source has it, moved with the cloth, without cracks.
 
-#![allow(clippy::print_stdout)]
-
-#[path = "support/drawn.rs"]
-mod drawn;
-
 use std::path::Path;
 
-use drawn::{distance, no_crack, rest_error, source, stepper};
+use crate::drawn::{distance, no_crack, rest_error, source, stepper};
 
 use gimage::options::BuildOptions;
 use gimage::render::RenderMesh as Choice;

@@ -1,7 +1,5 @@
 //! Garments modelled with a thickness build to single layers: a sample garment made solid, and real ones.
 
-#![allow(clippy::print_stdout)]
-
 use std::collections::BTreeMap;
 
 use gimage::closest::Closest;

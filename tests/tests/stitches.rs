@@ -1,7 +1,5 @@
 //! Pieces that share no vertex are tied: a panel with a pocket, two panels with a seam, and real garments.
 
-#![allow(clippy::print_stdout)]
-
 use gimage::options::BuildOptions;
 use gimage::pipeline::Built;
 use gimage::stitch::Stitching;

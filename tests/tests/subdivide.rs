@@ -1,14 +1,9 @@
 //! Cloth that is drawn finer than its file has it: on the same surface, without cracks, as fine as its particles can show.
 
-#![allow(clippy::print_stdout)]
-
-#[path = "support/drawn.rs"]
-mod drawn;
-
 use std::collections::HashMap;
 use std::path::Path;
 
-use drawn::{no_crack, rest_error, source, stepper};
+use crate::drawn::{no_crack, rest_error, source, stepper};
 use gimage::options::BuildOptions;
 use gimage::pipeline::dress;
 use gimage::progress::Quiet;

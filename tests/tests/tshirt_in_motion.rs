@@ -1,14 +1,9 @@
 //! A garment from file to bundle to motion: the T-shirt with its seams among all kinds of colliders, on the CPU and,
 //! where there is an adapter, on the GPU.
 
-#![allow(clippy::print_stdout)]
-
-#[path = "../../crates/runtime/tests/support/adapter.rs"]
-mod adapter;
-
 use std::sync::LazyLock;
 
-use adapter::device;
+use crate::adapter::device;
 use gimage_runtime::*;
 use gimage_tests::{asset, build, pinned};
 

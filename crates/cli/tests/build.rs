@@ -1,9 +1,8 @@
 //! Building: outputs, replacement, failure, sameness, batches.
 
-mod common;
 use std::fs;
 
-use common::{Place, bytes};
+use crate::common::{self, Place, bytes};
 
 #[test]
 fn a_tube_becomes_a_sound_bundle() {

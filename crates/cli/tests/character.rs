@@ -1,10 +1,8 @@
 //! `--animation` and `--character`: cloth and colliders that follow a character.
 
-mod common;
-
 use std::path::Path;
 
-use common::Place;
+use crate::common::Place;
 
 /// A place with the sleeve of the assets, and a bundle of it that is pinned at both ends.
 fn place() -> Place {

@@ -1,8 +1,6 @@
 //! `gimage check-crossings`.
 
-mod common;
-
-use common::Place;
+use crate::common::Place;
 
 #[test]
 fn a_bundle_at_rest_has_none() {

@@ -1,7 +1,6 @@
 //! `gimage doctor`.
 
-mod common;
-use common::Place;
+use crate::common::Place;
 
 #[test]
 fn every_adapter_is_listed_with_its_limits_and_its_self_check() {

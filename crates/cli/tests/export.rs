@@ -1,10 +1,8 @@
 //! `gimage export`: the motion in files is the motion of the simulation.
 
-mod common;
-
 use std::fs;
 
-use common::Place;
+use crate::common::{self, Place};
 use gimage_bundle::{decode_exr, dir::read_dir};
 use gimage_runtime::Cloth;
 

@@ -1,9 +1,8 @@
 //! The gate: what does not stand for its surface is refused, what is suspicious is said.
 
-mod common;
 use std::fmt::Write;
 
-use common::Place;
+use crate::common::Place;
 
 /// A sheet of 30 x 30 cells whose vertices lie anywhere in a cube: far more shape than a few texels can hold.
 fn crumpled() -> String {

@@ -1,7 +1,6 @@
 //! `gimage list`, and the flags that choose parts.
 
-mod common;
-use common::Place;
+use crate::common::Place;
 
 const TWO: &str =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 3 0 0\nv 2 2 0\no shirt\nusemtl red\nf 1 2 3\no head\nf 4 5 6\n";

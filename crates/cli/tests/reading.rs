@@ -1,9 +1,8 @@
 //! Inspecting, validating and reconstructing a bundle.
 
-mod common;
 use std::fs;
 
-use common::Place;
+use crate::common::Place;
 
 #[test]
 fn inspect_says_the_same_in_words_and_in_json() {

@@ -1,12 +1,9 @@
 //! `gimage render`, and the scenes in assets/scenes in both commands.
 
-mod common;
-#[path = "../../../tests/src/skip.rs"]
-mod skip;
-
 use std::path::{Path, PathBuf};
 
-use common::{Place, list};
+use crate::common::{Place, list};
+use crate::skip;
 use image::{AnimationDecoder, ImageReader, RgbImage};
 
 fn scenes() -> PathBuf {

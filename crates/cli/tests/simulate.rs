@@ -1,8 +1,6 @@
 //! `gimage simulate`.
 
-mod common;
-
-use common::Place;
+use crate::common::{self, Place};
 
 #[test]
 fn frames_are_dumped_timed_and_the_same_for_any_threads() {

@@ -1,7 +1,6 @@
 //! Help, flags, and how errors look.
 
-mod common;
-use common::Place;
+use crate::common::Place;
 
 #[test]
 fn help_has_examples_and_exit_codes() {

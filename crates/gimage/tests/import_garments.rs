@@ -1,13 +1,11 @@
 //! Real garments and broken files, where the shared folder is there.
 
-mod support;
-
 use std::path::Path;
 
+use crate::support::*;
 use gimage::import::{ImportOptions, import};
 use gimage::mesh::Semantic;
 use gimage::{Error, Mesh, Result};
-use support::*;
 
 /// File, triangles, bounding box (0 where it is not checked).
 const GARMENTS: &[(&str, usize, [f64; 3])] = &[

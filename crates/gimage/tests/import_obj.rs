@@ -1,11 +1,9 @@
 //! OBJ features and faults.
 
-mod support;
-
+use crate::support::*;
 use gimage::Error;
 use gimage::import::{ImportOptions, Imported};
 use gimage::mesh::{NONE, Semantic};
-use support::*;
 
 fn area(got: &Imported) -> f64 {
     check(got);

@@ -1,12 +1,8 @@
 //! Repairs real and hand-made garments where they are at hand: in `$GIMAGE_SHARED`, or `shared` beside the repository.
 
-#![allow(clippy::print_stdout)]
-
-#[path = "../../../tests/src/skip.rs"]
-mod skip;
-
 use std::path::PathBuf;
 
+use crate::skip;
 use gimage::component::{Component, ComponentOptions, extract, split};
 use gimage::mesh::Mesh;
 use gimage::record::{Finding, Severity};

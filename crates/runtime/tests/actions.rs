@@ -1,13 +1,8 @@
 //! Moving sets of particles, and dragging.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, curtain, scene, tube, two_charts};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, largest};
-use support::{curtain, scene, tube, two_charts};
 
 /// A turn about an oblique axis, and a shift.
 fn turn() -> [[f32; 4]; 4] {

@@ -1,9 +1,7 @@
 //! Backstops of particles: how far each may be behind its position at rest, or behind the skin.
 
-mod support;
-
+use crate::support::{scene, tube};
 use gimage_runtime::*;
-use support::{scene, tube};
 
 fn options() -> Options {
     Options { backend: Backend::Cpu, ..Options::default() }
@@ -116,8 +114,8 @@ fn a_bundle_brings_its_backstops() {
 #[cfg(feature = "gpu")]
 mod backends {
     use super::*;
+    use crate::support::rig::{FRAME, Rig, largest};
     use gimage_runtime::scene::{Pose, about};
-    use support::rig::{FRAME, Rig, largest};
 
     /// Has a cloth follow one joint.
     fn led(mut cloth: Cloth) -> Cloth {
@@ -155,7 +153,7 @@ mod backends {
     /// In separate passes, by tiles and in whole frames: the same bits, and those of the twin to rounding; twice the same bits.
     #[test]
     fn every_form_has_the_same_backstops() {
-        let Some(device) = support::device_with(device_limits) else { return };
+        let Some(device) = crate::support::device_with(device_limits) else { return };
         for (cloth, whole) in cloths() {
             let scene = scene(cloth);
             let run = |fused| {
@@ -176,7 +174,7 @@ mod backends {
             let far = largest(&cpu.positions(0), &fused.3);
             assert!(far < 1e-5, "{far}");
             let far = largest(&apart.2, &fused.2);
-            assert!(far == 0.0 || support::alike::tolerates(&device) && far < 1e-4, "{far}");
+            assert!(far == 0.0 || crate::support::alike::tolerates(&device) && far < 1e-4, "{far}");
         }
     }
 

@@ -1,11 +1,9 @@
 //! The mesh of the source between the skin and the cloth, by the map `blend`.
 
-mod support;
-
+use crate::support::source_mesh;
 use gimage_bundle::manifest::{Joint, RenderEntry, Skeleton};
 use gimage_bundle::{Bundle, COORD, Image, JOINTS, MapKind, OFFSET, RENDER_FILE, WEIGHTS};
 use gimage_runtime::*;
-use support::source_mesh;
 
 const STILL: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 const COUNT: usize = 300;
@@ -238,7 +236,7 @@ fn a_mesh_without_the_map_has_no_rows_and_bad_calls_are_refused() {
 #[cfg(feature = "gpu")]
 mod on_the_gpu {
     use super::*;
-    use support::adapter;
+    use crate::support::adapter;
 
     #[test]
     fn the_device_makes_what_the_twin_makes() {

@@ -1,14 +1,9 @@
 //! Boxes around cloths, known without a wait.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig};
+use crate::support::{self, curtain, device_with, on_colliders, scene, tube};
 use gimage_runtime::scene::Pose;
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig};
-use support::{curtain, device_with, on_colliders, scene, tube};
 
 fn options() -> Options {
     Options { substeps: Some(3), threads: 1, ..Options::default() }

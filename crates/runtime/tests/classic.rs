@@ -1,9 +1,7 @@
 //! The classic solver on the CPU.
 
-mod support;
-
+use crate::support::{self, FRAME, compared, is_exact, measured, scene};
 use gimage_runtime::*;
-use support::{FRAME, compared, is_exact, measured, scene};
 
 fn cpu(scene: Scene, substeps: u32, threads: usize) -> Stepper {
     let options = Options {

@@ -1,9 +1,7 @@
 //! Pins and seams of a cloth.
 
-mod support;
-
+use crate::support::tube;
 use gimage_runtime::*;
-use support::tube;
 
 #[test]
 fn pins_go_round_the_ring() {

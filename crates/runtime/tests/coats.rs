@@ -1,13 +1,8 @@
 //! Cloths that keep different distances from the same colliders, and slide on them differently.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, all_colliders, device_with, scene};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, largest};
-use support::{all_colliders, device_with, scene};
 
 fn options(thickness: f32) -> Options {
     Options { substeps: Some(4), tethers: 0, threads: 1, thickness, ..Options::default() }

@@ -1,14 +1,9 @@
 //! Colliders that the host moves by poses, and the groups that decide which cloth meets which collider.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{curtain, device_with, on_colliders, scene};
 use gimage_runtime::scene::{Pose, about};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, largest};
-use support::{curtain, device_with, on_colliders, scene};
 
 fn options() -> Options {
     Options { substeps: Some(4), tethers: 0, threads: 1, ..Options::default() }

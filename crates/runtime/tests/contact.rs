@@ -1,14 +1,9 @@
 //! Contact of cloth with itself.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{Rig, largest};
+use crate::support::{self, folded, scene, tube, two_charts};
 use gimage_runtime::crossings::{self, Drawn};
 use gimage_runtime::*;
-use support::rig::{Rig, largest};
-use support::{folded, scene, tube, two_charts};
 
 const PASSES: [&str; 5] = ["leaves", "tree", "partners", "touch", "separate"];
 

@@ -1,13 +1,8 @@
 //! Crumpled cloth: what diagonal springs do has a bound, so that folds which cross come undone.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, scene};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, largest};
-use support::scene;
 
 const N: usize = 17;
 

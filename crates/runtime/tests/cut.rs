@@ -1,13 +1,8 @@
 //! Cutting: what is taken away, and that cloth cut right through falls apart.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, center, largest};
+use crate::support::{self, curtain, scene, tube, two_charts, wind};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, center, largest};
-use support::{curtain, scene, tube, two_charts, wind};
 
 type Stroke = [[f32; 3]; 3];
 

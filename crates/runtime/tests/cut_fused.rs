@@ -1,14 +1,9 @@
 //! Cloth that is cut runs whole frames, and gives the bits of separate passes.
 
-// Only on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::alike::Bits;
+use crate::support::run::{Device, Run};
+use crate::support::{curtain, device_with, hung_tube, made_of, scene, two_charts, wind};
 use gimage_runtime::*;
-use support::alike::Bits;
-use support::run::{Device, Run};
-use support::{curtain, device_with, hung_tube, made_of, scene, two_charts, wind};
 
 fn options(fused: bool) -> Options {
     Options { backend: Backend::Gpu, substeps: Some(4), fused, ..Options::default() }

@@ -1,13 +1,8 @@
 //! Tethers after a cut: cloth that still hangs is as true as it was, and what is cut off falls.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, center, largest};
+use crate::support::{self, curtain, scene, two_charts};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, center, largest};
-use support::{curtain, scene, two_charts};
 
 fn options(substeps: u32) -> Options {
     Options { solver: Solver::Xpbd, substeps: Some(substeps), ..Options::default() }

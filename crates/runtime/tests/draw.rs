@@ -1,13 +1,8 @@
 //! Pictures: the GPU against the CPU, holes, texture coordinates; and the examples.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::{self, FRAME, device};
 use gimage_runtime::draw::{Camera, Draw, Look, Software, Target, View};
 use gimage_runtime::*;
-use support::{FRAME, device};
 
 #[path = "../examples/headless.rs"]
 mod headless;

@@ -1,10 +1,9 @@
 //! Textured triangles of a host, their alpha, and the shadow on a ground; the GPU against the CPU.
 
 #[cfg(feature = "gpu")]
-mod support;
-
 use std::sync::Arc;
 
+use crate::support;
 use gimage_runtime::draw::{Alpha, Camera, Facet, Ground, Paint, Software, Texture, View};
 use gimage_runtime::{Options, Scene, Stepper};
 

@@ -1,17 +1,12 @@
 //! Whole frames in one dispatch against the passes that they are made of, and cloths that share it.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
 use std::collections::HashSet;
 
+use crate::support::alike::{rounding, tolerates};
+use crate::support::rig::FRAME;
+use crate::support::run::{Device, Run};
+use crate::support::{self, device_with, scene};
 use gimage_runtime::*;
-use support::alike::{rounding, tolerates};
-use support::rig::FRAME;
-use support::run::{Device, Run};
-use support::{device_with, scene};
 
 fn roomy() -> Option<Device> {
     device_with(device_limits)

@@ -1,18 +1,13 @@
 //! The GPU against its twin. Without an adapter each test says that it was skipped; GIMAGE_REQUIRE_GPU=1 makes that a
 //! failure.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Waker};
 
+use crate::support::rig::Rig;
+use crate::support::{self, FRAME, compared, device, scene};
 use gimage_runtime::*;
-use support::rig::Rig;
-use support::{FRAME, compared, device, scene};
 
 const SOLVERS: [Solver; 2] = [Solver::Classic, Solver::Xpbd];
 

@@ -1,10 +1,8 @@
 //! Instances of one cloth: they share its images, and move as each does alone.
 
-mod support;
-
+use crate::support::rig::Rig;
+use crate::support::{self, all_colliders, curtain, hung_tube, made_of, scene};
 use gimage_runtime::*;
-use support::rig::Rig;
-use support::{all_colliders, curtain, hung_tube, made_of, scene};
 
 /// A cloth at another place.
 fn at(cloth: &Cloth, x: f32) -> Cloth {

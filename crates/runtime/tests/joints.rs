@@ -1,14 +1,9 @@
 //! Cloth that follows joints: pins on the skin, limits around it, the same on every backend and in every form.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, scene, tube};
 use gimage_runtime::scene::{Pose, about};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, largest};
-use support::{scene, tube};
 
 /// The transform of a chain's joint to world space, in f64: a turn about z at a point, after that of its parent.
 type Matrix = [[f64; 4]; 3];

@@ -1,11 +1,9 @@
 //! Level of detail: what a switch moves, and what it leaves as it is.
 
-mod support;
-
+use crate::support::alike::rounding;
+use crate::support::rig::{Rig, largest};
+use crate::support::{self, FRAME, all_colliders, curtain, hung_tube, made_of, scene, two_charts, wind};
 use gimage_runtime::*;
-use support::alike::rounding;
-use support::rig::{Rig, largest};
-use support::{FRAME, all_colliders, curtain, hung_tube, made_of, scene, two_charts, wind};
 
 /// A curtain in a wind of this strength, beside a tube with a seam.
 fn moving(n: u32, strength: f32) -> Scene {

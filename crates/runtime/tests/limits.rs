@@ -1,13 +1,8 @@
 //! Cases that one relaxation per step in f32 cannot handle, and the changes made instead.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, scene};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, largest};
-use support::scene;
 
 fn options(substeps: u32, tethers: u32) -> Options {
     Options {

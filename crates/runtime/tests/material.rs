@@ -1,9 +1,7 @@
 //! One material is the same cloth whatever its grid, its steps and its backend.
 
-mod support;
-
+use crate::support::{self, FRAME, run, scene};
 use gimage_runtime::*;
-use support::{FRAME, run, scene};
 
 type V = [f64; 3];
 

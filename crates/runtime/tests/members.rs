@@ -1,13 +1,8 @@
 //! Cloths that come and go while others keep moving.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig};
+use crate::support::{self, curtain, hung_tube, made_of, two_charts};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig};
-use support::{curtain, hung_tube, made_of, two_charts};
 
 /// Positions now and before and normals of a cloth.
 fn bits(rig: &Rig, cloth: ClothHandle) -> [Vec<[u32; 4]>; 3] {

@@ -1,13 +1,8 @@
 //! Data that renderers of meshes need beside positions: indices, texture coordinates and tangents.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, curtain, device_with, hung_tube, on_colliders, scene, two_charts};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, largest};
-use support::{curtain, device_with, hung_tube, on_colliders, scene, two_charts};
 
 type Device = (wgpu::Device, wgpu::Queue);
 

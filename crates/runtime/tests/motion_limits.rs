@@ -1,9 +1,7 @@
 //! Limits of particles: how far each may be from its position at rest.
 
-mod support;
-
+use crate::support::{scene, tube};
 use gimage_runtime::*;
-use support::{scene, tube};
 
 /// A tube with a seam that falls; its upper rows are limited, the more the higher.
 fn sleeve() -> Cloth {
@@ -88,15 +86,15 @@ fn a_bundle_brings_its_limits() {
 #[cfg(feature = "gpu")]
 #[test]
 fn every_form_has_the_same_limits() {
-    use support::rig::Rig;
-    use support::run::Run;
-    let Some(device) = support::device_with(device_limits) else { return };
+    use crate::support::rig::Rig;
+    use crate::support::run::Run;
+    let Some(device) = crate::support::device_with(device_limits) else { return };
     // Too large for a workgroup.
     let mut sheet = Flat::square("sheet", 70).cloth().unwrap();
     sheet.limits = Some((0..sheet.len()).map(|k| if k % 70 < 9 { 0.002 * (k % 70) as f32 } else { -1.0 }).collect());
     for (cloth, whole) in [(sleeve(), true), (sheet, false)] {
         let mut scene = scene(cloth);
-        scene.colliders = support::all_colliders();
+        scene.colliders = crate::support::all_colliders();
         let gpu = |fused| Options { backend: Backend::Gpu, fused, ..options() };
         let runs = [true, false].map(|fused| Run::new(&scene, &gpu(fused), &device));
         assert_eq!((runs[0].holds().is_empty(), runs[0].tiles().is_empty()), (!whole, whole));
@@ -106,7 +104,7 @@ fn every_form_has_the_same_limits() {
         scene.colliders.clear();
         let mut rigs = [Rig::cpu(scene.clone(), &options()), Rig::gpu(scene.clone(), &gpu(true), &device)];
         rigs.iter_mut().for_each(|rig| rig.frames(2));
-        let far = support::rig::largest(&rigs[0].positions(0), &rigs[1].positions(0));
+        let far = crate::support::rig::largest(&rigs[0].positions(0), &rigs[1].positions(0));
         assert!(far < 1e-4, "{far}");
     }
 }

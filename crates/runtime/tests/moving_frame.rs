@@ -1,14 +1,9 @@
 //! Cloth that is simulated in a moving frame of reference: its motion in the world, on all backends and in all forms.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, hung_tube, scene, wind};
 use gimage_runtime::scene::about;
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, largest};
-use support::{hung_tube, scene, wind};
 
 /// A frame that runs along a bend, turns and tumbles, `far` from the origin.
 fn tumbling(time: f64, far: f64) -> MovingFrame {

@@ -1,16 +1,11 @@
 //! Picking, with parry3d as the judge.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::Rig;
+use crate::support::{self, curtain, scene, tube, two_charts};
 use gimage_runtime::*;
 use parry3d_f64::math::Vector;
 use parry3d_f64::query::{Ray, RayCast};
 use parry3d_f64::shape::TriMesh;
-use support::rig::Rig;
-use support::{curtain, scene, tube, two_charts};
 
 /// xorshift32, -1 to 1.
 struct Noise(u32);

@@ -1,13 +1,8 @@
 //! Pins in bulk: many particles held, moved and freed by one call.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig};
+use crate::support::{self, curtain, tube, two_charts};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig};
-use support::{curtain, tube, two_charts};
 
 /// Where pins are after `frame` frames: a slow turn about y.
 fn carried(at: &[[f32; 3]], frame: u32) -> Vec<[f32; 3]> {

@@ -1,9 +1,7 @@
 //! A scene pays only for what it uses.
 
-mod support;
-
+use crate::support::{self, scene};
 use gimage_runtime::*;
-use support::scene;
 
 fn plan(scene: Scene) -> Plan {
     let options =

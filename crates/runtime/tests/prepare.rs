@@ -1,13 +1,8 @@
 //! Pipelines that are compiled before a game needs them.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::Rig;
+use crate::support::{self, curtain, hung_tube, made_of, two_charts};
 use gimage_runtime::*;
-use support::rig::Rig;
-use support::{curtain, hung_tube, made_of, two_charts};
 
 fn options() -> Options {
     Options { substeps: Some(3), sleep: Some(Sleep { speed: 0.05, after: 0.1 }), ..Options::default() }

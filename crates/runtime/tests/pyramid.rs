@@ -1,13 +1,8 @@
 //! Lengths limited on coarser grids: after a cut, and across seams.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, center, largest};
+use crate::support::{self, curtain, scene, tube, two_charts};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, center, largest};
-use support::{curtain, scene, tube, two_charts};
 
 fn options(pyramid: u32) -> Options {
     Options { solver: Solver::Xpbd, substeps: Some(8), tethers: 0, pyramid, threads: 1, ..Options::default() }

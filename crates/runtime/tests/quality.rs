@@ -1,13 +1,8 @@
 //! An error target sets the numbers of substeps and of rounds of polish, and a change does not push the cloth.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig};
+use crate::support::{self, curtain, scene};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig};
-use support::{curtain, scene};
 
 /// Without tethers, so that stretch is the error of relaxation.
 fn options(solver: Solver, quality: Quality) -> Options {

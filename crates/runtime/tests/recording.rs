@@ -1,15 +1,10 @@
 //! Recording a frame makes no allocation beside those that wgpu makes for the same commands, whatever the number of cloths.
 
-// Only on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::run::Device;
+use crate::support::{self, device_with, scene};
 use allocation_counter::measure;
 use gimage_runtime::scene::Pose;
 use gimage_runtime::*;
-use support::run::Device;
-use support::{device_with, scene};
 
 fn options() -> Options {
     Options { backend: Backend::Gpu, substeps: Some(8), ..Options::default() }

@@ -1,17 +1,12 @@
 //! Devices that are lost: errors instead of panics, and cloths that go on with another device.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
 // The test has a number of frames of its own.
 #[allow(dead_code)]
 #[path = "../examples/crowd.rs"]
 mod crowd;
-mod support;
-
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, curtain, made_of, two_charts};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, largest};
-use support::{curtain, made_of, two_charts};
 
 fn options() -> Options {
     Options { substeps: Some(3), ..Options::default() }

@@ -1,10 +1,8 @@
 //! Contact of the tier safe: no triangle crosses another one in any frame.
 
-mod support;
-
+use crate::support::{calm, draped, dropped, folded, with_tier};
 use gimage_runtime::crossings::{self, Drawn};
 use gimage_runtime::*;
-use support::{calm, draped, dropped, folded, with_tier};
 
 const FRAME: f64 = 1.0 / 60.0;
 

@@ -1,13 +1,9 @@
 //! Contact of the tier safe on the GPU: no triangle crosses another one in any frame.
 
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{Rig, center, largest};
+use crate::support::{self, calm, device, draped, dropped, folded, with_tier};
 use gimage_runtime::crossings::{self, Drawn};
 use gimage_runtime::*;
-use support::rig::{Rig, center, largest};
-use support::{calm, device, draped, dropped, folded, with_tier};
 
 /// Frames in which a second run is compared with the first one.
 const REPEATED: u32 = 20;

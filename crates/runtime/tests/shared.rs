@@ -1,14 +1,9 @@
 //! Cloths that are too large for a workgroup share their dispatches, and move as each would alone.
 
-// Only on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::FRAME;
+use crate::support::run::{Device, Run};
+use crate::support::{self, curtain, scene, two_charts};
 use gimage_runtime::*;
-use support::rig::FRAME;
-use support::run::{Device, Run};
-use support::{curtain, scene, two_charts};
 
 fn options(fused: bool) -> Options {
     Options { solver: Solver::Xpbd, backend: Backend::Gpu, substeps: Some(8), fused, ..Options::default() }

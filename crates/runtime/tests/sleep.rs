@@ -1,13 +1,8 @@
 //! Cloth falls asleep when it is at rest, costs nothing then, and wakes when it is changed or a collider comes close.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig};
+use crate::support::{self, curtain, scene, wind};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig};
-use support::{curtain, scene, wind};
 
 fn sleepy() -> Options {
     // Passes of their own for each cloth, to be counted.

@@ -1,14 +1,9 @@
 //! States of cloths, saved and loaded: the continuation has the same bits.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig};
+use crate::support::{self, curtain, hung_tube, made_of, two_charts};
 use gimage_runtime::scene::{self, Pose};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig};
-use support::{curtain, hung_tube, made_of, two_charts};
 
 /// Positions now and before and normals of all cloths.
 type Bits = Vec<[Vec<[u32; 4]>; 3]>;

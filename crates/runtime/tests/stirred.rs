@@ -1,9 +1,7 @@
 //! Cloth that hangs and is stirred: its pins move, the wind blows, it swings down from its start.
 
-mod support;
-
+use crate::support::{scene, wind};
 use gimage_runtime::*;
-use support::{scene, wind};
 
 const FRAME: f64 = 1.0 / 60.0;
 const N: u32 = 48;
@@ -155,7 +153,7 @@ fn a_snapshot_of_a_coarser_level_stirs_as_before() {
 #[cfg(feature = "gpu")]
 #[test]
 fn both_backends_choose_the_same() {
-    let all = support::rig::Rig::both(&scene(curtain()), &Options::default());
+    let all = crate::support::rig::Rig::both(&scene(curtain()), &Options::default());
     let mut counts: Vec<Vec<u32>> = Vec::new();
     for mut rig in all {
         let list = (0..60).map(|frame| {

@@ -1,13 +1,8 @@
 //! Stitches: pieces that share no vertex hang together.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{Rig, largest};
+use crate::support::{self, curtain, patched_charts, scene, wind};
 use gimage_runtime::*;
-use support::rig::{Rig, largest};
-use support::{curtain, patched_charts, scene, wind};
 
 fn options(substeps: u32) -> Options {
     Options { substeps: Some(substeps), threads: 1, ..Options::default() }

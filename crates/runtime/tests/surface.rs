@@ -1,18 +1,13 @@
 //! Cloth on the surface of a body: it stays outside, at rest and in motion, with the same bits for any number of threads and from a saved state.
 
-// The support of tests needs it.
-#![cfg(feature = "gpu")]
-
-mod support;
-
 use std::sync::Arc;
 
+use crate::support::limb::{IDENTITY, THICKNESS, depth, limb};
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, scene, tube};
 use gimage_runtime::*;
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
-use support::limb::{IDENTITY, THICKNESS, depth, limb};
-use support::rig::{FRAME, Rig, largest};
-use support::{scene, tube};
 
 /// The weights of two joints, which meet at an elbow.
 fn influence(p: &[f32; 3]) -> Influence {

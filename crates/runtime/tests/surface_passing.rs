@@ -1,18 +1,13 @@
 //! Cloth on the surface of a body of which a part comes to it in one frame.
 
-// The support of tests needs it.
-#![cfg(feature = "gpu")]
-
-mod support;
-
 use std::sync::Arc;
 
+use crate::support::limb::{IDENTITY, THICKNESS, depth, limb};
+use crate::support::rig::{FRAME, Rig};
+use crate::support::{self, scene};
 use gimage_runtime::*;
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
-use support::limb::{IDENTITY, THICKNESS, depth, limb};
-use support::rig::{FRAME, Rig};
-use support::scene;
 
 /// A leg that rests, and a heel that is a component of its own.
 fn leg_and_heel() -> (Vec<[f32; 3]>, Vec<[u32; 3]>, Vec<Influence>) {

@@ -1,16 +1,11 @@
 //! Cloth on plates, whose two sides are near each other and no crease: each backend has what its twin has.
 
-// The support of tests needs it.
-#![cfg(feature = "gpu")]
-
-mod support;
-
 use std::sync::Arc;
 
+use crate::support::limb::{IDENTITY, THICKNESS};
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, scene};
 use gimage_runtime::*;
-use support::limb::{IDENTITY, THICKNESS};
-use support::rig::{FRAME, Rig, largest};
-use support::scene;
 
 fn fixed() -> Options {
     Options { substeps: Some(8), polish: Some(1), ..Options::default() }

@@ -1,13 +1,9 @@
 //! Cloth that crosses at the start, on the GPU backend: it is taken apart before the first frame.
 
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::Rig;
+use crate::support::{self, device};
 use gimage_runtime::crossings::{self, Drawn};
 use gimage_runtime::*;
-use support::device;
-use support::rig::Rig;
 
 fn options() -> Options {
     Options { threads: 1, normals: false, ..Options::default() }

@@ -1,7 +1,6 @@
 //! Tapered capsules as colliders: of scene files and of bundles, and under a cloth.
 
-mod support;
-
+use crate::support;
 use gimage_bundle::Bundle;
 use gimage_bundle::manifest::{ColliderEntry, ColliderShape};
 use gimage_runtime::*;

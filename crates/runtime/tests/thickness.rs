@@ -1,13 +1,8 @@
 //! How far cloth keeps from what it touches.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig, largest};
+use crate::support::{self, on_colliders, scene};
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig, largest};
-use support::{on_colliders, scene};
 
 const THICK: f32 = 0.02;
 

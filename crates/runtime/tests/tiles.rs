@@ -1,15 +1,10 @@
 //! Tiles of large cloths against the passes that they are made of.
 
-// Also, or only, on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::alike::rounding;
+use crate::support::rig::FRAME;
+use crate::support::run::{Device, Run};
+use crate::support::{self, all_colliders, device_with, scene, two_charts, wind};
 use gimage_runtime::*;
-use support::alike::rounding;
-use support::rig::FRAME;
-use support::run::{Device, Run};
-use support::{all_colliders, device_with, scene, two_charts, wind};
 
 /// A device with no more than every one has, so that no cloth here fits a workgroup.
 fn device() -> Option<Device> {

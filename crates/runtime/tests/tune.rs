@@ -1,13 +1,8 @@
 //! Sizes of workgroups and of tiles that a host measures.
 
-// Only on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::run::Run;
+use crate::support::{curtain, device_with, scene};
 use gimage_runtime::*;
-use support::run::Run;
-use support::{curtain, device_with, scene};
 
 fn options(tuning: Option<Tuning>) -> Options {
     Options { backend: Backend::Gpu, substeps: Some(5), tuning, ..Options::default() }

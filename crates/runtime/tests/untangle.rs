@@ -1,7 +1,5 @@
 //! Contact takes cloth apart that crosses.
 
-mod support;
-
 use gimage_runtime::crossings::{self, Drawn};
 use gimage_runtime::*;
 

@@ -1,15 +1,10 @@
 //! A frame uploads everything that it needs by one write of the queue.
 
-// Only on the GPU.
-#![cfg(feature = "gpu")]
-
-mod support;
-
+use crate::support::rig::{FRAME, Rig};
+use crate::support::run::Device;
+use crate::support::{curtain, device_with, scene, two_charts, wind};
 use gimage_runtime::scene::Pose;
 use gimage_runtime::*;
-use support::rig::{FRAME, Rig};
-use support::run::Device;
-use support::{curtain, device_with, scene, two_charts, wind};
 
 fn options() -> Options {
     Options { backend: Backend::Gpu, substeps: Some(4), ..Options::default() }

@@ -1,10 +1,8 @@
 //! Meshes that are bound to a cloth: in its frame at rest, bent and turned, and on the GPU as on the CPU.
 
-mod support;
-
+use crate::support::bound_mesh::{bundle, flag_texel, share, spread, tube_texel};
 use gimage_bundle::{Bundle, MapKind};
 use gimage_runtime::*;
-use support::bound_mesh::{bundle, flag_texel, share, spread, tube_texel};
 
 /// A flag in the x-y plane, pinned along its upper edge.
 fn flag(count: usize) -> Bundle {
@@ -148,7 +146,7 @@ fn a_vertex_lies_between_two_steps_as_the_grid_does() {
 #[cfg(feature = "gpu")]
 mod on_the_gpu {
     use super::*;
-    use support::adapter;
+    use crate::support::adapter;
 
     #[test]
     fn the_device_makes_what_the_twin_makes() {

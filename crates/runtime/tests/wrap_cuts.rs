@@ -1,10 +1,9 @@
 //! Meshes that are bound to a cloth that is cut: triangles over a cut fall away, those beside it stay.
 
-mod support;
-
+use crate::support;
+use crate::support::bound_mesh::{Vertex, bundle, flag_texel, sheet, tube_texel};
 use gimage_bundle::Bundle;
 use gimage_runtime::*;
-use support::bound_mesh::{Vertex, bundle, flag_texel, sheet, tube_texel};
 
 const FRAME: f64 = 1.0 / 60.0;
 
@@ -142,7 +141,7 @@ fn a_state_brings_triangles_back_and_a_coarser_level_can_be_cut() {
 #[cfg(feature = "gpu")]
 mod on_the_gpu {
     use super::*;
-    use support::adapter;
+    use crate::support::adapter;
 
     #[test]
     fn the_index_buffer_is_that_of_the_twin() {

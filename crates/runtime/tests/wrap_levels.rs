@@ -1,10 +1,8 @@
 //! Meshes that are bound to a cloth as it changes its level: at rest where the source has them, and without a jump in motion.
 
-mod support;
-
+use crate::support::bound_mesh::{bundle, flag_texel, spread, tube_texel};
 use gimage_bundle::Bundle;
 use gimage_runtime::*;
-use support::bound_mesh::{bundle, flag_texel, spread, tube_texel};
 
 const FRAME: f64 = 1.0 / 60.0;
 const COUNT: usize = 800;
@@ -134,7 +132,7 @@ fn another_mesh_and_another_cloth_are_told_apart_on_coarser_levels() {
 #[cfg(feature = "gpu")]
 mod on_the_gpu {
     use super::*;
-    use support::adapter;
+    use crate::support::adapter;
 
     fn read(device: &wgpu::Device, queue: &wgpu::Queue, span: &Span) -> Vec<RenderVertex> {
         let list = read_back(device, queue, span).unwrap();

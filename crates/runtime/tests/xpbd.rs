@@ -1,9 +1,7 @@
 //! XPBD with tethers and swept contact, on the CPU.
 
-mod support;
-
+use crate::support::{self, FRAME, compared, is_exact, measured, run, scene};
 use gimage_runtime::*;
-use support::{FRAME, compared, is_exact, measured, run, scene};
 
 fn options(substeps: u32) -> Options {
     Options { backend: Backend::Cpu, solver: Solver::Xpbd, substeps: Some(substeps), threads: 1, ..Options::default() }

@@ -1,6 +1,6 @@
 //! Where a render mesh is, beside its source.
 
-#![allow(clippy::print_stdout, dead_code)]
+#![allow(clippy::print_stdout)]
 
 use std::collections::HashMap;
 

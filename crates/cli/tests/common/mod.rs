@@ -1,6 +1,4 @@
 //! Helpers that the tests of the command share.
-#![allow(dead_code)]
-
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@ use gimage::import::{ImportOptions, Up};
 use gimage::mesh::{NONE, Semantic};
 use serde_json::json;
 
-use crate::area;
+use super::area;
 use crate::support::*;
 
 #[test]

@@ -5,8 +5,8 @@ use gimage::import::ImportOptions;
 use gimage::mesh::Semantic;
 use serde_json::json;
 
+use super::{area, face_normal};
 use crate::support::*;
-use crate::{area, face_normal};
 
 #[test]
 fn every_index_type_and_none() {

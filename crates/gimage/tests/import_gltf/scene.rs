@@ -5,8 +5,8 @@ use gimage::import::{ImportOptions, Up};
 use gimage::mesh::Semantic;
 use serde_json::json;
 
+use super::{area, face_normal};
 use crate::support::*;
-use crate::{area, face_normal};
 
 #[test]
 fn a_mirrored_node_keeps_its_outside_out() {

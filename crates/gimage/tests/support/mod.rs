@@ -1,12 +1,8 @@
 //! Builds small GLB files, and finds the shared garments.
 
-#![allow(dead_code)]
-
-#[path = "../../../../tests/src/skip.rs"]
-mod skip;
-
 use std::path::{Path, PathBuf};
 
+use crate::skip;
 use gimage::import::{ImportOptions, Imported, import_bytes};
 use gimage::{Error, Result};
 use serde_json::{Value, json};
@@ -18,7 +14,6 @@ pub struct Glb {
 }
 
 pub const F32: u32 = 5126;
-pub const I8: u32 = 5120;
 pub const U8: u32 = 5121;
 pub const I16: u32 = 5122;
 pub const U16: u32 = 5123;

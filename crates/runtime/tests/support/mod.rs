@@ -1,6 +1,6 @@
 //! Cloths, scenes and adapters for the tests.
-// Not every test uses all of it.
-#![allow(dead_code)]
+// Tests on the CPU use a part of it.
+#![cfg_attr(not(feature = "gpu"), allow(dead_code))]
 
 #[cfg(feature = "gpu")]
 pub mod adapter;

@@ -3,10 +3,8 @@
 mod attributes;
 mod buffers;
 mod scene;
-#[path = "../support/mod.rs"]
-mod support;
 
-use support::check;
+use crate::support::check;
 
 fn area(imported: &gimage::import::Imported) -> f64 {
     check(imported);
