@@ -2,11 +2,15 @@
 
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::exit::{Exit, Failure};
+
+/// Whether stdout has its JSON object: what fails later is told on stderr and by the exit code.
+static REPORTED: AtomicBool = AtomicBool::new(false);
 
 /// Where a run writes, and how much.
 #[derive(Clone, Copy, Debug)]
@@ -66,6 +70,7 @@ impl Output {
     /// One JSON object on stdout.
     pub fn json(&self, value: &impl Serialize) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(value).map_err(|e| gimage::Error::Internal(e.to_string()))?;
+        REPORTED.store(true, Ordering::Relaxed);
         self.data(&(text + "\n"))
     }
 
@@ -91,11 +96,17 @@ impl Output {
     /// A failure as words, and as data where data is JSON.
     pub fn failure(&self, failure: &Failure) -> Exit {
         self.error(&failure.message);
-        if self.json {
+        if let Some(document) = self.document(failure) {
             // Nothing is left to be done if this fails too.
-            let _ = self.json(&json!({"error": failure.message, "exit": failure.exit.code()}));
+            let _ = self.json(&document);
         }
         failure.exit
+    }
+
+    /// The JSON object of a failure, unless stdout has one.
+    fn document(&self, failure: &Failure) -> Option<Value> {
+        let due = self.json && !REPORTED.load(Ordering::Relaxed);
+        due.then(|| json!({"error": failure.message, "exit": failure.exit.code()}))
     }
 
     fn labelled(&self, tone: Tone, label: &str, text: &str) {
@@ -117,4 +128,18 @@ fn paint(colour: bool, tone: Tone, text: &str) -> String {
 /// The text without control characters: names come from files, and could steer the terminal.
 pub fn plain(text: &str) -> String {
     text.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A build whose rename fails has sent its report.
+    #[test]
+    fn stdout_has_one_json_object() {
+        let (out, failure) = (Output::new(true, false, true), Failure::refused("no place".into()));
+        assert_eq!(out.document(&failure), Some(json!({"error": "no place", "exit": failure.exit.code()})));
+        out.json(&json!({"exit": 0})).unwrap();
+        assert_eq!(out.document(&failure), None);
+    }
 }

@@ -17,6 +17,13 @@ pub fn run(args: &FitCollidersArgs, out: &Output) -> Result<Exit, Failure> {
     }
     let found = fit_colliders(&args.input, &args.read.options(), &args.fit.options())
         .map_err(|e| Failure::of_input(&args.input, e))?;
+    // Written before the report, and in its place after it: no report of what could not be written, no file without one.
+    let scene = (args.output.as_ref())
+        .map(|path| {
+            let text = serde_json::to_string_pretty(&scene(&found)).map_err(|e| Failure::refused(e.to_string()))?;
+            Ok::<_, Failure>((path, Pending::write(path, (text + "\n").as_bytes())?))
+        })
+        .transpose()?;
     if out.json {
         out.json(&report(&found))?;
     } else {
@@ -33,9 +40,8 @@ pub fn run(args: &FitCollidersArgs, out: &Output) -> Result<Exit, Failure> {
         let label = if finding.severity == Severity::Warning { "warning" } else { "note" };
         out.remark(tone, label, &format!("{}: {}: {}", found.file, finding.kind, finding.message));
     }
-    if let Some(path) = &args.output {
-        let text = serde_json::to_string_pretty(&scene(&found)).map_err(|e| Failure::refused(e.to_string()))?;
-        Pending::write(path, (text + "\n").as_bytes())?.commit()?;
+    if let Some((path, file)) = scene {
+        file.commit()?;
         out.say(&format!("wrote {}: {} colliders", path.display(), found.colliders.len()));
     }
     Ok(exit)

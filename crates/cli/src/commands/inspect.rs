@@ -49,6 +49,8 @@ pub fn run(args: &InspectArgs, out: &Output) -> Result<Exit, Failure> {
     let timings = Timings::of_bundle(&args.bundle);
     let exit = if summary.disagreements.is_empty() { Exit::Done } else { Exit::Findings };
     let path = args.bundle.display().to_string();
+    // Written before the report, and in its place after it.
+    let drawn = picture.map(|path| Pending::write(path, &picture::png_of(&cloth, &found)?)).transpose()?;
     if out.json {
         let crossings = Crossed {
             pairs: found.total(),
@@ -71,8 +73,8 @@ pub fn run(args: &InspectArgs, out: &Output) -> Result<Exit, Failure> {
         }
         out.data(&text)?;
     }
-    if let Some(path) = picture {
-        Pending::write(path, &picture::png_of(&cloth, &found)?)?.commit()?;
+    if let Some((path, drawn)) = picture.zip(drawn) {
+        drawn.commit()?;
         out.say(&format!("{}: {}", path.display(), words(&found)));
     }
     for sentence in &summary.disagreements {
