@@ -137,7 +137,7 @@ mod tests {
     /// A build whose rename fails has sent its report.
     #[test]
     fn stdout_has_one_json_object() {
-        let (out, failure) = (Output::new(true, false, true), Failure::refused("no place".into()));
+        let (out, failure) = (Output::new(true, false, true), Failure::refused("no place"));
         assert_eq!(out.document(&failure), Some(json!({"error": "no place", "exit": failure.exit.code()})));
         out.json(&json!({"exit": 0})).unwrap();
         assert_eq!(out.document(&failure), None);
