@@ -200,10 +200,28 @@ fn every_file_of_tests_is_a_module_of_all() {
     for folder in ["crates/gimage/tests", "crates/runtime/tests", "crates/cli/tests", "tests/tests"] {
         let all = std::fs::read_to_string(root.join(folder).join("all.rs")).unwrap();
         let entries = std::fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path());
-        let files = entries.filter(|path| path.extension().is_some_and(|e| e == "rs") && !path.ends_with("all.rs"));
-        for file in files {
-            let module = file.file_stem().unwrap().to_str().unwrap();
+        let is_module = |path: &Path| path.join("mod.rs").exists() || path.extension().is_some_and(|e| e == "rs");
+        for path in entries.filter(|path| is_module(path) && !path.ends_with("all.rs")) {
+            let module = path.file_stem().unwrap().to_str().unwrap();
             assert!(all.lines().any(|line| line == format!("mod {module};")), "{folder}/all.rs lacks {module}");
+        }
+    }
+}
+
+/// Tests of the GPU that the run without an adapter left out would not be seen to skip.
+#[test]
+fn tests_that_the_bare_run_leaves_out_ask_for_no_adapter() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let script = std::fs::read_to_string(root.join(".ci/run")).unwrap();
+    let list = script.split("left_out=(-- ").nth(1).and_then(|rest| rest.split(')').next()).unwrap();
+    let modules: Vec<&str> = list.split_whitespace().filter_map(|word| word.strip_suffix("::")).collect();
+    assert!(modules.len() > 5, "{modules:?}");
+    for module in modules {
+        let files = ["crates/runtime/tests", "tests/tests"].map(|f| root.join(f).join(format!("{module}.rs")));
+        let file = files.iter().find(|file| file.exists()).unwrap();
+        let text = std::fs::read_to_string(file).unwrap().to_lowercase();
+        for word in ["gpu", "adapter", "device", "rig::"] {
+            assert!(!text.contains(word), "{}: {word}: take it out of left_out in .ci/run", file.display());
         }
     }
 }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::exit::{Exit, Failure};
 
-/// Whether stdout has its JSON object: what fails later is told on stderr and by the exit code.
+/// Whether the JSON object of the run is on stdout. A later failure is reported on stderr and by the exit code.
 static REPORTED: AtomicBool = AtomicBool::new(false);
 
 /// Where a run writes, and how much.
