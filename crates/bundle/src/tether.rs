@@ -102,7 +102,7 @@ impl Tethers {
 /// particles, as waves through two of them are taken for one. On doubly
 /// curved surfaces the error falls with the size of the texels; where the surface bulges, they come out a little short.
 ///
-/// Costs O(k n log n) time and 24 k n bytes for n particles, where k is at most 3 (`most` + 1) and does not grow with the
+/// Costs O(k n log n) time and 24 k n bytes for n particles, where k is at most 5 (`most` + 1) and does not grow with the
 /// number of pins: all pins spread at once, and each particle keeps only the nearest. One thread.
 pub fn tethers(grids: &[SpringGrid<'_>], particles: &[Particle], stitches: &[Stitch], most: usize) -> Tethers {
     let most = most.min(MAX_ANCHORS);

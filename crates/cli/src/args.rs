@@ -144,7 +144,7 @@ pub struct SceneArgs {
     /// Relaxations per step [default: that of the scene, or 1].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub iterations: Option<u32>,
-    /// Tethers per particle to the nearest pins, 0 to 4; xpbd only [default: that of the scene, or 2].
+    /// Most tethers per particle, each to the nearest pin of another group of pins, 0 to 4; xpbd only [default: that of the scene, or 4].
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub tethers: Option<u32>,
     /// Limit lengths on coarser grids every K steps, 0 for never; for cloth that flies freely, not for cloth on colliders;

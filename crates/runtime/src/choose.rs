@@ -5,6 +5,7 @@ mod follow;
 mod give;
 mod hung;
 mod reach;
+mod spanned;
 
 pub use follow::{FOLLOW_NUMBERS, Follow};
 
@@ -27,6 +28,8 @@ pub enum Support {
     Tethered,
     /// The same, and it is in wind, or starts far from where it will hang.
     Stirred,
+    /// It hangs between three or more groups of pins that are not on one line, with tethers.
+    Spanned,
     /// It hangs from a row of pins, with slack tethers.
     TetheredRow,
     /// It hangs from pins, with tethers, and colliders are in its way.
@@ -54,7 +57,8 @@ pub enum Support {
 /// | free, or the classic solver | 8 | 0 | |
 /// | pins with tethers, flat | 3, 4, 5, 6 for N up to 40, 128, 196, 256; above N / 32 | 2; 3 of strips, 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.8, 0.9, 1.5, 1.4 %; 20 other sizes up to 320 at most 1.5 % |
 /// | the same, of a garment | 5 sqrt(N / 64) | 4; 8 if damped less than 0.5 1/s | a T-shirt on two pins: p99 under 4 % |
-/// | the same, in wind of 2 m/s and more, while pins move, and at a start far from where it will hang | 21, 16, 13, 9 sqrt(N / 64) with 2, 3, 4, 8 rounds | the same | sheets and T-shirts that are shaken and in wind of 8 m/s: p99 3 to 6 %, N = 128 6 to 19 % |
+/// | spanned between three or more groups of pins that are not on one line, with tethers | 8 sqrt(N / 64) | 4; 8 if damped less than 0.5 1/s | canopies: p99 at most 1.5 and 3.5 % at N = 64 and 128 |
+/// | the same, in wind of 2 m/s and more, while pins move, and at a start far from where it will hang | 21, 16, 13, 9 sqrt(N / 64) with 2, 3, 4, 8 rounds; 40 sqrt(N / 64) of a material, among colliders too | the same | sheets and T-shirts that are shaken and in wind of 8 m/s: p99 3 to 6 %, N = 128 6 to 19 % |
 /// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75 | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |
@@ -74,7 +78,7 @@ pub enum Support {
 /// colliders change: the number rises at once, and falls gradually one second after the need ends. Cloth with a compliance
 /// or a material is not polished, as its stretch is wanted. Cloth on pins whose compliance is seen has up to 128 relaxations per
 /// frame (64 substeps and a round), so that it stretches by its compliance and not by the solver's error; its tethers are longer by
-/// what springs at the pins give. Cloth of a material has at least the substeps in which it bends as
+/// what springs at the pins give, and those of a spanned fabric by what it sags. Cloth of a material has at least the substeps in which it bends as
 /// stiffly as it should: the finer the grid and the stiffer the fabric, the more. At most 64 substeps are chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
@@ -112,6 +116,7 @@ impl fmt::Display for Choice {
             Support::Free => return write!(f, ": {chosen}"),
             Support::Tethered => "hangs from pins with tethers".to_owned(),
             Support::Stirred => "hangs from pins, and is in wind or swings down".to_owned(),
+            Support::Spanned => "is spanned between pins".to_owned(),
             Support::TetheredRow => "hangs from a row of pins".to_owned(),
             Support::TetheredOnColliders => "hangs from pins among colliders".to_owned(),
             Support::Worn => "hangs from the joints of a body".to_owned(),
@@ -150,9 +155,22 @@ const PYRAMID_SUBSTEPS: f64 = 7.0;
 
 /// Slack of tethers to a row of pins: more than springs yield there, so that tethers hold only what tears.
 const ROW_SLACK: f32 = 1.03;
+/// Such tethers per particle, and those to groups of pins on a line: further ones take a tenth of a frame, and hold nothing.
+const ROW_TETHERS: u32 = 1;
+const LINE_TETHERS: u32 = 2;
 
 /// Extension of cloth with a compliance beyond which tethers alone hold it: such springs do not come to rest.
 const MAX_GIVE: f64 = 1.0;
+
+/// How the tethers of a cloth are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// Most tethers per particle.
+    pub most: u32,
+    /// Length of a tether over the distance along the surface: above 1 where springs do without tethers, which shorten the
+    /// lengths that they swing on, and slow down a swing.
+    pub slack: f32,
+}
 
 /// The options, with all that they leave open decided.
 #[derive(Clone, Debug, PartialEq)]
@@ -162,9 +180,8 @@ pub struct Settings {
     pub substeps: u32,
     /// Rounds of polish.
     pub polish: u32,
-    /// Length of a tether over the distance along the surface, for each cloth: above 1 where springs do without tethers,
-    /// which shorten the lengths that they swing on, and slow down a swing.
-    pub slack: Vec<f32>,
+    /// How the tethers of each cloth are made.
+    pub hold: Vec<Hold>,
 }
 
 impl Deref for Settings {
@@ -184,12 +201,19 @@ impl Settings {
     /// Decides what `given` leaves open.
     pub fn new(given: Options, scene: &Scene) -> (Self, Choice) {
         let choice = choose(&given, scene);
-        let row = |c| choice.given == [false; 2] && need(c, &given, scene).support == Support::TetheredRow;
+        let row = |c: &Cloth| choice.given == [false; 2] && need(c, &given, scene).support == Support::TetheredRow;
         // A tether is as long as the path along the surface when that gives. Cloth that is too soft to hold itself is held by tethers.
-        let give =
-            |c: &Cloth| 1.0 + Some(give::at_pins(c, scene.gravity)).filter(|g| *g <= MAX_GIVE).unwrap_or(0.0) as f32;
-        let slack = scene.cloths.iter().map(|c| if row(c) { ROW_SLACK } else { 1.0 } * give(c)).collect();
-        (Settings { substeps: choice.substeps, polish: choice.polish, slack, given }, choice)
+        let give = |c: &Cloth| {
+            let at_pins = Some(give::at_pins(c, scene.gravity)).filter(|g| *g <= MAX_GIVE);
+            (1.0 + at_pins.unwrap_or(0.0) + spanned::give(c, scene.gravity)) as f32
+        };
+        let hold = |c: &Cloth| match spanned::span(c) {
+            _ if row(c) => Hold { most: given.tethers.min(ROW_TETHERS), slack: ROW_SLACK * give(c) },
+            None => Hold { most: given.tethers.min(LINE_TETHERS), slack: give(c) },
+            Some(_) => Hold { most: given.tethers, slack: give(c) },
+        };
+        let hold = scene.cloths.iter().map(hold).collect();
+        (Settings { substeps: choice.substeps, polish: choice.polish, hold, given }, choice)
     }
 
     /// The options as the host gave them.

@@ -84,13 +84,42 @@ fn hanging_cloth_that_is_stirred_has_more_substeps() {
     let mut whipping = calm.clone();
     whipping.cloths[0].damping = 0.0;
     assert_eq!(of(&whipping), (4, 9, WHIP_POLISH, Support::Tethered));
+    // A material has no rounds, and is stirred among colliders, too.
+    let ball = Collider::new(Shape::Sphere { radius: 0.1 }, [0.0, -5.0, 0.0]);
+    let mut cotton = calm.clone();
+    cotton.cloths[0].set_material(&crate::Material::named("cotton").unwrap()).unwrap();
+    assert_eq!(of(&cotton), (8, 40, 0, Support::Tethered));
+    cotton.colliders = vec![ball];
+    assert_eq!(of(&cotton), (16, 40, 0, Support::TetheredOnColliders));
     // Numbers that were given stay.
     let given = Options { substeps: Some(4), ..Options::default() };
     let windy = Scene { wind: wind(8.0), ..calm.clone() };
     assert_eq!((chosen(&windy, given.clone()).substeps, chosen(&windy, given).stirred), (4, 0));
     // Other supports have their own rules.
-    let ball = Collider::new(Shape::Sphere { radius: 0.1 }, [0.0, -5.0, 0.0]);
     assert_eq!(of(&Scene { colliders: vec![ball], ..windy }).3, Support::TetheredOnColliders);
+}
+
+#[test]
+fn cloth_that_is_spanned_between_pins_has_more_substeps_and_all_its_tethers() {
+    let mut canopy = builtin("s1", 64).unwrap();
+    [64 * 63, 64 * 64 - 1].into_iter().for_each(|k| canopy.cloths[0].set_pinned(k, true).unwrap());
+    let (settings, choice) = Settings::new(Options::default(), &canopy);
+    assert_eq!((choice.support, choice.polish), (Support::Stirred, 4), "{choice}");
+    assert_eq!(settings.hold, [Hold { most: 4, slack: 1.0 }]);
+    // Nothing stirs it without gravity.
+    let calm = chosen(&Scene { gravity: [0.0; 3], ..canopy.clone() }, Options::default());
+    assert_eq!((calm.substeps, calm.stirred, calm.support), (8, 13, Support::Spanned));
+    assert!(calm.to_string().ends_with("is spanned between pins"), "{calm}");
+    // A row needs one tether, pins on a line two, and none has more than the host allows.
+    let most = |name, tethers| {
+        let given = Options { tethers, ..Options::default() };
+        Settings::new(given, &builtin(name, 64).unwrap()).0.hold[0].most
+    };
+    assert_eq!([most("s3", 4), most("s3", 0), most("s1", 4), most("s1", 1)], [1, 0, 2, 1]);
+    // A canopy of cotton sags by a ninth of its side, which takes 1 to 2 % of length.
+    canopy.cloths[0].set_material(&crate::Material::named("cotton").unwrap()).unwrap();
+    let cotton = Settings::new(Options::default(), &canopy).0.hold[0];
+    assert!((1.01..1.02).contains(&cotton.slack), "{cotton:?}");
 }
 
 #[test]
@@ -181,7 +210,7 @@ fn a_collider_that_speeds_up_raises_the_number_at_once_and_lets_it_fall_graduall
 #[test]
 fn the_finer_the_grid_and_the_stiffer_the_fabric_the_more_substeps() {
     let of = |name: &str, n: u32| {
-        let mut scene = builtin("s1", n).unwrap();
+        let mut scene = curtain(n);
         scene.cloths[0].set_material(&crate::Material::named(name).unwrap()).unwrap();
         chosen(&scene, Options::default()).substeps
     };

@@ -30,7 +30,7 @@ pub(crate) use contact::{Kin, SKIPPED_CELLS};
 pub use flat::Flat;
 pub(crate) use gimage_bundle::other_end;
 pub use gimage_bundle::{Anchor, MAX_STITCHES_AT_POINT, Particle, Stitch, Tethers};
-pub(crate) use groups::{Bridges, groups, mates, ring};
+pub(crate) use groups::{Bridges, groups, mates, of_pins, ring};
 pub(crate) use poses::Poses;
 pub use poses::{JointPoses, Skinning};
 pub use select::Select;

@@ -207,8 +207,8 @@ pub fn fewest(options: &Settings, free: bool) -> (u32, f64) {
     (steps.max(1.0) as u32, longest)
 }
 
-/// Prepares a cloth for a solver: what it cannot do is changed. Returns the number of its tethers per particle.
-pub fn prepare(cloth: &mut Cloth, options: &Settings, warnings: &mut Vec<Warning>) -> Result<u32> {
+/// Prepares a cloth for a solver, that may have `most` tethers per particle: what it cannot do is changed. Returns the number that it may have.
+pub fn prepare(cloth: &mut Cloth, options: &Settings, most: u32, warnings: &mut Vec<Warning>) -> Result<u32> {
     if options.solver != Solver::Xpbd {
         return Ok(0);
     }
@@ -224,8 +224,8 @@ pub fn prepare(cloth: &mut Cloth, options: &Settings, warnings: &mut Vec<Warning
     warnings.extend((!loose.is_empty()).then(|| Warning::Loose { cloth: cloth.name().into(), names: loose }));
     let fed = options.pyramid == 1 && cloth.damping <= 0.0 && has_levels(cloth, options);
     warnings.extend(fed.then(|| Warning::Pyramid { cloth: cloth.name().into() }));
-    if options.tethers > 0 || cloth.membrane().is_some() || !cloth.particles().iter().any(|p| p.is_pinned()) {
-        return Ok(options.tethers);
+    if most > 0 || cloth.membrane().is_some() || !cloth.particles().iter().any(|p| p.is_pinned()) {
+        return Ok(most);
     }
     let lengths = lengths::ratio(cloth);
     if masses <= MOST_RATIO && lengths <= MOST_LENGTHS {

@@ -52,10 +52,11 @@ pub struct Options {
     /// Relaxations per step. Default 1; 1 to 4096; larger is stiffer and costs more, both less than with substeps. Membrane
     /// and bending of a [`crate::Material`] are always relaxed once per step: only substeps make them exact.
     pub iterations: u32,
-    /// Tethers of a particle, each to the nearest pin of another group of pins: no particle gets farther from its pins
-    /// than along the surface. Default 2; 0 to 4; for [`Solver::Xpbd`] only. They take most of the stretch away in few
-    /// substeps, and shorten the period of a swing a little. Those of a bundle are taken as they are stored, else they
-    /// are found when the stepper is made. After a cut those stay whose way to the pin is whole, others grow to the way
+    /// Most tethers of a particle, each to the nearest pin of another group of pins: no particle gets farther from its pins
+    /// than along the surface. Default 4; 0 to 4; for [`Solver::Xpbd`] only. Cloth has no more than it has groups, two if these lie on a
+    /// line, and one if it hangs from a row of pins with numbers that are chosen: further ones would hold nothing. They take most of the stretch away in few
+    /// substeps, and shorten the period of a swing a little. Those of a bundle are used where they are enough, else they
+    /// are found when the stepper is made ([`crate::Cloth::tethers`]). After a cut those stay whose way to the pin is whole, others grow to the way
     /// that is left ([`crate::Stepper::cut`]). Cloth of springs whose neighbours differ by more than [`crate::MOST_RATIO`] in
     /// mass or [`crate::MOST_LENGTHS`] in rest length gets 2 if 0 are requested, with a warning
     /// ([`crate::Stepper::warnings`]): springs alone do not hold it.
@@ -132,7 +133,7 @@ impl Default for Options {
             substeps: None,
             quality: Quality::default(),
             iterations: 1,
-            tethers: 2,
+            tethers: 4,
             polish: None,
             pyramid: 0,
             thickness: 0.0,

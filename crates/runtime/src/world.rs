@@ -119,9 +119,9 @@ impl World {
         let control = Control::new(options, &scene);
         let options = &control.options;
         let mut runs: Vec<ClothRun> = Vec::new();
-        for (cloth, slack) in scene.cloths.iter_mut().zip(&options.slack) {
+        for (cloth, hold) in scene.cloths.iter_mut().zip(&options.hold) {
             let known = runs.iter().filter_map(|run| run.images.as_ref());
-            let run = members::prepare(cloth, options, *slack, (&scene.colliders, known))?;
+            let run = members::prepare(cloth, options, *hold, (&scene.colliders, known))?;
             runs.push(run);
         }
         let (handles, host) = (runs.iter().map(|_| ClothHandle::fresh()).collect(), Host::default());

@@ -9,13 +9,23 @@ pub(crate) fn groups(cloth: &Cloth, tethers: &Tethers) -> Vec<u32> {
     let mut anchored = vec![false; cloth.len()];
     let anchors = tethers.anchors.iter().filter(|a| a.exists());
     anchors.for_each(|a| anchored[points[a.particle as usize] as usize] = true);
-    let marked: Vec<bool> = points.iter().map(|point| anchored[*point as usize]).collect();
-    let (starts, members) = cloth.rings();
-    let rings = starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]);
-    let sizes = cloth.grids().iter().map(|g| [g.width, g.height]);
-    let (group, _) = gimage_bundle::groups(sizes, rings, &marked);
+    let anchored: Vec<bool> = points.iter().map(|point| anchored[*point as usize]).collect();
+    let (group, _) = marked(cloth, &anchored);
     let of = |a: &super::Anchor| if a.exists() { group[a.particle as usize] } else { u32::MAX };
     tethers.anchors.iter().map(of).collect()
+}
+
+/// The group of every pinned particle, `u32::MAX` for others, and the number of groups: pins that are neighbours in a grid, or duplicates of such.
+pub(crate) fn of_pins(cloth: &Cloth) -> (Vec<u32>, usize) {
+    let pinned: Vec<bool> = cloth.particles().iter().map(|p| p.is_pinned()).collect();
+    marked(cloth, &pinned)
+}
+
+/// The same of marked particles.
+fn marked(cloth: &Cloth, marked: &[bool]) -> (Vec<u32>, usize) {
+    let (starts, members) = cloth.rings();
+    let rings = starts.windows(2).map(|r| &members[r[0] as usize..r[1] as usize]);
+    gimage_bundle::groups(cloth.grids().iter().map(|g| [g.width, g.height]), rings, marked)
 }
 
 /// For every texel the next duplicate of its point; itself off the seams.

@@ -4,19 +4,34 @@ use std::sync::Arc;
 
 use gimage_bundle::{Bridge, RestLengths, SpringGrid, Tethers, bridges, tethers};
 
-use super::{Cloth, Rest};
+use super::{Cloth, Rest, groups};
 
 impl Cloth {
     /// Up to `most` (at most [`gimage_bundle::MAX_ANCHORS`]) anchors of every particle: the nearest pins of the nearest
-    /// groups of pins, with geodesic distances \[m\] at rest. Those of the bundle where they are enough and pins have not
-    /// changed since, else recomputed from the present pins, rest lengths and stitches as [`gimage_bundle::tethers`] does, which
-    /// takes about 2 microseconds a particle and anchor.
+    /// groups of pins, with geodesic distances \[m\] at rest. Those of the bundle if no joined grids have more groups of pins than it
+    /// stores anchors, or no more are asked for, and pins have not
+    /// changed since; else recomputed from the present pins, rest lengths and stitches as [`gimage_bundle::tethers`] does, which
+    /// takes about 2 microseconds per particle and anchor.
     pub fn tethers(&self, most: usize) -> Tethers {
-        if let Some(stored) = self.stored_tethers().filter(|t| most <= t.per_particle) {
+        let enough = |t: &&Tethers| most <= t.per_particle || self.most_groups() <= t.per_particle;
+        if let Some(stored) = self.stored_tethers().filter(enough) {
+            let most = most.min(stored.per_particle);
             let slots = stored.anchors.chunks_exact(stored.per_particle.max(1));
             return Tethers { per_particle: most, anchors: slots.flat_map(|s| &s[..most]).copied().collect() };
         }
         tethers(&self.spring_grids(), &self.parts.particles, self.stitches(), most)
+    }
+
+    /// The most groups of pins of grids that seams and stitches join, which is the most anchors that a particle can have.
+    fn most_groups(&self) -> usize {
+        let (joined, (group, _)) = (self.joined_grids(), groups::of_pins(self));
+        let grids = self.grids().iter().zip(joined);
+        let mut all: Vec<(u32, u32)> =
+            grids.flat_map(|(grid, joined)| group[grid.range()].iter().map(move |g| (joined, *g))).collect();
+        all.retain(|(_, group)| *group != u32::MAX);
+        all.sort_unstable();
+        all.dedup();
+        all.chunk_by(|a, b| a.0 == b.0).map(<[_]>::len).max().unwrap_or(0)
     }
 
     /// Stitches as paths between particles, by the present rest lengths.
@@ -79,9 +94,11 @@ mod tests {
         let mut bundle = bundle();
         bundle.images.get_mut(&(0, MapKind::Tether)).unwrap().data[3 * 24] = 7.5;
         let mut cloth = Cloth::from_bundle("p", &bundle).unwrap();
-        // Stored tethers are used, not made again, unless more are asked for than are stored.
-        assert_eq!((cloth.tethers(1).of(24)[0].distance, cloth.tethers(1).of(24)[0].particle), (7.5, 0));
-        assert!((cloth.tethers(2).of(24)[0].distance - 32f32.sqrt()).abs() < 1e-6);
+        // Stored tethers are used, not made again, where no particle can have more.
+        for most in [1, 2, 4] {
+            let found = cloth.tethers(most);
+            assert_eq!((found.of(24)[0].distance, found.of(24)[0].particle, found.per_particle), (7.5, 0, 1));
+        }
         assert_eq!(cloth.tethers(0).anchors, []);
         cloth.set_pinned(0, true).unwrap();
         assert!(cloth.stored_tethers().is_some());
@@ -90,6 +107,32 @@ mod tests {
         let found = cloth.tethers(2);
         assert_eq!((found.of(24)[0].particle, found.of(24)[0].distance), (4, 4.0));
         assert!(found.of(24)[1].particle == 0 && (found.of(24)[1].distance - 32f32.sqrt()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn one_stored_tether_is_not_enough_for_two_groups_of_pins() {
+        let mut bundle = bundle();
+        let image = bundle.images.get_mut(&(0, MapKind::Position)).unwrap();
+        image.data[4 * 4 + 3] = -1.0;
+        bundle.write_tethers().unwrap();
+        bundle.images.get_mut(&(0, MapKind::Tether)).unwrap().data[3 * 24] = 7.5;
+        let cloth = Cloth::from_bundle("p", &bundle).unwrap();
+        assert_eq!(cloth.tethers(1).of(24)[0].distance, 7.5);
+        let found = cloth.tethers(4);
+        let of: Vec<u32> = found.of(24).iter().filter(|a| a.exists()).map(|a| a.particle).collect();
+        assert_eq!((of, found.of(24)[0].distance), (vec![4, 0], 4.0));
+        // Grids that nothing joins have groups of their own.
+        bundle.add_piece("q", 5, 5).unwrap();
+        let image = bundle.image(0, &MapKind::Position).unwrap().clone();
+        bundle.insert(1, MapKind::Position, image).unwrap();
+        for piece in [0, 1] {
+            let image = bundle.images.get_mut(&(piece, MapKind::Position)).unwrap();
+            image.data[4 * 4 + 3] = 1.0;
+        }
+        bundle.manifest.pieces[1].constants.rest = bundle.manifest.pieces[0].constants.rest;
+        bundle.write_tethers().unwrap();
+        bundle.images.get_mut(&(1, MapKind::Tether)).unwrap().data[3 * 24] = 7.5;
+        assert_eq!(Cloth::from_bundle("p", &bundle).unwrap().tethers(4).of(49)[0].distance, 7.5);
     }
 
     #[test]
@@ -123,7 +166,7 @@ mod tests {
         assert_eq!(none.tethers(1).anchors.iter().filter(|a| a.exists()).count(), 1);
         bundle.insert(0, MapKind::Rest, Image { width: 5, height: 5, channels: 4, data }).unwrap();
         let image = Cloth::from_bundle("p", &bundle).unwrap();
-        assert_eq!(image.tethers(2), constant.tethers(2));
+        assert_eq!(image.tethers(1), constant.tethers(1));
         let mut free = Flat::square("flat", 4).cloth().unwrap();
         assert!(free.tethers(4).is_empty());
         free.set_pinned(0, true).unwrap();

@@ -1,5 +1,6 @@
 use super::super::adapter::device;
 use super::*;
+use crate::choose::Hold;
 use crate::cloth::{Flat, Particle, Parts};
 use crate::cpu::rows::Threads;
 use crate::gpu::Pipelines;
@@ -108,7 +109,7 @@ fn followed(
 fn a_cut_takes_few_dispatches_whatever_the_size_of_the_cloth() {
     for (n, most) in [(16, 6), (64, 10), (256, 84), (1000, 132)] {
         let cloth = hung(n, &[0, n as usize - 1]);
-        let images = Images::of(&mut cloth.clone(), cloth.clone(), (2, 1.0), [].into_iter());
+        let images = Images::of(&mut cloth.clone(), cloth.clone(), Hold { most: 2, slack: 1.0 }, [].into_iter());
         let run = ClothRun::new(images);
         // A device, and one that ends loops early.
         let walks = [u32::MAX, 65_535 / 4].map(|loops| Walk::new(&cloth, &run.tethers, loops).dispatches());

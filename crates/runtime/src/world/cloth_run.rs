@@ -9,6 +9,7 @@ use super::levels::Finer;
 use super::moving::Moving;
 use super::sleep::Calm;
 use super::stir::PinPlaces;
+use crate::choose::Hold;
 use crate::cloth::{Anchor, Cloth, Poses, Tethers};
 use crate::form::Fused;
 use crate::limits::Warning;
@@ -130,12 +131,12 @@ impl ClothRun {
     }
 }
 
-/// The tethers of a cloth, in as many slots as are used, where it may have `most` a particle, longer by a factor.
-pub fn hang(cloth: &Cloth, most: u32, slack: f32) -> Tethers {
-    if most == 0 || !cloth.particles().iter().any(|p| p.is_pinned()) {
+/// The tethers of a cloth, in as many slots as are used.
+pub fn hang(cloth: &Cloth, hold: Hold) -> Tethers {
+    if hold.most == 0 || !cloth.particles().iter().any(|p| p.is_pinned()) {
         return Tethers::default();
     }
-    let found = cloth.stored_tethers().cloned().unwrap_or_else(|| cloth.tethers(most as usize));
+    let found = cloth.tethers(hold.most as usize);
     let used = (0..cloth.len()).map(|k| found.of(k).iter().filter(|a| a.exists()).count()).max().unwrap_or(0);
     let mut ends: Vec<u32> = found.anchors.iter().filter(|a| a.exists()).map(|a| a.particle).collect();
     ends.sort_unstable();
@@ -158,6 +159,6 @@ pub fn hang(cloth: &Cloth, most: u32, slack: f32) -> Tethers {
             a.distance = a.distance.max(dot(way, way).sqrt() as f32);
         }
     }
-    anchors.iter_mut().for_each(|a| a.distance *= slack);
+    anchors.iter_mut().for_each(|a| a.distance *= hold.slack);
     Tethers { per_particle: used, anchors }
 }

@@ -1,6 +1,6 @@
 //! The settings that are in force, and how they change from frame to frame.
 
-use crate::choose::{Choice, Follow, Settings, Wish};
+use crate::choose::{Choice, Follow, Hold, Settings, Wish};
 use crate::clock::Clock;
 use crate::options::Options;
 use crate::quality::{Chooser, Levers, Mix, Quality};
@@ -38,6 +38,12 @@ impl Control {
         self.clock = Clock::new(&self.options);
     }
 
+    /// How the tethers of a cloth are made, by its index.
+    pub fn hold(&self, cloth: usize) -> Hold {
+        let plain = Hold { most: self.options.tethers, slack: 1.0 };
+        self.options.hold.get(cloth).copied().unwrap_or(plain)
+    }
+
     /// Takes other settings from the next step on.
     pub fn set(&mut self, (settings, choice): (Settings, Choice), scene: &Scene) {
         (self.follow, self.wishes) = (Follow::new(&settings, scene), Wish::of(&settings, scene));
@@ -64,7 +70,7 @@ impl Control {
         if self.round.is_some() {
             settings.polish = self.options.polish;
         }
-        settings.slack = std::mem::take(&mut self.options.slack);
+        settings.hold = std::mem::take(&mut self.options.hold);
         self.set((settings, choice), scene);
         polish != self.options.polish
     }
@@ -85,7 +91,7 @@ impl Control {
         let wish = Wish::most(&wishes).unwrap_or(Wish { substeps: 0, stirred: 0, polish: 0 });
         let fast = Some(Follow::new(&settings, alone)).filter(|_| choice.substeps > wish.substeps);
         self.follow.join(wish, fast.as_ref());
-        self.options.slack.extend(&settings.slack);
+        self.options.hold.extend(&settings.hold);
         self.wishes.extend(wishes);
         let more_steps = self.options.quality == Quality::Fixed && choice.substeps > self.options.substeps;
         let more_rounds = self.round.is_none() && choice.polish > self.options.polish;
@@ -105,7 +111,7 @@ impl Control {
     /// ask for: substeps gradually. After the last one nothing changes.
     pub fn leave(&mut self, cloth: usize) -> bool {
         let gone = self.wishes.remove(cloth);
-        self.options.slack.remove(cloth);
+        self.options.hold.remove(cloth);
         let Some(rest) = Wish::most(&self.wishes) else { return false };
         self.follow.leave(gone, rest);
         let chosen = self.choice.given == [false; 2] && self.round.is_none() && self.options.polish == gone.polish;
@@ -150,7 +156,7 @@ impl Control {
         if given.polish.is_none() && (given.substeps.is_none() || given.quality.target().is_some()) {
             settings.polish = state.polish;
         }
-        settings.slack = std::mem::take(&mut self.options.slack);
+        settings.hold = std::mem::take(&mut self.options.hold);
         self.set((settings, choice), scene);
         self.follow.resume(state.follow);
         self.chooser.resume(&state.chooser);

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use crate::choose::Hold;
 use crate::cloth::{Cloth, Tethers};
 use crate::coarser::{Coarser, Table};
 use crate::error::Result;
@@ -12,8 +13,7 @@ pub struct Images {
     given: Cloth,
     /// The same, prepared.
     made: Cloth,
-    /// Tethers per particle that it may have, and their length over the way along the surface.
-    held: (u32, f32),
+    hold: Hold,
     tethers: Arc<Tethers>,
     /// The coarser image, and what its instances share, once they are asked for.
     coarser: OnceLock<Coarser>,
@@ -27,17 +27,17 @@ impl Images {
     pub fn of<'a>(
         cloth: &mut Cloth,
         given: Cloth,
-        held: (u32, f32),
+        hold: Hold,
         mut known: impl Iterator<Item = &'a Arc<Images>>,
     ) -> Arc<Self> {
-        let same = |images: &&Arc<Images>| images.held == held && given.has_images_of(&images.given);
+        let same = |images: &&Arc<Images>| images.hold == hold && given.has_images_of(&images.given);
         if let Some(images) = known.find(same) {
             cloth.share(&images.made);
             return images.clone();
         }
-        let tethers = Arc::new(super::cloth_run::hang(cloth, held.0, held.1));
+        let tethers = Arc::new(super::cloth_run::hang(cloth, hold));
         let (coarser, below, table) = Default::default();
-        Arc::new(Images { given, made: cloth.clone(), held, tethers, coarser, below, table })
+        Arc::new(Images { given, made: cloth.clone(), hold, tethers, coarser, below, table })
     }
 
     /// The coarser image, made once. Errors as [`Cloth::coarser`].

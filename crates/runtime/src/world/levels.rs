@@ -94,10 +94,9 @@ impl World {
             None => coarser.beside(&switch.cloth, &at_start(&switch.cloth, &home)),
         };
         let mut cloth = coarser.instance(&switch.cloth);
-        let slack = self.control.options.slack.get(switch.index).copied().unwrap_or(1.0);
+        let hold = self.control.hold(switch.index);
         let known = images.below().into_iter().chain(self.runs.iter().filter_map(|run| run.images.as_ref()));
-        let mut run =
-            super::members::prepare(&mut cloth, &self.control.options, slack, (&self.scene.colliders, known))?;
+        let mut run = super::members::prepare(&mut cloth, &self.control.options, hold, (&self.scene.colliders, known))?;
         images.keep_below(run.images.as_ref());
         let solver = self.control.options.solver;
         let table = images.table(|| coarser.table(&switch.cloth, &cloth, solver));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::follow::Joints;
 use super::images::Images;
 use super::{ClothRun, World};
-use crate::choose::Settings;
+use crate::choose::{Hold, Settings};
 use crate::cloth::Cloth;
 use crate::collider::Collider;
 use crate::cpu::body::Body;
@@ -28,23 +28,22 @@ pub struct Left {
     pub recoated: bool,
 }
 
-/// Prepares a cloth for the solver; `slack` is the length of its tethers over the way along the surface.
-/// Images that are known are shared.
+/// Prepares a cloth for the solver. Images that are known are shared.
 pub(super) fn prepare<'a>(
     cloth: &mut Cloth,
     options: &Settings,
-    slack: f32,
+    hold: Hold,
     (colliders, known): (&[Collider], impl Iterator<Item = &'a Arc<Images>>),
 ) -> Result<ClothRun> {
     let mut warnings = Vec::new();
     // It may come from a stepper that has cut it.
     cloth.close();
     let given = cloth.clone();
-    let most = limits::prepare(cloth, options, &mut warnings)?;
+    let most = limits::prepare(cloth, options, hold.most, &mut warnings)?;
     let meets = cloth.body().is_some() || colliders.iter().any(|c| c.is_met(cloth.met_groups()));
     let left_out = meets && has_levels(cloth, options);
     warnings.extend(left_out.then(|| Warning::PyramidOnColliders { cloth: cloth.name().into() }));
-    let mut run = ClothRun::new(Images::of(cloth, given, (most, slack), known));
+    let mut run = ClothRun::new(Images::of(cloth, given, Hold { most, ..hold }, known));
     run.warnings = warnings;
     run.joints = Joints::of(cloth);
     Ok(run)
@@ -70,9 +69,9 @@ impl World {
         let mut alone = Scene { colliders, gravity, ..Scene::new("") };
         alone.cloths.push(cloth);
         let rounds_change = self.control.join(&alone);
-        let slack = self.control.options.slack.last().copied().unwrap_or(1.0);
+        let hold = self.control.hold(self.runs.len());
         let known = self.runs.iter().filter_map(|run| run.images.as_ref()).chain(&self.spare_images);
-        let run = match prepare(&mut alone.cloths[0], &self.control.options, slack, (&self.scene.colliders, known)) {
+        let run = match prepare(&mut alone.cloths[0], &self.control.options, hold, (&self.scene.colliders, known)) {
             Ok(run) => run,
             Err(error) => {
                 self.control = before;
