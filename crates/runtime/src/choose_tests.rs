@@ -1,6 +1,6 @@
 use super::hung::{HANG_POLISH, STRIP_POLISH, WHIP_POLISH};
 use super::*;
-use crate::cloth::{Flat, Influence, SkinJoint};
+use crate::cloth::{Flat, Influence, Particle, Parts, Rest, SkinJoint};
 use crate::collider::{Collider, Shape};
 use crate::scene::builtin;
 
@@ -120,6 +120,31 @@ fn cloth_that_is_spanned_between_pins_has_more_substeps_and_all_its_tethers() {
     canopy.cloths[0].set_material(&crate::Material::named("cotton").unwrap()).unwrap();
     let cotton = Settings::new(Options::default(), &canopy).0.hold[0];
     assert!((1.01..1.02).contains(&cotton.slack), "{cotton:?}");
+}
+
+#[test]
+fn garments_have_numbers_of_their_own() {
+    let garment = |pins: u32| {
+        let curtain = curtain(64);
+        let sheet = &curtain.cloths[0];
+        let rest = Rest::Image((0..64 * 64).map(|k| std::array::from_fn(|d| sheet.spring(0, k, d))).collect());
+        let pinned = |k: u32| if k < pins { Particle::Pinned { next: None } } else { Particle::Free { next: None } };
+        let (positions, particles) = (sheet.positions().to_vec(), (0..64 * 64).map(pinned).collect());
+        let (grids, mass) = (sheet.grids().to_vec(), crate::Mass::Constant(1e-4));
+        let parts = Parts { name: "garment".into(), grids, positions, particles, rest, mass };
+        let mut cloth = Cloth::new(parts).unwrap();
+        cloth.damping = 1.0;
+        cloth
+    };
+    let of = |cloth: Cloth| {
+        let choice = chosen(&Scene { cloths: vec![cloth], ..Scene::new("") }, Options::default());
+        (choice.substeps, choice.stirred, choice.polish, choice.support)
+    };
+    assert_eq!(of(garment(4)), (5, 13, 4, Support::Tethered));
+    assert_eq!(of(garment(64)), (16, 24, 4, Support::TetheredRow));
+    let mut cotton = garment(4);
+    cotton.set_material(&crate::Material::named("cotton").unwrap()).unwrap();
+    assert_eq!(of(cotton), (24, 40, 0, Support::Tethered));
 }
 
 #[test]

@@ -21,6 +21,10 @@ pub const WHIP_POLISH: u32 = 8;
 /// Substeps at N = 64 of a garment, and its rounds: its load takes ways that sheets do not have.
 const GARMENT_SUBSTEPS: f64 = 5.0;
 const GARMENT_POLISH: u32 = 4;
+/// Substeps at N = 64 of a garment of a material, which has no rounds.
+const FABRIC_GARMENT_SUBSTEPS: f64 = 24.0;
+/// Substeps of a garment on a row of pins, such as a loop, while it is stirred, over those at rest: wind pulls more at a tube than at a flag.
+const ROW_STIRRED: f64 = 1.5;
 /// Substeps at N = 64 of cloth that is spanned between pins, and its rounds: its weight pulls across, which tethers to the nearest pins
 /// hold to a part.
 const SPANNED_SUBSTEPS: f64 = 8.0;
@@ -42,6 +46,7 @@ const SWING_S: [f64; 2] = [1.0, 5.0];
 pub fn need(cloth: &Cloth, n: f64) -> (u32, u32, Support) {
     let garment = matches!(cloth.rest(), Rest::Image(_));
     let substeps = match n {
+        _ if garment && cloth.membrane().is_some() => scaled(FABRIC_GARMENT_SUBSTEPS, n),
         _ if garment => ((GARMENT_SUBSTEPS * (n / 64.0).sqrt()).ceil() as u32).max(4),
         n if n <= 40.0 => 3,
         n if n <= 128.0 => 4,
@@ -50,7 +55,7 @@ pub fn need(cloth: &Cloth, n: f64) -> (u32, u32, Support) {
         n => (n / 32.0).ceil().min(super::MAX_SUBSTEPS.into()) as u32,
     };
     let (substeps, polish) = match () {
-        () if own_speed(cloth) > THROWN_M_S => (scaled(THROWN_SUBSTEPS, n), WHIP_POLISH),
+        () if own_speed(cloth) > THROWN_M_S => (substeps.max(scaled(THROWN_SUBSTEPS, n)), WHIP_POLISH),
         () if cloth.damping < DAMPED => (substeps, WHIP_POLISH),
         () if garment => (substeps, GARMENT_POLISH),
         () if longest(cloth) > 2.0 * (cloth.len() as f64).sqrt() => (substeps, STRIP_POLISH),
@@ -62,10 +67,15 @@ pub fn need(cloth: &Cloth, n: f64) -> (u32, u32, Support) {
     (substeps, polish, Support::Tethered)
 }
 
-/// Substeps of the same cloth while it is stirred, and of a material among colliders, too; 0 for cloth that is not held so.
+/// Substeps of the same cloth while it is stirred, of garments on a row of pins, and of a material among colliders; 0 for cloth that is not held so.
 pub fn stirred(cloth: &Cloth, rest: &Need) -> u32 {
     let sheet = cloth.membrane().is_some();
+    let garment = matches!(cloth.rest(), Rest::Image(_));
     let at_64 = match rest.support {
+        Support::TetheredRow if garment => {
+            let substeps = (ROW_STIRRED * f64::from(rest.substeps)).ceil() as u32;
+            return substeps.min(super::MAX_SUBSTEPS);
+        }
         Support::Tethered | Support::Spanned | Support::TetheredOnColliders if sheet => FABRIC_SUBSTEPS,
         Support::Tethered | Support::Spanned if stiff(cloth) => {
             (STIRRED_RELAXATIONS / f64::from(rest.polish + 1)).max(STIRRED_SUBSTEPS)
