@@ -159,7 +159,7 @@ const ROW_SLACK: f32 = 1.03;
 const ROW_TETHERS: u32 = 1;
 const LINE_TETHERS: u32 = 2;
 
-/// Extension of cloth with a compliance beyond which tethers alone hold it: such springs do not come to rest.
+/// Extension of cloth with a compliance, or of a spanned fabric, beyond which tethers alone hold it: such springs do not come to rest.
 const MAX_GIVE: f64 = 1.0;
 
 /// How the tethers of a cloth are made.
@@ -204,8 +204,8 @@ impl Settings {
         let row = |c: &Cloth| choice.given == [false; 2] && need(c, &given, scene).support == Support::TetheredRow;
         // A tether is as long as the path along the surface when that gives. Cloth that is too soft to hold itself is held by tethers.
         let give = |c: &Cloth| {
-            let at_pins = Some(give::at_pins(c, scene.gravity)).filter(|g| *g <= MAX_GIVE);
-            (1.0 + at_pins.unwrap_or(0.0) + spanned::give(c, scene.gravity)) as f32
+            let gives = [give::at_pins(c, scene.gravity), spanned::give(c, scene.gravity)];
+            (1.0 + gives.into_iter().filter(|g| *g <= MAX_GIVE).sum::<f64>()) as f32
         };
         let hold = |c: &Cloth| match spanned::span(c) {
             _ if row(c) => Hold { most: given.tethers.min(ROW_TETHERS), slack: ROW_SLACK * give(c) },

@@ -120,6 +120,10 @@ fn cloth_that_is_spanned_between_pins_has_more_substeps_and_all_its_tethers() {
     canopy.cloths[0].set_material(&crate::Material::named("cotton").unwrap()).unwrap();
     let cotton = Settings::new(Options::default(), &canopy).0.hold[0];
     assert!((1.01..1.02).contains(&cotton.slack), "{cotton:?}");
+    // One that is too soft to hold itself is held by its tethers.
+    let soft = crate::Material { warp: 1e-3, weft: 1e-3, shear: 1e-4, ..crate::Material::default() };
+    canopy.cloths[0].set_material(&soft).unwrap();
+    assert_eq!(Settings::new(Options::default(), &canopy).0.hold[0].slack, 1.0);
 }
 
 #[test]
