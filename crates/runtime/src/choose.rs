@@ -5,16 +5,19 @@ mod follow;
 mod give;
 mod hung;
 mod reach;
+mod settings;
 mod spanned;
+mod speed;
+mod wish;
 
 pub use follow::{FOLLOW_NUMBERS, Follow};
+pub use settings::{Hold, Settings};
+use speed::{fall, for_speed, length, own_speed, top_speed};
+pub use wish::Wish;
 
 use std::fmt;
-use std::ops::Deref;
 
 use crate::cloth::{Cloth, Compliance};
-use crate::collider::solid::Solid;
-use crate::number::real::dot;
 use crate::options::{Options, Solver};
 use crate::scene::Scene;
 
@@ -135,11 +138,7 @@ const FRAME_S: f64 = 1.0 / 60.0;
 const MAX_SUBSTEPS: u32 = 64;
 /// Substeps of cloth that asks for nothing.
 const FREE_SUBSTEPS: u32 = 8;
-/// Largest share of a collider's radius that fast cloth moves in a step.
-const FAST_SHARE: f64 = 0.1;
-/// The same for cloth that follows joints, which moves along with the body.
-const WORN_SHARE: f64 = 0.25;
-/// Rounds of polish of such cloth, and the way to its pins, as a share of N, from which it swings as a cape does.
+/// Rounds of polish of cloth that follows joints, and the way to its pins, as a share of N, from which it swings as a cape does.
 const WORN_POLISH: u32 = 6;
 const CAPE_POLISH: u32 = 8;
 const FREE_REACH: f64 = 0.8;
@@ -152,112 +151,6 @@ const FALL_SUBSTEPS: f64 = 25.0;
 const FALL_POLISH: u32 = 3;
 /// Substeps at N = 64 of cloth that hangs by its springs with a pyramid: the pyramid carries its weight.
 const PYRAMID_SUBSTEPS: f64 = 7.0;
-
-/// Slack of tethers to a row of pins: more than springs yield there, so that tethers hold only what tears.
-const ROW_SLACK: f32 = 1.03;
-/// Such tethers per particle, and those to groups of pins on a line: further ones take a tenth of a frame, and hold nothing.
-const ROW_TETHERS: u32 = 1;
-const LINE_TETHERS: u32 = 2;
-
-/// Extension of cloth with a compliance, or of a spanned fabric, beyond which tethers alone hold it: such springs do not come to rest.
-const MAX_GIVE: f64 = 1.0;
-
-/// How the tethers of a cloth are made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hold {
-    /// Most tethers per particle.
-    pub most: u32,
-    /// Length of a tether over the distance along the surface: above 1 where springs do without tethers, which shorten the
-    /// lengths that they swing on, and slow down a swing.
-    pub slack: f32,
-}
-
-/// The options, with all that they leave open decided.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    given: Options,
-    /// Steps per [`Options::step`].
-    pub substeps: u32,
-    /// Rounds of polish.
-    pub polish: u32,
-    /// How the tethers of each cloth are made.
-    pub hold: Vec<Hold>,
-}
-
-impl Deref for Settings {
-    type Target = Options;
-
-    fn deref(&self) -> &Options {
-        &self.given
-    }
-}
-
-impl Settings {
-    /// Relaxations of a step, rounds of polish included.
-    pub fn relaxations(&self) -> u32 {
-        self.iterations.saturating_mul(self.polish + 1)
-    }
-
-    /// Decides what `given` leaves open.
-    pub fn new(given: Options, scene: &Scene) -> (Self, Choice) {
-        let choice = choose(&given, scene);
-        let row = |c: &Cloth| choice.given == [false; 2] && need(c, &given, scene).support == Support::TetheredRow;
-        // A tether is as long as the path along the surface when that gives. Cloth that is too soft to hold itself is held by tethers.
-        let give = |c: &Cloth| {
-            let gives = [give::at_pins(c, scene.gravity), spanned::give(c, scene.gravity)];
-            (1.0 + gives.into_iter().filter(|g| *g <= MAX_GIVE).sum::<f64>()) as f32
-        };
-        let hold = |c: &Cloth| match spanned::span(c) {
-            _ if row(c) => Hold { most: given.tethers.min(ROW_TETHERS), slack: ROW_SLACK * give(c) },
-            None => Hold { most: given.tethers.min(LINE_TETHERS), slack: give(c) },
-            Some(_) => Hold { most: given.tethers, slack: give(c) },
-        };
-        let hold = scene.cloths.iter().map(hold).collect();
-        (Settings { substeps: choice.substeps, polish: choice.polish, hold, given }, choice)
-    }
-
-    /// The options as the host gave them.
-    pub fn given(&self) -> &Options {
-        &self.given
-    }
-}
-
-/// The numbers that one cloth asks for as long as it is there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wish {
-    /// Steps per [`Options::step`], of cloth and colliders at rest.
-    pub substeps: u32,
-    /// The same of cloth that is stirred; 0 if it makes no difference.
-    pub stirred: u32,
-    /// Rounds of polish.
-    pub polish: u32,
-}
-
-impl Wish {
-    /// The numbers of all cloths of a scene.
-    pub fn of(given: &Options, scene: &Scene) -> Vec<Self> {
-        let moves = top_speed(scene);
-        let wish = |cloth: &Cloth| {
-            let (lasting, fast) = needs(cloth, given, scene, moves);
-            let polish = fast.map_or(lasting.polish, |f| f.polish.max(lasting.polish));
-            let stirred = match hung::stirred(cloth, &lasting) {
-                0 => 0,
-                substeps => in_step(substeps, given.step),
-            };
-            Wish { substeps: in_step(lasting.substeps, given.step), stirred, polish }
-        };
-        scene.cloths.iter().map(wish).collect()
-    }
-
-    /// The largest numbers of some cloths; none of no cloth.
-    pub fn most(all: &[Self]) -> Option<Self> {
-        all.iter().copied().reduce(|a, b| Wish {
-            substeps: a.substeps.max(b.substeps),
-            stirred: a.stirred.max(b.stirred),
-            polish: a.polish.max(b.polish),
-        })
-    }
-}
 
 /// The numbers that one cloth needs.
 #[derive(Clone, Copy)]
@@ -375,54 +268,6 @@ fn longest(cloth: &Cloth) -> f64 {
 /// As many steps in `step` \[s\] as `n` in a frame.
 fn in_step(n: u32, step: f64) -> u32 {
     (f64::from(n) * step / FRAME_S - 1e-6).ceil().clamp(1.0, 4096.0) as u32
-}
-
-/// Substeps in which a cloth of this speed \[m/s\], and each collider that it meets, move by no more than a share of the thickness of the collider that moves, or that
-/// is met.
-fn for_speed(own: f64, cloth: &Cloth, scene: &Scene) -> u32 {
-    let ratio = |s: Solid<f64>| (own + speed_of(&s)) / s.thickness();
-    let most = scene.met(cloth.met_groups()).map(Solid::<f64>::new).map(ratio).fold(0.0, f64::max);
-    let share = if cloth.follows_joints() { WORN_SHARE } else { FAST_SHARE };
-    (most * FRAME_S / share).ceil().min(f64::from(MAX_SUBSTEPS)) as u32
-}
-
-/// Substeps in which no collider moves far past any cloth.
-fn for_colliders(scene: &Scene) -> u32 {
-    scene.cloths.iter().map(|cloth| for_speed(0.0, cloth, scene)).max().unwrap_or(0)
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    dot(v, v).sqrt()
-}
-
-fn own_speed(cloth: &Cloth) -> f64 {
-    length(cloth.velocity.map(f64::from))
-}
-
-/// Largest speed \[m/s\] of a point of a collider that any cloth meets.
-fn top_speed(scene: &Scene) -> f64 {
-    scene.met(scene.collision_groups()).map(Solid::<f64>::new).map(|s| speed_of(&s)).fold(0.0, f64::max)
-}
-
-/// Largest speed \[m/s\] of a point of a collider.
-fn speed_of(solid: &Solid<f64>) -> f64 {
-    // The rim of a half-space that turns is far away.
-    length(solid.velocity) + length(solid.spin) * solid.around().unwrap_or(0.0)
-}
-
-/// Speed \[m/s\] of a fall from the start onto the highest collider that it meets; 0 for pinned cloth.
-fn fall(cloth: &Cloth, scene: &Scene) -> f64 {
-    let g = scene.gravity.map(f64::from);
-    let strength = length(g);
-    if strength <= 0.0 || !scene.meets(cloth.met_groups()) || is_pinned(cloth) {
-        return 0.0;
-    }
-    let height = |p: [f64; 3]| -dot(p, g) / strength;
-    let sum: f64 = cloth.positions().iter().map(|p| height(p.map(f64::from))).sum();
-    let solids = scene.met(cloth.met_groups()).map(Solid::<f64>::new);
-    let tops = solids.map(|s| height(s.center) + s.around().unwrap_or(0.0));
-    let drop = sum / f64::max(cloth.len() as f64, 1.0) - tops.fold(f64::NEG_INFINITY, f64::max);
-    (2.0 * strength * drop.max(0.0)).sqrt()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Keeps a chosen number of substeps up with what happens in a scene.
 
-use super::{FREE_SUBSTEPS, Settings, Wish, fall, for_colliders, hung, in_step, length};
+use super::speed::for_colliders;
+use super::{FREE_SUBSTEPS, Settings, Wish, fall, hung, in_step, length};
 use crate::options::Solver;
 use crate::scene::Scene;
 
