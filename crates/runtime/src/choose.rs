@@ -59,9 +59,9 @@ pub enum Support {
 /// |---|---|---|---|
 /// | free, or the classic solver | 8 | 0 | |
 /// | pins with tethers, flat | 3, 4, 5, 6 for N up to 40, 128, 196, 256; above N / 32 | 2; 3 of strips, 8 if damped less than 0.5 1/s | scene s1, N = 32, 64, 128, 256: largest stretch 0.8, 0.9, 1.5, 1.4 %; 20 other sizes up to 320 at most 1.5 % |
-/// | the same, of a garment | 5 sqrt(N / 64); 24 sqrt(N / 64) of a material | 4; 8 if damped less than 0.5 1/s | a T-shirt on two pins: p99 under 4 % |
+/// | the same, of a garment | 5 sqrt(N / 64); 24 sqrt(N / 64) of a material, at least 24 | 4; 8 if damped less than 0.5 1/s | a T-shirt on two pins: p99 under 4 % |
 /// | spanned between three or more groups of pins that are not on one line, with tethers | 8 sqrt(N / 64) | 4; 8 if damped less than 0.5 1/s | canopies: p99 at most 1.5 and 3.5 % at N = 64 and 128 |
-/// | the same, in wind of 2 m/s and more, while pins move, and at a start far from where it will hang | 21, 16, 13, 9 sqrt(N / 64) with 2, 3, 4, 8 rounds; 40 sqrt(N / 64) of a material, among colliders too | the same | sheets and T-shirts that are shaken and in wind of 8 m/s: p99 3 to 6 %, N = 128 6 to 19 % |
+/// | the same, in wind of 2 m/s and more, while pins move, and at a start far from where it will hang | 21, 16, 13, 9 sqrt(N / 64) with 2, 3, 4, 8 rounds; 40 sqrt(N / 64) of a material, at least 40, among colliders too | the same | sheets and T-shirts that are shaken and in wind of 8 m/s: p99 3 to 6 %, N = 128 6 to 19 % |
 /// | the same, thrown at more than 1 m/s | 12 sqrt(N / 64) | 8 | random scenes: p99 under 10 % |
 /// | a row of pins with tethers | 16 (N / 64)^0.75; of a garment that is stirred half as many more | 4 | scene s3: period within 0.2 % at N = 32 and 64 |
 /// | pins with tethers, among colliders | 12 sqrt(N / 64), of a material 16 | 4 | T-shirt and cape of `assets/scenes` |

@@ -35,6 +35,8 @@ const STIRRED_SUBSTEPS: f64 = 9.0;
 /// Substeps at N = 64 of cloth of a material that is stirred: it has no rounds of polish. With 8 a flag of cotton in wind of 8 m/s is stretched by
 /// 56 % at p99, with these by 5 %, with 64 by 3 %.
 const FABRIC_SUBSTEPS: f64 = 40.0;
+/// Coarser grids of a material have as many as this: fewer would drape otherwise than finer grids do.
+const FABRIC_N: f64 = 64.0;
 /// Speed \[m/s\] of wind that stirs.
 const WINDY_M_S: f64 = 2.0;
 /// Share of its area, seen along gravity, from which cloth lies more than it hangs, so that it swings down from the start.
@@ -46,7 +48,7 @@ const SWING_S: [f64; 2] = [1.0, 5.0];
 pub fn need(cloth: &Cloth, n: f64) -> (u32, u32, Support) {
     let garment = matches!(cloth.rest(), Rest::Image(_));
     let substeps = match n {
-        _ if garment && cloth.membrane().is_some() => scaled(FABRIC_GARMENT_SUBSTEPS, n),
+        _ if garment && cloth.membrane().is_some() => scaled(FABRIC_GARMENT_SUBSTEPS, n.max(FABRIC_N)),
         _ if garment => ((GARMENT_SUBSTEPS * (n / 64.0).sqrt()).ceil() as u32).max(4),
         n if n <= 40.0 => 3,
         n if n <= 128.0 => 4,
@@ -71,18 +73,21 @@ pub fn need(cloth: &Cloth, n: f64) -> (u32, u32, Support) {
 pub fn stirred(cloth: &Cloth, rest: &Need) -> u32 {
     let sheet = cloth.membrane().is_some();
     let garment = matches!(cloth.rest(), Rest::Image(_));
+    let n = super::side(cloth);
     let at_64 = match rest.support {
         Support::TetheredRow if garment => {
             let substeps = (ROW_STIRRED * f64::from(rest.substeps)).ceil() as u32;
             return substeps.min(super::MAX_SUBSTEPS);
         }
-        Support::Tethered | Support::Spanned | Support::TetheredOnColliders if sheet => FABRIC_SUBSTEPS,
+        Support::Tethered | Support::Spanned | Support::TetheredOnColliders if sheet => {
+            return scaled(FABRIC_SUBSTEPS, n.max(FABRIC_N)).max(rest.substeps);
+        }
         Support::Tethered | Support::Spanned if stiff(cloth) => {
             (STIRRED_RELAXATIONS / f64::from(rest.polish + 1)).max(STIRRED_SUBSTEPS)
         }
         _ => return 0,
     };
-    scaled(at_64, super::side(cloth)).max(rest.substeps)
+    scaled(at_64, n).max(rest.substeps)
 }
 
 /// Whether the wind of a scene stirs cloth.
