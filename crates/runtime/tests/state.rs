@@ -341,7 +341,9 @@ fn a_state_goes_through_a_buffer_without_a_wait() {
     let mut several = scenes().swap_remove(1).1;
     // Too large for a workgroup's memory: by tiles.
     several.cloths.push(curtain(70));
-    for (options, torn) in [(Options::default(), false), (Options { fused: false, ..Options::default() }, true)] {
+    // The pin that is moved stirs cloth, which would then have shorter steps than the state that is saved.
+    let fixed = Options { substeps: Some(8), polish: Some(2), ..Options::default() };
+    for (options, torn) in [(fixed.clone(), false), (Options { fused: false, ..fixed }, true)] {
         let mut rig = Rig::gpu(several.clone(), &options, &handles);
         rig.frames(5);
         if torn {
