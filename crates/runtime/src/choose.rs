@@ -81,7 +81,7 @@ pub enum Support {
 /// colliders change: the number rises at once, and falls gradually one second after the need ends. Cloth with a compliance
 /// or a material is not polished, as its stretch is wanted. Cloth on pins whose compliance is seen has up to 128 relaxations per
 /// frame (64 substeps and a round), so that it stretches by its compliance and not by the solver's error; its tethers are longer by
-/// what springs at the pins give, and those of a spanned fabric by what it sags. Cloth of a material has at least the substeps in which it bends as
+/// the stretch of the springs at the pins. Tethers of a spanned fabric are longer by the stretch that its sag needs. Cloth of a material has at least the substeps in which it bends as
 /// stiffly as it should: the finer the grid and the stiffer the fabric, the more. At most 64 substeps are chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {

@@ -207,7 +207,8 @@ pub fn fewest(options: &Settings, free: bool) -> (u32, f64) {
     (steps.max(1.0) as u32, longest)
 }
 
-/// Prepares a cloth for a solver, that may have `most` tethers per particle: what it cannot do is changed. Returns the number that it may have.
+/// Prepares a cloth for a solver and changes what the solver cannot do, with a warning. `most` is the requested number of tethers per
+/// particle; returns the largest number that the cloth may have.
 pub fn prepare(cloth: &mut Cloth, options: &Settings, most: u32, warnings: &mut Vec<Warning>) -> Result<u32> {
     if options.solver != Solver::Xpbd {
         return Ok(0);
