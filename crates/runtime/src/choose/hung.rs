@@ -46,7 +46,7 @@ const SWING_S: [f64; 2] = [1.0, 5.0];
 
 /// Numbers of cloth at rest; `n` particles along a side.
 pub fn need(cloth: &Cloth, n: f64) -> (u32, u32, Support) {
-    let garment = matches!(cloth.rest(), Rest::Image(_));
+    let garment = is_garment(cloth);
     let substeps = match n {
         _ if garment && cloth.membrane().is_some() => scaled(FABRIC_GARMENT_SUBSTEPS, n.max(FABRIC_N)),
         _ if garment => ((GARMENT_SUBSTEPS * (n / 64.0).sqrt()).ceil() as u32).max(4),
@@ -71,23 +71,25 @@ pub fn need(cloth: &Cloth, n: f64) -> (u32, u32, Support) {
 
 /// Substeps of the same cloth while it is stirred, of garments on a row of pins, and of a material among colliders; 0 for cloth that is not held so.
 pub fn stirred(cloth: &Cloth, rest: &Need) -> u32 {
-    let sheet = cloth.membrane().is_some();
-    let garment = matches!(cloth.rest(), Rest::Image(_));
-    let n = super::side(cloth);
-    let at_64 = match rest.support {
-        Support::TetheredRow if garment => {
-            let substeps = (ROW_STIRRED * f64::from(rest.substeps)).ceil() as u32;
-            return substeps.min(super::MAX_SUBSTEPS);
+    let (sheet, n) = (cloth.membrane().is_some(), super::side(cloth));
+    let substeps = match rest.support {
+        Support::TetheredRow if is_garment(cloth) => {
+            ((ROW_STIRRED * f64::from(rest.substeps)).ceil() as u32).min(super::MAX_SUBSTEPS)
         }
         Support::Tethered | Support::Spanned | Support::TetheredOnColliders if sheet => {
-            return scaled(FABRIC_SUBSTEPS, n.max(FABRIC_N)).max(rest.substeps);
+            scaled(FABRIC_SUBSTEPS, n.max(FABRIC_N))
         }
         Support::Tethered | Support::Spanned if stiff(cloth) => {
-            (STIRRED_RELAXATIONS / f64::from(rest.polish + 1)).max(STIRRED_SUBSTEPS)
+            scaled((STIRRED_RELAXATIONS / f64::from(rest.polish + 1)).max(STIRRED_SUBSTEPS), n)
         }
         _ => return 0,
     };
-    scaled(at_64, n).max(rest.substeps)
+    substeps.max(rest.substeps)
+}
+
+/// Whether a cloth has rest lengths of its own at each texel, as garments do.
+fn is_garment(cloth: &Cloth) -> bool {
+    matches!(cloth.rest(), Rest::Image(_))
 }
 
 /// Whether the wind of a scene stirs cloth.

@@ -57,14 +57,16 @@ impl Settings {
         let choice = choose(&given, scene);
         let row = |c: &Cloth| choice.given == [false; 2] && need(c, &given, scene).support == Support::TetheredRow;
         // A tether is as long as the path along the surface when that gives. Cloth that is too soft to hold itself is held by tethers.
-        let give = |c: &Cloth| {
-            let gives = [give::at_pins(c, scene.gravity), spanned::give(c, scene.gravity)];
-            (1.0 + gives.into_iter().filter(|g| *g <= MAX_GIVE).sum::<f64>()) as f32
-        };
-        let hold = |c: &Cloth| match spanned::span(c) {
-            _ if row(c) => Hold { most: given.tethers.min(ROW_TETHERS), slack: ROW_SLACK * give(c) },
-            None => Hold { most: given.tethers.min(LINE_TETHERS), slack: give(c) },
-            Some(_) => Hold { most: given.tethers, slack: give(c) },
+        let hold = |c: &Cloth| {
+            let span = spanned::span(c);
+            let sags = span.map_or(0.0, |span| spanned::give(c, scene.gravity, span));
+            let gives = [give::at_pins(c, scene.gravity), sags].into_iter().filter(|g| *g <= MAX_GIVE);
+            let slack = (1.0 + gives.sum::<f64>()) as f32;
+            match span {
+                _ if row(c) => Hold { most: given.tethers.min(ROW_TETHERS), slack: ROW_SLACK * slack },
+                None => Hold { most: given.tethers.min(LINE_TETHERS), slack },
+                Some(_) => Hold { most: given.tethers, slack },
+            }
         };
         let hold = scene.cloths.iter().map(hold).collect();
         (Settings { substeps: choice.substeps, polish: choice.polish, hold, given }, choice)

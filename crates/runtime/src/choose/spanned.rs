@@ -14,6 +14,9 @@ const GIVE: f64 = 0.42;
 /// on a rail hangs straight down from its pins, and a garment on its shoulders; cloth between pins that surround it pulls at all of
 /// them. Takes time linear in the particles.
 pub fn span(cloth: &Cloth) -> Option<f64> {
+    if super::pins(cloth) < GROUPS {
+        return None;
+    }
     let (group, count) = of_pins(cloth);
     if count < GROUPS {
         return None;
@@ -35,13 +38,13 @@ pub fn span(cloth: &Cloth) -> Option<f64> {
     is_spanned.then(|| square(way).sqrt())
 }
 
-/// How far the tethers of spanned cloth of a material give, as a share of their length: without it they would hold flat what the fabric
-/// lets sag. 0 of other cloth.
+/// How far the tethers of cloth of a material give that is spanned over `span` \[m\], as a share of their length: without it they would hold
+/// flat what the fabric lets sag. 0 of cloth without a material.
 ///
 /// A flat membrane of stiffness E \[N/m\] and weight w \[N/m^2\] over a span L is strained by a multiple of (w L / E)^(2/3) (H. Hencky, 1915, for
 /// the circle). The load of a canopy goes along its threads and across them.
-pub fn give(cloth: &Cloth, gravity: [f32; 3]) -> f64 {
-    let Some((sheet, span)) = cloth.membrane().zip(span(cloth)) else { return 0.0 };
+pub fn give(cloth: &Cloth, gravity: [f32; 3], span: f64) -> f64 {
+    let Some(sheet) = cloth.membrane() else { return 0.0 };
     let [warp, weft, shear] = sheet.woven.stiffness;
     let (along, across) = (0.5 * (warp + weft), 4.0 / (1.0 / warp + 1.0 / weft + 1.0 / shear));
     let stiffness = 2.0 / (1.0 / along + 1.0 / across);
