@@ -1,8 +1,8 @@
 // The planes that the particles of a cloth on the surface of a body meet in a frame, a thread a particle, at the start of the frame: each particle
 // walks to the nearest point of the surface from where that was in the last frame.
 //
-// `wearers` has two rows per particle: the height that it keeps, its number or that of its first duplicate, and its neighbours in the grid, each by
-// its first duplicate. `surface_hints` has five rows per particle: where it was; the way from the nearest point to it, where on the triangle that
+// `wearers` has two rows per particle: the height that it keeps, its number or that of its first duplicate, the pin that holds it and how far along the
+// cloth that is; and its neighbours in the grid, each by its first duplicate. `surface_hints` has five rows per particle: where it was; the way from the nearest point to it, where on the triangle that
 // is, and the frames for which it waits; the weights there; and twice the normal and the triangle, for odd and even frames. The first and the third row have the
 // second side too, for even and odd frames.
 // `found_planes` has two planes per particle, as shaders/surface_contact.wgsl reads them.
@@ -244,6 +244,20 @@ fn compared(known: Known, start: u32, p: vec3<f32>) -> Known {
   return best;
 }
 
+// The height that particle k at `p` keeps above the point of the surface from which it is by `off`. Where the pin that holds it is below, it is no more than
+// the cloth between both reaches.
+fn kept(k: u32, clearance: f32, p: vec3<f32>, off: vec3<f32>, normal: vec3<f32>) -> f32 {
+  let own = wearers[2u * k];
+  if (own.z >= arrayLength(&now)) {
+    return clearance;
+  }
+  let pin = now[own.z];
+  let most = bitcast<f32>(own.w);
+  let height = dot(pin.xyz - p + off, normal);
+  let slant = SLANT * min(max((SLANT_M + SLANT_M - most) / SLANT_M, 0.0), 1.0);
+  return select(clearance, min(clearance, height + min(height, 0.0) * slant + most), pin.w <= 0.0);
+}
+
 // Whether a particle may meet a plane in a frame.
 fn is_met(view: View, reach: f32) -> bool {
   return !view.open && view.height <= reach + view.far && view.height > -LOST_M;
@@ -343,7 +357,7 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
   }
   let meets = is_met(known.view, reach);
   if (meets) {
-    put_plane(8u * k, known.spot, known.view, clearance);
+    put_plane(8u * k, known.spot, known.view, kept(k, clearance, p, known.view.off, known.view.normal));
   }
   var is_crease = false;
   if (known.second != NO_TRIANGLE) {
@@ -355,11 +369,11 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
     // However far it is: a particle in a crease may be thrown from one wall to the other in a frame.
     is_crease = is_other && is_met_beside(other, side);
     if (is_crease) {
-      put_plane(8u * k + 4u, other, side, clearance);
+      put_plane(8u * k + 4u, other, side, kept(k, clearance, p, side.off, side.normal));
       if (meets && dot(known.view.normal, side.normal) < FACING_COSINE) {
         let half = squeezed(known.view, side, clearance);
-        found_planes[8u * k].w = half;
-        found_planes[8u * k + 4u].w = half;
+        found_planes[8u * k].w = min(found_planes[8u * k].w, half);
+        found_planes[8u * k + 4u].w = min(found_planes[8u * k + 4u].w, half);
       }
     }
   }
@@ -376,7 +390,7 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
         found_planes[8u * k + 4u + row] = found_planes[8u * k + row];
       }
     }
-    found_planes[8u * k] = vec4<f32>(struck.view.to, clearance);
+    found_planes[8u * k] = vec4<f32>(struck.view.to, struck.clearance);
     found_planes[8u * k + 1u] = vec4<f32>(struck.view.normal, action[1].z);
     found_planes[8u * k + 2u] = vec4<f32>(struck.drift * rate(), 0.0);
     found_planes[8u * k + 3u] = vec4<f32>(0.0);

@@ -6,6 +6,8 @@ struct Struck {
   view: View,
   // How the plane goes in the frame, in metres.
   drift: vec3<f32>,
+  // The height above it that the particle keeps.
+  clearance: f32,
   // The distance of the part that was nearest at the start, below 0 inside.
   other: f32,
 }
@@ -89,7 +91,8 @@ fn struck_by(k: u32, n: u32, nearest: u32, p: vec3<f32>, goes: vec3<f32>, cleara
   time = 0.0;
   struck.found = !struck.view.open && struck.view.height <= clearance + MARGIN_M;
   // The plane begins at the particle, or below it, and ends where the surface does.
-  let height = dot(p - (struck.view.to - struck.view.drift), struck.view.normal);
-  struck.drift = struck.view.drift + struck.view.normal * max(clearance - height, 0.0);
+  let off = p - (struck.view.to - struck.view.drift);
+  struck.clearance = kept(k, clearance, p, off, struck.view.normal);
+  struck.drift = struck.view.drift + struck.view.normal * max(struck.clearance - dot(off, struck.view.normal), 0.0);
   return struck;
 }

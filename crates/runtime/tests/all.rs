@@ -90,6 +90,8 @@ mod surface;
 #[cfg(feature = "gpu")]
 mod surface_passing;
 #[cfg(feature = "gpu")]
+mod surface_pins;
+#[cfg(feature = "gpu")]
 mod surface_plates;
 #[cfg(feature = "gpu")]
 mod take_apart;

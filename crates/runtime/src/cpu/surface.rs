@@ -19,7 +19,7 @@ use std::sync::Arc;
 use super::rows::Threads;
 use super::sheet::Sheet;
 use crate::cloth::surface::{BodySurface, NONE, On};
-use crate::cloth::{Cloth, Poses};
+use crate::cloth::{Anchor, Cloth, Poses};
 use crate::collider::FRICTION;
 use crate::memory::Tally;
 use crate::number::real::{Real, V3, add, cross, dot, scale, sub};
@@ -49,6 +49,28 @@ struct Hint<T> {
 /// A duplicate of a seam point, and the one that finds its plane: sheet, place in [`Sheet::w`], place in [`Sheet::now`].
 type Twin = [(usize, usize, usize); 2];
 
+/// The nearest pin of a particle: where it lies in the sheets, and how far \[m\] it is along the cloth.
+struct Hold<T> {
+    sheet: usize,
+    single: usize,
+    triple: usize,
+    most: T,
+}
+
+/// The pin that holds a particle: where it is \[m\], and how far along the cloth \[m\].
+struct Pin<T> {
+    at: V3<T>,
+    most: T,
+}
+
+impl<T: Real> Hold<T> {
+    /// None where it holds nothing any more.
+    fn pin(&self, sheets: &[Sheet<T>]) -> Option<Pin<T>> {
+        let sheet = &sheets[self.sheet];
+        (sheet.w[self.single] <= T::of(0.0)).then(|| Pin { at: sheet.at(self.triple), most: self.most })
+    }
+}
+
 /// The surface that a cloth is worn on, and what its particles know of it.
 pub struct Worn<T: Real> {
     surface: Arc<BodySurface>,
@@ -62,6 +84,8 @@ pub struct Worn<T: Real> {
     marks: Vec<(u32, V3<T>, u32)>,
     boxes: Boxes<T>,
     clearances: Vec<T>,
+    /// The nearest pin of each particle.
+    holds: Vec<Option<Hold<T>>>,
     /// The first duplicate of each particle.
     points: Vec<u32>,
     twins: Vec<Twin>,
@@ -85,6 +109,12 @@ impl<T: Real> Worn<T> {
         let twin = |k: &u32| points[*k as usize] != *k && cloth.particles()[*k as usize].exists();
         let twins =
             (0..cloth.len() as u32).filter(twin).map(|k| [place(k as usize), place(points[k as usize] as usize)]);
+        let hold = |anchor: &Anchor| {
+            let (sheet, single, triple) = place(anchor.particle as usize);
+            anchor.exists().then(|| Hold { sheet, single, triple, most: T::of(f64::from(anchor.distance)) })
+        };
+        let mut holds: Vec<_> = cloth.tethers(1).anchors.iter().map(hold).collect();
+        holds.resize_with(cloth.len(), || None);
         let zero = [T::of(0.0); 3];
         let on = On::Face;
         let hint = Hint { last: zero, way: zero, normal: zero, weights: zero, triangle: NONE, second: NONE, on };
@@ -96,6 +126,7 @@ impl<T: Real> Worn<T> {
             marks: Vec::new(),
             boxes: Boxes::new(surface),
             clearances: cloth.clearances(thickness).iter().map(|h| T::of(f64::from(*h))).collect(),
+            holds,
             twins: twins.collect(),
             points,
             friction: T::of(f64::from((FRICTION * cloth.friction).min(f32::MAX))),

@@ -8,7 +8,7 @@ use super::span::Span;
 use super::upload::{empty, upload};
 use super::{Gpu, begin};
 use crate::cloth::surface::{BodySurface, NONE};
-use crate::cloth::{Cloth, Poses, Rows};
+use crate::cloth::{Anchor, Cloth, Poses, Rows};
 use crate::collider::FRICTION;
 use crate::cpu::surface::contact::NOTHING;
 use crate::cpu::surface::search::SEARCH_FRAMES;
@@ -61,9 +61,11 @@ fn wearers(cloth: &Cloth, thickness: f32) -> Vec<[u32; 8]> {
             beside[first + k] = [0, 1, 2, 3].map(|frame| own(frame).map_or(NONE, |n| points[first + n]));
         }
     }
+    let holds = cloth.tethers(1).anchors;
     let one = |point: &u32| {
         let [a, b, c, d] = beside[*point as usize];
-        [clearances[*point as usize].to_bits(), *point, 0, 0, a, b, c, d]
+        let pin = holds.get(*point as usize).unwrap_or(&Anchor::NONE);
+        [clearances[*point as usize].to_bits(), *point, pin.particle, pin.distance.to_bits(), a, b, c, d]
     };
     points.iter().map(one).collect()
 }

@@ -14,7 +14,7 @@ use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 use crate::levels::{NODE_TILE, joint, safe};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 50] = [
+const FLOATS: [(&str, f64); 52] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
@@ -60,6 +60,8 @@ const FLOATS: [(&str, f64); 50] = [
     ("SECOND_M", search::SECOND_M),
     ("SECOND_COSINE", search::SECOND_COSINE),
     ("LEVEL_SINE", search::LEVEL_SINE),
+    ("SLANT", search::SLANT),
+    ("SLANT_M", search::SLANT_M),
     ("BACK_SINE", search::BACK_SINE),
     ("BACK_WAYS", search::BACK_WAYS),
     ("FACING_COSINE", search::FACING_COSINE),

@@ -3,7 +3,7 @@
 use super::contact::Plane;
 use super::nearest::{faces_away, walk, walk_beyond};
 use super::pose::{between, unit};
-use super::{Hint, Worn, face, length, mix};
+use super::{Hint, Pin, Worn, face, length, mix};
 use crate::cloth::MODELLED_INSIDE_M;
 use crate::cloth::surface::{BodySurface, NONE, On, Spot};
 use crate::cpu::sheet::Sheet;
@@ -41,6 +41,10 @@ pub const BACK_WAYS: f64 = 2.0;
 pub const SEARCH_FRAMES: u32 = 32;
 /// One that meets nothing tries it each time that it looks, if it and the surface have gone farther \[m\] than this together.
 pub const FAST_M: f64 = 0.008;
+/// Cloth comes out of a body at a slant: up to this distance \[m\] from its pin where it is as long as the pin is deep, and a quarter of that; from twice the
+/// distance on where it is as long.
+pub const SLANT: f64 = 0.25;
+pub const SLANT_M: f64 = 0.1;
 /// Beside a border a particle farther from the normal than by the angle of this cosine has no surface below it.
 pub const OPEN_COSINE: f64 = 0.7;
 /// A point nearer \[m\] to the surface than this has no direction from it.
@@ -94,7 +98,9 @@ impl<T: Real> Worn<T> {
                         continue;
                     }
                 }
-                let found = self.planes_of(sheet.at(triple), particle, beside(k, size, self.frames).map(|n| first + n));
+                let pin = self.holds[particle].as_ref().and_then(|hold| hold.pin(sheets));
+                let beside = beside(k, size, self.frames).map(|n| first + n);
+                let found = self.planes_of(sheet.at(triple), particle, beside, pin);
                 for (planes, plane) in self.planes.iter_mut().zip(found) {
                     plane.iter().for_each(|plane| planes[g].put((single, triple), sheet.half, plane));
                 }
@@ -110,9 +116,15 @@ impl<T: Real> Worn<T> {
         self.frames = self.frames.wrapping_add(1);
     }
 
-    /// The planes that the particle at `p` meets in this frame, if it may meet any. `beside` is a neighbour of it.
+    /// The planes that the particle at `p` meets in this frame, if it may meet any. `beside` is a neighbour of it, `pin` what holds it.
     #[inline]
-    fn planes_of(&mut self, p: V3<T>, particle: usize, beside: Option<usize>) -> [Option<Plane<T>>; 2] {
+    fn planes_of(
+        &mut self,
+        p: V3<T>,
+        particle: usize,
+        beside: Option<usize>,
+        pin: Option<Pin<T>>,
+    ) -> [Option<Plane<T>>; 2] {
         let hint = self.hints[particle];
         let clearance = self.clearances[particle];
         let known = hint.triangle != NONE;
@@ -147,7 +159,7 @@ impl<T: Real> Worn<T> {
         }
         let mut planes = [None, None];
         if is_met(&view, reach) {
-            planes[0] = Some(self.plane(&spot, &view, clearance));
+            planes[0] = Some(self.plane(&spot, &view, kept(clearance, &pin, p, (view.from, view.normal))));
         }
         if second != NONE {
             let other = walk_beyond(&self.surface, &mut self.skinned, (second, Some(view.normal)), p);
@@ -159,18 +171,18 @@ impl<T: Real> Worn<T> {
             second = if is_other { other.triangle } else { NONE };
             // However far it is: a particle in a crease may be thrown from one wall to the other in a frame.
             if is_other && is_met_beside(&other, &side) {
-                planes[1] = Some(self.plane(&other, &side, clearance));
+                planes[1] = Some(self.plane(&other, &side, kept(clearance, &pin, p, (side.from, side.normal))));
             }
             if let ([Some(first), Some(last)], true) =
                 (&mut planes, dot(view.normal, side.normal) < T::of(FACING_COSINE))
             {
                 let half = squeezed(&view, &side, clearance);
-                (first.clearance, last.clearance) = (half, half);
+                (first.clearance, last.clearance) = (first.clearance.min(half), last.clearance.min(half));
             }
         }
         let goes = sub(p, hint.last);
         let comes = if known { self.boxes.passes(&self.skinned, p, goes, true) } else { None };
-        let struck = comes.and_then(|patch| self.struck((patch, spot.triangle), (p, goes), clearance, &planes));
+        let struck = comes.and_then(|patch| self.struck((patch, spot.triangle), (p, goes), (clearance, &pin), &planes));
         if let Some(struck) = &struck {
             planes = [Some(struck.plane), planes[1].or(planes[0])];
         }
@@ -285,6 +297,17 @@ impl<T: Real> Worn<T> {
         let (drift, turn) = (scale(view.drift, rate), scale(sub(last, view.normal), rate));
         Plane { at: view.to, normal: last, drift, turn, clearance }
     }
+}
+
+/// The height \[m\] that a particle at `p` keeps above the point of the surface from which it is by `from`. Where the pin that holds it is below, it is no
+/// more than the cloth between both reaches: skins put pins into bodies in some poses, and cloth that left there would be torn out to both sides.
+pub(super) fn kept<T: Real>(clearance: T, pin: &Option<Pin<T>>, p: V3<T>, (from, normal): (V3<T>, V3<T>)) -> T {
+    let Some(pin) = pin else { return clearance };
+    let (zero, near) = (T::of(0.0), T::of(SLANT_M));
+    let height = dot(add(sub(pin.at, p), from), normal);
+    // Cloth that is far from its pin may be on another side of the body, with the pin outside.
+    let slant = T::of(SLANT) * ((near + near - pin.most) / near).max(zero).min(T::of(1.0));
+    clearance.min(height + height.min(zero) * slant + pin.most)
 }
 
 /// Whether a particle may meet a plane in a frame.

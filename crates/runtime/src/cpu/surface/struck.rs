@@ -3,8 +3,8 @@
 
 use super::contact::Plane;
 use super::nearest::walk;
-use super::search::{MARGIN_M, View};
-use super::{Worn, length};
+use super::search::{MARGIN_M, View, kept};
+use super::{Pin, Worn, length};
 use crate::cloth::surface::Spot;
 use crate::number::real::{Real, V3, add, dot, scale, sub};
 
@@ -31,7 +31,7 @@ impl<T: Real> Worn<T> {
         &mut self,
         (patch, nearest): (u32, u32),
         (p, goes): (V3<T>, V3<T>),
-        clearance: T,
+        (clearance, pin): (T, &Option<Pin<T>>),
         planes: &[Option<Plane<T>>; 2],
     ) -> Option<Struck<T>> {
         let (zero, one) = (T::of(0.0), T::of(1.0));
@@ -80,7 +80,9 @@ impl<T: Real> Worn<T> {
         if view.open || view.height > clearance + T::of(MARGIN_M) {
             return None;
         }
-        let height = dot(sub(p, sub(view.to, view.drift)), view.normal);
+        let from = sub(p, sub(view.to, view.drift));
+        let height = dot(from, view.normal);
+        let clearance = kept(clearance, pin, p, (from, view.normal));
         let lower = scale(view.normal, (clearance - height).max(zero));
         let drift = scale(add(view.drift, lower), self.skinned.rate());
         let plane = Plane { at: view.to, normal: view.normal, drift, turn: [zero; 3], clearance };

@@ -6,6 +6,7 @@ use super::boxes::nearest_of;
 use super::nearest::{faces_away, walk, walk_beyond};
 use super::passing::{FAST_WAY_M, NEARER_M, Passing};
 use super::pose::unit;
+use super::search::kept;
 use super::*;
 use crate::cloth::surface::{PASSES_M, on_triangle};
 use crate::cloth::{Flat, Influence, Rows, SkinJoint, Skinning};
@@ -78,6 +79,33 @@ fn path(k: usize, n: usize, frame: usize) -> V3<f32> {
     let around = 6.0 * (k % n) as f64 / n as f64 + 0.3 * (2.0 * t).sin();
     let r = 0.17 + 0.05 * noise(k, 3) + 0.02 * (5.0 * t + k as f64).sin();
     [(r * around.cos()) as f32, (0.8 * (k / n) as f64 / n as f64 - 0.4) as f32, (r * around.sin()) as f32]
+}
+
+#[test]
+fn a_pin_inside_of_a_body_lowers_what_the_cloth_beside_it_keeps() {
+    // A particle 10 mm above the surface, which is at the height 0; its pin is 2 mm above, on, or 40 mm below it.
+    let (p, from, normal) = ([0.0, 0.01, 0.0], [0.0, 0.01, 0.0], [0.0, 1.0, 0.0]);
+    assert_eq!(kept(0.003, &None, p, (from, normal)), 0.003);
+    let kept = |pin: f64, most: f64| {
+        let pin = Some(Pin { at: [0.3, pin, 0.1], most });
+        kept(0.003, &pin, p, (from, normal))
+    };
+    assert_eq!((kept(0.002, 0.012), kept(0.0, 0.004)), (0.003, 0.003));
+    // It comes out where the cloth is 1.25 times as long as the pin is deep, far from the pin where it is as long.
+    for (most, want) in [(0.01, -0.04), (0.05, 0.0), (0.052, 0.002), (0.06, 0.003)] {
+        assert!((kept(-0.04, most) - want).abs() < 1e-12, "{most}: {}", kept(-0.04, most));
+    }
+    assert!((kept(-0.4, 0.402) - 0.002).abs() < 1e-12 && (kept(-0.15, 0.15) + 0.15 * 0.125).abs() < 1e-12);
+
+    // A particle that is not pinned any more holds nothing.
+    let mut sheet = Sheet::<f64>::new(&Flat::square("cloth", 4).cloth().unwrap().grids()[0]);
+    let hold = Hold { sheet: 0, single: sheet.single(1), triple: sheet.triple(1), most: 0.5 };
+    sheet.weigh(|k| if k == 1 { 0.0 } else { 1.0 });
+    sheet.put(hold.triple, [1.0, 2.0, 3.0]);
+    let pin = hold.pin(std::slice::from_ref(&sheet)).unwrap();
+    assert_eq!((pin.at, pin.most), ([1.0, 2.0, 3.0], 0.5));
+    sheet.weigh(|_| 1.0);
+    assert!(hold.pin(&[sheet]).is_none());
 }
 
 #[test]
