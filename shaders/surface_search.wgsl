@@ -244,8 +244,8 @@ fn compared(known: Known, start: u32, p: vec3<f32>) -> Known {
   return best;
 }
 
-// The height that particle k at `p` keeps above the point of the surface from which it is by `off`. Where the pin that holds it is below, it is no more than
-// the cloth between both reaches.
+// The height that particle k at `p` keeps above the point of the surface from which it is by `off`. Where the pin that holds it is below, deeper than it was
+// modelled, it is no more than the cloth between both reaches.
 fn kept(k: u32, clearance: f32, p: vec3<f32>, off: vec3<f32>, normal: vec3<f32>) -> f32 {
   let own = wearers[2u * k];
   if (own.z >= arrayLength(&now)) {
@@ -253,7 +253,8 @@ fn kept(k: u32, clearance: f32, p: vec3<f32>, off: vec3<f32>, normal: vec3<f32>)
   }
   let pin = now[own.z];
   let most = bitcast<f32>(own.w);
-  let height = dot(pin.xyz - p + off, normal);
+  let modelled = max(-bitcast<f32>(wearers[2u * own.z].x), 0.0);
+  let height = dot(pin.xyz - p + off, normal) + modelled;
   let slant = SLANT * min(max((SLANT_M + SLANT_M - most) / SLANT_M, 0.0), 1.0);
   return select(clearance, min(clearance, height + min(height, 0.0) * slant + most), pin.w <= 0.0);
 }

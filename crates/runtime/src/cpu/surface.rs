@@ -49,25 +49,31 @@ struct Hint<T> {
 /// A duplicate of a seam point, and the one that finds its plane: sheet, place in [`Sheet::w`], place in [`Sheet::now`].
 type Twin = [(usize, usize, usize); 2];
 
-/// The nearest pin of a particle: where it lies in the sheets, and how far \[m\] it is along the cloth.
+/// The nearest pin of a particle: where it lies in the sheets, how far \[m\] it is along the cloth, and how deep \[m\] inside it was modelled.
 struct Hold<T> {
     sheet: usize,
     single: usize,
     triple: usize,
     most: T,
+    modelled: T,
 }
 
-/// The pin that holds a particle: where it is \[m\], and how far along the cloth \[m\].
+/// The pin that holds a particle: where it is \[m\], and the rest as in [`Hold`].
 struct Pin<T> {
     at: V3<T>,
     most: T,
+    modelled: T,
 }
 
 impl<T: Real> Hold<T> {
     /// None where it holds nothing any more.
     fn pin(&self, sheets: &[Sheet<T>]) -> Option<Pin<T>> {
         let sheet = &sheets[self.sheet];
-        (sheet.w[self.single] <= T::of(0.0)).then(|| Pin { at: sheet.at(self.triple), most: self.most })
+        (sheet.w[self.single] <= T::of(0.0)).then(|| Pin {
+            at: sheet.at(self.triple),
+            most: self.most,
+            modelled: self.modelled,
+        })
     }
 }
 
@@ -109,9 +115,12 @@ impl<T: Real> Worn<T> {
         let twin = |k: &u32| points[*k as usize] != *k && cloth.particles()[*k as usize].exists();
         let twins =
             (0..cloth.len() as u32).filter(twin).map(|k| [place(k as usize), place(points[k as usize] as usize)]);
+        let clearances: Vec<T> = cloth.clearances(thickness).iter().map(|h| T::of(f64::from(*h))).collect();
         let hold = |anchor: &Anchor| {
-            let (sheet, single, triple) = place(anchor.particle as usize);
-            anchor.exists().then(|| Hold { sheet, single, triple, most: T::of(f64::from(anchor.distance)) })
+            let (pin, most) = (anchor.particle as usize, T::of(f64::from(anchor.distance)));
+            let modelled = T::of(0.0).max(T::of(0.0) - *clearances.get(pin)?);
+            let (sheet, single, triple) = place(pin);
+            Some(Hold { sheet, single, triple, most, modelled })
         };
         let mut holds: Vec<_> = cloth.tethers(1).anchors.iter().map(hold).collect();
         holds.resize_with(cloth.len(), || None);
@@ -125,7 +134,7 @@ impl<T: Real> Worn<T> {
             waits: vec![0; cloth.len()],
             marks: Vec::new(),
             boxes: Boxes::new(surface),
-            clearances: cloth.clearances(thickness).iter().map(|h| T::of(f64::from(*h))).collect(),
+            clearances,
             holds,
             twins: twins.collect(),
             points,

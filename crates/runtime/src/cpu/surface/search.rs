@@ -299,12 +299,13 @@ impl<T: Real> Worn<T> {
     }
 }
 
-/// The height \[m\] that a particle at `p` keeps above the point of the surface from which it is by `from`. Where the pin that holds it is below, it is no
-/// more than the cloth between both reaches: skins put pins into bodies in some poses, and cloth that left there would be torn out to both sides.
+/// The height \[m\] that a particle at `p` keeps above the point of the surface from which it is by `from`. Where the pin that holds it is below, deeper
+/// than it was modelled, it is no more than the cloth between both reaches: skins put pins into bodies in some poses, and cloth that left there would be torn
+/// out to both sides.
 pub(super) fn kept<T: Real>(clearance: T, pin: &Option<Pin<T>>, p: V3<T>, (from, normal): (V3<T>, V3<T>)) -> T {
     let Some(pin) = pin else { return clearance };
     let (zero, near) = (T::of(0.0), T::of(SLANT_M));
-    let height = dot(add(sub(pin.at, p), from), normal);
+    let height = dot(add(sub(pin.at, p), from), normal) + pin.modelled;
     // Cloth that is far from its pin may be on another side of the body, with the pin outside.
     let slant = T::of(SLANT) * ((near + near - pin.most) / near).max(zero).min(T::of(1.0));
     clearance.min(height + height.min(zero) * slant + pin.most)

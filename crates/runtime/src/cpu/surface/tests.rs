@@ -87,8 +87,10 @@ fn a_pin_inside_of_a_body_lowers_what_the_cloth_beside_it_keeps() {
     let (p, from, normal) = ([0.0, 0.01, 0.0], [0.0, 0.01, 0.0], [0.0, 1.0, 0.0]);
     assert_eq!(kept(0.003, &None, p, (from, normal)), 0.003);
     let kept = |pin: f64, most: f64| {
-        let pin = Some(Pin { at: [0.3, pin, 0.1], most });
-        kept(0.003, &pin, p, (from, normal))
+        let pin = |modelled: f64| Some(Pin { at: [0.3, pin - modelled, 0.1], most, modelled });
+        let [own, deeper] = [0.0, 0.02].map(|modelled| kept(0.003, &pin(modelled), p, (from, normal)));
+        assert!((own - deeper).abs() < 1e-12, "as deep as it was modelled is not inside: {own} {deeper}");
+        own
     };
     assert_eq!((kept(0.002, 0.012), kept(0.0, 0.004)), (0.003, 0.003));
     // It comes out where the cloth is 1.25 times as long as the pin is deep, far from the pin where it is as long.
@@ -99,11 +101,11 @@ fn a_pin_inside_of_a_body_lowers_what_the_cloth_beside_it_keeps() {
 
     // A particle that is not pinned any more holds nothing.
     let mut sheet = Sheet::<f64>::new(&Flat::square("cloth", 4).cloth().unwrap().grids()[0]);
-    let hold = Hold { sheet: 0, single: sheet.single(1), triple: sheet.triple(1), most: 0.5 };
+    let hold = Hold { sheet: 0, single: sheet.single(1), triple: sheet.triple(1), most: 0.5, modelled: 0.01 };
     sheet.weigh(|k| if k == 1 { 0.0 } else { 1.0 });
     sheet.put(hold.triple, [1.0, 2.0, 3.0]);
     let pin = hold.pin(std::slice::from_ref(&sheet)).unwrap();
-    assert_eq!((pin.at, pin.most), ([1.0, 2.0, 3.0], 0.5));
+    assert_eq!((pin.at, pin.most, pin.modelled), ([1.0, 2.0, 3.0], 0.5, 0.01));
     sheet.weigh(|_| 1.0);
     assert!(hold.pin(&[sheet]).is_none());
 }
