@@ -16,6 +16,7 @@ pub(crate) mod struck;
 
 use std::sync::Arc;
 
+use super::fabric::seam_steps::Member;
 use super::rows::Threads;
 use super::sheet::Sheet;
 use crate::cloth::surface::{BodySurface, NONE, On};
@@ -51,9 +52,7 @@ type Twin = [(usize, usize, usize); 2];
 
 /// The nearest pin of a particle: where it lies in the sheets, how far \[m\] it is along the cloth, and how deep \[m\] inside it was modelled.
 struct Hold<T> {
-    sheet: usize,
-    single: usize,
-    triple: usize,
+    place: Member,
     most: T,
     modelled: T,
 }
@@ -68,12 +67,9 @@ struct Pin<T> {
 impl<T: Real> Hold<T> {
     /// None where it holds nothing any more.
     fn pin(&self, sheets: &[Sheet<T>]) -> Option<Pin<T>> {
-        let sheet = &sheets[self.sheet];
-        (sheet.w[self.single] <= T::of(0.0)).then(|| Pin {
-            at: sheet.at(self.triple),
-            most: self.most,
-            modelled: self.modelled,
-        })
+        let Hold { place: Member { sheet, at, single }, most, modelled } = *self;
+        let sheet = &sheets[sheet as usize];
+        (sheet.w[single as usize] <= T::of(0.0)).then(|| Pin { at: sheet.at(at as usize), most, modelled })
     }
 }
 
@@ -119,8 +115,9 @@ impl<T: Real> Worn<T> {
         let hold = |anchor: &Anchor| {
             let (pin, most) = (anchor.particle as usize, T::of(f64::from(anchor.distance)));
             let modelled = T::of(0.0).max(T::of(0.0) - *clearances.get(pin)?);
-            let (sheet, single, triple) = place(pin);
-            Some(Hold { sheet, single, triple, most, modelled })
+            let (sheet, single, at) = place(pin);
+            let place = Member { sheet: sheet as u32, at: at as u32, single: single as u32 };
+            Some(Hold { place, most, modelled })
         };
         let mut holds: Vec<_> = cloth.tethers(1).anchors.iter().map(hold).collect();
         holds.resize_with(cloth.len(), || None);
@@ -168,6 +165,7 @@ impl<T: Real> Worn<T> {
         tally.state(&self.marks);
         tally.state(&self.waits);
         tally.state(&self.clearances);
+        tally.state(&self.holds);
         tally.state(&self.points);
         tally.state(&self.twins);
     }

@@ -101,9 +101,11 @@ fn a_pin_inside_of_a_body_lowers_what_the_cloth_beside_it_keeps() {
 
     // A particle that is not pinned any more holds nothing.
     let mut sheet = Sheet::<f64>::new(&Flat::square("cloth", 4).cloth().unwrap().grids()[0]);
-    let hold = Hold { sheet: 0, single: sheet.single(1), triple: sheet.triple(1), most: 0.5, modelled: 0.01 };
+    let (at, single) = (sheet.triple(1), sheet.single(1));
+    let place = Member { sheet: 0, at: at as u32, single: single as u32 };
+    let hold = Hold { place, most: 0.5, modelled: 0.01 };
     sheet.weigh(|k| if k == 1 { 0.0 } else { 1.0 });
-    sheet.put(hold.triple, [1.0, 2.0, 3.0]);
+    sheet.put(at, [1.0, 2.0, 3.0]);
     let pin = hold.pin(std::slice::from_ref(&sheet)).unwrap();
     assert_eq!((pin.at, pin.most, pin.modelled), ([1.0, 2.0, 3.0], 0.5, 0.01));
     sheet.weigh(|_| 1.0);
