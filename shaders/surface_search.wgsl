@@ -2,8 +2,8 @@
 // walks to the nearest point of the surface from where that was in the last frame.
 //
 // `wearers` has two rows per particle: the height that it keeps, its number or that of its first duplicate, the pin that holds it and how far along the
-// cloth that is; and its neighbours in the grid, each by its first duplicate. `surface_hints` has five rows per particle: where it was; the way from the nearest point to it, where on the triangle that
-// is, and the frames for which it waits; the weights there; and twice the normal and the triangle, for odd and even frames. The first and the third row have the
+// cloth that is; and its neighbours in the grid, each by its first duplicate.
+// `surface_hints` has five rows per particle: where it was; the way from the nearest point to it, where on the triangle that is, and the frames for which it waits; the weights there; and twice the normal and the triangle, for odd and even frames. The first and the third row have the
 // second side too, for even and odd frames.
 // `found_planes` has two planes per particle, as shaders/surface_contact.wgsl reads them.
 @group(0) @binding(2) var<storage, read> now: array<vec4<f32>>;
@@ -244,8 +244,8 @@ fn compared(known: Known, start: u32, p: vec3<f32>) -> Known {
   return best;
 }
 
-// The height that particle k at `p` keeps above the point of the surface from which it is by `off`. Where the pin that holds it is below, deeper than it was
-// modelled, it is no more than the cloth between both reaches.
+// The height that particle k at `p` keeps above a point of the surface; `off` is the vector from that point to the particle. If a pose puts the pin that
+// holds the particle deeper into the body than it was modelled, the height is at most what the length of cloth between the particle and the pin allows.
 fn kept(k: u32, clearance: f32, p: vec3<f32>, off: vec3<f32>, normal: vec3<f32>) -> f32 {
   let own = wearers[2u * k];
   if (own.z >= arrayLength(&now)) {

@@ -21,9 +21,10 @@ fn upright() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
 /// A cape beside an upright limb, pinned by its upper row, of which the right end follows the second joint.
 fn cape() -> Cloth {
     let (right, down) = ([0.4, 0.0, 0.0], [0.0, -0.6, 0.0]);
-    let flat = Flat { width: 33, height: 49, origin: [-0.2, 0.0, 0.16], right, down, ..Flat::square("cape", 2) };
+    let flat =
+        Flat { width: WIDTH as u32, height: 49, origin: [-0.2, 0.0, 0.16], right, down, ..Flat::square("cape", 2) };
     let mut cloth = flat.cloth().unwrap();
-    cloth.pin(&(0..33).collect::<Vec<_>>()).unwrap();
+    cloth.pin(&(0..WIDTH as u32).collect::<Vec<_>>()).unwrap();
     let influence = |p: &[f32; 3]| {
         let second = ((p[0] + 0.1) / 0.2).clamp(0.0, 1.0);
         Influence { joints: [0, 1, 0, 0], weights: [1.0 - second, second, 0.0, 0.0] }

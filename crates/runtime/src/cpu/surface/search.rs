@@ -299,9 +299,9 @@ impl<T: Real> Worn<T> {
     }
 }
 
-/// The height \[m\] that a particle at `p` keeps above the point of the surface from which it is by `from`. Where the pin that holds it is below, deeper
-/// than it was modelled, it is no more than the cloth between both reaches: skins put pins into bodies in some poses, and cloth that left there would be torn
-/// out to both sides.
+/// The height \[m\] that a particle at `p` keeps above a point of the surface; `from` is the vector from that point to the particle. If a pose puts the
+/// pin that holds the particle deeper into the body than it was modelled, the height is at most what the length of cloth between the particle and the pin
+/// allows. Without this limit, contact would push the cloth beside the pin out on both sides and stretch it.
 pub(super) fn kept<T: Real>(clearance: T, pin: &Option<Pin<T>>, p: V3<T>, (from, normal): (V3<T>, V3<T>)) -> T {
     let Some(pin) = pin else { return clearance };
     let (zero, near) = (T::of(0.0), T::of(SLANT_M));
