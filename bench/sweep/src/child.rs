@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
-use gimage::component::{Component, ComponentOptions, split};
+use gimage::component::{Component, ComponentOptions, Split, split};
 use gimage::import::{ImportOptions, import};
 use gimage::pipeline::{Built, build};
 use gimage::progress::Quiet;
-use gimage::repair::{RepairOptions, repair};
+use gimage::repair::repair;
 use gimage::report::peak_memory;
+use gimage::shell::{Thinned, thin};
 use gimage::{Error, Mesh};
 use gimage_bundle::MapKind;
 use serde_json::Value;
@@ -18,7 +19,7 @@ use crate::Failure;
 use crate::args::OneArgs;
 use crate::limit;
 use crate::probe::{self, Surface};
-use crate::record::{Finding, Piece, Record, Status};
+use crate::record::{Finding, Piece, Probe, Record, Status};
 
 /// Runs it.
 pub fn run(args: &OneArgs) -> Result<(), Failure> {
@@ -33,7 +34,7 @@ pub fn run(args: &OneArgs) -> Result<(), Failure> {
             let folder = args.mesh.parent().map_or(String::new(), |p| format!("{}/", p.display()));
             let message = if folder.len() > 1 { e.to_string().replace(&folder, "") } else { e.to_string() };
             record.status = Status::Refused { kind: kind(&e), message };
-            record.triangles = Source::read(&args.mesh, &args.options().repair).map_or(0, |s| s.mesh.triangles.len());
+            record.triangles = Source::read(&args.mesh, args).map_or(0, |s| s.mesh.triangles.len());
             if matches!(e, Error::Poor { .. }) {
                 // The figures of what the gate refused are worth having.
                 let mut options = args.options();
@@ -80,7 +81,7 @@ fn describe(built: &Built, args: &OneArgs, record: &mut Record) -> Result<(), Fa
     let manifest = serde_json::to_value(&built.bundle.manifest)?;
     let report = serde_json::to_value(&built.report)?;
     record.findings = serde_json::from_value(report["findings"].clone()).unwrap_or_default();
-    let source = Source::read(&args.mesh, &args.options().repair)?;
+    let source = Source::read(&args.mesh, args)?;
     record.triangles = source.mesh.triangles.len();
     let areas: Vec<f64> = list(&manifest["accessories"]).iter().filter_map(|a| a["area"].as_f64()).collect();
     record.accessories = areas.len();
@@ -90,9 +91,7 @@ fn describe(built: &Built, args: &OneArgs, record: &mut Record) -> Result<(), Fa
         let image = built.bundle.images.get(&(k, MapKind::Position));
         if let Some(image) = image {
             let image = Surface::of_image(image);
-            let own = source.pieces.get(&piece.name);
-            let surface = own.map_or_else(|| source.whole(), |c| source.component(c));
-            piece.probe = probe::compare(&surface, &image, own.is_some());
+            piece.probe = source.compare(&piece.name, &image);
         }
         record.pieces.push(piece);
     }
@@ -129,33 +128,53 @@ fn described(entry: &Value) -> Piece {
     }
 }
 
-/// The mesh after import and repair, by component.
+/// The mesh after import and repair, by component, with thin shells as both sheets and as one layer.
 struct Source {
     mesh: Mesh,
     pieces: BTreeMap<String, Component>,
+    /// Thin shells as the one layer that the image was made of.
+    thinned: Thinned,
+    layers: BTreeMap<String, Component>,
 }
 
 impl Source {
-    fn read(path: &Path, options: &RepairOptions) -> Result<Self, Failure> {
-        let mesh = repair(import(path, &ImportOptions::default())?.mesh, options)?.mesh;
-        let parts = split(&mesh, &ComponentOptions::default());
-        let pieces = parts.pieces.into_iter().chain(parts.accessories).map(|c| (c.name.clone(), c)).collect();
-        Ok(Self { mesh, pieces })
+    fn read(path: &Path, args: &OneArgs) -> Result<Self, Failure> {
+        let options = args.options();
+        let mesh = repair(import(path, &ImportOptions::default())?.mesh, &options.repair)?.mesh;
+        let by_name = |s: Split| s.pieces.into_iter().chain(s.accessories).map(|c| (c.name.clone(), c)).collect();
+        let parts = ComponentOptions::default();
+        let pieces = by_name(split(&mesh, &parts));
+        let thinned = thin(mesh.clone(), &options.shell, &parts);
+        let layers = by_name(thinned.split(&parts));
+        Ok(Self { mesh, pieces, thinned, layers })
     }
 
     fn area(&self) -> f64 {
         self.pieces.values().map(|c| c.area).sum()
     }
 
-    fn component(&self, component: &Component) -> Surface {
-        Surface::new(component.triangles.iter().map(|&t| self.mesh.corners(t as usize)).collect())
-    }
-
-    fn whole(&self) -> Surface {
-        Surface::new((0..self.mesh.triangles.len()).map(|t| self.mesh.corners(t)).collect())
+    /// Of a thin shell the image is compared with its one layer. Its largest distance is that from both sheets, so that
+    /// a layer far from them counts against the build.
+    fn compare(&self, piece: &str, image: &Surface) -> Probe {
+        let whole = || surface(&self.mesh, 0..self.mesh.triangles.len());
+        let component = |m: &Mesh, c: &Component| surface(m, c.triangles.iter().map(|&t| t as usize));
+        let sheets = self.pieces.get(piece);
+        let measured =
+            probe::compare(&sheets.map_or_else(whole, |c| component(&self.mesh, c)), image, sheets.is_some());
+        match self.layers.get(piece).filter(|c| self.thinned.shell(c).is_some()) {
+            None => measured,
+            Some(layer) => {
+                let of_layer = probe::compare(&component(&self.thinned.mesh, layer), image, true);
+                let hausdorff = measured.hausdorff.into_iter().chain(of_layer.hausdorff).reduce(f64::max);
+                Probe { hausdorff, ..of_layer }
+            }
+        }
     }
 }
 
+fn surface(mesh: &Mesh, triangles: impl Iterator<Item = usize>) -> Surface {
+    Surface::new(triangles.map(|t| mesh.corners(t)).collect())
+}
 /// Severities that count as a word about the result.
 pub const WARNINGS: [&str; 2] = ["warning", "error"];
 
