@@ -1,8 +1,9 @@
 // The planes that the particles of a cloth on the surface of a body meet in a frame, a thread a particle, at the start of the frame: each particle
 // walks to the nearest point of the surface from where that was in the last frame.
 //
-// `wearers` has two rows per particle: the height that it keeps, its number or that of its first duplicate, the pin that holds it and how far along the
-// cloth that is; and its neighbours in the grid, each by its first duplicate.
+// `wearers` has four rows per particle: the height that it keeps, its number or that of its first duplicate, the pin that holds it and how far along the
+// cloth that is; its neighbours in the grid, each by its first duplicate; those that are some cells away; and the lengths of cloth up to these at rest, 0
+// where a spring is missing.
 // `surface_hints` has five rows per particle: where it was; the way from the nearest point to it, where on the triangle that is, and the frames for which it waits; the weights there; and twice the normal and the triangle, for odd and even frames. The first and the third row have the
 // second side too, for even and odd frames.
 // `found_planes` has two planes per particle, as shaders/surface_contact.wgsl reads them.
@@ -247,16 +248,33 @@ fn compared(known: Known, start: u32, p: vec3<f32>) -> Known {
 // The height that particle k at `p` keeps above a point of the surface; `off` is the vector from that point to the particle. If a pose puts the pin that
 // holds the particle deeper into the body than it was modelled, the height is at most what the length of cloth between the particle and the pin allows.
 fn kept(k: u32, clearance: f32, p: vec3<f32>, off: vec3<f32>, normal: vec3<f32>) -> f32 {
-  let own = wearers[2u * k];
+  let own = wearers[4u * k];
   if (own.z >= arrayLength(&now)) {
     return clearance;
   }
   let pin = now[own.z];
   let most = bitcast<f32>(own.w);
-  let modelled = max(-bitcast<f32>(wearers[2u * own.z].x), 0.0);
+  let modelled = max(-bitcast<f32>(wearers[4u * own.z].x), 0.0);
   let height = dot(pin.xyz - p + off, normal) + modelled;
   let slant = SLANT * min(max((SLANT_M + SLANT_M - most) / SLANT_M, 0.0), 1.0);
   return select(clearance, min(clearance, height + min(height, 0.0) * slant + most), pin.w <= 0.0);
+}
+
+// How much deeper than else particle k at `p` may be: contact gives way where it would stretch cloth without end.
+fn give(k: u32, p: vec3<f32>) -> f32 {
+  let pin = wearers[4u * k].z;
+  if (pin >= arrayLength(&now) || now[pin].w > 0.0 || action[1].w <= 0.0) {
+    return 0.0;
+  }
+  var most = 0.0;
+  for (var side = 0u; side < 4u; side++) {
+    let span = bitcast<f32>(wearers[4u * k + 3u][side]);
+    if (span > 0.0) {
+      let way = now[wearers[4u * k + 2u][side]].xyz - p;
+      most = max(most, sqrt(dot(way, way)) - CAUGHT * span);
+    }
+  }
+  return most * CAUGHT_GIVE;
 }
 
 // Whether a particle may meet a plane in a frame.
@@ -321,8 +339,8 @@ fn put_plane(n: u32, spot: Spot, view: View, clearance: f32) {
 }
 
 fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
-  let own = wearers[2u * k];
-  let clearance = bitcast<f32>(own.x);
+  let own = wearers[4u * k];
+  let clearance = bitcast<f32>(own.x) - give(k, p);
   let was_known = mark.w != NO_TRIANGLE;
   let moved = p - bitcast<vec3<f32>>(surface_hints[5u * k].xyz);
   let way = sqrt(dot(moved, moved));
@@ -338,7 +356,7 @@ fn put_planes(k: u32, mark: vec4<u32>, p: vec3<f32>) {
     known = compared(known, before, p);
   }
   // One neighbour in each of four frames.
-  let beside = wearers[2u * k + 1u][frames() & 3u];
+  let beside = wearers[4u * k + 1u][frames() & 3u];
   if (beside != NO_TRIANGLE && !is_afresh()) {
     let other = surface_hints[5u * beside + 3u + (frames() & 1u)];
     if (other.w != NO_TRIANGLE && dot(bitcast<vec3<f32>>(other.xyz), known.view.normal) < SAME_COSINE) {
@@ -437,7 +455,7 @@ fn main(
     surface_hints[5u * k + 1u].w = 0u;
   }
   let p = now[k];
-  let met = bitcast<f32>(wearers[2u * k].x) >= -MODELLED_INSIDE_M;
+  let met = bitcast<f32>(wearers[4u * k].x) >= -MODELLED_INSIDE_M;
   let state = surface_hints[5u * k + 1u].w;
   var waits = met && p.w > 0.0 && state >> 8u > 0u;
   if (waits) {

@@ -88,6 +88,8 @@ mod stitches;
 #[cfg(feature = "gpu")]
 mod surface;
 #[cfg(feature = "gpu")]
+mod surface_give;
+#[cfg(feature = "gpu")]
 mod surface_passing;
 #[cfg(feature = "gpu")]
 mod surface_pins;

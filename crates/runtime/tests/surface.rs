@@ -401,7 +401,7 @@ fn contact_with_a_body_costs_nothing_without_one() {
     };
     assert!(slots.iter().all(|slot| bytes(&without, slot).is_none()));
     let (n, v) = (cloth.len() as u64, surface.vertices() as u64);
-    let want = [128 * n, 64 * v, 64 * v, 80 * n, 32 * n, 128 * n].map(Some);
+    let want = [128 * n, 64 * v, 64 * v, 80 * n, 64 * n, 128 * n].map(Some);
     assert_eq!(slots.map(|slot| bytes(&with, slot)), want);
 }
 

@@ -8,6 +8,7 @@
 
 pub(crate) mod boxes;
 pub(crate) mod contact;
+pub(crate) mod give;
 pub(crate) mod nearest;
 pub(crate) mod passing;
 pub(crate) mod pose;
@@ -88,6 +89,8 @@ pub struct Worn<T: Real> {
     clearances: Vec<T>,
     /// The nearest pin of each particle.
     holds: Vec<Option<Hold<T>>>,
+    /// As [`give::spans`]; empty where contact never gives way.
+    spans: Vec<[f32; 4]>,
     /// The first duplicate of each particle.
     points: Vec<u32>,
     twins: Vec<Twin>,
@@ -133,6 +136,7 @@ impl<T: Real> Worn<T> {
             boxes: Boxes::new(surface),
             clearances,
             holds,
+            spans: if give::gives(cloth) { give::spans(cloth) } else { Vec::new() },
             twins: twins.collect(),
             points,
             friction: T::of(f64::from((FRICTION * cloth.friction).min(f32::MAX))),
@@ -145,6 +149,11 @@ impl<T: Real> Worn<T> {
     /// As [`Skinned::lead`].
     pub fn lead(&mut self, poses: &Poses<T>, rate: T) {
         self.skinned.lead(poses, rate);
+    }
+
+    /// The cloth has been cut.
+    pub fn open(&mut self) {
+        self.spans = Vec::new();
     }
 
     /// A frame begins.
@@ -166,6 +175,7 @@ impl<T: Real> Worn<T> {
         tally.state(&self.waits);
         tally.state(&self.clearances);
         tally.state(&self.holds);
+        tally.state(&self.spans);
         tally.state(&self.points);
         tally.state(&self.twins);
     }

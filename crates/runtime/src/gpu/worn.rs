@@ -11,6 +11,7 @@ use crate::cloth::surface::{BodySurface, NONE};
 use crate::cloth::{Anchor, Cloth, Poses, Rows};
 use crate::collider::FRICTION;
 use crate::cpu::surface::contact::NOTHING;
+use crate::cpu::surface::give::{away, gives, spans};
 use crate::cpu::surface::search::SEARCH_FRAMES;
 use crate::passes::Pass;
 use crate::shaders::{HINT_BYTES, PLANE_BYTES, Slot, VERTEX_BYTES, source};
@@ -51,21 +52,23 @@ fn unknown(cloth: &Cloth) -> Vec<[u32; 4]> {
 }
 
 /// The constant numbers of the particles, as shaders/surface_search.wgsl reads them.
-fn wearers(cloth: &Cloth, thickness: f32) -> Vec<[u32; 8]> {
+fn wearers(cloth: &Cloth, thickness: f32) -> Vec<[[u32; 4]; 4]> {
     let (points, clearances) = (cloth.points(), cloth.clearances(thickness));
-    let mut beside = vec![[NONE; 4]; cloth.len()];
+    let [mut beside, mut far] = [(); 2].map(|()| vec![[NONE; 4]; cloth.len()]);
     for grid in cloth.grids() {
         let (first, size) = (grid.first as usize, (grid.width as usize, grid.height as usize));
         for k in 0..size.0 * size.1 {
             let own = |frame: u32| crate::cpu::surface::search::beside(k, size, frame);
             beside[first + k] = [0, 1, 2, 3].map(|frame| own(frame).map_or(NONE, |n| points[first + n]));
+            far[first + k] = [0, 1, 2, 3].map(|side| away(k, size, side).map_or(NONE, |n| points[first + n]));
         }
     }
-    let holds = cloth.tethers(1).anchors;
+    let (holds, spans) = (cloth.tethers(1).anchors, spans(cloth));
     let one = |point: &u32| {
-        let [a, b, c, d] = beside[*point as usize];
-        let pin = holds.get(*point as usize).unwrap_or(&Anchor::NONE);
-        [clearances[*point as usize].to_bits(), *point, pin.particle, pin.distance.to_bits(), a, b, c, d]
+        let k = *point as usize;
+        let pin = holds.get(k).unwrap_or(&Anchor::NONE);
+        let held = [clearances[k].to_bits(), *point, pin.particle, pin.distance.to_bits()];
+        [held, beside[k], far[k], spans[k].map(f32::to_bits)]
     };
     points.iter().map(one).collect()
 }
@@ -109,7 +112,7 @@ impl Gpu {
         let frame = (worn.frames % SEARCH_FRAMES) as f32;
         let numbers = [
             [rate as f32, frame, f32::from(u8::from(worn.afresh)), 0.0],
-            [surface.triangles().len() as f32, surface.patches() as f32, friction, 0.0],
+            [surface.triangles().len() as f32, surface.patches() as f32, friction, f32::from(u8::from(gives(of)))],
         ];
         let numbers = self.list("surface", cast_slice(&numbers));
         let mut pass = begin(encoder, "surface");

@@ -8,13 +8,13 @@ use crate::cloth::{MODELLED_INSIDE_M, SKIPPED_CELLS};
 use crate::coarser::{FITS, ROUNDS};
 use crate::cpu::fabric::meeting::{extents, others};
 use crate::cpu::fabric::{leaves, partners, polish, stretch, touch};
-use crate::cpu::surface::{contact, nearest, passing, search, struck};
+use crate::cpu::surface::{contact, give, nearest, passing, search, struck};
 use crate::cpu::{aside, guard, pick, place, route};
 use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 use crate::levels::{NODE_TILE, joint, safe};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 52] = [
+const FLOATS: [(&str, f64); 54] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
@@ -62,6 +62,8 @@ const FLOATS: [(&str, f64); 52] = [
     ("LEVEL_SINE", search::LEVEL_SINE),
     ("SLANT", search::SLANT),
     ("SLANT_M", search::SLANT_M),
+    ("CAUGHT", give::CAUGHT),
+    ("CAUGHT_GIVE", give::CAUGHT_GIVE),
     ("BACK_SINE", search::BACK_SINE),
     ("BACK_WAYS", search::BACK_WAYS),
     ("FACING_COSINE", search::FACING_COSINE),

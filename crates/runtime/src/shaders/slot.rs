@@ -131,6 +131,7 @@ slots! {
 /// Bytes of a particle's planes at the surface of a body, and of what it knows of that surface; and of a vertex of the surface.
 pub const PLANE_BYTES: usize = 2 * 4 * 16;
 pub const HINT_BYTES: usize = 5 * 16;
+pub const WEARER_BYTES: usize = 4 * 16;
 pub const VERTEX_BYTES: usize = 4 * 16;
 
 /// Lists that frames only read, and what they are lists of: a type of WGSL, or a struct that shaders declare. In whole frames they lie
@@ -302,7 +303,7 @@ impl Slot {
             Slot::Counts => joint::COUNTS * 4,
             Slot::SurfacePlanes | Slot::FoundPlanes => cloth.len() * PLANE_BYTES,
             Slot::SurfaceHints => cloth.len() * HINT_BYTES,
-            Slot::Wearers => cloth.len() * 32,
+            Slot::Wearers => cloth.len() * WEARER_BYTES,
             Slot::SurfaceShape => cloth.body().map_or(0, |s| s.vertices() * 32 * (1 + cloth.body_sets())),
             Slot::SurfaceVertices => cloth.body().map_or(0, |s| s.vertices() * VERTEX_BYTES),
             Slot::SurfaceTriangles => cloth.body().map_or(0, |s| s.words() * 4),

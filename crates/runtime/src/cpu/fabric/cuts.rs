@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::stretch::Rests;
 use super::{Fabric, cut_levels};
 use crate::cloth::other_end;
+use crate::cpu::surface::Worn;
 use crate::number::real::Real;
 
 impl<T: Real> Fabric<T> {
@@ -15,6 +16,7 @@ impl<T: Real> Fabric<T> {
             return;
         }
         self.break_plates(image);
+        self.worn.iter_mut().for_each(Worn::open);
         let there = |k: usize| now[k][3] >= T::of(0.0);
         for ((sheet, springs), first) in self.sheets.iter().zip(&mut self.springs).zip(&self.firsts) {
             for (d, of) in springs.iter_mut().enumerate() {

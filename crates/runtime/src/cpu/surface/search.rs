@@ -1,6 +1,7 @@
 //! Twin of shaders/surface_search.wgsl: the planes that particles meet in a frame.
 
 use super::contact::Plane;
+use super::give::give;
 use super::nearest::{faces_away, walk, walk_beyond};
 use super::pose::{between, unit};
 use super::{Hint, Pin, Worn, face, length, mix};
@@ -99,8 +100,10 @@ impl<T: Real> Worn<T> {
                     }
                 }
                 let pin = self.holds[particle].as_ref().and_then(|hold| hold.pin(sheets));
+                let spans = self.spans.get(particle).filter(|_| pin.is_some());
+                let clearance = self.clearances[particle] - spans.map_or(T::of(0.0), |spans| give(sheet, k, spans));
                 let beside = beside(k, size, self.frames).map(|n| first + n);
-                let found = self.planes_of(sheet.at(triple), particle, beside, pin);
+                let found = self.planes_of(sheet.at(triple), particle, beside, (clearance, pin));
                 for (planes, plane) in self.planes.iter_mut().zip(found) {
                     plane.iter().for_each(|plane| planes[g].put((single, triple), sheet.half, plane));
                 }
@@ -116,17 +119,17 @@ impl<T: Real> Worn<T> {
         self.frames = self.frames.wrapping_add(1);
     }
 
-    /// The planes that the particle at `p` meets in this frame, if it may meet any. `beside` is a neighbour of it, `pin` what holds it.
+    /// The planes that the particle at `p` meets in this frame, if it may meet any. `beside` is a neighbour of it, `clearance` \[m\] the height that it
+    /// keeps, `pin` what holds it.
     #[inline]
     fn planes_of(
         &mut self,
         p: V3<T>,
         particle: usize,
         beside: Option<usize>,
-        pin: Option<Pin<T>>,
+        (clearance, pin): (T, Option<Pin<T>>),
     ) -> [Option<Plane<T>>; 2] {
         let hint = self.hints[particle];
-        let clearance = self.clearances[particle];
         let known = hint.triangle != NONE;
         let moved = length(sub(p, hint.last));
         let goes = if known { T::of(WAYS) * moved } else { T::of(UNKNOWN_WAY_M) };
