@@ -10,7 +10,7 @@ use crate::number::real::Real;
 use std::sync::atomic::AtomicUsize;
 
 /// The share of tests, one in this many, that lists must spare in a step to be used in the next.
-const PAYS: usize = 4;
+pub const PAYS: usize = 4;
 
 /// Colliders near [`LANES`] neighbouring particles.
 #[derive(Clone, Copy)]
@@ -46,7 +46,7 @@ pub struct Clear<T: Real> {
     holds: bool,
     /// Whether the last step used lists of the step before.
     used: bool,
-    /// Tests that lists spared in it.
+    /// Tests that lists spared in it, times [`PAYS`].
     spared: AtomicUsize,
     /// Whether they are used in this frame still.
     pays: bool,
@@ -91,7 +91,7 @@ impl<T: Real> Clear<T> {
         let (none, len) = (Block::none(), len / LANES);
         let spared = std::mem::take(self.spared.get_mut());
         if std::mem::take(&mut self.used) && self.holds {
-            self.pays &= spared * PAYS >= len * groups;
+            self.pays &= spared >= len * groups;
         }
         if self.blocks.len() != len {
             self.blocks = vec![none; len];

@@ -1,6 +1,6 @@
 //! Which colliders the particles of some rows meet, vector by vector.
 
-use super::clear::Block;
+use super::clear::{Block, PAYS};
 use super::crowd::Crowd;
 use super::{Near, wide};
 use crate::cpu::sheet::{planes, planes_ref};
@@ -28,7 +28,7 @@ pub struct Lists<'a, T> {
     pub blocks: &'a mut [Block<T>],
     /// Whether they are used; none is read or written otherwise.
     pub takes: bool,
-    /// Tests of vectors with groups that they spared.
+    /// Tests of vectors with groups that they spared, times [`PAYS`].
     pub spared: &'a AtomicUsize,
     /// A length \[m\] above all rounding.
     pub slack: T,
@@ -89,7 +89,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
             for at in (0..2 * half).step_by(K::WIDE) {
                 let free = k.above(k.load(w, at), zero);
                 if !k.any(free) {
-                    // Padding too.
+                    // Padding too, of which narrow vectors have more: it is neither for lists nor against them.
                     unlisted += groups;
                     continue;
                 }
@@ -104,7 +104,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
                 // Without roots: (moved + way)^2 is at most 2 (moved^2 + way^2). NaN has no room.
                 let used2 = k.mul(twice, k.add(moved2, way2));
                 if !k.any(k.without(free, k.above(k.mul(room, room), used2))) {
-                    unlisted += groups - block.listed.count_ones() as usize;
+                    unlisted += PAYS * (groups - block.listed.count_ones() as usize);
                     if block.listed == 0 {
                         continue;
                     }
