@@ -175,6 +175,7 @@ impl Source {
 fn surface(mesh: &Mesh, triangles: impl Iterator<Item = usize>) -> Surface {
     Surface::new(triangles.map(|t| mesh.corners(t)).collect())
 }
+
 /// Severities that count as a word about the result.
 pub const WARNINGS: [&str; 2] = ["warning", "error"];
 

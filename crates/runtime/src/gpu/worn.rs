@@ -11,8 +11,8 @@ use crate::cloth::surface::{BodySurface, NONE};
 use crate::cloth::{Anchor, Cloth, Poses, Rows};
 use crate::collider::FRICTION;
 use crate::cpu::surface::contact::NOTHING;
-use crate::cpu::surface::give::{away, gives, spans};
-use crate::cpu::surface::search::SEARCH_FRAMES;
+use crate::cpu::surface::give::{SPAN, gives, spans};
+use crate::cpu::surface::search::{SEARCH_FRAMES, beside};
 use crate::passes::Pass;
 use crate::shaders::{HINT_BYTES, PLANE_BYTES, Slot, VERTEX_BYTES, source};
 use crate::world::World;
@@ -54,13 +54,14 @@ fn unknown(cloth: &Cloth) -> Vec<[u32; 4]> {
 /// The constant numbers of the particles, as shaders/surface_search.wgsl reads them.
 fn wearers(cloth: &Cloth, thickness: f32) -> Vec<[[u32; 4]; 4]> {
     let (points, clearances) = (cloth.points(), cloth.clearances(thickness));
-    let [mut beside, mut far] = [(); 2].map(|()| vec![[NONE; 4]; cloth.len()]);
+    let [mut near, mut far] = [(); 2].map(|()| vec![[NONE; 4]; cloth.len()]);
     for grid in cloth.grids() {
         let (first, size) = (grid.first as usize, (grid.width as usize, grid.height as usize));
         for k in 0..size.0 * size.1 {
-            let own = |frame: u32| crate::cpu::surface::search::beside(k, size, frame);
-            beside[first + k] = [0, 1, 2, 3].map(|frame| own(frame).map_or(NONE, |n| points[first + n]));
-            far[first + k] = [0, 1, 2, 3].map(|side| away(k, size, side).map_or(NONE, |n| points[first + n]));
+            for (all, cells) in [(&mut near, 1), (&mut far, SPAN)] {
+                let other = |side| beside(k, size, cells, side).map_or(NONE, |n| points[first + n]);
+                all[first + k] = [0, 1, 2, 3].map(other);
+            }
         }
     }
     let (holds, spans) = (cloth.tethers(1).anchors, spans(cloth));
@@ -68,7 +69,7 @@ fn wearers(cloth: &Cloth, thickness: f32) -> Vec<[[u32; 4]; 4]> {
         let k = *point as usize;
         let pin = holds.get(k).unwrap_or(&Anchor::NONE);
         let held = [clearances[k].to_bits(), *point, pin.particle, pin.distance.to_bits()];
-        [held, beside[k], far[k], spans[k].map(f32::to_bits)]
+        [held, near[k], far[k], spans[k].map(f32::to_bits)]
     };
     points.iter().map(one).collect()
 }

@@ -89,7 +89,7 @@ impl<T: Real> Work<T> for Rows<'_, '_, T> {
             for at in (0..2 * half).step_by(K::WIDE) {
                 let free = k.above(k.load(w, at), zero);
                 if !k.any(free) {
-                    // Padding too, of which narrow vectors have more: it is neither for lists nor against them.
+                    // Padding too, of which narrow vectors have more. It counts neither for lists nor against them.
                     unlisted += groups;
                     continue;
                 }

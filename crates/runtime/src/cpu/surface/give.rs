@@ -5,6 +5,7 @@
 //! beside a pin, or in a crease, and more so in fast motion; several in a row are not.
 
 use super::length;
+use super::search::beside;
 use crate::choose::stiff;
 use crate::cloth::{Cloth, Rest};
 use crate::cpu::sheet::Sheet;
@@ -14,7 +15,7 @@ use crate::number::real::{Real, sub};
 pub const SPAN: usize = 4;
 /// Contact gives way where they are farther from each other than this many times the length at rest.
 pub const CAUGHT: f64 = 1.3;
-/// Depth \[m\] for each metre above that: with cells of 1 cm nothing holds a particle between others at 1.43 times the length at rest.
+/// Depth \[m\] for each metre above that: with cells of 1 cm nothing holds a particle between others at some 1.45 times the length at rest.
 pub const CAUGHT_GIVE: f64 = 8.0;
 
 /// Whether contact ever gives way: the stretch of cloth is an error. After a cut, neighbours may be anywhere.
@@ -22,18 +23,7 @@ pub fn gives(cloth: &Cloth) -> bool {
     stiff(cloth) && !cloth.is_cut()
 }
 
-/// A texel [`SPAN`] cells from texel `k` of a grid: to the left, above, to the right, or below.
-pub fn away(k: usize, (width, height): (usize, usize), side: usize) -> Option<usize> {
-    let (i, j) = (k % width, k / width);
-    match side {
-        0 => (i >= SPAN).then(|| k - SPAN),
-        1 => (j >= SPAN).then(|| k - SPAN * width),
-        2 => (i + SPAN < width).then_some(k + SPAN),
-        _ => (j + SPAN < height).then_some(k + SPAN * width),
-    }
-}
-
-/// For each particle the lengths \[m\] of cloth at rest up to the four that are [`away`]; 0 where a spring is missing on the way.
+/// For each particle the lengths \[m\] of cloth at rest up to the four that are [`SPAN`] cells [`beside`] it; 0 where a spring is missing on the way.
 pub fn spans(cloth: &Cloth) -> Vec<[f32; 4]> {
     let mut spans = vec![[0.0; 4]; cloth.len()];
     for (g, grid) in cloth.grids().iter().enumerate() {
@@ -44,12 +34,12 @@ pub fn spans(cloth: &Cloth) -> Vec<[f32; 4]> {
             Rest::Constant(lengths) => lengths[g][down],
             Rest::Image(lengths) => lengths[first + k][down],
         };
-        for (k, side) in (0..size.0 * size.1).flat_map(|k| (0..4).map(move |side| (k, side))) {
-            let Some(n) = away(k, size, side) else { continue };
-            let (down, step) = (side & 1, if side & 1 == 0 { 1 } else { size.0 });
+        for (k, side) in (0..size.0 * size.1).flat_map(|k| (0..4u32).map(move |side| (k, side))) {
+            let Some(n) = beside(k, size, SPAN, side) else { continue };
+            let (down, step) = [(0, 1), (1, size.0)][side as usize & 1];
             let way = || (0..SPAN).map(|m| k.min(n) + m * step);
             let is_whole = exists(k.max(n)) && way().all(|k| exists(k) && spring(k, down) > 0.0);
-            spans[first + k][side] = if is_whole { way().map(|k| spring(k, down)).sum() } else { 0.0 };
+            spans[first + k][side as usize] = if is_whole { way().map(|k| spring(k, down)).sum() } else { 0.0 };
         }
     }
     spans
@@ -61,7 +51,7 @@ pub(super) fn give<T: Real>(sheet: &Sheet<T>, k: usize, spans: &[f32; 4]) -> T {
     let p = sheet.at(sheet.triple(k));
     let mut most = T::of(0.0);
     for (side, span) in spans.iter().enumerate().filter(|(_, span)| **span > 0.0) {
-        if let Some(n) = away(k, (sheet.width, sheet.height), side) {
+        if let Some(n) = beside(k, (sheet.width, sheet.height), SPAN, side as u32) {
             let far = length(sub(sheet.at(sheet.triple(n)), p));
             most = most.max(far - T::of(CAUGHT) * T::of(f64::from(*span)));
         }

@@ -102,7 +102,7 @@ impl<T: Real> Worn<T> {
                 let pin = self.holds[particle].as_ref().and_then(|hold| hold.pin(sheets));
                 let spans = self.spans.get(particle).filter(|_| pin.is_some());
                 let clearance = self.clearances[particle] - spans.map_or(T::of(0.0), |spans| give(sheet, k, spans));
-                let beside = beside(k, size, self.frames).map(|n| first + n);
+                let beside = beside(k, size, 1, self.frames).map(|n| first + n);
                 let found = self.planes_of(sheet.at(triple), particle, beside, (clearance, pin));
                 for (planes, plane) in self.planes.iter_mut().zip(found) {
                     plane.iter().for_each(|plane| planes[g].put((single, triple), sheet.half, plane));
@@ -352,13 +352,13 @@ fn is_second<T: Real>(nearest: &View<T>, other: &View<T>) -> bool {
     other.height.abs() < T::of(SECOND_M) && dot(nearest.normal, other.normal) < T::of(SECOND_COSINE)
 }
 
-/// A neighbour of texel `k` in its grid, another one in each of four frames.
-pub fn beside(k: usize, (width, height): (usize, usize), frame: u32) -> Option<usize> {
+/// The texel of a grid some cells from texel `k`: to the left, above, to the right or below, on another side in each of four frames.
+pub fn beside(k: usize, (width, height): (usize, usize), cells: usize, side: u32) -> Option<usize> {
     let (i, j) = (k % width, k / width);
-    match frame & 3 {
-        0 => (i > 0).then(|| k - 1),
-        1 => (j > 0).then(|| k - width),
-        2 => (i + 1 < width).then_some(k + 1),
-        _ => (j + 1 < height).then_some(k + width),
+    match side & 3 {
+        0 => (i >= cells).then(|| k - cells),
+        1 => (j >= cells).then(|| k - cells * width),
+        2 => (i + cells < width).then_some(k + cells),
+        _ => (j + cells < height).then_some(k + cells * width),
     }
 }
