@@ -272,6 +272,8 @@ fn give(k: u32, p: vec3<f32>) -> f32 {
     if (span > 0.0) {
       let way = now[wearers[4u * k + 2u][side]].xyz - p;
       most = max(most, sqrt(dot(way, way)) - CAUGHT * span);
+      let step = now[wearers[4u * k + 1u][side]].xyz - p;
+      most = max(most, sqrt(dot(step, step)) - CAUGHT_BESIDE * span);
     }
   }
   return most * CAUGHT_GIVE;

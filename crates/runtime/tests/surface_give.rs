@@ -12,18 +12,24 @@ use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 /// Particles in a row, and rows.
 const WIDTH: u32 = 25;
 const HEIGHT: u32 = 13;
-/// Of the limb.
+/// Of the limb, and of a thinner one.
 const RADIUS: f32 = 0.15;
+const THIN: f32 = 0.039;
 /// How far \[m\] it goes in a second: cloth that went along would be more than twice as long as at rest.
 const FAR: f32 = 0.8;
 
-/// An upright limb.
-fn upright() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
-    limb(RADIUS, [0.6, -0.6], 24, 24)
+/// An upright limb, `wide` times as wide as it is thick.
+fn upright(radius: f32, wide: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let (positions, triangles) = limb(radius, [0.6, -0.6], 24, 24);
+    (positions.iter().map(|[x, y, z]| [wide * x, *y, *z]).collect(), triangles)
 }
 
 /// A curtain `before` \[m\] the axis of a limb that the second joint moves, with its left column pinned, and the right one if it is held on `both` sides.
 fn curtain(before: f32, both: bool) -> Cloth {
+    worn_on(upright(RADIUS, 1.0), before, both)
+}
+
+fn worn_on((positions, triangles): (Vec<[f32; 3]>, Vec<[u32; 3]>), before: f32, both: bool) -> Cloth {
     let (right, down) = ([0.6, 0.0, 0.0], [0.0, -0.5, 0.0]);
     let origin = [-0.3, 0.25, before];
     let flat = Flat { width: WIDTH, height: HEIGHT, origin, right, down, ..Flat::square("curtain", 2) };
@@ -34,7 +40,6 @@ fn curtain(before: f32, both: bool) -> Cloth {
     let joint = |n: usize| SkinJoint { name: format!("joint {n}"), inverse_bind: IDENTITY, ..SkinJoint::default() };
     let of = |weights| Influence { joints: [0, 1, 0, 0], weights };
     cloth.set_skin((0..2).map(joint).collect(), &vec![of([1.0, 0.0, 0.0, 0.0]); cloth.len()]).unwrap();
-    let (positions, triangles) = upright();
     let influences = vec![of([0.0, 1.0, 0.0, 0.0]); positions.len()];
     cloth.set_body(Some(Arc::new(BodySurface::new(positions, triangles, influences).unwrap()))).unwrap();
     (cloth.thickness, cloth.damping) = (Some(THICKNESS), 0.5);
@@ -116,11 +121,33 @@ fn a_frame_in_which_contact_gives_way_is_that_of_the_twin() {
     assert!(apart[56] < 1e-5 && apart[59] < 2e-3, "{apart:?}");
 }
 
+/// A curtain in which a flat limb comes to be at once: of neighbours in a row, one is before the middle of it, the other behind. No particle is deep enough to be left inside.
+fn impaled() -> Scene {
+    let mut cloth = worn_on(upright(THIN, 4.0), 0.3, true);
+    let at = |(k, p): (usize, &[f32; 3])| [p[0], p[1], p[2] + if k % 2 == 0 { 0.01 } else { -0.01 }];
+    cloth.place(cloth.positions().iter().enumerate().map(at).collect()).unwrap();
+    Scene { gravity: [0.0; 3], ..scene(cloth) }
+}
+
+#[test]
+fn contact_gives_way_between_neighbours_on_both_sides_of_a_thin_part() {
+    for mut rig in Rig::both(&impaled(), &options()) {
+        rig.stepper.teleport_joints(0, &pose([0.0, 0.0, 0.3])).unwrap();
+        let mut frame = || {
+            step(&mut rig, [0.0, 0.0, 0.3]);
+            longest(&curtain(0.3, true), &rig.positions(0))
+        };
+        // The first frame parts them.
+        let [parted, then] = [frame(), frame()];
+        assert!(parted > 2.2 && then < 1.8, "{}: {parted} {then}", rig.name());
+    }
+}
+
 /// The sides of a cut that slide off a limb stay outside of it, however far their particles are from one another then.
 #[test]
 fn the_sides_of_a_cut_stay_outside_of_a_body() {
     let cloth = curtain(RADIUS + THICKNESS, true);
-    let (positions, triangles) = upright();
+    let (positions, triangles) = upright(RADIUS, 1.0);
     let positions = positions.iter().map(|p| Vector::new(p[0].into(), p[1].into(), p[2].into())).collect();
     let mesh = TriMesh::with_flags(positions, triangles, TriMeshFlags::ORIENTED).unwrap();
     let falls = Scene { gravity: [0.0, 0.0, -9.81], ..scene(cloth.clone()) };

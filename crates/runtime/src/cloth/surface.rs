@@ -222,15 +222,41 @@ impl BodySurface {
         }
     }
 
-    /// Sums of the normals of triangles, weighed by area.
+    /// The normals of vertices at rest, weighed by area; by angle where the former points behind one of its triangles, as at the edge of a plate with small faces there.
     fn vertex_normals(&self) -> Vec<[f32; 3]> {
-        let mut sums = vec![[0.0f64; 3]; self.rest.len()];
-        for t in &self.triangles {
-            let n = normal(t.map(|v| cast(self.rest[v as usize])));
+        let at: Vec<V3<f64>> = self.rest.iter().map(|p| cast(*p)).collect();
+        let faces = || self.triangles.iter().map(|t| (t, normal(t.map(|v| at[v as usize]))));
+        let mut sums = vec![[0.0f64; 3]; at.len()];
+        for (t, n) in faces() {
             t.iter().for_each(|v| sums[*v as usize] = add(sums[*v as usize], n));
         }
-        sums.into_iter().map(|n| cast(scale(n, 1.0 / dot(n, n).sqrt().max(1e-30)))).collect()
+        let by_angle = vertex_normals(&self.triangles, &at);
+        let mut own = sums.clone();
+        for (t, n) in faces() {
+            for v in t.map(|v| v as usize).into_iter().filter(|v| dot(sums[*v], n) < 0.0) {
+                own[v] = by_angle[v];
+            }
+        }
+        own.into_iter().map(|n| cast(scale(n, 1.0 / dot(n, n).sqrt().max(1e-30)))).collect()
     }
+}
+
+/// For each vertex, sums of the unit normals of its triangles, weighed by their angles there. With these at corners, and with the sum of both normals at a side, it is exact whether a point is
+/// inside: J. A. Baerentzen and H. Aanaes, "Signed distance computation using the angle weighted pseudonormal", 2005.
+pub(crate) fn vertex_normals(triangles: &[[u32; 3]], at: &[V3<f64>]) -> Vec<V3<f64>> {
+    let mut normals = vec![[0.0; 3]; at.len()];
+    for t in triangles {
+        let corners = t.map(|v| at[v as usize]);
+        let n = normal(corners);
+        let n = scale(n, 1.0 / dot(n, n).sqrt().max(f64::MIN_POSITIVE));
+        for c in 0..3 {
+            let [u, v] = [1, 2].map(|k| sub(corners[(c + k) % 3], corners[c]));
+            let x = cross(u, v);
+            let angle = dot(x, x).sqrt().atan2(dot(u, v));
+            normals[t[c] as usize] = add(normals[t[c] as usize], scale(n, angle));
+        }
+    }
+    normals
 }
 
 /// Positions are that far from the origin, at most.

@@ -14,7 +14,7 @@ use crate::layout::{FAULT_NOTES, FAULT_STRIDE, FaultRow};
 use crate::levels::{NODE_TILE, joint, safe};
 
 /// f32 constants. The shortest decimal that reads as the same f32 goes into the shader.
-const FLOATS: [(&str, f64); 54] = [
+const FLOATS: [(&str, f64); 55] = [
     ("FARTHEST", guard::FARTHEST),
     ("SHORT", aside::SHORT),
     ("ASIDE", aside::ASIDE),
@@ -63,6 +63,7 @@ const FLOATS: [(&str, f64); 54] = [
     ("SLANT", search::SLANT),
     ("SLANT_M", search::SLANT_M),
     ("CAUGHT", give::CAUGHT),
+    ("CAUGHT_BESIDE", give::CAUGHT_BESIDE),
     ("CAUGHT_GIVE", give::CAUGHT_GIVE),
     ("BACK_SINE", search::BACK_SINE),
     ("BACK_WAYS", search::BACK_WAYS),

@@ -2,7 +2,7 @@
 
 use gimage_bundle::Winding;
 
-use super::{BodySurface, NONE, On, normal, on_triangle};
+use super::{BodySurface, NONE, On, normal, on_triangle, vertex_normals};
 use crate::cloth::{Poses, Rows, Skinning};
 use crate::number::real::{V3, add, cast, cross, dot, scale, sub};
 
@@ -53,17 +53,7 @@ impl<'a> Posed<'a> {
 
     /// The surface with its vertices at these positions \[m\]. O(n).
     pub fn put(surface: &'a BodySurface, at: Vec<V3<f64>>) -> Self {
-        let mut normals = vec![[0.0; 3]; at.len()];
-        for t in &surface.triangles {
-            let corners = t.map(|v| at[v as usize]);
-            let n = unit(normal(corners));
-            for c in 0..3 {
-                let [u, v] = [1, 2].map(|k| sub(corners[(c + k) % 3], corners[c]));
-                let x = cross(u, v);
-                let angle = dot(x, x).sqrt().atan2(dot(u, v));
-                normals[t[c] as usize] = add(normals[t[c] as usize], scale(n, angle));
-            }
-        }
+        let normals = vertex_normals(&surface.triangles, &at);
         let mut bounds = Vec::new();
         surface.tree.fit(|t| surface.triangles[t as usize].map(|v| at[v as usize]), &mut bounds);
         Posed { surface, at, normals, bounds }
@@ -81,8 +71,7 @@ impl<'a> Posed<'a> {
         let (t, _) = self.surface.tree.nearest(&self.bounds, p, |t| on_triangle(p, t, corners(t)).distance2);
         let (own, spot) = (corners(t), on_triangle(p, t, corners(t)));
         let mix = |list: [V3<f64>; 3]| (0..3).fold([0.0; 3], |sum, k| add(sum, scale(list[k], spot.weights[k])));
-        // Whether a point is inside is exact by the normals of J. A. Baerentzen and H. Aanaes, "Signed distance computation using the angle
-        // weighted pseudonormal", 2005.
+        // Those of [`vertex_normals`], by which inside is exact.
         let up = match spot.on {
             On::Face => normal(own),
             On::Side(side) => {

@@ -57,6 +57,17 @@ fn cube() -> BodySurface {
     BodySurface::new((0..8).map(at).collect(), triangles, vec![influence; 8]).unwrap()
 }
 
+/// Weighed by area, that of a corner with a large narrow triangle points behind a small wide one, and cloth in front of both is taken for inside.
+#[test]
+fn the_normal_of_a_corner_points_in_front_of_small_triangles_too() {
+    let at = vec![[0.0; 3], [2.0, -0.5, 0.0], [2.0, 0.5, 0.0], [0.0, 0.1, 0.0], [0.03, 0.0, -0.0954]];
+    let sharp = BodySurface::new(at, vec![[0, 1, 2], [0, 3, 4]], Vec::new()).unwrap();
+    for t in &sharp.triangles {
+        let up = dot(cast(sharp.normals[0]), normal(t.map(|v| cast(sharp.rest[v as usize]))));
+        assert!(up > 0.0, "{t:?}: {up}");
+    }
+}
+
 #[test]
 fn heights_above_a_moved_surface_are_those_above_it_at_rest() {
     let cube = cube();

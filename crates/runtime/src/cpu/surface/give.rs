@@ -1,8 +1,9 @@
 //! How far cloth that is caught at a body may go into it, as `give` in shaders/surface_search.wgsl.
 //!
 //! A pose can bring a part of a body, such as an arm that comes down, between two parts of a cloth, or hook it. Contact would hold both apart and stretch the
-//! cloth between them without end. So it gives way where cloth is much too long, until the cloth pulls itself free. One spring can be as long as this
-//! beside a pin, or in a crease, and more so in fast motion; several in a row are not.
+//! cloth between them without end. So it gives way where cloth is much too long, until the cloth pulls itself free. One spring can be that long
+//! beside a pin, or in a crease, and more so in fast motion; several in a row are not. Where a thin part of a body, such as the rim of a hood, comes to be among particles, half of them leave
+//! it by either side, and single springs are several times their length.
 
 use super::length;
 use super::search::beside;
@@ -15,6 +16,8 @@ use crate::number::real::{Real, sub};
 pub const SPAN: usize = 4;
 /// Contact gives way where they are farther from each other than this many times the length at rest.
 pub const CAUGHT: f64 = 1.3;
+/// And where neighbours are farther from each other than this share of that length, three times their spring at rest: half of them on one side of a thin part of the body, half on the other.
+pub const CAUGHT_BESIDE: f64 = 0.75;
 /// Depth \[m\] for each metre above that: with cells of 1 cm nothing holds a particle between others at some 1.45 times the length at rest.
 pub const CAUGHT_GIVE: f64 = 8.0;
 
@@ -51,9 +54,11 @@ pub(super) fn give<T: Real>(sheet: &Sheet<T>, k: usize, spans: &[f32; 4]) -> T {
     let p = sheet.at(sheet.triple(k));
     let mut most = T::of(0.0);
     for (side, span) in spans.iter().enumerate().filter(|(_, span)| **span > 0.0) {
-        if let Some(n) = beside(k, (sheet.width, sheet.height), SPAN, side as u32) {
-            let far = length(sub(sheet.at(sheet.triple(n)), p));
-            most = most.max(far - T::of(CAUGHT) * T::of(f64::from(*span)));
+        for (cells, share) in [(SPAN, CAUGHT), (1, CAUGHT_BESIDE)] {
+            if let Some(n) = beside(k, (sheet.width, sheet.height), cells, side as u32) {
+                let far = length(sub(sheet.at(sheet.triple(n)), p));
+                most = most.max(far - T::of(share) * T::of(f64::from(*span)));
+            }
         }
     }
     most * T::of(CAUGHT_GIVE)

@@ -14,8 +14,10 @@ const FLAT: f64 = 0.3;
 const MOST: f64 = 0.4;
 /// How far the middle is within the opening, as a share of the mean distance of its corners.
 const DENT: f64 = 0.1;
+/// Cosine of the normals of the body and of the fan at a side, below which body in front of the fan lies on it: its border is turned over, and the crack between both would be outside.
+const FOLDED: f64 = -0.5;
 
-/// Closes the openings that are about flat and that their middle sees all around, each by a fan around a new vertex, which follows the joints of the corners. Returns their
+/// Closes the openings that are about flat, that their middle sees all around, and whose border is not turned over in front of them, each by a fan around a new vertex, which follows the joints of the corners. Returns their
 /// number. O(n log n).
 pub(super) fn close(body: &mut Body) -> usize {
     let mut parts = DisjointSets::new(body.positions.len());
@@ -28,11 +30,16 @@ pub(super) fn close(body: &mut Body) -> usize {
     for [a, b, c] in &body.triangles {
         *areas.entry(parts.find(*a)).or_default() += area(at(*a), at(*b), at(*c));
     }
+    let beyond: HashMap<[u32; 2], u32> =
+        body.triangles.iter().flat_map(|[a, b, c]| [([*a, *b], *c), ([*b, *c], *a), ([*c, *a], *b)]).collect();
     let mut closed = Vec::new();
     for ring in rings(&body.triangles) {
         let corners: Vec<[f64; 3]> = ring.iter().map(|v| at(*v)).collect();
         let most = MOST * areas.get(&parts.find(ring[0])).copied().unwrap_or(0.0);
-        if let Some(middle) = middle(&corners, most) {
+        let Some(middle) = middle(&corners, most) else { continue };
+        let sides = ring.iter().zip(ring.iter().cycle().skip(1));
+        let mut corners = sides.map(|(a, b)| [*a, *b, beyond[&[*a, *b]]].map(at));
+        if !corners.any(|side| is_folded(&side, middle)) {
             closed.push((ring, middle));
         }
     }
@@ -93,6 +100,12 @@ fn middle(corners: &[[f64; 3]], most: f64) -> Option<[f64; 3]> {
     // Within the opening: cloth around its rim, such as a collar around the end of a neck, keeps its place.
     let middle = sub(middle, scale(normal, DENT * far / corners.len() as f64));
     (sees && norm(whole) > 0.0 && away <= FLAT * far && 0.5 * norm(whole) <= most).then_some(middle)
+}
+
+/// Whether a triangle of the body at an opening, whose first two corners are of the opening, lies in front of the fan around a point.
+fn is_folded([a, b, c]: &[[f64; 3]; 3], middle: [f64; 3]) -> bool {
+    let [fan, own] = [cross(sub(*a, *b), sub(middle, *b)), cross(sub(*b, *a), sub(*c, *a))];
+    dot(sub(*c, *a), fan) > 0.0 && dot(fan, own) < FOLDED * norm(fan) * norm(own)
 }
 
 /// The strongest joints of some vertices together, with weights that sum to 1.
@@ -165,5 +178,22 @@ mod tests {
             ..Body::default()
         };
         assert_eq!(close(&mut sheet), 0);
+    }
+
+    #[test]
+    fn an_opening_whose_border_is_turned_over_in_front_of_it_stays_open() {
+        // A tube whose upper end widens, as that of a trumpet: flat, or drooping, or as a funnel.
+        for (rise, closed) in [(-0.3, 1), (0.0, 1), (0.3, 2)] {
+            let mut body = tube(12, 0.0);
+            for i in 0..12u32 {
+                let a = std::f32::consts::TAU * i as f32 / 12.0;
+                body.positions.push([1.5 * a.cos(), 3.0 + rise, 1.5 * a.sin()]);
+                body.joints.push([1, 2, 0, 0]);
+                body.weights.push([0.75, 0.25, 0.0, 0.0]);
+                let (k, to) = (12 + i, 12 + (i + 1) % 12);
+                body.triangles.extend([[k, k + 12, to], [to, k + 12, to + 12]]);
+            }
+            assert_eq!(close(&mut body), closed, "{rise}");
+        }
     }
 }
