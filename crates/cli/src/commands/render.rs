@@ -3,6 +3,7 @@
 mod body;
 mod covered;
 mod encode;
+mod inward;
 mod offscreen;
 mod painter;
 mod paints;

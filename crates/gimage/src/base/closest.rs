@@ -126,8 +126,9 @@ impl Closest {
     }
 
     /// Distance \[m\] from `p` along the unit vector `direction` to the first triangle that `is_hit` accepts, at most `most`
-    /// \[m\], and that triangle. `is_hit` gets a triangle and its unit normal, zero for a sliver.
-    pub(crate) fn along(
+    /// \[m\], and that triangle; `None` also if `p` or `direction` is not finite. `is_hit` gets a triangle and its unit normal, zero for a sliver.
+    /// O(log n) as a rule.
+    pub fn along(
         &self,
         p: [f64; 3],
         direction: [f64; 3],

@@ -8,8 +8,10 @@ use gimage::mesh::{Mesh, Semantic};
 use gimage::select::{Role, SelectOptions, divided, roles};
 use gimage_runtime::draw::Facet;
 use gimage_runtime::{Cloth, JointPoses, Skinning};
+use rayon::prelude::*;
 
-use super::covered;
+use super::covered::{self, face};
+use super::inward::{self, Around};
 use super::paints::Paints;
 use crate::exit::Failure;
 
@@ -129,24 +131,23 @@ fn product(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
 /// The vertices of a mesh, moved into the body whose parts are drawn, and whether clothes hide them.
 fn inset(mesh: &Mesh, is_drawn: &[bool]) -> (Vec<[f64; 3]>, Vec<bool>) {
     let of_body = |part: u32| is_drawn.get(part as usize).is_some_and(|drawn| *drawn);
-    let mut normals = vec![[0.0f64; 3]; mesh.positions.len()];
-    for (t, _) in mesh.triangle_part.iter().enumerate().filter(|(_, part)| of_body(**part)) {
-        let face = face(mesh.corners(t));
-        mesh.triangles[t].iter().for_each(|v| (0..3).for_each(|k| normals[*v as usize][k] += face[k]));
+    let mut is_of_body = vec![false; mesh.positions.len()];
+    for (triangle, _) in mesh.triangles.iter().zip(&mesh.triangle_part).filter(|(_, part)| of_body(**part)) {
+        triangle.iter().for_each(|v| is_of_body[*v as usize] = true);
     }
-    for normal in &mut normals {
-        let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-12);
-        *normal = normal.map(|x| x / length);
-    }
+    let around = inward::normals(mesh, of_body);
+    let all = || mesh.positions.par_iter().zip(&is_of_body);
+    let normals: Vec<Option<[f64; 3]>> = all().map(|(p, of_body)| of_body.then(|| around.mean(p))).collect();
     let depths = covered::depths(mesh, |part| !of_body(part), &normals);
-    let hidden = depths.iter().map(|depth| depth.is_infinite()).collect();
-    let all = mesh.positions.iter().zip(&normals).zip(depths);
-    (all.map(|((p, n), depth)| [0, 1, 2].map(|k| p[k] - n[k] * depth.min(covered::DEEP))).collect(), hidden)
-}
-
-fn face([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
-    let (u, v) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    let mut smooth = Around::new();
+    for ((p, depth), _) in mesh.positions.iter().zip(&depths).zip(&is_of_body).filter(|(_, of_body)| **of_body) {
+        smooth.add(p, 1.0, [depth.min(covered::DEEP)]);
+    }
+    let moved = |(p, normal): (&[f64; 3], &Option<[f64; 3]>)| {
+        let [depth] = smooth.mean(p);
+        normal.map_or(*p, |normal| [0, 1, 2].map(|k| p[k] - normal[k] * depth))
+    };
+    (mesh.positions.par_iter().zip(&normals).map(moved).collect(), depths.iter().map(|d| d.is_infinite()).collect())
 }
 
 /// The joints of each vertex, from the first corner that has it.

@@ -15,8 +15,9 @@ const MANY: f64 = 0.5;
 /// parts are cloth.
 ///
 /// A part with a telling name has the role of that name; the name of the material comes first where a mesh has several
-/// materials, else that of the node, the mesh, the material. Where materials of a mesh name garments, the name of its node tells nothing
-/// of the others, which are trims and linings as well as skin. Of parts without a telling name, one that follows no joint, or whose connected
+/// materials, else that of the node, the mesh, the material; but a material that names a garment, such as a robe, goes before a node or a mesh that names
+/// what garments cover, such as a body. Where materials of a mesh name garments, or one names skin, the name of its node tells nothing
+/// of the others, which are trims and linings as well as skin, unless it is a head, hands or feet. Of parts without a telling name, one that follows no joint, or whose connected
 /// pieces nearly all follow one or two joints, is rigid; one that follows half of the joints or more is a body, beside garments only
 /// if it follows more than they do; the rest is cloth.
 ///
@@ -32,7 +33,10 @@ pub(super) fn verdicts(mesh: &Mesh) -> Option<Vec<Verdict>> {
     let meshes = Meshes::new(mesh, &following);
     let verdict = |(part, following): (&Part, &Following)| {
         let of = meshes.of(part);
-        by_name(part, of).unwrap_or_else(|| by_skin(following, joints, of.map_or(0, |m| m.garments)))
+        // Beside skin that has a material of its own, nothing else is skin.
+        let garments =
+            of.filter(|of| of.is_dressed(part)).map_or(0, |of| if of.garments == 0 { joints } else { of.garments });
+        by_name(part, of).unwrap_or_else(|| by_skin(following, joints, garments))
     };
     let mut verdicts: Vec<Verdict> = mesh.parts.iter().zip(&following).map(verdict).collect();
     let present: Vec<usize> = mesh.triangle_part.iter().map(|&p| p as usize).collect();
@@ -54,7 +58,7 @@ pub(super) fn verdicts(mesh: &Mesh) -> Option<Vec<Verdict>> {
 /// For each part of a skinned mesh whether no name tells its role and it lies beside garments in one mesh.
 pub(super) fn unnamed_beside_garments(mesh: &Mesh) -> Vec<bool> {
     let meshes = Meshes::new(mesh, &facts::following(mesh));
-    let beside = |part: &Part| meshes.of(part).filter(|of| of.garments > 0);
+    let beside = |part: &Part| meshes.of(part).filter(|of| of.is_dressed(part));
     mesh.parts.iter().map(|part| beside(part).is_some_and(|of| by_name(part, Some(of)).is_none())).collect()
 }
 
@@ -66,6 +70,17 @@ struct Meshes<'a>(BTreeMap<(&'a str, &'a str), Several>);
 struct Several {
     /// The most joints that a part follows whose material names a garment; 0 where none does.
     garments: usize,
+    /// Whether a material names skin, so that the others are something else.
+    skin: bool,
+}
+
+impl Several {
+    /// Whether parts that no name tells may be garments, although the mesh is that of a body.
+    fn is_dressed(self, part: &Part) -> bool {
+        let told = [&part.node, &part.mesh].into_iter().find_map(|name| words::role(name));
+        let is_covered = told.is_none_or(|(role, word)| role != Role::Body || words::is_covered(&word));
+        self.garments > 0 || self.skin && is_covered
+    }
 }
 
 impl<'a> Meshes<'a> {
@@ -73,9 +88,10 @@ impl<'a> Meshes<'a> {
         let later = mesh.parts.iter().filter(|p| p.primitive > 0);
         let mut all: BTreeMap<_, Several> = later.map(|p| ((&*p.node, &*p.mesh), Several::default())).collect();
         for (part, following) in mesh.parts.iter().zip(following) {
-            let garment = words::role(&part.material).is_some_and(|(role, _)| role == Role::Cloth);
-            if let Some(of) = all.get_mut(&(&*part.node, &*part.mesh)).filter(|_| garment) {
-                of.garments = of.garments.max(following.joints);
+            let told = words::role(&part.material);
+            if let (Some((role, word)), Some(of)) = (told, all.get_mut(&(&*part.node, &*part.mesh))) {
+                of.garments = of.garments.max(if role == Role::Cloth { following.joints } else { 0 });
+                of.skin |= word == "skin";
             }
         }
         Meshes(all)
@@ -90,10 +106,14 @@ impl<'a> Meshes<'a> {
 fn by_name(part: &Part, of: Option<Several>) -> Option<Verdict> {
     let order: &[&String] = match of {
         None => &[&part.node, &part.mesh, &part.material],
-        Some(Several { garments: 0 }) => &[&part.material, &part.node, &part.mesh],
-        Some(_) => &[&part.material],
+        Some(of) if of.is_dressed(part) => &[&part.material],
+        Some(_) => &[&part.material, &part.node, &part.mesh],
     };
-    let (role, word) = order.iter().find_map(|name| words::role(name))?;
+    let (mut role, mut word) = order.iter().find_map(|name| words::role(name))?;
+    let material = words::role(&part.material).filter(|(_, word)| words::is_garment(word));
+    if let Some(garment) = material.filter(|_| words::is_covered(&word)) {
+        (role, word) = garment;
+    }
     Some(Verdict::new(role, format!("name has \"{word}\"")))
 }
 

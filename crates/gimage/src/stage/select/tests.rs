@@ -79,9 +79,45 @@ fn a_node_with_garments_tells_nothing_of_its_other_materials() {
     let mut robe = mesh(&["Skin", "Robe", "Gold"].map(|material| ("Body", material, FOUR)));
     (0..).zip(&mut robe.parts).for_each(|(k, part)| part.primitive = k);
     assert_eq!(of(&robe), [Body, Cloth, Cloth]);
-    // Without a garment beside it, the name of the node counts.
-    all.parts[1].material = "Blue".into();
+    // Without a garment or skin beside it, the name of the node counts.
+    (all.parts[0].material, all.parts[1].material) = ("Pale".into(), "Blue".into());
     assert_eq!(of(&all), [Body, Body, Body, Body, Body, Rigid]);
+}
+
+#[test]
+fn beside_skin_with_a_material_of_its_own_colors_are_clothes() {
+    let colors = [("Skin", FOUR), ("Blue", THREE), ("Black", FOUR), ("Button", THREE), ("Gold", ONE)];
+    let of = |node: &str| -> Vec<Role> {
+        let mut all = mesh(&colors.map(|(material, weights)| (node, material, weights)));
+        (0..).zip(&mut all.parts).for_each(|(k, part)| part.primitive = k);
+        roles(&all, &SelectOptions::default()).unwrap().iter().map(|v| v.looks_like).collect()
+    };
+    use Role::*;
+    assert_eq!(of("King_Body"), [Body, Cloth, Cloth, Rigid, Rigid]);
+    assert_eq!(of("Cube.003"), [Body, Cloth, Cloth, Rigid, Rigid]);
+    // Of a head they are hair, of feet shoes.
+    assert_eq!(of("King_Head"), [Body, Body, Body, Rigid, Body]);
+    assert_eq!(of("King_Feet"), [Body, Body, Body, Rigid, Body]);
+}
+
+#[test]
+fn a_material_that_names_a_garment_goes_before_a_node_or_mesh_that_names_what_it_covers() {
+    let mut all = mesh(&[
+        ("man", "skin_tone", FOUR),
+        ("man.002", "robe_export", FOUR),
+        ("hood", "export", THREE),
+        ("Body", "cloth", FOUR),
+    ]);
+    // As copies of the body, which their artist made clothes of.
+    all.parts[..3].iter_mut().for_each(|part| part.mesh = "Male_Body.010".into());
+    let of = |mesh: &Mesh| -> Vec<Role> {
+        roles(mesh, &SelectOptions::default()).unwrap().iter().map(|v| v.looks_like).collect()
+    };
+    use Role::*;
+    assert_eq!(of(&all), [Body, Cloth, Cloth, Body]);
+    // A head in the material of its hood is a head.
+    (all.parts[1].node, all.parts[1].mesh) = ("Head".into(), "Head".into());
+    assert_eq!(of(&all), [Body, Body, Cloth, Body]);
 }
 
 #[test]

@@ -2,9 +2,13 @@
 
 use super::Role;
 
-const CLOTH: &str = "apron blouse cape capelet cloak cloth clothes clothing coat dress fabric flag garment gown hoodie \
-    jacket jeans jumper kilt kimono leggings outfit overall pants poncho robe sari sash scarf shawl shirt shorts skirt \
-    sleeve surcoat sweater tabard top tights trousers trouser tunic veil vest waistcoat";
+const CLOTH: &str = "apron blazer blouse bodice bodysuit bottoms cape capelet cardigan cloak cloth clothes clothing coat corset cowl dress \
+    fabric flag frock garment gown hakama haori hood hoodie jacket jeans jumper kilt kimono leggings mantle obi onepiece outfit overall pants \
+    parka poncho robe sari sarong sash scarf shawl shirt shorts skirt sleeve smock stocking stockings suit surcoat sweater swimsuit tabard \
+    tie tights toga top tops trousers trouser tunic uniform veil vest waistcoat yukata";
+
+/// Words for cloth that tell the kind of a material, and not which garment it is.
+const FABRICS: &str = "cloth clothes clothing fabric";
 
 const BODY: &str = "arm arms beard body brow brows cornea ear ears eye eyeball eyebrow eyebrows eyelash eyelashes eyes \
     face feet finger fingers foot gum gums hair hand hands head iris jaw leg legs lips moustache mouth nail nails neck \
@@ -16,6 +20,12 @@ const RIGID: &str = "amulet armor armour arrow axe backpack badge bag bandolier 
     lantern mask mug necklace pauldron pauldrons pendant pistol pouch pumpkin quiver rifle ring sandal sandals satchel \
     scabbard sheath shield shoe shoes sneakers socket spear spellbook staff stick sword wand weapon zip zipper";
 
+/// Parts of a body that garments cover, so that a garment's part has such a name too. A head below a hood is a head.
+const COVERED: &str = "arm arms body leg legs neck torso";
+
+/// Shoes and gloves, of cloth or not.
+const WORN: &str = "boot boots footwear glove gloves sandal sandals shoe shoes sneakers";
+
 /// Shortest word for cloth that is also found at the end of a longer one, as `dress` in `nightdress`.
 const SHORTEST_ENDING: usize = 4;
 
@@ -24,19 +34,37 @@ const RIGID_ENDINGS: &str = "armor armour book boots gloves shoes sword";
 
 /// The role that the last word of a name with a known meaning tells, and that word. Words end at digits, marks and
 /// capital letters: `Wolf3D_OutfitTop` is wolf, d, outfit, top. The last one counts, as in `Body_Armor`, but a word for cloth
-/// before one for a body, as in `Shirt_Body`: the garment's part that covers it.
+/// before one for a body that it covers, as in `Shirt_Body`: the garment's part there. A shoe of cloth, as `Shoes_01_CLOTH`, is a shoe.
 pub(super) fn role(name: &str) -> Option<(Role, String)> {
     let mut told = words(name).into_iter().rev().filter_map(|word| meaning(&word).map(|role| (role, word)));
     let last = told.next()?;
-    match last.0 {
-        Role::Body => Some(told.find(|(role, _)| *role == Role::Cloth).unwrap_or(last)),
-        _ => Some(last),
-    }
+    let before = if is_of(COVERED, &last.1) {
+        told.find(|(role, _)| *role == Role::Cloth)
+    } else if is_of(FABRICS, &last.1) {
+        told.find(|(_, word)| is_of(WORN, word))
+    } else {
+        None
+    };
+    Some(before.unwrap_or(last))
+}
+
+/// Whether a word tells a part of a body that garments cover too.
+pub(super) fn is_covered(word: &str) -> bool {
+    is_of(COVERED, word)
+}
+
+/// Whether a word tells a garment, and not only its fabric.
+pub(super) fn is_garment(word: &str) -> bool {
+    meaning(word) == Some(Role::Cloth) && !is_of(FABRICS, word)
+}
+
+fn is_of(list: &str, word: &str) -> bool {
+    list.split_whitespace().any(|known| known == word)
 }
 
 fn meaning(word: &str) -> Option<Role> {
     let lists = [(CLOTH, Role::Cloth), (BODY, Role::Body), (RIGID, Role::Rigid)];
-    let exact = lists.iter().find(|(list, _)| list.split_whitespace().any(|known| known == word));
+    let exact = lists.iter().find(|(list, _)| is_of(list, word));
     // The longest ending: `nightdress` ends in `dress`.
     let ending = || {
         let cloth = CLOTH.split_whitespace().filter(|known| known.len() >= SHORTEST_ENDING).map(|w| (w, Role::Cloth));
@@ -92,7 +120,13 @@ mod tests {
             ("Coat_Detail", Some(Role::Cloth)),
             ("Cape_Surface", Some(Role::Cloth)),
             ("Dress_String", Some(Role::Cloth)),
-            ("Hood_Drawstring", None),
+            ("Drawstring", None),
+            ("Hood_Drawstring", Some(Role::Cloth)),
+            ("Hood_Head", Some(Role::Body)),
+            ("N00_002_03_Tops_01_CLOTH (Instance)", Some(Role::Cloth)),
+            ("N00_004_01_Shoes_01_CLOTH (Instance)", Some(Role::Rigid)),
+            ("Armor_Cloth", Some(Role::Cloth)),
+            ("N00_000_00_Body_00_SKIN (Instance)", Some(Role::Body)),
             ("Chair", None),
             ("Shirt_Body", Some(Role::Cloth)),
             ("Shirt_Button", Some(Role::Rigid)),

@@ -6,13 +6,15 @@ use gimage_bundle::DisjointSets;
 
 use super::alone::alone;
 use super::layers::Layer;
-use super::rays::{FACING, quantile};
+use super::rays::quantile;
 use super::sides::Sides;
 use super::zone::Zone;
 use crate::base::vec3::{add, distance, dot, norm, scale, sub};
 use crate::base::words::number;
 use crate::stage::component::Component;
 
+/// Smallest share of a component's area that faces another sheet. Rays ask for more, but a triangle counts as a whole: along a wide rim it may face none.
+const FACING: f64 = 0.6;
 /// Smallest share of the faced area whose partners lie on the other sheet.
 const AGREE: f64 = 0.95;
 /// Smallest area of a sheet over that of the other one.
