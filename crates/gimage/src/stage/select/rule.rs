@@ -14,10 +14,14 @@ const MANY: f64 = 0.5;
 /// The role of each part; `None` for a mesh without a skin, and for one with a single part. If nothing looks like cloth, all
 /// parts are cloth.
 ///
-/// A part with a telling name has the role of that name; the name of the material comes first where a mesh has several
-/// materials, else that of the node, the mesh, the material; but a material that names a garment, such as a robe, goes before a node or a mesh that names
-/// what garments cover, such as a body. Where materials of a mesh name garments, or one names skin, the name of its node tells nothing
-/// of the others, which are trims and linings as well as skin, unless it is a head, hands or feet. Of parts without a telling name, one that follows no joint, or whose connected
+/// A part with a telling name has the role of that name. The name of the material comes first if a mesh has several
+/// materials, else the name of the node, then of the mesh, then of the material. One exception: a material named after a garment, such as a robe, decides over
+/// a node or a mesh named after a part of the body that garments cover.
+///
+/// The name of a node says nothing about the parts with other materials if one material of the mesh is named after a garment, as those parts may be trims,
+/// linings or skin. It says nothing about them either if one material is named after skin, as those parts are clothes then, except on a head, hands or feet.
+///
+/// Of parts without a telling name, one that follows no joint, or whose connected
 /// pieces nearly all follow one or two joints, is rigid; one that follows half of the joints or more is a body, beside garments only
 /// if it follows more than they do; the rest is cloth.
 ///
