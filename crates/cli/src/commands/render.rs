@@ -9,6 +9,7 @@ mod painter;
 mod paints;
 mod palette;
 mod shown;
+mod space;
 
 use std::path::Path;
 use std::slice;

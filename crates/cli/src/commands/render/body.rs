@@ -10,9 +10,10 @@ use gimage_runtime::draw::Facet;
 use gimage_runtime::{Cloth, JointPoses, Skinning};
 use rayon::prelude::*;
 
-use super::covered::{self, face};
+use super::covered;
 use super::inward::{self, Around};
 use super::paints::Paints;
+use super::space::face;
 use crate::exit::Failure;
 
 /// Triangles of a character file, and the joints that they follow.

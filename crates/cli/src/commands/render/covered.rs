@@ -11,6 +11,9 @@ use gimage::closest::Closest;
 use gimage::mesh::Mesh;
 use rayon::prelude::*;
 
+use super::space::{Cells, Point, on_edge, on_triangle, squared, unit};
+use crate::commands::character::cross;
+
 /// How far \[m\] within its surface a body is drawn at least: cloth lies on colliders, which are that near to it at best.
 const INSET: f64 = 0.004;
 /// The same below clothes, at most.
@@ -18,16 +21,13 @@ pub const DEEP: f64 = 0.025;
 /// How near \[m\] a garment covers, and how far from its borders it hides the body.
 const NEAR: f64 = 0.05;
 const BORDER: f64 = 0.06;
-/// Points of a garment are that far apart \[m\] at most, and a side of a triangle has at most `MAX_SPLITS`.
+/// Points of a garment are that far apart \[m\] at most.
 const SPACING: f64 = 0.015;
-const MAX_SPLITS: usize = 64;
 /// Directions in which a point of the body looks out, how far \[m\], and the share of them without cloth from which it is as if nothing were above it: a face in a
 /// hood.
 const RAYS: usize = 64;
 const SIGHT: f64 = 10.0;
 const OPEN: f64 = 0.25;
-
-type Point = [f64; 3];
 
 /// How far \[m\] within the surface each vertex of a mesh is drawn; infinite where cloth hides it from all sides. `normals` are those of the body around its
 /// vertices, none longer than 1; `None` for vertices of cloth. O(vertices and points of cloth).
@@ -41,7 +41,7 @@ pub fn depths(mesh: &Mesh, is_cloth: impl Fn(u32) -> bool, normals: &[Option<Poi
     let mut points = Cells::new(NEAR);
     let mut sides: HashMap<[u32; 2], u32> = HashMap::new();
     for t in &worn {
-        splits(t.map(at), SPACING).into_iter().for_each(|p| points.add(p));
+        on_triangle(t.map(at), SPACING).into_iter().for_each(|p| points.add(p));
         for (p, q) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
             let (p, q) = (weld(p), weld(q));
             *sides.entry([p.min(q), p.max(q)]).or_default() += 1;
@@ -49,9 +49,7 @@ pub fn depths(mesh: &Mesh, is_cloth: impl Fn(u32) -> bool, normals: &[Option<Poi
     }
     let mut borders = Cells::new(BORDER);
     for ([p, q], _) in sides.iter().filter(|(_, count)| **count == 1) {
-        let (p, q) = (at(*p), at(*q));
-        let n = parts(p, q, SPACING);
-        (0..=n).for_each(|k| borders.add(between(p, q, k as f64 / n as f64)));
+        on_edge(at(*p), at(*q), SPACING).for_each(|p| borders.add(p));
     }
     let cloth = Closest::new(&mesh.positions, &worn);
     let depth = |(p, normal): (&Point, &Option<Point>)| {
@@ -96,79 +94,6 @@ fn open(cloth: &Closest, from: Point, normal: &Point) -> f64 {
         cloth.along(from, way, SIGHT, |_, _| true).is_none()
     };
     (0..RAYS).filter(is_free).count() as f64 / RAYS as f64
-}
-
-fn between(a: Point, b: Point, s: f64) -> Point {
-    [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * s)
-}
-
-pub fn squared(a: &Point, b: &Point) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum()
-}
-
-pub fn cross(u: Point, v: Point) -> Point {
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-}
-
-fn unit(v: Point) -> Option<Point> {
-    let length = squared(&v, &[0.0; 3]).sqrt();
-    (length > 1e-12 && length.is_finite()).then(|| v.map(|x| x / length))
-}
-
-/// The normal of a triangle, of twice the length of its area.
-pub fn face([a, b, c]: [Point; 3]) -> Point {
-    cross([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]))
-}
-
-/// Points of a triangle that are at most `spacing` \[m\] apart.
-pub fn splits([a, b, c]: [Point; 3], spacing: f64) -> Vec<Point> {
-    let n = parts(a, b, spacing).max(parts(b, c, spacing)).max(parts(c, a, spacing));
-    let weight = |k: usize| k as f64 / n as f64;
-    let pairs = (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j)));
-    pairs.map(|(i, j)| [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * weight(i) + (c[k] - a[k]) * weight(j))).collect()
-}
-
-/// Parts of an edge no longer than the spacing.
-fn parts(a: Point, b: Point, spacing: f64) -> usize {
-    ((squared(&a, &b).sqrt() / spacing).ceil() as usize).clamp(1, MAX_SPLITS)
-}
-
-/// The cell of a size \[m\] that has a point.
-pub fn cell(p: &Point, size: f64) -> [i64; 3] {
-    p.map(|x| (x / size).floor() as i64)
-}
-
-/// A cell and all that are at most `most` cells from it.
-pub fn cells_around(cell: [i64; 3], most: i64) -> impl Iterator<Item = [i64; 3]> {
-    let wide = 2 * most + 1;
-    (0..wide * wide * wide).map(move |n| {
-        let step = [n % wide, n / wide % wide, n / (wide * wide)];
-        [0, 1, 2].map(|k| cell[k].saturating_add(step[k] - most))
-    })
-}
-
-/// Points by cells of a size.
-struct Cells {
-    size: f64,
-    cells: HashMap<[i64; 3], Vec<Point>>,
-}
-
-impl Cells {
-    fn new(size: f64) -> Self {
-        Cells { size, cells: HashMap::new() }
-    }
-
-    fn add(&mut self, p: Point) {
-        self.cells.entry(cell(&p, self.size)).or_default().push(p);
-    }
-
-    /// The distance to the nearest point within the size of a cell.
-    fn nearest(&self, p: &Point, counts: impl Fn(&Point) -> bool) -> Option<f64> {
-        let around = cells_around(cell(p, self.size), 1);
-        let near = around.filter_map(|cell| self.cells.get(&cell)).flatten().filter(|q| counts(q));
-        let least = near.map(|q| squared(p, q)).fold(f64::INFINITY, f64::min).sqrt();
-        (least <= self.size).then_some(least)
-    }
 }
 
 #[cfg(test)]

@@ -8,14 +8,12 @@ use std::collections::HashMap;
 
 use gimage::mesh::Mesh;
 
-use super::covered::{cell, cells_around, face, splits, squared};
+use super::space::{Point, cell, cells_around, face, on_triangle, squared};
 
 /// The surface within this radius \[m\] counts.
 const RADIUS: f64 = 0.03;
 /// Points in a cell of that size \[m\] count as one.
 const CELL: f64 = 0.012;
-
-type Point = [f64; 3];
 
 /// Means around points of space.
 pub struct Around<const N: usize>(HashMap<[i64; 3], Sum<N>>);
@@ -65,7 +63,7 @@ pub fn normals(mesh: &Mesh, of_body: impl Fn(u32) -> bool) -> Around<3> {
         if twice <= 0.0 || !twice.is_finite() {
             continue;
         }
-        let points = splits(corners, CELL);
+        let points = on_triangle(corners, CELL);
         let weight = twice / points.len() as f64;
         points.iter().for_each(|p| around.add(p, weight, normal.map(|x| x / twice)));
     }
