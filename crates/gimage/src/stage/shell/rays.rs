@@ -12,7 +12,7 @@ const RAYS: f64 = 256.0;
 /// Thickness over the side of a square with half the area of a component, below which the component is thin.
 pub(super) const THIN: f64 = 0.05;
 /// Share of the area that must have an opposite sheet; the rest is rims.
-const FACING: f64 = 0.7;
+pub(super) const FACING: f64 = 0.7;
 /// Cosine between the normals of two sheets below which they face each other.
 const OPPOSITE: f64 = -0.5;
 

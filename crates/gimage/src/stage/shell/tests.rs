@@ -116,6 +116,23 @@ fn a_tube_with_a_thickness_becomes_the_tube_between_its_walls() {
     assert!(shell.share > 0.95 && (shell.bound_area - 0.6).abs() < 0.05, "{shell:?}");
 }
 
+/// A sleeve with a share of 0.67 that faces another sheet: `ridges` around it are padded, to more than three times the median thickness.
+fn padded(ridges: f64) -> Mesh {
+    let gap = move |a: f64| 0.002 + 0.008 * (((ridges * a).cos() - 0.4) / 0.2).clamp(0.0, 1.0);
+    mesh(&[("sleeve", &thick_tube([120, 20], [120, 13], 0.1, gap))])
+}
+
+#[test]
+fn a_shell_that_would_fall_into_stripes_between_padding_is_kept_with_a_warning() {
+    let findings = stays(&padded(5.0), true);
+    assert!(findings[0].examples[0].contains("would fall apart"), "{findings:?}");
+}
+
+#[test]
+fn padding_whose_inner_sheet_would_be_loose_is_kept() {
+    stays(&padded(1.0), false);
+}
+
 #[test]
 fn pleats_of_which_no_sheet_would_be_left_are_kept() {
     // One sheet in pleats that fold back over one another: it faces itself all over, and all of it is labelled as rim.

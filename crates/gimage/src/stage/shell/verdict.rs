@@ -6,15 +6,16 @@ use gimage_bundle::DisjointSets;
 
 use super::alone::alone;
 use super::layers::Layer;
-use super::rays::quantile;
+use super::rays::{FACING, quantile};
 use super::sides::Sides;
 use super::zone::Zone;
 use crate::base::vec3::{add, distance, dot, norm, scale, sub};
 use crate::base::words::number;
 use crate::stage::component::Component;
 
-/// Smallest share of a component's area that faces another sheet. Rays ask for more, but a triangle counts as a whole: along a wide rim it may face none.
-const FACING: f64 = 0.6;
+/// Smallest share of a component's area that faces another sheet. Below [`FACING`] the rest has to be rims and padding in small places, as on a hood: the inner
+/// sheet of wide padding would stay as a loose layer.
+const LEAST_FACING: f64 = 0.6;
 /// Smallest share of the faced area whose partners lie on the other sheet.
 const AGREE: f64 = 0.95;
 /// Smallest area of a sheet over that of the other one.
@@ -31,6 +32,8 @@ const MIXED: f64 = 0.1;
 /// Smallest share of the triangles that a sheet has: a sheet and a ring of triangles along its border have about as many. Below it, a few
 /// spikes of a damaged file hold most of the area.
 const FEW: f64 = 0.05;
+/// Share of the area that stays from which a part of it is large.
+const LARGE: f64 = 0.05;
 /// Areas closer than this share do not tell the outer sheet.
 const EVEN: f64 = 0.02;
 
@@ -98,13 +101,16 @@ impl Evidence<'_> {
         };
         let shares: Vec<f64> = components.iter().map(|&c| share_of(c)).collect();
         let least = shares.iter().copied().fold(1.0, f64::min);
-        if shares.iter().all(|&s| s < FACING) {
-            return Verdict::Plain;
-        }
         let doubt = |reason: String| Verdict::Doubtful(Doubt { components: components.clone(), reason });
-        if least < FACING {
+        let partly = |enough: f64| {
+            if shares.iter().all(|&s| s < enough) {
+                return Verdict::Plain;
+            }
             let thin = shares.iter().position(|&s| s == least).map_or("", |k| self.name(components[k]));
-            return doubt(format!("the second sheet covers only {:.0} % of {thin}", 100.0 * least));
+            doubt(format!("the second sheet covers only {:.0} % of {thin}", 100.0 * least))
+        };
+        if least < LEAST_FACING {
+            return partly(LEAST_FACING);
         }
         let mut found = self.found(triangles, components.clone());
         let fewest = found.kept.len().min(found.facing.len());
@@ -117,6 +123,12 @@ impl Evidence<'_> {
         }
         let [_, _, thickest] = found.thickness;
         found.alone = alone(self.zone, self.sides, self.positions, &found.kept, &found.dropped, thickest);
+        if least < FACING && !found.alone.is_empty() {
+            return partly(FACING);
+        }
+        if self.falls_apart(&found) {
+            return doubt("without its rims its outer sheet would fall apart".into());
+        }
         found.dropped.retain(|t| found.alone.binary_search(t).is_err());
         Verdict::Shell(found)
     }
@@ -203,6 +215,20 @@ impl Evidence<'_> {
         let border = self.border(&found.kept);
         (self.mixed(&own, 5.0 * thickness) > MIXED * border)
             .then(|| "its openings run along both sheets, as those of a garment laid flat".into())
+    }
+
+    /// Whether the triangles that stay are more large parts than they were components, as stripes between padding that counts as rims.
+    fn falls_apart(&self, found: &Found) -> bool {
+        let stay: BTreeSet<u32> = found.kept.iter().chain(&found.alone).copied().collect();
+        let mut parts = DisjointSets::new(self.zone.triangles.len());
+        for [a, b] in self.sides.edges.iter().map(|e| e.triangles).filter(|e| e.iter().all(|t| stay.contains(t))) {
+            parts.union(a, b);
+        }
+        let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+        stay.iter().for_each(|&t| *areas.entry(parts.find(t)).or_default() += self.zone.area[t as usize]);
+        let least = LARGE * self.area(stay.iter());
+        let components: BTreeSet<u32> = stay.iter().map(|&t| self.zone.component[t as usize]).collect();
+        areas.values().filter(|area| **area > least).count() > components.len()
     }
 
     /// Length of the border of a sheet \[m\].
