@@ -154,15 +154,19 @@ fn code(file: &Path) -> String {
     code.split("#[cfg(test)]\nmod tests").next().unwrap_or_default().to_owned()
 }
 
+/// Files in a folder and those below.
+fn all_files(folder: &Path) -> Vec<PathBuf> {
+    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    paths.flat_map(|path| if path.is_dir() { all_files(&path) } else { vec![path] }).collect()
+}
+
 /// Programs in a folder and those below, without files of tests.
 fn files(folder: &Path) -> Vec<PathBuf> {
-    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let each = paths.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] });
     let program = |path: &PathBuf| {
         path.extension().is_some_and(|e| e == "rs" || e == "wgsl")
             && !path.file_stem().unwrap().to_str().unwrap().ends_with("tests")
     };
-    each.filter(program).collect()
+    all_files(folder).into_iter().filter(program).collect()
 }
 
 /// A way from a module to itself, if there is one.
@@ -213,16 +217,39 @@ fn every_file_of_tests_is_a_module_of_all() {
 fn tests_that_the_bare_run_leaves_out_ask_for_no_adapter() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let script = std::fs::read_to_string(root.join(".ci/run")).unwrap();
-    let list = script.split("left_out=(-- ").nth(1).and_then(|rest| rest.split(')').next()).unwrap();
-    let modules: Vec<&str> = list.split_whitespace().filter_map(|word| word.strip_suffix("::")).collect();
-    assert!(modules.len() > 5, "{modules:?}");
-    for module in modules {
-        let files = ["crates/runtime/tests", "tests/tests"].map(|f| root.join(f).join(format!("{module}.rs")));
-        let file = files.iter().find(|file| file.exists()).unwrap();
-        let text = std::fs::read_to_string(file).unwrap().to_lowercase();
-        for word in ["gpu", "adapter", "device", "rig::"] {
-            assert!(!text.contains(word), "{}: {word}: take it out of left_out in .ci/run", file.display());
+    let list = |name: &str| {
+        let list = script.split(&format!("local {name}=(")).nth(1).and_then(|rest| rest.split(')').next()).unwrap();
+        list.split_whitespace().collect::<Vec<_>>()
+    };
+    let (packages, modules) = (list("packages"), list("modules"));
+    assert!(packages.len() > 5 && modules.len() > 5, "{packages:?}, {modules:?}");
+    let lacks = |path: &Path, words: &[&str]| {
+        let text = std::fs::read_to_string(path).unwrap().to_lowercase();
+        for word in words {
+            assert!(!text.contains(word), "{}: {word}: take it out of the lists in .ci/run", path.display());
         }
+    };
+    let manifest = std::fs::read_to_string(root.join("Cargo.toml")).unwrap();
+    let members = manifest.lines().find_map(|line| line.strip_prefix("members = ")).unwrap();
+    let members = members.split('"').filter(|member| member.contains('/'));
+    let members: Vec<_> = members.map(|member| root.join(member).join("Cargo.toml")).collect();
+    for package in packages {
+        let name = format!("name = \"{package}\"");
+        let is_own = |path: &&PathBuf| std::fs::read_to_string(path).unwrap().lines().any(|line| line == name);
+        let own = members.iter().find(is_own).unwrap_or_else(|| panic!("no package {package}"));
+        lacks(own, &["wgpu", "gimage-runtime", "gimage-bench-host", "gimage-tests"]);
+    }
+    for module in modules {
+        let tests = ["crates/runtime/tests", "crates/cli/tests", "tests/tests"]
+            .map(|f| root.join(f).join(format!("{module}.rs")));
+        let tests: Vec<_> = tests.iter().filter(|file| file.exists()).collect();
+        tests.iter().for_each(|file| lacks(file, &["gpu", "adapter", "device", "rig::"]));
+        let source = root.join("crates/runtime/src");
+        let own =
+            |path: &PathBuf| path.starts_with(source.join(module)) || *path == source.join(format!("{module}.rs"));
+        let of_source: Vec<_> = all_files(&source).into_iter().filter(own).collect();
+        of_source.iter().for_each(|file| lacks(file, &["adapter", "device("]));
+        assert!(tests.len() + of_source.len() > 0, "{module}");
     }
 }
 

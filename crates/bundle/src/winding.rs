@@ -1,70 +1,115 @@
 //! Whether a point is inside of triangles that may have holes, several parts and parts within parts.
 
+mod cluster;
+
+use cluster::Cluster;
+
 /// Tangent of the half angle below which a triangle is far away, as nearly all are.
 const FAR: f64 = 0.125;
+/// Triangles that are not divided further.
+const FEW: usize = 8;
 
 type V3 = [f64; 3];
 
 /// Triangles, and how often they wind around a point.
 #[derive(Clone, Debug)]
 pub struct Winding {
+    /// Those of each node of the tree one after the other.
     corners: Vec<[V3; 3]>,
+    /// A binary tree, parents before children, the first child next to its parent.
+    nodes: Vec<Node>,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    cluster: Cluster,
+    triangles: std::ops::Range<u32>,
+    /// The node after all that are below this one.
+    next: u32,
 }
 
 impl Winding {
-    /// That of triangles given by their corners, counter-clockwise as seen from outside.
+    /// That of triangles given by their corners, counter-clockwise as seen from outside. O(n log n).
     pub fn new(corners: impl Iterator<Item = [[f64; 3]; 3]>) -> Self {
-        Winding { corners: corners.collect() }
+        let mut winding = Winding { corners: corners.collect(), nodes: Vec::new() };
+        winding.divide(0, winding.corners.len());
+        winding
+    }
+
+    /// Adds the nodes of some triangles, halved along their longest side.
+    fn divide(&mut self, first: usize, end: usize) {
+        let (own, at) = (&mut self.corners[first..end], self.nodes.len());
+        self.nodes.push(Node { cluster: Cluster::of(own), triangles: first as u32..end as u32, next: 0 });
+        if own.len() > FEW {
+            let side = |axis: usize| {
+                let of = |t: &[V3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
+                let (least, most) = own.iter().map(of).fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+                most - least
+            };
+            let axis = (0..3).max_by(|a, b| side(*a).total_cmp(&side(*b))).unwrap_or(0);
+            let key = |t: &[V3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
+            own.sort_by(|a, b| key(a).total_cmp(&key(b)));
+            let middle = first + own.len() / 2;
+            self.divide(first, middle);
+            self.divide(middle, end);
+        }
+        self.nodes[at].next = self.nodes.len() as u32;
     }
 
     /// The generalised winding number (Jacobson, Kavan and Sorkine-Hornung 2013): 1 inside a closed surface, 0 outside, between them
-    /// near holes. O(triangles).
+    /// near holes. Triangles that are far from the point count together, by their expansion to second order (Barill et al. 2018), so that it
+    /// is within 0.01 of the exact one. About O(log triangles).
     pub fn number(&self, p: [f64; 3]) -> f64 {
-        let angle = |corners: &[V3; 3]| {
-            let [a, b, c] = corners.map(|x| [x[0] - p[0], x[1] - p[1], x[2] - p[2]]);
-            let (la, lb, lc) = (dot(a, a).sqrt(), dot(b, b).sqrt(), dot(c, c).sqrt());
-            let across = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-            // Van Oosterom and Strackee 1983; its half angle.
-            let volume = dot(a, cross(b, c));
-            if volume.abs() < FAR * across { small_angle(volume / across) } else { volume.atan2(across) }
-        };
-        self.corners.iter().map(angle).sum::<f64>() / (2.0 * std::f64::consts::PI)
+        let (mut at, mut sum) = (0, 0.0);
+        while let Some(node) = self.nodes.get(at) {
+            let count = node.triangles.len();
+            if let Some(angle) = node.cluster.half_angle(p).filter(|_| count > 1) {
+                sum += angle;
+                at = node.next as usize;
+                continue;
+            }
+            if count <= FEW {
+                let own = &self.corners[node.triangles.start as usize..node.triangles.end as usize];
+                sum += own.iter().map(|t| half_angle(t, p)).sum::<f64>();
+            }
+            at += 1;
+        }
+        sum / (2.0 * std::f64::consts::PI)
     }
 }
 
+/// Half of the solid angle of a triangle (Van Oosterom and Strackee 1983).
+#[inline(always)]
+fn half_angle([a, b, c]: &[V3; 3], p: V3) -> f64 {
+    let (a, b, c) = (sub(*a, p), sub(*b, p), sub(*c, p));
+    let (la, lb, lc) = (dot(a, a).sqrt(), dot(b, b).sqrt(), dot(c, c).sqrt());
+    let across = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+    let volume = dot(a, cross(b, c));
+    if volume.abs() < FAR * across { small_angle(volume / across) } else { volume.atan2(across) }
+}
+
 /// The arc tangent of a number below [`FAR`], to 1e-11.
+#[inline(always)]
 fn small_angle(x: f64) -> f64 {
     let s = x * x;
     x * (1.0 - s * (1.0 / 3.0 - s * (0.2 - s * (1.0 / 7.0 - s / 9.0))))
 }
 
+#[inline(always)]
+fn sub(a: V3, b: V3) -> V3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
 fn dot(a: V3, b: V3) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+#[inline(always)]
 fn cross(a: V3, b: V3) -> V3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn small_angles_are_those_of_the_arc_tangent() {
-        for k in -1000..=1000 {
-            let x = FAR * f64::from(k) / 1000.0;
-            assert!((small_angle(x) - x.atan()).abs() < 1.1e-11, "{x}");
-        }
-    }
-
-    #[test]
-    fn a_tetrahedron_winds_once_around_its_middle_and_not_around_points_outside() {
-        let at = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-        let winding = Winding::new(faces.into_iter().map(|f: [usize; 3]| f.map(|v| at[v])));
-        assert!((winding.number([0.2, 0.2, 0.2]) - 1.0).abs() < 1e-9);
-        assert!(winding.number([0.5, 0.5, 0.5]).abs() < 1e-9);
-        assert!(winding.number([-3.0, 7.0, 1.0]).abs() < 1e-9);
-    }
-}
+#[path = "winding/tests.rs"]
+mod tests;
